@@ -1,0 +1,66 @@
+# How a folder of the house becomes a target, and the one place where compiler flags are set.
+
+add_library(infuse_flags INTERFACE)
+add_library(infuse::flags ALIAS infuse_flags)
+target_include_directories(infuse_flags INTERFACE ${PROJECT_SOURCE_DIR})
+# -ffp-contract=off: a fused multiply-add rounds once where two instructions round twice, so a replay
+# would give other bytes on a processor that has it. -fno-math-errno: nobody reads errno after sqrt.
+target_compile_options(infuse_flags INTERFACE
+  -Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off -fno-math-errno)
+if(INFUSE_SANITIZE)
+  # g++ 12 warns falsely about its own library when sanitizers change the inlining.
+  target_compile_options(infuse_flags INTERFACE -fsanitize=${INFUSE_SANITIZE}
+    -fno-sanitize-recover=all -fno-omit-frame-pointer
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-tsan -Wno-stringop-overflow -Wno-array-bounds>)
+  target_link_options(infuse_flags INTERFACE -fsanitize=${INFUSE_SANITIZE})
+endif()
+
+# infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder, as infuse::drivers_velodyne.
+function(infuse_library folder)
+  string(REPLACE "/" "_" name ${folder})
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  add_library(infuse_${name} STATIC ${sources})
+  add_library(infuse::${name} ALIAS infuse_${name})
+  target_link_libraries(infuse_${name} PUBLIC infuse::flags ${ARGN})
+endfunction()
+
+# infuse_program(infused daemon/infused.cpp DEPENDENCY...): one program in build/bin.
+function(infuse_program name source)
+  add_executable(${name} ${source})
+  target_link_libraries(${name} PRIVATE infuse::flags ${ARGN})
+  install(TARGETS ${name} RUNTIME)
+endfunction()
+
+# infuse_test(tests/drivers/velodyne [THREADED] DEPENDENCY...): all *_test.cpp of the folder, as one
+# program. THREADED: it shares memory between threads, so the thread sanitizer runs it too.
+add_custom_target(threaded_tests)
+function(infuse_test folder)
+  cmake_parse_arguments(ARG "THREADED" "" "" ${ARGN})
+  string(REPLACE "/" "_" name ${folder})
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*_test.cpp)
+  add_executable(${name} ${sources})
+  target_link_libraries(${name} PRIVATE infuse::flags GTest::gtest_main GTest::gmock ${ARG_UNPARSED_ARGUMENTS})
+  set(labels "")
+  if(ARG_THREADED)
+    set(labels LABELS threaded)
+    add_dependencies(threaded_tests ${name})
+  endif()
+  gtest_discover_tests(${name} TEST_PREFIX ${folder}/ DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT 600 ${labels} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+endfunction()
+
+# infuse_bench(tests/bench/decode_bench.cpp DEPENDENCY...): a Google Benchmark program in build/bin.
+function(infuse_bench source)
+  get_filename_component(name ${source} NAME_WE)
+  add_executable(${name} ${source})
+  target_link_libraries(${name} PRIVATE infuse::flags benchmark::benchmark_main ${ARGN})
+endfunction()
+
+# infuse_fuzzer(tests/fuzz/decoder_fuzz.cpp DEPENDENCY...): a libFuzzer program.
+function(infuse_fuzzer source)
+  get_filename_component(name ${source} NAME_WE)
+  add_executable(${name} ${source})
+  target_compile_options(${name} PRIVATE -fsanitize=fuzzer)
+  target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+  target_link_libraries(${name} PRIVATE infuse::flags ${ARGN})
+endfunction()

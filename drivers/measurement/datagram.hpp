@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "drivers/measurement/stamp.hpp"
+
+namespace infuse {
+
+/// One UDP datagram as it was received, live or from a recording. The payload belongs to whoever
+/// handed it out and is valid until that one is asked for the next.
+struct Datagram {
+  Stamp stamp;          ///< host receive time
+  uint32_t sender = 0;  ///< IPv4 address, host byte order
+  uint16_t sender_port = 0;
+  uint16_t destination_port = 0;
+  std::span<const uint8_t> payload;
+};
+
+}  // namespace infuse

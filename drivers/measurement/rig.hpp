@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/measurement/stamp.hpp"
+
+namespace infuse {
+
+/// How a camera maps directions to pixels.
+struct CameraIntrinsics {
+  enum class Model {
+    kPinhole,  ///< distortion (k1, k2, p1, p2, k3): Brown–Conrady, as OpenCV's calib3d
+    kFisheye,  ///< distortion (k1, k2, k3, k4): Kannala–Brandt, as OpenCV's cv::fisheye
+  };
+  Model model = Model::kPinhole;
+  int width = 0;          ///< pixels
+  int height = 0;         ///< pixels
+  double fx = 0, fy = 0;  ///< focal lengths, pixels
+  double cx = 0, cy = 0;  ///< principal point, pixels; the centre of the top left pixel is (0, 0)
+  std::array<double, 5> distortion{};
+
+  /// What is wrong with the numbers, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// A camera as it is mounted.
+struct CameraMount {
+  std::string name;
+  CameraIntrinsics intrinsics;
+  std::string lidar;  ///< name of the lidar that the extrinsics refer to
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+  Duration stamp_delay{0};  ///< stamp minus middle of the exposure; subtracted on reading
+};
+
+/// A lidar as it is mounted.
+struct LidarMount {
+  std::string name;
+  std::string model;  ///< as drivers/velodyne names it ("HDL-32E"); empty for decoded sweeps
+  Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
+};
+
+/// Where the sensors of a vehicle are. Names are unique within each list.
+struct Rig {
+  std::vector<LidarMount> lidars;
+  std::vector<CameraMount> cameras;
+
+  /// What is wrong: two sensors of one name, a camera that refers to no lidar, a transform that is
+  /// not rigid.
+  std::optional<std::string> invalid() const;
+
+  /// Null where there is none of that name.
+  const LidarMount* find_lidar(const std::string& name) const;
+  const CameraMount* find_camera(const std::string& name) const;
+};
+
+}  // namespace infuse

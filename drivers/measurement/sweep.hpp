@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include "drivers/measurement/stamp.hpp"
+
+namespace infuse {
+
+/// Which of the echoes of one laser pulse a return is.
+enum class ReturnKind : uint8_t {
+  kStrongest = 0,
+  kLast = 1,
+  kBoth = 2,  ///< dual-return mode, and the strongest echo was also the last
+};
+
+/// How a device's clock relates to infuse's, and whether it can be trusted.
+/// Plain data: it travels with every sweep.
+struct ClockState {
+  enum class Source : uint8_t {
+    kNone,     ///< the data has no device clock (KITTI); stamps are the host's or made up
+    kHost,     ///< stamps are host receive times; the device clock is not used
+    kPowerUp,  ///< the device counts from power-up; mapped by the lower envelope of its transport
+               ///< delay
+    kHour,  ///< the device counts from the top of the hour (UTC), plausible against the host's hour
+  };
+  Source source = Source::kNone;
+  bool trusted = false;
+  Duration offset{0};       ///< host time minus device time
+  double skew_ppm = 0;      ///< device clock's rate error against the host's, parts per million
+  Duration jitter{0};       ///< spread of the transport delay above its lower envelope
+  const char* reason = "";  ///< static text: why it is not trusted; empty when it is
+};
+
+/// Allocator whose default construction leaves memory as it is: growing an array that is about to
+/// be overwritten costs nothing. Aligned to a cache line, for the vector units.
+template <class T>
+struct UninitializedAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{64};
+  UninitializedAllocator() = default;
+  template <class U>
+  UninitializedAllocator(const UninitializedAllocator<U>&) {}
+  T* allocate(size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kAlignment)); }
+  void deallocate(T* p, size_t) { ::operator delete(p, kAlignment); }
+  template <class U>
+  void construct(U* p) {
+    ::new (static_cast<void*>(p)) U;
+  }
+  template <class U, class... Args>
+  void construct(U* p, Args&&... args) {
+    ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
+  }
+  bool operator==(const UninitializedAllocator&) const { return true; }
+};
+
+/// One quantity of a sweep, an entry a return.
+template <class T>
+using Channel = std::vector<T, UninitializedAllocator<T>>;
+
+/// A stretch of a turn from which nothing arrived. Azimuths in radians, lidar frame
+/// (counter-clockwise from x), in the direction of rotation.
+struct AzimuthGap {
+  double from = 0;
+  double to = 0;
+};
+
+/// One turn of a lidar (or the part of it that the sensor was told to look at): a structure of
+/// arrays, all of length `size()`, an entry a return, in order of firing. Directions without a
+/// return have no entry; `ring` and `column` say where an entry's neighbours are.
+///
+/// Coordinates are in the lidar frame *at the moment of each return*: nothing is corrected for
+/// motion.
+struct Sweep {
+  Stamp stamp;                   ///< first firing
+  Duration span{0};              ///< from the first firing to the last
+  uint16_t rings = 0;            ///< beams of the sensor
+  uint32_t columns = 0;          ///< firings in this sweep: columns are 0 … columns − 1
+  bool has_times = true;         ///< false where the source has no per-return time (KITTI)
+  ClockState clock;              ///< of the device, when the sweep ended
+  uint32_t lost_packets = 0;     ///< data packets missing inside this sweep
+  uint64_t sequence = 0;         ///< counts the sweeps of a sensor from 0
+  std::vector<AzimuthGap> gaps;  ///< wider than twice the step of a firing; none in a whole turn
+
+  Channel<float> x, y, z;       ///< m, lidar frame
+  Channel<float> range;         ///< m, along the beam
+  Channel<float> reflectivity;  ///< 0 … 1 as the sensor states it, calibrated diffuse range; not a
+                                ///< physical unit
+  Channel<uint16_t> ring;           ///< beam, counted by elevation from below
+  Channel<uint16_t> column;         ///< firing, counted from the sweep's first
+  Channel<int32_t> time_offset_ns;  ///< after `stamp`
+  Channel<ReturnKind> return_kind;
+
+  /// Returns in the sweep.
+  size_t size() const { return x.size(); }
+
+  /// Sets the length of every array. New entries are not initialised.
+  void resize(size_t returns);
+
+  /// Makes room for `returns` so that a later `resize` up to it allocates nothing.
+  void reserve(size_t returns);
+
+  /// Empties the sweep and keeps its memory.
+  void clear();
+};
+
+}  // namespace infuse
