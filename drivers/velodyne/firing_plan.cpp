@@ -6,7 +6,7 @@
 namespace infuse::velodyne {
 namespace {
 
-constexpr int kMaxBackward = 100;                // 0.01°
+constexpr int kMaxBackward = 100;                  // 0.01°
 constexpr int64_t kLongestJumpNs = 1'000'000'000;  // a turn at one a second
 
 /// Sets the times of what follows the last jump so that the following packet comes right after.

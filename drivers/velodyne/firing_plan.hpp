@@ -12,7 +12,7 @@ namespace infuse::velodyne {
 struct PlannedSequence {
   uint16_t azimuth = 0;  ///< 0.01°, when it started
   uint16_t step = 0;     ///< 0.01°, turned until the next sequence started
-  int32_t advance = 0;   ///< 0.01°, turned since the sequence before started; 0 for a packet's first
+  int32_t advance = 0;  ///< 0.01°, turned since the sequence before started; 0 for a packet's first
   bool after_jump = false;  ///< the sensor has looked at nothing since the sequence before
   int64_t time_ns = 0;      ///< start, after the packet's counter
 };

@@ -33,9 +33,9 @@ class SweepCutter {
   int cut_azimuth_;
   bool started_ = false;
   bool partial_turn_ = false;
-  int azimuth_ = 0;              ///< of the last sequence
-  int64_t to_cut_ = 0;           ///< 0.01° until the cut azimuth comes again
-  int64_t since_jump_ = 0;       ///< 0.01° turned since the last jump
+  int azimuth_ = 0;                  ///< of the last sequence
+  int64_t to_cut_ = 0;               ///< 0.01° until the cut azimuth comes again
+  int64_t since_jump_ = 0;           ///< 0.01° turned since the last jump
   int jump_from_ = 0, jump_to_ = 0;  ///< 0.01°
 };
 

@@ -49,9 +49,12 @@ class AzimuthTable {
 
 EchoKinds echo_kinds(const ModelInfo& info, ReturnMode mode) {
   switch (mode) {
-    case ReturnMode::kStrongest: return {ReturnKind::kStrongest, ReturnKind::kLast};
-    case ReturnMode::kLast: return {ReturnKind::kLast, ReturnKind::kStrongest};
-    case ReturnMode::kDual: break;
+    case ReturnMode::kStrongest:
+      return {ReturnKind::kStrongest, ReturnKind::kLast};
+    case ReturnMode::kLast:
+      return {ReturnKind::kLast, ReturnKind::kStrongest};
+    case ReturnMode::kDual:
+      break;
   }
   return info.calibrated_per_unit ? EchoKinds{ReturnKind::kStrongest, ReturnKind::kLast}
                                   : EchoKinds{ReturnKind::kLast, ReturnKind::kStrongest};

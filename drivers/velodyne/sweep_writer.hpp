@@ -50,7 +50,7 @@ class SweepWriter {
 
   ReturnKernel kernel_;
   Sweep* sweep_ = nullptr;
-  size_t size_ = 0;            ///< returns so far
+  size_t size_ = 0;  ///< returns so far
   int64_t first_device_ns_ = 0;
   int64_t last_firing_ns_ = 0;  ///< after the first
   int first_azimuth_ = 0;       ///< 0.01°
