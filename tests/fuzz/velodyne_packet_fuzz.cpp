@@ -1,0 +1,31 @@
+// Data packets of every model: the first byte chooses it, then come packets of 1206 bytes and a
+// shorter one at the end.
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include "drivers/velodyne/sweep_assembler.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace infuse;
+  using namespace infuse::velodyne;
+  if (size == 0) return 0;
+  SweepAssembler assembler({.model = models()[data[0] % models().size()].model,
+                            .cut_azimuth = static_cast<double>(data[0])});
+  Sweep sweep;
+  std::span<const uint8_t> rest(data + 1, size - 1);
+  Stamp stamp = Stamp::from_ns(1'700'000'000'000'000'000);
+  while (!rest.empty()) {
+    const auto payload = rest.first(std::min(rest.size(), kPacketSize));
+    assembler.push({stamp, 1, 2368, 2368, payload});
+    while (assembler.pull(sweep)) {
+    }
+    stamp += Duration(500'000);
+    rest = rest.subspan(payload.size());
+  }
+  assembler.finish();
+  while (assembler.pull(sweep)) {
+  }
+  return 0;
+}
