@@ -5,11 +5,9 @@
 #include <vector>
 
 #include "fusion/dependence/joint_histogram.hpp"
+#include "fusion/dependence/spline_kernels.hpp"
 
 namespace infuse::dependence {
-
-/// Four floats that live in one vector register.
-using Float4 = float __attribute__((vector_size(16)));
 
 /// The cubic B-spline window of a joint histogram, made fast: the fixed side's four weights a
 /// sample are computed once, and the sixteen products of a sample go to one aligned block of 64
@@ -22,8 +20,9 @@ class SplineTile {
   /// @param fixed    finite x samples
   /// @param weights  empty or one a sample
   /// @param options  valid, with at least 4 bins a side
+  /// @param simd     an instruction set that the processor has; the answers do not depend on it
   SplineTile(std::span<const float> fixed, std::span<const float> weights,
-             const JointHistogramOptions& options);
+             const JointHistogramOptions& options, Simd simd = best_simd());
 
   /// Adds all samples to `histogram`, whose `mass` is shaped and zero, and completes it.
   void accumulate(std::span<const float> moving, JointHistogram& histogram);
@@ -35,6 +34,9 @@ class SplineTile {
  private:
   void fold(JointHistogram& histogram);
 
+  SplineAxis axis() const;
+
+  const SplineKernels* kernels_ = nullptr;
   /// Weights of the fixed side, the sample's own weight in them.
   std::vector<Float4> weights_;
   std::vector<int32_t> first_block_;  ///< of the sample's row of blocks
