@@ -1,59 +1,87 @@
 #include "fusion/dependence/spline_kernels.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <cstring>
 
 #include "fusion/dependence/joint_histogram.hpp"
 
 namespace infuse::dependence {
 namespace {
 
-#define INFUSE_INLINE [[gnu::always_inline]] inline
+constexpr size_t kLanes = 4;
+using Int4 = int32_t __attribute__((vector_size(16)));
 
-INFUSE_INLINE Float4 broadcast(float value) { return Float4{value, value, value, value}; }
+Float4 broadcast(float value) { return Float4{value, value, value, value}; }
 
-INFUSE_INLINE Float4 weights_at(float f) {
+/// Derivatives of the weights with respect to f; they sum to 0.
+Float4 slopes_at(float f) {
+  constexpr Float4 c2 = {-0.5F, 1.5F, -1.5F, 0.5F}, c1 = {1, -2, 1, 0}, c0 = {-0.5F, 0, 0.5F, 0};
+  const Float4 u = broadcast(f);
+  return (c2 * u + c1) * u + c0;
+}
+
+}  // namespace
+
+Float4 spline_weights(float f) {
   constexpr Float4 c3 = {-1.0F / 6, 0.5F, -0.5F, 1.0F / 6}, c2 = {0.5F, -1, 0.5F, 0},
                    c1 = {-0.5F, 0, 0.5F, 0}, c0 = {1.0F / 6, 4.0F / 6, 1.0F / 6, 0};
   const Float4 u = broadcast(f);
   return ((c3 * u + c2) * u + c1) * u + c0;
 }
 
-/// Derivatives of the weights with respect to f; they sum to 0.
-INFUSE_INLINE Float4 slopes_at(float f) {
-  constexpr Float4 c2 = {-0.5F, 1.5F, -1.5F, 0.5F}, c1 = {1, -2, 1, 0}, c0 = {-0.5F, 0, 0.5F, 0};
-  const Float4 u = broadcast(f);
-  return (c2 * u + c1) * u + c0;
-}
-
-INFUSE_INLINE SplineSeen locate(const float* moving, const int32_t* first_block, size_t count,
-                                const SplineAxis& axis, SplineChunk& chunk) {
-  const SplineAxis a = axis;
-  const auto last = static_cast<int32_t>(a.intervals) - 1;
+SplineSeen locate_samples(const float* moving, const int32_t* first_block, size_t count,
+                          const SplineAxis& axis, SplineChunk& chunk) {
+  static_assert(kSplineChunk % kLanes == 0);
+  const int32_t last = static_cast<int32_t>(axis.intervals) - 1;
+  const Float4 low = Float4{} + axis.low, scale = Float4{} + axis.scale,
+               intervals = Float4{} + axis.intervals;
+  const Int4 absent_block = Int4{} + axis.absent_block;
+  Int4 bad{}, present{}, greatest = Int4{} - 1;
+  Int4 least = Int4{} + std::numeric_limits<int32_t>::max();
+  for (size_t i = 0; i < count; i += kLanes) {
+    Float4 y = Float4{} + kAbsent;  // so that lanes beyond the end take no part
+    Int4 first{};
+    const size_t lanes = std::min(kLanes, count - i);
+    if (lanes == kLanes) [[likely]] {
+      std::memcpy(&y, moving + i, sizeof y);
+      std::memcpy(&first, first_block + i, sizeof first);
+    } else {
+      std::memcpy(&y, moving + i, lanes * sizeof(float));
+      std::memcpy(&first, first_block + i, lanes * sizeof(int32_t));
+    }
+    const Int4 absent = y == kAbsent;  // −1 where true
+    const Float4 t = (y - low) * scale;
+    Float4 place = t > 0 ? t : Float4{};  // takes NaN to 0
+    place = place < intervals ? place : intervals;
+    Int4 interval = __builtin_convertvector(place, Int4);
+    interval = interval < last ? interval : Int4{} + last;
+    const Float4 fraction = place - __builtin_convertvector(interval, Float4);
+    const Float4 inside = t == place ? Float4{} + 1 : Float4{};
+    const Int4 block = absent ? absent_block : first + interval;
+    std::memcpy(chunk.fraction + i, &fraction, sizeof fraction);
+    std::memcpy(chunk.inside + i, &inside, sizeof inside);
+    std::memcpy(chunk.block + i, &block, sizeof block);
+    bad -= ~(y > -kAbsent);
+    present -= ~absent;
+    Int4 bits;
+    std::memcpy(&bits, &place, sizeof bits);
+    const Int4 lesser = ~absent & (bits < least), greater = ~absent & (bits > greatest);
+    least = lesser ? bits : least;
+    greatest = greater ? bits : greatest;
+  }
   SplineSeen seen;
-  for (size_t i = 0; i < count; ++i) {
-    const float y = moving[i];
-    const bool absent = y == kAbsent;
-    const float t = (y - a.low) * a.scale;
-    float place = t > 0 ? t : 0;  // takes NaN to 0
-    place = place < a.intervals ? place : a.intervals;
-    const int32_t interval = std::min(static_cast<int32_t>(place), last);
-    chunk.fraction[i] = place - static_cast<float>(interval);
-    chunk.inside[i] = t == place ? 1.0F : 0.0F;
-    chunk.block[i] = absent ? a.absent_block : first_block[i] + interval;
-    seen.bad += static_cast<int32_t>(!(y > -kAbsent));
-    seen.present += static_cast<int32_t>(!absent);
-    const auto bits = std::bit_cast<int32_t>(place);
-    seen.least = std::min(seen.least, absent ? seen.least : bits);
-    seen.greatest = std::max(seen.greatest, absent ? seen.greatest : bits);
+  for (size_t lane = 0; lane < kLanes; ++lane) {
+    seen.bad += bad[lane];
+    seen.present += present[lane];
+    seen.least = std::min(seen.least, least[lane]);
+    seen.greatest = std::max(seen.greatest, greatest[lane]);
   }
   return seen;
 }
 
-INFUSE_INLINE void add(const SplineChunk& chunk, const Float4* weights, size_t count,
-                       Float4* blocks) {
+void add_to_blocks(const SplineChunk& chunk, const Float4* weights, size_t count, Float4* blocks) {
   for (size_t i = 0; i < count; ++i) {
-    const Float4 x = weights[i], y = weights_at(chunk.fraction[i]);
+    const Float4 x = weights[i], y = spline_weights(chunk.fraction[i]);
     Float4* block = blocks + 4 * static_cast<size_t>(chunk.block[i]);
     block[0] += broadcast(x[0]) * y;
     block[1] += broadcast(x[1]) * y;
@@ -62,8 +90,8 @@ INFUSE_INLINE void add(const SplineChunk& chunk, const Float4* weights, size_t c
   }
 }
 
-INFUSE_INLINE void differentiate(const SplineChunk& chunk, const Float4* weights, size_t count,
-                                 const Float4* blocks, float factor, float* gradient) {
+void differentiate_blocks(const SplineChunk& chunk, const Float4* weights, size_t count,
+                          const Float4* blocks, float factor, float* gradient) {
   for (size_t i = 0; i < count; ++i) {
     const Float4 x = weights[i];
     const Float4* block = blocks + 4 * static_cast<size_t>(chunk.block[i]);
@@ -73,46 +101,5 @@ INFUSE_INLINE void differentiate(const SplineChunk& chunk, const Float4* weights
     gradient[i] = ((terms[0] + terms[2]) + (terms[1] + terms[3])) * (chunk.inside[i] * factor);
   }
 }
-
-#define INFUSE_VARIANT(NAME, ATTRIBUTE)                                                       \
-  ATTRIBUTE SplineSeen locate_##NAME(const float* moving, const int32_t* first, size_t count, \
-                                     const SplineAxis& axis, SplineChunk& chunk) {            \
-    return locate(moving, first, count, axis, chunk);                                         \
-  }                                                                                           \
-  ATTRIBUTE void add_##NAME(const SplineChunk& chunk, const Float4* weights, size_t count,    \
-                            Float4* blocks) {                                                 \
-    add(chunk, weights, count, blocks);                                                       \
-  }                                                                                           \
-  ATTRIBUTE void differentiate_##NAME(const SplineChunk& chunk, const Float4* weights,        \
-                                      size_t count, const Float4* blocks, float factor,       \
-                                      float* gradient) {                                      \
-    differentiate(chunk, weights, count, blocks, factor, gradient);                           \
-  }                                                                                           \
-  constexpr SplineKernels kKernels_##NAME = {locate_##NAME, add_##NAME, differentiate_##NAME};
-
-INFUSE_VARIANT(baseline, )
-INFUSE_VARIANT(avx2, [[gnu::target("avx2")]])
-INFUSE_VARIANT(avx512, [[gnu::target("arch=x86-64-v4")]])
-
-}  // namespace
-
-Simd best_simd() {
-  if (__builtin_cpu_supports("x86-64-v4")) return Simd::kAvx512;
-  return __builtin_cpu_supports("avx2") ? Simd::kAvx2 : Simd::kBaseline;
-}
-
-const SplineKernels& spline_kernels(Simd simd) {
-  switch (simd) {
-    case Simd::kAvx512:
-      return kKernels_avx512;
-    case Simd::kAvx2:
-      return kKernels_avx2;
-    case Simd::kBaseline:
-      break;
-  }
-  return kKernels_baseline;
-}
-
-Float4 spline_weights(float f) { return weights_at(f); }
 
 }  // namespace infuse::dependence

@@ -6,6 +6,10 @@
 
 namespace infuse::dependence {
 
+/// The inner loops of a `SplineTile`. They are written for registers of four floats, which every
+/// x86-64 and every 64-bit ARM has, so that one code gives the same bytes on all of them; wider
+/// registers were measured and gain a tenth.
+
 /// Four floats that live in one vector register.
 using Float4 = float __attribute__((vector_size(16)));
 
@@ -33,27 +37,16 @@ struct SplineSeen {
   int32_t least = std::numeric_limits<int32_t>::max(), greatest = -1;
 };
 
-/// The inner loops of a `SplineTile`, compiled for one instruction set. All sets give the same
-/// bytes: the width of the sums is fixed, and no multiply-add is fused.
-struct SplineKernels {
-  /// Bins `count` moving samples.
-  SplineSeen (*locate)(const float* moving, const int32_t* first_block, size_t count,
-                       const SplineAxis& axis, SplineChunk& chunk);
-  /// Adds each sample's 4 × 4 products to its block of four rows.
-  void (*add)(const SplineChunk& chunk, const Float4* weights, size_t count, Float4* blocks);
-  /// gradient_i = factor · Σ weights_k slopes_l block_kl.
-  void (*differentiate)(const SplineChunk& chunk, const Float4* weights, size_t count,
-                        const Float4* blocks, float factor, float* gradient);
-};
+/// Bins `count` moving samples; `first_block` is where each one's row of blocks begins.
+SplineSeen locate_samples(const float* moving, const int32_t* first_block, size_t count,
+                          const SplineAxis& axis, SplineChunk& chunk);
 
-/// The instruction sets there is a variant for.
-enum class Simd { kBaseline, kAvx2, kAvx512 };
+/// Adds each sample's 4 × 4 products to its block of four rows.
+void add_to_blocks(const SplineChunk& chunk, const Float4* weights, size_t count, Float4* blocks);
 
-/// The best that this processor has.
-Simd best_simd();
-
-/// Undefined for a set that the processor lacks.
-const SplineKernels& spline_kernels(Simd simd);
+/// gradient_i = factor · Σ weights_k slopes_l block_kl.
+void differentiate_blocks(const SplineChunk& chunk, const Float4* weights, size_t count,
+                          const Float4* blocks, float factor, float* gradient);
 
 /// The four cubic B-spline weights at the fraction f of a knot interval; they sum to 1.
 Float4 spline_weights(float f);

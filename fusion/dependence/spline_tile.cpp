@@ -10,9 +10,8 @@ constexpr size_t kChunksPerFold = 8;  // float sums of at most 8192 samples
 }  // namespace
 
 SplineTile::SplineTile(std::span<const float> fixed, std::span<const float> weights,
-                       const JointHistogramOptions& options, Simd simd)
-    : kernels_(&spline_kernels(simd)),
-      weights_(fixed.size()),
+                       const JointHistogramOptions& options)
+    : weights_(fixed.size()),
       first_block_(fixed.size()),
       intervals_x_(options.x.bins - 3),
       intervals_y_(options.y.bins - 3),
@@ -46,7 +45,7 @@ void SplineTile::accumulate(std::span<const float> moving, JointHistogram& histo
   for (size_t begin = 0; begin < moving.size(); begin += kSplineChunk) {
     const size_t count = std::min(kSplineChunk, moving.size() - begin);
     const SplineSeen seen =
-        kernels_->locate(moving.data() + begin, first_block_.data() + begin, count, axis(), chunk);
+        locate_samples(moving.data() + begin, first_block_.data() + begin, count, axis(), chunk);
     if (seen.bad) {
       histogram.reason = "a sample is not a number";
       return;
@@ -54,7 +53,7 @@ void SplineTile::accumulate(std::span<const float> moving, JointHistogram& histo
     all.least = std::min(all.least, seen.least);
     all.greatest = std::max(all.greatest, seen.greatest);
     histogram.samples += seen.present;
-    kernels_->add(chunk, weights_.data() + begin, count, blocks_.data());
+    add_to_blocks(chunk, weights_.data() + begin, count, blocks_.data());
     if (++chunks % kChunksPerFold == 0) fold(histogram);
   }
   fold(histogram);
@@ -99,9 +98,9 @@ void SplineTile::differentiate(std::span<const double> table, double scale,
   SplineChunk chunk;
   for (size_t begin = 0; begin < moving.size(); begin += kSplineChunk) {
     const size_t count = std::min(kSplineChunk, moving.size() - begin);
-    kernels_->locate(moving.data() + begin, first_block_.data() + begin, count, axis(), chunk);
-    kernels_->differentiate(chunk, weights_.data() + begin, count, blocks_.data(), factor,
-                            gradient.data() + begin);
+    locate_samples(moving.data() + begin, first_block_.data() + begin, count, axis(), chunk);
+    differentiate_blocks(chunk, weights_.data() + begin, count, blocks_.data(), factor,
+                         gradient.data() + begin);
   }
 }
 

@@ -20,9 +20,8 @@ class SplineTile {
   /// @param fixed    finite x samples
   /// @param weights  empty or one a sample
   /// @param options  valid, with at least 4 bins a side
-  /// @param simd     an instruction set that the processor has; the answers do not depend on it
   SplineTile(std::span<const float> fixed, std::span<const float> weights,
-             const JointHistogramOptions& options, Simd simd = best_simd());
+             const JointHistogramOptions& options);
 
   /// Adds all samples to `histogram`, whose `mass` is shaped and zero, and completes it.
   void accumulate(std::span<const float> moving, JointHistogram& histogram);
@@ -36,7 +35,6 @@ class SplineTile {
 
   SplineAxis axis() const;
 
-  const SplineKernels* kernels_ = nullptr;
   /// Weights of the fixed side, the sample's own weight in them.
   std::vector<Float4> weights_;
   std::vector<int32_t> first_block_;  ///< of the sample's row of blocks
