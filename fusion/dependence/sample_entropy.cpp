@@ -50,8 +50,8 @@ Estimate entropy_spacing(std::span<const double> samples, const SpacingOptions& 
     if (!std::isfinite(x)) return {0, "a sample is not finite"};
   }
   const auto n = static_cast<int>(samples.size());
-  const int root = std::min(static_cast<int>(std::lround(std::sqrt(n))), (n - 1) / 2);
-  const int m = options.m == 0 ? root : options.m;
+  const int usual = std::min(static_cast<int>(std::lround(std::cbrt(n))), (n - 1) / 2);
+  const int m = options.m == 0 ? usual : options.m;
   if (m < 1 || 2 * m >= n) return {0, "the spacing m is not in 1 ... n/2"};
 
   std::vector<double> sorted(samples.begin(), samples.end());

@@ -15,7 +15,7 @@ namespace infuse::dependence {
 
 /// What m-spacing assumes.
 struct SpacingOptions {
-  int m = 0;                 ///< spacing in order statistics, below n/2; 0: the root of n, rounded
+  int m = 0;                 ///< spacing in order statistics, below n/2; 0: cube root of n, rounded
   bool correct_bias = true;  ///< subtract the bias that P(2.20) has on a uniform density, exactly
 };
 
