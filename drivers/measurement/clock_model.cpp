@@ -126,9 +126,11 @@ void ClockModel::restart(Stamp device, Duration offset) {
 
 bool ClockModel::suspect(Duration device, Stamp host) {
   const Duration known = suspects_.count > 0 ? suspects_.offset : offset_at(last_device_);
-  const Duration offset = host - unwrap(device, host - known);
-  const bool agrees = suspects_.count > 0 && host >= suspects_.since &&
-                      std::chrono::abs(offset - suspects_.offset) <= options_.jump_threshold;
+  const Stamp unwrapped = unwrap(device, host - known);
+  const Duration offset = host - unwrapped;
+  const bool agrees =
+      suspects_.count > 0 && host >= suspects_.since &&
+      distance_between(host, unwrapped + suspects_.offset) <= options_.jump_threshold;
   if (!agrees) suspects_ = Suspects{.count = 0, .since = host, .offset = offset};
   ++suspects_.count;
   suspects_.offset = std::min(suspects_.offset, offset);

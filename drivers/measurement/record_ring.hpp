@@ -102,37 +102,15 @@ class RecordRing {
 
 /// Takes the records of a ring in order; for one thread. The ring must outlive it.
 template <StampedRecord T>
-class RecordRing<T>::Reader {
+class RecordRing<T>::Reader : public RingReader {
  public:
-  explicit Reader(RecordRing& ring) : ring_(&ring), id_(ring.core_.add_reader()) {}
-  Reader(Reader&& other) noexcept : ring_(std::exchange(other.ring_, nullptr)), id_(other.id_) {}
-  Reader& operator=(Reader&& other) noexcept {
-    std::swap(ring_, other.ring_);
-    std::swap(id_, other.id_);
-    return *this;
-  }
-  ~Reader() {
-    if (ring_ != nullptr) ring_->core_.remove_reader(id_);
-  }
+  explicit Reader(RecordRing& ring) : RingReader(ring.core_), ring_(&ring) {}
 
   /// The oldest record that was not read and is still held; none where everything was read.
   std::optional<T> next();
 
-  /// Sleeps until `next` has something. False where the time is over, or the ring is closed and
-  /// everything was read.
-  bool wait(Duration timeout = Signal::kForever) {
-    return ring_->core_.wait_for_entry(id_, timeout);
-  }
-
-  /// Records that were overwritten before this reader came to them. Grows in `next`.
-  uint64_t lost() const { return ring_->core_.lost(id_); }
-
-  /// Records pushed that this reader has not passed yet.
-  uint64_t behind() const { return ring_->published() - ring_->core_.cursor(id_); }
-
  private:
   RecordRing* ring_;
-  size_t id_;
 };
 
 // --- implementation ---
@@ -242,20 +220,19 @@ IntervalResult RecordRing<T>::interval(Stamp from, Stamp to, std::span<T> out) c
 
 template <StampedRecord T>
 std::optional<T> RecordRing<T>::Reader::next() {
-  RingCore& core = ring_->core_;
-  uint64_t position = core.cursor(id_);
+  uint64_t position = cursor();
   uint64_t lost = 0;
   T record;
-  while (position < core.published()) {
+  while (position < ring_->published()) {
     if (ring_->read(position, record)) {
-      core.advance(id_, position + 1, lost);
+      advance(position + 1, lost);
       return record;
     }
     const uint64_t oldest = ring_->oldest();
     lost += oldest - position;
     position = oldest;
   }
-  if (lost > 0) core.advance(id_, position, lost);
+  if (lost > 0) advance(position, lost);
   return std::nullopt;
 }
 

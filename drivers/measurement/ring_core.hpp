@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "drivers/measurement/signal.hpp"
 
@@ -74,8 +75,41 @@ class RingCore {
   std::array<ReaderEntry, kMaxReaders> readers_;
 };
 
-/// How far apart two stamps are, in either direction; saturates.
-constexpr Duration distance_between(Stamp a, Stamp b) { return a < b ? b - a : a - b; }
+/// A registered reader's place in a ring, without the reading: the part that all rings share. For
+/// one thread; movable. The ring must outlive it.
+class RingReader {
+ public:
+  /// Sleeps until there is an entry that was not read (or lost). False where the time is over, or
+  /// the ring is closed and everything was read.
+  bool wait(Duration timeout = Signal::kForever) { return core_->wait_for_entry(id_, timeout); }
+
+  /// Entries that were gone (overwritten, dropped) before this reader came to them. Grows as it
+  /// reads.
+  uint64_t lost() const { return core_->lost(id_); }
+
+  /// Entries published that this reader has not passed yet.
+  uint64_t behind() const { return core_->published() - core_->cursor(id_); }
+
+ protected:
+  explicit RingReader(RingCore& core) : core_(&core), id_(core.add_reader()) {}
+  RingReader(RingReader&& other) noexcept
+      : core_(std::exchange(other.core_, nullptr)), id_(other.id_) {}
+  RingReader& operator=(RingReader&& other) noexcept {
+    std::swap(core_, other.core_);
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~RingReader() {
+    if (core_ != nullptr) core_->remove_reader(id_);
+  }
+
+  uint64_t cursor() const { return core_->cursor(id_); }
+  void advance(uint64_t cursor, uint64_t lost) { core_->advance(id_, cursor, lost); }
+
+ private:
+  RingCore* core_;
+  size_t id_;
+};
 
 /// What a look-up by interval found.
 struct IntervalResult {

@@ -161,37 +161,15 @@ class SlotRing {
 
 /// Takes the entries of a ring in order; for one thread. The ring must outlive it.
 template <StampedObject T>
-class SlotRing<T>::Reader {
+class SlotRing<T>::Reader : public RingReader {
  public:
-  explicit Reader(SlotRing& ring) : ring_(&ring), id_(ring.core_.add_reader()) {}
-  Reader(Reader&& other) noexcept : ring_(std::exchange(other.ring_, nullptr)), id_(other.id_) {}
-  Reader& operator=(Reader&& other) noexcept {
-    std::swap(ring_, other.ring_);
-    std::swap(id_, other.id_);
-    return *this;
-  }
-  ~Reader() {
-    if (ring_ != nullptr) ring_->core_.remove_reader(id_);
-  }
+  explicit Reader(SlotRing& ring) : RingReader(ring.core_), ring_(&ring) {}
 
   /// The oldest entry that was not read and is still held; empty where everything was read.
   Pin<T> next();
 
-  /// Sleeps until there is something to read or to lose. False where the time is over, or the ring
-  /// is closed and everything was read.
-  bool wait(Duration timeout = Signal::kForever) {
-    return ring_->core_.wait_for_entry(id_, timeout);
-  }
-
-  /// Entries that were overwritten or dropped before this reader came to them. Grows in `next`.
-  uint64_t lost() const { return ring_->core_.lost(id_); }
-
-  /// Entries published that this reader has not passed yet.
-  uint64_t behind() const { return ring_->published() - ring_->core_.cursor(id_); }
-
  private:
   SlotRing* ring_;
-  size_t id_;
 };
 
 // --- implementation ---
@@ -303,20 +281,20 @@ IntervalResult SlotRing<T>::interval(Stamp from, Stamp to, std::span<Pin<T>> out
 
 template <StampedObject T>
 Pin<T> SlotRing<T>::Reader::next() {
-  RingCore& core = ring_->core_;
-  uint64_t cursor = core.cursor(id_);
+  uint64_t position = cursor();
   uint64_t lost = 0;
-  while (cursor < core.published()) {
-    const uint64_t end = core.published();
+  while (position < ring_->published()) {
+    const uint64_t end = ring_->published();
     // What was published before `end` and is not found now has been overwritten or dropped.
-    Pin<T> pin = ring_->pin_first(cursor, end);
-    lost += (pin ? pin.position() : end) - cursor;
-    cursor = pin ? pin.position() + 1 : end;
+    Pin<T> pin = ring_->pin_first(position, end);
+    const uint64_t found = pin ? pin.position() : end;
+    lost += found - position;
+    position = found;
     if (!pin) continue;
-    core.advance(id_, cursor, lost);
+    advance(position + 1, lost);
     return pin;
   }
-  if (lost > 0) core.advance(id_, cursor, lost);
+  if (lost > 0) advance(position, lost);
   return {};
 }
 
