@@ -1,0 +1,115 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+#include "drivers/recording/drive_source.hpp"
+#include "drivers/recording/pcap_writer.hpp"
+#include "tests/drivers/recording/capture_bytes.hpp"
+#include "tests/drivers/recording/scratch_folder.hpp"
+
+namespace {
+std::atomic<size_t> allocations{0};
+
+void* counted(size_t size, size_t alignment) {
+  ++allocations;
+  void* memory = nullptr;
+  if (posix_memalign(&memory, std::max(alignment, sizeof(void*)), size) != 0)
+    throw std::bad_alloc();
+  return memory;
+}
+}  // namespace
+
+// Counts every allocation of the program.
+void* operator new(size_t size) { return counted(size, alignof(std::max_align_t)); }
+void* operator new(size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<size_t>(alignment));
+}
+void* operator new(size_t size, const std::nothrow_t&) noexcept {
+  return counted(size, alignof(std::max_align_t));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace infuse::recording {
+namespace {
+
+using namespace testing;
+
+// A drive of packets (some in fragments), decoded sweeps, CAN lines and IMU rows: after the first
+// tenth of it nothing is allocated.
+TEST(NoAllocation, ReadingADriveAllocatesNothingAnEvent) {
+  const ScratchFolder folder;
+  std::vector<Record> records;
+  std::string can, imu = "stamp_ns,wx,wy,wz,ax,ay,az\n", times = "stamp_ns\n";
+  for (uint32_t i = 0; i < 1000; ++i) {
+    const Bytes datagram = udp(numbered(1206, i));
+    const auto part = static_cast<std::ptrdiff_t>(800);
+    const auto id = static_cast<uint16_t>(i);
+    const Bytes head(datagram.begin(), datagram.begin() + part);
+    const Bytes tail(datagram.begin() + part, datagram.end());
+    records.push_back({0, i * 100, ethernet(ipv4(head, {.identification = id, .more = true}))});
+    records.push_back({0, i * 100, ethernet(ipv4(tail, {.identification = id, .offset = 800}))});
+    can += "(0.0000" + std::to_string(10000 + i) + ") can0 123#0011223344556677\n";
+    imu += std::to_string(i * 100) + ",0.1,0.2,0.3,4,5,6.789\n";
+  }
+  for (int i = 0; i < 20; ++i) {
+    times += std::to_string(i * 5000) + "\n";
+    const std::string name = (i < 10 ? "00000" : "0000") + std::to_string(i) + ".bin";
+    folder.write("sweeps/" + name, std::string(16 * 1000, '\0'));
+  }
+  const Bytes capture = pcap(kEthernet, records);
+  folder.write("lidar.pcap", {capture.begin(), capture.end()});
+  folder.write("sweeps/times.csv", times);
+  folder.write("can.log", can);
+  folder.write("vehicle.dbc", "");
+  folder.write("imu.csv", imu);
+  DriveDescription description;
+  for (const char* name : {"a", "b"}) {
+    description.rig.lidars.emplace_back().name = name;
+    description.lidars.emplace_back();
+  }
+  description.lidars[0].packets = "lidar.pcap";
+  description.lidars[1].sweeps = "sweeps";
+  description.can.emplace();
+  description.can->log = "can.log";
+  description.can->dbc = "vehicle.dbc";
+  description.imu = "imu.csv";
+  ASSERT_TRUE(write_drive(folder.path(), description));
+  const auto drive = Drive::open(folder.path());
+  ASSERT_TRUE(drive);
+  auto source = DriveSource::open(*drive);
+  ASSERT_TRUE(source);
+
+  DriveEvent event;
+  size_t events = 0;
+  while (events < 300 && source->next(event)) ++events;
+  const size_t before = allocations;
+  while (source->next(event)) ++events;
+  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(events, 1000u + 20 + 1000 + 1000);
+  EXPECT_GT(before, 0u);
+}
+
+TEST(NoAllocation, WritingACaptureAllocatesNothingADatagram) {
+  const ScratchFolder folder;
+  auto writer = PcapWriter::create(folder / "a.pcap");
+  ASSERT_TRUE(writer);
+  const Bytes payload = numbered(1206);
+  Datagram datagram;
+  datagram.payload = payload;
+  ASSERT_TRUE(writer->write(datagram));
+  const size_t before = allocations;
+  bool written = true;
+  for (int i = 0; i < 1000; ++i) written = writer->write(datagram).has_value() && written;
+  EXPECT_EQ(allocations, before);
+  EXPECT_TRUE(written);
+}
+
+}  // namespace
+}  // namespace infuse::recording
