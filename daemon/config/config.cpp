@@ -25,6 +25,7 @@ void read_health(TomlReader& table, HealthOptions& options) {
   table.read_seconds("stale_after_s", options.stale_after);
   table.read_seconds("raise_after_s", options.raise_after);
   table.read_seconds("clear_after_s", options.clear_after);
+  table.read_seconds("clock_grace_s", options.clock_grace);
   table.read("warn_loss", options.warn_loss);
   table.read("error_loss", options.error_loss);
 }

@@ -47,6 +47,7 @@ std::optional<std::string> HealthOptions::invalid() const {
   if (stale_after <= Duration::zero()) return "stale_after_s must be positive";
   if (raise_after < Duration::zero()) return "raise_after_s must not be negative";
   if (clear_after < Duration::zero()) return "clear_after_s must not be negative";
+  if (clock_grace < Duration::zero()) return "clock_grace_s must not be negative";
   if (!(warn_loss >= 0 && warn_loss <= 1)) return "warn_loss must lie between 0 and 1";
   if (!(error_loss >= warn_loss && error_loss <= 1)) {
     return "error_loss must lie between warn_loss and 1";
@@ -87,7 +88,7 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
                               judge_loss(counters, before, options_.warn_loss, options_.error_loss),
                               judge_sender(counters, before),
                               judge_model(counters, before),
-                              judge_clock(counters)};
+                              judge_clock(now, counters)};
   static_assert(std::size(verdicts) == 8);
   for (size_t i = 0; i < conditions_.size(); ++i) apply(conditions_[i], verdicts[i], now);
 
@@ -200,12 +201,15 @@ SensorHealth::Verdict SensorHealth::judge_model(const SensorCounters& now,
           "check the configured model; early VLP-16 firmware calls itself HDL-32E"};
 }
 
-SensorHealth::Verdict SensorHealth::judge_clock(const SensorCounters& now) const {
-  if (now.packets == 0 || now.clock.trusted) return {};
-  return {true,
-          fmt::format("the device's clock cannot be trusted: {}",
-                      *now.clock.reason == '\0' ? "no reason is known" : now.clock.reason),
-          "connect GPS or PPS to the sensor, or accept host receive times"};
+SensorHealth::Verdict SensorHealth::judge_clock(Stamp now, const SensorCounters& counters) {
+  if (counters.packets == 0) return {};
+  if (!first_seen_) first_seen_ = now;
+  if (counters.clock.trusted || now - *first_seen_ < options_.clock_grace) return {};
+  return {
+      true,
+      fmt::format("the device's clock cannot be trusted: {}",
+                  *counters.clock.reason == '\0' ? "no reason is known" : counters.clock.reason),
+      "connect GPS or PPS to the sensor, and keep the host's own clock steady"};
 }
 
 }  // namespace infuse::daemon

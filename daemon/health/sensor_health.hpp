@@ -20,11 +20,12 @@ const char* name_of(Level level);
 
 /// When a sensor is called unwell. The `[health]` table of the configuration.
 struct HealthOptions {
-  Duration stale_after{3'000'000'000};  ///< silence after which a sensor is STALE, ns
-  Duration raise_after{2'000'000'000};  ///< how long another condition holds before it is told, ns
-  Duration clear_after{3'000'000'000};  ///< how long it is absent before it is taken back, ns
-  double warn_loss = 0.001;             ///< fraction of packets lost over 10 s that is a WARN
-  double error_loss = 0.05;             ///< and that is an ERROR
+  Duration stale_after{3'000'000'000};   ///< silence after which a sensor is STALE, ns
+  Duration raise_after{2'000'000'000};   ///< how long another condition holds before it is told, ns
+  Duration clear_after{3'000'000'000};   ///< how long it is absent before it is taken back, ns
+  Duration clock_grace{10'000'000'000};  ///< after the first packet, until a clock must be followed
+  double warn_loss = 0.001;              ///< fraction of packets lost over 10 s that is a WARN
+  double error_loss = 0.05;              ///< and that is an ERROR
 
   /// What is wrong with the numbers, or nothing.
   std::optional<std::string> invalid() const;
@@ -95,7 +96,7 @@ class SensorHealth {
                      double below) const;
   Verdict judge_sender(const SensorCounters& now, const SensorCounters& before) const;
   Verdict judge_model(const SensorCounters& now, const SensorCounters& before) const;
-  Verdict judge_clock(const SensorCounters& now) const;
+  Verdict judge_clock(Stamp now, const SensorCounters& counters);
   void apply(Condition& condition, Verdict verdict, Stamp now);
   void measure_rates(Stamp now, const Snapshot& oldest);
 
@@ -103,6 +104,7 @@ class SensorHealth {
   HealthOptions options_;
   Stamp last_packet_;  // or the start, while there is none
   Stamp last_sweep_;
+  std::optional<Stamp> first_seen_;  // tick of the first packet
   uint64_t sweeps_seen_ = 0;
   std::array<Snapshot, kWindow + 1> window_;
   size_t taken_ = 0;
