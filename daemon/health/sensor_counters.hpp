@@ -15,22 +15,25 @@ struct SensorCounters {
   uint64_t sweeps = 0;            ///< sweeps completed
   uint64_t returns = 0;           ///< returns in those sweeps
 
-  uint64_t lost_network = 0;     ///< data packets missing by the device's own counter
-  uint64_t lost_kernel = 0;      ///< datagrams that the kernel dropped for want of buffer
-  uint64_t malformed = 0;        ///< datagrams on the sensor's ports that are no packet
-  uint64_t wrong_sender = 0;     ///< datagrams on the sensor's ports from another address
-  uint64_t wrong_model = 0;      ///< data packets that name another model than the configured one
-  uint64_t out_of_order = 0;     ///< data packets older than one before them, or there twice
-  uint64_t unusable_stamps = 0;  ///< packets whose device time could not be placed
+  uint64_t lost_network = 0;  ///< data packets missing by the device's own counter
+  uint64_t lost_kernel = 0;   ///< datagrams that the kernel dropped for want of buffer
+  uint64_t malformed = 0;     ///< datagrams on the sensor's ports that are no packet of its model
+  uint64_t wrong_sender = 0;  ///< datagrams on the sensor's ports from another address
+  uint64_t unclaimed = 0;     ///< datagrams that came to no sensor's port
+  uint64_t wrong_model = 0;   ///< packets that name another model than the configured one; used
+  uint64_t duplicates = 0;    ///< data packets that came twice; the second not used
+  uint64_t out_of_order = 0;  ///< data packets that came late and were put back in order
+  uint64_t too_late = 0;      ///< data packets that came too late to be used
+  uint64_t clock_jumps = 0;   ///< times the device's counter jumped
 
   Stamp last_packet;  ///< host receive time of the last data packet; meaningful when packets > 0
   ClockState clock;   ///< of the device, as it was last stated
 
   uint32_t stranger = 0;       ///< IPv4 address, host order, of the last datagram not taken
-  uint32_t stranger_size = 0;  ///< its payload, bytes; 0 where every datagram was taken
+  uint32_t stranger_size = 0;  ///< its payload, bytes
 
-  /// Datagrams that came to the sensor's ports and were not taken.
-  uint64_t rejected() const { return malformed + wrong_sender; }
+  /// Datagrams that were not taken: as they are no packet, or not this sensor's.
+  uint64_t rejected() const { return malformed + wrong_sender + unclaimed; }
 };
 
 }  // namespace infuse::daemon

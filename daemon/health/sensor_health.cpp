@@ -60,6 +60,7 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
       options_(options),
       last_packet_(start),
       last_sweep_(start),
+      previous_(start),
       // Silence is a time of its own, so it needs no further delay to be raised.
       conditions_{{"silent", Level::kStale, {Duration::zero(), Duration::zero()}},
                   {"undecodable", Level::kError, {options.raise_after, options.clear_after}},
@@ -74,6 +75,8 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
 }
 
 const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counters) {
+  if (now < previous_) restart_at(now);
+  previous_ = now;
   const Snapshot oldest = window_[taken_ > kWindow ? (taken_ - kWindow) % window_.size() : 0];
   window_[taken_++ % window_.size()] = {now, counters};
   const SensorCounters& before = oldest.counters;
@@ -100,6 +103,13 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
   }
   status_.level = status_.findings.empty() ? Level::kOk : status_.findings.front().level;
   return status_;
+}
+
+// Drive time stepped back: what was measured against the old time means nothing in the new one.
+void SensorHealth::restart_at(Stamp now) {
+  taken_ = 1;
+  window_[0] = {now, status_.counters};
+  last_packet_ = last_sweep_ = now;
 }
 
 void SensorHealth::apply(Condition& condition, Verdict verdict, Stamp now) {
@@ -131,7 +141,8 @@ void SensorHealth::measure_rates(Stamp now, const Snapshot& oldest) {
 }
 
 SensorHealth::Verdict SensorHealth::judge_silence(Stamp now, const SensorCounters& counters) {
-  if (counters.packets > 0) last_packet_ = std::max(last_packet_, counters.last_packet);
+  if (counters.packets != packets_seen_) last_packet_ = counters.last_packet;
+  packets_seen_ = counters.packets;
   const Duration silence = now - last_packet_;
   if (silence < options_.stale_after) return {};
   std::string what =

@@ -65,8 +65,8 @@ class SensorHealth {
   /// when listening began.
   SensorHealth(std::string endpoint, const HealthOptions& options, Stamp start);
 
-  /// Takes the counters as they are at `now` and says how the sensor is. Calls go forward in time,
-  /// about one a second; the answer is valid until the next.
+  /// Takes the counters as they are at `now` and says how the sensor is. About one call a
+  /// second; time that steps back begins anew. The answer is valid until the next call.
   const SensorStatus& update(Stamp now, const SensorCounters& counters);
 
  private:
@@ -89,6 +89,7 @@ class SensorHealth {
     std::string advice = {};
   };
 
+  void restart_at(Stamp now);
   Verdict judge_silence(Stamp now, const SensorCounters& counters);
   Verdict judge_decoding(const SensorCounters& now, const SensorCounters& before) const;
   Verdict judge_sweeps(Stamp now, const SensorCounters& now_counters);
@@ -104,7 +105,9 @@ class SensorHealth {
   HealthOptions options_;
   Stamp last_packet_;  // or the start, while there is none
   Stamp last_sweep_;
+  Stamp previous_;                   // tick
   std::optional<Stamp> first_seen_;  // tick of the first packet
+  uint64_t packets_seen_ = 0;
   uint64_t sweeps_seen_ = 0;
   std::array<Snapshot, kWindow + 1> window_;
   size_t taken_ = 0;

@@ -72,9 +72,12 @@ Json sensor_json(const Device& device, const SensorStatus& status) {
                 {{"network", c.lost_network},
                  {"kernel", c.lost_kernel},
                  {"malformed", c.malformed},
-                 {"wrong_sender", c.wrong_sender}}},
+                 {"wrong_sender", c.wrong_sender},
+                 {"duplicate", c.duplicates},
+                 {"too_late", c.too_late}}},
+               {"out_of_order", c.out_of_order},
                {"wrong_model", c.wrong_model},
-               {"out_of_order", c.out_of_order}};
+               {"clock_jumps", c.clock_jumps}};
   if (c.packets > 0) {
     json["last_packet"] = c.last_packet.ns();
     json["clock"] = clock_json(c.clock);

@@ -1,0 +1,1 @@
+#include "drivers/measurement/clock_model.hpp"
