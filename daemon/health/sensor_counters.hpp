@@ -26,8 +26,9 @@ struct SensorCounters {
   uint64_t too_late = 0;      ///< data packets that came too late to be used
   uint64_t clock_jumps = 0;   ///< times the device's counter jumped
 
-  Stamp last_packet;  ///< host receive time of the last data packet; meaningful when packets > 0
-  ClockState clock;   ///< of the device, as it was last stated
+  Stamp first_packet;  ///< host receive time of the first data packet; meaningful when packets > 0
+  Stamp last_packet;   ///< and of the last
+  ClockState clock;    ///< of the device, as it was last stated
 
   uint32_t stranger = 0;       ///< IPv4 address, host order, of the last datagram not taken
   uint32_t stranger_size = 0;  ///< its payload, bytes

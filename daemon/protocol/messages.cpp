@@ -1,13 +1,12 @@
 #include "daemon/protocol/messages.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
+
+#include "daemon/protocol/counters_json.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Text from files may not be UTF-8; it is mended rather than thrown about.
 std::string line(const Json& message) {
@@ -16,37 +15,8 @@ std::string line(const Json& message) {
 
 Json report(const char* name, Stamp stamp) { return {{"class", name}, {"stamp", stamp.ns()}}; }
 
-/// Three decimals are enough for rates and milliseconds, and read well.
-double rounded(double value) { return std::round(value * 1000) / 1000; }
-
-double milliseconds(Duration span) { return rounded(to_seconds(span) * 1e3); }
-
 void add_known(Json& to, const char* key, double value) {
   if (std::isfinite(value)) to[key] = value;
-}
-
-const char* source_name(ClockState::Source source) {
-  switch (source) {
-    case ClockState::Source::kNone:
-      return "none";
-    case ClockState::Source::kHost:
-      return "host";
-    case ClockState::Source::kPowerUp:
-      return "power_up";
-    case ClockState::Source::kHour:
-      return "hour";
-  }
-  return "none";
-}
-
-Json clock_json(const ClockState& clock) {
-  Json json = {{"source", source_name(clock.source)},
-               {"trusted", clock.trusted},
-               {"offset_ns", clock.offset.count()},
-               {"jitter_ns", clock.jitter.count()}};
-  add_known(json, "skew_ppm", rounded(clock.skew_ppm));
-  if (!clock.trusted && *clock.reason != '\0') json["reason"] = clock.reason;
-  return json;
 }
 
 Json finding_json(const Finding& finding) {
@@ -68,19 +38,13 @@ Json sensor_json(const Device& device, const SensorStatus& status) {
                {"position_packets", c.position_packets},
                {"sweeps", c.sweeps},
                {"returns", c.returns},
-               {"losses",
-                {{"network", c.lost_network},
-                 {"kernel", c.lost_kernel},
-                 {"malformed", c.malformed},
-                 {"wrong_sender", c.wrong_sender},
-                 {"duplicate", c.duplicates},
-                 {"too_late", c.too_late}}},
+               {"losses", losses_json(c)},
                {"out_of_order", c.out_of_order},
                {"wrong_model", c.wrong_model},
                {"clock_jumps", c.clock_jumps}};
   if (c.packets > 0) {
     json["last_packet"] = c.last_packet.ns();
-    json["clock"] = clock_json(c.clock);
+    json["clock"] = to_json(c.clock);
   }
   json["findings"] = Json::array();
   for (const Finding& finding : status.findings) json["findings"].push_back(finding_json(finding));
@@ -92,10 +56,7 @@ Json host_json(const HostFigures& host) {
   for (const StageFigures& stage : host.stages) {
     stages.push_back({{"stage", stage.name},
                       {"count", stage.latency.count},
-                      {"latency_ms",
-                       {{"p50", milliseconds(stage.latency.p50)},
-                        {"p99", milliseconds(stage.latency.p99)},
-                        {"max", milliseconds(stage.latency.max)}}},
+                      {"latency_ms", latency_ms_json(stage.latency)},
                       {"deadline_misses", stage.deadline_misses}});
   }
   Json queues = Json::array();
