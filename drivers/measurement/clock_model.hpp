@@ -26,7 +26,7 @@ struct ClockModelOptions {
   Duration jump_confirmation{500'000'000};  ///< ns; suspects that agree for so long are a jump
   Duration max_delay{1'000'000'000};        ///< ns; no transport takes longer
   Duration hour_tolerance{500'000'000};     ///< ns; a counter so far off the host's hour is said to
-                                         ///< count from power-up
+                                            ///< count from power-up
 
   /// What is wrong with the numbers, or nothing.
   std::optional<std::string> invalid() const;
@@ -59,17 +59,58 @@ class ClockModel {
   const ClockState& state() const { return state_; }
 
  private:
-  /// The least delayed sample of a part of the window. Offsets are host time minus device time.
+  static constexpr size_t kParts = 64;
+  /// Fewer parts than this say nothing of the skew.
+  static constexpr size_t kPartsForSkew = 4;
+  static constexpr uint32_t kMinSuspects = 3;
+
+  /// Offsets are host time minus device time; device times are unwrapped: at the first sample and
+  /// after a jump, the counter's time in the hour (modulo) that is nearest to the host's.
+  struct Line {
+    Stamp device;
+    Duration offset{0};
+    double slope = 0;
+  };
+  /// The least delayed sample of a part of the window.
   struct Part {
-    int64_t device_ns = 0;
-    int64_t offset_ns = 0;
-    double delay_sum_ns = 0;  ///< above the envelope, of all samples
+    Stamp begin{};
+    Stamp device{};
+    Duration offset{0};
+    double delay_sum_ns = 0;  ///< of all samples, above the envelope of that time
     uint32_t samples = 0;
   };
-  static constexpr size_t kParts = 64;
+  /// Samples that disagree with the model but agree with each other.
+  struct Suspects {
+    uint32_t count = 0;
+    Stamp since;
+    Duration offset{0};
+  };
+
+  Duration offset_at(Stamp device) const;
+  Stamp unwrap(Duration device, Stamp expected) const;
+  void restart(Stamp device, Duration offset);
+  /// Takes a sample that is off the model. True where it confirmed a jump.
+  bool suspect(Duration device, Stamp host);
+  void learn(Stamp device, Stamp host);
+  void complete_part();
+  void forget_oldest_part();
+  void fit();
+  void state_clock(bool model_holds);
 
   ClockModelOptions options_;
   ClockState state_;
+  bool started_ = false;
+  Line line_;
+  Stamp first_device_;  ///< of the first sample since the start or the last jump
+  Stamp last_device_;   ///< of the latest
+  uint64_t samples_ = 0;
+  bool skew_at_limit_ = false;
+  uint32_t risen_parts_ = 0;  ///< of the latest, those whose least delay lies above the envelope
+  Part part_;                 ///< being filled
+  std::array<Part, kParts> parts_{};  ///< complete ones, a ring
+  size_t oldest_part_ = 0;
+  size_t part_count_ = 0;
+  Suspects suspects_;
 };
 
 }  // namespace infuse

@@ -17,9 +17,10 @@ struct EnvelopeLine {
   double slope = 0;
 };
 
-/// Of all lines that lie on or below every point, with |slope| ≤ max_slope, the one closest to the
-/// points: the sum of the vertical distances is least (Moon, Skelly and Towsley 1999). `points`,
-/// not empty, in order of x, is used as room to work in and left in disorder. Linear in its length.
+/// Of all lines on or below every point with |slope| ≤ max_slope, the one closest to the points:
+/// the sum of the vertical distances is least (Moon, Skelly and Towsley 1999). Of several, one.
+/// `points`: at least one, x strictly increasing; they serve as room to work in and are left in
+/// disorder. Linear in their number.
 EnvelopeLine lower_envelope(std::span<EnvelopePoint> points, double max_slope);
 
 }  // namespace infuse

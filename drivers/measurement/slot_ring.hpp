@@ -121,8 +121,8 @@ class SlotRing {
   /// Registers a reader (at most RingCore::kMaxReaders at a time) that begins with the next entry.
   Reader reader() { return Reader(*this); }
 
-  /// The newest entry held; empty where there is none (with a capacity of 1 also while the producer
-  /// changes hands).
+  /// The newest entry held; empty where there is none. While the producer changes hands and all
+  /// else is pinned, it may for a moment be an older one (or none, where the capacity is 1).
   Pin<T> latest();
 
   /// The entry held whose stamp is nearest; of two equally near the one published later. Stamps
