@@ -19,16 +19,13 @@ int run(int argc, char** argv) {
       "  infuse status                       how the sensors of the running daemon are");
   app.set_version_flag("--version", INFUSE_VERSION);
   app.require_subcommand(1);
-  std::vector<std::pair<CLI::App*, Command>> commands;
-  for (const auto declare :
-       {declare_status, declare_watch, declare_inspect, declare_decode, declare_import}) {
-    const Command command = declare(app);
-    commands.emplace_back(app.get_subcommands({}).back(), command);
-  }
+  const std::vector<Command> commands = {declare_status(app), declare_watch(app),
+                                         declare_inspect(app), declare_decode(app),
+                                         declare_import(app)};
   if (const auto code = parse_arguments(app, argc, argv)) return *code;
   spdlog::set_default_logger(spdlog::stderr_color_mt("infuse"));
-  for (const auto& [parsed, command] : commands) {
-    if (parsed->parsed()) return command();
+  for (const Command& command : commands) {
+    if (command.app->parsed()) return command.run();
   }
   return kUsage;
 }

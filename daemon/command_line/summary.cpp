@@ -152,6 +152,11 @@ std::string to_text(const Summary& summary) {
   }
   text += fmt::format("  {} alerts; {:.2f} s of processor time, {:.0f} MB of memory at most\n",
                       summary.totals.alerts, process_cpu_s(), peak_memory_mb());
+  for (const AlertReport& alert : summary.totals.first_alerts) {
+    text += fmt::format("  alert after {:.0f} s: {}: {} ({})\n",
+                        to_seconds(alert.stamp - summary.totals.start), alert.device,
+                        alert.finding.what, alert.finding.advice);
+  }
   for (const Error& note : summary.notes) text += "  note: " + note.message() + "\n";
   return text;
 }

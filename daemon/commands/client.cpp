@@ -15,7 +15,7 @@ Result<Client> Client::connect(const std::filesystem::path& path) {
   for (const std::filesystem::path& place : places) {
     tried += (tried.empty() ? "" : ", ") + place.string();
     auto stream = std::make_unique<Stream>();
-    stream->connect(place.string());
+    stream->connect(boost::asio::local::stream_protocol::endpoint(place.string()));
     if (!*stream) continue;
     Client client(std::move(stream), place.string());
     auto greeting = client.next(kPatience);

@@ -5,9 +5,11 @@
 
 namespace infuse::daemon {
 
-/// A sub-command of `infuse`: does its work after the arguments were parsed, and gives the exit
-/// code.
-using Command = std::function<int()>;
+/// A sub-command of `infuse`.
+struct Command {
+  CLI::App* app;             ///< says whether it was asked for
+  std::function<int()> run;  ///< does the work after the arguments were parsed; the exit code
+};
 
 /// Each declares one sub-command and what it takes.
 Command declare_status(CLI::App& infuse);

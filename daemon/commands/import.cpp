@@ -52,7 +52,7 @@ Command declare_import(CLI::App& infuse) {
       ->required()
       ->type_name("DRIVE");
   kitti->add_flag("--json", arguments->json, "the result as one JSON object");
-  return [arguments] { return run(*arguments); };
+  return {app, [arguments] { return run(*arguments); }};
 }
 
 }  // namespace infuse::daemon

@@ -58,7 +58,7 @@ Command declare_status(CLI::App& infuse) {
   const auto arguments = std::make_shared<Arguments>();
   app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
   app->add_flag("--json", arguments->json, "the last report of every class, a line each");
-  return [arguments] { return run(*arguments); };
+  return {app, [arguments] { return run(*arguments); }};
 }
 
 }  // namespace infuse::daemon

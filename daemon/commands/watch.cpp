@@ -48,7 +48,7 @@ Command declare_watch(CLI::App& infuse) {
   app->add_option("CLASS", arguments->classes, "DEVICES, SWEEP, HEALTH, ALERT; all by default");
   app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
   app->add_flag("--json", arguments->json, "the reports as they are, a line each");
-  return [arguments] { return run(*arguments); };
+  return {app, [arguments] { return run(*arguments); }};
 }
 
 }  // namespace infuse::daemon

@@ -45,8 +45,9 @@ void add_lidar(recording::DriveDescription& description, const std::string& name
 std::string what_is_there(const CaptureSurvey& survey) {
   if (survey.streams().empty()) return "it holds no UDP datagrams";
   const Stream& stream = survey.streams().front();
-  return fmt::format("it holds e.g. {} datagrams of {} bytes from {} to port {}", stream.datagrams,
-                     stream.last_size, address_text(stream.sender), stream.port);
+  return fmt::format("it holds e.g. {} datagrams of {} bytes from {} to port {}",
+                     stream.arrivals.count, stream.last_size, address_text(stream.sender),
+                     stream.port);
 }
 
 }  // namespace
@@ -72,7 +73,7 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& path,
   size_t data_streams = 0;
   for (const Stream& stream : survey.streams()) data_streams += stream.kind == StreamKind::kData;
   for (const Stream& stream : survey.streams()) {
-    const bool noise = data_streams > 1 && stream.datagrams < kFewestPackets;
+    const bool noise = data_streams > 1 && stream.arrivals.count < kFewestPackets;
     if (!lidars.empty() || stream.kind != StreamKind::kData || noise) continue;
     const size_t number = description.lidars.size() + 1;
     add_lidar(description, number == 1 ? "lidar" : fmt::format("lidar{}", number), "",

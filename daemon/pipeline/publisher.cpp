@@ -5,6 +5,11 @@
 #include "daemon/protocol/messages.hpp"
 
 namespace infuse::daemon {
+namespace {
+
+constexpr size_t kAlertsKept = 20;
+
+}  // namespace
 
 double process_cpu_s() {
   timespec time{};
@@ -92,10 +97,12 @@ void Publisher::tell_devices(Stamp stamp) {
 
 void Publisher::tell_transitions(Stamp stamp, size_t device, const SensorStatus& status) {
   for (const Transition& transition : status.transitions) {
-    if (transition.raised) ++totals_.alerts;
     const std::string& name = devices_[device].name;
-    tell(ReportClass::kAlert, name + "." + transition.finding.id, stamp,
-         alert_message({stamp, name, transition.raised, transition.finding}));
+    const AlertReport alert{stamp, name, transition.raised, transition.finding};
+    tell(ReportClass::kAlert, name + "." + transition.finding.id, stamp, alert_message(alert));
+    if (!transition.raised) continue;
+    ++totals_.alerts;
+    if (totals_.first_alerts.size() < kAlertsKept) totals_.first_alerts.push_back(alert);
   }
 }
 

@@ -16,10 +16,11 @@ namespace infuse::daemon {
 struct Totals {
   bool started = false;  ///< false: the drive was empty
   bool ended = false;
-  Stamp start, now;                      ///< drive time
-  uint64_t alerts = 0;                   ///< findings that were raised
-  std::vector<SensorCounters> counters;  ///< by device
-  std::vector<Level> levels;             ///< by device, at the last tick
+  Stamp start, now;                       ///< drive time
+  uint64_t alerts = 0;                    ///< findings that were raised
+  std::vector<AlertReport> first_alerts;  ///< the first of these
+  std::vector<SensorCounters> counters;   ///< by device
+  std::vector<Level> levels;              ///< by device, at the last tick
   HostFigures host;
 };
 

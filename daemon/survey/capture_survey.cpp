@@ -18,11 +18,6 @@ StreamKind kind_of(const Datagram& datagram) {
 
 }  // namespace
 
-double Stream::rate_hz() const {
-  const double seconds = to_seconds(span());
-  return datagrams < 2 || seconds <= 0 ? 0 : static_cast<double>(datagrams - 1) / seconds;
-}
-
 Stream* CaptureSurvey::stream_of(const Datagram& datagram) {
   const StreamKind kind = kind_of(datagram);
   const auto at = std::find_if(streams_.begin(), streams_.end(), [&](const Stream& stream) {
@@ -35,7 +30,6 @@ Stream* CaptureSurvey::stream_of(const Datagram& datagram) {
   stream.sender = datagram.sender;
   stream.port = datagram.destination_port;
   stream.kind = kind;
-  stream.first = stream.last = datagram.stamp;
   return &stream;
 }
 
@@ -45,16 +39,9 @@ void CaptureSurvey::add(const Datagram& datagram) {
     ++others_;
     return;
   }
-  const Duration gap = datagram.stamp - stream->last;
-  if (gap > stream->longest_gap) {
-    stream->longest_gap = gap;
-    stream->longest_gap_at = stream->last;
-  }
-  if (gap < Duration::zero()) ++stream->backward;
-  ++stream->datagrams;
+  stream->arrivals.add(datagram.stamp);
   stream->bytes += datagram.payload.size();
   stream->last_size = static_cast<uint32_t>(datagram.payload.size());
-  stream->last = std::max(stream->last, datagram.stamp);
   if (stream->kind == StreamKind::kData) stream->inference.add(datagram.payload);
 }
 

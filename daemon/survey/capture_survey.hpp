@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/survey/arrivals.hpp"
 #include "drivers/measurement/datagram.hpp"
-#include "drivers/measurement/stamp.hpp"
 #include "drivers/velodyne/model_inference.hpp"
 
 namespace infuse::daemon {
@@ -23,19 +23,10 @@ struct Stream {
   uint32_t sender = 0;  ///< IPv4 address, host byte order
   uint16_t port = 0;    ///< UDP destination port
   StreamKind kind = StreamKind::kOther;
-  uint64_t datagrams = 0;
+  Arrivals arrivals;
   uint64_t bytes = 0;                  ///< of payload
   uint32_t last_size = 0;              ///< payload of the last one, bytes
-  Stamp first, last;                   ///< receive times
-  Duration longest_gap{0};             ///< between two in a row
-  Stamp longest_gap_at;                ///< when it began
-  uint64_t backward = 0;               ///< received before the one that precedes it
   velodyne::ModelInference inference;  ///< of kData
-
-  /// First to last.
-  Duration span() const { return last - first; }
-  /// Datagrams a second; 0 where there are fewer than two.
-  double rate_hz() const;
 };
 
 /// Sorts the datagrams of a capture into streams.
