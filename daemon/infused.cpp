@@ -134,7 +134,7 @@ int run_replay(const Arguments& arguments, const Config& config) {
                 [&] {
                   summary.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
                   timer.cancel();
-                  signals.clear();
+                  signals.cancel();
                   server.finish(std::chrono::seconds(2));
                 });
   signals.async_wait([&](boost::system::error_code error, int) {
