@@ -31,7 +31,7 @@ enum class CalibrationSource : uint8_t {
 /// What a `SweepAssembler` is told.
 struct SweepAssemblerOptions {
   Model model = Model::kHdl32e;
-  std::optional<Calibration> calibration;  ///< of this unit; the model's own where absent
+  std::optional<Calibration> calibration{};  ///< of this unit; the model's own where absent
   double cut_azimuth = 0;  ///< °, as the sensor counts it (clockwise from the vendor's y, which
                            ///< is forward): where a sweep ends and the next begins, 0 … 360
   bool interpolate_azimuth = true;  ///< false: every return has its block's azimuth, as simple
