@@ -158,7 +158,10 @@ void Server::look_after() {
     if (idle || (finish_by_ && now >= *finish_by_)) session->close();
   }
   forget_closed();
-  if (finish_by_ && sessions_.empty()) return;
+  if (finish_by_ && sessions_.empty()) {
+    timer_.cancel();
+    return;
+  }
   for (const auto& accept_again : std::exchange(stalled_, {})) accept_again();
   timer_.expires_after(finish_by_ ? kLookAfterPeriod / 10 : kLookAfterPeriod);
   timer_.async_wait([this](ErrorCode error) {
