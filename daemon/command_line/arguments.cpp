@@ -1,0 +1,33 @@
+#include "daemon/command_line/arguments.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace infuse::daemon {
+
+std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kUsage;
+  }
+  return std::nullopt;
+}
+
+int complain(const std::string& program, const Error& error, ExitCode code) {
+  std::fprintf(stderr, "%s: %s\n", program.c_str(), error.message().c_str());
+  return code;
+}
+
+Result<std::optional<double>> parse_rate(const std::string& text) {
+  if (text == "max") return std::optional<double>();
+  char* end = nullptr;
+  const double rate = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !(rate >= 0.01 && rate <= 1000)) {
+    return fail("'" + text + "' is no rate", "--rate",
+                "1 is real time, 0.01 ... 1000, or max for as fast as it goes");
+  }
+  return std::optional<double>(rate);
+}
+
+}  // namespace infuse::daemon

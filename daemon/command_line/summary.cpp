@@ -1,0 +1,164 @@
+#include "daemon/command_line/summary.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <sys/resource.h>
+
+namespace infuse::daemon {
+namespace {
+
+/// A number of things over a stretch of drive time.
+double rate(uint64_t count, Duration span) {
+  return span > Duration::zero() ? static_cast<double>(count) / to_seconds(span) : 0;
+}
+
+/// From the first packet to the last.
+Duration active(const SensorCounters& counters) {
+  return counters.packets == 0 ? Duration::zero() : counters.last_packet - counters.first_packet;
+}
+
+uint64_t lost(const SensorCounters& counters) {
+  return counters.lost_network + counters.lost_kernel;
+}
+
+uint64_t sum(const Summary& summary, uint64_t (*quantity)(const SensorCounters&)) {
+  uint64_t total = 0;
+  for (const SensorCounters& counters : summary.totals.counters) total += quantity(counters);
+  return total;
+}
+
+double drive_s(const Summary& summary) {
+  return to_seconds(summary.totals.now - summary.totals.start);
+}
+
+double speed(const Summary& summary) {
+  return summary.host_s > 0 ? drive_s(summary) / summary.host_s : 0;
+}
+
+/// The stage that spans the whole way of a sweep.
+const StageFigures* whole_stage(const Summary& summary) {
+  return summary.totals.host.stages.empty() ? nullptr : &summary.totals.host.stages.back();
+}
+
+Json device_json(const Device& device, const SensorCounters& c, Level level) {
+  return {{"device", device.name},
+          {"model", device.model},
+          {"model_reason", device.model_reason},
+          {"endpoint", device.endpoint},
+          {"level", name_of(level)},
+          {"packets", c.packets},
+          {"packets_hz", rounded(rate(c.packets, active(c)))},
+          {"packets_lost", lost(c)},
+          {"position_packets", c.position_packets},
+          {"sweeps", c.sweeps},
+          {"sweeps_hz", rounded(rate(c.sweeps, active(c)))},
+          {"returns", c.returns},
+          {"losses", losses_json(c)},
+          {"wrong_model", c.wrong_model},
+          {"out_of_order", c.out_of_order},
+          {"clock_jumps", c.clock_jumps},
+          {"clock", to_json(c.clock)}};
+}
+
+/// ", 3 malformed" for each cause that there was.
+std::string causes_text(const SensorCounters& c) {
+  std::string text;
+  const auto add = [&](uint64_t count, const char* cause) {
+    if (count > 0) text += fmt::format(", {} {}", count, cause);
+  };
+  add(c.lost_kernel, "of them in the kernel");
+  add(c.malformed, "malformed");
+  add(c.wrong_sender, "from another sender");
+  add(c.duplicates, "twice");
+  add(c.too_late, "too late");
+  add(c.out_of_order, "put back in order");
+  add(c.wrong_model, "that name another model");
+  return text;
+}
+
+std::string clock_text(const ClockState& clock) {
+  std::string text = describe(clock.source);
+  if (clock.source == ClockState::Source::kHour || clock.source == ClockState::Source::kPowerUp) {
+    text += fmt::format("; host minus device {:.6f} s, {:+.1f} ppm, jitter {:.3f} ms",
+                        to_seconds(clock.offset), clock.skew_ppm, to_seconds(clock.jitter) * 1e3);
+  }
+  if (!clock.trusted && *clock.reason != '\0')
+    text += fmt::format("; not trusted: {}", clock.reason);
+  return text;
+}
+
+}  // namespace
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+Json to_json(const Summary& summary) {
+  Json json = {{"path", summary.path.string()},
+               {"drive_s", rounded(drive_s(summary))},
+               {"host_s", rounded(summary.host_s)},
+               {"cpu_s", rounded(process_cpu_s())},
+               {"realtime_factor", rounded(speed(summary))},
+               {"peak_memory_mb", rounded(peak_memory_mb())},
+               {"sweeps", sum(summary, [](auto& c) { return c.sweeps; })},
+               {"returns", sum(summary, [](auto& c) { return c.returns; })},
+               {"packets", sum(summary, [](auto& c) { return c.packets; })},
+               {"packets_lost", sum(summary, [](auto& c) { return lost(c); })},
+               {"position_packets", sum(summary, [](auto& c) { return c.position_packets; })},
+               {"alerts", summary.totals.alerts},
+               {"stopped", summary.stopped}};
+  if (const StageFigures* whole = whole_stage(summary)) {
+    json["latency_ms"] = latency_ms_json(whole->latency);
+    json["deadline_misses"] = whole->deadline_misses;
+  }
+  json["devices"] = Json::array();
+  for (size_t i = 0; i < summary.totals.counters.size(); ++i) {
+    json["devices"].push_back(
+        device_json(summary.devices[i], summary.totals.counters[i], summary.totals.levels[i]));
+  }
+  json["notes"] = Json::array();
+  for (const Error& note : summary.notes) json["notes"].push_back(note.message());
+  return json;
+}
+
+std::string device_text(const Device& device, const SensorCounters& c, Level level) {
+  std::string text = fmt::format("  {}: {}, {} ({})\n", device.name, device.model, name_of(level),
+                                 device.model_reason);
+  text += fmt::format("    {} packets ({:.1f}/s), {} lost{}\n", c.packets,
+                      rate(c.packets, active(c)), lost(c), causes_text(c));
+  text += fmt::format(
+      "    {} sweeps ({:.2f}/s), {} returns ({:.0f} a sweep)\n", c.sweeps,
+      rate(c.sweeps, active(c)), c.returns,
+      c.sweeps == 0 ? 0.0 : static_cast<double>(c.returns) / static_cast<double>(c.sweeps));
+  if (c.position_packets > 0) text += fmt::format("    {} position packets\n", c.position_packets);
+  return text + "    clock: " + clock_text(c.clock) + "\n";
+}
+
+std::string to_text(const Summary& summary) {
+  std::string text = fmt::format("{}: {:.1f} s of drive in {:.2f} s ({:.1f} × real time){}\n",
+                                 summary.path.string(), drive_s(summary), summary.host_s,
+                                 speed(summary), summary.stopped ? ", stopped before its end" : "");
+  for (size_t i = 0; i < summary.totals.counters.size(); ++i) {
+    text += device_text(summary.devices[i], summary.totals.counters[i], summary.totals.levels[i]);
+  }
+  if (const StageFigures* whole = whole_stage(summary)) {
+    const LatencyFigures& latency = whole->latency;
+    text += fmt::format(
+        "  packet to report: {:.2f} ms p50, {:.2f} ms p99, {:.2f} ms max; {} later than its "
+        "deadline\n",
+        to_seconds(latency.p50) * 1e3, to_seconds(latency.p99) * 1e3, to_seconds(latency.max) * 1e3,
+        whole->deadline_misses);
+  }
+  text += fmt::format("  {} alerts; {:.2f} s of processor time, {:.0f} MB of memory at most\n",
+                      summary.totals.alerts, process_cpu_s(), peak_memory_mb());
+  for (const AlertReport& alert : summary.totals.first_alerts) {
+    text += fmt::format("  alert after {:.0f} s: {}: {} ({})\n",
+                        to_seconds(alert.stamp - summary.totals.start), alert.device,
+                        alert.finding.what, alert.finding.advice);
+  }
+  for (const Error& note : summary.notes) text += "  note: " + note.message() + "\n";
+  return text;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,58 @@
+#include "daemon/commands/client.hpp"
+
+#include "daemon/server/socket_path.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr std::chrono::seconds kPatience{5};
+
+}  // namespace
+
+Result<Client> Client::connect(const std::filesystem::path& path) {
+  const auto places = path.empty() ? default_socket_paths() : std::vector{path};
+  std::string tried;
+  for (const std::filesystem::path& place : places) {
+    tried += (tried.empty() ? "" : ", ") + place.string();
+    auto stream = std::make_unique<Stream>();
+    stream->connect(boost::asio::local::stream_protocol::endpoint(place.string()));
+    if (!*stream) continue;
+    Client client(std::move(stream), place.string());
+    auto greeting = client.next(kPatience);
+    if (!greeting) return tl::unexpected(greeting.error());
+    if (!*greeting || (*greeting)->value("class", "") != "VERSION") {
+      return fail(*greeting ? (*greeting)->value("what", "it does not greet as infused does")
+                            : "it hung up at once",
+                  place.string());
+    }
+    client.version_ = **greeting;
+    return client;
+  }
+  return fail("nobody answers", tried, "is infused running? name its socket with --socket");
+}
+
+Result<void> Client::send(const Json& request) {
+  *stream_ << request.dump() << '\n' << std::flush;
+  if (!*stream_) return fail("the daemon has hung up", path_);
+  return {};
+}
+
+Result<std::optional<Json>> Client::next(std::optional<std::chrono::seconds> patience) {
+  if (patience) {
+    stream_->expires_after(*patience);
+  } else {
+    stream_->expires_at(std::chrono::steady_clock::time_point::max());
+  }
+  std::string line;
+  if (!std::getline(*stream_, line)) {
+    if (stream_->error() == boost::asio::error::operation_aborted) {
+      return fail("the daemon does not answer", path_);
+    }
+    return std::optional<Json>();
+  }
+  Json message = Json::parse(line, nullptr, false);
+  if (!message.is_object()) return fail("it does not speak as infused does: " + line, path_);
+  return std::optional<Json>(std::move(message));
+}
+
+}  // namespace infuse::daemon

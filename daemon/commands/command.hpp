@@ -1,0 +1,21 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace infuse::daemon {
+
+/// A sub-command of `infuse`.
+struct Command {
+  CLI::App* app;             ///< says whether it was asked for
+  std::function<int()> run;  ///< does the work after the arguments were parsed; the exit code
+};
+
+/// Each declares one sub-command and what it takes.
+Command declare_status(CLI::App& infuse);
+Command declare_watch(CLI::App& infuse);
+Command declare_inspect(CLI::App& infuse);
+Command declare_decode(CLI::App& infuse);
+Command declare_import(CLI::App& infuse);
+
+}  // namespace infuse::daemon

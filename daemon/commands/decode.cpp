@@ -1,0 +1,159 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <deque>
+#include <iostream>
+#include <memory>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/progress_line.hpp"
+#include "daemon/commands/command.hpp"
+#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/protocol/counters_json.hpp"
+#include "drivers/recording/sweep_export.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+struct Arguments {
+  std::string path;
+  std::string output;
+  std::string lidar;
+  std::string model;
+  std::optional<uint64_t> sweep;
+  double cut_deg = LidarOptions().cut_azimuth_deg;
+  bool json = false;
+};
+
+/// Writes the sweeps that were asked for, each to a file of its own.
+class Writer {
+ public:
+  Writer(const Arguments& arguments, recording::SweepFormat format)
+      : arguments_(arguments), format_(format) {}
+
+  void take(const Sweep& sweep) {
+    if (error_ || (arguments_.sweep && sweep.sequence != *arguments_.sweep)) return;
+    const auto written = recording::export_sweep(sweep, file_of(sweep.sequence), format_);
+    if (!written) error_ = written.error();
+    ++files_;
+    returns_ += sweep.size();
+    line_.show(std::nullopt, fmt::format("{} sweeps written", files_));
+  }
+
+  /// Whether everything that was asked for is there, or cannot be.
+  bool done() const { return error_ || (arguments_.sweep && files_ > 0); }
+
+  void finish() { line_.clear(); }
+  const std::optional<Error>& error() const { return error_; }
+  uint64_t files() const { return files_; }
+  uint64_t returns() const { return returns_; }
+
+ private:
+  /// "x.pcd" becomes "x-000017.pcd", unless only one sweep was asked for.
+  std::filesystem::path file_of(uint64_t sequence) const {
+    const std::filesystem::path path = arguments_.output;
+    if (arguments_.sweep) return path;
+    return path.parent_path() /
+           fmt::format("{}-{:06}{}", path.stem().string(), sequence, path.extension().string());
+  }
+
+  const Arguments& arguments_;
+  recording::SweepFormat format_;
+  ProgressLine line_;
+  uint64_t files_ = 0;
+  uint64_t returns_ = 0;
+  std::optional<Error> error_;
+};
+
+/// The lidar of that name, or the only one.
+Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name) {
+  std::string names;
+  for (size_t i = 0; i < setup.lidars.size(); ++i) {
+    if (setup.lidars[i].name == name || (name.empty() && setup.lidars.size() == 1)) return i;
+    names += (i == 0 ? "" : ", ") + setup.lidars[i].name;
+  }
+  if (setup.lidars.empty()) return fail("there is no lidar", setup.path.string());
+  return fail(name.empty() ? "there are several lidars" : "there is no lidar '" + name + "'",
+              setup.path.string(), "choose one with --lidar: " + names);
+}
+
+void decode(DriveSetup& setup, size_t lidar, Writer& writer) {
+  LidarIntake intake(setup.lidars[lidar]);
+  const auto on_sweep = [&](Sweep& sweep) { writer.take(sweep); };
+  recording::DriveEvent event;
+  while (!writer.done() && setup.source.next(event)) {
+    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
+      if (datagram->lidar == lidar) intake.take(datagram->datagram, on_sweep);
+    } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
+      if (sweep->lidar == lidar) intake.take(*sweep->sweep, on_sweep);
+    }
+  }
+  if (!writer.done()) intake.finish(on_sweep);
+}
+
+int run(const Arguments& arguments) {
+  constexpr const char* kProgram = "infuse decode";
+  const auto format = recording::sweep_format(arguments.output);
+  if (!format) {
+    return complain(kProgram,
+                    {"the format of '" + arguments.output + "' is not known", "--output",
+                     "end its name in .pcd, .ply, .csv or .bin"},
+                    kUsage);
+  }
+  LidarOptions options;
+  options.cut_azimuth_deg = arguments.cut_deg;
+  if (const auto wrong = options.invalid()) return complain(kProgram, {*wrong, "", ""}, kUsage);
+  std::optional<velodyne::Model> model;
+  if (!arguments.model.empty()) {
+    model = velodyne::find_model(arguments.model);
+    if (!model) {
+      return complain(kProgram, {"unknown model '" + arguments.model + "'", "--model", ""}, kUsage);
+    }
+  }
+  auto setup = open_drive(arguments.path, {}, model);
+  if (!setup) return complain(kProgram, setup.error(), kUnreadable);
+  const auto lidar = find_lidar(*setup, arguments.lidar);
+  if (!lidar) return complain(kProgram, lidar.error(), kUsage);
+  setup->lidars[*lidar].assembler.cut_azimuth = arguments.cut_deg;
+
+  Writer writer(arguments, *format);
+  decode(*setup, *lidar, writer);
+  writer.finish();
+  if (writer.error()) return complain(kProgram, *writer.error(), kNo);
+  for (const Error& note : setup->source.notes()) {
+    std::cerr << kProgram << ": note: " << note.message() << "\n";
+  }
+  if (writer.files() == 0) {
+    return complain(kProgram, {"there is no such sweep", arguments.path, ""}, kNo);
+  }
+  if (arguments.json) {
+    std::cout << Json{{"sweeps", writer.files()}, {"returns", writer.returns()}}.dump() << "\n";
+  } else {
+    std::cout << fmt::format("{} sweeps of {}, {} returns, to {}\n", writer.files(),
+                             setup->devices[*lidar].model, writer.returns(), arguments.output);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+Command declare_decode(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand(
+      "decode", "sweeps to files: x.pcd becomes x-000000.pcd, x-000001.pcd, ...");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("PATH", arguments->path, "a pcap, or a drive folder")->required();
+  app->add_option("-o,--output", arguments->output, "where to; the ending tells the format")
+      ->required()
+      ->type_name("FILE.{pcd,ply,csv,bin}");
+  app->add_option("--sweep", arguments->sweep, "only this one, counted from 0, to FILE itself")
+      ->type_name("N");
+  app->add_option("--lidar", arguments->lidar, "which, where there are several")->type_name("NAME");
+  app->add_option("--model", arguments->model, "of the lidar, where it cannot be inferred")
+      ->type_name("NAME");
+  app->add_option("--cut", arguments->cut_deg,
+                  "azimuth at which a sweep ends, clockwise from the front (180)")
+      ->type_name("DEG");
+  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon

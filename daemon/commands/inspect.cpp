@@ -1,0 +1,224 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <boost/asio/io_context.hpp>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/progress_line.hpp"
+#include "daemon/command_line/summary.hpp"
+#include "daemon/commands/command.hpp"
+#include "daemon/pipeline/replay.hpp"
+#include "daemon/survey/capture_survey.hpp"
+#include "drivers/recording/pcap_reader.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+struct Arguments {
+  std::string path;
+  std::string model;
+  bool json = false;
+};
+
+/// What is in the files, before anything is decoded.
+struct Contents {
+  CaptureSurvey survey;
+  std::map<std::string, Arrivals> others;  ///< "camera 0", "CAN frames", ...
+  std::vector<Error> notes;
+};
+
+Result<Contents> look_into_capture(const std::filesystem::path& path) {
+  auto reader = recording::PcapReader::open(path);
+  if (!reader) return tl::unexpected(reader.error());
+  Contents contents;
+  Datagram datagram;
+  while (reader->next(datagram)) contents.survey.add(datagram);
+  if (reader->damage()) contents.notes.push_back(*reader->damage());
+  return contents;
+}
+
+std::string kind_of(const recording::DriveEvent& event) {
+  if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
+    return fmt::format("images of camera {}", image->camera);
+  }
+  if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
+    return fmt::format("decoded sweeps of lidar {}", sweep->lidar);
+  }
+  if (std::holds_alternative<recording::CanLineEvent>(event.content)) return "CAN frames";
+  return std::holds_alternative<GpsFix>(event.content) ? "GPS fixes" : "IMU samples";
+}
+
+Result<Contents> look_into_drive(const std::filesystem::path& path) {
+  const auto drive = recording::Drive::open(path);
+  if (!drive) return tl::unexpected(drive.error());
+  auto source = recording::DriveSource::open(*drive);
+  if (!source) return tl::unexpected(source.error());
+  Contents contents;
+  recording::DriveEvent event;
+  while (source->next(event)) {
+    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
+      contents.survey.add(datagram->datagram);
+    } else {
+      contents.others[kind_of(event)].add(event.stamp);
+    }
+  }
+  contents.notes = source->notes();
+  return contents;
+}
+
+/// The drive run through the pipeline, unheard.
+Summary replay(DriveSetup setup) {
+  boost::asio::io_context io(1);
+  Server server(io, {}, "", "");
+  Replay replay(io, std::move(setup), {}, server, nullptr,
+                [&] { server.finish(std::chrono::milliseconds(0)); });
+  replay.start();
+  io.run();
+  Summary summary;
+  summary.devices = replay.setup().devices;
+  summary.totals = replay.totals();
+  return summary;
+}
+
+/// What a person should look at.
+std::vector<std::string> problems(const Contents& contents, const Result<Summary>& summary) {
+  std::vector<std::string> list;
+  for (const Error& note : contents.notes) list.push_back(note.message());
+  for (const Stream& stream : contents.survey.streams()) {
+    if (stream.arrivals.backward > 0) {
+      list.push_back(fmt::format("{} datagrams to port {} have stamps that go back",
+                                 stream.arrivals.backward, stream.port));
+    }
+  }
+  if (!summary) {
+    list.push_back(summary.error().message());
+    return list;
+  }
+  for (const AlertReport& alert : summary->totals.first_alerts) {
+    list.push_back(fmt::format("after {:.0f} s: {}: {} ({})",
+                               to_seconds(alert.stamp - summary->totals.start), alert.device,
+                               alert.finding.what, alert.finding.advice));
+  }
+  for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
+    const SensorCounters& counters = summary->totals.counters[i];
+    if (counters.lost_network > 0) {
+      list.push_back(fmt::format("{}: {} packets are missing", summary->devices[i].name,
+                                 counters.lost_network));
+    }
+    if (counters.wrong_model > 0) {
+      list.push_back(fmt::format("{}: the product byte of {} packets names another model",
+                                 summary->devices[i].name, counters.wrong_model));
+    }
+  }
+  return list;
+}
+
+const char* name_of(StreamKind kind) {
+  switch (kind) {
+    case StreamKind::kData:
+      return "lidar packets";
+    case StreamKind::kPosition:
+      return "position packets";
+    case StreamKind::kOther:
+      return "other datagrams";
+  }
+  return "";
+}
+
+Json arrivals_json(const std::string& what, const Arrivals& arrivals) {
+  return {{"what", what},
+          {"count", arrivals.count},
+          {"rate_hz", rounded(arrivals.rate_hz())},
+          {"first", arrivals.first.ns()},
+          {"last", arrivals.last.ns()},
+          {"longest_gap_s", to_seconds(arrivals.longest_gap)}};
+}
+
+Json to_json(const Arguments& arguments, const Contents& contents, const Result<Summary>& summary) {
+  Json json = {{"path", arguments.path}, {"streams", Json::array()}};
+  for (const Stream& stream : contents.survey.streams()) {
+    Json entry = arrivals_json(name_of(stream.kind), stream.arrivals);
+    entry["sender"] = address_text(stream.sender);
+    entry["port"] = stream.port;
+    entry["last_size_bytes"] = stream.last_size;
+    json["streams"].push_back(std::move(entry));
+  }
+  for (const auto& [what, arrivals] : contents.others) {
+    json["streams"].push_back(arrivals_json(what, arrivals));
+  }
+  json["devices"] = summary ? to_json(*summary)["devices"] : Json::array();
+  json["problems"] = problems(contents, summary);
+  return json;
+}
+
+std::string arrivals_text(const std::string& what, const Arrivals& arrivals) {
+  return fmt::format("  {} {}: {:.1f}/s over {:.3f} s, longest gap {:.1f} ms\n", arrivals.count,
+                     what, arrivals.rate_hz(), to_seconds(arrivals.span()),
+                     to_seconds(arrivals.longest_gap) * 1e3);
+}
+
+std::string to_text(const Arguments& arguments, const Contents& contents,
+                    const Result<Summary>& summary) {
+  std::string text = arguments.path + "\nstreams\n";
+  for (const Stream& stream : contents.survey.streams()) {
+    text += arrivals_text(fmt::format("{} from {} to port {}", name_of(stream.kind),
+                                      address_text(stream.sender), stream.port),
+                          stream.arrivals);
+  }
+  for (const auto& [what, arrivals] : contents.others) text += arrivals_text(what, arrivals);
+  if (summary) {
+    text += "lidars\n";
+    for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
+      text +=
+          device_text(summary->devices[i], summary->totals.counters[i], summary->totals.levels[i]);
+    }
+  }
+  const auto list = problems(contents, summary);
+  text += list.empty() ? "no problems\n" : "problems\n";
+  for (const std::string& problem : list) text += "  " + problem + "\n";
+  return text;
+}
+
+int run(const Arguments& arguments) {
+  std::optional<velodyne::Model> model;
+  if (!arguments.model.empty()) {
+    model = velodyne::find_model(arguments.model);
+    if (!model) {
+      return complain("infuse inspect", {"unknown model '" + arguments.model + "'", "--model", ""},
+                      kUsage);
+    }
+  }
+  std::error_code ignored;
+  const bool folder = std::filesystem::is_directory(arguments.path, ignored);
+  ProgressLine line;
+  line.show(std::nullopt, "reading " + arguments.path);
+  const auto contents =
+      folder ? look_into_drive(arguments.path) : look_into_capture(arguments.path);
+  if (!contents) {
+    line.clear();
+    return complain("infuse inspect", contents.error(), kUnreadable);
+  }
+  line.show(std::nullopt, "decoding " + arguments.path);
+  const Result<Summary> summary = open_drive(arguments.path, {}, model).map(replay);
+  line.clear();
+  std::cout << (arguments.json ? to_json(arguments, *contents, summary).dump() + "\n"
+                               : to_text(arguments, *contents, summary));
+  return kDone;
+}
+
+}  // namespace
+
+Command declare_inspect(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand(
+      "inspect", "what is in a capture or a drive: sensors, rates, gaps, clocks, problems");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("PATH", arguments->path, "a drive folder, or a pcap or pcapng")->required();
+  app->add_option("--model", arguments->model, "of the lidar, where it cannot be inferred")
+      ->type_name("NAME");
+  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon

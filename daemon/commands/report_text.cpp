@@ -1,0 +1,73 @@
+#include "daemon/commands/report_text.hpp"
+
+#include <spdlog/fmt/chrono.h>
+#include <spdlog/fmt/fmt.h>
+
+#include <chrono>
+
+namespace infuse::daemon {
+namespace {
+
+/// "12:03:55.120" UTC.
+std::string time_text(const Json& message) {
+  const auto ns = message.value("stamp", int64_t{0});
+  const auto seconds = static_cast<std::time_t>(ns / 1'000'000'000);
+  return fmt::format("{:%H:%M:%S}.{:03}", fmt::gmtime(seconds), ns / 1'000'000 % 1000);
+}
+
+std::string text(const Json& object, const char* key) { return object.value(key, ""); }
+
+std::string device_line(const Json& device) {
+  return fmt::format("  {}: {} {} on {} ({})\n", text(device, "device"), text(device, "kind"),
+                     text(device, "model"), text(device, "endpoint"), text(device, "model_reason"));
+}
+
+}  // namespace
+
+std::string health_text(const Json& health) {
+  std::string lines;
+  for (const Json& sensor : health.value("sensors", Json::array())) {
+    const Json losses = sensor.value("losses", Json::object());
+    lines += fmt::format(
+        "  {:<5} {}: {:.1f} sweeps/s, {:.0f} packets/s, {} lost\n", text(sensor, "level"),
+        text(sensor, "device"), sensor.value("sweeps_hz", 0.0), sensor.value("packets_hz", 0.0),
+        losses.value("network", uint64_t{0}) + losses.value("kernel", uint64_t{0}));
+    for (const Json& finding : sensor.value("findings", Json::array())) {
+      lines += fmt::format("        {} ({})\n", text(finding, "what"), text(finding, "advice"));
+    }
+  }
+  return lines;
+}
+
+std::string report_text(const Json& message) {
+  const std::string name = text(message, "class");
+  if (name == "SWEEP") {
+    return fmt::format(
+        "{} SWEEP {} #{}: {} returns in {:.1f} ms, mean range {:.1f} m, {} packets "
+        "lost\n",
+        time_text(message), text(message, "device"), message.value("sequence", uint64_t{0}),
+        message.value("returns", uint64_t{0}), message.value("span_s", 0.0) * 1e3,
+        message.value("mean_range", 0.0), message.value("lost_packets", uint64_t{0}));
+  }
+  if (name == "HEALTH") {
+    return fmt::format("{} HEALTH {} after {:.0f} s\n{}", time_text(message),
+                       text(message, "level"), message.value("drive_s", 0.0), health_text(message));
+  }
+  if (name == "ALERT") {
+    return fmt::format("{} ALERT {} {} {}: {} ({})\n", time_text(message),
+                       text(message, "severity"), text(message, "id"), text(message, "state"),
+                       text(message, "what"), text(message, "advice"));
+  }
+  if (name == "LOST") {
+    return fmt::format("{} LOST {} reports: this client reads too slowly\n", time_text(message),
+                       message.value("reports", uint64_t{0}));
+  }
+  if (name == "DEVICES") {
+    std::string lines = time_text(message) + " DEVICES\n";
+    for (const Json& device : message.value("devices", Json::array())) lines += device_line(device);
+    return lines;
+  }
+  return message.dump() + "\n";
+}
+
+}  // namespace infuse::daemon

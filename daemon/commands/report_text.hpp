@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "daemon/protocol/counters_json.hpp"
+
+namespace infuse::daemon {
+
+/// A message of the daemon, for people: one line, or of HEALTH a line a sensor and a finding. What
+/// it does not know it gives as JSON.
+std::string report_text(const Json& message);
+
+/// Of a HEALTH message, how every sensor is.
+std::string health_text(const Json& health);
+
+}  // namespace infuse::daemon

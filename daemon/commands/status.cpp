@@ -1,0 +1,64 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <iostream>
+#include <memory>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/commands/client.hpp"
+#include "daemon/commands/command.hpp"
+#include "daemon/commands/report_text.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+struct Arguments {
+  std::string socket;
+  bool json = false;
+};
+
+/// The last report of every class, as the daemon gives them to a poll.
+Result<std::vector<Json>> poll(Client& client) {
+  if (auto sent = client.send({{"op", "poll"}}); !sent) return tl::unexpected(sent.error());
+  std::vector<Json> reports;
+  while (true) {
+    auto message = client.next(std::chrono::seconds(5));
+    if (!message) return tl::unexpected(message.error());
+    if (!*message) return fail("the daemon has ended");
+    if ((*message)->value("class", "") == "ACK") return reports;
+    reports.push_back(**std::move(message));
+  }
+}
+
+int run(const Arguments& arguments) {
+  auto client = Client::connect(arguments.socket);
+  if (!client) return complain("infuse status", client.error(), kNo);
+  const auto reports = poll(*client);
+  if (!reports) return complain("infuse status", reports.error(), kNo);
+
+  if (!arguments.json) {
+    std::cout << fmt::format("infused {}, protocol {}\n", client->version().value("release", ""),
+                             client->version().value("protocol", Json()).dump());
+  }
+  std::string level;
+  for (const Json& report : *reports) {
+    if (arguments.json) std::cout << report.dump() << "\n";
+    if (report.value("class", "") != "HEALTH") continue;
+    level = report.value("level", "");
+    if (!arguments.json) std::cout << report_text(report);
+  }
+  if (level.empty() && !arguments.json) std::cout << "no second of the drive has passed yet\n";
+  return level == "ERROR" || level == "STALE" ? kNo : kDone;
+}
+
+}  // namespace
+
+Command declare_status(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand(
+      "status", "how the sensors of the running daemon are (exit code 1: not well)");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
+  app->add_flag("--json", arguments->json, "the last report of every class, a line each");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon

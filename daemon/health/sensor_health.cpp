@@ -1,0 +1,226 @@
+#include "daemon/health/sensor_health.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace infuse::daemon {
+namespace {
+
+constexpr double kAnyLoss = 2;  // above every fraction
+
+std::string address_text(uint32_t address) {
+  return fmt::format("{}.{}.{}.{}", address >> 24, address >> 16 & 255, address >> 8 & 255,
+                     address & 255);
+}
+
+std::string plural(uint64_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+double lost_fraction(uint64_t lost, uint64_t received) {
+  const uint64_t all = lost + received;
+  return all == 0 ? 0 : static_cast<double>(lost) / static_cast<double>(all);
+}
+
+/// How much a counter grew; a counter may step back by a few when a late packet arrives after all.
+uint64_t grown(uint64_t now, uint64_t before) { return now > before ? now - before : 0; }
+
+}  // namespace
+
+const char* name_of(Level level) {
+  switch (level) {
+    case Level::kOk:
+      return "OK";
+    case Level::kWarn:
+      return "WARN";
+    case Level::kError:
+      return "ERROR";
+    case Level::kStale:
+      return "STALE";
+  }
+  return "OK";
+}
+
+std::optional<std::string> HealthOptions::invalid() const {
+  if (stale_after <= Duration::zero()) return "stale_after_s must be positive";
+  if (raise_after < Duration::zero()) return "raise_after_s must not be negative";
+  if (clear_after < Duration::zero()) return "clear_after_s must not be negative";
+  if (clock_grace < Duration::zero()) return "clock_grace_s must not be negative";
+  if (!(warn_loss >= 0 && warn_loss <= 1)) return "warn_loss must lie between 0 and 1";
+  if (!(error_loss >= warn_loss && error_loss <= 1)) {
+    return "error_loss must lie between warn_loss and 1";
+  }
+  return std::nullopt;
+}
+
+SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, Stamp start)
+    : endpoint_(std::move(endpoint)),
+      options_(options),
+      last_packet_(start),
+      last_sweep_(start),
+      previous_(start),
+      // Silence is a time of its own, so it needs no further delay to be raised.
+      conditions_{{"silent", Level::kStale, {Duration::zero(), Duration::zero()}},
+                  {"undecodable", Level::kError, {options.raise_after, options.clear_after}},
+                  {"no_sweeps", Level::kError, {Duration::zero(), options.clear_after}},
+                  {"heavy_loss", Level::kError, {options.raise_after, options.clear_after}},
+                  {"loss", Level::kWarn, {options.raise_after, options.clear_after}},
+                  {"wrong_sender", Level::kWarn, {options.raise_after, options.clear_after}},
+                  {"wrong_model", Level::kWarn, {options.raise_after, options.clear_after}},
+                  {"clock", Level::kWarn, {options.raise_after, options.clear_after}}} {
+  window_[0].stamp = start;
+  taken_ = 1;
+}
+
+const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counters) {
+  if (now < previous_) restart_at(now);
+  previous_ = now;
+  const Snapshot oldest = window_[taken_ > kWindow ? (taken_ - kWindow) % window_.size() : 0];
+  window_[taken_++ % window_.size()] = {now, counters};
+  const SensorCounters& before = oldest.counters;
+  status_.counters = counters;
+  status_.transitions.clear();
+  measure_rates(now, oldest);
+
+  const Verdict verdicts[] = {judge_silence(now, counters),
+                              judge_decoding(counters, before),
+                              judge_sweeps(now, counters),
+                              judge_loss(counters, before, options_.error_loss, kAnyLoss),
+                              judge_loss(counters, before, options_.warn_loss, options_.error_loss),
+                              judge_sender(counters, before),
+                              judge_model(counters, before),
+                              judge_clock(now, counters)};
+  static_assert(std::size(verdicts) == 8);
+  for (size_t i = 0; i < conditions_.size(); ++i) apply(conditions_[i], verdicts[i], now);
+
+  status_.findings.clear();
+  for (const Condition& condition : conditions_) {
+    if (!condition.state.raised()) continue;
+    status_.findings.push_back({condition.id, condition.level, condition.state.raised_since(),
+                                condition.what, condition.advice});
+  }
+  status_.level = status_.findings.empty() ? Level::kOk : status_.findings.front().level;
+  return status_;
+}
+
+// Drive time stepped back: what was measured against the old time means nothing in the new one.
+void SensorHealth::restart_at(Stamp now) {
+  taken_ = 1;
+  window_[0] = {now, status_.counters};
+  last_packet_ = last_sweep_ = now;
+}
+
+void SensorHealth::apply(Condition& condition, Verdict verdict, Stamp now) {
+  const bool was = condition.state.raised();
+  if (verdict.holds) {
+    condition.what = std::move(verdict.what);
+    condition.advice = std::move(verdict.advice);
+  }
+  const bool is = condition.state.update(verdict.holds, now);
+  if (was == is) return;
+  status_.transitions.push_back({is,
+                                 {condition.id, condition.level, condition.state.raised_since(),
+                                  condition.what, condition.advice}});
+}
+
+void SensorHealth::measure_rates(Stamp now, const Snapshot& oldest) {
+  const double seconds = to_seconds(now - oldest.stamp);
+  const auto rate = [&](uint64_t at_now, uint64_t at_oldest) {
+    return seconds > 0 ? static_cast<double>(grown(at_now, at_oldest)) / seconds : 0.0;
+  };
+  const SensorCounters& c = status_.counters;
+  const SensorCounters& b = oldest.counters;
+  status_.packets_hz = rate(c.packets, b.packets);
+  status_.sweeps_hz = rate(c.sweeps, b.sweeps);
+  status_.returns_hz = rate(c.returns, b.returns);
+  status_.loss =
+      lost_fraction(grown(c.lost_network, b.lost_network) + grown(c.lost_kernel, b.lost_kernel),
+                    grown(c.packets, b.packets));
+}
+
+SensorHealth::Verdict SensorHealth::judge_silence(Stamp now, const SensorCounters& counters) {
+  if (counters.packets != packets_seen_) last_packet_ = counters.last_packet;
+  packets_seen_ = counters.packets;
+  const Duration silence = now - last_packet_;
+  if (silence < options_.stale_after) return {};
+  std::string what =
+      fmt::format("nothing received on {} for {:.1f} s", endpoint_, to_seconds(silence));
+  if (counters.rejected() == 0) {
+    return {true, std::move(what), "check the sensor's power, cable and destination address"};
+  }
+  what += fmt::format("; {} of {} bytes came from {}", plural(counters.rejected(), "datagram"),
+                      counters.stranger_size, address_text(counters.stranger));
+  return {true, std::move(what), "check the configured sender, port and model"};
+}
+
+SensorHealth::Verdict SensorHealth::judge_decoding(const SensorCounters& now,
+                                                   const SensorCounters& before) const {
+  const uint64_t bad = grown(now.malformed, before.malformed);
+  const uint64_t good = grown(now.packets, before.packets);
+  if (bad == 0 || bad <= good) return {};
+  return {true,
+          fmt::format("{} on {} could not be decoded, the last of {} bytes from {}",
+                      plural(bad, "datagram"), endpoint_, now.stranger_size,
+                      address_text(now.stranger)),
+          "check the configured model and that nothing else sends to this port"};
+}
+
+SensorHealth::Verdict SensorHealth::judge_sweeps(Stamp now, const SensorCounters& counters) {
+  if (counters.sweeps != sweeps_seen_ || counters.packets == 0) last_sweep_ = now;
+  sweeps_seen_ = counters.sweeps;
+  const Duration without = now - last_sweep_;
+  if (without < options_.stale_after || now - last_packet_ >= options_.stale_after) return {};
+  return {true,
+          fmt::format("packets arrive on {} but no sweep was completed for {:.1f} s", endpoint_,
+                      to_seconds(without)),
+          "check that the sensor turns"};
+}
+
+SensorHealth::Verdict SensorHealth::judge_loss(const SensorCounters& now,
+                                               const SensorCounters& before, double least,
+                                               double below) const {
+  const uint64_t network = grown(now.lost_network, before.lost_network);
+  const uint64_t kernel = grown(now.lost_kernel, before.lost_kernel);
+  const uint64_t received = grown(now.packets, before.packets);
+  const double loss = lost_fraction(network + kernel, received);
+  if (network + kernel == 0 || loss < least || loss >= below) return {};
+  return {true,
+          fmt::format("{:.2f} % of the packets were lost ({} of {}: {} in the network, {} in the "
+                      "kernel)",
+                      100 * loss, network + kernel, network + kernel + received, network, kernel),
+          network >= kernel ? "check the cable, the switch and what else uses the link"
+                            : "raise net.core.rmem_max, or free processor time"};
+}
+
+SensorHealth::Verdict SensorHealth::judge_sender(const SensorCounters& now,
+                                                 const SensorCounters& before) const {
+  const uint64_t strangers = grown(now.wrong_sender, before.wrong_sender);
+  if (strangers == 0) return {};
+  return {true,
+          fmt::format("{} on {} came from another sender ({})", plural(strangers, "datagram"),
+                      endpoint_, address_text(now.stranger)),
+          "check the configured sender, or give the other sensor a port of its own"};
+}
+
+SensorHealth::Verdict SensorHealth::judge_model(const SensorCounters& now,
+                                                const SensorCounters& before) const {
+  const uint64_t wrong = grown(now.wrong_model, before.wrong_model);
+  if (wrong == 0) return {};
+  return {true, fmt::format("{} on {} named another model", plural(wrong, "packet"), endpoint_),
+          "check the configured model; early VLP-16 firmware calls itself HDL-32E"};
+}
+
+SensorHealth::Verdict SensorHealth::judge_clock(Stamp now, const SensorCounters& counters) {
+  if (counters.packets == 0) return {};
+  if (!first_seen_) first_seen_ = now;
+  if (counters.clock.trusted || now - *first_seen_ < options_.clock_grace) return {};
+  return {
+      true,
+      fmt::format("the device's clock cannot be trusted: {}",
+                  *counters.clock.reason == '\0' ? "no reason is known" : counters.clock.reason),
+      "connect GPS or PPS to the sensor, and keep the host's own clock steady"};
+}
+
+}  // namespace infuse::daemon

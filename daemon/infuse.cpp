@@ -1,0 +1,36 @@
+// infuse: the command that people type. Each sub-command is a file in daemon/commands.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <vector>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/commands/command.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+int run(int argc, char** argv) {
+  CLI::App app(
+      "infuse: looks into recordings of lidars, and asks the running daemon (infused).\n\n"
+      "  infuse inspect drive.pcap           what is in this capture or drive\n"
+      "  infuse decode drive.pcap -o x.pcd   its sweeps as point clouds\n"
+      "  infuse status                       how the sensors of the running daemon are");
+  app.set_version_flag("--version", INFUSE_VERSION);
+  app.require_subcommand(1);
+  const std::vector<Command> commands = {declare_status(app), declare_watch(app),
+                                         declare_inspect(app), declare_decode(app),
+                                         declare_import(app)};
+  if (const auto code = parse_arguments(app, argc, argv)) return *code;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("infuse"));
+  for (const Command& command : commands) {
+    if (command.app->parsed()) return command.run();
+  }
+  return kUsage;
+}
+
+}  // namespace
+}  // namespace infuse::daemon
+
+int main(int argc, char** argv) { return infuse::daemon::run(argc, argv); }

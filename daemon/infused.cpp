@@ -1,0 +1,195 @@
+// infused: the daemon. Runs the pipeline on a recorded drive and tells whoever listens.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <csignal>
+#include <iostream>
+#include <random>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/progress_line.hpp"
+#include "daemon/command_line/summary.hpp"
+#include "daemon/config/config.hpp"
+#include "daemon/pipeline/replay.hpp"
+#include "daemon/server/server.hpp"
+#include "daemon/server/socket_path.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infused";
+
+/// What was asked for on the command line.
+struct Arguments {
+  std::string config;
+  bool check_config = false;
+  std::string replay;
+  std::string rate = "max";
+  std::string reports;
+  std::string socket;
+  std::string model;
+  bool json = false;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.description(
+      "infused: fuses lidar, cameras and odometry on the vehicle, and tells what it knows over a\n"
+      "socket (see: infuse status, infuse watch).\n\n"
+      "  infused --replay drive.pcap               run the pipeline on a capture, print a summary\n"
+      "  infused --replay drive/ --rate 1 --json   the same in real time, summary for machines");
+  app.set_version_flag("--version", INFUSE_VERSION);
+  app.add_option("--config", arguments.config, "configuration, TOML")->type_name("FILE");
+  app.add_flag("--check-config", arguments.check_config,
+               "only tell whether the configuration is right");
+  app.add_option("--replay", arguments.replay, "a drive folder, or a bare pcap or pcapng")
+      ->type_name("PATH");
+  app.add_option("--rate", arguments.rate,
+                 "of the replay: 1 is real time; max (the default) is as fast as it goes")
+      ->type_name("R|max");
+  app.add_option("--reports", arguments.reports,
+                 "write every report to this file; the same drive gives the same bytes")
+      ->type_name("FILE");
+  app.add_option("--socket", arguments.socket, "where clients connect")->type_name("PATH");
+  app.add_option("--model", arguments.model, "model of the lidar, where it cannot be inferred")
+      ->type_name("NAME");
+  app.add_flag("--json", arguments.json, "the summary as one JSON object");
+}
+
+/// Another number at each start, so that a client can tell a restart from a reconnect.
+std::string new_session() {
+  std::random_device device;
+  const uint64_t number = uint64_t{device()} << 32 | device();
+  return fmt::format("{:016x}", number);
+}
+
+/// Where `--socket` or the configuration say; else at the first default place, and if that cannot
+/// be, nowhere: a replay goes on without.
+Result<void> listen(Server& server, const Arguments& arguments, const ServerOptions& options) {
+  if (options.tcp_port != 0) {
+    if (auto port = server.listen_tcp(options.tcp_port); !port) {
+      return tl::unexpected(port.error());
+    }
+  }
+  const std::string& path = arguments.socket.empty() ? options.path : arguments.socket;
+  if (!path.empty()) return server.listen(path);
+  const std::filesystem::path usual = default_socket_paths().front();
+  if (const auto listening = server.listen(usual); !listening) {
+    spdlog::warn("nobody can watch: {}", listening.error().message());
+  }
+  return {};
+}
+
+/// Shows how far the replay is, ten times a second.
+void show_progress(ProgressLine& line, boost::asio::steady_timer& timer, const Replay& replay,
+                   HostClock::time_point begin) {
+  const Totals& totals = replay.totals();
+  const double host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
+  const double drive_s = to_seconds(totals.now - totals.start);
+  line.show(replay.progress(),
+            fmt::format("{:.0f} s of drive, {:.1f} × real time", drive_s, drive_s / host_s));
+  timer.expires_after(std::chrono::milliseconds(100));
+  timer.async_wait([&line, &timer, &replay, begin](boost::system::error_code error) {
+    if (!error) show_progress(line, timer, replay, begin);
+  });
+}
+
+int run_replay(const Arguments& arguments, const Config& config) {
+  const auto rate = parse_rate(arguments.rate);
+  if (!rate) return complain(kProgram, rate.error(), kUsage);
+  std::optional<velodyne::Model> model;
+  if (!arguments.model.empty()) {
+    model = velodyne::find_model(arguments.model);
+    if (!model) {
+      return complain(kProgram, {"unknown model '" + arguments.model + "'", "--model", ""}, kUsage);
+    }
+  }
+  auto setup = open_drive(arguments.replay, config.lidars, model);
+  if (!setup) return complain(kProgram, setup.error(), kUnreadable);
+  for (const Device& device : setup->devices) {
+    spdlog::info("{} is a {} ({}), on {}", device.name, device.model, device.model_reason,
+                 device.endpoint);
+  }
+  std::optional<ReportsFile> file;
+  if (!arguments.reports.empty()) {
+    auto created = ReportsFile::create(arguments.reports);
+    if (!created) return complain(kProgram, created.error(), kUsage);
+    file = *std::move(created);
+  }
+
+  boost::asio::io_context io(1);
+  Server server(io, config.socket, INFUSE_VERSION, new_session());
+  if (const auto listening = listen(server, arguments, config.socket); !listening) {
+    return complain(kProgram, listening.error(), kUsage);
+  }
+  boost::asio::signal_set signals(io, SIGINT, SIGTERM);
+  boost::asio::steady_timer timer(io);
+  ProgressLine line;
+  Summary summary;
+  const HostClock::time_point begin = HostClock::now();
+  Replay replay(io, *std::move(setup), {*rate, config.health}, server, file ? &*file : nullptr,
+                [&] {
+                  summary.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
+                  timer.cancel();
+                  signals.cancel();
+                  server.finish(std::chrono::seconds(2));
+                });
+  signals.async_wait([&](boost::system::error_code error, int) {
+    if (error) return;
+    summary.stopped = true;
+    signals.clear();  // a second signal ends at once
+    replay.stop();
+  });
+  replay.start();
+  if (line.visible() && !arguments.json) show_progress(line, timer, replay, begin);
+  io.run();
+  line.clear();
+
+  summary.path = arguments.replay;
+  summary.devices = replay.setup().devices;
+  summary.totals = replay.totals();
+  summary.notes = replay.setup().source.notes();
+  std::cout << (arguments.json ? to_json(summary).dump() + "\n" : to_text(summary)) << std::flush;
+  if (file) {
+    if (const auto closed = file->close(); !closed) return complain(kProgram, closed.error(), kNo);
+  }
+  return kDone;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app;
+  Arguments arguments;
+  declare(app, arguments);
+  if (const auto code = parse_arguments(app, argc, argv)) return *code;
+  spdlog::set_default_logger(spdlog::stderr_color_mt(kProgram));
+
+  Config config;
+  if (!arguments.config.empty()) {
+    auto loaded = load_config(arguments.config);
+    if (!loaded) return complain(kProgram, loaded.error(), kUsage);
+    config = *std::move(loaded);
+  }
+  spdlog::set_level(spdlog::level::from_str(config.log_level));
+  if (arguments.check_config) {
+    if (arguments.config.empty()) {
+      return complain(kProgram, {"there is no configuration to check", "", "--config FILE"},
+                      kUsage);
+    }
+    std::cout << arguments.config << ": the configuration is right\n";
+    return kDone;
+  }
+  if (arguments.replay.empty()) {
+    return complain(kProgram,
+                    {"live sources are not supported yet", "", "run a recording with --replay"},
+                    kUsage);
+  }
+  return run_replay(arguments, config);
+}
+
+}  // namespace
+}  // namespace infuse::daemon
+
+int main(int argc, char** argv) { return infuse::daemon::run(argc, argv); }

@@ -1,0 +1,137 @@
+#include "daemon/pipeline/drive_setup.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "daemon/pipeline/bare_capture.hpp"
+#include "drivers/velodyne/calibration_file.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+/// A model and why it is that one.
+struct ChosenModel {
+  velodyne::Model model;
+  std::string reason;
+};
+
+std::string known_models() {
+  std::string names = "known:";
+  for (const velodyne::ModelInfo& info : velodyne::models()) {
+    names += fmt::format("{} {}", &info == velodyne::models().data() ? "" : ",", info.name);
+  }
+  return names;
+}
+
+Result<ChosenModel> choose_model(const std::string& configured, const CaptureSurvey& survey,
+                                 const recording::LidarFiles& files, const std::string& where,
+                                 std::optional<velodyne::Model> asked_for) {
+  if (asked_for) return ChosenModel{*asked_for, "asked for with --model"};
+  if (!configured.empty()) {
+    const auto model = velodyne::find_model(configured);
+    if (!model) return fail(fmt::format("unknown model '{}'", configured), where, known_models());
+    return ChosenModel{*model, "configured"};
+  }
+  const auto guess = infer_model(survey, files);
+  if (!guess) {
+    return fail("the model cannot be told from the packets at the beginning", where,
+                "name it with --model; " + known_models());
+  }
+  return ChosenModel{guess->model, "inferred: " + guess->reason};
+}
+
+/// The options of the configured lidar of that name; the defaults where there is none.
+LidarOptions options_named(const std::string& name, const std::vector<LidarOptions>& lidars) {
+  for (const LidarOptions& options : lidars) {
+    if (options.name == name) return options;
+  }
+  return {};
+}
+
+std::string endpoint_of(const recording::LidarFiles& files) {
+  if (files.packets.empty()) return files.sweeps;
+  return fmt::format("port {} of {}{}", files.port, files.packets,
+                     files.sender ? ", from " + address_text(*files.sender) : "");
+}
+
+/// Sets up one lidar of a drive whose data are packets.
+Result<void> set_up_packets(const recording::Drive& drive, const recording::LidarFiles& files,
+                            const std::string& configured, const LidarOptions& options,
+                            std::optional<velodyne::Model> asked_for, LidarSetup& lidar,
+                            Device& device) {
+  const std::filesystem::path capture = drive.resolve(files.packets);
+  const auto survey = survey_beginning(capture);
+  if (!survey) return tl::unexpected(survey.error());
+  const auto chosen = choose_model(configured, *survey, files, capture.string(), asked_for);
+  if (!chosen) return tl::unexpected(chosen.error());
+  device.model = velodyne::model_info(chosen->model).name;
+  device.model_reason = chosen->reason;
+  lidar.assembler.model = chosen->model;
+  lidar.assembler.cut_azimuth = options.cut_azimuth_deg;
+  lidar.assembler.sender = files.sender.value_or(0);
+  if (files.calibration.empty()) return {};
+  const std::filesystem::path calibration = drive.resolve(files.calibration);
+  auto loaded = velodyne::load_db_xml(calibration);
+  if (!loaded) return tl::unexpected(loaded.error());
+  if (auto wrong = loaded->invalid(velodyne::model_info(chosen->model))) {
+    return fail(*wrong, calibration.string(), "is it this model's?");
+  }
+  lidar.assembler.calibration = *loaded;
+  return {};
+}
+
+Result<recording::Drive> find_drive(const std::filesystem::path& path,
+                                    const std::vector<LidarOptions>& lidars) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return recording::Drive::open(path);
+  const auto survey = survey_beginning(path);
+  if (!survey) return tl::unexpected(survey.error());
+  return describe_capture(path, *survey, lidars);
+}
+
+uint64_t size_of(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  return error ? 0 : size;
+}
+
+}  // namespace
+
+Result<DriveSetup> open_drive(const std::filesystem::path& path,
+                              const std::vector<LidarOptions>& lidars,
+                              std::optional<velodyne::Model> model) {
+  const auto drive = find_drive(path, lidars);
+  if (!drive) return tl::unexpected(drive.error());
+  auto source = recording::DriveSource::open(*drive);
+  if (!source) return tl::unexpected(source.error());
+  DriveSetup setup{path, *std::move(source), {}, {}, 0};
+
+  const recording::DriveDescription& description = drive->description;
+  std::vector<std::string> captures;
+  for (size_t i = 0; i < description.lidars.size(); ++i) {
+    const LidarMount& mount = description.rig.lidars[i];
+    const recording::LidarFiles& files = description.lidars[i];
+    LidarSetup lidar{mount.name, !files.packets.empty(), {}};
+    Device device{mount.name,
+                  "lidar",
+                  mount.model.empty() ? "unknown" : mount.model,
+                  "configured",
+                  endpoint_of(files),
+                  std::nullopt};
+    if (lidar.has_packets) {
+      const auto set_up = set_up_packets(*drive, files, mount.model,
+                                         options_named(mount.name, lidars), model, lidar, device);
+      if (!set_up) return tl::unexpected(set_up.error());
+      if (std::find(captures.begin(), captures.end(), files.packets) == captures.end()) {
+        captures.push_back(files.packets);
+        setup.capture_bytes += size_of(drive->resolve(files.packets));
+      }
+    }
+    setup.lidars.push_back(std::move(lidar));
+    setup.devices.push_back(std::move(device));
+  }
+  return setup;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,46 @@
+#include "daemon/pipeline/lidar_intake.hpp"
+
+namespace infuse::daemon {
+
+LidarIntake::LidarIntake(const LidarSetup& setup) : assembler_(setup.assembler) {}
+
+void LidarIntake::push(const Datagram& datagram) {
+  assembler_.push(datagram);
+  const velodyne::PacketCounters& c = assembler_.counters();
+  if (c.packets > counters_.packets) note_packet(datagram.stamp);
+  const uint64_t refused_before = counters_.malformed + counters_.wrong_sender;
+  counters_.packets = c.packets;
+  counters_.lost_network = c.network_lost;
+  counters_.lost_kernel = c.kernel_dropped;
+  counters_.malformed = c.all_malformed() + refused_positions_;
+  counters_.wrong_sender = c.wrong_sender;
+  counters_.wrong_model = c.wrong_model;
+  counters_.duplicates = c.duplicates;
+  counters_.out_of_order = c.out_of_order;
+  counters_.too_late = c.too_late;
+  counters_.clock_jumps = c.clock_jumps;
+  counters_.clock = assembler_.clock();
+  if (counters_.malformed + counters_.wrong_sender > refused_before) note_stranger(datagram);
+}
+
+void LidarIntake::take_position(const Datagram& datagram) {
+  if (velodyne::parse_position_packet(datagram.payload)) {
+    ++counters_.position_packets;
+    return;
+  }
+  ++refused_positions_;
+  ++counters_.malformed;
+  note_stranger(datagram);
+}
+
+void LidarIntake::note_packet(Stamp stamp) {
+  if (counters_.packets == 0) counters_.first_packet = stamp;
+  counters_.last_packet = stamp;
+}
+
+void LidarIntake::note_stranger(const Datagram& datagram) {
+  counters_.stranger = datagram.sender;
+  counters_.stranger_size = static_cast<uint32_t>(datagram.payload.size());
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+
+#include "daemon/pipeline/stream_item.hpp"
+#include "drivers/measurement/stamp.hpp"
+
+namespace infuse::daemon {
+
+/// Holds a replay back to a multiple of real time.
+class Pacer {
+ public:
+  /// `rate` 2 is twice as fast as it was recorded; nothing: as fast as it goes.
+  explicit Pacer(std::optional<double> rate) : rate_(rate) {}
+
+  /// Returns when it is time for the event of this stamp, or when a stop is asked for. A pause of
+  /// more than 10 s of drive time, or a step back, is not waited for.
+  void wait_until(Stamp stamp, std::stop_token stop);
+
+ private:
+  static constexpr Duration kLongestPause{10'000'000'000};
+
+  std::optional<double> rate_;
+  std::optional<Stamp> drive_start_;
+  Stamp previous_;
+  HostClock::time_point host_start_;
+  std::mutex mutex_;
+  std::condition_variable_any stopped_;
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,33 @@
+#include "daemon/pipeline/reports_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+
+namespace infuse::daemon {
+
+Result<ReportsFile> ReportsFile::create(const std::filesystem::path& path) {
+  std::FILE* file = std::fopen(path.c_str(), "we");
+  if (file == nullptr) {
+    return fail(std::string("the reports cannot be written: ") + std::strerror(errno),
+                path.string(), "name a file in a folder that exists");
+  }
+  return ReportsFile(file, path);
+}
+
+void ReportsFile::write(std::string_view message) {
+  if (error_) return;
+  if (std::fwrite(message.data(), 1, message.size(), file_.get()) == message.size() &&
+      std::fputc('\n', file_.get()) != EOF) {
+    return;
+  }
+  error_ = Error{std::string("the reports could not be written: ") + std::strerror(errno),
+                 path_.string(), "is the disk full?"};
+}
+
+Result<void> ReportsFile::close() {
+  if (!error_ && std::fflush(file_.get()) != 0) write("");
+  if (error_) return tl::unexpected(*error_);
+  return {};
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,19 @@
+#include "daemon/pipeline/threads.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+
+namespace infuse::daemon {
+
+void name_and_pin(const char* name, int core) {
+  pthread_setname_np(pthread_self(), name);
+  cpu_set_t allowed;
+  if (sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return;
+  if (!CPU_ISSET(core, &allowed) || CPU_COUNT(&allowed) < 2) return;
+  cpu_set_t wanted;
+  CPU_ZERO(&wanted);
+  CPU_SET(core, &wanted);
+  pthread_setaffinity_np(pthread_self(), sizeof(wanted), &wanted);
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/health/latency_histogram.hpp"
+#include "daemon/health/sensor_counters.hpp"
+#include "drivers/measurement/sweep.hpp"
+
+namespace infuse::daemon {
+
+/// Objects keep the order in which their keys were set.
+using Json = nlohmann::ordered_json;
+
+/// Three decimals: enough for rates and milliseconds, and good to read.
+double rounded(double value);
+
+/// source, trusted, offset_ns, jitter_ns, and where known skew_ppm and reason.
+Json to_json(const ClockState& clock);
+
+/// Datagrams lost or refused, by cause.
+Json losses_json(const SensorCounters& counters);
+
+/// p50, p99, max, milliseconds.
+Json latency_ms_json(const LatencyFigures& latency);
+
+}  // namespace infuse::daemon

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace infuse::daemon {
+
+/// The reports that a client can watch.
+enum class ReportClass : uint8_t { kDevices, kSweep, kHealth, kAlert };
+
+/// Every watchable class and its name on the wire.
+inline constexpr std::array<std::pair<ReportClass, const char*>, 4> kReportClasses = {
+    {{ReportClass::kDevices, "DEVICES"},
+     {ReportClass::kSweep, "SWEEP"},
+     {ReportClass::kHealth, "HEALTH"},
+     {ReportClass::kAlert, "ALERT"}}};
+
+/// The class of that name; nothing where there is none. Upper case only.
+constexpr std::optional<ReportClass> report_class(std::string_view name) {
+  for (const auto& [value, its_name] : kReportClasses) {
+    if (name == its_name) return value;
+  }
+  return std::nullopt;
+}
+
+/// A set of classes.
+class ReportClasses {
+ public:
+  static constexpr ReportClasses all() {
+    ReportClasses classes;
+    for (const auto& entry : kReportClasses) classes.add(entry.first);
+    return classes;
+  }
+  constexpr void add(ReportClass value) { bits_ |= bit(value); }
+  constexpr bool has(ReportClass value) const { return (bits_ & bit(value)) != 0; }
+  constexpr bool operator==(const ReportClasses&) const = default;
+
+ private:
+  static constexpr uint32_t bit(ReportClass value) { return 1U << static_cast<uint32_t>(value); }
+  uint32_t bits_ = 0;
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/health/latency_histogram.hpp"
+#include "daemon/health/sensor_health.hpp"
+#include "drivers/measurement/stamp.hpp"
+
+namespace infuse::daemon {
+
+/// A sensor that the daemon listens to.
+struct Device {
+  std::string name;
+  std::string kind;                ///< "lidar"
+  std::string model;               ///< "HDL-32E"
+  std::string model_reason;        ///< why that model: "configured", or what it was inferred from
+  std::string endpoint;            ///< where it is listened to: "port 2368 of lidar.pcap"
+  std::optional<Stamp> activated;  ///< its first packet; absent while there was none
+};
+
+/// What is told of one sweep. Plain data of fixed size: it crosses threads by copy.
+struct SweepReport {
+  uint32_t device = 0;  ///< index in the list of devices
+  Stamp stamp;          ///< first firing
+  Duration span{0};     ///< first firing to last
+  uint64_t sequence = 0;
+  uint64_t returns = 0;
+  uint32_t columns = 0;
+  uint32_t rings = 0;
+  uint32_t lost_packets = 0;
+  uint32_t gaps = 0;             ///< stretches of the turn without data
+  double gap_angle = 0;          ///< their sum, rad
+  double mean_range = 0;         ///< m; NaN where there is no return
+  double max_range = 0;          ///< m; NaN where there is no return
+  double mean_reflectivity = 0;  ///< 0 … 1; NaN where there is no return
+  bool has_times = true;         ///< each return has its own time
+  bool clock_trusted = false;
+};
+
+/// How one stage of the pipeline keeps up, in host time.
+struct StageFigures {
+  const char* name = "";
+  LatencyFigures latency;
+  uint64_t deadline_misses = 0;
+};
+
+/// How full one queue is.
+struct QueueFigures {
+  const char* name = "";
+  uint32_t depth = 0;
+  uint32_t capacity = 0;
+};
+
+/// What depends on this machine's speed and not on the data alone.
+struct HostFigures {
+  double cpu_s = 0;  ///< processor time of the process
+  std::vector<StageFigures> stages;
+  std::vector<QueueFigures> queues;
+};
+
+/// How the daemon is, once a second of drive time.
+struct HealthReport {
+  Stamp stamp;
+  Duration drive{0};                         ///< since the start of the drive
+  std::vector<const SensorStatus*> sensors;  ///< by device; valid while the report is used
+};
+
+/// A finding that was raised or cleared.
+struct AlertReport {
+  Stamp stamp;
+  std::string device;
+  bool raised = false;
+  Finding finding;
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "daemon/protocol/report_class.hpp"
+#include "drivers/measurement/error.hpp"
+
+namespace infuse::daemon {
+
+/// What a client asks.
+struct Request {
+  enum class Op : uint8_t { kWatch, kPoll, kDevices };
+  Op op = Op::kPoll;
+  ReportClasses classes;  ///< of kWatch
+};
+
+/// The longest request line that is looked at, bytes.
+inline constexpr size_t kMaxRequestBytes = 4096;
+
+/// The deepest nesting of a request.
+inline constexpr int kMaxRequestDepth = 8;
+
+/// Reads one line, without its line feed. Any bytes are safe; `Error::where` is the op where it
+/// could be read.
+Result<Request> parse_request(std::string_view line);
+
+/// The name of an op on the wire.
+const char* name_of(Request::Op op);
+
+}  // namespace infuse::daemon

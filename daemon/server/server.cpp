@@ -1,0 +1,172 @@
+#include "daemon/server/server.hpp"
+
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <boost/asio/write.hpp>
+
+#include "daemon/protocol/messages.hpp"
+#include "daemon/server/peer.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+namespace asio = boost::asio;
+using ErrorCode = boost::system::error_code;
+using Local = asio::local::stream_protocol;
+
+constexpr std::chrono::milliseconds kLookAfterPeriod{200};
+
+bool somebody_answers(asio::io_context& io, const Local::endpoint& endpoint) {
+  Local::socket probe(io);
+  ErrorCode error;
+  probe.connect(endpoint, error);
+  return !error;
+}
+
+/// Binds so that no one but the owner and the group can ever connect.
+void bind_for_group(Local::acceptor& acceptor, const Local::endpoint& endpoint, ErrorCode& error) {
+  const mode_t before = umask(0117);
+  acceptor.bind(endpoint, error);
+  umask(before);
+}
+
+}  // namespace
+
+Server::Server(asio::io_context& io, const ServerOptions& options, std::string_view release,
+               std::string_view session)
+    : io_(io),
+      options_(options),
+      greeting_(
+          std::make_shared<const std::string>(version_message(release, session).append("\n"))),
+      local_(io),
+      tcp_(io),
+      timer_(io) {
+  look_after();
+}
+
+Server::~Server() {
+  for (const auto& session : sessions_) session->close();
+  if (!path_.empty()) ::unlink(path_.c_str());
+}
+
+Result<void> Server::listen(const std::filesystem::path& path) {
+  const auto failed = [&](const std::string& what, const ErrorCode& error) {
+    ErrorCode ignored;
+    local_.close(ignored);
+    return fail(what + ": " + error.message(), path.string(), "name another with --socket");
+  };
+  const Local::endpoint endpoint(path.string());
+  if (somebody_answers(io_, endpoint)) {
+    return fail("another infused listens there", path.string(), "name another with --socket");
+  }
+  std::error_code folder_error;
+  std::filesystem::create_directories(path.parent_path(), folder_error);
+  if (std::filesystem::is_socket(std::filesystem::symlink_status(path, folder_error))) {
+    ::unlink(path.c_str());  // left behind by one that was killed
+  }
+  ErrorCode error;
+  local_.open(endpoint.protocol(), error);
+  if (error) return failed("no socket can be made", error);
+  bind_for_group(local_, endpoint, error);
+  if (error) return failed("the socket cannot be made there", error);
+  path_ = path;
+  local_.listen(asio::socket_base::max_listen_connections, error);
+  if (error) return failed("the socket cannot be listened to", error);
+  accept(local_);
+  return {};
+}
+
+Result<uint16_t> Server::listen_tcp(uint16_t port) {
+  const asio::ip::tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
+  ErrorCode error;
+  tcp_.open(endpoint.protocol(), error);
+  if (!error) tcp_.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) tcp_.bind(endpoint, error);
+  if (!error) tcp_.listen(asio::socket_base::max_listen_connections, error);
+  if (error) {
+    ErrorCode ignored;
+    tcp_.close(ignored);
+    return fail("cannot be listened to: " + error.message(), "127.0.0.1:" + std::to_string(port),
+                "choose another tcp_port");
+  }
+  accept(tcp_);
+  return tcp_.local_endpoint(error).port();
+}
+
+template <class Acceptor>
+void Server::accept(Acceptor& acceptor) {
+  acceptor.async_accept([this, &acceptor](ErrorCode error, auto socket) {
+    if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
+    if (!error) {
+      greet(Session::Socket(std::move(socket)));
+      accept(acceptor);
+    } else {  // no free descriptor: it would fail again at once, so it waits for look_after()
+      stalled_.emplace_back([this, &acceptor] { accept(acceptor); });
+    }
+  });
+}
+
+void Server::greet(Session::Socket socket) {
+  forget_closed();
+  if (sessions_.size() >= options_.max_clients) return turn_away(std::move(socket));
+  if (const auto peer = peer_of(socket.native_handle())) {
+    spdlog::debug("client connected: process {} of user {}", peer->process, peer->user);
+  }
+  sessions_.push_back(std::make_shared<Session>(std::move(socket), options_, last_values_));
+  sessions_.back()->start(greeting_);
+}
+
+void Server::turn_away(Session::Socket socket) {
+  spdlog::warn("a client was turned away: {} are connected", sessions_.size());
+  const std::string message =
+      error_message("", "too many clients: " + std::to_string(sessions_.size()),
+                    "close another, or raise socket.max_clients") +
+      "\n";
+  ErrorCode ignored;
+  socket.non_blocking(true, ignored);  // a fresh socket's buffer has room for one line
+  asio::write(socket, asio::buffer(message), ignored);
+}
+
+void Server::publish(ReportClass report_class, const std::string& device, Stamp stamp,
+                     std::string message) {
+  message += '\n';
+  const auto line = std::make_shared<const std::string>(std::move(message));
+  for (const auto& session : sessions_) session->report(report_class, stamp, line);
+  last_values_.set(report_class, device, line);
+}
+
+void Server::finish(std::chrono::milliseconds patience) {
+  ErrorCode ignored;
+  local_.close(ignored);
+  tcp_.close(ignored);
+  for (const auto& session : sessions_) session->finish();
+  finish_by_ = Session::Clock::now() + patience;
+  look_after();
+}
+
+void Server::forget_closed() {
+  std::erase_if(sessions_, [](const auto& session) { return session->closed(); });
+}
+
+// Lets go of clients that were silent for too long, and ends finish().
+void Server::look_after() {
+  const auto now = Session::Clock::now();
+  for (const auto& session : sessions_) {
+    const bool idle = now - session->last_activity() > options_.idle_timeout;
+    if (idle || (finish_by_ && now >= *finish_by_)) session->close();
+  }
+  forget_closed();
+  if (finish_by_ && sessions_.empty()) {
+    timer_.cancel();
+    return;
+  }
+  for (const auto& accept_again : std::exchange(stalled_, {})) accept_again();
+  timer_.expires_after(finish_by_ ? kLookAfterPeriod / 10 : kLookAfterPeriod);
+  timer_.async_wait([this](ErrorCode error) {
+    if (!error) look_after();
+  });
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/server/last_values.hpp"
+#include "daemon/server/server_options.hpp"
+#include "daemon/server/session.hpp"
+#include "drivers/measurement/error.hpp"
+
+namespace infuse::daemon {
+
+/// Tells whoever listens. Used on the one thread that runs the `io_context`, which outlives it.
+class Server {
+ public:
+  /// `release` and `session` go into the greeting.
+  Server(boost::asio::io_context& io, const ServerOptions& options, std::string_view release,
+         std::string_view session);
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// Listens on a Unix stream socket that its group may use. A socket that nobody answers on is
+  /// taken over; the folder is made where it is missing.
+  Result<void> listen(const std::filesystem::path& path);
+
+  /// Listens on the IPv4 loopback; `port` 0 takes a free one. Gives the port.
+  Result<uint16_t> listen_tcp(uint16_t port);
+
+  /// Sends the report to every client that watches its class, and keeps it for `poll`. `device` is
+  /// empty where the report is not of one sensor; `message` is a line without its line feed.
+  void publish(ReportClass report_class, const std::string& device, Stamp stamp,
+               std::string message);
+
+  /// Accepts nobody any more and lets every client go: when it has read what it is owed, or after
+  /// `patience`.
+  void finish(std::chrono::milliseconds patience);
+
+  /// Connections at present.
+  size_t clients() const { return sessions_.size(); }
+
+ private:
+  template <class Acceptor>
+  void accept(Acceptor& acceptor);
+  void greet(Session::Socket socket);
+  void turn_away(Session::Socket socket);
+  void look_after();
+  void forget_closed();
+
+  boost::asio::io_context& io_;
+  ServerOptions options_;
+  Line greeting_;
+  boost::asio::local::stream_protocol::acceptor local_;
+  boost::asio::ip::tcp::acceptor tcp_;
+  boost::asio::steady_timer timer_;
+  std::filesystem::path path_;  // of the socket, while it is ours to remove
+  LastValues last_values_;
+  std::vector<std::shared_ptr<Session>> sessions_;
+  std::vector<std::function<void()>> stalled_;  // acceptors to be started again
+  std::optional<Session::Clock::time_point> finish_by_;
+};
+
+}  // namespace infuse::daemon

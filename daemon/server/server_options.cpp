@@ -1,0 +1,21 @@
+#include "daemon/server/server_options.hpp"
+
+#include <sys/un.h>
+
+namespace infuse::daemon {
+
+std::optional<std::string> ServerOptions::invalid() const {
+  constexpr size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
+  if (path.size() > kLongestPath) {
+    return "path is longer than " + std::to_string(kLongestPath) + " bytes, the limit of a socket";
+  }
+  if (max_clients < 1 || max_clients > 10'000) return "max_clients must lie in 1 ... 10000";
+  if (idle_timeout <= Duration::zero()) return "idle_timeout_s must be positive";
+  if (queue_reports < 2 || queue_reports > 100'000) return "queue_reports must lie in 2 ... 100000";
+  if (!(max_requests_hz >= 1 && max_requests_hz <= 1e6)) {
+    return "max_requests_hz must lie in 1 ... 1000000";
+  }
+  return std::nullopt;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,164 @@
+#include "daemon/server/session.hpp"
+
+#include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/write.hpp>
+
+#include "daemon/protocol/messages.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+namespace asio = boost::asio;
+using ErrorCode = boost::system::error_code;
+
+Line to_line(std::string message) {
+  message += '\n';
+  return std::make_shared<const std::string>(std::move(message));
+}
+
+}  // namespace
+
+Session::Session(Socket socket, const ServerOptions& options, const LastValues& last_values)
+    : socket_(std::move(socket)),
+      options_(options),
+      last_values_(last_values),
+      request_tokens_(options.max_requests_hz),
+      last_request_(Clock::now()),
+      last_activity_(last_request_) {}
+
+void Session::start(Line greeting) {
+  queue(std::move(greeting));
+  read();
+}
+
+// One read at a time, and none while many answers wait: a client that asks without reading is
+// heard no further, and costs nothing.
+void Session::read() {
+  if (reading_ || finishing_ || closed() || output_.size() >= options_.queue_reports) return;
+  reading_ = true;
+  const auto space = asio::buffer(input_.data() + input_size_, input_.size() - input_size_);
+  socket_.async_read_some(space, [self = shared_from_this()](ErrorCode error, size_t bytes) {
+    self->reading_ = false;
+    if (error || self->closed()) return self->close();
+    self->take(bytes);
+  });
+}
+
+void Session::take(size_t bytes) {
+  last_activity_ = Clock::now();
+  input_size_ += bytes;
+  size_t begin = 0;
+  while (!finishing_) {
+    const auto* end = std::find(input_.data() + begin, input_.data() + input_size_, '\n');
+    if (end == input_.data() + input_size_) break;
+    const std::string_view line(input_.data() + begin,
+                                static_cast<size_t>(end - input_.data()) - begin);
+    begin += line.size() + 1;
+    answer(line);
+  }
+  std::copy(input_.data() + begin, input_.data() + input_size_, input_.data());
+  input_size_ -= begin;
+  if (input_size_ == input_.size()) {
+    refuse("the request is longer than " + std::to_string(kMaxRequestBytes) + " bytes", "");
+  }
+  read();
+}
+
+void Session::answer(std::string_view line) {
+  if (!within_rate()) return refuse("too many requests", "watch instead of polling");
+  const Result<Request> request = parse_request(line);
+  if (!request) {
+    const Error& error = request.error();
+    return queue(to_line(error_message(error.where, error.what, error.hint)));
+  }
+  if (request->op == Request::Op::kPoll) return answer_poll();
+  if (request->op == Request::Op::kDevices) {
+    for (const LastValues::Entry& entry : last_values_.entries()) {
+      if (entry.report_class == ReportClass::kDevices) return queue(entry.line);
+    }
+    return queue(to_line(error_message("devices", "no device is known yet", "ask again later")));
+  }
+  watched_ = request->classes;
+  queue(to_line(ack_message("watch")));
+}
+
+void Session::answer_poll() {
+  for (const LastValues::Entry& entry : last_values_.entries()) queue(entry.line);
+  queue(to_line(ack_message("poll")));
+}
+
+void Session::refuse(std::string_view what, std::string_view hint) {
+  queue(to_line(error_message("", what, hint)));
+  finish();
+}
+
+// A bucket of tokens that fills at the permitted rate and holds one second's worth.
+bool Session::within_rate() {
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - last_request_).count();
+  last_request_ = now;
+  request_tokens_ =
+      std::min(request_tokens_ + seconds * options_.max_requests_hz, options_.max_requests_hz);
+  if (request_tokens_ < 1) return false;
+  request_tokens_ -= 1;
+  return true;
+}
+
+// A client that has lost reports gets none until half of its queue is free, so that it is told of
+// long gaps now and then instead of short ones all the time.
+void Session::report(ReportClass report_class, Stamp stamp, const Line& line) {
+  if (!watched_.has(report_class) || finishing_ || closed()) return;
+  const size_t limit = lost_ == 0 ? options_.queue_reports : options_.queue_reports / 2;
+  if (output_.size() >= limit) {
+    ++lost_;
+    return;
+  }
+  if (lost_ > 0) {
+    queue(to_line(lost_message(stamp, lost_)));
+    lost_ = 0;
+  }
+  queue(line);
+}
+
+void Session::queue(Line line) {
+  if (closed()) return;
+  output_.push_back(std::move(line));
+  if (in_flight_.empty()) write();
+}
+
+void Session::write() {
+  constexpr size_t kLinesAWrite = 32;
+  const size_t lines = std::min(output_.size(), kLinesAWrite);
+  std::vector<asio::const_buffer> buffers;
+  buffers.reserve(lines);
+  for (size_t i = 0; i < lines; ++i) {
+    in_flight_.push_back(std::move(output_.front()));
+    output_.pop_front();
+    buffers.push_back(asio::buffer(*in_flight_.back()));
+  }
+  asio::async_write(socket_, buffers, [self = shared_from_this()](ErrorCode error, size_t) {
+    self->in_flight_.clear();
+    if (error || self->closed()) return self->close();
+    self->last_activity_ = Clock::now();
+    if (!self->output_.empty()) {
+      self->write();
+    } else if (self->finishing_) {
+      return self->close();
+    }
+    self->read();
+  });
+}
+
+void Session::finish() {
+  finishing_ = true;
+  if (in_flight_.empty()) close();
+}
+
+void Session::close() {
+  ErrorCode ignored;
+  socket_.shutdown(Socket::shutdown_both, ignored);
+  socket_.close(ignored);
+}
+
+}  // namespace infuse::daemon

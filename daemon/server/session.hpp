@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "daemon/protocol/request.hpp"
+#include "daemon/server/last_values.hpp"
+#include "daemon/server/server_options.hpp"
+#include "drivers/measurement/stamp.hpp"
+
+namespace infuse::daemon {
+
+/// One client: reads its requests, writes what it asked for. Lives as long as an operation of its
+/// socket is under way; used on one thread.
+class Session : public std::enable_shared_from_this<Session> {
+ public:
+  using Socket = boost::asio::generic::stream_protocol::socket;
+  using Clock = std::chrono::steady_clock;
+
+  /// `last_values` outlives the session.
+  Session(Socket socket, const ServerOptions& options, const LastValues& last_values);
+
+  /// Sends the greeting and begins to read.
+  void start(Line greeting);
+
+  /// Queues the report if the client watches its class; counts it as lost if the queue is full.
+  void report(ReportClass report_class, Stamp stamp, const Line& line);
+
+  /// Ends the connection when everything queued was sent.
+  void finish();
+
+  /// Ends the connection at once.
+  void close();
+
+  bool closed() const { return !socket_.is_open(); }
+
+  /// When something was last read from or written to the client.
+  Clock::time_point last_activity() const { return last_activity_; }
+
+ private:
+  void read();
+  void take(size_t bytes);
+  void answer(std::string_view line);
+  void refuse(std::string_view what, std::string_view hint);
+  void answer_poll();
+  void queue(Line line);
+  void write();
+  bool within_rate();
+
+  Socket socket_;
+  const ServerOptions options_;
+  const LastValues& last_values_;
+  ReportClasses watched_;
+
+  std::array<char, kMaxRequestBytes + 1> input_{};
+  size_t input_size_ = 0;
+  double request_tokens_;
+  Clock::time_point last_request_;
+  Clock::time_point last_activity_;
+
+  std::deque<Line> output_;
+  std::vector<Line> in_flight_;
+  uint64_t lost_ = 0;
+  bool reading_ = false;
+  bool finishing_ = false;
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,60 @@
+#include "daemon/survey/capture_survey.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+
+#include "drivers/velodyne/packet.hpp"
+#include "drivers/velodyne/position_packet.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+StreamKind kind_of(const Datagram& datagram) {
+  if (datagram.payload.size() == velodyne::kPacketSize) return StreamKind::kData;
+  if (datagram.payload.size() == velodyne::kPositionPacketSize) return StreamKind::kPosition;
+  return StreamKind::kOther;
+}
+
+}  // namespace
+
+Stream* CaptureSurvey::stream_of(const Datagram& datagram) {
+  const StreamKind kind = kind_of(datagram);
+  const auto at = std::find_if(streams_.begin(), streams_.end(), [&](const Stream& stream) {
+    return stream.sender == datagram.sender && stream.port == datagram.destination_port &&
+           stream.kind == kind;
+  });
+  if (at != streams_.end()) return &*at;
+  if (streams_.size() == kMaxStreams) return nullptr;
+  Stream& stream = streams_.emplace_back();
+  stream.sender = datagram.sender;
+  stream.port = datagram.destination_port;
+  stream.kind = kind;
+  return &stream;
+}
+
+void CaptureSurvey::add(const Datagram& datagram) {
+  Stream* stream = stream_of(datagram);
+  if (stream == nullptr) {
+    ++others_;
+    return;
+  }
+  stream->arrivals.add(datagram.stamp);
+  stream->bytes += datagram.payload.size();
+  stream->last_size = static_cast<uint32_t>(datagram.payload.size());
+  if (stream->kind == StreamKind::kData) stream->inference.add(datagram.payload);
+}
+
+std::string address_text(uint32_t address) {
+  in_addr network{htonl(address)};
+  char text[INET_ADDRSTRLEN];
+  return inet_ntop(AF_INET, &network, text, sizeof(text));
+}
+
+std::optional<uint32_t> parse_address(const std::string& text) {
+  in_addr network{};
+  if (inet_pton(AF_INET, text.c_str(), &network) != 1) return std::nullopt;
+  return ntohl(network.s_addr);
+}
+
+}  // namespace infuse::daemon

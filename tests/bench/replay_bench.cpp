@@ -1,0 +1,95 @@
+// The whole replay of a ten-minute capture, as fast as it goes, all threads on one core, beside
+// libpcap reading the same file.
+
+#include <benchmark/benchmark.h>
+#include <sched.h>
+
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "drivers/recording/pcap_reader.hpp"
+#include "fixtures/scene/capture.hpp"
+#include "tests/daemon/pipeline/replayed.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr double kSeconds = 600;
+
+/// Keeps this thread, and those that it starts, on one core.
+void stay_on_one_core() {
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(sched_getcpu(), &one);
+  sched_setaffinity(0, sizeof(one), &one);
+}
+
+/// Resident memory at present, MB.
+double resident_mb() {
+  std::ifstream statm("/proc/self/statm");
+  double all = 0, resident = 0;
+  statm >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+/// Made on first use, removed at the end.
+const std::filesystem::path& capture(double seconds) {
+  static const TemporaryFolder folder;
+  static std::map<double, std::filesystem::path> made;
+  std::filesystem::path& path = made[seconds];
+  if (path.empty()) {
+    path = folder / (std::to_string(seconds) + ".pcap");
+    std::fprintf(stderr, "making a capture of %.0f s\n", seconds);
+    fixtures::CaptureOptions options;
+    options.length = from_seconds(seconds);
+    if (!fixtures::make_capture(path, options)) std::abort();
+  }
+  return path;
+}
+
+void replay_hdl32e(benchmark::State& state) {
+  const std::filesystem::path path = capture(kSeconds);
+  const std::filesystem::path brief = capture(kSeconds / 20);
+  stay_on_one_core();
+  (void)replayed(brief);
+  const double after_brief_mb = resident_mb();
+  for (auto _ : state) {
+    const auto result = replayed(path);
+    if (!result) state.SkipWithError(result.error().message().c_str());
+  }
+  state.SetItemsProcessed(static_cast<int64_t>(kSeconds) *
+                          static_cast<int64_t>(state.iterations()));
+  state.SetLabel("x real time");
+  state.counters["memory_growth_mb"] = resident_mb() - after_brief_mb;
+}
+
+void read_by_libpcap(benchmark::State& state) {
+  const std::filesystem::path path = capture(kSeconds);
+  stay_on_one_core();
+  for (auto _ : state) {
+    auto reader = recording::PcapReader::open(path);
+    Datagram datagram;
+    uint64_t bytes = 0;
+    while (reader->next(datagram)) bytes += datagram.payload.size();
+    benchmark::DoNotOptimize(bytes);
+  }
+  state.SetItemsProcessed(static_cast<int64_t>(kSeconds) *
+                          static_cast<int64_t>(state.iterations()));
+  state.SetLabel("x real time");
+}
+
+BENCHMARK(replay_hdl32e)
+    ->Name("replay/hdl32e")
+    ->Iterations(1)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(read_by_libpcap)
+    ->Name("replay/hdl32e/baseline:libpcap_reading_only")
+    ->Iterations(1)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace infuse::daemon

@@ -1,0 +1,132 @@
+// bench-report: makes one list of what Google Benchmark wrote into several files. A benchmark named
+// `X` is set beside every `X/baseline:WHO` of the same run; a ratio above 1 means that X is better.
+//
+//     bench-report OUT.json IN.json...       OUT "-": only the table
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// One benchmark: a rate (more is better) or a time (less is better).
+struct Figure {
+  double value = 0;
+  std::string unit;
+  bool is_rate = false;
+};
+
+/// What Google Benchmark adds to a name to say how it measured.
+std::string without_modifiers(std::string name) {
+  for (const char* modifier : {"/real_time", "/process_time", "/manual_time",
+                               "/iterations:", "/min_time:", "/repeats:", "/threads:"}) {
+    const size_t begin = name.find(modifier);
+    if (begin == std::string::npos) continue;
+    const size_t end = name.find('/', begin + 1);
+    name.erase(begin, end == std::string::npos ? end : end - begin);
+  }
+  return name;
+}
+
+Figure figure_of(const Json& run) {
+  if (run.contains("items_per_second")) {
+    return {run["items_per_second"], run.value("label", "1/s"), true};
+  }
+  return {run.value("real_time", 0.0), run.value("time_unit", "ns"), false};
+}
+
+/// Median over repetitions where there are several, else the only run; in the order of the files.
+struct Figures {
+  std::vector<std::string> names;
+  std::map<std::string, Figure> by_name;
+
+  void read(const Json& file) {
+    for (const Json& run : file.value("benchmarks", Json::array())) {
+      if (run.value("error_occurred", false)) continue;
+      const bool aggregate = run.value("run_type", "") == "aggregate";
+      if (aggregate && run.value("aggregate_name", "") != "median") continue;
+      const std::string name = without_modifiers(run.value("run_name", ""));
+      if (!by_name.contains(name)) names.push_back(name);
+      by_name[name] = figure_of(run);
+    }
+  }
+};
+
+/// "decode/x/baseline:pcl/8" is a baseline of "decode/x/8", by "pcl".
+struct Baseline {
+  std::string of, who;
+};
+std::optional<Baseline> baseline(const std::string& name) {
+  constexpr std::string_view kMark = "/baseline:";
+  const size_t begin = name.find(kMark);
+  if (begin == std::string::npos) return std::nullopt;
+  const size_t end = std::min(name.find('/', begin + 1), name.size());
+  const size_t who = begin + kMark.size();
+  return Baseline{name.substr(0, begin) + name.substr(end), name.substr(who, end - who)};
+}
+
+Json entry(const std::string& name, const Figure& figure) {
+  return {{"name", name}, {"value", figure.value}, {"unit", figure.unit}};
+}
+
+Json compared(const std::string& name, const Figure& figure, const std::string& who,
+              const Figure& other) {
+  Json json = entry(name, figure);
+  json["baseline"] = who;
+  json["baseline_value"] = other.value;
+  json["ratio"] = figure.is_rate ? figure.value / other.value : other.value / figure.value;
+  return json;
+}
+
+Json list_of(const Figures& figures) {
+  Json list = Json::array();
+  for (const std::string& name : figures.names) {
+    if (baseline(name)) continue;
+    const Figure& figure = figures.by_name.at(name);
+    bool has_baseline = false;
+    for (const std::string& other : figures.names) {
+      const auto its = baseline(other);
+      if (!its || its->of != name) continue;
+      list.push_back(compared(name, figure, its->who, figures.by_name.at(other)));
+      has_baseline = true;
+    }
+    if (!has_baseline) list.push_back(entry(name, figure));
+  }
+  return list;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::cerr << "usage: bench-report OUT.json|- IN.json...\n";
+    return 2;
+  }
+  Figures figures;
+  for (int i = 2; i < argc; ++i) {
+    std::ifstream stream(argv[i]);
+    const Json file = Json::parse(stream, nullptr, false);
+    if (file.is_object()) figures.read(file);
+  }
+  const Json list = list_of(figures);
+  for (const Json& row : list) {
+    std::printf("%-44s %12.4g %-16s", row["name"].get<std::string>().c_str(),
+                row["value"].get<double>(), row["unit"].get<std::string>().c_str());
+    if (row.contains("ratio")) {
+      std::printf(" %8.2f × %s (%.4g)", row["ratio"].get<double>(),
+                  row["baseline"].get<std::string>().c_str(), row["baseline_value"].get<double>());
+    }
+    std::printf("\n");
+  }
+  if (std::string(argv[1]) == "-") return 0;
+  std::ofstream out(argv[1]);
+  out << list.dump(2) << "\n";
+  return out ? 0 : 1;
+}

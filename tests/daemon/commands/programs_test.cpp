@@ -1,0 +1,193 @@
+// The programs as a person runs them: what they print, and their exit codes.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "fixtures/scene/capture.hpp"
+#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/schema.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// What a program said, and its exit code.
+struct Ran {
+  std::string output;  ///< standard output and standard error
+  int code = -1;
+};
+
+Ran run(const std::string& command) {
+  Ran ran;
+  const std::string line = "{ " + std::string(INFUSE_BINARIES) + "/" + command + "; } 2>&1";
+  std::FILE* pipe = ::popen(line.c_str(), "r");
+  if (pipe == nullptr) return ran;
+  std::array<char, 4096> bytes;
+  for (size_t got; (got = std::fread(bytes.data(), 1, bytes.size(), pipe)) > 0;) {
+    ran.output.append(bytes.data(), got);
+  }
+  const int status = ::pclose(pipe);
+  ran.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return ran;
+}
+
+class ProgramsTest : public testing::Test {
+ protected:
+  void make(double seconds, double loss = 0) {
+    fixtures::CaptureOptions options;
+    options.model = velodyne::Model::kVlp16;
+    options.length = from_seconds(seconds);
+    options.loss = loss;
+    const auto made = fixtures::make_capture(path_, options);
+    ASSERT_TRUE(made);
+    truth_ = *made;
+  }
+  std::string path() const { return path_.string(); }
+  std::string socket() const { return " --socket " + (folder_ / "s").string(); }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "street.pcap";
+  fixtures::CaptureTruth truth_;
+};
+
+TEST_F(ProgramsTest, ExitCodesAreThoseOfTheHouse) {
+  EXPECT_EQ(run("infused --version").code, 0);
+  EXPECT_EQ(run("infuse --help").code, 0);
+  EXPECT_EQ(run("infuse").code, 2);
+  EXPECT_EQ(run("infuse nonsense").code, 2);
+  EXPECT_EQ(run("infused --rate").code, 2);
+  const Ran live = run("infused");
+  EXPECT_EQ(live.code, 2);
+  EXPECT_THAT(live.output, HasSubstr("live sources are not supported yet"));
+  EXPECT_EQ(run("infused --replay /nonexistent" + socket()).code, 3);
+  EXPECT_EQ(run("infuse inspect /nonexistent").code, 3);
+  EXPECT_EQ(run("infuse decode /nonexistent -o x.pcd").code, 3);
+  EXPECT_EQ(run("infuse decode /nonexistent -o x.xyz").code, 2);
+  const Ran nobody = run("infuse status" + socket());
+  EXPECT_EQ(nobody.code, 1);
+  EXPECT_THAT(nobody.output, HasSubstr("is infused running?"));
+  make(0.5);
+  EXPECT_EQ(run("infused --replay " + path() + " --rate 0" + socket()).code, 2);
+  EXPECT_EQ(run("infused --replay " + path() + " --model X" + socket()).code, 2);
+  EXPECT_EQ(run("infused --replay " + path() + " --reports /nonexistent/x" + socket()).code, 2);
+}
+
+TEST_F(ProgramsTest, AConfigurationIsCheckedWithoutStarting) {
+  const auto file = folder_ / "infused.toml";
+  std::ofstream(file) << "[health]\nstale_after_s = 5\n";
+  EXPECT_EQ(run("infused --check-config --config " + file.string()).code, 0);
+  std::ofstream(file) << "[health]\n\nstale = 5\n";
+  const Ran wrong = run("infused --check-config --config " + file.string());
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.output, HasSubstr("infused.toml:3: unknown key 'stale'"));
+  EXPECT_EQ(run("infused --check-config").code, 2);
+}
+
+TEST_F(ProgramsTest, TheSummaryIsOneObjectOrReadable) {
+  make(2);
+  const Ran text = run("infused --replay " + path() + socket());
+  EXPECT_EQ(text.code, 0);
+  EXPECT_THAT(text.output, HasSubstr("VLP-16, OK (inferred: product byte 0x22"));
+  const Ran machine = run("infused --json --replay " + path() + socket());
+  ASSERT_EQ(machine.code, 0);
+  const json summary = json::parse(machine.output.substr(machine.output.rfind("\n{") + 1));
+  EXPECT_EQ(summary["packets"], truth_.packets);
+  EXPECT_EQ(summary["returns"], truth_.returns);
+  EXPECT_EQ(summary["packets_lost"], 0);
+  EXPECT_NEAR(summary["drive_s"].get<double>(), 2, 0.01);
+  EXPECT_GT(summary["cpu_s"].get<double>(), 0);
+  EXPECT_GE(summary["latency_ms"]["max"].get<double>(), summary["latency_ms"]["p50"].get<double>());
+}
+
+TEST_F(ProgramsTest, ReportsAreTheSameBytesAtEveryRate) {
+  make(1.2);
+  const auto reports = [&](const std::string& rate) {
+    const auto file = folder_ / rate;
+    EXPECT_EQ(run("infused --replay " + path() + " --rate " + rate + " --reports " + file.string() +
+                  socket())
+                  .code,
+              0);
+    std::ifstream stream(file, std::ios::binary);
+    return std::string((std::istreambuf_iterator<char>(stream)), {});
+  };
+  const std::string fastest = reports("max");
+  EXPECT_GT(fastest.size(), 1000U);
+  EXPECT_EQ(reports("10"), fastest);
+  EXPECT_EQ(reports("1"), fastest);
+}
+
+TEST_F(ProgramsTest, InspectTellsStreamsDevicesAndProblems) {
+  make(3, 0.05);
+  const Ran machine = run("infuse inspect --json " + path());
+  ASSERT_EQ(machine.code, 0);
+  const json found = json::parse(machine.output);
+  ASSERT_EQ(found["streams"].size(), 2U);
+  EXPECT_EQ(found["streams"][0]["what"], "lidar packets");
+  EXPECT_EQ(found["streams"][0]["count"], truth_.packets);
+  EXPECT_EQ(found["streams"][0]["sender"], "192.168.1.201");
+  EXPECT_EQ(found["streams"][1]["count"], truth_.position_packets);
+  EXPECT_EQ(found["devices"][0]["model"], "VLP-16");
+  EXPECT_THAT(found["problems"].dump(), HasSubstr("packets are missing"));
+  const Ran text = run("infuse inspect " + path());
+  EXPECT_THAT(text.output, HasSubstr("lidar packets from 192.168.1.201 to port 2368"));
+}
+
+TEST_F(ProgramsTest, DecodeWritesASweepToAFile) {
+  make(1);
+  const auto file = folder_ / "sweep.csv";
+  ASSERT_EQ(run("infuse decode " + path() + " --sweep 3 -o " + file.string()).code, 0);
+  std::ifstream stream(file);
+  int lines = 0;
+  for (std::string line; std::getline(stream, line);) ++lines;
+  EXPECT_GT(lines, 20'000);  // a turn of a VLP-16 in a street
+  EXPECT_EQ(run("infuse decode " + path() + " --sweep 99 -o " + file.string()).code, 1);
+  const Ran all = run("infuse decode --json " + path() + " -o " + (folder_ / "x.pcd").string());
+  ASSERT_EQ(all.code, 0);
+  EXPECT_EQ(json::parse(all.output)["returns"], truth_.returns);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "x-000000.pcd"));
+}
+
+TEST_F(ProgramsTest, StatusAndWatchAskARunningReplay) {
+  make(4);
+  Ran daemon;
+  std::thread thread([&] { daemon = run("infused --replay " + path() + " --rate 1" + socket()); });
+  Ran status;
+  for (int i = 0; i < 200 && status.output.find("HEALTH") == std::string::npos; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    status = run("infuse status" + socket());
+  }
+  EXPECT_EQ(status.code, 0);
+  EXPECT_THAT(status.output, HasSubstr("HEALTH OK"));
+  EXPECT_THAT(status.output, HasSubstr("lidar: "));
+  EXPECT_EQ(run("infuse watch NONSENSE" + socket()).code, 2);
+  const Ran watched = run("infuse watch --json" + socket());  // until the daemon ends
+  thread.join();
+  EXPECT_EQ(watched.code, 0);
+  EXPECT_EQ(daemon.code, 0);
+  std::istringstream lines(watched.output);
+  int sweeps = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ASSERT_TRUE(valid_message(line));
+    sweeps += json::parse(line)["class"] == "SWEEP";
+  }
+  EXPECT_GT(sweeps, 3);
+}
+
+TEST_F(ProgramsTest, ATerminationSignalEndsWithASummary) {
+  make(30);
+  const Ran stopped = run("infused --json --replay " + path() + " --rate 1" + socket() +
+                          " & pid=$!; sleep 0.5; kill -TERM $pid; wait $pid");
+  EXPECT_EQ(stopped.code, 0);
+  EXPECT_THAT(stopped.output, HasSubstr("\"stopped\":true"));
+}
+
+}  // namespace
+}  // namespace infuse::daemon

@@ -1,0 +1,136 @@
+#include "daemon/config/config.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace infuse::daemon {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kFull = R"(log_level = "debug"
+
+[socket]
+path = "/tmp/x.sock"
+tcp_port = 2947
+max_clients = 8
+idle_timeout_s = 1.5
+queue_reports = 16
+max_requests_hz = 10
+
+[health]
+stale_after_s = 2
+raise_after_s = 0.5
+clear_after_s = 4
+clock_grace_s = 20
+warn_loss = 0.01
+error_loss = 0.1
+
+[[lidar]]
+name = "front"
+model = "HDL-32E"
+port = 2370
+sender = "192.168.1.201"
+)";
+
+TEST(Config, AnEmptyFileIsTheDefaults) {
+  const auto config = parse_config("", "x.toml");
+  ASSERT_TRUE(config);
+  EXPECT_EQ(config->socket.max_clients, 64U);
+  EXPECT_EQ(config->health.stale_after, from_seconds(3));
+  EXPECT_TRUE(config->lidars.empty());
+}
+
+TEST(Config, EveryKeyIsTakenOver) {
+  const auto config = parse_config(kFull, "x.toml");
+  ASSERT_TRUE(config) << config.error().message();
+  EXPECT_EQ(config->log_level, "debug");
+  EXPECT_EQ(config->socket.path, "/tmp/x.sock");
+  EXPECT_EQ(config->socket.tcp_port, 2947);
+  EXPECT_EQ(config->socket.max_clients, 8U);
+  EXPECT_EQ(config->socket.idle_timeout, from_seconds(1.5));
+  EXPECT_EQ(config->socket.queue_reports, 16U);
+  EXPECT_EQ(config->socket.max_requests_hz, 10);
+  EXPECT_EQ(config->health.stale_after, from_seconds(2));
+  EXPECT_EQ(config->health.raise_after, from_seconds(0.5));
+  EXPECT_EQ(config->health.clear_after, from_seconds(4));
+  EXPECT_EQ(config->health.clock_grace, from_seconds(20));
+  EXPECT_EQ(config->health.warn_loss, 0.01);
+  EXPECT_EQ(config->health.error_loss, 0.1);
+  ASSERT_EQ(config->lidars.size(), 1U);
+  EXPECT_EQ(config->lidars[0].name, "front");
+  EXPECT_EQ(config->lidars[0].model, "HDL-32E");
+  EXPECT_EQ(config->lidars[0].port, 2370);
+  EXPECT_EQ(config->lidars[0].sender, "192.168.1.201");
+}
+
+struct Wrong {
+  const char* text;
+  const char* message;
+};
+
+class ConfigErrors : public testing::TestWithParam<Wrong> {};
+
+TEST_P(ConfigErrors, SayWhereAndWhat) {
+  const auto config = parse_config(GetParam().text, "x.toml");
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error().message(), HasSubstr(GetParam().message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, ConfigErrors,
+    testing::Values(
+        Wrong{"\n[health]\nstale_after = 3\n", "x.toml:3:15: unknown key 'health.stale_after'"},
+        Wrong{"\n[health]\nstale_after = 3\n", "known keys: stale_after_s, raise_after_s"},
+        Wrong{"[socket]\npath = 3", "x.toml:2:8: socket.path is not a string"},
+        Wrong{"[socket]\nmax_clients = 1.5", "x.toml:2:15: socket.max_clients is not a whole"},
+        Wrong{"[socket]\ntcp_port = 65536", "socket.tcp_port is out of range (0 ... 65535)"},
+        Wrong{"[socket]\nmax_clients = 0", "x.toml:1:1: socket: max_clients must lie in"},
+        Wrong{"[health]\nwarn_loss = \"1\"", "health.warn_loss is not a number"},
+        Wrong{"[health]\nwarn_loss = nan", "health.warn_loss is not finite"},
+        Wrong{"socket = 1", "socket is not a table"},
+        Wrong{"lidar = 1", "lidar is not a list of tables ([[lidar]])"},
+        Wrong{"lidar = [1]", "lidar holds something that is not a table"},
+        Wrong{"[[lidar]]\n[[lidar]]", "x.toml:2:1: two lidars are named 'lidar'"},
+        Wrong{"log_level = \"loud\"", "log_level is none of"}, Wrong{"a = = 1", "x.toml:1:"},
+        Wrong{"[socket\n", "x.toml:1:"}));
+
+TEST(Config, AFileThatIsNotThereIsAnError) {
+  const auto config = load_config("/nonexistent/infused.toml");
+  ASSERT_FALSE(config);
+  EXPECT_EQ(config.error().where, "/nonexistent/infused.toml");
+  EXPECT_FALSE(load_config("/"));
+}
+
+TEST(Config, SizeAndDepthAreBounded) {
+  EXPECT_FALSE(parse_config(std::string(2 << 20, '\n'), "x.toml"));
+  EXPECT_FALSE(parse_config("a = " + std::string(100'000, '['), "x.toml"));
+}
+
+TEST(Config, TenThousandMutatedFilesAreEachReadOrRefusedWithAReason) {
+  std::mt19937 random(2);
+  int refused = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    std::string text = kFull;
+    for (unsigned edits = 1 + random() % 4; edits > 0; --edits) {
+      const size_t place = random() % text.size();
+      if (random() % 2 == 0) {
+        text[place] = static_cast<char>(random());
+      } else {
+        text.erase(place, random() % 8);
+      }
+    }
+    const auto config = parse_config(text, "x.toml");
+    if (config) continue;
+    ++refused;
+    EXPECT_THAT(config.error().where, testing::StartsWith("x.toml"));
+    EXPECT_FALSE(config.error().what.empty());
+  }
+  EXPECT_GT(refused, 5000);
+  EXPECT_LT(refused, 10'000);
+}
+
+}  // namespace
+}  // namespace infuse::daemon

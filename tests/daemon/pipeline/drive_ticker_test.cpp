@@ -1,0 +1,61 @@
+#include "daemon/pipeline/drive_ticker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace infuse::daemon {
+namespace {
+
+Stamp at(double seconds) {
+  return Stamp::from_ns(1'700'000'000'500'000'000) + from_seconds(seconds);
+}
+
+class DriveTickerTest : public testing::Test {
+ protected:
+  std::vector<Stamp> ticks(Stamp stamp) {
+    std::vector<Stamp> ticks;
+    ticker_.advance(stamp, [&](Stamp tick) { ticks.push_back(tick); });
+    return ticks;
+  }
+  DriveTicker ticker_;
+};
+
+TEST_F(DriveTickerTest, EverySecondSinceTheFirstStamp) {
+  EXPECT_TRUE(ticks(at(0)).empty());
+  EXPECT_TRUE(ticks(at(0.999)).empty());
+  EXPECT_EQ(ticks(at(1)), std::vector{at(1)});
+  EXPECT_TRUE(ticks(at(1.5)).empty());
+  EXPECT_EQ(ticks(at(4.2)), (std::vector{at(2), at(3), at(4)}));
+}
+
+TEST_F(DriveTickerTest, DisorderIsNoStepBack) {
+  ticks(at(0));
+  EXPECT_EQ(ticks(at(1)), std::vector{at(1)});
+  EXPECT_TRUE(ticks(at(0.5)).empty());
+  EXPECT_EQ(ticks(at(2)), std::vector{at(2)});
+}
+
+TEST_F(DriveTickerTest, AStepBackBeginsAnew) {
+  ticks(at(100));
+  EXPECT_TRUE(ticks(at(0)).empty());
+  EXPECT_EQ(ticks(at(1)), std::vector{at(1)});
+}
+
+TEST_F(DriveTickerTest, AYearIsNotTickedThrough) {
+  ticks(at(0));
+  const auto all = ticks(at(365.0 * 86'400));
+  EXPECT_EQ(all.size(), static_cast<size_t>(DriveTicker::kMaxTicks) + 1);
+  EXPECT_EQ(all.back(), at(365.0 * 86'400));
+  EXPECT_EQ(ticks(at(365.0 * 86'400 + 1)).size(), 1U);
+}
+
+TEST_F(DriveTickerTest, TheEndOfTimeEnds) {
+  ticks(at(0));
+  EXPECT_LE(ticks(Stamp::latest()).size(), 31U);
+  EXPECT_LE(ticks(Stamp::latest()).size(), 31U);
+  EXPECT_LE(ticks(Stamp::earliest()).size(), 31U);
+}
+
+}  // namespace
+}  // namespace infuse::daemon

@@ -1,0 +1,122 @@
+#include "daemon/protocol/messages.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/daemon/schema.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using nlohmann::json;
+
+const Stamp kStamp = Stamp::from_ns(1'700'000'000'123'456'789);
+const std::vector<Device> kDevices = {
+    {"front", "lidar", "HDL-32E", "configured", "port 2368", kStamp},
+    {"rear", "lidar", "VLP-16", "the packets say so", "port 2369", std::nullopt}};
+
+json checked(const std::string& line) {
+  EXPECT_TRUE(valid_message(line));
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+  return json::parse(line);
+}
+
+TEST(Messages, VersionNamesReleaseProtocolAndSession) {
+  const json message = checked(version_message("0.1.0", "0123456789abcdef"));
+  EXPECT_EQ(message["class"], "VERSION");
+  EXPECT_EQ(message["release"], "0.1.0");
+  EXPECT_EQ(message["protocol"], json({1, 0}));
+}
+
+TEST(Messages, WhatIsNotKnownIsAbsent) {
+  const json message = checked(devices_message(kStamp, kDevices));
+  EXPECT_EQ(message["stamp"], 1'700'000'000'123'456'789);
+  EXPECT_EQ(message["devices"][0]["activated"], 1'700'000'000'123'456'789);
+  EXPECT_FALSE(message["devices"][1].contains("activated"));
+}
+
+TEST(Messages, ASweepWithoutReturnsHasNoMeans) {
+  SweepReport report;
+  report.device = 1;
+  report.stamp = kStamp;
+  report.span = from_seconds(0.0998);
+  report.mean_range = report.max_range = report.mean_reflectivity = std::nan("");
+  const json empty = checked(sweep_message(report, kDevices));
+  EXPECT_EQ(empty["device"], "rear");
+  EXPECT_FALSE(empty.contains("mean_range"));
+  report.mean_range = 12.25;
+  report.gap_angle = M_PI / 2;
+  const json message = checked(sweep_message(report, kDevices));
+  EXPECT_EQ(message["mean_range"], 12.25);
+  EXPECT_EQ(message["gap_deg"], 90);
+  EXPECT_EQ(message["span_s"], 0.0998);
+}
+
+TEST(Messages, HealthHasTheWorstLevelAndHostFiguresOnlyWhenGiven) {
+  SensorStatus good;
+  SensorStatus bad;
+  bad.level = Level::kError;
+  bad.counters.packets = 3;
+  bad.counters.clock.source = ClockState::Source::kPowerUp;
+  bad.counters.clock.skew_ppm = std::numeric_limits<double>::infinity();
+  bad.counters.clock.reason = "settling";
+  bad.findings.push_back({"loss", Level::kWarn, kStamp, "lost", "look"});
+  const HealthReport report{kStamp, from_seconds(3), {&good, &bad}};
+  const json plain = checked(health_message(report, kDevices, nullptr));
+  EXPECT_EQ(plain["level"], "ERROR");
+  EXPECT_EQ(plain["drive_s"], 3);
+  EXPECT_FALSE(plain.contains("host"));
+  EXPECT_FALSE(plain["sensors"][0].contains("clock"));
+  EXPECT_EQ(plain["sensors"][1]["clock"]["source"], "power_up");
+  EXPECT_EQ(plain["sensors"][1]["clock"]["reason"], "settling");
+  EXPECT_FALSE(plain["sensors"][1]["clock"].contains("skew_ppm"));
+
+  HostFigures host;
+  host.cpu_s = 1.5;
+  host.stages.push_back(
+      {"decode", {7, from_seconds(1e-3), from_seconds(2e-3), from_seconds(1)}, 2});
+  host.queues.push_back({"sweeps", 3, 8});
+  const json full = checked(health_message(report, kDevices, &host));
+  EXPECT_EQ(full["host"]["stages"][0]["latency_ms"]["p99"], 2);
+  EXPECT_EQ(full["host"]["stages"][0]["deadline_misses"], 2);
+  EXPECT_EQ(full["host"]["queues"][0]["capacity"], 8);
+}
+
+TEST(Messages, AnAlertHasTheSameIdWhenRaisedAndCleared) {
+  AlertReport report{kStamp, "front", true, {"silent", Level::kStale, kStamp, "w", "a"}};
+  const json raised = checked(alert_message(report));
+  report.raised = false;
+  const json cleared = checked(alert_message(report));
+  EXPECT_EQ(raised["id"], "front.silent");
+  EXPECT_EQ(raised["id"], cleared["id"]);
+  EXPECT_EQ(raised["state"], "raised");
+  EXPECT_EQ(cleared["state"], "cleared");
+  EXPECT_EQ(raised["severity"], "STALE");
+}
+
+TEST(Messages, RepliesAreValid) {
+  EXPECT_EQ(checked(lost_message(kStamp, 17))["reports"], 17);
+  EXPECT_EQ(checked(ack_message("poll"))["op"], "poll");
+  EXPECT_FALSE(checked(error_message("", "what", "")).contains("op"));
+  EXPECT_EQ(checked(error_message("watch", "what", "hint"))["hint"], "hint");
+}
+
+TEST(Messages, TextThatIsNotUtf8IsMended) {
+  std::vector<Device> devices = kDevices;
+  devices[0].model_reason = "a \xff b";
+  EXPECT_TRUE(valid_message(devices_message(kStamp, devices)));
+}
+
+TEST(Messages, TheSchemasRefuseWhatIsWrong) {
+  EXPECT_FALSE(valid_message(R"({"class":"ACK"})"));
+  EXPECT_FALSE(valid_message(R"({"class":"ACK","op":null})"));
+  EXPECT_FALSE(valid_message(R"({"class":"ACK","op":"poll","more":1})"));
+  EXPECT_FALSE(valid_message(R"({"class":"LOST","stamp":1.5,"reports":1})"));
+  EXPECT_FALSE(valid_message(R"({"class":"LOST","stamp":1,"reports":0})"));
+  EXPECT_FALSE(valid_message("[]"));
+}
+
+}  // namespace
+}  // namespace infuse::daemon

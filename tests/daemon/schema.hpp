@@ -1,0 +1,57 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+namespace infuse::daemon {
+
+/// Whether `value` is as daemon/protocol/<name>.schema.json says; else why not.
+inline testing::AssertionResult matches_schema(const nlohmann::json& value,
+                                               const std::string& name) {
+  const auto path =
+      std::filesystem::path(INFUSE_SOURCE_DIR) / "daemon/protocol" / (name + ".schema.json");
+  std::ifstream file(path);
+  if (!file) return testing::AssertionFailure() << "no schema " << path;
+  const nlohmann::json json = nlohmann::json::parse(file);
+  valijson::Schema schema;
+  valijson::SchemaParser(valijson::SchemaParser::kDraft7)
+      .populateSchema(valijson::adapters::NlohmannJsonAdapter(json), schema);
+  valijson::Validator validator(valijson::Validator::kStrongTypes);
+  valijson::ValidationResults results;
+  if (validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(value), &results)) {
+    return testing::AssertionSuccess();
+  }
+  auto failure = testing::AssertionFailure() << value.dump() << "\nis not a valid " << name << ":";
+  valijson::ValidationResults::Error error;
+  while (results.popError(error)) {
+    failure << "\n ";
+    for (const std::string& step : error.context) failure << step;
+    failure << " " << error.description;
+  }
+  return failure;
+}
+
+/// Whether a line from the daemon is a message as the schema of its class says.
+inline testing::AssertionResult valid_message(const std::string& line) {
+  const auto json = nlohmann::json::parse(line, nullptr, false);
+  if (!json.is_object() || !json.contains("class")) {
+    return testing::AssertionFailure() << "no message: " << line;
+  }
+  std::string name = json["class"];
+  std::transform(name.begin(), name.end(), name.begin(), [](char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  });
+  return matches_schema(json, name);
+}
+
+}  // namespace infuse::daemon
