@@ -47,7 +47,7 @@ void OdometryFilter::add(const ImuSample& sample) {
   insert(sample.stamp - options_.imu_delay, sample);
 }
 
-void OdometryFilter::add(const GpsFix& fix) { insert(fix.stamp, fix); }
+void OdometryFilter::add(const GpsFix& fix) { insert(fix.stamp - options_.gps_delay, fix); }
 
 void OdometryFilter::insert(Stamp stamp, const Sample& sample) {
   if (!waiting_.empty() || now_ != Stamp::earliest()) {

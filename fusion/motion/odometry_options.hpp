@@ -18,6 +18,7 @@ struct OdometryOptions {
 
   Duration wheel_delay{0};             ///< ns from measuring to stamp, subtracted
   Duration imu_delay{0};               ///< ns, the same
+  Duration gps_delay{0};               ///< ns, the same; must be less than `reorder`
   Duration reorder{20'000'000};        ///< ns that a sample waits for earlier ones
   Duration max_silence{500'000'000};   ///< ns without speed, or without rotation, before the filter
                                        ///< is not trusted
@@ -28,8 +29,11 @@ struct OdometryOptions {
   double yaw_rate_noise = 0.005;    ///< rad/s, of the vehicle's yaw-rate sensor
   double gyro_noise = 0.004;        ///< rad/s, of the inertial unit
   double acceleration_noise = 1.0;  ///< m/s², mounting and road included
-  double steering_noise = 0.02;     ///< rad/s of yaw rate
-  double gps_speed_noise = 0.15;    ///< m/s
+  double steering_noise = 0.01;     ///< rad/s of yaw rate, ten times a second
+  double straight_noise =
+      0.15;  ///< rad: how far the steering is from straight, ten times a second;
+  ///< far more than its spread, since it stays there for long
+  double gps_speed_noise = 0.4;     ///< m/s, ten times a second; its errors last longer
   double gps_course_noise = 0.015;  ///< rad at 10 m/s and above; grows below
   double standstill_speed = 0.05;   ///< m/s below which a wheel is at rest
 

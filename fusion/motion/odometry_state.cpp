@@ -31,8 +31,9 @@ std::optional<std::string> OdometryOptions::invalid() const {
       steering_zero_memory <= Duration::zero()) {
     return "max_silence, standstill_after and steering_zero_memory must be positive";
   }
-  for (const double noise : {wheel_noise, yaw_rate_noise, gyro_noise, acceleration_noise,
-                             steering_noise, gps_speed_noise, gps_course_noise, standstill_speed}) {
+  for (const double noise :
+       {wheel_noise, yaw_rate_noise, gyro_noise, acceleration_noise, steering_noise, straight_noise,
+        gps_speed_noise, gps_course_noise, standstill_speed}) {
     if (!(noise > 0)) return "the noise of a sensor must be positive";
   }
   for (const double sigma :
@@ -101,7 +102,8 @@ void OdometryState::predict(double seconds) {
   const double dt = seconds;
   geometry::Vector6 twist = geometry::Vector6::Zero();
   twist.head<3>() = x_.segment<3>(kAngular);
-  twist[3] = x_[kSpeed] + 0.5 * dt * x_[kAcceleration];
+  const double wheels = x_[kSpeed] + 0.5 * dt * x_[kAcceleration], scale = x_[kWheelScale];
+  twist[3] = scale * wheels;
 
   // exp((τ + δ) dt) ≈ exp(J δ dt) exp(τ dt): an error of the motion enters the pose through T and
   // J, the pose's own error stays.
@@ -111,8 +113,9 @@ void OdometryState::predict(double seconds) {
   const double forget = std::exp(-dt / to_seconds(options_.steering_zero_memory));
   Matrix F = Matrix::Identity();
   F.block<6, 3>(kPose, kAngular) = gain.leftCols<3>();
-  F.block<6, 1>(kPose, kSpeed) = gain.col(3);
-  F.block<6, 1>(kPose, kAcceleration) = 0.5 * dt * gain.col(3);
+  F.block<6, 1>(kPose, kSpeed) = scale * gain.col(3);
+  F.block<6, 1>(kPose, kAcceleration) = 0.5 * dt * scale * gain.col(3);
+  F.block<6, 1>(kPose, kWheelScale) = wheels * gain.col(3);
   F(kSpeed, kAcceleration) = dt;
   F(kAcceleration, kAcceleration) = decay;
   F(kSteeringZero, kSteeringZero) = forget;
@@ -165,14 +168,14 @@ int OdometryState::update_wheels(const WheelOdometry& sample) {
     const double measured = sample.wheel_speed[i];
     if (!std::isfinite(measured)) continue;
     // The rear axle's centre moves along x; a wheel's own way differs by the turning, taken as
-    // known: wheels do not tell rotation, their radii are not known well enough.
+    // known: radii and track are not known well enough for wheels to tell rotation, nor for
+    // rotation to tell the wheels' scale.
     const double side = i % 2 == 0 ? 0.5 * options_.track : -0.5 * options_.track;
     const double along = x_[kSpeed] - rate * side;
     const double across = i < 2 ? rate * options_.wheelbase : 0;
-    const double expected = std::copysign(std::hypot(along, across), along) / x_[kWheelScale];
+    const double expected = std::copysign(std::hypot(along, across), along);
     Vector H = Vector::Zero();
-    H[kSpeed] = 1 / x_[kWheelScale];
-    H[kWheelScale] = -expected / x_[kWheelScale];
+    H[kSpeed] = 1;
     agreed += update(measured - expected, H, options_.wheel_noise, kGate);
   }
   return agreed;
@@ -204,16 +207,17 @@ bool OdometryState::update_gravity(const ImuSample& sample) {
   const Eigen::Vector3d up = R_vehicle_map.col(2);
   const Eigen::Matrix3d by_rotation =
       kGravity * R_vehicle_map * geometry::skew(Eigen::Vector3d::UnitZ());
-  const double v = x_[kSpeed], rate = x_[kAngular + 2];
-  const double expected[2] = {x_[kAcceleration] + kGravity * up.x(), rate * v + kGravity * up.y()};
+  const double v = speed(), rate = x_[kAngular + 2], scale = x_[kWheelScale];
+  const double expected[2] = {scale * x_[kAcceleration] + kGravity * up.x(),
+                              rate * v + kGravity * up.y()};
   bool agreed = true;
   for (int i = 0; i < 2; ++i) {
     Vector H = Vector::Zero();
     H.head<3>() = by_rotation.row(i).transpose();
     if (i == 0) {
-      H[kAcceleration] = 1;
+      H[kAcceleration] = scale;
     } else {
-      H[kSpeed] = rate;
+      H[kSpeed] = rate * scale;
       H[kAngular + 2] = v;
     }
     agreed = update(sample.linear_acceleration[static_cast<size_t>(i)] - expected[i], H,
@@ -226,14 +230,24 @@ bool OdometryState::update_gravity(const ImuSample& sample) {
 bool OdometryState::update_steering(double steering_angle) {
   constexpr double kNearlyStraight = 0.5;  // rad at the steering wheel: the bicycle model holds
   if (options_.steering_ratio <= 0 || !(std::abs(steering_angle) < kNearlyStraight)) return false;
-  const double v = x_[kSpeed];
+  const double v = speed();
   const double response = v / (options_.steering_ratio * options_.wheelbase *
                                (1 + square(v / options_.characteristic_speed)));
   Vector H = Vector::Zero();
   H[kAngular + 2] = 1;
   H[kSteeringZero] = response;
   const double expected = x_[kAngular + 2] + response * x_[kSteeringZero];
-  return update(response * steering_angle - expected, H, options_.steering_noise, kGate);
+  if (!update(response * steering_angle - expected, H, options_.steering_noise, kGate)) {
+    return false;
+  }
+  // Roads are straight on average, and so is the steering at speed.
+  constexpr double kFast = 8, kSlight = 0.1;  // m/s, rad
+  if (std::abs(v) > kFast && std::abs(steering_angle - x_[kSteeringZero]) < kSlight) {
+    H.setZero();
+    H[kSteeringZero] = 1;
+    update(steering_angle - x_[kSteeringZero], H, options_.straight_noise, kGate);
+  }
+  return true;
 }
 
 bool OdometryState::update_gps(const GpsFix& fix) {
@@ -241,18 +255,17 @@ bool OdometryState::update_gps(const GpsFix& fix) {
   bool agreed = false;
   if (std::isfinite(fix.speed)) {
     Vector H = Vector::Zero();
-    H[kSpeed] = 1;
-    agreed = update(fix.speed - std::abs(x_[kSpeed]), H * (x_[kSpeed] < 0 ? -1.0 : 1.0),
-                    options_.gps_speed_noise, kGate);
+    H[kSpeed] = std::copysign(x_[kWheelScale], x_[kSpeed]);
+    H[kWheelScale] = std::abs(x_[kSpeed]);
+    agreed = update(fix.speed - std::abs(speed()), H, options_.gps_speed_noise, kGate);
   }
   constexpr double kSlowest = 3, kFull = 10;  // m/s
-  if (std::isfinite(fix.course) && x_[kSpeed] > kSlowest) {
+  if (std::isfinite(fix.course) && speed() > kSlowest) {
     const Eigen::Vector3d ahead = T_map_vehicle_.linear().col(0);
     const double heading = std::atan2(ahead.y(), ahead.x());
     Vector H = Vector::Zero();
     H[kPose + 2] = 1;
-    const double noise =
-        options_.gps_course_noise * std::max(1.0, kFull / std::max(x_[kSpeed], kSlowest));
+    const double noise = options_.gps_course_noise * std::max(1.0, kFull / speed());
     agreed =
         update(wrapped(std::numbers::pi / 2 - fix.course - heading), H, noise, kGate) || agreed;
   }

@@ -62,7 +62,7 @@ class OdometryState {
 
   const Eigen::Isometry3d& T_map_vehicle() const { return T_map_vehicle_; }
   geometry::Matrix6 pose_covariance() const { return P_.topLeftCorner<6, 6>(); }
-  double speed() const { return x_[kSpeed]; }
+  double speed() const { return x_[kWheelScale] * x_[kSpeed]; }
   Eigen::Vector3d angular_velocity() const { return x_.segment<3>(kAngular); }
   Learned learned(int index) const;
 

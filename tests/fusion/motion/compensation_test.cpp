@@ -163,8 +163,11 @@ TEST(Compensation, PassesOnUncompensatedWhatOdometryDoesNotCover) {
   sweep.stamp = seconds(0.5);
   expect_as_measured(sweep, trajectory, seconds(1.2), "the time lies after the last pose");
   Trajectory gap;
-  gap.append({seconds(0.1), {}, {}});
-  gap.append({seconds(0.9), {}, {}});
+  for (const double t : {0.1, 0.9}) {
+    geometry::StampedPose pose;
+    pose.stamp = seconds(t);
+    gap.append(pose);
+  }
   expect_as_measured(sweep, gap, sweep.stamp, "the poses around the time are too far apart");
   sweep.has_times = false;
   expect_as_measured(sweep, trajectory, sweep.stamp, "the sweep has no time for each return");
