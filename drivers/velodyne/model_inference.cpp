@@ -61,14 +61,16 @@ std::optional<ModelGuess> ModelInference::guess() const {
   }
   for (const ModelInfo& info : models()) {
     if (info.product != product_ || info.product == 0 || info.banks != 1) continue;
-    const std::string says = "product byte " + hex(product_) + " says " + info.name;
+    std::string reason = "product byte " + hex(product_) + " says " + info.name;
     if (info.model == Model::kHdl32e && misfit(info, period_us, dual_) > 0.1) {
       const ModelInfo& puck = model_info(Model::kVlp16);
       if (misfit(puck, period_us, dual_) < 0.1) {
-        return ModelGuess{Model::kVlp16, says + ", but " + apart + " are a VLP-16's"};
+        reason.append(", but ").append(apart).append(" are a VLP-16's");
+        return ModelGuess{Model::kVlp16, reason};
       }
     }
-    return ModelGuess{info.model, says + ", " + apart};
+    reason.append(", ").append(apart);
+    return ModelGuess{info.model, reason};
   }
   return std::nullopt;
 }

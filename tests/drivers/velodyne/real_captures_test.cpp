@@ -300,6 +300,25 @@ TEST(RealCaptures, AModelIsInferredFromItsPackets) {
   }
 }
 
+TEST(RealCaptures, ClocksThatCountFromPowerUpAreSaidToDoSo) {
+  const std::vector<std::tuple<const char*, Model, ClockState::Source>> captures{
+      {"velodyne/vlp16-gps.pcap", Model::kVlp16, ClockState::Source::kHour},
+      {"velodyne/vlp16-dual-return.pcap", Model::kVlp16, ClockState::Source::kPowerUp},
+      {"velodyne/vlp32c-half-turn.pcap", Model::kVlp32c, ClockState::Source::kPowerUp}};
+  for (const auto& [name, model, source] : captures) {
+    INFUSE_REAL_DATA_OR_SKIP(path, name);
+    SweepAssembler assembler({.model = model});
+    const auto packets = data_packets(path);
+    const std::vector<Sweep> sweeps = assemble(assembler, packets);
+    EXPECT_EQ(assembler.clock().source, source) << name;
+    // Whatever the counter says, stamps are the host's: within the capture, in order.
+    for (const Sweep& sweep : sweeps) {
+      EXPECT_GT(sweep.stamp, packets.front().stamp - Duration(50'000'000)) << name;
+      EXPECT_LT(sweep.stamp + sweep.span, packets.back().stamp + Duration(1'000'000)) << name;
+    }
+  }
+}
+
 TEST(RealCaptures, PositionPacketsTellTimePlaceAndState) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
   size_t count = 0;
