@@ -8,22 +8,21 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kInner = 128;    // inner indices of one packed block
+constexpr Index kInner = 128;    // inner indices of one block
 constexpr Index kColumns = 120;  // columns of b in one packed block; a multiple of every tile's
-constexpr Index kMaxTileRows = 16;
 
-// What one instruction set holds in registers: a tile of kVectors·kLanes rows × kTileColumns.
+// What one instruction set holds in registers: tiles of 2 vectors × kTileColumns.
 struct Baseline {
   using Vector [[gnu::vector_size(16)]] = double;
-  static constexpr Index kLanes = 2, kVectors = 2, kTileColumns = 4;
+  static constexpr Index kLanes = 2, kTileColumns = 4;
 };
 struct Avx2 {
   using Vector [[gnu::vector_size(32)]] = double;
-  static constexpr Index kLanes = 4, kVectors = 2, kTileColumns = 6;
+  static constexpr Index kLanes = 4, kTileColumns = 6;
 };
 struct Avx512 {
   using Vector [[gnu::vector_size(64)]] = double;
-  static constexpr Index kLanes = 8, kVectors = 2, kTileColumns = 8;
+  static constexpr Index kLanes = 8, kTileColumns = 8;
 };
 
 // `count` vectors of length `inner` as [inner][width], padded with zeros.
@@ -31,12 +30,6 @@ template <Index width>
 [[gnu::always_inline]] inline void pack(const double* from, Index count, Index inner,
                                         Index count_stride, Index inner_stride, double* to) {
   if (count < width) std::fill(to, to + inner * width, 0.0);
-  if (count_stride == 1 && count == width) {
-    for (Index k = 0; k < inner; ++k) {
-      std::memcpy(to + k * width, from + k * inner_stride, width * sizeof(double));
-    }
-    return;
-  }
   for (Index i = 0; i < count; ++i) {
     for (Index k = 0; k < inner; ++k) {
       to[k * width + i] = from[i * count_stride + k * inner_stride];
@@ -44,37 +37,87 @@ template <Index width>
   }
 }
 
-// tile += a · b over `inner` packed indices; tile is [column][row].
-template <class Set>
-[[gnu::always_inline]] inline void add_tile(const double* a, const double* b, Index inner,
-                                            double* tile) {
+// out (+)= a · b over `inner` indices for one tile; b is packed.
+template <class Set, Index vectors>
+[[gnu::always_inline]] inline void add_tile(const double* a, Index a_stride, const double* b,
+                                            Index inner, double* out, Index out_stride,
+                                            bool start) {
   using Vector = typename Set::Vector;
-  Vector sum[Set::kTileColumns][Set::kVectors];
-  std::memcpy(&sum, tile, sizeof(sum));
+  Vector sum[Set::kTileColumns][vectors] = {};
+  if (!start) {
+    for (Index c = 0; c < Set::kTileColumns; ++c) {
+      std::memcpy(&sum[c], out + c * out_stride, sizeof(sum[c]));
+    }
+  }
   for (Index k = 0; k < inner; ++k) {
-    Vector row[Set::kVectors];
+    Vector row[vectors];
     std::memcpy(&row, a, sizeof(row));
 #pragma GCC unroll 8
     for (Index c = 0; c < Set::kTileColumns; ++c) {
 #pragma GCC unroll 2
-      for (Index v = 0; v < Set::kVectors; ++v) sum[c][v] += row[v] * b[c];
+      for (Index v = 0; v < vectors; ++v) sum[c][v] += row[v] * b[c];
     }
-    a += Set::kVectors * Set::kLanes;
+    a += a_stride;
     b += Set::kTileColumns;
   }
-  std::memcpy(tile, &sum, sizeof(sum));
+  for (Index c = 0; c < Set::kTileColumns; ++c) {
+    std::memcpy(out + c * out_stride, &sum[c], sizeof(sum[c]));
+  }
+}
+
+// One block of a against a packed block of b.
+struct Block {
+  const double* a;
+  Index row_stride, column_stride;
+  const double* packed_b;
+  Index rows, columns, inner;
+  double* out;
+  Index out_stride;
+  bool start;        // out is not yet begun
+  Index lower_from;  // rows above this column are not wanted: row + lower_from < column
+};
+
+// Rows [row, row + rows) of a block, rows <= vectors · kLanes.
+template <class Set, Index vectors>
+[[gnu::always_inline]] inline void add_rows(const Block& block, Index row, Index rows) {
+  constexpr Index kTileRows = vectors * Set::kLanes;
+  alignas(64) double packed_a[kInner * kTileRows];
+  alignas(64) double tile[kTileRows * Set::kTileColumns];
+  const double* a = block.a + row * block.row_stride;
+  Index a_stride = block.column_stride;
+  if (block.row_stride != 1 || rows < kTileRows || block.columns > 64) {
+    pack<kTileRows>(a, rows, block.inner, block.row_stride, block.column_stride, packed_a);
+    a = packed_a;
+    a_stride = kTileRows;
+  }
+  for (Index c = 0; c < block.columns; c += Set::kTileColumns) {
+    if (row + rows + block.lower_from <= c) break;
+    const Index columns = std::min(Set::kTileColumns, block.columns - c);
+    const double* b = block.packed_b + c * block.inner;
+    double* out = block.out + row + c * block.out_stride;
+    if (rows == kTileRows && columns == Set::kTileColumns) {
+      add_tile<Set, vectors>(a, a_stride, b, block.inner, out, block.out_stride, block.start);
+      continue;
+    }
+    std::fill(tile, tile + kTileRows * Set::kTileColumns, 0.0);
+    for (Index j = 0; j < columns && !block.start; ++j) {
+      std::copy_n(out + j * block.out_stride, rows, tile + j * kTileRows);
+    }
+    add_tile<Set, vectors>(a, a_stride, b, block.inner, tile, kTileRows, false);
+    for (Index j = 0; j < columns; ++j) {
+      std::copy_n(tile + j * kTileRows, rows, out + j * block.out_stride);
+    }
+  }
 }
 
 template <class Set>
 [[gnu::always_inline]] inline void multiply_with(const MatrixView& a, const MatrixView& b,
                                                  double* out, Index out_stride, bool lower_only) {
-  constexpr Index kTileRows = Set::kVectors * Set::kLanes;
-  static_assert(kTileRows <= kMaxTileRows && kColumns % Set::kTileColumns == 0);
-  alignas(64) double packed_a[kInner * kTileRows];
+  static_assert(kColumns % Set::kTileColumns == 0);
   alignas(64) double packed_b[kInner * kColumns];
-  alignas(64) double tile[kTileRows * Set::kTileColumns];
-  for (Index c = 0; c < b.columns; ++c) std::fill_n(out + c * out_stride, a.rows, 0.0);
-
+  if (a.columns == 0) {
+    for (Index c = 0; c < b.columns; ++c) std::fill_n(out + c * out_stride, a.rows, 0.0);
+  }
   for (Index c0 = 0; c0 < b.columns; c0 += kColumns) {
     const Index columns = std::min(kColumns, b.columns - c0);
     for (Index k0 = 0; k0 < a.columns; k0 += kInner) {
@@ -84,23 +127,26 @@ template <class Set>
                                 std::min(Set::kTileColumns, columns - c), inner, b.column_stride,
                                 b.row_stride, packed_b + c * inner);
       }
-      for (Index r = 0; r < a.rows; r += kTileRows) {
-        const Index rows = std::min(kTileRows, a.rows - r);
-        if (lower_only && r + rows <= c0) continue;
-        pack<kTileRows>(a.data + r * a.row_stride + k0 * a.column_stride, rows, inner, a.row_stride,
-                        a.column_stride, packed_a);
-        for (Index c = 0; c < columns; c += Set::kTileColumns) {
-          if (lower_only && r + rows <= c0 + c) break;
-          const Index tile_columns = std::min(Set::kTileColumns, columns - c);
-          double* corner = out + r + (c0 + c) * out_stride;
-          std::fill(tile, tile + kTileRows * Set::kTileColumns, 0.0);
-          for (Index j = 0; j < tile_columns; ++j) {
-            std::copy_n(corner + j * out_stride, rows, tile + j * kTileRows);
-          }
-          add_tile<Set>(packed_a, packed_b + c * inner, inner, tile);
-          for (Index j = 0; j < tile_columns; ++j) {
-            std::copy_n(tile + j * kTileRows, rows, corner + j * out_stride);
-          }
+      const Block block{a.data + k0 * a.column_stride,
+                        a.row_stride,
+                        a.column_stride,
+                        packed_b,
+                        a.rows,
+                        columns,
+                        inner,
+                        out + c0 * out_stride,
+                        out_stride,
+                        k0 == 0,
+                        lower_only ? -c0 : b.columns};
+      for (Index r = 0; r < a.rows;) {
+        const Index left = a.rows - r;
+        if (left > Set::kLanes) {
+          const Index rows = std::min(2 * Set::kLanes, left);
+          add_rows<Set, 2>(block, r, rows);
+          r += rows;
+        } else {
+          add_rows<Set, 1>(block, r, left);
+          r += left;
         }
       }
     }
