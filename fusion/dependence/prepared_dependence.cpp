@@ -234,8 +234,9 @@ void PreparedDependence::subtract(const Sums& part, Sums& rest) const {
 
 void PreparedDependence::normalised_cross(const Sums& sums, MatrixXd& out) const {
   out = sums.cross / sums.n;
-  if (measure_ == Measure::kQmi) {
-    out.noalias() -= (sums.prepared / sums.n).lazyProduct((sums.asked / sums.n).transpose());
+  if (measure_ != Measure::kQmi) return;
+  for (Index c = 0; c < out.cols(); ++c) {
+    out.col(c) -= sums.prepared * (sums.asked[c] / (sums.n * sums.n));
   }
 }
 

@@ -43,8 +43,7 @@ struct PlainSolution {
     rotated = x.eigenvectors().transpose() * (k.transpose() * l / n) * y.eigenvectors();
   }
   MatrixXd theta(double lambda) const {
-    const MatrixXd divisor =
-        (x.eigenvalues() * y.eigenvalues().transpose()).array() + lambda;
+    const MatrixXd divisor = (x.eigenvalues() * y.eigenvalues().transpose()).array() + lambda;
     return x.eigenvectors() * rotated.cwiseQuotient(divisor) * y.eigenvectors().transpose();
   }
 };
@@ -145,8 +144,8 @@ void hypotheses_cv_plain(benchmark::State& state) {
   for (auto _ : state) {
     const MatrixXd centres = map.features.topRows(map.options.centres);
     for (size_t h = 0; h < map.labels.size(); ++h) {
-      benchmark::DoNotOptimize(plain_lsmi_cross_validated(map.features, centres, map.indicators(h),
-                                                          map.options));
+      benchmark::DoNotOptimize(
+          plain_lsmi_cross_validated(map.features, centres, map.indicators(h), map.options));
     }
   }
 }
@@ -203,8 +202,7 @@ struct Calibration {
       for (int f = 0; f < kMoving; ++f) moving(i, f) = 0.6 * fixed(i, f % 3) + 0.8 * noise(random);
     }
     for (int p = 0; p < kParameters; ++p) {
-      jacobian.push_back(
-          MatrixXd::NullaryExpr(kSamples, kMoving, [&]() { return noise(random); }));
+      jacobian.push_back(MatrixXd::NullaryExpr(kSamples, kMoving, [&]() { return noise(random); }));
     }
   }
   MatrixXd moved(int parameter, double step) const {
@@ -259,8 +257,7 @@ void blsmi_gradient_plain(benchmark::State& state) {
     for (int p = 0; p < Calibration::kParameters; ++p) {
       constexpr double kStep = 1e-4;
       benchmark::DoNotOptimize(
-          (value(calibration.moved(p, kStep)) - value(calibration.moved(p, -kStep))) /
-          (2 * kStep));
+          (value(calibration.moved(p, kStep)) - value(calibration.moved(p, -kStep))) / (2 * kStep));
     }
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
     state.SetIterationTime(taken.count() * Calibration::kBags / Calibration::kPlainBags);
