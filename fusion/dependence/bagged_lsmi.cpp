@@ -55,7 +55,7 @@ void BaggedLsmi::keep(const HyperParameters& hyper_parameters) {
 const char* BaggedLsmi::choose(const Samples& moving) {
   if (kept_) return kept_valid_ ? "" : "the kept hyper-parameters are out of range";
   take_rows(fixed_, bags_[0].rows, samples_);
-  PreparedDependence first(Measure::kSmi, samples_, options_.fit);
+  PreparedDependence first(FitMeasure::kSmi, samples_, options_.fit);
   take_rows(moving, bags_[0].rows, samples_);
   const FitEstimate fit = first.ask(samples_);
   if (fit.usable()) keep(fit.chosen);

@@ -10,7 +10,7 @@
 namespace infuse::dependence {
 
 /// What a least-squares fit of densities measures. X is the prepared side, Y the other.
-enum class Measure {
+enum class FitMeasure {
   kSmi,  ///< squared-loss mutual information I(2.4), by LSMI I(2.7–2.8): the ratio
          ///< p(x, y)/(p(x)p(y)) is fitted; ≥ 0 in theory, estimates can fall slightly below
   kQmi,  ///< quadratic mutual information ∫∫(p(x, y) − p(x)p(y))², by LSQMI (Sainui and Sugiyama):

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-PreparedDependence::PreparedDependence(Measure measure, const Samples& samples,
+PreparedDependence::PreparedDependence(FitMeasure measure, const Samples& samples,
                                        const FitOptions& options)
     : measure_(measure), options_(options) {
   reason_ = options.invalid() ? "invalid options" : unusable(samples);
@@ -54,14 +54,14 @@ void PreparedDependence::prepare_width(double sigma, const Samples& ordered) {
     total += gram;
   }
   MatrixXd integral;
-  if (measure_ == Measure::kQmi) gaussian_overlap(centres, sigma, integral);
+  if (measure_ == FitMeasure::kQmi) gaussian_overlap(centres, sigma, integral);
   const double n = static_cast<double>(folds_.order.size());
   for (int f = 0; f <= folds; ++f) {
     if (f < folds && folds == 1) continue;
     Split& split = width.splits.emplace_back();
     const auto fold = static_cast<size_t>(f);
     const double count = f < folds ? folds_.size(f) : 0;
-    if (measure_ == Measure::kQmi) {
+    if (measure_ == FitMeasure::kQmi) {
       split.basis = spectral_basis(integral);
     } else {
       split.basis = spectral_basis(f < folds ? MatrixXd((total - grams[fold]) / (n - count))
@@ -71,7 +71,7 @@ void PreparedDependence::prepare_width(double sigma, const Samples& ordered) {
     if (f == folds || *reason_ != '\0') continue;
     MatrixXd half;
     multiply(split.basis.rotation,
-             measure_ == Measure::kQmi ? integral : MatrixXd(grams[fold] / count), half);
+             measure_ == FitMeasure::kQmi ? integral : MatrixXd(grams[fold] / count), half);
     multiply(half, split.basis.rotation.transpose(), split.held);
   }
   widths_.push_back(std::move(width));
@@ -111,7 +111,7 @@ FitEstimate PreparedDependence::ask(const Samples& samples,
   take_rows(samples, folds_.order, asked_samples_);
   take_rows(asked_samples_, centre_rows_, asked_centres_);
   answer = fit([&](const Width& width) { sum_samples(width); }, kept);
-  if (gradient == nullptr || measure_ != Measure::kSmi || !answer.usable()) return answer;
+  if (gradient == nullptr || measure_ != FitMeasure::kSmi || !answer.usable()) return answer;
 
   const Width& width = *find_width(answer.chosen.sigma);
   MatrixXd sensitivity, ordered;
@@ -166,11 +166,11 @@ void PreparedDependence::sum_labels(const Width& width, int label_count) {
                   sums.cross.data() + label * sums.cross.rows());
       sums.gram_diagonal[label] = static_cast<double>(count);
     }
-    if (measure_ == Measure::kQmi) {
+    if (measure_ == FitMeasure::kQmi) {
       sums.prepared = sums.cross.rowwise().sum();
       sums.asked = sums.gram_diagonal;
     }
-    if (measure_ != Measure::kSmi) sums.gram_diagonal.setOnes();
+    if (measure_ != FitMeasure::kSmi) sums.gram_diagonal.setOnes();
   }
   total_up();
 }
@@ -185,12 +185,12 @@ void PreparedDependence::sum_samples(const Width& width) {
     const auto asked = asked_features_.middleCols(folds_.begin[f], count);
     sums.n = count;
     multiply(prepared, asked.transpose(), sums.cross);
-    if (measure_ == Measure::kSmi) {
+    if (measure_ == FitMeasure::kSmi) {
       multiply_by_transpose(asked, sums.gram);
     } else {
       gaussian_overlap(asked_centres_, width.sigma, sums.gram);
     }
-    if (measure_ == Measure::kQmi) {
+    if (measure_ == FitMeasure::kQmi) {
       sums.prepared = prepared.rowwise().sum();
       sums.asked = asked.rowwise().sum();
     }
@@ -203,11 +203,11 @@ void PreparedDependence::total_up() {
   for (size_t f = 1; f < held_.size(); ++f) {
     total_.n += held_[f].n;
     total_.cross += held_[f].cross;
-    if (measure_ == Measure::kQmi) {
+    if (measure_ == FitMeasure::kQmi) {
       total_.prepared += held_[f].prepared;
       total_.asked += held_[f].asked;
     }
-    if (measure_ == Measure::kSmi) {
+    if (measure_ == FitMeasure::kSmi) {
       total_.gram += held_[f].gram;
       total_.gram_diagonal += held_[f].gram_diagonal;
     }
@@ -217,11 +217,11 @@ void PreparedDependence::total_up() {
 void PreparedDependence::subtract(const Sums& part, Sums& rest) const {
   rest.n = total_.n - part.n;
   rest.cross = total_.cross - part.cross;
-  if (measure_ == Measure::kQmi) {
+  if (measure_ == FitMeasure::kQmi) {
     rest.prepared = total_.prepared - part.prepared;
     rest.asked = total_.asked - part.asked;
   }
-  if (measure_ == Measure::kSmi) {
+  if (measure_ == FitMeasure::kSmi) {
     rest.gram = total_.gram - part.gram;
     rest.gram_diagonal = total_.gram_diagonal - part.gram_diagonal;
   } else {
@@ -234,14 +234,14 @@ void PreparedDependence::subtract(const Sums& part, Sums& rest) const {
 
 void PreparedDependence::normalised_cross(const Sums& sums, MatrixXd& out) const {
   out = sums.cross / sums.n;
-  if (measure_ != Measure::kQmi) return;
+  if (measure_ != FitMeasure::kQmi) return;
   for (Index c = 0; c < out.cols(); ++c) {
     out.col(c) -= sums.prepared * (sums.asked[c] / (sums.n * sums.n));
   }
 }
 
 void PreparedDependence::asked_basis(const Sums& sums, TridiagonalBasis& out) const {
-  const double n = measure_ == Measure::kSmi ? sums.n : 1.0;
+  const double n = measure_ == FitMeasure::kSmi ? sums.n : 1.0;
   if (sums.gram.size() != 0) {
     out = tridiagonal_basis(sums.gram / n);
     return;
@@ -271,7 +271,7 @@ void PreparedDependence::add_fold_errors(const Split& split, const Sums& held,
   normalised_cross(held, held_cross_);
   rotate(split, asked_, held_cross_);
   const bool diagonal = held.gram.size() == 0;
-  const double n = measure_ == Measure::kSmi ? held.n : 1.0;
+  const double n = measure_ == FitMeasure::kSmi ? held.n : 1.0;
   if (!diagonal) {
     held_gram_ = held.gram / n;
     multiply(asked_.rotation, held_gram_, rotated_);
@@ -344,14 +344,14 @@ FitEstimate PreparedDependence::fit(const Load& load, const std::optional<HyperP
   const double linear = theta_.cwiseProduct(cross_).sum();  // ⟨Θ, C⟩
   const double ridge = chosen->lambda * theta_.squaredNorm();  // ⟨Θ, PΘA⟩ = ⟨Θ, C⟩ − λ|Θ|²
   switch (measure_) {
-    case Measure::kSmi:
+    case FitMeasure::kSmi:
       answer.value = 0.5 * linear - 0.5;
       if (options_.form == SmiForm::kPlugIn) answer.value += 0.5 * ridge;
       break;
-    case Measure::kQmi:
+    case FitMeasure::kQmi:
       answer.value = linear + ridge;  // 2⟨Θ, C⟩ − ⟨Θ, PΘA⟩
       break;
-    case Measure::kSce:
+    case FitMeasure::kSce:
       answer.value = -0.5 * (linear + ridge);  // ½⟨Θ, PΘA⟩ − ⟨Θ, C⟩
       break;
   }

@@ -38,7 +38,7 @@ class PreparedDependence {
  public:
   /// `samples`: n × d, finite, not all alike. What is wrong with them or with the options is the
   /// reason of every answer.
-  PreparedDependence(Measure measure, const Samples& samples, const FitOptions& options);
+  PreparedDependence(FitMeasure measure, const Samples& samples, const FitOptions& options);
 
   /// Static text: why no question can be answered; "" where all is well.
   const char* reason() const { return reason_; }
@@ -92,7 +92,7 @@ class PreparedDependence {
   std::optional<HyperParameters> cross_validate(const Load& load);
   const Width* find_width(double sigma) const;
 
-  Measure measure_;
+  FitMeasure measure_;
   FitOptions options_;
   const char* reason_ = "";
   Folds folds_;                   ///< one fold where there is nothing to cross-validate

@@ -131,7 +131,7 @@ struct StreetMap {
 void hypotheses_cv(benchmark::State& state) {
   const StreetMap map;
   for (auto _ : state) {
-    PreparedDependence prepared(Measure::kSmi, map.features, map.options);
+    PreparedDependence prepared(FitMeasure::kSmi, map.features, map.options);
     for (const auto& labels : map.labels) {
       benchmark::DoNotOptimize(prepared.ask(labels, StreetMap::kLabels).value);
     }
@@ -160,7 +160,7 @@ void hypotheses_kept(benchmark::State& state) {
   options.sigmas = {0.4};
   options.lambdas = {0.01};
   for (auto _ : state) {
-    PreparedDependence prepared(Measure::kSmi, map.features, options);
+    PreparedDependence prepared(FitMeasure::kSmi, map.features, options);
     for (const auto& labels : map.labels) {
       benchmark::DoNotOptimize(prepared.ask(labels, StreetMap::kLabels).value);
     }

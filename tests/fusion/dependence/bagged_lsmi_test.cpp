@@ -26,7 +26,7 @@ TEST(BaggedLsmi, BagsOfAllSamplesAreLsmi) {
   for (const SmiForm form : {SmiForm::kLinear, SmiForm::kPlugIn}) {
     BagOptions options = small_bags(3, 60, 60);
     options.fit.form = form;
-    PreparedDependence plain(Measure::kSmi, x, options.fit);
+    PreparedDependence plain(FitMeasure::kSmi, x, options.fit);
     BaggedLsmi bagged(x, options);
     MatrixXd bagged_gradient, plain_gradient;
     const FitEstimate found = bagged.ask(y, &bagged_gradient);

@@ -13,7 +13,7 @@ namespace infuse::dependence {
 /// The least-squares fits written down plainly: kernels by std::exp, the product model's b² × b²
 /// system solved densely, held-out errors by running over all pairs of samples.
 struct PlainFit {
-  Measure measure = Measure::kSmi;
+  FitMeasure measure = FitMeasure::kSmi;
   SmiForm form = SmiForm::kLinear;
   Eigen::MatrixXd p, a;  ///< model matrices of a training set
   Eigen::MatrixXd c, theta;
@@ -21,14 +21,14 @@ struct PlainFit {
 
   /// x, y: kernel values, centres × samples. p_integral, a_integral: ∫ΦΦᵀ where the measure wants
   /// them.
-  PlainFit(Measure m, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
+  PlainFit(FitMeasure m, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
            const Eigen::MatrixXd& p_integral, const Eigen::MatrixXd& a_integral, double ridge)
       : measure(m), lambda(ridge) {
     const double n = static_cast<double>(x.cols());
-    p = m == Measure::kQmi ? p_integral : Eigen::MatrixXd(x * x.transpose() / n);
-    a = m == Measure::kSmi ? Eigen::MatrixXd(y * y.transpose() / n) : a_integral;
+    p = m == FitMeasure::kQmi ? p_integral : Eigen::MatrixXd(x * x.transpose() / n);
+    a = m == FitMeasure::kSmi ? Eigen::MatrixXd(y * y.transpose() / n) : a_integral;
     c = x * y.transpose() / n;
-    if (m == Measure::kQmi) c -= x.rowwise().mean() * y.rowwise().mean().transpose();
+    if (m == FitMeasure::kQmi) c -= x.rowwise().mean() * y.rowwise().mean().transpose();
     Eigen::MatrixXd system = Eigen::kroneckerProduct(a, p);
     system.diagonal().array() += ridge;
     const Eigen::VectorXd solution =
@@ -40,11 +40,11 @@ struct PlainFit {
     const double linear = theta.cwiseProduct(c).sum();
     const double quadratic = theta.cwiseProduct(p * theta * a).sum();
     switch (measure) {
-      case Measure::kSmi:
+      case FitMeasure::kSmi:
         return form == SmiForm::kLinear ? 0.5 * linear - 0.5 : linear - 0.5 * quadratic - 0.5;
-      case Measure::kQmi:
+      case FitMeasure::kQmi:
         return 2 * linear - quadratic;
-      case Measure::kSce:
+      case FitMeasure::kSce:
         break;
     }
     return 0.5 * quadratic - linear;

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr Measure kMeasures[] = {Measure::kSmi, Measure::kQmi, Measure::kSce};
+constexpr FitMeasure kMeasures[] = {FitMeasure::kSmi, FitMeasure::kQmi, FitMeasure::kSce};
 
 FitOptions fixed(double sigma, double lambda, int centres = 10000) {
   FitOptions options;
@@ -46,9 +46,9 @@ TEST(PreparedDependence, ReferenceValuesOfLsmi) {
                              {1.0, 0.01, 0.662947545006, 0.787257756873}};
   for (const auto& [sigma, lambda, linear, plug_in] : table) {
     FitOptions options = fixed(sigma, lambda);
-    EXPECT_NEAR(PreparedDependence(Measure::kSmi, x, options).ask(y).value, linear, 1e-12);
+    EXPECT_NEAR(PreparedDependence(FitMeasure::kSmi, x, options).ask(y).value, linear, 1e-12);
     options.form = SmiForm::kPlugIn;
-    const FitEstimate found = PreparedDependence(Measure::kSmi, x, options).ask(y);
+    const FitEstimate found = PreparedDependence(FitMeasure::kSmi, x, options).ask(y);
     EXPECT_NEAR(found.value, plug_in, 1e-12);
     EXPECT_EQ(found.chosen, (HyperParameters{sigma, lambda}));
   }
@@ -57,7 +57,7 @@ TEST(PreparedDependence, ReferenceValuesOfLsmi) {
 TEST(PreparedDependence, SamplesEqualTheDenseKroneckerSolve) {
   const MatrixXd x = normal_samples(14, 2, 1),
                  y = normal_samples(14, 3, 2) + x.col(0) * MatrixXd::Ones(1, 3);
-  for (const Measure measure : kMeasures) {
+  for (const FitMeasure measure : kMeasures) {
     for (const double lambda : {1e-3, 0.1}) {
       PlainFit plain(measure, plain_kernel(x, x, 0.9), plain_kernel(y, y, 0.9),
                      plain_integral(x, 0.9), plain_integral(y, 0.9), lambda);
@@ -75,7 +75,7 @@ TEST(PreparedDependence, SamplesEqualTheDenseKroneckerSolve) {
 TEST(PreparedDependence, LabelsEqualTheDenseKroneckerSolve) {
   const MatrixXd x = normal_samples(30, 2, 3);
   std::vector<int32_t> labels = labels_of(x, 4, 4);
-  for (const Measure measure : kMeasures) {
+  for (const FitMeasure measure : kMeasures) {
     // Five labels, of which the last does not occur.
     const PlainFit plain(measure, plain_kernel(x, x, 0.7), indicators(labels, 5),
                          plain_integral(x, 0.7), MatrixXd::Identity(5, 5), 0.02);
@@ -86,7 +86,7 @@ TEST(PreparedDependence, LabelsEqualTheDenseKroneckerSolve) {
 }
 
 // All of cross-validation done plainly, with the same folds and all samples as centres.
-HyperParameters plain_choice(Measure measure, const MatrixXd& x, const MatrixXd* y,
+HyperParameters plain_choice(FitMeasure measure, const MatrixXd& x, const MatrixXd* y,
                              const std::vector<int32_t>& labels, int label_count,
                              const FitOptions& options) {
   Random random(options.seed);
@@ -118,7 +118,7 @@ HyperParameters plain_choice(Measure measure, const MatrixXd& x, const MatrixXd*
                              plain_integral(xc, sigma), a_integral, 1.0);
         error += 0.5 * fit.theta.cwiseProduct(judge.p * fit.theta * judge.a).sum() -
                  fit.theta.cwiseProduct(judge.c).sum();
-        if (measure == Measure::kSmi) {
+        if (measure == FitMeasure::kSmi) {
           // I 2.2.2.2 in its own words: ½ mean r(x_i, y_j)² − mean r(x_i, y_i).
           const MatrixXd r = phi(Eigen::all, held).transpose() * fit.theta * psi(Eigen::all, held);
           EXPECT_NEAR(0.5 * r.array().square().mean() - r.diagonal().mean(),
@@ -143,7 +143,7 @@ TEST(PreparedDependence, CrossValidationChoosesAsThePlainOneDoes) {
   options.lambdas = {1e-3, 1e-2, 1e-1};
   options.folds = 4;
   std::vector<HyperParameters> all;
-  for (const Measure measure : kMeasures) {
+  for (const FitMeasure measure : kMeasures) {
     for (uint64_t trial = 0; trial < 4; ++trial) {
       options.seed = 1 + trial;
       const MatrixXd x = normal_samples(53, 2, 10 + trial);
@@ -166,16 +166,16 @@ TEST(PreparedDependence, OneObjectAnswersManyHypothesesAsFreshOnesDo) {
   const MatrixXd x = normal_samples(200, 4, 40);
   FitOptions options;
   options.centres = 25;
-  PreparedDependence shared(Measure::kSmi, x, options);
+  PreparedDependence shared(FitMeasure::kSmi, x, options);
   for (uint64_t h = 0; h < 5; ++h) {
     const auto labels = labels_of(x, 2 + static_cast<int>(h), 50 + h);
     const int count = 2 + static_cast<int>(h);
     const FitEstimate together = shared.ask(labels, count);
-    const FitEstimate alone = PreparedDependence(Measure::kSmi, x, options).ask(labels, count);
+    const FitEstimate alone = PreparedDependence(FitMeasure::kSmi, x, options).ask(labels, count);
     EXPECT_EQ(together.value, alone.value);
     EXPECT_EQ(together.chosen, alone.chosen);
     const MatrixXd y = correlated_with(x, 0.5, 60 + h);
-    EXPECT_EQ(shared.ask(y).value, PreparedDependence(Measure::kSmi, x, options).ask(y).value);
+    EXPECT_EQ(shared.ask(y).value, PreparedDependence(FitMeasure::kSmi, x, options).ask(y).value);
   }
 }
 
@@ -185,7 +185,7 @@ TEST(PreparedDependence, RelabellingChangesNothing) {
   for (const int32_t label : labels) renamed.push_back((label * 3 + 2) % 5);
   FitOptions options;
   options.centres = 30;
-  for (const Measure measure : kMeasures) {
+  for (const FitMeasure measure : kMeasures) {
     PreparedDependence prepared(measure, x, options);
     const FitEstimate one = prepared.ask(labels, 4), other = prepared.ask(renamed, 5);
     EXPECT_NEAR(one.value, other.value, 1e-12);
@@ -197,7 +197,7 @@ TEST(PreparedDependence, SmiAndQmiAreSymmetric) {
   const MatrixXd x = normal_samples(100, 2, 80), y = correlated_with(x, 0.7, 81);
   FitOptions options;
   options.centres = 20;
-  for (const Measure measure : {Measure::kSmi, Measure::kQmi}) {
+  for (const FitMeasure measure : {FitMeasure::kSmi, FitMeasure::kQmi}) {
     EXPECT_NEAR(PreparedDependence(measure, x, options).ask(y).value,
                 PreparedDependence(measure, y, options).ask(x).value, 1e-11);
   }
@@ -209,7 +209,7 @@ TEST(PreparedDependence, GradientEqualsCentralDifferences) {
   for (const SmiForm form : {SmiForm::kLinear, SmiForm::kPlugIn}) {
     FitOptions options = fixed(0.8, 0.01, 12);
     options.form = form;
-    PreparedDependence prepared(Measure::kSmi, x, options);
+    PreparedDependence prepared(FitMeasure::kSmi, x, options);
     MatrixXd gradient;
     const FitEstimate found = prepared.ask(y, {}, &gradient);
     EXPECT_EQ(found.value, prepared.ask(y).value);
@@ -241,7 +241,7 @@ TEST(PreparedDependence, BiasOfLsmiOnTheGaussian) {
       options.seed = trial;
       options.sigmas = {0.5, 1.0, 1.5};
       options.lambdas = {1e-4, 1e-2, 1.0};
-      found.add(PreparedDependence(Measure::kSmi, x, options)
+      found.add(PreparedDependence(FitMeasure::kSmi, x, options)
                     .ask(correlated_with(x, rho, 200 + trial))
                     .value);
     }
@@ -260,8 +260,8 @@ TEST(PreparedDependence, QmiAndSceOfTheGaussian) {
       options.centres = 60;
       options.sigmas = {0.5, 0.75, 1.0};
       options.lambdas = {1e-3, 1e-2, 1e-1};
-      qmi.add(PreparedDependence(Measure::kQmi, x, options).ask(y).value);
-      sce.add(PreparedDependence(Measure::kSce, x, options).ask(y).value);
+      qmi.add(PreparedDependence(FitMeasure::kQmi, x, options).ask(y).value);
+      sce.add(PreparedDependence(FitMeasure::kSce, x, options).ask(y).value);
     }
     const double s = std::sqrt(1 - rho * rho);
     const double true_qmi = 1 / (4 * pi * s) + 1 / (4 * pi) - 1 / (pi * std::sqrt(4 - rho * rho));
@@ -278,7 +278,7 @@ TEST(PreparedDependence, SaysWhyItCannotAnswer) {
   const FitOptions options;
   const std::vector<int32_t> labels = labels_of(x, 3, 501), alike(30, 1);
   const auto reason = [&](const MatrixXd& prepared, const FitOptions& with) {
-    PreparedDependence side(Measure::kSmi, prepared, with);
+    PreparedDependence side(FitMeasure::kSmi, prepared, with);
     const FitEstimate answer = side.ask(labels, 3), other = side.ask(x);
     EXPECT_STREQ(side.reason(), answer.reason);
     EXPECT_STREQ(side.reason(), other.reason);
@@ -295,7 +295,7 @@ TEST(PreparedDependence, SaysWhyItCannotAnswer) {
   invalid.lambdas = {0.0};
   EXPECT_STREQ(reason(x, invalid), "invalid options");
 
-  PreparedDependence side(Measure::kSmi, x, options);
+  PreparedDependence side(FitMeasure::kSmi, x, options);
   MatrixXd gradient = MatrixXd::Ones(1, 1);
   EXPECT_STREQ(side.ask(with_nan, {}, &gradient).reason, "a sample is not finite");
   EXPECT_EQ(gradient.size(), 0);
@@ -316,7 +316,7 @@ TEST(PreparedDependence, SingularKernelsAndExtremeScalesGiveFiniteValuesOrAReaso
   const MatrixXd y = normal_samples(30, 1, 601);
   std::vector<int32_t> each(30);
   for (int i = 0; i < 30; ++i) each[static_cast<size_t>(i)] = i;  // as many labels as samples
-  for (const Measure measure : kMeasures) {
+  for (const FitMeasure measure : kMeasures) {
     for (const double scale : {1e-90, 1e-3, 1.0, 1e3, 1e90}) {
       for (const double lambda : {1e-12, 1e-3, 1e12}) {
         PreparedDependence side(measure, scale * twins, fixed(1.0, lambda));
