@@ -8,9 +8,10 @@ namespace {
 using Eigen::Index;
 
 // Sums of `kLanes · kVectors` rows held in registers.
-template <class Vector, Index vectors>
+template <class Set, Index vectors>
 [[gnu::always_inline]] inline void sum_rows(const double* data, Index stride,
                                             std::span<const int> columns, double* out) {
+  using Vector = typename Set::Vector;
   Vector sum[vectors] = {};
   for (const int column : columns) {
     Vector entries[vectors];
@@ -20,38 +21,33 @@ template <class Vector, Index vectors>
   std::memcpy(out, &sum, sizeof(sum));
 }
 
-template <class Vector>
+template <class Set>
 [[gnu::always_inline]] inline void sum_with(const Eigen::MatrixXd& matrix,
                                             std::span<const int> columns, double* out) {
-  constexpr Index kLanes = sizeof(Vector) / sizeof(double);
-  using Scalar [[gnu::vector_size(8)]] = double;
+  constexpr Index kLanes = Set::kLanes;
   const Index rows = matrix.rows();
   Index r = 0;
   for (; r + 4 * kLanes <= rows; r += 4 * kLanes) {
-    sum_rows<Vector, 4>(matrix.data() + r, rows, columns, out + r);
+    sum_rows<Set, 4>(matrix.data() + r, rows, columns, out + r);
   }
   for (; r + kLanes <= rows; r += kLanes) {
-    sum_rows<Vector, 1>(matrix.data() + r, rows, columns, out + r);
+    sum_rows<Set, 1>(matrix.data() + r, rows, columns, out + r);
   }
-  for (; r < rows; ++r) sum_rows<Scalar, 1>(matrix.data() + r, rows, columns, out + r);
+  for (; r < rows; ++r) sum_rows<Lanes<1>, 1>(matrix.data() + r, rows, columns, out + r);
 }
 
-using Vector2 [[gnu::vector_size(16)]] = double;
-using Vector4 [[gnu::vector_size(32)]] = double;
-using Vector8 [[gnu::vector_size(64)]] = double;
-
 void sum_baseline(const Eigen::MatrixXd& matrix, std::span<const int> columns, double* out) {
-  sum_with<Vector2>(matrix, columns, out);
+  sum_with<Lanes<2>>(matrix, columns, out);
 }
 
 [[gnu::target("avx2")]] void sum_avx2(const Eigen::MatrixXd& matrix, std::span<const int> columns,
                                       double* out) {
-  sum_with<Vector4>(matrix, columns, out);
+  sum_with<Lanes<4>>(matrix, columns, out);
 }
 
 [[gnu::target("arch=x86-64-v4")]] void sum_avx512(const Eigen::MatrixXd& matrix,
                                                   std::span<const int> columns, double* out) {
-  sum_with<Vector8>(matrix, columns, out);
+  sum_with<Lanes<8>>(matrix, columns, out);
 }
 
 }  // namespace

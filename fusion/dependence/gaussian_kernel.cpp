@@ -12,27 +12,6 @@ namespace {
 
 using Eigen::Index;
 
-struct Scalar {
-  using Vector [[gnu::vector_size(8)]] = double;
-  using Integers [[gnu::vector_size(8)]] = long long;
-  static constexpr Index kLanes = 1;
-};
-struct Baseline {
-  using Vector [[gnu::vector_size(16)]] = double;
-  using Integers [[gnu::vector_size(16)]] = long long;
-  static constexpr Index kLanes = 2;
-};
-struct Avx2 {
-  using Vector [[gnu::vector_size(32)]] = double;
-  using Integers [[gnu::vector_size(32)]] = long long;
-  static constexpr Index kLanes = 4;
-};
-struct Avx512 {
-  using Vector [[gnu::vector_size(64)]] = double;
-  using Integers [[gnu::vector_size(64)]] = long long;
-  static constexpr Index kLanes = 8;
-};
-
 // x = exp(x) for x <= 0, within 2 units in the last place: x = k·ln 2 + r, |r| <= ln 2 / 2,
 // exp(r) by its Taylor series to r¹³ (remainder below 5e-18), 2^k through the exponent bits.
 template <class Set>
@@ -92,13 +71,13 @@ template <class Set>
     double* out = kernel.data() + i * centre_count;
     if (centre_count < Set::kLanes) {
       for (Index l = 0; l < centre_count; ++l) {
-        kernel_block<Scalar>(sample, stride, centres + l, centre_count, dimensions, factor,
-                             out + l);
+        kernel_block<Lanes<1>>(sample, stride, centres + l, centre_count, dimensions, factor,
+                               out + l);
       }
       continue;
     }
     for (Index block = 0; block < centre_count; block += Set::kLanes) {
-      const Index l = std::min(block, centre_count - Set::kLanes);
+      const Index l = std::min<Index>(block, centre_count - Set::kLanes);
       kernel_block<Set>(sample, stride, centres + l, centre_count, dimensions, factor, out + l);
     }
   }
@@ -106,19 +85,19 @@ template <class Set>
 
 void kernel_baseline(const Samples& samples, const double* centres, Index centre_count,
                      double factor, Eigen::MatrixXd& kernel) {
-  kernel_with<Baseline>(samples, centres, centre_count, factor, kernel);
+  kernel_with<Lanes<2>>(samples, centres, centre_count, factor, kernel);
 }
 
 [[gnu::target("avx2")]] void kernel_avx2(const Samples& samples, const double* centres,
                                          Index centre_count, double factor,
                                          Eigen::MatrixXd& kernel) {
-  kernel_with<Avx2>(samples, centres, centre_count, factor, kernel);
+  kernel_with<Lanes<4>>(samples, centres, centre_count, factor, kernel);
 }
 
 [[gnu::target("arch=x86-64-v4")]] void kernel_avx512(const Samples& samples, const double* centres,
                                                      Index centre_count, double factor,
                                                      Eigen::MatrixXd& kernel) {
-  kernel_with<Avx512>(samples, centres, centre_count, factor, kernel);
+  kernel_with<Lanes<8>>(samples, centres, centre_count, factor, kernel);
 }
 
 }  // namespace

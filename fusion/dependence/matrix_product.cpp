@@ -12,17 +12,14 @@ constexpr Index kInner = 128;    // inner indices of one block
 constexpr Index kColumns = 120;  // columns of b in one packed block; a multiple of every tile's
 
 // What one instruction set holds in registers: tiles of 2 vectors × kTileColumns.
-struct Baseline {
-  using Vector [[gnu::vector_size(16)]] = double;
-  static constexpr Index kLanes = 2, kTileColumns = 4;
+struct Baseline : Lanes<2> {
+  static constexpr Index kTileColumns = 4;
 };
-struct Avx2 {
-  using Vector [[gnu::vector_size(32)]] = double;
-  static constexpr Index kLanes = 4, kTileColumns = 6;
+struct Avx2 : Lanes<4> {
+  static constexpr Index kTileColumns = 6;
 };
-struct Avx512 {
-  using Vector [[gnu::vector_size(64)]] = double;
-  static constexpr Index kLanes = 8, kTileColumns = 8;
+struct Avx512 : Lanes<8> {
+  static constexpr Index kTileColumns = 8;
 };
 
 // `count` vectors of length `inner` as [inner][width], padded with zeros.
@@ -70,11 +67,11 @@ struct Block {
   const double* a;
   Index row_stride, column_stride;
   const double* packed_b;
-  Index rows, columns, inner;
+  Index columns, inner;
   double* out;
   Index out_stride;
   bool start;        // out is not yet begun
-  Index lower_from;  // rows above this column are not wanted: row + lower_from < column
+  Index lower_from;  // tiles that end at or above row = column − lower_from are not wanted
 };
 
 // Rows [row, row + rows) of a block, rows <= vectors · kLanes.
@@ -131,7 +128,6 @@ template <class Set>
                         a.row_stride,
                         a.column_stride,
                         packed_b,
-                        a.rows,
                         columns,
                         inner,
                         out + c0 * out_stride,
@@ -141,7 +137,7 @@ template <class Set>
       for (Index r = 0; r < a.rows;) {
         const Index left = a.rows - r;
         if (left > Set::kLanes) {
-          const Index rows = std::min(2 * Set::kLanes, left);
+          const Index rows = std::min<Index>(2 * Set::kLanes, left);
           add_rows<Set, 2>(block, r, rows);
           r += rows;
         } else {

@@ -10,7 +10,6 @@
 namespace infuse::dependence {
 namespace {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
 
 BagOptions small_bags(int bags, int bag_size, int centres) {
@@ -45,16 +44,8 @@ TEST(BaggedLsmi, GradientEqualsCentralDifferences) {
   MatrixXd gradient;
   EXPECT_EQ(bagged.ask(y, &gradient).value, bagged.ask(y).value);
   EXPECT_GT(gradient.norm(), 0.01);
-  for (Index i = 0; i < 80; ++i) {
-    for (Index f = 0; f < 2; ++f) {
-      constexpr double kStep = 1e-5;
-      MatrixXd up = y, down = y;
-      up(i, f) += kStep;
-      down(i, f) -= kStep;
-      EXPECT_NEAR(gradient(i, f), (bagged.ask(up).value - bagged.ask(down).value) / (2 * kStep),
-                  1e-8);
-    }
-  }
+  const auto value = [&](const MatrixXd& at) { return bagged.ask(at).value; };
+  EXPECT_LT((gradient - central_differences(value, y, 1e-5)).cwiseAbs().maxCoeff(), 1e-8);
 }
 
 TEST(BaggedLsmi, SeedFixesTheBagsAndMoreBagsVaryLess) {

@@ -18,6 +18,21 @@ inline Eigen::MatrixXd correlated_with(const Eigen::MatrixXd& x, double rho, uin
   return rho * x + std::sqrt(1 - rho * rho) * normal_samples(x.rows(), x.cols(), seed);
 }
 
+/// The derivative of `value(samples)` by each entry, by central differences.
+template <class Value>
+Eigen::MatrixXd central_differences(const Value& value, const Eigen::MatrixXd& samples,
+                                    double step) {
+  Eigen::MatrixXd moved = samples, gradient(samples.rows(), samples.cols());
+  for (Eigen::Index i = 0; i < samples.size(); ++i) {
+    moved(i) = samples(i) + step;
+    const double above = moved(i), up = value(moved);
+    moved(i) = samples(i) - step;
+    gradient(i) = (up - value(moved)) / (above - moved(i));
+    moved(i) = samples(i);
+  }
+  return gradient;
+}
+
 /// Mean and its standard error, of values that are added one by one.
 class MeanOf {
  public:
