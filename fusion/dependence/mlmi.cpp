@@ -12,8 +12,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kTolerance = 1e-4;  // nats
-constexpr int kSteps = 500;
+constexpr double kTolerance = 1e-4;   // nats
+constexpr int kSteps = 500;           // of the final fit
+constexpr int kValidationSteps = 50;  // of the fits that only choose σ
 
 // r(x_i, y_i) = Σ_l w_l·G_li·L_li / m_l, where m_l = mean G_l · mean L_l makes Σ w = 1 the
 // normalisation of the ratio.
@@ -28,17 +29,21 @@ struct RatioModel {
 
 // Expectation-maximisation of the mixture weights. With g_l = mean basis_l/r the gain that is left
 // is at most max g − 1.
-RatioModel maximise(const MatrixXd& product, const VectorXd& means) {
+RatioModel maximise(const MatrixXd& product, const VectorXd& means, int steps) {
   const double n = static_cast<double>(product.cols());
   const VectorXd scale = (means.array() > 0).select(means.cwiseInverse(), 0.0);
   VectorXd w = (means.array() > 0).cast<double>();
   w /= std::max(1.0, w.sum());
   RatioModel model;
-  for (int step = 0; step < kSteps; ++step) {
+  VectorXd gain(w.size());
+  for (int step = 0; step < steps; ++step) {
     model.weights = w.cwiseProduct(scale);
-    const VectorXd inverse =
-        model.ratios(product).cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
-    const VectorXd gain = (product * inverse).cwiseProduct(scale) / n;
+    gain.setZero();
+    for (Index i = 0; i < product.cols(); ++i) {
+      const double ratio = product.col(i).dot(model.weights);
+      gain += product.col(i) / std::max(ratio, std::numeric_limits<double>::min());
+    }
+    gain = gain.cwiseProduct(scale) / n;
     if (!(gain.maxCoeff() > 1 + kTolerance)) break;
     w.array() *= gain.array();
   }
@@ -59,7 +64,7 @@ double held_out_log(const MatrixXd& g, const MatrixXd& l, Index begin, Index cou
   const VectorXd sum_g = g.leftCols(begin).rowwise().sum() + g.rightCols(after).rowwise().sum();
   const VectorXd sum_l = l.leftCols(begin).rowwise().sum() + l.rightCols(after).rowwise().sum();
   const double n = static_cast<double>(rest);
-  const RatioModel model = maximise(product, sum_g.cwiseProduct(sum_l) / (n * n));
+  const RatioModel model = maximise(product, sum_g.cwiseProduct(sum_l) / (n * n), kValidationSteps);
   return mean_log(
       model.ratios(g.middleCols(begin, count).cwiseProduct(l.middleCols(begin, count))));
 }
@@ -98,9 +103,18 @@ FitEstimate mlmi_with(const Samples& x, const OtherFeatures& other_features,
     best_l.swap(l);
     answer.chosen.sigma = sigma;
   }
+  if (best_g.size() == 0) {
+    answer.reason = "no width of the grid gives a finite likelihood";
+    return answer;
+  }
   const MatrixXd product = best_g.cwiseProduct(best_l);
   const VectorXd means = best_g.rowwise().mean().cwiseProduct(best_l.rowwise().mean());
-  answer.value = mean_log(maximise(product, means).ratios(product));
+  const double value = mean_log(maximise(product, means, kSteps).ratios(product));
+  if (std::isfinite(value)) {
+    answer.value = value;
+  } else {
+    answer.reason = "the likelihood is not finite";
+  }
   return answer;
 }
 

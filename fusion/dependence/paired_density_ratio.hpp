@@ -16,8 +16,8 @@ FitEstimate paired_lsmi(const Samples& x, const Samples& y, const FitOptions& op
 /// MLMI I 2.1.2.3: mutual information in nats, by the paired model with α ≥ 0 that maximises
 /// mean log r(x_i, y_i) while mean r(x_i, y_j) = 1 (Suzuki et al. 2009). The maximum is concave and
 /// found by expectation-maximisation until no α can gain more than 1e-4 nats, or for 500 steps. σ
-/// is cross-validated by the held-out log-likelihood; `lambdas` and `form` are not used, the λ that
-/// is given back is 0. Far slower than LSMI.
+/// is cross-validated by the held-out log-likelihood after at most 50 steps; `lambdas` and `form`
+/// are not used, the λ that is given back is 0. Far slower than LSMI.
 FitEstimate mlmi(const Samples& x, const Samples& y, const FitOptions& options);
 
 /// MLMI of samples and labels 0 … label_count − 1, with the delta kernel for the labels.

@@ -143,7 +143,7 @@ Entry fitted(const std::string& name, const char* quantity, double truth, FitMea
             const Eigen::VectorXd x = s.row(0), y = s.row(1);
             return PreparedDependence(which, x, options).ask(y);
           },
-          30};
+          12};
 }
 
 /// Twenty bags of half the samples, 2000 at most.
@@ -157,13 +157,14 @@ Estimate bagged(const Draw& samples) {
 
 /// An estimator of pairs of samples of one feature.
 template <class Answer>
-Entry paired(const std::string& name, const char* quantity, double truth, Answer answer) {
+Entry paired(const std::string& name, const char* quantity, double truth, Answer answer,
+             int most_trials = 200) {
   return {name, quantity, truth,
           [=](const Draw& s) {
             const Eigen::VectorXd x = s.row(0), y = s.row(1);
             return Estimate(answer(x, y));
           },
-          30};
+          most_trials};
 }
 
 /// Every estimator that is measured.
@@ -203,11 +204,13 @@ std::vector<Entry> registry() {
       directed_information_of_signs(),
       fitted("LSMI, I(2.8)", "SMI", kSquaredLoss, FitMeasure::kSmi),
       fitted("LSMI, plug-in form", "SMI", kSquaredLoss, FitMeasure::kSmi, SmiForm::kPlugIn),
-      paired("LSMI, paired model", "SMI", kSquaredLoss,
-             [](const auto& x, const auto& y) { return paired_lsmi(x, y, {}); }),
-      {"BLSMI I(2.9), 20 bags", "SMI", kSquaredLoss, bagged, 30},
-      paired("MLMI", "MI", kInformation,
-             [](const auto& x, const auto& y) { return mlmi(x, y, {}); }),
+      paired(
+          "LSMI, paired model", "SMI", kSquaredLoss,
+          [](const auto& x, const auto& y) { return paired_lsmi(x, y, {}); }, 12),
+      {"BLSMI I(2.9), 20 bags", "SMI", kSquaredLoss, bagged, 12},
+      paired(
+          "MLMI", "MI", kInformation, [](const auto& x, const auto& y) { return mlmi(x, y, {}); },
+          5),
       fitted("LSQMI", "QMI", kQuadratic, FitMeasure::kQmi),
       fitted("LSCE", "SCE", kConditional, FitMeasure::kSce),
       paired("distance correlation", "dCor", kDistanceCorrelation, distance_correlation),
