@@ -164,7 +164,8 @@ JointHistogram joint_counts(std::span<const int32_t> x, std::span<const int32_t>
       histogram.reason = "a label is outside 0 ... labels - 1";
       return histogram;
     }
-    histogram.mass[static_cast<size_t>(x[i] * labels_y + y[i])] += 1;
+    const int cell = x[i] * labels_y + y[i];
+    histogram.mass[static_cast<size_t>(cell)] += 1;
   }
   histogram.samples = static_cast<double>(x.size());
   summarise(histogram);

@@ -49,7 +49,10 @@ struct JointHistogram {
   const char* reason = "";   ///< static text: why it cannot be used; empty when it can
 
   bool usable() const { return *reason == '\0'; }
-  double at(int x, int y) const { return mass[static_cast<size_t>(x * bins_y + y)]; }
+  double at(int x, int y) const {
+    const int cell = x * bins_y + y;
+    return mass[static_cast<size_t>(cell)];
+  }
 
   /// Adds a histogram of the same shape and options: tiles of several threads or scans. False, with
   /// the reason set and nothing added, where the tile has no mass or another shape. Not for

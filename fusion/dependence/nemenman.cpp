@@ -36,7 +36,10 @@ std::vector<Multiplicity> multiplicities(std::span<const double> counts) {
 /// ln Γ(x + n) − ln Γ(x) without the cancellation of two large values.
 double log_rising_factorial(double x, double n) {
   double shift = 0;  // raise x to where the Stirling series has full precision
-  for (; x < 12; x += 1) shift += std::log((x + n) / x);
+  while (x < 12) {
+    shift += std::log((x + n) / x);
+    x += 1;
+  }
   const auto series = [](double z) {
     const double w = 1 / (z * z);
     return (1.0 / 12 - w * (1.0 / 360 - w * (1.0 / 1260 - w / 1680))) / z;

@@ -75,8 +75,9 @@ void PreparedHistogram::count(std::span<const float> moving) {
       return;
     }
     if (moving[i] == kAbsent) continue;
-    const auto cell = static_cast<size_t>(row_[i] + bin_of(moving[i], options_.y));
-    histogram_.mass[cell] += weights_.empty() ? 1.0 : static_cast<double>(weights_[i]);
+    const int32_t cell = row_[i] + bin_of(moving[i], options_.y);
+    histogram_.mass[static_cast<size_t>(cell)] +=
+        weights_.empty() ? 1.0 : static_cast<double>(weights_[i]);
     histogram_.samples += 1;
   }
   summarise(histogram_);

@@ -15,18 +15,19 @@ Float4 broadcast(float value) { return Float4{value, value, value, value}; }
 
 /// Derivatives of the weights with respect to f; they sum to 0.
 Float4 slopes_at(float f) {
-  constexpr Float4 c2 = {-0.5F, 1.5F, -1.5F, 0.5F}, c1 = {1, -2, 1, 0}, c0 = {-0.5F, 0, 0.5F, 0};
+  constexpr Float4 kSquare = {-0.5F, 1.5F, -1.5F, 0.5F}, kLinear = {1, -2, 1, 0},
+                   kConstant = {-0.5F, 0, 0.5F, 0};
   const Float4 u = broadcast(f);
-  return (c2 * u + c1) * u + c0;
+  return (kSquare * u + kLinear) * u + kConstant;
 }
 
 }  // namespace
 
 Float4 spline_weights(float f) {
-  constexpr Float4 c3 = {-1.0F / 6, 0.5F, -0.5F, 1.0F / 6}, c2 = {0.5F, -1, 0.5F, 0},
-                   c1 = {-0.5F, 0, 0.5F, 0}, c0 = {1.0F / 6, 4.0F / 6, 1.0F / 6, 0};
+  constexpr Float4 kCubic = {-1.0F / 6, 0.5F, -0.5F, 1.0F / 6}, kSquare = {0.5F, -1, 0.5F, 0},
+                   kLinear = {-0.5F, 0, 0.5F, 0}, kConstant = {1.0F / 6, 4.0F / 6, 1.0F / 6, 0};
   const Float4 u = broadcast(f);
-  return ((c3 * u + c2) * u + c1) * u + c0;
+  return ((kCubic * u + kSquare) * u + kLinear) * u + kConstant;
 }
 
 SplineSeen locate_samples(const float* moving, const int32_t* first_block, size_t count,
