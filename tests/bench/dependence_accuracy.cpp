@@ -18,7 +18,11 @@
 #include <string>
 #include <vector>
 
+#include "fusion/dependence/bagged_lsmi.hpp"
 #include "fusion/dependence/directed_information.hpp"
+#include "fusion/dependence/distance_correlation.hpp"
+#include "fusion/dependence/paired_density_ratio.hpp"
+#include "fusion/dependence/prepared_dependence.hpp"
 #include "fusion/dependence/prepared_histogram.hpp"
 #include "fusion/dependence/sample_entropy.hpp"
 
@@ -30,25 +34,34 @@ constexpr int kSizes[] = {100, 1000, 10000};
 constexpr int kTrials[] = {200, 100, 30};  // of each size
 
 /// n samples of the standard bivariate Gaussian with correlation kRho, one a column.
-using Samples = Eigen::Matrix2Xd;
+using Draw = Eigen::Matrix2Xd;
 
 /// One estimator, and what it should say.
 struct Entry {
   std::string name;      ///< as the README calls it
   std::string quantity;  ///< what it estimates
   double truth;          ///< closed form
-  std::function<Estimate(const Samples&)> estimate;
+  std::function<Estimate(const Draw&)> estimate;
   int most_trials = 200;  ///< fewer for what is slow
 };
 
 const double kInformation = -0.5 * std::log(1 - kRho * kRho);
 const double kSquaredLoss = kRho * kRho / (2 * (1 - kRho * kRho));
+const double kQuadratic =
+    (1 / (4 * std::sqrt(1 - kRho * kRho)) + 0.25 - 1 / std::sqrt(4 - kRho * kRho)) /
+    std::numbers::pi;
+const double kConditional =
+    -1 / (4 * std::sqrt(1 - kRho * kRho) * std::sqrt(std::numbers::pi));  // without its constant
+const double kDistanceCorrelation =
+    std::sqrt((kRho * std::asin(kRho) + std::sqrt(1 - kRho * kRho) - kRho * std::asin(kRho / 2) -
+               std::sqrt(4 - kRho * kRho) + 1) /
+              (1 + std::numbers::pi / 3 - std::numbers::sqrt3));
 const double kScalarEntropy = 0.5 * std::log(2 * std::numbers::pi * std::numbers::e);
 const double kJointEntropy = 2 * kScalarEntropy - kInformation;
 const double kRenyiHalf =
     std::log(2 * std::numbers::pi) + 0.5 * std::log(1 - kRho * kRho) + std::log(0.5) / (0.5 - 1);
 
-std::vector<float> row_as_floats(const Samples& samples, Eigen::Index row) {
+std::vector<float> row_as_floats(const Draw& samples, Eigen::Index row) {
   std::vector<float> values(static_cast<size_t>(samples.cols()));
   for (Eigen::Index i = 0; i < samples.cols(); ++i) {
     values[static_cast<size_t>(i)] = static_cast<float>(samples(row, i));
@@ -57,7 +70,7 @@ std::vector<float> row_as_floats(const Samples& samples, Eigen::Index row) {
 }
 
 /// −4 … 4 in as many bins as 1.5 times the cube root of n, 32 at most.
-JointHistogram histogram_of(const Samples& samples, Window window) {
+JointHistogram histogram_of(const Draw& samples, Window window) {
   const double root = 1.5 * std::cbrt(static_cast<double>(samples.cols()));
   const Axis axis{.bins = std::min(32, static_cast<int>(std::lround(root))), .low = -4, .high = 4};
   return joint_histogram(row_as_floats(samples, 0), row_as_floats(samples, 1),
@@ -71,17 +84,17 @@ Entry windowed(const std::string& name, Measure which, Window window) {
                                                        : kSquaredLoss;
   const char* quantity = information ? "MI" : which == Measure::kChiSquared ? "χ²" : "SMI";
   return {name, quantity, truth,
-          [=](const Samples& s) { return measure(which, histogram_of(s, window)); }};
+          [=](const Draw& s) { return measure(which, histogram_of(s, window)); }};
 }
 
 Entry corrected(const std::string& name, CountEntropy how) {
-  return {name, "MI", kInformation, [=](const Samples& s) {
+  return {name, "MI", kInformation, [=](const Draw& s) {
             return measure(Measure::kMutualInformation, histogram_of(s, Window::kNone), how);
           }};
 }
 
 Entry dirichlet(const std::string& name, double (*alpha)(std::span<const double>)) {
-  return {name, "MI", kInformation, [=](const Samples& s) {
+  return {name, "MI", kInformation, [=](const Draw& s) {
             const JointHistogram histogram = histogram_of(s, Window::kNone);
             const CountEntropy how{.estimator = CountEntropy::Estimator::kDirichlet,
                                    .alpha = alpha(histogram.mass),
@@ -90,13 +103,13 @@ Entry dirichlet(const std::string& name, double (*alpha)(std::span<const double>
           }};
 }
 
-Estimate spacing_of_x(const Samples& samples, bool correct_bias) {
+Estimate spacing_of_x(const Draw& samples, bool correct_bias) {
   const Eigen::VectorXd x = samples.row(0);
   return entropy_spacing({x.data(), static_cast<size_t>(x.size())},
                          {.m = 0, .correct_bias = correct_bias});
 }
 
-Estimate information_by_neighbours(const Samples& samples, int k) {
+Estimate information_by_neighbours(const Draw& samples, int k) {
   const Estimate x = entropy_nearest_neighbour(samples.row(0), k);
   const Estimate y = entropy_nearest_neighbour(samples.row(1), k);
   const Estimate xy = entropy_nearest_neighbour(samples, k);
@@ -110,7 +123,7 @@ Estimate information_by_neighbours(const Samples& samples, int k) {
 Entry directed_information_of_signs() {
   const double agree = 0.5 + std::asin(kRho) / std::numbers::pi;
   const double truth = std::log(2) + agree * std::log(agree) + (1 - agree) * std::log(1 - agree);
-  return {"directed information rate, memory 1", "DI of signs", truth, [](const Samples& s) {
+  return {"directed information rate, memory 1", "DI of signs", truth, [](const Draw& s) {
             std::vector<int32_t> x, y;
             for (Eigen::Index i = 0; i < s.cols(); ++i) {
               x.push_back(s(0, i) > 0);
@@ -118,6 +131,40 @@ Entry directed_information_of_signs() {
             }
             return directed_information_rate(x, y, 1);
           }};
+}
+
+/// A least-squares fit with its default grid, cross-validated.
+Entry fitted(const std::string& name, const char* quantity, double truth, FitMeasure which,
+             SmiForm form = SmiForm::kLinear) {
+  FitOptions options;
+  options.form = form;
+  return {name, quantity, truth,
+          [=](const Draw& s) {
+            const Eigen::VectorXd x = s.row(0), y = s.row(1);
+            return PreparedDependence(which, x, options).ask(y);
+          },
+          12};
+}
+
+/// Twenty bags of half the samples, 2000 at most.
+Estimate bagged(const Draw& samples) {
+  const Eigen::VectorXd x = samples.row(0), y = samples.row(1);
+  BagOptions options;
+  options.bags = 20;
+  options.bag_size = std::min(2000, static_cast<int>(x.size() / 2));
+  return BaggedLsmi(x, options).ask(y);
+}
+
+/// An estimator of pairs of samples of one feature.
+template <class Answer>
+Entry paired(const std::string& name, const char* quantity, double truth, Answer answer,
+             int most_trials = 200) {
+  return {name, quantity, truth,
+          [=](const Draw& s) {
+            const Eigen::VectorXd x = s.row(0), y = s.row(1);
+            return Estimate(answer(x, y));
+          },
+          most_trials};
 }
 
 /// Every estimator that is measured.
@@ -139,22 +186,36 @@ std::vector<Entry> registry() {
       corrected("Dirichlet mixture (Nemenman)", by(Estimator::kNemenman)),
       corrected("Chao–Shen", by(Estimator::kChaoShen)),
       {"nearest neighbours, k = 1", "MI", kInformation,
-       [](const Samples& s) { return information_by_neighbours(s, 1); }},
+       [](const Draw& s) { return information_by_neighbours(s, 1); }},
       {"nearest neighbours, k = 4", "MI", kInformation,
-       [](const Samples& s) { return information_by_neighbours(s, 4); }},
+       [](const Draw& s) { return information_by_neighbours(s, 4); }},
       windowed("histogram, no window", Measure::kSquaredLossMutualInformation, Window::kNone),
       windowed("histogram, B-spline window", Measure::kSquaredLossMutualInformation,
                Window::kBSpline),
       windowed("histogram, B-spline window", Measure::kChiSquared, Window::kBSpline),
       {"m-spacing as printed", "H(x)", kScalarEntropy,
-       [](const Samples& s) { return spacing_of_x(s, false); }},
+       [](const Draw& s) { return spacing_of_x(s, false); }},
       {"m-spacing, bias corrected", "H(x)", kScalarEntropy,
-       [](const Samples& s) { return spacing_of_x(s, true); }},
+       [](const Draw& s) { return spacing_of_x(s, true); }},
       {"nearest neighbour", "H(x, y)", kJointEntropy,
-       [](const Samples& s) { return entropy_nearest_neighbour(s, 1); }},
+       [](const Draw& s) { return entropy_nearest_neighbour(s, 1); }},
       {"minimum spanning tree, α = ½", "Rényi H(x, y)", kRenyiHalf,
-       [](const Samples& s) { return renyi_entropy_spanning_tree(s); }, 30},
+       [](const Draw& s) { return renyi_entropy_spanning_tree(s); }, 30},
       directed_information_of_signs(),
+      fitted("LSMI, I(2.8)", "SMI", kSquaredLoss, FitMeasure::kSmi),
+      fitted("LSMI, plug-in form", "SMI", kSquaredLoss, FitMeasure::kSmi, SmiForm::kPlugIn),
+      paired(
+          "LSMI, paired model", "SMI", kSquaredLoss,
+          [](const auto& x, const auto& y) { return paired_lsmi(x, y, {}); }, 12),
+      {"BLSMI I(2.9), 20 bags", "SMI", kSquaredLoss, bagged, 12},
+      paired(
+          "MLMI", "MI", kInformation, [](const auto& x, const auto& y) { return mlmi(x, y, {}); },
+          5),
+      fitted("LSQMI", "QMI", kQuadratic, FitMeasure::kQmi),
+      fitted("LSCE", "SCE", kConditional, FitMeasure::kSce),
+      paired("distance correlation", "dCor", kDistanceCorrelation, distance_correlation),
+      paired("the same, bias corrected", "dCor²", kDistanceCorrelation * kDistanceCorrelation,
+             corrected_distance_correlation),
   };
 }
 
@@ -170,7 +231,7 @@ Accuracy assess(const Entry& entry, int n, int trials) {
   for (int trial = 0; trial < trials; ++trial) {
     std::mt19937_64 random(static_cast<uint64_t>(n) * 1000 + static_cast<uint64_t>(trial));
     std::normal_distribution<double> draw;
-    Samples samples(2, n);
+    Draw samples(2, n);
     for (int i = 0; i < n; ++i) {
       const double x = draw(random), noise = draw(random);
       samples.col(i) << x, kRho * x + std::sqrt(1 - kRho * kRho) * noise;

@@ -1,0 +1,67 @@
+#include "fusion/dependence/column_sums.hpp"
+
+#include <cstring>
+
+namespace infuse::dependence {
+namespace {
+
+using Eigen::Index;
+
+// Sums of `kLanes · kVectors` rows held in registers.
+template <class Set, Index vectors>
+[[gnu::always_inline]] inline void sum_rows(const double* data, Index stride,
+                                            std::span<const int> columns, double* out) {
+  using Vector = typename Set::Vector;
+  Vector sum[vectors] = {};
+  for (const int column : columns) {
+    Vector entries[vectors];
+    std::memcpy(&entries, data + column * stride, sizeof(entries));
+    for (Index v = 0; v < vectors; ++v) sum[v] += entries[v];
+  }
+  std::memcpy(out, &sum, sizeof(sum));
+}
+
+template <class Set>
+[[gnu::always_inline]] inline void sum_with(const Eigen::MatrixXd& matrix,
+                                            std::span<const int> columns, double* out) {
+  constexpr Index kLanes = Set::kLanes;
+  const Index rows = matrix.rows();
+  Index r = 0;
+  for (; r + 4 * kLanes <= rows; r += 4 * kLanes) {
+    sum_rows<Set, 4>(matrix.data() + r, rows, columns, out + r);
+  }
+  for (; r + kLanes <= rows; r += kLanes) {
+    sum_rows<Set, 1>(matrix.data() + r, rows, columns, out + r);
+  }
+  for (; r < rows; ++r) sum_rows<Lanes<1>, 1>(matrix.data() + r, rows, columns, out + r);
+}
+
+void sum_baseline(const Eigen::MatrixXd& matrix, std::span<const int> columns, double* out) {
+  sum_with<Lanes<2>>(matrix, columns, out);
+}
+
+[[gnu::target("avx2")]] void sum_avx2(const Eigen::MatrixXd& matrix, std::span<const int> columns,
+                                      double* out) {
+  sum_with<Lanes<4>>(matrix, columns, out);
+}
+
+[[gnu::target("arch=x86-64-v4")]] void sum_avx512(const Eigen::MatrixXd& matrix,
+                                                  std::span<const int> columns, double* out) {
+  sum_with<Lanes<8>>(matrix, columns, out);
+}
+
+}  // namespace
+
+void sum_columns(const Eigen::MatrixXd& matrix, std::span<const int> columns, double* out,
+                 InstructionSet set) {
+  switch (set) {
+    case InstructionSet::kAvx512:
+      return sum_avx512(matrix, columns, out);
+    case InstructionSet::kAvx2:
+      return sum_avx2(matrix, columns, out);
+    case InstructionSet::kBaseline:
+      return sum_baseline(matrix, columns, out);
+  }
+}
+
+}  // namespace infuse::dependence

@@ -1,0 +1,365 @@
+#include "fusion/dependence/prepared_dependence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fusion/dependence/column_sums.hpp"
+#include "fusion/dependence/matrix_product.hpp"
+#include "fusion/dependence/sample_choice.hpp"
+#include "fusion/dependence/smi_gradient.hpp"
+
+namespace infuse::dependence {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+PreparedDependence::PreparedDependence(FitMeasure measure, const Samples& samples,
+                                       const FitOptions& options)
+    : measure_(measure), options_(options) {
+  reason_ = options.invalid() ? "invalid options" : unusable(samples);
+  if (*reason_ != '\0') return;
+  const int n = static_cast<int>(samples.rows());
+  const int folds = options.sigmas.size() * options.lambdas.size() > 1 ? options.folds : 1;
+  if (n < folds) {
+    reason_ = "fewer samples than folds";
+    return;
+  }
+  Random random(options.seed);
+  const std::vector<int> centres = choose_subset(n, options.centres, random);
+  folds_ = deal_folds(n, folds, random);
+  std::vector<int> place(folds_.order.size());
+  for (int i = 0; i < n; ++i) place[static_cast<size_t>(folds_.order[static_cast<size_t>(i)])] = i;
+  for (const int centre : centres) centre_rows_.push_back(place[static_cast<size_t>(centre)]);
+
+  MatrixXd ordered;
+  take_rows(samples, folds_.order, ordered);
+  for (const double sigma : options.sigmas) prepare_width(sigma, ordered);
+}
+
+void PreparedDependence::prepare_width(double sigma, const Samples& ordered) {
+  Width width;
+  width.sigma = sigma;
+  MatrixXd centres;
+  take_rows(ordered, centre_rows_, centres);
+  gaussian_kernel(ordered, centres, sigma, width.features);
+
+  const int folds = folds_.count();
+  std::vector<MatrixXd> grams(static_cast<size_t>(folds));
+  MatrixXd total = MatrixXd::Zero(centres.rows(), centres.rows());
+  for (int f = 0; f < folds; ++f) {
+    MatrixXd& gram = grams[static_cast<size_t>(f)];
+    multiply_by_transpose(
+        width.features.middleCols(folds_.begin[static_cast<size_t>(f)], folds_.size(f)), gram);
+    total += gram;
+  }
+  MatrixXd integral;
+  if (measure_ == FitMeasure::kQmi) gaussian_overlap(centres, sigma, integral);
+  const double n = static_cast<double>(folds_.order.size());
+  for (int f = 0; f <= folds; ++f) {
+    if (f < folds && folds == 1) continue;
+    Split& split = width.splits.emplace_back();
+    const auto fold = static_cast<size_t>(f);
+    const double count = f < folds ? folds_.size(f) : 0;
+    if (measure_ == FitMeasure::kQmi) {
+      split.basis = spectral_basis(integral);
+    } else {
+      split.basis = spectral_basis(f < folds ? MatrixXd((total - grams[fold]) / (n - count))
+                                             : MatrixXd(total / n));
+    }
+    if (split.basis.rotation.size() == 0) reason_ = "the kernels of the prepared side are singular";
+    if (f == folds || *reason_ != '\0') continue;
+    MatrixXd half;
+    multiply(split.basis.rotation,
+             measure_ == FitMeasure::kQmi ? integral : MatrixXd(grams[fold] / count), half);
+    multiply(half, split.basis.rotation.transpose(), split.held);
+  }
+  widths_.push_back(std::move(width));
+}
+
+const PreparedDependence::Width* PreparedDependence::find_width(double sigma) const {
+  for (const Width& width : widths_) {
+    if (width.sigma == sigma) return &width;
+  }
+  return nullptr;
+}
+
+// --- the two kinds of question ---
+
+FitEstimate PreparedDependence::ask(std::span<const int32_t> labels, int label_count,
+                                    const std::optional<HyperParameters>& kept) {
+  FitEstimate answer;
+  answer.reason = reason_;
+  if (answer.usable()) {
+    answer.reason = unusable(labels, static_cast<Index>(folds_.order.size()), label_count);
+  }
+  if (!answer.usable()) return answer;
+  group_labels(labels, label_count);
+  return fit([&](const Width& width) { sum_labels(width, label_count); }, kept);
+}
+
+FitEstimate PreparedDependence::ask(const Samples& samples,
+                                    const std::optional<HyperParameters>& kept,
+                                    MatrixXd* gradient) {
+  FitEstimate answer;
+  if (gradient != nullptr) gradient->resize(0, 0);
+  answer.reason = *reason_ != '\0' ? reason_ : unusable(samples);
+  if (answer.usable() && samples.rows() != static_cast<Index>(folds_.order.size())) {
+    answer.reason = "the two sides differ in length";
+  }
+  if (!answer.usable()) return answer;
+  take_rows(samples, folds_.order, asked_samples_);
+  take_rows(asked_samples_, centre_rows_, asked_centres_);
+  answer = fit([&](const Width& width) { sum_samples(width); }, kept);
+  if (gradient == nullptr || measure_ != FitMeasure::kSmi || !answer.usable()) return answer;
+
+  const Width& width = *find_width(answer.chosen.sigma);
+  MatrixXd sensitivity, ordered;
+  smi_sensitivity({width.splits.back().basis, asked_, theta_, answer.chosen.lambda, options_.form},
+                  width.features, asked_features_, sensitivity);
+  gaussian_kernel_gradient(asked_samples_, centre_rows_, width.sigma, asked_features_, sensitivity,
+                           ordered);
+  gradient->resize(samples.rows(), samples.cols());
+  for (Index i = 0; i < ordered.rows(); ++i) {
+    gradient->row(folds_.order[static_cast<size_t>(i)]) = ordered.row(i);
+  }
+  return answer;
+}
+
+// --- sums that join the two sides ---
+
+// Sorts the samples by fold, then label, by counting.
+void PreparedDependence::group_labels(std::span<const int32_t> labels, int label_count) {
+  const auto count = static_cast<size_t>(label_count);
+  const auto group_of = [&](size_t fold, int place) {
+    const int row = folds_.order[static_cast<size_t>(place)];
+    return fold * count + static_cast<size_t>(labels[static_cast<size_t>(row)]);
+  };
+  const auto folds = static_cast<size_t>(folds_.count());
+  group_begin_.assign(folds * count + 1, 0);
+  for (size_t f = 0; f < folds; ++f) {
+    for (int i = folds_.begin[f]; i < folds_.begin[f + 1]; ++i) ++group_begin_[group_of(f, i) + 1];
+  }
+  for (size_t g = 1; g < group_begin_.size(); ++g) group_begin_[g] += group_begin_[g - 1];
+  group_fill_.assign(group_begin_.begin(), group_begin_.end());
+  grouped_.resize(folds_.order.size());
+  for (size_t f = 0; f < folds; ++f) {
+    for (int i = folds_.begin[f]; i < folds_.begin[f + 1]; ++i) {
+      grouped_[static_cast<size_t>(group_fill_[group_of(f, i)]++)] = i;
+    }
+  }
+}
+
+void PreparedDependence::sum_labels(const Width& width, int label_count) {
+  held_.resize(static_cast<size_t>(folds_.count()));
+  for (size_t f = 0; f < held_.size(); ++f) {
+    Sums& sums = held_[f];
+    sums.n = folds_.size(static_cast<int>(f));
+    sums.cross.resize(width.features.rows(), label_count);
+    sums.gram.resize(0, 0);
+    sums.gram_diagonal.resize(label_count);
+    for (int label = 0; label < label_count; ++label) {
+      const size_t group = f * static_cast<size_t>(label_count) + static_cast<size_t>(label);
+      const auto begin = static_cast<size_t>(group_begin_[group]);
+      const size_t count = static_cast<size_t>(group_begin_[group + 1]) - begin;
+      sum_columns(width.features, std::span(grouped_).subspan(begin, count),
+                  sums.cross.data() + label * sums.cross.rows());
+      sums.gram_diagonal[label] = static_cast<double>(count);
+    }
+    if (measure_ == FitMeasure::kQmi) {
+      sums.prepared = sums.cross.rowwise().sum();
+      sums.asked = sums.gram_diagonal;
+    }
+    if (measure_ != FitMeasure::kSmi) sums.gram_diagonal.setOnes();
+  }
+  total_up();
+}
+
+void PreparedDependence::sum_samples(const Width& width) {
+  gaussian_kernel(asked_samples_, asked_centres_, width.sigma, asked_features_);
+  held_.resize(static_cast<size_t>(folds_.count()));
+  for (size_t f = 0; f < held_.size(); ++f) {
+    Sums& sums = held_[f];
+    const int count = folds_.size(static_cast<int>(f));
+    const auto prepared = width.features.middleCols(folds_.begin[f], count);
+    const auto asked = asked_features_.middleCols(folds_.begin[f], count);
+    sums.n = count;
+    multiply(prepared, asked.transpose(), sums.cross);
+    if (measure_ == FitMeasure::kSmi) {
+      multiply_by_transpose(asked, sums.gram);
+    } else {
+      gaussian_overlap(asked_centres_, width.sigma, sums.gram);
+    }
+    if (measure_ == FitMeasure::kQmi) {
+      sums.prepared = prepared.rowwise().sum();
+      sums.asked = asked.rowwise().sum();
+    }
+  }
+  total_up();
+}
+
+void PreparedDependence::total_up() {
+  total_ = held_[0];
+  for (size_t f = 1; f < held_.size(); ++f) {
+    total_.n += held_[f].n;
+    total_.cross += held_[f].cross;
+    if (measure_ == FitMeasure::kQmi) {
+      total_.prepared += held_[f].prepared;
+      total_.asked += held_[f].asked;
+    }
+    if (measure_ == FitMeasure::kSmi) {
+      total_.gram += held_[f].gram;
+      total_.gram_diagonal += held_[f].gram_diagonal;
+    }
+  }
+}
+
+void PreparedDependence::subtract(const Sums& part, Sums& rest) const {
+  rest.n = total_.n - part.n;
+  rest.cross = total_.cross - part.cross;
+  if (measure_ == FitMeasure::kQmi) {
+    rest.prepared = total_.prepared - part.prepared;
+    rest.asked = total_.asked - part.asked;
+  }
+  if (measure_ == FitMeasure::kSmi) {
+    rest.gram = total_.gram - part.gram;
+    rest.gram_diagonal = total_.gram_diagonal - part.gram_diagonal;
+  } else {
+    rest.gram = total_.gram;
+    rest.gram_diagonal = total_.gram_diagonal;
+  }
+}
+
+// --- the fit ---
+
+void PreparedDependence::normalised_cross(const Sums& sums, MatrixXd& out) const {
+  out = sums.cross / sums.n;
+  if (measure_ != FitMeasure::kQmi) return;
+  for (Index c = 0; c < out.cols(); ++c) {
+    out.col(c) -= sums.prepared * (sums.asked[c] / (sums.n * sums.n));
+  }
+}
+
+void PreparedDependence::asked_basis(const Sums& sums, TridiagonalBasis& out) const {
+  const double n = measure_ == FitMeasure::kSmi ? sums.n : 1.0;
+  if (sums.gram.size() != 0) {
+    out = tridiagonal_basis(sums.gram / n);
+    return;
+  }
+  out.rotation.resize(0, 0);
+  out.subdiagonal.resize(0);
+  out.diagonal = sums.gram_diagonal / n;
+}
+
+// matrix = rotation of the prepared side · matrix · rotation of the asked sideᵀ.
+void PreparedDependence::rotate(const Split& split, const TridiagonalBasis& asked,
+                                MatrixXd& matrix) {
+  multiply(split.basis.rotation, matrix, rotated_);
+  if (asked.rotation.size() == 0) {
+    matrix = rotated_;
+  } else {
+    multiply(rotated_, asked.rotation.transpose(), matrix);
+  }
+}
+
+void PreparedDependence::add_fold_errors(const Split& split, const Sums& held,
+                                         std::span<double> errors) {
+  subtract(held, train_);
+  asked_basis(train_, asked_);
+  normalised_cross(train_, cross_);
+  rotate(split, asked_, cross_);
+  normalised_cross(held, held_cross_);
+  rotate(split, asked_, held_cross_);
+  const bool diagonal = held.gram.size() == 0;
+  const double n = measure_ == FitMeasure::kSmi ? held.n : 1.0;
+  if (!diagonal) {
+    held_gram_ = held.gram / n;
+    multiply(asked_.rotation, held_gram_, rotated_);
+    multiply(rotated_, asked_.rotation.transpose(), held_gram_);
+  }
+  // The solutions of all λ side by side, so that P meets them in one product.
+  const Index rows = cross_.rows(), columns = cross_.cols();
+  stack_.resize(rows, columns * static_cast<Index>(errors.size()));
+  for (size_t k = 0; k < errors.size(); ++k) {
+    solve_sylvester(split.basis.eigenvalues, asked_, options_.lambdas[k], cross_, theta_);
+    stack_.middleCols(static_cast<Index>(k) * columns, columns) = theta_;
+  }
+  multiply(split.held, stack_, product_);
+  for (size_t k = 0; k < errors.size(); ++k) {
+    const Index first = static_cast<Index>(k) * columns;
+    const auto theta = stack_.middleCols(first, columns);
+    double quadratic = 0;
+    if (diagonal) {
+      for (Index c = 0; c < columns; ++c) {
+        quadratic += held.gram_diagonal[c] / n * theta.col(c).dot(product_.col(first + c));
+      }
+    } else {
+      multiply(product_.middleCols(first, columns), held_gram_, rotated_);
+      quadratic = theta.cwiseProduct(rotated_).sum();
+    }
+    errors[k] += 0.5 * quadratic - theta.cwiseProduct(held_cross_).sum();
+  }
+}
+
+template <class Load>
+std::optional<HyperParameters> PreparedDependence::cross_validate(const Load& load) {
+  if (folds_.count() == 1) return HyperParameters{options_.sigmas[0], options_.lambdas[0]};
+  std::optional<HyperParameters> best;
+  double best_error = std::numeric_limits<double>::max();
+  errors_.resize(options_.lambdas.size());
+  for (const Width& width : widths_) {
+    load(width);
+    std::fill(errors_.begin(), errors_.end(), 0.0);
+    for (size_t f = 0; f < held_.size(); ++f) add_fold_errors(width.splits[f], held_[f], errors_);
+    for (size_t k = 0; k < errors_.size(); ++k) {
+      if (!(errors_[k] < best_error)) continue;
+      best_error = errors_[k];
+      best = HyperParameters{width.sigma, options_.lambdas[k]};
+    }
+  }
+  return best;
+}
+
+template <class Load>
+FitEstimate PreparedDependence::fit(const Load& load, const std::optional<HyperParameters>& kept) {
+  FitEstimate answer;
+  const auto chosen = kept ? kept : cross_validate(load);
+  const Width* width = chosen ? find_width(chosen->sigma) : nullptr;
+  if (!chosen) {
+    answer.reason = "no hyper-parameters of the grid give a finite fit";
+  } else if (width == nullptr) {
+    answer.reason = "the kept sigma is not in the grid";
+  } else if (!(chosen->lambda >= 1e-12 && chosen->lambda <= 1e12)) {
+    answer.reason = "the kept lambda is outside 1e-12 … 1e12";
+  }
+  if (!answer.usable()) return answer;
+  answer.chosen = *chosen;
+
+  load(*width);
+  const Split& split = width->splits.back();
+  asked_basis(total_, asked_);
+  normalised_cross(total_, cross_);
+  rotate(split, asked_, cross_);
+  solve_sylvester(split.basis.eigenvalues, asked_, chosen->lambda, cross_, theta_);
+  const double linear = theta_.cwiseProduct(cross_).sum();  // ⟨Θ, C⟩
+  const double ridge = chosen->lambda * theta_.squaredNorm();  // ⟨Θ, PΘA⟩ = ⟨Θ, C⟩ − λ|Θ|²
+  switch (measure_) {
+    case FitMeasure::kSmi:
+      answer.value = 0.5 * linear - 0.5;
+      if (options_.form == SmiForm::kPlugIn) answer.value += 0.5 * ridge;
+      break;
+    case FitMeasure::kQmi:
+      answer.value = linear + ridge;  // 2⟨Θ, C⟩ − ⟨Θ, PΘA⟩
+      break;
+    case FitMeasure::kSce:
+      answer.value = -0.5 * (linear + ridge);  // ½⟨Θ, PΘA⟩ − ⟨Θ, C⟩
+      break;
+  }
+  if (!std::isfinite(answer.value)) {
+    answer.value = 0;
+    answer.reason = "the kernels are singular at this lambda";
+  }
+  return answer;
+}
+
+}  // namespace infuse::dependence

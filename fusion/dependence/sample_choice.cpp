@@ -1,0 +1,85 @@
+#include "fusion/dependence/sample_choice.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace infuse::dependence {
+namespace {
+
+// Uniform below `bound`, by multiplication; the bias of bound/2^32 does not matter here.
+int below(int bound, Random& random) {
+  return static_cast<int>(((random() >> 32) * static_cast<uint64_t>(bound)) >> 32);
+}
+
+// The first `count` entries become a random draw without repetition.
+void shuffle_front(std::vector<int>& list, int count, Random& random) {
+  const int n = static_cast<int>(list.size());
+  for (int i = 0; i < count; ++i) {
+    std::swap(list[static_cast<size_t>(i)], list[static_cast<size_t>(i + below(n - i, random))]);
+  }
+}
+
+}  // namespace
+
+std::vector<int> choose_subset(int n, int count, Random& random) {
+  std::vector<int> list(static_cast<size_t>(n));
+  std::iota(list.begin(), list.end(), 0);
+  if (count >= n) return list;
+  shuffle_front(list, count, random);
+  list.resize(static_cast<size_t>(count));
+  std::sort(list.begin(), list.end());
+  return list;
+}
+
+Folds deal_folds(int n, int count, Random& random) {
+  Folds folds;
+  folds.order.resize(static_cast<size_t>(n));
+  std::iota(folds.order.begin(), folds.order.end(), 0);
+  shuffle_front(folds.order, n, random);
+  for (int f = 0; f <= count; ++f) {
+    folds.begin.push_back(static_cast<int>(static_cast<int64_t>(n) * f / count));
+  }
+  return folds;
+}
+
+const char* unusable(const Samples& samples) {
+  constexpr double kLargest = 1e100;
+  if (samples.rows() < 2 || samples.cols() < 1) return "fewer than two samples";
+  bool varies = false;
+  for (Eigen::Index f = 0; f < samples.cols(); ++f) {
+    for (Eigen::Index i = 0; i < samples.rows(); ++i) {
+      if (!(std::abs(samples(i, f)) <= kLargest)) return "a sample is not finite";
+      varies |= samples(i, f) != samples(0, f);
+    }
+  }
+  return varies ? "" : "all samples are alike";
+}
+
+const char* unusable(const Samples& x, const Samples& y) {
+  const char* reason = unusable(x);
+  if (*reason == '\0') reason = unusable(y);
+  if (*reason == '\0' && x.rows() != y.rows()) return "the two sides differ in length";
+  return reason;
+}
+
+const char* unusable(std::span<const int32_t> labels, Eigen::Index n, int label_count) {
+  if (static_cast<Eigen::Index>(labels.size()) != n) return "the two sides differ in length";
+  if (label_count < 1 || label_count > 10000) return "label_count is outside 1 … 10000";
+  bool varies = false;
+  for (const int32_t label : labels) {
+    if (label < 0 || label >= label_count) return "a label is outside 0 … label_count − 1";
+    varies |= label != labels[0];
+  }
+  return varies ? "" : "all labels are alike";
+}
+
+void take_rows(const Samples& samples, const std::vector<int>& rows, Eigen::MatrixXd& out) {
+  out.resize(static_cast<Eigen::Index>(rows.size()), samples.cols());
+  for (Eigen::Index f = 0; f < samples.cols(); ++f) {
+    for (Eigen::Index i = 0; i < out.rows(); ++i) {
+      out(i, f) = samples(rows[static_cast<size_t>(i)], f);
+    }
+  }
+}
+
+}  // namespace infuse::dependence

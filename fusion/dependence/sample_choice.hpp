@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "fusion/dependence/gaussian_kernel.hpp"
+
+namespace infuse::dependence {
+
+/// The random numbers of the estimators: the same sequence from a seed on every machine.
+using Random = std::mt19937_64;
+
+/// `count` different indices below `n`, ascending, all subsets equally likely; all where
+/// count >= n.
+std::vector<int> choose_subset(int n, int count, Random& random);
+
+/// Samples dealt at random to the folds of a cross-validation, of equal sizes within one.
+struct Folds {
+  std::vector<int> order;  ///< samples in order of fold
+  std::vector<int> begin;  ///< where each fold begins in `order`, and the end
+
+  int count() const { return static_cast<int>(begin.size()) - 1; }
+  int size(int fold) const {
+    return begin[static_cast<size_t>(fold) + 1] - begin[static_cast<size_t>(fold)];
+  }
+};
+
+/// Deals n samples to `count` folds, 1 <= count <= n.
+Folds deal_folds(int n, int count, Random& random);
+
+/// Static text that says why samples cannot be used, "" where they can: none, not finite (or
+/// beyond 1e100), all alike.
+const char* unusable(const Samples& samples);
+
+/// The same for the two sides of a dependence, which must be of one length.
+const char* unusable(const Samples& x, const Samples& y);
+
+/// The same for labels 0 … label_count − 1 of n samples; label_count is 1 … 10000.
+const char* unusable(std::span<const int32_t> labels, Eigen::Index n, int label_count);
+
+/// Row rows[i] of `samples` becomes row i of `out`.
+void take_rows(const Samples& samples, const std::vector<int>& rows, Eigen::MatrixXd& out);
+
+}  // namespace infuse::dependence
