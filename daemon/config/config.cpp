@@ -114,14 +114,10 @@ std::optional<std::string> LidarOptions::invalid() const {
 }
 
 Result<Config> parse_config(std::string_view text, const std::string& file) {
-  if (text.size() > kMaxConfigBytes) return fail("the file is larger than 1 MiB", file);
-  const toml::parse_result parsed = toml::parse(text, file);
-  if (!parsed) {
-    return fail(std::string(parsed.error().description()),
-                file + ":" + std::to_string(parsed.error().source().begin.line));
-  }
+  const auto table = recording::parse_toml(text, file);
+  if (!table) return tl::unexpected(table.error());
   Config config;
-  TomlTable root(parsed.table(), file, "the configuration");
+  TomlTable root(*table, file, "the configuration");
   if (auto error = read_all(root, file, config)) return tl::unexpected(*std::move(error));
   return config;
 }

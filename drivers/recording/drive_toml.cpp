@@ -202,15 +202,10 @@ std::optional<Error> read_rig_tables(const toml::table& source, const std::strin
 
 template <class Value, class Read>
 Result<Value> parse(std::string_view text, const std::string& file, const Read& read) {
-  if (text.size() > kMaxText)
-    return fail("is longer than " + std::to_string(kMaxText) + " bytes", file);
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed) {
-    return fail(std::string(parsed.error().description()),
-                file + ":" + std::to_string(parsed.error().source().begin.line));
-  }
+  const auto table = parse_toml(text, file);
+  if (!table) return tl::unexpected(table.error());
   Value value;
-  if (auto wrong = read(parsed.table(), file, value)) return tl::unexpected(std::move(*wrong));
+  if (auto wrong = read(*table, file, value)) return tl::unexpected(std::move(*wrong));
   return value;
 }
 

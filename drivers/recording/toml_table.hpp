@@ -14,6 +14,11 @@
 
 namespace infuse::recording {
 
+/// Parses TOML text of at most 1 MiB; errors carry file and line. Text beyond ASCII is accepted in
+/// one-line strings and comments only: elsewhere it is never valid TOML 1.0 but in multi-line
+/// strings, and toml++ 3.3 runs into undefined behaviour on it.
+Result<toml::table> parse_toml(std::string_view text, const std::string& file);
+
 /// Reads a TOML table key by key and keeps the first thing that was wrong, with its line. Every key
 /// that is asked for becomes a known one; `finish` complains about the others.
 class TomlTable {
