@@ -15,9 +15,10 @@ inline std::filesystem::path real_data(const std::filesystem::path& relative) {
 
 }  // namespace infuse
 
-/// Ends the test as skipped where the real recording is absent; declares `path` otherwise.
-#define INFUSE_REAL_DATA_OR_SKIP(path, relative)                      \
-  const std::filesystem::path path = infuse::real_data(relative);     \
-  if (path.empty() || !std::filesystem::exists(path)) {               \
+/// Ends the test as skipped where the real recording is absent; declares `variable`, its path,
+/// otherwise.
+#define INFUSE_REAL_DATA_OR_SKIP(variable, relative)                  \
+  const std::filesystem::path variable = infuse::real_data(relative); \
+  if (variable.empty() || !std::filesystem::exists(variable)) {       \
     GTEST_SKIP() << "no " << (relative) << " under INFUSE_REAL_DATA"; \
   }
