@@ -19,6 +19,11 @@ if(INFUSE_SANITIZE)
   target_link_options(infuse_flags INTERFACE -fsanitize=${INFUSE_SANITIZE})
 endif()
 
+if(INFUSE_FUZZ)
+  # Coverage of the libraries too: without it a fuzzer does not see where its input leads.
+  target_compile_options(infuse_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
 # infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder, as infuse::drivers_velodyne.
 function(infuse_library folder)
   string(REPLACE "/" "_" name ${folder})

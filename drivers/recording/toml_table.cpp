@@ -6,6 +6,19 @@
 
 namespace infuse::recording {
 
+Result<toml::table> parse_toml(std::string_view text, const std::string& file) {
+  constexpr size_t kMaxText = 1 << 20;
+  if (text.size() > kMaxText)
+    return fail("is longer than " + std::to_string(kMaxText) + " bytes", file);
+  toml::parse_result parsed = toml::parse(text);
+  if (!parsed) {
+    std::string where = file;
+    where.append(":").append(std::to_string(parsed.error().source().begin.line));
+    return fail(std::string(parsed.error().description()), std::move(where));
+  }
+  return std::move(parsed).table();
+}
+
 const toml::node* TomlTable::node(std::string_view key) {
   if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
   return table_.get(key);

@@ -1,8 +1,5 @@
 #pragma once
 
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
-
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
@@ -11,12 +8,11 @@
 #include <vector>
 
 #include "drivers/measurement/error.hpp"
+#include "drivers/recording/toml_library.hpp"
 
 namespace infuse::recording {
 
-/// Parses TOML text of at most 1 MiB; errors carry file and line. Text beyond ASCII is accepted in
-/// one-line strings and comments only: elsewhere it is never valid TOML 1.0 but in multi-line
-/// strings, and toml++ 3.3 runs into undefined behaviour on it.
+/// Parses TOML text of at most 1 MiB; errors carry file and line.
 Result<toml::table> parse_toml(std::string_view text, const std::string& file);
 
 /// Reads a TOML table key by key and keeps the first thing that was wrong, with its line. Every key

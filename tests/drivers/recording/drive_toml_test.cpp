@@ -232,22 +232,16 @@ TEST(DriveToml, ErrorsNameTheLineAndTheCure) {
   EXPECT_EQ(message(""), "accepted");  // a drive without sensors is useless, not wrong
 }
 
-// toml++ 3.3 must not see these where it looks for white space.
-TEST(DriveToml, TextBeyondAsciiStandsInOneLineStringsAndCommentsOnly) {
-  for (const char* good :
-       {"name = \"Süd λ\"", "name = 'λ'  # λ", "# λ\nname = \"a\\\"λ\"", "\xEF\xBB\xBFname = \"λ\"",
-        "name = \"\"  # λ", "name = \"\"\"a\nb\"\"\"\"\" # λ",
-        "name = \"\"\"\\\"\"\\\\\"\"\" # λ"}) {
+// toml++ 3.3 by itself runs into undefined behaviour on the refused ones (drive_toml_fuzz).
+TEST(DriveToml, LettersBeyondAsciiStandInStringsAndCommentsOnly) {
+  for (const char* good : {"name = \"Süd λ\"", "name = 'λ'  # λ", "\xEF\xBB\xBFname = \"λ\"",
+                           "name = \"\"\"a \\\n  λ\"\"\""}) {
     EXPECT_EQ(message(good), "accepted") << good;
   }
-  for (const char* bad :
-       {"\nλ = 1", "\nname λ = 1", "\nname = λ", "\nname = \"a\" λ", "\nname = \"\" λ",
-        "\nname = \"\"\"\\λ\"\"\"", "\nname = '''λ'''", "\n[λ]"}) {
-    EXPECT_THAT(message(bad), HasSubstr("drive.toml:2: a character beyond ASCII")) << bad;
+  for (const char* bad : {"\nλ = 1", "\nname λ = 1", "\nname = λ", "\nname = \"a\" λ", "\n[λ]",
+                          "\nname = 2a\"\"m\"<Ļ", "\nname = \u3001", "\nname = \uFDFD"}) {
+    EXPECT_THAT(message(bad), HasSubstr("drive.toml:2: ")) << bad;
   }
-  EXPECT_THAT(message("name = \"\"\"a \\\n  λ\"\"\""),
-              HasSubstr("drive.toml:2: a character beyond"));
-  EXPECT_THAT(message("name = \"a\nλ = 1"), HasSubstr("drive.toml:"));
 }
 
 TEST(DriveToml, PathsStayInsideTheDrive) {
