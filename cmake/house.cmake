@@ -11,6 +11,8 @@ target_include_directories(infuse_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(infuse_flags INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Werror -Wno-missing-field-initializers -Wno-psabi
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> -ffp-contract=off -fno-math-errno)
+# Of the presets asan and tsan: they compile everything again, so little optimisation and short debug info.
+set(CMAKE_CXX_FLAGS_SANITIZE "-O1 -g1")
 if(INFUSE_SANITIZE)
   # g++ 12 warns falsely about its own library when sanitizers change the inlining.
   target_compile_options(infuse_flags INTERFACE -fsanitize=${INFUSE_SANITIZE}
