@@ -221,7 +221,7 @@ TEST_F(ReplayTest, ManyDamagedCapturesEndWithAResultOrAReason) {
   const std::string good((std::istreambuf_iterator<char>(stream)), {});
   std::mt19937 random(5);
   const auto damaged = folder_ / "damaged.pcap";
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 150; ++i) {
     std::string bytes = good;
     for (auto edits = 1 + random() % 20; edits > 0; --edits) {
       bytes[random() % (edits % 2 == 0 ? bytes.size() : 2000)] = static_cast<char>(random());

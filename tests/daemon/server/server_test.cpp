@@ -74,9 +74,8 @@ class ServerTest : public testing::Test {
   }
 
   boost::asio::io_context io_;
-  // The server's thread runs on after a test has finished the server, so that TearDown is answered.
-  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_ =
-      boost::asio::make_work_guard(io_);
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_{
+      io_.get_executor()};  // run() goes on until it is let go
   std::optional<Server> server_;
   std::thread thread_;
   std::filesystem::path path_;
