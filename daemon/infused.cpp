@@ -110,7 +110,7 @@ int run_replay(const Arguments& arguments, const Config& config) {
   auto setup = open_drive(arguments.replay, config.lidars, model);
   if (!setup) return complain(kProgram, setup.error(), kUnreadable);
   for (const Device& device : setup->devices) {
-    spdlog::info("{} is a {} ({}), on {}", device.name, device.model, device.model_reason,
+    spdlog::info("{}: {} ({}), on {}", device.name, device.model, device.model_reason,
                  device.endpoint);
   }
   std::optional<ReportsFile> file;

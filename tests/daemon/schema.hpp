@@ -6,6 +6,8 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -15,20 +17,29 @@
 
 namespace infuse::daemon {
 
-/// Whether `value` is as daemon/protocol/<name>.schema.json says; else why not.
+/// daemon/protocol/<name>.schema.json, read once; null where there is none.
+inline const valijson::Schema* schema_named(const std::string& name) {
+  static std::map<std::string, std::unique_ptr<valijson::Schema>> read;
+  const auto known = read.find(name);
+  if (known != read.end()) return known->second.get();
+  std::ifstream file(std::filesystem::path(INFUSE_SOURCE_DIR) / "daemon/protocol" /
+                     (name + ".schema.json"));
+  if (!file) return nullptr;
+  const nlohmann::json json = nlohmann::json::parse(file);
+  auto schema = std::make_unique<valijson::Schema>();
+  valijson::SchemaParser(valijson::SchemaParser::kDraft7)
+      .populateSchema(valijson::adapters::NlohmannJsonAdapter(json), *schema);
+  return (read[name] = std::move(schema)).get();
+}
+
+/// Whether `value` is as the schema of that name says; else why not.
 inline testing::AssertionResult matches_schema(const nlohmann::json& value,
                                                const std::string& name) {
-  const auto path =
-      std::filesystem::path(INFUSE_SOURCE_DIR) / "daemon/protocol" / (name + ".schema.json");
-  std::ifstream file(path);
-  if (!file) return testing::AssertionFailure() << "no schema " << path;
-  const nlohmann::json json = nlohmann::json::parse(file);
-  valijson::Schema schema;
-  valijson::SchemaParser(valijson::SchemaParser::kDraft7)
-      .populateSchema(valijson::adapters::NlohmannJsonAdapter(json), schema);
+  const valijson::Schema* schema = schema_named(name);
+  if (schema == nullptr) return testing::AssertionFailure() << "no schema of " << name;
   valijson::Validator validator(valijson::Validator::kStrongTypes);
   valijson::ValidationResults results;
-  if (validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(value), &results)) {
+  if (validator.validate(*schema, valijson::adapters::NlohmannJsonAdapter(value), &results)) {
     return testing::AssertionSuccess();
   }
   auto failure = testing::AssertionFailure() << value.dump() << "\nis not a valid " << name << ":";

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cctype>
 #include <random>
 #include <thread>
 
@@ -220,7 +221,7 @@ TEST_F(ReplayTest, ManyDamagedCapturesEndWithAResultOrAReason) {
   const std::string good((std::istreambuf_iterator<char>(stream)), {});
   std::mt19937 random(5);
   const auto damaged = folder_ / "damaged.pcap";
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 150; ++i) {
     std::string bytes = good;
     for (auto edits = 1 + random() % 20; edits > 0; --edits) {
       bytes[random() % (edits % 2 == 0 ? bytes.size() : 2000)] = static_cast<char>(random());
@@ -266,7 +267,12 @@ INSTANTIATE_TEST_SUITE_P(Captures, RealReplay,
                                          RealCapture{"hdl32e-moving.pcap", "HDL-32E", 876, 100},
                                          RealCapture{"vlp16-gps.pcap", "VLP-16", 293, 57},
                                          RealCapture{"vlp16-dual-return.pcap", "VLP-16", 603, 0},
-                                         RealCapture{"vlp32c-half-turn.pcap", "VLP-32C", 379, 0}));
+                                         RealCapture{"vlp32c-half-turn.pcap", "VLP-32C", 379, 0}),
+                         [](const auto& capture) {
+                           std::string name = capture.param.file;
+                           std::erase_if(name, [](char c) { return std::isalnum(c) == 0; });
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace infuse::daemon

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
 #include <future>
 #include <random>
@@ -36,6 +37,7 @@ class ServerTest : public testing::Test {
 
   void TearDown() override {
     if (server_) on_server([&] { server_->finish(std::chrono::milliseconds(100)); });
+    work_.reset();
     if (thread_.joinable()) thread_.join();
     server_.reset();
     std::filesystem::remove_all(path_.parent_path());
@@ -72,6 +74,8 @@ class ServerTest : public testing::Test {
   }
 
   boost::asio::io_context io_;
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_{
+      io_.get_executor()};  // run() goes on until it is let go
   std::optional<Server> server_;
   std::thread thread_;
   std::filesystem::path path_;
