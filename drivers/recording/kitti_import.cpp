@@ -5,7 +5,9 @@
 #include "drivers/recording/kitti_files.hpp"
 #include "drivers/recording/kitti_layouts.hpp"
 #include "drivers/recording/samples_csv.hpp"
+#include "drivers/recording/text_file.hpp"
 #include "drivers/recording/times_csv.hpp"
+#include "drivers/recording/trajectory_file.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -98,7 +100,7 @@ Result<void> write_truth(const KittiRecording& recording, const fs::path& drive,
     return written;
   if (recording.poses.empty()) return {};
   description.truth_poses = "truth/poses.tum";
-  return write_poses_tum(drive / description.truth_poses, recording.poses);
+  return write_text(drive / description.truth_poses, format_tum(recording.poses));
 }
 
 Result<void> write_samples(const KittiRecording& recording, const fs::path& drive,

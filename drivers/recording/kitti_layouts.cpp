@@ -109,14 +109,14 @@ std::optional<fs::path> odometry_poses(const fs::path& folder) {
 }
 
 // Poses of rectified camera 0 against its first, as poses of the vehicle against its first.
-Result<std::vector<StampedPose>> read_odometry_poses(const fs::path& path,
-                                                     const std::vector<Stamp>& times,
-                                                     const KittiCalibration& calibration) {
+Result<std::vector<TrajectoryPose>> read_odometry_poses(const fs::path& path,
+                                                        const std::vector<Stamp>& times,
+                                                        const KittiCalibration& calibration) {
   const auto rows = read_number_lines(path, 12);
   if (!rows) return tl::unexpected(rows.error());
   const Eigen::Isometry3d T_vehicle_camera =
       calibration.T_vehicle_lidar() * calibration.T_rectified_lidar.inverse();
-  std::vector<StampedPose> poses;
+  std::vector<TrajectoryPose> poses;
   for (size_t i = 0; i < rows->size() && i < times.size(); ++i) {
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     matrix.topRows<3>() =

@@ -8,7 +8,7 @@
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/vehicle_samples.hpp"
 #include "drivers/recording/kitti_calibration.hpp"
-#include "drivers/recording/poses_tum.hpp"
+#include "drivers/recording/trajectory_file.hpp"
 
 namespace infuse::recording {
 
@@ -24,7 +24,7 @@ struct KittiRecording {
   bool times_trusted = false;  ///< false: stamps are index · 0.1 s
   std::vector<KittiFile> sweeps;
   std::array<std::vector<KittiFile>, 4> images;  ///< by KITTI's number of the camera
-  std::vector<StampedPose> poses;
+  std::vector<TrajectoryPose> poses;             ///< T_map_vehicle
   std::vector<ImuSample> imu;
   std::vector<GpsFix> gps;
   std::vector<Error> notes;  ///< what was left out, and why

@@ -9,9 +9,9 @@
 
 #include "drivers/recording/drive_source.hpp"
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/recording/poses_tum.hpp"
 #include "drivers/recording/samples_csv.hpp"
 #include "drivers/recording/sweep_files.hpp"
+#include "drivers/recording/trajectory_file.hpp"
 #include "tests/drivers/recording/scratch_folder.hpp"
 #include "tests/real_data.hpp"
 
@@ -165,13 +165,13 @@ TEST(KittiImport, RealOdometryLayoutBecomesADrive) {
   ASSERT_EQ(sweeps->entries.size(), 4u);
   EXPECT_EQ(sweeps->entries[1].stamp.ns(), 103'735'900);  // 1.037359e-01
 
-  const auto poses = read_poses_tum(drive->resolve(drive->description.truth_poses));
+  const auto poses = read_trajectory(drive->resolve(drive->description.truth_poses));
   ASSERT_TRUE(poses);
   ASSERT_EQ(poses->size(), 4541u);
-  const Eigen::Isometry3d first = poses->front().T_map_vehicle;
+  const Eigen::Isometry3d first = poses->front().T_map_body;
   EXPECT_LT((first.matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-5);
   // The car drives forward: 0.86 m along x in the first step as the file states it.
-  const Eigen::Vector3d step = poses->at(1).T_map_vehicle.translation();
+  const Eigen::Vector3d step = poses->at(1).T_map_body.translation();
   EXPECT_NEAR(step.x(), 0.858, 0.01);
   EXPECT_LT(std::abs(step.z()), 0.05);
   // Distances between poses do not depend on the frame: the camera's path and the vehicle's differ
@@ -179,14 +179,13 @@ TEST(KittiImport, RealOdometryLayoutBecomesADrive) {
   double vehicle = 0;
   for (size_t i = 1; i < poses->size(); ++i) {
     vehicle +=
-        (poses->at(i).T_map_vehicle.translation() - poses->at(i - 1).T_map_vehicle.translation())
-            .norm();
+        (poses->at(i).T_map_body.translation() - poses->at(i - 1).T_map_body.translation()).norm();
   }
   EXPECT_NEAR(vehicle, 3724, 40);  // KITTI states 3724 m for sequence 00
   // Sweeps 94 and 95 by the rig and the poses against cam0's own: T_95_94 of the lidar.
   const auto lidar_motion = [&](size_t a, size_t b) {
     const Eigen::Isometry3d T_vehicle_lidar = drive->description.rig.lidars[0].T_vehicle_lidar;
-    return (poses->at(b).T_map_vehicle * T_vehicle_lidar).inverse() * poses->at(a).T_map_vehicle *
+    return (poses->at(b).T_map_body * T_vehicle_lidar).inverse() * poses->at(a).T_map_body *
            T_vehicle_lidar;
   };
   std::ifstream in(path / "poses_gt_cam0.txt");
@@ -275,14 +274,14 @@ TEST_F(RawLayout, BecomesADriveWithItsOwnTimes) {
       drive->description.rig.cameras.at(0).T_camera_lidar * Eigen::Vector3d(10, 1, 0.5);
   EXPECT_LT((ahead - Eigen::Vector3d(-1 - 0.5, -0.5 - 0.08, 10 - 0.27)).norm(), 1e-12);
 
-  const auto poses = read_poses_tum(drive->resolve(drive->description.truth_poses));
+  const auto poses = read_trajectory(drive->resolve(drive->description.truth_poses));
   ASSERT_TRUE(poses);
-  const Eigen::Isometry3d moved = poses->at(0).T_map_vehicle.inverse() * poses->at(1).T_map_vehicle;
+  const Eigen::Isometry3d moved = poses->at(0).T_map_body.inverse() * poses->at(1).T_map_body;
   EXPECT_NEAR(moved.translation().x(), 11.12, 0.01);  // 0.0001° of latitude, straight ahead
   EXPECT_NEAR(moved.translation().y(), 0, 1e-3);
   // The vehicle's x axis points north; its origin lies behind the unit and 0.93 m below.
-  EXPECT_NEAR(poses->at(0).T_map_vehicle.linear()(1, 0), 1, 1e-9);
-  EXPECT_NEAR(poses->at(0).T_map_vehicle.translation().z(), -0.93, 1e-9);
+  EXPECT_NEAR(poses->at(0).T_map_body.linear()(1, 0), 1, 1e-9);
+  EXPECT_NEAR(poses->at(0).T_map_body.translation().z(), -0.93, 1e-9);
 
   auto imu = ImuCsv::open(drive->resolve("imu.csv"));
   ASSERT_TRUE(imu);
