@@ -1,0 +1,111 @@
+#include "drivers/camera/colour.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace infuse::camera {
+namespace {
+
+enum Channel { kBlue = 0, kGreen = 1, kRed = 2 };
+
+/// The colours of the 2 × 2 tile at the top left, by row.
+std::array<Channel, 4> bayer_tile(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kBayerRggb8:
+      return {kRed, kGreen, kGreen, kBlue};
+    case PixelFormat::kBayerBggr8:
+      return {kBlue, kGreen, kGreen, kRed};
+    case PixelFormat::kBayerGbrg8:
+      return {kGreen, kBlue, kRed, kGreen};
+    default:
+      return {kGreen, kRed, kBlue, kGreen};
+  }
+}
+
+void copy_all_but_pixels(const CameraFrame& from, PixelFormat format, CameraFrame& to) {
+  to.stamp = from.stamp;
+  to.exposure = from.exposure;
+  to.gain = from.gain;
+  to.sequence = from.sequence;
+  to.width = from.width;
+  to.height = from.height;
+  to.format = format;
+  to.pixels.resize(to.row_bytes() * static_cast<size_t>(to.height));
+}
+
+uint8_t luminance(int blue, int green, int red) {
+  return static_cast<uint8_t>((114 * blue + 587 * green + 299 * red + 500) / 1000);
+}
+
+/// Bilinear interpolation: a missing colour is the mean of its nearest samples, which lie in the 3
+/// × 3 neighbourhood; at the border, of those inside the picture.
+std::array<int, 3> demosaic_pixel(const CameraFrame& frame, const std::array<Channel, 4>& tile,
+                                  int row, int column) {
+  std::array<int, 3> value{};
+  std::array<int, 3> nearest{3, 3, 3};
+  std::array<int, 3> sum{};
+  std::array<int, 3> count{};
+  for (int r = std::max(row - 1, 0); r <= std::min(row + 1, frame.height - 1); ++r) {
+    for (int c = std::max(column - 1, 0); c <= std::min(column + 1, frame.width - 1); ++c) {
+      const auto channel = static_cast<size_t>(tile[static_cast<size_t>((r % 2) * 2 + c % 2)]);
+      const int distance = std::abs(r - row) + std::abs(c - column);
+      if (distance > nearest[channel]) continue;
+      if (distance < nearest[channel]) {
+        nearest[channel] = distance;
+        sum[channel] = 0;
+        count[channel] = 0;
+      }
+      sum[channel] +=
+          frame.pixels[static_cast<size_t>(r) * frame.row_bytes() + static_cast<size_t>(c)];
+      ++count[channel];
+    }
+  }
+  for (size_t k = 0; k < 3; ++k) value[k] = count[k] == 0 ? 0 : (sum[k] + count[k] / 2) / count[k];
+  return value;
+}
+
+template <class Write>
+void demosaic(const CameraFrame& frame, Write write) {
+  const std::array<Channel, 4> tile = bayer_tile(frame.format);
+  size_t pixel = 0;
+  for (int row = 0; row < frame.height; ++row) {
+    for (int column = 0; column < frame.width; ++column) {
+      write(pixel++, demosaic_pixel(frame, tile, row, column));
+    }
+  }
+}
+
+}  // namespace
+
+void to_grey(const CameraFrame& frame, CameraFrame& grey) {
+  copy_all_but_pixels(frame, PixelFormat::kGrey8, grey);
+  if (frame.format == PixelFormat::kGrey8) {
+    grey.pixels = frame.pixels;
+  } else if (frame.format == PixelFormat::kBgr8) {
+    for (size_t i = 0; i < grey.pixels.size(); ++i) {
+      grey.pixels[i] =
+          luminance(frame.pixels[3 * i], frame.pixels[3 * i + 1], frame.pixels[3 * i + 2]);
+    }
+  } else {
+    demosaic(frame, [&](size_t i, const std::array<int, 3>& bgr) {
+      grey.pixels[i] = luminance(bgr[kBlue], bgr[kGreen], bgr[kRed]);
+    });
+  }
+}
+
+void to_bgr(const CameraFrame& frame, CameraFrame& bgr) {
+  copy_all_but_pixels(frame, PixelFormat::kBgr8, bgr);
+  if (frame.format == PixelFormat::kBgr8) {
+    bgr.pixels = frame.pixels;
+  } else if (frame.format == PixelFormat::kGrey8) {
+    for (size_t i = 0; i < frame.pixels.size(); ++i) {
+      std::fill_n(bgr.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, frame.pixels[i]);
+    }
+  } else {
+    demosaic(frame, [&](size_t i, const std::array<int, 3>& value) {
+      for (size_t k = 0; k < 3; ++k) bgr.pixels[3 * i + k] = static_cast<uint8_t>(value[k]);
+    });
+  }
+}
+
+}  // namespace infuse::camera

@@ -1,0 +1,47 @@
+#include "drivers/camera/jpeg_decoder.hpp"
+
+#include <turbojpeg.h>
+
+#include <memory>
+
+#include "drivers/camera/prepare_frame.hpp"
+
+namespace infuse::camera {
+namespace {
+
+using Handle = std::unique_ptr<void, int (*)(tjhandle)>;
+
+}  // namespace
+
+Result<void> decode_jpeg(std::span<const uint8_t> file, const PictureOptions& options,
+                         CameraFrame& frame) {
+  thread_local const Handle decoder(tjInitDecompress(), &tjDestroy);
+  const auto damaged = [] {
+    return fail(std::string("damaged JPEG file: ") + tjGetErrorStr2(decoder.get()));
+  };
+  int width = 0;
+  int height = 0;
+  int subsampling = 0;
+  int colour_space = 0;
+  if (tjDecompressHeader3(decoder.get(), file.data(), file.size(), &width, &height, &subsampling,
+                          &colour_space) != 0) {
+    return damaged();
+  }
+  if (colour_space == TJCS_CMYK || colour_space == TJCS_YCCK) {
+    return fail("a JPEG file in printing colours (CMYK)", {}, "convert it to RGB or grey");
+  }
+  if (auto prepared = prepare_frame(width, height, colour_space != TJCS_GRAY, options, frame);
+      !prepared) {
+    return prepared;
+  }
+  const int format = frame.format == PixelFormat::kBgr8 ? TJPF_BGR : TJPF_GRAY;
+  // TJFLAG_STOPONWARNING: what is cut off is otherwise filled with grey and reported as a warning
+  // only.
+  if (tjDecompress2(decoder.get(), file.data(), file.size(), frame.pixels.data(), width, 0, height,
+                    format, TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS) != 0) {
+    return damaged();
+  }
+  return {};
+}
+
+}  // namespace infuse::camera

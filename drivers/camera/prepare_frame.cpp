@@ -1,0 +1,27 @@
+#include "drivers/camera/prepare_frame.hpp"
+
+#include <string>
+
+namespace infuse::camera {
+
+Result<void> prepare_frame(int64_t width, int64_t height, bool colour,
+                           const PictureOptions& options, CameraFrame& frame) {
+  if (width <= 0 || height <= 0 || width > options.max_pixels / height) {
+    return fail(
+        "the picture is " + std::to_string(width) + " x " + std::to_string(height) + " pixels", {},
+        "at most " + std::to_string(options.max_pixels) + " pixels are read");
+  }
+  if (options.bayer && colour) {
+    return fail("a colour picture where a Bayer mosaic is expected", {},
+                "leave the Bayer pattern out");
+  }
+  frame.width = static_cast<int>(width);
+  frame.height = static_cast<int>(height);
+  frame.format = options.bayer             ? *options.bayer
+                 : colour && !options.grey ? PixelFormat::kBgr8
+                                           : PixelFormat::kGrey8;
+  frame.pixels.resize(frame.row_bytes() * static_cast<size_t>(height));
+  return {};
+}
+
+}  // namespace infuse::camera

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/measurement/error.hpp"
+#include "drivers/measurement/rig.hpp"
+
+namespace infuse::recording {
+
+/// Where a lidar's data lies: packets or decoded sweeps. Paths are relative to the drive.
+struct LidarFiles {
+  std::string packets;             ///< capture; several lidars may share one. Empty: none
+  std::string sweeps;              ///< folder of NNNNNN.bin and times.csv. Empty: none
+  uint16_t port = 2368;            ///< UDP destination port of its data packets
+  uint16_t position_port = 8308;   ///< of its position packets
+  std::optional<uint32_t> sender;  ///< IPv4 address, host byte order; absent: any
+  std::string calibration;         ///< the unit's own beam table; empty: the model's
+};
+
+/// Where a camera's pictures lie.
+struct CameraFiles {
+  std::string images;  ///< folder of NNNNNN.png or .jpg and times.csv
+};
+
+/// Which CAN signal tells a quantity of the vehicle.
+struct CanSignal {
+  std::string quantity;         ///< one of `can_quantities()`
+  std::string message;          ///< as the DBC file names it
+  std::string signal;           ///< as the DBC file names it
+  std::optional<double> scale;  ///< physical value · scale = SI; absent: by the DBC file's unit
+};
+
+/// The vehicle's bus.
+struct CanFiles {
+  std::string log;  ///< as `candump -L` writes it
+  std::string dbc;
+  std::vector<CanSignal> signals;
+};
+
+/// Quantities that a CAN signal can be mapped to, in SI: wheel_speed_front_left (m/s) …, yaw_rate
+/// (rad/s), steering_angle (rad), acceleration_forward, acceleration_left (m/s²), gear.
+const std::vector<std::string>& can_quantities();
+
+/// What drive.toml says: the rig, and which file holds what. drivers/recording/DRIVE.md is its
+/// manual.
+struct DriveDescription {
+  std::string name;           ///< free text
+  bool times_trusted = true;  ///< false: the stamps are made up (`times = "made up"`)
+  Rig rig;
+  std::vector<LidarFiles> lidars;    ///< an entry for each of `rig.lidars`
+  std::vector<CameraFiles> cameras;  ///< an entry for each of `rig.cameras`
+  std::optional<CanFiles> can;
+  std::string imu;          ///< imu.csv; empty: none
+  std::string gps;          ///< gps.csv; empty: none
+  std::string map;          ///< OpenStreetMap XML; empty: none
+  std::string truth_poses;  ///< T_map_vehicle, TUM format; used to score, never to estimate
+  std::string truth_rig;    ///< the true rig; used to score, never to estimate
+
+  /// What is wrong, or nothing: the rig, a path that leaves the drive, a lidar without data, two
+  /// lidars that cannot be told apart.
+  std::optional<std::string> invalid() const;
+};
+
+/// A recorded drive: a folder with a drive.toml.
+struct Drive {
+  std::filesystem::path folder;
+  DriveDescription description;
+
+  /// Reads `folder`/drive.toml and looks whether every file that it names exists.
+  static Result<Drive> open(const std::filesystem::path& folder);
+
+  /// A path of the description, made usable from outside the drive.
+  std::filesystem::path resolve(const std::string& relative) const { return folder / relative; }
+};
+
+/// Writes `folder`/drive.toml, making the folder where it is missing.
+Result<void> write_drive(const std::filesystem::path& folder, const DriveDescription& description);
+
+}  // namespace infuse::recording

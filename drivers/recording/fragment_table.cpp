@@ -1,0 +1,94 @@
+#include "drivers/recording/fragment_table.hpp"
+
+#include <algorithm>
+
+namespace infuse::recording {
+
+FragmentTable::FragmentTable(size_t slots, Duration age) : slots_(slots), age_(age) {
+  for (Slot& slot : slots_) slot.bytes = std::make_unique_for_overwrite<uint8_t[]>(kMaxBytes);
+}
+
+std::span<const uint8_t> FragmentTable::add(const Ipv4Fragment& fragment) {
+  drop_old(fragment.stamp);
+  const size_t end = fragment.offset + fragment.bytes.size();
+  const bool impossible = fragment.bytes.empty() || end > kMaxBytes || slots_.empty() ||
+                          (fragment.more && fragment.bytes.size() % 8 != 0);
+  if (impossible) {
+    ++dropped_;
+    return {};
+  }
+  Slot* found = find(fragment);
+  Slot& slot = found != nullptr ? *found : take(fragment);
+  ++slot.fragments;
+  slot.highest = std::max(slot.highest, end);
+  if (!fragment.more) {
+    if (slot.total != 0 && slot.total != end) {
+      drop(slot);
+      return {};
+    }
+    slot.total = end;
+  }
+  if (slot.total != 0 && slot.highest > slot.total) {
+    drop(slot);
+    return {};
+  }
+  std::copy(fragment.bytes.begin(), fragment.bytes.end(), &slot.bytes[fragment.offset]);
+  for (size_t unit = fragment.offset / 8; unit < (end + 7) / 8; ++unit) {
+    if (!slot.present.test(unit)) {
+      slot.present.set(unit);
+      ++slot.units_present;
+    }
+  }
+  if (slot.total == 0 || slot.units_present != (slot.total + 7) / 8) return {};
+  slot.used = false;
+  return {slot.bytes.get(), slot.total};
+}
+
+void FragmentTable::drop_all() {
+  for (Slot& slot : slots_) {
+    if (slot.used) drop(slot);
+  }
+}
+
+FragmentTable::Slot* FragmentTable::find(const Ipv4Fragment& fragment) {
+  for (Slot& slot : slots_) {
+    if (slot.used && slot.identification == fragment.identification &&
+        slot.source == fragment.source && slot.destination == fragment.destination) {
+      return &slot;
+    }
+  }
+  return nullptr;
+}
+
+FragmentTable::Slot& FragmentTable::take(const Ipv4Fragment& fragment) {
+  // A free slot, or else the oldest.
+  Slot& slot = *std::min_element(slots_.begin(), slots_.end(), [](const Slot& a, const Slot& b) {
+    return a.used != b.used ? !a.used : a.since < b.since;
+  });
+  if (slot.used) drop(slot);
+  slot.used = true;
+  slot.since = fragment.stamp;
+  slot.source = fragment.source;
+  slot.destination = fragment.destination;
+  slot.identification = fragment.identification;
+  slot.fragments = 0;
+  slot.total = 0;
+  slot.units_present = 0;
+  slot.highest = 0;
+  slot.present.reset();
+  return slot;
+}
+
+void FragmentTable::drop(Slot& slot) {
+  dropped_ += slot.fragments;
+  slot.used = false;
+}
+
+void FragmentTable::drop_old(Stamp now) {
+  for (Slot& slot : slots_) {
+    // Either way: a clock that jumps back must not keep a slot for ever.
+    if (slot.used && (now - slot.since > age_ || slot.since - now > age_)) drop(slot);
+  }
+}
+
+}  // namespace infuse::recording

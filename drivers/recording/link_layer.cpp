@@ -1,0 +1,79 @@
+#include "drivers/recording/link_layer.hpp"
+
+#include <pcap/dlt.h>
+
+#include "drivers/recording/big_endian.hpp"
+
+namespace infuse::recording {
+namespace {
+
+constexpr uint16_t kEtherIpv4 = 0x0800;
+
+bool is_vlan_tag(uint16_t ether_type) {
+  return ether_type == 0x8100 || ether_type == 0x88A8 || ether_type == 0x9100;
+}
+
+// `header` bytes, of which the EtherType stands at `type_at`; VLAN tags may follow the header.
+LinkPayload after_ether_type(std::span<const uint8_t> frame, size_t type_at, size_t header) {
+  if (frame.size() < header) return {LinkPayload::Kind::kShort, {}};
+  uint16_t type = read_u16(frame, type_at);
+  while (is_vlan_tag(type)) {
+    if (frame.size() < header + 4) return {LinkPayload::Kind::kShort, {}};
+    type = read_u16(frame, header + 2);
+    header += 4;
+  }
+  if (type != kEtherIpv4) return {};
+  return {LinkPayload::Kind::kIpv4, frame.subspan(header)};
+}
+
+LinkPayload raw_ip(std::span<const uint8_t> frame) {
+  if (frame.empty()) return {LinkPayload::Kind::kShort, {}};
+  if (frame[0] >> 4 != 4) return {};
+  return {LinkPayload::Kind::kIpv4, frame};
+}
+
+// The address family stands in four bytes of either order; AF_INET is 2 everywhere.
+LinkPayload bsd_loopback(std::span<const uint8_t> frame) {
+  if (frame.size() < 4) return {LinkPayload::Kind::kShort, {}};
+  const uint32_t family = read_u32(frame, 0);
+  if (family != 2 && family != 0x0200'0000) return {};
+  return {LinkPayload::Kind::kIpv4, frame.subspan(4)};
+}
+
+}  // namespace
+
+bool link_type_known(int link_type) {
+  switch (link_type) {
+    case DLT_EN10MB:
+    case DLT_LINUX_SLL:
+    case DLT_LINUX_SLL2:
+    case DLT_RAW:
+    case DLT_IPV4:
+    case DLT_NULL:
+    case DLT_LOOP:
+      return true;
+    default:
+      return false;
+  }
+}
+
+LinkPayload find_ipv4(int link_type, std::span<const uint8_t> frame) {
+  switch (link_type) {
+    case DLT_EN10MB:
+      return after_ether_type(frame, 12, 14);
+    case DLT_LINUX_SLL:
+      return after_ether_type(frame, 14, 16);
+    case DLT_LINUX_SLL2:
+      return after_ether_type(frame, 0, 20);
+    case DLT_RAW:
+    case DLT_IPV4:
+      return raw_ip(frame);
+    case DLT_NULL:
+    case DLT_LOOP:
+      return bsd_loopback(frame);
+    default:
+      return {};
+  }
+}
+
+}  // namespace infuse::recording

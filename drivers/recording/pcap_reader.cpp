@@ -1,0 +1,185 @@
+#include "drivers/recording/pcap_reader.hpp"
+
+#include <pcap/pcap.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "drivers/recording/link_layer.hpp"
+#include "drivers/recording/udp_decoder.hpp"
+
+namespace infuse::recording {
+namespace {
+
+constexpr size_t kFileBuffer = 1 << 18;
+
+// Both saturate: the seconds of a damaged file can be anything.
+Stamp stamp_of(const timeval& time) {
+  int64_t ns = 0;
+  if (__builtin_mul_overflow(static_cast<int64_t>(time.tv_sec), int64_t{1'000'000'000}, &ns)) {
+    return time.tv_sec > 0 ? Stamp::latest() : Stamp::earliest();
+  }
+  return Stamp::from_ns(ns) + Duration(time.tv_usec);  // nanoseconds, as asked for at opening
+}
+
+bool passes(const std::vector<uint16_t>& ports, uint16_t port) {
+  return ports.empty() || std::find(ports.begin(), ports.end(), port) != ports.end();
+}
+
+bool passes(const std::vector<uint32_t>& senders, uint32_t sender) {
+  return senders.empty() || std::find(senders.begin(), senders.end(), sender) != senders.end();
+}
+
+}  // namespace
+
+std::optional<std::string> PcapOptions::invalid() const {
+  if (fragmented_datagrams > 1024) return "fragmented_datagrams must be at most 1024";
+  if (fragment_age < Duration::zero()) return "fragment_age must not be negative";
+  return std::nullopt;
+}
+
+struct PcapReader::State {
+  State(std::string file_name, PcapOptions filter, pcap_t* handle,
+        std::unique_ptr<char[]> file_buffer)
+      : name(std::move(file_name)),
+        options(std::move(filter)),
+        buffer(std::move(file_buffer)),
+        pcap(handle),
+        decoder(pcap_datalink(handle), options.fragmented_datagrams, options.fragment_age) {}
+  ~State() { pcap_close(pcap); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  static Result<PcapReader> make(FILE* file, const std::string& name, const PcapOptions& options);
+  void end(int status);
+  void count(FrameOutcome outcome);
+
+  std::string name;
+  PcapOptions options;
+  std::unique_ptr<char[]> buffer;  // of the FILE inside `pcap`
+  pcap_t* pcap;
+  UdpDecoder decoder;
+  PcapCounters counters;
+  bool ended = false;
+  int64_t offset = 0;  // where the packet that is read next begins
+  std::optional<Error> damage;
+};
+
+Result<PcapReader> PcapReader::State::make(FILE* file, const std::string& name,
+                                           const PcapOptions& options) {
+  auto buffer = std::make_unique_for_overwrite<char[]>(kFileBuffer);
+  std::setvbuf(file, buffer.get(), _IOFBF, kFileBuffer);
+  std::array<char, PCAP_ERRBUF_SIZE> reason{};
+  pcap_t* pcap =
+      pcap_fopen_offline_with_tstamp_precision(file, PCAP_TSTAMP_PRECISION_NANO, reason.data());
+  if (pcap == nullptr) {
+    std::fclose(file);
+    return fail("cannot be read as pcap or pcapng: " + std::string(reason.data()), name,
+                "a capture as tcpdump or Wireshark writes it is expected");
+  }
+  auto state = std::make_unique<State>(name, options, pcap, std::move(buffer));
+  const int link_type = pcap_datalink(pcap);
+  if (!link_type_known(link_type)) {
+    const char* link_name = pcap_datalink_val_to_name(link_type);
+    return fail("link type " + std::to_string(link_type) + " (" +
+                    (link_name != nullptr ? link_name : "unknown") + ") is not supported",
+                name, "Ethernet, Linux cooked, raw IP and BSD loopback are");
+  }
+  state->offset = ftello(file);
+  return PcapReader(std::move(state));
+}
+
+void PcapReader::State::end(int status) {
+  ended = true;
+  decoder.finish();
+  if (status == PCAP_ERROR_BREAK) return;  // the end of the file
+  const uint64_t number = counters.packets + 1;
+  damage =
+      Error{"the capture cannot be read beyond packet " + std::to_string(counters.packets) + ": " +
+                pcap_geterr(pcap),
+            name + ", packet " + std::to_string(number) +
+                (offset >= 0 ? ", byte " + std::to_string(offset) : std::string()),
+            "what comes before was read; it was probably cut off while being written or copied"};
+}
+
+void PcapReader::State::count(FrameOutcome outcome) {
+  switch (outcome) {
+    case FrameOutcome::kNotUdp:
+      ++counters.not_udp;
+      break;
+    case FrameOutcome::kSnapped:
+      ++counters.snapped;
+      break;
+    case FrameOutcome::kMalformed:
+      ++counters.malformed;
+      break;
+    case FrameOutcome::kDatagram:
+    case FrameOutcome::kFragment:
+      break;
+  }
+}
+
+Result<PcapReader> PcapReader::open(const std::filesystem::path& path, const PcapOptions& options) {
+  if (const auto wrong = options.invalid()) return fail(*wrong, "PcapOptions");
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return fail("is a folder", path.string());
+  FILE* file = std::fopen(path.c_str(), "rbe");
+  if (file == nullptr) {
+    return fail(std::string("cannot be opened: ") + std::strerror(errno), path.string());
+  }
+  return State::make(file, path.string(), options);
+}
+
+Result<PcapReader> PcapReader::from_bytes(std::span<const uint8_t> bytes, const std::string& name,
+                                          const PcapOptions& options) {
+  if (const auto wrong = options.invalid()) return fail(*wrong, "PcapOptions");
+  if (bytes.empty()) return fail("is empty", name);
+  // Opened for reading, so that fmemopen does not write.
+  FILE* file = fmemopen(const_cast<uint8_t*>(bytes.data()), bytes.size(), "rb");
+  if (file == nullptr) return fail(std::string("cannot be opened: ") + std::strerror(errno), name);
+  return State::make(file, name, options);
+}
+
+PcapReader::PcapReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+PcapReader::PcapReader(PcapReader&&) noexcept = default;
+PcapReader& PcapReader::operator=(PcapReader&&) noexcept = default;
+PcapReader::~PcapReader() = default;
+
+bool PcapReader::next(Datagram& datagram) {
+  State& s = *state_;
+  while (!s.ended) {
+    pcap_pkthdr* header = nullptr;
+    const u_char* bytes = nullptr;
+    const int status = pcap_next_ex(s.pcap, &header, &bytes);
+    if (status != 1) {
+      s.end(status);
+      break;
+    }
+    s.offset = ftello(pcap_file(s.pcap));
+    ++s.counters.packets;
+    const FrameOutcome outcome =
+        s.decoder.decode(stamp_of(header->ts), {bytes, header->caplen}, header->len, datagram);
+    s.count(outcome);
+    if (outcome != FrameOutcome::kDatagram) continue;
+    if (passes(s.options.ports, datagram.destination_port) &&
+        passes(s.options.senders, datagram.sender)) {
+      ++s.counters.datagrams;
+      return true;
+    }
+    ++s.counters.filtered;
+  }
+  return false;
+}
+
+const std::optional<Error>& PcapReader::damage() const { return state_->damage; }
+
+const PcapCounters& PcapReader::counters() const {
+  state_->counters.fragments = state_->decoder.fragments();
+  state_->counters.fragments_dropped = state_->decoder.fragments_dropped();
+  return state_->counters;
+}
+
+}  // namespace infuse::recording

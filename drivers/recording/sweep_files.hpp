@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "drivers/measurement/error.hpp"
+#include "drivers/measurement/sweep.hpp"
+#include "drivers/recording/times_csv.hpp"
+
+namespace infuse::recording {
+
+/// Reads a decoded sweep (float32 x y z reflectance, little-endian, as KITTI) into `sweep`, whose
+/// memory is reused: range is computed, rings are inferred (`infer_rings`), `has_times` is false.
+/// Points that are not finite are left out; a file longer than 64 MiB is refused. Stamp and
+/// sequence are the caller's.
+Result<void> read_sweep_bin(const std::filesystem::path& path, Sweep& sweep);
+
+/// Writes x, y, z, reflectivity as `read_sweep_bin` reads them.
+Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& sweep);
+
+/// Fills `ring`, `column`, `rings`, `columns` of a sweep whose points come ring after ring from the
+/// top, each counter-clockwise from straight ahead, as KITTI writes its HDL-64E: a new ring begins
+/// where the azimuth falls by more than half a turn. Believed when that gives 2 … 128 rings whose
+/// mean elevations fall from ring to ring (one in ten may not); `columns` then divides the turn
+/// into steps of the mean spacing of the fullest ring. Otherwise all four are 0 and the answer is
+/// false.
+bool infer_rings(Sweep& sweep);
+
+/// The decoded sweeps of a drive: a folder of NNNNNN.bin and times.csv.
+Result<FileSequence> index_sweeps(const std::filesystem::path& folder);
+
+}  // namespace infuse::recording

@@ -1,0 +1,94 @@
+#include "drivers/velodyne/packet.hpp"
+
+namespace infuse::velodyne {
+namespace {
+
+/// What a block of each bank begins with.
+constexpr std::array<uint16_t, 4> kBankFlags{0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF};
+
+constexpr size_t kCounterAt = 1200;
+constexpr size_t kModeAt = 1204;
+constexpr size_t kProductAt = 1205;
+
+const uint8_t* block_at(std::span<const uint8_t> payload, size_t block) {
+  return payload.data() + block * kBlockSize;
+}
+
+/// An HDL-64E S3 with two returns repeats each azimuth: blocks 0 1 0 1 2 3 2 3 4 5 4 5.
+bool repeats_azimuths(std::span<const uint8_t> payload) {
+  const auto azimuth = [&](size_t block) { return read_u16(block_at(payload, block) + 2); };
+  const bool repeats =
+      azimuth(0) == azimuth(2) && azimuth(4) == azimuth(6) && azimuth(8) == azimuth(10);
+  const bool turns = azimuth(0) != azimuth(4) || azimuth(4) != azimuth(8);
+  return repeats && turns;
+}
+
+ReturnMode read_mode(const ModelInfo& info, std::span<const uint8_t> payload) {
+  if (info.calibrated_per_unit) {
+    return info.dual && repeats_azimuths(payload) ? ReturnMode::kDual : ReturnMode::kStrongest;
+  }
+  switch (payload[kModeAt]) {
+    case static_cast<uint8_t>(ReturnMode::kDual):
+      return ReturnMode::kDual;
+    case static_cast<uint8_t>(ReturnMode::kLast):
+      return ReturnMode::kLast;
+    default:
+      return ReturnMode::kStrongest;  // early firmware leaves the byte to chance
+  }
+}
+
+}  // namespace
+
+const char* describe(PacketFault fault) {
+  switch (fault) {
+    case PacketFault::kSize:
+      return "a data packet has 1206 bytes";
+    case PacketFault::kFlag:
+      return "a block does not begin as this model's blocks do";
+    case PacketFault::kAzimuth:
+      return "a block's azimuth is above 360 degrees";
+    case PacketFault::kDualPair:
+      return "the two returns of a pair differ in azimuth";
+    case PacketFault::kReturnMode:
+      return "this model does not send two returns";
+  }
+  return "";
+}
+
+BlockLayout block_layout(const ModelInfo& info, bool dual_return) {
+  const auto banks = static_cast<uint8_t>(info.banks);
+  if (!dual_return) return {banks, 1, 0};
+  const auto both = static_cast<uint8_t>(2 * banks);
+  // HDL-64E: all banks of the one echo, then all of the other. All others: pairs of echoes.
+  return info.calibrated_per_unit ? BlockLayout{both, 1, banks} : BlockLayout{both, 2, 1};
+}
+
+tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,
+                                               std::span<const uint8_t> payload) {
+  if (payload.size() != kPacketSize) return tl::unexpected(PacketFault::kSize);
+  Packet packet;
+  packet.mode = read_mode(info, payload);
+  if (packet.dual() && !info.dual) return tl::unexpected(PacketFault::kReturnMode);
+  packet.counter_us = read_u32(payload.data() + kCounterAt);
+  packet.status_type = payload[kModeAt];
+  packet.product = payload[kProductAt];
+  packet.sequences = static_cast<uint8_t>(info.sequences(packet.dual()));
+
+  const BlockLayout layout = block_layout(info, packet.dual());
+  const size_t echoes = packet.dual() ? 2 : 1;
+  for (size_t i = 0; i < packet.sequences; ++i) {
+    const uint16_t azimuth = read_u16(block_at(payload, layout.block(i, 0, 0)) + 2);
+    if (azimuth > kTurn) return tl::unexpected(PacketFault::kAzimuth);
+    packet.azimuth[i] = static_cast<uint16_t>(azimuth % kTurn);  // 360.00° occurs
+    for (size_t b = 0; b < info.banks; ++b) {
+      for (size_t e = 0; e < echoes; ++e) {
+        const uint8_t* block = block_at(payload, layout.block(i, b, e));
+        if (read_u16(block) != kBankFlags[b]) return tl::unexpected(PacketFault::kFlag);
+        if (e > 0 && read_u16(block + 2) != azimuth) return tl::unexpected(PacketFault::kDualPair);
+      }
+    }
+  }
+  return packet;
+}
+
+}  // namespace infuse::velodyne

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <tl/expected.hpp>
+
+#include "drivers/measurement/vehicle_samples.hpp"
+#include "drivers/velodyne/nmea.hpp"
+
+namespace infuse::velodyne {
+
+/// Bytes of a position packet's payload (UDP port 8308).
+inline constexpr size_t kPositionPacketSize = 512;
+
+/// The sensor's pulse-per-second input. HDL-32E firmware of 2012 always says absent.
+enum class PpsState : uint8_t { kAbsent = 0, kSynchronising = 1, kLocked = 2, kError = 3 };
+
+/// The word for it: "absent", "synchronising", "locked", "error".
+const char* name(PpsState state);
+
+/// One of the three inertial units in an HDL-32E: a gyroscope and two axes of acceleration.
+struct ImuUnit {
+  double angular_velocity = 0;                ///< rad/s
+  double temperature = 0;                     ///< °C
+  std::array<double, 2> linear_acceleration;  ///< m/s²: its x and y
+};
+
+/// What a position packet says.
+struct PositionPacket {
+  uint32_t counter_us = 0;  ///< device time: µs since the top of the hour, or since power-up
+  PpsState pps = PpsState::kAbsent;
+  std::array<ImuUnit, 3> imu{};               ///< HDL-32E only; zero bytes on others read as 25 °C
+  tl::expected<NmeaFix, NmeaFault> sentence;  ///< the receiver's last sentence, up to a second old:
+                                              ///< date and hour count, seconds do not
+};
+
+/// Reads a payload; nothing where it is not 512 bytes or the PPS byte is none of the four.
+std::optional<PositionPacket> parse_position_packet(std::span<const uint8_t> payload);
+
+/// The HDL-32E's three units as one sample in its lidar axes (x forward, y left, z up).
+/// `stamp` is the caller's.
+ImuSample imu_sample(const std::array<ImuUnit, 3>& units);
+
+}  // namespace infuse::velodyne
