@@ -1,0 +1,263 @@
+#include "drivers/vehicle/candump.hpp"
+
+#include <charconv>
+#include <chrono>
+
+namespace infuse::vehicle {
+namespace {
+
+constexpr uint32_t kErrorBit = 0x20000000u;
+
+tl::unexpected<Error> bad(std::string what, const char* hint = "") { return fail(what, "", hint); }
+
+std::string quoted(std::string_view text) {
+  std::string quotation(1, '\'');
+  quotation += text.substr(0, 40);
+  return quotation += '\'';
+}
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+/// Takes the next run of characters that are no spaces; empty at the end.
+std::string_view take_word(std::string_view& rest) {
+  while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
+  size_t length = 0;
+  while (length < rest.size() && !is_space(rest[length])) ++length;
+  const std::string_view word = rest.substr(0, length);
+  rest.remove_prefix(length);
+  return word;
+}
+
+template <class Integer>
+bool read_integer(std::string_view text, Integer& value, int base = 10) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+  return !text.empty() && error == std::errc() && end == text.data() + text.size();
+}
+
+/// "230547" after the point, as nanoseconds.
+bool read_fraction(std::string_view digits, int64_t& ns) {
+  if (digits.empty() || digits.size() > 9 || !read_integer(digits, ns) || ns < 0) return false;
+  for (size_t i = digits.size(); i < 9; ++i) ns *= 10;
+  return true;
+}
+
+/// "2018-08-02" and "16:14:48", UTC, as seconds since the epoch.
+bool read_date(std::string_view date, std::string_view time, int64_t& seconds) {
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
+  const bool fits = date.size() == 10 && date[4] == '-' && date[7] == '-' && time.size() == 8 &&
+                    time[2] == ':' && time[5] == ':' && read_integer(date.substr(0, 4), year) &&
+                    read_integer(date.substr(5, 2), month) &&
+                    read_integer(date.substr(8, 2), day) && read_integer(time.substr(0, 2), hour) &&
+                    read_integer(time.substr(3, 2), minute) &&
+                    read_integer(time.substr(6, 2), second);
+  const std::chrono::year_month_day ymd{std::chrono::year(year),
+                                        std::chrono::month(static_cast<unsigned>(month)),
+                                        std::chrono::day(static_cast<unsigned>(day))};
+  if (!fits || month < 0 || day < 0 || !ymd.ok() || hour < 0 || hour > 23 || minute < 0 ||
+      minute > 59 || second < 0 || second > 60) {
+    return false;
+  }
+  seconds = std::chrono::sys_days(ymd).time_since_epoch().count() * int64_t{86400} + hour * 3600 +
+            minute * 60 + second;
+  return true;
+}
+
+/// "1533226488.230547" or "2018-08-02 16:14:48.230547", the text between the brackets.
+Result<Stamp> parse_stamp(std::string_view text) {
+  const size_t point = text.find('.');
+  int64_t seconds = 0, ns = 0, total = 0;
+  bool fits = point != std::string_view::npos && read_fraction(text.substr(point + 1), ns);
+  if (fits) {
+    const std::string_view whole = text.substr(0, point);
+    const size_t space = whole.find(' ');
+    fits = space == std::string_view::npos
+               ? read_integer(whole, seconds)
+               : read_date(whole.substr(0, space), whole.substr(space + 1), seconds);
+  }
+  if (!fits || seconds < 0 || __builtin_mul_overflow(seconds, int64_t{1000000000}, &total) ||
+      __builtin_add_overflow(total, ns, &total)) {
+    return bad(quoted(text) + " is no time", "expected (seconds.microseconds)");
+  }
+  return Stamp::from_ns(total);
+}
+
+/// Three hexadecimal digits are a standard identifier, eight an extended one or an error frame.
+bool read_id(std::string_view text, CanFrame& frame) {
+  uint32_t id = 0;
+  if ((text.size() != 3 && text.size() != 8) || !read_integer(text, id, 16)) return false;
+  if (text.size() == 3) {
+    frame.id = id;
+    return id <= 0x7FF;
+  }
+  frame.error = (id & kErrorBit) != 0;
+  frame.extended = !frame.error;
+  frame.id = id & 0x1FFFFFFFu;
+  return id <= 0x3FFFFFFFu;
+}
+
+bool fd_length(size_t bytes) {
+  return bytes <= 8 || bytes == 12 || bytes == 16 || bytes == 20 || bytes == 24 || bytes == 32 ||
+         bytes == 48 || bytes == 64;
+}
+
+/// "08FF", or with dots between the bytes; what follows an underscore (a raw length code) is passed
+/// over.
+Result<CanFrame> with_compact_data(CanFrame frame, std::string_view digits) {
+  digits = digits.substr(0, digits.find('_'));
+  const size_t limit = frame.fd ? 64 : 8;
+  while (!digits.empty()) {
+    if (digits.front() == '.') {
+      digits.remove_prefix(1);
+      continue;
+    }
+    if (frame.length >= limit) return bad("more than " + std::to_string(limit) + " bytes of data");
+    if (digits.size() < 2 || !read_integer(digits.substr(0, 2), frame.data[frame.length], 16)) {
+      return bad(quoted(digits) + " is not a whole number of bytes in hexadecimal");
+    }
+    ++frame.length;
+    digits.remove_prefix(2);
+  }
+  if (!fd_length(frame.length)) {
+    return bad("CAN FD has no frame of " + std::to_string(frame.length) + " bytes");
+  }
+  return frame;
+}
+
+/// "260#08FF", "260##108FF", "260#R4"
+Result<CanFrame> parse_compact(CanFrame frame, std::string_view word) {
+  const size_t hash = word.find('#');
+  if (!read_id(word.substr(0, hash), frame)) {
+    return bad(quoted(word.substr(0, hash)) + " is no identifier",
+               "3 hexadecimal digits, or 8 for an extended one");
+  }
+  std::string_view data = word.substr(hash + 1);
+  if (data.starts_with('#')) {
+    frame.fd = true;
+    if (data.size() < 2 || !read_integer(data.substr(1, 1), frame.fd_flags, 16)) {
+      return bad("CAN FD flags are missing after '##'");
+    }
+    return with_compact_data(frame, data.substr(2));
+  }
+  if (data.starts_with('R')) {
+    frame.remote = true;
+    if (data.size() > 1 && (!read_integer(data.substr(1, 1), frame.length) || frame.length > 8)) {
+      return bad("the length of the remote request is none of 0 to 8");
+    }
+    return frame;
+  }
+  return with_compact_data(frame, data);
+}
+
+/// "260", then "[8]  08 FF ...": two digits between the brackets mean CAN FD.
+Result<CanFrame> parse_columns(CanFrame frame, std::string_view id, std::string_view length,
+                               std::string_view rest) {
+  if (!read_id(id, frame)) {
+    return bad(quoted(id) + " is no identifier", "3 hexadecimal digits, or 8 for an extended one");
+  }
+  unsigned bytes = 0;
+  if (length.size() < 3 || length.back() != ']' ||
+      !read_integer(length.substr(1, length.size() - 2), bytes)) {
+    return bad(quoted(length) + " is no length in brackets");
+  }
+  frame.fd = length.size() == 4;
+  if (bytes > (frame.fd ? 64u : 8u) || !fd_length(bytes)) {
+    return bad("no frame has " + std::to_string(bytes) + " bytes");
+  }
+  frame.length = static_cast<uint8_t>(bytes);
+  for (size_t i = 0; i < bytes; ++i) {
+    const std::string_view word = take_word(rest);
+    if (i == 0 && word == "remote") {
+      frame.remote = true;
+      return frame;
+    }
+    if (word.size() != 2 || !read_integer(word, frame.data[i], 16)) {
+      return bad("byte " + std::to_string(i) + " of " + std::to_string(bytes) + " is " +
+                 quoted(word));
+    }
+  }
+  if (bytes == 0 && take_word(rest) == "remote") frame.remote = true;
+  return frame;
+}
+
+}  // namespace
+
+Result<CanFrame> parse_candump_line(std::string_view line) {
+  CanFrame frame;
+  std::string_view rest = line;
+  while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
+  if (rest.starts_with('(')) {
+    const size_t close = rest.find(')');
+    if (close == std::string_view::npos) return bad("the time is not closed by ')'");
+    const auto stamp = parse_stamp(rest.substr(1, close - 1));
+    if (!stamp) return tl::unexpected(stamp.error());
+    frame.stamp = *stamp;
+    rest.remove_prefix(close + 1);
+  }
+  // Interface and direction come before the word that holds '#' or stands before '['.
+  std::string_view previous;
+  for (int words = 0; words < 6; ++words) {
+    const std::string_view word = take_word(rest);
+    if (word.empty()) break;
+    if (word.find('#') != std::string_view::npos) return parse_compact(frame, word);
+    if (word.starts_with('[')) return parse_columns(frame, previous, word, rest);
+    if (words == 0) {
+      std::string_view ahead = rest;
+      if (!take_word(ahead).starts_with('[')) frame.set_interface(word);
+    }
+    previous = word;
+  }
+  return bad("no CAN frame in " + quoted(line),
+             "expected '(time) interface id#data' or 'interface id [length] data'");
+}
+
+std::string format_candump_line(const CanFrame& frame) {
+  char text[64];
+  const int64_t us = frame.stamp.ns() / 1000;
+  const std::string_view interface = frame.interface_name();
+  std::string line(text, static_cast<size_t>(std::snprintf(text, sizeof text, "(%010lld.%06lld) ",
+                                                           static_cast<long long>(us / 1000000),
+                                                           static_cast<long long>(us % 1000000))));
+  line += interface.empty() ? "can0" : interface;
+  const uint32_t id = frame.error ? frame.id | kErrorBit : frame.id;
+  std::snprintf(text, sizeof text, frame.extended || frame.error ? " %08X#" : " %03X#", id);
+  line += text;
+  if (frame.remote) {
+    line += 'R';
+    return frame.length > 0 ? line += std::to_string(frame.length) : line;
+  }
+  if (frame.fd) {
+    std::snprintf(text, sizeof text, "#%X", frame.fd_flags & 0xFu);
+    line += text;
+  }
+  for (const uint8_t byte : frame.payload()) {
+    std::snprintf(text, sizeof text, "%02X", byte);
+    line += text;
+  }
+  return line;
+}
+
+std::optional<CanFrame> CandumpReader::read(std::string_view line) {
+  ++lines_;
+  const size_t begin = line.find_first_not_of(" \t\r");
+  if (begin == std::string_view::npos || line[begin] == '#') return std::nullopt;
+  const auto frame = parse_candump_line(line);
+  if (!frame) {
+    report(frame.error());
+    return std::nullopt;
+  }
+  ++frames_;
+  if (frame->stamp < last_) {
+    ++backward_steps_;
+    report({"time goes back by " + std::to_string(to_seconds(last_ - frame->stamp)) + " s", "",
+            "the clock was set, or logs were joined out of order; the frame is used"});
+  }
+  last_ = frame->stamp;
+  return *frame;
+}
+
+void CandumpReader::report(Error problem) {
+  problem.where = name_ + ":" + std::to_string(lines_);
+  problems_.add(std::move(problem));
+}
+
+}  // namespace infuse::vehicle

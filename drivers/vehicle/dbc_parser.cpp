@@ -1,0 +1,391 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "drivers/vehicle/dbc.hpp"
+#include "drivers/vehicle/dbc_lexer.hpp"
+
+namespace infuse::vehicle {
+namespace {
+
+using Kind = DbcToken::Kind;
+using ValueNames = std::vector<std::pair<int64_t, std::string>>;
+
+// More than any bus has; they keep a file of rubbish from costing quadratic time.
+constexpr size_t kMaxMessages = 16384;
+constexpr size_t kMaxSignals = 1024;  // of one message
+constexpr uint32_t kExtendedBit = 0x80000000u;
+constexpr std::string_view kNoMessage = "VECTOR__INDEPENDENT_SIG_MSG";
+
+/// A statement that cannot be understood: thrown and caught inside this file only.
+struct Malformed {
+  std::string what;
+};
+
+DbcSignal* find_signal(DbcMessage& message, std::string_view name) {
+  return const_cast<DbcSignal*>(std::as_const(message).find_signal(name));
+}
+
+/// One `SG_` line, its multiplexing not yet tied to the selector.
+struct SignalLine {
+  DbcSignal signal;
+  std::optional<uint64_t> selector_value;
+};
+
+class Parser {
+ public:
+  Parser(std::string_view text, const std::string& name) : lexer_(text), name_(name) {}
+
+  DbcReading run() {
+    while (lexer_.peek().kind != Kind::kEnd) {
+      const DbcToken opening = lexer_.next();
+      try {
+        statement(opening);
+      } catch (const Malformed& malformed) {
+        report(opening.line, malformed.what);
+        skip_to_statement();
+      }
+    }
+    tie_multiplexors();
+    return std::move(reading_);
+  }
+
+ private:
+  void statement(const DbcToken& opening) {
+    if (opening.is("BO_")) return message();
+    if (opening.is("SG_")) return signal();
+    if (opening.is("VAL_")) return value_names();
+    if (opening.is("VAL_TABLE_")) return value_table();
+    if (opening.is("SIG_VALTYPE_")) return value_type();
+    if (opening.is("SG_MUL_VAL_")) return extended_multiplexing();
+    if (opening.is("NS_") || opening.is("BS_") || opening.is("BU_") || opening.is("VERSION")) {
+      return skip_lines();
+    }
+    if (opening.kind == Kind::kWord && is_dbc_keyword(opening.text)) return skip_to_semicolon();
+    throw Malformed{"'" + std::string(opening.text.substr(0, 40)) + "' opens no statement"};
+  }
+
+  // BO_ 2364540158 Name: 8 Transmitter
+  void message() {
+    has_message_ = false;
+    DbcMessage parsed;
+    const uint32_t id = take_id();
+    parsed.extended = (id & kExtendedBit) != 0;
+    parsed.id = id & ~kExtendedBit;
+    parsed.name = take(Kind::kWord, "the message's name").text;
+    expect(":");
+    const uint64_t length = take_unsigned("the message's length");
+    if (lexer_.peek().kind == Kind::kWord && !lexer_.peek().first_on_line) lexer_.next();
+    if (parsed.name == kNoMessage) return;
+    if (parsed.id > (parsed.extended ? 0x1FFFFFFFu : 0x7FFu)) {
+      throw Malformed{"message " + parsed.name + ": id out of range"};
+    }
+    if (length > 64) throw Malformed{"message " + parsed.name + " is longer than 64 bytes"};
+    parsed.length = static_cast<uint16_t>(length);
+    if (reading_.dbc.messages().size() >= kMaxMessages) throw Malformed{"too many messages"};
+    const std::string label = parsed.name;
+    current_ = {parsed.id, parsed.extended};
+    if (!reading_.dbc.add(std::move(parsed))) {
+      throw Malformed{"message " + label + ": another message has its id"};
+    }
+    has_message_ = true;
+  }
+
+  // SG_ NAME m3M : 7|16@0+ (0.01,-67.67) [0|250] "kph" RECEIVER,RECEIVER
+  void signal() {
+    SignalLine parsed;
+    DbcSignal& s = parsed.signal;
+    s.name = take(Kind::kWord, "the signal's name").text;
+    if (!lexer_.peek().is(":")) {
+      multiplexing(take(Kind::kWord, "':' or a multiplexor indicator").text, parsed);
+    }
+    expect(":");
+    const uint64_t start = take_unsigned("the start bit");
+    expect("|");
+    const uint64_t length = take_unsigned("the length");
+    expect("@");
+    layout(s);
+    expect("(");
+    s.scale = take_number("the factor");
+    expect(",");
+    s.offset = take_number("the offset");
+    expect(")");
+    expect("[");
+    s.minimum = take_number("the minimum");
+    expect("|");
+    s.maximum = take_number("the maximum");
+    expect("]");
+    s.unit = take(Kind::kString, "the unit").text;
+    while (lexer_.peek().kind != Kind::kEnd && !lexer_.peek().first_on_line) lexer_.next();
+
+    if (!has_message_) {  // its message was refused and reported
+      return;
+    }
+    DbcMessage& owner = *reading_.dbc.find(current_.first, current_.second);
+    const std::string label = owner.name + "." + s.name;
+    if (length < 1 || length > 64 || start >= 512) {
+      throw Malformed{label + ": start bit or length out of range"};
+    }
+    s.start_bit = static_cast<uint16_t>(start);
+    s.length = static_cast<uint16_t>(length);
+    const CanFrame frame = frame_of(owner, {});
+    if (!raw_value(s, frame.payload())) throw Malformed{label + " does not fit into its message"};
+    if (s.scale == 0) throw Malformed{label + ": the factor is 0"};
+    if (owner.find_signal(s.name) != nullptr) throw Malformed{label + " is there twice"};
+    if (owner.signals.size() >= kMaxSignals) throw Malformed{label + ": too many signals"};
+    if (parsed.selector_value) {
+      s.multiplexor_values.emplace_back(*parsed.selector_value, *parsed.selector_value);
+    }
+    owner.signals.push_back(std::move(s));
+  }
+
+  static void multiplexing(std::string_view indicator, SignalLine& parsed) {
+    std::string_view rest = indicator;
+    if (rest.ends_with('M')) {
+      parsed.signal.is_multiplexor = true;
+      rest.remove_suffix(1);
+    }
+    if (rest.empty()) return;
+    uint64_t value = 0;
+    const auto [end, error] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), value);
+    if (rest[0] != 'm' || error != std::errc() || end != rest.data() + rest.size()) {
+      throw Malformed{"'" + std::string(indicator.substr(0, 40)) +
+                      "' is no multiplexor indicator (M, m<value> or m<value>M)"};
+    }
+    parsed.selector_value = value;
+  }
+
+  void layout(DbcSignal& s) {
+    const uint64_t order = take_unsigned("the byte order");
+    if (order > 1) throw Malformed{"the byte order of " + s.name + " is neither 0 nor 1"};
+    s.byte_order = order == 1 ? ByteOrder::kIntel : ByteOrder::kMotorola;
+    const DbcToken sign = lexer_.next();
+    if (!sign.is("+") && !sign.is("-")) throw Malformed{"expected + or - after the byte order"};
+    s.type = sign.is("-") ? SignalType::kSigned : SignalType::kUnsigned;
+  }
+
+  // VAL_ 466 STATE 11 "on" 0 "off"; or VAL_ 466 STATE TableName; or of an environment variable
+  void value_names() {
+    if (lexer_.peek().kind == Kind::kWord) return skip_to_semicolon();
+    DbcSignal* s = take_signal();
+    if (lexer_.peek().kind == Kind::kWord) {
+      const std::string table(lexer_.next().text);
+      const auto at = tables_.find(table);
+      if (at == tables_.end()) throw Malformed{"value table " + table + " is not defined"};
+      if (s != nullptr) s->value_names = at->second;
+      return expect(";");
+    }
+    ValueNames names = take_value_names();
+    if (s != nullptr) s->value_names = std::move(names);
+  }
+
+  void value_table() {
+    std::string name(take(Kind::kWord, "the table's name").text);
+    tables_[std::move(name)] = take_value_names();
+  }
+
+  ValueNames take_value_names() {
+    ValueNames names;
+    while (!lexer_.peek().is(";")) {
+      const double value = take_number("a value or ';'");
+      if (!(std::abs(value) <= 9.2e18)) throw Malformed{"a named value is out of range"};
+      names.emplace_back(static_cast<int64_t>(value), take(Kind::kString, "the value's name").text);
+    }
+    lexer_.next();
+    return names;
+  }
+
+  // SIG_VALTYPE_ 100 NAME : 1;
+  void value_type() {
+    DbcSignal* s = take_signal();
+    if (lexer_.peek().is(":")) lexer_.next();
+    const uint64_t type = take_unsigned("the value type");
+    if (type > 2) throw Malformed{"the value type is none of 0, 1, 2"};
+    if (s != nullptr && type > 0) {
+      if (s->length != (type == 1 ? 32 : 64)) {
+        throw Malformed{s->name + ": a float has 32 bits, a double 64"};
+      }
+      s->type = type == 1 ? SignalType::kFloat32 : SignalType::kFloat64;
+    }
+    expect(";");
+  }
+
+  // SG_MUL_VAL_ 100 NAME SELECTOR 1-3, 5-5;
+  void extended_multiplexing() {
+    const DbcToken ahead = lexer_.peek();
+    DbcSignal* s = take_signal();
+    const std::string selector(take(Kind::kWord, "the multiplexor's name").text);
+    std::vector<std::pair<uint64_t, uint64_t>> ranges;
+    do {
+      const uint64_t from = take_unsigned("a value");
+      if (lexer_.peek().is("-")) lexer_.next();
+      const double to = std::abs(take_number("the end of a range"));  // "1-3" is read as 1, −3
+      if (!(to <= 1.8e19)) throw Malformed{"the end of a range is too large"};
+      ranges.emplace_back(from, static_cast<uint64_t>(to));
+    } while (lexer_.peek().is(",") && (lexer_.next(), true));
+    expect(";");
+    if (s == nullptr) return;
+    s->multiplexor_values = std::move(ranges);
+    named_selectors_.push_back({signal_message_, s->name, selector, ahead.line});
+  }
+
+  /// Ties each multiplexed signal to its selector: the one that SG_MUL_VAL_ names, or the one
+  /// multiplexor of the message that is always there.
+  void tie_multiplexors() {
+    for (const NamedSelector& named : named_selectors_) {
+      DbcMessage& owner = *reading_.dbc.find(named.message.first, named.message.second);
+      const DbcSignal* selector = owner.find_signal(named.selector);
+      DbcSignal& s = *find_signal(owner, named.signal);
+      if (selector != nullptr && selector != &s) {
+        s.multiplexor = static_cast<int>(selector - owner.signals.data());
+      } else {
+        never_selected(owner, s, named.line);
+      }
+    }
+    for (const DbcMessage& found : reading_.dbc.messages()) {
+      DbcMessage& owner = *reading_.dbc.find(found.id, found.extended);
+      const auto root = std::find_if(
+          owner.signals.begin(), owner.signals.end(),
+          [](const DbcSignal& s) { return s.is_multiplexor && s.multiplexor_values.empty(); });
+      for (DbcSignal& s : owner.signals) {
+        if (s.multiplexor_values.empty() || s.multiplexor >= 0) continue;
+        if (root != owner.signals.end()) {
+          s.multiplexor = static_cast<int>(root - owner.signals.begin());
+        } else {
+          never_selected(owner, s, 0);
+        }
+      }
+    }
+  }
+
+  void never_selected(const DbcMessage& owner, DbcSignal& s, int line) {
+    report(line, owner.name + "." + s.name + " is multiplexed, and its multiplexor is missing");
+    s.multiplexor = static_cast<int>(&s - owner.signals.data());
+    s.multiplexor_values.clear();
+  }
+
+  DbcSignal* take_signal() {
+    const uint32_t id = take_id();
+    const std::string_view name = take(Kind::kWord, "the signal's name").text;
+    signal_message_ = {id & ~kExtendedBit, (id & kExtendedBit) != 0};
+    DbcMessage* owner = reading_.dbc.find(signal_message_.first, signal_message_.second);
+    return owner == nullptr ? nullptr : find_signal(*owner, name);
+  }
+
+  DbcToken take(Kind kind, const char* what) {
+    if (lexer_.peek().kind == Kind::kBroken) throw Malformed{"a string is not closed"};
+    if (lexer_.peek().kind != kind) {
+      throw Malformed{"expected " + std::string(what) + ", found '" +
+                      std::string(lexer_.peek().text.substr(0, 40)) + "'"};
+    }
+    return lexer_.next();
+  }
+
+  void expect(std::string_view sign) {
+    if (!lexer_.peek().is(sign)) {
+      throw Malformed{"expected '" + std::string(sign) + "', found '" +
+                      std::string(lexer_.peek().text.substr(0, 40)) + "'"};
+    }
+    lexer_.next();
+  }
+
+  double take_number(const char* what) {
+    std::string_view text = take(Kind::kNumber, what).text;
+    if (text.starts_with('+')) text.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+      throw Malformed{"'" + std::string(text.substr(0, 40)) + "' is no number"};
+    }
+    return value;
+  }
+
+  uint64_t take_unsigned(const char* what) {
+    const std::string_view text = take(Kind::kNumber, what).text;
+    uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      throw Malformed{"'" + std::string(text.substr(0, 40)) + "' is not " + what};
+    }
+    return value;
+  }
+
+  uint32_t take_id() {
+    const uint64_t id = take_unsigned("the message's id");
+    if (id > 0xFFFFFFFFu) throw Malformed{"the message's id is out of range"};
+    return static_cast<uint32_t>(id);
+  }
+
+  /// VERSION "x", BS_: and BU_: a b end with their lines; the words under NS_: stand alone on
+  /// theirs.
+  void skip_lines() {
+    while (lexer_.peek().kind != Kind::kEnd) {
+      const DbcToken& ahead = lexer_.peek();
+      if (ahead.first_on_line && !ahead.last_on_line) return;
+      lexer_.next();
+    }
+  }
+
+  void skip_to_semicolon() {
+    while (!lexer_.peek().is(";")) {
+      const DbcToken& ahead = lexer_.peek();
+      if (ahead.kind == Kind::kBroken) throw Malformed{"a string is not closed"};
+      if (ahead.kind == Kind::kEnd || opens_statement(ahead)) throw Malformed{"expected ';'"};
+      lexer_.next();
+    }
+    lexer_.next();
+  }
+
+  void skip_to_statement() {
+    while (lexer_.peek().kind != Kind::kEnd && !opens_statement(lexer_.peek())) lexer_.next();
+  }
+
+  static bool opens_statement(const DbcToken& token) {
+    return token.kind == Kind::kWord && token.first_on_line && is_dbc_keyword(token.text);
+  }
+
+  void report(int line, std::string what) {
+    reading_.problems.add({std::move(what), line > 0 ? name_ + ":" + std::to_string(line) : name_,
+                           "left out; the rest of the file is used"});
+  }
+
+  using MessageKey = std::pair<uint32_t, bool>;
+  struct NamedSelector {
+    MessageKey message;
+    std::string signal, selector;
+    int line;
+  };
+
+  DbcLexer lexer_;
+  std::string name_;
+  DbcReading reading_;
+  MessageKey current_{};
+  MessageKey signal_message_{};
+  bool has_message_ = false;
+  std::map<std::string, ValueNames, std::less<>> tables_;
+  std::vector<NamedSelector> named_selectors_;
+};
+
+}  // namespace
+
+DbcReading parse_dbc(std::string_view text, const std::string& name) {
+  return Parser(text, name).run();
+}
+
+Result<DbcReading> read_dbc(const std::filesystem::path& file) {
+  constexpr uintmax_t kMaxBytes = uintmax_t{64} << 20;
+  std::error_code error;
+  const uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error) return fail(error.message(), file.string(), "name a DBC file");
+  if (bytes > kMaxBytes) return fail("larger than 64 MiB: not a DBC file", file.string());
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) return fail("cannot be read", file.string());
+  return parse_dbc(text.view(), file.filename().string());
+}
+
+}  // namespace infuse::vehicle

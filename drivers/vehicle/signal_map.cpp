@@ -1,0 +1,218 @@
+#include "drivers/vehicle/signal_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace infuse::vehicle {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDegree = std::numbers::pi / 180;
+
+enum class Dimension { kSpeed, kRate, kAngle, kAcceleration, kNone };
+
+struct Unit {
+  std::string_view name;
+  Dimension dimension;
+  double factor;  ///< to SI
+};
+
+constexpr Unit kUnits[] = {
+    {"m/s", Dimension::kSpeed, 1},
+    {"mps", Dimension::kSpeed, 1},
+    {"km/h", Dimension::kSpeed, 1 / 3.6},
+    {"kph", Dimension::kSpeed, 1 / 3.6},
+    {"kmh", Dimension::kSpeed, 1 / 3.6},
+    {"mph", Dimension::kSpeed, 0.44704},
+    {"rad/s", Dimension::kRate, 1},
+    {"deg/s", Dimension::kRate, kDegree},
+    {"deg/sec", Dimension::kRate, kDegree},
+    {"\xB0/s", Dimension::kRate, kDegree},  // Latin-1, as most DBC files are
+    {"°/s", Dimension::kRate, kDegree},
+    {"rad", Dimension::kAngle, 1},
+    {"deg", Dimension::kAngle, kDegree},
+    {"\xB0", Dimension::kAngle, kDegree},
+    {"°", Dimension::kAngle, kDegree},
+    {"m/s^2", Dimension::kAcceleration, 1},
+    {"m/s2", Dimension::kAcceleration, 1},
+    {"m/s\xB2", Dimension::kAcceleration, 1},
+    {"m/s²", Dimension::kAcceleration, 1},
+    {"g", Dimension::kAcceleration, 9.80665},
+};
+
+const char* units_of(Dimension dimension) {
+  switch (dimension) {
+    case Dimension::kSpeed:
+      return "set `unit` to m/s, km/h or mph";
+    case Dimension::kRate:
+      return "set `unit` to rad/s or deg/s";
+    case Dimension::kAngle:
+      return "set `unit` to rad or deg";
+    case Dimension::kAcceleration:
+      return "set `unit` to m/s^2 or g";
+    case Dimension::kNone:
+      break;
+  }
+  return "";
+}
+
+bool present(const SignalSource& source) { return !source.signal.empty(); }
+
+}  // namespace
+
+std::optional<std::string> SignalMap::invalid() const {
+  const auto wrong = [](const SignalSource& source) -> std::optional<std::string> {
+    if (!present(source)) return std::nullopt;
+    if (source.signal.find('.') == std::string::npos) {
+      return "'" + source.signal + "' must be MESSAGE.SIGNAL";
+    }
+    if (!std::isfinite(source.scale) || source.scale == 0) {
+      return "the scale of " + source.signal + " must be finite and not 0";
+    }
+    return std::nullopt;
+  };
+  bool any = false;
+  const auto check = [&](const SignalSource& source) {
+    any = any || present(source);
+    return wrong(source);
+  };
+  for (const SignalSource& source : wheel_speed) {
+    if (auto message = check(source)) return message;
+  }
+  for (const SignalSource& source : acceleration) {
+    if (auto message = check(source)) return message;
+  }
+  for (const SignalSource& source : angular_velocity) {
+    if (auto message = check(source)) return message;
+  }
+  for (const SignalSource* source : {&yaw_rate, &steering_angle}) {
+    if (auto message = check(*source)) return message;
+  }
+  if (!any) return "no signal is named";
+  for (const SignalSource* source : {&steering_fraction, &gear}) {
+    if (auto message = wrong(*source)) return message;
+  }
+  if (present(steering_fraction) && !present(steering_angle)) {
+    return "steering_fraction needs steering_angle";
+  }
+  if (std::isfinite(reverse_gear) && !present(gear)) return "reverse_gear needs gear";
+  return std::nullopt;
+}
+
+Result<VehicleDecoder> VehicleDecoder::create(const Dbc& dbc, const SignalMap& map) {
+  if (const auto wrong = map.invalid()) return fail(*wrong, "signal map");
+  VehicleDecoder decoder;
+  decoder.interface_ = map.interface;
+  decoder.reverse_gear_ = map.reverse_gear;
+  std::vector<std::pair<const SignalSource*, Quantity>> wanted = {
+      {&map.yaw_rate, kYawRate},
+      {&map.steering_angle, kSteering},
+      {&map.steering_fraction, kSteeringFraction},
+      {&map.gear, kGear}};
+  for (size_t i = 0; i < 4; ++i) {
+    wanted.emplace_back(&map.wheel_speed[i], static_cast<Quantity>(kWheel + i));
+  }
+  for (size_t i = 0; i < 3; ++i) {
+    wanted.emplace_back(&map.acceleration[i], static_cast<Quantity>(kAcceleration + i));
+    wanted.emplace_back(&map.angular_velocity[i], static_cast<Quantity>(kAngular + i));
+  }
+  for (const auto& [source, quantity] : wanted) {
+    if (!present(*source)) continue;
+    if (auto error = decoder.bind(dbc, *source, quantity)) return tl::unexpected(*error);
+  }
+  return decoder;
+}
+
+std::optional<Error> VehicleDecoder::bind(const Dbc& dbc, const SignalSource& source,
+                                          Quantity quantity) {
+  const size_t dot = source.signal.find('.');
+  const DbcMessage* message = dbc.find(std::string_view(source.signal).substr(0, dot));
+  const DbcSignal* signal =
+      message == nullptr ? nullptr
+                         : message->find_signal(std::string_view(source.signal).substr(dot + 1));
+  if (signal == nullptr) {
+    return Error{"the DBC has no signal " + source.signal, "signal map",
+                 message == nullptr ? "it has no message of that name"
+                                    : "the message is there; look for the signal's name"};
+  }
+  const Dimension dimension = quantity < kYawRate             ? Dimension::kSpeed
+                              : quantity == kYawRate          ? Dimension::kRate
+                              : quantity <= kSteeringFraction ? Dimension::kAngle
+                              : quantity < kAngular           ? Dimension::kAcceleration
+                              : quantity < kGear              ? Dimension::kRate
+                                                              : Dimension::kNone;
+  double factor = source.scale;
+  if (dimension != Dimension::kNone) {
+    const std::string& unit = source.unit.empty() ? signal->unit : source.unit;
+    const Unit* known = std::find_if(std::begin(kUnits), std::end(kUnits), [&](const Unit& u) {
+      return u.name == unit && u.dimension == dimension;
+    });
+    if (known == std::end(kUnits)) {
+      return Error{"unit '" + unit + "' of " + source.signal + " does not fit", "signal map",
+                   units_of(dimension)};
+    }
+    factor *= known->factor;
+  }
+  auto bound = std::find_if(messages_.begin(), messages_.end(), [&](const BoundMessage& b) {
+    return b.message.id == message->id && b.message.extended == message->extended;
+  });
+  if (bound == messages_.end()) bound = messages_.insert(bound, BoundMessage{*message, {}});
+  bound->bindings.push_back(
+      {static_cast<size_t>(signal - message->signals.data()), factor, quantity});
+  return std::nullopt;
+}
+
+VehicleSamples VehicleDecoder::decode(const CanFrame& frame) {
+  if (frame.error || frame.remote) return {};
+  if (!interface_.empty() && frame.interface_name() != interface_) return {};
+  const auto bound = std::find_if(messages_.begin(), messages_.end(), [&](const BoundMessage& b) {
+    return b.message.id == frame.id && b.message.extended == frame.extended;
+  });
+  if (bound == messages_.end()) return {};
+  Values values;
+  values.fill(kNaN);
+  bool cut = false;
+  for (const Binding& binding : bound->bindings) {
+    const DbcSignal& signal = bound->message.signals[binding.signal];
+    if (const auto value = vehicle::decode(bound->message, signal, frame.payload())) {
+      values[binding.quantity] = *value * binding.factor;
+    } else {
+      cut = cut || !raw_value(signal, frame.payload());
+    }
+  }
+  if (cut) ++short_frames_;
+  if (std::isfinite(values[kGear])) reversing_ = values[kGear] == reverse_gear_;
+  return samples_of(values, frame.stamp);
+}
+
+VehicleSamples VehicleDecoder::samples_of(const Values& values, Stamp stamp) const {
+  const auto any = [&](int from, int to) {
+    return std::any_of(values.begin() + from, values.begin() + to,
+                       [](double v) { return std::isfinite(v); });
+  };
+  VehicleSamples samples;
+  if (any(kWheel, kSteeringFraction)) {
+    WheelOdometry wheels;
+    wheels.stamp = stamp;
+    for (size_t i = 0; i < 4; ++i) {
+      wheels.wheel_speed[i] = reversing_ ? -values[kWheel + i] : values[kWheel + i];
+    }
+    wheels.yaw_rate = values[kYawRate];
+    const double fraction = values[kSteeringFraction];
+    wheels.steering_angle = values[kSteering] + (std::isfinite(fraction) ? fraction : 0);
+    samples.wheels = wheels;
+  }
+  if (any(kAcceleration, kGear)) {
+    ImuSample imu;
+    imu.stamp = stamp;
+    for (size_t i = 0; i < 3; ++i) {
+      imu.linear_acceleration[i] = values[kAcceleration + i];
+      imu.angular_velocity[i] = values[kAngular + i];
+    }
+    samples.imu = imu;
+  }
+  return samples;
+}
+
+}  // namespace infuse::vehicle

@@ -1,0 +1,125 @@
+#include "fusion/geometry/trajectory.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace infuse::geometry {
+namespace {
+
+constexpr const char* kEmpty = "no pose is known";
+constexpr const char* kBefore = "the time lies before the first pose";
+constexpr const char* kAfter = "the time lies after the last pose";
+constexpr const char* kGap = "the poses around the time are too far apart";
+
+/// The nearest covariance: a difference of two may have lost its sign by rounding or by what was
+/// learned in between.
+Matrix6 positive_part(const Matrix6& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(0.5 * (symmetric + symmetric.transpose()));
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+}  // namespace
+
+std::optional<std::string> TrajectoryOptions::invalid() const {
+  if (capacity < 2) return "capacity must be at least 2 poses";
+  if (max_gap <= Duration::zero()) return "max_gap must be positive";
+  if (max_extrapolation < Duration::zero()) return "max_extrapolation must not be negative";
+  if (!(rotation_growth >= 0) || !(translation_growth >= 0)) return "growth must not be negative";
+  return std::nullopt;
+}
+
+Trajectory::Trajectory(const TrajectoryOptions& options)
+    : options_(options), ring_(options.capacity) {}
+
+bool Trajectory::append(const StampedPose& pose) {
+  if (size_ > 0 && pose.stamp <= (*this)[size_ - 1].stamp) return false;
+  ring_[(first_ + size_) % ring_.size()] = pose;
+  if (size_ < ring_.size()) {
+    ++size_;
+  } else {
+    first_ = (first_ + 1) % ring_.size();
+  }
+  return true;
+}
+
+void Trajectory::clear() { first_ = size_ = 0; }
+
+const StampedPose& Trajectory::operator[](size_t index) const {
+  return ring_[(first_ + index) % ring_.size()];
+}
+
+size_t Trajectory::index_at_or_after(Stamp stamp) const {
+  size_t low = 0, high = size_;
+  while (low < high) {
+    const size_t middle = low + (high - low) / 2;
+    if ((*this)[middle].stamp < stamp) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
+PoseAt Trajectory::at(Stamp stamp) const {
+  if (size_ == 0) return {.reason = kEmpty};
+  const size_t after = index_at_or_after(stamp);
+  if (after == size_) return extrapolate(stamp);
+  const StampedPose& b = (*this)[after];
+  if (b.stamp == stamp) return {b.T_map_vehicle, b.covariance, ""};
+  if (after == 0) return {.reason = kBefore};
+  const StampedPose& a = (*this)[after - 1];
+  if (b.stamp - a.stamp > options_.max_gap) return {.reason = kGap};
+  const double u = to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
+  return {interpolate(a.T_map_vehicle, b.T_map_vehicle, u),
+          (1 - u) * a.covariance + u * b.covariance, ""};
+}
+
+PoseAt Trajectory::extrapolate(Stamp stamp) const {
+  const StampedPose& last = (*this)[size_ - 1];
+  if (size_ < 2 || stamp - last.stamp > options_.max_extrapolation) return {.reason = kAfter};
+  const StampedPose& previous = (*this)[size_ - 2];
+  if (last.stamp - previous.stamp > options_.max_gap) return {.reason = kAfter};
+  const double ahead = to_seconds(stamp - last.stamp);
+  const double u = 1 + ahead / to_seconds(last.stamp - previous.stamp);
+  Vector6 growth;
+  growth << Eigen::Vector3d::Constant(std::pow(options_.rotation_growth, 2) * ahead),
+      Eigen::Vector3d::Constant(std::pow(options_.translation_growth, 2) * ahead);
+  PoseAt result;
+  result.T_map_vehicle = interpolate(previous.T_map_vehicle, last.T_map_vehicle, u);
+  result.covariance =
+      last.covariance + transform_covariance(result.T_map_vehicle, growth.asDiagonal());
+  return result;
+}
+
+MotionBetween Trajectory::between(Stamp from, Stamp to) const {
+  const PoseAt a = at(from), b = at(to);
+  MotionBetween motion;
+  motion.reason = !a.usable()   ? a.reason
+                  : !b.usable() ? b.reason
+                                : uncovered(std::min(from, to), std::max(from, to));
+  if (!motion.usable()) return motion;
+  const Eigen::Isometry3d T_from_map = a.T_map_vehicle.inverse();
+  motion.T_from_to = T_from_map * b.T_map_vehicle;
+  const Matrix6 growth =
+      from <= to ? Matrix6(b.covariance - a.covariance) : Matrix6(a.covariance - b.covariance);
+  motion.covariance = positive_part(transform_covariance(T_from_map, growth));
+  return motion;
+}
+
+const char* Trajectory::uncovered(Stamp from, Stamp to) const {
+  if (size_ == 0) return kEmpty;
+  if (from < (*this)[0].stamp) return kBefore;
+  if (const PoseAt end = at(to); !end.usable()) return end.reason;
+  for (size_t i = index_at_or_after(from); i < size_; ++i) {
+    if (i > 0 && (*this)[i].stamp > from &&
+        (*this)[i].stamp - (*this)[i - 1].stamp > options_.max_gap) {
+      return kGap;
+    }
+    if ((*this)[i].stamp >= to) break;
+  }
+  return "";
+}
+
+}  // namespace infuse::geometry
