@@ -53,6 +53,9 @@ class Stamp {
   int64_t ns_ = 0;
 };
 
+/// How far apart two stamps are, in either direction; saturates.
+constexpr Duration distance_between(Stamp a, Stamp b) { return a < b ? b - a : a - b; }
+
 /// Seconds as a double: for text, settings and arithmetic inside a function, never across an
 /// interface.
 constexpr double to_seconds(Duration span) { return static_cast<double>(span.count()) * 1e-9; }

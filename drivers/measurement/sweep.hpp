@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/measurement/clock_state.hpp"
 #include "drivers/measurement/stamp.hpp"
 
 namespace infuse {
@@ -15,24 +16,6 @@ enum class ReturnKind : uint8_t {
   kStrongest = 0,
   kLast = 1,
   kBoth = 2,  ///< dual-return mode, and the strongest echo was also the last
-};
-
-/// How a device's clock relates to infuse's, and whether it can be trusted.
-/// Plain data: it travels with every sweep.
-struct ClockState {
-  enum class Source : uint8_t {
-    kNone,     ///< the data has no device clock (KITTI); stamps are the host's or made up
-    kHost,     ///< stamps are host receive times; the device clock is not used
-    kPowerUp,  ///< the device counts from power-up; mapped by the lower envelope of its transport
-               ///< delay
-    kHour,  ///< the device counts from the top of the hour (UTC), plausible against the host's hour
-  };
-  Source source = Source::kNone;
-  bool trusted = false;
-  Duration offset{0};       ///< host time minus device time
-  double skew_ppm = 0;      ///< device clock's rate error against the host's, parts per million
-  Duration jitter{0};       ///< spread of the transport delay above its lower envelope
-  const char* reason = "";  ///< static text: why it is not trusted; empty when it is
 };
 
 /// Allocator whose default construction leaves memory as it is: growing an array that is about to

@@ -1,0 +1,227 @@
+#include "drivers/measurement/clock_model.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "drivers/measurement/lower_envelope.hpp"
+
+namespace infuse {
+namespace {
+
+constexpr Duration kZero = Duration::zero();
+
+/// Far beyond any real time (±126 years), and so near that no arithmetic here overflows.
+constexpr int64_t kLimitNs = 4'000'000'000'000'000'000;
+
+/// Where even the least of so many delays is further above the envelope than their own spread and
+/// this, the envelope is doubtful; after so many such parts in a row it is out of date.
+constexpr uint32_t kManySamples = 8;
+constexpr double kRiseNs = 100'000;
+constexpr uint32_t kPartsOfRise = 3;
+
+Stamp bounded(Stamp stamp) { return Stamp::from_ns(std::clamp(stamp.ns(), -kLimitNs, kLimitNs)); }
+
+double as_double(Duration span) { return static_cast<double>(span.count()); }
+
+Duration rounded(double ns) { return Duration(std::llround(ns)); }
+
+}  // namespace
+
+std::optional<std::string> ClockModelOptions::invalid() const {
+  constexpr Duration kDay = std::chrono::hours(24);
+  if (modulo < kZero || modulo > kDay) return "modulo must be between 0 (none) and a day";
+  if (minimum_delay < kZero || minimum_delay > kDay) {
+    return "minimum_delay must be between 0 and a day";
+  }
+  if (!(max_skew_ppm > 0) || max_skew_ppm > 10'000) {
+    return "max_skew_ppm must be more than 0 and at most 10000";
+  }
+  if (window < std::chrono::seconds(1) || window > kDay) {
+    return "window must be between a second and a day";
+  }
+  if (settle < kZero || settle > window) return "settle must be between 0 and window";
+  if (jump_threshold <= kZero || jump_threshold > max_delay) {
+    return "jump_threshold must be more than 0 and at most max_delay";
+  }
+  if (jump_confirmation < kZero || jump_confirmation > kDay) {
+    return "jump_confirmation must be between 0 and a day";
+  }
+  if (max_delay > kDay) return "max_delay must be at most a day";
+  if (modulo > kZero && max_delay >= modulo / 2)
+    return "max_delay must be less than half of modulo";
+  if (hour_tolerance < kZero || hour_tolerance > kDay) {
+    return "hour_tolerance must be between 0 and a day";
+  }
+  return std::nullopt;
+}
+
+ClockModel::ClockModel(const ClockModelOptions& options) : options_(options) {
+  if (const auto wrong = options.invalid()) throw std::invalid_argument(*wrong);
+  state_.source = ClockState::Source::kHost;
+  state_.reason = "no sample yet";
+}
+
+Stamp ClockModel::update(Duration device, Stamp host) {
+  const Stamp sent = bounded(host) - options_.minimum_delay;
+  if (!started_) {
+    const Stamp placed = unwrap(device, sent);
+    restart(placed, sent - placed);
+  }
+  const Stamp unwrapped = unwrap(device, sent - offset_at(last_device_));
+  const Stamp mapped = unwrapped + offset_at(unwrapped);
+  const Duration delay = sent - mapped;
+
+  const bool starting = part_count_ == 0;
+  const Duration least = starting ? -options_.max_delay : -options_.jump_threshold;
+  if (delay < least || delay > options_.jump_threshold) {
+    const bool jumped = suspect(device, sent);
+    const bool plausible = delay > kZero && delay <= options_.max_delay;
+    state_clock(plausible && !jumped);
+    return plausible && !jumped ? mapped : sent;
+  }
+  suspects_ = Suspects();
+  learn(unwrapped, sent);
+  state_clock(true);
+  return std::min(unwrapped + offset_at(unwrapped), sent);
+}
+
+Stamp ClockModel::to_host(Duration device) const {
+  if (!started_) return Stamp::from_ns(device.count());
+  const Stamp unwrapped = unwrap(device, last_device_);
+  return unwrapped + offset_at(unwrapped);
+}
+
+Duration ClockModel::offset_at(Stamp device) const {
+  return line_.offset + rounded(line_.slope * as_double(device - line_.device));
+}
+
+/// The time of the wrapping counter that is nearest to what is expected.
+Stamp ClockModel::unwrap(Duration device, Stamp expected) const {
+  const Stamp counted = bounded(Stamp::from_ns(device.count()));
+  if (options_.modulo == kZero) return counted;
+  const Duration ahead = expected - counted;
+  int64_t turns = ahead / options_.modulo;
+  const Duration rest = ahead - turns * options_.modulo;
+  if (rest > options_.modulo / 2) ++turns;
+  if (rest < -options_.modulo / 2) --turns;
+  return counted + turns * options_.modulo;
+}
+
+void ClockModel::restart(Stamp device, Duration offset) {
+  started_ = true;
+  line_ = Line{.device = device, .offset = offset, .slope = 0};
+  first_device_ = device;
+  last_device_ = device - Duration(1);
+  samples_ = 0;
+  skew_at_limit_ = false;
+  risen_parts_ = 0;
+  part_ = Part{.begin = device};
+  oldest_part_ = 0;
+  part_count_ = 0;
+  suspects_ = Suspects();
+  state_.jitter = kZero;
+}
+
+bool ClockModel::suspect(Duration device, Stamp host) {
+  const Duration known = suspects_.count > 0 ? suspects_.offset : offset_at(last_device_);
+  const Stamp unwrapped = unwrap(device, host - known);
+  const Duration offset = host - unwrapped;
+  const bool agrees =
+      suspects_.count > 0 && host >= suspects_.since &&
+      distance_between(host, unwrapped + suspects_.offset) <= options_.jump_threshold;
+  if (!agrees) suspects_ = Suspects{.count = 0, .since = host, .offset = offset};
+  ++suspects_.count;
+  suspects_.offset = std::min(suspects_.offset, offset);
+  if (suspects_.count < kMinSuspects || host - suspects_.since < options_.jump_confirmation) {
+    return false;
+  }
+  ++state_.jumps;
+  const Stamp placed = unwrap(device, host);
+  restart(placed, (host - placed) + (suspects_.offset - offset));
+  return true;
+}
+
+void ClockModel::learn(Stamp device, Stamp host) {
+  if (device <= last_device_) return;  // out of order: what is late says nothing of the envelope
+  last_device_ = device;
+  ++samples_;
+  if (part_.samples > 0 && device - part_.begin >= options_.window / kParts) {
+    complete_part();
+    part_ = Part{.begin = device};
+  }
+  const Duration offset = host - device;
+  const Duration delay = offset - offset_at(device);
+  if (delay < kZero) line_.offset += delay;
+  // With the slope taken away, the least offset of the part is the least delay.
+  const double rise = as_double(offset - part_.offset);
+  if (part_.samples == 0 || rise < line_.slope * as_double(device - part_.device)) {
+    part_.device = device;
+    part_.offset = offset;
+  }
+  ++part_.samples;
+  part_.delay_sum_ns += std::max(0.0, as_double(delay));
+}
+
+void ClockModel::complete_part() {
+  const double least = as_double(part_.offset - offset_at(part_.device));
+  const double mean = part_.delay_sum_ns / part_.samples;
+  const bool rises = part_.samples >= kManySamples && least > (mean - least) + kRiseNs;
+  risen_parts_ = rises ? risen_parts_ + 1 : 0;
+  if (part_count_ == kParts) forget_oldest_part();
+  parts_[(oldest_part_ + part_count_) % kParts] = part_;
+  ++part_count_;
+  while (part_.device - parts_[oldest_part_].device > options_.window) {
+    forget_oldest_part();
+  }
+  while (risen_parts_ >= kPartsOfRise && part_count_ > kPartsOfRise) forget_oldest_part();
+  fit();
+}
+
+void ClockModel::forget_oldest_part() {
+  oldest_part_ = (oldest_part_ + 1) % kParts;
+  --part_count_;
+}
+
+void ClockModel::fit() {
+  std::array<EnvelopePoint, kParts> points;
+  double delay_sum_ns = 0;
+  uint64_t samples = 0;
+  for (size_t i = 0; i < part_count_; ++i) {
+    const Part& part = parts_[(oldest_part_ + i) % kParts];
+    points[i] = {.x = as_double(part.device - part_.device),
+                 .y = as_double(part.offset - part_.offset)};
+    delay_sum_ns += part.delay_sum_ns;
+    samples += part.samples;
+  }
+  const double max_slope = part_count_ < kPartsForSkew ? 0 : options_.max_skew_ppm * 1e-6;
+  const EnvelopeLine line = lower_envelope(std::span(points).first(part_count_), max_slope);
+  line_ = Line{.device = part_.device,
+               .offset = part_.offset + rounded(line.intercept),
+               .slope = line.slope};
+  skew_at_limit_ = max_slope > 0 && std::abs(line.slope) >= max_slope;
+  state_.jitter = rounded(delay_sum_ns / static_cast<double>(samples));
+}
+
+void ClockModel::state_clock(bool model_holds) {
+  state_.offset = offset_at(last_device_);
+  state_.skew_ppm = (1 / (1 + line_.slope) - 1) * 1e6;
+  const bool on_the_hour =
+      options_.modulo > kZero && std::chrono::abs(state_.offset) <= options_.hour_tolerance;
+  state_.source = on_the_hour ? ClockState::Source::kHour : ClockState::Source::kPowerUp;
+  state_.reason = "";
+  if (!model_holds) {
+    state_.reason = "device time disagrees with the times of arrival: a jump or a bad packet";
+  } else if (samples_ < options_.min_samples || part_count_ < kPartsForSkew ||
+             last_device_ - first_device_ < options_.settle) {
+    state_.reason = state_.jumps > 0 ? "not settled after a jump" : "not settled after the start";
+  } else if (skew_at_limit_) {
+    state_.reason = "the skew is at its limit: one of the clocks is broken or was stepped";
+  } else if (risen_parts_ > 0) {
+    state_.reason = "even the least delay has risen: a small jump of a clock, or a busy network";
+  }
+  state_.trusted = *state_.reason == '\0';
+}
+
+}  // namespace infuse

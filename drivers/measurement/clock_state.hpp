@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+
+#include "drivers/measurement/stamp.hpp"
+
+namespace infuse {
+
+/// How a device's clock relates to infuse's, and whether it can be trusted.
+/// Plain data: it travels with every sweep.
+struct ClockState {
+  enum class Source : uint8_t {
+    kNone,     ///< the data has no device clock (KITTI); stamps are the host's or made up
+    kHost,     ///< stamps are host receive times; the device clock is not used
+    kPowerUp,  ///< the device counts from power-up; mapped by the lower envelope of its transport
+               ///< delay
+    kHour,  ///< the device counts from the top of the hour (UTC), plausible against the host's hour
+  };
+  Source source = Source::kNone;
+  bool trusted = false;
+  Duration offset{0};       ///< host time minus device time; the device's hour is the one nearest
+                            ///< to the host's time where its counter wraps
+  double skew_ppm = 0;      ///< device clock's rate error against the host's, parts per million;
+                            ///< positive where the device's clock runs fast
+  Duration jitter{0};       ///< mean of the transport delay above its lower envelope
+  uint32_t jumps = 0;       ///< times the device's clock (or the host's) has jumped
+  const char* reason = "";  ///< static text: why it is not trusted; empty when it is
+};
+
+/// What people read: what the stamps rest on, and what could be done about it.
+constexpr const char* describe(ClockState::Source source) {
+  switch (source) {
+    case ClockState::Source::kNone:
+      return "no device clock in the data";
+    case ClockState::Source::kHost:
+      return "host receive times; the device clock is not used";
+    case ClockState::Source::kPowerUp:
+      return "the device counts from power-up: nothing disciplines its clock (no PPS or GPS, or "
+             "the host's own clock is off); mapped to host time by the lower envelope of its "
+             "transport delay";
+    case ClockState::Source::kHour:
+      return "the device counts from the top of the hour";
+  }
+  return "";
+}
+
+}  // namespace infuse

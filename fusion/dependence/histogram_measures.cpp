@@ -1,0 +1,209 @@
+#include "fusion/dependence/histogram_measures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <string_view>
+
+namespace infuse::dependence {
+namespace {
+
+constexpr size_t kMostBins = 1024;
+
+/// Sums over rows and columns, on the stack.
+struct Marginals {
+  std::array<double, kMostBins> x{}, y{};
+};
+
+Marginals marginals(std::span<const double> table, size_t bins_x, size_t bins_y) {
+  Marginals sums;
+  for (size_t i = 0; i < bins_x; ++i) {
+    for (size_t j = 0; j < bins_y; ++j) {
+      sums.x[i] += table[i * bins_y + j];
+      sums.y[j] += table[i * bins_y + j];
+    }
+  }
+  return sums;
+}
+
+/// What the measures are made of.
+struct Entropies {
+  double x = 0, y = 0, xy = 0;
+};
+
+double from_entropies(Measure which, const Entropies& h) {
+  const double information = h.x + h.y - h.xy;
+  switch (which) {
+    case Measure::kMutualInformation:
+      return information;
+    case Measure::kNormalisedMutualInformation:
+      return h.xy > 0 ? (h.x + h.y) / h.xy : 1;
+    case Measure::kNormalisedInformationDistance:
+      return h.xy > 0 ? (h.xy - information) / h.xy : 1;
+    case Measure::kChiSquared:
+    case Measure::kSquaredLossMutualInformation:
+      break;
+  }
+  return 0;
+}
+
+bool made_of_entropies(Measure which) {
+  return which != Measure::kChiSquared && which != Measure::kSquaredLossMutualInformation;
+}
+
+/// Plug-in value of a table of any scale.
+double plug_in(Measure which, std::span<const double> table, size_t bins_x, size_t bins_y,
+               double total) {
+  const Marginals sums = marginals(table, bins_x, bins_y);
+  if (made_of_entropies(which)) {
+    // H = ln W − (Σ m ln m)/W, so that a table needs no normalised copy.
+    const auto entropy_of = [total](std::span<const double> mass) {
+      double sum = 0;
+      for (const double m : mass) sum += m > 0 ? m * std::log(m) : 0;
+      return std::log(total) - sum / total;
+    };
+    Entropies h{entropy_of({sums.x.data(), bins_x}), entropy_of({sums.y.data(), bins_y}),
+                entropy_of(table)};
+    h.xy = std::clamp(h.xy, std::max({h.x, h.y, 0.0}), std::max(h.x + h.y, 0.0));  // of rounding
+    return from_entropies(which, h);
+  }
+  double ratio = 0;  // Σ p²/(p_x p_y): the total cancels
+  for (size_t i = 0; i < bins_x; ++i) {
+    for (size_t j = 0; j < bins_y; ++j) {
+      const double m = table[i * bins_y + j];
+      if (m > 0) ratio += m * (m / (sums.x[i] * sums.y[j]));
+    }
+  }
+  const double chi_squared = std::max(0.0, ratio - 1);
+  return which == Measure::kChiSquared ? chi_squared : chi_squared / 2;
+}
+
+bool made_for_few_samples(CountEntropy::Estimator estimator) {
+  return estimator != CountEntropy::Estimator::kMaximumLikelihood &&
+         estimator != CountEntropy::Estimator::kMillerMadow;
+}
+
+/// The histogram's reason, less the one that `how` lifts.
+const char* remaining_reason(const JointHistogram& histogram, const CountEntropy& how) {
+  const bool few = std::string_view(histogram.reason) == kFewerSamplesThanBins;
+  return few && made_for_few_samples(how.estimator) ? "" : histogram.reason;
+}
+
+Estimate of_regularised_frequencies(Measure which, const JointHistogram& histogram,
+                                    const CountEntropy& how) {
+  std::vector<double> table;
+  if (how.estimator == CountEntropy::Estimator::kJamesStein) {
+    ShrunkFrequencies shrunk = james_stein_frequencies(histogram.mass, how.shrinkage);
+    if (!shrunk.usable()) return {0, shrunk.reason};
+    table = std::move(shrunk.frequencies);
+  } else {
+    if (!(how.alpha >= 0 && how.alpha <= 1e15)) return {0, "alpha is not in 0 ... 1e15"};
+    table = histogram.mass;
+    for (double& m : table) m += how.alpha;
+  }
+  double total = 0;
+  for (const double m : table) total += m;
+  return {plug_in(which, table, static_cast<size_t>(histogram.bins_x),
+                  static_cast<size_t>(histogram.bins_y), total),
+          remaining_reason(histogram, how)};
+}
+
+Estimate of_corrected_entropies(Measure which, const JointHistogram& histogram,
+                                const CountEntropy& how) {
+  if (!made_of_entropies(which)) {
+    return {0, "this measure has no entropies to correct: use James-Stein or Dirichlet"};
+  }
+  const auto bins_x = static_cast<size_t>(histogram.bins_x);
+  const auto bins_y = static_cast<size_t>(histogram.bins_y);
+  const Marginals sums = marginals(histogram.mass, bins_x, bins_y);
+  const Estimate x = entropy({sums.x.data(), bins_x}, how);
+  const Estimate y = entropy({sums.y.data(), bins_y}, how);
+  const Estimate xy = entropy(histogram.mass, how);
+  // Fewer samples than cells is the usual state of the joint table and no reason by itself.
+  if (made_for_few_samples(how.estimator)) {
+    for (const Estimate& h : {x, y, xy}) {
+      if (!h.usable()) return {0, h.reason};
+    }
+  }
+  return {from_entropies(which, {x.value, y.value, xy.value}), remaining_reason(histogram, how)};
+}
+
+}  // namespace
+
+Estimate measure(Measure which, const JointHistogram& histogram) {
+  if (!(histogram.total > 0)) return {0, histogram.usable() ? "no samples" : histogram.reason};
+  return {plug_in(which, histogram.mass, static_cast<size_t>(histogram.bins_x),
+                  static_cast<size_t>(histogram.bins_y), histogram.total),
+          histogram.reason};
+}
+
+Estimate measure(Measure which, const JointHistogram& histogram, const CountEntropy& how) {
+  if (!(histogram.total > 0)) return measure(which, histogram);
+  switch (how.estimator) {
+    case CountEntropy::Estimator::kMaximumLikelihood:
+      return measure(which, histogram);
+    case CountEntropy::Estimator::kJamesStein:
+    case CountEntropy::Estimator::kDirichlet:
+      return of_regularised_frequencies(which, histogram, how);
+    case CountEntropy::Estimator::kMillerMadow:
+    case CountEntropy::Estimator::kNemenman:
+    case CountEntropy::Estimator::kChaoShen:
+      break;
+  }
+  return of_corrected_entropies(which, histogram, how);
+}
+
+void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& out) {
+  out.estimate = measure(which, histogram);
+  out.total = histogram.total;
+  out.table.assign(histogram.mass.size(), 0.0);
+  if (!(histogram.total > 0)) return;
+  const auto bins_x = static_cast<size_t>(histogram.bins_x);
+  const auto bins_y = static_cast<size_t>(histogram.bins_y);
+  const double scale = 1 / histogram.total;
+  Marginals p = marginals(histogram.mass, bins_x, bins_y);
+  for (double& m : p.x) m *= scale;
+  for (double& m : p.y) m *= scale;
+
+  if (made_of_entropies(which)) {
+    // dI/dp = ln p − ln p_y; d(1/NMI-like ratio) follows from R = (H_x + H_y)/H_xy.
+    const double h_x = plug_in_entropy({p.x.data(), bins_x});
+    const double h_y = plug_in_entropy({p.y.data(), bins_y});
+    double h_xy = 0;
+    std::array<double, kMostBins> log_y{};
+    for (size_t j = 0; j < bins_y; ++j) log_y[j] = p.y[j] > 0 ? std::log(p.y[j]) : 0;
+    for (size_t k = 0; k < out.table.size(); ++k) {
+      const double q = histogram.mass[k] * scale;
+      out.table[k] = q > 0 ? std::log(q) : 0;
+      h_xy -= q * out.table[k];
+    }
+    double joint = 1, marginal = 1;  // factors of ln p and of −ln p_y
+    if (which != Measure::kMutualInformation) {
+      const bool distance = which == Measure::kNormalisedInformationDistance;
+      const double sign = distance ? -1 : 1;
+      marginal = h_xy > 0 ? sign / h_xy : 0;
+      joint = h_xy > 0 ? sign * (h_x + h_y) / (h_xy * h_xy) : 0;
+    }
+    for (size_t k = 0; k < out.table.size(); ++k) {
+      if (histogram.mass[k] > 0) {
+        out.table[k] = joint * out.table[k] - marginal * log_y[k % bins_y];
+      }
+    }
+    return;
+  }
+  const double factor = which == Measure::kChiSquared ? 1 : 0.5;
+  for (size_t j = 0; j < bins_y; ++j) {
+    double column = 0;  // Σ_x p²/(p_x p_y²)
+    for (size_t i = 0; i < bins_x; ++i) {
+      const double q = histogram.mass[i * bins_y + j] * scale;
+      if (q > 0) column += (q / p.y[j]) * (q / p.y[j]) / p.x[i];
+    }
+    for (size_t i = 0; i < bins_x; ++i) {
+      const double q = histogram.mass[i * bins_y + j] * scale;
+      if (q > 0) out.table[i * bins_y + j] = factor * (2 * (q / p.y[j]) / p.x[i] - column);
+    }
+  }
+}
+
+}  // namespace infuse::dependence

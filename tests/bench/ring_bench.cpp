@@ -1,0 +1,187 @@
+// Operations a second of the rings beside what one would take otherwise. An operation is one record
+// (or object) handed from the producer to one reader. `ring/record` and `ring/slot` also keep the
+// history for look-ups by time and serve any number of readers, which the baselines do not.
+
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <boost/lockfree/spsc_queue.hpp>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <semaphore>
+#include <thread>
+
+#include "drivers/measurement/record_ring.hpp"
+#include "drivers/measurement/slot_ring.hpp"
+#include "drivers/measurement/vehicle_samples.hpp"
+
+namespace infuse {
+namespace {
+
+constexpr size_t kCapacity = 1024;
+constexpr size_t kSlots = 8;
+constexpr int kBatch = 512;  ///< records written before they are read; below every capacity
+constexpr int kSlotBatch = 4;
+
+ImuSample sample(int64_t i) {
+  ImuSample sample;
+  sample.stamp = Stamp::from_ns(i);
+  return sample;
+}
+
+/// What stands for a sweep: filling it is not what is measured.
+struct Object {
+  Stamp stamp;
+  std::array<char, 4096> body{};
+};
+
+/// A deque of bounded length behind a lock, oldest overwritten.
+template <class T>
+class MutexDeque {
+ public:
+  void push(T value) {
+    const std::lock_guard lock(mutex_);
+    if (entries_.size() == kCapacity) entries_.pop_front();
+    entries_.push_back(std::move(value));
+  }
+  std::optional<T> pop() {
+    const std::lock_guard lock(mutex_);
+    if (entries_.empty()) return std::nullopt;
+    T value = std::move(entries_.front());
+    entries_.pop_front();
+    return value;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<T> entries_;
+};
+
+/// A thread that only sleeps: in a process without a second one the C library's mutex does nothing.
+class Company {
+ public:
+  ~Company() {
+    done_.release();
+    thread_.join();
+  }
+
+ private:
+  std::binary_semaphore done_{0};
+  std::thread thread_{[this] { done_.acquire(); }};
+};
+
+/// Writes and reads in turn, in batches, in one thread: the cost of the operations themselves.
+template <class Push, class Pop>
+void in_turn(benchmark::State& state, int batch, Push push, Pop pop) {
+  const Company company;
+  int64_t stamp = 0;
+  int64_t read = 0;
+  for (auto _ : state) {
+    for (int i = 0; i < batch; ++i) push(stamp++);
+    while (pop()) ++read;
+  }
+  if (read != stamp) state.SkipWithError("entries were lost");
+  state.SetItemsProcessed(read);
+}
+
+void record(benchmark::State& state) {
+  RecordRing<ImuSample> ring(kCapacity);
+  auto reader = ring.reader();
+  in_turn(
+      state, kBatch, [&](int64_t i) { ring.push(sample(i)); },
+      [&] {
+        const auto found = reader.next();
+        benchmark::DoNotOptimize(found);
+        return found.has_value();
+      });
+}
+
+void record_spsc_queue(benchmark::State& state) {
+  boost::lockfree::spsc_queue<ImuSample, boost::lockfree::capacity<kCapacity>> queue;
+  in_turn(
+      state, kBatch, [&](int64_t i) { queue.push(sample(i)); },
+      [&] {
+        ImuSample found;
+        const bool any = queue.pop(found);
+        benchmark::DoNotOptimize(found);
+        return any;
+      });
+}
+
+void record_mutex_deque(benchmark::State& state) {
+  MutexDeque<ImuSample> queue;
+  in_turn(
+      state, kBatch, [&](int64_t i) { queue.push(sample(i)); },
+      [&] {
+        const auto found = queue.pop();
+        benchmark::DoNotOptimize(found);
+        return found.has_value();
+      });
+}
+
+void slot(benchmark::State& state) {
+  SlotRing<Object> ring(kSlots, [] { return Object(); });
+  auto reader = ring.reader();
+  in_turn(
+      state, kSlotBatch,
+      [&](int64_t i) {
+        ring.hand().stamp = Stamp::from_ns(i);
+        ring.publish();
+      },
+      [&] {
+        const Pin<Object> found = reader.next();
+        benchmark::DoNotOptimize(&*found);
+        return static_cast<bool>(found);
+      });
+}
+
+/// Objects of a pool travel as pointers and come back when they were read.
+template <class Queue, class Push, class Pop>
+void slot_by_pointer(benchmark::State& state, Queue& filled, Queue& empty, Push push, Pop pop) {
+  std::array<Object, kSlots> pool;
+  for (Object& object : pool) push(empty, &object);
+  in_turn(
+      state, kSlotBatch,
+      [&](int64_t i) {
+        Object* object = pop(empty);
+        object->stamp = Stamp::from_ns(i);
+        push(filled, object);
+      },
+      [&] {
+        Object* object = pop(filled);
+        benchmark::DoNotOptimize(object);
+        if (object != nullptr) push(empty, object);
+        return object != nullptr;
+      });
+}
+
+void slot_spsc_queue(benchmark::State& state) {
+  using Queue = boost::lockfree::spsc_queue<Object*, boost::lockfree::capacity<kSlots>>;
+  Queue filled, empty;
+  slot_by_pointer(
+      state, filled, empty, [](Queue& queue, Object* object) { queue.push(object); },
+      [](Queue& queue) {
+        Object* object = nullptr;
+        queue.pop(object);
+        return object;
+      });
+}
+
+void slot_mutex_deque(benchmark::State& state) {
+  using Queue = MutexDeque<Object*>;
+  Queue filled, empty;
+  slot_by_pointer(
+      state, filled, empty, [](Queue& queue, Object* object) { queue.push(object); },
+      [](Queue& queue) { return queue.pop().value_or(nullptr); });
+}
+
+BENCHMARK(record)->Name("ring/record");
+BENCHMARK(record_spsc_queue)->Name("ring/record/baseline:boost_spsc_queue");
+BENCHMARK(record_mutex_deque)->Name("ring/record/baseline:mutex_deque");
+BENCHMARK(slot)->Name("ring/slot");
+BENCHMARK(slot_spsc_queue)->Name("ring/slot/baseline:boost_spsc_queue");
+BENCHMARK(slot_mutex_deque)->Name("ring/slot/baseline:mutex_deque");
+
+}  // namespace
+}  // namespace infuse

@@ -1,0 +1,400 @@
+#include "drivers/measurement/slot_ring.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <random>
+#include <thread>
+#include <vector>
+
+namespace infuse {
+namespace {
+
+using namespace std::chrono_literals;
+
+Stamp at(int64_t ns) { return Stamp::from_ns(ns); }
+
+/// A big object whose every entry is its number.
+struct Object {
+  Stamp stamp;
+  uint64_t number = 0;
+  std::vector<uint64_t> body = std::vector<uint64_t>(200);
+
+  void fill(uint64_t its_number, Stamp its_stamp) {
+    stamp = its_stamp;
+    number = its_number;
+    std::fill(body.begin(), body.end(), its_number);
+  }
+  bool whole() const {
+    return std::all_of(body.begin(), body.end(), [&](uint64_t entry) { return entry == number; });
+  }
+};
+
+using Ring = SlotRing<Object>;
+
+/// What the ring must do, said as plainly as possible.
+class Model {
+ public:
+  struct Entry {
+    uint64_t position;
+    Stamp stamp;
+    int pins = 0;
+  };
+  struct Reader {
+    uint64_t cursor = 0;
+    uint64_t lost = 0;
+  };
+
+  explicit Model(size_t capacity) : unused_(capacity) {}
+
+  bool publish(Stamp stamp) {
+    const bool has_slot = set_aside_ || take(UINT64_MAX);
+    set_aside_ = false;
+    if (has_slot) held_.push_back({published_, stamp});
+    ++published_;
+    return has_slot;
+  }
+  bool has_room(const std::vector<Reader>& readers) {
+    uint64_t slowest = UINT64_MAX;
+    for (const Reader& reader : readers) slowest = std::min(slowest, reader.cursor);
+    set_aside_ = set_aside_ || take(slowest);
+    return set_aside_;
+  }
+  Entry* next(Reader& reader) {
+    for (Entry& entry : held_) {
+      if (entry.position < reader.cursor) continue;
+      reader.lost += entry.position - reader.cursor;
+      reader.cursor = entry.position + 1;
+      return &entry;
+    }
+    reader.lost += published_ - reader.cursor;
+    reader.cursor = published_;
+    return nullptr;
+  }
+  Entry* latest() { return held_.empty() ? nullptr : &held_.back(); }
+  Entry* nearest(Stamp stamp) {
+    Entry* best = nullptr;
+    for (Entry& entry : held_) {
+      if (!best || std::chrono::abs(entry.stamp - stamp) <= std::chrono::abs(best->stamp - stamp))
+        best = &entry;
+    }
+    return best;
+  }
+  std::vector<uint64_t> interval(Stamp from, Stamp to) const {
+    std::vector<uint64_t> positions;
+    for (const Entry& entry : held_) {
+      if (entry.stamp >= from && entry.stamp <= to) positions.push_back(entry.position);
+    }
+    return positions;
+  }
+  Entry& entry(uint64_t position) {
+    return *std::find_if(held_.begin(), held_.end(),
+                         [&](const Entry& entry) { return entry.position == position; });
+  }
+
+  std::vector<Entry> held_;
+  uint64_t published_ = 0;
+
+ private:
+  bool take(uint64_t before) {
+    if (unused_ > 0) return unused_-- > 0;
+    const auto oldest = std::find_if(held_.begin(), held_.end(),
+                                     [](const Entry& entry) { return entry.pins == 0; });
+    if (oldest == held_.end() || oldest->position >= before) return false;
+    held_.erase(oldest);
+    return true;
+  }
+  size_t unused_;
+  bool set_aside_ = false;
+};
+
+/// Random operations on the ring and on the model; everything that can be seen must be equal.
+void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
+  std::mt19937 random(seed);
+  const auto below = [&](size_t n) { return static_cast<size_t>(random() % n); };
+  Ring ring(capacity, [] { return Object(); });
+  ASSERT_EQ(ring.capacity(), capacity);
+  Model model(capacity);
+  std::vector<Ring::Reader> readers;
+  std::vector<Model::Reader> model_readers;
+  std::vector<Pin<Object>> pins;
+  uint64_t dropped = 0;
+  int64_t time = 0;
+
+  const auto check = [&](const Pin<Object>& pin, const Model::Entry* expected) {
+    ASSERT_EQ(static_cast<bool>(pin), expected != nullptr);
+    if (!pin) return;
+    ASSERT_EQ(pin.position(), expected->position);
+    ASSERT_EQ(pin->number, expected->position);
+    ASSERT_EQ(pin->stamp, expected->stamp);
+    ASSERT_TRUE(pin->whole());
+  };
+  const auto keep_sometimes = [&](Pin<Object> pin, Model::Entry* entry) {
+    check(pin, entry);
+    if (!pin || pins.size() > capacity || below(3) > 0) return;
+    ++entry->pins;
+    pins.push_back(std::move(pin));
+  };
+
+  for (int step = 0; step < 20'000; ++step) {
+    const auto some_stamp = [&] {
+      return at(time - static_cast<int64_t>(below(capacity * 12 + 20)) + 10);
+    };
+    switch (below(12)) {
+      case 0:
+      case 1:
+      case 2: {
+        if (replay) {
+          const bool room = ring.has_room();
+          ASSERT_EQ(room, model.has_room(model_readers));
+          if (!room) break;
+        }
+        time += static_cast<int64_t>(below(10));
+        const Stamp stamp = at(seed % 2 == 0 ? time : time - static_cast<int64_t>(below(30)));
+        ring.hand().fill(model.published_, stamp);
+        const bool published = ring.publish();
+        ASSERT_EQ(published, model.publish(stamp));
+        dropped += published ? 0 : 1;
+        ASSERT_EQ(ring.dropped(), dropped);
+        break;
+      }
+      case 3: {
+        if (readers.size() < 4) {
+          readers.push_back(ring.reader());
+          model_readers.push_back({.cursor = model.published_, .lost = 0});
+        } else if (below(20) == 0) {
+          const auto which = static_cast<ptrdiff_t>(below(readers.size()));
+          readers.erase(readers.begin() + which);
+          model_readers.erase(model_readers.begin() + which);
+        }
+        break;
+      }
+      case 4:
+      case 5:
+      case 6: {
+        if (readers.empty()) break;
+        const size_t which = below(readers.size());
+        for (size_t n = below(capacity + 2) + 1; n > 0; --n) {
+          keep_sometimes(readers[which].next(), model.next(model_readers[which]));
+          ASSERT_EQ(readers[which].lost(), model_readers[which].lost);
+          ASSERT_EQ(readers[which].behind(), model.published_ - model_readers[which].cursor);
+          if (replay) {
+            ASSERT_EQ(readers[which].lost(), 0u);
+          }
+        }
+        break;
+      }
+      case 7:
+      case 8: {
+        if (pins.empty()) break;
+        const size_t which = below(pins.size());
+        Model::Entry& entry = model.entry(pins[which].position());
+        check(pins[which], &entry);
+        --entry.pins;
+        pins.erase(pins.begin() + static_cast<ptrdiff_t>(which));
+        break;
+      }
+      case 9:
+        keep_sometimes(ring.latest(), model.latest());
+        break;
+      case 10: {
+        const Stamp stamp = some_stamp();
+        keep_sometimes(ring.nearest(stamp), model.nearest(stamp));
+        break;
+      }
+      default: {
+        const Stamp from = some_stamp();
+        const Stamp to = from + Duration(below(60));
+        const std::vector<uint64_t> expected = model.interval(from, to);
+        std::vector<uint64_t> found;
+        const IntervalResult result = ring.interval(from, to, [&](const Object& object) {
+          EXPECT_TRUE(object.whole());
+          found.push_back(object.number);
+        });
+        ASSERT_EQ(found, expected);
+        ASSERT_EQ(result.count, expected.size());
+        if (seed % 2 == 0 && result.complete) {
+          // Nothing of the interval has gone: what has gone is older than something before it.
+          uint64_t next = 0;
+          for (const Model::Entry& entry : model.held_) {
+            if (entry.stamp >= from) {
+              ASSERT_EQ(entry.position, next);
+            }
+            next = entry.position + 1;
+          }
+          ASSERT_EQ(next, model.published_);
+        }
+        std::array<Pin<Object>, 3> first;
+        ASSERT_EQ(ring.interval(from, to, first).count, expected.size());
+        for (size_t i = 0; i < 3; ++i) {
+          ASSERT_EQ(static_cast<bool>(first[i]), i < expected.size());
+          if (first[i]) {
+            ASSERT_EQ(first[i]->number, expected[i]);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(model.published_, 100u);
+  EXPECT_EQ(replay, dropped == 0);
+}
+
+TEST(SlotRing, DoesWhatALockedDequeDoes) {
+  for (const size_t capacity : {1u, 2u, 3u, 8u}) {
+    for (uint32_t seed = 0; seed < 4; ++seed) compare_with_model(capacity, seed, false);
+  }
+}
+
+TEST(SlotRing, DoesWhatALockedDequeDoesInAReplay) {
+  for (const size_t capacity : {1u, 2u, 3u, 8u}) {
+    for (uint32_t seed = 0; seed < 4; ++seed) compare_with_model(capacity, seed, true);
+  }
+}
+
+TEST(SlotRing, MakesItsObjectsOnceAndUsesThemAgain) {
+  int made = 0;
+  Ring ring(3, [&] {
+    ++made;
+    return Object();
+  });
+  EXPECT_EQ(made, 4);
+  std::vector<const uint64_t*> bodies;
+  for (uint64_t number = 0; number < 20; ++number) {
+    bodies.push_back(ring.hand().body.data());
+    ring.hand().fill(number, at(0));
+    ring.publish();
+  }
+  EXPECT_EQ(made, 4);
+  std::sort(bodies.begin(), bodies.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  EXPECT_EQ(bodies.size(), 4u);
+  EXPECT_THROW(Ring(0, [] { return Object(); }), std::invalid_argument);
+}
+
+TEST(SlotRing, APinOutlivesItsReaderAndItsMove) {
+  Ring ring(2, [] { return Object(); });
+  Pin<Object> kept;
+  EXPECT_FALSE(kept);
+  {
+    auto reader = ring.reader();
+    ring.hand().fill(0, at(0));
+    ring.publish();
+    Pin<Object> pin = reader.next();
+    kept = std::move(pin);
+  }
+  for (uint64_t number = 1; number < 10; ++number) {
+    ring.hand().fill(number, at(0));
+    EXPECT_TRUE(ring.publish());
+    EXPECT_EQ(kept->number, 0u);
+    EXPECT_TRUE(kept->whole());
+  }
+  const Pin<Object> other = ring.latest();
+  EXPECT_EQ(other->number, 9u);
+  EXPECT_FALSE(ring.publish());  // both are pinned
+  kept.reset();
+  EXPECT_FALSE(kept);
+  EXPECT_TRUE(ring.publish());
+  EXPECT_EQ(ring.dropped(), 1u);
+}
+
+TEST(SlotRing, UnpinningAndReadingMakeRoom) {
+  Ring ring(1, [] { return Object(); });
+  auto reader = ring.reader();
+  ASSERT_TRUE(ring.wait_for_room());
+  ring.publish();
+  EXPECT_FALSE(ring.wait_for_room(1ms));  // unread
+  Pin<Object> pin = reader.next();
+  EXPECT_FALSE(ring.wait_for_room(1ms));  // pinned
+  std::thread releaser([&] { pin.reset(); });
+  EXPECT_TRUE(ring.wait_for_room());
+  releaser.join();
+  ring.close();
+  EXPECT_FALSE(ring.wait_for_room());
+  EXPECT_FALSE(reader.wait());
+}
+
+TEST(SlotRing, LiveReadersSeeWholeObjectsInOrderAndCountTheirLosses) {
+  constexpr uint64_t kObjects = 30'000;
+  Ring ring(4, [] { return Object(); });
+  std::atomic<uint64_t> wrong{0};
+  std::array<uint64_t, 2> read{}, lost{};
+  std::vector<std::thread> threads;
+  for (size_t id = 0; id < read.size(); ++id) {
+    threads.emplace_back([&, id, reader = ring.reader()]() mutable {
+      std::array<Pin<Object>, 2> kept;
+      while (reader.wait()) {
+        while (Pin<Object> pin = reader.next()) {
+          ++read[id];
+          if (!pin->whole() || pin->number + 1 != read[id] + reader.lost()) ++wrong;
+          Pin<Object>& old = kept[read[id] % 2];
+          if (old && (!old->whole() || old->number != old.position())) ++wrong;
+          old = std::move(pin);
+        }
+      }
+      lost[id] = reader.lost();
+    });
+  }
+  threads.emplace_back([&] {
+    uint64_t last = 0;
+    while (!ring.closed()) {
+      if (const Pin<Object> pin = ring.latest()) {
+        if (!pin->whole() || pin->number != pin.position()) ++wrong;
+        last = pin->number;
+      }
+      const Stamp middle = at(static_cast<int64_t>(last));
+      if (const Pin<Object> pin = ring.nearest(middle); pin && !pin->whole()) ++wrong;
+      ring.interval(middle - Duration(3), middle + Duration(3), [&](const Object& object) {
+        if (!object.whole()) ++wrong;
+      });
+    }
+  });
+  for (uint64_t number = 0; number < kObjects; ++number) {
+    ring.hand().fill(number, at(static_cast<int64_t>(number)));
+    ring.publish();
+  }
+  ring.close();
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0u);
+  for (size_t id = 0; id < read.size(); ++id) EXPECT_EQ(read[id] + lost[id], kObjects);
+}
+
+TEST(SlotRing, AReplayThatWaitsForRoomLosesNothing) {
+  constexpr uint64_t kObjects = 10'000;
+  Ring ring(4, [] { return Object(); });
+  std::atomic<uint64_t> wrong{0};
+  std::atomic<bool> done{false};
+  std::vector<std::thread> threads;
+  for (int id = 0; id < 2; ++id) {
+    threads.emplace_back([&, reader = ring.reader()]() mutable {
+      uint64_t expected = 0;
+      Pin<Object> kept;
+      while (reader.wait()) {
+        while (Pin<Object> pin = reader.next()) {
+          if (!pin->whole() || pin->number != expected++) ++wrong;
+          kept = std::move(pin);
+        }
+      }
+      if (expected != kObjects || reader.lost() != 0) ++wrong;
+    });
+  }
+  // Who looks around meanwhile, pinning what has been read, must not make others lose anything.
+  threads.emplace_back([&] {
+    while (!done) {
+      if (const Pin<Object> pin = ring.nearest(at(0)); pin && !pin->whole()) ++wrong;
+    }
+  });
+  for (uint64_t number = 0; number < kObjects; ++number) {
+    ASSERT_TRUE(ring.wait_for_room());
+    ring.hand().fill(number, at(static_cast<int64_t>(number)));
+    ASSERT_TRUE(ring.publish());
+  }
+  ring.close();
+  done = true;
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0u);
+}
+
+}  // namespace
+}  // namespace infuse
