@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
 
@@ -23,26 +24,30 @@ struct LidarFiles {
 
 /// Where a camera's pictures lie.
 struct CameraFiles {
-  std::string images;  ///< folder of NNNNNN.png or .jpg and times.csv
+  std::string images;                 ///< folder of NNNNNN.png or .jpg and times.csv
+  std::optional<PixelFormat> mosaic;  ///< the pictures are grey files of a Bayer sensor
 };
 
 /// Which CAN signal tells a quantity of the vehicle.
 struct CanSignal {
-  std::string quantity;         ///< one of `can_quantities()`
-  std::string message;          ///< as the DBC file names it
-  std::string signal;           ///< as the DBC file names it
-  std::optional<double> scale;  ///< physical value · scale = SI; absent: by the DBC file's unit
+  std::string quantity;  ///< one of `can_quantities()`
+  std::string signal;    ///< "MESSAGE.SIGNAL", as the DBC file names them
+  double scale = 1;      ///< multiplies the SI value; −1 where the bus counts the other way
+  std::string unit;      ///< where the DBC's is missing or wrong; empty: the DBC's
 };
 
 /// The vehicle's bus.
 struct CanFiles {
-  std::string log;  ///< as `candump -L` writes it
-  std::string dbc;
-  std::vector<CanSignal> signals;
+  std::string log;                     ///< as `candump -L` writes it
+  std::string dbc;                     ///< names its signals
+  std::string interface;               ///< frames of others are passed over; empty: all
+  std::optional<double> reverse_gear;  ///< value of `gear` in which wheel speeds count backward
+  std::vector<CanSignal> signals;      ///< each quantity at most once
 };
 
-/// Quantities that a CAN signal can be mapped to, in SI: wheel_speed_front_left (m/s) …, yaw_rate
-/// (rad/s), steering_angle (rad), acceleration_forward, acceleration_left (m/s²), gear.
+/// Quantities that a CAN signal can be mapped to: wheel_speed_front_left, wheel_speed_front_right,
+/// wheel_speed_rear_left, wheel_speed_rear_right, yaw_rate, steering_angle, steering_fraction,
+/// acceleration_forward, …_left, …_up, angular_velocity_forward, …_left, …_up, gear.
 const std::vector<std::string>& can_quantities();
 
 /// What drive.toml says: the rig, and which file holds what. drivers/recording/DRIVE.md is its

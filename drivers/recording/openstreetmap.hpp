@@ -41,8 +41,7 @@ struct OsmWay {
   bool closed() const { return points.size() > 3 && points.front().node == points.back().node; }
 };
 
-/// A multipolygon relation (`type=multipolygon` or `building`): rings, closed, first point repeated
-/// at the end.
+/// A multipolygon relation: rings, closed, the first point repeated at the end.
 struct OsmArea {
   int64_t id = 0;
   std::vector<OsmTag> tags;

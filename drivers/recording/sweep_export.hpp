@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <string_view>
 
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/sweep.hpp"
@@ -20,8 +19,9 @@ enum class SweepFormat {
 /// By extension (.pcd, .ply, .csv, .bin), or nothing.
 std::optional<SweepFormat> sweep_format(const std::filesystem::path& path);
 
-/// Writes a sweep: x, y, z, range (m), reflectivity (0 … 1), ring, column, time_offset_ns,
-/// return_kind; the stamp of the sweep stands in a comment where the format has one.
+/// Writes a sweep: x, y, z, range (m), reflectivity (0 … 1; "intensity" in PCD and PLY, the name
+/// that viewers know), ring, column, time_offset_ns, return_kind (0 strongest, 1 last, 2 both). The
+/// sweep's stamp stands in a comment of PCD and PLY.
 Result<void> export_sweep(const Sweep& sweep, const std::filesystem::path& path,
                           SweepFormat format);
 

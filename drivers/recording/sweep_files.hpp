@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstdint>
+#include <array>
 #include <filesystem>
 #include <vector>
 
@@ -10,10 +10,23 @@
 
 namespace infuse::recording {
 
-/// Reads a decoded sweep (float32 x y z reflectance, little-endian, as KITTI) into `sweep`, whose
-/// memory is reused: range is computed, rings are inferred (`infer_rings`), `has_times` is false.
-/// Points that are not finite are left out; a file longer than 64 MiB is refused. Stamp and
-/// sequence are the caller's.
+/// Reads decoded sweeps: float32 x y z reflectance, little-endian, as KITTI. Keeps its memory.
+class SweepReader {
+ public:
+  /// Fills `sweep`: range is computed, rings are inferred (`infer_rings`), `has_times` is false.
+  /// Points that are not finite are left out; a file longer than 64 MiB is refused. Stamp, sequence
+  /// and clock are the caller's.
+  Result<void> read(const std::filesystem::path& path, Sweep& sweep);
+
+  /// Makes room, so that reading up to `points` allocates nothing.
+  void reserve(size_t points, Sweep& sweep);
+
+ private:
+  Result<void> load(const std::filesystem::path& path);
+  std::vector<std::array<float, 4>> points_;
+};
+
+/// The same for a single sweep.
 Result<void> read_sweep_bin(const std::filesystem::path& path, Sweep& sweep);
 
 /// Writes x, y, z, reflectivity as `read_sweep_bin` reads them.
@@ -22,9 +35,9 @@ Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& swe
 /// Fills `ring`, `column`, `rings`, `columns` of a sweep whose points come ring after ring from the
 /// top, each counter-clockwise from straight ahead, as KITTI writes its HDL-64E: a new ring begins
 /// where the azimuth falls by more than half a turn. Believed when that gives 2 … 128 rings whose
-/// mean elevations fall from ring to ring (one in ten may not); `columns` then divides the turn
-/// into steps of the mean spacing of the fullest ring. Otherwise all four are 0 and the answer is
-/// false.
+/// mean elevations fall from ring to ring (one in ten may not). A column is then a step of azimuth,
+/// counted counter-clockwise from straight ahead, as wide as neighbours on a ring are usually
+/// apart. Otherwise all four are 0 and the answer is false.
 bool infer_rings(Sweep& sweep);
 
 /// The decoded sweeps of a drive: a folder of NNNNNN.bin and times.csv.

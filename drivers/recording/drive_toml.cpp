@@ -1,0 +1,242 @@
+#include "drivers/recording/drive_toml.hpp"
+
+#include <arpa/inet.h>
+
+#include <array>
+#include <string_view>
+
+#include "drivers/recording/text_file.hpp"
+#include "drivers/recording/toml_names.hpp"
+#include "drivers/recording/toml_table.hpp"
+
+namespace infuse::recording {
+namespace {
+
+constexpr size_t kMaxText = 1 << 20;
+constexpr size_t kMaxSensors = 64;
+
+template <class Value, size_t size>
+void read_name(TomlTable& table, std::string_view key,
+               const std::array<std::pair<std::string_view, Value>, size>& names, Value& value) {
+  std::string name;
+  table.read(key, name);
+  if (table.node(key) == nullptr) return;
+  std::string all;
+  for (const auto& [known, meaning] : names) {
+    if (known == name) {
+      value = meaning;
+      return;
+    }
+    all += (all.empty() ? "\"" : ", \"") + std::string(known) + "\"";
+  }
+  table.complain(key, std::string(key) + " must be one of " + all);
+}
+
+void read_port(TomlTable& table, std::string_view key, uint16_t& port) {
+  int64_t number = port;
+  table.read(key, 1, 65535, number);
+  port = static_cast<uint16_t>(number);
+}
+
+void read_sender(TomlTable& table, std::optional<uint32_t>& sender) {
+  std::string text;
+  table.read("sender", text);
+  if (table.node("sender") == nullptr) return;
+  in_addr address{};
+  if (inet_pton(AF_INET, text.c_str(), &address) != 1)
+    return table.complain("sender", "sender must be an IPv4 address", "as \"192.168.1.201\"");
+  sender = ntohl(address.s_addr);
+}
+
+void read_mount(TomlTable& table, LidarMount& mount) {
+  table.require("name");
+  table.require("T_vehicle_lidar");
+  table.read("name", mount.name);
+  table.read("model", mount.model);
+  table.read("T_vehicle_lidar", mount.T_vehicle_lidar);
+}
+
+void read_files(TomlTable& table, LidarFiles& files) {
+  table.read("packets", files.packets);
+  table.read("sweeps", files.sweeps);
+  read_port(table, "port", files.port);
+  read_port(table, "position_port", files.position_port);
+  read_sender(table, files.sender);
+  table.read("calibration", files.calibration);
+}
+
+void read_intrinsics(TomlTable& table, CameraIntrinsics& intrinsics) {
+  for (const char* key : {"width", "height", "fx", "fy", "cx", "cy"}) table.require(key);
+  read_name(table, "model", kCameraModels, intrinsics.model);
+  int64_t width = 0, height = 0;
+  table.read("width", 1, 65536, width);
+  table.read("height", 1, 65536, height);
+  intrinsics.width = static_cast<int>(width);
+  intrinsics.height = static_cast<int>(height);
+  table.read("fx", intrinsics.fx);
+  table.read("fy", intrinsics.fy);
+  table.read("cx", intrinsics.cx);
+  table.read("cy", intrinsics.cy);
+  const bool fisheye = intrinsics.model == CameraIntrinsics::Model::kFisheye;
+  std::vector<double> distortion;
+  table.read("distortion", fisheye ? 4 : 5, distortion);
+  std::copy(distortion.begin(), distortion.end(), intrinsics.distortion.begin());
+}
+
+void read_mount(TomlTable& table, CameraMount& mount) {
+  for (const char* key : {"name", "lidar", "T_camera_lidar"}) table.require(key);
+  table.read("name", mount.name);
+  read_intrinsics(table, mount.intrinsics);
+  table.read("lidar", mount.lidar);
+  table.read("T_camera_lidar", mount.T_camera_lidar);
+  double delay_ms = 0;
+  table.read("stamp_delay_ms", delay_ms);
+  if (!(delay_ms >= -10'000 && delay_ms <= 10'000))
+    table.complain("stamp_delay_ms", "stamp_delay_ms must lie within ±10000");
+  mount.stamp_delay = from_seconds(delay_ms * 1e-3);
+}
+
+void read_files(TomlTable& table, CameraFiles& files) {
+  table.read("images", files.images);
+  PixelFormat mosaic = PixelFormat::kGrey8;
+  read_name(table, "mosaic", kMosaics, mosaic);
+  if (mosaic != PixelFormat::kGrey8) files.mosaic = mosaic;
+}
+
+std::optional<Error> read_signal(TomlTable& parent, const std::string& file,
+                                 const std::string& quantity, std::vector<CanSignal>& signals) {
+  const toml::node* node = parent.node(quantity);
+  if (node == nullptr) return std::nullopt;
+  CanSignal signal;
+  signal.quantity = quantity;
+  if (const toml::table* details = node->as_table()) {
+    TomlTable table(*details, file, quantity);
+    table.require("signal");
+    table.read("signal", signal.signal);
+    table.read("scale", signal.scale);
+    table.read("unit", signal.unit);
+    if (auto wrong = table.finish()) return wrong;
+  } else {
+    parent.read(quantity, signal.signal);
+  }
+  signals.push_back(std::move(signal));
+  return std::nullopt;
+}
+
+std::optional<Error> read_can(const toml::table& source, const std::string& file, CanFiles& can) {
+  TomlTable table(source, file, "can");
+  table.require("log");
+  table.require("dbc");
+  table.read("log", can.log);
+  table.read("dbc", can.dbc);
+  table.read("interface", can.interface);
+  table.read("reverse_gear", can.reverse_gear);
+  const toml::table* signals = table.table("signals");
+  if (auto wrong = table.finish()) return wrong;
+  if (signals == nullptr) return std::nullopt;
+  TomlTable map(*signals, file, "can.signals");
+  for (const std::string& quantity : can_quantities()) {
+    if (auto wrong = read_signal(map, file, quantity, can.signals)) return wrong;
+  }
+  return map.finish();
+}
+
+// The tables [imu], [gps], [map], [truth] hold nothing but paths.
+std::optional<Error> read_paths(TomlTable& root, const std::string& file, std::string_view name,
+                                std::initializer_list<std::pair<const char*, std::string*>> keys) {
+  const toml::table* source = root.table(name);
+  if (source == nullptr) return std::nullopt;
+  TomlTable table(*source, file, std::string(name));
+  for (const auto& [key, path] : keys) table.read(key, *path);
+  return table.finish();
+}
+
+// `Files` is LidarFiles, CameraFiles, or nothing in a rig.toml. After each sensor `check` looks at
+// all that was read so far, so that a complaint carries this sensor's line.
+template <class Mount, class Check>
+std::optional<Error> read_sensors(TomlTable& root, const std::string& file, const char* key,
+                                  std::vector<Mount>& mounts, auto* files, const Check& check) {
+  for (const toml::table* source : root.tables(key, kMaxSensors)) {
+    TomlTable table(*source, file, key);
+    read_mount(table, mounts.emplace_back());
+    if constexpr (!std::is_same_v<decltype(files), std::nullptr_t*>) {
+      read_files(table, files->emplace_back());
+    }
+    if (auto wrong = table.finish()) return wrong;
+    if (const auto wrong = check()) table.complain_of_table(*wrong);
+    if (auto wrong = table.finish()) return wrong;
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> read_drive(const toml::table& source, const std::string& file,
+                                DriveDescription& drive) {
+  TomlTable root(source, file, "the drive");
+  const auto check = [&] { return drive.invalid(); };
+  root.read("name", drive.name);
+  read_name(root, "times", kTimes, drive.times_trusted);
+  if (auto wrong = read_sensors(root, file, "lidar", drive.rig.lidars, &drive.lidars, check))
+    return wrong;
+  if (auto wrong = read_sensors(root, file, "camera", drive.rig.cameras, &drive.cameras, check))
+    return wrong;
+  if (const toml::table* can = root.table("can")) {
+    if (auto wrong = read_can(*can, file, drive.can.emplace())) return wrong;
+  }
+  if (auto wrong = read_paths(root, file, "imu", {{"file", &drive.imu}})) return wrong;
+  if (auto wrong = read_paths(root, file, "gps", {{"file", &drive.gps}})) return wrong;
+  if (auto wrong = read_paths(root, file, "map", {{"file", &drive.map}})) return wrong;
+  if (auto wrong = read_paths(root, file, "truth",
+                              {{"poses", &drive.truth_poses}, {"rig", &drive.truth_rig}}))
+    return wrong;
+  return root.finish();
+}
+
+std::optional<Error> read_rig_tables(const toml::table& source, const std::string& file, Rig& rig) {
+  TomlTable root(source, file, "the rig");
+  const auto check = [&] { return rig.invalid(); };
+  std::nullptr_t* no_files = nullptr;
+  if (auto wrong = read_sensors(root, file, "lidar", rig.lidars, no_files, check)) return wrong;
+  if (auto wrong = read_sensors(root, file, "camera", rig.cameras, no_files, check)) return wrong;
+  return root.finish();
+}
+
+template <class Value, class Read>
+Result<Value> parse(std::string_view text, const std::string& file, const Read& read) {
+  if (text.size() > kMaxText)
+    return fail("is longer than " + std::to_string(kMaxText) + " bytes", file);
+  const toml::parse_result parsed = toml::parse(text);
+  if (!parsed) {
+    return fail(std::string(parsed.error().description()),
+                file + ":" + std::to_string(parsed.error().source().begin.line));
+  }
+  Value value;
+  if (auto wrong = read(parsed.table(), file, value)) return tl::unexpected(std::move(*wrong));
+  return value;
+}
+
+}  // namespace
+
+Result<DriveDescription> parse_drive(std::string_view text, const std::string& file) {
+  auto drive = parse<DriveDescription>(text, file, read_drive);
+  if (drive) {
+    if (const auto wrong = drive->invalid()) return fail(*wrong, file);
+  }
+  return drive;
+}
+
+Result<Rig> parse_rig(std::string_view text, const std::string& file) {
+  return parse<Rig>(text, file, read_rig_tables);
+}
+
+Result<Rig> read_rig(const std::filesystem::path& path) {
+  const auto text = read_text(path, kMaxText);
+  if (!text) return tl::unexpected(text.error());
+  return parse_rig(*text, path.string());
+}
+
+Result<void> write_rig(const std::filesystem::path& path, const Rig& rig) {
+  if (const auto wrong = rig.invalid()) return fail(*wrong, path.string());
+  return write_text(path, format_rig(rig));
+}
+
+}  // namespace infuse::recording

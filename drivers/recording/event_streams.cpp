@@ -1,0 +1,226 @@
+#include "drivers/recording/event_streams.hpp"
+
+#include <algorithm>
+
+#include "drivers/recording/candump_stamp.hpp"
+#include "drivers/recording/line_reader.hpp"
+#include "drivers/recording/samples_csv.hpp"
+#include "drivers/recording/sweep_files.hpp"
+#include "drivers/recording/times_csv.hpp"
+
+namespace infuse::recording {
+namespace {
+
+void append(std::vector<Error>& notes, const std::vector<Error>& more) {
+  notes.insert(notes.end(), more.begin(), more.end());
+}
+
+class CaptureStream : public EventStream {
+ public:
+  CaptureStream(PcapReader reader, std::vector<LidarRoute> routes)
+      : reader_(std::move(reader)), routes_(std::move(routes)) {}
+
+  bool next(DriveEvent& event) override {
+    DatagramEvent datagram;
+    if (!reader_.next(datagram.datagram)) return false;
+    datagram.lidar = lidar_of(datagram.datagram);
+    event.stamp = datagram.datagram.stamp;
+    event.content = datagram;
+    return true;
+  }
+
+  void append_notes(std::vector<Error>& notes) const override {
+    if (reader_.damage()) notes.push_back(*reader_.damage());
+  }
+
+ private:
+  size_t lidar_of(const Datagram& datagram) const {
+    if (routes_.empty()) return 0;
+    for (const LidarRoute& route : routes_) {
+      const bool port = datagram.destination_port == route.port ||
+                        datagram.destination_port == route.position_port;
+      if (port && route.sender.value_or(datagram.sender) == datagram.sender) return route.lidar;
+    }
+    return kNoLidar;
+  }
+
+  PcapReader reader_;
+  std::vector<LidarRoute> routes_;
+};
+
+class SweepStream : public EventStream {
+ public:
+  SweepStream(FileSequence files, size_t lidar, bool times_trusted)
+      : files_(std::move(files)), lidar_(lidar), times_trusted_(times_trusted) {
+    uintmax_t largest = 0;
+    for (const SequenceEntry& entry : files_.entries) {
+      std::error_code failed;
+      const uintmax_t size = std::filesystem::file_size(entry.path, failed);
+      if (!failed) largest = std::max(largest, size);
+    }
+    constexpr uintmax_t kMost = (64 << 20) / 16;  // larger ones are refused
+    reader_.reserve(static_cast<size_t>(std::min(largest / 16, kMost)), sweep_);
+  }
+
+  bool next(DriveEvent& event) override {
+    while (at_ < files_.entries.size()) {
+      const SequenceEntry& entry = files_.entries[at_++];
+      if (const auto read = reader_.read(entry.path, sweep_); !read) {
+        if (unreadable_++ == 0) first_ = read.error();
+        continue;
+      }
+      sweep_.stamp = entry.stamp;
+      sweep_.sequence = entry.number;
+      sweep_.clock.trusted = times_trusted_;
+      sweep_.clock.reason = times_trusted_ ? "" : "the drive's times are made up";
+      event.stamp = entry.stamp;
+      event.content = SweepEvent{lidar_, &sweep_};
+      return true;
+    }
+    return false;
+  }
+
+  void append_notes(std::vector<Error>& notes) const override {
+    append(notes, files_.notes);
+    if (unreadable_ > 0) {
+      notes.push_back(first_);
+      notes.back().hint = std::to_string(unreadable_) + " such sweeps were left out";
+    }
+  }
+
+ private:
+  FileSequence files_;
+  size_t lidar_;
+  bool times_trusted_;
+  size_t at_ = 0;
+  SweepReader reader_;
+  Sweep sweep_;
+  size_t unreadable_ = 0;
+  Error first_;
+};
+
+class ImageStream : public EventStream {
+ public:
+  ImageStream(FileSequence files, size_t camera, Duration stamp_delay)
+      : files_(std::move(files)), camera_(camera), stamp_delay_(stamp_delay) {}
+
+  bool next(DriveEvent& event) override {
+    if (at_ == files_.entries.size()) return false;
+    const SequenceEntry& entry = files_.entries[at_++];
+    event.stamp = entry.stamp - stamp_delay_;
+    event.content = ImageEvent{camera_, entry.number, &entry.path};
+    return true;
+  }
+
+  void append_notes(std::vector<Error>& notes) const override { append(notes, files_.notes); }
+
+ private:
+  FileSequence files_;
+  size_t camera_;
+  Duration stamp_delay_;
+  size_t at_ = 0;
+};
+
+class CanStream : public EventStream {
+ public:
+  CanStream(LineReader lines, std::string file)
+      : lines_(std::move(lines)), file_(std::move(file)) {}
+
+  bool next(DriveEvent& event) override {
+    std::string_view line;
+    while (lines_.next(line)) {
+      if (line.empty()) continue;
+      const auto stamp = candump_stamp(line);
+      if (!stamp) {
+        if (bad_++ == 0) first_bad_ = lines_.number();
+        continue;
+      }
+      event.stamp = *stamp;
+      event.content = CanLineEvent{line};
+      return true;
+    }
+    return false;
+  }
+
+  void append_notes(std::vector<Error>& notes) const override {
+    if (bad_ > 0) {
+      notes.push_back({"does not begin with a time as '(1436509052.249713)'",
+                       file_ + ":" + std::to_string(first_bad_),
+                       std::to_string(bad_) + " such lines were left out"});
+    }
+    if (lines_.too_long() > 0) {
+      notes.push_back(
+          {std::to_string(lines_.too_long()) + " overlong lines were left out", file_, {}});
+    }
+  }
+
+ private:
+  LineReader lines_;
+  std::string file_;
+  uint64_t bad_ = 0;
+  uint64_t first_bad_ = 0;
+};
+
+// `Csv` is ImuCsv or GpsCsv, `Sample` what it reads.
+template <class Csv, class Sample>
+class SampleStream : public EventStream {
+ public:
+  explicit SampleStream(Csv csv) : csv_(std::move(csv)) {}
+
+  bool next(DriveEvent& event) override {
+    Sample sample;
+    if (!csv_.next(sample)) return false;
+    event.stamp = sample.stamp;
+    event.content = sample;
+    return true;
+  }
+
+  void append_notes(std::vector<Error>& notes) const override { csv_.append_notes(notes); }
+
+ private:
+  Csv csv_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<EventStream>> open_capture_stream(const std::filesystem::path& path,
+                                                         const PcapOptions& options,
+                                                         std::vector<LidarRoute> routes) {
+  auto reader = PcapReader::open(path, options);
+  if (!reader) return tl::unexpected(reader.error());
+  return std::make_unique<CaptureStream>(std::move(*reader), std::move(routes));
+}
+
+Result<std::unique_ptr<EventStream>> open_sweep_stream(const std::filesystem::path& folder,
+                                                       size_t lidar, bool times_trusted) {
+  auto files = index_sweeps(folder);
+  if (!files) return tl::unexpected(files.error());
+  return std::make_unique<SweepStream>(std::move(*files), lidar, times_trusted);
+}
+
+Result<std::unique_ptr<EventStream>> open_image_stream(const std::filesystem::path& folder,
+                                                       size_t camera, Duration stamp_delay) {
+  auto files = index_images(folder);
+  if (!files) return tl::unexpected(files.error());
+  return std::make_unique<ImageStream>(std::move(*files), camera, stamp_delay);
+}
+
+Result<std::unique_ptr<EventStream>> open_can_stream(const std::filesystem::path& path) {
+  auto lines = LineReader::open(path);
+  if (!lines) return tl::unexpected(lines.error());
+  return std::make_unique<CanStream>(std::move(*lines), path.string());
+}
+
+Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path& path) {
+  auto csv = ImuCsv::open(path);
+  if (!csv) return tl::unexpected(csv.error());
+  return std::make_unique<SampleStream<ImuCsv, ImuSample>>(std::move(*csv));
+}
+
+Result<std::unique_ptr<EventStream>> open_gps_stream(const std::filesystem::path& path) {
+  auto csv = GpsCsv::open(path);
+  if (!csv) return tl::unexpected(csv.error());
+  return std::make_unique<SampleStream<GpsCsv, GpsFix>>(std::move(*csv));
+}
+
+}  // namespace infuse::recording

@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "drivers/recording/sweep_files.hpp"
+
+namespace infuse::recording {
+namespace {
+
+constexpr size_t kMaxRings = 128;
+constexpr size_t kBins = 4096;            // of the histogram of azimuth steps
+constexpr double kBinsPerTurn = 1 << 18;  // the widest step that is counted is a 64th of a turn
+constexpr double kTurn = 2 * std::numbers::pi;
+
+// Where the rings begin: ring k is points starts[k] … starts[k + 1] − 1.
+struct RingStarts {
+  std::array<size_t, kMaxRings + 1> starts{};
+  size_t count = 0;  // 0 where there are too many
+};
+
+// Whether the azimuth (0 … 2π) falls by more than π from point i − 1 to i: from the right half
+// plane to the left one, by less than half a turn counter-clockwise. Exact: no trigonometry.
+bool wraps(const Sweep& sweep, size_t i) {
+  const float x0 = sweep.x[i - 1], y0 = sweep.y[i - 1], x1 = sweep.x[i], y1 = sweep.y[i];
+  return y0 < 0 && y1 >= 0 &&
+         static_cast<double>(x0) * static_cast<double>(y1) >
+             static_cast<double>(y0) * static_cast<double>(x1);
+}
+
+RingStarts find_rings(const Sweep& sweep) {
+  RingStarts rings;
+  rings.count = 1;
+  for (size_t i = 1; i < sweep.size(); ++i) {
+    if (!wraps(sweep, i)) continue;
+    if (rings.count == kMaxRings) return {};
+    rings.starts[rings.count++] = i;
+  }
+  rings.starts[rings.count] = sweep.size();
+  return rings;
+}
+
+bool fall_from_the_top(const Sweep& sweep, const RingStarts& rings) {
+  size_t rising = 0;
+  double previous = 0;
+  for (size_t k = 0; k < rings.count; ++k) {
+    double sum = 0;  // of sines of the elevation
+    for (size_t i = rings.starts[k]; i < rings.starts[k + 1]; ++i) {
+      if (sweep.range[i] > 0) {
+        sum += static_cast<double>(sweep.z[i]) / static_cast<double>(sweep.range[i]);
+      }
+    }
+    const double mean = sum / static_cast<double>(rings.starts[k + 1] - rings.starts[k]);
+    if (k > 0 && mean > previous) ++rising;
+    previous = mean;
+  }
+  return rising * 10 <= rings.count;
+}
+
+double azimuth(const Sweep& sweep, size_t i) {
+  const double angle = std::atan2(static_cast<double>(sweep.y[i]), static_cast<double>(sweep.x[i]));
+  return angle < 0 ? angle + kTurn : angle;
+}
+
+// Calls `use` with each step of azimuth to the next point of the same ring, in turns.
+template <class Use>
+void for_each_step(const Sweep& sweep, const RingStarts& rings, const Use& use) {
+  for (size_t k = 0; k < rings.count; ++k) {
+    double last = azimuth(sweep, rings.starts[k]);
+    for (size_t i = rings.starts[k] + 1; i < rings.starts[k + 1]; ++i) {
+      const double next = azimuth(sweep, i);
+      use((next - last) / kTurn);
+      last = next;
+    }
+  }
+}
+
+// Steps a turn: the median step by a histogram, then the mean of those near it. 0 where unknown.
+uint32_t count_columns(const Sweep& sweep, const RingStarts& rings) {
+  std::array<uint32_t, kBins> histogram{};
+  uint64_t steps = 0;
+  for_each_step(sweep, rings, [&](double step) {
+    const double bin = step * kBinsPerTurn;
+    if (!(bin >= 1 && bin < static_cast<double>(kBins))) return;
+    ++histogram[static_cast<size_t>(bin)];
+    ++steps;
+  });
+  if (steps == 0) return 0;
+  size_t bin = 0;
+  for (uint64_t below = histogram[0]; below * 2 < steps; below += histogram[++bin]) continue;
+  const double median = (static_cast<double>(bin) + 0.5) / kBinsPerTurn;
+  double sum = 0;
+  uint64_t near = 0;
+  for_each_step(sweep, rings, [&](double step) {
+    if (step < 0.6 * median || step > 1.4 * median) return;
+    sum += step;
+    ++near;
+  });
+  if (near == 0) return 0;
+  const double columns = std::round(static_cast<double>(near) / sum);
+  return columns <= 65535 ? static_cast<uint32_t>(columns) : 0;
+}
+
+}  // namespace
+
+bool infer_rings(Sweep& sweep) {
+  std::fill(sweep.ring.begin(), sweep.ring.end(), uint16_t{0});
+  std::fill(sweep.column.begin(), sweep.column.end(), uint16_t{0});
+  sweep.rings = 0;
+  sweep.columns = 0;
+  if (sweep.size() == 0) return false;
+  const RingStarts rings = find_rings(sweep);
+  if (rings.count < 2 || !fall_from_the_top(sweep, rings)) return false;
+  const uint32_t columns = count_columns(sweep, rings);
+  if (columns == 0) return false;
+
+  sweep.rings = static_cast<uint16_t>(rings.count);
+  sweep.columns = columns;
+  for (size_t k = 0; k < rings.count; ++k) {
+    const auto ring = static_cast<uint16_t>(rings.count - 1 - k);
+    for (size_t i = rings.starts[k]; i < rings.starts[k + 1]; ++i) {
+      const double step = azimuth(sweep, i) / kTurn * columns;
+      sweep.ring[i] = ring;
+      sweep.column[i] = static_cast<uint16_t>(std::min(static_cast<uint32_t>(step), columns - 1));
+    }
+  }
+  return true;
+}
+
+}  // namespace infuse::recording

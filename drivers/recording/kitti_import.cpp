@@ -1,0 +1,192 @@
+#include "drivers/recording/kitti_import.hpp"
+
+#include "drivers/recording/drive.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "drivers/recording/kitti_files.hpp"
+#include "drivers/recording/kitti_layouts.hpp"
+#include "drivers/recording/samples_csv.hpp"
+#include "drivers/recording/times_csv.hpp"
+
+namespace infuse::recording {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<KittiRecording> read_layout(KittiLayout layout, const fs::path& folder) {
+  switch (layout) {
+    case KittiLayout::kRaw:
+      return read_kitti_raw(folder);
+    case KittiLayout::kOdometry:
+      return read_kitti_odometry(folder);
+    case KittiLayout::kObject:
+      return read_kitti_object(folder);
+  }
+  return fail("unknown layout", folder.string());
+}
+
+// Makes the drive's folder; refuses one that holds something.
+Result<void> make_empty(const fs::path& drive) {
+  std::error_code failed;
+  if (fs::exists(drive, failed) && !fs::is_empty(drive, failed))
+    return fail("exists and is not empty", drive.string(), "name a new folder");
+  fs::create_directories(drive, failed);
+  if (failed) return fail("cannot be made: " + failed.message(), drive.string());
+  return {};
+}
+
+// Links `files` into `folder` as 000000.extension … and writes their times.csv.
+Result<void> link_sequence(const std::vector<KittiFile>& files, const fs::path& folder) {
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed) return fail("cannot be made: " + failed.message(), folder.string());
+  std::vector<Stamp> stamps;
+  std::vector<std::string> sources;
+  for (const KittiFile& file : files) {
+    std::string name = std::to_string(stamps.size());
+    name.insert(0, name.size() < 6 ? 6 - name.size() : 0, '0');
+    const fs::path target = folder / (name + file.path.extension().string());
+    fs::create_hard_link(file.path, target, failed);
+    if (failed) fs::copy_file(file.path, target, failed);
+    if (failed) return fail("cannot be copied: " + failed.message(), file.path.string());
+    stamps.push_back(file.stamp);
+    sources.push_back(file.path.filename().string());
+  }
+  return write_times(folder / "times.csv", stamps, sources);
+}
+
+// Keeps the pictures of one size, that of the first.
+PictureSize keep_one_size(std::vector<KittiFile>& images, std::vector<Error>& notes) {
+  PictureSize size;
+  std::erase_if(images, [&](const KittiFile& image) {
+    const auto this_size = png_size(image.path);
+    if (this_size && size.width == 0) size = *this_size;
+    if (this_size && *this_size == size) return false;
+    notes.push_back(
+        {this_size ? "is of another size than the first: left out" : "is no PNG picture: left out",
+         image.path.string(),
+         {}});
+    return true;
+  });
+  return size;
+}
+
+void add_lidar(const KittiCalibration& calibration, DriveDescription& description) {
+  LidarMount mount;
+  mount.name = "velodyne";
+  mount.T_vehicle_lidar = calibration.T_vehicle_lidar();
+  description.rig.lidars.push_back(mount);
+  description.lidars.emplace_back().sweeps = "sweeps";
+}
+
+void add_camera(const KittiCalibration& calibration, size_t camera, const PictureSize& size,
+                DriveDescription& description) {
+  CameraMount mount;
+  mount.name = "image_" + std::to_string(camera);
+  mount.lidar = "velodyne";
+  mount.intrinsics = calibration.intrinsics(camera, size.width, size.height);
+  mount.T_camera_lidar = calibration.T_camera_lidar(camera);
+  description.rig.cameras.push_back(mount);
+  description.cameras.emplace_back().images = mount.name;
+}
+
+Result<void> write_truth(const KittiRecording& recording, const fs::path& drive,
+                         DriveDescription& description) {
+  std::error_code failed;
+  fs::create_directories(drive / "truth", failed);
+  description.truth_rig = "truth/rig.toml";
+  if (auto written = write_rig(drive / description.truth_rig, description.rig); !written)
+    return written;
+  if (recording.poses.empty()) return {};
+  description.truth_poses = "truth/poses.tum";
+  return write_poses_tum(drive / description.truth_poses, recording.poses);
+}
+
+Result<void> write_samples(const KittiRecording& recording, const fs::path& drive,
+                           DriveDescription& description) {
+  if (!recording.imu.empty()) {
+    description.imu = "imu.csv";
+    if (auto written = write_imu_csv(drive / "imu.csv", recording.imu); !written) return written;
+  }
+  if (!recording.gps.empty()) {
+    description.gps = "gps.csv";
+    if (auto written = write_gps_csv(drive / "gps.csv", recording.gps); !written) return written;
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* to_string(KittiLayout layout) {
+  switch (layout) {
+    case KittiLayout::kRaw:
+      return "raw";
+    case KittiLayout::kOdometry:
+      return "odometry";
+    case KittiLayout::kObject:
+      return "object";
+  }
+  return "unknown";
+}
+
+Result<KittiLayout> detect_kitti_layout(const fs::path& folder) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) return fail("is no folder", folder.string());
+  if (fs::is_directory(folder / "velodyne_points", ignored)) return KittiLayout::kRaw;
+  if (fs::is_directory(folder / "velodyne", ignored)) {
+    if (fs::is_directory(folder / "calib", ignored)) return KittiLayout::kObject;
+    if (fs::exists(folder / "times.txt", ignored) || fs::exists(folder / "calib.txt", ignored))
+      return KittiLayout::kOdometry;
+  }
+  return fail(
+      "is none of KITTI's layouts", folder.string(),
+      "raw has velodyne_points/, object has velodyne/ and calib/, odometry has velodyne/ and "
+      "times.txt");
+}
+
+Result<KittiImport> import_kitti(const fs::path& folder, const fs::path& drive) {
+  const auto layout = detect_kitti_layout(folder);
+  if (!layout) return tl::unexpected(layout.error());
+  auto recording = read_layout(*layout, folder);
+  if (!recording) return tl::unexpected(recording.error());
+  if (recording->sweeps.empty()) return fail("holds no sweep that could be used", folder.string());
+  if (auto made = make_empty(drive); !made) return tl::unexpected(made.error());
+
+  KittiImport result;
+  result.layout = *layout;
+  result.sweeps = recording->sweeps.size();
+  result.poses = recording->poses.size();
+  result.times_trusted = recording->times_trusted;
+  DriveDescription description;
+  description.name = "KITTI, " + std::string(to_string(*layout)) + " layout";
+  description.times_trusted = recording->times_trusted;
+
+  add_lidar(recording->calibration, description);
+  if (auto linked = link_sequence(recording->sweeps, drive / "sweeps"); !linked)
+    return tl::unexpected(linked.error());
+  for (size_t camera = 0; camera < recording->images.size(); ++camera) {
+    std::vector<KittiFile>& images = recording->images[camera];
+    if (images.empty()) continue;
+    if (!recording->calibration.projection[camera]) {
+      recording->notes.push_back({"the calibration has no P" + std::to_string(camera),
+                                  images.front().path.parent_path().string(),
+                                  "this camera is left out"});
+      continue;
+    }
+    const PictureSize size = keep_one_size(images, recording->notes);
+    if (images.empty()) continue;
+    add_camera(recording->calibration, camera, size, description);
+    if (auto linked = link_sequence(images, drive / description.cameras.back().images); !linked)
+      return tl::unexpected(linked.error());
+    result.images += images.size();
+  }
+  if (auto written = write_truth(*recording, drive, description); !written)
+    return tl::unexpected(written.error());
+  if (auto written = write_samples(*recording, drive, description); !written)
+    return tl::unexpected(written.error());
+  if (auto written = write_drive(drive, description); !written)
+    return tl::unexpected(written.error());
+  result.notes = std::move(recording->notes);
+  return result;
+}
+
+}  // namespace infuse::recording

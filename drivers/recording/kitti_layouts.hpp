@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "drivers/measurement/error.hpp"
+#include "drivers/measurement/vehicle_samples.hpp"
+#include "drivers/recording/kitti_calibration.hpp"
+#include "drivers/recording/poses_tum.hpp"
+
+namespace infuse::recording {
+
+/// A sweep or a picture and its time.
+struct KittiFile {
+  Stamp stamp;
+  std::filesystem::path path;
+};
+
+/// What a KITTI folder holds, whatever its layout.
+struct KittiRecording {
+  KittiCalibration calibration;
+  bool times_trusted = false;  ///< false: stamps are index · 0.1 s
+  std::vector<KittiFile> sweeps;
+  std::array<std::vector<KittiFile>, 4> images;  ///< by KITTI's number of the camera
+  std::vector<StampedPose> poses;
+  std::vector<ImuSample> imu;
+  std::vector<GpsFix> gps;
+  std::vector<Error> notes;  ///< what was left out, and why
+};
+
+/// velodyne/, image_N/, calib/NNNNNN.txt. Where frames differ in calibration, those that share the
+/// most frequent one are taken.
+Result<KittiRecording> read_kitti_object(const std::filesystem::path& folder);
+
+/// velodyne/, image_N/, calib.txt (or the one calib*.txt), times.txt; poses in poses.txt,
+/// poses_gt_cam0.txt or ../../poses/NAME.txt. Without times.txt times are made up. The map frame is
+/// the vehicle's own at the first pose.
+Result<KittiRecording> read_kitti_odometry(const std::filesystem::path& folder);
+
+/// velodyne_points/, image_0N/, oxts/, each with data/ and timestamps.txt; calib_cam_to_cam.txt and
+/// the others in the folder or the one above. The map frame is east-north-up at the first fix;
+/// poses, imu and gps are those of the inertial navigation system.
+Result<KittiRecording> read_kitti_raw(const std::filesystem::path& folder);
+
+}  // namespace infuse::recording

@@ -1,0 +1,24 @@
+#include "drivers/recording/rigid_matrix.hpp"
+
+#include <Eigen/SVD>
+
+namespace infuse::recording {
+
+std::optional<Eigen::Isometry3d> to_rigid(const Eigen::Matrix4d& matrix) {
+  constexpr double kPrinted = 1e-3, kExact = 1e-12;
+  if (!matrix.allFinite() || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) return std::nullopt;
+  const Eigen::Matrix3d given = matrix.topLeftCorner<3, 3>();
+  const double deviation =
+      (given * given.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(deviation <= kPrinted) || given.determinant() < 0) return std::nullopt;
+
+  Eigen::Isometry3d T;
+  T.matrix() = matrix;
+  if (deviation > kExact) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(given, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    T.linear() = svd.matrixU() * svd.matrixV().transpose();
+  }
+  return T;
+}
+
+}  // namespace infuse::recording

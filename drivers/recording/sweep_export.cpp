@@ -1,0 +1,118 @@
+#include "drivers/recording/sweep_export.hpp"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <string>
+
+#include "drivers/recording/sweep_files.hpp"
+#include "drivers/recording/text_file.hpp"
+
+namespace infuse::recording {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "records are written as they lie");
+
+template <class Value>
+void add_binary(std::string& bytes, Value value) {
+  std::array<char, sizeof(Value)> raw{};
+  std::memcpy(raw.data(), &value, sizeof(Value));
+  bytes.append(raw.data(), raw.size());
+}
+
+// One packed record a return, the same in PCD and PLY.
+void add_records(std::string& bytes, const Sweep& sweep) {
+  constexpr size_t kRecord = 5 * 4 + 2 * 2 + 4 + 1;
+  bytes.reserve(bytes.size() + kRecord * sweep.size());
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    add_binary(bytes, sweep.x[i]);
+    add_binary(bytes, sweep.y[i]);
+    add_binary(bytes, sweep.z[i]);
+    add_binary(bytes, sweep.range[i]);
+    add_binary(bytes, sweep.reflectivity[i]);
+    add_binary(bytes, sweep.ring[i]);
+    add_binary(bytes, sweep.column[i]);
+    add_binary(bytes, sweep.time_offset_ns[i]);
+    add_binary(bytes, static_cast<uint8_t>(sweep.return_kind[i]));
+  }
+}
+
+std::string to_pcd(const Sweep& sweep) {
+  const std::string count = std::to_string(sweep.size());
+  std::string bytes = "# .PCD v0.7\n# stamp_ns " + std::to_string(sweep.stamp.ns()) +
+                      "\nVERSION 0.7\n"
+                      "FIELDS x y z range intensity ring column time_offset_ns return_kind\n"
+                      "SIZE 4 4 4 4 4 2 2 4 1\n"
+                      "TYPE F F F F F U U I U\n"
+                      "COUNT 1 1 1 1 1 1 1 1 1\n"
+                      "WIDTH " +
+                      count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count +
+                      "\nDATA binary\n";
+  add_records(bytes, sweep);
+  return bytes;
+}
+
+std::string to_ply(const Sweep& sweep) {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\ncomment stamp_ns " +
+                      std::to_string(sweep.stamp.ns()) + "\nelement vertex " +
+                      std::to_string(sweep.size()) +
+                      "\nproperty float x\nproperty float y\nproperty float z\n"
+                      "property float range\nproperty float intensity\n"
+                      "property ushort ring\nproperty ushort column\n"
+                      "property int time_offset_ns\nproperty uchar return_kind\nend_header\n";
+  add_records(bytes, sweep);
+  return bytes;
+}
+
+template <class Value>
+void add_field(std::string& text, Value value, char end) {
+  std::array<char, 32> digits{};
+  text.append(digits.data(),
+              std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
+  text += end;
+}
+
+std::string to_csv(const Sweep& sweep) {
+  std::string text = "x,y,z,range,reflectivity,ring,column,time_offset_ns,return_kind\n";
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    add_field(text, sweep.x[i], ',');
+    add_field(text, sweep.y[i], ',');
+    add_field(text, sweep.z[i], ',');
+    add_field(text, sweep.range[i], ',');
+    add_field(text, sweep.reflectivity[i], ',');
+    add_field(text, sweep.ring[i], ',');
+    add_field(text, sweep.column[i], ',');
+    add_field(text, sweep.time_offset_ns[i], ',');
+    add_field(text, static_cast<int>(sweep.return_kind[i]), '\n');
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<SweepFormat> sweep_format(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".pcd") return SweepFormat::kPcd;
+  if (extension == ".ply") return SweepFormat::kPly;
+  if (extension == ".csv") return SweepFormat::kCsv;
+  if (extension == ".bin") return SweepFormat::kBin;
+  return std::nullopt;
+}
+
+Result<void> export_sweep(const Sweep& sweep, const std::filesystem::path& path,
+                          SweepFormat format) {
+  switch (format) {
+    case SweepFormat::kPcd:
+      return write_text(path, to_pcd(sweep));
+    case SweepFormat::kPly:
+      return write_text(path, to_ply(sweep));
+    case SweepFormat::kCsv:
+      return write_text(path, to_csv(sweep));
+    case SweepFormat::kBin:
+      return write_sweep_bin(path, sweep);
+  }
+  return fail("unknown format", path.string());
+}
+
+}  // namespace infuse::recording

@@ -1,0 +1,114 @@
+#include "drivers/recording/sweep_files.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "drivers/recording/text_file.hpp"
+
+namespace infuse::recording {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "sweep files are little-endian");
+
+constexpr size_t kPointBytes = 16;
+constexpr size_t kMaxBytes = 64 << 20;
+
+// Closes a file descriptor.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+Error system_error(const std::filesystem::path& path) {
+  return {std::string("cannot be read: ") + std::strerror(errno), path.string(), {}};
+}
+
+}  // namespace
+
+Result<void> SweepReader::load(const std::filesystem::path& path) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat status {};
+  if (file.get() < 0 || ::fstat(file.get(), &status) != 0) {
+    return tl::unexpected(system_error(path));
+  }
+  if (!S_ISREG(status.st_mode)) return fail("is no file", path.string());
+  const auto length = static_cast<size_t>(status.st_size);
+  if (length > kMaxBytes) return fail("is longer than 64 MiB", path.string());
+  if (length % kPointBytes != 0) {
+    return fail("is " + std::to_string(length) + " bytes long, which is no multiple of 16",
+                path.string(), "float32 x y z reflectance are expected");
+  }
+  points_.resize(length / kPointBytes);
+  auto* bytes = reinterpret_cast<char*>(points_.data());
+  for (size_t done = 0; done < length;) {
+    const ssize_t got = ::read(file.get(), bytes + done, length - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return tl::unexpected(system_error(path));
+    if (got == 0) return fail("grew shorter while being read", path.string());
+    done += static_cast<size_t>(got);
+  }
+  return {};
+}
+
+Result<void> SweepReader::read(const std::filesystem::path& path, Sweep& sweep) {
+  if (auto loaded = load(path); !loaded) return loaded;
+  sweep.clear();
+  sweep.has_times = false;
+  sweep.resize(points_.size());
+  size_t count = 0;
+  for (const auto& [x, y, z, reflectance] : points_) {
+    const float range = std::sqrt(x * x + y * y + z * z);
+    if (!std::isfinite(range) || !std::isfinite(reflectance)) continue;
+    sweep.x[count] = x;
+    sweep.y[count] = y;
+    sweep.z[count] = z;
+    sweep.range[count] = range;
+    sweep.reflectivity[count] = reflectance;
+    sweep.time_offset_ns[count] = 0;
+    sweep.return_kind[count] = ReturnKind::kStrongest;
+    ++count;
+  }
+  sweep.resize(count);
+  infer_rings(sweep);
+  return {};
+}
+
+void SweepReader::reserve(size_t points, Sweep& sweep) {
+  points_.reserve(points);
+  sweep.reserve(points);
+}
+
+Result<void> read_sweep_bin(const std::filesystem::path& path, Sweep& sweep) {
+  return SweepReader().read(path, sweep);
+}
+
+Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& sweep) {
+  std::string bytes(sweep.size() * kPointBytes, '\0');
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    const std::array<float, 4> point = {sweep.x[i], sweep.y[i], sweep.z[i], sweep.reflectivity[i]};
+    std::memcpy(&bytes[i * kPointBytes], point.data(), kPointBytes);
+  }
+  return write_text(path, bytes);
+}
+
+Result<FileSequence> index_sweeps(const std::filesystem::path& folder) {
+  return index_sequence(folder, {".bin"});
+}
+
+}  // namespace infuse::recording

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "drivers/measurement/error.hpp"
+
+namespace infuse::recording {
+
+/// The whole of a file of at most `max_bytes`; larger ones are an error, as are folders.
+Result<std::string> read_text(const std::filesystem::path& path, size_t max_bytes);
+
+/// Creates or overwrites a file; fails where not all of it could be written.
+Result<void> write_text(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace infuse::recording

@@ -1,0 +1,116 @@
+#include "drivers/recording/times_csv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "drivers/recording/csv_reader.hpp"
+#include "drivers/recording/text_file.hpp"
+
+namespace infuse::recording {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMaxRows = 10'000'000;
+
+// NNNNNN: one to nine digits.
+std::optional<size_t> sequence_number(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  if (stem.empty() || stem.size() > 9) return std::nullopt;
+  const auto number = parse_integer(stem);
+  return number && *number >= 0 ? std::optional(static_cast<size_t>(*number)) : std::nullopt;
+}
+
+Result<std::map<size_t, fs::path>> numbered_files(const fs::path& folder,
+                                                  const std::vector<std::string>& extensions) {
+  std::map<size_t, fs::path> files;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    const fs::path& path = entry->path();
+    const std::string extension = path.extension().string();
+    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
+    const auto number = sequence_number(path);
+    if (!number) continue;
+    // Where a number has two files, which one is met first must not decide.
+    fs::path& chosen = files[*number];
+    if (chosen.empty() || path < chosen) chosen = path;
+  }
+  if (failed) return fail("cannot be listed: " + failed.message(), folder.string());
+  return files;
+}
+
+std::string plural(size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+Result<std::vector<Stamp>> read_times(const fs::path& path) {
+  static constexpr std::array<CsvColumn, 1> kColumns = {{{"stamp_ns"}}};
+  auto csv = CsvReader::open(path, kColumns);
+  if (!csv) return tl::unexpected(csv.error());
+  std::vector<Stamp> stamps;
+  std::array<std::string_view, 1> fields;
+  while (csv->next(fields)) {
+    const auto ns = parse_integer(fields[0]);
+    // A row that is left out would shift all that follow.
+    if (!ns) return fail("the stamp is not an integer of nanoseconds", csv->where());
+    if (stamps.size() == kMaxRows) return fail("has more than ten million rows", path.string());
+    stamps.push_back(Stamp::from_ns(*ns));
+  }
+  return stamps;
+}
+
+Result<void> write_times(const fs::path& path, const std::vector<Stamp>& stamps,
+                         const std::vector<std::string>& sources) {
+  std::string text = sources.empty() ? "stamp_ns\n" : "stamp_ns,source\n";
+  for (size_t i = 0; i < stamps.size(); ++i) {
+    text += std::to_string(stamps[i].ns());
+    if (i < sources.size()) text.append(",").append(sources[i]);
+    text += '\n';
+  }
+  return write_text(path, text);
+}
+
+Result<FileSequence> index_sequence(const fs::path& folder,
+                                    const std::vector<std::string>& extensions) {
+  const fs::path times_path = folder / "times.csv";
+  const auto times = read_times(times_path);
+  if (!times) return tl::unexpected(times.error());
+  auto files = numbered_files(folder, extensions);
+  if (!files) return tl::unexpected(files.error());
+
+  FileSequence sequence;
+  size_t without_time = 0, backward = 0;
+  for (auto& [number, path] : *files) {
+    if (number >= times->size()) {
+      ++without_time;
+      continue;
+    }
+    const Stamp stamp = (*times)[number];
+    if (!sequence.entries.empty() && stamp < sequence.entries.back().stamp) ++backward;
+    sequence.entries.push_back({stamp, number, std::move(path)});
+  }
+  if (without_time > 0) {
+    sequence.notes.push_back({plural(without_time, "file") + " beyond the last row of times.csv",
+                              folder.string(), "they are left out"});
+  }
+  if (sequence.entries.size() < times->size()) {
+    sequence.notes.push_back(
+        {plural(times->size() - sequence.entries.size(), "row") + " of times.csv without a file",
+         folder.string(), "taken as lost frames"});
+  }
+  if (backward > 0) {
+    sequence.notes.push_back(
+        {"the times go back " + plural(backward, "time"), times_path.string(), {}});
+  }
+  return sequence;
+}
+
+Result<FileSequence> index_images(const fs::path& folder) {
+  return index_sequence(folder, {".png", ".jpg"});
+}
+
+}  // namespace infuse::recording

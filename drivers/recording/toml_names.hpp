@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "drivers/measurement/camera_frame.hpp"
+#include "drivers/measurement/rig.hpp"
+
+namespace infuse::recording {
+
+/// Words of drive.toml that stand for a value, both ways.
+inline constexpr std::array<std::pair<std::string_view, CameraIntrinsics::Model>, 2> kCameraModels =
+    {{{"pinhole", CameraIntrinsics::Model::kPinhole},
+      {"fisheye", CameraIntrinsics::Model::kFisheye}}};
+
+inline constexpr std::array<std::pair<std::string_view, PixelFormat>, 4> kMosaics = {
+    {{"rggb", PixelFormat::kBayerRggb8},
+     {"bggr", PixelFormat::kBayerBggr8},
+     {"gbrg", PixelFormat::kBayerGbrg8},
+     {"grbg", PixelFormat::kBayerGrbg8}}};
+
+/// `times`: whether the stamps can be trusted.
+inline constexpr std::array<std::pair<std::string_view, bool>, 2> kTimes = {
+    {{"recorded", true}, {"made up", false}}};
+
+}  // namespace infuse::recording

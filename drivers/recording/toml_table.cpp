@@ -1,0 +1,136 @@
+#include "drivers/recording/toml_table.hpp"
+
+#include <algorithm>
+
+#include "drivers/recording/rigid_matrix.hpp"
+
+namespace infuse::recording {
+
+const toml::node* TomlTable::node(std::string_view key) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  return table_.get(key);
+}
+
+void TomlTable::read(std::string_view key, std::string& value) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return;
+  const auto* text = found->as_string();
+  if (text == nullptr) return wrong_type(key, "text in quotes");
+  value = text->get();
+}
+
+void TomlTable::read(std::string_view key, double& value) {
+  std::optional<double> number;
+  read(key, number);
+  if (number) value = *number;
+}
+
+void TomlTable::read(std::string_view key, std::optional<double>& value) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return;
+  if (!found->is_number()) return wrong_type(key, "a number");
+  value = found->value<double>();
+}
+
+void TomlTable::read(std::string_view key, int64_t lowest, int64_t highest, int64_t& value) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return;
+  const auto* number = found->as_integer();
+  if (number == nullptr || number->get() < lowest || number->get() > highest) {
+    return wrong_type(
+        key, "an integer from " + std::to_string(lowest) + " to " + std::to_string(highest));
+  }
+  value = number->get();
+}
+
+void TomlTable::read(std::string_view key, size_t most, std::vector<double>& values) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return;
+  const toml::array* array = found->as_array();
+  const auto is_number = [](const toml::node& item) { return item.is_number(); };
+  if (array == nullptr || array->size() > most ||
+      !std::all_of(array->begin(), array->end(), is_number)) {
+    return wrong_type(key, "a list of at most " + std::to_string(most) + " numbers");
+  }
+  values.clear();
+  for (const toml::node& item : *array) values.push_back(item.value<double>().value_or(0));
+}
+
+void TomlTable::read(std::string_view key, Eigen::Isometry3d& T) {
+  if (node(key) == nullptr) return;
+  std::vector<double> numbers;
+  read(key, 16, numbers);
+  if (error_) return;
+  if (numbers.size() != 16) {
+    return complain(key, std::string(key) + " must be 16 numbers by row",
+                    std::to_string(numbers.size()) + " are given");
+  }
+  const Eigen::Matrix4d matrix =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
+  const auto rigid = to_rigid(matrix);
+  if (!rigid) {
+    return complain(key, std::string(key) + " is not a rigid motion",
+                    "a rotation, a translation in the fourth column, last row 0 0 0 1");
+  }
+  T = *rigid;
+}
+
+const toml::table* TomlTable::table(std::string_view key) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return nullptr;
+  if (!found->is_table()) wrong_type(key, "a table: [" + std::string(key) + "]");
+  return found->as_table();
+}
+
+std::vector<const toml::table*> TomlTable::tables(std::string_view key, size_t most) {
+  std::vector<const toml::table*> result;
+  const toml::node* found = node(key);
+  if (found == nullptr) return result;
+  const toml::array* array = found->as_array();
+  const auto is_table = [](const toml::node& item) { return item.is_table(); };
+  if (array == nullptr || array->size() > most ||
+      !std::all_of(array->begin(), array->end(), is_table)) {
+    wrong_type(key, "at most " + std::to_string(most) + " tables: [[" + std::string(key) + "]]");
+    return result;
+  }
+  for (const toml::node& item : *array) result.push_back(item.as_table());
+  return result;
+}
+
+void TomlTable::require(std::string_view key) {
+  if (node(key) == nullptr) complain_of_table(name_ + " has no " + std::string(key));
+}
+
+void TomlTable::complain(std::string_view key, const std::string& what, std::string hint) {
+  const toml::node* found = node(key);
+  set_error(found != nullptr ? found->source().begin : table_.source().begin, what,
+            std::move(hint));
+}
+
+void TomlTable::complain_of_table(const std::string& what, std::string hint) {
+  set_error(table_.source().begin, what, std::move(hint));
+}
+
+void TomlTable::wrong_type(std::string_view key, const std::string& expected) {
+  complain(key, std::string(key) + " must be " + expected);
+}
+
+void TomlTable::set_error(toml::source_position at, const std::string& what, std::string hint) {
+  if (error_) return;
+  std::string where = file_;
+  if (at) where.append(":").append(std::to_string(at.line));
+  error_ = Error{what, std::move(where), std::move(hint)};
+}
+
+std::optional<Error> TomlTable::finish() {
+  for (const auto& [key, value] : table_) {
+    if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
+    std::string names;
+    for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
+    set_error(key.source().begin, "unknown key '" + std::string(key.str()) + "'",
+              "known keys: " + names);
+  }
+  return error_;
+}
+
+}  // namespace infuse::recording

@@ -1,0 +1,302 @@
+#include "drivers/recording/drive_toml.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace infuse::recording {
+namespace {
+
+using ::testing::HasSubstr;
+
+const char* const kIdentity = "[1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1]";
+
+const char* const kDrive = R"(name = "around the block"
+times = "recorded"
+
+[[lidar]]
+name = "top"
+model = "HDL-32E"
+packets = "lidar.pcap"
+port = 2368
+sender = "192.168.1.201"
+T_vehicle_lidar = [
+  0, -1, 0, 0.5,
+  1,  0, 0, -0.25,
+  0,  0, 1, 1.75,
+  0,  0, 0, 1,
+]
+
+[[lidar]]
+name = "rear"
+sweeps = "rear"
+calibration = "rear.xml"
+T_vehicle_lidar = [1, 0, 0, -1,  0, 1, 0, 0,  0, 0, 1, 1,  0, 0, 0, 1]
+
+[[camera]]
+name = "left"
+images = "left"
+model = "fisheye"
+width = 1242
+height = 375
+fx = 721.5
+fy = 721
+cx = 609.5593
+cy = 172.854
+distortion = [0.1, -0.02, 3e-3, 0]
+lidar = "top"
+T_camera_lidar = [0, -1, 0, 0.06,  0, 0, -1, 0,  1, 0, 0, -0.27,  0, 0, 0, 1]
+stamp_delay_ms = 12.5
+mosaic = "gbrg"
+
+[can]
+log = "can.log"
+dbc = "vehicle.dbc"
+interface = "can0"
+reverse_gear = 1
+
+[can.signals]
+yaw_rate = "KINEMATICS.YAW_RATE"
+wheel_speed_front_left = { signal = "WHEELS.FL", scale = -1, unit = "km/h" }
+
+[imu]
+file = "imu.csv"
+
+[gps]
+file = "gps.csv"
+
+[map]
+file = "map.osm"
+
+[truth]
+poses = "truth/poses.tum"
+rig = "truth/rig.toml"
+)";
+
+TEST(DriveToml, EveryKeyReachesItsField) {
+  const auto drive = parse_drive(kDrive);
+  ASSERT_TRUE(drive) << drive.error().message();
+  EXPECT_EQ(drive->name, "around the block");
+  EXPECT_TRUE(drive->times_trusted);
+
+  ASSERT_EQ(drive->lidars.size(), 2u);
+  ASSERT_EQ(drive->rig.lidars.size(), 2u);
+  EXPECT_EQ(drive->rig.lidars[0].name, "top");
+  EXPECT_EQ(drive->rig.lidars[0].model, "HDL-32E");
+  // By row: x of the lidar points along y of the vehicle.
+  const Eigen::Vector3d moved = drive->rig.lidars[0].T_vehicle_lidar * Eigen::Vector3d(2, 0, 0);
+  EXPECT_LT((moved - Eigen::Vector3d(0.5, 1.75, 1.75)).norm(), 1e-15);
+  EXPECT_EQ(drive->lidars[0].packets, "lidar.pcap");
+  EXPECT_EQ(drive->lidars[0].port, 2368);
+  EXPECT_EQ(drive->lidars[0].position_port, 8308);
+  EXPECT_EQ(drive->lidars[0].sender, 0xC0A801C9u);
+  EXPECT_EQ(drive->lidars[1].sweeps, "rear");
+  EXPECT_EQ(drive->lidars[1].calibration, "rear.xml");
+  EXPECT_FALSE(drive->lidars[1].sender);
+
+  ASSERT_EQ(drive->cameras.size(), 1u);
+  const CameraMount& camera = drive->rig.cameras[0];
+  EXPECT_EQ(camera.intrinsics.model, CameraIntrinsics::Model::kFisheye);
+  EXPECT_EQ(camera.intrinsics.width, 1242);
+  EXPECT_EQ(camera.intrinsics.fy, 721);
+  EXPECT_EQ(camera.intrinsics.cx, 609.5593);
+  EXPECT_EQ(camera.intrinsics.distortion, (std::array<double, 5>{0.1, -0.02, 3e-3, 0, 0}));
+  EXPECT_EQ(camera.lidar, "top");
+  EXPECT_EQ(camera.stamp_delay, Duration(12'500'000));
+  EXPECT_EQ(drive->cameras[0].mosaic, PixelFormat::kBayerGbrg8);
+
+  ASSERT_TRUE(drive->can);
+  EXPECT_EQ(drive->can->interface, "can0");
+  EXPECT_EQ(drive->can->reverse_gear, 1);
+  ASSERT_EQ(drive->can->signals.size(), 2u);
+  EXPECT_EQ(drive->can->signals[0].quantity, "wheel_speed_front_left");
+  EXPECT_EQ(drive->can->signals[0].signal, "WHEELS.FL");
+  EXPECT_EQ(drive->can->signals[0].scale, -1);
+  EXPECT_EQ(drive->can->signals[0].unit, "km/h");
+  EXPECT_EQ(drive->can->signals[1].signal, "KINEMATICS.YAW_RATE");
+  EXPECT_EQ(drive->imu, "imu.csv");
+  EXPECT_EQ(drive->gps, "gps.csv");
+  EXPECT_EQ(drive->map, "map.osm");
+  EXPECT_EQ(drive->truth_poses, "truth/poses.tum");
+  EXPECT_EQ(drive->truth_rig, "truth/rig.toml");
+}
+
+void expect_equal(const DriveDescription& a, const DriveDescription& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.times_trusted, b.times_trusted);
+  ASSERT_EQ(a.lidars.size(), b.lidars.size());
+  for (size_t i = 0; i < a.lidars.size(); ++i) {
+    EXPECT_EQ(a.rig.lidars[i].name, b.rig.lidars[i].name);
+    EXPECT_EQ(a.rig.lidars[i].model, b.rig.lidars[i].model);
+    EXPECT_EQ(a.rig.lidars[i].T_vehicle_lidar.matrix(), b.rig.lidars[i].T_vehicle_lidar.matrix());
+    EXPECT_EQ(a.lidars[i].packets, b.lidars[i].packets);
+    EXPECT_EQ(a.lidars[i].sweeps, b.lidars[i].sweeps);
+    EXPECT_EQ(a.lidars[i].port, b.lidars[i].port);
+    EXPECT_EQ(a.lidars[i].sender, b.lidars[i].sender);
+    EXPECT_EQ(a.lidars[i].calibration, b.lidars[i].calibration);
+  }
+  ASSERT_EQ(a.cameras.size(), b.cameras.size());
+  for (size_t i = 0; i < a.cameras.size(); ++i) {
+    const CameraMount &x = a.rig.cameras[i], &y = b.rig.cameras[i];
+    EXPECT_EQ(x.name, y.name);
+    EXPECT_EQ(x.intrinsics.model, y.intrinsics.model);
+    EXPECT_EQ(x.intrinsics.fx, y.intrinsics.fx);
+    EXPECT_EQ(x.intrinsics.distortion, y.intrinsics.distortion);
+    EXPECT_EQ(x.T_camera_lidar.matrix(), y.T_camera_lidar.matrix());
+    EXPECT_EQ(x.stamp_delay, y.stamp_delay);
+    EXPECT_EQ(a.cameras[i].images, b.cameras[i].images);
+    EXPECT_EQ(a.cameras[i].mosaic, b.cameras[i].mosaic);
+  }
+  ASSERT_EQ(a.can.has_value(), b.can.has_value());
+  if (a.can) {
+    ASSERT_EQ(a.can->signals.size(), b.can->signals.size());
+    for (size_t i = 0; i < a.can->signals.size(); ++i) {
+      EXPECT_EQ(a.can->signals[i].quantity, b.can->signals[i].quantity);
+      EXPECT_EQ(a.can->signals[i].signal, b.can->signals[i].signal);
+      EXPECT_EQ(a.can->signals[i].scale, b.can->signals[i].scale);
+      EXPECT_EQ(a.can->signals[i].unit, b.can->signals[i].unit);
+    }
+  }
+}
+
+TEST(DriveToml, WhatIsWrittenReadsBackEqualToTheLastBit) {
+  auto drive = parse_drive(kDrive);
+  ASSERT_TRUE(drive);
+  drive->name = "quotes \" and \\ and \n lines \x7F";
+  drive->times_trusted = false;
+  drive->rig.cameras[0].intrinsics.fx = 1.0 / 3;
+  drive->rig.cameras[0].stamp_delay = Duration(-1'234'567);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int round = 0; round < 100; ++round) {
+    Eigen::Isometry3d& T = drive->rig.cameras[0].T_camera_lidar;
+    T = Eigen::Translation3d(normal(random), normal(random), normal(random)) *
+        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+            .normalized();
+    const auto back = parse_drive(format_drive(*drive));
+    ASSERT_TRUE(back) << back.error().message();
+    expect_equal(*drive, *back);
+    const auto rig = parse_rig(format_rig(drive->rig));
+    ASSERT_TRUE(rig) << rig.error().message();
+    EXPECT_EQ(rig->cameras[0].T_camera_lidar.matrix(), T.matrix());
+    EXPECT_EQ(rig->lidars[1].name, "rear");
+  }
+}
+
+// Replaces the first `from` in the drive above.
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = kDrive;
+  const size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string message(const std::string& text) {
+  const auto drive = parse_drive(text);
+  return drive ? "accepted" : drive.error().message();
+}
+
+TEST(DriveToml, ErrorsNameTheLineAndTheCure) {
+  EXPECT_THAT(message(changed("model = \"HDL-32E\"", "modle = \"HDL-32E\"")),
+              HasSubstr("drive.toml:6: unknown key 'modle' (known keys: name, T_vehicle_lidar"));
+  EXPECT_THAT(message(changed("port = 2368", "port = 70000")),
+              HasSubstr("drive.toml:8: port must be an integer from 1 to 65535"));
+  EXPECT_THAT(message(changed("192.168.1.201", "192.168.1.256")),
+              HasSubstr("drive.toml:9: sender"));
+  EXPECT_THAT(message(changed("\"recorded\"", "\"guessed\"")),
+              HasSubstr("drive.toml:2: times must be one of \"recorded\", \"made up\""));
+  EXPECT_THAT(message(changed("0, -1, 0, 0.5", "0, -2, 0, 0.5")),
+              HasSubstr("drive.toml:10: T_vehicle_lidar is not a rigid motion"));
+  EXPECT_THAT(message(changed("0, -1, 0, 0.5,", "0, -1, 0,")),
+              HasSubstr("T_vehicle_lidar must be 16 numbers by row (15 are given)"));
+  EXPECT_THAT(message(changed("\"fisheye\"", "\"fish\"")), HasSubstr("drive.toml:26: model"));
+  EXPECT_THAT(message(changed("width = 1242", "width = 0")), HasSubstr("drive.toml:27: width"));
+  EXPECT_THAT(message(changed("width = 1242\n", "")),
+              HasSubstr("drive.toml:23: camera has no width"));
+  EXPECT_THAT(message(changed("fx = 721.5", "fx = inf")), HasSubstr("fx and fy must be positive"));
+  EXPECT_THAT(message(changed("lidar = \"top\"", "lidar = \"tip\"")),
+              HasSubstr("drive.toml:23: camera 'left' refers to lidar 'tip'"));
+  EXPECT_THAT(message(changed("3e-3, 0]", "3e-3, 0, 0]")),
+              HasSubstr("distortion must be a list of at most 4 numbers"));
+  EXPECT_THAT(message(changed("12.5", "1e99")), HasSubstr("stamp_delay_ms must lie within"));
+  EXPECT_THAT(message(changed("yaw_rate =", "yaw_rat =")), HasSubstr("unknown key 'yaw_rat'"));
+  EXPECT_THAT(message(changed("\"rear\"\nsweeps", "\"top\"\nsweeps")),
+              HasSubstr("drive.toml:17: two sensors are named 'top'"));
+  EXPECT_THAT(message(changed("sweeps = \"rear\"", "packets = \"lidar.pcap\"")),
+              HasSubstr("drive.toml:17: lidars 'top' and 'rear' cannot be told apart"));
+  EXPECT_THAT(message(changed("[imu]", "[imu")), HasSubstr("drive.toml:"));
+  EXPECT_THAT(message("x = 1"), HasSubstr("drive.toml:1: unknown key 'x'"));
+  EXPECT_THAT(message("lidar = 3"), HasSubstr("drive.toml:1: lidar must be"));
+  EXPECT_THAT(message(std::string(2 << 20, '#')), HasSubstr("is longer than"));
+  EXPECT_EQ(message(""), "accepted");  // a drive without sensors is useless, not wrong
+}
+
+TEST(DriveToml, PathsStayInsideTheDrive) {
+  for (const std::string path : {"/etc/passwd", "../lidar.pcap", "a/../../b", "a/.."}) {
+    const std::string quoted = std::string("\"").append(path).append("\"");
+    EXPECT_THAT(message(changed("\"lidar.pcap\"", quoted)),
+                HasSubstr("lidar 'top': packets '" + path + "' must"));
+    EXPECT_THAT(message(changed("\"map.osm\"", quoted)), HasSubstr("map: file"));
+  }
+  EXPECT_EQ(message(changed("\"lidar.pcap\"", "\"a/..b/c..pcap\"")), "accepted");
+}
+
+TEST(DriveToml, APrintedRotationIsMadeARotation) {
+  const auto drive = parse_drive(
+      "[[lidar]]\nname = \"a\"\npackets = \"a.pcap\"\nT_vehicle_lidar = [0.8775826, -0.4794255, 0, "
+      "1,"
+      " 0.4794255, 0.8775826, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]\n");
+  ASSERT_TRUE(drive) << drive.error().message();
+  const Eigen::Matrix3d R = drive->rig.lidars[0].T_vehicle_lidar.linear();
+  EXPECT_LT((R * R.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-14);
+  EXPECT_NEAR(std::atan2(R(1, 0), R(0, 0)), 0.5, 1e-7);
+}
+
+TEST(DriveToml, RigFilesHaveNoFiles) {
+  const std::string head = std::string("[[lidar]]\nname = \"a\"\nT_vehicle_lidar = ") + kIdentity;
+  EXPECT_TRUE(parse_rig(head));
+  const auto rig = parse_rig(head + "\npackets = \"a.pcap\"");
+  ASSERT_FALSE(rig);
+  EXPECT_THAT(rig.error().message(), HasSubstr("rig.toml:4: unknown key 'packets'"));
+}
+
+TEST(DriveToml, TenThousandMutatedFilesAreAcceptedOrRefusedWithAPlace) {
+  std::mt19937 random(11);
+  const std::string original = kDrive;
+  size_t accepted = 0, refused = 0;
+  for (int round = 0; round < 10'000; ++round) {
+    std::string text = original;
+    for (size_t i = 0, changes = 1 + random() % 4; i < changes; ++i) {
+      const size_t at = random() % text.size();
+      switch (random() % 4) {
+        case 0:
+          text[at] = static_cast<char>(random());
+          break;
+        case 1:
+          text.erase(at, 1 + random() % 20);
+          break;
+        case 2:
+          text.insert(at, original.substr(random() % original.size(), random() % 40));
+          break;
+        default:
+          text[at] = "[]{}\"'=.,#\n0-e"[random() % 14];
+      }
+      if (text.empty()) text.push_back('x');
+    }
+    const auto drive = parse_drive(text);
+    if (drive) {
+      ++accepted;
+      ASSERT_FALSE(drive->invalid());
+    } else {
+      ++refused;
+      ASSERT_THAT(drive.error().where, HasSubstr("drive.toml"));
+      ASSERT_FALSE(drive.error().what.empty());
+    }
+  }
+  EXPECT_GT(accepted, 100u);
+  EXPECT_GT(refused, 5000u);
+}
+
+}  // namespace
+}  // namespace infuse::recording

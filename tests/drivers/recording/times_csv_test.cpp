@@ -1,0 +1,71 @@
+#include "drivers/recording/times_csv.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/drivers/recording/scratch_folder.hpp"
+
+namespace infuse::recording {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::ScratchFolder;
+
+TEST(TimesCsv, ReadsTheColumnWhereverItStands) {
+  const ScratchFolder folder;
+  folder.write("times.csv", "# not the header: names come first\n");
+  EXPECT_FALSE(read_times(folder / "times.csv"));
+  folder.write("times.csv", "source, stamp_ns\r\na.png, 10\r\n\r\n# a remark\nb.png,-20\n");
+  const auto times = read_times(folder / "times.csv");
+  ASSERT_TRUE(times) << times.error().message();
+  EXPECT_THAT(*times, ElementsAre(Stamp::from_ns(10), Stamp::from_ns(-20)));
+}
+
+TEST(TimesCsv, ABadRowIsAnErrorWithItsLine) {
+  const ScratchFolder folder;
+  folder.write("times.csv", "stamp_ns\n1\n2.5\n");
+  EXPECT_THAT(read_times(folder / "times.csv").error().message(), HasSubstr("times.csv:3: "));
+  folder.write("times.csv", "stamp_ns\n99999999999999999999\n");
+  EXPECT_THAT(read_times(folder / "times.csv").error().message(), HasSubstr("times.csv:2: "));
+  folder.write("times.csv", "time\n1\n");
+  EXPECT_THAT(read_times(folder / "times.csv").error().message(),
+              HasSubstr("no column 'stamp_ns'"));
+  EXPECT_FALSE(read_times(folder / "missing.csv"));
+}
+
+TEST(TimesCsv, WhatIsWrittenIsRead) {
+  const ScratchFolder folder;
+  const std::vector<Stamp> stamps = {Stamp::from_ns(1'700'000'000'123'456'789), Stamp::earliest()};
+  ASSERT_TRUE(write_times(folder / "a.csv", stamps));
+  ASSERT_TRUE(write_times(folder / "b.csv", stamps, {"x.png", "y.png"}));
+  EXPECT_EQ(folder.read("b.csv"),
+            "stamp_ns,source\n1700000000123456789,x.png\n-9223372036854775808,y.png\n");
+  EXPECT_EQ(*read_times(folder / "a.csv"), stamps);
+  EXPECT_EQ(*read_times(folder / "b.csv"), stamps);
+}
+
+TEST(TimesCsv, ASequenceIsFilesWithTheirRows) {
+  const ScratchFolder folder;
+  folder.write("times.csv", "stamp_ns\n0\n100\n50\n300\n");
+  for (const char* name : {"000000.png", "000001.jpg", "000002.png", "000002.jpg", "000009.png",
+                           "thumbs.png", "-00001.png", "000003.txt"}) {
+    folder.write(name, "");
+  }
+  const auto sequence = index_images(folder.path());
+  ASSERT_TRUE(sequence);
+  ASSERT_EQ(sequence->entries.size(), 3u);
+  EXPECT_EQ(sequence->entries[0].path, folder / "000000.png");
+  EXPECT_EQ(sequence->entries[1].path, folder / "000001.jpg");
+  EXPECT_EQ(sequence->entries[1].stamp.ns(), 100);
+  EXPECT_EQ(sequence->entries[2].path, folder / "000002.jpg");
+  EXPECT_EQ(sequence->entries[2].number, 2u);
+  std::string notes;
+  for (const Error& note : sequence->notes) notes += note.message() + "\n";
+  EXPECT_THAT(notes, HasSubstr("1 file beyond the last row"));
+  EXPECT_THAT(notes, HasSubstr("1 row of times.csv without a file"));
+  EXPECT_THAT(notes, HasSubstr("the times go back 1 time"));
+}
+
+}  // namespace
+}  // namespace infuse::recording
