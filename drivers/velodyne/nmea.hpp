@@ -18,14 +18,15 @@ enum class NmeaFault : uint8_t {
 /// The fault in words.
 const char* describe(NmeaFault fault);
 
-/// Reads the first sentence in `text`: RMC or GGA of any talker, ended by NUL, CR, LF or the end;
-/// the checksum must be there and fit. What the sentence does not say is NaN or 0 as `GpsFix` says.
-/// A GGA has no date, so its `utc_ns` is the time of day, ns since midnight (`has_date` false).
-/// `stamp` stays empty: it is the caller's.
+/// What a sentence tells.
 struct NmeaFix {
-  GpsFix fix;
-  bool has_date = false;
+  GpsFix fix;             ///< `stamp` stays empty: it is the caller's
+  bool has_date = false;  ///< a GGA has none: its `fix.utc_ns` is the time since midnight
 };
+
+/// Reads the first sentence in `text`: RMC or GGA of any talker, ended by NUL, CR, LF or the end;
+/// the checksum must be there and fit. What the sentence does not say is NaN or 0, as `GpsFix`
+/// says.
 tl::expected<NmeaFix, NmeaFault> parse_nmea(std::string_view text);
 
 }  // namespace infuse::velodyne

@@ -16,8 +16,8 @@ struct PacketCounters {
   std::array<uint64_t, 5> malformed{};  ///< data packets refused, by `PacketFault`
   uint64_t malformed_positions = 0;     ///< position packets refused
   uint64_t wrong_sender = 0;            ///< from another address than the sensor's: not used
-  uint64_t wrong_model = 0;  ///< product byte of another model: used, since the configuration is
-                             ///< the authority (early VLP-16 firmware calls itself HDL-32E)
+  uint64_t wrong_model = 0;   ///< product byte of another model: used, since the configuration is
+                              ///< the authority (early VLP-16 firmware calls itself HDL-32E)
   uint64_t duplicates = 0;    ///< came twice: the second not used
   uint64_t out_of_order = 0;  ///< came late, by one packet: put back in order
   uint64_t too_late = 0;      ///< came later than that: not used

@@ -20,11 +20,14 @@ enum class PpsState : uint8_t { kAbsent = 0, kSynchronising = 1, kLocked = 2, kE
 /// The word for it: "absent", "synchronising", "locked", "error".
 const char* name(PpsState state);
 
-/// One of the three inertial units in an HDL-32E: a gyroscope and two axes of acceleration.
+/// One of the three inertial units in an HDL-32E: a gyroscope and two axes of acceleration, in the
+/// unit's own directions. In real captures x of the first two units points up, and of
+/// the horizontal axes y of the second is y of the third, y of the first minus x of the third;
+/// which points forward the captures at hand do not tell, so the units stay apart.
 struct ImuUnit {
-  double angular_velocity = 0;                ///< rad/s
-  double temperature = 0;                     ///< °C
-  std::array<double, 2> linear_acceleration;  ///< m/s²: its x and y
+  double angular_velocity = 0;                  ///< rad/s
+  double temperature = 0;                       ///< °C
+  std::array<double, 2> linear_acceleration{};  ///< m/s²: its x and y
 };
 
 /// What a position packet says.
@@ -38,9 +41,5 @@ struct PositionPacket {
 
 /// Reads a payload; nothing where it is not 512 bytes or the PPS byte is none of the four.
 std::optional<PositionPacket> parse_position_packet(std::span<const uint8_t> payload);
-
-/// The HDL-32E's three units as one sample in its lidar axes (x forward, y left, z up).
-/// `stamp` is the caller's.
-ImuSample imu_sample(const std::array<ImuUnit, 3>& units);
 
 }  // namespace infuse::velodyne

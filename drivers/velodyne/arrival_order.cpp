@@ -1,0 +1,51 @@
+#include "drivers/velodyne/arrival_order.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "drivers/velodyne/packet.hpp"
+
+namespace infuse::velodyne {
+namespace {
+
+/// No network delays a packet past others by more.
+constexpr int64_t kLatestUs = 50'000;
+/// The device's and the host's clock may disagree by so much on the time between two packets.
+constexpr int64_t kClockToleranceUs = 500'000;
+
+}  // namespace
+
+ArrivalOrder::Verdict ArrivalOrder::take(uint32_t counter_us, Stamp host) {
+  const auto accept = [&](Arrival arrival, int64_t delay_us) {
+    before_newest_ = arrival == Arrival::kNext ? newest_ : counter_us;
+    newest_ = counter_us;
+    newest_host_ = host;
+    remember(counter_us);
+    return Verdict{arrival, delay_us};
+  };
+  if (recent_count_ == 0) return accept(Arrival::kFirst, 0);
+  const int64_t delay_us = counter_difference_us(counter_us, newest_);
+  if (seen(counter_us)) return {Arrival::kDuplicate, delay_us};
+  if (delay_us <= 0 && delay_us > -kLatestUs) {
+    if (counter_difference_us(counter_us, before_newest_) <= 0) {
+      return {Arrival::kTooLate, delay_us};
+    }
+    before_newest_ = counter_us;
+    remember(counter_us);
+    return {Arrival::kLate, delay_us};
+  }
+  const int64_t host_us = (host - newest_host_).count() / 1000;
+  const bool clocks_agree = delay_us > 0 && std::abs(delay_us - host_us) < kClockToleranceUs;
+  return accept(clocks_agree ? Arrival::kNext : Arrival::kClockJump, delay_us);
+}
+
+bool ArrivalOrder::seen(uint32_t counter_us) const {
+  const auto* end = recent_.data() + std::min(recent_count_, kRemembered);
+  return std::find(recent_.data(), end, counter_us) != end;
+}
+
+void ArrivalOrder::remember(uint32_t counter_us) {
+  recent_[recent_count_++ % kRemembered] = counter_us;
+}
+
+}  // namespace infuse::velodyne

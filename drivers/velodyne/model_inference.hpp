@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "drivers/velodyne/model.hpp"
+
+namespace infuse::velodyne {
+
+/// A model, and why.
+struct ModelGuess {
+  Model model = Model::kHdl32e;
+  std::string reason;  ///< "product byte 0x21 says HDL-32E, but packets 1327 us apart ... VLP-16"
+};
+
+/// Infers the model of a sensor that nobody has named, from its packets: what blocks begin with,
+/// the product byte, and the period of packets (the product byte lies on early VLP-16 firmware, and
+/// an HDL-64E has none).
+class ModelInference {
+ public:
+  /// Takes the payload of a packet of the data port; what is no data packet does not count.
+  void add(std::span<const uint8_t> payload);
+
+  /// Enough packets have been seen for the best guess.
+  bool settled() const { return packets_ > kPeriods; }
+
+  /// Nothing while fewer than 8 packets have been seen, or where no model fits them.
+  std::optional<ModelGuess> guess() const;
+
+ private:
+  static constexpr size_t kPeriods = 63;
+  std::array<int64_t, kPeriods> periods_us_{};
+  size_t packets_ = 0;
+  size_t periods_ = 0;
+  uint32_t last_counter_us_ = 0;
+  uint16_t second_flag_ = 0;  ///< of the last packet's second block
+  bool fourth_bank_ = false;  ///< a block of lasers 96 … 127 has been seen
+  bool dual_ = false;
+  uint8_t product_ = 0;
+};
+
+}  // namespace infuse::velodyne

@@ -1,0 +1,64 @@
+#include "drivers/velodyne/position_packet.hpp"
+
+#include <numbers>
+#include <string_view>
+
+#include "drivers/velodyne/packet.hpp"
+
+namespace infuse::velodyne {
+namespace {
+
+constexpr size_t kImuAt = 14;
+constexpr size_t kCounterAt = 0xC6;
+constexpr size_t kPpsAt = 0xCA;
+constexpr size_t kSentenceAt = 0xCE;
+constexpr size_t kSentenceSize = 128;
+
+/// Twelve bits, two's complement; the upper four number the quantity.
+double signed12(const uint8_t* bytes) {
+  const int low = read_u16(bytes) & 0x0FFF;
+  return low >= 0x800 ? low - 0x1000 : low;
+}
+
+ImuUnit read_unit(const uint8_t* bytes) {
+  constexpr double kAngularVelocity = 0.09766 * std::numbers::pi / 180;  // rad/s
+  constexpr double kTemperature = 0.1453;                                // °C
+  constexpr double kAcceleration = 0.001221 * 9.80665;                   // m/s²
+  ImuUnit unit;
+  unit.angular_velocity = signed12(bytes) * kAngularVelocity;
+  unit.temperature = signed12(bytes + 2) * kTemperature + 25;
+  unit.linear_acceleration = {signed12(bytes + 4) * kAcceleration,
+                              signed12(bytes + 6) * kAcceleration};
+  return unit;
+}
+
+}  // namespace
+
+const char* name(PpsState state) {
+  switch (state) {
+    case PpsState::kAbsent:
+      return "absent";
+    case PpsState::kSynchronising:
+      return "synchronising";
+    case PpsState::kLocked:
+      return "locked";
+    case PpsState::kError:
+      return "error";
+  }
+  return "";
+}
+
+std::optional<PositionPacket> parse_position_packet(std::span<const uint8_t> payload) {
+  if (payload.size() != kPositionPacketSize || payload[kPpsAt] > 3) return std::nullopt;
+  PositionPacket packet;
+  packet.counter_us = read_u32(payload.data() + kCounterAt);
+  packet.pps = static_cast<PpsState>(payload[kPpsAt]);
+  for (size_t unit = 0; unit < packet.imu.size(); ++unit) {
+    packet.imu[unit] = read_unit(payload.data() + kImuAt + 8 * unit);
+  }
+  packet.sentence = parse_nmea(
+      std::string_view(reinterpret_cast<const char*>(payload.data()) + kSentenceAt, kSentenceSize));
+  return packet;
+}
+
+}  // namespace infuse::velodyne

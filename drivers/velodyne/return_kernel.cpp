@@ -1,0 +1,273 @@
+#include "drivers/velodyne/return_kernel.hpp"
+
+#include <array>
+#include <bit>
+#include <cstring>
+
+// Eight returns at a time, in the compiler's portable vectors, so that the same source gives the
+// same bytes with and without the vector unit.
+
+#define INFUSE_INLINE [[gnu::always_inline]] inline
+
+namespace infuse::velodyne {
+namespace {
+
+constexpr size_t kLanes = 8;
+using Floats = float __attribute__((vector_size(32)));
+using Ints = int32_t __attribute__((vector_size(32)));
+using Shorts = uint16_t __attribute__((vector_size(16)));
+using Bytes = uint8_t __attribute__((vector_size(8)));
+using Bytes16 = uint8_t __attribute__((vector_size(16)));
+using Ints4 = int32_t __attribute__((vector_size(16)));
+
+/// For each set of lanes: those lanes in order, in front.
+alignas(32) constexpr auto kCompaction = [] {
+  std::array<std::array<int32_t, kLanes>, 256> table{};
+  for (size_t set = 0; set < table.size(); ++set) {
+    size_t n = 0;
+    for (int32_t lane = 0; lane < static_cast<int32_t>(kLanes); ++lane) {
+      if ((set >> lane & 1) != 0) table[set][n++] = lane;
+    }
+  }
+  return table;
+}();
+
+constexpr auto kSetSize = [] {
+  std::array<uint8_t, 256> table{};
+  for (size_t set = 0; set < table.size(); ++set) {
+    table[set] = static_cast<uint8_t>(std::popcount(set));
+  }
+  return table;
+}();
+
+template <class Vector, class T>
+INFUSE_INLINE Vector load(const T* from) {
+  Vector vector;
+  std::memcpy(&vector, from, sizeof vector);
+  return vector;
+}
+
+template <class Vector, class T>
+INFUSE_INLINE void store(T* to, const Vector& vector) {
+  std::memcpy(to, &vector, sizeof vector);
+}
+
+INFUSE_INLINE Floats to_floats(const Ints& v) { return __builtin_convertvector(v, Floats); }
+
+/// Eight returns of three bytes, each as distance + reflectivity · 65536. Reads these 24 bytes
+/// only.
+INFUSE_INLINE Ints load_returns(const uint8_t* from) {
+  const Bytes16 zero{};
+  const Bytes16 low = __builtin_shufflevector(load<Bytes16>(from), zero, 0, 1, 2, 16, 3, 4, 5, 16,
+                                              6, 7, 8, 16, 9, 10, 11, 16);
+  const Bytes16 high = __builtin_shufflevector(load<Bytes16>(from + 8), zero, 4, 5, 6, 16, 7, 8, 9,
+                                               16, 10, 11, 12, 16, 13, 14, 15, 16);
+  return __builtin_shufflevector((Ints4)low, (Ints4)high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+/// Bit i is set where lane i of a comparison is true.
+INFUSE_INLINE size_t lane_set(const Ints& truth) {
+  const Ints bits = truth & Ints{1, 2, 4, 8, 16, 32, 64, 128};
+  const Ints4 halves = __builtin_shufflevector(bits, bits, 0, 1, 2, 3) |
+                       __builtin_shufflevector(bits, bits, 4, 5, 6, 7);
+  const Ints4 pairs = halves | __builtin_shufflevector(halves, halves, 2, 3, 2, 3);
+  return static_cast<size_t>(pairs[0] | pairs[1]);
+}
+
+/// The low bytes of eight lanes.
+INFUSE_INLINE Bytes low_bytes(const Ints& v) {
+  const Shorts words = __builtin_convertvector(v, Shorts);
+  const Bytes16 bytes = (Bytes16)words;
+  const Bytes16 low =
+      __builtin_shufflevector(bytes, bytes, 0, 2, 4, 6, 8, 10, 12, 14, 0, 2, 4, 6, 8, 10, 12, 14);
+  Bytes result;
+  std::memcpy(&result, &low, sizeof result);
+  return result;
+}
+
+template <class Vector>
+INFUSE_INLINE Vector permute(const Vector& v, const Ints& order) {
+#ifdef __clang__
+  Vector result;
+  for (size_t lane = 0; lane < kLanes; ++lane) result[lane] = v[order[lane]];
+  return result;
+#else
+  return __builtin_shuffle(v, order);
+#endif
+}
+
+INFUSE_INLINE Floats absolute(const Floats& v) { return (Floats)((Ints)v & 0x7FFFFFFF); }
+INFUSE_INLINE Floats larger(const Floats& a, const Floats& b) { return a < b ? b : a; }
+INFUSE_INLINE Floats smaller(const Floats& a, const Floats& b) { return b < a ? b : a; }
+
+/// Eight returns, decoded.
+struct Returns {
+  Floats x, y, z, range, reflectivity;
+};
+
+/// Horizontal direction in the lidar sensor's vendor axes: y is forward, x right.
+struct Direction {
+  Floats forward, right;
+};
+
+INFUSE_INLINE Direction turn(const SequenceBlocks& sequence, const Floats& forward,
+                             const Floats& right) {
+  return {sequence.cos_azimuth * forward - sequence.sin_azimuth * right,
+          sequence.sin_azimuth * forward + sequence.cos_azimuth * right};
+}
+
+INFUSE_INLINE Returns place_uniform(const BeamTable& table, size_t slot, const Direction& direction,
+                                    const Ints& raw) {
+  Returns r;
+  r.range = to_floats(raw & 0xFFFF) * table.unit;
+  r.x = r.range * direction.forward;
+  r.y = -(r.range * direction.right);
+  r.z = r.range * load<Floats>(&table.sin_elevation[slot]);
+  r.reflectivity = to_floats(raw >> 16) / 255.0F;
+  return r;
+}
+
+/// The HDL-64E's: two-point correction of distance, offset origins, reflectivity over focus.
+INFUSE_INLINE Returns place_corrected(const BeamTable& table, size_t slot,
+                                      const Direction& direction, const Ints& raw) {
+  const auto of = [&](const BeamTable::PerSlot<float>& values) {
+    return load<Floats>(&values[slot]);
+  };
+  const Floats units = to_floats(raw & 0xFFFF);
+  const Floats distance = units * table.unit;
+  const Floats far = of(table.far_correction);
+  const Floats cos_elevation = of(table.cos_elevation);
+  const Floats horizontal = (distance + far) * cos_elevation;
+  const Floats along_x = absolute(horizontal * direction.right);
+  const Floats along_y = absolute(horizontal * direction.forward);
+  const Floats near_x = of(table.near_x) + of(table.slope_x) * (along_x - kNearX);
+  const Floats near_y = of(table.near_y) + of(table.slope_y) * (along_y - kNearY);
+  const Ints is_near = distance < kFarPoint;
+  const Floats correction_x = is_near ? near_x : far;
+  const Floats correction_y = is_near ? near_y : far;
+
+  Returns r;
+  const Floats offset = of(table.horizontal_offset);
+  r.range = distance + far;
+  r.x = (distance + correction_y) * cos_elevation * direction.forward + offset * direction.right;
+  r.y = offset * direction.forward - (distance + correction_x) * cos_elevation * direction.right;
+  r.z = (distance + (correction_x + correction_y) * 0.5F) * of(table.sin_elevation) +
+        of(table.vertical_offset);
+
+  const Floats defocus = 1.0F - units / 65535.0F;
+  const Floats intensity =
+      to_floats(raw >> 16) +
+      of(table.focal_slope) * absolute(of(table.focal_term) - defocus * defocus);
+  r.reflectivity =
+      larger(smaller(intensity, of(table.max_intensity)), of(table.min_intensity)) / 255.0F;
+  return r;
+}
+
+/// What eight lanes have in common besides their returns.
+struct Group {
+  Ints ring, time;
+  uint16_t column;
+};
+
+/// Writes the lanes of `set` to the front of what is free, and gives the new size.
+INFUSE_INLINE size_t append(const Returns& r, const Group& group, const Ints& kind, size_t set,
+                            const ReturnArrays& out, size_t n) {
+  const Ints order = load<Ints>(kCompaction[set].data());
+  store(out.x + n, permute(r.x, order));
+  store(out.y + n, permute(r.y, order));
+  store(out.z + n, permute(r.z, order));
+  store(out.range + n, permute(r.range, order));
+  store(out.reflectivity + n, permute(r.reflectivity, order));
+  store(out.ring + n, __builtin_convertvector(permute(group.ring, order), Shorts));
+  store(out.column + n, Shorts{} + group.column);
+  store(out.time_offset_ns + n, permute(group.time, order));
+  store(out.return_kind + n, low_bytes(permute(kind, order)));
+  return n + kSetSize[set];
+}
+
+INFUSE_INLINE Ints kind_lanes(ReturnKind kind) { return Ints{} + static_cast<int32_t>(kind); }
+
+template <bool kCorrected, bool kDual>
+INFUSE_INLINE size_t decode_group(const BeamTable& table, const SequenceBlocks& sequence,
+                                  EchoKinds kinds, size_t slot, const ReturnArrays& out, size_t n) {
+  const uint8_t* bytes =
+      sequence.returns + slot / kBlockSlots * sequence.bank_stride + slot % kBlockSlots * 3;
+  const Direction direction = turn(sequence, load<Floats>(table.forward(sequence.step) + slot),
+                                   load<Floats>(table.right(sequence.step) + slot));
+  const Group group{load<Ints>(&table.ring[slot]),
+                    load<Ints>(&table.time_ns[slot]) + sequence.time_offset_ns,
+                    static_cast<uint16_t>(sequence.column + slot / table.info->lasers)};
+  const auto place = [&](const Ints& raw) __attribute__((always_inline)) {
+    return kCorrected ? place_corrected(table, slot, direction, raw)
+                      : place_uniform(table, slot, direction, raw);
+  };
+
+  const Ints raw = load_returns(bytes);
+  const Ints present = (raw & 0xFFFF) != 0;
+  if constexpr (!kDual) {
+    return append(place(raw), group, kind_lanes(kinds.first), lane_set(present), out, n);
+  } else {
+    const Ints other = load_returns(bytes + sequence.echo_stride);
+    const Ints same = raw == other;
+    const Ints kind = same ? kind_lanes(ReturnKind::kBoth) : kind_lanes(kinds.first);
+    n = append(place(raw), group, kind, lane_set(present), out, n);
+    const Ints other_present = ((other & 0xFFFF) != 0) & ~same;
+    return append(place(other), group, kind_lanes(kinds.second), lane_set(other_present), out, n);
+  }
+}
+
+template <bool kCorrected, bool kDual>
+INFUSE_INLINE size_t decode_all(const BeamTable& table, std::span<const SequenceBlocks> sequences,
+                                EchoKinds kinds, const ReturnArrays& arrays, size_t n) {
+  const ReturnArrays out = arrays;
+  const size_t slots = table.info->slots();
+  for (const SequenceBlocks& sequence : sequences) {
+    for (size_t slot = 0; slot < slots; slot += kLanes) {
+      n = decode_group<kCorrected, kDual>(table, sequence, kinds, slot, out, n);
+    }
+  }
+  return n;
+}
+
+INFUSE_INLINE size_t decode(const BeamTable& table, std::span<const SequenceBlocks> sequences,
+                            EchoKinds kinds, const ReturnArrays& out, size_t n) {
+  const bool dual = !sequences.empty() && sequences.front().echo_stride != 0;
+  if (table.info->calibrated_per_unit) {
+    return dual ? decode_all<true, true>(table, sequences, kinds, out, n)
+                : decode_all<true, false>(table, sequences, kinds, out, n);
+  }
+  return dual ? decode_all<false, true>(table, sequences, kinds, out, n)
+              : decode_all<false, false>(table, sequences, kinds, out, n);
+}
+
+size_t decode_portable(const BeamTable& table, std::span<const SequenceBlocks> sequences,
+                       EchoKinds kinds, const ReturnArrays& out, size_t n) {
+  return decode(table, sequences, kinds, out, n);
+}
+
+#ifdef __x86_64__
+[[gnu::target("avx2")]] size_t decode_avx2(const BeamTable& table,
+                                           std::span<const SequenceBlocks> sequences,
+                                           EchoKinds kinds, const ReturnArrays& out, size_t n) {
+  return decode(table, sequences, kinds, out, n);
+}
+#endif
+
+}  // namespace
+
+Instructions best_instructions() {
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx2")) return Instructions::kAvx2;
+#endif
+  return Instructions::kPortable;
+}
+
+ReturnKernel return_kernel(Instructions instructions) {
+#ifdef __x86_64__
+  if (instructions == Instructions::kAvx2) return decode_avx2;
+#endif
+  (void)instructions;
+  return decode_portable;
+}
+
+}  // namespace infuse::velodyne

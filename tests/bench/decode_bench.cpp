@@ -1,0 +1,169 @@
+// Packets in memory to full sweeps, one core, beside PCL's grabbers on the same packets.
+//
+// PCL keeps its decoder private behind a queue and a thread. The baseline calls that decoder itself
+// (`toPointClouds`, once a packet, a sweep handed to one subscriber), so that neither the queue nor
+// the thread counts against it. A return is an entry with a distance; both sides are given the same
+// packets again and again.
+
+#include <benchmark/benchmark.h>
+#include <pcl/io/vlp_grabber.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "drivers/velodyne/sweep_assembler.hpp"
+#include "fixtures/velodyne/packet_encoder.hpp"
+#include "tests/pcap_packets.hpp"
+#include "tests/real_data.hpp"
+
+namespace infuse {
+namespace {
+
+using velodyne::Model;
+
+/// Names PCL's types and its decoder; nothing of it runs here.
+struct PclTypes : pcl::HDLGrabber {
+  using Packet = pcl::HDLGrabber::HDLDataPacket;
+};
+using PclDecode = void (pcl::HDLGrabber::*)(PclTypes::Packet*);
+
+PclDecode pcl_decode();
+
+/// Access checks do not apply to the arguments of an explicit instantiation.
+template <PclDecode kMember>
+struct Opened {
+  friend PclDecode pcl_decode() { return kMember; }
+};
+template struct Opened<&pcl::HDLGrabber::toPointClouds>;
+
+struct Input {
+  std::vector<std::vector<uint8_t>> packets;
+  std::vector<Stamp> stamps;
+  int64_t returns = 0;
+};
+
+int64_t count_returns(const std::vector<uint8_t>& packet) {
+  int64_t returns = 0;
+  for (size_t block = 0; block < velodyne::kBlocks; ++block) {
+    for (size_t slot = 0; slot < velodyne::kBlockSlots; ++slot) {
+      const size_t at = block * velodyne::kBlockSize + 4 + 3 * slot;
+      if (velodyne::read_u16(packet.data() + at) != 0) ++returns;
+    }
+  }
+  return returns;
+}
+
+void add(Input& input, Stamp stamp, std::vector<uint8_t> packet) {
+  input.returns += count_returns(packet);
+  input.stamps.push_back(stamp);
+  input.packets.push_back(std::move(packet));
+}
+
+/// 1.5 s of ten turns a second; 84 % of the directions have a return, as in hdl32e-monterey.
+Input generated(Model model, velodyne::ReturnMode mode) {
+  const velodyne::ModelInfo& info = velodyne::model_info(model);
+  const double period_s = to_seconds(velodyne::sequence_period(info, info.cycle));
+  fixtures::PacketEncoder encoder({.model = model, .mode = mode});
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const auto echo = [&] {
+    const double range = uniform(random) < 0.84 ? 1 + 60 * uniform(random) : 0;
+    return fixtures::Echo{range, static_cast<uint8_t>(255 * uniform(random))};
+  };
+  std::vector<fixtures::Echo> first(info.slots());
+  std::vector<fixtures::Echo> last(info.slots());
+  Input input;
+  for (double t = 0; t < 1.5; t += period_s) {
+    for (size_t slot = 0; slot < info.slots(); ++slot) {
+      first[slot] = echo();
+      last[slot] = uniform(random) < 0.9 ? first[slot] : echo();
+    }
+    const auto azimuth = static_cast<uint16_t>(static_cast<int64_t>(t * 360'000) % 36'000);
+    if (encoder.add_sequence(azimuth, static_cast<uint32_t>(t * 1e6), first, last)) {
+      add(input, Stamp() + from_seconds(t), {encoder.packet().begin(), encoder.packet().end()});
+    }
+  }
+  return input;
+}
+
+/// A real capture where there is one.
+Input load(const char* name, Model model) {
+  const std::filesystem::path path = real_data(std::string("velodyne/") + name + ".pcap");
+  if (path.empty() || !std::filesystem::exists(path)) {
+    return generated(model, velodyne::ReturnMode::kStrongest);
+  }
+  Input input;
+  for (CapturedDatagram& datagram : read_capture(path)) {
+    if (datagram.payload.size() != velodyne::kPacketSize) continue;
+    add(input, datagram.stamp, std::move(datagram.payload));
+  }
+  return input;
+}
+
+void run_ours(benchmark::State& state, Model model, const Input& input) {
+  velodyne::SweepAssembler assembler({.model = model});
+  Sweep sweep;
+  for ([[maybe_unused]] auto _ : state) {
+    for (size_t i = 0; i < input.packets.size(); ++i) {
+      assembler.push({input.stamps[i], 1, 2368, 2368, input.packets[i]});
+      while (assembler.pull(sweep)) benchmark::DoNotOptimize(sweep.x.data());
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * input.returns);
+}
+
+template <class Grabber>
+void run_pcl(benchmark::State& state, Grabber& grabber, Input& input) {
+  size_t points = 0;
+  std::function<void(const pcl::PointCloud<pcl::PointXYZI>::ConstPtr&)> count =
+      [&](const pcl::PointCloud<pcl::PointXYZI>::ConstPtr& cloud) { points += cloud->size(); };
+  grabber.registerCallback(count);
+  const PclDecode decode = pcl_decode();
+  for ([[maybe_unused]] auto _ : state) {
+    for (std::vector<uint8_t>& packet : input.packets) {
+      (grabber.*decode)(reinterpret_cast<PclTypes::Packet*>(packet.data()));
+    }
+  }
+  if (points == 0) state.SkipWithError("PCL gave no points");
+  state.SetItemsProcessed(state.iterations() * input.returns);
+}
+
+void register_all() {
+  static Input hdl32e = load("hdl32e-monterey", Model::kHdl32e);
+  static Input vlp16 = load("vlp16-gps", Model::kVlp16);
+  static Input vlp16_dual = load("vlp16-dual-return", Model::kVlp16);
+  static Input vlp32c = load("vlp32c-half-turn", Model::kVlp32c);
+  static const Input vls128 = generated(Model::kVls128, velodyne::ReturnMode::kDual);
+  static const Input hdl64e = generated(Model::kHdl64eS3, velodyne::ReturnMode::kStrongest);
+  const auto ours = [](const char* name, Model model, const Input& input) {
+    benchmark::RegisterBenchmark(
+        name, [model, &input](benchmark::State& state) { run_ours(state, model, input); });
+  };
+  ours("decode/hdl32e", Model::kHdl32e, hdl32e);
+  benchmark::RegisterBenchmark("decode/hdl32e/baseline:pcl", [](benchmark::State& state) {
+    pcl::HDLGrabber grabber("", "");
+    run_pcl(state, grabber, hdl32e);
+  });
+  ours("decode/vlp16", Model::kVlp16, vlp16);
+  benchmark::RegisterBenchmark("decode/vlp16/baseline:pcl", [](benchmark::State& state) {
+    pcl::VLPGrabber grabber("");
+    run_pcl(state, grabber, vlp16);
+  });
+  ours("decode/vlp16-dual", Model::kVlp16, vlp16_dual);
+  benchmark::RegisterBenchmark("decode/vlp16-dual/baseline:pcl", [](benchmark::State& state) {
+    pcl::VLPGrabber grabber("");
+    run_pcl(state, grabber, vlp16_dual);
+  });
+  ours("decode/vlp32c", Model::kVlp32c, vlp32c);
+  ours("decode/hdl64e-s3", Model::kHdl64eS3, hdl64e);
+  ours("decode/vls128-dual", Model::kVls128, vls128);
+}
+
+[[maybe_unused]] const bool registered = (register_all(), true);
+
+}  // namespace
+}  // namespace infuse

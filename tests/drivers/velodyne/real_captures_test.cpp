@@ -1,0 +1,331 @@
+// Real captures against what other decoders make of them. None of the files is in the repository.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <string>
+
+#include "drivers/velodyne/model_inference.hpp"
+#include "drivers/velodyne/position_packet.hpp"
+#include "tests/drivers/velodyne/assemble.hpp"
+#include "tests/pcap_packets.hpp"
+#include "tests/real_data.hpp"
+
+namespace infuse::velodyne {
+namespace {
+
+constexpr uint16_t kDataPort = 2368;
+
+std::vector<CapturedDatagram> data_packets(const std::filesystem::path& path) {
+  std::vector<CapturedDatagram> packets = read_capture(path);
+  std::erase_if(packets, [](const CapturedDatagram& d) { return d.port != kDataPort; });
+  return packets;
+}
+
+struct ExpectedPoint {
+  size_t frame, index;
+  double x, y, z, reflectivity;  // vendor axes: x right, y forward
+};
+
+struct ExpectedFrames {
+  size_t frames = 0;
+  std::map<size_t, size_t> counts;
+  std::vector<ExpectedPoint> points;
+};
+
+ExpectedFrames read_expected(const std::filesystem::path& path) {
+  ExpectedFrames expected;
+  std::ifstream in(path);
+  std::string word;
+  size_t frame = 0;
+  while (in >> word) {
+    if (word == "frame_count") in >> expected.frames;
+    if (word == "frame") in >> frame;
+    if (word == "point_count") in >> expected.counts[frame];
+    if (word == "point_values") {
+      ExpectedPoint p{frame, 0, 0, 0, 0, 0};
+      double flag = 0;
+      in >> p.index >> p.x >> p.y >> p.z >> p.reflectivity >> flag;
+      expected.points.push_back(p);
+    }
+  }
+  return expected;
+}
+
+TEST(RealMonterey, FramesAndPointsAreThoseOfTheVendorsViewer) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
+  const ExpectedFrames expected = read_expected(real_data("velodyne/hdl32e-monterey.expected.txt"));
+  SweepAssemblerOptions options;
+  options.model = Model::kHdl32e;
+  options.interpolate_azimuth = false;  // as the viewer did
+  SweepAssembler assembler(options);
+  const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
+
+  ASSERT_EQ(expected.frames, 19U);
+  ASSERT_EQ(sweeps.size(), expected.frames);
+  ASSERT_EQ(expected.counts.size(), 5U);
+  for (const auto& [frame, count] : expected.counts)
+    EXPECT_EQ(sweeps[frame].size(), count) << frame;
+  size_t all = 0;
+  for (const Sweep& sweep : sweeps) all += sweep.size();
+  EXPECT_EQ(all, 872'800U);
+
+  ASSERT_EQ(expected.points.size(), 4U);
+  for (const ExpectedPoint& point : expected.points) {
+    const Sweep& sweep = sweeps[point.frame];
+    EXPECT_NEAR(-sweep.y[point.index], point.x, 1e-3) << point.index;
+    EXPECT_NEAR(sweep.x[point.index], point.y, 1e-3) << point.index;
+    EXPECT_NEAR(sweep.z[point.index], point.z, 1e-3) << point.index;
+    EXPECT_NEAR(sweep.reflectivity[point.index] * 255, point.reflectivity, 1e-3) << point.index;
+  }
+}
+
+TEST(RealMonterey, EveryPacketIsUsedAndSweepsAreWhole) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
+  SweepAssembler assembler({.model = Model::kHdl32e});
+  const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
+  const PacketCounters& counters = assembler.counters();
+  EXPECT_EQ(counters.packets, 2702U);
+  EXPECT_EQ(counters.network_lost + counters.all_malformed() + counters.duplicates +
+                counters.out_of_order + counters.too_late + counters.clock_jumps +
+                counters.wrong_model,
+            0U);
+  ASSERT_EQ(sweeps.size(), 19U);
+  for (size_t i = 1; i + 1 < sweeps.size(); ++i) {
+    EXPECT_TRUE(sweeps[i].gaps.empty()) << i;
+    EXPECT_NEAR(to_seconds(sweeps[i].span), 0.0846, 0.001) << i;  // 11.8 turns a second
+    EXPECT_NEAR(to_seconds(sweeps[i].stamp - sweeps[i - 1].stamp), to_seconds(sweeps[i - 1].span),
+                1e-3)
+        << i;
+  }
+  EXPECT_EQ(sweeps.front().gaps.size(), 1U);  // the capture begins within a turn
+}
+
+// A PCD file of one kind of record.
+template <class Record>
+std::vector<Record> read_pcd(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  size_t points = 0;
+  while (std::getline(in, line) && line != "DATA binary") {
+    if (line.starts_with("POINTS ")) points = std::stoul(line.substr(7));
+  }
+  std::vector<Record> records(points);
+  in.read(reinterpret_cast<char*>(records.data()),
+          static_cast<std::streamsize>(points * sizeof(Record)));
+  EXPECT_TRUE(in.good());
+  return records;
+}
+
+struct DualPoint {
+  float x, y, z;
+  uint8_t intensity, return_type;
+  uint16_t channel;
+  float azimuth, elevation, distance;
+  uint32_t time_ns;
+};
+static_assert(sizeof(DualPoint) == 32);
+
+double distance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm(); }
+
+Eigen::Vector3d position(const Sweep& sweep, size_t i) {
+  return {sweep.x[i], sweep.y[i], sweep.z[i]};
+}
+
+// The reference takes two short cuts of its own. It does not interpolate azimuth in the last pair
+// of blocks of a packet, which has no next block to look at (its own time stamps tell which these
+// are): there our block's azimuth is compared. And it takes the second block of a pair, where that
+// holds another echo (return types 5 and 10), for a later firing, in time and in azimuth, which
+// runs ahead by up to 0.41°: there only ring and range can agree, and azimuth within that. It cuts
+// at packets, so the sweeps differ by some points at their ends.
+TEST(RealVlp16DualReturn, HoldsEveryPointOfTheReference) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp16-dual-return.pcap");
+  const auto reference = read_pcd<DualPoint>(real_data("velodyne/vlp16-dual-return.reference.pcd"));
+  ASSERT_EQ(reference.size(), 14'831U);
+  SweepAssembler exact({.model = Model::kVlp16});
+  SweepAssembler plain({.model = Model::kVlp16, .interpolate_azimuth = false});
+  const auto packets = data_packets(path);
+  const std::vector<Sweep> sweeps = assemble(exact, packets);
+  const std::vector<Sweep> plain_sweeps = assemble(plain, packets);
+  ASSERT_EQ(sweeps.size(), 5U);
+  const Sweep& sweep = sweeps[3];  // the turn that the reference shows
+  const Sweep& plain_sweep = plain_sweeps[3];
+  ASSERT_EQ(sweep.size(), plain_sweep.size());
+  EXPECT_NEAR(static_cast<double>(sweep.size()), 14'831, 60);  // it cuts at packets
+
+  constexpr uint32_t kLastPairNs = 20 * 55'296;
+  size_t absent = 0;
+  size_t near = 0;
+  size_t second_echoes = 0;
+  for (const DualPoint& point : reference) {
+    double best = 1e9;
+    for (size_t i = 0; i < sweep.size(); ++i) {
+      if (sweep.ring[i] != point.channel || std::abs(sweep.range[i] - point.distance) > 1e-3) {
+        continue;
+      }
+      const Eigen::Vector3d theirs(point.x, point.y, point.z);
+      best = std::min(best, distance(position(sweep, i), theirs));
+      if (point.time_ns >= kLastPairNs) {
+        best = std::min(best, distance(position(plain_sweep, i), theirs));
+      }
+    }
+    if (best > 1e8) ++absent;
+    const bool second_echo = point.return_type == 5 || point.return_type == 10;
+    const double ahead = second_echo ? 0.41 * std::numbers::pi / 180 * point.distance : 0;
+    if (best < 0.02 + ahead) ++near;
+    if (second_echo) ++second_echoes;
+  }
+  EXPECT_EQ(absent, 0U);
+  EXPECT_EQ(second_echoes, 188U);
+  EXPECT_GE(static_cast<double>(near), 0.999 * 14'831);
+}
+
+TEST(RealVlp16DualReturn, EveryReturnIsStrongestOrLastOrBoth) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp16-dual-return.pcap");
+  SweepAssembler assembler({.model = Model::kVlp16});
+  const auto packets = data_packets(path);
+  std::map<ReturnKind, size_t> kinds;
+  for (const Sweep& sweep : assemble(assembler, packets)) {
+    for (const ReturnKind kind : sweep.return_kind) ++kinds[kind];
+  }
+  // Counted on the bytes: pairs of equal entries, and entries that are not 0 in other pairs.
+  std::map<ReturnKind, size_t> expected;
+  for (const CapturedDatagram& packet : packets) {
+    for (size_t pair = 0; pair < 6; ++pair) {
+      for (size_t slot = 0; slot < 32; ++slot) {
+        const uint8_t* last = packet.payload.data() + pair * 200 + 4 + 3 * slot;
+        const uint8_t* strongest = last + 100;
+        const bool has_last = last[0] != 0 || last[1] != 0;
+        const bool has_strongest = strongest[0] != 0 || strongest[1] != 0;
+        if (has_last && std::equal(last, last + 3, strongest)) {
+          ++expected[ReturnKind::kBoth];
+        } else {
+          if (has_last) ++expected[ReturnKind::kLast];
+          if (has_strongest) ++expected[ReturnKind::kStrongest];
+        }
+      }
+    }
+  }
+  EXPECT_EQ(kinds, expected);
+  EXPECT_GT(expected[ReturnKind::kLast], 500U);
+}
+
+struct PlainPoint {
+  float x, y, z;
+};
+
+// The reference gives each laser of a VLP-32C the time of a VLP-16's, 2.304 µs · j instead of
+// 2.304 µs · ⌊j/2⌋, and again does not interpolate in the last block of a packet. With both put on
+// our block azimuths its points are ours. It ends with the whole packet that holds the jump to the
+// next half turn, so its last points are our next sweep's first.
+TEST(RealVlp32cHalfTurn, HoldsEveryPointOfTheReference) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp32c-half-turn.pcap");
+  const auto reference = read_pcd<PlainPoint>(real_data("velodyne/vlp32c-half-turn.reference.pcd"));
+  ASSERT_EQ(reference.size(), 26'216U);
+  // Cut where the sensor does not look: only its own jump ends a sweep.
+  SweepAssembler plain({.model = Model::kVlp32c, .cut_azimuth = 180, .interpolate_azimuth = false});
+  const std::vector<Sweep> sweeps = assemble(plain, data_packets(path));
+  ASSERT_EQ(sweeps.size(), 6U);
+
+  const ModelInfo& info = model_info(Model::kVlp32c);
+  const auto rings = built_in_calibration(Model::kVlp32c).rings(info);
+  std::array<double, 32> laser_of{};
+  for (size_t laser = 0; laser < 32; ++laser) laser_of[rings[laser]] = static_cast<double>(laser);
+  constexpr double kStep = 19.93 * std::numbers::pi / 18'000;  // 10 turns a second
+  std::multimap<long, std::array<Eigen::Vector3d, 2>> ours;    // by distance in its 4 mm units
+  const auto insert = [&](const Sweep& sweep, size_t columns) {
+    for (size_t i = 0; i < sweep.size() && sweep.column[i] < columns; ++i) {
+      const double turned = -kStep * laser_of[sweep.ring[i]] * 2.304 / 55.296;
+      const Eigen::Vector3d at = position(sweep, i);
+      ours.insert({std::lround(sweep.range[i] / 0.004),
+                   {at, Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ()) * at}});
+    }
+  };
+  insert(sweeps[0], 100'000);
+  insert(sweeps[1], 12);
+
+  size_t absent = 0;
+  size_t near = 0;
+  for (const PlainPoint& point : reference) {
+    const Eigen::Vector3d theirs(point.x, point.y, point.z);
+    const auto [begin, end] = ours.equal_range(std::lround(theirs.norm() / 0.004));
+    if (begin == end) ++absent;
+    double best = 1e9;
+    for (auto at = begin; at != end; ++at) {
+      best = std::min(best,
+                      std::min(distance(at->second[0], theirs), distance(at->second[1], theirs)));
+    }
+    if (best < 0.02) ++near;
+  }
+  EXPECT_EQ(absent, 0U);
+  EXPECT_GE(static_cast<double>(near), 0.999 * 26'216);
+}
+
+TEST(RealVlp32cHalfTurn, SweepsAreTheHalvesAndSayWhatIsMissing) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp32c-half-turn.pcap");
+  SweepAssembler assembler({.model = Model::kVlp32c, .cut_azimuth = 180});
+  const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
+  EXPECT_EQ(assembler.counters().packets, 379U);
+  EXPECT_EQ(assembler.counters().network_lost, 0U);  // the 50 ms without packets are no loss
+  ASSERT_EQ(sweeps.size(), 6U);
+  for (size_t i = 1; i < 5; ++i) {
+    const Sweep& sweep = sweeps[i];
+    EXPECT_NEAR(to_seconds(sweep.span), 0.0502, 2e-4);
+    EXPECT_NEAR(to_seconds(sweep.stamp - sweeps[i - 1].stamp), 0.1, 1e-3);
+    ASSERT_EQ(sweep.gaps.size(), 1U);
+    EXPECT_NEAR(sweep.gaps[0].from, -std::numbers::pi / 2, 0.03);
+    EXPECT_NEAR(sweep.gaps[0].to, std::numbers::pi / 2, 0.03);
+  }
+}
+
+TEST(RealCaptures, AModelIsInferredFromItsPackets) {
+  const std::vector<std::pair<const char*, Model>> captures{
+      {"velodyne/hdl32e-monterey.pcap", Model::kHdl32e},
+      {"velodyne/hdl32e-moving.pcap", Model::kHdl32e},
+      {"velodyne/vlp16-gps.pcap", Model::kVlp16},
+      {"velodyne/vlp16-dual-return.pcap", Model::kVlp16},
+      {"velodyne/vlp32c-half-turn.pcap", Model::kVlp32c}};
+  for (const auto& [name, model] : captures) {
+    INFUSE_REAL_DATA_OR_SKIP(path, name);
+    ModelInference inference;
+    for (const CapturedDatagram& packet : data_packets(path)) inference.add(packet.payload);
+    const auto guess = inference.guess();
+    ASSERT_TRUE(guess.has_value()) << name;
+    EXPECT_EQ(guess->model, model) << name << ": " << guess->reason;
+  }
+}
+
+TEST(RealCaptures, PositionPacketsTellTimePlaceAndState) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
+  size_t count = 0;
+  for (const CapturedDatagram& datagram : read_capture(path)) {
+    if (datagram.port != 8308) continue;
+    ++count;
+    const auto packet = parse_position_packet(datagram.payload);
+    ASSERT_TRUE(packet.has_value());
+    EXPECT_EQ(packet->pps, PpsState::kAbsent);  // though locked: firmware of 2012
+    ASSERT_TRUE(packet->sentence.has_value());
+    EXPECT_TRUE(packet->sentence->fix.valid);
+    EXPECT_NEAR(packet->sentence->fix.latitude * 180 / std::numbers::pi, 37 + 7.8324 / 60, 1e-4);
+    EXPECT_NEAR(packet->sentence->fix.longitude * 180 / std::numbers::pi, -121 - 39.2864 / 60,
+                1e-4);
+    // Standing upright: the first two units feel gravity along their x.
+    EXPECT_NEAR(packet->imu[0].linear_acceleration[0], 9.8, 1.0);
+    EXPECT_NEAR(packet->imu[1].linear_acceleration[0], 9.8, 1.0);
+    EXPECT_NEAR(packet->imu[0].temperature, 35, 3);
+    // The sentence is at most two seconds older than the counter.
+    const double age_s = packet->counter_us * 1e-6 -
+                         std::fmod(static_cast<double>(packet->sentence->fix.utc_ns) * 1e-9, 3600);
+    EXPECT_GT(age_s, 0);
+    EXPECT_LT(age_s, 2.1);
+  }
+  EXPECT_EQ(count, 299U);
+}
+
+}  // namespace
+}  // namespace infuse::velodyne
