@@ -1,0 +1,198 @@
+#include "drivers/recording/trajectory_file.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+namespace infuse::recording {
+namespace {
+
+constexpr size_t kMostNumbers = 13;
+constexpr double kRoughly = 0.01;
+
+/// The fields of a line, cut at spaces, tabs and commas; more than `kMostNumbers` are not kept.
+struct Fields {
+  std::array<std::string_view, kMostNumbers> text;
+  size_t count = 0;
+
+  explicit Fields(std::string_view line) {
+    constexpr const char* kBetween = " \t\r,";
+    size_t at = line.find_first_not_of(kBetween);
+    while (at != std::string_view::npos && count < kMostNumbers) {
+      const size_t end = std::min(line.find_first_of(kBetween, at), line.size());
+      text[count++] = line.substr(at, end - at);
+      at = line.find_first_not_of(kBetween, end);
+    }
+  }
+};
+
+std::optional<double> to_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+/// "1533226488.230547", exact to the nanosecond where it has a point and no exponent.
+std::optional<Stamp> to_stamp(std::string_view text) {
+  const size_t point = text.find('.');
+  const std::string_view whole = text.substr(0, point);
+  std::string_view part = point == std::string_view::npos ? "" : text.substr(point + 1);
+  int64_t seconds = 0, ns = 0;
+  const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
+  const bool plain = error == std::errc() && end == whole.data() + whole.size() &&
+                     part.find_first_not_of("0123456789") == std::string_view::npos;
+  if (!plain) {
+    const auto value = to_number(text);
+    return value ? std::optional(Stamp() + from_seconds(*value)) : std::nullopt;
+  }
+  for (size_t i = 0; i < 9; ++i) ns = 10 * ns + (i < part.size() ? part[i] - '0' : 0);
+  if (text.starts_with('-')) ns = -ns;
+  int64_t total = 0;
+  if (__builtin_mul_overflow(seconds, int64_t{1'000'000'000}, &total)) return std::nullopt;
+  return Stamp::from_ns(total) + Duration(ns);
+}
+
+using LineReader = Result<TrajectoryPose> (*)(const Fields&, size_t index);
+
+Result<std::vector<TrajectoryPose>> parse_lines(std::string_view text, const std::string& name,
+                                                LineReader read_line) {
+  std::vector<TrajectoryPose> poses;
+  size_t line_number = 0;
+  while (!text.empty()) {
+    const size_t end = text.find('\n');
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    ++line_number;
+    const Fields fields(line);
+    if (fields.count == 0 || fields.text[0].starts_with('#')) continue;
+    auto pose = read_line(fields, poses.size());
+    if (pose && !poses.empty() && pose->stamp <= poses.back().stamp) {
+      pose = fail("time does not rise");
+    }
+    if (!pose) {
+      Error error = pose.error();
+      error.where = name + ":" + std::to_string(line_number);
+      return tl::unexpected(error);
+    }
+    poses.push_back(*pose);
+  }
+  if (poses.empty())
+    return fail("no pose", name, "expected lines of 8 (TUM) or 12 (KITTI) numbers");
+  return poses;
+}
+
+Result<TrajectoryPose> tum_line(const Fields& fields, size_t) {
+  constexpr const char* kHint = "a TUM line is: seconds x y z qx qy qz qw";
+  if (fields.count != 8) return fail(std::to_string(fields.count) + " numbers", "", kHint);
+  const auto stamp = to_stamp(fields.text[0]);
+  std::array<double, 7> v{};
+  for (size_t i = 0; i < 7; ++i) {
+    const auto value = to_number(fields.text[i + 1]);
+    if (!value || !stamp) return fail("not a number, or no time", "", kHint);
+    v[i] = *value;
+  }
+  const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
+  if (std::abs(q.norm() - 1) > kRoughly)
+    return fail("the quaternion is not of length 1", "", kHint);
+  TrajectoryPose pose;
+  pose.stamp = *stamp;
+  pose.T_map_body.linear() = q.normalized().toRotationMatrix();
+  pose.T_map_body.translation() << v[0], v[1], v[2];
+  return pose;
+}
+
+Result<TrajectoryPose> kitti_line(const Fields& fields, size_t index) {
+  constexpr const char* kHint = "a KITTI line is the upper 3 x 4 part of a pose, by row";
+  if (fields.count != 12) return fail(std::to_string(fields.count) + " numbers", "", kHint);
+  Eigen::Matrix<double, 3, 4> m;
+  for (int i = 0; i < 12; ++i) {
+    const auto value = to_number(fields.text[static_cast<size_t>(i)]);
+    if (!value) return fail("not a number", "", kHint);
+    m(i / 4, i % 4) = *value;
+  }
+  const Eigen::Matrix3d R = m.leftCols<3>();
+  if (!(R * R.transpose()).isIdentity(kRoughly) || R.determinant() < 0) {
+    return fail("not a rigid motion", "", kHint);
+  }
+  TrajectoryPose pose;
+  pose.stamp = Stamp::from_ns(static_cast<int64_t>(index));
+  pose.T_map_body.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
+  pose.T_map_body.translation() = m.col(3);
+  return pose;
+}
+
+}  // namespace
+
+Result<std::vector<TrajectoryPose>> parse_tum(std::string_view text, const std::string& name) {
+  return parse_lines(text, name, tum_line);
+}
+
+Result<std::vector<TrajectoryPose>> parse_kitti(std::string_view text, const std::string& name) {
+  return parse_lines(text, name, kitti_line);
+}
+
+Result<std::vector<TrajectoryPose>> read_trajectory(const std::filesystem::path& file) {
+  constexpr uintmax_t kMaxBytes = uintmax_t{1} << 30;
+  std::error_code error;
+  const uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error)
+    return fail(error.message(), file.string(), "name a trajectory in TUM or KITTI format");
+  if (bytes > kMaxBytes) return fail("larger than 1 GiB", file.string());
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream buffer;
+  buffer << stream.rdbuf();
+  if (!stream) return fail("cannot be read", file.string());
+  const std::string text = std::move(buffer).str();
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const size_t end = rest.find('\n');
+    const Fields fields(rest.substr(0, end));
+    if (fields.count > 0 && !fields.text[0].starts_with('#')) {
+      return fields.count == 12 ? parse_kitti(text, file.string()) : parse_tum(text, file.string());
+    }
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+  }
+  return fail("no pose", file.string(), "expected lines of 8 (TUM) or 12 (KITTI) numbers");
+}
+
+std::string format_tum(const std::vector<TrajectoryPose>& poses) {
+  std::string text;
+  for (const TrajectoryPose& pose : poses) {
+    const Eigen::Quaterniond q(pose.T_map_body.linear());
+    const auto t = pose.T_map_body.translation();
+    const int64_t ns = pose.stamp.ns();
+    const bool negative = ns < 0;
+    const uint64_t size = negative ? 0 - static_cast<uint64_t>(ns) : static_cast<uint64_t>(ns);
+    char line[512];
+    const int length =
+        std::snprintf(line, sizeof line, "%s%llu.%09llu %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n",
+                      negative ? "-" : "", static_cast<unsigned long long>(size / 1'000'000'000),
+                      static_cast<unsigned long long>(size % 1'000'000'000), t.x(), t.y(), t.z(),
+                      q.x(), q.y(), q.z(), q.w());
+    text.append(line, std::min(static_cast<size_t>(length), sizeof line - 1));
+  }
+  return text;
+}
+
+std::string format_kitti(const std::vector<TrajectoryPose>& poses) {
+  std::string text;
+  for (const TrajectoryPose& pose : poses) {
+    for (int i = 0; i < 12; ++i) {
+      char number[64];
+      const int length = std::snprintf(number, sizeof number, i < 11 ? "%.9e " : "%.9e\n",
+                                       pose.T_map_body.matrix()(i / 4, i % 4));
+      text.append(number, static_cast<size_t>(length));
+    }
+  }
+  return text;
+}
+
+}  // namespace infuse::recording

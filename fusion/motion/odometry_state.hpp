@@ -1,0 +1,78 @@
+#pragma once
+
+#include "drivers/measurement/vehicle_samples.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/motion/odometry_options.hpp"
+
+namespace infuse::motion {
+
+/// A quantity the filter has learned.
+struct Learned {
+  double value = 0;
+  double sigma = 0;  ///< standard deviation
+};
+
+/// The extended Kalman filter of the vehicle's motion: pose, speed and acceleration along x,
+/// angular velocity, and what the sensors' errors are. The vehicle moves along its x axis (no side
+/// slip at the rear axle) and turns; the pose's error is a left perturbation in the map frame, so
+/// that it is carried through time unchanged and only grows.
+class OdometryState {
+ public:
+  /// Indices of the error state.
+  enum Index : int {
+    kPose = 0,
+    kSpeed = 6,
+    kAcceleration = 7,
+    kAngular = 8,
+    kYawBias = 11,
+    kGyroBias = 12,
+    kWheelScale = 15,
+    kSteeringZero = 16,
+    kSize = 17,
+  };
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+
+  /// `options.invalid()` must be empty.
+  explicit OdometryState(const OdometryOptions& options);
+
+  /// Sets the pose and forgets the motion; what has been learned stays.
+  void set_pose(const Eigen::Isometry3d& T_map_vehicle, const geometry::Matrix6& covariance);
+
+  /// Moves on by a time.
+  void predict(double seconds);
+
+  /// Speeds of the wheels; how many of them agreed with the motion.
+  int update_wheels(const WheelOdometry& sample);
+  /// False where the sample disagrees with the motion, or says nothing.
+  bool update_yaw_rate(double yaw_rate);
+  bool update_gyro(const ImuSample& sample);
+  bool update_gravity(const ImuSample& sample);
+  bool update_steering(double steering_angle);
+  bool update_gps(const GpsFix& fix);
+  /// The vehicle stands.
+  void update_standstill();
+
+  /// A time passed without samples: the pose stays and gets vague, the motion is not known.
+  void lose_motion(double seconds);
+
+  /// Forgets how sure speed or rotation were, after they were contradicted for long.
+  void loosen_speed();
+  void loosen_rotation();
+
+  const Eigen::Isometry3d& T_map_vehicle() const { return T_map_vehicle_; }
+  geometry::Matrix6 pose_covariance() const { return P_.topLeftCorner<6, 6>(); }
+  double speed() const { return x_[kWheelScale] * x_[kSpeed]; }
+  Eigen::Vector3d angular_velocity() const { return x_.segment<3>(kAngular); }
+  Learned learned(int index) const;
+
+ private:
+  bool update(double innovation, const Vector& derivative, double noise, double gate);
+
+  OdometryOptions options_;
+  Eigen::Isometry3d T_map_vehicle_ = Eigen::Isometry3d::Identity();
+  Vector x_ = Vector::Zero();  // the pose's part is always 0
+  Matrix P_ = Matrix::Zero();
+};
+
+}  // namespace infuse::motion

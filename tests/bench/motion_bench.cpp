@@ -1,0 +1,100 @@
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+
+#include "fusion/motion/compensation.hpp"
+
+namespace infuse {
+namespace {
+
+constexpr size_t kReturns = 130'000;  // HDL-64E, 10 Hz
+constexpr int64_t kSpanNs = 100'000'000;
+
+/// 15 m/s, 30°/s to the left, a pose every 10 ms.
+geometry::Trajectory trajectory() {
+  geometry::Trajectory drive;
+  geometry::Vector6 step;
+  step << 0, 0, 0.5236 * 0.01, 15 * 0.01, 0, 0;
+  geometry::StampedPose pose;
+  for (int i = -2; i <= 14; ++i) {
+    pose.stamp = Stamp::from_ns(i * 10'000'000);
+    drive.append(pose);
+    pose.T_map_vehicle = pose.T_map_vehicle * geometry::exp(step);
+  }
+  return drive;
+}
+
+Sweep sweep() {
+  Sweep made;
+  made.resize(kReturns);
+  made.span = Duration(kSpanNs);
+  for (size_t i = 0; i < kReturns; ++i) {
+    const double part = static_cast<double>(i) / kReturns;
+    const double range = 5 + 60 * std::abs(std::sin(37 * part));
+    made.x[i] = static_cast<float>(range * std::cos(6.28 * part));
+    made.y[i] = static_cast<float>(range * std::sin(6.28 * part));
+    made.z[i] = static_cast<float>(static_cast<int>(i % 64) - 50) * 0.03f;
+    made.time_offset_ns[i] = static_cast<int32_t>(static_cast<int64_t>(i / 64 * 64) * kSpanNs /
+                                                  static_cast<int64_t>(kReturns));
+  }
+  return made;
+}
+
+void compensate(benchmark::State& state) {
+  const Sweep taken = sweep();
+  const geometry::Trajectory drive = trajectory();
+  motion::MotionCompensator compensator(Eigen::Isometry3d::Identity());
+  motion::StraightSweep straight;
+  for (auto _ : state) {
+    compensator.compensate(taken, drive, taken.stamp + taken.span, straight);
+    if (!straight.usable()) state.SkipWithError(straight.reason);
+    benchmark::DoNotOptimize(straight.x.data());
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(kReturns));
+}
+
+/// The twist of each piece once, then an exp for every point; pieces found by going along.
+void per_point_exp(benchmark::State& state) {
+  const Sweep taken = sweep();
+  const geometry::Trajectory drive = trajectory();
+  motion::StraightSweep straight;
+  straight.x.resize(kReturns);
+  straight.y.resize(kReturns);
+  straight.z.resize(kReturns);
+  const Eigen::Isometry3d T_reference_map =
+      drive.at(taken.stamp + taken.span).T_map_vehicle.inverse();
+  for (auto _ : state) {
+    size_t piece = 0;
+    geometry::Vector6 twist = geometry::Vector6::Zero();
+    Eigen::Isometry3d T_reference_start;
+    int64_t begin = 0, end = -1;
+    for (size_t i = 0; i < kReturns; ++i) {
+      const int64_t at = taken.time_offset_ns[i];
+      while (at > end) {
+        const geometry::StampedPose &a = drive[piece], &b = drive[piece + 1];
+        begin = a.stamp.ns();
+        end = b.stamp.ns();
+        twist = geometry::log(a.T_map_vehicle.inverse() * b.T_map_vehicle) /
+                static_cast<double>(end - begin);
+        T_reference_start = T_reference_map * a.T_map_vehicle;
+        ++piece;
+      }
+      const Eigen::Vector3d moved =
+          T_reference_start * (geometry::exp(static_cast<double>(at - begin) * twist) *
+                               Eigen::Vector3d(taken.x[i], taken.y[i], taken.z[i]));
+      straight.x[i] = static_cast<float>(moved.x());
+      straight.y[i] = static_cast<float>(moved.y());
+      straight.z[i] = static_cast<float>(moved.z());
+    }
+    benchmark::DoNotOptimize(straight.x.data());
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(kReturns));
+}
+
+BENCHMARK(compensate)->Name("motion/compensate");
+BENCHMARK(per_point_exp)->Name("motion/compensate/baseline:per_point_exp");
+
+}  // namespace
+}  // namespace infuse

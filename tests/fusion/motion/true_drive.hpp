@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "drivers/measurement/vehicle_samples.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
+
+namespace infuse::motion {
+
+/// A drive whose truth is known: body twist as a function of time (s), integrated in steps of half
+/// a millisecond.
+class TrueDrive {
+ public:
+  TrueDrive(double seconds, std::function<geometry::Vector6(double)> twist)
+      : twist_(std::move(twist)) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    for (double t = 0; t <= seconds; t += kStep) {
+      poses_.push_back(T);
+      T = T * geometry::exp(kStep * twist_(t + kStep / 2));
+    }
+  }
+
+  geometry::Vector6 twist(double t) const { return twist_(t); }
+  double seconds() const { return kStep * static_cast<double>(poses_.size() - 1); }
+
+  Eigen::Isometry3d pose(double t) const {
+    const auto i = std::min(static_cast<size_t>(t / kStep), poses_.size() - 1);
+    const double rest = t - kStep * static_cast<double>(i);
+    return poses_[i] * geometry::exp(rest * twist_(t - rest / 2));
+  }
+
+  /// Wheel speeds of a vehicle of the default dimensions, noiseless.
+  WheelOdometry wheels(double t, double wheelbase = 2.7, double track = 1.55) const {
+    const geometry::Vector6 now = twist_(t);
+    WheelOdometry sample;
+    sample.stamp = Stamp::from_ns(static_cast<int64_t>(std::llround(t * 1e9)));
+    for (size_t i = 0; i < 4; ++i) {
+      const double along = now[3] - now[2] * (i % 2 == 0 ? track / 2 : -track / 2);
+      const double across = i < 2 ? now[2] * wheelbase : 0;
+      sample.wheel_speed[i] = std::copysign(std::hypot(along, across), along);
+    }
+    sample.yaw_rate = now[2];
+    sample.steering_angle = std::nan("");
+    return sample;
+  }
+
+ private:
+  static constexpr double kStep = 0.5e-3;
+  std::function<geometry::Vector6(double)> twist_;
+  std::vector<Eigen::Isometry3d> poses_;
+};
+
+inline Stamp seconds(double t) {
+  return Stamp::from_ns(static_cast<int64_t>(std::llround(t * 1e9)));
+}
+
+}  // namespace infuse::motion
