@@ -5,15 +5,11 @@ add_library(infuse::flags ALIAS infuse_flags)
 target_include_directories(infuse_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # -ffp-contract=off: a fused multiply-add rounds once where two instructions round twice, so a replay
 # would give other bytes on a processor that has it. -fno-math-errno: nobody reads errno after sqrt.
-<<<<<<< HEAD
 # -Wno-missing-field-initializers: options are written as {.bins = 16}, and what is left out has its default.
-target_compile_options(infuse_flags INTERFACE
-  -Wall -Wextra -Wno-missing-field-initializers -Wconversion -Wshadow -Werror -ffp-contract=off -fno-math-errno)
-=======
 # -Wno-psabi: vectors wider than the baseline's registers are passed between inlined functions only.
 target_compile_options(infuse_flags INTERFACE
-  -Wall -Wextra -Wconversion -Wshadow -Werror -Wno-psabi -ffp-contract=off -fno-math-errno)
->>>>>>> velodyne
+  -Wall -Wextra -Wno-missing-field-initializers -Wconversion -Wshadow -Werror -Wno-psabi
+  -ffp-contract=off -fno-math-errno)
 if(INFUSE_SANITIZE)
   # g++ 12 warns falsely about its own library when sanitizers change the inlining.
   target_compile_options(infuse_flags INTERFACE -fsanitize=${INFUSE_SANITIZE}
