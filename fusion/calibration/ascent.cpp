@@ -1,0 +1,155 @@
+#include "fusion/calibration/ascent.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace infuse::calibration {
+namespace {
+
+using geometry::Matrix6;
+using geometry::Vector6;
+
+constexpr double kFirstStep = 0.3;  // of the first step, before the curvature is known
+constexpr double kBacktrack = 0.4;  // of the step, where the function does not rise enough
+constexpr int kMaxBacktracks = 12;
+constexpr double kSufficient = 1e-4;  // of the rise that the slope promises (Armijo)
+
+/// A place, its value and its slope.
+struct Place {
+  Vector6 d = Vector6::Zero();
+  double value = 0;
+  Vector6 slope = Vector6::Zero();
+};
+
+Place look(const SixFunction& function, const Vector6& d) {
+  Place place{.d = d};
+  place.value = function(d, &place.slope);
+  return place;
+}
+
+/// Backtracks along `step` until the function has risen enough; false where it never does.
+bool advance(const SixFunction& function, const Place& from, Vector6 step, Place& to) {
+  for (int i = 0; i < kMaxBacktracks; ++i) {
+    to = look(function, from.d + step);
+    if (to.value > from.value + kSufficient * step.dot(from.slope)) return true;
+    step *= kBacktrack;
+  }
+  return false;
+}
+
+/// The inverse of minus the second derivative, as the steps so far show it.
+class InverseCurvature {
+ public:
+  explicit InverseCurvature(const Vector6& slope) { restart(slope); }
+
+  void restart(const Vector6& slope) {
+    inverse_ = Matrix6::Identity() * (kFirstStep / slope.norm());
+    fresh_ = true;
+  }
+  bool fresh() const { return fresh_; }
+  Vector6 times(const Vector6& slope) const { return inverse_ * slope; }
+
+  void learn(const Place& from, const Place& to) {
+    const Vector6 s = to.d - from.d;
+    const Vector6 y = from.slope - to.slope;
+    const double sy = s.dot(y);
+    if (!(sy > 1e-9 * s.norm() * y.norm())) return;  // convex here: nothing to learn of a maximum
+    if (fresh_) inverse_ = Matrix6::Identity() * (sy / y.squaredNorm());
+    const Matrix6 A = Matrix6::Identity() - s * y.transpose() / sy;
+    inverse_ = A * inverse_ * A.transpose() + s * s.transpose() / sy;
+    fresh_ = false;
+  }
+
+ private:
+  Matrix6 inverse_;
+  bool fresh_ = true;
+};
+
+}  // namespace
+
+Ascent ascend_bfgs(const SixFunction& function, const AscentOptions& options) {
+  Place at = look(function, Vector6::Zero());
+  if (at.slope.norm() == 0) return {.value = at.value, .converged = true};
+  InverseCurvature curvature(at.slope);
+  for (int i = 0; i < options.max_iterations; ++i) {
+    Vector6 step = curvature.times(at.slope);
+    if (step.norm() > options.max_step) step *= options.max_step / step.norm();
+    if (step.norm() < options.tolerance) return {at.d, at.value, true};
+    Place next;
+    if (advance(function, at, step, next)) {
+      curvature.learn(at, next);
+      at = next;
+    } else {
+      // Not even the slope's own direction leads up: a maximum, as far as the numbers can tell.
+      if (curvature.fresh() || at.slope.norm() == 0) return {at.d, at.value, true};
+      curvature.restart(at.slope);
+    }
+  }
+  return {at.d, at.value, false};
+}
+
+Ascent ascend_barzilai_borwein(const SixFunction& function, const AscentOptions& options) {
+  Place at = look(function, Vector6::Zero());
+  Place best = at;
+  double rate = kFirstStep / std::max(at.slope.norm(), 1e-12);
+  for (int i = 0; i < options.max_iterations; ++i) {
+    Vector6 step = rate * at.slope;
+    if (step.norm() > options.max_step) step *= options.max_step / step.norm();
+    if (step.norm() < options.tolerance) return {best.d, best.value, true};
+    const Place next = look(function, at.d + step);
+    const double curvature = std::abs(step.dot(next.slope - at.slope));
+    if (curvature > 0) rate = step.squaredNorm() / curvature;
+    at = next;
+    if (at.value > best.value) best = at;
+  }
+  return {best.d, best.value, false};
+}
+
+Ascent ascend_simplex(const SixFunction& function, const AscentOptions& options) {
+  struct Vertex {
+    Vector6 d;
+    double value;
+  };
+  const auto ask = [&](const Vector6& d) { return Vertex{d, function(d, nullptr)}; };
+  std::array<Vertex, 7> vertices{};
+  for (size_t i = 0; i < 7; ++i) {
+    Vector6 d = Vector6::Zero();
+    if (i > 0) d(static_cast<Eigen::Index>(i) - 1) = options.max_step / 2;
+    vertices[i] = ask(d);
+  }
+  const auto order = [&] {
+    std::stable_sort(vertices.begin(), vertices.end(),
+                     [](const Vertex& a, const Vertex& b) { return a.value > b.value; });
+  };
+  const auto shrink = [&] {
+    for (size_t k = 1; k < 7; ++k) vertices[k] = ask(0.5 * (vertices[0].d + vertices[k].d));
+  };
+  for (int i = 0; i < options.max_iterations; ++i) {
+    order();
+    Vertex& worst = vertices[6];
+    if ((worst.d - vertices[0].d).norm() < options.tolerance) {
+      return {vertices[0].d, vertices[0].value, true};
+    }
+    Vector6 centre = Vector6::Zero();
+    for (size_t k = 0; k < 6; ++k) centre += vertices[k].d / 6;
+    const Vertex reflected = ask(2 * centre - worst.d);
+    if (reflected.value > vertices[0].value) {
+      const Vertex expanded = ask(3 * centre - 2 * worst.d);
+      worst = expanded.value > reflected.value ? expanded : reflected;
+    } else if (reflected.value > vertices[5].value) {
+      worst = reflected;
+    } else {
+      const bool outside = reflected.value > worst.value;
+      const Vertex contracted = ask(0.5 * (centre + (outside ? reflected.d : worst.d)));
+      if (contracted.value > std::max(reflected.value, worst.value)) {
+        worst = contracted;
+      } else {
+        shrink();
+      }
+    }
+  }
+  order();
+  return {vertices[0].d, vertices[0].value, false};
+}
+
+}  // namespace infuse::calibration

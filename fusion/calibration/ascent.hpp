@@ -1,0 +1,37 @@
+#pragma once
+
+#include <functional>
+
+#include "fusion/geometry/rigid_motion.hpp"
+
+namespace infuse::calibration {
+
+/// A function of six scaled parameters to be maximised. With a `gradient` it also fills that.
+using SixFunction = std::function<double(const geometry::Vector6& d, geometry::Vector6* gradient)>;
+
+/// When an ascent ends.
+struct AscentOptions {
+  int max_iterations = 60;
+  double tolerance = 1e-4;  ///< a step shorter than this ends the search
+  double max_step = 1;      ///< no step is longer: a longer one may land in another basin
+};
+
+/// Where an ascent ended.
+struct Ascent {
+  geometry::Vector6 d = geometry::Vector6::Zero();
+  double value = 0;
+  bool converged = false;  ///< false: still moving when its iterations were used up
+};
+
+/// Quasi-Newton ascent from 0 after Broyden, Fletcher, Goldfarb and Shanno (I 4.2.3; Nocedal and
+/// Wright, 6.1), with a bounded step and backtracking. Libraries' line searches lengthen the step
+/// until the function falls, which a dependence with many maxima does only beyond the next hill.
+Ascent ascend_bfgs(const SixFunction& function, const AscentOptions& options);
+
+/// Gradient ascent from 0 with Barzilai–Borwein steps, P 3.3.2: d ← d + γ g, γ = |Δd|² / |Δd·Δg|.
+Ascent ascend_barzilai_borwein(const SixFunction& function, const AscentOptions& options);
+
+/// Nelder and Mead's simplex from 0 with the usual coefficients (1, 2, ½, ½); asks for no gradient.
+Ascent ascend_simplex(const SixFunction& function, const AscentOptions& options);
+
+}  // namespace infuse::calibration

@@ -1,0 +1,152 @@
+#include "fusion/calibration/dependence_term.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "fusion/calibration/lidar_features.hpp"
+#include "fusion/dependence/prepared_histogram.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+using dependence::Estimate;
+using dependence::Measure;
+
+/// A measure of the joint histogram of both sides.
+class HistogramTerm : public DependenceTerm {
+ public:
+  HistogramTerm(Measure measure, dependence::Window window, int bins, std::span<const float> lidar)
+      : measure_(measure),
+        window_(window),
+        histogram_(lidar, {.x = {.bins = bins}, .y = {.bins = bins}, .window = window}) {}
+
+  Estimate evaluate(std::span<const float> image, std::span<float> gradient) override {
+    if (gradient.empty()) return histogram_.value(measure_, image);
+    if (window_ == dependence::Window::kBSpline) {
+      return histogram_.value_and_gradient(measure_, image, gradient);
+    }
+    std::fill(gradient.begin(), gradient.end(), 0.0F);
+    return histogram_.value(measure_, image);
+  }
+
+ private:
+  Measure measure_;
+  dependence::Window window_;
+  dependence::PreparedHistogram histogram_;
+};
+
+/// I(4.4): mean of lidar value times image value.
+class CorrelationTerm : public DependenceTerm {
+ public:
+  explicit CorrelationTerm(std::vector<float> lidar) : lidar_(std::move(lidar)) {}
+
+  Estimate evaluate(std::span<const float> image, std::span<float> gradient) override {
+    if (lidar_.empty()) return {.value = 0, .reason = "no points in view"};
+    const auto n = static_cast<double>(lidar_.size());
+    double sum = 0;
+    for (size_t i = 0; i < lidar_.size(); ++i) {
+      if (std::isfinite(image[i])) sum += double{lidar_[i]} * double{image[i]};
+    }
+    for (size_t i = 0; i < gradient.size(); ++i) gradient[i] = static_cast<float>(lidar_[i] / n);
+    return {.value = sum / n};
+  }
+
+ private:
+  std::vector<float> lidar_;
+};
+
+std::vector<NamedMeasure> make_named_measures() {
+  using enum MeasureKind;
+  const auto reflectivity = [](MeasureKind kind, int bins) {
+    return TermOptions{.measure = kind, .bins = bins, .equalize = false};
+  };
+  const TermOptions edges{
+      .lidar = LidarFeature::kDiscontinuity, .image = ImageFeature::kEdge, .weight = 2};
+  TermOptions levinson = edges;
+  levinson.measure = kCorrelation;
+  levinson.weight = 1;
+  levinson.equalize = false;
+  return {
+      {"joint",
+       "MI of reflectivity and grey + 2 MI of depth edges and image edges, all by rank",
+       {TermOptions{}, edges},
+       true,
+       true},
+      {"edges",
+       "MI of depth edges and image edges, by rank: without reflectivity (P 6.2.1)",
+       {edges},
+       true,
+       true},
+      {"mi",
+       "mutual information, P(3.17), B-spline window of 32 bins",
+       {reflectivity(kMutualInformation, 32)},
+       false,
+       true},
+      {"mi-kde",
+       "mutual information, P(3.17), Gaussian KDE on 256 bins",
+       {reflectivity(kMutualInformationKde, 256)},
+       false,
+       false},
+      {"nmi",
+       "normalised mutual information, I(4.2)",
+       {reflectivity(kNormalisedMutualInformation, 32)},
+       false,
+       true},
+      {"chi2", "chi-squared, P(3.25)", {reflectivity(kChiSquared, 32)}, false, true},
+      {"smi",
+       "discretised squared-loss mutual information, I(4.3)",
+       {reflectivity(kSquaredLossMutualInformation, 32)},
+       false,
+       true},
+      {"levinson-thrun", "depth edges times image edges, P(3.23), I(4.4)", {levinson}, false, true},
+  };
+}
+
+const std::vector<NamedMeasure>& all_measures() {
+  static const std::vector<NamedMeasure> measures = make_named_measures();
+  return measures;
+}
+
+}  // namespace
+
+std::optional<std::string> TermOptions::invalid() const {
+  if (!(weight > 0) || !std::isfinite(weight)) return "weight must be positive";
+  if (bins < 4 || bins > 1024) return "bins must lie in 4 … 1024";
+  return std::nullopt;
+}
+
+std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const VisiblePoints& points) {
+  std::vector<float> lidar = points.lidar[index(options.lidar)];
+  if (options.equalize) equalize(lidar);
+  const auto histogram = [&](Measure measure, dependence::Window window) {
+    return std::make_unique<HistogramTerm>(measure, window, options.bins, lidar);
+  };
+  using dependence::Window;
+  switch (options.measure) {
+    case MeasureKind::kMutualInformation:
+      return histogram(Measure::kMutualInformation, Window::kBSpline);
+    case MeasureKind::kMutualInformationKde:
+      return histogram(Measure::kMutualInformation, Window::kGaussian);
+    case MeasureKind::kNormalisedMutualInformation:
+      return histogram(Measure::kNormalisedMutualInformation, Window::kBSpline);
+    case MeasureKind::kChiSquared:
+      return histogram(Measure::kChiSquared, Window::kBSpline);
+    case MeasureKind::kSquaredLossMutualInformation:
+      return histogram(Measure::kSquaredLossMutualInformation, Window::kBSpline);
+    case MeasureKind::kCorrelation:
+      break;
+  }
+  return std::make_unique<CorrelationTerm>(std::move(lidar));
+}
+
+std::span<const NamedMeasure> named_measures() { return all_measures(); }
+
+const NamedMeasure* find_measure(const std::string& name) {
+  const auto& measures = all_measures();
+  const auto at =
+      std::find_if(measures.begin(), measures.end(), [&](const auto& m) { return m.name == name; });
+  return at == measures.end() ? nullptr : &*at;
+}
+
+}  // namespace infuse::calibration

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace infuse::calibration {
+
+/// What a return tells of the surface it came from.
+enum class LidarFeature : uint8_t {
+  kReflectivity,   ///< as the sensor states it, 0 … 1
+  kDiscontinuity,  ///< scan discontinuity, I(3.6)
+  kNormalX,        ///< surface normal, lidar frame, turned towards the sensor, I 4.3.1.3
+  kNormalY,
+  kNormalZ,
+  kTaylorNormal,  ///< Taylor and Nieto's normal feature, I 4.3.2
+};
+inline constexpr size_t kLidarFeatures = 6;
+
+/// What a picture tells at a pixel.
+enum class ImageFeature : uint8_t {
+  kGrey,
+  kEdge,  ///< edge strength, I 4.3.1.4
+  kRed,
+  kGreen,
+  kBlue,
+};
+inline constexpr size_t kImageFeatures = 5;
+
+/// One entry a lidar feature.
+template <class T>
+using PerLidarFeature = std::array<T, kLidarFeatures>;
+/// One entry an image feature.
+template <class T>
+using PerImageFeature = std::array<T, kImageFeatures>;
+
+constexpr size_t index(LidarFeature feature) { return static_cast<size_t>(feature); }
+constexpr size_t index(ImageFeature feature) { return static_cast<size_t>(feature); }
+
+}  // namespace infuse::calibration

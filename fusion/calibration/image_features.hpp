@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "drivers/measurement/camera_frame.hpp"
+
+namespace infuse::calibration {
+
+/// One quantity of a picture: width × height floats in 0 … 1, rows from the top.
+struct Plane {
+  int width = 0;   ///< samples
+  int height = 0;  ///< samples
+  int step = 1;    ///< pixels between samples; sample (0, 0) is pixel (0, 0)
+  std::vector<float> values;
+};
+
+/// Grey levels (whole numbers 0 … 255) of a kGrey8 or kBgr8 frame, ITU-R BT.601.
+Plane grey_plane(const CameraFrame& frame);
+
+/// Edge strength after Levinson and Thrun, I 4.3.1.4:
+///   e(u, v) = max over the eight neighbours of |I(u, v) − I(u', v')|,
+/// 0 … 255 for grey levels; at the border over the neighbours that exist.
+Plane edge_strength(const Plane& grey);
+
+/// The plane of whole numbers 0 … 255 with every value replaced by its rank among all, divided by
+/// their number: 0 ≤ … < 1, equal values share the mean of their ranks.
+Plane equalized(Plane plane);
+
+/// The plane smoothed by a Gaussian of `sigma` pixels (0: unchanged), borders replicated, and then
+/// thinned to samples `step` pixels apart, a multiple of the plane's own.
+Plane blurred(const Plane& plane, double sigma, int step = 1);
+
+}  // namespace infuse::calibration

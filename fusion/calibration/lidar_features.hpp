@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/measurement/sweep.hpp"
+
+namespace infuse::calibration {
+
+/// Scan discontinuity of every return, after Levinson and Thrun, I(3.6) and I 4.3.1.2:
+///   e_i = max(d_{i−1} − d_i, d_{i+1} − d_i, 0)^γ
+/// over the neighbours on the return's own ring, so that it marks the near side of a depth edge:
+/// there the image has its edge too. The text of I prints the difference without saying which side
+/// is which; "closer points" of its explanation decides.
+///
+/// A neighbour is the return before or after on the same ring, if it lies within `max_gap`. Beyond
+/// it nothing came back (sky), and the neighbour counts as `no_return_step` farther away.
+struct DiscontinuityOptions {
+  double gamma = 0.5;         ///< exponent, I 4.3.1.2
+  double max_gap = 0.02;      ///< rad of azimuth between neighbours; four firings of a slow HDL-32E
+  double no_return_step = 0;  ///< m; the step that a missing neighbour stands for, 0: none
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// One value a return of `sweep`, m^γ, never negative. Needs `ring` and `column`; dual
+/// returns of one firing are no neighbours of each other.
+std::vector<float> discontinuity(const Sweep& sweep, const DiscontinuityOptions& options);
+
+/// Replaces every value by its rank among all, divided by their number: 0 ≤ … < 1, equal values
+/// share the mean of their ranks. A histogram over ranks is evenly filled whatever the sensor's
+/// response, and a monotone change of that response changes nothing.
+void equalize(std::span<float> values);
+
+}  // namespace infuse::calibration

@@ -1,0 +1,101 @@
+#include "fusion/calibration/maximize.hpp"
+
+#include "fusion/calibration/ascent.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+using geometry::Vector6;
+
+constexpr const char* kNotConverged = "the search was still moving when its steps were used up";
+
+/// The objective around a start, in scaled coordinates: T(d) = exp(scale ∘ d) T_start.
+class LocalProblem {
+ public:
+  LocalProblem(Objective& objective, const Eigen::Isometry3d& start, const MaximizeOptions& options)
+      : objective_(objective), start_(start), anchor_(options.anchor) {
+    scale_ << Eigen::Vector3d::Constant(options.rotation_scale),
+        Eigen::Vector3d::Constant(options.translation_scale);
+  }
+
+  Eigen::Isometry3d pose(const Vector6& d) const {
+    return geometry::exp(scale_.cwiseProduct(d)) * start_;
+  }
+
+  /// The value, and the gradient by d where asked: the left Jacobian takes the step from ξ to d.
+  dependence::Estimate evaluate(const Vector6& d, Vector6* gradient) const {
+    const Eigen::Isometry3d T = pose(d);
+    Evaluation at = objective_.evaluate(T, gradient != nullptr);
+    if (anchor_.weight > 0) pull_back(T, at);
+    if (gradient != nullptr) {
+      const geometry::Matrix6 jacobian = geometry::left_jacobian(scale_.cwiseProduct(d));
+      *gradient = (jacobian.transpose() * at.gradient).cwiseProduct(scale_);
+    }
+    return at.estimate;
+  }
+
+ private:
+  /// Takes the anchor's penalty off the value, and its derivative off the gradient.
+  void pull_back(const Eigen::Isometry3d& T, Evaluation& at) const {
+    const Eigen::Vector3d off = T.translation() - anchor_.translation;
+    at.estimate.value -= 0.5 * anchor_.weight * off.squaredNorm();
+    // exp(ξ) T moves the translation t by ρ + ω × t.
+    at.gradient.head<3>() -= anchor_.weight * T.translation().cross(off);
+    at.gradient.tail<3>() -= anchor_.weight * off;
+  }
+
+  Objective& objective_;
+  Eigen::Isometry3d start_;
+  Anchor anchor_;
+  Vector6 scale_;
+};
+
+Ascent ascend(const SixFunction& function, const MaximizeOptions& options) {
+  AscentOptions ascent{.max_iterations = options.max_iterations, .tolerance = options.tolerance};
+  switch (options.search) {
+    case Search::kBfgs:
+      return ascend_bfgs(function, ascent);
+    case Search::kBarzilaiBorwein:
+      ascent.max_iterations *= 3;
+      return ascend_barzilai_borwein(function, ascent);
+    case Search::kSimplex:
+      break;
+  }
+  ascent.max_iterations *= 10;
+  return ascend_simplex(function, ascent);
+}
+
+}  // namespace
+
+std::optional<std::string> MaximizeOptions::invalid() const {
+  if (max_iterations < 1) return "max_iterations must be at least 1";
+  if (!(rotation_scale > 0)) return "rotation_scale must be positive";
+  if (!(translation_scale >= 0)) return "translation_scale must not be negative";
+  if (!(tolerance > 0)) return "tolerance must be positive";
+  return std::nullopt;
+}
+
+Maximum maximize(Objective& objective, const Eigen::Isometry3d& start,
+                 const MaximizeOptions& options) {
+  const LocalProblem problem(objective, start, options);
+  Vector6 slope = Vector6::Zero();
+  const dependence::Estimate first =
+      problem.evaluate(Vector6::Zero(), options.search == Search::kSimplex ? nullptr : &slope);
+  Maximum maximum{.T_head_lidar = start, .value = first.value, .reason = first.reason};
+  if (!first.usable()) return maximum;
+  if (slope.norm() == 0 && options.search != Search::kSimplex) {
+    maximum.reason = "the measure does not change with the calibration";
+    return maximum;
+  }
+  const Ascent ascent = ascend(
+      [&](const Vector6& d, Vector6* gradient) { return problem.evaluate(d, gradient).value; },
+      options);
+  if (ascent.value >= first.value) {
+    maximum.T_head_lidar = problem.pose(ascent.d);
+    maximum.value = ascent.value;
+  }
+  if (!ascent.converged) maximum.reason = kNotConverged;
+  return maximum;
+}
+
+}  // namespace infuse::calibration

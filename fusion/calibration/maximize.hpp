@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+
+#include "fusion/calibration/objective.hpp"
+
+namespace infuse::calibration {
+
+/// How a maximum is looked for.
+enum class Search {
+  kBfgs,             ///< quasi-Newton on analytic gradients, I 4.2.3
+  kBarzilaiBorwein,  ///< gradient ascent with Barzilai–Borwein steps, P 3.3.2
+  kSimplex,          ///< Nelder–Mead: needs no gradient
+};
+
+/// Holds the translation near where it is known to be: ½ weight |t − translation|² is taken off the
+/// measure. For coarse levels, whose blurred images hardly tell where the camera stands.
+struct Anchor {
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< m, of T_head_lidar
+  double weight = 0;                                      ///< the measure's unit per m²; 0: none
+};
+
+/// Settings of a search.
+struct MaximizeOptions {
+  Search search = Search::kBfgs;
+  int max_iterations = 60;         ///< of BFGS; three times as many of P, ten of the simplex
+  double rotation_scale = 0.01;    ///< rad; a step of this and
+  double translation_scale = 0.1;  ///< m; a step of this are taken to matter alike, and are the
+                                   ///< longest; 0: translation stays as it is
+  double tolerance = 1e-4;         ///< in these scales: smaller steps end the search
+
+  Anchor anchor;
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// Where a search ended.
+struct Maximum {
+  Eigen::Isometry3d T_head_lidar = Eigen::Isometry3d::Identity();
+  double value = 0;
+  const char* reason = "";  ///< static text: why it is no maximum; empty when it is
+
+  bool usable() const { return *reason == '\0'; }
+};
+
+/// Looks for the next maximum from a start. The value at the result is never below the start's.
+Maximum maximize(Objective& objective, const Eigen::Isometry3d& start,
+                 const MaximizeOptions& options);
+
+}  // namespace infuse::calibration

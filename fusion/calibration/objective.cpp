@@ -1,0 +1,178 @@
+#include "fusion/calibration/objective.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fusion/dependence/joint_histogram.hpp"
+#include "fusion/geometry/pose_gradient.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+/// Bilinear look-up of one block of points, I 4.3.1.4, with its derivatives by the pixel. Outside
+/// the picture: the border's value, and no derivative across it.
+void look_up_block(const Plane& plane, std::span<const float> u, std::span<const float> v,
+                   float* value, float* by_u, float* by_v) {
+  const auto right = static_cast<float>(plane.width - 1) - 1e-3F;
+  const auto bottom = static_cast<float>(plane.height - 1) - 1e-3F;
+  const float scale = 1.0F / static_cast<float>(plane.step);
+  const float* pixels = plane.values.data();
+  for (size_t i = 0; i < u.size(); ++i) {
+    if (std::isnan(u[i])) {
+      value[i] = dependence::kAbsent;
+      by_u[i] = by_v[i] = 0;
+      continue;
+    }
+    const float su = u[i] * scale;
+    const float sv = v[i] * scale;
+    const float cu = std::clamp(su, 0.0F, right);
+    const float cv = std::clamp(sv, 0.0F, bottom);
+    const int iu = static_cast<int>(cu);
+    const int iv = static_cast<int>(cv);
+    const float a = cu - static_cast<float>(iu);
+    const float b = cv - static_cast<float>(iv);
+    const float* top = pixels + static_cast<size_t>(iv) * static_cast<size_t>(plane.width) + iu;
+    const float* low = top + plane.width;
+    const float upper = top[0] + a * (top[1] - top[0]);
+    const float lower = low[0] + a * (low[1] - low[0]);
+    value[i] = upper + b * (lower - upper);
+    by_u[i] = cu == su ? scale * ((1 - b) * (top[1] - top[0]) + b * (low[1] - low[0])) : 0.0F;
+    by_v[i] = cv == sv ? scale * (lower - upper) : 0.0F;
+  }
+}
+
+template <class T>
+std::span<T> part(std::vector<std::remove_const_t<T>>& all, const VisiblePoints::Block& block) {
+  return std::span<T>(all).subspan(block.begin, block.end - block.begin);
+}
+
+geometry::PointsView block_points(const VisiblePoints& points, const VisiblePoints::Block& block) {
+  const auto cut = [&](const std::vector<float>& all) {
+    return std::span<const float>(all).subspan(block.begin, block.end - block.begin);
+  };
+  return {cut(points.x), cut(points.y), cut(points.z)};
+}
+
+}  // namespace
+
+namespace {
+
+/// Samples lie so far apart that their Gaussian is still at least 1.5 of them wide.
+int samples_apart(double sigma) {
+  int step = 1;
+  while (3 * step <= sigma) step *= 2;
+  return step;
+}
+
+}  // namespace
+
+BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms,
+                             double sigma)
+    : planes_(scenes.size()), sigma_(sigma) {
+  for (size_t s = 0; s < scenes.size(); ++s) {
+    for (const TermOptions& term : terms) {
+      Plane& plane = planes_[s][index(term.image)];
+      if (plane.values.empty()) {
+        plane = blurred(scenes[s].image[index(term.image)], sigma, samples_apart(sigma));
+      }
+    }
+  }
+}
+
+BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
+    : planes_(finer.planes_.size()), sigma_(sigma) {
+  const double rest = std::sqrt(std::max(0.0, sigma * sigma - finer.sigma_ * finer.sigma_));
+  for (size_t s = 0; s < planes_.size(); ++s) {
+    for (size_t f = 0; f < kImageFeatures; ++f) {
+      planes_[s][f] = blurred(finer.planes_[s][f], rest,
+                              std::max(finer.planes_[s][f].step, samples_apart(sigma)));
+    }
+  }
+}
+
+Objective::Objective(const VisiblePoints& points, const BlurredImages& images,
+                     std::span<const RigCamera> cameras, std::span<const Scene> scenes,
+                     std::span<const TermOptions> terms)
+    : points_(points), images_(images), cameras_(cameras), scenes_(scenes) {
+  for (const TermOptions& term : terms) terms_.push_back({term, make_term(term, points)});
+  for (auto* scratch :
+       {&u_, &v_, &depth_, &value_, &value_by_u_, &value_by_v_, &by_value_, &by_u_, &by_v_}) {
+    scratch->resize(points.size());
+  }
+}
+
+void Objective::project(const Eigen::Isometry3d& T_head_lidar) {
+  for (const VisiblePoints::Block& block : points_.blocks) {
+    const RigCamera& camera = cameras_[scenes_[block.scene].camera];
+    geometry::project_points(
+        camera.model, camera.T_camera_head * T_head_lidar, block_points(points_, block),
+        {part<float>(u_, block), part<float>(v_, block), part<float>(depth_, block)});
+  }
+}
+
+void Objective::look_up(ImageFeature feature) {
+  for (const VisiblePoints::Block& block : points_.blocks) {
+    look_up_block(images_.plane(block.scene, feature), part<const float>(u_, block),
+                  part<const float>(v_, block), &value_[block.begin], &value_by_u_[block.begin],
+                  &value_by_v_[block.begin]);
+  }
+}
+
+dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_head_lidar,
+                                                     bool with_gradient) {
+  ++evaluations_;
+  dependence::Estimate sum;
+  if (points_.size() == 0) return {.value = 0, .reason = "no lidar point falls into a picture"};
+  project(T_head_lidar);
+  if (with_gradient) {
+    std::fill(by_u_.begin(), by_u_.end(), 0.0F);
+    std::fill(by_v_.begin(), by_v_.end(), 0.0F);
+  }
+  for (Term& term : terms_) {
+    look_up(term.options.image);
+    const dependence::Estimate one = term.dependence->evaluate(
+        value_, with_gradient ? std::span<float>(by_value_) : std::span<float>());
+    sum.value += term.options.weight * one.value;
+    if (!one.usable()) sum.reason = one.reason;
+    if (!with_gradient) continue;
+    const auto weight = static_cast<float>(term.options.weight);
+    for (size_t i = 0; i < by_u_.size(); ++i) {
+      by_u_[i] += weight * by_value_[i] * value_by_u_[i];
+      by_v_[i] += weight * by_value_[i] * value_by_v_[i];
+    }
+  }
+  return sum;
+}
+
+geometry::Vector6 Objective::block_gradient(const VisiblePoints::Block& block,
+                                            const Eigen::Isometry3d& T_head_lidar) const {
+  const RigCamera& camera = cameras_[scenes_[block.scene].camera];
+  const std::span<const float> by_u =
+      std::span(by_u_).subspan(block.begin, block.end - block.begin);
+  const std::span<const float> by_v =
+      std::span(by_v_).subspan(block.begin, block.end - block.begin);
+  const geometry::Vector6 camera_gradient = geometry::pose_gradient(
+      camera.model, camera.T_camera_head * T_head_lidar, block_points(points_, block), by_u, by_v);
+  // T_camera_head exp(ξ) = exp(Ad ξ) T_camera_head.
+  return geometry::adjoint(camera.T_camera_head).transpose() * camera_gradient;
+}
+
+Evaluation Objective::evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_gradient) {
+  Evaluation evaluation{.estimate = differentiate_pixels(T_head_lidar, with_gradient)};
+  if (!with_gradient || points_.size() == 0) return evaluation;
+  for (const VisiblePoints::Block& block : points_.blocks) {
+    evaluation.gradient += block_gradient(block, T_head_lidar);
+  }
+  return evaluation;
+}
+
+std::vector<geometry::Vector6> Objective::scene_gradients(const Eigen::Isometry3d& T_head_lidar) {
+  std::vector<geometry::Vector6> gradients(scenes_.size(), geometry::Vector6::Zero());
+  differentiate_pixels(T_head_lidar, true);
+  for (const VisiblePoints::Block& block : points_.blocks) {
+    gradients[block.scene] += block_gradient(block, T_head_lidar);
+  }
+  return gradients;
+}
+
+}  // namespace infuse::calibration

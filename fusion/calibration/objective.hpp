@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "fusion/calibration/dependence_term.hpp"
+#include "fusion/calibration/scene.hpp"
+#include "fusion/calibration/visible_points.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
+
+namespace infuse::calibration {
+
+/// The image features of all scenes, blurred alike and thinned as the blur allows: made once a
+/// level of a coarse-to-fine search, shared by all its hypotheses.
+class BlurredImages {
+ public:
+  /// `sigma`: of the Gaussian, pixels.
+  BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms, double sigma);
+
+  /// The same from images that are blurred less: cheaper.
+  BlurredImages(const BlurredImages& finer, double sigma);
+
+  const Plane& plane(size_t scene, ImageFeature feature) const {
+    return planes_[scene][index(feature)];
+  }
+
+ private:
+  std::vector<PerImageFeature<Plane>> planes_;
+  double sigma_ = 0;
+};
+
+/// The measure at one hypothesis.
+struct Evaluation {
+  dependence::Estimate estimate;
+  /// ∂value/∂ξ, ξ a left perturbation of T_head_lidar (rx, ry, rz, tx, ty, tz; rad, m).
+  geometry::Vector6 gradient = geometry::Vector6::Zero();
+};
+
+/// The dependence of lidar and camera as a function of T_head_lidar, over a fixed set of points.
+///
+/// Overlap guard: a point that the hypothesis moves out of the picture keeps the value at the
+/// border that it crossed, without a derivative. It cannot raise the measure by vanishing, which is
+/// how the plug-in estimate otherwise finds its degenerate maximum (few points in view).
+class Objective {
+ public:
+  /// All arguments but `terms` must outlive the objective.
+  Objective(const VisiblePoints& points, const BlurredImages& images,
+            std::span<const RigCamera> cameras, std::span<const Scene> scenes,
+            std::span<const TermOptions> terms);
+
+  /// The weighted sum of the terms.
+  Evaluation evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_gradient);
+
+  /// The gradient of each scene's part of the sum, an entry a scene; they add up to `gradient`.
+  /// For the terms with a gradient: how the scenes pull, whose spread tells the uncertainty.
+  std::vector<geometry::Vector6> scene_gradients(const Eigen::Isometry3d& T_head_lidar);
+
+  size_t points() const { return points_.size(); }
+  /// Evaluations so far.
+  int evaluations() const { return evaluations_; }
+
+ private:
+  struct Term {
+    TermOptions options;
+    std::unique_ptr<DependenceTerm> dependence;
+  };
+  void project(const Eigen::Isometry3d& T_head_lidar);
+  void look_up(ImageFeature feature);
+  dependence::Estimate differentiate_pixels(const Eigen::Isometry3d& T_head_lidar,
+                                            bool with_gradient);
+  geometry::Vector6 block_gradient(const VisiblePoints::Block& block,
+                                   const Eigen::Isometry3d& T_head_lidar) const;
+
+  const VisiblePoints& points_;
+  const BlurredImages& images_;
+  std::span<const RigCamera> cameras_;
+  std::span<const Scene> scenes_;
+  std::vector<Term> terms_;
+  int evaluations_ = 0;
+
+  // Scratch, one entry a point.
+  std::vector<float> u_, v_, depth_;
+  std::vector<float> value_, value_by_u_, value_by_v_;  ///< of the image feature looked up last
+  std::vector<float> by_value_;                         ///< ∂term/∂value
+  std::vector<float> by_u_, by_v_;                      ///< ∂sum/∂pixel
+};
+
+}  // namespace infuse::calibration

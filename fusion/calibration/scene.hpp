@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/measurement/camera_frame.hpp"
+#include "drivers/measurement/error.hpp"
+#include "drivers/measurement/sweep.hpp"
+#include "fusion/calibration/feature.hpp"
+#include "fusion/calibration/image_features.hpp"
+#include "fusion/calibration/lidar_features.hpp"
+
+namespace infuse::calibration {
+
+/// What is taken from a sweep and a picture.
+struct SceneOptions {
+  PerLidarFeature<bool> lidar{true, true};  ///< features to compute: reflectivity, discontinuity
+  PerImageFeature<bool> image{true, true};  ///< features to compute: grey, edge
+  DiscontinuityOptions discontinuity;
+  /// Grey and edge strength by rank within the picture, so that exposure does not matter. False: as
+  /// they are, divided by 255.
+  bool equalize = true;
+  double min_range = 1.5;  ///< m; nearer returns (the vehicle itself) are left out
+  double max_range = 100;  ///< m
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// A sweep and the picture that was taken with it, as features: what calibration compares.
+struct Scene {
+  std::string name;                           ///< for reports
+  size_t camera = 0;                          ///< which camera of the rig took the picture
+  std::vector<float> x, y, z;                 ///< m, lidar frame
+  PerLidarFeature<std::vector<float>> lidar;  ///< a value a point; empty where not computed
+  PerImageFeature<Plane> image;               ///< 0 … 1; empty where not computed
+
+  size_t size() const { return x.size(); }
+};
+
+/// Computes the features. The sweep should be corrected for motion to the picture's exposure.
+/// Errors: a picture or a sweep with nothing in it, a Bayer mosaic.
+Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame, const SceneOptions& options);
+
+}  // namespace infuse::calibration

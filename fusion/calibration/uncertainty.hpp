@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fusion/calibration/objective.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
+
+namespace infuse::calibration {
+
+/// How well a calibration is known. Covariances are ordered (rx, ry, rz, tx, ty, tz), rad and m, of
+/// a left perturbation of T_head_lidar.
+struct Uncertainty {
+  geometry::Matrix6 covariance = geometry::Matrix6::Identity();  ///< from how the scenes disagree
+  geometry::Matrix6 curvature =
+      geometry::Matrix6::Zero();  ///< −∂²value/∂ξ², the measure's own unit
+  std::vector<double>
+      pull;            ///< how many standard deviations each scene alone would move the result
+  std::string reason;  ///< why it is not known: a direction that nothing determines; or empty
+
+  bool usable() const { return reason.empty(); }
+};
+
+/// Around a maximum: with H the curvature of the objective (central differences of its analytic
+/// gradient) and g_s the gradient of scene s's part less their mean (they add up to zero at the
+/// maximum itself), the estimate's covariance is
+///   H⁻¹ (S/(S−6) Σ_s g_s g_sᵀ) H⁻¹
+/// (the sandwich of M-estimation with scenes as clusters; Huber 1967). Returns within a scene need
+/// not be independent of each other, as the Cramér–Rao bound P(3.20) supposes: scenes must.
+///
+/// Not observable, with the direction named: where H is not positive along a direction, or so flat
+/// that the standard deviation there exceeds 5° or 50 cm (far-field only, P 3.4.1.2).
+Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_head_lidar);
+
+}  // namespace infuse::calibration

@@ -1,0 +1,111 @@
+#include "fusion/calibration/ascent.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace infuse::calibration {
+namespace {
+
+using geometry::Matrix6;
+using geometry::Vector6;
+
+Vector6 peak() {
+  Vector6 at;
+  at << 0.5, -1.2, 0.3, 2.0, -0.7, 0.1;
+  return at;
+}
+
+/// A hill whose axes differ by a factor of 30 and are turned against the parameters'.
+double hill(const Vector6& d, Vector6* gradient) {
+  Matrix6 A = Matrix6::Identity();
+  for (int i = 0; i < 6; ++i) A(i, i) = 1 + 5 * i;
+  A(0, 5) = A(5, 0) = 1.5;
+  A(1, 2) = A(2, 1) = -2;
+  const Vector6 off = d - peak();
+  if (gradient != nullptr) *gradient = -A * off;
+  return 3 - 0.5 * off.dot(A * off);
+}
+
+/// Two hills along the first axis: a small one at 0.6, a great one at 6.
+double two_hills(const Vector6& d, Vector6* gradient) {
+  Vector6 low = Vector6::Zero();
+  Vector6 high = Vector6::Zero();
+  low(0) = 0.6;
+  high(0) = 6;
+  const double near = std::exp(-2 * (d - low).squaredNorm());
+  const double far = 5 * std::exp(-2 * (d - high).squaredNorm());
+  if (gradient != nullptr) *gradient = -4 * near * (d - low) - 4 * far * (d - high);
+  return near + far;
+}
+
+TEST(Ascent, BfgsFindsTheTopOfAHill) {
+  const Ascent ascent = ascend_bfgs(hill, {.tolerance = 1e-6});
+  EXPECT_TRUE(ascent.converged);
+  EXPECT_NEAR((ascent.d - peak()).norm(), 0, 1e-4);
+  EXPECT_NEAR(ascent.value, 3, 1e-8);
+}
+
+TEST(Ascent, BarzilaiBorweinFindsTheTopOfAHill) {
+  const Ascent ascent = ascend_barzilai_borwein(hill, {.max_iterations = 500, .tolerance = 1e-6});
+  EXPECT_TRUE(ascent.converged);
+  EXPECT_NEAR((ascent.d - peak()).norm(), 0, 1e-4);
+}
+
+TEST(Ascent, SimplexFindsTheTopOfAHillWithoutGradients) {
+  const auto blind = [](const Vector6& d, Vector6* gradient) {
+    EXPECT_EQ(gradient, nullptr);
+    return hill(d, nullptr);
+  };
+  const Ascent ascent = ascend_simplex(blind, {.max_iterations = 2000, .tolerance = 1e-5});
+  EXPECT_TRUE(ascent.converged);
+  EXPECT_NEAR((ascent.d - peak()).norm(), 0, 1e-3);
+}
+
+TEST(Ascent, ABoundedStepDoesNotLeapToAnotherHill) {
+  for (const auto& ascend : {ascend_bfgs, ascend_barzilai_borwein}) {
+    const Ascent ascent = ascend(two_hills, {.max_iterations = 200, .tolerance = 1e-6, .max_step = 0.5});
+    EXPECT_TRUE(ascent.converged);
+    EXPECT_NEAR(ascent.d(0), 0.6, 1e-3);
+  }
+}
+
+TEST(Ascent, NoStepIsLongerThanAllowed) {
+  Vector6 last = Vector6::Zero();
+  const auto steep = [&](const Vector6& d, Vector6* gradient) {
+    EXPECT_LE((d - last).norm(), 0.25 + 1e-9);
+    last = d;
+    return hill(d, gradient);
+  };
+  const Ascent ascent = ascend_bfgs(steep, {.max_iterations = 3, .max_step = 0.25});
+  EXPECT_FALSE(ascent.converged);
+}
+
+TEST(Ascent, UsedUpIterationsAreSaid) {
+  EXPECT_FALSE(ascend_bfgs(hill, {.max_iterations = 2}).converged);
+  EXPECT_FALSE(ascend_barzilai_borwein(hill, {.max_iterations = 2}).converged);
+  EXPECT_FALSE(ascend_simplex(hill, {.max_iterations = 2}).converged);
+}
+
+TEST(Ascent, NeverEndsBelowTheStart) {
+  const auto valley = [](const Vector6& d, Vector6* gradient) {
+    if (gradient != nullptr) *gradient = -d + Vector6::Constant(1e-9);  // a gradient that lies
+    return -d.lpNorm<1>();
+  };
+  for (const auto& ascend : {ascend_bfgs, ascend_barzilai_borwein, ascend_simplex}) {
+    EXPECT_GE(ascend(valley, {.max_iterations = 30}).value, 0.0);
+  }
+}
+
+TEST(Ascent, AFlatFunctionEndsAtOnce) {
+  const auto flat = [](const Vector6&, Vector6* gradient) {
+    if (gradient != nullptr) gradient->setZero();
+    return 2.0;
+  };
+  const Ascent ascent = ascend_bfgs(flat, {});
+  EXPECT_TRUE(ascent.converged);
+  EXPECT_EQ(ascent.d, Vector6::Zero());
+}
+
+}  // namespace
+}  // namespace infuse::calibration

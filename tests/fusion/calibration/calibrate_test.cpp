@@ -1,0 +1,146 @@
+#include "fusion/calibration/calibrate.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/fusion/calibration/painted_world.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+using geometry::Vector6;
+using painted::degrees_between;
+using painted::Drive;
+using painted::metres_between;
+using testing::HasSubstr;
+
+const Drive& drive_of_eight() {
+  static const Drive drive = painted::make_drive(8);
+  return drive;
+}
+
+Eigen::Isometry3d off(const Eigen::Isometry3d& T, double degrees, double metres) {
+  const double r = degrees * M_PI / 180 / std::sqrt(3.0);
+  const double t = metres / std::sqrt(3.0);
+  Vector6 xi;
+  xi << r, -r, r, -t, t, t;
+  return geometry::exp(xi) * T;
+}
+
+TEST(Calibrate, ComesHomeFromThreeDegreesAndTenCentimetres) {
+  const Drive& drive = drive_of_eight();
+  const auto start = off(drive.T_camera_lidar, 3, 0.1);
+  const CalibrationResult result = calibrate(drive.scenes, drive.cameras, start, {});
+  EXPECT_TRUE(result.usable()) << result.reason;
+  EXPECT_LT(degrees_between(result.T_head_lidar, drive.T_camera_lidar), 0.1);
+  EXPECT_LT(metres_between(result.T_head_lidar, drive.T_camera_lidar), 0.02);
+  EXPECT_GT(result.value, result.value_at_start);
+  EXPECT_GT(result.support, 0.9);
+  EXPECT_EQ(result.starts, CalibrateOptions{}.starts);
+}
+
+TEST(Calibrate, StaysAtTheTruth) {
+  const Drive& drive = drive_of_eight();
+  const CalibrationResult result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
+  EXPECT_TRUE(result.usable()) << result.reason;
+  EXPECT_LT(degrees_between(result.T_head_lidar, drive.T_camera_lidar), 0.1);
+  EXPECT_LT(metres_between(result.T_head_lidar, drive.T_camera_lidar), 0.02);
+}
+
+TEST(Calibrate, TheStatedSpreadCoversTheError) {
+  const Drive& drive = drive_of_eight();
+  const CalibrationResult result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
+  ASSERT_TRUE(result.usable()) << result.reason;
+  const Vector6 error = geometry::log(result.T_head_lidar * drive.T_camera_lidar.inverse());
+  // χ² of six degrees of freedom lies below 22.5 in 99.9 % of all cases.
+  EXPECT_LT(error.dot(result.uncertainty.covariance.inverse() * error), 22.5);
+  EXPECT_LT(std::sqrt(result.uncertainty.covariance.diagonal().head<3>().maxCoeff()), 0.5 * M_PI / 180);
+  EXPECT_LT(std::sqrt(result.uncertainty.covariance.diagonal().tail<3>().maxCoeff()), 0.1);
+}
+
+TEST(Calibrate, TheSameSeedGivesTheSameBytes) {
+  const Drive& drive = drive_of_eight();
+  const CalibrateOptions options{.fine = {{.sigma = 2}}, .starts = 2};
+  const auto start = off(drive.T_camera_lidar, 1, 0.05);
+  const auto a = calibrate(drive.scenes, drive.cameras, start, options);
+  const auto b = calibrate(drive.scenes, drive.cameras, start, options);
+  EXPECT_EQ(a.T_head_lidar.matrix(), b.T_head_lidar.matrix());
+  EXPECT_EQ(a.uncertainty.covariance, b.uncertainty.covariance);
+}
+
+TEST(Calibrate, PicturesOfOtherPlacesAreNotBelieved) {
+  Drive drive = drive_of_eight();
+  std::rotate(drive.scenes.begin(), drive.scenes.begin() + 3, drive.scenes.end());
+  std::vector<PerImageFeature<Plane>> pictures;
+  for (const Scene& scene : drive.scenes) pictures.push_back(scene.image);
+  for (size_t s = 0; s < pictures.size(); ++s) drive.scenes[s].image = pictures[(s + 3) % pictures.size()];
+  const auto result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
+  EXPECT_FALSE(result.usable());
+  EXPECT_LT(result.support, 0.75);
+}
+
+TEST(Calibrate, OnePictureOfAnotherPlaceIsNamed) {
+  Drive drive = drive_of_eight();
+  drive.scenes[5].image = drive.scenes[1].image;
+  const auto result = calibrate(drive.scenes, drive.cameras, off(drive.T_camera_lidar, 1, 0.05), {});
+  EXPECT_LT(degrees_between(result.T_head_lidar, drive.T_camera_lidar), 0.2);
+  for (size_t s = 0; s < result.scenes.size(); ++s) {
+    if (s == 5) continue;
+    EXPECT_GT(result.scenes[s].support, result.scenes[5].support) << s;
+  }
+}
+
+TEST(Calibrate, ConstantPicturesAreRefused) {
+  Drive drive = drive_of_eight();
+  for (Scene& scene : drive.scenes) {
+    for (Plane& plane : scene.image) std::fill(plane.values.begin(), plane.values.end(), 0.5F);
+  }
+  const auto result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
+  EXPECT_FALSE(result.usable());
+  EXPECT_EQ(result.T_head_lidar.matrix(), drive.T_camera_lidar.matrix());
+}
+
+TEST(Calibrate, TwoScansAreTooFew) {
+  const Drive& drive = drive_of_eight();
+  const auto result =
+      calibrate(std::span(drive.scenes).first(2), drive.cameras, drive.T_camera_lidar, {.starts = 2});
+  EXPECT_FALSE(result.usable());
+  EXPECT_THAT(result.reason, HasSubstr("at least 3"));
+}
+
+TEST(Calibrate, NothingInViewIsRefused) {
+  const Drive& drive = drive_of_eight();
+  Eigen::Isometry3d backwards = drive.T_camera_lidar;
+  backwards.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()) * backwards.linear();
+  const auto result = calibrate(drive.scenes, drive.cameras, backwards, {.starts = 1});
+  EXPECT_FALSE(result.usable());
+  EXPECT_EQ(result.points, 0U);
+}
+
+TEST(Calibrate, FarFieldAloneDoesNotTellTheTranslation) {
+  const Drive drive = painted::make_drive(8, 40);  // everything 160 m away or more
+  const auto result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
+  EXPECT_FALSE(result.usable());
+  EXPECT_THAT(result.reason, HasSubstr("translation"));
+  EXPECT_LT(degrees_between(result.T_head_lidar, drive.T_camera_lidar), 0.3);
+}
+
+TEST(Calibrate, DepthEdgesAlone) {
+  const Drive& drive = drive_of_eight();
+  const CalibrateOptions options{.terms = find_measure("edges")->terms};
+  const auto result = calibrate(drive.scenes, drive.cameras, off(drive.T_camera_lidar, 1, 0.05), options);
+  EXPECT_LT(degrees_between(result.T_head_lidar, drive.T_camera_lidar), 0.2);
+  EXPECT_LT(metres_between(result.T_head_lidar, drive.T_camera_lidar), 0.03);
+}
+
+TEST(CalibrateOptions, SaysWhatIsWrong) {
+  EXPECT_FALSE(CalibrateOptions{}.invalid());
+  EXPECT_THAT(*(CalibrateOptions{.fine = {}}.invalid()), HasSubstr("fine"));
+  EXPECT_THAT(*(CalibrateOptions{.fine = {{.sigma = -1}}}.invalid()), HasSubstr("sigma"));
+  EXPECT_THAT(*(CalibrateOptions{.starts = 0}.invalid()), HasSubstr("starts"));
+  EXPECT_THAT(*(CalibrateOptions{.min_support = 2}.invalid()), HasSubstr("min_support"));
+  EXPECT_THAT(*(CalibrateOptions{.maximize = {.max_iterations = 0}}.invalid()), HasSubstr("maximize"));
+}
+
+}  // namespace
+}  // namespace infuse::calibration

@@ -1,0 +1,124 @@
+#include "fusion/calibration/lidar_features.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace infuse::calibration {
+namespace {
+
+using testing::ElementsAre;
+using testing::FloatNear;
+
+/// Returns of the given rings at a spacing of 0.01 rad of azimuth; a range of 0 is no return.
+Sweep hand_made(const std::vector<std::vector<float>>& ranges, bool column_by_column = false) {
+  Sweep sweep;
+  const auto add = [&](size_t ring, size_t column) {
+    const float range = ranges[ring][column];
+    if (range == 0) return;
+    const size_t i = sweep.size();
+    sweep.resize(i + 1);
+    const auto azimuth = -0.01F * static_cast<float>(column);
+    sweep.x[i] = range * std::cos(azimuth);
+    sweep.y[i] = range * std::sin(azimuth);
+    sweep.z[i] = 0;
+    sweep.range[i] = range;
+    sweep.ring[i] = static_cast<uint16_t>(ring);
+    sweep.column[i] = static_cast<uint16_t>(column);
+  };
+  if (column_by_column) {
+    for (size_t column = 0; column < ranges[0].size(); ++column) {
+      for (size_t ring = 0; ring < ranges.size(); ++ring) add(ring, column);
+    }
+  } else {
+    for (size_t ring = 0; ring < ranges.size(); ++ring) {
+      for (size_t column = 0; column < ranges[ring].size(); ++column) add(ring, column);
+    }
+  }
+  return sweep;
+}
+
+TEST(Discontinuity, MarksTheNearSideOfAStep) {
+  const auto edge = discontinuity(hand_made({{5, 5, 9, 9}}), {});
+  EXPECT_THAT(edge, ElementsAre(0, 2, 0, 0));
+}
+
+TEST(Discontinuity, ALonePostIsMarkedFromBothSides) {
+  const auto edge = discontinuity(hand_made({{9, 5, 14, 14}}), {.gamma = 1});
+  EXPECT_THAT(edge, ElementsAre(0, 9, 0, 0));
+}
+
+TEST(Discontinuity, RingsDoNotMix) {
+  const Sweep sweep = hand_made({{5, 5, 5}, {9, 9, 9}}, true);
+  EXPECT_THAT(discontinuity(sweep, {}), ElementsAre(0, 0, 0, 0, 0, 0));
+}
+
+TEST(Discontinuity, TheOrderOfFiringDoesNotMatter) {
+  const std::vector<std::vector<float>> ranges{{5, 6, 9, 3}, {9, 8, 7, 7}};
+  const auto by_ring = discontinuity(hand_made(ranges), {.gamma = 1});
+  const auto by_column = discontinuity(hand_made(ranges, true), {.gamma = 1});
+  EXPECT_THAT(by_ring, ElementsAre(1, 3, 0, 6, 0, 0, 0, 0));
+  EXPECT_THAT(by_column, ElementsAre(1, 0, 3, 0, 0, 0, 6, 0));
+}
+
+TEST(Discontinuity, AFarNeighbourStandsForWhatTheOptionSays) {
+  const Sweep sweep = hand_made({{5, 0, 0, 0, 9}});
+  EXPECT_THAT(discontinuity(sweep, {.gamma = 1}), ElementsAre(0, 0));
+  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .no_return_step = 3}), ElementsAre(3, 3));
+  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .max_gap = 0.05}), ElementsAre(FloatNear(4, 1e-6F), 0));
+}
+
+TEST(Discontinuity, TwoEchoesOfOneFiringAreNoNeighbours) {
+  Sweep sweep = hand_made({{5, 5, 5}});
+  const size_t i = sweep.size();
+  sweep.resize(i + 1);
+  for (auto* channel : {&sweep.x, &sweep.y, &sweep.z, &sweep.range}) (*channel)[i] = 2 * (*channel)[i - 1];
+  sweep.ring[i] = 0;
+  sweep.column[i] = sweep.column[i - 1];
+  const auto edge = discontinuity(sweep, {.gamma = 1});
+  EXPECT_FLOAT_EQ(edge[2], 0);  // beside it in its own firing stands 10 m, before it 5 m
+  EXPECT_FLOAT_EQ(edge[3], 0);
+}
+
+TEST(Discontinuity, EmptySweep) { EXPECT_TRUE(discontinuity(Sweep{}, {}).empty()); }
+
+TEST(DiscontinuityOptions, SaysWhatIsWrong) {
+  EXPECT_FALSE(DiscontinuityOptions{}.invalid());
+  EXPECT_TRUE((DiscontinuityOptions{.gamma = 0}.invalid()));
+  EXPECT_TRUE((DiscontinuityOptions{.max_gap = 0}.invalid()));
+  EXPECT_TRUE((DiscontinuityOptions{.no_return_step = -1}.invalid()));
+}
+
+TEST(Equalize, RanksBesideABruteForceCount) {
+  std::mt19937_64 random(3);
+  std::vector<float> values;
+  for (int i = 0; i < 500; ++i) {
+    values.push_back(static_cast<float>(static_cast<int>(random() % 90)) * 0.37F - 12.0F);
+  }
+  values.push_back(-0.0F);
+  values.push_back(0.0F);
+  std::vector<float> ranks = values;
+  equalize(ranks);
+  for (size_t i = 0; i < values.size(); ++i) {
+    const auto below = std::count_if(values.begin(), values.end(), [&](float v) { return v < values[i]; });
+    const auto equal = std::count(values.begin(), values.end(), values[i]);
+    const double rank = (static_cast<double>(below) + 0.5 * static_cast<double>(equal - 1)) /
+                        static_cast<double>(values.size());
+    EXPECT_NEAR(ranks[i], rank, 1e-6);
+  }
+}
+
+TEST(Equalize, NothingAndOne) {
+  std::vector<float> none;
+  equalize(none);
+  EXPECT_TRUE(none.empty());
+  std::vector<float> one{7};
+  equalize(one);
+  EXPECT_THAT(one, ElementsAre(0));
+}
+
+}  // namespace
+}  // namespace infuse::calibration

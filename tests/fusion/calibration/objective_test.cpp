@@ -1,0 +1,193 @@
+#include "fusion/calibration/objective.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace infuse::calibration {
+namespace {
+
+using geometry::Vector6;
+
+CameraIntrinsics pinhole() {
+  return {.width = 200, .height = 150, .fx = 130, .fy = 125, .cx = 98, .cy = 77};
+}
+
+CameraIntrinsics distorted() {
+  CameraIntrinsics out = pinhole();
+  out.distortion = {-0.2, 0.05, 0.002, -0.003, 0.01};
+  return out;
+}
+
+CameraIntrinsics fisheye() {
+  CameraIntrinsics out = pinhole();
+  out.model = CameraIntrinsics::Model::kFisheye;
+  out.distortion = {0.02, -0.01, 0.003, 0, 0};
+  return out;
+}
+
+/// A smooth picture and points scattered in front of it, whose features follow what they see.
+Scene smooth_scene(size_t camera, uint64_t seed) {
+  Scene scene;
+  scene.camera = camera;
+  for (const ImageFeature feature : {ImageFeature::kGrey, ImageFeature::kEdge}) {
+    Plane& plane = scene.image[index(feature)];
+    plane.width = 200;
+    plane.height = 150;
+    const double phase = feature == ImageFeature::kGrey ? 0.3 : 1.4;
+    for (int v = 0; v < plane.height; ++v) {
+      for (int u = 0; u < plane.width; ++u) {
+        plane.values.push_back(
+            static_cast<float>(0.5 + 0.4 * std::sin(0.05 * u + phase) * std::cos(0.06 * v - phase)));
+      }
+    }
+  }
+  std::mt19937_64 random(seed);
+  const auto draw = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  for (int i = 0; i < 3000; ++i) {
+    const double depth = draw(4, 20);
+    const double a = draw(-0.6, 0.6);
+    const double b = draw(-0.5, 0.45);
+    scene.x.push_back(static_cast<float>(a * depth));
+    scene.y.push_back(static_cast<float>(b * depth));
+    scene.z.push_back(static_cast<float>(depth));
+    const double seen = 0.5 + 0.3 * std::sin(6.5 * a + 5.2) * std::cos(7.5 * b + 4.3);
+    scene.lidar[index(LidarFeature::kReflectivity)].push_back(static_cast<float>(seen + draw(0, 0.1)));
+    scene.lidar[index(LidarFeature::kDiscontinuity)].push_back(static_cast<float>(seen * seen + draw(0, 0.2)));
+  }
+  return scene;
+}
+
+struct Rig {
+  std::vector<RigCamera> cameras;
+  std::vector<Scene> scenes;
+  std::vector<TermOptions> terms;
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+};
+
+Rig make_rig(const std::vector<CameraIntrinsics>& intrinsics, const std::vector<TermOptions>& terms) {
+  Rig rig{.terms = terms};
+  for (size_t c = 0; c < intrinsics.size(); ++c) {
+    Vector6 mount;
+    mount << 0.03, -0.02, 0.05, 0.4, -0.3, 0.2;
+    rig.cameras.push_back({geometry::CameraModel(intrinsics[c]), geometry::exp(static_cast<double>(c) * mount)});
+    rig.scenes.push_back(smooth_scene(c, c + 1));
+  }
+  Vector6 xi;
+  xi << 0.02, 0.01, -0.03, 0.05, -0.1, 0.08;
+  rig.T = geometry::exp(xi);
+  return rig;
+}
+
+/// The analytic gradient beside central differences; the points are those in view at `rig.T`.
+void expect_gradient_matches(const Rig& rig, double tolerance) {
+  const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {.occlusion_cell = 0});
+  const BlurredImages images(rig.scenes, rig.terms, 2);
+  Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
+  const Evaluation at = objective.evaluate(rig.T, true);
+  ASSERT_TRUE(at.estimate.usable()) << at.estimate.reason;
+  Vector6 numeric;
+  for (int k = 0; k < 6; ++k) {
+    const double step = k < 3 ? 1e-3 : 1e-2;
+    const Vector6 xi = step * Vector6::Unit(k);
+    numeric(k) = (objective.evaluate(geometry::exp(xi) * rig.T, false).estimate.value -
+                  objective.evaluate(geometry::exp(-xi) * rig.T, false).estimate.value) /
+                 (2 * step);
+  }
+  ASSERT_GT(numeric.head<3>().norm(), 1e-3);
+  EXPECT_LT((at.gradient - numeric).head<3>().norm(), tolerance * numeric.head<3>().norm())
+      << at.gradient.transpose() << "\n" << numeric.transpose();
+  EXPECT_LT((at.gradient - numeric).tail<3>().norm(), tolerance * numeric.tail<3>().norm())
+      << at.gradient.transpose() << "\n" << numeric.transpose();
+}
+
+class EveryMeasure : public testing::TestWithParam<MeasureKind> {};
+
+TEST_P(EveryMeasure, GradientMatchesDifferences) {
+  for (const bool equalize : {false, true}) {
+    expect_gradient_matches(make_rig({pinhole()}, {{.measure = GetParam(), .equalize = equalize}}), 0.03);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Objective, EveryMeasure,
+                         testing::Values(MeasureKind::kMutualInformation,
+                                         MeasureKind::kNormalisedMutualInformation, MeasureKind::kChiSquared,
+                                         MeasureKind::kSquaredLossMutualInformation, MeasureKind::kCorrelation));
+
+const std::vector<TermOptions> kTwoTerms{
+    {}, {.lidar = LidarFeature::kDiscontinuity, .image = ImageFeature::kEdge, .weight = 2}};
+
+TEST(Objective, GradientOfASumOfTerms) { expect_gradient_matches(make_rig({pinhole()}, kTwoTerms), 0.03); }
+TEST(Objective, GradientThroughDistortion) {
+  expect_gradient_matches(make_rig({distorted()}, kTwoTerms), 0.03);
+}
+TEST(Objective, GradientThroughAFisheye) { expect_gradient_matches(make_rig({fisheye()}, kTwoTerms), 0.03); }
+TEST(Objective, GradientOfARigOfThreeCameras) {
+  expect_gradient_matches(make_rig({pinhole(), distorted(), fisheye()}, kTwoTerms), 0.03);
+}
+
+TEST(Objective, ScenesAddUpToTheWhole) {
+  const Rig rig = make_rig({pinhole(), distorted(), fisheye()}, kTwoTerms);
+  const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});
+  const BlurredImages images(rig.scenes, rig.terms, 2);
+  Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
+  const Vector6 whole = objective.evaluate(rig.T, true).gradient;
+  Vector6 sum = Vector6::Zero();
+  for (const Vector6& part : objective.scene_gradients(rig.T)) sum += part;
+  EXPECT_LT((whole - sum).norm(), 1e-9 * whole.norm());
+}
+
+TEST(Objective, PointsThatLeaveThePictureKeepTheBordersValue) {
+  const Rig rig = make_rig({pinhole()}, {{}});
+  const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});
+  const BlurredImages images(rig.scenes, rig.terms, 2);
+  Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
+  // Turned by 60°, all points lie beyond one border: what they see is its column, which tells less.
+  const Eigen::Isometry3d away = geometry::exp(1.05 * Vector6::Unit(1)) * rig.T;
+  const Evaluation there = objective.evaluate(away, true);
+  EXPECT_EQ(objective.points(), points.size());
+  EXPECT_LT(there.estimate.value, objective.evaluate(rig.T, false).estimate.value);
+  EXPECT_TRUE(there.gradient.allFinite());
+}
+
+TEST(Objective, NoPointsAreSaid) {
+  Rig rig = make_rig({pinhole()}, {{}});
+  const VisiblePoints none;
+  const BlurredImages images(rig.scenes, rig.terms, 2);
+  Objective objective(none, images, rig.cameras, rig.scenes, rig.terms);
+  EXPECT_FALSE(objective.evaluate(rig.T, true).estimate.usable());
+}
+
+TEST(BlurredImages, FromFinerOnesOrFromTheScenesAlike) {
+  const Rig rig = make_rig({pinhole()}, {{}});
+  const BlurredImages fine(rig.scenes, rig.terms, 2);
+  const BlurredImages coarse(rig.scenes, rig.terms, 8);
+  const Plane& direct = coarse.plane(0, ImageFeature::kGrey);
+  const BlurredImages chain(fine, 8);
+  const Plane& chained = chain.plane(0, ImageFeature::kGrey);
+  ASSERT_EQ(chained.step, direct.step);
+  ASSERT_EQ(chained.values.size(), direct.values.size());
+  for (size_t i = 0; i < direct.values.size(); ++i) EXPECT_NEAR(chained.values[i], direct.values[i], 0.01);
+}
+
+TEST(NamedMeasures, AreValidAndFound) {
+  for (const NamedMeasure& measure : named_measures()) {
+    for (const TermOptions& term : measure.terms) EXPECT_FALSE(term.invalid()) << measure.name;
+    EXPECT_EQ(find_measure(measure.name), &measure);
+  }
+  EXPECT_EQ(find_measure("no such measure"), nullptr);
+  EXPECT_STREQ(named_measures().front().name, "joint");
+}
+
+TEST(TermOptions, SaysWhatIsWrong) {
+  EXPECT_FALSE(TermOptions{}.invalid());
+  EXPECT_TRUE((TermOptions{.weight = 0}.invalid()));
+  EXPECT_TRUE((TermOptions{.bins = 3}.invalid()));
+  EXPECT_TRUE((TermOptions{.bins = 2000}.invalid()));
+}
+
+}  // namespace
+}  // namespace infuse::calibration
