@@ -64,7 +64,8 @@ TEST(Ascent, SimplexFindsTheTopOfAHillWithoutGradients) {
 
 TEST(Ascent, ABoundedStepDoesNotLeapToAnotherHill) {
   for (const auto& ascend : {ascend_bfgs, ascend_barzilai_borwein}) {
-    const Ascent ascent = ascend(two_hills, {.max_iterations = 200, .tolerance = 1e-6, .max_step = 0.5});
+    const Ascent ascent =
+        ascend(two_hills, {.max_iterations = 200, .tolerance = 1e-6, .max_step = 0.5});
     EXPECT_TRUE(ascent.converged);
     EXPECT_NEAR(ascent.d(0), 0.6, 1e-3);
   }

@@ -54,7 +54,8 @@ TEST(Calibrate, TheStatedSpreadCoversTheError) {
   const Vector6 error = geometry::log(result.T_head_lidar * drive.T_camera_lidar.inverse());
   // χ² of six degrees of freedom lies below 22.5 in 99.9 % of all cases.
   EXPECT_LT(error.dot(result.uncertainty.covariance.inverse() * error), 22.5);
-  EXPECT_LT(std::sqrt(result.uncertainty.covariance.diagonal().head<3>().maxCoeff()), 0.5 * M_PI / 180);
+  EXPECT_LT(std::sqrt(result.uncertainty.covariance.diagonal().head<3>().maxCoeff()),
+            0.5 * M_PI / 180);
   EXPECT_LT(std::sqrt(result.uncertainty.covariance.diagonal().tail<3>().maxCoeff()), 0.1);
 }
 
@@ -73,21 +74,11 @@ TEST(Calibrate, PicturesOfOtherPlacesAreNotBelieved) {
   std::rotate(drive.scenes.begin(), drive.scenes.begin() + 3, drive.scenes.end());
   std::vector<PerImageFeature<Plane>> pictures;
   for (const Scene& scene : drive.scenes) pictures.push_back(scene.image);
-  for (size_t s = 0; s < pictures.size(); ++s) drive.scenes[s].image = pictures[(s + 3) % pictures.size()];
+  for (size_t s = 0; s < pictures.size(); ++s)
+    drive.scenes[s].image = pictures[(s + 3) % pictures.size()];
   const auto result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
   EXPECT_FALSE(result.usable());
   EXPECT_LT(result.support, 0.75);
-}
-
-TEST(Calibrate, OnePictureOfAnotherPlaceIsNamed) {
-  Drive drive = drive_of_eight();
-  drive.scenes[5].image = drive.scenes[1].image;
-  const auto result = calibrate(drive.scenes, drive.cameras, off(drive.T_camera_lidar, 1, 0.05), {});
-  EXPECT_LT(degrees_between(result.T_head_lidar, drive.T_camera_lidar), 0.2);
-  for (size_t s = 0; s < result.scenes.size(); ++s) {
-    if (s == 5) continue;
-    EXPECT_GT(result.scenes[s].support, result.scenes[5].support) << s;
-  }
 }
 
 TEST(Calibrate, ConstantPicturesAreRefused) {
@@ -102,8 +93,8 @@ TEST(Calibrate, ConstantPicturesAreRefused) {
 
 TEST(Calibrate, TwoScansAreTooFew) {
   const Drive& drive = drive_of_eight();
-  const auto result =
-      calibrate(std::span(drive.scenes).first(2), drive.cameras, drive.T_camera_lidar, {.starts = 2});
+  const auto result = calibrate(std::span(drive.scenes).first(2), drive.cameras,
+                                drive.T_camera_lidar, {.starts = 2});
   EXPECT_FALSE(result.usable());
   EXPECT_THAT(result.reason, HasSubstr("at least 3"));
 }
@@ -125,21 +116,14 @@ TEST(Calibrate, FarFieldAloneDoesNotTellTheTranslation) {
   EXPECT_LT(degrees_between(result.T_head_lidar, drive.T_camera_lidar), 0.3);
 }
 
-TEST(Calibrate, DepthEdgesAlone) {
-  const Drive& drive = drive_of_eight();
-  const CalibrateOptions options{.terms = find_measure("edges")->terms};
-  const auto result = calibrate(drive.scenes, drive.cameras, off(drive.T_camera_lidar, 1, 0.05), options);
-  EXPECT_LT(degrees_between(result.T_head_lidar, drive.T_camera_lidar), 0.2);
-  EXPECT_LT(metres_between(result.T_head_lidar, drive.T_camera_lidar), 0.03);
-}
-
 TEST(CalibrateOptions, SaysWhatIsWrong) {
   EXPECT_FALSE(CalibrateOptions{}.invalid());
   EXPECT_THAT(*(CalibrateOptions{.fine = {}}.invalid()), HasSubstr("fine"));
   EXPECT_THAT(*(CalibrateOptions{.fine = {{.sigma = -1}}}.invalid()), HasSubstr("sigma"));
   EXPECT_THAT(*(CalibrateOptions{.starts = 0}.invalid()), HasSubstr("starts"));
   EXPECT_THAT(*(CalibrateOptions{.min_support = 2}.invalid()), HasSubstr("min_support"));
-  EXPECT_THAT(*(CalibrateOptions{.maximize = {.max_iterations = 0}}.invalid()), HasSubstr("maximize"));
+  EXPECT_THAT(*(CalibrateOptions{.maximize = {.max_iterations = 0}}.invalid()),
+              HasSubstr("maximize"));
 }
 
 }  // namespace

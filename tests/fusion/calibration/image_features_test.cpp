@@ -61,9 +61,11 @@ TEST(Equalized, RanksBesideABruteForceCount) {
   const auto n = static_cast<double>(plane.values.size());
   for (size_t i = 0; i < plane.values.size(); ++i) {
     const float value = plane.values[i];
-    const auto below = std::count_if(plane.values.begin(), plane.values.end(), [&](float w) { return w < value; });
+    const auto below =
+        std::count_if(plane.values.begin(), plane.values.end(), [&](float w) { return w < value; });
     const auto equal = std::count(plane.values.begin(), plane.values.end(), value);
-    EXPECT_NEAR(ranks.values[i], (static_cast<double>(below) + 0.5 * static_cast<double>(equal - 1)) / n, 1e-6);
+    EXPECT_NEAR(ranks.values[i],
+                (static_cast<double>(below) + 0.5 * static_cast<double>(equal - 1)) / n, 1e-6);
   }
 }
 

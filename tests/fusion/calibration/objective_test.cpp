@@ -38,8 +38,8 @@ Scene smooth_scene(size_t camera, uint64_t seed) {
     const double phase = feature == ImageFeature::kGrey ? 0.3 : 1.4;
     for (int v = 0; v < plane.height; ++v) {
       for (int u = 0; u < plane.width; ++u) {
-        plane.values.push_back(
-            static_cast<float>(0.5 + 0.4 * std::sin(0.05 * u + phase) * std::cos(0.06 * v - phase)));
+        plane.values.push_back(static_cast<float>(0.5 + 0.4 * std::sin(0.05 * u + phase) *
+                                                            std::cos(0.06 * v - phase)));
       }
     }
   }
@@ -55,8 +55,10 @@ Scene smooth_scene(size_t camera, uint64_t seed) {
     scene.y.push_back(static_cast<float>(b * depth));
     scene.z.push_back(static_cast<float>(depth));
     const double seen = 0.5 + 0.3 * std::sin(6.5 * a + 5.2) * std::cos(7.5 * b + 4.3);
-    scene.lidar[index(LidarFeature::kReflectivity)].push_back(static_cast<float>(seen + draw(0, 0.1)));
-    scene.lidar[index(LidarFeature::kDiscontinuity)].push_back(static_cast<float>(seen * seen + draw(0, 0.2)));
+    scene.lidar[index(LidarFeature::kReflectivity)].push_back(
+        static_cast<float>(seen + draw(0, 0.1)));
+    scene.lidar[index(LidarFeature::kDiscontinuity)].push_back(
+        static_cast<float>(seen * seen + draw(0, 0.2)));
   }
   return scene;
 }
@@ -68,12 +70,14 @@ struct Rig {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
 };
 
-Rig make_rig(const std::vector<CameraIntrinsics>& intrinsics, const std::vector<TermOptions>& terms) {
+Rig make_rig(const std::vector<CameraIntrinsics>& intrinsics,
+             const std::vector<TermOptions>& terms) {
   Rig rig{.terms = terms};
   for (size_t c = 0; c < intrinsics.size(); ++c) {
     Vector6 mount;
     mount << 0.03, -0.02, 0.05, 0.4, -0.3, 0.2;
-    rig.cameras.push_back({geometry::CameraModel(intrinsics[c]), geometry::exp(static_cast<double>(c) * mount)});
+    rig.cameras.push_back(
+        {geometry::CameraModel(intrinsics[c]), geometry::exp(static_cast<double>(c) * mount)});
     rig.scenes.push_back(smooth_scene(c, c + 1));
   }
   Vector6 xi;
@@ -84,7 +88,8 @@ Rig make_rig(const std::vector<CameraIntrinsics>& intrinsics, const std::vector<
 
 /// The analytic gradient beside central differences; the points are those in view at `rig.T`.
 void expect_gradient_matches(const Rig& rig, double tolerance) {
-  const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {.occlusion_cell = 0});
+  const VisiblePoints points =
+      select_visible(rig.scenes, rig.cameras, rig.T, {.occlusion_cell = 0});
   const BlurredImages images(rig.scenes, rig.terms, 2);
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
   const Evaluation at = objective.evaluate(rig.T, true);
@@ -99,32 +104,41 @@ void expect_gradient_matches(const Rig& rig, double tolerance) {
   }
   ASSERT_GT(numeric.head<3>().norm(), 1e-3);
   EXPECT_LT((at.gradient - numeric).head<3>().norm(), tolerance * numeric.head<3>().norm())
-      << at.gradient.transpose() << "\n" << numeric.transpose();
+      << at.gradient.transpose() << "\n"
+      << numeric.transpose();
   EXPECT_LT((at.gradient - numeric).tail<3>().norm(), tolerance * numeric.tail<3>().norm())
-      << at.gradient.transpose() << "\n" << numeric.transpose();
+      << at.gradient.transpose() << "\n"
+      << numeric.transpose();
 }
 
 class EveryMeasure : public testing::TestWithParam<MeasureKind> {};
 
 TEST_P(EveryMeasure, GradientMatchesDifferences) {
   for (const bool equalize : {false, true}) {
-    expect_gradient_matches(make_rig({pinhole()}, {{.measure = GetParam(), .equalize = equalize}}), 0.03);
+    expect_gradient_matches(make_rig({pinhole()}, {{.measure = GetParam(), .equalize = equalize}}),
+                            0.03);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Objective, EveryMeasure,
                          testing::Values(MeasureKind::kMutualInformation,
-                                         MeasureKind::kNormalisedMutualInformation, MeasureKind::kChiSquared,
-                                         MeasureKind::kSquaredLossMutualInformation, MeasureKind::kCorrelation));
+                                         MeasureKind::kNormalisedMutualInformation,
+                                         MeasureKind::kChiSquared,
+                                         MeasureKind::kSquaredLossMutualInformation,
+                                         MeasureKind::kCorrelation));
 
 const std::vector<TermOptions> kTwoTerms{
     {}, {.lidar = LidarFeature::kDiscontinuity, .image = ImageFeature::kEdge, .weight = 2}};
 
-TEST(Objective, GradientOfASumOfTerms) { expect_gradient_matches(make_rig({pinhole()}, kTwoTerms), 0.03); }
+TEST(Objective, GradientOfASumOfTerms) {
+  expect_gradient_matches(make_rig({pinhole()}, kTwoTerms), 0.03);
+}
 TEST(Objective, GradientThroughDistortion) {
   expect_gradient_matches(make_rig({distorted()}, kTwoTerms), 0.03);
 }
-TEST(Objective, GradientThroughAFisheye) { expect_gradient_matches(make_rig({fisheye()}, kTwoTerms), 0.03); }
+TEST(Objective, GradientThroughAFisheye) {
+  expect_gradient_matches(make_rig({fisheye()}, kTwoTerms), 0.03);
+}
 TEST(Objective, GradientOfARigOfThreeCameras) {
   expect_gradient_matches(make_rig({pinhole(), distorted(), fisheye()}, kTwoTerms), 0.03);
 }
@@ -170,7 +184,8 @@ TEST(BlurredImages, FromFinerOnesOrFromTheScenesAlike) {
   const Plane& chained = chain.plane(0, ImageFeature::kGrey);
   ASSERT_EQ(chained.step, direct.step);
   ASSERT_EQ(chained.values.size(), direct.values.size());
-  for (size_t i = 0; i < direct.values.size(); ++i) EXPECT_NEAR(chained.values[i], direct.values[i], 0.01);
+  for (size_t i = 0; i < direct.values.size(); ++i)
+    EXPECT_NEAR(chained.values[i], direct.values[i], 0.01);
 }
 
 TEST(NamedMeasures, AreValidAndFound) {

@@ -13,7 +13,8 @@ constexpr VisibilityOptions kNoOcclusion{.occlusion_cell = 0};
 
 /// 100 × 80 pixels, 100 pixels focal length, looking along z of the lidar.
 RigCamera camera() {
-  return {geometry::CameraModel({.width = 100, .height = 80, .fx = 100, .fy = 100, .cx = 50, .cy = 40})};
+  return {geometry::CameraModel(
+      {.width = 100, .height = 80, .fx = 100, .fy = 100, .cx = 50, .cy = 40})};
 }
 
 /// Points in the camera's frame; the reflectivity counts them.
@@ -38,14 +39,14 @@ VisiblePoints select(const std::vector<Scene>& scenes, const VisibilityOptions& 
 }
 
 TEST(SelectVisible, KeepsWhatLiesInThePicture) {
-  const Scene points = scene({{0, 0, 10},      // the centre
-                              {-5.05F, 0, 10}, // half a pixel beyond the left border
-                              {4.85F, 0, 10},  // u = 98.5
-                              {4.95F, 0, 10},  // u = 99.5, beyond the right border
-                              {0, 3.85F, 10},  // v = 78.5
-                              {0, 4.05F, 10},  // beyond the lower border
-                              {0, 0, -10},     // behind
-                              {0, 0, 0.5F}});  // too near
+  const Scene points = scene({{0, 0, 10},       // the centre
+                              {-5.05F, 0, 10},  // half a pixel beyond the left border
+                              {4.85F, 0, 10},   // u = 98.5
+                              {4.95F, 0, 10},   // u = 99.5, beyond the right border
+                              {0, 3.85F, 10},   // v = 78.5
+                              {0, 4.05F, 10},   // beyond the lower border
+                              {0, 0, -10},      // behind
+                              {0, 0, 0.5F}});   // too near
   EXPECT_THAT(numbers(select({points}, kNoOcclusion)), ElementsAre(0, 2, 4));
 }
 
@@ -70,7 +71,8 @@ TEST(SelectVisible, AWallSeenByTheLidarBehindAPostSeenByTheCameraGoes) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation().x() = -1;  // the camera stands at x = 1
   const auto seen = numbers(select_visible(scenes, cameras, T, {}));
-  // From (1, 0, 0) past the post's edges (±0.2, 4) to the wall: x from −2 to −1, with a cell's margin.
+  // From (1, 0, 0) past the post's edges (±0.2, 4) to the wall: x from −2 to −1, with a cell's
+  // margin.
   for (const float number : seen) {
     const float x = 0.1F * (number - 40);
     if (number > 80) continue;
@@ -87,7 +89,8 @@ TEST(SelectVisible, SeveralPosesKeepWhatAllSee) {
   left.translation().x() = -2;
   right.translation().x() = 2;
   EXPECT_THAT(numbers(select_visible(scenes, cameras, left, kNoOcclusion)), ElementsAre(0, 1));
-  EXPECT_THAT(numbers(select_visible(scenes, cameras, std::vector{left, right}, kNoOcclusion)), ElementsAre(0));
+  EXPECT_THAT(numbers(select_visible(scenes, cameras, std::vector{left, right}, kNoOcclusion)),
+              ElementsAre(0));
 }
 
 TEST(SelectVisible, ThinsEvenlyOverAllScenes) {
@@ -102,7 +105,8 @@ TEST(SelectVisible, ThinsEvenlyOverAllScenes) {
 }
 
 TEST(SelectVisible, ASceneOutOfViewHasAnEmptyBlock) {
-  const VisiblePoints points = select({scene({{0, 0, 10}}), scene({{0, 0, -10}}), scene({{0, 0, 20}})}, {});
+  const VisiblePoints points =
+      select({scene({{0, 0, 10}}), scene({{0, 0, -10}}), scene({{0, 0, 20}})}, {});
   ASSERT_EQ(points.blocks.size(), 3U);
   EXPECT_EQ(points.blocks[1].begin, points.blocks[1].end);
   const VisiblePoints last = only(points, points.blocks[2]);
