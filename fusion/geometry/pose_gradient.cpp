@@ -36,7 +36,8 @@ Pinhole pinhole(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d& T) 
 using Sums = std::array<std::array<float, kLanes>, 6>;
 
 INFUSE_SIMD_CLONES void add_points(const Pinhole& c, const float* x, const float* y, const float* z,
-                                   const float* by_u, const float* by_v, size_t groups, Sums& sums) {
+                                   const float* by_u, const float* by_v, size_t groups,
+                                   Sums& sums) {
   for (size_t g = 0; g < groups; ++g) {
     for (size_t lane = 0; lane < kLanes; ++lane) {
       const size_t i = g * kLanes + lane;
@@ -69,8 +70,8 @@ INFUSE_SIMD_CLONES void add_points(const Pinhole& c, const float* x, const float
 }
 
 /// One point by `project_with_derivatives`.
-Vector6 one_point(const CameraModel& camera, const Eigen::Isometry3d& T, const PointsView& points, float by_u,
-                  float by_v, size_t i) {
+Vector6 one_point(const CameraModel& camera, const Eigen::Isometry3d& T, const PointsView& points,
+                  float by_u, float by_v, size_t i) {
   if (by_u == 0 && by_v == 0) return Vector6::Zero();
   const Eigen::Vector3d point(points.x[i], points.y[i], points.z[i]);
   const auto derivatives = camera.project_with_derivatives(T * point);
@@ -81,7 +82,8 @@ Vector6 one_point(const CameraModel& camera, const Eigen::Isometry3d& T, const P
 }  // namespace
 
 Vector6 pose_gradient(const CameraModel& camera, const Eigen::Isometry3d& T_camera_lidar,
-                      const PointsView& points, std::span<const float> by_u, std::span<const float> by_v) {
+                      const PointsView& points, std::span<const float> by_u,
+                      std::span<const float> by_v) {
   Vector6 gradient = Vector6::Zero();
   size_t done = 0;
   if (camera.intrinsics().model == CameraIntrinsics::Model::kPinhole) {

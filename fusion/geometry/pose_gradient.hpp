@@ -13,6 +13,7 @@ namespace infuse::geometry {
 /// `project_points`. Points that the model does not see must have zeros. The same bytes on every
 /// processor.
 Vector6 pose_gradient(const CameraModel& camera, const Eigen::Isometry3d& T_camera_lidar,
-                      const PointsView& points, std::span<const float> by_u, std::span<const float> by_v);
+                      const PointsView& points, std::span<const float> by_u,
+                      std::span<const float> by_v);
 
 }  // namespace infuse::geometry

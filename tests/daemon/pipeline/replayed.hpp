@@ -51,7 +51,7 @@ struct Replayed {
 /// What else happens during a replay.
 struct ReplayedOptions {
   std::optional<double> rate = {};
-  std::filesystem::path socket = {};  ///< empty: nobody can listen
+  std::filesystem::path socket = {};                         ///< empty: nobody can listen
   std::optional<std::chrono::milliseconds> stop_after = {};  ///< host time
 };
 

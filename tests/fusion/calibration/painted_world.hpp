@@ -15,8 +15,9 @@
 #include "fusion/geometry/camera_model.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 
-/// A small world with known truth: boxes with painted faces on a painted floor between painted walls, seen
-/// by a lidar at the origin (rays cast exactly) and by a camera (rays cast through every pixel).
+/// A small world with known truth: boxes with painted faces on a painted floor between painted
+/// walls, seen by a lidar at the origin (rays cast exactly) and by a camera (rays cast through
+/// every pixel).
 namespace infuse::calibration::painted {
 
 /// Rectangle centre ± a ± b with a paint of its own.
@@ -36,7 +37,8 @@ struct Hit {
   double albedo;  ///< 0 … 1
 };
 
-inline std::optional<Hit> cast(const World& world, const Eigen::Vector3d& from, const Eigen::Vector3d& along) {
+inline std::optional<Hit> cast(const World& world, const Eigen::Vector3d& from,
+                               const Eigen::Vector3d& along) {
   std::optional<Hit> nearest;
   for (const Face& face : world.faces) {
     const Eigen::Vector3d normal = face.a.cross(face.b);
@@ -100,8 +102,8 @@ inline CameraIntrinsics small_camera() {
   return {.width = 480, .height = 320, .fx = 330, .fy = 330, .cx = 241, .cy = 158};
 }
 
-/// 48 rings from −20° to 14°, every 0.2° between ±50° of azimuth; reflectivity is a bent function of the
-/// albedo, with noise.
+/// 48 rings from −20° to 14°, every 0.2° between ±50° of azimuth; reflectivity is a bent function
+/// of the albedo, with noise.
 inline Sweep scan(const World& world, uint64_t seed) {
   std::mt19937_64 random(seed);
   Sweep sweep;
@@ -112,8 +114,8 @@ inline Sweep scan(const World& world, uint64_t seed) {
     for (uint16_t ring = 0; ring < 48; ++ring) {
       const double azimuth = (50 - 0.2 * column) * M_PI / 180;
       const double elevation = (-20 + 34.0 * ring / 47) * M_PI / 180;
-      const Eigen::Vector3d along(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                                  std::sin(elevation));
+      const Eigen::Vector3d along(std::cos(elevation) * std::cos(azimuth),
+                                  std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       const auto hit = cast(world, Eigen::Vector3d::Zero(), along);
       if (!hit) continue;
       const size_t i = sweep.size();
@@ -144,8 +146,9 @@ inline CameraFrame photograph(const World& world, const CameraIntrinsics& intrin
   for (int v = 0; v < frame.height; ++v) {
     for (int u = 0; u < frame.width; ++u) {
       const auto along = model.unproject(Eigen::Vector2d(u, v));
-      const auto hit = along ? cast(world, T_lidar_camera.translation(), T_lidar_camera.linear() * *along)
-                             : std::nullopt;
+      const auto hit =
+          along ? cast(world, T_lidar_camera.translation(), T_lidar_camera.linear() * *along)
+                : std::nullopt;
       const double light = 0.7 + 0.3 * u / frame.width;
       frame.pixels.push_back(static_cast<uint8_t>(255 * (hit ? light * hit->albedo : 1.0)));
     }

@@ -39,17 +39,21 @@ void expect_sum_of_points(const CameraIntrinsics& intrinsics, size_t n) {
   Vector6 sum = Vector6::Zero();
   double size = 1e-9;
   for (size_t i = 0; i < n; ++i) {
-    const auto one = camera.project_with_derivatives(T * Eigen::Vector3d(points.x[i], points.y[i], points.z[i]));
+    const auto one =
+        camera.project_with_derivatives(T * Eigen::Vector3d(points.x[i], points.y[i], points.z[i]));
     ASSERT_TRUE(one);
     const Vector6 part = one->by_pose.transpose() * Eigen::Vector2d(points.by_u[i], points.by_v[i]);
     sum += part;
     size += part.norm();
   }
-  const Vector6 fast = pose_gradient(camera, T, {points.x, points.y, points.z}, points.by_u, points.by_v);
+  const Vector6 fast =
+      pose_gradient(camera, T, {points.x, points.y, points.z}, points.by_u, points.by_v);
   EXPECT_LT((fast - sum).norm(), 1e-5 * size) << fast.transpose() << "\n" << sum.transpose();
 }
 
-CameraIntrinsics pinhole() { return {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 320, .cy = 240}; }
+CameraIntrinsics pinhole() {
+  return {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 320, .cy = 240};
+}
 
 TEST(PoseGradient, IsTheSumOverThePoints) {
   for (const size_t n : {0, 1, 15, 16, 17, 1024, 3000}) expect_sum_of_points(pinhole(), n);
