@@ -247,34 +247,39 @@ Result<void> V4l2Source::start() {
   return {};
 }
 
-Result<bool> V4l2Source::read(CameraFrame& frame) {
+Result<V4l2Source::Taken> V4l2Source::take(uint32_t& index, StreamedPicture& picture) {
   v4l2_buffer buffer = buffer_of(0);
   if (!ask(device_.get(), VIDIOC_DQBUF, buffer)) {
-    if (errno == EAGAIN) return false;
+    if (errno == EAGAIN) return Taken::kNothing;
     return receive::fail_errno("cannot be read", options_.device);
   }
   if (buffer.index >= buffers_.size()) return fail("gave an unknown buffer", options_.device);
-  const int64_t monotonic_ns =
-      int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + int64_t{buffer.timestamp.tv_usec} * 1000;
-  read_controls(base_.now());
-  frame.stamp = exposure_stamp(monotonic_ns, buffer.flags);
-  frame.exposure = exposure_;
-  frame.gain = gain_;
-  frame.sequence = buffer.sequence;
-  if (counters_.frames + counters_.damaged > 0 && buffer.sequence > next_sequence_) {
+  index = buffer.index;
+  if (counters_.pictures + counters_.damaged > 0 && buffer.sequence > next_sequence_) {
     counters_.lost += buffer.sequence - next_sequence_;
   }
   next_sequence_ = buffer.sequence + 1;
-  RawPicture picture = picture_;
-  const auto mapped = buffers_[buffer.index].bytes();
-  picture.bytes = mapped.first(std::min<size_t>(buffer.bytesused, mapped.size()));
-  const bool good = (buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 &&
-                    unpack(picture, options_.grey, frame).has_value();
-  ++(good ? counters_.frames : counters_.damaged);
+  if (buffer.flags & V4L2_BUF_FLAG_ERROR) {
+    ++counters_.damaged;
+    return Taken::kDamaged;
+  }
+  ++counters_.pictures;
+  read_controls(base_.now());
+  const int64_t monotonic_ns =
+      int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + int64_t{buffer.timestamp.tv_usec} * 1000;
+  picture = {exposure_stamp(monotonic_ns, buffer.flags), exposure_, gain_, buffer.sequence,
+             picture_};
+  const auto mapped = buffers_[index].bytes();
+  picture.raw.bytes = mapped.first(std::min<size_t>(buffer.bytesused, mapped.size()));
+  return Taken::kPicture;
+}
+
+Result<void> V4l2Source::give_back(uint32_t index) {
+  v4l2_buffer buffer = buffer_of(index);
   if (!ask(device_.get(), VIDIOC_QBUF, buffer)) {
     return receive::fail_errno("does not take its buffer back", options_.device);
   }
-  return good;
+  return {};
 }
 
 // Asking costs a transfer on the camera's bus, and both change slowly.
