@@ -17,6 +17,7 @@ Command declare_watch(CLI::App& infuse);
 Command declare_inspect(CLI::App& infuse);
 Command declare_decode(CLI::App& infuse);
 Command declare_import(CLI::App& infuse);
+Command declare_evaluate(CLI::App& infuse);
 Command declare_streetmap(CLI::App& infuse);
 
 }  // namespace infuse::daemon
