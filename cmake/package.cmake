@@ -28,6 +28,7 @@ install_compressed(${packaging}/debian/changelog changelog ${CMAKE_INSTALL_DOCDI
 get_property(compressed GLOBAL PROPERTY INFUSE_COMPRESSED)
 add_custom_target(manuals ALL DEPENDS ${compressed})
 install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES packaging/debian/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME infuse)
 
 file(WRITE ${CMAKE_BINARY_DIR}/packaging/conffiles "/etc/infuse/infused.toml\n")
 set(CPACK_GENERATOR DEB)
@@ -37,12 +38,12 @@ set(CPACK_PACKAGE_VENDOR infuse)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "on-vehicle fusion of lidar, cameras and odometry")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
   "infused takes the raw streams of Velodyne lidars, cameras and the vehicle's
- CAN bus, keeps them on one clock, watches their health and their calibration,
- and tells what it knows over a socket. infuse is the command that asks it, and
- that looks into recordings.")
+CAN bus, keeps them on one clock, watches their health and their calibration,
+and tells what it knows over a socket. infuse is the command that asks it, and
+that looks into recordings.")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd, init-system-helpers")
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "can-utils, v4l-utils")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${packaging}/debian/postinst ${packaging}/debian/prerm
