@@ -21,6 +21,12 @@ void read_seconds(TomlTable& table, std::string_view key, Duration& value) {
   if (seconds) value = from_seconds(*seconds);
 }
 
+void read_milliseconds(TomlTable& table, std::string_view key, Duration& value) {
+  std::optional<double> milliseconds;
+  table.read(key, milliseconds);
+  if (milliseconds) value = from_seconds(*milliseconds / 1e3);
+}
+
 void read_socket(TomlTable& table, ServerOptions& options) {
   table.read("path", options.path);
   read_integer(table, "tcp_port", options.tcp_port);
@@ -37,6 +43,18 @@ void read_health(TomlTable& table, HealthOptions& options) {
   read_seconds(table, "clock_grace_s", options.clock_grace);
   table.read("warn_loss", options.warn_loss);
   table.read("error_loss", options.error_loss);
+}
+
+void read_odometry(TomlTable& table, OdometrySettings& settings) {
+  table.read("planar", settings.filter.planar);
+  table.read("wheelbase", settings.filter.wheelbase);
+  table.read("track", settings.filter.track);
+  table.read("steering_ratio", settings.filter.steering_ratio);
+  read_milliseconds(table, "wheel_delay_ms", settings.filter.wheel_delay);
+  read_milliseconds(table, "imu_delay_ms", settings.filter.imu_delay);
+  read_milliseconds(table, "gps_delay_ms", settings.filter.gps_delay);
+  table.read("use_gps_speed", settings.use_gps_speed);
+  read_milliseconds(table, "max_wait_ms", settings.max_wait);
 }
 
 /// Reads one table into options and checks them as a whole.
@@ -59,10 +77,12 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   root.read("rig", config.rig);
   const toml::table* socket = root.table("socket");
   const toml::table* health = root.table("health");
+  const toml::table* odometry = root.table("odometry");
   if (auto error = read_sensors(root, file, config)) return error;
   if (auto error = root.finish()) return error;
   if (auto error = read_table(socket, file, "socket", read_socket, config.socket)) return error;
-  return read_table(health, file, "health", read_health, config.health);
+  if (auto error = read_table(health, file, "health", read_health, config.health)) return error;
+  return read_table(odometry, file, "odometry", read_odometry, config.odometry);
 }
 
 /// Reads one file more into a configuration.

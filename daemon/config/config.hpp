@@ -5,8 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/config/odometry_settings.hpp"
 #include "daemon/config/sensor_options.hpp"
-#include "daemon/health/sensor_health.hpp"
+#include "daemon/health/health_options.hpp"
 #include "daemon/server/server_options.hpp"
 #include "drivers/measurement/error.hpp"
 
@@ -18,6 +19,7 @@ struct Config {
   std::string rig;                     ///< rig.toml: where the sensors are mounted; empty: not told
   ServerOptions socket;                ///< [socket]
   HealthOptions health;                ///< [health]
+  OdometrySettings odometry;           ///< [odometry]
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live
