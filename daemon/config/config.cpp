@@ -32,6 +32,12 @@ void read_seconds(TomlTable& table, std::string_view key, Duration& value) {
   if (seconds) value = from_seconds(*seconds);
 }
 
+void read_milliseconds(TomlTable& table, std::string_view key, Duration& value) {
+  std::optional<double> milliseconds;
+  table.read(key, milliseconds);
+  if (milliseconds) value = from_seconds(*milliseconds / 1e3);
+}
+
 void read_socket(TomlTable& table, ServerOptions& options) {
   table.read("path", options.path);
   read_integer(table, "tcp_port", options.tcp_port);
@@ -48,6 +54,18 @@ void read_health(TomlTable& table, HealthOptions& options) {
   read_seconds(table, "clock_grace_s", options.clock_grace);
   table.read("warn_loss", options.warn_loss);
   table.read("error_loss", options.error_loss);
+}
+
+void read_odometry(TomlTable& table, OdometrySettings& settings) {
+  table.read("planar", settings.filter.planar);
+  table.read("wheelbase", settings.filter.wheelbase);
+  table.read("track", settings.filter.track);
+  table.read("steering_ratio", settings.filter.steering_ratio);
+  read_milliseconds(table, "wheel_delay_ms", settings.filter.wheel_delay);
+  read_milliseconds(table, "imu_delay_ms", settings.filter.imu_delay);
+  read_milliseconds(table, "gps_delay_ms", settings.filter.gps_delay);
+  table.read("use_gps_speed", settings.use_gps_speed);
+  read_milliseconds(table, "max_wait_ms", settings.max_wait);
 }
 
 void read_lidar(TomlTable& table, LidarOptions& options) {
@@ -83,10 +101,14 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   }
   const toml::table* socket = root.table("socket");
   const toml::table* health = root.table("health");
+  const toml::table* odometry = root.table("odometry");
   const auto lidars = root.tables("lidar", kMaxLidars);
   if (auto error = root.finish()) return error;
   if (auto error = read_table(socket, file, "socket", read_socket, config.socket)) return error;
   if (auto error = read_table(health, file, "health", read_health, config.health)) return error;
+  if (auto error = read_table(odometry, file, "odometry", read_odometry, config.odometry)) {
+    return error;
+  }
   for (const toml::table* lidar : lidars) {
     LidarOptions options;
     if (auto error = read_table(lidar, file, "lidar", read_lidar, options)) return error;

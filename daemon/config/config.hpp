@@ -5,7 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/health/sensor_health.hpp"
+#include "daemon/config/odometry_settings.hpp"
+#include "daemon/health/health_options.hpp"
 #include "daemon/server/server_options.hpp"
 #include "drivers/measurement/error.hpp"
 
@@ -29,6 +30,7 @@ struct Config {
   std::string log_level = "info";    ///< trace, debug, info, warning, error, off
   ServerOptions socket;              ///< [socket]
   HealthOptions health;              ///< [health]
+  OdometrySettings odometry;         ///< [odometry]
   std::vector<LidarOptions> lidars;  ///< [[lidar]]
 };
 

@@ -189,5 +189,23 @@ TEST_F(ProgramsTest, ATerminationSignalEndsWithASummary) {
   EXPECT_THAT(stopped.output, HasSubstr("\"stopped\":true"));
 }
 
+TEST_F(ProgramsTest, StreetMapsAreMadeAndRefused) {
+  const std::string map = " -o " + (folder_ / "x.map").string();
+  const std::string altfeld = INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm";
+  const std::string picture = (folder_ / "x.png").string();
+  const Ran made = run("infuse streetmap --json " + altfeld + map + " --picture " + picture);
+  ASSERT_EQ(made.code, 0) << made.output;
+  const json report = json::parse(made.output);
+  EXPECT_EQ(report["kinds"]["building"], 115);
+  EXPECT_EQ(report["bytes"], std::filesystem::file_size(folder_ / "x.map"));
+  EXPECT_GT(std::filesystem::file_size(picture), 1000U);
+  // Its picture is a map again, once its scale is given.
+  EXPECT_EQ(run("infuse streetmap " + picture + map).code, 2);
+  EXPECT_EQ(run("infuse streetmap --scale 0.2 " + picture + map).code, 0);
+  EXPECT_EQ(run("infuse streetmap --cell 0 " + altfeld + map).code, 2);
+  EXPECT_EQ(run("infuse streetmap /nonexistent.osm" + map).code, 3);
+  EXPECT_EQ(run("infuse streetmap " + altfeld + " -o /nonexistent/x.map").code, 1);
+}
+
 }  // namespace
 }  // namespace infuse::daemon
