@@ -16,8 +16,8 @@ Eigen::Isometry3d place(double x, double y, double z, double turn, const Eigen::
 }
 
 TEST(FindBoards, FindsEveryBoardToAFifthOfAPixel) {
-  const std::vector<Eigen::Isometry3d> places = {place(-0.9, -0.2, 2.6, 0.5, {0, 1, 0}),
-                                                 place(0.9, 0.3, 3.0, 0.4, {1, 0.3, 0})};
+  const std::vector<Eigen::Isometry3d> places = {place(-1.0, -0.2, 4.0, 0.5, {0, 1, 0}),
+                                                 place(1.0, 0.3, 4.4, 0.4, {1, 0.3, 0})};
   const CameraFrame frame = made::photograph(places, made::board());
   const auto boards = find_boards(frame, made::board(), 5);
   ASSERT_EQ(boards.size(), 2U);

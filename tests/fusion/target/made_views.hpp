@@ -180,7 +180,7 @@ inline std::optional<double> brightness(const Eigen::Isometry3d& T_camera_board,
   return dark ? 30 : 220;
 }
 
-/// A picture of boards before a grey wall, 2 × 2 rays a pixel.
+/// A picture of boards before a grey wall, 3 × 3 rays a pixel.
 inline CameraFrame photograph(const std::vector<Eigen::Isometry3d>& T_camera_boards,
                               const Board& board) {
   const geometry::CameraModel camera(intrinsics());
@@ -198,11 +198,11 @@ inline CameraFrame photograph(const std::vector<Eigen::Isometry3d>& T_camera_boa
            u < std::min(frame.width, static_cast<int>(middle.x()) + reach); ++u) {
         auto& pixel = frame.pixels[static_cast<size_t>(v * frame.width + u)];
         double sum = 0;
-        for (int k = 0; k < 4; ++k) {
-          const auto along = camera.unproject({u + (k % 2 - 0.5) / 2, v + (k / 2 - 0.5) / 2});
+        for (int k = 0; k < 9; ++k) {
+          const auto along = camera.unproject({u + (k % 3 - 1) / 3.0, v + (k / 3 - 1) / 3.0});
           sum += along ? brightness(T, board, *along).value_or(pixel) : pixel;
         }
-        pixel = static_cast<uint8_t>(sum / 4 + 0.5);
+        pixel = static_cast<uint8_t>(sum / 9 + 0.5);
       }
     }
   }
