@@ -17,6 +17,7 @@
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/server/server.hpp"
 #include "daemon/server/socket_path.hpp"
+#include "daemon/streetmap/street_map_file.hpp"
 #include "drivers/recording/text_file.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 
@@ -56,10 +57,10 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--reports", arguments.reports,
                  "write every report to this file; the same drive gives the same bytes")
       ->type_name("FILE");
-  app.add_option(
-         "--trajectory", arguments.trajectory,
-         "write where the vehicle was at the end of each sweep: TUM format, or KITTI's where "
-         "the name ends in .kitti")
+  app.add_option("--trajectory", arguments.trajectory,
+                 "write where the vehicle was at the end of each sweep (on the map, where there is "
+                 "one): TUM format, or KITTI's where "
+                 "the name ends in .kitti")
       ->type_name("FILE");
   app.add_option("--socket", arguments.socket, "where clients connect")->type_name("PATH");
   app.add_option("--model", arguments.model, "model of the lidar, where it cannot be inferred")
@@ -136,6 +137,13 @@ int run_replay(const Arguments& arguments, const Config& config) {
     file = *std::move(created);
   }
 
+  std::optional<StreetMapFile> map;
+  if (!config.streetmap.map.empty()) {
+    auto opened = open_street_map(config.resolve(config.streetmap.map));
+    if (!opened) return complain(kProgram, opened.error(), kUnreadable);
+    map = *std::move(opened);
+  }
+
   boost::asio::io_context io(1);
   Server server(io, config.socket, INFUSE_VERSION, new_session());
   if (const auto listening = listen(server, arguments, config.socket); !listening) {
@@ -149,13 +157,15 @@ int run_replay(const Arguments& arguments, const Config& config) {
     bool stopped = false;
   } ended;
   const HostClock::time_point begin = HostClock::now();
-  Replay replay(io, *std::move(setup), {*rate, config.health, config.odometry}, server,
-                file ? &*file : nullptr, [&] {
-                  ended.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
-                  timer.cancel();
-                  signals.cancel();
-                  server.finish(std::chrono::seconds(2));
-                });
+  Replay replay(
+      io, *std::move(setup),
+      {*rate, config.health, config.odometry, config.streetmap, map ? &map->map : nullptr}, server,
+      file ? &*file : nullptr, [&] {
+        ended.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
+        timer.cancel();
+        signals.cancel();
+        server.finish(std::chrono::seconds(2));
+      });
   signals.async_wait([&](boost::system::error_code error, int) {
     if (error) return;
     ended.stopped = true;
@@ -165,7 +175,8 @@ int run_replay(const Arguments& arguments, const Config& config) {
   std::vector<recording::TrajectoryPose> poses;
   if (!arguments.trajectory.empty()) {
     replay.publisher().on_pose([&](const PoseReport& pose) {
-      if (pose.usable()) poses.push_back({pose.stamp, pose.T_frame_vehicle});
+      const bool wanted = std::string_view(pose.frame) == (map ? "map" : "odometry");
+      if (wanted && pose.usable()) poses.push_back({pose.stamp, pose.T_frame_vehicle});
     });
   }
   replay.start();

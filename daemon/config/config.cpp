@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 #include "daemon/config/read_sensors.hpp"
 #include "drivers/recording/text_file.hpp"
@@ -58,6 +59,29 @@ void read_odometry(TomlTable& table, OdometrySettings& settings) {
   read_milliseconds(table, "max_wait_ms", settings.max_wait);
 }
 
+void read_radians(TomlTable& table, std::string_view key, double& value) {
+  std::optional<double> degrees;
+  table.read(key, degrees);
+  if (degrees) value = *degrees * std::numbers::pi / 180;
+}
+
+void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
+  table.read("map", settings.map);
+  std::optional<double> x, y;
+  table.read("x", x);
+  table.read("y", y);
+  if (x.has_value() != y.has_value()) table.complain_of_table("x and y belong together");
+  if (x && y) settings.start = MapStart{*x, *y, settings.start ? settings.start->yaw : 0};
+  double yaw = 0;
+  read_radians(table, "yaw_deg", yaw);
+  if (settings.start) settings.start->yaw = yaw;
+  table.read("sigma", settings.start_sigma);
+  read_radians(table, "yaw_sigma_deg", settings.start_yaw_sigma);
+  table.read("update_hz", settings.update_hz);
+  table.read("search_radius", settings.tracker.confidence.search_radius);
+  read_integer(table, "seed", settings.tracker.seed);
+}
+
 /// Reads one table into options and checks them as a whole.
 template <class Options>
 std::optional<Error> read_table(const toml::table* toml, const std::string& file,
@@ -79,11 +103,15 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   const toml::table* socket = root.table("socket");
   const toml::table* health = root.table("health");
   const toml::table* odometry = root.table("odometry");
+  const toml::table* streetmap = root.table("streetmap");
   if (auto error = read_sensors(root, file, config)) return error;
   if (auto error = root.finish()) return error;
   if (auto error = read_table(socket, file, "socket", read_socket, config.socket)) return error;
   if (auto error = read_table(health, file, "health", read_health, config.health)) return error;
-  return read_table(odometry, file, "odometry", read_odometry, config.odometry);
+  if (auto error = read_table(odometry, file, "odometry", read_odometry, config.odometry)) {
+    return error;
+  }
+  return read_table(streetmap, file, "streetmap", read_streetmap, config.streetmap);
 }
 
 /// Reads one file more into a configuration.

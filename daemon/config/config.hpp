@@ -7,6 +7,7 @@
 
 #include "daemon/config/odometry_settings.hpp"
 #include "daemon/config/sensor_options.hpp"
+#include "daemon/config/streetmap_settings.hpp"
 #include "daemon/health/health_options.hpp"
 #include "daemon/server/server_options.hpp"
 #include "drivers/measurement/error.hpp"
@@ -20,6 +21,7 @@ struct Config {
   ServerOptions socket;                ///< [socket]
   HealthOptions health;                ///< [health]
   OdometrySettings odometry;           ///< [odometry]
+  StreetMapSettings streetmap;         ///< [streetmap]
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live

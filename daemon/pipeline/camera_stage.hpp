@@ -23,6 +23,9 @@ class CameraStage {
   FrameReport look(const Picture& picture, const Sweep& sweep,
                    const geometry::Trajectory& trajectory);
 
+  /// The sweep as of the last picture's exposure.
+  const motion::StraightSweep& straight() const { return straight_; }
+
  private:
   uint32_t count_in_view();
 

@@ -30,6 +30,9 @@ FusionStage::FusionStage(const FusionSetup& setup, SlotRing<StreamItem>& in,
       unreadable_(setup.rig.cameras.size()),
       given_up_(setup.rig.cameras.size()),
       looked_at_(setup.rig.cameras.size()) {
+  if (setup.map != nullptr && setup.has_odometry) {
+    tracking_.emplace(setup.streetmap, *setup.map, setup.rig);
+  }
   for (const LidarMount& lidar : setup.rig.lidars) {
     compensators_.emplace_back(lidar.T_vehicle_lidar);
   }
@@ -56,7 +59,11 @@ void FusionStage::take(Pin<StreamItem> item) {
       begin_report(ReportItem::Kind::kStart, item->stamp);
       return send_report();
     case StreamItem::Kind::kSamples:
-      for (const VehicleSample& sample : item->samples) odometry_.take(sample);
+      for (const VehicleSample& sample : item->samples) {
+        odometry_.take(sample);
+        const auto* fix = std::get_if<GpsFix>(&sample);
+        if (tracking_ && fix != nullptr) tracking_->take(*fix);
+      }
       if (setup_.rig.lidars.empty()) tell_pose_now();
       return take_due_sweeps();
     case StreamItem::Kind::kPicture:
@@ -84,6 +91,7 @@ void FusionStage::take_due_sweeps() {
 void FusionStage::take_sweep(const StreamItem& item) {
   tell_sweep(item);
   if (setup_.has_odometry) tell_pose(item.sweep.stamp + item.sweep.span);
+  track_sweep(item);
   look_at_pictures(item);
   const Duration whole = HostClock::now() - item.taken;
   latency(Stage::kWhole).add(whole);
@@ -109,6 +117,18 @@ void FusionStage::tell_sweep(const StreamItem& item) {
 
 void FusionStage::tell_pose(Stamp stamp) {
   begin_report(ReportItem::Kind::kPose, stamp).pose = odometry_.pose_at(stamp);
+  send_report();
+}
+
+// On the street map, as of the sweep's end.
+void FusionStage::track_sweep(const StreamItem& item) {
+  if (!tracking_) return;
+  const HostClock::time_point begin = HostClock::now();
+  const Stamp end = item.sweep.stamp + item.sweep.span;
+  tracking_->take_sweep(item.sweep, straight_, item.device, odometry_.trajectory(),
+                        odometry_.figures(end).standing);
+  latency(Stage::kTrack).add(HostClock::now() - begin);
+  begin_report(ReportItem::Kind::kPose, end).pose = tracking_->pose(odometry_.pose_at(end));
   send_report();
 }
 
@@ -140,10 +160,20 @@ void FusionStage::tell_frame(const Picture& picture, const Sweep& sweep) {
   }
   const HostClock::time_point begin = HostClock::now();
   ++looked_at_[picture.camera];
-  begin_report(ReportItem::Kind::kFrame, picture.stamp).frame =
-      cameras_[picture.camera].look(picture, sweep, odometry_.trajectory());
+  const FrameReport frame = cameras_[picture.camera].look(picture, sweep, odometry_.trajectory());
+  begin_report(ReportItem::Kind::kFrame, picture.stamp).frame = frame;
   latency(Stage::kProject).add(HostClock::now() - begin);
   send_report();
+  if (*frame.reason == '\0') track_picture(picture, sweep);
+}
+
+void FusionStage::track_picture(const Picture& picture, const Sweep& sweep) {
+  if (!tracking_) return;
+  const HostClock::time_point begin = HostClock::now();
+  tracking_->take_picture(picture.frame, picture.stamp, picture.camera,
+                          lidar_of_camera_[picture.camera], sweep,
+                          cameras_[picture.camera].straight(), odometry_.trajectory());
+  latency(Stage::kTrack).add(HostClock::now() - begin);
 }
 
 void FusionStage::tell_tick(const StreamItem& item) {
@@ -157,6 +187,7 @@ void FusionStage::tell_tick(const StreamItem& item) {
   }
   report.odometry = odometry_.figures(item.stamp);
   report.odometry.uncompensated = uncompensated_;
+  if (tracking_) report.streetmap = tracking_->figures();
   for (size_t i = 0; i < latencies_.size(); ++i) report.stages[i] = latencies_[i].figures();
   report.stages[static_cast<size_t>(Stage::kIntake)] = item.intake;
   report.deadline_misses = deadline_misses_;

@@ -13,6 +13,7 @@
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/pipeline/sweep_queue.hpp"
+#include "daemon/pipeline/tracking_stage.hpp"
 #include "drivers/measurement/rig.hpp"
 #include "drivers/measurement/slot_ring.hpp"
 #include "fusion/motion/compensation.hpp"
@@ -24,6 +25,8 @@ struct FusionSetup {
   Rig rig;
   bool has_odometry = false;  ///< something says how the vehicle moves
   OdometrySettings odometry;
+  StreetMapSettings streetmap;
+  const streetmap::SegmentMap* map = nullptr;  ///< null: the vehicle is not tracked on one
 };
 
 /// The fusion thread: takes what the io thread hands over, in order, and makes reports of it. A
@@ -50,6 +53,8 @@ class FusionStage {
   void take_sweep(const StreamItem& item);
   void tell_sweep(const StreamItem& item);
   void tell_pose(Stamp stamp);
+  void track_sweep(const StreamItem& item);
+  void track_picture(const Picture& picture, const Sweep& sweep);
   void tell_pose_now();
   void look_at_pictures(const StreamItem& item);
   void tell_frame(const Picture& picture, const Sweep& sweep);
@@ -67,6 +72,7 @@ class FusionStage {
   OdometryStage odometry_;
   SweepQueue sweeps_;
   PictureQueue pictures_;
+  std::optional<TrackingStage> tracking_;
   std::deque<motion::MotionCompensator> compensators_;  // by lidar
   std::deque<CameraStage> cameras_;                     // by camera
   std::vector<size_t> lidar_of_camera_;

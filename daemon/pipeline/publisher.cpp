@@ -26,6 +26,7 @@ Publisher::Publisher(SlotRing<ReportItem>& in, const DriveSetup& setup, const He
       has_odometry_(setup.vehicle.has_odometry()),
       health_options_(health),
       odometry_health_(health),
+      streetmap_health_(health),
       server_(server),
       file_(file) {}
 
@@ -102,6 +103,10 @@ void Publisher::tell_health(const ReportItem& item) {
     report.odometry = &item.odometry;
     report.odometry_conditions = &odometry_health_.update(item.stamp, item.odometry);
   }
+  if (item.streetmap.present()) {
+    report.streetmap = &item.streetmap;
+    report.streetmap_conditions = &streetmap_health_.update(item.stamp, item.streetmap);
+  }
   if (activate_devices(item)) tell_devices(item.stamp);
   for (size_t i = 0; i < report.sensors.size(); ++i) {
     tell_transitions(item.stamp, devices_[i].name, report.sensors[i]->transitions);
@@ -111,6 +116,9 @@ void Publisher::tell_health(const ReportItem& item) {
   }
   if (has_odometry_) {
     tell_transitions(item.stamp, "odometry", report.odometry_conditions->transitions());
+  }
+  if (report.streetmap != nullptr) {
+    tell_transitions(item.stamp, "streetmap", report.streetmap_conditions->transitions());
   }
   if (file_ != nullptr) file_->write(health_message(report, devices_, nullptr));
   server_.publish(ReportClass::kHealth, "", item.stamp,

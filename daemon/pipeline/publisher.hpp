@@ -72,6 +72,7 @@ class Publisher {
   std::vector<SensorHealth> health_;         // of the lidars
   std::vector<StreamHealth> stream_health_;  // of the rest
   OdometryHealth odometry_health_;
+  StreetMapHealth streetmap_health_;
   std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
   Server& server_;
   ReportsFile* file_;

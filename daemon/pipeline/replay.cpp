@@ -26,7 +26,8 @@ ReportItem report_item(const DriveSetup& setup) {
 }
 
 FusionSetup fusion_setup(const DriveSetup& setup, const ReplayOptions& options) {
-  return {setup.rig, setup.vehicle.has_odometry(), options.odometry};
+  return {setup.rig, setup.vehicle.has_odometry(), options.odometry, options.streetmap,
+          options.map};
 }
 
 }  // namespace

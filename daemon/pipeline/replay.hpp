@@ -19,6 +19,8 @@ struct ReplayOptions {
   std::optional<double> rate;  ///< 1: as it was recorded; nothing: as fast as it goes
   HealthOptions health;
   OdometrySettings odometry;
+  StreetMapSettings streetmap;
+  const streetmap::SegmentMap* map = nullptr;  ///< outlives the replay; null: no tracking
 };
 
 /// A drive run through the pipeline:

@@ -7,6 +7,7 @@
 #include "daemon/health/odometry_health.hpp"
 #include "daemon/health/sensor_counters.hpp"
 #include "daemon/health/stream_counters.hpp"
+#include "daemon/health/streetmap_health.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/measurement/stamp.hpp"
@@ -19,12 +20,13 @@ enum class Stage : uint8_t {
   kDecode,    ///< one picture decoded
   kStraight,  ///< one sweep made straight and summarised
   kProject,   ///< one picture and its sweep brought together
+  kTrack,     ///< one sweep or picture taken by the street-map tracker
   kWhole,     ///< the event that completed a sweep read to the sweep's report
   kCount,
 };
 
 inline constexpr std::array<const char*, static_cast<size_t>(Stage::kCount)> kStageNames = {
-    "intake", "decode", "straight", "project", "whole"};
+    "intake", "decode", "straight", "project", "track", "whole"};
 
 /// What the fusion thread hands to the thread that tells: values of fixed size, not yet text.
 struct ReportItem {
@@ -44,6 +46,7 @@ struct ReportItem {
   std::vector<SensorCounters> counters;  ///< by lidar
   std::vector<StreamCounters> streams;   ///< by stream
   OdometryFigures odometry;
+  StreetMapFigures streetmap;
   std::array<LatencyFigures, static_cast<size_t>(Stage::kCount)> stages{};
   uint64_t deadline_misses = 0;  ///< sweeps whose `kWhole` was above the budget
   QueueFigures items_waiting;    ///< between the io thread and fusion

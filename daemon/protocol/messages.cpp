@@ -88,6 +88,18 @@ Json odometry_json(const OdometryFigures& odometry, const Conditions& conditions
   return json;
 }
 
+Json streetmap_json(const StreetMapFigures& figures, const Conditions& conditions) {
+  Json json = {{"level", name_of(conditions.level())}, {"state", figures.state},
+               {"p_value", rounded(figures.p_value)},  {"entropy", rounded(figures.entropy)},
+               {"particles", figures.particles},       {"updates", figures.updates}};
+  if (*figures.reason != '\0') json["reason"] = figures.reason;
+  json["findings"] = Json::array();
+  for (const Finding& finding : conditions.findings()) {
+    json["findings"].push_back(finding_json(finding));
+  }
+  return json;
+}
+
 Json host_json(const HostFigures& host) {
   Json stages = Json::array();
   for (const StageFigures& stage : host.stages) {
@@ -188,6 +200,11 @@ std::string pose_message(const PoseReport& pose) {
   for (int i = 0; i < 36; ++i) message["covariance"].push_back(pose.covariance(i / 6, i % 6));
   message["speed"] = rounded(pose.speed);
   message["yaw_rate"] = rounded(pose.yaw_rate);
+  if (*pose.state != '\0') {
+    message["state"] = pose.state;
+    message["p_value"] = rounded(pose.p_value);
+    message["entropy"] = rounded(pose.entropy);
+  }
   return line(message);
 }
 
@@ -199,6 +216,7 @@ std::string health_message(const HealthReport& health, std::span<const Device> d
   for (const SensorStatus* sensor : health.sensors) worst = std::max(worst, sensor->level);
   for (const StreamStatus* stream : health.streams) worst = std::max(worst, stream->level);
   if (health.odometry != nullptr) worst = std::max(worst, health.odometry_conditions->level());
+  if (health.streetmap != nullptr) worst = std::max(worst, health.streetmap_conditions->level());
   message["level"] = name_of(worst);
   message["sensors"] = Json::array();
   for (size_t i = 0; i < health.sensors.size(); ++i) {
@@ -211,6 +229,9 @@ std::string health_message(const HealthReport& health, std::span<const Device> d
   }
   if (health.odometry != nullptr) {
     message["odometry"] = odometry_json(*health.odometry, *health.odometry_conditions);
+  }
+  if (health.streetmap != nullptr) {
+    message["streetmap"] = streetmap_json(*health.streetmap, *health.streetmap_conditions);
   }
   if (host != nullptr) message["host"] = host_json(*host);
   return line(message);

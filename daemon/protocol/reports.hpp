@@ -10,6 +10,7 @@
 #include "daemon/health/odometry_health.hpp"
 #include "daemon/health/sensor_health.hpp"
 #include "daemon/health/stream_health.hpp"
+#include "daemon/health/streetmap_health.hpp"
 #include "drivers/measurement/stamp.hpp"
 
 namespace infuse::daemon {
@@ -50,11 +51,15 @@ struct SweepReport {
 /// Where the vehicle is. Plain data of fixed size.
 struct PoseReport {
   Stamp stamp;
-  const char* frame = "";  ///< "odometry": begins where the drive does, x ahead, and drifts
+  /// "odometry": begins where the drive does, x ahead, and drifts; "map": the street map's
+  const char* frame = "";
   Eigen::Isometry3d T_frame_vehicle = Eigen::Isometry3d::Identity();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double speed = 0;         ///< m/s along x
   double yaw_rate = 0;      ///< rad/s
+  const char* state = "";   ///< on the map: "TRACKING", "UNSURE" or "LOST"; empty otherwise
+  double p_value = 1;       ///< on the map: chance that what is seen fits it by chance
+  double entropy = 1;       ///< on the map: of the particles' weights, 0 … 1
   const char* reason = "";  ///< static text: why it cannot be used; empty where it can
 
   bool usable() const { return *reason == '\0'; }
@@ -105,7 +110,9 @@ struct HealthReport {
   std::vector<const SensorStatus*> sensors;   ///< lidars, by device; valid while the report is used
   std::vector<const StreamStatus*> streams;   ///< the devices that follow; the same
   const OdometryFigures* odometry = nullptr;  ///< null where nothing says how the vehicle moves
-  const Conditions* odometry_conditions = nullptr;  ///< with `odometry`
+  const Conditions* odometry_conditions = nullptr;   ///< with `odometry`
+  const StreetMapFigures* streetmap = nullptr;       ///< null where there is no street map
+  const Conditions* streetmap_conditions = nullptr;  ///< with `streetmap`
 };
 
 /// A finding that was raised or cleared.

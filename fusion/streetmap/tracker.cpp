@@ -84,8 +84,9 @@ void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covarianc
   scouts_.move(motion);
 }
 
-void Tracker::take(const StraightView& straight, const PictureView* picture) {
-  grid_.add(straight, picture, odometry_);
+void Tracker::take(const StraightView& straight, const PictureView* picture,
+                   const PlanarPose& then) {
+  grid_.add(straight, picture, odometry_.then(then));
 }
 
 void Tracker::update() {
@@ -94,7 +95,7 @@ void Tracker::update() {
 }
 
 void Tracker::update(const GridSamples& samples) {
-  if (!started_ || samples.size() < kFewestSamples) return;
+  if (!started_ || samples.size() < kFewestSamples || !moved_on()) return;
   dependence::PreparedDependence prepared(dependence::FitMeasure::kSmi, samples.features,
                                           options_.fit);
   if (*prepared.reason() != '\0') return;
@@ -108,6 +109,16 @@ void Tracker::update(const GridSamples& samples) {
   look_elsewhere(prepared, samples);
   ++updates_since_search_;
   judge();
+}
+
+bool Tracker::moved_on() {
+  const PlanarPose motion = updated_at_.motion_to(odometry_);
+  if (updates_since_search_ > 0 && std::hypot(motion.x, motion.y) < options_.least_motion &&
+      std::abs(motion.yaw) < options_.least_turn) {
+    return false;
+  }
+  updated_at_ = odometry_;
+  return true;
 }
 
 double Tracker::score_of(const PlanarPose& pose, dependence::PreparedDependence& prepared,

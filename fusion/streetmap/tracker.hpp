@@ -68,11 +68,12 @@ class Tracker {
   /// The vehicle moved by `motion` (frame of the vehicle before it); covariance of x, y, yaw.
   void predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance);
 
-  /// Collects what is seen at the current pose.
-  void take(const StraightView& straight, const PictureView* picture);
+  /// Collects what was seen at the current pose, or where the vehicle was at another moment: `then`
+  /// is that pose seen from the current one.
+  void take(const StraightView& straight, const PictureView* picture, const PlanarPose& then = {});
 
-  /// Weighs the particles by what was collected. Does nothing before `start` and while too little
-  /// is seen.
+  /// Weighs the particles by what was collected. Does nothing before `start`, while too little is
+  /// seen, and while the vehicle stands: the same view again is no new evidence.
   void update();
 
   /// The same with samples that were collected elsewhere (a cache), vehicle frame.
@@ -82,6 +83,7 @@ class Tracker {
   TrackerEstimate estimate() const;
 
  private:
+  bool moved_on();
   double score_of(const PlanarPose& pose, dependence::PreparedDependence& prepared,
                   const GridSamples& samples,
                   const std::optional<dependence::HyperParameters>& kept,
@@ -105,6 +107,7 @@ class Tracker {
   const char* reason_ = "no initial pose";
   double score_ = 0;
   int updates_since_search_ = 0;
+  PlanarPose updated_at_;  // odometry's pose at the last update
 
   // Scratch.
   GridSamples samples_;

@@ -40,6 +40,7 @@ std::optional<std::string> TrackerOptions::invalid() const {
     return "scouts: count must be 0 … 10000, patience 1 at least";
   }
   if (!(omission >= 0 && omission <= 1)) return "omission must be within 0 … 1";
+  if (!(least_motion >= 0 && least_turn >= 0)) return "least_motion must not be negative";
   if (!(sharpness > 0 && sharpness <= 1e4)) return "sharpness must be within 0 … 10000";
   return std::nullopt;
 }

@@ -157,6 +157,20 @@ TEST(Tracker, FindsItselfAfterItWasCarriedAway) {
   EXPECT_EQ(tracker.estimate().state, TrackState::kTracking);
 }
 
+TEST(Tracker, StandingStillIsNoEvidence) {
+  Tracker tracker(the_town().map, quick());
+  const Driven driven = drive(tracker, {0, 0, 0}, 0.5, 1, 20);
+  const Eigen::Matrix3d spread = tracker.estimate().covariance;
+  for (uint64_t i = 0; i < 50; ++i) {
+    tracker.predict({}, Eigen::Matrix3d::Zero());
+    tracker.update(see(the_town().map, driven.truth, 77));
+  }
+  EXPECT_NEAR(tracker.estimate().covariance.trace(), spread.trace(), 0.01);
+  EXPECT_NEAR(std::hypot(tracker.estimate().pose.x - driven.last.x,
+                         tracker.estimate().pose.y - driven.last.y),
+              0, 0.02);
+}
+
 TEST(Tracker, OutsideTheMapItIsLost) {
   Tracker tracker(the_town().map, quick());
   tracker.start({5000, 5000, 0}, covariance(1, 0.05));

@@ -1,0 +1,29 @@
+#include "daemon/health/streetmap_health.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <string_view>
+
+namespace infuse::daemon {
+
+StreetMapHealth::StreetMapHealth(const HealthOptions& options)
+    : conditions_{{"lost", Level::kError, options.raise_after, options.clear_after},
+                  {"map_misfit", Level::kWarn, options.raise_after, options.clear_after}} {}
+
+const Conditions& StreetMapHealth::update(Stamp now, const StreetMapFigures& figures) {
+  Verdict lost, misfit;
+  const std::string place =
+      fmt::format("near {:.0f} m east, {:.0f} m north of the map's origin", figures.x, figures.y);
+  if (std::string_view(figures.state) == "LOST") {
+    lost = {true, fmt::format("lost on the street map {}: {}", place, figures.reason),
+            "it looks for its place; give a start in [streetmap] or a satellite receiver"};
+  }
+  if (figures.misfit) {
+    misfit = {true, fmt::format("what is seen does not fit the street map {}", place),
+              "is the map up to date there? make it anew with infuse streetmap"};
+  }
+  conditions_.judge({lost, misfit}, now);
+  return conditions_;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "daemon/config/streetmap_settings.hpp"
+#include "daemon/health/streetmap_health.hpp"
+#include "daemon/protocol/reports.hpp"
+#include "drivers/measurement/camera_frame.hpp"
+#include "drivers/measurement/rig.hpp"
+#include "drivers/measurement/vehicle_samples.hpp"
+#include "drivers/recording/local_frame.hpp"
+#include "fusion/geometry/camera_model.hpp"
+#include "fusion/geometry/trajectory.hpp"
+#include "fusion/motion/compensation.hpp"
+#include "fusion/streetmap/tracker.hpp"
+
+namespace infuse::daemon {
+
+/// The vehicle on the street map, on the fusion thread: particles move with odometry at every
+/// sweep, sweeps and pictures fill the local grid, and some times a second of drive time the
+/// particles are weighed. It begins where the configuration says, else at the first fix of a
+/// satellite receiver that also tells the course.
+class TrackingStage {
+ public:
+  /// `settings.invalid()` must be empty. The map outlives this.
+  TrackingStage(const StreetMapSettings& settings, const streetmap::SegmentMap& map,
+                const Rig& rig);
+
+  /// A receiver's fix, where nothing else said where the vehicle begins.
+  void take(const GpsFix& fix);
+
+  /// A sweep, straight as of its end. Moves the particles to that moment first; not while the
+  /// vehicle is `standing`: what odometry learns then mends the poses that it gave before, and that
+  /// is no motion.
+  void take_sweep(const Sweep& sweep, const motion::StraightSweep& straight, size_t lidar,
+                  const geometry::Trajectory& trajectory, bool standing);
+
+  /// A picture, and the sweep straight as of its exposure; after that sweep's `take_sweep`.
+  void take_picture(const CameraFrame& frame, Stamp exposure, size_t camera, size_t lidar,
+                    const Sweep& sweep, const motion::StraightSweep& straight,
+                    const geometry::Trajectory& trajectory);
+
+  /// Where the vehicle is on the map, as of the last sweep's end; speed and yaw rate are those of
+  /// `odometry`.
+  PoseReport pose(const PoseReport& odometry) const;
+
+  /// What is told of it once a second.
+  StreetMapFigures figures() const;
+
+ private:
+  void move_to(Stamp stamp, const geometry::Trajectory& trajectory, bool standing);
+  void begin();
+
+  StreetMapSettings settings_;
+  Rig rig_;
+  std::vector<geometry::CameraModel> cameras_;
+  std::optional<recording::LocalFrame> frame_;  // nothing: the map has no latitude and longitude
+  streetmap::Tracker tracker_;
+  streetmap::PictureFeatures features_;
+  bool begun_ = false;
+  Stamp now_ = Stamp::earliest();
+  Stamp next_update_ = Stamp::earliest();
+  uint64_t updates_ = 0;
+};
+
+}  // namespace infuse::daemon

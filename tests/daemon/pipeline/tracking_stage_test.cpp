@@ -1,0 +1,202 @@
+#include "daemon/pipeline/tracking_stage.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "daemon/protocol/messages.hpp"
+#include "tests/daemon/schema.hpp"
+#include "tests/fusion/streetmap/town.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using streetmap::PlanarPose;
+using streetmap::SegmentKind;
+
+/// A town, a drive along its street with exact odometry, and sweeps of the ground around.
+class TrackingStageTest : public testing::Test {
+ protected:
+  static constexpr Duration kStep{250'000'000};  // between sweeps
+
+  Eigen::Isometry3d pose_at(Stamp stamp) const {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translation().x() = -90 + 5 * to_seconds(stamp - start_);
+    T.translation().y() = -1.3;
+    return T;
+  }
+
+  TrackingStageTest() {
+    rig_.lidars.push_back({"top", "", Eigen::Isometry3d::Identity()});
+    rig_.lidars[0].T_vehicle_lidar.translation().z() = 1.7;
+    // Odometry's frame begins where the drive does: not the map's.
+    const Eigen::Isometry3d T_odometry_map = pose_at(start_).inverse();
+    for (int i = 0; i <= 1200; ++i) {
+      const Stamp stamp = start_ + i * Duration(20'000'000);
+      trajectory_.append({stamp, T_odometry_map * pose_at(stamp)});
+    }
+    settings_.tracker.particles.most = 300;
+    settings_.tracker.grid.most_samples = 600;
+    settings_.tracker.grid.extent = 30;
+  }
+
+  /// What lies around: how bright and how high tells the kind of ground.
+  void scan(Stamp stamp, uint64_t seed) {
+    sweep_.clear();
+    sweep_.rings = 1;
+    sweep_.stamp = stamp;
+    sweep_.resize(2500);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> place(-15, 15);
+    std::normal_distribution<double> noise;
+    const Eigen::Isometry3d T = pose_at(stamp);
+    for (size_t i = 0; i < sweep_.size(); ++i) {
+      const Eigen::Vector3d p(place(random), place(random), 0);
+      const Eigen::Vector3d q = T * p;
+      const auto kind = town_.map.segment(town_.map.id_at(q.x(), q.y())).kind;
+      const bool wall = kind == SegmentKind::kWall || kind == SegmentKind::kBuilding;
+      const double height = wall ? 1.5 : kind == SegmentKind::kCarriageway ? 0 : 0.12;
+      const double bright = kind == SegmentKind::kCarriageway ? 0.2
+                            : kind == SegmentKind::kRoadside  ? 0.5
+                                                              : 0.35;
+      sweep_.x[i] = static_cast<float>(p.x());
+      sweep_.y[i] = static_cast<float>(p.y());
+      sweep_.z[i] = static_cast<float>(height + 0.02 * noise(random) - 1.7);
+      sweep_.range[i] = static_cast<float>(std::hypot(p.norm(), 1.7));
+      sweep_.reflectivity[i] = static_cast<float>(bright + 0.06 * noise(random));
+      sweep_.ring[i] = 0;
+      sweep_.column[i] = static_cast<uint16_t>(2 * i);
+    }
+    straight_.reference = stamp;
+    straight_.x = sweep_.x;
+    straight_.y = sweep_.y;
+    straight_.z = sweep_.z;
+  }
+
+  void drive(TrackingStage& stage, int sweeps) {
+    for (int i = 0; i < sweeps; ++i) {
+      now_ = start_ + i * kStep;
+      scan(now_, static_cast<uint64_t>(i));
+      stage.take_sweep(sweep_, straight_, 0, trajectory_, false);
+    }
+  }
+
+  double error(const PoseReport& report) const {
+    return (report.T_frame_vehicle.translation() - pose_at(now_).translation()).norm();
+  }
+
+  Stamp start_ = Stamp::from_ns(1'000'000'000'000);
+  Stamp now_ = start_;
+  streetmap::town::Town town_ = streetmap::town::build(streetmap::town::plan());
+  Rig rig_;
+  geometry::Trajectory trajectory_;
+  StreetMapSettings settings_;
+  Sweep sweep_;
+  motion::StraightSweep straight_;
+};
+
+TEST_F(TrackingStageTest, TellsThePlaceOnTheMap) {
+  settings_.start = MapStart{-89, -2.5, 0.03};
+  TrackingStage stage(settings_, town_.map, rig_);
+  drive(stage, 60);
+  PoseReport odometry;
+  odometry.stamp = now_;
+  odometry.frame = "odometry";
+  odometry.speed = 5;
+  const PoseReport pose = stage.pose(odometry);
+  EXPECT_STREQ(pose.frame, "map");
+  EXPECT_STREQ(pose.state, "TRACKING");
+  EXPECT_TRUE(pose.usable());
+  EXPECT_LT(error(pose), 0.6);
+  EXPECT_EQ(pose.speed, 5);
+  EXPECT_TRUE(valid_message(pose_message(pose)));
+  const StreetMapFigures figures = stage.figures();
+  EXPECT_STREQ(figures.state, "TRACKING");
+  EXPECT_FALSE(figures.misfit);
+  EXPECT_NEAR(figures.x, pose.T_frame_vehicle.translation().x(), 1e-9);
+  // 60 sweeps in 14.75 s at two a second.
+  EXPECT_EQ(figures.updates, 30U);
+}
+
+TEST_F(TrackingStageTest, BeginsWhereTheReceiverSays) {
+  TrackingStage stage(settings_, town_.map, rig_);
+  drive(stage, 1);
+  PoseReport odometry;
+  EXPECT_FALSE(stage.pose(odometry).usable());
+  EXPECT_STREQ(stage.pose(odometry).reason, "no initial pose");
+  EXPECT_TRUE(valid_message(pose_message(stage.pose(odometry))));
+  const auto& frame = town_.map.frame();
+  const Eigen::Vector3d place = recording::LocalFrame(frame.latitude, frame.longitude)
+                                    .to_geodetic({-89, -2, 0});
+  GpsFix fix;
+  fix.latitude = place.x();
+  fix.longitude = place.y();
+  fix.course = M_PI / 2 + 0.03;  // clockwise from north: east
+  fix.speed = 0.5;
+  fix.valid = true;
+  stage.take(fix);  // too slow for a course
+  EXPECT_FALSE(stage.pose(odometry).usable());
+  fix.speed = 5;
+  stage.take(fix);
+  EXPECT_TRUE(stage.pose(odometry).usable());
+  EXPECT_LT(error(stage.pose(odometry)), 2);
+  EXPECT_NEAR(std::atan2(stage.pose(odometry).T_frame_vehicle(1, 0),
+                         stage.pose(odometry).T_frame_vehicle(0, 0)),
+              -0.03, 0.03);
+}
+
+TEST_F(TrackingStageTest, WhatOdometryLearnsWhileStandingIsNoMotion) {
+  settings_.start = MapStart{-90, -1.3, 0};
+  settings_.start_sigma = 0.01;
+  settings_.start_yaw_sigma = 0.001;
+  TrackingStage stage(settings_, town_.map, rig_);
+  scan(start_, 1);
+  stage.take_sweep(sweep_, straight_, 0, trajectory_, true);
+  const Eigen::Vector3d before = stage.pose({}).T_frame_vehicle.translation();
+  now_ = start_ + Duration(4'000'000'000);
+  scan(now_, 2);
+  stage.take_sweep(sweep_, straight_, 0, trajectory_, true);  // odometry went 20 m
+  EXPECT_LT((stage.pose({}).T_frame_vehicle.translation() - before).norm(), 0.1);
+}
+
+TEST_F(TrackingStageTest, AGapInOdometryWidensTheParticles) {
+  settings_.start = MapStart{-90, -1.3, 0};
+  settings_.start_sigma = 0.1;
+  TrackingStage stage(settings_, town_.map, rig_);
+  scan(start_, 1);
+  stage.take_sweep(sweep_, straight_, 0, trajectory_, false);
+  geometry::Trajectory nothing;
+  straight_.reference = start_ + kStep;
+  straight_.reason = "the trajectory has a gap";
+  stage.take_sweep(sweep_, straight_, 0, nothing, false);
+  const PoseReport pose = stage.pose({});
+  // Of x itself: a left perturbation turns about the map's origin.
+  const auto& C = pose.covariance;
+  const double y = pose.T_frame_vehicle(1, 3);
+  EXPECT_GT(C(3, 3) - 2 * y * C(2, 3) + y * y * C(2, 2), 4);
+}
+
+TEST(StreetMapSettings, SaysWhatIsWrong) {
+  EXPECT_FALSE(StreetMapSettings().invalid());
+  EXPECT_TRUE(StreetMapSettings{.start = MapStart{1e9, 0, 0}}.invalid());
+  EXPECT_TRUE(StreetMapSettings{.start_sigma = 0}.invalid());
+  EXPECT_TRUE(StreetMapSettings{.update_hz = 0}.invalid());
+}
+
+TEST(StreetMapHealth, RaisesWithThePlace) {
+  HealthOptions options;
+  options.raise_after = options.clear_after = Duration::zero();
+  StreetMapHealth health(options);
+  StreetMapFigures figures{.state = "LOST", .reason = "x", .misfit = true, .x = 120.4, .y = -33};
+  const Conditions& conditions = health.update(Stamp::from_ns(1), figures);
+  ASSERT_EQ(conditions.findings().size(), 2U);
+  EXPECT_STREQ(conditions.findings()[0].id, "lost");
+  EXPECT_STREQ(conditions.findings()[1].id, "map_misfit");
+  EXPECT_NE(conditions.findings()[1].what.find("120 m east, -33 m north"), std::string::npos);
+  figures = {.state = "TRACKING"};
+  health.update(Stamp::from_ns(2), figures);
+  EXPECT_TRUE(conditions.findings().empty());
+}
+
+}  // namespace
+}  // namespace infuse::daemon
