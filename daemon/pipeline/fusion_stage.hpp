@@ -7,6 +7,7 @@
 
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/pipeline/camera_stage.hpp"
+#include "daemon/pipeline/delivery.hpp"
 #include "daemon/pipeline/doorbell.hpp"
 #include "daemon/pipeline/odometry_stage.hpp"
 #include "daemon/pipeline/picture_queue.hpp"
@@ -25,8 +26,9 @@ struct FusionSetup {
   Rig rig;
   bool has_odometry = false;  ///< something says how the vehicle moves
   OdometrySettings odometry;
+  Delivery delivery = Delivery::kWait;
   StreetMapSettings streetmap;
-  const streetmap::SegmentMap* map = nullptr;  ///< null: the vehicle is not tracked on one
+  const streetmap::SegmentMap* map = nullptr;  ///< null or empty: the vehicle is not tracked
 };
 
 /// The fusion thread: takes what the io thread hands over, in order, and makes reports of it. A

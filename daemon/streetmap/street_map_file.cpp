@@ -47,6 +47,11 @@ Result<StreetMapFile> open_street_map(const std::filesystem::path& path) {
   return StreetMapFile{std::move(*file), *map};
 }
 
+Result<StreetMapFile> open_street_map_if_any(const std::filesystem::path& folder,
+                                             const std::string& name) {
+  return name.empty() ? Result<StreetMapFile>() : open_street_map(folder / name);
+}
+
 bool is_picture(const std::filesystem::path& input) {
   const std::string ending = input.extension().string();
   return ending == ".png" || ending == ".jpg" || ending == ".jpeg";

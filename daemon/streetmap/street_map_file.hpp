@@ -20,6 +20,10 @@ struct StreetMapFile {
 /// Maps a file that `infuse streetmap` wrote. Fails where it is missing, damaged or cut off.
 Result<StreetMapFile> open_street_map(const std::filesystem::path& path);
 
+/// The same of a name in a folder; an empty map where the name is empty.
+Result<StreetMapFile> open_street_map_if_any(const std::filesystem::path& folder,
+                                             const std::string& name);
+
 /// What a street map is made with.
 struct StreetMapOptions {
   streetmap::RasterOptions raster;                    ///< for OpenStreetMap

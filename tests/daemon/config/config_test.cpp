@@ -230,6 +230,28 @@ TEST(Config, AFileThatIsNotThereIsAnError) {
   EXPECT_FALSE(load_config("/"));
 }
 
+TEST(Config, TheStreetMapIsReadAndChecked) {
+  const auto config = parse_config(
+      "[streetmap]\nmap = \"town.map\"\nx = 12.5\ny = -3\nyaw_deg = 90\nsigma = 4\n"
+      "yaw_sigma_deg = 5\nupdate_hz = 5\nsearch_radius = 20\nseed = 7\n",
+      "c.toml");
+  ASSERT_TRUE(config) << config.error().message();
+  const StreetMapSettings& settings = config->streetmap;
+  EXPECT_EQ(settings.map, "town.map");
+  ASSERT_TRUE(settings.start);
+  EXPECT_EQ(settings.start->x, 12.5);
+  EXPECT_EQ(settings.start->y, -3);
+  EXPECT_NEAR(settings.start->yaw, 1.5707963, 1e-6);
+  EXPECT_EQ(settings.start_sigma, 4);
+  EXPECT_NEAR(settings.start_yaw_sigma, 0.0872665, 1e-6);
+  EXPECT_EQ(settings.update_hz, 5);
+  EXPECT_EQ(settings.tracker.confidence.search_radius, 20);
+  EXPECT_EQ(settings.tracker.seed, 7U);
+  EXPECT_FALSE(parse_config("[streetmap]\nx = 1\n", "c.toml"));
+  EXPECT_FALSE(parse_config("[streetmap]\nupdate_hz = 0\n", "c.toml"));
+  EXPECT_FALSE(parse_config("[streetmap]\nmpa = \"x\"\n", "c.toml"));
+}
+
 TEST(Config, SizeAndDepthAreBounded) {
   EXPECT_FALSE(parse_config(std::string(2 << 20, '\n'), "x.toml"));
   EXPECT_FALSE(parse_config("a = " + std::string(100'000, '['), "x.toml"));

@@ -126,8 +126,8 @@ TEST_F(TrackingStageTest, BeginsWhereTheReceiverSays) {
   EXPECT_STREQ(stage.pose(odometry).reason, "no initial pose");
   EXPECT_TRUE(valid_message(pose_message(stage.pose(odometry))));
   const auto& frame = town_.map.frame();
-  const Eigen::Vector3d place = recording::LocalFrame(frame.latitude, frame.longitude)
-                                    .to_geodetic({-89, -2, 0});
+  const Eigen::Vector3d place =
+      recording::LocalFrame(frame.latitude, frame.longitude).to_geodetic({-89, -2, 0});
   GpsFix fix;
   fix.latitude = place.x();
   fix.longitude = place.y();
