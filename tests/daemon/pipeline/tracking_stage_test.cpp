@@ -178,7 +178,7 @@ TEST_F(TrackingStageTest, AGapInOdometryWidensTheParticles) {
 
 TEST(StreetMapSettings, SaysWhatIsWrong) {
   EXPECT_FALSE(StreetMapSettings().invalid());
-  EXPECT_TRUE(StreetMapSettings{.start = MapStart{1e9, 0, 0}}.invalid());
+  EXPECT_TRUE((StreetMapSettings{.start = MapStart{1e9, 0, 0}}).invalid());
   EXPECT_TRUE(StreetMapSettings{.start_sigma = 0}.invalid());
   EXPECT_TRUE(StreetMapSettings{.update_hz = 0}.invalid());
 }
