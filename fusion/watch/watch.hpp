@@ -19,6 +19,7 @@ struct Motion {
 /// Settings of the watch of one camera.
 struct WatchOptions {
   double rotation_step = 8.7e-3;   ///< rad; how far around the calibration the dependence is asked
+  double far_step = 0.026;         ///< rad; the same for the wide look
   double translation_step = 0.10;  ///< m
   double time_step = 0.08;         ///< s
   double focal_samples = 300;      ///< focal length of the reduced picture, samples
@@ -97,6 +98,7 @@ class Watch {
  private:
   const char* why_not(const CameraFrame& grey, const Motion& motion);
   AxisLook look(const Motion& motion, WatchReport& report);
+  double step_along(Axis axis) const;
   void judge(WatchReport& report);
   void travel(Stamp stamp, const Motion& motion);
 
