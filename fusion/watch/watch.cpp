@@ -50,6 +50,7 @@ Watch::Watch(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_camera_l
       camera_(camera),
       step_(std::max(1, static_cast<int>(std::lround(camera.fx / options.focal_samples)))),
       T_camera_lidar_(T_camera_lidar),
+      dependence_(options.weights),
       test_(options.test),
       check_(options.check),
       store_(options.store) {}

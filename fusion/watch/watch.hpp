@@ -29,6 +29,7 @@ struct WatchOptions {
   double spacing = 1.5;            ///< m driven, or
   double turning = 0.1;            ///< rad turned between two looks: a place is looked at once
   double least_peak = 4e-3;        ///< nats; with less between top and foot a picture says nothing
+  QuickDependence::Weights weights;
   DriftTestOptions test;
   CameraCheckOptions check;
   SceneStoreOptions store;
@@ -85,6 +86,10 @@ class Watch {
 
   /// The calibration was changed: evidence starts anew.
   void set_calibration(const Eigen::Isometry3d& T_camera_lidar);
+
+  /// The calibration in use is another, and the watch is not told: for tests of how soon it
+  /// notices.
+  void misplace(const Eigen::Isometry3d& T_camera_lidar) { T_camera_lidar_ = T_camera_lidar; }
 
   /// Another calibration that each look is compared with (`WatchReport::gain`), or none.
   void set_alternative(const std::optional<Eigen::Isometry3d>& T_camera_lidar);
