@@ -63,7 +63,7 @@ std::string calibration_text(const Json& report) {
       fmt::format("{}: {} since {}, {}{}\n", text(report, "device"), text(report, "state"),
                   time_text(report, "since"), text(report, "policy"),
                   report.value("frozen", false) ? ", frozen" : "");
-  lines += fmt::format("  in use ({}): T_camera_lidar\n{}", text(report, "origin"),
+  lines += fmt::format("  in use: T_camera_lidar\n{}",
                        matrix_text(report.value("T_camera_lidar", Json::array())));
   if (report.contains("camera_fault")) {
     lines += fmt::format("  the camera is {}\n", text(report, "camera_fault"));
@@ -87,7 +87,8 @@ std::string calibration_text(const Json& report) {
   }
   lines += "  history\n";
   for (const Json& change : report.value("history", Json::array())) {
-    lines += fmt::format("    {} {}\n", time_text(change, "stamp"), text(change, "origin"));
+    lines += fmt::format("    {} {}: {}\n", time_text(change, "stamp"),
+                         text(change, "state"), text(change, "what"));
   }
   return lines;
 }

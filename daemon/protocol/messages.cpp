@@ -209,7 +209,6 @@ std::string calibration_message(const CalibrationReport& calibration) {
   message["policy"] = calibration.policy;
   message["frozen"] = calibration.frozen;
   message["T_camera_lidar"] = by_row(calibration.T_camera_lidar.matrix());
-  message["origin"] = calibration.origin;
   message["looks"] = calibration.looks;
   message["scenes"] = calibration.scenes;
   if (*calibration.axis != '\0') {
@@ -232,12 +231,11 @@ std::string calibration_message(const CalibrationReport& calibration) {
     if (!calibration.estimate_reason.empty()) estimate["reason"] = calibration.estimate_reason;
     message["estimate"] = std::move(estimate);
   }
-  message["applied"] = calibration.applied;
-  message["rolled_back"] = calibration.rolled_back;
   message["history"] = Json::array();
   for (const CalibrationChange& change : calibration.history) {
     message["history"].push_back({{"stamp", change.stamp.ns()},
-                                  {"origin", change.origin},
+                                  {"state", change.state},
+                                  {"what", change.what},
                                   {"T_camera_lidar", by_row(change.T_camera_lidar.matrix())}});
   }
   return line(message);

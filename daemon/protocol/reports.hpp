@@ -117,11 +117,12 @@ struct AlertReport {
   Finding finding;
 };
 
-/// A change of the calibration in use.
+/// One thing that happened to a calibration.
 struct CalibrationChange {
   Stamp stamp;
-  const char* origin = "";  ///< "configured", "saved", "applied", "rolled back"
-  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+  const char* state = "";                                            ///< after it
+  std::string what;                                                  ///< "applied", ...
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use after it
 };
 
 /// How the calibration of one camera to its lidar stands. Plain data of fixed size, but for the
@@ -135,7 +136,6 @@ struct CalibrationReport {
   const char* policy = "";  ///< "alert-only", "apply", "apply-within"
   bool frozen = false;      ///< the owner wants nothing changed
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use
-  const char* origin = "";  ///< where that is from: "configured", "applied", "rolled back", "saved"
   uint64_t looks = 0;       ///< pictures that were put to the test
   uint64_t scenes = 0;      ///< kept for a re-estimation
   const char* axis = "";    ///< along which there is most evidence for a drift; empty: none yet
@@ -153,8 +153,6 @@ struct CalibrationReport {
   double moved = 0;  ///< Mahalanobis distance of the estimate from what was in use
   uint64_t estimate_scenes = 0;
   std::string estimate_reason;             ///< why the estimate cannot be used; empty where it can
-  uint64_t applied = 0;                    ///< times that an estimate was taken into use
-  uint64_t rolled_back = 0;                ///< times that it was given up again
   std::vector<CalibrationChange> history;  ///< the last changes, oldest first
 };
 

@@ -91,7 +91,6 @@ TEST(Messages, ACalibrationTellsOnlyWhatIsKnown) {
   report.camera = "front";
   report.state = "WATCHING";
   report.policy = "alert-only";
-  report.origin = "configured";
   const json young = checked(calibration_message(report));
   EXPECT_FALSE(young.contains("evidence"));
   EXPECT_FALSE(young.contains("estimate"));
@@ -100,11 +99,11 @@ TEST(Messages, ACalibrationTellsOnlyWhatIsKnown) {
   report.deviation[2] = std::numeric_limits<double>::infinity();
   report.has_estimate = true;
   report.estimate_reason = "two halves of the scenes disagree";
-  report.history.push_back({Stamp::from_ns(5), "applied", Eigen::Isometry3d::Identity()});
+  report.history.push_back({Stamp::from_ns(5), "RECALIBRATED", "applied", Eigen::Isometry3d::Identity()});
   const json known = checked(calibration_message(report));
   EXPECT_EQ(known["evidence"]["axis"], "rotation about y");
   EXPECT_EQ(known["estimate"]["usable"], false);
-  EXPECT_EQ(known["history"][0]["origin"], "applied");
+  EXPECT_EQ(known["history"][0]["what"], "applied");
 }
 
 TEST(Messages, HealthHasTheWorstLevelAndHostFiguresOnlyWhenGiven) {
