@@ -134,13 +134,15 @@ int run_replay(const Arguments& arguments, const Config& config) {
     bool stopped = false;
   } ended;
   const HostClock::time_point begin = HostClock::now();
-  Replay replay(io, *std::move(setup), {*rate, config.health, config.odometry}, server,
+  Replay replay(io, *std::move(setup),
+                {*rate, {config.health, config.odometry, config.calibration}}, server,
                 file ? &*file : nullptr, [&] {
                   ended.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
                   timer.cancel();
                   signals.cancel();
                   server.finish(std::chrono::seconds(2));
                 });
+  server.on_control([&](const Request& request) { return replay.ask(request); });
   signals.async_wait([&](boost::system::error_code error, int) {
     if (error) return;
     ended.stopped = true;

@@ -38,8 +38,7 @@ bool CalibrationGuard::take(const CameraFrame& grey, const watch::SweepView& swe
   }
   const watch::WatchReport seen = watch_.take(grey, sweep, motion);
   looks_ += seen.looked ? 1 : 0;
-  const watch::Decided decided =
-      decision_.take(seen, watch_.scenes().count_since(seen.since));
+  const watch::Decided decided = decision_.take(seen, watch_.scenes().count_since(seen.since));
   if (decided.calibration_changed) watch_.set_calibration(decision_.present());
   if (decided.alternative_changed) watch_.set_alternative(decision_.alternative());
   if (decided.start) start(decided, now);
@@ -53,11 +52,10 @@ bool CalibrationGuard::take(const CameraFrame& grey, const watch::SweepView& swe
 
 void CalibrationGuard::start(const watch::Decided& decided, Stamp now) {
   watch_.scenes().copy(decided.since, scenes_);
-  background_.start(now, from_seconds(settings_.decision.budget),
-                    [this, present = decision_.present()] {
-                      result_ = watch::reestimate(scenes_, intrinsics_, present,
-                                                  settings_.reestimate);
-                    });
+  background_.start(
+      now, from_seconds(settings_.decision.budget), [this, present = decision_.present()] {
+        result_ = watch::reestimate(scenes_, intrinsics_, present, settings_.reestimate);
+      });
 }
 
 void CalibrationGuard::obey(const Request& request) {

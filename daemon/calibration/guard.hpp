@@ -21,8 +21,8 @@ class CalibrationGuard {
   /// `settings.invalid()` must be empty.
   CalibrationGuard(const CameraMount& mount, const CalibrationSettings& settings, bool waits);
 
-  /// Takes a picture (kGrey8) and the returns of its sweep as of its exposure. True where `report()`
-  /// is to be told.
+  /// Takes a picture (kGrey8) and the returns of its sweep as of its exposure. True where
+  /// `report()` is to be told.
   bool take(const CameraFrame& grey, const watch::SweepView& sweep, const watch::Motion& motion);
 
   /// What the owner asks for; comes into effect with the next picture.

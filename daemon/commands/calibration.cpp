@@ -87,8 +87,8 @@ std::string calibration_text(const Json& report) {
   }
   lines += "  history\n";
   for (const Json& change : report.value("history", Json::array())) {
-    lines += fmt::format("    {} {}: {}\n", time_text(change, "stamp"),
-                         text(change, "state"), text(change, "what"));
+    lines += fmt::format("    {} {}: {}\n", time_text(change, "stamp"), text(change, "state"),
+                         text(change, "what"));
   }
   return lines;
 }

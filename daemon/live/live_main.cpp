@@ -138,7 +138,9 @@ int run_live(const LiveArguments& arguments, const Config& config) {
     return complain(kProgram, listening.error(), kUsage);
   }
   std::function<void()> on_end;
-  Live live(io, *std::move(setup), {config.health, config.odometry}, server, [&] { on_end(); });
+  Live live(io, *std::move(setup), {config.health, config.odometry, config.calibration}, server,
+            [&] { on_end(); });
+  server.on_control([&](const Request& request) { return live.ask(request); });
   Attendant attendant(io, arguments, config, live);
   on_end = [&] {
     attendant.finish();

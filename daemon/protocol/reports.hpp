@@ -136,10 +136,10 @@ struct CalibrationReport {
   const char* policy = "";  ///< "alert-only", "apply", "apply-within"
   bool frozen = false;      ///< the owner wants nothing changed
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use
-  uint64_t looks = 0;       ///< pictures that were put to the test
-  uint64_t scenes = 0;      ///< kept for a re-estimation
-  const char* axis = "";    ///< along which there is most evidence for a drift; empty: none yet
-  double evidence = 0;      ///< nats, along it
+  uint64_t looks = 0;          ///< pictures that were put to the test
+  uint64_t scenes = 0;         ///< kept for a re-estimation
+  const char* axis = "";       ///< along which there is most evidence for a drift; empty: none yet
+  double evidence = 0;         ///< nats, along it
   double evidence_needed = 0;  ///< nats, to call it a drift
   Eigen::Matrix<double, 6, 1> offset = Eigen::Matrix<double, 6, 1>::Zero();  ///< rad and m: how far
                                                                              ///< it seems to be off

@@ -99,7 +99,8 @@ TEST(Messages, ACalibrationTellsOnlyWhatIsKnown) {
   report.deviation[2] = std::numeric_limits<double>::infinity();
   report.has_estimate = true;
   report.estimate_reason = "two halves of the scenes disagree";
-  report.history.push_back({Stamp::from_ns(5), "RECALIBRATED", "applied", Eigen::Isometry3d::Identity()});
+  report.history.push_back(
+      {Stamp::from_ns(5), "RECALIBRATED", "applied", Eigen::Isometry3d::Identity()});
   const json known = checked(calibration_message(report));
   EXPECT_EQ(known["evidence"]["axis"], "rotation about y");
   EXPECT_EQ(known["estimate"]["usable"], false);
