@@ -5,8 +5,9 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr Duration kPoseInterval{100'000'000};  // between poses where there is no lidar
-constexpr Duration kClockStep{1'000'000'000};  // back by more than this, drive time begins anew
+constexpr Duration kPicturePatience{50'000'000};  // live
+constexpr Duration kPoseInterval{100'000'000};    // between poses where there is no lidar
+constexpr Duration kClockStep{1'000'000'000};     // back by more than this, drive time begins anew
 
 size_t index_of_lidar(const Rig& rig, const std::string& name) {
   size_t index = 0;
@@ -26,7 +27,8 @@ FusionStage::FusionStage(const FusionSetup& setup, SlotRing<StreamItem>& in,
       odometry_(setup.odometry),
       sweeps_(pins(setup.rig.lidars.size()) - 2,
               setup.has_odometry ? setup.odometry.max_wait : Duration::zero()),
-      pictures_(pictures, pictures.capacity()),
+      pictures_(pictures, pictures.capacity(),
+                setup.delivery == Delivery::kWait ? Signal::kForever : kPicturePatience),
       unreadable_(setup.rig.cameras.size()),
       given_up_(setup.rig.cameras.size()),
       looked_at_(setup.rig.cameras.size()) {
@@ -35,7 +37,8 @@ FusionStage::FusionStage(const FusionSetup& setup, SlotRing<StreamItem>& in,
   }
   for (const CameraMount& camera : setup.rig.cameras) {
     lidar_of_camera_.push_back(index_of_lidar(setup.rig, camera.lidar));
-    cameras_.emplace_back(camera, setup.rig.lidars[lidar_of_camera_.back()].T_vehicle_lidar);
+    cameras_.emplace_back(camera, setup.rig.lidars[lidar_of_camera_.back()].T_vehicle_lidar,
+                          setup.calibration, setup.delivery == Delivery::kWait);
   }
 }
 
@@ -144,6 +147,24 @@ void FusionStage::tell_frame(const Picture& picture, const Sweep& sweep) {
       cameras_[picture.camera].look(picture, sweep, odometry_.trajectory());
   latency(Stage::kProject).add(HostClock::now() - begin);
   send_report();
+  watch_calibration(picture, sweep);
+}
+
+void FusionStage::watch_calibration(const Picture& picture, const Sweep& sweep) {
+  const HostClock::time_point begin = HostClock::now();
+  asked_.take([&](const Request& request) { obey(request); });
+  const CalibrationReport* calibration =
+      cameras_[picture.camera].watch(picture, sweep, odometry_.trajectory());
+  latency(Stage::kWatch).add(HostClock::now() - begin);
+  if (calibration == nullptr) return;
+  begin_report(ReportItem::Kind::kCalibration, picture.stamp).calibration = *calibration;
+  send_report();
+}
+
+void FusionStage::obey(const Request& request) {
+  for (CameraStage& camera : cameras_) {
+    if (request.device.empty() || request.device == camera.name()) camera.obey(request);
+  }
 }
 
 void FusionStage::tell_tick(const StreamItem& item) {
@@ -161,7 +182,7 @@ void FusionStage::tell_tick(const StreamItem& item) {
   report.stages[static_cast<size_t>(Stage::kIntake)] = item.intake;
   report.deadline_misses = deadline_misses_;
   report.items_waiting = {"items", static_cast<uint32_t>(in_.behind()),
-                          static_cast<uint32_t>(stream_.capacity())};
+                          static_cast<uint32_t>(stream_.capacity()), in_.lost()};
   send_report();
 }
 
@@ -173,8 +194,7 @@ ReportItem& FusionStage::begin_report(ReportItem::Kind kind, Stamp stamp) {
 }
 
 void FusionStage::send_report() {
-  out_.wait_for_room();
-  out_.publish();
+  deliver(out_, setup_.delivery);
   bell_.ring();
 }
 

@@ -1,6 +1,8 @@
 #include "daemon/pipeline/publisher.hpp"
 
+#include <array>
 #include <ctime>
+#include <numbers>
 
 #include "daemon/protocol/messages.hpp"
 
@@ -8,6 +10,29 @@ namespace infuse::daemon {
 namespace {
 
 constexpr size_t kAlertsKept = 20;
+
+/// What is to be said of a drift, along the axis that has most evidence.
+CalibrationFigures calibration_figures(const CalibrationReport& report) {
+  CalibrationFigures figures;
+  figures.state = report.state;
+  figures.axis = report.axis;
+  figures.evidence = report.evidence;
+  figures.evidence_needed = report.evidence_needed;
+  figures.fault = report.fault;
+  figures.reason = report.estimate_reason;
+  constexpr std::array kAxes = {"rotation about x",    "rotation about y",
+                                "rotation about z",    "translation along x",
+                                "translation along y", "translation along z"};
+  for (size_t i = 0; i < kAxes.size(); ++i) {
+    if (figures.axis != kAxes[i]) continue;
+    const auto axis = static_cast<Eigen::Index>(i);
+    const double factor = i < 3 ? 180 / std::numbers::pi : 100;
+    figures.offset = report.offset[axis] * factor;
+    figures.deviation = report.deviation[axis] * factor;
+    figures.unit = i < 3 ? "°" : "cm";
+  }
+  return figures;
+}
 
 }  // namespace
 
@@ -17,8 +42,8 @@ double process_cpu_s() {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
 }
 
-Publisher::Publisher(SlotRing<ReportItem>& in, const DriveSetup& setup, const HealthOptions& health,
-                     Server& server, ReportsFile* file)
+Publisher::Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup,
+                     const HealthOptions& health, Server& server, ReportsFile* file)
     : ring_(in),
       in_(in.reader()),
       devices_(setup.devices),
@@ -42,15 +67,19 @@ bool Publisher::drain() {
 void Publisher::take(const ReportItem& item) {
   switch (item.kind) {
     case ReportItem::Kind::kStart:
-      return start(item.stamp);
+      start(item.stamp);
+      return on_progress_();
     case ReportItem::Kind::kSweep:
       return tell_sweep(item);
     case ReportItem::Kind::kPose:
       return tell_pose(item);
     case ReportItem::Kind::kFrame:
       return tell_frame(item);
+    case ReportItem::Kind::kCalibration:
+      return tell_calibration(item.calibration);
     case ReportItem::Kind::kTick:
-      return tell_health(item);
+      tell_health(item);
+      return on_progress_();
     case ReportItem::Kind::kEnd:
       totals_.ended = true;
       return;
@@ -87,6 +116,15 @@ void Publisher::tell_frame(const ReportItem& item) {
 void Publisher::tell_pose(const ReportItem& item) {
   on_pose_(item.pose);
   tell(ReportClass::kPose, item.pose.frame, item.stamp, pose_message(item.pose));
+}
+
+void Publisher::tell_calibration(const CalibrationReport& report) {
+  totals_.calibrations[report.camera] = report;
+  on_calibration_(report);
+  tell(ReportClass::kCalibration, report.camera, report.stamp, calibration_message(report));
+  const Conditions& conditions =
+      calibration_health_[report.camera].update(report.stamp, calibration_figures(report));
+  tell_transitions(report.stamp, report.camera, conditions.transitions());
 }
 
 void Publisher::tell_health(const ReportItem& item) {
@@ -151,12 +189,16 @@ void Publisher::tell_devices(Stamp stamp) {
 void Publisher::tell_transitions(Stamp stamp, const std::string& device,
                                  std::span<const Transition> transitions) {
   for (const Transition& transition : transitions) {
-    const AlertReport alert{stamp, device, transition.raised, transition.finding};
-    tell(ReportClass::kAlert, device + "." + transition.finding.id, stamp, alert_message(alert));
-    if (!transition.raised) continue;
-    ++totals_.alerts;
-    if (totals_.first_alerts.size() < kAlertsKept) totals_.first_alerts.push_back(alert);
+    tell_alert({stamp, device, transition.raised, transition.finding});
   }
+}
+
+void Publisher::tell_alert(const AlertReport& alert) {
+  tell(ReportClass::kAlert, alert.device + "." + alert.finding.id, alert.stamp,
+       alert_message(alert));
+  if (!alert.raised) return;
+  ++totals_.alerts;
+  if (totals_.first_alerts.size() < kAlertsKept) totals_.first_alerts.push_back(alert);
 }
 
 void Publisher::tell(ReportClass report_class, const std::string& device, Stamp stamp,
@@ -172,9 +214,9 @@ HostFigures Publisher::host_figures(const ReportItem& item) const {
     const bool whole = i == static_cast<size_t>(Stage::kWhole);
     host.stages.push_back({kStageNames[i], item.stages[i], whole ? item.deadline_misses : 0});
   }
-  host.queues = {
-      item.items_waiting,
-      {"reports", static_cast<uint32_t>(in_.behind()), static_cast<uint32_t>(ring_.capacity())}};
+  host.queues = {item.items_waiting,
+                 {"reports", static_cast<uint32_t>(in_.behind()),
+                  static_cast<uint32_t>(ring_.capacity()), in_.lost()}};
   return host;
 }
 
