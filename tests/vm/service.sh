@@ -2,6 +2,8 @@
 # In the guest: the installed package, live sensors, watchdog; with "faults" also what can go wrong. /work
 # holds the package, a capture to send, and the programs that send and wedge.
 . /work/guest_lib.sh
+# The quick part is run on busy hosts too: there the figures are only told.
+[[ ${1-} == faults ]] || patience=10
 export DEBIAN_FRONTEND=noninteractive
 
 # The host's manuals are none of this test's business, and indexing them takes minutes here.
@@ -36,9 +38,9 @@ canplayer -l i -I /work/can.log vcan0=vcan0 >/tmp/canplayer.log 2>&1 & player=$!
 sleep 1
 started=$(date +%s%N)
 systemctl restart infused.service
-check "all three deliver within 5 s of start" infuse wait-ready --timeout 5
+check "all three deliver within $((5 * patience)) s of start" infuse wait-ready --timeout $((5 * patience))
 echo "        after $((($(date +%s%N) - started) / 1000000)) ms"
-check "and are OK" within 3 all_ok
+check "and are OK" within 5 all_ok
 infuse status
 systemctl status infused --no-pager -n 0 | sed -n 's/^ *Status/        status/p'
 check "it runs without root" sh -c 'test "$(ps -o user= -p "$(systemctl show -P MainPID infused)")" = infuse'
@@ -76,10 +78,30 @@ fi
 
 # --- restarts ---
 kill -9 "$pid"; at=$(date +%s%N)
-check "SIGKILL: back within 3 s" within 3 sh -c "systemctl is-active infused && infuse status --json | grep -q VERSION"
+check "SIGKILL: back within $((3 * patience)) s" within 3 sh -c "systemctl is-active infused && infuse status --json | grep -q VERSION"
 echo "        after $((($(date +%s%N) - at) / 1000000)) ms"
 check "and says so" within 5 alert "did not end by itself"
 check "and all are OK" within 6 all_ok
+if [[ ${1-} == faults ]]; then
+back() { systemctl is-active infused && infuse status --json | grep -q VERSION; }
+for round in 1 2 3 4 5; do
+  sleep "0.$((RANDOM % 10))"
+  kill -9 "$(systemctl show -P MainPID infused)"
+  within 3 back || miss "SIGKILL $round: not back within 3 s"
+  grep -q '"running": true' /var/lib/infuse/state.json || miss "SIGKILL $round: the state is damaged"
+done
+pass "five more at random moments"
+mount -t tmpfs -o size=16k,uid=infuse,gid=infuse,mode=750 none /var/lib/infuse
+systemctl restart infused.service
+head -c 16k /dev/zero >/var/lib/infuse/fill 2>/dev/null
+check "disk full: it says so, and goes on" within 25 sh -c 'journalctl -u infused -o cat | grep -q "No space left" && systemctl is-active infused'
+systemctl stop infused.service; umount /var/lib/infuse; systemctl start infused.service
+check "another user cannot ask" sh -c '! setpriv --reuid=65534 --regid=65534 --clear-groups infuse status'
+check "nor read the state" sh -c '! setpriv --reuid=65534 --regid=65534 --clear-groups cat /var/lib/infuse/state.json'
+check "the group infuse can ask" sh -c 'setpriv --reuid=65534 --regid=infuse --clear-groups infuse status --json | grep -q VERSION'
+check "nothing listens on a network but the lidar's ports" sh -c '! ss -Hltn | grep -q . && ss -Hlun | awk "{print \$4}" | grep -qx "0.0.0.0:2368"'
+check "all are OK" within 8 all_ok
+fi
 tid=$(ps -L -o tid=,comm= -p "$(systemctl show -P MainPID infused)" | awk '$2 == "fusion" {print $1}')
 before=$(systemctl show -P NRestarts infused)
 /work/vm-wedge "$tid" 20 & wedge=$!
@@ -89,7 +111,7 @@ check "and all are OK" within 8 all_ok
 at=$(date +%s%N)
 check "a clean stop" systemctl stop infused.service
 took=$((($(date +%s%N) - at) / 1000000))
-check "within 2 s ($took ms)" test $took -lt 2000
+check "within $((2 * patience)) s ($took ms)" test $took -lt $((2000 * patience))
 check "its state says that it ended by itself" grep -q '"running": false' /var/lib/infuse/state.json
 
 # --- package ---
