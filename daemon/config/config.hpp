@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/config/calibration_settings.hpp"
 #include "daemon/config/odometry_settings.hpp"
 #include "daemon/config/sensor_options.hpp"
 #include "daemon/config/streetmap_settings.hpp"
@@ -22,6 +23,7 @@ struct Config {
   HealthOptions health;                ///< [health]
   OdometrySettings odometry;           ///< [odometry]
   StreetMapSettings streetmap;         ///< [streetmap]
+  CalibrationSettings calibration;     ///< [calibration]
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live

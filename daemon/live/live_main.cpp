@@ -4,7 +4,9 @@
 
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
+#include <cstdlib>
 
+#include "daemon/calibration/saved_calibrations.hpp"
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/live/live.hpp"
 #include "daemon/live/run_record.hpp"
@@ -133,6 +135,11 @@ int run_live(const LiveArguments& arguments, const Config& config) {
   if (setup->devices.empty()) {
     spdlog::warn("{}: no sensor is configured", arguments.config);
   }
+  const char* folder = std::getenv("STATE_DIRECTORY");
+  SavedCalibrations calibrations(folder == nullptr || *folder != '/'
+                                     ? std::filesystem::path()
+                                     : std::filesystem::path(folder) / kCalibrationsFile);
+  for (const std::string& told : calibrations.restore(setup->rig)) spdlog::info("{}", told);
   boost::asio::io_context io(1);
   Server server(io, config.socket, arguments.release, arguments.session);
   if (const auto listening = listen(server, arguments.socket, config.socket); !listening) {
@@ -141,8 +148,14 @@ int run_live(const LiveArguments& arguments, const Config& config) {
   std::function<void()> on_end;
   const auto map = open_street_map_if_any(config.folder, config.streetmap.map);
   if (!map) return complain(kProgram, map.error(), kUnreadable);
-  Live live(io, *std::move(setup), {config.health, config.odometry, config.streetmap, &map->map},
-            server, [&] { on_end(); });
+  Live live(io, *std::move(setup), {config.health, config.odometry, config.streetmap, &map->map, config.calibration}, server,
+            [&] { on_end(); });
+  live.publisher().on_calibration([&](const CalibrationReport& report) {
+    if (const auto kept = calibrations.keep(report); !kept) {
+      spdlog::error("{}", kept.error().message());
+    }
+  });
+  server.on_control([&](const Request& request) { return live.ask(request); });
   Attendant attendant(io, arguments, config, live);
   on_end = [&] {
     attendant.finish();

@@ -40,7 +40,8 @@ FusionStage::FusionStage(const FusionSetup& setup, SlotRing<StreamItem>& in,
   }
   for (const CameraMount& camera : setup.rig.cameras) {
     lidar_of_camera_.push_back(index_of_lidar(setup.rig, camera.lidar));
-    cameras_.emplace_back(camera, setup.rig.lidars[lidar_of_camera_.back()].T_vehicle_lidar);
+    cameras_.emplace_back(camera, setup.rig.lidars[lidar_of_camera_.back()].T_vehicle_lidar,
+                          setup.calibration, setup.delivery == Delivery::kWait);
   }
 }
 
@@ -167,6 +168,7 @@ void FusionStage::tell_frame(const Picture& picture, const Sweep& sweep) {
   latency(Stage::kProject).add(HostClock::now() - begin);
   send_report();
   if (*frame.reason == '\0') track_picture(picture, sweep);
+  watch_calibration(picture, sweep);
 }
 
 void FusionStage::track_picture(const Picture& picture, const Sweep& sweep) {
@@ -176,6 +178,23 @@ void FusionStage::track_picture(const Picture& picture, const Sweep& sweep) {
                           lidar_of_camera_[picture.camera], sweep,
                           cameras_[picture.camera].straight(), odometry_.trajectory());
   latency(Stage::kTrack).add(HostClock::now() - begin);
+}
+
+void FusionStage::watch_calibration(const Picture& picture, const Sweep& sweep) {
+  const HostClock::time_point begin = HostClock::now();
+  asked_.take([&](const Request& request) { obey(request); });
+  const CalibrationReport* calibration =
+      cameras_[picture.camera].watch(picture, sweep, odometry_.trajectory());
+  latency(Stage::kWatch).add(HostClock::now() - begin);
+  if (calibration == nullptr) return;
+  begin_report(ReportItem::Kind::kCalibration, picture.stamp).calibration = *calibration;
+  send_report();
+}
+
+void FusionStage::obey(const Request& request) {
+  for (CameraStage& camera : cameras_) {
+    if (request.device.empty() || request.device == camera.name()) camera.obey(request);
+  }
 }
 
 void FusionStage::tell_tick(const StreamItem& item) {
