@@ -37,7 +37,7 @@ if(INFUSE_SIMULATOR)
   install(DIRECTORY fixtures/scenarios fixtures/maps DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse-simulate ${simulator})
   install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infuse-simulate ${simulator})
   file(WRITE ${CMAKE_BINARY_DIR}/packaging/infuse-simulate.overrides
-    "bogus-mail-host*\nbogus-mail-host-in-debian-changelog*\n")
+    "infuse-simulate: bogus-mail-host Maintainer *\ninfuse-simulate: bogus-mail-host-in-debian-changelog *\n")
   install(FILES ${CMAKE_BINARY_DIR}/packaging/infuse-simulate.overrides
     DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME infuse-simulate ${simulator})
   install(FILES ${CMAKE_BINARY_DIR}/packaging/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infuse-simulate ${simulator})
