@@ -30,6 +30,19 @@ add_custom_target(manuals ALL DEPENDS ${compressed})
 install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES packaging/debian/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME infuse)
 
+# The simulator is a package of its own: `./dev package` makes it of this component.
+if(INFUSE_SIMULATOR)
+  set(simulator COMPONENT simulator EXCLUDE_FROM_ALL)
+  install(TARGETS infuse-simulate RUNTIME ${simulator})
+  install(DIRECTORY fixtures/scenarios fixtures/maps DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse-simulate ${simulator})
+  install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infuse-simulate ${simulator})
+  file(WRITE ${CMAKE_BINARY_DIR}/packaging/infuse-simulate.overrides
+    "infuse-simulate: bogus-mail-host Maintainer *\ninfuse-simulate: bogus-mail-host-in-debian-changelog *\n")
+  install(FILES ${CMAKE_BINARY_DIR}/packaging/infuse-simulate.overrides
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME infuse-simulate ${simulator})
+  install(FILES ${CMAKE_BINARY_DIR}/packaging/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infuse-simulate ${simulator})
+endif()
+
 file(WRITE ${CMAKE_BINARY_DIR}/packaging/conffiles "/etc/infuse/infused.toml\n")
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
