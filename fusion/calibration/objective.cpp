@@ -53,10 +53,6 @@ geometry::PointsView block_points(const VisiblePoints& points, const VisiblePoin
   return {cut(points.x), cut(points.y), cut(points.z)};
 }
 
-}  // namespace
-
-namespace {
-
 /// Samples lie so far apart that their Gaussian is still at least 1.5 of them wide.
 int samples_apart(double sigma) {
   int step = 1;
@@ -90,10 +86,17 @@ BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
   }
 }
 
+BlurredImages BlurredImages::dealt(std::span<const size_t> from) const {
+  BlurredImages other;
+  other.sigma_ = sigma_;
+  for (const size_t scene : from) other.planes_.push_back(planes_[scene]);
+  return other;
+}
+
 Objective::Objective(const VisiblePoints& points, const BlurredImages& images,
                      std::span<const RigCamera> cameras, std::span<const Scene> scenes,
                      std::span<const TermOptions> terms)
-    : points_(points), images_(images), cameras_(cameras), scenes_(scenes) {
+    : points_(points), images_(&images), cameras_(cameras), scenes_(scenes) {
   for (const TermOptions& term : terms) terms_.push_back({term, make_term(term, points)});
   for (auto* scratch :
        {&u_, &v_, &depth_, &value_, &value_by_u_, &value_by_v_, &by_value_, &by_u_, &by_v_}) {
@@ -112,7 +115,7 @@ void Objective::project(const Eigen::Isometry3d& T_head_lidar) {
 
 void Objective::look_up(ImageFeature feature) {
   for (const VisiblePoints::Block& block : points_.blocks) {
-    look_up_block(images_.plane(block.scene, feature), part<const float>(u_, block),
+    look_up_block(images_->plane(block.scene, feature), part<const float>(u_, block),
                   part<const float>(v_, block), &value_[block.begin], &value_by_u_[block.begin],
                   &value_by_v_[block.begin]);
   }
