@@ -17,6 +17,8 @@
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/server/server.hpp"
 #include "daemon/server/socket_path.hpp"
+#include "drivers/recording/text_file.hpp"
+#include "drivers/recording/trajectory_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -30,6 +32,7 @@ struct Arguments {
   std::string replay;
   std::string rate = "max";
   std::string reports;
+  std::string trajectory;
   std::string socket;
   std::string model;
   bool json = false;
@@ -52,6 +55,11 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("R|max");
   app.add_option("--reports", arguments.reports,
                  "write every report to this file; the same drive gives the same bytes")
+      ->type_name("FILE");
+  app.add_option(
+         "--trajectory", arguments.trajectory,
+         "write where the vehicle was at the end of each sweep: TUM format, or KITTI's where "
+         "the name ends in .kitti")
       ->type_name("FILE");
   app.add_option("--socket", arguments.socket, "where clients connect")->type_name("PATH");
   app.add_option("--model", arguments.model, "model of the lidar, where it cannot be inferred")
@@ -97,6 +105,14 @@ void show_progress(ProgressLine& line, boost::asio::steady_timer& timer, const R
   });
 }
 
+/// Poses in the format that the file's name asks for.
+Result<void> write_trajectory(const std::filesystem::path& path,
+                              const std::vector<recording::TrajectoryPose>& poses) {
+  const bool kitti = path.extension() == ".kitti";
+  return recording::write_text(
+      path, kitti ? recording::format_kitti(poses) : recording::format_tum(poses));
+}
+
 int run_replay(const Arguments& arguments, const Config& config) {
   const auto rate = parse_rate(arguments.rate);
   if (!rate) return complain(kProgram, rate.error(), kUsage);
@@ -128,31 +144,44 @@ int run_replay(const Arguments& arguments, const Config& config) {
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   boost::asio::steady_timer timer(io);
   ProgressLine line;
-  Summary summary;
+  struct {
+    double host_s = 0;
+    bool stopped = false;
+  } ended;
   const HostClock::time_point begin = HostClock::now();
-  Replay replay(io, *std::move(setup), {*rate, config.health}, server, file ? &*file : nullptr,
-                [&] {
-                  summary.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
+  Replay replay(io, *std::move(setup), {*rate, config.health, config.odometry}, server,
+                file ? &*file : nullptr, [&] {
+                  ended.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
                   timer.cancel();
                   signals.cancel();
                   server.finish(std::chrono::seconds(2));
                 });
   signals.async_wait([&](boost::system::error_code error, int) {
     if (error) return;
-    summary.stopped = true;
+    ended.stopped = true;
     signals.clear();  // a second signal ends at once
     replay.stop();
   });
+  std::vector<recording::TrajectoryPose> poses;
+  if (!arguments.trajectory.empty()) {
+    replay.publisher().on_pose([&](const PoseReport& pose) {
+      if (pose.usable()) poses.push_back({pose.stamp, pose.T_frame_vehicle});
+    });
+  }
   replay.start();
   if (line.visible() && !arguments.json) show_progress(line, timer, replay, begin);
   io.run();
   line.clear();
 
-  summary.path = arguments.replay;
-  summary.devices = replay.setup().devices;
-  summary.totals = replay.totals();
-  summary.notes = replay.setup().source.notes();
+  Summary summary = summarise(replay);
+  summary.host_s = ended.host_s;
+  summary.stopped = ended.stopped;
   std::cout << (arguments.json ? to_json(summary).dump() + "\n" : to_text(summary)) << std::flush;
+  if (!arguments.trajectory.empty()) {
+    if (const auto written = write_trajectory(arguments.trajectory, poses); !written) {
+      return complain(kProgram, written.error(), kNo);
+    }
+  }
   if (file) {
     if (const auto closed = file->close(); !closed) return complain(kProgram, closed.error(), kNo);
   }

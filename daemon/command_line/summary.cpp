@@ -3,8 +3,12 @@
 #include <spdlog/fmt/fmt.h>
 #include <sys/resource.h>
 
+#include <numbers>
+
 namespace infuse::daemon {
 namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// A number of things over a stretch of drive time.
 double rate(uint64_t count, Duration span) {
@@ -59,6 +63,23 @@ Json device_json(const Device& device, const SensorCounters& c, Level level) {
           {"clock", to_json(c.clock)}};
 }
 
+Json stream_json(const Device& device, const StreamCounters& c, Level level) {
+  return {{"device", device.name},   {"kind", device.kind},    {"endpoint", device.endpoint},
+          {"level", name_of(level)}, {"received", c.received}, {"used", c.used},
+          {"refused", c.refused},    {"lost", c.lost},         {"backward", c.backward}};
+}
+
+Json odometry_json(const OdometryFigures& odometry) {
+  Json json = {{"usable", odometry.usable()},
+               {"wheel_scale", odometry.wheel_scale},
+               {"wheel_scale_sigma", odometry.wheel_scale_sigma},
+               {"yaw_rate_bias", odometry.yaw_rate_bias},
+               {"yaw_rate_bias_sigma", odometry.yaw_rate_bias_sigma},
+               {"sweeps_uncompensated", odometry.uncompensated}};
+  if (!odometry.usable()) json["reason"] = odometry.reason;
+  return json;
+}
+
 /// ", 3 malformed" for each cause that there was.
 std::string causes_text(const SensorCounters& c) {
   std::string text;
@@ -94,6 +115,14 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
+Summary summarise(const Replay& replay) {
+  return {.path = replay.setup().path,
+          .devices = replay.setup().devices,
+          .totals = replay.totals(),
+          .has_odometry = replay.setup().vehicle.has_odometry(),
+          .notes = replay.notes()};
+}
+
 Json to_json(const Summary& summary) {
   Json json = {{"path", summary.path.string()},
                {"drive_s", rounded(drive_s(summary))},
@@ -112,11 +141,23 @@ Json to_json(const Summary& summary) {
     json["latency_ms"] = latency_ms_json(whole->latency);
     json["deadline_misses"] = whole->deadline_misses;
   }
-  json["devices"] = Json::array();
-  for (size_t i = 0; i < summary.totals.counters.size(); ++i) {
-    json["devices"].push_back(
-        device_json(summary.devices[i], summary.totals.counters[i], summary.totals.levels[i]));
+  for (const StageFigures& stage : summary.totals.host.stages) {
+    json["stages"][stage.name] = latency_ms_json(stage.latency);
+    json["stages"][stage.name]["count"] = stage.latency.count;
   }
+  json["devices"] = Json::array();
+  json["streams"] = Json::array();
+  const Totals& totals = summary.totals;
+  const size_t lidars = totals.counters.size();
+  for (size_t i = 0; i < lidars; ++i) {
+    json["devices"].push_back(
+        device_json(summary.devices[i], totals.counters[i], totals.levels[i]));
+  }
+  for (size_t i = 0; i < totals.streams.size(); ++i) {
+    json["streams"].push_back(
+        stream_json(summary.devices[lidars + i], totals.streams[i], totals.levels[lidars + i]));
+  }
+  if (summary.has_odometry) json["odometry"] = odometry_json(totals.odometry);
   json["notes"] = Json::array();
   for (const Error& note : summary.notes) json["notes"].push_back(note.message());
   return json;
@@ -135,27 +176,63 @@ std::string device_text(const Device& device, const SensorCounters& c, Level lev
   return text + "    clock: " + clock_text(c.clock) + "\n";
 }
 
+std::string stream_text(const Device& device, const StreamCounters& c, Level level) {
+  std::string text = fmt::format("  {}: {} {}, {}\n    {} received ({:.1f}/s), {} used",
+                                 device.name, device.kind, device.model, name_of(level), c.received,
+                                 rate(c.received, c.last - c.first), c.used);
+  if (c.refused > 0) text += fmt::format(", {} that could not be read", c.refused);
+  if (c.lost > 0) text += fmt::format(", {} missing", c.lost);
+  if (c.backward > 0) text += fmt::format(", {} with a stamp that goes back", c.backward);
+  return text + "\n";
+}
+
+std::string odometry_text(const OdometryFigures& odometry) {
+  std::string text = "  odometry: ";
+  text += odometry.usable() ? "trusted" : fmt::format("not trusted: {}", odometry.reason);
+  text += fmt::format("; wheels' scale {:.4f} ± {:.4f}, yaw-rate bias {:.3f} ± {:.3f} °/s\n",
+                      odometry.wheel_scale, odometry.wheel_scale_sigma,
+                      odometry.yaw_rate_bias * kDegrees, odometry.yaw_rate_bias_sigma * kDegrees);
+  if (odometry.uncompensated > 0) {
+    text += fmt::format("    {} sweeps were not corrected for motion\n", odometry.uncompensated);
+  }
+  return text;
+}
+
+/// "straight 1.20 ms p50, 2.00 ms p99, 3.10 ms max".
+std::string stage_text(const StageFigures& stage) {
+  const LatencyFigures& latency = stage.latency;
+  return fmt::format("    {:<9} {:6.2f} ms p50, {:6.2f} ms p99, {:6.2f} ms max ({} times)\n",
+                     stage.name, to_seconds(latency.p50) * 1e3, to_seconds(latency.p99) * 1e3,
+                     to_seconds(latency.max) * 1e3, latency.count);
+}
+
 std::string to_text(const Summary& summary) {
+  const Totals& totals = summary.totals;
   std::string text = fmt::format("{}: {:.1f} s of drive in {:.2f} s ({:.1f} × real time){}\n",
                                  summary.path.string(), drive_s(summary), summary.host_s,
                                  speed(summary), summary.stopped ? ", stopped before its end" : "");
-  for (size_t i = 0; i < summary.totals.counters.size(); ++i) {
-    text += device_text(summary.devices[i], summary.totals.counters[i], summary.totals.levels[i]);
+  const size_t lidars = totals.counters.size();
+  for (size_t i = 0; i < lidars; ++i) {
+    text += device_text(summary.devices[i], totals.counters[i], totals.levels[i]);
   }
+  for (size_t i = 0; i < totals.streams.size(); ++i) {
+    text += stream_text(summary.devices[lidars + i], totals.streams[i], totals.levels[lidars + i]);
+  }
+  if (summary.has_odometry) text += odometry_text(totals.odometry);
   if (const StageFigures* whole = whole_stage(summary)) {
-    const LatencyFigures& latency = whole->latency;
-    text += fmt::format(
-        "  packet to report: {:.2f} ms p50, {:.2f} ms p99, {:.2f} ms max; {} later than its "
-        "deadline\n",
-        to_seconds(latency.p50) * 1e3, to_seconds(latency.p99) * 1e3, to_seconds(latency.max) * 1e3,
-        whole->deadline_misses);
+    text += "  latency of each stage\n";
+    for (const StageFigures& stage : totals.host.stages) {
+      if (stage.latency.count > 0) text += stage_text(stage);
+    }
+    text +=
+        fmt::format("  {} sweeps were told later than their deadline\n", whole->deadline_misses);
   }
   text += fmt::format("  {} alerts; {:.2f} s of processor time, {:.0f} MB of memory at most\n",
-                      summary.totals.alerts, process_cpu_s(), peak_memory_mb());
-  for (const AlertReport& alert : summary.totals.first_alerts) {
-    text += fmt::format("  alert after {:.0f} s: {}: {} ({})\n",
-                        to_seconds(alert.stamp - summary.totals.start), alert.device,
-                        alert.finding.what, alert.finding.advice);
+                      totals.alerts, process_cpu_s(), peak_memory_mb());
+  for (const AlertReport& alert : totals.first_alerts) {
+    text +=
+        fmt::format("  alert after {:.0f} s: {}: {} ({})\n", to_seconds(alert.stamp - totals.start),
+                    alert.device, alert.finding.what, alert.finding.advice);
   }
   for (const Error& note : summary.notes) text += "  note: " + note.message() + "\n";
   return text;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/publisher.hpp"
+#include "daemon/pipeline/replay.hpp"
 #include "daemon/protocol/counters_json.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/measurement/error.hpp"
@@ -16,9 +16,10 @@ struct Summary {
   std::filesystem::path path;
   std::vector<Device> devices;
   Totals totals;
-  std::vector<Error> notes;  ///< what was wrong with the files
-  double host_s = 0;         ///< how long it took
-  bool stopped = false;      ///< by a signal, before the drive's end
+  bool has_odometry = false;  ///< something says how the vehicle moves
+  std::vector<Error> notes;   ///< what was wrong with the files
+  double host_s = 0;          ///< how long it took
+  bool stopped = false;       ///< by a signal, before the drive's end
 };
 
 /// Largest resident size of this process so far, MB.
@@ -30,7 +31,16 @@ Json to_json(const Summary& summary);
 /// For people: several lines.
 std::string to_text(const Summary& summary);
 
+/// What a replay came to, as far as it knows by itself.
+Summary summarise(const Replay& replay);
+
 /// What is known of one lidar, for people: several lines.
 std::string device_text(const Device& device, const SensorCounters& counters, Level level);
+
+/// The same of a camera, a bus, an inertial unit or a receiver.
+std::string stream_text(const Device& device, const StreamCounters& counters, Level level);
+
+/// What odometry has learned and done, for people: a line or two.
+std::string odometry_text(const OdometryFigures& odometry);
 
 }  // namespace infuse::daemon

@@ -14,8 +14,11 @@ struct Command {
 /// Each declares one sub-command and what it takes.
 Command declare_status(CLI::App& infuse);
 Command declare_watch(CLI::App& infuse);
+Command declare_wait_ready(CLI::App& infuse);
 Command declare_inspect(CLI::App& infuse);
 Command declare_decode(CLI::App& infuse);
 Command declare_import(CLI::App& infuse);
+Command declare_evaluate(CLI::App& infuse);
+Command declare_streetmap(CLI::App& infuse);
 
 }  // namespace infuse::daemon

@@ -7,9 +7,14 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/straight_sweeps.hpp"
+#include "daemon/commands/sweep_picture.hpp"
 #include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/pipeline/vehicle_intake.hpp"
 #include "daemon/protocol/counters_json.hpp"
+#include "drivers/camera/png_encoder.hpp"
 #include "drivers/recording/sweep_export.hpp"
+#include "drivers/recording/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -21,22 +26,42 @@ struct Arguments {
   std::string model;
   std::optional<uint64_t> sweep;
   double cut_deg = LidarOptions().cut_azimuth_deg;
+  bool straight = false;
   bool json = false;
+
+  bool picture() const { return std::filesystem::path(output).extension() == ".png"; }
 };
 
 /// Writes the sweeps that were asked for, each to a file of its own.
 class Writer {
  public:
-  Writer(const Arguments& arguments, recording::SweepFormat format)
-      : arguments_(arguments), format_(format) {}
+  explicit Writer(const Arguments& arguments) : arguments_(arguments) {}
 
+  /// As it was measured.
   void take(const Sweep& sweep) {
-    if (error_ || (arguments_.sweep && sweep.sequence != *arguments_.sweep)) return;
-    const auto written = recording::export_sweep(sweep, file_of(sweep.sequence), format_);
-    if (!written) error_ = written.error();
-    ++files_;
-    returns_ += sweep.size();
-    line_.show(std::nullopt, fmt::format("{} sweeps written", files_));
+    if (!wanted(sweep)) return;
+    note(sweep, recording::export_sweep(sweep, file_of(sweep.sequence), format()));
+  }
+
+  /// Corrected for motion.
+  void take(const Sweep& sweep, const motion::StraightSweep& straight) {
+    if (!wanted(sweep)) return;
+    if (!straight.usable()) {
+      ++bent_;
+      bent_reason_ = straight.reason;
+    }
+    if (arguments_.picture()) {
+      note(sweep, camera::encode_png(draw_sweep(sweep, straight)).and_then([&](const auto& png) {
+        return recording::write_text(file_of(sweep.sequence),
+                                     {reinterpret_cast<const char*>(png.data()), png.size()});
+      }));
+      return;
+    }
+    Sweep moved = sweep;
+    moved.x = straight.x;
+    moved.y = straight.y;
+    moved.z = straight.z;
+    note(sweep, recording::export_sweep(moved, file_of(sweep.sequence), format()));
   }
 
   /// Whether everything that was asked for is there, or cannot be.
@@ -46,8 +71,23 @@ class Writer {
   const std::optional<Error>& error() const { return error_; }
   uint64_t files() const { return files_; }
   uint64_t returns() const { return returns_; }
+  uint64_t bent() const { return bent_; }
+  const char* bent_reason() const { return bent_reason_; }
 
  private:
+  bool wanted(const Sweep& sweep) const {
+    return !error_ && (!arguments_.sweep || sweep.sequence == *arguments_.sweep);
+  }
+
+  recording::SweepFormat format() const { return *recording::sweep_format(arguments_.output); }
+
+  void note(const Sweep& sweep, const Result<void>& written) {
+    if (!written) error_ = written.error();
+    ++files_;
+    returns_ += sweep.size();
+    line_.show(std::nullopt, fmt::format("{} sweeps written", files_));
+  }
+
   /// "x.pcd" becomes "x-000017.pcd", unless only one sweep was asked for.
   std::filesystem::path file_of(uint64_t sequence) const {
     const std::filesystem::path path = arguments_.output;
@@ -57,10 +97,11 @@ class Writer {
   }
 
   const Arguments& arguments_;
-  recording::SweepFormat format_;
   ProgressLine line_;
   uint64_t files_ = 0;
   uint64_t returns_ = 0;
+  uint64_t bent_ = 0;             // sweeps that could not be corrected
+  const char* bent_reason_ = "";  // why the last of them was not
   std::optional<Error> error_;
 };
 
@@ -76,27 +117,42 @@ Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name) {
               setup.path.string(), "choose one with --lidar: " + names);
 }
 
-void decode(DriveSetup& setup, size_t lidar, Writer& writer) {
+/// Reads the drive until the writer has what it wants.
+void decode(DriveSetup& setup, size_t lidar, bool straight, Writer& writer) {
   LidarIntake intake(setup.lidars[lidar]);
-  const auto on_sweep = [&](Sweep& sweep) { writer.take(sweep); };
+  VehicleIntake vehicle(setup.vehicle.decoder);
+  StraightSweeps sweeps(setup.rig.lidars[lidar].T_vehicle_lidar, {});
+  const auto on_sweep = [&](Sweep& sweep) { straight ? sweeps.take(sweep) : writer.take(sweep); };
+  const auto on_sample = [&](const VehicleSample& sample) { sweeps.take(sample); };
+  const auto on_straight = [&](const Sweep& sweep, const motion::StraightSweep& moved) {
+    writer.take(sweep, moved);
+  };
   recording::DriveEvent event;
   while (!writer.done() && setup.source.next(event)) {
     if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
       if (datagram->lidar == lidar) intake.take(datagram->datagram, on_sweep);
     } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
       if (sweep->lidar == lidar) intake.take(*sweep->sweep, on_sweep);
+    } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
+      vehicle.take_line(bus->line, event.stamp, on_sample);
+    } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
+      on_sample(*imu);
+    } else if (const auto* fix = std::get_if<GpsFix>(&event.content)) {
+      on_sample(*fix);
     }
+    sweeps.release(event.stamp, on_straight);
   }
-  if (!writer.done()) intake.finish(on_sweep);
+  if (writer.done()) return;
+  intake.finish(on_sweep);
+  sweeps.finish(on_straight);
 }
 
 int run(const Arguments& arguments) {
   constexpr const char* kProgram = "infuse decode";
-  const auto format = recording::sweep_format(arguments.output);
-  if (!format) {
+  if (!arguments.picture() && !recording::sweep_format(arguments.output)) {
     return complain(kProgram,
                     {"the format of '" + arguments.output + "' is not known", "--output",
-                     "end its name in .pcd, .ply, .csv or .bin"},
+                     "end its name in .pcd, .ply, .csv, .bin or .png"},
                     kUsage);
   }
   LidarOptions options;
@@ -115,18 +171,26 @@ int run(const Arguments& arguments) {
   if (!lidar) return complain(kProgram, lidar.error(), kUsage);
   setup->lidars[*lidar].assembler.cut_azimuth = arguments.cut_deg;
 
-  Writer writer(arguments, *format);
-  decode(*setup, *lidar, writer);
+  Writer writer(arguments);
+  decode(*setup, *lidar, arguments.straight || arguments.picture(), writer);
   writer.finish();
   if (writer.error()) return complain(kProgram, *writer.error(), kNo);
   for (const Error& note : setup->source.notes()) {
     std::cerr << kProgram << ": note: " << note.message() << "\n";
   }
+  if (writer.bent() > 0) {
+    std::cerr << fmt::format("{}: note: {} sweep(s) not corrected for motion: {}\n", kProgram,
+                             writer.bent(), writer.bent_reason());
+  }
   if (writer.files() == 0) {
     return complain(kProgram, {"there is no such sweep", arguments.path, ""}, kNo);
   }
   if (arguments.json) {
-    std::cout << Json{{"sweeps", writer.files()}, {"returns", writer.returns()}}.dump() << "\n";
+    std::cout << Json{{"sweeps", writer.files()},
+                      {"returns", writer.returns()},
+                      {"uncompensated", writer.bent()}}
+                     .dump()
+              << "\n";
   } else {
     std::cout << fmt::format("{} sweeps of {}, {} returns, to {}\n", writer.files(),
                              setup->devices[*lidar].model, writer.returns(), arguments.output);
@@ -143,7 +207,10 @@ Command declare_decode(CLI::App& infuse) {
   app->add_option("PATH", arguments->path, "a pcap, or a drive folder")->required();
   app->add_option("-o,--output", arguments->output, "where to; the ending tells the format")
       ->required()
-      ->type_name("FILE.{pcd,ply,csv,bin}");
+      ->type_name("FILE.{pcd,ply,csv,bin,png}");
+  app->add_flag("--straight", arguments->straight,
+                "corrected for the vehicle's motion, as of the sweep's end; a .png shows it from "
+                "above, before (left) and after");
   app->add_option("--sweep", arguments->sweep, "only this one, counted from 0, to FILE itself")
       ->type_name("N");
   app->add_option("--lidar", arguments->lidar, "which, where there are several")->type_name("NAME");

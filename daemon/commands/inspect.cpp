@@ -76,16 +76,15 @@ Summary replay(DriveSetup setup) {
                 [&] { server.finish(std::chrono::milliseconds(0)); });
   replay.start();
   io.run();
-  Summary summary;
-  summary.devices = replay.setup().devices;
-  summary.totals = replay.totals();
-  return summary;
+  return summarise(replay);
 }
 
 /// What a person should look at.
 std::vector<std::string> problems(const Contents& contents, const Result<Summary>& summary) {
   std::vector<std::string> list;
-  for (const Error& note : contents.notes) list.push_back(note.message());
+  // The replay read the same files, and looked into their lines too.
+  const std::vector<Error>& notes = summary ? summary->notes : contents.notes;
+  for (const Error& note : notes) list.push_back(note.message());
   for (const Stream& stream : contents.survey.streams()) {
     if (stream.arrivals.backward > 0) {
       list.push_back(fmt::format("{} datagrams to port {} have stamps that go back",
@@ -148,7 +147,13 @@ Json to_json(const Arguments& arguments, const Contents& contents, const Result<
   for (const auto& [what, arrivals] : contents.others) {
     json["streams"].push_back(arrivals_json(what, arrivals));
   }
-  json["devices"] = summary ? to_json(*summary)["devices"] : Json::array();
+  json["devices"] = Json::array();
+  if (summary) {
+    const Json replayed = to_json(*summary);
+    json["devices"] = replayed["devices"];
+    json["sensors"] = replayed["streams"];
+    if (replayed.contains("odometry")) json["odometry"] = replayed["odometry"];
+  }
   json["problems"] = problems(contents, summary);
   return json;
 }
@@ -174,6 +179,13 @@ std::string to_text(const Arguments& arguments, const Contents& contents,
       text +=
           device_text(summary->devices[i], summary->totals.counters[i], summary->totals.levels[i]);
     }
+    const size_t lidars = summary->totals.counters.size();
+    if (!summary->totals.streams.empty()) text += "cameras and the vehicle\n";
+    for (size_t i = 0; i < summary->totals.streams.size(); ++i) {
+      text += stream_text(summary->devices[lidars + i], summary->totals.streams[i],
+                          summary->totals.levels[lidars + i]);
+    }
+    if (summary->has_odometry) text += odometry_text(summary->totals.odometry);
   }
   const auto list = problems(contents, summary);
   text += list.empty() ? "no problems\n" : "problems\n";

@@ -4,6 +4,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <chrono>
+#include <cmath>
+#include <numbers>
 
 namespace infuse::daemon {
 namespace {
@@ -22,6 +24,14 @@ std::string device_line(const Json& device) {
                      text(device, "model"), text(device, "endpoint"), text(device, "model_reason"));
 }
 
+std::string findings_text(const Json& of) {
+  std::string lines;
+  for (const Json& finding : of.value("findings", Json::array())) {
+    lines += fmt::format("        {} ({})\n", text(finding, "what"), text(finding, "advice"));
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string health_text(const Json& health) {
@@ -32,9 +42,20 @@ std::string health_text(const Json& health) {
         "  {:<5} {}: {:.1f} sweeps/s, {:.0f} packets/s, {} lost\n", text(sensor, "level"),
         text(sensor, "device"), sensor.value("sweeps_hz", 0.0), sensor.value("packets_hz", 0.0),
         losses.value("network", uint64_t{0}) + losses.value("kernel", uint64_t{0}));
-    for (const Json& finding : sensor.value("findings", Json::array())) {
-      lines += fmt::format("        {} ({})\n", text(finding, "what"), text(finding, "advice"));
-    }
+    lines += findings_text(sensor);
+  }
+  for (const Json& stream : health.value("streams", Json::array())) {
+    lines += fmt::format("  {:<5} {}: {:.1f}/s, {} used, {} refused\n", text(stream, "level"),
+                         text(stream, "device"), stream.value("received_hz", 0.0),
+                         stream.value("used", uint64_t{0}), stream.value("refused", uint64_t{0}));
+    lines += findings_text(stream);
+  }
+  if (health.contains("odometry")) {
+    const Json& odometry = health["odometry"];
+    lines += fmt::format(
+        "  {:<5} odometry: {:.1f} m/s, {}\n", text(odometry, "level"), odometry.value("speed", 0.0),
+        odometry.value("usable", false) ? "trusted" : "not trusted: " + text(odometry, "reason"));
+    lines += findings_text(odometry);
   }
   return lines;
 }
@@ -43,11 +64,33 @@ std::string report_text(const Json& message) {
   const std::string name = text(message, "class");
   if (name == "SWEEP") {
     return fmt::format(
-        "{} SWEEP {} #{}: {} returns in {:.1f} ms, mean range {:.1f} m, {} packets "
-        "lost\n",
+        "{} SWEEP {} #{}: {} returns in {:.1f} ms, mean range {:.1f} m, {} packets lost, {}\n",
         time_text(message), text(message, "device"), message.value("sequence", uint64_t{0}),
         message.value("returns", uint64_t{0}), message.value("span_s", 0.0) * 1e3,
-        message.value("mean_range", 0.0), message.value("lost_packets", uint64_t{0}));
+        message.value("mean_range", 0.0), message.value("lost_packets", uint64_t{0}),
+        message.value("straight", false)
+            ? fmt::format("straight ({:.2f} m, {:.1f}°)", message.value("travelled", 0.0),
+                          message.value("turned_deg", 0.0))
+            : "not straight: " + text(message, "straight_reason"));
+  }
+  if (name == "FRAME") {
+    return fmt::format(
+        "{} FRAME {} #{}: {} × {}, {}\n", time_text(message), text(message, "device"),
+        message.value("sequence", uint64_t{0}), message.value("width", 0),
+        message.value("height", 0),
+        message.contains("reason")
+            ? text(message, "reason")
+            : fmt::format("{} points of sweep #{} in view", message.value("points_in_view", 0),
+                          message.value("sweep", uint64_t{0})));
+  }
+  if (name == "POSE") {
+    const auto T = message.value("T_frame_vehicle", std::vector<double>(16));
+    return fmt::format("{} POSE in {}: ({:.2f}, {:.2f}) m, heading {:.1f}°, {:.1f} m/s{}\n",
+                       time_text(message), text(message, "frame"), T[3], T[7],
+                       std::atan2(T[4], T[0]) * 180 / std::numbers::pi, message.value("speed", 0.0),
+                       message.value("usable", false)
+                           ? std::string()
+                           : ", not to be used: " + text(message, "reason"));
   }
   if (name == "HEALTH") {
     return fmt::format("{} HEALTH {} after {:.0f} s\n{}", time_text(message),

@@ -5,37 +5,39 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/health/sensor_health.hpp"
+#include "daemon/config/odometry_settings.hpp"
+#include "daemon/config/sensor_options.hpp"
+#include "daemon/health/health_options.hpp"
 #include "daemon/server/server_options.hpp"
 #include "drivers/measurement/error.hpp"
 
 namespace infuse::daemon {
 
-/// A lidar that the daemon listens to: one `[[lidar]]` table.
-struct LidarOptions {
-  std::string name = "lidar";
-  std::string model;             ///< "HDL-32E", ...; empty: inferred, in a replay
-  uint16_t port = 2368;          ///< UDP port of its data packets
-  std::string sender;            ///< IPv4 address it sends from; empty: any
-  std::string calibration;       ///< file of this unit; empty: the model's own table
-  double cut_azimuth_deg = 180;  ///< where a sweep ends, clockwise from the front
-
-  /// What is wrong, or nothing.
-  std::optional<std::string> invalid() const;
-};
-
 /// Everything that the owner can set.
 struct Config {
-  std::string log_level = "info";    ///< trace, debug, info, warning, error, off
-  ServerOptions socket;              ///< [socket]
-  HealthOptions health;              ///< [health]
-  std::vector<LidarOptions> lidars;  ///< [[lidar]]
+  std::string log_level = "info";      ///< trace, debug, info, warning, error, off
+  std::string rig;                     ///< rig.toml: where the sensors are mounted; empty: not told
+  ServerOptions socket;                ///< [socket]
+  HealthOptions health;                ///< [health]
+  OdometrySettings odometry;           ///< [odometry]
+  std::vector<LidarOptions> lidars;    ///< [[lidar]]
+  std::vector<CameraOptions> cameras;  ///< [[camera]], live
+  std::vector<BusOptions> buses;       ///< [[can]], live
+  GpsOptions gps;                      ///< [gps], live
+
+  /// Of the file; what it names is looked for there.
+  std::filesystem::path folder;
+
+  /// A path that the configuration names.
+  std::filesystem::path resolve(const std::string& path) const { return folder / path; }
 };
 
 /// The configuration that `text` states; `file` is for messages.
 Result<Config> parse_config(std::string_view text, const std::string& file);
 
-/// The same from a file, at most 1 MiB of it.
+/// The same from a file of at most 1 MiB, and then from the files `path`.d/*.toml, in order of
+/// their names: a later key overrides an earlier one, and a sensor of a name that an earlier file
+/// has is changed in what the later file says of it.
 Result<Config> load_config(const std::filesystem::path& path);
 
 }  // namespace infuse::daemon

@@ -29,32 +29,6 @@ uint64_t grown(uint64_t now, uint64_t before) { return now > before ? now - befo
 
 }  // namespace
 
-const char* name_of(Level level) {
-  switch (level) {
-    case Level::kOk:
-      return "OK";
-    case Level::kWarn:
-      return "WARN";
-    case Level::kError:
-      return "ERROR";
-    case Level::kStale:
-      return "STALE";
-  }
-  return "OK";
-}
-
-std::optional<std::string> HealthOptions::invalid() const {
-  if (stale_after <= Duration::zero()) return "stale_after_s must be positive";
-  if (raise_after < Duration::zero()) return "raise_after_s must not be negative";
-  if (clear_after < Duration::zero()) return "clear_after_s must not be negative";
-  if (clock_grace < Duration::zero()) return "clock_grace_s must not be negative";
-  if (!(warn_loss >= 0 && warn_loss <= 1)) return "warn_loss must lie between 0 and 1";
-  if (!(error_loss >= warn_loss && error_loss <= 1)) {
-    return "error_loss must lie between warn_loss and 1";
-  }
-  return std::nullopt;
-}
-
 SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, Stamp start)
     : endpoint_(std::move(endpoint)),
       options_(options),
@@ -62,14 +36,14 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
       last_sweep_(start),
       previous_(start),
       // Silence is a time of its own, so it needs no further delay to be raised.
-      conditions_{{"silent", Level::kStale, {Duration::zero(), Duration::zero()}},
-                  {"undecodable", Level::kError, {options.raise_after, options.clear_after}},
-                  {"no_sweeps", Level::kError, {Duration::zero(), options.clear_after}},
-                  {"heavy_loss", Level::kError, {options.raise_after, options.clear_after}},
-                  {"loss", Level::kWarn, {options.raise_after, options.clear_after}},
-                  {"wrong_sender", Level::kWarn, {options.raise_after, options.clear_after}},
-                  {"wrong_model", Level::kWarn, {options.raise_after, options.clear_after}},
-                  {"clock", Level::kWarn, {options.raise_after, options.clear_after}}} {
+      conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
+                  {"undecodable", Level::kError, options.raise_after, options.clear_after},
+                  {"no_sweeps", Level::kError, Duration::zero(), options.clear_after},
+                  {"heavy_loss", Level::kError, options.raise_after, options.clear_after},
+                  {"loss", Level::kWarn, options.raise_after, options.clear_after},
+                  {"wrong_sender", Level::kWarn, options.raise_after, options.clear_after},
+                  {"wrong_model", Level::kWarn, options.raise_after, options.clear_after},
+                  {"clock", Level::kWarn, options.raise_after, options.clear_after}} {
   window_[0].stamp = start;
   taken_ = 1;
 }
@@ -81,27 +55,17 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
   window_[taken_++ % window_.size()] = {now, counters};
   const SensorCounters& before = oldest.counters;
   status_.counters = counters;
-  status_.transitions.clear();
   measure_rates(now, oldest);
 
-  const Verdict verdicts[] = {judge_silence(now, counters),
-                              judge_decoding(counters, before),
-                              judge_sweeps(now, counters),
-                              judge_loss(counters, before, options_.error_loss, kAnyLoss),
-                              judge_loss(counters, before, options_.warn_loss, options_.error_loss),
-                              judge_sender(counters, before),
-                              judge_model(counters, before),
-                              judge_clock(now, counters)};
-  static_assert(std::size(verdicts) == 8);
-  for (size_t i = 0; i < conditions_.size(); ++i) apply(conditions_[i], verdicts[i], now);
-
-  status_.findings.clear();
-  for (const Condition& condition : conditions_) {
-    if (!condition.state.raised()) continue;
-    status_.findings.push_back({condition.id, condition.level, condition.state.raised_since(),
-                                condition.what, condition.advice});
-  }
-  status_.level = status_.findings.empty() ? Level::kOk : status_.findings.front().level;
+  conditions_.judge(
+      {judge_silence(now, counters), judge_decoding(counters, before), judge_sweeps(now, counters),
+       judge_loss(counters, before, options_.error_loss, kAnyLoss),
+       judge_loss(counters, before, options_.warn_loss, options_.error_loss),
+       judge_sender(counters, before), judge_model(counters, before), judge_clock(now, counters)},
+      now);
+  status_.findings = conditions_.findings();
+  status_.transitions = conditions_.transitions();
+  status_.level = conditions_.level();
   return status_;
 }
 
@@ -110,19 +74,6 @@ void SensorHealth::restart_at(Stamp now) {
   taken_ = 1;
   window_[0] = {now, status_.counters};
   last_packet_ = last_sweep_ = now;
-}
-
-void SensorHealth::apply(Condition& condition, Verdict verdict, Stamp now) {
-  const bool was = condition.state.raised();
-  if (verdict.holds) {
-    condition.what = std::move(verdict.what);
-    condition.advice = std::move(verdict.advice);
-  }
-  const bool is = condition.state.update(verdict.holds, now);
-  if (was == is) return;
-  status_.transitions.push_back({is,
-                                 {condition.id, condition.level, condition.state.raised_since(),
-                                  condition.what, condition.advice}});
 }
 
 void SensorHealth::measure_rates(Stamp now, const Snapshot& oldest) {
@@ -140,7 +91,7 @@ void SensorHealth::measure_rates(Stamp now, const Snapshot& oldest) {
                     grown(c.packets, b.packets));
 }
 
-SensorHealth::Verdict SensorHealth::judge_silence(Stamp now, const SensorCounters& counters) {
+Verdict SensorHealth::judge_silence(Stamp now, const SensorCounters& counters) {
   if (counters.packets != packets_seen_) last_packet_ = counters.last_packet;
   packets_seen_ = counters.packets;
   const Duration silence = now - last_packet_;
@@ -155,8 +106,8 @@ SensorHealth::Verdict SensorHealth::judge_silence(Stamp now, const SensorCounter
   return {true, std::move(what), "check the configured sender, port and model"};
 }
 
-SensorHealth::Verdict SensorHealth::judge_decoding(const SensorCounters& now,
-                                                   const SensorCounters& before) const {
+Verdict SensorHealth::judge_decoding(const SensorCounters& now,
+                                     const SensorCounters& before) const {
   const uint64_t bad = grown(now.malformed, before.malformed);
   const uint64_t good = grown(now.packets, before.packets);
   if (bad == 0 || bad <= good) return {};
@@ -167,7 +118,7 @@ SensorHealth::Verdict SensorHealth::judge_decoding(const SensorCounters& now,
           "check the configured model and that nothing else sends to this port"};
 }
 
-SensorHealth::Verdict SensorHealth::judge_sweeps(Stamp now, const SensorCounters& counters) {
+Verdict SensorHealth::judge_sweeps(Stamp now, const SensorCounters& counters) {
   if (counters.sweeps != sweeps_seen_ || counters.packets == 0) last_sweep_ = now;
   sweeps_seen_ = counters.sweeps;
   const Duration without = now - last_sweep_;
@@ -178,9 +129,8 @@ SensorHealth::Verdict SensorHealth::judge_sweeps(Stamp now, const SensorCounters
           "check that the sensor turns"};
 }
 
-SensorHealth::Verdict SensorHealth::judge_loss(const SensorCounters& now,
-                                               const SensorCounters& before, double least,
-                                               double below) const {
+Verdict SensorHealth::judge_loss(const SensorCounters& now, const SensorCounters& before,
+                                 double least, double below) const {
   const uint64_t network = grown(now.lost_network, before.lost_network);
   const uint64_t kernel = grown(now.lost_kernel, before.lost_kernel);
   const uint64_t received = grown(now.packets, before.packets);
@@ -194,8 +144,7 @@ SensorHealth::Verdict SensorHealth::judge_loss(const SensorCounters& now,
                             : "raise net.core.rmem_max, or free processor time"};
 }
 
-SensorHealth::Verdict SensorHealth::judge_sender(const SensorCounters& now,
-                                                 const SensorCounters& before) const {
+Verdict SensorHealth::judge_sender(const SensorCounters& now, const SensorCounters& before) const {
   const uint64_t strangers = grown(now.wrong_sender, before.wrong_sender);
   if (strangers == 0) return {};
   return {true,
@@ -204,15 +153,14 @@ SensorHealth::Verdict SensorHealth::judge_sender(const SensorCounters& now,
           "check the configured sender, or give the other sensor a port of its own"};
 }
 
-SensorHealth::Verdict SensorHealth::judge_model(const SensorCounters& now,
-                                                const SensorCounters& before) const {
+Verdict SensorHealth::judge_model(const SensorCounters& now, const SensorCounters& before) const {
   const uint64_t wrong = grown(now.wrong_model, before.wrong_model);
   if (wrong == 0) return {};
   return {true, fmt::format("{} on {} named another model", plural(wrong, "packet"), endpoint_),
           "check the configured model; early VLP-16 firmware calls itself HDL-32E"};
 }
 
-SensorHealth::Verdict SensorHealth::judge_clock(Stamp now, const SensorCounters& counters) {
+Verdict SensorHealth::judge_clock(Stamp now, const SensorCounters& counters) {
   if (counters.packets == 0) return {};
   if (!first_seen_) first_seen_ = now;
   if (counters.clock.trusted || now - *first_seen_ < options_.clock_grace) return {};

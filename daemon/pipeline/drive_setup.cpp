@@ -96,18 +96,10 @@ uint64_t size_of(const std::filesystem::path& file) {
   return error ? 0 : size;
 }
 
-}  // namespace
-
-Result<DriveSetup> open_drive(const std::filesystem::path& path,
-                              const std::vector<LidarOptions>& lidars,
-                              std::optional<velodyne::Model> model) {
-  const auto drive = find_drive(path, lidars);
-  if (!drive) return tl::unexpected(drive.error());
-  auto source = recording::DriveSource::open(*drive);
-  if (!source) return tl::unexpected(source.error());
-  DriveSetup setup{path, *std::move(source), {}, {}, 0};
-
-  const recording::DriveDescription& description = drive->description;
+/// Sets up the lidars of a drive and says what they are.
+Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<LidarOptions>& lidars,
+                           std::optional<velodyne::Model> model, DriveSetup& setup) {
+  const recording::DriveDescription& description = drive.description;
   std::vector<std::string> captures;
   for (size_t i = 0; i < description.lidars.size(); ++i) {
     const LidarMount& mount = description.rig.lidars[i];
@@ -120,18 +112,58 @@ Result<DriveSetup> open_drive(const std::filesystem::path& path,
                   endpoint_of(files),
                   std::nullopt};
     if (lidar.has_packets) {
-      const auto set_up = set_up_packets(*drive, files, mount.model,
+      const auto set_up = set_up_packets(drive, files, mount.model,
                                          options_named(mount.name, lidars), model, lidar, device);
       if (!set_up) return tl::unexpected(set_up.error());
       if (std::find(captures.begin(), captures.end(), files.packets) == captures.end()) {
         captures.push_back(files.packets);
-        setup.capture_bytes += size_of(drive->resolve(files.packets));
+        setup.capture_bytes += size_of(drive.resolve(files.packets));
       }
     }
     setup.lidars.push_back(std::move(lidar));
     setup.devices.push_back(std::move(device));
   }
-  return setup;
+  return {};
+}
+
+/// The same for everything else that the drive has.
+Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
+  const recording::DriveDescription& description = drive.description;
+  for (size_t i = 0; i < description.cameras.size(); ++i) {
+    const CameraMount& mount = description.rig.cameras[i];
+    setup.cameras.push_back({.bayer = description.cameras[i].mosaic});
+    const bool taken = description.rig.find_lidar(mount.name) != nullptr;
+    setup.devices.push_back(
+        {(taken ? "camera " : "") + mount.name, "camera",
+         mount.intrinsics.model == CameraIntrinsics::Model::kPinhole ? "pinhole" : "fisheye",
+         "configured", description.cameras[i].images, std::nullopt});
+  }
+  auto vehicle = set_up_vehicle(drive);
+  if (!vehicle) return tl::unexpected(vehicle.error());
+  setup.vehicle = *std::move(vehicle);
+  setup.has_can = description.can.has_value();
+  const auto add = [&](const char* kind, const std::string& file) {
+    setup.devices.push_back({kind, kind, file, "configured", file, std::nullopt});
+  };
+  if (setup.has_can) add("can", description.can->log);
+  if (setup.vehicle.has_imu) add("imu", description.imu);
+  if (setup.vehicle.has_gps) add("gps", description.gps);
+  return {};
+}
+
+}  // namespace
+
+Result<DriveSetup> open_drive(const std::filesystem::path& path,
+                              const std::vector<LidarOptions>& lidars,
+                              std::optional<velodyne::Model> model) {
+  const auto drive = find_drive(path, lidars);
+  if (!drive) return tl::unexpected(drive.error());
+  auto source = recording::DriveSource::open(*drive);
+  if (!source) return tl::unexpected(source.error());
+  DriveSetup setup{.path = path, .source = *std::move(source), .rig = drive->description.rig};
+  return set_up_lidars(*drive, lidars, model, setup)
+      .and_then([&] { return set_up_streams(*drive, setup); })
+      .map([&] { return std::move(setup); });
 }
 
 }  // namespace infuse::daemon

@@ -17,12 +17,15 @@ double process_cpu_s() {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
 }
 
-Publisher::Publisher(SlotRing<ReportItem>& in, std::vector<Device> devices,
-                     const HealthOptions& health, Server& server, ReportsFile* file)
+Publisher::Publisher(SlotRing<ReportItem>& in, const DriveSetup& setup, const HealthOptions& health,
+                     Server& server, ReportsFile* file)
     : ring_(in),
       in_(in.reader()),
-      devices_(std::move(devices)),
+      devices_(setup.devices),
+      lidars_(setup.lidars.size()),
+      has_odometry_(setup.vehicle.has_odometry()),
       health_options_(health),
+      odometry_health_(health),
       server_(server),
       file_(file) {}
 
@@ -38,13 +41,17 @@ bool Publisher::drain() {
 
 void Publisher::take(const ReportItem& item) {
   switch (item.kind) {
-    case StreamItem::Kind::kStart:
+    case ReportItem::Kind::kStart:
       return start(item.stamp);
-    case StreamItem::Kind::kSweep:
+    case ReportItem::Kind::kSweep:
       return tell_sweep(item);
-    case StreamItem::Kind::kTick:
+    case ReportItem::Kind::kPose:
+      return tell_pose(item);
+    case ReportItem::Kind::kFrame:
+      return tell_frame(item);
+    case ReportItem::Kind::kTick:
       return tell_health(item);
-    case StreamItem::Kind::kEnd:
+    case ReportItem::Kind::kEnd:
       totals_.ended = true;
       return;
   }
@@ -53,10 +60,15 @@ void Publisher::take(const ReportItem& item) {
 void Publisher::start(Stamp stamp) {
   totals_.started = true;
   totals_.start = totals_.now = stamp;
-  totals_.counters.resize(devices_.size());
+  totals_.counters.resize(lidars_);
+  totals_.streams.resize(devices_.size() - lidars_);
   totals_.levels.resize(devices_.size());
-  for (const Device& device : devices_) {
-    health_.emplace_back(device.endpoint, health_options_, stamp);
+  for (size_t i = 0; i < devices_.size(); ++i) {
+    if (i < lidars_) {
+      health_.emplace_back(devices_[i].endpoint, health_options_, stamp);
+    } else {
+      stream_health_.emplace_back(devices_[i].endpoint, health_options_, stamp);
+    }
   }
   tell_devices(stamp);
 }
@@ -66,40 +78,81 @@ void Publisher::tell_sweep(const ReportItem& item) {
        sweep_message(item.sweep, devices_));
 }
 
+void Publisher::tell_frame(const ReportItem& item) {
+  const std::span<const Device> cameras = std::span(devices_).subspan(lidars_);
+  tell(ReportClass::kFrame, cameras[item.frame.camera].name, item.stamp,
+       frame_message(item.frame, cameras));
+}
+
+void Publisher::tell_pose(const ReportItem& item) {
+  on_pose_(item.pose);
+  tell(ReportClass::kPose, item.pose.frame, item.stamp, pose_message(item.pose));
+}
+
 void Publisher::tell_health(const ReportItem& item) {
   totals_.now = item.stamp;
   totals_.counters = item.counters;
+  totals_.streams = item.streams;
+  totals_.odometry = item.odometry;
   totals_.host = host_figures(item);
-  bool activated = false;
-  HealthReport report{item.stamp, item.stamp - totals_.start, {}};
-  for (size_t i = 0; i < devices_.size(); ++i) {
-    const SensorCounters& counters = item.counters[i];
-    const SensorStatus& status = health_[i].update(item.stamp, counters);
-    report.sensors.push_back(&status);
-    totals_.levels[i] = status.level;
-    if (counters.packets > 0 && !devices_[i].activated) {
-      devices_[i].activated = counters.first_packet;
-      activated = true;
-    }
+  HealthReport report{.stamp = item.stamp, .drive = item.stamp - totals_.start};
+  judge_lidars(item, report);
+  judge_streams(item, report);
+  if (has_odometry_) {
+    report.odometry = &item.odometry;
+    report.odometry_conditions = &odometry_health_.update(item.stamp, item.odometry);
   }
-  if (activated) tell_devices(item.stamp);
-  for (size_t i = 0; i < devices_.size(); ++i) {
-    tell_transitions(item.stamp, i, *report.sensors[i]);
+  if (activate_devices(item)) tell_devices(item.stamp);
+  for (size_t i = 0; i < report.sensors.size(); ++i) {
+    tell_transitions(item.stamp, devices_[i].name, report.sensors[i]->transitions);
+  }
+  for (size_t i = 0; i < report.streams.size(); ++i) {
+    tell_transitions(item.stamp, devices_[lidars_ + i].name, report.streams[i]->transitions);
+  }
+  if (has_odometry_) {
+    tell_transitions(item.stamp, "odometry", report.odometry_conditions->transitions());
   }
   if (file_ != nullptr) file_->write(health_message(report, devices_, nullptr));
   server_.publish(ReportClass::kHealth, "", item.stamp,
                   health_message(report, devices_, &totals_.host));
 }
 
+void Publisher::judge_lidars(const ReportItem& item, HealthReport& report) {
+  for (size_t i = 0; i < lidars_; ++i) {
+    const SensorCounters& counters = item.counters[i];
+    report.sensors.push_back(&health_[i].update(item.stamp, counters));
+    totals_.levels[i] = report.sensors[i]->level;
+  }
+}
+
+void Publisher::judge_streams(const ReportItem& item, HealthReport& report) {
+  for (size_t i = 0; i < stream_health_.size(); ++i) {
+    report.streams.push_back(&stream_health_[i].update(item.stamp, item.streams[i]));
+    totals_.levels[lidars_ + i] = report.streams[i]->level;
+  }
+}
+
+bool Publisher::activate_devices(const ReportItem& item) {
+  bool any = false;
+  for (size_t i = 0; i < devices_.size(); ++i) {
+    if (devices_[i].activated) continue;
+    const bool lidar = i < lidars_;
+    if ((lidar ? item.counters[i].packets : item.streams[i - lidars_].received) == 0) continue;
+    devices_[i].activated = lidar ? item.counters[i].first_packet : item.streams[i - lidars_].first;
+    any = true;
+  }
+  return any;
+}
+
 void Publisher::tell_devices(Stamp stamp) {
   tell(ReportClass::kDevices, "", stamp, devices_message(stamp, devices_));
 }
 
-void Publisher::tell_transitions(Stamp stamp, size_t device, const SensorStatus& status) {
-  for (const Transition& transition : status.transitions) {
-    const std::string& name = devices_[device].name;
-    const AlertReport alert{stamp, name, transition.raised, transition.finding};
-    tell(ReportClass::kAlert, name + "." + transition.finding.id, stamp, alert_message(alert));
+void Publisher::tell_transitions(Stamp stamp, const std::string& device,
+                                 std::span<const Transition> transitions) {
+  for (const Transition& transition : transitions) {
+    const AlertReport alert{stamp, device, transition.raised, transition.finding};
+    tell(ReportClass::kAlert, device + "." + transition.finding.id, stamp, alert_message(alert));
     if (!transition.raised) continue;
     ++totals_.alerts;
     if (totals_.first_alerts.size() < kAlertsKept) totals_.first_alerts.push_back(alert);
@@ -113,13 +166,16 @@ void Publisher::tell(ReportClass report_class, const std::string& device, Stamp 
 }
 
 HostFigures Publisher::host_figures(const ReportItem& item) const {
-  return {
-      process_cpu_s(),
-      {{"intake", item.intake, 0},
-       {"fusion", item.fusion, 0},
-       {"whole", item.whole, item.deadline_misses}},
-      {item.sweeps_waiting,
-       {"reports", static_cast<uint32_t>(in_.behind()), static_cast<uint32_t>(ring_.capacity())}}};
+  HostFigures host;
+  host.cpu_s = process_cpu_s();
+  for (size_t i = 0; i < item.stages.size(); ++i) {
+    const bool whole = i == static_cast<size_t>(Stage::kWhole);
+    host.stages.push_back({kStageNames[i], item.stages[i], whole ? item.deadline_misses : 0});
+  }
+  host.queues = {
+      item.items_waiting,
+      {"reports", static_cast<uint32_t>(in_.behind()), static_cast<uint32_t>(ring_.capacity())}};
+  return host;
 }
 
 }  // namespace infuse::daemon

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "daemon/health/odometry_health.hpp"
 #include "daemon/health/sensor_health.hpp"
+#include "daemon/health/stream_health.hpp"
+#include "daemon/pipeline/drive_setup.hpp"
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/pipeline/reports_file.hpp"
 #include "daemon/protocol/reports.hpp"
@@ -19,7 +24,9 @@ struct Totals {
   Stamp start, now;                       ///< drive time
   uint64_t alerts = 0;                    ///< findings that were raised
   std::vector<AlertReport> first_alerts;  ///< the first of these
-  std::vector<SensorCounters> counters;   ///< by device
+  std::vector<SensorCounters> counters;   ///< by lidar
+  std::vector<StreamCounters> streams;    ///< by device that follows the lidars
+  OdometryFigures odometry;               ///< at the last tick
   std::vector<Level> levels;              ///< by device, at the last tick
   HostFigures host;
 };
@@ -29,8 +36,11 @@ struct Totals {
 class Publisher {
  public:
   /// Registers as a reader of `in`, which outlives this. `file` may be null.
-  Publisher(SlotRing<ReportItem>& in, std::vector<Device> devices, const HealthOptions& health,
+  Publisher(SlotRing<ReportItem>& in, const DriveSetup& setup, const HealthOptions& health,
             Server& server, ReportsFile* file);
+
+  /// Calls `listener(const PoseReport&)` for every pose that is told.
+  void on_pose(std::function<void(const PoseReport&)> listener) { on_pose_ = std::move(listener); }
 
   /// Takes what has come, but not for long. True where more waits.
   bool drain();
@@ -41,17 +51,28 @@ class Publisher {
   void take(const ReportItem& item);
   void start(Stamp stamp);
   void tell_sweep(const ReportItem& item);
+  void tell_frame(const ReportItem& item);
+  void tell_pose(const ReportItem& item);
   void tell_health(const ReportItem& item);
+  void judge_lidars(const ReportItem& item, HealthReport& report);
+  void judge_streams(const ReportItem& item, HealthReport& report);
+  bool activate_devices(const ReportItem& item);
   void tell_devices(Stamp stamp);
-  void tell_transitions(Stamp stamp, size_t device, const SensorStatus& status);
+  void tell_transitions(Stamp stamp, const std::string& device,
+                        std::span<const Transition> transitions);
   void tell(ReportClass report_class, const std::string& device, Stamp stamp, std::string message);
   HostFigures host_figures(const ReportItem& item) const;
 
   SlotRing<ReportItem>& ring_;
   SlotRing<ReportItem>::Reader in_;
   std::vector<Device> devices_;
+  size_t lidars_;  // the first of the devices
+  bool has_odometry_;
   HealthOptions health_options_;
-  std::vector<SensorHealth> health_;
+  std::vector<SensorHealth> health_;         // of the lidars
+  std::vector<StreamHealth> stream_health_;  // of the rest
+  OdometryHealth odometry_health_;
+  std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
   Server& server_;
   ReportsFile* file_;
   Totals totals_;

@@ -1,26 +1,52 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "daemon/health/odometry_health.hpp"
 #include "daemon/health/sensor_counters.hpp"
+#include "daemon/health/stream_counters.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/measurement/stamp.hpp"
 
 namespace infuse::daemon {
 
+/// The stages whose latency is measured.
+enum class Stage : uint8_t {
+  kIntake,    ///< an event read to its sweep or picture handed over
+  kDecode,    ///< one picture decoded
+  kStraight,  ///< one sweep made straight and summarised
+  kProject,   ///< one picture and its sweep brought together
+  kWhole,     ///< the event that completed a sweep read to the sweep's report
+  kCount,
+};
+
+inline constexpr std::array<const char*, static_cast<size_t>(Stage::kCount)> kStageNames = {
+    "intake", "decode", "straight", "project", "whole"};
+
 /// What the fusion thread hands to the thread that tells: values of fixed size, not yet text.
 struct ReportItem {
-  StreamItem::Kind kind = StreamItem::Kind::kStart;
+  enum class Kind : uint8_t {
+    kStart,  ///< of the drive
+    kSweep,  ///< `sweep`
+    kPose,   ///< `pose`
+    kFrame,  ///< `frame`
+    kTick,   ///< the rest
+    kEnd,    ///< of the drive; nothing follows
+  };
+  Kind kind = Kind::kStart;
   Stamp stamp;
-  SweepReport sweep;                     ///< with kSweep
-  std::vector<SensorCounters> counters;  ///< with kTick; by device
-  LatencyFigures intake;                 ///< with kTick; an event read to its sweep handed over
-  LatencyFigures fusion;                 ///< with kTick; a sweep taken to its report
-  LatencyFigures whole;                  ///< with kTick; an event read to the sweep's report
-  uint64_t deadline_misses = 0;          ///< sweeps whose `whole` was above the budget
-  QueueFigures sweeps_waiting;           ///< with kTick
+  SweepReport sweep;
+  PoseReport pose;
+  FrameReport frame;
+  std::vector<SensorCounters> counters;  ///< by lidar
+  std::vector<StreamCounters> streams;   ///< by stream
+  OdometryFigures odometry;
+  std::array<LatencyFigures, static_cast<size_t>(Stage::kCount)> stages{};
+  uint64_t deadline_misses = 0;  ///< sweeps whose `kWhole` was above the budget
+  QueueFigures items_waiting;    ///< between the io thread and fusion
 };
 
 }  // namespace infuse::daemon

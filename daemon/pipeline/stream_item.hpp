@@ -6,6 +6,8 @@
 
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/health/sensor_counters.hpp"
+#include "daemon/health/stream_counters.hpp"
+#include "daemon/pipeline/vehicle_sample.hpp"
 #include "drivers/measurement/stamp.hpp"
 #include "drivers/measurement/sweep.hpp"
 
@@ -14,22 +16,34 @@ namespace infuse::daemon {
 /// The host's clock for latencies; never in a report that a replay must repeat.
 using HostClock = std::chrono::steady_clock;
 
-/// What the io thread hands to the fusion thread, in the order in which the drive has it. One ring
+/// What the io thread hands to the other threads, in the order in which the drive has it. One ring
 /// carries all of it, so that what fusion reports is in one order, whatever the threads do.
 struct StreamItem {
   enum class Kind : uint8_t {
-    kStart,  ///< of the drive; stamp: its first event
-    kSweep,  ///< `device` and `sweep`
-    kTick,   ///< a second of drive time has passed: `counters`
-    kEnd,    ///< of the drive; nothing follows
+    kStart,    ///< of the drive; stamp: its first event
+    kSamples,  ///< `samples` of the vehicle; stamp: the last one's
+    kPicture,  ///< `camera`, `number`, `sequence` and `encoded`; stamp: middle of the exposure
+    kSweep,    ///< `device` and `sweep`
+    kTick,     ///< a second of drive time has passed: `counters` and `streams`
+    kEnd,      ///< of the drive; nothing follows
   };
   Kind kind = Kind::kStart;
   Stamp stamp;
   HostClock::time_point taken;  ///< when the event that completed it was read
-  uint32_t device = 0;
+
+  std::vector<VehicleSample> samples;
+
+  uint32_t camera = 0;           ///< index in the rig
+  uint64_t number = 0;           ///< counts the pictures of all cameras from 0
+  uint64_t sequence = 0;         ///< the camera's own count
+  std::vector<uint8_t> encoded;  ///< the picture as its file has it
+
+  uint32_t device = 0;  ///< lidar, index in the rig
   Sweep sweep;
-  std::vector<SensorCounters> counters;  ///< by device
-  LatencyFigures intake;                 ///< of the io thread, with kTick
+
+  std::vector<SensorCounters> counters;  ///< by lidar
+  std::vector<StreamCounters> streams;   ///< by stream: cameras, then the vehicle's sensors
+  LatencyFigures intake;                 ///< of the io thread
 };
 
 }  // namespace infuse::daemon

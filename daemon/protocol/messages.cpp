@@ -51,6 +51,43 @@ Json sensor_json(const Device& device, const SensorStatus& status) {
   return json;
 }
 
+Json stream_json(const Device& device, const StreamStatus& status) {
+  const StreamCounters& c = status.counters;
+  Json json = {{"device", device.name},          {"kind", device.kind},
+               {"level", name_of(status.level)}, {"received_hz", rounded(status.received_hz)},
+               {"received", c.received},         {"used", c.used},
+               {"refused", c.refused},           {"lost", c.lost},
+               {"backward", c.backward}};
+  if (c.received > 0) json["last"] = c.last.ns();
+  json["findings"] = Json::array();
+  for (const Finding& finding : status.findings) json["findings"].push_back(finding_json(finding));
+  return json;
+}
+
+Json odometry_json(const OdometryFigures& odometry, const Conditions& conditions) {
+  Json json = {{"level", name_of(conditions.level())},
+               {"usable", odometry.usable()},
+               {"speed", rounded(odometry.speed)},
+               {"yaw_rate", rounded(odometry.yaw_rate)},
+               {"standing", odometry.standing},
+               {"wheel_scale", odometry.wheel_scale},
+               {"wheel_scale_sigma", odometry.wheel_scale_sigma},
+               {"yaw_rate_bias", odometry.yaw_rate_bias},
+               {"yaw_rate_bias_sigma", odometry.yaw_rate_bias_sigma},
+               {"gyro_bias", odometry.gyro_bias},
+               {"gyro_bias_sigma", odometry.gyro_bias_sigma},
+               {"late", odometry.late},
+               {"contradicted", odometry.contradicted},
+               {"senseless", odometry.senseless},
+               {"sweeps_uncompensated", odometry.uncompensated}};
+  if (!odometry.usable()) json["reason"] = odometry.reason;
+  json["findings"] = Json::array();
+  for (const Finding& finding : conditions.findings()) {
+    json["findings"].push_back(finding_json(finding));
+  }
+  return json;
+}
+
 Json host_json(const HostFigures& host) {
   Json stages = Json::array();
   for (const StageFigures& stage : host.stages) {
@@ -106,6 +143,51 @@ std::string sweep_message(const SweepReport& sweep, std::span<const Device> devi
   add_known(message, "mean_reflectivity", rounded(sweep.mean_reflectivity));
   message["has_times"] = sweep.has_times;
   message["clock_trusted"] = sweep.clock_trusted;
+  message["straight"] = *sweep.straight_reason == '\0';
+  if (*sweep.straight_reason != '\0') {
+    message["straight_reason"] = sweep.straight_reason;
+  } else {
+    message["travelled"] = rounded(sweep.travelled);
+    message["turned_deg"] = rounded(sweep.turned * 180 / std::numbers::pi);
+  }
+  return line(message);
+}
+
+std::string frame_message(const FrameReport& frame, std::span<const Device> cameras) {
+  Json message = report("FRAME", frame.stamp);
+  message["device"] = cameras[frame.camera].name;
+  message["sequence"] = frame.sequence;
+  message["width"] = frame.width;
+  message["height"] = frame.height;
+  message["mean_brightness"] = rounded(frame.mean_brightness);
+  message["dark"] = rounded(frame.dark);
+  message["bright"] = rounded(frame.bright);
+  if (*frame.reason != '\0') {
+    message["reason"] = frame.reason;
+    return line(message);
+  }
+  message["sweep"] = frame.sweep;
+  message["sweep_offset_s"] = to_seconds(frame.sweep_offset);
+  message["points_in_view"] = frame.points_in_view;
+  message["straight"] = *frame.straight_reason == '\0';
+  if (*frame.straight_reason != '\0') message["straight_reason"] = frame.straight_reason;
+  return line(message);
+}
+
+std::string pose_message(const PoseReport& pose) {
+  Json message = report("POSE", pose.stamp);
+  message["frame"] = pose.frame;
+  message["usable"] = pose.usable();
+  if (!pose.usable()) message["reason"] = pose.reason;
+  const Eigen::Matrix4d& T = pose.T_frame_vehicle.matrix();
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      message["T_frame_vehicle"].push_back(T(row, column));
+    }
+  }
+  for (int i = 0; i < 36; ++i) message["covariance"].push_back(pose.covariance(i / 6, i % 6));
+  message["speed"] = rounded(pose.speed);
+  message["yaw_rate"] = rounded(pose.yaw_rate);
   return line(message);
 }
 
@@ -115,10 +197,20 @@ std::string health_message(const HealthReport& health, std::span<const Device> d
   message["drive_s"] = rounded(to_seconds(health.drive));
   Level worst = Level::kOk;
   for (const SensorStatus* sensor : health.sensors) worst = std::max(worst, sensor->level);
+  for (const StreamStatus* stream : health.streams) worst = std::max(worst, stream->level);
+  if (health.odometry != nullptr) worst = std::max(worst, health.odometry_conditions->level());
   message["level"] = name_of(worst);
   message["sensors"] = Json::array();
   for (size_t i = 0; i < health.sensors.size(); ++i) {
     message["sensors"].push_back(sensor_json(devices[i], *health.sensors[i]));
+  }
+  message["streams"] = Json::array();
+  for (size_t i = 0; i < health.streams.size(); ++i) {
+    message["streams"].push_back(
+        stream_json(devices[health.sensors.size() + i], *health.streams[i]));
+  }
+  if (health.odometry != nullptr) {
+    message["odometry"] = odometry_json(*health.odometry, *health.odometry_conditions);
   }
   if (host != nullptr) message["host"] = host_json(*host);
   return line(message);

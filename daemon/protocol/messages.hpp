@@ -22,6 +22,11 @@ std::string devices_message(Stamp stamp, std::span<const Device> devices);
 
 std::string sweep_message(const SweepReport& report, std::span<const Device> devices);
 
+/// `cameras` are the devices of the cameras.
+std::string frame_message(const FrameReport& report, std::span<const Device> cameras);
+
+std::string pose_message(const PoseReport& report);
+
 /// `host` null: without what depends on this machine's speed.
 std::string health_message(const HealthReport& report, std::span<const Device> devices,
                            const HostFigures* host);

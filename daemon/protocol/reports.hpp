@@ -1,12 +1,15 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/health/latency_histogram.hpp"
+#include "daemon/health/odometry_health.hpp"
 #include "daemon/health/sensor_health.hpp"
+#include "daemon/health/stream_health.hpp"
 #include "drivers/measurement/stamp.hpp"
 
 namespace infuse::daemon {
@@ -14,7 +17,7 @@ namespace infuse::daemon {
 /// A sensor that the daemon listens to.
 struct Device {
   std::string name;
-  std::string kind;                ///< "lidar"
+  std::string kind;                ///< "lidar", "camera", "can", "imu", "gps"
   std::string model;               ///< "HDL-32E"
   std::string model_reason;        ///< why that model: "configured", or what it was inferred from
   std::string endpoint;            ///< where it is listened to: "port 2368 of lidar.pcap"
@@ -38,6 +41,40 @@ struct SweepReport {
   double mean_reflectivity = 0;  ///< 0 … 1; NaN where there is no return
   bool has_times = true;         ///< each return has its own time
   bool clock_trusted = false;
+  const char* straight_reason = "";  ///< static text: why the returns were not corrected for
+                                     ///< motion; empty where they were
+  double travelled = 0;              ///< m, by the vehicle from the first return to the last
+  double turned = 0;                 ///< rad, the same
+};
+
+/// Where the vehicle is. Plain data of fixed size.
+struct PoseReport {
+  Stamp stamp;
+  const char* frame = "";  ///< "odometry": begins where the drive does, x ahead, and drifts
+  Eigen::Isometry3d T_frame_vehicle = Eigen::Isometry3d::Identity();
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  double speed = 0;         ///< m/s along x
+  double yaw_rate = 0;      ///< rad/s
+  const char* reason = "";  ///< static text: why it cannot be used; empty where it can
+
+  bool usable() const { return *reason == '\0'; }
+};
+
+/// What is told of one picture and the sweep during which it was exposed. Plain data of fixed size.
+struct FrameReport {
+  uint32_t camera = 0;  ///< index in the rig
+  Stamp stamp;          ///< middle of the exposure
+  uint64_t sequence = 0;
+  int width = 0;               ///< pixels
+  int height = 0;              ///< pixels
+  double mean_brightness = 0;  ///< 0 … 1
+  double dark = 0;             ///< fraction of pixels that are black
+  double bright = 0;           ///< fraction of pixels that are white
+  uint64_t sweep = 0;          ///< sequence of the sweep
+  Duration sweep_offset{0};    ///< exposure after the sweep's first firing
+  uint32_t points_in_view = 0;
+  const char* straight_reason = "";  ///< static text: why the returns are not as of the exposure
+  const char* reason = "";           ///< static text: why the two were not brought together
 };
 
 /// How one stage of the pipeline keeps up, in host time.
@@ -64,8 +101,11 @@ struct HostFigures {
 /// How the daemon is, once a second of drive time.
 struct HealthReport {
   Stamp stamp;
-  Duration drive{0};                         ///< since the start of the drive
-  std::vector<const SensorStatus*> sensors;  ///< by device; valid while the report is used
+  Duration drive{0};                          ///< since the start of the drive
+  std::vector<const SensorStatus*> sensors;   ///< lidars, by device; valid while the report is used
+  std::vector<const StreamStatus*> streams;   ///< the devices that follow; the same
+  const OdometryFigures* odometry = nullptr;  ///< null where nothing says how the vehicle moves
+  const Conditions* odometry_conditions = nullptr;  ///< with `odometry`
 };
 
 /// A finding that was raised or cleared.

@@ -78,6 +78,14 @@ Result<void> Server::listen(const std::filesystem::path& path) {
   return {};
 }
 
+Result<void> Server::adopt(int listening_socket) {
+  ErrorCode error;
+  local_.assign(Local(), listening_socket, error);
+  if (error) return fail("the socket cannot be taken over: " + error.message());
+  accept(local_);
+  return {};
+}
+
 Result<uint16_t> Server::listen_tcp(uint16_t port) {
   const asio::ip::tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
   ErrorCode error;

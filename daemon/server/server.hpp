@@ -32,6 +32,10 @@ class Server {
   /// taken over; the folder is made where it is missing.
   Result<void> listen(const std::filesystem::path& path);
 
+  /// Takes over a Unix stream socket that somebody else listens on for the daemon, and closes it in
+  /// the end.
+  Result<void> adopt(int listening_socket);
+
   /// Listens on the IPv4 loopback; `port` 0 takes a free one. Gives the port.
   Result<uint16_t> listen_tcp(uint16_t port);
 

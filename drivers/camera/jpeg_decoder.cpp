@@ -15,9 +15,12 @@ using Handle = std::unique_ptr<void, int (*)(tjhandle)>;
 
 Result<void> decode_jpeg(std::span<const uint8_t> file, const PictureOptions& options,
                          CameraFrame& frame) {
-  thread_local const Handle decoder(tjInitDecompress(), &tjDestroy);
+  thread_local Handle decoder(tjInitDecompress(), &tjDestroy);
+  // After a warning the library's decoder refuses every file that follows: a new one takes over.
   const auto damaged = [] {
-    return fail(std::string("damaged JPEG file: ") + tjGetErrorStr2(decoder.get()));
+    const std::string why = tjGetErrorStr2(decoder.get());
+    decoder.reset(tjInitDecompress());
+    return fail("damaged JPEG file: " + why);
   };
   int width = 0;
   int height = 0;

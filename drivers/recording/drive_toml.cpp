@@ -5,6 +5,7 @@
 #include <array>
 #include <string_view>
 
+#include "drivers/recording/can_toml.hpp"
 #include "drivers/recording/text_file.hpp"
 #include "drivers/recording/toml_names.hpp"
 #include "drivers/recording/toml_table.hpp"
@@ -103,26 +104,6 @@ void read_files(TomlTable& table, CameraFiles& files) {
   if (mosaic != PixelFormat::kGrey8) files.mosaic = mosaic;
 }
 
-std::optional<Error> read_signal(TomlTable& parent, const std::string& file,
-                                 const std::string& quantity, std::vector<CanSignal>& signals) {
-  const toml::node* node = parent.node(quantity);
-  if (node == nullptr) return std::nullopt;
-  CanSignal signal;
-  signal.quantity = quantity;
-  if (const toml::table* details = node->as_table()) {
-    TomlTable table(*details, file, quantity);
-    table.require("signal");
-    table.read("signal", signal.signal);
-    table.read("scale", signal.scale);
-    table.read("unit", signal.unit);
-    if (auto wrong = table.finish()) return wrong;
-  } else {
-    parent.read(quantity, signal.signal);
-  }
-  signals.push_back(std::move(signal));
-  return std::nullopt;
-}
-
 std::optional<Error> read_can(const toml::table& source, const std::string& file, CanFiles& can) {
   TomlTable table(source, file, "can");
   table.require("log");
@@ -134,11 +115,7 @@ std::optional<Error> read_can(const toml::table& source, const std::string& file
   const toml::table* signals = table.table("signals");
   if (auto wrong = table.finish()) return wrong;
   if (signals == nullptr) return std::nullopt;
-  TomlTable map(*signals, file, "can.signals");
-  for (const std::string& quantity : can_quantities()) {
-    if (auto wrong = read_signal(map, file, quantity, can.signals)) return wrong;
-  }
-  return map.finish();
+  return read_can_signals(*signals, file, can.signals);
 }
 
 // The tables [imu], [gps], [map], [truth] hold nothing but paths.

@@ -32,6 +32,14 @@ void TomlTable::read(std::string_view key, std::string& value) {
   value = text->get();
 }
 
+void TomlTable::read(std::string_view key, bool& value) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return;
+  const auto* truth = found->as_boolean();
+  if (truth == nullptr) return wrong_type(key, "true or false");
+  value = truth->get();
+}
+
 void TomlTable::read(std::string_view key, double& value) {
   std::optional<double> number;
   read(key, number);

@@ -25,6 +25,7 @@ class TomlTable {
 
   /// Each leaves `value` as it is where the key is absent.
   void read(std::string_view key, std::string& value);
+  void read(std::string_view key, bool& value);
   void read(std::string_view key, double& value);
   void read(std::string_view key, std::optional<double>& value);
   /// An integer from `lowest` to `highest`.

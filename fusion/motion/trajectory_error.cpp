@@ -29,6 +29,19 @@ ErrorStatistics statistics(std::vector<double> errors) {
 
 double angle(const Eigen::Matrix3d& R) { return geometry::rotation_log(R).norm(); }
 
+/// The rotation by which estimated orientations are best turned about `axis` (a unit vector), after
+/// `R`: of all angles a the one that maximises the sum of tr(exp(-a axis) truth (R estimate)ᵀ).
+Eigen::Matrix3d turn_about(const Eigen::Vector3d& axis, const Eigen::Matrix3d& R,
+                           std::span<const PosePair> pairs) {
+  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
+  for (const PosePair& pair : pairs) {
+    M += pair.truth.linear() * (R * pair.estimate.linear()).transpose();
+  }
+  const Eigen::Vector3d skew(M(2, 1) - M(1, 2), M(0, 2) - M(2, 0), M(1, 0) - M(0, 1));
+  return Eigen::AngleAxisd(std::atan2(axis.dot(skew), M.trace() - axis.dot(M * axis)), axis)
+      .toRotationMatrix();
+}
+
 /// Least-squares similarity from estimated to true positions, Umeyama (1991).
 void align(std::span<const PosePair> pairs, bool with_scale, AbsoluteError& result) {
   Eigen::Vector3d mean_estimate = Eigen::Vector3d::Zero(), mean_truth = Eigen::Vector3d::Zero();
@@ -48,7 +61,13 @@ void align(std::span<const PosePair> pairs, bool with_scale, AbsoluteError& resu
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d sign = Eigen::Vector3d::Ones();
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign.z() = -1;
-  const Eigen::Matrix3d R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  Eigen::Matrix3d R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  // Positions on a line say nothing of the rotation about it (a path 33 m long and 10 cm wide was
+  // laid on its side): there the orientations decide.
+  constexpr double kLine = 1e-3;  // of the line's variance is across it
+  if (svd.singularValues()[1] < kLine * svd.singularValues()[0]) {
+    R = turn_about(svd.matrixU().col(0), R, pairs) * R;
+  }
   if (with_scale && spread > 0) result.scale = svd.singularValues().dot(sign) / spread;
   result.T_truth_estimate.linear() = R;
   result.T_truth_estimate.translation() = mean_truth - result.scale * (R * mean_estimate);

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/pipeline/replayed.hpp"
 #include "tests/daemon/schema.hpp"
@@ -187,6 +189,72 @@ TEST_F(ProgramsTest, ATerminationSignalEndsWithASummary) {
                           " & pid=$!; sleep 0.5; kill -TERM $pid; wait $pid");
   EXPECT_EQ(stopped.code, 0);
   EXPECT_THAT(stopped.output, HasSubstr("\"stopped\":true"));
+}
+
+TEST_F(ProgramsTest, StreetMapsAreMadeAndRefused) {
+  const std::string map = " -o " + (folder_ / "x.map").string();
+  const std::string altfeld = INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm";
+  const std::string picture = (folder_ / "x.png").string();
+  const Ran made = run("infuse streetmap --json " + altfeld + map + " --picture " + picture);
+  ASSERT_EQ(made.code, 0) << made.output;
+  const json report = json::parse(made.output);
+  EXPECT_EQ(report["kinds"]["building"], 115);
+  EXPECT_EQ(report["bytes"], std::filesystem::file_size(folder_ / "x.map"));
+  EXPECT_GT(std::filesystem::file_size(picture), 1000U);
+  // Its picture is a map again, once its scale is given.
+  EXPECT_EQ(run("infuse streetmap " + picture + map).code, 2);
+  EXPECT_EQ(run("infuse streetmap --scale 0.2 " + picture + map).code, 0);
+  EXPECT_EQ(run("infuse streetmap --cell 0 " + altfeld + map).code, 2);
+  EXPECT_EQ(run("infuse streetmap /nonexistent.osm" + map).code, 3);
+  EXPECT_EQ(run("infuse streetmap " + altfeld + " -o /nonexistent/x.map").code, 1);
+}
+
+TEST_F(ProgramsTest, EvaluateScoresATrajectoryByHandMadeErrors) {
+  std::string truth, result;
+  for (int i = 0; i < 200; ++i) {  // 2 m a second along x; the estimate is 1 % short
+    truth += fmt::format("{}.0 {} 0 0 0 0 0 1\n", i, 2.0 * i);
+    result += fmt::format("{}.0 {} 0 0 0 0 0 1\n", i, 2.0 * i * 0.99);
+  }
+  std::ofstream(folder_ / "truth.tum") << truth;
+  std::ofstream(folder_ / "result.tum") << result;
+  const std::string files =
+      (folder_ / "result.tum").string() + " " + (folder_ / "truth.tum").string();
+  const Ran ran = run("infuse evaluate " + files + " --align first --json");
+  ASSERT_EQ(ran.code, 0) << ran.output;
+  const json score = json::parse(ran.output);
+  EXPECT_EQ(score["paired"], 200);
+  EXPECT_NEAR(score["absolute"]["translation_m"]["max"].get<double>(), 0.01 * 398, 1e-6);
+  EXPECT_NEAR(score["relative"]["translation_m"]["mean"].get<double>(), 0.02, 1e-6);
+  EXPECT_NEAR(score["kitti"]["translation_percent"].get<double>(), 1, 0.02);
+  EXPECT_THAT(run("infuse evaluate " + files).output, HasSubstr("KITTI's score: 1.0"));
+  EXPECT_EQ(run("infuse evaluate " + files + " --align sideways").code, 2);
+  EXPECT_EQ(run("infuse evaluate nothing.tum " + files).code, 2);
+  EXPECT_EQ(run("infuse evaluate nothing.tum " + (folder_ / "truth.tum").string()).code, 3);
+}
+
+TEST_F(ProgramsTest, EvaluateScoresACalibrationInDegreesCentimetresAndPixels) {
+  const auto rig = [&](const char* name, double x) {
+    std::ofstream(folder_ / name) << fmt::format(
+        "[[lidar]]\nname = \"top\"\nT_vehicle_lidar = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1]\n[[camera]]\nname = \"front\"\nlidar = \"top\"\nwidth = 640\n"
+        "height = 480\nfx = 400\nfy = 400\ncx = 319.5\ncy = 239.5\n"
+        "T_camera_lidar = [0, -1, 0, {},  0, 0, -1, 0,  1, 0, 0, 0,  0, 0, 0, 1]\n",
+        x);
+    return (folder_ / name).string();
+  };
+  const std::string truth = rig("truth.toml", 0);
+  const Ran ran = run("infuse evaluate " + rig("result.toml", 0.05) + " " + truth + " --json");
+  ASSERT_EQ(ran.code, 0) << ran.output;
+  const json camera = json::parse(ran.output)["cameras"][0];
+  EXPECT_EQ(camera["camera"], "front");
+  EXPECT_NEAR(camera["translation_m"].get<double>(), 0.05, 1e-9);
+  EXPECT_NEAR(camera["rotation_deg"].get<double>(), 0, 1e-6);
+  std::ofstream(folder_ / "result.json")
+      << R"({"T_camera_lidar": [0,-1,0,0, 0,0,-1,0, 1,0,0,0.02, 0,0,0,1]})";
+  const Ran other = run("infuse evaluate " + (folder_ / "result.json").string() + " " + truth);
+  EXPECT_EQ(other.code, 0);
+  EXPECT_THAT(other.output, HasSubstr("2.00 cm"));
+  std::ofstream(folder_ / "bad.json") << R"({"T_camera_lidar": [1, 2]})";
+  EXPECT_EQ(run("infuse evaluate " + (folder_ / "bad.json").string() + " " + truth).code, 3);
 }
 
 }  // namespace

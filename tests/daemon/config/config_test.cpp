@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
 #include <random>
 
 namespace infuse::daemon {
@@ -41,6 +45,130 @@ TEST(Config, AnEmptyFileIsTheDefaults) {
   EXPECT_EQ(config->socket.max_clients, 64U);
   EXPECT_EQ(config->health.stale_after, from_seconds(3));
   EXPECT_TRUE(config->lidars.empty());
+}
+
+constexpr const char* kLive = R"(rig = "rig.toml"
+[[lidar]]
+model = "VLP-16"
+position_port = 8309
+address = "10.0.0.1"
+multicast = "239.1.1.1"
+interface = "eth1"
+receive_buffer_bytes = 4194304
+
+[[camera]]
+name = "front"
+device = "/dev/v4l/by-id/front"
+width = 1280
+height = 720
+rate_hz = 25
+format = "UYVY"
+exposure_ms = 5
+gain = 12
+stamp_delay_ms = -1.5
+
+[[can]]
+interface = "can1"
+dbc = "car.dbc"
+reverse_gear = 7
+[can.signals]
+yaw_rate = "ESP.YAW"
+wheel_speed_rear_left = { signal = "ABS.RL", scale = -1, unit = "km/h" }
+
+[gps]
+device = "/dev/ttyUSB3"
+baud = 115200
+)";
+
+TEST(Config, LiveSensorsAreTakenOver) {
+  const auto config = parse_config(kLive, "x.toml");
+  ASSERT_TRUE(config) << config.error().message();
+  EXPECT_EQ(config->rig, "rig.toml");
+  ASSERT_EQ(config->lidars.size(), 1U);
+  const velodyne::UdpOptions udp = config->lidars[0].udp(8309);
+  EXPECT_EQ(udp.port, 8309);
+  EXPECT_EQ(udp.address, "10.0.0.1");
+  EXPECT_EQ(udp.multicast, "239.1.1.1");
+  EXPECT_EQ(udp.interface, "eth1");
+  EXPECT_EQ(udp.receive_buffer, 4194304U);
+  ASSERT_EQ(config->cameras.size(), 1U);
+  const camera::V4l2Options& stream = config->cameras[0].stream;
+  EXPECT_EQ(config->cameras[0].name, "front");
+  EXPECT_EQ(stream.device, "/dev/v4l/by-id/front");
+  EXPECT_EQ(stream.width, 1280);
+  EXPECT_EQ(stream.height, 720);
+  EXPECT_EQ(stream.rate_hz, 25);
+  EXPECT_EQ(stream.format, camera::RawFormat::kUyvy);
+  EXPECT_EQ(stream.exposure, from_seconds(0.005));
+  EXPECT_EQ(stream.gain, 12);
+  EXPECT_EQ(stream.stamp_delay, from_seconds(-0.0015));
+  ASSERT_EQ(config->buses.size(), 1U);
+  EXPECT_EQ(config->buses[0].interface, "can1");
+  EXPECT_EQ(config->buses[0].dbc, "car.dbc");
+  EXPECT_EQ(config->buses[0].reverse_gear, 7);
+  ASSERT_EQ(config->buses[0].signals.size(), 2U);
+  EXPECT_EQ(config->buses[0].signals[0].quantity, "wheel_speed_rear_left");
+  EXPECT_EQ(config->buses[0].signals[0].scale, -1);
+  EXPECT_EQ(config->gps.device, "/dev/ttyUSB3");
+  EXPECT_EQ(config->gps.baud, 115200U);
+}
+
+TEST(Config, ALiveSensorThatCannotBeIsRefusedWithItsLine) {
+  for (const char* text :
+       {"[[camera]]\ndevice = \"video0\"", "[[camera]]\nwidth = 640",
+        "[[camera]]\nformat = \"H264\"", "[[camera]]\nexposure_ms = 0", "[[can]]\ninterface = \"\"",
+        "[[can]]\nsignals = {yaw_rate = \"A.B\"}",
+        "[[can]]\ndbc = \"x\"\nsignals = {yaw = \"A.B\"}", "[gps]\ndevice = \"/dev/x\"\nbaud = 1",
+        "[[lidar]]\nmulticast = \"10.0.0.1\"", "[[lidar]]\nposition_port = 0",
+        "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\""}) {
+    const auto config = parse_config(text, "x.toml");
+    ASSERT_FALSE(config) << text;
+    EXPECT_THAT(config.error().where, HasSubstr("x.toml:")) << text;
+  }
+}
+
+/// A configuration and its drop-ins in a folder of their own.
+struct ConfigFolder {
+  std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("infuse-config-" + std::to_string(getpid()));
+  std::filesystem::path file = folder / "infused.toml";
+
+  ConfigFolder() { std::filesystem::create_directories(folder / "infused.toml.d"); }
+  ~ConfigFolder() { std::filesystem::remove_all(folder); }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder / name) << text;
+  }
+};
+
+TEST(Config, DropInsChangeAndAddInOrderOfTheirNames) {
+  const ConfigFolder folder;
+  folder.write("infused.toml",
+               "log_level = \"debug\"\n[[lidar]]\nname = \"a\"\nport = 2000\n"
+               "model = \"VLP-16\"\n[socket]\nmax_clients = 3\n");
+  folder.write("infused.toml.d/20-second.toml", "[[lidar]]\nname = \"a\"\nport = 2002\n");
+  folder.write("infused.toml.d/10-first.toml",
+               "[[lidar]]\nname = \"a\"\nport = 2001\n[[lidar]]\nname = \"b\"\nport = 2010\n"
+               "[socket]\nqueue_reports = 7\n");
+  folder.write("infused.toml.d/README", "not read");
+  const auto config = load_config(folder.file);
+  ASSERT_TRUE(config) << config.error().message();
+  EXPECT_EQ(config->log_level, "debug");
+  ASSERT_EQ(config->lidars.size(), 2U);
+  EXPECT_EQ(config->lidars[0].port, 2002);
+  EXPECT_EQ(config->lidars[0].model, "VLP-16");
+  EXPECT_EQ(config->lidars[1].name, "b");
+  EXPECT_EQ(config->socket.max_clients, 3U);
+  EXPECT_EQ(config->socket.queue_reports, 7U);
+  EXPECT_EQ(config->resolve("rig.toml"), folder.folder / "rig.toml");
+}
+
+TEST(Config, AWrongDropInIsNamed) {
+  const ConfigFolder folder;
+  folder.write("infused.toml", "");
+  folder.write("infused.toml.d/x.toml", "\n\nportt = 1\n");
+  const auto config = load_config(folder.file);
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error().where, HasSubstr("x.toml:3"));
 }
 
 TEST(Config, EveryKeyIsTakenOver) {

@@ -87,8 +87,7 @@ inline Result<Replayed> replayed(const std::filesystem::path& path,
   std::ifstream stream(folder / "reports", std::ios::binary);
   std::stringstream bytes;
   bytes << stream.rdbuf();
-  return Replayed{replay.totals(), replay.setup().devices, replay.setup().source.notes(),
-                  bytes.str()};
+  return Replayed{replay.totals(), replay.setup().devices, replay.notes(), bytes.str()};
 }
 
 }  // namespace infuse::daemon

@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
@@ -330,6 +333,28 @@ TEST(ServerOptions, NamesWhatIsWrong) {
   options = {};
   options.max_requests_hz = 0;
   EXPECT_THAT(options.invalid().value_or(""), HasSubstr("max_requests_hz"));
+}
+
+TEST_F(ServerTest, ServesASocketThatSomebodyElseListensOnForIt) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("infuse-adopted-" + std::to_string(::getpid()) + ".sock");
+  const int listening = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.string().copy(address.sun_path, sizeof(address.sun_path) - 1);
+  ASSERT_EQ(::bind(listening, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  ASSERT_EQ(::listen(listening, 4), 0);
+  SocketClient early(path);  // before there is a daemon
+  ASSERT_TRUE(early.connected());
+  start({});
+  on_server([&] {
+    server_.emplace(io_, ServerOptions{}, "0.1.0", "0123456789abcdef");
+    EXPECT_TRUE(server_->adopt(listening));
+  });
+  const auto greeting = early.line();
+  ASSERT_TRUE(greeting);
+  EXPECT_EQ(json::parse(*greeting)["class"], "VERSION");
+  std::filesystem::remove(path);
 }
 
 }  // namespace

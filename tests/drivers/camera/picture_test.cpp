@@ -98,6 +98,16 @@ TEST(DecodePicture, JpegWithinItsLossInColourAndGrey) {
   EXPECT_NEAR(frame.pixels[30 * 100 + 50], 0.114 * 100 + 0.587 * 60 + 0.299 * 90, 4);
 }
 
+TEST(DecodePicture, ADamagedFileLeavesTheNextOnesReadable) {
+  CameraFrame frame;
+  const Bytes file = make_jpeg(100, 60, TJSAMP_444);
+  const Bytes cut(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(file.size() * 3 / 4));
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(decode_picture(cut, {}, frame));
+    EXPECT_TRUE(decode_picture(file, {}, frame));
+  }
+}
+
 TEST(DecodePicture, AStreamOfOneSizeKeepsItsMemory) {
   CameraFrame frame;
   Bytes samples;

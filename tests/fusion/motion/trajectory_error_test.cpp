@@ -62,6 +62,20 @@ TEST(TrajectoryError, AlignmentFindsTheMotionBetweenTheFrames) {
   EXPECT_GT(absolute_error(pairs, Alignment::kRigid).translation.rms, 1);
 }
 
+TEST(TrajectoryError, OnAStraightRoadTheOrientationsDecideTheRotationAboutIt) {
+  std::vector<PosePair> pairs = straight_road(40);
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const double wiggle = 0.02 * std::sin(static_cast<double>(i));
+    pairs[i].truth.translation().z() += wiggle;  // suspension: to the side of it for who looks
+    pairs[i].estimate.translation().y() += wiggle;
+    pairs[i].estimate = some_motion().inverse() * pairs[i].estimate;
+  }
+  const AbsoluteError aligned = absolute_error(pairs);
+  ASSERT_TRUE(aligned.usable());
+  EXPECT_LT(aligned.translation.max, 0.05);
+  EXPECT_LT(aligned.rotation.max, 0.01);
+}
+
 TEST(TrajectoryError, AlignmentIsNeverAMirror) {
   std::vector<PosePair> pairs = straight_road(50);  // a line: mirrors fit as well
   for (PosePair& pair : pairs) pair.estimate = placed(0, 3, 1) * pair.truth;

@@ -1,0 +1,54 @@
+# What is installed beside the programs, and the Debian package that CPack makes of it.
+
+set(packaging ${PROJECT_SOURCE_DIR}/packaging)
+
+# The service: where systemd, udev and the kernel's settings are looked for.
+install(FILES systemd/infused.service systemd/infused.socket DESTINATION /lib/systemd/system)
+install(FILES systemd/infuse.sysusers DESTINATION /usr/lib/sysusers.d RENAME infuse.conf)
+install(FILES systemd/infuse.tmpfiles DESTINATION /usr/lib/tmpfiles.d RENAME infuse.conf)
+install(FILES systemd/60-infuse.sysctl DESTINATION /usr/lib/sysctl.d RENAME 60-infuse.conf)
+install(FILES systemd/60-infuse.rules DESTINATION /lib/udev/rules.d)
+install(FILES packaging/examples/infused.toml DESTINATION /etc/infuse)
+install(DIRECTORY DESTINATION /etc/infuse/infused.toml.d)
+install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml packaging/examples/truck.toml
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+
+# Debian wants manuals and the changelog compressed, always to the same bytes.
+function(install_compressed source name destination)
+  set(compressed ${CMAKE_BINARY_DIR}/packaging/${name}.gz)
+  add_custom_command(OUTPUT ${compressed} DEPENDS ${source}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/packaging
+    COMMAND gzip -9nc ${source} > ${compressed} VERBATIM)
+  set_property(GLOBAL APPEND PROPERTY INFUSE_COMPRESSED ${compressed})
+  install(FILES ${compressed} DESTINATION ${destination})
+endfunction()
+install_compressed(${packaging}/man/infused.8 infused.8 ${CMAKE_INSTALL_MANDIR}/man8)
+install_compressed(${packaging}/man/infuse.1 infuse.1 ${CMAKE_INSTALL_MANDIR}/man1)
+install_compressed(${packaging}/debian/changelog changelog ${CMAKE_INSTALL_DOCDIR})
+get_property(compressed GLOBAL PROPERTY INFUSE_COMPRESSED)
+add_custom_target(manuals ALL DEPENDS ${compressed})
+install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES packaging/debian/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME infuse)
+
+file(WRITE ${CMAKE_BINARY_DIR}/packaging/conffiles "/etc/infuse/infused.toml\n")
+set(CPACK_GENERATOR DEB)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_PACKAGE_CONTACT "The infuse authors <infuse@localhost.localdomain>")
+set(CPACK_PACKAGE_VENDOR infuse)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "on-vehicle fusion of lidar, cameras and odometry")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+  "infused takes the raw streams of Velodyne lidars, cameras and the vehicle's
+CAN bus, keeps them on one clock, watches their health and their calibration,
+and tells what it knows over a socket. infuse is the command that asks it, and
+that looks into recordings.")
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "can-utils, v4l-utils")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${packaging}/debian/postinst ${packaging}/debian/prerm
+  ${packaging}/debian/postrm ${CMAKE_BINARY_DIR}/packaging/conffiles)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_STRIP_FILES ON)
+include(CPack)

@@ -1,0 +1,74 @@
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/commands/command.hpp"
+#include "daemon/commands/evaluation.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infuse evaluate";
+
+struct Arguments {
+  std::string result;
+  std::string truth;
+  motion::Alignment alignment = motion::Alignment::kRigid;
+  double span_s = 1;
+  bool json = false;
+};
+
+/// A rig or a calibration, and not a trajectory.
+bool is_calibration(const std::filesystem::path& result) {
+  std::error_code ignored;
+  return result.extension() == ".toml" || result.extension() == ".json" ||
+         std::filesystem::is_directory(result, ignored);
+}
+
+template <class Score>
+int print(const Arguments& arguments, const Result<Score>& score) {
+  if (!score) return complain(kProgram, score.error(), kUnreadable);
+  std::cout << (arguments.json ? to_json(*score).dump() + "\n" : to_text(*score));
+  return kDone;
+}
+
+int run(const Arguments& arguments) {
+  if (!(arguments.span_s > 0 && arguments.span_s <= 1e6)) {
+    return complain(kProgram, {"--span must be a number of seconds above 0", "", ""}, kUsage);
+  }
+  if (is_calibration(arguments.result)) {
+    return print(arguments, score_rig(arguments.result, arguments.truth));
+  }
+  const auto score = score_trajectory(arguments.result, arguments.truth, arguments.alignment,
+                                      from_seconds(arguments.span_s));
+  const int code = print(arguments, score);
+  return score && !score->absolute.usable() ? int{kNo} : code;
+}
+
+}  // namespace
+
+Command declare_evaluate(CLI::App& infuse) {
+  const std::map<std::string, motion::Alignment> alignments = {
+      {"none", motion::Alignment::kNone},
+      {"first", motion::Alignment::kFirst},
+      {"rigid", motion::Alignment::kRigid},
+      {"similar", motion::Alignment::kSimilar}};
+  CLI::App* app = infuse.add_subcommand("evaluate", "scores a trajectory or a calibration");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("RESULT", arguments->result,
+                  "a trajectory (TUM or KITTI), or a calibration: a rig.toml, a drive, or the JSON "
+                  "of infuse calibrate")
+      ->required();
+  app->add_option("TRUTH", arguments->truth, "the same, or a drive with its truth")->required();
+  app->add_option("--align", arguments->alignment,
+                  "what a trajectory is moved by first: none, first (pose on pose), rigid (least "
+                  "squares; the default) or similar (with a scale)")
+      ->transform(CLI::CheckedTransformer(alignments))
+      ->type_name("HOW");
+  app->add_option("--span", arguments->span_s, "of the relative error (1)")->type_name("SECONDS");
+  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/protocol/counters_json.hpp"
+#include "drivers/measurement/error.hpp"
+#include "fusion/geometry/extrinsic_error.hpp"
+#include "fusion/motion/trajectory_error.hpp"
+
+namespace infuse::daemon {
+
+/// How a trajectory compares with the truth.
+struct TrajectoryScore {
+  size_t poses = 0;  ///< of the result
+  size_t truth_poses = 0;
+  size_t paired = 0;     ///< poses with a truth at their time
+  bool by_line = false;  ///< neither file has times (KITTI): paired line by line
+  motion::Alignment alignment = motion::Alignment::kRigid;
+  motion::AbsoluteError absolute;
+  Duration span{1'000'000'000};  ///< of `relative`
+  motion::RelativeError relative;
+  motion::KittiError kitti;
+};
+
+/// Scores a TUM or KITTI file against another, or against a drive's truth.
+Result<TrajectoryScore> score_trajectory(const std::filesystem::path& result,
+                                         const std::filesystem::path& truth,
+                                         motion::Alignment alignment, Duration span);
+
+/// How one camera's extrinsics compare with the truth.
+struct CameraScore {
+  std::string camera;
+  geometry::ExtrinsicError error;
+};
+
+/// Scores the cameras that a rig (a rig.toml, a drive, or the JSON of a calibration) and the truth
+/// (a rig.toml, or a drive that has a true rig) have in common.
+Result<std::vector<CameraScore>> score_rig(const std::filesystem::path& result,
+                                           const std::filesystem::path& truth);
+
+Json to_json(const TrajectoryScore& score);
+Json to_json(const std::vector<CameraScore>& scores);
+std::string to_text(const TrajectoryScore& score);
+std::string to_text(const std::vector<CameraScore>& scores);
+
+}  // namespace infuse::daemon

@@ -1,0 +1,150 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <array>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <numbers>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/commands/command.hpp"
+#include "daemon/protocol/counters_json.hpp"
+#include "daemon/streetmap/street_map_file.hpp"
+#include "drivers/camera/png_encoder.hpp"
+#include "fusion/streetmap/map_picture.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infuse streetmap";
+constexpr double kDegree = std::numbers::pi / 180;
+
+struct Arguments {
+  std::string input;
+  std::string output;
+  std::string picture;
+  std::optional<double> cell;
+  std::optional<double> scale;
+  double edge = streetmap::ImageMapOptions().edge;
+  bool json = false;
+};
+
+Result<void> write_picture(const streetmap::SegmentMap& map, const std::string& path) {
+  const auto png = camera::encode_png(streetmap::draw_map(map));
+  if (!png) return tl::unexpected(png.error());
+  return recording::write_whole(path, std::as_bytes(std::span(*png)));
+}
+
+/// Segments by kind, as the map has them.
+std::array<uint64_t, streetmap::kSegmentKinds> count_kinds(const streetmap::SegmentMap& map) {
+  std::array<uint64_t, streetmap::kSegmentKinds> counts{};
+  for (uint32_t id = 1; id < map.segments(); ++id) {
+    ++counts[static_cast<size_t>(map.segment(id).kind)];
+  }
+  return counts;
+}
+
+Json report(const Arguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
+            const std::vector<Error>& warnings) {
+  const streetmap::MapFrame& frame = map.frame();
+  Json json = {{"map", arguments.output},
+               {"segments", map.segments() - 1},
+               {"width_m", map.columns() * frame.cell},
+               {"height_m", map.rows() * frame.cell},
+               {"cell_m", frame.cell},
+               {"bytes", bytes},
+               {"warnings", Json::array()}};
+  if (frame.georeferenced) {
+    json["latitude_deg"] = frame.latitude / kDegree;
+    json["longitude_deg"] = frame.longitude / kDegree;
+  }
+  const auto counts = count_kinds(map);
+  for (size_t kind = 1; kind < counts.size(); ++kind) {
+    if (counts[kind] == 0) continue;
+    json["kinds"][streetmap::name(static_cast<streetmap::SegmentKind>(kind))] = counts[kind];
+  }
+  for (const Error& warning : warnings) json["warnings"].push_back(warning.message());
+  return json;
+}
+
+void print(const Arguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
+           const std::vector<Error>& warnings) {
+  const streetmap::MapFrame& frame = map.frame();
+  for (const Error& warning : warnings) std::cerr << kProgram << ": " << warning.message() << "\n";
+  std::cout << fmt::format("{}: {:.2f} km × {:.2f} km in cells of {:g} m, {} segments, {:.1f} MB\n",
+                           arguments.output, map.columns() * frame.cell / 1000,
+                           map.rows() * frame.cell / 1000, frame.cell, map.segments() - 1,
+                           static_cast<double>(bytes) / 1e6);
+  const auto counts = count_kinds(map);
+  for (size_t kind = 1; kind < counts.size(); ++kind) {
+    if (counts[kind] == 0) continue;
+    std::cout << fmt::format("  {:6} {}\n", counts[kind],
+                             streetmap::name(static_cast<streetmap::SegmentKind>(kind)));
+  }
+  if (frame.georeferenced) {
+    std::cout << fmt::format("  origin {:.7f}° N {:.7f}° E\n", frame.latitude / kDegree,
+                             frame.longitude / kDegree);
+  }
+}
+
+int run(const Arguments& arguments) {
+  StreetMapOptions options;
+  if (is_picture(arguments.input)) {
+    if (!arguments.scale) {
+      return complain(kProgram,
+                      {"a picture has no scale of its own", arguments.input,
+                       "say how much of the ground a pixel shows: --scale METRES"},
+                      kUsage);
+    }
+    options.image = {.metres_per_pixel = *arguments.scale, .edge = arguments.edge};
+    if (const auto wrong = options.image->invalid()) {
+      return complain(kProgram, {*wrong, "", ""}, kUsage);
+    }
+  } else if (arguments.cell) {
+    options.raster.cell = *arguments.cell;
+  }
+  if (const auto wrong = options.raster.invalid()) {
+    return complain(kProgram, {*wrong, "--cell", ""}, kUsage);
+  }
+  const auto made = make_street_map(arguments.input, options);
+  if (!made) return complain(kProgram, made.error(), kUnreadable);
+  if (const auto written = recording::write_whole(arguments.output, made->bytes); !written) {
+    return complain(kProgram, written.error(), kNo);
+  }
+  // What is there now is what the daemon will open.
+  const auto opened = open_street_map(arguments.output);
+  if (!opened) return complain(kProgram, opened.error(), kNo);
+  if (!arguments.picture.empty()) {
+    if (const auto drawn = write_picture(opened->map, arguments.picture); !drawn) {
+      return complain(kProgram, drawn.error(), kNo);
+    }
+  }
+  if (arguments.json) {
+    std::cout << report(arguments, opened->map, made->bytes.size(), made->warnings).dump() << "\n";
+  } else {
+    print(arguments, opened->map, made->bytes.size(), made->warnings);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+Command declare_streetmap(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand(
+      "streetmap", "street map from OpenStreetMap XML (.osm, .osm.bz2, .osm.gz) or from a picture");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("INPUT", arguments->input, "a .osm file, or a .png or .jpg of a map, north up")
+      ->required();
+  app->add_option("-o,--output", arguments->output, "the map to write")
+      ->required()
+      ->type_name("MAP");
+  app->add_option("--picture", arguments->picture, "also a picture of it, ids in colour")
+      ->type_name("FILE.png");
+  app->add_option("--cell", arguments->cell, "edge of a cell of the raster (0.2)")->type_name("M");
+  app->add_option("--scale", arguments->scale, "of a picture: metres a pixel")->type_name("M");
+  app->add_option("--edge", arguments->edge, "of a picture: Sobel magnitude of a line (60)");
+  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon

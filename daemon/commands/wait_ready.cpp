@@ -1,0 +1,91 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/commands/client.hpp"
+#include "daemon/commands/command.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Arguments {
+  std::string socket;
+  double timeout_s = 30;
+};
+
+/// What of a daemon's reports decides whether it is ready.
+struct Readiness {
+  std::string waiting_for = "the daemon";
+  bool delivering = false;  // every device has delivered something
+  bool well = false;
+
+  void take(const Json& report) {
+    const std::string name = report.value("class", "");
+    if (name == "DEVICES") take_devices(report);
+    if (name == "HEALTH") {
+      const std::string level = report.value("level", "");
+      well = level == "OK" || level == "WARN";
+      if (delivering && !well) waiting_for = "the sensors to be well: " + level;
+    }
+  }
+  void take_devices(const Json& report) {
+    std::string missing;
+    for (const Json& device : report.value("devices", Json::array())) {
+      if (device.contains("activated")) continue;
+      missing += (missing.empty() ? "" : ", ") + device.value("device", "");
+    }
+    delivering = missing.empty();
+    if (!delivering) waiting_for = missing;
+  }
+};
+
+/// Watches one connection until the daemon is ready, it ends, or the time is over.
+bool wait_on(Client& client, Clock::time_point deadline, Readiness& readiness) {
+  if (!client.send({{"op", "watch"}, {"classes", {"DEVICES", "HEALTH"}}})) return false;
+  if (!client.send({{"op", "poll"}})) return false;
+  while (Clock::now() < deadline) {
+    const auto left = std::chrono::ceil<std::chrono::seconds>(deadline - Clock::now());
+    const auto message = client.next(left);
+    if (!message || !*message) return false;
+    readiness.take(**message);
+    if (readiness.delivering && readiness.well) return true;
+  }
+  return false;
+}
+
+int run(const Arguments& arguments) {
+  const Clock::time_point deadline =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                         std::chrono::duration<double>(arguments.timeout_s));
+  Readiness readiness;
+  do {
+    readiness = {};
+    auto client = Client::connect(arguments.socket);
+    if (client && wait_on(*client, deadline, readiness)) return kDone;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  } while (Clock::now() < deadline);
+  std::cerr << fmt::format("infuse wait-ready: not ready after {} s, still waiting for {}\n",
+                           arguments.timeout_s, readiness.waiting_for);
+  return kNo;
+}
+
+}  // namespace
+
+Command declare_wait_ready(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand(
+      "wait-ready", "wait until every sensor of the running daemon delivers (exit code 1: no)");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
+  app->add_option("--timeout", arguments->timeout_s, "how long to wait (30)")
+      ->type_name("S")
+      ->check(CLI::Range(0.0, 86400.0));
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,13 @@
+#include "daemon/config/odometry_settings.hpp"
+
+namespace infuse::daemon {
+
+std::optional<std::string> OdometrySettings::invalid() const {
+  if (const auto wrong = filter.invalid()) return wrong;
+  if (max_wait < Duration::zero() || max_wait > Duration{5'000'000'000}) {
+    return "max_wait_ms must lie in 0 ... 5000";
+  }
+  return std::nullopt;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "daemon/config/config.hpp"
+#include "drivers/recording/toml_table.hpp"
+
+namespace infuse::daemon {
+
+/// Reads the tables [[lidar]], [[camera]], [[can]] and [gps] into a configuration that may have
+/// sensors already: one of the same name is changed, others are added. What is wrong, or nothing.
+std::optional<Error> read_sensors(recording::TomlTable& root, const std::string& file,
+                                  Config& config);
+
+/// An integer that `Integer` can hold.
+template <class Integer>
+void read_integer(recording::TomlTable& table, std::string_view key, Integer& value) {
+  int64_t wide = static_cast<int64_t>(value);
+  constexpr auto kMost = std::numeric_limits<Integer>::max();
+  table.read(key, 0, std::cmp_less(kMost, INT64_MAX) ? static_cast<int64_t>(kMost) : INT64_MAX,
+             wide);
+  value = static_cast<Integer>(wide);
+}
+
+}  // namespace infuse::daemon

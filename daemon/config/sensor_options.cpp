@@ -1,0 +1,38 @@
+#include "daemon/config/sensor_options.hpp"
+
+#include "daemon/survey/capture_survey.hpp"
+#include "drivers/vehicle/serial_line_source.hpp"
+#include "drivers/vehicle/socket_can_source.hpp"
+#include "drivers/velodyne/model.hpp"
+
+namespace infuse::daemon {
+
+std::optional<std::string> LidarOptions::invalid() const {
+  if (name.empty()) return "name is empty";
+  if (port == 0) return "port must lie in 1 ... 65535";
+  if (position_port == 0) return "position_port must lie in 1 ... 65535";
+  if (!model.empty() && !velodyne::find_model(model)) return "unknown model '" + model + "'";
+  if (!sender.empty() && !parse_address(sender)) return "'" + sender + "' is no IPv4 address";
+  if (!(cut_azimuth_deg >= 0 && cut_azimuth_deg < 360)) {
+    return "cut_azimuth_deg must lie in 0 ... 360";
+  }
+  return udp(port).invalid();
+}
+
+std::optional<std::string> CameraOptions::invalid() const {
+  if (name.empty()) return "name is empty";
+  return stream.invalid();
+}
+
+std::optional<std::string> BusOptions::invalid() const {
+  if (name.empty()) return "name is empty";
+  if (!signals.empty() && dbc.empty()) return "signals are named, but no dbc that has them";
+  return vehicle::SocketCanOptions{.interface = interface, .identifiers = {}}.invalid();
+}
+
+std::optional<std::string> GpsOptions::invalid() const {
+  if (device.empty()) return std::nullopt;
+  return vehicle::SerialOptions{device, baud}.invalid();
+}
+
+}  // namespace infuse::daemon

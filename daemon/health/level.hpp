@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+
+namespace infuse::daemon {
+
+/// How a sensor or a task is, in growing badness.
+enum class Level : uint8_t { kOk, kWarn, kError, kStale };
+
+/// "OK", "WARN", "ERROR", "STALE".
+constexpr const char* name_of(Level level) {
+  switch (level) {
+    case Level::kOk:
+      return "OK";
+    case Level::kWarn:
+      return "WARN";
+    case Level::kError:
+      return "ERROR";
+    case Level::kStale:
+      return "STALE";
+  }
+  return "OK";
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "daemon/pipeline/picture_stage.hpp"
+#include "drivers/measurement/slot_ring.hpp"
+
+namespace infuse::daemon {
+
+/// The pictures that wait for the sweep during which they were exposed. Of the fusion thread.
+///
+/// Which picture is taken when depends on the order of the stream alone: a picture that the decoder
+/// has not finished is waited for when it is needed, not before.
+class PictureQueue {
+ public:
+  /// Holds at most `capacity` pictures, the ring's or fewer. Registers as a reader of `pictures`.
+  PictureQueue(SlotRing<Picture>& pictures, size_t capacity);
+
+  /// A picture was handed over; the decoder has it. Where the queue is full, the oldest is given
+  /// up: then its camera is returned.
+  std::optional<uint32_t> expect(const StreamItem& item);
+
+  /// Calls `use(const Picture&)` for every waiting picture that `due(camera, stamp)`, in order, and
+  /// lets it go.
+  template <class Due, class Use>
+  void take(Due due, Use use) {
+    size_t kept = 0;
+    for (size_t i = 0; i < waiting_.size(); ++i) {
+      if (due(waiting_[i].camera, waiting_[i].stamp)) {
+        fetch(i);
+        if (waiting_[i].picture) use(*waiting_[i].picture);
+        waiting_[i].picture.reset();
+      } else {
+        if (kept != i) waiting_[kept] = std::move(waiting_[i]);
+        ++kept;
+      }
+    }
+    waiting_.resize(kept);
+  }
+
+ private:
+  struct Waiting {
+    uint32_t camera = 0;
+    Stamp stamp;
+    uint64_t number = 0;
+    bool fetched = false;
+    Pin<Picture> picture = {};
+  };
+
+  void fetch(size_t last);
+  Pin<Picture> fetch_number(uint64_t number);
+
+  SlotRing<Picture>::Reader pictures_;
+  size_t capacity_;
+  std::vector<Waiting> waiting_;
+  Pin<Picture> ahead_;  // read from the ring, but of a later number than was asked for
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "daemon/health/latency_histogram.hpp"
+#include "daemon/pipeline/stream_item.hpp"
+#include "drivers/camera/picture.hpp"
+#include "drivers/measurement/camera_frame.hpp"
+#include "drivers/measurement/slot_ring.hpp"
+
+namespace infuse::daemon {
+
+/// A picture as fusion gets it.
+struct Picture {
+  Stamp stamp;            ///< middle of the exposure
+  uint32_t camera = 0;    ///< index in the rig
+  uint64_t number = 0;    ///< the item's
+  bool readable = false;  ///< false: the file is damaged, and `frame` means nothing
+  CameraFrame frame;      ///< decoded
+  Duration decoding{0};   ///< host time that decoding took
+};
+
+/// Decodes pictures on a thread of its own, neither the io thread's nor the fusion thread's. Every
+/// item of kind kPicture becomes one `Picture`, in order.
+class PictureStage {
+ public:
+  /// Registers as a reader of `in`. `options`: by camera. The rings outlive this.
+  PictureStage(SlotRing<StreamItem>& in, SlotRing<Picture>& out,
+               std::vector<camera::PictureOptions> options);
+
+  /// Until the item kEnd.
+  void run();
+
+ private:
+  void decode(const StreamItem& item, Picture& picture) const;
+
+  SlotRing<StreamItem>::Reader in_;
+  SlotRing<Picture>& out_;
+  std::vector<camera::PictureOptions> options_;
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "daemon/pipeline/stream_item.hpp"
+#include "drivers/measurement/slot_ring.hpp"
+#include "fusion/geometry/trajectory.hpp"
+
+namespace infuse::daemon {
+
+/// The sweeps that wait until odometry covers their time. Of the fusion thread.
+class SweepQueue {
+ public:
+  /// Holds at most `capacity` sweeps, each no longer than `max_wait` of drive time.
+  SweepQueue(size_t capacity, Duration max_wait);
+
+  void push(Pin<StreamItem> sweep) { waiting_.push_back(std::move(sweep)); }
+
+  /// Whether the oldest sweep waits no longer: the trajectory covers it or never will, or it has
+  /// waited long enough at the drive time `now`, or the queue is full.
+  bool due(const geometry::Trajectory& trajectory, Stamp now) const;
+
+  bool empty() const { return waiting_.empty(); }
+
+  /// Takes the oldest.
+  Pin<StreamItem> pop();
+
+ private:
+  size_t capacity_;
+  Duration max_wait_;
+  std::vector<Pin<StreamItem>> waiting_;
+};
+
+}  // namespace infuse::daemon

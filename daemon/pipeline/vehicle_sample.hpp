@@ -1,0 +1,12 @@
+#pragma once
+
+#include <variant>
+
+#include "drivers/measurement/vehicle_samples.hpp"
+
+namespace infuse::daemon {
+
+/// Anything that the vehicle's own sensors say of its motion.
+using VehicleSample = std::variant<WheelOdometry, ImuSample, GpsFix>;
+
+}  // namespace infuse::daemon

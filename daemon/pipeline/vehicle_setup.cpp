@@ -1,0 +1,67 @@
+#include "daemon/pipeline/vehicle_setup.hpp"
+
+#include <string_view>
+#include <utility>
+
+namespace infuse::daemon {
+namespace {
+
+using vehicle::SignalMap;
+using vehicle::SignalSource;
+
+/// Where the map keeps a quantity of `recording::can_quantities()`.
+SignalSource* find_source(SignalMap& map, std::string_view quantity) {
+  const std::pair<std::string_view, SignalSource*> sources[] = {
+      {"wheel_speed_front_left", &map.wheel_speed[0]},
+      {"wheel_speed_front_right", &map.wheel_speed[1]},
+      {"wheel_speed_rear_left", &map.wheel_speed[2]},
+      {"wheel_speed_rear_right", &map.wheel_speed[3]},
+      {"yaw_rate", &map.yaw_rate},
+      {"steering_angle", &map.steering_angle},
+      {"steering_fraction", &map.steering_fraction},
+      {"acceleration_forward", &map.acceleration[0]},
+      {"acceleration_left", &map.acceleration[1]},
+      {"acceleration_up", &map.acceleration[2]},
+      {"angular_velocity_forward", &map.angular_velocity[0]},
+      {"angular_velocity_left", &map.angular_velocity[1]},
+      {"angular_velocity_up", &map.angular_velocity[2]},
+      {"gear", &map.gear}};
+  for (const auto& [name, source] : sources) {
+    if (name == quantity) return source;
+  }
+  return nullptr;
+}
+
+Result<SignalMap> signal_map(const recording::CanFiles& can, const std::string& where) {
+  SignalMap map;
+  map.interface = can.interface;
+  if (can.reverse_gear) map.reverse_gear = *can.reverse_gear;
+  for (const recording::CanSignal& signal : can.signals) {
+    SignalSource* source = find_source(map, signal.quantity);
+    if (source == nullptr) return fail("unknown quantity '" + signal.quantity + "'", where);
+    *source = {signal.signal, signal.scale, signal.unit};
+  }
+  if (const auto wrong = map.invalid()) return fail(*wrong, where, "see [can.signals]");
+  return map;
+}
+
+}  // namespace
+
+Result<VehicleSetup> set_up_vehicle(const recording::Drive& drive) {
+  const recording::DriveDescription& description = drive.description;
+  VehicleSetup setup;
+  setup.has_imu = !description.imu.empty();
+  setup.has_gps = !description.gps.empty();
+  if (!description.can || description.can->signals.empty()) return setup;
+  const auto map = signal_map(*description.can, (drive.folder / "drive.toml").string());
+  if (!map) return tl::unexpected(map.error());
+  const auto reading = vehicle::read_dbc(drive.resolve(description.can->dbc));
+  if (!reading) return tl::unexpected(reading.error());
+  auto decoder = vehicle::VehicleDecoder::create(reading->dbc, *map);
+  if (!decoder) return tl::unexpected(decoder.error());
+  setup.decoder = *std::move(decoder);
+  for (const Error& problem : reading->problems.first()) setup.notes.push_back(problem);
+  return setup;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,64 @@
+#include "daemon/service/saved_state.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "drivers/recording/text_file.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kForm = 1;
+constexpr size_t kMaxBytes = 64 << 10;
+
+/// A whole number that is not negative.
+bool read(const Json& json, const char* key, uint64_t& value) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number_unsigned()) return false;
+  value = found->get<uint64_t>();
+  return value <= static_cast<uint64_t>(INT64_MAX);
+}
+
+}  // namespace
+
+std::string format_state(const SavedState& state) {
+  const Json json = {{"form", kForm},
+                     {"starts", state.starts},
+                     {"unclean", state.unclean},
+                     {"running", state.running},
+                     {"saved_ns", state.saved.ns()},
+                     {"running_for_ns", state.running_for.count()}};
+  return json.dump(2) + "\n";
+}
+
+Result<SavedState> parse_state(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, false);
+  SavedState state;
+  uint64_t form = 0, saved = 0, running_for = 0;
+  if (!json.is_object() || !read(json, "form", form) || form != kForm) {
+    return fail("is no state of this release");
+  }
+  const auto running = json.find("running");
+  if (!read(json, "starts", state.starts) || !read(json, "unclean", state.unclean) ||
+      !read(json, "saved_ns", saved) || !read(json, "running_for_ns", running_for) ||
+      running == json.end() || !running->is_boolean()) {
+    return fail("is a damaged state");
+  }
+  state.running = running->get<bool>();
+  state.saved = Stamp::from_ns(static_cast<int64_t>(saved));
+  state.running_for = Duration(static_cast<int64_t>(running_for));
+  return state;
+}
+
+Result<std::optional<SavedState>> read_state(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return std::optional<SavedState>();
+  const auto text = recording::read_text(path, kMaxBytes);
+  if (!text) return tl::unexpected(text.error());
+  auto state = parse_state(*text);
+  if (!state) return fail(state.error().what, path.string(), "it is begun anew");
+  return std::optional<SavedState>(*state);
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/measurement/stamp.hpp"
+#include "drivers/receive/descriptor.hpp"
+
+/// What is said to systemd (sd_notify(3)). Each is nothing where no service manager listens.
+namespace infuse::daemon::service_manager {
+
+/// The daemon can be asked.
+void ready(const std::string& status);
+/// A line for `systemctl status`.
+void status(const std::string& status);
+/// The pipeline has made progress: feeds the watchdog.
+void alive();
+/// The configuration is read again; `ready` ends it.
+void reloading();
+void stopping();
+
+/// How long it waits for `alive` before it restarts the daemon; nothing: it does not.
+std::optional<Duration> watchdog();
+
+/// The Unix stream sockets that it listens to for the daemon, handed over once.
+std::vector<receive::Descriptor> take_sockets();
+
+}  // namespace infuse::daemon::service_manager

@@ -1,0 +1,62 @@
+#include "daemon/streetmap/street_map_file.hpp"
+
+#include "daemon/streetmap/plan_streets.hpp"
+#include "drivers/camera/picture.hpp"
+#include "drivers/recording/openstreetmap.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+Result<MadeStreetMap> from_picture(const std::filesystem::path& input,
+                                   const streetmap::ImageMapOptions& options) {
+  const auto file = recording::MappedFile::open(input);
+  if (!file) return tl::unexpected(file.error());
+  const auto bytes = file->bytes();
+  CameraFrame grey;
+  const auto decoded = camera::decode_picture(
+      {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, {.grey = true}, grey);
+  if (!decoded) return fail(decoded.error().what, input.string(), decoded.error().hint);
+  auto made = streetmap::map_of_image(grey, options, "image " + input.filename().string());
+  if (!made) return fail(made.error().what, input.string(), made.error().hint);
+  return MadeStreetMap{std::move(*made), {}};
+}
+
+Result<MadeStreetMap> from_openstreetmap(const std::filesystem::path& input,
+                                         const streetmap::RasterOptions& options) {
+  const auto map = recording::read_openstreetmap(input);
+  if (!map) return tl::unexpected(map.error());
+  PlannedStreets planned = plan_streets(*map);
+  if (planned.carriageways == 0) {
+    return fail("has no road that can be driven on", input.string(),
+                "no way of the map has a key highway of a known class");
+  }
+  auto made = streetmap::rasterise(
+      planned.plan, options,
+      "OpenStreetMap " + input.filename().string() + ", © OpenStreetMap contributors, ODbL");
+  if (!made) return fail(made.error().what, input.string(), made.error().hint);
+  return MadeStreetMap{std::move(*made), std::move(planned.warnings)};
+}
+
+}  // namespace
+
+Result<StreetMapFile> open_street_map(const std::filesystem::path& path) {
+  auto file = recording::MappedFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  auto map = streetmap::SegmentMap::open(file->bytes(), path.string());
+  if (!map) return tl::unexpected(map.error());
+  return StreetMapFile{std::move(*file), *map};
+}
+
+bool is_picture(const std::filesystem::path& input) {
+  const std::string ending = input.extension().string();
+  return ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+}
+
+Result<MadeStreetMap> make_street_map(const std::filesystem::path& input,
+                                      const StreetMapOptions& options) {
+  if (!is_picture(input)) return from_openstreetmap(input, options.raster);
+  if (!options.image) return fail("a picture has no scale of its own", input.string());
+  return from_picture(input, *options.image);
+}
+
+}  // namespace infuse::daemon

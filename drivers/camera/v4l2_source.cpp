@@ -1,0 +1,310 @@
+#include "drivers/camera/v4l2_source.hpp"
+
+#include <fcntl.h>
+#include <linux/videodev2.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+
+#include <array>
+#include <cmath>
+
+#include "drivers/receive/system_error.hpp"
+
+namespace infuse::camera {
+namespace {
+
+constexpr uint32_t kBuffers = 4;
+constexpr Duration kControlsPeriod{1'000'000'000};
+constexpr int64_t kExposureUnit = 100'000;  // ns; V4L2_CID_EXPOSURE_ABSOLUTE counts 100 us
+
+/// What the driver calls a format, the cheapest to read first.
+struct FourCc {
+  uint32_t code;
+  RawFormat format;
+};
+constexpr std::array<FourCc, 12> kFormats = {{
+    {V4L2_PIX_FMT_GREY, RawFormat::kGrey},
+    {V4L2_PIX_FMT_YUYV, RawFormat::kYuyv},
+    {V4L2_PIX_FMT_UYVY, RawFormat::kUyvy},
+    {V4L2_PIX_FMT_SRGGB8, RawFormat::kBayerRggb},
+    {V4L2_PIX_FMT_SBGGR8, RawFormat::kBayerBggr},
+    {V4L2_PIX_FMT_SGBRG8, RawFormat::kBayerGbrg},
+    {V4L2_PIX_FMT_SGRBG8, RawFormat::kBayerGrbg},
+    {V4L2_PIX_FMT_BGR24, RawFormat::kBgr24},
+    {V4L2_PIX_FMT_RGB24, RawFormat::kRgb24},
+    {V4L2_PIX_FMT_MJPEG, RawFormat::kMjpeg},
+    {V4L2_PIX_FMT_JPEG, RawFormat::kMjpeg},
+    {0, RawFormat::kGrey},  // the end
+}};
+
+template <class Argument>
+bool ask(int device, unsigned long request, Argument& argument) {
+  int result = 0;
+  do {
+    result = ioctl(device, request, &argument);
+  } while (result < 0 && errno == EINTR);
+  return result >= 0;
+}
+
+bool has_format(int device, uint32_t code) {
+  v4l2_fmtdesc description{};
+  description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  while (ask(device, VIDIOC_ENUM_FMT, description)) {
+    if (description.pixelformat == code) return true;
+    ++description.index;
+  }
+  return false;
+}
+
+const FourCc* choose_format(int device, std::optional<RawFormat> wanted) {
+  for (const FourCc& candidate : kFormats) {
+    if (candidate.code == 0 || (wanted && candidate.format != *wanted)) continue;
+    if (has_format(device, candidate.code)) return &candidate;
+  }
+  return nullptr;
+}
+
+bool set_control(int device, uint32_t id, int64_t value) {
+  v4l2_control control{id, static_cast<int32_t>(value)};
+  return ask(device, VIDIOC_S_CTRL, control);
+}
+
+std::optional<int> read_control(int device, uint32_t id) {
+  v4l2_control control{id, 0};
+  if (!ask(device, VIDIOC_G_CTRL, control)) return std::nullopt;
+  return control.value;
+}
+
+v4l2_buffer buffer_of(uint32_t index) {
+  v4l2_buffer buffer{};
+  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  buffer.memory = V4L2_MEMORY_MMAP;
+  buffer.index = index;
+  return buffer;
+}
+
+}  // namespace
+
+std::optional<std::string> V4l2Options::invalid() const {
+  if (device.empty() || device.front() != '/') return "'" + device + "' is no path of a device";
+  if (width < 0 || height < 0 || width > 16384 || height > 16384) {
+    return "width and height must lie in 0 ... 16384";
+  }
+  if ((width == 0) != (height == 0)) return "give both width and height, or neither";
+  if (!(rate_hz >= 0 && rate_hz <= 1000)) return "rate_hz must lie in 0 ... 1000";
+  if (exposure && (exposure->count() <= 0 || exposure->count() > 10'000'000'000)) {
+    return "the exposure must lie in 0 ... 10 s";
+  }
+  return std::nullopt;
+}
+
+V4l2Source::Mapping::Mapping(int device, size_t offset, size_t bytes) {
+  void* memory = mmap(nullptr, bytes, PROT_READ, MAP_SHARED, device, static_cast<off_t>(offset));
+  if (memory != MAP_FAILED) bytes_ = {static_cast<uint8_t*>(memory), bytes};
+}
+
+V4l2Source::Mapping::Mapping(Mapping&& other) noexcept
+    : bytes_(std::exchange(other.bytes_, std::span<uint8_t>{})) {}
+
+V4l2Source::Mapping::~Mapping() {
+  if (!bytes_.empty()) munmap(bytes_.data(), bytes_.size());
+}
+
+Result<V4l2Source> V4l2Source::open(const V4l2Options& options, const receive::TimeBase& base) {
+  if (auto wrong = options.invalid()) return fail(*wrong, options.device);
+  V4l2Source source(options, base);
+  source.device_ =
+      receive::Descriptor(::open(options.device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+  if (!source.device_) {
+    return receive::fail_errno("cannot be opened", options.device,
+                               errno == EACCES ? "the user needs the group video" : "");
+  }
+  for (const auto step : {&V4l2Source::check_capabilities, &V4l2Source::negotiate,
+                          &V4l2Source::set_rate, &V4l2Source::set_controls, &V4l2Source::start}) {
+    if (const auto done = (source.*step)(); !done) return tl::unexpected(done.error());
+  }
+  return source;
+}
+
+V4l2Source::~V4l2Source() {
+  if (!device_) return;
+  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  ask(device_.get(), VIDIOC_STREAMOFF, type);
+}
+
+Result<void> V4l2Source::check_capabilities() {
+  v4l2_capability about{};
+  if (!ask(device_.get(), VIDIOC_QUERYCAP, about)) {
+    return receive::fail_errno("is no Video4Linux2 device", options_.device);
+  }
+  const uint32_t able =
+      about.capabilities & V4L2_CAP_DEVICE_CAPS ? about.device_caps : about.capabilities;
+  if (!(able & V4L2_CAP_VIDEO_CAPTURE) || !(able & V4L2_CAP_STREAMING)) {
+    return fail("is no camera that streams", options_.device,
+                "a camera may have several devices; take another");
+  }
+  return {};
+}
+
+Result<void> V4l2Source::negotiate() {
+  const FourCc* chosen = choose_format(device_.get(), options_.format);
+  if (chosen == nullptr) {
+    return fail(options_.format ? std::string("has no ") + name_of(*options_.format)
+                                : "has no format that can be read",
+                options_.device, "v4l2-ctl --list-formats-ext shows what it has");
+  }
+  v4l2_format format{};
+  format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  if (!ask(device_.get(), VIDIOC_G_FMT, format)) {
+    return receive::fail_errno("does not tell its format", options_.device);
+  }
+  v4l2_pix_format& pixels = format.fmt.pix;
+  if (options_.width != 0) {
+    pixels.width = static_cast<uint32_t>(options_.width);
+    pixels.height = static_cast<uint32_t>(options_.height);
+  }
+  pixels.pixelformat = chosen->code;
+  pixels.field = V4L2_FIELD_NONE;
+  pixels.bytesperline = 0;
+  if (!ask(device_.get(), VIDIOC_S_FMT, format)) {
+    return receive::fail_errno("cannot be set up", options_.device,
+                               errno == EBUSY ? "another program uses it" : "");
+  }
+  picture_ = {chosen->format,
+              static_cast<int>(pixels.width),
+              static_cast<int>(pixels.height),
+              pixels.bytesperline,
+              {}};
+  const bool size_granted = options_.width == 0 || (picture_.width == options_.width &&
+                                                    picture_.height == options_.height);
+  if (!size_granted || pixels.pixelformat != chosen->code) {
+    return fail("cannot do " + std::to_string(options_.width) + "x" +
+                    std::to_string(options_.height) + " in " + name_of(chosen->format) + ", but " +
+                    std::to_string(pixels.width) + "x" + std::to_string(pixels.height),
+                options_.device, "v4l2-ctl --list-formats-ext shows what it has");
+  }
+  return {};
+}
+
+Result<void> V4l2Source::set_rate() {
+  v4l2_streamparm parameters{};
+  parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  v4l2_fract& period = parameters.parm.capture.timeperframe;
+  if (options_.rate_hz > 0) {
+    period = {1000, static_cast<uint32_t>(std::lround(options_.rate_hz * 1000))};
+    if (!ask(device_.get(), VIDIOC_S_PARM, parameters)) {
+      return receive::fail_errno("does not take a rate", options_.device, "leave rate_hz out");
+    }
+  }
+  if (ask(device_.get(), VIDIOC_G_PARM, parameters) && period.numerator != 0) {
+    rate_hz_ = static_cast<double>(period.denominator) / static_cast<double>(period.numerator);
+  }
+  return {};
+}
+
+Result<void> V4l2Source::set_controls() {
+  const int device = device_.get();
+  if (options_.exposure) {
+    set_control(device, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
+    if (!set_control(device, V4L2_CID_EXPOSURE_ABSOLUTE,
+                     options_.exposure->count() / kExposureUnit)) {
+      return receive::fail_errno("does not take an exposure", options_.device,
+                                 "leave exposure_ms out");
+    }
+  }
+  if (options_.gain) {
+    set_control(device, V4L2_CID_AUTOGAIN, 0);
+    if (!set_control(device, V4L2_CID_GAIN, *options_.gain)) {
+      return receive::fail_errno("does not take a gain", options_.device, "leave gain out");
+    }
+  }
+  return {};
+}
+
+Result<void> V4l2Source::start() {
+  v4l2_requestbuffers request{};
+  request.count = kBuffers;
+  request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  request.memory = V4L2_MEMORY_MMAP;
+  if (!ask(device_.get(), VIDIOC_REQBUFS, request)) {
+    return receive::fail_errno("gives no buffers", options_.device,
+                               errno == EBUSY ? "another program uses it" : "");
+  }
+  for (uint32_t i = 0; i < request.count; ++i) {
+    v4l2_buffer buffer = buffer_of(i);
+    if (!ask(device_.get(), VIDIOC_QUERYBUF, buffer)) {
+      return receive::fail_errno("does not show its buffers", options_.device);
+    }
+    buffers_.emplace_back(device_.get(), buffer.m.offset, buffer.length);
+    if (buffers_.back().bytes().empty() || !ask(device_.get(), VIDIOC_QBUF, buffer)) {
+      return receive::fail_errno("its buffers cannot be used", options_.device);
+    }
+  }
+  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  if (!ask(device_.get(), VIDIOC_STREAMON, type)) {
+    return receive::fail_errno("does not stream", options_.device);
+  }
+  return {};
+}
+
+Result<V4l2Source::Taken> V4l2Source::take(uint32_t& index, StreamedPicture& picture) {
+  v4l2_buffer buffer = buffer_of(0);
+  if (!ask(device_.get(), VIDIOC_DQBUF, buffer)) {
+    if (errno == EAGAIN) return Taken::kNothing;
+    return receive::fail_errno("cannot be read", options_.device);
+  }
+  if (buffer.index >= buffers_.size()) return fail("gave an unknown buffer", options_.device);
+  index = buffer.index;
+  if (counters_.pictures + counters_.damaged > 0 && buffer.sequence > next_sequence_) {
+    counters_.lost += buffer.sequence - next_sequence_;
+  }
+  next_sequence_ = buffer.sequence + 1;
+  if (buffer.flags & V4L2_BUF_FLAG_ERROR) {
+    ++counters_.damaged;
+    return Taken::kDamaged;
+  }
+  ++counters_.pictures;
+  read_controls(base_.now());
+  const int64_t monotonic_ns =
+      int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + int64_t{buffer.timestamp.tv_usec} * 1000;
+  picture = {exposure_stamp(monotonic_ns, buffer.flags), exposure_, gain_, buffer.sequence,
+             picture_};
+  const auto mapped = buffers_[index].bytes();
+  picture.raw.bytes = mapped.first(std::min<size_t>(buffer.bytesused, mapped.size()));
+  return Taken::kPicture;
+}
+
+Result<void> V4l2Source::give_back(uint32_t index) {
+  v4l2_buffer buffer = buffer_of(index);
+  if (!ask(device_.get(), VIDIOC_QBUF, buffer)) {
+    return receive::fail_errno("does not take its buffer back", options_.device);
+  }
+  return {};
+}
+
+// Asking costs a transfer on the camera's bus, and both change slowly.
+void V4l2Source::read_controls(Stamp now) {
+  if (now - controls_read_ < kControlsPeriod) return;
+  controls_read_ = now;
+  if (const auto units = read_control(device_.get(), V4L2_CID_EXPOSURE_ABSOLUTE)) {
+    exposure_ = Duration(*units * kExposureUnit);
+  }
+  if (const auto gain = read_control(device_.get(), V4L2_CID_GAIN)) gain_ = *gain;
+}
+
+Stamp V4l2Source::exposure_stamp(int64_t monotonic_ns, uint32_t flags) const {
+  const bool monotonic =
+      (flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
+  const Stamp stamp = monotonic ? base_.at_monotonic(monotonic_ns) : base_.now();
+  const bool at_start = (flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+  return (at_start ? stamp + exposure_ / 2 : stamp - exposure_ / 2) - options_.stamp_delay;
+}
+
+std::string V4l2Source::description() const {
+  std::array<char, 64> text{};
+  snprintf(text.data(), text.size(), "%s %dx%d, %.2f Hz", name_of(picture_.format), picture_.width,
+           picture_.height, rate_hz_);
+  return text.data();
+}
+
+}  // namespace infuse::camera

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "drivers/camera/raw_picture.hpp"
+#include "drivers/camera/v4l2_options.hpp"
+#include "drivers/measurement/error.hpp"
+#include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/time_base.hpp"
+
+namespace infuse::camera {
+
+/// What a camera has delivered since it was opened.
+struct V4l2Counters {
+  uint64_t pictures = 0;  ///< handed out
+  uint64_t lost = 0;      ///< missing by the driver's own counter
+  uint64_t damaged = 0;   ///< marked so by the driver
+};
+
+/// A picture that waits in the driver's memory.
+struct StreamedPicture {
+  Stamp stamp;            ///< middle of the exposure, as far as the driver tells
+  Duration exposure{0};   ///< how long it lasted; 0 where unknown
+  double gain = 0;        ///< as the driver states it; 0 where unknown
+  uint64_t sequence = 0;  ///< the driver's counter since the camera was opened
+  RawPicture raw;         ///< to be unpacked by whoever needs its pixels
+};
+
+/// A camera of this host (Video4Linux2), streaming into memory that it shares with the driver.
+class V4l2Source {
+ public:
+  /// Opens, sets up and starts the camera. Errors: no such device (yet), no permission, in use, it
+  /// cannot do the size, format or rate that is asked for.
+  static Result<V4l2Source> open(const V4l2Options& options, const receive::TimeBase& base);
+  V4l2Source(V4l2Source&&) noexcept = default;
+  V4l2Source& operator=(V4l2Source&&) noexcept = default;
+  ~V4l2Source();
+
+  /// Readable when a picture waits; in error when the camera was unplugged.
+  int descriptor() const { return device_.get(); }
+
+  /// Takes the oldest picture that waits and calls `on(const StreamedPicture&)` with it, unless the
+  /// driver calls it damaged; its bytes are the driver's again when `on` returns. False where none
+  /// waits. An error says that the camera is gone: open another source, later.
+  template <class OnPicture>
+  Result<bool> read(OnPicture on) {
+    uint32_t buffer = 0;
+    StreamedPicture picture;
+    const auto taken = take(buffer, picture);
+    if (!taken) return tl::unexpected(taken.error());
+    if (*taken == Taken::kNothing) return false;
+    if (*taken == Taken::kPicture) on(static_cast<const StreamedPicture&>(picture));
+    if (const auto given = give_back(buffer); !given) return tl::unexpected(given.error());
+    return true;
+  }
+
+  const V4l2Counters& counters() const { return counters_; }
+
+  /// What was agreed on: "GREY 640x480, 30.00 Hz".
+  std::string description() const;
+
+  RawFormat format() const { return picture_.format; }
+  int width() const { return picture_.width; }
+  int height() const { return picture_.height; }
+
+ private:
+  enum class Taken { kNothing, kDamaged, kPicture };
+
+  /// A buffer of the driver, mapped into this process.
+  class Mapping {
+   public:
+    Mapping(int device, size_t offset, size_t bytes);
+    Mapping(Mapping&& other) noexcept;
+    Mapping& operator=(Mapping&&) = delete;
+    ~Mapping();
+    std::span<const uint8_t> bytes() const { return bytes_; }
+
+   private:
+    std::span<uint8_t> bytes_;
+  };
+
+  V4l2Source(const V4l2Options& options, const receive::TimeBase& base)
+      : options_(options), base_(base) {}
+  Result<void> check_capabilities();
+  Result<void> negotiate();
+  Result<void> set_rate();
+  Result<void> set_controls();
+  Result<void> start();
+  Result<Taken> take(uint32_t& buffer, StreamedPicture& picture);
+  Result<void> give_back(uint32_t buffer);
+  void read_controls(Stamp now);
+  Stamp exposure_stamp(int64_t monotonic_ns, uint32_t flags) const;
+
+  V4l2Options options_;
+  receive::TimeBase base_;
+  receive::Descriptor device_;
+  std::vector<Mapping> buffers_;
+  RawPicture picture_;  // all but its bytes
+  double rate_hz_ = 0;
+  V4l2Counters counters_;
+  uint32_t next_sequence_ = 0;
+  Duration exposure_{0};
+  double gain_ = 0;
+  Stamp controls_read_ = Stamp::earliest();
+};
+
+}  // namespace infuse::camera

@@ -1,0 +1,85 @@
+#include "drivers/receive/message_batch.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <ctime>
+
+#include "drivers/receive/system_error.hpp"
+
+namespace infuse::receive {
+
+MessageBatch::MessageBatch(size_t messages, size_t bytes)
+    : bytes_each_(bytes),
+      bytes_(messages * bytes),
+      vectors_(messages),
+      senders_(messages),
+      controls_(messages),
+      headers_(messages),
+      stamps_(messages) {
+  for (size_t i = 0; i < messages; ++i) {
+    vectors_[i] = {bytes_.data() + i * bytes, bytes};
+    headers_[i].msg_hdr.msg_iov = &vectors_[i];
+    headers_[i].msg_hdr.msg_iovlen = 1;
+    headers_[i].msg_hdr.msg_name = &senders_[i];
+    headers_[i].msg_hdr.msg_control = &controls_[i];
+  }
+}
+
+int MessageBatch::receive(int socket, WallStamps& stamps) {
+  for (mmsghdr& header : headers_) {  // the kernel shortens them
+    header.msg_hdr.msg_namelen = sizeof(sockaddr_in);
+    header.msg_hdr.msg_controllen = kControlBytes;
+  }
+  dropped_ = 0;
+  const int count = recvmmsg(socket, headers_.data(), static_cast<unsigned>(headers_.size()),
+                             MSG_DONTWAIT, nullptr);
+  if (count < 0) return errno == EAGAIN || errno == EINTR ? 0 : -1;
+  stamps.look(ClockReading::now());
+  for (int i = 0; i < count; ++i) read_control(static_cast<size_t>(i), stamps);
+  return count;
+}
+
+void MessageBatch::read_control(size_t message, const WallStamps& stamps) {
+  msghdr& header = headers_[message].msg_hdr;
+  stamps_[message] = stamps.now();
+  for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
+    if (c->cmsg_level != SOL_SOCKET) continue;
+    if (c->cmsg_type == SCM_TIMESTAMPNS) {
+      timespec time{};
+      std::memcpy(&time, CMSG_DATA(c), sizeof(time));
+      stamps_[message] = stamps.stamp_of(int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec);
+    } else if (c->cmsg_type == SO_RXQ_OVFL) {
+      std::memcpy(&dropped_, CMSG_DATA(c), sizeof(dropped_));
+    }
+  }
+}
+
+MessageBatch::Message MessageBatch::operator[](size_t i) const {
+  const size_t size = std::min<size_t>(headers_[i].msg_len, bytes_each_);
+  return {stamps_[i],
+          {bytes_.data() + i * bytes_each_, size},
+          senders_[i],
+          (headers_[i].msg_hdr.msg_flags & MSG_TRUNC) != 0};
+}
+
+Result<size_t> prepare_socket(int socket, size_t wanted, const std::string& where) {
+  const int on = 1;
+  if (setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof(on)) != 0) {
+    return fail_errno("the kernel does not stamp what is received", where);
+  }
+  if (setsockopt(socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof(on)) != 0) {
+    return fail_errno("the kernel does not tell what it drops", where);
+  }
+  const int bytes = static_cast<int>(std::min<size_t>(wanted, 1 << 30));
+  // The second goes beyond net.core.rmem_max and needs a capability that a service has not.
+  setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
+  setsockopt(socket, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof(bytes));
+  int granted = 0;
+  socklen_t size = sizeof(granted);
+  if (getsockopt(socket, SOL_SOCKET, SO_RCVBUF, &granted, &size) != 0) {
+    return fail_errno("the receive buffer cannot be asked for", where);
+  }
+  return static_cast<size_t>(granted) / 2;  // the kernel doubles it for its own bookkeeping
+}
+
+}  // namespace infuse::receive

@@ -1,0 +1,50 @@
+#include "drivers/vehicle/bus_errors.hpp"
+
+#include <linux/can/error.h>
+
+namespace infuse::vehicle {
+namespace {
+
+constexpr uint8_t kControllerActive = 0x40;  // CAN_ERR_CRTL_ACTIVE, not in every kernel's header
+
+}  // namespace
+
+const char* name_of(BusState state) {
+  switch (state) {
+    case BusState::kActive:
+      return "error-active";
+    case BusState::kWarning:
+      return "error-warning";
+    case BusState::kPassive:
+      return "error-passive";
+    case BusState::kBusOff:
+      return "bus-off";
+  }
+  return "";
+}
+
+void BusErrors::take(const CanFrame& frame) {
+  if (!frame.error) {
+    if (state_ == BusState::kBusOff) state_ = BusState::kActive;  // who receives is on the bus
+    return;
+  }
+  ++error_frames_;
+  if (frame.id & CAN_ERR_RESTARTED) state_ = BusState::kActive;
+  if (frame.id & CAN_ERR_CRTL) {
+    const uint8_t controller = frame.data[1];
+    if (controller & CAN_ERR_CRTL_RX_OVERFLOW) ++overruns_;
+    if (controller & kControllerActive) state_ = BusState::kActive;
+    if (controller & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING)) {
+      state_ = BusState::kWarning;
+    }
+    if (controller & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) {
+      state_ = BusState::kPassive;
+    }
+  }
+  if (frame.id & CAN_ERR_BUSOFF) {
+    state_ = BusState::kBusOff;
+    ++bus_offs_;
+  }
+}
+
+}  // namespace infuse::vehicle

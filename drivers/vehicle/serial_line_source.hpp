@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "drivers/measurement/error.hpp"
+#include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/time_base.hpp"
+
+namespace infuse::vehicle {
+
+/// A serial device that sends lines of text, as a satellite receiver does.
+struct SerialOptions {
+  std::string device = "/dev/ttyUSB0";
+  uint32_t baud = 9600;  ///< bits a second: 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800
+
+  /// What is wrong, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// Cuts bytes into lines of bounded length. Pure.
+class LineCutter {
+ public:
+  static constexpr size_t kMaxLine = 127;  ///< an NMEA sentence has at most 82 characters
+
+  /// Takes bytes that came at `stamp` and calls `on(Stamp, std::string_view)` for each line that
+  /// they complete, stamped with the arrival of its first byte; line ends and blank lines are left
+  /// out. A line that is too long is dropped and counted.
+  template <class OnLine>
+  void take(std::string_view bytes, Stamp stamp, OnLine on) {
+    for (const char byte : bytes) {
+      if (byte == '\n' || byte == '\r') {
+        if (overlong_) ++dropped_;
+        if (size_ > 0 && !overlong_) on(begun_, std::string_view(line_.data(), size_));
+        size_ = 0;
+        overlong_ = false;
+      } else if (size_ == kMaxLine) {
+        overlong_ = true;
+      } else {
+        if (size_ == 0) begun_ = stamp;
+        line_[size_++] = byte;
+      }
+    }
+  }
+
+  /// Lines that were too long.
+  uint64_t dropped() const { return dropped_; }
+
+ private:
+  std::array<char, kMaxLine> line_{};
+  size_t size_ = 0;
+  bool overlong_ = false;
+  Stamp begun_;
+  uint64_t dropped_ = 0;
+};
+
+/// Reads lines from a serial device.
+class SerialLineSource {
+ public:
+  /// Errors: no such device (yet), no permission, not a serial device.
+  static Result<SerialLineSource> open(const SerialOptions& options, const receive::TimeBase& base);
+
+  /// Readable when something waits.
+  int descriptor() const { return device_.get(); }
+
+  /// Takes what waits and calls `on(Stamp, std::string_view)` for each line completed. How many
+  /// bytes. An error says that the device is gone: open another source, later.
+  template <class OnLine>
+  Result<size_t> read(OnLine on) {
+    std::array<char, 512> bytes;
+    const ssize_t count = ::read(device_.get(), bytes.data(), bytes.size());
+    if (count <= 0) return nothing_read(count);
+    cutter_.take({bytes.data(), static_cast<size_t>(count)}, base_.now(), on);
+    return static_cast<size_t>(count);
+  }
+
+  const LineCutter& lines() const { return cutter_; }
+
+ private:
+  SerialLineSource(const SerialOptions& options, const receive::TimeBase& base)
+      : options_(options), base_(base) {}
+  Result<size_t> nothing_read(ssize_t count) const;
+
+  SerialOptions options_;
+  receive::TimeBase base_;
+  receive::Descriptor device_;
+  LineCutter cutter_;
+};
+
+}  // namespace infuse::vehicle

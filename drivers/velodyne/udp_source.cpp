@@ -1,0 +1,93 @@
+#include "drivers/velodyne/udp_source.hpp"
+
+#include <arpa/inet.h>
+#include <net/if.h>
+
+#include "drivers/receive/system_error.hpp"
+
+namespace infuse::velodyne {
+namespace {
+
+std::optional<in_addr> parse_ipv4(const std::string& text) {
+  in_addr address{INADDR_ANY};
+  if (!text.empty() && inet_pton(AF_INET, text.c_str(), &address) != 1) return std::nullopt;
+  return address;
+}
+
+}  // namespace
+
+std::optional<std::string> UdpOptions::invalid() const {
+  if (!parse_ipv4(address)) return "'" + address + "' is no IPv4 address";
+  const auto group = parse_ipv4(multicast);
+  if (!multicast.empty() && !(group && IN_MULTICAST(ntohl(group->s_addr)))) {
+    return "'" + multicast + "' is no IPv4 multicast group";
+  }
+  if (interface.size() >= IF_NAMESIZE) return "'" + interface + "' is no name of an interface";
+  if (receive_buffer == 0) return "the receive buffer is empty";
+  return std::nullopt;
+}
+
+Result<UdpSource> UdpSource::open(const UdpOptions& options, const receive::TimeBase& base) {
+  UdpSource source(options, base);
+  if (auto wrong = options.invalid()) return fail(*wrong, source.name());
+  if (const auto ready = source.set_up(); !ready) return tl::unexpected(ready.error());
+  return source;
+}
+
+Result<void> UdpSource::set_up() {
+  socket_ = receive::Descriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket_) return receive::fail_errno("no socket can be made", name());
+  const auto granted = receive::prepare_socket(socket_.get(), options_.receive_buffer, name());
+  if (!granted) return tl::unexpected(granted.error());
+  granted_ = *granted;
+  if (!options_.multicast.empty()) {  // several may listen to a group
+    const int on = 1;
+    setsockopt(socket_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
+  }
+  sockaddr_in local{};
+  local.sin_family = AF_INET;
+  local.sin_port = htons(options_.port);
+  local.sin_addr = *parse_ipv4(options_.address);
+  if (bind(socket_.get(), reinterpret_cast<const sockaddr*>(&local), sizeof(local)) != 0) {
+    return receive::fail_errno("cannot be listened to", name(),
+                               errno == EADDRINUSE ? "another program has the port" : "");
+  }
+  socklen_t size = sizeof(local);
+  getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&local), &size);
+  options_.port = ntohs(local.sin_port);
+  return join();
+}
+
+Result<void> UdpSource::join() {
+  if (options_.multicast.empty()) return {};
+  ip_mreqn request{};
+  request.imr_multiaddr = *parse_ipv4(options_.multicast);
+  if (!options_.interface.empty()) {
+    request.imr_ifindex = static_cast<int>(if_nametoindex(options_.interface.c_str()));
+    if (request.imr_ifindex == 0) return fail("there is no such interface", options_.interface);
+  }
+  if (setsockopt(socket_.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof(request)) != 0 &&
+      errno != EADDRINUSE) {  // which says that it is a member already
+    return receive::fail_errno("the group " + options_.multicast + " cannot be joined", name(),
+                               "name the lidar's interface");
+  }
+  return {};
+}
+
+void UdpSource::rejoin() { static_cast<void>(join()); }
+
+Datagram UdpSource::datagram(const receive::MessageBatch::Message& message) const {
+  return {message.stamp, ntohl(message.sender.sin_addr.s_addr), ntohs(message.sender.sin_port),
+          options_.port, message.bytes};
+}
+
+tl::unexpected<Error> UdpSource::failed_read() const {
+  return receive::fail_errno("cannot be read", name());
+}
+
+std::string UdpSource::name() const {
+  return (options_.address.empty() ? "0.0.0.0" : options_.address) + ":" +
+         std::to_string(options_.port);
+}
+
+}  // namespace infuse::velodyne

@@ -1,0 +1,232 @@
+// Whole drives through the daemon: lidar, camera, bus, inertial unit and receiver, against what the
+// simulator knows to be true, and with files that are not as they should be.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "drivers/recording/trajectory_file.hpp"
+#include "tests/daemon/drive/simulated.hpp"
+#include "tests/daemon/schema.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class DriveReplayTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto summary = simulate(drive_, 3);
+    ASSERT_TRUE(summary) << summary.error().message();
+    summary_ = *summary;
+  }
+
+  /// The reports of one class.
+  static std::vector<json> reports_of(const Replayed& replayed, const std::string& name) {
+    std::vector<json> reports;
+    for (const std::string& line : replayed.lines()) {
+      EXPECT_TRUE(valid_message(line));
+      json report = json::parse(line);
+      if (report["class"] == name) reports.push_back(std::move(report));
+    }
+    return reports;
+  }
+
+  static std::vector<std::string> raised(const Replayed& replayed) {
+    std::vector<std::string> ids;
+    for (const json& alert : reports_of(replayed, "ALERT")) {
+      if (alert["state"] == "raised") ids.push_back(alert["id"]);
+    }
+    return ids;
+  }
+
+  Replayed replay(const ReplayedOptions& options = {}) const {
+    auto result = replayed(drive_, options);
+    EXPECT_TRUE(result) << result.error().message();
+    return *std::move(result);
+  }
+
+  /// Lines of can.log, changed.
+  template <class Change>
+  void change_bus(Change change) const {
+    std::istringstream lines(content(drive_ / "can.log"));
+    std::string text;
+    size_t number = 0;
+    for (std::string line; std::getline(lines, line);) text += change(number++, line);
+    write(drive_ / "can.log", text);
+  }
+
+  std::filesystem::path picture(int number) const {
+    return drive_ / "front" / ("00000" + std::to_string(number) + ".jpg");
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path drive_ = folder_ / "drive";
+  simulator::DriveSummary summary_;
+};
+
+TEST_F(DriveReplayTest, EverythingIsReadAndEverySweepThatOdometryCoversIsStraight) {
+  const Replayed result = replay();
+  ASSERT_EQ(result.devices.size(), 5U);
+  EXPECT_EQ(result.totals.counters.at(0).packets, summary_.packets);
+  const StreamCounters& camera = result.totals.streams.at(0);
+  EXPECT_EQ(camera.received, summary_.pictures);
+  EXPECT_EQ(result.totals.streams.at(1).received, summary_.can_frames);
+  EXPECT_EQ(result.totals.streams.at(2).received, 300U);  // inertial unit at 100 Hz
+  EXPECT_EQ(result.totals.alerts, 0U);
+  EXPECT_TRUE(result.notes.empty());
+  EXPECT_TRUE(result.totals.odometry.usable());
+
+  const auto sweeps = reports_of(result, "SWEEP");
+  ASSERT_GE(sweeps.size(), 30U);
+  size_t straight = 0;
+  for (const json& sweep : sweeps) straight += sweep["straight"].get<bool>() ? 1 : 0;
+  // The first begins before the first word on the bus, and of the last the end is not covered.
+  EXPECT_GE(straight + 2, sweeps.size());
+  EXPECT_EQ(reports_of(result, "POSE").size(), sweeps.size());
+  EXPECT_EQ(reports_of(result, "FRAME").size(), summary_.pictures);
+}
+
+TEST_F(DriveReplayTest, MotionAndPosesAreTheTrueOnes) {
+  const Replayed result = replay();
+  const auto truth = recording::read_trajectory(drive_ / "truth/poses.tum");
+  ASSERT_TRUE(truth);
+  const auto true_pose = [&](Stamp stamp) {
+    const auto after = std::lower_bound(
+        truth->begin(), truth->end(), stamp,
+        [](const recording::TrajectoryPose& pose, Stamp at) { return pose.stamp < at; });
+    return after == truth->end() ? truth->back() : *after;
+  };
+  size_t compared = 0;
+  for (const json& sweep : reports_of(result, "SWEEP")) {
+    if (!sweep["straight"].get<bool>()) continue;
+    const Stamp begin = Stamp::from_ns(sweep["stamp"].get<int64_t>());
+    const Stamp end = begin + from_seconds(sweep["span_s"].get<double>());
+    const double travelled =
+        (true_pose(end).T_map_body.translation() - true_pose(begin).T_map_body.translation())
+            .norm();
+    EXPECT_NEAR(sweep["travelled"].get<double>(), travelled, 0.12);  // truth to 10 ms at 10 m/s
+    ++compared;
+  }
+  EXPECT_GT(compared, 25U);
+  const auto poses = reports_of(result, "POSE");
+  const auto distance = [](const json& a, const json& b) {
+    return std::hypot(
+        a["T_frame_vehicle"][3].get<double>() - b["T_frame_vehicle"][3].get<double>(),
+        a["T_frame_vehicle"][7].get<double>() - b["T_frame_vehicle"][7].get<double>());
+  };
+  const json& first = poses[2];
+  const json& last = poses[poses.size() - 3];
+  EXPECT_TRUE(last["usable"].get<bool>());
+  const double true_distance =
+      (true_pose(Stamp::from_ns(last["stamp"].get<int64_t>())).T_map_body.translation() -
+       true_pose(Stamp::from_ns(first["stamp"].get<int64_t>())).T_map_body.translation())
+          .norm();
+  EXPECT_GT(true_distance, 15);
+  EXPECT_NEAR(distance(first, last), true_distance, 0.02 * true_distance + 0.1);
+}
+
+TEST_F(DriveReplayTest, PicturesMeetTheSweepDuringWhichTheyWereExposed) {
+  const Replayed result = replay();
+  std::map<uint64_t, json> sweeps;
+  for (json& sweep : reports_of(result, "SWEEP")) sweeps[sweep["sequence"]] = sweep;
+  size_t straight = 0;
+  for (const json& frame : reports_of(result, "FRAME")) {
+    const json& sweep = sweeps.at(frame["sweep"]);
+    const double after = frame["sweep_offset_s"].get<double>();
+    EXPECT_LE(after, sweep["span_s"].get<double>() + 1e-6);
+    if (frame["sequence"] != 0) {
+      EXPECT_GE(after, -1e-3);
+    }
+    EXPECT_GT(frame["points_in_view"].get<int>(), 300);
+    straight += frame["straight"].get<bool>() ? 1 : 0;
+  }
+  EXPECT_GE(straight + 2, summary_.pictures);
+}
+
+TEST_F(DriveReplayTest, SameBytesAtEveryRate) {
+  const Replayed fast = replay();
+  EXPECT_EQ(replay({.rate = 4}).reports, fast.reports);
+  EXPECT_EQ(replay().reports, fast.reports);
+}
+
+TEST_F(DriveReplayTest, BadLinesAndTimesOnTheBusAreReportedAndNothingElseIsLost) {
+  const Replayed sound = replay();
+  change_bus([](size_t number, const std::string& line) {
+    std::string text;
+    if (number % 50 == 10) text += line.substr(0, line.find('#')) + "#0G\n";  // no hex digit
+    if (number % 50 == 20) text += "rubbish\n";
+    if (number == 30) text += "(1750000000.000001)" + line.substr(line.find(')') + 1) + "\n";
+    return text + line + "\n";
+  });
+  const Replayed result = replay();
+  const StreamCounters& bus = result.totals.streams.at(1);
+  const uint64_t refused =
+      (summary_.can_frames + 39) / 50;  // "rubbish" has no time: left out before
+  EXPECT_EQ(bus.received, sound.totals.streams.at(1).received + 1 + refused);
+  EXPECT_EQ(bus.refused, refused);
+  EXPECT_EQ(bus.used, sound.totals.streams.at(1).used + 1);
+  EXPECT_EQ(bus.backward, 1U);
+  EXPECT_EQ(result.totals.counters.at(0).sweeps, sound.totals.counters.at(0).sweeps);
+  EXPECT_TRUE(result.totals.odometry.usable());
+  EXPECT_THAT(raised(result), testing::Contains("can.order"));
+  std::string notes;
+  for (const Error& note : result.notes) notes += note.message() + "\n";
+  EXPECT_THAT(notes, HasSubstr("can.log"));
+  EXPECT_THAT(notes, HasSubstr("such lines were left out"));
+}
+
+TEST_F(DriveReplayTest, SilenceOfTheBusLeavesSweepsAsTheyAreAndSaysSo) {
+  ASSERT_TRUE(simulate(drive_, 4));
+  write(drive_ / "imu.csv", content(drive_ / "imu.csv").substr(0, 2000));
+  write(drive_ / "gps.csv", content(drive_ / "gps.csv").substr(0, 500));
+  change_bus([](size_t, const std::string& line) {
+    return line < "(1750000000.3" ? line + "\n" : std::string();
+  });
+  const Replayed result = replay();
+  EXPECT_FALSE(result.totals.odometry.usable());
+  size_t bent = 0;
+  for (const json& sweep : reports_of(result, "SWEEP")) {
+    if (sweep["straight"].get<bool>()) continue;
+    EXPECT_FALSE(sweep["straight_reason"].get<std::string>().empty());
+    ++bent;
+  }
+  EXPECT_GE(bent, 34U);  // all but the first of four seconds
+  EXPECT_THAT(raised(result), testing::Contains("odometry.untrusted"));
+  EXPECT_THAT(raised(result), testing::Contains("can.silent"));
+  EXPECT_EQ(reports_of(result, "FRAME").size(), 40U);
+}
+
+TEST_F(DriveReplayTest, DamagedAndMissingPicturesAreCountedAndTheOthersUsed) {
+  write(picture(3), content(picture(3)).substr(0, 400));
+  write(picture(4), "no picture");
+  std::filesystem::remove(picture(7));
+  const Replayed result = replay();
+  const StreamCounters& camera = result.totals.streams.at(0);
+  EXPECT_EQ(camera.refused + camera.lost, 3U);
+  EXPECT_EQ(camera.used, summary_.pictures - 3);
+  EXPECT_EQ(reports_of(result, "FRAME").size(), summary_.pictures - 3);
+}
+
+TEST_F(DriveReplayTest, ADbcWithoutTheSignalIsRefusedByName) {
+  const std::string dbc = content(drive_ / "vehicle.dbc");
+  std::string other = dbc;
+  other.replace(other.find("YAW_RATE"), 8, "YAW_RATX");
+  write(drive_ / "vehicle.dbc", other);
+  const auto refused = replayed(drive_);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message(), HasSubstr("MOTION.YAW_RATE"));
+  // A statement that is wrong is told, and what stands around it is used.
+  write(drive_ / "vehicle.dbc",
+        dbc + "\nBO_ 77 BROKEN: x Y\n SG_ A : 0|99@1+ (1,0) [0|0] \"\" Z\n");
+  const Replayed result = replay();
+  EXPECT_FALSE(result.notes.empty());
+  EXPECT_TRUE(result.totals.odometry.usable());
+}
+
+}  // namespace
+}  // namespace infuse::daemon

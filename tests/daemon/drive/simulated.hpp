@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "fixtures/simulator/drive_writer.hpp"
+#include "tests/daemon/pipeline/replayed.hpp"
+
+namespace infuse::daemon {
+
+/// A few seconds of a car in a street with all its sensors, small and quickly made.
+inline Result<simulator::DriveSummary> simulate(const std::filesystem::path& folder,
+                                                double seconds) {
+  const std::string text = "duration_s = " + std::to_string(seconds) + R"(
+[world]
+map = "altfeld.osm"
+route = [100, 104, 112]
+reach = 40
+ground_resolution = 1.0
+[vehicle]
+speed = 10
+start_speed = 10
+[[lidar]]
+model = "VLP-16"
+parts = 1
+position = [1.0, 0.0, 1.9]
+[[camera]]
+width = 96
+height = 64
+fx = 60
+samples = 1
+format = "jpg"
+position = [1.5, 0.0, 1.6]
+)";
+  const std::filesystem::path maps = std::filesystem::path(INFUSE_SOURCE_DIR) / "fixtures/maps";
+  auto scenario = simulator::parse_scenario(text, "test.toml", maps);
+  if (!scenario) return tl::unexpected(scenario.error());
+  auto simulation = simulator::Simulation::create(*scenario, 2);
+  if (!simulation) return tl::unexpected(simulation.error());
+  return write_drive(*simulation, folder, [](double) {});
+}
+
+inline std::string content(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline void write(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,49 @@
+#include "daemon/service/saved_state.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace infuse::daemon {
+namespace {
+
+TEST(SavedState, ComesBackAsItWasWritten) {
+  SavedState state;
+  state.starts = 7;
+  state.unclean = 3;
+  state.running = true;
+  state.saved = Stamp::from_ns(1'700'000'000'123'456'789);
+  state.running_for = Duration(987'654'321);
+  const auto back = parse_state(format_state(state));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->starts, 7U);
+  EXPECT_EQ(back->unclean, 3U);
+  EXPECT_TRUE(back->running);
+  EXPECT_EQ(back->saved, state.saved);
+  EXPECT_EQ(back->running_for, state.running_for);
+}
+
+TEST(SavedState, WhatIsNoStateIsAnError) {
+  const std::string good = format_state({});
+  for (size_t length = 0; length + 2 < good.size(); ++length) {
+    EXPECT_FALSE(parse_state(good.substr(0, length)).has_value()) << length;
+  }
+  EXPECT_FALSE(parse_state("[]").has_value());
+  EXPECT_FALSE(parse_state(R"({"form":2})").has_value());
+  EXPECT_FALSE(parse_state(R"({"form":1,"starts":-1})").has_value());
+}
+
+TEST(SavedState, AMissingFileIsNoErrorAndADamagedOneIs) {
+  const auto path =
+      std::filesystem::path(testing::TempDir()) / ("infuse-state-" + std::to_string(getpid()));
+  const auto none = read_state(path);
+  ASSERT_TRUE(none.has_value());
+  EXPECT_FALSE(none->has_value());
+  std::ofstream(path) << "{";
+  EXPECT_FALSE(read_state(path).has_value());
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace infuse::daemon

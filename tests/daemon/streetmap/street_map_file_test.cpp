@@ -1,0 +1,221 @@
+#include "daemon/streetmap/street_map_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "daemon/streetmap/plan_streets.hpp"
+#include "drivers/recording/local_frame.hpp"
+#include "drivers/recording/text_file.hpp"
+#include "tests/drivers/recording/scratch_folder.hpp"
+#include "tests/real_data.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using recording::testing::ScratchFolder;
+
+using streetmap::SegmentKind;
+using testing::Contains;
+using testing::HasSubstr;
+
+/// OpenStreetMap XML of nodes on a grid of about 10 m: node 100·row + column.
+std::string map_text(const std::string& ways) {
+  std::ostringstream text;
+  text.precision(12);
+  text << "<osm version='0.6'>";
+  for (int row = 0; row < 10; ++row) {
+    for (int column = 0; column < 10; ++column) {
+      text << "<node id='" << 100 * row + column + 1 << "' version='1' lat='" << 50 + row * 9e-5
+           << "' lon='" << 8 + column * 1.4e-4 << "'/>";
+    }
+  }
+  text << "<node id='5000' version='1' lat='10' lon='8'/>";
+  text << ways << "</osm>";
+  return text.str();
+}
+
+std::string way(int id, const std::vector<int>& nodes, const std::string& tags) {
+  std::ostringstream text;
+  text << "<way id='" << id << "' version='1'>";
+  for (const int node : nodes) text << "<nd ref='" << node << "'/>";
+  std::istringstream words(tags);
+  for (std::string word; words >> word;) {
+    const size_t equals = word.find('=');
+    text << "<tag k='" << word.substr(0, equals) << "' v='" << word.substr(equals + 1) << "'/>";
+  }
+  text << "</way>";
+  return text.str();
+}
+
+class StreetMapFileTest : public testing::Test {
+ protected:
+  Result<MadeStreetMap> make(const std::string& ways) {
+    const auto path = folder_ / "map.osm";
+    EXPECT_TRUE(recording::write_text(path, map_text(ways)));
+    return make_street_map(path, {});
+  }
+  std::vector<std::string> warnings(const std::string& ways) {
+    std::vector<std::string> list;
+    const auto made = make(way(1, {1, 10}, "highway=residential") + ways);
+    EXPECT_TRUE(made);
+    if (!made) return list;
+    for (const Error& warning : made->warnings) list.push_back(warning.message());
+    return list;
+  }
+  double width(const std::string& tags) {
+    const auto path = folder_ / "width.osm";
+    EXPECT_TRUE(recording::write_text(path, map_text(way(1, {1, 10}, tags))));
+    const auto map = recording::read_openstreetmap(path);
+    EXPECT_TRUE(map);
+    const auto planned = plan_streets(*map);
+    return planned.plan.strips.empty() ? 0 : 2 * planned.plan.strips[0].half_width;
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(StreetMapFileTest, WidthsComeFromTheTagElseLanesElseClass) {
+  EXPECT_DOUBLE_EQ(width("highway=residential width=4.2"), 4.2);
+  EXPECT_DOUBLE_EQ(width("highway=primary lanes=3"), 10.5);
+  EXPECT_DOUBLE_EQ(width("highway=residential"), 6);
+  EXPECT_DOUBLE_EQ(width("highway=residential oneway=yes"), 5.5);
+  EXPECT_DOUBLE_EQ(width("highway=residential width=wide"), 6);
+  EXPECT_DOUBLE_EQ(width("highway=residential lanes=-3"), 6);
+  EXPECT_DOUBLE_EQ(width("highway=proposed"), 0);
+  EXPECT_DOUBLE_EQ(width("highway=residential tunnel=yes"), 0);
+}
+
+TEST_F(StreetMapFileTest, OpenAndSelfCrossingRingsAreReportedWithTheirId) {
+  EXPECT_THAT(warnings(way(77, {101, 102, 203}, "building=yes")),
+              Contains("way 77: is an area that does not close (it is left out)"));
+  EXPECT_THAT(warnings(way(78, {301, 404, 304, 401, 301}, "leisure=park")),
+              Contains("way 78: has a ring that crosses itself (it is left out)"));
+  EXPECT_THAT(warnings(way(79, {301, 5000}, "highway=service")),
+              Contains("way 79: lies more than 50 km from the rest of the map (it is left out)"));
+  EXPECT_THAT(warnings(way(80, {301, 9999, 302}, "highway=service")),
+              Contains(HasSubstr("way 80: 1 of its nodes are not in the file")));
+  EXPECT_THAT(warnings(way(81, {301, 304, 404, 401, 301}, "building=yes")), testing::IsEmpty());
+}
+
+TEST_F(StreetMapFileTest, AMapWithoutRoadsIsRefused) {
+  for (const char* tags : {"building=yes", "highway=footway"}) {
+    const auto made = make(way(1, {1, 4, 304, 301, 1}, tags));
+    ASSERT_FALSE(made) << tags;
+    EXPECT_THAT(made.error().message(), HasSubstr("has no road that can be driven on"));
+  }
+}
+
+TEST_F(StreetMapFileTest, IsOpenedAsItWasMade) {
+  const auto made = make(way(4711, {1, 10}, "highway=residential"));
+  ASSERT_TRUE(made);
+  const auto path = folder_ / "a.map";
+  ASSERT_TRUE(recording::write_whole(path, made->bytes));
+  auto opened = open_street_map(path);
+  ASSERT_TRUE(opened) << opened.error().message();
+  const StreetMapFile moved = std::move(*opened);  // the map stays valid
+  const auto& frame = moved.map.frame();
+  const recording::LocalFrame local(frame.latitude, frame.longitude);
+  const auto middle = local.to_local(50 * std::numbers::pi / 180, 8.0006 * std::numbers::pi / 180);
+  const auto segment = moved.map.segment(moved.map.id_at(middle.x(), middle.y()));
+  EXPECT_EQ(segment.kind, SegmentKind::kCarriageway);
+  EXPECT_EQ(segment.element, 4711);
+  EXPECT_THAT(std::string(moved.map.provenance()), HasSubstr("map.osm"));
+}
+
+TEST_F(StreetMapFileTest, DamagedFilesAreSaid) {
+  const auto made = make(way(4711, {1, 10}, "highway=residential"));
+  ASSERT_TRUE(made);
+  const auto path = folder_ / "cut.map";
+  ASSERT_TRUE(recording::write_whole(path, std::span(made->bytes).first(made->bytes.size() / 2)));
+  const auto cut = open_street_map(path);
+  ASSERT_FALSE(cut);
+  EXPECT_THAT(cut.error().message(), HasSubstr("is cut off"));
+  EXPECT_FALSE(open_street_map(folder_ / "missing.map"));
+  EXPECT_FALSE(open_street_map("/"));
+  ASSERT_TRUE(recording::write_text(folder_ / "empty.map", ""));
+  EXPECT_FALSE(open_street_map(folder_ / "empty.map"));
+  ASSERT_TRUE(recording::write_text(folder_ / "text.map", std::string(500, 'x')));
+  const auto text = open_street_map(folder_ / "text.map");
+  ASSERT_FALSE(text);
+  EXPECT_THAT(text.error().message(), HasSubstr("is not a street map of infuse"));
+}
+
+TEST_F(StreetMapFileTest, APictureNeedsAScale) {
+  const auto made = make_street_map("screenshot.png", {});
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().message(), HasSubstr("no scale"));
+}
+
+TEST(StreetMap, AltfeldConvertsWithoutWarnings) {
+  const auto made = make_street_map(INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm", {});
+  ASSERT_TRUE(made) << made.error().message();
+  EXPECT_THAT(made->warnings, testing::IsEmpty());
+}
+
+/// Share of a drive's rows that lie on carriageways, and the farthest that one lies from them, m.
+struct OnRoad {
+  double share = 0;
+  double farthest = 0;
+};
+
+OnRoad on_road(const std::filesystem::path& osm, const std::filesystem::path& rows) {
+  OnRoad result;
+  const auto made = make_street_map(osm, {});
+  EXPECT_TRUE(made);
+  const auto unpacked = testing::TempDir() + "/oxts.txt";
+  EXPECT_EQ(std::system(("bzcat " + rows.string() + " > " + unpacked).c_str()), 0);
+  const auto text = recording::read_text(unpacked, 1 << 27);
+  std::filesystem::remove(unpacked);
+  const auto map = made ? streetmap::SegmentMap::open(made->bytes, "map")
+                        : Result<streetmap::SegmentMap>(tl::unexpected(made.error()));
+  EXPECT_TRUE(map && text);
+  if (!map || !text) return result;
+  const recording::LocalFrame frame(map->frame().latitude, map->frame().longitude);
+  const auto driven = [&](double x, double y) {
+    const SegmentKind kind = map->segment(map->id_at(x, y)).kind;
+    return kind == SegmentKind::kCarriageway || kind == SegmentKind::kCrossing;
+  };
+  std::istringstream lines(*text);
+  double count = 0, on = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    std::istringstream words(line);
+    double latitude = 0, longitude = 0;
+    words >> latitude >> longitude;
+    const Eigen::Vector3d p =
+        frame.to_local(latitude * std::numbers::pi / 180, longitude * std::numbers::pi / 180);
+    if (driven(p.x(), p.y())) {
+      ++on;
+      continue;
+    }
+    double nearest = 1e9;
+    for (double r = 0.1; r < 10 && nearest > 1e8; r += 0.1) {
+      for (double a = 0; a < 6.28; a += 0.1) {
+        if (driven(p.x() + r * std::cos(a), p.y() + r * std::sin(a))) nearest = r;
+      }
+    }
+    result.farthest = std::max(result.farthest, nearest);
+  }
+  result.share = on / count;
+  return result;
+}
+
+TEST(StreetMap, RealKarlsruheTrajectoriesLieOnCarriageways) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "street");
+  const struct {
+    const char* sequence;
+    double share;
+  } expected[] = {{"00", 0.97}, {"05", 0.90}, {"07", 0.97}};
+  for (const auto& [sequence, share] : expected) {
+    const OnRoad found = on_road(folder / (std::string(sequence) + ".osm.bz2"),
+                                 folder / (std::string(sequence) + ".txt.bz2"));
+    EXPECT_GE(found.share, share) << sequence;
+    EXPECT_LE(found.farthest, 3.5) << sequence;
+    RecordProperty(std::string("share_") + sequence, std::to_string(found.share));
+  }
+}
+
+}  // namespace
+}  // namespace infuse::daemon

@@ -1,0 +1,86 @@
+#include "drivers/receive/time_base.hpp"
+
+#include <gtest/gtest.h>
+
+namespace infuse::receive {
+namespace {
+
+constexpr int64_t kSecond = 1'000'000'000;
+constexpr ClockReading kStart{100 * kSecond, 1'700'000'000 * kSecond};
+
+/// The clocks `seconds` after the start, the wall clock set ahead by `step_ns` since.
+ClockReading later(double seconds, int64_t step_ns = 0) {
+  const int64_t ns = from_seconds(seconds).count();
+  return {kStart.monotonic_ns + ns, kStart.wall_ns + ns + step_ns};
+}
+
+Stamp stamp_after_start(double seconds) {
+  return Stamp::from_ns(kStart.wall_ns) + from_seconds(seconds);
+}
+
+TEST(TimeBase, IsWallTimeAtTheStartAndMonotonicAfterIt) {
+  const TimeBase base(kStart);
+  EXPECT_EQ(base.at_monotonic(kStart.monotonic_ns), stamp_after_start(0));
+  EXPECT_EQ(base.at_monotonic(later(5, -3600 * kSecond).monotonic_ns), stamp_after_start(5));
+}
+
+TEST(TimeBase, TellsHowFarTheWallClockWasSteppedSince) {
+  const TimeBase base(kStart);
+  EXPECT_EQ(base.utc_offset(later(5)), Duration(0));
+  EXPECT_EQ(base.utc_offset(later(5, 3600 * kSecond)), Duration(3600 * kSecond));
+}
+
+TEST(TimeBase, NowRunsOnAndIsNearTheWallClock) {
+  const TimeBase base;
+  const Stamp first = base.now();
+  const Stamp second = base.now();
+  EXPECT_LE(first, second);
+  EXPECT_LT(distance_between(first, Stamp::from_ns(ClockReading::now().wall_ns)),
+            Duration(kSecond));
+}
+
+TEST(WallStamps, AMessageIsStampedByItsAge) {
+  const TimeBase base(kStart);
+  WallStamps stamps(base);
+  stamps.look(later(1));
+  EXPECT_EQ(stamps.stamp_of(later(0.75).wall_ns), stamp_after_start(0.75));
+  EXPECT_EQ(stamps.now(), stamp_after_start(1));
+}
+
+TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
+  for (const int64_t step : {3600 * kSecond, -3600 * kSecond, kSecond / 100, -kSecond / 100}) {
+    const TimeBase base(kStart);
+    WallStamps stamps(base);
+    stamps.look(later(1));
+    const Stamp before = stamps.stamp_of(later(0.999).wall_ns);
+    stamps.look(later(2, step));  // it holds one of before the step and one of after it
+    EXPECT_EQ(stamps.steps(), 1U);
+    const Stamp around = stamps.stamp_of(later(1.5).wall_ns);
+    EXPECT_EQ(stamps.stamp_of(later(1.9, step).wall_ns), around);
+    stamps.look(later(3, step));
+    EXPECT_EQ(stamps.steps(), 1U);
+    const Stamp after = stamps.stamp_of(later(2.5, step).wall_ns);
+    EXPECT_EQ(after, stamp_after_start(2.5));
+    EXPECT_LT(before, around);
+    EXPECT_LT(around, after);
+  }
+}
+
+TEST(WallStamps, ASlewedClockIsNoStep) {
+  const TimeBase base(kStart);
+  WallStamps stamps(base);
+  stamps.look(later(0));
+  stamps.look(later(10, 5'000'000));  // 500 ppm, the most that the kernel slews
+  EXPECT_EQ(stamps.steps(), 0U);
+}
+
+TEST(WallStamps, AnAgeThatCannotBeIsNotBelieved) {
+  const TimeBase base(kStart);
+  WallStamps stamps(base);
+  stamps.look(later(1));
+  EXPECT_EQ(stamps.stamp_of(later(2).wall_ns), stamp_after_start(1));
+  EXPECT_EQ(stamps.stamp_of(0), stamp_after_start(1));
+}
+
+}  // namespace
+}  // namespace infuse::receive

@@ -1,0 +1,93 @@
+#include "drivers/vehicle/serial_line_source.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <cstdlib>
+#include <vector>
+
+namespace infuse::vehicle {
+namespace {
+
+TEST(LineCutter, CutsAtLineEndsHoweverTheBytesCome) {
+  const std::string text = "\r\n$GPRMC,1*00\r\n\r\n$GPGGA,2*11\n$tail";
+  for (size_t piece = 1; piece <= text.size(); ++piece) {
+    LineCutter cutter;
+    std::vector<std::string> lines;
+    for (size_t at = 0; at < text.size(); at += piece) {
+      cutter.take(std::string_view(text).substr(at, piece), Stamp(),
+                  [&](Stamp, std::string_view line) { lines.emplace_back(line); });
+    }
+    EXPECT_EQ(lines, (std::vector<std::string>{"$GPRMC,1*00", "$GPGGA,2*11"})) << piece;
+  }
+}
+
+TEST(LineCutter, ALineIsStampedByItsFirstByte) {
+  LineCutter cutter;
+  std::vector<int64_t> stamps;
+  const auto note = [&](Stamp stamp, std::string_view) { stamps.push_back(stamp.ns()); };
+  cutter.take("a\nb", Stamp::from_ns(1), note);
+  cutter.take("b\n", Stamp::from_ns(2), note);
+  cutter.take("\nc\n", Stamp::from_ns(3), note);
+  EXPECT_EQ(stamps, (std::vector<int64_t>{1, 1, 3}));
+}
+
+TEST(LineCutter, DropsALineThatIsTooLongAndGoesOn) {
+  LineCutter cutter;
+  std::vector<std::string> lines;
+  const std::string longest(LineCutter::kMaxLine, 'x');
+  cutter.take(longest + "\n" + longest + "y\nz\n", Stamp(),
+              [&](Stamp, std::string_view line) { lines.emplace_back(line); });
+  EXPECT_EQ(lines, (std::vector<std::string>{longest, "z"}));
+  EXPECT_EQ(cutter.dropped(), 1U);
+}
+
+/// A pair of pseudo-terminals: what is written to the one is read from the other.
+struct Terminal {
+  receive::Descriptor main{posix_openpt(O_RDWR | O_NOCTTY)};
+  std::string device;
+
+  Terminal() {
+    EXPECT_EQ(grantpt(main.get()), 0);
+    EXPECT_EQ(unlockpt(main.get()), 0);
+    std::array<char, 64> name{};
+    EXPECT_EQ(ptsname_r(main.get(), name.data(), name.size()), 0);
+    device = name.data();
+  }
+  void write(std::string_view text) const {
+    EXPECT_EQ(::write(main.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+};
+
+bool wait_for(const SerialLineSource& source) {
+  pollfd waiting{source.descriptor(), POLLIN, 0};
+  return poll(&waiting, 1, 5000) == 1;
+}
+
+TEST(SerialLineSource, ReadsLinesAndSaysWhenTheDeviceIsGone) {
+  auto terminal = std::make_unique<Terminal>();
+  auto source = SerialLineSource::open({terminal->device, 9600}, receive::TimeBase());
+  ASSERT_TRUE(source.has_value()) << source.error().message();
+  std::vector<std::string> lines;
+  const auto note = [&](Stamp, std::string_view line) { lines.emplace_back(line); };
+  EXPECT_EQ(*source->read(note), 0U);
+  terminal->write("$GPGGA,1*00\r\n$GP");
+  ASSERT_TRUE(wait_for(*source));
+  ASSERT_TRUE(source->read(note).has_value());
+  EXPECT_EQ(lines, (std::vector<std::string>{"$GPGGA,1*00"}));
+  terminal.reset();
+  ASSERT_TRUE(wait_for(*source));
+  EXPECT_FALSE(source->read(note).has_value());
+}
+
+TEST(SerialLineSource, SaysWhatIsNoSerialDevice) {
+  const receive::TimeBase base;
+  EXPECT_FALSE(SerialLineSource::open({"/dev/null", 9600}, base).has_value());
+  EXPECT_FALSE(SerialLineSource::open({"/dev/no-such-device", 9600}, base).has_value());
+  EXPECT_TRUE((SerialOptions{"/dev/ttyUSB0", 1234}.invalid()));
+  EXPECT_TRUE((SerialOptions{"ttyUSB0", 9600}.invalid()));
+}
+
+}  // namespace
+}  // namespace infuse::vehicle

@@ -1,0 +1,168 @@
+#include "fusion/streetmap/rasterise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fusion/streetmap/map_picture.hpp"
+#include "fusion/streetmap/segment_map.hpp"
+
+namespace infuse::streetmap {
+namespace {
+
+/// A map and the bytes that it reads.
+struct Drawn {
+  std::vector<std::byte> bytes;
+  SegmentMap map;
+
+  Segment at(double x, double y) const { return map.segment(map.id_at(x, y)); }
+};
+
+Drawn draw(const StreetPlan& plan, double cell = 0.1) {
+  Drawn drawn;
+  auto bytes = rasterise(plan, {.cell = cell}, "test");
+  EXPECT_TRUE(bytes);
+  if (!bytes) return drawn;
+  drawn.bytes = std::move(*bytes);
+  const auto map = SegmentMap::open(drawn.bytes, "test");
+  EXPECT_TRUE(map);
+  if (map) drawn.map = *map;
+  return drawn;
+}
+
+StreetPlan one_street() {
+  StreetPlan plan;
+  plan.strips.push_back({{SegmentKind::kCarriageway, 7}, {{-30, 5}, {30, 5}}, 3, 0.4, 2});
+  return plan;
+}
+
+TEST(Rasterise, DrawsAStreetAsWideAsItIs) {
+  const Drawn drawn = draw(one_street());
+  for (double x = -29.95; x < 30; x += 0.73) {
+    for (double y = -5; y < 15; y += 0.07) {
+      const double edge = std::abs(y - 5) - 3;
+      const SegmentKind expected = edge < 0     ? SegmentKind::kCarriageway
+                                   : edge < 0.4 ? SegmentKind::kKerb
+                                   : edge < 2.4 ? SegmentKind::kRoadside
+                                                : SegmentKind::kOpenLand;
+      // A cell is as its middle is: 5 cm of doubt on either side of an edge.
+      const bool doubtful =
+          std::abs(edge) < 0.06 || std::abs(edge - 0.4) < 0.06 || std::abs(edge - 2.4) < 0.06;
+      if (doubtful) continue;
+      ASSERT_EQ(drawn.at(x, y).kind, expected) << x << " " << y;
+    }
+  }
+  EXPECT_EQ(drawn.at(0, 5).element, 7);
+  EXPECT_EQ(drawn.at(0, 8.2).element, 7);
+}
+
+TEST(Rasterise, HasNoKerbWhereStreetsMeet) {
+  StreetPlan plan = one_street();
+  plan.strips.push_back({{SegmentKind::kCarriageway, 8}, {{0, 5}, {0, 60}}, 2.5, 0.4, 0});
+  const Drawn drawn = draw(plan);
+  for (double y = 2.1; y < 59; y += 0.1) {
+    EXPECT_EQ(drawn.at(0, y).kind, SegmentKind::kCarriageway) << y;
+  }
+  EXPECT_EQ(drawn.at(2.7, 30).kind, SegmentKind::kKerb);
+  EXPECT_EQ(drawn.at(2.7, 30).element, 8);
+  EXPECT_EQ(drawn.at(0, 30).element, 8);
+  EXPECT_EQ(drawn.at(-2.7, 8.2).kind, SegmentKind::kKerb);  // of the first, beside the mouth
+}
+
+TEST(Rasterise, LayersAreInOrder) {
+  StreetPlan plan = one_street();
+  const Polyline park{{-20, -20}, {20, -20}, {20, 20}, {-20, 20}};
+  const Polyline pond{{5, 12}, {9, 12}, {9, 16}, {5, 16}};
+  plan.areas.push_back({{SegmentKind::kWater, 3}, {pond}});
+  plan.areas.push_back({{SegmentKind::kGreen, 2}, {park}});  // larger, but given later
+  plan.strips.push_back({{SegmentKind::kFootway, 4}, {{-10, -15}, {-10, 25}}, 1});
+  plan.strips.push_back({{SegmentKind::kCrossing, 5}, {{10, 2}, {10, 8}}, 2});
+  const Drawn drawn = draw(plan);
+  EXPECT_EQ(drawn.at(7, 14).kind, SegmentKind::kWater);
+  EXPECT_EQ(drawn.at(-15, 15).kind, SegmentKind::kGreen);
+  EXPECT_EQ(drawn.at(-10, 15).kind, SegmentKind::kFootway);
+  EXPECT_EQ(drawn.at(-10, 5).kind, SegmentKind::kCarriageway);
+  EXPECT_EQ(drawn.at(-10, 9).kind, SegmentKind::kFootway);  // over the pavement
+  EXPECT_EQ(drawn.at(10, 5).kind, SegmentKind::kCrossing);
+  EXPECT_NE(drawn.at(10, 9).kind, SegmentKind::kCrossing);  // only on the carriageway
+}
+
+TEST(Rasterise, BuildingsHaveWallsAndYards) {
+  StreetPlan plan = one_street();
+  const Polyline outline{{-8, 12}, {8, 12}, {8, 28}, {-8, 28}};
+  const Polyline yard{{-3, 17}, {3, 17}, {3, 23}, {-3, 23}};
+  plan.areas.push_back({{SegmentKind::kBuilding, 9}, {outline, yard}, 0.8});
+  const Drawn drawn = draw(plan);
+  EXPECT_EQ(drawn.at(-5, 20).kind, SegmentKind::kBuilding);
+  EXPECT_EQ(drawn.at(0, 20).kind, SegmentKind::kOpenLand);
+  for (const double y : {11.7, 12.0, 12.3}) EXPECT_EQ(drawn.at(0, y).kind, SegmentKind::kWall);
+  EXPECT_EQ(drawn.at(-3.2, 20).kind, SegmentKind::kWall);
+  EXPECT_EQ(drawn.at(0, 11.5).kind, SegmentKind::kOpenLand);
+}
+
+TEST(Rasterise, CellsAgreeAcrossTilesAndWithTheOracle) {
+  // A ring with many corners against the definition, over several tiles.
+  StreetPlan plan;
+  Polyline ring;
+  for (int i = 0; i < 97; ++i) {
+    const double a = 2 * M_PI * i / 97, r = i % 2 == 0 ? 22 : 14;
+    ring.push_back(r * Eigen::Vector2d(std::cos(a), std::sin(a)));
+  }
+  plan.areas.push_back({{SegmentKind::kGreen, 1}, {ring}});
+  const Drawn drawn = draw(plan, 0.2);
+  int inside = 0;
+  for (int row = 0; row < drawn.map.rows(); ++row) {
+    for (int column = 0; column < drawn.map.columns(); ++column) {
+      const Eigen::Vector2d p =
+          drawn.map.frame().low + 0.2 * Eigen::Vector2d(column + 0.5, row + 0.5);
+      double turned = 0;  // winding number
+      for (size_t i = 0; i < ring.size(); ++i) {
+        const Eigen::Vector2d a = ring[i] - p, b = ring[(i + 1) % ring.size()] - p;
+        turned += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+      }
+      const bool in = std::abs(turned) > M_PI;
+      inside += in;
+      ASSERT_EQ(drawn.map.id_of_cell(column, row) != 0, in) << column << " " << row;
+    }
+  }
+  EXPECT_NEAR(inside * 0.04, signed_area(ring), 5);
+}
+
+TEST(Rasterise, RefusesWhatIsEmptyOrTooLarge) {
+  EXPECT_FALSE(rasterise({}, {}, ""));
+  StreetPlan plan = one_street();
+  plan.strips[0].points[1].x() = 3e6;
+  const auto large = rasterise(plan, {}, "");
+  ASSERT_FALSE(large);
+  EXPECT_NE(large.error().what.find("3000 km"), std::string::npos);
+  EXPECT_TRUE(RasterOptions{.cell = 0}.invalid());
+  EXPECT_FALSE(RasterOptions{}.invalid());
+}
+
+TEST(StreetPlan, FindsRingsThatCrossThemselves) {
+  EXPECT_FALSE(crosses_itself({{0, 0}, {4, 0}, {4, 4}, {0, 4}}));
+  EXPECT_FALSE(crosses_itself({{0, 0}, {4, 0}, {4, 4}}));
+  EXPECT_FALSE(crosses_itself({{0, 0}, {4, 0}, {4, 4}, {2, 1}, {0, 4}}));
+  EXPECT_TRUE(crosses_itself({{0, 0}, {4, 4}, {4, 0}, {0, 4}}));          // figure of eight
+  EXPECT_TRUE(crosses_itself({{0, 0}, {4, 0}, {4, 4}, {2, 0}, {0, 4}}));  // touches an edge
+  EXPECT_TRUE(crosses_itself({{0, 0}, {4, 0}, {4, 4}, {2, -1}, {0, 4}}));
+}
+
+TEST(MapPicture, IsNorthUp) {
+  const Drawn drawn = draw(one_street(), 0.2);
+  const CameraFrame picture = draw_map(drawn.map);
+  ASSERT_EQ(picture.width, drawn.map.columns());
+  ASSERT_EQ(picture.pixels.size(), picture.row_bytes() * static_cast<size_t>(picture.height));
+  const auto pixel = [&](double x, double y) {
+    const auto column = static_cast<size_t>((x - drawn.map.frame().low.x()) / 0.2);
+    const auto row = static_cast<size_t>((y - drawn.map.frame().low.y()) / 0.2);
+    return picture
+        .pixels[(static_cast<size_t>(picture.height) - 1 - row) * picture.row_bytes() + column * 3];
+  };
+  EXPECT_NE(pixel(0, 5), pixel(0, -5));
+  EXPECT_EQ(pixel(0, 5), pixel(10, 4));
+  EXPECT_EQ(draw_map(drawn.map, 50).width, drawn.map.columns() / ((drawn.map.columns() + 49) / 50));
+}
+
+}  // namespace
+}  // namespace infuse::streetmap

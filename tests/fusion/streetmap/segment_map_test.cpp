@@ -1,0 +1,159 @@
+#include "fusion/streetmap/segment_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <random>
+
+#include "fusion/streetmap/checksum.hpp"
+
+namespace infuse::streetmap {
+namespace {
+
+constexpr int kTile = SegmentMap::kTile;
+using Tile = std::array<uint32_t, kTile * kTile>;
+
+/// Tiles of one, some, many and very many ids: every number of bits a cell.
+std::vector<Tile> some_tiles() {
+  std::mt19937 random(7);
+  std::vector<Tile> tiles;
+  for (const uint32_t ids : {1U, 2U, 16U, 17U, 256U, 257U}) {
+    Tile& tile = tiles.emplace_back();
+    for (size_t i = 0; i < tile.size(); ++i) tile[i] = 3 + static_cast<uint32_t>(random()) % ids;
+    for (uint32_t k = 0; k < ids; ++k) tile[k * 3] = 3 + k;
+  }
+  return tiles;
+}
+
+const MapFrame kFrame{true, 0.85, 0.14, 0.25, {-40, 12.5}};
+
+std::vector<Segment> segments() {
+  std::vector<Segment> list(300);
+  for (size_t i = 1; i < list.size(); ++i) {
+    list[i] = {static_cast<SegmentKind>(1 + i % 12), -static_cast<int64_t>(i) << 33};
+  }
+  return list;
+}
+
+std::vector<std::byte> file(const std::vector<Tile>& tiles) {
+  SegmentMapWriter writer(kFrame, 3, 2);
+  for (const Tile& tile : tiles) writer.add_tile(tile);
+  auto bytes = writer.finish(segments(), "made for a test");
+  EXPECT_TRUE(bytes);
+  return bytes.value_or(std::vector<std::byte>());
+}
+
+/// Puts a number into a file and mends its checksum, as somebody with bad intent could.
+template <class T>
+std::vector<std::byte> forged(std::vector<std::byte> bytes, size_t offset, T value) {
+  std::memcpy(bytes.data() + offset, &value, sizeof value);
+  const uint64_t zero = 0;
+  std::memcpy(bytes.data() + 80, &zero, 8);
+  const std::span<const std::byte> all(bytes);
+  const uint64_t sum = checksum(all.subspan(88), checksum(all.first(88), 0));
+  std::memcpy(bytes.data() + 80, &sum, 8);
+  return bytes;
+}
+
+TEST(SegmentMap, GivesBackEveryCell) {
+  const auto tiles = some_tiles();
+  const auto bytes = file(tiles);
+  const auto map = SegmentMap::open(bytes, "x.map");
+  ASSERT_TRUE(map) << map.error().message();
+  ASSERT_EQ(map->columns(), 3 * kTile);
+  ASSERT_EQ(map->rows(), 2 * kTile);
+  EXPECT_EQ(map->frame(), kFrame);
+  EXPECT_EQ(map->provenance(), "made for a test");
+  for (int row = 0; row < map->rows(); ++row) {
+    for (int column = 0; column < map->columns(); ++column) {
+      const Tile& tile = tiles[static_cast<size_t>(row / kTile * 3 + column / kTile)];
+      const uint32_t expected = tile[static_cast<size_t>(row % kTile * kTile + column % kTile)];
+      ASSERT_EQ(map->id_of_cell(column, row), expected) << column << " " << row;
+      const double x = -40 + (column + 0.5) * 0.25, y = 12.5 + (row + 0.5) * 0.25;
+      ASSERT_EQ(map->id_at(x, y), expected);
+    }
+  }
+  Tile whole;
+  map->read_tile(1, 1, whole);
+  EXPECT_EQ(whole, tiles[4]);
+  for (uint32_t id = 0; id < 300; ++id) EXPECT_EQ(map->segment(id), segments()[id]);
+}
+
+TEST(SegmentMap, IsOpenLandOutsideAndForUnknownIds) {
+  const auto bytes = file(some_tiles());
+  const auto map = SegmentMap::open(bytes, "x.map");
+  ASSERT_TRUE(map);
+  EXPECT_FALSE(map->covers(-40.01, 20));
+  EXPECT_TRUE(map->covers(-39.99, 20));
+  for (const double x : {-41.0, 1e300, -1e300, double(NAN)}) EXPECT_EQ(map->id_at(x, 20), 0U);
+  EXPECT_EQ(map->id_of_cell(-1, 0), 0U);
+  EXPECT_EQ(map->segment(300), Segment{});
+  EXPECT_EQ(map->segment(UINT32_MAX), Segment{});
+  EXPECT_EQ(SegmentMap().id_at(0, 0), 0U);
+}
+
+TEST(SegmentMap, RefusesWhatIsCutOffOrLonger) {
+  auto bytes = file(some_tiles());
+  for (size_t length = 0; length < bytes.size(); length += length < 200 ? 1 : 997) {
+    EXPECT_FALSE(SegmentMap::open(std::span(bytes).first(length), "x.map")) << length;
+  }
+  bytes.resize(bytes.size() + 8);
+  const auto longer = SegmentMap::open(bytes, "x.map");
+  ASSERT_FALSE(longer);
+  EXPECT_EQ(longer.error().message(),
+            "x.map: has bytes after its end (make it anew with infuse streetmap)");
+}
+
+TEST(SegmentMap, FindsAChangedBit) {
+  const auto bytes = file(some_tiles());
+  std::mt19937 random(3);
+  for (int i = 0; i < 400; ++i) {
+    auto changed = bytes;
+    const size_t at = i < 88 ? static_cast<size_t>(i) : random() % bytes.size();
+    changed[at] ^= static_cast<std::byte>(1U << random() % 8);
+    EXPECT_FALSE(SegmentMap::open(changed, "x.map")) << "byte " << at;
+  }
+}
+
+TEST(SegmentMap, SurvivesForgedTables) {
+  const auto bytes = file(some_tiles());
+  const size_t tiles = 88 + 300 * 16;
+  const auto second = tiles + 8;
+  EXPECT_TRUE(SegmentMap::open(forged(bytes, 80, uint64_t{0}), "x"));  // only the checksum mended
+  EXPECT_FALSE(SegmentMap::open(forged(bytes, second, uint32_t{0xFFFFFFF0}), "x"));  // place
+  EXPECT_FALSE(SegmentMap::open(forged(bytes, second + 4, uint16_t{60000}), "x"));   // palette
+  EXPECT_FALSE(SegmentMap::open(forged(bytes, second + 6, uint16_t{16}), "x"));      // bits
+  EXPECT_FALSE(SegmentMap::open(forged(bytes, second + 6, uint16_t{5}), "x"));
+  EXPECT_FALSE(SegmentMap::open(forged(bytes, tiles, uint32_t{300}), "x"));  // uniform tile's id
+  const size_t data = tiles + 6 * 8;
+  EXPECT_FALSE(SegmentMap::open(forged(bytes, data, uint32_t{300}), "x"));       // palette's id
+  EXPECT_FALSE(SegmentMap::open(forged(bytes, 56, uint32_t{0x7FFFFFFF}), "x"));  // tile columns
+  EXPECT_FALSE(SegmentMap::open(forged(bytes, 64, uint32_t{0}), "x"));           // segments
+  EXPECT_FALSE(SegmentMap::open(forged(bytes, 32, double(NAN)), "x"));           // cell
+  // A cell that points beyond its tile's palette of two: open land, not another tile's memory.
+  const auto beyond = forged(bytes, data + 8, uint8_t{0xFF});
+  const auto map = SegmentMap::open(beyond, "x");
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->id_of_cell(kTile, 0), 0U);
+  EXPECT_EQ(map->id_of_cell(kTile + 1, 0), 0U);
+}
+
+TEST(SegmentMap, UnknownKindsAreOpenLand) {
+  const auto bytes = forged(file(some_tiles()), 88 + 16 + 8, uint8_t{200});
+  const auto map = SegmentMap::open(bytes, "x");
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->segment(1).kind, SegmentKind::kOpenLand);
+}
+
+TEST(SegmentMapWriter, RefusesWhatDoesNotFit) {
+  SegmentMapWriter missing(kFrame, 3, 2);
+  EXPECT_FALSE(missing.finish(segments(), ""));
+  SegmentMapWriter unknown(kFrame, 1, 1);
+  Tile tile{};
+  tile[5] = 300;
+  unknown.add_tile(tile);
+  EXPECT_FALSE(unknown.finish(segments(), ""));
+}
+
+}  // namespace
+}  // namespace infuse::streetmap

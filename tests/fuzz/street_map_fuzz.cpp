@@ -1,0 +1,29 @@
+// A street map file: bytes with a mended checksum, then look-ups all over it.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "fusion/streetmap/checksum.hpp"
+#include "fusion/streetmap/segment_map.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  std::vector<std::byte> bytes(size);
+  if (size > 0) std::memcpy(bytes.data(), data, size);
+  if (size >= 88) {
+    std::memset(bytes.data() + 80, 0, 8);
+    const std::span<const std::byte> all(bytes);
+    const uint64_t sum =
+        infuse::streetmap::checksum(all.subspan(88), infuse::streetmap::checksum(all.first(88), 0));
+    std::memcpy(bytes.data() + 80, &sum, 8);
+  }
+  const auto map = infuse::streetmap::SegmentMap::open(bytes, "fuzz");
+  if (!map) return 0;
+  for (int row = -1; row <= map->rows(); row += 7) {
+    for (int column = -1; column <= map->columns() && column < 4096; column += 5) {
+      map->segment(map->id_of_cell(column, row));
+    }
+  }
+  return 0;
+}

@@ -1,0 +1,150 @@
+// On a kernel that has CAN, with a virtual bus vcan0 that may be taken down: ./dev vm.
+
+#include <gtest/gtest.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include <vector>
+
+#include "drivers/vehicle/socket_can_source.hpp"
+
+namespace infuse::vehicle {
+namespace {
+
+using receive::Descriptor;
+
+class VirtualBus : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (if_nametoindex("vcan0") == 0) GTEST_SKIP() << "no vcan0 here: ./dev vm";
+    sender_ = Descriptor(socket(PF_CAN, SOCK_RAW, CAN_RAW));
+    const int on = 1;
+    setsockopt(sender_.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof(on));
+    sockaddr_can bus{};
+    bus.can_family = AF_CAN;
+    bus.can_ifindex = static_cast<int>(if_nametoindex("vcan0"));
+    ASSERT_EQ(bind(sender_.get(), reinterpret_cast<sockaddr*>(&bus), sizeof(bus)), 0);
+  }
+  void TearDown() override {
+    if (sender_) set_up(true);
+  }
+
+  void set_up(bool up) const {
+    ifreq request{};
+    std::string("vcan0").copy(request.ifr_name, IFNAMSIZ - 1);
+    ASSERT_EQ(ioctl(sender_.get(), SIOCGIFFLAGS, &request), 0);
+    request.ifr_flags = static_cast<short>(up ? request.ifr_flags | IFF_UP  // NOLINT
+                                              : request.ifr_flags & ~IFF_UP);
+    ASSERT_EQ(ioctl(sender_.get(), SIOCSIFFLAGS, &request), 0) << "needs root";
+    int told = 0;  // of the interface that went down, to the sender too
+    socklen_t size = sizeof(told);
+    getsockopt(sender_.get(), SOL_SOCKET, SO_ERROR, &told, &size);
+  }
+
+  void send(canid_t id, uint8_t length, uint8_t first, size_t size = CAN_MTU) const {
+    canfd_frame frame{};
+    frame.can_id = id;
+    frame.len = length;
+    frame.data[0] = first;
+    frame.data[1] = first;
+    ASSERT_EQ(write(sender_.get(), &frame, size), static_cast<ssize_t>(size));
+  }
+
+  SocketCanSource open(const SocketCanOptions& options) const {
+    auto source = SocketCanSource::open(options, base_);
+    EXPECT_TRUE(source.has_value()) << source.error().message();
+    return *std::move(source);
+  }
+
+  std::vector<CanFrame> read_all(SocketCanSource& source) {
+    std::vector<CanFrame> frames;
+    while (true) {
+      const auto count = source.read(batch_, [&](const CanFrame& f) { frames.push_back(f); });
+      EXPECT_TRUE(count.has_value());
+      if (!count || *count == 0) return frames;
+    }
+  }
+
+  receive::TimeBase base_;
+  receive::MessageBatch batch_ = can_batch();
+  Descriptor sender_;
+};
+
+TEST_F(VirtualBus, GivesClassicAndFdFramesInOrderWithTheKernelsStamps) {
+  SocketCanSource source = open({.interface = "vcan0"});
+  EXPECT_TRUE(source.up());
+  const Stamp before = base_.now();
+  send(0x123, 8, 1);
+  send(0x18FEF100U | CAN_EFF_FLAG, 3, 2);
+  send(0x400, 64, 3, CANFD_MTU);
+  const Stamp after = base_.now();
+  const auto frames = read_all(source);
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[0].id, 0x123U);
+  EXPECT_TRUE(frames[1].extended);
+  EXPECT_TRUE(frames[2].fd);
+  EXPECT_EQ(frames[2].payload().size(), 64U);
+  EXPECT_EQ(frames[0].interface_name(), "vcan0");
+  constexpr Duration kTolerance{1'000'000};
+  EXPECT_GE(frames[0].stamp, before - kTolerance);
+  EXPECT_LE(frames[0].stamp, frames[2].stamp);
+  EXPECT_LE(frames[2].stamp, after + kTolerance);
+}
+
+TEST_F(VirtualBus, TheKernelPassesOnlyTheIdentifiersAskedFor) {
+  SocketCanSource source =
+      open({.interface = "vcan0", .identifiers = {{0x10, false}, {0x20, true}}});
+  send(0x10, 1, 1);
+  send(0x10 | CAN_EFF_FLAG, 1, 2);
+  send(0x20, 1, 3);
+  send(0x20 | CAN_EFF_FLAG, 1, 4);
+  send(0x30, 1, 5);
+  const auto frames = read_all(source);
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].data[0], 1);
+  EXPECT_EQ(frames[1].data[0], 4);
+}
+
+TEST_F(VirtualBus, ErrorFramesPassTheFiltersAndAreHealth) {
+  SocketCanSource source = open({.interface = "vcan0", .identifiers = {{0x10, false}}});
+  send(CAN_ERR_FLAG | CAN_ERR_CRTL, 8, CAN_ERR_CRTL_RX_PASSIVE);
+  EXPECT_EQ(read_all(source).size(), 1U);
+  EXPECT_EQ(source.bus_errors().state(), BusState::kPassive);
+  send(CAN_ERR_FLAG | CAN_ERR_BUSOFF, 8, 0);
+  EXPECT_EQ(read_all(source).size(), 1U);
+  EXPECT_EQ(source.bus_errors().state(), BusState::kBusOff);
+}
+
+TEST_F(VirtualBus, SurvivesTheInterfaceGoingDownAndUp) {
+  SocketCanSource source = open({.interface = "vcan0"});
+  set_up(false);
+  pollfd waiting{source.descriptor(), POLLIN, 0};
+  EXPECT_EQ(poll(&waiting, 1, 1000), 1);  // the kernel tells it
+  EXPECT_EQ(read_all(source).size(), 0U);
+  EXPECT_FALSE(source.up());
+  set_up(true);
+  EXPECT_TRUE(source.up());
+  send(0x77, 1, 9);
+  const auto frames = read_all(source);
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(frames[0].id, 0x77U);
+}
+
+TEST_F(VirtualBus, CountsWhatTheKernelDropped) {
+  SocketCanSource source = open({.interface = "vcan0", .receive_buffer = 8192});
+  constexpr uint64_t kSent = 2000;
+  for (uint64_t i = 0; i < kSent; ++i) send(0x55, 8, 0);
+  const uint64_t received = read_all(source).size();
+  EXPECT_LT(received, kSent);
+  send(0x55, 8, 0);
+  const uint64_t last = read_all(source).size();
+  EXPECT_EQ(received + last + source.dropped(), kSent + 1);
+}
+
+}  // namespace
+}  // namespace infuse::vehicle
