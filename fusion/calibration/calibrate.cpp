@@ -17,6 +17,7 @@ using geometry::Vector6;
 constexpr double kNearRotation = 0.3 * M_PI / 180;
 constexpr double kNearTranslation = 0.04;
 constexpr double kAlike = 0.1;   // rad: turned further, pictures of other places fit as well
+constexpr int kDrawnEach = 40;   // poses drawn for one that climbs
 constexpr int kMostRounds = 4;   // of restarts that each found a better place
 constexpr double kFarthest = 4;  // standard deviations of the start's translation
 
@@ -34,6 +35,20 @@ std::vector<double> all_sigmas(const CalibrateOptions& options) {
     for (const Level& level : *levels) sigmas.push_back(level.sigma);
   }
   return sigmas;
+}
+
+struct Scored {
+  Eigen::Isometry3d T;
+  double score;
+};
+
+/// The best `most`, best first.
+std::vector<Eigen::Isometry3d> best_of(std::vector<Scored>& poses, size_t most) {
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::vector<Eigen::Isometry3d> best;
+  for (size_t k = 0; k < std::min(most, poses.size()); ++k) best.push_back(poses[k].T);
+  return best;
 }
 
 /// All that a calibration's steps share.
@@ -86,8 +101,9 @@ class Calibration {
       rest.returned = 0;
       rest.settled = false;
       std::optional<Eigen::Isometry3d> better;
-      for (int k = 0; k < options_.restarts && !better; ++k) {
-        const Eigen::Isometry3d end = climb_from_around(rest.T, random);
+      for (const Eigen::Isometry3d& start : draw_around(rest.T, random)) {
+        if (better) break;
+        const Eigen::Isometry3d end = coarse_.climb(start, restart_levels()).T_head_lidar;
         if (near(end, rest.T)) {
           ++rest.returned;
         } else if (judge(end) > score) {
@@ -107,39 +123,41 @@ class Calibration {
   int evaluations() const { return evaluations_ + search_.evaluations() + coarse_.evaluations(); }
 
  private:
-  Eigen::Isometry3d climb_from_around(const Eigen::Isometry3d& T, std::mt19937_64& random) {
-    Vector6 xi;
-    for (int axis = 0; axis < 6; ++axis) {
-      xi(axis) =
-          draw(random) * (axis < 3 ? options_.restart_rotation : options_.restart_translation);
-    }
+  /// The two finest of the coarse levels.
+  std::span<const Level> restart_levels() const {
     const std::span<const Level> levels(options_.coarse);
-    return coarse_.climb(geometry::exp(xi) * T, levels.last(std::min<size_t>(3, levels.size())))
-        .T_head_lidar;
+    return levels.last(std::min<size_t>(2, levels.size()));
+  }
+
+  /// Poses from around `T`: of many that are drawn, those that score best.
+  std::vector<Eigen::Isometry3d> draw_around(const Eigen::Isometry3d& T, std::mt19937_64& random) {
+    PoseScore quick(few_, cameras_, terms_, options_.visibility, images_,
+                    restart_levels().front().sigma, false);
+    std::vector<Scored> drawn;
+    for (int k = 0; k < kDrawnEach * options_.restarts; ++k) {
+      Vector6 xi;
+      for (int axis = 0; axis < 6; ++axis) {
+        xi(axis) =
+            draw(random) * (axis < 3 ? options_.restart_rotation : options_.restart_translation);
+      }
+      const Eigen::Isometry3d pose = geometry::exp(xi) * T;
+      drawn.push_back({pose, quick(pose)});
+    }
+    evaluations_ += quick.evaluations();
+    return best_of(drawn, static_cast<size_t>(options_.restarts));
   }
 
   /// Climbs one level from each; gives back the best ends, best first.
   std::vector<Eigen::Isometry3d> climb_all(const std::vector<Eigen::Isometry3d>& from,
                                            const Level& level) {
-    struct End {
-      Eigen::Isometry3d T;
-      double score;
-    };
     PoseScore judge(some_, cameras_, terms_, options_.visibility, images_, level.sigma, false);
-    std::vector<End> ends;
+    std::vector<Scored> ends;
     for (const Eigen::Isometry3d& T : from) {
       const Eigen::Isometry3d end = coarse_.climb(T, std::span(&level, 1)).T_head_lidar;
       ends.push_back({end, judge(end)});
     }
     evaluations_ += judge.evaluations();
-    std::stable_sort(ends.begin(), ends.end(),
-                     [](const End& a, const End& b) { return a.score > b.score; });
-    std::vector<Eigen::Isometry3d> best;
-    for (const End& end : ends) {
-      if (static_cast<int>(best.size()) == level.survivors) break;
-      best.push_back(end.T);
-    }
-    return best;
+    return best_of(ends, static_cast<size_t>(level.survivors));
   }
 
   Eigen::Vector3d known() const { return start_.inverse().translation(); }
@@ -186,9 +204,6 @@ std::string judge(const CalibrationResult& result, const Maximum& maximum, doubl
   }
   if (!result.settled) {
     return "restarts from around it kept finding better places";
-  }
-  if (result.restarts > 0 && result.returned == 0) {
-    return print("none of %d restarts from around it led back", result.restarts);
   }
   if (moved > kFarthest * options.start_translation) {
     return print("it moved %.2f m from the start, whose translation is known to %.2f m", moved,

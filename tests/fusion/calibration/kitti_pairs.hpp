@@ -22,7 +22,7 @@ namespace infuse::calibration::kitti {
 
 struct Pairs {
   std::vector<Scene> scenes;
-  std::vector<RigCamera> cameras;  ///< one
+  std::vector<RigCamera> cameras;                                    ///< one
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< as published
 };
 
@@ -36,8 +36,7 @@ inline Result<Pairs> read_pairs(const std::filesystem::path& folder, const Scene
   Pairs pairs;
   for (const auto& [number, path] : recording::list_numbered(folder / "velodyne", ".bin")) {
     const std::string stem = path.stem().string();
-    const auto calibration =
-        recording::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
+    const auto calibration = recording::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
     if (!calibration) return tl::unexpected(calibration.error());
     Sweep sweep;
     if (auto read = recording::read_sweep_bin(path, sweep); !read)
