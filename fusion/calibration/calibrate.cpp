@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <random>
 
 #include "fusion/calibration/pose_score.hpp"
@@ -120,6 +121,24 @@ class Calibration {
     return rest;
   }
 
+  /// The scenes are halved at random; how far apart do the halves come to rest?
+  std::optional<geometry::Matrix6> split_half(const Eigen::Isometry3d& T) {
+    if (options_.splits == 0 || some_.size() < 2) return std::nullopt;
+    std::mt19937_64 random(options_.seed);
+    geometry::Matrix6 sum = geometry::Matrix6::Zero();
+    for (int split = 0; split < options_.splits; ++split) {
+      std::vector<size_t> order(some_.size());
+      std::iota(order.begin(), order.end(), size_t{0});
+      for (size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
+      const std::span<const size_t> all(order);
+      const Eigen::Isometry3d one = climb_with(T, all.first(all.size() / 2));
+      const Eigen::Isometry3d other = climb_with(T, all.subspan(all.size() / 2));
+      const Vector6 apart = geometry::log(one * other.inverse());
+      sum += apart * apart.transpose();
+    }
+    return 0.25 / options_.splits * sum;
+  }
+
   int evaluations() const { return evaluations_ + search_.evaluations() + coarse_.evaluations(); }
 
  private:
@@ -145,6 +164,18 @@ class Calibration {
     }
     evaluations_ += quick.evaluations();
     return best_of(drawn, static_cast<size_t>(options_.restarts));
+  }
+
+  /// The finest coarse levels with some of the scenes alone.
+  Eigen::Isometry3d climb_with(const Eigen::Isometry3d& T, std::span<const size_t> scenes) {
+    std::vector<Scene> part(some_.size());
+    for (size_t s = 0; s < some_.size(); ++s) part[s].camera = some_[s].camera;
+    for (const size_t s : scenes) part[s] = some_[s];
+    CoarseToFine search(part, cameras_, terms_, images_, options_.visibility, options_.maximize,
+                        known(), options_.start_translation);
+    const Eigen::Isometry3d end = search.climb(T, restart_levels()).T_head_lidar;
+    evaluations_ += search.evaluations();
+    return end;
   }
 
   /// Climbs one level from each; gives back the best ends, best first.
@@ -231,6 +262,7 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   if (coarse_points < 100) return "coarse_points must be at least 100";
   if (!(start_translation > 0)) return "start_translation must be positive";
   if (restarts < 0) return "restarts must not be negative";
+  if (splits < 0) return "splits must not be negative";
   if (!(restart_rotation >= 0)) return "restart_rotation must not be negative";
   if (!(restart_translation >= 0)) return "restart_translation must not be negative";
   if (!(uncertainty_sigma >= 0)) return "uncertainty_sigma must not be negative";
@@ -259,6 +291,7 @@ CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCa
   result.restarts = options.restarts;
   result.returned = rest.returned;
   result.settled = rest.settled;
+  result.split_half = calibration.split_half(result.T_head_lidar);
   Objective smooth = search.objective(points, options.uncertainty_sigma);
   result.uncertainty = estimate_uncertainty(smooth, result.T_head_lidar);
   result.scenes =

@@ -24,9 +24,9 @@ struct CalibrateOptions {
   size_t screen_points = 8'000;   ///< that take part in the screening
   size_t coarse_points = 40'000;  ///< that take part in the coarse climbs and their comparison
   std::vector<Level> coarse{{.sigma = 8, .tolerance = 2e-2, .anchor = 0.3, .survivors = 6},
-                            {.sigma = 4, .tolerance = 2e-2, .anchor = 0.1, .survivors = 6},
-                            {.sigma = 3, .tolerance = 1e-2, .anchor = 0.03, .survivors = 2},
-                            {.sigma = 2, .tolerance = 1e-2}};
+                            {.sigma = 4, .tolerance = 2e-2, .anchor = 0.2, .survivors = 6},
+                            {.sigma = 3, .tolerance = 1e-2, .anchor = 0.1, .survivors = 2},
+                            {.sigma = 2, .tolerance = 1e-2, .anchor = 0.05}};
   double start_translation = 0.1;  ///< m each axis, one standard deviation: how well the start
                                    ///< tells where the head stands in the lidar frame
 
@@ -39,8 +39,9 @@ struct CalibrateOptions {
   int restarts = 4;  ///< climbs from around the result, which ought to lead back to it
   double restart_rotation = 0.02;     ///< rad each axis, half width of what they are drawn from
   double restart_translation = 0.08;  ///< m each axis
-  double uncertainty_sigma = 3;       ///< px, blur of the images that tell uncertainty and support
-  double min_support = 0.75;  ///< mean of SceneSupport::support below which nothing is believed
+  int splits = 0;                ///< random halvings of the scenes, whose estimates are compared
+  double uncertainty_sigma = 3;  ///< px, blur of the images that tell uncertainty and support
+  double min_support = 0.75;     ///< mean of SceneSupport::support below which nothing is believed
 
   uint64_t seed = 1;  ///< of the restarts
   MaximizeOptions maximize;
@@ -63,7 +64,10 @@ struct CalibrationResult {
   std::vector<SceneSupport> scenes;  ///< what each scene says by itself
   double support = 0;                ///< mean over the scenes that have points in view
   int evaluations = 0;               ///< of the objective, all searches together
-  std::string reason;                ///< why it cannot be used; empty when it can
+  /// Of `splits` halvings, a covariance (¼ mean of the squared difference of the two halves'
+  /// estimates); absent where there were none.
+  std::optional<geometry::Matrix6> split_half;
+  std::string reason;  ///< why it cannot be used; empty when it can
 
   bool usable() const { return reason.empty(); }
 };

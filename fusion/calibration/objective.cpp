@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/calibration/lidar_features.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
 #include "fusion/geometry/pose_gradient.hpp"
 
@@ -176,6 +177,38 @@ std::vector<geometry::Vector6> Objective::scene_gradients(const Eigen::Isometry3
     gradients[block.scene] += block_gradient(block, T_head_lidar);
   }
   return gradients;
+}
+
+Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, size_t term) {
+  const TermOptions& options = terms_[term].options;
+  project(T_head_lidar);
+  look_up(options.image);
+  Samples samples{.lidar = points_.lidar[index(options.lidar)], .image = value_};
+  if (options.equalize) equalize(samples.lidar);
+  return samples;
+}
+
+geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_head_lidar) {
+  geometry::Matrix6 sum = geometry::Matrix6::Zero();
+  differentiate_pixels(T_head_lidar, true);
+  const auto n = static_cast<double>(points_.size());
+  for (const VisiblePoints::Block& block : points_.blocks) {
+    const RigCamera& camera = cameras_[scenes_[block.scene].camera];
+    const Eigen::Isometry3d T = camera.T_camera_head * T_head_lidar;
+    geometry::Matrix6 part = geometry::Matrix6::Zero();
+    for (size_t i = block.begin; i < block.end; ++i) {
+      if (by_u_[i] == 0 && by_v_[i] == 0) continue;
+      const auto at = camera.model.project_with_derivatives(
+          T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]));
+      if (!at) continue;
+      const geometry::Vector6 score =
+          n * (at->by_pose.transpose() * Eigen::Vector2d(by_u_[i], by_v_[i]));
+      part += score * score.transpose();
+    }
+    const geometry::Matrix6 adjoint = geometry::adjoint(camera.T_camera_head);
+    sum += adjoint.transpose() * part * adjoint;
+  }
+  return sum;
 }
 
 }  // namespace infuse::calibration

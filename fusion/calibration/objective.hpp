@@ -65,6 +65,18 @@ class Objective {
   /// For the terms with a gradient: how the scenes pull, whose spread tells the uncertainty.
   std::vector<geometry::Vector6> scene_gradients(const Eigen::Isometry3d& T_head_lidar);
 
+  /// The samples of one term at a pose: what its measure is asked about.
+  struct Samples {
+    std::vector<float> lidar;  ///< a value a point, by rank where the term says so
+    std::vector<float> image;  ///< 0 … 1; NaN where the camera's model does not see the point
+  };
+  Samples samples(const Eigen::Isometry3d& T_head_lidar, size_t term);
+
+  /// Fisher's information P(3.19) of the sum at a pose, Σᵢ sᵢ sᵢᵀ over the points: sᵢ is the
+  /// derivative by the pose of n times point i's part of the sum, for mutual information that of
+  /// log p(x, y) / (p(x) p(y)). For the terms with a gradient.
+  geometry::Matrix6 information(const Eigen::Isometry3d& T_head_lidar);
+
   size_t points() const { return points_.size(); }
   /// Evaluations so far.
   int evaluations() const { return evaluations_; }
