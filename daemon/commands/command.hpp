@@ -18,6 +18,7 @@ Command declare_wait_ready(CLI::App& infuse);
 Command declare_inspect(CLI::App& infuse);
 Command declare_decode(CLI::App& infuse);
 Command declare_import(CLI::App& infuse);
+Command declare_calibrate_target(CLI::App& infuse);
 Command declare_evaluate(CLI::App& infuse);
 Command declare_calibrate(CLI::App& infuse);
 Command declare_streetmap(CLI::App& infuse);

@@ -50,6 +50,7 @@ void read_odometry(TomlTable& table, OdometrySettings& settings) {
   table.read("wheelbase", settings.filter.wheelbase);
   table.read("track", settings.filter.track);
   table.read("steering_ratio", settings.filter.steering_ratio);
+  read_milliseconds(table, "reorder_ms", settings.filter.reorder);
   read_milliseconds(table, "wheel_delay_ms", settings.filter.wheel_delay);
   read_milliseconds(table, "imu_delay_ms", settings.filter.imu_delay);
   read_milliseconds(table, "gps_delay_ms", settings.filter.gps_delay);

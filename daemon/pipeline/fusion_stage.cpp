@@ -5,6 +5,7 @@
 namespace infuse::daemon {
 namespace {
 
+constexpr Duration kPoseInterval{100'000'000};  // between poses where there is no lidar
 constexpr Duration kClockStep{1'000'000'000};  // back by more than this, drive time begins anew
 
 size_t index_of_lidar(const Rig& rig, const std::string& name) {
@@ -56,6 +57,7 @@ void FusionStage::take(Pin<StreamItem> item) {
       return send_report();
     case StreamItem::Kind::kSamples:
       for (const VehicleSample& sample : item->samples) odometry_.take(sample);
+      if (setup_.rig.lidars.empty()) tell_pose_now();
       return take_due_sweeps();
     case StreamItem::Kind::kPicture:
       if (const auto camera = pictures_.expect(*item)) ++given_up_[*camera];
@@ -108,6 +110,16 @@ void FusionStage::tell_sweep(const StreamItem& item) {
 void FusionStage::tell_pose(Stamp stamp) {
   begin_report(ReportItem::Kind::kPose, stamp).pose = odometry_.pose_at(stamp);
   send_report();
+}
+
+// Where no lidar sets the pace: ten times a second, of what the filter has worked off.
+void FusionStage::tell_pose_now() {
+  const geometry::Trajectory& trajectory = odometry_.trajectory();
+  if (trajectory.empty()) return;
+  const Stamp newest = trajectory[trajectory.size() - 1].stamp;
+  if (newest - last_pose_ < kPoseInterval && newest >= last_pose_) return;
+  last_pose_ = newest;
+  tell_pose(newest);
 }
 
 // The pictures that were exposed before the sweep's end and not yet seen by an earlier sweep.

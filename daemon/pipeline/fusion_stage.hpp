@@ -50,6 +50,7 @@ class FusionStage {
   void take_sweep(const StreamItem& item);
   void tell_sweep(const StreamItem& item);
   void tell_pose(Stamp stamp);
+  void tell_pose_now();
   void look_at_pictures(const StreamItem& item);
   void tell_frame(const Picture& picture, const Sweep& sweep);
   void tell_tick(const StreamItem& item);
@@ -71,7 +72,8 @@ class FusionStage {
   std::vector<size_t> lidar_of_camera_;
   motion::StraightSweep straight_;
 
-  Stamp now_ = Stamp::earliest();  // drive time
+  Stamp now_ = Stamp::earliest();        // drive time
+  Stamp last_pose_ = Stamp::earliest();  // told without a sweep
   uint64_t uncompensated_ = 0;
   std::vector<uint64_t> unreadable_;  // pictures, by camera
   std::vector<uint64_t> given_up_;    // pictures that no sweep came for, by camera

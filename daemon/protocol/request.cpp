@@ -7,7 +7,18 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kKnownOps = R"(known: "watch", "poll", "devices")";
+constexpr std::pair<const char*, Request::Op> kOps[] = {
+    {"watch", Request::Op::kWatch},     {"poll", Request::Op::kPoll},
+    {"devices", Request::Op::kDevices}, {"recalibrate", Request::Op::kRecalibrate},
+    {"apply", Request::Op::kApply},     {"rollback", Request::Op::kRollback},
+    {"freeze", Request::Op::kFreeze},
+};
+
+std::string known_ops() {
+  std::string names = "known:";
+  for (const auto& entry : kOps) names += std::string(" \"") + entry.first + '"';
+  return names;
+}
 
 std::string known_classes() {
   std::string names = "known:";
@@ -38,6 +49,19 @@ Result<ReportClasses> parse_classes(const Json& request) {
   return classes;
 }
 
+Result<Request> parse_control(const Json& json, Request request) {
+  const std::string op = name_of(request.op);
+  if (const auto device = json.find("device"); device != json.end()) {
+    if (!device->is_string()) return fail("device is not a string", op, "the name of a camera");
+    request.device = device->get<std::string>();
+  }
+  if (const auto on = json.find("on"); on != json.end()) {
+    if (!on->is_boolean()) return fail("on is neither true nor false", op);
+    request.on = on->get<bool>();
+  }
+  return request;
+}
+
 }  // namespace
 
 Result<Request> parse_request(std::string_view line) {
@@ -58,27 +82,25 @@ Result<Request> parse_request(std::string_view line) {
   }
   const auto op = request.find("op");
   if (op == request.end() || !op->is_string()) {
-    return fail("the request has no op", "", kKnownOps);
+    return fail("the request has no op", "", known_ops());
   }
   const auto& name = op->get_ref<const std::string&>();
-  if (name == "poll") return Request{Request::Op::kPoll, {}};
-  if (name == "devices") return Request{Request::Op::kDevices, {}};
-  if (name == "watch") {
-    return parse_classes(request).map([](ReportClasses classes) {
-      return Request{Request::Op::kWatch, classes};
+  for (const auto& [its_name, value] : kOps) {
+    if (name != its_name) continue;
+    Request parsed{.op = value};
+    if (parsed.is_control()) return parse_control(request, std::move(parsed));
+    if (value != Request::Op::kWatch) return parsed;
+    return parse_classes(request).map([&](ReportClasses classes) {
+      parsed.classes = classes;
+      return parsed;
     });
   }
-  return fail("unknown op " + quoted(name), "", kKnownOps);
+  return fail("unknown op " + quoted(name), "", known_ops());
 }
 
 const char* name_of(Request::Op op) {
-  switch (op) {
-    case Request::Op::kWatch:
-      return "watch";
-    case Request::Op::kPoll:
-      return "poll";
-    case Request::Op::kDevices:
-      return "devices";
+  for (const auto& [name, value] : kOps) {
+    if (value == op) return name;
   }
   return "";
 }

@@ -11,9 +11,23 @@ namespace infuse::daemon {
 
 /// What a client asks.
 struct Request {
-  enum class Op : uint8_t { kWatch, kPoll, kDevices };
+  enum class Op : uint8_t {
+    kWatch,
+    kPoll,
+    kDevices,
+    // What changes the daemon; the owner's alone:
+    kRecalibrate,  ///< estimate the camera's place anew now
+    kApply,        ///< take what was estimated last
+    kRollback,     ///< go back to what was in use before
+    kFreeze,       ///< change nothing by itself any more; `on` false: do so again
+  };
   Op op = Op::kPoll;
   ReportClasses classes;  ///< of kWatch
+  std::string device;     ///< of what changes the daemon: the camera; empty: all
+  bool on = true;         ///< of kFreeze
+
+  /// The request changes the daemon.
+  bool is_control() const { return op >= Op::kRecalibrate; }
 };
 
 /// The longest request line that is looked at, bytes.

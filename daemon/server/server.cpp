@@ -119,10 +119,11 @@ void Server::accept(Acceptor& acceptor) {
 void Server::greet(Session::Socket socket) {
   forget_closed();
   if (sessions_.size() >= options_.max_clients) return turn_away(std::move(socket));
-  if (const auto peer = peer_of(socket.native_handle())) {
-    spdlog::debug("client connected: process {} of user {}", peer->process, peer->user);
-  }
-  sessions_.push_back(std::make_shared<Session>(std::move(socket), options_, last_values_));
+  const auto peer = peer_of(socket.native_handle());
+  if (peer) spdlog::debug("client connected: process {} of user {}", peer->process, peer->user);
+  const bool is_owner = peer && (peer->user == ::geteuid() || peer->user == 0);
+  sessions_.push_back(
+      std::make_shared<Session>(std::move(socket), options_, last_values_, control_, is_owner));
   sessions_.back()->start(greeting_);
 }
 

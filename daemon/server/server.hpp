@@ -44,6 +44,10 @@ class Server {
   void publish(ReportClass report_class, const std::string& device, Stamp stamp,
                std::string message);
 
+  /// Who carries out the requests that change the daemon. They are taken from the daemon's own user
+  /// and from root only, as the kernel names them; without a handler they are refused.
+  void on_control(Session::Control control) { control_ = std::move(control); }
+
   /// Accepts nobody any more and lets every client go: when it has read what it is owed, or after
   /// `patience`.
   void finish(std::chrono::milliseconds patience);
@@ -67,6 +71,9 @@ class Server {
   boost::asio::steady_timer timer_;
   std::filesystem::path path_;  // of the socket, while it is ours to remove
   LastValues last_values_;
+  Session::Control control_ = [](const Request&) -> Result<void> {
+    return fail("there is nothing that could be changed");
+  };
   std::vector<std::shared_ptr<Session>> sessions_;
   std::vector<std::function<void()>> stalled_;  // acceptors to be started again
   std::optional<Session::Clock::time_point> finish_by_;

@@ -19,10 +19,13 @@ Line to_line(std::string message) {
 
 }  // namespace
 
-Session::Session(Socket socket, const ServerOptions& options, const LastValues& last_values)
+Session::Session(Socket socket, const ServerOptions& options, const LastValues& last_values,
+                 const Control& control, bool is_owner)
     : socket_(std::move(socket)),
       options_(options),
       last_values_(last_values),
+      control_(control),
+      is_owner_(is_owner),
       request_tokens_(options.max_requests_hz),
       last_request_(Clock::now()),
       last_activity_(last_request_) {}
@@ -72,6 +75,7 @@ void Session::answer(std::string_view line) {
     const Error& error = request.error();
     return queue(to_line(error_message(error.where, error.what, error.hint)));
   }
+  if (request->is_control()) return answer_control(*request);
   if (request->op == Request::Op::kPoll) return answer_poll();
   if (request->op == Request::Op::kDevices) {
     for (const LastValues::Entry& entry : last_values_.entries()) {
@@ -86,6 +90,18 @@ void Session::answer(std::string_view line) {
 void Session::answer_poll() {
   for (const LastValues::Entry& entry : last_values_.entries()) queue(entry.line);
   queue(to_line(ack_message("poll")));
+}
+
+void Session::answer_control(const Request& request) {
+  const char* op = name_of(request.op);
+  if (!is_owner_) {
+    return queue(
+        to_line(error_message(op, "only the daemon's owner may do that",
+                              "ask as the daemon's user, or as root, on its Unix socket")));
+  }
+  const Result<void> done = control_(request);
+  if (done) return queue(to_line(ack_message(op)));
+  queue(to_line(error_message(op, done.error().what, done.error().hint)));
 }
 
 void Session::refuse(std::string_view what, std::string_view hint) {

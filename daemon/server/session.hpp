@@ -4,6 +4,7 @@
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -22,8 +23,12 @@ class Session : public std::enable_shared_from_this<Session> {
   using Socket = boost::asio::generic::stream_protocol::socket;
   using Clock = std::chrono::steady_clock;
 
-  /// `last_values` outlives the session.
-  Session(Socket socket, const ServerOptions& options, const LastValues& last_values);
+  /// Carries out what a client may ask to be changed; the error is told to it.
+  using Control = std::function<Result<void>(const Request&)>;
+
+  /// `last_values` and `control` outlive the session. `is_owner`: the client may change the daemon.
+  Session(Socket socket, const ServerOptions& options, const LastValues& last_values,
+          const Control& control, bool is_owner);
 
   /// Sends the greeting and begins to read.
   void start(Line greeting);
@@ -48,6 +53,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void answer(std::string_view line);
   void refuse(std::string_view what, std::string_view hint);
   void answer_poll();
+  void answer_control(const Request& request);
   void queue(Line line);
   void write();
   bool within_rate();
@@ -55,6 +61,8 @@ class Session : public std::enable_shared_from_this<Session> {
   Socket socket_;
   const ServerOptions options_;
   const LastValues& last_values_;
+  const Control& control_;
+  const bool is_owner_;
   ReportClasses watched_;
 
   std::array<char, kMaxRequestBytes + 1> input_{};

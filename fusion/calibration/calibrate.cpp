@@ -93,6 +93,7 @@ class Calibration {
     bool settled = true;  // the last round found nothing better
   };
   Rest settle(const Eigen::Isometry3d& T) {
+    if (options_.restarts == 0) return {.T = T};
     std::mt19937_64 random(options_.seed);
     PoseScore judge(some_, cameras_, terms_, options_.visibility, images_,
                     options_.coarse.back().sigma, false);
@@ -249,7 +250,9 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   for (const TermOptions& term : terms) {
     if (auto wrong = term.invalid()) return "terms: " + *wrong;
   }
-  if (coarse.empty()) return "coarse must have at least one level";
+  if (coarse.empty() && (screen.kept > 0 || restarts > 0 || splits > 0)) {
+    return "coarse must have at least one level, or nothing can be screened, restarted or split";
+  }
   if (fine.empty()) return "fine must have at least one level";
   for (const auto* levels : {&coarse, &fine}) {
     for (const Level& level : *levels) {

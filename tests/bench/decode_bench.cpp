@@ -8,6 +8,10 @@
 #include <benchmark/benchmark.h>
 #include <pcl/io/vlp_grabber.h>
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -16,6 +20,7 @@
 #include <vector>
 
 #include "drivers/velodyne/sweep_assembler.hpp"
+#include "fixtures/simulator/drive_writer.hpp"
 #include "fixtures/velodyne/packet_encoder.hpp"
 #include "tests/pcap_packets.hpp"
 #include "tests/real_data.hpp"
@@ -132,6 +137,87 @@ void run_pcl(benchmark::State& state, Grabber& grabber, Input& input) {
   state.SetItemsProcessed(state.iterations() * input.returns);
 }
 
+/// Three tenths of a second of the simulated street as that sensor's packets.
+Input simulated(const std::string& model) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("infuse-bench-" + std::to_string(::getpid()));
+  const std::string text =
+      "duration_s = 0.35\n[world]\nmap = \"altfeld.osm\"\nroute = [100, 104]\n"
+      "[vehicle]\nspeed = 8\nstart_speed = 8\n[[lidar]]\nmodel = \"" +
+      model + "\"\nposition = [1.0, 0.0, 1.9]\n";
+  Input input;
+  const auto scenario = simulator::parse_scenario(text, "bench.toml", INFUSE_MAPS);
+  if (!scenario) return input;
+  auto simulation = simulator::Simulation::create(*scenario, 2);
+  if (!simulation || !simulator::write_drive(*simulation, folder, [](double) {})) return input;
+  for (CapturedDatagram& datagram : read_capture(folder / "lidar.pcap")) {
+    if (datagram.payload.size() != velodyne::kPacketSize) continue;
+    add(input, datagram.stamp, std::move(datagram.payload));
+  }
+  std::filesystem::remove_all(folder);
+  return input;
+}
+
+/// Ranges in steps of 2 mm, sorted.
+std::vector<int> our_ranges(Model model, const Input& input) {
+  // PCL without a file of the unit knows no corrections: none here either.
+  velodyne::Calibration uncorrected;
+  for (size_t i = 0; i < uncorrected.beams.size(); ++i) {
+    uncorrected.beams[i].elevation = velodyne::built_in_calibration(model).beams[i].elevation;
+  }
+  velodyne::SweepAssembler assembler({.model = model, .calibration = uncorrected});
+  Sweep sweep;
+  std::vector<int> ranges;
+  const auto take = [&] {
+    while (assembler.pull(sweep)) {
+      for (const float range : sweep.range)
+        ranges.push_back(static_cast<int>(std::lround(range * 500)));
+    }
+  };
+  for (size_t i = 0; i < input.packets.size(); ++i) {
+    assembler.push({input.stamps[i], 1, 2368, 2368, input.packets[i]});
+    take();
+  }
+  assembler.finish();
+  take();
+  std::sort(ranges.begin(), ranges.end());
+  return ranges;
+}
+
+template <class Grabber>
+std::vector<int> pcl_ranges(Grabber& grabber, Input& input) {
+  std::vector<int> ranges;
+  std::function<void(const pcl::PointCloud<pcl::PointXYZI>::ConstPtr&)> take =
+      [&](const pcl::PointCloud<pcl::PointXYZI>::ConstPtr& cloud) {
+        for (const pcl::PointXYZI& p : *cloud) {
+          if (!std::isfinite(p.x)) continue;
+          ranges.push_back(static_cast<int>(std::lround(std::hypot(p.x, p.y, p.z) * 500)));
+        }
+      };
+  grabber.registerCallback(take);
+  const PclDecode decode = pcl_decode();
+  for (std::vector<uint8_t>& packet : input.packets) {
+    (grabber.*decode)(reinterpret_cast<PclTypes::Packet*>(packet.data()));
+  }
+  std::sort(ranges.begin(), ranges.end());
+  return ranges;
+}
+
+/// Whether PCL reads the simulated packets as we do: every range that it gives (whole turns only,
+/// from azimuth 0 to 0) is one of ours.
+template <class Grabber>
+void compare(benchmark::State& state, Grabber& grabber, Model model, const char* name) {
+  Input input = simulated(name);
+  const std::vector<int> ours = our_ranges(model, input);
+  const std::vector<int> theirs = pcl_ranges(grabber, input);
+  if (theirs.size() < ours.size() / 2) return state.SkipWithError("PCL gave too few ranges");
+  if (!std::includes(ours.begin(), ours.end(), theirs.begin(), theirs.end())) {
+    return state.SkipWithError("PCL reads other ranges from these packets");
+  }
+  state.counters["ranges_equal"] = static_cast<double>(theirs.size());
+  run_pcl(state, grabber, input);
+}
+
 void register_all() {
   static Input hdl32e = load("hdl32e-monterey", Model::kHdl32e);
   static Input vlp16 = load("vlp16-gps", Model::kVlp16);
@@ -157,6 +243,18 @@ void register_all() {
   benchmark::RegisterBenchmark("decode/vlp16-dual/baseline:pcl", [](benchmark::State& state) {
     pcl::VLPGrabber grabber("");
     run_pcl(state, grabber, vlp16_dual);
+  });
+  benchmark::RegisterBenchmark("decode/simulated-by-pcl/hdl32e", [](benchmark::State& state) {
+    pcl::HDLGrabber grabber("", "");
+    compare(state, grabber, Model::kHdl32e, "HDL-32E");
+  });
+  benchmark::RegisterBenchmark("decode/simulated-by-pcl/hdl64e", [](benchmark::State& state) {
+    pcl::HDLGrabber grabber("", "");
+    compare(state, grabber, Model::kHdl64eS2, "HDL-64E S2");
+  });
+  benchmark::RegisterBenchmark("decode/simulated-by-pcl/vlp16", [](benchmark::State& state) {
+    pcl::VLPGrabber grabber("");
+    compare(state, grabber, Model::kVlp16, "VLP-16");
   });
   ours("decode/vlp32c", Model::kVlp32c, vlp32c);
   ours("decode/hdl64e-s3", Model::kHdl64eS3, hdl64e);

@@ -235,7 +235,8 @@ TEST_F(ProgramsTest, EvaluateScoresATrajectoryByHandMadeErrors) {
 TEST_F(ProgramsTest, EvaluateScoresACalibrationInDegreesCentimetresAndPixels) {
   const auto rig = [&](const char* name, double x) {
     std::ofstream(folder_ / name) << fmt::format(
-        "[[lidar]]\nname = \"top\"\nT_vehicle_lidar = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1]\n[[camera]]\nname = \"front\"\nlidar = \"top\"\nwidth = 640\n"
+        "[[lidar]]\nname = \"top\"\nT_vehicle_lidar = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2, 0, 0, "
+        "0, 1]\n[[camera]]\nname = \"front\"\nlidar = \"top\"\nwidth = 640\n"
         "height = 480\nfx = 400\nfy = 400\ncx = 319.5\ncy = 239.5\n"
         "T_camera_lidar = [0, -1, 0, {},  0, 0, -1, 0,  1, 0, 0, 0,  0, 0, 0, 1]\n",
         x);

@@ -29,13 +29,26 @@ TEST(Request, WatchWithoutClassesIsAllAndAnEmptyListIsNone) {
   EXPECT_EQ(parse_request(R"({"op":"watch","classes":[]})")->classes, ReportClasses());
 }
 
+TEST(Request, WhatChangesTheDaemonNamesACameraOrNone) {
+  const auto freeze = parse_request(R"({"op":"freeze","device":"front","on":false})");
+  ASSERT_TRUE(freeze);
+  EXPECT_TRUE(freeze->is_control());
+  EXPECT_EQ(freeze->op, Request::Op::kFreeze);
+  EXPECT_EQ(freeze->device, "front");
+  EXPECT_FALSE(freeze->on);
+  EXPECT_EQ(parse_request(R"({"op":"apply"})")->device, "");
+  EXPECT_FALSE(parse_request(R"({"op":"watch"})")->is_control());
+  EXPECT_FALSE(parse_request(R"({"op":"rollback","device":7})"));
+  EXPECT_FALSE(parse_request(R"({"op":"freeze","on":"yes"})"));
+}
+
 TEST(Request, SaysWhatIsWrong) {
   EXPECT_THAT(parse_request("").error().what, HasSubstr("not a JSON object"));
   EXPECT_THAT(parse_request("[1]").error().what, HasSubstr("not a JSON object"));
   EXPECT_THAT(parse_request("{}").error().what, HasSubstr("no op"));
   EXPECT_THAT(parse_request(R"({"op":7})").error().what, HasSubstr("no op"));
-  const auto unknown = parse_request(R"({"op":"recalibrate"})");
-  EXPECT_THAT(unknown.error().what, HasSubstr("unknown op 'recalibrate'"));
+  const auto unknown = parse_request(R"({"op":"dance"})");
+  EXPECT_THAT(unknown.error().what, HasSubstr("unknown op 'dance'"));
   EXPECT_THAT(unknown.error().hint, HasSubstr("\"watch\""));
   const auto bad_class = parse_request(R"({"op":"watch","classes":["POINTS"]})");
   EXPECT_THAT(bad_class.error().what, HasSubstr("'POINTS'"));

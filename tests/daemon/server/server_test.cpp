@@ -125,8 +125,8 @@ TEST_F(ServerTest, RequestsThatCannotBeCarriedOutAreRefusedWithAReason) {
   start({});
   SocketClient client(path_);
   next(client);
-  client.send("{\"op\":\"recalibrate\"}\n");
-  EXPECT_THAT(next(client)["what"], HasSubstr("unknown op 'recalibrate'"));
+  client.send("{\"op\":\"dance\"}\n");
+  EXPECT_THAT(next(client)["what"], HasSubstr("unknown op 'dance'"));
   client.send("hello\r\n");
   EXPECT_THAT(next(client)["what"], HasSubstr("not a JSON object"));
   client.send("{\"op\":\"watch\",\"classes\":[\"X\"]}\n");
@@ -137,6 +137,44 @@ TEST_F(ServerTest, RequestsThatCannotBeCarriedOutAreRefusedWithAReason) {
   client.send("ll\"}\n{\"op\":\"poll\"}\n");
   EXPECT_EQ(next(client)["op"], "poll");
   EXPECT_EQ(next(client)["op"], "poll");
+}
+
+TEST_F(ServerTest, WhatChangesTheDaemonIsTakenFromItsOwnerOnly) {
+  start({});
+  std::vector<std::string> asked;
+  uint16_t port = 0;
+  on_server([&] {
+    port = *server_->listen_tcp(0);
+    server_->on_control([&](const Request& request) -> Result<void> {
+      asked.push_back(std::string(name_of(request.op)) + " " + request.device);
+      if (request.device == "none") return fail("there is no camera 'none'", "", "ask status");
+      return {};
+    });
+  });
+  SocketClient owner(path_);
+  next(owner);
+  owner.send("{\"op\":\"recalibrate\",\"device\":\"front\"}\n");
+  json answer = next(owner);
+  EXPECT_EQ(answer["class"], "ACK");
+  EXPECT_EQ(answer["op"], "recalibrate");
+  owner.send("{\"op\":\"rollback\",\"device\":\"none\"}\n");
+  answer = next(owner);
+  EXPECT_EQ(answer["class"], "ERROR");
+  EXPECT_EQ(answer["op"], "rollback");
+  EXPECT_EQ(answer["what"], "there is no camera 'none'");
+
+  boost::asio::ip::tcp::iostream stranger("127.0.0.1", std::to_string(port));
+  stranger << "{\"op\":\"apply\"}\n" << std::flush;
+  std::string line;
+  std::getline(stranger, line);  // the greeting
+  std::getline(stranger, line);
+  answer = json::parse(line);
+  EXPECT_TRUE(valid_message(line));
+  EXPECT_EQ(answer["class"], "ERROR");
+  EXPECT_THAT(answer["what"].get<std::string>(), HasSubstr("only the daemon's owner"));
+  on_server([&] {
+    EXPECT_EQ(asked, (std::vector<std::string>{"recalibrate front", "rollback none"}));
+  });
 }
 
 TEST_F(ServerTest, ARequestWithoutEndIsRefusedAndTheConnectionClosed) {

@@ -1,0 +1,195 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/commands/command.hpp"
+#include "daemon/commands/target_views.hpp"
+#include "daemon/protocol/counters_json.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "fusion/target/calibrate_target.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infuse calibrate-target";
+constexpr double kDegrees = 180 / M_PI;
+
+struct Arguments {
+  std::vector<std::string> drives;
+  std::string camera;
+  std::string board;
+  std::string output;
+  target::Board size;
+  TargetViewOptions views;
+  target::SolveTargetOptions solve;
+  bool json = false;
+};
+
+/// Against the truth, where every drive has it.
+struct TargetError {
+  double rotation_deg;
+  double translation_m;
+};
+
+std::optional<TargetError> against_truth(const TargetViews& views, const Eigen::Isometry3d& T) {
+  if (!views.truth) return std::nullopt;
+  const Eigen::AngleAxisd turn(T.linear() * views.truth->linear().transpose());
+  return TargetError{turn.angle() * kDegrees,
+                     (T.translation() - views.truth->translation()).norm()};
+}
+
+Json numbers(const auto& matrix) {
+  Json list = Json::array();
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+      list.push_back(matrix(row, column));
+    }
+  }
+  return list;
+}
+
+Json to_json(const TargetViews& views, const target::TargetCalibration& calibration) {
+  const target::TargetResult& result = calibration.result;
+  Json list = Json::array();
+  for (size_t i = 0; i < views.names.size(); ++i) {
+    const target::ViewResidual& view = result.views[i];
+    list.push_back({{"name", views.names[i]},
+                    {"returns", calibration.returns[i]},
+                    {"used", view.used},
+                    {"rms_m", view.rms},
+                    {"offset_m", view.offset},
+                    {"tilt_deg", view.tilt * kDegrees},
+                    {"deviation", view.deviation}});
+    if (!calibration.missing[i].empty()) list.back()["reason"] = calibration.missing[i];
+  }
+  Json json = {{"T_camera_lidar", numbers(result.T_head_lidar.matrix())},
+               {"covariance", numbers(result.covariance)},
+               {"usable", result.usable()},
+               {"views_used", result.used},
+               {"rms_m", result.rms},
+               {"range_noise_m", result.range_noise},
+               {"views", std::move(list)},
+               {"passed_over", views.passed_over}};
+  if (!result.usable()) json["reason"] = result.reason;
+  if (const auto error = against_truth(views, result.T_head_lidar)) {
+    json["error"] = {{"rotation_deg", error->rotation_deg},
+                     {"translation_m", error->translation_m}};
+  }
+  return json;
+}
+
+std::string to_text(const TargetViews& views, const target::TargetCalibration& calibration) {
+  const target::TargetResult& result = calibration.result;
+  std::string text;
+  for (size_t i = 0; i < views.names.size(); ++i) {
+    const target::ViewResidual& view = result.views[i];
+    text += fmt::format("  {:<28} ", views.names[i]);
+    text += calibration.missing[i].empty()
+                ? fmt::format("{:5} returns, {:6.1f} mm and {:5.2f} deg off{}\n",
+                              calibration.returns[i], 1e3 * view.offset, view.tilt * kDegrees,
+                              view.used ? "" : ": an outlier, left out")
+                : calibration.missing[i] + "\n";
+  }
+  for (const std::string& note : views.passed_over) text += "  passed over: " + note + "\n";
+  const Eigen::Matrix4d& T = result.T_head_lidar.matrix();
+  text += "T_camera_lidar\n";
+  for (int row = 0; row < 3; ++row) {
+    text += fmt::format("  {:10.6f} {:10.6f} {:10.6f} {:10.5f}\n", T(row, 0), T(row, 1), T(row, 2),
+                        T(row, 3));
+  }
+  const auto sd = result.covariance.diagonal().cwiseSqrt();
+  text += fmt::format(
+      "one standard deviation: {:.3f} {:.3f} {:.3f} deg about, {:.1f} {:.1f} {:.1f} mm along the "
+      "camera's axes\n",
+      sd(0) * kDegrees, sd(1) * kDegrees, sd(2) * kDegrees, 1e3 * sd(3), 1e3 * sd(4), 1e3 * sd(5));
+  if (const auto error = against_truth(views, result.T_head_lidar)) {
+    text += fmt::format("error to the truth: {:.3f} deg, {:.1f} mm\n", error->rotation_deg,
+                        1e3 * error->translation_m);
+  }
+  text += result.usable() ? fmt::format("usable, from {} views\n", result.used)
+                          : "not usable: " + result.reason + "\n";
+  return text;
+}
+
+/// "7x5" into the board.
+bool parse_board(const std::string& text, target::Board& board) {
+  int end = 0;
+  return std::sscanf(text.c_str(), "%dx%d%n", &board.columns, &board.rows, &end) == 2 &&
+         static_cast<size_t>(end) == text.size();
+}
+
+/// The drive's rig with the new extrinsics.
+Result<void> write_result(const Arguments& arguments, const TargetViews& views,
+                          const target::TargetResult& result) {
+  Rig rig = views.rig;
+  for (CameraMount& camera : rig.cameras) {
+    if (camera.name == views.camera) camera.T_camera_lidar = result.T_head_lidar;
+  }
+  return recording::write_rig(arguments.output, rig);
+}
+
+int run(Arguments& arguments) {
+  target::Board& board = arguments.size;
+  if (!parse_board(arguments.board, board)) {
+    return complain(kProgram, {"'" + arguments.board + "' is no COLSxROWS", "--board", "as 7x5"},
+                    kUsage);
+  }
+  for (const auto& wrong :
+       {board.invalid(), arguments.views.invalid(), arguments.solve.invalid()}) {
+    if (wrong) return complain(kProgram, {*wrong, "", ""}, kUsage);
+  }
+  TargetViews views;
+  for (const std::string& drive : arguments.drives) {
+    const auto read = add_target_views(drive, arguments.camera, board, arguments.views, views);
+    if (!read) return complain(kProgram, read.error(), kUnreadable);
+  }
+  const target::TargetCalibration calibration = target::calibrate_target(
+      views.sightings, board, views.T_camera_lidar, arguments.views.returns, arguments.solve);
+  const target::TargetResult& result = calibration.result;
+  if (arguments.json) {
+    std::cout << to_json(views, calibration).dump() << "\n";
+  } else {
+    std::cout << to_text(views, calibration);
+  }
+  if (!result.usable()) return kNo;
+  if (!arguments.output.empty()) {
+    const auto written = write_result(arguments, views, result);
+    if (!written) return complain(kProgram, written.error(), kNo);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+Command declare_calibrate_target(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand(
+      "calibrate-target",
+      "where a camera is, seen from the lidar, by checkerboards held up to both");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("DRIVE", arguments->drives, "drive folders of one rig, standing still")
+      ->required();
+  app->add_option("--camera", arguments->camera, "which camera; the only one if not said")
+      ->type_name("NAME");
+  app->add_option("--board", arguments->board, "inner corners of the board, as 7x5")
+      ->required()
+      ->type_name("COLSxROWS");
+  app->add_option("--square", arguments->size.square, "side of its squares")
+      ->required()
+      ->type_name("M");
+  app->add_option("--range-noise", arguments->solve.range_noise,
+                  "of the lidar, one standard deviation (0.02)")
+      ->type_name("M");
+  app->add_option("--margin", arguments->views.returns.margin,
+                  "how far the drive's extrinsics may put a board off its place (0.25)")
+      ->type_name("M");
+  app->add_option("-o,--output", arguments->output, "rig.toml to write, if the result is usable")
+      ->type_name("FILE");
+  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon

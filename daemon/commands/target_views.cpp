@@ -1,0 +1,227 @@
+#include "daemon/commands/target_views.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "daemon/command_line/progress_line.hpp"
+#include "daemon/pipeline/drive_setup.hpp"
+#include "drivers/camera/colour.hpp"
+#include "drivers/camera/picture.hpp"
+#include "drivers/recording/drive.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/target/board_pose.hpp"
+#include "fusion/target/find_boards.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr Duration kFarthest = std::chrono::milliseconds(500);  // a picture from its sweep
+
+/// A picture on disk, and when it was taken.
+struct Shot {
+  std::filesystem::path path;
+  Stamp stamp;
+};
+
+/// The camera of that name, or the only one.
+Result<size_t> find_camera(const Rig& rig, const std::string& name, const std::string& drive) {
+  std::string names;
+  for (size_t i = 0; i < rig.cameras.size(); ++i) {
+    if (rig.cameras[i].name == name || (name.empty() && rig.cameras.size() == 1)) return i;
+    names += (i == 0 ? "" : ", ") + rig.cameras[i].name;
+  }
+  return fail(
+      name.empty() ? "there is not exactly one camera" : "there is no camera '" + name + "'", drive,
+      "choose one with --camera: " + names);
+}
+
+Result<CameraFrame> read_grey(const Shot& shot, const recording::CameraFiles& files) {
+  std::ifstream stream(shot.path, std::ios::binary);
+  if (!stream) return fail("cannot be read", shot.path.string());
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::span<const uint8_t> file(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+  CameraFrame frame;
+  const auto decoded = camera::decode_picture(
+      file, {.bayer = files.mosaic, .grey = !files.mosaic.has_value()}, frame);
+  if (!decoded) return fail(decoded.error().what, shot.path.string(), decoded.error().hint);
+  if (frame.format == PixelFormat::kGrey8) return frame;
+  CameraFrame grey;
+  camera::to_grey(frame, grey);
+  return grey;
+}
+
+/// What stays the same for all pictures of a drive.
+class Finder {
+ public:
+  Finder(const CameraMount& camera, const recording::CameraFiles& files, const target::Board& board,
+         const TargetViewOptions& options, TargetViews& out)
+      : camera_(camera),
+        files_(files),
+        model_(camera.intrinsics),
+        board_(board),
+        options_(options),
+        out_(out) {}
+
+  void take(const Shot& shot, const Sweep& sweep) {
+    const auto folder = shot.path.parent_path();
+    const std::string name = fmt::format("{}/{}/{}", folder.parent_path().filename().string(),
+                                         folder.filename().string(), shot.path.stem().string());
+    const auto grey = read_grey(shot, files_);
+    if (!grey) return pass_over(grey.error().message());
+    if (grey->width != camera_.intrinsics.width || grey->height != camera_.intrinsics.height) {
+      return pass_over(fmt::format("{}: {} × {} pixels, the rig says {} × {}", name, grey->width,
+                                   grey->height, camera_.intrinsics.width,
+                                   camera_.intrinsics.height));
+    }
+    const auto boards = target::find_boards(*grey, board_, options_.most_boards);
+    if (boards.empty()) return pass_over(name + ": no board in the picture");
+    for (size_t k = 0; k < boards.size(); ++k) {
+      take_board(fmt::format("{} board {}", name, k + 1), boards[k], sweep);
+    }
+  }
+
+ private:
+  void pass_over(std::string why) { out_.passed_over.push_back(std::move(why)); }
+
+  void take_board(const std::string& name, const target::Corners& corners, const Sweep& sweep) {
+    const auto pose = target::board_pose(model_, board_, corners, options_.corner_noise);
+    if (!pose) return pass_over(name + ": no pose fits its corners");
+    const Eigen::Vector3d middle = pose->T_camera_board * board_.middle();
+    for (size_t i = 0; i < middles_.size(); ++i) {
+      const double turned = std::acos(
+          std::clamp(std::abs(normals_[i].dot(pose->T_camera_board.linear().col(2))), 0.0, 1.0));
+      if ((middles_[i] - middle).norm() < options_.same_place && turned < options_.same_place) {
+        return;  // it still stands where an earlier picture saw it
+      }
+    }
+    auto near = target::returns_near(sweep, camera_.T_camera_lidar.inverse() * pose->T_camera_board,
+                                     board_, options_.returns.margin);
+    if (near.size() < static_cast<size_t>(options_.returns.fewest)) {
+      return pass_over(fmt::format("{}: {} returns there", name, near.size()));
+    }
+    middles_.push_back(middle);
+    normals_.push_back(pose->T_camera_board.linear().col(2));
+    out_.names.push_back(name);
+    out_.sightings.push_back({pose->T_camera_board, pose->covariance, std::move(near)});
+  }
+
+  const CameraMount& camera_;
+  const recording::CameraFiles& files_;
+  geometry::CameraModel model_;
+  target::Board board_;
+  const TargetViewOptions& options_;
+  TargetViews& out_;
+  std::vector<Eigen::Vector3d> middles_, normals_;  // of boards that were seen
+};
+
+/// Pairs pictures with sweeps: a picture waits until the sweep after it is there.
+class Pairing {
+ public:
+  Pairing(Finder& finder) : finder_(finder) {}
+
+  void take(const Shot& shot) { waiting_.push_back(shot); }
+
+  void take(const Sweep& sweep) {
+    const Stamp middle = sweep.stamp + sweep.span / 2;
+    std::erase_if(waiting_, [&](const Shot& shot) {
+      if (shot.stamp > middle) return false;
+      const bool before = has_last_ && distance_between(shot.stamp, last_middle_) <
+                                           distance_between(shot.stamp, middle);
+      const Stamp nearest = before ? last_middle_ : middle;
+      if (distance_between(shot.stamp, nearest) <= kFarthest) {
+        finder_.take(shot, before ? last_ : sweep);
+      }
+      return true;
+    });
+    last_ = sweep;
+    last_middle_ = middle;
+    has_last_ = true;
+  }
+
+  void finish() {
+    for (const Shot& shot : waiting_) {
+      if (has_last_ && distance_between(shot.stamp, last_middle_) <= kFarthest) {
+        finder_.take(shot, last_);
+      }
+    }
+    waiting_.clear();
+  }
+
+ private:
+  Finder& finder_;
+  std::vector<Shot> waiting_;
+  Sweep last_;
+  Stamp last_middle_;
+  bool has_last_ = false;
+};
+
+void read_drive(DriveSetup& setup, size_t camera, size_t lidar, Pairing& pairing) {
+  LidarIntake intake(setup.lidars[lidar]);
+  ProgressLine line;
+  const auto on_sweep = [&](Sweep& sweep) { pairing.take(sweep); };
+  recording::DriveEvent event;
+  while (setup.source.next(event)) {
+    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
+      if (datagram->lidar == lidar) intake.take(datagram->datagram, on_sweep);
+    } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
+      if (sweep->lidar == lidar) intake.take(*sweep->sweep, on_sweep);
+    } else if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
+      if (image->camera == camera) pairing.take({*image->path, event.stamp});
+      line.show(std::nullopt, fmt::format("picture {}", image->sequence));
+    }
+  }
+  intake.finish(on_sweep);
+  pairing.finish();
+  line.clear();
+}
+
+std::optional<Eigen::Isometry3d> truth_of(const recording::Drive& drive,
+                                          const std::string& camera) {
+  if (drive.description.truth_rig.empty()) return std::nullopt;
+  const auto rig = recording::read_rig(drive.resolve(drive.description.truth_rig));
+  const CameraMount* mount = rig ? rig->find_camera(camera) : nullptr;
+  return mount == nullptr ? std::nullopt : std::optional(mount->T_camera_lidar);
+}
+
+}  // namespace
+
+std::optional<std::string> TargetViewOptions::invalid() const {
+  if (auto wrong = returns.invalid()) return wrong;
+  if (!(corner_noise > 0)) return "corner_noise must be positive";
+  if (most_boards < 1) return "most_boards must be at least 1";
+  if (!(same_place >= 0)) return "same_place must not be negative";
+  return std::nullopt;
+}
+
+Result<void> add_target_views(const std::filesystem::path& folder, const std::string& camera,
+                              const target::Board& board, const TargetViewOptions& options,
+                              TargetViews& views) {
+  const auto drive = recording::Drive::open(folder);
+  if (!drive) return tl::unexpected(drive.error());
+  const Rig& rig = drive->description.rig;
+  const auto index = find_camera(rig, camera, folder.string());
+  if (!index) return tl::unexpected(index.error());
+  auto setup = open_drive(folder, {}, std::nullopt);
+  if (!setup) return tl::unexpected(setup.error());
+  const CameraMount& mount = rig.cameras[*index];
+  const auto lidar = std::find_if(rig.lidars.begin(), rig.lidars.end(),
+                                  [&](const LidarMount& l) { return l.name == mount.lidar; });
+  if (lidar == rig.lidars.end()) return fail("the camera's lidar is not there", folder.string());
+
+  if (views.camera.empty()) {
+    views.camera = mount.name;
+    views.rig = rig;
+    views.T_camera_lidar = mount.T_camera_lidar;
+    views.truth = truth_of(*drive, mount.name);
+  }
+  Finder finder(mount, drive->description.cameras[*index], board, options, views);
+  Pairing pairing(finder);
+  read_drive(*setup, *index, static_cast<size_t>(lidar - rig.lidars.begin()), pairing);
+  return {};
+}
+
+}  // namespace infuse::daemon

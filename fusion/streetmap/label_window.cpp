@@ -1,0 +1,71 @@
+#include "fusion/streetmap/label_window.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace infuse::streetmap {
+
+void LabelWindow::read(const SegmentMap& map, double x, double y, double reach,
+                       Labelling labelling) {
+  const MapFrame& frame = map.frame();
+  const auto first = [&](double place, double low) {
+    const double cell = std::floor((place - reach - low) / frame.cell);
+    return static_cast<int>(std::clamp(cell, -1e8, 1e8));
+  };
+  const int first_column = first(x, frame.low.x()), first_row = first(y, frame.low.y());
+  columns_ = rows_ = static_cast<int>(std::ceil(2 * reach / frame.cell)) + 1;
+  low_x_ = frame.low.x() + first_column * frame.cell;
+  low_y_ = frame.low.y() + first_row * frame.cell;
+  cells_a_metre_ = 1 / frame.cell;
+  labels_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
+
+  const size_t keys = labelling == Labelling::kKinds ? kSegmentKinds : map.segments();
+  if (by_key_.size() != keys) {
+    by_key_.assign(keys, 0);
+    used_keys_.clear();
+  }
+  for (const uint32_t key : used_keys_) by_key_[key] = 0;
+  used_keys_.clear();
+  label_count_ = 0;
+  uint32_t last_id = UINT32_MAX;
+  uint8_t last_label = 0;
+  size_t at = 0;
+  for (int row = first_row; row < first_row + rows_; ++row) {
+    for (int column = first_column; column < first_column + columns_; ++column) {
+      const uint32_t id = map.id_of_cell(column, row);
+      if (id != last_id) {
+        const uint32_t key =
+            labelling == Labelling::kKinds ? static_cast<uint32_t>(map.segment(id).kind) : id;
+        if (by_key_[key] == 0) {
+          label_count_ = std::min(label_count_ + 1, 255);
+          by_key_[key] = static_cast<uint8_t>(label_count_);
+          used_keys_.push_back(key);
+        }
+        last_id = id;
+        last_label = static_cast<uint8_t>(by_key_[key] - 1);
+      }
+      labels_[at++] = last_label;
+    }
+  }
+}
+
+void LabelWindow::look_up(const PlanarPose& pose, std::span<const float> x,
+                          std::span<const float> y, std::span<int32_t> labels) const {
+  // In cells of the window; single precision is exact to a millimetre over some kilometres of it.
+  const auto scale = static_cast<float>(cells_a_metre_);
+  const auto c = static_cast<float>(std::cos(pose.yaw)) * scale;
+  const auto s = static_cast<float>(std::sin(pose.yaw)) * scale;
+  const auto x0 = static_cast<float>((pose.x - low_x_) * cells_a_metre_);
+  const auto y0 = static_cast<float>((pose.y - low_y_) * cells_a_metre_);
+  const auto columns = static_cast<float>(columns_), rows = static_cast<float>(rows_);
+  for (size_t i = 0; i < x.size(); ++i) {
+    const float column = x0 + c * x[i] - s * y[i];
+    const float row = y0 + s * x[i] + c * y[i];
+    const bool inside = column >= 0 && row >= 0 && column < columns && row < rows;
+    labels[i] = inside ? labels_[static_cast<size_t>(row) * static_cast<size_t>(columns_) +
+                                 static_cast<size_t>(column)]
+                       : 0;
+  }
+}
+
+}  // namespace infuse::streetmap

@@ -1,0 +1,236 @@
+#include "fusion/streetmap/local_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "fusion/geometry/project_points.hpp"
+
+namespace infuse::streetmap {
+namespace {
+
+constexpr uint32_t kNone = UINT32_MAX;
+constexpr int kOcclusionTile = 8;            // pixels of the features' picture
+constexpr float kOcclusionTolerance = 0.5F;  // m, beside the share of the depth
+constexpr float kOcclusionShare = 0.25F;     // on flat ground a tile spans that much of the depth
+
+float compressed(float height) { return std::copysign(std::sqrt(std::abs(height)), height); }
+
+}  // namespace
+
+std::optional<std::string> LocalGridOptions::invalid() const {
+  if (!(cell >= 0.02 && cell <= 1)) return "the local grid's cell must be 0.02 … 1 m";
+  if (!(extent >= 10 * cell && extent / cell <= 4000)) {
+    return "the local grid's extent must be 10 … 4000 cells";
+  }
+  if (block < 1 || block > 32) return "the local grid's block must be 1 … 32 cells";
+  if (!(low < high)) return "the local grid's low must be below its high";
+  if (!(near >= 0)) return "the local grid's near must not be negative";
+  if (memory < 1) return "the local grid's memory must be 1 at least";
+  if (most_samples < 50) return "the local grid must give 50 samples at least";
+  return std::nullopt;
+}
+
+LocalGrid::LocalGrid(const LocalGridOptions& options)
+    : options_(options), cells_(static_cast<int>(std::ceil(options.extent / options.cell))) {
+  grid_.resize(static_cast<size_t>(cells_) * static_cast<size_t>(cells_));
+  const auto blocks = static_cast<size_t>(cells_ / options.block + 2);
+  blocks_.reserve(blocks * blocks);
+}
+
+void LocalGrid::clear() { std::fill(grid_.begin(), grid_.end(), Cell{}); }
+
+LocalGrid::Cell& LocalGrid::cell_at(int32_t column, int32_t row) {
+  const auto wrap = [&](int32_t k) {
+    const int32_t rest = k % cells_;
+    return static_cast<size_t>(rest < 0 ? rest + cells_ : rest);
+  };
+  return grid_[wrap(row) * static_cast<size_t>(cells_) + wrap(column)];
+}
+
+// I(3.6): how far the beams beside this one, on the same ring, go beyond it.
+void LocalGrid::find_discontinuities(const Sweep& sweep) {
+  discontinuity_.assign(sweep.size(), 0.0F);
+  last_of_ring_.assign(sweep.rings, kNone);
+  for (uint32_t i = 0; i < sweep.size(); ++i) {
+    if (sweep.ring[i] >= sweep.rings) continue;
+    uint32_t& last = last_of_ring_[sweep.ring[i]];
+    if (last != kNone && sweep.column[i] - sweep.column[last] == 1) {
+      const float step = sweep.range[last] - sweep.range[i];
+      float& own = discontinuity_[i];
+      float& other = discontinuity_[last];
+      own = std::max(own, step);
+      other = std::max(other, -step);
+    }
+    last = i;
+  }
+  for (float& value : discontinuity_) value = std::sqrt(std::min(value, 25.0F));
+}
+
+void LocalGrid::project(const StraightView& straight, const PictureView& picture) {
+  const size_t n = straight.x.size();
+  u_.resize(n);
+  v_.resize(n);
+  depth_.resize(n);
+  geometry::project_points(picture.camera, picture.T_camera_lidar,
+                           {straight.x, straight.y, straight.z}, {u_, v_, depth_});
+  // Pixels of the features' picture, which may be a reduced one.
+  const float fx = static_cast<float>(picture.features.width) /
+                   static_cast<float>(picture.camera.intrinsics().width);
+  const float fy = static_cast<float>(picture.features.height) /
+                   static_cast<float>(picture.camera.intrinsics().height);
+  nearest_columns_ = picture.features.width / kOcclusionTile + 1;
+  nearest_rows_ = picture.features.height / kOcclusionTile + 1;
+  nearest_.assign(static_cast<size_t>(nearest_columns_) * static_cast<size_t>(nearest_rows_),
+                  std::numeric_limits<float>::max());
+  for (size_t i = 0; i < n; ++i) {
+    const float u = (u_[i] + 0.5F) * fx, v = (v_[i] + 0.5F) * fy;
+    const bool inside = depth_[i] > 0.1F && u >= 0 && v >= 0 &&
+                        u < static_cast<float>(picture.features.width) &&
+                        v < static_cast<float>(picture.features.height);
+    if (!inside) {
+      depth_[i] = -1;
+      continue;
+    }
+    u_[i] = u;
+    v_[i] = v;
+    float& nearest =
+        nearest_[static_cast<size_t>(v) / kOcclusionTile * static_cast<size_t>(nearest_columns_) +
+                 static_cast<size_t>(u) / kOcclusionTile];
+    nearest = std::min(nearest, depth_[i]);
+  }
+}
+
+// A return is hidden where another one in the same tile of the picture is far nearer: lidar and
+// camera do not look from the same place.
+bool LocalGrid::visible(size_t i) const {
+  if (depth_[i] < 0) return false;
+  const auto column = static_cast<size_t>(u_[i]) / kOcclusionTile;
+  const auto row = static_cast<size_t>(v_[i]) / kOcclusionTile;
+  const float nearest = nearest_[row * static_cast<size_t>(nearest_columns_) + column];
+  return depth_[i] - nearest < kOcclusionTolerance + kOcclusionShare * depth_[i];
+}
+
+void LocalGrid::add(const StraightView& straight, const PictureView* picture,
+                    const PlanarPose& pose) {
+  const size_t n = straight.x.size();
+  find_discontinuities(straight.sweep);
+  if (picture != nullptr) project(straight, *picture);
+  const Eigen::Matrix3f R = straight.T_vehicle_lidar.linear().cast<float>();
+  const Eigen::Vector3f t = straight.T_vehicle_lidar.translation().cast<float>();
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  const auto half = static_cast<float>(options_.extent / 2);
+  const auto low = static_cast<float>(options_.low), high = static_cast<float>(options_.high);
+  const auto near = static_cast<float>(options_.near);
+  const auto most = static_cast<float>(options_.memory);
+  for (size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3f p = R * Eigen::Vector3f(straight.x[i], straight.y[i], straight.z[i]) + t;
+    const bool wanted = p.z() > low && p.z() < high && std::abs(p.x()) < half &&
+                        std::abs(p.y()) < half && straight.sweep.range[i] > near;
+    if (!wanted) continue;
+    const double x = pose.x + c * p.x() - s * p.y(), y = pose.y + s * p.x() + c * p.y();
+    const auto column = static_cast<int32_t>(std::floor(x / options_.cell));
+    const auto row = static_cast<int32_t>(std::floor(y / options_.cell));
+    Cell& cell = cell_at(column, row);
+    if (cell.column != column || cell.row != row) {
+      cell = {};
+      cell.column = column;
+      cell.row = row;
+    }
+    cell.lidar_count = std::min(cell.lidar_count + 1, most);
+    const float share = 1 / cell.lidar_count;
+    cell.mean[kHeight] += share * (compressed(p.z()) - cell.mean[kHeight]);
+    cell.mean[kDiscontinuity] += share * (discontinuity_[i] - cell.mean[kDiscontinuity]);
+    cell.mean[kReflectivity] += share * (straight.sweep.reflectivity[i] - cell.mean[kReflectivity]);
+    if (picture == nullptr || !visible(i)) continue;
+    const auto& pixel = picture->features.at(static_cast<int>(u_[i]), static_cast<int>(v_[i]));
+    cell.colour_count = std::min(cell.colour_count + 1, most);
+    for (size_t k = 0; k < 4; ++k) {
+      float& mean = cell.mean[static_cast<size_t>(kBlue) + k];
+      mean += (pixel[k] - mean) / cell.colour_count;
+    }
+  }
+}
+
+void LocalGrid::gather_blocks(const PlanarPose& pose) {
+  blocks_.clear();
+  const double edge = options_.cell * options_.block, half = options_.extent / 2;
+  const int reach = static_cast<int>(std::floor(half / edge));
+  const auto middle_column = static_cast<int32_t>(std::floor(pose.x / edge));
+  const auto middle_row = static_cast<int32_t>(std::floor(pose.y / edge));
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  for (int32_t r = middle_row - reach; r < middle_row + reach; ++r) {
+    for (int32_t k = middle_column - reach; k < middle_column + reach; ++k) {
+      Block block{};
+      float lidar = 0, colour = 0;
+      for (int i = 0; i < options_.block * options_.block; ++i) {
+        const int32_t column = k * options_.block + i % options_.block;
+        const int32_t row = r * options_.block + i / options_.block;
+        const Cell& cell = cell_at(column, row);
+        if (cell.column != column || cell.row != row) continue;
+        ++lidar;
+        for (size_t f = 0; f < kLidarFeatures; ++f) block.mean[f] += cell.mean[f];
+        if (cell.colour_count == 0) continue;
+        ++colour;
+        for (size_t f = kLidarFeatures; f < kFeatures; ++f) block.mean[f] += cell.mean[f];
+      }
+      if (lidar == 0) continue;
+      for (size_t f = 0; f < kLidarFeatures; ++f) block.mean[f] /= lidar;
+      block.coloured = colour > 0;
+      for (size_t f = kLidarFeatures; f < kFeatures && colour > 0; ++f) block.mean[f] /= colour;
+      const double dx = (k + 0.5) * edge - pose.x, dy = (r + 0.5) * edge - pose.y;
+      block.x = static_cast<float>(c * dx + s * dy);
+      block.y = static_cast<float>(-s * dx + c * dy);
+      blocks_.push_back(block);
+    }
+  }
+}
+
+void LocalGrid::samples(const PlanarPose& pose, GridSamples& samples) {
+  gather_blocks(pose);
+  // A random choice, the same for the same history.
+  const auto wanted = static_cast<size_t>(options_.most_samples);
+  std::mt19937_64 random(options_.seed + 0x9E3779B97F4A7C15 * ++draws_);
+  for (size_t i = 0; i < wanted && blocks_.size() > wanted; ++i) {
+    std::swap(blocks_[i], blocks_[i + random() % (blocks_.size() - i)]);
+  }
+  if (blocks_.size() > wanted) blocks_.resize(wanted);
+  standardise(samples);
+}
+
+void LocalGrid::standardise(GridSamples& samples) const {
+  const size_t n = blocks_.size();
+  samples.x.resize(n);
+  samples.y.resize(n);
+  size_t coloured = 0;
+  for (size_t i = 0; i < n; ++i) {
+    samples.x[i] = blocks_[i].x;
+    samples.y[i] = blocks_[i].y;
+    coloured += blocks_[i].coloured;
+  }
+  // Colours of less than a tenth say more about where the camera looks than about the ground.
+  const int columns = coloured * 10 >= n && coloured > 0 ? kFeatures : kLidarFeatures;
+  samples.features.resize(static_cast<Eigen::Index>(n), columns);
+  for (int f = 0; f < columns; ++f) {
+    const auto feature = static_cast<size_t>(f);
+    double count = 0, sum = 0, squares = 0;
+    for (const Block& block : blocks_) {
+      if (f >= kLidarFeatures && !block.coloured) continue;
+      const double value = block.mean[feature];
+      ++count;
+      sum += value;
+      squares += value * value;
+    }
+    const double mean = count > 0 ? sum / count : 0;
+    const double deviation = std::sqrt(std::max(squares / std::max(count, 1.0) - mean * mean, 0.0));
+    const double scale = deviation > 1e-6 ? 1 / deviation : 0;
+    for (size_t i = 0; i < n; ++i) {
+      const bool known = f < kLidarFeatures || blocks_[i].coloured;
+      samples.features(static_cast<Eigen::Index>(i), f) =
+          known ? std::clamp((blocks_[i].mean[feature] - mean) * scale, -3.0, 3.0) : 0.0;
+    }
+  }
+}
+
+}  // namespace infuse::streetmap

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "fusion/dependence/least_squares.hpp"
+#include "fusion/streetmap/label_window.hpp"
+#include "fusion/streetmap/local_grid.hpp"
+#include "fusion/streetmap/scouts.hpp"
+
+namespace infuse::streetmap {
+
+/// How the particles live.
+struct ParticleOptions {
+  int fewest = 100;               ///< particles, when all agree
+  int most = 800;                 ///< particles, when they are spread out
+  double bin = 0.6;               ///< m: edge of the bins that tell how spread out they are
+  double bin_yaw = 0.035;         ///< rad
+  double distance_noise = 0.03;   ///< m per √m driven, beside the odometry's own covariance
+  double distance_scale = 0.005;  ///< share of the distance driven, the same
+  double yaw_noise = 0.0015;      ///< rad per √m driven, the same
+  double yaw_rest = 2e-4;         ///< rad an update, the same
+  double jitter = 0.03;           ///< m, after resampling: keeps copies apart
+  double jitter_yaw = 0.002;      ///< rad
+
+  /// What is wrong, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// When the tracker believes itself.
+struct ConfidenceOptions {
+  int null_draws = 10;           ///< scores of displaced poses an update, the null distribution
+  int window = 12;               ///< updates over which scores are compared with their null
+  double tracking_p = 0.05;      ///< p-value below which it is TRACKING, if also not spread out
+  double lost_p = 0.35;          ///< p-value above which it is LOST
+  double tracking_spread = 2.0;  ///< m, deviation along the worst direction; above: UNSURE
+  double lost_spread = 12.0;     ///< m; above: LOST
+  double tracking_yaw = 0.1;     ///< rad, deviation; above: UNSURE
+  double tracking_doubt = 0.2;   ///< weight of a second place; above: UNSURE
+  double search_radius = 12.0;   ///< m within which it looks for itself when LOST
+  double search_yaw = 0.25;      ///< rad
+  double map_sigma = 0.45;       ///< m: how far the map is from the world; added to the covariance
+
+  /// What is wrong, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// Settings of the tracker.
+struct TrackerOptions {
+  LocalGridOptions grid;
+  Labelling labelling = Labelling::kKinds;
+  dependence::FitOptions fit{
+      .centres = 40, .sigmas = {1.0, 1.5, 2.2, 3.3}, .lambdas = {1e-4, 1e-3, 1e-2, 1e-1}};
+  double omission = 0.9;  ///< share of particles whose cross-validation is left out, I 3.3.2
+  double sharpness = 8;   ///< log-weight per unit of SMI: how much one update is believed
+  ParticleOptions particles;
+  ConfidenceOptions confidence;
+  ScoutOptions scouts;
+  uint64_t seed = 1;
+
+  /// What is wrong, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+}  // namespace infuse::streetmap

@@ -1,0 +1,123 @@
+#include "fusion/target/board_returns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "fusion/target/target_view.hpp"
+
+namespace infuse::target {
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+/// Standard deviation of returns that cover the middle half of the board, in its half size.
+constexpr double kNarrowest = 0.29;
+
+/// Points x with normal · x = distance.
+struct Plane {
+  Eigen::Vector3d normal;
+  double distance;
+
+  double off(const Eigen::Vector3d& point) const { return std::abs(normal.dot(point) - distance); }
+};
+
+/// Whether a point of the board's frame lies in the board's outline, grown, and within `thick` of
+/// it.
+bool in_box(const Eigen::Vector3d& on_board, const Board& board, double grow, double thick) {
+  const Eigen::Vector3d at = on_board - board.middle();
+  const Eigen::Vector2d half = board.half_size() + Eigen::Vector2d::Constant(grow);
+  return std::abs(at.x()) <= half.x() && std::abs(at.y()) <= half.y() && std::abs(at.z()) <= thick;
+}
+
+std::optional<Plane> through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                             const Eigen::Vector3d& c) {
+  const Eigen::Vector3d cross = (b - a).cross(c - a);
+  const double area = cross.norm();
+  if (!(area > 1e-4)) return std::nullopt;
+  const Eigen::Vector3d normal = cross / area;
+  return Plane{normal, normal.dot(a)};
+}
+
+Points on_plane(const Points& points, const Plane& plane, double thickness) {
+  Points on;
+  for (const Eigen::Vector3d& point : points) {
+    if (plane.off(point) <= thickness) on.push_back(point);
+  }
+  return on;
+}
+
+std::optional<Plane> consensus(const Points& points, const Eigen::Vector3d& facing,
+                               const BoardReturnsOptions& options) {
+  std::mt19937_64 random(options.seed);
+  const auto draw = [&]() -> const Eigen::Vector3d& { return points[random() % points.size()]; };
+  std::optional<Plane> best;
+  size_t most = 0;
+  for (int k = 0; k < options.draws; ++k) {
+    const auto plane = through(draw(), draw(), draw());
+    if (!plane || std::abs(plane->normal.dot(facing)) < std::cos(options.tilt)) continue;
+    const auto count =
+        static_cast<size_t>(std::count_if(points.begin(), points.end(), [&](const auto& point) {
+          return plane->off(point) <= options.thickness;
+        }));
+    if (count > most) {
+      most = count;
+      best = plane;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<std::string> BoardReturnsOptions::invalid() const {
+  if (!(margin > 0)) return "margin must be positive";
+  if (!(tilt > 0) || !(tilt < 1.5)) return "tilt must lie in (0, 1.5)";
+  if (!(thickness > 0)) return "thickness must be positive";
+  if (fewest < 3) return "fewest must be at least 3";
+  if (draws < 1) return "draws must be at least 1";
+  return std::nullopt;
+}
+
+Points returns_near(const Sweep& sweep, const Eigen::Isometry3d& T_lidar_board, const Board& board,
+                    double margin) {
+  const Eigen::Isometry3d T_board_lidar = T_lidar_board.inverse();
+  Points near;
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    const Eigen::Vector3d point(sweep.x[i], sweep.y[i], sweep.z[i]);
+    if (in_box(T_board_lidar * point, board, margin, margin)) near.push_back(point);
+  }
+  return near;
+}
+
+Result<Points> board_returns(std::span<const Eigen::Vector3d> all,
+                             const Eigen::Isometry3d& T_lidar_board, const Board& board,
+                             double grow, const BoardReturnsOptions& options) {
+  const Eigen::Isometry3d T_board_lidar = T_lidar_board.inverse();
+  Points near;
+  for (const Eigen::Vector3d& point : all) {
+    if (in_box(T_board_lidar * point, board, grow, options.margin)) near.push_back(point);
+  }
+  const auto fewest = static_cast<size_t>(options.fewest);
+  if (near.size() < fewest) {
+    return fail("only " + std::to_string(near.size()) + " returns where the board should be");
+  }
+  const Eigen::Vector3d facing = T_lidar_board.linear().col(2);
+  const auto plane = consensus(near, facing, options);
+  if (!plane) return fail("no plane among the returns that faces as the board does");
+  Points on = on_plane(near, *plane, options.thickness);
+  if (on.size() >= fewest) {
+    const ReturnsPlane best = returns_plane(on);
+    on = on_plane(near, {best.normal, best.normal.dot(best.mean)}, options.thickness);
+  }
+  if (on.size() < fewest) {
+    return fail("only " + std::to_string(on.size()) + " returns lie on the board");
+  }
+  // A strip is where another surface crosses the plane that was looked for.
+  if (returns_plane(on).width < kNarrowest * board.half_size().minCoeff()) {
+    return fail("the returns cover a strip of the board only");
+  }
+  return on;
+}
+
+}  // namespace infuse::target

@@ -1,0 +1,206 @@
+#include "fusion/target/solve_target.hpp"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "fusion/target/degeneracy.hpp"
+#include "fusion/target/pose_parameter.hpp"
+#include "fusion/target/view_consensus.hpp"
+#include "fusion/target/view_weight.hpp"
+
+namespace infuse::target {
+namespace {
+
+using geometry::Matrix6;
+
+constexpr int kRounds = 10;      // of rejecting and solving again
+constexpr double kRobust = 4;    // standard deviations, of the first round's Cauchy loss
+constexpr double kTiny = 1e-12;  // m²; residuals are never taken for better known than 1 µm
+
+/// The views, what stands for their returns, and which of them are in use.
+struct Problem {
+  std::span<const TargetView> views;
+  std::vector<ReturnsPlane> planes;
+  std::vector<ViewResidual> residuals;
+  double range_noise;
+
+  std::vector<const TargetView*> in_use() const {
+    std::vector<const TargetView*> used;
+    for (size_t i = 0; i < views.size(); ++i) {
+      if (residuals[i].used) used.push_back(&views[i]);
+    }
+    return used;
+  }
+
+  Eigen::Matrix4d covariance(size_t i, const Eigen::Isometry3d& T) const {
+    return residual_covariance(views[i], planes[i], T, range_noise) +
+           kTiny * Eigen::Matrix4d::Identity();
+  }
+};
+
+/// One view's part of P(3.10), its residuals whitened: W r with Wᵀ W the inverse of their
+/// covariance at the start.
+class ViewCost : public ceres::SizedCostFunction<4, 6> {
+ public:
+  ViewCost(const PoseParameter& pose, const TargetView& view, const ReturnsPlane& plane,
+           const Eigen::Matrix4d& covariance)
+      : pose_(pose),
+        view_(view),
+        plane_(plane),
+        whitening_(covariance.llt().matrixL().solve(Eigen::Matrix4d::Identity())) {}
+
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const ViewResiduals view = view_residuals(view_, plane_, pose_.at(parameters[0]));
+    Eigen::Map<Eigen::Vector4d> out(residuals);
+    out = whitening_ * view.off;
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 4, 6, Eigen::RowMajor>> jacobian(jacobians[0]);
+      jacobian = whitening_ * PoseParameter::by_xi(view.by_pose, parameters[0]);
+    }
+    return true;
+  }
+
+ private:
+  const PoseParameter& pose_;
+  const TargetView& view_;
+  const ReturnsPlane& plane_;
+  Eigen::Matrix4d whitening_;
+};
+
+/// P(3.10) over the views in use; far ones count little where `robust`.
+Eigen::Isometry3d minimise(const Problem& set, const Eigen::Isometry3d& start, bool robust) {
+  const PoseParameter pose{start};
+  geometry::Vector6 xi = geometry::Vector6::Zero();
+  ceres::Problem problem;
+  for (size_t i = 0; i < set.views.size(); ++i) {
+    if (!set.residuals[i].used) continue;
+    problem.AddResidualBlock(
+        new ViewCost(pose, set.views[i], set.planes[i], set.covariance(i, start)),
+        robust ? new ceres::CauchyLoss(kRobust) : nullptr, xi.data());
+  }
+  ceres::Solver::Options options;
+  options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.function_tolerance = 1e-12;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return summary.IsSolutionUsable() ? pose.at(xi.data()) : start;
+}
+
+/// P(3.12). F is weighted by the covariance of its residuals, which are linear in the measurements:
+/// then the mixed derivatives and Σ_X together are ∂²F/∂Θ² again, and one inverse of it is left.
+Matrix6 covariance_of(const Problem& set, const Eigen::Isometry3d& T) {
+  Matrix6 information = Matrix6::Zero();
+  for (size_t i = 0; i < set.views.size(); ++i) {
+    if (!set.residuals[i].used) continue;
+    const auto J = view_residuals(set.views[i], set.planes[i], T).by_pose;
+    information += J.transpose() * set.covariance(i, T).inverse() * J;
+  }
+  const Matrix6 covariance = information.inverse();
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+/// How far off a view is; one that is not in use is compared with a solution made without it.
+void measure(const Problem& set, size_t i, const Eigen::Isometry3d& T, const Matrix6& of_solution,
+             ViewResidual& out) {
+  const ViewResiduals view = view_residuals(set.views[i], set.planes[i], T);
+  Eigen::Matrix4d covariance = set.covariance(i, T);
+  if (!out.used) covariance += view.by_pose * of_solution * view.by_pose.transpose();
+  out.offset = view.off.mean();
+  out.rms = std::hypot(std::sqrt(view.off.squaredNorm() / 4), set.planes[i].rms);
+  const double along = set.views[i].normal().dot(T.linear() * set.planes[i].normal);
+  out.tilt = std::acos(std::min(1.0, std::abs(along)));
+  out.deviation = std::sqrt(std::max(0.0, view.off.dot(covariance.inverse() * view.off)));
+}
+
+/// Standard deviation of ranges that the returns' distances from their own planes show.
+double shown_noise(const Problem& set) {
+  double squares = 0;
+  double slopes = kTiny;
+  for (size_t i = 0; i < set.views.size(); ++i) {
+    if (!set.residuals[i].used) continue;
+    const auto n = static_cast<double>(set.views[i].returns.size());
+    const double slope = set.planes[i].normal.dot(set.planes[i].mean.normalized());
+    squares += n * set.planes[i].rms * set.planes[i].rms;
+    slopes += (n - 3) * slope * slope;
+  }
+  return std::sqrt(squares / slopes);
+}
+
+/// Leaves out what lies too far off, takes back what does not; whether anything changed.
+bool choose(Problem& set, const SolveTargetOptions& options) {
+  bool changed = false;
+  for (ViewResidual& view : set.residuals) {
+    const bool fits =
+        view.deviation <= options.outlier || std::abs(view.offset) + view.tilt <= options.tolerated;
+    changed = changed || fits != view.used;
+    view.used = fits;
+  }
+  return changed;
+}
+
+void sum_up(const Problem& set, TargetResult& result) {
+  double squares = 0;
+  double returns = kTiny;
+  for (size_t i = 0; i < set.views.size(); ++i) {
+    if (!set.residuals[i].used) continue;
+    ++result.used;
+    const auto n = static_cast<double>(set.views[i].returns.size());
+    squares += n * set.residuals[i].rms * set.residuals[i].rms;
+    returns += n;
+  }
+  result.rms = std::sqrt(squares / returns);
+  result.range_noise = set.range_noise;
+  result.views = set.residuals;
+}
+
+}  // namespace
+
+std::optional<std::string> SolveTargetOptions::invalid() const {
+  if (!(range_noise > 0)) return "range_noise must be positive";
+  if (!(outlier > 0)) return "outlier must be positive";
+  if (!(tolerated >= 0)) return "tolerated must not be negative";
+  if (!(max_rotation_sd > 0) || !(max_translation_sd > 0)) {
+    return "max_rotation_sd and max_translation_sd must be positive";
+  }
+  return std::nullopt;
+}
+
+TargetResult solve_target(std::span<const TargetView> views, const Eigen::Isometry3d& T_start,
+                          const SolveTargetOptions& options) {
+  TargetResult result{.T_head_lidar = T_start};
+  Problem set{views, {}, std::vector<ViewResidual>(views.size()), options.range_noise};
+  for (const TargetView& view : views) set.planes.push_back(returns_plane(view.returns));
+
+  Eigen::Isometry3d& T = result.T_head_lidar;
+  T = view_consensus(views, set.planes, options.seed).value_or(T_start);
+  for (int round = 0; round < kRounds; ++round) {
+    result.reason = name_degeneracy(set.in_use());
+    if (!result.reason.empty()) break;
+    set.range_noise = std::max(options.range_noise, shown_noise(set));
+    T = minimise(set, T, round == 0);
+    result.covariance = covariance_of(set, T);
+    for (size_t i = 0; i < views.size(); ++i) {
+      measure(set, i, T, result.covariance, set.residuals[i]);
+    }
+    if (!choose(set, options) && round > 0) break;
+  }
+  sum_up(set, result);
+  if (!result.reason.empty()) return result;
+  if (2 * result.used <= static_cast<int>(views.size())) {
+    result.reason = "most views are outliers: " + std::to_string(result.used) + " of " +
+                    std::to_string(views.size()) + " agree";
+  } else {
+    result.reason =
+        name_unknown(result.covariance, options.max_rotation_sd, options.max_translation_sd);
+  }
+  return result;
+}
+
+}  // namespace infuse::target

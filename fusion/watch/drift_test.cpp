@@ -1,0 +1,124 @@
+#include "fusion/watch/drift_test.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace infuse::watch {
+namespace {
+
+constexpr int kBlock = 4;                  // looks whose mean is compared with the next four's
+constexpr double kMemory = 1.0 / 30;       // looks after which the mean offset fades
+constexpr double kNoiseMemory = 1.0 / 60;  // blocks
+constexpr double kPriorBlocks = 2;         // what is taken for granted counts as so many
+constexpr double kPriorNoise = 0.006;      // κ: from simulated streets, with a third to spare
+constexpr double kOutlier = 9;  // a block's κ counts at most so many times the mean so far
+
+}  // namespace
+
+std::optional<std::string> DriftTestOptions::invalid() const {
+  for (size_t k = 0; k < kAxes; ++k) {
+    if (!(kept[k] >= 0) || !(drifted[k] > kept[k])) return "0 <= kept < drifted must hold";
+  }
+  if (!(false_alarm_hours > 0) || !(looks_per_second > 0)) {
+    return "false_alarm_hours and looks_per_second must be positive";
+  }
+  if (!(suspect > 0) || suspect >= certain()) return "suspect must be less than what is certain";
+  if (!(most_a_look > 0)) return "most_a_look must be positive";
+  if (warm_up < 2 * kBlock) return "warm_up must be at least 8";
+  return std::nullopt;
+}
+
+double DriftTestOptions::certain() const {
+  return std::log(2.0 * kAxes * false_alarm_hours * 3600 * looks_per_second);
+}
+
+DriftTest::DriftTest(const DriftTestOptions& options)
+    : options_(options), certain_(options.certain()) {}
+
+double DriftTest::noise_of(const Track& track) const {
+  return (track.noise + kPriorBlocks * kPriorNoise) / (track.noises + kPriorBlocks);
+}
+
+void DriftTest::learn_noise(Track& track, double offset, double information) {
+  track.block += information * offset;
+  track.block_weight += information;
+  if ((looks_ + 1) % kBlock != 0) return;
+  if (track.last_weight > 0 && track.block_weight > 0) {
+    // Var(a − b) = κ (1/wa + 1/wb), of blocks that are nearly independent.
+    const double apart = track.block / track.block_weight - track.last / track.last_weight;
+    const double shared = 1 / track.block_weight + 1 / track.last_weight;
+    const double noise = std::min(apart * apart / shared, kOutlier * noise_of(track));
+    track.noise += noise - kNoiseMemory * track.noise;
+    track.noises += 1 - kNoiseMemory * track.noises;
+  }
+  track.last = track.block;
+  track.last_weight = track.block_weight;
+  track.block = track.block_weight = 0;
+}
+
+void DriftTest::add(const AxisLook& look) {
+  for (size_t k = 0; k < kAxes; ++k) {
+    Track& track = tracks_[k];
+    const double d = look.offset[k];
+    const double w = look.information[k];
+    learn_noise(track, d, w);
+    track.sum += w * d - kMemory * track.sum;
+    track.weight += w - kMemory * track.weight;
+    if (!warmed_up()) continue;
+    const double gap = options_.drifted[k] - options_.kept[k];
+    const double middle = 0.5 * (options_.drifted[k] + options_.kept[k]);
+    const double scale = w * gap / noise_of(track);
+    const auto step = [&](double evidence, double offset) {
+      return std::max(0.0, evidence + std::clamp(scale * (offset - middle), -options_.most_a_look,
+                                                 options_.most_a_look));
+    };
+    track.up = step(track.up, d);
+    track.down = step(track.down, -d);
+  }
+  ++looks_;
+}
+
+void DriftTest::restart() {
+  for (Track& track : tracks_) {
+    track.up = track.down = track.sum = track.weight = 0;
+    track.block = track.block_weight = track.last = track.last_weight = 0;
+  }
+}
+
+double DriftTest::evidence(Axis axis) const {
+  const Track& track = tracks_[static_cast<size_t>(axis)];
+  return std::max(track.up, track.down);
+}
+
+Axis DriftTest::strongest() const {
+  Axis best = Axis::kRotationX;
+  for (size_t k = 1; k < kAxes; ++k) {
+    if (evidence(static_cast<Axis>(k)) > evidence(best)) best = static_cast<Axis>(k);
+  }
+  return best;
+}
+
+double DriftTest::offset(Axis axis) const {
+  const Track& track = tracks_[static_cast<size_t>(axis)];
+  return track.weight > 0 ? track.sum / track.weight : 0;
+}
+
+double DriftTest::deviation(Axis axis) const {
+  const Track& track = tracks_[static_cast<size_t>(axis)];
+  return track.weight > 0 ? std::sqrt(noise_of(track) / track.weight)
+                          : std::numeric_limits<double>::infinity();
+}
+
+const char* to_string(Axis axis) {
+  constexpr std::array<const char*, kAxes> kNames = {"rotation about x",
+                                                     "rotation about y",
+                                                     "rotation about z",
+                                                     "translation along x",
+                                                     "translation along y",
+                                                     "translation along z",
+                                                     "time"};
+  return kNames[static_cast<size_t>(axis)];
+}
+
+}  // namespace infuse::watch

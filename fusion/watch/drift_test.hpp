@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "fusion/geometry/rigid_motion.hpp"
+
+namespace infuse::watch {
+
+/// What the watch looks along: the six axes of a left perturbation of T_camera_lidar, and how late
+/// the camera's stamps are.
+enum class Axis : uint8_t { kRotationX, kRotationY, kRotationZ, kX, kY, kZ, kTime };
+inline constexpr size_t kAxes = 7;
+
+/// One number an axis.
+using PerAxis = std::array<double, kAxes>;
+
+/// What one picture says along every axis: where the dependence has its top, seen from the present
+/// calibration, and how much that is worth.
+struct AxisLook {
+  PerAxis offset{};  ///< rad, m, s; within the step that was looked
+  PerAxis
+      information{};  ///< 1/rad², 1/m², 1/s² times an unknown scale; 0: the picture says nothing
+};
+
+/// Settings of the sequential test. Angles in rad, lengths in m, times in s.
+struct DriftTestOptions {
+  /// Offsets up to which the calibration counts as kept: what the measure's own bias may be.
+  PerAxis kept{2.1e-3, 2.1e-3, 2.1e-3, 0.015, 0.015, 0.05, 0.03};
+  /// Offsets that are to be found soon.
+  PerAxis drifted{7e-3, 7e-3, 7e-3, 0.05, 0.05, 0.15, 0.10};
+  double false_alarm_hours = 1000;  ///< mean time between false alarms at `looks_per_second`
+  double looks_per_second = 2.5;    ///< how often `add` is called at most
+  double suspect = 4;               ///< evidence, nats, at which drift is suspected
+  double most_a_look = 2;           ///< nats; no single picture brings more evidence
+  int warm_up = 12;  ///< looks before anything is said: the scale of noise is learned
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+
+  /// Evidence (nats) at which drift is certain: the mean time between false alarms of a CUSUM of
+  /// log-likelihood ratios is at least e^h looks (Lorden 1971), of 14 of them side by side e^h
+  /// ÷ 14.
+  double certain() const;
+};
+
+/// Sequential test whether a calibration still holds: for each axis and sign a CUSUM (Page 1954) of
+/// the log-likelihood ratio between an offset of `drifted` and one of `kept`,
+///   S ← max(0, S + w ÷ κ · (θ₁ − θ₀) (± d − ½ (θ₀ + θ₁))),
+/// d and w the offset and information of a look. κ, the variance of d in units of 1 ÷ w, is learned
+/// from differences between means of blocks of looks, so that neither a constant offset nor
+/// correlation from picture to picture is taken for less noise than there is.
+class DriftTest {
+ public:
+  /// `options.invalid()` must be empty.
+  explicit DriftTest(const DriftTestOptions& options);
+
+  /// Takes one look. Looks must be of different places: a standing vehicle says all it can once.
+  void add(const AxisLook& look);
+
+  /// The calibration was changed: evidence starts anew, the scale of noise is kept.
+  void restart();
+
+  /// Evidence for drift along an axis, nats, of the stronger sign.
+  double evidence(Axis axis) const;
+  /// The axis with the most evidence.
+  Axis strongest() const;
+  bool warmed_up() const { return looks_ >= options_.warm_up; }
+  bool suspect() const { return warmed_up() && evidence(strongest()) >= options_.suspect; }
+  bool certain() const { return warmed_up() && evidence(strongest()) >= certain_; }
+  int looks() const { return looks_; }
+
+  /// The mean offset of late looks (fading by 1/30 a look), and its standard deviation; 0 and
+  /// infinity where nothing is known.
+  double offset(Axis axis) const;
+  double deviation(Axis axis) const;
+
+ private:
+  /// What is known of one axis.
+  struct Track {
+    double up = 0, down = 0;     // evidence for a positive and a negative offset
+    double sum = 0, weight = 0;  // of offsets, fading
+    double block = 0, block_weight = 0;
+    double last = 0, last_weight = 0;  // the block before
+    double noise = 0, noises = 0;      // κ: sum and count, fading
+  };
+  double noise_of(const Track& track) const;
+  void learn_noise(Track& track, double offset, double information);
+
+  DriftTestOptions options_;
+  double certain_;
+  std::array<Track, kAxes> tracks_;
+  int looks_ = 0;
+};
+
+/// "rotation about x", "translation along z", "time".
+const char* to_string(Axis axis);
+
+}  // namespace infuse::watch

@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fusion/watch/quick_view.hpp"
+
+namespace infuse::watch {
+namespace {
+
+constexpr float kNearest = 2;         // m; nearer is the vehicle itself
+constexpr float kFarthest = 100;      // m
+constexpr float kBorder = 0.1F;       // of the picture's size
+constexpr float kCell = 8;            // px, of the z-buffer
+constexpr float kHiddenRatio = 1.1F;  // a point so much farther than its cell's nearest
+constexpr float kHiddenStep = 0.3F;   // m, is hidden
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+constexpr int kMaxGap = 4;  // columns between neighbours on a ring
+constexpr size_t kLevels = 1024;
+
+}  // namespace
+
+SweepView view_of(const Sweep& sweep) {
+  return {{sweep.x, sweep.y, sweep.z}, sweep.range, sweep.reflectivity, sweep.ring, sweep.column};
+}
+
+/// I(3.6) with γ = ½: how much farther the neighbours on the ring are.
+void QuickPoints::find_discontinuity(const SweepView& sweep) {
+  discontinuity_.assign(sweep.size(), 0.0F);
+  std::fill(last_of_ring_.begin(), last_of_ring_.end(), kNone);
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    const size_t ring = sweep.ring[i];
+    if (ring >= last_of_ring_.size()) last_of_ring_.resize(ring + 1, kNone);
+    const uint32_t before = last_of_ring_[ring];
+    last_of_ring_[ring] = static_cast<uint32_t>(i);
+    if (before == kNone || sweep.column[i] > sweep.column[before] + kMaxGap) continue;
+    const float step = sweep.range[i] - sweep.range[before];
+    discontinuity_[before] = std::max(discontinuity_[before], step);
+    discontinuity_[i] = std::max(discontinuity_[i], -step);
+  }
+  for (float& step : discontinuity_) step = std::sqrt(step);
+}
+
+void QuickPoints::find_visible(const SweepView& sweep, const geometry::CameraModel& camera,
+                               const Eigen::Isometry3d& T_camera_lidar) {
+  for (auto* scratch : {&u_, &v_, &all_depth_}) scratch->resize(sweep.size());
+  geometry::project_points(camera, T_camera_lidar, sweep.points, {u_, v_, all_depth_});
+  const CameraIntrinsics& picture = camera.intrinsics();
+  const auto columns = static_cast<size_t>(static_cast<float>(picture.width) / kCell) + 1;
+  const auto rows = static_cast<size_t>(static_cast<float>(picture.height) / kCell) + 1;
+  nearest_.assign(columns * rows, std::numeric_limits<float>::infinity());
+  const auto right = static_cast<float>(picture.width - 1);
+  const auto bottom = static_cast<float>(picture.height - 1);
+  const auto cell = [&](size_t i) {
+    return static_cast<size_t>(v_[i] / kCell) * columns + static_cast<size_t>(u_[i] / kCell);
+  };
+  for (auto* chosen : {&visible_, &around_}) {
+    chosen->clear();
+    chosen->reserve(sweep.size());
+  }
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    // NaN where the camera's model does not see the point: no comparison holds.
+    const bool near = u_[i] >= -kBorder * right && u_[i] <= (1 + kBorder) * right &&
+                      v_[i] >= -kBorder * bottom && v_[i] <= (1 + kBorder) * bottom &&
+                      all_depth_[i] >= 1 && sweep.range[i] >= kNearest &&
+                      sweep.range[i] <= kFarthest;
+    if (!near) continue;
+    around_.push_back(static_cast<uint32_t>(i));
+    if (!(u_[i] >= 0 && u_[i] <= right && v_[i] >= 0 && v_[i] <= bottom)) continue;
+    visible_.push_back(static_cast<uint32_t>(i));
+    float& nearest = nearest_[cell(i)];
+    nearest = std::min(nearest, all_depth_[i]);
+  }
+  std::erase_if(visible_, [&](uint32_t i) {
+    return all_depth_[i] > nearest_[cell(i)] * kHiddenRatio + kHiddenStep;
+  });
+}
+
+/// Bins of equal filling; equal values share one.
+void QuickPoints::sort_into_bins(const std::vector<float>& values, std::vector<uint8_t>& bins) {
+  bins.resize(values.size());
+  float most = 1e-6F;
+  for (const float value : values) most = std::max(most, value);
+  const auto level = [&](float value) {
+    return std::min(static_cast<size_t>(value / most * kLevels), kLevels - 1);
+  };
+  std::array<uint32_t, kLevels> count{};
+  for (const float value : values) ++count[level(value)];
+  std::array<uint8_t, kLevels> bin{};
+  double below = 0;
+  for (size_t i = 0; i < kLevels; ++i) {
+    const double rank = (below + 0.5 * count[i]) / static_cast<double>(values.size());
+    bin[i] = static_cast<uint8_t>(std::min(kBins - 1, static_cast<int>(rank * kBins)));
+    below += count[i];
+  }
+  for (size_t i = 0; i < values.size(); ++i) bins[i] = bin[level(values[i])];
+}
+
+void QuickPoints::set(const SweepView& sweep, const geometry::CameraModel& camera,
+                      const Eigen::Isometry3d& T_camera_lidar, size_t most) {
+  find_discontinuity(sweep);
+  find_visible(sweep, camera, T_camera_lidar);
+  const size_t count = std::min(visible_.size(), most);
+  for (auto* quantity : {&x_, &y_, &z_, &depth_, &values_}) quantity->resize(count);
+  for (size_t k = 0; k < count; ++k) {
+    const uint32_t i = visible_[k * visible_.size() / count];
+    x_[k] = sweep.points.x[i];
+    y_[k] = sweep.points.y[i];
+    z_[k] = sweep.points.z[i];
+    depth_[k] = all_depth_[i];
+    values_[k] = sweep.reflectivity[i];
+  }
+  sort_into_bins(values_, reflectivity_bin_);
+  for (size_t k = 0; k < count; ++k) {
+    values_[k] = discontinuity_[visible_[k * visible_.size() / count]];
+  }
+  sort_into_bins(values_, edge_bin_);
+}
+
+}  // namespace infuse::watch

@@ -1,0 +1,108 @@
+#include "fusion/watch/reestimate.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "fusion/calibration/calibrate.hpp"
+
+namespace infuse::watch {
+namespace {
+
+using calibration::ImageFeature;
+using calibration::LidarFeature;
+
+/// What halves of the scenes may differ by because they show different things.
+constexpr double kBiasRotation = 1e-3;     // rad
+constexpr double kBiasTranslation = 0.01;  // m
+
+calibration::Scene to_scene(const StoredScene& stored) {
+  calibration::Scene scene{.x = stored.x, .y = stored.y, .z = stored.z};
+  scene.lidar[calibration::index(LidarFeature::kReflectivity)] = stored.reflectivity;
+  scene.lidar[calibration::index(LidarFeature::kDiscontinuity)] = stored.discontinuity;
+  const calibration::Plane grey = calibration::grey_plane(stored.grey);
+  scene.image[calibration::index(ImageFeature::kEdge)] =
+      calibration::equalized(calibration::edge_strength(grey));
+  scene.image[calibration::index(ImageFeature::kGrey)] = calibration::equalized(grey);
+  return scene;
+}
+
+calibration::CalibrateOptions settings(const ReestimateOptions& options) {
+  calibration::CalibrateOptions out;
+  out.coarse_points = options.points / 2;
+  out.coarse = {
+      {.sigma = 4, .tolerance = 1e-2, .anchor = 0.3, .survivors = std::max(options.starts, 2) / 2},
+      {.sigma = 2, .tolerance = 5e-3, .anchor = 0.05}};
+  out.fine = {{.sigma = 2, .points = options.points}, {.sigma = 1.2, .points = options.points}};
+  out.screen.half_width = options.start_rotation;
+  out.screen.kept = options.starts - 1;
+  out.restarts = options.starts;
+  out.start_translation = options.start_translation;
+  out.seed = options.seed;
+  return out;
+}
+
+double mahalanobis(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
+                   const geometry::Matrix6& covariance) {
+  const geometry::Vector6 apart = geometry::log(a * b.inverse());
+  return std::sqrt(std::max(0.0, apart.dot(covariance.inverse() * apart)));
+}
+
+/// The same from every second scene, from where the whole ended.
+Eigen::Isometry3d half(const std::vector<calibration::Scene>& scenes, size_t first,
+                       std::span<const calibration::RigCamera> cameras,
+                       const Eigen::Isometry3d& start, const ReestimateOptions& options) {
+  std::vector<calibration::Scene> own;
+  for (size_t i = first; i < scenes.size(); i += 2) own.push_back(scenes[i]);
+  calibration::CalibrateOptions only_fine = settings(options);
+  only_fine.coarse.clear();
+  only_fine.screen.kept = 0;
+  only_fine.restarts = 0;
+  only_fine.fine = {{.sigma = 2, .points = options.points / 2}};
+  return calibration::calibrate(own, cameras, start, only_fine).T_head_lidar;
+}
+
+}  // namespace
+
+std::optional<std::string> ReestimateOptions::invalid() const {
+  if (starts < 1) return "starts must be at least 1";
+  if (!(start_rotation >= 0)) return "start_rotation must not be negative";
+  if (!(start_translation > 0)) return "start_translation must be positive";
+  if (points < 1000) return "points must be at least 1000";
+  if (!(max_split > 0)) return "max_split must be positive";
+  return std::nullopt;
+}
+
+Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
+                      const Eigen::Isometry3d& present, const ReestimateOptions& options) {
+  Reestimate out{.T_camera_lidar = present};
+  out.scenes = scenes.size();
+  std::vector<calibration::Scene> own;
+  for (const StoredScene& scene : scenes) own.push_back(to_scene(scene));
+  const std::vector<calibration::RigCamera> cameras = {{geometry::CameraModel(camera)}};
+  const calibration::CalibrationResult result =
+      calibration::calibrate(own, cameras, present, settings(options));
+  out.reason = result.reason;
+  out.support = result.support;
+  if (!out.usable()) return out;
+  out.T_camera_lidar = result.T_head_lidar;
+  out.covariance = result.uncertainty.covariance;
+  out.moved = mahalanobis(out.T_camera_lidar, present, out.covariance);
+  if (scenes.size() >= 8) {
+    // Each half has twice the variance, their difference four times that of the whole.
+    geometry::Vector6 bias;
+    bias << Eigen::Vector3d::Constant(kBiasRotation), Eigen::Vector3d::Constant(kBiasTranslation);
+    const geometry::Matrix6 expected =
+        4 * out.covariance + geometry::Matrix6(bias.cwiseAbs2().asDiagonal());
+    out.split = mahalanobis(half(own, 0, cameras, out.T_camera_lidar, options),
+                            half(own, 1, cameras, out.T_camera_lidar, options), expected) /
+                std::sqrt(6.0);
+    if (out.split > options.max_split)
+      out.reason = "the halves of the scenes contradict each other";
+  }
+  return out;
+}
+
+}  // namespace infuse::watch

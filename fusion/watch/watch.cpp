@@ -1,0 +1,182 @@
+#include "fusion/watch/watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace infuse::watch {
+namespace {
+
+using geometry::Vector6;
+
+constexpr double kStanding = 0.3;     // m/s
+constexpr double kLongestGap = 2;     // s; what was driven in a longer one is not known
+constexpr double kNoEvidence = 0.5;   // nats
+constexpr double kTellingPeak = 0.1;  // nats; a picture with such a peak is worth a half
+
+/// The top of the parabola through three values a step apart, and its curvature. Where the values
+/// do not bend down within the step, the top lies a step away on the rising side.
+void parabola(double below, double here, double above, double step, double& offset,
+              double& information) {
+  const double slope = (above - below) / (2 * step);
+  const double bend = (2 * here - above - below) / (step * step);
+  information = std::max(bend, std::abs(slope) / step);
+  offset = information > 0 ? slope / information : 0;
+}
+
+}  // namespace
+
+std::optional<std::string> WatchOptions::invalid() const {
+  if (!(rotation_step > 0) || !(translation_step > 0) || !(time_step > 0)) {
+    return "steps must be positive";
+  }
+  if (!(focal_samples >= 20)) return "focal_samples must be at least 20";
+  if (max_points < min_points || min_points < 100) {
+    return "100 <= min_points <= max_points must hold";
+  }
+  if (!(interval >= 0) || !(spacing >= 0) || !(turning > 0)) {
+    return "interval, spacing and turning must not be negative";
+  }
+  if (!(least_peak >= 0)) return "least_peak must not be negative";
+  if (auto wrong = test.invalid()) return "test: " + *wrong;
+  if (auto wrong = check.invalid()) return "check: " + *wrong;
+  if (auto wrong = store.invalid()) return "store: " + *wrong;
+  return std::nullopt;
+}
+
+Watch::Watch(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_camera_lidar,
+             const WatchOptions& options)
+    : options_(options),
+      camera_(camera),
+      step_(std::max(1, static_cast<int>(std::lround(camera.fx / options.focal_samples)))),
+      T_camera_lidar_(T_camera_lidar),
+      test_(options.test),
+      check_(options.check),
+      store_(options.store) {}
+
+void Watch::set_calibration(const Eigen::Isometry3d& T_camera_lidar) {
+  T_camera_lidar_ = T_camera_lidar;
+  test_.restart();
+  quiet_ = last_stamp_.value_or(Stamp::earliest());
+}
+
+void Watch::set_alternative(const std::optional<Eigen::Isometry3d>& T_camera_lidar) {
+  alternative_ = T_camera_lidar;
+}
+
+void Watch::travel(Stamp stamp, const Motion& motion) {
+  if (last_stamp_) {
+    const double seconds = std::clamp(to_seconds(stamp - *last_stamp_), 0.0, kLongestGap);
+    travelled_ += seconds * motion.velocity.norm();
+    turned_ += seconds * motion.angular_rate.norm();
+  }
+  last_stamp_ = stamp;
+}
+
+/// Why a picture is not put to the test, or an empty text.
+const char* Watch::why_not(const CameraFrame& grey, const Motion& motion) {
+  const CameraIntrinsics& camera = camera_.intrinsics();
+  if (grey.format != PixelFormat::kGrey8 || grey.width != camera.width ||
+      grey.height != camera.height ||
+      grey.pixels.size() != grey.row_bytes() * static_cast<size_t>(grey.height)) {
+    return "the picture is not as the intrinsics say";
+  }
+  travel(grey.stamp, motion);
+  check_.take(grey, motion.velocity.norm() > kStanding);
+  if (check_.fault() != CameraFault::kNone) return "the camera is at fault";
+  if (last_look_ && grey.stamp - *last_look_ < from_seconds(options_.interval)) {
+    return "soon after the last look";
+  }
+  if (travelled_ - looked_travelled_ < options_.spacing &&
+      turned_ - looked_turned_ < options_.turning) {
+    return "the same place as the last look";
+  }
+  return "";
+}
+
+AxisLook Watch::look(const Motion& motion, WatchReport& report) {
+  const double here = dependence_.at(T_camera_lidar_, picture_, points_, camera_);
+  report.dependence = here;
+  if (alternative_) {
+    report.gain = here - dependence_.at(*alternative_, picture_, points_, camera_);
+    report.has_gain = true;
+  }
+  AxisLook look;
+  double lowest = here;
+  double highest = here;
+  for (size_t k = 0; k < kAxes; ++k) {
+    const bool time = k == static_cast<size_t>(Axis::kTime);
+    const double step = time    ? options_.time_step
+                        : k < 3 ? options_.rotation_step
+                                : options_.translation_step;
+    Vector6 direction = Vector6::Zero();
+    if (time) {
+      // A camera that is late by τ saw the world from where it was τ ago: its frame is moved by −τ
+      // times the twist, and lidar points in it the other way.
+      direction << motion.angular_rate, motion.velocity;
+    } else {
+      direction(static_cast<Eigen::Index>(k)) = 1;
+    }
+    const double above = dependence_.at(geometry::exp(step * direction) * T_camera_lidar_, picture_,
+                                        points_, camera_);
+    const double below = dependence_.at(geometry::exp(-step * direction) * T_camera_lidar_,
+                                        picture_, points_, camera_);
+    parabola(below, here, above, step, look.offset[k], look.information[k]);
+    lowest = std::min({lowest, above, below});
+    highest = std::max({highest, above, below});
+  }
+  if (highest - lowest < options_.least_peak) {
+    report.reason = "nothing to be learned here";
+    look.information.fill(0);
+  }
+  report.looked = *report.reason == '\0';
+  return look;
+}
+
+void Watch::judge(WatchReport& report) {
+  report.axis = test_.strongest();
+  report.evidence = test_.evidence(report.axis);
+  if (report.evidence < kNoEvidence) quiet_ = report.stamp;
+  report.since = quiet_;
+  report.drift = !test_.warmed_up() ? Drift::kLearning
+                 : test_.certain()  ? Drift::kDrifted
+                 : test_.suspect()  ? Drift::kSuspect
+                                    : Drift::kHolds;
+  for (int k = 0; k < 6; ++k) {
+    // The top lies at +d: the present calibration is off by −d.
+    report.offset(k) = -test_.offset(static_cast<Axis>(k));
+    report.deviation(k) = test_.deviation(static_cast<Axis>(k));
+  }
+  report.delay = test_.offset(Axis::kTime);
+  report.fault = check_.fault();
+  const bool certain = report.drift == Drift::kDrifted || report.drift == Drift::kSuspect;
+  if (certain && report.axis == Axis::kTime && report.fault == CameraFault::kNone) {
+    report.fault = CameraFault::kLate;
+  }
+}
+
+WatchReport Watch::take(const CameraFrame& grey, const SweepView& sweep, const Motion& motion) {
+  WatchReport report{.stamp = grey.stamp};
+  report.reason = why_not(grey, motion);
+  if (*report.reason == '\0') {
+    picture_.set(grey, step_);
+    points_.set(sweep, camera_, T_camera_lidar_, options_.max_points);
+    if (points_.size() < options_.min_points) {
+      report.reason = "too few returns in view";
+    } else {
+      const AxisLook said = look(motion, report);
+      last_look_ = grey.stamp;
+      looked_travelled_ = travelled_;
+      looked_turned_ = turned_;
+      if (report.looked) {
+        test_.add(said);
+        const double peak = said.information[1] * options_.rotation_step * options_.rotation_step;
+        report.kept = store_.offer(grey, sweep, points_, peak / (peak + kTellingPeak), travelled_,
+                                   motion.angular_rate.norm());
+      }
+    }
+  }
+  judge(report);
+  return report;
+}
+
+}  // namespace infuse::watch

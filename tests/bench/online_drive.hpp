@@ -1,0 +1,134 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/drive_setup.hpp"
+#include "drivers/camera/colour.hpp"
+#include "drivers/camera/picture.hpp"
+#include "drivers/recording/drive.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "drivers/recording/trajectory_file.hpp"
+#include "fusion/geometry/trajectory.hpp"
+#include "fusion/motion/compensation.hpp"
+
+/// A drive on disk as the online watch sees it: pictures, and sweeps straightened to their exposure
+/// by the true trajectory.
+namespace infuse::online {
+
+/// A picture with its sweep.
+struct Pair {
+  CameraFrame grey;
+  Sweep sweep;                                             ///< x, y, z as of the exposure
+  Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  ///< rad/s, camera axes
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s, camera axes
+};
+
+/// All of them, and the truth.
+struct Drive {
+  std::vector<Pair> pairs;
+  CameraIntrinsics intrinsics;
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+};
+
+inline std::optional<CameraFrame> read_grey(const std::filesystem::path& path, Stamp stamp) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
+  CameraFrame frame;
+  const std::span<const uint8_t> file(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+  if (!camera::decode_picture(file, {.grey = true}, frame)) return std::nullopt;
+  frame.stamp = stamp;
+  if (frame.format == PixelFormat::kGrey8) return frame;
+  CameraFrame grey;
+  camera::to_grey(frame, grey);
+  return grey;
+}
+
+/// Reads a drive of one lidar and one camera. Without a true trajectory sweeps stay as they are.
+inline std::optional<Drive> read_drive(const std::filesystem::path& folder) {
+  const auto drive = recording::Drive::open(folder);
+  auto setup = daemon::open_drive(folder, {}, std::nullopt);
+  if (!drive || !setup) return std::nullopt;
+  const Rig& rig = drive->description.rig;
+  Drive out;
+  out.intrinsics = rig.cameras[0].intrinsics;
+  out.T_camera_lidar = rig.cameras[0].T_camera_lidar;
+  geometry::Trajectory trajectory({.capacity = 200'000});
+  if (!drive->description.truth_poses.empty()) {
+    const auto poses = recording::read_trajectory(drive->resolve(drive->description.truth_poses));
+    if (poses) {
+      for (const auto& pose : *poses) trajectory.append({pose.stamp, pose.T_map_body});
+    }
+  }
+  if (!drive->description.truth_rig.empty()) {
+    const auto truth = recording::read_rig(drive->resolve(drive->description.truth_rig));
+    if (truth) out.T_camera_lidar = truth->cameras[0].T_camera_lidar;
+  }
+  motion::MotionCompensator compensator(rig.lidars[0].T_vehicle_lidar);
+  const Eigen::Matrix3d R_camera_vehicle =
+      out.T_camera_lidar.linear() * rig.lidars[0].T_vehicle_lidar.linear().transpose();
+  struct Shot {
+    std::filesystem::path path;
+    Stamp stamp;
+  };
+  std::vector<Shot> shots;
+  std::vector<Sweep> sweeps;
+  daemon::LidarIntake intake(setup->lidars[0]);
+  const auto pair_up = [&] {
+    std::erase_if(shots, [&](const Shot& shot) {
+      const Sweep* nearest = nullptr;
+      for (const Sweep& sweep : sweeps) {
+        const auto apart = [&](const Sweep& s) {
+          return distance_between(s.stamp + s.span / 2, shot.stamp);
+        };
+        if (nearest == nullptr || apart(sweep) < apart(*nearest)) nearest = &sweep;
+      }
+      if (nearest == nullptr) return true;
+      auto grey = read_grey(shot.path, shot.stamp);
+      if (!grey) return true;
+      Pair pair{*std::move(grey), *nearest, {}, {}};
+      motion::StraightSweep straight;
+      compensator.compensate(*nearest, trajectory, shot.stamp, straight);
+      if (straight.usable()) {
+        pair.sweep.x = straight.x;
+        pair.sweep.y = straight.y;
+        pair.sweep.z = straight.z;
+      }
+      const auto before = trajectory.at(shot.stamp - Duration(50'000'000));
+      const auto after = trajectory.at(shot.stamp + Duration(50'000'000));
+      if (before.usable() && after.usable()) {
+        const geometry::Vector6 twist =
+            geometry::log(before.T_map_vehicle.inverse() * after.T_map_vehicle) / 0.1;
+        pair.angular_rate = R_camera_vehicle * twist.head<3>();
+        pair.velocity = R_camera_vehicle * twist.tail<3>();
+      }
+      out.pairs.push_back(std::move(pair));
+      return true;
+    });
+  };
+  const auto on_sweep = [&](Sweep& sweep) {
+    if (sweep.size() < 1000) return;
+    sweeps.push_back(sweep);
+    if (sweeps.size() > 3) sweeps.erase(sweeps.begin());
+    if (!shots.empty() && sweep.stamp > shots.front().stamp) pair_up();
+  };
+  recording::DriveEvent event;
+  while (setup->source.next(event)) {
+    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
+      intake.take(datagram->datagram, on_sweep);
+    } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
+      intake.take(*sweep->sweep, on_sweep);
+    } else if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
+      if (image->camera == 0) shots.push_back({*image->path, event.stamp});
+    }
+  }
+  intake.finish(on_sweep);
+  pair_up();
+  return out;
+}
+
+}  // namespace infuse::online

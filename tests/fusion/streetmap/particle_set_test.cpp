@@ -1,0 +1,167 @@
+#include "fusion/streetmap/particle_set.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "fusion/streetmap/null_test.hpp"
+
+namespace infuse::streetmap {
+namespace {
+
+ParticleOptions still() {
+  ParticleOptions options;
+  options.distance_noise = options.distance_scale = options.yaw_noise = options.yaw_rest = 0;
+  options.jitter = options.jitter_yaw = 0;
+  return options;
+}
+
+TEST(ParticleSet, ScattersByTheCovariance) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 20000;
+  ParticleSet set(options, 1);
+  Eigen::Matrix3d C;
+  C << 4, 1, 0.05, 1, 1, 0, 0.05, 0, 0.01;
+  set.scatter({10, 20, 3.1}, C);  // yaw wraps around
+  const PoseMoments moments = set.moments();
+  EXPECT_NEAR(moments.mean.x, 10, 0.06);
+  EXPECT_NEAR(moments.mean.y, 20, 0.03);
+  EXPECT_NEAR(wrapped(moments.mean.yaw - 3.1), 0, 0.003);
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(moments.covariance(i, k), C(i, k), 0.04 * std::sqrt(C(i, i) * C(k, k)));
+    }
+  }
+  // The worst direction of the plane: the larger eigenvalue of [4 1; 1 1].
+  EXPECT_NEAR(moments.spread(), std::sqrt(2.5 + std::sqrt(3.25)), 0.05);
+}
+
+TEST(ParticleSet, MovesInTheVehiclesFrame) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 10;
+  ParticleSet set(options, 1);
+  set.scatter({1, 2, M_PI / 2}, Eigen::Matrix3d::Zero());
+  set.move({3, 1, 0.25}, Eigen::Matrix3d::Zero());
+  for (const Particle& particle : set.all()) {
+    EXPECT_NEAR(particle.pose.x, 0, 1e-12);
+    EXPECT_NEAR(particle.pose.y, 5, 1e-12);
+    EXPECT_NEAR(particle.pose.yaw, M_PI / 2 + 0.25, 1e-12);
+  }
+}
+
+TEST(ParticleSet, MotionNoiseHasItsCovariance) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 20000;
+  options.distance_noise = 0.1;
+  options.distance_scale = 0.02;
+  ParticleSet set(options, 3);
+  set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
+  const Eigen::Matrix3d C = Eigen::Vector3d(0.01, 0.04, 1e-4).asDiagonal();
+  set.move({4, 0, 0}, C);
+  const PoseMoments moments = set.moments();
+  EXPECT_NEAR(moments.covariance(0, 0), 0.01 + 0.01 * 4 + 0.0064, 0.002);
+  EXPECT_NEAR(moments.covariance(1, 1), 0.04 + 0.01 * 4, 0.003);
+  EXPECT_NEAR(moments.covariance(2, 2), 1e-4, 4e-6);
+}
+
+TEST(ParticleSet, ResamplesInProportionToWeight) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 100;
+  ParticleSet set(options, 4);
+  set.scatter({0, 0, 0}, Eigen::Matrix3d::Identity());
+  auto all = set.all();
+  for (size_t i = 0; i < all.size(); ++i) {
+    all[i].pose.x = static_cast<double>(i);
+    // 0.55, 0.25 and 0.2 of the weight on three, none on the others.
+    all[i].log_weight = i == 7 ? std::log(0.55) : i == 30 ? std::log(0.25) : -1e3;
+    if (i == 99) all[i].log_weight = std::log(0.2);
+  }
+  EXPECT_NEAR(set.effective(), 1 / (0.55 * 0.55 + 0.25 * 0.25 + 0.2 * 0.2), 1e-9);
+  ASSERT_TRUE(set.resample_if_needed());
+  std::map<double, int> copies;
+  for (const Particle& particle : set.all()) ++copies[particle.pose.x];
+  EXPECT_NEAR(copies[7], 55, 1);  // systematic: at most one off
+  EXPECT_NEAR(copies[30], 25, 1);
+  EXPECT_NEAR(copies[99], 20, 1);
+  EXPECT_EQ(copies.size(), 3U);
+  EXPECT_NEAR(set.entropy(), 1, 1e-12);
+  EXPECT_FALSE(set.resample_if_needed());  // equal weights are left alone
+}
+
+TEST(ParticleSet, TheNumberFollowsTheSpread) {
+  ParticleOptions options = still();
+  options.fewest = 50;
+  options.most = 5000;
+  ParticleSet set(options, 5);
+  set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
+  EXPECT_EQ(set.all().size(), 50U);
+  set.scatter({0, 0, 0}, Eigen::Vector3d(0.25, 0.25, 0.001).asDiagonal());
+  const size_t narrow = set.all().size();
+  set.scatter({0, 0, 0}, Eigen::Vector3d(9, 9, 0.01).asDiagonal());
+  EXPECT_GT(narrow, 50U);
+  EXPECT_GT(set.all().size(), narrow);
+  EXPECT_LE(set.all().size(), 5000U);
+}
+
+TEST(ParticleSet, ADiscIsFilledEvenly) {
+  ParticleOptions options = still();
+  options.most = 8000;
+  ParticleSet set(options, 6);
+  set.scatter_disc({5, 5, 1}, 10, 0.2);
+  int inner = 0;
+  for (const Particle& particle : set.all()) {
+    const double r = std::hypot(particle.pose.x - 5, particle.pose.y - 5);
+    EXPECT_LE(r, 10);
+    EXPECT_LE(std::abs(particle.pose.yaw - 1), 0.2);
+    inner += r < 5;
+  }
+  EXPECT_NEAR(inner, 2000, 150);
+}
+
+TEST(ParticleSet, ASecondPlaceIsWeighedAgainstTheFirst) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 300;
+  ParticleSet set(options, 7);
+  set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
+  EXPECT_EQ(set.doubt(), 0);
+  set.add_place({10, 0, 0}, Eigen::Matrix3d::Zero());
+  EXPECT_NEAR(set.doubt(), 1.0 / 3, 1e-9);
+  EXPECT_NEAR(set.moments().mean.x, 0, 1e-9);  // not between the two
+  for (Particle& particle : set.all()) particle.log_weight += particle.pose.x > 5 ? 1.5 : 0;
+  EXPECT_NEAR(set.moments().mean.x, 10, 1e-9);
+  EXPECT_NEAR(set.doubt(), 2 / (2 + std::exp(1.5)), 1e-9);
+  for (Particle& particle : set.all()) particle.log_weight += particle.pose.x > 5 ? 6 : 0;
+  EXPECT_TRUE(set.resample_if_needed() || set.doubt() == 0);
+  EXPECT_EQ(set.doubt(), 0);
+}
+
+TEST(PlanarPose, ThenAndMotionToAreInverse) {
+  const PlanarPose a{3, -2, 2.9}, motion{4, 1, 1.2};
+  const PlanarPose b = a.then(motion), back = a.motion_to(b);
+  EXPECT_NEAR(back.x, 4, 1e-12);
+  EXPECT_NEAR(back.y, 1, 1e-12);
+  EXPECT_NEAR(back.yaw, 1.2, 1e-12);
+  EXPECT_LE(std::abs(b.yaw), M_PI);
+}
+
+TEST(NullTest, CountsChanceScoresOfTheWindow) {
+  NullTest test(2);
+  EXPECT_DOUBLE_EQ(test.p_value(), 1);
+  const double null[] = {1, 2, 3, 4};
+  test.add(2.5, null);  // two reach it
+  EXPECT_DOUBLE_EQ(test.p_value(), 3.0 / 5);
+  EXPECT_NEAR(test.excess(), 0, 1e-12);
+  EXPECT_FALSE(test.settled());
+  test.add(10, null);
+  EXPECT_TRUE(test.settled());
+  EXPECT_DOUBLE_EQ(test.p_value(), 3.0 / 9);
+  EXPECT_NEAR(test.excess(), 7.5 / std::sqrt(1.25) / 2, 1e-9);
+  test.add(10, null);  // the first is out of the window
+  EXPECT_DOUBLE_EQ(test.p_value(), 1.0 / 9);
+  test.clear();
+  EXPECT_DOUBLE_EQ(test.p_value(), 1);
+}
+
+}  // namespace
+}  // namespace infuse::streetmap

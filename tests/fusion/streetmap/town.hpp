@@ -1,0 +1,82 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "fusion/streetmap/label_window.hpp"
+#include "fusion/streetmap/local_grid.hpp"
+#include "fusion/streetmap/rasterise.hpp"
+
+/// A small town on a map, and what a vehicle sees of it: features drawn by the kind of ground.
+namespace infuse::streetmap::town {
+
+/// A map and the bytes that it reads.
+struct Town {
+  std::vector<std::byte> bytes;
+  SegmentMap map;
+};
+
+/// Two streets that cross at the origin, houses on both sides at irregular distances, a park.
+inline StreetPlan plan() {
+  StreetPlan plan;
+  plan.strips.push_back({{SegmentKind::kCarriageway, 1}, {{-150, 0}, {150, 0}}, 3, 0.4, 2.4});
+  plan.strips.push_back({{SegmentKind::kCarriageway, 2}, {{0, -90}, {0, 90}}, 2.5, 0.4, 2.4});
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> share(0, 1);
+  int64_t id = 100;
+  for (const double side : {-1.0, 1.0}) {
+    for (double x = -140; x < 140;) {
+      const double width = 8 + 8 * share(random), gap = 2 + 6 * share(random);
+      const double front = side * (8 + 2 * share(random)), back = front + side * 10;
+      if (std::abs(x + width / 2) > 10 + width / 2) {
+        Polyline ring{{x, front}, {x + width, front}, {x + width, back}, {x, back}};
+        plan.areas.push_back({{SegmentKind::kBuilding, id++}, {ring}, 0.8});
+      }
+      x += width + gap;
+    }
+  }
+  plan.areas.push_back({{SegmentKind::kGreen, 50}, {{{-60, 25}, {-10, 25}, {-10, 80}, {-60, 80}}}});
+  return plan;
+}
+
+inline Town build(const StreetPlan& plan) {
+  Town town;
+  auto bytes = rasterise(plan, {.margin = 60}, "town");
+  EXPECT_TRUE(bytes);
+  town.bytes = std::move(*bytes);
+  const auto map = SegmentMap::open(town.bytes, "town");
+  EXPECT_TRUE(map);
+  town.map = *map;
+  return town;
+}
+
+/// What is seen at `pose`: places within 18 m, each with features of its kind of ground and noise;
+/// the insides of houses are not seen. `blind`: features that have nothing to do with the ground.
+inline GridSamples see(const SegmentMap& map, const PlanarPose& pose, uint64_t seed,
+                       bool blind = false) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> place(-18, 18);
+  std::normal_distribution<double> noise;
+  GridSamples samples;
+  std::vector<std::array<double, 3>> rows;
+  while (rows.size() < 700) {
+    const Eigen::Vector2d p(place(random), place(random)), q = pose.of(p);
+    const auto kind = static_cast<int>(map.segment(map.id_at(q.x(), q.y())).kind);
+    if (kind == static_cast<int>(SegmentKind::kBuilding)) continue;
+    const int look = blind ? 0 : kind;
+    rows.push_back({1.4 * (look % 3) + noise(random), 1.3 * (look % 2) + noise(random),
+                    1.1 * (look / 3) + noise(random)});
+    samples.x.push_back(static_cast<float>(p.x()));
+    samples.y.push_back(static_cast<float>(p.y()));
+  }
+  samples.features.resize(static_cast<Eigen::Index>(rows.size()), 3);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    for (size_t k = 0; k < 3; ++k) {
+      samples.features(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = rows[i][k];
+    }
+  }
+  return samples;
+}
+
+}  // namespace infuse::streetmap::town

@@ -1,0 +1,225 @@
+#include "fusion/streetmap/tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/fusion/streetmap/town.hpp"
+
+namespace infuse::streetmap {
+namespace {
+
+using town::see;
+
+const town::Town& the_town() {
+  static const town::Town kTown = town::build(town::plan());
+  return kTown;
+}
+
+TrackerOptions quick() {
+  TrackerOptions options;
+  options.fit.centres = 25;
+  options.fit.sigmas = {1.0, 2.0};
+  options.fit.lambdas = {1e-3, 1e-1};
+  options.particles.fewest = 60;
+  options.particles.most = 250;
+  return options;
+}
+
+Eigen::Matrix3d covariance(double metres, double yaw) {
+  return Eigen::Vector3d(metres * metres, metres * metres, yaw * yaw).asDiagonal();
+}
+
+/// What became of a drive along the first street and into the second.
+struct Driven {
+  double rms = 0;      ///< m, after the first ten updates
+  double yaw_rms = 0;  ///< rad
+  int tracking = 0, updates = 0, within = 0;
+  PlanarPose truth, last;
+  TrackState state = TrackState::kLost;
+};
+
+/// 60 updates: 2 m each, a bend at the crossing. The odometry is 2 % long and turns 0.1° an update.
+Driven drive(Tracker& tracker, const PlanarPose& start_error, double sigma, uint64_t seed,
+             int updates = 60) {
+  Driven driven;
+  PlanarPose truth{-80, -1.2, 0.02};
+  const PlanarPose begin = truth.then(start_error);
+  tracker.start(begin, covariance(sigma, 0.06));
+  double sum = 0, yaw_sum = 0;
+  int counted = 0;
+  for (int i = 0; i < updates; ++i) {
+    const bool bend = truth.x > -6 && truth.yaw < 1.5;
+    const PlanarPose motion{2, 0, bend ? 0.35 : (truth.yaw < 0.5 ? -0.05 * truth.yaw : 0)};
+    truth = truth.then(motion);
+    tracker.predict({motion.x * 1.02, motion.y, motion.yaw + 0.0017}, covariance(0.02, 0.002));
+    tracker.update(see(the_town().map, truth, seed * 1000 + static_cast<uint64_t>(i)));
+    const TrackerEstimate estimate = tracker.estimate();
+    const PlanarPose error = truth.motion_to(estimate.pose);
+    ++driven.updates;
+    if (estimate.state == TrackState::kTracking) {
+      ++driven.tracking;
+      const Eigen::Vector2d d(estimate.pose.x - truth.x, estimate.pose.y - truth.y);
+      const Eigen::Matrix2d C = estimate.covariance.topLeftCorner<2, 2>();
+      driven.within += d.dot(C.inverse() * d) < 9.21;  // χ² of two, 99 %
+    }
+    if (i < 10) continue;
+    ++counted;
+    sum += error.x * error.x + error.y * error.y;
+    yaw_sum += error.yaw * error.yaw;
+  }
+  driven.rms = std::sqrt(sum / counted);
+  driven.yaw_rms = std::sqrt(yaw_sum / counted);
+  driven.truth = truth;
+  driven.last = tracker.estimate().pose;
+  driven.state = tracker.estimate().state;
+  return driven;
+}
+
+TEST(Tracker, FollowsADriveRoundACorner) {
+  for (const uint64_t seed : {1U, 2U, 3U}) {
+    TrackerOptions options = quick();
+    options.seed = seed;
+    Tracker tracker(the_town().map, options);
+    const Driven driven = drive(tracker, {0.8, -0.6, 0.03}, 1, seed);
+    EXPECT_LT(driven.rms, 0.8) << seed;  // dead reckoning: some metres
+    EXPECT_LT(driven.yaw_rms, 0.03) << seed;
+    EXPECT_GT(driven.tracking, driven.updates * 3 / 4) << seed;
+    EXPECT_GE(driven.within, driven.tracking * 97 / 100) << seed;
+    EXPECT_TRUE(tracker.estimate().usable());
+    EXPECT_LT(tracker.estimate().p_value, 0.05);
+  }
+}
+
+TEST(Tracker, ConvergesFromFourMetresAway) {
+  int found = 0;
+  for (const uint64_t seed : {1U, 2U, 3U, 4U}) {
+    TrackerOptions options = quick();
+    options.seed = seed;
+    Tracker tracker(the_town().map, options);
+    const double a = 1.3 * static_cast<double>(seed);
+    const Driven driven = drive(tracker, {4 * std::cos(a), 4 * std::sin(a), 0.05}, 4, seed);
+    found += std::hypot(driven.last.x - driven.truth.x, driven.last.y - driven.truth.y) < 1;
+  }
+  EXPECT_EQ(found, 4);
+}
+
+TEST(Tracker, TheSameSeedGivesTheSamePoses) {
+  PlanarPose poses[3];
+  for (int i = 0; i < 3; ++i) {
+    TrackerOptions options = quick();
+    options.seed = i < 2 ? 7 : 8;
+    Tracker tracker(the_town().map, options);
+    poses[i] = drive(tracker, {0.5, 0.5, 0}, 1, 9, 12).last;
+  }
+  EXPECT_EQ(poses[0], poses[1]);
+  EXPECT_NE(poses[0], poses[2]);
+}
+
+TEST(Tracker, SaysLostWhenNothingFits) {
+  Tracker tracker(the_town().map, quick());
+  const PlanarPose pose{-60, 0, 0};
+  tracker.start(pose, covariance(1, 0.05));
+  int lost = 0, tracking = 0;
+  for (uint64_t i = 0; i < 40; ++i) {
+    tracker.predict({0.5, 0, 0}, covariance(0.01, 0.001));
+    tracker.update(see(the_town().map, pose, i, true));
+    lost += tracker.estimate().state == TrackState::kLost;
+    tracking += tracker.estimate().state == TrackState::kTracking;
+  }
+  EXPECT_GT(lost, 15);
+  EXPECT_EQ(tracking, 0);
+  EXPECT_FALSE(tracker.estimate().usable());
+  EXPECT_STRNE(tracker.estimate().reason, "");
+}
+
+TEST(Tracker, FindsItselfAfterItWasCarriedAway) {
+  TrackerOptions options = quick();
+  options.particles.most = 600;
+  Tracker tracker(the_town().map, options);
+  drive(tracker, {0, 0, 0}, 0.5, 1, 20);
+  // Carried 7 m back and to the side: the odometry does not see it.
+  PlanarPose truth = tracker.estimate().pose.then({-6, 1.5, 0});
+  double worst = 0;
+  bool doubted = false;
+  for (int i = 0; i < 60; ++i) {
+    truth = truth.then({0.7, 0, 0});
+    tracker.predict({0.7, 0, 0}, covariance(0.02, 0.002));
+    tracker.update(see(the_town().map, truth, 500 + static_cast<uint64_t>(i)));
+    const auto estimate = tracker.estimate();
+    doubted |= estimate.state != TrackState::kTracking;
+    if (i >= 50) {
+      worst = std::max(worst, std::hypot(estimate.pose.x - truth.x, estimate.pose.y - truth.y));
+    }
+  }
+  EXPECT_TRUE(doubted);
+  EXPECT_LT(worst, 1.2);
+  EXPECT_EQ(tracker.estimate().state, TrackState::kTracking);
+}
+
+TEST(Tracker, OutsideTheMapItIsLost) {
+  Tracker tracker(the_town().map, quick());
+  tracker.start({5000, 5000, 0}, covariance(1, 0.05));
+  tracker.update(see(the_town().map, {0, 0, 0}, 1));
+  EXPECT_EQ(tracker.estimate().state, TrackState::kLost);
+  EXPECT_STREQ(tracker.estimate().reason, "the vehicle is outside the map");
+}
+
+TEST(Tracker, BeforeItsStartItIsLost) {
+  Tracker tracker(the_town().map, quick());
+  tracker.update(see(the_town().map, {0, 0, 0}, 1));
+  EXPECT_FALSE(tracker.estimate().usable());
+  EXPECT_STREQ(tracker.estimate().reason, "no initial pose");
+}
+
+TEST(Tracker, TooFewSamplesChangeNothing) {
+  Tracker tracker(the_town().map, quick());
+  tracker.start({0, 0, 0}, covariance(1, 0.05));
+  const PlanarPose before = tracker.estimate().pose;
+  tracker.update(GridSamples{});
+  EXPECT_EQ(tracker.estimate().pose, before);
+}
+
+TEST(TrackerEstimate, CovarianceIsALeftPerturbation) {
+  // Poses drawn from the planar covariance against exp(xi) · T with xi from ours.
+  TrackerEstimate estimate;
+  estimate.pose = {30, -20, 0.7};
+  estimate.covariance << 0.09, 0.02, 0.001, 0.02, 0.16, -0.002, 0.001, -0.002, 0.0004;
+  const geometry::Matrix6 C = estimate.covariance6();
+  const Eigen::Matrix3d L = estimate.covariance.llt().matrixL();
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  geometry::Matrix6 sum = geometry::Matrix6::Zero();
+  const int n = 40000;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector3d d = L * Eigen::Vector3d(normal(random), normal(random), normal(random));
+    TrackerEstimate other;
+    other.pose = {30 + d.x(), -20 + d.y(), 0.7 + d.z()};
+    const geometry::Vector6 xi =
+        geometry::log(other.T_map_vehicle() * estimate.T_map_vehicle().inverse());
+    sum += xi * xi.transpose();
+  }
+  for (const int i : {2, 3, 4}) {
+    for (const int k : {2, 3, 4}) {
+      EXPECT_NEAR(sum(i, k) / n, C(i, k), 0.03 * std::sqrt(C(i, i) * C(k, k))) << i << k;
+    }
+  }
+}
+
+TEST(TrackerOptions, SaysWhatIsWrong) {
+  EXPECT_FALSE(TrackerOptions().invalid());
+  EXPECT_TRUE(TrackerOptions{.omission = 1.5}.invalid());
+  EXPECT_TRUE(TrackerOptions{.sharpness = 0}.invalid());
+  TrackerOptions few;
+  few.particles.fewest = 1;
+  EXPECT_TRUE(few.invalid());
+  TrackerOptions window;
+  window.confidence.window = 0;
+  EXPECT_TRUE(window.invalid());
+  TrackerOptions grid;
+  grid.grid.cell = 0;
+  EXPECT_TRUE(grid.invalid());
+}
+
+}  // namespace
+}  // namespace infuse::streetmap

@@ -1,0 +1,175 @@
+#include "fusion/target/solve_target.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/fusion/target/made_views.hpp"
+
+namespace infuse::target {
+namespace {
+
+using geometry::Matrix6;
+using geometry::Vector6;
+using made::degrees_between;
+using made::metres_between;
+using testing::HasSubstr;
+
+const Eigen::Isometry3d kTruth = made::true_T_camera_lidar();
+
+Eigen::Isometry3d rough() { return made::off(kTruth, 0.05, 0.1); }
+
+TEST(SolveTarget, TenAndThirtyViewsReachTheFigures) {
+  constexpr int kRuns = 20;
+  for (const int views : {10, 30}) {
+    double degrees = 0;
+    double metres = 0;
+    for (uint64_t seed = 1; seed <= kRuns; ++seed) {
+      const TargetResult result = solve_target(made::look_often(views, seed), rough(), {});
+      ASSERT_TRUE(result.usable()) << result.reason;
+      EXPECT_GE(result.used, views - 1);
+      degrees += std::pow(degrees_between(result.T_head_lidar, kTruth), 2) / kRuns;
+      metres += std::pow(metres_between(result.T_head_lidar, kTruth), 2) / kRuns;
+    }
+    EXPECT_LT(std::sqrt(degrees), 0.1) << views;
+    EXPECT_LT(std::sqrt(metres), 0.005) << views;
+  }
+}
+
+TEST(SolveTarget, CovarianceCoversTheSpreadOfAHundredRuns) {
+  double squares = 0;
+  int inside = 0;
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    const TargetResult result = solve_target(made::look_often(10, seed), rough(), {});
+    const Vector6 error = geometry::log(result.T_head_lidar * kTruth.inverse());
+    const double normalised = error.dot(result.covariance.inverse() * error);
+    squares += normalised;
+    inside += normalised < 12.592 ? 1 : 0;  // 95 % of chi squared, 6 degrees of freedom
+  }
+  // The sum has 600 degrees of freedom: 99.9 % of it lies within 493 … 720.
+  EXPECT_GT(squares, 493);
+  EXPECT_LT(squares, 720);
+  EXPECT_GE(inside, 87);  // 99.9 % of draws of 100 at 95 %
+}
+
+TEST(SolveTarget, WithoutNoiseTheTruthIsFound) {
+  made::Draw draw(3);
+  std::vector<TargetView> views;
+  for (int k = 0; k < 5; ++k) {
+    views.push_back(made::look(made::hold_up(draw, made::board()), made::board(), draw, 0, 0));
+    views.back().board_covariance.setZero();
+  }
+  const TargetResult result = solve_target(views, rough(), {});
+  EXPECT_LT(degrees_between(result.T_head_lidar, kTruth), 1e-6);
+  EXPECT_LT(metres_between(result.T_head_lidar, kTruth), 1e-8);
+}
+
+TEST(SolveTarget, WrongViewsAreRejectedAndListed) {
+  std::vector<TargetView> views = made::look_often(12, 7);
+  // The board was elsewhere; the returns are of another plane; the board was moved a little.
+  views[2].T_head_board = made::off(views[2].T_head_board, 0.4, 0.3);
+  for (Eigen::Vector3d& point : views[5].returns) point.x() = 8;
+  views[9].T_head_board.pretranslate(0.05 * views[9].normal());
+  const TargetResult result = solve_target(views, rough(), {});
+  EXPECT_TRUE(result.usable()) << result.reason;
+  EXPECT_EQ(result.used, 9);
+  for (const size_t wrong : {2, 5, 9}) EXPECT_FALSE(result.views[wrong].used) << wrong;
+  EXPECT_NEAR(std::abs(result.views[9].offset), 0.05, 0.01);
+  EXPECT_LT(degrees_between(result.T_head_lidar, kTruth), 0.1);
+  EXPECT_LT(metres_between(result.T_head_lidar, kTruth), 0.005);
+}
+
+/// Views of a board that turns about one axis only.
+std::vector<TargetView> turned_about(const Eigen::Vector3d& axis,
+                                     const std::vector<double>& angles) {
+  made::Draw draw(5);
+  std::vector<TargetView> views;
+  for (const double angle : angles) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+    T.translation() = Eigen::Vector3d(draw.even(-0.5, 0.5), draw.even(-0.4, 0.4), 3) -
+                      T.linear() * made::board().middle();
+    views.push_back(made::look(T, made::board(), draw));
+  }
+  return views;
+}
+
+TEST(SolveTarget, NormalsInOnePlaneNameTheFreeTranslation) {
+  // Turned about the picture's upright: nothing tells how high the camera stands.
+  const auto upright =
+      solve_target(turned_about(Eigen::Vector3d::UnitY(), {-0.6, -0.3, 0, 0.3, 0.6}), rough(), {});
+  EXPECT_FALSE(upright.usable());
+  EXPECT_THAT(upright.reason, HasSubstr("all normals lie in one plane"));
+  EXPECT_THAT(upright.reason, HasSubstr("1.0"));
+  EXPECT_THAT(upright.reason, testing::ContainsRegex("\\(-?0\\.0, 1\\.0, -?0\\.0\\) is free"));
+  const Eigen::Vector3d skew = Eigen::Vector3d(0.6, 0.8, 0);
+  const auto skewed = solve_target(turned_about(skew, {-0.6, -0.2, 0.2, 0.6}), rough(), {});
+  EXPECT_THAT(skewed.reason, testing::ContainsRegex("\\(0\\.6, 0\\.8, -?0\\.0\\) is free"));
+}
+
+TEST(SolveTarget, OneOrientationIsNotEnough) {
+  const auto result =
+      solve_target(turned_about(Eigen::Vector3d::UnitX(), {0.3, 0.3, 0.3}), rough(), {});
+  EXPECT_FALSE(result.usable());
+  EXPECT_THAT(result.reason, HasSubstr("all normals are parallel"));
+  EXPECT_THAT(solve_target({}, rough(), {}).reason, HasSubstr("no view"));
+}
+
+TEST(SolveTarget, TwoViewsLeaveTheirIntersectionFree) {
+  std::vector<TargetView> views = made::look_often(2, 11);
+  const Eigen::Vector3d free = views[0].normal().cross(views[1].normal()).normalized();
+  const auto result = solve_target(views, rough(), {});
+  EXPECT_FALSE(result.usable());
+  char text[40];
+  const double sign = free.cwiseAbs().maxCoeff() == free.maxCoeff() ? 1 : -1;
+  std::snprintf(text, sizeof text, "%.1f", sign * free.y());
+  EXPECT_THAT(result.reason, HasSubstr("one plane"));
+  EXPECT_THAT(result.reason, HasSubstr(text));
+}
+
+TEST(SolveTarget, TooMuchNoiseIsRefused) {
+  const auto result = solve_target(made::look_often(4, 2, made::board(), 1.0), rough(), {});
+  EXPECT_FALSE(result.usable());
+}
+
+TEST(SolveTarget, SameSeedSameBytes) {
+  const auto views = made::look_often(8, 4);
+  const auto a = solve_target(views, rough(), {});
+  const auto b = solve_target(views, rough(), {});
+  EXPECT_EQ(a.T_head_lidar.matrix(), b.T_head_lidar.matrix());
+  EXPECT_EQ(a.covariance, b.covariance);
+}
+
+TEST(SolveTargetOptions, SaysWhatIsWrong) {
+  EXPECT_FALSE(SolveTargetOptions{}.invalid());
+  EXPECT_THAT(*(SolveTargetOptions{.range_noise = 0}.invalid()), HasSubstr("range_noise"));
+  EXPECT_THAT(*(SolveTargetOptions{.outlier = -1}.invalid()), HasSubstr("outlier"));
+  EXPECT_THAT(*(SolveTargetOptions{.max_translation_sd = 0}.invalid()), HasSubstr("sd"));
+}
+
+TEST(ReturnsPlane, FourPointsHaveTheReturnsMeanAndSpreadInThePlane) {
+  const TargetView view = made::look_often(1, 9)[0];
+  const ReturnsPlane plane = returns_plane(view.returns);
+  Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d four = Eigen::Matrix3d::Zero();
+  const auto square = [&](const Eigen::Vector3d& point) -> Eigen::Matrix3d {
+    const Eigen::Vector3d out = point - plane.mean;
+    const Eigen::Vector3d flat = out - plane.normal.dot(out) * plane.normal;
+    return flat * flat.transpose();
+  };
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double thickness = 0;
+  for (const Eigen::Vector3d& point : view.returns) {
+    const auto n = static_cast<double>(view.returns.size());
+    mean += point / n;
+    all += square(point) / n;
+    thickness += std::pow(plane.normal.dot(point - plane.mean), 2) / n;
+  }
+  for (int k = 0; k < 4; ++k) four += square(plane.points.col(k)) / 4;
+  EXPECT_LT((all - four).norm(), 1e-9);
+  EXPECT_LT((mean - plane.points.rowwise().mean()).norm(), 1e-9);
+  EXPECT_NEAR(plane.rms, std::sqrt(thickness), 1e-9);
+  EXPECT_LT(plane.normal.dot(plane.mean), 0);
+}
+
+}  // namespace
+}  // namespace infuse::target
