@@ -20,6 +20,8 @@ constexpr double kNearTranslation = 0.04;
 constexpr double kAlike = 0.1;   // rad: turned further, pictures of other places fit as well
 constexpr int kDrawnEach = 40;   // poses drawn for one that climbs
 constexpr int kMostRounds = 4;   // of restarts that each found a better place
+constexpr double kFree = 1;      // times the anchors of the levels
+constexpr double kHeld = 3;      // the same, where the first attempt came to nothing
 constexpr double kFarthest = 4;  // standard deviations of the start's translation
 
 /// Even in [−1, 1]; the standard's distributions differ between libraries.
@@ -72,8 +74,15 @@ class Calibration {
 
   CoarseToFine& search() { return search_; }
 
-  /// The end of the coarse climbs that scores best.
-  Eigen::Isometry3d find_basin() {
+  /// Where climbs came to rest, and how many of the last round led back there.
+  struct Rest {
+    Eigen::Isometry3d T;
+    int returned = 0;
+    bool settled = true;  // the last round found nothing better
+  };
+
+  /// The end of the coarse climbs that scores best; `held` multiplies the levels' anchors.
+  Eigen::Isometry3d find_basin(double held) {
     VisibilityOptions open = options_.visibility;
     open.occlusion_cell = 0;
     PoseScore quick(few_, cameras_, terms_, open, images_, options_.screen_sigma,
@@ -81,17 +90,15 @@ class Calibration {
     std::vector<Eigen::Isometry3d> poses =
         screen_rotations(start_, options_.screen, std::ref(quick));
     evaluations_ += quick.evaluations();
-    for (const Level& level : options_.coarse) poses = climb_all(poses, level);
+    for (Level level : options_.coarse) {
+      level.anchor *= held;
+      poses = climb_all(poses, level);
+    }
     return poses.front();
   }
 
   /// Climbs again from around `T`; where that leads to a better place, from around that. Gives back
   /// where it came to rest, and how many of the last round's climbs led back there.
-  struct Rest {
-    Eigen::Isometry3d T;
-    int returned = 0;
-    bool settled = true;  // the last round found nothing better
-  };
   Rest settle(const Eigen::Isometry3d& T) {
     if (options_.restarts == 0) return {.T = T};
     std::mt19937_64 random(options_.seed);
@@ -244,6 +251,34 @@ std::string judge(const CalibrationResult& result, const Maximum& maximum, doubl
   return {};
 }
 
+/// Finds a calibration with the levels' anchors multiplied by `held`, and judges it.
+CalibrationResult attempt(Calibration& calibration, const Eigen::Isometry3d& start, size_t scenes,
+                          const CalibrateOptions& options, double held) {
+  CalibrationResult result;
+  CoarseToFine& search = calibration.search();
+  const Calibration::Rest rest = calibration.settle(calibration.find_basin(held));
+  const Maximum maximum = search.climb(rest.T, options.fine);
+  result.T_head_lidar = maximum.T_head_lidar;
+  result.restarts = options.restarts;
+  result.returned = rest.returned;
+  result.settled = rest.settled;
+
+  const VisiblePoints points = search.visible(result.T_head_lidar, 0);
+  Objective finest = search.objective(points, options.fine.back().sigma);
+  result.points = points.size();
+  result.value = finest.evaluate(result.T_head_lidar, false).estimate.value;
+  result.value_at_start = finest.evaluate(start, false).estimate.value;
+  Objective smooth = search.objective(points, options.uncertainty_sigma);
+  result.uncertainty = estimate_uncertainty(smooth, result.T_head_lidar);
+  result.scenes = scene_support(search, result.T_head_lidar, scenes, options.uncertainty_sigma);
+  result.support = mean_support(result.scenes);
+  result.evaluations = finest.evaluations() + smooth.evaluations();
+  const double moved =
+      (result.T_head_lidar.inverse().translation() - start.inverse().translation()).norm();
+  result.reason = judge(result, maximum, moved, options);
+  return result;
+}
+
 }  // namespace
 
 std::optional<std::string> CalibrateOptions::invalid() const {
@@ -279,32 +314,15 @@ CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCa
                             const Eigen::Isometry3d& T_head_lidar_start,
                             const CalibrateOptions& options) {
   Calibration calibration(scenes, cameras, T_head_lidar_start, options);
-  CalibrationResult result;
-  CoarseToFine& search = calibration.search();
-  const auto rest = calibration.settle(calibration.find_basin());
-  const Maximum maximum = search.climb(rest.T, options.fine);
-  result.T_head_lidar = maximum.T_head_lidar;
-
-  const VisiblePoints points = search.visible(result.T_head_lidar, 0);
-  Objective finest = search.objective(points, options.fine.back().sigma);
-  result.points = points.size();
-  result.value = finest.evaluate(result.T_head_lidar, false).estimate.value;
-  result.value_at_start = finest.evaluate(T_head_lidar_start, false).estimate.value;
-
-  result.restarts = options.restarts;
-  result.returned = rest.returned;
-  result.settled = rest.settled;
-  result.split_half = calibration.split_half(result.T_head_lidar);
-  Objective smooth = search.objective(points, options.uncertainty_sigma);
-  result.uncertainty = estimate_uncertainty(smooth, result.T_head_lidar);
-  result.scenes =
-      scene_support(search, result.T_head_lidar, scenes.size(), options.uncertainty_sigma);
-  result.support = mean_support(result.scenes);
-  result.evaluations = calibration.evaluations() + finest.evaluations() + smooth.evaluations();
-  const double moved =
-      (result.T_head_lidar.inverse().translation() - T_head_lidar_start.inverse().translation())
-          .norm();
-  result.reason = judge(result, maximum, moved, options);
+  CalibrationResult result =
+      attempt(calibration, T_head_lidar_start, scenes.size(), options, kFree);
+  if (!result.usable() && options.restarts > 0 && result.points > 0) {
+    const CalibrationResult held =
+        attempt(calibration, T_head_lidar_start, scenes.size(), options, kHeld);
+    if (held.usable()) result = held;
+  }
+  if (result.usable()) result.split_half = calibration.split_half(result.T_head_lidar);
+  result.evaluations += calibration.evaluations();
   return result;
 }
 

@@ -24,9 +24,9 @@ struct CalibrateOptions {
   size_t screen_points = 8'000;   ///< that take part in the screening
   size_t coarse_points = 40'000;  ///< that take part in the coarse climbs and their comparison
   std::vector<Level> coarse{{.sigma = 8, .tolerance = 2e-2, .anchor = 0.3, .survivors = 6},
-                            {.sigma = 4, .tolerance = 2e-2, .anchor = 0.2, .survivors = 6},
-                            {.sigma = 3, .tolerance = 1e-2, .anchor = 0.1, .survivors = 2},
-                            {.sigma = 2, .tolerance = 1e-2, .anchor = 0.05}};
+                            {.sigma = 4, .tolerance = 2e-2, .anchor = 0.1, .survivors = 6},
+                            {.sigma = 3, .tolerance = 1e-2, .anchor = 0.03, .survivors = 2},
+                            {.sigma = 2, .tolerance = 1e-2}};
   double start_translation = 0.1;  ///< m each axis, one standard deviation: how well the start
                                    ///< tells where the head stands in the lidar frame
 
