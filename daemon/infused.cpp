@@ -1,6 +1,5 @@
 // infused: the daemon. Runs the pipeline on a recorded drive and tells whoever listens.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/io_context.hpp>
@@ -14,9 +13,11 @@
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/command_line/summary.hpp"
 #include "daemon/config/config.hpp"
+#include "daemon/live/live_main.hpp"
+#include "daemon/live/live_setup.hpp"
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/server/server.hpp"
-#include "daemon/server/socket_path.hpp"
+#include "daemon/service/logging.hpp"
 #include "drivers/recording/text_file.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 
@@ -42,6 +43,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.description(
       "infused: fuses lidar, cameras and odometry on the vehicle, and tells what it knows over a\n"
       "socket (see: infuse status, infuse watch).\n\n"
+      "  infused --config infused.toml             run the sensors of this host\n"
       "  infused --replay drive.pcap               run the pipeline on a capture, print a summary\n"
       "  infused --replay drive/ --rate 1 --json   the same in real time, summary for machines");
   app.set_version_flag("--version", INFUSE_VERSION);
@@ -72,23 +74,6 @@ std::string new_session() {
   std::random_device device;
   const uint64_t number = uint64_t{device()} << 32 | device();
   return fmt::format("{:016x}", number);
-}
-
-/// Where `--socket` or the configuration say; else at the first default place, and if that cannot
-/// be, nowhere: a replay goes on without.
-Result<void> listen(Server& server, const Arguments& arguments, const ServerOptions& options) {
-  if (options.tcp_port != 0) {
-    if (auto port = server.listen_tcp(options.tcp_port); !port) {
-      return tl::unexpected(port.error());
-    }
-  }
-  const std::string& path = arguments.socket.empty() ? options.path : arguments.socket;
-  if (!path.empty()) return server.listen(path);
-  const std::filesystem::path usual = default_socket_paths().front();
-  if (const auto listening = server.listen(usual); !listening) {
-    spdlog::warn("nobody can watch: {}", listening.error().message());
-  }
-  return {};
 }
 
 /// Shows how far the replay is, ten times a second.
@@ -138,7 +123,7 @@ int run_replay(const Arguments& arguments, const Config& config) {
 
   boost::asio::io_context io(1);
   Server server(io, config.socket, INFUSE_VERSION, new_session());
-  if (const auto listening = listen(server, arguments, config.socket); !listening) {
+  if (const auto listening = listen(server, arguments.socket, config.socket); !listening) {
     return complain(kProgram, listening.error(), kUsage);
   }
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
@@ -193,7 +178,7 @@ int run(int argc, char** argv) {
   Arguments arguments;
   declare(app, arguments);
   if (const auto code = parse_arguments(app, argc, argv)) return *code;
-  spdlog::set_default_logger(spdlog::stderr_color_mt(kProgram));
+  set_up_logging(kProgram);
 
   Config config;
   if (!arguments.config.empty()) {
@@ -207,15 +192,17 @@ int run(int argc, char** argv) {
       return complain(kProgram, {"there is no configuration to check", "", "--config FILE"},
                       kUsage);
     }
+    if (const auto setup = set_up_live(config); !setup) {
+      return complain(kProgram, setup.error(), kUsage);
+    }
     std::cout << arguments.config << ": the configuration is right\n";
     return kDone;
   }
-  if (arguments.replay.empty()) {
-    return complain(kProgram,
-                    {"live sources are not supported yet", "", "run a recording with --replay"},
-                    kUsage);
+  if (!arguments.replay.empty()) return run_replay(arguments, config);
+  if (arguments.config.empty()) {
+    return complain(kProgram, {"nothing to do", "", "--config FILE, or --replay PATH"}, kUsage);
   }
-  return run_replay(arguments, config);
+  return run_live({arguments.config, arguments.socket, INFUSE_VERSION, new_session()}, config);
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name) {
 /// Reads the drive until the writer has what it wants.
 void decode(DriveSetup& setup, size_t lidar, bool straight, Writer& writer) {
   LidarIntake intake(setup.lidars[lidar]);
-  VehicleIntake vehicle(setup.vehicle.decoder);
+  VehicleIntake vehicle(setup.vehicle);
   StraightSweeps sweeps(setup.rig.lidars[lidar].T_vehicle_lidar, {});
   const auto on_sweep = [&](Sweep& sweep) { straight ? sweeps.take(sweep) : writer.take(sweep); };
   const auto on_sample = [&](const VehicleSample& sample) { sweeps.take(sample); };

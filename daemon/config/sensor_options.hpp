@@ -28,6 +28,8 @@ struct LidarOptions {
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const;
 
+  bool operator==(const LidarOptions&) const = default;
+
   /// How one of its ports is listened to.
   velodyne::UdpOptions udp(uint16_t at_port) const {
     return {address, at_port, multicast, interface, receive_buffer};
@@ -41,6 +43,8 @@ struct CameraOptions {
 
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const;
+
+  bool operator==(const CameraOptions&) const = default;
 };
 
 /// A CAN bus of this host: one `[[can]]` table.
@@ -54,6 +58,8 @@ struct BusOptions {
 
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const;
+
+  bool operator==(const BusOptions&) const = default;
 };
 
 /// A satellite receiver that sends NMEA sentences: the `[gps]` table.
@@ -63,6 +69,8 @@ struct GpsOptions {
 
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const;
+
+  bool operator==(const GpsOptions&) const = default;
 };
 
 }  // namespace infuse::daemon

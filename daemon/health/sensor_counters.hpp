@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "daemon/health/source_state.hpp"
 #include "drivers/measurement/stamp.hpp"
 #include "drivers/measurement/sweep.hpp"
 
@@ -29,6 +30,8 @@ struct SensorCounters {
   Stamp first_packet;  ///< host receive time of the first data packet; meaningful when packets > 0
   Stamp last_packet;   ///< and of the last
   ClockState clock;    ///< of the device, as it was last stated
+
+  SourceState source;  ///< live: of its socket
 
   uint32_t stranger = 0;       ///< IPv4 address, host order, of the last datagram not taken
   uint32_t stranger_size = 0;  ///< its payload, bytes

@@ -37,12 +37,14 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
       previous_(start),
       // Silence is a time of its own, so it needs no further delay to be raised.
       conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
+                  {"unavailable", Level::kError, Duration::zero(), Duration::zero()},
                   {"undecodable", Level::kError, options.raise_after, options.clear_after},
                   {"no_sweeps", Level::kError, Duration::zero(), options.clear_after},
                   {"heavy_loss", Level::kError, options.raise_after, options.clear_after},
                   {"loss", Level::kWarn, options.raise_after, options.clear_after},
                   {"wrong_sender", Level::kWarn, options.raise_after, options.clear_after},
                   {"wrong_model", Level::kWarn, options.raise_after, options.clear_after},
+                  {"buffer", Level::kWarn, options.raise_after, options.clear_after},
                   {"clock", Level::kWarn, options.raise_after, options.clear_after}} {
   window_[0].stamp = start;
   taken_ = 1;
@@ -57,12 +59,13 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
   status_.counters = counters;
   measure_rates(now, oldest);
 
-  conditions_.judge(
-      {judge_silence(now, counters), judge_decoding(counters, before), judge_sweeps(now, counters),
-       judge_loss(counters, before, options_.error_loss, kAnyLoss),
-       judge_loss(counters, before, options_.warn_loss, options_.error_loss),
-       judge_sender(counters, before), judge_model(counters, before), judge_clock(now, counters)},
-      now);
+  conditions_.judge({judge_silence(now, counters), judge_availability(counters.source),
+                     judge_decoding(counters, before), judge_sweeps(now, counters),
+                     judge_loss(counters, before, options_.error_loss, kAnyLoss),
+                     judge_loss(counters, before, options_.warn_loss, options_.error_loss),
+                     judge_sender(counters, before), judge_model(counters, before),
+                     judge_buffer(counters.source), judge_clock(now, counters)},
+                    now);
   status_.findings = conditions_.findings();
   status_.transitions = conditions_.transitions();
   status_.level = conditions_.level();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "daemon/health/source_state.hpp"
 #include "drivers/measurement/stamp.hpp"
 
 namespace infuse::daemon {
@@ -16,6 +17,7 @@ struct StreamCounters {
   uint64_t backward = 0;  ///< stamps that lay before the one above
   Stamp first;            ///< stamp of the first; meaningful when received > 0
   Stamp last;             ///< and of the latest
+  SourceState source;     ///< live: of its interface or device
 
   /// One more arrived.
   void count(Stamp stamp) {

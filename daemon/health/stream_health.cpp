@@ -11,9 +11,12 @@ StreamHealth::StreamHealth(std::string endpoint, const HealthOptions& options, S
       previous_(start),
       // Silence is a time of its own, so it needs no further delay to be raised.
       conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
+                  {"unavailable", Level::kError, Duration::zero(), Duration::zero()},
+                  {"bus_off", Level::kError, Duration::zero(), Duration::zero()},
                   {"unreadable", Level::kError, options.raise_after, options.clear_after},
                   {"unused", Level::kError, options.raise_after, options.clear_after},
                   {"loss", Level::kWarn, options.raise_after, options.clear_after},
+                  {"bus", Level::kWarn, Duration::zero(), options.clear_after},
                   {"order", Level::kWarn, Duration::zero(), options.clear_after}} {
   window_[0].stamp = start;
   taken_ = 1;
@@ -32,9 +35,10 @@ const StreamStatus& StreamHealth::update(Stamp now, const StreamCounters& counte
   status_.received_hz =
       seconds > 0 ? static_cast<double>(counters.received - oldest.counters.received) / seconds : 0;
   status_.counters = counters;
-  conditions_.judge({judge_silence(now, counters), judge_reading(counters, oldest.counters),
+  conditions_.judge({judge_silence(now, counters), judge_availability(counters.source),
+                     judge_bus_off(counters.source), judge_reading(counters, oldest.counters),
                      judge_use(counters, oldest.counters), judge_loss(counters, oldest.counters),
-                     judge_order(counters, oldest.counters)},
+                     judge_bus(counters.source), judge_order(counters, oldest.counters)},
                     now);
   status_.findings = conditions_.findings();
   status_.transitions = conditions_.transitions();
@@ -62,7 +66,7 @@ Verdict StreamHealth::judge_reading(const StreamCounters& now, const StreamCount
 
 // A bus that carries frames, but none of the signals that are mapped.
 Verdict StreamHealth::judge_use(const StreamCounters& now, const StreamCounters& before) const {
-  if (now.received == before.received || now.used > before.used ||
+  if (!now.source.wanted || now.received == before.received || now.used > before.used ||
       now.refused - before.refused >= now.received - before.received) {
     return {};
   }

@@ -33,12 +33,16 @@ bool read_file(const char* path, size_t max_bytes, std::vector<uint8_t>& bytes) 
 
 bool CameraIntake::take(Stamp stamp, uint64_t sequence, const std::filesystem::path& path,
                         std::vector<uint8_t>& encoded) {
-  if (sequence > next_) counters_.lost += sequence - next_;
-  next_ = sequence + 1;
-  counters_.count(stamp);
+  count(stamp, sequence);
   if (read_file(path.c_str(), kMaxBytes, encoded)) return true;
   ++counters_.refused;
   return false;
+}
+
+void CameraIntake::count(Stamp stamp, uint64_t sequence) {
+  if (sequence > next_) counters_.lost += sequence - next_;
+  next_ = sequence + 1;
+  counters_.count(stamp);
 }
 
 }  // namespace infuse::daemon

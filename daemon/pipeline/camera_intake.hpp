@@ -21,6 +21,9 @@ class CameraIntake {
   bool take(Stamp stamp, uint64_t sequence, const std::filesystem::path& path,
             std::vector<uint8_t>& encoded);
 
+  /// Counts a picture, and what is missing before it.
+  void count(Stamp stamp, uint64_t sequence);
+
   const StreamCounters& counters() const { return counters_; }
 
  private:

@@ -141,11 +141,10 @@ Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
   auto vehicle = set_up_vehicle(drive);
   if (!vehicle) return tl::unexpected(vehicle.error());
   setup.vehicle = *std::move(vehicle);
-  setup.has_can = description.can.has_value();
   const auto add = [&](const char* kind, const std::string& file) {
     setup.devices.push_back({kind, kind, file, "configured", file, std::nullopt});
   };
-  if (setup.has_can) add("can", description.can->log);
+  if (description.can) add("can", description.can->log);
   if (setup.vehicle.has_imu) add("imu", description.imu);
   if (setup.vehicle.has_gps) add("gps", description.gps);
   return {};
@@ -160,7 +159,10 @@ Result<DriveSetup> open_drive(const std::filesystem::path& path,
   if (!drive) return tl::unexpected(drive.error());
   auto source = recording::DriveSource::open(*drive);
   if (!source) return tl::unexpected(source.error());
-  DriveSetup setup{.path = path, .source = *std::move(source), .rig = drive->description.rig};
+  DriveSetup setup;
+  setup.path = path;
+  setup.source = *std::move(source);
+  setup.rig = drive->description.rig;
   return set_up_lidars(*drive, lidars, model, setup)
       .and_then([&] { return set_up_streams(*drive, setup); })
       .map([&] { return std::move(setup); });

@@ -5,8 +5,9 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr Duration kPoseInterval{100'000'000};  // between poses where there is no lidar
-constexpr Duration kClockStep{1'000'000'000};  // back by more than this, drive time begins anew
+constexpr Duration kPicturePatience{50'000'000};  // live
+constexpr Duration kPoseInterval{100'000'000};    // between poses where there is no lidar
+constexpr Duration kClockStep{1'000'000'000};     // back by more than this, drive time begins anew
 
 size_t index_of_lidar(const Rig& rig, const std::string& name) {
   size_t index = 0;
@@ -26,7 +27,8 @@ FusionStage::FusionStage(const FusionSetup& setup, SlotRing<StreamItem>& in,
       odometry_(setup.odometry),
       sweeps_(pins(setup.rig.lidars.size()) - 2,
               setup.has_odometry ? setup.odometry.max_wait : Duration::zero()),
-      pictures_(pictures, pictures.capacity()),
+      pictures_(pictures, pictures.capacity(),
+                setup.delivery == Delivery::kWait ? Signal::kForever : kPicturePatience),
       unreadable_(setup.rig.cameras.size()),
       given_up_(setup.rig.cameras.size()),
       looked_at_(setup.rig.cameras.size()) {
@@ -161,7 +163,7 @@ void FusionStage::tell_tick(const StreamItem& item) {
   report.stages[static_cast<size_t>(Stage::kIntake)] = item.intake;
   report.deadline_misses = deadline_misses_;
   report.items_waiting = {"items", static_cast<uint32_t>(in_.behind()),
-                          static_cast<uint32_t>(stream_.capacity())};
+                          static_cast<uint32_t>(stream_.capacity()), in_.lost()};
   send_report();
 }
 
@@ -173,8 +175,7 @@ ReportItem& FusionStage::begin_report(ReportItem::Kind kind, Stamp stamp) {
 }
 
 void FusionStage::send_report() {
-  out_.wait_for_room();
-  out_.publish();
+  deliver(out_, setup_.delivery);
   bell_.ring();
 }
 

@@ -7,6 +7,7 @@
 
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/pipeline/camera_stage.hpp"
+#include "daemon/pipeline/delivery.hpp"
 #include "daemon/pipeline/doorbell.hpp"
 #include "daemon/pipeline/odometry_stage.hpp"
 #include "daemon/pipeline/picture_queue.hpp"
@@ -24,6 +25,7 @@ struct FusionSetup {
   Rig rig;
   bool has_odometry = false;  ///< something says how the vehicle moves
   OdometrySettings odometry;
+  Delivery delivery = Delivery::kWait;
 };
 
 /// The fusion thread: takes what the io thread hands over, in order, and makes reports of it. A

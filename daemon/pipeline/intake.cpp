@@ -1,91 +1,86 @@
 #include "daemon/pipeline/intake.hpp"
 
 namespace infuse::daemon {
-namespace {
 
-constexpr uint64_t kCaptureOverhead = 58;  // record header, Ethernet, IPv4 and UDP, bytes
-
-}  // namespace
-
-Intake::Intake(DriveSetup& setup, std::optional<double> rate, SlotRing<StreamItem>& out)
-    : source_(setup.source),
-      cameras_(setup.rig.cameras.size()),
-      vehicle_(std::move(setup.vehicle.decoder)),
-      has_can_(setup.has_can),
-      has_imu_(setup.vehicle.has_imu),
-      has_gps_(setup.vehicle.has_gps),
-      out_(out),
-      pacer_(rate) {
+Intake::Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out)
+    : delivery_(setup.delivery),
+      cameras_(setup.cameras.size()),
+      mounted_cameras_(setup.rig.cameras.size()),
+      vehicle_(setup.vehicle),
+      out_(out) {
   for (const LidarSetup& lidar : setup.lidars) lidars_.emplace_back(lidar);
   samples_.reserve(kSamplesTogether);
 }
 
-void Intake::run(std::stop_token stop) {
-  recording::DriveEvent event;
-  bool started = false;
-  while (!stop.stop_requested() && source_.next(event)) {
-    if (!started) hand_over(StreamItem::Kind::kStart, event.stamp);
-    started = true;
-    pacer_.wait_until(event.stamp, stop);
-    taken_ = HostClock::now();
-    ticker_.advance(event.stamp, [&](Stamp second) { hand_over_tick(second); });
-    take(event);
-  }
+void Intake::start(Stamp stamp) { hand_over(StreamItem::Kind::kStart, stamp); }
+
+void Intake::advance(Stamp stamp) {
+  taken_ = HostClock::now();
+  ticker_.advance(stamp, [&](Stamp second) { hand_over_tick(second); });
+}
+
+void Intake::end(Stamp stamp, bool started) {
   for (size_t i = 0; i < lidars_.size(); ++i) {
-    lidars_[i].finish([&](Sweep& sweep) { hand_over_sweep(static_cast<uint32_t>(i), sweep); });
+    lidars_[i].finish([&](Sweep& sweep) { hand_over_sweep(i, sweep); });
   }
-  if (started) hand_over_tick(event.stamp);
-  hand_over(StreamItem::Kind::kEnd, event.stamp);
+  if (started) hand_over_tick(stamp);
+  hand_over(StreamItem::Kind::kEnd, stamp);
 }
 
-void Intake::take(const recording::DriveEvent& event) {
-  if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
-    take(*datagram);
-  } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-    take(*sweep);
-  } else if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
-    take(*image, event.stamp);
-  } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
-    vehicle_.take_line(bus->line, event.stamp,
-                       [&](const VehicleSample& sample) { add(sample, event.stamp); });
-  } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
-    vehicle_.count(*imu);
-    add(*imu, event.stamp);
-  } else if (const auto* fix = std::get_if<GpsFix>(&event.content)) {
-    vehicle_.count(*fix);
-    add(*fix, event.stamp);
-  }
-  if (!samples_.empty() && event.stamp - first_sample_ >= kSamplesWithin) hand_over_samples();
+void Intake::take(size_t lidar, const Datagram& datagram) {
+  lidars_[lidar].take(datagram, [&](Sweep& sweep) { hand_over_sweep(lidar, sweep); });
 }
 
-void Intake::take(const recording::DatagramEvent& event) {
-  const Datagram& datagram = event.datagram;
-  capture_bytes_.fetch_add(datagram.payload.size() + kCaptureOverhead, std::memory_order_relaxed);
-  if (event.lidar == recording::kNoLidar) {
-    ++unclaimed_;
-    stranger_ = datagram.sender;
-    stranger_size_ = static_cast<uint32_t>(datagram.payload.size());
-    return;
-  }
-  lidars_[event.lidar].take(
-      datagram, [&](Sweep& sweep) { hand_over_sweep(static_cast<uint32_t>(event.lidar), sweep); });
+void Intake::take_unclaimed(const Datagram& datagram) {
+  ++unclaimed_;
+  stranger_ = datagram.sender;
+  stranger_size_ = static_cast<uint32_t>(datagram.payload.size());
 }
 
-void Intake::take(const recording::SweepEvent& event) {
-  lidars_[event.lidar].take(*event.sweep, [&](Sweep& sweep) {
-    hand_over_sweep(static_cast<uint32_t>(event.lidar), sweep);
-  });
+void Intake::take(size_t lidar, const Sweep& sweep) {
+  lidars_[lidar].take(sweep, [&](Sweep& done) { hand_over_sweep(lidar, done); });
 }
 
-void Intake::take(const recording::ImageEvent& event, Stamp stamp) {
+void Intake::take_file(size_t camera, Stamp stamp, uint64_t sequence,
+                       const std::filesystem::path& path) {
   hand_over_samples();
   StreamItem& item = out_.hand();
-  if (!cameras_[event.camera].take(stamp, event.sequence, *event.path, item.encoded)) return;
-  item.camera = static_cast<uint32_t>(event.camera);
-  item.number = pictures_++;
-  item.sequence = event.sequence;
-  latency_.add(HostClock::now() - taken_);
-  hand_over(StreamItem::Kind::kPicture, stamp);
+  if (!cameras_[camera].take(stamp, sequence, path, item.encoded)) return;
+  item.raw.reset();
+  hand_over_picture(camera, stamp, sequence);
+}
+
+void Intake::take(size_t camera, const camera::StreamedPicture& picture) {
+  cameras_[camera].count(picture.stamp, picture.sequence);
+  if (camera >= mounted_cameras_) return;
+  hand_over_samples();
+  StreamItem& item = out_.hand();
+  item.encoded.assign(picture.raw.bytes.begin(), picture.raw.bytes.end());
+  item.raw = picture;
+  item.raw->raw.bytes = {};
+  hand_over_picture(camera, picture.stamp, picture.sequence);
+}
+
+void Intake::take_line(std::string_view line, Stamp stamp) {
+  vehicle_.take_line(line, stamp, [&](const VehicleSample& sample) { add(sample, stamp); });
+}
+
+void Intake::take(size_t bus, const vehicle::CanFrame& frame) {
+  vehicle_.take_frame(bus, frame, [&](const VehicleSample& sample) { add(sample, frame.stamp); });
+}
+
+void Intake::take(const ImuSample& sample, Stamp stamp) {
+  vehicle_.count(sample);
+  add(sample, stamp);
+}
+
+void Intake::take(const GpsFix& fix, Stamp stamp) {
+  vehicle_.count(fix);
+  add(fix, stamp);
+}
+
+void Intake::hand_over_old_samples(Stamp now) {
+  if (!samples_.empty() && now - first_sample_ >= kSamplesWithin) hand_over_samples();
 }
 
 void Intake::add(const VehicleSample& sample, Stamp stamp) {
@@ -104,13 +99,22 @@ void Intake::hand_over_samples() {
 }
 
 // The item in hand gets the full arrays and gives its own: nothing is copied.
-void Intake::hand_over_sweep(uint32_t device, Sweep& sweep) {
+void Intake::hand_over_sweep(size_t device, Sweep& sweep) {
   hand_over_samples();
   StreamItem& item = out_.hand();
-  item.device = device;
+  item.device = static_cast<uint32_t>(device);
   std::swap(item.sweep, sweep);
   latency_.add(HostClock::now() - taken_);
   hand_over(StreamItem::Kind::kSweep, item.sweep.stamp);
+}
+
+void Intake::hand_over_picture(size_t camera, Stamp stamp, uint64_t sequence) {
+  StreamItem& item = out_.hand();
+  item.camera = static_cast<uint32_t>(camera);
+  item.number = pictures_++;
+  item.sequence = sequence;
+  latency_.add(HostClock::now() - taken_);
+  hand_over(StreamItem::Kind::kPicture, stamp);
 }
 
 void Intake::hand_over_tick(Stamp stamp) {
@@ -124,11 +128,10 @@ void Intake::hand_over_tick(Stamp stamp) {
     counters.stranger = stranger_;
     counters.stranger_size = stranger_size_;
   }
-  size_t stream = 0;  // in the order of DriveSetup::devices
+  size_t stream = 0;  // in the order of PipelineSetup::devices
   for (const CameraIntake& camera : cameras_) item.streams[stream++] = camera.counters();
-  if (has_can_) item.streams[stream++] = vehicle_.can();
-  if (has_imu_) item.streams[stream++] = vehicle_.imu();
-  if (has_gps_) item.streams[stream++] = vehicle_.gps();
+  vehicle_.write_counters(item.streams.data() + stream);
+  sources_.write(item.counters, item.streams);
   item.intake = latency_.figures();
   hand_over(StreamItem::Kind::kTick, stamp);
 }
@@ -138,8 +141,7 @@ void Intake::hand_over(StreamItem::Kind kind, Stamp stamp) {
   item.kind = kind;
   item.stamp = stamp;
   item.taken = taken_;
-  out_.wait_for_room();
-  out_.publish();
+  deliver(out_, delivery_);
 }
 
 }  // namespace infuse::daemon

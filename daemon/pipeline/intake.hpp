@@ -1,26 +1,25 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <deque>
-#include <optional>
-#include <stop_token>
+#include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "daemon/pipeline/camera_intake.hpp"
-#include "daemon/pipeline/drive_setup.hpp"
 #include "daemon/pipeline/drive_ticker.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
-#include "daemon/pipeline/pacer.hpp"
+#include "daemon/pipeline/pipeline_setup.hpp"
+#include "daemon/pipeline/source_states.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/pipeline/vehicle_intake.hpp"
 #include "drivers/measurement/slot_ring.hpp"
-#include "drivers/recording/drive_source.hpp"
 
 namespace infuse::daemon {
 
-/// The io thread of a replay: reads the drive, decodes packets and frames of the bus, assembles
-/// sweeps, and hands all of it over in drive time. Waits for its consumers and drops nothing.
+/// Where all that the sensors say enters the pipeline, of a drive (`DriveReader`) or live
+/// (`LiveReader`): decodes packets and frames of the buses, assembles sweeps, and hands all of it
+/// over. Of the io thread.
 class Intake {
  public:
   /// The vehicle's samples are handed over together, so many at most, ...
@@ -28,47 +27,68 @@ class Intake {
   /// ... and within so much drive time.
   static constexpr Duration kSamplesWithin{10'000'000};
 
-  /// The ring has its readers already and outlives this, as does the setup.
-  Intake(DriveSetup& setup, std::optional<double> rate, SlotRing<StreamItem>& out);
+  /// The ring has its readers already and outlives this.
+  Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out);
 
-  /// Until the drive or the patience ends. The last item is always a kEnd.
-  void run(std::stop_token stop);
+  /// Begins, in drive time.
+  void start(Stamp stamp);
+  /// Drive time has come to the next event, which is taken next: ticks, and notes the host's time.
+  void advance(Stamp stamp);
+  /// Finishes what is begun, and hands over kEnd, after which nothing follows. `started` false:
+  /// there was nothing.
+  void end(Stamp stamp, bool started = true);
 
-  /// Bytes of the capture that the datagrams read so far take up; for a progress bar, from any
-  /// thread.
-  uint64_t capture_bytes() const { return capture_bytes_.load(std::memory_order_relaxed); }
+  // --- events, of sensors by their index ---
+
+  void take(size_t lidar, const Datagram& datagram);
+  /// A datagram that came to no lidar's port.
+  void take_unclaimed(const Datagram& datagram);
+  void take(size_t lidar, const Sweep& sweep);
+  void take_file(size_t camera, Stamp stamp, uint64_t sequence, const std::filesystem::path& path);
+  void take(size_t camera, const camera::StreamedPicture& picture);
+  void take_line(std::string_view line, Stamp stamp);
+  void take(size_t bus, const vehicle::CanFrame& frame);
+  void take(const ImuSample& sample, Stamp stamp);
+  void take(const GpsFix& fix, Stamp stamp);
+
+  /// Hands over the vehicle's samples that have waited long enough at `now`.
+  void hand_over_old_samples(Stamp now);
+
+  /// Datagrams that the kernel dropped for want of buffer.
+  void add_kernel_dropped(size_t lidar, uint64_t datagrams) {
+    lidars_[lidar].add_kernel_dropped(datagrams);
+  }
+
+  /// How the live sources are; the reader keeps it up to date. Empty in a replay.
+  SourceStates& sources() { return sources_; }
 
   /// What was wrong with the bus's log; after the end.
   const vehicle::ProblemLog& bus_problems() const { return vehicle_.problems(); }
 
  private:
-  void take(const recording::DriveEvent& event);
-  void take(const recording::DatagramEvent& event);
-  void take(const recording::SweepEvent& event);
-  void take(const recording::ImageEvent& event, Stamp stamp);
   void add(const VehicleSample& sample, Stamp stamp);
   void hand_over_samples();
-  void hand_over_sweep(uint32_t device, Sweep& sweep);
+  void hand_over_sweep(size_t device, Sweep& sweep);
+  void hand_over_picture(size_t camera, Stamp stamp, uint64_t sequence);
   void hand_over_tick(Stamp stamp);
   void hand_over(StreamItem::Kind kind, Stamp stamp);
 
-  recording::DriveSource& source_;
+  Delivery delivery_;
   std::deque<LidarIntake> lidars_;  // they do not move
   std::vector<CameraIntake> cameras_;
+  size_t mounted_cameras_;  // the others' pictures are only counted
   VehicleIntake vehicle_;
+  SourceStates sources_;
   std::vector<VehicleSample> samples_;  // not handed over yet
   Stamp first_sample_, last_sample_;    // when the drive came to them
-  bool has_can_, has_imu_, has_gps_;
   uint64_t pictures_ = 0;
   SlotRing<StreamItem>& out_;
-  Pacer pacer_;
   DriveTicker ticker_;
   HostClock::time_point taken_;
   LatencyHistogram latency_;
   uint64_t unclaimed_ = 0;      // datagrams that came to no lidar's port
   uint32_t stranger_ = 0;       // the last one's sender
   uint32_t stranger_size_ = 0;  // and payload, bytes
-  std::atomic<uint64_t> capture_bytes_{0};
 };
 
 }  // namespace infuse::daemon

@@ -49,6 +49,12 @@ class LidarIntake {
     pull(on_sweep);
   }
 
+  /// Counts datagrams that the kernel dropped for want of buffer.
+  void add_kernel_dropped(uint64_t datagrams) {
+    assembler_.add_kernel_dropped(datagrams);
+    counters_.lost_kernel += datagrams;
+  }
+
   /// Up to date after each call.
   const SensorCounters& counters() const { return counters_; }
 

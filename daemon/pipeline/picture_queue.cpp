@@ -2,8 +2,8 @@
 
 namespace infuse::daemon {
 
-PictureQueue::PictureQueue(SlotRing<Picture>& pictures, size_t capacity)
-    : pictures_(pictures.reader()), capacity_(capacity) {
+PictureQueue::PictureQueue(SlotRing<Picture>& pictures, size_t capacity, Duration patience)
+    : pictures_(pictures.reader()), capacity_(capacity), patience_(patience) {
   waiting_.reserve(capacity);
 }
 
@@ -29,7 +29,7 @@ void PictureQueue::fetch(size_t last) {
 
 Pin<Picture> PictureQueue::fetch_number(uint64_t number) {
   while (!ahead_ || ahead_->number < number) {
-    if (!pictures_.wait()) return {};  // the ring was closed: the replay is being given up
+    if (!pictures_.wait(patience_)) return {};  // the ring was closed, or the decoder is too slow
     ahead_ = pictures_.next();
   }
   if (ahead_->number > number) return {};

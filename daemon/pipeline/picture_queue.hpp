@@ -16,7 +16,8 @@ namespace infuse::daemon {
 class PictureQueue {
  public:
   /// Holds at most `capacity` pictures, the ring's or fewer. Registers as a reader of `pictures`.
-  PictureQueue(SlotRing<Picture>& pictures, size_t capacity);
+  /// A picture that the decoder has not finished is waited for as long as `patience`.
+  PictureQueue(SlotRing<Picture>& pictures, size_t capacity, Duration patience);
 
   /// A picture was handed over; the decoder has it. Where the queue is full, the oldest is given
   /// up: then its camera is returned.
@@ -54,6 +55,7 @@ class PictureQueue {
 
   SlotRing<Picture>::Reader pictures_;
   size_t capacity_;
+  Duration patience_;
   std::vector<Waiting> waiting_;
   Pin<Picture> ahead_;  // read from the ring, but of a later number than was asked for
 };

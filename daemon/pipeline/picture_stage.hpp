@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "daemon/health/latency_histogram.hpp"
+#include "daemon/pipeline/delivery.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "drivers/camera/picture.hpp"
 #include "drivers/measurement/camera_frame.hpp"
@@ -27,17 +28,19 @@ class PictureStage {
  public:
   /// Registers as a reader of `in`. `options`: by camera. The rings outlive this.
   PictureStage(SlotRing<StreamItem>& in, SlotRing<Picture>& out,
-               std::vector<camera::PictureOptions> options);
+               std::vector<camera::PictureOptions> options, Delivery delivery);
 
   /// Until the item kEnd.
   void run();
 
  private:
   void decode(const StreamItem& item, Picture& picture) const;
+  Result<void> unpack(const StreamItem& item, CameraFrame& frame) const;
 
   SlotRing<StreamItem>::Reader in_;
   SlotRing<Picture>& out_;
   std::vector<camera::PictureOptions> options_;
+  Delivery delivery_;
 };
 
 }  // namespace infuse::daemon

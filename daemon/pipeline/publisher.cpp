@@ -17,8 +17,8 @@ double process_cpu_s() {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
 }
 
-Publisher::Publisher(SlotRing<ReportItem>& in, const DriveSetup& setup, const HealthOptions& health,
-                     Server& server, ReportsFile* file)
+Publisher::Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup,
+                     const HealthOptions& health, Server& server, ReportsFile* file)
     : ring_(in),
       in_(in.reader()),
       devices_(setup.devices),
@@ -42,7 +42,8 @@ bool Publisher::drain() {
 void Publisher::take(const ReportItem& item) {
   switch (item.kind) {
     case ReportItem::Kind::kStart:
-      return start(item.stamp);
+      start(item.stamp);
+      return on_progress_();
     case ReportItem::Kind::kSweep:
       return tell_sweep(item);
     case ReportItem::Kind::kPose:
@@ -50,7 +51,8 @@ void Publisher::take(const ReportItem& item) {
     case ReportItem::Kind::kFrame:
       return tell_frame(item);
     case ReportItem::Kind::kTick:
-      return tell_health(item);
+      tell_health(item);
+      return on_progress_();
     case ReportItem::Kind::kEnd:
       totals_.ended = true;
       return;
@@ -151,12 +153,16 @@ void Publisher::tell_devices(Stamp stamp) {
 void Publisher::tell_transitions(Stamp stamp, const std::string& device,
                                  std::span<const Transition> transitions) {
   for (const Transition& transition : transitions) {
-    const AlertReport alert{stamp, device, transition.raised, transition.finding};
-    tell(ReportClass::kAlert, device + "." + transition.finding.id, stamp, alert_message(alert));
-    if (!transition.raised) continue;
-    ++totals_.alerts;
-    if (totals_.first_alerts.size() < kAlertsKept) totals_.first_alerts.push_back(alert);
+    tell_alert({stamp, device, transition.raised, transition.finding});
   }
+}
+
+void Publisher::tell_alert(const AlertReport& alert) {
+  tell(ReportClass::kAlert, alert.device + "." + alert.finding.id, alert.stamp,
+       alert_message(alert));
+  if (!alert.raised) return;
+  ++totals_.alerts;
+  if (totals_.first_alerts.size() < kAlertsKept) totals_.first_alerts.push_back(alert);
 }
 
 void Publisher::tell(ReportClass report_class, const std::string& device, Stamp stamp,
@@ -172,9 +178,9 @@ HostFigures Publisher::host_figures(const ReportItem& item) const {
     const bool whole = i == static_cast<size_t>(Stage::kWhole);
     host.stages.push_back({kStageNames[i], item.stages[i], whole ? item.deadline_misses : 0});
   }
-  host.queues = {
-      item.items_waiting,
-      {"reports", static_cast<uint32_t>(in_.behind()), static_cast<uint32_t>(ring_.capacity())}};
+  host.queues = {item.items_waiting,
+                 {"reports", static_cast<uint32_t>(in_.behind()),
+                  static_cast<uint32_t>(ring_.capacity()), in_.lost()}};
   return host;
 }
 

@@ -8,7 +8,7 @@
 #include "daemon/health/odometry_health.hpp"
 #include "daemon/health/sensor_health.hpp"
 #include "daemon/health/stream_health.hpp"
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/pipeline/pipeline_setup.hpp"
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/pipeline/reports_file.hpp"
 #include "daemon/protocol/reports.hpp"
@@ -36,11 +36,18 @@ struct Totals {
 class Publisher {
  public:
   /// Registers as a reader of `in`, which outlives this. `file` may be null.
-  Publisher(SlotRing<ReportItem>& in, const DriveSetup& setup, const HealthOptions& health,
+  Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup, const HealthOptions& health,
             Server& server, ReportsFile* file);
 
   /// Calls `listener(const PoseReport&)` for every pose that is told.
   void on_pose(std::function<void(const PoseReport&)> listener) { on_pose_ = std::move(listener); }
+
+  /// Calls `listener()` when the start, and each second of drive time, has come through the whole
+  /// pipeline and was told.
+  void on_progress(std::function<void()> listener) { on_progress_ = std::move(listener); }
+
+  /// Tells that something about the daemon itself is raised or cleared.
+  void tell_alert(const AlertReport& alert);
 
   /// Takes what has come, but not for long. True where more waits.
   bool drain();
@@ -72,6 +79,7 @@ class Publisher {
   std::vector<SensorHealth> health_;         // of the lidars
   std::vector<StreamHealth> stream_health_;  // of the rest
   OdometryHealth odometry_health_;
+  std::function<void()> on_progress_ = [] {};
   std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
   Server& server_;
   ReportsFile* file_;

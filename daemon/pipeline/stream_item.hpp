@@ -2,12 +2,14 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/health/sensor_counters.hpp"
 #include "daemon/health/stream_counters.hpp"
 #include "daemon/pipeline/vehicle_sample.hpp"
+#include "drivers/camera/raw_picture.hpp"
 #include "drivers/measurement/stamp.hpp"
 #include "drivers/measurement/sweep.hpp"
 
@@ -33,10 +35,12 @@ struct StreamItem {
 
   std::vector<VehicleSample> samples;
 
-  uint32_t camera = 0;           ///< index in the rig
-  uint64_t number = 0;           ///< counts the pictures of all cameras from 0
-  uint64_t sequence = 0;         ///< the camera's own count
-  std::vector<uint8_t> encoded;  ///< the picture as its file has it
+  uint32_t camera = 0;                         ///< index in the rig
+  uint64_t number = 0;                         ///< counts the pictures of all cameras from 0
+  uint64_t sequence = 0;                       ///< the camera's own count
+  std::vector<uint8_t> encoded;                ///< the picture as its file or its camera has it
+  std::optional<camera::StreamedPicture> raw;  ///< how the camera lays it out, without the bytes;
+                                               ///< nothing: a file
 
   uint32_t device = 0;  ///< lidar, index in the rig
   Sweep sweep;

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <sys/mman.h>
 
 namespace infuse::daemon {
 
@@ -15,5 +16,13 @@ void name_and_pin(const char* name, int core) {
   CPU_SET(core, &wanted);
   pthread_setaffinity_np(pthread_self(), sizeof(wanted), &wanted);
 }
+
+bool make_real_time(int priority) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
+}
+
+bool lock_memory() { return mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0; }
 
 }  // namespace infuse::daemon

@@ -2,16 +2,27 @@
 
 namespace infuse::daemon {
 
+VehicleIntake::VehicleIntake(const VehicleSetup& setup)
+    : has_imu_(setup.has_imu), has_gps_(setup.has_gps) {
+  for (const auto& decoder : setup.buses) buses_.push_back({decoder, {}});
+}
+
 std::optional<vehicle::CanFrame> VehicleIntake::read(std::string_view line) {
   const uint64_t frames = reader_.frames();
   auto frame = reader_.read(line);
-  can_.refused += reader_.frames() == frames ? 1 : 0;
+  buses_[0].counters.refused += reader_.frames() == frames ? 1 : 0;
   return frame;
 }
 
 void VehicleIntake::count(StreamCounters& counters, Stamp stamp) {
   counters.count(stamp);
   ++counters.used;
+}
+
+void VehicleIntake::write_counters(StreamCounters* first) const {
+  for (const Bus& bus : buses_) *first++ = bus.counters;
+  if (has_imu_) *first++ = imu_;
+  if (has_gps_) *first++ = gps_;
 }
 
 }  // namespace infuse::daemon

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "daemon/health/stream_counters.hpp"
 #include "daemon/pipeline/vehicle_sample.hpp"
@@ -10,23 +11,26 @@
 
 namespace infuse::daemon {
 
-/// The vehicle's own sensors: lines of a bus, samples and fixes in, samples for fusion out,
+/// The vehicle's own sensors: frames of its buses, samples and fixes in, samples for fusion out,
 /// everything counted. Of the io thread.
 class VehicleIntake {
  public:
-  explicit VehicleIntake(std::optional<vehicle::VehicleDecoder> decoder)
-      : decoder_(std::move(decoder)) {}
+  explicit VehicleIntake(const VehicleSetup& setup);
 
-  /// Takes a line of a candump log and calls `on_sample(VehicleSample)` for what it says.
+  /// Takes a line of the log of the first bus and calls `on_sample(VehicleSample)` for what it
+  /// says.
   template <class OnSample>
   void take_line(std::string_view line, Stamp stamp, OnSample on_sample) {
-    can_.count(stamp);
-    const std::optional<vehicle::CanFrame> frame = read(line);
-    if (!frame || !decoder_) return;
-    const vehicle::VehicleSamples samples = decoder_->decode(*frame);
-    if (samples.wheels) on_sample(VehicleSample(*samples.wheels));
-    if (samples.imu) on_sample(VehicleSample(*samples.imu));
-    if (samples.wheels || samples.imu) ++can_.used;
+    if (buses_.empty()) return;
+    buses_[0].counters.count(stamp);
+    if (const auto frame = read(line)) decode(buses_[0], *frame, on_sample);
+  }
+
+  /// The same with a frame as it came from a bus.
+  template <class OnSample>
+  void take_frame(size_t bus, const vehicle::CanFrame& frame, OnSample on_sample) {
+    buses_[bus].counters.count(frame.stamp);
+    if (!frame.error) decode(buses_[bus], frame, on_sample);
   }
 
   void count(const ImuSample& sample) { count(imu_, sample.stamp); }
@@ -35,17 +39,33 @@ class VehicleIntake {
   /// What was wrong with the bus's log.
   const vehicle::ProblemLog& problems() const { return reader_.problems(); }
 
-  const StreamCounters& can() const { return can_; }
-  const StreamCounters& imu() const { return imu_; }
-  const StreamCounters& gps() const { return gps_; }
+  /// Of all of them, in the order of PipelineSetup::devices, from `first` on.
+  void write_counters(StreamCounters* first) const;
+
+  /// How many counters that are.
+  size_t streams() const { return buses_.size() + (has_imu_ ? 1 : 0) + (has_gps_ ? 1 : 0); }
 
  private:
+  struct Bus {
+    std::optional<vehicle::VehicleDecoder> decoder;
+    StreamCounters counters;
+  };
+
+  template <class OnSample>
+  static void decode(Bus& bus, const vehicle::CanFrame& frame, OnSample on_sample) {
+    if (!bus.decoder) return;
+    const vehicle::VehicleSamples samples = bus.decoder->decode(frame);
+    if (samples.wheels) on_sample(VehicleSample(*samples.wheels));
+    if (samples.imu) on_sample(VehicleSample(*samples.imu));
+    if (samples.wheels || samples.imu) ++bus.counters.used;
+  }
   std::optional<vehicle::CanFrame> read(std::string_view line);
   static void count(StreamCounters& counters, Stamp stamp);
 
   vehicle::CandumpReader reader_{"can.log"};
-  std::optional<vehicle::VehicleDecoder> decoder_;
-  StreamCounters can_, imu_, gps_;
+  std::vector<Bus> buses_;
+  bool has_imu_, has_gps_;
+  StreamCounters imu_, gps_;
 };
 
 }  // namespace infuse::daemon

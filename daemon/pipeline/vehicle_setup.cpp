@@ -47,20 +47,31 @@ Result<SignalMap> signal_map(const recording::CanFiles& can, const std::string& 
 
 }  // namespace
 
+Result<std::optional<vehicle::VehicleDecoder>> set_up_bus(const recording::CanFiles& can,
+                                                          const std::filesystem::path& folder,
+                                                          const std::string& where,
+                                                          std::vector<Error>& notes) {
+  if (can.signals.empty()) return std::nullopt;
+  const auto map = signal_map(can, where);
+  if (!map) return tl::unexpected(map.error());
+  const auto reading = vehicle::read_dbc(folder / can.dbc);
+  if (!reading) return tl::unexpected(reading.error());
+  auto decoder = vehicle::VehicleDecoder::create(reading->dbc, *map);
+  if (!decoder) return tl::unexpected(decoder.error());
+  for (const Error& problem : reading->problems.first()) notes.push_back(problem);
+  return std::optional(*std::move(decoder));
+}
+
 Result<VehicleSetup> set_up_vehicle(const recording::Drive& drive) {
   const recording::DriveDescription& description = drive.description;
   VehicleSetup setup;
   setup.has_imu = !description.imu.empty();
   setup.has_gps = !description.gps.empty();
-  if (!description.can || description.can->signals.empty()) return setup;
-  const auto map = signal_map(*description.can, (drive.folder / "drive.toml").string());
-  if (!map) return tl::unexpected(map.error());
-  const auto reading = vehicle::read_dbc(drive.resolve(description.can->dbc));
-  if (!reading) return tl::unexpected(reading.error());
-  auto decoder = vehicle::VehicleDecoder::create(reading->dbc, *map);
-  if (!decoder) return tl::unexpected(decoder.error());
-  setup.decoder = *std::move(decoder);
-  for (const Error& problem : reading->problems.first()) setup.notes.push_back(problem);
+  if (!description.can) return setup;
+  auto bus = set_up_bus(*description.can, drive.folder, (drive.folder / "drive.toml").string(),
+                        setup.notes);
+  if (!bus) return tl::unexpected(bus.error());
+  setup.buses.push_back(*std::move(bus));
   return setup;
 }
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "drivers/measurement/error.hpp"
@@ -11,14 +14,26 @@ namespace infuse::daemon {
 
 /// Which of the vehicle's own sensors a drive has, and how its bus is read.
 struct VehicleSetup {
-  std::optional<vehicle::VehicleDecoder> decoder;  ///< of the bus; none where there is no bus
-  bool has_imu = false;                            ///< an inertial unit beside the bus
-  bool has_gps = false;                            ///< a receiver beside the bus
-  std::vector<Error> notes;                        ///< what the DBC file has that was left out
+  /// By bus; nothing where its frames are only counted.
+  std::vector<std::optional<vehicle::VehicleDecoder>> buses;
+  bool has_imu = false;      ///< an inertial unit beside the buses
+  bool has_gps = false;      ///< a receiver beside the buses
+  std::vector<Error> notes;  ///< what the DBC file has that was left out
 
   /// Something says how the vehicle moves.
-  bool has_odometry() const { return decoder.has_value() || has_imu; }
+  bool has_odometry() const {
+    return has_imu ||
+           std::any_of(buses.begin(), buses.end(), [](const auto& bus) { return bus.has_value(); });
+  }
 };
+
+/// A bus by the files and signals that are named for it, whose paths are relative to `folder`:
+/// nothing where no signals are. `where` is for messages; what the DBC file has that was left out
+/// is added to `notes`. Fails where the DBC cannot be read, or has no such signal.
+Result<std::optional<vehicle::VehicleDecoder>> set_up_bus(const recording::CanFiles& can,
+                                                          const std::filesystem::path& folder,
+                                                          const std::string& where,
+                                                          std::vector<Error>& notes);
 
 /// Reads what drive.toml names. Fails where the DBC cannot be read, or has no such signal.
 Result<VehicleSetup> set_up_vehicle(const recording::Drive& drive);

@@ -98,7 +98,10 @@ Json host_json(const HostFigures& host) {
   }
   Json queues = Json::array();
   for (const QueueFigures& queue : host.queues) {
-    queues.push_back({{"queue", queue.name}, {"depth", queue.depth}, {"capacity", queue.capacity}});
+    queues.push_back({{"queue", queue.name},
+                      {"depth", queue.depth},
+                      {"capacity", queue.capacity},
+                      {"lost", queue.lost}});
   }
   return {{"cpu_s", rounded(host.cpu_s)}, {"stages", stages}, {"queues", queues}};
 }

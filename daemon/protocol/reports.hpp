@@ -89,6 +89,7 @@ struct QueueFigures {
   const char* name = "";
   uint32_t depth = 0;
   uint32_t capacity = 0;
+  uint64_t lost = 0;  ///< overwritten before they were read; live only
 };
 
 /// What depends on this machine's speed and not on the data alone.

@@ -40,6 +40,15 @@ struct RawPicture {
   std::span<const uint8_t> bytes;  ///< of kMjpeg: the file
 };
 
+/// A picture that a camera streams.
+struct StreamedPicture {
+  Stamp stamp;            ///< middle of the exposure, as far as the driver tells
+  Duration exposure{0};   ///< how long it lasted; 0 where unknown
+  double gain = 0;        ///< as the driver states it; 0 where unknown
+  uint64_t sequence = 0;  ///< the driver's counter since the camera was opened
+  RawPicture raw;         ///< to be unpacked by whoever needs its pixels
+};
+
 /// Bytes of a row without padding; 0 for kMjpeg.
 size_t packed_row_bytes(RawFormat format, int width);
 

@@ -23,6 +23,8 @@ struct V4l2Options {
 
   /// What is wrong with the numbers, or nothing.
   std::optional<std::string> invalid() const;
+
+  bool operator==(const V4l2Options&) const = default;
 };
 
 }  // namespace infuse::camera

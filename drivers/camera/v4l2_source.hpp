@@ -19,15 +19,6 @@ struct V4l2Counters {
   uint64_t damaged = 0;   ///< marked so by the driver
 };
 
-/// A picture that waits in the driver's memory.
-struct StreamedPicture {
-  Stamp stamp;            ///< middle of the exposure, as far as the driver tells
-  Duration exposure{0};   ///< how long it lasted; 0 where unknown
-  double gain = 0;        ///< as the driver states it; 0 where unknown
-  uint64_t sequence = 0;  ///< the driver's counter since the camera was opened
-  RawPicture raw;         ///< to be unpacked by whoever needs its pixels
-};
-
 /// A camera of this host (Video4Linux2), streaming into memory that it shares with the driver.
 class V4l2Source {
  public:

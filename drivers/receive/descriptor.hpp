@@ -22,6 +22,8 @@ class Descriptor {
 
   /// −1 where there is none.
   int get() const { return number_; }
+  /// Gives it up to the caller.
+  int release() { return std::exchange(number_, -1); }
   explicit operator bool() const { return number_ >= 0; }
 
  private:

@@ -34,6 +34,8 @@ struct CanSignal {
   std::string signal;    ///< "MESSAGE.SIGNAL", as the DBC file names them
   double scale = 1;      ///< multiplies the SI value; −1 where the bus counts the other way
   std::string unit;      ///< where the DBC's is missing or wrong; empty: the DBC's
+
+  bool operator==(const CanSignal&) const = default;
 };
 
 /// The vehicle's bus.

@@ -10,6 +10,14 @@
 
 namespace infuse::vehicle {
 
+/// What a frame is known by.
+struct CanIdentifier {
+  uint32_t id = 0;  ///< 11 bits, 29 where `extended`
+  bool extended = false;
+
+  bool operator==(const CanIdentifier&) const = default;
+};
+
 /// One frame on a CAN bus: classic or FD, data, remote request or error.
 struct CanFrame {
   Stamp stamp;                        ///< host receive time; zero where the source has none

@@ -215,4 +215,12 @@ VehicleSamples VehicleDecoder::samples_of(const Values& values, Stamp stamp) con
   return samples;
 }
 
+std::vector<CanIdentifier> VehicleDecoder::identifiers() const {
+  std::vector<CanIdentifier> identifiers;
+  for (const BoundMessage& bound : messages_) {
+    identifiers.push_back({bound.message.id, bound.message.extended});
+  }
+  return identifiers;
+}
+
 }  // namespace infuse::vehicle

@@ -52,6 +52,9 @@ class VehicleDecoder {
   /// The samples of one frame.
   VehicleSamples decode(const CanFrame& frame);
 
+  /// The messages that are decoded.
+  std::vector<CanIdentifier> identifiers() const;
+
   /// Frames that were too short for a signal in them.
   uint64_t short_frames() const { return short_frames_; }
 

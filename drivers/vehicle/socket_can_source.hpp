@@ -13,14 +13,6 @@
 
 namespace infuse::vehicle {
 
-/// An identifier that frames are wanted of.
-struct CanIdentifier {
-  uint32_t id = 0;
-  bool extended = false;
-
-  bool operator==(const CanIdentifier&) const = default;
-};
-
 /// Which bus is listened to, and for what.
 struct SocketCanOptions {
   std::string interface = "can0";

@@ -68,7 +68,7 @@ TEST_F(ProgramsTest, ExitCodesAreThoseOfTheHouse) {
   EXPECT_EQ(run("infused --rate").code, 2);
   const Ran live = run("infused");
   EXPECT_EQ(live.code, 2);
-  EXPECT_THAT(live.output, HasSubstr("live sources are not supported yet"));
+  EXPECT_THAT(live.output, HasSubstr("nothing to do"));
   EXPECT_EQ(run("infused --replay /nonexistent" + socket()).code, 3);
   EXPECT_EQ(run("infuse inspect /nonexistent").code, 3);
   EXPECT_EQ(run("infuse decode /nonexistent -o x.pcd").code, 3);

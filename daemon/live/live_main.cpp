@@ -1,0 +1,152 @@
+#include "daemon/live/live_main.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/signal_set.hpp>
+#include <csignal>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/live/live.hpp"
+#include "daemon/live/run_record.hpp"
+#include "daemon/server/socket_path.hpp"
+#include "daemon/service/service_manager.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infused";
+constexpr std::chrono::milliseconds kPatienceWithClients{500};
+
+std::string status_text(const Publisher& publisher, size_t devices) {
+  const Totals& totals = publisher.totals();
+  const auto well = std::count(totals.levels.begin(), totals.levels.end(), Level::kOk);
+  return fmt::format("{} of {} sensors are OK, {} alerts since the start", well, devices,
+                     totals.alerts);
+}
+
+/// What a daemon does besides its pipeline: the service manager, its record, its signals.
+class Attendant {
+ public:
+  Attendant(boost::asio::io_context& io, const LiveArguments& arguments, const Config& config,
+            Live& live)
+      : arguments_(arguments),
+        config_(config),
+        live_(live),
+        record_(RunRecord::from_environment()),
+        ending_(io, SIGINT, SIGTERM),
+        reloading_(io, SIGHUP) {
+    live_.publisher().on_progress([this] { progress(); });
+    ending_.async_wait([this](boost::system::error_code error, int) {
+      if (!error) end();
+    });
+    wait_for_reload();
+  }
+
+  /// After the pipeline's end.
+  void finish() {
+    ending_.cancel();
+    reloading_.cancel();
+    record_.end(live_.time_base().now());
+  }
+
+ private:
+  // A tick has passed through every thread: this is what feeds the watchdog.
+  void progress() {
+    const std::string status = status_text(live_.publisher(), live_.setup().devices.size());
+    if (!std::exchange(ready_, true)) {
+      service_manager::ready(status);
+      if (auto alert = record_.begin(live_.time_base().now())) live_.publisher().tell_alert(*alert);
+      return;
+    }
+    service_manager::alive();
+    service_manager::status(status);
+    if (auto alert = record_.keep(live_.time_base().now())) live_.publisher().tell_alert(*alert);
+  }
+
+  void end() {
+    service_manager::stopping();
+    ending_.clear();  // a second signal ends at once
+    live_.stop();
+  }
+
+  void wait_for_reload() {
+    reloading_.async_wait([this](boost::system::error_code error, int) {
+      if (error) return;
+      reload();
+      wait_for_reload();
+    });
+  }
+
+  // The pipeline goes on with what it knows.
+  void reload() {
+    service_manager::reloading();
+    const auto loaded = load_config(arguments_.config);
+    if (!loaded) {
+      spdlog::error("the configuration is kept as it was: {}", loaded.error().message());
+    } else {
+      spdlog::set_level(spdlog::level::from_str(loaded->log_level));
+      const bool same = loaded->lidars == config_.lidars && loaded->cameras == config_.cameras &&
+                        loaded->buses == config_.buses && loaded->gps == config_.gps &&
+                        loaded->rig == config_.rig;
+      spdlog::info("the configuration was read again{}",
+                   same ? "" : "; other sensors are taken over by a restart");
+    }
+    service_manager::ready(status_text(live_.publisher(), live_.setup().devices.size()));
+  }
+
+  const LiveArguments& arguments_;
+  const Config& config_;
+  Live& live_;
+  RunRecord record_;
+  boost::asio::signal_set ending_;
+  boost::asio::signal_set reloading_;
+  bool ready_ = false;
+};
+
+}  // namespace
+
+Result<void> listen(Server& server, const std::string& socket, const ServerOptions& options) {
+  if (options.tcp_port != 0) {
+    if (auto port = server.listen_tcp(options.tcp_port); !port) {
+      return tl::unexpected(port.error());
+    }
+  }
+  auto sockets = service_manager::take_sockets();
+  if (!sockets.empty()) return server.adopt(sockets.front().release());
+  const std::string& path = socket.empty() ? options.path : socket;
+  if (!path.empty()) return server.listen(path);
+  const std::filesystem::path usual = default_socket_paths().front();
+  if (const auto listening = server.listen(usual); !listening) {
+    spdlog::warn("nobody can watch: {}", listening.error().message());
+  }
+  return {};
+}
+
+int run_live(const LiveArguments& arguments, const Config& config) {
+  auto setup = set_up_live(config);
+  if (!setup) return complain(kProgram, setup.error(), kUsage);
+  for (const Error& note : setup->vehicle.notes) spdlog::warn("{}", note.message());
+  for (const Device& device : setup->devices) {
+    spdlog::info("{}: {} {} on {}", device.name, device.kind, device.model, device.endpoint);
+  }
+  if (setup->devices.empty()) {
+    spdlog::warn("{}: no sensor is configured", arguments.config);
+  }
+  boost::asio::io_context io(1);
+  Server server(io, config.socket, arguments.release, arguments.session);
+  if (const auto listening = listen(server, arguments.socket, config.socket); !listening) {
+    return complain(kProgram, listening.error(), kUsage);
+  }
+  std::function<void()> on_end;
+  Live live(io, *std::move(setup), {config.health, config.odometry}, server, [&] { on_end(); });
+  Attendant attendant(io, arguments, config, live);
+  on_end = [&] {
+    attendant.finish();
+    server.finish(kPatienceWithClients);
+  };
+  live.start();
+  io.run();
+  return kDone;
+}
+
+}  // namespace infuse::daemon

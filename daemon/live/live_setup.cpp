@@ -1,0 +1,166 @@
+#include "daemon/live/live_setup.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "daemon/survey/capture_survey.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "drivers/velodyne/calibration_file.hpp"
+#include "drivers/velodyne/model.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+Result<Rig> read_rig_of(const Config& config) {
+  if (config.rig.empty()) return Rig{};
+  return recording::read_rig(config.resolve(config.rig));
+}
+
+bool same_socket(const velodyne::UdpOptions& a, const velodyne::UdpOptions& b) {
+  return a.port == b.port && a.address == b.address && a.multicast == b.multicast &&
+         a.interface == b.interface;
+}
+
+void listen_on(const velodyne::UdpOptions& udp, const PortSetup::Sender& sender,
+               std::vector<PortSetup>& ports) {
+  for (PortSetup& port : ports) {
+    if (!same_socket(port.udp, udp)) continue;
+    port.udp.receive_buffer = std::max(port.udp.receive_buffer, udp.receive_buffer);
+    return port.senders.push_back(sender);
+  }
+  ports.push_back({udp, {sender}});
+}
+
+std::string endpoint_of(const LidarOptions& lidar) {
+  return fmt::format("{}:{}{}", lidar.address.empty() ? "0.0.0.0" : lidar.address, lidar.port,
+                     lidar.sender.empty() ? "" : ", from " + lidar.sender);
+}
+
+Result<void> set_up_lidar(const Config& config, const LidarOptions& options, const Rig& rig,
+                          LiveSetup& setup) {
+  const auto model = velodyne::find_model(options.model);
+  if (!model) {
+    return fail("lidar '" + options.name + "' has no model", "",
+                "give it one: model = \"HDL-32E\"");
+  }
+  LidarSetup lidar{options.name, true, {}};
+  lidar.assembler.model = *model;
+  lidar.assembler.cut_azimuth = options.cut_azimuth_deg;
+  lidar.assembler.sender = parse_address(options.sender).value_or(0);
+  if (!options.calibration.empty()) {
+    auto loaded = velodyne::load_db_xml(config.resolve(options.calibration));
+    if (!loaded) return tl::unexpected(loaded.error());
+    if (auto wrong = loaded->invalid(velodyne::model_info(*model))) {
+      return fail(*wrong, config.resolve(options.calibration).string(), "is it this model's?");
+    }
+    lidar.assembler.calibration = *loaded;
+  }
+  const size_t index = setup.lidars.size();
+  const uint32_t sender = lidar.assembler.sender;
+  listen_on(options.udp(options.port), {sender, index, true}, setup.ports);
+  if (options.position_port != options.port) {
+    listen_on(options.udp(options.position_port), {sender, index, false}, setup.ports);
+  }
+  const LidarMount* mount = rig.find_lidar(options.name);
+  setup.rig.lidars.push_back(mount != nullptr ? *mount : LidarMount{options.name, options.model});
+  const auto& info = velodyne::model_info(*model);
+  setup.lidars.push_back(std::move(lidar));
+  setup.devices.push_back(
+      {options.name, "lidar", info.name, "configured", endpoint_of(options), std::nullopt});
+  return {};
+}
+
+Result<void> add_camera(const CameraOptions& options, const CameraMount* mount, LiveSetup& setup) {
+  camera::V4l2Options stream = options.stream;
+  if (mount != nullptr) {
+    const CameraIntrinsics& intrinsics = mount->intrinsics;
+    if (stream.width == 0) {
+      stream.width = intrinsics.width;
+      stream.height = intrinsics.height;
+    } else if (stream.width != intrinsics.width || stream.height != intrinsics.height) {
+      return fail(fmt::format("camera '{}' is to give {}x{}, but the rig has it as {}x{}",
+                              options.name, stream.width, stream.height, intrinsics.width,
+                              intrinsics.height));
+    }
+    stream.stamp_delay += mount->stamp_delay;
+    setup.rig.cameras.push_back(*mount);
+  }
+  const bool taken = std::any_of(setup.devices.begin(), setup.devices.end(),
+                                 [&](const Device& d) { return d.name == options.name; });
+  setup.devices.push_back({(taken ? "camera " : "") + options.name, "camera",
+                           stream.format ? camera::name_of(*stream.format) : "any format",
+                           "configured", stream.device, std::nullopt});
+  setup.cameras.push_back({});
+  setup.streams_of_cameras.push_back(std::move(stream));
+  return {};
+}
+
+/// Those of the rig first: it is by these that the pipeline counts.
+Result<void> set_up_cameras(const Config& config, const Rig& rig, LiveSetup& setup) {
+  for (const bool mounted : {true, false}) {
+    for (const CameraOptions& options : config.cameras) {
+      const CameraMount* mount = rig.find_camera(options.name);
+      if ((mount != nullptr) != mounted) continue;
+      if (mount != nullptr && setup.rig.find_lidar(mount->lidar) == nullptr) {
+        return fail("camera '" + options.name + "' refers to lidar '" + mount->lidar +
+                    "', which is not configured");
+      }
+      if (auto added = add_camera(options, mount, setup); !added) return added;
+    }
+  }
+  return {};
+}
+
+Result<void> set_up_buses(const Config& config, LiveSetup& setup) {
+  for (const BusOptions& options : config.buses) {
+    recording::CanFiles files;
+    files.dbc = options.dbc;
+    files.reverse_gear = options.reverse_gear;
+    files.signals = options.signals;
+    auto bus = set_up_bus(files, config.folder, "can '" + options.name + "'", setup.vehicle.notes);
+    if (!bus) return tl::unexpected(bus.error());
+    vehicle::SocketCanOptions interface {
+      .interface = options.interface, .identifiers = {}
+    };
+    if (*bus) interface.identifiers = (*bus)->identifiers();
+    setup.interfaces.push_back(std::move(interface));
+    setup.vehicle.buses.push_back(*std::move(bus));
+    setup.devices.push_back(
+        {options.name, "can", options.interface, "configured", options.interface, std::nullopt});
+  }
+  return {};
+}
+
+}  // namespace
+
+size_t PortSetup::lidar_of(uint32_t sender) const {
+  const Sender* any = nullptr;
+  for (const Sender& known : senders) {
+    if (known.address == sender) return known.lidar;
+    if (known.address == 0) any = &known;
+  }
+  return any != nullptr ? any->lidar : senders.front().lidar;
+}
+
+Result<LiveSetup> set_up_live(const Config& config) {
+  const auto rig = read_rig_of(config);
+  if (!rig) return tl::unexpected(rig.error());
+  LiveSetup setup;
+  setup.delivery = Delivery::kOverwrite;
+  for (const LidarOptions& lidar : config.lidars) {
+    if (auto done = set_up_lidar(config, lidar, *rig, setup); !done) {
+      return tl::unexpected(done.error());
+    }
+  }
+  if (auto done = set_up_cameras(config, *rig, setup); !done) return tl::unexpected(done.error());
+  if (auto done = set_up_buses(config, setup); !done) return tl::unexpected(done.error());
+  if (!config.gps.device.empty()) {
+    setup.gps = vehicle::SerialOptions{config.gps.device, config.gps.baud};
+    setup.vehicle.has_gps = true;
+    setup.devices.push_back({"gps", "gps", "NMEA", "configured", config.gps.device, std::nullopt});
+  }
+  return setup;
+}
+
+}  // namespace infuse::daemon

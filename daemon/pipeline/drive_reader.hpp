@@ -1,0 +1,38 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <stop_token>
+
+#include "daemon/pipeline/intake.hpp"
+#include "daemon/pipeline/pacer.hpp"
+#include "drivers/recording/drive_source.hpp"
+
+namespace infuse::daemon {
+
+/// The io thread of a replay: reads a drive and gives its events to the intake in drive time.
+class DriveReader {
+ public:
+  /// `source` and `intake` outlive this.
+  DriveReader(recording::DriveSource& source, std::optional<double> rate, Intake& intake)
+      : source_(source), intake_(intake), pacer_(rate) {}
+
+  /// Until the drive or the patience ends. The last item is always a kEnd.
+  void run(std::stop_token stop);
+
+  /// Bytes of the capture that the datagrams read so far take up; for a progress bar, from any
+  /// thread.
+  uint64_t capture_bytes() const { return capture_bytes_.load(std::memory_order_relaxed); }
+
+ private:
+  void take(const recording::DriveEvent& event);
+  void take(const recording::DatagramEvent& event);
+
+  recording::DriveSource& source_;
+  Intake& intake_;
+  Pacer pacer_;
+  std::atomic<uint64_t> capture_bytes_{0};
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,83 @@
+#include "daemon/pipeline/pipeline.hpp"
+
+#include "daemon/pipeline/threads.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr int kIoCore = 0;
+constexpr int kFusionCore = 1;
+
+/// Items beside those that fusion holds. Live they are what fusion may be behind: 0.2 s of a bus,
+/// two cameras and a lidar.
+size_t items_in_flight(Delivery delivery) { return delivery == Delivery::kWait ? 4 : 32; }
+
+StreamItem stream_item(const PipelineSetup& setup) {
+  StreamItem item;
+  item.samples.reserve(Intake::kSamplesTogether);
+  item.counters.resize(setup.lidars.size());
+  item.streams.resize(setup.streams());
+  return item;
+}
+
+ReportItem report_item(const PipelineSetup& setup) {
+  ReportItem item;
+  item.counters.resize(setup.lidars.size());
+  item.streams.resize(setup.streams());
+  return item;
+}
+
+FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& options) {
+  return {setup.rig, setup.vehicle.has_odometry(), options.odometry, setup.delivery};
+}
+
+}  // namespace
+
+Pipeline::Pipeline(boost::asio::io_context& io, const PipelineSetup& setup,
+                   const PipelineOptions& options, Server& server, ReportsFile* file,
+                   std::function<void()> on_end)
+    : on_end_(std::move(on_end)),
+      items_(items_in_flight(setup.delivery) + FusionStage::pins(setup.lidars.size()),
+             [&] { return stream_item(setup); }),
+      pictures_(4 * setup.cameras.size() + 2, [] { return Picture(); }),
+      reports_(kReportsInFlight, [&] { return report_item(setup); }),
+      bell_(io, [this] { drain(); }),
+      publisher_(reports_, setup, options.health, server, file),
+      fusion_(fusion_setup(setup, options), items_, pictures_, reports_, bell_),
+      decoder_(items_, pictures_, setup.cameras, setup.delivery),
+      intake_(setup, items_) {}
+
+// Closed rings let every stage go on to its end without waiting for the next.
+Pipeline::~Pipeline() {
+  stop();
+  items_.close();
+  pictures_.close();
+  reports_.close();
+}
+
+void Pipeline::start(std::function<void(std::stop_token)> read) {
+  fusion_thread_ = std::jthread([this] {
+    name_and_pin("fusion", kFusionCore);
+    fusion_.run();
+  });
+  picture_thread_ = std::jthread([this] {
+    name_and_pin("pictures", kIoCore);
+    decoder_.run();
+  });
+  io_thread_ = std::jthread([read = std::move(read)](std::stop_token stop) {
+    name_and_pin("io", kIoCore);
+    read(stop);
+  });
+}
+
+void Pipeline::drain() {
+  if (publisher_.drain()) bell_.ring();
+  if (!publisher_.totals().ended || !fusion_thread_.joinable()) return;
+  io_thread_.join();
+  picture_thread_.join();
+  fusion_thread_.join();
+  bell_.close();
+  on_end_();
+}
+
+}  // namespace infuse::daemon

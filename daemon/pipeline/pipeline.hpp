@@ -1,0 +1,68 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <stop_token>
+#include <thread>
+
+#include "daemon/pipeline/doorbell.hpp"
+#include "daemon/pipeline/fusion_stage.hpp"
+#include "daemon/pipeline/intake.hpp"
+#include "daemon/pipeline/picture_stage.hpp"
+#include "daemon/pipeline/publisher.hpp"
+
+namespace infuse::daemon {
+
+/// What the owner can set of the stages.
+struct PipelineOptions {
+  HealthOptions health;
+  OdometrySettings odometry;
+};
+
+/// The stages and the rings between them, whatever reads the sensors:
+///
+///     reader -> Intake -> ring of items -> FusionStage -> ring of reports -> Publisher -> Server
+///     io thread              |           fusion thread                     the thread of io
+///                            -> PictureStage -> ring of pictures -> (FusionStage)
+class Pipeline {
+ public:
+  /// `setup`, `io`, `server` and `file` (which may be null) outlive this. `on_end` is called on the
+  /// thread of `io` when everything was told and the threads have ended.
+  Pipeline(boost::asio::io_context& io, const PipelineSetup& setup, const PipelineOptions& options,
+           Server& server, ReportsFile* file, std::function<void()> on_end);
+  ~Pipeline();
+
+  /// Where the reader's events go.
+  Intake& intake() { return intake_; }
+  const Intake& intake() const { return intake_; }
+
+  /// Starts the threads; `read` runs on the io thread until it is asked to stop or comes to an end
+  /// of its own, and ends with `Intake::end`.
+  void start(std::function<void(std::stop_token)> read);
+
+  /// Asks the reader for an end; `on_end` still comes.
+  void stop() { io_thread_.request_stop(); }
+
+  Publisher& publisher() { return publisher_; }
+  const Publisher& publisher() const { return publisher_; }
+
+ private:
+  static constexpr size_t kReportsInFlight = 64;
+
+  void drain();
+
+  std::function<void()> on_end_;
+  SlotRing<StreamItem> items_;
+  SlotRing<Picture> pictures_;
+  SlotRing<ReportItem> reports_;
+  Doorbell bell_;
+  Publisher publisher_;
+  FusionStage fusion_;
+  PictureStage decoder_;
+  Intake intake_;
+  std::jthread fusion_thread_;
+  std::jthread picture_thread_;
+  std::jthread io_thread_;
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,17 @@
+# What the scripts in the guest share. Sourced.
+export PATH=/usr/sbin:/usr/bin:/sbin:/bin
+failures=0
+pass() { echo "ok      $*"; }
+miss() { echo "NOT OK  $*"; failures=$((failures + 1)); }
+# check NAME COMMAND...: the command must succeed.
+check() { local name=$1; shift; if "$@" >/tmp/check.log 2>&1; then pass "$name"; else miss "$name"; tail -n 12 /tmp/check.log; fi; }
+# within SECONDS COMMAND...: until it succeeds.
+within() {
+  local deadline=$((SECONDS + $1)); shift
+  until "$@" >/dev/null 2>&1; do ((SECONDS < deadline)) || return 1; sleep 0.2; done
+}
+finish() { echo "$failures failures"; exit $((failures > 0)); }
+# level DEVICE LEVEL: as infuse status has it.
+level() { infuse status 2>/dev/null | grep -qE "^  $2 +$1:"; }
+all_ok() { level top OK && level front OK && level bus OK; }
+alert() { journalctl -u infused -o cat 2>/dev/null | grep -q "$1"; }

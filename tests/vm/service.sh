@@ -1,0 +1,97 @@
+#!/bin/bash
+# In the guest: the installed package, live sensors, watchdog and faults. /work holds the package, a
+# capture to send, and the programs that send and wedge.
+. /work/guest_lib.sh
+export DEBIAN_FRONTEND=noninteractive
+
+check "package installs" dpkg -i /work/infuse.deb
+check "the service is enabled" systemctl is-enabled infused.service infused.socket
+check "without sensors it runs" within 10 systemctl is-active infused.service
+check "user, state and socket are there" sh -c 'id infuse && test -d /var/lib/infuse && test -S /run/infuse/infused.sock'
+check "net.core.rmem_max was raised" sh -c 'test "$(sysctl -n net.core.rmem_max)" = 16777216'
+
+cat >/etc/infuse/infused.toml.d/test.toml <<'TOML'
+[[lidar]]
+name = "top"
+model = "HDL-32E"
+[[camera]]
+name = "front"
+device = "/dev/video0"
+width = 640
+height = 480
+format = "YUYV"
+[[can]]
+name = "bus"
+interface = "vcan0"
+TOML
+check "the configuration is right" infused --check-config --config /etc/infuse/infused.toml
+
+# The senders read their files before the clock is watched: a file of the host is slow the first time.
+/work/infuse-send-capture /work/street.pcap >/tmp/sender.log 2>&1 & sender=$!
+canplayer -l i -I /work/can.log vcan0=vcan0 >/tmp/canplayer.log 2>&1 & player=$!
+sleep 1
+systemctl restart infused.service
+started=$(date +%s%N)
+check "all three are OK within 5 s of start" within 5 all_ok
+echo "        after $((($(date +%s%N) - started) / 1000000)) ms"
+check "infuse wait-ready agrees" infuse wait-ready --timeout 10
+infuse status
+systemctl status infused --no-pager -n 0 | sed -n 's/^ *Status/        status/p'
+check "it runs without root" sh -c 'test "$(ps -o user= -p "$(systemctl show -P MainPID infused)")" = infuse'
+check "it has no capability" sh -c 'grep -q "^CapEff:\s*0*$" /proc/$(systemctl show -P MainPID infused)/status'
+check "the io thread has real-time priority" sh -c 'chrt -p $(ps -L -o tid=,comm= -p $(systemctl show -P MainPID infused) | awk "\$2 == \"io\" {print \$1}") | grep -q FIFO'
+check "security: at most 1.9" systemd-analyze security --threshold=19 --no-pager infused.service
+check "a reload keeps the process" sh -c 'p=$(systemctl show -P MainPID infused); systemctl reload infused && sleep 1 && test "$p" = "$(systemctl show -P MainPID infused)"'
+check "and the sensors" within 3 all_ok
+
+# --- faults ---
+ip link set vcan0 down
+check "CAN interface down: unavailable" within 5 sh -c 'infuse status | grep -q "interface is down"'
+ip link set vcan0 up
+canplayer -l i -I /work/can.log vcan0=vcan0 >/dev/null 2>&1 & player2=$!
+check "up again: OK without a restart" within 8 level bus OK
+for _ in 1 2 3; do cansend vcan0 20000040#0000000000000000; sleep 0.05; done
+kill $player $player2; wait $player $player2 2>/dev/null
+cansend vcan0 20000040#0000000000000000
+check "CAN bus-off is told" within 5 sh -c 'infuse status | grep -q bus-off'
+canplayer -l i -I /work/can.log vcan0=vcan0 >/dev/null 2>&1 & player=$!
+check "and taken back" within 8 level bus OK
+
+vivid=$(basename "$(readlink -f /sys/class/video4linux/video0/device)")
+echo "$vivid" >/sys/bus/platform/drivers/vivid/unbind
+check "camera unbound: unavailable" within 5 sh -c 'infuse status | grep -q "front: .*\|/dev/video0: " && infuse status | grep -qE "(ERROR|STALE) front"'
+echo "$vivid" >/sys/bus/platform/drivers/vivid/bind
+check "bound: OK without a restart" within 10 level front OK
+
+pid=$(systemctl show -P MainPID infused)
+date -s '+1 hour' >/dev/null; sleep 2; date -s '-2 hours' >/dev/null; sleep 2; date -s '+1 hour' >/dev/null
+check "the wall clock stepped by 1 h both ways: all OK" within 5 all_ok
+check "by the same process" sh -c "test $pid = \$(systemctl show -P MainPID infused)"
+
+# --- restarts ---
+kill -9 "$pid"; at=$(date +%s%N)
+check "SIGKILL: back within 3 s" within 3 sh -c "systemctl is-active infused && infuse status --json | grep -q VERSION"
+echo "        after $((($(date +%s%N) - at) / 1000000)) ms"
+check "and says so" within 5 alert "did not end by itself"
+check "and all are OK" within 6 all_ok
+tid=$(ps -L -o tid=,comm= -p "$(systemctl show -P MainPID infused)" | awk '$2 == "fusion" {print $1}')
+before=$(systemctl show -P NRestarts infused)
+/work/vm-wedge "$tid" 20 & wedge=$!
+check "fusion thread wedged: the watchdog restarts it" within 15 sh -c "test \$(systemctl show -P NRestarts infused) -gt $before"
+kill $wedge 2>/dev/null
+check "and all are OK" within 8 all_ok
+at=$(date +%s%N)
+check "a clean stop" systemctl stop infused.service
+took=$((($(date +%s%N) - at) / 1000000))
+check "within 2 s ($took ms)" test $took -lt 2000
+check "its state says that it ended by itself" grep -q '"running": false' /var/lib/infuse/state.json
+
+# --- package ---
+check "a client starts it through the socket" sh -c 'infuse status --json | grep -q VERSION && systemctl is-active infused'
+check "upgrade keeps it running" sh -c 'dpkg -i /work/infuse.deb && systemctl is-active infused'
+check "remove stops it" sh -c 'dpkg -r infuse && ! systemctl is-active infused && ! test -e /usr/bin/infused'
+check "and keeps the configuration" test -e /etc/infuse/infused.toml
+check "purge leaves nothing" sh -c 'dpkg -P infuse && ! test -e /var/lib/infuse && ! test -e /etc/infuse/infused.toml && ! test -e /run/infuse'
+kill $sender $player 2>/dev/null
+((failures == 0)) || journalctl -u infused -o short-monotonic --no-pager | tail -n 60
+finish

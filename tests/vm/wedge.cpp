@@ -1,0 +1,21 @@
+// vm-wedge TID SECONDS: holds one thread of another process still (ptrace), as if it were stuck.
+
+#include <sys/ptrace.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  const pid_t thread = std::atoi(argv[1]);
+  if (ptrace(PTRACE_SEIZE, thread, nullptr, nullptr) != 0 ||
+      ptrace(PTRACE_INTERRUPT, thread, nullptr, nullptr) != 0) {
+    std::perror("vm-wedge");
+    return 1;
+  }
+  waitpid(thread, nullptr, __WALL);
+  sleep(static_cast<unsigned>(std::atoi(argv[2])));
+  return 0;
+}
