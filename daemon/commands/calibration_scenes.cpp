@@ -95,7 +95,7 @@ std::vector<PairedSweep> pair_sweeps(OpenDrive& open,
   SweepPairing pairing(rig.lidars[open.lidar].T_vehicle_lidar, open.setup.vehicle.has_odometry());
   for (const recording::SequenceEntry& picture : pictures) pairing.want(picture.stamp);
   LidarIntake intake(open.setup.lidars[open.lidar]);
-  VehicleIntake vehicle(open.setup.vehicle.decoder);
+  VehicleIntake vehicle(open.setup.vehicle);
   const auto on_sweep = [&](Sweep& sweep) { pairing.take(sweep); };
   const auto on_sample = [&](const VehicleSample& sample) { pairing.take(sample); };
   recording::DriveEvent event;
