@@ -9,6 +9,7 @@
 #include <iostream>
 #include <random>
 
+#include "daemon/calibration/saved_calibrations.hpp"
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/command_line/summary.hpp"
@@ -34,6 +35,7 @@ struct Arguments {
   std::string rate = "max";
   std::string reports;
   std::string trajectory;
+  std::string state;
   std::string socket;
   std::string model;
   bool json = false;
@@ -63,6 +65,10 @@ void declare(CLI::App& app, Arguments& arguments) {
          "write where the vehicle was at the end of each sweep: TUM format, or KITTI's where "
          "the name ends in .kitti")
       ->type_name("FILE");
+  app.add_option("--state", arguments.state,
+                 "of a replay: keep the calibrations in use in this folder, and begin with them; "
+                 "without it a replay begins with the drive's own")
+      ->type_name("DIR");
   app.add_option("--socket", arguments.socket, "where clients connect")->type_name("PATH");
   app.add_option("--model", arguments.model, "model of the lidar, where it cannot be inferred")
       ->type_name("NAME");
@@ -114,6 +120,10 @@ int run_replay(const Arguments& arguments, const Config& config) {
     spdlog::info("{}: {} ({}), on {}", device.name, device.model, device.model_reason,
                  device.endpoint);
   }
+  SavedCalibrations calibrations(arguments.state.empty()
+                                     ? std::filesystem::path()
+                                     : std::filesystem::path(arguments.state) / kCalibrationsFile);
+  for (const std::string& told : calibrations.restore(setup->rig)) spdlog::info("{}", told);
   std::optional<ReportsFile> file;
   if (!arguments.reports.empty()) {
     auto created = ReportsFile::create(arguments.reports);
@@ -134,13 +144,20 @@ int run_replay(const Arguments& arguments, const Config& config) {
     bool stopped = false;
   } ended;
   const HostClock::time_point begin = HostClock::now();
-  Replay replay(io, *std::move(setup), {*rate, config.health, config.odometry}, server,
+  Replay replay(io, *std::move(setup),
+                {*rate, {config.health, config.odometry, config.calibration}}, server,
                 file ? &*file : nullptr, [&] {
                   ended.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
                   timer.cancel();
                   signals.cancel();
                   server.finish(std::chrono::seconds(2));
                 });
+  replay.publisher().on_calibration([&](const CalibrationReport& report) {
+    if (const auto kept = calibrations.keep(report); !kept) {
+      spdlog::error("{}", kept.error().message());
+    }
+  });
+  server.on_control([&](const Request& request) { return replay.ask(request); });
   signals.async_wait([&](boost::system::error_code error, int) {
     if (error) return;
     ended.stopped = true;

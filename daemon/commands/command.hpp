@@ -21,6 +21,11 @@ Command declare_import(CLI::App& infuse);
 Command declare_calibrate_target(CLI::App& infuse);
 Command declare_evaluate(CLI::App& infuse);
 Command declare_calibrate(CLI::App& infuse);
+Command declare_calibration(CLI::App& infuse);
+Command declare_recalibrate(CLI::App& infuse);
+Command declare_apply(CLI::App& infuse);
+Command declare_rollback(CLI::App& infuse);
+Command declare_freeze(CLI::App& infuse);
 Command declare_streetmap(CLI::App& infuse);
 
 }  // namespace infuse::daemon

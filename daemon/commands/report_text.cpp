@@ -92,6 +92,11 @@ std::string report_text(const Json& message) {
                            ? std::string()
                            : ", not to be used: " + text(message, "reason"));
   }
+  if (name == "CALIBRATION") {
+    return fmt::format("{} CALIBRATION {} {} ({} looks, {} scenes)\n", time_text(message),
+                       text(message, "device"), text(message, "state"),
+                       message.value("looks", uint64_t{0}), message.value("scenes", uint64_t{0}));
+  }
   if (name == "HEALTH") {
     return fmt::format("{} HEALTH {} after {:.0f} s\n{}", time_text(message),
                        text(message, "level"), message.value("drive_s", 0.0), health_text(message));

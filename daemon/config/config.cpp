@@ -58,6 +58,24 @@ void read_odometry(TomlTable& table, OdometrySettings& settings) {
   read_milliseconds(table, "max_wait_ms", settings.max_wait);
 }
 
+void read_calibration(TomlTable& table, CalibrationSettings& settings) {
+  constexpr double kRadians = std::numbers::pi / 180;
+  table.read("watch", settings.watched);
+  std::string policy;
+  table.read("policy", policy);
+  if (policy == "alert-only") settings.decision.policy = watch::Policy::kAlertOnly;
+  if (policy == "apply") settings.decision.policy = watch::Policy::kApply;
+  if (policy == "apply-within") settings.decision.policy = watch::Policy::kApplyWithin;
+  if (!policy.empty() && policy != "alert-only" && policy != "apply" && policy != "apply-within") {
+    table.complain("policy", "policy is none of alert-only, apply, apply-within");
+  }
+  std::optional<double> degrees;
+  table.read("limit_rotation_deg", degrees);
+  if (degrees) settings.decision.limit_rotation = *degrees * kRadians;
+  table.read("limit_translation", settings.decision.limit_translation);
+  table.read("false_alarm_hours", settings.watch.test.false_alarm_hours);
+}
+
 /// Reads one table into options and checks them as a whole.
 template <class Options>
 std::optional<Error> read_table(const toml::table* toml, const std::string& file,
@@ -79,11 +97,15 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   const toml::table* socket = root.table("socket");
   const toml::table* health = root.table("health");
   const toml::table* odometry = root.table("odometry");
+  const toml::table* calibration = root.table("calibration");
   if (auto error = read_sensors(root, file, config)) return error;
   if (auto error = root.finish()) return error;
   if (auto error = read_table(socket, file, "socket", read_socket, config.socket)) return error;
   if (auto error = read_table(health, file, "health", read_health, config.health)) return error;
-  return read_table(odometry, file, "odometry", read_odometry, config.odometry);
+  if (auto error = read_table(odometry, file, "odometry", read_odometry, config.odometry)) {
+    return error;
+  }
+  return read_table(calibration, file, "calibration", read_calibration, config.calibration);
 }
 
 /// Reads one file more into a configuration.

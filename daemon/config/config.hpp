@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/config/calibration_settings.hpp"
 #include "daemon/config/odometry_settings.hpp"
 #include "daemon/config/sensor_options.hpp"
 #include "daemon/health/health_options.hpp"
@@ -20,6 +21,7 @@ struct Config {
   ServerOptions socket;                ///< [socket]
   HealthOptions health;                ///< [health]
   OdometrySettings odometry;           ///< [odometry]
+  CalibrationSettings calibration;     ///< [calibration]
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live

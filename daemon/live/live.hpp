@@ -25,6 +25,9 @@ class Live {
   /// Asks for the end; `on_end` still comes.
   void stop() { pipeline_.stop(); }
 
+  /// Carries out what the owner asks for.
+  Result<void> ask(const Request& request) { return pipeline_.ask(request); }
+
   Publisher& publisher() { return pipeline_.publisher(); }
   const LiveSetup& setup() const { return setup_; }
   const receive::TimeBase& time_base() const { return reader_->time_base(); }

@@ -4,7 +4,9 @@
 
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
+#include <cstdlib>
 
+#include "daemon/calibration/saved_calibrations.hpp"
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/live/live.hpp"
 #include "daemon/live/run_record.hpp"
@@ -132,13 +134,25 @@ int run_live(const LiveArguments& arguments, const Config& config) {
   if (setup->devices.empty()) {
     spdlog::warn("{}: no sensor is configured", arguments.config);
   }
+  const char* folder = std::getenv("STATE_DIRECTORY");
+  SavedCalibrations calibrations(folder == nullptr || *folder != '/'
+                                     ? std::filesystem::path()
+                                     : std::filesystem::path(folder) / kCalibrationsFile);
+  for (const std::string& told : calibrations.restore(setup->rig)) spdlog::info("{}", told);
   boost::asio::io_context io(1);
   Server server(io, config.socket, arguments.release, arguments.session);
   if (const auto listening = listen(server, arguments.socket, config.socket); !listening) {
     return complain(kProgram, listening.error(), kUsage);
   }
   std::function<void()> on_end;
-  Live live(io, *std::move(setup), {config.health, config.odometry}, server, [&] { on_end(); });
+  Live live(io, *std::move(setup), {config.health, config.odometry, config.calibration}, server,
+            [&] { on_end(); });
+  live.publisher().on_calibration([&](const CalibrationReport& report) {
+    if (const auto kept = calibrations.keep(report); !kept) {
+      spdlog::error("{}", kept.error().message());
+    }
+  });
+  server.on_control([&](const Request& request) { return live.ask(request); });
   Attendant attendant(io, arguments, config, live);
   on_end = [&] {
     attendant.finish();

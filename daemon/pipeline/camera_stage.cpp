@@ -1,5 +1,6 @@
 #include "daemon/pipeline/camera_stage.hpp"
 
+#include "drivers/camera/colour.hpp"
 #include "fusion/geometry/project_points.hpp"
 
 namespace infuse::daemon {
@@ -31,11 +32,18 @@ void measure_exposure(const CameraFrame& frame, FrameReport& report) {
 
 }  // namespace
 
-CameraStage::CameraStage(const CameraMount& mount, const Eigen::Isometry3d& T_vehicle_lidar)
-    : mount_(mount), model_(mount.intrinsics), compensator_(T_vehicle_lidar) {}
+CameraStage::CameraStage(const CameraMount& mount, const Eigen::Isometry3d& T_vehicle_lidar,
+                         const CalibrationSettings& calibration, bool waits)
+    : mount_(mount),
+      T_vehicle_lidar_(T_vehicle_lidar),
+      model_(mount.intrinsics),
+      compensator_(T_vehicle_lidar) {
+  if (calibration.watched) guard_.emplace(mount, calibration, waits);
+}
 
 FrameReport CameraStage::look(const Picture& picture, const Sweep& sweep,
                               const geometry::Trajectory& trajectory) {
+  brought_together_ = false;
   FrameReport report;
   report.camera = picture.camera;
   report.stamp = picture.stamp;
@@ -57,7 +65,36 @@ FrameReport CameraStage::look(const Picture& picture, const Sweep& sweep,
   compensator_.compensate(sweep, trajectory, picture.stamp, straight_);
   report.straight_reason = straight_.reason;
   report.points_in_view = count_in_view();
+  brought_together_ = true;
   return report;
+}
+
+const CalibrationReport* CameraStage::watch(const Picture& picture, const Sweep& sweep,
+                                            const geometry::Trajectory& trajectory) {
+  if (!guard_ || !brought_together_) return nullptr;
+  camera::to_grey(picture.frame, grey_);
+  const watch::SweepView view{{straight_.x, straight_.y, straight_.z},
+                              sweep.range,
+                              sweep.reflectivity,
+                              sweep.ring,
+                              sweep.column};
+  if (!guard_->take(grey_, view, motion_at(picture.stamp, trajectory))) return nullptr;
+  mount_.T_camera_lidar = guard_->T_camera_lidar();
+  return &guard_->report();
+}
+
+// The camera's own motion while the picture was taken: the vehicle's twist over the last twentieth
+// of a second, seen from the camera. Where it is not known the camera counts as standing, and
+// nothing is looked at.
+watch::Motion CameraStage::motion_at(Stamp exposure, const geometry::Trajectory& trajectory) const {
+  constexpr Duration kSpan{50'000'000};
+  const geometry::MotionBetween moved = trajectory.between(exposure - kSpan, exposure);
+  if (!moved.usable()) return {};
+  const geometry::Vector6 twist = geometry::log(moved.T_from_to) / to_seconds(kSpan);
+  const Eigen::Isometry3d T_camera_vehicle = mount_.T_camera_lidar * T_vehicle_lidar_.inverse();
+  const Eigen::Vector3d camera = T_camera_vehicle.inverse().translation();
+  return {T_camera_vehicle.linear() * twist.head<3>(),
+          T_camera_vehicle.linear() * (twist.tail<3>() + twist.head<3>().cross(camera))};
 }
 
 uint32_t CameraStage::count_in_view() {

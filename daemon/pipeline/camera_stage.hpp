@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "daemon/calibration/guard.hpp"
 #include "daemon/pipeline/picture_stage.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/measurement/rig.hpp"
@@ -16,20 +18,39 @@ namespace infuse::daemon {
 class CameraStage {
  public:
   /// `mount.invalid()` must be empty; `T_vehicle_lidar` is that of the lidar it refers to.
-  CameraStage(const CameraMount& mount, const Eigen::Isometry3d& T_vehicle_lidar);
+  /// `waits`: as a replay does for background work.
+  CameraStage(const CameraMount& mount, const Eigen::Isometry3d& T_vehicle_lidar,
+              const CalibrationSettings& calibration, bool waits);
 
   /// Makes the sweep straight as of the exposure, projects it, and says what came of it. `picture`
   /// is readable.
   FrameReport look(const Picture& picture, const Sweep& sweep,
                    const geometry::Trajectory& trajectory);
 
+  /// Watches the calibration with the picture and the sweep that were looked at last. What is to be
+  /// told of it, or null.
+  const CalibrationReport* watch(const Picture& picture, const Sweep& sweep,
+                                 const geometry::Trajectory& trajectory);
+
+  /// What the owner asks of the calibration.
+  void obey(const Request& request) {
+    if (guard_) guard_->obey(request);
+  }
+
+  const std::string& name() const { return mount_.name; }
+
  private:
   uint32_t count_in_view();
+  watch::Motion motion_at(Stamp exposure, const geometry::Trajectory& trajectory) const;
 
   CameraMount mount_;
+  Eigen::Isometry3d T_vehicle_lidar_;
   geometry::CameraModel model_;
   motion::MotionCompensator compensator_;
   motion::StraightSweep straight_;
+  bool brought_together_ = false;  // the picture and the sweep that were looked at last
+  CameraFrame grey_;
+  std::optional<CalibrationGuard> guard_;
   Channel<float> u_, v_, depth_;
 };
 

@@ -37,7 +37,8 @@ FusionStage::FusionStage(const FusionSetup& setup, SlotRing<StreamItem>& in,
   }
   for (const CameraMount& camera : setup.rig.cameras) {
     lidar_of_camera_.push_back(index_of_lidar(setup.rig, camera.lidar));
-    cameras_.emplace_back(camera, setup.rig.lidars[lidar_of_camera_.back()].T_vehicle_lidar);
+    cameras_.emplace_back(camera, setup.rig.lidars[lidar_of_camera_.back()].T_vehicle_lidar,
+                          setup.calibration, setup.delivery == Delivery::kWait);
   }
 }
 
@@ -146,6 +147,24 @@ void FusionStage::tell_frame(const Picture& picture, const Sweep& sweep) {
       cameras_[picture.camera].look(picture, sweep, odometry_.trajectory());
   latency(Stage::kProject).add(HostClock::now() - begin);
   send_report();
+  watch_calibration(picture, sweep);
+}
+
+void FusionStage::watch_calibration(const Picture& picture, const Sweep& sweep) {
+  const HostClock::time_point begin = HostClock::now();
+  asked_.take([&](const Request& request) { obey(request); });
+  const CalibrationReport* calibration =
+      cameras_[picture.camera].watch(picture, sweep, odometry_.trajectory());
+  latency(Stage::kWatch).add(HostClock::now() - begin);
+  if (calibration == nullptr) return;
+  begin_report(ReportItem::Kind::kCalibration, picture.stamp).calibration = *calibration;
+  send_report();
+}
+
+void FusionStage::obey(const Request& request) {
+  for (CameraStage& camera : cameras_) {
+    if (request.device.empty() || request.device == camera.name()) camera.obey(request);
+  }
 }
 
 void FusionStage::tell_tick(const StreamItem& item) {

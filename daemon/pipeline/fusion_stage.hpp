@@ -7,6 +7,7 @@
 
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/pipeline/camera_stage.hpp"
+#include "daemon/pipeline/control_queue.hpp"
 #include "daemon/pipeline/delivery.hpp"
 #include "daemon/pipeline/doorbell.hpp"
 #include "daemon/pipeline/odometry_stage.hpp"
@@ -25,6 +26,7 @@ struct FusionSetup {
   Rig rig;
   bool has_odometry = false;  ///< something says how the vehicle moves
   OdometrySettings odometry;
+  CalibrationSettings calibration;
   Delivery delivery = Delivery::kWait;
 };
 
@@ -46,6 +48,9 @@ class FusionStage {
   /// Until the item kEnd has been passed on.
   void run();
 
+  /// What the owner asks of the cameras' calibrations; from any thread.
+  void ask(const Request& request) { asked_.push(request); }
+
  private:
   void take(Pin<StreamItem> item);
   void take_due_sweeps();
@@ -55,6 +60,8 @@ class FusionStage {
   void tell_pose_now();
   void look_at_pictures(const StreamItem& item);
   void tell_frame(const Picture& picture, const Sweep& sweep);
+  void watch_calibration(const Picture& picture, const Sweep& sweep);
+  void obey(const Request& request);
   void tell_tick(const StreamItem& item);
   ReportItem& begin_report(ReportItem::Kind kind, Stamp stamp);
   void send_report();
@@ -73,6 +80,7 @@ class FusionStage {
   std::deque<CameraStage> cameras_;                     // by camera
   std::vector<size_t> lidar_of_camera_;
   motion::StraightSweep straight_;
+  ControlQueue asked_;
 
   Stamp now_ = Stamp::earliest();        // drive time
   Stamp last_pose_ = Stamp::earliest();  // told without a sweep

@@ -28,7 +28,8 @@ ReportItem report_item(const PipelineSetup& setup) {
 }
 
 FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& options) {
-  return {setup.rig, setup.vehicle.has_odometry(), options.odometry, setup.delivery};
+  return {setup.rig, setup.vehicle.has_odometry(), options.odometry, options.calibration,
+          setup.delivery};
 }
 
 }  // namespace
@@ -36,7 +37,9 @@ FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& opti
 Pipeline::Pipeline(boost::asio::io_context& io, const PipelineSetup& setup,
                    const PipelineOptions& options, Server& server, ReportsFile* file,
                    std::function<void()> on_end)
-    : on_end_(std::move(on_end)),
+    : setup_(setup),
+      calibrations_watched_(options.calibration.watched),
+      on_end_(std::move(on_end)),
       items_(items_in_flight(setup.delivery) + FusionStage::pins(setup.lidars.size()),
              [&] { return stream_item(setup); }),
       pictures_(4 * setup.cameras.size() + 2, [] { return Picture(); }),
@@ -68,6 +71,21 @@ void Pipeline::start(std::function<void(std::stop_token)> read) {
     name_and_pin("io", kIoCore);
     read(stop);
   });
+}
+
+Result<void> Pipeline::ask(const Request& request) {
+  if (!calibrations_watched_) {
+    return fail("calibrations are not watched", "", "watch = true in [calibration]");
+  }
+  std::string names;
+  bool known = request.device.empty() && !setup_.rig.cameras.empty();
+  for (const CameraMount& camera : setup_.rig.cameras) {
+    known = known || camera.name == request.device;
+    names += " " + camera.name;
+  }
+  if (!known) return fail("there is no camera '" + request.device + "'", "", "there are:" + names);
+  fusion_.ask(request);
+  return {};
 }
 
 void Pipeline::drain() {

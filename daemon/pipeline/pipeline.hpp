@@ -17,6 +17,7 @@ namespace infuse::daemon {
 struct PipelineOptions {
   HealthOptions health;
   OdometrySettings odometry;
+  CalibrationSettings calibration;
 };
 
 /// The stages and the rings between them, whatever reads the sensors:
@@ -43,6 +44,10 @@ class Pipeline {
   /// Asks the reader for an end; `on_end` still comes.
   void stop() { io_thread_.request_stop(); }
 
+  /// Carries out what the owner asks of the cameras' calibrations. An error where there is no such
+  /// camera, or its calibration is not watched.
+  Result<void> ask(const Request& request);
+
   Publisher& publisher() { return publisher_; }
   const Publisher& publisher() const { return publisher_; }
 
@@ -51,6 +56,8 @@ class Pipeline {
 
   void drain();
 
+  const PipelineSetup& setup_;
+  const bool calibrations_watched_;
   std::function<void()> on_end_;
   SlotRing<StreamItem> items_;
   SlotRing<Picture> pictures_;

@@ -1,6 +1,8 @@
 #include "daemon/pipeline/publisher.hpp"
 
+#include <array>
 #include <ctime>
+#include <numbers>
 
 #include "daemon/protocol/messages.hpp"
 
@@ -8,6 +10,29 @@ namespace infuse::daemon {
 namespace {
 
 constexpr size_t kAlertsKept = 20;
+
+/// What is to be said of a drift, along the axis that has most evidence.
+CalibrationFigures calibration_figures(const CalibrationReport& report) {
+  CalibrationFigures figures;
+  figures.state = report.state;
+  figures.axis = report.axis;
+  figures.evidence = report.evidence;
+  figures.evidence_needed = report.evidence_needed;
+  figures.fault = report.fault;
+  figures.reason = report.estimate_reason;
+  constexpr std::array kAxes = {"rotation about x",    "rotation about y",
+                                "rotation about z",    "translation along x",
+                                "translation along y", "translation along z"};
+  for (size_t i = 0; i < kAxes.size(); ++i) {
+    if (figures.axis != kAxes[i]) continue;
+    const auto axis = static_cast<Eigen::Index>(i);
+    const double factor = i < 3 ? 180 / std::numbers::pi : 100;
+    figures.offset = report.offset[axis] * factor;
+    figures.deviation = report.deviation[axis] * factor;
+    figures.unit = i < 3 ? "°" : "cm";
+  }
+  return figures;
+}
 
 }  // namespace
 
@@ -50,6 +75,8 @@ void Publisher::take(const ReportItem& item) {
       return tell_pose(item);
     case ReportItem::Kind::kFrame:
       return tell_frame(item);
+    case ReportItem::Kind::kCalibration:
+      return tell_calibration(item.calibration);
     case ReportItem::Kind::kTick:
       tell_health(item);
       return on_progress_();
@@ -89,6 +116,15 @@ void Publisher::tell_frame(const ReportItem& item) {
 void Publisher::tell_pose(const ReportItem& item) {
   on_pose_(item.pose);
   tell(ReportClass::kPose, item.pose.frame, item.stamp, pose_message(item.pose));
+}
+
+void Publisher::tell_calibration(const CalibrationReport& report) {
+  totals_.calibrations[report.camera] = report;
+  on_calibration_(report);
+  tell(ReportClass::kCalibration, report.camera, report.stamp, calibration_message(report));
+  const Conditions& conditions =
+      calibration_health_[report.camera].update(report.stamp, calibration_figures(report));
+  tell_transitions(report.stamp, report.camera, conditions.transitions());
 }
 
 void Publisher::tell_health(const ReportItem& item) {

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "daemon/health/calibration_health.hpp"
 #include "daemon/health/odometry_health.hpp"
 #include "daemon/health/sensor_health.hpp"
 #include "daemon/health/stream_health.hpp"
@@ -21,13 +23,14 @@ namespace infuse::daemon {
 struct Totals {
   bool started = false;  ///< false: the drive was empty
   bool ended = false;
-  Stamp start, now;                       ///< drive time
-  uint64_t alerts = 0;                    ///< findings that were raised
-  std::vector<AlertReport> first_alerts;  ///< the first of these
-  std::vector<SensorCounters> counters;   ///< by lidar
-  std::vector<StreamCounters> streams;    ///< by device that follows the lidars
-  OdometryFigures odometry;               ///< at the last tick
-  std::vector<Level> levels;              ///< by device, at the last tick
+  Stamp start, now;                                       ///< drive time
+  uint64_t alerts = 0;                                    ///< findings that were raised
+  std::vector<AlertReport> first_alerts;                  ///< the first of these
+  std::vector<SensorCounters> counters;                   ///< by lidar
+  std::vector<StreamCounters> streams;                    ///< by device that follows the lidars
+  OdometryFigures odometry;                               ///< at the last tick
+  std::map<std::string, CalibrationReport> calibrations;  ///< the last of each camera
+  std::vector<Level> levels;                              ///< by device, at the last tick
   HostFigures host;
 };
 
@@ -41,6 +44,11 @@ class Publisher {
 
   /// Calls `listener(const PoseReport&)` for every pose that is told.
   void on_pose(std::function<void(const PoseReport&)> listener) { on_pose_ = std::move(listener); }
+
+  /// Calls `listener(const CalibrationReport&)` for every one that is told.
+  void on_calibration(std::function<void(const CalibrationReport&)> listener) {
+    on_calibration_ = std::move(listener);
+  }
 
   /// Calls `listener()` when the start, and each second of drive time, has come through the whole
   /// pipeline and was told.
@@ -60,6 +68,7 @@ class Publisher {
   void tell_sweep(const ReportItem& item);
   void tell_frame(const ReportItem& item);
   void tell_pose(const ReportItem& item);
+  void tell_calibration(const CalibrationReport& report);
   void tell_health(const ReportItem& item);
   void judge_lidars(const ReportItem& item, HealthReport& report);
   void judge_streams(const ReportItem& item, HealthReport& report);
@@ -79,7 +88,9 @@ class Publisher {
   std::vector<SensorHealth> health_;         // of the lidars
   std::vector<StreamHealth> stream_health_;  // of the rest
   OdometryHealth odometry_health_;
+  std::map<std::string, CalibrationHealth> calibration_health_;  // by camera
   std::function<void()> on_progress_ = [] {};
+  std::function<void(const CalibrationReport&)> on_calibration_ = [](const CalibrationReport&) {};
   std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
   Server& server_;
   ReportsFile* file_;

@@ -13,8 +13,7 @@ namespace infuse::daemon {
 /// How a drive is replayed.
 struct ReplayOptions {
   std::optional<double> rate;  ///< 1: as it was recorded; nothing: as fast as it goes
-  HealthOptions health;
-  OdometrySettings odometry;
+  PipelineOptions pipeline;
 };
 
 /// A drive run through the pipeline, in drive time: each stage waits for the next one, nothing is
@@ -31,6 +30,9 @@ class Replay {
 
   /// Asks for an end before the drive's; `on_end` still comes.
   void stop() { pipeline_.stop(); }
+
+  /// Carries out what the owner asks for.
+  Result<void> ask(const Request& request) { return pipeline_.ask(request); }
 
   /// For whoever keeps the poses; before `start`.
   Publisher& publisher() { return pipeline_.publisher(); }

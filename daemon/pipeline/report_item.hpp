@@ -19,28 +19,31 @@ enum class Stage : uint8_t {
   kDecode,    ///< one picture decoded
   kStraight,  ///< one sweep made straight and summarised
   kProject,   ///< one picture and its sweep brought together
+  kWatch,     ///< the calibration watched with them
   kWhole,     ///< the event that completed a sweep read to the sweep's report
   kCount,
 };
 
 inline constexpr std::array<const char*, static_cast<size_t>(Stage::kCount)> kStageNames = {
-    "intake", "decode", "straight", "project", "whole"};
+    "intake", "decode", "straight", "project", "watch", "whole"};
 
 /// What the fusion thread hands to the thread that tells: values of fixed size, not yet text.
 struct ReportItem {
   enum class Kind : uint8_t {
-    kStart,  ///< of the drive
-    kSweep,  ///< `sweep`
-    kPose,   ///< `pose`
-    kFrame,  ///< `frame`
-    kTick,   ///< the rest
-    kEnd,    ///< of the drive; nothing follows
+    kStart,        ///< of the drive
+    kSweep,        ///< `sweep`
+    kPose,         ///< `pose`
+    kFrame,        ///< `frame`
+    kCalibration,  ///< `calibration`
+    kTick,         ///< the rest
+    kEnd,          ///< of the drive; nothing follows
   };
   Kind kind = Kind::kStart;
   Stamp stamp;
   SweepReport sweep;
   PoseReport pose;
   FrameReport frame;
+  CalibrationReport calibration;
   std::vector<SensorCounters> counters;  ///< by lidar
   std::vector<StreamCounters> streams;   ///< by stream
   OdometryFigures odometry;

@@ -19,6 +19,18 @@ void add_known(Json& to, const char* key, double value) {
   if (std::isfinite(value)) to[key] = value;
 }
 
+/// A matrix as a list of numbers by row.
+template <class Matrix>
+Json by_row(const Matrix& matrix) {
+  Json numbers = Json::array();
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+      numbers.push_back(matrix(row, column));
+    }
+  }
+  return numbers;
+}
+
 Json finding_json(const Finding& finding) {
   return {{"id", finding.id},
           {"level", name_of(finding.level)},
@@ -182,15 +194,50 @@ std::string pose_message(const PoseReport& pose) {
   message["frame"] = pose.frame;
   message["usable"] = pose.usable();
   if (!pose.usable()) message["reason"] = pose.reason;
-  const Eigen::Matrix4d& T = pose.T_frame_vehicle.matrix();
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      message["T_frame_vehicle"].push_back(T(row, column));
-    }
-  }
-  for (int i = 0; i < 36; ++i) message["covariance"].push_back(pose.covariance(i / 6, i % 6));
+  message["T_frame_vehicle"] = by_row(pose.T_frame_vehicle.matrix());
+  message["covariance"] = by_row(pose.covariance);
   message["speed"] = rounded(pose.speed);
   message["yaw_rate"] = rounded(pose.yaw_rate);
+  return line(message);
+}
+
+std::string calibration_message(const CalibrationReport& calibration) {
+  Json message = report("CALIBRATION", calibration.stamp);
+  message["device"] = calibration.camera;
+  message["state"] = calibration.state;
+  message["since"] = calibration.since.ns();
+  message["policy"] = calibration.policy;
+  message["frozen"] = calibration.frozen;
+  message["T_camera_lidar"] = by_row(calibration.T_camera_lidar.matrix());
+  message["looks"] = calibration.looks;
+  message["scenes"] = calibration.scenes;
+  if (*calibration.axis != '\0') {
+    message["evidence"] = {{"axis", calibration.axis},
+                           {"nats", rounded(calibration.evidence)},
+                           {"needed_nats", rounded(calibration.evidence_needed)}};
+    message["offset"] = by_row(calibration.offset);
+    message["offset_sigma"] = by_row(calibration.deviation.unaryExpr(
+        [](double sigma) { return std::isfinite(sigma) ? sigma : 1e9; }));
+    message["delay_s"] = rounded(calibration.delay);
+    message["dependence_nats"] = calibration.dependence;
+  }
+  if (*calibration.fault != '\0') message["camera_fault"] = calibration.fault;
+  if (calibration.has_estimate) {
+    Json estimate = {{"T_camera_lidar", by_row(calibration.T_camera_lidar_estimate.matrix())},
+                     {"covariance", by_row(calibration.covariance)},
+                     {"moved", rounded(calibration.moved)},
+                     {"scenes", calibration.estimate_scenes},
+                     {"usable", calibration.estimate_reason.empty()}};
+    if (!calibration.estimate_reason.empty()) estimate["reason"] = calibration.estimate_reason;
+    message["estimate"] = std::move(estimate);
+  }
+  message["history"] = Json::array();
+  for (const CalibrationChange& change : calibration.history) {
+    message["history"].push_back({{"stamp", change.stamp.ns()},
+                                  {"state", change.state},
+                                  {"what", change.what},
+                                  {"T_camera_lidar", by_row(change.T_camera_lidar.matrix())}});
+  }
   return line(message);
 }
 

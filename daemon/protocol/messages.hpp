@@ -27,6 +27,8 @@ std::string frame_message(const FrameReport& report, std::span<const Device> cam
 
 std::string pose_message(const PoseReport& report);
 
+std::string calibration_message(const CalibrationReport& report);
+
 /// `host` null: without what depends on this machine's speed.
 std::string health_message(const HealthReport& report, std::span<const Device> devices,
                            const HostFigures* host);

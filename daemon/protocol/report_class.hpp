@@ -8,14 +8,15 @@
 namespace infuse::daemon {
 
 /// The reports that a client can watch.
-enum class ReportClass : uint8_t { kDevices, kSweep, kFrame, kPose, kHealth, kAlert };
+enum class ReportClass : uint8_t { kDevices, kSweep, kFrame, kPose, kCalibration, kHealth, kAlert };
 
 /// Every watchable class and its name on the wire.
-inline constexpr std::array<std::pair<ReportClass, const char*>, 6> kReportClasses = {
+inline constexpr std::array<std::pair<ReportClass, const char*>, 7> kReportClasses = {
     {{ReportClass::kDevices, "DEVICES"},
      {ReportClass::kSweep, "SWEEP"},
      {ReportClass::kFrame, "FRAME"},
      {ReportClass::kPose, "POSE"},
+     {ReportClass::kCalibration, "CALIBRATION"},
      {ReportClass::kHealth, "HEALTH"},
      {ReportClass::kAlert, "ALERT"}}};
 

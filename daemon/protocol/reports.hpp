@@ -117,4 +117,43 @@ struct AlertReport {
   Finding finding;
 };
 
+/// One thing that happened to a calibration.
+struct CalibrationChange {
+  Stamp stamp;
+  const char* state = "";                                            ///< after it
+  std::string what;                                                  ///< "applied", ...
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use after it
+};
+
+/// How the calibration of one camera to its lidar stands. Plain data of fixed size, but for the
+/// words.
+struct CalibrationReport {
+  std::string camera;
+  Stamp stamp;
+  const char* state = "";   ///< "OK", "WATCHING", "SUSPECT", "DRIFTED", "RECALIBRATING",
+                            ///< "RECALIBRATED", "UNUSABLE"
+  Stamp since;              ///< of the state
+  const char* policy = "";  ///< "alert-only", "apply", "apply-within"
+  bool frozen = false;      ///< the owner wants nothing changed
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use
+  uint64_t looks = 0;          ///< pictures that were put to the test
+  uint64_t scenes = 0;         ///< kept for a re-estimation
+  const char* axis = "";       ///< along which there is most evidence for a drift; empty: none yet
+  double evidence = 0;         ///< nats, along it
+  double evidence_needed = 0;  ///< nats, to call it a drift
+  Eigen::Matrix<double, 6, 1> offset = Eigen::Matrix<double, 6, 1>::Zero();  ///< rad and m: how far
+                                                                             ///< it seems to be off
+  Eigen::Matrix<double, 6, 1> deviation = Eigen::Matrix<double, 6, 1>::Zero();  ///< of that
+  double delay = 0;        ///< s, of the camera's stamps after its exposures, as it seems
+  double dependence = 0;   ///< nats, of the last picture looked at
+  const char* fault = "";  ///< of the camera itself; empty: none
+  bool has_estimate = false;
+  Eigen::Isometry3d T_camera_lidar_estimate = Eigen::Isometry3d::Identity();     ///< the last one
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< its
+  double moved = 0;  ///< Mahalanobis distance of the estimate from what was in use
+  uint64_t estimate_scenes = 0;
+  std::string estimate_reason;             ///< why the estimate cannot be used; empty where it can
+  std::vector<CalibrationChange> history;  ///< the last changes, oldest first
+};
+
 }  // namespace infuse::daemon

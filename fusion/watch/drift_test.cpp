@@ -65,7 +65,6 @@ void DriftTest::add(const AxisLook& look) {
     learn_noise(track, d, w);
     track.sum += w * d - kMemory * track.sum;
     track.weight += w - kMemory * track.weight;
-    if (!warmed_up()) continue;
     const double gap = options_.drifted[k] - options_.kept[k];
     const double middle = 0.5 * (options_.drifted[k] + options_.kept[k]);
     const double scale = w * gap / noise_of(track);
@@ -111,14 +110,14 @@ double DriftTest::deviation(Axis axis) const {
 }
 
 const char* to_string(Axis axis) {
-  constexpr std::array<const char*, kAxes> kNames = {"rotation about x",
-                                                     "rotation about y",
-                                                     "rotation about z",
-                                                     "translation along x",
-                                                     "translation along y",
-                                                     "translation along z",
-                                                     "time"};
-  return kNames[static_cast<size_t>(axis)];
+  constexpr std::array<const char*, 7> kNames = {"rotation about x",
+                                                 "rotation about y",
+                                                 "rotation about z",
+                                                 "translation along x",
+                                                 "translation along y",
+                                                 "translation along z",
+                                                 "time"};
+  return kNames[static_cast<size_t>(near_axis(axis))];
 }
 
 }  // namespace infuse::watch

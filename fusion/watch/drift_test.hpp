@@ -9,10 +9,29 @@
 
 namespace infuse::watch {
 
-/// What the watch looks along: the six axes of a left perturbation of T_camera_lidar, and how late
-/// the camera's stamps are.
-enum class Axis : uint8_t { kRotationX, kRotationY, kRotationZ, kX, kY, kZ, kTime };
-inline constexpr size_t kAxes = 7;
+/// What the watch looks along: the six axes of a left perturbation of T_camera_lidar, how late the
+/// camera's stamps are, and the three rotations again with a wider look, which sees a drift that is
+/// too far off for the narrow one.
+enum class Axis : uint8_t {
+  kRotationX,
+  kRotationY,
+  kRotationZ,
+  kX,
+  kY,
+  kZ,
+  kTime,
+  kFarRotationX,
+  kFarRotationY,
+  kFarRotationZ
+};
+inline constexpr size_t kAxes = 10;
+
+/// The far rotations' own axes; the others as they are.
+constexpr Axis near_axis(Axis axis) {
+  return axis < Axis::kFarRotationX ? axis
+                                    : static_cast<Axis>(static_cast<uint8_t>(axis) -
+                                                        static_cast<uint8_t>(Axis::kFarRotationX));
+}
 
 /// One number an axis.
 using PerAxis = std::array<double, kAxes>;
@@ -28,20 +47,20 @@ struct AxisLook {
 /// Settings of the sequential test. Angles in rad, lengths in m, times in s.
 struct DriftTestOptions {
   /// Offsets up to which the calibration counts as kept: what the measure's own bias may be.
-  PerAxis kept{2.1e-3, 2.1e-3, 2.1e-3, 0.015, 0.015, 0.05, 0.03};
+  PerAxis kept{2.1e-3, 2.1e-3, 2.1e-3, 0.015, 0.015, 0.05, 0.03, 8.7e-3, 8.7e-3, 8.7e-3};
   /// Offsets that are to be found soon.
-  PerAxis drifted{7e-3, 7e-3, 7e-3, 0.05, 0.05, 0.15, 0.10};
+  PerAxis drifted{7e-3, 7e-3, 7e-3, 0.05, 0.05, 0.15, 0.10, 0.026, 0.026, 0.026};
   double false_alarm_hours = 1000;  ///< mean time between false alarms at `looks_per_second`
   double looks_per_second = 2.5;    ///< how often `add` is called at most
   double suspect = 4;               ///< evidence, nats, at which drift is suspected
   double most_a_look = 2;           ///< nats; no single picture brings more evidence
-  int warm_up = 12;  ///< looks before anything is said: the scale of noise is learned
+  int warm_up = 12;  ///< looks before anything is said: the scale of noise is learned meanwhile
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 
   /// Evidence (nats) at which drift is certain: the mean time between false alarms of a CUSUM of
-  /// log-likelihood ratios is at least e^h looks (Lorden 1971), of 14 of them side by side e^h
+  /// log-likelihood ratios is at least e^h looks (Lorden 1971), of n of them side by side e^h
   /// ÷ 14.
   double certain() const;
 };

@@ -8,7 +8,6 @@ namespace infuse::watch {
 namespace {
 
 constexpr int kBins = QuickPoints::kBins;
-constexpr double kEdgeWeight = 2;
 
 using Table = std::array<float, static_cast<size_t>(kBins) * kBins>;
 
@@ -75,7 +74,7 @@ double QuickDependence::at(const Eigen::Isometry3d& T_camera_lidar, const QuickP
     add(reflectivity, points.reflectivity_bin()[i], look_up(picture.grey(), width, at, a, b));
     add(edge, points.edge_bin()[i], look_up(picture.edge(), width, at, a, b));
   }
-  return information(reflectivity) + kEdgeWeight * information(edge);
+  return weights_.reflectivity * information(reflectivity) + weights_.edges * information(edge);
 }
 
 }  // namespace infuse::watch

@@ -13,12 +13,21 @@ namespace infuse::watch {
 /// the order of 10 ns a point. Keeps its memory.
 class QuickDependence {
  public:
+  /// What each part counts; a lidar without reflectivity has depth edges alone (P 6.2.1).
+  struct Weights {
+    double reflectivity = 1;
+    double edges = 2;
+  };
+
+  explicit QuickDependence(const Weights& weights) : weights_(weights) {}
+
   /// At a pose near to the one with which the points were picked; a point that leaves the picture
   /// keeps the border's value, so that it cannot raise the measure by vanishing.
   double at(const Eigen::Isometry3d& T_camera_lidar, const QuickPicture& picture,
             const QuickPoints& points, const geometry::CameraModel& camera);
 
  private:
+  Weights weights_;
   std::vector<float> u_, v_, depth_;
 };
 

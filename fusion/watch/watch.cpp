@@ -26,8 +26,9 @@ void parabola(double below, double here, double above, double step, double& offs
 }  // namespace
 
 std::optional<std::string> WatchOptions::invalid() const {
-  if (!(rotation_step > 0) || !(translation_step > 0) || !(time_step > 0)) {
-    return "steps must be positive";
+  if (!(rotation_step > 0) || !(far_step > rotation_step) || !(translation_step > 0) ||
+      !(time_step > 0)) {
+    return "steps must be positive, far_step more than rotation_step";
   }
   if (!(focal_samples >= 20)) return "focal_samples must be at least 20";
   if (max_points < min_points || min_points < 100) {
@@ -49,6 +50,7 @@ Watch::Watch(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_camera_l
       camera_(camera),
       step_(std::max(1, static_cast<int>(std::lround(camera.fx / options.focal_samples)))),
       T_camera_lidar_(T_camera_lidar),
+      dependence_(options.weights),
       test_(options.test),
       check_(options.check),
       store_(options.store) {}
@@ -93,6 +95,12 @@ const char* Watch::why_not(const CameraFrame& grey, const Motion& motion) {
   return "";
 }
 
+double Watch::step_along(Axis axis) const {
+  if (axis == Axis::kTime) return options_.time_step;
+  if (axis >= Axis::kFarRotationX) return options_.far_step;
+  return axis < Axis::kX ? options_.rotation_step : options_.translation_step;
+}
+
 AxisLook Watch::look(const Motion& motion, WatchReport& report) {
   const double here = dependence_.at(T_camera_lidar_, picture_, points_, camera_);
   report.dependence = here;
@@ -104,22 +112,22 @@ AxisLook Watch::look(const Motion& motion, WatchReport& report) {
   double lowest = here;
   double highest = here;
   for (size_t k = 0; k < kAxes; ++k) {
-    const bool time = k == static_cast<size_t>(Axis::kTime);
-    const double step = time    ? options_.time_step
-                        : k < 3 ? options_.rotation_step
-                                : options_.translation_step;
+    const auto axis = static_cast<Axis>(k);
+    const double step = step_along(axis);
     Vector6 direction = Vector6::Zero();
-    if (time) {
+    if (axis == Axis::kTime) {
       // A camera that is late by τ saw the world from where it was τ ago: its frame is moved by −τ
       // times the twist, and lidar points in it the other way.
       direction << motion.angular_rate, motion.velocity;
     } else {
-      direction(static_cast<Eigen::Index>(k)) = 1;
+      direction(static_cast<Eigen::Index>(near_axis(axis))) = 1;
     }
-    const double above = dependence_.at(geometry::exp(step * direction) * T_camera_lidar_, picture_,
-                                        points_, camera_);
-    const double below = dependence_.at(geometry::exp(-step * direction) * T_camera_lidar_,
-                                        picture_, points_, camera_);
+    const auto ask = [&](double far) {
+      return dependence_.at(geometry::exp(far * direction) * T_camera_lidar_, picture_, points_,
+                            camera_);
+    };
+    const double above = ask(step);
+    const double below = ask(-step);
     parabola(below, here, above, step, look.offset[k], look.information[k]);
     lowest = std::min({lowest, above, below});
     highest = std::max({highest, above, below});
@@ -133,8 +141,8 @@ AxisLook Watch::look(const Motion& motion, WatchReport& report) {
 }
 
 void Watch::judge(WatchReport& report) {
-  report.axis = test_.strongest();
-  report.evidence = test_.evidence(report.axis);
+  report.evidence = test_.evidence(test_.strongest());
+  report.axis = near_axis(test_.strongest());
   if (report.evidence < kNoEvidence) quiet_ = report.stamp;
   report.since = quiet_;
   report.drift = !test_.warmed_up() ? Drift::kLearning

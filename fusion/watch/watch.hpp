@@ -19,6 +19,7 @@ struct Motion {
 /// Settings of the watch of one camera.
 struct WatchOptions {
   double rotation_step = 8.7e-3;   ///< rad; how far around the calibration the dependence is asked
+  double far_step = 0.026;         ///< rad; the same for the wide look
   double translation_step = 0.10;  ///< m
   double time_step = 0.08;         ///< s
   double focal_samples = 300;      ///< focal length of the reduced picture, samples
@@ -28,6 +29,7 @@ struct WatchOptions {
   double spacing = 1.5;            ///< m driven, or
   double turning = 0.1;            ///< rad turned between two looks: a place is looked at once
   double least_peak = 4e-3;        ///< nats; with less between top and foot a picture says nothing
+  QuickDependence::Weights weights;
   DriftTestOptions test;
   CameraCheckOptions check;
   SceneStoreOptions store;
@@ -85,6 +87,10 @@ class Watch {
   /// The calibration was changed: evidence starts anew.
   void set_calibration(const Eigen::Isometry3d& T_camera_lidar);
 
+  /// The calibration in use is another, and the watch is not told: for tests of how soon it
+  /// notices.
+  void misplace(const Eigen::Isometry3d& T_camera_lidar) { T_camera_lidar_ = T_camera_lidar; }
+
   /// Another calibration that each look is compared with (`WatchReport::gain`), or none.
   void set_alternative(const std::optional<Eigen::Isometry3d>& T_camera_lidar);
 
@@ -97,6 +103,7 @@ class Watch {
  private:
   const char* why_not(const CameraFrame& grey, const Motion& motion);
   AxisLook look(const Motion& motion, WatchReport& report);
+  double step_along(Axis axis) const;
   void judge(WatchReport& report);
   void travel(Stamp stamp, const Motion& motion);
 

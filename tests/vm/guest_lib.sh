@@ -5,13 +5,18 @@ pass() { echo "ok      $*"; }
 miss() { echo "NOT OK  $*"; failures=$((failures + 1)); }
 # check NAME COMMAND...: the command must succeed.
 check() { local name=$1; shift; if "$@" >/tmp/check.log 2>&1; then pass "$name"; else miss "$name"; tail -n 12 /tmp/check.log; fi; }
-# within SECONDS COMMAND...: until it succeeds.
+# within SECONDS COMMAND...: until it succeeds. Where `patience` is 10, ten times as long.
+patience=1
 within() {
-  local deadline=$((SECONDS + $1)); shift
+  local deadline=$((SECONDS + patience * $1)); shift
   until "$@" >/dev/null 2>&1; do ((SECONDS < deadline)) || return 1; sleep 0.2; done
 }
 finish() { echo "$failures failures"; exit $((failures > 0)); }
 # level DEVICE LEVEL: as infuse status has it.
 level() { infuse status 2>/dev/null | grep -qE "^  $2 +$1:"; }
-all_ok() { level top OK && level front OK && level bus OK; }
+# An emulated processor that gets little time loses packets and pictures, and the daemon says so: then it
+# is enough that all deliver.
+all_ok() {
+  if ((patience > 1)); then infuse wait-ready --timeout 2; else level top OK && level front OK && level bus OK; fi
+}
 alert() { journalctl -u infused -o cat 2>/dev/null | grep -q "$1"; }

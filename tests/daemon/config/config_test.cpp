@@ -199,6 +199,38 @@ struct Wrong {
   const char* message;
 };
 
+TEST(Config, OdometryAndCalibrationAreTakenOver) {
+  const auto config = parse_config(R"(
+[odometry]
+planar = false
+wheelbase = 2.65
+steering_ratio = 16.9
+gps_delay_ms = 120
+reorder_ms = 150
+use_gps_speed = false
+max_wait_ms = 50
+[calibration]
+watch = false
+policy = "apply-within"
+limit_rotation_deg = 1.8
+limit_translation = 0.05
+)",
+                                   "x.toml");
+  ASSERT_TRUE(config) << config.error().message();
+  EXPECT_FALSE(config->odometry.filter.planar);
+  EXPECT_EQ(config->odometry.filter.wheelbase, 2.65);
+  EXPECT_EQ(config->odometry.filter.gps_delay, from_seconds(0.12));
+  EXPECT_EQ(config->odometry.filter.reorder, from_seconds(0.15));
+  EXPECT_FALSE(config->odometry.use_gps_speed);
+  EXPECT_EQ(config->odometry.max_wait, from_seconds(0.05));
+  EXPECT_FALSE(config->calibration.watched);
+  EXPECT_EQ(config->calibration.decision.policy, watch::Policy::kApplyWithin);
+  EXPECT_NEAR(config->calibration.decision.limit_rotation, 0.0314159265, 1e-9);
+  EXPECT_FALSE(parse_config("[calibration]\npolicy = \"sometimes\"\n", "x.toml"));
+  EXPECT_FALSE(parse_config("[odometry]\nwheelbase = -1\n", "x.toml"));
+  EXPECT_FALSE(parse_config("[odometry]\nmax_wait_ms = 1e9\n", "x.toml"));
+}
+
 TEST(Config, ErrorsSayWhereAndWhat) {
   const Wrong cases[] = {
       {"\n[health]\nstale_after = 3\n", "x.toml:3: unknown key 'stale_after'"},

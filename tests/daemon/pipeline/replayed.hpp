@@ -53,6 +53,7 @@ struct ReplayedOptions {
   std::optional<double> rate = {};
   std::filesystem::path socket = {};                         ///< empty: nobody can listen
   std::optional<std::chrono::milliseconds> stop_after = {};  ///< host time
+  PipelineOptions pipeline = {};
 };
 
 /// Replays a drive from its start to its end.
@@ -71,7 +72,7 @@ inline Result<Replayed> replayed(const std::filesystem::path& path,
     }
   }
   boost::asio::steady_timer stop(io);
-  Replay replay(io, *std::move(setup), {options.rate, {}}, server, &*file, [&] {
+  Replay replay(io, *std::move(setup), {options.rate, options.pipeline}, server, &*file, [&] {
     stop.cancel();
     server.finish(std::chrono::seconds(5));
   });

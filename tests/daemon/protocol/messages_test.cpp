@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <cmath>
 #include <limits>
 
@@ -52,6 +54,57 @@ TEST(Messages, ASweepWithoutReturnsHasNoMeans) {
   EXPECT_EQ(message["mean_range"], 12.25);
   EXPECT_EQ(message["gap_deg"], 90);
   EXPECT_EQ(message["span_s"], 0.0998);
+}
+
+TEST(Messages, AFrameWithoutASweepSaysWhyAndNothingOfASweep) {
+  const std::vector<Device> cameras = {{.name = "front", .kind = "camera"}};
+  FrameReport report;
+  report.width = 640;
+  report.height = 480;
+  report.points_in_view = 1234;
+  const json whole = checked(frame_message(report, cameras));
+  EXPECT_EQ(whole["device"], "front");
+  EXPECT_EQ(whole["points_in_view"], 1234);
+  EXPECT_EQ(whole["straight"], true);
+  report.reason = "no sweep was taken near this picture";
+  const json apart = checked(frame_message(report, cameras));
+  EXPECT_FALSE(apart.contains("points_in_view"));
+  EXPECT_EQ(apart["reason"], report.reason);
+}
+
+TEST(Messages, APoseIsSixteenNumbersByRow) {
+  PoseReport report;
+  report.frame = "odometry";
+  report.T_frame_vehicle.translation() << 1, 2, 3;
+  report.covariance(0, 5) = 0.25;
+  const json pose = checked(pose_message(report));
+  EXPECT_EQ(pose["T_frame_vehicle"][3], 1.0);
+  EXPECT_EQ(pose["T_frame_vehicle"][7], 2.0);
+  EXPECT_EQ(pose["covariance"][5], 0.25);
+  EXPECT_EQ(pose["usable"], true);
+  report.reason = "no sample has come yet";
+  EXPECT_EQ(checked(pose_message(report))["usable"], false);
+}
+
+TEST(Messages, ACalibrationTellsOnlyWhatIsKnown) {
+  CalibrationReport report;
+  report.camera = "front";
+  report.state = "WATCHING";
+  report.policy = "alert-only";
+  const json young = checked(calibration_message(report));
+  EXPECT_FALSE(young.contains("evidence"));
+  EXPECT_FALSE(young.contains("estimate"));
+  report.axis = "rotation about y";
+  report.evidence_needed = 17;
+  report.deviation[2] = std::numeric_limits<double>::infinity();
+  report.has_estimate = true;
+  report.estimate_reason = "two halves of the scenes disagree";
+  report.history.push_back(
+      {Stamp::from_ns(5), "RECALIBRATED", "applied", Eigen::Isometry3d::Identity()});
+  const json known = checked(calibration_message(report));
+  EXPECT_EQ(known["evidence"]["axis"], "rotation about y");
+  EXPECT_EQ(known["estimate"]["usable"], false);
+  EXPECT_EQ(known["history"][0]["what"], "applied");
 }
 
 TEST(Messages, HealthHasTheWorstLevelAndHostFiguresOnlyWhenGiven) {

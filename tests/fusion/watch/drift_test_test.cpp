@@ -20,7 +20,7 @@ class Looks {
     AxisLook look;
     for (size_t k = 0; k < kAxes; ++k) {
       // One look tells a rotation to 0.17 degrees, a translation to 3 cm, a time to 50 ms.
-      const double unit = k < 3 ? 3e-3 : k < 6 ? 0.03 : 0.05;
+      const double unit = k < 3 ? 3e-3 : k < 6 ? 0.03 : k < 7 ? 0.05 : 0.01;
       look.information[k] = noise / (unit * unit);
       last_[k] = correlation * last_[k] + std::sqrt(1 - correlation * correlation) * normal();
       look.offset[k] = drift[k] + unit * last_[k];
@@ -139,8 +139,8 @@ TEST(DriftTestOptions, SaysWhatIsWrong) {
   EXPECT_THAT(*options.invalid(), HasSubstr("drifted"));
   EXPECT_THAT(*(DriftTestOptions{.suspect = 40}.invalid()), HasSubstr("suspect"));
   EXPECT_THAT(*(DriftTestOptions{.warm_up = 2}.invalid()), HasSubstr("warm_up"));
-  // e^h looks an alarm, for 14 tests side by side.
-  EXPECT_NEAR(std::exp(DriftTestOptions{}.certain()) / 14 / 2.5 / 3600, 1000, 1e-6);
+  // e^h looks an alarm, for two tests an axis side by side.
+  EXPECT_NEAR(std::exp(DriftTestOptions{}.certain()) / (2 * kAxes) / 2.5 / 3600, 1000, 1e-6);
 }
 
 }  // namespace

@@ -1,0 +1,134 @@
+#include "daemon/calibration/saved_calibrations.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "daemon/service/atomic_file.hpp"
+#include "drivers/recording/rigid_matrix.hpp"
+#include "drivers/recording/text_file.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kForm = 1;
+constexpr size_t kMaxBytes = 1 << 20;
+constexpr size_t kMaxCameras = 64;
+
+Json by_row(const Eigen::Isometry3d& T) {
+  Json numbers = Json::array();
+  for (int i = 0; i < 16; ++i) numbers.push_back(T.matrix()(i / 4, i % 4));
+  return numbers;
+}
+
+std::optional<Eigen::Isometry3d> rigid(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_array() || found->size() != 16) return std::nullopt;
+  Eigen::Matrix4d matrix;
+  for (size_t i = 0; i < 16; ++i) {
+    if (!(*found)[i].is_number()) return std::nullopt;
+    matrix(static_cast<int>(i) / 4, static_cast<int>(i) % 4) = (*found)[i].get<double>();
+  }
+  return recording::to_rigid(matrix);
+}
+
+std::optional<SavedCalibration> read_one(const Json& object) {
+  if (!object.is_object()) return std::nullopt;
+  const auto camera = object.find("camera");
+  const auto since = object.find("since_ns");
+  const auto configured = rigid(object, "T_camera_lidar_configured");
+  const auto used = rigid(object, "T_camera_lidar");
+  if (camera == object.end() || !camera->is_string() || since == object.end() ||
+      !since->is_number_integer() || !configured || !used) {
+    return std::nullopt;
+  }
+  return SavedCalibration{camera->get<std::string>(), Stamp::from_ns(since->get<int64_t>()),
+                          *configured, *used};
+}
+
+/// As far apart as printing and reading back can bring them.
+bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff() < 1e-9;
+}
+
+}  // namespace
+
+std::string format_calibrations(const std::vector<SavedCalibration>& calibrations) {
+  Json json = {{"form", kForm}, {"cameras", Json::array()}};
+  for (const SavedCalibration& calibration : calibrations) {
+    json["cameras"].push_back(
+        {{"camera", calibration.camera},
+         {"since_ns", calibration.since.ns()},
+         {"T_camera_lidar_configured", by_row(calibration.T_camera_lidar_configured)},
+         {"T_camera_lidar", by_row(calibration.T_camera_lidar)}});
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<std::vector<SavedCalibration>> parse_calibrations(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("form") || json["form"] != kForm ||
+      !json.contains("cameras") || !json["cameras"].is_array() ||
+      json["cameras"].size() > kMaxCameras) {
+    return fail("are no calibrations of this release");
+  }
+  std::vector<SavedCalibration> calibrations;
+  for (const Json& object : json["cameras"]) {
+    const auto calibration = read_one(object);
+    if (!calibration) return fail("are damaged calibrations");
+    calibrations.push_back(*calibration);
+  }
+  return calibrations;
+}
+
+std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
+  std::vector<std::string> lines;
+  std::error_code ignored;
+  std::vector<SavedCalibration> saved;
+  if (!path_.empty() && std::filesystem::exists(path_, ignored)) {
+    const auto text = recording::read_text(path_, kMaxBytes);
+    const auto read = text ? parse_calibrations(*text)
+                           : Result<std::vector<SavedCalibration>>(tl::unexpected(text.error()));
+    if (read) {
+      saved = *read;
+    } else {
+      lines.push_back(path_.string() + ": " + read.error().what +
+                      "; the configured calibrations are used");
+    }
+  }
+  calibrations_.clear();
+  for (CameraMount& camera : rig.cameras) {
+    calibrations_.push_back({camera.name, {}, camera.T_camera_lidar, camera.T_camera_lidar});
+    const auto found = std::find_if(saved.begin(), saved.end(), [&](const SavedCalibration& one) {
+      return one.camera == camera.name;
+    });
+    if (found == saved.end() || same(found->T_camera_lidar, camera.T_camera_lidar)) continue;
+    if (!same(found->T_camera_lidar_configured, camera.T_camera_lidar)) {
+      lines.push_back(camera.name + ": another calibration was configured since; it is used");
+      continue;
+    }
+    camera.T_camera_lidar = found->T_camera_lidar;
+    calibrations_.back() = *found;
+    lines.push_back(camera.name + ": the calibration that was in use last is used");
+  }
+  return lines;
+}
+
+Result<void> SavedCalibrations::keep(const CalibrationReport& report) {
+  for (SavedCalibration& calibration : calibrations_) {
+    if (calibration.camera != report.camera ||
+        same(calibration.T_camera_lidar, report.T_camera_lidar)) {
+      continue;
+    }
+    calibration.T_camera_lidar = report.T_camera_lidar;
+    calibration.since = report.stamp;
+    if (path_.empty()) return {};
+    std::error_code ignored;  // the writing says what is wrong
+    std::filesystem::create_directories(path_.parent_path(), ignored);
+    return write_atomically(path_, format_calibrations(calibrations_));
+  }
+  return {};
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,185 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <numbers>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/commands/client.hpp"
+#include "daemon/commands/command.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+struct Arguments {
+  std::string socket;
+  std::string camera;
+  bool off = false;
+  bool json = false;
+};
+
+std::string text(const Json& object, const char* key) { return object.value(key, ""); }
+
+/// "2026-11-21T03:12:55Z".
+std::string time_text(const Json& object, const char* key) {
+  const auto seconds = static_cast<std::time_t>(object.value(key, int64_t{0}) / 1'000'000'000);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char buffer[32];
+  std::strftime(buffer, sizeof(buffer), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return buffer;
+}
+
+std::string matrix_text(const Json& numbers) {
+  std::string lines;
+  for (size_t row = 0; row < 3 && numbers.size() == 16; ++row) {
+    lines += "     ";
+    for (size_t column = 0; column < 4; ++column) {
+      lines += fmt::format(" {:10.6f}", numbers[4 * row + column].get<double>());
+    }
+    lines += "\n";
+  }
+  return lines;
+}
+
+/// "(+0.01 ± 0.02, ...)", degrees for the first three numbers, centimetres for the others.
+std::string offset_text(const Json& offset, const Json& sigma, size_t from, double factor) {
+  std::string list;
+  for (size_t i = from; i < from + 3; ++i) {
+    const double deviation = sigma[i].get<double>();
+    list += i == from ? "" : ", ";
+    list += deviation > 1e8 ? std::string("unknown")
+                            : fmt::format("{:+.2f} ± {:.2f}", offset[i].get<double>() * factor,
+                                          deviation * factor);
+  }
+  return list;
+}
+
+std::string calibration_text(const Json& report) {
+  std::string lines =
+      fmt::format("{}: {} since {}, {}{}\n", text(report, "device"), text(report, "state"),
+                  time_text(report, "since"), text(report, "policy"),
+                  report.value("frozen", false) ? ", frozen" : "");
+  lines += fmt::format("  in use: T_camera_lidar\n{}",
+                       matrix_text(report.value("T_camera_lidar", Json::array())));
+  if (report.contains("camera_fault")) {
+    lines += fmt::format("  the camera is {}\n", text(report, "camera_fault"));
+  }
+  if (report.contains("evidence")) {
+    const Json& evidence = report["evidence"];
+    lines +=
+        fmt::format("  {} pictures looked at; evidence for a drift {:.1f} of {:.1f} nats ({})\n",
+                    report.value("looks", uint64_t{0}), evidence.value("nats", 0.0),
+                    evidence.value("needed_nats", 0.0), text(evidence, "axis"));
+    lines += fmt::format("  seems off by ({})°, ({}) cm\n",
+                         offset_text(report["offset"], report["offset_sigma"], 0, kDegrees),
+                         offset_text(report["offset"], report["offset_sigma"], 3, 100));
+  }
+  if (report.contains("estimate")) {
+    const Json& estimate = report["estimate"];
+    lines += fmt::format(
+        "  last estimate, of {} scenes, {}\n{}", estimate.value("scenes", 0),
+        estimate.value("usable", false) ? "usable" : "not usable: " + text(estimate, "reason"),
+        matrix_text(estimate["T_camera_lidar"]));
+  }
+  lines += "  history\n";
+  for (const Json& change : report.value("history", Json::array())) {
+    lines += fmt::format("    {} {}: {}\n", time_text(change, "stamp"), text(change, "state"),
+                         text(change, "what"));
+  }
+  return lines;
+}
+
+int show(const Arguments& arguments) {
+  constexpr const char* kProgram = "infuse calibration";
+  auto client = Client::connect(arguments.socket);
+  if (!client) return complain(kProgram, client.error(), kNo);
+  if (auto sent = client->send({{"op", "poll"}}); !sent) {
+    return complain(kProgram, sent.error(), kNo);
+  }
+  size_t shown = 0;
+  while (true) {
+    const auto message = client->next(std::chrono::seconds(5));
+    if (!message) return complain(kProgram, message.error(), kNo);
+    if (!*message) return complain(kProgram, {"the daemon has ended", "", ""}, kNo);
+    const Json& report = **message;
+    if (text(report, "class") == "ACK") break;
+    if (text(report, "class") != "CALIBRATION") continue;
+    if (!arguments.camera.empty() && text(report, "device") != arguments.camera) continue;
+    std::cout << (arguments.json ? report.dump() + "\n" : calibration_text(report));
+    ++shown;
+  }
+  if (shown > 0) return kDone;
+  return complain(kProgram,
+                  {"no calibration is known" +
+                       (arguments.camera.empty() ? "" : " of '" + arguments.camera + "'"),
+                   "", "the first is told when a camera's first picture met its sweep"},
+                  kNo);
+}
+
+/// Asks the daemon to do `op`, and tells what it says.
+int ask(const char* op, const Arguments& arguments) {
+  const std::string program = std::string("infuse ") + op;
+  auto client = Client::connect(arguments.socket);
+  if (!client) return complain(program, client.error(), kNo);
+  Json request = {{"op", op}};
+  if (!arguments.camera.empty()) request["device"] = arguments.camera;
+  if (arguments.off) request["on"] = false;
+  if (auto sent = client->send(request); !sent) return complain(program, sent.error(), kNo);
+  const auto message = client->next(std::chrono::seconds(5));
+  if (!message) return complain(program, message.error(), kNo);
+  if (!*message) return complain(program, {"the daemon has ended", "", ""}, kNo);
+  if (text(**message, "class") == "ACK") return kDone;
+  return complain(program, {text(**message, "what"), "", text(**message, "hint")}, kNo);
+}
+
+CLI::App* declare(CLI::App& infuse, const char* name, const char* description,
+                  const std::shared_ptr<Arguments>& arguments) {
+  CLI::App* app = infuse.add_subcommand(name, description);
+  app->add_option("--camera", arguments->camera, "which; all where it is not given")
+      ->type_name("NAME");
+  app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
+  return app;
+}
+
+Command declare_request(CLI::App& infuse, const char* op, const char* description) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = declare(infuse, op, description, arguments);
+  return {app, [op, arguments] { return ask(op, *arguments); }};
+}
+
+}  // namespace
+
+Command declare_calibration(CLI::App& infuse) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = declare(infuse, "calibration",
+                          "how the daemon's calibrations stand, and their history", arguments);
+  app->add_flag("--json", arguments->json, "the CALIBRATION reports, a line each");
+  return {app, [arguments] { return show(*arguments); }};
+}
+
+Command declare_recalibrate(CLI::App& infuse) {
+  return declare_request(infuse, "recalibrate",
+                         "let the daemon estimate a camera's place anew now");
+}
+
+Command declare_apply(CLI::App& infuse) {
+  return declare_request(infuse, "apply", "let the daemon use what it estimated last");
+}
+
+Command declare_rollback(CLI::App& infuse) {
+  return declare_request(infuse, "rollback", "let the daemon go back to what it used before");
+}
+
+Command declare_freeze(CLI::App& infuse) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = declare(infuse, "freeze",
+                          "let the daemon change no calibration by itself any more", arguments);
+  app->add_flag("--off", arguments->off, "let it do so again");
+  return {app, [arguments] { return ask("freeze", *arguments); }};
+}
+
+}  // namespace infuse::daemon

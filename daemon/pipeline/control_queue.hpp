@@ -1,0 +1,37 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <vector>
+
+#include "daemon/protocol/request.hpp"
+
+namespace infuse::daemon {
+
+/// What the owner asks for, on its way from the server's thread to the fusion thread.
+class ControlQueue {
+ public:
+  /// From any thread.
+  void push(const Request& request) {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back(request);
+    any_.store(true);
+  }
+
+  /// The fusion thread's: calls `obey(const Request&)` for what was asked since.
+  template <class Obey>
+  void take(Obey obey) {
+    if (!any_.load(std::memory_order_relaxed)) return;
+    const std::lock_guard lock(mutex_);
+    for (const Request& request : waiting_) obey(request);
+    waiting_.clear();
+    any_.store(false);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Request> waiting_;
+  std::atomic<bool> any_{false};
+};
+
+}  // namespace infuse::daemon

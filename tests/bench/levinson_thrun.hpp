@@ -1,0 +1,129 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <vector>
+
+#include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/watch/watch.hpp"
+
+/// The online test of Levinson and Thrun (Automatic online calibration of cameras and lasers, RSS
+/// 2013), as a baseline: depth edges times the inverse distance transform of image edges, summed
+/// over nine pictures; the share F of the 728 poses of a grid around the calibration that fit
+/// worse. F of calibrated pictures is learned as a Gaussian from the first ones; an F three
+/// standard deviations below it is an alarm.
+namespace infuse::online {
+
+class LevinsonThrun {
+ public:
+  LevinsonThrun(const CameraIntrinsics& camera, const Eigen::Isometry3d& T)
+      : camera_(camera), T_(T) {
+    for (int code = 0; code < 729; ++code) {
+      geometry::Vector6 xi;
+      int rest = code;
+      for (int k = 0; k < 6; ++k, rest /= 3) xi(k) = (rest % 3 - 1) * (k < 3 ? 4.4e-3 : 0.05);
+      poses_.push_back(geometry::exp(xi));
+    }
+  }
+
+  void set_calibration(const Eigen::Isometry3d& T) { T_ = T; }
+
+  /// True where the picture raises an alarm.
+  bool take(const CameraFrame& grey, const watch::SweepView& sweep) {
+    points_.set(sweep, camera_, T_, 20'000);
+    transform(grey);
+    std::array<double, 729> fit{};
+    std::vector<uint32_t> edges;
+    for (const uint32_t i : points_.around()) {
+      if (points_.discontinuity()[i] > 0.55F) edges.push_back(i);  // 0.3 m
+    }
+    for (size_t p = 0; p < poses_.size(); ++p) {
+      const Eigen::Isometry3d T = poses_[p] * T_;
+      for (const uint32_t i : edges) {
+        const auto pixel = camera_.project(
+            T * Eigen::Vector3d(sweep.points.x[i], sweep.points.y[i], sweep.points.z[i]));
+        if (!pixel) continue;
+        const int u = static_cast<int>(pixel->x() / 2);
+        const int v = static_cast<int>(pixel->y() / 2);
+        if (u < 0 || v < 0 || u >= width_ || v >= height_) continue;
+        fit[p] += double{points_.discontinuity()[i]} *
+                  double{transform_[static_cast<size_t>(v * width_ + u)]};
+      }
+    }
+    window_.push_back(fit);
+    if (window_.size() > 9) window_.pop_front();
+    if (window_.size() < 9) return false;
+    std::array<double, 729> sum{};
+    for (const auto& one : window_) {
+      for (size_t p = 0; p < sum.size(); ++p) sum[p] += one[p];
+    }
+    double worse = 0;
+    for (const double value : sum) worse += value < sum[364] ? 1 : 0;  // 364: no perturbation
+    const double share = worse / 728;
+    if (learned_ < 40) {
+      ++learned_;
+      mean_ += (share - mean_) / learned_;
+      square_ += (share * share - square_) / learned_;
+      return false;
+    }
+    const double sd = std::max(0.01, std::sqrt(std::max(0.0, square_ - mean_ * mean_)));
+    return share < mean_ - 3 * sd;
+  }
+
+ private:
+  /// D = α E + (1 − α) max_j E_j γ^distance, α = 1/3, γ = 0.98 a pixel; at half resolution.
+  void transform(const CameraFrame& grey) {
+    width_ = grey.width / 2;
+    height_ = grey.height / 2;
+    const auto at = [&](int u, int v) {
+      return static_cast<float>(grey.pixels[static_cast<size_t>(2 * v * grey.width + 2 * u)]);
+    };
+    transform_.assign(static_cast<size_t>(width_ * height_), 0.0F);
+    std::vector<float> edge = transform_;
+    for (int v = 1; v + 1 < height_; ++v) {
+      for (int u = 1; u + 1 < width_; ++u) {
+        float most = 0;
+        for (int d = 0; d < 9; ++d) {
+          most = std::max(most, std::abs(at(u, v) - at(u + d % 3 - 1, v + d / 3 - 1)));
+        }
+        edge[static_cast<size_t>(v * width_ + u)] = most;
+      }
+    }
+    constexpr float kFade = 0.96F;
+    transform_ = edge;
+    const auto spread = [&](int u, int v, int du, int dv) {
+      if (u + du < 0 || u + du >= width_ || v + dv < 0 || v + dv >= height_) return;
+      float& here = transform_[static_cast<size_t>(v * width_ + u)];
+      here = std::max(here, kFade * transform_[static_cast<size_t>((v + dv) * width_ + u + du)]);
+    };
+    for (int v = 0; v < height_; ++v) {
+      for (int u = 0; u < width_; ++u) {
+        spread(u, v, -1, 0);
+        spread(u, v, 0, -1);
+      }
+    }
+    for (int v = height_ - 1; v >= 0; --v) {
+      for (int u = width_ - 1; u >= 0; --u) {
+        spread(u, v, 1, 0);
+        spread(u, v, 0, 1);
+      }
+    }
+    for (size_t i = 0; i < edge.size(); ++i) {
+      transform_[i] = edge[i] / 3 + transform_[i] * 2 / 3;
+    }
+  }
+
+  geometry::CameraModel camera_;
+  Eigen::Isometry3d T_;
+  watch::QuickPoints points_;
+  std::vector<Eigen::Isometry3d> poses_;
+  std::vector<float> transform_;
+  int width_ = 0, height_ = 0;
+  std::deque<std::array<double, 729>> window_;
+  int learned_ = 0;
+  double mean_ = 0, square_ = 0;
+};
+
+}  // namespace infuse::online

@@ -1,0 +1,101 @@
+#include "daemon/calibration/saved_calibrations.hpp"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <random>
+
+namespace infuse::daemon {
+namespace {
+
+using testing::HasSubstr;
+
+class SavedCalibrationsTest : public testing::Test {
+ protected:
+  SavedCalibrationsTest() { std::filesystem::create_directories(folder_); }
+  ~SavedCalibrationsTest() override { std::filesystem::remove_all(folder_); }
+
+  static Rig rig(double x) {
+    Rig rig;
+    rig.lidars.push_back({.name = "top"});
+    rig.cameras.push_back({.name = "front", .lidar = "top"});
+    rig.cameras.push_back({.name = "rear", .lidar = "top"});
+    rig.cameras[0].T_camera_lidar.translation().x() = x;
+    return rig;
+  }
+
+  static CalibrationReport report(double x) {
+    CalibrationReport report;
+    report.camera = "front";
+    report.stamp = Stamp::from_ns(42);
+    report.T_camera_lidar.translation().x() = x;
+    return report;
+  }
+
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("infuse-saved-" + std::to_string(::getpid()));
+  std::filesystem::path path_ = folder_ / "calibrations.json";
+};
+
+TEST_F(SavedCalibrationsTest, WhatWasAppliedIsInUseAfterARestart) {
+  Rig first = rig(0.1);
+  SavedCalibrations saved(path_);
+  EXPECT_TRUE(saved.restore(first).empty());
+  ASSERT_TRUE(saved.keep(report(0.1)));
+  EXPECT_FALSE(std::filesystem::exists(path_));  // nothing has changed
+  ASSERT_TRUE(saved.keep(report(0.15)));
+
+  Rig second = rig(0.1);
+  const auto lines = SavedCalibrations(path_).restore(second);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_THAT(lines[0], HasSubstr("front"));
+  EXPECT_EQ(second.cameras[0].T_camera_lidar.translation().x(), 0.15);
+  EXPECT_EQ(second.cameras[1].T_camera_lidar.translation().x(), 0);
+
+  // A roll-back to what is configured is kept too.
+  SavedCalibrations again(path_);
+  Rig third = rig(0.1);
+  again.restore(third);
+  ASSERT_TRUE(again.keep(report(0.1)));
+  Rig fourth = rig(0.1);
+  SavedCalibrations(path_).restore(fourth);
+  EXPECT_EQ(fourth.cameras[0].T_camera_lidar.translation().x(), 0.1);
+}
+
+TEST_F(SavedCalibrationsTest, ANewConfigurationCountsMore) {
+  Rig first = rig(0.1);
+  SavedCalibrations saved(path_);
+  saved.restore(first);
+  ASSERT_TRUE(saved.keep(report(0.15)));
+  Rig other = rig(0.3);
+  EXPECT_THAT(SavedCalibrations(path_).restore(other).at(0), HasSubstr("configured since"));
+  EXPECT_EQ(other.cameras[0].T_camera_lidar.translation().x(), 0.3);
+}
+
+TEST_F(SavedCalibrationsTest, DamagedFilesAreToldAndLeaveTheConfiguration) {
+  Rig first = rig(0.1);
+  SavedCalibrations saved(path_);
+  saved.restore(first);
+  ASSERT_TRUE(saved.keep(report(0.15)));
+  std::ifstream file(path_);
+  const std::string whole{std::istreambuf_iterator<char>(file), {}};
+  std::mt19937 random(1);
+  for (int i = 0; i < 300; ++i) {
+    std::string text = whole.substr(0, random() % whole.size());
+    if (i % 2 == 1) {
+      text = whole;
+      text[random() % text.size()] = static_cast<char>(random());
+    }
+    std::ofstream(path_) << text;
+    Rig rig = this->rig(0.1);
+    SavedCalibrations(path_).restore(rig);
+    const Eigen::Isometry3d& T = rig.cameras[0].T_camera_lidar;
+    ASSERT_NEAR((T.linear() * T.linear().transpose() - Eigen::Matrix3d::Identity()).norm(), 0,
+                1e-6);
+    ASSERT_TRUE(T.translation().allFinite());
+  }
+}
+
+}  // namespace
+}  // namespace infuse::daemon

@@ -1,0 +1,120 @@
+// A camera that is not where the rig says: noticed while driving, told, estimated anew;
+// the camera that is where it should be is left alone.
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "drivers/recording/drive.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
+#include "tests/daemon/drive/simulated.hpp"
+#include "tests/daemon/schema.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using nlohmann::json;
+
+/// Forty seconds, two pictures a second, the lidar turning around each of them.
+void make_drive(const std::filesystem::path& folder) {
+  constexpr const char* kText = R"(
+duration_s = 40
+[world]
+map = "altfeld.osm"
+route = [100, 104, 112, 110]
+[light]
+sun = 0.6
+[vehicle]
+speed = 9
+start_speed = 9
+[[lidar]]
+model = "HDL-32E"
+position = [1.0, 0.0, 1.95]
+turn_every = 5
+parts = 1
+[[camera]]
+width = 480
+height = 360
+fx = 300
+position = [1.5, 0.05, 1.6]
+rotation_deg = [0.0, 2.0, 0.0]
+rate_hz = 2
+phase_s = 0.05
+samples = 1
+format = "jpg"
+)";
+  const std::filesystem::path maps = std::filesystem::path(INFUSE_SOURCE_DIR) / "fixtures/maps";
+  auto scenario = simulator::parse_scenario(kText, "test.toml", maps);
+  ASSERT_TRUE(scenario) << scenario.error().message();
+  auto simulation = simulator::Simulation::create(*scenario, 2);
+  ASSERT_TRUE(simulation) << simulation.error().message();
+  ASSERT_TRUE(write_drive(*simulation, folder, [](double) {}));
+}
+
+/// Turns the camera of drive.toml about its y axis.
+void turn_camera(const std::filesystem::path& folder, double degrees) {
+  auto drive = recording::Drive::open(folder);
+  ASSERT_TRUE(drive);
+  Eigen::Isometry3d& T = drive->description.rig.cameras[0].T_camera_lidar;
+  T.linear() = geometry::rotation_exp({0, degrees * std::numbers::pi / 180, 0}) * T.linear();
+  ASSERT_TRUE(recording::write_drive(folder, drive->description));
+}
+
+struct Story {
+  std::vector<std::string> states;
+  std::vector<std::string> alerts;
+  json last;
+};
+
+Story story_of(const Replayed& replayed) {
+  Story story;
+  for (const std::string& line : replayed.lines()) {
+    EXPECT_TRUE(valid_message(line));
+    json report = json::parse(line);
+    if (report["class"] == "ALERT" && report["state"] == "raised") {
+      story.alerts.push_back(report["id"]);
+    }
+    if (report["class"] != "CALIBRATION") continue;
+    story.states.push_back(report["state"]);
+    story.last = std::move(report);
+  }
+  return story;
+}
+
+TEST(CalibrationDrive, ATurnedCameraIsNoticedAndAGoodOneLeftAlone) {
+  const TemporaryFolder folder;
+  ASSERT_NO_FATAL_FAILURE(make_drive(folder / "drive"));
+
+  const auto good = replayed(folder / "drive");
+  ASSERT_TRUE(good) << good.error().message();
+  const Story quiet = story_of(*good);
+  EXPECT_THAT(quiet.states, testing::Contains("OK"));
+  EXPECT_THAT(quiet.states, testing::Each(testing::AnyOf("WATCHING", "OK")));
+  EXPECT_THAT(quiet.alerts, testing::Not(testing::Contains(testing::HasSubstr("calibration"))));
+
+  ASSERT_NO_FATAL_FAILURE(turn_camera(folder / "drive", 1.0));
+  ReplayedOptions options;
+  options.pipeline.calibration.decision.policy = watch::Policy::kApply;
+  const auto turned = replayed(folder / "drive", options);
+  ASSERT_TRUE(turned);
+  const Story story = story_of(*turned);
+  EXPECT_THAT(story.states, testing::Contains("DRIFTED"));
+  EXPECT_THAT(story.alerts, testing::Contains("front.calibration_drifted"));
+  // It is estimated anew, and whatever is in use in the end is no farther from the truth.
+  EXPECT_THAT(story.states, testing::Contains("RECALIBRATING"));
+  ASSERT_TRUE(story.last.contains("estimate"));
+  const auto truth = recording::Drive::open(folder / "drive");
+  Eigen::Matrix3d R;
+  for (int i = 0; i < 9; ++i) {
+    R(i / 3, i % 3) = story.last["T_camera_lidar"][static_cast<size_t>(i / 3 * 4 + i % 3)];
+  }
+  const Eigen::Matrix3d R_true = geometry::rotation_exp({0, -1.0 * std::numbers::pi / 180, 0}) *
+                                 truth->description.rig.cameras[0].T_camera_lidar.linear();
+  const double off = geometry::rotation_log(R * R_true.transpose()).norm();
+  EXPECT_LT(off, 1.01 * std::numbers::pi / 180);
+  options.rate = 200;
+  EXPECT_EQ(replayed(folder / "drive", options)->reports, turned->reports);
+}
+
+}  // namespace
+}  // namespace infuse::daemon

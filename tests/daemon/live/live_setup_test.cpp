@@ -1,0 +1,114 @@
+#include "daemon/live/live_setup.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace infuse::daemon {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kRig = R"(
+[[lidar]]
+name = "top"
+T_vehicle_lidar = [1,0,0,1.5, 0,1,0,0, 0,0,1,1.8, 0,0,0,1]
+[[camera]]
+name = "front"
+lidar = "top"
+width = 640
+height = 480
+fx = 500
+fy = 500
+cx = 320
+cy = 240
+stamp_delay_ms = 4
+T_camera_lidar = [0,-1,0,0, 0,0,-1,0, 1,0,0,0, 0,0,0,1]
+)";
+
+/// A folder with rig.toml, as a configuration names it.
+class LiveSetupTest : public testing::Test {
+ protected:
+  LiveSetupTest() {
+    std::filesystem::create_directories(folder_);
+    std::ofstream(folder_ / "rig.toml") << kRig;
+    std::ofstream(folder_ / "car.dbc") << "BO_ 291 ESP: 8 X\n SG_ YAW : 0|16@1- (0.1,0) [0|0] "
+                                          "\"deg/s\" X\n";
+  }
+  ~LiveSetupTest() override { std::filesystem::remove_all(folder_); }
+
+  Result<LiveSetup> set_up(const std::string& text) {
+    auto config = parse_config(text, "x.toml");
+    EXPECT_TRUE(config.has_value()) << config.error().message();
+    config->folder = folder_;
+    return set_up_live(*config);
+  }
+
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("infuse-live-" + std::to_string(getpid()));
+};
+
+TEST_F(LiveSetupTest, SensorsAreMountedAsTheRigHasThem) {
+  const auto setup = set_up(
+      "rig = \"rig.toml\"\n"
+      "[[camera]]\nname = \"rear\"\ndevice = \"/dev/video1\"\n"
+      "[[camera]]\nname = \"front\"\ndevice = \"/dev/video0\"\n"
+      "[[lidar]]\nname = \"top\"\nmodel = \"VLP-16\"\n"
+      "[[can]]\nname = \"bus\"\ndbc = \"car.dbc\"\nsignals = { yaw_rate = \"ESP.YAW\" }\n"
+      "[gps]\ndevice = \"/dev/ttyUSB0\"\n");
+  ASSERT_TRUE(setup.has_value()) << setup.error().message();
+  EXPECT_EQ(setup->delivery, Delivery::kOverwrite);
+  ASSERT_EQ(setup->rig.lidars.size(), 1U);
+  EXPECT_EQ(setup->rig.lidars[0].T_vehicle_lidar.translation().z(), 1.8);
+  // The camera of the rig comes first; its size and delay are the rig's.
+  ASSERT_EQ(setup->rig.cameras.size(), 1U);
+  ASSERT_EQ(setup->streams_of_cameras.size(), 2U);
+  EXPECT_EQ(setup->streams_of_cameras[0].device, "/dev/video0");
+  EXPECT_EQ(setup->streams_of_cameras[0].width, 640);
+  EXPECT_EQ(setup->streams_of_cameras[0].stamp_delay, from_seconds(0.004));
+  std::vector<std::string> kinds;
+  for (const Device& device : setup->devices) kinds.push_back(device.kind + " " + device.name);
+  EXPECT_THAT(kinds, testing::ElementsAre("lidar top", "camera front", "camera rear", "can bus",
+                                          "gps gps"));
+  EXPECT_EQ(setup->streams(), 4U);
+  // The kernel passes only what the DBC's signals need.
+  ASSERT_EQ(setup->interfaces.size(), 1U);
+  EXPECT_EQ(setup->interfaces[0].identifiers, (std::vector<vehicle::CanIdentifier>{{291, false}}));
+  EXPECT_TRUE(setup->vehicle.has_odometry());
+}
+
+TEST_F(LiveSetupTest, LidarsThatShareAPortAreToldApartByTheirSenders) {
+  const auto setup = set_up(
+      "[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\nsender = \"10.0.0.1\"\n"
+      "[[lidar]]\nname = \"b\"\nmodel = \"VLP-16\"\nsender = \"10.0.0.2\"\n"
+      "[[lidar]]\nname = \"c\"\nmodel = \"VLP-16\"\nport = 2369\nposition_port = 8309\n");
+  ASSERT_TRUE(setup.has_value());
+  ASSERT_EQ(setup->ports.size(), 4U);  // 2368, 8308, 2369, 8309
+  EXPECT_EQ(setup->ports[0].lidar_of(0x0A000001), 0U);
+  EXPECT_EQ(setup->ports[0].lidar_of(0x0A000002), 1U);
+  EXPECT_EQ(setup->ports[0].lidar_of(0x0A000003), 0U);  // which refuses and counts it
+  EXPECT_EQ(setup->ports[2].lidar_of(0x0A000003), 2U);
+}
+
+TEST_F(LiveSetupTest, SaysWhatCannotBe) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"[[lidar]]\n", "has no model"},
+      {"rig = \"none.toml\"\n", "none.toml"},
+      {"rig = \"rig.toml\"\n[[camera]]\nname = \"front\"\n", "not configured"},
+      {"rig = \"rig.toml\"\n[[lidar]]\nname = \"top\"\nmodel = \"VLP-16\"\n"
+       "[[camera]]\nname = \"front\"\nwidth = 320\nheight = 240\n",
+       "the rig has it as 640x480"},
+      {"[[can]]\ndbc = \"none.dbc\"\nsignals = { yaw_rate = \"ESP.YAW\" }\n", "none.dbc"},
+      {"[[can]]\ndbc = \"car.dbc\"\nsignals = { yaw_rate = \"ESP.NONE\" }\n", "ESP.NONE"}};
+  for (const auto& [text, expected] : cases) {
+    const auto setup = set_up(text);
+    ASSERT_FALSE(setup.has_value()) << text;
+    EXPECT_THAT(setup.error().message(), HasSubstr(expected));
+  }
+}
+
+}  // namespace
+}  // namespace infuse::daemon
