@@ -20,6 +20,7 @@ Command declare_decode(CLI::App& infuse);
 Command declare_import(CLI::App& infuse);
 Command declare_calibrate_target(CLI::App& infuse);
 Command declare_evaluate(CLI::App& infuse);
+Command declare_calibrate(CLI::App& infuse);
 Command declare_calibration(CLI::App& infuse);
 Command declare_recalibrate(CLI::App& infuse);
 Command declare_apply(CLI::App& infuse);

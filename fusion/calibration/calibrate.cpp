@@ -4,57 +4,213 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <random>
+
+#include "fusion/calibration/pose_score.hpp"
+#include "fusion/calibration/thin_scenes.hpp"
 
 namespace infuse::calibration {
 namespace {
 
 using geometry::Vector6;
 
-constexpr double kNearRotation = 0.5 * M_PI / 180;
-constexpr double kNearTranslation = 0.08;
+constexpr double kNearRotation = 0.3 * M_PI / 180;
+constexpr double kNearTranslation = 0.04;
+constexpr double kAlike = 0.1;   // rad: turned further, pictures of other places fit as well
+constexpr int kDrawnEach = 40;   // poses drawn for one that climbs
+constexpr int kMostRounds = 4;   // of restarts that each found a better place
+constexpr double kFree = 1;      // times the anchors of the levels
+constexpr double kHeld = 3;      // the same, where the first attempt came to nothing
 constexpr double kFarthest = 4;  // standard deviations of the start's translation
 
 /// Even in [−1, 1]; the standard's distributions differ between libraries.
 double draw(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; }
-
-/// The start itself, and what is drawn around it.
-std::vector<Eigen::Isometry3d> draw_starts(const Eigen::Isometry3d& T,
-                                           const CalibrateOptions& options) {
-  std::mt19937_64 random(options.seed);
-  std::vector<Eigen::Isometry3d> starts{T};
-  while (static_cast<int>(starts.size()) < options.starts) {
-    Vector6 xi;
-    for (int k = 0; k < 6; ++k) {
-      xi(k) = draw(random) * (k < 3 ? options.start_rotation : 0.5 * options.start_translation);
-    }
-    starts.push_back(geometry::exp(xi) * T);
-  }
-  return starts;
-}
 
 bool near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   const Vector6 apart = geometry::log(a * b.inverse());
   return apart.head<3>().norm() <= kNearRotation && apart.tail<3>().norm() <= kNearTranslation;
 }
 
-/// Where the coarse searches ended; an end that is worse than another is counted, not refined.
-struct CoarseEnds {
-  std::vector<Eigen::Isometry3d> ends;
-  Eigen::Isometry3d best;
+std::vector<double> all_sigmas(const CalibrateOptions& options) {
+  std::vector<double> sigmas{options.screen_sigma, options.uncertainty_sigma};
+  for (const auto* levels : {&options.coarse, &options.fine}) {
+    for (const Level& level : *levels) sigmas.push_back(level.sigma);
+  }
+  return sigmas;
+}
+
+struct Scored {
+  Eigen::Isometry3d T;
+  double score;
 };
 
-CoarseEnds search_coarsely(CoarseToFine& search, const Eigen::Isometry3d& start,
-                           const CalibrateOptions& options) {
-  CoarseEnds out;
-  for (const Eigen::Isometry3d& T : draw_starts(start, options)) {
-    out.ends.push_back(search.climb(T, options.coarse).T_head_lidar);
-  }
-  const Level& judge = options.coarse.empty() ? options.fine.front() : options.coarse.back();
-  out.best = out.ends.front();
-  for (const Eigen::Isometry3d& end : out.ends) out.best = search.better(out.best, end, judge);
-  return out;
+/// The best `most`, best first.
+std::vector<Eigen::Isometry3d> best_of(std::vector<Scored>& poses, size_t most) {
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::vector<Eigen::Isometry3d> best;
+  for (size_t k = 0; k < std::min(most, poses.size()); ++k) best.push_back(poses[k].T);
+  return best;
 }
+
+/// All that a calibration's steps share.
+class Calibration {
+ public:
+  Calibration(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
+              const Eigen::Isometry3d& start, const CalibrateOptions& options)
+      : cameras_(cameras),
+        start_(start),
+        options_(options),
+        terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
+        images_(scenes, terms_, all_sigmas(options)),
+        margin_(options.screen.half_width * std::sqrt(3.0)),
+        few_(thin_scenes(scenes, cameras, start, margin_, options.screen_points)),
+        some_(thin_scenes(scenes, cameras, start, margin_, options.coarse_points)),
+        search_(scenes, cameras, terms_, images_, options.visibility, options.maximize, known(),
+                options.start_translation),
+        coarse_(some_, cameras, terms_, images_, options.visibility, options.maximize, known(),
+                options.start_translation) {}
+
+  CoarseToFine& search() { return search_; }
+
+  /// Where climbs came to rest, and how many of the last round led back there.
+  struct Rest {
+    Eigen::Isometry3d T;
+    int returned = 0;
+    bool settled = true;  // the last round found nothing better
+  };
+
+  /// The end of the coarse climbs that scores best; `held` multiplies the levels' anchors.
+  Eigen::Isometry3d find_basin(double held) {
+    VisibilityOptions open = options_.visibility;
+    open.occlusion_cell = 0;
+    PoseScore quick(few_, cameras_, terms_, open, images_, options_.screen_sigma,
+                    options_.screen.half_width > kAlike);
+    std::vector<Eigen::Isometry3d> poses =
+        screen_rotations(start_, options_.screen, std::ref(quick));
+    evaluations_ += quick.evaluations();
+    for (Level level : options_.coarse) {
+      level.anchor *= held;
+      poses = climb_all(poses, level);
+    }
+    return poses.front();
+  }
+
+  /// Climbs again from around `T`; where that leads to a better place, from around that. Gives back
+  /// where it came to rest, and how many of the last round's climbs led back there.
+  Rest settle(const Eigen::Isometry3d& T) {
+    if (options_.restarts == 0) return {.T = T};
+    std::mt19937_64 random(options_.seed);
+    PoseScore judge(some_, cameras_, terms_, options_.visibility, images_,
+                    options_.coarse.back().sigma, false);
+    Rest rest{.T = T};
+    for (int round = 0; round < kMostRounds; ++round) {
+      const double score = judge(rest.T);
+      rest.returned = 0;
+      rest.settled = false;
+      std::optional<Eigen::Isometry3d> better;
+      for (const Eigen::Isometry3d& start : draw_around(rest.T, random)) {
+        if (better) break;
+        const Eigen::Isometry3d end = coarse_.climb(start, restart_levels()).T_head_lidar;
+        if (near(end, rest.T)) {
+          ++rest.returned;
+        } else if (judge(end) > score) {
+          better = end;
+        }
+      }
+      if (!better) {
+        rest.settled = true;
+        break;
+      }
+      rest.T = *better;
+    }
+    evaluations_ += judge.evaluations();
+    return rest;
+  }
+
+  /// The scenes are halved at random; how far apart do the halves come to rest?
+  std::optional<geometry::Matrix6> split_half(const Eigen::Isometry3d& T) {
+    if (options_.splits == 0 || some_.size() < 2) return std::nullopt;
+    std::mt19937_64 random(options_.seed);
+    geometry::Matrix6 sum = geometry::Matrix6::Zero();
+    for (int split = 0; split < options_.splits; ++split) {
+      std::vector<size_t> order(some_.size());
+      std::iota(order.begin(), order.end(), size_t{0});
+      for (size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
+      const std::span<const size_t> all(order);
+      const Eigen::Isometry3d one = climb_with(T, all.first(all.size() / 2));
+      const Eigen::Isometry3d other = climb_with(T, all.subspan(all.size() / 2));
+      const Vector6 apart = geometry::log(one * other.inverse());
+      sum += apart * apart.transpose();
+    }
+    return 0.25 / options_.splits * sum;
+  }
+
+  int evaluations() const { return evaluations_ + search_.evaluations() + coarse_.evaluations(); }
+
+ private:
+  /// The two finest of the coarse levels.
+  std::span<const Level> restart_levels() const {
+    const std::span<const Level> levels(options_.coarse);
+    return levels.last(std::min<size_t>(2, levels.size()));
+  }
+
+  /// Poses from around `T`: of many that are drawn, those that score best.
+  std::vector<Eigen::Isometry3d> draw_around(const Eigen::Isometry3d& T, std::mt19937_64& random) {
+    PoseScore quick(few_, cameras_, terms_, options_.visibility, images_,
+                    restart_levels().front().sigma, false);
+    std::vector<Scored> drawn;
+    for (int k = 0; k < kDrawnEach * options_.restarts; ++k) {
+      Vector6 xi;
+      for (int axis = 0; axis < 6; ++axis) {
+        xi(axis) =
+            draw(random) * (axis < 3 ? options_.restart_rotation : options_.restart_translation);
+      }
+      const Eigen::Isometry3d pose = geometry::exp(xi) * T;
+      drawn.push_back({pose, quick(pose)});
+    }
+    evaluations_ += quick.evaluations();
+    return best_of(drawn, static_cast<size_t>(options_.restarts));
+  }
+
+  /// The finest coarse levels with some of the scenes alone.
+  Eigen::Isometry3d climb_with(const Eigen::Isometry3d& T, std::span<const size_t> scenes) {
+    std::vector<Scene> part(some_.size());
+    for (size_t s = 0; s < some_.size(); ++s) part[s].camera = some_[s].camera;
+    for (const size_t s : scenes) part[s] = some_[s];
+    CoarseToFine search(part, cameras_, terms_, images_, options_.visibility, options_.maximize,
+                        known(), options_.start_translation);
+    const Eigen::Isometry3d end = search.climb(T, restart_levels()).T_head_lidar;
+    evaluations_ += search.evaluations();
+    return end;
+  }
+
+  /// Climbs one level from each; gives back the best ends, best first.
+  std::vector<Eigen::Isometry3d> climb_all(const std::vector<Eigen::Isometry3d>& from,
+                                           const Level& level) {
+    PoseScore judge(some_, cameras_, terms_, options_.visibility, images_, level.sigma, false);
+    std::vector<Scored> ends;
+    for (const Eigen::Isometry3d& T : from) {
+      const Eigen::Isometry3d end = coarse_.climb(T, std::span(&level, 1)).T_head_lidar;
+      ends.push_back({end, judge(end)});
+    }
+    evaluations_ += judge.evaluations();
+    return best_of(ends, static_cast<size_t>(level.survivors));
+  }
+
+  Eigen::Vector3d known() const { return start_.inverse().translation(); }
+
+  std::span<const RigCamera> cameras_;
+  Eigen::Isometry3d start_;
+  const CalibrateOptions& options_;
+  std::vector<TermOptions> terms_;
+  ImagePyramid images_;
+  double margin_;
+  std::vector<Scene> few_, some_;
+  CoarseToFine search_, coarse_;
+  int evaluations_ = 0;
+};
 
 double mean_support(const std::vector<SceneSupport>& scenes) {
   double sum = 0;
@@ -85,8 +241,8 @@ std::string judge(const CalibrationResult& result, const Maximum& maximum, doubl
         "(%.0f %% expected); do pictures and sweeps belong together?",
         100 * result.support, 100 * options.min_support);
   }
-  if (2 * result.agreed < result.starts) {
-    return print("only %d of %d starts ended at the same place", result.agreed, result.starts);
+  if (!result.settled) {
+    return "restarts from around it kept finding better places";
   }
   if (moved > kFarthest * options.start_translation) {
     return print("it moved %.2f m from the start, whose translation is known to %.2f m", moved,
@@ -95,11 +251,42 @@ std::string judge(const CalibrationResult& result, const Maximum& maximum, doubl
   return {};
 }
 
+/// Finds a calibration with the levels' anchors multiplied by `held`, and judges it.
+CalibrationResult attempt(Calibration& calibration, const Eigen::Isometry3d& start, size_t scenes,
+                          const CalibrateOptions& options, double held) {
+  CalibrationResult result;
+  CoarseToFine& search = calibration.search();
+  const Calibration::Rest rest = calibration.settle(calibration.find_basin(held));
+  const Maximum maximum = search.climb(rest.T, options.fine);
+  result.T_head_lidar = maximum.T_head_lidar;
+  result.restarts = options.restarts;
+  result.returned = rest.returned;
+  result.settled = rest.settled;
+
+  const VisiblePoints points = search.visible(result.T_head_lidar, 0);
+  Objective finest = search.objective(points, options.fine.back().sigma);
+  result.points = points.size();
+  result.value = finest.evaluate(result.T_head_lidar, false).estimate.value;
+  result.value_at_start = finest.evaluate(start, false).estimate.value;
+  Objective smooth = search.objective(points, options.uncertainty_sigma);
+  result.uncertainty = estimate_uncertainty(smooth, result.T_head_lidar);
+  result.scenes = scene_support(search, result.T_head_lidar, scenes, options.uncertainty_sigma);
+  result.support = mean_support(result.scenes);
+  result.evaluations = finest.evaluations() + smooth.evaluations();
+  const double moved =
+      (result.T_head_lidar.inverse().translation() - start.inverse().translation()).norm();
+  result.reason = judge(result, maximum, moved, options);
+  return result;
+}
+
 }  // namespace
 
 std::optional<std::string> CalibrateOptions::invalid() const {
   for (const TermOptions& term : terms) {
     if (auto wrong = term.invalid()) return "terms: " + *wrong;
+  }
+  if (coarse.empty() && (screen.kept > 0 || restarts > 0 || splits > 0)) {
+    return "coarse must have at least one level, or nothing can be screened, restarted or split";
   }
   if (fine.empty()) return "fine must have at least one level";
   for (const auto* levels : {&coarse, &fine}) {
@@ -107,9 +294,15 @@ std::optional<std::string> CalibrateOptions::invalid() const {
       if (auto wrong = level.invalid()) return "level: " + *wrong;
     }
   }
-  if (starts < 1) return "starts must be at least 1";
-  if (!(start_rotation >= 0)) return "start_rotation must not be negative";
+  if (auto wrong = screen.invalid()) return "screen: " + *wrong;
+  if (!(screen_sigma >= 0)) return "screen_sigma must not be negative";
+  if (screen_points < 100) return "screen_points must be at least 100";
+  if (coarse_points < 100) return "coarse_points must be at least 100";
   if (!(start_translation > 0)) return "start_translation must be positive";
+  if (restarts < 0) return "restarts must not be negative";
+  if (splits < 0) return "splits must not be negative";
+  if (!(restart_rotation >= 0)) return "restart_rotation must not be negative";
+  if (!(restart_translation >= 0)) return "restart_translation must not be negative";
   if (!(uncertainty_sigma >= 0)) return "uncertainty_sigma must not be negative";
   if (!(min_support >= 0 && min_support <= 1)) return "min_support must lie in 0 … 1";
   if (auto wrong = maximize.invalid()) return "maximize: " + *wrong;
@@ -120,35 +313,16 @@ std::optional<std::string> CalibrateOptions::invalid() const {
 CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                             const Eigen::Isometry3d& T_head_lidar_start,
                             const CalibrateOptions& options) {
-  CoarseToFine search(scenes, cameras,
-                      options.terms.empty() ? named_measures().front().terms : options.terms,
-                      options.visibility, options.maximize, T_head_lidar_start.translation(),
-                      options.start_translation);
-  const CoarseEnds coarse = search_coarsely(search, T_head_lidar_start, options);
-  const Maximum maximum = search.climb(coarse.best, options.fine);
-
-  CalibrationResult result{.T_head_lidar = maximum.T_head_lidar};
-  result.starts = static_cast<int>(coarse.ends.size());
-  result.agreed =
-      static_cast<int>(std::count_if(coarse.ends.begin(), coarse.ends.end(), [&](const auto& end) {
-        return near(end, result.T_head_lidar);
-      }));
-
-  const VisiblePoints points = search.visible(std::span(&result.T_head_lidar, 1), 0);
-  Objective finest = search.objective(points, options.fine.back().sigma);
-  result.points = points.size();
-  result.value = finest.evaluate(result.T_head_lidar, false).estimate.value;
-  result.value_at_start = finest.evaluate(T_head_lidar_start, false).estimate.value;
-
-  Objective smooth = search.objective(points, options.uncertainty_sigma);
-  result.uncertainty = estimate_uncertainty(smooth, result.T_head_lidar);
-  result.scenes =
-      scene_support(search, result.T_head_lidar, scenes.size(), options.uncertainty_sigma);
-  result.support = mean_support(result.scenes);
-  result.evaluations = search.evaluations() + finest.evaluations() + smooth.evaluations();
-  const double moved =
-      (result.T_head_lidar.translation() - T_head_lidar_start.translation()).norm();
-  result.reason = judge(result, maximum, moved, options);
+  Calibration calibration(scenes, cameras, T_head_lidar_start, options);
+  CalibrationResult result =
+      attempt(calibration, T_head_lidar_start, scenes.size(), options, kFree);
+  if (!result.usable() && options.restarts > 0 && result.points > 0) {
+    const CalibrationResult held =
+        attempt(calibration, T_head_lidar_start, scenes.size(), options, kHeld);
+    if (held.usable()) result = held;
+  }
+  if (result.usable()) result.split_half = calibration.split_half(result.T_head_lidar);
+  result.evaluations += calibration.evaluations();
   return result;
 }
 

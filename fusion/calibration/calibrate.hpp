@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fusion/calibration/coarse_to_fine.hpp"
+#include "fusion/calibration/rotation_screen.hpp"
 #include "fusion/calibration/scene_support.hpp"
 #include "fusion/calibration/uncertainty.hpp"
 
@@ -16,17 +17,33 @@ namespace infuse::calibration {
 /// Settings of the target-less calibration.
 struct CalibrateOptions {
   std::vector<TermOptions> terms;  ///< what is maximised; empty: the default measure, "joint"
-  std::vector<Level> coarse{{.sigma = 8, .points = 40'000, .tolerance = 1e-2, .anchored = true},
-                            {.sigma = 4, .points = 40'000, .tolerance = 1e-2, .anchored = true},
-                            {.sigma = 2, .points = 40'000, .tolerance = 5e-3}};
-  std::vector<Level> fine{{.sigma = 2}, {.sigma = 1.2, .passes = 2}};
-  int starts = 4;                  ///< coarse searches: from the start itself and from around it
-  double start_rotation = 0.02;    ///< rad each axis, half width of what is drawn around the start
-  double start_translation = 0.1;  ///< m each axis: how well the start's translation is known (one
-                                   ///< standard deviation); others are drawn within half of it
-  double uncertainty_sigma = 3;    ///< px, blur of the images that tell uncertainty and support
-  double min_support = 0.75;  ///< mean of SceneSupport::support below which nothing is believed
-  uint64_t seed = 1;
+
+  // Which basin: rotations are screened, the best climb; after each level the best ends go on.
+  ScreenOptions screen;
+  double screen_sigma = 8;        ///< px, blur at which rotations are screened
+  size_t screen_points = 8'000;   ///< that take part in the screening
+  size_t coarse_points = 40'000;  ///< that take part in the coarse climbs and their comparison
+  std::vector<Level> coarse{{.sigma = 8, .tolerance = 2e-2, .anchor = 0.3, .survivors = 6},
+                            {.sigma = 4, .tolerance = 2e-2, .anchor = 0.1, .survivors = 6},
+                            {.sigma = 3, .tolerance = 1e-2, .anchor = 0.03, .survivors = 2},
+                            {.sigma = 2, .tolerance = 1e-2}};
+  double start_translation = 0.1;  ///< m each axis, one standard deviation: how well the start
+                                   ///< tells where the head stands in the lidar frame
+
+  // Where in it.
+  std::vector<Level> fine{{.sigma = 3, .points = 60'000, .tolerance = 5e-3},
+                          {.sigma = 2, .points = 120'000, .tolerance = 5e-3},
+                          {.sigma = 1.5, .passes = 2}};
+
+  // Whether to believe it.
+  int restarts = 4;  ///< climbs from around the result, which ought to lead back to it
+  double restart_rotation = 0.02;     ///< rad each axis, half width of what they are drawn from
+  double restart_translation = 0.08;  ///< m each axis
+  int splits = 0;                ///< random halvings of the scenes, whose estimates are compared
+  double uncertainty_sigma = 3;  ///< px, blur of the images that tell uncertainty and support
+  double min_support = 0.75;     ///< mean of SceneSupport::support below which nothing is believed
+
+  uint64_t seed = 1;  ///< of the restarts
   MaximizeOptions maximize;
   VisibilityOptions visibility;
 
@@ -41,20 +58,25 @@ struct CalibrationResult {
   double value = 0;                  ///< of the objective at the result, finest level
   double value_at_start = 0;         ///< the same points and level, at the start
   size_t points = 0;                 ///< that took part at the finest level
-  int starts = 0;                    ///< coarse searches made
-  int agreed = 0;                    ///< of these, such as ended near the result (0.5°, 8 cm)
+  int restarts = 0;                  ///< climbs from around the result
+  int returned = 0;                  ///< of these, such as ended near it (0.3°, 4 cm)
+  bool settled = true;               ///< none of them found a better place
   std::vector<SceneSupport> scenes;  ///< what each scene says by itself
   double support = 0;                ///< mean over the scenes that have points in view
   int evaluations = 0;               ///< of the objective, all searches together
-  std::string reason;                ///< why it cannot be used; empty when it can
+  /// Of `splits` halvings, a covariance (¼ mean of the squared difference of the two halves'
+  /// estimates); absent where there were none.
+  std::optional<geometry::Matrix6> split_half;
+  std::string reason;  ///< why it cannot be used; empty when it can
 
   bool usable() const { return reason.empty(); }
 };
 
 /// Finds T_head_lidar by maximising the dependence between what lidar and cameras see of the scenes
-/// (P chapter III, I chapter 4). Coarse searches from several starts find the basin, with few
-/// points and strong blur; the best end is refined with all points. Options must be valid, scenes
-/// must hold the features that the terms name and at least 3 of them must have points in view.
+/// (P chapter III, I chapter 4). Rotations around the start are screened with few points and strong
+/// blur; the best of them climb; the best end is refined with all points. Options must be valid,
+/// scenes must hold the features that the terms name and at least 3 of them must have points in
+/// view.
 CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                             const Eigen::Isometry3d& T_head_lidar_start,
                             const CalibrateOptions& options);

@@ -37,11 +37,10 @@ class LocalProblem {
  private:
   /// Takes the anchor's penalty off the value, and its derivative off the gradient.
   void pull_back(const Eigen::Isometry3d& T, Evaluation& at) const {
-    const Eigen::Vector3d off = T.translation() - anchor_.translation;
+    const Eigen::Vector3d off = T.inverse().translation() - anchor_.centre;
     at.estimate.value -= 0.5 * anchor_.weight * off.squaredNorm();
-    // exp(ξ) T moves the translation t by ρ + ω × t.
-    at.gradient.head<3>() -= anchor_.weight * T.translation().cross(off);
-    at.gradient.tail<3>() -= anchor_.weight * off;
+    // exp(ω, ρ) T moves the head's origin by −Rᵀρ in the lidar frame, whatever ω is.
+    at.gradient.tail<3>() += anchor_.weight * (T.linear() * off);
   }
 
   Objective& objective_;

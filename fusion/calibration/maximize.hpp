@@ -15,11 +15,12 @@ enum class Search {
   kSimplex,          ///< Nelder–Mead: needs no gradient
 };
 
-/// Holds the translation near where it is known to be: ½ weight |t − translation|² is taken off the
-/// measure. For coarse levels, whose blurred images hardly tell where the camera stands.
+/// Holds the head near where it is known to stand: ½ weight |c − centre|² is taken off the measure,
+/// c the head's origin in the lidar frame. For coarse levels, whose blurred images hardly tell
+/// where the camera stands.
 struct Anchor {
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< m, of T_head_lidar
-  double weight = 0;                                      ///< the measure's unit per m²; 0: none
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< m, lidar frame
+  double weight = 0;                                 ///< the measure's unit per m²; 0: none
 };
 
 /// Settings of a search.

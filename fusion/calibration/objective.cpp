@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/calibration/lidar_features.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
 #include "fusion/geometry/pose_gradient.hpp"
 
@@ -53,10 +54,6 @@ geometry::PointsView block_points(const VisiblePoints& points, const VisiblePoin
   return {cut(points.x), cut(points.y), cut(points.z)};
 }
 
-}  // namespace
-
-namespace {
-
 /// Samples lie so far apart that their Gaussian is still at least 1.5 of them wide.
 int samples_apart(double sigma) {
   int step = 1;
@@ -90,10 +87,17 @@ BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
   }
 }
 
+BlurredImages BlurredImages::dealt(std::span<const size_t> from) const {
+  BlurredImages other;
+  other.sigma_ = sigma_;
+  for (const size_t scene : from) other.planes_.push_back(planes_[scene]);
+  return other;
+}
+
 Objective::Objective(const VisiblePoints& points, const BlurredImages& images,
                      std::span<const RigCamera> cameras, std::span<const Scene> scenes,
                      std::span<const TermOptions> terms)
-    : points_(points), images_(images), cameras_(cameras), scenes_(scenes) {
+    : points_(points), images_(&images), cameras_(cameras), scenes_(scenes) {
   for (const TermOptions& term : terms) terms_.push_back({term, make_term(term, points)});
   for (auto* scratch :
        {&u_, &v_, &depth_, &value_, &value_by_u_, &value_by_v_, &by_value_, &by_u_, &by_v_}) {
@@ -112,7 +116,7 @@ void Objective::project(const Eigen::Isometry3d& T_head_lidar) {
 
 void Objective::look_up(ImageFeature feature) {
   for (const VisiblePoints::Block& block : points_.blocks) {
-    look_up_block(images_.plane(block.scene, feature), part<const float>(u_, block),
+    look_up_block(images_->plane(block.scene, feature), part<const float>(u_, block),
                   part<const float>(v_, block), &value_[block.begin], &value_by_u_[block.begin],
                   &value_by_v_[block.begin]);
   }
@@ -173,6 +177,38 @@ std::vector<geometry::Vector6> Objective::scene_gradients(const Eigen::Isometry3
     gradients[block.scene] += block_gradient(block, T_head_lidar);
   }
   return gradients;
+}
+
+Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, size_t term) {
+  const TermOptions& options = terms_[term].options;
+  project(T_head_lidar);
+  look_up(options.image);
+  Samples samples{.lidar = points_.lidar[index(options.lidar)], .image = value_};
+  if (options.equalize) equalize(samples.lidar);
+  return samples;
+}
+
+geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_head_lidar) {
+  geometry::Matrix6 sum = geometry::Matrix6::Zero();
+  differentiate_pixels(T_head_lidar, true);
+  const auto n = static_cast<double>(points_.size());
+  for (const VisiblePoints::Block& block : points_.blocks) {
+    const RigCamera& camera = cameras_[scenes_[block.scene].camera];
+    const Eigen::Isometry3d T = camera.T_camera_head * T_head_lidar;
+    geometry::Matrix6 part = geometry::Matrix6::Zero();
+    for (size_t i = block.begin; i < block.end; ++i) {
+      if (by_u_[i] == 0 && by_v_[i] == 0) continue;
+      const auto at = camera.model.project_with_derivatives(
+          T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]));
+      if (!at) continue;
+      const geometry::Vector6 score =
+          n * (at->by_pose.transpose() * Eigen::Vector2d(by_u_[i], by_v_[i]));
+      part += score * score.transpose();
+    }
+    const geometry::Matrix6 adjoint = geometry::adjoint(camera.T_camera_head);
+    sum += adjoint.transpose() * part * adjoint;
+  }
+  return sum;
 }
 
 }  // namespace infuse::calibration

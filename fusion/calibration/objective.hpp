@@ -26,7 +26,12 @@ class BlurredImages {
     return planes_[scene][index(feature)];
   }
 
+  /// The same pictures dealt out to other scenes: scene s gets that of scene `from[s]`.
+  BlurredImages dealt(std::span<const size_t> from) const;
+
  private:
+  BlurredImages() = default;
+
   std::vector<PerImageFeature<Plane>> planes_;
   double sigma_ = 0;
 };
@@ -53,9 +58,24 @@ class Objective {
   /// The weighted sum of the terms.
   Evaluation evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_gradient);
 
+  /// Has the points look at other pictures from now on, of the same sizes; they must outlive this.
+  void look_at(const BlurredImages& images) { images_ = &images; }
+
   /// The gradient of each scene's part of the sum, an entry a scene; they add up to `gradient`.
   /// For the terms with a gradient: how the scenes pull, whose spread tells the uncertainty.
   std::vector<geometry::Vector6> scene_gradients(const Eigen::Isometry3d& T_head_lidar);
+
+  /// The samples of one term at a pose: what its measure is asked about.
+  struct Samples {
+    std::vector<float> lidar;  ///< a value a point, by rank where the term says so
+    std::vector<float> image;  ///< 0 … 1; NaN where the camera's model does not see the point
+  };
+  Samples samples(const Eigen::Isometry3d& T_head_lidar, size_t term);
+
+  /// Fisher's information P(3.19) of the sum at a pose, Σᵢ sᵢ sᵢᵀ over the points: sᵢ is the
+  /// derivative by the pose of n times point i's part of the sum, for mutual information that of
+  /// log p(x, y) / (p(x) p(y)). For the terms with a gradient.
+  geometry::Matrix6 information(const Eigen::Isometry3d& T_head_lidar);
 
   size_t points() const { return points_.size(); }
   /// Evaluations so far.
@@ -74,7 +94,7 @@ class Objective {
                                    const Eigen::Isometry3d& T_head_lidar) const;
 
   const VisiblePoints& points_;
-  const BlurredImages& images_;
+  const BlurredImages* images_;
   std::span<const RigCamera> cameras_;
   std::span<const Scene> scenes_;
   std::vector<Term> terms_;

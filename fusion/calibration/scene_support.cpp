@@ -26,7 +26,7 @@ double share_of_worse(Objective& measure, const Eigen::Isometry3d& T, double val
 std::vector<SceneSupport> scene_support(CoarseToFine& search, const Eigen::Isometry3d& T_head_lidar,
                                         size_t scenes, double sigma) {
   std::vector<SceneSupport> all(scenes);
-  const VisiblePoints points = search.visible(std::span(&T_head_lidar, 1), 0);
+  const VisiblePoints points = search.visible(T_head_lidar, 0);
   for (const VisiblePoints::Block& block : points.blocks) {
     SceneSupport& scene = all[block.scene];
     scene.points = block.end - block.begin;

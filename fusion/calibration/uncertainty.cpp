@@ -78,6 +78,7 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   out.covariance = inverse * spread * inverse.transpose();
   out.covariance = 0.5 * (out.covariance + out.covariance.transpose()).eval();
 
+  out.bound = objective.information(T_head_lidar).inverse();
   const Matrix6 scaled =
       unit.cwiseInverse().asDiagonal() * out.covariance * unit.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6> worst(scaled);

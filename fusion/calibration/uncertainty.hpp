@@ -14,6 +14,9 @@ struct Uncertainty {
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();  ///< from how the scenes disagree
   geometry::Matrix6 curvature =
       geometry::Matrix6::Zero();  ///< −∂²value/∂ξ², the measure's own unit
+  /// Cramér and Rao's bound P(3.20): what the covariance would be if all returns were independent
+  /// of each other, which returns of one scene are not.
+  geometry::Matrix6 bound = geometry::Matrix6::Identity();
   std::vector<double>
       pull;            ///< how many standard deviations each scene alone would move the result
   std::string reason;  ///< why it is not known: a direction that nothing determines; or empty

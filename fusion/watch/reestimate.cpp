@@ -1,6 +1,7 @@
 #include "fusion/watch/reestimate.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -28,13 +29,16 @@ calibration::Scene to_scene(const StoredScene& stored) {
   return scene;
 }
 
-calibration::CalibrateOptions settings(const ReestimateOptions& options, int starts) {
+calibration::CalibrateOptions settings(const ReestimateOptions& options) {
   calibration::CalibrateOptions out;
-  out.coarse = {{.sigma = 4, .points = options.points / 2, .tolerance = 1e-2, .anchored = true},
-                {.sigma = 2, .points = options.points / 2, .tolerance = 5e-3}};
+  out.coarse_points = options.points / 2;
+  out.coarse = {
+      {.sigma = 4, .tolerance = 1e-2, .anchor = 0.3, .survivors = std::max(options.starts, 2) / 2},
+      {.sigma = 2, .tolerance = 5e-3, .anchor = 0.05}};
   out.fine = {{.sigma = 2, .points = options.points}, {.sigma = 1.2, .points = options.points}};
-  out.starts = starts;
-  out.start_rotation = options.start_rotation;
+  out.screen.half_width = options.start_rotation;
+  out.screen.kept = options.starts - 1;
+  out.restarts = options.starts;
   out.start_translation = options.start_translation;
   out.seed = options.seed;
   return out;
@@ -52,8 +56,10 @@ Eigen::Isometry3d half(const std::vector<calibration::Scene>& scenes, size_t fir
                        const Eigen::Isometry3d& start, const ReestimateOptions& options) {
   std::vector<calibration::Scene> own;
   for (size_t i = first; i < scenes.size(); i += 2) own.push_back(scenes[i]);
-  calibration::CalibrateOptions only_fine = settings(options, 1);
+  calibration::CalibrateOptions only_fine = settings(options);
   only_fine.coarse.clear();
+  only_fine.screen.kept = 0;
+  only_fine.restarts = 0;
   only_fine.fine = {{.sigma = 2, .points = options.points / 2}};
   return calibration::calibrate(own, cameras, start, only_fine).T_head_lidar;
 }
@@ -77,7 +83,7 @@ Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsic
   for (const StoredScene& scene : scenes) own.push_back(to_scene(scene));
   const std::vector<calibration::RigCamera> cameras = {{geometry::CameraModel(camera)}};
   const calibration::CalibrationResult result =
-      calibration::calibrate(own, cameras, present, settings(options, options.starts));
+      calibration::calibrate(own, cameras, present, settings(options));
   out.reason = result.reason;
   out.support = result.support;
   if (!out.usable()) return out;

@@ -1,0 +1,218 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <iostream>
+#include <memory>
+#include <numbers>
+#include <random>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/progress_line.hpp"
+#include "daemon/commands/calibration_report.hpp"
+#include "daemon/commands/calibration_run.hpp"
+#include "daemon/commands/command.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "drivers/recording/number_list.hpp"
+#include "drivers/recording/rigid_matrix.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infuse calibrate";
+constexpr double kRadians = std::numbers::pi / 180;
+
+struct Arguments {
+  SceneRequest request;
+  std::vector<std::string> measures{"joint"};
+  std::string start;
+  std::vector<double> perturb{0, 0};  // deg, m
+  double within_deg = 3.5;
+  uint64_t seed = 1;
+  std::string report;
+  std::string output;
+  bool json = false;
+};
+
+std::optional<std::string> wrong_usage(const Arguments& arguments) {
+  if (arguments.request.scenes < 1 || arguments.request.scenes > 1000) {
+    return "--scenes must lie in 1 ... 1000";
+  }
+  if (!(arguments.within_deg >= 0 && arguments.within_deg <= 45)) {
+    return "--within must lie in 0 ... 45";
+  }
+  if (!(arguments.perturb[0] >= 0 && arguments.perturb[0] <= 45 && arguments.perturb[1] >= 0 &&
+        arguments.perturb[1] <= 10)) {
+    return "--perturb must be at most 45 degrees and 10 m";
+  }
+  for (const std::string& name : arguments.measures) {
+    if (calibration::find_measure(name) != nullptr) continue;
+    std::string names;
+    for (const auto& measure : calibration::named_measures()) {
+      names += (names.empty() ? "" : ", ") + std::string(measure.name);
+    }
+    return "there is no measure '" + name + "'; choose of " + names;
+  }
+  return std::nullopt;
+}
+
+/// T_camera_lidar from 16 numbers or a rig.toml; the drive's own where nothing is given.
+Result<Eigen::Isometry3d> start_of(const Arguments& arguments, const ScenePairs& pairs) {
+  if (arguments.start.empty()) return pairs.camera.T_camera_lidar;
+  std::string text = arguments.start;
+  std::replace(text.begin(), text.end(), ',', ' ');
+  if (const auto numbers = recording::parse_numbers(text); numbers && numbers->size() == 16) {
+    Eigen::Matrix4d matrix;
+    for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = (*numbers)[static_cast<size_t>(i)];
+    const auto rigid = recording::to_rigid(matrix);
+    if (!rigid) return fail("the 16 numbers are no rigid motion", "--start");
+    return *rigid;
+  }
+  const auto rig = recording::read_rig(arguments.start);
+  if (!rig) return tl::unexpected(rig.error());
+  const CameraMount* mount = rig->find_camera(pairs.camera.name);
+  if (mount == nullptr) return fail("has no camera '" + pairs.camera.name + "'", arguments.start);
+  return mount->T_camera_lidar;
+}
+
+/// Moved at random, evenly within ± the two about and along each axis.
+Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Arguments& arguments) {
+  std::mt19937_64 random(arguments.seed);
+  geometry::Vector6 xi;
+  for (int k = 0; k < 6; ++k) {
+    const double even = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
+    xi(k) = even * (k < 3 ? arguments.perturb[0] * kRadians : arguments.perturb[1]);
+  }
+  return geometry::exp(xi) * T;
+}
+
+int refuse(const Arguments& arguments, const ScenePairs& pairs) {
+  const std::string reason = "no picture has a sweep near it in time";
+  if (arguments.json) {
+    std::cout << Json{{"camera", pairs.camera.name},
+                      {"lidar", pairs.lidar},
+                      {"usable", false},
+                      {"reason", reason},
+                      {"notes", pairs.notes}}
+                     .dump()
+              << "\n";
+  } else {
+    std::cout << pairs.camera.name << " against " << pairs.lidar << ": NOT USABLE: " << reason
+              << "\n";
+    for (const std::string& note : pairs.notes) std::cout << "  note: " << note << "\n";
+  }
+  return kNo;
+}
+
+Result<void> write_rig(const Arguments& arguments, const ScenePairs& pairs,
+                       const CalibrationRun& run) {
+  Rig rig = pairs.rig;
+  for (CameraMount& camera : rig.cameras) {
+    if (camera.name == pairs.camera.name) camera.T_camera_lidar = run.result.T_head_lidar;
+  }
+  return recording::write_rig(arguments.output, rig);
+}
+
+/// One object: the first measure's, and the others under `measures`.
+void print(const Arguments& arguments, const ScenePairs& pairs,
+           const std::vector<CalibrationRun>& runs) {
+  if (!arguments.json) {
+    for (const CalibrationRun& run : runs) std::cout << to_text(run, pairs);
+    return;
+  }
+  Json json = to_json(runs.front(), pairs);
+  if (runs.size() > 1) {
+    json["measures"] = Json::array();
+    for (size_t k = 1; k < runs.size(); ++k) json["measures"].push_back(to_json(runs[k], pairs));
+  }
+  std::cout << json.dump() << "\n";
+}
+
+int run(const Arguments& arguments) {
+  if (const auto wrong = wrong_usage(arguments)) {
+    return complain(kProgram, {*wrong, "", ""}, kUsage);
+  }
+  ProgressLine line;
+  const auto pairs =
+      read_scene_pairs(arguments.request, [&](double share) { line.show(0.5 * share, "reading"); });
+  if (!pairs) {
+    line.clear();
+    return complain(kProgram, pairs.error(), kUnreadable);
+  }
+  const auto start = start_of(arguments, *pairs);
+  if (!start) return complain(kProgram, start.error(), kUsage);
+  if (pairs->pairs.empty()) {
+    line.clear();
+    return refuse(arguments, *pairs);
+  }
+  calibration::CalibrateOptions options;
+  options.screen.half_width = arguments.within_deg * kRadians;
+  options.seed = arguments.seed;
+  options.splits = 4;
+  std::vector<CalibrationRun> runs;
+  for (size_t k = 0; k < arguments.measures.size(); ++k) {
+    line.show(0.5 + 0.5 * static_cast<double>(k) / static_cast<double>(arguments.measures.size()),
+              fmt::format("{} scenes, {}", pairs->pairs.size(), arguments.measures[k]));
+    auto calibrated = run_calibration(*pairs, *calibration::find_measure(arguments.measures[k]),
+                                      perturbed(*start, arguments), options);
+    if (!calibrated) {
+      line.clear();
+      return complain(kProgram, calibrated.error(), kUnreadable);
+    }
+    runs.push_back(std::move(*calibrated));
+  }
+  if (!arguments.report.empty()) {
+    line.show(0.99, "drawing the report");
+    if (auto written = write_report(arguments.report, *pairs, runs); !written) {
+      line.clear();
+      return complain(kProgram, written.error(), kUnreadable);
+    }
+  }
+  line.clear();
+  print(arguments, *pairs, runs);
+  const bool usable = runs.front().result.usable();
+  if (!arguments.output.empty() && usable) {
+    if (auto written = write_rig(arguments, *pairs, runs.front()); !written) {
+      return complain(kProgram, written.error(), kUnreadable);
+    }
+  } else if (!arguments.output.empty()) {
+    std::cerr << kProgram << ": " << arguments.output << " is not written: not usable\n";
+  }
+  return usable ? kDone : kNo;
+}
+
+}  // namespace
+
+Command declare_calibrate(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand(
+      "calibrate", "where a camera is, seen from the lidar: from drives, without targets");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("DRIVE", arguments->request.drives, "drive folders of one rig")->required();
+  app->add_option("--camera", arguments->request.camera, "which, where there are several")
+      ->type_name("NAME");
+  app->add_option("--lidar", arguments->request.lidar, "which; default: the camera's")
+      ->type_name("NAME");
+  app->add_option("--measure", arguments->measures,
+                  "what is maximised (joint); several are compared, the first one counts")
+      ->type_name("NAME");
+  app->add_option("--scenes", arguments->request.scenes, "pictures that take part at most (20)")
+      ->type_name("N");
+  app->add_option("--start", arguments->start,
+                  "T_camera_lidar to start from: 16 numbers by row, or a rig.toml (the drive's)")
+      ->type_name("MATRIX|RIG");
+  app->add_option("--within", arguments->within_deg,
+                  "how far off the start's rotation may be, about each axis (3.5)")
+      ->type_name("DEG");
+  app->add_option("--perturb", arguments->perturb,
+                  "moves the start at random, to see whether it comes home: degrees and metres")
+      ->expected(2)
+      ->delimiter(',')
+      ->type_name("DEG,M");
+  app->add_option("--seed", arguments->seed, "of all that is random (1)")->type_name("N");
+  app->add_option("--report", arguments->report, "writes index.html with pictures there")
+      ->type_name("DIR");
+  app->add_option("-o,--output", arguments->output, "writes the rig with the result, where usable")
+      ->type_name("rig.toml");
+  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon

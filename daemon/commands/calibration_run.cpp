@@ -1,0 +1,173 @@
+#include "daemon/commands/calibration_run.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <ctime>
+#include <numbers>
+
+#include "fusion/geometry/extrinsic_error.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// 16 numbers by row.
+Json matrix_json(const Eigen::Isometry3d& T) {
+  Json numbers = Json::array();
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) numbers.push_back(T.matrix()(row, column));
+  }
+  return numbers;
+}
+
+/// A list of six lists.
+Json matrix_json(const geometry::Matrix6& matrix) {
+  Json rows = Json::array();
+  for (int row = 0; row < 6; ++row) {
+    Json numbers = Json::array();
+    for (int column = 0; column < 6; ++column) numbers.push_back(matrix(row, column));
+    rows.push_back(numbers);
+  }
+  return rows;
+}
+
+Json error_json(const geometry::ExtrinsicError& error) {
+  Json axes = Json::array();
+  for (int k = 0; k < 6; ++k) axes.push_back(error.by_axis(k) * (k < 3 ? kDegrees : 1.0));
+  return {{"rotation_deg", error.rotation * kDegrees},
+          {"translation_m", error.translation},
+          {"by_axis_deg_m", axes},
+          {"pixels", error.pixels}};
+}
+
+Json scenes_json(const CalibrationRun& run, const ScenePairs& pairs) {
+  Json list = Json::array();
+  const calibration::CalibrationResult& result = run.result;
+  for (size_t s = 0; s < pairs.pairs.size(); ++s) {
+    const ScenePair& pair = pairs.pairs[s];
+    Json scene = {{"name", pair.name},
+                  {"stamp", pair.stamp.ns()},
+                  {"gap_ms", rounded(1e3 * to_seconds(pair.gap))},
+                  {"motion_compensated", pair.uncompensated.empty()},
+                  {"points", result.scenes[s].points},
+                  {"value", result.scenes[s].value},
+                  {"support", rounded(result.scenes[s].support)}};
+    if (result.uncertainty.usable()) scene["pull_sigma"] = rounded(result.uncertainty.pull[s]);
+    list.push_back(scene);
+  }
+  return list;
+}
+
+/// Degrees and centimetres of a covariance's diagonal.
+std::string spread_text(const geometry::Matrix6& covariance) {
+  const geometry::Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  return fmt::format("{:.3f} {:.3f} {:.3f} deg, {:.1f} {:.1f} {:.1f} cm", sigma(0) * kDegrees,
+                     sigma(1) * kDegrees, sigma(2) * kDegrees, 100 * sigma(3), 100 * sigma(4),
+                     100 * sigma(5));
+}
+
+}  // namespace
+
+Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
+                                       const calibration::NamedMeasure& measure,
+                                       const Eigen::Isometry3d& start,
+                                       const calibration::CalibrateOptions& options) {
+  const double began = cpu_seconds();
+  CalibrationRun run{.measure = measure.name, .start = start, .options = options};
+  run.options.terms = measure.terms;
+  if (!measure.has_gradient) run.options.maximize.search = calibration::Search::kSimplex;
+  calibration::SceneOptions scene_options;
+  scene_options.equalize = measure.equalize_image;
+  for (const ScenePair& pair : pairs.pairs) {
+    auto scene = calibration::make_scene(pair.sweep, pair.frame, scene_options);
+    if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);
+    scene->name = pair.name;
+    run.scenes.push_back(std::move(*scene));
+  }
+  run.cameras.push_back({geometry::CameraModel(pairs.camera.intrinsics)});
+  run.result = calibration::calibrate(run.scenes, run.cameras, start, run.options);
+  run.cpu_s = cpu_seconds() - began;
+  return run;
+}
+
+Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
+  const calibration::CalibrationResult& result = run.result;
+  const geometry::CameraModel& model = run.cameras.front().model;
+  const auto moved = geometry::extrinsic_error(result.T_head_lidar, run.start, model);
+  Json json = {{"camera", pairs.camera.name},
+               {"lidar", pairs.lidar},
+               {"measure", run.measure},
+               {"usable", result.usable()},
+               {"reason", result.reason},
+               {"T_camera_lidar", matrix_json(result.T_head_lidar)},
+               {"start", matrix_json(run.start)},
+               {"moved", error_json(moved)},
+               {"value", result.value},
+               {"value_at_start", result.value_at_start},
+               {"gain", result.value - result.value_at_start},
+               {"points", result.points},
+               {"support", rounded(result.support)},
+               {"restarts", result.restarts},
+               {"returned", result.returned},
+               {"settled", result.settled},
+               {"evaluations", result.evaluations},
+               {"cpu_s", rounded(run.cpu_s)},
+               {"scenes", scenes_json(run, pairs)},
+               {"notes", pairs.notes}};
+  if (result.uncertainty.usable()) {
+    json["covariance"] = matrix_json(result.uncertainty.covariance);
+    json["cramer_rao_bound"] = matrix_json(result.uncertainty.bound);
+  }
+  if (result.split_half) json["split_half_covariance"] = matrix_json(*result.split_half);
+  if (pairs.truth) {
+    json["error"] = error_json(geometry::extrinsic_error(result.T_head_lidar, *pairs.truth, model));
+  }
+  return json;
+}
+
+std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
+  const calibration::CalibrationResult& result = run.result;
+  const geometry::CameraModel& model = run.cameras.front().model;
+  const auto moved = geometry::extrinsic_error(result.T_head_lidar, run.start, model);
+  std::string text = fmt::format("{} against {}: {}, measure {}, {} scenes, {} points, {:.1f} s\n",
+                                 pairs.camera.name, pairs.lidar,
+                                 result.usable() ? "usable" : "NOT USABLE: " + result.reason,
+                                 run.measure, run.scenes.size(), result.points, run.cpu_s);
+  text += fmt::format("  {:.3f} deg, {:.1f} cm from the start; measure {:.5f}, there {:.5f}\n",
+                      moved.rotation * kDegrees, 100 * moved.translation, result.value,
+                      result.value_at_start);
+  const Eigen::Matrix4d& T = result.T_head_lidar.matrix();
+  text += "  T_camera_lidar =\n";
+  for (int row = 0; row < 4; ++row) {
+    text += fmt::format("    {:12.8f} {:12.8f} {:12.8f} {:12.6f}\n", T(row, 0), T(row, 1),
+                        T(row, 2), T(row, 3));
+  }
+  if (result.uncertainty.usable()) {
+    text += "  standard deviation (rx ry rz, tx ty tz), from how scenes disagree: " +
+            spread_text(result.uncertainty.covariance) + "\n";
+  }
+  if (result.split_half) {
+    text += "    from halves of the scenes: " + spread_text(*result.split_half) + "\n";
+  }
+  if (result.uncertainty.usable()) {
+    text += "    Cramer-Rao bound: " + spread_text(result.uncertainty.bound) + "\n";
+  }
+  text += fmt::format("  {:.0f} % of small wrong rotations fit worse; {} of {} restarts led back\n",
+                      100 * result.support, result.returned, result.restarts);
+  if (pairs.truth) {
+    const auto error = geometry::extrinsic_error(result.T_head_lidar, *pairs.truth, model);
+    text += fmt::format("  against the drive's truth: {:.3f} deg, {:.1f} cm, {:.1f} pixels\n",
+                        error.rotation * kDegrees, 100 * error.translation, error.pixels);
+  }
+  for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";
+  return text;
+}
+
+}  // namespace infuse::daemon

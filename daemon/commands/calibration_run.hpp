@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/commands/calibration_scenes.hpp"
+#include "daemon/protocol/counters_json.hpp"
+#include "fusion/calibration/calibrate.hpp"
+
+namespace infuse::daemon {
+
+/// A calibration with one measure, and what it was made of.
+struct CalibrationRun {
+  std::string measure;
+  std::vector<calibration::Scene> scenes;
+  std::vector<calibration::RigCamera> cameras;              ///< one
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< T_camera_lidar
+  calibration::CalibrateOptions options;
+  calibration::CalibrationResult result;
+  double cpu_s = 0;
+};
+
+/// Calibrates with a named measure. Errors: a pair of which no scene can be made.
+Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
+                                       const calibration::NamedMeasure& measure,
+                                       const Eigen::Isometry3d& start,
+                                       const calibration::CalibrateOptions& options);
+
+/// For machines: `T_camera_lidar`, `covariance`, `usable`, `reason` and what speaks for them.
+Json to_json(const CalibrationRun& run, const ScenePairs& pairs);
+
+/// For people: several lines.
+std::string to_text(const CalibrationRun& run, const ScenePairs& pairs);
+
+}  // namespace infuse::daemon

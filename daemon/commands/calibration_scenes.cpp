@@ -1,0 +1,212 @@
+#include "daemon/commands/calibration_scenes.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "daemon/commands/sweep_pairing.hpp"
+#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/pipeline/vehicle_intake.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "drivers/recording/times_csv.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A drive and the place of the two sensors in its lists.
+struct OpenDrive {
+  recording::Drive drive;
+  DriveSetup setup;
+  size_t camera = 0;
+  size_t lidar = 0;
+  std::vector<recording::SequenceEntry> pictures;  ///< stamps are those of the exposure
+};
+
+template <class Mounts>
+Result<size_t> find(const Mounts& mounts, const std::string& name, const char* kind,
+                    const std::string& drive) {
+  std::string names;
+  for (size_t i = 0; i < mounts.size(); ++i) {
+    if (mounts[i].name == name || (name.empty() && mounts.size() == 1)) return i;
+    names += (i == 0 ? "" : ", ") + mounts[i].name;
+  }
+  if (mounts.empty()) return fail(fmt::format("the drive has no {}", kind), drive);
+  return fail(name.empty() ? fmt::format("the drive has several {}s", kind)
+                           : fmt::format("the drive has no {} '{}'", kind, name),
+              drive, fmt::format("choose one with --{}: {}", kind, names));
+}
+
+Result<OpenDrive> open(const std::string& path, const SceneRequest& request) {
+  auto drive = recording::Drive::open(path);
+  if (!drive) return tl::unexpected(drive.error());
+  const Rig& rig = drive->description.rig;
+  const auto camera = find(rig.cameras, request.camera, "camera", path);
+  if (!camera) return tl::unexpected(camera.error());
+  const CameraMount& mount = rig.cameras[*camera];
+  const auto lidar =
+      find(rig.lidars, request.lidar.empty() ? mount.lidar : request.lidar, "lidar", path);
+  if (!lidar) return tl::unexpected(lidar.error());
+  if (mount.lidar != rig.lidars[*lidar].name) {
+    return fail(
+        fmt::format("the extrinsics of camera '{}' refer to lidar '{}'", mount.name, mount.lidar),
+        path, "calibrate against that one");
+  }
+  auto images = recording::index_images(drive->resolve(drive->description.cameras[*camera].images));
+  if (!images) return tl::unexpected(images.error());
+  for (recording::SequenceEntry& entry : images->entries) entry.stamp -= mount.stamp_delay;
+  auto setup = open_drive(path, {}, {});
+  if (!setup) return tl::unexpected(setup.error());
+  return OpenDrive{std::move(*drive), std::move(*setup), *camera, *lidar,
+                   std::move(images->entries)};
+}
+
+/// `count` of the entries, spread evenly.
+std::vector<recording::SequenceEntry> spread(const std::vector<recording::SequenceEntry>& all,
+                                             size_t count) {
+  if (all.size() <= count) return all;
+  std::vector<recording::SequenceEntry> some;
+  for (size_t k = 0; k < count; ++k) some.push_back(all[(2 * k + 1) * all.size() / (2 * count)]);
+  return some;
+}
+
+Result<CameraFrame> decode(const fs::path& path, const camera::PictureOptions& options) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::vector<uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.good() && bytes.empty()) return fail("cannot be read", path.string());
+  CameraFrame frame;
+  camera::PictureOptions grey = options;
+  grey.bayer.reset();  // a mosaic's values are grey enough once they are smoothed
+  if (auto decoded = camera::decode_picture(bytes, grey, frame); !decoded) {
+    return fail(decoded.error().what, path.string(), decoded.error().hint);
+  }
+  return frame;
+}
+
+/// Plays the drive and finds each picture its sweep.
+std::vector<PairedSweep> pair_sweeps(OpenDrive& open,
+                                     const std::vector<recording::SequenceEntry>& pictures,
+                                     const std::function<void(double)>& progress) {
+  const Rig& rig = open.drive.description.rig;
+  SweepPairing pairing(rig.lidars[open.lidar].T_vehicle_lidar, open.setup.vehicle.has_odometry());
+  for (const recording::SequenceEntry& picture : pictures) pairing.want(picture.stamp);
+  LidarIntake intake(open.setup.lidars[open.lidar]);
+  VehicleIntake vehicle(open.setup.vehicle);
+  const auto on_sweep = [&](Sweep& sweep) { pairing.take(sweep); };
+  const auto on_sample = [&](const VehicleSample& sample) { pairing.take(sample); };
+  recording::DriveEvent event;
+  const double span =
+      pictures.empty() ? 1 : to_seconds(pictures.back().stamp - pictures.front().stamp);
+  while (!pairing.done() && open.setup.source.next(event)) {
+    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
+      if (datagram->lidar == open.lidar) intake.take(datagram->datagram, on_sweep);
+    } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
+      if (sweep->lidar == open.lidar) intake.take(*sweep->sweep, on_sweep);
+    } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
+      vehicle.take_line(bus->line, event.stamp, on_sample);
+    } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
+      on_sample(*imu);
+    } else if (const auto* fix = std::get_if<GpsFix>(&event.content)) {
+      on_sample(*fix);
+    }
+    pairing.advance(event.stamp);
+    if (!pictures.empty() && span > 0) {
+      progress(std::clamp(to_seconds(event.stamp - pictures.front().stamp) / span, 0.0, 1.0));
+    }
+  }
+  intake.finish(on_sweep);
+  return pairing.finish();
+}
+
+/// Adds a drive's pairs; what is left out is noted.
+Result<void> add_pairs(OpenDrive& open, size_t count, const SceneRequest& request,
+                       const std::function<void(double)>& progress, ScenePairs& out) {
+  const auto pictures = spread(open.pictures, count);
+  const std::string drive = fs::path(open.drive.folder).lexically_normal().filename().string();
+  std::vector<PairedSweep> sweeps = pair_sweeps(open, pictures, progress);
+  size_t apart = 0;
+  std::map<std::string, size_t> bent;
+  for (size_t k = 0; k < pictures.size(); ++k) {
+    if (!sweeps[k].found || sweeps[k].gap > request.max_gap) {
+      ++apart;
+      continue;
+    }
+    auto frame = decode(pictures[k].path, open.setup.cameras[open.camera]);
+    if (!frame) return tl::unexpected(frame.error());
+    const CameraIntrinsics& intrinsics = out.camera.intrinsics;
+    if (frame->width != intrinsics.width || frame->height != intrinsics.height) {
+      return fail(fmt::format("the picture has {} x {} pixels, the rig says {} x {}", frame->width,
+                              frame->height, intrinsics.width, intrinsics.height),
+                  pictures[k].path.string(), "intrinsics hold for one size of picture only");
+    }
+    if (!sweeps[k].uncompensated.empty()) ++bent[sweeps[k].uncompensated];
+    out.pairs.push_back({.name = fmt::format("{}/{:06}", drive, pictures[k].number),
+                         .stamp = pictures[k].stamp,
+                         .gap = sweeps[k].gap,
+                         .frame = std::move(*frame),
+                         .sweep = std::move(sweeps[k].sweep),
+                         .uncompensated = sweeps[k].uncompensated});
+  }
+  if (apart > 0) {
+    out.notes.push_back(fmt::format(
+        "{}: {} of {} pictures have no sweep within {:.0f} ms: do the stamps of camera and lidar "
+        "belong to one clock?",
+        drive, apart, pictures.size(), 1e3 * to_seconds(request.max_gap)));
+  }
+  for (const auto& [reason, times] : bent) {
+    out.notes.push_back(
+        fmt::format("{}: {} sweeps not corrected for motion: {}", drive, times, reason));
+  }
+  return {};
+}
+
+std::optional<Eigen::Isometry3d> true_extrinsics(const OpenDrive& open, const std::string& camera) {
+  if (open.drive.description.truth_rig.empty()) return std::nullopt;
+  const auto rig = recording::read_rig(open.drive.resolve(open.drive.description.truth_rig));
+  const CameraMount* mount = rig ? rig->find_camera(camera) : nullptr;
+  if (mount == nullptr) return std::nullopt;
+  return mount->T_camera_lidar;
+}
+
+bool same(const CameraIntrinsics& a, const CameraIntrinsics& b) {
+  return a.model == b.model && a.width == b.width && a.height == b.height && a.fx == b.fx &&
+         a.fy == b.fy && a.cx == b.cx && a.cy == b.cy && a.distortion == b.distortion;
+}
+
+}  // namespace
+
+Result<ScenePairs> read_scene_pairs(const SceneRequest& request,
+                                    const std::function<void(double)>& progress) {
+  ScenePairs out;
+  const size_t drives = request.drives.size();
+  for (size_t d = 0; d < drives; ++d) {
+    auto opened = open(request.drives[d], request);
+    if (!opened) return tl::unexpected(opened.error());
+    const Rig& rig = opened->drive.description.rig;
+    const CameraMount& camera = rig.cameras[opened->camera];
+    if (d == 0) {
+      out.camera = camera;
+      out.lidar = rig.lidars[opened->lidar].name;
+      out.rig = rig;
+      out.truth = true_extrinsics(*opened, camera.name);
+    } else if (!same(camera.intrinsics, out.camera.intrinsics)) {
+      return fail("the camera's intrinsics differ from the first drive's", request.drives[d],
+                  "drives of one rig only can be calibrated together");
+    }
+    // What earlier drives did not give is left to those that follow.
+    const size_t missing = static_cast<size_t>(request.scenes) - out.pairs.size();
+    const auto part = [&](double share) {
+      progress((static_cast<double>(d) + share) / static_cast<double>(drives));
+    };
+    if (auto added = add_pairs(*opened, missing / (drives - d), request, part, out); !added) {
+      return tl::unexpected(added.error());
+    }
+  }
+  return out;
+}
+
+}  // namespace infuse::daemon

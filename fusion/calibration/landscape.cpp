@@ -1,0 +1,38 @@
+#include "fusion/calibration/landscape.hpp"
+
+namespace infuse::calibration {
+
+Landscape look_around(Objective& fine, Objective& few, const Eigen::Isometry3d& T_head_lidar,
+                      double rotation, double translation) {
+  Landscape out{.rotation = rotation, .translation = translation};
+  // `part` of the reach along an axis, −1 … 1.
+  const auto step = [&](int axis, double part) -> geometry::Vector6 {
+    return part * (axis < 3 ? rotation : translation) * geometry::Vector6::Unit(axis);
+  };
+  const auto part_of = [](int k, int count) { return 2.0 * k / (count - 1) - 1; };
+  const auto value = [&](Objective& measure, const geometry::Vector6& xi) {
+    return measure.evaluate(geometry::exp(xi) * T_head_lidar, false).estimate.value;
+  };
+  for (int axis = 0; axis < 6; ++axis) {
+    for (int k = 0; k < Landscape::kAlong; ++k) {
+      out.along[static_cast<size_t>(axis)][static_cast<size_t>(k)] =
+          value(fine, step(axis, part_of(k, Landscape::kAlong)));
+    }
+  }
+  for (int first = 0; first < 6; ++first) {
+    for (int second = first + 1; second < 6; ++second) {
+      Landscape::Map map{.first = first, .second = second};
+      for (int row = 0; row < Landscape::kAcross; ++row) {
+        for (int column = 0; column < Landscape::kAcross; ++column) {
+          map.values[static_cast<size_t>(row * Landscape::kAcross + column)] =
+              value(few, step(first, part_of(column, Landscape::kAcross)) +
+                             step(second, part_of(row, Landscape::kAcross)));
+        }
+      }
+      out.maps.push_back(map);
+    }
+  }
+  return out;
+}
+
+}  // namespace infuse::calibration

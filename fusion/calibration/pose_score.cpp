@@ -1,0 +1,54 @@
+#include "fusion/calibration/pose_score.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+/// For each scene another of the same camera, as far away in the list as can be; nothing where a
+/// camera has too few pictures.
+std::optional<std::vector<size_t>> other_scenes(std::span<const Scene> scenes, size_t cameras) {
+  std::vector<size_t> other(scenes.size());
+  for (size_t camera = 0; camera < cameras; ++camera) {
+    std::vector<size_t> own;
+    for (size_t s = 0; s < scenes.size(); ++s) {
+      if (scenes[s].camera == camera) own.push_back(s);
+    }
+    if (own.empty()) continue;
+    if (own.size() < PoseScore::kFewestPictures) return std::nullopt;
+    for (size_t k = 0; k < own.size(); ++k) {
+      other[own[k]] = own[(k + own.size() / 2) % own.size()];
+    }
+  }
+  return other;
+}
+
+}  // namespace
+
+PoseScore::PoseScore(std::span<const Scene> thin, std::span<const RigCamera> cameras,
+                     std::span<const TermOptions> terms, const VisibilityOptions& visibility,
+                     ImagePyramid& images, double sigma, bool subtract_others)
+    : thin_(thin),
+      cameras_(cameras),
+      terms_(terms),
+      visibility_(visibility),
+      images_(images.at(sigma)) {
+  visibility_.max_points = 0;
+  if (!subtract_others) return;
+  if (const auto others = other_scenes(thin, cameras.size())) others_ = images_.dealt(*others);
+}
+
+double PoseScore::operator()(const Eigen::Isometry3d& T_head_lidar) {
+  const VisiblePoints points = select_visible(thin_, cameras_, T_head_lidar, visibility_);
+  if (points.size() == 0) return 0;
+  Objective measure(points, images_, cameras_, thin_, terms_);
+  const dependence::Estimate own = measure.evaluate(T_head_lidar, false).estimate;
+  double value = own.usable() ? own.value : 0;
+  if (others_) {
+    measure.look_at(*others_);
+    const dependence::Estimate shared = measure.evaluate(T_head_lidar, false).estimate;
+    value -= shared.usable() ? shared.value : 0;
+  }
+  evaluations_ += measure.evaluations();
+  return static_cast<double>(points.size()) * value;
+}
+
+}  // namespace infuse::calibration

@@ -1,0 +1,84 @@
+#include "fusion/calibration/thin_scenes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace infuse::calibration {
+namespace {
+
+/// The largest angle from the optical axis that the picture shows, seen along its border.
+double half_view(const geometry::CameraModel& model) {
+  constexpr int kSteps = 8;
+  const double right = model.intrinsics().width - 1;
+  const double bottom = model.intrinsics().height - 1;
+  double widest = 0;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double part = static_cast<double>(k) / kSteps;
+    for (const Eigen::Vector2d& pixel :
+         {Eigen::Vector2d(part * right, 0), Eigen::Vector2d(part * right, bottom),
+          Eigen::Vector2d(0, part * bottom), Eigen::Vector2d(right, part * bottom)}) {
+      // A border that the model cannot reach: everything before the camera may be in view.
+      const auto along = model.unproject(pixel);
+      widest = std::max(widest, along ? std::acos(std::clamp(along->z(), -1.0, 1.0)) : M_PI / 2);
+    }
+  }
+  return widest;
+}
+
+/// Indices of the points before the camera within `angle` of its axis, and how many of them lie
+/// within `inner`.
+struct Cone {
+  std::vector<size_t> points;
+  size_t inner = 0;
+};
+
+Cone points_within(const Scene& scene, const Eigen::Isometry3d& T, double angle, double inner) {
+  const double least = std::cos(std::min(angle, M_PI));
+  const double least_inner = std::cos(std::min(inner, M_PI));
+  Cone cone;
+  for (size_t i = 0; i < scene.size(); ++i) {
+    const Eigen::Vector3d p = T * Eigen::Vector3d(scene.x[i], scene.y[i], scene.z[i]);
+    const double range = p.norm();
+    if (p.z() < least * range) continue;
+    cone.points.push_back(i);
+    cone.inner += p.z() >= least_inner * range ? 1 : 0;
+  }
+  return cone;
+}
+
+Scene only(const Scene& scene, const std::vector<size_t>& points, double step) {
+  Scene part{.name = scene.name, .camera = scene.camera};
+  const auto append = [&](const std::vector<float>& from, std::vector<float>& to) {
+    if (from.empty()) return;
+    for (double k = 0; k < static_cast<double>(points.size()); k += step)
+      to.push_back(from[points[static_cast<size_t>(k)]]);
+  };
+  append(scene.x, part.x);
+  append(scene.y, part.y);
+  append(scene.z, part.z);
+  for (size_t f = 0; f < kLidarFeatures; ++f) append(scene.lidar[f], part.lidar[f]);
+  return part;
+}
+
+}  // namespace
+
+std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
+                               const Eigen::Isometry3d& T_head_lidar, double margin,
+                               size_t points) {
+  std::vector<Cone> cones;
+  size_t in_view = 0;
+  for (const Scene& scene : scenes) {
+    const RigCamera& camera = cameras[scene.camera];
+    const double half = half_view(camera.model);
+    cones.push_back(points_within(scene, camera.T_camera_head * T_head_lidar, half + margin, half));
+    in_view += cones.back().inner;
+  }
+  const double step = std::max(
+      1.0, static_cast<double>(in_view) / static_cast<double>(std::max<size_t>(points, 1)));
+  std::vector<Scene> thin;
+  for (size_t s = 0; s < scenes.size(); ++s) thin.push_back(only(scenes[s], cones[s].points, step));
+  return thin;
+}
+
+}  // namespace infuse::calibration

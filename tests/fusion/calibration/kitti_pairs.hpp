@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "drivers/camera/picture.hpp"
+#include "drivers/measurement/error.hpp"
+#include "drivers/recording/kitti_calibration.hpp"
+#include "drivers/recording/kitti_files.hpp"
+#include "drivers/recording/sweep_files.hpp"
+#include "fusion/calibration/scene.hpp"
+#include "fusion/calibration/visible_points.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
+
+/// Real pairs of a sweep and a picture in KITTI's object layout, with the published extrinsics.
+namespace infuse::calibration::kitti {
+
+struct Pairs {
+  std::vector<Scene> scenes;
+  std::vector<RigCamera> cameras;                                    ///< one
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< as published
+};
+
+inline std::vector<uint8_t> bytes_of(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// All pairs of camera 2 in `folder` (data/calibration/kitti).
+inline Result<Pairs> read_pairs(const std::filesystem::path& folder, const SceneOptions& options) {
+  Pairs pairs;
+  for (const auto& [number, path] : recording::list_numbered(folder / "velodyne", ".bin")) {
+    const std::string stem = path.stem().string();
+    const auto calibration = recording::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
+    if (!calibration) return tl::unexpected(calibration.error());
+    Sweep sweep;
+    if (auto read = recording::read_sweep_bin(path, sweep); !read)
+      return tl::unexpected(read.error());
+    CameraFrame frame;
+    const auto picture = bytes_of(folder / "image_2" / (stem + ".png"));
+    if (auto decoded = camera::decode_picture(picture, {}, frame); !decoded)
+      return tl::unexpected(decoded.error());
+    auto scene = make_scene(sweep, frame, options);
+    if (!scene) return tl::unexpected(scene.error());
+    scene->name = stem;
+    if (pairs.cameras.empty()) {
+      pairs.T_camera_lidar = calibration->T_camera_lidar(2);
+      pairs.cameras.push_back(
+          {geometry::CameraModel(calibration->intrinsics(2, frame.width, frame.height))});
+    }
+    pairs.scenes.push_back(std::move(*scene));
+  }
+  return pairs;
+}
+
+/// Starts uniform within ± `radians` about each axis and ± `metres` along each.
+inline std::vector<Eigen::Isometry3d> draw_starts(const Eigen::Isometry3d& T, double radians,
+                                                  double metres, int count, uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto even = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; };
+  std::vector<Eigen::Isometry3d> starts;
+  for (int i = 0; i < count; ++i) {
+    geometry::Vector6 xi;
+    for (int k = 0; k < 6; ++k) xi(k) = even() * (k < 3 ? radians : metres);
+    starts.push_back(geometry::exp(xi) * T);
+  }
+  return starts;
+}
+
+}  // namespace infuse::calibration::kitti
