@@ -77,13 +77,13 @@ check "by the same process" sh -c "test $pid = \$(systemctl show -P MainPID infu
 fi
 
 # --- restarts ---
-kill -9 "$pid"; at=$(date +%s%N)
-check "SIGKILL: back within $((3 * patience)) s" within 3 sh -c "systemctl is-active infused && infuse status --json | grep -q VERSION"
+kill -9 "$(systemctl show -P MainPID infused)"; at=$(date +%s%N)
+check "SIGKILL: back within $((3 * patience)) s" within 3 sh -c "systemctl is-active infused && infuse status --json | grep -q DEVICES"
 echo "        after $((($(date +%s%N) - at) / 1000000)) ms"
 check "and says so" within 5 alert "did not end by itself"
 check "and all are OK" within 6 all_ok
 if [[ ${1-} == faults ]]; then
-back() { systemctl is-active infused && infuse status --json | grep -q VERSION; }
+back() { systemctl is-active infused && infuse status --json | grep -q DEVICES; }
 for round in 1 2 3 4 5; do
   sleep "0.$((RANDOM % 10))"
   kill -9 "$(systemctl show -P MainPID infused)"
@@ -98,7 +98,7 @@ check "disk full: it says so, and goes on" within 25 sh -c 'journalctl -u infuse
 systemctl stop infused.service; umount /var/lib/infuse; systemctl start infused.service
 check "another user cannot ask" sh -c '! setpriv --reuid=65534 --regid=65534 --clear-groups infuse status'
 check "nor read the state" sh -c '! setpriv --reuid=65534 --regid=65534 --clear-groups cat /var/lib/infuse/state.json'
-check "the group infuse can ask" sh -c 'setpriv --reuid=65534 --regid=infuse --clear-groups infuse status --json | grep -q VERSION'
+check "the group infuse can ask" sh -c 'setpriv --reuid=65534 --regid=infuse --clear-groups infuse status --json | grep -q DEVICES'
 check "nothing listens on a network but the lidar's ports" sh -c '! ss -Hltn | grep -q . && ss -Hlun | awk "{print \$4}" | grep -qx "0.0.0.0:2368"'
 check "all are OK" within 8 all_ok
 fi
@@ -115,7 +115,7 @@ check "within $((2 * patience)) s ($took ms)" test $took -lt $((2000 * patience)
 check "its state says that it ended by itself" grep -q '"running": false' /var/lib/infuse/state.json
 
 # --- package ---
-check "a client starts it through the socket" sh -c 'infuse status --json | grep -q VERSION && systemctl is-active infused'
+check "a client starts it through the socket" sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'
 check "upgrade keeps it running" sh -c 'dpkg -i /work/infuse.deb && systemctl is-active infused'
 check "remove stops it" sh -c 'dpkg -r infuse && ! systemctl is-active infused && ! test -e /usr/bin/infused'
 check "and keeps the configuration" test -e /etc/infuse/infused.toml
