@@ -115,7 +115,7 @@ check "within $((2 * patience)) s ($took ms)" test $took -lt $((2000 * patience)
 check "its state says that it ended by itself" grep -q '"running": false' /var/lib/infuse/state.json
 
 # --- package ---
-check "a client starts it through the socket" sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'
+check "a client starts it through the socket" within 5 sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'
 check "upgrade keeps it running" sh -c 'dpkg -i /work/infuse.deb && systemctl is-active infused'
 check "remove stops it" sh -c 'dpkg -r infuse && ! systemctl is-active infused && ! test -e /usr/bin/infused'
 check "and keeps the configuration" test -e /etc/infuse/infused.toml
