@@ -148,17 +148,15 @@ int run_replay(const Arguments& arguments, const Config& config) {
     bool stopped = false;
   } ended;
   const HostClock::time_point begin = HostClock::now();
-  Replay replay(io, *std::move(setup),
-                 {*rate,
-                  {config.health, config.odometry, config.streetmap, &map->map,
-                   config.calibration}},
-                 server,
-                file ? &*file : nullptr, [&] {
-                  ended.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
-                  timer.cancel();
-                  signals.cancel();
-                  server.finish(std::chrono::seconds(2));
-                });
+  Replay replay(
+      io, *std::move(setup),
+      {*rate, {config.health, config.odometry, config.streetmap, &map->map, config.calibration}},
+      server, file ? &*file : nullptr, [&] {
+        ended.host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
+        timer.cancel();
+        signals.cancel();
+        server.finish(std::chrono::seconds(2));
+      });
   replay.publisher().on_calibration([&](const CalibrationReport& report) {
     if (const auto kept = calibrations.keep(report); !kept) {
       spdlog::error("{}", kept.error().message());

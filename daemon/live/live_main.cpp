@@ -148,8 +148,9 @@ int run_live(const LiveArguments& arguments, const Config& config) {
   std::function<void()> on_end;
   const auto map = open_street_map_if_any(config.folder, config.streetmap.map);
   if (!map) return complain(kProgram, map.error(), kUnreadable);
-  Live live(io, *std::move(setup), {config.health, config.odometry, config.streetmap, &map->map, config.calibration}, server,
-            [&] { on_end(); });
+  Live live(io, *std::move(setup),
+            {config.health, config.odometry, config.streetmap, &map->map, config.calibration},
+            server, [&] { on_end(); });
   live.publisher().on_calibration([&](const CalibrationReport& report) {
     if (const auto kept = calibrations.keep(report); !kept) {
       spdlog::error("{}", kept.error().message());

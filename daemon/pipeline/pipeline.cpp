@@ -28,8 +28,10 @@ ReportItem report_item(const PipelineSetup& setup) {
 }
 
 FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& options) {
-  return {setup.rig, setup.vehicle.has_odometry(), options.odometry, options.calibration,
-          setup.delivery, options.streetmap, options.map};
+  return {setup.rig,        setup.vehicle.has_odometry(),
+          options.odometry, options.calibration,
+          setup.delivery,   options.streetmap,
+          options.map};
 }
 
 }  // namespace
