@@ -13,8 +13,8 @@ using geometry::Vector6;
 
 // Of the differences: as wide as the result is uncertain on a few scenes. What is rougher than that
 // are the rings of the lidar crossing the picture's edges, not the shape of the maximum.
-constexpr double kRotationStep = 4e-3;     // rad
-constexpr double kTranslationStep = 0.04;  // m
+constexpr double kRotationStep = 1e-3;     // rad
+constexpr double kTranslationStep = 0.01;  // m
 constexpr double kRotationLimit = 5 * M_PI / 180;
 constexpr double kTranslationLimit = 0.5;
 
