@@ -1,52 +1,56 @@
 #include "fusion/calibration/relative_reflectivity.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
 
 namespace infuse::calibration {
 namespace {
 
-/// A return, and the beam and range that it is compared within.
-struct Keyed {
-  uint32_t group;
-  float reflectivity;
-  uint32_t index;
-};
+constexpr uint32_t kLevels = 256;
+constexpr uint32_t kRanges = 32;  // quarters of the eight octaves from 1 m on
+constexpr uint32_t kRings = 256;  // no lidar has more; others share
 
-uint32_t group_of(uint16_t ring, float range) {
-  constexpr float kGroups = 4;    // of range, a factor of e
-  constexpr uint32_t kMost = 64;  // of them; the first holds all within a metre, the last the rest
-  const float at = kGroups * std::log(std::max(1.0F, range));
-  return ring * kMost + static_cast<uint32_t>(std::min(at, static_cast<float>(kMost - 1)));
+/// Two bits of a float's mantissa follow its exponent: together they count quarters of octaves.
+uint32_t range_group(float range) {
+  const auto quarter = [](float value) { return std::bit_cast<uint32_t>(value) >> 21; };
+  const float farthest = 255;
+  return quarter(std::min(farthest, std::max(1.0F, range))) - quarter(1.0F);
+}
+
+/// The comparisons hold for no NaN, which ends as 0.
+uint32_t level(float reflectivity) {
+  const float part = std::min(1.0F, std::max(0.0F, reflectivity));
+  return static_cast<uint32_t>(part * (kLevels - 1) + 0.5F);
 }
 
 }  // namespace
 
-std::vector<float> relative_reflectivity(std::span<const uint16_t> ring,
-                                         std::span<const float> range,
-                                         std::span<const float> reflectivity) {
-  std::vector<Keyed> keyed(ring.size());
-  for (size_t i = 0; i < keyed.size(); ++i) {
-    const float value = std::isnan(reflectivity[i]) ? 0.0F : reflectivity[i];
-    keyed[i] = {group_of(ring[i], range[i]), value, static_cast<uint32_t>(i)};
+const std::vector<float>& RelativeReflectivity::of(std::span<const uint16_t> ring,
+                                                   std::span<const float> range,
+                                                   std::span<const float> reflectivity) {
+  const uint32_t last = ring.empty() ? 0U : *std::max_element(ring.begin(), ring.end());
+  const size_t groups = size_t{std::min(last + 1, kRings)} * kRanges;
+  count_.assign(groups * kLevels, 0U);
+  rank_.resize(count_.size());
+  cell_.resize(ring.size());
+  relative_.resize(ring.size());
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const uint32_t group = (ring[i] % kRings) * kRanges + range_group(range[i]);
+    cell_[i] = group * kLevels + level(reflectivity[i]);
+    ++count_[cell_[i]];
   }
-  std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) {
-    return a.group != b.group ? a.group < b.group : a.reflectivity < b.reflectivity;
-  });
-  std::vector<float> relative(keyed.size());
-  for (size_t begin = 0; begin < keyed.size();) {
-    size_t end = begin;
-    while (end < keyed.size() && keyed[end].group == keyed[begin].group) ++end;
-    for (size_t first = begin; first < end;) {
-      size_t last = first;
-      while (last < end && keyed[last].reflectivity == keyed[first].reflectivity) ++last;
-      const auto rank =
-          static_cast<float>(first - begin + last - begin) / static_cast<float>(2 * (end - begin));
-      for (; first < last; ++first) relative[keyed[first].index] = rank;
+  for (size_t begin = 0; begin < count_.size(); begin += kLevels) {
+    uint32_t size = 0;
+    for (size_t k = begin; k < begin + kLevels; ++k) size += count_[k];
+    uint32_t below = 0;
+    for (size_t k = begin; size > 0 && k < begin + kLevels; ++k) {
+      rank_[k] = (static_cast<float>(below) + 0.5F * static_cast<float>(count_[k])) /
+                 static_cast<float>(size);
+      below += count_[k];
     }
-    begin = end;
   }
-  return relative;
+  for (size_t i = 0; i < cell_.size(); ++i) relative_[i] = rank_[cell_[i]];
+  return relative_;
 }
 
 }  // namespace infuse::calibration

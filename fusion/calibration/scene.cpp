@@ -48,9 +48,10 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
   Scene scene;
   std::vector<float> edge;
   if (wanted(LidarFeature::kDiscontinuity)) edge = discontinuity(sweep, options.discontinuity);
-  std::vector<float> relative;
+  RelativeReflectivity ranks;
+  std::span<const float> relative;
   if (wanted(LidarFeature::kRelativeReflectivity)) {
-    relative = relative_reflectivity(sweep.ring, sweep.range, sweep.reflectivity);
+    relative = ranks.of(sweep.ring, sweep.range, sweep.reflectivity);
   }
   for (size_t i = 0; i < sweep.size(); ++i) {
     if (!(sweep.range[i] >= options.min_range && sweep.range[i] <= options.max_range)) continue;

@@ -20,12 +20,14 @@ constexpr double kBiasTranslation = 0.01;  // m
 
 calibration::Scene to_scene(const StoredScene& stored) {
   calibration::Scene scene{.x = stored.x, .y = stored.y, .z = stored.z};
-  scene.lidar[calibration::index(LidarFeature::kReflectivity)] = stored.reflectivity;
+  scene.lidar[calibration::index(LidarFeature::kRelativeReflectivity)] = stored.reflectivity;
   scene.lidar[calibration::index(LidarFeature::kDiscontinuity)] = stored.discontinuity;
   const calibration::Plane grey = calibration::grey_plane(stored.grey);
   scene.image[calibration::index(ImageFeature::kEdge)] =
       calibration::equalized(calibration::edge_strength(grey));
-  scene.image[calibration::index(ImageFeature::kGrey)] = calibration::equalized(grey);
+  calibration::Plane& local = scene.image[calibration::index(ImageFeature::kLocalGrey)];
+  local = grey;
+  for (float& value : local.values) value /= 255.0F;
   return scene;
 }
 
