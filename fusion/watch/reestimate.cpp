@@ -33,11 +33,11 @@ calibration::Scene to_scene(const StoredScene& stored) {
 
 calibration::CalibrateOptions settings(const ReestimateOptions& options) {
   calibration::CalibrateOptions out;
-  out.coarse_points = options.points / 2;
+  out.coarse_points = options.points / 3;
   out.coarse = {
       {.sigma = 4, .tolerance = 1e-2, .anchor = 0.3, .survivors = std::max(options.starts, 2) / 2},
       {.sigma = 2, .tolerance = 5e-3, .anchor = 0.05}};
-  out.fine = {{.sigma = 2, .points = options.points}, {.sigma = 1.2, .points = options.points}};
+  out.fine = {{.sigma = 2, .points = options.points}, {.sigma = 1, .points = options.points, .passes = 2}};
   out.screen.half_width = options.start_rotation;
   out.screen.kept = options.starts - 1;
   out.restarts = options.starts;
