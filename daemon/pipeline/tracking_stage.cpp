@@ -79,9 +79,9 @@ void TrackingStage::move_to(Stamp stamp, const geometry::Trajectory& trajectory)
   if (now_ != Stamp::earliest() && stamp > now_) {
     const geometry::MotionBetween motion = trajectory.between(now_, stamp);
     if (motion.usable()) {
-      tracker_.predict(planar(motion.T_from_to), step_noise(motion, stamp - now_));
+      tracker_.predict(planar(motion.T_from_to), step_noise(motion, stamp - now_), stamp - now_);
     } else {
-      tracker_.predict({}, diagonal(kBlindSigma, kBlindYawSigma));
+      tracker_.predict({}, diagonal(kBlindSigma, kBlindYawSigma), stamp - now_);
     }
   }
   now_ = stamp;
