@@ -7,6 +7,7 @@
 
 #include "daemon/config/calibration_settings.hpp"
 #include "daemon/config/odometry_settings.hpp"
+#include "daemon/config/record_settings.hpp"
 #include "daemon/config/sensor_options.hpp"
 #include "daemon/config/streetmap_settings.hpp"
 #include "daemon/health/health_options.hpp"
@@ -24,6 +25,7 @@ struct Config {
   OdometrySettings odometry;           ///< [odometry]
   StreetMapSettings streetmap;         ///< [streetmap]
   CalibrationSettings calibration;     ///< [calibration]
+  RecordSettings record;               ///< [record], live
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live

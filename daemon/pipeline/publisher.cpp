@@ -204,9 +204,14 @@ void Publisher::tell_transitions(Stamp stamp, const std::string& device,
 void Publisher::tell_alert(const AlertReport& alert) {
   tell(ReportClass::kAlert, alert.device + "." + alert.finding.id, alert.stamp,
        alert_message(alert));
+  on_alert_(alert);
   if (!alert.raised) return;
   ++totals_.alerts;
   if (totals_.first_alerts.size() < kAlertsKept) totals_.first_alerts.push_back(alert);
+}
+
+void Publisher::tell_record(const RecordReport& report) {
+  tell(ReportClass::kRecord, "", report.stamp, record_message(report));
 }
 
 void Publisher::tell(ReportClass report_class, const std::string& device, Stamp stamp,
