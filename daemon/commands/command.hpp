@@ -27,5 +27,6 @@ Command declare_apply(CLI::App& infuse);
 Command declare_rollback(CLI::App& infuse);
 Command declare_freeze(CLI::App& infuse);
 Command declare_streetmap(CLI::App& infuse);
+Command declare_record(CLI::App& infuse);
 
 }  // namespace infuse::daemon

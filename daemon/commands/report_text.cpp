@@ -60,6 +60,20 @@ std::string health_text(const Json& health) {
   return lines;
 }
 
+std::string record_text(const Json& record) {
+  std::string line =
+      fmt::format("{} {}: {:.1f} s, {:.1f} MB; {} datagrams, {} frames, {} pictures, {} fixes",
+                  text(record, "name"), text(record, "state"), record.value("duration_s", 0.0),
+                  record.value("bytes", 0.0) * 1e-6, record.value("datagrams", uint64_t{0}),
+                  record.value("frames", uint64_t{0}), record.value("pictures", uint64_t{0}),
+                  record.value("fixes", uint64_t{0}));
+  if (const auto lost = record.value("lost", uint64_t{0}); lost > 0) {
+    line += fmt::format("; {} lost: the disk or the processor is too slow", lost);
+  }
+  if (record.contains("reason")) line += "; " + text(record, "reason");
+  return line;
+}
+
 std::string report_text(const Json& message) {
   const std::string name = text(message, "class");
   if (name == "SWEEP") {
@@ -106,6 +120,7 @@ std::string report_text(const Json& message) {
                        text(message, "severity"), text(message, "id"), text(message, "state"),
                        text(message, "what"), text(message, "advice"));
   }
+  if (name == "RECORD") return time_text(message) + " RECORD " + record_text(message) + "\n";
   if (name == "LOST") {
     return fmt::format("{} LOST {} reports: this client reads too slowly\n", time_text(message),
                        message.value("reports", uint64_t{0}));

@@ -10,6 +10,9 @@ namespace infuse::daemon {
 /// it does not know it gives as JSON.
 std::string report_text(const Json& message);
 
+/// Of a RECORD message, what the recording has come to.
+std::string record_text(const Json& record);
+
 /// Of a HEALTH message, how every sensor is.
 std::string health_text(const Json& health);
 

@@ -42,6 +42,8 @@ int run(const Arguments& arguments) {
   std::string level;
   for (const Json& report : *reports) {
     if (arguments.json) std::cout << report.dump() << "\n";
+    const bool recording = report.value("state", "") == "recording";
+    if (recording && !arguments.json) std::cout << report_text(report);
     if (report.value("class", "") != "HEALTH") continue;
     level = report.value("level", "");
     if (!arguments.json) std::cout << report_text(report);

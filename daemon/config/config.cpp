@@ -100,6 +100,32 @@ void read_calibration(TomlTable& table, CalibrationSettings& settings) {
   table.read("false_alarm_hours", settings.watch.test.false_alarm_hours);
 }
 
+void read_megabytes(TomlTable& table, std::string_view key, uint64_t& bytes) {
+  constexpr int64_t kMost = int64_t{1} << 40;  // MiB; so that bytes fit
+  constexpr uint64_t kMiB = 1 << 20;
+  int64_t megabytes = static_cast<int64_t>(bytes / kMiB);
+  table.read(key, 0, kMost, megabytes);
+  bytes = static_cast<uint64_t>(megabytes) * kMiB;
+}
+
+void read_record(TomlTable& table, RecordSettings& settings) {
+  table.read("directory", settings.directory);
+  read_megabytes(table, "memory_mb", settings.memory);
+  read_seconds(table, "flight_recorder_s", settings.flight);
+  read_seconds(table, "after_alert_s", settings.after_alert);
+  read_integer(table, "keep_alerts", settings.keep_alerts);
+  read_seconds(table, "longest_s", settings.longest);
+  read_megabytes(table, "largest_mb", settings.largest);
+  read_seconds(table, "split_s", settings.split);
+  read_megabytes(table, "split_mb", settings.split_bytes);
+  read_megabytes(table, "min_free_mb", settings.min_free);
+}
+
+void read_metrics(TomlTable& table, MetricsSettings& settings) {
+  table.read("path", settings.path);
+  read_integer(table, "port", settings.port);
+}
+
 /// Reads one table into options and checks them as a whole.
 template <class Options>
 std::optional<Error> read_table(const toml::table* toml, const std::string& file,
@@ -123,6 +149,8 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   const toml::table* odometry = root.table("odometry");
   const toml::table* streetmap = root.table("streetmap");
   const toml::table* calibration = root.table("calibration");
+  const toml::table* record = root.table("record");
+  const toml::table* metrics = root.table("metrics");
   if (auto error = read_sensors(root, file, config)) return error;
   if (auto error = root.finish()) return error;
   if (auto error = read_table(socket, file, "socket", read_socket, config.socket)) return error;
@@ -133,6 +161,8 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   if (auto error = read_table(streetmap, file, "streetmap", read_streetmap, config.streetmap)) {
     return error;
   }
+  if (auto error = read_table(record, file, "record", read_record, config.record)) return error;
+  if (auto error = read_table(metrics, file, "metrics", read_metrics, config.metrics)) return error;
   return read_table(calibration, file, "calibration", read_calibration, config.calibration);
 }
 

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "daemon/config/calibration_settings.hpp"
+#include "daemon/config/metrics_settings.hpp"
 #include "daemon/config/odometry_settings.hpp"
+#include "daemon/config/record_settings.hpp"
 #include "daemon/config/sensor_options.hpp"
 #include "daemon/config/streetmap_settings.hpp"
 #include "daemon/health/health_options.hpp"
@@ -24,6 +26,8 @@ struct Config {
   OdometrySettings odometry;           ///< [odometry]
   StreetMapSettings streetmap;         ///< [streetmap]
   CalibrationSettings calibration;     ///< [calibration]
+  RecordSettings record;               ///< [record], live
+  MetricsSettings metrics;             ///< [metrics], live
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live

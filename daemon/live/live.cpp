@@ -12,9 +12,10 @@ constexpr int kIoPriority = 10;
 }  // namespace
 
 Live::Live(boost::asio::io_context& io, LiveSetup setup, const PipelineOptions& options,
-           Server& server, std::function<void()> on_end)
+           Server& server, std::function<void()> on_end, const receive::TimeBase& base,
+           RecordTap* tap)
     : setup_(std::move(setup)), pipeline_(io, setup_, options, server, nullptr, std::move(on_end)) {
-  reader_.emplace(setup_, pipeline_.intake());
+  reader_.emplace(setup_, pipeline_.intake(), base, tap);
 }
 
 void Live::start() {

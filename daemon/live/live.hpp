@@ -15,9 +15,10 @@ namespace infuse::daemon {
 class Live {
  public:
   /// `on_end` is called on the thread of `io` when everything was told and the threads have ended.
-  /// `io` and `server` outlive this.
+  /// `io`, `server` and `tap`, which may be null, outlive this.
   Live(boost::asio::io_context& io, LiveSetup setup, const PipelineOptions& options, Server& server,
-       std::function<void()> on_end);
+       std::function<void()> on_end, const receive::TimeBase& base = receive::TimeBase(),
+       RecordTap* tap = nullptr);
 
   /// Starts the threads.
   void start();
@@ -30,7 +31,6 @@ class Live {
 
   Publisher& publisher() { return pipeline_.publisher(); }
   const LiveSetup& setup() const { return setup_; }
-  const receive::TimeBase& time_base() const { return reader_->time_base(); }
 
  private:
   LiveSetup setup_;

@@ -9,7 +9,10 @@
 #include "daemon/calibration/saved_calibrations.hpp"
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/live/live.hpp"
+#include "daemon/live/record_desk.hpp"
 #include "daemon/live/run_record.hpp"
+#include "daemon/metrics/metrics_server.hpp"
+#include "daemon/metrics/metrics_text.hpp"
 #include "daemon/server/socket_path.hpp"
 #include "daemon/service/service_manager.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
@@ -31,10 +34,12 @@ std::string status_text(const Publisher& publisher, size_t devices) {
 class Attendant {
  public:
   Attendant(boost::asio::io_context& io, const LiveArguments& arguments, const Config& config,
-            Live& live)
+            Live& live, RecordDesk& records, const receive::TimeBase& base)
       : arguments_(arguments),
         config_(config),
         live_(live),
+        records_(records),
+        base_(base),
         record_(RunRecord::from_environment()),
         ending_(io, SIGINT, SIGTERM),
         reloading_(io, SIGHUP) {
@@ -49,21 +54,22 @@ class Attendant {
   void finish() {
     ending_.cancel();
     reloading_.cancel();
-    record_.end(live_.time_base().now());
+    record_.end(base_.now());
   }
 
  private:
   // A tick has passed through every thread: this is what feeds the watchdog.
   void progress() {
+    records_.look_after();
     const std::string status = status_text(live_.publisher(), live_.setup().devices.size());
     if (!std::exchange(ready_, true)) {
       service_manager::ready(status);
-      if (auto alert = record_.begin(live_.time_base().now())) live_.publisher().tell_alert(*alert);
+      if (auto alert = record_.begin(base_.now())) live_.publisher().tell_alert(*alert);
       return;
     }
     service_manager::alive();
     service_manager::status(status);
-    if (auto alert = record_.keep(live_.time_base().now())) live_.publisher().tell_alert(*alert);
+    if (auto alert = record_.keep(base_.now())) live_.publisher().tell_alert(*alert);
   }
 
   void end() {
@@ -100,11 +106,33 @@ class Attendant {
   const LiveArguments& arguments_;
   const Config& config_;
   Live& live_;
+  RecordDesk& records_;
+  const receive::TimeBase& base_;
   RunRecord record_;
   boost::asio::signal_set ending_;
   boost::asio::signal_set reloading_;
   bool ready_ = false;
 };
+
+/// Lets Prometheus look where the configuration says.
+Result<void> listen(MetricsServer& metrics, const MetricsSettings& settings) {
+  if (!settings.path.empty()) {
+    if (auto listening = metrics.listen(settings.path); !listening) return listening;
+  }
+  if (settings.port == 0) return {};
+  return metrics.listen_tcp(settings.port).map([](uint16_t) {});
+}
+
+/// Keeps what it finds there up to date, each second.
+void feed(MetricsServer& metrics, const std::string& release, Publisher& publisher) {
+  publisher.on_health([&metrics, release, &publisher](const std::string& message) {
+    ProcessFigures process;
+    process.release = release;
+    process.alerts = publisher.totals().alerts;
+    measure_process(process);
+    metrics.set(metrics_text(Json::parse(message), process));
+  });
+}
 
 }  // namespace
 
@@ -145,22 +173,35 @@ int run_live(const LiveArguments& arguments, const Config& config) {
   if (const auto listening = listen(server, arguments.socket, config.socket); !listening) {
     return complain(kProgram, listening.error(), kUsage);
   }
+  MetricsServer metrics(io);
+  if (const auto listening = listen(metrics, config.metrics); !listening) {
+    return complain(kProgram, listening.error(), kUsage);
+  }
+  const receive::TimeBase base;
+  RecordDesk records(config, *setup, base);
   std::function<void()> on_end;
   const auto map = open_street_map_if_any(config.folder, config.streetmap.map);
   if (!map) return complain(kProgram, map.error(), kUnreadable);
-  Live live(io, *std::move(setup),
-            {config.health, config.odometry, config.streetmap, &map->map, config.calibration},
-            server, [&] { on_end(); });
+  Live live(
+      io, *std::move(setup),
+      {config.health, config.odometry, config.streetmap, &map->map, config.calibration}, server,
+      [&] { on_end(); }, base, records.tap());
+  records.tell_to(live.publisher());
+  if (config.metrics.any()) feed(metrics, arguments.release, live.publisher());
   live.publisher().on_calibration([&](const CalibrationReport& report) {
     if (const auto kept = calibrations.keep(report); !kept) {
       spdlog::error("{}", kept.error().message());
     }
   });
-  server.on_control([&](const Request& request) { return live.ask(request); });
-  Attendant attendant(io, arguments, config, live);
+  server.on_control([&](const Request& request) {
+    return request.op == Request::Op::kRecord ? records.ask(request) : live.ask(request);
+  });
+  Attendant attendant(io, arguments, config, live, records, base);
   on_end = [&] {
+    records.finish();
     attendant.finish();
     server.finish(kPatienceWithClients);
+    metrics.finish();
   };
   live.start();
   io.run();

@@ -11,8 +11,9 @@ constexpr int kBatchesAtOnce = 4;  // of one socket, then the others have their 
 
 }  // namespace
 
-LiveReader::LiveReader(const LiveSetup& setup, Intake& intake)
-    : intake_(intake), lidars_(setup.lidars.size()) {
+LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::TimeBase& base,
+                       RecordTap* tap)
+    : base_(base), intake_(intake), tap_(tap), lidars_(setup.lidars.size()) {
   for (const PortSetup& port : setup.ports) {
     ports_.push_back({port, {"UDP port " + std::to_string(port.udp.port), [this, udp = port.udp] {
                                return velodyne::UdpSource::open(udp, base_);
@@ -57,6 +58,7 @@ void LiveReader::run(std::stop_token stop) {
     intake_.advance(now);
     if (ready > 0) read_ready();
     intake_.hand_over_old_samples(now);
+    if (tap_ != nullptr) tap_->look_after(now);
   }
   intake_.end(base_.now());
 }
@@ -116,6 +118,7 @@ void LiveReader::read(Port& port) {
   for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
     const auto count = source->read(datagrams_, [&](const Datagram& datagram) {
       intake_.take(port.setup.lidar_of(datagram.sender), datagram);
+      if (tap_ != nullptr) tap_->take(datagram);
     });
     if (!count) return lose(port.source, count.error());
     port.datagrams += *count;
@@ -136,6 +139,7 @@ void LiveReader::read_camera(size_t index) {
     counted.sequence += camera.sequence_offset;
     camera.next_sequence = counted.sequence + 1;
     intake_.take(index, counted);
+    if (tap_ != nullptr && wanted_[index]) tap_->take(index, counted);
   });
   if (read) return;
   camera.damaged_before += source->counters().damaged;
@@ -146,8 +150,10 @@ void LiveReader::read_bus(size_t index) {
   Bus& bus = buses_[index];
   vehicle::SocketCanSource* source = bus.source.get();
   for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
-    const auto count =
-        source->read(frames_, [&](const vehicle::CanFrame& frame) { intake_.take(index, frame); });
+    const auto count = source->read(frames_, [&](const vehicle::CanFrame& frame) {
+      intake_.take(index, frame);
+      if (tap_ != nullptr) tap_->take(frame);
+    });
     if (!count) {
       bus.dropped_before += source->dropped();
       return lose(bus.source, count.error());
@@ -169,6 +175,7 @@ void LiveReader::take_sentence(Stamp stamp, std::string_view line) {
   sentence->fix.stamp = stamp;
   if (!sentence->has_date) sentence->fix.utc_ns = 0;
   intake_.take(sentence->fix, stamp);
+  if (tap_ != nullptr) tap_->take(sentence->fix);
 }
 
 void LiveReader::tell_states() {

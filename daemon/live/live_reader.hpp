@@ -10,6 +10,7 @@
 #include "daemon/live/live_setup.hpp"
 #include "daemon/live/reopening.hpp"
 #include "daemon/pipeline/intake.hpp"
+#include "daemon/record/record_tap.hpp"
 #include "drivers/camera/v4l2_source.hpp"
 #include "drivers/vehicle/serial_line_source.hpp"
 #include "drivers/vehicle/socket_can_source.hpp"
@@ -20,13 +21,11 @@ namespace infuse::daemon {
 /// The io thread live: waits for the sensors of this host and gives what they say to the intake.
 class LiveReader {
  public:
-  /// `intake` outlives this.
-  LiveReader(const LiveSetup& setup, Intake& intake);
+  /// `intake` and `tap` outlive this; `tap` may be null.
+  LiveReader(const LiveSetup& setup, Intake& intake, const receive::TimeBase& base, RecordTap* tap);
 
   /// Until it is asked to stop. The last item is always a kEnd.
   void run(std::stop_token stop);
-
-  const receive::TimeBase& time_base() const { return base_; }
 
  private:
   struct Port {
@@ -60,8 +59,9 @@ class LiveReader {
   void take_sentence(Stamp stamp, std::string_view line);
   void tell_states();
 
-  receive::TimeBase base_;
+  const receive::TimeBase base_;
   Intake& intake_;
+  RecordTap* tap_;
   std::deque<Port> ports_;
   std::deque<Camera> cameras_;
   std::deque<Bus> buses_;

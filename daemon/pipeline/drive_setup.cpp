@@ -131,7 +131,8 @@ Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
   const recording::DriveDescription& description = drive.description;
   for (size_t i = 0; i < description.cameras.size(); ++i) {
     const CameraMount& mount = description.rig.cameras[i];
-    setup.cameras.push_back({.bayer = description.cameras[i].mosaic});
+    const recording::CameraFiles& files = description.cameras[i];
+    setup.cameras.push_back({.bayer = files.mosaic, .grey = files.grey});
     const bool taken = description.rig.find_lidar(mount.name) != nullptr;
     setup.devices.push_back(
         {(taken ? "camera " : "") + mount.name, "camera",

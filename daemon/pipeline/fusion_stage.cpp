@@ -128,8 +128,7 @@ void FusionStage::track_sweep(const StreamItem& item) {
   if (!tracking_) return;
   const HostClock::time_point begin = HostClock::now();
   const Stamp end = item.sweep.stamp + item.sweep.span;
-  tracking_->take_sweep(item.sweep, straight_, item.device, odometry_.trajectory(),
-                        odometry_.figures(end).standing);
+  tracking_->take_sweep(item.sweep, straight_, item.device, odometry_.trajectory());
   latency(Stage::kTrack).add(HostClock::now() - begin);
   begin_report(ReportItem::Kind::kPose, end).pose = tracking_->pose(odometry_.pose_at(end));
   send_report();

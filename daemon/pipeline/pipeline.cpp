@@ -76,6 +76,7 @@ void Pipeline::start(std::function<void(std::stop_token)> read) {
 }
 
 Result<void> Pipeline::ask(const Request& request) {
+  if (request.op == Request::Op::kRecord) return fail("a replay is not recorded");
   if (!calibrations_watched_) {
     return fail("calibrations are not watched", "", "watch = true in [calibration]");
   }

@@ -159,8 +159,9 @@ void Publisher::tell_health(const ReportItem& item) {
     tell_transitions(item.stamp, "streetmap", report.streetmap_conditions->transitions());
   }
   if (file_ != nullptr) file_->write(health_message(report, devices_, nullptr));
-  server_.publish(ReportClass::kHealth, "", item.stamp,
-                  health_message(report, devices_, &totals_.host));
+  std::string message = health_message(report, devices_, &totals_.host);
+  on_health_(message);
+  server_.publish(ReportClass::kHealth, "", item.stamp, std::move(message));
 }
 
 void Publisher::judge_lidars(const ReportItem& item, HealthReport& report) {
@@ -204,9 +205,14 @@ void Publisher::tell_transitions(Stamp stamp, const std::string& device,
 void Publisher::tell_alert(const AlertReport& alert) {
   tell(ReportClass::kAlert, alert.device + "." + alert.finding.id, alert.stamp,
        alert_message(alert));
+  on_alert_(alert);
   if (!alert.raised) return;
   ++totals_.alerts;
   if (totals_.first_alerts.size() < kAlertsKept) totals_.first_alerts.push_back(alert);
+}
+
+void Publisher::tell_record(const RecordReport& report) {
+  tell(ReportClass::kRecord, "", report.stamp, record_message(report));
 }
 
 void Publisher::tell(ReportClass report_class, const std::string& device, Stamp stamp,

@@ -75,22 +75,21 @@ void TrackingStage::take(const GpsFix& fix) {
   begun_ = true;
 }
 
-void TrackingStage::move_to(Stamp stamp, const geometry::Trajectory& trajectory, bool standing) {
-  if (now_ != Stamp::earliest() && stamp > now_ && !standing) {
+void TrackingStage::move_to(Stamp stamp, const geometry::Trajectory& trajectory) {
+  if (now_ != Stamp::earliest() && stamp > now_) {
     const geometry::MotionBetween motion = trajectory.between(now_, stamp);
     if (motion.usable()) {
-      tracker_.predict(planar(motion.T_from_to), step_noise(motion, stamp - now_));
+      tracker_.predict(planar(motion.T_from_to), step_noise(motion, stamp - now_), stamp - now_);
     } else {
-      tracker_.predict({}, diagonal(kBlindSigma, kBlindYawSigma));
+      tracker_.predict({}, diagonal(kBlindSigma, kBlindYawSigma), stamp - now_);
     }
   }
   now_ = stamp;
 }
 
 void TrackingStage::take_sweep(const Sweep& sweep, const motion::StraightSweep& straight,
-                               size_t lidar, const geometry::Trajectory& trajectory,
-                               bool standing) {
-  move_to(straight.reference, trajectory, standing);
+                               size_t lidar, const geometry::Trajectory& trajectory) {
+  move_to(straight.reference, trajectory);
   if (!straight.usable()) return;
   tracker_.take({sweep, straight.x, straight.y, straight.z, rig_.lidars[lidar].T_vehicle_lidar},
                 nullptr);

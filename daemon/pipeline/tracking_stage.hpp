@@ -30,11 +30,9 @@ class TrackingStage {
   /// A receiver's fix, where nothing else said where the vehicle begins.
   void take(const GpsFix& fix);
 
-  /// A sweep, straight as of its end. Moves the particles to that moment first; not while the
-  /// vehicle is `standing`: what odometry learns then mends the poses that it gave before, and that
-  /// is no motion.
+  /// A sweep, straight as of its end. Moves the particles to that moment first.
   void take_sweep(const Sweep& sweep, const motion::StraightSweep& straight, size_t lidar,
-                  const geometry::Trajectory& trajectory, bool standing);
+                  const geometry::Trajectory& trajectory);
 
   /// A picture, and the sweep straight as of its exposure; after that sweep's `take_sweep`.
   void take_picture(const CameraFrame& frame, Stamp exposure, size_t camera, size_t lidar,
@@ -49,7 +47,7 @@ class TrackingStage {
   StreetMapFigures figures() const;
 
  private:
-  void move_to(Stamp stamp, const geometry::Trajectory& trajectory, bool standing);
+  void move_to(Stamp stamp, const geometry::Trajectory& trajectory);
   void begin();
 
   StreetMapSettings settings_;

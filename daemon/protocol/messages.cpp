@@ -299,6 +299,25 @@ std::string alert_message(const AlertReport& alert) {
   return line(message);
 }
 
+std::string record_message(const RecordReport& record) {
+  Json message = report("RECORD", record.stamp);
+  message["state"] = record.failed ? "failed" : record.ended ? "ended" : "recording";
+  message["name"] = record.name;
+  message["folder"] = record.folder;
+  message["why"] = record.why;
+  message["since"] = record.since.ns();
+  message["duration_s"] = rounded(to_seconds(record.duration));
+  message["bytes"] = record.bytes;
+  message["drives"] = record.drives;
+  message["datagrams"] = record.datagrams;
+  message["frames"] = record.frames;
+  message["pictures"] = record.pictures;
+  message["fixes"] = record.fixes;
+  message["lost"] = record.lost;
+  if (!record.reason.empty()) message["reason"] = record.reason;
+  return line(message);
+}
+
 std::string lost_message(Stamp stamp, uint64_t reports) {
   Json message = report("LOST", stamp);
   message["reports"] = reports;

@@ -35,6 +35,8 @@ std::string health_message(const HealthReport& report, std::span<const Device> d
 
 std::string alert_message(const AlertReport& report);
 
+std::string record_message(const RecordReport& report);
+
 /// `reports` were not sent since the client did not read.
 std::string lost_message(Stamp stamp, uint64_t reports);
 

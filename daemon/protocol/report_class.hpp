@@ -8,17 +8,27 @@
 namespace infuse::daemon {
 
 /// The reports that a client can watch.
-enum class ReportClass : uint8_t { kDevices, kSweep, kFrame, kPose, kCalibration, kHealth, kAlert };
+enum class ReportClass : uint8_t {
+  kDevices,
+  kSweep,
+  kFrame,
+  kPose,
+  kCalibration,
+  kHealth,
+  kAlert,
+  kRecord
+};
 
 /// Every watchable class and its name on the wire.
-inline constexpr std::array<std::pair<ReportClass, const char*>, 7> kReportClasses = {
+inline constexpr std::array<std::pair<ReportClass, const char*>, 8> kReportClasses = {
     {{ReportClass::kDevices, "DEVICES"},
      {ReportClass::kSweep, "SWEEP"},
      {ReportClass::kFrame, "FRAME"},
      {ReportClass::kPose, "POSE"},
      {ReportClass::kCalibration, "CALIBRATION"},
      {ReportClass::kHealth, "HEALTH"},
-     {ReportClass::kAlert, "ALERT"}}};
+     {ReportClass::kAlert, "ALERT"},
+     {ReportClass::kRecord, "RECORD"}}};
 
 /// The class of that name; nothing where there is none. Upper case only.
 constexpr std::optional<ReportClass> report_class(std::string_view name) {

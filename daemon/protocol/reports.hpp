@@ -124,6 +124,26 @@ struct AlertReport {
   Finding finding;
 };
 
+/// How a recording of what the sensors say stands.
+struct RecordReport {
+  Stamp stamp;
+  std::string name;    ///< of the drive
+  std::string folder;  ///< of the first drive
+  std::string why;     ///< "asked for", or the alert
+  Stamp since;
+  Duration duration{0};  ///< of what was recorded
+  uint64_t bytes = 0;
+  uint32_t drives = 0;     ///< it was split into so many
+  uint64_t datagrams = 0;  ///< of lidars
+  uint64_t frames = 0;     ///< of buses
+  uint64_t pictures = 0;
+  uint64_t fixes = 0;
+  uint64_t lost = 0;  ///< of all these, for want of time or of a faster disk
+  bool ended = false;
+  bool failed = false;  ///< it ended before it should have
+  std::string reason;   ///< why it ended; empty: as it was asked for
+};
+
 /// One thing that happened to a calibration.
 struct CalibrationChange {
   Stamp stamp;

@@ -11,7 +11,7 @@ constexpr std::pair<const char*, Request::Op> kOps[] = {
     {"watch", Request::Op::kWatch},     {"poll", Request::Op::kPoll},
     {"devices", Request::Op::kDevices}, {"recalibrate", Request::Op::kRecalibrate},
     {"apply", Request::Op::kApply},     {"rollback", Request::Op::kRollback},
-    {"freeze", Request::Op::kFreeze},
+    {"freeze", Request::Op::kFreeze},   {"record", Request::Op::kRecord},
 };
 
 std::string known_ops() {
@@ -49,6 +49,26 @@ Result<ReportClasses> parse_classes(const Json& request) {
   return classes;
 }
 
+Result<Request> parse_record(const Json& json, Request request) {
+  if (const auto name = json.find("name"); name != json.end()) {
+    if (!name->is_string()) return fail("name is not a string", "record");
+    request.name = name->get<std::string>();
+  }
+  if (const auto seconds = json.find("duration_s"); seconds != json.end()) {
+    if (!seconds->is_number() || !(seconds->get<double>() > 0)) {
+      return fail("duration_s is not a number greater than 0", "record");
+    }
+    request.longest = from_seconds(seconds->get<double>());
+  }
+  if (const auto bytes = json.find("max_bytes"); bytes != json.end()) {
+    if (!bytes->is_number_unsigned() || bytes->get<uint64_t>() == 0) {
+      return fail("max_bytes is not a whole number greater than 0", "record");
+    }
+    request.largest = bytes->get<uint64_t>();
+  }
+  return request;
+}
+
 Result<Request> parse_control(const Json& json, Request request) {
   const std::string op = name_of(request.op);
   if (const auto device = json.find("device"); device != json.end()) {
@@ -59,7 +79,7 @@ Result<Request> parse_control(const Json& json, Request request) {
     if (!on->is_boolean()) return fail("on is neither true nor false", op);
     request.on = on->get<bool>();
   }
-  return request;
+  return request.op == Request::Op::kRecord ? parse_record(json, std::move(request)) : request;
 }
 
 }  // namespace

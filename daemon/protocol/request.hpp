@@ -6,6 +6,7 @@
 
 #include "daemon/protocol/report_class.hpp"
 #include "drivers/measurement/error.hpp"
+#include "drivers/measurement/stamp.hpp"
 
 namespace infuse::daemon {
 
@@ -20,11 +21,15 @@ struct Request {
     kApply,        ///< take what was estimated last
     kRollback,     ///< go back to what was in use before
     kFreeze,       ///< change nothing by itself any more; `on` false: do so again
+    kRecord,       ///< record what the sensors say; `on` false: end that
   };
   Op op = Op::kPoll;
   ReportClasses classes;  ///< of kWatch
   std::string device;     ///< of what changes the daemon: the camera; empty: all
-  bool on = true;         ///< of kFreeze
+  bool on = true;         ///< of kFreeze and kRecord
+  std::string name;       ///< of kRecord: the drive's; empty: the time
+  Duration longest{0};    ///< of kRecord; 0: as configured
+  uint64_t largest = 0;   ///< of kRecord: bytes; 0: as configured
 
   /// The request changes the daemon.
   bool is_control() const { return op >= Op::kRecalibrate; }

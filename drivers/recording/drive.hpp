@@ -26,6 +26,7 @@ struct LidarFiles {
 struct CameraFiles {
   std::string images;                 ///< folder of NNNNNN.png or .jpg and times.csv
   std::optional<PixelFormat> mosaic;  ///< the pictures are grey files of a Bayer sensor
+  bool grey = false;                  ///< the files' colour is left out when they are read
 };
 
 /// Which CAN signal tells a quantity of the vehicle.

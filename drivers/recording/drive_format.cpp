@@ -112,6 +112,7 @@ void add_mount(std::string& text, const CameraMount& mount) {
 void add_files(std::string& text, const CameraFiles& files) {
   add_text(text, "images", files.images);
   if (files.mosaic) add(text, "mosaic", name_of(kMosaics, *files.mosaic));
+  if (files.grey) add(text, "grey", "true");
 }
 
 void add_can(std::string& text, const CanFiles& can) {

@@ -102,6 +102,7 @@ void read_files(TomlTable& table, CameraFiles& files) {
   PixelFormat mosaic = PixelFormat::kGrey8;
   read_name(table, "mosaic", kMosaics, mosaic);
   if (mosaic != PixelFormat::kGrey8) files.mosaic = mosaic;
+  table.read("grey", files.grey);
 }
 
 std::optional<Error> read_can(const toml::table& source, const std::string& file, CanFiles& can) {

@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstring>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 namespace infuse::recording {
@@ -52,14 +54,25 @@ struct PcapWriter::State {
   State& operator=(const State&) = delete;
 
   void build_frame(const Datagram& datagram, uint32_t receiver);
+  tl::unexpected<Error> give_up(int reason);
 
   std::string path;
   pcap_t* pcap;
   pcap_dumper_t* dumper;
   uint16_t identification = 0;
   uint64_t bytes = kFileHeader;
+  uint64_t flushed = 0;  // bytes that the system has taken
   std::vector<uint8_t> frame;
 };
+
+// What libpcap still holds may reach the file in part: it is closed first, and then cut.
+tl::unexpected<Error> PcapWriter::State::give_up(int reason) {
+  pcap_dump_close(std::exchange(dumper, nullptr));
+  std::error_code ignored;
+  std::filesystem::resize_file(path, flushed, ignored);
+  return fail(std::string("cannot be written: ") + std::strerror(reason), path,
+              "is the disk full?");
+}
 
 void PcapWriter::State::build_frame(const Datagram& datagram, uint32_t receiver) {
   const size_t payload = datagram.payload.size();
@@ -119,27 +132,26 @@ Result<void> PcapWriter::write(const Datagram& datagram, uint32_t receiver) {
   header.ts.tv_usec = ns % kNsPerSecond;  // nanoseconds: the precision of the file
   header.caplen = header.len = static_cast<bpf_u_int32>(s.frame.size());
   pcap_dump(reinterpret_cast<u_char*>(s.dumper), &header, s.frame.data());
-  if (std::ferror(pcap_dump_file(s.dumper)) != 0) {
-    return fail(std::string("cannot be written: ") + std::strerror(errno), s.path,
-                "is the disk full?");
-  }
+  if (std::ferror(pcap_dump_file(s.dumper)) != 0) return s.give_up(errno);
   s.bytes += kRecordHeader + s.frame.size();
   return {};
 }
 
 uint64_t PcapWriter::bytes() const { return state_->bytes; }
 
+Result<void> PcapWriter::flush() {
+  State& s = *state_;
+  if (s.dumper == nullptr) return fail("is closed already", s.path);
+  if (pcap_dump_flush(s.dumper) != 0) return s.give_up(errno);
+  s.flushed = s.bytes;
+  return {};
+}
+
 Result<void> PcapWriter::close() {
   State& s = *state_;
   if (s.dumper == nullptr) return {};
-  const bool flushed = pcap_dump_flush(s.dumper) == 0;
-  const int reason = errno;
-  pcap_dump_close(s.dumper);
-  s.dumper = nullptr;
-  if (!flushed) {
-    return fail(std::string("cannot be written: ") + std::strerror(reason), s.path,
-                "is the disk full?");
-  }
+  if (auto flushed = flush(); !flushed) return flushed;
+  pcap_dump_close(std::exchange(s.dumper, nullptr));
   return {};
 }
 

@@ -28,6 +28,10 @@ class PcapWriter {
   /// Bytes written so far, headers included.
   uint64_t bytes() const;
 
+  /// Hands all that was written to the system. Where that fails the file is cut back to what was
+  /// whole at the last flush, and closed.
+  Result<void> flush();
+
   /// Flushes and closes. The writer accepts nothing afterwards.
   Result<void> close();
 

@@ -110,17 +110,18 @@ Result<void> write_imu_csv(const std::filesystem::path& path,
   return write_text(path, text);
 }
 
-Result<void> write_gps_csv(const std::filesystem::path& path, const std::vector<GpsFix>& fixes) {
-  std::string text =
-      "stamp_ns,latitude_deg,longitude_deg,altitude,speed,course_deg,hdop,utc_ns,valid\n";
-  for (const GpsFix& fix : fixes) {
-    text += std::to_string(fix.stamp.ns());
-    for (const double value : {fix.latitude / kDegree, fix.longitude / kDegree, fix.altitude,
-                               fix.speed, fix.course / kDegree, fix.horizontal_dilution}) {
-      add(text, value);
-    }
-    text.append(",").append(std::to_string(fix.utc_ns)).append(fix.valid ? ",1\n" : ",0\n");
+std::string gps_row(const GpsFix& fix) {
+  std::string text = std::to_string(fix.stamp.ns());
+  for (const double value : {fix.latitude / kDegree, fix.longitude / kDegree, fix.altitude,
+                             fix.speed, fix.course / kDegree, fix.horizontal_dilution}) {
+    add(text, value);
   }
+  return text.append(",").append(std::to_string(fix.utc_ns)).append(fix.valid ? ",1\n" : ",0\n");
+}
+
+Result<void> write_gps_csv(const std::filesystem::path& path, const std::vector<GpsFix>& fixes) {
+  std::string text = kGpsHeader;
+  for (const GpsFix& fix : fixes) text += gps_row(fix);
   return write_text(path, text);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "drivers/measurement/error.hpp"
@@ -40,6 +41,11 @@ class GpsCsv {
   explicit GpsCsv(CsvReader csv) : csv_(std::move(csv)) {}
   CsvReader csv_;
 };
+
+/// The header line of a gps.csv and a row of it, each with its end.
+inline constexpr const char* kGpsHeader =
+    "stamp_ns,latitude_deg,longitude_deg,altitude,speed,course_deg,hdop,utc_ns,valid\n";
+std::string gps_row(const GpsFix& fix);
 
 /// Write what the readers above read.
 Result<void> write_imu_csv(const std::filesystem::path& path,

@@ -82,7 +82,8 @@ bool SocketCanSource::up() const {
 
 bool SocketCanSource::take(const receive::MessageBatch::Message& message) {
   if (message.truncated || !parse_socket_can(message.bytes, frame_)) return false;
-  frame_.stamp = message.stamp;
+  // To the microsecond, as a candump log has it: a recording of the bus replays to the same.
+  frame_.stamp = message.stamp - Duration(message.stamp.ns() % 1000);
   bus_errors_.take(frame_);
   return true;
 }

@@ -12,6 +12,7 @@ constexpr double kNoGate = 1e9;
 constexpr double kGravity = 9.80665;  // m/s²
 constexpr double kSpeedSigma = 40;    // m/s: nothing is known of the speed
 constexpr double kRateSigma = 1.5;    // rad/s: nothing is known of the rotation
+constexpr double kRecent = 0.3;       // s of motion that a sample corrects
 
 double square(double x) { return x * x; }
 
@@ -62,6 +63,7 @@ void OdometryState::set_pose(const Eigen::Isometry3d& T_map_vehicle,
   P_.topRows<6>().setZero();
   P_.leftCols<6>().setZero();
   P_.topLeftCorner<6, 6>() = covariance;
+  recent_.setZero();
   loosen_speed();
   loosen_rotation();
 }
@@ -70,6 +72,7 @@ void OdometryState::loosen_speed() {
   for (const int i : {int{kSpeed}, int{kAcceleration}}) {
     P_.row(i).setZero();
     P_.col(i).setZero();
+    recent_.col(i).setZero();
   }
   x_[kAcceleration] = 0;
   P_(kSpeed, kSpeed) = square(kSpeedSigma);
@@ -80,6 +83,7 @@ void OdometryState::loosen_rotation() {
   for (int i = kAngular; i < kAngular + 3; ++i) {
     P_.row(i).setZero();
     P_.col(i).setZero();
+    recent_.col(i).setZero();
     if (i == kAngular + 2 || !options_.planar) P_(i, i) = square(kRateSigma);
   }
 }
@@ -127,9 +131,12 @@ void OdometryState::predict(double seconds) {
   x_[kAcceleration] *= decay;
   x_[kSteeringZero] *= forget;
 
-  P_ = F * P_ * F.transpose();
-  const bool moving = std::abs(x_[kSpeed]) > options_.standstill_speed;
-  if (moving) {
+  // What is new of the pose's error joins what is recent, and that fades.
+  const Matrix PFt = P_ * F.transpose();
+  recent_ = std::exp(-dt / kRecent) * (recent_ * F.transpose()).eval();
+  recent_ += F.topRightCorner<6, kSize - 6>() * PFt.bottomRows<kSize - 6>();
+  P_ = F * PFt;
+  if (moving()) {
     geometry::Vector6 unseen;
     const double tilt = options_.planar ? 0 : square(options_.rotation_walk);
     const double slip = square(options_.slip);
@@ -152,12 +159,19 @@ bool OdometryState::update(double innovation, const Vector& derivative, double n
   const Vector PH = P_ * derivative;
   const double variance = derivative.dot(PH) + square(noise);
   if (!(square(innovation) <= square(gate) * variance)) return false;  // NaN too
-  const Vector gain = PH / variance;
+  Vector gain = PH / variance;
+  const bool whole = moving() || !derivative.head<6>().isZero(0);
+  const geometry::Vector6 recent_gain = recent_ * derivative / variance;
+  if (!whole) gain.head<6>() = recent_gain;
   const Vector change = gain * innovation;
   T_map_vehicle_ = geometry::exp(change.head<6>()) * T_map_vehicle_;
   x_.tail<kSize - 6>() += change.tail<kSize - 6>();
-  P_ -= gain * PH.transpose();
+  // For any gain, P − KHP − PHᵀKᵀ + K(HPHᵀ + R)Kᵀ.
+  const Matrix lost = gain * PH.transpose();
+  P_ += variance * gain * gain.transpose() - lost - lost.transpose();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
+  // Only its part with the motion is ever asked for.
+  recent_.rightCols<kSize - 6>() -= recent_gain * PH.tail<kSize - 6>().transpose();
   return true;
 }
 

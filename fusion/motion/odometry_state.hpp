@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "drivers/measurement/vehicle_samples.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/motion/odometry_options.hpp"
@@ -16,6 +18,11 @@ struct Learned {
 /// angular velocity, and what the sensors' errors are. The vehicle moves along its x axis (no side
 /// slip at the rear axle) and turns; the pose's error is a left perturbation in the map frame, so
 /// that it is carried through time unchanged and only grows.
+///
+/// What is learned of a bias while driving mends the way that lies behind, little by little. What
+/// is learned while standing would do so at once, by metres: then samples correct no more than the
+/// last tenths of a second, so that a vehicle that stands is not moved. That gain is not the best
+/// one for the pose; the covariance is that of the pose as it is.
 class OdometryState {
  public:
   /// Indices of the error state.
@@ -32,6 +39,7 @@ class OdometryState {
   };
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
+  using RecentMatrix = Eigen::Matrix<double, 6, kSize>;
 
   /// `options.invalid()` must be empty.
   explicit OdometryState(const OdometryOptions& options);
@@ -67,12 +75,15 @@ class OdometryState {
   Learned learned(int index) const;
 
  private:
+  bool moving() const { return std::abs(x_[kSpeed]) > options_.standstill_speed; }
   bool update(double innovation, const Vector& derivative, double noise, double gate);
 
   OdometryOptions options_;
   Eigen::Isometry3d T_map_vehicle_ = Eigen::Isometry3d::Identity();
   Vector x_ = Vector::Zero();  // the pose's part is always 0
   Matrix P_ = Matrix::Zero();
+  // Covariance of what of the pose's error is recent, a fading memory, with the whole state's.
+  RecentMatrix recent_ = RecentMatrix::Zero();
 };
 
 }  // namespace infuse::motion

@@ -32,6 +32,11 @@ ParticleSet::ParticleSet(const ParticleOptions& options, uint64_t seed)
   bins_.reserve(most);
 }
 
+void ParticleSet::draw_lasting(Particle& particle) {
+  particle.scale = 1 + options_.scale_sigma * normal();
+  particle.rate = options_.rate_sigma * normal();
+}
+
 void ParticleSet::scatter(const PlanarPose& mean, const Eigen::Matrix3d& covariance) {
   const Eigen::Matrix3d L = root(covariance);
   const auto draw = [&](int count) {
@@ -39,6 +44,7 @@ void ParticleSet::scatter(const PlanarPose& mean, const Eigen::Matrix3d& covaria
     for (Particle& particle : particles_) {
       const Eigen::Vector3d d = L * Eigen::Vector3d(normal(), normal(), normal());
       particle = {{mean.x + d.x(), mean.y + d.y(), wrapped(mean.yaw + d.z())}};
+      draw_lasting(particle);
     }
   };
   draw(options_.most);
@@ -54,9 +60,8 @@ void ParticleSet::scatter_disc(const PlanarPose& middle, double radius, double y
     const double a = 2 * std::numbers::pi * share(random_);
     const double turned = yaw * (2 * share(random_) - 1);
     particle = {
-        {middle.x + r * std::cos(a), middle.y + r * std::sin(a), wrapped(middle.yaw + turned)},
-        0,
-        {}};
+        {middle.x + r * std::cos(a), middle.y + r * std::sin(a), wrapped(middle.yaw + turned)}};
+    draw_lasting(particle);
   }
 }
 
@@ -92,17 +97,26 @@ void ParticleSet::settle_places() {
   for (Particle& particle : particles_) particle.elsewhere = false;
 }
 
-void ParticleSet::move(const PlanarPose& motion, const Eigen::Matrix3d& covariance) {
+void ParticleSet::move(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
+                       double seconds) {
   const double distance = std::hypot(motion.x, motion.y);
   Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
   own(0, 0) = own(1, 1) = options_.distance_noise * options_.distance_noise * distance;
-  own(0, 0) += std::pow(options_.distance_scale * distance, 2);
   own(2, 2) =
       options_.yaw_noise * options_.yaw_noise * distance + options_.yaw_rest * options_.yaw_rest;
   const Eigen::Matrix3d L = root(covariance + own);
+  // What lasts stays near what it was, and within its deviation in the long run.
+  const double scale_kept = std::exp(-distance / options_.scale_memory);
+  const double scale_walk = options_.scale_sigma * std::sqrt(1 - scale_kept * scale_kept);
+  const double rate_kept = std::exp(-seconds / options_.rate_memory);
+  const double rate_walk = options_.rate_sigma * std::sqrt(1 - rate_kept * rate_kept);
   for (Particle& particle : particles_) {
     const Eigen::Vector3d d = L * Eigen::Vector3d(normal(), normal(), normal());
-    particle.pose = particle.pose.then({motion.x + d.x(), motion.y + d.y(), motion.yaw + d.z()});
+    const double scale = particle.scale, turned = particle.rate * seconds;
+    particle.pose = particle.pose.then(
+        {scale * motion.x + d.x(), scale * motion.y + d.y(), motion.yaw + turned + d.z()});
+    particle.scale = 1 + scale_kept * (scale - 1) + scale_walk * normal();
+    particle.rate = rate_kept * particle.rate + rate_walk * normal();
   }
 }
 

@@ -15,6 +15,9 @@ namespace infuse::streetmap {
 /// A hypothesis of the vehicle's pose, I(3.5).
 struct Particle {
   PlanarPose pose;
+  // Errors of the odometry that last, learned from the map.
+  double scale = 1;  ///< true over measured distance
+  double rate = 0;   ///< rad/s, true minus measured yaw rate
   double log_weight = 0;
   bool elsewhere = false;  ///< of the second place, while two are weighed against each other
   /// What cross-validation chose for it, or for the one that it is a copy of.
@@ -46,8 +49,9 @@ class ParticleSet {
   void add_place(const PlanarPose& mean, const Eigen::Matrix3d& covariance);
 
   /// Moves all by a motion in the vehicle's frame with its covariance (x, y, yaw) and the options'
-  /// own noise, I(3.2).
-  void move(const PlanarPose& motion, const Eigen::Matrix3d& covariance);
+  /// own noise, I(3.2), each by its own scale and yaw rate over the `seconds` that it took. The
+  /// covariance is that of errors which are other ones at the next motion.
+  void move(const PlanarPose& motion, const Eigen::Matrix3d& covariance, double seconds);
 
   /// Draws a new set with probability proportional to weight (systematic, low variance), as many
   /// as the spread needs, if fewer than half of the particles carry the weight; whether it did.
@@ -70,6 +74,7 @@ class ParticleSet {
 
  private:
   int number_needed();
+  void draw_lasting(Particle& particle);
   void normalise();
   void settle_places();
   double normal() { return normal_(random_); }

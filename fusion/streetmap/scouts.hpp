@@ -15,12 +15,12 @@ struct ScoutOptions {
   double along = 7;         ///< m, deviation along the heading: where streets look alike
   double across = 2.5;      ///< m
   double yaw = 0.04;        ///< rad
-  int patience = 8;         ///< updates over which they are compared with the estimate
+  double patience = 3;      ///< wholly new views over which they are compared with the estimate
   double advantage = 0.04;  ///< SMI by which one must be better than the estimate, in the mean
   double apart = 1.5;       ///< m within which a scout is no other place than the estimate
 };
 
-/// Poses around the estimate that are tried for some updates: particles that agree on a wrong place
+/// Poses around the estimate that are tried for some views: particles that agree on a wrong place
 /// would never look elsewhere.
 class Scouts {
  public:
@@ -32,9 +32,10 @@ class Scouts {
   /// Moves all with the vehicle.
   void move(const PlanarPose& motion);
 
-  /// Scores all; `estimate_score` is that of `estimate`. After `patience` updates gives the best
-  /// one where it is better than the estimate by the advantage, and sends all out anew.
-  std::optional<PlanarPose> update(const PlanarPose& estimate, double estimate_score,
+  /// Scores all by a view of which the share `news` is new; `estimate_score` is that of `estimate`.
+  /// After `patience` new views gives the best one where it is better than the estimate by the
+  /// advantage, and sends all out anew.
+  std::optional<PlanarPose> update(const PlanarPose& estimate, double estimate_score, double news,
                                    const std::function<double(const PlanarPose&)>& score);
 
  private:
@@ -46,7 +47,7 @@ class Scouts {
   std::vector<PlanarPose> poses_;
   std::vector<double> sums_;
   double estimate_sum_ = 0;
-  int updates_ = 0;
+  double news_ = 0;
 };
 
 }  // namespace infuse::streetmap

@@ -77,10 +77,10 @@ void Tracker::search(const PlanarPose& pose, double radius, double yaw) {
   updates_since_search_ = 0;
 }
 
-void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance) {
+void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step) {
   odometry_ = odometry_.then(motion);
   if (!started_) return;
-  particles_.move(motion, covariance);
+  particles_.move(motion, covariance, to_seconds(step));
   scouts_.move(motion);
 }
 
@@ -117,6 +117,9 @@ bool Tracker::moved_on() {
       std::abs(motion.yaw) < options_.least_turn) {
     return false;
   }
+  news_ = updates_since_search_ == 0
+              ? 1
+              : std::min(1.0, std::hypot(motion.x, motion.y) / options_.fresh);
   updated_at_ = odometry_;
   return true;
 }
@@ -150,7 +153,7 @@ void Tracker::weigh(dependence::PreparedDependence& prepared, const GridSamples&
     dependence::HyperParameters chosen;
     const double score = score_of(particle.pose, prepared, samples, particle.kept, &chosen);
     if (chosen.sigma > 0) common_ = particle.kept = chosen;
-    particle.log_weight += options_.sharpness * score;
+    particle.log_weight += news_ * options_.sharpness * score;
     sum += score;
     ++total;
   }
@@ -179,7 +182,7 @@ void Tracker::look_elsewhere(dependence::PreparedDependence& prepared, const Gri
     return score_of(pose, prepared, samples, common_, nullptr);
   };
   if (particles_.doubt() > 0) return scouts_.recall();
-  const auto place = scouts_.update(particles_.moments().mean, score_, score);
+  const auto place = scouts_.update(particles_.moments().mean, score_, news_, score);
   if (!place) return;
   particles_.add_place(*place, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
 }

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "drivers/measurement/stamp.hpp"
 #include "fusion/dependence/prepared_dependence.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/streetmap/label_window.hpp"
@@ -65,8 +66,10 @@ class Tracker {
   /// Begins somewhere within `radius` (m) of a pose, heading within ± `yaw` (rad) of it.
   void search(const PlanarPose& pose, double radius, double yaw);
 
-  /// The vehicle moved by `motion` (frame of the vehicle before it); covariance of x, y, yaw.
-  void predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance);
+  /// The vehicle moved by `motion` (frame of the vehicle before it) within `step`; covariance of
+  /// x, y, yaw, of errors that are other ones at the next motion. Those that last, of scale and yaw
+  /// rate, the particles carry (`ParticleOptions`).
+  void predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
 
   /// Collects what was seen at the current pose, or where the vehicle was at another moment: `then`
   /// is that pose seen from the current one.
@@ -108,6 +111,7 @@ class Tracker {
   double score_ = 0;
   int updates_since_search_ = 0;
   PlanarPose updated_at_;  // odometry's pose at the last update
+  double news_ = 1;        // share of what is seen that is new since then
 
   // Scratch.
   GridSamples samples_;

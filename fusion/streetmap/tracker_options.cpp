@@ -8,8 +8,11 @@ std::optional<std::string> ParticleOptions::invalid() const {
   }
   if (!(bin > 0 && bin_yaw > 0)) return "particles: bins must be positive";
   for (const double noise :
-       {distance_noise, distance_scale, yaw_noise, yaw_rest, jitter, jitter_yaw}) {
+       {distance_noise, scale_sigma, rate_sigma, yaw_noise, yaw_rest, jitter, jitter_yaw}) {
     if (!(noise >= 0 && noise <= 1)) return "particles: noise must be within 0 … 1";
+  }
+  if (!(scale_memory > 0 && rate_memory > 0)) {
+    return "particles: scale_memory and rate_memory must be positive";
   }
   return std::nullopt;
 }
@@ -36,12 +39,13 @@ std::optional<std::string> TrackerOptions::invalid() const {
   if (auto wrong = fit.invalid()) return wrong;
   if (auto wrong = particles.invalid()) return wrong;
   if (auto wrong = confidence.invalid()) return wrong;
-  if (scouts.count < 0 || scouts.count > 10'000 || scouts.patience < 1) {
-    return "scouts: count must be 0 … 10000, patience 1 at least";
+  if (scouts.count < 0 || scouts.count > 10'000 || !(scouts.patience > 0)) {
+    return "scouts: count must be 0 … 10000, patience positive";
   }
   if (!(omission >= 0 && omission <= 1)) return "omission must be within 0 … 1";
   if (!(least_motion >= 0 && least_turn >= 0)) return "least_motion must not be negative";
   if (!(sharpness > 0 && sharpness <= 1e4)) return "sharpness must be within 0 … 10000";
+  if (!(fresh > 0)) return "fresh must be positive";
   return std::nullopt;
 }
 

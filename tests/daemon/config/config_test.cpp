@@ -231,6 +231,50 @@ limit_translation = 0.05
   EXPECT_FALSE(parse_config("[odometry]\nmax_wait_ms = 1e9\n", "x.toml"));
 }
 
+TEST(Config, RecordingIsTakenOverAndChecked) {
+  const auto config = parse_config(R"([record]
+directory = "/data/drives"
+memory_mb = 128
+flight_recorder_s = 20
+after_alert_s = 3
+keep_alerts = 4
+longest_s = 600
+largest_mb = 2048
+split_s = 60
+split_mb = 512
+min_free_mb = 100
+)",
+                                   "x.toml");
+  ASSERT_TRUE(config) << config.error().message();
+  RecordSettings expected;
+  expected.directory = "/data/drives";
+  expected.memory = 128 << 20;
+  expected.flight = from_seconds(20);
+  expected.after_alert = from_seconds(3);
+  expected.keep_alerts = 4;
+  expected.longest = from_seconds(600);
+  expected.largest = uint64_t{2048} << 20;
+  expected.split = from_seconds(60);
+  expected.split_bytes = 512 << 20;
+  expected.min_free = 100 << 20;
+  EXPECT_EQ(config->record, expected);
+  EXPECT_EQ(parse_config("", "x.toml")->record, RecordSettings{});
+  for (const char* wrong : {"memory_mb = 1", "flight_recorder_s = -1", "keep_alerts = 0",
+                            "longest_s = 0", "largest_mb = 0", "split_s = 0.1", "min_free_mb = -1",
+                            "largest_mb = 9223372036854775807", "folder = \"x\""}) {
+    EXPECT_FALSE(parse_config(std::string("[record]\n") + wrong, "x.toml")) << wrong;
+  }
+}
+
+TEST(Config, NobodyLooksAtTheFiguresByDefault) {
+  EXPECT_FALSE(parse_config("", "x.toml")->metrics.any());
+  const auto config = parse_config("[metrics]\npath = \"/run/m\"\nport = 9469\n", "x.toml");
+  ASSERT_TRUE(config);
+  EXPECT_EQ(config->metrics, (MetricsSettings{"/run/m", 9469}));
+  EXPECT_FALSE(parse_config("[metrics]\npath = \"m\"\n", "x.toml"));
+  EXPECT_FALSE(parse_config("[metrics]\nport = 70000\n", "x.toml"));
+}
+
 TEST(Config, ErrorsSayWhereAndWhat) {
   const Wrong cases[] = {
       {"\n[health]\nstale_after = 3\n", "x.toml:3: unknown key 'stale_after'"},

@@ -77,7 +77,7 @@ class TrackingStageTest : public testing::Test {
     for (int i = 0; i < sweeps; ++i) {
       now_ = start_ + i * kStep;
       scan(now_, static_cast<uint64_t>(i));
-      stage.take_sweep(sweep_, straight_, 0, trajectory_, false);
+      stage.take_sweep(sweep_, straight_, 0, trajectory_);
     }
   }
 
@@ -145,30 +145,16 @@ TEST_F(TrackingStageTest, BeginsWhereTheReceiverSays) {
               -0.03, 0.03);
 }
 
-TEST_F(TrackingStageTest, WhatOdometryLearnsWhileStandingIsNoMotion) {
-  settings_.start = MapStart{-90, -1.3, 0};
-  settings_.start_sigma = 0.01;
-  settings_.start_yaw_sigma = 0.001;
-  TrackingStage stage(settings_, town_.map, rig_);
-  scan(start_, 1);
-  stage.take_sweep(sweep_, straight_, 0, trajectory_, true);
-  const Eigen::Vector3d before = stage.pose({}).T_frame_vehicle.translation();
-  now_ = start_ + Duration(4'000'000'000);
-  scan(now_, 2);
-  stage.take_sweep(sweep_, straight_, 0, trajectory_, true);  // odometry went 20 m
-  EXPECT_LT((stage.pose({}).T_frame_vehicle.translation() - before).norm(), 0.1);
-}
-
 TEST_F(TrackingStageTest, AGapInOdometryWidensTheParticles) {
   settings_.start = MapStart{-90, -1.3, 0};
   settings_.start_sigma = 0.1;
   TrackingStage stage(settings_, town_.map, rig_);
   scan(start_, 1);
-  stage.take_sweep(sweep_, straight_, 0, trajectory_, false);
+  stage.take_sweep(sweep_, straight_, 0, trajectory_);
   geometry::Trajectory nothing;
   straight_.reference = start_ + kStep;
   straight_.reason = "the trajectory has a gap";
-  stage.take_sweep(sweep_, straight_, 0, nothing, false);
+  stage.take_sweep(sweep_, straight_, 0, nothing);
   const PoseReport pose = stage.pose({});
   // Of x itself: a left perturbation turns about the map's origin.
   const auto& C = pose.covariance;

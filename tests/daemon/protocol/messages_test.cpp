@@ -149,6 +149,26 @@ TEST(Messages, AnAlertHasTheSameIdWhenRaisedAndCleared) {
   EXPECT_EQ(raised["severity"], "STALE");
 }
 
+TEST(Messages, ARecordingSaysWhyItEndedWhereItDidByItself) {
+  RecordReport report;
+  report.name = "street";
+  report.folder = "/var/lib/infuse/drives/street";
+  report.why = "asked for";
+  report.drives = 1;
+  report.duration = from_seconds(1.5);
+  const json begun = checked(record_message(report));
+  EXPECT_EQ(begun["state"], "recording");
+  EXPECT_EQ(begun["duration_s"], 1.5);
+  EXPECT_FALSE(begun.contains("reason"));
+  report.ended = true;
+  EXPECT_EQ(checked(record_message(report))["state"], "ended");
+  report.failed = true;
+  report.reason = "the disk is full";
+  const json failed = checked(record_message(report));
+  EXPECT_EQ(failed["state"], "failed");
+  EXPECT_EQ(failed["reason"], "the disk is full");
+}
+
 TEST(Messages, RepliesAreValid) {
   EXPECT_EQ(checked(lost_message(kStamp, 17))["reports"], 17);
   EXPECT_EQ(checked(ack_message("poll"))["op"], "poll");

@@ -42,6 +42,18 @@ TEST(Request, WhatChangesTheDaemonNamesACameraOrNone) {
   EXPECT_FALSE(parse_request(R"({"op":"freeze","on":"yes"})"));
 }
 
+TEST(Request, ARecordingHasANameAndBounds) {
+  const auto record =
+      parse_request(R"({"op":"record","name":"x","duration_s":1.5,"max_bytes":2000000000})");
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->op, Request::Op::kRecord);
+  EXPECT_TRUE(record->is_control());
+  EXPECT_EQ(record->name, "x");
+  EXPECT_EQ(record->longest, std::chrono::milliseconds(1500));
+  EXPECT_EQ(record->largest, 2'000'000'000U);
+  EXPECT_FALSE(parse_request(R"({"op":"record","on":false})")->on);
+}
+
 TEST(Request, SaysWhatIsWrong) {
   EXPECT_THAT(parse_request("").error().what, HasSubstr("not a JSON object"));
   EXPECT_THAT(parse_request("[1]").error().what, HasSubstr("not a JSON object"));
@@ -73,7 +85,11 @@ TEST(Request, TheSchemaAgreesWithTheParser) {
   for (const char* text :
        {R"({"op":"poll"})", R"({"op":"devices"})", R"({"op":"watch"})",
         R"({"op":"watch","classes":["SWEEP","DEVICES"]})", R"({"op":"apply"})",
-        R"({"op":"watch","classes":["sweep"]})", R"({})", R"({"op":"watch","classes":"SWEEP"})"}) {
+        R"({"op":"record","name":"x","duration_s":1.5})", R"({"op":"record","name":7})",
+        R"({"op":"record","duration_s":0})", R"({"op":"record","duration_s":"1"})",
+        R"({"op":"record","max_bytes":-1})", R"({"op":"record","max_bytes":1.5})",
+        R"({"op":"record","max_bytes":0})", R"({"op":"watch","classes":["sweep"]})", R"({})",
+        R"({"op":"watch","classes":"SWEEP"})"}) {
     EXPECT_EQ(parse_request(text).has_value(),
               static_cast<bool>(matches_schema(nlohmann::json::parse(text), "request")))
         << text;

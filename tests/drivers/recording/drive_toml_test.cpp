@@ -49,6 +49,7 @@ lidar = "top"
 T_camera_lidar = [0, -1, 0, 0.06,  0, 0, -1, 0,  1, 0, 0, -0.27,  0, 0, 0, 1]
 stamp_delay_ms = 12.5
 mosaic = "gbrg"
+grey = true
 
 [can]
 log = "can.log"
@@ -105,6 +106,7 @@ TEST(DriveToml, EveryKeyReachesItsField) {
   EXPECT_EQ(camera.lidar, "top");
   EXPECT_EQ(camera.stamp_delay, Duration(12'500'000));
   EXPECT_EQ(drive->cameras[0].mosaic, PixelFormat::kBayerGbrg8);
+  EXPECT_TRUE(drive->cameras[0].grey);
 
   ASSERT_TRUE(drive->can);
   EXPECT_EQ(drive->can->interface, "can0");
@@ -147,6 +149,7 @@ void expect_equal(const DriveDescription& a, const DriveDescription& b) {
     EXPECT_EQ(x.stamp_delay, y.stamp_delay);
     EXPECT_EQ(a.cameras[i].images, b.cameras[i].images);
     EXPECT_EQ(a.cameras[i].mosaic, b.cameras[i].mosaic);
+    EXPECT_EQ(a.cameras[i].grey, b.cameras[i].grey);
   }
   ASSERT_EQ(a.can.has_value(), b.can.has_value());
   if (a.can) {

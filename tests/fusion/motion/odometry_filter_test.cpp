@@ -86,6 +86,42 @@ TEST(OdometryFilter, LearnsBiasesStandingStill) {
   EXPECT_LT(std::abs(heading_error(pose.T_map_vehicle, drive.pose(29.8))), 0.7 * kDegree);
 }
 
+TEST(OdometryFilter, WhatItLearnsStandingDoesNotMoveTheVehicle) {
+  // Half a minute with a bias that nothing tells, then it stands: the heading is off by 12°, the
+  // place by 25 m, and as soon as the bias is known so is that. The vehicle has not moved.
+  const TrueDrive drive(36, [](double t) {
+    geometry::Vector6 twist = geometry::Vector6::Zero();
+    twist[3] = t < 30 ? 8.0 : std::max(0.0, 8 - 4 * (t - 30));
+    return twist;
+  });
+  OdometryFilter filter;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  const double bias = 0.4 * kDegree;
+  for (double t = 0; t < 35.9; t += 0.01) {
+    WheelOdometry sample = drive.wheels(t);
+    sample.yaw_rate += bias + 0.004 * normal(random);
+    filter.add(sample);
+  }
+  filter.flush();
+  expect_consistent(filter.report().yaw_rate_bias, bias, 6e-4, "yaw rate");
+  const geometry::Trajectory& trajectory = filter.trajectory();
+  double farthest = 0, most_turned = 0;
+  for (double t = 32.1; t < 35.8; t += 0.02) {
+    const auto motion = trajectory.between(seconds(32.05), seconds(t));
+    ASSERT_TRUE(motion.usable()) << motion.reason;
+    farthest = std::max(farthest, motion.T_from_to.translation().norm());
+    most_turned = std::max(most_turned, geometry::log(motion.T_from_to).head<3>().norm());
+  }
+  EXPECT_LT(farthest, 0.1);
+  EXPECT_LT(most_turned, 0.3 * kDegree);
+  // What was not taken back is still stated.
+  const auto end = trajectory.at(seconds(35.8));
+  const Vector6 error = geometry::log(drive.pose(35.8) * end.T_map_vehicle.inverse());
+  EXPECT_GT(std::abs(error[2]), 8 * kDegree);
+  EXPECT_LT(std::abs(error[2]), 3 * std::sqrt(end.covariance(2, 2)));
+}
+
 TEST(OdometryFilter, LearnsTheYawRateBiasFromSteeringWhereItNeverStands) {
   OdometryOptions options;
   options.steering_ratio = 15;

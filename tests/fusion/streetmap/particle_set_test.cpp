@@ -12,7 +12,8 @@ namespace {
 
 ParticleOptions still() {
   ParticleOptions options;
-  options.distance_noise = options.distance_scale = options.yaw_noise = options.yaw_rest = 0;
+  options.distance_noise = options.yaw_noise = options.yaw_rest = 0;
+  options.scale_sigma = options.rate_sigma = 0;
   options.jitter = options.jitter_yaw = 0;
   return options;
 }
@@ -42,7 +43,7 @@ TEST(ParticleSet, MovesInTheVehiclesFrame) {
   options.fewest = options.most = 10;
   ParticleSet set(options, 1);
   set.scatter({1, 2, M_PI / 2}, Eigen::Matrix3d::Zero());
-  set.move({3, 1, 0.25}, Eigen::Matrix3d::Zero());
+  set.move({3, 1, 0.25}, Eigen::Matrix3d::Zero(), 0.5);
   for (const Particle& particle : set.all()) {
     EXPECT_NEAR(particle.pose.x, 0, 1e-12);
     EXPECT_NEAR(particle.pose.y, 5, 1e-12);
@@ -54,15 +55,44 @@ TEST(ParticleSet, MotionNoiseHasItsCovariance) {
   ParticleOptions options = still();
   options.fewest = options.most = 20000;
   options.distance_noise = 0.1;
-  options.distance_scale = 0.02;
   ParticleSet set(options, 3);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
   const Eigen::Matrix3d C = Eigen::Vector3d(0.01, 0.04, 1e-4).asDiagonal();
-  set.move({4, 0, 0}, C);
+  set.move({4, 0, 0}, C, 0.5);
   const PoseMoments moments = set.moments();
-  EXPECT_NEAR(moments.covariance(0, 0), 0.01 + 0.01 * 4 + 0.0064, 0.002);
+  EXPECT_NEAR(moments.covariance(0, 0), 0.01 + 0.01 * 4, 0.002);
   EXPECT_NEAR(moments.covariance(1, 1), 0.04 + 0.01 * 4, 0.003);
   EXPECT_NEAR(moments.covariance(2, 2), 1e-4, 4e-6);
+}
+
+// An error that lasts grows with the way, not with its root: 100 steps of one metre and 100 s.
+TEST(ParticleSet, ErrorsThatLastAddUp) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 20000;
+  options.scale_sigma = 0.01;
+  options.rate_sigma = 0.001;
+  options.scale_memory = options.rate_memory = 1e7;
+  ParticleSet set(options, 8);
+  set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
+  for (int i = 0; i < 100; ++i) set.move({1, 0, 0}, Eigen::Matrix3d::Zero(), 1);
+  const Eigen::Matrix3d C = set.moments().covariance;
+  EXPECT_NEAR(std::sqrt(C(0, 0)), 1, 0.05);
+  EXPECT_NEAR(std::sqrt(C(2, 2)), 0.1, 0.003);
+  EXPECT_NEAR(std::sqrt(C(1, 1)), 0.001 * 100 * 100 / 2.0, 0.2);  // a heading that turns evenly
+}
+
+// Over ways far longer than its memory an error stays within its deviation.
+TEST(ParticleSet, ErrorsThatLastStayWithinTheirDeviation) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 5000;
+  options.scale_sigma = 0.01;
+  options.scale_memory = 20;
+  ParticleSet set(options, 9);
+  set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
+  for (int i = 0; i < 200; ++i) set.move({1, 0, 0}, Eigen::Matrix3d::Zero(), 1);
+  double squares = 0;
+  for (const Particle& particle : set.all()) squares += std::pow(particle.scale - 1, 2);
+  EXPECT_NEAR(std::sqrt(squares / 5000), 0.01, 0.0005);
 }
 
 TEST(ParticleSet, ResamplesInProportionToWeight) {

@@ -1,0 +1,135 @@
+#include <csignal>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/progress_line.hpp"
+#include "daemon/commands/client.hpp"
+#include "daemon/commands/command.hpp"
+#include "daemon/commands/report_text.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infuse record";
+constexpr std::chrono::seconds kPatience{10};  // a report comes each second
+
+struct Arguments {
+  std::string socket;
+  std::string name;
+  double seconds = 0;
+  uint64_t bytes = 0;
+  bool stop = false;
+  bool no_wait = false;
+  bool json = false;
+};
+
+/// What ends the recording, from here on; it would else end this program in the middle of a report.
+void hold_interrupts(bool hold) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  const timespec now{};
+  if (!hold) sigtimedwait(&signals, nullptr, &now);
+  sigprocmask(hold ? SIG_BLOCK : SIG_UNBLOCK, &signals, nullptr);
+}
+
+bool interrupted() {
+  sigset_t pending;
+  return sigpending(&pending) == 0 &&
+         (sigismember(&pending, SIGINT) == 1 || sigismember(&pending, SIGTERM) == 1);
+}
+
+/// The next message of one of these classes.
+Result<Json> await(Client& client, const std::vector<std::string>& classes) {
+  while (true) {
+    auto message = client.next(kPatience);
+    if (!message) return tl::unexpected(message.error());
+    if (!*message) return fail("the daemon has ended");
+    const std::string name = (*message)->value("class", "");
+    for (const std::string& wanted : classes) {
+      if (name == wanted) return **std::move(message);
+    }
+  }
+}
+
+/// Sends a request and waits until it was carried out.
+Result<void> ask(Client& client, const Json& request) {
+  if (auto sent = client.send(request); !sent) return sent;
+  return await(client, {"ACK", "ERROR"}).and_then([](const Json& answer) -> Result<void> {
+    if (answer.value("class", "") == "ACK") return {};
+    return fail(answer.value("what", ""), "", answer.value("hint", ""));
+  });
+}
+
+Json request_of(const Arguments& arguments) {
+  Json request = {{"op", "record"}};
+  if (arguments.stop) request["on"] = false;
+  if (!arguments.name.empty()) request["name"] = arguments.name;
+  if (arguments.seconds > 0) request["duration_s"] = arguments.seconds;
+  if (arguments.bytes > 0) request["max_bytes"] = arguments.bytes;
+  return request;
+}
+
+/// Shows how the recording goes until it ends; an interrupt ends it. Gives the last report.
+Result<Json> follow(Client& client) {
+  ProgressLine line;
+  hold_interrupts(true);
+  while (true) {
+    auto report = await(client, {"RECORD"});
+    if (!report || report->value("state", "") != "recording") return report;
+    line.show(std::nullopt, record_text(*report));
+    if (!interrupted()) continue;
+    hold_interrupts(false);  // a second one ends at once
+    if (auto sent = client.send({{"op", "record"}, {"on", false}}); !sent) {
+      return tl::unexpected(sent.error());
+    }
+  }
+}
+
+int run(const Arguments& arguments) {
+  auto client = Client::connect(arguments.socket);
+  if (!client) return complain(kProgram, client.error(), kNo);
+  const auto begun = ask(*client, {{"op", "watch"}, {"classes", {"RECORD"}}}).and_then([&] {
+    return ask(*client, request_of(arguments));
+  });
+  if (!begun) return complain(kProgram, begun.error(), kNo);
+  if (arguments.no_wait && !arguments.stop) return kDone;
+  const auto report = follow(*client);
+  if (!report) return complain(kProgram, report.error(), kNo);
+  std::cout << (arguments.json ? report->dump()
+                               : report->value("folder", "") + "\n" + record_text(*report))
+            << "\n";
+  return report->value("state", "") == "failed" ? kNo : kDone;
+}
+
+}  // namespace
+
+Command declare_record(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand(
+      "record",
+      "let the daemon record what its sensors say, as a drive that infused --replay takes,\n"
+      "until --for, --max-size, an interrupt, or the bounds of its configuration");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("-o,--output,name", arguments->name,
+                  "of the drive, in the daemon's folder of recordings; the time where it is not "
+                  "given")
+      ->type_name("NAME");
+  const std::map<std::string, double> units = {{"s", 1}, {"min", 60}, {"m", 60}, {"h", 3600}};
+  app->add_option("--for", arguments->seconds, "how long: 90, 90s, 5m, 1h")
+      ->transform(CLI::AsNumberWithUnit(units))
+      ->check(CLI::PositiveNumber)
+      ->type_name("TIME");
+  app->add_option("--max-size", arguments->bytes, "how much: 500M, 2G")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("SIZE");
+  app->add_flag("--stop", arguments->stop, "end the recording that is being made");
+  app->add_flag("--no-wait", arguments->no_wait, "return when it has begun");
+  app->add_flag("--json", arguments->json, "the last RECORD report");
+  app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,74 @@
+#include "daemon/live/drive_description.hpp"
+
+#include <algorithm>
+
+#include "daemon/survey/capture_survey.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kPackets = "lidar.pcap";
+constexpr const char* kSignals = "vehicle.dbc";
+
+void describe_lidar(const Config& config, const LidarOptions& options, DescribedDrive& drive) {
+  recording::LidarFiles files;
+  files.packets = kPackets;
+  files.port = options.port;
+  files.position_port = options.position_port;
+  files.sender = parse_address(options.sender);
+  if (!options.calibration.empty()) {
+    files.calibration = "lidar_" + std::to_string(drive.description.lidars.size()) + ".xml";
+    drive.copies.push_back({config.resolve(options.calibration), files.calibration});
+  }
+  drive.description.lidars.push_back(std::move(files));
+}
+
+void describe_cameras(const LiveSetup& setup, DescribedDrive& drive) {
+  for (size_t i = 0; i < setup.rig.cameras.size(); ++i) {
+    recording::CameraFiles files;
+    files.images = "camera_" + std::to_string(i);
+    drive.description.cameras.push_back(std::move(files));
+  }
+  for (size_t i = setup.rig.cameras.size(); i < setup.cameras.size(); ++i) {
+    drive.left_out.push_back("camera " + setup.streams_of_cameras[i].device +
+                             ": the rig does not have it");
+  }
+}
+
+void describe_buses(const Config& config, DescribedDrive& drive) {
+  for (const BusOptions& options : config.buses) {
+    if (options.dbc.empty() || drive.description.can) {
+      drive.left_out.push_back("the signals of CAN bus " + options.interface +
+                               (options.dbc.empty() ? ": no dbc names them"
+                                                    : ": a drive has those "
+                                                      "of one bus") +
+                               (drive.description.can ? "; its frames are in can.log" : ""));
+      continue;
+    }
+    recording::CanFiles& can = drive.description.can.emplace();
+    can.log = "can.log";
+    can.dbc = kSignals;
+    can.interface = options.interface;
+    can.reverse_gear = options.reverse_gear;
+    can.signals = options.signals;
+    drive.copies.push_back({config.resolve(options.dbc), can.dbc});
+  }
+}
+
+}  // namespace
+
+DescribedDrive describe_drive(const Config& config, const LiveSetup& setup) {
+  DescribedDrive drive;
+  drive.description.rig = setup.rig;
+  for (size_t i = 0; i < setup.rig.lidars.size(); ++i) {
+    LidarMount& mount = drive.description.rig.lidars[i];
+    mount.model = setup.devices[i].model;
+    describe_lidar(config, config.lidars[i], drive);
+  }
+  describe_cameras(setup, drive);
+  describe_buses(config, drive);
+  if (setup.gps) drive.description.gps = "gps.csv";
+  return drive;
+}
+
+}  // namespace infuse::daemon

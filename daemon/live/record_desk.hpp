@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "daemon/live/drive_description.hpp"
+#include "daemon/pipeline/publisher.hpp"
+#include "daemon/protocol/request.hpp"
+#include "daemon/record/recorder.hpp"
+
+namespace infuse::daemon {
+
+/// Takes orders for recordings, begins one where an alert is raised, and tells how they stand. On
+/// the thread of the `io_context`.
+class RecordDesk {
+ public:
+  /// Records into the configured folder, or into `drives` in that of the service manager
+  /// ($STATE_DIRECTORY); nothing where there is neither.
+  RecordDesk(const Config& config, const LiveSetup& setup, const receive::TimeBase& base);
+
+  /// For the io thread; null where nothing can be recorded.
+  RecordTap* tap() { return recorder_ ? &recorder_->tap() : nullptr; }
+
+  /// Where it is told, and whose alerts it looks at; outlives the last call of another function.
+  void tell_to(Publisher& publisher);
+
+  /// Begins or ends a recording, as a client asked for.
+  Result<void> ask(const Request& request);
+
+  /// Tells what is new.
+  void look_after();
+
+  /// One is being made.
+  bool recording() const { return recorder_ && recorder_->busy(); }
+
+  /// The io thread has ended: what was recorded is brought to its end.
+  void finish();
+
+ private:
+  RecordingPlan plan(Stamp now) const;
+  Result<void> begin(RecordingPlan plan, Stamp now);
+  void take_alert(const AlertReport& alert);
+  void tell(const RecordReport& report);
+  void tell_failure(const RecordReport& report);
+
+  const RecordSettings settings_;
+  const receive::TimeBase base_;
+  std::filesystem::path directory_;
+  DescribedDrive drive_;
+  std::optional<Recorder> recorder_;
+  Publisher* publisher_ = nullptr;
+  bool told_end_ = true;
+  std::optional<Finding> failure_;  // raised
+};
+
+/// Whether a recording may be called that: letters, digits, - and _, at most 64, no - in front, and
+/// not as those of alerts are.
+bool is_recording_name(const std::string& name);
+
+}  // namespace infuse::daemon

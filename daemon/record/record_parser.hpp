@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "daemon/record/record_chunk.hpp"
+
+namespace infuse::daemon {
+
+/// A record as it was taken. Its body is valid until the next chunk is taken.
+struct Record {
+  RecordHeader header;
+  std::span<const uint8_t> body;
+
+  Stamp stamp() const { return Stamp::from_ns(header.stamp_ns); }
+};
+
+/// Puts records together again from the chunks that are left of their stream.
+class RecordParser {
+ public:
+  /// Calls `on(const Record&)` for every record that ends in this chunk.
+  template <class OnRecord>
+  void take(const RecordChunk& chunk, OnRecord on) {
+    if (!join(chunk)) return;
+    size_t at = 0;
+    RecordHeader header;
+    while (waiting_.size() - at >= sizeof(header)) {
+      std::memcpy(&header, waiting_.data() + at, sizeof(header));
+      if (waiting_.size() - at - sizeof(header) < header.bytes) break;
+      const std::span<const uint8_t> body(waiting_.data() + at + sizeof(header), header.bytes);
+      ++next_record_;
+      on(Record{header, body});
+      at += sizeof(header) + header.bytes;
+    }
+    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+
+  /// Records that were overwritten, between the first and the last that were read.
+  uint64_t lost() const { return lost_; }
+
+ private:
+  bool join(const RecordChunk& chunk);
+
+  std::vector<uint8_t> waiting_;  // what is not a whole record yet
+  bool joined_ = false;           // to the chunk before
+  uint64_t next_chunk_ = 0, next_record_ = 0;
+  uint64_t lost_ = 0;
+};
+
+}  // namespace infuse::daemon

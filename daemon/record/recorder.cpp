@@ -1,0 +1,136 @@
+#include "daemon/record/recorder.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <map>
+
+#include "daemon/pipeline/threads.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr int kCore = 0;  // fusion has the other to itself
+constexpr Duration kPeriod{100'000'000};
+constexpr Duration kPatienceAtEnd{1'000'000'000};
+
+RecordChunk new_chunk() {
+  RecordChunk chunk;
+  chunk.bytes.reserve(RecordChunk::kBytes);
+  return chunk;
+}
+
+}  // namespace
+
+Recorder::Recorder(const RecordSettings& settings, std::filesystem::path directory,
+                   const receive::TimeBase& base)
+    : settings_(settings),
+      directory_(std::move(directory)),
+      base_(base),
+      ring_(static_cast<size_t>(settings.memory / RecordChunk::kBytes), new_chunk),
+      reader_(ring_.reader()),
+      tap_(ring_) {
+  tap_.want(settings_.flight > Duration::zero());
+  thread_ = std::jthread([this](std::stop_token stop) { run(std::move(stop)); });
+}
+
+void Recorder::begin(Recording recording) {
+  {
+    const std::lock_guard lock(mutex_);
+    report_ = recording.report();
+    next_ = std::move(recording);
+    until_.reset();
+    tap_.want(true);
+  }
+  ordered_.notify_one();
+}
+
+void Recorder::end_at(Stamp until) {
+  const std::lock_guard lock(mutex_);
+  until_ = until;
+}
+
+std::optional<RecordReport> Recorder::report() const {
+  const std::lock_guard lock(mutex_);
+  return report_;
+}
+
+bool Recorder::busy() const {
+  const std::lock_guard lock(mutex_);
+  return report_ && !report_->ended;
+}
+
+void Recorder::finish() {
+  if (!thread_.joinable()) return;
+  tap_.finish();
+  thread_.request_stop();
+  thread_.join();
+}
+
+void Recorder::run(std::stop_token stop) {
+  name_and_pin("record", kCore);
+  while (take_orders(stop)) {
+    reader_.wait(kPeriod);
+    write(kPeriod);
+    tell();
+  }
+  if (!recording_) return;
+  write(kPatienceAtEnd);
+  recording_->end("the daemon has ended");
+  tell();
+}
+
+// Sleeps while there is nothing to record. False where this is the end.
+bool Recorder::take_orders(std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  if (!recording_) ordered_.wait(lock, stop, [this] { return next_.has_value(); });
+  if (next_) {
+    if (recording_) recording_->end("another was begun");
+    recording_ = std::exchange(next_, std::nullopt);
+    parser_ = {};
+  }
+  if (recording_ && until_) recording_->end_at(*until_);
+  return !stop.stop_requested();
+}
+
+void Recorder::write(Duration patience) {
+  const Stamp begin = base_.now();
+  while (base_.now() - begin < patience) {
+    const Pin<RecordChunk> chunk = reader_.next();
+    if (!chunk) break;
+    parser_.take(*chunk, [this](const Record& record) { recording_->take(record); });
+  }
+  recording_->look_after(base_.now(), parser_.lost());
+}
+
+void Recorder::tell() {
+  const bool ended = recording_->report().ended;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!next_) report_ = recording_->report();
+    if (ended && !next_) tap_.want(settings_.flight > Duration::zero());
+  }
+  if (!ended) return;
+  recording_.reset();
+  remove_old_alerts(directory_, settings_.keep_alerts);
+}
+
+// Names of alerts have their time in front, and so sort by age.
+void remove_old_alerts(const std::filesystem::path& directory, size_t keep) {
+  std::map<std::string, std::vector<std::filesystem::path>> recordings;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(directory, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(kAlertPrefix)) continue;
+    recordings[name.substr(0, name.find('.'))].push_back(entry->path());
+  }
+  for (auto oldest = recordings.begin(); recordings.size() > keep;
+       oldest = recordings.erase(oldest)) {
+    for (const std::filesystem::path& drive : oldest->second) {
+      spdlog::info("{}: removed, newer alerts were recorded", drive.string());
+      std::filesystem::remove_all(drive, error);
+    }
+  }
+}
+
+}  // namespace infuse::daemon

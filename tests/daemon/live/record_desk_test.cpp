@@ -1,0 +1,154 @@
+#include "daemon/live/record_desk.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "daemon/live/live.hpp"
+#include "tests/daemon/live/loopback.hpp"
+#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/socket_client.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using nlohmann::json;
+
+/// The reports of sweeps by their stamp, without their running number.
+std::map<int64_t, json> sweeps_of(const std::vector<std::string>& lines) {
+  std::map<int64_t, json> sweeps;
+  for (const std::string& line : lines) {
+    json report = json::parse(line);
+    if (report["class"] != "SWEEP") continue;
+    report.erase("sequence");
+    const auto stamp = report["stamp"].get<int64_t>();
+    sweeps[stamp] = std::move(report);
+  }
+  return sweeps;
+}
+
+class RecordDeskTest : public testing::Test {
+ protected:
+  RecordDeskTest() {
+    config_ = loopback_config();
+    config_.record.directory = (folder_ / "drives").string();
+    config_.record.min_free = 0;
+    config_.record.memory = 16 << 20;
+    config_.health.clock_grace = from_seconds(1e6);
+  }
+
+  /// Runs the daemon while a capture is sent to it. `begin` is called at the first tick, `done` at
+  /// every tick after the last packet, and ends it all where it gives true.
+  void run(const std::function<void(RecordDesk&)>& begin,
+           const std::function<bool(RecordDesk&)>& done) {
+    boost::asio::io_context io(1);
+    Server server(io, {.queue_reports = 4096}, "0.1.0", "0123456789abcdef");
+    ASSERT_TRUE(server.listen(folder_ / "s"));
+    auto setup = set_up_live(config_);
+    ASSERT_TRUE(setup);
+    const receive::TimeBase base;
+    RecordDesk desk(config_, *setup, base);
+    Live live(
+        io, *std::move(setup), {}, server,
+        [&] {
+          desk.finish();
+          server.finish(std::chrono::seconds(2));
+        },
+        base, desk.tap());
+    desk.tell_to(live.publisher());
+    std::thread listener([&] {
+      SocketClient client(folder_ / "s");
+      client.line();
+      client.send("{\"op\":\"watch\"}\n");
+      while (const auto line = client.line()) lines_.push_back(*line);
+    });
+    std::atomic<bool> sent = false;
+    std::thread sender;
+    int ticks = 0;
+    live.publisher().on_progress([&] {
+      desk.look_after();
+      if (++ticks == 2) {
+        begin(desk);
+        sender = std::thread([&] {
+          send_capture(test_port(0));
+          sent = true;
+        });
+      }
+      if ((sent && done(desk)) || ticks > 40) live.stop();
+    });
+    live.start();
+    io.run_for(std::chrono::seconds(90));
+    sender.join();
+    listener.join();
+  }
+
+  json last_record() const {
+    json last;
+    for (const std::string& line : lines_) {
+      json report = json::parse(line);
+      if (report["class"] == "RECORD") last = std::move(report);
+    }
+    return last;
+  }
+
+  TemporaryFolder folder_;
+  Config config_;
+  std::vector<std::string> lines_;
+};
+
+TEST_F(RecordDeskTest, WhatIsRecordedLiveReplaysToTheSameSweeps) {
+  run(
+      [](RecordDesk& desk) {
+        EXPECT_TRUE(desk.ask({.op = Request::Op::kRecord, .name = "street"}));
+        EXPECT_FALSE(desk.ask({.op = Request::Op::kRecord, .name = "another"}));
+      },
+      [asked = false](RecordDesk& desk) mutable {
+        if (std::exchange(asked, true)) return true;
+        EXPECT_TRUE(desk.ask({.op = Request::Op::kRecord, .on = false}));
+        return false;
+      });
+  const json record = last_record();
+  EXPECT_EQ(record["state"], "ended");
+  EXPECT_EQ(record["lost"], 0);
+  EXPECT_GT(record["datagrams"], 700);
+  const auto again = replayed(folder_ / "drives" / "street");
+  ASSERT_TRUE(again) << again.error().message();
+  const auto live = sweeps_of(lines_), replay = sweeps_of(again->lines());
+  EXPECT_GE(live.size(), 8U);
+  EXPECT_EQ(live, replay);
+}
+
+TEST_F(RecordDeskTest, AnAlertIsRecordedWithWhatWasBeforeIt) {
+  config_.record.flight = from_seconds(60);
+  config_.record.after_alert = from_seconds(1);
+  // The lidar falls silent after its capture: that is the alert.
+  run([](RecordDesk&) {},
+      [begun = false, ticks = 0](RecordDesk& desk) mutable {
+        begun = begun || desk.recording();
+        return begun && !desk.recording() && ++ticks > 1;
+      });
+  const json record = last_record();
+  ASSERT_EQ(record["state"], "ended");
+  EXPECT_EQ(record["why"].get<std::string>().substr(0, 6), "lidar.");
+  EXPECT_GT(record["datagrams"], 700);
+  const auto again = replayed(record["folder"].get<std::string>());
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_GE(sweeps_of(again->lines()).size(), 8U);
+}
+
+TEST_F(RecordDeskTest, RefusesNamesThatLeaveTheFolder) {
+  for (const char* name : {"", ".", "..", "../x", "a/b", "/tmp/x", "-x", "x.2", "alert-x", "ü"}) {
+    EXPECT_FALSE(is_recording_name(name)) << name;
+  }
+  EXPECT_FALSE(is_recording_name(std::string(65, 'x')));
+  EXPECT_FALSE(is_recording_name(std::string("x\0y", 3)));
+  EXPECT_TRUE(is_recording_name("20261121-061136"));
+  EXPECT_TRUE(is_recording_name("around_the-block7"));
+}
+
+}  // namespace
+}  // namespace infuse::daemon

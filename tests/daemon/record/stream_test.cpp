@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "daemon/record/record_parser.hpp"
+#include "daemon/record/record_tap.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+RecordChunk new_chunk() {
+  RecordChunk chunk;
+  chunk.bytes.reserve(RecordChunk::kBytes);
+  return chunk;
+}
+
+/// A datagram whose payload follows from its number.
+std::vector<uint8_t> payload_of(uint64_t number) {
+  std::mt19937_64 random(number);
+  std::vector<uint8_t> payload(random() % 2000);
+  for (uint8_t& byte : payload) byte = static_cast<uint8_t>(random());
+  return payload;
+}
+
+void put(RecordTap& tap, uint64_t number) {
+  const std::vector<uint8_t> payload = payload_of(number);
+  tap.take(Datagram{Stamp::from_ns(static_cast<int64_t>(number)), 0x7F000001, 1234, 2368, payload});
+}
+
+/// Checks a record against the datagram of its stamp.
+void check(const Record& record) {
+  const std::vector<uint8_t> payload = payload_of(static_cast<uint64_t>(record.header.stamp_ns));
+  ASSERT_EQ(record.header.kind, RecordKind::kDatagram);
+  ASSERT_EQ(record.body.size(), sizeof(DatagramHead) + payload.size());
+  DatagramHead head;
+  std::memcpy(&head, record.body.data(), sizeof(head));
+  EXPECT_EQ(head.sender, 0x7F000001U);
+  EXPECT_EQ(head.sender_port, 1234);
+  EXPECT_EQ(head.destination_port, 2368);
+  EXPECT_TRUE(std::equal(payload.begin(), payload.end(), record.body.begin() + sizeof(head)));
+}
+
+TEST(RecordStream, AllThatIsTakenComesBackInOrder) {
+  RecordRing ring(64, new_chunk);
+  auto reader = ring.reader();
+  RecordTap tap(ring);
+  tap.want(true);
+  constexpr uint64_t kRecords = 5000;  // 5 MB, 20 chunks
+  for (uint64_t i = 0; i < kRecords; ++i) put(tap, i);
+  tap.finish();
+  RecordParser parser;
+  uint64_t next = 0;
+  while (const auto chunk = reader.next()) {
+    parser.take(*chunk, [&](const Record& record) {
+      EXPECT_EQ(record.header.stamp_ns, static_cast<int64_t>(next++));
+      check(record);
+    });
+  }
+  EXPECT_EQ(next, kRecords);
+  EXPECT_EQ(parser.lost(), 0U);
+}
+
+TEST(RecordStream, WhatWasOverwrittenIsCountedAndTheRestIsWhole) {
+  RecordRing ring(8, new_chunk);
+  auto reader = ring.reader();
+  RecordTap tap(ring);
+  tap.want(true);
+  RecordParser parser;
+  uint64_t read = 0, first = 0, last = 0;
+  const auto read_some = [&](int chunks) {
+    for (int i = 0; i < chunks; ++i) {
+      const auto chunk = reader.next();
+      if (!chunk) return;
+      parser.take(*chunk, [&](const Record& record) {
+        check(record);
+        const auto number = static_cast<uint64_t>(record.header.stamp_ns);
+        if (read++ == 0) first = number;
+        EXPECT_TRUE(read == 1 || number > last);
+        last = number;
+      });
+    }
+  };
+  std::mt19937_64 random(7);
+  uint64_t put_so_far = 0;
+  for (int round = 0; round < 30; ++round) {  // up to 16 chunks between looks, the ring holds 8
+    for (uint64_t n = random() % 4000; n > 0; --n) put(tap, put_so_far++);
+    read_some(3);
+  }
+  tap.finish();
+  read_some(100);
+  EXPECT_EQ(last, put_so_far - 1);
+  EXPECT_GT(parser.lost(), 1000U);
+  EXPECT_EQ(read + parser.lost(), last - first + 1);
+}
+
+TEST(RecordStream, ARecordLargerThanAChunkGoesOnInTheNext) {
+  RecordRing ring(64, new_chunk);
+  auto reader = ring.reader();
+  RecordTap tap(ring);
+  tap.want(true);
+  std::vector<uint8_t> pixels(3 * RecordChunk::kBytes + 17);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(i * 7);
+  camera::StreamedPicture picture;
+  picture.sequence = 9;
+  picture.raw.bytes = pixels;
+  put(tap, 1);
+  tap.take(3, picture);
+  put(tap, 2);
+  tap.finish();
+  RecordParser parser;
+  std::vector<RecordKind> kinds;
+  while (const auto chunk = reader.next()) {
+    parser.take(*chunk, [&](const Record& record) {
+      kinds.push_back(record.header.kind);
+      if (record.header.kind != RecordKind::kPicture) return check(record);
+      EXPECT_EQ(record.header.source, 3U);
+      const auto body = record.body.subspan(sizeof(PictureHead));
+      EXPECT_TRUE(std::equal(body.begin(), body.end(), pixels.begin(), pixels.end()));
+    });
+  }
+  EXPECT_EQ(kinds,
+            (std::vector{RecordKind::kDatagram, RecordKind::kPicture, RecordKind::kDatagram}));
+}
+
+TEST(RecordStream, NothingIsKeptUnlessItIsWanted) {
+  RecordRing ring(4, new_chunk);
+  RecordTap tap(ring);
+  put(tap, 1);
+  tap.finish();
+  EXPECT_EQ(ring.published(), 0U);
+}
+
+TEST(RecordStream, LittleIsHandedOverInTimeToo) {
+  RecordRing ring(4, new_chunk);
+  RecordTap tap(ring);
+  tap.want(true);
+  const Stamp start = Stamp::from_ns(1'000'000'000);
+  tap.look_after(start);
+  put(tap, 1);
+  tap.look_after(start + RecordTap::kLongest / 2);
+  EXPECT_EQ(ring.published(), 0U);
+  tap.look_after(start + RecordTap::kLongest);
+  EXPECT_EQ(ring.published(), 1U);
+}
+
+}  // namespace
+}  // namespace infuse::daemon
