@@ -121,6 +121,11 @@ void read_record(TomlTable& table, RecordSettings& settings) {
   read_megabytes(table, "min_free_mb", settings.min_free);
 }
 
+void read_metrics(TomlTable& table, MetricsSettings& settings) {
+  table.read("path", settings.path);
+  read_integer(table, "port", settings.port);
+}
+
 /// Reads one table into options and checks them as a whole.
 template <class Options>
 std::optional<Error> read_table(const toml::table* toml, const std::string& file,
@@ -145,6 +150,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   const toml::table* streetmap = root.table("streetmap");
   const toml::table* calibration = root.table("calibration");
   const toml::table* record = root.table("record");
+  const toml::table* metrics = root.table("metrics");
   if (auto error = read_sensors(root, file, config)) return error;
   if (auto error = root.finish()) return error;
   if (auto error = read_table(socket, file, "socket", read_socket, config.socket)) return error;
@@ -156,6 +162,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
     return error;
   }
   if (auto error = read_table(record, file, "record", read_record, config.record)) return error;
+  if (auto error = read_table(metrics, file, "metrics", read_metrics, config.metrics)) return error;
   return read_table(calibration, file, "calibration", read_calibration, config.calibration);
 }
 

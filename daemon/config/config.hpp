@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/config/calibration_settings.hpp"
+#include "daemon/config/metrics_settings.hpp"
 #include "daemon/config/odometry_settings.hpp"
 #include "daemon/config/record_settings.hpp"
 #include "daemon/config/sensor_options.hpp"
@@ -26,6 +27,7 @@ struct Config {
   StreetMapSettings streetmap;         ///< [streetmap]
   CalibrationSettings calibration;     ///< [calibration]
   RecordSettings record;               ///< [record], live
+  MetricsSettings metrics;             ///< [metrics], live
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live

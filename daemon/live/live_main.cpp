@@ -11,6 +11,8 @@
 #include "daemon/live/live.hpp"
 #include "daemon/live/record_desk.hpp"
 #include "daemon/live/run_record.hpp"
+#include "daemon/metrics/metrics_server.hpp"
+#include "daemon/metrics/metrics_text.hpp"
 #include "daemon/server/socket_path.hpp"
 #include "daemon/service/service_manager.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
@@ -112,6 +114,26 @@ class Attendant {
   bool ready_ = false;
 };
 
+/// Lets Prometheus look where the configuration says.
+Result<void> listen(MetricsServer& metrics, const MetricsSettings& settings) {
+  if (!settings.path.empty()) {
+    if (auto listening = metrics.listen(settings.path); !listening) return listening;
+  }
+  if (settings.port == 0) return {};
+  return metrics.listen_tcp(settings.port).map([](uint16_t) {});
+}
+
+/// Keeps what it finds there up to date, each second.
+void feed(MetricsServer& metrics, const std::string& release, Publisher& publisher) {
+  publisher.on_health([&metrics, release, &publisher](const std::string& message) {
+    ProcessFigures process;
+    process.release = release;
+    process.alerts = publisher.totals().alerts;
+    measure_process(process);
+    metrics.set(metrics_text(Json::parse(message), process));
+  });
+}
+
 }  // namespace
 
 Result<void> listen(Server& server, const std::string& socket, const ServerOptions& options) {
@@ -151,6 +173,10 @@ int run_live(const LiveArguments& arguments, const Config& config) {
   if (const auto listening = listen(server, arguments.socket, config.socket); !listening) {
     return complain(kProgram, listening.error(), kUsage);
   }
+  MetricsServer metrics(io);
+  if (const auto listening = listen(metrics, config.metrics); !listening) {
+    return complain(kProgram, listening.error(), kUsage);
+  }
   const receive::TimeBase base;
   RecordDesk records(config, *setup, base);
   std::function<void()> on_end;
@@ -161,6 +187,7 @@ int run_live(const LiveArguments& arguments, const Config& config) {
       {config.health, config.odometry, config.streetmap, &map->map, config.calibration}, server,
       [&] { on_end(); }, base, records.tap());
   records.tell_to(live.publisher());
+  if (config.metrics.any()) feed(metrics, arguments.release, live.publisher());
   live.publisher().on_calibration([&](const CalibrationReport& report) {
     if (const auto kept = calibrations.keep(report); !kept) {
       spdlog::error("{}", kept.error().message());
@@ -174,6 +201,7 @@ int run_live(const LiveArguments& arguments, const Config& config) {
     records.finish();
     attendant.finish();
     server.finish(kPatienceWithClients);
+    metrics.finish();
   };
   live.start();
   io.run();

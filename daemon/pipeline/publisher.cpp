@@ -159,8 +159,9 @@ void Publisher::tell_health(const ReportItem& item) {
     tell_transitions(item.stamp, "streetmap", report.streetmap_conditions->transitions());
   }
   if (file_ != nullptr) file_->write(health_message(report, devices_, nullptr));
-  server_.publish(ReportClass::kHealth, "", item.stamp,
-                  health_message(report, devices_, &totals_.host));
+  std::string message = health_message(report, devices_, &totals_.host);
+  on_health_(message);
+  server_.publish(ReportClass::kHealth, "", item.stamp, std::move(message));
 }
 
 void Publisher::judge_lidars(const ReportItem& item, HealthReport& report) {

@@ -54,6 +54,11 @@ class Publisher {
   /// pipeline and was told.
   void on_progress(std::function<void()> listener) { on_progress_ = std::move(listener); }
 
+  /// Calls `listener(message)` for every HEALTH that is told.
+  void on_health(std::function<void(const std::string&)> listener) {
+    on_health_ = std::move(listener);
+  }
+
   /// Calls `listener(const AlertReport&)` for every one that is told.
   void on_alert(std::function<void(const AlertReport&)> listener) {
     on_alert_ = std::move(listener);
@@ -100,6 +105,7 @@ class Publisher {
   std::map<std::string, CalibrationHealth> calibration_health_;  // by camera
   std::function<void()> on_progress_ = [] {};
   std::function<void(const CalibrationReport&)> on_calibration_ = [](const CalibrationReport&) {};
+  std::function<void(const std::string&)> on_health_ = [](const std::string&) {};
   std::function<void(const AlertReport&)> on_alert_ = [](const AlertReport&) {};
   std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
   Server& server_;

@@ -1,12 +1,12 @@
 #include "daemon/server/server.hpp"
 
 #include <spdlog/spdlog.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <boost/asio/write.hpp>
 
 #include "daemon/protocol/messages.hpp"
+#include "daemon/server/listening.hpp"
 #include "daemon/server/peer.hpp"
 
 namespace infuse::daemon {
@@ -17,20 +17,6 @@ using ErrorCode = boost::system::error_code;
 using Local = asio::local::stream_protocol;
 
 constexpr std::chrono::milliseconds kLookAfterPeriod{200};
-
-bool somebody_answers(asio::io_context& io, const Local::endpoint& endpoint) {
-  Local::socket probe(io);
-  ErrorCode error;
-  probe.connect(endpoint, error);
-  return !error;
-}
-
-/// Binds so that no one but the owner and the group can ever connect.
-void bind_for_group(Local::acceptor& acceptor, const Local::endpoint& endpoint, ErrorCode& error) {
-  const mode_t before = umask(0117);
-  acceptor.bind(endpoint, error);
-  umask(before);
-}
 
 }  // namespace
 
@@ -52,28 +38,8 @@ Server::~Server() {
 }
 
 Result<void> Server::listen(const std::filesystem::path& path) {
-  const auto failed = [&](const std::string& what, const ErrorCode& error) {
-    ErrorCode ignored;
-    local_.close(ignored);
-    return fail(what + ": " + error.message(), path.string(), "name another with --socket");
-  };
-  const Local::endpoint endpoint(path.string());
-  if (somebody_answers(io_, endpoint)) {
-    return fail("another infused listens there", path.string(), "name another with --socket");
-  }
-  std::error_code folder_error;
-  std::filesystem::create_directories(path.parent_path(), folder_error);
-  if (std::filesystem::is_socket(std::filesystem::symlink_status(path, folder_error))) {
-    ::unlink(path.c_str());  // left behind by one that was killed
-  }
-  ErrorCode error;
-  local_.open(endpoint.protocol(), error);
-  if (error) return failed("no socket can be made", error);
-  bind_for_group(local_, endpoint, error);
-  if (error) return failed("the socket cannot be made there", error);
+  if (auto listening = listen_local(io_, local_, path); !listening) return listening;
   path_ = path;
-  local_.listen(asio::socket_base::max_listen_connections, error);
-  if (error) return failed("the socket cannot be listened to", error);
   accept(local_);
   return {};
 }
@@ -87,20 +53,10 @@ Result<void> Server::adopt(int listening_socket) {
 }
 
 Result<uint16_t> Server::listen_tcp(uint16_t port) {
-  const asio::ip::tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
-  ErrorCode error;
-  tcp_.open(endpoint.protocol(), error);
-  if (!error) tcp_.set_option(asio::socket_base::reuse_address(true), error);
-  if (!error) tcp_.bind(endpoint, error);
-  if (!error) tcp_.listen(asio::socket_base::max_listen_connections, error);
-  if (error) {
-    ErrorCode ignored;
-    tcp_.close(ignored);
-    return fail("cannot be listened to: " + error.message(), "127.0.0.1:" + std::to_string(port),
-                "choose another tcp_port");
-  }
-  accept(tcp_);
-  return tcp_.local_endpoint(error).port();
+  return listen_loopback(tcp_, port).map([this](uint16_t taken) {
+    accept(tcp_);
+    return taken;
+  });
 }
 
 template <class Acceptor>

@@ -266,6 +266,15 @@ min_free_mb = 100
   }
 }
 
+TEST(Config, NobodyLooksAtTheFiguresByDefault) {
+  EXPECT_FALSE(parse_config("", "x.toml")->metrics.any());
+  const auto config = parse_config("[metrics]\npath = \"/run/m\"\nport = 9469\n", "x.toml");
+  ASSERT_TRUE(config);
+  EXPECT_EQ(config->metrics, (MetricsSettings{"/run/m", 9469}));
+  EXPECT_FALSE(parse_config("[metrics]\npath = \"m\"\n", "x.toml"));
+  EXPECT_FALSE(parse_config("[metrics]\nport = 70000\n", "x.toml"));
+}
+
 TEST(Config, ErrorsSayWhereAndWhat) {
   const Wrong cases[] = {
       {"\n[health]\nstale_after = 3\n", "x.toml:3: unknown key 'stale_after'"},

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "drivers/measurement/error.hpp"
+
+namespace infuse::daemon {
+
+/// Answers GET /metrics over HTTP, on a Unix socket or the loopback. Each connection gets one
+/// answer; few are served at a time, for a short time, and what they ask is bounded. Used on the
+/// one thread that runs the `io_context`, which outlives it.
+class MetricsServer {
+ public:
+  explicit MetricsServer(boost::asio::io_context& io);
+  ~MetricsServer();
+  MetricsServer(const MetricsServer&) = delete;
+  MetricsServer& operator=(const MetricsServer&) = delete;
+
+  /// Listens on a Unix stream socket that its group may use.
+  Result<void> listen(const std::filesystem::path& path);
+
+  /// Listens on the IPv4 loopback; `port` 0 takes a free one. Gives the port.
+  Result<uint16_t> listen_tcp(uint16_t port);
+
+  /// What is answered from now on.
+  void set(std::string text) { *text_ = std::move(text); }
+
+  /// Accepts nobody any more; who is connected is still answered.
+  void finish();
+
+ private:
+  static constexpr int kMostConnections = 16;
+
+  template <class Acceptor>
+  void accept(Acceptor& acceptor);
+
+  boost::asio::local::stream_protocol::acceptor local_;
+  boost::asio::ip::tcp::acceptor tcp_;
+  boost::asio::io_context& io_;
+  std::filesystem::path path_;  // of the socket, while it is ours to remove
+  // Shared with connections, which may outlive this.
+  std::shared_ptr<std::string> text_ = std::make_shared<std::string>();
+  std::shared_ptr<int> connections_ = std::make_shared<int>(0);
+};
+
+}  // namespace infuse::daemon
