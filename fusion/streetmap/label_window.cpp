@@ -27,6 +27,7 @@ void LabelWindow::read(const SegmentMap& map, double x, double y, double reach,
   for (const uint32_t key : used_keys_) by_key_[key] = 0;
   used_keys_.clear();
   label_count_ = 0;
+  kinds_.clear();
   uint32_t last_id = UINT32_MAX;
   uint8_t last_label = 0;
   size_t at = 0;
@@ -38,6 +39,7 @@ void LabelWindow::read(const SegmentMap& map, double x, double y, double reach,
             labelling == Labelling::kKinds ? static_cast<uint32_t>(map.segment(id).kind) : id;
         if (by_key_[key] == 0) {
           label_count_ = std::min(label_count_ + 1, 255);
+          kinds_.resize(static_cast<size_t>(label_count_), map.segment(id).kind);
           by_key_[key] = static_cast<uint8_t>(label_count_);
           used_keys_.push_back(key);
         }

@@ -27,6 +27,9 @@ class LabelWindow {
   /// Labels in the window: they are 0 … label_count() − 1.
   int label_count() const { return label_count_; }
 
+  /// The kind that a label stands for: of the segment, or of the first of those that share it.
+  SegmentKind kind(int label) const { return kinds_[static_cast<size_t>(label)]; }
+
   /// Labels of points (m, vehicle frame) for a hypothesis; outside the window they are 0.
   void look_up(const PlanarPose& pose, std::span<const float> x, std::span<const float> y,
                std::span<int32_t> labels) const;
@@ -39,6 +42,7 @@ class LabelWindow {
   std::vector<uint8_t> labels_;
   std::vector<uint8_t> by_key_;  // label of a segment or kind, plus one; 0: none yet
   std::vector<uint32_t> used_keys_;
+  std::vector<SegmentKind> kinds_;  // by label
 };
 
 }  // namespace infuse::streetmap

@@ -165,6 +165,40 @@ TEST(Tracker, FindsItselfAfterItWasCarriedAway) {
   EXPECT_EQ(tracker.estimate().state, TrackState::kTracking);
 }
 
+// Lost, with nothing but a place within the search radius: until it has found itself it says so,
+// and what it then says holds.
+TEST(Tracker, FindsItselfWithinTheSearchRadius) {
+  int found = 0;
+  for (const uint64_t seed : {1U, 2U, 3U, 4U}) {
+    TrackerOptions options = quick();
+    options.seed = seed;
+    options.particles.most = 800;
+    Tracker tracker(the_town().map, options);
+    PlanarPose truth{-80, -1.2, 0.02};
+    const double direction = 1.5 * static_cast<double>(seed);
+    const double radius = options.confidence.search_radius;
+    tracker.search(truth.then({8 * std::cos(direction), 8 * std::sin(direction), 0.1}), radius,
+                   options.confidence.search_yaw);
+    EXPECT_EQ(tracker.estimate().state, TrackState::kLost);
+    EXPECT_FALSE(tracker.estimate().usable());
+    int tracking = 0, within = 0;
+    for (int i = 0; i < 34; ++i) {
+      truth = truth.then({2, 0, truth.yaw < 0.5 ? -0.05 * truth.yaw : 0});
+      tracker.predict({2, 0, -0.05 * truth.yaw}, covariance(0.02, 0.002), kStep);
+      tracker.update(see(the_town().map, truth, seed * 1000 + static_cast<uint64_t>(i)));
+      const TrackerEstimate estimate = tracker.estimate();
+      if (estimate.state != TrackState::kTracking) continue;
+      ++tracking;
+      const Eigen::Vector2d d(estimate.pose.x - truth.x, estimate.pose.y - truth.y);
+      const Eigen::Matrix2d C = estimate.covariance.topLeftCorner<2, 2>();
+      within += d.dot(C.inverse() * d) < 9.21;
+    }
+    found += tracking > 5;
+    EXPECT_GE(within, tracking * 97 / 100) << seed;
+  }
+  EXPECT_GE(found, 3);
+}
+
 TEST(Tracker, StandingStillIsNoEvidence) {
   Tracker tracker(the_town().map, quick());
   const Driven driven = drive(tracker, {0, 0, 0}, 0.5, 1, 20);

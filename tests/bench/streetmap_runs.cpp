@@ -1,0 +1,106 @@
+#include "tests/bench/streetmap_runs.hpp"
+
+#include <cmath>
+#include <ctime>
+
+namespace infuse::streetmap::bench {
+namespace {
+
+constexpr size_t kSettling = 10;    // views that do not count
+constexpr double kInside99 = 9.21;  // χ² of two
+constexpr double kSuccess = 2;      // m, I 3.4.3.3
+
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+RunResult run(const SegmentMap& map, const std::vector<View>& views, const RunOptions& options) {
+  std::mt19937_64 random(options.seed * 7919);
+  std::normal_distribution<double> normal;
+  const double scale = 1 + options.scale * normal(random), rate = options.rate * normal(random);
+  TrackerOptions settings = options.tracker;
+  settings.seed = options.seed * 77;
+  Tracker tracker(map, settings);
+  const double direction = 10 * normal(random);
+  PlanarPose begin = views.front().truth;
+  begin.x += options.start_error * std::cos(direction);
+  begin.y += options.start_error * std::sin(direction);
+  begin.yaw += options.start_yaw * normal(random);
+  const double sigma = std::max(options.start_error, 0.5);
+  tracker.start(
+      begin, Eigen::Vector3d(square(sigma), square(sigma), square(options.start_yaw)).asDiagonal());
+  RunResult result;
+  double across = 0, along = 0, yaw = 0, counted = 0;
+  const double began = cpu_seconds();
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (i > 0) {
+      const PlanarPose true_motion = views[i - 1].truth.motion_to(views[i].truth);
+      const double step = views[i].seconds - views[i - 1].seconds;
+      const double driven = std::hypot(true_motion.x, true_motion.y);
+      PlanarPose motion = true_motion;
+      motion.x = scale * true_motion.x +
+                 (options.distance_noise * driven + 0.005 * std::sqrt(driven)) * normal(random);
+      motion.y += 0.003 * std::sqrt(driven) * normal(random);
+      motion.yaw +=
+          rate * step + (options.rate_noise * step + 5e-4 * std::sqrt(step)) * normal(random);
+      const Eigen::Vector3d variances(square(options.distance_noise * driven), 0,
+                                      square(options.rate_noise * step));
+      tracker.predict(motion, variances.asDiagonal(), from_seconds(step));
+    }
+    tracker.update(views[i].samples);
+    const TrackerEstimate estimate = tracker.estimate();
+    const PlanarPose error = views[i].truth.motion_to(estimate.pose);
+    ++result.updates;
+    result.lost += estimate.state == TrackState::kLost;
+    if (estimate.state == TrackState::kTracking) {
+      ++result.tracking;
+      const Eigen::Vector2d d(estimate.pose.x - views[i].truth.x,
+                              estimate.pose.y - views[i].truth.y);
+      const Eigen::Matrix2d C = estimate.covariance.topLeftCorner<2, 2>();
+      result.within += d.dot(C.inverse() * d) < kInside99;
+    }
+    result.last = std::hypot(error.x, error.y);
+    if (i < kSettling) continue;
+    ++counted;
+    across += square(error.y);
+    along += square(error.x);
+    yaw += square(error.yaw);
+  }
+  result.seconds = (cpu_seconds() - began) / static_cast<double>(views.size());
+  result.lateral = std::sqrt(across / counted);
+  result.along = std::sqrt(along / counted);
+  result.total = std::sqrt((across + along) / counted);
+  result.yaw = std::sqrt(yaw / counted);
+  return result;
+}
+
+Summary run_seeds(const SegmentMap& map, const std::vector<View>& views, RunOptions options,
+                  int seeds) {
+  Summary summary;
+  double updates = 0, tracking = 0, within = 0, lost = 0, squares = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    options.seed = static_cast<uint64_t>(seed);
+    const RunResult result = run(map, views, options);
+    summary.lateral += result.lateral / seeds;
+    summary.along += result.along / seeds;
+    summary.total += result.total / seeds;
+    squares += square(result.total) / seeds;
+    summary.yaw += result.yaw / seeds;
+    summary.success += (result.last < kSuccess ? 1.0 : 0.0) / seeds;
+    summary.seconds += result.seconds / seeds;
+    updates += result.updates;
+    tracking += result.tracking;
+    within += result.within;
+    lost += result.lost;
+  }
+  summary.deviation = std::sqrt(std::max(squares - square(summary.total), 0.0));
+  summary.tracking = tracking / updates;
+  summary.lost = lost / updates;
+  summary.within = tracking > 0 ? within / tracking : 1;
+  summary.runs = seeds;
+  return summary;
+}
+
+}  // namespace infuse::streetmap::bench
