@@ -104,7 +104,7 @@ std::string landscape(const CalibrationRun& run, calibration::CoarseToFine& sear
   const calibration::VisiblePoints all = search.visible(T, 3 * kFewPoints);
   const calibration::VisiblePoints few = search.visible(T, kFewPoints);
   calibration::Objective fine = search.objective(all, run.options.fine.back().sigma);
-  calibration::Objective coarse = search.objective(few, run.options.uncertainty_sigma);
+  calibration::Objective coarse = search.objective(few, run.options.support_sigma);
   const auto around = calibration::look_around(fine, coarse, T, kReachRotation, kReachTranslation);
   std::string html =
       "<h2>The measure around the result</h2><p class=note>Camera axes: x right, y down, z ahead. "
@@ -183,7 +183,7 @@ std::string scenes(const ScenePairs& pairs, const CalibrationRun& run) {
 Result<void> write_report(const std::filesystem::path& folder, const ScenePairs& pairs,
                           const std::vector<CalibrationRun>& runs) {
   const CalibrationRun& run = runs.front();
-  const std::array<double, 2> sigmas{run.options.fine.back().sigma, run.options.uncertainty_sigma};
+  const std::array<double, 2> sigmas{run.options.fine.back().sigma, run.options.support_sigma};
   calibration::ImagePyramid images(run.scenes, run.options.terms, sigmas);
   calibration::CoarseToFine search(
       run.scenes, run.cameras, run.options.terms, images, run.options.visibility,

@@ -85,6 +85,12 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   if (!measure.has_gradient) run.options.maximize.search = calibration::Search::kSimplex;
   calibration::SceneOptions scene_options;
   scene_options.equalize = measure.equalize_image;
+  scene_options.lidar = {};
+  scene_options.image = {};
+  for (const calibration::TermOptions& term : measure.terms) {
+    scene_options.lidar[calibration::index(term.lidar)] = true;
+    scene_options.image[calibration::index(term.image)] = true;
+  }
   for (const ScenePair& pair : pairs.pairs) {
     auto scene = calibration::make_scene(pair.sweep, pair.frame, scene_options);
     if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numbers>
+#include <sstream>
 
 #include "daemon/config/read_sensors.hpp"
 #include "drivers/recording/text_file.hpp"
@@ -170,6 +171,11 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
 std::optional<Error> add_text(std::string_view text, const std::string& file, Config& config) {
   const auto table = recording::parse_toml(text, file);
   if (!table) return table.error();
+  for (const auto& [key, node] : *table) {
+    std::ostringstream said;
+    node.visit([&](const auto& value) { said << value << '\n'; });
+    config.said[std::string(key.str())] += said.str();
+  }
   TomlTable root(*table, file, "the configuration");
   return read_all(root, file, config);
 }
@@ -193,6 +199,20 @@ std::vector<std::filesystem::path> drop_ins(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+std::vector<std::string> changed_keys(const Config& a, const Config& b) {
+  std::map<std::string, std::string> all = a.said;
+  all.insert(b.said.begin(), b.said.end());
+  const auto said = [](const Config& config, const std::string& key) {
+    const auto at = config.said.find(key);
+    return at == config.said.end() ? std::string() : at->second;
+  };
+  std::vector<std::string> changed;
+  for (const auto& [key, text] : all) {
+    if (said(a, key) != said(b, key)) changed.push_back(key);
+  }
+  return changed;
+}
 
 Result<Config> parse_config(std::string_view text, const std::string& file) {
   Config config;

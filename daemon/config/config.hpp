@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +34,9 @@ struct Config {
   std::vector<BusOptions> buses;       ///< [[can]], live
   GpsOptions gps;                      ///< [gps], live
 
+  /// By key of the root, what the files say of it. By this two configurations are compared.
+  std::map<std::string, std::string> said;
+
   /// Of the file; what it names is looked for there.
   std::filesystem::path folder;
 
@@ -42,6 +46,9 @@ struct Config {
 
 /// The configuration that `text` states; `file` is for messages.
 Result<Config> parse_config(std::string_view text, const std::string& file);
+
+/// The keys of the root of which the two say different things: "lidar", "health", ...
+std::vector<std::string> changed_keys(const Config& a, const Config& b);
 
 /// The same from a file of at most 1 MiB, and then from the files `path`.d/*.toml, in order of
 /// their names: a later key overrides an earlier one, and a sensor of a name that an earlier file

@@ -35,6 +35,7 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
       last_packet_(start),
       last_sweep_(start),
       previous_(start),
+      window_(start),
       // Silence is a time of its own, so it needs no further delay to be raised.
       conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
                   {"unavailable", Level::kError, Duration::zero(), Duration::zero()},
@@ -45,16 +46,12 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
                   {"wrong_sender", Level::kWarn, options.raise_after, options.clear_after},
                   {"wrong_model", Level::kWarn, options.raise_after, options.clear_after},
                   {"buffer", Level::kWarn, options.raise_after, options.clear_after},
-                  {"clock", Level::kWarn, options.raise_after, options.clear_after}} {
-  window_[0].stamp = start;
-  taken_ = 1;
-}
+                  {"clock", Level::kWarn, options.raise_after, options.clear_after}} {}
 
 const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counters) {
   if (now < previous_) restart_at(now);
   previous_ = now;
-  const Snapshot oldest = window_[taken_ > kWindow ? (taken_ - kWindow) % window_.size() : 0];
-  window_[taken_++ % window_.size()] = {now, counters};
+  const Window::Snapshot oldest = window_.take(now, counters);
   const SensorCounters& before = oldest.counters;
   status_.counters = counters;
   measure_rates(now, oldest);
@@ -74,12 +71,11 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
 
 // Drive time stepped back: what was measured against the old time means nothing in the new one.
 void SensorHealth::restart_at(Stamp now) {
-  taken_ = 1;
-  window_[0] = {now, status_.counters};
+  window_.restart_at(now, status_.counters);
   last_packet_ = last_sweep_ = now;
 }
 
-void SensorHealth::measure_rates(Stamp now, const Snapshot& oldest) {
+void SensorHealth::measure_rates(Stamp now, const Window::Snapshot& oldest) {
   const double seconds = to_seconds(now - oldest.stamp);
   const auto rate = [&](uint64_t at_now, uint64_t at_oldest) {
     return seconds > 0 ? static_cast<double>(grown(at_now, at_oldest)) / seconds : 0.0;

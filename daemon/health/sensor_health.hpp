@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 #include "daemon/health/conditions.hpp"
 #include "daemon/health/health_options.hpp"
 #include "daemon/health/sensor_counters.hpp"
+#include "daemon/health/snapshot_window.hpp"
 #include "drivers/measurement/stamp.hpp"
 
 namespace infuse::daemon {
@@ -36,13 +36,11 @@ class SensorHealth {
   /// second; time that steps back begins anew. The answer is valid until the next call.
   const SensorStatus& update(Stamp now, const SensorCounters& counters);
 
- private:
-  static constexpr size_t kWindow = 10;  // snapshots that rates are taken over
+  /// Judges by these thresholds from now on; how long conditions hold before they are told stays.
+  void set(const HealthOptions& options) { options_ = options; }
 
-  struct Snapshot {
-    Stamp stamp;
-    SensorCounters counters;
-  };
+ private:
+  using Window = SnapshotWindow<SensorCounters>;
 
   void restart_at(Stamp now);
   Verdict judge_silence(Stamp now, const SensorCounters& counters);
@@ -53,7 +51,7 @@ class SensorHealth {
   Verdict judge_sender(const SensorCounters& now, const SensorCounters& before) const;
   Verdict judge_model(const SensorCounters& now, const SensorCounters& before) const;
   Verdict judge_clock(Stamp now, const SensorCounters& counters);
-  void measure_rates(Stamp now, const Snapshot& oldest);
+  void measure_rates(Stamp now, const Window::Snapshot& oldest);
 
   std::string endpoint_;
   HealthOptions options_;
@@ -63,8 +61,7 @@ class SensorHealth {
   std::optional<Stamp> first_seen_;  // tick of the first packet
   uint64_t packets_seen_ = 0;
   uint64_t sweeps_seen_ = 0;
-  std::array<Snapshot, kWindow + 1> window_;
-  size_t taken_ = 0;
+  Window window_;
   Conditions conditions_;
   SensorStatus status_;
 };

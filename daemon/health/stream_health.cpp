@@ -9,6 +9,7 @@ StreamHealth::StreamHealth(std::string endpoint, const HealthOptions& options, S
       options_(options),
       last_received_(start),
       previous_(start),
+      window_(start),
       // Silence is a time of its own, so it needs no further delay to be raised.
       conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
                   {"unavailable", Level::kError, Duration::zero(), Duration::zero()},
@@ -17,20 +18,15 @@ StreamHealth::StreamHealth(std::string endpoint, const HealthOptions& options, S
                   {"unused", Level::kError, options.raise_after, options.clear_after},
                   {"loss", Level::kWarn, options.raise_after, options.clear_after},
                   {"bus", Level::kWarn, Duration::zero(), options.clear_after},
-                  {"order", Level::kWarn, Duration::zero(), options.clear_after}} {
-  window_[0].stamp = start;
-  taken_ = 1;
-}
+                  {"order", Level::kWarn, Duration::zero(), options.clear_after}} {}
 
 const StreamStatus& StreamHealth::update(Stamp now, const StreamCounters& counters) {
   if (now < previous_) {  // drive time stepped back: nothing old can be compared with it
-    taken_ = 1;
-    window_[0] = {now, status_.counters};
+    window_.restart_at(now, status_.counters);
     last_received_ = now;
   }
   previous_ = now;
-  const Snapshot oldest = window_[taken_ > kWindow ? (taken_ - kWindow) % window_.size() : 0];
-  window_[taken_++ % window_.size()] = {now, counters};
+  const Window::Snapshot oldest = window_.take(now, counters);
   const double seconds = to_seconds(now - oldest.stamp);
   status_.received_hz =
       seconds > 0 ? static_cast<double>(counters.received - oldest.counters.received) / seconds : 0;

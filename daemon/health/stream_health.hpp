@@ -1,11 +1,11 @@
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "daemon/health/conditions.hpp"
 #include "daemon/health/health_options.hpp"
+#include "daemon/health/snapshot_window.hpp"
 #include "daemon/health/stream_counters.hpp"
 
 namespace infuse::daemon {
@@ -28,13 +28,11 @@ class StreamHealth {
   /// As SensorHealth's.
   const StreamStatus& update(Stamp now, const StreamCounters& counters);
 
- private:
-  static constexpr size_t kWindow = 10;  // snapshots that rates are taken over
+  /// Judges by these thresholds from now on; how long conditions hold before they are told stays.
+  void set(const HealthOptions& options) { options_ = options; }
 
-  struct Snapshot {
-    Stamp stamp;
-    StreamCounters counters;
-  };
+ private:
+  using Window = SnapshotWindow<StreamCounters>;
 
   Verdict judge_silence(Stamp now, const StreamCounters& counters);
   Verdict judge_reading(const StreamCounters& now, const StreamCounters& before) const;
@@ -47,8 +45,7 @@ class StreamHealth {
   Stamp last_received_;  // or the start, while there is none
   Stamp previous_;       // tick
   uint64_t received_ = 0;
-  std::array<Snapshot, kWindow + 1> window_;
-  size_t taken_ = 0;
+  Window window_;
   Conditions conditions_;
   StreamStatus status_;
 };

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <array>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
 #include <cstdlib>
@@ -23,6 +25,9 @@ namespace {
 constexpr const char* kProgram = "infused";
 constexpr std::chrono::milliseconds kPatienceWithClients{500};
 
+// Keys of the configuration that a reload takes over, as far as their README says.
+constexpr std::array kReloadable = {"log_level", "socket", "health", "record"};
+
 std::string status_text(const Publisher& publisher, size_t devices) {
   const Totals& totals = publisher.totals();
   const auto well = std::count(totals.levels.begin(), totals.levels.end(), Level::kOk);
@@ -34,11 +39,12 @@ std::string status_text(const Publisher& publisher, size_t devices) {
 class Attendant {
  public:
   Attendant(boost::asio::io_context& io, const LiveArguments& arguments, const Config& config,
-            Live& live, RecordDesk& records, const receive::TimeBase& base)
+            Live& live, RecordDesk& records, Server& server, const receive::TimeBase& base)
       : arguments_(arguments),
         config_(config),
         live_(live),
         records_(records),
+        server_(server),
         base_(base),
         record_(RunRecord::from_environment()),
         ending_(io, SIGINT, SIGTERM),
@@ -86,27 +92,39 @@ class Attendant {
     });
   }
 
-  // The pipeline goes on with what it knows.
+  // The pipeline goes on with what it knows: tracks and calibrations stay.
   void reload() {
     service_manager::reloading();
     const auto loaded = load_config(arguments_.config);
     if (!loaded) {
       spdlog::error("the configuration is kept as it was: {}", loaded.error().message());
     } else {
-      spdlog::set_level(spdlog::level::from_str(loaded->log_level));
-      const bool same = loaded->lidars == config_.lidars && loaded->cameras == config_.cameras &&
-                        loaded->buses == config_.buses && loaded->gps == config_.gps &&
-                        loaded->rig == config_.rig;
-      spdlog::info("the configuration was read again{}",
-                   same ? "" : "; other sensors are taken over by a restart");
+      take_over(*loaded);
     }
     service_manager::ready(status_text(live_.publisher(), live_.setup().devices.size()));
+  }
+
+  void take_over(const Config& loaded) {
+    spdlog::set_level(spdlog::level::from_str(loaded.log_level));
+    server_.set_limits(loaded.socket);
+    live_.publisher().set(loaded.health);
+    records_.set(loaded.record);
+    std::string taken, waiting;
+    for (const std::string& key : changed_keys(config_, loaded)) {
+      const bool now = std::find(kReloadable.begin(), kReloadable.end(), key) != kReloadable.end();
+      (now ? taken : waiting) += " " + key;
+    }
+    spdlog::info("the configuration was read again; taken over:{}",
+                 taken.empty() ? " nothing, it says the same" : taken);
+    if (waiting.empty()) return;
+    spdlog::warn("not taken over, they need a restart:{} (systemctl restart infused)", waiting);
   }
 
   const LiveArguments& arguments_;
   const Config& config_;
   Live& live_;
   RecordDesk& records_;
+  Server& server_;
   const receive::TimeBase& base_;
   RunRecord record_;
   boost::asio::signal_set ending_;
@@ -196,7 +214,7 @@ int run_live(const LiveArguments& arguments, const Config& config) {
   server.on_control([&](const Request& request) {
     return request.op == Request::Op::kRecord ? records.ask(request) : live.ask(request);
   });
-  Attendant attendant(io, arguments, config, live, records, base);
+  Attendant attendant(io, arguments, config, live, records, server, base);
   on_end = [&] {
     records.finish();
     attendant.finish();

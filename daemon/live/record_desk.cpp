@@ -149,6 +149,13 @@ void RecordDesk::take_alert(const AlertReport& alert) {
   }
 }
 
+void RecordDesk::set(const RecordSettings& settings) {
+  const bool flew = settings_.flight > Duration::zero();
+  const Duration flight = settings_.flight;
+  settings_ = settings;
+  if (flew != (settings.flight > Duration::zero())) settings_.flight = flight;
+}
+
 void RecordDesk::look_after() {
   if (told_end_) return;
   const auto report = recorder_->report();

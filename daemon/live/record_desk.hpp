@@ -27,6 +27,10 @@ class RecordDesk {
   /// Begins or ends a recording, as a client asked for.
   Result<void> ask(const Request& request);
 
+  /// The next recordings have these bounds. The folder, the memory, and whether there is a flight
+  /// recorder stay as they are.
+  void set(const RecordSettings& settings);
+
   /// Tells what is new.
   void look_after();
 
@@ -43,7 +47,7 @@ class RecordDesk {
   void tell(const RecordReport& report);
   void tell_failure(const RecordReport& report);
 
-  const RecordSettings settings_;
+  RecordSettings settings_;
   const receive::TimeBase base_;
   std::filesystem::path directory_;
   DescribedDrive drive_;

@@ -211,6 +211,12 @@ void Publisher::tell_alert(const AlertReport& alert) {
   if (totals_.first_alerts.size() < kAlertsKept) totals_.first_alerts.push_back(alert);
 }
 
+void Publisher::set(const HealthOptions& health) {
+  health_options_ = health;
+  for (SensorHealth& lidar : health_) lidar.set(health);
+  for (StreamHealth& stream : stream_health_) stream.set(health);
+}
+
 void Publisher::tell_record(const RecordReport& report) {
   tell(ReportClass::kRecord, "", report.stamp, record_message(report));
 }

@@ -64,6 +64,9 @@ class Publisher {
     on_alert_ = std::move(listener);
   }
 
+  /// Judges health by these thresholds from now on.
+  void set(const HealthOptions& health);
+
   /// Tells how a recording stands.
   void tell_record(const RecordReport& report);
 

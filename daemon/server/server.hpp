@@ -48,6 +48,9 @@ class Server {
   /// and from root only, as the kernel names them; without a handler they are refused.
   void on_control(Session::Control control) { control_ = std::move(control); }
 
+  /// Clients are held to these limits from now on; those that are connected keep their queue.
+  void set_limits(const ServerOptions& options) { options_ = options; }
+
   /// Accepts nobody any more and lets every client go: when it has read what it is owed, or after
   /// `patience`.
   void finish(std::chrono::milliseconds patience);

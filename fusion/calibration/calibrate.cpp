@@ -33,7 +33,7 @@ bool near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
 }
 
 std::vector<double> all_sigmas(const CalibrateOptions& options) {
-  std::vector<double> sigmas{options.screen_sigma, options.uncertainty_sigma};
+  std::vector<double> sigmas{options.screen_sigma, options.support_sigma};
   for (const auto* levels : {&options.coarse, &options.fine}) {
     for (const Level& level : *levels) sigmas.push_back(level.sigma);
   }
@@ -268,11 +268,10 @@ CalibrationResult attempt(Calibration& calibration, const Eigen::Isometry3d& sta
   result.points = points.size();
   result.value = finest.evaluate(result.T_head_lidar, false).estimate.value;
   result.value_at_start = finest.evaluate(start, false).estimate.value;
-  Objective smooth = search.objective(points, options.uncertainty_sigma);
-  result.uncertainty = estimate_uncertainty(smooth, result.T_head_lidar);
-  result.scenes = scene_support(search, result.T_head_lidar, scenes, options.uncertainty_sigma);
+  result.uncertainty = estimate_uncertainty(finest, result.T_head_lidar);
+  result.scenes = scene_support(search, result.T_head_lidar, scenes, options.support_sigma);
   result.support = mean_support(result.scenes);
-  result.evaluations = finest.evaluations() + smooth.evaluations();
+  result.evaluations = finest.evaluations();
   const double moved =
       (result.T_head_lidar.inverse().translation() - start.inverse().translation()).norm();
   result.reason = judge(result, maximum, moved, options);
@@ -303,7 +302,7 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   if (splits < 0) return "splits must not be negative";
   if (!(restart_rotation >= 0)) return "restart_rotation must not be negative";
   if (!(restart_translation >= 0)) return "restart_translation must not be negative";
-  if (!(uncertainty_sigma >= 0)) return "uncertainty_sigma must not be negative";
+  if (!(support_sigma >= 0)) return "support_sigma must not be negative";
   if (!(min_support >= 0 && min_support <= 1)) return "min_support must lie in 0 … 1";
   if (auto wrong = maximize.invalid()) return "maximize: " + *wrong;
   if (auto wrong = visibility.invalid()) return "visibility: " + *wrong;

@@ -21,8 +21,8 @@ struct CalibrateOptions {
   // Which basin: rotations are screened, the best climb; after each level the best ends go on.
   ScreenOptions screen;
   double screen_sigma = 8;        ///< px, blur at which rotations are screened
-  size_t screen_points = 8'000;   ///< that take part in the screening
-  size_t coarse_points = 40'000;  ///< that take part in the coarse climbs and their comparison
+  size_t screen_points = 16'000;  ///< that take part in the screening
+  size_t coarse_points = 60'000;  ///< that take part in the coarse climbs and their comparison
   std::vector<Level> coarse{{.sigma = 8, .tolerance = 2e-2, .anchor = 0.3, .survivors = 6},
                             {.sigma = 4, .tolerance = 2e-2, .anchor = 0.1, .survivors = 6},
                             {.sigma = 3, .tolerance = 1e-2, .anchor = 0.03, .survivors = 2},
@@ -33,15 +33,15 @@ struct CalibrateOptions {
   // Where in it.
   std::vector<Level> fine{{.sigma = 3, .points = 60'000, .tolerance = 5e-3},
                           {.sigma = 2, .points = 120'000, .tolerance = 5e-3},
-                          {.sigma = 1.5, .passes = 2}};
+                          {.sigma = 1, .passes = 2}};
 
   // Whether to believe it.
   int restarts = 4;  ///< climbs from around the result, which ought to lead back to it
   double restart_rotation = 0.02;     ///< rad each axis, half width of what they are drawn from
   double restart_translation = 0.08;  ///< m each axis
-  int splits = 0;                ///< random halvings of the scenes, whose estimates are compared
-  double uncertainty_sigma = 3;  ///< px, blur of the images that tell uncertainty and support
-  double min_support = 0.75;     ///< mean of SceneSupport::support below which nothing is believed
+  int splits = 0;             ///< random halvings of the scenes, whose estimates are compared
+  double support_sigma = 3;   ///< px, blur of the images that tell the scenes' support
+  double min_support = 0.75;  ///< mean of SceneSupport::support below which nothing is believed
 
   uint64_t seed = 1;  ///< of the restarts
   MaximizeOptions maximize;

@@ -16,12 +16,30 @@ using dependence::Measure;
 /// A measure of the joint histogram of both sides.
 class HistogramTerm : public DependenceTerm {
  public:
-  HistogramTerm(Measure measure, dependence::Window window, int bins, std::span<const float> lidar)
+  /// `chosen`: which points take part; `lidar`: their values.
+  HistogramTerm(Measure measure, dependence::Window window, int bins, std::vector<uint32_t> chosen,
+                std::span<const float> lidar)
       : measure_(measure),
         window_(window),
+        chosen_(std::move(chosen)),
+        image_(chosen_.size()),
+        gradient_(chosen_.size()),
         histogram_(lidar, {.x = {.bins = bins}, .y = {.bins = bins}, .window = window}) {}
 
   Estimate evaluate(std::span<const float> image, std::span<float> gradient) override {
+    if (chosen_.size() == image.size()) return ask(image, gradient);
+    for (size_t k = 0; k < chosen_.size(); ++k) image_[k] = image[chosen_[k]];
+    if (gradient.empty()) return ask(image_, {});
+    const Estimate estimate = ask(image_, gradient_);
+    std::fill(gradient.begin(), gradient.end(), 0.0F);
+    for (size_t k = 0; k < chosen_.size(); ++k) gradient[chosen_[k]] = gradient_[k];
+    return estimate;
+  }
+
+  size_t samples() const override { return chosen_.size(); }
+
+ private:
+  Estimate ask(std::span<const float> image, std::span<float> gradient) {
     if (gradient.empty()) return histogram_.value(measure_, image);
     if (window_ == dependence::Window::kBSpline) {
       return histogram_.value_and_gradient(measure_, image, gradient);
@@ -30,16 +48,21 @@ class HistogramTerm : public DependenceTerm {
     return histogram_.value(measure_, image);
   }
 
- private:
   Measure measure_;
   dependence::Window window_;
+  std::vector<uint32_t> chosen_;
+  std::vector<float> image_, gradient_;  // of the chosen
   dependence::PreparedHistogram histogram_;
 };
 
 /// I(4.4): mean of lidar value times image value.
 class CorrelationTerm : public DependenceTerm {
  public:
-  explicit CorrelationTerm(std::vector<float> lidar) : lidar_(std::move(lidar)) {}
+  explicit CorrelationTerm(std::vector<float> lidar) : lidar_(std::move(lidar)) {
+    for (float& value : lidar_) {
+      if (std::isnan(value)) value = 0;
+    }
+  }
 
   Estimate evaluate(std::span<const float> image, std::span<float> gradient) override {
     if (lidar_.empty()) return {.value = 0, .reason = "no points in view"};
@@ -52,6 +75,8 @@ class CorrelationTerm : public DependenceTerm {
     return {.value = sum / n};
   }
 
+  size_t samples() const override { return lidar_.size(); }
+
  private:
   std::vector<float> lidar_;
 };
@@ -61,15 +86,16 @@ std::vector<NamedMeasure> make_named_measures() {
   const auto reflectivity = [](MeasureKind kind, int bins) {
     return TermOptions{.measure = kind, .bins = bins, .equalize = false};
   };
-  const TermOptions edges{
-      .lidar = LidarFeature::kDiscontinuity, .image = ImageFeature::kEdge, .weight = 2};
+  TermOptions raw = reflectivity(kMutualInformation, 32);
+  raw.lidar = LidarFeature::kReflectivity;
+  raw.image = ImageFeature::kGrey;
+  const TermOptions edges{.lidar = LidarFeature::kDiscontinuity, .image = ImageFeature::kEdge};
   TermOptions levinson = edges;
   levinson.measure = kCorrelation;
-  levinson.weight = 1;
   levinson.equalize = false;
   return {
       {"joint",
-       "MI of reflectivity and grey + 2 MI of depth edges and image edges, all by rank",
+       "MI of relative reflectivity and local grey + MI of depth edges and image edges",
        {TermOptions{}, edges},
        true,
        true},
@@ -83,6 +109,7 @@ std::vector<NamedMeasure> make_named_measures() {
        {reflectivity(kMutualInformation, 32)},
        false,
        true},
+      {"mi-raw", "the same of reflectivity and grey as the sensors state them", {raw}, false, true},
       {"mi-kde",
        "mutual information, P(3.17), Gaussian KDE on 256 bins",
        {reflectivity(kMutualInformationKde, 256)},
@@ -116,11 +143,25 @@ std::optional<std::string> TermOptions::invalid() const {
   return std::nullopt;
 }
 
+std::vector<uint32_t> taking_part(std::span<const float> lidar) {
+  std::vector<uint32_t> chosen;
+  for (size_t i = 0; i < lidar.size(); ++i) {
+    if (!std::isnan(lidar[i])) chosen.push_back(static_cast<uint32_t>(i));
+  }
+  return chosen;
+}
+
 std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const VisiblePoints& points) {
   std::vector<float> lidar = points.lidar[index(options.lidar)];
+  if (options.measure == MeasureKind::kCorrelation) {
+    return std::make_unique<CorrelationTerm>(std::move(lidar));
+  }
+  std::vector<uint32_t> chosen = taking_part(lidar);
+  for (size_t k = 0; k < chosen.size(); ++k) lidar[k] = lidar[chosen[k]];
+  lidar.resize(chosen.size());
   if (options.equalize) equalize(lidar);
   const auto histogram = [&](Measure measure, dependence::Window window) {
-    return std::make_unique<HistogramTerm>(measure, window, options.bins, lidar);
+    return std::make_unique<HistogramTerm>(measure, window, options.bins, std::move(chosen), lidar);
   };
   using dependence::Window;
   switch (options.measure) {
@@ -133,11 +174,10 @@ std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const Visi
     case MeasureKind::kChiSquared:
       return histogram(Measure::kChiSquared, Window::kBSpline);
     case MeasureKind::kSquaredLossMutualInformation:
-      return histogram(Measure::kSquaredLossMutualInformation, Window::kBSpline);
-    case MeasureKind::kCorrelation:
+    case MeasureKind::kCorrelation:  // dealt with above
       break;
   }
-  return std::make_unique<CorrelationTerm>(std::move(lidar));
+  return histogram(Measure::kSquaredLossMutualInformation, Window::kBSpline);
 }
 
 std::span<const NamedMeasure> named_measures() { return all_measures(); }

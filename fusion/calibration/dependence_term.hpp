@@ -25,8 +25,8 @@ enum class MeasureKind {
 /// One summand of an objective: a measure between one lidar feature and one image feature.
 struct TermOptions {
   MeasureKind measure = MeasureKind::kMutualInformation;
-  LidarFeature lidar = LidarFeature::kReflectivity;
-  ImageFeature image = ImageFeature::kGrey;
+  LidarFeature lidar = LidarFeature::kRelativeReflectivity;
+  ImageFeature image = ImageFeature::kLocalGrey;
   double weight = 1;     ///< of the measure in the sum
   int bins = 16;         ///< a side, of the joint histogram
   bool equalize = true;  ///< the lidar feature by rank among all points in view
@@ -40,11 +40,18 @@ class DependenceTerm {
  public:
   virtual ~DependenceTerm() = default;
 
-  /// The measure with one image value (0 … 1) a point. With a `gradient` of the same length also
-  /// its derivative by every image value; terms without one (KDE) leave it zero.
+  /// The measure with one image value (0 … 1) a point, whether it takes part or not. With a
+  /// `gradient` of the same length also its derivative by every image value; terms without one
+  /// (KDE) leave it zero.
   virtual dependence::Estimate evaluate(std::span<const float> image,
                                         std::span<float> gradient) = 0;
+
+  /// How many points take part.
+  virtual size_t samples() const = 0;
 };
+
+/// Indices of the points that a lidar feature has something to compare of (not `kNotCompared`).
+std::vector<uint32_t> taking_part(std::span<const float> lidar);
 
 /// Prepares a term with the points' features.
 std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const VisiblePoints& points);

@@ -8,24 +8,26 @@ namespace infuse::calibration {
 
 /// What a return tells of the surface it came from.
 enum class LidarFeature : uint8_t {
-  kReflectivity,   ///< as the sensor states it, 0 … 1
-  kDiscontinuity,  ///< scan discontinuity, I(3.6)
-  kNormalX,        ///< surface normal, lidar frame, turned towards the sensor, I 4.3.1.3
+  kReflectivity,          ///< as the sensor states it, 0 … 1
+  kRelativeReflectivity,  ///< by rank among the returns of its beam at like range
+  kDiscontinuity,         ///< scan discontinuity, I(3.6)
+  kNormalX,               ///< surface normal, lidar frame, turned towards the sensor, I 4.3.1.3
   kNormalY,
   kNormalZ,
   kTaylorNormal,  ///< Taylor and Nieto's normal feature, I 4.3.2
 };
-inline constexpr size_t kLidarFeatures = 6;
+inline constexpr size_t kLidarFeatures = 7;
 
 /// What a picture tells at a pixel.
 enum class ImageFeature : uint8_t {
   kGrey,
-  kEdge,  ///< edge strength, I 4.3.1.4
+  kLocalGrey,  ///< grey against its surroundings
+  kEdge,       ///< edge strength, I 4.3.1.4
   kRed,
   kGreen,
   kBlue,
 };
-inline constexpr size_t kImageFeatures = 5;
+inline constexpr size_t kImageFeatures = 6;
 
 /// One entry a lidar feature.
 template <class T>

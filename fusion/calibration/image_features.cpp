@@ -56,6 +56,25 @@ void blur_row(const float* line, int thin, const std::vector<float>& kernel, int
   }
 }
 
+/// Where a sample lies between those of a thinner row.
+struct Between {
+  int first, second;
+  float part;
+};
+
+Between between(int at, float scale, int size) {
+  const float place = std::min(static_cast<float>(at) * scale, static_cast<float>(size - 1));
+  const int first = std::min(static_cast<int>(place), size - 1);
+  return {first, std::min(first + 1, size - 1), place - static_cast<float>(first)};
+}
+
+float blend(const float* above, const float* below, const Between& along, float down) {
+  const int a = along.first, b = along.second;
+  const float upper = above[a] + along.part * (above[b] - above[a]);
+  const float lower = below[a] + along.part * (below[b] - below[a]);
+  return upper + down * (lower - upper);
+}
+
 }  // namespace
 
 Plane grey_plane(const CameraFrame& frame) {
@@ -135,6 +154,37 @@ Plane blurred(const Plane& plane, double sigma, int step) {
     std::fill(line.data(), inner, inner[0]);
     std::fill(inner + plane.width, inner + plane.width + border, inner[plane.width - 1]);
     blur_row(inner, thin, kernel, out.width, &out.values[static_cast<size_t>(v * out.width)]);
+  }
+  return out;
+}
+
+Plane against_surroundings(const Plane& plane, double width, double floor) {
+  // Means change slowly: a few samples a width are enough.
+  const int step = plane.step * std::max(1, static_cast<int>(width / (4 * plane.step)));
+  Plane squared = like(plane);
+  for (size_t i = 0; i < squared.values.size(); ++i) {
+    squared.values[i] = plane.values[i] * plane.values[i];
+  }
+  const Plane mean = blurred(plane, width, step);
+  const Plane power = blurred(squared, width, step);
+  const float scale = static_cast<float>(plane.step) / static_cast<float>(step);
+  const auto least = static_cast<float>(floor * floor);
+  Plane out = like(plane);
+  std::vector<Between> along;
+  for (int u = 0; u < plane.width; ++u) along.push_back(between(u, scale, mean.width));
+  for (int v = 0; v < plane.height; ++v) {
+    const Between down = between(v, scale, mean.height);
+    const float* in = row(plane, v);
+    float* to = out.values.data() + static_cast<size_t>(v) * static_cast<size_t>(plane.width);
+    const float *mean_above = row(mean, down.first), *mean_below = row(mean, down.second);
+    const float *power_above = row(power, down.first), *power_below = row(power, down.second);
+    for (size_t u = 0; u < along.size(); ++u) {
+      const float m = blend(mean_above, mean_below, along[u], down.part);
+      const float variance = blend(power_above, power_below, along[u], down.part) - m * m;
+      const float z2 = (in[u] - m) * (in[u] - m) / (std::max(variance, 0.0F) + least);
+      const float half = 0.5F * std::sqrt(z2 / (1 + z2));
+      to[u] = in[u] < m ? 0.5F - half : 0.5F + half;
+    }
   }
   return out;
 }

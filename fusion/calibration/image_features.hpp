@@ -26,6 +26,13 @@ Plane edge_strength(const Plane& grey);
 /// their number: 0 ≤ … < 1, equal values share the mean of their ranks.
 Plane equalized(Plane plane);
 
+/// Every value of the plane against its surroundings: (g − m) / s, m and s mean and standard
+/// deviation under a Gaussian of `width` pixels, brought to 0 … 1 by ½ + ½ z / √(1 + z²). `floor`
+/// (the values' unit) is added to s² as its square, so that noise on a smooth surface stays small.
+/// Takes out light that changes slowly over the picture (shadow and sun, haze, vignetting, walls
+/// that get darker upwards), which goes with where things are and not with what they are.
+Plane against_surroundings(const Plane& plane, double width, double floor);
+
 /// The plane smoothed by a Gaussian of `sigma` pixels (0: unchanged), borders replicated, and then
 /// thinned to samples `step` pixels apart, a multiple of the plane's own.
 Plane blurred(const Plane& plane, double sigma, int step = 1);

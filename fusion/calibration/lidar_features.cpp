@@ -27,12 +27,33 @@ bool within(const Sweep& sweep, uint32_t a, uint32_t b, double tangent) {
   return dot > 0 && std::abs(cross) <= tangent * dot;
 }
 
+/// Which returns lie within reach of an edge on their ring.
+std::vector<uint8_t> near_edges(const Sweep& sweep, const std::vector<uint32_t>& order,
+                                const std::vector<double>& step,
+                                const DiscontinuityOptions& options) {
+  std::vector<uint8_t> near(sweep.size(), 0);
+  const double tangent = std::tan(options.reach);
+  const auto mark = [&](auto first, auto last) {
+    std::optional<uint32_t> edge;
+    for (; first != last; ++first) {
+      if (step[*first] >= options.least_edge) edge = *first;
+      if (!edge || sweep.ring[*edge] != sweep.ring[*first]) continue;
+      if (within(sweep, *first, *edge, tangent)) near[*first] = 1;
+    }
+  };
+  mark(order.begin(), order.end());
+  mark(order.rbegin(), order.rend());
+  return near;
+}
+
 }  // namespace
 
 std::optional<std::string> DiscontinuityOptions::invalid() const {
   if (!(gamma > 0) || !(gamma <= 2)) return "gamma must lie in (0, 2]";
   if (!(max_gap > 0) || !(max_gap < 1.5)) return "max_gap must lie in (0, 1.5)";
   if (!(no_return_step >= 0)) return "no_return_step must not be negative";
+  if (!(reach >= 0) || !(reach < 1.5)) return "reach must lie in [0, 1.5)";
+  if (!(least_edge > 0)) return "least_edge must be positive";
   return std::nullopt;
 }
 
@@ -61,6 +82,12 @@ std::vector<float> discontinuity(const Sweep& sweep, const DiscontinuityOptions&
   std::vector<float> edge(sweep.size(), 0.0F);
   for (size_t i = 0; i < edge.size(); ++i) {
     if (step[i] > 0) edge[i] = static_cast<float>(std::pow(step[i], options.gamma));
+  }
+  if (options.reach > 0) {
+    const std::vector<uint8_t> near = near_edges(sweep, order, step, options);
+    for (size_t i = 0; i < edge.size(); ++i) {
+      if (near[i] == 0) edge[i] = kNotCompared;
+    }
   }
   return edge;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,6 +10,9 @@
 
 namespace infuse::calibration {
 
+/// A feature's value for returns that do not take part in what is compared.
+inline constexpr float kNotCompared = std::numeric_limits<float>::quiet_NaN();
+
 /// Scan discontinuity of every return, after Levinson and Thrun, I(3.6) and I 4.3.1.2:
 ///   e_i = max(d_{i−1} − d_i, d_{i+1} − d_i, 0)^γ
 /// over the neighbours on the return's own ring, so that it marks the near side of a depth edge:
@@ -17,17 +21,25 @@ namespace infuse::calibration {
 ///
 /// A neighbour is the return before or after on the same ring, if it lies within `max_gap`. Beyond
 /// it nothing came back (sky), and the neighbour counts as `no_return_step` farther away.
+///
+/// The road has neither depth edges nor, mostly, image edges, and the picture's rows go with it:
+/// compared over all returns, the measure tells road from houses rather than edges from none, and
+/// rises as that border is moved (by several degrees in a simulated garage). So an edge is compared
+/// with what lies beside it alone.
 struct DiscontinuityOptions {
   double gamma = 0.5;         ///< exponent, I 4.3.1.2
   double max_gap = 0.02;      ///< rad of azimuth between neighbours; four firings of a slow HDL-32E
   double no_return_step = 0;  ///< m; the step that a missing neighbour stands for, 0: none
+  double reach = 0.03;        ///< rad of azimuth; returns farther than that from any edge on their
+                              ///< ring are not compared (`kNotCompared`); 0: all are
+  double least_edge = 0.5;    ///< m; the step that makes an edge, for `reach`
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// One value a return of `sweep`, m^γ, never negative. Needs `ring` and `column`; dual
-/// returns of one firing are no neighbours of each other.
+/// One value a return of `sweep`, m^γ, never negative, or `kNotCompared`. Needs `ring` and
+/// `column`; dual returns of one firing are no neighbours of each other.
 std::vector<float> discontinuity(const Sweep& sweep, const DiscontinuityOptions& options);
 
 /// Replaces every value by its rank among all, divided by their number: 0 ≤ … < 1, equal values

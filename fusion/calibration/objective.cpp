@@ -54,6 +54,11 @@ geometry::PointsView block_points(const VisiblePoints& points, const VisiblePoin
   return {cut(points.x), cut(points.y), cut(points.z)};
 }
 
+// How far local grey looks around, in widths of the blur, and px at least.
+constexpr double kSurroundings = 8;
+constexpr double kLeastSurroundings = 15;
+constexpr double kNoise = 2.0 / 255;  // a smooth surface's, in grey levels
+
 /// Samples lie so far apart that their Gaussian is still at least 1.5 of them wide.
 int samples_apart(double sigma) {
   int step = 1;
@@ -65,32 +70,45 @@ int samples_apart(double sigma) {
 
 BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms,
                              double sigma)
-    : planes_(scenes.size()), sigma_(sigma) {
+    : blurred_(scenes.size()), local_grey_(scenes.size()), sigma_(sigma) {
   for (size_t s = 0; s < scenes.size(); ++s) {
     for (const TermOptions& term : terms) {
-      Plane& plane = planes_[s][index(term.image)];
+      Plane& plane = blurred_[s][index(term.image)];
       if (plane.values.empty()) {
         plane = blurred(scenes[s].image[index(term.image)], sigma, samples_apart(sigma));
       }
     }
   }
+  compare_with_surroundings();
 }
 
 BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
-    : planes_(finer.planes_.size()), sigma_(sigma) {
+    : blurred_(finer.blurred_.size()), local_grey_(finer.blurred_.size()), sigma_(sigma) {
   const double rest = std::sqrt(std::max(0.0, sigma * sigma - finer.sigma_ * finer.sigma_));
-  for (size_t s = 0; s < planes_.size(); ++s) {
+  for (size_t s = 0; s < blurred_.size(); ++s) {
     for (size_t f = 0; f < kImageFeatures; ++f) {
-      planes_[s][f] = blurred(finer.planes_[s][f], rest,
-                              std::max(finer.planes_[s][f].step, samples_apart(sigma)));
+      blurred_[s][f] = blurred(finer.blurred_[s][f], rest,
+                               std::max(finer.blurred_[s][f].step, samples_apart(sigma)));
     }
+  }
+  compare_with_surroundings();
+}
+
+void BlurredImages::compare_with_surroundings() {
+  const double width = std::max(kLeastSurroundings, kSurroundings * sigma_);
+  for (size_t s = 0; s < blurred_.size(); ++s) {
+    const Plane& grey = blurred_[s][index(ImageFeature::kLocalGrey)];
+    if (!grey.values.empty()) local_grey_[s] = against_surroundings(grey, width, kNoise);
   }
 }
 
 BlurredImages BlurredImages::dealt(std::span<const size_t> from) const {
   BlurredImages other;
   other.sigma_ = sigma_;
-  for (const size_t scene : from) other.planes_.push_back(planes_[scene]);
+  for (const size_t scene : from) {
+    other.blurred_.push_back(blurred_[scene]);
+    other.local_grey_.push_back(local_grey_[scene]);
+  }
   return other;
 }
 
@@ -123,7 +141,7 @@ void Objective::look_up(ImageFeature feature) {
 }
 
 dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_head_lidar,
-                                                     bool with_gradient) {
+                                                     bool with_gradient, bool of_samples) {
   ++evaluations_;
   dependence::Estimate sum;
   if (points_.size() == 0) return {.value = 0, .reason = "no lidar point falls into a picture"};
@@ -139,7 +157,8 @@ dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_
     sum.value += term.options.weight * one.value;
     if (!one.usable()) sum.reason = one.reason;
     if (!with_gradient) continue;
-    const auto weight = static_cast<float>(term.options.weight);
+    const auto weight = static_cast<float>(
+        term.options.weight * (of_samples ? static_cast<double>(term.dependence->samples()) : 1.0));
     for (size_t i = 0; i < by_u_.size(); ++i) {
       by_u_[i] += weight * by_value_[i] * value_by_u_[i];
       by_v_[i] += weight * by_value_[i] * value_by_v_[i];
@@ -183,15 +202,19 @@ Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, siz
   const TermOptions& options = terms_[term].options;
   project(T_head_lidar);
   look_up(options.image);
-  Samples samples{.lidar = points_.lidar[index(options.lidar)], .image = value_};
+  const std::vector<float>& lidar = points_.lidar[index(options.lidar)];
+  Samples samples;
+  for (const uint32_t i : taking_part(lidar)) {
+    samples.lidar.push_back(lidar[i]);
+    samples.image.push_back(value_[i]);
+  }
   if (options.equalize) equalize(samples.lidar);
   return samples;
 }
 
 geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_head_lidar) {
   geometry::Matrix6 sum = geometry::Matrix6::Zero();
-  differentiate_pixels(T_head_lidar, true);
-  const auto n = static_cast<double>(points_.size());
+  differentiate_pixels(T_head_lidar, true, true);
   for (const VisiblePoints::Block& block : points_.blocks) {
     const RigCamera& camera = cameras_[scenes_[block.scene].camera];
     const Eigen::Isometry3d T = camera.T_camera_head * T_head_lidar;
@@ -201,8 +224,7 @@ geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_head_lidar) 
       const auto at = camera.model.project_with_derivatives(
           T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]));
       if (!at) continue;
-      const geometry::Vector6 score =
-          n * (at->by_pose.transpose() * Eigen::Vector2d(by_u_[i], by_v_[i]));
+      const geometry::Vector6 score = at->by_pose.transpose() * Eigen::Vector2d(by_u_[i], by_v_[i]);
       part += score * score.transpose();
     }
     const geometry::Matrix6 adjoint = geometry::adjoint(camera.T_camera_head);

@@ -23,7 +23,8 @@ class BlurredImages {
   BlurredImages(const BlurredImages& finer, double sigma);
 
   const Plane& plane(size_t scene, ImageFeature feature) const {
-    return planes_[scene][index(feature)];
+    return feature == ImageFeature::kLocalGrey ? local_grey_[scene]
+                                               : blurred_[scene][index(feature)];
   }
 
   /// The same pictures dealt out to other scenes: scene s gets that of scene `from[s]`.
@@ -32,7 +33,11 @@ class BlurredImages {
  private:
   BlurredImages() = default;
 
-  std::vector<PerImageFeature<Plane>> planes_;
+  /// Local grey from the blurred grey.
+  void compare_with_surroundings();
+
+  std::vector<PerImageFeature<Plane>> blurred_;  ///< from which more blurred ones are made
+  std::vector<Plane> local_grey_;                ///< a scene each, where a term asks for it
   double sigma_ = 0;
 };
 
@@ -65,16 +70,16 @@ class Objective {
   /// For the terms with a gradient: how the scenes pull, whose spread tells the uncertainty.
   std::vector<geometry::Vector6> scene_gradients(const Eigen::Isometry3d& T_head_lidar);
 
-  /// The samples of one term at a pose: what its measure is asked about.
+  /// The samples of one term at a pose that take part: what its measure is asked about.
   struct Samples {
-    std::vector<float> lidar;  ///< a value a point, by rank where the term says so
+    std::vector<float> lidar;  ///< by rank where the term says so
     std::vector<float> image;  ///< 0 … 1; NaN where the camera's model does not see the point
   };
   Samples samples(const Eigen::Isometry3d& T_head_lidar, size_t term);
 
   /// Fisher's information P(3.19) of the sum at a pose, Σᵢ sᵢ sᵢᵀ over the points: sᵢ is the
-  /// derivative by the pose of n times point i's part of the sum, for mutual information that of
-  /// log p(x, y) / (p(x) p(y)). For the terms with a gradient.
+  /// derivative by the pose of point i's part of each term times the term's samples, for mutual
+  /// information that of log p(x, y) / (p(x) p(y)). For the terms with a gradient.
   geometry::Matrix6 information(const Eigen::Isometry3d& T_head_lidar);
 
   size_t points() const { return points_.size(); }
@@ -88,8 +93,9 @@ class Objective {
   };
   void project(const Eigen::Isometry3d& T_head_lidar);
   void look_up(ImageFeature feature);
+  /// `of_samples`: what each sample adds to n times a term, in place of what it adds to the term.
   dependence::Estimate differentiate_pixels(const Eigen::Isometry3d& T_head_lidar,
-                                            bool with_gradient);
+                                            bool with_gradient, bool of_samples = false);
   geometry::Vector6 block_gradient(const VisiblePoints::Block& block,
                                    const Eigen::Isometry3d& T_head_lidar) const;
 

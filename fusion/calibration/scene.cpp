@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "fusion/calibration/relative_reflectivity.hpp"
+
 namespace infuse::calibration {
 namespace {
 
@@ -46,6 +48,11 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
   Scene scene;
   std::vector<float> edge;
   if (wanted(LidarFeature::kDiscontinuity)) edge = discontinuity(sweep, options.discontinuity);
+  RelativeReflectivity ranks;
+  std::span<const float> relative;
+  if (wanted(LidarFeature::kRelativeReflectivity)) {
+    relative = ranks.of(sweep.ring, sweep.range, sweep.reflectivity);
+  }
   for (size_t i = 0; i < sweep.size(); ++i) {
     if (!(sweep.range[i] >= options.min_range && sweep.range[i] <= options.max_range)) continue;
     scene.x.push_back(sweep.x[i]);
@@ -54,11 +61,17 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
     if (wanted(LidarFeature::kReflectivity)) {
       scene.lidar[index(LidarFeature::kReflectivity)].push_back(sweep.reflectivity[i]);
     }
+    if (!relative.empty()) {
+      scene.lidar[index(LidarFeature::kRelativeReflectivity)].push_back(relative[i]);
+    }
     if (!edge.empty()) scene.lidar[index(LidarFeature::kDiscontinuity)].push_back(edge[i]);
   }
   if (scene.size() == 0) return fail("the sweep has no return between min_range and max_range");
 
   const Plane grey = grey_plane(frame);
+  if (shown(ImageFeature::kLocalGrey)) {
+    scene.image[index(ImageFeature::kLocalGrey)] = scaled(grey, 1.0F / 255.0F);
+  }
   const auto finish = [&](Plane plane) {
     return options.equalize ? equalized(std::move(plane)) : scaled(std::move(plane), 1.0F / 255.0F);
   };

@@ -15,8 +15,9 @@ namespace infuse::calibration {
 
 /// What is taken from a sweep and a picture.
 struct SceneOptions {
-  PerLidarFeature<bool> lidar{true, true};  ///< features to compute: reflectivity, discontinuity
-  PerImageFeature<bool> image{true, true};  ///< features to compute: grey, edge
+  PerLidarFeature<bool> lidar{false, true,
+                              true};  ///< features to compute: relative reflectivity, discontinuity
+  PerImageFeature<bool> image{false, true, true};  ///< features to compute: local grey, edge
   DiscontinuityOptions discontinuity;
   /// Grey and edge strength by rank within the picture, so that exposure does not matter. False: as
   /// they are, divided by 255.

@@ -26,11 +26,18 @@ double half_view(const geometry::CameraModel& model) {
   return widest;
 }
 
-/// Indices of the points before the camera within `angle` of its axis, and how many of them lie
-/// within `inner`.
+/// Depth edges are few, and their term is asked about them and their surroundings alone.
+double worth(const Scene& scene, size_t i) {
+  constexpr double kNearEdge = 4;
+  const std::vector<float>& edge = scene.lidar[index(LidarFeature::kDiscontinuity)];
+  return edge.empty() || std::isnan(edge[i]) ? 1 : kNearEdge;
+}
+
+/// Indices of the points before the camera within `angle` of its axis, and what those within
+/// `inner` are worth together.
 struct Cone {
   std::vector<size_t> points;
-  size_t inner = 0;
+  double inner = 0;
 };
 
 Cone points_within(const Scene& scene, const Eigen::Isometry3d& T, double angle, double inner) {
@@ -42,17 +49,25 @@ Cone points_within(const Scene& scene, const Eigen::Isometry3d& T, double angle,
     const double range = p.norm();
     if (p.z() < least * range) continue;
     cone.points.push_back(i);
-    cone.inner += p.z() >= least_inner * range ? 1 : 0;
+    if (p.z() >= least_inner * range) cone.inner += worth(scene, i);
   }
   return cone;
 }
 
+/// One of the points for every `step` of worth.
 Scene only(const Scene& scene, const std::vector<size_t>& points, double step) {
+  std::vector<size_t> kept;
+  double due = step / 2;
+  for (const size_t i : points) {
+    due += worth(scene, i);
+    if (due < step) continue;
+    due = std::min(due - step, step);
+    kept.push_back(i);
+  }
   Scene part{.name = scene.name, .camera = scene.camera};
   const auto append = [&](const std::vector<float>& from, std::vector<float>& to) {
     if (from.empty()) return;
-    for (double k = 0; k < static_cast<double>(points.size()); k += step)
-      to.push_back(from[points[static_cast<size_t>(k)]]);
+    for (const size_t i : kept) to.push_back(from[i]);
   };
   append(scene.x, part.x);
   append(scene.y, part.y);
@@ -67,15 +82,14 @@ std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const Ri
                                const Eigen::Isometry3d& T_head_lidar, double margin,
                                size_t points) {
   std::vector<Cone> cones;
-  size_t in_view = 0;
+  double in_view = 0;
   for (const Scene& scene : scenes) {
     const RigCamera& camera = cameras[scene.camera];
     const double half = half_view(camera.model);
     cones.push_back(points_within(scene, camera.T_camera_head * T_head_lidar, half + margin, half));
     in_view += cones.back().inner;
   }
-  const double step = std::max(
-      1.0, static_cast<double>(in_view) / static_cast<double>(std::max<size_t>(points, 1)));
+  const double step = std::max(1.0, in_view / static_cast<double>(std::max<size_t>(points, 1)));
   std::vector<Scene> thin;
   for (size_t s = 0; s < scenes.size(); ++s) thin.push_back(only(scenes[s], cones[s].points, step));
   return thin;

@@ -11,17 +11,19 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-// Of the differences: as wide as the result is uncertain on a few scenes. What is rougher than that
-// are the rings of the lidar crossing the picture's edges, not the shape of the maximum.
-constexpr double kRotationStep = 4e-3;     // rad
-constexpr double kTranslationStep = 0.04;  // m
+// Differences are taken as widely as the result is uncertain: narrower ones see how the rings of
+// the lidar cross the picture's edges instead of the shape of the maximum, wider ones its flanks.
+constexpr double kWidest = 4e-3;            // rad
+constexpr double kNarrowest = 1e-3;         // rad
+constexpr double kTranslationByAngle = 10;  // m a rad
 constexpr double kRotationLimit = 5 * M_PI / 180;
 constexpr double kTranslationLimit = 0.5;
 
-Matrix6 curvature(Objective& objective, const Eigen::Isometry3d& T) {
+/// Minus the second derivative, from gradients at both ends of `angle` (and its translation).
+Matrix6 curvature(Objective& objective, const Eigen::Isometry3d& T, double angle) {
   Matrix6 H;
   for (int k = 0; k < 6; ++k) {
-    const double step = k < 3 ? kRotationStep : kTranslationStep;
+    const double step = k < 3 ? angle : kTranslationByAngle * angle;
     const Vector6 xi = step * Vector6::Unit(k);
     const Vector6 after = objective.evaluate(geometry::exp(xi) * T, true).gradient;
     const Vector6 before = objective.evaluate(geometry::exp(-xi) * T, true).gradient;
@@ -41,44 +43,76 @@ std::string name_direction(const Vector6& scaled) {
   return text;
 }
 
+/// In units of the limits: a direction's standard deviation of 1 is the most that is accepted.
+Vector6 limits() {
+  Vector6 unit;
+  unit << Eigen::Vector3d::Constant(kRotationLimit), Eigen::Vector3d::Constant(kTranslationLimit);
+  return unit;
+}
+
+/// How far the scenes' pulls at the result spread, for the sum of all.
+Matrix6 spread_of(const std::vector<Vector6>& pulls) {
+  const auto n = static_cast<double>(pulls.size());
+  const Vector6 mean = std::accumulate(pulls.begin(), pulls.end(), Vector6::Zero().eval()) / n;
+  Matrix6 spread = Matrix6::Zero();
+  for (const Vector6& pull : pulls) spread += (pull - mean) * (pull - mean).transpose();
+  return n / std::max(n - 6, 1.0) * spread;
+}
+
+/// H⁻¹ J H⁻¹, or why there is none.
+struct Sandwich {
+  Matrix6 covariance = Matrix6::Zero();
+  std::string reason;
+};
+
+Sandwich sandwich(const Matrix6& curvature, const Matrix6& spread) {
+  const Vector6 unit = limits();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(
+      Matrix6(unit.asDiagonal() * curvature * unit.asDiagonal()));
+  const double largest = eigen.eigenvalues()(5);
+  if (!(eigen.eigenvalues()(0) > 1e-6 * largest) || !(largest > 0)) {
+    return {.reason = "not observable: " + name_direction(eigen.eigenvectors().col(0)) +
+                      " in camera axes is free"};
+  }
+  const Matrix6 inverse = curvature.inverse();
+  const Matrix6 covariance = inverse * spread * inverse.transpose();
+  return {.covariance = 0.5 * (covariance + covariance.transpose())};
+}
+
+/// The widest axis' standard deviation, as an angle.
+double widest(const Matrix6& covariance) {
+  const Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  return std::max(sigma.head<3>().maxCoeff(), sigma.tail<3>().maxCoeff() / kTranslationByAngle);
+}
+
 }  // namespace
 
 Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_head_lidar) {
   Uncertainty out;
-  out.curvature = curvature(objective, T_head_lidar);
   const std::vector<Vector6> pulls = objective.scene_gradients(T_head_lidar);
   std::vector<Vector6> seen;
   for (const Vector6& pull : pulls) {
     if (pull != Vector6::Zero()) seen.push_back(pull);
   }
   out.pull.assign(pulls.size(), 0.0);
-  const auto scenes = static_cast<double>(seen.size());
   if (seen.size() < 3) {
     out.reason = std::to_string(seen.size()) +
                  " scenes say nothing of how far scenes disagree: at least 3 are needed";
     return out;
   }
-
-  // In units of the limits: a direction's standard deviation of 1 is the most that is accepted.
-  Vector6 unit;
-  unit << Eigen::Vector3d::Constant(kRotationLimit), Eigen::Vector3d::Constant(kTranslationLimit);
-  const Matrix6 H = unit.asDiagonal() * out.curvature * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(H);
-  const double largest = eigen.eigenvalues()(5);
-  if (!(eigen.eigenvalues()(0) > 1e-6 * largest) || !(largest > 0)) {
-    out.reason = "not observable: " + name_direction(eigen.eigenvectors().col(0)) +
-                 " in camera axes is free";
-    return out;
+  const Matrix6 spread = spread_of(seen);
+  Sandwich found;
+  for (double angle = kWidest; angle >= kNarrowest; angle /= 2) {
+    out.curvature = curvature(objective, T_head_lidar, angle);
+    found = sandwich(out.curvature, spread);
+    if (found.reason.empty() && widest(found.covariance) > angle / 2) break;
   }
-  Matrix6 spread = Matrix6::Zero();
-  const Vector6 mean = std::accumulate(seen.begin(), seen.end(), Vector6::Zero().eval()) / scenes;
-  for (const Vector6& pull : seen) spread += (pull - mean) * (pull - mean).transpose();
-  spread *= scenes / std::max(scenes - 6, 1.0);
-  const Matrix6 inverse = out.curvature.inverse();
-  out.covariance = inverse * spread * inverse.transpose();
-  out.covariance = 0.5 * (out.covariance + out.covariance.transpose()).eval();
+  out.reason = found.reason;
+  if (!out.usable()) return out;
+  out.covariance = found.covariance;
 
   out.bound = objective.information(T_head_lidar).inverse();
+  const Vector6 unit = limits();
   const Matrix6 scaled =
       unit.cwiseInverse().asDiagonal() * out.covariance * unit.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6> worst(scaled);
@@ -86,6 +120,7 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
     out.reason = "not observable: " + name_direction(worst.eigenvectors().col(5)) +
                  " in camera axes is known to worse than 5 degrees or 50 cm";
   }
+  const Matrix6 inverse = out.curvature.inverse();
   const Matrix6 information = out.covariance.inverse();
   for (size_t s = 0; s < pulls.size(); ++s) {
     const Vector6 moved = inverse * pulls[s];

@@ -72,6 +72,7 @@ double QuickDependence::at(const Eigen::Isometry3d& T_camera_lidar, const QuickP
     const float b = v - static_cast<float>(row);
     const size_t at = row * width + column;
     add(reflectivity, points.reflectivity_bin()[i], look_up(picture.grey(), width, at, a, b));
+    if (points.edge_bin()[i] == QuickPoints::kNotCompared) continue;
     add(edge, points.edge_bin()[i], look_up(picture.edge(), width, at, a, b));
   }
   return weights_.reflectivity * information(reflectivity) + weights_.edges * information(edge);

@@ -8,7 +8,7 @@
 namespace infuse::watch {
 
 /// The dependence between a picture and a sweep at a pose, in nats: mutual information P(3.17) of
-/// reflectivity and grey plus twice that of depth edges and image edges, all by rank, the picture's
+/// relative reflectivity and local grey plus that of depth edges and image edges, the picture's
 /// side spread linearly over two of 16 bins. What `calibration::Objective` measures, made cheap: of
 /// the order of 10 ns a point. Keeps its memory.
 class QuickDependence {
@@ -16,7 +16,7 @@ class QuickDependence {
   /// What each part counts; a lidar without reflectivity has depth edges alone (P 6.2.1).
   struct Weights {
     double reflectivity = 1;
-    double edges = 2;
+    double edges = 1;
   };
 
   explicit QuickDependence(const Weights& weights) : weights_(weights) {}

@@ -7,6 +7,8 @@ namespace infuse::watch {
 namespace {
 
 constexpr size_t kLevels = 1024;
+constexpr int kAround = 12;           // samples to each side that a grey level is compared with
+constexpr double kNoise = 2.0 / 255;  // a smooth surface's
 
 }  // namespace
 
@@ -16,6 +18,7 @@ void QuickPicture::set(const CameraFrame& grey, int step) {
   height_ = grey.height / step_;
   reduce(grey);
   find_edges();
+  compare_with_surroundings();
   rank(grey_);
   rank(edge_);
   smooth(grey_);
@@ -51,6 +54,42 @@ void QuickPicture::find_edges() {
       const float across = std::abs(here[u + 1] - here[u - 1]);
       const float down = std::abs(here[u + width] - here[u - width]);
       out[u] = std::max(across, down);
+    }
+  }
+}
+
+/// Grey against mean and deviation of the square of samples around it, brought to 0 … 1.
+void QuickPicture::compare_with_surroundings() {
+  const int width = width_ + 1;
+  before_.assign(2 * static_cast<size_t>(width) * static_cast<size_t>(height_ + 1), 0.0);
+  const auto sums = [&](int u, int v) { return before_.data() + 2 * (v * width + u); };
+  const float* in = grey_.data();
+  for (int v = 0; v < height_; ++v) {
+    double sum = 0, squares = 0;
+    for (int u = 0; u < width_; ++u) {
+      const double grey = *in++;
+      sum += grey;
+      squares += grey * grey;
+      const double* above = sums(u + 1, v);
+      double* here = sums(u + 1, v + 1);
+      here[0] = above[0] + sum;
+      here[1] = above[1] + squares;
+    }
+  }
+  float* out = grey_.data();
+  for (int v = 0; v < height_; ++v) {
+    const int top = std::max(v - kAround, 0), bottom = std::min(v + kAround + 1, height_);
+    for (int u = 0; u < width_; ++u, ++out) {
+      const int left = std::max(u - kAround, 0), right = std::min(u + kAround + 1, width_);
+      const double *a = sums(left, top), *b = sums(right, top), *c = sums(left, bottom),
+                   *d = sums(right, bottom);
+      const double n = (right - left) * (bottom - top);
+      const double mean = (d[0] - b[0] - c[0] + a[0]) / n;
+      const double variance = std::max(0.0, (d[1] - b[1] - c[1] + a[1]) / n - mean * mean);
+      const double away = *out - mean;
+      const double z2 = away * away / (variance + kNoise * kNoise);
+      const double half = 0.5 * std::sqrt(z2 / (1 + z2));
+      *out = static_cast<float>(away < 0 ? 0.5 - half : 0.5 + half);
     }
   }
 }

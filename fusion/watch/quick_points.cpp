@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fusion/calibration/lidar_features.hpp"
 #include "fusion/watch/quick_view.hpp"
 
 namespace infuse::watch {
@@ -16,6 +17,8 @@ constexpr float kHiddenStep = 0.3F;   // m, is hidden
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr int kMaxGap = 4;  // columns between neighbours on a ring
 constexpr size_t kLevels = 1024;
+constexpr float kReach = 0.03F;     // rad
+constexpr float kLeastEdge = 0.5F;  // m
 
 }  // namespace
 
@@ -37,7 +40,30 @@ void QuickPoints::find_discontinuity(const SweepView& sweep) {
     discontinuity_[before] = std::max(discontinuity_[before], step);
     discontinuity_[i] = std::max(discontinuity_[i], -step);
   }
+  leave_out_far_from_edges(sweep);
   for (float& step : discontinuity_) step = std::sqrt(step);
+}
+
+/// NaN for returns farther along their ring than `kReach` from any edge, as
+/// `calibration::DiscontinuityOptions::reach` has it.
+void QuickPoints::leave_out_far_from_edges(const SweepView& sweep) {
+  near_edge_.assign(sweep.size(), 0);
+  const auto mark = [&](size_t i) {
+    uint32_t& edge = last_of_ring_[sweep.ring[i]];
+    if (discontinuity_[i] >= kLeastEdge) edge = static_cast<uint32_t>(i);
+    if (edge == kNone) return;
+    const float ax = sweep.points.x[i], ay = sweep.points.y[i];
+    const float bx = sweep.points.x[edge], by = sweep.points.y[edge];
+    const float dot = ax * bx + ay * by;
+    if (dot > 0 && std::abs(ax * by - ay * bx) <= kReach * dot) near_edge_[i] = 1;
+  };
+  std::fill(last_of_ring_.begin(), last_of_ring_.end(), kNone);
+  for (size_t i = 0; i < sweep.size(); ++i) mark(i);
+  std::fill(last_of_ring_.begin(), last_of_ring_.end(), kNone);
+  for (size_t i = sweep.size(); i-- > 0;) mark(i);
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    if (near_edge_[i] == 0) discontinuity_[i] = calibration::kNotCompared;
+  }
 }
 
 void QuickPoints::find_visible(const SweepView& sweep, const geometry::CameraModel& camera,
@@ -75,29 +101,40 @@ void QuickPoints::find_visible(const SweepView& sweep, const geometry::CameraMod
   });
 }
 
-/// Bins of equal filling; equal values share one.
+/// Bins of equal filling; equal values share one, NaN is not compared.
 void QuickPoints::sort_into_bins(const std::vector<float>& values, std::vector<uint8_t>& bins) {
   bins.resize(values.size());
   float most = 1e-6F;
-  for (const float value : values) most = std::max(most, value);
+  size_t compared = 0;
+  for (const float value : values) {
+    if (std::isnan(value)) continue;
+    most = std::max(most, value);
+    ++compared;
+  }
   const auto level = [&](float value) {
     return std::min(static_cast<size_t>(value / most * kLevels), kLevels - 1);
   };
   std::array<uint32_t, kLevels> count{};
-  for (const float value : values) ++count[level(value)];
+  for (const float value : values) {
+    if (!std::isnan(value)) ++count[level(value)];
+  }
   std::array<uint8_t, kLevels> bin{};
   double below = 0;
   for (size_t i = 0; i < kLevels; ++i) {
-    const double rank = (below + 0.5 * count[i]) / static_cast<double>(values.size());
+    const double rank =
+        (below + 0.5 * count[i]) / static_cast<double>(std::max<size_t>(compared, 1));
     bin[i] = static_cast<uint8_t>(std::min(kBins - 1, static_cast<int>(rank * kBins)));
     below += count[i];
   }
-  for (size_t i = 0; i < values.size(); ++i) bins[i] = bin[level(values[i])];
+  for (size_t i = 0; i < values.size(); ++i) {
+    bins[i] = std::isnan(values[i]) ? kNotCompared : bin[level(values[i])];
+  }
 }
 
 void QuickPoints::set(const SweepView& sweep, const geometry::CameraModel& camera,
                       const Eigen::Isometry3d& T_camera_lidar, size_t most) {
   find_discontinuity(sweep);
+  relative_ = ranks_.of(sweep.ring, sweep.range, sweep.reflectivity);
   find_visible(sweep, camera, T_camera_lidar);
   const size_t count = std::min(visible_.size(), most);
   for (auto* quantity : {&x_, &y_, &z_, &depth_, &values_}) quantity->resize(count);
@@ -107,7 +144,7 @@ void QuickPoints::set(const SweepView& sweep, const geometry::CameraModel& camer
     y_[k] = sweep.points.y[i];
     z_[k] = sweep.points.z[i];
     depth_[k] = all_depth_[i];
-    values_[k] = sweep.reflectivity[i];
+    values_[k] = relative_[i];
   }
   sort_into_bins(values_, reflectivity_bin_);
   for (size_t k = 0; k < count; ++k) {

@@ -20,22 +20,24 @@ constexpr double kBiasTranslation = 0.01;  // m
 
 calibration::Scene to_scene(const StoredScene& stored) {
   calibration::Scene scene{.x = stored.x, .y = stored.y, .z = stored.z};
-  scene.lidar[calibration::index(LidarFeature::kReflectivity)] = stored.reflectivity;
+  scene.lidar[calibration::index(LidarFeature::kRelativeReflectivity)] = stored.reflectivity;
   scene.lidar[calibration::index(LidarFeature::kDiscontinuity)] = stored.discontinuity;
   const calibration::Plane grey = calibration::grey_plane(stored.grey);
   scene.image[calibration::index(ImageFeature::kEdge)] =
       calibration::equalized(calibration::edge_strength(grey));
-  scene.image[calibration::index(ImageFeature::kGrey)] = calibration::equalized(grey);
+  calibration::Plane& local = scene.image[calibration::index(ImageFeature::kLocalGrey)];
+  local = grey;
+  for (float& value : local.values) value /= 255.0F;
   return scene;
 }
 
 calibration::CalibrateOptions settings(const ReestimateOptions& options) {
   calibration::CalibrateOptions out;
-  out.coarse_points = options.points / 2;
+  out.coarse_points = options.points / 3;
   out.coarse = {
       {.sigma = 4, .tolerance = 1e-2, .anchor = 0.3, .survivors = std::max(options.starts, 2) / 2},
       {.sigma = 2, .tolerance = 5e-3, .anchor = 0.05}};
-  out.fine = {{.sigma = 2, .points = options.points}, {.sigma = 1.2, .points = options.points}};
+  out.fine = {{.sigma = 2, .points = options.points}, {.sigma = 1, .points = options.points, .passes = 2}};
   out.screen.half_width = options.start_rotation;
   out.screen.kept = options.starts - 1;
   out.restarts = options.starts;

@@ -15,7 +15,7 @@ struct ReestimateOptions {
   int starts = 3;                  ///< searches: from the present calibration and from around it
   double start_rotation = 0.02;    ///< rad, half width of the rotations screened around it
   double start_translation = 0.1;  ///< m, standard deviation of what may have moved
-  size_t points = 40'000;          ///< that take part, all scenes together
+  size_t points = 120'000;         ///< that take part, all scenes together
   double max_split = 4;  ///< standard deviations by which the halves of the scenes may differ
   uint64_t seed = 1;
 

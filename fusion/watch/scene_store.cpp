@@ -14,8 +14,9 @@ double mean_grey(const CameraFrame& grey) {
 }
 
 /// Copies what lies in the picture or just outside of it, thinned evenly.
-void copy_points(const SweepView& sweep, const std::vector<float>& discontinuity,
-                 const std::vector<uint32_t>& near, size_t most, StoredScene& scene) {
+void copy_points(const SweepView& sweep, const QuickPoints& points, size_t most,
+                 StoredScene& scene) {
+  const std::vector<uint32_t>& near = points.around();
   const size_t count = std::min(near.size(), most);
   for (auto* quantity : {&scene.x, &scene.y, &scene.z, &scene.reflectivity, &scene.discontinuity}) {
     quantity->resize(count);
@@ -25,8 +26,8 @@ void copy_points(const SweepView& sweep, const std::vector<float>& discontinuity
     scene.x[k] = sweep.points.x[i];
     scene.y[k] = sweep.points.y[i];
     scene.z[k] = sweep.points.z[i];
-    scene.reflectivity[k] = sweep.reflectivity[i];
-    scene.discontinuity[k] = discontinuity[i];
+    scene.reflectivity[k] = points.reflectivity()[i];
+    scene.discontinuity[k] = points.discontinuity()[i];
   }
 }
 
@@ -74,7 +75,7 @@ bool SceneStore::offer(const CameraFrame& grey, const SweepView& sweep, const Qu
   scene->stamp = grey.stamp;
   scene->worth = worth;
   scene->grey = grey;
-  copy_points(sweep, points.discontinuity(), points.around(), options_.max_points, *scene);
+  copy_points(sweep, points, options_.max_points, *scene);
   last_travelled_ = travelled;
   return true;
 }

@@ -15,8 +15,8 @@ struct StoredScene {
   double worth = 0;  ///< information that its look brought, 0 … 1
   CameraFrame grey;
   std::vector<float> x, y, z;        ///< m, lidar frame at the exposure
-  std::vector<float> reflectivity;   ///< 0 … 1
-  std::vector<float> discontinuity;  ///< √m
+  std::vector<float> reflectivity;   ///< relative, `calibration::RelativeReflectivity`
+  std::vector<float> discontinuity;  ///< √m, or not compared
 };
 
 /// How scenes are chosen and forgotten.

@@ -20,7 +20,7 @@ struct Motion {
 struct WatchOptions {
   double rotation_step = 8.7e-3;   ///< rad; how far around the calibration the dependence is asked
   double far_step = 0.026;         ///< rad; the same for the wide look
-  double translation_step = 0.10;  ///< m
+  double translation_step = 0.06;  ///< m
   double time_step = 0.08;         ///< s
   double focal_samples = 300;      ///< focal length of the reduced picture, samples
   size_t max_points = 8000;        ///< returns that take part in a look

@@ -14,9 +14,10 @@ within() {
 finish() { echo "$failures failures"; exit $((failures > 0)); }
 # level DEVICE LEVEL: as infuse status has it.
 level() { infuse status 2>/dev/null | grep -qE "^  $2 +$1:"; }
-# An emulated processor that gets little time loses packets and pictures, and the daemon says so: then it
-# is enough that all deliver.
+# well DEVICE: it delivers. An emulated processor that gets little time loses packets and pictures, and the
+# daemon says so (WARN): that is not what is tested here.
+well() { level "$1" OK || level "$1" WARN; }
 all_ok() {
-  if ((patience > 1)); then infuse wait-ready --timeout 2; else level top OK && level front OK && level bus OK; fi
+  if ((patience > 1)); then infuse wait-ready --timeout 2; else well top && well front && well bus; fi
 }
 alert() { journalctl -u infused -o cat 2>/dev/null | grep -q "$1"; }

@@ -275,6 +275,21 @@ TEST(Config, NobodyLooksAtTheFiguresByDefault) {
   EXPECT_FALSE(parse_config("[metrics]\nport = 70000\n", "x.toml"));
 }
 
+TEST(Config, TellsWhatTwoOfThemSayDifferently) {
+  const auto read = [](const char* text) {
+    auto config = parse_config(text, "x.toml");
+    EXPECT_TRUE(config) << config.error().message();
+    return config.value_or(Config{});
+  };
+  const char* one = "log_level = \"info\"\n[health]\nwarn_loss = 0.01\n[[lidar]]\nport = 1\n";
+  EXPECT_TRUE(changed_keys(read(one), read(one)).empty());
+  const char* spaced = "# why\nlog_level='info'\n\n[health]\nwarn_loss=0.01\n[[lidar]]\nport=1\n";
+  EXPECT_TRUE(changed_keys(read(one), read(spaced)).empty());
+  EXPECT_THAT(changed_keys(read(one), read("[health]\nwarn_loss = 0.01\n[[lidar]]\nport = 2\n")),
+              testing::ElementsAre("lidar", "log_level"));
+  EXPECT_THAT(changed_keys(read(""), read("rig = \"r\"\n")), testing::ElementsAre("rig"));
+}
+
 TEST(Config, ErrorsSayWhereAndWhat) {
   const Wrong cases[] = {
       {"\n[health]\nstale_after = 3\n", "x.toml:3: unknown key 'stale_after'"},

@@ -109,7 +109,7 @@ TEST(Calibrate, NothingInViewIsRefused) {
 }
 
 TEST(Calibrate, FarFieldAloneDoesNotTellTheTranslation) {
-  const Drive drive = painted::make_drive(8, 40);  // everything 160 m away or more
+  const Drive drive = painted::make_drive(8, 160);  // everything 640 m away or more
   const auto result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
   EXPECT_FALSE(result.usable());
   EXPECT_THAT(result.reason, HasSubstr("translation"));

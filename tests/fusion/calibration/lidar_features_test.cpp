@@ -42,33 +42,34 @@ Sweep hand_made(const std::vector<std::vector<float>>& ranges, bool column_by_co
 }
 
 TEST(Discontinuity, MarksTheNearSideOfAStep) {
-  const auto edge = discontinuity(hand_made({{5, 5, 9, 9}}), {});
+  const auto edge = discontinuity(hand_made({{5, 5, 9, 9}}), {.reach = 0});
   EXPECT_THAT(edge, ElementsAre(0, 2, 0, 0));
 }
 
 TEST(Discontinuity, ALonePostIsMarkedFromBothSides) {
-  const auto edge = discontinuity(hand_made({{9, 5, 14, 14}}), {.gamma = 1});
+  const auto edge = discontinuity(hand_made({{9, 5, 14, 14}}), {.gamma = 1, .reach = 0});
   EXPECT_THAT(edge, ElementsAre(0, 9, 0, 0));
 }
 
 TEST(Discontinuity, RingsDoNotMix) {
   const Sweep sweep = hand_made({{5, 5, 5}, {9, 9, 9}}, true);
-  EXPECT_THAT(discontinuity(sweep, {}), ElementsAre(0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(discontinuity(sweep, {.reach = 0}), ElementsAre(0, 0, 0, 0, 0, 0));
 }
 
 TEST(Discontinuity, TheOrderOfFiringDoesNotMatter) {
   const std::vector<std::vector<float>> ranges{{5, 6, 9, 3}, {9, 8, 7, 7}};
-  const auto by_ring = discontinuity(hand_made(ranges), {.gamma = 1});
-  const auto by_column = discontinuity(hand_made(ranges, true), {.gamma = 1});
+  const auto by_ring = discontinuity(hand_made(ranges), {.gamma = 1, .reach = 0});
+  const auto by_column = discontinuity(hand_made(ranges, true), {.gamma = 1, .reach = 0});
   EXPECT_THAT(by_ring, ElementsAre(1, 3, 0, 6, 0, 1, 1, 0));
   EXPECT_THAT(by_column, ElementsAre(1, 0, 3, 1, 0, 1, 6, 0));
 }
 
 TEST(Discontinuity, AFarNeighbourStandsForWhatTheOptionSays) {
   const Sweep sweep = hand_made({{5, 0, 0, 0, 9}});
-  EXPECT_THAT(discontinuity(sweep, {.gamma = 1}), ElementsAre(0, 0));
-  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .no_return_step = 3}), ElementsAre(3, 3));
-  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .max_gap = 0.05}),
+  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .reach = 0}), ElementsAre(0, 0));
+  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .no_return_step = 3, .reach = 0}),
+              ElementsAre(3, 3));
+  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .max_gap = 0.05, .reach = 0}),
               ElementsAre(FloatNear(4, 1e-6F), 0));
 }
 
@@ -80,9 +81,17 @@ TEST(Discontinuity, TwoEchoesOfOneFiringAreNoNeighbours) {
     (*channel)[i] = 2 * (*channel)[i - 1];
   sweep.ring[i] = 0;
   sweep.column[i] = sweep.column[i - 1];
-  const auto edge = discontinuity(sweep, {.gamma = 1});
+  const auto edge = discontinuity(sweep, {.gamma = 1, .reach = 0});
   EXPECT_FLOAT_EQ(edge[2], 0);  // beside it in its own firing stands 10 m, before it 5 m
   EXPECT_FLOAT_EQ(edge[3], 0);
+}
+
+TEST(Discontinuity, OnlyWhatLiesBesideAnEdgeIsCompared) {
+  const Sweep sweep = hand_made({{5, 5, 5, 5, 9, 9, 9, 9}, {7, 7, 7, 7, 7, 7, 7, 7.3F}});
+  const auto edge = discontinuity(sweep, {.gamma = 1, .reach = 0.021, .least_edge = 1});
+  for (const size_t i : {1U, 2U, 3U, 4U, 5U}) EXPECT_EQ(edge[i], i == 3 ? 4 : 0) << i;
+  // Farther than two columns from the edge, and on a ring whose only step is too small for one.
+  for (const size_t i : {0U, 6U, 7U, 8U, 14U, 15U}) EXPECT_TRUE(std::isnan(edge[i])) << i;
 }
 
 TEST(Discontinuity, EmptySweep) { EXPECT_TRUE(discontinuity(Sweep{}, {}).empty()); }
@@ -92,6 +101,8 @@ TEST(DiscontinuityOptions, SaysWhatIsWrong) {
   EXPECT_TRUE((DiscontinuityOptions{.gamma = 0}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.max_gap = 0}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.no_return_step = -1}.invalid()));
+  EXPECT_TRUE((DiscontinuityOptions{.reach = -1}.invalid()));
+  EXPECT_TRUE((DiscontinuityOptions{.least_edge = 0}.invalid()));
 }
 
 TEST(Equalize, RanksBesideABruteForceCount) {

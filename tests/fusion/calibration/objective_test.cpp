@@ -31,11 +31,11 @@ CameraIntrinsics fisheye() {
 Scene smooth_scene(size_t camera, uint64_t seed) {
   Scene scene;
   scene.camera = camera;
-  for (const ImageFeature feature : {ImageFeature::kGrey, ImageFeature::kEdge}) {
+  for (const ImageFeature feature : {ImageFeature::kLocalGrey, ImageFeature::kEdge}) {
     Plane& plane = scene.image[index(feature)];
     plane.width = 200;
     plane.height = 150;
-    const double phase = feature == ImageFeature::kGrey ? 0.3 : 1.4;
+    const double phase = feature == ImageFeature::kLocalGrey ? 0.3 : 1.4;
     for (int v = 0; v < plane.height; ++v) {
       for (int u = 0; u < plane.width; ++u) {
         plane.values.push_back(static_cast<float>(0.5 + 0.4 * std::sin(0.05 * u + phase) *
@@ -55,7 +55,7 @@ Scene smooth_scene(size_t camera, uint64_t seed) {
     scene.y.push_back(static_cast<float>(b * depth));
     scene.z.push_back(static_cast<float>(depth));
     const double seen = 0.5 + 0.3 * std::sin(6.5 * a + 5.2) * std::cos(7.5 * b + 4.3);
-    scene.lidar[index(LidarFeature::kReflectivity)].push_back(
+    scene.lidar[index(LidarFeature::kRelativeReflectivity)].push_back(
         static_cast<float>(seen + draw(0, 0.1)));
     scene.lidar[index(LidarFeature::kDiscontinuity)].push_back(
         static_cast<float>(seen * seen + draw(0, 0.2)));
@@ -167,6 +167,44 @@ TEST(Objective, PointsThatLeaveThePictureKeepTheBordersValue) {
   EXPECT_TRUE(there.gradient.allFinite());
 }
 
+TEST(Objective, PointsThatAreNotComparedTakeNoPart) {
+  // The same samples whether such points lie among them or are not there at all.
+  Rig rig = make_rig({pinhole()}, kTwoTerms);
+  Scene& scene = rig.scenes.front();
+  std::vector<float>& edge = scene.lidar[index(LidarFeature::kDiscontinuity)];
+  for (size_t i = 0; i < edge.size(); i += 3) edge[i] = kNotCompared;
+  Rig few = rig;
+  Scene& thin = few.scenes.front();
+  size_t n = 0;
+  for (size_t i = 0; i < edge.size(); ++i) {
+    if (i % 3 == 0) continue;
+    for (auto* from : {&thin.x, &thin.y, &thin.z, &thin.lidar[index(LidarFeature::kDiscontinuity)],
+                       &thin.lidar[index(LidarFeature::kRelativeReflectivity)]}) {
+      (*from)[n] = (*from)[i];
+    }
+    ++n;
+  }
+  for (auto* all : {&thin.x, &thin.y, &thin.z, &thin.lidar[index(LidarFeature::kDiscontinuity)],
+                    &thin.lidar[index(LidarFeature::kRelativeReflectivity)]}) {
+    all->resize(n);
+  }
+  const std::vector<TermOptions> edges{kTwoTerms.back()};
+  const VisibilityOptions all_of_them{.occlusion_cell = 0};
+  const BlurredImages images(rig.scenes, edges, 2);
+  const VisiblePoints with = select_visible(rig.scenes, rig.cameras, rig.T, all_of_them);
+  const VisiblePoints without = select_visible(few.scenes, few.cameras, few.T, all_of_them);
+  ASSERT_GT(with.size(), without.size());
+  Objective a(with, images, rig.cameras, rig.scenes, edges);
+  Objective b(without, images, few.cameras, few.scenes, edges);
+  const Evaluation of_a = a.evaluate(rig.T, true);
+  const Evaluation of_b = b.evaluate(few.T, true);
+  EXPECT_NEAR(of_a.estimate.value, of_b.estimate.value, 1e-9);
+  EXPECT_LT((of_a.gradient - of_b.gradient).norm(), 1e-6 * of_b.gradient.norm());
+  EXPECT_LT((a.information(rig.T) - b.information(few.T)).norm(),
+            1e-6 * b.information(few.T).norm());
+  EXPECT_EQ(a.samples(rig.T, 0).image, b.samples(few.T, 0).image);
+}
+
 TEST(Objective, NoPointsAreSaid) {
   Rig rig = make_rig({pinhole()}, {{}});
   const VisiblePoints none;
@@ -179,9 +217,9 @@ TEST(BlurredImages, FromFinerOnesOrFromTheScenesAlike) {
   const Rig rig = make_rig({pinhole()}, {{}});
   const BlurredImages fine(rig.scenes, rig.terms, 2);
   const BlurredImages coarse(rig.scenes, rig.terms, 8);
-  const Plane& direct = coarse.plane(0, ImageFeature::kGrey);
+  const Plane& direct = coarse.plane(0, ImageFeature::kLocalGrey);
   const BlurredImages chain(fine, 8);
-  const Plane& chained = chain.plane(0, ImageFeature::kGrey);
+  const Plane& chained = chain.plane(0, ImageFeature::kLocalGrey);
   ASSERT_EQ(chained.step, direct.step);
   ASSERT_EQ(chained.values.size(), direct.values.size());
   for (size_t i = 0; i < direct.values.size(); ++i)

@@ -32,30 +32,35 @@ Sweep three_returns() {
 }
 
 TEST(MakeScene, KeepsReturnsWithinRange) {
-  const auto scene = make_scene(three_returns(), grey_frame(), {});
+  const auto scene = make_scene(three_returns(), grey_frame(), {.lidar = {true, true, true}});
   ASSERT_TRUE(scene);
   ASSERT_EQ(scene->size(), 1U);
   EXPECT_FLOAT_EQ(scene->x[0], 51);
   EXPECT_FLOAT_EQ(scene->lidar[index(LidarFeature::kReflectivity)][0], 0.1F);
+  EXPECT_FLOAT_EQ(scene->lidar[index(LidarFeature::kRelativeReflectivity)][0], 0.5F);
   // Its neighbour on the ring is 50 m farther, though that one is out of range itself.
   EXPECT_NEAR(scene->lidar[index(LidarFeature::kDiscontinuity)][0], std::sqrt(50.0), 1e-4);
 }
 
 TEST(MakeScene, PlanesAsTheyAre) {
-  const auto scene = make_scene(three_returns(), grey_frame(), {.equalize = false});
+  const auto scene =
+      make_scene(three_returns(), grey_frame(), {.image = {true, true, true}, .equalize = false});
   ASSERT_TRUE(scene);
   EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kGrey)].values[11], 200.0F / 255);
+  EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kLocalGrey)].values[11], 200.0F / 255);
   EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kEdge)].values[11], 180.0F / 255);
 }
 
 TEST(MakeScene, RanksDoNotKnowTheExposure) {
   CameraFrame dark = grey_frame();
   for (uint8_t& pixel : dark.pixels) pixel = static_cast<uint8_t>(pixel / 2 + 7);
-  const auto bright_scene = make_scene(three_returns(), grey_frame(), {});
-  const auto dark_scene = make_scene(three_returns(), dark, {});
+  const SceneOptions ranks{.image = {true, false, true}};
+  const auto bright_scene = make_scene(three_returns(), grey_frame(), ranks);
+  const auto dark_scene = make_scene(three_returns(), dark, ranks);
   ASSERT_TRUE(bright_scene && dark_scene);
   EXPECT_EQ(bright_scene->image[index(ImageFeature::kGrey)].values,
             dark_scene->image[index(ImageFeature::kGrey)].values);
+  EXPECT_EQ(bright_scene->image[index(ImageFeature::kEdge)].values.size(), 12U);
 }
 
 TEST(MakeScene, ColoursOfAColourPicture) {
@@ -65,7 +70,8 @@ TEST(MakeScene, ColoursOfAColourPicture) {
   frame.pixels[0] = 51;   // blue
   frame.pixels[1] = 102;  // green
   frame.pixels[2] = 153;  // red
-  const auto scene = make_scene(three_returns(), frame, {.image = {true, true, true, true, true}});
+  const auto scene =
+      make_scene(three_returns(), frame, {.image = {true, true, true, true, true, true}});
   ASSERT_TRUE(scene);
   EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kBlue)].values[0], 0.2F);
   EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kGreen)].values[0], 0.4F);

@@ -85,7 +85,7 @@ TEST(SceneStore, KeepsWhatLiesAroundTheView) {
   store.copy(Stamp::earliest(), scenes);
   ASSERT_EQ(scenes.size(), 1U);
   EXPECT_EQ(scenes[0].x, (std::vector<float>{5, 10}));
-  EXPECT_EQ(scenes[0].reflectivity, (std::vector<float>{0.1F, 0.2F}));
+  EXPECT_EQ(scenes[0].reflectivity, (std::vector<float>{0.5F, 0.5F}));  // each alone of its like
   EXPECT_EQ(scenes[0].grey.pixels.size(), 64U * 48U);
 }
 

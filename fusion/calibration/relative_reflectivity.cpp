@@ -1,0 +1,56 @@
+#include "fusion/calibration/relative_reflectivity.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace infuse::calibration {
+namespace {
+
+constexpr uint32_t kLevels = 256;
+constexpr uint32_t kRanges = 32;  // quarters of the eight octaves from 1 m on
+constexpr uint32_t kRings = 256;  // no lidar has more; others share
+
+/// Two bits of a float's mantissa follow its exponent: together they count quarters of octaves.
+uint32_t range_group(float range) {
+  const auto quarter = [](float value) { return std::bit_cast<uint32_t>(value) >> 21; };
+  const float farthest = 255;
+  return quarter(std::min(farthest, std::max(1.0F, range))) - quarter(1.0F);
+}
+
+/// The comparisons hold for no NaN, which ends as 0.
+uint32_t level(float reflectivity) {
+  const float part = std::min(1.0F, std::max(0.0F, reflectivity));
+  return static_cast<uint32_t>(part * (kLevels - 1) + 0.5F);
+}
+
+}  // namespace
+
+const std::vector<float>& RelativeReflectivity::of(std::span<const uint16_t> ring,
+                                                   std::span<const float> range,
+                                                   std::span<const float> reflectivity) {
+  const uint32_t last = ring.empty() ? 0U : *std::max_element(ring.begin(), ring.end());
+  const size_t groups = size_t{std::min(last + 1, kRings)} * kRanges;
+  count_.assign(groups * kLevels, 0U);
+  rank_.resize(count_.size());
+  cell_.resize(ring.size());
+  relative_.resize(ring.size());
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const uint32_t group = (ring[i] % kRings) * kRanges + range_group(range[i]);
+    cell_[i] = group * kLevels + level(reflectivity[i]);
+    ++count_[cell_[i]];
+  }
+  for (size_t begin = 0; begin < count_.size(); begin += kLevels) {
+    uint32_t size = 0;
+    for (size_t k = begin; k < begin + kLevels; ++k) size += count_[k];
+    uint32_t below = 0;
+    for (size_t k = begin; size > 0 && k < begin + kLevels; ++k) {
+      rank_[k] = (static_cast<float>(below) + 0.5F * static_cast<float>(count_[k])) /
+                 static_cast<float>(size);
+      below += count_[k];
+    }
+  }
+  for (size_t i = 0; i < cell_.size(); ++i) relative_[i] = rank_[cell_[i]];
+  return relative_;
+}
+
+}  // namespace infuse::calibration

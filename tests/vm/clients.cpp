@@ -1,0 +1,107 @@
+// Clients of the daemon that do what they should not.
+//
+//   vm-clients hold SOCKET SECONDS     watches everything and never reads
+//   vm-clients crowd SOCKET COUNT      connects so often at once, then lets go
+//   vm-clients refused SOCKET          asks for what is not for this user; 0: all of it was refused
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <deque>
+#include <string>
+
+#include "tests/daemon/socket_client.hpp"
+
+namespace {
+
+using infuse::daemon::SocketClient;
+
+int hold(const char* socket, unsigned seconds) {
+  SocketClient client(socket);
+  if (!client.send("{\"op\":\"watch\"}\n")) return 1;
+  sleep(seconds);
+  return 0;
+}
+
+int crowd(const char* socket, int count) {
+  rlimit files{};
+  getrlimit(RLIMIT_NOFILE, &files);
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);
+  std::deque<SocketClient> clients;
+  int connected = 0;
+  for (int i = 0; i < count; ++i) connected += clients.emplace_back(socket).connected() ? 1 : 0;
+  std::printf("%d of %d connected\n", connected, count);
+  return connected == count ? 0 : 1;
+}
+
+/// What a member of the group may not ask.
+const struct {
+  const char* what;
+  std::string line;
+} kAttempts[] = {
+    {"recalibrate", R"({"op":"recalibrate"})"},
+    {"apply", R"({"op":"apply"})"},
+    {"rollback", R"({"op":"rollback"})"},
+    {"freeze", R"({"op":"freeze"})"},
+    {"freeze off", R"({"op":"freeze","on":false})"},
+    {"record", R"({"op":"record"})"},
+    {"record elsewhere", R"({"op":"record","name":"../../../etc/x"})"},
+    {"end a recording", R"({"op":"record","on":false})"},
+    {"an op that is none", R"({"op":"shutdown"})"},
+    {"no op", "{}"},
+    {"an op that is no string", R"({"op":["poll"]})"},
+    {"no object", "[1,2,3]"},
+    {"no JSON", "GET / HTTP/1.1"},
+    {"zeros", std::string(100, '\0')},
+    {"deep nesting", R"({"op":"poll","x":)" + std::string(1500, '[')},
+    {"a line too long", std::string(5000, 'x')},
+    {"a class that is none", R"({"op":"watch","classes":["SECRETS"]})"},
+    {"a class that is no string", R"({"op":"watch","classes":[{}]})"},
+};
+
+/// The answer is an error, or the connection is closed.
+bool refused(const char* socket, const std::string& line) {
+  SocketClient client(socket);
+  if (!client.line()) return false;  // the greeting
+  client.send(line + "\n");
+  const auto answer = client.line();
+  return !answer || answer->find("\"class\":\"ERROR\"") != std::string::npos;
+}
+
+/// Of many requests at once some are refused.
+bool flood_is_limited(const char* socket) {
+  SocketClient client(socket);
+  client.line();
+  std::string lines;
+  for (int i = 0; i < 300; ++i) lines += "{\"op\":\"devices\"}\n";
+  client.send(lines);
+  for (int i = 0; i < 300; ++i) {
+    const auto answer = client.line(3000);
+    if (!answer || answer->find("\"class\":\"ERROR\"") != std::string::npos) return true;
+  }
+  return false;
+}
+
+int try_all(const char* socket) {
+  int allowed = 0;
+  const auto tell = [&](const char* what, bool was_refused) {
+    std::printf("        %-7s %s\n", was_refused ? "refused" : "ALLOWED", what);
+    allowed += was_refused ? 0 : 1;
+  };
+  for (const auto& attempt : kAttempts) tell(attempt.what, refused(socket, attempt.line));
+  tell("300 requests at once", flood_is_limited(socket));
+  return allowed == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 2 ? argv[1] : "";
+  if (what == "hold" && argc == 4) return hold(argv[2], static_cast<unsigned>(std::atoi(argv[3])));
+  if (what == "crowd" && argc == 4) return crowd(argv[2], std::atoi(argv[3]));
+  if (what == "refused" && argc == 3) return try_all(argv[2]);
+  return 2;
+}

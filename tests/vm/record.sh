@@ -1,0 +1,60 @@
+# In the guest: recordings of live sensors. Sourced by service.sh.
+cat >/etc/infuse/test.dbc <<'DBC'
+VERSION ""
+BO_ 256 MOTION: 8 X
+ SG_ YAW_RATE : 0|16@1- (0.0001,0) [0|0] "rad/s" X
+BO_ 257 WHEELS: 8 X
+ SG_ REAR_LEFT : 0|16@1+ (0.01,0) [0|0] "m/s" X
+ SG_ REAR_RIGHT : 16|16@1+ (0.01,0) [0|0] "m/s" X
+DBC
+cat >/etc/infuse/rig.toml <<'TOML'
+[[lidar]]
+name = "top"
+T_vehicle_lidar = [1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 1.8,  0, 0, 0, 1]
+[[camera]]
+name = "front"
+width = 320
+height = 240
+fx = 300
+fy = 300
+cx = 160
+cy = 120
+lidar = "top"
+T_camera_lidar = [0, -1, 0, 0,  0, 0, -1, 0,  1, 0, 0, -0.3,  0, 0, 0, 1]
+TOML
+cat >/etc/infuse/infused.toml.d/whole.toml <<'TOML'
+rig = "rig.toml"
+[[can]]
+name = "bus"
+dbc = "test.dbc"
+[can.signals]
+yaw_rate = "MOTION.YAW_RATE"
+wheel_speed_rear_left = "WHEELS.REAR_LEFT"
+wheel_speed_rear_right = "WHEELS.REAR_RIGHT"
+[record]
+min_free_mb = 0
+largest_mb = 500
+TOML
+drives=/var/lib/infuse/drives
+check "the configuration with a rig is right" infused --check-config --config /etc/infuse/infused.toml
+systemctl restart infused.service
+within 10 infuse wait-ready --timeout 5
+check "a recording of 4 s" infuse record -o whole --for 4s
+infuse status | sed -n '/RECORD/s/^/        /p'
+check "has the lidar, the bus and the camera" sh -c "test \$(stat -c %s $drives/whole/lidar.pcap) -gt 1000000 &&
+  test \$(grep -c ' vcan0 10[01]#' $drives/whole/can.log) -gt 40 && test \$(ls $drives/whole/camera_0 | grep -c png) -gt 20"
+check "is for the group, not for others" sh -c "test \$(stat -c %a $drives/whole) = 750 && test \$(stat -c %a $drives/whole/lidar.pcap) = 640"
+check "replays" sh -c "infused --replay $drives/whole --socket /tmp/replay.sock --json >/tmp/replay.json && grep -q '\"sweeps\":3[0-9]\|\"sweeps\":4' /tmp/replay.json"
+grep -o '"\(packets\|sweeps\|packets_lost\)":[0-9]*' /tmp/replay.json | tr '\n' ' ' | sed 's/^/        /'; echo
+check "a second of that name is refused" sh -c '! infuse record -o whole --for 1s'
+mount -t tmpfs -o size=2m,uid=infuse,gid=infuse,mode=750 none $drives
+systemctl restart infused.service  # it sees what was mounted before it started
+within 10 infuse wait-ready --timeout 5
+check "a full disk ends a recording" sh -c '! infuse record -o full --for 30s'
+check "and an alert says so" within 3 alert "No space left"
+check "what is there is a drive" infused --replay $drives/full --socket /tmp/replay.sock
+systemctl stop infused.service
+umount $drives
+rm /etc/infuse/infused.toml.d/whole.toml /etc/infuse/rig.toml /etc/infuse/test.dbc
+systemctl start infused.service
+check "without the rig again: OK" within 8 all_ok
