@@ -22,8 +22,8 @@ streetmap::PlanarPose planar(const Eigen::Isometry3d& T) {
 
 /// Noise of one step, of x, y and yaw. The covariance of a motion is how much that of the pose grew
 /// (Trajectory::between); with errors that last, a scale or a bias, it grows ever faster, and to
-/// draw it anew at each step would count them many times. Within one step they do no more than a
-/// wrong scale and a wrong rate can: deviations are held to that.
+/// draw it anew at each step would count them many times: the particles carry those. Within one
+/// step errors do no more than a wrong scale and a wrong rate can: deviations are held to that.
 Eigen::Matrix3d step_noise(const geometry::MotionBetween& motion, Duration step) {
   constexpr int kOrder[3] = {3, 4, 2};
   const double distance = motion.T_from_to.translation().norm();

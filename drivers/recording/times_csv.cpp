@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <map>
 
 #include "drivers/recording/csv_reader.hpp"
@@ -41,6 +42,12 @@ Result<std::map<size_t, fs::path>> numbered_files(const fs::path& folder,
   return files;
 }
 
+bool ends_with_a_line(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(-1, std::ios::end);
+  return file.get() == '\n';
+}
+
 std::string plural(size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
@@ -55,8 +62,13 @@ Result<std::vector<Stamp>> read_times(const fs::path& path) {
   std::array<std::string_view, 1> fields;
   while (csv->next(fields)) {
     const auto ns = parse_integer(fields[0]);
-    // A row that is left out would shift all that follow.
-    if (!ns) return fail("the stamp is not an integer of nanoseconds", csv->where());
+    // A row that is left out would shift all that follow; the last may be one that a power cut has
+    // left in part.
+    if (!ns) {
+      const std::string where = csv->where();
+      if (!ends_with_a_line(path) && !csv->next(fields)) break;
+      return fail("the stamp is not an integer of nanoseconds", where);
+    }
     if (stamps.size() == kMaxRows) return fail("has more than ten million rows", path.string());
     stamps.push_back(Stamp::from_ns(*ns));
   }

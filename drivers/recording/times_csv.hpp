@@ -24,7 +24,8 @@ struct FileSequence {
 };
 
 /// Reads a times.csv: a header line that names the columns, one of them `stamp_ns` (integers); row
-/// k (from 0) belongs to file number k. At most ten million rows.
+/// k (from 0) belongs to file number k. At most ten million rows. A last row that is no number and
+/// has no end is left out: a power cut has ended it.
 Result<std::vector<Stamp>> read_times(const std::filesystem::path& path);
 
 /// Writes a times.csv; where `sources` is not empty, a second column tells where each came from.

@@ -77,7 +77,7 @@ void one_picture(std::ostream& out) {
   const DriveMap made = make_map("street");
   out << "## One picture (I table 3.3, 3.6, figure 3.12)\n\n"
       << "The drive `street` (fixtures/scenarios/online_2hz.toml): " << shots.size()
-      << " pictures of 640 columns and more, reduced; mean ± one deviation of the error; time a\n"
+      << " pictures, reduced by 8; mean ± one deviation of the error; time a\n"
       << "pose relative to LSMI's, one thread.\n\n"
       << "| measure | across, m | heading, ° | time a pose | pictures |\n|---|---|---|---|---|\n";
   double unit = 0;

@@ -3,6 +3,7 @@
 pid=$(systemctl show -P MainPID infused)
 resident() { awk '/^VmRSS/ {print $2}' "/proc/$pid/status"; }
 descriptors() { ls "/proc/$pid/fd" | wc -l; }
+sleep 20  # until every slot of every ring has been used once
 resident_before=$(resident) descriptors_before=$(descriptors)
 /work/vm-clients hold /run/infuse/infused.sock 600 & holder=$!
 

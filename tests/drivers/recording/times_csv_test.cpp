@@ -34,6 +34,18 @@ TEST(TimesCsv, ABadRowIsAnErrorWithItsLine) {
   EXPECT_FALSE(read_times(folder / "missing.csv"));
 }
 
+TEST(TimesCsv, ALastRowThatAPowerCutLeftIsPassedOver) {
+  const ScratchFolder folder;
+  for (const std::string& rest : {std::string("-"), std::string(7, '\0')}) {
+    folder.write("times.csv", "stamp_ns\n1\n2\n" + rest);
+    const auto times = read_times(folder / "times.csv");
+    ASSERT_TRUE(times) << times.error().message();
+    EXPECT_THAT(*times, ElementsAre(Stamp::from_ns(1), Stamp::from_ns(2)));
+  }
+  folder.write("times.csv", "stamp_ns\n1\n-\n2");
+  EXPECT_THAT(read_times(folder / "times.csv").error().message(), HasSubstr("times.csv:3: "));
+}
+
 TEST(TimesCsv, WhatIsWrittenIsRead) {
   const ScratchFolder folder;
   const std::vector<Stamp> stamps = {Stamp::from_ns(1'700'000'000'123'456'789), Stamp::earliest()};
