@@ -11,15 +11,16 @@ namespace infuse::calibration {
 namespace {
 
 /// Bilinear look-up of one block of points, I 4.3.1.4, with its derivatives by the pixel. Outside
-/// the picture: the border's value, and no derivative across it.
-void look_up_block(const Plane& plane, std::span<const float> u, std::span<const float> v,
-                   float* value, float* by_u, float* by_v) {
+/// the picture: the border's value, and no derivative across it. Points whose `lidar` is not
+/// compared are passed over.
+void look_up_block(const Plane& plane, std::span<const float> lidar, std::span<const float> u,
+                   std::span<const float> v, float* value, float* by_u, float* by_v) {
   const auto right = static_cast<float>(plane.width - 1) - 1e-3F;
   const auto bottom = static_cast<float>(plane.height - 1) - 1e-3F;
   const float scale = 1.0F / static_cast<float>(plane.step);
   const float* pixels = plane.values.data();
   for (size_t i = 0; i < u.size(); ++i) {
-    if (std::isnan(u[i])) {
+    if (std::isnan(u[i]) || std::isnan(lidar[i])) {
       value[i] = dependence::kAbsent;
       by_u[i] = by_v[i] = 0;
       continue;
@@ -132,9 +133,11 @@ void Objective::project(const Eigen::Isometry3d& T_head_lidar) {
   }
 }
 
-void Objective::look_up(ImageFeature feature) {
+void Objective::look_up(const TermOptions& term) {
+  const std::span<const float> lidar(points_.lidar[index(term.lidar)]);
   for (const VisiblePoints::Block& block : points_.blocks) {
-    look_up_block(images_->plane(block.scene, feature), part<const float>(u_, block),
+    look_up_block(images_->plane(block.scene, term.image),
+                  lidar.subspan(block.begin, block.end - block.begin), part<const float>(u_, block),
                   part<const float>(v_, block), &value_[block.begin], &value_by_u_[block.begin],
                   &value_by_v_[block.begin]);
   }
@@ -151,7 +154,7 @@ dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_
     std::fill(by_v_.begin(), by_v_.end(), 0.0F);
   }
   for (Term& term : terms_) {
-    look_up(term.options.image);
+    look_up(term.options);
     const dependence::Estimate one = term.dependence->evaluate(
         value_, with_gradient ? std::span<float>(by_value_) : std::span<float>());
     sum.value += term.options.weight * one.value;
@@ -201,7 +204,7 @@ std::vector<geometry::Vector6> Objective::scene_gradients(const Eigen::Isometry3
 Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, size_t term) {
   const TermOptions& options = terms_[term].options;
   project(T_head_lidar);
-  look_up(options.image);
+  look_up(options);
   const std::vector<float>& lidar = points_.lidar[index(options.lidar)];
   Samples samples;
   for (const uint32_t i : taking_part(lidar)) {

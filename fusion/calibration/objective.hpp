@@ -92,7 +92,7 @@ class Objective {
     std::unique_ptr<DependenceTerm> dependence;
   };
   void project(const Eigen::Isometry3d& T_head_lidar);
-  void look_up(ImageFeature feature);
+  void look_up(const TermOptions& term);
   /// `of_samples`: what each sample adds to n times a term, in place of what it adds to the term.
   dependence::Estimate differentiate_pixels(const Eigen::Isometry3d& T_head_lidar,
                                             bool with_gradient, bool of_samples = false);

@@ -6,7 +6,8 @@ namespace infuse::calibration {
 namespace {
 
 constexpr double kDegree = M_PI / 180;
-constexpr size_t kFewest = 100;  // points: with fewer the measure is all noise
+constexpr size_t kMostEach = 8'000;  // points a scene, on the whole
+constexpr size_t kFewest = 100;      // points: with fewer the measure is all noise
 
 double share_of_worse(Objective& measure, const Eigen::Isometry3d& T, double value) {
   int worse = 0;
@@ -26,7 +27,7 @@ double share_of_worse(Objective& measure, const Eigen::Isometry3d& T, double val
 std::vector<SceneSupport> scene_support(CoarseToFine& search, const Eigen::Isometry3d& T_head_lidar,
                                         size_t scenes, double sigma) {
   std::vector<SceneSupport> all(scenes);
-  const VisiblePoints points = search.visible(T_head_lidar, 0);
+  const VisiblePoints points = search.visible(T_head_lidar, scenes * kMostEach);
   for (const VisiblePoints::Block& block : points.blocks) {
     SceneSupport& scene = all[block.scene];
     scene.points = block.end - block.begin;
