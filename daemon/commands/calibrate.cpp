@@ -32,6 +32,14 @@ struct Arguments {
   bool json = false;
 };
 
+std::string measure_names() {
+  std::string names;
+  for (const auto& measure : calibration::named_measures()) {
+    names += (names.empty() ? "" : ", ") + std::string(measure.name);
+  }
+  return names;
+}
+
 std::optional<std::string> wrong_usage(const Arguments& arguments) {
   if (arguments.request.scenes < 1 || arguments.request.scenes > 1000) {
     return "--scenes must lie in 1 ... 1000";
@@ -45,11 +53,7 @@ std::optional<std::string> wrong_usage(const Arguments& arguments) {
   }
   for (const std::string& name : arguments.measures) {
     if (calibration::find_measure(name) != nullptr) continue;
-    std::string names;
-    for (const auto& measure : calibration::named_measures()) {
-      names += (names.empty() ? "" : ", ") + std::string(measure.name);
-    }
-    return "there is no measure '" + name + "'; choose of " + names;
+    return "there is no measure '" + name + "'; choose of " + measure_names();
   }
   return std::nullopt;
 }
@@ -191,7 +195,8 @@ Command declare_calibrate(CLI::App& infuse) {
   app->add_option("--lidar", arguments->request.lidar, "which; default: the camera's")
       ->type_name("NAME");
   app->add_option("--measure", arguments->measures,
-                  "what is maximised (joint); several are compared, the first one counts")
+                  "what is maximised (joint), of " + measure_names() +
+                      "; several are compared, the first one counts")
       ->type_name("NAME");
   app->add_option("--scenes", arguments->request.scenes, "pictures that take part at most (20)")
       ->type_name("N");

@@ -30,7 +30,8 @@ const std::vector<float>& RelativeReflectivity::of(std::span<const uint16_t> rin
                                                    std::span<const float> reflectivity) {
   const uint32_t last = ring.empty() ? 0U : *std::max_element(ring.begin(), ring.end());
   const size_t groups = size_t{std::min(last + 1, kRings)} * kRanges;
-  count_.assign(groups * kLevels, 0U);
+  size_.assign(groups, 0U);
+  if (count_.size() < groups * kLevels) count_.resize(groups * kLevels, 0U);
   rank_.resize(count_.size());
   cell_.resize(ring.size());
   relative_.resize(ring.size());
@@ -38,15 +39,16 @@ const std::vector<float>& RelativeReflectivity::of(std::span<const uint16_t> rin
     const uint32_t group = (ring[i] % kRings) * kRanges + range_group(range[i]);
     cell_[i] = group * kLevels + level(reflectivity[i]);
     ++count_[cell_[i]];
+    ++size_[group];
   }
-  for (size_t begin = 0; begin < count_.size(); begin += kLevels) {
-    uint32_t size = 0;
-    for (size_t k = begin; k < begin + kLevels; ++k) size += count_[k];
+  for (size_t group = 0; group < groups; ++group) {
+    if (size_[group] == 0) continue;
+    const float scale = 1.0F / static_cast<float>(size_[group]);
     uint32_t below = 0;
-    for (size_t k = begin; size > 0 && k < begin + kLevels; ++k) {
-      rank_[k] = (static_cast<float>(below) + 0.5F * static_cast<float>(count_[k])) /
-                 static_cast<float>(size);
+    for (size_t k = group * kLevels; k < (group + 1) * kLevels; ++k) {
+      rank_[k] = scale * (static_cast<float>(below) + 0.5F * static_cast<float>(count_[k]));
       below += count_[k];
+      count_[k] = 0;
     }
   }
   for (size_t i = 0; i < cell_.size(); ++i) relative_[i] = rank_[cell_[i]];

@@ -24,7 +24,8 @@ class RelativeReflectivity {
                                std::span<const float> reflectivity);
 
  private:
-  std::vector<uint32_t> count_;  ///< by group and level
+  std::vector<uint32_t> size_;   ///< by group of beam and range
+  std::vector<uint32_t> count_;  ///< by group and level; all 0 between calls
   std::vector<float> rank_;      ///< likewise
   std::vector<uint32_t> cell_;   ///< of each return
   std::vector<float> relative_;
