@@ -184,6 +184,9 @@ WatchReport Watch::take(const CameraFrame& grey, const SweepView& sweep, const M
     }
   }
   judge(report);
+  // Scenes of the calibration that was look better than those of the one that is, and would keep
+  // their places from them.
+  if (report.drift == Drift::kDrifted) store_.forget_before(report.since);
   return report;
 }
 
