@@ -77,17 +77,6 @@ Result<Eigen::Isometry3d> start_of(const Arguments& arguments, const ScenePairs&
   return mount->T_camera_lidar;
 }
 
-/// Moved at random, evenly within ± the two about and along each axis.
-Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, const Arguments& arguments) {
-  std::mt19937_64 random(arguments.seed);
-  geometry::Vector6 xi;
-  for (int k = 0; k < 6; ++k) {
-    const double even = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
-    xi(k) = even * (k < 3 ? arguments.perturb[0] * kRadians : arguments.perturb[1]);
-  }
-  return geometry::exp(xi) * T;
-}
-
 int refuse(const Arguments& arguments, const ScenePairs& pairs) {
   const std::string reason = "no picture has a sweep near it in time";
   if (arguments.json) {
@@ -155,8 +144,10 @@ int run(const Arguments& arguments) {
   for (size_t k = 0; k < arguments.measures.size(); ++k) {
     line.show(0.5 + 0.5 * static_cast<double>(k) / static_cast<double>(arguments.measures.size()),
               fmt::format("{} scenes, {}", pairs->pairs.size(), arguments.measures[k]));
-    auto calibrated = run_calibration(*pairs, *calibration::find_measure(arguments.measures[k]),
-                                      perturbed(*start, arguments), options);
+    std::mt19937_64 random(arguments.seed);  // every measure from the same start
+    auto calibrated = run_calibration(
+        *pairs, *calibration::find_measure(arguments.measures[k]),
+        perturbed(*start, arguments.perturb[0] * kRadians, arguments.perturb[1], random), options);
     if (!calibrated) {
       line.clear();
       return complain(kProgram, calibrated.error(), kUnreadable);

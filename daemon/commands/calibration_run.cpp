@@ -75,6 +75,17 @@ std::string spread_text(const geometry::Matrix6& covariance) {
 
 }  // namespace
 
+Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, double angle, double length,
+                            std::mt19937_64& random) {
+  geometry::Vector6 xi;
+  for (int k = 0; k < 6; ++k) {
+    // The standard's distributions differ between libraries.
+    const double even = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
+    xi(k) = even * (k < 3 ? angle : length);
+  }
+  return geometry::exp(xi) * T;
+}
+
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& start,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,10 @@ struct CalibrationRun {
   calibration::CalibrationResult result;
   double cpu_s = 0;
 };
+
+/// Moved at random, evenly within ± `angle` (rad) about and ± `length` (m) along each axis.
+Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, double angle, double length,
+                            std::mt19937_64& random);
 
 /// Calibrates with a named measure. Errors: a pair of which no scene can be made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,

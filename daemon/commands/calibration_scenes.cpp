@@ -7,9 +7,8 @@
 #include <iterator>
 #include <map>
 
+#include "daemon/commands/play_lidar.hpp"
 #include "daemon/commands/sweep_pairing.hpp"
-#include "daemon/pipeline/drive_setup.hpp"
-#include "daemon/pipeline/vehicle_intake.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/times_csv.hpp"
 
@@ -94,31 +93,17 @@ std::vector<PairedSweep> pair_sweeps(OpenDrive& open,
   const Rig& rig = open.drive.description.rig;
   SweepPairing pairing(rig.lidars[open.lidar].T_vehicle_lidar, open.setup.vehicle.has_odometry());
   for (const recording::SequenceEntry& picture : pictures) pairing.want(picture.stamp);
-  LidarIntake intake(open.setup.lidars[open.lidar]);
-  VehicleIntake vehicle(open.setup.vehicle);
   const auto on_sweep = [&](Sweep& sweep) { pairing.take(sweep); };
   const auto on_sample = [&](const VehicleSample& sample) { pairing.take(sample); };
-  recording::DriveEvent event;
   const double span =
       pictures.empty() ? 1 : to_seconds(pictures.back().stamp - pictures.front().stamp);
-  while (!pairing.done() && open.setup.source.next(event)) {
-    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
-      if (datagram->lidar == open.lidar) intake.take(datagram->datagram, on_sweep);
-    } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-      if (sweep->lidar == open.lidar) intake.take(*sweep->sweep, on_sweep);
-    } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
-      vehicle.take_line(bus->line, event.stamp, on_sample);
-    } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
-      on_sample(*imu);
-    } else if (const auto* fix = std::get_if<GpsFix>(&event.content)) {
-      on_sample(*fix);
-    }
-    pairing.advance(event.stamp);
+  play_lidar(open.setup, open.lidar, on_sweep, on_sample, [&](Stamp now) {
+    pairing.advance(now);
     if (!pictures.empty() && span > 0) {
-      progress(std::clamp(to_seconds(event.stamp - pictures.front().stamp) / span, 0.0, 1.0));
+      progress(std::clamp(to_seconds(now - pictures.front().stamp) / span, 0.0, 1.0));
     }
-  }
-  intake.finish(on_sweep);
+    return !pairing.done();
+  });
   return pairing.finish();
 }
 

@@ -7,10 +7,9 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/play_lidar.hpp"
 #include "daemon/commands/straight_sweeps.hpp"
 #include "daemon/commands/sweep_picture.hpp"
-#include "daemon/pipeline/drive_setup.hpp"
-#include "daemon/pipeline/vehicle_intake.hpp"
 #include "daemon/protocol/counters_json.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/recording/sweep_export.hpp"
@@ -119,32 +118,17 @@ Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name) {
 
 /// Reads the drive until the writer has what it wants.
 void decode(DriveSetup& setup, size_t lidar, bool straight, Writer& writer) {
-  LidarIntake intake(setup.lidars[lidar]);
-  VehicleIntake vehicle(setup.vehicle);
   StraightSweeps sweeps(setup.rig.lidars[lidar].T_vehicle_lidar, {});
   const auto on_sweep = [&](Sweep& sweep) { straight ? sweeps.take(sweep) : writer.take(sweep); };
   const auto on_sample = [&](const VehicleSample& sample) { sweeps.take(sample); };
   const auto on_straight = [&](const Sweep& sweep, const motion::StraightSweep& moved) {
     writer.take(sweep, moved);
   };
-  recording::DriveEvent event;
-  while (!writer.done() && setup.source.next(event)) {
-    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
-      if (datagram->lidar == lidar) intake.take(datagram->datagram, on_sweep);
-    } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-      if (sweep->lidar == lidar) intake.take(*sweep->sweep, on_sweep);
-    } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
-      vehicle.take_line(bus->line, event.stamp, on_sample);
-    } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
-      on_sample(*imu);
-    } else if (const auto* fix = std::get_if<GpsFix>(&event.content)) {
-      on_sample(*fix);
-    }
-    sweeps.release(event.stamp, on_straight);
-  }
-  if (writer.done()) return;
-  intake.finish(on_sweep);
-  sweeps.finish(on_straight);
+  play_lidar(setup, lidar, on_sweep, on_sample, [&](Stamp now) {
+    sweeps.release(now, on_straight);
+    return !writer.done();
+  });
+  if (!writer.done()) sweeps.finish(on_straight);
 }
 
 int run(const Arguments& arguments) {

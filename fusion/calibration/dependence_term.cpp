@@ -22,14 +22,14 @@ class HistogramTerm : public DependenceTerm {
       : measure_(measure),
         window_(window),
         chosen_(std::move(chosen)),
-        image_(chosen_.size()),
-        gradient_(chosen_.size()),
         histogram_(lidar, {.x = {.bins = bins}, .y = {.bins = bins}, .window = window}) {}
 
   Estimate evaluate(std::span<const float> image, std::span<float> gradient) override {
     if (chosen_.size() == image.size()) return ask(image, gradient);
+    image_.resize(chosen_.size());
     for (size_t k = 0; k < chosen_.size(); ++k) image_[k] = image[chosen_[k]];
     if (gradient.empty()) return ask(image_, {});
+    gradient_.resize(chosen_.size());
     const Estimate estimate = ask(image_, gradient_);
     std::fill(gradient.begin(), gradient.end(), 0.0F);
     for (size_t k = 0; k < chosen_.size(); ++k) gradient[chosen_[k]] = gradient_[k];
@@ -51,7 +51,7 @@ class HistogramTerm : public DependenceTerm {
   Measure measure_;
   dependence::Window window_;
   std::vector<uint32_t> chosen_;
-  std::vector<float> image_, gradient_;  // of the chosen
+  std::vector<float> image_, gradient_;  // of the chosen, where not all are
   dependence::PreparedHistogram histogram_;
 };
 

@@ -33,6 +33,27 @@ std::optional<std::string> SceneOptions::invalid() const {
   return std::nullopt;
 }
 
+PerImageFeature<Plane> picture_features(const CameraFrame& frame,
+                                        const PerImageFeature<bool>& wanted, bool equalize) {
+  const auto shown = [&](ImageFeature feature) { return wanted[index(feature)]; };
+  PerImageFeature<Plane> image;
+  const Plane grey = grey_plane(frame);
+  if (shown(ImageFeature::kLocalGrey)) {
+    image[index(ImageFeature::kLocalGrey)] = scaled(grey, 1.0F / 255.0F);
+  }
+  const auto finish = [&](Plane plane) {
+    return equalize ? equalized(std::move(plane)) : scaled(std::move(plane), 1.0F / 255.0F);
+  };
+  if (shown(ImageFeature::kEdge)) image[index(ImageFeature::kEdge)] = finish(edge_strength(grey));
+  if (shown(ImageFeature::kGrey)) image[index(ImageFeature::kGrey)] = finish(grey);
+  constexpr std::pair<ImageFeature, size_t> kColours[] = {
+      {ImageFeature::kBlue, 0}, {ImageFeature::kGreen, 1}, {ImageFeature::kRed, 2}};
+  for (const auto& [feature, channel] : kColours) {
+    if (shown(feature)) image[index(feature)] = colour_plane(frame, channel);
+  }
+  return image;
+}
+
 Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
                          const SceneOptions& options) {
   if (frame.format != PixelFormat::kGrey8 && frame.format != PixelFormat::kBgr8) {
@@ -43,7 +64,6 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
     return fail("the picture is empty");
   }
   const auto wanted = [&](LidarFeature feature) { return options.lidar[index(feature)]; };
-  const auto shown = [&](ImageFeature feature) { return options.image[index(feature)]; };
 
   Scene scene;
   std::vector<float> edge;
@@ -68,21 +88,7 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
   }
   if (scene.size() == 0) return fail("the sweep has no return between min_range and max_range");
 
-  const Plane grey = grey_plane(frame);
-  if (shown(ImageFeature::kLocalGrey)) {
-    scene.image[index(ImageFeature::kLocalGrey)] = scaled(grey, 1.0F / 255.0F);
-  }
-  const auto finish = [&](Plane plane) {
-    return options.equalize ? equalized(std::move(plane)) : scaled(std::move(plane), 1.0F / 255.0F);
-  };
-  if (shown(ImageFeature::kEdge))
-    scene.image[index(ImageFeature::kEdge)] = finish(edge_strength(grey));
-  if (shown(ImageFeature::kGrey)) scene.image[index(ImageFeature::kGrey)] = finish(grey);
-  constexpr std::pair<ImageFeature, size_t> kColours[] = {
-      {ImageFeature::kBlue, 0}, {ImageFeature::kGreen, 1}, {ImageFeature::kRed, 2}};
-  for (const auto& [feature, channel] : kColours) {
-    if (shown(feature)) scene.image[index(feature)] = colour_plane(frame, channel);
-  }
+  scene.image = picture_features(frame, options.image, options.equalize);
   return scene;
 }
 

@@ -40,6 +40,11 @@ struct Scene {
   size_t size() const { return x.size(); }
 };
 
+/// The features of a kGrey8 or kBgr8 picture that are `wanted`, grey and edge strength by rank
+/// where `equalize` says so; the other planes stay empty.
+PerImageFeature<Plane> picture_features(const CameraFrame& frame,
+                                        const PerImageFeature<bool>& wanted, bool equalize);
+
 /// Computes the features. The sweep should be corrected for motion to the picture's exposure.
 /// Errors: a picture or a sweep with nothing in it, a Bayer mosaic.
 Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame, const SceneOptions& options);

@@ -17,8 +17,7 @@ constexpr float kHiddenStep = 0.3F;   // m, is hidden
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr int kMaxGap = 4;  // columns between neighbours on a ring
 constexpr size_t kLevels = 1024;
-constexpr float kReach = 0.03F;     // rad
-constexpr float kLeastEdge = 0.5F;  // m
+constexpr calibration::DiscontinuityOptions kEdges;
 
 }  // namespace
 
@@ -44,18 +43,19 @@ void QuickPoints::find_discontinuity(const SweepView& sweep) {
   for (float& step : discontinuity_) step = std::sqrt(step);
 }
 
-/// NaN for returns farther along their ring than `kReach` from any edge, as
-/// `calibration::DiscontinuityOptions::reach` has it.
+/// NaN for returns farther along their ring any edge than
+/// `calibration::DiscontinuityOptions::reach`.
 void QuickPoints::leave_out_far_from_edges(const SweepView& sweep) {
   near_edge_.assign(sweep.size(), 0);
   const auto mark = [&](size_t i) {
     uint32_t& edge = last_of_ring_[sweep.ring[i]];
-    if (discontinuity_[i] >= kLeastEdge) edge = static_cast<uint32_t>(i);
+    if (discontinuity_[i] >= kEdges.least_edge) edge = static_cast<uint32_t>(i);
     if (edge == kNone) return;
     const float ax = sweep.points.x[i], ay = sweep.points.y[i];
     const float bx = sweep.points.x[edge], by = sweep.points.y[edge];
     const float dot = ax * bx + ay * by;
-    if (dot > 0 && std::abs(ax * by - ay * bx) <= kReach * dot) near_edge_[i] = 1;
+    if (dot > 0 && std::abs(ax * by - ay * bx) <= static_cast<float>(kEdges.reach) * dot)
+      near_edge_[i] = 1;
   };
   std::fill(last_of_ring_.begin(), last_of_ring_.end(), kNone);
   for (size_t i = 0; i < sweep.size(); ++i) mark(i);

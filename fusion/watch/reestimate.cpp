@@ -11,7 +11,6 @@
 namespace infuse::watch {
 namespace {
 
-using calibration::ImageFeature;
 using calibration::LidarFeature;
 
 /// What halves of the scenes may differ by because they show different things.
@@ -22,12 +21,8 @@ calibration::Scene to_scene(const StoredScene& stored) {
   calibration::Scene scene{.x = stored.x, .y = stored.y, .z = stored.z};
   scene.lidar[calibration::index(LidarFeature::kRelativeReflectivity)] = stored.reflectivity;
   scene.lidar[calibration::index(LidarFeature::kDiscontinuity)] = stored.discontinuity;
-  const calibration::Plane grey = calibration::grey_plane(stored.grey);
-  scene.image[calibration::index(ImageFeature::kEdge)] =
-      calibration::equalized(calibration::edge_strength(grey));
-  calibration::Plane& local = scene.image[calibration::index(ImageFeature::kLocalGrey)];
-  local = grey;
-  for (float& value : local.values) value /= 255.0F;
+  const calibration::SceneOptions usual;
+  scene.image = calibration::picture_features(stored.grey, usual.image, usual.equalize);
   return scene;
 }
 
@@ -37,7 +32,8 @@ calibration::CalibrateOptions settings(const ReestimateOptions& options) {
   out.coarse = {
       {.sigma = 4, .tolerance = 1e-2, .anchor = 0.3, .survivors = std::max(options.starts, 2) / 2},
       {.sigma = 2, .tolerance = 5e-3, .anchor = 0.05}};
-  out.fine = {{.sigma = 2, .points = options.points}, {.sigma = 1, .points = options.points, .passes = 2}};
+  out.fine = {{.sigma = 2, .points = options.points},
+              {.sigma = 1, .points = options.points, .passes = 2}};
   out.screen.half_width = options.start_rotation;
   out.screen.kept = options.starts - 1;
   out.restarts = options.starts;

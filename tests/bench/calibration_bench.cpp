@@ -2,20 +2,20 @@
 // measure reaches on the same scans, how the spread falls with the number of scans and what is told
 // of it (P fig. 3.16, I fig. 4.9). Times are processor seconds of a calibration.
 //
-// Drives are rendered once into build/bench-drives (INFUSE_CALIBRATION_DRIVES names another
-// folder). INFUSE_STARTS says how many starts are tried; 10 otherwise.
+// Drives are rendered once (`rendered_drive.hpp`). INFUSE_STARTS says how many starts are tried; 10
+// otherwise.
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <map>
 #include <random>
 
 #include "daemon/commands/calibration_run.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
+#include "tests/bench/rendered_drive.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -28,19 +28,13 @@ constexpr double kDegree = M_PI / 180;
 const ScenePairs& pairs_of(const std::string& scenario) {
   static std::map<std::string, ScenePairs> all;
   if (const auto at = all.find(scenario); at != all.end()) return at->second;
-  const char* given = std::getenv("INFUSE_CALIBRATION_DRIVES");
-  const std::filesystem::path folder =
-      std::filesystem::path(given == nullptr ? INFUSE_DRIVES : given) / scenario;
-  if (!std::filesystem::exists(folder / "drive.toml")) {
-    std::filesystem::create_directories(folder.parent_path());
-    const std::string command = std::string(INFUSE_BINARIES) + "/infuse-simulate " +
-                                INFUSE_SOURCE_DIR + "/fixtures/scenarios/" + scenario +
-                                ".toml -o " + folder.string() + " > /dev/null";
-    if (std::system(command.c_str()) != 0)
-      std::fprintf(stderr, "cannot render %s\n", command.c_str());
+  auto pairs = read_scene_pairs({.drives = {rendered_drive(scenario).string()}, .scenes = 20},
+                                [](double) {});
+  if (!pairs || !pairs->truth) {
+    std::fprintf(stderr, "%s: cannot be read, or has no truth\n", scenario.c_str());
+    std::exit(1);
   }
-  auto pairs = read_scene_pairs({.drives = {folder.string()}, .scenes = 20}, [](double) {});
-  return all.emplace(scenario, pairs ? *std::move(pairs) : ScenePairs{}).first->second;
+  return all.emplace(scenario, *std::move(pairs)).first->second;
 }
 
 /// Some of the pairs.
@@ -49,16 +43,6 @@ ScenePairs part_of(const ScenePairs& pairs, const std::vector<size_t>& chosen) {
   part.truth = pairs.truth;
   for (const size_t k : chosen) part.pairs.push_back(pairs.pairs[k]);
   return part;
-}
-
-/// Even within ± `angle` about and ± `length` along each axis.
-Eigen::Isometry3d moved(const Eigen::Isometry3d& T, std::mt19937_64& random, double angle,
-                        double length) {
-  Vector6 xi;
-  for (int k = 0; k < 6; ++k) {
-    xi(k) = (static_cast<double>(random() >> 11) * 0x1p-52 - 1.0) * (k < 3 ? angle : length);
-  }
-  return geometry::exp(xi) * T;
 }
 
 struct Outcome {
@@ -102,7 +86,7 @@ void starts(benchmark::State& state, const std::string& scenario) {
       calibration::CalibrateOptions options;
       options.screen.half_width = 10 * kDegree;
       const Outcome outcome =
-          run(pairs, "joint", moved(*pairs.truth, random, 10 * kDegree, 0.1), options);
+          run(pairs, "joint", perturbed(*pairs.truth, 10 * kDegree, 0.1, random), options);
       seconds.push_back(outcome.cpu_s);
       if (outcome.rotation < 0.1 * kDegree && outcome.translation < 0.03) {
         ++home;
@@ -127,7 +111,8 @@ void reach(benchmark::State& state, const std::string& scenario, const char* mea
   for (auto _ : state) {
     std::mt19937_64 random(2);
     for (int k = 0; k < 3; ++k) {
-      const Outcome outcome = run(pairs, measure, moved(*pairs.truth, random, kDegree, 0.05), {});
+      const Outcome outcome =
+          run(pairs, measure, perturbed(*pairs.truth, kDegree, 0.05, random), {});
       rotation.push_back(outcome.rotation);
       translation.push_back(outcome.translation);
       seconds.push_back(outcome.cpu_s);

@@ -3,7 +3,7 @@
 // on the same drives: the online test of Levinson and Thrun, and mutual information of reflectivity
 // and grey alone in the same sequential test.
 //
-// Drives are rendered once into build/bench-drives (INFUSE_ONLINE_DRIVES names another folder).
+// Drives are rendered once (`rendered_drive.hpp`).
 
 #include <benchmark/benchmark.h>
 
@@ -16,6 +16,7 @@
 #include "fusion/watch/decision.hpp"
 #include "tests/bench/levinson_thrun.hpp"
 #include "tests/bench/online_drive.hpp"
+#include "tests/bench/rendered_drive.hpp"
 
 namespace infuse::online {
 namespace {
@@ -31,18 +32,7 @@ const Drive& drive_of(const std::string& scenario) {
   static std::map<std::string, std::unique_ptr<Drive>> drives;
   std::unique_ptr<Drive>& drive = drives[scenario];
   if (drive) return *drive;
-  const char* given = std::getenv("INFUSE_ONLINE_DRIVES");
-  const std::filesystem::path folder =
-      std::filesystem::path(given == nullptr ? INFUSE_DRIVES : given) / scenario;
-  if (!std::filesystem::exists(folder / "drive.toml")) {
-    std::filesystem::create_directories(folder.parent_path());
-    const std::string command = std::string(INFUSE_BINARIES) + "/infuse-simulate " +
-                                INFUSE_SOURCE_DIR + "/fixtures/scenarios/" + scenario +
-                                ".toml -o " + folder.string() + " > /dev/null";
-    if (std::system(command.c_str()) != 0)
-      std::fprintf(stderr, "cannot render %s\n", command.c_str());
-  }
-  auto read = read_drive(folder);
+  auto read = read_drive(rendered_drive(scenario));
   drive = std::make_unique<Drive>(read ? *std::move(read) : Drive{});
   return *drive;
 }

@@ -16,11 +16,12 @@
 #include "fusion/geometry/trajectory.hpp"
 #include "fusion/motion/compensation.hpp"
 #include "fusion/streetmap/rasterise.hpp"
+#include "tests/bench/rendered_drive.hpp"
 
 namespace infuse::streetmap::bench {
 namespace {
 
-const std::filesystem::path kDrives = INFUSE_DRIVES;
+const std::filesystem::path kDrives = bench_drives();
 constexpr double kInterval = 0.4;      // s between views, at least
 constexpr double kNearPicture = 0.12;  // s from a sweep's middle
 
@@ -139,9 +140,6 @@ std::vector<View> read_cache(const std::filesystem::path& path) {
 }  // namespace
 
 bool render(const std::string& drive) {
-  const std::filesystem::path folder = kDrives / drive;
-  if (std::filesystem::exists(folder / "truth/poses.tum")) return true;
-  const std::filesystem::path source = INFUSE_SOURCE_DIR;
   std::string scenario = drive == "street" ? "online_2hz" : drive, more;
   if (drive.starts_with("kitti_")) {
     const char* data = std::getenv("INFUSE_REAL_DATA");
@@ -154,12 +152,7 @@ bool render(const std::string& drive) {
     scenario = "kitti_route";
     more = " --map " + recorded + ".osm.bz2 --trajectory " + recorded + ".txt.bz2";
   }
-  std::filesystem::create_directories(kDrives);
-  const std::string command = std::string(INFUSE_BINARIES) + "/infuse-simulate " +
-                              (source / "fixtures/scenarios" / (scenario + ".toml")).string() +
-                              more + " -o " + folder.string();
-  std::fprintf(stderr, "%s\n", command.c_str());
-  return std::system(command.c_str()) == 0;
+  return std::filesystem::exists(rendered_drive(scenario, drive, more) / "drive.toml");
 }
 
 std::vector<View> read_views(const std::string& drive) {

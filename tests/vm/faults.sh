@@ -5,18 +5,18 @@ resident() { awk '/^VmRSS/ {print $2}' "/proc/$pid/status"; }
 descriptors() { ls "/proc/$pid/fd" | wc -l; }
 sleep 20  # until every slot of every ring has been used once
 resident_before=$(resident) descriptors_before=$(descriptors)
-/work/vm-clients hold /run/infuse/infused.sock 600 & holder=$!
+/proof/vm-clients hold /run/infuse/infused.sock 600 & holder=$!
 
 ip link set vcan0 down
 check "CAN interface down: unavailable" within 5 sh -c 'infuse status | grep -q "interface is down"'
 ip link set vcan0 up
-canplayer -l i -I /work/can.log vcan0=vcan0 >/dev/null 2>&1 & player2=$!
+canplayer -l i -I /proof/can.log vcan0=vcan0 >/dev/null 2>&1 & player2=$!
 check "up again: it delivers, without a restart" within 8 well bus
 for _ in 1 2 3; do cansend vcan0 20000040#0000000000000000; sleep 0.05; done
 kill $player $player2 2>/dev/null; wait $player $player2 2>/dev/null
 cansend vcan0 20000040#0000000000000000
 check "CAN bus-off is told" within 5 sh -c 'infuse status | grep -q bus-off'
-canplayer -l i -I /work/can.log vcan0=vcan0 >/dev/null 2>&1 & player=$!
+canplayer -l i -I /proof/can.log vcan0=vcan0 >/dev/null 2>&1 & player=$!
 check "and taken back" within 8 well bus
 
 vivid=$(basename "$(readlink -f /sys/class/video4linux/video0/device)")
@@ -28,10 +28,10 @@ check "bound: it delivers, without a restart" within 10 well front
 date -s '+1 hour' >/dev/null; sleep 2; date -s '-2 hours' >/dev/null; sleep 2; date -s '+1 hour' >/dev/null
 # canplayer itself paces by the wall clock.
 kill $player 2>/dev/null; wait $player 2>/dev/null
-canplayer -l i -I /work/can.log vcan0=vcan0 >/dev/null 2>&1 & player=$!
+canplayer -l i -I /proof/can.log vcan0=vcan0 >/dev/null 2>&1 & player=$!
 check "the wall clock stepped by 1 h both ways: all OK" within 5 all_ok
 
-check "a thousand connections at once" /work/vm-clients crowd /run/infuse/infused.sock 1000
+check "a thousand connections at once" /proof/vm-clients crowd /run/infuse/infused.sock 1000
 check "then it answers" within 3 sh -c 'infuse status --json | grep -q DEVICES'
 
 kill $holder 2>/dev/null

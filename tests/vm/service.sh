@@ -1,7 +1,7 @@
 #!/bin/bash
-# In the guest: the installed package, live sensors, watchdog; with "faults" also what can go wrong. /work
+# In the guest: the installed package, live sensors, watchdog; with "faults" also what can go wrong. /proof
 # holds the package, a capture to send, and the programs that send and wedge.
-. /work/guest_lib.sh
+. /proof/guest_lib.sh
 # The quick part is run on busy hosts too: there the figures are only told.
 [[ ${1-} == faults ]] || patience=10
 export DEBIAN_FRONTEND=noninteractive
@@ -10,7 +10,7 @@ export DEBIAN_FRONTEND=noninteractive
 rm -f /var/lib/man-db/auto-update
 # A host that is a container itself may forbid packages to start services.
 rm -f /usr/sbin/policy-rc.d
-check "package installs" dpkg -i /work/infuse.deb
+check "package installs" dpkg -i /proof/infuse.deb
 check "the service is enabled" systemctl is-enabled infused.service infused.socket
 check "without sensors it runs" within 20 systemctl is-active infused.service
 check "user, state and socket are there" sh -c 'id infuse && test -d /var/lib/infuse && test -S /run/infuse/infused.sock'
@@ -33,8 +33,8 @@ TOML
 check "the configuration is right" infused --check-config --config /etc/infuse/infused.toml
 
 # The senders read their files before the clock is watched: a file of the host is slow the first time.
-(while /work/infuse-send-capture /work/street.pcap; do :; done) >/tmp/sender.log 2>&1 & sender=$!
-canplayer -l i -I /work/can.log vcan0=vcan0 >/tmp/canplayer.log 2>&1 & player=$!
+(while /proof/infuse-send-capture /proof/street.pcap; do :; done) >/tmp/sender.log 2>&1 & sender=$!
+canplayer -l i -I /proof/can.log vcan0=vcan0 >/tmp/canplayer.log 2>&1 & player=$!
 sleep 1
 started=$(date +%s%N)
 systemctl restart infused.service
@@ -51,7 +51,7 @@ check "a reload keeps the process" sh -c 'p=$(systemctl show -P MainPID infused)
 check "and the sensors" within 3 all_ok
 
 # Things that go wrong, and the same process goes on.
-if [[ ${1-} == faults ]]; then . /work/faults.sh; fi
+if [[ ${1-} == faults ]]; then . /proof/faults.sh; fi
 
 # --- restarts ---
 kill -9 "$(systemctl show -P MainPID infused)"; at=$(date +%s%N)
@@ -77,7 +77,7 @@ done
 pass "$kills kills at random moments, back after $slowest ms at most"
 check "no recording was damaged by them" test "$broken" = 0
 check "and all are OK" within 8 all_ok
-. /work/record.sh
+. /proof/record.sh
 
 mount -t tmpfs -o size=16k,uid=infuse,gid=infuse,mode=750 none /var/lib/infuse
 systemctl restart infused.service
@@ -93,13 +93,13 @@ for attempt in "cat /var/lib/infuse/state.json" "ls /var/lib/infuse/drives" "tou
   check "nor: ${attempt%% /*}" sh -c "! setpriv --reuid=65534 --regid=65534 --clear-groups $attempt"
 done
 check "the group infuse can ask" sh -c 'setpriv --reuid=65534 --regid=infuse --clear-groups infuse status --json | grep -q DEVICES'
-if as infuse /work/vm-clients refused /run/infuse/infused.sock; then pass "but change nothing"; else miss "but change nothing"; fi
+if as infuse /proof/vm-clients refused /run/infuse/infused.sock; then pass "but change nothing"; else miss "but change nothing"; fi
 check "nothing listens on a network but the lidar's ports" sh -c '! ss -Hltn | grep -q . && ss -Hlun | awk "{print \$4}" | grep -qx "0.0.0.0:2368"'
 check "all are OK" within 8 all_ok
 fi
 tid=$(ps -L -o tid=,comm= -p "$(systemctl show -P MainPID infused)" | awk '$2 == "fusion" {print $1}')
 before=$(systemctl show -P NRestarts infused)
-/work/vm-wedge "$tid" 20 & wedge=$!
+/proof/vm-wedge "$tid" 20 & wedge=$!
 check "fusion thread wedged: the watchdog restarts it" within 15 sh -c "test \$(systemctl show -P NRestarts infused) -gt $before"
 kill $wedge 2>/dev/null
 check "and all are OK" within 8 all_ok
@@ -111,7 +111,7 @@ check "its state says that it ended by itself" grep -q '"running": false' /var/l
 
 # --- package ---
 check "a client starts it through the socket" within 5 sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'
-check "upgrade keeps it running" sh -c 'dpkg -i /work/infuse.deb && systemctl is-active infused'
+check "upgrade keeps it running" sh -c 'dpkg -i /proof/infuse.deb && systemctl is-active infused'
 check "remove stops it" sh -c 'dpkg -r infuse && ! systemctl is-active infused && ! test -e /usr/bin/infused'
 check "and keeps the configuration" test -e /etc/infuse/infused.toml
 check "purge leaves nothing" sh -c 'dpkg -P infuse && ! test -e /var/lib/infuse && ! test -e /etc/infuse/infused.toml && ! test -e /run/infuse'

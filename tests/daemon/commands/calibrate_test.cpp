@@ -2,15 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/kitti_import.hpp"
+#include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/pipeline/replayed.hpp"
 #include "tests/real_data.hpp"
 
@@ -20,24 +18,8 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-struct Ran {
-  std::string output;  ///< standard output
-  int code = -1;
-};
-
 Ran calibrate(const std::string& arguments) {
-  Ran ran;
-  const std::string line =
-      std::string(INFUSE_BINARIES) + "/infuse calibrate " + arguments + " 2>/dev/null";
-  std::FILE* pipe = ::popen(line.c_str(), "r");
-  if (pipe == nullptr) return ran;
-  std::array<char, 4096> bytes;
-  for (size_t got; (got = std::fread(bytes.data(), 1, bytes.size(), pipe)) > 0;) {
-    ran.output.append(bytes.data(), got);
-  }
-  const int status = ::pclose(pipe);
-  ran.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return ran;
+  return run_line(std::string(INFUSE_BINARIES) + "/infuse calibrate " + arguments + " 2>/dev/null");
 }
 
 TEST(CalibrateCommand, SaysWhatIsWrongByItsExitCode) {

@@ -2,16 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "fixtures/scene/capture.hpp"
+#include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/pipeline/replayed.hpp"
 #include "tests/daemon/schema.hpp"
 
@@ -21,24 +19,9 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// What a program said, and its exit code.
-struct Ran {
-  std::string output;  ///< standard output and standard error
-  int code = -1;
-};
-
+/// `output`: standard output and standard error.
 Ran run(const std::string& command) {
-  Ran ran;
-  const std::string line = "{ " + std::string(INFUSE_BINARIES) + "/" + command + "; } 2>&1";
-  std::FILE* pipe = ::popen(line.c_str(), "r");
-  if (pipe == nullptr) return ran;
-  std::array<char, 4096> bytes;
-  for (size_t got; (got = std::fread(bytes.data(), 1, bytes.size(), pipe)) > 0;) {
-    ran.output.append(bytes.data(), got);
-  }
-  const int status = ::pclose(pipe);
-  ran.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return ran;
+  return run_line("{ " + std::string(INFUSE_BINARIES) + "/" + command + "; } 2>&1");
 }
 
 class ProgramsTest : public testing::Test {

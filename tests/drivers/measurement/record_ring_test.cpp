@@ -192,7 +192,9 @@ void compare_with_model(size_t capacity, uint32_t seed, bool ordered_stamps) {
 
 TEST(RecordRing, DoesWhatALockedDequeDoes) {
   for (const size_t capacity : {1u, 2u, 4u, 16u}) {
-    for (uint32_t seed = 0; seed < 4; ++seed) compare_with_model(capacity, seed, seed % 2 == 0);
+    for (uint32_t seed = 0; seed < 4; ++seed) {
+      ASSERT_NO_FATAL_FAILURE(compare_with_model(capacity, seed, seed % 2 == 0));
+    }
   }
 }
 

@@ -243,13 +243,17 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
 
 TEST(SlotRing, DoesWhatALockedDequeDoes) {
   for (const size_t capacity : {1u, 2u, 3u, 8u}) {
-    for (uint32_t seed = 0; seed < 4; ++seed) compare_with_model(capacity, seed, false);
+    for (uint32_t seed = 0; seed < 4; ++seed) {
+      ASSERT_NO_FATAL_FAILURE(compare_with_model(capacity, seed, false));
+    }
   }
 }
 
 TEST(SlotRing, DoesWhatALockedDequeDoesInAReplay) {
   for (const size_t capacity : {1u, 2u, 3u, 8u}) {
-    for (uint32_t seed = 0; seed < 4; ++seed) compare_with_model(capacity, seed, true);
+    for (uint32_t seed = 0; seed < 4; ++seed) {
+      ASSERT_NO_FATAL_FAILURE(compare_with_model(capacity, seed, true));
+    }
   }
 }
 

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <variant>
+
+#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/pipeline/lidar_intake.hpp"
+#include "daemon/pipeline/vehicle_intake.hpp"
+
+namespace infuse::daemon {
+
+/// Plays a drive for one of its lidars and the vehicle's odometry: `on_sweep(Sweep&)`,
+/// `on_sample(const VehicleSample&)`, and after every event `go_on(Stamp)`, false of which ends it
+/// early. At the drive's end the sweep that was being assembled is given as well.
+template <class OnSweep, class OnSample, class GoOn>
+void play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample, GoOn go_on) {
+  LidarIntake intake(setup.lidars[lidar]);
+  VehicleIntake vehicle(setup.vehicle);
+  recording::DriveEvent event;
+  while (setup.source.next(event)) {
+    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
+      if (datagram->lidar == lidar) intake.take(datagram->datagram, on_sweep);
+    } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
+      if (sweep->lidar == lidar) intake.take(*sweep->sweep, on_sweep);
+    } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
+      vehicle.take_line(bus->line, event.stamp, on_sample);
+    } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
+      on_sample(*imu);
+    } else if (const auto* fix = std::get_if<GpsFix>(&event.content)) {
+      on_sample(*fix);
+    }
+    if (!go_on(event.stamp)) return;
+  }
+  intake.finish(on_sweep);
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace infuse {
+
+/// Where benchmarks keep their drives: the build's folder, or that of INFUSE_BENCH_DRIVES.
+inline std::filesystem::path bench_drives() {
+  const char* given = std::getenv("INFUSE_BENCH_DRIVES");
+  return given == nullptr ? INFUSE_DRIVES : given;
+}
+
+/// The folder of a drive that benchmarks share: simulated once, and found there from then on.
+/// `scenario`: one of fixtures/scenarios;
+/// `drive` and `more`: the folder's name and more arguments, where they are not the scenario's own.
+/// A drive that could not be simulated is told, and is missing.
+inline std::filesystem::path rendered_drive(const std::string& scenario,
+                                            const std::string& drive = {},
+                                            const std::string& more = {}) {
+  const std::filesystem::path folder = bench_drives() / (drive.empty() ? scenario : drive);
+  if (std::filesystem::exists(folder / "drive.toml")) return folder;
+  std::filesystem::create_directories(folder.parent_path());
+  const std::string command = std::string(INFUSE_BINARIES) + "/infuse-simulate " +
+                              INFUSE_SOURCE_DIR + "/fixtures/scenarios/" + scenario + ".toml" +
+                              more + " -o " + folder.string();
+  std::fprintf(stderr, "%s\n", command.c_str());
+  if (std::system((command + " >&2").c_str()) != 0) std::fprintf(stderr, "failed\n");
+  return folder;
+}
+
+}  // namespace infuse
