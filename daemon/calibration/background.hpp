@@ -20,24 +20,35 @@ class Background {
   explicit Background(bool waits);
   ~Background();
 
-  /// Begins `work` at the drive time `now`. Not while `busy()`.
-  void start(Stamp now, Duration budget, std::function<void()> work);
+  /// What is to be done; comes to an end soon after it is asked to stop.
+  using Work = std::function<void(std::stop_token)>;
 
-  /// There is work whose result has not been taken.
-  bool busy() const { return visible_.has_value(); }
+  /// Begins `work` at the drive time `now`. Not while `busy()`.
+  void start(Stamp now, Duration budget, Work work);
+
+  /// There is work that goes on, or whose result has not been taken.
+  bool busy() const;
 
   /// Whether the result of the work is visible at the drive time `now`; true once.
   bool take(Stamp now);
 
+  /// The work is asked to stop, its result never becomes visible.
+  void cancel();
+
+  /// The same for good, from any thread: nothing is done from now on.
+  void shut_down();
+
  private:
-  void run(std::stop_token stop);
+  void run();
 
   const bool waits_;
   std::optional<Stamp> visible_;  // of the caller's thread
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::function<void()> work_;  // empty: nothing to do
-  bool done_ = false;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  Work work_;              // empty: nothing to do
+  std::stop_source stop_;  // of the work
+  bool done_ = true;
+  bool shut_ = false;
   std::jthread thread_;  // the last: it uses the others
 };
 

@@ -38,7 +38,11 @@ bool CalibrationGuard::take(const CameraFrame& grey, const watch::SweepView& swe
   }
   const watch::WatchReport seen = watch_.take(grey, sweep, motion);
   looks_ += seen.looked ? 1 : 0;
-  const watch::Decided decided = decision_.take(seen, watch_.scenes().count_since(seen.since));
+  // None to start with while one that was cancelled has not ended.
+  const size_t scenes =
+      decision_.running() || !background_.busy() ? watch_.scenes().count_since(seen.since) : 0;
+  const watch::Decided decided = decision_.take(seen, scenes);
+  if (decided.cancel) background_.cancel();
   if (decided.calibration_changed) watch_.set_calibration(decision_.present());
   if (decided.alternative_changed) watch_.set_alternative(decision_.alternative());
   if (decided.start) start(decided, now);
@@ -52,10 +56,11 @@ bool CalibrationGuard::take(const CameraFrame& grey, const watch::SweepView& swe
 
 void CalibrationGuard::start(const watch::Decided& decided, Stamp now) {
   watch_.scenes().copy(decided.since, scenes_);
-  background_.start(
-      now, from_seconds(settings_.decision.budget), [this, present = decision_.present()] {
-        result_ = watch::reestimate(scenes_, intrinsics_, present, settings_.reestimate);
-      });
+  background_.start(now, from_seconds(settings_.decision.budget),
+                    [this, present = decision_.present()](std::stop_token stop) {
+                      result_ = watch::reestimate(scenes_, intrinsics_, present,
+                                                  settings_.reestimate, stop);
+                    });
 }
 
 void CalibrationGuard::obey(const Request& request) {
@@ -78,6 +83,7 @@ void CalibrationGuard::fill_report(const watch::WatchReport& seen) {
   report_.offset = seen.offset;
   report_.deviation = seen.deviation;
   report_.delay = seen.delay;
+  report_.delay_alike = seen.delay_alike ? watch::to_string(*seen.delay_alike) : "";
   if (seen.looked) report_.dependence = seen.dependence;
   report_.fault = seen.fault == watch::CameraFault::kNone ? "" : watch::to_string(seen.fault);
   report_.has_estimate = last_.has_value();

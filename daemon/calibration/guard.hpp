@@ -28,6 +28,9 @@ class CalibrationGuard {
   /// What the owner asks for; comes into effect with the next picture.
   void obey(const Request& request);
 
+  /// No re-estimation goes on or begins from now on; from any thread.
+  void shut_down() { background_.shut_down(); }
+
   /// The calibration in use.
   const Eigen::Isometry3d& T_camera_lidar() const { return decision_.present(); }
 

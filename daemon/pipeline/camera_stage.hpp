@@ -40,6 +40,11 @@ class CameraStage {
     if (guard_) guard_->obey(request);
   }
 
+  /// No re-estimation goes on or begins from now on; from any thread.
+  void shut_down() {
+    if (guard_) guard_->shut_down();
+  }
+
   const std::string& name() const { return mount_.name; }
 
  private:

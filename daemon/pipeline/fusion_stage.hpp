@@ -54,6 +54,11 @@ class FusionStage {
   /// What the owner asks of the cameras' calibrations; from any thread.
   void ask(const Request& request) { asked_.push(request); }
 
+  /// Nothing is waited for that only the background can bring, from now on; from any thread.
+  void shut_down() {
+    for (CameraStage& camera : cameras_) camera.shut_down();
+  }
+
  private:
   void take(Pin<StreamItem> item);
   void take_due_sweeps();

@@ -43,8 +43,11 @@ class Pipeline {
   /// of its own, and ends with `Intake::end`.
   void start(std::function<void(std::stop_token)> read);
 
-  /// Asks the reader for an end; `on_end` still comes.
-  void stop() { io_thread_.request_stop(); }
+  /// Asks the reader for an end, and gives up what goes on in the background; `on_end` still comes.
+  void stop() {
+    fusion_.shut_down();
+    io_thread_.request_stop();
+  }
 
   /// Carries out what the owner asks of the cameras' calibrations. An error where there is no such
   /// camera, or its calibration is not watched.

@@ -236,6 +236,7 @@ std::string calibration_message(const CalibrationReport& calibration) {
     message["offset_sigma"] = by_row(calibration.deviation.unaryExpr(
         [](double sigma) { return std::isfinite(sigma) ? sigma : 1e9; }));
     message["delay_s"] = rounded(calibration.delay);
+    if (*calibration.delay_alike != '\0') message["delay_alike"] = calibration.delay_alike;
     message["dependence_nats"] = calibration.dependence;
   }
   if (*calibration.fault != '\0') message["camera_fault"] = calibration.fault;

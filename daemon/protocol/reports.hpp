@@ -171,9 +171,10 @@ struct CalibrationReport {
   Eigen::Matrix<double, 6, 1> offset = Eigen::Matrix<double, 6, 1>::Zero();  ///< rad and m: how far
                                                                              ///< it seems to be off
   Eigen::Matrix<double, 6, 1> deviation = Eigen::Matrix<double, 6, 1>::Zero();  ///< of that
-  double delay = 0;        ///< s, of the camera's stamps after its exposures, as it seems
-  double dependence = 0;   ///< nats, of the last picture looked at
-  const char* fault = "";  ///< of the camera itself; empty: none
+  double delay = 0;              ///< s, of the camera's stamps after its exposures, as it seems
+  const char* delay_alike = "";  ///< axis along which that cannot be told from a moved camera
+  double dependence = 0;         ///< nats, of the last picture looked at
+  const char* fault = "";        ///< of the camera itself; empty: none
   bool has_estimate = false;
   Eigen::Isometry3d T_camera_lidar_estimate = Eigen::Isometry3d::Identity();     ///< the last one
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< its

@@ -258,6 +258,11 @@ CalibrationResult attempt(Calibration& calibration, const Eigen::Isometry3d& sta
   CoarseToFine& search = calibration.search();
   const Calibration::Rest rest = calibration.settle(calibration.find_basin(held));
   const Maximum maximum = search.climb(rest.T, options.fine);
+  if (options.maximize.stop.stop_requested()) {
+    result.T_head_lidar = start;
+    result.reason = maximum.reason;
+    return result;
+  }
   result.T_head_lidar = maximum.T_head_lidar;
   result.restarts = options.restarts;
   result.returned = rest.returned;

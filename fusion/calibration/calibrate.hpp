@@ -43,8 +43,8 @@ struct CalibrateOptions {
   double support_sigma = 3;   ///< px, blur of the images that tell the scenes' support
   double min_support = 0.75;  ///< mean of SceneSupport::support below which nothing is believed
 
-  uint64_t seed = 1;  ///< of the restarts
-  MaximizeOptions maximize;
+  uint64_t seed = 1;         ///< of the restarts
+  MaximizeOptions maximize;  ///< its `stop` ends the whole soon: not usable then
   VisibilityOptions visibility;
 
   /// What is wrong with the settings, or nothing.

@@ -1,5 +1,7 @@
 #include "fusion/calibration/maximize.hpp"
 
+#include <limits>
+
 #include "fusion/calibration/ascent.hpp"
 
 namespace infuse::calibration {
@@ -8,12 +10,13 @@ namespace {
 using geometry::Vector6;
 
 constexpr const char* kNotConverged = "the search was still moving when its steps were used up";
+constexpr const char* kCancelled = "cancelled";
 
 /// The objective around a start, in scaled coordinates: T(d) = exp(scale ∘ d) T_start.
 class LocalProblem {
  public:
   LocalProblem(Objective& objective, const Eigen::Isometry3d& start, const MaximizeOptions& options)
-      : objective_(objective), start_(start), anchor_(options.anchor) {
+      : objective_(objective), start_(start), anchor_(options.anchor), stop_(options.stop) {
     scale_ << Eigen::Vector3d::Constant(options.rotation_scale),
         Eigen::Vector3d::Constant(options.translation_scale);
   }
@@ -24,6 +27,10 @@ class LocalProblem {
 
   /// The value, and the gradient by d where asked: the left Jacobian takes the step from ξ to d.
   dependence::Estimate evaluate(const Vector6& d, Vector6* gradient) const {
+    if (stop_.stop_requested()) {  // no way leads up from here
+      if (gradient != nullptr) gradient->setZero();
+      return {.value = -std::numeric_limits<double>::infinity(), .reason = kCancelled};
+    }
     const Eigen::Isometry3d T = pose(d);
     Evaluation at = objective_.evaluate(T, gradient != nullptr);
     if (anchor_.weight > 0) pull_back(T, at);
@@ -46,6 +53,7 @@ class LocalProblem {
   Objective& objective_;
   Eigen::Isometry3d start_;
   Anchor anchor_;
+  std::stop_token stop_;
   Vector6 scale_;
 };
 
@@ -94,6 +102,7 @@ Maximum maximize(Objective& objective, const Eigen::Isometry3d& start,
     maximum.value = ascent.value;
   }
   if (!ascent.converged) maximum.reason = kNotConverged;
+  if (options.stop.stop_requested()) maximum.reason = kCancelled;
   return maximum;
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "fusion/calibration/objective.hpp"
@@ -33,6 +34,7 @@ struct MaximizeOptions {
   double tolerance = 1e-4;         ///< in these scales: smaller steps end the search
 
   Anchor anchor;
+  std::stop_token stop;  ///< ends the search soon, with a reason
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -29,43 +29,67 @@ struct CameraCheckOptions {
   double black_level = 12;    ///< mean grey level below which, with
   double black_spread = 6;    ///< standard deviation below which, a picture shows nothing
   int frozen_pictures = 3;    ///< equal ones in a row
-  double lost_detail = 0.35;  ///< of what was usual: a cell with less is blind
-  double dirty_share = 0.15;  ///< of the cells blind: the lens is dirty
-  double lost_focus = 0.6;    ///< of the usual share of fine detail: out of focus
-  int warm_up = 10;           ///< pictures from which the usual is learned
-  int sure = 4;               ///< pictures in a row that must say the same
+  double lost_detail = 0.35;  ///< of what was usual: a cell with less shows nothing
+  double dirty_share = 0.15;  ///< of the cells without detail for `dirty_path`: the lens is dirty
+  double dirty_path = 48;     ///< m; what stays in its place for so long is on the lens
+  double standing_share = 0.28;  ///< of the picture, in which a pattern stood still on
+                                 ///< `dirty_path`: the lens is dirty; on twice and three times of
+                                 ///< it, a half and a third are enough
+  double lost_focus = 0.6;       ///< of the usual share of fine detail: out of focus
+  int warm_up = 10;              ///< pictures from which the usual is learned
+  int sure = 4;                  ///< pictures in a row that must say the same
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
 /// Tells faults of a camera by its pictures alone, from one picture to the next: detail a cell of a
-/// 16 × 12 grid against what was usual there. Allocates nothing.
+/// 16 × 12 grid against what was usual there.
+///
+/// Dirt is what does not move while the vehicle does, told from a wall or a plain sky by the way
+/// driven. Two signs of it, looked at every few metres: cells that show no detail, and blocks of a
+/// 64 × 48 grid that stay brighter, or darker, than what is around them. Scenery changes sides
+/// again and again; blots do not. Allocates nothing.
 class CameraCheck {
  public:
   /// `options.invalid()` must be empty.
   explicit CameraCheck(const CameraCheckOptions& options);
 
-  /// Takes the next picture (kGrey8). `moving`: the vehicle drives, so detail should change.
-  CameraFault take(const CameraFrame& grey, bool moving);
+  /// Takes the next picture (kGrey8). `travelled`: m driven since the beginning.
+  CameraFault take(const CameraFrame& grey, double travelled);
 
   CameraFault fault() const { return fault_; }
 
   static constexpr int kColumns = 16, kRows = 12;
+  static constexpr int kBlockColumns = 64, kBlockRows = 48;
 
  private:
+  template <class Value>
+  using PerCell = std::array<Value, static_cast<size_t>(kColumns) * kRows>;
+  template <class Value>
+  using PerBlock = std::array<Value, static_cast<size_t>(kBlockColumns) * kBlockRows>;
   struct Detail {
-    std::array<float, static_cast<size_t>(kColumns) * kRows> cells{};  ///< coarse, grey levels
+    PerCell<float> cells{};  ///< coarse, grey levels
     float coarse = 0, fine = 0;
     double mean = 0, spread = 0;
   };
   static Detail measure(const CameraFrame& grey);
+  bool black(const Detail& detail) const;
   CameraFault judge(const Detail& detail) const;
   void learn(const Detail& detail);
+  void look_for_dirt(const CameraFrame& grey, const Detail& detail);
+  void count_blind(const Detail& detail);
+  void count_standing(const CameraFrame& grey);
 
   CameraCheckOptions options_;
   Detail usual_;
   int learned_ = 0;
+  double learned_at_ = -1e9, looked_at_ = -1e9;  // m driven, at the last time
+  PerCell<uint8_t> blind_{};                     // looks in a row without detail, by cell
+  PerBlock<uint8_t> standing_{};                 // looks in a row on the same side, by block
+  PerBlock<int8_t> side_{};                      // of its surroundings: brighter or darker
+  PerBlock<float> level_{};                      // scratch
+  bool dirty_ = false;
   uint64_t hash_ = 0;
   int equal_ = 0;
   CameraFault said_ = CameraFault::kNone;  // by the last picture

@@ -19,10 +19,19 @@ std::string print(const char* format, Values... values) {
 
 /// "rotation about y, -0.52 degrees"
 std::string what_moved(const WatchReport& report) {
-  if (report.axis == Axis::kTime) return print("stamps, %.0f ms late", 1e3 * report.delay);
+  if (report.axis == Axis::kTime) {
+    return print("stamps, %.0f ms late", 1e3 * report.delay) +
+           (report.delay_alike ? print(" (or %s: not to be told apart as it drove)",
+                                       to_string(*report.delay_alike))
+                               : "");
+  }
   const auto k = static_cast<Eigen::Index>(report.axis);
-  return k < 3 ? print("%s, %.2f degrees", to_string(report.axis), report.offset(k) * kDegrees)
-               : print("%s, %.1f cm", to_string(report.axis), 100 * report.offset(k));
+  const std::string moved =
+      k < 3 ? print("%s, %.2f degrees", to_string(report.axis), report.offset(k) * kDegrees)
+            : print("%s, %.1f cm", to_string(report.axis), 100 * report.offset(k));
+  return moved + (report.delay_alike == report.axis
+                      ? " (or late stamps: not to be told apart as it drove)"
+                      : "");
 }
 
 }  // namespace
@@ -35,8 +44,10 @@ const char* to_string(CalibrationState state) {
 
 std::optional<std::string> DecisionOptions::invalid() const {
   if (!(limit_rotation > 0) || !(limit_translation > 0)) return "limits must be positive";
-  if (scenes < 3) return "scenes must be at least 3";
-  if (!(budget >= 0) || !(retry >= 0)) return "budget and retry must not be negative";
+  if (least_scenes < 3 || scenes < least_scenes) return "3 <= least_scenes <= scenes must hold";
+  if (!(budget >= 0) || !(retry >= 0) || !(patience >= 0)) {
+    return "budget, retry and patience must not be negative";
+  }
   if (!(least_moved >= 0)) return "least_moved must not be negative";
   if (probation < 1 || failures < 1) return "probation and failures must be at least 1";
   if (history < 1) return "history must be at least 1";
@@ -81,10 +92,26 @@ void Decision::go_back(Stamp stamp, const std::string& why, Decided& decided) {
   retry_ = stamp + from_seconds(options_.retry);
 }
 
+/// The re-estimation that runs, if one does.
+void Decision::give_up(Decided& decided) {
+  if (!std::exchange(running_, false)) return;
+  result_.reset();
+  decided.cancel = true;
+  if (state_ == CalibrationState::kRecalibrating) state_ = CalibrationState::kDrifted;
+}
+
 /// What the owner asked for.
 void Decision::obey(const WatchReport& report, Decided& decided) {
-  if (std::exchange(asked_roll_back_, false)) go_back(report.stamp, "asked for", decided);
+  if (asked_frozen_) {
+    frozen_ = *std::exchange(asked_frozen_, std::nullopt);
+    if (frozen_) give_up(decided);
+  }
+  if (std::exchange(asked_roll_back_, false)) {
+    give_up(decided);
+    go_back(report.stamp, "asked for", decided);
+  }
   if (std::exchange(asked_apply_, false) && proposal_) {
+    give_up(decided);
     state_ = CalibrationState::kRecalibrated;
     alternative_ = present_;
     decided.alternative_changed = true;
@@ -95,9 +122,10 @@ void Decision::obey(const WatchReport& report, Decided& decided) {
   }
 }
 
-void Decision::follow_evidence(const WatchReport& report) {
+void Decision::follow_evidence(const WatchReport& report, Decided& decided) {
   const CalibrationState before = state_;
   const bool at_fault = report.fault != CameraFault::kNone;
+  if (at_fault) give_up(decided);
   switch (state_) {
     case CalibrationState::kRecalibrating:
     case CalibrationState::kRecalibrated:
@@ -124,16 +152,23 @@ void Decision::follow_evidence(const WatchReport& report) {
       }
   }
   if (state_ == before) return;
-  if (state_ == CalibrationState::kDrifted) note(report.stamp, "drifted: " + what_moved(report));
+  if (state_ == CalibrationState::kDrifted) {
+    drifted_ = report.stamp;
+    note(report.stamp, "drifted: " + what_moved(report));
+  }
   if (state_ == CalibrationState::kUnusable) {
-    note(report.stamp, std::string("the camera is at fault: ") + to_string(report.fault));
+    note(report.stamp, std::string("the camera is at fault: ") + to_string(report.fault) +
+                           (report.fault == CameraFault::kLate ? ": " + what_moved(report) : ""));
   }
 }
 
 void Decision::maybe_start(const WatchReport& report, size_t scenes, Decided& decided) {
   const bool wanted =
       asked_recalibrate_ || (state_ == CalibrationState::kDrifted && !proposal_ && !frozen_);
-  if (!wanted || running_ || state_ == CalibrationState::kUnusable || scenes < options_.scenes ||
+  const bool waited = state_ == CalibrationState::kDrifted &&
+                      report.stamp - drifted_ >= from_seconds(options_.patience);
+  const size_t enough = waited ? options_.least_scenes : options_.scenes;
+  if (!wanted || running_ || state_ == CalibrationState::kUnusable || scenes < enough ||
       report.stamp < retry_) {
     return;
   }
@@ -150,7 +185,6 @@ void Decision::maybe_finish(const WatchReport& report, Decided& decided) {
   const Reestimate result = *std::exchange(result_, std::nullopt);
   running_ = false;
   retry_ = report.stamp + from_seconds(options_.retry);
-  if (state_ == CalibrationState::kUnusable) return;
   if (!result.usable()) {
     ++failed_;
     state_ =
@@ -203,7 +237,7 @@ Decided Decision::take(const WatchReport& report, size_t scenes) {
   if (!decided.calibration_changed) {
     maybe_finish(report, decided);
     if (!decided.calibration_changed) {
-      follow_evidence(report);
+      follow_evidence(report, decided);
       maybe_start(report, scenes, decided);
     }
   }

@@ -35,7 +35,9 @@ struct DecisionOptions {
   Policy policy = Policy::kAlertOnly;
   double limit_rotation = 0.05;    ///< rad, of kApplyWithin
   double limit_translation = 0.1;  ///< m, of kApplyWithin
-  size_t scenes = 12;              ///< kept since the drift began, before a re-estimation starts
+  size_t scenes = 30;              ///< kept since the drift began, before a re-estimation starts
+  size_t least_scenes = 15;        ///< the same, where it has been certain for `patience`
+  double patience = 40;            ///< s
   double budget = 3;               ///< s of drive after its start at which a result becomes visible
   double least_moved = 3.5;        ///< Mahalanobis distance (6 degrees of freedom) below which the
                                    ///< present calibration is kept after all
@@ -62,6 +64,8 @@ struct Decided {
   bool changed = false;  ///< the state is another than before
   bool start = false;    ///< start a re-estimation from the scenes kept since `since`
   Stamp since;           ///< of `start`
+  bool cancel =
+      false;  ///< the re-estimation that runs is of no use any more: `finish` must not come
   bool calibration_changed =
       false;  ///< `Decision::present()` is another: tell the watch and everyone
   bool alternative_changed = false;  ///< `Decision::alternative()` is another: tell the watch
@@ -93,8 +97,9 @@ class Decision {
   void apply() { asked_apply_ = true; }
   /// Back to the calibration before the last.
   void roll_back() { asked_roll_back_ = true; }
-  /// Frozen: nothing is applied or re-estimated; the watch goes on.
-  void freeze(bool frozen) { frozen_ = frozen; }
+  /// Frozen: nothing is applied or re-estimated, and what is being re-estimated is given up; the
+  /// watch goes on. The owner may still ask for a re-estimation, which is then proposed.
+  void freeze(bool frozen) { asked_frozen_ = frozen; }
 
   CalibrationState state() const { return state_; }
   const Eigen::Isometry3d& present() const { return present_; }
@@ -104,16 +109,19 @@ class Decision {
   /// Of the present calibration, where it was re-estimated.
   const std::optional<geometry::Matrix6>& covariance() const { return covariance_; }
   bool frozen() const { return frozen_; }
+  /// A re-estimation was started and its result is not visible yet.
+  bool running() const { return running_; }
   /// Oldest first.
   const std::vector<HistoryEntry>& history() const { return history_; }
 
  private:
   void obey(const WatchReport& report, Decided& decided);
-  void follow_evidence(const WatchReport& report);
+  void follow_evidence(const WatchReport& report, Decided& decided);
   void maybe_start(const WatchReport& report, size_t scenes, Decided& decided);
   void maybe_finish(const WatchReport& report, Decided& decided);
   void watch_probation(const WatchReport& report, Decided& decided);
   void use(const Eigen::Isometry3d& T, Stamp stamp, const std::string& what, Decided& decided);
+  void give_up(Decided& decided);
   void go_back(Stamp stamp, const std::string& why, Decided& decided);
   bool may_apply(const Reestimate& result) const;
   void note(Stamp stamp, std::string what);
@@ -129,10 +137,12 @@ class Decision {
   bool running_ = false;
   Stamp started_;
   Stamp retry_ = Stamp::earliest();
+  Stamp drifted_;  // since when that is certain
   int failed_ = 0;
   double gain_ = 0;
   int gains_ = 0;
   bool asked_recalibrate_ = false, asked_apply_ = false, asked_roll_back_ = false;
+  std::optional<bool> asked_frozen_;
   bool frozen_ = false;
   std::vector<HistoryEntry> history_;
 };

@@ -13,6 +13,11 @@ namespace {
 
 using calibration::LidarFeature;
 
+/// What no number of scenes of one drive takes away: the measure's own bias there. Told in the
+/// covariance.
+constexpr double kLastingRotation = 0.5e-3;    // rad
+constexpr double kLastingTranslation = 0.005;  // m
+
 /// What halves of the scenes may differ by because they show different things.
 constexpr double kBiasRotation = 1e-3;     // rad
 constexpr double kBiasTranslation = 0.01;  // m
@@ -26,7 +31,9 @@ calibration::Scene to_scene(const StoredScene& stored) {
   return scene;
 }
 
-calibration::CalibrateOptions settings(const ReestimateOptions& options) {
+constexpr const char* kCancelled = "cancelled";
+
+calibration::CalibrateOptions settings(const ReestimateOptions& options, std::stop_token stop) {
   calibration::CalibrateOptions out;
   out.coarse_points = options.points / 3;
   out.coarse = {
@@ -39,7 +46,23 @@ calibration::CalibrateOptions settings(const ReestimateOptions& options) {
   out.restarts = options.starts;
   out.start_translation = options.start_translation;
   out.seed = options.seed;
+  out.maximize.stop = std::move(stop);
   return out;
+}
+
+/// How well the result is known. The sandwich's spread of some 30 scenes' pulls has 21 numbers and
+/// is inverted: too noisy, and 2 to 4 times too sure along whatever direction they happen to agree
+/// in. So it meets half-way c H⁻¹, which has the curvature's shape and only its scale from the
+/// pulls: c the mean of H times the sandwich (quasi-likelihood's dispersion; Wedderburn 1974).
+geometry::Matrix6 covariance_of(const calibration::Uncertainty& uncertainty, size_t scenes) {
+  const auto n = static_cast<double>(scenes);
+  const double scale = (uncertainty.curvature * uncertainty.covariance).trace() / 6 *
+                       std::max(n - 6, 1.0) / std::max(n - 1, 1.0);
+  geometry::Vector6 lasting;
+  lasting << Eigen::Vector3d::Constant(kLastingRotation),
+      Eigen::Vector3d::Constant(kLastingTranslation);
+  return 0.5 * uncertainty.covariance + 0.5 * scale * uncertainty.curvature.inverse() +
+         geometry::Matrix6(lasting.cwiseAbs2().asDiagonal());
 }
 
 double mahalanobis(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
@@ -51,10 +74,11 @@ double mahalanobis(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
 /// The same from every second scene, from where the whole ended.
 Eigen::Isometry3d half(const std::vector<calibration::Scene>& scenes, size_t first,
                        std::span<const calibration::RigCamera> cameras,
-                       const Eigen::Isometry3d& start, const ReestimateOptions& options) {
+                       const Eigen::Isometry3d& start, const ReestimateOptions& options,
+                       const std::stop_token& stop) {
   std::vector<calibration::Scene> own;
   for (size_t i = first; i < scenes.size(); i += 2) own.push_back(scenes[i]);
-  calibration::CalibrateOptions only_fine = settings(options);
+  calibration::CalibrateOptions only_fine = settings(options, stop);
   only_fine.coarse.clear();
   only_fine.screen.kept = 0;
   only_fine.restarts = 0;
@@ -74,19 +98,22 @@ std::optional<std::string> ReestimateOptions::invalid() const {
 }
 
 Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
-                      const Eigen::Isometry3d& present, const ReestimateOptions& options) {
+                      const Eigen::Isometry3d& present, const ReestimateOptions& options,
+                      std::stop_token stop) {
   Reestimate out{.T_camera_lidar = present};
   out.scenes = scenes.size();
   std::vector<calibration::Scene> own;
-  for (const StoredScene& scene : scenes) own.push_back(to_scene(scene));
+  for (const StoredScene& scene : scenes) {
+    if (!stop.stop_requested()) own.push_back(to_scene(scene));
+  }
   const std::vector<calibration::RigCamera> cameras = {{geometry::CameraModel(camera)}};
   const calibration::CalibrationResult result =
-      calibration::calibrate(own, cameras, present, settings(options));
-  out.reason = result.reason;
+      calibration::calibrate(own, cameras, present, settings(options, stop));
+  out.reason = stop.stop_requested() ? kCancelled : result.reason;
   out.support = result.support;
   if (!out.usable()) return out;
   out.T_camera_lidar = result.T_head_lidar;
-  out.covariance = result.uncertainty.covariance;
+  out.covariance = covariance_of(result.uncertainty, scenes.size());
   out.moved = mahalanobis(out.T_camera_lidar, present, out.covariance);
   if (scenes.size() >= 8) {
     // Each half has twice the variance, their difference four times that of the whole.
@@ -94,12 +121,13 @@ Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsic
     bias << Eigen::Vector3d::Constant(kBiasRotation), Eigen::Vector3d::Constant(kBiasTranslation);
     const geometry::Matrix6 expected =
         4 * out.covariance + geometry::Matrix6(bias.cwiseAbs2().asDiagonal());
-    out.split = mahalanobis(half(own, 0, cameras, out.T_camera_lidar, options),
-                            half(own, 1, cameras, out.T_camera_lidar, options), expected) /
+    out.split = mahalanobis(half(own, 0, cameras, out.T_camera_lidar, options, stop),
+                            half(own, 1, cameras, out.T_camera_lidar, options, stop), expected) /
                 std::sqrt(6.0);
     if (out.split > options.max_split)
       out.reason = "the halves of the scenes contradict each other";
   }
+  if (stop.stop_requested()) out.reason = kCancelled;
   return out;
 }
 

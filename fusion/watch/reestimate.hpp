@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 
 #include "drivers/measurement/rig.hpp"
@@ -15,7 +16,7 @@ struct ReestimateOptions {
   int starts = 3;                  ///< searches: from the present calibration and from around it
   double start_rotation = 0.02;    ///< rad, half width of the rotations screened around it
   double start_translation = 0.1;  ///< m, standard deviation of what may have moved
-  size_t points = 120'000;         ///< that take part, all scenes together
+  size_t points = 160'000;         ///< that take part, all scenes together
   double max_split = 4;  ///< standard deviations by which the halves of the scenes may differ
   uint64_t seed = 1;
 
@@ -38,9 +39,10 @@ struct Reestimate {
 };
 
 /// Estimates T_camera_lidar anew from kept scenes: `calibration::calibrate` from the present
-/// calibration, and from each half of the scenes alone as a check. Pure: runs on any thread.
-/// Options must be valid.
+/// calibration, and from each half of the scenes alone as a check. Pure: runs on any thread. Comes
+/// to an end soon after `stop`, without a usable result. Options must be valid.
 Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
-                      const Eigen::Isometry3d& present, const ReestimateOptions& options);
+                      const Eigen::Isometry3d& present, const ReestimateOptions& options,
+                      std::stop_token stop = {});
 
 }  // namespace infuse::watch

@@ -8,7 +8,6 @@ namespace {
 
 using geometry::Vector6;
 
-constexpr double kStanding = 0.3;     // m/s
 constexpr double kLongestGap = 2;     // s; what was driven in a longer one is not known
 constexpr double kNoEvidence = 0.5;   // nats
 constexpr double kTellingPeak = 0.1;  // nats; a picture with such a peak is worth a half
@@ -83,7 +82,7 @@ const char* Watch::why_not(const CameraFrame& grey, const Motion& motion) {
     return "the picture is not as the intrinsics say";
   }
   travel(grey.stamp, motion);
-  check_.take(grey, motion.velocity.norm() > kStanding);
+  check_.take(grey, travelled_);
   if (check_.fault() != CameraFault::kNone) return "the camera is at fault";
   if (last_look_ && grey.stamp - *last_look_ < from_seconds(options_.interval)) {
     return "soon after the last look";
@@ -155,6 +154,7 @@ void Watch::judge(WatchReport& report) {
     report.deviation(k) = test_.deviation(static_cast<Axis>(k));
   }
   report.delay = test_.offset(Axis::kTime);
+  report.delay_alike = ambiguity_.axis();
   report.fault = check_.fault();
   const bool certain = report.drift == Drift::kDrifted || report.drift == Drift::kSuspect;
   if (certain && report.axis == Axis::kTime && report.fault == CameraFault::kNone) {
@@ -177,6 +177,7 @@ WatchReport Watch::take(const CameraFrame& grey, const SweepView& sweep, const M
       looked_turned_ = turned_;
       if (report.looked) {
         test_.add(said);
+        ambiguity_.add(motion);
         const double peak = said.information[1] * options_.rotation_step * options_.rotation_step;
         report.kept = store_.offer(grey, sweep, points_, peak / (peak + kTellingPeak), travelled_,
                                    motion.angular_rate.norm());

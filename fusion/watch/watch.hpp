@@ -4,17 +4,12 @@
 #include <string>
 
 #include "fusion/watch/camera_check.hpp"
+#include "fusion/watch/delay_ambiguity.hpp"
 #include "fusion/watch/drift_test.hpp"
 #include "fusion/watch/quick_dependence.hpp"
 #include "fusion/watch/scene_store.hpp"
 
 namespace infuse::watch {
-
-/// How the vehicle moved while a picture was taken: a twist in camera axes.
-struct Motion {
-  Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  ///< rad/s
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s
-};
 
 /// Settings of the watch of one camera.
 struct WatchOptions {
@@ -59,8 +54,9 @@ struct WatchReport {
   /// the dependence, over late looks, (rx, ry, rz, tx, ty, tz).
   geometry::Vector6 offset = geometry::Vector6::Zero();
   geometry::Vector6 deviation = geometry::Vector6::Zero();  ///< of it, one standard deviation
-  double delay = 0;       ///< s; how much later the camera's stamps seem to be than its exposures
-  double dependence = 0;  ///< nats, of this picture at the present calibration
+  double delay = 0;  ///< s; how much later the camera's stamps seem to be than its exposures
+  std::optional<Axis> delay_alike;  ///< along which such a delay cannot be told from a moved camera
+  double dependence = 0;            ///< nats, of this picture at the present calibration
   /// Nats; how much more that is than at the alternative (`set_alternative`).
   double gain = 0;
   bool has_gain = false;
@@ -116,6 +112,7 @@ class Watch {
   QuickPoints points_;
   QuickDependence dependence_;
   DriftTest test_;
+  DelayAmbiguity ambiguity_;
   CameraCheck check_;
   SceneStore store_;
   std::optional<Stamp> last_stamp_, last_look_;

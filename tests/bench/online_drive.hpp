@@ -5,6 +5,7 @@
 #include <iterator>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/pipeline/drive_setup.hpp"
@@ -28,11 +29,15 @@ struct Pair {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s, camera axes
 };
 
-/// All of them, and the truth.
-struct Drive {
-  std::vector<Pair> pairs;
+/// The camera, and where it truly is.
+struct Truth {
   CameraIntrinsics intrinsics;
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+};
+
+/// All pairs, and the truth.
+struct Drive : Truth {
+  std::vector<Pair> pairs;
 };
 
 inline std::optional<CameraFrame> read_grey(const std::filesystem::path& path, Stamp stamp) {
@@ -48,13 +53,15 @@ inline std::optional<CameraFrame> read_grey(const std::filesystem::path& path, S
   return grey;
 }
 
-/// Reads a drive of one lidar and one camera. Without a true trajectory sweeps stay as they are.
-inline std::optional<Drive> read_drive(const std::filesystem::path& folder) {
+/// Reads a drive of one lidar and one camera: `take(const Truth&, Pair&)` for one pair after the
+/// other. Without a true trajectory sweeps stay as they are. False where there is no such drive.
+template <class Take>
+bool for_each_pair(const std::filesystem::path& folder, const Take& take) {
   const auto drive = recording::Drive::open(folder);
   auto setup = daemon::open_drive(folder, {}, std::nullopt);
-  if (!drive || !setup) return std::nullopt;
+  if (!drive || !setup) return false;
   const Rig& rig = drive->description.rig;
-  Drive out;
+  Truth out;
   out.intrinsics = rig.cameras[0].intrinsics;
   out.T_camera_lidar = rig.cameras[0].T_camera_lidar;
   geometry::Trajectory trajectory({.capacity = 200'000});
@@ -106,7 +113,7 @@ inline std::optional<Drive> read_drive(const std::filesystem::path& folder) {
         pair.angular_rate = R_camera_vehicle * twist.head<3>();
         pair.velocity = R_camera_vehicle * twist.tail<3>();
       }
-      out.pairs.push_back(std::move(pair));
+      take(std::as_const(out), pair);
       return true;
     });
   };
@@ -128,7 +135,17 @@ inline std::optional<Drive> read_drive(const std::filesystem::path& folder) {
   }
   intake.finish(on_sweep);
   pair_up();
-  return out;
+  return true;
+}
+
+/// The whole of a drive; empty where there is none.
+inline Drive read_drive(const std::filesystem::path& folder) {
+  Drive drive;
+  for_each_pair(folder, [&](const Truth& truth, Pair& pair) {
+    static_cast<Truth&>(drive) = truth;
+    drive.pairs.push_back(std::move(pair));
+  });
+  return drive;
 }
 
 }  // namespace infuse::online

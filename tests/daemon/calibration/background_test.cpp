@@ -15,7 +15,7 @@ TEST(Background, AResultIsVisibleAtItsStatedTimeHoweverQuickOrSlow) {
     Background background(true);
     std::atomic<int> result = 0;
     EXPECT_FALSE(background.busy());
-    background.start(at(100), kTenSeconds, [&] {
+    background.start(at(100), kTenSeconds, [&](const std::stop_token&) {
       std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
       result = 7;
     });
@@ -32,7 +32,7 @@ TEST(Background, AResultIsVisibleAtItsStatedTimeHoweverQuickOrSlow) {
 TEST(Background, LiveNobodyWaits) {
   Background background(false);
   std::atomic<bool> go = false;
-  background.start(at(0), kTenSeconds, [&] {
+  background.start(at(0), kTenSeconds, [&](const std::stop_token&) {
     while (!go) std::this_thread::yield();
   });
   EXPECT_FALSE(background.take(at(60)));
@@ -46,10 +46,65 @@ TEST(Background, DoesOnePieceOfWorkAfterTheOther) {
   Background background(true);
   int sum = 0;
   for (int i = 1; i <= 50; ++i) {
-    background.start(at(i), Duration::zero(), [&sum, i] { sum += i; });
+    background.start(at(i), Duration::zero(), [&sum, i](const std::stop_token&) { sum += i; });
     EXPECT_TRUE(background.take(at(i)));
   }
   EXPECT_EQ(sum, 50 * 51 / 2);
+}
+
+/// Goes on until it is asked to stop.
+void endless(const std::stop_token& stop) {
+  while (!stop.stop_requested()) std::this_thread::yield();
+}
+
+TEST(Background, WhatIsCancelledEndsAndIsNeverVisible) {
+  Background replay(true);
+  replay.start(at(0), kTenSeconds, endless);
+  replay.cancel();  // waited for
+  EXPECT_FALSE(replay.busy());
+  EXPECT_FALSE(replay.take(at(60)));
+  int done = 0;
+  replay.start(at(61), Duration::zero(), [&](const std::stop_token& stop) {
+    EXPECT_FALSE(stop.stop_requested());
+    ++done;
+  });
+  EXPECT_TRUE(replay.take(at(61)));
+  EXPECT_EQ(done, 1);
+
+  Background live(false);
+  live.start(at(0), kTenSeconds, endless);
+  live.cancel();
+  while (live.busy()) std::this_thread::yield();
+  EXPECT_FALSE(live.take(at(60)));
+}
+
+TEST(Background, ShutDownFromAnotherThreadNobodyWaitsAnyLonger) {
+  Background background(true);
+  background.start(at(0), Duration::zero(), endless);
+  std::jthread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    background.shut_down();
+  });
+  EXPECT_FALSE(background.take(at(1)));  // would wait for ever
+  bool began = false;
+  background.start(at(2), Duration::zero(), [&](const std::stop_token&) { began = true; });
+  EXPECT_FALSE(background.take(at(3)));
+  EXPECT_FALSE(began);
+}
+
+TEST(Background, ItsEndStopsWhatGoesOn) {
+  bool ended = false;
+  {
+    Background background(true);
+    std::atomic<bool> began = false;
+    background.start(at(0), kTenSeconds, [&](const std::stop_token& stop) {
+      began = true;
+      endless(stop);
+      ended = true;
+    });
+    while (!began) std::this_thread::yield();
+  }
+  EXPECT_TRUE(ended);
 }
 
 }  // namespace

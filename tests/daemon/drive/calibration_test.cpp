@@ -7,49 +7,10 @@
 
 #include "drivers/recording/drive.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
-#include "tests/daemon/drive/simulated.hpp"
-#include "tests/daemon/schema.hpp"
+#include "tests/daemon/drive/calibration_drive.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-using nlohmann::json;
-
-/// Forty seconds, two pictures a second, the lidar turning around each of them.
-void make_drive(const std::filesystem::path& folder) {
-  constexpr const char* kText = R"(
-duration_s = 40
-[world]
-map = "altfeld.osm"
-route = [100, 104, 112, 110]
-[light]
-sun = 0.6
-[vehicle]
-speed = 9
-start_speed = 9
-[[lidar]]
-model = "HDL-32E"
-position = [1.0, 0.0, 1.95]
-turn_every = 5
-parts = 1
-[[camera]]
-width = 480
-height = 360
-fx = 300
-position = [1.5, 0.05, 1.6]
-rotation_deg = [0.0, 2.0, 0.0]
-rate_hz = 2
-phase_s = 0.05
-samples = 1
-format = "jpg"
-)";
-  const std::filesystem::path maps = std::filesystem::path(INFUSE_SOURCE_DIR) / "fixtures/maps";
-  auto scenario = simulator::parse_scenario(kText, "test.toml", maps);
-  ASSERT_TRUE(scenario) << scenario.error().message();
-  auto simulation = simulator::Simulation::create(*scenario, 2);
-  ASSERT_TRUE(simulation) << simulation.error().message();
-  ASSERT_TRUE(write_drive(*simulation, folder, [](double) {}));
-}
 
 /// Turns the camera of drive.toml about its y axis.
 void turn_camera(const std::filesystem::path& folder, double degrees) {
@@ -60,30 +21,9 @@ void turn_camera(const std::filesystem::path& folder, double degrees) {
   ASSERT_TRUE(recording::write_drive(folder, drive->description));
 }
 
-struct Story {
-  std::vector<std::string> states;
-  std::vector<std::string> alerts;
-  json last;
-};
-
-Story story_of(const Replayed& replayed) {
-  Story story;
-  for (const std::string& line : replayed.lines()) {
-    EXPECT_TRUE(valid_message(line));
-    json report = json::parse(line);
-    if (report["class"] == "ALERT" && report["state"] == "raised") {
-      story.alerts.push_back(report["id"]);
-    }
-    if (report["class"] != "CALIBRATION") continue;
-    story.states.push_back(report["state"]);
-    story.last = std::move(report);
-  }
-  return story;
-}
-
 TEST(CalibrationDrive, ATurnedCameraIsNoticedAndAGoodOneLeftAlone) {
   const TemporaryFolder folder;
-  ASSERT_NO_FATAL_FAILURE(make_drive(folder / "drive"));
+  ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 45, 5, ""));
 
   const auto good = replayed(folder / "drive");
   ASSERT_TRUE(good) << good.error().message();

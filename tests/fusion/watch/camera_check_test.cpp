@@ -11,60 +11,106 @@ namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
 
+/// What is wrong with a picture.
+struct Wrong {
+  double light = 1;
+  bool blurred = false, patch = false, blots = false, plain_wall = false;
+};
+
 /// A scene that passes by: patterns of several scales, shifted by `at`, with a little noise.
-CameraFrame picture(int at, double light = 1, bool blurred = false, bool dirt = false) {
+CameraFrame picture(int at, const Wrong& wrong = {}) {
   std::mt19937_64 random(static_cast<uint64_t>(at) + 1);
   CameraFrame frame;
   frame.width = kWidth;
   frame.height = kHeight;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
-      const double x = u + 3.0 * at;
+      const double x = u + 37.0 * at;
       double level = 110 + 50 * std::sin(x / 17) * std::cos(v / 13.0);
-      if (!blurred) level += 30 * (((static_cast<int>(x) / 5) ^ (v / 5)) % 2 == 0 ? 1 : -1);
-      if (dirt && u < kWidth / 2 && v > kHeight / 3) level = 90;
-      level = light * level + static_cast<double>(random() % 3);
+      if (!wrong.blurred) level += 30 * (((static_cast<int>(x) / 7) ^ (v / 5)) % 2 == 0 ? 1 : -1);
+      if (wrong.patch && u < kWidth / 2 && v > kHeight / 3) level = 90;
+      if (wrong.plain_wall && v < kHeight / 2) level = 200 - v / 8.0;
+      if (wrong.blots) {
+        const double blot = 0.5 + 0.5 * std::sin(u / 8.0) * std::sin(v / 9.0);
+        level = (1 - 0.8 * blot) * level + 0.8 * blot * 40;
+      }
+      level = wrong.light * level + static_cast<double>(random() % 3);
       frame.pixels.push_back(static_cast<uint8_t>(std::clamp(level, 0.0, 255.0)));
     }
   }
   return frame;
 }
 
+constexpr double kApart = 4;  // m between two pictures
+
 /// A camera that has seen 20 good pictures.
 CameraCheck used_to() {
   CameraCheck check({});
   for (int k = 0; k < 20; ++k) {
-    EXPECT_EQ(check.take(picture(k), true), CameraFault::kNone);
+    EXPECT_EQ(check.take(picture(k), kApart * k), CameraFault::kNone);
   }
   return check;
 }
 
 CameraFault after(CameraCheck check, int pictures, const auto& make) {
   CameraFault fault = CameraFault::kNone;
-  for (int k = 0; k < pictures; ++k) fault = check.take(make(100 + k), true);
+  for (int k = 100; k < 100 + pictures; ++k) fault = check.take(make(k), kApart * k);
   return fault;
 }
 
 TEST(CameraCheck, NamesEachFault) {
   const CameraCheck check = used_to();
-  EXPECT_EQ(after(check, 5, [](int k) { return picture(k, 0.02); }), CameraFault::kBlack);
+  EXPECT_EQ(after(check, 5, [](int k) { return picture(k, {.light = 0.02}); }),
+            CameraFault::kBlack);
   EXPECT_EQ(after(check, 5, [](int) { return picture(100); }), CameraFault::kFrozen);
-  EXPECT_EQ(after(check, 5, [](int k) { return picture(k, 1, true); }), CameraFault::kOutOfFocus);
-  EXPECT_EQ(after(check, 5, [](int k) { return picture(k, 1, false, true); }), CameraFault::kDirty);
-  EXPECT_EQ(after(check, 5, [](int k) { return picture(k); }), CameraFault::kNone);
+  EXPECT_EQ(after(check, 5, [](int k) { return picture(k, {.blurred = true}); }),
+            CameraFault::kOutOfFocus);
+  EXPECT_EQ(after(check, 20, [](int k) { return picture(k, {.patch = true}); }),
+            CameraFault::kDirty);
+  EXPECT_EQ(after(check, 40, [](int k) { return picture(k, {.blots = true}); }),
+            CameraFault::kDirty);
+  EXPECT_EQ(after(check, 40, [](int k) { return picture(k); }), CameraFault::kNone);
+}
+
+TEST(CameraCheck, APlainWallThatIsPassedIsNoDirt) {
+  CameraCheck check = used_to();
+  for (int k = 20; k < 28; ++k) {
+    EXPECT_EQ(check.take(picture(k, {.plain_wall = true}), kApart * k), CameraFault::kNone) << k;
+  }
+  for (int k = 28; k < 60; ++k) {
+    EXPECT_EQ(check.take(picture(k), kApart * k), CameraFault::kNone) << k;
+  }
+}
+
+TEST(CameraCheck, AStandingVehicleSeesNoDirt) {
+  CameraCheck check = used_to();
+  for (int k = 0; k < 60; ++k) {
+    CameraFrame frame = picture(20, {.plain_wall = true});
+    frame.pixels[static_cast<size_t>(k)] ^= 1;
+    EXPECT_EQ(check.take(frame, kApart * 20), CameraFault::kNone) << k;
+  }
+}
+
+TEST(CameraCheck, DirtThatIsWipedOffIsGone) {
+  CameraCheck check = used_to();
+  CameraFault fault = CameraFault::kNone;
+  for (int k = 20; k < 60; ++k) fault = check.take(picture(k, {.blots = true}), kApart * k);
+  EXPECT_EQ(fault, CameraFault::kDirty);
+  for (int k = 60; k < 70; ++k) fault = check.take(picture(k), kApart * k);
+  EXPECT_EQ(fault, CameraFault::kNone);
 }
 
 TEST(CameraCheck, DuskIsNoFault) {
   const CameraCheck check = used_to();
-  EXPECT_EQ(after(check, 10, [](int k) { return picture(k, 0.3); }), CameraFault::kNone);
+  EXPECT_EQ(after(check, 40, [](int k) { return picture(k, {.light = 0.3}); }), CameraFault::kNone);
 }
 
 TEST(CameraCheck, OnePictureIsNotEnoughAndFaultsPass) {
   CameraCheck check = used_to();
-  EXPECT_EQ(check.take(picture(30, 0.02), true), CameraFault::kNone);
-  for (int k = 0; k < 5; ++k) check.take(picture(31 + k, 0.02), true);
+  EXPECT_EQ(check.take(picture(30, {.light = 0.02}), kApart * 30), CameraFault::kNone);
+  for (int k = 31; k < 36; ++k) check.take(picture(k, {.light = 0.02}), kApart * k);
   EXPECT_EQ(check.fault(), CameraFault::kBlack);
-  for (int k = 0; k < 5; ++k) check.take(picture(40 + k), true);
+  for (int k = 40; k < 45; ++k) check.take(picture(k), kApart * k);
   EXPECT_EQ(check.fault(), CameraFault::kNone);
 }
 
@@ -74,6 +120,7 @@ TEST(CameraCheck, FaultsHaveNames) {
   EXPECT_FALSE(CameraCheckOptions{}.invalid());
   EXPECT_TRUE(CameraCheckOptions{.frozen_pictures = 1}.invalid());
   EXPECT_TRUE(CameraCheckOptions{.lost_focus = 1}.invalid());
+  EXPECT_TRUE(CameraCheckOptions{.dirty_path = 0}.invalid());
 }
 
 }  // namespace

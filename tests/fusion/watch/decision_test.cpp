@@ -27,7 +27,7 @@ class Drive {
     report.offset(1) = 0.5 * M_PI / 180;
     report.gain = gain;
     report.has_gain = decision.alternative().has_value();
-    return decision.take(report, 15);
+    return decision.take(report, scenes);
   }
   void steps(int count, Drift drift, double gain = 0) {
     for (int k = 0; k < count; ++k) step(drift, gain);
@@ -48,13 +48,14 @@ class Drive {
   }
 
   Decision decision;
+  size_t scenes = 40;
 
  private:
   int next_ = 1;
 };
 
 TEST(Decision, FollowsTheEvidenceWithHysteresis) {
-  Drive drive({.scenes = 100});
+  Drive drive({.scenes = 100, .patience = 1000});
   EXPECT_EQ(drive.step(Drift::kLearning).state, kWatching);
   EXPECT_EQ(drive.step(Drift::kHolds).state, kOk);
   EXPECT_EQ(drive.step(Drift::kSuspect).state, kSuspect);
@@ -164,6 +165,52 @@ TEST(Decision, FrozenByTheOwnerNothingIsStarted) {
   EXPECT_EQ(drive.decision.state(), kDrifted);
 }
 
+TEST(Decision, FewerScenesAreEnoughWhereMoreDoNotCome) {
+  Drive drive({.scenes = 30, .least_scenes = 15, .patience = 40});
+  drive.scenes = 20;
+  drive.steps(5, Drift::kHolds);
+  for (int k = 0; k < 80; ++k) ASSERT_FALSE(drive.step(Drift::kDrifted).start) << k;
+  EXPECT_TRUE(drive.step(Drift::kDrifted).start);
+}
+
+TEST(Decision, FreezingGivesUpWhatIsBeingReestimated) {
+  Drive drive({.policy = Policy::kApply});
+  drive.steps(5, Drift::kHolds);
+  EXPECT_TRUE(drive.step(Drift::kDrifted).start);
+  drive.decision.freeze(true);
+  const Decided frozen = drive.step(Drift::kDrifted);
+  EXPECT_TRUE(frozen.cancel);
+  EXPECT_EQ(frozen.state, kDrifted);
+  EXPECT_FALSE(drive.decision.running());
+  for (int k = 0; k < 10; ++k) EXPECT_FALSE(drive.step(Drift::kDrifted).cancel);
+  drive.decision.freeze(false);
+  EXPECT_TRUE(drive.step(Drift::kDrifted).start);
+}
+
+TEST(Decision, ACameraAtFaultEndsWhatIsBeingReestimated) {
+  Drive drive({.policy = Policy::kApply});
+  drive.steps(5, Drift::kHolds);
+  EXPECT_TRUE(drive.step(Drift::kDrifted).start);
+  const Decided at_fault = drive.step(Drift::kDrifted, 0, CameraFault::kDirty);
+  EXPECT_TRUE(at_fault.cancel);
+  EXPECT_EQ(at_fault.state, kUnusable);
+  drive.decision.finish(Drive::found(0.5));  // too late
+  drive.steps(10, Drift::kHolds);
+  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
+  EXPECT_EQ(drive.decision.state(), kOk);
+}
+
+TEST(Decision, GoingBackGivesUpWhatIsBeingReestimated) {
+  Drive drive({.policy = Policy::kApply, .retry = 0});
+  drive.drift_and_find(0.5);
+  drive.decision.recalibrate();
+  EXPECT_TRUE(drive.step(Drift::kHolds).start);
+  drive.decision.roll_back();
+  const Decided back = drive.step(Drift::kHolds);
+  EXPECT_TRUE(back.cancel);
+  EXPECT_TRUE(back.calibration_changed);
+}
+
 TEST(Decision, TheOwnerMayAskAndRollBack) {
   Drive drive({.policy = Policy::kApply});
   drive.steps(5, Drift::kHolds);
@@ -178,14 +225,14 @@ TEST(Decision, TheOwnerMayAskAndRollBack) {
 }
 
 TEST(Decision, HistoryIsBounded) {
-  Drive drive({.scenes = 100, .history = 5});
+  Drive drive({.scenes = 100, .patience = 1000, .history = 5});
   for (int k = 0; k < 20; ++k) {
     drive.step(Drift::kDrifted);
     drive.step(Drift::kHolds);
   }
   EXPECT_EQ(drive.decision.history().size(), 5U);
   EXPECT_FALSE(DecisionOptions{}.invalid());
-  EXPECT_TRUE(DecisionOptions{.scenes = 1}.invalid());
+  EXPECT_TRUE(DecisionOptions{.least_scenes = 1}.invalid());
   EXPECT_STREQ(to_string(kRecalibrating), "RECALIBRATING");
 }
 

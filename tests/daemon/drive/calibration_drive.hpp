@@ -1,0 +1,76 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/daemon/drive/simulated.hpp"
+#include "tests/daemon/schema.hpp"
+
+namespace infuse::daemon {
+
+/// Two pictures a second, the lidar turning around each of them (`turn_every` 5) or all the time
+/// (1). `more`: faults.
+inline void make_online_drive(const std::filesystem::path& folder, double seconds, int turn_every,
+                              const std::string& more) {
+  const std::string text = "duration_s = " + std::to_string(seconds) + R"(
+[world]
+map = "altfeld.osm"
+route = [100, 104, 112, 110, 115, 117]
+[light]
+sun = 0.6
+[vehicle]
+speed = 9
+start_speed = 9
+[[lidar]]
+model = "HDL-32E"
+position = [1.0, 0.0, 1.95]
+parts = 1
+turn_every = )" + std::to_string(turn_every) +
+                           R"(
+[[camera]]
+width = 480
+height = 360
+fx = 300
+position = [1.5, 0.05, 1.6]
+rotation_deg = [0.0, 2.0, 0.0]
+rate_hz = 2
+phase_s = 0.05
+samples = 1
+format = "jpg"
+)" + more;
+  const std::filesystem::path maps = std::filesystem::path(INFUSE_SOURCE_DIR) / "fixtures/maps";
+  auto scenario = simulator::parse_scenario(text, "test.toml", maps);
+  ASSERT_TRUE(scenario) << scenario.error().message();
+  auto simulation = simulator::Simulation::create(*scenario, 2);
+  ASSERT_TRUE(simulation) << simulation.error().message();
+  ASSERT_TRUE(write_drive(*simulation, folder, [](double) {}));
+}
+
+/// What a replay told of its one camera's calibration.
+struct Story {
+  std::vector<std::string> states;  ///< one after the other
+  std::vector<std::string> faults;  ///< of the camera, the same
+  std::vector<std::string> alerts;  ///< ids of those that were raised
+  nlohmann::json first, last;       ///< CALIBRATION reports
+};
+
+inline Story story_of(const Replayed& replayed) {
+  Story story;
+  for (const std::string& line : replayed.lines()) {
+    EXPECT_TRUE(valid_message(line));
+    nlohmann::json report = nlohmann::json::parse(line);
+    if (report["class"] == "ALERT" && report["state"] == "raised") {
+      story.alerts.push_back(report["id"]);
+    }
+    if (report["class"] != "CALIBRATION") continue;
+    story.states.push_back(report["state"]);
+    if (report.contains("camera_fault")) story.faults.push_back(report["camera_fault"]);
+    if (story.first.is_null()) story.first = report;
+    story.last = std::move(report);
+  }
+  return story;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,126 @@
+// What must not be taken for a camera that moved, and what must not last: faults of the camera are
+// named and nothing is estimated anew, a bad estimate is taken back, a stop does not wait.
+
+#include <gmock/gmock.h>
+
+#include <boost/asio/post.hpp>
+#include <chrono>
+
+#include "fusion/geometry/rigid_motion.hpp"
+#include "tests/daemon/drive/calibration_drive.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using testing::Contains;
+using testing::Not;
+
+ReplayedOptions applying() {
+  ReplayedOptions options;
+  options.pipeline.calibration.decision.policy = watch::Policy::kApply;
+  return options;
+}
+
+TEST(CalibrationFaults, LateStampsAreNamed) {
+  const TemporaryFolder folder;
+  ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 45, 1, R"(
+[[fault]]
+kind = "late"
+from_s = 15
+amount = 0.2
+)"));
+  const auto late = replayed(folder / "drive", applying());
+  ASSERT_TRUE(late) << late.error().message();
+  const Story story = story_of(*late);
+  EXPECT_THAT(story.faults, Contains("late"));
+  EXPECT_THAT(story.alerts, Contains("front.camera_fault"));
+  EXPECT_THAT(story.states, Not(Contains("RECALIBRATING")));
+  EXPECT_EQ(story.last["state"], "UNUSABLE");
+  EXPECT_EQ(story.last["T_camera_lidar"], story.first["T_camera_lidar"]);
+  EXPECT_NEAR(story.last["delay_s"].get<double>(), 0.2, 0.1);
+}
+
+TEST(CalibrationFaults, FrozenBlackAndDirtyAreNamed) {
+  const TemporaryFolder folder;
+  ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 55, 5, R"(
+[[fault]]
+kind = "frozen"
+from_s = 10
+to_s = 14
+[[fault]]
+kind = "black"
+from_s = 17
+to_s = 21
+[[fault]]
+kind = "dirty"
+from_s = 26
+amount = 1
+)"));
+  const auto faulty = replayed(folder / "drive", applying());
+  ASSERT_TRUE(faulty) << faulty.error().message();
+  const Story story = story_of(*faulty);
+  EXPECT_THAT(story.faults, testing::IsSupersetOf({"frozen", "black", "dirty"}));
+  EXPECT_THAT(story.states, Not(Contains("RECALIBRATING")));
+  EXPECT_EQ(story.last["state"], "UNUSABLE");
+  EXPECT_EQ(story.last["T_camera_lidar"], story.first["T_camera_lidar"]);
+}
+
+// The scenes are tampered with: the camera is turned for just so long that a new calibration is
+// found and applied, and then stands as before.
+TEST(CalibrationFaults, ABadUpdateIsTakenBack) {
+  const TemporaryFolder folder;
+  ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 75, 5, R"(
+[[fault]]
+kind = "extrinsic_step"
+from_s = 8
+to_s = 38
+rotation_deg = [0, 1, 0]
+)"));
+  const auto tampered = replayed(folder / "drive", applying());
+  ASSERT_TRUE(tampered) << tampered.error().message();
+  const Story story = story_of(*tampered);
+  EXPECT_THAT(story.states, Contains("RECALIBRATED"));
+  EXPECT_THAT(story.alerts, Contains("front.calibration_changed"));
+  bool told = false;
+  for (const auto& entry : story.last["history"]) {
+    told = told || entry["what"].get<std::string>().starts_with("rolled back");
+  }
+  EXPECT_TRUE(told) << story.last["history"].dump(1);
+  EXPECT_EQ(story.last["T_camera_lidar"], story.first["T_camera_lidar"]);
+}
+
+TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
+  const TemporaryFolder folder;
+  ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 30, 5, ""));
+  auto setup = open_drive(folder / "drive", {}, std::nullopt);
+  ASSERT_TRUE(setup) << setup.error().message();
+  PipelineOptions options;
+  options.calibration.decision.scenes = options.calibration.decision.least_scenes = 10;
+  options.calibration.reestimate.starts = 2000;  // hours
+  boost::asio::io_context io(1);
+  Server server(io, {}, "0", "0123456789abcdef");
+  bool ended = false;
+  Replay replay(io, *std::move(setup), {std::nullopt, options}, server, nullptr, [&] {
+    ended = true;
+    server.finish(std::chrono::seconds(1));
+  });
+  std::optional<HostClock::time_point> stopped;
+  replay.publisher().on_calibration([&](const CalibrationReport& report) {
+    if (report.looks >= 12 && report.state != "RECALIBRATING" && !stopped) {
+      ASSERT_TRUE(replay.ask({.op = Request::Op::kRecalibrate}));
+    }
+    if (report.state != "RECALIBRATING" || stopped) return;
+    stopped = HostClock::now();
+    replay.stop();
+  });
+  replay.start();
+  io.run();
+  EXPECT_TRUE(ended);
+  ASSERT_TRUE(stopped);
+  const auto took = std::chrono::duration<double>(HostClock::now() - *stopped).count();
+  RecordProperty("stop_s", std::to_string(took));
+  std::printf("stopped in %.3f s\n", took);
+}
+
+}  // namespace
+}  // namespace infuse::daemon
