@@ -11,6 +11,7 @@ using geometry::Vector6;
 constexpr double kLongestGap = 2;     // s; what was driven in a longer one is not known
 constexpr double kNoEvidence = 0.5;   // nats
 constexpr double kTellingPeak = 0.1;  // nats; a picture with such a peak is worth a half
+constexpr double kFarTime = 2.5;      // steps of time of the wide look
 
 /// The top of the parabola through three values a step apart, and its curvature. Where the values
 /// do not bend down within the step, the top lies a step away on the rising side.
@@ -128,6 +129,14 @@ AxisLook Watch::look(const Motion& motion, WatchReport& report) {
     const double above = ask(step);
     const double below = ask(-step);
     parabola(below, here, above, step, look.offset[k], look.information[k]);
+    if (axis == Axis::kTime) {
+      // Where stamps are late by more than the step sees, the top lies farther out.
+      const double far_above = ask(kFarTime * step);
+      const double far_below = ask(-kFarTime * step);
+      if (std::max(far_above, far_below) > std::max({below, here, above})) {
+        parabola(far_below, here, far_above, kFarTime * step, look.offset[k], look.information[k]);
+      }
+    }
     lowest = std::min({lowest, above, below});
     highest = std::max({highest, above, below});
   }
@@ -143,11 +152,12 @@ void Watch::judge(WatchReport& report) {
   report.evidence = test_.evidence(test_.strongest());
   report.axis = near_axis(test_.strongest());
   if (report.evidence < kNoEvidence) quiet_ = report.stamp;
-  report.since = quiet_;
   report.drift = !test_.warmed_up() ? Drift::kLearning
                  : test_.certain()  ? Drift::kDrifted
                  : test_.suspect()  ? Drift::kSuspect
                                     : Drift::kHolds;
+  const bool moved = report.drift == Drift::kSuspect || report.drift == Drift::kDrifted;
+  report.since = moved ? quiet_ : Stamp::earliest();
   for (int k = 0; k < 6; ++k) {
     // The top lies at +d: the present calibration is off by −d.
     report.offset(k) = -test_.offset(static_cast<Axis>(k));

@@ -60,7 +60,7 @@ struct WatchReport {
   /// Nats; how much more that is than at the alternative (`set_alternative`).
   double gain = 0;
   bool has_gain = false;
-  Stamp since;        ///< drift can have begun here: the evidence was nil
+  Stamp since;        ///< drift can have begun here: the evidence was nil; earliest without one
   bool kept = false;  ///< the scene store took it
 };
 
