@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -67,7 +68,8 @@ class Calibration {
         margin_(options.screen.half_width * std::sqrt(3.0)),
         few_(thin_scenes(scenes, cameras, start, margin_, options.screen_points)),
         some_(thin_scenes(scenes, cameras, start, margin_, options.coarse_points)),
-        search_(scenes, cameras, terms_, images_, options.visibility, options.maximize, known(),
+        all_(thin_scenes(scenes, cameras, start, margin_, std::numeric_limits<size_t>::max())),
+        search_(all_, cameras, terms_, images_, options.visibility, options.maximize, known(),
                 options.start_translation),
         coarse_(some_, cameras, terms_, images_, options.visibility, options.maximize, known(),
                 options.start_translation) {}
@@ -207,7 +209,7 @@ class Calibration {
   std::vector<TermOptions> terms_;
   ImagePyramid images_;
   double margin_;
-  std::vector<Scene> few_, some_;
+  std::vector<Scene> few_, some_, all_;
   CoarseToFine search_, coarse_;
   int evaluations_ = 0;
 };

@@ -33,7 +33,8 @@ struct CalibrateOptions {
   // Where in it.
   std::vector<Level> fine{{.sigma = 3, .points = 60'000, .tolerance = 5e-3},
                           {.sigma = 2, .points = 120'000, .tolerance = 5e-3},
-                          {.sigma = 1, .passes = 2}};
+                          {.sigma = 1, .points = 240'000},
+                          {.sigma = 1}};
 
   // Whether to believe it.
   int restarts = 4;  ///< climbs from around the result, which ought to lead back to it

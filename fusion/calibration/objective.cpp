@@ -6,40 +6,51 @@
 #include "fusion/calibration/lidar_features.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
 #include "fusion/geometry/pose_gradient.hpp"
+#include "fusion/geometry/simd.hpp"
 
 namespace infuse::calibration {
 namespace {
 
+/// A plane as the look-up sees it.
+struct Samples2d {
+  const float* values;
+  int width;
+  float right, bottom;  // the last place that has a sample after it
+  float scale;          // samples a pixel
+};
+
 /// Bilinear look-up of one block of points, I 4.3.1.4, with its derivatives by the pixel. Outside
-/// the picture: the border's value, and no derivative across it. Points whose `lidar` is not
-/// compared are passed over.
-void look_up_block(const Plane& plane, std::span<const float> lidar, std::span<const float> u,
-                   std::span<const float> v, float* value, float* by_u, float* by_v) {
-  const auto right = static_cast<float>(plane.width - 1) - 1e-3F;
-  const auto bottom = static_cast<float>(plane.height - 1) - 1e-3F;
-  const float scale = 1.0F / static_cast<float>(plane.step);
-  const float* pixels = plane.values.data();
-  for (size_t i = 0; i < u.size(); ++i) {
-    if (std::isnan(u[i]) || std::isnan(lidar[i])) {
-      value[i] = dependence::kAbsent;
-      by_u[i] = by_v[i] = 0;
-      continue;
-    }
-    const float su = u[i] * scale;
-    const float sv = v[i] * scale;
-    const float cu = std::clamp(su, 0.0F, right);
-    const float cv = std::clamp(sv, 0.0F, bottom);
+/// the picture: the border's value, and no derivative across it. Points that the camera does not
+/// see and points whose `lidar` is not compared are absent.
+INFUSE_SIMD_CLONES void look_up_block(const Samples2d plane, const float* __restrict lidar,
+                                      const float* __restrict u, const float* __restrict v,
+                                      size_t count, float* __restrict value, float* __restrict by_u,
+                                      float* __restrict by_v) {
+  for (size_t i = 0; i < count; ++i) {
+    const bool absent = (u[i] != u[i]) | (lidar[i] != lidar[i]);
+    const float su = absent ? 0.0F : u[i] * plane.scale;
+    const float sv = absent ? 0.0F : v[i] * plane.scale;
+    const float least_u = su > 0.0F ? su : 0.0F;
+    const float least_v = sv > 0.0F ? sv : 0.0F;
+    const float cu = least_u < plane.right ? least_u : plane.right;
+    const float cv = least_v < plane.bottom ? least_v : plane.bottom;
     const int iu = static_cast<int>(cu);
     const int iv = static_cast<int>(cv);
     const float a = cu - static_cast<float>(iu);
     const float b = cv - static_cast<float>(iv);
-    const float* top = pixels + static_cast<size_t>(iv) * static_cast<size_t>(plane.width) + iu;
-    const float* low = top + plane.width;
-    const float upper = top[0] + a * (top[1] - top[0]);
-    const float lower = low[0] + a * (low[1] - low[0]);
-    value[i] = upper + b * (lower - upper);
-    by_u[i] = cu == su ? scale * ((1 - b) * (top[1] - top[0]) + b * (low[1] - low[0])) : 0.0F;
-    by_v[i] = cv == sv ? scale * (lower - upper) : 0.0F;
+    const int at = iv * plane.width + iu;
+    const float left_top = plane.values[at];
+    const float right_top = plane.values[at + 1];
+    const float left_low = plane.values[at + plane.width];
+    const float right_low = plane.values[at + plane.width + 1];
+    const float upper = left_top + a * (right_top - left_top);
+    const float lower = left_low + a * (right_low - left_low);
+    const float along = (1 - b) * (right_top - left_top) + b * (right_low - left_low);
+    value[i] = absent ? dependence::kAbsent : upper + b * (lower - upper);
+    const float inside_u = absent | (cu != su) ? 0.0F : plane.scale;
+    const float inside_v = absent | (cv != sv) ? 0.0F : plane.scale;
+    by_u[i] = inside_u * along;
+    by_v[i] = inside_v * (lower - upper);
   }
 }
 
@@ -60,10 +71,10 @@ constexpr double kSurroundings = 8;
 constexpr double kLeastSurroundings = 15;
 constexpr double kNoise = 2.0 / 255;  // a smooth surface's, in grey levels
 
-/// Samples lie so far apart that their Gaussian is still at least 1.5 of them wide.
+/// Samples lie so far apart that their Gaussian is still at least one of them wide.
 int samples_apart(double sigma) {
   int step = 1;
-  while (3 * step <= sigma) step *= 2;
+  while (2 * step <= sigma) step *= 2;
   return step;
 }
 
@@ -134,12 +145,17 @@ void Objective::project(const Eigen::Isometry3d& T_head_lidar) {
 }
 
 void Objective::look_up(const TermOptions& term) {
-  const std::span<const float> lidar(points_.lidar[index(term.lidar)]);
+  const std::vector<float>& lidar = points_.lidar[index(term.lidar)];
   for (const VisiblePoints::Block& block : points_.blocks) {
-    look_up_block(images_->plane(block.scene, term.image),
-                  lidar.subspan(block.begin, block.end - block.begin), part<const float>(u_, block),
-                  part<const float>(v_, block), &value_[block.begin], &value_by_u_[block.begin],
-                  &value_by_v_[block.begin]);
+    const Plane& plane = images_->plane(block.scene, term.image);
+    const size_t at = block.begin;
+    look_up_block({.values = plane.values.data(),
+                   .width = plane.width,
+                   .right = static_cast<float>(plane.width - 1) - 1e-3F,
+                   .bottom = static_cast<float>(plane.height - 1) - 1e-3F,
+                   .scale = 1.0F / static_cast<float>(plane.step)},
+                  &lidar[at], &u_[at], &v_[at], block.end - at, &value_[at], &value_by_u_[at],
+                  &value_by_v_[at]);
   }
 }
 

@@ -11,8 +11,9 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-// Differences are taken as widely as the result is uncertain: narrower ones see how the rings of
-// the lidar cross the picture's edges instead of the shape of the maximum, wider ones its flanks.
+// Differences are taken about as widely as the result is uncertain, where that is wider than the
+// narrowest: narrower ones see how the rings of the lidar cross the picture's edges instead of the
+// shape of the maximum, wider ones its flanks.
 constexpr double kWidest = 4e-3;            // rad
 constexpr double kNarrowest = 1e-3;         // rad
 constexpr double kTranslationByAngle = 10;  // m a rad
@@ -101,11 +102,15 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
     return out;
   }
   const Matrix6 spread = spread_of(seen);
-  Sandwich found;
-  for (double angle = kWidest; angle >= kNarrowest; angle /= 2) {
-    out.curvature = curvature(objective, T_head_lidar, angle);
-    found = sandwich(out.curvature, spread);
-    if (found.reason.empty() && widest(found.covariance) > angle / 2) break;
+  Sandwich found{.reason = "not looked at"};
+  for (double angle = kNarrowest; angle <= kWidest; angle *= 2) {
+    const Matrix6 wider = curvature(objective, T_head_lidar, angle);
+    const Sandwich next = sandwich(wider, spread);
+    if (next.reason.empty() || !found.reason.empty()) {
+      found = next;
+      out.curvature = wider;
+    }
+    if (found.reason.empty() && widest(found.covariance) <= 2 * angle) break;
   }
   out.reason = found.reason;
   if (!out.usable()) return out;
