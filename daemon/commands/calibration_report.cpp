@@ -108,8 +108,9 @@ std::string landscape(const CalibrationRun& run, calibration::CoarseToFine& sear
   const auto around = calibration::look_around(fine, coarse, T, kReachRotation, kReachTranslation);
   std::string html =
       "<h2>The measure around the result</h2><p class=note>Camera axes: x right, y down, z ahead. "
-      "The result is in the middle; a peak there, and nowhere as high, is what one wants to "
-      "see.</p><div class=row>";
+      "The result is in the middle; a peak there, and nowhere as high, is what one wants to see.";
+  if (!run.options.leading.empty()) html += " Drawn for the measure that led there.";
+  html += "</p><div class=row>";
   for (size_t axis = 0; axis < 6; ++axis) {
     html += axis < 3 ? curve(around.along[axis], kAxes[axis], kReachRotation * kDegrees, "deg")
                      : curve(around.along[axis], kAxes[axis], 100 * kReachTranslation, "cm");
@@ -142,6 +143,11 @@ std::string histogram(const calibration::Objective::Samples& samples, const std:
                      data_url(draw_map(counts, kBins)), caption);
 }
 
+/// The terms that pictures show: of measures that take long those that lead there.
+const std::vector<calibration::TermOptions>& drawn(const CalibrationRun& run) {
+  return run.options.leading.empty() ? run.options.terms : run.options.leading;
+}
+
 std::string histograms(const CalibrationRun& run, calibration::CoarseToFine& search) {
   std::string html =
       "<h2>Joint histograms</h2><p class=note>Lidar feature to the right, picture feature up. "
@@ -151,7 +157,7 @@ std::string histograms(const CalibrationRun& run, calibration::CoarseToFine& sea
     const calibration::VisiblePoints points = search.visible(T, 0);
     if (points.size() == 0) continue;
     calibration::Objective measure = search.objective(points, run.options.fine.back().sigma);
-    for (size_t term = 0; term < run.options.terms.size(); ++term) {
+    for (size_t term = 0; term < drawn(run).size(); ++term) {
       html += histogram(measure.samples(T, term), fmt::format("term {}, {}", term + 1, when));
     }
   }
@@ -184,10 +190,10 @@ Result<void> write_report(const std::filesystem::path& folder, const ScenePairs&
                           const std::vector<CalibrationRun>& runs) {
   const CalibrationRun& run = runs.front();
   const std::array<double, 2> sigmas{run.options.fine.back().sigma, run.options.support_sigma};
-  calibration::ImagePyramid images(run.scenes, run.options.terms, sigmas);
+  calibration::ImagePyramid images(run.scenes, drawn(run), sigmas);
   calibration::CoarseToFine search(
-      run.scenes, run.cameras, run.options.terms, images, run.options.visibility,
-      run.options.maximize, run.start.inverse().translation(), run.options.start_translation);
+      run.scenes, run.cameras, drawn(run), images, run.options.visibility, run.options.maximize,
+      run.start.inverse().translation(), run.options.start_translation);
   const std::string page = kHead + answer(pairs, runs) + overlays(pairs, run) +
                            landscape(run, search) + histograms(run, search) + scenes(pairs, run);
   std::error_code failed;

@@ -93,14 +93,17 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   const double began = cpu_seconds();
   CalibrationRun run{.measure = measure.name, .start = start, .options = options};
   run.options.terms = measure.terms;
+  run.options.leading = measure.leading;
   if (!measure.has_gradient) run.options.maximize.search = calibration::Search::kSimplex;
   calibration::SceneOptions scene_options;
   scene_options.equalize = measure.equalize_image;
   scene_options.lidar = {};
   scene_options.image = {};
-  for (const calibration::TermOptions& term : measure.terms) {
-    scene_options.lidar[calibration::index(term.lidar)] = true;
-    scene_options.image[calibration::index(term.image)] = true;
+  for (const auto* terms : {&measure.terms, &measure.leading}) {
+    for (const calibration::TermOptions& term : *terms) {
+      for (const auto feature : term.lidar) scene_options.lidar[calibration::index(feature)] = true;
+      for (const auto feature : term.image) scene_options.image[calibration::index(feature)] = true;
+    }
   }
   for (const ScenePair& pair : pairs.pairs) {
     auto scene = calibration::make_scene(pair.sweep, pair.frame, scene_options);

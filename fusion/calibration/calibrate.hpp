@@ -17,6 +17,9 @@ namespace infuse::calibration {
 /// Settings of the target-less calibration.
 struct CalibrateOptions {
   std::vector<TermOptions> terms;  ///< what is maximised; empty: the default measure, "joint"
+  /// What leads there, where `terms` take long: all but the last of the fine levels, restarts,
+  /// halvings and the scenes' support are by these. Empty: `terms` themselves.
+  std::vector<TermOptions> leading;
 
   // Which basin: rotations are screened, the best climb; after each level the best ends go on.
   ScreenOptions screen;

@@ -85,9 +85,11 @@ BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const Term
     : blurred_(scenes.size()), local_grey_(scenes.size()), sigma_(sigma) {
   for (size_t s = 0; s < scenes.size(); ++s) {
     for (const TermOptions& term : terms) {
-      Plane& plane = blurred_[s][index(term.image)];
-      if (plane.values.empty()) {
-        plane = blurred(scenes[s].image[index(term.image)], sigma, samples_apart(sigma));
+      for (const ImageFeature feature : term.image) {
+        Plane& plane = blurred_[s][index(feature)];
+        if (plane.values.empty()) {
+          plane = blurred(scenes[s].image[index(feature)], sigma, samples_apart(sigma));
+        }
       }
     }
   }
@@ -128,10 +130,14 @@ Objective::Objective(const VisiblePoints& points, const BlurredImages& images,
                      std::span<const RigCamera> cameras, std::span<const Scene> scenes,
                      std::span<const TermOptions> terms)
     : points_(points), images_(&images), cameras_(cameras), scenes_(scenes) {
-  for (const TermOptions& term : terms) terms_.push_back({term, make_term(term, points)});
-  for (auto* scratch :
-       {&u_, &v_, &depth_, &value_, &value_by_u_, &value_by_v_, &by_value_, &by_u_, &by_v_}) {
-    scratch->resize(points.size());
+  size_t most = 1;
+  for (const TermOptions& term : terms) {
+    terms_.push_back({term, make_term(term, points)});
+    most = std::max(most, term.image.size());
+  }
+  for (auto* scratch : {&u_, &v_, &depth_, &by_u_, &by_v_}) scratch->resize(points.size());
+  for (auto* scratch : {&value_, &value_by_u_, &value_by_v_, &by_value_}) {
+    scratch->resize(most * points.size());
   }
 }
 
@@ -145,17 +151,22 @@ void Objective::project(const Eigen::Isometry3d& T_head_lidar) {
 }
 
 void Objective::look_up(const TermOptions& term) {
-  const std::vector<float>& lidar = points_.lidar[index(term.lidar)];
-  for (const VisiblePoints::Block& block : points_.blocks) {
-    const Plane& plane = images_->plane(block.scene, term.image);
-    const size_t at = block.begin;
-    look_up_block({.values = plane.values.data(),
-                   .width = plane.width,
-                   .right = static_cast<float>(plane.width - 1) - 1e-3F,
-                   .bottom = static_cast<float>(plane.height - 1) - 1e-3F,
-                   .scale = 1.0F / static_cast<float>(plane.step)},
-                  &lidar[at], &u_[at], &v_[at], block.end - at, &value_[at], &value_by_u_[at],
-                  &value_by_v_[at]);
+  // Of a single lidar feature: what has nothing to compare need not be looked up.
+  const std::vector<float>& compared =
+      term.lidar.size() == 1 ? points_.lidar[index(term.lidar.front())] : points_.x;
+  for (size_t f = 0; f < term.image.size(); ++f) {
+    for (const VisiblePoints::Block& block : points_.blocks) {
+      const Plane& plane = images_->plane(block.scene, term.image[f]);
+      const size_t from = block.begin;
+      const size_t to = f * points_.size() + block.begin;
+      look_up_block({.values = plane.values.data(),
+                     .width = plane.width,
+                     .right = static_cast<float>(plane.width - 1) - 1e-3F,
+                     .bottom = static_cast<float>(plane.height - 1) - 1e-3F,
+                     .scale = 1.0F / static_cast<float>(plane.step)},
+                    &compared[from], &u_[from], &v_[from], block.end - from, &value_[to],
+                    &value_by_u_[to], &value_by_v_[to]);
+    }
   }
 }
 
@@ -171,16 +182,20 @@ dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_
   }
   for (Term& term : terms_) {
     look_up(term.options);
+    const size_t values = term.options.image.size() * points_.size();
     const dependence::Estimate one = term.dependence->evaluate(
-        value_, with_gradient ? std::span<float>(by_value_) : std::span<float>());
+        std::span(value_).first(values),
+        with_gradient ? std::span(by_value_).first(values) : std::span<float>());
     sum.value += term.options.weight * one.value;
     if (!one.usable()) sum.reason = one.reason;
     if (!with_gradient) continue;
     const auto weight = static_cast<float>(
         term.options.weight * (of_samples ? static_cast<double>(term.dependence->samples()) : 1.0));
-    for (size_t i = 0; i < by_u_.size(); ++i) {
-      by_u_[i] += weight * by_value_[i] * value_by_u_[i];
-      by_v_[i] += weight * by_value_[i] * value_by_v_[i];
+    for (size_t first = 0; first < values; first += points_.size()) {
+      for (size_t i = 0; i < by_u_.size(); ++i) {
+        by_u_[i] += weight * by_value_[first + i] * value_by_u_[first + i];
+        by_v_[i] += weight * by_value_[first + i] * value_by_v_[first + i];
+      }
     }
   }
   return sum;
@@ -221,9 +236,9 @@ Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, siz
   const TermOptions& options = terms_[term].options;
   project(T_head_lidar);
   look_up(options);
-  const std::vector<float>& lidar = points_.lidar[index(options.lidar)];
+  const std::vector<float>& lidar = points_.lidar[index(options.lidar.front())];
   Samples samples;
-  for (const uint32_t i : taking_part(lidar)) {
+  for (const uint32_t i : taking_part(options, points_)) {
     samples.lidar.push_back(lidar[i]);
     samples.image.push_back(value_[i]);
   }

@@ -70,7 +70,8 @@ class Objective {
   /// For the terms with a gradient: how the scenes pull, whose spread tells the uncertainty.
   std::vector<geometry::Vector6> scene_gradients(const Eigen::Isometry3d& T_head_lidar);
 
-  /// The samples of one term at a pose that take part: what its measure is asked about.
+  /// The samples of one term at a pose that take part: what its measure is asked about. Of several
+  /// features the first.
   struct Samples {
     std::vector<float> lidar;  ///< by rank where the term says so
     std::vector<float> image;  ///< 0 … 1; NaN where the camera's model does not see the point
@@ -106,7 +107,7 @@ class Objective {
   std::vector<Term> terms_;
   int evaluations_ = 0;
 
-  // Scratch, one entry a point.
+  // Scratch, one entry a point; of values one a point and image feature.
   std::vector<float> u_, v_, depth_;
   std::vector<float> value_, value_by_u_, value_by_v_;  ///< of the image feature looked up last
   std::vector<float> by_value_;                         ///< ∂term/∂value

@@ -10,6 +10,7 @@
 #include "fusion/calibration/feature.hpp"
 #include "fusion/calibration/image_features.hpp"
 #include "fusion/calibration/lidar_features.hpp"
+#include "fusion/calibration/surface_normals.hpp"
 
 namespace infuse::calibration {
 
@@ -19,6 +20,7 @@ struct SceneOptions {
                               true};  ///< features to compute: relative reflectivity, discontinuity
   PerImageFeature<bool> image{false, true, true};  ///< features to compute: local grey, edge
   DiscontinuityOptions discontinuity;
+  NormalOptions normals;
   /// Grey and edge strength by rank within the picture, so that exposure does not matter. False: as
   /// they are, divided by 255.
   bool equalize = true;
