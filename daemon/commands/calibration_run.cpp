@@ -65,6 +65,26 @@ Json scenes_json(const CalibrationRun& run, const ScenePairs& pairs) {
   return list;
 }
 
+/// What the scenes say of what was taken for known.
+Json doubts_json(const std::vector<calibration::ModelDoubt>& doubts) {
+  Json list = Json::array();
+  for (const calibration::ModelDoubt& doubt : doubts) {
+    list.push_back({{"what", doubt.what},
+                    {"off_by", rounded(doubt.value)},
+                    {"sigma", rounded(doubt.sigma)},
+                    {"unit", doubt.unit},
+                    {"significance", rounded(doubt.significance)},
+                    {"doubtful", doubt.doubtful},
+                    {"serious", doubt.serious}});
+  }
+  return list;
+}
+
+std::string doubt_text(const calibration::ModelDoubt& doubt) {
+  return fmt::format("{} {:+.2f} {} +- {:.2f} would fit better, {:.1f} sigma", doubt.what,
+                     doubt.value, doubt.unit, doubt.sigma, std::abs(doubt.significance));
+}
+
 /// Degrees and centimetres of a covariance's diagonal.
 std::string spread_text(const geometry::Matrix6& covariance) {
   const geometry::Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
@@ -109,6 +129,7 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
     auto scene = calibration::make_scene(pair.sweep, pair.frame, scene_options);
     if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);
     scene->name = pair.name;
+    scene->twist = pair.twist;
     run.scenes.push_back(std::move(*scene));
   }
   run.cameras.push_back({geometry::CameraModel(pairs.camera.intrinsics)});
@@ -145,6 +166,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
     json["covariance"] = matrix_json(result.uncertainty.covariance);
     json["cramer_rao_bound"] = matrix_json(result.uncertainty.bound);
   }
+  if (!result.doubts.empty()) json["doubts"] = doubts_json(result.doubts);
   if (result.split_half) json["split_half_covariance"] = matrix_json(*result.split_half);
   if (pairs.truth) {
     json["error"] = error_json(geometry::extrinsic_error(result.T_head_lidar, *pairs.truth, model));
@@ -185,6 +207,14 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
     const auto error = geometry::extrinsic_error(result.T_head_lidar, *pairs.truth, model);
     text += fmt::format("  against the drive's truth: {:.3f} deg, {:.1f} cm, {:.1f} pixels\n",
                         error.rotation * kDegrees, 100 * error.translation, error.pixels);
+  }
+  for (const calibration::ModelDoubt& doubt : result.doubts) {
+    if (doubt.doubtful) text += "  doubt: " + doubt_text(doubt) + "\n";
+    if (doubt.unit == std::string("ms")) {
+      text += fmt::format("  pictures stamped 10 ms late would move it by {:.3f} deg, {:.1f} cm\n",
+                          10 * doubt.moves.head<3>().norm() * kDegrees,
+                          10 * 100 * doubt.moves.tail<3>().norm());
+    }
   }
   for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";
   return text;

@@ -134,7 +134,8 @@ Result<void> add_pairs(OpenDrive& open, size_t count, const SceneRequest& reques
                          .gap = sweeps[k].gap,
                          .frame = std::move(*frame),
                          .sweep = std::move(sweeps[k].sweep),
-                         .uncompensated = sweeps[k].uncompensated});
+                         .uncompensated = sweeps[k].uncompensated,
+                         .twist = sweeps[k].twist});
   }
   if (apart > 0) {
     out.notes.push_back(fmt::format(

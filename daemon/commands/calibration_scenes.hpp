@@ -9,6 +9,7 @@
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
 #include "drivers/measurement/sweep.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
 
 namespace infuse::daemon {
 
@@ -29,6 +30,7 @@ struct ScenePair {
   CameraFrame frame;
   Sweep sweep;                ///< as of the exposure, where `uncompensated` is empty
   std::string uncompensated;  ///< why the sweep is as it was measured; empty where it is straight
+  std::optional<geometry::Vector6> twist;  ///< PairedSweep::twist
 };
 
 /// What the drives hold for a calibration.

@@ -24,6 +24,7 @@ constexpr int kDrawnEach = 40;   // poses drawn for one that climbs
 constexpr int kMostRounds = 4;   // of restarts that each found a better place
 constexpr double kFree = 1;      // times the anchors of the levels
 constexpr double kHeld = 3;      // the same, where the first attempt came to nothing
+constexpr int kReturning = 3;    // one restart in so many must lead back
 constexpr double kFarthest = 4;  // standard deviations of the start's translation
 
 /// Even in [−1, 1]; the standard's distributions differ between libraries.
@@ -160,6 +161,11 @@ class Calibration {
     return 0.25 / options_.splits * sum;
   }
 
+  std::vector<ModelDoubt> doubts(Objective& finest, const Eigen::Isometry3d& T,
+                                 const Uncertainty& uncertainty) const {
+    return check_model(finest, T, cameras_, all_, uncertainty);
+  }
+
   int evaluations() const {
     return evaluations_ + search_.evaluations() + lead_.evaluations() + coarse_.evaluations();
   }
@@ -259,6 +265,15 @@ std::string judge(const CalibrationResult& result, const Maximum& maximum, doubl
   if (!result.settled) {
     return "restarts from around it kept finding better places";
   }
+  if (kReturning * result.returned < result.restarts) {
+    return print("only %d of %d restarts from around it led back", result.returned,
+                 result.restarts);
+  }
+  for (const ModelDoubt& doubt : result.doubts) {
+    if (!doubt.serious) continue;
+    return print("lidar and pictures would fit better with another %s (%+.2f %s, %.0f sigma)",
+                 doubt.what.c_str(), doubt.value, doubt.unit, std::abs(doubt.significance));
+  }
   if (moved > kFarthest * options.start_translation) {
     return print("it moved %.2f m from the start, whose translation is known to %.2f m", moved,
                  options.start_translation);
@@ -286,6 +301,7 @@ CalibrationResult attempt(Calibration& calibration, const Eigen::Isometry3d& sta
   result.value = finest.evaluate(result.T_head_lidar, false).estimate.value;
   result.value_at_start = finest.evaluate(start, false).estimate.value;
   result.uncertainty = estimate_uncertainty(finest, result.T_head_lidar);
+  result.doubts = calibration.doubts(finest, result.T_head_lidar, result.uncertainty);
   result.scenes =
       scene_support(calibration.lead(), result.T_head_lidar, scenes, options.support_sigma);
   result.support = mean_support(result.scenes);

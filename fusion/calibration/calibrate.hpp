@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fusion/calibration/coarse_to_fine.hpp"
+#include "fusion/calibration/model_check.hpp"
 #include "fusion/calibration/rotation_screen.hpp"
 #include "fusion/calibration/scene_support.hpp"
 #include "fusion/calibration/uncertainty.hpp"
@@ -45,7 +46,7 @@ struct CalibrateOptions {
   double restart_translation = 0.08;  ///< m each axis
   int splits = 0;             ///< random halvings of the scenes, whose estimates are compared
   double support_sigma = 3;   ///< px, blur of the images that tell the scenes' support
-  double min_support = 0.75;  ///< mean of SceneSupport::support below which nothing is believed
+  double min_support = 0.85;  ///< mean of SceneSupport::support below which nothing is believed
 
   uint64_t seed = 1;  ///< of the restarts
   MaximizeOptions maximize;
@@ -59,6 +60,7 @@ struct CalibrateOptions {
 struct CalibrationResult {
   Eigen::Isometry3d T_head_lidar = Eigen::Isometry3d::Identity();
   Uncertainty uncertainty;
+  std::vector<ModelDoubt> doubts;    ///< what else seems to be off; empty where that is not known
   double value = 0;                  ///< of the objective at the result, finest level
   double value_at_start = 0;         ///< the same points and level, at the start
   size_t points = 0;                 ///< that took part at the finest level

@@ -223,13 +223,29 @@ Evaluation Objective::evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_
   return evaluation;
 }
 
-std::vector<geometry::Vector6> Objective::scene_gradients(const Eigen::Isometry3d& T_head_lidar) {
-  std::vector<geometry::Vector6> gradients(scenes_.size(), geometry::Vector6::Zero());
+Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block) const {
+  const CameraIntrinsics& camera = cameras_[scenes_[block.scene].camera].model.intrinsics();
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+  for (size_t i = block.begin; i < block.end; ++i) {
+    const double by_u = by_u_[i], by_v = by_v_[i];
+    if (by_u == 0 && by_v == 0) continue;
+    // As if the picture were without distortion: first order is all that is asked.
+    const double across = u_[i] - camera.cx, down = v_[i] - camera.cy;
+    const double a = across / camera.fx, b = down / camera.fy;
+    const double outwards = by_u * across + by_v * down;
+    gradient += Eigen::Vector4d(outwards, by_u, by_v, outwards * (a * a + b * b));
+  }
+  return gradient;
+}
+
+std::vector<ScenePull> Objective::scene_pulls(const Eigen::Isometry3d& T_head_lidar) {
+  std::vector<ScenePull> pulls(scenes_.size(), ScenePull::Zero());
   differentiate_pixels(T_head_lidar, true);
   for (const VisiblePoints::Block& block : points_.blocks) {
-    gradients[block.scene] += block_gradient(block, T_head_lidar);
+    pulls[block.scene].head<6>() += block_gradient(block, T_head_lidar);
+    pulls[block.scene].tail<4>() += camera_gradient(block);
   }
-  return gradients;
+  return pulls;
 }
 
 Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, size_t term) {

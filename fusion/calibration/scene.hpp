@@ -11,6 +11,7 @@
 #include "fusion/calibration/image_features.hpp"
 #include "fusion/calibration/lidar_features.hpp"
 #include "fusion/calibration/surface_normals.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
 
 namespace infuse::calibration {
 
@@ -38,6 +39,8 @@ struct Scene {
   std::vector<float> x, y, z;                 ///< m, lidar frame
   PerLidarFeature<std::vector<float>> lidar;  ///< a value a point; empty where not computed
   PerImageFeature<Plane> image;               ///< 0 … 1; empty where not computed
+  std::optional<geometry::Vector6> twist;     ///< rad/s, m/s: the lidar's motion in its own frame
+                                              ///< when the picture was taken, where it is known
 
   size_t size() const { return x.size(); }
 };

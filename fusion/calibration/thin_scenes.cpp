@@ -73,7 +73,7 @@ std::vector<size_t> every(double step, const Scene& scene, const std::vector<siz
 
 /// Some of a scene's points, in that order.
 Scene only(const Scene& scene, const std::vector<size_t>& points) {
-  Scene part{.name = scene.name, .camera = scene.camera};
+  Scene part{.name = scene.name, .camera = scene.camera, .twist = scene.twist};
   const auto take = [&](const std::vector<float>& from, std::vector<float>& to) {
     if (from.empty()) return;
     to.reserve(points.size());

@@ -163,7 +163,7 @@ TEST(Objective, ScenesAddUpToTheWhole) {
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
   const Vector6 whole = objective.evaluate(rig.T, true).gradient;
   Vector6 sum = Vector6::Zero();
-  for (const Vector6& part : objective.scene_gradients(rig.T)) sum += part;
+  for (const ScenePull& part : objective.scene_pulls(rig.T)) sum += part.head<6>();
   EXPECT_LT((whole - sum).norm(), 1e-9 * whole.norm());
 }
 
