@@ -51,7 +51,7 @@ std::string escaped(const std::string& text) {
 std::string answer(const ScenePairs& pairs, const std::vector<CalibrationRun>& runs) {
   const calibration::CalibrationResult& result = runs.front().result;
   std::string html =
-      fmt::format("<h1>{} against {}</h1>", escaped(pairs.camera.name), escaped(pairs.lidar));
+      fmt::format("<h1>{} against {}</h1>", escaped(camera_names(pairs)), escaped(pairs.lidar));
   html += result.usable() ? "<p class=yes><b>Usable.</b></p>"
                           : "<p class=no><b>Not usable:</b> " + escaped(result.reason) + "</p>";
   for (const CalibrationRun& run : runs) {
@@ -70,7 +70,8 @@ std::string overlays(const ScenePairs& pairs, const CalibrationRun& run) {
     for (const auto& [T, when] :
          {std::pair(run.start, "before"), std::pair(run.result.T_head_lidar, "after")}) {
       html += fmt::format("<figure><img src=\"{}\"><figcaption>{}, {}</figcaption></figure>",
-                          data_url(draw_overlay(pair, pairs.camera.intrinsics, T)),
+                          data_url(draw_overlay(pair, pairs.cameras[pair.camera].intrinsics,
+                                                T_camera_head(pairs, pair.camera) * T)),
                           escaped(pair.name), when);
     }
   }

@@ -129,10 +129,14 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
     auto scene = calibration::make_scene(pair.sweep, pair.frame, scene_options);
     if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);
     scene->name = pair.name;
+    scene->camera = pair.camera;
     scene->twist = pair.twist;
     run.scenes.push_back(std::move(*scene));
   }
-  run.cameras.push_back({geometry::CameraModel(pairs.camera.intrinsics)});
+  for (size_t c = 0; c < pairs.cameras.size(); ++c) {
+    run.cameras.push_back(
+        {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_head(pairs, c)});
+  }
   run.result = calibration::calibrate(run.scenes, run.cameras, start, run.options);
   run.cpu_s = cpu_seconds() - began;
   return run;
@@ -142,7 +146,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
   const calibration::CalibrationResult& result = run.result;
   const geometry::CameraModel& model = run.cameras.front().model;
   const auto moved = geometry::extrinsic_error(result.T_head_lidar, run.start, model);
-  Json json = {{"camera", pairs.camera.name},
+  Json json = {{"camera", pairs.cameras.front().name},
                {"lidar", pairs.lidar},
                {"measure", run.measure},
                {"usable", result.usable()},
@@ -166,6 +170,11 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
     json["covariance"] = matrix_json(result.uncertainty.covariance);
     json["cramer_rao_bound"] = matrix_json(result.uncertainty.bound);
   }
+  for (size_t c = 0; c < pairs.cameras.size() && pairs.cameras.size() > 1; ++c) {
+    json["cameras"].push_back(
+        {{"name", pairs.cameras[c].name},
+         {"T_camera_lidar", matrix_json(T_camera_head(pairs, c) * result.T_head_lidar)}});
+  }
   if (!result.doubts.empty()) json["doubts"] = doubts_json(result.doubts);
   if (result.split_half) json["split_half_covariance"] = matrix_json(*result.split_half);
   if (pairs.truth) {
@@ -179,14 +188,15 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
   const geometry::CameraModel& model = run.cameras.front().model;
   const auto moved = geometry::extrinsic_error(result.T_head_lidar, run.start, model);
   std::string text = fmt::format("{} against {}: {}, measure {}, {} scenes, {} points, {:.1f} s\n",
-                                 pairs.camera.name, pairs.lidar,
+                                 camera_names(pairs), pairs.lidar,
                                  result.usable() ? "usable" : "NOT USABLE: " + result.reason,
                                  run.measure, run.scenes.size(), result.points, run.cpu_s);
   text += fmt::format("  {:.3f} deg, {:.1f} cm from the start; measure {:.5f}, there {:.5f}\n",
                       moved.rotation * kDegrees, 100 * moved.translation, result.value,
                       result.value_at_start);
   const Eigen::Matrix4d& T = result.T_head_lidar.matrix();
-  text += "  T_camera_lidar =\n";
+  text += fmt::format("  T_camera_lidar{} =\n",
+                      pairs.cameras.size() > 1 ? " of " + pairs.cameras.front().name : "");
   for (int row = 0; row < 4; ++row) {
     text += fmt::format("    {:12.8f} {:12.8f} {:12.8f} {:12.6f}\n", T(row, 0), T(row, 1),
                         T(row, 2), T(row, 3));

@@ -14,6 +14,7 @@
 #include <random>
 
 #include "daemon/commands/calibration_run.hpp"
+#include "fusion/calibration/named_measures.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 #include "tests/bench/rendered_drive.hpp"
 
@@ -39,7 +40,7 @@ const ScenePairs& pairs_of(const std::string& scenario) {
 
 /// Some of the pairs.
 ScenePairs part_of(const ScenePairs& pairs, const std::vector<size_t>& chosen) {
-  ScenePairs part{.camera = pairs.camera, .lidar = pairs.lidar, .rig = pairs.rig};
+  ScenePairs part{.cameras = pairs.cameras, .lidar = pairs.lidar, .rig = pairs.rig};
   part.truth = pairs.truth;
   for (const size_t k : chosen) part.pairs.push_back(pairs.pairs[k]);
   return part;
