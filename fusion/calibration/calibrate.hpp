@@ -46,7 +46,7 @@ struct CalibrateOptions {
   double restart_translation = 0.08;  ///< m each axis
   int splits = 0;             ///< random halvings of the scenes, whose estimates are compared
   double support_sigma = 3;   ///< px, blur of the images that tell the scenes' support
-  double min_support = 0.85;  ///< mean of SceneSupport::support below which nothing is believed
+  double min_support = 0.88;  ///< mean of SceneSupport::support below which nothing is believed
 
   uint64_t seed = 1;  ///< of the restarts
   MaximizeOptions maximize;
