@@ -45,6 +45,8 @@ calibration::CalibrateOptions settings(const ReestimateOptions& options, std::st
   out.screen.kept = options.starts - 1;
   out.restarts = options.starts;
   out.start_translation = options.start_translation;
+  // Of a calibration that goes on being watched less is asked of every scene by itself.
+  out.min_support = 0.75;
   out.seed = options.seed;
   out.maximize.stop = std::move(stop);
   return out;
