@@ -6,6 +6,7 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <map>
 #include <random>
@@ -86,6 +87,7 @@ void spread(benchmark::State& state, const Pair& pair) {
           calibrate(scenes, drive.cameras, geometry::exp(off) * drive.T_camera_lidar, options);
       seconds += (cpu_seconds() - began) / kDraws;
       usable += result.usable() ? 1 : 0;
+      if (!result.usable()) std::fprintf(stderr, "%s: %s\n", pair.name, result.reason.c_str());
       squares +=
           geometry::log(result.T_head_lidar * drive.T_camera_lidar.inverse()).cwiseAbs2() / kDraws;
     }
