@@ -37,6 +37,12 @@ LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::Ti
     });
     wanted_.push_back(true);
   }
+  std::vector<std::filesystem::path> devices;
+  for (const camera::V4l2Options& stream : setup.streams_of_cameras) {
+    devices.emplace_back(stream.device);
+  }
+  if (setup.gps) devices.emplace_back(setup.gps->device);
+  devices_.emplace(devices);
   SourceStates& states = intake_.sources();
   states.lidars.resize(lidars_);
   states.streams.resize(setup.streams());
@@ -89,6 +95,7 @@ void LiveReader::watch_all() {
   for (Camera& camera : cameras_) watch(camera.source.get());
   for (Bus& bus : buses_) watch(bus.source.get());
   if (gps_) watch(gps_->get());
+  watched_.push_back({devices_->descriptor(), POLLIN, 0});
 }
 
 // In the order of `watch_all`; what is gone is never ready.
@@ -105,6 +112,14 @@ void LiveReader::read_ready() {
     if (ready()) read_bus(i);
   }
   if (gps_ && ready()) read_gps();
+  if (ready() && devices_->changed()) hurry();
+}
+
+// A device may have come: it is tried before its pause is over.
+void LiveReader::hurry() {
+  for (Camera& camera : cameras_) camera.source.hurry();
+  if (gps_) gps_->hurry();
+  looked_ = Stamp::earliest();
 }
 
 template <class Source>
@@ -113,20 +128,25 @@ void LiveReader::lose(Reopening<Source>& source, const Error& error) {
   watch_all();  // its descriptor may soon be another's
 }
 
+void LiveReader::note_dropped(Port& port) {
+  const uint64_t dropped = port.source.get()->dropped();
+  if (dropped <= port.dropped) return;
+  const PortSetup::Sender& sender = port.setup.senders.front();
+  intake_.add_kernel_dropped(sender.lidar, dropped - port.dropped, sender.data);
+  port.dropped = dropped;
+}
+
 void LiveReader::read(Port& port) {
   velodyne::UdpSource* source = port.source.get();
   for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
     const auto count = source->read(datagrams_, [&](const Datagram& datagram) {
+      // The kernel's count first: what it dropped is not missing in the network too.
+      note_dropped(port);
       intake_.take(port.setup.lidar_of(datagram.sender), datagram);
       if (tap_ != nullptr) tap_->take(datagram);
     });
     if (!count) return lose(port.source, count.error());
     port.datagrams += *count;
-    if (source->dropped() > port.dropped) {
-      intake_.add_kernel_dropped(port.setup.senders.front().lidar,
-                                 source->dropped() - port.dropped);
-      port.dropped = source->dropped();
-    }
     if (*count < datagrams_.capacity()) return;
   }
 }
@@ -205,6 +225,7 @@ void LiveReader::tell_states() {
       state.bus = controller == vehicle::BusState::kActive ? "" : vehicle::name_of(controller);
       state.bus_off = controller == vehicle::BusState::kBusOff;
       state.open = source->up();
+      state.stamps = source->stamped_by_hardware() ? "hardware" : "kernel";
       if (!state.open) state.set_problem(source->interface() + ": the interface is down");
     }
     states.streams[stream] = state;

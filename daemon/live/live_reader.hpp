@@ -12,6 +12,7 @@
 #include "daemon/pipeline/intake.hpp"
 #include "daemon/record/record_tap.hpp"
 #include "drivers/camera/v4l2_source.hpp"
+#include "drivers/receive/device_watch.hpp"
 #include "drivers/vehicle/serial_line_source.hpp"
 #include "drivers/vehicle/socket_can_source.hpp"
 #include "drivers/velodyne/udp_source.hpp"
@@ -50,7 +51,9 @@ class LiveReader {
   void look_after_sources(Stamp now);
   void watch_all();
   void read_ready();
+  void hurry();
   void read(Port& port);
+  void note_dropped(Port& port);
   void read_camera(size_t camera);
   void read_bus(size_t bus);
   void read_gps();
@@ -66,6 +69,7 @@ class LiveReader {
   std::deque<Camera> cameras_;
   std::deque<Bus> buses_;
   std::optional<Reopening<vehicle::SerialLineSource>> gps_;
+  std::optional<receive::DeviceWatch> devices_;
   size_t lidars_;
   std::vector<bool> wanted_;  // by stream
   receive::MessageBatch datagrams_{64, velodyne::UdpSource::kMaxBytes};
