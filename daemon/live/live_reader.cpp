@@ -1,6 +1,6 @@
 #include "daemon/live/live_reader.hpp"
 
-#include "drivers/velodyne/nmea.hpp"
+#include "drivers/velodyne/position_packet.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -13,7 +13,11 @@ constexpr int kBatchesAtOnce = 4;  // of one socket, then the others have their 
 
 LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::TimeBase& base,
                        RecordTap* tap)
-    : base_(base), intake_(intake), tap_(tap), lidars_(setup.lidars.size()) {
+    : base_(base),
+      intake_(intake),
+      tap_(tap),
+      lidars_(setup.lidars.size()),
+      lidar_of_gps_(setup.lidar_of_gps) {
   for (const PortSetup& port : setup.ports) {
     ports_.push_back({port, {"UDP port " + std::to_string(port.udp.port), [this, udp = port.udp] {
                                return velodyne::UdpSource::open(udp, base_);
@@ -35,8 +39,8 @@ LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::Ti
     gps_.emplace("receiver " + setup.gps->device, [this, serial = *setup.gps] {
       return vehicle::SerialLineSource::open(serial, base_);
     });
-    wanted_.push_back(true);
   }
+  if (setup.vehicle.has_gps) wanted_.push_back(true);
   std::vector<std::filesystem::path> devices;
   for (const camera::V4l2Options& stream : setup.streams_of_cameras) {
     devices.emplace_back(stream.device);
@@ -143,6 +147,9 @@ void LiveReader::read(Port& port) {
       // The kernel's count first: what it dropped is not missing in the network too.
       note_dropped(port);
       intake_.take(port.setup.lidar_of(datagram.sender), datagram);
+      if (lidar_of_gps_ && port.setup.is_of(*lidar_of_gps_, datagram.sender)) {
+        take_position(datagram);
+      }
       if (tap_ != nullptr) tap_->take(datagram);
     });
     if (!count) return lose(port.source, count.error());
@@ -183,19 +190,28 @@ void LiveReader::read_bus(size_t index) {
 }
 
 void LiveReader::read_gps() {
-  const auto read =
-      gps_->get()->read([&](Stamp stamp, std::string_view line) { take_sentence(stamp, line); });
+  const auto read = gps_->get()->read([&](Stamp stamp, std::string_view line) {
+    // Others than these two are passed over.
+    if (const auto sentence = velodyne::parse_nmea(line)) take_sentence(stamp, *sentence);
+  });
   if (!read) lose(*gps_, read.error());
 }
 
 // An RMC has date, speed and course, a GGA has the height; each is a fix of its own.
-void LiveReader::take_sentence(Stamp stamp, std::string_view line) {
-  auto sentence = velodyne::parse_nmea(line);
-  if (!sentence) return;  // other sentences of the receiver
-  sentence->fix.stamp = stamp;
-  if (!sentence->has_date) sentence->fix.utc_ns = 0;
-  intake_.take(sentence->fix, stamp);
-  if (tap_ != nullptr) tap_->take(sentence->fix);
+void LiveReader::take_sentence(Stamp stamp, const velodyne::NmeaFix& sentence) {
+  GpsFix fix = sentence.fix;
+  fix.stamp = stamp;
+  if (!sentence.has_date) fix.utc_ns = 0;
+  intake_.take(fix, stamp);
+  if (tap_ != nullptr) tap_->take(fix);
+}
+
+// The packets repeat a sentence until the receiver says the next.
+void LiveReader::take_position(const Datagram& datagram) {
+  const auto packet = velodyne::parse_position_packet(datagram.payload);
+  if (!packet || !packet->sentence || packet->sentence->fix.utc_ns == last_sentence_ns_) return;
+  last_sentence_ns_ = packet->sentence->fix.utc_ns;
+  take_sentence(datagram.stamp, *packet->sentence);
 }
 
 void LiveReader::tell_states() {
@@ -232,6 +248,7 @@ void LiveReader::tell_states() {
     states.dropped[stream++] = bus.dropped_before + (source != nullptr ? source->dropped() : 0);
   }
   if (gps_) states.streams[stream] = gps_->state();
+  if (lidar_of_gps_) states.streams[stream] = states.lidars[*lidar_of_gps_];
   for (size_t i = 0; i < wanted_.size(); ++i) states.streams[i].wanted = wanted_[i];
 }
 

@@ -15,6 +15,7 @@
 #include "drivers/receive/device_watch.hpp"
 #include "drivers/vehicle/serial_line_source.hpp"
 #include "drivers/vehicle/socket_can_source.hpp"
+#include "drivers/velodyne/nmea.hpp"
 #include "drivers/velodyne/udp_source.hpp"
 
 namespace infuse::daemon {
@@ -59,7 +60,8 @@ class LiveReader {
   void read_gps();
   template <class Source>
   void lose(Reopening<Source>& source, const Error& error);
-  void take_sentence(Stamp stamp, std::string_view line);
+  void take_position(const Datagram& datagram);
+  void take_sentence(Stamp stamp, const velodyne::NmeaFix& sentence);
   void tell_states();
 
   const receive::TimeBase base_;
@@ -69,6 +71,8 @@ class LiveReader {
   std::deque<Camera> cameras_;
   std::deque<Bus> buses_;
   std::optional<Reopening<vehicle::SerialLineSource>> gps_;
+  std::optional<size_t> lidar_of_gps_;
+  int64_t last_sentence_ns_ = 0;  // the time in it
   std::optional<receive::DeviceWatch> devices_;
   size_t lidars_;
   std::vector<bool> wanted_;  // by stream

@@ -13,7 +13,9 @@ for round in $(seq $kills); do
   read -r killed answered < <(/proof/vm-clients kill "$(systemctl show -P MainPID infused)" /run/infuse/infused.sock)
   within 10 systemctl is-active infused || miss "SIGKILL $round: the service is not active"
   ready=$(($(systemctl show -P ActiveEnterTimestampMonotonic infused) / 1000))
-  echo "$(((ready > answered ? ready : answered) - killed))" >>/tmp/kills
+  took=$(((ready > answered ? ready : answered) - killed))
+  echo $took >>/tmp/kills
+  ((took <= 3000)) || journalctl --no-pager -o short-monotonic -n 60 | sed 's/^/        /'
   grep -q '"running": true' /var/lib/infuse/state.json || miss "SIGKILL $round: the state is damaged"
   ((round % 2)) || infuse inspect "/var/lib/infuse/drives/kill$round" >/tmp/inspect.log 2>&1 ||
     { damaged=$((damaged + 1)); tail -n 3 /tmp/inspect.log; }

@@ -38,17 +38,18 @@ stream() { figure "infuse_stream_$1_total" "device=\"$2\",kind=\"$3\""; }
 # At the ports of packets and of positions: 10.77.0.2, 2368 and 8308.
 socket_drops() { awk '$2 == "02004D0A:0940" || $2 == "02004D0A:2074" {n += $NF} END {print n}' /proc/net/udp; }
 on_the_bus() { cat /sys/class/net/vcan0/statistics/rx_packets; }
+hush
 systemctl stop infused.service
 for camera in 0 1; do v4l2-ctl -d /dev/video$camera --set-dv-bt-timings index=5 >/dev/null; done  # 30 Hz
 systemctl start infused.service
-check "two cameras and the bus deliver" within 10 sh -c 'infuse status | grep -E "(OK|WARN) +rear" && infuse status | grep -E "(OK|WARN) +front"'
-hush
+check "two cameras deliver" within 10 sh -c 'infuse status | grep -E "(OK|WARN) +rear" && infuse status | grep -E "(OK|WARN) +front"'
 sleep 3
 check "the metrics can be had" metrics
+time_before=$(steady_s)
 bus_received=$(stream received bus can) bus_lost=$(stream lost bus can)
 front=$(($(stream received front camera) + $(stream lost front camera)))
 rear=$(($(stream received rear camera) + $(stream lost rear camera)))
-bus_before=$(on_the_bus) time_before=$(steady_s)
+bus_before=$(on_the_bus)
 cangen vcan0 -g 0 -n 40000 -I i -L 8 -D i & cans=$!
 ip netns exec car /proof/infuse-send-capture /proof/dual.pcap --to 10.77.0.2 --rate 3 >/tmp/sent & lidar=$!
 # For a second it has no processor at all.
@@ -79,8 +80,8 @@ check "bus: what is missing is what is reported" test $((received + lost)) = $se
 for name in front rear; do
   pictures=$(($(stream received $name camera) + $(stream lost $name camera) - ${!name}))
   echo "        $name: $pictures pictures received or lost ($(stream lost $name camera)) in $seconds s"
-  check "$name: what was neither received nor reported lost is less than 3 %" \
-    awk -v n="$pictures" -v s="$seconds" 'BEGIN {exit !(n > 0.97 * 30 * s - 15 && n < 1.03 * 30 * s + 15)}'
+  # HEALTH is up to a second old, at both ends.
+  check "$name: as many as 30 Hz make" awk -v n="$pictures" -v s="$seconds" 'BEGIN {exit !(n > 30 * s - 45 && n < 30 * s + 45)}'
 done
 use_three_sensors
 send_lidar
