@@ -71,10 +71,10 @@ class LiveReader {
   std::deque<Camera> cameras_;
   std::deque<Bus> buses_;
   std::optional<Reopening<vehicle::SerialLineSource>> gps_;
-  std::optional<size_t> lidar_of_gps_;
-  int64_t last_sentence_ns_ = 0;  // the time in it
   std::optional<receive::DeviceWatch> devices_;
   size_t lidars_;
+  std::optional<size_t> lidar_of_gps_;
+  int64_t last_sentence_ns_ = 0;  // the time in it
   std::vector<bool> wanted_;  // by stream
   receive::MessageBatch datagrams_{64, velodyne::UdpSource::kMaxBytes};
   receive::MessageBatch frames_ = vehicle::can_batch();
