@@ -28,11 +28,12 @@ vivid=$(basename "$(readlink -f /sys/class/video4linux/video0/device)")
 echo "$vivid" >/sys/bus/platform/drivers/vivid/unbind
 check "camera unbound: unavailable" within 5 sh -c 'infuse status | grep -qE "(ERROR|STALE) +front"'
 sleep 4  # the pauses between attempts have become long
-bound=$(steady_s)
 echo "$vivid" >/sys/bus/platform/drivers/vivid/bind
 check "bound: it delivers, without a restart" within 10 well front
-opened=$(journalctl -u infused -o short-monotonic | sed -n 's/^\[ *\([0-9.]*\)\].*video0: opened$/\1/p' | tail -n 1)
-awk -v a="$bound" -v b="$opened" 'BEGIN {printf "        opened %.2f s after it began to be bound\n", b - a}'
+# logged PATTERN: of the last line of the journal that has it.
+logged() { journalctl -b -o short-monotonic | sed -n "s/^\[ *\([0-9.]*\)\].*$1\$/\1/p" | tail -n 1; }
+awk -v a="$(logged 'registered as video0')" -v b="$(logged 'video0: opened')" \
+  'BEGIN {printf "        opened %.0f ms after the kernel had it\n", 1000 * (b - a)}'
 
 date -s '+1 hour' >/dev/null; sleep 2; date -s '-2 hours' >/dev/null; sleep 2; date -s '+1 hour' >/dev/null
 # canplayer itself paces by the wall clock.
