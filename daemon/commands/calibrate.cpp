@@ -60,7 +60,7 @@ std::optional<std::string> wrong_usage(const Arguments& arguments) {
 
 /// T_camera_lidar from 16 numbers or a rig.toml; the drive's own where nothing is given.
 Result<Eigen::Isometry3d> start_of(const Arguments& arguments, const ScenePairs& pairs) {
-  if (arguments.start.empty()) return pairs.camera.T_camera_lidar;
+  if (arguments.start.empty()) return pairs.cameras.front().T_camera_lidar;
   std::string text = arguments.start;
   std::replace(text.begin(), text.end(), ',', ' ');
   if (const auto numbers = recording::parse_numbers(text); numbers && numbers->size() == 16) {
@@ -72,15 +72,16 @@ Result<Eigen::Isometry3d> start_of(const Arguments& arguments, const ScenePairs&
   }
   const auto rig = recording::read_rig(arguments.start);
   if (!rig) return tl::unexpected(rig.error());
-  const CameraMount* mount = rig->find_camera(pairs.camera.name);
-  if (mount == nullptr) return fail("has no camera '" + pairs.camera.name + "'", arguments.start);
+  const std::string& head = pairs.cameras.front().name;
+  const CameraMount* mount = rig->find_camera(head);
+  if (mount == nullptr) return fail("has no camera '" + head + "'", arguments.start);
   return mount->T_camera_lidar;
 }
 
 int refuse(const Arguments& arguments, const ScenePairs& pairs) {
   const std::string reason = "no picture has a sweep near it in time";
   if (arguments.json) {
-    std::cout << Json{{"camera", pairs.camera.name},
+    std::cout << Json{{"camera", pairs.cameras.front().name},
                       {"lidar", pairs.lidar},
                       {"usable", false},
                       {"reason", reason},
@@ -88,7 +89,7 @@ int refuse(const Arguments& arguments, const ScenePairs& pairs) {
                      .dump()
               << "\n";
   } else {
-    std::cout << pairs.camera.name << " against " << pairs.lidar << ": NOT USABLE: " << reason
+    std::cout << camera_names(pairs) << " against " << pairs.lidar << ": NOT USABLE: " << reason
               << "\n";
     for (const std::string& note : pairs.notes) std::cout << "  note: " << note << "\n";
   }
@@ -98,8 +99,11 @@ int refuse(const Arguments& arguments, const ScenePairs& pairs) {
 Result<void> write_rig(const Arguments& arguments, const ScenePairs& pairs,
                        const CalibrationRun& run) {
   Rig rig = pairs.rig;
-  for (CameraMount& camera : rig.cameras) {
-    if (camera.name == pairs.camera.name) camera.T_camera_lidar = run.result.T_head_lidar;
+  for (size_t c = 0; c < pairs.cameras.size(); ++c) {
+    for (CameraMount& camera : rig.cameras) {
+      if (camera.name != pairs.cameras[c].name) continue;
+      camera.T_camera_lidar = T_camera_head(pairs, c) * run.result.T_head_lidar;
+    }
   }
   return recording::write_rig(arguments.output, rig);
 }
@@ -181,7 +185,11 @@ Command declare_calibrate(CLI::App& infuse) {
       "calibrate", "where a camera is, seen from the lidar: from drives, without targets");
   const auto arguments = std::make_shared<Arguments>();
   app->add_option("DRIVE", arguments->request.drives, "drive folders of one rig")->required();
-  app->add_option("--camera", arguments->request.camera, "which, where there are several")
+  app->add_option(
+         "--camera", arguments->request.cameras,
+         "which, where there are several; of several, by commas, the first is the head, and "
+         "the rig tells where the others stand relative to it")
+      ->delimiter(',')
       ->type_name("NAME");
   app->add_option("--lidar", arguments->request.lidar, "which; default: the camera's")
       ->type_name("NAME");
@@ -189,7 +197,8 @@ Command declare_calibrate(CLI::App& infuse) {
                   "what is maximised (joint), of " + measure_names() +
                       "; several are compared, the first one counts")
       ->type_name("NAME");
-  app->add_option("--scenes", arguments->request.scenes, "pictures that take part at most (20)")
+  app->add_option("--scenes", arguments->request.scenes,
+                  "pictures of each camera that take part at most (20)")
       ->type_name("N");
   app->add_option("--start", arguments->start,
                   "T_camera_lidar to start from: 16 numbers by row, or a rig.toml (the drive's)")

@@ -51,7 +51,7 @@ std::string escaped(const std::string& text) {
 std::string answer(const ScenePairs& pairs, const std::vector<CalibrationRun>& runs) {
   const calibration::CalibrationResult& result = runs.front().result;
   std::string html =
-      fmt::format("<h1>{} against {}</h1>", escaped(pairs.camera.name), escaped(pairs.lidar));
+      fmt::format("<h1>{} against {}</h1>", escaped(camera_names(pairs)), escaped(pairs.lidar));
   html += result.usable() ? "<p class=yes><b>Usable.</b></p>"
                           : "<p class=no><b>Not usable:</b> " + escaped(result.reason) + "</p>";
   for (const CalibrationRun& run : runs) {
@@ -70,7 +70,8 @@ std::string overlays(const ScenePairs& pairs, const CalibrationRun& run) {
     for (const auto& [T, when] :
          {std::pair(run.start, "before"), std::pair(run.result.T_head_lidar, "after")}) {
       html += fmt::format("<figure><img src=\"{}\"><figcaption>{}, {}</figcaption></figure>",
-                          data_url(draw_overlay(pair, pairs.camera.intrinsics, T)),
+                          data_url(draw_overlay(pair, pairs.cameras[pair.camera].intrinsics,
+                                                T_camera_head(pairs, pair.camera) * T)),
                           escaped(pair.name), when);
     }
   }
@@ -108,8 +109,9 @@ std::string landscape(const CalibrationRun& run, calibration::CoarseToFine& sear
   const auto around = calibration::look_around(fine, coarse, T, kReachRotation, kReachTranslation);
   std::string html =
       "<h2>The measure around the result</h2><p class=note>Camera axes: x right, y down, z ahead. "
-      "The result is in the middle; a peak there, and nowhere as high, is what one wants to "
-      "see.</p><div class=row>";
+      "The result is in the middle; a peak there, and nowhere as high, is what one wants to see.";
+  if (!run.options.leading.empty()) html += " Drawn for the measure that led there.";
+  html += "</p><div class=row>";
   for (size_t axis = 0; axis < 6; ++axis) {
     html += axis < 3 ? curve(around.along[axis], kAxes[axis], kReachRotation * kDegrees, "deg")
                      : curve(around.along[axis], kAxes[axis], 100 * kReachTranslation, "cm");
@@ -142,6 +144,11 @@ std::string histogram(const calibration::Objective::Samples& samples, const std:
                      data_url(draw_map(counts, kBins)), caption);
 }
 
+/// The terms that pictures show: of measures that take long those that lead there.
+const std::vector<calibration::TermOptions>& drawn(const CalibrationRun& run) {
+  return run.options.leading.empty() ? run.options.terms : run.options.leading;
+}
+
 std::string histograms(const CalibrationRun& run, calibration::CoarseToFine& search) {
   std::string html =
       "<h2>Joint histograms</h2><p class=note>Lidar feature to the right, picture feature up. "
@@ -151,7 +158,7 @@ std::string histograms(const CalibrationRun& run, calibration::CoarseToFine& sea
     const calibration::VisiblePoints points = search.visible(T, 0);
     if (points.size() == 0) continue;
     calibration::Objective measure = search.objective(points, run.options.fine.back().sigma);
-    for (size_t term = 0; term < run.options.terms.size(); ++term) {
+    for (size_t term = 0; term < drawn(run).size(); ++term) {
       html += histogram(measure.samples(T, term), fmt::format("term {}, {}", term + 1, when));
     }
   }
@@ -184,10 +191,10 @@ Result<void> write_report(const std::filesystem::path& folder, const ScenePairs&
                           const std::vector<CalibrationRun>& runs) {
   const CalibrationRun& run = runs.front();
   const std::array<double, 2> sigmas{run.options.fine.back().sigma, run.options.support_sigma};
-  calibration::ImagePyramid images(run.scenes, run.options.terms, sigmas);
+  calibration::ImagePyramid images(run.scenes, drawn(run), sigmas);
   calibration::CoarseToFine search(
-      run.scenes, run.cameras, run.options.terms, images, run.options.visibility,
-      run.options.maximize, run.start.inverse().translation(), run.options.start_translation);
+      run.scenes, run.cameras, drawn(run), images, run.options.visibility, run.options.maximize,
+      run.start.inverse().translation(), run.options.start_translation);
   const std::string page = kHead + answer(pairs, runs) + overlays(pairs, run) +
                            landscape(run, search) + histograms(run, search) + scenes(pairs, run);
   std::error_code failed;

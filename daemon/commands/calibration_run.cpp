@@ -65,6 +65,26 @@ Json scenes_json(const CalibrationRun& run, const ScenePairs& pairs) {
   return list;
 }
 
+/// What the scenes say of what was taken for known.
+Json doubts_json(const std::vector<calibration::ModelDoubt>& doubts) {
+  Json list = Json::array();
+  for (const calibration::ModelDoubt& doubt : doubts) {
+    list.push_back({{"what", doubt.what},
+                    {"off_by", rounded(doubt.value)},
+                    {"sigma", rounded(doubt.sigma)},
+                    {"unit", doubt.unit},
+                    {"significance", rounded(doubt.significance)},
+                    {"doubtful", doubt.doubtful},
+                    {"serious", doubt.serious}});
+  }
+  return list;
+}
+
+std::string doubt_text(const calibration::ModelDoubt& doubt) {
+  return fmt::format("{} {:+.2f} {} +- {:.2f} would fit better, {:.1f} sigma", doubt.what,
+                     doubt.value, doubt.unit, doubt.sigma, std::abs(doubt.significance));
+}
+
 /// Degrees and centimetres of a covariance's diagonal.
 std::string spread_text(const geometry::Matrix6& covariance) {
   const geometry::Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
@@ -93,22 +113,30 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   const double began = cpu_seconds();
   CalibrationRun run{.measure = measure.name, .start = start, .options = options};
   run.options.terms = measure.terms;
+  run.options.leading = measure.leading;
   if (!measure.has_gradient) run.options.maximize.search = calibration::Search::kSimplex;
   calibration::SceneOptions scene_options;
   scene_options.equalize = measure.equalize_image;
   scene_options.lidar = {};
   scene_options.image = {};
-  for (const calibration::TermOptions& term : measure.terms) {
-    scene_options.lidar[calibration::index(term.lidar)] = true;
-    scene_options.image[calibration::index(term.image)] = true;
+  for (const auto* terms : {&measure.terms, &measure.leading}) {
+    for (const calibration::TermOptions& term : *terms) {
+      for (const auto feature : term.lidar) scene_options.lidar[calibration::index(feature)] = true;
+      for (const auto feature : term.image) scene_options.image[calibration::index(feature)] = true;
+    }
   }
   for (const ScenePair& pair : pairs.pairs) {
     auto scene = calibration::make_scene(pair.sweep, pair.frame, scene_options);
     if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);
     scene->name = pair.name;
+    scene->camera = pair.camera;
+    scene->twist = pair.twist;
     run.scenes.push_back(std::move(*scene));
   }
-  run.cameras.push_back({geometry::CameraModel(pairs.camera.intrinsics)});
+  for (size_t c = 0; c < pairs.cameras.size(); ++c) {
+    run.cameras.push_back(
+        {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_head(pairs, c)});
+  }
   run.result = calibration::calibrate(run.scenes, run.cameras, start, run.options);
   run.cpu_s = cpu_seconds() - began;
   return run;
@@ -118,7 +146,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
   const calibration::CalibrationResult& result = run.result;
   const geometry::CameraModel& model = run.cameras.front().model;
   const auto moved = geometry::extrinsic_error(result.T_head_lidar, run.start, model);
-  Json json = {{"camera", pairs.camera.name},
+  Json json = {{"camera", pairs.cameras.front().name},
                {"lidar", pairs.lidar},
                {"measure", run.measure},
                {"usable", result.usable()},
@@ -142,6 +170,12 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
     json["covariance"] = matrix_json(result.uncertainty.covariance);
     json["cramer_rao_bound"] = matrix_json(result.uncertainty.bound);
   }
+  for (size_t c = 0; c < pairs.cameras.size() && pairs.cameras.size() > 1; ++c) {
+    json["cameras"].push_back(
+        {{"name", pairs.cameras[c].name},
+         {"T_camera_lidar", matrix_json(T_camera_head(pairs, c) * result.T_head_lidar)}});
+  }
+  if (!result.doubts.empty()) json["doubts"] = doubts_json(result.doubts);
   if (result.split_half) json["split_half_covariance"] = matrix_json(*result.split_half);
   if (pairs.truth) {
     json["error"] = error_json(geometry::extrinsic_error(result.T_head_lidar, *pairs.truth, model));
@@ -154,14 +188,15 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
   const geometry::CameraModel& model = run.cameras.front().model;
   const auto moved = geometry::extrinsic_error(result.T_head_lidar, run.start, model);
   std::string text = fmt::format("{} against {}: {}, measure {}, {} scenes, {} points, {:.1f} s\n",
-                                 pairs.camera.name, pairs.lidar,
+                                 camera_names(pairs), pairs.lidar,
                                  result.usable() ? "usable" : "NOT USABLE: " + result.reason,
                                  run.measure, run.scenes.size(), result.points, run.cpu_s);
   text += fmt::format("  {:.3f} deg, {:.1f} cm from the start; measure {:.5f}, there {:.5f}\n",
                       moved.rotation * kDegrees, 100 * moved.translation, result.value,
                       result.value_at_start);
   const Eigen::Matrix4d& T = result.T_head_lidar.matrix();
-  text += "  T_camera_lidar =\n";
+  text += fmt::format("  T_camera_lidar{} =\n",
+                      pairs.cameras.size() > 1 ? " of " + pairs.cameras.front().name : "");
   for (int row = 0; row < 4; ++row) {
     text += fmt::format("    {:12.8f} {:12.8f} {:12.8f} {:12.6f}\n", T(row, 0), T(row, 1),
                         T(row, 2), T(row, 3));
@@ -182,6 +217,14 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
     const auto error = geometry::extrinsic_error(result.T_head_lidar, *pairs.truth, model);
     text += fmt::format("  against the drive's truth: {:.3f} deg, {:.1f} cm, {:.1f} pixels\n",
                         error.rotation * kDegrees, 100 * error.translation, error.pixels);
+  }
+  for (const calibration::ModelDoubt& doubt : result.doubts) {
+    if (doubt.doubtful) text += "  doubt: " + doubt_text(doubt) + "\n";
+    if (doubt.unit == std::string("ms")) {
+      text += fmt::format("  pictures stamped 10 ms late would move it by {:.3f} deg, {:.1f} cm\n",
+                          10 * doubt.moves.head<3>().norm() * kDegrees,
+                          10 * 100 * doubt.moves.tail<3>().norm());
+    }
   }
   for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";
   return text;

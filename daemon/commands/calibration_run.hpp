@@ -8,6 +8,7 @@
 #include "daemon/commands/calibration_scenes.hpp"
 #include "daemon/protocol/counters_json.hpp"
 #include "fusion/calibration/calibrate.hpp"
+#include "fusion/calibration/named_measures.hpp"
 
 namespace infuse::daemon {
 

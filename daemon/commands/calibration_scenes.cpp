@@ -40,15 +40,15 @@ Result<size_t> find(const Mounts& mounts, const std::string& name, const char* k
               drive, fmt::format("choose one with --{}: {}", kind, names));
 }
 
-Result<OpenDrive> open(const std::string& path, const SceneRequest& request) {
+Result<OpenDrive> open(const std::string& path, const std::string& name,
+                       const std::string& lidar_name) {
   auto drive = recording::Drive::open(path);
   if (!drive) return tl::unexpected(drive.error());
   const Rig& rig = drive->description.rig;
-  const auto camera = find(rig.cameras, request.camera, "camera", path);
+  const auto camera = find(rig.cameras, name, "camera", path);
   if (!camera) return tl::unexpected(camera.error());
   const CameraMount& mount = rig.cameras[*camera];
-  const auto lidar =
-      find(rig.lidars, request.lidar.empty() ? mount.lidar : request.lidar, "lidar", path);
+  const auto lidar = find(rig.lidars, lidar_name.empty() ? mount.lidar : lidar_name, "lidar", path);
   if (!lidar) return tl::unexpected(lidar.error());
   if (mount.lidar != rig.lidars[*lidar].name) {
     return fail(
@@ -107,11 +107,13 @@ std::vector<PairedSweep> pair_sweeps(OpenDrive& open,
   return pairing.finish();
 }
 
-/// Adds a drive's pairs; what is left out is noted.
-Result<void> add_pairs(OpenDrive& open, size_t count, const SceneRequest& request,
+/// Adds a drive's pairs of a camera; what is left out is noted.
+Result<void> add_pairs(OpenDrive& open, size_t camera, size_t count, const SceneRequest& request,
                        const std::function<void(double)>& progress, ScenePairs& out) {
   const auto pictures = spread(open.pictures, count);
-  const std::string drive = fs::path(open.drive.folder).lexically_normal().filename().string();
+  const CameraMount& mount = out.cameras[camera];
+  std::string drive = fs::path(open.drive.folder).lexically_normal().filename().string();
+  if (request.cameras.size() > 1) drive += "/" + mount.name;
   std::vector<PairedSweep> sweeps = pair_sweeps(open, pictures, progress);
   size_t apart = 0;
   std::map<std::string, size_t> bent;
@@ -122,7 +124,7 @@ Result<void> add_pairs(OpenDrive& open, size_t count, const SceneRequest& reques
     }
     auto frame = decode(pictures[k].path, open.setup.cameras[open.camera]);
     if (!frame) return tl::unexpected(frame.error());
-    const CameraIntrinsics& intrinsics = out.camera.intrinsics;
+    const CameraIntrinsics& intrinsics = mount.intrinsics;
     if (frame->width != intrinsics.width || frame->height != intrinsics.height) {
       return fail(fmt::format("the picture has {} x {} pixels, the rig says {} x {}", frame->width,
                               frame->height, intrinsics.width, intrinsics.height),
@@ -130,11 +132,13 @@ Result<void> add_pairs(OpenDrive& open, size_t count, const SceneRequest& reques
     }
     if (!sweeps[k].uncompensated.empty()) ++bent[sweeps[k].uncompensated];
     out.pairs.push_back({.name = fmt::format("{}/{:06}", drive, pictures[k].number),
+                         .camera = camera,
                          .stamp = pictures[k].stamp,
                          .gap = sweeps[k].gap,
                          .frame = std::move(*frame),
                          .sweep = std::move(sweeps[k].sweep),
-                         .uncompensated = sweeps[k].uncompensated});
+                         .uncompensated = sweeps[k].uncompensated,
+                         .twist = sweeps[k].twist});
   }
   if (apart > 0) {
     out.notes.push_back(fmt::format(
@@ -164,31 +168,52 @@ bool same(const CameraIntrinsics& a, const CameraIntrinsics& b) {
 
 }  // namespace
 
+Eigen::Isometry3d T_camera_head(const ScenePairs& pairs, size_t camera) {
+  return pairs.cameras[camera].T_camera_lidar * pairs.cameras.front().T_camera_lidar.inverse();
+}
+
+std::string camera_names(const ScenePairs& pairs) {
+  std::string names;
+  for (size_t c = 0; c < pairs.cameras.size(); ++c) {
+    names += (c == 0 ? "" : c + 1 == pairs.cameras.size() ? " and " : ", ") + pairs.cameras[c].name;
+  }
+  return names;
+}
+
 Result<ScenePairs> read_scene_pairs(const SceneRequest& request,
                                     const std::function<void(double)>& progress) {
   ScenePairs out;
+  std::vector<std::string> cameras = request.cameras;
+  if (cameras.empty()) cameras.emplace_back();
   const size_t drives = request.drives.size();
-  for (size_t d = 0; d < drives; ++d) {
-    auto opened = open(request.drives[d], request);
-    if (!opened) return tl::unexpected(opened.error());
-    const Rig& rig = opened->drive.description.rig;
-    const CameraMount& camera = rig.cameras[opened->camera];
-    if (d == 0) {
-      out.camera = camera;
-      out.lidar = rig.lidars[opened->lidar].name;
-      out.rig = rig;
-      out.truth = true_extrinsics(*opened, camera.name);
-    } else if (!same(camera.intrinsics, out.camera.intrinsics)) {
-      return fail("the camera's intrinsics differ from the first drive's", request.drives[d],
-                  "drives of one rig only can be calibrated together");
-    }
-    // What earlier drives did not give is left to those that follow.
-    const size_t missing = static_cast<size_t>(request.scenes) - out.pairs.size();
-    const auto part = [&](double share) {
-      progress((static_cast<double>(d) + share) / static_cast<double>(drives));
-    };
-    if (auto added = add_pairs(*opened, missing / (drives - d), request, part, out); !added) {
-      return tl::unexpected(added.error());
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const size_t before = out.pairs.size();
+    for (size_t d = 0; d < drives; ++d) {
+      const std::string lidar = request.lidar.empty() ? out.lidar : request.lidar;
+      auto opened = open(request.drives[d], cameras[c], lidar);
+      if (!opened) return tl::unexpected(opened.error());
+      const Rig& rig = opened->drive.description.rig;
+      const CameraMount& camera = rig.cameras[opened->camera];
+      if (d == 0) {
+        out.cameras.push_back(camera);
+        if (c == 0) {
+          out.lidar = rig.lidars[opened->lidar].name;
+          out.rig = rig;
+          out.truth = true_extrinsics(*opened, camera.name);
+        }
+      } else if (!same(camera.intrinsics, out.cameras[c].intrinsics)) {
+        return fail("the camera's intrinsics differ from the first drive's", request.drives[d],
+                    "drives of one rig only can be calibrated together");
+      }
+      // What earlier drives did not give is left to those that follow.
+      const size_t missing = static_cast<size_t>(request.scenes) - (out.pairs.size() - before);
+      const auto part = [&](double share) {
+        progress((static_cast<double>(c * drives + d) + share) /
+                 static_cast<double>(cameras.size() * drives));
+      };
+      if (auto added = add_pairs(*opened, c, missing / (drives - d), request, part, out); !added) {
+        return tl::unexpected(added.error());
+      }
     }
   }
   return out;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct PairedSweep {
   Duration gap{0};  ///< from the exposure to the middle of the sweep
   Sweep sweep;      ///< x, y, z and range as of the exposure, where `uncompensated` is empty
   std::string uncompensated;  ///< why they are as they were measured
+  /// The lidar's motion in its own frame at the exposure, rad/s and m/s, where odometry tells it.
+  std::optional<geometry::Vector6> twist;
 };
 
 /// Finds each of some exposures the sweep of a recording that is nearest in time, and corrects it
@@ -42,7 +45,10 @@ class SweepPairing {
  private:
   void straighten(size_t exposure);
 
+  std::optional<geometry::Vector6> twist_at(Stamp exposure) const;
+
   bool has_odometry_;
+  Eigen::Isometry3d T_vehicle_lidar_;
   OdometryStage odometry_{OdometrySettings{}};
   motion::MotionCompensator compensator_;
   motion::StraightSweep straight_;

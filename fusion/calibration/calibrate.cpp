@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numeric>
 #include <random>
 
+#include "fusion/calibration/named_measures.hpp"
 #include "fusion/calibration/pose_score.hpp"
 #include "fusion/calibration/thin_scenes.hpp"
 
@@ -22,6 +24,7 @@ constexpr int kDrawnEach = 40;   // poses drawn for one that climbs
 constexpr int kMostRounds = 4;   // of restarts that each found a better place
 constexpr double kFree = 1;      // times the anchors of the levels
 constexpr double kHeld = 3;      // the same, where the first attempt came to nothing
+constexpr int kReturning = 3;    // one restart in so many must lead back
 constexpr double kFarthest = 4;  // standard deviations of the start's translation
 
 /// Even in [−1, 1]; the standard's distributions differ between libraries.
@@ -54,6 +57,12 @@ std::vector<Eigen::Isometry3d> best_of(std::vector<Scored>& poses, size_t most) 
   return best;
 }
 
+std::vector<TermOptions> both(std::vector<TermOptions> terms,
+                              const std::vector<TermOptions>& others) {
+  terms.insert(terms.end(), others.begin(), others.end());
+  return terms;
+}
+
 /// All that a calibration's steps share.
 class Calibration {
  public:
@@ -63,16 +72,21 @@ class Calibration {
         start_(start),
         options_(options),
         terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
-        images_(scenes, terms_, all_sigmas(options)),
+        leading_(options.leading.empty() ? terms_ : options.leading),
+        images_(scenes, both(terms_, leading_), all_sigmas(options)),
         margin_(options.screen.half_width * std::sqrt(3.0)),
         few_(thin_scenes(scenes, cameras, start, margin_, options.screen_points)),
         some_(thin_scenes(scenes, cameras, start, margin_, options.coarse_points)),
-        search_(scenes, cameras, terms_, images_, options.visibility, options.maximize, known(),
+        all_(thin_scenes(scenes, cameras, start, margin_, std::numeric_limits<size_t>::max())),
+        search_(all_, cameras, terms_, images_, options.visibility, options.maximize, known(),
                 options.start_translation),
-        coarse_(some_, cameras, terms_, images_, options.visibility, options.maximize, known(),
+        lead_(all_, cameras, leading_, images_, options.visibility, options.maximize, known(),
+              options.start_translation),
+        coarse_(some_, cameras, leading_, images_, options.visibility, options.maximize, known(),
                 options.start_translation) {}
 
   CoarseToFine& search() { return search_; }
+  CoarseToFine& lead() { return lead_; }
 
   /// Where climbs came to rest, and how many of the last round led back there.
   struct Rest {
@@ -85,7 +99,7 @@ class Calibration {
   Eigen::Isometry3d find_basin(double held) {
     VisibilityOptions open = options_.visibility;
     open.occlusion_cell = 0;
-    PoseScore quick(few_, cameras_, terms_, open, images_, options_.screen_sigma,
+    PoseScore quick(few_, cameras_, leading_, open, images_, options_.screen_sigma,
                     options_.screen.half_width > kAlike);
     std::vector<Eigen::Isometry3d> poses =
         screen_rotations(start_, options_.screen, std::ref(quick));
@@ -102,7 +116,7 @@ class Calibration {
   Rest settle(const Eigen::Isometry3d& T) {
     if (options_.restarts == 0) return {.T = T};
     std::mt19937_64 random(options_.seed);
-    PoseScore judge(some_, cameras_, terms_, options_.visibility, images_,
+    PoseScore judge(some_, cameras_, leading_, options_.visibility, images_,
                     options_.coarse.back().sigma, false);
     Rest rest{.T = T};
     for (int round = 0; round < kMostRounds; ++round) {
@@ -147,7 +161,14 @@ class Calibration {
     return 0.25 / options_.splits * sum;
   }
 
-  int evaluations() const { return evaluations_ + search_.evaluations() + coarse_.evaluations(); }
+  std::vector<ModelDoubt> doubts(Objective& finest, const Eigen::Isometry3d& T,
+                                 const Uncertainty& uncertainty) const {
+    return check_model(finest, T, cameras_, all_, uncertainty);
+  }
+
+  int evaluations() const {
+    return evaluations_ + search_.evaluations() + lead_.evaluations() + coarse_.evaluations();
+  }
 
  private:
   /// The two finest of the coarse levels.
@@ -158,7 +179,7 @@ class Calibration {
 
   /// Poses from around `T`: of many that are drawn, those that score best.
   std::vector<Eigen::Isometry3d> draw_around(const Eigen::Isometry3d& T, std::mt19937_64& random) {
-    PoseScore quick(few_, cameras_, terms_, options_.visibility, images_,
+    PoseScore quick(few_, cameras_, leading_, options_.visibility, images_,
                     restart_levels().front().sigma, false);
     std::vector<Scored> drawn;
     for (int k = 0; k < kDrawnEach * options_.restarts; ++k) {
@@ -179,7 +200,7 @@ class Calibration {
     std::vector<Scene> part(some_.size());
     for (size_t s = 0; s < some_.size(); ++s) part[s].camera = some_[s].camera;
     for (const size_t s : scenes) part[s] = some_[s];
-    CoarseToFine search(part, cameras_, terms_, images_, options_.visibility, options_.maximize,
+    CoarseToFine search(part, cameras_, leading_, images_, options_.visibility, options_.maximize,
                         known(), options_.start_translation);
     const Eigen::Isometry3d end = search.climb(T, restart_levels()).T_head_lidar;
     evaluations_ += search.evaluations();
@@ -189,7 +210,7 @@ class Calibration {
   /// Climbs one level from each; gives back the best ends, best first.
   std::vector<Eigen::Isometry3d> climb_all(const std::vector<Eigen::Isometry3d>& from,
                                            const Level& level) {
-    PoseScore judge(some_, cameras_, terms_, options_.visibility, images_, level.sigma, false);
+    PoseScore judge(some_, cameras_, leading_, options_.visibility, images_, level.sigma, false);
     std::vector<Scored> ends;
     for (const Eigen::Isometry3d& T : from) {
       const Eigen::Isometry3d end = coarse_.climb(T, std::span(&level, 1)).T_head_lidar;
@@ -204,11 +225,11 @@ class Calibration {
   std::span<const RigCamera> cameras_;
   Eigen::Isometry3d start_;
   const CalibrateOptions& options_;
-  std::vector<TermOptions> terms_;
+  std::vector<TermOptions> terms_, leading_;
   ImagePyramid images_;
   double margin_;
-  std::vector<Scene> few_, some_;
-  CoarseToFine search_, coarse_;
+  std::vector<Scene> few_, some_, all_;
+  CoarseToFine search_, lead_, coarse_;
   int evaluations_ = 0;
 };
 
@@ -244,6 +265,15 @@ std::string judge(const CalibrationResult& result, const Maximum& maximum, doubl
   if (!result.settled) {
     return "restarts from around it kept finding better places";
   }
+  if (kReturning * result.returned < result.restarts) {
+    return print("only %d of %d restarts from around it led back", result.returned,
+                 result.restarts);
+  }
+  for (const ModelDoubt& doubt : result.doubts) {
+    if (!doubt.serious) continue;
+    return print("lidar and pictures would fit better with another %s (%+.2f %s, %.0f sigma)",
+                 doubt.what.c_str(), doubt.value, doubt.unit, std::abs(doubt.significance));
+  }
   if (moved > kFarthest * options.start_translation) {
     return print("it moved %.2f m from the start, whose translation is known to %.2f m", moved,
                  options.start_translation);
@@ -257,19 +287,23 @@ CalibrationResult attempt(Calibration& calibration, const Eigen::Isometry3d& sta
   CalibrationResult result;
   CoarseToFine& search = calibration.search();
   const Calibration::Rest rest = calibration.settle(calibration.find_basin(held));
-  const Maximum maximum = search.climb(rest.T, options.fine);
+  const std::span<const Level> fine(options.fine);
+  const Maximum led = calibration.lead().climb(rest.T, fine.first(fine.size() - 1));
+  const Maximum maximum = search.climb(led.T_head_lidar, fine.last(1));
   result.T_head_lidar = maximum.T_head_lidar;
   result.restarts = options.restarts;
   result.returned = rest.returned;
   result.settled = rest.settled;
 
-  const VisiblePoints points = search.visible(result.T_head_lidar, 0);
+  const VisiblePoints points = search.visible(result.T_head_lidar, fine.back().points);
   Objective finest = search.objective(points, options.fine.back().sigma);
   result.points = points.size();
   result.value = finest.evaluate(result.T_head_lidar, false).estimate.value;
   result.value_at_start = finest.evaluate(start, false).estimate.value;
   result.uncertainty = estimate_uncertainty(finest, result.T_head_lidar);
-  result.scenes = scene_support(search, result.T_head_lidar, scenes, options.support_sigma);
+  result.doubts = calibration.doubts(finest, result.T_head_lidar, result.uncertainty);
+  result.scenes =
+      scene_support(calibration.lead(), result.T_head_lidar, scenes, options.support_sigma);
   result.support = mean_support(result.scenes);
   result.evaluations = finest.evaluations();
   const double moved =
@@ -281,8 +315,10 @@ CalibrationResult attempt(Calibration& calibration, const Eigen::Isometry3d& sta
 }  // namespace
 
 std::optional<std::string> CalibrateOptions::invalid() const {
-  for (const TermOptions& term : terms) {
-    if (auto wrong = term.invalid()) return "terms: " + *wrong;
+  for (const auto* sum : {&terms, &leading}) {
+    for (const TermOptions& term : *sum) {
+      if (auto wrong = term.invalid()) return "terms: " + *wrong;
+    }
   }
   if (coarse.empty() && (screen.kept > 0 || restarts > 0 || splits > 0)) {
     return "coarse must have at least one level, or nothing can be screened, restarted or split";

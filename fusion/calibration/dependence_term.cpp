@@ -1,9 +1,9 @@
 #include "fusion/calibration/dependence_term.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "fusion/calibration/least_squares_term.hpp"
 #include "fusion/calibration/lidar_features.hpp"
 #include "fusion/dependence/prepared_histogram.hpp"
 
@@ -81,87 +81,49 @@ class CorrelationTerm : public DependenceTerm {
   std::vector<float> lidar_;
 };
 
-std::vector<NamedMeasure> make_named_measures() {
-  using enum MeasureKind;
-  const auto reflectivity = [](MeasureKind kind, int bins) {
-    return TermOptions{.measure = kind, .bins = bins, .equalize = false};
-  };
-  TermOptions raw = reflectivity(kMutualInformation, 32);
-  raw.lidar = LidarFeature::kReflectivity;
-  raw.image = ImageFeature::kGrey;
-  const TermOptions edges{.lidar = LidarFeature::kDiscontinuity, .image = ImageFeature::kEdge};
-  TermOptions levinson = edges;
-  levinson.measure = kCorrelation;
-  levinson.equalize = false;
-  return {
-      {"joint",
-       "MI of relative reflectivity and local grey + MI of depth edges and image edges",
-       {TermOptions{}, edges},
-       true,
-       true},
-      {"edges",
-       "MI of depth edges and image edges, by rank: without reflectivity (P 6.2.1)",
-       {edges},
-       true,
-       true},
-      {"mi",
-       "mutual information, P(3.17), B-spline window of 32 bins",
-       {reflectivity(kMutualInformation, 32)},
-       false,
-       true},
-      {"mi-raw", "the same of reflectivity and grey as the sensors state them", {raw}, false, true},
-      {"mi-kde",
-       "mutual information, P(3.17), Gaussian KDE on 256 bins",
-       {reflectivity(kMutualInformationKde, 256)},
-       false,
-       false},
-      {"nmi",
-       "normalised mutual information, I(4.2)",
-       {reflectivity(kNormalisedMutualInformation, 32)},
-       false,
-       true},
-      {"chi2", "chi-squared, P(3.25)", {reflectivity(kChiSquared, 32)}, false, true},
-      {"smi",
-       "discretised squared-loss mutual information, I(4.3)",
-       {reflectivity(kSquaredLossMutualInformation, 32)},
-       false,
-       true},
-      {"levinson-thrun", "depth edges times image edges, P(3.23), I(4.4)", {levinson}, false, true},
-  };
-}
-
-const std::vector<NamedMeasure>& all_measures() {
-  static const std::vector<NamedMeasure> measures = make_named_measures();
-  return measures;
-}
-
 }  // namespace
 
 std::optional<std::string> TermOptions::invalid() const {
   if (!(weight > 0) || !std::isfinite(weight)) return "weight must be positive";
   if (bins < 4 || bins > 1024) return "bins must lie in 4 … 1024";
+  if (bags < 1 || bags > 100'000) return "bags must lie in 1 … 100000";
+  if (lidar.empty() || image.empty()) return "a lidar and an image feature must be named";
+  const bool several = measure == MeasureKind::kLsmi || measure == MeasureKind::kBlsmi;
+  if (!several && (lidar.size() > 1 || image.size() > 1)) {
+    return "only lsmi and blsmi take several features together";
+  }
   return std::nullopt;
 }
 
-std::vector<uint32_t> taking_part(std::span<const float> lidar) {
+std::vector<uint32_t> taking_part(const TermOptions& options, const VisiblePoints& points) {
   std::vector<uint32_t> chosen;
-  for (size_t i = 0; i < lidar.size(); ++i) {
-    if (!std::isnan(lidar[i])) chosen.push_back(static_cast<uint32_t>(i));
+  for (size_t i = 0; i < points.size(); ++i) {
+    const bool compared =
+        std::none_of(options.lidar.begin(), options.lidar.end(), [&](LidarFeature feature) {
+          const bool edge_of_several =
+              feature == LidarFeature::kDiscontinuity && options.lidar.size() > 1;
+          return !edge_of_several && std::isnan(points.lidar[index(feature)][i]);
+        });
+    if (compared) chosen.push_back(static_cast<uint32_t>(i));
   }
   return chosen;
 }
 
 std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const VisiblePoints& points) {
-  std::vector<float> lidar = points.lidar[index(options.lidar)];
   if (options.measure == MeasureKind::kCorrelation) {
-    return std::make_unique<CorrelationTerm>(std::move(lidar));
+    return std::make_unique<CorrelationTerm>(points.lidar[index(options.lidar.front())]);
   }
-  std::vector<uint32_t> chosen = taking_part(lidar);
-  for (size_t k = 0; k < chosen.size(); ++k) lidar[k] = lidar[chosen[k]];
-  lidar.resize(chosen.size());
-  if (options.equalize) equalize(lidar);
+  std::vector<uint32_t> chosen = taking_part(options, points);
+  std::vector<std::vector<float>> lidar;
+  for (const LidarFeature feature : options.lidar) {
+    const std::vector<float>& all = points.lidar[index(feature)];
+    std::vector<float>& column = lidar.emplace_back();
+    for (const uint32_t i : chosen) column.push_back(std::isnan(all[i]) ? 0.0F : all[i]);
+    if (options.equalize) equalize(column);
+  }
   const auto histogram = [&](Measure measure, dependence::Window window) {
-    return std::make_unique<HistogramTerm>(measure, window, options.bins, std::move(chosen), lidar);
+    return std::make_unique<HistogramTerm>(measure, window, options.bins, std::move(chosen),
+                                           lidar.front());
   };
   using dependence::Window;
   switch (options.measure) {
@@ -173,20 +135,14 @@ std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const Visi
       return histogram(Measure::kNormalisedMutualInformation, Window::kBSpline);
     case MeasureKind::kChiSquared:
       return histogram(Measure::kChiSquared, Window::kBSpline);
+    case MeasureKind::kLsmi:
+    case MeasureKind::kBlsmi:
+      return make_least_squares_term(options, std::move(chosen), lidar);
     case MeasureKind::kSquaredLossMutualInformation:
     case MeasureKind::kCorrelation:  // dealt with above
       break;
   }
   return histogram(Measure::kSquaredLossMutualInformation, Window::kBSpline);
-}
-
-std::span<const NamedMeasure> named_measures() { return all_measures(); }
-
-const NamedMeasure* find_measure(const std::string& name) {
-  const auto& measures = all_measures();
-  const auto at =
-      std::find_if(measures.begin(), measures.end(), [&](const auto& m) { return m.name == name; });
-  return at == measures.end() ? nullptr : &*at;
 }
 
 }  // namespace infuse::calibration

@@ -20,16 +20,20 @@ enum class MeasureKind {
   kChiSquared,                    ///< P(3.25)
   kSquaredLossMutualInformation,  ///< discretised SMI, I(4.3)
   kCorrelation,                   ///< mean product, I(4.4): the batch form of P(3.23)
+  kLsmi,                          ///< LSMI, I(2.7–2.8), of features together
+  kBlsmi,                         ///< bagged LSMI, I(2.9), of features together
 };
 
-/// One summand of an objective: a measure between one lidar feature and one image feature.
+/// One summand of an objective: a measure between one lidar feature and one image feature; of the
+/// measures that can, between several features each, taken together.
 struct TermOptions {
   MeasureKind measure = MeasureKind::kMutualInformation;
-  LidarFeature lidar = LidarFeature::kRelativeReflectivity;
-  ImageFeature image = ImageFeature::kLocalGrey;
+  std::vector<LidarFeature> lidar{LidarFeature::kRelativeReflectivity};
+  std::vector<ImageFeature> image{ImageFeature::kLocalGrey};
   double weight = 1;     ///< of the measure in the sum
   int bins = 16;         ///< a side, of the joint histogram
   bool equalize = true;  ///< the lidar feature by rank among all points in view
+  int bags = 100;        ///< of kBlsmi
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -40,9 +44,9 @@ class DependenceTerm {
  public:
   virtual ~DependenceTerm() = default;
 
-  /// The measure with one image value (0 … 1) a point, whether it takes part or not. With a
-  /// `gradient` of the same length also its derivative by every image value; terms without one
-  /// (KDE) leave it zero.
+  /// The measure with the image's values (0 … 1), one a point, whether it takes part or not,
+  /// feature after feature. With a `gradient` of the same length also its derivative by every image
+  /// value; terms without one (KDE) leave it zero.
   virtual dependence::Estimate evaluate(std::span<const float> image,
                                         std::span<float> gradient) = 0;
 
@@ -50,25 +54,12 @@ class DependenceTerm {
   virtual size_t samples() const = 0;
 };
 
-/// Indices of the points that a lidar feature has something to compare of (not `kNotCompared`).
-std::vector<uint32_t> taking_part(std::span<const float> lidar);
+/// Indices of the points that take part in a term. A return without a depth edge near it is none to
+/// compare where edges are all that is compared, and one without an edge where several features are
+/// taken together.
+std::vector<uint32_t> taking_part(const TermOptions& options, const VisiblePoints& points);
 
 /// Prepares a term with the points' features.
 std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const VisiblePoints& points);
-
-/// What `infuse calibrate --measure NAME` offers: a name for a sum of terms.
-struct NamedMeasure {
-  const char* name;
-  const char* description;
-  std::vector<TermOptions> terms;
-  bool equalize_image;  ///< SceneOptions::equalize
-  bool has_gradient;
-};
-
-/// All of them, the default first.
-std::span<const NamedMeasure> named_measures();
-
-/// Null where there is none of that name.
-const NamedMeasure* find_measure(const std::string& name);
 
 }  // namespace infuse::calibration

@@ -11,8 +11,12 @@ enum class LidarFeature : uint8_t {
   kReflectivity,          ///< as the sensor states it, 0 … 1
   kRelativeReflectivity,  ///< by rank among the returns of its beam at like range
   kDiscontinuity,         ///< scan discontinuity, I(3.6)
+  kNormalX,               ///< surface normal, lidar frame, turned towards the sensor, I 4.3.1.3
+  kNormalY,
+  kNormalZ,
+  kTaylorNormal,  ///< Taylor and Nieto's normal feature, I 4.3.2
 };
-inline constexpr size_t kLidarFeatures = 3;
+inline constexpr size_t kLidarFeatures = 7;
 
 /// What a picture tells at a pixel.
 enum class ImageFeature : uint8_t {

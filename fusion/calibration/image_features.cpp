@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "fusion/geometry/simd.hpp"
+
 namespace infuse::calibration {
 namespace {
 
@@ -33,15 +35,24 @@ std::vector<float> half_kernel(double sigma) {
   return kernel;
 }
 
+/// out += weight · (one + other), sample by sample; `step`: of `one` and `other`.
+INFUSE_SIMD_CLONES void add_pair(float weight, const float* __restrict one,
+                                 const float* __restrict other, int step, int samples,
+                                 float* __restrict out) {
+  if (step == 1) {
+    for (int i = 0; i < samples; ++i) out[i] += weight * (one[i] + other[i]);
+  } else {
+    for (int i = 0; i < samples; ++i) out[i] += weight * (one[i * step] + other[i * step]);
+  }
+}
+
 /// One row of the plane, smoothed down its columns.
 void blur_columns(const Plane& plane, int v, const std::vector<float>& kernel, float* out) {
   const float* centre = row(plane, v);
   for (int u = 0; u < plane.width; ++u) out[u] = kernel[0] * centre[u];
   for (int k = 1; k < static_cast<int>(kernel.size()); ++k) {
-    const float* above = row(plane, v - k);
-    const float* below = row(plane, v + k);
-    const float weight = kernel[static_cast<size_t>(k)];
-    for (int u = 0; u < plane.width; ++u) out[u] += weight * (above[u] + below[u]);
+    add_pair(kernel[static_cast<size_t>(k)], row(plane, v - k), row(plane, v + k), 1, plane.width,
+             out);
   }
 }
 
@@ -51,28 +62,58 @@ void blur_row(const float* line, int thin, const std::vector<float>& kernel, int
               float* out) {
   for (int i = 0; i < samples; ++i) out[i] = kernel[0] * line[i * thin];
   for (int k = 1; k < static_cast<int>(kernel.size()); ++k) {
-    const float weight = kernel[static_cast<size_t>(k)];
-    for (int i = 0; i < samples; ++i) out[i] += weight * (line[i * thin - k] + line[i * thin + k]);
+    add_pair(kernel[static_cast<size_t>(k)], line - k, line + k, thin, samples, out);
   }
 }
 
-/// Where a sample lies between those of a thinner row.
+/// Where the samples of a row lie between those of a thinner one: after which, and how far.
 struct Between {
-  int first, second;
-  float part;
+  std::vector<int> first;
+  std::vector<float> part;
 };
 
-Between between(int at, float scale, int size) {
-  const float place = std::min(static_cast<float>(at) * scale, static_cast<float>(size - 1));
-  const int first = std::min(static_cast<int>(place), size - 1);
-  return {first, std::min(first + 1, size - 1), place - static_cast<float>(first)};
+Between between(int samples, float scale) {
+  Between all;
+  for (int i = 0; i < samples; ++i) {
+    const float place = static_cast<float>(i) * scale;
+    all.first.push_back(static_cast<int>(place));
+    all.part.push_back(place - static_cast<float>(all.first.back()));
+  }
+  return all;
 }
 
-float blend(const float* above, const float* below, const Between& along, float down) {
-  const int a = along.first, b = along.second;
-  const float upper = above[a] + along.part * (above[b] - above[a]);
-  const float lower = below[a] + along.part * (below[b] - below[a]);
-  return upper + down * (lower - upper);
+/// Row `place` of a thinner plane, between two of its rows, its last sample once more at the end.
+void row_between(const Plane& thin, int first, float part, std::vector<float>& out) {
+  const float* above = row(thin, first);
+  const float* below = row(thin, first + 1);
+  const auto width = static_cast<size_t>(thin.width);
+  out.resize(width + 2);
+  for (size_t u = 0; u < width; ++u) out[u] = above[u] + part * (below[u] - above[u]);
+  out[width] = out[width + 1] = out[width - 1];
+}
+
+/// Samples against the mean and mean square around them, which are given at the samples of a
+/// thinner row.
+INFUSE_SIMD_CLONES void against_row(const float* __restrict in, const float* __restrict mean,
+                                    const float* __restrict power, const int* __restrict first,
+                                    const float* __restrict part, float least, int samples,
+                                    float* __restrict out) {
+  for (int u = 0; u < samples; ++u) {
+    const int at = first[u];
+    const float m = mean[at] + part[u] * (mean[at + 1] - mean[at]);
+    const float square = power[at] + part[u] * (power[at + 1] - power[at]);
+    const float spread = square - m * m;
+    const float off = in[u] - m;
+    const float z2 = off * off / ((spread > 0.0F ? spread : 0.0F) + least);
+    const float half = 0.5F * std::sqrt(z2 / (1.0F + z2));
+    out[u] = off < 0.0F ? 0.5F - half : 0.5F + half;
+  }
+}
+
+/// `blurred`, thinned after the first little of it: the rest is cheap.
+Plane blurred_in_two(const Plane& plane, double sigma, int step) {
+  const double first = step > plane.step ? 0.75 * step : 0;
+  return blurred(blurred(plane, first, step), std::sqrt(sigma * sigma - first * first), step);
 }
 
 }  // namespace
@@ -165,26 +206,20 @@ Plane against_surroundings(const Plane& plane, double width, double floor) {
   for (size_t i = 0; i < squared.values.size(); ++i) {
     squared.values[i] = plane.values[i] * plane.values[i];
   }
-  const Plane mean = blurred(plane, width, step);
-  const Plane power = blurred(squared, width, step);
+  const Plane mean = blurred_in_two(plane, width, step);
+  const Plane power = blurred_in_two(squared, width, step);
   const float scale = static_cast<float>(plane.step) / static_cast<float>(step);
   const auto least = static_cast<float>(floor * floor);
   Plane out = like(plane);
-  std::vector<Between> along;
-  for (int u = 0; u < plane.width; ++u) along.push_back(between(u, scale, mean.width));
+  const Between along = between(plane.width, scale);
+  const Between down = between(plane.height, scale);
+  std::vector<float> means, powers;
   for (int v = 0; v < plane.height; ++v) {
-    const Between down = between(v, scale, mean.height);
-    const float* in = row(plane, v);
-    float* to = out.values.data() + static_cast<size_t>(v) * static_cast<size_t>(plane.width);
-    const float *mean_above = row(mean, down.first), *mean_below = row(mean, down.second);
-    const float *power_above = row(power, down.first), *power_below = row(power, down.second);
-    for (size_t u = 0; u < along.size(); ++u) {
-      const float m = blend(mean_above, mean_below, along[u], down.part);
-      const float variance = blend(power_above, power_below, along[u], down.part) - m * m;
-      const float z2 = (in[u] - m) * (in[u] - m) / (std::max(variance, 0.0F) + least);
-      const float half = 0.5F * std::sqrt(z2 / (1 + z2));
-      to[u] = in[u] < m ? 0.5F - half : 0.5F + half;
-    }
+    const auto at = static_cast<size_t>(v);
+    row_between(mean, down.first[at], down.part[at], means);
+    row_between(power, down.first[at], down.part[at], powers);
+    against_row(row(plane, v), means.data(), powers.data(), along.first.data(), along.part.data(),
+                least, plane.width, &out.values[at * static_cast<size_t>(plane.width)]);
   }
   return out;
 }

@@ -6,40 +6,51 @@
 #include "fusion/calibration/lidar_features.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
 #include "fusion/geometry/pose_gradient.hpp"
+#include "fusion/geometry/simd.hpp"
 
 namespace infuse::calibration {
 namespace {
 
+/// A plane as the look-up sees it.
+struct Samples2d {
+  const float* values;
+  int width;
+  float right, bottom;  // the last place that has a sample after it
+  float scale;          // samples a pixel
+};
+
 /// Bilinear look-up of one block of points, I 4.3.1.4, with its derivatives by the pixel. Outside
-/// the picture: the border's value, and no derivative across it. Points whose `lidar` is not
-/// compared are passed over.
-void look_up_block(const Plane& plane, std::span<const float> lidar, std::span<const float> u,
-                   std::span<const float> v, float* value, float* by_u, float* by_v) {
-  const auto right = static_cast<float>(plane.width - 1) - 1e-3F;
-  const auto bottom = static_cast<float>(plane.height - 1) - 1e-3F;
-  const float scale = 1.0F / static_cast<float>(plane.step);
-  const float* pixels = plane.values.data();
-  for (size_t i = 0; i < u.size(); ++i) {
-    if (std::isnan(u[i]) || std::isnan(lidar[i])) {
-      value[i] = dependence::kAbsent;
-      by_u[i] = by_v[i] = 0;
-      continue;
-    }
-    const float su = u[i] * scale;
-    const float sv = v[i] * scale;
-    const float cu = std::clamp(su, 0.0F, right);
-    const float cv = std::clamp(sv, 0.0F, bottom);
+/// the picture: the border's value, and no derivative across it. Points that the camera does not
+/// see and points whose `lidar` is not compared are absent.
+INFUSE_SIMD_CLONES void look_up_block(const Samples2d plane, const float* __restrict lidar,
+                                      const float* __restrict u, const float* __restrict v,
+                                      size_t count, float* __restrict value, float* __restrict by_u,
+                                      float* __restrict by_v) {
+  for (size_t i = 0; i < count; ++i) {
+    const bool absent = (u[i] != u[i]) | (lidar[i] != lidar[i]);
+    const float su = absent ? 0.0F : u[i] * plane.scale;
+    const float sv = absent ? 0.0F : v[i] * plane.scale;
+    const float least_u = su > 0.0F ? su : 0.0F;
+    const float least_v = sv > 0.0F ? sv : 0.0F;
+    const float cu = least_u < plane.right ? least_u : plane.right;
+    const float cv = least_v < plane.bottom ? least_v : plane.bottom;
     const int iu = static_cast<int>(cu);
     const int iv = static_cast<int>(cv);
     const float a = cu - static_cast<float>(iu);
     const float b = cv - static_cast<float>(iv);
-    const float* top = pixels + static_cast<size_t>(iv) * static_cast<size_t>(plane.width) + iu;
-    const float* low = top + plane.width;
-    const float upper = top[0] + a * (top[1] - top[0]);
-    const float lower = low[0] + a * (low[1] - low[0]);
-    value[i] = upper + b * (lower - upper);
-    by_u[i] = cu == su ? scale * ((1 - b) * (top[1] - top[0]) + b * (low[1] - low[0])) : 0.0F;
-    by_v[i] = cv == sv ? scale * (lower - upper) : 0.0F;
+    const int at = iv * plane.width + iu;
+    const float left_top = plane.values[at];
+    const float right_top = plane.values[at + 1];
+    const float left_low = plane.values[at + plane.width];
+    const float right_low = plane.values[at + plane.width + 1];
+    const float upper = left_top + a * (right_top - left_top);
+    const float lower = left_low + a * (right_low - left_low);
+    const float along = (1 - b) * (right_top - left_top) + b * (right_low - left_low);
+    value[i] = absent ? dependence::kAbsent : upper + b * (lower - upper);
+    const float inside_u = absent | (cu != su) ? 0.0F : plane.scale;
+    const float inside_v = absent | (cv != sv) ? 0.0F : plane.scale;
+    by_u[i] = inside_u * along;
+    by_v[i] = inside_v * (lower - upper);
   }
 }
 
@@ -60,10 +71,10 @@ constexpr double kSurroundings = 8;
 constexpr double kLeastSurroundings = 15;
 constexpr double kNoise = 2.0 / 255;  // a smooth surface's, in grey levels
 
-/// Samples lie so far apart that their Gaussian is still at least 1.5 of them wide.
+/// Samples lie so far apart that their Gaussian is still at least one of them wide.
 int samples_apart(double sigma) {
   int step = 1;
-  while (3 * step <= sigma) step *= 2;
+  while (2 * step <= sigma) step *= 2;
   return step;
 }
 
@@ -74,9 +85,11 @@ BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const Term
     : blurred_(scenes.size()), local_grey_(scenes.size()), sigma_(sigma) {
   for (size_t s = 0; s < scenes.size(); ++s) {
     for (const TermOptions& term : terms) {
-      Plane& plane = blurred_[s][index(term.image)];
-      if (plane.values.empty()) {
-        plane = blurred(scenes[s].image[index(term.image)], sigma, samples_apart(sigma));
+      for (const ImageFeature feature : term.image) {
+        Plane& plane = blurred_[s][index(feature)];
+        if (plane.values.empty()) {
+          plane = blurred(scenes[s].image[index(feature)], sigma, samples_apart(sigma));
+        }
       }
     }
   }
@@ -117,10 +130,14 @@ Objective::Objective(const VisiblePoints& points, const BlurredImages& images,
                      std::span<const RigCamera> cameras, std::span<const Scene> scenes,
                      std::span<const TermOptions> terms)
     : points_(points), images_(&images), cameras_(cameras), scenes_(scenes) {
-  for (const TermOptions& term : terms) terms_.push_back({term, make_term(term, points)});
-  for (auto* scratch :
-       {&u_, &v_, &depth_, &value_, &value_by_u_, &value_by_v_, &by_value_, &by_u_, &by_v_}) {
-    scratch->resize(points.size());
+  size_t most = 1;
+  for (const TermOptions& term : terms) {
+    terms_.push_back({term, make_term(term, points)});
+    most = std::max(most, term.image.size());
+  }
+  for (auto* scratch : {&u_, &v_, &depth_, &by_u_, &by_v_}) scratch->resize(points.size());
+  for (auto* scratch : {&value_, &value_by_u_, &value_by_v_, &by_value_}) {
+    scratch->resize(most * points.size());
   }
 }
 
@@ -134,12 +151,22 @@ void Objective::project(const Eigen::Isometry3d& T_head_lidar) {
 }
 
 void Objective::look_up(const TermOptions& term) {
-  const std::span<const float> lidar(points_.lidar[index(term.lidar)]);
-  for (const VisiblePoints::Block& block : points_.blocks) {
-    look_up_block(images_->plane(block.scene, term.image),
-                  lidar.subspan(block.begin, block.end - block.begin), part<const float>(u_, block),
-                  part<const float>(v_, block), &value_[block.begin], &value_by_u_[block.begin],
-                  &value_by_v_[block.begin]);
+  // Of a single lidar feature: what has nothing to compare need not be looked up.
+  const std::vector<float>& compared =
+      term.lidar.size() == 1 ? points_.lidar[index(term.lidar.front())] : points_.x;
+  for (size_t f = 0; f < term.image.size(); ++f) {
+    for (const VisiblePoints::Block& block : points_.blocks) {
+      const Plane& plane = images_->plane(block.scene, term.image[f]);
+      const size_t from = block.begin;
+      const size_t to = f * points_.size() + block.begin;
+      look_up_block({.values = plane.values.data(),
+                     .width = plane.width,
+                     .right = static_cast<float>(plane.width - 1) - 1e-3F,
+                     .bottom = static_cast<float>(plane.height - 1) - 1e-3F,
+                     .scale = 1.0F / static_cast<float>(plane.step)},
+                    &compared[from], &u_[from], &v_[from], block.end - from, &value_[to],
+                    &value_by_u_[to], &value_by_v_[to]);
+    }
   }
 }
 
@@ -155,16 +182,20 @@ dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_
   }
   for (Term& term : terms_) {
     look_up(term.options);
+    const size_t values = term.options.image.size() * points_.size();
     const dependence::Estimate one = term.dependence->evaluate(
-        value_, with_gradient ? std::span<float>(by_value_) : std::span<float>());
+        std::span(value_).first(values),
+        with_gradient ? std::span(by_value_).first(values) : std::span<float>());
     sum.value += term.options.weight * one.value;
     if (!one.usable()) sum.reason = one.reason;
     if (!with_gradient) continue;
     const auto weight = static_cast<float>(
         term.options.weight * (of_samples ? static_cast<double>(term.dependence->samples()) : 1.0));
-    for (size_t i = 0; i < by_u_.size(); ++i) {
-      by_u_[i] += weight * by_value_[i] * value_by_u_[i];
-      by_v_[i] += weight * by_value_[i] * value_by_v_[i];
+    for (size_t first = 0; first < values; first += points_.size()) {
+      for (size_t i = 0; i < by_u_.size(); ++i) {
+        by_u_[i] += weight * by_value_[first + i] * value_by_u_[first + i];
+        by_v_[i] += weight * by_value_[first + i] * value_by_v_[first + i];
+      }
     }
   }
   return sum;
@@ -192,22 +223,38 @@ Evaluation Objective::evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_
   return evaluation;
 }
 
-std::vector<geometry::Vector6> Objective::scene_gradients(const Eigen::Isometry3d& T_head_lidar) {
-  std::vector<geometry::Vector6> gradients(scenes_.size(), geometry::Vector6::Zero());
+Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block) const {
+  const CameraIntrinsics& camera = cameras_[scenes_[block.scene].camera].model.intrinsics();
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+  for (size_t i = block.begin; i < block.end; ++i) {
+    const double by_u = by_u_[i], by_v = by_v_[i];
+    if (by_u == 0 && by_v == 0) continue;
+    // As if the picture were without distortion: first order is all that is asked.
+    const double across = u_[i] - camera.cx, down = v_[i] - camera.cy;
+    const double a = across / camera.fx, b = down / camera.fy;
+    const double outwards = by_u * across + by_v * down;
+    gradient += Eigen::Vector4d(outwards, by_u, by_v, outwards * (a * a + b * b));
+  }
+  return gradient;
+}
+
+std::vector<ScenePull> Objective::scene_pulls(const Eigen::Isometry3d& T_head_lidar) {
+  std::vector<ScenePull> pulls(scenes_.size(), ScenePull::Zero());
   differentiate_pixels(T_head_lidar, true);
   for (const VisiblePoints::Block& block : points_.blocks) {
-    gradients[block.scene] += block_gradient(block, T_head_lidar);
+    pulls[block.scene].head<6>() += block_gradient(block, T_head_lidar);
+    pulls[block.scene].tail<4>() += camera_gradient(block);
   }
-  return gradients;
+  return pulls;
 }
 
 Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, size_t term) {
   const TermOptions& options = terms_[term].options;
   project(T_head_lidar);
   look_up(options);
-  const std::vector<float>& lidar = points_.lidar[index(options.lidar)];
+  const std::vector<float>& lidar = points_.lidar[index(options.lidar.front())];
   Samples samples;
-  for (const uint32_t i : taking_part(lidar)) {
+  for (const uint32_t i : taking_part(options, points_)) {
     samples.lidar.push_back(lidar[i]);
     samples.image.push_back(value_[i]);
   }

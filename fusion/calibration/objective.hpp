@@ -48,6 +48,11 @@ struct Evaluation {
   geometry::Vector6 gradient = geometry::Vector6::Zero();
 };
 
+/// How a scene's part of the objective changes with the pose (six entries, as Evaluation::gradient)
+/// and with its camera's model: with the logarithm of the focal lengths, the principal point (u, v,
+/// px) and the first radial distortion coefficient.
+using ScenePull = Eigen::Matrix<double, 10, 1>;
+
 /// The dependence of lidar and camera as a function of T_head_lidar, over a fixed set of points.
 ///
 /// Overlap guard: a point that the hypothesis moves out of the picture keeps the value at the
@@ -66,11 +71,15 @@ class Objective {
   /// Has the points look at other pictures from now on, of the same sizes; they must outlive this.
   void look_at(const BlurredImages& images) { images_ = &images; }
 
+  /// Has the points seen by other cameras from now on; they must outlive this.
+  void look_through(std::span<const RigCamera> cameras) { cameras_ = cameras; }
+
   /// The gradient of each scene's part of the sum, an entry a scene; they add up to `gradient`.
   /// For the terms with a gradient: how the scenes pull, whose spread tells the uncertainty.
-  std::vector<geometry::Vector6> scene_gradients(const Eigen::Isometry3d& T_head_lidar);
+  std::vector<ScenePull> scene_pulls(const Eigen::Isometry3d& T_head_lidar);
 
-  /// The samples of one term at a pose that take part: what its measure is asked about.
+  /// The samples of one term at a pose that take part: what its measure is asked about. Of several
+  /// features the first.
   struct Samples {
     std::vector<float> lidar;  ///< by rank where the term says so
     std::vector<float> image;  ///< 0 … 1; NaN where the camera's model does not see the point
@@ -98,6 +107,7 @@ class Objective {
                                             bool with_gradient, bool of_samples = false);
   geometry::Vector6 block_gradient(const VisiblePoints::Block& block,
                                    const Eigen::Isometry3d& T_head_lidar) const;
+  Eigen::Vector4d camera_gradient(const VisiblePoints::Block& block) const;
 
   const VisiblePoints& points_;
   const BlurredImages* images_;
@@ -106,7 +116,7 @@ class Objective {
   std::vector<Term> terms_;
   int evaluations_ = 0;
 
-  // Scratch, one entry a point.
+  // Scratch, one entry a point; of values one a point and image feature.
   std::vector<float> u_, v_, depth_;
   std::vector<float> value_, value_by_u_, value_by_v_;  ///< of the image feature looked up last
   std::vector<float> by_value_;                         ///< ∂term/∂value

@@ -25,10 +25,36 @@ Plane colour_plane(const CameraFrame& frame, size_t channel) {
   return plane;
 }
 
+/// The wanted features of all returns; the other arrays stay empty.
+PerLidarFeature<std::vector<float>> lidar_features(const Sweep& sweep,
+                                                   const SceneOptions& options) {
+  using enum LidarFeature;
+  const auto wanted = [&](LidarFeature feature) { return options.lidar[index(feature)]; };
+  PerLidarFeature<std::vector<float>> features;
+  const auto at = [&](LidarFeature feature) -> auto& { return features[index(feature)]; };
+  if (wanted(kReflectivity)) {
+    at(kReflectivity).assign(sweep.reflectivity.begin(), sweep.reflectivity.end());
+  }
+  if (wanted(kRelativeReflectivity)) {
+    RelativeReflectivity ranks;
+    at(kRelativeReflectivity) = ranks.of(sweep.ring, sweep.range, sweep.reflectivity);
+  }
+  if (wanted(kDiscontinuity)) at(kDiscontinuity) = discontinuity(sweep, options.discontinuity);
+  if (wanted(kNormalX) || wanted(kNormalY) || wanted(kNormalZ)) {
+    auto normals = surface_normals(sweep, options.normals);
+    at(kNormalX) = std::move(normals[0]);
+    at(kNormalY) = std::move(normals[1]);
+    at(kNormalZ) = std::move(normals[2]);
+  }
+  if (wanted(kTaylorNormal)) at(kTaylorNormal) = taylor_normal(sweep);
+  return features;
+}
+
 }  // namespace
 
 std::optional<std::string> SceneOptions::invalid() const {
   if (auto wrong = discontinuity.invalid()) return "discontinuity: " + *wrong;
+  if (auto wrong = normals.invalid()) return "normals: " + *wrong;
   if (!(min_range >= 0) || !(max_range > min_range)) return "0 <= min_range < max_range must hold";
   return std::nullopt;
 }
@@ -63,28 +89,17 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
       frame.pixels.size() != frame.row_bytes() * static_cast<size_t>(frame.height)) {
     return fail("the picture is empty");
   }
-  const auto wanted = [&](LidarFeature feature) { return options.lidar[index(feature)]; };
 
   Scene scene;
-  std::vector<float> edge;
-  if (wanted(LidarFeature::kDiscontinuity)) edge = discontinuity(sweep, options.discontinuity);
-  RelativeReflectivity ranks;
-  std::span<const float> relative;
-  if (wanted(LidarFeature::kRelativeReflectivity)) {
-    relative = ranks.of(sweep.ring, sweep.range, sweep.reflectivity);
-  }
+  const PerLidarFeature<std::vector<float>> features = lidar_features(sweep, options);
   for (size_t i = 0; i < sweep.size(); ++i) {
     if (!(sweep.range[i] >= options.min_range && sweep.range[i] <= options.max_range)) continue;
     scene.x.push_back(sweep.x[i]);
     scene.y.push_back(sweep.y[i]);
     scene.z.push_back(sweep.z[i]);
-    if (wanted(LidarFeature::kReflectivity)) {
-      scene.lidar[index(LidarFeature::kReflectivity)].push_back(sweep.reflectivity[i]);
+    for (size_t f = 0; f < kLidarFeatures; ++f) {
+      if (!features[f].empty()) scene.lidar[f].push_back(features[f][i]);
     }
-    if (!relative.empty()) {
-      scene.lidar[index(LidarFeature::kRelativeReflectivity)].push_back(relative[i]);
-    }
-    if (!edge.empty()) scene.lidar[index(LidarFeature::kDiscontinuity)].push_back(edge[i]);
   }
   if (scene.size() == 0) return fail("the sweep has no return between min_range and max_range");
 

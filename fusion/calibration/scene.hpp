@@ -10,6 +10,8 @@
 #include "fusion/calibration/feature.hpp"
 #include "fusion/calibration/image_features.hpp"
 #include "fusion/calibration/lidar_features.hpp"
+#include "fusion/calibration/surface_normals.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
 
 namespace infuse::calibration {
 
@@ -19,6 +21,7 @@ struct SceneOptions {
                               true};  ///< features to compute: relative reflectivity, discontinuity
   PerImageFeature<bool> image{false, true, true};  ///< features to compute: local grey, edge
   DiscontinuityOptions discontinuity;
+  NormalOptions normals;
   /// Grey and edge strength by rank within the picture, so that exposure does not matter. False: as
   /// they are, divided by 255.
   bool equalize = true;
@@ -36,6 +39,8 @@ struct Scene {
   std::vector<float> x, y, z;                 ///< m, lidar frame
   PerLidarFeature<std::vector<float>> lidar;  ///< a value a point; empty where not computed
   PerImageFeature<Plane> image;               ///< 0 … 1; empty where not computed
+  std::optional<geometry::Vector6> twist;     ///< rad/s, m/s: the lidar's motion in its own frame
+                                              ///< when the picture was taken, where it is known
 
   size_t size() const { return x.size(); }
 };

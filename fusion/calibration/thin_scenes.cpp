@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "fusion/geometry/project_points.hpp"
 
 namespace infuse::calibration {
 namespace {
@@ -55,7 +59,7 @@ Cone points_within(const Scene& scene, const Eigen::Isometry3d& T, double angle,
 }
 
 /// One of the points for every `step` of worth.
-Scene only(const Scene& scene, const std::vector<size_t>& points, double step) {
+std::vector<size_t> every(double step, const Scene& scene, const std::vector<size_t>& points) {
   std::vector<size_t> kept;
   double due = step / 2;
   for (const size_t i : points) {
@@ -64,16 +68,44 @@ Scene only(const Scene& scene, const std::vector<size_t>& points, double step) {
     due = std::min(due - step, step);
     kept.push_back(i);
   }
-  Scene part{.name = scene.name, .camera = scene.camera};
-  const auto append = [&](const std::vector<float>& from, std::vector<float>& to) {
+  return kept;
+}
+
+/// Some of a scene's points, in that order.
+Scene only(const Scene& scene, const std::vector<size_t>& points) {
+  Scene part{.name = scene.name, .camera = scene.camera, .twist = scene.twist};
+  const auto take = [&](const std::vector<float>& from, std::vector<float>& to) {
     if (from.empty()) return;
-    for (const size_t i : kept) to.push_back(from[i]);
+    to.reserve(points.size());
+    for (const size_t i : points) to.push_back(from[i]);
   };
-  append(scene.x, part.x);
-  append(scene.y, part.y);
-  append(scene.z, part.z);
-  for (size_t f = 0; f < kLidarFeatures; ++f) append(scene.lidar[f], part.lidar[f]);
+  take(scene.x, part.x);
+  take(scene.y, part.y);
+  take(scene.z, part.z);
+  for (size_t f = 0; f < kLidarFeatures; ++f) take(scene.lidar[f], part.lidar[f]);
   return part;
+}
+
+/// The scene's points from the top of the picture to its bottom, a strip after the other: points
+/// that are looked up one after the other then find each other's pixels in the processor's cache.
+Scene by_strips(const Scene& scene, const geometry::CameraModel& model,
+                const Eigen::Isometry3d& T_camera_lidar) {
+  constexpr float kStrip = 8;  // px
+  const size_t n = scene.size();
+  std::vector<float> u(n), v(n), depth(n);
+  geometry::project_points(model, T_camera_lidar, {scene.x, scene.y, scene.z}, {u, v, depth});
+  const auto strips = static_cast<float>(model.intrinsics().height) / kStrip;
+  std::vector<std::pair<float, float>> place(n);  // the strip, then along it
+  for (size_t i = 0; i < n; ++i) {
+    const bool seen = !std::isnan(v[i]);
+    place[i] = {seen ? std::floor(std::clamp(v[i] / kStrip, -1.0F, strips)) : strips + 1,
+                seen ? u[i] : 0.0F};
+  }
+  std::vector<size_t> order(n);
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return place[a] < place[b]; });
+  return only(scene, order);
 }
 
 }  // namespace
@@ -91,7 +123,11 @@ std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const Ri
   }
   const double step = std::max(1.0, in_view / static_cast<double>(std::max<size_t>(points, 1)));
   std::vector<Scene> thin;
-  for (size_t s = 0; s < scenes.size(); ++s) thin.push_back(only(scenes[s], cones[s].points, step));
+  for (size_t s = 0; s < scenes.size(); ++s) {
+    const RigCamera& camera = cameras[scenes[s].camera];
+    thin.push_back(by_strips(only(scenes[s], every(step, scenes[s], cones[s].points)), camera.model,
+                             camera.T_camera_head * T_head_lidar));
+  }
   return thin;
 }
 

@@ -11,24 +11,36 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-// Differences are taken as widely as the result is uncertain: narrower ones see how the rings of
-// the lidar cross the picture's edges instead of the shape of the maximum, wider ones its flanks.
+// Differences are taken about as widely as the result is uncertain, where that is wider than the
+// narrowest: narrower ones see how the rings of the lidar cross the picture's edges instead of the
+// shape of the maximum, wider ones its flanks.
 constexpr double kWidest = 4e-3;            // rad
 constexpr double kNarrowest = 1e-3;         // rad
 constexpr double kTranslationByAngle = 10;  // m a rad
 constexpr double kRotationLimit = 5 * M_PI / 180;
 constexpr double kTranslationLimit = 0.5;
 
-/// Minus the second derivative, from gradients at both ends of `angle` (and its translation).
-Matrix6 curvature(Objective& objective, const Eigen::Isometry3d& T, double angle) {
-  Matrix6 H;
+using SceneCurvature = std::vector<Eigen::Matrix<double, 10, 6>>;
+
+/// Minus the derivatives of the scenes' pulls, from those at both ends of `angle` (and its
+/// translation).
+SceneCurvature scene_curvature(Objective& objective, const Eigen::Isometry3d& T, double angle) {
+  SceneCurvature all;
   for (int k = 0; k < 6; ++k) {
     const double step = k < 3 ? angle : kTranslationByAngle * angle;
     const Vector6 xi = step * Vector6::Unit(k);
-    const Vector6 after = objective.evaluate(geometry::exp(xi) * T, true).gradient;
-    const Vector6 before = objective.evaluate(geometry::exp(-xi) * T, true).gradient;
-    H.col(k) = (before - after) / (2 * step);
+    const std::vector<ScenePull> after = objective.scene_pulls(geometry::exp(xi) * T);
+    const std::vector<ScenePull> before = objective.scene_pulls(geometry::exp(-xi) * T);
+    all.resize(after.size());
+    for (size_t s = 0; s < all.size(); ++s) all[s].col(k) = (before[s] - after[s]) / (2 * step);
   }
+  return all;
+}
+
+/// That of the sum by the pose.
+Matrix6 curvature(const SceneCurvature& scenes) {
+  Matrix6 H = Matrix6::Zero();
+  for (const auto& scene : scenes) H += scene.topRows<6>();
   return 0.5 * (H + H.transpose());
 }
 
@@ -89,23 +101,28 @@ double widest(const Matrix6& covariance) {
 
 Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_head_lidar) {
   Uncertainty out;
-  const std::vector<Vector6> pulls = objective.scene_gradients(T_head_lidar);
+  out.pulls = objective.scene_pulls(T_head_lidar);
   std::vector<Vector6> seen;
-  for (const Vector6& pull : pulls) {
-    if (pull != Vector6::Zero()) seen.push_back(pull);
+  for (const ScenePull& pull : out.pulls) {
+    if (pull.head<6>() != Vector6::Zero()) seen.push_back(pull.head<6>());
   }
-  out.pull.assign(pulls.size(), 0.0);
+  out.pull.assign(out.pulls.size(), 0.0);
   if (seen.size() < 3) {
     out.reason = std::to_string(seen.size()) +
                  " scenes say nothing of how far scenes disagree: at least 3 are needed";
     return out;
   }
   const Matrix6 spread = spread_of(seen);
-  Sandwich found;
-  for (double angle = kWidest; angle >= kNarrowest; angle /= 2) {
-    out.curvature = curvature(objective, T_head_lidar, angle);
-    found = sandwich(out.curvature, spread);
-    if (found.reason.empty() && widest(found.covariance) > angle / 2) break;
+  Sandwich found{.reason = "not looked at"};
+  for (double angle = kNarrowest; angle <= kWidest; angle *= 2) {
+    SceneCurvature wider = scene_curvature(objective, T_head_lidar, angle);
+    const Sandwich next = sandwich(curvature(wider), spread);
+    if (next.reason.empty() || !found.reason.empty()) {
+      found = next;
+      out.curvature = curvature(wider);
+      out.scene_curvature = std::move(wider);
+    }
+    if (found.reason.empty() && widest(found.covariance) <= 2 * angle) break;
   }
   out.reason = found.reason;
   if (!out.usable()) return out;
@@ -122,8 +139,8 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   }
   const Matrix6 inverse = out.curvature.inverse();
   const Matrix6 information = out.covariance.inverse();
-  for (size_t s = 0; s < pulls.size(); ++s) {
-    const Vector6 moved = inverse * pulls[s];
+  for (size_t s = 0; s < out.pulls.size(); ++s) {
+    const Vector6 moved = inverse * out.pulls[s].head<6>();
     out.pull[s] = std::sqrt(std::max(0.0, moved.dot(information * moved)));
   }
   return out;

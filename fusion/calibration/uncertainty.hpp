@@ -18,7 +18,9 @@ struct Uncertainty {
   /// of each other, which returns of one scene are not.
   geometry::Matrix6 bound = geometry::Matrix6::Identity();
   std::vector<double>
-      pull;            ///< how many standard deviations each scene alone would move the result
+      pull;  ///< how many standard deviations each scene alone would move the result
+  std::vector<ScenePull> pulls;  ///< Objective::scene_pulls at the result
+  std::vector<Eigen::Matrix<double, 10, 6>> scene_curvature;  ///< −∂pull/∂ξ
   std::string reason;  ///< why it is not known: a direction that nothing determines; or empty
 
   bool usable() const { return reason.empty(); }

@@ -35,17 +35,20 @@ Pinhole pinhole(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d& T) 
 /// Six sums a lane: a fixed number of lanes, so that the order of summation is the same everywhere.
 using Sums = std::array<std::array<float, kLanes>, 6>;
 
-INFUSE_SIMD_CLONES void add_points(const Pinhole& c, const float* x, const float* y, const float* z,
-                                   const float* by_u, const float* by_v, size_t groups,
-                                   Sums& sums) {
+constexpr float kNearest = 0.01F;  // m before the camera: nothing is seen nearer
+
+INFUSE_SIMD_CLONES void add_points(const Pinhole c, const float* __restrict x,
+                                   const float* __restrict y, const float* __restrict z,
+                                   const float* __restrict by_u, const float* __restrict by_v,
+                                   size_t groups, Sums& __restrict sums) {
   for (size_t g = 0; g < groups; ++g) {
     for (size_t lane = 0; lane < kLanes; ++lane) {
       const size_t i = g * kLanes + lane;
       const float px = c.R[0] * x[i] + c.R[1] * y[i] + c.R[2] * z[i] + c.t[0];
       const float py = c.R[3] * x[i] + c.R[4] * y[i] + c.R[5] * z[i] + c.t[1];
       const float pz = c.R[6] * x[i] + c.R[7] * y[i] + c.R[8] * z[i] + c.t[2];
-      const bool seen = by_u[i] != 0 || by_v[i] != 0;
-      const float inverse = 1 / (seen ? pz : 1.0F);
+      // Points that are not seen pull by nothing: what stands beside that nothing must be finite.
+      const float inverse = 1 / (pz > kNearest ? pz : kNearest);
       const float a = px * inverse;
       const float b = py * inverse;
       const float r2 = a * a + b * b;

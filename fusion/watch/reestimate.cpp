@@ -38,6 +38,8 @@ calibration::CalibrateOptions settings(const ReestimateOptions& options) {
   out.screen.kept = options.starts - 1;
   out.restarts = options.starts;
   out.start_translation = options.start_translation;
+  // Of a calibration that goes on being watched less is asked of every scene by itself.
+  out.min_support = 0.75;
   out.seed = options.seed;
   return out;
 }

@@ -7,6 +7,7 @@
 #include "daemon/commands/calibration_scenes.hpp"
 #include "fusion/calibration/coarse_to_fine.hpp"
 #include "fusion/calibration/image_pyramid.hpp"
+#include "fusion/calibration/named_measures.hpp"
 #include "tests/daemon/drive/simulated.hpp"
 
 namespace infuse::daemon {
@@ -62,7 +63,7 @@ double peak(const std::filesystem::path& folder) {
   }
   EXPECT_EQ(scenes.size(), 10U);
   const std::vector<calibration::RigCamera> cameras{
-      {geometry::CameraModel(pairs->camera.intrinsics)}};
+      {geometry::CameraModel(pairs->cameras.front().intrinsics)}};
   const std::vector<calibration::TermOptions> terms = calibration::find_measure("mi")->terms;
   const calibration::VisiblePoints points =
       calibration::select_visible(scenes, cameras, *pairs->truth, {});

@@ -128,7 +128,20 @@ INSTANTIATE_TEST_SUITE_P(Objective, EveryMeasure,
                                          MeasureKind::kCorrelation));
 
 const std::vector<TermOptions> kTwoTerms{
-    {}, {.lidar = LidarFeature::kDiscontinuity, .image = ImageFeature::kEdge, .weight = 2}};
+    {}, {.lidar = {LidarFeature::kDiscontinuity}, .image = {ImageFeature::kEdge}, .weight = 2}};
+
+TEST(Objective, GradientOfSeveralFeaturesTogether) {
+  for (const MeasureKind measure : {MeasureKind::kLsmi, MeasureKind::kBlsmi}) {
+    expect_gradient_matches(
+        make_rig({pinhole()},
+                 {{.measure = measure,
+                   .lidar = {LidarFeature::kRelativeReflectivity, LidarFeature::kDiscontinuity},
+                   .image = {ImageFeature::kLocalGrey, ImageFeature::kEdge},
+                   .equalize = false,
+                   .bags = 3}}),
+        0.03);
+  }
+}
 
 TEST(Objective, GradientOfASumOfTerms) {
   expect_gradient_matches(make_rig({pinhole()}, kTwoTerms), 0.03);
@@ -150,7 +163,7 @@ TEST(Objective, ScenesAddUpToTheWhole) {
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
   const Vector6 whole = objective.evaluate(rig.T, true).gradient;
   Vector6 sum = Vector6::Zero();
-  for (const Vector6& part : objective.scene_gradients(rig.T)) sum += part;
+  for (const ScenePull& part : objective.scene_pulls(rig.T)) sum += part.head<6>();
   EXPECT_LT((whole - sum).norm(), 1e-9 * whole.norm());
 }
 
@@ -224,22 +237,6 @@ TEST(BlurredImages, FromFinerOnesOrFromTheScenesAlike) {
   ASSERT_EQ(chained.values.size(), direct.values.size());
   for (size_t i = 0; i < direct.values.size(); ++i)
     EXPECT_NEAR(chained.values[i], direct.values[i], 0.01);
-}
-
-TEST(NamedMeasures, AreValidAndFound) {
-  for (const NamedMeasure& measure : named_measures()) {
-    for (const TermOptions& term : measure.terms) EXPECT_FALSE(term.invalid()) << measure.name;
-    EXPECT_EQ(find_measure(measure.name), &measure);
-  }
-  EXPECT_EQ(find_measure("no such measure"), nullptr);
-  EXPECT_STREQ(named_measures().front().name, "joint");
-}
-
-TEST(TermOptions, SaysWhatIsWrong) {
-  EXPECT_FALSE(TermOptions{}.invalid());
-  EXPECT_TRUE((TermOptions{.weight = 0}.invalid()));
-  EXPECT_TRUE((TermOptions{.bins = 3}.invalid()));
-  EXPECT_TRUE((TermOptions{.bins = 2000}.invalid()));
 }
 
 }  // namespace

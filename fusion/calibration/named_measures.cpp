@@ -1,0 +1,117 @@
+#include "fusion/calibration/named_measures.hpp"
+
+#include <algorithm>
+
+namespace infuse::calibration {
+namespace {
+
+using enum MeasureKind;
+using enum LidarFeature;
+
+TermOptions between(MeasureKind measure, LidarFeature lidar, ImageFeature image) {
+  return {.measure = measure, .lidar = {lidar}, .image = {image}, .bins = 32, .equalize = false};
+}
+
+/// Relative reflectivity against local grey, both without unit: no ranks are needed.
+std::vector<TermOptions> relative(MeasureKind measure) {
+  return {between(measure, kRelativeReflectivity, ImageFeature::kLocalGrey)};
+}
+
+/// Reflectivity against grey, both as the sensors state them.
+std::vector<TermOptions> stated(MeasureKind measure) {
+  return {between(measure, kReflectivity, ImageFeature::kGrey)};
+}
+
+/// Features together, each against its own surroundings.
+TermOptions together(MeasureKind measure) {
+  return {.measure = measure,
+          .lidar = {kRelativeReflectivity, kDiscontinuity},
+          .image = {ImageFeature::kLocalGrey, ImageFeature::kEdge},
+          .equalize = false};
+}
+
+/// I table 4.1: with normals, which have no surroundings to be taken against. They go with the
+/// place in the picture as road and houses do, and pull by 0.1° on simulated streets.
+TermOptions with_normals(MeasureKind measure) {
+  TermOptions term = together(measure);
+  term.lidar.insert(term.lidar.end(), {kNormalX, kNormalY, kNormalZ});
+  return term;
+}
+
+std::vector<NamedMeasure> make_named_measures() {
+  const TermOptions edges{.lidar = {kDiscontinuity}, .image = {ImageFeature::kEdge}};
+  const std::vector<TermOptions> joint{TermOptions{}, edges};
+  TermOptions taylor = between(kNormalisedMutualInformation, kTaylorNormal, ImageFeature::kGrey);
+  taylor.equalize = true;
+  return {
+      {.name = "joint",
+       .description =
+           "MI of relative reflectivity and local grey + MI of depth edges and image edges",
+       .terms = joint,
+       .equalize_image = true},
+      {.name = "edges",
+       .description = "MI of depth edges and image edges, by rank: without reflectivity (P 6.2.1)",
+       .terms = {edges},
+       .equalize_image = true},
+      {.name = "mi",
+       .description = "mutual information, P(3.17), B-spline window of 32 bins",
+       .terms = relative(kMutualInformation)},
+      {.name = "mi-raw",
+       .description = "the same of reflectivity and grey as the sensors state them",
+       .terms = stated(kMutualInformation)},
+      {.name = "mi-kde",
+       .description = "mutual information, P(3.17), Gaussian KDE on 256 bins",
+       .terms = {{.measure = kMutualInformationKde, .bins = 256, .equalize = false}},
+       .has_gradient = false},
+      {.name = "nmi",
+       .description = "normalised mutual information, I(4.2)",
+       .terms = relative(kNormalisedMutualInformation)},
+      {.name = "nmi-raw",
+       .description = "the same of reflectivity and grey as the sensors state them",
+       .terms = stated(kNormalisedMutualInformation)},
+      {.name = "nmi-taylor",
+       .description = "the same of Taylor and Nieto's normal feature and grey, I 4.3.2",
+       .terms = {taylor}},
+      {.name = "chi2", .description = "chi-squared, P(3.25)", .terms = relative(kChiSquared)},
+      {.name = "smi",
+       .description = "discretised squared-loss mutual information, I(4.3)",
+       .terms = relative(kSquaredLossMutualInformation)},
+      {.name = "lsmi",
+       .description = "LSMI, I(2.8), of reflectivity and depth edges together with grey and image "
+                      "edges, one fit; joint leads there",
+       .terms = {together(kLsmi)},
+       .leading = joint,
+       .equalize_image = true},
+      {.name = "blsmi",
+       .description = "the same by bagged LSMI, I(2.9), 100 bags",
+       .terms = {together(kBlsmi)},
+       .leading = joint,
+       .equalize_image = true},
+      {.name = "blsmi-normals",
+       .description = "the same with surface normals, I table 4.1",
+       .terms = {with_normals(kBlsmi)},
+       .leading = joint,
+       .equalize_image = true},
+      {.name = "levinson-thrun",
+       .description = "depth edges times image edges, P(3.23), I(4.4)",
+       .terms = {between(kCorrelation, kDiscontinuity, ImageFeature::kEdge)}},
+  };
+}
+
+const std::vector<NamedMeasure>& all_measures() {
+  static const std::vector<NamedMeasure> measures = make_named_measures();
+  return measures;
+}
+
+}  // namespace
+
+std::span<const NamedMeasure> named_measures() { return all_measures(); }
+
+const NamedMeasure* find_measure(const std::string& name) {
+  const auto& measures = all_measures();
+  const auto at =
+      std::find_if(measures.begin(), measures.end(), [&](const auto& m) { return m.name == name; });
+  return at == measures.end() ? nullptr : &*at;
+}
+
+}  // namespace infuse::calibration

@@ -1,0 +1,125 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "fusion/calibration/calibrate.hpp"
+#include "tests/fusion/calibration/kitti_pairs.hpp"
+#include "tests/real_data.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegree = M_PI / 180;
+
+/// An HDL-32E's sweep as nuScenes stores it: x, y, z, intensity 0 … 255, ring, all float32, in
+/// order of firing. A firing ends where the ring falls.
+Sweep read_sweep(const std::filesystem::path& path) {
+  const std::vector<uint8_t> bytes = kitti::bytes_of(path);
+  Sweep sweep;
+  sweep.resize(bytes.size() / 20);
+  uint32_t column = 0;
+  float last = -1;
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    float v[5];
+    std::memcpy(v, &bytes[20 * i], sizeof v);
+    if (v[4] <= last) ++column;
+    last = v[4];
+    sweep.x[i] = v[0];
+    sweep.y[i] = v[1];
+    sweep.z[i] = v[2];
+    sweep.range[i] = std::hypot(v[0], v[1], v[2]);
+    sweep.reflectivity[i] = v[3] / 255;
+    sweep.ring[i] = static_cast<uint16_t>(v[4]);
+    sweep.column[i] = static_cast<uint16_t>(column);
+  }
+  return sweep;
+}
+
+struct Rig {
+  std::vector<Scene> scenes;  ///< one a camera
+  std::vector<RigCamera> cameras;
+  Eigen::Isometry3d T_head_lidar = Eigen::Isometry3d::Identity();  ///< as published
+};
+
+Eigen::Isometry3d matrix(const json& rows) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 4; ++c) {
+      T.matrix()(r, c) = rows.at(static_cast<size_t>(r)).at(static_cast<size_t>(c)).get<double>();
+    }
+  }
+  return T;
+}
+
+Rig read_rig(const std::filesystem::path& folder) {
+  const auto text = kitti::bytes_of(folder / "calib.json");
+  const json calib = json::parse(text.begin(), text.end());
+  Rig rig;
+  Sweep sweep;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".bin") sweep = read_sweep(entry.path());
+  }
+  for (const auto& [name, image] : calib.at("images").items()) {
+    CameraFrame frame;
+    const auto picture = kitti::bytes_of(folder / image.at("img_path").get<std::string>());
+    EXPECT_TRUE(camera::decode_picture(picture, {}, frame)) << name;
+    const json& K = image.at("cam2img");
+    const CameraIntrinsics intrinsics{.width = frame.width,
+                                      .height = frame.height,
+                                      .fx = K[0][0].get<double>(),
+                                      .fy = K[1][1].get<double>(),
+                                      .cx = K[0][2].get<double>(),
+                                      .cy = K[1][2].get<double>()};
+    const Eigen::Isometry3d T_camera_lidar = matrix(image.at("lidar2cam"));
+    if (rig.cameras.empty()) rig.T_head_lidar = T_camera_lidar;
+    auto scene = make_scene(sweep, frame, {});
+    EXPECT_TRUE(scene) << name;
+    scene->camera = rig.cameras.size();
+    scene->name = name;
+    rig.cameras.push_back(
+        {geometry::CameraModel(intrinsics), T_camera_lidar * rig.T_head_lidar.inverse()});
+    rig.scenes.push_back(std::move(*scene));
+  }
+  return rig;
+}
+
+/// Within a degree of the published extrinsics, or refused with the reason.
+void expect_never_confidently_wrong(const CalibrationResult& result, const Rig& rig) {
+  const geometry::Vector6 off = geometry::log(result.T_head_lidar * rig.T_head_lidar.inverse());
+  std::printf("%.3f deg, %.3f m: %s\n", off.head<3>().norm() / kDegree, off.tail<3>().norm(),
+              result.usable() ? "usable" : result.reason.c_str());
+  if (result.usable()) {
+    EXPECT_LT(off.head<3>().norm(), 1 * kDegree);
+    EXPECT_LT(off.tail<3>().norm(), 0.2);
+  } else {
+    EXPECT_FALSE(result.reason.empty());
+  }
+}
+
+TEST(RealNuscenes, SixCamerasAndOneSweepTogether) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/nuscenes");
+  const Rig rig = read_rig(folder);
+  ASSERT_EQ(rig.cameras.size(), 6U);
+  for (const auto& start : kitti::draw_starts(rig.T_head_lidar, 1 * kDegree, 0.05, 2, 3)) {
+    expect_never_confidently_wrong(calibrate(rig.scenes, rig.cameras, start, {}), rig);
+  }
+  expect_never_confidently_wrong(calibrate(rig.scenes, rig.cameras, rig.T_head_lidar, {}), rig);
+}
+
+TEST(RealNuscenes, OneCameraAndOneSweepAreRefused) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/nuscenes");
+  Rig rig = read_rig(folder);
+  rig.scenes.resize(1);
+  const CalibrationResult result = calibrate(rig.scenes, rig.cameras, rig.T_head_lidar, {});
+  EXPECT_FALSE(result.usable());
+  EXPECT_THAT(result.reason, testing::HasSubstr("at least 3"));
+}
+
+}  // namespace
+}  // namespace infuse::calibration
