@@ -81,8 +81,11 @@ Json doubts_json(const std::vector<calibration::ModelDoubt>& doubts) {
 }
 
 std::string doubt_text(const calibration::ModelDoubt& doubt) {
-  return fmt::format("{} {:+.2f} {} +- {:.2f} would fit better, {:.1f} sigma", doubt.what,
-                     doubt.value, doubt.unit, doubt.sigma, std::abs(doubt.significance));
+  const std::string by =
+      doubt.sigma > 0 ? fmt::format(" ({:+.2f} {} +- {:.2f})", doubt.value, doubt.unit, doubt.sigma)
+                      : "";
+  return fmt::format("another {}{} would fit better, {:.1f} sigma", doubt.what, by,
+                     std::abs(doubt.significance));
 }
 
 /// Degrees and centimetres of a covariance's diagonal.

@@ -114,6 +114,7 @@ std::optional<Error> read_sensors(TomlTable& root, const std::string& file, Conf
   if (const toml::table* source = root.table("gps")) {
     TomlTable table(*source, file, "gps");
     table.read("device", config.gps.device);
+    table.read("lidar", config.gps.lidar);
     read_integer(table, "baud", config.gps.baud);
     if (const auto wrong = config.gps.invalid()) table.complain_of_table("gps: " + *wrong);
     return table.finish();

@@ -32,6 +32,7 @@ std::optional<std::string> BusOptions::invalid() const {
 
 std::optional<std::string> GpsOptions::invalid() const {
   if (device.empty()) return std::nullopt;
+  if (!lidar.empty()) return "it is connected to a serial device or to a lidar";
   return vehicle::SerialOptions{device, baud}.invalid();
 }
 

@@ -65,6 +65,7 @@ struct BusOptions {
 /// A satellite receiver that sends NMEA sentences: the `[gps]` table.
 struct GpsOptions {
   std::string device;    ///< serial; empty: none
+  std::string lidar;     ///< or the lidar that it is connected to, whose position packets repeat it
   uint32_t baud = 9600;  ///< bits a second
 
   /// What is wrong, or nothing.

@@ -16,7 +16,8 @@ struct SensorCounters {
   uint64_t sweeps = 0;            ///< sweeps completed
   uint64_t returns = 0;           ///< returns in those sweeps
 
-  uint64_t lost_network = 0;  ///< data packets missing by the device's own counter
+  uint64_t lost_network = 0;  ///< data packets missing by the device's own counter, without those
+                              ///< that the kernel dropped
   uint64_t lost_kernel = 0;   ///< datagrams that the kernel dropped for want of buffer
   uint64_t malformed = 0;     ///< datagrams on the sensor's ports that are no packet of its model
   uint64_t wrong_sender = 0;  ///< datagrams on the sensor's ports from another address

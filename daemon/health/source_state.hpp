@@ -18,6 +18,7 @@ struct SourceState {
   uint32_t opened = 0;              ///< how often it was opened
   uint64_t buffer_wanted = 0;       ///< bytes of receive buffer; 0: it has none
   uint64_t buffer_granted = 0;      ///< by the kernel
+  const char* stamps = "";          ///< of a CAN bus, whose: "hardware" (its interface's), "kernel"
   const char* bus = "";             ///< of a CAN controller that has errors: "error-passive"
   bool bus_off = false;             ///< it takes part no more
   std::array<char, 160> problem{};  ///< why it is not open; zero-terminated

@@ -67,7 +67,7 @@ DescribedDrive describe_drive(const Config& config, const LiveSetup& setup) {
   }
   describe_cameras(setup, drive);
   describe_buses(config, drive);
-  if (setup.gps) drive.description.gps = "gps.csv";
+  if (setup.vehicle.has_gps) drive.description.gps = "gps.csv";
   return drive;
 }
 

@@ -1,6 +1,6 @@
 #include "daemon/live/live_reader.hpp"
 
-#include "drivers/velodyne/nmea.hpp"
+#include "drivers/velodyne/position_packet.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -13,7 +13,11 @@ constexpr int kBatchesAtOnce = 4;  // of one socket, then the others have their 
 
 LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::TimeBase& base,
                        RecordTap* tap)
-    : base_(base), intake_(intake), tap_(tap), lidars_(setup.lidars.size()) {
+    : base_(base),
+      intake_(intake),
+      tap_(tap),
+      lidars_(setup.lidars.size()),
+      lidar_of_gps_(setup.lidar_of_gps) {
   for (const PortSetup& port : setup.ports) {
     ports_.push_back({port, {"UDP port " + std::to_string(port.udp.port), [this, udp = port.udp] {
                                return velodyne::UdpSource::open(udp, base_);
@@ -35,8 +39,14 @@ LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::Ti
     gps_.emplace("receiver " + setup.gps->device, [this, serial = *setup.gps] {
       return vehicle::SerialLineSource::open(serial, base_);
     });
-    wanted_.push_back(true);
   }
+  if (setup.vehicle.has_gps) wanted_.push_back(true);
+  std::vector<std::filesystem::path> devices;
+  for (const camera::V4l2Options& stream : setup.streams_of_cameras) {
+    devices.emplace_back(stream.device);
+  }
+  if (setup.gps) devices.emplace_back(setup.gps->device);
+  devices_.emplace(devices);
   SourceStates& states = intake_.sources();
   states.lidars.resize(lidars_);
   states.streams.resize(setup.streams());
@@ -89,6 +99,7 @@ void LiveReader::watch_all() {
   for (Camera& camera : cameras_) watch(camera.source.get());
   for (Bus& bus : buses_) watch(bus.source.get());
   if (gps_) watch(gps_->get());
+  watched_.push_back({devices_->descriptor(), POLLIN, 0});
 }
 
 // In the order of `watch_all`; what is gone is never ready.
@@ -105,6 +116,14 @@ void LiveReader::read_ready() {
     if (ready()) read_bus(i);
   }
   if (gps_ && ready()) read_gps();
+  if (ready() && devices_->changed()) hurry();
+}
+
+// A device may have come: it is tried before its pause is over.
+void LiveReader::hurry() {
+  for (Camera& camera : cameras_) camera.source.hurry();
+  if (gps_) gps_->hurry();
+  looked_ = Stamp::earliest();
 }
 
 template <class Source>
@@ -113,20 +132,28 @@ void LiveReader::lose(Reopening<Source>& source, const Error& error) {
   watch_all();  // its descriptor may soon be another's
 }
 
+void LiveReader::note_dropped(Port& port) {
+  const uint64_t dropped = port.source.get()->dropped();
+  if (dropped <= port.dropped) return;
+  const PortSetup::Sender& sender = port.setup.senders.front();
+  intake_.add_kernel_dropped(sender.lidar, dropped - port.dropped, sender.data);
+  port.dropped = dropped;
+}
+
 void LiveReader::read(Port& port) {
   velodyne::UdpSource* source = port.source.get();
   for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
     const auto count = source->read(datagrams_, [&](const Datagram& datagram) {
+      // The kernel's count first: what it dropped is not missing in the network too.
+      note_dropped(port);
       intake_.take(port.setup.lidar_of(datagram.sender), datagram);
+      if (lidar_of_gps_ && port.setup.is_of(*lidar_of_gps_, datagram.sender)) {
+        take_position(datagram);
+      }
       if (tap_ != nullptr) tap_->take(datagram);
     });
     if (!count) return lose(port.source, count.error());
     port.datagrams += *count;
-    if (source->dropped() > port.dropped) {
-      intake_.add_kernel_dropped(port.setup.senders.front().lidar,
-                                 source->dropped() - port.dropped);
-      port.dropped = source->dropped();
-    }
     if (*count < datagrams_.capacity()) return;
   }
 }
@@ -163,19 +190,28 @@ void LiveReader::read_bus(size_t index) {
 }
 
 void LiveReader::read_gps() {
-  const auto read =
-      gps_->get()->read([&](Stamp stamp, std::string_view line) { take_sentence(stamp, line); });
+  const auto read = gps_->get()->read([&](Stamp stamp, std::string_view line) {
+    // Others than these two are passed over.
+    if (const auto sentence = velodyne::parse_nmea(line)) take_sentence(stamp, *sentence);
+  });
   if (!read) lose(*gps_, read.error());
 }
 
 // An RMC has date, speed and course, a GGA has the height; each is a fix of its own.
-void LiveReader::take_sentence(Stamp stamp, std::string_view line) {
-  auto sentence = velodyne::parse_nmea(line);
-  if (!sentence) return;  // other sentences of the receiver
-  sentence->fix.stamp = stamp;
-  if (!sentence->has_date) sentence->fix.utc_ns = 0;
-  intake_.take(sentence->fix, stamp);
-  if (tap_ != nullptr) tap_->take(sentence->fix);
+void LiveReader::take_sentence(Stamp stamp, const velodyne::NmeaFix& sentence) {
+  GpsFix fix = sentence.fix;
+  fix.stamp = stamp;
+  if (!sentence.has_date) fix.utc_ns = 0;
+  intake_.take(fix, stamp);
+  if (tap_ != nullptr) tap_->take(fix);
+}
+
+// The packets repeat a sentence until the receiver says the next.
+void LiveReader::take_position(const Datagram& datagram) {
+  const auto packet = velodyne::parse_position_packet(datagram.payload);
+  if (!packet || !packet->sentence || packet->sentence->fix.utc_ns == last_sentence_ns_) return;
+  last_sentence_ns_ = packet->sentence->fix.utc_ns;
+  take_sentence(datagram.stamp, *packet->sentence);
 }
 
 void LiveReader::tell_states() {
@@ -205,12 +241,14 @@ void LiveReader::tell_states() {
       state.bus = controller == vehicle::BusState::kActive ? "" : vehicle::name_of(controller);
       state.bus_off = controller == vehicle::BusState::kBusOff;
       state.open = source->up();
+      state.stamps = source->stamped_by_hardware() ? "hardware" : "kernel";
       if (!state.open) state.set_problem(source->interface() + ": the interface is down");
     }
     states.streams[stream] = state;
     states.dropped[stream++] = bus.dropped_before + (source != nullptr ? source->dropped() : 0);
   }
   if (gps_) states.streams[stream] = gps_->state();
+  if (lidar_of_gps_) states.streams[stream] = states.lidars[*lidar_of_gps_];
   for (size_t i = 0; i < wanted_.size(); ++i) states.streams[i].wanted = wanted_[i];
 }
 

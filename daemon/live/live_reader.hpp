@@ -12,8 +12,10 @@
 #include "daemon/pipeline/intake.hpp"
 #include "daemon/record/record_tap.hpp"
 #include "drivers/camera/v4l2_source.hpp"
+#include "drivers/receive/device_watch.hpp"
 #include "drivers/vehicle/serial_line_source.hpp"
 #include "drivers/vehicle/socket_can_source.hpp"
+#include "drivers/velodyne/nmea.hpp"
 #include "drivers/velodyne/udp_source.hpp"
 
 namespace infuse::daemon {
@@ -50,13 +52,16 @@ class LiveReader {
   void look_after_sources(Stamp now);
   void watch_all();
   void read_ready();
+  void hurry();
   void read(Port& port);
+  void note_dropped(Port& port);
   void read_camera(size_t camera);
   void read_bus(size_t bus);
   void read_gps();
   template <class Source>
   void lose(Reopening<Source>& source, const Error& error);
-  void take_sentence(Stamp stamp, std::string_view line);
+  void take_position(const Datagram& datagram);
+  void take_sentence(Stamp stamp, const velodyne::NmeaFix& sentence);
   void tell_states();
 
   const receive::TimeBase base_;
@@ -66,7 +71,10 @@ class LiveReader {
   std::deque<Camera> cameras_;
   std::deque<Bus> buses_;
   std::optional<Reopening<vehicle::SerialLineSource>> gps_;
+  std::optional<receive::DeviceWatch> devices_;
   size_t lidars_;
+  std::optional<size_t> lidar_of_gps_;
+  int64_t last_sentence_ns_ = 0;  // the time in it
   std::vector<bool> wanted_;  // by stream
   receive::MessageBatch datagrams_{64, velodyne::UdpSource::kMaxBytes};
   receive::MessageBatch frames_ = vehicle::can_batch();

@@ -132,6 +132,26 @@ Result<void> set_up_buses(const Config& config, LiveSetup& setup) {
   return {};
 }
 
+Result<void> set_up_gps(const Config& config, LiveSetup& setup) {
+  const GpsOptions& gps = config.gps;
+  if (gps.device.empty() && gps.lidar.empty()) return {};
+  std::string endpoint = gps.device;
+  if (gps.device.empty()) {
+    const auto lidar = std::find_if(config.lidars.begin(), config.lidars.end(),
+                                    [&](const LidarOptions& l) { return l.name == gps.lidar; });
+    if (lidar == config.lidars.end()) {
+      return fail("gps refers to lidar '" + gps.lidar + "', which is not configured");
+    }
+    setup.lidar_of_gps = static_cast<size_t>(lidar - config.lidars.begin());
+    endpoint = "position packets of " + gps.lidar;
+  } else {
+    setup.gps = vehicle::SerialOptions{gps.device, gps.baud};
+  }
+  setup.vehicle.has_gps = true;
+  setup.devices.push_back({"gps", "gps", "NMEA", "configured", endpoint, std::nullopt});
+  return {};
+}
+
 }  // namespace
 
 size_t PortSetup::lidar_of(uint32_t sender) const {
@@ -141,6 +161,12 @@ size_t PortSetup::lidar_of(uint32_t sender) const {
     if (known.address == 0) any = &known;
   }
   return any != nullptr ? any->lidar : senders.front().lidar;
+}
+
+bool PortSetup::is_of(size_t lidar, uint32_t sender) const {
+  return std::any_of(senders.begin(), senders.end(), [&](const Sender& known) {
+    return known.lidar == lidar && (known.address == 0 || known.address == sender);
+  });
 }
 
 Result<LiveSetup> set_up_live(const Config& config) {
@@ -155,11 +181,7 @@ Result<LiveSetup> set_up_live(const Config& config) {
   }
   if (auto done = set_up_cameras(config, *rig, setup); !done) return tl::unexpected(done.error());
   if (auto done = set_up_buses(config, setup); !done) return tl::unexpected(done.error());
-  if (!config.gps.device.empty()) {
-    setup.gps = vehicle::SerialOptions{config.gps.device, config.gps.baud};
-    setup.vehicle.has_gps = true;
-    setup.devices.push_back({"gps", "gps", "NMEA", "configured", config.gps.device, std::nullopt});
-  }
+  if (auto done = set_up_gps(config, setup); !done) return tl::unexpected(done.error());
   return setup;
 }
 

@@ -25,6 +25,8 @@ struct PortSetup {
   /// Whose a datagram is: the lidar's that sends from there, else that of one that may send from
   /// anywhere, else the first's, which refuses it and counts it.
   size_t lidar_of(uint32_t sender) const;
+  /// Whether what comes from there is that lidar's.
+  bool is_of(size_t lidar, uint32_t sender) const;
 };
 
 /// What is read live, and what the pipeline is told of it. Indices are those of the devices.
@@ -33,6 +35,7 @@ struct LiveSetup : PipelineSetup {
   std::vector<camera::V4l2Options> streams_of_cameras;
   std::vector<vehicle::SocketCanOptions> interfaces;  ///< of the buses
   std::optional<vehicle::SerialOptions> gps;
+  std::optional<size_t> lidar_of_gps;  ///< whose position packets have the receiver's sentences
 };
 
 /// Sets up what the configuration names. Sensors that the rig does not have are mounted at the

@@ -119,6 +119,7 @@ RecordingPlan RecordDesk::plan(Stamp now) const {
 }
 
 Result<void> RecordDesk::begin(RecordingPlan plan, Stamp now) {
+  look_after();  // the end of the one before
   std::error_code failed;
   std::filesystem::create_directories(directory_, failed);
   if (failed) return fail("cannot be made: " + failed.message(), directory_.string());

@@ -49,6 +49,9 @@ class Reopening {
     return true;
   }
 
+  /// It may be there again: the pause is over.
+  void hurry() { next_ = Stamp::earliest(); }
+
   /// It is gone.
   void lose(const Error& error, Stamp now) {
     spdlog::warn("{}: {}", name_, error.message());

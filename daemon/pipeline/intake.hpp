@@ -54,9 +54,9 @@ class Intake {
   /// Hands over the vehicle's samples that have waited long enough at `now`.
   void hand_over_old_samples(Stamp now);
 
-  /// Datagrams that the kernel dropped for want of buffer.
-  void add_kernel_dropped(size_t lidar, uint64_t datagrams) {
-    lidars_[lidar].add_kernel_dropped(datagrams);
+  /// Datagrams that the kernel dropped for want of buffer, `data`: at a port of data packets.
+  void add_kernel_dropped(size_t lidar, uint64_t datagrams, bool data) {
+    lidars_[lidar].add_kernel_dropped(datagrams, data);
   }
 
   /// How the live sources are; the reader keeps it up to date. Empty in a replay.

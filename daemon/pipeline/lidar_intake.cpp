@@ -1,5 +1,7 @@
 #include "daemon/pipeline/lidar_intake.hpp"
 
+#include <algorithm>
+
 namespace infuse::daemon {
 
 LidarIntake::LidarIntake(const LidarSetup& setup) : assembler_(setup.assembler) {}
@@ -10,8 +12,9 @@ void LidarIntake::push(const Datagram& datagram) {
   if (c.packets > counters_.packets) note_packet(datagram.stamp);
   const uint64_t refused_before = counters_.malformed + counters_.wrong_sender;
   counters_.packets = c.packets;
-  counters_.lost_network = c.network_lost;
-  counters_.lost_kernel = c.kernel_dropped;
+  // By the device's counter all are missing; those that the kernel dropped were not lost before it.
+  const uint64_t before_kernel = c.network_lost - std::min(c.network_lost, c.kernel_dropped);
+  counters_.lost_network = std::max(counters_.lost_network, before_kernel);
   counters_.malformed = c.all_malformed() + refused_positions_;
   counters_.wrong_sender = c.wrong_sender;
   counters_.wrong_model = c.wrong_model;

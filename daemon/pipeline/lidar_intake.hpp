@@ -49,9 +49,10 @@ class LidarIntake {
     pull(on_sweep);
   }
 
-  /// Counts datagrams that the kernel dropped for want of buffer.
-  void add_kernel_dropped(uint64_t datagrams) {
-    assembler_.add_kernel_dropped(datagrams);
+  /// Counts datagrams that the kernel dropped for want of buffer, at a port of data packets or of
+  /// position packets.
+  void add_kernel_dropped(uint64_t datagrams, bool data) {
+    if (data) assembler_.add_kernel_dropped(datagrams);
     counters_.lost_kernel += datagrams;
   }
 

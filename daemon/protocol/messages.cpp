@@ -71,6 +71,7 @@ Json stream_json(const Device& device, const StreamStatus& status) {
                {"refused", c.refused},           {"lost", c.lost},
                {"backward", c.backward}};
   if (c.received > 0) json["last"] = c.last.ns();
+  if (*c.source.stamps != '\0') json["stamps"] = c.source.stamps;
   json["findings"] = Json::array();
   for (const Finding& finding : status.findings) json["findings"].push_back(finding_json(finding));
   return json;

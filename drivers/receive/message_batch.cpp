@@ -1,12 +1,22 @@
 #include "drivers/receive/message_batch.hpp"
 
+#include <linux/net_tstamp.h>
+
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <ctime>
 
 #include "drivers/receive/system_error.hpp"
 
 namespace infuse::receive {
+namespace {
+
+int64_t nanoseconds(const timespec& time) {
+  return int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+}  // namespace
 
 MessageBatch::MessageBatch(size_t messages, size_t bytes)
     : bytes_each_(bytes),
@@ -15,7 +25,8 @@ MessageBatch::MessageBatch(size_t messages, size_t bytes)
       senders_(messages),
       controls_(messages),
       headers_(messages),
-      stamps_(messages) {
+      stamps_(messages),
+      hardware_ns_(messages) {
   for (size_t i = 0; i < messages; ++i) {
     vectors_[i] = {bytes_.data() + i * bytes, bytes};
     headers_[i].msg_hdr.msg_iov = &vectors_[i];
@@ -40,18 +51,10 @@ int MessageBatch::receive(int socket, WallStamps& stamps) {
 }
 
 void MessageBatch::read_control(size_t message, const WallStamps& stamps) {
-  msghdr& header = headers_[message].msg_hdr;
-  stamps_[message] = stamps.now();
-  for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
-    if (c->cmsg_level != SOL_SOCKET) continue;
-    if (c->cmsg_type == SCM_TIMESTAMPNS) {
-      timespec time{};
-      std::memcpy(&time, CMSG_DATA(c), sizeof(time));
-      stamps_[message] = stamps.stamp_of(int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec);
-    } else if (c->cmsg_type == SO_RXQ_OVFL) {
-      std::memcpy(&dropped_, CMSG_DATA(c), sizeof(dropped_));
-    }
-  }
+  const KernelNotes notes = KernelNotes::of(headers_[message].msg_hdr);
+  stamps_[message] = notes.wall_ns != 0 ? stamps.stamp_of(notes.wall_ns) : stamps.now();
+  hardware_ns_[message] = notes.hardware_ns;
+  if (notes.dropped != 0) dropped_ = notes.dropped;
 }
 
 MessageBatch::Message MessageBatch::operator[](size_t i) const {
@@ -59,7 +62,33 @@ MessageBatch::Message MessageBatch::operator[](size_t i) const {
   return {stamps_[i],
           {bytes_.data() + i * bytes_each_, size},
           senders_[i],
-          (headers_[i].msg_hdr.msg_flags & MSG_TRUNC) != 0};
+          (headers_[i].msg_hdr.msg_flags & MSG_TRUNC) != 0,
+          hardware_ns_[i]};
+}
+
+KernelNotes KernelNotes::of(const msghdr& header) {
+  KernelNotes notes;
+  auto* messages = const_cast<msghdr*>(&header);  // CMSG_NXTHDR only reads it
+  for (cmsghdr* c = CMSG_FIRSTHDR(messages); c != nullptr; c = CMSG_NXTHDR(messages, c)) {
+    if (c->cmsg_level != SOL_SOCKET) continue;
+    if (c->cmsg_type == SCM_TIMESTAMPNS) {
+      timespec time{};
+      std::memcpy(&time, CMSG_DATA(c), sizeof(time));
+      notes.wall_ns = nanoseconds(time);
+    } else if (c->cmsg_type == SCM_TIMESTAMPING) {
+      std::array<timespec, 3> times{};  // the last is the interface's own
+      std::memcpy(times.data(), CMSG_DATA(c), sizeof(times));
+      notes.hardware_ns = nanoseconds(times[2]);
+    } else if (c->cmsg_type == SO_RXQ_OVFL) {
+      std::memcpy(&notes.dropped, CMSG_DATA(c), sizeof(notes.dropped));
+    }
+  }
+  return notes;
+}
+
+void ask_for_hardware_stamps(int socket) {
+  const int wanted = SOF_TIMESTAMPING_RX_HARDWARE | SOF_TIMESTAMPING_RAW_HARDWARE;
+  setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPING, &wanted, sizeof(wanted));
 }
 
 Result<size_t> prepare_socket(int socket, size_t wanted, const std::string& where) {

@@ -27,6 +27,7 @@ class MessageBatch {
     std::span<const uint8_t> bytes;  ///< cut to the room there is
     const sockaddr_in& sender;       ///< of UDP
     bool truncated = false;          ///< it was longer than the room
+    int64_t hardware_ns = 0;         ///< by the interface's own clock; 0: it does not say
   };
 
   /// Takes what waits at a socket, without waiting: how many messages. 0 with errno EAGAIN where
@@ -43,7 +44,7 @@ class MessageBatch {
   uint32_t dropped() const { return dropped_; }
 
  private:
-  static constexpr size_t kControlBytes = 128;
+  static constexpr size_t kControlBytes = 192;
   struct alignas(cmsghdr) Control {
     char bytes[kControlBytes];
   };
@@ -57,8 +58,23 @@ class MessageBatch {
   std::vector<Control> controls_;
   std::vector<mmsghdr> headers_;
   std::vector<Stamp> stamps_;
+  std::vector<int64_t> hardware_ns_;
   uint32_t dropped_ = 0;
 };
+
+/// What the kernel says beside a message, in its control messages.
+struct KernelNotes {
+  int64_t wall_ns = 0;      ///< when the kernel had it; 0: not told
+  int64_t hardware_ns = 0;  ///< when the interface had it, by a clock of its own; 0: not told
+  uint32_t dropped = 0;     ///< at this socket since it was made; 0: not told
+
+  /// Reads them; `header` as `recvmmsg` leaves it.
+  static KernelNotes of(const msghdr& header);
+};
+
+/// Asks that messages be stamped by the interface's own clock too, where it has one. What an
+/// interface stamps is its driver's and the system's matter and is left as it is.
+void ask_for_hardware_stamps(int socket);
 
 /// Asks the kernel to stamp and to count drops, and for a receive buffer of `wanted` bytes. Gives
 /// the bytes granted, of payload and bookkeeping: less than asked for where net.core.rmem_max

@@ -62,6 +62,7 @@ Result<void> SocketCanSource::set_up() {
       !size) {
     return tl::unexpected(size.error());
   }
+  receive::ask_for_hardware_stamps(socket_.get());
   sockaddr_can bus{};
   bus.can_family = AF_CAN;
   bus.can_ifindex = static_cast<int>(if_nametoindex(name.c_str()));
@@ -83,7 +84,8 @@ bool SocketCanSource::up() const {
 bool SocketCanSource::take(const receive::MessageBatch::Message& message) {
   if (message.truncated || !parse_socket_can(message.bytes, frame_)) return false;
   // To the microsecond, as a candump log has it: a recording of the bus replays to the same.
-  frame_.stamp = message.stamp - Duration(message.stamp.ns() % 1000);
+  const Stamp stamp = hardware_stamps_.stamp_of(message.hardware_ns, message.stamp);
+  frame_.stamp = stamp - Duration(stamp.ns() % 1000);
   bus_errors_.take(frame_);
   return true;
 }

@@ -7,6 +7,7 @@
 
 #include "drivers/measurement/error.hpp"
 #include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/hardware_stamps.hpp"
 #include "drivers/receive/message_batch.hpp"
 #include "drivers/vehicle/bus_errors.hpp"
 #include "drivers/vehicle/can_frame.hpp"
@@ -57,6 +58,10 @@ class SocketCanSource {
   /// Frames that the kernel has dropped at this socket, as far as is known.
   uint64_t dropped() const { return dropped_; }
 
+  /// Whether frames are stamped by the interface's own clock: where its driver tells that, else
+  /// they have the kernel's stamp.
+  bool stamped_by_hardware() const { return hardware_stamps_.used(); }
+
   const std::string& interface() const { return options_.interface; }
 
  private:
@@ -68,6 +73,7 @@ class SocketCanSource {
 
   SocketCanOptions options_;
   receive::WallStamps stamps_;
+  receive::HardwareStamps hardware_stamps_;
   receive::Descriptor socket_;
   CanFrame frame_;
   BusErrors bus_errors_;

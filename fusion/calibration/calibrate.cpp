@@ -271,8 +271,8 @@ std::string judge(const CalibrationResult& result, const Maximum& maximum, doubl
   }
   for (const ModelDoubt& doubt : result.doubts) {
     if (!doubt.serious) continue;
-    return print("lidar and pictures would fit better with another %s (%+.2f %s, %.0f sigma)",
-                 doubt.what.c_str(), doubt.value, doubt.unit, std::abs(doubt.significance));
+    return print("lidar and pictures would fit better with another %s (%.0f sigma)",
+                 doubt.what.c_str(), std::abs(doubt.significance));
   }
   if (moved > kFarthest * options.start_translation) {
     return print("it moved %.2f m from the start, whose translation is known to %.2f m", moved,

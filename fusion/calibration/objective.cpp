@@ -262,6 +262,17 @@ Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, siz
   return samples;
 }
 
+double Objective::median_range() const {
+  std::vector<double> ranges;
+  for (size_t i = 0; i < points_.size(); ++i) {
+    ranges.push_back(Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]).norm());
+  }
+  if (ranges.empty()) return 0;
+  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), middle, ranges.end());
+  return *middle;
+}
+
 geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_head_lidar) {
   geometry::Matrix6 sum = geometry::Matrix6::Zero();
   differentiate_pixels(T_head_lidar, true, true);

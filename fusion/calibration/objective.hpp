@@ -92,6 +92,8 @@ class Objective {
   geometry::Matrix6 information(const Eigen::Isometry3d& T_head_lidar);
 
   size_t points() const { return points_.size(); }
+  /// Of the points, m: so far a translation goes that moves them as an angle of one does.
+  double median_range() const;
   /// Evaluations so far.
   int evaluations() const { return evaluations_; }
 

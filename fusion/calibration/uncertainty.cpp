@@ -14,20 +14,20 @@ using geometry::Vector6;
 // Differences are taken about as widely as the result is uncertain, where that is wider than the
 // narrowest: narrower ones see how the rings of the lidar cross the picture's edges instead of the
 // shape of the maximum, wider ones its flanks.
-constexpr double kWidest = 4e-3;            // rad
-constexpr double kNarrowest = 1e-3;         // rad
-constexpr double kTranslationByAngle = 10;  // m a rad
+constexpr double kWidest = 4e-3;     // rad, and as much of the points' range
+constexpr double kNarrowest = 1e-3;  // the same
 constexpr double kRotationLimit = 5 * M_PI / 180;
 constexpr double kTranslationLimit = 0.5;
 
 using SceneCurvature = std::vector<Eigen::Matrix<double, 10, 6>>;
 
-/// Minus the derivatives of the scenes' pulls, from those at both ends of `angle` (and its
-/// translation).
-SceneCurvature scene_curvature(Objective& objective, const Eigen::Isometry3d& T, double angle) {
+/// Minus the derivatives of the scenes' pulls, from those at both ends of `angle`, and of the
+/// translation that moves points at `range` as far.
+SceneCurvature scene_curvature(Objective& objective, const Eigen::Isometry3d& T, double angle,
+                               double range) {
   SceneCurvature all;
   for (int k = 0; k < 6; ++k) {
-    const double step = k < 3 ? angle : kTranslationByAngle * angle;
+    const double step = k < 3 ? angle : range * angle;
     const Vector6 xi = step * Vector6::Unit(k);
     const std::vector<ScenePull> after = objective.scene_pulls(geometry::exp(xi) * T);
     const std::vector<ScenePull> before = objective.scene_pulls(geometry::exp(-xi) * T);
@@ -92,9 +92,9 @@ Sandwich sandwich(const Matrix6& curvature, const Matrix6& spread) {
 }
 
 /// The widest axis' standard deviation, as an angle.
-double widest(const Matrix6& covariance) {
+double widest(const Matrix6& covariance, double range) {
   const Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
-  return std::max(sigma.head<3>().maxCoeff(), sigma.tail<3>().maxCoeff() / kTranslationByAngle);
+  return std::max(sigma.head<3>().maxCoeff(), sigma.tail<3>().maxCoeff() / range);
 }
 
 }  // namespace
@@ -113,16 +113,17 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
     return out;
   }
   const Matrix6 spread = spread_of(seen);
+  const double range = objective.median_range();
   Sandwich found{.reason = "not looked at"};
   for (double angle = kNarrowest; angle <= kWidest; angle *= 2) {
-    SceneCurvature wider = scene_curvature(objective, T_head_lidar, angle);
+    SceneCurvature wider = scene_curvature(objective, T_head_lidar, angle, range);
     const Sandwich next = sandwich(curvature(wider), spread);
     if (next.reason.empty() || !found.reason.empty()) {
       found = next;
       out.curvature = curvature(wider);
       out.scene_curvature = std::move(wider);
     }
-    if (found.reason.empty() && widest(found.covariance) <= 2 * angle) break;
+    if (found.reason.empty() && widest(found.covariance, range) <= 2 * angle) break;
   }
   out.reason = found.reason;
   if (!out.usable()) return out;

@@ -3,12 +3,16 @@
 //   vm-clients hold SOCKET SECONDS     watches everything and never reads
 //   vm-clients crowd SOCKET COUNT      connects so often at once, then lets go
 //   vm-clients refused SOCKET          asks for what is not for this user; 0: all of it was refused
+//   vm-clients kill PID SOCKET         kills the daemon and asks the next; tells when it was killed
+//                                      and when that one answered, ms of the monotonic clock
 
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <deque>
 #include <string>
 
@@ -37,7 +41,31 @@ int crowd(const char* socket, int count) {
   return connected == count ? 0 : 1;
 }
 
-/// What a member of the group may not ask.
+long now_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return time.tv_sec * 1000 + time.tv_nsec / 1'000'000;
+}
+
+/// The daemon's socket is systemd's: who connects while there is no daemon waits for the next.
+bool answers(const char* socket) {
+  SocketClient client(socket);
+  if (!client.line(20'000) || !client.send("{\"op\":\"devices\"}\n")) return false;
+  const auto answer = client.line(20'000);
+  return answer && answer->find("\"class\":\"DEVICES\"") != std::string::npos;
+}
+
+int kill_daemon(pid_t daemon, const char* socket) {
+  const long killed = now_ms();
+  if (kill(daemon, SIGKILL) != 0) return 1;
+  while (!answers(socket)) {
+    if (now_ms() - killed > 20'000) return 1;
+  }
+  std::printf("%ld %ld\n", killed, now_ms());
+  return 0;
+}
+
+/// What nobody but its owner may ask of the daemon, and what nobody may.
 const struct {
   const char* what;
   std::string line;
@@ -49,6 +77,7 @@ const struct {
     {"freeze off", R"({"op":"freeze","on":false})"},
     {"record", R"({"op":"record"})"},
     {"record elsewhere", R"({"op":"record","name":"../../../etc/x"})"},
+    {"record to an absolute name", R"({"op":"record","name":"/etc/x"})"},
     {"end a recording", R"({"op":"record","on":false})"},
     {"an op that is none", R"({"op":"shutdown"})"},
     {"no op", "{}"},
@@ -56,15 +85,18 @@ const struct {
     {"no object", "[1,2,3]"},
     {"no JSON", "GET / HTTP/1.1"},
     {"zeros", std::string(100, '\0')},
+    {"no UTF-8", "{\"op\":\"\xff\xfe\"}"},
+    {"a key twice", R"({"op":"devices","op":"freeze"})"},
     {"deep nesting", R"({"op":"poll","x":)" + std::string(1500, '[')},
     {"a line too long", std::string(5000, 'x')},
     {"a class that is none", R"({"op":"watch","classes":["SECRETS"]})"},
     {"a class that is no string", R"({"op":"watch","classes":[{}]})"},
 };
 
-/// The answer is an error, or the connection is closed.
+/// The answer is an error, or the connection is closed, or there is none.
 bool refused(const char* socket, const std::string& line) {
   SocketClient client(socket);
+  if (!client.connected()) return true;
   if (!client.line()) return false;  // the greeting
   client.send(line + "\n");
   const auto answer = client.line();
@@ -74,6 +106,7 @@ bool refused(const char* socket, const std::string& line) {
 /// Of many requests at once some are refused.
 bool flood_is_limited(const char* socket) {
   SocketClient client(socket);
+  if (!client.connected()) return true;
   client.line();
   std::string lines;
   for (int i = 0; i < 300; ++i) lines += "{\"op\":\"devices\"}\n";
@@ -86,13 +119,15 @@ bool flood_is_limited(const char* socket) {
 }
 
 int try_all(const char* socket) {
-  int allowed = 0;
+  int attempts = 0, allowed = 0;
   const auto tell = [&](const char* what, bool was_refused) {
     std::printf("        %-7s %s\n", was_refused ? "refused" : "ALLOWED", what);
+    ++attempts;
     allowed += was_refused ? 0 : 1;
   };
   for (const auto& attempt : kAttempts) tell(attempt.what, refused(socket, attempt.line));
   tell("300 requests at once", flood_is_limited(socket));
+  std::printf("        %d attempts, %d allowed\n", attempts, allowed);
   return allowed == 0 ? 0 : 1;
 }
 
@@ -102,6 +137,7 @@ int main(int argc, char** argv) {
   const std::string what = argc > 2 ? argv[1] : "";
   if (what == "hold" && argc == 4) return hold(argv[2], static_cast<unsigned>(std::atoi(argv[3])));
   if (what == "crowd" && argc == 4) return crowd(argv[2], std::atoi(argv[3]));
+  if (what == "kill" && argc == 4) return kill_daemon(std::atoi(argv[2]), argv[3]);
   if (what == "refused" && argc == 3) return try_all(argv[2]);
   return 2;
 }

@@ -4,9 +4,13 @@ failures=0
 pass() { echo "ok      $*"; }
 miss() { echo "NOT OK  $*"; failures=$((failures + 1)); }
 # check NAME COMMAND...: the command must succeed.
-check() { local name=$1; shift; if "$@" >/tmp/check.log 2>&1; then pass "$name"; else miss "$name"; tail -n 12 /tmp/check.log; fi; }
+check() {
+  local name=$1; shift
+  if "$@" >/tmp/check.log 2>&1; then pass "$name"; else miss "$name"; tail -n 12 /tmp/check.log; return 1; fi
+}
 # within SECONDS COMMAND...: until it succeeds. Where `patience` is 10, ten times as long.
 patience=1
+steady_s() { awk '{print $1}' /proc/uptime; }
 within() {
   local deadline=$((SECONDS + patience * $1)); shift
   until "$@" >/dev/null 2>&1; do ((SECONDS < deadline)) || return 1; sleep 0.2; done

@@ -34,6 +34,9 @@ wheel_speed_rear_right = "WHEELS.REAR_RIGHT"
 [record]
 min_free_mb = 0
 largest_mb = 500
+flight_recorder_s = 5
+memory_mb = 32
+after_alert_s = 1
 TOML
 drives=/var/lib/infuse/drives
 check "the configuration with a rig is right" infused --check-config --config /etc/infuse/infused.toml
@@ -47,6 +50,16 @@ check "is for the group, not for others" sh -c "test \$(stat -c %a $drives/whole
 check "replays" sh -c "infused --replay $drives/whole --socket /tmp/replay.sock --json >/tmp/replay.json && grep -q '\"sweeps\":3[0-9]\|\"sweeps\":4' /tmp/replay.json"
 grep -o '"\(packets\|sweeps\|packets_lost\)":[0-9]*' /tmp/replay.json | tr '\n' ' ' | sed 's/^/        /'; echo
 check "a second of that name is refused" sh -c '! infuse record -o whole --for 1s'
+# The flight recorder: an alert is written with what was before it.
+ip link set vcan0 down
+recorded() { journalctl -u infused -o cat | grep -q 'alert-.*bus_unavailable: .* s, .* MB'; }
+check "an alert is recorded" within 15 recorded || journalctl -u infused -o short-monotonic --no-pager | tail -n 25
+ip link set vcan0 up
+hush_bus; play_bus
+flight=$(ls -d $drives/alert-*bus_unavailable)
+first=$(sed -n '1s/^(\([0-9]*\).*/\1/p' "$flight/can.log") last=$(sed -n '$s/^(\([0-9]*\).*/\1/p' "$flight/can.log")
+check "with the bus of $((last - first)) s before it" test $((last - first)) -ge 2
+check "and it replays" sh -c "infused --replay $flight --socket /tmp/replay.sock --json >/tmp/replay.json && grep -q '\"sweeps\":[1-9][0-9]' /tmp/replay.json"
 mount -t tmpfs -o size=2m,uid=infuse,gid=infuse,mode=750 none $drives
 systemctl restart infused.service  # it sees what was mounted before it started
 within 10 infuse wait-ready --timeout 5

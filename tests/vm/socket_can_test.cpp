@@ -94,6 +94,7 @@ TEST_F(VirtualBus, GivesClassicAndFdFramesInOrderWithTheKernelsStamps) {
   EXPECT_GE(frames[0].stamp, before - kTolerance);
   EXPECT_LE(frames[0].stamp, frames[2].stamp);
   EXPECT_LE(frames[2].stamp, after + kTolerance);
+  EXPECT_FALSE(source.stamped_by_hardware());  // a virtual bus has no clock
 }
 
 TEST_F(VirtualBus, TheKernelPassesOnlyTheIdentifiersAskedFor) {

@@ -16,6 +16,10 @@ int main(int argc, char** argv) {
     return 1;
   }
   waitpid(thread, nullptr, __WALL);
-  sleep(static_cast<unsigned>(std::atoi(argv[2])));
+  // A thread that is killed is gone only when its tracer has taken note.
+  for (int tenths = 10 * std::atoi(argv[2]); tenths > 0; --tenths) {
+    if (waitpid(thread, nullptr, __WALL | WNOHANG) != 0) return 0;
+    usleep(100'000);
+  }
   return 0;
 }

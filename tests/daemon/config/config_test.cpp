@@ -119,8 +119,8 @@ TEST(Config, ALiveSensorThatCannotBeIsRefusedWithItsLine) {
         "[[camera]]\nformat = \"H264\"", "[[camera]]\nexposure_ms = 0", "[[can]]\ninterface = \"\"",
         "[[can]]\nsignals = {yaw_rate = \"A.B\"}",
         "[[can]]\ndbc = \"x\"\nsignals = {yaw = \"A.B\"}", "[gps]\ndevice = \"/dev/x\"\nbaud = 1",
-        "[[lidar]]\nmulticast = \"10.0.0.1\"", "[[lidar]]\nposition_port = 0",
-        "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\""}) {
+        "[gps]\ndevice = \"/dev/x\"\nlidar = \"top\"", "[[lidar]]\nmulticast = \"10.0.0.1\"",
+        "[[lidar]]\nposition_port = 0", "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\""}) {
     const auto config = parse_config(text, "x.toml");
     ASSERT_FALSE(config) << text;
     EXPECT_THAT(config.error().where, HasSubstr("x.toml:")) << text;

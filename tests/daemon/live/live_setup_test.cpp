@@ -80,6 +80,20 @@ TEST_F(LiveSetupTest, SensorsAreMountedAsTheRigHasThem) {
   EXPECT_TRUE(setup->vehicle.has_odometry());
 }
 
+TEST_F(LiveSetupTest, AReceiverMayBeConnectedToALidar) {
+  const std::string lidars =
+      "[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\nsender = \"10.0.0.1\"\n"
+      "[[lidar]]\nname = \"b\"\nmodel = \"VLP-16\"\nsender = \"10.0.0.2\"\n";
+  const auto setup = set_up(lidars + "[gps]\nlidar = \"b\"\n");
+  ASSERT_TRUE(setup.has_value()) << setup.error().message();
+  EXPECT_EQ(setup->lidar_of_gps, 1U);
+  EXPECT_FALSE(setup->gps.has_value());
+  EXPECT_EQ(setup->devices.back().kind, "gps");
+  EXPECT_TRUE(setup->ports[1].is_of(1, 0x0A000002));
+  EXPECT_FALSE(setup->ports[1].is_of(1, 0x0A000001));
+  EXPECT_FALSE(set_up(lidars + "[gps]\nlidar = \"c\"\n").has_value());
+}
+
 TEST_F(LiveSetupTest, LidarsThatShareAPortAreToldApartByTheirSenders) {
   const auto setup = set_up(
       "[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\nsender = \"10.0.0.1\"\n"

@@ -17,6 +17,7 @@ LiveSetup loopback_setup() {
   Config config = loopback_config();
   config.cameras.emplace_back().stream.device = "/dev/no-such-camera";
   config.buses.emplace_back().interface = "nosuchcan0";
+  config.gps.lidar = config.lidars[0].name;
   auto setup = set_up_live(config);
   EXPECT_TRUE(setup.has_value());
   return *std::move(setup);
@@ -48,11 +49,15 @@ TEST(Live, WhatIsSentComesThroughThePipelineAndWhatIsGoneIsSaid) {
   EXPECT_GE(lidar.sweeps, 8U);
   EXPECT_GT(lidar.position_packets, 0U);
   EXPECT_TRUE(lidar.source.open);
-  ASSERT_EQ(totals.streams.size(), 2U);
-  for (const StreamCounters& gone : totals.streams) {
-    EXPECT_FALSE(gone.source.open);
-    EXPECT_NE(gone.source.problem[0], '\0');
+  ASSERT_EQ(totals.streams.size(), 3U);
+  for (size_t gone = 0; gone < 2; ++gone) {
+    EXPECT_FALSE(totals.streams[gone].source.open);
+    EXPECT_NE(totals.streams[gone].source.problem[0], '\0');
   }
+  // Sentences in position packets, each once.
+  EXPECT_TRUE(totals.streams[2].source.open);
+  EXPECT_GT(totals.streams[2].received, 0U);
+  EXPECT_LE(totals.streams[2].received, lidar.position_packets);
   EXPECT_EQ(totals.levels[0] == Level::kStale, false);
   EXPECT_NE(totals.levels[1], Level::kOk);
 }

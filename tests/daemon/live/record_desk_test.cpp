@@ -122,6 +122,27 @@ TEST_F(RecordDeskTest, WhatIsRecordedLiveReplaysToTheSameSweeps) {
   EXPECT_EQ(live, replay);
 }
 
+TEST_F(RecordDeskTest, TheEndOfOneIsToldBeforeTheNextBegins) {
+  run(
+      [](RecordDesk& desk) {
+        EXPECT_TRUE(
+            desk.ask({.op = Request::Op::kRecord, .name = "one", .longest = from_seconds(0.3)}));
+        for (int i = 0; i < 3000 && desk.recording(); ++i) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        EXPECT_TRUE(desk.ask({.op = Request::Op::kRecord, .name = "two"}));
+      },
+      [](RecordDesk&) { return true; });
+  std::vector<std::string> told;
+  for (const std::string& line : lines_) {
+    const json report = json::parse(line);
+    if (report["class"] != "RECORD") continue;
+    told.push_back(report["name"].get<std::string>() + " " + report["state"].get<std::string>());
+  }
+  EXPECT_THAT(told, testing::Contains("one ended"));
+  EXPECT_EQ(last_record()["name"], "two");
+}
+
 TEST_F(RecordDeskTest, AnAlertIsRecordedWithWhatWasBeforeIt) {
   config_.record.flight = from_seconds(60);
   config_.record.after_alert = from_seconds(1);

@@ -36,5 +36,18 @@ TEST(Reopening, TriesEverLessOftenAndAtOnceWhenItWasThere) {
   EXPECT_EQ(source.state().opened, 2U);
 }
 
+TEST(Reopening, IsTriedAtOnceWhenItMayBeThereAgain) {
+  int tries = 0;
+  Reopening<int> source("test", [&]() -> Result<int> {
+    if (++tries < 5) return fail("not there", "somewhere");
+    return 7;
+  });
+  for (int64_t now = 0; now < 1000; now += 10) source.look_after(at_ms(now));
+  EXPECT_EQ(tries, 4);
+  EXPECT_FALSE(source.look_after(at_ms(1000)));
+  source.hurry();
+  EXPECT_TRUE(source.look_after(at_ms(1010)));
+}
+
 }  // namespace
 }  // namespace infuse::daemon

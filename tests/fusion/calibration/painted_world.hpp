@@ -102,30 +102,44 @@ inline CameraIntrinsics small_camera() {
   return {.width = 480, .height = 320, .fx = 330, .fy = 330, .cx = 241, .cy = 158};
 }
 
-/// 48 rings from −20° to 14°, every 0.2° between ±50° of azimuth; reflectivity is a bent function
-/// of the albedo, with noise.
-inline Sweep scan(const World& world, uint64_t seed) {
+/// What casts the rays: rings from `low` to `high` degrees, columns over ± `half_width` degrees.
+/// Reflectivity is a bent function of the albedo, with noise; so is range.
+struct Scanner {
+  uint16_t rings = 48;
+  double low = -20, high = 14;
+  uint16_t columns = 501;
+  double half_width = 50;
+  double range_noise = 0;  ///< m, half width
+};
+
+inline Sweep scan(const World& world, uint64_t seed, const Scanner& scanner = {}) {
   std::mt19937_64 random(seed);
+  const auto noise = [&] { return static_cast<double>(random() >> 11) * 0x1p-53 - 0.5; };
   Sweep sweep;
-  sweep.rings = 48;
-  sweep.columns = 501;
+  sweep.rings = scanner.rings;
+  sweep.columns = scanner.columns;
   sweep.has_times = false;
-  for (uint16_t column = 0; column < 501; ++column) {
-    for (uint16_t ring = 0; ring < 48; ++ring) {
-      const double azimuth = (50 - 0.2 * column) * M_PI / 180;
-      const double elevation = (-20 + 34.0 * ring / 47) * M_PI / 180;
+  const double apart = 2 * scanner.half_width / (scanner.columns - 1);
+  for (uint16_t column = 0; column < scanner.columns; ++column) {
+    for (uint16_t ring = 0; ring < scanner.rings; ++ring) {
+      const double azimuth = (scanner.half_width - apart * column) * M_PI / 180;
+      const double rise =
+          scanner.rings > 1 ? (scanner.high - scanner.low) * ring / (scanner.rings - 1) : 0;
+      const double elevation = (scanner.low + rise) * M_PI / 180;
       const Eigen::Vector3d along(std::cos(elevation) * std::cos(azimuth),
                                   std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       const auto hit = cast(world, Eigen::Vector3d::Zero(), along);
       if (!hit) continue;
       const size_t i = sweep.size();
       sweep.resize(i + 1);
-      const double noise = 0.02 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5);
-      sweep.x[i] = static_cast<float>(hit->distance * along.x());
-      sweep.y[i] = static_cast<float>(hit->distance * along.y());
-      sweep.z[i] = static_cast<float>(hit->distance * along.z());
-      sweep.range[i] = static_cast<float>(hit->distance);
-      sweep.reflectivity[i] = static_cast<float>(std::pow(hit->albedo, 1.7) + noise);
+      const double reflectivity = std::pow(hit->albedo, 1.7) + 0.02 * noise();
+      const double range =
+          hit->distance + (scanner.range_noise > 0 ? 2 * scanner.range_noise * noise() : 0);
+      sweep.x[i] = static_cast<float>(range * along.x());
+      sweep.y[i] = static_cast<float>(range * along.y());
+      sweep.z[i] = static_cast<float>(range * along.z());
+      sweep.range[i] = static_cast<float>(range);
+      sweep.reflectivity[i] = static_cast<float>(reflectivity);
       sweep.ring[i] = ring;
       sweep.column[i] = column;
       sweep.time_offset_ns[i] = 0;
@@ -163,14 +177,15 @@ struct Drive {
   Eigen::Isometry3d T_camera_lidar;
 };
 
-inline Drive make_drive(int scenes, double scale = 1) {
+inline Drive make_drive(int scenes, double scale = 1, const Scanner& scanner = {}) {
   Drive drive{.cameras = {RigCamera{geometry::CameraModel(small_camera())}},
               .T_camera_lidar = true_T_camera_lidar()};
   for (int s = 0; s < scenes; ++s) {
     const World world = make_world(static_cast<uint64_t>(s) + 1, scale);
     SceneOptions options;
     options.max_range = 1e4;
-    auto scene = make_scene(scan(world, 100 + static_cast<uint64_t>(s)),
+    options.min_range = std::min(options.min_range, scale);
+    auto scene = make_scene(scan(world, 100 + static_cast<uint64_t>(s), scanner),
                             photograph(world, small_camera(), drive.T_camera_lidar), options);
     scene->name = "place " + std::to_string(s);
     drive.scenes.push_back(std::move(*scene));

@@ -1,0 +1,28 @@
+#include "drivers/receive/hardware_stamps.hpp"
+
+#include <algorithm>
+
+namespace infuse::receive {
+namespace {
+
+/// The counter of an interface starts again only with the interface; a host under load may be
+/// late by tens of milliseconds, which is no jump of that clock.
+ClockModelOptions options_of_interface() {
+  ClockModelOptions options;
+  options.modulo = Duration::zero();
+  options.jump_threshold = Duration(200'000'000);
+  return options;
+}
+
+}  // namespace
+
+HardwareStamps::HardwareStamps() : clock_(options_of_interface()) {}
+
+Stamp HardwareStamps::stamp_of(int64_t hardware_ns, Stamp received) {
+  used_ = hardware_ns > 0;
+  const Stamp stamp = used_ ? clock_.update(Duration(hardware_ns), received) : received;
+  last_ = std::min(std::max(stamp, last_), received);
+  return last_;
+}
+
+}  // namespace infuse::receive

@@ -1,0 +1,117 @@
+// Calibration of other pairs of sensors in a painted world whose truth is known: a time-of-flight
+// camera (P 3.4.4, fig. 3.22), a planar scanner (P 3.4.5, fig. 3.23), and a lidar whose
+// reflectivity is not used (P 6.2.1), by the number of scans. Times are processor seconds of a
+// calibration.
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <random>
+
+#include "fusion/calibration/calibrate.hpp"
+#include "fusion/calibration/named_measures.hpp"
+#include "tests/fusion/calibration/painted_world.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+using geometry::Vector6;
+
+constexpr double kDegree = M_PI / 180;
+
+struct Pair {
+  const char* name;
+  painted::Scanner scanner;
+  double scale;  ///< of the world
+  const char* measure;
+  int most;  ///< scans
+};
+
+// A time-of-flight camera's 176 x 144 pixels, 1 cm of noise, in a room; a planar scanner's 270
+// degrees, of which the camera sees 100, every quarter of a degree.
+const Pair kPairs[] = {
+    {"time_of_flight",
+     {.rings = 144, .low = -17, .high = 17, .columns = 176, .half_width = 22, .range_noise = 0.01},
+     0.4,
+     "joint",
+     40},
+    {"planar_scanner",
+     {.rings = 1, .low = 0, .high = 0, .columns = 401, .half_width = 50, .range_noise = 0.01},
+     0.5,
+     "joint",
+     400},
+    {"edges_only", {}, 1, "edges", 40}};
+
+const painted::Drive& drive_of(const Pair& pair) {
+  static std::map<std::string, painted::Drive> all;
+  const auto at = all.find(pair.name);
+  if (at != all.end()) return at->second;
+  return all.emplace(pair.name, painted::make_drive(pair.most, pair.scale, pair.scanner))
+      .first->second;
+}
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Some of the scenes, from within ± 1° and 5 cm: root mean square of the error, three axes summed.
+void spread(benchmark::State& state, const Pair& pair) {
+  constexpr int kDraws = 5;
+  const painted::Drive& drive = drive_of(pair);
+  const NamedMeasure& measure = *find_measure(pair.measure);
+  CalibrateOptions options;
+  options.terms = measure.terms;
+  Vector6 squares = Vector6::Zero();
+  int usable = 0;
+  double seconds = 0;
+  for (auto _ : state) {
+    std::mt19937_64 random(1);
+    const auto draw = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; };
+    for (int k = 0; k < kDraws; ++k) {
+      std::vector<size_t> order(drive.scenes.size());
+      for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+      for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+      std::vector<Scene> scenes;
+      for (size_t i = 0; i < static_cast<size_t>(state.range(0)); ++i) {
+        scenes.push_back(drive.scenes[order[i]]);
+      }
+      Vector6 off;
+      for (int axis = 0; axis < 6; ++axis) off(axis) = draw() * (axis < 3 ? kDegree : 0.05);
+      const double began = cpu_seconds();
+      const CalibrationResult result =
+          calibrate(scenes, drive.cameras, geometry::exp(off) * drive.T_camera_lidar, options);
+      seconds += (cpu_seconds() - began) / kDraws;
+      usable += result.usable() ? 1 : 0;
+      if (!result.usable()) std::fprintf(stderr, "%s: %s\n", pair.name, result.reason.c_str());
+      squares +=
+          geometry::log(result.T_head_lidar * drive.T_camera_lidar.inverse()).cwiseAbs2() / kDraws;
+    }
+    state.SetIterationTime(seconds);
+  }
+  state.counters["error_deg"] = std::sqrt(squares.head<3>().sum()) / kDegree;
+  state.counters["error_m"] = std::sqrt(squares.tail<3>().sum());
+  state.counters["usable_of_5"] = usable;
+}
+
+int add_all() {
+  for (const Pair& pair : kPairs) {
+    auto* one =
+        benchmark::RegisterBenchmark((std::string("calibration/pairs/") + pair.name).c_str(),
+                                     [&pair](benchmark::State& state) { spread(state, pair); })
+            ->UseManualTime()
+            ->Iterations(1)
+            ->Unit(benchmark::kSecond);
+    for (const int part : {8, 4, 2, 1}) one->Arg(pair.most / part);
+  }
+  return 0;
+}
+
+const int kAdded = add_all();
+
+}  // namespace
+}  // namespace infuse::calibration

@@ -1,0 +1,31 @@
+# In the guest: the daemon is killed at random moments, half of them while a recording is written, which must
+# be a drive afterwards. Sourced by service.sh. A kill and the wait for the answer are one program, because
+# starting programs is what takes long on an emulated processor.
+kills=50 damaged=0
+: >/tmp/kills
+back() { systemctl is-active infused && infuse status --json | grep -q DEVICES; }
+files() { find /var/lib/infuse -maxdepth 1 -type f | wc -l; }
+temporaries() { find /tmp /var/tmp -maxdepth 1 -name 'systemd-private-*-infused*' | wc -l; }
+files_before=$(files) temporaries_before=$(temporaries)
+for round in $(seq $kills); do
+  ((round % 2)) || infuse record --no-wait -o "kill$round" >/dev/null 2>&1
+  sleep "0.$((RANDOM % 10))"
+  read -r killed answered < <(/proof/vm-clients kill "$(systemctl show -P MainPID infused)" /run/infuse/infused.sock)
+  within 10 systemctl is-active infused || miss "SIGKILL $round: the service is not active"
+  ready=$(($(systemctl show -P ActiveEnterTimestampMonotonic infused) / 1000))
+  took=$(((ready > answered ? ready : answered) - killed))
+  echo $took >>/tmp/kills
+  ((took <= 3000)) || journalctl --no-pager -o short-monotonic -n 60 | sed 's/^/        /'
+  grep -q '"running": true' /var/lib/infuse/state.json || miss "SIGKILL $round: the state is damaged"
+  ((round % 2)) || infuse inspect "/var/lib/infuse/drives/kill$round" >/tmp/inspect.log 2>&1 ||
+    { damaged=$((damaged + 1)); tail -n 3 /tmp/inspect.log; }
+done
+sort -n -o /tmp/kills /tmp/kills
+slow=$(awk '$1 > 3000' /tmp/kills | wc -l)
+check "$(wc -l </tmp/kills) kills at random moments: $slow of them not back within 3 s" test "$slow" = 0 -a "$(wc -l </tmp/kills)" = $kills
+echo "        back after $(sed -n "$((kills / 2))p" /tmp/kills) ms (median), $(tail -n 1 /tmp/kills) ms (longest)"
+check "no recording was damaged by them" test $damaged = 0
+check "nothing was left behind: files $files_before, then $(files); folders $temporaries_before, then $(temporaries)" \
+  test "$(files)" -le $((files_before + 1)) -a "$(temporaries)" -le "$temporaries_before"
+check "and all are OK" within 8 all_ok
+rm -rf /var/lib/infuse/drives/kill*
