@@ -24,7 +24,7 @@ constexpr int kDrawnEach = 40;   // poses drawn for one that climbs
 constexpr int kMostRounds = 4;   // of restarts that each found a better place
 constexpr double kFree = 1;      // times the anchors of the levels
 constexpr double kHeld = 3;      // the same, where the first attempt came to nothing
-constexpr int kReturning = 3;    // one restart in so many must lead back
+constexpr int kReturning = 4;    // one restart in so many must lead back
 constexpr double kFarthest = 4;  // standard deviations of the start's translation
 
 /// Even in [−1, 1]; the standard's distributions differ between libraries.
