@@ -75,7 +75,7 @@ class LiveReader {
   size_t lidars_;
   std::optional<size_t> lidar_of_gps_;
   int64_t last_sentence_ns_ = 0;  // the time in it
-  std::vector<bool> wanted_;  // by stream
+  std::vector<bool> wanted_;      // by stream
   receive::MessageBatch datagrams_{64, velodyne::UdpSource::kMaxBytes};
   receive::MessageBatch frames_ = vehicle::can_batch();
   std::vector<pollfd> watched_;
