@@ -100,7 +100,7 @@ class Calibration {
     VisibilityOptions open = options_.visibility;
     open.occlusion_cell = 0;
     PoseScore quick(few_, cameras_, leading_, open, images_, options_.screen_sigma,
-                    options_.screen.half_width > kAlike);
+                    options_.screen.half_width > kAlike, options_.maximize.stop);
     std::vector<Eigen::Isometry3d> poses =
         screen_rotations(start_, options_.screen, std::ref(quick));
     evaluations_ += quick.evaluations();
@@ -117,7 +117,7 @@ class Calibration {
     if (options_.restarts == 0) return {.T = T};
     std::mt19937_64 random(options_.seed);
     PoseScore judge(some_, cameras_, leading_, options_.visibility, images_,
-                    options_.coarse.back().sigma, false);
+                    options_.coarse.back().sigma, false, options_.maximize.stop);
     Rest rest{.T = T};
     for (int round = 0; round < kMostRounds; ++round) {
       const double score = judge(rest.T);
@@ -180,7 +180,7 @@ class Calibration {
   /// Poses from around `T`: of many that are drawn, those that score best.
   std::vector<Eigen::Isometry3d> draw_around(const Eigen::Isometry3d& T, std::mt19937_64& random) {
     PoseScore quick(few_, cameras_, leading_, options_.visibility, images_,
-                    restart_levels().front().sigma, false);
+                    restart_levels().front().sigma, false, options_.maximize.stop);
     std::vector<Scored> drawn;
     for (int k = 0; k < kDrawnEach * options_.restarts; ++k) {
       Vector6 xi;
@@ -210,7 +210,8 @@ class Calibration {
   /// Climbs one level from each; gives back the best ends, best first.
   std::vector<Eigen::Isometry3d> climb_all(const std::vector<Eigen::Isometry3d>& from,
                                            const Level& level) {
-    PoseScore judge(some_, cameras_, leading_, options_.visibility, images_, level.sigma, false);
+    PoseScore judge(some_, cameras_, leading_, options_.visibility, images_, level.sigma, false,
+                    options_.maximize.stop);
     std::vector<Scored> ends;
     for (const Eigen::Isometry3d& T : from) {
       const Eigen::Isometry3d end = coarse_.climb(T, std::span(&level, 1)).T_head_lidar;

@@ -36,6 +36,7 @@ Objective CoarseToFine::objective(const VisiblePoints& points, double sigma) {
 }
 
 Maximum CoarseToFine::climb_once(const Eigen::Isometry3d& start, const Level& level) {
+  if (maximize_.stop.stop_requested()) return {.T_head_lidar = start, .reason = kCancelled};
   const VisiblePoints points = visible(start, level.points);
   Objective measure = objective(points, level.sigma);
   MaximizeOptions options = maximize_;

@@ -35,7 +35,7 @@ class CoarseToFine {
                const VisibilityOptions& visibility, const MaximizeOptions& maximize,
                const Eigen::Vector3d& known, double known_to);
 
-  /// Up all levels, in order.
+  /// Up all levels, in order; no further once a stop is asked for.
   Maximum climb(const Eigen::Isometry3d& start, std::span<const Level> levels);
 
   /// The points of a level, in view under a pose.

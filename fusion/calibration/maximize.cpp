@@ -10,7 +10,6 @@ namespace {
 using geometry::Vector6;
 
 constexpr const char* kNotConverged = "the search was still moving when its steps were used up";
-constexpr const char* kCancelled = "cancelled";
 
 /// The objective around a start, in scaled coordinates: T(d) = exp(scale ∘ d) T_start.
 class LocalProblem {

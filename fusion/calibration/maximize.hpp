@@ -24,6 +24,9 @@ struct Anchor {
   double weight = 0;                                 ///< the measure's unit per m²; 0: none
 };
 
+/// The reason of what was asked to stop.
+inline constexpr const char* kCancelled = "cancelled";
+
 /// Settings of a search.
 struct MaximizeOptions {
   Search search = Search::kBfgs;
@@ -34,7 +37,7 @@ struct MaximizeOptions {
   double tolerance = 1e-4;         ///< in these scales: smaller steps end the search
 
   Anchor anchor;
-  std::stop_token stop;  ///< ends the search soon, with a reason
+  std::stop_token stop;  ///< ends the search soon, with `kCancelled` for a reason
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -1,5 +1,7 @@
 #include "fusion/calibration/pose_score.hpp"
 
+#include <utility>
+
 namespace infuse::calibration {
 namespace {
 
@@ -25,18 +27,20 @@ std::optional<std::vector<size_t>> other_scenes(std::span<const Scene> scenes, s
 
 PoseScore::PoseScore(std::span<const Scene> thin, std::span<const RigCamera> cameras,
                      std::span<const TermOptions> terms, const VisibilityOptions& visibility,
-                     ImagePyramid& images, double sigma, bool subtract_others)
+                     ImagePyramid& images, double sigma, bool subtract_others, std::stop_token stop)
     : thin_(thin),
       cameras_(cameras),
       terms_(terms),
       visibility_(visibility),
-      images_(images.at(sigma)) {
+      images_(images.at(sigma)),
+      stop_(std::move(stop)) {
   visibility_.max_points = 0;
   if (!subtract_others) return;
   if (const auto others = other_scenes(thin, cameras.size())) others_ = images_.dealt(*others);
 }
 
 double PoseScore::operator()(const Eigen::Isometry3d& T_head_lidar) {
+  if (stop_.stop_requested()) return 0;
   const VisiblePoints points = select_visible(thin_, cameras_, T_head_lidar, visibility_);
   if (points.size() == 0) return 0;
   Objective measure(points, images_, cameras_, thin_, terms_);

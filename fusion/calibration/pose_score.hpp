@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "fusion/calibration/image_pyramid.hpp"
@@ -25,9 +26,9 @@ class PoseScore {
   /// pixels. All must outlive this.
   PoseScore(std::span<const Scene> thin, std::span<const RigCamera> cameras,
             std::span<const TermOptions> terms, const VisibilityOptions& visibility,
-            ImagePyramid& images, double sigma, bool subtract_others);
+            ImagePyramid& images, double sigma, bool subtract_others, std::stop_token stop);
 
-  /// Larger is better; 0 where no point is in view.
+  /// Larger is better; 0 where no point is in view, and at once where a stop was asked for.
   double operator()(const Eigen::Isometry3d& T_head_lidar);
 
   /// Evaluations of the measure so far.
@@ -40,6 +41,7 @@ class PoseScore {
   VisibilityOptions visibility_;
   const BlurredImages& images_;
   std::optional<BlurredImages> others_;
+  std::stop_token stop_;
   int evaluations_ = 0;
 };
 

@@ -11,6 +11,7 @@
 namespace infuse::watch {
 namespace {
 
+using calibration::kCancelled;
 using calibration::LidarFeature;
 
 /// What no number of scenes of one drive takes away: the measure's own bias there. Told in the
@@ -30,8 +31,6 @@ calibration::Scene to_scene(const StoredScene& stored) {
   scene.image = calibration::picture_features(stored.grey, usual.image, usual.equalize);
   return scene;
 }
-
-constexpr const char* kCancelled = "cancelled";
 
 calibration::CalibrateOptions settings(const ReestimateOptions& options, std::stop_token stop) {
   calibration::CalibrateOptions out;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "tests/fusion/calibration/painted_world.hpp"
 
 namespace infuse::calibration {
@@ -125,6 +127,23 @@ TEST(Calibrate, PicturesOfOtherPlacesStandAsideOverWideTurns) {
   EXPECT_TRUE(result.usable()) << result.reason;
   EXPECT_LT(degrees_between(result.T_head_lidar, drive.T_camera_lidar), 0.1);
   EXPECT_LT(metres_between(result.T_head_lidar, drive.T_camera_lidar), 0.02);
+}
+
+TEST(Calibrate, GivesUpHoweverManyStartsItHas) {
+  const Drive& drive = drive_of_eight();
+  const int many = 20'000;
+  std::stop_source stop;
+  CalibrateOptions options{.restarts = many};
+  options.screen.kept = many;
+  options.coarse.front().survivors = many;
+  options.maximize.stop = stop.get_token();
+  std::jthread impatient([&] { stop.request_stop(); });
+  const auto start = off(drive.T_camera_lidar, 3, 0.1);
+  const auto result = calibrate(drive.scenes, drive.cameras, start, options);
+  EXPECT_EQ(result.reason, kCancelled);
+  EXPECT_EQ(result.T_head_lidar.matrix(), start.matrix());
+  // One that had gone on would need at least one evaluation for every start.
+  EXPECT_LT(result.evaluations, many);
 }
 
 TEST(CalibrateOptions, SaysWhatIsWrong) {
