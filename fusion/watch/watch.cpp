@@ -13,14 +13,12 @@ constexpr double kNoEvidence = 0.5;   // nats
 constexpr double kTellingPeak = 0.1;  // nats; a picture with such a peak is worth a half
 constexpr double kFarTime = 2.5;      // steps of time of the wide look
 
-/// The top of the parabola through three values a step apart, and its curvature. Where the values
-/// do not bend down within the step, the top lies a step away on the rising side.
-void parabola(double below, double here, double above, double step, double& offset,
-              double& information) {
-  const double slope = (above - below) / (2 * step);
-  const double bend = (2 * here - above - below) / (step * step);
-  information = std::max(bend, std::abs(slope) / step);
-  offset = information > 0 ? slope / information : 0;
+/// The parabola through three values a step apart.
+void set_parabola(AxisLook& look, size_t axis, double below, double here, double above,
+                  double step) {
+  look.slope[axis] = (above - below) / (2 * step);
+  look.bend[axis] = (2 * here - above - below) / (step * step);
+  look.step[axis] = step;
 }
 
 }  // namespace
@@ -128,13 +126,13 @@ AxisLook Watch::look(const Motion& motion, WatchReport& report) {
     };
     const double above = ask(step);
     const double below = ask(-step);
-    parabola(below, here, above, step, look.offset[k], look.information[k]);
+    set_parabola(look, k, below, here, above, step);
     if (axis == Axis::kTime) {
       // Where stamps are late by more than the step sees, the top lies farther out.
       const double far_above = ask(kFarTime * step);
       const double far_below = ask(-kFarTime * step);
       if (std::max(far_above, far_below) > std::max({below, here, above})) {
-        parabola(far_below, here, far_above, kFarTime * step, look.offset[k], look.information[k]);
+        set_parabola(look, k, far_below, here, far_above, kFarTime * step);
       }
     }
     lowest = std::min({lowest, above, below});
@@ -142,7 +140,7 @@ AxisLook Watch::look(const Motion& motion, WatchReport& report) {
   }
   if (highest - lowest < options_.least_peak) {
     report.reason = "nothing to be learned here";
-    look.information.fill(0);
+    look = {};
   }
   report.looked = *report.reason == '\0';
   return look;
@@ -188,7 +186,7 @@ WatchReport Watch::take(const CameraFrame& grey, const SweepView& sweep, const M
       if (report.looked) {
         test_.add(said);
         ambiguity_.add(motion);
-        const double peak = said.information[1] * options_.rotation_step * options_.rotation_step;
+        const double peak = said.information(1) * options_.rotation_step * options_.rotation_step;
         report.kept = store_.offer(grey, sweep, points_, peak / (peak + kTellingPeak), travelled_,
                                    motion.angular_rate.norm());
       }

@@ -374,8 +374,8 @@ struct Kind {
 };
 
 int add_all() {
-  const std::vector<Kind> kinds = {{"online/detect/rotation_0.5_deg", {0, 1, 2}, 48, 20},
-                                   {"online/detect/translation_xy_5_cm", {3, 4}, 32, 60}};
+  const std::vector<Kind> kinds = {{"online/detect/rotation_0.5_deg", {0, 1, 2}, 100, 20},
+                                   {"online/detect/translation_xy_5_cm", {3, 4}, 60, 60}};
   const std::vector<std::pair<std::string, Who>> everyone = {
       {"", Who::kWatch},
       {"/baseline:mutual-information", Who::kInformation},
