@@ -114,6 +114,15 @@ Axis DriftTest::strongest() const {
   return best;
 }
 
+Axis DriftTest::stronger_look(Axis axis) const {
+  Axis best = axis;
+  for (size_t k = 0; k < kAxes; ++k) {
+    const auto other = static_cast<Axis>(k);
+    if (near_axis(other) == axis && evidence(other) > evidence(best)) best = other;
+  }
+  return best;
+}
+
 double DriftTest::offset(Axis axis) const {
   const Track& track = tracks_[static_cast<size_t>(axis)];
   return track.weight > 0 ? track.sum / track.weight : 0;

@@ -11,7 +11,6 @@ using geometry::Vector6;
 constexpr double kLongestGap = 2;     // s; what was driven in a longer one is not known
 constexpr double kNoEvidence = 0.5;   // nats
 constexpr double kTellingPeak = 0.1;  // nats; a picture with such a peak is worth a half
-constexpr double kFarTime = 2.5;      // steps of time of the wide look
 
 /// The parabola through three values a step apart.
 void set_parabola(AxisLook& look, size_t axis, double below, double here, double above,
@@ -25,8 +24,8 @@ void set_parabola(AxisLook& look, size_t axis, double below, double here, double
 
 std::optional<std::string> WatchOptions::invalid() const {
   if (!(rotation_step > 0) || !(far_step > rotation_step) || !(translation_step > 0) ||
-      !(time_step > 0)) {
-    return "steps must be positive, far_step more than rotation_step";
+      !(time_step > 0) || !(far_time_step > time_step)) {
+    return "steps must be positive, the far ones more than the near ones";
   }
   if (!(focal_samples >= 20)) return "focal_samples must be at least 20";
   if (max_points < min_points || min_points < 100) {
@@ -95,6 +94,7 @@ const char* Watch::why_not(const CameraFrame& grey, const Motion& motion) {
 
 double Watch::step_along(Axis axis) const {
   if (axis == Axis::kTime) return options_.time_step;
+  if (axis == Axis::kFarTime) return options_.far_time_step;
   if (axis >= Axis::kFarRotationX) return options_.far_step;
   return axis < Axis::kX ? options_.rotation_step : options_.translation_step;
 }
@@ -113,7 +113,7 @@ AxisLook Watch::look(const Motion& motion, WatchReport& report) {
     const auto axis = static_cast<Axis>(k);
     const double step = step_along(axis);
     Vector6 direction = Vector6::Zero();
-    if (axis == Axis::kTime) {
+    if (near_axis(axis) == Axis::kTime) {
       // A camera that is late by τ saw the world from where it was τ ago: its frame is moved by −τ
       // times the twist, and lidar points in it the other way.
       direction << motion.angular_rate, motion.velocity;
@@ -127,14 +127,6 @@ AxisLook Watch::look(const Motion& motion, WatchReport& report) {
     const double above = ask(step);
     const double below = ask(-step);
     set_parabola(look, k, below, here, above, step);
-    if (axis == Axis::kTime) {
-      // Where stamps are late by more than the step sees, the top lies farther out.
-      const double far_above = ask(kFarTime * step);
-      const double far_below = ask(-kFarTime * step);
-      if (std::max(far_above, far_below) > std::max({below, here, above})) {
-        set_parabola(look, k, far_below, here, far_above, kFarTime * step);
-      }
-    }
     lowest = std::min({lowest, above, below});
     highest = std::max({highest, above, below});
   }
@@ -158,10 +150,11 @@ void Watch::judge(WatchReport& report) {
   report.since = moved ? quiet_ : Stamp::earliest();
   for (int k = 0; k < 6; ++k) {
     // The top lies at +d: the present calibration is off by −d.
-    report.offset(k) = -test_.offset(static_cast<Axis>(k));
-    report.deviation(k) = test_.deviation(static_cast<Axis>(k));
+    const Axis look = test_.stronger_look(static_cast<Axis>(k));
+    report.offset(k) = -test_.offset(look);
+    report.deviation(k) = test_.deviation(look);
   }
-  report.delay = test_.offset(Axis::kTime);
+  report.delay = test_.offset(test_.stronger_look(Axis::kTime));
   report.delay_alike = ambiguity_.axis();
   report.fault = check_.fault();
   const bool certain = report.drift == Drift::kDrifted || report.drift == Drift::kSuspect;
