@@ -43,6 +43,9 @@ const std::vector<std::string> kConditions = {"online_2hz", "online_overcast", "
 const std::vector<std::string> kMore = {"online_jam", "online_stop_and_go", "pedestrian_zone",
                                         "kitti_00",   "kitti_05",           "kitti_07"};
 
+/// And so many other worlds along the same route, in every condition and in the jam.
+constexpr int kWorlds = 10;
+
 /// Seconds from the fault to suspicion and to certainty; kNever where there is none.
 struct Delay {
   double suspect = kNever, certain = kNever;
@@ -123,12 +126,13 @@ void detect(benchmark::State& state, const std::vector<int>& axes, size_t faults
 }
 
 /// One drive without a fault; gives back its hours, counts alarms, adds the evidence of its looks.
-double drive_without_fault(const std::string& name, Who who, int& alarms, NullTail& tail) {
+double drive_without_fault(const std::filesystem::path& drive, Who who, int& alarms,
+                           NullTail& tail) {
   std::optional<watch::Watch> watch;
   std::optional<LevinsonThrun> levinson;
   Stamp first, last;
   bool raised = false;
-  for_each_pair(rendered_drive(name), [&](const Truth& truth, Pair& pair) {
+  for_each_pair(drive, [&](const Truth& truth, Pair& pair) {
     last = pair.grey.stamp;
     if (!watch) {
       watch.emplace(truth.intrinsics, truth.T_camera_lidar, options_of(who));
@@ -151,8 +155,24 @@ double drive_without_fault(const std::string& name, Who who, int& alarms, NullTa
   return to_seconds(last - first) / 3600;
 }
 
-bool is_there(const std::string& name) {
-  return !name.starts_with("kitti") || std::filesystem::exists(bench_drives() / name);
+/// The drives of `false_alarms`.
+std::vector<std::filesystem::path> drives_without_fault(Who who) {
+  std::vector<std::filesystem::path> drives;
+  for (const std::string& name : kConditions) drives.push_back(rendered_drive(name));
+  if (who == Who::kLevinson) return drives;  // a grid of 728 poses takes long
+  for (const std::string& name : kMore) {
+    if (name.starts_with("kitti") && !std::filesystem::exists(bench_drives() / name)) continue;
+    drives.push_back(rendered_drive(name));
+  }
+  std::vector<std::string> again = kConditions;
+  again.emplace_back("online_jam");
+  for (int seed = 101; seed < 101 + kWorlds; ++seed) {
+    const std::string number = std::to_string(seed);
+    for (const std::string& name : again) {
+      drives.push_back(rendered_drive(name, name + "_" + number, " --seed " + number));
+    }
+  }
+  return drives;
 }
 
 /// Looks without an alarm, in all conditions, as drive hours a false alarm (one counted where there
@@ -162,13 +182,10 @@ void false_alarms(benchmark::State& state, Who who) {
   int alarms = 0;
   NullTail tail;
   for (auto _ : state) {
-    std::vector<std::string> names = kConditions;
-    if (who != Who::kLevinson) names.insert(names.end(), kMore.begin(), kMore.end());
-    for (const std::string& name : names) {
-      if (!is_there(name)) continue;
-      const double driven = drive_without_fault(name, who, alarms, tail);
-      std::fprintf(stderr, "%s: %.1f min, %d alarms so far, %zu peaks\n", name.c_str(), 60 * driven,
-                   alarms, tail.peaks());
+    for (const std::filesystem::path& drive : drives_without_fault(who)) {
+      const double driven = drive_without_fault(drive, who, alarms, tail);
+      std::fprintf(stderr, "%s: %.1f min, %d alarms so far, %zu peaks\n", drive.filename().c_str(),
+                   60 * driven, alarms, tail.peaks());
       hours += driven;
     }
     state.SetIterationTime(1);
