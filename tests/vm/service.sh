@@ -39,9 +39,12 @@ check "the configuration is right" infused --check-config --config /etc/infuse/i
 
 # The lidar is in a network namespace of its own, at the other end of a cable.
 ip netns add car
-ip link add lidar0 type veth peer name car0 netns car
-ip addr add 10.77.0.2/24 dev lidar0 && ip link set lidar0 up
-ip -n car addr add 10.77.0.1/24 dev car0 && ip -n car link set car0 up
+lay_cable() {
+  ip link add lidar0 type veth peer name car0 netns car
+  ip addr add 10.77.0.2/24 dev lidar0 && ip link set lidar0 up
+  ip -n car addr add 10.77.0.1/24 dev car0 && ip -n car link set car0 up
+}
+lay_cable
 play_bus() { canplayer -l i -I /proof/can.log vcan0=vcan0 >/tmp/canplayer.log 2>&1 & player=$!; }
 send_lidar() { setsid ip netns exec car bash -c 'while /proof/infuse-send-capture /proof/street.pcap --to 10.77.0.2; do :; done' >/tmp/sender.log 2>&1 & sender=$!; }
 hush_bus() { kill $player; wait $player; } 2>/dev/null
@@ -76,6 +79,7 @@ check "and all are OK" within 6 all_ok
 if [[ ${1-} == faults ]]; then
 . /proof/kills.sh
 . /proof/record.sh
+. /proof/several.sh
 
 mount -t tmpfs -o size=16k,uid=infuse,gid=infuse,mode=750 none /var/lib/infuse
 systemctl restart infused.service
