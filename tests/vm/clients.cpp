@@ -3,10 +3,10 @@
 //   vm-clients hold SOCKET SECONDS     watches everything and never reads
 //   vm-clients crowd SOCKET COUNT      connects so often at once, then lets go
 //   vm-clients refused SOCKET          asks for what is not for this user; 0: all of it was refused
-//   vm-clients kill PID SOCKET FILE    kills the daemon and asks the next; tells when it was killed,
-//                                      when the next answered (ms of the monotonic clock), and how
+//   vm-clients kill PID SOCKET FILE    kills the daemon, asks the next; tells when it was killed,
+//                                      when the next answered (ms of the monotonic clock), how
 //                                      long the machine stood still, by FILE of its host too
-//   vm-clients receiver LINK           a GPS receiver on a serial line that LINK leads to, for ever
+//   vm-clients receiver LINK           a GPS receiver on a serial line, where LINK leads to
 
 #include <fcntl.h>
 #include <sys/resource.h>
