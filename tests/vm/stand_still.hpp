@@ -46,7 +46,7 @@ class StandStill {
 
  private:
   static constexpr long kPeriodMs = 10;
-  static constexpr long kUsualMs = 20;  // of delay, and not counted
+  static constexpr long kUsualMs = 5;  // of delay, and not counted
 
   struct Watch {
     std::atomic<long> late_ms = 0;
