@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "drivers/measurement/stamp.hpp"
-#include "fusion/dependence/prepared_dependence.hpp"
+#include "fusion/dependence/label_dependence.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/streetmap/label_window.hpp"
 #include "fusion/streetmap/local_grid.hpp"
@@ -87,19 +87,20 @@ class Tracker {
 
  private:
   bool moved_on();
-  double score_of(const PlanarPose& pose, dependence::PreparedDependence& prepared,
-                  const GridSamples& samples,
+  double reach(double spread) const;
+  double score_of(const PlanarPose& pose, const GridSamples& samples,
                   const std::optional<dependence::HyperParameters>& kept,
-                  dependence::HyperParameters* chosen);
-  void weigh(dependence::PreparedDependence& prepared, const GridSamples& samples);
-  void test_against_chance(dependence::PreparedDependence& prepared, const GridSamples& samples);
-  void look_elsewhere(dependence::PreparedDependence& prepared, const GridSamples& samples);
+                  dependence::HyperParameters* chosen = nullptr);
+  void weigh(const GridSamples& samples);
+  void test_against_chance(const GridSamples& samples);
+  void look_elsewhere(const GridSamples& samples);
   void judge();
 
   const SegmentMap& map_;
   TrackerOptions options_;
   LocalGrid grid_;
   LabelWindow window_;
+  dependence::LabelDependence dependence_;
   ParticleSet particles_;
   NullTest null_test_;
   Scouts scouts_;
@@ -111,7 +112,8 @@ class Tracker {
   double score_ = 0;
   int updates_since_search_ = 0;
   PlanarPose updated_at_;  // odometry's pose at the last update
-  double news_ = 1;        // share of what is seen that is new since then
+  double seconds_since_update_ = 0;
+  double news_ = 1;  // share of what is seen that is new since then
 
   // Scratch.
   GridSamples samples_;

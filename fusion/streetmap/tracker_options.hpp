@@ -55,12 +55,14 @@ struct TrackerOptions {
   Labelling labelling = Labelling::kKinds;
   dependence::FitOptions fit{
       .centres = 40, .sigmas = {1.0, 1.5, 2.2, 3.3}, .lambdas = {1e-4, 1e-3, 1e-2, 1e-1}};
-  double omission = 0.9;      ///< share of particles whose cross-validation is left out, I 3.3.2
-  double least_motion = 0.3;  ///< m between updates: what is seen from one place counts once
-  double least_turn = 0.03;   ///< rad, the same
-  double sharpness = 8;       ///< log-weight per unit of SMI of a view that is wholly new
-  double fresh = 10;          ///< m driven until it is: views that overlap, and a map that is wrong
-                              ///< for tens of metres, are no independent evidence
+  double omission = 0.9;       ///< share of particles whose cross-validation is left out, I 3.3.2
+  double most_validated = 16;  ///< particles an update that are cross-validated, in the mean
+  double least_motion = 0.3;   ///< m between updates: what is seen from one place counts once
+  double least_turn = 0.03;    ///< rad, the same
+  double sharpness = 8;        ///< log-weight per unit of SMI of a view that is wholly new
+  double fresh = 10;  ///< m driven until it is: views that overlap, and a map that is wrong
+                      ///< for tens of metres, are no independent evidence
+  double fresh_seconds = 1e9;  ///< s of driving, which add to it
   ParticleOptions particles;
   ConfidenceOptions confidence;
   ScoutOptions scouts;
