@@ -97,10 +97,10 @@ std::vector<PairedSweep> pair_sweeps(OpenDrive& open,
   const auto on_sample = [&](const VehicleSample& sample) { pairing.take(sample); };
   const double span =
       pictures.empty() ? 1 : to_seconds(pictures.back().stamp - pictures.front().stamp);
-  play_lidar(open.setup, open.lidar, on_sweep, on_sample, [&](Stamp now) {
-    pairing.advance(now);
+  play_lidar(open.setup, open.lidar, on_sweep, on_sample, [&](const recording::DriveEvent& event) {
+    pairing.advance(event.stamp);
     if (!pictures.empty() && span > 0) {
-      progress(std::clamp(to_seconds(now - pictures.front().stamp) / span, 0.0, 1.0));
+      progress(std::clamp(to_seconds(event.stamp - pictures.front().stamp) / span, 0.0, 1.0));
     }
     return !pairing.done();
   });

@@ -124,8 +124,8 @@ void decode(DriveSetup& setup, size_t lidar, bool straight, Writer& writer) {
   const auto on_straight = [&](const Sweep& sweep, const motion::StraightSweep& moved) {
     writer.take(sweep, moved);
   };
-  play_lidar(setup, lidar, on_sweep, on_sample, [&](Stamp now) {
-    sweeps.release(now, on_straight);
+  play_lidar(setup, lidar, on_sweep, on_sample, [&](const recording::DriveEvent& event) {
+    sweeps.release(event.stamp, on_straight);
     return !writer.done();
   });
   if (!writer.done()) sweeps.finish(on_straight);

@@ -9,8 +9,9 @@
 namespace infuse::daemon {
 
 /// Plays a drive for one of its lidars and the vehicle's odometry: `on_sweep(Sweep&)`,
-/// `on_sample(const VehicleSample&)`, and after every event `go_on(Stamp)`, false of which ends it
-/// early. At the drive's end the sweep that was being assembled is given as well.
+/// `on_sample(const VehicleSample&)`, and after every event of the drive `go_on(const
+/// DriveEvent&)`, false of which ends it early. At the drive's end the sweep that was being
+/// assembled is given as well.
 template <class OnSweep, class OnSample, class GoOn>
 void play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample, GoOn go_on) {
   LidarIntake intake(setup.lidars[lidar]);
@@ -28,7 +29,7 @@ void play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_s
     } else if (const auto* fix = std::get_if<GpsFix>(&event.content)) {
       on_sample(*fix);
     }
-    if (!go_on(event.stamp)) return;
+    if (!go_on(event)) return;
   }
   intake.finish(on_sweep);
 }

@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "daemon/command_line/progress_line.hpp"
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/commands/play_lidar.hpp"
 #include "drivers/camera/colour.hpp"
 #include "drivers/camera/picture.hpp"
 #include "drivers/recording/drive.hpp"
@@ -160,21 +160,16 @@ class Pairing {
 };
 
 void read_drive(DriveSetup& setup, size_t camera, size_t lidar, Pairing& pairing) {
-  LidarIntake intake(setup.lidars[lidar]);
   ProgressLine line;
   const auto on_sweep = [&](Sweep& sweep) { pairing.take(sweep); };
-  recording::DriveEvent event;
-  while (setup.source.next(event)) {
-    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
-      if (datagram->lidar == lidar) intake.take(datagram->datagram, on_sweep);
-    } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-      if (sweep->lidar == lidar) intake.take(*sweep->sweep, on_sweep);
-    } else if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
+  const auto on_sample = [](const VehicleSample&) {};
+  play_lidar(setup, lidar, on_sweep, on_sample, [&](const recording::DriveEvent& event) {
+    if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
       if (image->camera == camera) pairing.take({*image->path, event.stamp});
       line.show(std::nullopt, fmt::format("picture {}", image->sequence));
     }
-  }
-  intake.finish(on_sweep);
+    return true;
+  });
   pairing.finish();
   line.clear();
 }

@@ -43,7 +43,7 @@ void QuickPoints::find_discontinuity(const SweepView& sweep) {
   for (float& step : discontinuity_) step = std::sqrt(step);
 }
 
-/// NaN for returns farther along their ring any edge than
+/// NaN for returns farther along their ring from any edge than
 /// `calibration::DiscontinuityOptions::reach`.
 void QuickPoints::leave_out_far_from_edges(const SweepView& sweep) {
   near_edge_.assign(sweep.size(), 0);

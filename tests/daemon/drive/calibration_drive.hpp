@@ -40,12 +40,8 @@ phase_s = 0.05
 samples = 1
 format = "jpg"
 )" + more;
-  const std::filesystem::path maps = std::filesystem::path(INFUSE_SOURCE_DIR) / "fixtures/maps";
-  auto scenario = simulator::parse_scenario(text, "test.toml", maps);
-  ASSERT_TRUE(scenario) << scenario.error().message();
-  auto simulation = simulator::Simulation::create(*scenario, 2);
-  ASSERT_TRUE(simulation) << simulation.error().message();
-  ASSERT_TRUE(write_drive(*simulation, folder, [](double) {}));
+  const auto made = simulate(folder, text);
+  ASSERT_TRUE(made) << made.error().message();
 }
 
 /// What a replay told of its one camera's calibration.

@@ -15,23 +15,25 @@ namespace {
 using testing::Contains;
 using testing::Not;
 
-ReplayedOptions applying() {
+/// What is told of a drive with `faults` by a daemon that may apply what it estimates.
+Story story_with(const std::string& faults, double seconds, int turn_every) {
+  const TemporaryFolder folder;
+  make_online_drive(folder / "drive", seconds, turn_every, faults);
   ReplayedOptions options;
   options.pipeline.calibration.decision.policy = watch::Policy::kApply;
-  return options;
+  const auto told = replayed(folder / "drive", options);
+  EXPECT_TRUE(told) << told.error().message();
+  return told ? story_of(*told) : Story();
 }
 
 TEST(CalibrationFaults, LateStampsAreNamed) {
-  const TemporaryFolder folder;
-  ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 45, 1, R"(
+  const Story story = story_with(R"(
 [[fault]]
 kind = "late"
 from_s = 15
 amount = 0.2
-)"));
-  const auto late = replayed(folder / "drive", applying());
-  ASSERT_TRUE(late) << late.error().message();
-  const Story story = story_of(*late);
+)",
+                                 45, 1);
   EXPECT_THAT(story.faults, Contains("late"));
   EXPECT_THAT(story.alerts, Contains("front.camera_fault"));
   EXPECT_THAT(story.states, Not(Contains("RECALIBRATING")));
@@ -41,8 +43,7 @@ amount = 0.2
 }
 
 TEST(CalibrationFaults, FrozenBlackAndDirtyAreNamed) {
-  const TemporaryFolder folder;
-  ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 55, 5, R"(
+  const Story story = story_with(R"(
 [[fault]]
 kind = "frozen"
 from_s = 10
@@ -55,10 +56,8 @@ to_s = 21
 kind = "dirty"
 from_s = 26
 amount = 1
-)"));
-  const auto faulty = replayed(folder / "drive", applying());
-  ASSERT_TRUE(faulty) << faulty.error().message();
-  const Story story = story_of(*faulty);
+)",
+                                 55, 5);
   EXPECT_THAT(story.faults, testing::IsSupersetOf({"frozen", "black", "dirty"}));
   EXPECT_THAT(story.states, Not(Contains("RECALIBRATING")));
   EXPECT_EQ(story.last["state"], "UNUSABLE");
@@ -68,17 +67,14 @@ amount = 1
 // The scenes are tampered with: the camera is turned for just so long that a new calibration is
 // found and applied, and then stands as before.
 TEST(CalibrationFaults, ABadUpdateIsTakenBack) {
-  const TemporaryFolder folder;
-  ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 75, 5, R"(
+  const Story story = story_with(R"(
 [[fault]]
 kind = "extrinsic_step"
 from_s = 8
 to_s = 38
 rotation_deg = [0, 1, 0]
-)"));
-  const auto tampered = replayed(folder / "drive", applying());
-  ASSERT_TRUE(tampered) << tampered.error().message();
-  const Story story = story_of(*tampered);
+)",
+                                 75, 5);
   EXPECT_THAT(story.states, Contains("RECALIBRATED"));
   EXPECT_THAT(story.alerts, Contains("front.calibration_changed"));
   bool told = false;

@@ -41,12 +41,8 @@ void make_drive(const std::filesystem::path& folder, double sun) {
       "rate_hz = 1\n"
       "phase_s = 0.05\n"
       "format = \"jpg\"\n";
-  const std::filesystem::path maps = std::filesystem::path(INFUSE_SOURCE_DIR) / "fixtures/maps";
-  auto scenario = simulator::parse_scenario(text, "test.toml", maps);
-  ASSERT_TRUE(scenario) << scenario.error().message();
-  auto simulation = simulator::Simulation::create(*scenario, 2);
-  ASSERT_TRUE(simulation) << simulation.error().message();
-  ASSERT_TRUE(write_drive(*simulation, folder, [](double) {}));
+  const auto made = simulate(folder, text);
+  ASSERT_TRUE(made) << made.error().message();
 }
 
 /// The measure at the truth, having seen that it is less everywhere along the axes.

@@ -20,7 +20,7 @@ using testing::HasSubstr;
 class DriveReplayTest : public testing::Test {
  protected:
   void SetUp() override {
-    const auto summary = simulate(drive_, 3);
+    const auto summary = simulate_car(drive_, 3);
     ASSERT_TRUE(summary) << summary.error().message();
     summary_ = *summary;
   }
@@ -181,7 +181,7 @@ TEST_F(DriveReplayTest, BadLinesAndTimesOnTheBusAreReportedAndNothingElseIsLost)
 }
 
 TEST_F(DriveReplayTest, SilenceOfTheBusLeavesSweepsAsTheyAreAndSaysSo) {
-  ASSERT_TRUE(simulate(drive_, 4));
+  ASSERT_TRUE(simulate_car(drive_, 4));
   write(drive_ / "imu.csv", content(drive_ / "imu.csv").substr(0, 2000));
   write(drive_ / "gps.csv", content(drive_ / "gps.csv").substr(0, 500));
   change_bus([](size_t, const std::string& line) {

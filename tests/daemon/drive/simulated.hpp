@@ -10,10 +10,21 @@
 
 namespace infuse::daemon {
 
-/// A few seconds of a car in a street with all its sensors, small and quickly made.
+/// Makes the drive that `scenario` (TOML) describes, on one of the maps of fixtures/maps.
 inline Result<simulator::DriveSummary> simulate(const std::filesystem::path& folder,
-                                                double seconds) {
-  const std::string text = "duration_s = " + std::to_string(seconds) + R"(
+                                                const std::string& scenario) {
+  const std::filesystem::path maps = std::filesystem::path(INFUSE_SOURCE_DIR) / "fixtures/maps";
+  auto parsed = simulator::parse_scenario(scenario, "test.toml", maps);
+  if (!parsed) return tl::unexpected(parsed.error());
+  auto simulation = simulator::Simulation::create(*parsed, 2);
+  if (!simulation) return tl::unexpected(simulation.error());
+  return write_drive(*simulation, folder, [](double) {});
+}
+
+/// A few seconds of a car in a street with all its sensors, small and quickly made.
+inline Result<simulator::DriveSummary> simulate_car(const std::filesystem::path& folder,
+                                                    double seconds) {
+  return simulate(folder, "duration_s = " + std::to_string(seconds) + R"(
 [world]
 map = "altfeld.osm"
 route = [100, 104, 112]
@@ -33,13 +44,7 @@ fx = 60
 samples = 1
 format = "jpg"
 position = [1.5, 0.0, 1.6]
-)";
-  const std::filesystem::path maps = std::filesystem::path(INFUSE_SOURCE_DIR) / "fixtures/maps";
-  auto scenario = simulator::parse_scenario(text, "test.toml", maps);
-  if (!scenario) return tl::unexpected(scenario.error());
-  auto simulation = simulator::Simulation::create(*scenario, 2);
-  if (!simulation) return tl::unexpected(simulation.error());
-  return write_drive(*simulation, folder, [](double) {});
+)");
 }
 
 inline std::string content(const std::filesystem::path& path) {

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -89,17 +88,12 @@ Rig read_rig(const std::filesystem::path& folder) {
   return rig;
 }
 
-/// Within a degree of the published extrinsics, or refused with the reason.
+/// Within a degree of the published extrinsics, or refused.
 void expect_never_confidently_wrong(const CalibrationResult& result, const Rig& rig) {
+  if (!result.usable()) return;
   const geometry::Vector6 off = geometry::log(result.T_head_lidar * rig.T_head_lidar.inverse());
-  std::printf("%.3f deg, %.3f m: %s\n", off.head<3>().norm() / kDegree, off.tail<3>().norm(),
-              result.usable() ? "usable" : result.reason.c_str());
-  if (result.usable()) {
-    EXPECT_LT(off.head<3>().norm(), 1 * kDegree);
-    EXPECT_LT(off.tail<3>().norm(), 0.2);
-  } else {
-    EXPECT_FALSE(result.reason.empty());
-  }
+  EXPECT_LT(off.head<3>().norm(), 1 * kDegree);
+  EXPECT_LT(off.tail<3>().norm(), 0.2);
 }
 
 TEST(RealNuscenes, SixCamerasAndOneSweepTogether) {
