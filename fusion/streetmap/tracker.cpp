@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kOutside = -1e3;  // log-weight of a particle beyond the map
 constexpr size_t kFewestSamples = 100;
+constexpr double kViewYaw = 0.03;     // rad, how well one view tells the heading
 constexpr double kWidestSpread = 20;  // m, of particles that all see the map
 
 }  // namespace
@@ -52,13 +53,13 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options)
     : map_(map),
       options_(options),
       grid_(options.grid),
-      dependence_(options.fit),
+      view_(options.measure, options.fit),
       particles_(options.particles, options.seed),
       null_test_(options.confidence.window),
       scouts_(options.scouts, options.seed + 2),
       random_(options.seed + 1) {
   const auto samples = static_cast<size_t>(options.grid.most_samples);
-  dependence_.reserve(options.grid.most_samples, kFeatures, kSegmentKinds);
+  view_.reserve(options.grid.most_samples, kSegmentKinds);
   window_.reserve(map, reach(kWidestSpread), options.labelling);
   samples_.features.resize(options.grid.most_samples, kFeatures);
   samples_.x.reserve(samples);
@@ -96,7 +97,10 @@ void Tracker::search(const PlanarPose& pose, double radius, double yaw) {
 
 void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step) {
   odometry_ = odometry_.then(motion);
-  seconds_since_update_ += to_seconds(step);
+  driven_s_ += to_seconds(step);
+  const double place = options_.confidence.map_sigma;
+  blurred_ += (covariance(0, 0) + covariance(1, 1)) / (place * place) +
+              covariance(2, 2) / (kViewYaw * kViewYaw);
   if (!started_) return;
   particles_.move(motion, covariance, to_seconds(step));
   scouts_.move(motion);
@@ -114,8 +118,7 @@ void Tracker::update() {
 
 void Tracker::update(const GridSamples& samples) {
   if (!started_ || samples.size() < kFewestSamples || !moved_on()) return;
-  dependence_.prepare(samples.features.matrix());
-  if (*dependence_.reason() != '\0') return;
+  if (*view_.prepare(samples) != '\0') return;
   const PoseMoments before = particles_.moments();
   window_.read(map_, before.mean.x, before.mean.y, reach(before.spread()), options_.labelling);
   labels_.resize(samples.size());
@@ -133,22 +136,25 @@ bool Tracker::moved_on() {
       std::abs(motion.yaw) < options_.least_turn) {
     return false;
   }
-  news_ = updates_since_search_ == 0
-              ? 1
-              : std::min(1.0, std::hypot(motion.x, motion.y) / options_.fresh +
-                                  seconds_since_update_ / options_.fresh_seconds);
+  news_ = updates_since_search_ == 0 ? 1 : news(std::hypot(motion.x, motion.y));
   updated_at_ = odometry_;
-  seconds_since_update_ = 0;
+  driven_s_ = 0;
+  blurred_ = 0;
   return true;
+}
+
+// How much of a view is evidence of its own. Where the map is wrong it is so for tens of metres,
+// and the odometry ties one view to the next: what it forgot in between, by its drift or by its
+// stated covariance against what one view tells, must be found anew.
+double Tracker::news(double distance) const {
+  return std::min(1.0, distance / options_.fresh + driven_s_ / options_.fresh_seconds + blurred_);
 }
 
 double Tracker::score_of(const PlanarPose& pose, const GridSamples& samples,
                          const std::optional<dependence::HyperParameters>& kept,
                          dependence::HyperParameters* chosen) {
   window_.look_up(pose, samples.x, samples.y, labels_);
-  const auto answer = dependence_.ask(labels_, window_.label_count(), kept);
-  if (chosen != nullptr) *chosen = answer.chosen;
-  return answer.usable() ? answer.value : 0;
+  return view_.ask(labels_, window_, kept, chosen);
 }
 
 // I 3.3.2: some particles, chosen at random, are cross-validated; the others keep what they have,
