@@ -145,9 +145,14 @@ bool Tracker::moved_on() {
 
 // How much of a view is evidence of its own. Where the map is wrong it is so for tens of metres,
 // and the odometry ties one view to the next: what it forgot in between, by its drift or by its
-// stated covariance against what one view tells, must be found anew.
+// stated covariance against what one view tells, must be found anew. Particles that are spread
+// wider than the map is wrong learn from views that share the map's error.
 double Tracker::news(double distance) const {
-  return std::min(1.0, distance / options_.fresh + driven_s_ / options_.fresh_seconds + blurred_);
+  constexpr double kMostHaste = 4;
+  const double spread = particles_.moments().spread() / options_.confidence.map_sigma;
+  const double haste = std::clamp(spread * spread, 1.0, kMostHaste);
+  return std::min(
+      1.0, haste * distance / options_.fresh + driven_s_ / options_.fresh_seconds + blurred_);
 }
 
 double Tracker::score_of(const PlanarPose& pose, const GridSamples& samples,
