@@ -43,8 +43,10 @@ std::optional<SavedCalibration> read_one(const Json& object) {
       !since->is_number_integer() || !configured || !used) {
     return std::nullopt;
   }
+  const auto frozen = object.find("frozen");  // files of before have none
+  if (frozen != object.end() && !frozen->is_boolean()) return std::nullopt;
   return SavedCalibration{camera->get<std::string>(), Stamp::from_ns(since->get<int64_t>()),
-                          *configured, *used};
+                          frozen != object.end() && frozen->get<bool>(), *configured, *used};
 }
 
 /// As far apart as printing and reading back can bring them.
@@ -60,6 +62,7 @@ std::string format_calibrations(const std::vector<SavedCalibration>& calibration
     json["cameras"].push_back(
         {{"camera", calibration.camera},
          {"since_ns", calibration.since.ns()},
+         {"frozen", calibration.frozen},
          {"T_camera_lidar_configured", by_row(calibration.T_camera_lidar_configured)},
          {"T_camera_lidar", by_row(calibration.T_camera_lidar)}});
   }
@@ -99,11 +102,14 @@ std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
   }
   calibrations_.clear();
   for (CameraMount& camera : rig.cameras) {
-    calibrations_.push_back({camera.name, {}, camera.T_camera_lidar, camera.T_camera_lidar});
+    calibrations_.push_back({camera.name, {}, false, camera.T_camera_lidar, camera.T_camera_lidar});
     const auto found = std::find_if(saved.begin(), saved.end(), [&](const SavedCalibration& one) {
       return one.camera == camera.name;
     });
-    if (found == saved.end() || same(found->T_camera_lidar, camera.T_camera_lidar)) continue;
+    if (found == saved.end()) continue;
+    calibrations_.back().frozen = found->frozen;
+    if (found->frozen) lines.push_back(camera.name + ": the calibration is frozen");
+    if (same(found->T_camera_lidar, camera.T_camera_lidar)) continue;
     if (!same(found->T_camera_lidar_configured, camera.T_camera_lidar)) {
       lines.push_back(camera.name + ": another calibration was configured since; it is used");
       continue;
@@ -115,14 +121,23 @@ std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
   return lines;
 }
 
+std::vector<std::string> SavedCalibrations::frozen() const {
+  std::vector<std::string> cameras;
+  for (const SavedCalibration& calibration : calibrations_) {
+    if (calibration.frozen) cameras.push_back(calibration.camera);
+  }
+  return cameras;
+}
+
 Result<void> SavedCalibrations::keep(const CalibrationReport& report) {
   for (SavedCalibration& calibration : calibrations_) {
-    if (calibration.camera != report.camera ||
-        same(calibration.T_camera_lidar, report.T_camera_lidar)) {
+    const bool moved = !same(calibration.T_camera_lidar, report.T_camera_lidar);
+    if (calibration.camera != report.camera || (!moved && calibration.frozen == report.frozen)) {
       continue;
     }
+    calibration.frozen = report.frozen;
     calibration.T_camera_lidar = report.T_camera_lidar;
-    calibration.since = report.stamp;
+    if (moved) calibration.since = report.stamp;
     if (path_.empty()) return {};
     std::error_code ignored;  // the writing says what is wrong
     std::filesystem::create_directories(path_.parent_path(), ignored);

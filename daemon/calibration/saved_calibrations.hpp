@@ -16,7 +16,8 @@ inline constexpr const char* kCalibrationsFile = "calibrations.json";
 /// The calibration in use of one camera, and the one that was configured when it was found.
 struct SavedCalibration {
   std::string camera;
-  Stamp since;  ///< of its use
+  Stamp since;          ///< of its use
+  bool frozen = false;  ///< the owner wants nothing changed
   Eigen::Isometry3d T_camera_lidar_configured = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
 };
@@ -35,7 +36,10 @@ class SavedCalibrations {
   /// configured another calibration since, that one counts. What is to be told of it, a line each.
   std::vector<std::string> restore(Rig& rig);
 
-  /// Writes the file where a calibration in use has changed.
+  /// The cameras whose calibrations the owner had frozen.
+  std::vector<std::string> frozen() const;
+
+  /// Writes the file where a calibration in use has changed, or was frozen or let go.
   Result<void> keep(const CalibrationReport& report);
 
  private:

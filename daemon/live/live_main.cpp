@@ -204,6 +204,9 @@ int run_live(const LiveArguments& arguments, const Config& config) {
       io, *std::move(setup),
       {config.health, config.odometry, config.streetmap, &map->map, config.calibration}, server,
       [&] { on_end(); }, base, records.tap());
+  for (const std::string& camera : calibrations.frozen()) {
+    static_cast<void>(live.ask({.op = Request::Op::kFreeze, .device = camera}));
+  }
   records.tell_to(live.publisher());
   if (config.metrics.any()) feed(metrics, arguments.release, live.publisher());
   live.publisher().on_calibration([&](const CalibrationReport& report) {

@@ -4,12 +4,14 @@
 
 #include <cstdlib>
 
+#include "daemon/service/abort_note.hpp"
 #include "daemon/service/atomic_file.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 constexpr const char* kDevice = "infused";
+constexpr const char* kAbortNote = "aborted";  // beside the state
 
 }  // namespace
 
@@ -32,17 +34,20 @@ std::optional<AlertReport> RunRecord::begin(Stamp now) {
   if (unclean) ++state_.unclean;
   state_.running = true;
   if (const auto written = write(now); !written) spdlog::error("{}", written.error().message());
+  const std::filesystem::path note = file_.parent_path() / kAbortNote;
+  const bool aborted = take_abort_note(note);
+  leave_note_on_abort(note);
   if (!unclean) return std::nullopt;
-  spdlog::warn("the run before did not end by itself");
-  return AlertReport{
-      now,
-      kDevice,
-      true,
-      {"restarted", Level::kWarn, now,
-       fmt::format("the run before did not end by itself; it was last seen {:.0f} s ago, and this "
-                   "is the {}. time",
-                   to_seconds(now - last_seen), state_.unclean),
-       "look at: journalctl -u infused"}};
+  const char* what = aborted ? "the watchdog ended the run before, which was stuck"
+                             : "the run before did not end by itself";
+  spdlog::warn("{}", what);
+  return AlertReport{now,
+                     kDevice,
+                     true,
+                     {"restarted", Level::kWarn, now,
+                      fmt::format("{}; it was last seen {:.0f} s ago, and this is the {}. time",
+                                  what, to_seconds(now - last_seen), state_.unclean),
+                      "look at: journalctl -u infused"}};
 }
 
 std::optional<AlertReport> RunRecord::keep(Stamp now) {

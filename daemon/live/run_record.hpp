@@ -16,7 +16,8 @@ class RunRecord {
   static RunRecord from_environment();
   explicit RunRecord(std::filesystem::path file) : file_(std::move(file)) {}
 
-  /// A run begins. An alert where the one before did not end by itself.
+  /// A run begins. An alert where the one before did not end by itself, which says so where it was
+  /// the watchdog that ended it.
   std::optional<AlertReport> begin(Stamp now);
 
   /// Writes the state, at most every 10 s. An alert where that can no longer be done, and where it

@@ -94,12 +94,13 @@ bool Recorder::take_orders(std::stop_token& stop) {
 
 void Recorder::write(Duration patience) {
   const Stamp begin = base_.now();
-  while (base_.now() - begin < patience) {
+  bool caught_up = false;
+  while (!caught_up && base_.now() - begin < patience) {
     const Pin<RecordChunk> chunk = reader_.next();
-    if (!chunk) break;
-    parser_.take(*chunk, [this](const Record& record) { recording_->take(record); });
+    caught_up = !chunk;
+    if (chunk) parser_.take(*chunk, [this](const Record& record) { recording_->take(record); });
   }
-  recording_->look_after(base_.now(), parser_.lost());
+  recording_->look_after(base_.now(), parser_.lost(), caught_up);
 }
 
 void Recorder::tell() {

@@ -50,7 +50,9 @@ Result<Recording> Recording::begin(RecordingPlan plan, Stamp now) {
 
 void Recording::take(const Record& record) {
   const Stamp stamp = record.stamp();
-  if (report_.ended || stamp < plan_.from || stamp > plan_.until) return;
+  if (report_.ended || stamp < plan_.from) return;
+  if (stamp - plan_.until > kPatience) return end("");
+  if (stamp > plan_.until) return;
   if (!first_) first_ = first_of_drive_ = stamp;
   if (stamp - *first_ > plan_.longest) return end("it is as long as it may be");
   report_.duration = std::max(report_.duration, stamp - *first_);
@@ -117,12 +119,12 @@ Result<void> Recording::split_if_due(Stamp stamp) {
   return {};
 }
 
-void Recording::look_after(Stamp now, uint64_t lost) {
+void Recording::look_after(Stamp now, uint64_t lost, bool caught_up) {
   if (report_.ended) return;
   report_.stamp = now;
   report_.lost = lost;
   flush(now);
-  if (!report_.ended) check_bounds(now);
+  if (!report_.ended) check_bounds(now, caught_up);
 }
 
 void Recording::flush(Stamp now) {
@@ -132,10 +134,11 @@ void Recording::flush(Stamp now) {
   synced_ = now;
 }
 
-void Recording::check_bounds(Stamp now) {
-  if (now - plan_.until > kPatience) return end("");
-  if (!first_ && now - plan_.from > plan_.longest + kPatience)
+void Recording::check_bounds(Stamp now, bool caught_up) {
+  if (caught_up && now - plan_.until > kPatience) return end("");
+  if (caught_up && !first_ && now - plan_.from > plan_.longest + kPatience) {
     return end("no sensor said anything");
+  }
   const auto free = free_bytes(drive_.folder());
   if (!free || *free >= plan_.min_free) return;
   end(fmt::format("{}: only {} are free, and {} are to stay free", drive_.folder().string(),

@@ -37,8 +37,9 @@ class Recording {
   /// Takes a record; nothing where it lies outside the bounds.
   void take(const Record& record);
 
-  /// Looks after the disk and the bounds. `lost`: records that did not come, so far.
-  void look_after(Stamp now, uint64_t lost);
+  /// Looks after the disk and the bounds. `lost`: records that did not come, so far. `caught_up`:
+  /// it was given all there is; until then records that are to be in it may wait.
+  void look_after(Stamp now, uint64_t lost, bool caught_up);
 
   /// No record is taken from `until` on.
   void end_at(Stamp until) { plan_.until = std::min(plan_.until, until); }
@@ -61,7 +62,7 @@ class Recording {
   Result<void> write_picture(const Record& record);
   Result<void> split_if_due(Stamp stamp);
   void flush(Stamp now);
-  void check_bounds(Stamp now);
+  void check_bounds(Stamp now, bool caught_up);
 
   RecordingPlan plan_;
   recording::DriveWriter drive_;

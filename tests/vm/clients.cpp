@@ -1,26 +1,30 @@
-// Clients of the daemon that do what they should not.
+// Clients of the daemon that do what they should not, and a receiver for it.
 //
 //   vm-clients hold SOCKET SECONDS     watches everything and never reads
 //   vm-clients crowd SOCKET COUNT      connects so often at once, then lets go
 //   vm-clients refused SOCKET          asks for what is not for this user; 0: all of it was refused
-//   vm-clients kill PID SOCKET         kills the daemon and asks the next; tells when it was killed
-//                                      and when that one answered, ms of the monotonic clock
+//   vm-clients kill PID SOCKET FILE    kills the daemon, asks the next; tells when it was killed,
+//                                      when the next answered (ms of the monotonic clock), how
+//                                      long the machine stood still, by FILE of its host too
+//   vm-clients receiver LINK           a GPS receiver on a serial line, where LINK leads to
 
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <deque>
 #include <string>
 
 #include "tests/daemon/socket_client.hpp"
+#include "tests/vm/stand_still.hpp"
 
 namespace {
 
 using infuse::daemon::SocketClient;
+using infuse::vm::now_ms;
 
 int hold(const char* socket, unsigned seconds) {
   SocketClient client(socket);
@@ -41,12 +45,6 @@ int crowd(const char* socket, int count) {
   return connected == count ? 0 : 1;
 }
 
-long now_ms() {
-  timespec time{};
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return time.tv_sec * 1000 + time.tv_nsec / 1'000'000;
-}
-
 /// The daemon's socket is systemd's: who connects while there is no daemon waits for the next.
 bool answers(const char* socket) {
   SocketClient client(socket);
@@ -55,14 +53,37 @@ bool answers(const char* socket) {
   return answer && answer->find("\"class\":\"DEVICES\"") != std::string::npos;
 }
 
-int kill_daemon(pid_t daemon, const char* socket) {
+int kill_daemon(pid_t daemon, const char* socket, const char* host_file) {
+  const infuse::vm::StandStill machine(host_file);
   const long killed = now_ms();
   if (kill(daemon, SIGKILL) != 0) return 1;
   while (!answers(socket)) {
     if (now_ms() - killed > 20'000) return 1;
   }
-  std::printf("%ld %ld\n", killed, now_ms());
+  std::printf("%ld %ld %ld\n", killed, now_ms(), machine.ms());
   return 0;
+}
+
+/// A pseudo-terminal: who opens LINK cannot tell it from a serial device.
+int receiver(const char* link) {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+  if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0) return 1;
+  unlink(link);
+  if (symlink(ptsname(terminal), link) != 0) return 1;
+  for (int fifths = 0;; ++fifths) {
+    char body[96];
+    const int seconds = fifths / 5 % 60, minutes = fifths / 300 % 60;
+    std::snprintf(body, sizeof(body),
+                  "GPRMC,12%02d%02d.%d0,A,4807.0380,N,01131.0000,E,10.0,84.4,211126,,", minutes,
+                  seconds, fifths % 5 * 2);
+    unsigned sum = 0;
+    for (const char* c = body; *c != 0; ++c) sum ^= static_cast<unsigned char>(*c);
+    dprintf(terminal, "$%s*%02X\r\n", body, sum);  // lost where nobody reads
+    char echo[256];
+    while (read(terminal, echo, sizeof(echo)) > 0) {
+    }
+    usleep(200'000);
+  }
 }
 
 /// What nobody but its owner may ask of the daemon, and what nobody may.
@@ -137,7 +158,8 @@ int main(int argc, char** argv) {
   const std::string what = argc > 2 ? argv[1] : "";
   if (what == "hold" && argc == 4) return hold(argv[2], static_cast<unsigned>(std::atoi(argv[3])));
   if (what == "crowd" && argc == 4) return crowd(argv[2], std::atoi(argv[3]));
-  if (what == "kill" && argc == 4) return kill_daemon(std::atoi(argv[2]), argv[3]);
+  if (what == "kill" && argc == 5) return kill_daemon(std::atoi(argv[2]), argv[3], argv[4]);
+  if (what == "receiver" && argc == 3) return receiver(argv[2]);
   if (what == "refused" && argc == 3) return try_all(argv[2]);
   return 2;
 }

@@ -16,12 +16,22 @@ within() {
   until "$@" >/dev/null 2>&1; do ((SECONDS < deadline)) || return 1; sleep 0.2; done
 }
 finish() { echo "$failures failures"; exit $((failures > 0)); }
-# level DEVICE LEVEL: as infuse status has it.
-level() { infuse status 2>/dev/null | grep -qE "^  $2 +$1:"; }
-# well DEVICE: it delivers. An emulated processor that gets little time loses packets and pictures, and the
-# daemon says so (WARN): that is not what is tested here.
-well() { level "$1" OK || level "$1" WARN; }
+# well DEVICE...: each delivers: OK or WARN, and its rate is not 0. An emulated processor that gets little time
+# loses packets and pictures, and the daemon says so (WARN): that is not what is tested here.
+well() {
+  local report device
+  report=$(infuse status 2>/dev/null)
+  for device; do grep -qE "^  (OK|WARN) +$device: [0-9.]*[1-9]" <<<"$report" || return 1; done
+}
 all_ok() {
-  if ((patience > 1)); then infuse wait-ready --timeout 2; else well top && well front && well bus; fi
+  if ((patience > 1)); then infuse wait-ready --timeout 2; else well top front bus; fi
 }
 alert() { journalctl -u infused -o cat 2>/dev/null | grep -q "$1"; }
+# moment WHAT: of the service's life, by systemd, ms of the monotonic clock.
+moment() { echo $(($(systemctl show -P "$1TimestampMonotonic" infused) / 1000)); }
+# kill_daemon: the daemon is killed and the next one asked. Sets, ms of the monotonic clock: `killed`, `answered`,
+# and `still`, for how long the machine itself was not run by its host (an exec reads from the host, too).
+kill_daemon() {
+  read -r killed answered still < <(/proof/vm-clients kill "$(systemctl show -P MainPID infused)" \
+    /run/infuse/infused.sock /run/vm/command)
+}

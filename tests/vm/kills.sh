@@ -10,20 +10,23 @@ files_before=$(files) temporaries_before=$(temporaries)
 for round in $(seq $kills); do
   ((round % 2)) || infuse record --no-wait -o "kill$round" >/dev/null 2>&1
   sleep "0.$((RANDOM % 10))"
-  read -r killed answered < <(/proof/vm-clients kill "$(systemctl show -P MainPID infused)" /run/infuse/infused.sock)
+  kill_daemon
   within 10 systemctl is-active infused || miss "SIGKILL $round: the service is not active"
-  ready=$(($(systemctl show -P ActiveEnterTimestampMonotonic infused) / 1000))
+  forked=$(moment ExecMainStart) ready=$(moment ActiveEnter)
   took=$(((ready > answered ? ready : answered) - killed))
-  echo $took >>/tmp/kills
+  echo "$took $still $((forked - killed)) $((ready - forked))" >>/tmp/kills
+  # Then: what happened meanwhile.
   ((took <= 3000)) || journalctl --no-pager -o short-monotonic -n 60 | sed 's/^/        /'
   grep -q '"running": true' /var/lib/infuse/state.json || miss "SIGKILL $round: the state is damaged"
   ((round % 2)) || infuse inspect "/var/lib/infuse/drives/kill$round" >/tmp/inspect.log 2>&1 ||
     { damaged=$((damaged + 1)); tail -n 3 /tmp/inspect.log; }
 done
-sort -n -o /tmp/kills /tmp/kills
-slow=$(awk '$1 > 3000' /tmp/kills | wc -l)
+# What the host's standing still cost is not the service's: it is told, and taken off.
+slow=$(awk '$1 - $2 > 3000' /tmp/kills | wc -l)
 check "$(wc -l </tmp/kills) kills at random moments: $slow of them not back within 3 s" test "$slow" = 0 -a "$(wc -l </tmp/kills)" = $kills
-echo "        back after $(sed -n "$((kills / 2))p" /tmp/kills) ms (median), $(tail -n 1 /tmp/kills) ms (longest)"
+middle() { sort -n -k "$1" /tmp/kills | awk -v k="$1" -v at=$((kills / 2)) 'NR == at {m = $k} END {print m " ms (median), " $k " ms (longest)"}'; }
+echo "        back after $(middle 1); of that, until the next process began $(middle 3), from then until it was active $(middle 4)"
+echo "        the machine stood still for $(middle 2); with it $(awk '$1 > 3000' /tmp/kills | wc -l) took more than 3 s"
 check "no recording was damaged by them" test $damaged = 0
 check "nothing was left behind: files $files_before, then $(files); folders $temporaries_before, then $(temporaries)" \
   test "$(files)" -le $((files_before + 1)) -a "$(temporaries)" -le "$temporaries_before"

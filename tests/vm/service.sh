@@ -39,9 +39,12 @@ check "the configuration is right" infused --check-config --config /etc/infuse/i
 
 # The lidar is in a network namespace of its own, at the other end of a cable.
 ip netns add car
-ip link add lidar0 type veth peer name car0 netns car
-ip addr add 10.77.0.2/24 dev lidar0 && ip link set lidar0 up
-ip -n car addr add 10.77.0.1/24 dev car0 && ip -n car link set car0 up
+lay_cable() {
+  ip link add lidar0 type veth peer name car0 netns car
+  ip addr add 10.77.0.2/24 dev lidar0 && ip link set lidar0 up
+  ip -n car addr add 10.77.0.1/24 dev car0 && ip -n car link set car0 up
+}
+lay_cable
 play_bus() { canplayer -l i -I /proof/can.log vcan0=vcan0 >/tmp/canplayer.log 2>&1 & player=$!; }
 send_lidar() { setsid ip netns exec car bash -c 'while /proof/infuse-send-capture /proof/street.pcap --to 10.77.0.2; do :; done' >/tmp/sender.log 2>&1 & sender=$!; }
 hush_bus() { kill $player; wait $player; } 2>/dev/null
@@ -60,6 +63,9 @@ systemctl status infused --no-pager -n 0 | sed -n 's/^ *Status/        status/p'
 check "it runs without root" sh -c 'test "$(ps -o user= -p "$(systemctl show -P MainPID infused)")" = infuse'
 check "it has no capability" sh -c 'grep -q "^CapEff:\s*0*$" /proc/$(systemctl show -P MainPID infused)/status'
 check "the io thread has real-time priority" sh -c 'chrt -p $(ps -L -o tid=,comm= -p $(systemctl show -P MainPID infused) | awk "\$2 == \"io\" {print \$1}") | grep -q FIFO'
+check "io and fusion have a core each, and nothing is swapped out" sh -c 'cd /proc/$(systemctl show -P MainPID infused) &&
+  core() { grep -l "^$1\$" task/*/comm | xargs dirname | xargs -I{} sed -n "s/^Cpus_allowed_list:\s*//p" {}/status; }
+  test "$(core io)" = 0 && test "$(core fusion)" = 1 && awk "/^VmLck/ {exit !(\$2 > 1000)}" status'
 check "security: at most 1.9" systemd-analyze security --threshold=19 --no-pager infused.service
 check "a reload keeps the process" sh -c 'p=$(systemctl show -P MainPID infused); systemctl reload infused && sleep 1 && test "$p" = "$(systemctl show -P MainPID infused)"'
 check "and the sensors" within 3 all_ok
@@ -68,14 +74,15 @@ check "and the sensors" within 3 all_ok
 if [[ ${1-} == faults ]]; then . /proof/faults.sh; fi
 
 # --- restarts ---
-read -r killed answered < <(/proof/vm-clients kill "$(systemctl show -P MainPID infused)" /run/infuse/infused.sock)
-check "SIGKILL: back within $((3 * patience)) s" test $((answered - killed)) -lt $((3000 * patience))
-echo "        after $((answered - killed)) ms"
+kill_daemon
+check "SIGKILL: back within $((3 * patience)) s" test $((answered - killed - still)) -lt $((3000 * patience))
+echo "        after $((answered - killed)) ms; the machine stood still for $still ms"
 check "and says so" within 5 alert "did not end by itself"
 check "and all are OK" within 6 all_ok
 if [[ ${1-} == faults ]]; then
 . /proof/kills.sh
 . /proof/record.sh
+. /proof/several.sh
 
 mount -t tmpfs -o size=16k,uid=infuse,gid=infuse,mode=750 none /var/lib/infuse
 systemctl restart infused.service
@@ -89,12 +96,15 @@ check "all are OK" within 8 all_ok
 fi
 tid=$(ps -L -o tid=,comm= -p "$(systemctl show -P MainPID infused)" | awk '$2 == "fusion" {print $1}')
 before=$(systemctl show -P NRestarts infused)
+starts() { sed -n 's/.*"starts": *\([0-9]*\).*/\1/p' /var/lib/infuse/state.json; }
+starts_before=$(starts)
 /proof/vm-wedge "$tid" 20 & wedge=$!
 check "fusion thread wedged: the watchdog restarts it" within 15 sh -c "test \$(systemctl show -P NRestarts infused) -gt $before"
 kill $wedge 2>/dev/null
+check "an alert says so" within 10 sh -c 'infuse status --json | grep "\"class\":\"ALERT\"" | grep -q "the watchdog ended the run before"'
+check "and it goes on from the saved state" test "$(starts)" = $((starts_before + 1))
 check "and all are OK" within 8 all_ok
 check "a clean stop" systemctl stop infused.service
-moment() { echo $(($(systemctl show -P "$1TimestampMonotonic" infused) / 1000)); }
 took=$(($(moment InactiveEnter) - $(moment ActiveExit)))
 check "within $((2 * patience)) s ($took ms)" test $took -lt $((2000 * patience))
 check "its state says that it ended by itself" grep -q '"running": false' /var/lib/infuse/state.json

@@ -22,16 +22,21 @@ class VirtualBus : public testing::Test {
  protected:
   void SetUp() override {
     if (if_nametoindex("vcan0") == 0) GTEST_SKIP() << "no vcan0 here: ./dev vm";
-    sender_ = Descriptor(socket(PF_CAN, SOCK_RAW, CAN_RAW));
-    const int on = 1;
-    setsockopt(sender_.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof(on));
-    sockaddr_can bus{};
-    bus.can_family = AF_CAN;
-    bus.can_ifindex = static_cast<int>(if_nametoindex("vcan0"));
-    ASSERT_EQ(bind(sender_.get(), reinterpret_cast<sockaddr*>(&bus), sizeof(bus)), 0);
+    sender_ = sender_on("vcan0");
   }
   void TearDown() override {
     if (sender_) set_up(true);
+  }
+
+  static Descriptor sender_on(const char* interface) {
+    Descriptor sender(socket(PF_CAN, SOCK_RAW, CAN_RAW));
+    const int on = 1;
+    setsockopt(sender.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof(on));
+    sockaddr_can bus{};
+    bus.can_family = AF_CAN;
+    bus.can_ifindex = static_cast<int>(if_nametoindex(interface));
+    EXPECT_EQ(bind(sender.get(), reinterpret_cast<sockaddr*>(&bus), sizeof(bus)), 0);
+    return sender;
   }
 
   void set_up(bool up) const {
@@ -47,12 +52,16 @@ class VirtualBus : public testing::Test {
   }
 
   void send(canid_t id, uint8_t length, uint8_t first, size_t size = CAN_MTU) const {
+    send(sender_, id, length, first, size);
+  }
+  static void send(const Descriptor& sender, canid_t id, uint8_t length, uint8_t first,
+                   size_t size = CAN_MTU) {
     canfd_frame frame{};
     frame.can_id = id;
     frame.len = length;
     frame.data[0] = first;
     frame.data[1] = first;
-    ASSERT_EQ(write(sender_.get(), &frame, size), static_cast<ssize_t>(size));
+    ASSERT_EQ(write(sender.get(), &frame, size), static_cast<ssize_t>(size));
   }
 
   SocketCanSource open(const SocketCanOptions& options) const {
@@ -134,6 +143,27 @@ TEST_F(VirtualBus, SurvivesTheInterfaceGoingDownAndUp) {
   const auto frames = read_all(source);
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_EQ(frames[0].id, 0x77U);
+}
+
+TEST_F(VirtualBus, TwoAreHeardApartAndOneGoesDownAlone) {
+  ASSERT_NE(if_nametoindex("vcan1"), 0U);
+  const Descriptor other = sender_on("vcan1");
+  SocketCanSource first = open({.interface = "vcan0"});
+  SocketCanSource second = open({.interface = "vcan1"});
+  send(0x10, 1, 1);
+  send(other, 0x10, 1, 2);
+  const auto of_first = read_all(first), of_second = read_all(second);
+  ASSERT_EQ(of_first.size(), 1U);
+  ASSERT_EQ(of_second.size(), 1U);
+  EXPECT_EQ(of_first[0].data[0], 1);
+  EXPECT_EQ(of_second[0].data[0], 2);
+  EXPECT_EQ(of_second[0].interface_name(), "vcan1");
+  set_up(false);
+  EXPECT_EQ(read_all(first).size(), 0U);
+  EXPECT_FALSE(first.up());
+  EXPECT_TRUE(second.up());
+  send(other, 0x11, 1, 3);
+  EXPECT_EQ(read_all(second).size(), 1U);
 }
 
 TEST_F(VirtualBus, CountsWhatTheKernelDropped) {

@@ -9,6 +9,7 @@
 namespace infuse::daemon {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 class SavedCalibrationsTest : public testing::Test {
@@ -61,6 +62,37 @@ TEST_F(SavedCalibrationsTest, WhatWasAppliedIsInUseAfterARestart) {
   Rig fourth = rig(0.1);
   SavedCalibrations(path_).restore(fourth);
   EXPECT_EQ(fourth.cameras[0].T_camera_lidar.translation().x(), 0.1);
+}
+
+TEST_F(SavedCalibrationsTest, WhatWasFrozenIsFrozenAfterARestart) {
+  Rig first = rig(0.1);
+  SavedCalibrations saved(path_);
+  saved.restore(first);
+  CalibrationReport frozen = report(0.1);
+  frozen.frozen = true;
+  ASSERT_TRUE(saved.keep(frozen));
+
+  Rig second = rig(0.1);
+  SavedCalibrations again(path_);
+  EXPECT_THAT(again.restore(second), ElementsAre(HasSubstr("frozen")));
+  EXPECT_THAT(again.frozen(), ElementsAre("front"));
+  ASSERT_TRUE(again.keep(report(0.1)));  // let go
+
+  Rig third = rig(0.1);
+  SavedCalibrations last(path_);
+  EXPECT_TRUE(last.restore(third).empty());
+  EXPECT_TRUE(last.frozen().empty());
+}
+
+TEST_F(SavedCalibrationsTest, AFileFromBeforeThereWasFreezingIsRead) {
+  std::string text = format_calibrations({{.camera = "front", .frozen = true}});
+  const size_t line = text.find("      \"frozen\"");
+  ASSERT_NE(line, std::string::npos);
+  text.replace(line, text.find('\n', line) + 1 - line, "");
+  const auto read = parse_calibrations(text);
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(read->at(0).camera, "front");
+  EXPECT_FALSE(read->at(0).frozen);
 }
 
 TEST_F(SavedCalibrationsTest, ANewConfigurationCountsMore) {

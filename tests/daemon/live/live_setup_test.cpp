@@ -6,6 +6,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
+
+#include "drivers/recording/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -105,6 +108,35 @@ TEST_F(LiveSetupTest, LidarsThatShareAPortAreToldApartByTheirSenders) {
   EXPECT_EQ(setup->ports[0].lidar_of(0x0A000002), 1U);
   EXPECT_EQ(setup->ports[0].lidar_of(0x0A000003), 0U);  // which refuses and counts it
   EXPECT_EQ(setup->ports[2].lidar_of(0x0A000003), 2U);
+}
+
+TEST_F(LiveSetupTest, TheExamplesAreRight) {
+  std::ofstream(folder_ / "all.dbc") << "BO_ 1 WHEEL_SPEEDS: 8 X\n"
+                                        " SG_ REAR_LEFT : 0|16@1+ (0.01,0) [0|0] \"m/s\" X\n"
+                                        " SG_ REAR_RIGHT : 16|16@1+ (0.01,0) [0|0] \"m/s\" X\n"
+                                        "BO_ 2 ESP: 8 X\n"
+                                        " SG_ YAW_RATE : 0|16@1- (0.1,0) [0|0] \"deg/s\" X\n"
+                                        "BO_ 3 GYRO: 8 X\n"
+                                        " SG_ X : 0|16@1- (0.1,0) [0|0] \"deg/s\" X\n"
+                                        " SG_ Y : 16|16@1- (0.1,0) [0|0] \"deg/s\" X\n"
+                                        " SG_ Z : 32|16@1- (0.1,0) [0|0] \"deg/s\" X\n"
+                                        "BO_ 4 ACC: 8 X\n"
+                                        " SG_ X : 0|16@1- (0.1,0) [0|0] \"m/s^2\" X\n"
+                                        " SG_ Y : 16|16@1- (0.1,0) [0|0] \"m/s^2\" X\n"
+                                        " SG_ Z : 32|16@1- (0.1,0) [0|0] \"m/s^2\" X\n";
+  const std::pair<const char*, size_t> examples[] = {
+      {"infused.toml", 0}, {"shuttle.toml", 3}, {"survey_car.toml", 6}, {"truck.toml", 5}};
+  for (const auto& [name, devices] : examples) {
+    SCOPED_TRACE(name);
+    const auto text = recording::read_text(
+        std::filesystem::path(INFUSE_SOURCE_DIR) / "packaging/examples" / name, 1 << 20);
+    ASSERT_TRUE(text.has_value());
+    const auto setup =
+        set_up(std::regex_replace(*text, std::regex("/etc/infuse/\\w+.dbc"), "all.dbc"));
+    ASSERT_TRUE(setup.has_value()) << setup.error().message();
+    EXPECT_EQ(setup->devices.size(), devices);
+    EXPECT_TRUE(setup->vehicle.notes.empty());
+  }
 }
 
 TEST_F(LiveSetupTest, SaysWhatCannotBe) {

@@ -249,12 +249,27 @@ TEST_F(RecordingTest, TakesNothingOfAnotherTime) {
   for (int64_t offset = -3; offset < 10; ++offset) {
     take_datagram(recording, static_cast<uint32_t>(offset + 10), offset * 1'000);
   }
-  recording.look_after(Stamp::from_ns(kStart) + from_seconds(3), 4);
+  recording.look_after(Stamp::from_ns(kStart) + from_seconds(3), 4, true);
   EXPECT_TRUE(recording.report().ended);
   EXPECT_EQ(recording.report().lost, 4U);
   EXPECT_EQ(recording.report().reason, "");
   events("d");
   EXPECT_EQ(numbers_, (std::vector<uint32_t>{10, 11, 12, 13, 14, 15}));
+}
+
+TEST_F(RecordingTest, OneThatIsBehindGetsAllThatIsToBeInIt) {
+  plan_.until = Stamp::from_ns(kStart + 5'000);
+  Recording recording = begin();
+  take_datagram(recording, 1, 1'000);
+  recording.look_after(Stamp::from_ns(kStart) + from_seconds(3), 0, false);
+  EXPECT_FALSE(recording.report().ended);
+  take_datagram(recording, 2, 2'000);
+  // What comes now is so late that nothing can be missing any more.
+  take_datagram(recording, 3, 2'000'000'000);
+  EXPECT_TRUE(recording.report().ended);
+  EXPECT_EQ(recording.report().reason, "");
+  events("d");
+  EXPECT_EQ(numbers_, (std::vector<uint32_t>{1, 2}));
 }
 
 TEST_F(RecordingTest, SplitsIntoDrivesThatLoseNothing) {
@@ -313,7 +328,7 @@ TEST_F(RecordingTest, AFullDiskEndsItAndWhatIsThereIsWhole) {
     const FileLimit limit(50'123);
     for (uint32_t i = 0; i < 1000 && !recording.report().ended; ++i) {
       take_datagram(recording, i, i * 1'000);
-      if (i % 7 == 0) recording.look_after(Stamp::from_ns(kStart), 0);
+      if (i % 7 == 0) recording.look_after(Stamp::from_ns(kStart), 0, true);
     }
   }
   EXPECT_TRUE(recording.report().ended);
@@ -334,7 +349,7 @@ TEST_F(RecordingTest, AFullDiskCutsNoLineOfTheBus) {
     for (int i = 0; i < 1000 && !recording.report().ended; ++i) {
       frame.stamp = Stamp::from_ns(kStart + i * 1'000);
       take(recording, i * 1'000, RecordKind::kCanFrame, body_of(frame));
-      if (i % 5 == 4) recording.look_after(Stamp::from_ns(kStart), 0);
+      if (i % 5 == 4) recording.look_after(Stamp::from_ns(kStart), 0, true);
     }
   }
   EXPECT_TRUE(recording.report().failed);
@@ -356,7 +371,7 @@ TEST_F(RecordingTest, ADriveIsWholeWhereverTheProcessWasKilled) {
       for (uint32_t i = 0;; ++i) {
         take_datagram(*recording, i, i * 1'000);
         take_picture(*recording, 0, i, camera::RawFormat::kGrey, grey, 8, i * 1'000);
-        if (i % 16 == 0) recording->look_after(Stamp::from_ns(kStart), 0);
+        if (i % 16 == 0) recording->look_after(Stamp::from_ns(kStart), 0, true);
       }
     }
     while (!std::filesystem::exists(plan_.directory / plan_.name / "camera_left/000001.png")) {

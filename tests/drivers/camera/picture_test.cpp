@@ -2,16 +2,17 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
-#include <turbojpeg.h>
 
 #include <fstream>
 #include <random>
 
+#include "tests/drivers/camera/jpeg_file.hpp"
 #include "tests/real_data.hpp"
 
 namespace infuse::camera {
 namespace {
 
+using testing::make_jpeg;
 using Bytes = std::vector<uint8_t>;
 
 /// A PNG file of the given libpng format, every sample from a seeded generator.
@@ -30,25 +31,6 @@ Bytes make_png(unsigned width, unsigned height, png_uint_32 format, Bytes& sampl
   EXPECT_NE(0,
             png_image_write_to_memory(&image, file.data(), &size, 0, samples.data(), 0, nullptr));
   file.resize(size);
-  return file;
-}
-
-/// A JPEG file of a smooth picture: B rises to the right, G downwards, R is constant.
-Bytes make_jpeg(int width, int height, int subsampling) {
-  Bytes bgr;
-  for (int r = 0; r < height; ++r) {
-    for (int c = 0; c < width; ++c) {
-      bgr.insert(bgr.end(), {static_cast<uint8_t>(2 * c), static_cast<uint8_t>(2 * r), 90});
-    }
-  }
-  tjhandle encoder = tjInitCompress();
-  unsigned char* data = nullptr;
-  unsigned long size = 0;
-  EXPECT_EQ(0, tjCompress2(encoder, bgr.data(), width, 0, height, TJPF_BGR, &data, &size,
-                           subsampling, 98, 0));
-  Bytes file(data, data + size);
-  tjFree(data);
-  tjDestroy(encoder);
   return file;
 }
 

@@ -1,0 +1,157 @@
+#pragma once
+
+#include <fcntl.h>
+#include <linux/videodev2.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace infuse::camera::testing {
+
+/// A picture that a scripted device delivers.
+struct ScriptedPicture {
+  std::vector<uint8_t> bytes;
+  uint32_t sequence = 0;
+  uint32_t flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
+  int64_t monotonic_us = 0;
+  uint32_t bytes_used = 0;  ///< said to be; 0: as many as there are
+  uint32_t buffer = kTrue;  ///< said to lie in; kTrue: where it does
+
+  static constexpr uint32_t kTrue = 99;
+};
+
+/// A Video4Linux2 device without a driver: the test program's own `ioctl` asks it. A plain file
+/// stands for the device, its contents for the buffers.
+class ScriptedDevice {
+ public:
+  static constexpr uint32_t kBufferBytes = 64 << 10;  // a multiple of a page
+
+  ScriptedDevice() {
+    path_ = "/tmp/infuse-scripted-device-XXXXXX";
+    file_ = mkstemp(path_.data());
+  }
+  ~ScriptedDevice() {
+    close(file_);
+    unlink(path_.c_str());
+  }
+  ScriptedDevice(const ScriptedDevice&) = delete;
+  ScriptedDevice& operator=(const ScriptedDevice&) = delete;
+
+  /// To be opened.
+  const std::string& path() const { return path_; }
+
+  // What it can and has.
+  std::vector<uint32_t> formats = {V4L2_PIX_FMT_MJPEG};
+  uint32_t width = 64;                   ///< pixels, whatever is asked for
+  uint32_t height = 48;                  ///< the same
+  std::map<uint32_t, int32_t> controls;  ///< by identifier; others are refused
+  std::deque<ScriptedPicture> pictures;  ///< to be delivered
+  bool unplugged = false;
+
+  // What became of it.
+  bool streaming = false;
+  int given_back = 0;  ///< buffers, those of the beginning included
+
+  /// Whether the descriptor is of this device.
+  bool is(int descriptor) const {
+    struct stat mine {
+    }, other{};
+    return fstat(file_, &mine) == 0 && fstat(descriptor, &other) == 0 &&
+           mine.st_ino == other.st_ino && mine.st_dev == other.st_dev;
+  }
+
+  /// As a driver does: 0, or −1 and errno.
+  int answer(unsigned long request, void* argument) {
+    if (unplugged) return refuse(ENODEV);
+    switch (request) {
+      case VIDIOC_QUERYCAP: {
+        auto& about = *static_cast<v4l2_capability*>(argument);
+        about.capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+        return 0;
+      }
+      case VIDIOC_ENUM_FMT: {
+        auto& about = *static_cast<v4l2_fmtdesc*>(argument);
+        if (about.index >= formats.size()) return refuse(EINVAL);
+        about.pixelformat = formats[about.index];
+        return 0;
+      }
+      case VIDIOC_G_FMT:
+      case VIDIOC_S_FMT: {
+        auto& pixels = static_cast<v4l2_format*>(argument)->fmt.pix;
+        pixels.width = width;
+        pixels.height = height;
+        return 0;
+      }
+      case VIDIOC_S_CTRL:
+      case VIDIOC_G_CTRL: {
+        auto& about = *static_cast<v4l2_control*>(argument);
+        const auto control = controls.find(about.id);
+        if (control == controls.end()) return refuse(EINVAL);
+        if (request == VIDIOC_S_CTRL) control->second = about.value;
+        about.value = control->second;
+        return 0;
+      }
+      case VIDIOC_REQBUFS: {
+        const uint32_t count = static_cast<v4l2_requestbuffers*>(argument)->count;
+        return ftruncate(file_, static_cast<off_t>(count * kBufferBytes));
+      }
+      case VIDIOC_QUERYBUF: {
+        auto& about = *static_cast<v4l2_buffer*>(argument);
+        about.m.offset = about.index * kBufferBytes;
+        about.length = kBufferBytes;
+        return 0;
+      }
+      case VIDIOC_QBUF:
+        free_.push_back(static_cast<v4l2_buffer*>(argument)->index);
+        ++given_back;
+        return 0;
+      case VIDIOC_DQBUF:
+        return deliver(*static_cast<v4l2_buffer*>(argument));
+      case VIDIOC_STREAMON:
+      case VIDIOC_STREAMOFF:
+        streaming = request == VIDIOC_STREAMON;
+        return 0;
+      default:  // rates
+        return refuse(ENOTTY);
+    }
+  }
+
+ private:
+  static int refuse(int number) {
+    errno = number;
+    return -1;
+  }
+
+  int deliver(v4l2_buffer& about) {
+    if (pictures.empty() || free_.empty() || !streaming) return refuse(EAGAIN);
+    const ScriptedPicture picture = pictures.front();
+    pictures.pop_front();
+    const uint32_t buffer = free_.front();
+    free_.pop_front();
+    const auto bytes = static_cast<ssize_t>(picture.bytes.size());
+    if (pwrite(file_, picture.bytes.data(), picture.bytes.size(),
+               static_cast<off_t>(buffer * kBufferBytes)) != bytes) {
+      return refuse(EIO);
+    }
+    about.index = picture.buffer == ScriptedPicture::kTrue ? buffer : picture.buffer;
+    about.bytesused = picture.bytes_used != 0 ? picture.bytes_used : static_cast<uint32_t>(bytes);
+    about.sequence = picture.sequence;
+    about.flags = picture.flags;
+    about.timestamp = {picture.monotonic_us / 1'000'000, picture.monotonic_us % 1'000'000};
+    return 0;
+  }
+
+  std::string path_;
+  int file_;
+  std::deque<uint32_t> free_;  // buffers
+};
+
+}  // namespace infuse::camera::testing
