@@ -19,7 +19,7 @@ using streetmap::SegmentKind;
 
 constexpr double kKerb = 0.4;       // m, line outside the carriageway
 constexpr double kWall = 0.8;       // m, line on a building's outline
-constexpr double kRoadside = 2.4;   // m, pavement that streets within towns have
+constexpr double kRoadside = 2.4;   // m, pavement that a street's tags name
 constexpr double kCrossing = 2.0;   // m, half the length of a crossing along the street
 constexpr double kFarthest = 50e3;  // m from the map's median
 constexpr size_t kMaxWarnings = 1000;
@@ -31,20 +31,19 @@ struct Usual {
   double width;   // m, two-way without lanes stated
   double oneway;  // m, one-way without lanes stated
   double lane;    // m a lane, where lanes are stated
-  bool roadside;  // pavements on both sides unless `sidewalk` says otherwise
 };
 constexpr Usual kUsual[] = {
-    {"motorway", true, 12.0, 12.0, 3.75, false},   {"motorway_link", true, 8.0, 6.0, 4.5, false},
-    {"trunk", true, 8.0, 8.0, 3.5, false},         {"trunk_link", true, 7.5, 5.5, 4.5, false},
-    {"primary", true, 7.5, 7.0, 3.5, true},        {"primary_link", true, 7.0, 5.0, 4.0, true},
-    {"secondary", true, 7.0, 6.5, 3.5, true},      {"secondary_link", true, 6.5, 5.0, 4.0, true},
-    {"tertiary", true, 6.5, 6.0, 3.25, true},      {"tertiary_link", true, 6.5, 5.0, 4.0, true},
-    {"unclassified", true, 6.0, 5.5, 3.0, true},   {"residential", true, 6.0, 5.5, 3.0, true},
-    {"living_street", true, 5.0, 5.0, 3.0, false}, {"road", true, 6.0, 5.0, 3.0, false},
-    {"service", true, 4.0, 4.0, 3.0, false},       {"track", true, 3.0, 3.0, 3.0, false},
-    {"pedestrian", false, 6.0, 6.0, 3.0, false},   {"footway", false, 2.0, 2.0, 2.0, false},
-    {"cycleway", false, 2.2, 2.2, 2.0, false},     {"path", false, 1.6, 1.6, 1.6, false},
-    {"steps", false, 2.0, 2.0, 2.0, false},        {"bridleway", false, 2.0, 2.0, 2.0, false},
+    {"motorway", true, 12.0, 12.0, 3.75},   {"motorway_link", true, 8.0, 6.0, 4.5},
+    {"trunk", true, 8.0, 8.0, 3.5},         {"trunk_link", true, 7.5, 5.5, 4.5},
+    {"primary", true, 7.5, 7.0, 3.5},       {"primary_link", true, 7.0, 5.0, 4.0},
+    {"secondary", true, 7.0, 6.5, 3.5},     {"secondary_link", true, 6.5, 5.0, 4.0},
+    {"tertiary", true, 6.5, 6.0, 3.25},     {"tertiary_link", true, 6.5, 5.0, 4.0},
+    {"unclassified", true, 6.0, 5.5, 3.0},  {"residential", true, 6.0, 5.5, 3.0},
+    {"living_street", true, 5.0, 5.0, 3.0}, {"road", true, 6.0, 5.0, 3.0},
+    {"service", true, 4.0, 4.0, 3.0},       {"track", true, 3.0, 3.0, 3.0},
+    {"pedestrian", false, 6.0, 6.0, 3.0},   {"footway", false, 2.0, 2.0, 2.0},
+    {"cycleway", false, 2.2, 2.2, 2.0},     {"path", false, 1.6, 1.6, 1.6},
+    {"steps", false, 2.0, 2.0, 2.0},        {"bridleway", false, 2.0, 2.0, 2.0},
 };
 
 const Usual* usual_for(std::string_view highway) {
@@ -73,9 +72,10 @@ double width_of(const std::vector<OsmTag>& tags, const Usual& usual) {
   return one ? usual.oneway : usual.width;
 }
 
-bool has_roadside(const std::vector<OsmTag>& tags, const Usual& usual) {
+// Pavements are drawn only where the map tells of them: one that is guessed, and is wider on one
+// side than on the other or not there, pulls the vehicle aside.
+bool has_roadside(const std::vector<OsmTag>& tags) {
   const std::string_view sidewalk = find_tag(tags, "sidewalk");
-  if (sidewalk.empty()) return usual.roadside;
   return sidewalk == "both" || sidewalk == "left" || sidewalk == "right" || sidewalk == "yes";
 }
 
@@ -231,7 +231,7 @@ class Planner {
     strip.half_width = width_of(way.tags, *usual) / 2;
     if (usual->carriageway) {
       strip.kerb = kKerb;
-      strip.roadside = has_roadside(way.tags, *usual) ? kRoadside : 0;
+      strip.roadside = has_roadside(way.tags) ? kRoadside : 0;
       for (size_t i = 0; i < way.points.size(); ++i) {
         streets_[way.points[i].node] = {planned_.plan.strips.size(), i};
       }

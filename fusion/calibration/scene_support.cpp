@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kDegree = M_PI / 180;
 constexpr size_t kMostEach = 8'000;  // points a scene, on the whole
-constexpr size_t kFewest = 100;      // points: with fewer the measure is all noise
+constexpr size_t kFewest = 2'000;    // points: with fewer the measure is mostly noise
 
 double share_of_worse(Objective& measure, const Eigen::Isometry3d& T, double value) {
   int worse = 0;
@@ -22,21 +22,43 @@ double share_of_worse(Objective& measure, const Eigen::Isometry3d& T, double val
   return static_cast<double>(worse) / asked;
 }
 
+/// Blocks that follow one another, so many together that they have enough points; what is left
+/// over goes with the last.
+std::vector<std::span<const VisiblePoints::Block>> groups(
+    std::span<const VisiblePoints::Block> blocks) {
+  std::vector<std::span<const VisiblePoints::Block>> out;
+  size_t first = 0;
+  for (size_t k = 0; k < blocks.size(); ++k) {
+    if (blocks[k].end - blocks[first].begin < kFewest) continue;
+    out.push_back(blocks.subspan(first, k + 1 - first));
+    first = k + 1;
+  }
+  if (first == blocks.size()) return out;
+  const size_t from = out.empty() ? 0 : first - out.back().size();
+  if (!out.empty()) out.pop_back();
+  out.push_back(blocks.subspan(from));
+  return out;
+}
+
 }  // namespace
 
 std::vector<SceneSupport> scene_support(CoarseToFine& search, const Eigen::Isometry3d& T_head_lidar,
                                         size_t scenes, double sigma) {
   std::vector<SceneSupport> all(scenes);
   const VisiblePoints points = search.visible(T_head_lidar, scenes * kMostEach);
-  for (const VisiblePoints::Block& block : points.blocks) {
-    SceneSupport& scene = all[block.scene];
-    scene.points = block.end - block.begin;
-    if (scene.points < kFewest) continue;
-    const VisiblePoints own = only(points, block);
-    Objective measure = search.objective(own, sigma);
-    const dependence::Estimate estimate = measure.evaluate(T_head_lidar, false).estimate;
-    scene.value = estimate.value;
-    if (estimate.usable()) scene.support = share_of_worse(measure, T_head_lidar, estimate.value);
+  for (const auto& together : groups(points.blocks)) {
+    const VisiblePoints own = only(points, together);
+    SceneSupport shared;
+    if (own.size() > 0) {
+      Objective measure = search.objective(own, sigma);
+      const dependence::Estimate estimate = measure.evaluate(T_head_lidar, false).estimate;
+      shared.value = estimate.value;
+      if (estimate.usable()) shared.support = share_of_worse(measure, T_head_lidar, estimate.value);
+    }
+    for (const VisiblePoints::Block& block : together) {
+      all[block.scene] = shared;
+      all[block.scene].points = block.end - block.begin;
+    }
   }
   return all;
 }

@@ -6,9 +6,10 @@
 
 namespace infuse::calibration {
 
-/// What a scene by itself says of a calibration.
+/// What a scene by itself says of a calibration; scenes of few points say it together with those
+/// that follow.
 struct SceneSupport {
-  size_t points = 0;  ///< in view
+  size_t points = 0;  ///< in view, of this scene
   double value = 0;   ///< the measure of this scene alone
   double support = 0;  ///< share of 12 wrong rotations (about each axis by ±1°, ±2°) at which the
                        ///< measure of this scene alone is smaller: 1 speaks for the calibration,

@@ -151,15 +151,18 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
   return select_visible(scenes, cameras, std::span(&T_head_lidar, 1), options);
 }
 
-VisiblePoints only(const VisiblePoints& points, const VisiblePoints::Block& block) {
+VisiblePoints only(const VisiblePoints& points, std::span<const VisiblePoints::Block> blocks) {
+  const size_t first = blocks.front().begin;
   const auto cut = [&](const std::vector<float>& all) {
     if (all.empty()) return std::vector<float>();
-    return std::vector<float>(all.begin() + static_cast<std::ptrdiff_t>(block.begin),
-                              all.begin() + static_cast<std::ptrdiff_t>(block.end));
+    return std::vector<float>(all.begin() + static_cast<std::ptrdiff_t>(first),
+                              all.begin() + static_cast<std::ptrdiff_t>(blocks.back().end));
   };
   VisiblePoints part{.x = cut(points.x), .y = cut(points.y), .z = cut(points.z)};
   for (size_t f = 0; f < kLidarFeatures; ++f) part.lidar[f] = cut(points.lidar[f]);
-  part.blocks.push_back({.scene = block.scene, .begin = 0, .end = part.size()});
+  for (const VisiblePoints::Block& block : blocks) {
+    part.blocks.push_back({block.scene, block.begin - first, block.end - first});
+  }
   return part;
 }
 

@@ -57,7 +57,7 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
                              const Eigen::Isometry3d& T_head_lidar,
                              const VisibilityOptions& options);
 
-/// The points of one block alone.
-VisiblePoints only(const VisiblePoints& points, const VisiblePoints::Block& block);
+/// The points of blocks that follow one another alone; at least one block.
+VisiblePoints only(const VisiblePoints& points, std::span<const VisiblePoints::Block> blocks);
 
 }  // namespace infuse::calibration

@@ -22,45 +22,44 @@ template <class Set, Index vectors>
 }
 
 template <class Set>
-[[gnu::always_inline]] inline void sum_with(const Eigen::MatrixXd& matrix,
+[[gnu::always_inline]] inline void sum_with(const double* matrix, Index rows,
                                             std::span<const int> columns, double* out) {
   constexpr Index kLanes = Set::kLanes;
-  const Index rows = matrix.rows();
   Index r = 0;
   for (; r + 4 * kLanes <= rows; r += 4 * kLanes) {
-    sum_rows<Set, 4>(matrix.data() + r, rows, columns, out + r);
+    sum_rows<Set, 4>(matrix + r, rows, columns, out + r);
   }
   for (; r + kLanes <= rows; r += kLanes) {
-    sum_rows<Set, 1>(matrix.data() + r, rows, columns, out + r);
+    sum_rows<Set, 1>(matrix + r, rows, columns, out + r);
   }
-  for (; r < rows; ++r) sum_rows<Lanes<1>, 1>(matrix.data() + r, rows, columns, out + r);
+  for (; r < rows; ++r) sum_rows<Lanes<1>, 1>(matrix + r, rows, columns, out + r);
 }
 
-void sum_baseline(const Eigen::MatrixXd& matrix, std::span<const int> columns, double* out) {
-  sum_with<Lanes<2>>(matrix, columns, out);
+void sum_baseline(const double* matrix, Index rows, std::span<const int> columns, double* out) {
+  sum_with<Lanes<2>>(matrix, rows, columns, out);
 }
 
-[[gnu::target("avx2")]] void sum_avx2(const Eigen::MatrixXd& matrix, std::span<const int> columns,
-                                      double* out) {
-  sum_with<Lanes<4>>(matrix, columns, out);
+[[gnu::target("avx2")]] void sum_avx2(const double* matrix, Index rows,
+                                      std::span<const int> columns, double* out) {
+  sum_with<Lanes<4>>(matrix, rows, columns, out);
 }
 
-[[gnu::target("arch=x86-64-v4")]] void sum_avx512(const Eigen::MatrixXd& matrix,
+[[gnu::target("arch=x86-64-v4")]] void sum_avx512(const double* matrix, Index rows,
                                                   std::span<const int> columns, double* out) {
-  sum_with<Lanes<8>>(matrix, columns, out);
+  sum_with<Lanes<8>>(matrix, rows, columns, out);
 }
 
 }  // namespace
 
-void sum_columns(const Eigen::MatrixXd& matrix, std::span<const int> columns, double* out,
+void sum_columns(const double* matrix, Index rows, std::span<const int> columns, double* out,
                  InstructionSet set) {
   switch (set) {
     case InstructionSet::kAvx512:
-      return sum_avx512(matrix, columns, out);
+      return sum_avx512(matrix, rows, columns, out);
     case InstructionSet::kAvx2:
-      return sum_avx2(matrix, columns, out);
+      return sum_avx2(matrix, rows, columns, out);
     case InstructionSet::kBaseline:
-      return sum_baseline(matrix, columns, out);
+      return sum_baseline(matrix, rows, columns, out);
   }
 }
 

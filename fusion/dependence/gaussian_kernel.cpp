@@ -63,12 +63,11 @@ template <class Set>
 // The last block of a row overlaps the one before it where the lanes do not divide the centres.
 template <class Set>
 [[gnu::always_inline]] inline void kernel_with(const Samples& samples, const double* centres,
-                                               Index centre_count, double factor,
-                                               Eigen::MatrixXd& kernel) {
+                                               Index centre_count, double factor, double* kernel) {
   const Index dimensions = samples.cols(), stride = samples.outerStride();
   for (Index i = 0; i < samples.rows(); ++i) {
     const double* sample = samples.data() + i;
-    double* out = kernel.data() + i * centre_count;
+    double* out = kernel + i * centre_count;
     if (centre_count < Set::kLanes) {
       for (Index l = 0; l < centre_count; ++l) {
         kernel_block<Lanes<1>>(sample, stride, centres + l, centre_count, dimensions, factor,
@@ -84,19 +83,18 @@ template <class Set>
 }
 
 void kernel_baseline(const Samples& samples, const double* centres, Index centre_count,
-                     double factor, Eigen::MatrixXd& kernel) {
+                     double factor, double* kernel) {
   kernel_with<Lanes<2>>(samples, centres, centre_count, factor, kernel);
 }
 
 [[gnu::target("avx2")]] void kernel_avx2(const Samples& samples, const double* centres,
-                                         Index centre_count, double factor,
-                                         Eigen::MatrixXd& kernel) {
+                                         Index centre_count, double factor, double* kernel) {
   kernel_with<Lanes<4>>(samples, centres, centre_count, factor, kernel);
 }
 
 [[gnu::target("arch=x86-64-v4")]] void kernel_avx512(const Samples& samples, const double* centres,
                                                      Index centre_count, double factor,
-                                                     Eigen::MatrixXd& kernel) {
+                                                     double* kernel) {
   kernel_with<Lanes<8>>(samples, centres, centre_count, factor, kernel);
 }
 
@@ -105,15 +103,19 @@ void kernel_baseline(const Samples& samples, const double* centres, Index centre
 void gaussian_kernel(const Samples& samples, const Samples& centres, double sigma,
                      Eigen::MatrixXd& kernel, InstructionSet set) {
   kernel.resize(centres.rows(), samples.rows());
+  gaussian_kernel(samples, Eigen::MatrixXd(centres), sigma, kernel.data(), set);
+}
+
+void gaussian_kernel(const Samples& samples, const Eigen::MatrixXd& centres, double sigma,
+                     double* kernel, InstructionSet set) {
   const double factor = -0.5 / (sigma * sigma);
-  const Eigen::MatrixXd packed = centres;  // columns next to each other
   switch (set) {
     case InstructionSet::kAvx512:
-      return kernel_avx512(samples, packed.data(), packed.rows(), factor, kernel);
+      return kernel_avx512(samples, centres.data(), centres.rows(), factor, kernel);
     case InstructionSet::kAvx2:
-      return kernel_avx2(samples, packed.data(), packed.rows(), factor, kernel);
+      return kernel_avx2(samples, centres.data(), centres.rows(), factor, kernel);
     case InstructionSet::kBaseline:
-      return kernel_baseline(samples, packed.data(), packed.rows(), factor, kernel);
+      return kernel_baseline(samples, centres.data(), centres.rows(), factor, kernel);
   }
 }
 

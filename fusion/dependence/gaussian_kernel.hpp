@@ -15,6 +15,11 @@ using Samples = Eigen::Ref<const Eigen::MatrixXd>;
 void gaussian_kernel(const Samples& samples, const Samples& centres, double sigma,
                      Eigen::MatrixXd& kernel, InstructionSet set = best_instruction_set());
 
+/// The same into centres × samples doubles at `kernel`, column-major; the centres' columns lie next
+/// to each other. Allocates nothing.
+void gaussian_kernel(const Samples& samples, const Eigen::MatrixXd& centres, double sigma,
+                     double* kernel, InstructionSet set = best_instruction_set());
+
 /// ∫ G(x, c_l) G(x, c_m) dx over all of ℝ^d: (πσ²)^(d/2) · exp(−|c_l − c_m|² / (4σ²)).
 void gaussian_overlap(const Samples& centres, double sigma, Eigen::MatrixXd& overlap);
 

@@ -21,24 +21,34 @@ void shuffle_front(std::vector<int>& list, int count, Random& random) {
 
 }  // namespace
 
-std::vector<int> choose_subset(int n, int count, Random& random) {
-  std::vector<int> list(static_cast<size_t>(n));
+void choose_subset(int n, int count, Random& random, std::vector<int>& list) {
+  list.resize(static_cast<size_t>(n));
   std::iota(list.begin(), list.end(), 0);
-  if (count >= n) return list;
+  if (count >= n) return;
   shuffle_front(list, count, random);
   list.resize(static_cast<size_t>(count));
   std::sort(list.begin(), list.end());
+}
+
+std::vector<int> choose_subset(int n, int count, Random& random) {
+  std::vector<int> list;
+  choose_subset(n, count, random, list);
   return list;
+}
+
+void deal_folds(int n, int count, Random& random, Folds& folds) {
+  folds.order.resize(static_cast<size_t>(n));
+  std::iota(folds.order.begin(), folds.order.end(), 0);
+  shuffle_front(folds.order, n, random);
+  folds.begin.clear();
+  for (int f = 0; f <= count; ++f) {
+    folds.begin.push_back(static_cast<int>(static_cast<int64_t>(n) * f / count));
+  }
 }
 
 Folds deal_folds(int n, int count, Random& random) {
   Folds folds;
-  folds.order.resize(static_cast<size_t>(n));
-  std::iota(folds.order.begin(), folds.order.end(), 0);
-  shuffle_front(folds.order, n, random);
-  for (int f = 0; f <= count; ++f) {
-    folds.begin.push_back(static_cast<int>(static_cast<int64_t>(n) * f / count));
-  }
+  deal_folds(n, count, random, folds);
   return folds;
 }
 

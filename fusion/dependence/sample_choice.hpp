@@ -17,6 +17,9 @@ using Random = std::mt19937_64;
 /// count >= n.
 std::vector<int> choose_subset(int n, int count, Random& random);
 
+/// The same into `list`, which keeps its memory.
+void choose_subset(int n, int count, Random& random, std::vector<int>& list);
+
 /// Samples dealt at random to the folds of a cross-validation, of equal sizes within one.
 struct Folds {
   std::vector<int> order;  ///< samples in order of fold
@@ -30,6 +33,9 @@ struct Folds {
 
 /// Deals n samples to `count` folds, 1 <= count <= n.
 Folds deal_folds(int n, int count, Random& random);
+
+/// The same into `folds`, which keeps its memory.
+void deal_folds(int n, int count, Random& random, Folds& folds);
 
 /// Static text that says why samples cannot be used, "" where they can: none, not finite (or
 /// beyond 1e100), all alike.

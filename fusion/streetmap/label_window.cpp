@@ -5,6 +5,15 @@
 
 namespace infuse::streetmap {
 
+void LabelWindow::reserve(const SegmentMap& map, double reach, Labelling labelling) {
+  const auto edge = static_cast<size_t>(std::ceil(2 * reach / map.frame().cell)) + 1;
+  labels_.reserve(edge * edge);
+  const size_t keys = labelling == Labelling::kKinds ? kSegmentKinds : map.segments();
+  by_key_.assign(keys, 0);
+  used_keys_.reserve(keys);
+  kinds_.reserve(std::min<size_t>(keys, 255));
+}
+
 void LabelWindow::read(const SegmentMap& map, double x, double y, double reach,
                        Labelling labelling) {
   const MapFrame& frame = map.frame();

@@ -19,6 +19,9 @@ enum class Labelling {
 /// read each.
 class LabelWindow {
  public:
+  /// Takes the memory for windows of up to this reach (m), for a map of so many segments.
+  void reserve(const SegmentMap& map, double reach, Labelling labelling);
+
   /// Reads the square of the map within `reach` (m) of a place. Labels that occur are numbered from
   /// 0 in order of their first cell; beyond the 255th they share the last. Allocates nothing once a
   /// window as large was read.

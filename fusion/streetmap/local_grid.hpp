@@ -59,11 +59,41 @@ struct PictureView {
                                       ///< picture's
 };
 
+/// Numbers by sample and feature, samples next to each other; unlike Eigen's matrices it keeps its
+/// memory when it becomes smaller.
+class FeatureTable {
+ public:
+  void resize(Eigen::Index rows, Eigen::Index columns) {
+    values_.resize(static_cast<size_t>(rows * columns));
+    rows_ = rows;
+    columns_ = columns;
+  }
+  Eigen::Index rows() const { return rows_; }
+  Eigen::Index cols() const { return columns_; }
+  double* data() { return values_.data(); }
+  const double* data() const { return values_.data(); }
+  double& operator()(Eigen::Index row, Eigen::Index column) {
+    return values_[static_cast<size_t>(column * rows_ + row)];
+  }
+  double operator()(Eigen::Index row, Eigen::Index column) const {
+    return values_[static_cast<size_t>(column * rows_ + row)];
+  }
+
+  /// As Eigen sees it, while it lives and is not resized.
+  Eigen::Map<const Eigen::MatrixXd> matrix() const { return {values_.data(), rows_, columns_}; }
+
+  bool operator==(const FeatureTable&) const = default;
+
+ private:
+  std::vector<double> values_;
+  Eigen::Index rows_ = 0, columns_ = 0;
+};
+
 /// The local grid as samples: one a block of cells that returns fell into.
 struct GridSamples {
-  std::vector<float> x, y;   ///< m, vehicle frame
-  Eigen::MatrixXd features;  ///< n × kFeatures, or × kLidarFeatures where no cell has a colour;
-                             ///< each column of mean 0 and variance 1, clipped at ±3
+  std::vector<float> x, y;  ///< m, vehicle frame
+  FeatureTable features;    ///< n × kFeatures, or × kLidarFeatures where no cell has a colour;
+                            ///< each column of mean 0 and variance 1, clipped at ±3
 
   size_t size() const { return x.size(); }
 };

@@ -9,7 +9,7 @@ enum class SegmentKind : uint8_t {
   kOpenLand = 0,     ///< what no element of the map covers
   kCarriageway = 1,  ///< driven on
   kKerb = 2,         ///< boundary line of a carriageway
-  kRoadside = 3,     ///< pavement that the map does not draw but streets of that class have
+  kRoadside = 3,     ///< pavement that the map does not draw but tells of by a tag
   kFootway = 4,      ///< footway, cycleway, path
   kCrossing = 5,     ///< footway on a carriageway
   kGreen = 6,        ///< park, grass, wood

@@ -8,6 +8,8 @@ namespace {
 
 constexpr double kOutside = -1e3;  // log-weight of a particle beyond the map
 constexpr size_t kFewestSamples = 100;
+constexpr double kViewYaw = 0.03;     // rad, how well one view tells the heading
+constexpr double kWidestSpread = 20;  // m, of particles that all see the map
 
 }  // namespace
 
@@ -51,10 +53,26 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options)
     : map_(map),
       options_(options),
       grid_(options.grid),
+      view_(options.measure, options.fit),
       particles_(options.particles, options.seed),
       null_test_(options.confidence.window),
       scouts_(options.scouts, options.seed + 2),
-      random_(options.seed + 1) {}
+      random_(options.seed + 1) {
+  const auto samples = static_cast<size_t>(options.grid.most_samples);
+  view_.reserve(options.grid.most_samples, kSegmentKinds);
+  window_.reserve(map, reach(kWidestSpread), options.labelling);
+  samples_.features.resize(options.grid.most_samples, kFeatures);
+  samples_.x.reserve(samples);
+  samples_.y.reserve(samples);
+  labels_.reserve(samples);
+  null_.reserve(static_cast<size_t>(options.confidence.null_draws));
+}
+
+// Half the edge of what the particles, the displaced poses and the scouts see of the map.
+double Tracker::reach(double spread) const {
+  constexpr double kDisplaced = 15;  // m
+  return options_.grid.extent * 0.75 + 3 * std::min(spread, kWidestSpread) + kDisplaced;
+}
 
 void Tracker::start(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
   particles_.scatter(pose, covariance);
@@ -79,6 +97,10 @@ void Tracker::search(const PlanarPose& pose, double radius, double yaw) {
 
 void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step) {
   odometry_ = odometry_.then(motion);
+  driven_s_ += to_seconds(step);
+  const double place = options_.confidence.map_sigma;
+  blurred_ += (covariance(0, 0) + covariance(1, 1)) / (place * place) +
+              covariance(2, 2) / (kViewYaw * kViewYaw);
   if (!started_) return;
   particles_.move(motion, covariance, to_seconds(step));
   scouts_.move(motion);
@@ -96,17 +118,14 @@ void Tracker::update() {
 
 void Tracker::update(const GridSamples& samples) {
   if (!started_ || samples.size() < kFewestSamples || !moved_on()) return;
-  dependence::PreparedDependence prepared(dependence::FitMeasure::kSmi, samples.features,
-                                          options_.fit);
-  if (*prepared.reason() != '\0') return;
+  if (*view_.prepare(samples) != '\0') return;
   const PoseMoments before = particles_.moments();
-  const double reach = options_.grid.extent * 0.75 + 3 * std::min(before.spread(), 20.0) + 15;
-  window_.read(map_, before.mean.x, before.mean.y, reach, options_.labelling);
+  window_.read(map_, before.mean.x, before.mean.y, reach(before.spread()), options_.labelling);
   labels_.resize(samples.size());
-  weigh(prepared, samples);
-  test_against_chance(prepared, samples);
+  weigh(samples);
+  test_against_chance(samples);
   particles_.resample_if_needed();
-  look_elsewhere(prepared, samples);
+  look_elsewhere(samples);
   ++updates_since_search_;
   judge();
 }
@@ -117,30 +136,42 @@ bool Tracker::moved_on() {
       std::abs(motion.yaw) < options_.least_turn) {
     return false;
   }
-  news_ = updates_since_search_ == 0
-              ? 1
-              : std::min(1.0, std::hypot(motion.x, motion.y) / options_.fresh);
+  news_ = updates_since_search_ == 0 ? 1 : news(std::hypot(motion.x, motion.y));
   updated_at_ = odometry_;
+  driven_s_ = 0;
+  blurred_ = 0;
   return true;
 }
 
-double Tracker::score_of(const PlanarPose& pose, dependence::PreparedDependence& prepared,
-                         const GridSamples& samples,
+// How much of a view is evidence of its own. Where the map is wrong it is so for tens of metres,
+// and the odometry ties one view to the next: what it forgot in between, by its drift or by its
+// stated covariance against what one view tells, must be found anew. Particles that are spread
+// wider than the map is wrong learn from views that share the map's error.
+double Tracker::news(double distance) const {
+  constexpr double kMostHaste = 4;
+  const double spread = particles_.moments().spread() / options_.confidence.map_sigma;
+  const double haste = std::clamp(spread * spread, 1.0, kMostHaste);
+  return std::min(
+      1.0, haste * distance / options_.fresh + driven_s_ / options_.fresh_seconds + blurred_);
+}
+
+double Tracker::score_of(const PlanarPose& pose, const GridSamples& samples,
                          const std::optional<dependence::HyperParameters>& kept,
                          dependence::HyperParameters* chosen) {
   window_.look_up(pose, samples.x, samples.y, labels_);
-  const auto answer = prepared.ask(labels_, window_.label_count(), kept);
-  if (chosen != nullptr) *chosen = answer.chosen;
-  return answer.usable() ? answer.value : 0;
+  return view_.ask(labels_, window_, kept, chosen);
 }
 
 // I 3.3.2: some particles, chosen at random, are cross-validated; the others keep what they have,
-// or take what the last one chose.
-void Tracker::weigh(dependence::PreparedDependence& prepared, const GridSamples& samples) {
+// or take what the last one chose. Their number is bounded: what one tells serves many.
+void Tracker::weigh(const GridSamples& samples) {
   std::uniform_real_distribution<double> share(0, 1);
+  const double validated =
+      std::min(1 - options_.omission,
+               options_.most_validated / static_cast<double>(particles_.all().size()));
   double sum = 0, total = 0;
   for (Particle& particle : particles_.all()) {
-    const bool omitted = share(random_) < options_.omission;
+    const bool omitted = share(random_) >= validated;
     if (!map_.covers(particle.pose.x, particle.pose.y)) {
       particle.log_weight = kOutside;
       continue;
@@ -151,7 +182,7 @@ void Tracker::weigh(dependence::PreparedDependence& prepared, const GridSamples&
       particle.kept.reset();
     }
     dependence::HyperParameters chosen;
-    const double score = score_of(particle.pose, prepared, samples, particle.kept, &chosen);
+    const double score = score_of(particle.pose, samples, particle.kept, &chosen);
     if (chosen.sigma > 0) common_ = particle.kept = chosen;
     particle.log_weight += news_ * options_.sharpness * score;
     sum += score;
@@ -160,10 +191,9 @@ void Tracker::weigh(dependence::PreparedDependence& prepared, const GridSamples&
   score_ = total > 0 ? sum / total : 0;
 }
 
-void Tracker::test_against_chance(dependence::PreparedDependence& prepared,
-                                  const GridSamples& samples) {
+void Tracker::test_against_chance(const GridSamples& samples) {
   const PlanarPose pose = particles_.moments().mean;
-  score_ = score_of(pose, prepared, samples, common_, nullptr);
+  score_ = score_of(pose, samples, common_);
   std::uniform_real_distribution<double> share(0, 1);
   null_.clear();
   for (int i = 0; i < options_.confidence.null_draws; ++i) {
@@ -172,15 +202,13 @@ void Tracker::test_against_chance(dependence::PreparedDependence& prepared,
     const double distance = 5 + 10 * share(random_);
     null_.push_back(score_of({pose.x + distance * std::cos(direction),
                               pose.y + distance * std::sin(direction), wrapped(pose.yaw + turned)},
-                             prepared, samples, common_, nullptr));
+                             samples, common_));
   }
   null_test_.add(score_, null_);
 }
 
-void Tracker::look_elsewhere(dependence::PreparedDependence& prepared, const GridSamples& samples) {
-  const auto score = [&](const PlanarPose& pose) {
-    return score_of(pose, prepared, samples, common_, nullptr);
-  };
+void Tracker::look_elsewhere(const GridSamples& samples) {
+  const auto score = [&](const PlanarPose& pose) { return score_of(pose, samples, common_); };
   if (particles_.doubt() > 0) return scouts_.recall();
   const auto place = scouts_.update(particles_.moments().mean, score_, news_, score);
   if (!place) return;
@@ -192,8 +220,10 @@ void Tracker::judge() {
   const PoseMoments moments = particles_.moments();
   const double spread = moments.spread(), p = null_test_.p_value();
   const double yaw = std::sqrt(std::max(moments.covariance(2, 2), 0.0));
+  // Once lost, it is until all that TRACKING asks for holds.
   const auto say = [&](TrackState state, const char* reason) {
-    state_ = state;
+    const bool found = state_ != TrackState::kLost || state == TrackState::kTracking;
+    state_ = found ? state : TrackState::kLost;
     reason_ = reason;
   };
   if (!map_.covers(moments.mean.x, moments.mean.y)) {
@@ -205,8 +235,7 @@ void Tracker::judge() {
   } else if (null_test_.settled() && p > confidence.lost_p) {
     say(TrackState::kLost, "what is seen fits the map no better than by chance");
   } else if (!settled) {
-    return say(state_ == TrackState::kLost ? TrackState::kLost : TrackState::kUnsure,
-               "too few updates since the start");
+    return say(TrackState::kUnsure, "too few updates since the start");
   } else if (particles_.doubt() > confidence.tracking_doubt) {
     return say(TrackState::kUnsure, "two places on the map fit what is seen");
   } else if (spread > confidence.tracking_spread || yaw > confidence.tracking_yaw) {

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "drivers/measurement/stamp.hpp"
-#include "fusion/dependence/prepared_dependence.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/streetmap/label_window.hpp"
 #include "fusion/streetmap/local_grid.hpp"
 #include "fusion/streetmap/null_test.hpp"
 #include "fusion/streetmap/particle_set.hpp"
 #include "fusion/streetmap/tracker_options.hpp"
+#include "fusion/streetmap/view_score.hpp"
 
 namespace infuse::streetmap {
 
@@ -87,19 +87,21 @@ class Tracker {
 
  private:
   bool moved_on();
-  double score_of(const PlanarPose& pose, dependence::PreparedDependence& prepared,
-                  const GridSamples& samples,
+  double news(double distance) const;
+  double reach(double spread) const;
+  double score_of(const PlanarPose& pose, const GridSamples& samples,
                   const std::optional<dependence::HyperParameters>& kept,
-                  dependence::HyperParameters* chosen);
-  void weigh(dependence::PreparedDependence& prepared, const GridSamples& samples);
-  void test_against_chance(dependence::PreparedDependence& prepared, const GridSamples& samples);
-  void look_elsewhere(dependence::PreparedDependence& prepared, const GridSamples& samples);
+                  dependence::HyperParameters* chosen = nullptr);
+  void weigh(const GridSamples& samples);
+  void test_against_chance(const GridSamples& samples);
+  void look_elsewhere(const GridSamples& samples);
   void judge();
 
   const SegmentMap& map_;
   TrackerOptions options_;
   LocalGrid grid_;
   LabelWindow window_;
+  ViewScore view_;
   ParticleSet particles_;
   NullTest null_test_;
   Scouts scouts_;
@@ -111,6 +113,8 @@ class Tracker {
   double score_ = 0;
   int updates_since_search_ = 0;
   PlanarPose updated_at_;  // odometry's pose at the last update
+  double driven_s_ = 0;    // since then
+  double blurred_ = 0;     // by the odometry's covariance since then, in views
   double news_ = 1;        // share of what is seen that is new since then
 
   // Scratch.

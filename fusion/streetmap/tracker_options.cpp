@@ -43,6 +43,8 @@ std::optional<std::string> TrackerOptions::invalid() const {
     return "scouts: count must be 0 … 10000, patience positive";
   }
   if (!(omission >= 0 && omission <= 1)) return "omission must be within 0 … 1";
+  if (!(most_validated > 0)) return "most_validated must be above 0";
+  if (!(fresh_seconds > 0)) return "fresh_seconds must be above 0";
   if (!(least_motion >= 0 && least_turn >= 0)) return "least_motion must not be negative";
   if (!(sharpness > 0 && sharpness <= 1e4)) return "sharpness must be within 0 … 10000";
   if (!(fresh > 0)) return "fresh must be positive";

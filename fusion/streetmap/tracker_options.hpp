@@ -8,24 +8,25 @@
 #include "fusion/streetmap/label_window.hpp"
 #include "fusion/streetmap/local_grid.hpp"
 #include "fusion/streetmap/scouts.hpp"
+#include "fusion/streetmap/view_score.hpp"
 
 namespace infuse::streetmap {
 
 /// How the particles live.
 struct ParticleOptions {
-  int fewest = 100;              ///< particles, when all agree
-  int most = 800;                ///< particles, when they are spread out
-  double bin = 0.6;              ///< m: edge of the bins that tell how spread out they are
-  double bin_yaw = 0.035;        ///< rad
-  double distance_noise = 0.03;  ///< m per √m driven, beside the odometry's own covariance
-  double scale_sigma = 0.01;     ///< of true over measured distance, which each particle carries
-  double scale_memory = 4000;    ///< m driven after which it may be another
-  double rate_sigma = 0.001;     ///< rad/s, of true minus measured yaw rate, the same
-  double rate_memory = 600;      ///< s after which it may be another
-  double yaw_noise = 0.0015;     ///< rad per √m driven, the same
-  double yaw_rest = 2e-4;        ///< rad an update, the same
-  double jitter = 0.03;          ///< m, after resampling: keeps copies apart
-  double jitter_yaw = 0.002;     ///< rad
+  int fewest = 100;               ///< particles, when all agree
+  int most = 800;                 ///< particles, when they are spread out
+  double bin = 0.6;               ///< m: edge of the bins that tell how spread out they are
+  double bin_yaw = 0.035;         ///< rad
+  double distance_noise = 0.015;  ///< m per √m driven, beside the odometry's own covariance
+  double scale_sigma = 0.01;      ///< of true over measured distance, which each particle carries
+  double scale_memory = 4000;     ///< m driven after which it may be another
+  double rate_sigma = 0.001;      ///< rad/s, of true minus measured yaw rate, the same
+  double rate_memory = 600;       ///< s after which it may be another
+  double yaw_noise = 8e-4;        ///< rad per √m driven, the same
+  double yaw_rest = 2e-4;         ///< rad an update, the same
+  double jitter = 0.03;           ///< m, after resampling: keeps copies apart
+  double jitter_yaw = 0.002;      ///< rad
 
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const;
@@ -53,14 +54,17 @@ struct ConfidenceOptions {
 struct TrackerOptions {
   LocalGridOptions grid;
   Labelling labelling = Labelling::kKinds;
+  ViewMeasure measure = ViewMeasure::kLsmi;
   dependence::FitOptions fit{
       .centres = 40, .sigmas = {1.0, 1.5, 2.2, 3.3}, .lambdas = {1e-4, 1e-3, 1e-2, 1e-1}};
-  double omission = 0.9;      ///< share of particles whose cross-validation is left out, I 3.3.2
-  double least_motion = 0.3;  ///< m between updates: what is seen from one place counts once
-  double least_turn = 0.03;   ///< rad, the same
-  double sharpness = 8;       ///< log-weight per unit of SMI of a view that is wholly new
-  double fresh = 10;          ///< m driven until it is: views that overlap, and a map that is wrong
-                              ///< for tens of metres, are no independent evidence
+  double omission = 0.9;       ///< share of particles whose cross-validation is left out, I 3.3.2
+  double most_validated = 16;  ///< particles an update that are cross-validated, in the mean
+  double least_motion = 0.3;   ///< m between updates: what is seen from one place counts once
+  double least_turn = 0.03;    ///< rad, the same
+  double sharpness = 8;        ///< log-weight per unit of SMI of a view that is wholly new
+  double fresh = 40;         ///< m driven until it is: views that overlap, and a map that is wrong
+                             ///< for tens of metres, are no independent evidence
+  double fresh_seconds = 8;  ///< s of driving, which add to that: odometry drifts at a walk, too
   ParticleOptions particles;
   ConfidenceOptions confidence;
   ScoutOptions scouts;

@@ -13,6 +13,11 @@ constexpr double kNoiseMemory = 1.0 / 60;  // blocks
 constexpr double kPriorBlocks = 2;         // what is taken for granted counts as so many
 constexpr double kPriorNoise = 0.006;      // κ: from simulated streets, with a third to spare
 constexpr double kOutlier = 9;  // a block's κ counts at most so many times the mean so far
+/// What a look counts: the looks of one street share what misleads them, for longer than a block.
+constexpr double kAlike = 0.7;
+
+/// Looked at with steps that stay on the top's flanks.
+bool near(size_t axis) { return axis <= static_cast<size_t>(Axis::kY); }
 
 }  // namespace
 
@@ -27,6 +32,16 @@ std::optional<std::string> DriftTestOptions::invalid() const {
   if (!(most_a_look > 0)) return "most_a_look must be positive";
   if (warm_up < 2 * kBlock) return "warm_up must be at least 8";
   return std::nullopt;
+}
+
+double AxisLook::information(size_t axis) const {
+  const double least = step[axis] > 0 ? std::abs(slope[axis]) / step[axis] : 0;
+  return std::max(bend[axis], least);
+}
+
+double AxisLook::offset(size_t axis) const {
+  const double worth = information(axis);
+  return worth > 0 ? slope[axis] / worth : 0;
 }
 
 double DriftTestOptions::certain() const {
@@ -60,20 +75,21 @@ void DriftTest::learn_noise(Track& track, double offset, double information) {
 void DriftTest::add(const AxisLook& look) {
   for (size_t k = 0; k < kAxes; ++k) {
     Track& track = tracks_[k];
-    const double d = look.offset[k];
-    const double w = look.information[k];
-    learn_noise(track, d, w);
-    track.sum += w * d - kMemory * track.sum;
+    const double w = look.information(k);
+    learn_noise(track, look.offset(k), w);
+    track.sum += look.slope[k] - kMemory * track.sum;
     track.weight += w - kMemory * track.weight;
     const double gap = options_.drifted[k] - options_.kept[k];
     const double middle = 0.5 * (options_.drifted[k] + options_.kept[k]);
-    const double scale = w * gap / noise_of(track);
-    const auto step = [&](double evidence, double offset) {
-      return std::max(0.0, evidence + std::clamp(scale * (offset - middle), -options_.most_a_look,
-                                                 options_.most_a_look));
+    const double scale = kAlike * gap / noise_of(track);
+    const double bend = near(k) ? look.bend[k] : w;
+    const auto step = [&](double evidence, double slope) {
+      const double ratio = scale * (slope - middle * bend);
+      return std::max(0.0,
+                      evidence + std::clamp(ratio, -options_.most_a_look, options_.most_a_look));
     };
-    track.up = step(track.up, d);
-    track.down = step(track.down, -d);
+    track.up = step(track.up, look.slope[k]);
+    track.down = step(track.down, -look.slope[k]);
   }
   ++looks_;
 }
@@ -94,6 +110,15 @@ Axis DriftTest::strongest() const {
   Axis best = Axis::kRotationX;
   for (size_t k = 1; k < kAxes; ++k) {
     if (evidence(static_cast<Axis>(k)) > evidence(best)) best = static_cast<Axis>(k);
+  }
+  return best;
+}
+
+Axis DriftTest::stronger_look(Axis axis) const {
+  Axis best = axis;
+  for (size_t k = 0; k < kAxes; ++k) {
+    const auto other = static_cast<Axis>(k);
+    if (near_axis(other) == axis && evidence(other) > evidence(best)) best = other;
   }
   return best;
 }

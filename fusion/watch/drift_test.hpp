@@ -10,8 +10,8 @@
 namespace infuse::watch {
 
 /// What the watch looks along: the six axes of a left perturbation of T_camera_lidar, how late the
-/// camera's stamps are, and the three rotations again with a wider look, which sees a drift that is
-/// too far off for the narrow one.
+/// camera's stamps are, and the rotations and time again with a wider look, which sees a drift that
+/// is too far off for the narrow one.
 enum class Axis : uint8_t {
   kRotationX,
   kRotationY,
@@ -22,38 +22,45 @@ enum class Axis : uint8_t {
   kTime,
   kFarRotationX,
   kFarRotationY,
-  kFarRotationZ
+  kFarRotationZ,
+  kFarTime
 };
-inline constexpr size_t kAxes = 10;
+inline constexpr size_t kAxes = 11;
 
-/// The far rotations' own axes; the others as they are.
+/// The far looks' own axes; the others as they are.
 constexpr Axis near_axis(Axis axis) {
-  return axis < Axis::kFarRotationX ? axis
-                                    : static_cast<Axis>(static_cast<uint8_t>(axis) -
-                                                        static_cast<uint8_t>(Axis::kFarRotationX));
+  if (axis < Axis::kFarRotationX) return axis;
+  if (axis == Axis::kFarTime) return Axis::kTime;
+  return static_cast<Axis>(static_cast<uint8_t>(axis) - static_cast<uint8_t>(Axis::kFarRotationX));
 }
 
 /// One number an axis.
 using PerAxis = std::array<double, kAxes>;
 
-/// What one picture says along every axis: where the dependence has its top, seen from the present
-/// calibration, and how much that is worth.
+/// What one picture says along every axis: the parabola of the dependence (nats) through the
+/// present calibration and a step to both sides. All zero: the picture says nothing.
 struct AxisLook {
-  PerAxis offset{};  ///< rad, m, s; within the step that was looked
-  PerAxis
-      information{};  ///< 1/rad², 1/m², 1/s² times an unknown scale; 0: the picture says nothing
+  PerAxis slope{};  ///< nats/rad, nats/m, nats/s, at the present calibration
+  PerAxis bend{};   ///< minus the second derivative; small or negative on a flank of the top
+  PerAxis step{};   ///< rad, m, s; how far was looked
+
+  /// What the look is worth, as the inverse of a variance on an unknown scale: the bend, or so much
+  /// that the top lies within the step.
+  double information(size_t axis) const;
+  /// Where the top lies, seen from the present calibration.
+  double offset(size_t axis) const;
 };
 
 /// Settings of the sequential test. Angles in rad, lengths in m, times in s.
 struct DriftTestOptions {
   /// Offsets up to which the calibration counts as kept: what the measure's own bias may be.
-  PerAxis kept{2.1e-3, 2.1e-3, 2.1e-3, 0.015, 0.015, 0.05, 0.03, 8.7e-3, 8.7e-3, 8.7e-3};
+  PerAxis kept{1.6e-3, 1.6e-3, 1.6e-3, 0.015, 0.015, 0.05, 0.03, 8.7e-3, 8.7e-3, 8.7e-3, 0.08};
   /// Offsets that are to be found soon.
-  PerAxis drifted{7e-3, 7e-3, 7e-3, 0.05, 0.05, 0.15, 0.10, 0.026, 0.026, 0.026};
+  PerAxis drifted{7e-3, 7e-3, 7e-3, 0.05, 0.05, 0.15, 0.10, 0.026, 0.026, 0.026, 0.2};
   double false_alarm_hours = 1000;  ///< mean time between false alarms at `looks_per_second`
   double looks_per_second = 2.5;    ///< how often `add` is called at most
   double suspect = 4;               ///< evidence, nats, at which drift is suspected
-  double most_a_look = 2;           ///< nats; no single picture brings more evidence
+  double most_a_look = 1.7;         ///< nats; no single picture brings more evidence
   int warm_up = 12;  ///< looks before anything is said: the scale of noise is learned meanwhile
 
   /// What is wrong with the settings, or nothing.
@@ -67,10 +74,16 @@ struct DriftTestOptions {
 
 /// Sequential test whether a calibration still holds: for each axis and sign a CUSUM (Page 1954) of
 /// the log-likelihood ratio between an offset of `drifted` and one of `kept`,
-///   S ← max(0, S + w ÷ κ · (θ₁ − θ₀) (± d − ½ (θ₀ + θ₁))),
-/// d and w the offset and information of a look. κ, the variance of d in units of 1 ÷ w, is learned
-/// from differences between means of blocks of looks, so that neither a constant offset nor
-/// correlation from picture to picture is taken for less noise than there is.
+///   S ← max(0, S + (θ₁ − θ₀) ÷ κ · (± s − ½ (θ₀ + θ₁) b)),
+/// s and b the slope and bend of a look. Where ½ (θ₀ + θ₁) is half a step, the bracket is how much
+/// the dependence gains by that step: a calibration that is a step off stands on a flank, where
+/// the bend alone says little, and the step leads to the top. κ, the variance of the offset s ÷ b
+/// in units of 1 ÷ b, is learned from differences between means of blocks of looks, so that neither
+/// a constant offset nor correlation from picture to picture is taken for less noise than there is.
+///
+/// Far looks and those along the optical axis and time mostly reach the foot of the top, where
+/// slope and bend are noise: for them b is the look's information, which is never less than puts
+/// the top within the step.
 class DriftTest {
  public:
   /// `options.invalid()` must be empty.
@@ -86,6 +99,8 @@ class DriftTest {
   double evidence(Axis axis) const;
   /// The axis with the most evidence.
   Axis strongest() const;
+  /// The near or the far look along an axis, whichever has more evidence.
+  Axis stronger_look(Axis axis) const;
   bool warmed_up() const { return looks_ >= options_.warm_up; }
   bool suspect() const { return warmed_up() && evidence(strongest()) >= options_.suspect; }
   bool certain() const { return warmed_up() && evidence(strongest()) >= certain_; }

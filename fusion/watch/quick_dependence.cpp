@@ -29,8 +29,13 @@ void add(Table& table, uint8_t row, float value) {
   cell[1] += part;
 }
 
-/// Plug-in mutual information of a table of weights, nats.
-double information(const Table& table) {
+/// A table's weights, and their plug-in mutual information, nats.
+struct Information {
+  double weight = 0;
+  double nats = 0;
+};
+
+Information information(const Table& table) {
   std::array<double, kBins> rows{}, columns{};
   double sum = 0;
   for (size_t r = 0; r < kBins; ++r) {
@@ -41,12 +46,12 @@ double information(const Table& table) {
       sum += weight;
     }
   }
-  if (!(sum > 0)) return 0;
+  if (!(sum > 0)) return {};
   const auto term = [](double weight) { return weight > 0 ? weight * std::log(weight) : 0.0; };
   double total = term(sum);
   for (const float weight : table) total += term(double{weight});
   for (size_t k = 0; k < kBins; ++k) total -= term(rows[k]) + term(columns[k]);
-  return total / sum;
+  return {sum, total / sum};
 }
 
 }  // namespace
@@ -75,7 +80,13 @@ double QuickDependence::at(const Eigen::Isometry3d& T_camera_lidar, const QuickP
     if (points.edge_bin()[i] == QuickPoints::kNotCompared) continue;
     add(edge, points.edge_bin()[i], look_up(picture.edge(), width, at, a, b));
   }
-  return weights_.reflectivity * information(reflectivity) + weights_.edges * information(edge);
+  const Information of_reflectivity = information(reflectivity);
+  const Information of_edges = information(edge);
+  const double all = weights_.reflectivity > 0 ? of_reflectivity.weight : of_edges.weight;
+  if (!(all > 0)) return 0;
+  return (weights_.reflectivity * of_reflectivity.weight * of_reflectivity.nats +
+          weights_.edges * of_edges.weight * of_edges.nats) /
+         all;
 }
 
 }  // namespace infuse::watch

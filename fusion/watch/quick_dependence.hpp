@@ -7,9 +7,10 @@
 
 namespace infuse::watch {
 
-/// The dependence between a picture and a sweep at a pose, in nats: mutual information P(3.17) of
-/// relative reflectivity and local grey plus that of depth edges and image edges, the picture's
-/// side spread linearly over two of 16 bins. What `calibration::Objective` measures, made cheap: of
+/// The dependence between a picture and a sweep at a pose, in nats a return: mutual information
+/// P(3.17) of relative reflectivity and local grey plus that of depth edges and image edges, each
+/// by the number of its returns, as n times it is a log-likelihood ratio; the picture's side spread
+/// linearly over two of 16 bins. What `calibration::Objective` measures, made cheap: of
 /// the order of 10 ns a point. Keeps its memory.
 class QuickDependence {
  public:

@@ -11,24 +11,21 @@ using geometry::Vector6;
 constexpr double kLongestGap = 2;     // s; what was driven in a longer one is not known
 constexpr double kNoEvidence = 0.5;   // nats
 constexpr double kTellingPeak = 0.1;  // nats; a picture with such a peak is worth a half
-constexpr double kFarTime = 2.5;      // steps of time of the wide look
 
-/// The top of the parabola through three values a step apart, and its curvature. Where the values
-/// do not bend down within the step, the top lies a step away on the rising side.
-void parabola(double below, double here, double above, double step, double& offset,
-              double& information) {
-  const double slope = (above - below) / (2 * step);
-  const double bend = (2 * here - above - below) / (step * step);
-  information = std::max(bend, std::abs(slope) / step);
-  offset = information > 0 ? slope / information : 0;
+/// The parabola through three values a step apart.
+void set_parabola(AxisLook& look, size_t axis, double below, double here, double above,
+                  double step) {
+  look.slope[axis] = (above - below) / (2 * step);
+  look.bend[axis] = (2 * here - above - below) / (step * step);
+  look.step[axis] = step;
 }
 
 }  // namespace
 
 std::optional<std::string> WatchOptions::invalid() const {
   if (!(rotation_step > 0) || !(far_step > rotation_step) || !(translation_step > 0) ||
-      !(time_step > 0)) {
-    return "steps must be positive, far_step more than rotation_step";
+      !(time_step > 0) || !(far_time_step > time_step)) {
+    return "steps must be positive, the far ones more than the near ones";
   }
   if (!(focal_samples >= 20)) return "focal_samples must be at least 20";
   if (max_points < min_points || min_points < 100) {
@@ -97,6 +94,7 @@ const char* Watch::why_not(const CameraFrame& grey, const Motion& motion) {
 
 double Watch::step_along(Axis axis) const {
   if (axis == Axis::kTime) return options_.time_step;
+  if (axis == Axis::kFarTime) return options_.far_time_step;
   if (axis >= Axis::kFarRotationX) return options_.far_step;
   return axis < Axis::kX ? options_.rotation_step : options_.translation_step;
 }
@@ -115,7 +113,7 @@ AxisLook Watch::look(const Motion& motion, WatchReport& report) {
     const auto axis = static_cast<Axis>(k);
     const double step = step_along(axis);
     Vector6 direction = Vector6::Zero();
-    if (axis == Axis::kTime) {
+    if (near_axis(axis) == Axis::kTime) {
       // A camera that is late by τ saw the world from where it was τ ago: its frame is moved by −τ
       // times the twist, and lidar points in it the other way.
       direction << motion.angular_rate, motion.velocity;
@@ -128,21 +126,13 @@ AxisLook Watch::look(const Motion& motion, WatchReport& report) {
     };
     const double above = ask(step);
     const double below = ask(-step);
-    parabola(below, here, above, step, look.offset[k], look.information[k]);
-    if (axis == Axis::kTime) {
-      // Where stamps are late by more than the step sees, the top lies farther out.
-      const double far_above = ask(kFarTime * step);
-      const double far_below = ask(-kFarTime * step);
-      if (std::max(far_above, far_below) > std::max({below, here, above})) {
-        parabola(far_below, here, far_above, kFarTime * step, look.offset[k], look.information[k]);
-      }
-    }
+    set_parabola(look, k, below, here, above, step);
     lowest = std::min({lowest, above, below});
     highest = std::max({highest, above, below});
   }
   if (highest - lowest < options_.least_peak) {
     report.reason = "nothing to be learned here";
-    look.information.fill(0);
+    look = {};
   }
   report.looked = *report.reason == '\0';
   return look;
@@ -160,10 +150,11 @@ void Watch::judge(WatchReport& report) {
   report.since = moved ? quiet_ : Stamp::earliest();
   for (int k = 0; k < 6; ++k) {
     // The top lies at +d: the present calibration is off by −d.
-    report.offset(k) = -test_.offset(static_cast<Axis>(k));
-    report.deviation(k) = test_.deviation(static_cast<Axis>(k));
+    const Axis look = test_.stronger_look(static_cast<Axis>(k));
+    report.offset(k) = -test_.offset(look);
+    report.deviation(k) = test_.deviation(look);
   }
-  report.delay = test_.offset(Axis::kTime);
+  report.delay = test_.offset(test_.stronger_look(Axis::kTime));
   report.delay_alike = ambiguity_.axis();
   report.fault = check_.fault();
   const bool certain = report.drift == Drift::kDrifted || report.drift == Drift::kSuspect;
@@ -188,7 +179,7 @@ WatchReport Watch::take(const CameraFrame& grey, const SweepView& sweep, const M
       if (report.looked) {
         test_.add(said);
         ambiguity_.add(motion);
-        const double peak = said.information[1] * options_.rotation_step * options_.rotation_step;
+        const double peak = said.information(1) * options_.rotation_step * options_.rotation_step;
         report.kept = store_.offer(grey, sweep, points_, peak / (peak + kTellingPeak), travelled_,
                                    motion.angular_rate.norm());
       }

@@ -17,6 +17,7 @@ struct WatchOptions {
   double far_step = 0.026;         ///< rad; the same for the wide look
   double translation_step = 0.06;  ///< m
   double time_step = 0.08;         ///< s
+  double far_time_step = 0.2;      ///< s
   double focal_samples = 300;      ///< focal length of the reduced picture, samples
   size_t max_points = 8000;        ///< returns that take part in a look
   size_t min_points = 500;         ///< with fewer a picture is passed over

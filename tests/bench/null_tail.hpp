@@ -11,8 +11,9 @@ namespace infuse::online {
 /// peaks of a sequential test of log-likelihood ratios fall off exponentially (Siegmund 1985).
 class NullTail {
  public:
-  /// Nats above which peaks count.
-  static constexpr double kFrom = 1.5;
+  /// Nats above which peaks count: of what is suspected (`DriftTestOptions::suspect`), where no
+  /// single look (`most_a_look`) makes a peak by itself.
+  static constexpr double kFrom = 4;
 
   /// The evidence after one look.
   void add(double evidence) {

@@ -104,7 +104,7 @@ inline Noticed notice_slow(const std::vector<const Drive*>& drives, int axis,
                      drive->T_camera_lidar);
       const auto report =
           watch.take(grey, watch::view_of(pair.sweep), {pair.angular_rate, pair.velocity});
-      if (report.drift == watch::Drift::kSuspect) {
+      if (report.drift == watch::Drift::kSuspect && report.axis == static_cast<watch::Axis>(axis)) {
         out.suspect = std::min(out.suspect, std::abs(degrees));
       }
       if (report.drift == watch::Drift::kDrifted) {

@@ -136,6 +136,24 @@ void whole_drives(std::ostream& out, int seeds) {
   }
 }
 
+/// What the thesis compares with, on its kind of drive.
+void measures(std::ostream& out, int seeds) {
+  const std::string drive = "pedestrian_zone";
+  if (!render(drive)) return;
+  const std::vector<View> views = read_views(drive);
+  const DriveMap made = make_map(drive);
+  out << "\n## By what a pose is weighed (I tables 3.5, 3.6), " << drive << ", " << seeds
+      << " seeds\n\n"
+      << kHead;
+  for (const auto& [measure, what] : {std::pair(ViewMeasure::kLsmi, "LSMI"),
+                                      {ViewMeasure::kBlsmi, "BLSMI, 4 bags"},
+                                      {ViewMeasure::kBoundaries, "road boundaries"}}) {
+    RunOptions options;
+    options.tracker.measure = measure;
+    write_row(out, what, run_seeds(made.map, views, options, seeds));
+  }
+}
+
 /// Everything else is asked of the shortest of the recorded routes, or of the street.
 std::string short_drive() { return render("kitti_07") ? "kitti_07" : "street"; }
 
@@ -167,6 +185,7 @@ void starts_and_odometry(std::ostream& out, int seeds) {
   for (const double omission : {0.0, 0.5, 0.7, 0.9, 0.97}) {
     RunOptions options;
     options.tracker.omission = omission;
+    options.tracker.most_validated = 100;
     options.tracker.particles.fewest = options.tracker.particles.most = 100;
     rows.emplace_back(omission, run_seeds(made.map, views, options, std::min(seeds, 3)));
   }
@@ -243,6 +262,7 @@ int write_tables(const std::string& folder, int seeds) {
       << "Two views a second, as the daemon updates.\n\n";
   one_picture(out);
   whole_drives(out, seeds);
+  measures(out, 5 * seeds);
   starts_and_odometry(out, seeds);
   wrong_maps(out, seeds);
   out.close();

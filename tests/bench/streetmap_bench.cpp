@@ -41,6 +41,7 @@ void update(benchmark::State& state, double omission) {
   const Crossing crossing;
   TrackerOptions options;
   options.omission = omission;
+  options.most_validated = 100;
   options.particles.fewest = options.particles.most = 100;
   Tracker tracker(crossing.map, options);
   tracker.start({}, Eigen::Vector3d(0.25, 0.25, 0.003).asDiagonal());

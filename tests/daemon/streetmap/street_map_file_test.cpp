@@ -66,14 +66,15 @@ class StreetMapFileTest : public testing::Test {
     for (const Error& warning : made->warnings) list.push_back(warning.message());
     return list;
   }
-  double width(const std::string& tags) {
-    const auto path = folder_ / "width.osm";
+  streetmap::PlanStrip strip(const std::string& tags) {
+    const auto path = folder_ / "strip.osm";
     EXPECT_TRUE(recording::write_text(path, map_text(way(1, {1, 10}, tags))));
     const auto map = recording::read_openstreetmap(path);
     EXPECT_TRUE(map);
     const auto planned = plan_streets(*map);
-    return planned.plan.strips.empty() ? 0 : 2 * planned.plan.strips[0].half_width;
+    return planned.plan.strips.empty() ? streetmap::PlanStrip{} : planned.plan.strips[0];
   }
+  double width(const std::string& tags) { return 2 * strip(tags).half_width; }
   ScratchFolder folder_;
 };
 
@@ -86,6 +87,14 @@ TEST_F(StreetMapFileTest, WidthsComeFromTheTagElseLanesElseClass) {
   EXPECT_DOUBLE_EQ(width("highway=residential lanes=-3"), 6);
   EXPECT_DOUBLE_EQ(width("highway=proposed"), 0);
   EXPECT_DOUBLE_EQ(width("highway=residential tunnel=yes"), 0);
+}
+
+TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWhereATagTellsOfThem) {
+  EXPECT_EQ(strip("highway=residential").roadside, 0);
+  EXPECT_EQ(strip("highway=residential sidewalk=no").roadside, 0);
+  EXPECT_GT(strip("highway=residential sidewalk=both").roadside, 1);
+  EXPECT_GT(strip("highway=primary sidewalk=right").roadside, 1);
+  EXPECT_GT(strip("highway=residential").kerb, 0);
 }
 
 TEST_F(StreetMapFileTest, OpenAndSelfCrossingRingsAreReportedWithTheirId) {

@@ -109,7 +109,7 @@ TEST(SelectVisible, ASceneOutOfViewHasAnEmptyBlock) {
       select({scene({{0, 0, 10}}), scene({{0, 0, -10}}), scene({{0, 0, 20}})}, {});
   ASSERT_EQ(points.blocks.size(), 3U);
   EXPECT_EQ(points.blocks[1].begin, points.blocks[1].end);
-  const VisiblePoints last = only(points, points.blocks[2]);
+  const VisiblePoints last = only(points, std::span(points.blocks).subspan(2, 1));
   EXPECT_THAT(last.z, ElementsAre(20));
   ASSERT_EQ(last.blocks.size(), 1U);
   EXPECT_EQ(last.blocks[0].scene, 2U);

@@ -1,12 +1,18 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <unsupported/Eigen/KroneckerProduct>
 #include <vector>
 
 #include "fusion/dependence/least_squares.hpp"
+#include "fusion/dependence/sample_choice.hpp"
+#include "tests/fusion/dependence/random_samples.hpp"
 
 namespace infuse::dependence {
 
@@ -77,6 +83,70 @@ inline Eigen::MatrixXd indicators(const std::vector<int32_t>& labels, int label_
       Eigen::MatrixXd::Zero(label_count, static_cast<Eigen::Index>(labels.size()));
   for (size_t i = 0; i < labels.size(); ++i) out(labels[i], static_cast<Eigen::Index>(i)) = 1;
   return out;
+}
+
+/// Labels that lean on the first feature.
+inline std::vector<int32_t> labels_of(const Eigen::MatrixXd& x, int label_count, uint64_t seed) {
+  const Eigen::MatrixXd noise = normal_samples(x.rows(), 1, seed);
+  std::vector<int32_t> labels;
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    const double level = std::floor(label_count * (0.5 + 0.25 * (x(i, 0) + 0.5 * noise(i))));
+    labels.push_back(static_cast<int32_t>(std::clamp(level, 0.0, label_count - 1.0)));
+  }
+  return labels;
+}
+
+/// All of cross-validation done plainly, with the same centres and folds.
+inline HyperParameters plain_choice(FitMeasure measure, const Eigen::MatrixXd& x,
+                                    const Eigen::MatrixXd* y, const std::vector<int32_t>& labels,
+                                    int label_count, const FitOptions& options) {
+  Random random(options.seed);
+  const int n = static_cast<int>(x.rows());
+  const std::vector<int> centres = choose_subset(n, options.centres, random);
+  const Folds folds = deal_folds(n, options.folds, random);
+  double least = std::numeric_limits<double>::max();
+  HyperParameters best;
+  for (const double sigma : options.sigmas) {
+    const Eigen::MatrixXd xc = x(centres, Eigen::all);
+    const Eigen::MatrixXd phi = plain_kernel(x, xc, sigma);
+    const Eigen::MatrixXd psi = y == nullptr ? indicators(labels, label_count)
+                                             : plain_kernel(*y, (*y)(centres, Eigen::all), sigma);
+    const Eigen::MatrixXd a_integral = y == nullptr
+                                           ? Eigen::MatrixXd::Identity(label_count, label_count)
+                                           : plain_integral((*y)(centres, Eigen::all), sigma);
+    for (const double lambda : options.lambdas) {
+      double error = 0;
+      for (int f = 0; f < folds.count(); ++f) {
+        std::vector<int> held, train;
+        for (int i = 0; i < n; ++i) {
+          const bool in = i >= folds.begin[static_cast<size_t>(f)] &&
+                          i < folds.begin[static_cast<size_t>(f) + 1];
+          (in ? held : train).push_back(folds.order[static_cast<size_t>(i)]);
+        }
+        const PlainFit fit(measure, phi(Eigen::all, train), psi(Eigen::all, train),
+                           plain_integral(xc, sigma), a_integral, lambda);
+        // The criterion of the held-out samples with the solution of the others.
+        const PlainFit judge(measure, phi(Eigen::all, held), psi(Eigen::all, held),
+                             plain_integral(xc, sigma), a_integral, 1.0);
+        error += 0.5 * fit.theta.cwiseProduct(judge.p * fit.theta * judge.a).sum() -
+                 fit.theta.cwiseProduct(judge.c).sum();
+        if (measure == FitMeasure::kSmi) {
+          // I 2.2.2.2 in its own words: ½ mean r(x_i, y_j)² − mean r(x_i, y_i).
+          const Eigen::MatrixXd r =
+              phi(Eigen::all, held).transpose() * fit.theta * psi(Eigen::all, held);
+          EXPECT_NEAR(0.5 * r.array().square().mean() - r.diagonal().mean(),
+                      0.5 * fit.theta.cwiseProduct(judge.p * fit.theta * judge.a).sum() -
+                          fit.theta.cwiseProduct(judge.c).sum(),
+                      1e-8);
+        }
+      }
+      if (error < least) {
+        least = error;
+        best = {sigma, lambda};
+      }
+    }
+  }
+  return best;
 }
 
 }  // namespace infuse::dependence

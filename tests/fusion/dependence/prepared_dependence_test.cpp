@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "fusion/dependence/sample_choice.hpp"
 #include "tests/fusion/dependence/plain_fit.hpp"
 #include "tests/fusion/dependence/random_samples.hpp"
 
@@ -24,17 +23,6 @@ FitOptions fixed(double sigma, double lambda, int centres = 10000) {
   options.lambdas = {lambda};
   options.centres = centres;
   return options;
-}
-
-// Labels that lean on the first feature.
-std::vector<int32_t> labels_of(const MatrixXd& x, int label_count, uint64_t seed) {
-  const MatrixXd noise = normal_samples(x.rows(), 1, seed);
-  std::vector<int32_t> labels;
-  for (Index i = 0; i < x.rows(); ++i) {
-    const double level = std::floor(label_count * (0.5 + 0.25 * (x(i, 0) + 0.5 * noise(i))));
-    labels.push_back(static_cast<int32_t>(std::clamp(level, 0.0, label_count - 1.0)));
-  }
-  return labels;
 }
 
 TEST(PreparedDependence, ReferenceValuesOfLsmi) {
@@ -83,57 +71,6 @@ TEST(PreparedDependence, LabelsEqualTheDenseKroneckerSolve) {
     EXPECT_STREQ(found.reason, "");
     EXPECT_NEAR(found.value, plain.value(), 1e-10);
   }
-}
-
-// All of cross-validation done plainly, with the same folds and all samples as centres.
-HyperParameters plain_choice(FitMeasure measure, const MatrixXd& x, const MatrixXd* y,
-                             const std::vector<int32_t>& labels, int label_count,
-                             const FitOptions& options) {
-  Random random(options.seed);
-  const int n = static_cast<int>(x.rows());
-  const std::vector<int> centres = choose_subset(n, options.centres, random);
-  const Folds folds = deal_folds(n, options.folds, random);
-  double least = std::numeric_limits<double>::max();
-  HyperParameters best;
-  for (const double sigma : options.sigmas) {
-    const MatrixXd xc = x(centres, Eigen::all);
-    const MatrixXd phi = plain_kernel(x, xc, sigma);
-    const MatrixXd psi = y == nullptr ? indicators(labels, label_count)
-                                      : plain_kernel(*y, (*y)(centres, Eigen::all), sigma);
-    const MatrixXd a_integral = y == nullptr ? MatrixXd::Identity(label_count, label_count)
-                                             : plain_integral((*y)(centres, Eigen::all), sigma);
-    for (const double lambda : options.lambdas) {
-      double error = 0;
-      for (int f = 0; f < folds.count(); ++f) {
-        std::vector<int> held, train;
-        for (int i = 0; i < n; ++i) {
-          const bool in = i >= folds.begin[static_cast<size_t>(f)] &&
-                          i < folds.begin[static_cast<size_t>(f) + 1];
-          (in ? held : train).push_back(folds.order[static_cast<size_t>(i)]);
-        }
-        const PlainFit fit(measure, phi(Eigen::all, train), psi(Eigen::all, train),
-                           plain_integral(xc, sigma), a_integral, lambda);
-        // The criterion of the held-out samples with the solution of the others.
-        const PlainFit judge(measure, phi(Eigen::all, held), psi(Eigen::all, held),
-                             plain_integral(xc, sigma), a_integral, 1.0);
-        error += 0.5 * fit.theta.cwiseProduct(judge.p * fit.theta * judge.a).sum() -
-                 fit.theta.cwiseProduct(judge.c).sum();
-        if (measure == FitMeasure::kSmi) {
-          // I 2.2.2.2 in its own words: ½ mean r(x_i, y_j)² − mean r(x_i, y_i).
-          const MatrixXd r = phi(Eigen::all, held).transpose() * fit.theta * psi(Eigen::all, held);
-          EXPECT_NEAR(0.5 * r.array().square().mean() - r.diagonal().mean(),
-                      0.5 * fit.theta.cwiseProduct(judge.p * fit.theta * judge.a).sum() -
-                          fit.theta.cwiseProduct(judge.c).sum(),
-                      1e-8);
-        }
-      }
-      if (error < least) {
-        least = error;
-        best = {sigma, lambda};
-      }
-    }
-  }
-  return best;
 }
 
 TEST(PreparedDependence, CrossValidationChoosesAsThePlainOneDoes) {

@@ -24,7 +24,9 @@ TrackerOptions quick() {
   options.fit.sigmas = {1.0, 2.0};
   options.fit.lambdas = {1e-3, 1e-1};
   options.fresh = 0.5;                   // each view of the town is drawn anew
-  options.particles.scale_sigma = 0.02;  // its odometry is that long
+  options.particles.scale_sigma = 0.02;  // its odometry is that long, and turns
+  options.particles.distance_noise = 0.03;
+  options.particles.yaw_noise = 0.0015;
   options.particles.fewest = 60;
   options.particles.most = 250;
   return options;

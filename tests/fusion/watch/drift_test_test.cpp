@@ -20,10 +20,11 @@ class Looks {
     AxisLook look;
     for (size_t k = 0; k < kAxes; ++k) {
       // One look tells a rotation to 0.17 degrees, a translation to 3 cm, a time to 50 ms.
-      const double unit = k < 3 ? 3e-3 : k < 6 ? 0.03 : k < 7 ? 0.05 : 0.01;
-      look.information[k] = noise / (unit * unit);
+      const double unit = k < 3 ? 3e-3 : k < 6 ? 0.03 : k < 7 ? 0.05 : k < 10 ? 0.01 : 0.1;
+      look.step[k] = 10 * unit;
+      look.bend[k] = noise / (unit * unit);
       last_[k] = correlation * last_[k] + std::sqrt(1 - correlation * correlation) * normal();
-      look.offset[k] = drift[k] + unit * last_[k];
+      look.slope[k] = look.bend[k] * (drift[k] + unit * last_[k]);
     }
     return look;
   }
