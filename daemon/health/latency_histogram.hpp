@@ -31,7 +31,7 @@ class LatencyHistogram {
  private:
   static constexpr unsigned kSubBits = 4;
   static constexpr unsigned kSub = 1U << kSubBits;
-  static constexpr size_t kBins = (64 - kSubBits + 1) * kSub;
+  static constexpr size_t kBins = size_t{64 - kSubBits + 1} * kSub;
 
   static size_t bin_of(uint64_t ns);
   static uint64_t upper_edge(size_t bin);

@@ -30,8 +30,8 @@ alert() { journalctl -u infused -o cat 2>/dev/null | grep -q "$1"; }
 # moment WHAT: of the service's life, by systemd, ms of the monotonic clock.
 moment() { echo $(($(systemctl show -P "$1TimestampMonotonic" infused) / 1000)); }
 # kill_daemon: the daemon is killed and the next one asked. Sets, ms of the monotonic clock: `killed`, `answered`,
-# and `still`, for how long the machine itself was not run by its host (an exec reads from the host, too).
+# and `still`, for how long the machine stood still meanwhile because its host did not run it.
 kill_daemon() {
   read -r killed answered still < <(/proof/vm-clients kill "$(systemctl show -P MainPID infused)" \
-    /run/infuse/infused.sock /run/vm/command)
+    /run/infuse/infused.sock /run/vm/waited)
 }
