@@ -44,7 +44,7 @@ const std::vector<std::string> kMore = {"online_jam", "online_stop_and_go", "ped
                                         "kitti_00",   "kitti_05",           "kitti_07"};
 
 /// And so many other worlds along the same route, in every condition and in the jam.
-constexpr int kWorlds = 10;
+constexpr int kWorlds = 11;
 
 /// Seconds from the fault to suspicion and to certainty; kNever where there is none.
 struct Delay {
