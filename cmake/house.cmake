@@ -58,6 +58,8 @@ function(infuse_test folder)
   if(ARG_THREADED)
     set(labels LABELS threaded)
     add_dependencies(threaded_tests ${name})
+    target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/early_logger.cpp)
+    target_link_libraries(${name} PRIVATE spdlog::spdlog)
   endif()
   gtest_discover_tests(${name} TEST_PREFIX ${folder}/ DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT 600 ${labels} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")

@@ -10,9 +10,9 @@ constexpr int kPictureStep = 2;         // pixels that become one of the feature
 constexpr double kMovingSpeed = 2.0;    // m/s from which on a receiver's course is the heading
 constexpr double kFixSigma = 3.0;       // m
 constexpr double kCourseSigma = 0.1;    // rad
-constexpr double kScaleSigma = 0.006;    // m a metre, odometry's scale
+constexpr double kScaleSigma = 0.006;   // m a metre, odometry's scale
 constexpr double kRestSigma = 0.005;    // m
-constexpr double kRateSigma = 0.002;     // rad/s, odometry's bias
+constexpr double kRateSigma = 0.002;    // rad/s, odometry's bias
 constexpr double kBlindSigma = 3.0;     // m that the vehicle may go where odometry says nothing
 constexpr double kBlindYawSigma = 0.2;  // rad, the same
 

@@ -37,17 +37,12 @@ void LabelDependence::reserve(int samples, int features, int labels) {
 }
 
 void LabelDependence::prepare(const Samples& samples) {
-  reason_ = options_.invalid() ? "invalid options" : unusable(samples);
+  reason_ = unusable(samples, options_);
   if (*reason_ != '\0') return;
   const auto n = static_cast<int>(samples.rows());
-  const int folds = options_.sigmas.size() * options_.lambdas.size() > 1 ? options_.folds : 1;
-  if (n < folds) {
-    reason_ = "fewer samples than folds";
-    return;
-  }
   Random random(options_.seed);
   choose_subset(n, options_.centres, random, centres_);
-  deal_folds(n, folds, random, folds_);
+  deal_folds(n, options_.folds_dealt(), random, folds_);
   b_ = centres_.size();
   all_.resize(static_cast<size_t>(n));
   std::iota(all_.begin(), all_.end(), 0);

@@ -49,6 +49,9 @@ struct FitOptions {
 
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const;
+
+  /// The folds that are dealt: 1 where the grid leaves nothing to choose.
+  int folds_dealt() const { return sigmas.size() * lambdas.size() > 1 ? folds : 1; }
 };
 
 /// An estimate, and the hyper-parameters it assumed.

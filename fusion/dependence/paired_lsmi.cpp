@@ -54,7 +54,7 @@ FitEstimate paired_lsmi(const Samples& x, const Samples& y, const FitOptions& op
   FitEstimate answer;
   answer.reason = options.invalid() ? "invalid options" : unusable(x, y);
   const int n = static_cast<int>(x.rows());
-  const int fold_count = options.sigmas.size() * options.lambdas.size() > 1 ? options.folds : 1;
+  const int fold_count = options.folds_dealt();
   if (answer.usable() && n < fold_count) answer.reason = "fewer samples than folds";
   if (!answer.usable()) return answer;
 

@@ -17,17 +17,12 @@ using Eigen::VectorXd;
 PreparedDependence::PreparedDependence(FitMeasure measure, const Samples& samples,
                                        const FitOptions& options)
     : measure_(measure), options_(options) {
-  reason_ = options.invalid() ? "invalid options" : unusable(samples);
+  reason_ = unusable(samples, options);
   if (*reason_ != '\0') return;
   const int n = static_cast<int>(samples.rows());
-  const int folds = options.sigmas.size() * options.lambdas.size() > 1 ? options.folds : 1;
-  if (n < folds) {
-    reason_ = "fewer samples than folds";
-    return;
-  }
   Random random(options.seed);
   const std::vector<int> centres = choose_subset(n, options.centres, random);
-  folds_ = deal_folds(n, folds, random);
+  folds_ = deal_folds(n, options.folds_dealt(), random);
   std::vector<int> place(folds_.order.size());
   for (int i = 0; i < n; ++i) place[static_cast<size_t>(folds_.order[static_cast<size_t>(i)])] = i;
   for (const int centre : centres) centre_rows_.push_back(place[static_cast<size_t>(centre)]);

@@ -65,6 +65,13 @@ const char* unusable(const Samples& samples) {
   return varies ? "" : "all samples are alike";
 }
 
+const char* unusable(const Samples& samples, const FitOptions& options) {
+  if (options.invalid()) return "invalid options";
+  const char* reason = unusable(samples);
+  if (*reason != '\0') return reason;
+  return samples.rows() < options.folds_dealt() ? "fewer samples than folds" : "";
+}
+
 const char* unusable(const Samples& x, const Samples& y) {
   const char* reason = unusable(x);
   if (*reason == '\0') reason = unusable(y);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fusion/dependence/gaussian_kernel.hpp"
+#include "fusion/dependence/least_squares.hpp"
 
 namespace infuse::dependence {
 
@@ -40,6 +41,10 @@ void deal_folds(int n, int count, Random& random, Folds& folds);
 /// Static text that says why samples cannot be used, "" where they can: none, not finite (or
 /// beyond 1e100), all alike.
 const char* unusable(const Samples& samples);
+
+/// The same for samples that are to be fitted with `options`: those must be valid as well, and
+/// leave every fold a sample.
+const char* unusable(const Samples& samples, const FitOptions& options);
 
 /// The same for the two sides of a dependence, which must be of one length.
 const char* unusable(const Samples& x, const Samples& y);

@@ -42,8 +42,9 @@ const char* ViewScore::prepare(const GridSamples& samples) {
 // I(3.8): gradient times discontinuity. The table holds them without their mean; both begin at 0.
 const char* ViewScore::prepare_boundaries(const FeatureTable& features) {
   if (features.cols() < kFeatures) return "boundaries need colours";
-  const Eigen::VectorXd gradient = features.matrix().col(kGradient);
-  const Eigen::VectorXd discontinuity = features.matrix().col(kDiscontinuity);
+  const auto all = features.matrix();
+  const auto gradient = all.col(kGradient);
+  const auto discontinuity = all.col(kDiscontinuity);
   const double g = gradient.minCoeff(), d = discontinuity.minCoeff();
   likeness_.resize(static_cast<size_t>(features.rows()));
   double squares = 0;

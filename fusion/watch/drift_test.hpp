@@ -67,8 +67,8 @@ struct DriftTestOptions {
   std::optional<std::string> invalid() const;
 
   /// Evidence (nats) at which drift is certain: the mean time between false alarms of a CUSUM of
-  /// log-likelihood ratios is at least e^h looks (Lorden 1971), of n of them side by side e^h
-  /// ÷ 14.
+  /// log-likelihood ratios is at least e^h looks (Lorden 1971), of n of them side by side e^h ÷ n:
+  /// here two an axis.
   double certain() const;
 };
 

@@ -69,9 +69,9 @@ struct WatchReport {
 /// nothing once it has seen the largest picture and sweep and the store is full.
 ///
 /// A look asks the dependence (`QuickDependence`) at the present calibration and a step to both
-/// sides along seven axes: three rotations, three translations, and the time by which the camera
-/// would be late (the motion meanwhile). The parabola through three values gives the offset of its
-/// top and what it is worth; `DriftTest` adds them up.
+/// sides along every `Axis`: three rotations, three translations, the time by which the camera
+/// would be late (the motion meanwhile), and rotations and time with a wider step. `DriftTest` adds
+/// up what the parabolas through three values say.
 class Watch {
  public:
   /// `options.invalid()` and `camera.invalid()` must be empty.

@@ -51,11 +51,7 @@ TEST(LabelDependence, OneCentreIsAnswered) {
 }
 
 TEST(LabelDependence, CrossValidationChoosesAsThePlainOneDoes) {
-  FitOptions options;
-  options.centres = 9;
-  options.sigmas = {0.2, 0.6, 1.2};
-  options.lambdas = {1e-3, 1e-2, 1e-1};
-  options.folds = 4;
+  const FitOptions options = small_grid();
   std::vector<HyperParameters> all;
   LabelDependence dependence(options);
   for (uint64_t trial = 0; trial < 12; ++trial) {

@@ -16,6 +16,17 @@
 
 namespace infuse::dependence {
 
+/// Few enough centres and folds for the plain fits, on a grid in which there is something to
+/// choose.
+inline FitOptions small_grid() {
+  FitOptions options;
+  options.centres = 9;
+  options.sigmas = {0.2, 0.6, 1.2};
+  options.lambdas = {1e-3, 1e-2, 1e-1};
+  options.folds = 4;
+  return options;
+}
+
 /// The least-squares fits written down plainly: kernels by std::exp, the product model's b² × b²
 /// system solved densely, held-out errors by running over all pairs of samples.
 struct PlainFit {

@@ -74,11 +74,7 @@ TEST(PreparedDependence, LabelsEqualTheDenseKroneckerSolve) {
 }
 
 TEST(PreparedDependence, CrossValidationChoosesAsThePlainOneDoes) {
-  FitOptions options;
-  options.centres = 9;
-  options.sigmas = {0.2, 0.6, 1.2};
-  options.lambdas = {1e-3, 1e-2, 1e-1};
-  options.folds = 4;
+  FitOptions options = small_grid();
   std::vector<HyperParameters> all;
   for (const FitMeasure measure : kMeasures) {
     for (uint64_t trial = 0; trial < 4; ++trial) {
