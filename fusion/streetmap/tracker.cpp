@@ -154,8 +154,7 @@ void Tracker::tell_news(double distance) {
   const double map_variance = options_.confidence.map_sigma * options_.confidence.map_sigma;
   const double place = moments.spread() * moments.spread();
   const double haste = std::clamp(place / map_variance, 1.0, kMostHaste);
-  const double forgotten = forgotten_place_ / std::max(place, map_variance) +
-                           forgotten_yaw_ / std::max(moments.covariance(2, 2), kViewYaw * kViewYaw);
+  const double forgotten = forgotten_place_ / map_variance + forgotten_yaw_ / (kViewYaw * kViewYaw);
   const bool first = updates_since_search_ == 0;
   const double driven = haste * distance / options_.fresh + driven_s_ / options_.fresh_seconds;
   place_news_ = first ? 1 : std::min(1.0, driven);
