@@ -127,24 +127,31 @@ void write_seeds(std::ostream& out, const std::string& drive, int seeds) {
   out << "Drive `" << drive << "`, " << seeds << " seeds.\n\n";
 }
 
+/// What is seen on a drive, and its map.
+struct Course {
+  std::vector<View> views;  // none where the drive cannot be had
+  DriveMap made;
+};
+
+Course course_of(const std::string& drive) {
+  if (!render(drive)) return {};
+  return {read_views(drive), make_map(drive)};
+}
+
 bool one_drive(std::ostream& out, const std::string& drive, int seeds) {
-  if (!render(drive)) return false;
-  const std::vector<View> views = read_views(drive);
-  const DriveMap made = make_map(drive);
-  if (views.empty()) return false;
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
   write_seeds(out, drive, seeds);
   out << kHead;
-  write_row(out, drive, run_seeds(made.map, views, {}, seeds));
+  write_row(out, drive, run_seeds(course.made.map, course.views, {}, seeds));
   return true;
 }
 
 /// The thesis' kind of drive, and what it compares with.
 bool robot(std::ostream& out, int seeds) {
   const std::string drive = "pedestrian_zone";
-  if (!render(drive)) return false;
-  const std::vector<View> views = read_views(drive);
-  const DriveMap made = make_map(drive);
-  if (views.empty()) return false;
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
   write_seeds(out, drive, seeds);
   out << kHead;
   for (const auto& [measure, what] : {std::pair(ViewMeasure::kLsmi, "LSMI"),
@@ -152,7 +159,7 @@ bool robot(std::ostream& out, int seeds) {
                                       {ViewMeasure::kBoundaries, "road boundaries"}}) {
     RunOptions options;
     options.tracker.measure = measure;
-    write_row(out, what, run_seeds(made.map, views, options, seeds));
+    write_row(out, what, run_seeds(course.made.map, course.views, options, seeds));
   }
   return true;
 }
@@ -162,24 +169,22 @@ std::string short_drive() { return render("kitti_07") ? "kitti_07" : "street"; }
 
 bool wrong_starts(std::ostream& out, int seeds) {
   const std::string drive = short_drive();
-  const std::vector<View> views = read_views(drive);
-  if (views.empty()) return false;
-  const DriveMap made = make_map(drive);
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
   write_seeds(out, drive, seeds);
   out << kHead;
   for (const double error : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) {
     RunOptions options;
     options.start_error = error;
-    write_row(out, text("%.0f m", error), run_seeds(made.map, views, options, seeds));
+    write_row(out, text("%.0f m", error), run_seeds(course.made.map, course.views, options, seeds));
   }
   return true;
 }
 
 bool noisy_odometry(std::ostream& out, int seeds) {
   const std::string drive = short_drive();
-  const std::vector<View> views = read_views(drive);
-  if (views.empty()) return false;
-  const DriveMap made = make_map(drive);
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
   write_seeds(out, drive, seeds);
   out << "Gaussian noise, a share of each motion and of its yaw rate, drawn anew so often.\n\n"
       << kHead;
@@ -190,7 +195,7 @@ bool noisy_odometry(std::ostream& out, int seeds) {
       options.rate_noise = rate * kDegree;
       options.noise_hz = a_second;
       write_row(out, text("%.0f %%, %.0f °/s, at %d Hz", 100 * share, rate, a_second),
-                run_seeds(made.map, views, options, seeds));
+                run_seeds(course.made.map, course.views, options, seeds));
     }
   }
   return true;
@@ -198,9 +203,8 @@ bool noisy_odometry(std::ostream& out, int seeds) {
 
 bool omission(std::ostream& out, int seeds) {
   const std::string drive = short_drive();
-  const std::vector<View> views = read_views(drive);
-  if (views.empty()) return false;
-  const DriveMap made = make_map(drive);
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
   write_seeds(out, drive, seeds);
   out << "100 particles.\n\n| omitted | total, m | time an update, relative to 90 % |\n"
       << "|---|---|---|\n";
@@ -210,7 +214,7 @@ bool omission(std::ostream& out, int seeds) {
     options.tracker.omission = omitted;
     options.tracker.most_validated = 100;
     options.tracker.particles.fewest = options.tracker.particles.most = 100;
-    rows.emplace_back(omitted, run_seeds(made.map, views, options, seeds));
+    rows.emplace_back(omitted, run_seeds(course.made.map, course.views, options, seeds));
   }
   for (const auto& [omitted, s] : rows) {
     out << text("| %.0f %% | %.2f ± %.2f | %.2f |\n", 100 * omitted, s.total, s.deviation,
@@ -242,17 +246,17 @@ PlanStrip& street_at(StreetPlan& plan, const PlanarPose& pose) {
 
 bool wrong_maps(std::ostream& out, int seeds) {
   const std::string drive = short_drive();
-  const std::vector<View> views = read_views(drive);
-  if (views.empty()) return false;
-  const StreetPlan plan = make_map(drive).plan;
-  const PlanarPose middle = views[views.size() / 2].truth;
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
+  const StreetPlan& plan = course.made.plan;
+  const PlanarPose middle = course.views[course.views.size() / 2].truth;
   write_seeds(out, drive, seeds);
   out << kHead;
   const auto with = [&](const char* what, const std::function<void(StreetPlan&)>& change) {
     StreetPlan wrong = plan;
     change(wrong);
     const DriveMap made = make_map(drive, wrong);
-    write_row(out, what, run_seeds(made.map, views, {}, seeds));
+    write_row(out, what, run_seeds(made.map, course.views, {}, seeds));
   };
   with("a street is missing", [&](StreetPlan& wrong) {
     PlanStrip& gone = street_at(wrong, middle);
