@@ -1,5 +1,5 @@
 // Tables of fusion/streetmap/accuracy.md: one picture, and the tracker over simulated drives.
-//   streetmap_accuracy [FOLDER] [SEEDS]
+//   streetmap_accuracy FOLDER [SECTION[=SEEDS]...]
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "fusion/streetmap/one_image.hpp"
+#include "tests/bench/section_file.hpp"
 #include "tests/bench/streetmap_runs.hpp"
 
 namespace infuse::streetmap::bench {
@@ -69,14 +70,12 @@ PictureRow locate_all(const SegmentMap& map, const std::vector<Shot>& shots,
   return row;
 }
 
-void one_picture(std::ostream& out) {
-  constexpr int kPictures = 40;
+void one_picture(std::ostream& out, int pictures) {
   if (!render("street")) return;
   CameraMount mount;
-  const std::vector<Shot> shots = read_shots("street", kPictures, mount);
+  const std::vector<Shot> shots = read_shots("street", pictures, mount);
   const DriveMap made = make_map("street");
-  out << "## One picture (I table 3.3, 3.6, figure 3.12)\n\n"
-      << "The drive `street` (fixtures/scenarios/online_2hz.toml): " << shots.size()
+  out << "The drive `street` (fixtures/scenarios/online_2hz.toml): " << shots.size()
       << " pictures, reduced by 8; mean ± one deviation of the error; time a\n"
       << "pose relative to LSMI's, one thread.\n\n"
       << "| measure | across, m | heading, ° | time a pose | pictures |\n|---|---|---|---|---|\n";
@@ -123,12 +122,15 @@ void write_row(std::ostream& out, const std::string& what, const Summary& s) {
   std::fputs(row.c_str(), stderr);
 }
 
-void whole_drives(std::ostream& out, int seeds) {
-  out << "\n## Whole drives\n\nRms errors, means over " << seeds
+void write_seeds(std::ostream& out, const std::string& drive, int seeds) {
+  out << "Drive `" << drive << "`, " << seeds << " seeds.\n\n";
+}
+
+void routes(std::ostream& out, int seeds) {
+  out << "Rms errors, means over " << seeds
       << " seeds (odometry's scale and bias, start, filter); the world departs from the map.\n\n"
       << kHead;
-  for (const std::string drive :
-       {"kitti_00", "kitti_05", "kitti_07", "street", "pedestrian_zone"}) {
+  for (const std::string drive : {"kitti_07", "kitti_05", "kitti_00", "street"}) {
     if (!render(drive)) continue;
     const std::vector<View> views = read_views(drive);
     const DriveMap made = make_map(drive);
@@ -136,15 +138,14 @@ void whole_drives(std::ostream& out, int seeds) {
   }
 }
 
-/// What the thesis compares with, on its kind of drive.
-void measures(std::ostream& out, int seeds) {
+/// The thesis' kind of drive, and what it compares with.
+void robot(std::ostream& out, int seeds) {
   const std::string drive = "pedestrian_zone";
   if (!render(drive)) return;
   const std::vector<View> views = read_views(drive);
   const DriveMap made = make_map(drive);
-  out << "\n## By what a pose is weighed (I tables 3.5, 3.6), " << drive << ", " << seeds
-      << " seeds\n\n"
-      << kHead;
+  write_seeds(out, drive, seeds);
+  out << kHead;
   for (const auto& [measure, what] : {std::pair(ViewMeasure::kLsmi, "LSMI"),
                                       {ViewMeasure::kBlsmi, "BLSMI, 4 bags"},
                                       {ViewMeasure::kBoundaries, "road boundaries"}}) {
@@ -157,40 +158,55 @@ void measures(std::ostream& out, int seeds) {
 /// Everything else is asked of the shortest of the recorded routes, or of the street.
 std::string short_drive() { return render("kitti_07") ? "kitti_07" : "street"; }
 
-void starts_and_odometry(std::ostream& out, int seeds) {
+void wrong_starts(std::ostream& out, int seeds) {
   const std::string drive = short_drive();
-  if (!render(drive)) return;
   const std::vector<View> views = read_views(drive);
   const DriveMap made = make_map(drive);
-  out << "\n## Wrong starts (I figure 3.19(c)), " << drive << ", " << seeds << " seeds\n\n"
-      << kHead;
-  for (const double error : {1.0, 2.0, 3.0, 4.0, 6.0}) {
+  write_seeds(out, drive, seeds);
+  out << kHead;
+  for (const double error : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) {
     RunOptions options;
     options.start_error = error;
     write_row(out, text("%.0f m", error), run_seeds(made.map, views, options, seeds));
   }
-  out << "\n## Noisy odometry (I figure 3.19(b)), " << drive << ", " << seeds << " seeds\n\n"
+}
+
+void noisy_odometry(std::ostream& out, int seeds) {
+  const std::string drive = short_drive();
+  const std::vector<View> views = read_views(drive);
+  const DriveMap made = make_map(drive);
+  write_seeds(out, drive, seeds);
+  out << "Gaussian noise, a share of each motion and of its yaw rate, drawn anew so often.\n\n"
       << kHead;
-  for (const auto& [share, rate] : {std::pair(0.1, 1.0), {0.2, 2.0}, {0.3, 3.0}}) {
-    RunOptions options;
-    options.distance_noise = share;
-    options.rate_noise = rate * kDegree;
-    write_row(out, text("%.0f %%, %.0f °/s", 100 * share, rate),
-              run_seeds(made.map, views, options, seeds));
+  for (const int a_second : {10, 2}) {
+    for (const auto& [share, rate] : {std::pair(0.1, 1.0), {0.2, 2.0}, {0.3, 3.0}}) {
+      RunOptions options;
+      options.distance_noise = share;
+      options.rate_noise = rate * kDegree;
+      options.noise_hz = a_second;
+      write_row(out, text("%.0f %%, %.0f °/s, at %d Hz", 100 * share, rate, a_second),
+                run_seeds(made.map, views, options, seeds));
+    }
   }
-  out << "\n## Cross-validation left out (I figure 3.19(a)), " << drive << ", " << seeds
-      << " seeds, 100 particles\n\n| omitted | total, m | time an update, relative to 90 % |\n"
+}
+
+void omission(std::ostream& out, int seeds) {
+  const std::string drive = short_drive();
+  const std::vector<View> views = read_views(drive);
+  const DriveMap made = make_map(drive);
+  write_seeds(out, drive, seeds);
+  out << "100 particles.\n\n| omitted | total, m | time an update, relative to 90 % |\n"
       << "|---|---|---|\n";
   std::vector<std::pair<double, Summary>> rows;
-  for (const double omission : {0.0, 0.5, 0.7, 0.9, 0.97}) {
+  for (const double omitted : {0.0, 0.5, 0.7, 0.9, 0.97}) {
     RunOptions options;
-    options.tracker.omission = omission;
+    options.tracker.omission = omitted;
     options.tracker.most_validated = 100;
     options.tracker.particles.fewest = options.tracker.particles.most = 100;
-    rows.emplace_back(omission, run_seeds(made.map, views, options, std::min(seeds, 3)));
+    rows.emplace_back(omitted, run_seeds(made.map, views, options, seeds));
   }
-  for (const auto& [omission, s] : rows) {
-    out << text("| %.0f %% | %.2f ± %.2f | %.2f |\n", 100 * omission, s.total, s.deviation,
+  for (const auto& [omitted, s] : rows) {
+    out << text("| %.0f %% | %.2f ± %.2f | %.2f |\n", 100 * omitted, s.total, s.deviation,
                 s.seconds / rows[3].second.seconds);
   }
 }
@@ -218,11 +234,11 @@ PlanStrip& street_at(StreetPlan& plan, const PlanarPose& pose) {
 
 void wrong_maps(std::ostream& out, int seeds) {
   const std::string drive = short_drive();
-  if (!render(drive)) return;
   const std::vector<View> views = read_views(drive);
   const StreetPlan plan = make_map(drive).plan;
   const PlanarPose middle = views[views.size() / 2].truth;
-  out << "\n## Wrong maps, " << drive << ", " << seeds << " seeds\n\n" << kHead;
+  write_seeds(out, drive, seeds);
+  out << kHead;
   const auto with = [&](const char* what, const std::function<void(StreetPlan&)>& change) {
     StreetPlan wrong = plan;
     change(wrong);
@@ -256,23 +272,56 @@ void wrong_maps(std::ostream& out, int seeds) {
   });
 }
 
-int write_tables(const std::string& folder, int seeds) {
-  std::ofstream out(folder + "/accuracy.md");
-  out << "# How well the vehicle is found on simulated drives\n\nMade by `./dev bench streetmap`. "
-      << "Two views a second, as the daemon updates.\n\n";
-  one_picture(out);
-  whole_drives(out, seeds);
-  measures(out, 5 * seeds);
-  starts_and_odometry(out, seeds);
-  wrong_maps(out, seeds);
-  out.close();
-  return out.good() ? 0 : 1;
+// --- the file ---
+
+constexpr const char* kAbout =
+    "# How well the vehicle is found on simulated drives\n\n"
+    "Made by `./dev bench streetmap`, or section by section with `./dev bench "
+    "streetmap:SECTION[=SEEDS]`:\n"
+    "`one_picture`, `routes`, `robot`, `wrong_starts`, `noisy_odometry`, `omission`, "
+    "`wrong_maps`. The tracker is run on views that\n"
+    "are cached, two a second, as the daemon updates.\n";
+
+const std::vector<infuse::bench::Section>& sections() {
+  static const std::vector<infuse::bench::Section> all = {
+      {"one_picture", "One picture (I table 3.3, 3.6, figure 3.12)", 40, one_picture},
+      {"routes", "Recorded routes", 20, routes},
+      {"robot", "A robot in a pedestrian zone (I tables 3.5, 3.6)", 100, robot},
+      {"wrong_starts", "Wrong starts (I figure 3.19(c))", 20, wrong_starts},
+      {"noisy_odometry", "Noisy odometry (I figure 3.19(b))", 20, noisy_odometry},
+      {"omission", "Cross-validation left out (I figure 3.19(a))", 5, omission},
+      {"wrong_maps", "Wrong maps", 20, wrong_maps}};
+  return all;
+}
+
+/// `wanted`: "NAME" or "NAME=SEEDS".
+bool write_section(const std::string& path, const std::string& wanted) {
+  const size_t end = wanted.find('=');
+  const std::string name = wanted.substr(0, end);
+  for (const infuse::bench::Section& section : sections()) {
+    if (section.name != name) continue;
+    const int seeds = end == std::string::npos ? section.runs : std::atoi(wanted.c_str() + end + 1);
+    std::fprintf(stderr, "%s, %d\n", name.c_str(), seeds);
+    return seeds > 0 && infuse::bench::remake_section(path, kAbout, sections(), section, seeds);
+  }
+  std::fprintf(stderr, "no section is called %s\n", name.c_str());
+  return false;
+}
+
+int write_tables(const std::string& folder, std::vector<std::string> wanted) {
+  if (wanted.empty()) {
+    for (const infuse::bench::Section& section : sections()) wanted.push_back(section.name);
+  }
+  for (const std::string& section : wanted) {
+    if (!write_section(folder + "/accuracy.md", section)) return 1;
+  }
+  return 0;
 }
 
 }  // namespace
 }  // namespace infuse::streetmap::bench
 
 int main(int argc, char** argv) {
-  return infuse::streetmap::bench::write_tables(argc > 1 ? argv[1] : "fusion/streetmap",
-                                                argc > 2 ? std::atoi(argv[2]) : 4);
+  if (argc < 2) return 2;
+  return infuse::streetmap::bench::write_tables(argv[1], {argv + 2, argv + argc});
 }
