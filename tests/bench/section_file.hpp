@@ -14,7 +14,8 @@ struct Section {
   std::string name;   ///< by which it is asked for
   std::string title;  ///< its heading
   int runs;           ///< how often what is random is repeated, unless asked otherwise
-  std::function<void(std::ostream&, int runs)> write;
+  /// Writes what stands below the heading; false where it could not be made.
+  std::function<bool(std::ostream&, int runs)> write;
 };
 
 /// The sections of a Markdown file, each with its heading, by title; what comes before the first is
@@ -31,12 +32,12 @@ inline std::map<std::string, std::string> read_sections(const std::string& path)
 }
 
 /// Makes `section` anew in the file at `path`: `head`, then all sections of `order` that have been
-/// made, the others as they are. Whether it could be written.
+/// made, the others as they are. Whether it could be made and written.
 inline bool remake_section(const std::string& path, const std::string& head,
                            const std::vector<Section>& order, const Section& section, int runs) {
   std::ostringstream made;
   made << "## " << section.title << "\n\n";
-  section.write(made, runs);
+  if (!section.write(made, runs)) return false;
   auto all = read_sections(path);
   all[section.title] = made.str();
   std::ofstream file(path);
