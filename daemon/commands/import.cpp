@@ -7,18 +7,19 @@
 #include "daemon/commands/command.hpp"
 #include "daemon/protocol/counters_json.hpp"
 #include "drivers/recording/kitti_import.hpp"
+#include "drivers/recording/opencalib_import.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 struct Arguments {
-  std::string folder;
+  std::string source;
   std::string drive;
   bool json = false;
 };
 
-int run(const Arguments& arguments) {
-  const auto imported = recording::import_kitti(arguments.folder, arguments.drive);
+int run_kitti(const Arguments& arguments) {
+  const auto imported = recording::import_kitti(arguments.source, arguments.drive);
   if (!imported) return complain("infuse import kitti", imported.error(), kUnreadable);
   if (arguments.json) {
     Json json = {{"layout", recording::to_string(imported->layout)},
@@ -40,19 +41,41 @@ int run(const Arguments& arguments) {
   return kDone;
 }
 
+int run_opencalib(const Arguments& arguments) {
+  const auto imported = recording::import_opencalib(arguments.source, arguments.drive);
+  if (!imported) return complain("infuse import opencalib", imported.error(), kUnreadable);
+  if (arguments.json) {
+    std::cout << Json{{"drive", arguments.drive}, {"sweeps", 1}, {"images", 1}}.dump() << "\n";
+  } else {
+    std::cout << fmt::format("{}: a sweep and an image; their time is made up\n", arguments.drive);
+  }
+  return kDone;
+}
+
+/// Declares where from and where to.
+std::shared_ptr<Arguments> declare(CLI::App* app, const char* source, const char* told) {
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option(source, arguments->source, told)->required();
+  app->add_option("-o,--output", arguments->drive, "drive folder to be made")
+      ->required()
+      ->type_name("DRIVE");
+  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  return arguments;
+}
+
 }  // namespace
 
 Command declare_import(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand("import", "makes a drive of a public data set");
   app->require_subcommand(1);
   CLI::App* kitti = app->add_subcommand("kitti", "KITTI's raw, odometry and object layouts");
-  const auto arguments = std::make_shared<Arguments>();
-  kitti->add_option("DIR", arguments->folder, "folder of the data set")->required();
-  kitti->add_option("-o,--output", arguments->drive, "drive folder to be made")
-      ->required()
-      ->type_name("DRIVE");
-  kitti->add_flag("--json", arguments->json, "the result as one JSON object");
-  return {app, [arguments] { return run(*arguments); }};
+  CLI::App* opencalib = app->add_subcommand("opencalib", "a scene of OpenCalib's lidar to camera");
+  const auto from_kitti = declare(kitti, "DIR", "folder of the data set");
+  const auto from_opencalib =
+      declare(opencalib, "FILE", "NAME.calib.txt; NAME.pcd and NAME.png or .jpg lie beside it");
+  return {app, [=] {
+            return kitti->parsed() ? run_kitti(*from_kitti) : run_opencalib(*from_opencalib);
+          }};
 }
 
 }  // namespace infuse::daemon

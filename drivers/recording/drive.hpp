@@ -15,7 +15,7 @@ namespace infuse::recording {
 /// Where a lidar's data lies: packets or decoded sweeps. Paths are relative to the drive.
 struct LidarFiles {
   std::string packets;             ///< capture; several lidars may share one. Empty: none
-  std::string sweeps;              ///< folder of NNNNNN.bin and times.csv. Empty: none
+  std::string sweeps;              ///< folder of NNNNNN.bin or .pcd and times.csv. Empty: none
   uint16_t port = 2368;            ///< UDP destination port of its data packets
   uint16_t position_port = 8308;   ///< of its position packets
   std::optional<uint32_t> sender;  ///< IPv4 address, host byte order; absent: any

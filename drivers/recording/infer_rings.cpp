@@ -101,16 +101,16 @@ uint32_t count_columns(const Sweep& sweep, const RingStarts& rings) {
   return columns <= 65535 ? static_cast<uint32_t>(columns) : 0;
 }
 
-}  // namespace
-
-bool infer_rings(Sweep& sweep) {
+void forget_rings(Sweep& sweep) {
   std::fill(sweep.ring.begin(), sweep.ring.end(), uint16_t{0});
   std::fill(sweep.column.begin(), sweep.column.end(), uint16_t{0});
   sweep.rings = 0;
   sweep.columns = 0;
-  if (sweep.size() == 0) return false;
-  const RingStarts rings = find_rings(sweep);
-  if (rings.count < 2 || !fall_from_the_top(sweep, rings)) return false;
+}
+
+// Fills `ring`, `column`, `rings`, `columns`; false, and nothing, where the columns' width is not
+// to be found.
+bool number(Sweep& sweep, const RingStarts& rings) {
   const uint32_t columns = count_columns(sweep, rings);
   if (columns == 0) return false;
 
@@ -125,6 +125,24 @@ bool infer_rings(Sweep& sweep) {
     }
   }
   return true;
+}
+
+}  // namespace
+
+bool infer_rings(Sweep& sweep) {
+  forget_rings(sweep);
+  if (sweep.size() == 0) return false;
+  const RingStarts rings = find_rings(sweep);
+  return rings.count >= 2 && fall_from_the_top(sweep, rings) && number(sweep, rings);
+}
+
+bool number_rings(Sweep& sweep, std::span<const size_t> starts) {
+  forget_rings(sweep);
+  if (starts.size() < 2 || starts.size() > kMaxRings + 1) return false;
+  RingStarts rings;
+  std::copy(starts.begin(), starts.end(), rings.starts.begin());
+  rings.count = starts.size() - 1;
+  return number(sweep, rings);
 }
 
 }  // namespace infuse::recording

@@ -1,112 +1,49 @@
 #include "drivers/recording/kitti_calibration.hpp"
 
-#include <map>
 #include <string>
 
-#include "drivers/recording/line_reader.hpp"
-#include "drivers/recording/number_list.hpp"
-#include "drivers/recording/rigid_matrix.hpp"
+#include "drivers/recording/calibration_text.hpp"
 
 namespace infuse::recording {
 namespace {
 
 namespace fs = std::filesystem;
 
-// "KEY: numbers" a line. Lines whose value is no list of numbers (calib_time) are passed over.
-class CalibrationFile {
- public:
-  static Result<CalibrationFile> read(const fs::path& path) {
-    auto lines = LineReader::open(path);
-    if (!lines) return tl::unexpected(lines.error());
-    CalibrationFile file;
-    file.name_ = path.string();
-    std::string_view line;
-    while (lines->next(line) && file.values_.size() < 1000) {
-      const size_t colon = line.find(':');
-      if (colon == std::string_view::npos) continue;
-      auto numbers = parse_numbers(line.substr(colon + 1));
-      if (numbers) file.values_[std::string(line.substr(0, colon))] = std::move(*numbers);
-    }
-    return file;
-  }
+// R and T of a calib_*_to_*.txt.
+Result<Eigen::Isometry3d> rotation_and_translation(const CalibrationText& file) {
+  auto T = file.rigid({"R"}, 3);
+  if (!T) return T;
+  const auto translation = file.matrix({"T"}, 3, 1);
+  if (!translation) return tl::unexpected(translation.error());
+  T->translation() = translation->topLeftCorner<3, 1>();
+  return T;
+}
 
-  // The first of `keys` that the file has.
-  const std::vector<double>* find(std::initializer_list<const char*> keys) const {
-    for (const char* key : keys) {
-      const auto at = values_.find(key);
-      if (at != values_.end()) return &at->second;
-    }
-    return nullptr;
+Result<void> read_projection(const CalibrationText& file, const char* key, size_t camera,
+                             KittiCalibration& calibration) {
+  if (file.find({key}) == nullptr) return {};
+  const auto P = file.matrix({key}, 3, 4);
+  if (!P) return tl::unexpected(P.error());
+  const Eigen::Matrix<double, 3, 4> projection = P->topRows<3>();
+  const bool pinhole = projection(0, 0) > 0 && projection(1, 1) > 0 && projection(0, 1) == 0 &&
+                       projection(1, 0) == 0 &&
+                       projection.row(2).head<3>() == Eigen::RowVector3d(0, 0, 1);
+  if (!pinhole) {
+    return fail(std::string(key) + " is no rectified projection", file.name(),
+                "fx 0 cx px  0 fy cy py  0 0 1 pz is expected");
   }
-
-  // rows × columns numbers by row, in the corner of a 4 × 4 identity.
-  Result<Eigen::Matrix4d> matrix(std::initializer_list<const char*> keys, int rows,
-                                 int columns) const {
-    const std::vector<double>* numbers = find(keys);
-    if (numbers == nullptr) {
-      return fail(std::string("has no ") + *keys.begin(), name_,
-                  "lines as 'P2: 7.2e+02 …' are expected");
-    }
-    if (numbers->size() != static_cast<size_t>(rows * columns)) {
-      return fail(std::string(*keys.begin()) + " must be " + std::to_string(rows * columns) +
-                      " numbers, " + std::to_string(numbers->size()) + " are given",
-                  name_);
-    }
-    Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-    for (int i = 0; i < rows * columns; ++i) {
-      result(i / columns, i % columns) = (*numbers)[static_cast<size_t>(i)];
-    }
-    return result;
-  }
-
-  Result<Eigen::Isometry3d> rigid(std::initializer_list<const char*> keys, int columns) const {
-    const auto given = matrix(keys, 3, columns);
-    if (!given) return tl::unexpected(given.error());
-    const auto T = to_rigid(*given);
-    if (!T) return fail(std::string(*keys.begin()) + " is not a rigid motion", name_);
-    return *T;
-  }
-
-  // R and T of a calib_*_to_*.txt.
-  Result<Eigen::Isometry3d> rotation_and_translation() const {
-    auto T = rigid({"R"}, 3);
-    if (!T) return T;
-    const auto translation = matrix({"T"}, 3, 1);
-    if (!translation) return tl::unexpected(translation.error());
-    T->translation() = translation->topLeftCorner<3, 1>();
-    return T;
-  }
-
-  Result<void> read_projection(const char* key, size_t camera,
-                               KittiCalibration& calibration) const {
-    if (find({key}) == nullptr) return {};
-    const auto P = matrix({key}, 3, 4);
-    if (!P) return tl::unexpected(P.error());
-    const Eigen::Matrix<double, 3, 4> projection = P->topRows<3>();
-    const bool pinhole = projection(0, 0) > 0 && projection(1, 1) > 0 && projection(0, 1) == 0 &&
-                         projection(1, 0) == 0 &&
-                         projection.row(2).head<3>() == Eigen::RowVector3d(0, 0, 1);
-    if (!pinhole) {
-      return fail(std::string(key) + " is no rectified projection", name_,
-                  "fx 0 cx px  0 fy cy py  0 0 1 pz is expected");
-    }
-    calibration.projection[camera] = projection;
-    return {};
-  }
-
- private:
-  std::string name_;
-  std::map<std::string, std::vector<double>> values_;
-};
+  calibration.projection[camera] = projection;
+  return {};
+}
 
 constexpr std::array<const char*, 4> kKeys = {"P0", "P1", "P2", "P3"};
 constexpr std::array<const char*, 4> kRawKeys = {"P_rect_00", "P_rect_01", "P_rect_02",
                                                  "P_rect_03"};
 
-Result<void> read_projections(const CalibrationFile& file, const std::array<const char*, 4>& keys,
+Result<void> read_projections(const CalibrationText& file, const std::array<const char*, 4>& keys,
                               KittiCalibration& calibration) {
   for (size_t camera = 0; camera < keys.size(); ++camera) {
-    if (auto read = file.read_projection(keys[camera], camera, calibration); !read) return read;
+    if (auto read = read_projection(file, keys[camera], camera, calibration); !read) return read;
   }
   return {};
 }
@@ -151,7 +88,7 @@ Eigen::Isometry3d KittiCalibration::T_vehicle_lidar() const {
 }
 
 Result<KittiCalibration> read_kitti_calibration(const fs::path& path) {
-  const auto file = CalibrationFile::read(path);
+  const auto file = CalibrationText::read(path);
   if (!file) return tl::unexpected(file.error());
   KittiCalibration calibration;
   if (auto read = read_projections(*file, kKeys, calibration); !read)
@@ -173,22 +110,22 @@ Result<KittiCalibration> read_kitti_calibration(const fs::path& path) {
 }
 
 Result<KittiCalibration> read_kitti_raw_calibration(const fs::path& folder) {
-  const auto cameras = CalibrationFile::read(folder / "calib_cam_to_cam.txt");
+  const auto cameras = CalibrationText::read(folder / "calib_cam_to_cam.txt");
   if (!cameras) return tl::unexpected(cameras.error());
-  const auto lidar = CalibrationFile::read(folder / "calib_velo_to_cam.txt");
+  const auto lidar = CalibrationText::read(folder / "calib_velo_to_cam.txt");
   if (!lidar) return tl::unexpected(lidar.error());
   KittiCalibration calibration;
   if (auto read = read_projections(*cameras, kRawKeys, calibration); !read)
     return tl::unexpected(read.error());
   const auto R = cameras->rigid({"R_rect_00"}, 3);
   if (!R) return tl::unexpected(R.error());
-  const auto T_camera_lidar = lidar->rotation_and_translation();
+  const auto T_camera_lidar = rotation_and_translation(*lidar);
   if (!T_camera_lidar) return tl::unexpected(T_camera_lidar.error());
   calibration.T_rectified_lidar = *R * *T_camera_lidar;
   if (fs::exists(folder / "calib_imu_to_velo.txt")) {
-    const auto imu = CalibrationFile::read(folder / "calib_imu_to_velo.txt");
+    const auto imu = CalibrationText::read(folder / "calib_imu_to_velo.txt");
     if (!imu) return tl::unexpected(imu.error());
-    const auto T_lidar_imu = imu->rotation_and_translation();
+    const auto T_lidar_imu = rotation_and_translation(*imu);
     if (!T_lidar_imu) return tl::unexpected(T_lidar_imu.error());
     calibration.T_lidar_imu = *T_lidar_imu;
   }

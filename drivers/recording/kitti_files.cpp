@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <fstream>
 
-#include "drivers/recording/big_endian.hpp"
 #include "drivers/recording/csv_reader.hpp"
 #include "drivers/recording/line_reader.hpp"
 #include "drivers/recording/number_list.hpp"
@@ -73,9 +72,9 @@ Result<std::vector<Stamp>> read_kitti_times(const fs::path& path) {
   return times;
 }
 
-std::vector<KittiFile> with_times(const std::map<size_t, fs::path>& files,
-                                  const std::vector<Stamp>& times, std::vector<Error>& notes) {
-  std::vector<KittiFile> result;
+std::vector<StampedFile> with_times(const std::map<size_t, fs::path>& files,
+                                    const std::vector<Stamp>& times, std::vector<Error>& notes) {
+  std::vector<StampedFile> result;
   size_t without = 0;
   for (const auto& [number, path] : files) {
     if (number < times.size()) {
@@ -103,17 +102,6 @@ Result<std::vector<std::vector<double>>> read_number_lines(const fs::path& path,
     rows.push_back(std::move(*numbers));
   }
   return rows;
-}
-
-std::optional<PictureSize> png_size(const fs::path& path) {
-  // Signature, length and type of the IHDR chunk, width, height.
-  std::array<uint8_t, 24> head{};
-  std::ifstream in(path, std::ios::binary);
-  if (!in.read(reinterpret_cast<char*>(head.data()), head.size())) return std::nullopt;
-  const bool png = read_u32(head, 0) == 0x89504E47 && read_u32(head, 12) == 0x49484452;
-  const uint32_t width = read_u32(head, 16), height = read_u32(head, 20);
-  if (!png || width == 0 || height == 0 || width > 65536 || height > 65536) return std::nullopt;
-  return PictureSize{static_cast<int>(width), static_cast<int>(height)};
 }
 
 }  // namespace infuse::recording

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,19 +21,11 @@ std::map<size_t, std::filesystem::path> list_numbered(const std::filesystem::pat
 Result<std::vector<Stamp>> read_kitti_times(const std::filesystem::path& path);
 
 /// Puts files and times together by number; what has no time is left out and noted.
-std::vector<KittiFile> with_times(const std::map<size_t, std::filesystem::path>& files,
-                                  const std::vector<Stamp>& times, std::vector<Error>& notes);
+std::vector<StampedFile> with_times(const std::map<size_t, std::filesystem::path>& files,
+                                    const std::vector<Stamp>& times, std::vector<Error>& notes);
 
 /// Lines of numbers, each of `count`; fails with file and line.
 Result<std::vector<std::vector<double>>> read_number_lines(const std::filesystem::path& path,
                                                            size_t count);
-
-/// Width and height of a PNG file, from its header.
-struct PictureSize {
-  int width = 0;
-  int height = 0;
-  bool operator==(const PictureSize&) const = default;
-};
-std::optional<PictureSize> png_size(const std::filesystem::path& path);
 
 }  // namespace infuse::recording

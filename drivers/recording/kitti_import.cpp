@@ -2,11 +2,11 @@
 
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/recording/kitti_files.hpp"
+#include "drivers/recording/import_files.hpp"
 #include "drivers/recording/kitti_layouts.hpp"
+#include "drivers/recording/picture_size.hpp"
 #include "drivers/recording/samples_csv.hpp"
 #include "drivers/recording/text_file.hpp"
-#include "drivers/recording/times_csv.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 
 namespace infuse::recording {
@@ -26,45 +26,15 @@ Result<KittiRecording> read_layout(KittiLayout layout, const fs::path& folder) {
   return fail("unknown layout", folder.string());
 }
 
-// Makes the drive's folder; refuses one that holds something.
-Result<void> make_empty(const fs::path& drive) {
-  std::error_code failed;
-  if (fs::exists(drive, failed) && !fs::is_empty(drive, failed))
-    return fail("exists and is not empty", drive.string(), "name a new folder");
-  fs::create_directories(drive, failed);
-  if (failed) return fail("cannot be made: " + failed.message(), drive.string());
-  return {};
-}
-
-// Links `files` into `folder` as 000000.extension … and writes their times.csv.
-Result<void> link_sequence(const std::vector<KittiFile>& files, const fs::path& folder) {
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) return fail("cannot be made: " + failed.message(), folder.string());
-  std::vector<Stamp> stamps;
-  std::vector<std::string> sources;
-  for (const KittiFile& file : files) {
-    std::string name = std::to_string(stamps.size());
-    name.insert(0, name.size() < 6 ? 6 - name.size() : 0, '0');
-    const fs::path target = folder / (name + file.path.extension().string());
-    fs::create_hard_link(file.path, target, failed);
-    if (failed) fs::copy_file(file.path, target, failed);
-    if (failed) return fail("cannot be copied: " + failed.message(), file.path.string());
-    stamps.push_back(file.stamp);
-    sources.push_back(file.path.filename().string());
-  }
-  return write_times(folder / "times.csv", stamps, sources);
-}
-
 // Keeps the pictures of one size, that of the first.
-PictureSize keep_one_size(std::vector<KittiFile>& images, std::vector<Error>& notes) {
+PictureSize keep_one_size(std::vector<StampedFile>& images, std::vector<Error>& notes) {
   PictureSize size;
-  std::erase_if(images, [&](const KittiFile& image) {
-    const auto this_size = png_size(image.path);
+  std::erase_if(images, [&](const StampedFile& image) {
+    const auto this_size = picture_size(image.path);
     if (this_size && size.width == 0) size = *this_size;
     if (this_size && *this_size == size) return false;
     notes.push_back(
-        {this_size ? "is of another size than the first: left out" : "is no PNG picture: left out",
+        {this_size ? "is of another size than the first: left out" : "is no picture: left out",
          image.path.string(),
          {}});
     return true;
@@ -151,7 +121,7 @@ Result<KittiImport> import_kitti(const fs::path& folder, const fs::path& drive) 
   auto recording = read_layout(*layout, folder);
   if (!recording) return tl::unexpected(recording.error());
   if (recording->sweeps.empty()) return fail("holds no sweep that could be used", folder.string());
-  if (auto made = make_empty(drive); !made) return tl::unexpected(made.error());
+  if (auto made = make_empty_folder(drive); !made) return tl::unexpected(made.error());
 
   KittiImport result;
   result.layout = *layout;
@@ -166,7 +136,7 @@ Result<KittiImport> import_kitti(const fs::path& folder, const fs::path& drive) 
   if (auto linked = link_sequence(recording->sweeps, drive / "sweeps"); !linked)
     return tl::unexpected(linked.error());
   for (size_t camera = 0; camera < recording->images.size(); ++camera) {
-    std::vector<KittiFile>& images = recording->images[camera];
+    std::vector<StampedFile>& images = recording->images[camera];
     if (images.empty()) continue;
     if (!recording->calibration.projection[camera]) {
       recording->notes.push_back({"the calibration has no P" + std::to_string(camera),

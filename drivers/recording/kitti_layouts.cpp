@@ -38,8 +38,8 @@ std::map<size_t, Stamp> made_up_times(const Files& sweeps, const std::array<File
   return times;
 }
 
-std::vector<KittiFile> stamped(const Files& files, const std::map<size_t, Stamp>& times) {
-  std::vector<KittiFile> result;
+std::vector<StampedFile> stamped(const Files& files, const std::map<size_t, Stamp>& times) {
+  std::vector<StampedFile> result;
   for (const auto& [number, path] : files) result.push_back({times.at(number), path});
   return result;
 }
@@ -156,14 +156,14 @@ void add_oxts(const std::vector<double>& row, Stamp stamp, const LocalFrame& map
 Result<void> read_oxts(const fs::path& folder, KittiRecording& recording) {
   const auto times = read_kitti_times(folder / "timestamps.txt");
   if (!times) return tl::unexpected(times.error());
-  const std::vector<KittiFile> files =
+  const std::vector<StampedFile> files =
       with_times(list_numbered(folder / "data", ".txt"), *times, recording.notes);
   const KittiCalibration& calibration = recording.calibration;
   const Eigen::Isometry3d T_lidar_imu =
       calibration.T_lidar_imu.value_or(Eigen::Isometry3d::Identity());
   const Eigen::Isometry3d T_imu_vehicle = (calibration.T_vehicle_lidar() * T_lidar_imu).inverse();
   std::optional<LocalFrame> map;
-  for (const KittiFile& file : files) {
+  for (const StampedFile& file : files) {
     const auto rows = read_number_lines(file.path, 30);
     if (!rows) return tl::unexpected(rows.error());
     if (rows->size() != 1) return fail("must hold one line", file.path.string());
@@ -174,8 +174,9 @@ Result<void> read_oxts(const fs::path& folder, KittiRecording& recording) {
   return {};
 }
 
-Result<std::vector<KittiFile>> read_raw_stream(const fs::path& folder, const std::string& extension,
-                                               std::vector<Error>& notes) {
+Result<std::vector<StampedFile>> read_raw_stream(const fs::path& folder,
+                                                 const std::string& extension,
+                                                 std::vector<Error>& notes) {
   const auto times = read_kitti_times(folder / "timestamps.txt");
   if (!times) return tl::unexpected(times.error());
   return with_times(list_numbered(folder / "data", extension), *times, notes);

@@ -7,24 +7,19 @@
 
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/vehicle_samples.hpp"
+#include "drivers/recording/import_files.hpp"
 #include "drivers/recording/kitti_calibration.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 
 namespace infuse::recording {
 
-/// A sweep or a picture and its time.
-struct KittiFile {
-  Stamp stamp;
-  std::filesystem::path path;
-};
-
 /// What a KITTI folder holds, whatever its layout.
 struct KittiRecording {
   KittiCalibration calibration;
   bool times_trusted = false;  ///< false: stamps are index · 0.1 s
-  std::vector<KittiFile> sweeps;
-  std::array<std::vector<KittiFile>, 4> images;  ///< by KITTI's number of the camera
-  std::vector<TrajectoryPose> poses;             ///< T_map_vehicle
+  std::vector<StampedFile> sweeps;
+  std::array<std::vector<StampedFile>, 4> images;  ///< by KITTI's number of the camera
+  std::vector<TrajectoryPose> poses;               ///< T_map_vehicle
   std::vector<ImuSample> imu;
   std::vector<GpsFix> gps;
   std::vector<Error> notes;  ///< what was left out, and why

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <string>
 
+#include "drivers/recording/pcd_sweep.hpp"
 #include "drivers/recording/text_file.hpp"
 
 namespace infuse::recording {
@@ -37,6 +38,16 @@ class Descriptor {
 
 Error system_error(const std::filesystem::path& path) {
   return {std::string("cannot be read: ") + std::strerror(errno), path.string(), {}};
+}
+
+Result<void> read_pcd(const std::filesystem::path& path, Sweep& sweep) {
+  const auto bytes = read_text(path, kMaxBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto parsed = parse_pcd_sweep(*bytes, sweep);
+  if (parsed) return parsed;
+  const Error& wrong = parsed.error();
+  const std::string line = wrong.where.empty() ? "" : ", " + wrong.where;
+  return fail(wrong.what, path.string() + line, wrong.hint);
 }
 
 }  // namespace
@@ -67,6 +78,7 @@ Result<void> SweepReader::load(const std::filesystem::path& path) {
 }
 
 Result<void> SweepReader::read(const std::filesystem::path& path, Sweep& sweep) {
+  if (path.extension() == ".pcd") return read_pcd(path, sweep);
   if (auto loaded = load(path); !loaded) return loaded;
   sweep.clear();
   sweep.has_times = false;
@@ -108,7 +120,7 @@ Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& swe
 }
 
 Result<FileSequence> index_sweeps(const std::filesystem::path& folder) {
-  return index_sequence(folder, {".bin"});
+  return index_sequence(folder, {".bin", ".pcd"});
 }
 
 }  // namespace infuse::recording

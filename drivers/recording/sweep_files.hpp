@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "drivers/measurement/error.hpp"
@@ -10,12 +11,13 @@
 
 namespace infuse::recording {
 
-/// Reads decoded sweeps: float32 x y z reflectance, little-endian, as KITTI. Keeps its memory.
+/// Reads decoded sweeps: float32 x y z reflectance, little-endian, as KITTI; or PCD files
+/// (`parse_pcd_sweep`), by their extension. Keeps its memory for the former.
 class SweepReader {
  public:
-  /// Fills `sweep`: range is computed, rings are inferred (`infer_rings`), `has_times` is false.
-  /// Points that are not finite are left out; a file longer than 64 MiB is refused. Stamp, sequence
-  /// and clock are the caller's.
+  /// Fills `sweep` from a .pcd as `parse_pcd_sweep`, from any other as KITTI's: range is computed,
+  /// rings are inferred (`infer_rings`), `has_times` is false. Points that are not finite are left
+  /// out; a file longer than 64 MiB is refused. Stamp, sequence and clock are the caller's.
   Result<void> read(const std::filesystem::path& path, Sweep& sweep);
 
   /// Makes room, so that reading up to `points` allocates nothing.
@@ -40,7 +42,12 @@ Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& swe
 /// apart. Otherwise all four are 0 and the answer is false.
 bool infer_rings(Sweep& sweep);
 
-/// The decoded sweeps of a drive: a folder of NNNNNN.bin and times.csv.
+/// The same for a sweep whose rings are known: ring k from the top is points starts[k] …
+/// starts[k + 1] − 1, counter-clockwise from straight ahead. False, and nothing, where there are
+/// more than 128 or no two neighbours tell how wide a column is.
+bool number_rings(Sweep& sweep, std::span<const size_t> starts);
+
+/// The decoded sweeps of a drive: a folder of NNNNNN.bin or NNNNNN.pcd and times.csv.
 Result<FileSequence> index_sweeps(const std::filesystem::path& folder);
 
 }  // namespace infuse::recording

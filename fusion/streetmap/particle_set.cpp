@@ -120,6 +120,20 @@ void ParticleSet::move(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   }
 }
 
+void ParticleSet::learn(std::span<const double> scores, double within, double between) {
+  normalise();
+  double mean[2] = {0, 0}, sum[2] = {0, 0};
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    mean[particles_[i].elsewhere] += weights_[i] * scores[i];
+    sum[particles_[i].elsewhere] += weights_[i];
+  }
+  for (const int place : {0, 1}) mean[place] /= std::max(sum[place], 1e-300);
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    const double of_place = mean[particles_[i].elsewhere];
+    particles_[i].log_weight += within * (scores[i] - of_place) + between * of_place;
+  }
+}
+
 void ParticleSet::normalise() {
   double largest = -std::numeric_limits<double>::infinity();
   for (const Particle& particle : particles_) largest = std::max(largest, particle.log_weight);

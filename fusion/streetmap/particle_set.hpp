@@ -53,6 +53,10 @@ class ParticleSet {
   /// covariance is that of errors which are other ones at the next motion.
   void move(const PlanarPose& motion, const Eigen::Matrix3d& covariance, double seconds);
 
+  /// Adds to the log-weights: `within` times what each particle's score, one a particle, is above
+  /// the mean of its place, and `between` times that mean.
+  void learn(std::span<const double> scores, double within, double between);
+
   /// Draws a new set with probability proportional to weight (systematic, low variance), as many
   /// as the spread needs, if fewer than half of the particles carry the weight; whether it did.
   bool resample_if_needed();

@@ -65,6 +65,7 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options)
   samples_.x.reserve(samples);
   samples_.y.reserve(samples);
   labels_.reserve(samples);
+  scores_.reserve(static_cast<size_t>(options.particles.most));
   null_.reserve(static_cast<size_t>(options.confidence.null_draws));
 }
 
@@ -98,9 +99,8 @@ void Tracker::search(const PlanarPose& pose, double radius, double yaw) {
 void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step) {
   odometry_ = odometry_.then(motion);
   driven_s_ += to_seconds(step);
-  const double place = options_.confidence.map_sigma;
-  blurred_ += (covariance(0, 0) + covariance(1, 1)) / (place * place) +
-              covariance(2, 2) / (kViewYaw * kViewYaw);
+  forgotten_place_ += covariance(0, 0) + covariance(1, 1);
+  forgotten_yaw_ += covariance(2, 2);
   if (!started_) return;
   particles_.move(motion, covariance, to_seconds(step));
   scouts_.move(motion);
@@ -136,23 +136,29 @@ bool Tracker::moved_on() {
       std::abs(motion.yaw) < options_.least_turn) {
     return false;
   }
-  news_ = updates_since_search_ == 0 ? 1 : news(std::hypot(motion.x, motion.y));
+  tell_news(std::hypot(motion.x, motion.y));
   updated_at_ = odometry_;
   driven_s_ = 0;
-  blurred_ = 0;
+  forgotten_place_ = forgotten_yaw_ = 0;
   return true;
 }
 
 // How much of a view is evidence of its own. Where the map is wrong it is so for tens of metres,
 // and the odometry ties one view to the next: what it forgot in between, by its drift or by its
-// stated covariance against what one view tells, must be found anew. Particles that are spread
-// wider than the map is wrong learn from views that share the map's error.
-double Tracker::news(double distance) const {
+// stated covariance, must be found anew. Particles that are spread wider than the map is wrong
+// learn from views that share the map's error. What was forgotten counts against what is known, and
+// not between two places: the map is as wrong at either as it was before.
+void Tracker::tell_news(double distance) {
   constexpr double kMostHaste = 4;
-  const double spread = particles_.moments().spread() / options_.confidence.map_sigma;
-  const double haste = std::clamp(spread * spread, 1.0, kMostHaste);
-  return std::min(
-      1.0, haste * distance / options_.fresh + driven_s_ / options_.fresh_seconds + blurred_);
+  const PoseMoments moments = particles_.moments();
+  const double map_variance = options_.confidence.map_sigma * options_.confidence.map_sigma;
+  const double place = moments.spread() * moments.spread();
+  const double haste = std::clamp(place / map_variance, 1.0, kMostHaste);
+  const double forgotten = forgotten_place_ / map_variance + forgotten_yaw_ / (kViewYaw * kViewYaw);
+  const bool first = updates_since_search_ == 0;
+  const double driven = haste * distance / options_.fresh + driven_s_ / options_.fresh_seconds;
+  place_news_ = first ? 1 : std::min(1.0, driven);
+  news_ = first ? 1 : std::min(1.0, driven + forgotten);
 }
 
 double Tracker::score_of(const PlanarPose& pose, const GridSamples& samples,
@@ -169,26 +175,25 @@ void Tracker::weigh(const GridSamples& samples) {
   const double validated =
       std::min(1 - options_.omission,
                options_.most_validated / static_cast<double>(particles_.all().size()));
-  double sum = 0, total = 0;
-  for (Particle& particle : particles_.all()) {
+  const std::span<Particle> all = particles_.all();
+  scores_.assign(all.size(), 0);
+  for (size_t i = 0; i < all.size(); ++i) {
+    Particle& particle = all[i];
     const bool omitted = share(random_) >= validated;
-    if (!map_.covers(particle.pose.x, particle.pose.y)) {
-      particle.log_weight = kOutside;
-      continue;
-    }
+    if (!map_.covers(particle.pose.x, particle.pose.y)) continue;
     if (omitted && common_) {
       if (!particle.kept) particle.kept = common_;
     } else {
       particle.kept.reset();
     }
     dependence::HyperParameters chosen;
-    const double score = score_of(particle.pose, samples, particle.kept, &chosen);
+    scores_[i] = score_of(particle.pose, samples, particle.kept, &chosen);
     if (chosen.sigma > 0) common_ = particle.kept = chosen;
-    particle.log_weight += news_ * options_.sharpness * score;
-    sum += score;
-    ++total;
   }
-  score_ = total > 0 ? sum / total : 0;
+  particles_.learn(scores_, options_.sharpness * news_, options_.sharpness * place_news_);
+  for (Particle& particle : all) {
+    if (!map_.covers(particle.pose.x, particle.pose.y)) particle.log_weight = kOutside;
+  }
 }
 
 void Tracker::test_against_chance(const GridSamples& samples) {
@@ -210,7 +215,7 @@ void Tracker::test_against_chance(const GridSamples& samples) {
 void Tracker::look_elsewhere(const GridSamples& samples) {
   const auto score = [&](const PlanarPose& pose) { return score_of(pose, samples, common_); };
   if (particles_.doubt() > 0) return scouts_.recall();
-  const auto place = scouts_.update(particles_.moments().mean, score_, news_, score);
+  const auto place = scouts_.update(particles_.moments().mean, score_, place_news_, score);
   if (!place) return;
   particles_.add_place(*place, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
 }

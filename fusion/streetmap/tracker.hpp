@@ -87,7 +87,7 @@ class Tracker {
 
  private:
   bool moved_on();
-  double news(double distance) const;
+  void tell_news(double distance);
   double reach(double spread) const;
   double score_of(const PlanarPose& pose, const GridSamples& samples,
                   const std::optional<dependence::HyperParameters>& kept,
@@ -113,14 +113,16 @@ class Tracker {
   double score_ = 0;
   int updates_since_search_ = 0;
   PlanarPose updated_at_;  // odometry's pose at the last update
-  double driven_s_ = 0;    // since then
-  double blurred_ = 0;     // by the odometry's covariance since then, in views
-  double news_ = 1;        // share of what is seen that is new since then
+  // Since then.
+  double driven_s_ = 0;
+  double forgotten_place_ = 0, forgotten_yaw_ = 0;  // m², rad² of the odometry's covariance
+  double news_ = 1;                                 // share of what is seen that is new
+  double place_news_ = 1;  // the same, of what tells one place from another
 
   // Scratch.
   GridSamples samples_;
   std::vector<int32_t> labels_;
-  std::vector<double> null_;
+  std::vector<double> scores_, null_;
   std::optional<dependence::HyperParameters> common_;
 };
 

@@ -1,5 +1,5 @@
 // Tables of fusion/streetmap/accuracy.md: one picture, and the tracker over simulated drives.
-//   streetmap_accuracy [FOLDER] [SEEDS]
+//   streetmap_accuracy FOLDER [SECTION[=SEEDS]...]
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "fusion/streetmap/one_image.hpp"
+#include "tests/bench/section_file.hpp"
 #include "tests/bench/streetmap_runs.hpp"
 
 namespace infuse::streetmap::bench {
@@ -69,14 +70,12 @@ PictureRow locate_all(const SegmentMap& map, const std::vector<Shot>& shots,
   return row;
 }
 
-void one_picture(std::ostream& out) {
-  constexpr int kPictures = 40;
-  if (!render("street")) return;
+bool one_picture(std::ostream& out, int pictures) {
+  if (!render("street")) return false;
   CameraMount mount;
-  const std::vector<Shot> shots = read_shots("street", kPictures, mount);
+  const std::vector<Shot> shots = read_shots("street", pictures, mount);
   const DriveMap made = make_map("street");
-  out << "## One picture (I table 3.3, 3.6, figure 3.12)\n\n"
-      << "The drive `street` (fixtures/scenarios/online_2hz.toml): " << shots.size()
+  out << "The drive `street` (fixtures/scenarios/online_2hz.toml): " << shots.size()
       << " pictures, reduced by 8; mean ± one deviation of the error; time a\n"
       << "pose relative to LSMI's, one thread.\n\n"
       << "| measure | across, m | heading, ° | time a pose | pictures |\n|---|---|---|---|---|\n";
@@ -106,6 +105,7 @@ void one_picture(std::ostream& out) {
     out << text("| %d | %.2f ± %.2f | %.1f ± %.1f |\n", step, row.across.mean(),
                 row.across.deviation(), row.turned.mean(), row.turned.deviation());
   }
+  return true;
 }
 
 // --- the tracker ---
@@ -123,76 +123,104 @@ void write_row(std::ostream& out, const std::string& what, const Summary& s) {
   std::fputs(row.c_str(), stderr);
 }
 
-void whole_drives(std::ostream& out, int seeds) {
-  out << "\n## Whole drives\n\nRms errors, means over " << seeds
-      << " seeds (odometry's scale and bias, start, filter); the world departs from the map.\n\n"
-      << kHead;
-  for (const std::string drive :
-       {"kitti_00", "kitti_05", "kitti_07", "street", "pedestrian_zone"}) {
-    if (!render(drive)) continue;
-    const std::vector<View> views = read_views(drive);
-    const DriveMap made = make_map(drive);
-    if (!views.empty()) write_row(out, drive, run_seeds(made.map, views, {}, seeds));
-  }
+void write_seeds(std::ostream& out, const std::string& drive, int seeds) {
+  out << "Drive `" << drive << "`, " << seeds << " seeds.\n\n";
 }
 
-/// What the thesis compares with, on its kind of drive.
-void measures(std::ostream& out, int seeds) {
+/// What is seen on a drive, and its map.
+struct Course {
+  std::vector<View> views;  // none where the drive cannot be had
+  DriveMap made;
+};
+
+Course course_of(const std::string& drive) {
+  if (!render(drive)) return {};
+  return {read_views(drive), make_map(drive)};
+}
+
+bool one_drive(std::ostream& out, const std::string& drive, int seeds) {
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
+  write_seeds(out, drive, seeds);
+  out << kHead;
+  write_row(out, drive, run_seeds(course.made.map, course.views, {}, seeds));
+  return true;
+}
+
+/// The thesis' kind of drive, and what it compares with.
+bool robot(std::ostream& out, int seeds) {
   const std::string drive = "pedestrian_zone";
-  if (!render(drive)) return;
-  const std::vector<View> views = read_views(drive);
-  const DriveMap made = make_map(drive);
-  out << "\n## By what a pose is weighed (I tables 3.5, 3.6), " << drive << ", " << seeds
-      << " seeds\n\n"
-      << kHead;
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
+  write_seeds(out, drive, seeds);
+  out << kHead;
   for (const auto& [measure, what] : {std::pair(ViewMeasure::kLsmi, "LSMI"),
                                       {ViewMeasure::kBlsmi, "BLSMI, 4 bags"},
                                       {ViewMeasure::kBoundaries, "road boundaries"}}) {
     RunOptions options;
     options.tracker.measure = measure;
-    write_row(out, what, run_seeds(made.map, views, options, seeds));
+    write_row(out, what, run_seeds(course.made.map, course.views, options, seeds));
   }
+  return true;
 }
 
 /// Everything else is asked of the shortest of the recorded routes, or of the street.
 std::string short_drive() { return render("kitti_07") ? "kitti_07" : "street"; }
 
-void starts_and_odometry(std::ostream& out, int seeds) {
+bool wrong_starts(std::ostream& out, int seeds) {
   const std::string drive = short_drive();
-  if (!render(drive)) return;
-  const std::vector<View> views = read_views(drive);
-  const DriveMap made = make_map(drive);
-  out << "\n## Wrong starts (I figure 3.19(c)), " << drive << ", " << seeds << " seeds\n\n"
-      << kHead;
-  for (const double error : {1.0, 2.0, 3.0, 4.0, 6.0}) {
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
+  write_seeds(out, drive, seeds);
+  out << kHead;
+  for (const double error : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) {
     RunOptions options;
     options.start_error = error;
-    write_row(out, text("%.0f m", error), run_seeds(made.map, views, options, seeds));
+    write_row(out, text("%.0f m", error), run_seeds(course.made.map, course.views, options, seeds));
   }
-  out << "\n## Noisy odometry (I figure 3.19(b)), " << drive << ", " << seeds << " seeds\n\n"
+  return true;
+}
+
+bool noisy_odometry(std::ostream& out, int seeds) {
+  const std::string drive = short_drive();
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
+  write_seeds(out, drive, seeds);
+  out << "Gaussian noise, a share of each motion and of its yaw rate, drawn anew so often.\n\n"
       << kHead;
-  for (const auto& [share, rate] : {std::pair(0.1, 1.0), {0.2, 2.0}, {0.3, 3.0}}) {
-    RunOptions options;
-    options.distance_noise = share;
-    options.rate_noise = rate * kDegree;
-    write_row(out, text("%.0f %%, %.0f °/s", 100 * share, rate),
-              run_seeds(made.map, views, options, seeds));
+  for (const int a_second : {10, 2}) {
+    for (const auto& [share, rate] : {std::pair(0.1, 1.0), {0.2, 2.0}, {0.3, 3.0}}) {
+      RunOptions options;
+      options.distance_noise = share;
+      options.rate_noise = rate * kDegree;
+      options.noise_hz = a_second;
+      write_row(out, text("%.0f %%, %.0f °/s, at %d Hz", 100 * share, rate, a_second),
+                run_seeds(course.made.map, course.views, options, seeds));
+    }
   }
-  out << "\n## Cross-validation left out (I figure 3.19(a)), " << drive << ", " << seeds
-      << " seeds, 100 particles\n\n| omitted | total, m | time an update, relative to 90 % |\n"
+  return true;
+}
+
+bool omission(std::ostream& out, int seeds) {
+  const std::string drive = short_drive();
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
+  write_seeds(out, drive, seeds);
+  out << "100 particles.\n\n| omitted | total, m | time an update, relative to 90 % |\n"
       << "|---|---|---|\n";
   std::vector<std::pair<double, Summary>> rows;
-  for (const double omission : {0.0, 0.5, 0.7, 0.9, 0.97}) {
+  for (const double omitted : {0.0, 0.5, 0.7, 0.9, 0.97}) {
     RunOptions options;
-    options.tracker.omission = omission;
+    options.tracker.omission = omitted;
     options.tracker.most_validated = 100;
     options.tracker.particles.fewest = options.tracker.particles.most = 100;
-    rows.emplace_back(omission, run_seeds(made.map, views, options, std::min(seeds, 3)));
+    rows.emplace_back(omitted, run_seeds(course.made.map, course.views, options, seeds));
   }
-  for (const auto& [omission, s] : rows) {
-    out << text("| %.0f %% | %.2f ± %.2f | %.2f |\n", 100 * omission, s.total, s.deviation,
+  for (const auto& [omitted, s] : rows) {
+    out << text("| %.0f %% | %.2f ± %.2f | %.2f |\n", 100 * omitted, s.total, s.deviation,
                 s.seconds / rows[3].second.seconds);
   }
+  return true;
 }
 
 // --- maps that are wrong ---
@@ -216,22 +244,27 @@ PlanStrip& street_at(StreetPlan& plan, const PlanarPose& pose) {
                            [&](const auto& a, const auto& b) { return key(a) < key(b); });
 }
 
-void wrong_maps(std::ostream& out, int seeds) {
+bool wrong_maps(std::ostream& out, int seeds) {
   const std::string drive = short_drive();
-  if (!render(drive)) return;
-  const std::vector<View> views = read_views(drive);
-  const StreetPlan plan = make_map(drive).plan;
-  const PlanarPose middle = views[views.size() / 2].truth;
-  out << "\n## Wrong maps, " << drive << ", " << seeds << " seeds\n\n" << kHead;
+  const Course course = course_of(drive);
+  if (course.views.empty()) return false;
+  const StreetPlan& plan = course.made.plan;
+  const PlanarPose middle = course.views[course.views.size() / 2].truth;
+  write_seeds(out, drive, seeds);
+  out << kHead;
   const auto with = [&](const char* what, const std::function<void(StreetPlan&)>& change) {
     StreetPlan wrong = plan;
     change(wrong);
     const DriveMap made = make_map(drive, wrong);
-    write_row(out, what, run_seeds(made.map, views, {}, seeds));
+    write_row(out, what, run_seeds(made.map, course.views, {}, seeds));
   };
   with("a street is missing", [&](StreetPlan& wrong) {
     PlanStrip& gone = street_at(wrong, middle);
     wrong.strips.erase(wrong.strips.begin() + (&gone - wrong.strips.data()));
+  });
+  with("no buildings", [](StreetPlan& wrong) {
+    std::erase_if(wrong.areas,
+                  [](const PlanArea& area) { return area.segment.kind == SegmentKind::kBuilding; });
   });
   with("streets 30 % wider", [](StreetPlan& wrong) {
     for (PlanStrip& strip : wrong.strips) strip.half_width *= 1.3;
@@ -254,25 +287,71 @@ void wrong_maps(std::ostream& out, int seeds) {
       }
     }
   });
+  return true;
 }
 
-int write_tables(const std::string& folder, int seeds) {
-  std::ofstream out(folder + "/accuracy.md");
-  out << "# How well the vehicle is found on simulated drives\n\nMade by `./dev bench streetmap`. "
-      << "Two views a second, as the daemon updates.\n\n";
-  one_picture(out);
-  whole_drives(out, seeds);
-  measures(out, 5 * seeds);
-  starts_and_odometry(out, seeds);
-  wrong_maps(out, seeds);
-  out.close();
-  return out.good() ? 0 : 1;
+// --- the file ---
+
+constexpr const char* kAbout =
+    "# How well the vehicle is found on simulated drives\n\n"
+    "Made by `./dev bench streetmap`, or section by section with `./dev bench "
+    "streetmap:SECTION[=SEEDS]`:\n"
+    "`one_picture`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `robot`, `wrong_starts`, "
+    "`noisy_odometry`, `omission`,\n"
+    "`wrong_maps`; what is not below has not been made. The tracker is run on cached views, two a "
+    "second, as the daemon\n"
+    "updates. Errors are rms over a run, after ten views, and means over the seeds, which vary the "
+    "odometry's scale and\n"
+    "bias, the start and the filter. The world departs from the map.\n";
+
+const std::vector<infuse::bench::Section>& sections() {
+  const auto on = [](const char* drive) {
+    return [drive](std::ostream& out, int seeds) { return one_drive(out, drive, seeds); };
+  };
+  static const std::vector<infuse::bench::Section> all = {
+      {"one_picture", "One picture (I table 3.3, 3.6, figure 3.12)", 40, one_picture},
+      {"kitti_00", "The route of KITTI 00", 20, on("kitti_00")},
+      {"kitti_05", "The route of KITTI 05", 20, on("kitti_05")},
+      {"kitti_07", "The route of KITTI 07", 20, on("kitti_07")},
+      {"street", "A street", 20, on("street")},
+      {"robot", "A robot in a pedestrian zone (I tables 3.5, 3.6)", 100, robot},
+      {"wrong_starts", "Wrong starts (I figure 3.19(c))", 20, wrong_starts},
+      {"noisy_odometry", "Noisy odometry (I figure 3.19(b))", 20, noisy_odometry},
+      {"omission", "Cross-validation left out (I figure 3.19(a))", 5, omission},
+      {"wrong_maps", "Wrong maps", 20, wrong_maps}};
+  return all;
+}
+
+/// `wanted`: "NAME" or "NAME=SEEDS".
+bool write_section(const std::string& path, const std::string& wanted) {
+  const size_t end = wanted.find('=');
+  const std::string name = wanted.substr(0, end);
+  for (const infuse::bench::Section& section : sections()) {
+    if (section.name != name) continue;
+    const int seeds = end == std::string::npos ? section.runs : std::atoi(wanted.c_str() + end + 1);
+    std::fprintf(stderr, "%s, %d\n", name.c_str(), seeds);
+    return seeds > 0 && infuse::bench::remake_section(path, kAbout, sections(), section, seeds);
+  }
+  std::fprintf(stderr, "no section is called %s\n", name.c_str());
+  return false;
+}
+
+// A section that cannot be made, for want of a recording, does not keep the others back.
+int write_tables(const std::string& folder, std::vector<std::string> wanted) {
+  if (wanted.empty()) {
+    for (const infuse::bench::Section& section : sections()) wanted.push_back(section.name);
+  }
+  bool made = true;
+  for (const std::string& section : wanted) {
+    made = write_section(folder + "/accuracy.md", section) && made;
+  }
+  return made ? 0 : 1;
 }
 
 }  // namespace
 }  // namespace infuse::streetmap::bench
 
 int main(int argc, char** argv) {
-  return infuse::streetmap::bench::write_tables(argc > 1 ? argv[1] : "fusion/streetmap",
-                                                argc > 2 ? std::atoi(argv[2]) : 4);
+  if (argc < 2) return 2;
+  return infuse::streetmap::bench::write_tables(argv[1], {argv + 2, argv + argc});
 }

@@ -39,14 +39,16 @@ RunResult run(const SegmentMap& map, const std::vector<View>& views, const RunOp
       const PlanarPose true_motion = views[i - 1].truth.motion_to(views[i].truth);
       const double step = views[i].seconds - views[i - 1].seconds;
       const double driven = std::hypot(true_motion.x, true_motion.y);
+      // Of motions that are drawn one by one the deviation of the sum is a smaller share.
+      const double share = 1 / std::sqrt(std::max(std::round(step * options.noise_hz), 1.0));
+      const double distance_noise = share * options.distance_noise * driven;
+      const double turn_noise = share * options.rate_noise * step;
       PlanarPose motion = true_motion;
-      motion.x = scale * true_motion.x +
-                 (options.distance_noise * driven + 0.005 * std::sqrt(driven)) * normal(random);
+      motion.x =
+          scale * true_motion.x + (distance_noise + 0.005 * std::sqrt(driven)) * normal(random);
       motion.y += 0.003 * std::sqrt(driven) * normal(random);
-      motion.yaw +=
-          rate * step + (options.rate_noise * step + 5e-4 * std::sqrt(step)) * normal(random);
-      const Eigen::Vector3d variances(square(options.distance_noise * driven), 0,
-                                      square(options.rate_noise * step));
+      motion.yaw += rate * step + (turn_noise + 5e-4 * std::sqrt(step)) * normal(random);
+      const Eigen::Vector3d variances(square(distance_noise), 0, square(turn_noise));
       tracker.predict(motion, variances.asDiagonal(), from_seconds(step));
     }
     tracker.update(views[i].samples);

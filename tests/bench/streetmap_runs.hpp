@@ -14,6 +14,7 @@ struct RunOptions {
   double rate = 0.001;        ///< rad/s, of the yaw rate's bias, the same
   double distance_noise = 0;  ///< deviation as a share of each motion, I fig. 3.19(b)
   double rate_noise = 0;      ///< rad/s, of each motion's yaw rate, the same
+  double noise_hz = 2;        ///< motions a second that have noise of their own
   double start_error = 0.5;   ///< m, in a direction drawn once a run; also the stated deviation
   double start_yaw = 0.05;    ///< rad, the same
   TrackerOptions tracker;

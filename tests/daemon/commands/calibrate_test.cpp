@@ -8,6 +8,7 @@
 
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/kitti_import.hpp"
+#include "drivers/recording/opencalib_import.hpp"
 #include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/pipeline/replayed.hpp"
 #include "tests/real_data.hpp"
@@ -72,6 +73,24 @@ TEST(CalibrateCommand, RealKittiTwoScansAreNotUsable) {
   ASSERT_TRUE(result.is_object()) << ran.output;
   EXPECT_FALSE(result["usable"].get<bool>());
   EXPECT_NE(result["reason"], "");
+}
+
+// A pair says nothing of how far pairs disagree, so it is refused; what it says is right all the
+// same.
+TEST(CalibrateCommand, RealOpenCalibScenesAreRefusedAndWithinADegree) {
+  INFUSE_REAL_DATA_OR_SKIP(scenes, "calibration/opencalib");
+  TemporaryFolder folder;
+  for (const std::string scene : {"scene2", "scene3"}) {
+    const auto drive = folder / scene;
+    ASSERT_TRUE(recording::import_opencalib(scenes / (scene + ".calib.txt"), drive));
+    const Ran ran = calibrate(drive.string() + " --perturb 1,0.05 --seed 3 --json");
+    EXPECT_EQ(ran.code, 1);
+    const json result = json::parse(ran.output, nullptr, false);
+    ASSERT_TRUE(result.is_object()) << ran.output;
+    EXPECT_FALSE(result["usable"].get<bool>());
+    EXPECT_THAT(result["reason"].get<std::string>(), HasSubstr("at least 3 are needed"));
+    EXPECT_LT(result["error"]["rotation_deg"].get<double>(), 1.0) << scene;
+  }
 }
 
 }  // namespace

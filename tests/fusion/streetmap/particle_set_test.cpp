@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <vector>
 
 #include "fusion/streetmap/null_test.hpp"
 
@@ -164,6 +165,36 @@ TEST(ParticleSet, ASecondPlaceIsWeighedAgainstTheFirst) {
   for (Particle& particle : set.all()) particle.log_weight += particle.pose.x > 5 ? 6 : 0;
   EXPECT_TRUE(set.resample_if_needed() || set.doubt() == 0);
   EXPECT_EQ(set.doubt(), 0);
+}
+
+// Weights 2/3 and 1/3 at first; ±1 within each place, and 3 between the two.
+TEST(ParticleSet, LearnsBetweenPlacesAndWithinThemAtTheirOwnPace) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 300;
+  const auto doubt_after = [&](double within, double between) {
+    ParticleSet set(options, 7);
+    set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
+    set.add_place({10, 0, 0}, Eigen::Matrix3d::Zero());
+    std::vector<double> scores;
+    int seen[2] = {0, 0};
+    for (const Particle& particle : set.all()) {
+      scores.push_back((particle.elsewhere ? 3 : 0) + (seen[particle.elsewhere]++ % 2 ? 1 : -1));
+    }
+    set.learn(scores, within, between);
+    return set.doubt();
+  };
+  EXPECT_NEAR(doubt_after(0, 0), 1.0 / 3, 1e-9);
+  EXPECT_NEAR(doubt_after(2, 0), 1.0 / 3, 1e-9);  // both places gain the same within themselves
+  EXPECT_NEAR(doubt_after(0, 0.1), 1 / (1 + 2 * std::exp(-0.3)), 1e-9);
+  EXPECT_NEAR(doubt_after(2, 0.1), 1 / (1 + 2 * std::exp(-0.3)), 1e-9);
+
+  // Of one place all are told apart by their scores, whatever its mean.
+  ParticleSet set(options, 7);
+  set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
+  std::vector<double> scores(set.all().size(), 5);
+  scores[0] = 7;
+  set.learn(scores, 0.5, 0.1);
+  EXPECT_NEAR(set.all()[0].log_weight - set.all()[1].log_weight, 1, 1e-9);
 }
 
 TEST(PlanarPose, ThenAndMotionToAreInverse) {

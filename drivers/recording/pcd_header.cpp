@@ -1,0 +1,162 @@
+#include "drivers/recording/pcd_header.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <span>
+
+namespace infuse::recording {
+namespace {
+
+constexpr size_t kMostFields = 64;
+constexpr size_t kMostValues = 1024;  // a point
+constexpr size_t kMostPoints = 4'000'000;
+constexpr size_t kMostLines = 100;
+constexpr size_t kLongestLine = 4096;
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  std::vector<std::string_view> words;
+  for (;;) {
+    const size_t begin = line.find_first_not_of(kBlanks);
+    if (begin == std::string_view::npos) return words;
+    line.remove_prefix(begin);
+    const size_t length = std::min(line.find_first_of(kBlanks), line.size());
+    words.push_back(line.substr(0, length));
+    line.remove_prefix(length);
+  }
+}
+
+std::optional<size_t> whole_number(std::string_view word, size_t most) {
+  size_t value = 0;
+  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (failed != std::errc() || end != word.data() + word.size() || value > most) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::optional<PcdData> data_of(std::string_view word) {
+  if (word == "ascii") return PcdData::kAscii;
+  if (word == "binary") return PcdData::kBinary;
+  if (word == "binary_compressed") return PcdData::kCompressed;
+  return std::nullopt;
+}
+
+/// The head, line by line.
+class HeaderReader {
+ public:
+  /// What is wrong with a line, or an empty text.
+  std::string read(std::span<const std::string_view> words) {
+    const std::string_view key = words.front();
+    const auto values = words.subspan(1);
+    if (key == "FIELDS" || key == "COLUMNS") return read_fields(values);
+    if (key == "SIZE" || key == "TYPE" || key == "COUNT") return read_each(key, values);
+    if (key == "WIDTH" || key == "HEIGHT" || key == "POINTS") {
+      const auto number =
+          values.size() == 1 ? whole_number(values[0], kMostPoints) : std::optional<size_t>();
+      if (!number) return "must be one number up to " + std::to_string(kMostPoints);
+      (key == "WIDTH" ? width_ : key == "HEIGHT" ? height_ : points_) = *number;
+      return {};
+    }
+    if (key == "DATA") {
+      const auto data = values.size() == 1 ? data_of(values[0]) : std::optional<PcdData>();
+      if (!data) return "must be ascii, binary or binary_compressed";
+      header_.data = *data;
+      return finish();
+    }
+    if (key == "VERSION" || key == "VIEWPOINT") return {};
+    return "is no key of a PCD file's head";
+  }
+
+  const PcdHeader& header() const { return header_; }
+
+ private:
+  std::string read_fields(std::span<const std::string_view> names) {
+    if (names.empty() || names.size() > kMostFields) {
+      return "must name 1 to " + std::to_string(kMostFields) + " fields";
+    }
+    header_.fields.clear();
+    for (const std::string_view name : names) header_.fields.push_back({.name = std::string(name)});
+    return {};
+  }
+
+  std::string read_each(std::string_view key, std::span<const std::string_view> words) {
+    if (words.size() != header_.fields.size()) return "must have one entry a field";
+    for (size_t i = 0; i < words.size(); ++i) {
+      PcdField& field = header_.fields[i];
+      if (key == "TYPE") {
+        if (words[i] != "F" && words[i] != "I" && words[i] != "U") return "must be of F, I, U";
+        field.type = words[i][0];
+        continue;
+      }
+      const auto number = whole_number(words[i], kMostValues);
+      if (!number || *number == 0) return "must be numbers from 1";
+      (key == "SIZE" ? field.size : field.count) = *number;
+    }
+    return {};
+  }
+
+  std::string finish() {
+    if (header_.fields.empty()) return "comes before FIELDS";
+    size_t values = 0;
+    for (const PcdField& field : header_.fields) {
+      const bool whole = field.size == 1 || field.size == 2 || field.size == 4 || field.size == 8;
+      if (!whole || (field.type == 'F' && field.size < 4)) {
+        return "follows a field '" + field.name + "' of a size that its type does not have";
+      }
+      values += field.count;
+    }
+    if (values > kMostValues) return "follows fields of more than 1024 values a point";
+    if (!points_ && !width_) return "comes before POINTS";
+    header_.points = points_ ? *points_ : *width_;
+    const size_t shape = width_ ? *width_ * height_.value_or(1) : header_.points;
+    if (shape != header_.points) return "follows a WIDTH and HEIGHT that do not give POINTS";
+    return {};
+  }
+
+  PcdHeader header_;
+  std::optional<size_t> width_, height_, points_;
+};
+
+}  // namespace
+
+size_t PcdHeader::point_bytes() const {
+  size_t sum = 0;
+  for (const PcdField& field : fields) sum += field.bytes();
+  return sum;
+}
+
+int PcdHeader::find(std::initializer_list<std::string_view> names) const {
+  for (const std::string_view name : names) {
+    for (size_t i = 0; i < fields.size(); ++i) {
+      if (fields[i].name == name && fields[i].count == 1) return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
+Result<PcdHeader> parse_pcd_header(std::string_view bytes) {
+  HeaderReader reader;
+  size_t at = 0;
+  for (size_t number = 1; number <= kMostLines; ++number) {
+    const size_t length = bytes.substr(at, kLongestLine).find('\n');
+    const std::string where = "line " + std::to_string(number);
+    if (length == std::string_view::npos) {
+      return fail("the head has no DATA line", where, "a PCD file is expected");
+    }
+    const auto words = words_of(bytes.substr(at, length));
+    at += length + 1;
+    if (words.empty() || words.front().starts_with('#')) continue;
+    if (std::string wrong = reader.read(words); !wrong.empty()) {
+      return fail(std::string(words.front().substr(0, 32)) + " " + wrong, where);
+    }
+    if (words.front() != "DATA") continue;
+    PcdHeader header = reader.header();
+    header.length = at;
+    return header;
+  }
+  return fail("the head has more than 100 lines", {}, "a PCD file is expected");
+}
+
+}  // namespace infuse::recording

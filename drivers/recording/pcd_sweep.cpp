@@ -1,0 +1,256 @@
+#include "drivers/recording/pcd_sweep.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "drivers/recording/lzf.hpp"
+#include "drivers/recording/pcd_header.hpp"
+#include "drivers/recording/sweep_files.hpp"
+
+namespace infuse::recording {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "PCD files are little-endian");
+
+constexpr size_t kMostBytes = 256 << 20;  // unpacked
+constexpr size_t kMostRings = 128;
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+/// The fields of interest, each a point's x, y, z, intensity, ring; empty where there is none.
+using Columns = std::array<std::vector<double>, 5>;
+
+template <class Value>
+double read(const char* at) {
+  Value value;
+  std::memcpy(&value, at, sizeof value);
+  return static_cast<double>(value);
+}
+
+double read_value(const char* at, const PcdField& field) {
+  if (field.type == 'F') return field.size == 4 ? read<float>(at) : read<double>(at);
+  const bool is_signed = field.type == 'I';
+  switch (field.size) {
+    case 1:
+      return is_signed ? read<int8_t>(at) : read<uint8_t>(at);
+    case 2:
+      return is_signed ? read<int16_t>(at) : read<uint16_t>(at);
+    case 4:
+      return is_signed ? read<int32_t>(at) : read<uint32_t>(at);
+    default:
+      return is_signed ? read<int64_t>(at) : read<uint64_t>(at);
+  }
+}
+
+/// Which fields of the file are the columns; −1: none.
+using Chosen = std::array<int, 5>;
+
+/// Values of a block of points: field f of point i lies at begin[f] + i · step[f].
+void read_columns(const char* bytes, const PcdHeader& header, const Chosen& chosen,
+                  bool field_after_field, Columns& columns) {
+  size_t begin = 0;
+  for (size_t f = 0; f < header.fields.size(); ++f) {
+    const PcdField& field = header.fields[f];
+    const size_t step = field_after_field ? field.bytes() : header.point_bytes();
+    for (size_t c = 0; c < chosen.size(); ++c) {
+      if (chosen[c] != static_cast<int>(f)) continue;
+      columns[c].resize(header.points);
+      for (size_t i = 0; i < header.points; ++i) {
+        columns[c][i] = read_value(bytes + begin + i * step, field);
+      }
+    }
+    begin += field_after_field ? field.bytes() * header.points : field.bytes();
+  }
+}
+
+Result<void> read_binary(std::string_view points, const PcdHeader& header, const Chosen& chosen,
+                         Columns& columns) {
+  const size_t length = header.points * header.point_bytes();
+  if (points.size() < length) {
+    return fail("ends after " + std::to_string(points.size()) + " of " + std::to_string(length) +
+                " bytes of points");
+  }
+  read_columns(points.data(), header, chosen, false, columns);
+  return {};
+}
+
+Result<void> read_compressed(std::string_view points, const PcdHeader& header, const Chosen& chosen,
+                             Columns& columns) {
+  if (points.size() < 8) return fail("ends before its packed points");
+  std::array<uint32_t, 2> sizes{};
+  std::memcpy(sizes.data(), points.data(), 8);
+  points.remove_prefix(8);
+  const size_t length = header.points * header.point_bytes();
+  if (sizes[1] != length) {
+    return fail("unpacks to " + std::to_string(sizes[1]) + " bytes of points where " +
+                std::to_string(length) + " are expected");
+  }
+  if (sizes[0] > points.size()) return fail("ends within its packed points");
+  // Three bytes give at most 264: what cannot come out is not made room for.
+  if (length / 88 > sizes[0]) return fail("has packed points that do not unpack");
+  std::vector<uint8_t> unpacked(length);
+  if (!unpack_lzf({reinterpret_cast<const uint8_t*>(points.data()), sizes[0]}, unpacked)) {
+    return fail("has packed points that do not unpack");
+  }
+  read_columns(reinterpret_cast<const char*>(unpacked.data()), header, chosen, true, columns);
+  return {};
+}
+
+/// Takes the next word, or gives an empty one at the end of the line.
+std::string_view take_word(std::string_view& line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
+  const std::string_view word = line.substr(0, std::min(line.find_first_of(kBlanks), line.size()));
+  line.remove_prefix(word.size());
+  return word;
+}
+
+/// The number, or nothing where it is none.
+bool parse(std::string_view word, double& value) {
+  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (failed == std::errc::result_out_of_range) value = kNothing;
+  return failed != std::errc::invalid_argument && end == word.data() + word.size();
+}
+
+Result<void> read_ascii(std::string_view text, const PcdHeader& header, const Chosen& chosen,
+                        Columns& columns) {
+  if (text.size() < 2 * header.points) return fail("ends within its points");
+  for (size_t c = 0; c < chosen.size(); ++c) {
+    if (chosen[c] >= 0) columns[c].resize(header.points);
+  }
+  for (size_t i = 0; i < header.points; ++i) {
+    const size_t length = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, length);
+    text.remove_prefix(std::min(length + 1, text.size()));
+    for (size_t f = 0; f < header.fields.size(); ++f) {
+      for (size_t k = 0; k < header.fields[f].count; ++k) {
+        double value = 0;
+        if (!parse(take_word(line), value)) {
+          return fail("point " + std::to_string(i) + " has no number for " + header.fields[f].name);
+        }
+        for (size_t c = 0; c < chosen.size(); ++c) {
+          if (chosen[c] == static_cast<int>(f)) columns[c][i] = value;
+        }
+      }
+    }
+  }
+  return {};
+}
+
+/// What intensities are to be divided by.
+double full_scale(const std::vector<double>& intensity) {
+  double most = 0;
+  for (const double value : intensity) most = std::isfinite(value) ? std::max(most, value) : most;
+  return most <= 1 ? 1 : most <= 255 ? 255 : 65535;
+}
+
+/// The points that are returns, in the order given.
+void take_returns(const Columns& columns, std::span<const uint32_t> order, Sweep& sweep) {
+  sweep.clear();
+  sweep.has_times = false;
+  sweep.resize(order.size());
+  const double scale = full_scale(columns[3]);
+  for (size_t k = 0; k < order.size(); ++k) {
+    const uint32_t i = order[k];
+    const auto x = static_cast<float>(columns[0][i]);
+    const auto y = static_cast<float>(columns[1][i]);
+    const auto z = static_cast<float>(columns[2][i]);
+    sweep.x[k] = x;
+    sweep.y[k] = y;
+    sweep.z[k] = z;
+    sweep.range[k] = std::sqrt(x * x + y * y + z * z);
+    const double intensity = columns[3].empty() ? 0 : columns[3][i];
+    sweep.reflectivity[k] =
+        std::isfinite(intensity) ? static_cast<float>(std::clamp(intensity / scale, 0.0, 1.0)) : 0;
+    sweep.time_offset_ns[k] = 0;
+    sweep.return_kind[k] = ReturnKind::kStrongest;
+  }
+}
+
+bool is_return(const Columns& columns, size_t i) {
+  float squared = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    const auto coordinate = static_cast<float>(columns[c][i]);
+    squared += coordinate * coordinate;
+  }
+  return std::isfinite(squared) && squared > 0;
+}
+
+/// Indices of the returns ring after ring from the top, each counter-clockwise from straight ahead,
+/// and where each ring begins; empty where the ring field tells of none or of too many.
+std::vector<size_t> sort_by_ring(const Columns& columns, std::vector<uint32_t>& order) {
+  struct Ring {
+    double sine = 0;  // of the elevation, summed
+    size_t returns = 0;
+    size_t from_top = 0;
+  };
+  std::map<double, Ring> rings;
+  for (const uint32_t i : order) {
+    if (!std::isfinite(columns[4][i])) return {};
+    Ring& ring = rings[columns[4][i]];
+    if (rings.size() > kMostRings) return {};
+    const double range = std::hypot(columns[0][i], columns[1][i], columns[2][i]);
+    ring.sine += columns[2][i] / range;
+    ++ring.returns;
+  }
+  std::vector<Ring*> from_top;
+  for (auto& [name, ring] : rings) {
+    ring.sine /= static_cast<double>(ring.returns);
+    from_top.push_back(&ring);
+  }
+  std::stable_sort(from_top.begin(), from_top.end(),
+                   [](const Ring* a, const Ring* b) { return a->sine > b->sine; });
+  std::vector<size_t> starts{0};
+  for (size_t k = 0; k < from_top.size(); ++k) {
+    from_top[k]->from_top = k;
+    starts.push_back(starts.back() + from_top[k]->returns);
+  }
+  std::vector<std::pair<size_t, double>> place(columns[0].size());
+  for (const uint32_t i : order) {
+    const double azimuth = std::atan2(columns[1][i], columns[0][i]);
+    place[i] = {rings[columns[4][i]].from_top, azimuth < 0 ? azimuth + 2 * M_PI : azimuth};
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](uint32_t a, uint32_t b) { return place[a] < place[b]; });
+  return starts;
+}
+
+}  // namespace
+
+Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep) {
+  const auto header = parse_pcd_header(bytes);
+  if (!header) return tl::unexpected(header.error());
+  const Chosen chosen = {header->find({"x"}), header->find({"y"}), header->find({"z"}),
+                         header->find({"intensity", "reflectivity", "reflectance", "i"}),
+                         header->find({"ring", "channel", "laser", "beam"})};
+  if (chosen[0] < 0 || chosen[1] < 0 || chosen[2] < 0) return fail("has no fields x, y and z");
+  if (header->points * header->point_bytes() > kMostBytes) {
+    return fail("has more than 256 MiB of points");
+  }
+  const std::string_view points = bytes.substr(header->length);
+  Columns columns;
+  const auto read = header->data == PcdData::kAscii ? read_ascii(points, *header, chosen, columns)
+                    : header->data == PcdData::kBinary
+                        ? read_binary(points, *header, chosen, columns)
+                        : read_compressed(points, *header, chosen, columns);
+  if (!read) return read;
+  std::vector<uint32_t> order;
+  for (uint32_t i = 0; i < header->points; ++i) {
+    if (is_return(columns, i)) order.push_back(i);
+  }
+  std::vector<size_t> rings;
+  if (!columns[4].empty() && !order.empty()) rings = sort_by_ring(columns, order);
+  take_returns(columns, order, sweep);
+  if (rings.empty() || !number_rings(sweep, rings)) infer_rings(sweep);
+  return {};
+}
+
+}  // namespace infuse::recording

@@ -1,0 +1,268 @@
+#include "drivers/recording/pcd_sweep.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <set>
+
+#include "drivers/recording/sweep_export.hpp"
+#include "drivers/recording/sweep_files.hpp"
+#include "tests/drivers/recording/scratch_folder.hpp"
+#include "tests/real_data.hpp"
+
+namespace infuse::recording {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ScratchFolder;
+
+template <class Value>
+std::string raw(Value value) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  return bytes;
+}
+
+std::string head(const std::string& fields, size_t points, const std::string& data) {
+  return "# .PCD v0.7\nVERSION 0.7\n" + fields + "WIDTH " + std::to_string(points) +
+         "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + std::to_string(points) + "\nDATA " +
+         data + "\n";
+}
+
+constexpr const char* kPlain =
+    "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n";
+
+// What a file of these bytes is refused for, or an empty text.
+std::string refusal(const std::string& bytes) {
+  Sweep sweep;
+  const auto parsed = parse_pcd_sweep(bytes, sweep);
+  return parsed ? "" : parsed.error().message();
+}
+
+// As they are, in runs of at most 32.
+std::string packed(const std::string& bytes) {
+  std::string out;
+  for (size_t at = 0; at < bytes.size(); at += 32) {
+    const std::string run = bytes.substr(at, 32);
+    out += static_cast<char>(run.size() - 1) + run;
+  }
+  return raw(static_cast<uint32_t>(out.size())) + raw(static_cast<uint32_t>(bytes.size())) + out;
+}
+
+// Returns of four beams, in the order of firing (clockwise, all beams at a time), as a file tells
+// of them: beams are numbered as they are wired.
+struct Made {
+  double x, y, z;
+  int wire;        // as numbered
+  int from_below;  // by elevation
+  int level;       // 0 … 255
+};
+std::vector<Made> make_returns() {
+  constexpr std::array<int, 4> kFromBelow = {2, 0, 3, 1};
+  std::vector<Made> all;
+  for (int step = 0; step < 360; ++step) {
+    const double azimuth = -(step + 0.25) * M_PI / 180;
+    for (int wire = 0; wire < 4; ++wire) {
+      if ((step + 3 * wire) % 7 == 0) continue;
+      const int from_below = kFromBelow[static_cast<size_t>(wire)];
+      const double elevation = (from_below - 2) * 0.05;
+      const double range = 4 + step % 11;
+      all.push_back({range * std::cos(elevation) * std::cos(azimuth),
+                     range * std::cos(elevation) * std::sin(azimuth), range * std::sin(elevation),
+                     wire, from_below, (step * 5 + wire) % 256});
+    }
+  }
+  return all;
+}
+
+void expect_the_made_returns(const Sweep& sweep) {
+  const std::vector<Made> made = make_returns();
+  ASSERT_EQ(sweep.size(), made.size());
+  EXPECT_EQ(sweep.rings, 4);
+  EXPECT_EQ(sweep.columns, 360U);
+  EXPECT_FALSE(sweep.has_times);
+  std::set<size_t> found;
+  for (const Made& one : made) {
+    for (size_t i = 0; i < sweep.size(); ++i) {
+      if (std::abs(sweep.x[i] - one.x) > 1e-5 || std::abs(sweep.y[i] - one.y) > 1e-5) continue;
+      if (std::abs(sweep.z[i] - one.z) > 1e-5) continue;
+      found.insert(i);
+      EXPECT_EQ(sweep.ring[i], one.from_below);
+      EXPECT_NEAR(sweep.range[i], std::hypot(one.x, one.y, one.z), 1e-5);
+      EXPECT_NEAR(sweep.reflectivity[i], one.level / 255.0, 1e-6);
+      const double azimuth = std::atan2(one.y, one.x);
+      EXPECT_EQ(sweep.column[i],
+                static_cast<int>((azimuth < 0 ? azimuth + 2 * M_PI : azimuth) * 180 / M_PI));
+    }
+  }
+  EXPECT_EQ(found.size(), made.size());
+}
+
+constexpr const char* kRinged =
+    "FIELDS x y z intensity ring timestamp\nSIZE 4 4 4 1 2 8\nTYPE F F F U U F\n"
+    "COUNT 1 1 1 1 1 1\n";
+
+TEST(PcdSweep, ReadsBinaryPointAfterPoint) {
+  const std::vector<Made> made = make_returns();
+  std::string bytes = head(kRinged, made.size(), "binary");
+  for (const Made& one : made) {
+    bytes += raw(static_cast<float>(one.x)) + raw(static_cast<float>(one.y)) +
+             raw(static_cast<float>(one.z)) + raw(static_cast<uint8_t>(one.level)) +
+             raw(static_cast<uint16_t>(one.wire)) + raw(1.6e9);
+  }
+  Sweep sweep;
+  ASSERT_TRUE(parse_pcd_sweep(bytes, sweep));
+  expect_the_made_returns(sweep);
+}
+
+TEST(PcdSweep, ReadsPackedFieldAfterField) {
+  const std::vector<Made> made = make_returns();
+  std::string x, y, z, intensity, ring, time;
+  for (const Made& one : made) {
+    x += raw(static_cast<float>(one.x));
+    y += raw(static_cast<float>(one.y));
+    z += raw(static_cast<float>(one.z));
+    intensity += raw(static_cast<uint8_t>(one.level));
+    ring += raw(static_cast<uint16_t>(one.wire));
+    time += raw(1.6e9);
+  }
+  const std::string bytes = head(kRinged, made.size(), "binary_compressed") +
+                            packed(x + y + z + intensity + ring + time) + "what follows";
+  Sweep sweep;
+  ASSERT_TRUE(parse_pcd_sweep(bytes, sweep));
+  expect_the_made_returns(sweep);
+}
+
+TEST(PcdSweep, ReadsTextAndPassesOverWhatItDoesNotKnow) {
+  const std::string fields =
+      "FIELDS normal intensity z y x _ laser\nSIZE 4 4 8 8 8 1 4\nTYPE F F F F F U I\n"
+      "COUNT 3 1 1 1 1 2 1\n";
+  const std::vector<Made> made = make_returns();
+  std::string bytes = head(fields, made.size(), "ascii");
+  for (const Made& one : made) {
+    char line[200];
+    std::snprintf(line, sizeof line, "0 0 1 %d %.9g %.9g\t%.9g 0 0 %d\r\n", one.level, one.z, one.y,
+                  one.x, one.wire);
+    bytes += line;
+  }
+  Sweep sweep;
+  ASSERT_TRUE(parse_pcd_sweep(bytes, sweep)) << refusal(bytes);
+  expect_the_made_returns(sweep);
+}
+
+TEST(PcdSweep, LeavesOutDirectionsWithoutAReturn) {
+  Sweep sweep;
+  ASSERT_TRUE(parse_pcd_sweep(
+      head(kPlain, 5, "ascii") + "1 2 2 0.5\nnan nan nan 1\n0 0 0 0.25\n1e99 0 0 0\n0 3 0 nan\n",
+      sweep));
+  ASSERT_EQ(sweep.size(), 2U);
+  EXPECT_EQ(sweep.range[0], 3);
+  EXPECT_EQ(sweep.reflectivity[0], 0.5F);
+  EXPECT_EQ(sweep.y[1], 3);
+  EXPECT_EQ(sweep.reflectivity[1], 0);
+  EXPECT_EQ(sweep.rings, 0);
+}
+
+TEST(PcdSweep, AnEmptyCloudIsAnEmptySweep) {
+  for (const char* data : {"ascii", "binary"}) {
+    Sweep sweep;
+    EXPECT_TRUE(parse_pcd_sweep(head(kRinged, 0, data), sweep)) << data;
+    EXPECT_EQ(sweep.size(), 0U);
+  }
+}
+
+TEST(PcdSweep, SaysWhatIsWrong) {
+  EXPECT_THAT(refusal(""), HasSubstr("no DATA line"));
+  EXPECT_THAT(refusal("JUNK 1\n"), HasSubstr("line 1: JUNK is no key"));
+  EXPECT_THAT(refusal("FIELDS x y\nSIZE 4\n"), HasSubstr("line 2: SIZE must have one entry"));
+  EXPECT_THAT(refusal("FIELDS x\nPOINTS 99999999999999999999\n"), HasSubstr("must be one number"));
+  EXPECT_THAT(refusal("FIELDS x\nSIZE 3\nPOINTS 1\nDATA ascii\n"), HasSubstr("field 'x'"));
+  EXPECT_THAT(refusal("FIELDS x\nWIDTH 2\nHEIGHT 2\nPOINTS 3\nDATA ascii\n"), HasSubstr("HEIGHT"));
+  EXPECT_THAT(refusal("FIELDS x y\nPOINTS 1\nDATA ascii\n1 2\n"), HasSubstr("x, y and z"));
+  EXPECT_THAT(refusal("FIELDS x y z\nPOINTS 1\nDATA zip\n"), HasSubstr("binary_compressed"));
+  EXPECT_THAT(refusal(head(kPlain, 2, "ascii") + "1 2 3 4\n1 2 x 4\n"),
+              HasSubstr("point 1 has no number for z"));
+  EXPECT_THAT(refusal(head(kPlain, 2, "binary") + std::string(31, 'a')),
+              HasSubstr("ends after 31 of 32 bytes"));
+  const std::string four = raw(1.F) + raw(1.F) + raw(1.F) + raw(1.F);
+  EXPECT_THAT(refusal(head(kPlain, 2, "binary_compressed") + packed(four)),
+              HasSubstr("unpacks to 16"));
+  const std::string whole = head(kPlain, 1, "binary_compressed") + packed(four);
+  EXPECT_EQ(refusal(whole), "");
+  EXPECT_THAT(refusal(whole.substr(0, whole.size() - 1)), HasSubstr("ends within"));
+  EXPECT_THAT(refusal(head(kPlain, 1, "binary_compressed") + raw(2U) + raw(16U) + "\x05\x05"),
+              HasSubstr("do not unpack"));
+  EXPECT_THAT(
+      refusal(head(kPlain, 4'000'000, "binary_compressed") + raw(2U) + raw(64'000'000U) + "aa"),
+      HasSubstr("do not unpack"));
+}
+
+TEST(PcdSweep, DamagedFilesAreReadOrRefused) {
+  const std::vector<Made> made = make_returns();
+  std::string points;
+  for (const Made& one : made) points += raw(static_cast<float>(one.x));
+  const std::string sound = head("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n",
+                                 made.size() / 3, "binary_compressed") +
+                            packed(points.substr(0, made.size() / 3 * 12));
+  std::mt19937 random(1);
+  Sweep sweep;
+  int refused = 0;
+  for (int round = 0; round < 3000; ++round) {
+    std::string bytes = sound;
+    for (int k = 0; k < 3; ++k) bytes[random() % bytes.size()] = static_cast<char>(random());
+    if (round % 3 == 0) bytes.resize(random() % bytes.size());
+    if (!parse_pcd_sweep(bytes, sweep)) {
+      ++refused;
+    } else {
+      EXPECT_LE(sweep.size(), 4'000'000U);
+    }
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(PcdSweep, WhatWasExportedIsReadAgain) {
+  const ScratchFolder folder;
+  Sweep sweep, again;
+  std::string bytes = head(kRinged, make_returns().size(), "ascii");
+  for (const Made& one : make_returns()) {
+    bytes += std::to_string(one.x) + " " + std::to_string(one.y) + " " + std::to_string(one.z) +
+             " " + std::to_string(one.level) + " " + std::to_string(one.wire) + " 0\n";
+  }
+  ASSERT_TRUE(parse_pcd_sweep(bytes, sweep));
+  ASSERT_TRUE(export_sweep(sweep, folder / "a.pcd", SweepFormat::kPcd));
+  ASSERT_TRUE(SweepReader().read(folder / "a.pcd", again));
+  ASSERT_EQ(again.size(), sweep.size());
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    EXPECT_EQ(again.x[i], sweep.x[i]);
+    EXPECT_EQ(again.reflectivity[i], sweep.reflectivity[i]);
+    EXPECT_EQ(again.ring[i], sweep.ring[i]);
+  }
+}
+
+// Counted beforehand with a decoder of another hand, from the fields as they lie in the files: a
+// Pandar64 of 0.2° steps whose beams are numbered from below.
+TEST(PcdSweep, RealOpenCalibScenes) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/opencalib");
+  struct Expected {
+    const char* file;
+    size_t returns, lowest, highest;
+  };
+  for (const auto& [file, returns, lowest, highest] :
+       {Expected{"scene2.pcd", 98805, 1483, 353}, Expected{"scene3.pcd", 85546, 1801, 351}}) {
+    Sweep sweep;
+    ASSERT_TRUE(SweepReader().read(folder / file, sweep)) << file;
+    EXPECT_EQ(sweep.size(), returns);
+    EXPECT_EQ(sweep.rings, 64);
+    EXPECT_EQ(sweep.columns, 1800U);
+    EXPECT_EQ(std::count(sweep.ring.begin(), sweep.ring.end(), 0), static_cast<long>(lowest));
+    EXPECT_EQ(std::count(sweep.ring.begin(), sweep.ring.end(), 63), static_cast<long>(highest));
+    EXPECT_NEAR(*std::max_element(sweep.reflectivity.begin(), sweep.reflectivity.end()),
+                254 / 255.0, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace infuse::recording
