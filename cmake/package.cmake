@@ -13,26 +13,30 @@ install(DIRECTORY DESTINATION /etc/infuse/infused.toml.d)
 install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml packaging/examples/truck.toml
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 
-# Debian wants manuals and the changelog compressed, always to the same bytes.
+# The simulator is a package of its own: `./dev package` makes it of this component.
+set(simulator COMPONENT simulator EXCLUDE_FROM_ALL)
+
+# Debian wants manuals and the changelog compressed, always to the same bytes. ARGN: of install().
 function(install_compressed source name destination)
   set(compressed ${CMAKE_BINARY_DIR}/packaging/${name}.gz)
   add_custom_command(OUTPUT ${compressed} DEPENDS ${source}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/packaging
     COMMAND gzip -9nc ${source} > ${compressed} VERBATIM)
   set_property(GLOBAL APPEND PROPERTY INFUSE_COMPRESSED ${compressed})
-  install(FILES ${compressed} DESTINATION ${destination})
+  install(FILES ${compressed} DESTINATION ${destination} ${ARGN})
 endfunction()
 install_compressed(${packaging}/man/infused.8 infused.8 ${CMAKE_INSTALL_MANDIR}/man8)
 install_compressed(${packaging}/man/infuse.1 infuse.1 ${CMAKE_INSTALL_MANDIR}/man1)
 install_compressed(${packaging}/debian/changelog changelog ${CMAKE_INSTALL_DOCDIR})
+if(INFUSE_SIMULATOR)
+  install_compressed(${packaging}/man/infuse-simulate.1 infuse-simulate.1 ${CMAKE_INSTALL_MANDIR}/man1 ${simulator})
+endif()
 get_property(compressed GLOBAL PROPERTY INFUSE_COMPRESSED)
 add_custom_target(manuals ALL DEPENDS ${compressed})
 install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES packaging/debian/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME infuse)
 
-# The simulator is a package of its own: `./dev package` makes it of this component.
 if(INFUSE_SIMULATOR)
-  set(simulator COMPONENT simulator EXCLUDE_FROM_ALL)
   install(TARGETS infuse-simulate RUNTIME ${simulator})
   install(DIRECTORY fixtures/scenarios fixtures/maps DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse-simulate ${simulator})
   install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infuse-simulate ${simulator})

@@ -6,7 +6,6 @@
 namespace infuse::calibration {
 namespace {
 
-using geometry::Matrix6;
 using geometry::Vector6;
 
 constexpr double kFirstStep = 0.3;  // of the first step, before the curvature is known
@@ -14,23 +13,29 @@ constexpr double kBacktrack = 0.4;  // of the step, where the function does not 
 constexpr int kMaxBacktracks = 12;
 constexpr double kSufficient = 1e-4;  // of the rise that the slope promises (Armijo)
 
+template <int N>
+using Square = Eigen::Matrix<double, N, N>;
+
 /// A place, its value and its slope.
+template <int N>
 struct Place {
-  Vector6 d = Vector6::Zero();
+  Parameters<N> d = Parameters<N>::Zero();
   double value = 0;
-  Vector6 slope = Vector6::Zero();
+  Parameters<N> slope = Parameters<N>::Zero();
 };
 
-Place look(const SixFunction& function, const Vector6& d) {
-  Place place{.d = d};
+template <int N>
+Place<N> look(const Hill<N>& function, const Parameters<N>& d) {
+  Place<N> place{.d = d};
   place.value = function(d, &place.slope);
   return place;
 }
 
 /// Backtracks along `step` until the function has risen enough; false where it never does.
-bool advance(const SixFunction& function, const Place& from, Vector6 step, Place& to) {
+template <int N>
+bool advance(const Hill<N>& function, const Place<N>& from, Parameters<N> step, Place<N>& to) {
   for (int i = 0; i < kMaxBacktracks; ++i) {
-    to = look(function, from.d + step);
+    to = look<N>(function, from.d + step);
     if (to.value > from.value + kSufficient * step.dot(from.slope)) return true;
     step *= kBacktrack;
   }
@@ -38,44 +43,44 @@ bool advance(const SixFunction& function, const Place& from, Vector6 step, Place
 }
 
 /// The inverse of minus the second derivative, as the steps so far show it.
+template <int N>
 class InverseCurvature {
  public:
-  explicit InverseCurvature(const Vector6& slope) { restart(slope); }
+  explicit InverseCurvature(const Parameters<N>& slope) { restart(slope); }
 
-  void restart(const Vector6& slope) {
-    inverse_ = Matrix6::Identity() * (kFirstStep / slope.norm());
+  void restart(const Parameters<N>& slope) {
+    inverse_ = Square<N>::Identity() * (kFirstStep / slope.norm());
     fresh_ = true;
   }
   bool fresh() const { return fresh_; }
-  Vector6 times(const Vector6& slope) const { return inverse_ * slope; }
+  Parameters<N> times(const Parameters<N>& slope) const { return inverse_ * slope; }
 
-  void learn(const Place& from, const Place& to) {
-    const Vector6 s = to.d - from.d;
-    const Vector6 y = from.slope - to.slope;
+  void learn(const Place<N>& from, const Place<N>& to) {
+    const Parameters<N> s = to.d - from.d;
+    const Parameters<N> y = from.slope - to.slope;
     const double sy = s.dot(y);
     if (!(sy > 1e-9 * s.norm() * y.norm())) return;  // convex here: nothing to learn of a maximum
-    if (fresh_) inverse_ = Matrix6::Identity() * (sy / y.squaredNorm());
-    const Matrix6 A = Matrix6::Identity() - s * y.transpose() / sy;
+    if (fresh_) inverse_ = Square<N>::Identity() * (sy / y.squaredNorm());
+    const Square<N> A = Square<N>::Identity() - s * y.transpose() / sy;
     inverse_ = A * inverse_ * A.transpose() + s * s.transpose() / sy;
     fresh_ = false;
   }
 
  private:
-  Matrix6 inverse_;
+  Square<N> inverse_;
   bool fresh_ = true;
 };
 
-}  // namespace
-
-Ascent ascend_bfgs(const SixFunction& function, const AscentOptions& options) {
-  Place at = look(function, Vector6::Zero());
+template <int N>
+AscentOf<N> bfgs(const Hill<N>& function, const AscentOptions& options) {
+  Place<N> at = look<N>(function, Parameters<N>::Zero());
   if (at.slope.norm() == 0) return {.value = at.value, .converged = true};
-  InverseCurvature curvature(at.slope);
+  InverseCurvature<N> curvature(at.slope);
   for (int i = 0; i < options.max_iterations; ++i) {
-    Vector6 step = curvature.times(at.slope);
+    Parameters<N> step = curvature.times(at.slope);
     if (step.norm() > options.max_step) step *= options.max_step / step.norm();
     if (step.norm() < options.tolerance) return {at.d, at.value, true};
-    Place next;
+    Place<N> next;
     if (advance(function, at, step, next)) {
       curvature.learn(at, next);
       at = next;
@@ -88,15 +93,25 @@ Ascent ascend_bfgs(const SixFunction& function, const AscentOptions& options) {
   return {at.d, at.value, false};
 }
 
+}  // namespace
+
+Ascent ascend_bfgs(const SixFunction& function, const AscentOptions& options) {
+  return bfgs<6>(function, options);
+}
+
+AscentOf<10> ascend_ten(const Hill<10>& function, const AscentOptions& options) {
+  return bfgs<10>(function, options);
+}
+
 Ascent ascend_barzilai_borwein(const SixFunction& function, const AscentOptions& options) {
-  Place at = look(function, Vector6::Zero());
-  Place best = at;
+  Place<6> at = look<6>(function, Vector6::Zero());
+  Place<6> best = at;
   double rate = kFirstStep / std::max(at.slope.norm(), 1e-12);
   for (int i = 0; i < options.max_iterations; ++i) {
     Vector6 step = rate * at.slope;
     if (step.norm() > options.max_step) step *= options.max_step / step.norm();
     if (step.norm() < options.tolerance) return {best.d, best.value, true};
-    const Place next = look(function, at.d + step);
+    const Place<6> next = look<6>(function, at.d + step);
     const double curvature = std::abs(step.dot(next.slope - at.slope));
     if (curvature > 0) rate = step.squaredNorm() / curvature;
     at = next;

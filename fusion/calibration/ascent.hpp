@@ -6,8 +6,13 @@
 
 namespace infuse::calibration {
 
-/// A function of six scaled parameters to be maximised. With a `gradient` it also fills that.
-using SixFunction = std::function<double(const geometry::Vector6& d, geometry::Vector6* gradient)>;
+template <int N>
+using Parameters = Eigen::Matrix<double, N, 1>;
+
+/// A function of N scaled parameters to be maximised. With a `gradient` it also fills that.
+template <int N>
+using Hill = std::function<double(const Parameters<N>& d, Parameters<N>* gradient)>;
+using SixFunction = Hill<6>;
 
 /// When an ascent ends.
 struct AscentOptions {
@@ -16,17 +21,21 @@ struct AscentOptions {
   double max_step = 1;      ///< no step is longer: a longer one may land in another basin
 };
 
-/// Where an ascent ended.
-struct Ascent {
-  geometry::Vector6 d = geometry::Vector6::Zero();
+/// Where an ascent of N parameters ended.
+template <int N>
+struct AscentOf {
+  Parameters<N> d = Parameters<N>::Zero();
   double value = 0;
   bool converged = false;  ///< false: still moving when its iterations were used up
 };
+using Ascent = AscentOf<6>;
 
 /// Quasi-Newton ascent from 0 after Broyden, Fletcher, Goldfarb and Shanno (I 4.2.3; Nocedal and
 /// Wright, 6.1), with a bounded step and backtracking. Libraries' line searches lengthen the step
 /// until the function falls, which a dependence with many maxima does only beyond the next hill.
 Ascent ascend_bfgs(const SixFunction& function, const AscentOptions& options);
+/// The same with ten parameters: a pose, and four of a camera.
+AscentOf<10> ascend_ten(const Hill<10>& function, const AscentOptions& options);
 
 /// Gradient ascent from 0 with Barzilai–Borwein steps, P 3.3.2: d ← d + γ g, γ = |Δd|² / |Δd·Δg|.
 Ascent ascend_barzilai_borwein(const SixFunction& function, const AscentOptions& options);

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "fusion/calibration/free_intrinsics.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "fusion/calibration/pose_score.hpp"
 #include "fusion/calibration/thin_scenes.hpp"
@@ -161,9 +162,19 @@ class Calibration {
     return 0.25 / options_.splits * sum;
   }
 
+  /// What the scenes say of the cameras and of the clock.
   std::vector<ModelDoubt> doubts(Objective& finest, const Eigen::Isometry3d& T,
-                                 const Uncertainty& uncertainty) const {
-    return check_model(finest, T, cameras_, all_, uncertainty);
+                                 const Uncertainty& uncertainty) {
+    std::vector<ModelDoubt> all = check_model(finest, T, cameras_, all_, uncertainty);
+    for (size_t c = 0; c < cameras_.size(); ++c) {
+      const auto freed = free_intrinsics(all_, cameras_, c, leading_, images_, options_.visibility,
+                                         T, options_.maximize.stop);
+      const auto gross = freed ? gross_doubt(*freed, cameras_, c) : std::nullopt;
+      if (!gross) continue;
+      std::erase_if(all, [&](const ModelDoubt& doubt) { return doubt.what == gross->what; });
+      all.insert(all.begin(), *gross);
+    }
+    return all;
   }
 
   int evaluations() const {
@@ -252,11 +263,22 @@ std::string print(const char* format, Values... values) {
   return text.data();
 }
 
+std::string doubt_text(const ModelDoubt& doubt) {
+  const std::string by = doubt.value == 0 ? ""
+                                          : print("%+.2g%s%s, ", doubt.value,
+                                                  *doubt.unit == '\0' ? "" : " ", doubt.unit);
+  return print("lidar and pictures would fit better with another %s (%s%.0f sigma)",
+               doubt.what.c_str(), by.c_str(), std::abs(doubt.significance));
+}
+
 /// Why the result cannot be used, or an empty text.
 std::string judge(const CalibrationResult& result, const Maximum& maximum, double moved,
                   const CalibrateOptions& options) {
   if (!maximum.usable()) return maximum.reason;
   if (!result.uncertainty.usable()) return result.uncertainty.reason;
+  for (const ModelDoubt& doubt : result.doubts) {
+    if (doubt.gross) return doubt_text(doubt);  // what follows may come of it
+  }
   if (result.support < options.min_support) {
     return print(
         "the scenes do not support it: only %.0f %% of small wrong rotations make them fit worse "
@@ -271,9 +293,7 @@ std::string judge(const CalibrationResult& result, const Maximum& maximum, doubl
                  result.restarts);
   }
   for (const ModelDoubt& doubt : result.doubts) {
-    if (!doubt.serious) continue;
-    return print("lidar and pictures would fit better with another %s (%.0f sigma)",
-                 doubt.what.c_str(), std::abs(doubt.significance));
+    if (doubt.serious) return doubt_text(doubt);
   }
   if (moved > kFarthest * options.start_translation) {
     return print("it moved %.2f m from the start, whose translation is known to %.2f m", moved,
@@ -357,10 +377,14 @@ CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCa
   Calibration calibration(scenes, cameras, T_head_lidar_start, options);
   CalibrationResult result =
       attempt(calibration, T_head_lidar_start, scenes.size(), options, kFree);
+  const bool gross = std::any_of(result.doubts.begin(), result.doubts.end(),
+                                 [](const ModelDoubt& doubt) { return doubt.gross; });
   if (!result.usable() && options.restarts > 0 && result.points > 0) {
     const CalibrationResult held =
         attempt(calibration, T_head_lidar_start, scenes.size(), options, kHeld);
-    if (held.usable()) result = held;
+    // At the same place the same camera is as wrong as before.
+    const bool there = near(held.T_head_lidar, result.T_head_lidar);
+    if (held.usable() && !(gross && there)) result = held;
   }
   if (result.usable()) result.split_half = calibration.split_half(result.T_head_lidar);
   result.evaluations += calibration.evaluations();

@@ -8,7 +8,7 @@ namespace infuse::calibration {
 
 ImagePyramid::ImagePyramid(std::span<const Scene> scenes, std::span<const TermOptions> terms,
                            std::span<const double> sigmas)
-    : scenes_(scenes), terms_(terms) {
+    : scenes_(scenes), terms_(terms.begin(), terms.end()) {
   std::vector<double> ascending(sigmas.begin(), sigmas.end());
   std::sort(ascending.begin(), ascending.end());
   for (const double sigma : ascending) at(sigma);

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <span>
+#include <vector>
 
 #include "fusion/calibration/objective.hpp"
 
@@ -10,7 +11,7 @@ namespace infuse::calibration {
 /// The scenes' image features at every blur that a search asks for, each made once.
 class ImagePyramid {
  public:
-  /// Both must outlive this. `sigmas` (pixels) are made at once, each from the next finer one.
+  /// Scenes must outlive this. `sigmas` (pixels) are made at once, each from the next finer one.
   ImagePyramid(std::span<const Scene> scenes, std::span<const TermOptions> terms,
                std::span<const double> sigmas);
 
@@ -19,7 +20,7 @@ class ImagePyramid {
 
  private:
   std::span<const Scene> scenes_;
-  std::span<const TermOptions> terms_;
+  std::vector<TermOptions> terms_;
   std::map<double, BlurredImages> images_;
 };
 

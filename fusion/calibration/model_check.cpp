@@ -121,6 +121,14 @@ Further delay(const Eigen::Isometry3d& T, std::span<const Scene> scenes,
 
 }  // namespace
 
+ModelDoubt doubt_about(size_t intrinsic, double off, size_t camera, size_t cameras) {
+  const Intrinsic& of = kIntrinsics[intrinsic];
+  return {
+      .what = std::string(of.name) + (cameras > 1 ? " of camera " + std::to_string(camera) : ""),
+      .unit = of.unit,
+      .value = of.shown * off};
+}
+
 std::vector<ModelDoubt> check_model(Objective& objective, const Eigen::Isometry3d& T_head_lidar,
                                     std::span<const RigCamera> cameras,
                                     std::span<const Scene> scenes, const Uncertainty& uncertainty) {
@@ -131,11 +139,11 @@ std::vector<ModelDoubt> check_model(Objective& objective, const Eigen::Isometry3
   std::vector<ModelDoubt> doubts;
   if (!uncertainty.usable() || static_cast<size_t>(seen) < kFewest) return doubts;
   const Matrix6 inverse = uncertainty.curvature.inverse();
-  const auto add = [&](const Further& further, std::string what, const char* unit, double shown,
+  const auto add = [&](const Further& further, const ModelDoubt& about, double shown,
                        double careful) {
     ModelDoubt doubt = judge(further, pulls, inverse);
-    doubt.what = std::move(what);
-    doubt.unit = unit;
+    doubt.what = about.what;
+    doubt.unit = about.unit;
     doubt.value *= shown;
     doubt.sigma *= shown;
     doubt.moves /= shown;
@@ -148,14 +156,14 @@ std::vector<ModelDoubt> check_model(Objective& objective, const Eigen::Isometry3
     for (size_t which = 0; which < std::size(kIntrinsics); ++which) {
       const Intrinsic& of = kIntrinsics[which];
       add(intrinsic(objective, T_head_lidar, cameras, scenes, c, which, pulls),
-          std::string(of.name) + (cameras.size() > 1 ? " of camera " + std::to_string(c) : ""),
-          of.unit, of.shown, of.careful);
+          doubt_about(which, 0, c, cameras.size()), of.shown, of.careful);
     }
   }
   const bool moving = std::all_of(scenes.begin(), scenes.end(),
                                   [](const Scene& scene) { return scene.twist.has_value(); });
   if (moving) {
-    add(delay(T_head_lidar, scenes, uncertainty), "time of the pictures", "ms", 1e3, kCarefulTime);
+    add(delay(T_head_lidar, scenes, uncertainty), {.what = "time of the pictures", .unit = "ms"},
+        1e3, kCarefulTime);
   }
   return doubts;
 }

@@ -24,7 +24,13 @@ struct ModelDoubt {
   bool doubtful = false;
   /// Beyond what chance and the lesser imperfections of real scenes do: 7 standard deviations.
   bool serious = false;
+  /// Found by freeing it (`free_intrinsics`): farther off than any calibration of it leaves.
+  bool gross = false;
 };
+
+/// A doubt about one of a camera's four intrinsics (logarithm of the focal lengths, principal point
+/// across and down, k1), off by so much, of one of so many cameras.
+ModelDoubt doubt_about(size_t intrinsic, double off, size_t camera, size_t cameras);
 
 /// A camera's intrinsics and clock are taken for known when its pose is estimated; where they are
 /// wrong, the pose makes up for them as well as it can, and its covariance tells nothing of that.

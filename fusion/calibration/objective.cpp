@@ -223,27 +223,36 @@ Evaluation Objective::evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_
   return evaluation;
 }
 
-Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block) const {
-  const CameraIntrinsics& camera = cameras_[scenes_[block.scene].camera].model.intrinsics();
+Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block,
+                                           const Eigen::Isometry3d& T_head_lidar) const {
+  const RigCamera& seen_by = cameras_[scenes_[block.scene].camera];
+  const CameraIntrinsics& camera = seen_by.model.intrinsics();
+  const bool pinhole = camera.model == CameraIntrinsics::Model::kPinhole;
+  const Eigen::Isometry3d T = seen_by.T_camera_head * T_head_lidar;
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
   for (size_t i = block.begin; i < block.end; ++i) {
     const double by_u = by_u_[i], by_v = by_v_[i];
     if (by_u == 0 && by_v == 0) continue;
-    // As if the picture were without distortion: first order is all that is asked.
-    const double across = u_[i] - camera.cx, down = v_[i] - camera.cy;
-    const double a = across / camera.fx, b = down / camera.fy;
-    const double outwards = by_u * across + by_v * down;
-    gradient += Eigen::Vector4d(outwards, by_u, by_v, outwards * (a * a + b * b));
+    const double by_focal = by_u * (u_[i] - camera.cx) + by_v * (v_[i] - camera.cy);
+    const Eigen::Vector3d p = T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]);
+    const double radius = std::hypot(p.x(), p.y());
+    const double r = pinhole ? radius / p.z() : std::atan2(radius, p.z());
+    // Where without distortion the point would be at r · direction, k1 takes it r³ further out.
+    const double outwards =
+        radius > 0 ? (by_u * camera.fx * p.x() + by_v * camera.fy * p.y()) / radius : 0;
+    gradient += Eigen::Vector4d(by_focal, by_u, by_v, outwards * r * r * r);
   }
   return gradient;
 }
 
-std::vector<ScenePull> Objective::scene_pulls(const Eigen::Isometry3d& T_head_lidar) {
+std::vector<ScenePull> Objective::scene_pulls(const Eigen::Isometry3d& T_head_lidar,
+                                              dependence::Estimate* estimate) {
   std::vector<ScenePull> pulls(scenes_.size(), ScenePull::Zero());
-  differentiate_pixels(T_head_lidar, true);
+  const dependence::Estimate sum = differentiate_pixels(T_head_lidar, true);
+  if (estimate != nullptr) *estimate = sum;
   for (const VisiblePoints::Block& block : points_.blocks) {
     pulls[block.scene].head<6>() += block_gradient(block, T_head_lidar);
-    pulls[block.scene].tail<4>() += camera_gradient(block);
+    pulls[block.scene].tail<4>() += camera_gradient(block, T_head_lidar);
   }
   return pulls;
 }

@@ -76,7 +76,9 @@ class Objective {
 
   /// The gradient of each scene's part of the sum, an entry a scene; they add up to `gradient`.
   /// For the terms with a gradient: how the scenes pull, whose spread tells the uncertainty.
-  std::vector<ScenePull> scene_pulls(const Eigen::Isometry3d& T_head_lidar);
+  /// The sum itself goes to `estimate`, where that is given.
+  std::vector<ScenePull> scene_pulls(const Eigen::Isometry3d& T_head_lidar,
+                                     dependence::Estimate* estimate = nullptr);
 
   /// The samples of one term at a pose that take part: what its measure is asked about. Of several
   /// features the first.
@@ -109,7 +111,8 @@ class Objective {
                                             bool with_gradient, bool of_samples = false);
   geometry::Vector6 block_gradient(const VisiblePoints::Block& block,
                                    const Eigen::Isometry3d& T_head_lidar) const;
-  Eigen::Vector4d camera_gradient(const VisiblePoints::Block& block) const;
+  Eigen::Vector4d camera_gradient(const VisiblePoints::Block& block,
+                                  const Eigen::Isometry3d& T_head_lidar) const;
 
   const VisiblePoints& points_;
   const BlurredImages* images_;

@@ -16,8 +16,8 @@ using calibration::LidarFeature;
 
 /// What no number of scenes of one drive takes away: the measure's own bias there. Told in the
 /// covariance.
-constexpr double kLastingRotation = 0.5e-3;    // rad
-constexpr double kLastingTranslation = 0.005;  // m
+constexpr double kLastingRotation = 0.3e-3;    // rad
+constexpr double kLastingTranslation = 0.003;  // m
 
 /// What halves of the scenes may differ by because they show different things.
 constexpr double kBiasRotation = 1e-3;     // rad

@@ -21,9 +21,9 @@ struct StoredScene {
 
 /// How scenes are chosen and forgotten.
 struct SceneStoreOptions {
-  size_t capacity = 36;            ///< P 3.4.1.3: 10 to 20 are needed, of a large picture
-  size_t max_points = 20'000;      ///< of a scene
-  double spacing = 4;              ///< m driven between two scenes
+  size_t capacity = 36;        ///< P 3.4.1.3: 10 to 20 are needed, of a large picture
+  size_t max_points = 20'000;  ///< of a scene
+  double spacing = 8;          ///< m driven between two scenes: views of one place share its bias
   double max_angular_rate = 0.25;  ///< rad/s; above it, stamps and exposure smear
   double dark = 20, bright = 235;  ///< mean grey level outside of which exposure failed
   double half_life = 120;          ///< s; a scene so old is worth half

@@ -71,7 +71,7 @@ TEST(CalibrationFaults, ABadUpdateIsTakenBack) {
 [[fault]]
 kind = "extrinsic_step"
 from_s = 8
-to_s = 28
+to_s = 42
 rotation_deg = [0, 1, 0]
 )",
                                  75, 5);

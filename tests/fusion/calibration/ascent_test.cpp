@@ -46,6 +46,22 @@ TEST(Ascent, BfgsFindsTheTopOfAHill) {
   EXPECT_NEAR(ascent.value, 3, 1e-8);
 }
 
+TEST(Ascent, BfgsFindsTheTopOfAHillOfTen) {
+  // A ridge: what holds the first and the last together is fifty times what holds either.
+  const auto ridge = [](const Parameters<10>& d, Parameters<10>* gradient) {
+    Eigen::Matrix<double, 10, 10> A = Eigen::Matrix<double, 10, 10>::Identity();
+    A(0, 0) = A(9, 9) = 51;
+    A(0, 9) = A(9, 0) = -50;
+    const Parameters<10> off = d - Parameters<10>::LinSpaced(-1, 2);
+    if (gradient != nullptr) *gradient = -A * off;
+    return 7 - 0.5 * off.dot(A * off);
+  };
+  const AscentOf<10> ascent = ascend_ten(ridge, {.tolerance = 1e-6});
+  EXPECT_TRUE(ascent.converged);
+  EXPECT_NEAR((ascent.d - Parameters<10>::LinSpaced(-1, 2)).norm(), 0, 1e-4);
+  EXPECT_NEAR(ascent.value, 7, 1e-8);
+}
+
 TEST(Ascent, BarzilaiBorweinFindsTheTopOfAHill) {
   const Ascent ascent = ascend_barzilai_borwein(hill, {.max_iterations = 500, .tolerance = 1e-6});
   EXPECT_TRUE(ascent.converged);

@@ -167,6 +167,43 @@ TEST(Objective, ScenesAddUpToTheWhole) {
   EXPECT_LT((whole - sum).norm(), 1e-9 * whole.norm());
 }
 
+/// One of a camera's four further numbers moved by a step.
+RigCamera with(const RigCamera& camera, int which, double step) {
+  CameraIntrinsics model = camera.model.intrinsics();
+  model.fx *= which == 0 ? std::exp(step) : 1;
+  model.fy *= which == 0 ? std::exp(step) : 1;
+  model.cx += which == 1 ? step : 0;
+  model.cy += which == 2 ? step : 0;
+  model.distortion[0] += which == 3 ? step : 0;
+  return {geometry::CameraModel(model), camera.T_camera_head};
+}
+
+TEST(Objective, PullsOnIntrinsicsMatchDifferences) {
+  for (const CameraIntrinsics& model : {pinhole(), distorted(), fisheye()}) {
+    const Rig rig = make_rig({model}, kTwoTerms);
+    const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});
+    const BlurredImages images(rig.scenes, rig.terms, 2);
+    Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
+    Eigen::Vector4d pull = Eigen::Vector4d::Zero();
+    dependence::Estimate whole;
+    for (const ScenePull& part : objective.scene_pulls(rig.T, &whole)) pull += part.tail<4>();
+    EXPECT_EQ(whole.value, objective.evaluate(rig.T, false).estimate.value);
+    const double steps[] = {1e-3, 0.1, 0.1, 3e-3};
+    for (int which = 0; which < 4; ++which) {
+      double values[2];
+      for (const int side : {0, 1}) {
+        const std::vector<RigCamera> other{
+            with(rig.cameras[0], which, (2 * side - 1) * steps[which])};
+        objective.look_through(other);
+        values[side] = objective.evaluate(rig.T, false).estimate.value;
+      }
+      objective.look_through(rig.cameras);
+      const double expected = (values[1] - values[0]) / (2 * steps[which]);
+      EXPECT_NEAR(pull(which), expected, 0.05 * std::abs(expected) + 1e-4) << which;
+    }
+  }
+}
+
 TEST(Objective, PointsThatLeaveThePictureKeepTheBordersValue) {
   const Rig rig = make_rig({pinhole()}, {{}});
   const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});

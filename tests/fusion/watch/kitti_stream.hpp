@@ -57,7 +57,7 @@ inline WatchReport drive(Watch& watch, const Stream& stream, int rounds) {
       CameraFrame grey = stream.pictures[i];
       grey.stamp = Stamp::from_ns(500'000'000LL * ++next);
       report = watch.take(grey, view_of(stream.sweeps[i]),
-                          {.velocity = Eigen::Vector3d(0, 0, 8 + next % 3)});
+                          {.velocity = Eigen::Vector3d(0, 0, 16 + next % 3)});
       if (report.drift == Drift::kDrifted) return report;
     }
   }
