@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "drivers/measurement/simd.hpp"
+
 namespace infuse::camera {
 namespace {
 
@@ -33,8 +35,17 @@ void copy_all_but_pixels(const CameraFrame& from, PixelFormat format, CameraFram
   to.pixels.resize(to.row_bytes() * static_cast<size_t>(to.height));
 }
 
-uint8_t luminance(int blue, int green, int red) {
-  return static_cast<uint8_t>((114 * blue + 587 * green + 299 * red + 500) / 1000);
+/// ITU-R BT.601, weights in 1/2^14, rounded.
+constexpr uint8_t luminance(uint32_t blue, uint32_t green, uint32_t red) {
+  return static_cast<uint8_t>((1868 * blue + 9617 * green + 4899 * red + 8192) >> 14);
+}
+
+/// `pixels` of blue, green and red.
+INFUSE_SIMD_CLONES void to_luminance(const uint8_t* __restrict bgr, size_t pixels,
+                                     uint8_t* __restrict grey) {
+  for (size_t i = 0; i < pixels; ++i) {
+    grey[i] = luminance(bgr[3 * i], bgr[3 * i + 1], bgr[3 * i + 2]);
+  }
 }
 
 /// Bilinear interpolation: a missing colour is the mean of its nearest samples, which lie in the 3
@@ -82,10 +93,7 @@ void to_grey(const CameraFrame& frame, CameraFrame& grey) {
   if (frame.format == PixelFormat::kGrey8) {
     grey.pixels = frame.pixels;
   } else if (frame.format == PixelFormat::kBgr8) {
-    for (size_t i = 0; i < grey.pixels.size(); ++i) {
-      grey.pixels[i] =
-          luminance(frame.pixels[3 * i], frame.pixels[3 * i + 1], frame.pixels[3 * i + 2]);
-    }
+    to_luminance(frame.pixels.data(), grey.pixels.size(), grey.pixels.data());
   } else {
     demosaic(frame, [&](size_t i, const std::array<int, 3>& bgr) {
       grey.pixels[i] = luminance(bgr[kBlue], bgr[kGreen], bgr[kRed]);

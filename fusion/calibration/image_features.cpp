@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "fusion/geometry/simd.hpp"
+#include "drivers/measurement/simd.hpp"
 
 namespace infuse::calibration {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/measurement/simd.hpp"
 #include "fusion/calibration/lidar_features.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
 #include "fusion/geometry/pose_gradient.hpp"
-#include "fusion/geometry/simd.hpp"
 
 namespace infuse::calibration {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fusion/geometry/simd.hpp"
+#include "drivers/measurement/simd.hpp"
 
 namespace infuse::geometry {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fusion/geometry/simd.hpp"
+#include "drivers/measurement/simd.hpp"
 
 namespace infuse::motion {
 namespace {
