@@ -166,7 +166,7 @@ class Calibration {
   std::vector<ModelDoubt> doubts(Objective& finest, const Eigen::Isometry3d& T,
                                  const Uncertainty& uncertainty) {
     std::vector<ModelDoubt> all = check_model(finest, T, cameras_, all_, uncertainty);
-    for (size_t c = 0; c < cameras_.size(); ++c) {
+    for (size_t c = 0; options_.check_intrinsics && c < cameras_.size(); ++c) {
       const auto freed = free_intrinsics(all_, cameras_, c, leading_, images_, options_.visibility,
                                          T, options_.maximize.stop);
       const auto gross = freed ? gross_doubt(*freed, cameras_, c) : std::nullopt;

@@ -48,6 +48,10 @@ struct CalibrateOptions {
   double support_sigma = 3;   ///< px, blur of the images that tell the scenes' support
   double min_support = 0.88;  ///< mean of SceneSupport::support below which nothing is believed
 
+  /// Whether intrinsics that are far off are looked for (`free_intrinsics`): where a camera whose
+  /// intrinsics were once found right is only asked where it stands now, that time can be saved.
+  bool check_intrinsics = true;
+
   uint64_t seed = 1;         ///< of the restarts
   MaximizeOptions maximize;  ///< its `stop` ends the whole soon: not usable then
   VisibilityOptions visibility;

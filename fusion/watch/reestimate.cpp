@@ -46,6 +46,7 @@ calibration::CalibrateOptions settings(const ReestimateOptions& options, std::st
   out.start_translation = options.start_translation;
   // Of a calibration that goes on being watched less is asked of every scene by itself.
   out.min_support = 0.75;
+  out.check_intrinsics = false;  // a camera that was knocked still has its lens
   out.seed = options.seed;
   out.maximize.stop = std::move(stop);
   return out;
