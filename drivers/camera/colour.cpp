@@ -35,11 +35,6 @@ void copy_all_but_pixels(const CameraFrame& from, PixelFormat format, CameraFram
   to.pixels.resize(to.row_bytes() * static_cast<size_t>(to.height));
 }
 
-/// ITU-R BT.601, weights in 1/2^14, rounded.
-constexpr uint8_t luminance(uint32_t blue, uint32_t green, uint32_t red) {
-  return static_cast<uint8_t>((1868 * blue + 9617 * green + 4899 * red + 8192) >> 14);
-}
-
 /// `pixels` of blue, green and red.
 INFUSE_SIMD_CLONES void to_luminance(const uint8_t* __restrict bgr, size_t pixels,
                                      uint8_t* __restrict grey) {

@@ -20,6 +20,11 @@ enum class PixelFormat : uint8_t {
 /// Bytes a pixel.
 constexpr int channels(PixelFormat format) { return format == PixelFormat::kBgr8 ? 3 : 1; }
 
+/// Grey of a colour, ITU-R BT.601, weights in 1/2^14, rounded.
+constexpr uint8_t luminance(uint32_t blue, uint32_t green, uint32_t red) {
+  return static_cast<uint8_t>((1868 * blue + 9617 * green + 4899 * red + 8192) >> 14);
+}
+
 /// One picture of a camera, decoded, rows from the top without padding.
 struct CameraFrame {
   Stamp stamp;            ///< middle of the exposure

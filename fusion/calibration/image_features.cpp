@@ -124,9 +124,7 @@ Plane grey_plane(const CameraFrame& frame) {
   const auto step = static_cast<size_t>(channels(frame.format));
   for (size_t i = 0; i < grey.values.size(); ++i) {
     const uint8_t* pixel = &frame.pixels[step * i];
-    // Weights in 1/2^14, rounded.
-    const int level =
-        step == 1 ? pixel[0] : (1868 * pixel[0] + 9617 * pixel[1] + 4899 * pixel[2] + 8192) >> 14;
+    const uint8_t level = step == 1 ? pixel[0] : luminance(pixel[0], pixel[1], pixel[2]);
     grey.values[i] = static_cast<float>(level);
   }
   return grey;

@@ -12,11 +12,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const painted::Drive& drive_of_twelve() {
-  static const painted::Drive drive = painted::make_drive(12);
-  return drive;
-}
-
 /// What the camera would rather be, from the pose that a climb with what is given leads to.
 std::optional<FreedIntrinsics> freed(const std::vector<Scene>& scenes,
                                      const CameraIntrinsics& given,
@@ -24,7 +19,7 @@ std::optional<FreedIntrinsics> freed(const std::vector<Scene>& scenes,
   const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(given)}};
   const std::vector<TermOptions>& terms = named_measures().front().terms;
   ImagePyramid images(scenes, terms, std::vector<double>{2});
-  const Eigen::Isometry3d truth = drive_of_twelve().T_camera_lidar;
+  const Eigen::Isometry3d truth = painted::drive_of_twelve().T_camera_lidar;
   const VisiblePoints points = select_visible(scenes, cameras, truth, {});
   Objective objective(points, images.at(2), cameras, scenes, terms);
   const Eigen::Isometry3d T = maximize(objective, truth, {}).T_head_lidar;
@@ -38,12 +33,13 @@ std::optional<ModelDoubt> doubt(const std::optional<FreedIntrinsics>& found,
 }
 
 TEST(FreeIntrinsics, StayWhereTheyAreRight) {
-  const auto found = freed(drive_of_twelve().scenes, painted::small_camera());
+  const auto found = freed(painted::drive_of_twelve().scenes, painted::small_camera());
   ASSERT_TRUE(found);
   EXPECT_EQ(found->scenes, 12);
   EXPECT_LT(std::abs(found->off(0)), 0.02);
   EXPECT_LT(found->off.segment<2>(1).cwiseAbs().maxCoeff(), 5);
-  EXPECT_LT(painted::degrees_between(found->T_head_lidar, drive_of_twelve().T_camera_lidar), 1);
+  EXPECT_LT(
+      painted::degrees_between(found->T_head_lidar, painted::drive_of_twelve().T_camera_lidar), 1);
   EXPECT_FALSE(doubt(found, painted::small_camera()));
 }
 
@@ -51,7 +47,7 @@ TEST(FreeIntrinsics, FindAPrincipalPointThatIsFarOff) {
   for (const double off : {-25.0, 25.0}) {
     CameraIntrinsics wrong = painted::small_camera();
     wrong.cx += off;
-    const auto found = freed(drive_of_twelve().scenes, wrong);
+    const auto found = freed(painted::drive_of_twelve().scenes, wrong);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->off(1), -off, 6);
     EXPECT_GT(found->better, 9);
@@ -66,7 +62,7 @@ TEST(FreeIntrinsics, FindADistortionLeftOut) {
   // The pictures of a camera without one, seen as through one that bends: as good as the converse.
   CameraIntrinsics wrong = painted::small_camera();
   wrong.distortion[0] = 0.15;
-  const auto found = freed(drive_of_twelve().scenes, wrong);
+  const auto found = freed(painted::drive_of_twelve().scenes, wrong);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->off(3), -0.15, 0.05);
   const auto told = doubt(found, wrong);
@@ -75,7 +71,7 @@ TEST(FreeIntrinsics, FindADistortionLeftOut) {
 }
 
 TEST(FreeIntrinsics, ACalibrationWithAWrongCameraIsRefused) {
-  const painted::Drive& drive = drive_of_twelve();
+  const painted::Drive& drive = painted::drive_of_twelve();
   CameraIntrinsics wrong = painted::small_camera();
   wrong.cx += 30;
   const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(wrong)}};
@@ -88,7 +84,7 @@ TEST(FreeIntrinsics, ACalibrationWithAWrongCameraIsRefused) {
 }
 
 TEST(FreeIntrinsics, FewScenesSayNothing) {
-  const std::vector<Scene>& all = drive_of_twelve().scenes;
+  const std::vector<Scene>& all = painted::drive_of_twelve().scenes;
   const std::vector<Scene> few(all.begin(), all.begin() + 7);
   EXPECT_FALSE(freed(few, painted::small_camera()));
 }
@@ -96,7 +92,7 @@ TEST(FreeIntrinsics, FewScenesSayNothing) {
 TEST(FreeIntrinsics, AreGivenUpWhenAskedToStop) {
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_FALSE(freed(drive_of_twelve().scenes, painted::small_camera(), stop.get_token()));
+  EXPECT_FALSE(freed(painted::drive_of_twelve().scenes, painted::small_camera(), stop.get_token()));
 }
 
 TEST(GrossDoubt, NeedsBothSizeAndScenesThatAgree) {

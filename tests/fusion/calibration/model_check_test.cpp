@@ -13,11 +13,6 @@ namespace {
 
 using geometry::Vector6;
 
-const painted::Drive& drive_of_twelve() {
-  static const painted::Drive drive = painted::make_drive(12);
-  return drive;
-}
-
 /// What the scenes say at the maximum next to the true pose, seen through `cameras`.
 std::vector<ModelDoubt> doubts_of(const std::vector<Scene>& scenes,
                                   const std::vector<RigCamera>& cameras,
@@ -31,7 +26,7 @@ std::vector<ModelDoubt> doubts_of(const std::vector<Scene>& scenes,
 }
 
 TEST(CheckModel, DoubtsNothingWhereAllIsRight) {
-  const painted::Drive& drive = drive_of_twelve();
+  const painted::Drive& drive = painted::drive_of_twelve();
   const auto doubts = doubts_of(drive.scenes, drive.cameras, drive.T_camera_lidar);
   ASSERT_EQ(doubts.size(), 4U);  // the scenes do not know their motion
   for (const ModelDoubt& doubt : doubts) {
@@ -40,7 +35,7 @@ TEST(CheckModel, DoubtsNothingWhereAllIsRight) {
 }
 
 TEST(CheckModel, FindsAWrongFocalLength) {
-  const painted::Drive& drive = drive_of_twelve();
+  const painted::Drive& drive = painted::drive_of_twelve();
   CameraIntrinsics wrong = drive.cameras[0].model.intrinsics();
   wrong.fx *= 1.01;
   wrong.fy *= 1.01;
@@ -53,7 +48,7 @@ TEST(CheckModel, FindsAWrongFocalLength) {
 }
 
 TEST(CheckModel, FindsALateClockWhereTheMotionVaries) {
-  const painted::Drive& drive = drive_of_twelve();
+  const painted::Drive& drive = painted::drive_of_twelve();
   std::vector<Scene> scenes = drive.scenes;
   constexpr double kLate = 0.006;  // s
   std::mt19937_64 random(1);
@@ -81,7 +76,7 @@ TEST(CheckModel, FindsALateClockWhereTheMotionVaries) {
 }
 
 TEST(CheckModel, AFewScenesSayNothing) {
-  const painted::Drive& drive = drive_of_twelve();
+  const painted::Drive& drive = painted::drive_of_twelve();
   const std::vector<Scene> few(drive.scenes.begin(), drive.scenes.begin() + 9);
   EXPECT_TRUE(doubts_of(few, drive.cameras, drive.T_camera_lidar).empty());
 }

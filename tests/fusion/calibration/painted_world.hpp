@@ -201,4 +201,10 @@ inline double metres_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d
   return geometry::log(a * b.inverse()).tail<3>().norm();
 }
 
+/// Twelve scenes, made once.
+inline const Drive& drive_of_twelve() {
+  static const Drive drive = make_drive(12);
+  return drive;
+}
+
 }  // namespace infuse::calibration::painted
