@@ -79,9 +79,11 @@ void FusionStage::take(Pin<StreamItem> item) {
     case StreamItem::Kind::kTick:
       take_due_sweeps();
       return tell_tick(*item);
-    case StreamItem::Kind::kEnd:
+    case StreamItem::Kind::kLast:
       odometry_.finish();
       while (!sweeps_.empty()) take_sweep(*sweeps_.pop());
+      return;
+    case StreamItem::Kind::kEnd:
       begin_report(ReportItem::Kind::kEnd, item->stamp);
       return send_report();
   }

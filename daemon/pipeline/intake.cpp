@@ -23,7 +23,11 @@ void Intake::end(Stamp stamp, bool started) {
   for (size_t i = 0; i < lidars_.size(); ++i) {
     lidars_[i].finish([&](Sweep& sweep) { hand_over_sweep(i, sweep); });
   }
-  if (started) hand_over_tick(stamp);
+  if (started) {
+    hand_over_samples();
+    hand_over(StreamItem::Kind::kLast, stamp);
+    hand_over_tick(stamp);
+  }
   hand_over(StreamItem::Kind::kEnd, stamp);
 }
 

@@ -34,8 +34,8 @@ class Intake {
   void start(Stamp stamp);
   /// Drive time has come to the next event, which is taken next: ticks, and notes the host's time.
   void advance(Stamp stamp);
-  /// Finishes what is begun, and hands over kEnd, after which nothing follows. `started` false:
-  /// there was nothing.
+  /// Finishes what is begun, ticks once more when that is worked off, and hands over kEnd, after
+  /// which nothing follows. `started` false: there was nothing.
   void end(Stamp stamp, bool started = true);
 
   // --- events, of sensors by their index ---

@@ -27,6 +27,7 @@ struct StreamItem {
     kPicture,  ///< `camera`, `number`, `sequence` and `encoded`; stamp: middle of the exposure
     kSweep,    ///< `device` and `sweep`
     kTick,     ///< a second of drive time has passed: `counters` and `streams`
+    kLast,     ///< no more samples, pictures and sweeps: those that wait are worked off
     kEnd,      ///< of the drive; nothing follows
   };
   Kind kind = Kind::kStart;

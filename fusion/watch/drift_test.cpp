@@ -72,38 +72,44 @@ void DriftTest::learn_noise(Track& track, double offset, double information) {
   track.block = track.block_weight = 0;
 }
 
+void DriftTest::Mean::add(double slope, double information) {
+  sum += slope - kMemory * sum;
+  weight += information - kMemory * weight;
+}
+
 void DriftTest::add(const AxisLook& look) {
   for (size_t k = 0; k < kAxes; ++k) {
     Track& track = tracks_[k];
     const double w = look.information(k);
     learn_noise(track, look.offset(k), w);
-    track.sum += look.slope[k] - kMemory * track.sum;
-    track.weight += w - kMemory * track.weight;
+    track.all.add(look.slope[k], w);
     const double gap = options_.drifted[k] - options_.kept[k];
     const double middle = 0.5 * (options_.drifted[k] + options_.kept[k]);
     const double scale = kAlike * gap / noise_of(track);
     const double bend = near(k) ? look.bend[k] : w;
-    const auto step = [&](double evidence, double slope) {
-      const double ratio = scale * (slope - middle * bend);
-      return std::max(0.0,
-                      evidence + std::clamp(ratio, -options_.most_a_look, options_.most_a_look));
+    const auto step = [&](Run& run, double sign) {
+      const double ratio = scale * (sign * look.slope[k] - middle * bend);
+      run.evidence += std::clamp(ratio, -options_.most_a_look, options_.most_a_look);
+      run.mean.add(look.slope[k], w);
+      if (run.evidence <= 0) run = {};
     };
-    track.up = step(track.up, look.slope[k]);
-    track.down = step(track.down, -look.slope[k]);
+    step(track.up, 1);
+    step(track.down, -1);
   }
   ++looks_;
 }
 
 void DriftTest::restart() {
   for (Track& track : tracks_) {
-    track.up = track.down = track.sum = track.weight = 0;
+    track.up = track.down = {};
+    track.all = {};
     track.block = track.block_weight = track.last = track.last_weight = 0;
   }
 }
 
 double DriftTest::evidence(Axis axis) const {
   const Track& track = tracks_[static_cast<size_t>(axis)];
-  return std::max(track.up, track.down);
+  return std::max(track.up.evidence, track.down.evidence);
 }
 
 Axis DriftTest::strongest() const {
@@ -123,15 +129,21 @@ Axis DriftTest::stronger_look(Axis axis) const {
   return best;
 }
 
+const DriftTest::Mean& DriftTest::telling_mean(const Track& track) const {
+  const Run& stronger = track.up.evidence > track.down.evidence ? track.up : track.down;
+  return stronger.evidence >= options_.suspect ? stronger.mean : track.all;
+}
+
 double DriftTest::offset(Axis axis) const {
-  const Track& track = tracks_[static_cast<size_t>(axis)];
-  return track.weight > 0 ? track.sum / track.weight : 0;
+  const Mean& mean = telling_mean(tracks_[static_cast<size_t>(axis)]);
+  return mean.weight > 0 ? mean.sum / mean.weight : 0;
 }
 
 double DriftTest::deviation(Axis axis) const {
   const Track& track = tracks_[static_cast<size_t>(axis)];
-  return track.weight > 0 ? std::sqrt(noise_of(track) / track.weight)
-                          : std::numeric_limits<double>::infinity();
+  const Mean& mean = telling_mean(track);
+  return mean.weight > 0 ? std::sqrt(noise_of(track) / mean.weight)
+                         : std::numeric_limits<double>::infinity();
 }
 
 const char* to_string(Axis axis) {

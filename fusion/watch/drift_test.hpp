@@ -106,20 +106,32 @@ class DriftTest {
   bool certain() const { return warmed_up() && evidence(strongest()) >= certain_; }
   int looks() const { return looks_; }
 
-  /// The mean offset of late looks (fading by 1/30 a look), and its standard deviation; 0 and
-  /// infinity where nothing is known.
+  /// The mean offset, and its standard deviation: where drift is suspected along the axis, of the
+  /// looks since its evidence began, when the calibration presumably changed; else of all. Looks
+  /// fade by 1/30 each. 0 and infinity where nothing is known.
   double offset(Axis axis) const;
   double deviation(Axis axis) const;
 
  private:
+  /// Mean offset, fading.
+  struct Mean {
+    double sum = 0, weight = 0;
+    void add(double slope, double information);
+  };
+  /// Evidence for an offset of one sign, and the offsets since it began.
+  struct Run {
+    double evidence = 0;
+    Mean mean;
+  };
   /// What is known of one axis.
   struct Track {
-    double up = 0, down = 0;     // evidence for a positive and a negative offset
-    double sum = 0, weight = 0;  // of offsets, fading
+    Run up, down;  // for a positive and a negative offset
+    Mean all;
     double block = 0, block_weight = 0;
     double last = 0, last_weight = 0;  // the block before
     double noise = 0, noises = 0;      // κ: sum and count, fading
   };
+  const Mean& telling_mean(const Track& track) const;
   double noise_of(const Track& track) const;
   void learn_noise(Track& track, double offset, double information);
 

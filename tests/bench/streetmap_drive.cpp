@@ -149,8 +149,11 @@ bool render(const std::string& drive) {
     }
     const std::string recorded =
         (std::filesystem::path(data) / "street" / drive.substr(6)).string();
+    const std::string route = (kDrives / (drive + ".txt")).string();
+    std::filesystem::create_directories(kDrives);
+    if (std::system(("bunzip2 -c " + recorded + ".txt.bz2 > " + route).c_str()) != 0) return false;
     scenario = "kitti_route";
-    more = " --map " + recorded + ".osm.bz2 --trajectory " + recorded + ".txt.bz2";
+    more = " --map " + recorded + ".osm.bz2 --trajectory " + route;
   }
   return std::filesystem::exists(rendered_drive(scenario, drive, more) / "drive.toml");
 }

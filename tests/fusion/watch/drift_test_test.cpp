@@ -87,7 +87,10 @@ TEST(DriftTest, FindsADriftOfEachAxisAndSign) {
       EXPECT_LT(looks_until_certain(test, looks, drift, 100), 60) << axis;
       EXPECT_EQ(test.strongest(), static_cast<Axis>(axis));
       EXPECT_TRUE(test.suspect());
-      EXPECT_GT(sign * test.offset(static_cast<Axis>(axis)), 0);
+      // Of the looks since, whatever was seen during the hundred seconds before.
+      EXPECT_NEAR(test.offset(static_cast<Axis>(axis)), drift[axis],
+                  4 * test.deviation(static_cast<Axis>(axis)));
+      EXPECT_LT(test.deviation(static_cast<Axis>(axis)), 0.3 * std::abs(drift[axis]));
     }
   }
 }
