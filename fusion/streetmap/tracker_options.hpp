@@ -44,7 +44,7 @@ struct ConfidenceOptions {
   double tracking_doubt = 0.2;   ///< weight of a second place; above: UNSURE
   double search_radius = 12.0;   ///< m within which it looks for itself when LOST
   double search_yaw = 0.25;      ///< rad
-  double map_sigma = 0.45;       ///< m: how far the map is from the world; added to the covariance
+  double map_sigma = 0.55;       ///< m: how far the map is from the world; added to the covariance
 
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const;
@@ -64,7 +64,7 @@ struct TrackerOptions {
   double sharpness = 8;        ///< log-weight per unit of SMI of a view that is wholly new
   double fresh = 40;         ///< m driven until it is: views that overlap, and a map that is wrong
                              ///< for tens of metres, are no independent evidence
-  double fresh_seconds = 8;  ///< s of driving, which add to that: odometry drifts at a walk, too
+  double fresh_seconds = 4;  ///< s of driving, which add to that: odometry drifts at a walk, too
   ParticleOptions particles;
   ConfidenceOptions confidence;
   ScoutOptions scouts;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <numbers>
 
 #include "fusion/streetmap/one_image.hpp"
@@ -123,69 +124,58 @@ void write_row(std::ostream& out, const std::string& what, const Summary& s) {
   std::fputs(row.c_str(), stderr);
 }
 
-void write_seeds(std::ostream& out, const std::string& drive, int seeds) {
-  out << "Drive `" << drive << "`, " << seeds << " seeds.\n\n";
-}
-
-/// What is seen on a drive, and its map.
+/// What is seen on a drive, its map, and over how many seeds it is asked for.
 struct Course {
+  std::string drive;
   std::vector<View> views;  // none where the drive cannot be had
   DriveMap made;
+  int seeds = 0;
+
+  Summary run(const RunOptions& options) const {
+    return run_seeds(made.map, views, options, seeds);
+  }
 };
 
-Course course_of(const std::string& drive) {
-  if (!render(drive)) return {};
-  return {read_views(drive), make_map(drive)};
-}
+/// A section's rows over a course.
+using Rows = std::function<void(std::ostream&, const Course&)>;
 
-bool one_drive(std::ostream& out, const std::string& drive, int seeds) {
-  const Course course = course_of(drive);
+/// A section about a drive: names it, and writes the rows. False where it cannot be had.
+bool about(std::ostream& out, const std::string& drive, int seeds, const Rows& rows) {
+  if (!render(drive)) return false;
+  const Course course{drive, read_views(drive), make_map(drive), seeds};
   if (course.views.empty()) return false;
-  write_seeds(out, drive, seeds);
-  out << kHead;
-  write_row(out, drive, run_seeds(course.made.map, course.views, {}, seeds));
+  out << "Drive `" << drive << "`, " << seeds << " seeds.\n\n";
+  rows(out, course);
   return true;
 }
 
+void one_drive(std::ostream& out, const Course& course) {
+  out << kHead;
+  write_row(out, course.drive, course.run({}));
+}
+
 /// The thesis' kind of drive, and what it compares with.
-bool robot(std::ostream& out, int seeds) {
-  const std::string drive = "pedestrian_zone";
-  const Course course = course_of(drive);
-  if (course.views.empty()) return false;
-  write_seeds(out, drive, seeds);
+void robot(std::ostream& out, const Course& course) {
   out << kHead;
   for (const auto& [measure, what] : {std::pair(ViewMeasure::kLsmi, "LSMI"),
                                       {ViewMeasure::kBlsmi, "BLSMI, 4 bags"},
                                       {ViewMeasure::kBoundaries, "road boundaries"}}) {
     RunOptions options;
     options.tracker.measure = measure;
-    write_row(out, what, run_seeds(course.made.map, course.views, options, seeds));
+    write_row(out, what, course.run(options));
   }
-  return true;
 }
 
-/// Everything else is asked of the shortest of the recorded routes, or of the street.
-std::string short_drive() { return render("kitti_07") ? "kitti_07" : "street"; }
-
-bool wrong_starts(std::ostream& out, int seeds) {
-  const std::string drive = short_drive();
-  const Course course = course_of(drive);
-  if (course.views.empty()) return false;
-  write_seeds(out, drive, seeds);
+void wrong_starts(std::ostream& out, const Course& course) {
   out << kHead;
   for (const double error : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) {
     RunOptions options;
     options.start_error = error;
-    write_row(out, text("%.0f m", error), run_seeds(course.made.map, course.views, options, seeds));
+    write_row(out, text("%.0f m", error), course.run(options));
   }
-  return true;
 }
 
-bool noisy_odometry(std::ostream& out, int seeds) {
-  const std::string drive = short_drive();
-  const Course course = course_of(drive);
-  if (course.views.empty()) return false;
-  write_seeds(out, drive, seeds);
+void noisy_odometry(std::ostream& out, const Course& course) {
   out << "Gaussian noise, a share of each motion and of its yaw rate, drawn anew so often.\n\n"
       << kHead;
   for (const int a_second : {10, 2}) {
@@ -195,17 +185,12 @@ bool noisy_odometry(std::ostream& out, int seeds) {
       options.rate_noise = rate * kDegree;
       options.noise_hz = a_second;
       write_row(out, text("%.0f %%, %.0f °/s, at %d Hz", 100 * share, rate, a_second),
-                run_seeds(course.made.map, course.views, options, seeds));
+                course.run(options));
     }
   }
-  return true;
 }
 
-bool omission(std::ostream& out, int seeds) {
-  const std::string drive = short_drive();
-  const Course course = course_of(drive);
-  if (course.views.empty()) return false;
-  write_seeds(out, drive, seeds);
+void omission(std::ostream& out, const Course& course) {
   out << "100 particles.\n\n| omitted | total, m | time an update, relative to 90 % |\n"
       << "|---|---|---|\n";
   std::vector<std::pair<double, Summary>> rows;
@@ -214,13 +199,12 @@ bool omission(std::ostream& out, int seeds) {
     options.tracker.omission = omitted;
     options.tracker.most_validated = 100;
     options.tracker.particles.fewest = options.tracker.particles.most = 100;
-    rows.emplace_back(omitted, run_seeds(course.made.map, course.views, options, seeds));
+    rows.emplace_back(omitted, course.run(options));
   }
   for (const auto& [omitted, s] : rows) {
     out << text("| %.0f %% | %.2f ± %.2f | %.2f |\n", 100 * omitted, s.total, s.deviation,
                 s.seconds / rows[3].second.seconds);
   }
-  return true;
 }
 
 // --- maps that are wrong ---
@@ -244,19 +228,15 @@ PlanStrip& street_at(StreetPlan& plan, const PlanarPose& pose) {
                            [&](const auto& a, const auto& b) { return key(a) < key(b); });
 }
 
-bool wrong_maps(std::ostream& out, int seeds) {
-  const std::string drive = short_drive();
-  const Course course = course_of(drive);
-  if (course.views.empty()) return false;
+void wrong_maps(std::ostream& out, const Course& course) {
   const StreetPlan& plan = course.made.plan;
   const PlanarPose middle = course.views[course.views.size() / 2].truth;
-  write_seeds(out, drive, seeds);
   out << kHead;
   const auto with = [&](const char* what, const std::function<void(StreetPlan&)>& change) {
     StreetPlan wrong = plan;
     change(wrong);
-    const DriveMap made = make_map(drive, wrong);
-    write_row(out, what, run_seeds(made.map, course.views, {}, seeds));
+    const DriveMap made = make_map(course.drive, wrong);
+    write_row(out, what, run_seeds(made.map, course.views, {}, course.seeds));
   };
   with("a street is missing", [&](StreetPlan& wrong) {
     PlanStrip& gone = street_at(wrong, middle);
@@ -287,7 +267,6 @@ bool wrong_maps(std::ostream& out, int seeds) {
       }
     }
   });
-  return true;
 }
 
 // --- the file ---
@@ -305,20 +284,27 @@ constexpr const char* kAbout =
     "bias, the start and the filter. The world departs from the map.\n";
 
 const std::vector<infuse::bench::Section>& sections() {
-  const auto on = [](const char* drive) {
-    return [drive](std::ostream& out, int seeds) { return one_drive(out, drive, seeds); };
+  const auto on = [](const char* drive, const Rows& rows) {
+    return [=](std::ostream& out, int seeds) { return about(out, drive, seeds, rows); };
+  };
+  // Everything else is asked of the shortest of the recorded routes, or of the street.
+  const auto on_short = [](const Rows& rows) {
+    return [=](std::ostream& out, int seeds) {
+      return about(out, "kitti_07", seeds, rows) || about(out, "street", seeds, rows);
+    };
   };
   static const std::vector<infuse::bench::Section> all = {
       {"one_picture", "One picture (I table 3.3, 3.6, figure 3.12)", 40, one_picture},
-      {"kitti_00", "The route of KITTI 00", 20, on("kitti_00")},
-      {"kitti_05", "The route of KITTI 05", 20, on("kitti_05")},
-      {"kitti_07", "The route of KITTI 07", 20, on("kitti_07")},
-      {"street", "A street", 20, on("street")},
-      {"robot", "A robot in a pedestrian zone (I tables 3.5, 3.6)", 100, robot},
-      {"wrong_starts", "Wrong starts (I figure 3.19(c))", 20, wrong_starts},
-      {"noisy_odometry", "Noisy odometry (I figure 3.19(b))", 20, noisy_odometry},
-      {"omission", "Cross-validation left out (I figure 3.19(a))", 5, omission},
-      {"wrong_maps", "Wrong maps", 20, wrong_maps}};
+      {"kitti_00", "The route of KITTI 00", 20, on("kitti_00", one_drive)},
+      {"kitti_05", "The route of KITTI 05", 20, on("kitti_05", one_drive)},
+      {"kitti_07", "The route of KITTI 07", 20, on("kitti_07", one_drive)},
+      {"street", "A street", 20, on("street", one_drive)},
+      {"robot", "A robot in a pedestrian zone (I tables 3.5, 3.6)", 100,
+       on("pedestrian_zone", robot)},
+      {"wrong_starts", "Wrong starts (I figure 3.19(c))", 20, on_short(wrong_starts)},
+      {"noisy_odometry", "Noisy odometry (I figure 3.19(b))", 20, on_short(noisy_odometry)},
+      {"omission", "Cross-validation left out (I figure 3.19(a))", 5, on_short(omission)},
+      {"wrong_maps", "Wrong maps", 20, on_short(wrong_maps)}};
   return all;
 }
 

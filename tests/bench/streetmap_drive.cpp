@@ -206,8 +206,9 @@ DriveMap make_map(const std::string& drive, const std::optional<StreetPlan>& pla
   DriveMap made;
   if (plan) {
     made.plan = *plan;
-  } else if (const auto map = recording::read_openstreetmap(kDrives / drive / "map.osm")) {
-    made.plan = daemon::plan_streets(*map).plan;
+  } else if (const auto opened = recording::Drive::open(kDrives / drive)) {
+    const auto map = recording::read_openstreetmap(kDrives / drive / opened->description.map);
+    if (map) made.plan = daemon::plan_streets(*map).plan;
   }
   if (auto bytes = rasterise(made.plan, {}, drive)) made.bytes = std::move(*bytes);
   if (const auto map = SegmentMap::open(made.bytes, drive)) made.map = *map;
