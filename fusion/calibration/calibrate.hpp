@@ -40,6 +40,11 @@ struct CalibrateOptions {
                           {.sigma = 1, .points = 240'000},
                           {.sigma = 1}};
 
+  /// px, of image edges at every level. A lidar's beams lie pixels apart: edges sharper than that
+  /// see how rings cross them, and the measure has lesser maxima beside its own. 0, as sharp as the
+  /// level says, is what the watch's figures are of; offline it is 2.
+  double least_edge_blur = 0;
+
   // Whether to believe it.
   int restarts = 4;  ///< climbs from around the result, which ought to lead back to it
   double restart_rotation = 0.02;     ///< rad each axis, half width of what they are drawn from

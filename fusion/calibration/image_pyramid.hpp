@@ -12,8 +12,9 @@ namespace infuse::calibration {
 class ImagePyramid {
  public:
   /// Scenes must outlive this. `sigmas` (pixels) are made at once, each from the next finer one.
+  /// Image edges are blurred by `least_edge_blur` at least.
   ImagePyramid(std::span<const Scene> scenes, std::span<const TermOptions> terms,
-               std::span<const double> sigmas);
+               std::span<const double> sigmas, double least_edge_blur = 0);
 
   /// Blurred by `sigma` pixels.
   const BlurredImages& at(double sigma);
@@ -21,6 +22,7 @@ class ImagePyramid {
  private:
   std::span<const Scene> scenes_;
   std::vector<TermOptions> terms_;
+  double least_edge_blur_;
   std::map<double, BlurredImages> images_;
 };
 
