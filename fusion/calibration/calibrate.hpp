@@ -41,8 +41,8 @@ struct CalibrateOptions {
                           {.sigma = 1}};
 
   /// px, of image edges at every level. A lidar's beams lie pixels apart: edges sharper than that
-  /// see how rings cross them, and the measure has lesser maxima beside its own. 0, as sharp as the
-  /// level says, is what the watch's figures are of; offline it is 2.
+  /// see how rings cross them, and the measure has lesser maxima beside its own. 0: as sharp as the
+  /// level says; the command and the watch ask for 2.
   double least_edge_blur = 0;
 
   // Whether to believe it.

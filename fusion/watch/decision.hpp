@@ -38,7 +38,7 @@ struct DecisionOptions {
   size_t scenes = 30;              ///< kept since the drift began, before a re-estimation starts
   size_t least_scenes = 15;        ///< the same, where it has been certain for `patience`
   double patience = 40;            ///< s
-  double budget = 6;               ///< s of drive after its start at which a result becomes visible
+  double budget = 10;              ///< s of drive after its start at which a result becomes visible
   double least_moved = 3.5;        ///< Mahalanobis distance (6 degrees of freedom) below which the
                                    ///< present calibration is kept after all
   int probation = 15;              ///< looks that a new calibration is compared with the old one

@@ -47,6 +47,7 @@ calibration::CalibrateOptions settings(const ReestimateOptions& options, std::st
   // Of a calibration that goes on being watched less is asked of every scene by itself.
   out.min_support = 0.75;
   out.check_intrinsics = false;  // a camera that was knocked still has its lens
+  out.least_edge_blur = 2;       // sharper, real edges have lesser maxima that climbs end in
   out.seed = options.seed;
   out.maximize.stop = std::move(stop);
   return out;

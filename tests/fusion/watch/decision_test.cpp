@@ -37,7 +37,7 @@ class Drive {
     steps(5, Drift::kHolds);
     EXPECT_TRUE(step(Drift::kDrifted).start);
     decision.finish(found(degrees));
-    steps(13, Drift::kDrifted);
+    steps(21, Drift::kDrifted);
   }
   static Reestimate found(double degrees) {
     Reestimate result{.T_camera_lidar = turned(degrees)};
@@ -124,7 +124,7 @@ TEST(Decision, WhatHasNotMovedIsKept) {
   drive.steps(5, Drift::kHolds);
   drive.step(Drift::kDrifted);
   drive.decision.finish(Drive::found(0.05));
-  drive.steps(13, Drift::kHolds);
+  drive.steps(21, Drift::kHolds);
   EXPECT_EQ(drive.decision.state(), kOk);
   EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
 }
@@ -217,7 +217,7 @@ TEST(Decision, TheOwnerMayAskAndRollBack) {
   drive.decision.recalibrate();
   EXPECT_TRUE(drive.step(Drift::kHolds).start);
   drive.decision.finish(Drive::found(0.5));
-  drive.steps(13, Drift::kHolds);
+  drive.steps(21, Drift::kHolds);
   EXPECT_EQ(drive.decision.present().matrix(), turned(0.5).matrix());
   drive.decision.roll_back();
   EXPECT_TRUE(drive.step(Drift::kHolds).calibration_changed);
