@@ -57,6 +57,12 @@ std::vector<Eigen::Isometry3d> best_of(std::vector<Scored>& poses, size_t most) 
   return best;
 }
 
+/// Those of the default measure, of the terms that are given, or what is given.
+std::vector<TermOptions> leading(const CalibrateOptions& options) {
+  if (!options.leading.empty()) return options.leading;
+  return options.terms.empty() ? named_measures().front().leading : options.terms;
+}
+
 std::vector<TermOptions> both(std::vector<TermOptions> terms,
                               const std::vector<TermOptions>& others) {
   terms.insert(terms.end(), others.begin(), others.end());
@@ -72,7 +78,7 @@ class Calibration {
         start_(start),
         options_(options),
         terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
-        leading_(options.leading.empty() ? terms_ : options.leading),
+        leading_(leading(options)),
         images_(scenes, both(terms_, leading_), all_sigmas(options), options.least_edge_blur),
         margin_(options.screen.half_width * std::sqrt(3.0)),
         few_(thin_scenes(scenes, cameras, start, margin_, options.screen_points)),

@@ -18,8 +18,9 @@ namespace infuse::calibration {
 /// Settings of the target-less calibration.
 struct CalibrateOptions {
   std::vector<TermOptions> terms;  ///< what is maximised; empty: the default measure, "joint"
-  /// What leads there, where `terms` take long: all but the last of the fine levels, restarts,
-  /// halvings and the scenes' support are by these. Empty: `terms` themselves.
+  /// What leads there, where `terms` take long or do not see far: all but the last of the fine
+  /// levels, restarts, halvings and the scenes' support are by these. Empty: `terms` themselves, of
+  /// the default measure its own.
   std::vector<TermOptions> leading;
 
   // Which basin: rotations are screened, the best climb; after each level the best ends go on.
