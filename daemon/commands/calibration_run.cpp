@@ -11,7 +11,6 @@ namespace infuse::daemon {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kLeastEdgeBlur = 2;  // px
 
 double cpu_seconds() {
   timespec now{};
@@ -118,7 +117,6 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   CalibrationRun run{.measure = measure.name, .start = start, .options = options};
   run.options.terms = measure.terms;
   run.options.leading = measure.leading;
-  run.options.least_edge_blur = kLeastEdgeBlur;
   if (!measure.has_gradient) run.options.maximize.search = calibration::Search::kSimplex;
   calibration::SceneOptions scene_options;
   scene_options.equalize = measure.equalize_image;

@@ -27,8 +27,7 @@ struct CalibrationRun {
 Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, double angle, double length,
                             std::mt19937_64& random);
 
-/// Calibrates with a named measure, image edges blurred by 2 pixels at least. Errors: a pair of
-/// which no scene can be made.
+/// Calibrates with a named measure. Errors: a pair of which no scene can be made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& start,

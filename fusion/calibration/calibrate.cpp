@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <numeric>
 #include <random>
 
@@ -78,10 +77,10 @@ class Calibration {
         margin_(options.screen.half_width * std::sqrt(3.0)),
         few_(thin_scenes(scenes, cameras, start, margin_, options.screen_points)),
         some_(thin_scenes(scenes, cameras, start, margin_, options.coarse_points)),
-        all_(thin_scenes(scenes, cameras, start, margin_, std::numeric_limits<size_t>::max())),
-        search_(all_, cameras, terms_, images_, options.visibility, options.maximize, known(),
+        most_(thin_scenes(scenes, cameras, start, margin_, options.fine_points, true)),
+        search_(most_, cameras, terms_, images_, options.visibility, options.maximize, known(),
                 options.start_translation),
-        lead_(all_, cameras, leading_, images_, options.visibility, options.maximize, known(),
+        lead_(most_, cameras, leading_, images_, options.visibility, options.maximize, known(),
               options.start_translation),
         coarse_(some_, cameras, leading_, images_, options.visibility, options.maximize, known(),
                 options.start_translation) {}
@@ -165,9 +164,9 @@ class Calibration {
   /// What the scenes say of the cameras and of the clock.
   std::vector<ModelDoubt> doubts(Objective& finest, const Eigen::Isometry3d& T,
                                  const Uncertainty& uncertainty) {
-    std::vector<ModelDoubt> all = check_model(finest, T, cameras_, all_, uncertainty);
+    std::vector<ModelDoubt> all = check_model(finest, T, cameras_, most_, uncertainty);
     for (size_t c = 0; options_.check_intrinsics && c < cameras_.size(); ++c) {
-      const auto freed = free_intrinsics(all_, cameras_, c, leading_, images_, options_.visibility,
+      const auto freed = free_intrinsics(most_, cameras_, c, leading_, images_, options_.visibility,
                                          T, options_.maximize.stop);
       const auto gross = freed ? gross_doubt(*freed, cameras_, c) : std::nullopt;
       if (!gross) continue;
@@ -240,7 +239,7 @@ class Calibration {
   std::vector<TermOptions> terms_, leading_;
   ImagePyramid images_;
   double margin_;
-  std::vector<Scene> few_, some_, all_;
+  std::vector<Scene> few_, some_, most_;
   CoarseToFine search_, lead_, coarse_;
   int evaluations_ = 0;
 };

@@ -185,14 +185,16 @@ Plane blurred(const Plane& plane, double sigma, int step) {
             .height = (plane.height - 1) / thin + 1,
             .step = step,
             .values = {}};
-  out.values.resize(static_cast<size_t>(out.width) * static_cast<size_t>(out.height));
+  const auto width = static_cast<size_t>(out.width);
+  out.values.reserve(width * static_cast<size_t>(out.height));
   std::vector<float> line(static_cast<size_t>(plane.width + 2 * border));
   float* inner = line.data() + border;
   for (int v = 0; v < out.height; ++v) {
     blur_columns(plane, v * thin, kernel, inner);
     std::fill(line.data(), inner, inner[0]);
     std::fill(inner + plane.width, inner + plane.width + border, inner[plane.width - 1]);
-    blur_row(inner, thin, kernel, out.width, &out.values[static_cast<size_t>(v * out.width)]);
+    out.values.resize(out.values.size() + width);  // row by row: while it is in the cache
+    blur_row(inner, thin, kernel, out.width, &out.values[out.values.size() - width]);
   }
   return out;
 }
@@ -200,10 +202,8 @@ Plane blurred(const Plane& plane, double sigma, int step) {
 Plane against_surroundings(const Plane& plane, double width, double floor) {
   // Means change slowly: a few samples a width are enough.
   const int step = plane.step * std::max(1, static_cast<int>(width / (4 * plane.step)));
-  Plane squared = like(plane);
-  for (size_t i = 0; i < squared.values.size(); ++i) {
-    squared.values[i] = plane.values[i] * plane.values[i];
-  }
+  Plane squared = plane;
+  for (float& value : squared.values) value *= value;
   const Plane mean = blurred_in_two(plane, width, step);
   const Plane power = blurred_in_two(squared, width, step);
   const float scale = static_cast<float>(plane.step) / static_cast<float>(step);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "drivers/measurement/simd.hpp"
 #include "fusion/calibration/lidar_features.hpp"
@@ -19,6 +20,17 @@ struct Samples2d {
   float scale;          // samples a pixel
 };
 
+/// Neighbours in a row, read at once: half as many reads, which is what a look-up waits for.
+struct Neighbours {
+  float left, right;
+};
+
+Neighbours neighbours(const float* at) {
+  Neighbours both;
+  std::memcpy(&both, at, sizeof both);
+  return both;
+}
+
 /// Bilinear look-up of one block of points, I 4.3.1.4, with its derivatives by the pixel. Outside
 /// the picture: the border's value, and no derivative across it. Points that the camera does not
 /// see and points whose `lidar` is not compared are absent.
@@ -26,31 +38,44 @@ INFUSE_SIMD_CLONES void look_up_block(const Samples2d plane, const float* __rest
                                       const float* __restrict u, const float* __restrict v,
                                       size_t count, float* __restrict value, float* __restrict by_u,
                                       float* __restrict by_v) {
-  for (size_t i = 0; i < count; ++i) {
-    const bool absent = (u[i] != u[i]) | (lidar[i] != lidar[i]);
-    const float su = absent ? 0.0F : u[i] * plane.scale;
-    const float sv = absent ? 0.0F : v[i] * plane.scale;
-    const float least_u = su > 0.0F ? su : 0.0F;
-    const float least_v = sv > 0.0F ? sv : 0.0F;
-    const float cu = least_u < plane.right ? least_u : plane.right;
-    const float cv = least_v < plane.bottom ? least_v : plane.bottom;
-    const int iu = static_cast<int>(cu);
-    const int iv = static_cast<int>(cv);
-    const float a = cu - static_cast<float>(iu);
-    const float b = cv - static_cast<float>(iv);
-    const int at = iv * plane.width + iu;
-    const float left_top = plane.values[at];
-    const float right_top = plane.values[at + 1];
-    const float left_low = plane.values[at + plane.width];
-    const float right_low = plane.values[at + plane.width + 1];
-    const float upper = left_top + a * (right_top - left_top);
-    const float lower = left_low + a * (right_low - left_low);
-    const float along = (1 - b) * (right_top - left_top) + b * (right_low - left_low);
-    value[i] = absent ? dependence::kAbsent : upper + b * (lower - upper);
-    const float inside_u = absent | (cu != su) ? 0.0F : plane.scale;
-    const float inside_v = absent | (cv != sv) ? 0.0F : plane.scale;
-    by_u[i] = inside_u * along;
-    by_v[i] = inside_v * (lower - upper);
+  constexpr size_t kGroup = 64;
+  int at[kGroup];
+  float a[kGroup], b[kGroup];
+  Neighbours upper[kGroup], lower[kGroup];
+  for (size_t first = 0; first < count; first += kGroup) {
+    const size_t n = std::min(kGroup, count - first);
+    for (size_t k = 0; k < n; ++k) {
+      const size_t i = first + k;
+      const bool absent = (u[i] != u[i]) | (lidar[i] != lidar[i]);
+      const float su = absent ? 0.0F : u[i] * plane.scale;
+      const float sv = absent ? 0.0F : v[i] * plane.scale;
+      const float least_u = su > 0.0F ? su : 0.0F;
+      const float least_v = sv > 0.0F ? sv : 0.0F;
+      const float cu = least_u < plane.right ? least_u : plane.right;
+      const float cv = least_v < plane.bottom ? least_v : plane.bottom;
+      const int iu = static_cast<int>(cu);
+      const int iv = static_cast<int>(cv);
+      a[k] = cu - static_cast<float>(iu);
+      b[k] = cv - static_cast<float>(iv);
+      at[k] = iv * plane.width + iu;
+      by_u[i] = absent | (cu != su) ? 0.0F : plane.scale;
+      by_v[i] = absent | (cv != sv) ? 0.0F : plane.scale;
+      value[i] = absent ? dependence::kAbsent : 0.0F;
+    }
+    for (size_t k = 0; k < n; ++k) {
+      upper[k] = neighbours(plane.values + at[k]);
+      lower[k] = neighbours(plane.values + at[k] + plane.width);
+    }
+    for (size_t k = 0; k < n; ++k) {
+      const size_t i = first + k;
+      const float above = upper[k].left + a[k] * (upper[k].right - upper[k].left);
+      const float below = lower[k].left + a[k] * (lower[k].right - lower[k].left);
+      const float along =
+          (1 - b[k]) * (upper[k].right - upper[k].left) + b[k] * (lower[k].right - lower[k].left);
+      value[i] += above + b[k] * (below - above);  // kAbsent stays what it is
+      by_u[i] *= along;
+      by_v[i] *= below - above;
+    }
   }
 }
 
@@ -249,12 +274,16 @@ Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block,
     if (by_u == 0 && by_v == 0) continue;
     const double by_focal = by_u * (u_[i] - camera.cx) + by_v * (v_[i] - camera.cy);
     const Eigen::Vector3d p = T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]);
-    const double radius = std::hypot(p.x(), p.y());
-    const double r = pinhole ? radius / p.z() : std::atan2(radius, p.z());
     // Where without distortion the point would be at r · direction, k1 takes it r³ further out.
-    const double outwards =
-        radius > 0 ? (by_u * camera.fx * p.x() + by_v * camera.fy * p.y()) / radius : 0;
-    gradient += Eigen::Vector4d(by_focal, by_u, by_v, outwards * r * r * r);
+    const double outwards = by_u * camera.fx * p.x() + by_v * camera.fy * p.y();
+    double r3 = 0;  // over the point's distance from the axis
+    if (pinhole) {
+      r3 = (p.x() * p.x() + p.y() * p.y()) / (p.z() * p.z() * p.z());
+    } else if (const double radius = std::hypot(p.x(), p.y()); radius > 0) {
+      const double r = std::atan2(radius, p.z());
+      r3 = r * r * r / radius;
+    }
+    gradient += Eigen::Vector4d(by_focal, by_u, by_v, outwards * r3);
   }
   return gradient;
 }

@@ -63,15 +63,15 @@ PerImageFeature<Plane> picture_features(const CameraFrame& frame,
                                         const PerImageFeature<bool>& wanted, bool equalize) {
   const auto shown = [&](ImageFeature feature) { return wanted[index(feature)]; };
   PerImageFeature<Plane> image;
-  const Plane grey = grey_plane(frame);
-  if (shown(ImageFeature::kLocalGrey)) {
-    image[index(ImageFeature::kLocalGrey)] = scaled(grey, 1.0F / 255.0F);
-  }
+  Plane grey = grey_plane(frame);
   const auto finish = [&](Plane plane) {
     return equalize ? equalized(std::move(plane)) : scaled(std::move(plane), 1.0F / 255.0F);
   };
   if (shown(ImageFeature::kEdge)) image[index(ImageFeature::kEdge)] = finish(edge_strength(grey));
   if (shown(ImageFeature::kGrey)) image[index(ImageFeature::kGrey)] = finish(grey);
+  if (shown(ImageFeature::kLocalGrey)) {
+    image[index(ImageFeature::kLocalGrey)] = scaled(std::move(grey), 1.0F / 255.0F);
+  }
   constexpr std::pair<ImageFeature, size_t> kColours[] = {
       {ImageFeature::kBlue, 0}, {ImageFeature::kGreen, 1}, {ImageFeature::kRed, 2}};
   for (const auto& [feature, channel] : kColours) {

@@ -30,18 +30,18 @@ double half_view(const geometry::CameraModel& model) {
   return widest;
 }
 
-/// Depth edges are few, and their term is asked about them and their surroundings alone.
-double worth(const Scene& scene, size_t i) {
-  constexpr double kNearEdge = 4;
+constexpr double kNearEdge = 4;  // what a point near a depth edge is worth, of others
+
+bool near_edge(const Scene& scene, size_t i) {
   const std::vector<float>& edge = scene.lidar[index(LidarFeature::kDiscontinuity)];
-  return edge.empty() || std::isnan(edge[i]) ? 1 : kNearEdge;
+  return !edge.empty() && !std::isnan(edge[i]);
 }
 
-/// Indices of the points before the camera within `angle` of its axis, and what those within
-/// `inner` are worth together.
+/// Indices of the points before the camera within `angle` of its axis, and how many of those within
+/// `inner` are near depth edges, and are not.
 struct Cone {
   std::vector<size_t> points;
-  double inner = 0;
+  size_t near = 0, others = 0;
 };
 
 Cone points_within(const Scene& scene, const Eigen::Isometry3d& T, double angle, double inner) {
@@ -53,19 +53,23 @@ Cone points_within(const Scene& scene, const Eigen::Isometry3d& T, double angle,
     const double range = p.norm();
     if (p.z() < least * range) continue;
     cone.points.push_back(i);
-    if (p.z() >= least_inner * range) cone.inner += worth(scene, i);
+    if (p.z() >= least_inner * range) ++(near_edge(scene, i) ? cone.near : cone.others);
   }
   return cone;
 }
 
-/// One of the points for every `step` of worth.
-std::vector<size_t> every(double step, const Scene& scene, const std::vector<size_t>& points) {
+/// One of the points for every `step` of worth; where those near edges stay, of the others.
+std::vector<size_t> every(double step, bool edges_stay, const Scene& scene,
+                          const std::vector<size_t>& points) {
   std::vector<size_t> kept;
   double due = step / 2;
   for (const size_t i : points) {
-    due += worth(scene, i);
-    if (due < step) continue;
-    due = std::min(due - step, step);
+    const bool near = near_edge(scene, i);
+    if (!(near && edges_stay)) {
+      due += near ? kNearEdge : 1;
+      if (due < step) continue;
+      due = std::min(due - step, step);
+    }
     kept.push_back(i);
   }
   return kept;
@@ -111,22 +115,23 @@ Scene by_strips(const Scene& scene, const geometry::CameraModel& model,
 }  // namespace
 
 std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
-                               const Eigen::Isometry3d& T_head_lidar, double margin,
-                               size_t points) {
+                               const Eigen::Isometry3d& T_head_lidar, double margin, size_t points,
+                               bool edges_stay) {
   std::vector<Cone> cones;
   double in_view = 0;
   for (const Scene& scene : scenes) {
     const RigCamera& camera = cameras[scene.camera];
     const double half = half_view(camera.model);
     cones.push_back(points_within(scene, camera.T_camera_head * T_head_lidar, half + margin, half));
-    in_view += cones.back().inner;
+    const double near = edges_stay ? 0 : kNearEdge * static_cast<double>(cones.back().near);
+    in_view += near + static_cast<double>(cones.back().others);
   }
   const double step = std::max(1.0, in_view / static_cast<double>(std::max<size_t>(points, 1)));
   std::vector<Scene> thin;
   for (size_t s = 0; s < scenes.size(); ++s) {
     const RigCamera& camera = cameras[scenes[s].camera];
-    thin.push_back(by_strips(only(scenes[s], every(step, scenes[s], cones[s].points)), camera.model,
-                             camera.T_camera_head * T_head_lidar));
+    const Scene part = only(scenes[s], every(step, edges_stay, scenes[s], cones[s].points));
+    thin.push_back(by_strips(part, camera.model, camera.T_camera_head * T_head_lidar));
   }
   return thin;
 }

@@ -14,34 +14,41 @@ namespace {
 /// Smallest depth by cell, with a border of one cell around the picture.
 class DepthBuffer {
  public:
-  DepthBuffer(int width, int height, double cell)
-      : cell_(static_cast<float>(cell)),
-        columns_(static_cast<int>(static_cast<double>(width) / cell) + 3),
-        rows_(static_cast<int>(static_cast<double>(height) / cell) + 3),
-        nearest_(static_cast<size_t>(columns_) * static_cast<size_t>(rows_),
-                 std::numeric_limits<float>::infinity()) {}
+  explicit DepthBuffer(double cell) : cell_(static_cast<float>(cell)) {}
 
+  /// Empty, for pictures of this size.
+  void fit(int width, int height) {
+    columns_ = static_cast<int>(static_cast<float>(width) / cell_) + 3;
+    rows_ = static_cast<int>(static_cast<float>(height) / cell_) + 3;
+    nearest_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kNothing);
+  }
   void add(float u, float v, float depth) {
     float& cell = nearest_[at(column(u), row(v))];
     cell = std::min(cell, depth);
   }
+  /// Empties the cell: far cheaper than all of them, where points are few.
+  void forget(float u, float v) { nearest_[at(column(u), row(v))] = kNothing; }
+
   float nearest_around(float u, float v) const {
-    float nearest = std::numeric_limits<float>::infinity();
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        nearest = std::min(nearest, nearest_[at(column(u) + dx, row(v) + dy)]);
-      }
+    const int left = column(u) - 1;
+    const int top = row(v) - 1;
+    float nearest = kNothing;
+    for (int dy = 0; dy < 3; ++dy) {
+      const float* cells = &nearest_[at(left, top + dy)];
+      nearest = std::min({nearest, cells[0], cells[1], cells[2]});
     }
     return nearest;
   }
 
  private:
+  static constexpr float kNothing = std::numeric_limits<float>::infinity();
+
   int column(float u) const { return std::clamp(static_cast<int>(u / cell_) + 1, 1, columns_ - 2); }
   int row(float v) const { return std::clamp(static_cast<int>(v / cell_) + 1, 1, rows_ - 2); }
   size_t at(int column, int row) const { return static_cast<size_t>(row * columns_ + column); }
 
   float cell_;
-  int columns_, rows_;
+  int columns_ = 0, rows_ = 0;
   std::vector<float> nearest_;
 };
 
@@ -72,27 +79,30 @@ std::vector<size_t> in_view(const Pixels& pixels, const CameraIntrinsics& pictur
   return view;
 }
 
+/// `buffer`: empty before and after.
 void remove_hidden(std::vector<size_t>& view, const Pixels& pixels, const CameraIntrinsics& picture,
-                   const VisibilityOptions& options) {
-  DepthBuffer buffer(picture.width, picture.height, options.occlusion_cell);
+                   const VisibilityOptions& options, DepthBuffer& buffer) {
+  buffer.fit(picture.width, picture.height);
   for (const size_t i : view) buffer.add(pixels.u[i], pixels.v[i], pixels.depth[i]);
+  const std::vector<size_t> added = view;
   const auto ratio = static_cast<float>(options.occlusion_ratio);
   const auto step = static_cast<float>(options.occlusion_step);
   std::erase_if(view, [&](size_t i) {
     return pixels.depth[i] > buffer.nearest_around(pixels.u[i], pixels.v[i]) * ratio + step;
   });
+  for (const size_t i : added) buffer.forget(pixels.u[i], pixels.v[i]);
 }
 
 /// Indices of the scene's points that are in view under every pose.
 std::vector<size_t> view_of(const Scene& scene, const RigCamera& camera,
                             std::span<const Eigen::Isometry3d> poses,
-                            const VisibilityOptions& options) {
+                            const VisibilityOptions& options, DepthBuffer& buffer) {
   const CameraIntrinsics& picture = camera.model.intrinsics();
   std::vector<size_t> common;
   for (size_t k = 0; k < poses.size(); ++k) {
     const Pixels pixels = project(scene, camera, poses[k]);
     std::vector<size_t> view = in_view(pixels, picture, options.min_depth);
-    if (options.occlusion_cell > 0) remove_hidden(view, pixels, picture, options);
+    if (options.occlusion_cell > 0) remove_hidden(view, pixels, picture, options, buffer);
     if (k == 0) {
       common = std::move(view);
     } else {
@@ -120,9 +130,10 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
                              std::span<const Eigen::Isometry3d> poses,
                              const VisibilityOptions& options) {
   std::vector<std::vector<size_t>> views;
+  DepthBuffer buffer(options.occlusion_cell);
   size_t all = 0;
   for (const Scene& scene : scenes) {
-    views.push_back(view_of(scene, cameras[scene.camera], poses, options));
+    views.push_back(view_of(scene, cameras[scene.camera], poses, options, buffer));
     all += views.back().size();
   }
   const size_t stride =

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,7 @@ calibration::CalibrateOptions settings(const ReestimateOptions& options, std::st
   out.coarse = {
       {.sigma = 4, .tolerance = 1e-2, .anchor = 0.3, .survivors = std::max(options.starts, 2) / 2},
       {.sigma = 2, .tolerance = 5e-3, .anchor = 0.05}};
+  out.fine_points = std::numeric_limits<size_t>::max();  // stored scenes are thin already
   out.fine = {{.sigma = 2, .points = options.points},
               {.sigma = 1, .points = options.points, .passes = 2}};
   out.screen.half_width = options.start_rotation;
@@ -47,7 +49,6 @@ calibration::CalibrateOptions settings(const ReestimateOptions& options, std::st
   // Of a calibration that goes on being watched less is asked of every scene by itself.
   out.min_support = 0.75;
   out.check_intrinsics = false;  // a camera that was knocked still has its lens
-  out.least_edge_blur = 2;       // sharper, real edges have lesser maxima that climbs end in
   out.seed = options.seed;
   out.maximize.stop = std::move(stop);
   return out;
