@@ -9,10 +9,27 @@ namespace infuse::streetmap {
 namespace {
 
 /// A square root L of a covariance, L Lᵀ = C; directions without variance are let be.
-Eigen::Matrix3d root(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+template <int N>
+Eigen::Matrix<double, N, N> root(const Eigen::Matrix<double, N, N>& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(
       (covariance + covariance.transpose()) / 2);
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+}
+
+/// What a particle holds: x, y, yaw, scale, rate.
+using Hypothesis = Eigen::Matrix<double, 5, 1>;
+
+Hypothesis difference(const Particle& from, const Particle& to) {
+  return {to.pose.x - from.pose.x, to.pose.y - from.pose.y, wrapped(to.pose.yaw - from.pose.yaw),
+          to.scale - from.scale, to.rate - from.rate};
+}
+
+void add(Particle& particle, const Hypothesis& d) {
+  particle.pose.x += d[0];
+  particle.pose.y += d[1];
+  particle.pose.yaw = wrapped(particle.pose.yaw + d[2]);
+  particle.scale += d[3];
+  particle.rate += d[4];
 }
 
 }  // namespace
@@ -38,7 +55,7 @@ void ParticleSet::draw_lasting(Particle& particle) {
 }
 
 void ParticleSet::scatter(const PlanarPose& mean, const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix3d L = root(covariance);
+  const Eigen::Matrix3d L = root<3>(covariance);
   const auto draw = [&](int count) {
     particles_.resize(static_cast<size_t>(count));
     for (Particle& particle : particles_) {
@@ -68,7 +85,7 @@ void ParticleSet::scatter_disc(const PlanarPose& middle, double radius, double y
 void ParticleSet::add_place(const PlanarPose& mean, const Eigen::Matrix3d& covariance) {
   normalise();
   const double even = -std::log(static_cast<double>(particles_.size()));
-  const Eigen::Matrix3d L = root(covariance);
+  const Eigen::Matrix3d L = root<3>(covariance);
   for (size_t i = 0; i < particles_.size(); ++i) {
     Particle& particle = particles_[i];
     particle.log_weight = std::log(std::max(weights_[i], 1e-300));
@@ -91,9 +108,16 @@ double ParticleSet::doubt() const {
   return sum > 0 ? std::min(elsewhere, sum - elsewhere) / sum : 0;
 }
 
-// Once one of two places holds nearly all of the weight, there is one.
+// Two places are one once one of them holds nearly all of the weight, or they lie within a
+// deviation of each other.
 void ParticleSet::settle_places() {
-  if (doubt() > 0.02) return;
+  const double weight = doubt();
+  if (weight == 0) return;
+  const PoseMoments here = moments_of(false), there = moments_of(true);
+  const Eigen::Vector2d apart(there.mean.x - here.mean.x, there.mean.y - here.mean.y);
+  const Eigen::Matrix2d spread = (here.covariance + there.covariance).topLeftCorner<2, 2>() +
+                                 1e-6 * Eigen::Matrix2d::Identity();
+  if (weight > 0.02 && apart.dot(spread.inverse() * apart) > 1) return;
   for (Particle& particle : particles_) particle.elsewhere = false;
 }
 
@@ -104,7 +128,7 @@ void ParticleSet::move(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   own(0, 0) = own(1, 1) = options_.distance_noise * options_.distance_noise * distance;
   own(2, 2) =
       options_.yaw_noise * options_.yaw_noise * distance + options_.yaw_rest * options_.yaw_rest;
-  const Eigen::Matrix3d L = root(covariance + own);
+  const Eigen::Matrix3d L = root<3>(covariance + own);
   // What lasts stays near what it was, and within its deviation in the long run.
   const double scale_kept = std::exp(-distance / options_.scale_memory);
   const double scale_walk = options_.scale_sigma * std::sqrt(1 - scale_kept * scale_kept);
@@ -120,17 +144,24 @@ void ParticleSet::move(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   }
 }
 
-void ParticleSet::learn(std::span<const double> scores, double within, double between) {
+void ParticleSet::learn(std::span<const double> scores, double within, double between,
+                        double reach) {
   normalise();
-  double mean[2] = {0, 0}, sum[2] = {0, 0};
-  for (size_t i = 0; i < particles_.size(); ++i) {
-    mean[particles_[i].elsewhere] += weights_[i] * scores[i];
-    sum[particles_[i].elsewhere] += weights_[i];
-  }
-  for (const int place : {0, 1}) mean[place] /= std::max(sum[place], 1e-300);
-  for (size_t i = 0; i < particles_.size(); ++i) {
-    const double of_place = mean[particles_[i].elsewhere];
-    particles_[i].log_weight += within * (scores[i] - of_place) + between * of_place;
+  const size_t count = particles_.size();
+  for (size_t i = 0; i < count; ++i) {
+    double around = scores[i];
+    if (within != between) {
+      const PlanarPose& at = particles_[i].pose;
+      double sum = 0, scored = 0;
+      for (size_t k = 0; k < count; ++k) {
+        const double dx = particles_[k].pose.x - at.x, dy = particles_[k].pose.y - at.y;
+        const double near = std::max(0.0, 1 - (dx * dx + dy * dy) / (reach * reach));
+        sum += near * weights_[k];
+        scored += near * weights_[k] * scores[k];
+      }
+      around = sum > 0 ? scored / sum : around;
+    }
+    particles_[i].log_weight += within * (scores[i] - around) + between * around;
   }
 }
 
@@ -189,37 +220,72 @@ bool ParticleSet::resample_if_needed() {
   std::swap(particles_, drawn_);
   draw(needed);
   std::swap(particles_, drawn_);
-  for (Particle& particle : particles_) {
-    particle.log_weight = 0;
-    particle.pose.x += options_.jitter * normal();
-    particle.pose.y += options_.jitter * normal();
-    particle.pose.yaw = wrapped(particle.pose.yaw + options_.jitter_yaw * normal());
-  }
+  for (Particle& particle : particles_) particle.log_weight = 0;
+  spread_copies();
   normalise();
   return true;
 }
 
+// Liu and West's kernel (2001): all that a particle holds is drawn towards the mean of its place
+// and spread by a share of the covariance there. So mean and covariance stay what they are, the
+// errors that last stay tied to the poses that they led to, and no copies are left.
+void ParticleSet::spread_copies() {
+  const double width = options_.kernel, kept = std::sqrt(1 - width * width);
+  for (const bool elsewhere : {false, true}) {
+    const auto of_place = [&](const Particle& p) { return p.elsewhere == elsewhere; };
+    const auto first = std::find_if(particles_.begin(), particles_.end(), of_place);
+    if (first == particles_.end()) continue;
+    Particle middle = *first;
+    Hypothesis sum = Hypothesis::Zero();
+    double count = 0;
+    for (const Particle& particle : particles_) {
+      if (!of_place(particle)) continue;
+      sum += difference(middle, particle);
+      ++count;
+    }
+    add(middle, sum / count);
+    Eigen::Matrix<double, 5, 5> covariance = Eigen::Matrix<double, 5, 5>::Zero();
+    for (const Particle& particle : particles_) {
+      if (!of_place(particle)) continue;
+      const Hypothesis d = difference(middle, particle);
+      covariance += d * d.transpose() / count;
+    }
+    const Eigen::Matrix<double, 5, 5> L = width * root<5>(covariance);
+    for (Particle& particle : particles_) {
+      if (!of_place(particle)) continue;
+      const Hypothesis n(normal(), normal(), normal(), normal(), normal());
+      add(particle, (kept - 1) * difference(middle, particle) + L * n);
+      particle.pose.x += options_.jitter * normal();
+      particle.pose.y += options_.jitter * normal();
+      particle.pose.yaw = wrapped(particle.pose.yaw + options_.jitter_yaw * normal());
+    }
+  }
+}
+
 PoseMoments ParticleSet::moments() const {
-  PoseMoments moments;
   double places[2] = {0, 0};
   for (const Particle& particle : particles_) {
     places[particle.elsewhere] += std::exp(particle.log_weight);
   }
-  const bool likelier = places[1] > places[0];
-  const double sum = places[likelier];
-  if (!(sum > 0)) return moments;
-  double x = 0, y = 0, c = 0, s = 0;
+  return moments_of(places[1] > places[0]);
+}
+
+PoseMoments ParticleSet::moments_of(bool elsewhere) const {
+  PoseMoments moments;
+  double sum = 0, x = 0, y = 0, c = 0, s = 0;
   for (const Particle& particle : particles_) {
-    if (particle.elsewhere != likelier) continue;
+    if (particle.elsewhere != elsewhere) continue;
     const double weight = std::exp(particle.log_weight);
+    sum += weight;
     x += weight * particle.pose.x;
     y += weight * particle.pose.y;
     c += weight * std::cos(particle.pose.yaw);
     s += weight * std::sin(particle.pose.yaw);
   }
+  if (!(sum > 0)) return moments;
   moments.mean = {x / sum, y / sum, std::atan2(s, c)};
   for (const Particle& particle : particles_) {
-    if (particle.elsewhere != likelier) continue;
+    if (particle.elsewhere != elsewhere) continue;
     const Eigen::Vector3d d(particle.pose.x - moments.mean.x, particle.pose.y - moments.mean.y,
                             wrapped(particle.pose.yaw - moments.mean.yaw));
     moments.covariance += std::exp(particle.log_weight) / sum * d * d.transpose();

@@ -54,11 +54,13 @@ class ParticleSet {
   void move(const PlanarPose& motion, const Eigen::Matrix3d& covariance, double seconds);
 
   /// Adds to the log-weights: `within` times what each particle's score, one a particle, is above
-  /// the mean of its place, and `between` times that mean.
-  void learn(std::span<const double> scores, double within, double between);
+  /// those of the particles around it, and `between` times what these score. Around it is within
+  /// `reach` (m, positive), the near ones counting more.
+  void learn(std::span<const double> scores, double within, double between, double reach);
 
   /// Draws a new set with probability proportional to weight (systematic, low variance), as many
-  /// as the spread needs, if fewer than half of the particles carry the weight; whether it did.
+  /// as the spread needs, and spreads the copies, if fewer than half of the particles carry the
+  /// weight; whether it did. Two places that came together, or one of which is refuted, are one.
   bool resample_if_needed();
 
   std::span<Particle> all() { return particles_; }
@@ -81,6 +83,8 @@ class ParticleSet {
   void draw_lasting(Particle& particle);
   void normalise();
   void settle_places();
+  void spread_copies();
+  PoseMoments moments_of(bool elsewhere) const;
   double normal() { return normal_(random_); }
 
   ParticleOptions options_;

@@ -146,8 +146,9 @@ bool Tracker::moved_on() {
 // How much of a view is evidence of its own. Where the map is wrong it is so for tens of metres,
 // and the odometry ties one view to the next: what it forgot in between, by its drift or by its
 // stated covariance, must be found anew. Particles that are spread wider than the map is wrong
-// learn from views that share the map's error. What was forgotten counts against what is known, and
-// not between two places: the map is as wrong at either as it was before.
+// learn from views that share the map's error. What was forgotten counts among poses that are
+// nearer to each other than what the odometry forgot while a view is new, and not between two
+// places farther apart: the map is as wrong at either as it was before.
 void Tracker::tell_news(double distance) {
   constexpr double kMostHaste = 4;
   const PoseMoments moments = particles_.moments();
@@ -157,6 +158,7 @@ void Tracker::tell_news(double distance) {
   const double forgotten = forgotten_place_ / map_variance + forgotten_yaw_ / (kViewYaw * kViewYaw);
   const bool first = updates_since_search_ == 0;
   const double driven = haste * distance / options_.fresh + driven_s_ / options_.fresh_seconds;
+  blurred_ = blurred_ * std::exp(-distance / options_.fresh) + forgotten_place_;
   place_news_ = first ? 1 : std::min(1.0, driven);
   news_ = first ? 1 : std::min(1.0, driven + forgotten);
 }
@@ -190,7 +192,8 @@ void Tracker::weigh(const GridSamples& samples) {
     scores_[i] = score_of(particle.pose, samples, particle.kept, &chosen);
     if (chosen.sigma > 0) common_ = particle.kept = chosen;
   }
-  particles_.learn(scores_, options_.sharpness * news_, options_.sharpness * place_news_);
+  particles_.learn(scores_, options_.sharpness * news_, options_.sharpness * place_news_,
+                   std::max(options_.confidence.map_sigma, std::sqrt(blurred_)));
   for (Particle& particle : all) {
     if (!map_.covers(particle.pose.x, particle.pose.y)) particle.log_weight = kOutside;
   }

@@ -118,6 +118,7 @@ class Tracker {
   double forgotten_place_ = 0, forgotten_yaw_ = 0;  // m², rad² of the odometry's covariance
   double news_ = 1;                                 // share of what is seen that is new
   double place_news_ = 1;  // the same, of what tells one place from another
+  double blurred_ = 0;     // m²: of what the odometry forgot over the last `fresh` metres
 
   // Scratch.
   GridSamples samples_;

@@ -11,6 +11,7 @@ std::optional<std::string> ParticleOptions::invalid() const {
        {distance_noise, scale_sigma, rate_sigma, yaw_noise, yaw_rest, jitter, jitter_yaw}) {
     if (!(noise >= 0 && noise <= 1)) return "particles: noise must be within 0 … 1";
   }
+  if (!(kernel >= 0 && kernel < 1)) return "particles: kernel must be within 0 … 1";
   if (!(scale_memory > 0 && rate_memory > 0)) {
     return "particles: scale_memory and rate_memory must be positive";
   }

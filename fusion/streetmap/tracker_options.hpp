@@ -25,6 +25,7 @@ struct ParticleOptions {
   double rate_memory = 600;       ///< s after which it may be another
   double yaw_noise = 8e-4;        ///< rad per √m driven, the same
   double yaw_rest = 2e-4;         ///< rad an update, the same
+  double kernel = 0.4;            ///< of resampling, a share of the particles' own deviations
   double jitter = 0.03;           ///< m, after resampling: keeps copies apart
   double jitter_yaw = 0.002;      ///< rad
 

@@ -15,7 +15,7 @@ ParticleOptions still() {
   ParticleOptions options;
   options.distance_noise = options.yaw_noise = options.yaw_rest = 0;
   options.scale_sigma = options.rate_sigma = 0;
-  options.jitter = options.jitter_yaw = 0;
+  options.kernel = options.jitter = options.jitter_yaw = 0;
   return options;
 }
 
@@ -167,6 +167,52 @@ TEST(ParticleSet, ASecondPlaceIsWeighedAgainstTheFirst) {
   EXPECT_EQ(set.doubt(), 0);
 }
 
+TEST(ParticleSet, TwoPlacesThatCameTogetherAreOne) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 300;
+  const auto doubt_at = [&](double x) {
+    ParticleSet set(options, 7);
+    set.scatter({0, 0, 0}, Eigen::Vector3d(0.04, 0.04, 0).asDiagonal());
+    set.add_place({x, 0, 0}, Eigen::Vector3d(0.04, 0.04, 0).asDiagonal());
+    set.resample_if_needed();
+    return set.doubt();
+  };
+  EXPECT_EQ(doubt_at(0.1), 0);  // the deviation of the difference is 0.28 m
+  EXPECT_NEAR(doubt_at(0.6), 1.0 / 3, 1e-9);
+}
+
+// x and scale, yaw and rate depend on each other; a tenth of the particles carries the weight.
+TEST(ParticleSet, SpreadingCopiesKeepsMeanAndCovariance) {
+  ParticleOptions options = still();
+  options.fewest = options.most = 20000;
+  options.kernel = 0.5;
+  ParticleSet set(options, 8);
+  set.scatter({5, -3, 3.1}, Eigen::Vector3d(4, 1, 0.01).asDiagonal());
+  int i = 0;
+  for (Particle& particle : set.all()) {
+    particle.scale = 1 + 0.01 * (particle.pose.x - 5) + 0.002 * (i % 7 - 3);
+    particle.rate = 0.1 * wrapped(particle.pose.yaw - 3.1);
+    particle.log_weight = i++ % 10 == 0 ? 0 : -1e3;
+  }
+  ASSERT_TRUE(set.resample_if_needed());
+  const PoseMoments moments = set.moments();
+  EXPECT_NEAR(moments.mean.x, 5, 0.15);
+  EXPECT_NEAR(moments.mean.y, -3, 0.08);
+  EXPECT_NEAR(wrapped(moments.mean.yaw - 3.1), 0, 0.008);
+  EXPECT_NEAR(moments.covariance(0, 0), 4, 0.4);
+  EXPECT_NEAR(moments.covariance(2, 2), 0.01, 0.001);
+  double scale = 0, rate = 0;
+  std::map<double, int> copies;
+  for (const Particle& particle : set.all()) {
+    scale += (particle.scale - 1) * (particle.pose.x - 5) / 20000;
+    rate += particle.rate * wrapped(particle.pose.yaw - 3.1) / 20000;
+    ++copies[particle.pose.x];
+  }
+  EXPECT_NEAR(scale, 0.04, 0.004);
+  EXPECT_NEAR(rate, 0.001, 0.0001);
+  EXPECT_EQ(copies.size(), 20000U);
+}
+
 // Weights 2/3 and 1/3 at first; ±1 within each place, and 3 between the two.
 TEST(ParticleSet, LearnsBetweenPlacesAndWithinThemAtTheirOwnPace) {
   ParticleOptions options = still();
@@ -180,7 +226,7 @@ TEST(ParticleSet, LearnsBetweenPlacesAndWithinThemAtTheirOwnPace) {
     for (const Particle& particle : set.all()) {
       scores.push_back((particle.elsewhere ? 3 : 0) + (seen[particle.elsewhere]++ % 2 ? 1 : -1));
     }
-    set.learn(scores, within, between);
+    set.learn(scores, within, between, 5);
     return set.doubt();
   };
   EXPECT_NEAR(doubt_after(0, 0), 1.0 / 3, 1e-9);
@@ -193,7 +239,7 @@ TEST(ParticleSet, LearnsBetweenPlacesAndWithinThemAtTheirOwnPace) {
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
   std::vector<double> scores(set.all().size(), 5);
   scores[0] = 7;
-  set.learn(scores, 0.5, 0.1);
+  set.learn(scores, 0.5, 0.1, 5);
   EXPECT_NEAR(set.all()[0].log_weight - set.all()[1].log_weight, 1, 1e-9);
 }
 
