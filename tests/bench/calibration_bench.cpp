@@ -242,7 +242,7 @@ void single(benchmark::State& state, const ScenePairs& pairs) {
 
 /// Two cameras of a ring calibrated each alone: how far off is where one seems to stand, seen from
 /// the other.
-void cameras(benchmark::State& state) {
+void cameras(benchmark::State& state, const NamedMeasure& measure) {
   constexpr int kDraws = 6;
   const std::filesystem::path drive = rendered_drive("ring_of_five");
   const ScenePairs& one = pairs_of(drive, "cam1", 40);
@@ -254,8 +254,8 @@ void cameras(benchmark::State& state) {
     for (int k = 0; k < kDraws; ++k) {
       const auto count = static_cast<size_t>(state.range(0));
       const auto order = draw(std::min(one.pairs.size(), other.pairs.size()), count, random);
-      const Outcome a = run(part_of(one, order), named("joint"), *one.truth, from_the_truth());
-      const Outcome b = run(part_of(other, order), named("joint"), *other.truth, from_the_truth());
+      const Outcome a = run(part_of(one, order), measure, *one.truth, from_the_truth());
+      const Outcome b = run(part_of(other, order), measure, *other.truth, from_the_truth());
       const Eigen::Isometry3d found = a.result.T_head_lidar * b.result.T_head_lidar.inverse();
       const Eigen::Isometry3d truth = *one.truth * other.truth->inverse();
       squares += geometry::log(found * truth.inverse()).cwiseAbs2() / kDraws;
@@ -302,7 +302,13 @@ int add_all() {
         });
     for (const int count : {5, 10, 15, 20, 30, 40}) scans->Arg(count);
   }
-  add("calibration/cameras", cameras)->Arg(10)->Arg(20)->Arg(40);
+  for (const char* measure : {"joint", "mi"}) {
+    add(std::string("calibration/cameras/") + measure,
+        [=](benchmark::State& state) { cameras(state, named(measure)); })
+        ->Arg(10)
+        ->Arg(20)
+        ->Arg(40);
+  }
   return 0;
 }
 
