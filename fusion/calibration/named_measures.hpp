@@ -13,7 +13,7 @@ struct NamedMeasure {
   const char* name;
   const char* description;
   std::vector<TermOptions> terms;
-  std::vector<TermOptions> leading;  ///< CalibrateOptions::leading, of measures that take long
+  std::vector<TermOptions> leading;  ///< CalibrateOptions::leading; empty: `terms`
   bool equalize_image = false;       ///< SceneOptions::equalize
   bool has_gradient = true;
 };
