@@ -40,9 +40,8 @@ TermOptions with_normals(MeasureKind measure) {
 
 std::vector<NamedMeasure> make_named_measures() {
   const TermOptions edges{.lidar = {kDiscontinuity}, .image = {ImageFeature::kEdge}};
-  // Edges see from farther where to go; at the end they count by how many of the returns are near
-  // one, about a third: what pulls on them alone (horizontal edges, which rings do not cross) then
-  // pulls less.
+  // Edges see from farther where to go; at the end they count less (on street and garage a fifth of
+  // the returns is near one): what pulls on them alone, as house fronts do, then pulls less.
   TermOptions few_edges = edges;
   few_edges.weight = 0.3;
   const std::vector<TermOptions> leading{TermOptions{}, edges};
