@@ -191,7 +191,7 @@ Result<void> write_report(const std::filesystem::path& folder, const ScenePairs&
                           const std::vector<CalibrationRun>& runs) {
   const CalibrationRun& run = runs.front();
   const std::array<double, 2> sigmas{run.options.fine.back().sigma, run.options.support_sigma};
-  calibration::ImagePyramid images(run.scenes, drawn(run), sigmas, run.options.least_edge_blur);
+  calibration::ImagePyramid images(run.scenes, drawn(run), sigmas);
   calibration::CoarseToFine search(
       run.scenes, run.cameras, drawn(run), images, run.options.visibility, run.options.maximize,
       run.start.inverse().translation(), run.options.start_translation);

@@ -128,17 +128,21 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
       for (const auto feature : term.image) scene_options.image[calibration::index(feature)] = true;
     }
   }
+  std::vector<calibration::RingDirections> rings;
+  for (size_t c = 0; c < pairs.cameras.size(); ++c) {
+    run.cameras.push_back(
+        {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_head(pairs, c)});
+    const calibration::RigCamera& camera = run.cameras.back();
+    rings.push_back(calibration::ring_directions(camera.model, camera.T_camera_head * start));
+  }
   for (const ScenePair& pair : pairs.pairs) {
+    scene_options.rings = rings[pair.camera];
     auto scene = calibration::make_scene(pair.sweep, pair.frame, scene_options);
     if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);
     scene->name = pair.name;
     scene->camera = pair.camera;
     scene->twist = pair.twist;
     run.scenes.push_back(std::move(*scene));
-  }
-  for (size_t c = 0; c < pairs.cameras.size(); ++c) {
-    run.cameras.push_back(
-        {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_head(pairs, c)});
   }
   run.result = calibration::calibrate(run.scenes, run.cameras, start, run.options);
   run.cpu_s = cpu_seconds() - began;

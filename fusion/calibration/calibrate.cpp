@@ -79,7 +79,7 @@ class Calibration {
         options_(options),
         terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
         leading_(leading(options)),
-        images_(scenes, both(terms_, leading_), all_sigmas(options), options.least_edge_blur),
+        images_(scenes, both(terms_, leading_), all_sigmas(options)),
         margin_(options.screen.half_width * std::sqrt(3.0)),
         few_(thin_scenes(scenes, cameras, start, margin_, options.screen_points)),
         some_(thin_scenes(scenes, cameras, start, margin_, options.coarse_points)),
@@ -369,7 +369,6 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   if (splits < 0) return "splits must not be negative";
   if (!(restart_rotation >= 0)) return "restart_rotation must not be negative";
   if (!(restart_translation >= 0)) return "restart_translation must not be negative";
-  if (!(least_edge_blur >= 0)) return "least_edge_blur must not be negative";
   if (!(support_sigma >= 0)) return "support_sigma must not be negative";
   if (!(min_support >= 0 && min_support <= 1)) return "min_support must lie in 0 … 1";
   if (auto wrong = maximize.invalid()) return "maximize: " + *wrong;

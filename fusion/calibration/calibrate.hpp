@@ -43,11 +43,6 @@ struct CalibrateOptions {
                           {.sigma = 2, .points = 120'000, .tolerance = 5e-3},
                           {.sigma = 1}};
 
-  /// px, of image edges at every level. A lidar's beams lie pixels apart: edges sharper than that
-  /// see how rings cross them, and the measure has lesser maxima beside its own. 0: as sharp as the
-  /// level says.
-  double least_edge_blur = 2;
-
   // Whether to believe it.
   int restarts = 4;  ///< climbs from around the result, which ought to lead back to it
   double restart_rotation = 0.02;     ///< rad each axis, half width of what they are drawn from

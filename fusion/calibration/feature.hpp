@@ -22,12 +22,13 @@ inline constexpr size_t kLidarFeatures = 7;
 enum class ImageFeature : uint8_t {
   kGrey,
   kLocalGrey,  ///< grey against its surroundings
+  kRingEdge,   ///< change of grey along the lidar's rings
   kEdge,       ///< edge strength, I 4.3.1.4
   kRed,
   kGreen,
   kBlue,
 };
-inline constexpr size_t kImageFeatures = 6;
+inline constexpr size_t kImageFeatures = 7;
 
 /// One entry a lidar feature.
 template <class T>

@@ -110,6 +110,39 @@ INFUSE_SIMD_CLONES void against_row(const float* __restrict in, const float* __r
   }
 }
 
+/// |n · ∇I| of a row, of which there is one more sample on both sides; `right` and `down`: n.
+INFUSE_SIMD_CLONES void ring_edge_row(const float* __restrict above, const float* __restrict here,
+                                      const float* __restrict below, const float* __restrict right,
+                                      const float* __restrict down, int samples,
+                                      float* __restrict out) {
+  for (int u = 0; u < samples; ++u) {
+    const float across =
+        above[u + 1] - above[u - 1] + 2 * (here[u + 1] - here[u - 1]) + below[u + 1] - below[u - 1];
+    const float downwards =
+        below[u - 1] - above[u - 1] + 2 * (below[u] - above[u]) + below[u + 1] - above[u + 1];
+    out[u] = 0.25F * std::abs(right[u] * across + down[u] * downwards);
+  }
+}
+
+/// A row with its first and last sample once more.
+void bordered(const Plane& plane, int v, std::vector<float>& out) {
+  const float* from = row(plane, v);
+  out.resize(static_cast<size_t>(plane.width) + 2);
+  out.front() = from[0];
+  std::copy_n(from, plane.width, out.begin() + 1);
+  out.back() = from[plane.width - 1];
+}
+
+/// What the squares of row `v` hold, a sample each; beyond the squares as in the last.
+void spread_squares(const RingDirections& rings, const std::vector<float>& values, int v,
+                    std::vector<float>& out) {
+  const int first = std::min(v / RingDirections::kSquare, rings.rows - 1) * rings.columns;
+  for (size_t u = 0; u < out.size(); ++u) {
+    const int column = std::min(static_cast<int>(u) / RingDirections::kSquare, rings.columns - 1);
+    out[u] = values[static_cast<size_t>(first + column)];
+  }
+}
+
 /// `blurred`, thinned after the first little of it: the rest is cheap.
 Plane blurred_in_two(const Plane& plane, double sigma, int step) {
   const double first = step > plane.step ? 0.75 * step : 0;
@@ -153,6 +186,25 @@ Plane edge_strength(const Plane& grey) {
       const float lowest = std::min(std::min(low[left], low[at]), low[right]);
       out[u] = std::max(highest - here[u], here[u] - lowest);
     }
+  }
+  return edge;
+}
+
+Plane ring_edge(const Plane& grey, const RingDirections& rings) {
+  Plane edge = like(grey);
+  const auto width = static_cast<size_t>(grey.width);
+  std::vector<float> right(width, 1.0F), down(width, 0.0F);
+  std::vector<float> above, here, below;
+  for (int v = 0; v < grey.height; ++v) {
+    if (rings.columns > 0 && v % RingDirections::kSquare == 0) {
+      spread_squares(rings, rings.right, v, right);
+      spread_squares(rings, rings.down, v, down);
+    }
+    bordered(grey, v - 1, above);
+    bordered(grey, v, here);
+    bordered(grey, v + 1, below);
+    ring_edge_row(above.data() + 1, here.data() + 1, below.data() + 1, right.data(), down.data(),
+                  grey.width, edge.values.data() + static_cast<size_t>(v) * width);
   }
   return edge;
 }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "drivers/measurement/camera_frame.hpp"
+#include "fusion/calibration/ring_directions.hpp"
 
 namespace infuse::calibration {
 
@@ -21,6 +22,14 @@ Plane grey_plane(const CameraFrame& frame);
 ///   e(u, v) = max over the eight neighbours of |I(u, v) − I(u', v')|,
 /// 0 … 255 for grey levels; at the border over the neighbours that exist.
 Plane edge_strength(const Plane& grey);
+
+/// How much grey changes along the lidar's rings: |n · ∇I|, n the ring's direction and ∇I Sobel's
+/// derivatives, 0 … 255 for grey levels, borders replicated. A return has an edge where its
+/// neighbours *on its ring* lie farther (I 3.6), and a ring does not see the edges that it runs
+/// along: kerbs, eaves and the horizon are edges of the picture that the lidar has none for, and
+/// drew the measure to themselves by up to a degree. Sobel's smoothing also hears less noise than
+/// the largest step to a neighbour does.
+Plane ring_edge(const Plane& grey, const RingDirections& rings);
 
 /// The plane of whole numbers 0 … 255 with every value replaced by its rank among all, divided by
 /// their number: 0 ≤ … < 1, equal values share the mean of their ranks.

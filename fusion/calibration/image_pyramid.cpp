@@ -7,8 +7,8 @@
 namespace infuse::calibration {
 
 ImagePyramid::ImagePyramid(std::span<const Scene> scenes, std::span<const TermOptions> terms,
-                           std::span<const double> sigmas, double least_edge_blur)
-    : scenes_(scenes), terms_(terms.begin(), terms.end()), least_edge_blur_(least_edge_blur) {
+                           std::span<const double> sigmas)
+    : scenes_(scenes), terms_(terms.begin(), terms.end()) {
   std::vector<double> ascending(sigmas.begin(), sigmas.end());
   std::sort(ascending.begin(), ascending.end());
   for (const double sigma : ascending) at(sigma);
@@ -19,7 +19,7 @@ const BlurredImages& ImagePyramid::at(double sigma) {
   const auto next = images_.lower_bound(sigma);
   if (next != images_.end() && next->first == sigma) return next->second;
   if (next == images_.begin())
-    return images_.try_emplace(sigma, scenes_, terms_, sigma, least_edge_blur_).first->second;
+    return images_.try_emplace(sigma, scenes_, terms_, sigma).first->second;
   return images_.try_emplace(sigma, std::prev(next)->second, sigma).first->second;
 }
 

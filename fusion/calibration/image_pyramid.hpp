@@ -12,9 +12,8 @@ namespace infuse::calibration {
 class ImagePyramid {
  public:
   /// Scenes must outlive this. `sigmas` (pixels) are made at once, each from the next finer one.
-  /// Image edges are blurred by `least_edge_blur` at least.
   ImagePyramid(std::span<const Scene> scenes, std::span<const TermOptions> terms,
-               std::span<const double> sigmas, double least_edge_blur = 0);
+               std::span<const double> sigmas);
 
   /// Blurred by `sigma` pixels.
   const BlurredImages& at(double sigma);
@@ -22,7 +21,6 @@ class ImagePyramid {
  private:
   std::span<const Scene> scenes_;
   std::vector<TermOptions> terms_;
-  double least_edge_blur_;
   std::map<double, BlurredImages> images_;
 };
 

@@ -26,7 +26,7 @@ std::vector<TermOptions> stated(MeasureKind measure) {
 TermOptions together(MeasureKind measure) {
   return {.measure = measure,
           .lidar = {kRelativeReflectivity, kDiscontinuity},
-          .image = {ImageFeature::kLocalGrey, ImageFeature::kEdge},
+          .image = {ImageFeature::kLocalGrey, ImageFeature::kRingEdge},
           .equalize = false};
 }
 
@@ -39,7 +39,7 @@ TermOptions with_normals(MeasureKind measure) {
 }
 
 std::vector<NamedMeasure> make_named_measures() {
-  const TermOptions edges{.lidar = {kDiscontinuity}, .image = {ImageFeature::kEdge}};
+  const TermOptions edges{.lidar = {kDiscontinuity}, .image = {ImageFeature::kRingEdge}};
   // Edges see from farther where to go; at the end they count less (on street and garage a fifth of
   // the returns is near one): what pulls on them alone, as house fronts do, then pulls less.
   TermOptions few_edges = edges;

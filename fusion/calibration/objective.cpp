@@ -106,18 +106,14 @@ int samples_apart(double sigma) {
 }  // namespace
 
 BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms,
-                             double sigma, double least_edge_blur)
-    : blurred_(scenes.size()),
-      local_grey_(scenes.size()),
-      sigma_(sigma),
-      least_edge_blur_(least_edge_blur) {
+                             double sigma)
+    : blurred_(scenes.size()), local_grey_(scenes.size()), sigma_(sigma) {
   for (size_t s = 0; s < scenes.size(); ++s) {
     for (const TermOptions& term : terms) {
       for (const ImageFeature feature : term.image) {
         Plane& plane = blurred_[s][index(feature)];
         if (plane.values.empty()) {
-          const double width = width_of(feature);
-          plane = blurred(scenes[s].image[index(feature)], width, samples_apart(width));
+          plane = blurred(scenes[s].image[index(feature)], sigma, samples_apart(sigma));
         }
       }
     }
@@ -126,24 +122,15 @@ BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const Term
 }
 
 BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
-    : blurred_(finer.blurred_.size()),
-      local_grey_(finer.blurred_.size()),
-      sigma_(sigma),
-      least_edge_blur_(finer.least_edge_blur_) {
+    : blurred_(finer.blurred_.size()), local_grey_(finer.blurred_.size()), sigma_(sigma) {
+  const double rest = std::sqrt(std::max(0.0, sigma * sigma - finer.sigma_ * finer.sigma_));
   for (size_t s = 0; s < blurred_.size(); ++s) {
     for (size_t f = 0; f < kImageFeatures; ++f) {
       const Plane& plane = finer.blurred_[s][f];
-      const double before = finer.width_of(static_cast<ImageFeature>(f));
-      const double width = width_of(static_cast<ImageFeature>(f));
-      const double rest = std::sqrt(std::max(0.0, width * width - before * before));
-      blurred_[s][f] = blurred(plane, rest, std::max(plane.step, samples_apart(width)));
+      blurred_[s][f] = blurred(plane, rest, std::max(plane.step, samples_apart(sigma)));
     }
   }
   compare_with_surroundings();
-}
-
-double BlurredImages::width_of(ImageFeature feature) const {
-  return feature == ImageFeature::kEdge ? std::max(sigma_, least_edge_blur_) : sigma_;
 }
 
 void BlurredImages::compare_with_surroundings() {
@@ -157,7 +144,6 @@ void BlurredImages::compare_with_surroundings() {
 BlurredImages BlurredImages::dealt(std::span<const size_t> from) const {
   BlurredImages other;
   other.sigma_ = sigma_;
-  other.least_edge_blur_ = least_edge_blur_;
   for (const size_t scene : from) {
     other.blurred_.push_back(blurred_[scene]);
     other.local_grey_.push_back(local_grey_[scene]);

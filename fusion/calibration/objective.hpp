@@ -16,9 +16,8 @@ namespace infuse::calibration {
 /// level of a coarse-to-fine search, shared by all its hypotheses.
 class BlurredImages {
  public:
-  /// `sigma`: of the Gaussian, pixels; of image edges not less than `least_edge_blur`.
-  BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms, double sigma,
-                double least_edge_blur = 0);
+  /// `sigma`: of the Gaussian, pixels.
+  BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms, double sigma);
 
   /// The same from images that are blurred less: cheaper.
   BlurredImages(const BlurredImages& finer, double sigma);
@@ -34,15 +33,12 @@ class BlurredImages {
  private:
   BlurredImages() = default;
 
-  /// The Gaussian's, pixels.
-  double width_of(ImageFeature feature) const;
-
   /// Local grey from the blurred grey.
   void compare_with_surroundings();
 
   std::vector<PerImageFeature<Plane>> blurred_;  ///< from which more blurred ones are made
   std::vector<Plane> local_grey_;                ///< a scene each, where a term asks for it
-  double sigma_ = 0, least_edge_blur_ = 0;
+  double sigma_ = 0;
 };
 
 /// The measure at one hypothesis.

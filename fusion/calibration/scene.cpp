@@ -59,14 +59,16 @@ std::optional<std::string> SceneOptions::invalid() const {
   return std::nullopt;
 }
 
-PerImageFeature<Plane> picture_features(const CameraFrame& frame,
-                                        const PerImageFeature<bool>& wanted, bool equalize) {
-  const auto shown = [&](ImageFeature feature) { return wanted[index(feature)]; };
+PerImageFeature<Plane> picture_features(const CameraFrame& frame, const SceneOptions& options) {
+  const auto shown = [&](ImageFeature feature) { return options.image[index(feature)]; };
   PerImageFeature<Plane> image;
   Plane grey = grey_plane(frame);
   const auto finish = [&](Plane plane) {
-    return equalize ? equalized(std::move(plane)) : scaled(std::move(plane), 1.0F / 255.0F);
+    return options.equalize ? equalized(std::move(plane)) : scaled(std::move(plane), 1.0F / 255.0F);
   };
+  if (shown(ImageFeature::kRingEdge)) {
+    image[index(ImageFeature::kRingEdge)] = finish(ring_edge(grey, options.rings));
+  }
   if (shown(ImageFeature::kEdge)) image[index(ImageFeature::kEdge)] = finish(edge_strength(grey));
   if (shown(ImageFeature::kGrey)) image[index(ImageFeature::kGrey)] = finish(grey);
   if (shown(ImageFeature::kLocalGrey)) {
@@ -103,7 +105,7 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
   }
   if (scene.size() == 0) return fail("the sweep has no return between min_range and max_range");
 
-  scene.image = picture_features(frame, options.image, options.equalize);
+  scene.image = picture_features(frame, options);
   return scene;
 }
 

@@ -19,10 +19,11 @@ namespace infuse::calibration {
 struct SceneOptions {
   PerLidarFeature<bool> lidar{false, true,
                               true};  ///< features to compute: relative reflectivity, discontinuity
-  PerImageFeature<bool> image{false, true, true};  ///< features to compute: local grey, edge
+  PerImageFeature<bool> image{false, true, true};  ///< features to compute: local grey, ring edge
+  RingDirections rings;                            ///< in this camera's pictures, for the ring edge
   DiscontinuityOptions discontinuity;
   NormalOptions normals;
-  /// Grey and edge strength by rank within the picture, so that exposure does not matter. False: as
+  /// Grey and edges by rank within the picture, so that exposure does not matter. False: as
   /// they are, divided by 255.
   bool equalize = true;
   double min_range = 1.5;  ///< m; nearer returns (the vehicle itself) are left out
@@ -45,10 +46,9 @@ struct Scene {
   size_t size() const { return x.size(); }
 };
 
-/// The features of a kGrey8 or kBgr8 picture that are `wanted`, grey and edge strength by rank
-/// where `equalize` says so; the other planes stay empty.
-PerImageFeature<Plane> picture_features(const CameraFrame& frame,
-                                        const PerImageFeature<bool>& wanted, bool equalize);
+/// The features of a kGrey8 or kBgr8 picture that `options` name, grey and edges by rank where they
+/// say so; the other planes stay empty.
+PerImageFeature<Plane> picture_features(const CameraFrame& frame, const SceneOptions& options);
 
 /// Computes the features. The sweep should be corrected for motion to the picture's exposure.
 /// Errors: a picture or a sweep with nothing in it, a Bayer mosaic.

@@ -25,12 +25,11 @@ constexpr double kLastingTranslation = 0.003;  // m
 constexpr double kBiasRotation = 1e-3;     // rad
 constexpr double kBiasTranslation = 0.01;  // m
 
-calibration::Scene to_scene(const StoredScene& stored) {
+calibration::Scene to_scene(const StoredScene& stored, const calibration::SceneOptions& options) {
   calibration::Scene scene{.x = stored.x, .y = stored.y, .z = stored.z};
   scene.lidar[calibration::index(LidarFeature::kRelativeReflectivity)] = stored.reflectivity;
   scene.lidar[calibration::index(LidarFeature::kDiscontinuity)] = stored.discontinuity;
-  const calibration::SceneOptions usual;
-  scene.image = calibration::picture_features(stored.grey, usual.image, usual.equalize);
+  scene.image = calibration::picture_features(stored.grey, options);
   return scene;
 }
 
@@ -111,10 +110,12 @@ Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsic
   Reestimate out{.T_camera_lidar = present};
   out.scenes = scenes.size();
   std::vector<calibration::Scene> own;
-  for (const StoredScene& scene : scenes) {
-    if (!stop.stop_requested()) own.push_back(to_scene(scene));
-  }
   const std::vector<calibration::RigCamera> cameras = {{geometry::CameraModel(camera)}};
+  const calibration::SceneOptions scene_options{
+      .rings = calibration::ring_directions(cameras.front().model, present)};
+  for (const StoredScene& scene : scenes) {
+    if (!stop.stop_requested()) own.push_back(to_scene(scene, scene_options));
+  }
   const calibration::CalibrationResult result =
       calibration::calibrate(own, cameras, present, settings(options, stop));
   out.reason = stop.stop_requested() ? kCancelled : result.reason;

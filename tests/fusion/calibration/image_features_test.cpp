@@ -55,6 +55,54 @@ TEST(EdgeStrength, IsTheLargestStepToANeighbour) {
   }
 }
 
+/// |n · ∇I| by Sobel's masks.
+float ring_edge_by_hand(const Plane& grey, int u, int v, float right, float down) {
+  float across = 0, downwards = 0;
+  for (int k = -1; k <= 1; ++k) {
+    const float weight = k == 0 ? 2 : 1;
+    across += weight * (at(grey, u + 1, v + k) - at(grey, u - 1, v + k));
+    downwards += weight * (at(grey, u + k, v + 1) - at(grey, u + k, v - 1));
+  }
+  return std::abs(right * across + down * downwards) / 4;
+}
+
+TEST(RingEdge, IsTheChangeAlongTheRing) {
+  const Plane grey = noise(37, 21, 256, 5);  // 3 × 2 squares
+  const RingDirections rings{.columns = 3,
+                             .rows = 2,
+                             .right = {1, 0.6F, 0, 0.8F, 0, -0.6F},
+                             .down = {0, 0.8F, 1, -0.6F, 0, 0.8F}};
+  const Plane edge = ring_edge(grey, rings);
+  const Plane along_rows = ring_edge(grey, {});
+  for (int v = 0; v < grey.height; ++v) {
+    for (int u = 0; u < grey.width; ++u) {
+      const auto square = static_cast<size_t>(v / 16 * 3 + u / 16);
+      const float by_hand = ring_edge_by_hand(grey, u, v, rings.right[square], rings.down[square]);
+      EXPECT_NEAR(at(edge, u, v), by_hand, 1e-3) << u << ", " << v;
+      EXPECT_NEAR(at(along_rows, u, v), ring_edge_by_hand(grey, u, v, 1, 0), 1e-3);
+    }
+  }
+}
+
+TEST(RingEdge, DoesNotSeeEdgesThatRingsRunAlong) {
+  Plane kerb{.width = 32, .height = 32, .values = std::vector<float>(1024, 40)};
+  std::fill(kerb.values.begin() + 512, kerb.values.end(), 200.0F);
+  for (const float strength : ring_edge(kerb, {}).values) EXPECT_EQ(strength, 0);
+  Plane post = kerb;
+  for (int v = 0; v < 32; ++v) {
+    for (int u = 0; u < 32; ++u) post.values[static_cast<size_t>(32 * v + u)] = u < 16 ? 40 : 200;
+  }
+  EXPECT_EQ(at(ring_edge(post, {}), 15, 20), 160);
+  EXPECT_EQ(at(ring_edge(post, {}), 10, 20), 0);
+}
+
+TEST(RingEdge, APictureLargerThanTheCameraIsSaidToHave) {
+  const Plane grey = noise(40, 40, 256, 6);
+  const RingDirections rings{.columns = 1, .rows = 1, .right = {0}, .down = {1}};
+  const Plane edge = ring_edge(grey, rings);
+  EXPECT_NEAR(at(edge, 35, 38), ring_edge_by_hand(grey, 35, 38, 0, 1), 1e-3);
+}
+
 /// Mean and deviation under the Gaussian from their definition, the borders replicated.
 float against_by_hand(const Plane& plane, int u, int v, double width, double floor) {
   const int reach = static_cast<int>(std::ceil(3 * width));

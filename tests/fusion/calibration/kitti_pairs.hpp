@@ -32,7 +32,7 @@ inline std::vector<uint8_t> bytes_of(const std::filesystem::path& path) {
 }
 
 /// All pairs of camera 2 in `folder` (data/calibration/kitti).
-inline Result<Pairs> read_pairs(const std::filesystem::path& folder, const SceneOptions& options) {
+inline Result<Pairs> read_pairs(const std::filesystem::path& folder, SceneOptions options) {
   Pairs pairs;
   for (const auto& [number, path] : recording::list_numbered(folder / "velodyne", ".bin")) {
     const std::string stem = path.stem().string();
@@ -45,14 +45,15 @@ inline Result<Pairs> read_pairs(const std::filesystem::path& folder, const Scene
     const auto picture = bytes_of(folder / "image_2" / (stem + ".png"));
     if (auto decoded = camera::decode_picture(picture, {}, frame); !decoded)
       return tl::unexpected(decoded.error());
-    auto scene = make_scene(sweep, frame, options);
-    if (!scene) return tl::unexpected(scene.error());
-    scene->name = stem;
     if (pairs.cameras.empty()) {
       pairs.T_camera_lidar = calibration->T_camera_lidar(2);
       pairs.cameras.push_back(
           {geometry::CameraModel(calibration->intrinsics(2, frame.width, frame.height))});
+      options.rings = ring_directions(pairs.cameras.front().model, pairs.T_camera_lidar);
     }
+    auto scene = make_scene(sweep, frame, options);
+    if (!scene) return tl::unexpected(scene.error());
+    scene->name = stem;
     pairs.scenes.push_back(std::move(*scene));
   }
   return pairs;

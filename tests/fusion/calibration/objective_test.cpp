@@ -276,20 +276,5 @@ TEST(BlurredImages, FromFinerOnesOrFromTheScenesAlike) {
     EXPECT_NEAR(chained.values[i], direct.values[i], 0.01);
 }
 
-TEST(BlurredImages, EdgesAreNotSharperThanAsked) {
-  using enum ImageFeature;
-  const Rig rig = make_rig({pinhole()}, {{}, {.image = {kEdge}}});
-  const BlurredImages one(rig.scenes, rig.terms, 1), two(rig.scenes, rig.terms, 2);
-  const BlurredImages held(rig.scenes, rig.terms, 1, 2);
-  const auto values = [](const BlurredImages& images, ImageFeature feature) {
-    return images.plane(0, feature).values;
-  };
-  EXPECT_EQ(values(held, kEdge), values(two, kEdge));
-  EXPECT_NE(values(held, kEdge), values(one, kEdge));
-  EXPECT_EQ(values(held, kLocalGrey), values(one, kLocalGrey));
-  EXPECT_EQ(values(BlurredImages(held, 2), kEdge), values(two, kEdge));
-  EXPECT_EQ(values(BlurredImages(held, 4), kEdge), values(BlurredImages(two, 4), kEdge));
-}
-
 }  // namespace
 }  // namespace infuse::calibration

@@ -77,12 +77,12 @@ Rig read_rig(const std::filesystem::path& folder) {
                                       .cy = K[1][2].get<double>()};
     const Eigen::Isometry3d T_camera_lidar = matrix(image.at("lidar2cam"));
     if (rig.cameras.empty()) rig.T_head_lidar = T_camera_lidar;
-    auto scene = make_scene(sweep, frame, {});
+    const geometry::CameraModel model(intrinsics);
+    auto scene = make_scene(sweep, frame, {.rings = ring_directions(model, T_camera_lidar)});
     EXPECT_TRUE(scene) << name;
     scene->camera = rig.cameras.size();
     scene->name = name;
-    rig.cameras.push_back(
-        {geometry::CameraModel(intrinsics), T_camera_lidar * rig.T_head_lidar.inverse()});
+    rig.cameras.push_back({model, T_camera_lidar * rig.T_head_lidar.inverse()});
     rig.scenes.push_back(std::move(*scene));
   }
   return rig;

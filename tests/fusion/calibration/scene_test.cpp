@@ -43,8 +43,8 @@ TEST(MakeScene, KeepsReturnsWithinRange) {
 }
 
 TEST(MakeScene, PlanesAsTheyAre) {
-  const auto scene =
-      make_scene(three_returns(), grey_frame(), {.image = {true, true, true}, .equalize = false});
+  const auto scene = make_scene(three_returns(), grey_frame(),
+                                {.image = {true, true, false, true}, .equalize = false});
   ASSERT_TRUE(scene);
   EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kGrey)].values[11], 200.0F / 255);
   EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kLocalGrey)].values[11], 200.0F / 255);
@@ -54,7 +54,7 @@ TEST(MakeScene, PlanesAsTheyAre) {
 TEST(MakeScene, RanksDoNotKnowTheExposure) {
   CameraFrame dark = grey_frame();
   for (uint8_t& pixel : dark.pixels) pixel = static_cast<uint8_t>(pixel / 2 + 7);
-  const SceneOptions ranks{.image = {true, false, true}};
+  const SceneOptions ranks{.image = {true, false, true, true}};
   const auto bright_scene = make_scene(three_returns(), grey_frame(), ranks);
   const auto dark_scene = make_scene(three_returns(), dark, ranks);
   ASSERT_TRUE(bright_scene && dark_scene);
@@ -71,7 +71,7 @@ TEST(MakeScene, ColoursOfAColourPicture) {
   frame.pixels[1] = 102;  // green
   frame.pixels[2] = 153;  // red
   const auto scene =
-      make_scene(three_returns(), frame, {.image = {true, true, true, true, true, true}});
+      make_scene(three_returns(), frame, {.image = {true, true, true, true, true, true, true}});
   ASSERT_TRUE(scene);
   EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kBlue)].values[0], 0.2F);
   EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kGreen)].values[0], 0.4F);
