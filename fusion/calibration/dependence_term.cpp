@@ -100,8 +100,7 @@ std::vector<uint32_t> taking_part(const TermOptions& options, const VisiblePoint
   for (size_t i = 0; i < points.size(); ++i) {
     const bool compared =
         std::none_of(options.lidar.begin(), options.lidar.end(), [&](LidarFeature feature) {
-          const bool edge_of_several =
-              feature == LidarFeature::kDiscontinuity && options.lidar.size() > 1;
+          const bool edge_of_several = is_edge(feature) && options.lidar.size() > 1;
           return !edge_of_several && std::isnan(points.lidar[index(feature)][i]);
         });
     if (compared) chosen.push_back(static_cast<uint32_t>(i));

@@ -118,6 +118,18 @@ void sort_by_key(std::vector<Keyed>& keyed) {
   }
 }
 
+/// Ranks of values that stand in order, divided by their number.
+void rank(std::span<const Keyed> keyed, std::span<float> values) {
+  const auto n = static_cast<double>(keyed.size());
+  for (size_t first = 0; first < keyed.size();) {
+    size_t last = first;
+    while (last < keyed.size() && keyed[last].key == keyed[first].key) ++last;
+    const auto shared = static_cast<float>(0.5 * static_cast<double>(first + last - 1) / n);
+    for (size_t i = first; i < last; ++i) values[keyed[i].index] = shared;
+    first = last;
+  }
+}
+
 }  // namespace
 
 void equalize(std::span<float> values) {
@@ -125,14 +137,28 @@ void equalize(std::span<float> values) {
   for (size_t i = 0; i < values.size(); ++i)
     keyed[i] = {sortable(values[i]), static_cast<uint32_t>(i)};
   sort_by_key(keyed);
-  const auto n = static_cast<double>(values.size());
-  for (size_t first = 0; first < keyed.size();) {
+  rank(keyed, values);
+}
+
+std::vector<float> relative_discontinuity(std::span<const uint16_t> ring,
+                                          std::span<const float> discontinuity) {
+  std::vector<Keyed> keyed;
+  for (size_t i = 0; i < discontinuity.size(); ++i) {
+    if (std::isnan(discontinuity[i])) continue;
+    keyed.push_back({sortable(discontinuity[i]), static_cast<uint32_t>(i)});
+  }
+  sort_by_key(keyed);
+  std::stable_sort(keyed.begin(), keyed.end(),
+                   [&](const Keyed& a, const Keyed& b) { return ring[a.index] < ring[b.index]; });
+  std::vector<float> relative(discontinuity.begin(), discontinuity.end());
+  const std::span<const Keyed> all(keyed);
+  for (size_t first = 0; first < all.size();) {
     size_t last = first;
-    while (last < keyed.size() && keyed[last].key == keyed[first].key) ++last;
-    const auto rank = static_cast<float>(0.5 * static_cast<double>(first + last - 1) / n);
-    for (size_t i = first; i < last; ++i) values[keyed[i].index] = rank;
+    while (last < all.size() && ring[all[last].index] == ring[all[first].index]) ++last;
+    rank(all.subspan(first, last - first), relative);
     first = last;
   }
+  return relative;
 }
 
 }  // namespace infuse::calibration

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -41,6 +42,16 @@ struct DiscontinuityOptions {
 /// One value a return of `sweep`, m^γ, never negative, or `kNotCompared`. Needs `ring` and
 /// `column`; dual returns of one firing are no neighbours of each other.
 std::vector<float> discontinuity(const Sweep& sweep, const DiscontinuityOptions& options);
+
+/// Every return's discontinuity by rank among those of its own ring that are compared, 0 … 1; equal
+/// values share the mean of their ranks; the others stay `kNotCompared`. One entry a return in
+/// both.
+///
+/// Crowns stand above trunks, fences below windows: how large the steps of a picture's rows are
+/// goes with their height, and so do the picture's edges. Compared over all rings, the measure
+/// rises as one is moved along the other, by a degree before a wood.
+std::vector<float> relative_discontinuity(std::span<const uint16_t> ring,
+                                          std::span<const float> discontinuity);
 
 /// Replaces every value by its rank among all, divided by their number: 0 ≤ … < 1, equal values
 /// share the mean of their ranks. A histogram over ranks is evenly filled whatever the sensor's

@@ -39,7 +39,7 @@ TermOptions with_normals(MeasureKind measure) {
 }
 
 std::vector<NamedMeasure> make_named_measures() {
-  const TermOptions edges{.lidar = {kDiscontinuity}, .image = {ImageFeature::kRingEdge}};
+  const TermOptions edges{.lidar = {kRelativeDiscontinuity}, .image = {ImageFeature::kRingEdge}};
   // Edges see from farther where to go; at the end they count less (on street and garage a fifth of
   // the returns is near one): what pulls on them alone, as house fronts do, then pulls less.
   TermOptions few_edges = edges;

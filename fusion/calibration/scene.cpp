@@ -39,7 +39,13 @@ PerLidarFeature<std::vector<float>> lidar_features(const Sweep& sweep,
     RelativeReflectivity ranks;
     at(kRelativeReflectivity) = ranks.of(sweep.ring, sweep.range, sweep.reflectivity);
   }
-  if (wanted(kDiscontinuity)) at(kDiscontinuity) = discontinuity(sweep, options.discontinuity);
+  if (wanted(kDiscontinuity) || wanted(kRelativeDiscontinuity)) {
+    std::vector<float> edges = discontinuity(sweep, options.discontinuity);
+    if (wanted(kRelativeDiscontinuity)) {
+      at(kRelativeDiscontinuity) = relative_discontinuity(sweep.ring, edges);
+    }
+    if (wanted(kDiscontinuity)) at(kDiscontinuity) = std::move(edges);
+  }
   if (wanted(kNormalX) || wanted(kNormalY) || wanted(kNormalZ)) {
     auto normals = surface_normals(sweep, options.normals);
     at(kNormalX) = std::move(normals[0]);

@@ -17,8 +17,8 @@ namespace infuse::calibration {
 
 /// What is taken from a sweep and a picture.
 struct SceneOptions {
-  PerLidarFeature<bool> lidar{false, true,
-                              true};  ///< features to compute: relative reflectivity, discontinuity
+  /// Features to compute: relative reflectivity and discontinuity.
+  PerLidarFeature<bool> lidar{false, true, false, true};
   PerImageFeature<bool> image{false, true, true};  ///< features to compute: local grey, ring edge
   RingDirections rings;                            ///< in this camera's pictures, for the ring edge
   DiscontinuityOptions discontinuity;

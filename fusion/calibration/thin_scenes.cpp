@@ -33,8 +33,11 @@ double half_view(const geometry::CameraModel& model) {
 constexpr double kNearEdge = 4;  // what a point near a depth edge is worth, of others
 
 bool near_edge(const Scene& scene, size_t i) {
-  const std::vector<float>& edge = scene.lidar[index(LidarFeature::kDiscontinuity)];
-  return !edge.empty() && !std::isnan(edge[i]);
+  for (const auto feature : {LidarFeature::kDiscontinuity, LidarFeature::kRelativeDiscontinuity}) {
+    const std::vector<float>& edge = scene.lidar[index(feature)];
+    if (!edge.empty() && !std::isnan(edge[i])) return true;
+  }
+  return false;
 }
 
 /// Indices of the points before the camera within `angle` of its axis, and how many of those within

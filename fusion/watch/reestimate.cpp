@@ -28,7 +28,8 @@ constexpr double kBiasTranslation = 0.01;  // m
 calibration::Scene to_scene(const StoredScene& stored, const calibration::SceneOptions& options) {
   calibration::Scene scene{.x = stored.x, .y = stored.y, .z = stored.z};
   scene.lidar[calibration::index(LidarFeature::kRelativeReflectivity)] = stored.reflectivity;
-  scene.lidar[calibration::index(LidarFeature::kDiscontinuity)] = stored.discontinuity;
+  scene.lidar[calibration::index(LidarFeature::kRelativeDiscontinuity)] =
+      calibration::relative_discontinuity(stored.ring, stored.discontinuity);
   scene.image = calibration::picture_features(stored.grey, options);
   return scene;
 }

@@ -21,6 +21,7 @@ void copy_points(const SweepView& sweep, const QuickPoints& points, size_t most,
   for (auto* quantity : {&scene.x, &scene.y, &scene.z, &scene.reflectivity, &scene.discontinuity}) {
     quantity->resize(count);
   }
+  scene.ring.resize(count);
   for (size_t k = 0; k < count; ++k) {
     const uint32_t i = near[k * near.size() / count];
     scene.x[k] = sweep.points.x[i];
@@ -28,6 +29,7 @@ void copy_points(const SweepView& sweep, const QuickPoints& points, size_t most,
     scene.z[k] = sweep.points.z[i];
     scene.reflectivity[k] = points.reflectivity()[i];
     scene.discontinuity[k] = points.discontinuity()[i];
+    scene.ring[k] = sweep.ring[i];
   }
 }
 

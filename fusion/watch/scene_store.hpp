@@ -17,6 +17,7 @@ struct StoredScene {
   std::vector<float> x, y, z;        ///< m, lidar frame at the exposure
   std::vector<float> reflectivity;   ///< relative, `calibration::RelativeReflectivity`
   std::vector<float> discontinuity;  ///< √m, or not compared
+  std::vector<uint16_t> ring;
 };
 
 /// How scenes are chosen and forgotten.

@@ -96,6 +96,33 @@ TEST(Discontinuity, OnlyWhatLiesBesideAnEdgeIsCompared) {
 
 TEST(Discontinuity, EmptySweep) { EXPECT_TRUE(discontinuity(Sweep{}, {}).empty()); }
 
+TEST(RelativeDiscontinuity, IsTheRankAmongThoseOfTheRing) {
+  std::mt19937_64 random(4);
+  std::vector<uint16_t> ring;
+  std::vector<float> edge;
+  for (int i = 0; i < 300; ++i) {
+    ring.push_back(static_cast<uint16_t>(random() % 4));
+    const auto step = static_cast<float>(random() % 7) * static_cast<float>(1 + ring.back());
+    edge.push_back(random() % 3 == 0 ? kNotCompared : step);
+  }
+  const std::vector<float> relative = relative_discontinuity(ring, edge);
+  for (size_t i = 0; i < edge.size(); ++i) {
+    if (std::isnan(edge[i])) {
+      EXPECT_TRUE(std::isnan(relative[i]));
+      continue;
+    }
+    int below = 0, alike = 0, all = 0;
+    for (size_t j = 0; j < edge.size(); ++j) {
+      if (ring[j] != ring[i] || std::isnan(edge[j])) continue;
+      ++all;
+      below += edge[j] < edge[i];
+      alike += edge[j] == edge[i];
+    }
+    EXPECT_NEAR(relative[i], (below + 0.5 * (alike - 1)) / all, 1e-6);
+  }
+  EXPECT_TRUE(relative_discontinuity({}, {}).empty());
+}
+
 TEST(DiscontinuityOptions, SaysWhatIsWrong) {
   EXPECT_FALSE(DiscontinuityOptions{}.invalid());
   EXPECT_TRUE((DiscontinuityOptions{.gamma = 0}.invalid()));
