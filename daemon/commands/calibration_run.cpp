@@ -145,6 +145,11 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
     run.scenes.push_back(std::move(*scene));
   }
   run.result = calibration::calibrate(run.scenes, run.cameras, start, run.options);
+  if (measure.only_compared && run.result.usable()) {
+    run.result.reason =
+        fmt::format("'{}' is there to be compared: it has been as sure of results that were wrong",
+                    measure.name);
+  }
   run.cpu_s = cpu_seconds() - began;
   return run;
 }

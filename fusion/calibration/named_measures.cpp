@@ -40,8 +40,9 @@ TermOptions with_normals(MeasureKind measure) {
 
 std::vector<NamedMeasure> make_named_measures() {
   const TermOptions edges{.lidar = {kRelativeDiscontinuity}, .image = {ImageFeature::kRingEdge}};
-  // Edges see from farther where to go; at the end they count less (on street and garage a fifth of
-  // the returns is near one): what pulls on them alone, as house fronts do, then pulls less.
+  // Edges see from farther where to go. At the end they count as many as they are (on street and
+  // garage a fifth of the returns is near one): by themselves they hardly tell turning up from
+  // standing higher, because rings seldom cross an edge that lies.
   TermOptions few_edges = edges;
   few_edges.weight = 0.3;
   const std::vector<TermOptions> leading{TermOptions{}, edges};
@@ -49,13 +50,14 @@ std::vector<NamedMeasure> make_named_measures() {
   taylor.equalize = true;
   return {
       {.name = "joint",
-       .description =
-           "MI of relative reflectivity and local grey + MI of depth edges and image edges",
+       .description = "MI of relative reflectivity and local grey + MI of depth edges and image "
+                      "edges along the rings",
        .terms = {TermOptions{}, few_edges},
        .leading = leading,
        .equalize_image = true},
       {.name = "edges",
-       .description = "MI of depth edges and image edges, by rank: without reflectivity (P 6.2.1)",
+       .description =
+           "MI of depth edges and image edges along the rings: without reflectivity (P 6.2.1)",
        .terms = {edges},
        .equalize_image = true},
       {.name = "mi",
@@ -63,20 +65,24 @@ std::vector<NamedMeasure> make_named_measures() {
        .terms = relative(kMutualInformation)},
       {.name = "mi-raw",
        .description = "the same of reflectivity and grey as the sensors state them",
-       .terms = stated(kMutualInformation)},
+       .terms = stated(kMutualInformation),
+       .only_compared = true},
       {.name = "mi-kde",
        .description = "mutual information, P(3.17), Gaussian KDE on 256 bins",
        .terms = {{.measure = kMutualInformationKde, .bins = 256, .equalize = false}},
        .has_gradient = false},
       {.name = "nmi",
        .description = "normalised mutual information, I(4.2)",
-       .terms = relative(kNormalisedMutualInformation)},
+       .terms = relative(kNormalisedMutualInformation),
+       .only_compared = true},
       {.name = "nmi-raw",
        .description = "the same of reflectivity and grey as the sensors state them",
-       .terms = stated(kNormalisedMutualInformation)},
+       .terms = stated(kNormalisedMutualInformation),
+       .only_compared = true},
       {.name = "nmi-taylor",
        .description = "the same of Taylor and Nieto's normal feature and grey, I 4.3.2",
-       .terms = {taylor}},
+       .terms = {taylor},
+       .only_compared = true},
       {.name = "chi2", .description = "chi-squared, P(3.25)", .terms = relative(kChiSquared)},
       {.name = "smi",
        .description = "discretised squared-loss mutual information, I(4.3)",
@@ -99,7 +105,8 @@ std::vector<NamedMeasure> make_named_measures() {
        .equalize_image = true},
       {.name = "levinson-thrun",
        .description = "depth edges times image edges, P(3.23), I(4.4)",
-       .terms = {between(kCorrelation, kDiscontinuity, ImageFeature::kEdge)}},
+       .terms = {between(kCorrelation, kDiscontinuity, ImageFeature::kEdge)},
+       .only_compared = true},
   };
 }
 

@@ -16,6 +16,8 @@ struct NamedMeasure {
   std::vector<TermOptions> leading;  ///< CalibrateOptions::leading; empty: `terms`
   bool equalize_image = false;       ///< SceneOptions::equalize
   bool has_gradient = true;
+  /// To be compared with others only: on simulated drives it was sure of results that were wrong.
+  bool only_compared = false;
 };
 
 /// All of them, the default first.
