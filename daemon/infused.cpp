@@ -20,15 +20,15 @@
 #include "daemon/server/server.hpp"
 #include "daemon/service/logging.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
-#include "drivers/recording/text_file.hpp"
 #include "drivers/recording/trajectory_file.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 constexpr const char* kProgram = "infused";
 
-/// What was asked for on the command line.
+/// What was requested on the command line.
 struct Arguments {
   std::string config;
   bool check_config = false;
@@ -42,7 +42,7 @@ struct Arguments {
   bool json = false;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare_options(CLI::App& app, Arguments& arguments) {
   app.description(
       "infused: fuses lidar, cameras and odometry on the vehicle, and tells what it knows over a\n"
       "socket (see: infuse status, infuse watch).\n\n"
@@ -77,7 +77,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 }
 
 /// Another number at each start, so that a client can tell a restart from a reconnect.
-std::string new_session() {
+std::string make_session_id() {
   std::random_device device;
   const uint64_t number = uint64_t{device()} << 32 | device();
   return fmt::format("{:016x}", number);
@@ -107,16 +107,17 @@ Result<void> write_trajectory(const std::filesystem::path& path,
 
 int run_replay(const Arguments& arguments, const Config& config) {
   const auto rate = parse_rate(arguments.rate);
-  if (!rate) return complain(kProgram, rate.error(), kUsage);
+  if (!rate) return print_error(kProgram, rate.error(), kUsage);
   std::optional<velodyne::Model> model;
   if (!arguments.model.empty()) {
     model = velodyne::find_model(arguments.model);
     if (!model) {
-      return complain(kProgram, {"unknown model '" + arguments.model + "'", "--model", ""}, kUsage);
+      return print_error(kProgram, {"unknown model '" + arguments.model + "'", "--model", ""},
+                         kUsage);
     }
   }
   auto setup = open_drive(arguments.replay, config.lidars, model);
-  if (!setup) return complain(kProgram, setup.error(), kUnreadable);
+  if (!setup) return print_error(kProgram, setup.error(), kUnreadable);
   for (const Device& device : setup->devices) {
     spdlog::info("{}: {} ({}), on {}", device.name, device.model, device.model_reason,
                  device.endpoint);
@@ -124,21 +125,21 @@ int run_replay(const Arguments& arguments, const Config& config) {
   SavedCalibrations calibrations(arguments.state.empty()
                                      ? std::filesystem::path()
                                      : std::filesystem::path(arguments.state) / kCalibrationsFile);
-  for (const std::string& told : calibrations.restore(setup->rig)) spdlog::info("{}", told);
+  for (const std::string& note : calibrations.restore(setup->rig)) spdlog::info("{}", note);
   std::optional<ReportsFile> file;
   if (!arguments.reports.empty()) {
     auto created = ReportsFile::create(arguments.reports);
-    if (!created) return complain(kProgram, created.error(), kUsage);
+    if (!created) return print_error(kProgram, created.error(), kUsage);
     file = *std::move(created);
   }
 
-  const auto map = open_street_map_if_any(config.folder, config.streetmap.map);
-  if (!map) return complain(kProgram, map.error(), kUnreadable);
+  const auto map = open_optional_street_map_file(config.folder, config.streetmap.map);
+  if (!map) return print_error(kProgram, map.error(), kUnreadable);
 
   boost::asio::io_context io(1);
-  Server server(io, config.socket, INFUSE_VERSION, new_session());
+  Server server(io, config.socket, INFUSE_VERSION, make_session_id());
   if (const auto listening = listen(server, arguments.socket, config.socket); !listening) {
-    return complain(kProgram, listening.error(), kUsage);
+    return print_error(kProgram, listening.error(), kUsage);
   }
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   boost::asio::steady_timer timer(io);
@@ -158,11 +159,11 @@ int run_replay(const Arguments& arguments, const Config& config) {
         server.finish(std::chrono::seconds(2));
       });
   replay.publisher().on_calibration([&](const CalibrationReport& report) {
-    if (const auto kept = calibrations.keep(report); !kept) {
+    if (const auto kept = calibrations.save(report); !kept) {
       spdlog::error("{}", kept.error().message());
     }
   });
-  server.on_control([&](const Request& request) { return replay.ask(request); });
+  server.on_control([&](const Request& request) { return replay.handle_request(request); });
   signals.async_wait([&](boost::system::error_code error, int) {
     if (error) return;
     ended.stopped = true;
@@ -172,8 +173,8 @@ int run_replay(const Arguments& arguments, const Config& config) {
   std::vector<recording::TrajectoryPose> poses;
   if (!arguments.trajectory.empty()) {
     replay.publisher().on_pose([&](const PoseReport& pose) {
-      const bool wanted = std::string_view(pose.frame) == (map->map.empty() ? "odometry" : "map");
-      if (wanted && pose.usable()) poses.push_back({pose.stamp, pose.T_frame_vehicle});
+      const bool right_frame = std::string_view(pose.frame) == (map->map.empty() ? "odom" : "map");
+      if (right_frame && pose.usable()) poses.push_back({pose.stamp, pose.T_frame_vehicle});
     });
   }
   replay.start();
@@ -187,11 +188,12 @@ int run_replay(const Arguments& arguments, const Config& config) {
   std::cout << (arguments.json ? to_json(summary).dump() + "\n" : to_text(summary)) << std::flush;
   if (!arguments.trajectory.empty()) {
     if (const auto written = write_trajectory(arguments.trajectory, poses); !written) {
-      return complain(kProgram, written.error(), kNo);
+      return print_error(kProgram, written.error(), kFailure);
     }
   }
   if (file) {
-    if (const auto closed = file->close(); !closed) return complain(kProgram, closed.error(), kNo);
+    if (const auto closed = file->close(); !closed)
+      return print_error(kProgram, closed.error(), kFailure);
   }
   return kDone;
 }
@@ -199,33 +201,33 @@ int run_replay(const Arguments& arguments, const Config& config) {
 int run(int argc, char** argv) {
   CLI::App app;
   Arguments arguments;
-  declare(app, arguments);
+  declare_options(app, arguments);
   if (const auto code = parse_arguments(app, argc, argv)) return *code;
   set_up_logging(kProgram);
 
   Config config;
   if (!arguments.config.empty()) {
     auto loaded = load_config(arguments.config);
-    if (!loaded) return complain(kProgram, loaded.error(), kUsage);
+    if (!loaded) return print_error(kProgram, loaded.error(), kUsage);
     config = *std::move(loaded);
   }
   spdlog::set_level(spdlog::level::from_str(config.log_level));
   if (arguments.check_config) {
     if (arguments.config.empty()) {
-      return complain(kProgram, {"there is no configuration to check", "", "--config FILE"},
-                      kUsage);
+      return print_error(kProgram, {"there is no configuration to check", "", "--config FILE"},
+                         kUsage);
     }
     if (const auto setup = set_up_live(config); !setup) {
-      return complain(kProgram, setup.error(), kUsage);
+      return print_error(kProgram, setup.error(), kUsage);
     }
     std::cout << arguments.config << ": the configuration is right\n";
     return kDone;
   }
   if (!arguments.replay.empty()) return run_replay(arguments, config);
   if (arguments.config.empty()) {
-    return complain(kProgram, {"nothing to do", "", "--config FILE, or --replay PATH"}, kUsage);
+    return print_error(kProgram, {"nothing to do", "", "--config FILE, or --replay PATH"}, kUsage);
   }
-  return run_live({arguments.config, arguments.socket, INFUSE_VERSION, new_session()}, config);
+  return run_live({arguments.config, arguments.socket, INFUSE_VERSION, make_session_id()}, config);
 }
 
 }  // namespace

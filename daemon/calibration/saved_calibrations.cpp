@@ -5,14 +5,14 @@
 
 #include "daemon/service/atomic_file.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
-#include "drivers/recording/text_file.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kForm = 1;
+constexpr int kFormatVersion = 1;
 constexpr size_t kMaxBytes = 1 << 20;
 constexpr size_t kMaxCameras = 64;
 
@@ -22,7 +22,7 @@ Json by_row(const Eigen::Isometry3d& T) {
   return numbers;
 }
 
-std::optional<Eigen::Isometry3d> rigid(const Json& object, const char* key) {
+std::optional<Eigen::Isometry3d> read_rigid(const Json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_array() || found->size() != 16) return std::nullopt;
   Eigen::Matrix4d matrix;
@@ -33,12 +33,12 @@ std::optional<Eigen::Isometry3d> rigid(const Json& object, const char* key) {
   return recording::to_rigid(matrix);
 }
 
-std::optional<SavedCalibration> read_one(const Json& object) {
+std::optional<SavedCalibration> read_calibration(const Json& object) {
   if (!object.is_object()) return std::nullopt;
   const auto camera = object.find("camera");
   const auto since = object.find("since_ns");
-  const auto configured = rigid(object, "T_camera_lidar_configured");
-  const auto used = rigid(object, "T_camera_lidar");
+  const auto configured = read_rigid(object, "T_camera_lidar_configured");
+  const auto used = read_rigid(object, "T_camera_lidar");
   if (camera == object.end() || !camera->is_string() || since == object.end() ||
       !since->is_number_integer() || !configured || !used) {
     return std::nullopt;
@@ -50,14 +50,14 @@ std::optional<SavedCalibration> read_one(const Json& object) {
 }
 
 /// As far apart as printing and reading back can bring them.
-bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+bool nearly_equal(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff() < 1e-9;
 }
 
 }  // namespace
 
 std::string format_calibrations(const std::vector<SavedCalibration>& calibrations) {
-  Json json = {{"form", kForm}, {"cameras", Json::array()}};
+  Json json = {{"form", kFormatVersion}, {"cameras", Json::array()}};
   for (const SavedCalibration& calibration : calibrations) {
     json["cameras"].push_back(
         {{"camera", calibration.camera},
@@ -71,14 +71,14 @@ std::string format_calibrations(const std::vector<SavedCalibration>& calibration
 
 Result<std::vector<SavedCalibration>> parse_calibrations(std::string_view text) {
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("form") || json["form"] != kForm ||
+  if (!json.is_object() || !json.contains("form") || json["form"] != kFormatVersion ||
       !json.contains("cameras") || !json["cameras"].is_array() ||
       json["cameras"].size() > kMaxCameras) {
     return fail("are no calibrations of this release");
   }
   std::vector<SavedCalibration> calibrations;
   for (const Json& object : json["cameras"]) {
-    const auto calibration = read_one(object);
+    const auto calibration = read_calibration(object);
     if (!calibration) return fail("are damaged calibrations");
     calibrations.push_back(*calibration);
   }
@@ -109,8 +109,8 @@ std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
     if (found == saved.end()) continue;
     calibrations_.back().frozen = found->frozen;
     if (found->frozen) lines.push_back(camera.name + ": the calibration is frozen");
-    if (same(found->T_camera_lidar, camera.T_camera_lidar)) continue;
-    if (!same(found->T_camera_lidar_configured, camera.T_camera_lidar)) {
+    if (nearly_equal(found->T_camera_lidar, camera.T_camera_lidar)) continue;
+    if (!nearly_equal(found->T_camera_lidar_configured, camera.T_camera_lidar)) {
       lines.push_back(camera.name + ": another calibration was configured since; it is used");
       continue;
     }
@@ -121,7 +121,7 @@ std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
   return lines;
 }
 
-std::vector<std::string> SavedCalibrations::frozen() const {
+std::vector<std::string> SavedCalibrations::frozen_cameras() const {
   std::vector<std::string> cameras;
   for (const SavedCalibration& calibration : calibrations_) {
     if (calibration.frozen) cameras.push_back(calibration.camera);
@@ -129,9 +129,9 @@ std::vector<std::string> SavedCalibrations::frozen() const {
   return cameras;
 }
 
-Result<void> SavedCalibrations::keep(const CalibrationReport& report) {
+Result<void> SavedCalibrations::save(const CalibrationReport& report) {
   for (SavedCalibration& calibration : calibrations_) {
-    const bool moved = !same(calibration.T_camera_lidar, report.T_camera_lidar);
+    const bool moved = !nearly_equal(calibration.T_camera_lidar, report.T_camera_lidar);
     if (calibration.camera != report.camera || (!moved && calibration.frozen == report.frozen)) {
       continue;
     }

@@ -37,10 +37,10 @@ class SavedCalibrations {
   std::vector<std::string> restore(Rig& rig);
 
   /// The cameras whose calibrations the owner had frozen.
-  std::vector<std::string> frozen() const;
+  std::vector<std::string> frozen_cameras() const;
 
   /// Writes the file where a calibration in use has changed, or was frozen or let go.
-  Result<void> keep(const CalibrationReport& report);
+  Result<void> save(const CalibrationReport& report);
 
  private:
   std::filesystem::path path_;

@@ -14,7 +14,7 @@ std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
   return std::nullopt;
 }
 
-int complain(const std::string& program, const Error& error, ExitCode code) {
+int print_error(const std::string& program, const Error& error, ExitCode code) {
   std::fprintf(stderr, "%s: %s\n", program.c_str(), error.message().c_str());
   return code;
 }

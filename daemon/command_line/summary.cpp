@@ -16,15 +16,15 @@ double rate(uint64_t count, Duration span) {
 }
 
 /// From the first packet to the last.
-Duration active(const SensorCounters& counters) {
+Duration active_duration(const SensorCounters& counters) {
   return counters.packets == 0 ? Duration::zero() : counters.last_packet - counters.first_packet;
 }
 
-uint64_t lost(const SensorCounters& counters) {
+uint64_t count_lost(const SensorCounters& counters) {
   return counters.lost_network + counters.lost_kernel;
 }
 
-uint64_t sum(const Summary& summary, uint64_t (*quantity)(const SensorCounters&)) {
+uint64_t sum_over_lidars(const Summary& summary, uint64_t (*quantity)(const SensorCounters&)) {
   uint64_t total = 0;
   for (const SensorCounters& counters : summary.totals.counters) total += quantity(counters);
   return total;
@@ -34,12 +34,12 @@ double drive_s(const Summary& summary) {
   return to_seconds(summary.totals.now - summary.totals.start);
 }
 
-double speed(const Summary& summary) {
+double realtime_factor(const Summary& summary) {
   return summary.host_s > 0 ? drive_s(summary) / summary.host_s : 0;
 }
 
 /// The stage that spans the whole way of a sweep.
-const StageFigures* whole_stage(const Summary& summary) {
+const StageStats* total_stage(const Summary& summary) {
   return summary.totals.host.stages.empty() ? nullptr : &summary.totals.host.stages.back();
 }
 
@@ -50,11 +50,11 @@ Json device_json(const Device& device, const SensorCounters& c, Level level) {
           {"endpoint", device.endpoint},
           {"level", name_of(level)},
           {"packets", c.packets},
-          {"packets_hz", rounded(rate(c.packets, active(c)))},
-          {"packets_lost", lost(c)},
+          {"packets_hz", rounded(rate(c.packets, active_duration(c)))},
+          {"packets_lost", count_lost(c)},
           {"position_packets", c.position_packets},
           {"sweeps", c.sweeps},
-          {"sweeps_hz", rounded(rate(c.sweeps, active(c)))},
+          {"sweeps_hz", rounded(rate(c.sweeps, active_duration(c)))},
           {"returns", c.returns},
           {"losses", losses_json(c)},
           {"wrong_model", c.wrong_model},
@@ -66,16 +66,16 @@ Json device_json(const Device& device, const SensorCounters& c, Level level) {
 Json stream_json(const Device& device, const StreamCounters& c, Level level) {
   return {{"device", device.name},   {"kind", device.kind},    {"endpoint", device.endpoint},
           {"level", name_of(level)}, {"received", c.received}, {"used", c.used},
-          {"refused", c.refused},    {"lost", c.lost},         {"backward", c.backward}};
+          {"refused", c.refused},    {"lost", c.lost},         {"out_of_order", c.out_of_order}};
 }
 
-Json odometry_json(const OdometryFigures& odometry) {
+Json odometry_json(const OdometryStatus& odometry) {
   Json json = {{"usable", odometry.usable()},
                {"wheel_scale", odometry.wheel_scale},
                {"wheel_scale_sigma", odometry.wheel_scale_sigma},
                {"yaw_rate_bias", odometry.yaw_rate_bias},
                {"yaw_rate_bias_sigma", odometry.yaw_rate_bias_sigma},
-               {"sweeps_uncompensated", odometry.uncompensated}};
+               {"sweeps_not_deskewed", odometry.not_deskewed}};
   if (!odometry.usable()) json["reason"] = odometry.reason;
   return json;
 }
@@ -98,7 +98,8 @@ std::string causes_text(const SensorCounters& c) {
 
 std::string clock_text(const ClockState& clock) {
   std::string text = describe(clock.source);
-  if (clock.source == ClockState::Source::kHour || clock.source == ClockState::Source::kPowerUp) {
+  if (clock.source == ClockState::Source::kTopOfHour ||
+      clock.source == ClockState::Source::kPowerUp) {
     text += fmt::format("; host minus device {:.6f} s, {:+.1f} ppm, jitter {:.3f} ms",
                         to_seconds(clock.offset), clock.skew_ppm, to_seconds(clock.jitter) * 1e3);
   }
@@ -124,24 +125,25 @@ Summary summarise(const Replay& replay) {
 }
 
 Json to_json(const Summary& summary) {
-  Json json = {{"path", summary.path.string()},
-               {"drive_s", rounded(drive_s(summary))},
-               {"host_s", rounded(summary.host_s)},
-               {"cpu_s", rounded(process_cpu_s())},
-               {"realtime_factor", rounded(speed(summary))},
-               {"peak_memory_mb", rounded(peak_memory_mb())},
-               {"sweeps", sum(summary, [](auto& c) { return c.sweeps; })},
-               {"returns", sum(summary, [](auto& c) { return c.returns; })},
-               {"packets", sum(summary, [](auto& c) { return c.packets; })},
-               {"packets_lost", sum(summary, [](auto& c) { return lost(c); })},
-               {"position_packets", sum(summary, [](auto& c) { return c.position_packets; })},
-               {"alerts", summary.totals.alerts},
-               {"stopped", summary.stopped}};
-  if (const StageFigures* whole = whole_stage(summary)) {
-    json["latency_ms"] = latency_ms_json(whole->latency);
-    json["deadline_misses"] = whole->deadline_misses;
+  Json json = {
+      {"path", summary.path.string()},
+      {"drive_s", rounded(drive_s(summary))},
+      {"host_s", rounded(summary.host_s)},
+      {"cpu_s", rounded(process_cpu_s())},
+      {"realtime_factor", rounded(realtime_factor(summary))},
+      {"peak_memory_mb", rounded(peak_memory_mb())},
+      {"sweeps", sum_over_lidars(summary, [](auto& c) { return c.sweeps; })},
+      {"returns", sum_over_lidars(summary, [](auto& c) { return c.returns; })},
+      {"packets", sum_over_lidars(summary, [](auto& c) { return c.packets; })},
+      {"packets_lost", sum_over_lidars(summary, [](auto& c) { return count_lost(c); })},
+      {"position_packets", sum_over_lidars(summary, [](auto& c) { return c.position_packets; })},
+      {"alerts", summary.totals.alerts},
+      {"stopped", summary.stopped}};
+  if (const StageStats* total = total_stage(summary)) {
+    json["latency_ms"] = latency_ms_json(total->latency);
+    json["deadline_misses"] = total->deadline_misses;
   }
-  for (const StageFigures& stage : summary.totals.host.stages) {
+  for (const StageStats& stage : summary.totals.host.stages) {
     json["stages"][stage.name] = latency_ms_json(stage.latency);
     json["stages"][stage.name]["count"] = stage.latency.count;
   }
@@ -167,10 +169,10 @@ std::string device_text(const Device& device, const SensorCounters& c, Level lev
   std::string text = fmt::format("  {}: {}, {} ({})\n", device.name, device.model, name_of(level),
                                  device.model_reason);
   text += fmt::format("    {} packets ({:.1f}/s), {} lost{}\n", c.packets,
-                      rate(c.packets, active(c)), lost(c), causes_text(c));
+                      rate(c.packets, active_duration(c)), count_lost(c), causes_text(c));
   text += fmt::format(
       "    {} sweeps ({:.2f}/s), {} returns ({:.0f} a sweep)\n", c.sweeps,
-      rate(c.sweeps, active(c)), c.returns,
+      rate(c.sweeps, active_duration(c)), c.returns,
       c.sweeps == 0 ? 0.0 : static_cast<double>(c.returns) / static_cast<double>(c.sweeps));
   if (c.position_packets > 0) text += fmt::format("    {} position packets\n", c.position_packets);
   return text + "    clock: " + clock_text(c.clock) + "\n";
@@ -182,25 +184,25 @@ std::string stream_text(const Device& device, const StreamCounters& c, Level lev
                                  rate(c.received, c.last - c.first), c.used);
   if (c.refused > 0) text += fmt::format(", {} that could not be read", c.refused);
   if (c.lost > 0) text += fmt::format(", {} missing", c.lost);
-  if (c.backward > 0) text += fmt::format(", {} with a stamp that goes back", c.backward);
+  if (c.out_of_order > 0) text += fmt::format(", {} with a stamp that goes back", c.out_of_order);
   return text + "\n";
 }
 
-std::string odometry_text(const OdometryFigures& odometry) {
+std::string odometry_text(const OdometryStatus& odometry) {
   std::string text = "  odometry: ";
   text += odometry.usable() ? "trusted" : fmt::format("not trusted: {}", odometry.reason);
   text += fmt::format("; wheels' scale {:.4f} ± {:.4f}, yaw-rate bias {:.3f} ± {:.3f} °/s\n",
                       odometry.wheel_scale, odometry.wheel_scale_sigma,
                       odometry.yaw_rate_bias * kDegrees, odometry.yaw_rate_bias_sigma * kDegrees);
-  if (odometry.uncompensated > 0) {
-    text += fmt::format("    {} sweeps were not corrected for motion\n", odometry.uncompensated);
+  if (odometry.not_deskewed > 0) {
+    text += fmt::format("    {} sweeps were not corrected for motion\n", odometry.not_deskewed);
   }
   return text;
 }
 
 /// "straight 1.20 ms p50, 2.00 ms p99, 3.10 ms max".
-std::string stage_text(const StageFigures& stage) {
-  const LatencyFigures& latency = stage.latency;
+std::string stage_text(const StageStats& stage) {
+  const LatencyStats& latency = stage.latency;
   return fmt::format("    {:<9} {:6.2f} ms p50, {:6.2f} ms p99, {:6.2f} ms max ({} times)\n",
                      stage.name, to_seconds(latency.p50) * 1e3, to_seconds(latency.p99) * 1e3,
                      to_seconds(latency.max) * 1e3, latency.count);
@@ -208,9 +210,10 @@ std::string stage_text(const StageFigures& stage) {
 
 std::string to_text(const Summary& summary) {
   const Totals& totals = summary.totals;
-  std::string text = fmt::format("{}: {:.1f} s of drive in {:.2f} s ({:.1f} × real time){}\n",
-                                 summary.path.string(), drive_s(summary), summary.host_s,
-                                 speed(summary), summary.stopped ? ", stopped before its end" : "");
+  std::string text =
+      fmt::format("{}: {:.1f} s of drive in {:.2f} s ({:.1f} × real time){}\n",
+                  summary.path.string(), drive_s(summary), summary.host_s, realtime_factor(summary),
+                  summary.stopped ? ", stopped before its end" : "");
   const size_t lidars = totals.counters.size();
   for (size_t i = 0; i < lidars; ++i) {
     text += device_text(summary.devices[i], totals.counters[i], totals.levels[i]);
@@ -219,13 +222,13 @@ std::string to_text(const Summary& summary) {
     text += stream_text(summary.devices[lidars + i], totals.streams[i], totals.levels[lidars + i]);
   }
   if (summary.has_odometry) text += odometry_text(totals.odometry);
-  if (const StageFigures* whole = whole_stage(summary)) {
+  if (const StageStats* total = total_stage(summary)) {
     text += "  latency of each stage\n";
-    for (const StageFigures& stage : totals.host.stages) {
+    for (const StageStats& stage : totals.host.stages) {
       if (stage.latency.count > 0) text += stage_text(stage);
     }
     text +=
-        fmt::format("  {} sweeps were told later than their deadline\n", whole->deadline_misses);
+        fmt::format("  {} sweeps were told later than their deadline\n", total->deadline_misses);
   }
   text += fmt::format("  {} alerts; {:.2f} s of processor time, {:.0f} MB of memory at most\n",
                       totals.alerts, process_cpu_s(), peak_memory_mb());

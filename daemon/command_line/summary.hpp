@@ -41,6 +41,6 @@ std::string device_text(const Device& device, const SensorCounters& counters, Le
 std::string stream_text(const Device& device, const StreamCounters& counters, Level level);
 
 /// What odometry has learned and done, for people: a line or two.
-std::string odometry_text(const OdometryFigures& odometry);
+std::string odometry_text(const OdometryStatus& odometry);
 
 }  // namespace infuse::daemon

@@ -23,7 +23,7 @@ constexpr double kRadians = std::numbers::pi / 180;
 struct Arguments {
   SceneRequest request;
   std::vector<std::string> measures{"joint"};
-  std::string start;
+  std::string initial_pose;
   std::vector<double> perturb{0, 0};  // deg, m
   double within_deg = 3.5;
   uint64_t seed = 1;
@@ -40,8 +40,8 @@ std::string measure_names() {
   return names;
 }
 
-std::optional<std::string> wrong_usage(const Arguments& arguments) {
-  if (arguments.request.scenes < 1 || arguments.request.scenes > 1000) {
+std::optional<std::string> find_usage_error(const Arguments& arguments) {
+  if (arguments.request.max_scenes < 1 || arguments.request.max_scenes > 1000) {
     return "--scenes must lie in 1 ... 1000";
   }
   if (!(arguments.within_deg >= 0 && arguments.within_deg <= 45)) {
@@ -59,9 +59,9 @@ std::optional<std::string> wrong_usage(const Arguments& arguments) {
 }
 
 /// T_camera_lidar from 16 numbers or a rig.toml; the drive's own where nothing is given.
-Result<Eigen::Isometry3d> start_of(const Arguments& arguments, const ScenePairs& pairs) {
-  if (arguments.start.empty()) return pairs.cameras.front().T_camera_lidar;
-  std::string text = arguments.start;
+Result<Eigen::Isometry3d> read_initial_pose(const Arguments& arguments, const ScenePairs& pairs) {
+  if (arguments.initial_pose.empty()) return pairs.cameras.front().T_camera_lidar;
+  std::string text = arguments.initial_pose;
   std::replace(text.begin(), text.end(), ',', ' ');
   if (const auto numbers = recording::parse_numbers(text); numbers && numbers->size() == 16) {
     Eigen::Matrix4d matrix;
@@ -70,15 +70,15 @@ Result<Eigen::Isometry3d> start_of(const Arguments& arguments, const ScenePairs&
     if (!rigid) return fail("the 16 numbers are no rigid motion", "--start");
     return *rigid;
   }
-  const auto rig = recording::read_rig(arguments.start);
+  const auto rig = recording::read_rig(arguments.initial_pose);
   if (!rig) return tl::unexpected(rig.error());
-  const std::string& head = pairs.cameras.front().name;
-  const CameraMount* mount = rig->find_camera(head);
-  if (mount == nullptr) return fail("has no camera '" + head + "'", arguments.start);
+  const std::string& refcam = pairs.cameras.front().name;
+  const CameraMount* mount = rig->find_camera(refcam);
+  if (mount == nullptr) return fail("has no camera '" + refcam + "'", arguments.initial_pose);
   return mount->T_camera_lidar;
 }
 
-int refuse(const Arguments& arguments, const ScenePairs& pairs) {
+int report_no_pairs(const Arguments& arguments, const ScenePairs& pairs) {
   const std::string reason = "no picture has a sweep near it in time";
   if (arguments.json) {
     std::cout << Json{{"camera", pairs.cameras.front().name},
@@ -93,7 +93,7 @@ int refuse(const Arguments& arguments, const ScenePairs& pairs) {
               << "\n";
     for (const std::string& note : pairs.notes) std::cout << "  note: " << note << "\n";
   }
-  return kNo;
+  return kFailure;
 }
 
 Result<void> write_rig(const Arguments& arguments, const ScenePairs& pairs,
@@ -102,7 +102,7 @@ Result<void> write_rig(const Arguments& arguments, const ScenePairs& pairs,
   for (size_t c = 0; c < pairs.cameras.size(); ++c) {
     for (CameraMount& camera : rig.cameras) {
       if (camera.name != pairs.cameras[c].name) continue;
-      camera.T_camera_lidar = T_camera_head(pairs, c) * run.result.T_head_lidar;
+      camera.T_camera_lidar = T_camera_refcam(pairs, c) * run.result.T_refcam_lidar;
     }
   }
   return recording::write_rig(arguments.output, rig);
@@ -124,21 +124,21 @@ void print(const Arguments& arguments, const ScenePairs& pairs,
 }
 
 int run(const Arguments& arguments) {
-  if (const auto wrong = wrong_usage(arguments)) {
-    return complain(kProgram, {*wrong, "", ""}, kUsage);
+  if (const auto wrong = find_usage_error(arguments)) {
+    return print_error(kProgram, {*wrong, "", ""}, kUsage);
   }
   ProgressLine line;
   const auto pairs =
       read_scene_pairs(arguments.request, [&](double share) { line.show(0.5 * share, "reading"); });
   if (!pairs) {
     line.clear();
-    return complain(kProgram, pairs.error(), kUnreadable);
+    return print_error(kProgram, pairs.error(), kUnreadable);
   }
-  const auto start = start_of(arguments, *pairs);
-  if (!start) return complain(kProgram, start.error(), kUsage);
+  const auto initial_pose = read_initial_pose(arguments, *pairs);
+  if (!initial_pose) return print_error(kProgram, initial_pose.error(), kUsage);
   if (pairs->pairs.empty()) {
     line.clear();
-    return refuse(arguments, *pairs);
+    return report_no_pairs(arguments, *pairs);
   }
   calibration::CalibrateOptions options;
   options.screen.half_width = arguments.within_deg * kRadians;
@@ -151,10 +151,11 @@ int run(const Arguments& arguments) {
     std::mt19937_64 random(arguments.seed);  // every measure from the same start
     auto calibrated = run_calibration(
         *pairs, *calibration::find_measure(arguments.measures[k]),
-        perturbed(*start, arguments.perturb[0] * kRadians, arguments.perturb[1], random), options);
+        perturb(*initial_pose, arguments.perturb[0] * kRadians, arguments.perturb[1], random),
+        options);
     if (!calibrated) {
       line.clear();
-      return complain(kProgram, calibrated.error(), kUnreadable);
+      return print_error(kProgram, calibrated.error(), kUnreadable);
     }
     runs.push_back(std::move(*calibrated));
   }
@@ -162,7 +163,7 @@ int run(const Arguments& arguments) {
     line.show(0.99, "drawing the report");
     if (auto written = write_report(arguments.report, *pairs, runs); !written) {
       line.clear();
-      return complain(kProgram, written.error(), kUnreadable);
+      return print_error(kProgram, written.error(), kUnreadable);
     }
   }
   line.clear();
@@ -170,12 +171,12 @@ int run(const Arguments& arguments) {
   const bool usable = runs.front().result.usable();
   if (!arguments.output.empty() && usable) {
     if (auto written = write_rig(arguments, *pairs, runs.front()); !written) {
-      return complain(kProgram, written.error(), kUnreadable);
+      return print_error(kProgram, written.error(), kUnreadable);
     }
   } else if (!arguments.output.empty()) {
     std::cerr << kProgram << ": " << arguments.output << " is not written: not usable\n";
   }
-  return usable ? kDone : kNo;
+  return usable ? kDone : kFailure;
 }
 
 }  // namespace
@@ -197,10 +198,10 @@ Command declare_calibrate(CLI::App& infuse) {
                   "what is maximised (joint), of " + measure_names() +
                       "; several are compared, the first one counts")
       ->type_name("NAME");
-  app->add_option("--scenes", arguments->request.scenes,
+  app->add_option("--scenes", arguments->request.max_scenes,
                   "pictures of each camera that take part at most (20)")
       ->type_name("N");
-  app->add_option("--start", arguments->start,
+  app->add_option("--start", arguments->initial_pose,
                   "T_camera_lidar to start from: 16 numbers by row, or a rig.toml (the drive's)")
       ->type_name("MATRIX|RIG");
   app->add_option("--within", arguments->within_deg,

@@ -35,14 +35,14 @@ struct TargetError {
   double translation_m;
 };
 
-std::optional<TargetError> against_truth(const TargetViews& views, const Eigen::Isometry3d& T) {
+std::optional<TargetError> error_to_truth(const TargetViews& views, const Eigen::Isometry3d& T) {
   if (!views.truth) return std::nullopt;
-  const Eigen::AngleAxisd turn(T.linear() * views.truth->linear().transpose());
-  return TargetError{turn.angle() * kDegrees,
+  const Eigen::AngleAxisd rotation(T.linear() * views.truth->linear().transpose());
+  return TargetError{rotation.angle() * kDegrees,
                      (T.translation() - views.truth->translation()).norm()};
 }
 
-Json numbers(const auto& matrix) {
+Json matrix_json(const auto& matrix) {
   Json list = Json::array();
   for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
     for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
@@ -58,24 +58,24 @@ Json to_json(const TargetViews& views, const target::TargetCalibration& calibrat
   for (size_t i = 0; i < views.names.size(); ++i) {
     const target::ViewResidual& view = result.views[i];
     list.push_back({{"name", views.names[i]},
-                    {"returns", calibration.returns[i]},
+                    {"returns", calibration.return_counts[i]},
                     {"used", view.used},
                     {"rms_m", view.rms},
                     {"offset_m", view.offset},
                     {"tilt_deg", view.tilt * kDegrees},
-                    {"deviation", view.deviation}});
-    if (!calibration.missing[i].empty()) list.back()["reason"] = calibration.missing[i];
+                    {"mahalanobis_distance", view.mahalanobis}});
+    if (!calibration.reasons[i].empty()) list.back()["reason"] = calibration.reasons[i];
   }
-  Json json = {{"T_camera_lidar", numbers(result.T_head_lidar.matrix())},
-               {"covariance", numbers(result.covariance)},
+  Json json = {{"T_camera_lidar", matrix_json(result.T_refcam_lidar.matrix())},
+               {"covariance", matrix_json(result.covariance)},
                {"usable", result.usable()},
                {"views_used", result.used},
                {"rms_m", result.rms},
                {"range_noise_m", result.range_noise},
                {"views", std::move(list)},
-               {"passed_over", views.passed_over}};
+               {"skipped", views.skipped}};
   if (!result.usable()) json["reason"] = result.reason;
-  if (const auto error = against_truth(views, result.T_head_lidar)) {
+  if (const auto error = error_to_truth(views, result.T_refcam_lidar)) {
     json["error"] = {{"rotation_deg", error->rotation_deg},
                      {"translation_m", error->translation_m}};
   }
@@ -88,25 +88,26 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
   for (size_t i = 0; i < views.names.size(); ++i) {
     const target::ViewResidual& view = result.views[i];
     text += fmt::format("  {:<28} ", views.names[i]);
-    text += calibration.missing[i].empty()
+    text += calibration.reasons[i].empty()
                 ? fmt::format("{:5} returns, {:6.1f} mm and {:5.2f} deg off{}\n",
-                              calibration.returns[i], 1e3 * view.offset, view.tilt * kDegrees,
+                              calibration.return_counts[i], 1e3 * view.offset, view.tilt * kDegrees,
                               view.used ? "" : ": an outlier, left out")
-                : calibration.missing[i] + "\n";
+                : calibration.reasons[i] + "\n";
   }
-  for (const std::string& note : views.passed_over) text += "  passed over: " + note + "\n";
-  const Eigen::Matrix4d& T = result.T_head_lidar.matrix();
+  for (const std::string& note : views.skipped) text += "  passed over: " + note + "\n";
+  const Eigen::Matrix4d& T = result.T_refcam_lidar.matrix();
   text += "T_camera_lidar\n";
   for (int row = 0; row < 3; ++row) {
     text += fmt::format("  {:10.6f} {:10.6f} {:10.6f} {:10.5f}\n", T(row, 0), T(row, 1), T(row, 2),
                         T(row, 3));
   }
-  const auto sd = result.covariance.diagonal().cwiseSqrt();
+  const auto sigma = result.covariance.diagonal().cwiseSqrt();
   text += fmt::format(
       "one standard deviation: {:.3f} {:.3f} {:.3f} deg about, {:.1f} {:.1f} {:.1f} mm along the "
       "camera's axes\n",
-      sd(0) * kDegrees, sd(1) * kDegrees, sd(2) * kDegrees, 1e3 * sd(3), 1e3 * sd(4), 1e3 * sd(5));
-  if (const auto error = against_truth(views, result.T_head_lidar)) {
+      sigma(0) * kDegrees, sigma(1) * kDegrees, sigma(2) * kDegrees, 1e3 * sigma(3), 1e3 * sigma(4),
+      1e3 * sigma(5));
+  if (const auto error = error_to_truth(views, result.T_refcam_lidar)) {
     text += fmt::format("error to the truth: {:.3f} deg, {:.1f} mm\n", error->rotation_deg,
                         1e3 * error->translation_m);
   }
@@ -127,7 +128,7 @@ Result<void> write_result(const Arguments& arguments, const TargetViews& views,
                           const target::TargetResult& result) {
   Rig rig = views.rig;
   for (CameraMount& camera : rig.cameras) {
-    if (camera.name == views.camera) camera.T_camera_lidar = result.T_head_lidar;
+    if (camera.name == views.camera) camera.T_camera_lidar = result.T_refcam_lidar;
   }
   return recording::write_rig(arguments.output, rig);
 }
@@ -135,30 +136,30 @@ Result<void> write_result(const Arguments& arguments, const TargetViews& views,
 int run(Arguments& arguments) {
   target::Board& board = arguments.size;
   if (!parse_board(arguments.board, board)) {
-    return complain(kProgram, {"'" + arguments.board + "' is no COLSxROWS", "--board", "as 7x5"},
-                    kUsage);
+    return print_error(kProgram, {"'" + arguments.board + "' is no COLSxROWS", "--board", "as 7x5"},
+                       kUsage);
   }
   for (const auto& wrong :
        {board.invalid(), arguments.views.invalid(), arguments.solve.invalid()}) {
-    if (wrong) return complain(kProgram, {*wrong, "", ""}, kUsage);
+    if (wrong) return print_error(kProgram, {*wrong, "", ""}, kUsage);
   }
   TargetViews views;
   for (const std::string& drive : arguments.drives) {
     const auto read = add_target_views(drive, arguments.camera, board, arguments.views, views);
-    if (!read) return complain(kProgram, read.error(), kUnreadable);
+    if (!read) return print_error(kProgram, read.error(), kUnreadable);
   }
   const target::TargetCalibration calibration = target::calibrate_target(
-      views.sightings, board, views.T_camera_lidar, arguments.views.returns, arguments.solve);
+      views.observations, board, views.T_camera_lidar, arguments.views.returns, arguments.solve);
   const target::TargetResult& result = calibration.result;
   if (arguments.json) {
     std::cout << to_json(views, calibration).dump() << "\n";
   } else {
     std::cout << to_text(views, calibration);
   }
-  if (!result.usable()) return kNo;
+  if (!result.usable()) return kFailure;
   if (!arguments.output.empty()) {
     const auto written = write_result(arguments, views, result);
-    if (!written) return complain(kProgram, written.error(), kNo);
+    if (!written) return print_error(kProgram, written.error(), kFailure);
   }
   return kDone;
 }
@@ -177,7 +178,7 @@ Command declare_calibrate_target(CLI::App& infuse) {
   app->add_option("--board", arguments->board, "inner corners of the board, as 7x5")
       ->required()
       ->type_name("COLSxROWS");
-  app->add_option("--square", arguments->size.square, "side of its squares")
+  app->add_option("--square", arguments->size.square_size, "side of its squares")
       ->required()
       ->type_name("M");
   app->add_option("--range-noise", arguments->solve.range_noise,

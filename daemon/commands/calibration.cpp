@@ -49,11 +49,11 @@ std::string matrix_text(const Json& numbers) {
 std::string offset_text(const Json& offset, const Json& sigma, size_t from, double factor) {
   std::string list;
   for (size_t i = from; i < from + 3; ++i) {
-    const double deviation = sigma[i].get<double>();
+    const double axis_sigma = sigma[i].get<double>();
     list += i == from ? "" : ", ";
-    list += deviation > 1e8 ? std::string("unknown")
-                            : fmt::format("{:+.2f} ± {:.2f}", offset[i].get<double>() * factor,
-                                          deviation * factor);
+    list += axis_sigma > 1e8 ? std::string("unknown")
+                             : fmt::format("{:+.2f} ± {:.2f}", offset[i].get<double>() * factor,
+                                           axis_sigma * factor);
   }
   return list;
 }
@@ -72,8 +72,8 @@ std::string calibration_text(const Json& report) {
     const Json& evidence = report["evidence"];
     lines +=
         fmt::format("  {} pictures looked at; evidence for a drift {:.1f} of {:.1f} nats ({})\n",
-                    report.value("looks", uint64_t{0}), evidence.value("nats", 0.0),
-                    evidence.value("needed_nats", 0.0), text(evidence, "axis"));
+                    report.value("evaluations", uint64_t{0}), evidence.value("nats", 0.0),
+                    evidence.value("threshold_nats", 0.0), text(evidence, "axis"));
     lines += fmt::format("  seems off by ({})°, ({}) cm\n",
                          offset_text(report["offset"], report["offset_sigma"], 0, kDegrees),
                          offset_text(report["offset"], report["offset_sigma"], 3, 100));
@@ -93,18 +93,18 @@ std::string calibration_text(const Json& report) {
   return lines;
 }
 
-int show(const Arguments& arguments) {
+int print_calibrations(const Arguments& arguments) {
   constexpr const char* kProgram = "infuse calibration";
   auto client = Client::connect(arguments.socket);
-  if (!client) return complain(kProgram, client.error(), kNo);
+  if (!client) return print_error(kProgram, client.error(), kFailure);
   if (auto sent = client->send({{"op", "poll"}}); !sent) {
-    return complain(kProgram, sent.error(), kNo);
+    return print_error(kProgram, sent.error(), kFailure);
   }
   size_t shown = 0;
   while (true) {
     const auto message = client->next(std::chrono::seconds(5));
-    if (!message) return complain(kProgram, message.error(), kNo);
-    if (!*message) return complain(kProgram, {"the daemon has ended", "", ""}, kNo);
+    if (!message) return print_error(kProgram, message.error(), kFailure);
+    if (!*message) return print_error(kProgram, {"the daemon has ended", "", ""}, kFailure);
     const Json& report = **message;
     if (text(report, "class") == "ACK") break;
     if (text(report, "class") != "CALIBRATION") continue;
@@ -113,27 +113,27 @@ int show(const Arguments& arguments) {
     ++shown;
   }
   if (shown > 0) return kDone;
-  return complain(kProgram,
-                  {"no calibration is known" +
-                       (arguments.camera.empty() ? "" : " of '" + arguments.camera + "'"),
-                   "", "the first is told when a camera's first picture met its sweep"},
-                  kNo);
+  return print_error(kProgram,
+                     {"no calibration is known" +
+                          (arguments.camera.empty() ? "" : " of '" + arguments.camera + "'"),
+                      "", "the first is told when a camera's first picture met its sweep"},
+                     kFailure);
 }
 
 /// Asks the daemon to do `op`, and tells what it says.
-int ask(const char* op, const Arguments& arguments) {
+int send_request(const char* op, const Arguments& arguments) {
   const std::string program = std::string("infuse ") + op;
   auto client = Client::connect(arguments.socket);
-  if (!client) return complain(program, client.error(), kNo);
+  if (!client) return print_error(program, client.error(), kFailure);
   Json request = {{"op", op}};
   if (!arguments.camera.empty()) request["device"] = arguments.camera;
   if (arguments.off) request["on"] = false;
-  if (auto sent = client->send(request); !sent) return complain(program, sent.error(), kNo);
+  if (auto sent = client->send(request); !sent) return print_error(program, sent.error(), kFailure);
   const auto message = client->next(std::chrono::seconds(5));
-  if (!message) return complain(program, message.error(), kNo);
-  if (!*message) return complain(program, {"the daemon has ended", "", ""}, kNo);
+  if (!message) return print_error(program, message.error(), kFailure);
+  if (!*message) return print_error(program, {"the daemon has ended", "", ""}, kFailure);
   if (text(**message, "class") == "ACK") return kDone;
-  return complain(program, {text(**message, "what"), "", text(**message, "hint")}, kNo);
+  return print_error(program, {text(**message, "what"), "", text(**message, "hint")}, kFailure);
 }
 
 CLI::App* declare(CLI::App& infuse, const char* name, const char* description,
@@ -148,7 +148,7 @@ CLI::App* declare(CLI::App& infuse, const char* name, const char* description,
 Command declare_request(CLI::App& infuse, const char* op, const char* description) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* app = declare(infuse, op, description, arguments);
-  return {app, [op, arguments] { return ask(op, *arguments); }};
+  return {app, [op, arguments] { return send_request(op, *arguments); }};
 }
 
 }  // namespace
@@ -158,7 +158,7 @@ Command declare_calibration(CLI::App& infuse) {
   CLI::App* app = declare(infuse, "calibration",
                           "how the daemon's calibrations stand, and their history", arguments);
   app->add_flag("--json", arguments->json, "the CALIBRATION reports, a line each");
-  return {app, [arguments] { return show(*arguments); }};
+  return {app, [arguments] { return print_calibrations(*arguments); }};
 }
 
 Command declare_recalibrate(CLI::App& infuse) {
@@ -179,7 +179,7 @@ Command declare_freeze(CLI::App& infuse) {
   CLI::App* app = declare(infuse, "freeze",
                           "let the daemon change no calibration by itself any more", arguments);
   app->add_flag("--off", arguments->off, "let it do so again");
-  return {app, [arguments] { return ask("freeze", *arguments); }};
+  return {app, [arguments] { return send_request("freeze", *arguments); }};
 }
 
 }  // namespace infuse::daemon

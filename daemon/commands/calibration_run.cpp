@@ -55,41 +55,42 @@ Json scenes_json(const CalibrationRun& run, const ScenePairs& pairs) {
     Json scene = {{"name", pair.name},
                   {"stamp", pair.stamp.ns()},
                   {"gap_ms", rounded(1e3 * to_seconds(pair.gap))},
-                  {"motion_compensated", pair.uncompensated.empty()},
+                  {"deskewed", pair.deskew_reason.empty()},
                   {"points", result.scenes[s].points},
                   {"value", result.scenes[s].value},
                   {"support", rounded(result.scenes[s].support)}};
-    if (result.uncertainty.usable()) scene["pull_sigma"] = rounded(result.uncertainty.pull[s]);
+    if (result.uncertainty.usable())
+      scene["influence_sigma"] = rounded(result.uncertainty.scene_influence[s]);
     list.push_back(scene);
   }
   return list;
 }
 
 /// What the scenes say of what was taken for known.
-Json doubts_json(const std::vector<calibration::ModelDoubt>& doubts) {
+Json model_checks_json(const std::vector<calibration::ModelMismatch>& checks) {
   Json list = Json::array();
-  for (const calibration::ModelDoubt& doubt : doubts) {
-    list.push_back({{"what", doubt.what},
-                    {"off_by", rounded(doubt.value)},
-                    {"sigma", rounded(doubt.sigma)},
-                    {"unit", doubt.unit},
-                    {"significance", rounded(doubt.significance)},
-                    {"doubtful", doubt.doubtful},
-                    {"serious", doubt.serious}});
+  for (const calibration::ModelMismatch& check : checks) {
+    list.push_back({{"parameter", check.parameter},
+                    {"error", rounded(check.value)},
+                    {"sigma", rounded(check.sigma)},
+                    {"unit", check.unit},
+                    {"significance", rounded(check.significance)},
+                    {"suspected", check.significant},
+                    {"serious", check.serious}});
   }
   return list;
 }
 
-std::string doubt_text(const calibration::ModelDoubt& doubt) {
+std::string model_check_text(const calibration::ModelMismatch& check) {
   const std::string by =
-      doubt.sigma > 0 ? fmt::format(" ({:+.2f} {} +- {:.2f})", doubt.value, doubt.unit, doubt.sigma)
+      check.sigma > 0 ? fmt::format(" ({:+.2f} {} +- {:.2f})", check.value, check.unit, check.sigma)
                       : "";
-  return fmt::format("another {}{} would fit better, {:.1f} sigma", doubt.what, by,
-                     std::abs(doubt.significance));
+  return fmt::format("another {}{} would fit better, {:.1f} sigma", check.parameter, by,
+                     std::abs(check.significance));
 }
 
 /// Degrees and centimetres of a covariance's diagonal.
-std::string spread_text(const geometry::Matrix6& covariance) {
+std::string sigma_text(const geometry::Matrix6& covariance) {
   const geometry::Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
   return fmt::format("{:.3f} {:.3f} {:.3f} deg, {:.1f} {:.1f} {:.1f} cm", sigma(0) * kDegrees,
                      sigma(1) * kDegrees, sigma(2) * kDegrees, 100 * sigma(3), 100 * sigma(4),
@@ -98,31 +99,31 @@ std::string spread_text(const geometry::Matrix6& covariance) {
 
 }  // namespace
 
-Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, double angle, double length,
-                            std::mt19937_64& random) {
+Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double length,
+                          std::mt19937_64& random) {
   geometry::Vector6 xi;
   for (int k = 0; k < 6; ++k) {
     // The standard's distributions differ between libraries.
-    const double even = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
-    xi(k) = even * (k < 3 ? angle : length);
+    const double uniform = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
+    xi(k) = uniform * (k < 3 ? angle : length);
   }
   return geometry::exp(xi) * T;
 }
 
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
-                                       const Eigen::Isometry3d& start,
+                                       const Eigen::Isometry3d& initial_pose,
                                        const calibration::CalibrateOptions& options) {
   const double began = cpu_seconds();
-  CalibrationRun run{.measure = measure.name, .start = start, .options = options};
+  CalibrationRun run{.measure = measure.name, .initial_pose = initial_pose, .options = options};
   run.options.terms = measure.terms;
-  run.options.leading = measure.leading;
-  if (!measure.has_gradient) run.options.maximize.search = calibration::Search::kSimplex;
+  run.options.search_terms = measure.search_terms;
+  if (!measure.has_gradient) run.options.maximize.optimizer = calibration::Optimizer::kSimplex;
   calibration::SceneOptions scene_options;
   scene_options.equalize = measure.equalize_image;
   scene_options.lidar = {};
   scene_options.image = {};
-  for (const auto* terms : {&measure.terms, &measure.leading}) {
+  for (const auto* terms : {&measure.terms, &measure.search_terms}) {
     for (const calibration::TermOptions& term : *terms) {
       for (const auto feature : term.lidar) scene_options.lidar[calibration::index(feature)] = true;
       for (const auto feature : term.image) scene_options.image[calibration::index(feature)] = true;
@@ -131,9 +132,10 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   std::vector<calibration::RingDirections> rings;
   for (size_t c = 0; c < pairs.cameras.size(); ++c) {
     run.cameras.push_back(
-        {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_head(pairs, c)});
+        {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_refcam(pairs, c)});
     const calibration::RigCamera& camera = run.cameras.back();
-    rings.push_back(calibration::ring_directions(camera.model, camera.T_camera_head * start));
+    rings.push_back(
+        calibration::ring_directions(camera.model, camera.T_camera_refcam * initial_pose));
   }
   for (const ScenePair& pair : pairs.pairs) {
     scene_options.rings = rings[pair.camera];
@@ -144,8 +146,8 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
     scene->twist = pair.twist;
     run.scenes.push_back(std::move(*scene));
   }
-  run.result = calibration::calibrate(run.scenes, run.cameras, start, run.options);
-  if (measure.only_compared && run.result.usable()) {
+  run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
+  if (measure.comparison_only && run.result.usable()) {
     run.result.reason =
         fmt::format("'{}' is there to be compared: it has been as sure of results that were wrong",
                     measure.name);
@@ -157,40 +159,42 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
 Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
   const calibration::CalibrationResult& result = run.result;
   const geometry::CameraModel& model = run.cameras.front().model;
-  const auto moved = geometry::extrinsic_error(result.T_head_lidar, run.start, model);
+  const auto moved = geometry::extrinsic_error(result.T_refcam_lidar, run.initial_pose, model);
   Json json = {{"camera", pairs.cameras.front().name},
                {"lidar", pairs.lidar},
                {"measure", run.measure},
                {"usable", result.usable()},
                {"reason", result.reason},
-               {"T_camera_lidar", matrix_json(result.T_head_lidar)},
-               {"start", matrix_json(run.start)},
-               {"moved", error_json(moved)},
+               {"T_camera_lidar", matrix_json(result.T_refcam_lidar)},
+               {"initial_T_camera_lidar", matrix_json(run.initial_pose)},
+               {"mahalanobis_distance", error_json(moved)},
                {"value", result.value},
-               {"value_at_start", result.value_at_start},
-               {"gain", result.value - result.value_at_start},
+               {"initial_value", result.initial_value},
+               {"gain", result.value - result.initial_value},
                {"points", result.points},
                {"support", rounded(result.support)},
                {"restarts", result.restarts},
-               {"returned", result.returned},
-               {"settled", result.settled},
+               {"restarts_converged", result.returned},
+               {"best_of_restarts", result.best_of_restarts},
                {"evaluations", result.evaluations},
                {"cpu_s", rounded(run.cpu_s)},
                {"scenes", scenes_json(run, pairs)},
                {"notes", pairs.notes}};
   if (result.uncertainty.usable()) {
     json["covariance"] = matrix_json(result.uncertainty.covariance);
-    json["cramer_rao_bound"] = matrix_json(result.uncertainty.bound);
+    json["cramer_rao_bound"] = matrix_json(result.uncertainty.cramer_rao_bound);
   }
   for (size_t c = 0; c < pairs.cameras.size() && pairs.cameras.size() > 1; ++c) {
     json["cameras"].push_back(
         {{"name", pairs.cameras[c].name},
-         {"T_camera_lidar", matrix_json(T_camera_head(pairs, c) * result.T_head_lidar)}});
+         {"T_camera_lidar", matrix_json(T_camera_refcam(pairs, c) * result.T_refcam_lidar)}});
   }
-  if (!result.doubts.empty()) json["doubts"] = doubts_json(result.doubts);
+  if (!result.model_mismatches.empty())
+    json["model_checks"] = model_checks_json(result.model_mismatches);
   if (result.split_half) json["split_half_covariance"] = matrix_json(*result.split_half);
   if (pairs.truth) {
-    json["error"] = error_json(geometry::extrinsic_error(result.T_head_lidar, *pairs.truth, model));
+    json["error"] =
+        error_json(geometry::extrinsic_error(result.T_refcam_lidar, *pairs.truth, model));
   }
   return json;
 }
@@ -198,15 +202,15 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
 std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
   const calibration::CalibrationResult& result = run.result;
   const geometry::CameraModel& model = run.cameras.front().model;
-  const auto moved = geometry::extrinsic_error(result.T_head_lidar, run.start, model);
+  const auto moved = geometry::extrinsic_error(result.T_refcam_lidar, run.initial_pose, model);
   std::string text = fmt::format("{} against {}: {}, measure {}, {} scenes, {} points, {:.1f} s\n",
                                  camera_names(pairs), pairs.lidar,
                                  result.usable() ? "usable" : "NOT USABLE: " + result.reason,
                                  run.measure, run.scenes.size(), result.points, run.cpu_s);
   text += fmt::format("  {:.3f} deg, {:.1f} cm from the start; measure {:.5f}, there {:.5f}\n",
                       moved.rotation * kDegrees, 100 * moved.translation, result.value,
-                      result.value_at_start);
-  const Eigen::Matrix4d& T = result.T_head_lidar.matrix();
+                      result.initial_value);
+  const Eigen::Matrix4d& T = result.T_refcam_lidar.matrix();
   text += fmt::format("  T_camera_lidar{} =\n",
                       pairs.cameras.size() > 1 ? " of " + pairs.cameras.front().name : "");
   for (int row = 0; row < 4; ++row) {
@@ -215,27 +219,27 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
   }
   if (result.uncertainty.usable()) {
     text += "  standard deviation (rx ry rz, tx ty tz), from how scenes disagree: " +
-            spread_text(result.uncertainty.covariance) + "\n";
+            sigma_text(result.uncertainty.covariance) + "\n";
   }
   if (result.split_half) {
-    text += "    from halves of the scenes: " + spread_text(*result.split_half) + "\n";
+    text += "    from halves of the scenes: " + sigma_text(*result.split_half) + "\n";
   }
   if (result.uncertainty.usable()) {
-    text += "    Cramer-Rao bound: " + spread_text(result.uncertainty.bound) + "\n";
+    text += "    Cramer-Rao bound: " + sigma_text(result.uncertainty.cramer_rao_bound) + "\n";
   }
   text += fmt::format("  {:.0f} % of small wrong rotations fit worse; {} of {} restarts led back\n",
                       100 * result.support, result.returned, result.restarts);
   if (pairs.truth) {
-    const auto error = geometry::extrinsic_error(result.T_head_lidar, *pairs.truth, model);
+    const auto error = geometry::extrinsic_error(result.T_refcam_lidar, *pairs.truth, model);
     text += fmt::format("  against the drive's truth: {:.3f} deg, {:.1f} cm, {:.1f} pixels\n",
                         error.rotation * kDegrees, 100 * error.translation, error.pixels);
   }
-  for (const calibration::ModelDoubt& doubt : result.doubts) {
-    if (doubt.doubtful) text += "  doubt: " + doubt_text(doubt) + "\n";
-    if (doubt.unit == std::string("ms")) {
+  for (const calibration::ModelMismatch& check : result.model_mismatches) {
+    if (check.significant) text += "  doubt: " + model_check_text(check) + "\n";
+    if (check.unit == std::string("ms")) {
       text += fmt::format("  pictures stamped 10 ms late would move it by {:.3f} deg, {:.1f} cm\n",
-                          10 * doubt.moves.head<3>().norm() * kDegrees,
-                          10 * 100 * doubt.moves.tail<3>().norm());
+                          10 * check.pose_sensitivity.head<3>().norm() * kDegrees,
+                          10 * 100 * check.pose_sensitivity.tail<3>().norm());
     }
   }
   for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";

@@ -16,16 +16,16 @@ namespace infuse::daemon {
 struct CalibrationRun {
   std::string measure;
   std::vector<calibration::Scene> scenes;
-  std::vector<calibration::RigCamera> cameras;              ///< one
-  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  ///< T_camera_lidar
+  std::vector<calibration::RigCamera> cameras;                     ///< one
+  Eigen::Isometry3d initial_pose = Eigen::Isometry3d::Identity();  ///< T_camera_lidar
   calibration::CalibrateOptions options;
   calibration::CalibrationResult result;
   double cpu_s = 0;
 };
 
 /// Moved at random, evenly within ± `angle` (rad) about and ± `length` (m) along each axis.
-Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, double angle, double length,
-                            std::mt19937_64& random);
+Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double length,
+                          std::mt19937_64& random);
 
 /// Calibrates with a named measure. Errors: a pair of which no scene can be made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,

@@ -23,12 +23,12 @@ struct OpenDrive {
   DriveSetup setup;
   size_t camera = 0;
   size_t lidar = 0;
-  std::vector<recording::SequenceEntry> pictures;  ///< stamps are those of the exposure
+  std::vector<recording::SequenceEntry> images;  ///< stamps are those of the exposure
 };
 
 template <class Mounts>
-Result<size_t> find(const Mounts& mounts, const std::string& name, const char* kind,
-                    const std::string& drive) {
+Result<size_t> find_by_name(const Mounts& mounts, const std::string& name, const char* kind,
+                            const std::string& drive) {
   std::string names;
   for (size_t i = 0; i < mounts.size(); ++i) {
     if (mounts[i].name == name || (name.empty() && mounts.size() == 1)) return i;
@@ -40,15 +40,16 @@ Result<size_t> find(const Mounts& mounts, const std::string& name, const char* k
               drive, fmt::format("choose one with --{}: {}", kind, names));
 }
 
-Result<OpenDrive> open(const std::string& path, const std::string& name,
-                       const std::string& lidar_name) {
+Result<OpenDrive> open_sensors(const std::string& path, const std::string& name,
+                               const std::string& lidar_name) {
   auto drive = recording::Drive::open(path);
   if (!drive) return tl::unexpected(drive.error());
   const Rig& rig = drive->description.rig;
-  const auto camera = find(rig.cameras, name, "camera", path);
+  const auto camera = find_by_name(rig.cameras, name, "camera", path);
   if (!camera) return tl::unexpected(camera.error());
   const CameraMount& mount = rig.cameras[*camera];
-  const auto lidar = find(rig.lidars, lidar_name.empty() ? mount.lidar : lidar_name, "lidar", path);
+  const auto lidar =
+      find_by_name(rig.lidars, lidar_name.empty() ? mount.lidar : lidar_name, "lidar", path);
   if (!lidar) return tl::unexpected(lidar.error());
   if (mount.lidar != rig.lidars[*lidar].name) {
     return fail(
@@ -65,110 +66,116 @@ Result<OpenDrive> open(const std::string& path, const std::string& name,
 }
 
 /// `count` of the entries, spread evenly.
-std::vector<recording::SequenceEntry> spread(const std::vector<recording::SequenceEntry>& all,
-                                             size_t count) {
+std::vector<recording::SequenceEntry> select_evenly(
+    const std::vector<recording::SequenceEntry>& all, size_t count) {
   if (all.size() <= count) return all;
-  std::vector<recording::SequenceEntry> some;
-  for (size_t k = 0; k < count; ++k) some.push_back(all[(2 * k + 1) * all.size() / (2 * count)]);
-  return some;
+  std::vector<recording::SequenceEntry> selected;
+  for (size_t k = 0; k < count; ++k)
+    selected.push_back(all[(2 * k + 1) * all.size() / (2 * count)]);
+  return selected;
 }
 
-Result<CameraFrame> decode(const fs::path& path, const camera::PictureOptions& options) {
+Result<CameraFrame> decode_image_file(const fs::path& path, const camera::ImageOptions& options) {
   std::ifstream stream(path, std::ios::binary);
   const std::vector<uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
   if (!stream.good() && bytes.empty()) return fail("cannot be read", path.string());
   CameraFrame frame;
-  camera::PictureOptions grey = options;
+  camera::ImageOptions grey = options;
   grey.bayer.reset();  // a mosaic's values are grey enough once they are smoothed
-  if (auto decoded = camera::decode_picture(bytes, grey, frame); !decoded) {
+  if (auto decoded = camera::decode_image(bytes, grey, frame); !decoded) {
     return fail(decoded.error().what, path.string(), decoded.error().hint);
   }
   return frame;
 }
 
 /// Plays the drive and finds each picture its sweep.
-std::vector<PairedSweep> pair_sweeps(OpenDrive& open,
-                                     const std::vector<recording::SequenceEntry>& pictures,
+std::vector<PairedSweep> pair_sweeps(OpenDrive& open_sensors,
+                                     const std::vector<recording::SequenceEntry>& images,
                                      const std::function<void(double)>& progress) {
-  const Rig& rig = open.drive.description.rig;
-  SweepPairing pairing(rig.lidars[open.lidar].T_vehicle_lidar, open.setup.vehicle.has_odometry());
-  for (const recording::SequenceEntry& picture : pictures) pairing.want(picture.stamp);
-  const auto on_sweep = [&](Sweep& sweep) { pairing.take(sweep); };
-  const auto on_sample = [&](const VehicleSample& sample) { pairing.take(sample); };
-  const double span =
-      pictures.empty() ? 1 : to_seconds(pictures.back().stamp - pictures.front().stamp);
-  play_lidar(open.setup, open.lidar, on_sweep, on_sample, [&](const recording::DriveEvent& event) {
-    pairing.advance(event.stamp);
-    if (!pictures.empty() && span > 0) {
-      progress(std::clamp(to_seconds(event.stamp - pictures.front().stamp) / span, 0.0, 1.0));
-    }
-    return !pairing.done();
-  });
+  const Rig& rig = open_sensors.drive.description.rig;
+  SweepPairing pairing(rig.lidars[open_sensors.lidar].T_vehicle_lidar,
+                       open_sensors.setup.vehicle.has_odometry());
+  for (const recording::SequenceEntry& image : images) pairing.add_exposure(image.stamp);
+  const auto on_sweep = [&](Sweep& sweep) { pairing.add_sweep(sweep); };
+  const auto on_sample = [&](const VehicleSample& sample) { pairing.add_sample(sample); };
+  const double span = images.empty() ? 1 : to_seconds(images.back().stamp - images.front().stamp);
+  play_lidar(
+      open_sensors.setup, open_sensors.lidar, on_sweep, on_sample,
+      [&](const recording::DriveEvent& event) {
+        pairing.advance(event.stamp);
+        if (!images.empty() && span > 0) {
+          progress(std::clamp(to_seconds(event.stamp - images.front().stamp) / span, 0.0, 1.0));
+        }
+        return !pairing.done();
+      });
   return pairing.finish();
 }
 
 /// Adds a drive's pairs of a camera; what is left out is noted.
-Result<void> add_pairs(OpenDrive& open, size_t camera, size_t count, const SceneRequest& request,
-                       const std::function<void(double)>& progress, ScenePairs& out) {
-  const auto pictures = spread(open.pictures, count);
+Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
+                       const SceneRequest& request, const std::function<void(double)>& progress,
+                       ScenePairs& out) {
+  const auto images = select_evenly(open_sensors.images, count);
   const CameraMount& mount = out.cameras[camera];
-  std::string drive = fs::path(open.drive.folder).lexically_normal().filename().string();
+  std::string drive = fs::path(open_sensors.drive.folder).lexically_normal().filename().string();
   if (request.cameras.size() > 1) drive += "/" + mount.name;
-  std::vector<PairedSweep> sweeps = pair_sweeps(open, pictures, progress);
-  size_t apart = 0;
-  std::map<std::string, size_t> bent;
-  for (size_t k = 0; k < pictures.size(); ++k) {
+  std::vector<PairedSweep> sweeps = pair_sweeps(open_sensors, images, progress);
+  size_t unpaired = 0;
+  std::map<std::string, size_t> not_deskewed;
+  for (size_t k = 0; k < images.size(); ++k) {
     if (!sweeps[k].found || sweeps[k].gap > request.max_gap) {
-      ++apart;
+      ++unpaired;
       continue;
     }
-    auto frame = decode(pictures[k].path, open.setup.cameras[open.camera]);
+    auto frame = decode_image_file(images[k].path, open_sensors.setup.cameras[open_sensors.camera]);
     if (!frame) return tl::unexpected(frame.error());
     const CameraIntrinsics& intrinsics = mount.intrinsics;
     if (frame->width != intrinsics.width || frame->height != intrinsics.height) {
       return fail(fmt::format("the picture has {} x {} pixels, the rig says {} x {}", frame->width,
                               frame->height, intrinsics.width, intrinsics.height),
-                  pictures[k].path.string(), "intrinsics hold for one size of picture only");
+                  images[k].path.string(), "intrinsics hold for one size of picture only");
     }
-    if (!sweeps[k].uncompensated.empty()) ++bent[sweeps[k].uncompensated];
-    out.pairs.push_back({.name = fmt::format("{}/{:06}", drive, pictures[k].number),
+    if (!sweeps[k].deskew_reason.empty()) ++not_deskewed[sweeps[k].deskew_reason];
+    out.pairs.push_back({.name = fmt::format("{}/{:06}", drive, images[k].number),
                          .camera = camera,
-                         .stamp = pictures[k].stamp,
+                         .stamp = images[k].stamp,
                          .gap = sweeps[k].gap,
                          .frame = std::move(*frame),
                          .sweep = std::move(sweeps[k].sweep),
-                         .uncompensated = sweeps[k].uncompensated,
+                         .deskew_reason = sweeps[k].deskew_reason,
                          .twist = sweeps[k].twist});
   }
-  if (apart > 0) {
+  if (unpaired > 0) {
     out.notes.push_back(fmt::format(
         "{}: {} of {} pictures have no sweep within {:.0f} ms: do the stamps of camera and lidar "
         "belong to one clock?",
-        drive, apart, pictures.size(), 1e3 * to_seconds(request.max_gap)));
+        drive, unpaired, images.size(), 1e3 * to_seconds(request.max_gap)));
   }
-  for (const auto& [reason, times] : bent) {
+  for (const auto& [reason, times] : not_deskewed) {
     out.notes.push_back(
         fmt::format("{}: {} sweeps not corrected for motion: {}", drive, times, reason));
   }
   return {};
 }
 
-std::optional<Eigen::Isometry3d> true_extrinsics(const OpenDrive& open, const std::string& camera) {
-  if (open.drive.description.truth_rig.empty()) return std::nullopt;
-  const auto rig = recording::read_rig(open.drive.resolve(open.drive.description.truth_rig));
+std::optional<Eigen::Isometry3d> true_extrinsics(const OpenDrive& open_sensors,
+                                                 const std::string& camera) {
+  if (open_sensors.drive.description.truth_rig.empty()) return std::nullopt;
+  const auto rig =
+      recording::read_rig(open_sensors.drive.resolve(open_sensors.drive.description.truth_rig));
   const CameraMount* mount = rig ? rig->find_camera(camera) : nullptr;
   if (mount == nullptr) return std::nullopt;
   return mount->T_camera_lidar;
 }
 
-bool same(const CameraIntrinsics& a, const CameraIntrinsics& b) {
+bool same_intrinsics(const CameraIntrinsics& a, const CameraIntrinsics& b) {
   return a.model == b.model && a.width == b.width && a.height == b.height && a.fx == b.fx &&
          a.fy == b.fy && a.cx == b.cx && a.cy == b.cy && a.distortion == b.distortion;
 }
 
 }  // namespace
 
-Eigen::Isometry3d T_camera_head(const ScenePairs& pairs, size_t camera) {
+Eigen::Isometry3d T_camera_refcam(const ScenePairs& pairs, size_t camera) {
   return pairs.cameras[camera].T_camera_lidar * pairs.cameras.front().T_camera_lidar.inverse();
 }
 
@@ -190,7 +197,7 @@ Result<ScenePairs> read_scene_pairs(const SceneRequest& request,
     const size_t before = out.pairs.size();
     for (size_t d = 0; d < drives; ++d) {
       const std::string lidar = request.lidar.empty() ? out.lidar : request.lidar;
-      auto opened = open(request.drives[d], cameras[c], lidar);
+      auto opened = open_sensors(request.drives[d], cameras[c], lidar);
       if (!opened) return tl::unexpected(opened.error());
       const Rig& rig = opened->drive.description.rig;
       const CameraMount& camera = rig.cameras[opened->camera];
@@ -201,12 +208,12 @@ Result<ScenePairs> read_scene_pairs(const SceneRequest& request,
           out.rig = rig;
           out.truth = true_extrinsics(*opened, camera.name);
         }
-      } else if (!same(camera.intrinsics, out.cameras[c].intrinsics)) {
+      } else if (!same_intrinsics(camera.intrinsics, out.cameras[c].intrinsics)) {
         return fail("the camera's intrinsics differ from the first drive's", request.drives[d],
                     "drives of one rig only can be calibrated together");
       }
       // What earlier drives did not give is left to those that follow.
-      const size_t missing = static_cast<size_t>(request.scenes) - (out.pairs.size() - before);
+      const size_t missing = static_cast<size_t>(request.max_scenes) - (out.pairs.size() - before);
       const auto part = [&](double share) {
         progress((static_cast<double>(c * drives + d) + share) /
                  static_cast<double>(cameras.size() * drives));

@@ -18,7 +18,8 @@ struct SceneRequest {
   std::vector<std::string> drives;
   std::vector<std::string> cameras;  ///< names, the head first; empty: the only one
   std::string lidar;                 ///< name; empty: the one that the head's extrinsics refer to
-  int scenes = 20;  ///< of each camera at most, all drives together, spread evenly over their time
+  int max_scenes =
+      20;  ///< of each camera at most, all drives together, spread evenly over their time
   Duration max_gap{75'000'000};  ///< between the exposure and the middle of the sweep
 };
 
@@ -30,7 +31,7 @@ struct ScenePair {
   Duration gap{0};    ///< to the middle of the sweep
   CameraFrame frame;
   Sweep sweep;                ///< as of the exposure, where `uncompensated` is empty
-  std::string uncompensated;  ///< why the sweep is as it was measured; empty where it is straight
+  std::string deskew_reason;  ///< why the sweep is as it was measured; empty where it is straight
   std::optional<geometry::Vector6> twist;  ///< PairedSweep::twist
 };
 
@@ -47,7 +48,7 @@ struct ScenePairs {
 };
 
 /// Where a camera stands relative to the head, as the rig says.
-Eigen::Isometry3d T_camera_head(const ScenePairs& pairs, size_t camera);
+Eigen::Isometry3d T_camera_refcam(const ScenePairs& pairs, size_t camera);
 
 /// "front", or "front, left and right" of several.
 std::string camera_names(const ScenePairs& pairs);

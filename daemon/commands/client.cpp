@@ -5,25 +5,25 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr std::chrono::seconds kPatience{5};
+constexpr std::chrono::seconds kReplyTimeout{5};
 
 }  // namespace
 
 Result<Client> Client::connect(const std::filesystem::path& path) {
-  const auto places = path.empty() ? default_socket_paths() : std::vector{path};
+  const auto paths = path.empty() ? default_socket_paths() : std::vector{path};
   std::string tried;
-  for (const std::filesystem::path& place : places) {
-    tried += (tried.empty() ? "" : ", ") + place.string();
+  for (const std::filesystem::path& candidate : paths) {
+    tried += (tried.empty() ? "" : ", ") + candidate.string();
     auto stream = std::make_unique<Stream>();
-    stream->connect(boost::asio::local::stream_protocol::endpoint(place.string()));
+    stream->connect(boost::asio::local::stream_protocol::endpoint(candidate.string()));
     if (!*stream) continue;
-    Client client(std::move(stream), place.string());
-    auto greeting = client.next(kPatience);
+    Client client(std::move(stream), candidate.string());
+    auto greeting = client.next(kReplyTimeout);
     if (!greeting) return tl::unexpected(greeting.error());
     if (!*greeting || (*greeting)->value("class", "") != "VERSION") {
       return fail(*greeting ? (*greeting)->value("what", "it does not greet as infused does")
                             : "it hung up at once",
-                  place.string());
+                  candidate.string());
     }
     client.version_ = **greeting;
     return client;
@@ -37,9 +37,9 @@ Result<void> Client::send(const Json& request) {
   return {};
 }
 
-Result<std::optional<Json>> Client::next(std::optional<std::chrono::seconds> patience) {
-  if (patience) {
-    stream_->expires_after(*patience);
+Result<std::optional<Json>> Client::next(std::optional<std::chrono::seconds> timeout) {
+  if (timeout) {
+    stream_->expires_after(*timeout);
   } else {
     stream_->expires_at(std::chrono::steady_clock::time_point::max());
   }

@@ -27,7 +27,7 @@ class Client {
 
   /// The next message; nothing when the daemon has ended. Waits for `patience` at most, or for
   /// ever.
-  Result<std::optional<Json>> next(std::optional<std::chrono::seconds> patience);
+  Result<std::optional<Json>> next(std::optional<std::chrono::seconds> timeout);
 
  private:
   using Stream = boost::asio::local::stream_protocol::iostream;

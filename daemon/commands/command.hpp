@@ -7,7 +7,7 @@ namespace infuse::daemon {
 
 /// A sub-command of `infuse`.
 struct Command {
-  CLI::App* app;             ///< says whether it was asked for
+  CLI::App* app;             ///< says whether it was requested
   std::function<int()> run;  ///< does the work after the arguments were parsed; the exit code
 };
 

@@ -35,7 +35,7 @@ int print(const Arguments& arguments, const Result<Score>& score) {
 
 int run(const Arguments& arguments) {
   if (!(arguments.span_s > 0 && arguments.span_s <= 1e6)) {
-    return complain(kProgram, {"--span must be a number of seconds above 0", "", ""}, kUsage);
+    return print_error(kProgram, {"--span must be a number of seconds above 0", "", ""}, kUsage);
   }
   if (is_calibration(arguments.result)) {
     return print(arguments, score_rig(arguments.result, arguments.truth));
@@ -43,7 +43,7 @@ int run(const Arguments& arguments) {
   const auto score = score_trajectory(arguments.result, arguments.truth, arguments.alignment,
                                       from_seconds(arguments.span_s));
   const int code = print(arguments, score);
-  return score && !score->absolute.usable() ? int{kNo} : code;
+  return score && !score->absolute.usable() ? int{kFailure} : code;
 }
 
 }  // namespace
@@ -51,9 +51,9 @@ int run(const Arguments& arguments) {
 Command declare_evaluate(CLI::App& infuse) {
   const std::map<std::string, motion::Alignment> alignments = {
       {"none", motion::Alignment::kNone},
-      {"first", motion::Alignment::kFirst},
+      {"first", motion::Alignment::kFirstPose},
       {"rigid", motion::Alignment::kRigid},
-      {"similar", motion::Alignment::kSimilar}};
+      {"similar", motion::Alignment::kSimilarity}};
   CLI::App* app = infuse.add_subcommand("evaluate", "scores a trajectory or a calibration");
   const auto arguments = std::make_shared<Arguments>();
   app->add_option("RESULT", arguments->result,

@@ -6,8 +6,8 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/protocol/counters_json.hpp"
-#include "drivers/recording/kitti_import.hpp"
-#include "drivers/recording/opencalib_import.hpp"
+#include "drivers/import/kitti_import.hpp"
+#include "drivers/import/opencalib_import.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -20,7 +20,7 @@ struct Arguments {
 
 int run_kitti(const Arguments& arguments) {
   const auto imported = recording::import_kitti(arguments.source, arguments.drive);
-  if (!imported) return complain("infuse import kitti", imported.error(), kUnreadable);
+  if (!imported) return print_error("infuse import kitti", imported.error(), kUnreadable);
   if (arguments.json) {
     Json json = {{"layout", recording::to_string(imported->layout)},
                  {"drive", arguments.drive},
@@ -36,26 +36,27 @@ int run_kitti(const Arguments& arguments) {
   std::cout << fmt::format("{}: {} sweeps, {} images, {} poses from KITTI's {} layout{}\n",
                            arguments.drive, imported->sweeps, imported->images, imported->poses,
                            recording::to_string(imported->layout),
-                           imported->times_trusted ? "" : "; it has no times, they are made up");
+                           imported->times_trusted ? "" : "; it has no times, they are synthetic");
   for (const Error& note : imported->notes) std::cout << "  note: " << note.message() << "\n";
   return kDone;
 }
 
 int run_opencalib(const Arguments& arguments) {
   const auto imported = recording::import_opencalib(arguments.source, arguments.drive);
-  if (!imported) return complain("infuse import opencalib", imported.error(), kUnreadable);
+  if (!imported) return print_error("infuse import opencalib", imported.error(), kUnreadable);
   if (arguments.json) {
     std::cout << Json{{"drive", arguments.drive}, {"sweeps", 1}, {"images", 1}}.dump() << "\n";
   } else {
-    std::cout << fmt::format("{}: a sweep and an image; their time is made up\n", arguments.drive);
+    std::cout << fmt::format("{}: a sweep and an image; their time is synthetic\n",
+                             arguments.drive);
   }
   return kDone;
 }
 
 /// Declares where from and where to.
-std::shared_ptr<Arguments> declare(CLI::App* app, const char* source, const char* told) {
+std::shared_ptr<Arguments> declare(CLI::App* app, const char* source, const char* description) {
   const auto arguments = std::make_shared<Arguments>();
-  app->add_option(source, arguments->source, told)->required();
+  app->add_option(source, arguments->source, description)->required();
   app->add_option("-o,--output", arguments->drive, "drive folder to be made")
       ->required()
       ->type_name("DRIVE");

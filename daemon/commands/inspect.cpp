@@ -25,11 +25,11 @@ struct Arguments {
 /// What is in the files, before anything is decoded.
 struct Contents {
   CaptureSurvey survey;
-  std::map<std::string, Arrivals> others;  ///< "camera 0", "CAN frames", ...
+  std::map<std::string, Arrivals> other_streams;  ///< "camera 0", "CAN frames", ...
   std::vector<Error> notes;
 };
 
-Result<Contents> look_into_capture(const std::filesystem::path& path) {
+Result<Contents> survey_capture(const std::filesystem::path& path) {
   auto reader = recording::PcapReader::open(path);
   if (!reader) return tl::unexpected(reader.error());
   Contents contents;
@@ -47,10 +47,10 @@ std::string kind_of(const recording::DriveEvent& event) {
     return fmt::format("decoded sweeps of lidar {}", sweep->lidar);
   }
   if (std::holds_alternative<recording::CanLineEvent>(event.content)) return "CAN frames";
-  return std::holds_alternative<GpsFix>(event.content) ? "GPS fixes" : "IMU samples";
+  return std::holds_alternative<GnssFix>(event.content) ? "GNSS fixes" : "IMU samples";
 }
 
-Result<Contents> look_into_drive(const std::filesystem::path& path) {
+Result<Contents> survey_drive(const std::filesystem::path& path) {
   const auto drive = recording::Drive::open(path);
   if (!drive) return tl::unexpected(drive.error());
   auto source = recording::DriveSource::open(*drive);
@@ -61,7 +61,7 @@ Result<Contents> look_into_drive(const std::filesystem::path& path) {
     if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
       contents.survey.add(datagram->datagram);
     } else {
-      contents.others[kind_of(event)].add(event.stamp);
+      contents.other_streams[kind_of(event)].add(event.stamp);
     }
   }
   contents.notes = source->notes();
@@ -80,7 +80,7 @@ Summary replay(DriveSetup setup) {
 }
 
 /// What a person should look at.
-std::vector<std::string> problems(const Contents& contents, const Result<Summary>& summary) {
+std::vector<std::string> list_problems(const Contents& contents, const Result<Summary>& summary) {
   std::vector<std::string> list;
   // The replay read the same files, and looked into their lines too.
   const std::vector<Error>& notes = summary ? summary->notes : contents.notes;
@@ -144,7 +144,7 @@ Json to_json(const Arguments& arguments, const Contents& contents, const Result<
     entry["last_size_bytes"] = stream.last_size;
     json["streams"].push_back(std::move(entry));
   }
-  for (const auto& [what, arrivals] : contents.others) {
+  for (const auto& [what, arrivals] : contents.other_streams) {
     json["streams"].push_back(arrivals_json(what, arrivals));
   }
   json["devices"] = Json::array();
@@ -154,7 +154,7 @@ Json to_json(const Arguments& arguments, const Contents& contents, const Result<
     json["sensors"] = replayed["streams"];
     if (replayed.contains("odometry")) json["odometry"] = replayed["odometry"];
   }
-  json["problems"] = problems(contents, summary);
+  json["problems"] = list_problems(contents, summary);
   return json;
 }
 
@@ -172,7 +172,7 @@ std::string to_text(const Arguments& arguments, const Contents& contents,
                                       address_text(stream.sender), stream.port),
                           stream.arrivals);
   }
-  for (const auto& [what, arrivals] : contents.others) text += arrivals_text(what, arrivals);
+  for (const auto& [what, arrivals] : contents.other_streams) text += arrivals_text(what, arrivals);
   if (summary) {
     text += "lidars\n";
     for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
@@ -187,7 +187,7 @@ std::string to_text(const Arguments& arguments, const Contents& contents,
     }
     if (summary->has_odometry) text += odometry_text(summary->totals.odometry);
   }
-  const auto list = problems(contents, summary);
+  const auto list = list_problems(contents, summary);
   text += list.empty() ? "no problems\n" : "problems\n";
   for (const std::string& problem : list) text += "  " + problem + "\n";
   return text;
@@ -198,19 +198,18 @@ int run(const Arguments& arguments) {
   if (!arguments.model.empty()) {
     model = velodyne::find_model(arguments.model);
     if (!model) {
-      return complain("infuse inspect", {"unknown model '" + arguments.model + "'", "--model", ""},
-                      kUsage);
+      return print_error("infuse inspect",
+                         {"unknown model '" + arguments.model + "'", "--model", ""}, kUsage);
     }
   }
   std::error_code ignored;
   const bool folder = std::filesystem::is_directory(arguments.path, ignored);
   ProgressLine line;
   line.show(std::nullopt, "reading " + arguments.path);
-  const auto contents =
-      folder ? look_into_drive(arguments.path) : look_into_capture(arguments.path);
+  const auto contents = folder ? survey_drive(arguments.path) : survey_capture(arguments.path);
   if (!contents) {
     line.clear();
-    return complain("infuse inspect", contents.error(), kUnreadable);
+    return print_error("infuse inspect", contents.error(), kUnreadable);
   }
   line.show(std::nullopt, "decoding " + arguments.path);
   const Result<Summary> summary = open_drive(arguments.path, {}, model).map(replay);

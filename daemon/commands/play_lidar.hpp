@@ -9,27 +9,28 @@
 namespace infuse::daemon {
 
 /// Plays a drive for one of its lidars and the vehicle's odometry: `on_sweep(Sweep&)`,
-/// `on_sample(const VehicleSample&)`, and after every event of the drive `go_on(const
+/// `on_sample(const VehicleSample&)`, and after every event of the drive `on_event(const
 /// DriveEvent&)`, false of which ends it early. At the drive's end the sweep that was being
 /// assembled is given as well.
-template <class OnSweep, class OnSample, class GoOn>
-void play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample, GoOn go_on) {
+template <class OnSweep, class OnSample, class OnEvent>
+void play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample,
+                OnEvent on_event) {
   LidarIntake intake(setup.lidars[lidar]);
   VehicleIntake vehicle(setup.vehicle);
   recording::DriveEvent event;
   while (setup.source.next(event)) {
     if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
-      if (datagram->lidar == lidar) intake.take(datagram->datagram, on_sweep);
+      if (datagram->lidar == lidar) intake.add_datagram(datagram->datagram, on_sweep);
     } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-      if (sweep->lidar == lidar) intake.take(*sweep->sweep, on_sweep);
+      if (sweep->lidar == lidar) intake.add_datagram(*sweep->sweep, on_sweep);
     } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
-      vehicle.take_line(bus->line, event.stamp, on_sample);
+      vehicle.add_can_line(bus->line, event.stamp, on_sample);
     } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
       on_sample(*imu);
-    } else if (const auto* fix = std::get_if<GpsFix>(&event.content)) {
+    } else if (const auto* fix = std::get_if<GnssFix>(&event.content)) {
       on_sample(*fix);
     }
-    if (!go_on(event)) return;
+    if (!on_event(event)) return;
   }
   intake.finish(on_sweep);
 }

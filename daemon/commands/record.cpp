@@ -13,7 +13,7 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kProgram = "infuse record";
-constexpr std::chrono::seconds kPatience{10};  // a report comes each second
+constexpr std::chrono::seconds kReportTimeout{10};  // a report comes each second
 
 struct Arguments {
   std::string socket;
@@ -26,14 +26,14 @@ struct Arguments {
 };
 
 /// What ends the recording, from here on; it would else end this program in the middle of a report.
-void hold_interrupts(bool hold) {
+void block_interrupts(bool block) {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
   const timespec now{};
-  if (!hold) sigtimedwait(&signals, nullptr, &now);
-  sigprocmask(hold ? SIG_BLOCK : SIG_UNBLOCK, &signals, nullptr);
+  if (!block) sigtimedwait(&signals, nullptr, &now);
+  sigprocmask(block ? SIG_BLOCK : SIG_UNBLOCK, &signals, nullptr);
 }
 
 bool interrupted() {
@@ -43,9 +43,9 @@ bool interrupted() {
 }
 
 /// The next message of one of these classes.
-Result<Json> await(Client& client, const std::vector<std::string>& classes) {
+Result<Json> wait_for_message(Client& client, const std::vector<std::string>& classes) {
   while (true) {
-    auto message = client.next(kPatience);
+    auto message = client.next(kReportTimeout);
     if (!message) return tl::unexpected(message.error());
     if (!*message) return fail("the daemon has ended");
     const std::string name = (*message)->value("class", "");
@@ -56,15 +56,16 @@ Result<Json> await(Client& client, const std::vector<std::string>& classes) {
 }
 
 /// Sends a request and waits until it was carried out.
-Result<void> ask(Client& client, const Json& request) {
+Result<void> send_request(Client& client, const Json& request) {
   if (auto sent = client.send(request); !sent) return sent;
-  return await(client, {"ACK", "ERROR"}).and_then([](const Json& answer) -> Result<void> {
-    if (answer.value("class", "") == "ACK") return {};
-    return fail(answer.value("what", ""), "", answer.value("hint", ""));
-  });
+  return wait_for_message(client, {"ACK", "ERROR"})
+      .and_then([](const Json& answer) -> Result<void> {
+        if (answer.value("class", "") == "ACK") return {};
+        return fail(answer.value("what", ""), "", answer.value("hint", ""));
+      });
 }
 
-Json request_of(const Arguments& arguments) {
+Json make_request(const Arguments& arguments) {
   Json request = {{"op", "record"}};
   if (arguments.stop) request["on"] = false;
   if (!arguments.name.empty()) request["name"] = arguments.name;
@@ -76,13 +77,13 @@ Json request_of(const Arguments& arguments) {
 /// Shows how the recording goes until it ends; an interrupt ends it. Gives the last report.
 Result<Json> follow(Client& client) {
   ProgressLine line;
-  hold_interrupts(true);
+  block_interrupts(true);
   while (true) {
-    auto report = await(client, {"RECORD"});
+    auto report = wait_for_message(client, {"RECORD"});
     if (!report || report->value("state", "") != "recording") return report;
     line.show(std::nullopt, record_text(*report));
     if (!interrupted()) continue;
-    hold_interrupts(false);  // a second one ends at once
+    block_interrupts(false);  // a second one ends at once
     if (auto sent = client.send({{"op", "record"}, {"on", false}}); !sent) {
       return tl::unexpected(sent.error());
     }
@@ -91,18 +92,19 @@ Result<Json> follow(Client& client) {
 
 int run(const Arguments& arguments) {
   auto client = Client::connect(arguments.socket);
-  if (!client) return complain(kProgram, client.error(), kNo);
-  const auto begun = ask(*client, {{"op", "watch"}, {"classes", {"RECORD"}}}).and_then([&] {
-    return ask(*client, request_of(arguments));
-  });
-  if (!begun) return complain(kProgram, begun.error(), kNo);
+  if (!client) return print_error(kProgram, client.error(), kFailure);
+  const auto begun =
+      send_request(*client, {{"op", "watch"}, {"classes", {"RECORD"}}}).and_then([&] {
+        return send_request(*client, make_request(arguments));
+      });
+  if (!begun) return print_error(kProgram, begun.error(), kFailure);
   if (arguments.no_wait && !arguments.stop) return kDone;
   const auto report = follow(*client);
-  if (!report) return complain(kProgram, report.error(), kNo);
+  if (!report) return print_error(kProgram, report.error(), kFailure);
   std::cout << (arguments.json ? report->dump()
                                : report->value("folder", "") + "\n" + record_text(*report))
             << "\n";
-  return report->value("state", "") == "failed" ? kNo : kDone;
+  return report->value("state", "") == "failed" ? kFailure : kDone;
 }
 
 }  // namespace

@@ -24,9 +24,9 @@ std::string device_line(const Json& device) {
                      text(device, "model"), text(device, "endpoint"), text(device, "model_reason"));
 }
 
-std::string findings_text(const Json& of) {
+std::string findings_text(const Json& sensor) {
   std::string lines;
-  for (const Json& finding : of.value("findings", Json::array())) {
+  for (const Json& finding : sensor.value("findings", Json::array())) {
     lines += fmt::format("        {} ({})\n", text(finding, "what"), text(finding, "advice"));
   }
   return lines;
@@ -65,7 +65,7 @@ std::string record_text(const Json& record) {
       fmt::format("{} {}: {:.1f} s, {:.1f} MB; {} datagrams, {} frames, {} pictures, {} fixes",
                   text(record, "name"), text(record, "state"), record.value("duration_s", 0.0),
                   record.value("bytes", 0.0) * 1e-6, record.value("datagrams", uint64_t{0}),
-                  record.value("frames", uint64_t{0}), record.value("pictures", uint64_t{0}),
+                  record.value("frames", uint64_t{0}), record.value("images", uint64_t{0}),
                   record.value("fixes", uint64_t{0}));
   if (const auto lost = record.value("lost", uint64_t{0}); lost > 0) {
     line += fmt::format("; {} lost: the disk or the processor is too slow", lost);
@@ -82,10 +82,10 @@ std::string report_text(const Json& message) {
         time_text(message), text(message, "device"), message.value("sequence", uint64_t{0}),
         message.value("returns", uint64_t{0}), message.value("span_s", 0.0) * 1e3,
         message.value("mean_range", 0.0), message.value("lost_packets", uint64_t{0}),
-        message.value("straight", false)
+        message.value("deskewed", false)
             ? fmt::format("straight ({:.2f} m, {:.1f}°)", message.value("travelled", 0.0),
                           message.value("turned_deg", 0.0))
-            : "not straight: " + text(message, "straight_reason"));
+            : "not straight: " + text(message, "deskew_reason"));
   }
   if (name == "FRAME") {
     return fmt::format(
@@ -109,7 +109,8 @@ std::string report_text(const Json& message) {
   if (name == "CALIBRATION") {
     return fmt::format("{} CALIBRATION {} {} ({} looks, {} scenes)\n", time_text(message),
                        text(message, "device"), text(message, "state"),
-                       message.value("looks", uint64_t{0}), message.value("scenes", uint64_t{0}));
+                       message.value("evaluations", uint64_t{0}),
+                       message.value("scenes", uint64_t{0}));
   }
   if (name == "HEALTH") {
     return fmt::format("{} HEALTH {} after {:.0f} s\n{}", time_text(message),

@@ -6,7 +6,7 @@
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
-#include "drivers/recording/text_file.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {

@@ -31,9 +31,9 @@ Result<std::vector<Json>> poll(Client& client) {
 
 int run(const Arguments& arguments) {
   auto client = Client::connect(arguments.socket);
-  if (!client) return complain("infuse status", client.error(), kNo);
+  if (!client) return print_error("infuse status", client.error(), kFailure);
   const auto reports = poll(*client);
-  if (!reports) return complain("infuse status", reports.error(), kNo);
+  if (!reports) return print_error("infuse status", reports.error(), kFailure);
 
   if (!arguments.json) {
     std::cout << fmt::format("infused {}, protocol {}\n", client->version().value("release", ""),
@@ -49,7 +49,7 @@ int run(const Arguments& arguments) {
     if (!arguments.json) std::cout << report_text(report);
   }
   if (level.empty() && !arguments.json) std::cout << "no second of the drive has passed yet\n";
-  return level == "ERROR" || level == "STALE" ? kNo : kDone;
+  return level == "ERROR" || level == "STALE" ? kFailure : kDone;
 }
 
 }  // namespace

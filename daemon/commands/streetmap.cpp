@@ -11,7 +11,7 @@
 #include "daemon/protocol/counters_json.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
 #include "drivers/camera/png_encoder.hpp"
-#include "fusion/streetmap/map_picture.hpp"
+#include "fusion/streetmap/draw_map.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -22,36 +22,36 @@ constexpr double kDegree = std::numbers::pi / 180;
 struct Arguments {
   std::string input;
   std::string output;
-  std::string picture;
+  std::string image;
   std::optional<double> cell;
   std::optional<double> scale;
-  double edge = streetmap::ImageMapOptions().edge;
+  double edge = streetmap::ImageMapOptions().edge_threshold;
   bool json = false;
 };
 
-Result<void> write_picture(const streetmap::SegmentMap& map, const std::string& path) {
+Result<void> write_image(const streetmap::SegmentMap& map, const std::string& path) {
   const auto png = camera::encode_png(streetmap::draw_map(map));
   if (!png) return tl::unexpected(png.error());
-  return recording::write_whole(path, std::as_bytes(std::span(*png)));
+  return recording::write_file_atomically(path, std::as_bytes(std::span(*png)));
 }
 
 /// Segments by kind, as the map has them.
-std::array<uint64_t, streetmap::kSegmentKinds> count_kinds(const streetmap::SegmentMap& map) {
-  std::array<uint64_t, streetmap::kSegmentKinds> counts{};
-  for (uint32_t id = 1; id < map.segments(); ++id) {
+std::array<uint64_t, streetmap::kSegmentKindCount> count_kinds(const streetmap::SegmentMap& map) {
+  std::array<uint64_t, streetmap::kSegmentKindCount> counts{};
+  for (uint32_t id = 1; id < map.segment_count(); ++id) {
     ++counts[static_cast<size_t>(map.segment(id).kind)];
   }
   return counts;
 }
 
-Json report(const Arguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
-            const std::vector<Error>& warnings) {
+Json map_json(const Arguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
+              const std::vector<Error>& warnings) {
   const streetmap::MapFrame& frame = map.frame();
   Json json = {{"map", arguments.output},
-               {"segments", map.segments() - 1},
-               {"width_m", map.columns() * frame.cell},
-               {"height_m", map.rows() * frame.cell},
-               {"cell_m", frame.cell},
+               {"segments", map.segment_count() - 1},
+               {"width_m", map.columns() * frame.cell_size},
+               {"height_m", map.rows() * frame.cell_size},
+               {"cell_m", frame.cell_size},
                {"bytes", bytes},
                {"warnings", Json::array()}};
   if (frame.georeferenced) {
@@ -67,14 +67,14 @@ Json report(const Arguments& arguments, const streetmap::SegmentMap& map, size_t
   return json;
 }
 
-void print(const Arguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
-           const std::vector<Error>& warnings) {
+void print_map(const Arguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
+               const std::vector<Error>& warnings) {
   const streetmap::MapFrame& frame = map.frame();
   for (const Error& warning : warnings) std::cerr << kProgram << ": " << warning.message() << "\n";
   std::cout << fmt::format("{}: {:.2f} km × {:.2f} km in cells of {:g} m, {} segments, {:.1f} MB\n",
-                           arguments.output, map.columns() * frame.cell / 1000,
-                           map.rows() * frame.cell / 1000, frame.cell, map.segments() - 1,
-                           static_cast<double>(bytes) / 1e6);
+                           arguments.output, map.columns() * frame.cell_size / 1000,
+                           map.rows() * frame.cell_size / 1000, frame.cell_size,
+                           map.segment_count() - 1, static_cast<double>(bytes) / 1e6);
   const auto counts = count_kinds(map);
   for (size_t kind = 1; kind < counts.size(); ++kind) {
     if (counts[kind] == 0) continue;
@@ -89,40 +89,42 @@ void print(const Arguments& arguments, const streetmap::SegmentMap& map, size_t 
 
 int run(const Arguments& arguments) {
   StreetMapOptions options;
-  if (is_picture(arguments.input)) {
+  if (is_image_file(arguments.input)) {
     if (!arguments.scale) {
-      return complain(kProgram,
-                      {"a picture has no scale of its own", arguments.input,
-                       "say how much of the ground a pixel shows: --scale METRES"},
-                      kUsage);
+      return print_error(kProgram,
+                         {"a picture has no scale of its own", arguments.input,
+                          "say how much of the ground a pixel shows: --scale METRES"},
+                         kUsage);
     }
-    options.image = {.metres_per_pixel = *arguments.scale, .edge = arguments.edge};
+    options.image = {.metres_per_pixel = *arguments.scale, .edge_threshold = arguments.edge};
     if (const auto wrong = options.image->invalid()) {
-      return complain(kProgram, {*wrong, "", ""}, kUsage);
+      return print_error(kProgram, {*wrong, "", ""}, kUsage);
     }
   } else if (arguments.cell) {
-    options.raster.cell = *arguments.cell;
+    options.raster.cell_size = *arguments.cell;
   }
   if (const auto wrong = options.raster.invalid()) {
-    return complain(kProgram, {*wrong, "--cell", ""}, kUsage);
+    return print_error(kProgram, {*wrong, "--cell", ""}, kUsage);
   }
   const auto made = make_street_map(arguments.input, options);
-  if (!made) return complain(kProgram, made.error(), kUnreadable);
-  if (const auto written = recording::write_whole(arguments.output, made->bytes); !written) {
-    return complain(kProgram, written.error(), kNo);
+  if (!made) return print_error(kProgram, made.error(), kUnreadable);
+  if (const auto written = recording::write_file_atomically(arguments.output, made->bytes);
+      !written) {
+    return print_error(kProgram, written.error(), kFailure);
   }
   // What is there now is what the daemon will open.
-  const auto opened = open_street_map(arguments.output);
-  if (!opened) return complain(kProgram, opened.error(), kNo);
-  if (!arguments.picture.empty()) {
-    if (const auto drawn = write_picture(opened->map, arguments.picture); !drawn) {
-      return complain(kProgram, drawn.error(), kNo);
+  const auto opened = open_street_map_file(arguments.output);
+  if (!opened) return print_error(kProgram, opened.error(), kFailure);
+  if (!arguments.image.empty()) {
+    if (const auto drawn = write_image(opened->map, arguments.image); !drawn) {
+      return print_error(kProgram, drawn.error(), kFailure);
     }
   }
   if (arguments.json) {
-    std::cout << report(arguments, opened->map, made->bytes.size(), made->warnings).dump() << "\n";
+    std::cout << map_json(arguments, opened->map, made->bytes.size(), made->warnings).dump()
+              << "\n";
   } else {
-    print(arguments, opened->map, made->bytes.size(), made->warnings);
+    print_map(arguments, opened->map, made->bytes.size(), made->warnings);
   }
   return kDone;
 }
@@ -138,7 +140,7 @@ Command declare_streetmap(CLI::App& infuse) {
   app->add_option("-o,--output", arguments->output, "the map to write")
       ->required()
       ->type_name("MAP");
-  app->add_option("--picture", arguments->picture, "also a picture of it, ids in colour")
+  app->add_option("--image", arguments->image, "also a picture of it, ids in colour")
       ->type_name("FILE.png");
   app->add_option("--cell", arguments->cell, "edge of a cell of the raster (0.2)")->type_name("M");
   app->add_option("--scale", arguments->scale, "of a picture: metres a pixel")->type_name("M");

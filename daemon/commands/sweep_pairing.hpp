@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/odometry_stage.hpp"
+#include "daemon/pipeline/odometry_tracker.hpp"
 #include "drivers/measurement/sweep.hpp"
-#include "fusion/motion/compensation.hpp"
+#include "fusion/motion/deskew.hpp"
 
 namespace infuse::daemon {
 
@@ -15,7 +15,7 @@ struct PairedSweep {
   bool found = false;
   Duration gap{0};  ///< from the exposure to the middle of the sweep
   Sweep sweep;      ///< x, y, z and range as of the exposure, where `uncompensated` is empty
-  std::string uncompensated;  ///< why they are as they were measured
+  std::string deskew_reason;  ///< why they are as they were measured
   /// The lidar's motion in its own frame at the exposure, rad/s and m/s, where odometry tells it.
   std::optional<geometry::Vector6> twist;
 };
@@ -28,10 +28,10 @@ class SweepPairing {
   SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry);
 
   /// An exposure; in order of time, before anything is taken.
-  void want(Stamp exposure);
+  void add_exposure(Stamp exposure);
 
-  void take(const Sweep& sweep);
-  void take(const VehicleSample& sample);
+  void add_sweep(const Sweep& sweep);
+  void add_sample(const VehicleSample& sample);
 
   /// The recording has come to `now`: corrects what waits no longer.
   void advance(Stamp now);
@@ -43,15 +43,15 @@ class SweepPairing {
   std::vector<PairedSweep> finish();
 
  private:
-  void straighten(size_t exposure);
+  void deskew(size_t exposure);
 
   std::optional<geometry::Vector6> twist_at(Stamp exposure) const;
 
   bool has_odometry_;
   Eigen::Isometry3d T_vehicle_lidar_;
-  OdometryStage odometry_{OdometrySettings{}};
-  motion::MotionCompensator compensator_;
-  motion::StraightSweep straight_;
+  OdometryTracker odometry_{OdometrySettings{}};
+  motion::Deskewer deskewer_;
+  motion::DeskewedSweep deskewed_;
   std::vector<Stamp> exposures_;
   std::vector<PairedSweep> pairs_;
   size_t next_ = 0;  ///< the first exposure that is not settled

@@ -9,7 +9,7 @@
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/commands/play_lidar.hpp"
 #include "drivers/camera/colour.hpp"
-#include "drivers/camera/picture.hpp"
+#include "drivers/camera/image_decoder.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
@@ -19,10 +19,10 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr Duration kFarthest = std::chrono::milliseconds(500);  // a picture from its sweep
+constexpr Duration kMaxTimeGap = std::chrono::milliseconds(500);  // a picture from its sweep
 
 /// A picture on disk, and when it was taken.
-struct Shot {
+struct StampedImageFile {
   std::filesystem::path path;
   Stamp stamp;
 };
@@ -39,15 +39,15 @@ Result<size_t> find_camera(const Rig& rig, const std::string& name, const std::s
       "choose one with --camera: " + names);
 }
 
-Result<CameraFrame> read_grey(const Shot& shot, const recording::CameraFiles& files) {
-  std::ifstream stream(shot.path, std::ios::binary);
-  if (!stream) return fail("cannot be read", shot.path.string());
+Result<CameraFrame> read_grey(const StampedImageFile& image, const recording::CameraFiles& files) {
+  std::ifstream stream(image.path, std::ios::binary);
+  if (!stream) return fail("cannot be read", image.path.string());
   const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
   const std::span<const uint8_t> file(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
   CameraFrame frame;
-  const auto decoded = camera::decode_picture(
-      file, {.bayer = files.mosaic, .grey = !files.mosaic.has_value()}, frame);
-  if (!decoded) return fail(decoded.error().what, shot.path.string(), decoded.error().hint);
+  const auto decoded =
+      camera::decode_image(file, {.bayer = files.mosaic, .grey = !files.mosaic.has_value()}, frame);
+  if (!decoded) return fail(decoded.error().what, image.path.string(), decoded.error().hint);
   if (frame.format == PixelFormat::kGrey8) return frame;
   CameraFrame grey;
   camera::to_grey(frame, grey);
@@ -55,58 +55,58 @@ Result<CameraFrame> read_grey(const Shot& shot, const recording::CameraFiles& fi
 }
 
 /// What stays the same for all pictures of a drive.
-class Finder {
+class BoardFinder {
  public:
-  Finder(const CameraMount& camera, const recording::CameraFiles& files, const target::Board& board,
-         const TargetViewOptions& options, TargetViews& out)
+  BoardFinder(const CameraMount& camera, const recording::CameraFiles& files,
+              const target::Board& board, const TargetViewOptions& options, TargetViews& views)
       : camera_(camera),
         files_(files),
         model_(camera.intrinsics),
         board_(board),
         options_(options),
-        out_(out) {}
+        out_(views) {}
 
-  void take(const Shot& shot, const Sweep& sweep) {
-    const auto folder = shot.path.parent_path();
+  void process(const StampedImageFile& image, const Sweep& sweep) {
+    const auto folder = image.path.parent_path();
     const std::string name = fmt::format("{}/{}/{}", folder.parent_path().filename().string(),
-                                         folder.filename().string(), shot.path.stem().string());
-    const auto grey = read_grey(shot, files_);
-    if (!grey) return pass_over(grey.error().message());
+                                         folder.filename().string(), image.path.stem().string());
+    const auto grey = read_grey(image, files_);
+    if (!grey) return skip(grey.error().message());
     if (grey->width != camera_.intrinsics.width || grey->height != camera_.intrinsics.height) {
-      return pass_over(fmt::format("{}: {} × {} pixels, the rig says {} × {}", name, grey->width,
-                                   grey->height, camera_.intrinsics.width,
-                                   camera_.intrinsics.height));
+      return skip(fmt::format("{}: {} × {} pixels, the rig says {} × {}", name, grey->width,
+                              grey->height, camera_.intrinsics.width, camera_.intrinsics.height));
     }
-    const auto boards = target::find_boards(*grey, board_, options_.most_boards);
-    if (boards.empty()) return pass_over(name + ": no board in the picture");
+    const auto boards = target::find_boards(*grey, board_, options_.max_boards);
+    if (boards.empty()) return skip(name + ": no board in the picture");
     for (size_t k = 0; k < boards.size(); ++k) {
-      take_board(fmt::format("{} board {}", name, k + 1), boards[k], sweep);
+      add_board(fmt::format("{} board {}", name, k + 1), boards[k], sweep);
     }
   }
 
  private:
-  void pass_over(std::string why) { out_.passed_over.push_back(std::move(why)); }
+  void skip(std::string reason) { out_.skipped.push_back(std::move(reason)); }
 
-  void take_board(const std::string& name, const target::Corners& corners, const Sweep& sweep) {
-    const auto pose = target::board_pose(model_, board_, corners, options_.corner_noise);
-    if (!pose) return pass_over(name + ": no pose fits its corners");
+  void add_board(const std::string& name, const target::Corners& corners, const Sweep& sweep) {
+    const auto pose = target::estimate_board_pose(model_, board_, corners, options_.corner_noise);
+    if (!pose) return skip(name + ": no pose fits its corners");
     const Eigen::Vector3d middle = pose->T_camera_board * board_.middle();
-    for (size_t i = 0; i < middles_.size(); ++i) {
+    for (size_t i = 0; i < centres_.size(); ++i) {
       const double turned = std::acos(
           std::clamp(std::abs(normals_[i].dot(pose->T_camera_board.linear().col(2))), 0.0, 1.0));
-      if ((middles_[i] - middle).norm() < options_.same_place && turned < options_.same_place) {
+      if ((centres_[i] - middle).norm() < options_.min_motion && turned < options_.min_motion) {
         return;  // it still stands where an earlier picture saw it
       }
     }
-    auto near = target::returns_near(sweep, camera_.T_camera_lidar.inverse() * pose->T_camera_board,
-                                     board_, options_.returns.margin);
-    if (near.size() < static_cast<size_t>(options_.returns.fewest)) {
-      return pass_over(fmt::format("{}: {} returns there", name, near.size()));
+    auto near =
+        target::crop_to_board(sweep, camera_.T_camera_lidar.inverse() * pose->T_camera_board,
+                              board_, options_.returns.margin);
+    if (near.size() < static_cast<size_t>(options_.returns.min_returns)) {
+      return skip(fmt::format("{}: {} returns there", name, near.size()));
     }
-    middles_.push_back(middle);
+    centres_.push_back(middle);
     normals_.push_back(pose->T_camera_board.linear().col(2));
     out_.names.push_back(name);
-    out_.sightings.push_back({pose->T_camera_board, pose->covariance, std::move(near)});
+    out_.observations.push_back({pose->T_camera_board, pose->covariance, std::move(near)});
   }
 
   const CameraMount& camera_;
@@ -115,25 +115,25 @@ class Finder {
   target::Board board_;
   const TargetViewOptions& options_;
   TargetViews& out_;
-  std::vector<Eigen::Vector3d> middles_, normals_;  // of boards that were seen
+  std::vector<Eigen::Vector3d> centres_, normals_;  // of boards that were seen
 };
 
 /// Pairs pictures with sweeps: a picture waits until the sweep after it is there.
-class Pairing {
+class ImageSweepPairing {
  public:
-  Pairing(Finder& finder) : finder_(finder) {}
+  ImageSweepPairing(BoardFinder& finder) : finder_(finder) {}
 
-  void take(const Shot& shot) { waiting_.push_back(shot); }
+  void add_image(const StampedImageFile& image) { waiting_.push_back(image); }
 
-  void take(const Sweep& sweep) {
+  void add_sweep(const Sweep& sweep) {
     const Stamp middle = sweep.stamp + sweep.span / 2;
-    std::erase_if(waiting_, [&](const Shot& shot) {
-      if (shot.stamp > middle) return false;
-      const bool before = has_last_ && distance_between(shot.stamp, last_middle_) <
-                                           distance_between(shot.stamp, middle);
+    std::erase_if(waiting_, [&](const StampedImageFile& image) {
+      if (image.stamp > middle) return false;
+      const bool before = has_last_ && distance_between(image.stamp, last_middle_) <
+                                           distance_between(image.stamp, middle);
       const Stamp nearest = before ? last_middle_ : middle;
-      if (distance_between(shot.stamp, nearest) <= kFarthest) {
-        finder_.take(shot, before ? last_ : sweep);
+      if (distance_between(image.stamp, nearest) <= kMaxTimeGap) {
+        finder_.process(image, before ? last_ : sweep);
       }
       return true;
     });
@@ -143,30 +143,30 @@ class Pairing {
   }
 
   void finish() {
-    for (const Shot& shot : waiting_) {
-      if (has_last_ && distance_between(shot.stamp, last_middle_) <= kFarthest) {
-        finder_.take(shot, last_);
+    for (const StampedImageFile& image : waiting_) {
+      if (has_last_ && distance_between(image.stamp, last_middle_) <= kMaxTimeGap) {
+        finder_.process(image, last_);
       }
     }
     waiting_.clear();
   }
 
  private:
-  Finder& finder_;
-  std::vector<Shot> waiting_;
+  BoardFinder& finder_;
+  std::vector<StampedImageFile> waiting_;
   Sweep last_;
   Stamp last_middle_;
   bool has_last_ = false;
 };
 
-void read_drive(DriveSetup& setup, size_t camera, size_t lidar, Pairing& pairing) {
+void read_drive(DriveSetup& setup, size_t camera, size_t lidar, ImageSweepPairing& pairing) {
   ProgressLine line;
-  const auto on_sweep = [&](Sweep& sweep) { pairing.take(sweep); };
+  const auto on_sweep = [&](Sweep& sweep) { pairing.add_sweep(sweep); };
   const auto on_sample = [](const VehicleSample&) {};
   play_lidar(setup, lidar, on_sweep, on_sample, [&](const recording::DriveEvent& event) {
     if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
-      if (image->camera == camera) pairing.take({*image->path, event.stamp});
-      line.show(std::nullopt, fmt::format("picture {}", image->sequence));
+      if (image->camera == camera) pairing.add_image({*image->path, event.stamp});
+      line.show(std::nullopt, fmt::format("image {}", image->sequence));
     }
     return true;
   });
@@ -174,8 +174,8 @@ void read_drive(DriveSetup& setup, size_t camera, size_t lidar, Pairing& pairing
   line.clear();
 }
 
-std::optional<Eigen::Isometry3d> truth_of(const recording::Drive& drive,
-                                          const std::string& camera) {
+std::optional<Eigen::Isometry3d> true_extrinsics(const recording::Drive& drive,
+                                                 const std::string& camera) {
   if (drive.description.truth_rig.empty()) return std::nullopt;
   const auto rig = recording::read_rig(drive.resolve(drive.description.truth_rig));
   const CameraMount* mount = rig ? rig->find_camera(camera) : nullptr;
@@ -187,8 +187,8 @@ std::optional<Eigen::Isometry3d> truth_of(const recording::Drive& drive,
 std::optional<std::string> TargetViewOptions::invalid() const {
   if (auto wrong = returns.invalid()) return wrong;
   if (!(corner_noise > 0)) return "corner_noise must be positive";
-  if (most_boards < 1) return "most_boards must be at least 1";
-  if (!(same_place >= 0)) return "same_place must not be negative";
+  if (max_boards < 1) return "most_boards must be at least 1";
+  if (!(min_motion >= 0)) return "same_place must not be negative";
   return std::nullopt;
 }
 
@@ -211,10 +211,10 @@ Result<void> add_target_views(const std::filesystem::path& folder, const std::st
     views.camera = mount.name;
     views.rig = rig;
     views.T_camera_lidar = mount.T_camera_lidar;
-    views.truth = truth_of(*drive, mount.name);
+    views.truth = true_extrinsics(*drive, mount.name);
   }
-  Finder finder(mount, drive->description.cameras[*index], board, options, views);
-  Pairing pairing(finder);
+  BoardFinder finder(mount, drive->description.cameras[*index], board, options, views);
+  ImageSweepPairing pairing(finder);
   read_drive(*setup, *index, static_cast<size_t>(lidar - rig.lidars.begin()), pairing);
   return {};
 }

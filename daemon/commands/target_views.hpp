@@ -16,8 +16,8 @@ namespace infuse::daemon {
 struct TargetViewOptions {
   target::BoardReturnsOptions returns;
   double corner_noise = 0.1;  ///< px an axis, one standard deviation
-  int most_boards = 8;        ///< in one picture
-  double same_place = 0.02;   ///< m, rad; a board that has not moved farther is no new view
+  int max_boards = 8;         ///< in one picture
+  double min_motion = 0.02;   ///< m, rad; a board that has not moved farther is no new view
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -25,11 +25,11 @@ struct TargetViewOptions {
 
 /// What was found in one or several drives of one rig.
 struct TargetViews {
-  std::vector<target::BoardSighting> sightings;
-  std::vector<std::string> names;        ///< "DRIVE front/000003 board 1", an entry a sighting
-  std::vector<std::string> passed_over;  ///< pictures and boards that gave none, and why
-  std::string camera;                    ///< its name
-  Rig rig;                               ///< of the first drive
+  std::vector<target::BoardObservation> observations;
+  std::vector<std::string> names;    ///< "DRIVE front/000003 board 1", an entry a sighting
+  std::vector<std::string> skipped;  ///< pictures and boards that gave none, and why
+  std::string camera;                ///< its name
+  Rig rig;                           ///< of the first drive
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< as that drive states it
   std::optional<Eigen::Isometry3d> truth;                            ///< the same, where known
 };

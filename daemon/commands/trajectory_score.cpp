@@ -27,7 +27,7 @@ Result<std::filesystem::path> truth_file(const std::filesystem::path& truth) {
 }
 
 /// Whether the stamps are line numbers, as a format without times has them.
-bool without_times(const std::vector<recording::TrajectoryPose>& poses) {
+bool has_line_numbers(const std::vector<recording::TrajectoryPose>& poses) {
   for (size_t i = 0; i < poses.size(); ++i) {
     if (std::abs(poses[i].stamp.ns() - static_cast<int64_t>(i)) > 1) return false;
   }
@@ -36,7 +36,7 @@ bool without_times(const std::vector<recording::TrajectoryPose>& poses) {
 
 std::vector<geometry::StampedPose> stamped(const std::vector<recording::TrajectoryPose>& poses) {
   std::vector<geometry::StampedPose> stamped;
-  for (const auto& pose : poses) stamped.push_back({pose.stamp, pose.T_map_body});
+  for (const auto& pose : poses) stamped.push_back({pose.stamp, pose.T_frame_body});
   return stamped;
 }
 
@@ -45,8 +45,8 @@ std::vector<motion::PosePair> pair_by_line(const std::vector<recording::Trajecto
                                            const std::vector<recording::TrajectoryPose>& truth) {
   std::vector<motion::PosePair> pairs;
   for (size_t i = 0; i < result.size(); ++i) {
-    pairs.push_back({Stamp::from_ns(static_cast<int64_t>(i) * 100'000'000), result[i].T_map_body,
-                     truth[i].T_map_body});
+    pairs.push_back({Stamp::from_ns(static_cast<int64_t>(i) * 100'000'000), result[i].T_frame_body,
+                     truth[i].T_frame_body});
   }
   return pairs;
 }
@@ -62,11 +62,11 @@ const char* name_of(motion::Alignment alignment) {
   switch (alignment) {
     case motion::Alignment::kNone:
       return "none";
-    case motion::Alignment::kFirst:
+    case motion::Alignment::kFirstPose:
       return "first";
     case motion::Alignment::kRigid:
       return "rigid";
-    case motion::Alignment::kSimilar:
+    case motion::Alignment::kSimilarity:
       return "similar";
   }
   return "";
@@ -95,7 +95,7 @@ Result<TrajectoryScore> score_trajectory(const std::filesystem::path& result,
   score.truth_poses = true_poses->size();
   score.alignment = alignment;
   score.span = span;
-  score.by_line = without_times(*estimate) || without_times(*true_poses);
+  score.by_line = has_line_numbers(*estimate) || has_line_numbers(*true_poses);
   if (score.by_line && score.poses != score.truth_poses) {
     return fail(fmt::format("a file without times has {} poses, the other {}",
                             std::min(score.poses, score.truth_poses),
@@ -126,14 +126,14 @@ Json to_json(const TrajectoryScore& score) {
   json["rms_m"] = score.absolute.translation.rms;
   json["absolute"] = {{"translation_m", statistics_json(score.absolute.translation, 1)},
                       {"rotation_deg", statistics_json(score.absolute.rotation, kDegrees)}};
-  if (score.alignment == motion::Alignment::kSimilar) json["scale"] = score.absolute.scale;
+  if (score.alignment == motion::Alignment::kSimilarity) json["scale"] = score.absolute.scale;
   if (score.relative.usable()) {
     json["relative"] = {{"span_s", to_seconds(score.span)},
                         {"translation_m", statistics_json(score.relative.translation, 1)},
                         {"rotation_deg", statistics_json(score.relative.rotation, kDegrees)}};
   }
   if (!score.kitti.usable()) return json;
-  json["kitti"] = {{"parts", score.kitti.count},
+  json["kitti"] = {{"segments", score.kitti.count},
                    {"translation_percent", 100 * score.kitti.translation},
                    {"rotation_deg_per_100m", 100 * kDegrees * score.kitti.rotation},
                    {"lengths", Json::array()}};
@@ -141,7 +141,7 @@ Json to_json(const TrajectoryScore& score) {
     if (segment.count == 0) continue;
     json["kitti"]["lengths"].push_back(
         {{"length_m", segment.length},
-         {"parts", segment.count},
+         {"segments", segment.count},
          {"translation_percent", 100 * segment.translation},
          {"rotation_deg_per_100m", 100 * kDegrees * segment.rotation}});
   }

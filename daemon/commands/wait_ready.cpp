@@ -23,18 +23,18 @@ struct Arguments {
 struct Readiness {
   std::string waiting_for = "the daemon";
   bool delivering = false;  // every device has delivered something
-  bool well = false;
+  bool healthy = false;
 
-  void take(const Json& report) {
+  void update(const Json& report) {
     const std::string name = report.value("class", "");
-    if (name == "DEVICES") take_devices(report);
+    if (name == "DEVICES") update_devices(report);
     if (name == "HEALTH") {
       const std::string level = report.value("level", "");
-      well = level == "OK" || level == "WARN";
-      if (delivering && !well) waiting_for = "the sensors to be well: " + level;
+      healthy = level == "OK" || level == "WARN";
+      if (delivering && !healthy) waiting_for = "the sensors to be well: " + level;
     }
   }
-  void take_devices(const Json& report) {
+  void update_devices(const Json& report) {
     std::string missing;
     for (const Json& device : report.value("devices", Json::array())) {
       if (device.contains("activated")) continue;
@@ -46,15 +46,15 @@ struct Readiness {
 };
 
 /// Watches one connection until the daemon is ready, it ends, or the time is over.
-bool wait_on(Client& client, Clock::time_point deadline, Readiness& readiness) {
+bool wait_until_ready(Client& client, Clock::time_point deadline, Readiness& readiness) {
   if (!client.send({{"op", "watch"}, {"classes", {"DEVICES", "HEALTH"}}})) return false;
   if (!client.send({{"op", "poll"}})) return false;
   while (Clock::now() < deadline) {
-    const auto left = std::chrono::ceil<std::chrono::seconds>(deadline - Clock::now());
-    const auto message = client.next(left);
+    const auto remaining = std::chrono::ceil<std::chrono::seconds>(deadline - Clock::now());
+    const auto message = client.next(remaining);
     if (!message || !*message) return false;
-    readiness.take(**message);
-    if (readiness.delivering && readiness.well) return true;
+    readiness.update(**message);
+    if (readiness.delivering && readiness.healthy) return true;
   }
   return false;
 }
@@ -67,12 +67,12 @@ int run(const Arguments& arguments) {
   do {
     readiness = {};
     auto client = Client::connect(arguments.socket);
-    if (client && wait_on(*client, deadline, readiness)) return kDone;
+    if (client && wait_until_ready(*client, deadline, readiness)) return kDone;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   } while (Clock::now() < deadline);
   std::cerr << fmt::format("infuse wait-ready: not ready after {} s, still waiting for {}\n",
                            arguments.timeout_s, readiness.waiting_for);
-  return kNo;
+  return kFailure;
 }
 
 }  // namespace

@@ -17,20 +17,21 @@ struct Arguments {
 
 int run(const Arguments& arguments) {
   auto client = Client::connect(arguments.socket);
-  if (!client) return complain("infuse watch", client.error(), kNo);
+  if (!client) return print_error("infuse watch", client.error(), kFailure);
   Json request = {{"op", "watch"}};
   if (!arguments.classes.empty()) request["classes"] = arguments.classes;
   if (auto sent = client->send(request); !sent) {
-    return complain("infuse watch", sent.error(), kNo);
+    return print_error("infuse watch", sent.error(), kFailure);
   }
   while (std::cout) {
     const auto message = client->next(std::nullopt);
-    if (!message) return complain("infuse watch", message.error(), kNo);
+    if (!message) return print_error("infuse watch", message.error(), kFailure);
     if (!*message) return kDone;  // the daemon has ended
     const std::string name = (*message)->value("class", "");
     if (name == "ERROR") {
-      return complain("infuse watch",
-                      {(*message)->value("what", ""), "", (*message)->value("hint", "")}, kUsage);
+      return print_error("infuse watch",
+                         {(*message)->value("what", ""), "", (*message)->value("hint", "")},
+                         kUsage);
     }
     if (name == "ACK") continue;
     std::cout << (arguments.json ? (*message)->dump() + "\n" : report_text(**message))

@@ -3,8 +3,8 @@
 namespace infuse::daemon {
 
 std::optional<std::string> CalibrationSettings::invalid() const {
-  if (auto wrong = watch.invalid()) return wrong;
-  if (auto wrong = decision.invalid()) return wrong;
+  if (auto wrong = monitor.invalid()) return wrong;
+  if (auto wrong = supervisor.invalid()) return wrong;
   return reestimate.invalid();
 }
 

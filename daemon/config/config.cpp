@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "daemon/config/read_sensors.hpp"
-#include "drivers/recording/text_file.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -55,8 +55,8 @@ void read_odometry(TomlTable& table, OdometrySettings& settings) {
   read_milliseconds(table, "reorder_ms", settings.filter.reorder);
   read_milliseconds(table, "wheel_delay_ms", settings.filter.wheel_delay);
   read_milliseconds(table, "imu_delay_ms", settings.filter.imu_delay);
-  read_milliseconds(table, "gps_delay_ms", settings.filter.gps_delay);
-  table.read("use_gps_speed", settings.use_gps_speed);
+  read_milliseconds(table, "gnss_delay_ms", settings.filter.gnss_delay);
+  table.read("use_gnss_speed", settings.use_gnss_speed);
   read_milliseconds(table, "max_wait_ms", settings.max_wait);
 }
 
@@ -71,13 +71,15 @@ void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
   std::optional<double> x, y;
   table.read("x", x);
   table.read("y", y);
-  if (x.has_value() != y.has_value()) table.complain_of_table("x and y belong together");
-  if (x && y) settings.start = MapStart{*x, *y, settings.start ? settings.start->yaw : 0};
+  if (x.has_value() != y.has_value()) table.report_table_error("x and y belong together");
+  if (x && y)
+    settings.initial_pose =
+        InitialPose{*x, *y, settings.initial_pose ? settings.initial_pose->yaw : 0};
   double yaw = 0;
   read_radians(table, "yaw_deg", yaw);
-  if (settings.start) settings.start->yaw = yaw;
-  table.read("sigma", settings.start_sigma);
-  read_radians(table, "yaw_sigma_deg", settings.start_yaw_sigma);
+  if (settings.initial_pose) settings.initial_pose->yaw = yaw;
+  table.read("sigma", settings.initial_sigma);
+  read_radians(table, "yaw_sigma_deg", settings.initial_yaw_sigma);
   table.read("update_hz", settings.update_hz);
   table.read("search_radius", settings.tracker.confidence.search_radius);
   read_integer(table, "seed", settings.tracker.seed);
@@ -85,38 +87,38 @@ void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
 
 void read_calibration(TomlTable& table, CalibrationSettings& settings) {
   constexpr double kRadians = std::numbers::pi / 180;
-  table.read("watch", settings.watched);
+  table.read("monitor", settings.monitored);
   std::string policy;
   table.read("policy", policy);
-  if (policy == "alert-only") settings.decision.policy = watch::Policy::kAlertOnly;
-  if (policy == "apply") settings.decision.policy = watch::Policy::kApply;
-  if (policy == "apply-within") settings.decision.policy = watch::Policy::kApplyWithin;
+  if (policy == "alert-only") settings.supervisor.policy = monitoring::UpdatePolicy::kAlertOnly;
+  if (policy == "apply") settings.supervisor.policy = monitoring::UpdatePolicy::kApply;
+  if (policy == "apply-within") settings.supervisor.policy = monitoring::UpdatePolicy::kApplyWithin;
   if (!policy.empty() && policy != "alert-only" && policy != "apply" && policy != "apply-within") {
-    table.complain("policy", "policy is none of alert-only, apply, apply-within");
+    table.report_error("policy", "policy is none of alert-only, apply, apply-within");
   }
   std::optional<double> degrees;
   table.read("limit_rotation_deg", degrees);
-  if (degrees) settings.decision.limit_rotation = *degrees * kRadians;
-  table.read("limit_translation", settings.decision.limit_translation);
-  table.read("false_alarm_hours", settings.watch.test.false_alarm_hours);
+  if (degrees) settings.supervisor.limit_rotation = *degrees * kRadians;
+  table.read("limit_translation", settings.supervisor.limit_translation);
+  table.read("false_alarm_hours", settings.monitor.detector.false_alarm_hours);
 }
 
 void read_megabytes(TomlTable& table, std::string_view key, uint64_t& bytes) {
-  constexpr int64_t kMost = int64_t{1} << 40;  // MiB; so that bytes fit
+  constexpr int64_t kMaxMegabytes = int64_t{1} << 40;  // MiB; so that bytes fit
   constexpr uint64_t kMiB = 1 << 20;
   int64_t megabytes = static_cast<int64_t>(bytes / kMiB);
-  table.read(key, 0, kMost, megabytes);
+  table.read(key, 0, kMaxMegabytes, megabytes);
   bytes = static_cast<uint64_t>(megabytes) * kMiB;
 }
 
 void read_record(TomlTable& table, RecordSettings& settings) {
   table.read("directory", settings.directory);
   read_megabytes(table, "memory_mb", settings.memory);
-  read_seconds(table, "flight_recorder_s", settings.flight);
+  read_seconds(table, "flight_recorder_s", settings.flight_recorder);
   read_seconds(table, "after_alert_s", settings.after_alert);
   read_integer(table, "keep_alerts", settings.keep_alerts);
-  read_seconds(table, "longest_s", settings.longest);
-  read_megabytes(table, "largest_mb", settings.largest);
+  read_seconds(table, "max_duration_s", settings.max_duration);
+  read_megabytes(table, "max_size_mb", settings.max_bytes);
   read_seconds(table, "split_s", settings.split);
   read_megabytes(table, "split_mb", settings.split_bytes);
   read_megabytes(table, "min_free_mb", settings.min_free);
@@ -135,14 +137,14 @@ std::optional<Error> read_table(const toml::table* toml, const std::string& file
   if (toml == nullptr) return std::nullopt;
   TomlTable table(*toml, file, name);
   read(table, options);
-  if (const auto wrong = options.invalid()) table.complain_of_table(name + ": " + *wrong);
+  if (const auto wrong = options.invalid()) table.report_table_error(name + ": " + *wrong);
   return table.finish();
 }
 
 std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& config) {
   root.read("log_level", config.log_level);
   if (std::find(kLogLevels.begin(), kLogLevels.end(), config.log_level) == kLogLevels.end()) {
-    root.complain("log_level", "log_level is none of trace, debug, info, warning, error, off");
+    root.report_error("log_level", "log_level is none of trace, debug, info, warning, error, off");
   }
   root.read("rig", config.rig);
   const toml::table* socket = root.table("socket");
@@ -172,9 +174,9 @@ std::optional<Error> add_text(std::string_view text, const std::string& file, Co
   const auto table = recording::parse_toml(text, file);
   if (!table) return table.error();
   for (const auto& [key, node] : *table) {
-    std::ostringstream said;
-    node.visit([&](const auto& value) { said << value << '\n'; });
-    config.said[std::string(key.str())] += said.str();
+    std::ostringstream source_text;
+    node.visit([&](const auto& value) { source_text << value << '\n'; });
+    config.source_text[std::string(key.str())] += source_text.str();
   }
   TomlTable root(*table, file, "the configuration");
   return read_all(root, file, config);
@@ -201,15 +203,15 @@ std::vector<std::filesystem::path> drop_ins(const std::filesystem::path& path) {
 }  // namespace
 
 std::vector<std::string> changed_keys(const Config& a, const Config& b) {
-  std::map<std::string, std::string> all = a.said;
-  all.insert(b.said.begin(), b.said.end());
-  const auto said = [](const Config& config, const std::string& key) {
-    const auto at = config.said.find(key);
-    return at == config.said.end() ? std::string() : at->second;
+  std::map<std::string, std::string> all = a.source_text;
+  all.insert(b.source_text.begin(), b.source_text.end());
+  const auto source_text = [](const Config& config, const std::string& key) {
+    const auto at = config.source_text.find(key);
+    return at == config.source_text.end() ? std::string() : at->second;
   };
   std::vector<std::string> changed;
   for (const auto& [key, text] : all) {
-    if (said(a, key) != said(b, key)) changed.push_back(key);
+    if (source_text(a, key) != source_text(b, key)) changed.push_back(key);
   }
   return changed;
 }

@@ -32,10 +32,10 @@ struct Config {
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live
-  GpsOptions gps;                      ///< [gps], live
+  GnssOptions gnss;                    ///< [gnss], live
 
   /// By key of the root, what the files say of it. By this two configurations are compared.
-  std::map<std::string, std::string> said;
+  std::map<std::string, std::string> source_text;
 
   /// Of the file; what it names is looked for there.
   std::filesystem::path folder;

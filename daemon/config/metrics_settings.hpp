@@ -12,7 +12,7 @@ struct MetricsSettings {
   uint16_t port = 0;  ///< on the loopback; 0: none
 
   /// Somebody may look.
-  bool any() const { return !path.empty() || port != 0; }
+  bool enabled() const { return !path.empty() || port != 0; }
 
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const {

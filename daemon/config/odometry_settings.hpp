@@ -10,7 +10,7 @@ namespace infuse::daemon {
 /// What the owner can say of the vehicle. The `[odometry]` table of the configuration.
 struct OdometrySettings {
   motion::OdometryOptions filter;
-  bool use_gps_speed = true;       ///< a receiver's speed tells the wheels' scale
+  bool use_gnss_speed = true;      ///< a receiver's speed tells the wheels' scale
   Duration max_wait{200'000'000};  ///< ns of drive time that a sweep waits for odometry
 
   /// What is wrong with the numbers, or nothing.

@@ -31,8 +31,8 @@ void read_format(TomlTable& table, std::optional<camera::RawFormat>& format) {
   if (name.empty()) return;
   format = camera::find_raw_format(name);
   if (!format) {
-    table.complain("format", "unknown format '" + name + "'",
-                   "known: GREY, YUYV, UYVY, RGB24, BGR24, RGGB, BGGR, GBRG, GRBG, MJPEG");
+    table.report_error("format", "unknown format '" + name + "'",
+                       "known: GREY, YUYV, UYVY, RGB24, BGR24, RGGB, BGGR, GBRG, GRBG, MJPEG");
   }
 }
 
@@ -49,7 +49,8 @@ std::optional<Error> read_camera(TomlTable& table, const std::string&, CameraOpt
   table.read("stamp_delay_ms", delay_ms);
   if (exposure_ms) stream.exposure = from_seconds(*exposure_ms * 1e-3);
   if (delay_ms) stream.stamp_delay = from_seconds(*delay_ms * 1e-3);
-  if (gain && !(*gain >= -2e9 && *gain <= 2e9)) table.complain("gain", "no camera has such a gain");
+  if (gain && !(*gain >= -2e9 && *gain <= 2e9))
+    table.report_error("gain", "no camera has such a gain");
   if (gain) stream.gain = static_cast<int>(std::clamp(*gain, -2e9, 2e9));
   return std::nullopt;
 }
@@ -66,7 +67,7 @@ std::optional<Error> read_bus(TomlTable& table, const std::string& file, BusOpti
 
 /// `earlier`: how many of them earlier files have named.
 template <class Options>
-Options& named(std::vector<Options>& sensors, size_t earlier, const std::string& name) {
+Options& find_or_add(std::vector<Options>& sensors, size_t earlier, const std::string& name) {
   const auto end = sensors.begin() + static_cast<std::ptrdiff_t>(earlier);
   const auto found =
       std::find_if(sensors.begin(), end, [&](const Options& o) { return o.name == name; });
@@ -93,12 +94,12 @@ std::optional<Error> read_kind(TomlTable& root, const std::string& file, const c
     }
     names.push_back(name);
     if (names.size() + earlier > kMaxSensors) {
-      table.complain_of_table(std::string("there are too many ") + kind + "s");
+      table.report_table_error(std::string("there are too many ") + kind + "s");
     }
-    Options& options = named(sensors, earlier, name);
+    Options& options = find_or_add(sensors, earlier, name);
     if (auto error = read(table, file, options)) return error;
     if (const auto wrong = options.invalid()) {
-      table.complain_of_table(std::string(kind) + ": " + *wrong);
+      table.report_table_error(std::string(kind) + ": " + *wrong);
     }
     if (auto error = table.finish()) return error;
   }
@@ -111,12 +112,12 @@ std::optional<Error> read_sensors(TomlTable& root, const std::string& file, Conf
   if (auto error = read_kind(root, file, "lidar", read_lidar, config.lidars)) return error;
   if (auto error = read_kind(root, file, "camera", read_camera, config.cameras)) return error;
   if (auto error = read_kind(root, file, "can", read_bus, config.buses)) return error;
-  if (const toml::table* source = root.table("gps")) {
-    TomlTable table(*source, file, "gps");
-    table.read("device", config.gps.device);
-    table.read("lidar", config.gps.lidar);
-    read_integer(table, "baud", config.gps.baud);
-    if (const auto wrong = config.gps.invalid()) table.complain_of_table("gps: " + *wrong);
+  if (const toml::table* source = root.table("gnss")) {
+    TomlTable table(*source, file, "gnss");
+    table.read("device", config.gnss.device);
+    table.read("lidar", config.gnss.lidar);
+    read_integer(table, "baud", config.gnss.baud);
+    if (const auto wrong = config.gnss.invalid()) table.report_table_error("gps: " + *wrong);
     return table.finish();
   }
   return std::nullopt;

@@ -11,7 +11,7 @@
 
 namespace infuse::daemon {
 
-/// Reads the tables [[lidar]], [[camera]], [[can]] and [gps] into a configuration that may have
+/// Reads the tables [[lidar]], [[camera]], [[can]] and [gnss] into a configuration that may have
 /// sensors already: one of the same name is changed, others are added. What is wrong, or nothing.
 std::optional<Error> read_sensors(recording::TomlTable& root, const std::string& file,
                                   Config& config);
@@ -20,8 +20,9 @@ std::optional<Error> read_sensors(recording::TomlTable& root, const std::string&
 template <class Integer>
 void read_integer(recording::TomlTable& table, std::string_view key, Integer& value) {
   int64_t wide = static_cast<int64_t>(value);
-  constexpr auto kMost = std::numeric_limits<Integer>::max();
-  table.read(key, 0, std::cmp_less(kMost, INT64_MAX) ? static_cast<int64_t>(kMost) : INT64_MAX,
+  constexpr auto kMaxValue = std::numeric_limits<Integer>::max();
+  table.read(key, 0,
+             std::cmp_less(kMaxValue, INT64_MAX) ? static_cast<int64_t>(kMaxValue) : INT64_MAX,
              wide);
   value = static_cast<Integer>(wide);
 }

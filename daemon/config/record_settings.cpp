@@ -5,15 +5,15 @@ namespace infuse::daemon {
 std::optional<std::string> RecordSettings::invalid() const {
   constexpr uint64_t kMiB = 1 << 20;
   if (memory < 4 * kMiB || memory > 4096 * kMiB) return "memory_mb must lie in 4 ... 4096";
-  if (flight < Duration::zero() || flight > from_seconds(600)) {
+  if (flight_recorder < Duration::zero() || flight_recorder > from_seconds(600)) {
     return "flight_recorder_s must lie in 0 ... 600";
   }
   if (after_alert < Duration::zero() || after_alert > from_seconds(600)) {
     return "after_alert_s must lie in 0 ... 600";
   }
   if (keep_alerts == 0 || keep_alerts > 1000) return "keep_alerts must lie in 1 ... 1000";
-  if (longest < from_seconds(1)) return "longest_s must be at least 1";
-  if (largest < kMiB) return "largest_mb must be at least 1";
+  if (max_duration < from_seconds(1)) return "max_duration_s must be at least 1";
+  if (max_bytes < kMiB) return "max_size_mb must be at least 1";
   if (split != Duration::zero() && split < from_seconds(1)) return "split_s must be at least 1";
   if (split_bytes != 0 && split_bytes < kMiB) return "split_mb must be at least 1";
   return std::nullopt;

@@ -30,7 +30,7 @@ std::optional<std::string> BusOptions::invalid() const {
   return vehicle::SocketCanOptions{.interface = interface, .identifiers = {}}.invalid();
 }
 
-std::optional<std::string> GpsOptions::invalid() const {
+std::optional<std::string> GnssOptions::invalid() const {
   if (device.empty()) return std::nullopt;
   if (!lidar.empty()) return "it is connected to a serial device or to a lidar";
   return vehicle::SerialOptions{device, baud}.invalid();

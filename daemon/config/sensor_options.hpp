@@ -62,8 +62,8 @@ struct BusOptions {
   bool operator==(const BusOptions&) const = default;
 };
 
-/// A satellite receiver that sends NMEA sentences: the `[gps]` table.
-struct GpsOptions {
+/// A satellite receiver that sends NMEA sentences: the `[gnss]` table.
+struct GnssOptions {
   std::string device;    ///< serial; empty: none
   std::string lidar;     ///< or the lidar that it is connected to, whose position packets repeat it
   uint32_t baud = 9600;  ///< bits a second
@@ -71,7 +71,7 @@ struct GpsOptions {
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const;
 
-  bool operator==(const GpsOptions&) const = default;
+  bool operator==(const GnssOptions&) const = default;
 };
 
 }  // namespace infuse::daemon

@@ -7,11 +7,11 @@ namespace infuse::daemon {
 std::optional<std::string> StreetMapSettings::invalid() const {
   if (const auto wrong = tracker.invalid()) return wrong;
   if (!(update_hz > 0 && update_hz <= 50)) return "update_hz must lie in 0 ... 50";
-  if (!(start_sigma > 0 && start_sigma <= 1000)) return "start_sigma must lie in 0 ... 1000 m";
-  if (!(start_yaw_sigma > 0 && start_yaw_sigma <= 4)) {
-    return "start_yaw_sigma_deg must lie in 0 ... 229";
+  if (!(initial_sigma > 0 && initial_sigma <= 1000)) return "sigma must lie in 0 ... 1000 m";
+  if (!(initial_yaw_sigma > 0 && initial_yaw_sigma <= 4)) {
+    return "yaw_sigma_deg must lie in 0 ... 229";
   }
-  if (start && !(std::abs(start->x) < 1e7 && std::abs(start->y) < 1e7)) {
+  if (initial_pose && !(std::abs(initial_pose->x) < 1e7 && std::abs(initial_pose->y) < 1e7)) {
     return "the start lies more than 10000 km from the map's origin";
   }
   return std::nullopt;

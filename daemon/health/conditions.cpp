@@ -9,20 +9,20 @@ Conditions::Conditions(std::initializer_list<ConditionDefinition> definitions) {
   }
 }
 
-void Conditions::judge(std::initializer_list<Verdict> verdicts, Stamp now) {
+void Conditions::update(std::initializer_list<CheckResult> results, Stamp now) {
   transitions_.clear();
   findings_.clear();
-  const Verdict* verdict = verdicts.begin();
+  const CheckResult* result = results.begin();
   for (Condition& condition : conditions_) {
     const bool was = condition.state.raised();
-    if (verdict->holds) {
-      condition.what = verdict->what;
-      condition.advice = verdict->advice;
+    if (result->holds) {
+      condition.what = result->what;
+      condition.advice = result->advice;
     }
-    const bool is = condition.state.update(verdict->holds, now);
+    const bool is = condition.state.update(result->holds, now);
     if (was != is) transitions_.push_back({is, condition.finding()});
     if (is) findings_.push_back(condition.finding());
-    ++verdict;
+    ++result;
   }
 }
 

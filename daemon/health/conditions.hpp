@@ -27,7 +27,7 @@ struct Transition {
 };
 
 /// Whether one condition holds at one tick, and the words for it.
-struct Verdict {
+struct CheckResult {
   bool holds = false;
   std::string what = {};
   std::string advice = {};
@@ -48,7 +48,7 @@ class Conditions {
   Conditions(std::initializer_list<ConditionDefinition> definitions);
 
   /// Takes a verdict for each condition, in the order of the definitions.
-  void judge(std::initializer_list<Verdict> verdicts, Stamp now);
+  void update(std::initializer_list<CheckResult> results, Stamp now);
 
   /// What is wrong now, in the order of the definitions.
   const std::vector<Finding>& findings() const { return findings_; }

@@ -8,7 +8,7 @@
 namespace infuse::daemon {
 
 /// What a histogram of latencies says, in host time.
-struct LatencyFigures {
+struct LatencyStats {
   uint64_t count = 0;
   Duration p50{0};
   Duration p99{0};
@@ -26,12 +26,12 @@ class LatencyHistogram {
   /// never more than the largest latency; 0 where nothing was added.
   Duration quantile(double q) const;
 
-  LatencyFigures figures() const;
+  LatencyStats stats() const;
 
  private:
   static constexpr unsigned kSubBits = 4;
-  static constexpr unsigned kSub = 1U << kSubBits;
-  static constexpr size_t kBins = size_t{64 - kSubBits + 1} * kSub;
+  static constexpr unsigned kSubBins = 1U << kSubBits;
+  static constexpr size_t kBins = size_t{64 - kSubBits + 1} * kSubBins;
 
   static size_t bin_of(uint64_t ns);
   static uint64_t upper_edge(size_t bin);

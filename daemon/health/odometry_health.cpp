@@ -6,23 +6,23 @@ namespace infuse::daemon {
 
 OdometryHealth::OdometryHealth(const HealthOptions& options)
     : conditions_{{"untrusted", Level::kError, options.raise_after, options.clear_after},
-                  {"uncompensated", Level::kWarn, options.raise_after, options.clear_after}} {}
+                  {"not_deskewed", Level::kWarn, options.raise_after, options.clear_after}} {}
 
-const Conditions& OdometryHealth::update(Stamp now, const OdometryFigures& figures) {
-  const uint64_t uncompensated = figures.uncompensated - uncompensated_;
-  uncompensated_ = figures.uncompensated;
-  Verdict untrusted, straight;
-  if (!figures.usable()) {
-    untrusted = {true, fmt::format("odometry cannot be trusted: {}", figures.reason),
+const Conditions& OdometryHealth::update(Stamp now, const OdometryStatus& status) {
+  const uint64_t not_deskewed = status.not_deskewed - not_deskewed_;
+  not_deskewed_ = status.not_deskewed;
+  CheckResult untrusted, not_deskewed_check;
+  if (!status.usable()) {
+    untrusted = {true, fmt::format("odometry cannot be trusted: {}", status.reason),
                  "check wheel speeds and yaw rate on the bus, and the inertial unit"};
   }
-  if (uncompensated > 0) {
-    straight = {
+  if (not_deskewed > 0) {
+    not_deskewed_check = {
         true,
-        fmt::format("{} sweeps of the last second were not corrected for motion", uncompensated),
-        "see each SWEEP's straight_reason"};
+        fmt::format("{} sweeps of the last second were not corrected for motion", not_deskewed),
+        "see each SWEEP's deskew_reason"};
   }
-  conditions_.judge({untrusted, straight}, now);
+  conditions_.update({untrusted, not_deskewed_check}, now);
   return conditions_;
 }
 

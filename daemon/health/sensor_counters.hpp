@@ -34,8 +34,8 @@ struct SensorCounters {
 
   SourceState source;  ///< live: of its socket
 
-  uint32_t stranger = 0;       ///< IPv4 address, host order, of the last datagram not taken
-  uint32_t stranger_size = 0;  ///< its payload, bytes
+  uint32_t unexpected_sender = 0;  ///< IPv4 address, host order, of the last datagram not taken
+  uint32_t unexpected_size = 0;    ///< its payload, bytes
 
   /// Datagrams that were not taken: as they are no packet, or not this sensor's.
   uint64_t rejected() const { return malformed + wrong_sender + unclaimed; }

@@ -8,7 +8,7 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr double kAnyLoss = 2;  // above every fraction
+constexpr double kUnlimitedLoss = 2;  // above every fraction
 
 std::string address_text(uint32_t address) {
   return fmt::format("{}.{}.{}.{}", address >> 24, address >> 16 & 255, address >> 8 & 255,
@@ -25,7 +25,7 @@ double lost_fraction(uint64_t lost, uint64_t received) {
 }
 
 /// How much a counter grew; a counter may step back by a few when a late packet arrives after all.
-uint64_t grown(uint64_t now, uint64_t before) { return now > before ? now - before : 0; }
+uint64_t increase(uint64_t now, uint64_t before) { return now > before ? now - before : 0; }
 
 }  // namespace
 
@@ -34,7 +34,7 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
       options_(options),
       last_packet_(start),
       last_sweep_(start),
-      previous_(start),
+      previous_tick_(start),
       window_(start),
       // Silence is a time of its own, so it needs no further delay to be raised.
       conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
@@ -45,24 +45,24 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
                   {"loss", Level::kWarn, options.raise_after, options.clear_after},
                   {"wrong_sender", Level::kWarn, options.raise_after, options.clear_after},
                   {"wrong_model", Level::kWarn, options.raise_after, options.clear_after},
-                  {"buffer", Level::kWarn, options.raise_after, options.clear_after},
+                  {"receive_buffer", Level::kWarn, options.raise_after, options.clear_after},
                   {"clock", Level::kWarn, options.raise_after, options.clear_after}} {}
 
 const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counters) {
-  if (now < previous_) restart_at(now);
-  previous_ = now;
-  const Window::Snapshot oldest = window_.take(now, counters);
+  if (now < previous_tick_) restart_at(now);
+  previous_tick_ = now;
+  const Window::Snapshot oldest = window_.push(now, counters);
   const SensorCounters& before = oldest.counters;
   status_.counters = counters;
   measure_rates(now, oldest);
 
-  conditions_.judge({judge_silence(now, counters), judge_availability(counters.source),
-                     judge_decoding(counters, before), judge_sweeps(now, counters),
-                     judge_loss(counters, before, options_.error_loss, kAnyLoss),
-                     judge_loss(counters, before, options_.warn_loss, options_.error_loss),
-                     judge_sender(counters, before), judge_model(counters, before),
-                     judge_buffer(counters.source), judge_clock(now, counters)},
-                    now);
+  conditions_.update({check_silence(now, counters), check_availability(counters.source),
+                      check_decoding(counters, before), check_sweeps(now, counters),
+                      check_loss(counters, before, options_.error_loss, kUnlimitedLoss),
+                      check_loss(counters, before, options_.warn_loss, options_.error_loss),
+                      check_sender(counters, before), check_model(counters, before),
+                      check_receive_buffer(counters.source), check_clock(now, counters)},
+                     now);
   status_.findings = conditions_.findings();
   status_.transitions = conditions_.transitions();
   status_.level = conditions_.level();
@@ -78,19 +78,19 @@ void SensorHealth::restart_at(Stamp now) {
 void SensorHealth::measure_rates(Stamp now, const Window::Snapshot& oldest) {
   const double seconds = to_seconds(now - oldest.stamp);
   const auto rate = [&](uint64_t at_now, uint64_t at_oldest) {
-    return seconds > 0 ? static_cast<double>(grown(at_now, at_oldest)) / seconds : 0.0;
+    return seconds > 0 ? static_cast<double>(increase(at_now, at_oldest)) / seconds : 0.0;
   };
   const SensorCounters& c = status_.counters;
   const SensorCounters& b = oldest.counters;
   status_.packets_hz = rate(c.packets, b.packets);
   status_.sweeps_hz = rate(c.sweeps, b.sweeps);
   status_.returns_hz = rate(c.returns, b.returns);
-  status_.loss =
-      lost_fraction(grown(c.lost_network, b.lost_network) + grown(c.lost_kernel, b.lost_kernel),
-                    grown(c.packets, b.packets));
+  status_.loss = lost_fraction(
+      increase(c.lost_network, b.lost_network) + increase(c.lost_kernel, b.lost_kernel),
+      increase(c.packets, b.packets));
 }
 
-Verdict SensorHealth::judge_silence(Stamp now, const SensorCounters& counters) {
+CheckResult SensorHealth::check_silence(Stamp now, const SensorCounters& counters) {
   if (counters.packets != packets_seen_) last_packet_ = counters.last_packet;
   packets_seen_ = counters.packets;
   const Duration silence = now - last_packet_;
@@ -101,23 +101,23 @@ Verdict SensorHealth::judge_silence(Stamp now, const SensorCounters& counters) {
     return {true, std::move(what), "check the sensor's power, cable and destination address"};
   }
   what += fmt::format("; {} of {} bytes came from {}", plural(counters.rejected(), "datagram"),
-                      counters.stranger_size, address_text(counters.stranger));
+                      counters.unexpected_size, address_text(counters.unexpected_sender));
   return {true, std::move(what), "check the configured sender, port and model"};
 }
 
-Verdict SensorHealth::judge_decoding(const SensorCounters& now,
-                                     const SensorCounters& before) const {
-  const uint64_t bad = grown(now.malformed, before.malformed);
-  const uint64_t good = grown(now.packets, before.packets);
+CheckResult SensorHealth::check_decoding(const SensorCounters& now,
+                                         const SensorCounters& before) const {
+  const uint64_t bad = increase(now.malformed, before.malformed);
+  const uint64_t good = increase(now.packets, before.packets);
   if (bad == 0 || bad <= good) return {};
   return {true,
           fmt::format("{} on {} could not be decoded, the last of {} bytes from {}",
-                      plural(bad, "datagram"), endpoint_, now.stranger_size,
-                      address_text(now.stranger)),
+                      plural(bad, "datagram"), endpoint_, now.unexpected_size,
+                      address_text(now.unexpected_sender)),
           "check the configured model and that nothing else sends to this port"};
 }
 
-Verdict SensorHealth::judge_sweeps(Stamp now, const SensorCounters& counters) {
+CheckResult SensorHealth::check_sweeps(Stamp now, const SensorCounters& counters) {
   if (counters.sweeps != sweeps_seen_ || counters.packets == 0) last_sweep_ = now;
   sweeps_seen_ = counters.sweeps;
   const Duration without = now - last_sweep_;
@@ -128,13 +128,13 @@ Verdict SensorHealth::judge_sweeps(Stamp now, const SensorCounters& counters) {
           "check that the sensor turns"};
 }
 
-Verdict SensorHealth::judge_loss(const SensorCounters& now, const SensorCounters& before,
-                                 double least, double below) const {
-  const uint64_t network = grown(now.lost_network, before.lost_network);
-  const uint64_t kernel = grown(now.lost_kernel, before.lost_kernel);
-  const uint64_t received = grown(now.packets, before.packets);
+CheckResult SensorHealth::check_loss(const SensorCounters& now, const SensorCounters& before,
+                                     double min_loss, double max_loss) const {
+  const uint64_t network = increase(now.lost_network, before.lost_network);
+  const uint64_t kernel = increase(now.lost_kernel, before.lost_kernel);
+  const uint64_t received = increase(now.packets, before.packets);
   const double loss = lost_fraction(network + kernel, received);
-  if (network + kernel == 0 || loss < least || loss >= below) return {};
+  if (network + kernel == 0 || loss < min_loss || loss >= max_loss) return {};
   return {true,
           fmt::format("{:.2f} % of the packets were lost ({} of {}: {} in the network, {} in the "
                       "kernel)",
@@ -143,23 +143,25 @@ Verdict SensorHealth::judge_loss(const SensorCounters& now, const SensorCounters
                             : "raise net.core.rmem_max, or free processor time"};
 }
 
-Verdict SensorHealth::judge_sender(const SensorCounters& now, const SensorCounters& before) const {
-  const uint64_t strangers = grown(now.wrong_sender, before.wrong_sender);
-  if (strangers == 0) return {};
+CheckResult SensorHealth::check_sender(const SensorCounters& now,
+                                       const SensorCounters& before) const {
+  const uint64_t unexpected = increase(now.wrong_sender, before.wrong_sender);
+  if (unexpected == 0) return {};
   return {true,
-          fmt::format("{} on {} came from another sender ({})", plural(strangers, "datagram"),
-                      endpoint_, address_text(now.stranger)),
+          fmt::format("{} on {} came from another sender ({})", plural(unexpected, "datagram"),
+                      endpoint_, address_text(now.unexpected_sender)),
           "check the configured sender, or give the other sensor a port of its own"};
 }
 
-Verdict SensorHealth::judge_model(const SensorCounters& now, const SensorCounters& before) const {
-  const uint64_t wrong = grown(now.wrong_model, before.wrong_model);
+CheckResult SensorHealth::check_model(const SensorCounters& now,
+                                      const SensorCounters& before) const {
+  const uint64_t wrong = increase(now.wrong_model, before.wrong_model);
   if (wrong == 0) return {};
   return {true, fmt::format("{} on {} named another model", plural(wrong, "packet"), endpoint_),
           "check the configured model; early VLP-16 firmware calls itself HDL-32E"};
 }
 
-Verdict SensorHealth::judge_clock(Stamp now, const SensorCounters& counters) {
+CheckResult SensorHealth::check_clock(Stamp now, const SensorCounters& counters) {
   if (counters.packets == 0) return {};
   if (!first_seen_) first_seen_ = now;
   if (counters.clock.trusted || now - *first_seen_ < options_.clock_grace) return {};

@@ -37,27 +37,27 @@ class SensorHealth {
   const SensorStatus& update(Stamp now, const SensorCounters& counters);
 
   /// Judges by these thresholds from now on; how long conditions hold before they are told stays.
-  void set(const HealthOptions& options) { options_ = options; }
+  void set_options(const HealthOptions& options) { options_ = options; }
 
  private:
   using Window = SnapshotWindow<SensorCounters>;
 
   void restart_at(Stamp now);
-  Verdict judge_silence(Stamp now, const SensorCounters& counters);
-  Verdict judge_decoding(const SensorCounters& now, const SensorCounters& before) const;
-  Verdict judge_sweeps(Stamp now, const SensorCounters& now_counters);
-  Verdict judge_loss(const SensorCounters& now, const SensorCounters& before, double least,
-                     double below) const;
-  Verdict judge_sender(const SensorCounters& now, const SensorCounters& before) const;
-  Verdict judge_model(const SensorCounters& now, const SensorCounters& before) const;
-  Verdict judge_clock(Stamp now, const SensorCounters& counters);
+  CheckResult check_silence(Stamp now, const SensorCounters& counters);
+  CheckResult check_decoding(const SensorCounters& now, const SensorCounters& before) const;
+  CheckResult check_sweeps(Stamp now, const SensorCounters& now_counters);
+  CheckResult check_loss(const SensorCounters& now, const SensorCounters& before, double min_loss,
+                         double max_loss) const;
+  CheckResult check_sender(const SensorCounters& now, const SensorCounters& before) const;
+  CheckResult check_model(const SensorCounters& now, const SensorCounters& before) const;
+  CheckResult check_clock(Stamp now, const SensorCounters& counters);
   void measure_rates(Stamp now, const Window::Snapshot& oldest);
 
   std::string endpoint_;
   HealthOptions options_;
   Stamp last_packet_;  // or the start, while there is none
   Stamp last_sweep_;
-  Stamp previous_;                   // tick
+  Stamp previous_tick_;              // tick
   std::optional<Stamp> first_seen_;  // tick of the first packet
   uint64_t packets_seen_ = 0;
   uint64_t sweeps_seen_ = 0;

@@ -22,22 +22,23 @@ class SnapshotWindow {
 
   /// Forgets everything before `now`.
   void restart_at(Stamp now, const Counters& counters) {
-    taken_ = 1;
+    count_ = 1;
     snapshots_[0] = {now, counters};
   }
 
-  /// Takes the counters at `now` and gives the oldest, of at most `kTicks` before.
-  Snapshot take(Stamp now, const Counters& counters) {
-    const Snapshot oldest = snapshots_[taken_ > kTicks ? (taken_ - kTicks) % snapshots_.size() : 0];
-    snapshots_[taken_++ % snapshots_.size()] = {now, counters};
+  /// Takes the counters at `now` and gives the oldest, of at most `kMaxTicks` before.
+  Snapshot push(Stamp now, const Counters& counters) {
+    const Snapshot oldest =
+        snapshots_[count_ > kMaxTicks ? (count_ - kMaxTicks) % snapshots_.size() : 0];
+    snapshots_[count_++ % snapshots_.size()] = {now, counters};
     return oldest;
   }
 
  private:
-  static constexpr size_t kTicks = 10;
+  static constexpr size_t kMaxTicks = 10;
 
-  std::array<Snapshot, kTicks + 1> snapshots_;
-  size_t taken_ = 0;
+  std::array<Snapshot, kMaxTicks + 1> snapshots_;
+  size_t count_ = 0;
 };
 
 }  // namespace infuse::daemon

@@ -14,12 +14,12 @@ namespace infuse::daemon {
 /// threads by copy. In a replay it stays as it is made.
 struct SourceState {
   bool open = true;                 ///< it can be read
-  bool wanted = true;               ///< fusion uses what it delivers; false: it is only counted
-  uint32_t opened = 0;              ///< how often it was opened
-  uint64_t buffer_wanted = 0;       ///< bytes of receive buffer; 0: it has none
+  bool used = true;                 ///< fusion uses what it delivers; false: it is only counted
+  uint32_t open_count = 0;          ///< how often it was opened
+  uint64_t buffer_requested = 0;    ///< bytes of receive buffer; 0: it has none
   uint64_t buffer_granted = 0;      ///< by the kernel
-  const char* stamps = "";          ///< of a CAN bus, whose: "hardware" (its interface's), "kernel"
-  const char* bus = "";             ///< of a CAN controller that has errors: "error-passive"
+  const char* stamp_source = "";    ///< of a CAN bus, whose: "hardware" (its interface's), "kernel"
+  const char* bus_state = "";       ///< of a CAN controller that has errors: "error-passive"
   bool bus_off = false;             ///< it takes part no more
   std::array<char, 160> problem{};  ///< why it is not open; zero-terminated
 
@@ -30,9 +30,9 @@ struct SourceState {
 };
 
 // How each of these is judged, for the conditions "unavailable", "bus_off", "bus" and "buffer".
-Verdict judge_availability(const SourceState& source);
-Verdict judge_bus_off(const SourceState& source);
-Verdict judge_bus(const SourceState& source);
-Verdict judge_buffer(const SourceState& source);
+CheckResult check_availability(const SourceState& source);
+CheckResult check_bus_off(const SourceState& source);
+CheckResult check_bus_state(const SourceState& source);
+CheckResult check_receive_buffer(const SourceState& source);
 
 }  // namespace infuse::daemon

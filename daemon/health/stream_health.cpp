@@ -8,7 +8,7 @@ StreamHealth::StreamHealth(std::string endpoint, const HealthOptions& options, S
     : endpoint_(std::move(endpoint)),
       options_(options),
       last_received_(start),
-      previous_(start),
+      previous_tick_(start),
       window_(start),
       // Silence is a time of its own, so it needs no further delay to be raised.
       conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
@@ -17,32 +17,32 @@ StreamHealth::StreamHealth(std::string endpoint, const HealthOptions& options, S
                   {"unreadable", Level::kError, options.raise_after, options.clear_after},
                   {"unused", Level::kError, options.raise_after, options.clear_after},
                   {"loss", Level::kWarn, options.raise_after, options.clear_after},
-                  {"bus", Level::kWarn, Duration::zero(), options.clear_after},
-                  {"order", Level::kWarn, Duration::zero(), options.clear_after}} {}
+                  {"bus_errors", Level::kWarn, Duration::zero(), options.clear_after},
+                  {"out_of_order", Level::kWarn, Duration::zero(), options.clear_after}} {}
 
 const StreamStatus& StreamHealth::update(Stamp now, const StreamCounters& counters) {
-  if (now < previous_) {  // drive time stepped back: nothing old can be compared with it
+  if (now < previous_tick_) {  // drive time stepped back: nothing old can be compared with it
     window_.restart_at(now, status_.counters);
     last_received_ = now;
   }
-  previous_ = now;
-  const Window::Snapshot oldest = window_.take(now, counters);
+  previous_tick_ = now;
+  const Window::Snapshot oldest = window_.push(now, counters);
   const double seconds = to_seconds(now - oldest.stamp);
   status_.received_hz =
       seconds > 0 ? static_cast<double>(counters.received - oldest.counters.received) / seconds : 0;
   status_.counters = counters;
-  conditions_.judge({judge_silence(now, counters), judge_availability(counters.source),
-                     judge_bus_off(counters.source), judge_reading(counters, oldest.counters),
-                     judge_use(counters, oldest.counters), judge_loss(counters, oldest.counters),
-                     judge_bus(counters.source), judge_order(counters, oldest.counters)},
-                    now);
+  conditions_.update({check_silence(now, counters), check_availability(counters.source),
+                      check_bus_off(counters.source), check_readability(counters, oldest.counters),
+                      check_use(counters, oldest.counters), check_loss(counters, oldest.counters),
+                      check_bus_state(counters.source), check_order(counters, oldest.counters)},
+                     now);
   status_.findings = conditions_.findings();
   status_.transitions = conditions_.transitions();
   status_.level = conditions_.level();
   return status_;
 }
 
-Verdict StreamHealth::judge_silence(Stamp now, const StreamCounters& counters) {
+CheckResult StreamHealth::check_silence(Stamp now, const StreamCounters& counters) {
   if (counters.received != received_) last_received_ = counters.last;
   received_ = counters.received;
   const Duration silence = now - last_received_;
@@ -51,7 +51,8 @@ Verdict StreamHealth::judge_silence(Stamp now, const StreamCounters& counters) {
           "check that it has power and is connected"};
 }
 
-Verdict StreamHealth::judge_reading(const StreamCounters& now, const StreamCounters& before) const {
+CheckResult StreamHealth::check_readability(const StreamCounters& now,
+                                            const StreamCounters& before) const {
   const uint64_t refused = now.refused - before.refused;
   if (refused == 0) return {};
   return {true,
@@ -61,8 +62,8 @@ Verdict StreamHealth::judge_reading(const StreamCounters& now, const StreamCount
 }
 
 // A bus that carries frames, but none of the signals that are mapped.
-Verdict StreamHealth::judge_use(const StreamCounters& now, const StreamCounters& before) const {
-  if (!now.source.wanted || now.received == before.received || now.used > before.used ||
+CheckResult StreamHealth::check_use(const StreamCounters& now, const StreamCounters& before) const {
+  if (!now.source.used || now.received == before.received || now.used > before.used ||
       now.refused - before.refused >= now.received - before.received) {
     return {};
   }
@@ -70,7 +71,8 @@ Verdict StreamHealth::judge_use(const StreamCounters& now, const StreamCounters&
           "check the DBC file, the interface and the names of the signals"};
 }
 
-Verdict StreamHealth::judge_loss(const StreamCounters& now, const StreamCounters& before) const {
+CheckResult StreamHealth::check_loss(const StreamCounters& now,
+                                     const StreamCounters& before) const {
   const uint64_t lost = now.lost - before.lost;
   if (lost == 0) return {};
   return {true,
@@ -79,10 +81,11 @@ Verdict StreamHealth::judge_loss(const StreamCounters& now, const StreamCounters
           "free processor time, or bandwidth of the link"};
 }
 
-Verdict StreamHealth::judge_order(const StreamCounters& now, const StreamCounters& before) const {
-  const uint64_t backward = now.backward - before.backward;
-  if (backward == 0) return {};
-  return {true, fmt::format("{} stamps of {} lay before the one above", backward, endpoint_),
+CheckResult StreamHealth::check_order(const StreamCounters& now,
+                                      const StreamCounters& before) const {
+  const uint64_t out_of_order = now.out_of_order - before.out_of_order;
+  if (out_of_order == 0) return {};
+  return {true, fmt::format("{} stamps of {} lay before the one above", out_of_order, endpoint_),
           "check the clock that stamps it"};
 }
 

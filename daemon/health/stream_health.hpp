@@ -29,21 +29,21 @@ class StreamHealth {
   const StreamStatus& update(Stamp now, const StreamCounters& counters);
 
   /// Judges by these thresholds from now on; how long conditions hold before they are told stays.
-  void set(const HealthOptions& options) { options_ = options; }
+  void set_options(const HealthOptions& options) { options_ = options; }
 
  private:
   using Window = SnapshotWindow<StreamCounters>;
 
-  Verdict judge_silence(Stamp now, const StreamCounters& counters);
-  Verdict judge_reading(const StreamCounters& now, const StreamCounters& before) const;
-  Verdict judge_use(const StreamCounters& now, const StreamCounters& before) const;
-  Verdict judge_loss(const StreamCounters& now, const StreamCounters& before) const;
-  Verdict judge_order(const StreamCounters& now, const StreamCounters& before) const;
+  CheckResult check_silence(Stamp now, const StreamCounters& counters);
+  CheckResult check_readability(const StreamCounters& now, const StreamCounters& before) const;
+  CheckResult check_use(const StreamCounters& now, const StreamCounters& before) const;
+  CheckResult check_loss(const StreamCounters& now, const StreamCounters& before) const;
+  CheckResult check_order(const StreamCounters& now, const StreamCounters& before) const;
 
   std::string endpoint_;
   HealthOptions options_;
   Stamp last_received_;  // or the start, while there is none
-  Stamp previous_;       // tick
+  Stamp previous_tick_;  // tick
   uint64_t received_ = 0;
   Window window_;
   Conditions conditions_;

@@ -8,21 +8,21 @@ namespace infuse::daemon {
 
 StreetMapHealth::StreetMapHealth(const HealthOptions& options)
     : conditions_{{"lost", Level::kError, options.raise_after, options.clear_after},
-                  {"map_misfit", Level::kWarn, options.raise_after, options.clear_after}} {}
+                  {"map_mismatch", Level::kWarn, options.raise_after, options.clear_after}} {}
 
-const Conditions& StreetMapHealth::update(Stamp now, const StreetMapFigures& figures) {
-  Verdict lost, misfit;
+const Conditions& StreetMapHealth::update(Stamp now, const StreetMapStatus& status) {
+  CheckResult lost, mismatch;
   const std::string place =
-      fmt::format("near {:.0f} m east, {:.0f} m north of the map's origin", figures.x, figures.y);
-  if (std::string_view(figures.state) == "LOST") {
-    lost = {true, fmt::format("lost on the street map {}: {}", place, figures.reason),
+      fmt::format("near {:.0f} m east, {:.0f} m north of the map's origin", status.x, status.y);
+  if (std::string_view(status.state) == "LOST") {
+    lost = {true, fmt::format("lost on the street map {}: {}", place, status.reason),
             "it looks for its place; give a start in [streetmap] or a satellite receiver"};
   }
-  if (figures.misfit) {
-    misfit = {true, fmt::format("what is seen does not fit the street map {}", place),
-              "is the map up to date there? make it anew with infuse streetmap"};
+  if (status.mismatch) {
+    mismatch = {true, fmt::format("what is seen does not fit the street map {}", place),
+                "is the map up to date there? make it anew with infuse streetmap"};
   }
-  conditions_.judge({lost, misfit}, now);
+  conditions_.update({lost, mismatch}, now);
   return conditions_;
 }
 

@@ -7,10 +7,10 @@
 namespace infuse::daemon {
 
 /// What the street-map tracker says of itself, at one moment of drive time. Plain data.
-struct StreetMapFigures {
+struct StreetMapStatus {
   const char* state = "";   ///< "TRACKING", "UNSURE" or "LOST"; empty: there is no map
   const char* reason = "";  ///< static text: why it is not sure; empty where it is
-  bool misfit = false;      ///< what is seen does not fit the map
+  bool mismatch = false;    ///< what is seen does not fit the map
   double x = 0;             ///< m, map frame
   double y = 0;             ///< m
   double p_value = 1;       ///< chance that the fit is chance
@@ -27,7 +27,7 @@ class StreetMapHealth {
   explicit StreetMapHealth(const HealthOptions& options);
 
   /// About one call a second. The answer is valid until the next call.
-  const Conditions& update(Stamp now, const StreetMapFigures& figures);
+  const Conditions& update(Stamp now, const StreetMapStatus& figures);
 
  private:
   Conditions conditions_;

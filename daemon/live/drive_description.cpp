@@ -7,12 +7,12 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kPackets = "lidar.pcap";
-constexpr const char* kSignals = "vehicle.dbc";
+constexpr const char* kPacketsFile = "lidar.pcap";
+constexpr const char* kDbcFile = "vehicle.dbc";
 
 void describe_lidar(const Config& config, const LidarOptions& options, DescribedDrive& drive) {
   recording::LidarFiles files;
-  files.packets = kPackets;
+  files.packets = kPacketsFile;
   files.port = options.port;
   files.position_port = options.position_port;
   files.sender = parse_address(options.sender);
@@ -30,24 +30,24 @@ void describe_cameras(const LiveSetup& setup, DescribedDrive& drive) {
     drive.description.cameras.push_back(std::move(files));
   }
   for (size_t i = setup.rig.cameras.size(); i < setup.cameras.size(); ++i) {
-    drive.left_out.push_back("camera " + setup.streams_of_cameras[i].device +
-                             ": the rig does not have it");
+    drive.not_recorded.push_back("camera " + setup.camera_streams[i].device +
+                                 ": the rig does not have it");
   }
 }
 
 void describe_buses(const Config& config, DescribedDrive& drive) {
   for (const BusOptions& options : config.buses) {
     if (options.dbc.empty() || drive.description.can) {
-      drive.left_out.push_back("the signals of CAN bus " + options.interface +
-                               (options.dbc.empty() ? ": no dbc names them"
-                                                    : ": a drive has those "
-                                                      "of one bus") +
-                               (drive.description.can ? "; its frames are in can.log" : ""));
+      drive.not_recorded.push_back("the signals of CAN bus " + options.interface +
+                                   (options.dbc.empty() ? ": no dbc names them"
+                                                        : ": a drive has those "
+                                                          "of one bus") +
+                                   (drive.description.can ? "; its frames are in can.log" : ""));
       continue;
     }
     recording::CanFiles& can = drive.description.can.emplace();
     can.log = "can.log";
-    can.dbc = kSignals;
+    can.dbc = kDbcFile;
     can.interface = options.interface;
     can.reverse_gear = options.reverse_gear;
     can.signals = options.signals;
@@ -67,7 +67,7 @@ DescribedDrive describe_drive(const Config& config, const LiveSetup& setup) {
   }
   describe_cameras(setup, drive);
   describe_buses(config, drive);
-  if (setup.vehicle.has_gps) drive.description.gps = "gps.csv";
+  if (setup.vehicle.has_gnss) drive.description.gnss = "gnss.csv";
   return drive;
 }
 

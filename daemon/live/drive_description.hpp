@@ -10,8 +10,8 @@ namespace infuse::daemon {
 /// What a drive of this host's sensors says of them, and what belongs into its folder besides.
 struct DescribedDrive {
   recording::DriveDescription description;
-  std::vector<recording::DriveWriter::Copy> copies;
-  std::vector<std::string> left_out;  ///< what a drive cannot say, for a person
+  std::vector<recording::DriveWriter::CopiedFile> copies;
+  std::vector<std::string> not_recorded;  ///< what a drive cannot say, for a person
 };
 
 /// The drive that a recording of these sensors makes: all lidars in one capture, the cameras of the

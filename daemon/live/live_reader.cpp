@@ -5,9 +5,9 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr int kPatienceMs = 10;  // until ticks, stops and samples that wait are looked after
-constexpr Duration kLookPeriod{100'000'000};
-constexpr int kBatchesAtOnce = 4;  // of one socket, then the others have their turn
+constexpr int kPollTimeoutMs = 10;  // until ticks, stops and samples that wait are looked after
+constexpr Duration kMaintenancePeriod{100'000'000};
+constexpr int kMaxBatchesPerRead = 4;  // of one socket, then the others have their turn
 
 }  // namespace
 
@@ -17,65 +17,65 @@ LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::Ti
       intake_(intake),
       tap_(tap),
       lidars_(setup.lidars.size()),
-      lidar_of_gps_(setup.lidar_of_gps) {
+      gnss_lidar_(setup.gnss_lidar) {
   for (const PortSetup& port : setup.ports) {
     ports_.push_back({port, {"UDP port " + std::to_string(port.udp.port), [this, udp = port.udp] {
                                return velodyne::UdpSource::open(udp, base_);
                              }}});
   }
   for (size_t i = 0; i < setup.cameras.size(); ++i) {
-    const camera::V4l2Options& stream = setup.streams_of_cameras[i];
+    const camera::V4l2Options& stream = setup.camera_streams[i];
     cameras_.push_back({{"camera " + stream.device,
                          [this, stream] { return camera::V4l2Source::open(stream, base_); }}});
-    wanted_.push_back(i < setup.rig.cameras.size());
+    used_.push_back(i < setup.rig.cameras.size());
   }
   for (size_t i = 0; i < setup.interfaces.size(); ++i) {
     const vehicle::SocketCanOptions& bus = setup.interfaces[i];
     buses_.push_back({{"CAN bus " + bus.interface,
                        [this, bus] { return vehicle::SocketCanSource::open(bus, base_); }}});
-    wanted_.push_back(setup.vehicle.buses[i].has_value());
+    used_.push_back(setup.vehicle.buses[i].has_value());
   }
-  if (setup.gps) {
-    gps_.emplace("receiver " + setup.gps->device, [this, serial = *setup.gps] {
+  if (setup.gnss) {
+    gnss_.emplace("receiver " + setup.gnss->device, [this, serial = *setup.gnss] {
       return vehicle::SerialLineSource::open(serial, base_);
     });
   }
-  if (setup.vehicle.has_gps) wanted_.push_back(true);
+  if (setup.vehicle.has_gnss) used_.push_back(true);
   std::vector<std::filesystem::path> devices;
-  for (const camera::V4l2Options& stream : setup.streams_of_cameras) {
+  for (const camera::V4l2Options& stream : setup.camera_streams) {
     devices.emplace_back(stream.device);
   }
-  if (setup.gps) devices.emplace_back(setup.gps->device);
+  if (setup.gnss) devices.emplace_back(setup.gnss->device);
   devices_.emplace(devices);
   SourceStates& states = intake_.sources();
   states.lidars.resize(lidars_);
-  states.streams.resize(setup.streams());
-  states.dropped.resize(setup.streams());
+  states.streams.resize(setup.stream_count());
+  states.dropped.resize(setup.stream_count());
 }
 
 void LiveReader::run(std::stop_token stop) {
   intake_.start(base_.now());
   while (!stop.stop_requested()) {
     Stamp now = base_.now();
-    if (now - looked_ >= kLookPeriod) {
-      looked_ = now;
-      look_after_sources(now);
-      tell_states();
-      watch_all();
+    if (now - last_maintenance_ >= kMaintenancePeriod) {
+      last_maintenance_ = now;
+      reopen_sources(now);
+      update_source_states();
+      rebuild_poll_set();
     }
-    const int ready = poll(watched_.data(), watched_.size(), kPatienceMs);
+    const int ready = poll(poll_set_.data(), poll_set_.size(), kPollTimeoutMs);
     now = base_.now();
     intake_.advance(now);
-    if (ready > 0) read_ready();
-    intake_.hand_over_old_samples(now);
-    if (tap_ != nullptr) tap_->look_after(now);
+    if (ready > 0) read_ready_sources();
+    intake_.push_due_samples(now);
+    if (tap_ != nullptr) tap_->flush_if_due(now);
   }
   intake_.end(base_.now());
 }
 
-void LiveReader::look_after_sources(Stamp now) {
+void LiveReader::reopen_sources(Stamp now) {
   for (Port& port : ports_) {
-    if (port.source.look_after(now)) port.dropped = 0;
+    if (port.source.reopen_if_due(now)) port.reported_dropped = 0;
     // A group is left by an interface that was made anew.
     if (port.source.get() != nullptr && port.datagrams == port.datagrams_before) {
       port.source.get()->rejoin();
@@ -83,31 +83,31 @@ void LiveReader::look_after_sources(Stamp now) {
     port.datagrams_before = port.datagrams;
   }
   for (Camera& camera : cameras_) {
-    if (camera.source.look_after(now)) camera.sequence_offset = camera.next_sequence;
+    if (camera.source.reopen_if_due(now)) camera.sequence_offset = camera.next_sequence;
   }
-  for (Bus& bus : buses_) bus.source.look_after(now);
-  if (gps_) gps_->look_after(now);
+  for (Bus& bus : buses_) bus.source.reopen_if_due(now);
+  if (gnss_) gnss_->reopen_if_due(now);
 }
 
 /// What is gone has the descriptor −1, which poll passes over.
-void LiveReader::watch_all() {
-  watched_.clear();
-  const auto watch = [&](auto* source) {
+void LiveReader::rebuild_poll_set() {
+  poll_set_.clear();
+  const auto add_to_poll_set = [&](auto* source) {
     watched_.push_back({source != nullptr ? source->descriptor() : -1, POLLIN, 0});
   };
-  for (Port& port : ports_) watch(port.source.get());
-  for (Camera& camera : cameras_) watch(camera.source.get());
-  for (Bus& bus : buses_) watch(bus.source.get());
-  if (gps_) watch(gps_->get());
-  watched_.push_back({devices_->descriptor(), POLLIN, 0});
+  for (Port& port : ports_) add_to_poll_set(port.source.get());
+  for (Camera& camera : cameras_) add_to_poll_set(camera.source.get());
+  for (Bus& bus : buses_) add_to_poll_set(bus.source.get());
+  if (gnss_) add_to_poll_set(gnss_->get());
+  poll_set_.push_back({devices_->descriptor(), POLLIN, 0});
 }
 
-// In the order of `watch_all`; what is gone is never ready.
-void LiveReader::read_ready() {
+// In the order of `rebuild_poll_set`; what is gone is never ready.
+void LiveReader::read_ready_sources() {
   size_t at = 0;
-  const auto ready = [&] { return watched_[at++].revents != 0; };
+  const auto ready = [&] { return poll_set_[at++].revents != 0; };
   for (Port& port : ports_) {
-    if (ready()) read(port);
+    if (ready()) read_port(port);
   }
   for (size_t i = 0; i < cameras_.size(); ++i) {
     if (ready()) read_camera(i);
@@ -115,44 +115,44 @@ void LiveReader::read_ready() {
   for (size_t i = 0; i < buses_.size(); ++i) {
     if (ready()) read_bus(i);
   }
-  if (gps_ && ready()) read_gps();
-  if (ready() && devices_->changed()) hurry();
+  if (gnss_ && ready()) read_gnss();
+  if (ready() && devices_->consume_changes()) retry_now();
 }
 
 // A device may have come: it is tried before its pause is over.
-void LiveReader::hurry() {
-  for (Camera& camera : cameras_) camera.source.hurry();
-  if (gps_) gps_->hurry();
-  looked_ = Stamp::earliest();
+void LiveReader::retry_now() {
+  for (Camera& camera : cameras_) camera.source.retry_now();
+  if (gnss_) gnss_->retry_now();
+  last_maintenance_ = Stamp::earliest();
 }
 
 template <class Source>
-void LiveReader::lose(Reopening<Source>& source, const Error& error) {
+void LiveReader::close_source(ReopeningSource<Source>& source, const Error& error) {
   source.lose(error, base_.now());
-  watch_all();  // its descriptor may soon be another's
+  rebuild_poll_set();  // its descriptor may soon be another's
 }
 
-void LiveReader::note_dropped(Port& port) {
+void LiveReader::count_dropped(Port& port) {
   const uint64_t dropped = port.source.get()->dropped();
-  if (dropped <= port.dropped) return;
+  if (dropped <= port.reported_dropped) return;
   const PortSetup::Sender& sender = port.setup.senders.front();
-  intake_.add_kernel_dropped(sender.lidar, dropped - port.dropped, sender.data);
-  port.dropped = dropped;
+  intake_.add_kernel_dropped(sender.lidar, dropped - port.reported_dropped, sender.data);
+  port.reported_dropped = dropped;
 }
 
-void LiveReader::read(Port& port) {
+void LiveReader::read_port(Port& port) {
   velodyne::UdpSource* source = port.source.get();
-  for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
+  for (int batch = 0; batch < kMaxBatchesPerRead; ++batch) {
     const auto count = source->read(datagrams_, [&](const Datagram& datagram) {
       // The kernel's count first: what it dropped is not missing in the network too.
-      note_dropped(port);
-      intake_.take(port.setup.lidar_of(datagram.sender), datagram);
-      if (lidar_of_gps_ && port.setup.is_of(*lidar_of_gps_, datagram.sender)) {
-        take_position(datagram);
+      count_dropped(port);
+      intake_.add_datagram(port.setup.lidar_of(datagram.sender), datagram);
+      if (gnss_lidar_ && port.setup.is_from_lidar(*gnss_lidar_, datagram.sender)) {
+        add_position_packet(datagram);
       }
-      if (tap_ != nullptr) tap_->take(datagram);
+      if (tap_ != nullptr) tap_->add_datagram(datagram);
     });
-    if (!count) return lose(port.source, count.error());
+    if (!count) return close_source(port.source, count.error());
     port.datagrams += *count;
     if (*count < datagrams_.capacity()) return;
   }
@@ -161,65 +161,65 @@ void LiveReader::read(Port& port) {
 void LiveReader::read_camera(size_t index) {
   Camera& camera = cameras_[index];
   camera::V4l2Source* source = camera.source.get();
-  const auto read = source->read([&](const camera::StreamedPicture& picture) {
-    camera::StreamedPicture counted = picture;
+  const auto read = source->read([&](const camera::StreamedImage& image) {
+    camera::StreamedImage counted = image;
     counted.sequence += camera.sequence_offset;
     camera.next_sequence = counted.sequence + 1;
-    intake_.take(index, counted);
-    if (tap_ != nullptr && wanted_[index]) tap_->take(index, counted);
+    intake_.add_streamed_image(index, counted);
+    if (tap_ != nullptr && used_[index]) tap_->add_image(index, counted);
   });
   if (read) return;
   camera.damaged_before += source->counters().damaged;
-  lose(camera.source, read.error());
+  close_source(camera.source, read.error());
 }
 
 void LiveReader::read_bus(size_t index) {
   Bus& bus = buses_[index];
   vehicle::SocketCanSource* source = bus.source.get();
-  for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
+  for (int batch = 0; batch < kMaxBatchesPerRead; ++batch) {
     const auto count = source->read(frames_, [&](const vehicle::CanFrame& frame) {
-      intake_.take(index, frame);
-      if (tap_ != nullptr) tap_->take(frame);
+      intake_.add_can_frame(index, frame);
+      if (tap_ != nullptr) tap_->add_can_frame(frame);
     });
     if (!count) {
       bus.dropped_before += source->dropped();
-      return lose(bus.source, count.error());
+      return close_source(bus.source, count.error());
     }
     if (*count < frames_.capacity()) return;
   }
 }
 
-void LiveReader::read_gps() {
-  const auto read = gps_->get()->read([&](Stamp stamp, std::string_view line) {
+void LiveReader::read_gnss() {
+  const auto read = gnss_->get()->read([&](Stamp stamp, std::string_view line) {
     // Others than these two are passed over.
-    if (const auto sentence = velodyne::parse_nmea(line)) take_sentence(stamp, *sentence);
+    if (const auto sentence = velodyne::parse_nmea(line)) add_nmea_sentence(stamp, *sentence);
   });
-  if (!read) lose(*gps_, read.error());
+  if (!read) close_source(*gnss_, read.error());
 }
 
 // An RMC has date, speed and course, a GGA has the height; each is a fix of its own.
-void LiveReader::take_sentence(Stamp stamp, const velodyne::NmeaFix& sentence) {
-  GpsFix fix = sentence.fix;
+void LiveReader::add_nmea_sentence(Stamp stamp, const velodyne::NmeaFix& sentence) {
+  GnssFix fix = sentence.fix;
   fix.stamp = stamp;
   if (!sentence.has_date) fix.utc_ns = 0;
-  intake_.take(fix, stamp);
-  if (tap_ != nullptr) tap_->take(fix);
+  intake_.add_gnss(fix, stamp);
+  if (tap_ != nullptr) tap_->add_gnss(fix);
 }
 
 // The packets repeat a sentence until the receiver says the next.
-void LiveReader::take_position(const Datagram& datagram) {
+void LiveReader::add_position_packet(const Datagram& datagram) {
   const auto packet = velodyne::parse_position_packet(datagram.payload);
   if (!packet || !packet->sentence || packet->sentence->fix.utc_ns == last_sentence_ns_) return;
   last_sentence_ns_ = packet->sentence->fix.utc_ns;
-  take_sentence(datagram.stamp, *packet->sentence);
+  add_nmea_sentence(datagram.stamp, *packet->sentence);
 }
 
-void LiveReader::tell_states() {
+void LiveReader::update_source_states() {
   SourceStates& states = intake_.sources();
   for (Port& port : ports_) {
     SourceState& state = port.source.state();
     if (const velodyne::UdpSource* source = port.source.get()) {
-      state.buffer_wanted = source->buffer_wanted();
+      state.buffer_requested = source->buffer_requested();
       state.buffer_granted = source->buffer_granted();
     }
     for (const PortSetup::Sender& sender : port.setup.senders) {
@@ -238,18 +238,19 @@ void LiveReader::tell_states() {
     const vehicle::SocketCanSource* source = bus.source.get();
     if (source != nullptr) {
       const vehicle::BusState controller = source->bus_errors().state();
-      state.bus = controller == vehicle::BusState::kActive ? "" : vehicle::name_of(controller);
+      state.bus_state =
+          controller == vehicle::BusState::kErrorActive ? "" : vehicle::name_of(controller);
       state.bus_off = controller == vehicle::BusState::kBusOff;
       state.open = source->up();
-      state.stamps = source->stamped_by_hardware() ? "hardware" : "kernel";
+      state.stamp_source = source->stamped_by_hardware() ? "hardware" : "kernel";
       if (!state.open) state.set_problem(source->interface() + ": the interface is down");
     }
     states.streams[stream] = state;
     states.dropped[stream++] = bus.dropped_before + (source != nullptr ? source->dropped() : 0);
   }
-  if (gps_) states.streams[stream] = gps_->state();
-  if (lidar_of_gps_) states.streams[stream] = states.lidars[*lidar_of_gps_];
-  for (size_t i = 0; i < wanted_.size(); ++i) states.streams[i].wanted = wanted_[i];
+  if (gnss_) states.streams[stream] = gnss_->state();
+  if (gnss_lidar_) states.streams[stream] = states.lidars[*gnss_lidar_];
+  for (size_t i = 0; i < used_.size(); ++i) states.streams[i].used = used_[i];
 }
 
 }  // namespace infuse::daemon

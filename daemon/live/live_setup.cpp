@@ -12,7 +12,7 @@
 namespace infuse::daemon {
 namespace {
 
-Result<Rig> read_rig_of(const Config& config) {
+Result<Rig> read_configured_rig(const Config& config) {
   if (config.rig.empty()) return Rig{};
   return recording::read_rig(config.resolve(config.rig));
 }
@@ -22,8 +22,8 @@ bool same_socket(const velodyne::UdpOptions& a, const velodyne::UdpOptions& b) {
          a.interface == b.interface;
 }
 
-void listen_on(const velodyne::UdpOptions& udp, const PortSetup::Sender& sender,
-               std::vector<PortSetup>& ports) {
+void add_port_sender(const velodyne::UdpOptions& udp, const PortSetup::Sender& sender,
+                     std::vector<PortSetup>& ports) {
   for (PortSetup& port : ports) {
     if (!same_socket(port.udp, udp)) continue;
     port.udp.receive_buffer = std::max(port.udp.receive_buffer, udp.receive_buffer);
@@ -58,9 +58,9 @@ Result<void> set_up_lidar(const Config& config, const LidarOptions& options, con
   }
   const size_t index = setup.lidars.size();
   const uint32_t sender = lidar.assembler.sender;
-  listen_on(options.udp(options.port), {sender, index, true}, setup.ports);
+  add_port_sender(options.udp(options.port), {sender, index, true}, setup.ports);
   if (options.position_port != options.port) {
-    listen_on(options.udp(options.position_port), {sender, index, false}, setup.ports);
+    add_port_sender(options.udp(options.position_port), {sender, index, false}, setup.ports);
   }
   const LidarMount* mount = rig.find_lidar(options.name);
   setup.rig.lidars.push_back(mount != nullptr ? *mount : LidarMount{options.name, options.model});
@@ -86,13 +86,13 @@ Result<void> add_camera(const CameraOptions& options, const CameraMount* mount, 
     stream.stamp_delay += mount->stamp_delay;
     setup.rig.cameras.push_back(*mount);
   }
-  const bool taken = std::any_of(setup.devices.begin(), setup.devices.end(),
-                                 [&](const Device& d) { return d.name == options.name; });
-  setup.devices.push_back({(taken ? "camera " : "") + options.name, "camera",
+  const bool name_in_use = std::any_of(setup.devices.begin(), setup.devices.end(),
+                                       [&](const Device& d) { return d.name == options.name; });
+  setup.devices.push_back({(name_in_use ? "camera " : "") + options.name, "camera",
                            stream.format ? camera::name_of(*stream.format) : "any format",
                            "configured", stream.device, std::nullopt});
   setup.cameras.push_back({});
-  setup.streams_of_cameras.push_back(std::move(stream));
+  setup.camera_streams.push_back(std::move(stream));
   return {};
 }
 
@@ -132,23 +132,23 @@ Result<void> set_up_buses(const Config& config, LiveSetup& setup) {
   return {};
 }
 
-Result<void> set_up_gps(const Config& config, LiveSetup& setup) {
-  const GpsOptions& gps = config.gps;
-  if (gps.device.empty() && gps.lidar.empty()) return {};
-  std::string endpoint = gps.device;
-  if (gps.device.empty()) {
+Result<void> set_up_gnss(const Config& config, LiveSetup& setup) {
+  const GnssOptions& gnss = config.gnss;
+  if (gnss.device.empty() && gnss.lidar.empty()) return {};
+  std::string endpoint = gnss.device;
+  if (gnss.device.empty()) {
     const auto lidar = std::find_if(config.lidars.begin(), config.lidars.end(),
-                                    [&](const LidarOptions& l) { return l.name == gps.lidar; });
+                                    [&](const LidarOptions& l) { return l.name == gnss.lidar; });
     if (lidar == config.lidars.end()) {
-      return fail("gps refers to lidar '" + gps.lidar + "', which is not configured");
+      return fail("gps refers to lidar '" + gnss.lidar + "', which is not configured");
     }
-    setup.lidar_of_gps = static_cast<size_t>(lidar - config.lidars.begin());
-    endpoint = "position packets of " + gps.lidar;
+    setup.gnss_lidar = static_cast<size_t>(lidar - config.lidars.begin());
+    endpoint = "position packets of " + gnss.lidar;
   } else {
-    setup.gps = vehicle::SerialOptions{gps.device, gps.baud};
+    setup.gnss = vehicle::SerialOptions{gnss.device, gnss.baud};
   }
-  setup.vehicle.has_gps = true;
-  setup.devices.push_back({"gps", "gps", "NMEA", "configured", endpoint, std::nullopt});
+  setup.vehicle.has_gnss = true;
+  setup.devices.push_back({"gnss", "gnss", "NMEA", "configured", endpoint, std::nullopt});
   return {};
 }
 
@@ -163,14 +163,14 @@ size_t PortSetup::lidar_of(uint32_t sender) const {
   return any != nullptr ? any->lidar : senders.front().lidar;
 }
 
-bool PortSetup::is_of(size_t lidar, uint32_t sender) const {
+bool PortSetup::is_from_lidar(size_t lidar, uint32_t sender) const {
   return std::any_of(senders.begin(), senders.end(), [&](const Sender& known) {
     return known.lidar == lidar && (known.address == 0 || known.address == sender);
   });
 }
 
 Result<LiveSetup> set_up_live(const Config& config) {
-  const auto rig = read_rig_of(config);
+  const auto rig = read_configured_rig(config);
   if (!rig) return tl::unexpected(rig.error());
   LiveSetup setup;
   setup.delivery = Delivery::kOverwrite;
@@ -181,7 +181,7 @@ Result<LiveSetup> set_up_live(const Config& config) {
   }
   if (auto done = set_up_cameras(config, *rig, setup); !done) return tl::unexpected(done.error());
   if (auto done = set_up_buses(config, setup); !done) return tl::unexpected(done.error());
-  if (auto done = set_up_gps(config, setup); !done) return tl::unexpected(done.error());
+  if (auto done = set_up_gnss(config, setup); !done) return tl::unexpected(done.error());
   return setup;
 }
 

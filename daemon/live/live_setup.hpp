@@ -26,16 +26,16 @@ struct PortSetup {
   /// anywhere, else the first's, which refuses it and counts it.
   size_t lidar_of(uint32_t sender) const;
   /// Whether what comes from there is that lidar's.
-  bool is_of(size_t lidar, uint32_t sender) const;
+  bool is_from_lidar(size_t lidar, uint32_t sender) const;
 };
 
 /// What is read live, and what the pipeline is told of it. Indices are those of the devices.
 struct LiveSetup : PipelineSetup {
   std::vector<PortSetup> ports;
-  std::vector<camera::V4l2Options> streams_of_cameras;
+  std::vector<camera::V4l2Options> camera_streams;
   std::vector<vehicle::SocketCanOptions> interfaces;  ///< of the buses
-  std::optional<vehicle::SerialOptions> gps;
-  std::optional<size_t> lidar_of_gps;  ///< whose position packets have the receiver's sentences
+  std::optional<vehicle::SerialOptions> gnss;
+  std::optional<size_t> gnss_lidar;  ///< whose position packets have the receiver's sentences
 };
 
 /// Sets up what the configuration names. Sensors that the rig does not have are mounted at the

@@ -19,9 +19,10 @@ namespace http = boost::beast::http;
 using ErrorCode = boost::system::error_code;
 using Socket = asio::generic::stream_protocol::socket;
 
-constexpr std::chrono::seconds kPatience{1};  // with a whole connection; a stop waits for it too
-constexpr std::chrono::milliseconds kPause{200};
-constexpr size_t kMostRequest = 4096;  // bytes
+constexpr std::chrono::seconds kConnectionTimeout{
+    1};  // with a whole connection; a stop waits for it too
+constexpr std::chrono::milliseconds kAcceptRetryDelay{200};
+constexpr size_t kMaxHeaderBytes = 4096;  // bytes
 
 /// One request and its answer. Lives as long as an operation is under way.
 class Connection : public std::enable_shared_from_this<Connection> {
@@ -32,13 +33,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
         text_(std::move(text)),
         count_(std::move(count)) {
     ++*count_;
-    parser_.header_limit(kMostRequest);
+    parser_.header_limit(kMaxHeaderBytes);
     parser_.body_limit(std::numeric_limits<uint64_t>::max());  // a body is never read
   }
   ~Connection() { --*count_; }
 
   void start() {
-    timer_.expires_after(kPatience);
+    timer_.expires_after(kConnectionTimeout);
     timer_.async_wait([self = shared_from_this()](ErrorCode error) {
       if (!error) self->close();
     });
@@ -96,7 +97,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   asio::steady_timer timer_;
   std::shared_ptr<const std::string> text_;
   std::shared_ptr<int> count_;
-  boost::beast::flat_static_buffer<kMostRequest + 1> buffer_;
+  boost::beast::flat_static_buffer<kMaxHeaderBytes + 1> buffer_;
   http::request_parser<http::buffer_body> parser_;
   http::response<http::string_body> response_;
   std::optional<http::response_serializer<http::string_body>> serializer_;
@@ -137,12 +138,12 @@ void MetricsServer::accept(Acceptor& acceptor) {
   acceptor.async_accept([this, &acceptor](ErrorCode error, auto socket) {
     if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
     if (!error) {
-      if (*connections_ < kMostConnections) {
+      if (*connections_ < kMaxConnections) {
         std::make_shared<Connection>(Socket(std::move(socket)), text_, connections_)->start();
       }
       return accept(acceptor);
     }
-    const auto pause = std::make_shared<asio::steady_timer>(io_, kPause);
+    const auto pause = std::make_shared<asio::steady_timer>(io_, kAcceptRetryDelay);
     pause->async_wait([this, &acceptor, pause](ErrorCode) {
       if (acceptor.is_open()) accept(acceptor);
     });

@@ -29,13 +29,13 @@ class MetricsServer {
   Result<uint16_t> listen_tcp(uint16_t port);
 
   /// What is answered from now on.
-  void set(std::string text) { *text_ = std::move(text); }
+  void set_text(std::string text) { *text_ = std::move(text); }
 
   /// Accepts nobody any more; who is connected is still answered.
   void finish();
 
  private:
-  static constexpr int kMostConnections = 16;
+  static constexpr int kMaxConnections = 16;
 
   template <class Acceptor>
   void accept(Acceptor& acceptor);

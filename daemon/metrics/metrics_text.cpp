@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "daemon/metrics/figures.hpp"
+#include "daemon/metrics/metric_definitions.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -72,14 +72,14 @@ std::optional<double> number_at(const Json& table, const char* path) {
   return value.get<double>();
 }
 
-void add_figures(const Json& table, std::span<const Figure> figures, const std::string& labels,
-                 Families& families) {
-  for (const Figure& figure : figures) {
-    const auto value = number_at(table, figure.path);
+void add_metrics(const Json& table, std::span<const MetricDefinition> metrics,
+                 const std::string& labels, Families& families) {
+  for (const MetricDefinition& metric : metrics) {
+    const auto value = number_at(table, metric.path);
     if (!value) continue;
-    const bool both = !labels.empty() && *figure.label != '\0';
-    families.add(figure.name, figure.type, figure.help, labels + (both ? "," : "") + figure.label,
-                 *value * figure.scale);
+    const bool both = !labels.empty() && *metric.label != '\0';
+    families.add(metric.name, metric.type, metric.help, labels + (both ? "," : "") + metric.label,
+                 *value * metric.scale);
   }
 }
 
@@ -101,45 +101,45 @@ void add_devices(const Json& health, Families& families) {
   for (const Json& lidar : health.value("sensors", Json::array())) {
     const std::string device = label("device", text_of(lidar, "device"));
     add_level(lidar, device + ",kind=\"lidar\"", families);
-    add_figures(lidar, lidar_figures(), device, families);
+    add_metrics(lidar, lidar_metrics(), device, families);
   }
   for (const Json& stream : health.value("streams", Json::array())) {
     const std::string labels =
         label("device", text_of(stream, "device")) + "," + label("kind", text_of(stream, "kind"));
     add_level(stream, labels, families);
-    add_figures(stream, stream_figures(), labels, families);
+    add_metrics(stream, stream_metrics(), labels, families);
   }
 }
 
 void add_stages(const Json& health, Families& families) {
   const Json host = health.value("host", Json::object());
   for (const Json& stage : host.value("stages", Json::array())) {
-    add_figures(stage, stage_figures(), label("stage", text_of(stage, "stage")), families);
+    add_metrics(stage, stage_metrics(), label("stage", text_of(stage, "stage")), families);
   }
   for (const Json& queue : host.value("queues", Json::array())) {
-    add_figures(queue, queue_figures(), label("queue", text_of(queue, "queue")), families);
+    add_metrics(queue, queue_metrics(), label("queue", text_of(queue, "queue")), families);
   }
 }
 
 }  // namespace
 
-void measure_process(ProcessFigures& figures) {
+void measure_process(ProcessStats& metrics) {
   std::ifstream pages("/proc/self/statm");
   uint64_t all = 0, resident = 0;
   if (pages >> all >> resident) {
-    figures.resident_bytes = resident * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+    metrics.resident_bytes = resident * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
   }
   std::error_code error;
   std::filesystem::directory_iterator entry("/proc/self/fd", error), end;
-  figures.descriptors = 0;
-  for (; !error && entry != end; entry.increment(error)) ++figures.descriptors;
+  metrics.descriptors = 0;
+  for (; !error && entry != end; entry.increment(error)) ++metrics.descriptors;
 }
 
-std::string metrics_text(const Json& health, const ProcessFigures& process) {
+std::string metrics_text(const Json& health, const ProcessStats& process) {
   Families families;
   families.add("infuse_build_info", "gauge", "The release that runs.",
                label("release", process.release), 1);
-  add_figures(health, report_figures(), "", families);
+  add_metrics(health, report_metrics(), "", families);
   families.add("infuse_alerts_total", "counter", "Alerts raised since the start.", "",
                static_cast<double>(process.alerts));
   if (process.resident_bytes != 0) {
@@ -153,11 +153,11 @@ std::string metrics_text(const Json& health, const ProcessFigures& process) {
   add_devices(health, families);
   if (const auto odometry = health.find("odometry"); odometry != health.end()) {
     add_level(*odometry, "device=\"odometry\",kind=\"odometry\"", families);
-    add_figures(*odometry, odometry_figures(), "", families);
+    add_metrics(*odometry, odometry_metrics(), "", families);
   }
   if (const auto map = health.find("streetmap"); map != health.end()) {
     add_level(*map, "device=\"streetmap\",kind=\"streetmap\"", families);
-    add_figures(*map, streetmap_figures(), "", families);
+    add_metrics(*map, streetmap_metrics(), "", families);
   }
   add_stages(health, families);
   return families.text();

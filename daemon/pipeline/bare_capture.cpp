@@ -7,8 +7,8 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr size_t kDatagramsToSurvey = 20'000;
-constexpr uint64_t kFewestPackets = 10;  // a stream of fewer is noise beside another one
+constexpr size_t kMaxSurveyDatagrams = 20'000;
+constexpr uint64_t kMinPackets = 10;  // a stream of fewer is noise beside another one
 
 recording::LidarFiles files_of(const std::filesystem::path& path, const LidarOptions& options) {
   recording::LidarFiles files;
@@ -42,7 +42,7 @@ void add_lidar(recording::DriveDescription& description, const std::string& name
   description.lidars.push_back(std::move(files));
 }
 
-std::string what_is_there(const CaptureSurvey& survey) {
+std::string describe_contents(const CaptureSurvey& survey) {
   if (survey.streams().empty()) return "it holds no UDP datagrams";
   const Stream& stream = survey.streams().front();
   return fmt::format("it holds e.g. {} datagrams of {} bytes from {} to port {}",
@@ -57,7 +57,7 @@ Result<CaptureSurvey> survey_beginning(const std::filesystem::path& path) {
   if (!reader) return tl::unexpected(reader.error());
   CaptureSurvey survey;
   Datagram datagram;
-  for (size_t i = 0; i < kDatagramsToSurvey && reader->next(datagram); ++i) survey.add(datagram);
+  for (size_t i = 0; i < kMaxSurveyDatagrams && reader->next(datagram); ++i) survey.add(datagram);
   return survey;
 }
 
@@ -73,25 +73,25 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& path,
   size_t data_streams = 0;
   for (const Stream& stream : survey.streams()) data_streams += stream.kind == StreamKind::kData;
   for (const Stream& stream : survey.streams()) {
-    const bool noise = data_streams > 1 && stream.arrivals.count < kFewestPackets;
+    const bool noise = data_streams > 1 && stream.arrivals.count < kMinPackets;
     if (!lidars.empty() || stream.kind != StreamKind::kData || noise) continue;
     const size_t number = description.lidars.size() + 1;
     add_lidar(description, number == 1 ? "lidar" : fmt::format("lidar{}", number), "",
               files_of(path, stream));
   }
   if (description.lidars.empty()) {
-    return fail("no lidar packets are in this capture", path.string(), what_is_there(survey));
+    return fail("no lidar packets are in this capture", path.string(), describe_contents(survey));
   }
   if (const auto wrong = description.invalid()) return fail(*wrong, path.string());
   return drive;
 }
 
-std::optional<velodyne::ModelGuess> infer_model(const CaptureSurvey& survey,
-                                                const recording::LidarFiles& files) {
+std::optional<velodyne::InferredModel> infer_model(const CaptureSurvey& survey,
+                                                   const recording::LidarFiles& files) {
   for (const Stream& stream : survey.streams()) {
     const bool its_sender = !files.sender || *files.sender == stream.sender;
     if (stream.kind == StreamKind::kData && stream.port == files.port && its_sender) {
-      return stream.inference.guess();
+      return stream.inference.infer();
     }
   }
   return std::nullopt;

@@ -23,7 +23,7 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& path,
 
 /// The model of the stream that a lidar's files name, as its packets show it; nothing where they
 /// show none.
-std::optional<velodyne::ModelGuess> infer_model(const CaptureSurvey& survey,
-                                                const recording::LidarFiles& files);
+std::optional<velodyne::InferredModel> infer_model(const CaptureSurvey& survey,
+                                                   const recording::LidarFiles& files);
 
 }  // namespace infuse::daemon

@@ -31,8 +31,8 @@ bool read_file(const char* path, size_t max_bytes, std::vector<uint8_t>& bytes) 
 
 }  // namespace
 
-bool CameraIntake::take(Stamp stamp, uint64_t sequence, const std::filesystem::path& path,
-                        std::vector<uint8_t>& encoded) {
+bool CameraIntake::read_image(Stamp stamp, uint64_t sequence, const std::filesystem::path& path,
+                              std::vector<uint8_t>& encoded) {
   count(stamp, sequence);
   if (read_file(path.c_str(), kMaxBytes, encoded)) return true;
   ++counters_.refused;

@@ -18,8 +18,8 @@ class CameraIntake {
 
   /// Reads a picture's file into `encoded`, which keeps its memory. False, and counted, where it
   /// cannot be read.
-  bool take(Stamp stamp, uint64_t sequence, const std::filesystem::path& path,
-            std::vector<uint8_t>& encoded);
+  bool read_image(Stamp stamp, uint64_t sequence, const std::filesystem::path& path,
+                  std::vector<uint8_t>& encoded);
 
   /// Counts a picture, and what is missing before it.
   void count(Stamp stamp, uint64_t sequence);

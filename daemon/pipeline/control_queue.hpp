@@ -15,23 +15,23 @@ class ControlQueue {
   void push(const Request& request) {
     const std::lock_guard lock(mutex_);
     waiting_.push_back(request);
-    any_.store(true);
+    has_pending_.store(true);
   }
 
   /// The fusion thread's: calls `obey(const Request&)` for what was asked since.
-  template <class Obey>
-  void take(Obey obey) {
-    if (!any_.load(std::memory_order_relaxed)) return;
+  template <class Handle>
+  void drain(Handle handle) {
+    if (!has_pending_.load(std::memory_order_relaxed)) return;
     const std::lock_guard lock(mutex_);
-    for (const Request& request : waiting_) obey(request);
+    for (const Request& request : waiting_) handle(request);
     waiting_.clear();
-    any_.store(false);
+    has_pending_.store(false);
   }
 
  private:
   std::mutex mutex_;
   std::vector<Request> waiting_;
-  std::atomic<bool> any_{false};
+  std::atomic<bool> has_pending_{false};
 };
 
 }  // namespace infuse::daemon

@@ -15,33 +15,33 @@ void DriveReader::run(std::stop_token stop) {
     started = true;
     pacer_.wait_until(event.stamp, stop);
     intake_.advance(event.stamp);
-    take(event);
-    intake_.hand_over_old_samples(event.stamp);
+    process(event);
+    intake_.push_due_samples(event.stamp);
   }
   intake_.end(event.stamp, started);
 }
 
-void DriveReader::take(const recording::DriveEvent& event) {
+void DriveReader::process(const recording::DriveEvent& event) {
   if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
-    take(*datagram);
+    process_datagram(*datagram);
   } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-    intake_.take(sweep->lidar, *sweep->sweep);
+    intake_.add_sweep(sweep->lidar, *sweep->sweep);
   } else if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
-    intake_.take_file(image->camera, event.stamp, image->sequence, *image->path);
+    intake_.add_image_file(image->camera, event.stamp, image->sequence, *image->path);
   } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
-    intake_.take_line(bus->line, event.stamp);
+    intake_.add_can_line(bus->line, event.stamp);
   } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
-    intake_.take(*imu, event.stamp);
-  } else if (const auto* fix = std::get_if<GpsFix>(&event.content)) {
-    intake_.take(*fix, event.stamp);
+    intake_.add_imu(*imu, event.stamp);
+  } else if (const auto* fix = std::get_if<GnssFix>(&event.content)) {
+    intake_.add_gnss(*fix, event.stamp);
   }
 }
 
-void DriveReader::take(const recording::DatagramEvent& event) {
+void DriveReader::process_datagram(const recording::DatagramEvent& event) {
   const Datagram& datagram = event.datagram;
   capture_bytes_.fetch_add(datagram.payload.size() + kCaptureOverhead, std::memory_order_relaxed);
-  if (event.lidar == recording::kNoLidar) return intake_.take_unclaimed(datagram);
-  intake_.take(event.lidar, datagram);
+  if (event.lidar == recording::kNoLidar) return intake_.add_unclaimed_datagram(datagram);
+  intake_.add_datagram(event.lidar, datagram);
 }
 
 }  // namespace infuse::daemon

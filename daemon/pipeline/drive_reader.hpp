@@ -26,8 +26,8 @@ class DriveReader {
   uint64_t capture_bytes() const { return capture_bytes_.load(std::memory_order_relaxed); }
 
  private:
-  void take(const recording::DriveEvent& event);
-  void take(const recording::DatagramEvent& event);
+  void process(const recording::DriveEvent& event);
+  void process_datagram(const recording::DatagramEvent& event);
 
   recording::DriveSource& source_;
   Intake& intake_;

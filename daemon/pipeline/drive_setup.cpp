@@ -26,8 +26,8 @@ std::string known_models() {
 
 Result<ChosenModel> choose_model(const std::string& configured, const CaptureSurvey& survey,
                                  const recording::LidarFiles& files, const std::string& where,
-                                 std::optional<velodyne::Model> asked_for) {
-  if (asked_for) return ChosenModel{*asked_for, "asked for with --model"};
+                                 std::optional<velodyne::Model> requested_model) {
+  if (requested_model) return ChosenModel{*requested_model, "requested with --model"};
   if (!configured.empty()) {
     const auto model = velodyne::find_model(configured);
     if (!model) return fail(fmt::format("unknown model '{}'", configured), where, known_models());
@@ -42,7 +42,7 @@ Result<ChosenModel> choose_model(const std::string& configured, const CaptureSur
 }
 
 /// The options of the configured lidar of that name; the defaults where there is none.
-LidarOptions options_named(const std::string& name, const std::vector<LidarOptions>& lidars) {
+LidarOptions find_options(const std::string& name, const std::vector<LidarOptions>& lidars) {
   for (const LidarOptions& options : lidars) {
     if (options.name == name) return options;
   }
@@ -58,12 +58,12 @@ std::string endpoint_of(const recording::LidarFiles& files) {
 /// Sets up one lidar of a drive whose data are packets.
 Result<void> set_up_packets(const recording::Drive& drive, const recording::LidarFiles& files,
                             const std::string& configured, const LidarOptions& options,
-                            std::optional<velodyne::Model> asked_for, LidarSetup& lidar,
+                            std::optional<velodyne::Model> requested_model, LidarSetup& lidar,
                             Device& device) {
   const std::filesystem::path capture = drive.resolve(files.packets);
   const auto survey = survey_beginning(capture);
   if (!survey) return tl::unexpected(survey.error());
-  const auto chosen = choose_model(configured, *survey, files, capture.string(), asked_for);
+  const auto chosen = choose_model(configured, *survey, files, capture.string(), requested_model);
   if (!chosen) return tl::unexpected(chosen.error());
   device.model = velodyne::model_info(chosen->model).name;
   device.model_reason = chosen->reason;
@@ -113,7 +113,7 @@ Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<Lida
                   std::nullopt};
     if (lidar.has_packets) {
       const auto set_up = set_up_packets(drive, files, mount.model,
-                                         options_named(mount.name, lidars), model, lidar, device);
+                                         find_options(mount.name, lidars), model, lidar, device);
       if (!set_up) return tl::unexpected(set_up.error());
       if (std::find(captures.begin(), captures.end(), files.packets) == captures.end()) {
         captures.push_back(files.packets);
@@ -133,9 +133,9 @@ Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
     const CameraMount& mount = description.rig.cameras[i];
     const recording::CameraFiles& files = description.cameras[i];
     setup.cameras.push_back({.bayer = files.mosaic, .grey = files.grey});
-    const bool taken = description.rig.find_lidar(mount.name) != nullptr;
+    const bool name_in_use = description.rig.find_lidar(mount.name) != nullptr;
     setup.devices.push_back(
-        {(taken ? "camera " : "") + mount.name, "camera",
+        {(name_in_use ? "camera " : "") + mount.name, "camera",
          mount.intrinsics.model == CameraIntrinsics::Model::kPinhole ? "pinhole" : "fisheye",
          "configured", description.cameras[i].images, std::nullopt});
   }
@@ -147,7 +147,7 @@ Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
   };
   if (description.can) add("can", description.can->log);
   if (setup.vehicle.has_imu) add("imu", description.imu);
-  if (setup.vehicle.has_gps) add("gps", description.gps);
+  if (setup.vehicle.has_gnss) add("gnss", description.gnss);
   return {};
 }
 

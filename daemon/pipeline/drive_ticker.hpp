@@ -15,12 +15,12 @@ class DriveTicker {
   /// a clock that jumped by a year must not keep anyone busy.
   static constexpr int kMaxTicks = 30;
   /// A step back by more than this begins drive time anew; less is disorder between streams.
-  static constexpr Duration kDisorder{1'000'000'000};
+  static constexpr Duration kMaxDisorder{1'000'000'000};
 
   /// Takes the stamp of the next event and calls `tick(Stamp)` for every second that has passed.
   template <class Tick>
   void advance(Stamp stamp, Tick tick) {
-    if (!next_ || stamp + kDisorder < *next_ - kPeriod) {
+    if (!next_ || stamp + kMaxDisorder < *next_ - kPeriod) {
       next_ = stamp + kPeriod;
       return;
     }

@@ -9,142 +9,144 @@ Intake::Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out)
       vehicle_(setup.vehicle),
       out_(out) {
   for (const LidarSetup& lidar : setup.lidars) lidars_.emplace_back(lidar);
-  samples_.reserve(kSamplesTogether);
+  samples_.reserve(kMaxSampleBatch);
 }
 
-void Intake::start(Stamp stamp) { hand_over(StreamItem::Kind::kStart, stamp); }
+void Intake::start(Stamp stamp) { push_item(StreamItem::Kind::kStart, stamp); }
 
 void Intake::advance(Stamp stamp) {
-  taken_ = HostClock::now();
-  ticker_.advance(stamp, [&](Stamp second) { hand_over_tick(second); });
+  read_at_ = HostClock::now();
+  ticker_.advance(stamp, [&](Stamp second) { push_tick(second); });
 }
 
 void Intake::end(Stamp stamp, bool started) {
   for (size_t i = 0; i < lidars_.size(); ++i) {
-    lidars_[i].finish([&](Sweep& sweep) { hand_over_sweep(i, sweep); });
+    lidars_[i].finish([&](Sweep& sweep) { push_sweep(i, sweep); });
   }
   if (started) {
-    hand_over_samples();
-    hand_over(StreamItem::Kind::kLast, stamp);
-    hand_over_tick(stamp);
+    push_samples();
+    push_item(StreamItem::Kind::kFlush, stamp);
+    push_tick(stamp);
   }
-  hand_over(StreamItem::Kind::kEnd, stamp);
+  push_item(StreamItem::Kind::kEnd, stamp);
 }
 
-void Intake::take(size_t lidar, const Datagram& datagram) {
-  lidars_[lidar].take(datagram, [&](Sweep& sweep) { hand_over_sweep(lidar, sweep); });
+void Intake::add_datagram(size_t lidar, const Datagram& datagram) {
+  lidars_[lidar].add_datagram(datagram, [&](Sweep& sweep) { push_sweep(lidar, sweep); });
 }
 
-void Intake::take_unclaimed(const Datagram& datagram) {
+void Intake::add_unclaimed_datagram(const Datagram& datagram) {
   ++unclaimed_;
-  stranger_ = datagram.sender;
-  stranger_size_ = static_cast<uint32_t>(datagram.payload.size());
+  unexpected_sender_ = datagram.sender;
+  unexpected_size_ = static_cast<uint32_t>(datagram.payload.size());
 }
 
-void Intake::take(size_t lidar, const Sweep& sweep) {
-  lidars_[lidar].take(sweep, [&](Sweep& done) { hand_over_sweep(lidar, done); });
+void Intake::add_sweep(size_t lidar, const Sweep& sweep) {
+  lidars_[lidar].add_sweep(sweep, [&](Sweep& done) { push_sweep(lidar, done); });
 }
 
-void Intake::take_file(size_t camera, Stamp stamp, uint64_t sequence,
-                       const std::filesystem::path& path) {
-  hand_over_samples();
-  StreamItem& item = out_.hand();
-  if (!cameras_[camera].take(stamp, sequence, path, item.encoded)) return;
+void Intake::add_image_file(size_t camera, Stamp stamp, uint64_t sequence,
+                            const std::filesystem::path& path) {
+  push_samples();
+  StreamItem& item = out_.slot();
+  if (!cameras_[camera].read_image(stamp, sequence, path, item.encoded)) return;
   item.raw.reset();
-  hand_over_picture(camera, stamp, sequence);
+  push_image(camera, stamp, sequence);
 }
 
-void Intake::take(size_t camera, const camera::StreamedPicture& picture) {
-  cameras_[camera].count(picture.stamp, picture.sequence);
+void Intake::add_streamed_image(size_t camera, const camera::StreamedImage& image) {
+  cameras_[camera].count(image.stamp, image.sequence);
   if (camera >= mounted_cameras_) return;
-  hand_over_samples();
-  StreamItem& item = out_.hand();
-  item.encoded.assign(picture.raw.bytes.begin(), picture.raw.bytes.end());
-  item.raw = picture;
+  push_samples();
+  StreamItem& item = out_.slot();
+  item.encoded.assign(image.raw.bytes.begin(), image.raw.bytes.end());
+  item.raw = image;
   item.raw->raw.bytes = {};
-  hand_over_picture(camera, picture.stamp, picture.sequence);
+  push_image(camera, image.stamp, image.sequence);
 }
 
-void Intake::take_line(std::string_view line, Stamp stamp) {
-  vehicle_.take_line(line, stamp, [&](const VehicleSample& sample) { add(sample, stamp); });
+void Intake::add_can_line(std::string_view line, Stamp stamp) {
+  vehicle_.add_can_line(line, stamp,
+                        [&](const VehicleSample& sample) { add_vehicle_sample(sample, stamp); });
 }
 
-void Intake::take(size_t bus, const vehicle::CanFrame& frame) {
-  vehicle_.take_frame(bus, frame, [&](const VehicleSample& sample) { add(sample, frame.stamp); });
+void Intake::add_can_frame(size_t bus, const vehicle::CanFrame& frame) {
+  vehicle_.add_can_frame(
+      bus, frame, [&](const VehicleSample& sample) { add_vehicle_sample(sample, frame.stamp); });
 }
 
-void Intake::take(const ImuSample& sample, Stamp stamp) {
+void Intake::add_imu(const ImuSample& sample, Stamp stamp) {
   vehicle_.count(sample);
-  add(sample, stamp);
+  add_vehicle_sample(sample, stamp);
 }
 
-void Intake::take(const GpsFix& fix, Stamp stamp) {
+void Intake::add_gnss(const GnssFix& fix, Stamp stamp) {
   vehicle_.count(fix);
-  add(fix, stamp);
+  add_vehicle_sample(fix, stamp);
 }
 
-void Intake::hand_over_old_samples(Stamp now) {
-  if (!samples_.empty() && now - first_sample_ >= kSamplesWithin) hand_over_samples();
+void Intake::push_due_samples(Stamp now) {
+  if (!samples_.empty() && now - first_sample_ >= kMaxSampleDelay) push_samples();
 }
 
-void Intake::add(const VehicleSample& sample, Stamp stamp) {
+void Intake::add_vehicle_sample(const VehicleSample& sample, Stamp stamp) {
   if (samples_.empty()) first_sample_ = stamp;
   last_sample_ = stamp;
   samples_.push_back(sample);
-  if (samples_.size() == kSamplesTogether) hand_over_samples();
+  if (samples_.size() == kMaxSampleBatch) push_samples();
 }
 
 // Many small samples would wake the fusion thread for each; they come before whatever follows them.
-void Intake::hand_over_samples() {
+void Intake::push_samples() {
   if (samples_.empty()) return;
-  std::swap(out_.hand().samples, samples_);
+  std::swap(out_.slot().samples, samples_);
   samples_.clear();
-  hand_over(StreamItem::Kind::kSamples, last_sample_);
+  push_item(StreamItem::Kind::kSamples, last_sample_);
 }
 
 // The item in hand gets the full arrays and gives its own: nothing is copied.
-void Intake::hand_over_sweep(size_t device, Sweep& sweep) {
-  hand_over_samples();
-  StreamItem& item = out_.hand();
+void Intake::push_sweep(size_t device, Sweep& sweep) {
+  push_samples();
+  StreamItem& item = out_.slot();
   item.device = static_cast<uint32_t>(device);
   std::swap(item.sweep, sweep);
-  latency_.add(HostClock::now() - taken_);
-  hand_over(StreamItem::Kind::kSweep, item.sweep.stamp);
+  latency_.add(HostClock::now() - read_at_);
+  push_item(StreamItem::Kind::kSweep, item.sweep.stamp);
 }
 
-void Intake::hand_over_picture(size_t camera, Stamp stamp, uint64_t sequence) {
-  StreamItem& item = out_.hand();
+void Intake::push_image(size_t camera, Stamp stamp, uint64_t sequence) {
+  StreamItem& item = out_.slot();
   item.camera = static_cast<uint32_t>(camera);
-  item.number = pictures_++;
+  item.number = image_count_++;
   item.sequence = sequence;
-  latency_.add(HostClock::now() - taken_);
-  hand_over(StreamItem::Kind::kPicture, stamp);
+  latency_.add(HostClock::now() - read_at_);
+  push_item(StreamItem::Kind::kImage, stamp);
 }
 
-void Intake::hand_over_tick(Stamp stamp) {
-  hand_over_samples();
-  StreamItem& item = out_.hand();
+void Intake::push_tick(Stamp stamp) {
+  push_samples();
+  StreamItem& item = out_.slot();
   for (size_t i = 0; i < lidars_.size(); ++i) {
     SensorCounters& counters = item.counters[i];
     counters = lidars_[i].counters();
     counters.unclaimed = unclaimed_;
     if (counters.malformed + counters.wrong_sender > 0) continue;
-    counters.stranger = stranger_;
-    counters.stranger_size = stranger_size_;
+    counters.unexpected_sender = unexpected_sender_;
+    counters.unexpected_size = unexpected_size_;
   }
   size_t stream = 0;  // in the order of PipelineSetup::devices
   for (const CameraIntake& camera : cameras_) item.streams[stream++] = camera.counters();
   vehicle_.write_counters(item.streams.data() + stream);
   sources_.write(item.counters, item.streams);
-  item.intake = latency_.figures();
-  hand_over(StreamItem::Kind::kTick, stamp);
+  item.intake = latency_.stats();
+  push_item(StreamItem::Kind::kTick, stamp);
 }
 
-void Intake::hand_over(StreamItem::Kind kind, Stamp stamp) {
-  StreamItem& item = out_.hand();
+void Intake::push_item(StreamItem::Kind kind, Stamp stamp) {
+  StreamItem& item = out_.slot();
   item.kind = kind;
   item.stamp = stamp;
-  item.taken = taken_;
+  item.read_at = read_at_;
   deliver(out_, delivery_);
 }
 

@@ -23,9 +23,9 @@ namespace infuse::daemon {
 class Intake {
  public:
   /// The vehicle's samples are handed over together, so many at most, ...
-  static constexpr size_t kSamplesTogether = 64;
+  static constexpr size_t kMaxSampleBatch = 64;
   /// ... and within so much drive time.
-  static constexpr Duration kSamplesWithin{10'000'000};
+  static constexpr Duration kMaxSampleDelay{10'000'000};
 
   /// The ring has its readers already and outlives this.
   Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out);
@@ -40,19 +40,20 @@ class Intake {
 
   // --- events, of sensors by their index ---
 
-  void take(size_t lidar, const Datagram& datagram);
+  void add_datagram(size_t lidar, const Datagram& datagram);
   /// A datagram that came to no lidar's port.
-  void take_unclaimed(const Datagram& datagram);
-  void take(size_t lidar, const Sweep& sweep);
-  void take_file(size_t camera, Stamp stamp, uint64_t sequence, const std::filesystem::path& path);
-  void take(size_t camera, const camera::StreamedPicture& picture);
-  void take_line(std::string_view line, Stamp stamp);
-  void take(size_t bus, const vehicle::CanFrame& frame);
-  void take(const ImuSample& sample, Stamp stamp);
-  void take(const GpsFix& fix, Stamp stamp);
+  void add_unclaimed_datagram(const Datagram& datagram);
+  void add_sweep(size_t lidar, const Sweep& sweep);
+  void add_image_file(size_t camera, Stamp stamp, uint64_t sequence,
+                      const std::filesystem::path& path);
+  void add_streamed_image(size_t camera, const camera::StreamedImage& image);
+  void add_can_line(std::string_view line, Stamp stamp);
+  void add_can_frame(size_t bus, const vehicle::CanFrame& frame);
+  void add_imu(const ImuSample& sample, Stamp stamp);
+  void add_gnss(const GnssFix& fix, Stamp stamp);
 
   /// Hands over the vehicle's samples that have waited long enough at `now`.
-  void hand_over_old_samples(Stamp now);
+  void push_due_samples(Stamp now);
 
   /// Datagrams that the kernel dropped for want of buffer, `data`: at a port of data packets.
   void add_kernel_dropped(size_t lidar, uint64_t datagrams, bool data) {
@@ -66,12 +67,12 @@ class Intake {
   const vehicle::ProblemLog& bus_problems() const { return vehicle_.problems(); }
 
  private:
-  void add(const VehicleSample& sample, Stamp stamp);
-  void hand_over_samples();
-  void hand_over_sweep(size_t device, Sweep& sweep);
-  void hand_over_picture(size_t camera, Stamp stamp, uint64_t sequence);
-  void hand_over_tick(Stamp stamp);
-  void hand_over(StreamItem::Kind kind, Stamp stamp);
+  void add_vehicle_sample(const VehicleSample& sample, Stamp stamp);
+  void push_samples();
+  void push_sweep(size_t device, Sweep& sweep);
+  void push_image(size_t camera, Stamp stamp, uint64_t sequence);
+  void push_tick(Stamp stamp);
+  void push_item(StreamItem::Kind kind, Stamp stamp);
 
   Delivery delivery_;
   std::deque<LidarIntake> lidars_;  // they do not move
@@ -81,14 +82,14 @@ class Intake {
   SourceStates sources_;
   std::vector<VehicleSample> samples_;  // not handed over yet
   Stamp first_sample_, last_sample_;    // when the drive came to them
-  uint64_t pictures_ = 0;
+  uint64_t image_count_ = 0;
   SlotRing<StreamItem>& out_;
   DriveTicker ticker_;
-  HostClock::time_point taken_;
+  HostClock::time_point read_at_;
   LatencyHistogram latency_;
-  uint64_t unclaimed_ = 0;      // datagrams that came to no lidar's port
-  uint32_t stranger_ = 0;       // the last one's sender
-  uint32_t stranger_size_ = 0;  // and payload, bytes
+  uint64_t unclaimed_ = 0;          // datagrams that came to no lidar's port
+  uint32_t unexpected_sender_ = 0;  // the last one's sender
+  uint32_t unexpected_size_ = 0;    // and payload, bytes
 };
 
 }  // namespace infuse::daemon

@@ -15,7 +15,7 @@ void LidarIntake::push(const Datagram& datagram) {
   // By the device's counter all are missing; those that the kernel dropped were not lost before it.
   const uint64_t before_kernel = c.network_lost - std::min(c.network_lost, c.kernel_dropped);
   counters_.lost_network = std::max(counters_.lost_network, before_kernel);
-  counters_.malformed = c.all_malformed() + refused_positions_;
+  counters_.malformed = c.total_malformed() + refused_positions_;
   counters_.wrong_sender = c.wrong_sender;
   counters_.wrong_model = c.wrong_model;
   counters_.duplicates = c.duplicates;
@@ -23,17 +23,18 @@ void LidarIntake::push(const Datagram& datagram) {
   counters_.too_late = c.too_late;
   counters_.clock_jumps = c.clock_jumps;
   counters_.clock = assembler_.clock();
-  if (counters_.malformed + counters_.wrong_sender > refused_before) note_stranger(datagram);
+  if (counters_.malformed + counters_.wrong_sender > refused_before)
+    note_unexpected_sender(datagram);
 }
 
-void LidarIntake::take_position(const Datagram& datagram) {
+void LidarIntake::add_position_packet(const Datagram& datagram) {
   if (velodyne::parse_position_packet(datagram.payload)) {
     ++counters_.position_packets;
     return;
   }
   ++refused_positions_;
   ++counters_.malformed;
-  note_stranger(datagram);
+  note_unexpected_sender(datagram);
 }
 
 void LidarIntake::note_packet(Stamp stamp) {
@@ -41,9 +42,9 @@ void LidarIntake::note_packet(Stamp stamp) {
   counters_.last_packet = stamp;
 }
 
-void LidarIntake::note_stranger(const Datagram& datagram) {
-  counters_.stranger = datagram.sender;
-  counters_.stranger_size = static_cast<uint32_t>(datagram.payload.size());
+void LidarIntake::note_unexpected_sender(const Datagram& datagram) {
+  counters_.unexpected_sender = datagram.sender;
+  counters_.unexpected_size = static_cast<uint32_t>(datagram.payload.size());
 }
 
 }  // namespace infuse::daemon

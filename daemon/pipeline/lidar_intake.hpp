@@ -26,15 +26,16 @@ class LidarIntake {
   /// Takes a datagram of one of the lidar's ports and calls `on_sweep(Sweep&)` for every sweep that
   /// it completes. The callee may swap the sweep's arrays for others.
   template <class OnSweep>
-  void take(const Datagram& datagram, OnSweep on_sweep) {
-    if (datagram.payload.size() == velodyne::kPositionPacketSize) return take_position(datagram);
+  void add_datagram(const Datagram& datagram, OnSweep on_sweep) {
+    if (datagram.payload.size() == velodyne::kPositionPacketSize)
+      return add_position_packet(datagram);
     push(datagram);
     pull(on_sweep);
   }
 
   /// Takes a sweep that was decoded before.
   template <class OnSweep>
-  void take(const Sweep& sweep, OnSweep on_sweep) {
+  void add_sweep(const Sweep& sweep, OnSweep on_sweep) {
     sweep_ = sweep;
     note_packet(sweep.stamp);
     ++counters_.packets;
@@ -74,9 +75,9 @@ class LidarIntake {
   }
 
   void push(const Datagram& datagram);
-  void take_position(const Datagram& datagram);
+  void add_position_packet(const Datagram& datagram);
   void note_packet(Stamp stamp);
-  void note_stranger(const Datagram& datagram);
+  void note_unexpected_sender(const Datagram& datagram);
 
   velodyne::SweepAssembler assembler_;
   Sweep sweep_;  // being filled

@@ -4,7 +4,7 @@ namespace infuse::daemon {
 
 void Pacer::wait_until(Stamp stamp, std::stop_token stop) {
   if (!rate_) return;
-  if (!drive_start_ || stamp - previous_ > kLongestPause || previous_ - stamp > kLongestPause) {
+  if (!drive_start_ || stamp - previous_ > kMaxPause || previous_ - stamp > kMaxPause) {
     drive_start_ = stamp;
     host_start_ = HostClock::now();
   }

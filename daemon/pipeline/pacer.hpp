@@ -16,12 +16,12 @@ class Pacer {
   /// `rate` 2 is twice as fast as it was recorded; nothing: as fast as it goes.
   explicit Pacer(std::optional<double> rate) : rate_(rate) {}
 
-  /// Returns when it is time for the event of this stamp, or when a stop is asked for. A pause of
+  /// Returns when it is time for the event of this stamp, or when a stop is requested. A pause of
   /// more than 10 s of drive time, or a step back, is not waited for.
   void wait_until(Stamp stamp, std::stop_token stop);
 
  private:
-  static constexpr Duration kLongestPause{10'000'000'000};
+  static constexpr Duration kMaxPause{10'000'000'000};
 
   std::optional<double> rate_;
   std::optional<Stamp> drive_start_;

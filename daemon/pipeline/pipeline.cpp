@@ -14,16 +14,16 @@ size_t items_in_flight(Delivery delivery) { return delivery == Delivery::kWait ?
 
 StreamItem stream_item(const PipelineSetup& setup) {
   StreamItem item;
-  item.samples.reserve(Intake::kSamplesTogether);
+  item.samples.reserve(Intake::kMaxSampleBatch);
   item.counters.resize(setup.lidars.size());
-  item.streams.resize(setup.streams());
+  item.streams.resize(setup.stream_count());
   return item;
 }
 
 ReportItem report_item(const PipelineSetup& setup) {
   ReportItem item;
   item.counters.resize(setup.lidars.size());
-  item.streams.resize(setup.streams());
+  item.streams.resize(setup.stream_count());
   return item;
 }
 
@@ -40,23 +40,23 @@ Pipeline::Pipeline(boost::asio::io_context& io, const PipelineSetup& setup,
                    const PipelineOptions& options, Server& server, ReportsFile* file,
                    std::function<void()> on_end)
     : setup_(setup),
-      calibrations_watched_(options.calibration.watched),
+      calibrations_monitored_(options.calibration.monitored),
       on_end_(std::move(on_end)),
-      items_(items_in_flight(setup.delivery) + FusionStage::pins(setup.lidars.size()),
+      items_(items_in_flight(setup.delivery) + FusionThread::max_pins(setup.lidars.size()),
              [&] { return stream_item(setup); }),
-      pictures_(4 * setup.cameras.size() + 2, [] { return Picture(); }),
+      images_(4 * setup.cameras.size() + 2, [] { return CameraImage(); }),
       reports_(kReportsInFlight, [&] { return report_item(setup); }),
-      bell_(io, [this] { drain(); }),
+      notifier_(io, [this] { drain(); }),
       publisher_(reports_, setup, options.health, server, file),
-      fusion_(fusion_setup(setup, options), items_, pictures_, reports_, bell_),
-      decoder_(items_, pictures_, setup.cameras, setup.delivery),
+      fusion_(fusion_setup(setup, options), items_, images_, reports_, notifier_),
+      decoder_(items_, images_, setup.cameras, setup.delivery),
       intake_(setup, items_) {}
 
 // Closed rings let every stage go on to its end without waiting for the next.
 Pipeline::~Pipeline() {
   stop();
   items_.close();
-  pictures_.close();
+  images_.close();
   reports_.close();
 }
 
@@ -65,8 +65,8 @@ void Pipeline::start(std::function<void(std::stop_token)> read) {
     name_and_pin("fusion", kFusionCore);
     fusion_.run();
   });
-  picture_thread_ = std::jthread([this] {
-    name_and_pin("pictures", kIoCore);
+  image_thread_ = std::jthread([this] {
+    name_and_pin("images", kIoCore);
     decoder_.run();
   });
   io_thread_ = std::jthread([read = std::move(read)](std::stop_token stop) {
@@ -75,9 +75,9 @@ void Pipeline::start(std::function<void(std::stop_token)> read) {
   });
 }
 
-Result<void> Pipeline::ask(const Request& request) {
+Result<void> Pipeline::handle_request(const Request& request) {
   if (request.op == Request::Op::kRecord) return fail("a replay is not recorded");
-  if (!calibrations_watched_) {
+  if (!calibrations_monitored_) {
     return fail("calibrations are not watched", "", "watch = true in [calibration]");
   }
   std::string names;
@@ -87,17 +87,17 @@ Result<void> Pipeline::ask(const Request& request) {
     names += " " + camera.name;
   }
   if (!known) return fail("there is no camera '" + request.device + "'", "", "there are:" + names);
-  fusion_.ask(request);
+  fusion_.post_request(request);
   return {};
 }
 
 void Pipeline::drain() {
-  if (publisher_.drain()) bell_.ring();
+  if (publisher_.drain()) notifier_.notify();
   if (!publisher_.totals().ended || !fusion_thread_.joinable()) return;
   io_thread_.join();
-  picture_thread_.join();
+  image_thread_.join();
   fusion_thread_.join();
-  bell_.close();
+  notifier_.close();
   on_end_();
 }
 

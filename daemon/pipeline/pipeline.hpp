@@ -5,10 +5,10 @@
 #include <stop_token>
 #include <thread>
 
-#include "daemon/pipeline/doorbell.hpp"
-#include "daemon/pipeline/fusion_stage.hpp"
+#include "daemon/pipeline/fusion_thread.hpp"
+#include "daemon/pipeline/image_thread.hpp"
 #include "daemon/pipeline/intake.hpp"
-#include "daemon/pipeline/picture_stage.hpp"
+#include "daemon/pipeline/notifier.hpp"
 #include "daemon/pipeline/publisher.hpp"
 
 namespace infuse::daemon {
@@ -24,9 +24,9 @@ struct PipelineOptions {
 
 /// The stages and the rings between them, whatever reads the sensors:
 ///
-///     reader -> Intake -> ring of items -> FusionStage -> ring of reports -> Publisher -> Server
+///     reader -> Intake -> ring of items -> FusionThread -> ring of reports -> Publisher -> Server
 ///     io thread              |           fusion thread                     the thread of io
-///                            -> PictureStage -> ring of pictures -> (FusionStage)
+///                            -> ImageThread -> ring of pictures -> (FusionThread)
 class Pipeline {
  public:
   /// `setup`, `io`, `server` and `file` (which may be null) outlive this. `on_end` is called on the
@@ -51,7 +51,7 @@ class Pipeline {
 
   /// Carries out what the owner asks of the cameras' calibrations. An error where there is no such
   /// camera, or its calibration is not watched.
-  Result<void> ask(const Request& request);
+  Result<void> handle_request(const Request& request);
 
   Publisher& publisher() { return publisher_; }
   const Publisher& publisher() const { return publisher_; }
@@ -62,18 +62,18 @@ class Pipeline {
   void drain();
 
   const PipelineSetup& setup_;
-  const bool calibrations_watched_;
+  const bool calibrations_monitored_;
   std::function<void()> on_end_;
   SlotRing<StreamItem> items_;
-  SlotRing<Picture> pictures_;
+  SlotRing<CameraImage> images_;
   SlotRing<ReportItem> reports_;
-  Doorbell bell_;
+  Notifier notifier_;
   Publisher publisher_;
-  FusionStage fusion_;
-  PictureStage decoder_;
+  FusionThread fusion_;
+  ImageThread decoder_;
   Intake intake_;
   std::jthread fusion_thread_;
-  std::jthread picture_thread_;
+  std::jthread image_thread_;
   std::jthread io_thread_;
 };
 

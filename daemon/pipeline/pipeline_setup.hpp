@@ -6,7 +6,7 @@
 #include "daemon/pipeline/lidar_intake.hpp"
 #include "daemon/pipeline/vehicle_setup.hpp"
 #include "daemon/protocol/reports.hpp"
-#include "drivers/camera/picture.hpp"
+#include "drivers/camera/image_decoder.hpp"
 #include "drivers/measurement/rig.hpp"
 
 namespace infuse::daemon {
@@ -14,15 +14,15 @@ namespace infuse::daemon {
 /// What the pipeline is told of the sensors, wherever their data come from.
 struct PipelineSetup {
   Delivery delivery = Delivery::kWait;
-  std::vector<LidarSetup> lidars;               ///< as in the rig
-  std::vector<camera::PictureOptions> cameras;  ///< how each one's picture files are read; those
-                                                ///< of the rig, then cameras without a place in it
+  std::vector<LidarSetup> lidars;             ///< as in the rig
+  std::vector<camera::ImageOptions> cameras;  ///< how each one's picture files are read; those
+                                              ///< of the rig, then cameras without a place in it
   VehicleSetup vehicle;
   Rig rig;                      ///< where the sensors are
   std::vector<Device> devices;  ///< lidars, cameras, then buses, inertial unit and receiver
 
   /// Devices that are no lidars.
-  size_t streams() const { return devices.size() - lidars.size(); }
+  size_t stream_count() const { return devices.size() - lidars.size(); }
 };
 
 }  // namespace infuse::daemon

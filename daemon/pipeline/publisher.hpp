@@ -28,10 +28,10 @@ struct Totals {
   std::vector<AlertReport> first_alerts;                  ///< the first of these
   std::vector<SensorCounters> counters;                   ///< by lidar
   std::vector<StreamCounters> streams;                    ///< by device that follows the lidars
-  OdometryFigures odometry;                               ///< at the last tick
+  OdometryStatus odometry;                                ///< at the last tick
   std::map<std::string, CalibrationReport> calibrations;  ///< the last of each camera
   std::vector<Level> levels;                              ///< by device, at the last tick
-  HostFigures host;
+  HostStats host;
 };
 
 /// Turns the items of the fusion thread into messages: judges health, keeps the totals, tells the
@@ -65,13 +65,13 @@ class Publisher {
   }
 
   /// Judges health by these thresholds from now on.
-  void set(const HealthOptions& health);
+  void set_health_options(const HealthOptions& health);
 
   /// Tells how a recording stands.
-  void tell_record(const RecordReport& report);
+  void publish_record(const RecordReport& report);
 
   /// Tells that something about the daemon itself is raised or cleared.
-  void tell_alert(const AlertReport& alert);
+  void publish_alert(const AlertReport& alert);
 
   /// Takes what has come, but not for long. True where more waits.
   bool drain();
@@ -79,29 +79,30 @@ class Publisher {
   const Totals& totals() const { return totals_; }
 
  private:
-  void take(const ReportItem& item);
+  void process(const ReportItem& item);
   void start(Stamp stamp);
-  void tell_sweep(const ReportItem& item);
-  void tell_frame(const ReportItem& item);
-  void tell_pose(const ReportItem& item);
-  void tell_calibration(const CalibrationReport& report);
-  void tell_health(const ReportItem& item);
-  void judge_lidars(const ReportItem& item, HealthReport& report);
-  void judge_streams(const ReportItem& item, HealthReport& report);
-  bool activate_devices(const ReportItem& item);
-  void tell_devices(Stamp stamp);
-  void tell_transitions(Stamp stamp, const std::string& device,
-                        std::span<const Transition> transitions);
-  void tell(ReportClass report_class, const std::string& device, Stamp stamp, std::string message);
-  HostFigures host_figures(const ReportItem& item) const;
+  void publish_sweep(const ReportItem& item);
+  void publish_frame(const ReportItem& item);
+  void publish_pose(const ReportItem& item);
+  void publish_calibration(const CalibrationReport& report);
+  void publish_health(const ReportItem& item);
+  void update_lidar_health(const ReportItem& item, HealthReport& report);
+  void update_stream_health(const ReportItem& item, HealthReport& report);
+  bool mark_activated_devices(const ReportItem& item);
+  void publish_devices(Stamp stamp);
+  void publish_transitions(Stamp stamp, const std::string& device,
+                           std::span<const Transition> transitions);
+  void publish(ReportClass report_class, const std::string& device, Stamp stamp,
+               std::string message);
+  HostStats host_stats(const ReportItem& item) const;
 
   SlotRing<ReportItem>& ring_;
   SlotRing<ReportItem>::Reader in_;
   std::vector<Device> devices_;
-  size_t lidars_;  // the first of the devices
+  size_t lidar_count_;  // the first of the devices
   bool has_odometry_;
   HealthOptions health_options_;
-  std::vector<SensorHealth> health_;         // of the lidars
+  std::vector<SensorHealth> lidar_health_;   // of the lidars
   std::vector<StreamHealth> stream_health_;  // of the rest
   OdometryHealth odometry_health_;
   StreetMapHealth streetmap_health_;

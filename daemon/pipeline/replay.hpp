@@ -32,7 +32,7 @@ class Replay {
   void stop() { pipeline_.stop(); }
 
   /// Carries out what the owner asks for.
-  Result<void> ask(const Request& request) { return pipeline_.ask(request); }
+  Result<void> handle_request(const Request& request) { return pipeline_.handle_request(request); }
 
   /// For whoever keeps the poses; before `start`.
   Publisher& publisher() { return pipeline_.publisher(); }

@@ -16,13 +16,13 @@ namespace infuse::daemon {
 
 /// The stages whose latency is measured.
 enum class Stage : uint8_t {
-  kIntake,    ///< an event read to its sweep or picture handed over
-  kDecode,    ///< one picture decoded
-  kStraight,  ///< one sweep made straight and summarised
-  kProject,   ///< one picture and its sweep brought together
-  kTrack,     ///< one sweep or picture taken by the street-map tracker
-  kWatch,     ///< the calibration watched with them
-  kWhole,     ///< the event that completed a sweep read to the sweep's report
+  kIntake,   ///< an event read to its sweep or picture handed over
+  kDecode,   ///< one picture decoded
+  kDeskew,   ///< one sweep made straight and summarised
+  kProject,  ///< one picture and its sweep brought together
+  kTrack,    ///< one sweep or picture taken by the street-map tracker
+  kMonitor,  ///< the calibration watched with them
+  kTotal,    ///< the event that completed a sweep read to the sweep's report
   kCount,
 };
 
@@ -48,11 +48,11 @@ struct ReportItem {
   CalibrationReport calibration;
   std::vector<SensorCounters> counters;  ///< by lidar
   std::vector<StreamCounters> streams;   ///< by stream
-  OdometryFigures odometry;
-  StreetMapFigures streetmap;
-  std::array<LatencyFigures, static_cast<size_t>(Stage::kCount)> stages{};
-  uint64_t deadline_misses = 0;  ///< sweeps whose `kWhole` was above the budget
-  QueueFigures items_waiting;    ///< between the io thread and fusion
+  OdometryStatus odometry;
+  StreetMapStatus streetmap;
+  std::array<LatencyStats, static_cast<size_t>(Stage::kCount)> stages{};
+  uint64_t deadline_misses = 0;  ///< sweeps whose `kTotal` was above the budget
+  QueueStats items_waiting;      ///< between the io thread and fusion
 };
 
 }  // namespace infuse::daemon

@@ -18,7 +18,7 @@ class SweepQueue {
 
   /// Whether the oldest sweep waits no longer: the trajectory covers it or never will, or it has
   /// waited long enough at the drive time `now`, or the queue is full.
-  bool due(const geometry::Trajectory& trajectory, Stamp now) const;
+  bool has_due(const geometry::Trajectory& trajectory, Stamp now) const;
 
   bool empty() const { return waiting_.empty(); }
 

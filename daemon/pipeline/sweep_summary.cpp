@@ -9,10 +9,10 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// The sum in eight lanes, added up in a fixed order: the same on every processor, and quick.
-double sum_of(const Channel<float>& values) {
+double sum_of(const FieldVector<float>& values) {
   constexpr size_t kLanes = 8;
   std::array<double, kLanes> sums{};
   const size_t whole = values.size() / kLanes * kLanes;
@@ -27,14 +27,14 @@ double sum_of(const Channel<float>& values) {
   return sum;
 }
 
-double mean_of(const Channel<float>& values) {
-  return values.empty() ? kNothing : sum_of(values) / static_cast<double>(values.size());
+double mean_of(const FieldVector<float>& values) {
+  return values.empty() ? kNan : sum_of(values) / static_cast<double>(values.size());
 }
 
-double max_of(const Channel<float>& values) {
+double max_of(const FieldVector<float>& values) {
   float max = -std::numeric_limits<float>::infinity();
   for (const float value : values) max = value > max ? value : max;
-  return values.empty() ? kNothing : static_cast<double>(max);
+  return values.empty() ? kNan : static_cast<double>(max);
 }
 
 /// How far a gap reaches, 0 … 2π.

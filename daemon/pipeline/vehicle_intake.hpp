@@ -20,7 +20,7 @@ class VehicleIntake {
   /// Takes a line of the log of the first bus and calls `on_sample(VehicleSample)` for what it
   /// says.
   template <class OnSample>
-  void take_line(std::string_view line, Stamp stamp, OnSample on_sample) {
+  void add_can_line(std::string_view line, Stamp stamp, OnSample on_sample) {
     if (buses_.empty()) return;
     buses_[0].counters.count(stamp);
     if (const auto frame = read(line)) decode(buses_[0], *frame, on_sample);
@@ -28,13 +28,13 @@ class VehicleIntake {
 
   /// The same with a frame as it came from a bus.
   template <class OnSample>
-  void take_frame(size_t bus, const vehicle::CanFrame& frame, OnSample on_sample) {
+  void add_can_frame(size_t bus, const vehicle::CanFrame& frame, OnSample on_sample) {
     buses_[bus].counters.count(frame.stamp);
     if (!frame.error) decode(buses_[bus], frame, on_sample);
   }
 
   void count(const ImuSample& sample) { count(imu_, sample.stamp); }
-  void count(const GpsFix& fix) { count(gps_, fix.stamp); }
+  void count(const GnssFix& fix) { count(gnss_, fix.stamp); }
 
   /// What was wrong with the bus's log.
   const vehicle::ProblemLog& problems() const { return reader_.problems(); }
@@ -43,7 +43,7 @@ class VehicleIntake {
   void write_counters(StreamCounters* first) const;
 
   /// How many counters that are.
-  size_t streams() const { return buses_.size() + (has_imu_ ? 1 : 0) + (has_gps_ ? 1 : 0); }
+  size_t stream_count() const { return buses_.size() + (has_imu_ ? 1 : 0) + (has_gnss_ ? 1 : 0); }
 
  private:
   struct Bus {
@@ -64,8 +64,8 @@ class VehicleIntake {
 
   vehicle::CandumpReader reader_{"can.log"};
   std::vector<Bus> buses_;
-  bool has_imu_, has_gps_;
-  StreamCounters imu_, gps_;
+  bool has_imu_, has_gnss_;
+  StreamCounters imu_, gnss_;
 };
 
 }  // namespace infuse::daemon

@@ -7,6 +7,6 @@
 namespace infuse::daemon {
 
 /// Anything that the vehicle's own sensors say of its motion.
-using VehicleSample = std::variant<WheelOdometry, ImuSample, GpsFix>;
+using VehicleSample = std::variant<WheelOdometry, ImuSample, GnssFix>;
 
 }  // namespace infuse::daemon

@@ -66,7 +66,7 @@ Result<VehicleSetup> set_up_vehicle(const recording::Drive& drive) {
   const recording::DriveDescription& description = drive.description;
   VehicleSetup setup;
   setup.has_imu = !description.imu.empty();
-  setup.has_gps = !description.gps.empty();
+  setup.has_gnss = !description.gnss.empty();
   if (!description.can) return setup;
   auto bus = set_up_bus(*description.can, drive.folder, (drive.folder / "drive.toml").string(),
                         setup.notes);

@@ -17,7 +17,7 @@ struct VehicleSetup {
   /// By bus; nothing where its frames are only counted.
   std::vector<std::optional<vehicle::VehicleDecoder>> buses;
   bool has_imu = false;      ///< an inertial unit beside the buses
-  bool has_gps = false;      ///< a receiver beside the buses
+  bool has_gnss = false;     ///< a receiver beside the buses
   std::vector<Error> notes;  ///< what the DBC file has that was left out
 
   /// Something says how the vehicle moves.

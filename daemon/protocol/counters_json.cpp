@@ -15,8 +15,8 @@ const char* name_of(ClockState::Source source) {
       return "host";
     case ClockState::Source::kPowerUp:
       return "power_up";
-    case ClockState::Source::kHour:
-      return "hour";
+    case ClockState::Source::kTopOfHour:
+      return "top_of_hour";
   }
   return "none";
 }
@@ -41,7 +41,7 @@ Json losses_json(const SensorCounters& counters) {
           {"duplicate", counters.duplicates}, {"too_late", counters.too_late}};
 }
 
-Json latency_ms_json(const LatencyFigures& latency) {
+Json latency_ms_json(const LatencyStats& latency) {
   return {{"p50", milliseconds(latency.p50)},
           {"p99", milliseconds(latency.p99)},
           {"max", milliseconds(latency.max)}};

@@ -21,6 +21,6 @@ Json to_json(const ClockState& clock);
 Json losses_json(const SensorCounters& counters);
 
 /// p50, p99, max, milliseconds.
-Json latency_ms_json(const LatencyFigures& latency);
+Json latency_ms_json(const LatencyStats& latency);
 
 }  // namespace infuse::daemon

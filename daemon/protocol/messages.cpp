@@ -15,7 +15,7 @@ std::string line(const Json& message) {
 
 Json report(const char* name, Stamp stamp) { return {{"class", name}, {"stamp", stamp.ns()}}; }
 
-void add_known(Json& to, const char* key, double value) {
+void add_if_finite(Json& to, const char* key, double value) {
   if (std::isfinite(value)) to[key] = value;
 }
 
@@ -69,15 +69,15 @@ Json stream_json(const Device& device, const StreamStatus& status) {
                {"level", name_of(status.level)}, {"received_hz", rounded(status.received_hz)},
                {"received", c.received},         {"used", c.used},
                {"refused", c.refused},           {"lost", c.lost},
-               {"backward", c.backward}};
+               {"out_of_order", c.out_of_order}};
   if (c.received > 0) json["last"] = c.last.ns();
-  if (*c.source.stamps != '\0') json["stamps"] = c.source.stamps;
+  if (*c.source.stamp_source != '\0') json["stamp_source"] = c.source.stamp_source;
   json["findings"] = Json::array();
   for (const Finding& finding : status.findings) json["findings"].push_back(finding_json(finding));
   return json;
 }
 
-Json odometry_json(const OdometryFigures& odometry, const Conditions& conditions) {
+Json odometry_json(const OdometryStatus& odometry, const Conditions& conditions) {
   Json json = {{"level", name_of(conditions.level())},
                {"usable", odometry.usable()},
                {"speed", rounded(odometry.speed)},
@@ -90,9 +90,9 @@ Json odometry_json(const OdometryFigures& odometry, const Conditions& conditions
                {"gyro_bias", odometry.gyro_bias},
                {"gyro_bias_sigma", odometry.gyro_bias_sigma},
                {"late", odometry.late},
-               {"contradicted", odometry.contradicted},
-               {"senseless", odometry.senseless},
-               {"sweeps_uncompensated", odometry.uncompensated}};
+               {"outliers", odometry.outliers},
+               {"senseless", odometry.invalid_samples},
+               {"sweeps_not_deskewed", odometry.not_deskewed}};
   if (!odometry.usable()) json["reason"] = odometry.reason;
   json["findings"] = Json::array();
   for (const Finding& finding : conditions.findings()) {
@@ -101,7 +101,7 @@ Json odometry_json(const OdometryFigures& odometry, const Conditions& conditions
   return json;
 }
 
-Json streetmap_json(const StreetMapFigures& figures, const Conditions& conditions) {
+Json streetmap_json(const StreetMapStatus& figures, const Conditions& conditions) {
   Json json = {{"level", name_of(conditions.level())}, {"state", figures.state},
                {"p_value", rounded(figures.p_value)},  {"entropy", rounded(figures.entropy)},
                {"particles", figures.particles},       {"updates", figures.updates}};
@@ -113,16 +113,16 @@ Json streetmap_json(const StreetMapFigures& figures, const Conditions& condition
   return json;
 }
 
-Json host_json(const HostFigures& host) {
+Json host_json(const HostStats& host) {
   Json stages = Json::array();
-  for (const StageFigures& stage : host.stages) {
+  for (const StageStats& stage : host.stages) {
     stages.push_back({{"stage", stage.name},
                       {"count", stage.latency.count},
                       {"latency_ms", latency_ms_json(stage.latency)},
                       {"deadline_misses", stage.deadline_misses}});
   }
   Json queues = Json::array();
-  for (const QueueFigures& queue : host.queues) {
+  for (const QueueStats& queue : host.queues) {
     queues.push_back({{"queue", queue.name},
                       {"depth", queue.depth},
                       {"capacity", queue.capacity},
@@ -166,14 +166,14 @@ std::string sweep_message(const SweepReport& sweep, std::span<const Device> devi
   message["lost_packets"] = sweep.lost_packets;
   message["gaps"] = sweep.gaps;
   message["gap_deg"] = rounded(sweep.gap_angle * 180 / std::numbers::pi);
-  add_known(message, "mean_range", rounded(sweep.mean_range));
-  add_known(message, "max_range", rounded(sweep.max_range));
-  add_known(message, "mean_reflectivity", rounded(sweep.mean_reflectivity));
+  add_if_finite(message, "mean_range", rounded(sweep.mean_range));
+  add_if_finite(message, "max_range", rounded(sweep.max_range));
+  add_if_finite(message, "mean_reflectivity", rounded(sweep.mean_reflectivity));
   message["has_times"] = sweep.has_times;
   message["clock_trusted"] = sweep.clock_trusted;
-  message["straight"] = *sweep.straight_reason == '\0';
-  if (*sweep.straight_reason != '\0') {
-    message["straight_reason"] = sweep.straight_reason;
+  message["deskewed"] = *sweep.deskew_reason == '\0';
+  if (*sweep.deskew_reason != '\0') {
+    message["deskew_reason"] = sweep.deskew_reason;
   } else {
     message["travelled"] = rounded(sweep.travelled);
     message["turned_deg"] = rounded(sweep.turned * 180 / std::numbers::pi);
@@ -197,8 +197,8 @@ std::string frame_message(const FrameReport& frame, std::span<const Device> came
   message["sweep"] = frame.sweep;
   message["sweep_offset_s"] = to_seconds(frame.sweep_offset);
   message["points_in_view"] = frame.points_in_view;
-  message["straight"] = *frame.straight_reason == '\0';
-  if (*frame.straight_reason != '\0') message["straight_reason"] = frame.straight_reason;
+  message["deskewed"] = *frame.deskew_reason == '\0';
+  if (*frame.deskew_reason != '\0') message["deskew_reason"] = frame.deskew_reason;
   return line(message);
 }
 
@@ -227,24 +227,25 @@ std::string calibration_message(const CalibrationReport& calibration) {
   message["policy"] = calibration.policy;
   message["frozen"] = calibration.frozen;
   message["T_camera_lidar"] = by_row(calibration.T_camera_lidar.matrix());
-  message["looks"] = calibration.looks;
+  message["evaluations"] = calibration.evaluations;
   message["scenes"] = calibration.scenes;
   if (*calibration.axis != '\0') {
     message["evidence"] = {{"axis", calibration.axis},
                            {"nats", rounded(calibration.evidence)},
-                           {"needed_nats", rounded(calibration.evidence_needed)}};
+                           {"threshold_nats", rounded(calibration.evidence_threshold)}};
     message["offset"] = by_row(calibration.offset);
-    message["offset_sigma"] = by_row(calibration.deviation.unaryExpr(
+    message["offset_sigma"] = by_row(calibration.offset_sigma.unaryExpr(
         [](double sigma) { return std::isfinite(sigma) ? sigma : 1e9; }));
     message["delay_s"] = rounded(calibration.delay);
-    if (*calibration.delay_alike != '\0') message["delay_alike"] = calibration.delay_alike;
+    if (*calibration.delay_ambiguous_axis != '\0')
+      message["delay_ambiguous_axis"] = calibration.delay_ambiguous_axis;
     message["dependence_nats"] = calibration.dependence;
   }
   if (*calibration.fault != '\0') message["camera_fault"] = calibration.fault;
   if (calibration.has_estimate) {
     Json estimate = {{"T_camera_lidar", by_row(calibration.T_camera_lidar_estimate.matrix())},
                      {"covariance", by_row(calibration.covariance)},
-                     {"moved", rounded(calibration.moved)},
+                     {"mahalanobis_distance", rounded(calibration.mahalanobis_distance)},
                      {"scenes", calibration.estimate_scenes},
                      {"usable", calibration.estimate_reason.empty()}};
     if (!calibration.estimate_reason.empty()) estimate["reason"] = calibration.estimate_reason;
@@ -261,7 +262,7 @@ std::string calibration_message(const CalibrationReport& calibration) {
 }
 
 std::string health_message(const HealthReport& health, std::span<const Device> devices,
-                           const HostFigures* host) {
+                           const HostStats* host) {
   Json message = report("HEALTH", health.stamp);
   message["drive_s"] = rounded(to_seconds(health.drive));
   Level worst = Level::kOk;
@@ -280,7 +281,7 @@ std::string health_message(const HealthReport& health, std::span<const Device> d
         stream_json(devices[health.sensors.size() + i], *health.streams[i]));
   }
   if (health.odometry != nullptr) {
-    message["odometry"] = odometry_json(*health.odometry, *health.odometry_conditions);
+    message["odom"] = odometry_json(*health.odometry, *health.odometry_conditions);
   }
   if (health.streetmap != nullptr) {
     message["streetmap"] = streetmap_json(*health.streetmap, *health.streetmap_conditions);
@@ -306,14 +307,14 @@ std::string record_message(const RecordReport& record) {
   message["state"] = record.failed ? "failed" : record.ended ? "ended" : "recording";
   message["name"] = record.name;
   message["folder"] = record.folder;
-  message["why"] = record.why;
+  message["cause"] = record.cause;
   message["since"] = record.since.ns();
   message["duration_s"] = rounded(to_seconds(record.duration));
   message["bytes"] = record.bytes;
   message["drives"] = record.drives;
   message["datagrams"] = record.datagrams;
   message["frames"] = record.frames;
-  message["pictures"] = record.pictures;
+  message["images"] = record.images;
   message["fixes"] = record.fixes;
   message["lost"] = record.lost;
   if (!record.reason.empty()) message["reason"] = record.reason;

@@ -31,7 +31,7 @@ std::string calibration_message(const CalibrationReport& report);
 
 /// `host` null: without what depends on this machine's speed.
 std::string health_message(const HealthReport& report, std::span<const Device> devices,
-                           const HostFigures* host);
+                           const HostStats* host);
 
 std::string alert_message(const AlertReport& report);
 

@@ -28,8 +28,8 @@ std::string known_classes() {
 
 /// Names that go back to the client, shortened so that a reply stays small.
 std::string quoted(const std::string& name) {
-  constexpr size_t kLongest = 40;
-  return "'" + (name.size() > kLongest ? name.substr(0, kLongest) + "..." : name) + "'";
+  constexpr size_t kMaxNameLength = 40;
+  return "'" + (name.size() > kMaxNameLength ? name.substr(0, kMaxNameLength) + "..." : name) + "'";
 }
 
 Result<ReportClasses> parse_classes(const Json& request) {
@@ -58,13 +58,13 @@ Result<Request> parse_record(const Json& json, Request request) {
     if (!seconds->is_number() || !(seconds->get<double>() > 0)) {
       return fail("duration_s is not a number greater than 0", "record");
     }
-    request.longest = from_seconds(seconds->get<double>());
+    request.max_duration = from_seconds(seconds->get<double>());
   }
   if (const auto bytes = json.find("max_bytes"); bytes != json.end()) {
     if (!bytes->is_number_unsigned() || bytes->get<uint64_t>() == 0) {
       return fail("max_bytes is not a whole number greater than 0", "record");
     }
-    request.largest = bytes->get<uint64_t>();
+    request.max_bytes = bytes->get<uint64_t>();
   }
   return request;
 }

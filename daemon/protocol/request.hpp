@@ -24,12 +24,12 @@ struct Request {
     kRecord,       ///< record what the sensors say; `on` false: end that
   };
   Op op = Op::kPoll;
-  ReportClasses classes;  ///< of kWatch
-  std::string device;     ///< of what changes the daemon: the camera; empty: all
-  bool on = true;         ///< of kFreeze and kRecord
-  std::string name;       ///< of kRecord: the drive's; empty: the time
-  Duration longest{0};    ///< of kRecord; 0: as configured
-  uint64_t largest = 0;   ///< of kRecord: bytes; 0: as configured
+  ReportClasses classes;     ///< of kWatch
+  std::string device;        ///< of what changes the daemon: the camera; empty: all
+  bool on = true;            ///< of kFreeze and kRecord
+  std::string name;          ///< of kRecord: the drive's; empty: the time
+  Duration max_duration{0};  ///< of kRecord; 0: as configured
+  uint64_t max_bytes = 0;    ///< of kRecord: bytes; 0: as configured
 
   /// The request changes the daemon.
   bool is_control() const { return op >= Op::kRecalibrate; }

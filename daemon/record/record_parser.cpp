@@ -3,18 +3,18 @@
 namespace infuse::daemon {
 
 // After a gap what was begun is given up, and the next record that begins in a chunk is the first.
-bool RecordParser::join(const RecordChunk& chunk) {
+bool RecordParser::append_chunk(const RecordChunk& chunk) {
   auto from = chunk.bytes.begin();
-  if (!joined_ || chunk.number != next_chunk_) {
-    waiting_.clear();
-    joined_ = chunk.first != RecordChunk::kNone;
-    if (!joined_) return false;
+  if (!in_sync_ || chunk.number != next_chunk_) {
+    pending_.clear();
+    in_sync_ = chunk.first_record != RecordChunk::kNoRecord;
+    if (!in_sync_) return false;
     if (next_record_ != 0) lost_ += chunk.records_before - next_record_;
     next_record_ = chunk.records_before;
-    from += static_cast<std::ptrdiff_t>(chunk.first);
+    from += static_cast<std::ptrdiff_t>(chunk.first_record);
   }
   next_chunk_ = chunk.number + 1;
-  waiting_.insert(waiting_.end(), from, chunk.bytes.end());
+  pending_.insert(pending_.end(), from, chunk.bytes.end());
   return true;
 }
 

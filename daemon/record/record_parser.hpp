@@ -21,29 +21,29 @@ class RecordParser {
  public:
   /// Calls `on(const Record&)` for every record that ends in this chunk.
   template <class OnRecord>
-  void take(const RecordChunk& chunk, OnRecord on) {
-    if (!join(chunk)) return;
+  void parse(const RecordChunk& chunk, OnRecord on) {
+    if (!append_chunk(chunk)) return;
     size_t at = 0;
     RecordHeader header;
-    while (waiting_.size() - at >= sizeof(header)) {
-      std::memcpy(&header, waiting_.data() + at, sizeof(header));
-      if (waiting_.size() - at - sizeof(header) < header.bytes) break;
-      const std::span<const uint8_t> body(waiting_.data() + at + sizeof(header), header.bytes);
+    while (pending_.size() - at >= sizeof(header)) {
+      std::memcpy(&header, pending_.data() + at, sizeof(header));
+      if (pending_.size() - at - sizeof(header) < header.bytes) break;
+      const std::span<const uint8_t> body(pending_.data() + at + sizeof(header), header.bytes);
       ++next_record_;
       on(Record{header, body});
       at += sizeof(header) + header.bytes;
     }
-    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(at));
+    pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(at));
   }
 
   /// Records that were overwritten, between the first and the last that were read.
   uint64_t lost() const { return lost_; }
 
  private:
-  bool join(const RecordChunk& chunk);
+  bool append_chunk(const RecordChunk& chunk);
 
-  std::vector<uint8_t> waiting_;  // what is not a whole record yet
-  bool joined_ = false;           // to the chunk before
+  std::vector<uint8_t> pending_;  // what is not a whole record yet
+  bool in_sync_ = false;          // to the chunk before
   uint64_t next_chunk_ = 0, next_record_ = 0;
   uint64_t lost_ = 0;
 };

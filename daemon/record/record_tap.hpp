@@ -15,41 +15,41 @@ namespace infuse::daemon {
 class RecordTap {
  public:
   /// How long a chunk is filled at most.
-  static constexpr Duration kLongest{250'000'000};
+  static constexpr Duration kMaxChunkAge{250'000'000};
 
   /// `ring` outlives this.
   explicit RecordTap(RecordRing& ring) : ring_(ring) { begin_chunk(); }
 
-  void take(const Datagram& datagram);
-  void take(const vehicle::CanFrame& frame);
-  void take(size_t camera, const camera::StreamedPicture& picture);
-  void take(const GpsFix& fix);
+  void add_datagram(const Datagram& datagram);
+  void add_can_frame(const vehicle::CanFrame& frame);
+  void add_image(size_t camera, const camera::StreamedImage& image);
+  void add_gnss(const GnssFix& fix);
 
   /// Hands over what has waited long enough at `now`.
-  void look_after(Stamp now);
+  void flush_if_due(Stamp now);
 
   /// Hands over what has been taken: no more comes.
   void finish() {
-    if (!ring_.hand().bytes.empty()) hand_over();
+    if (!ring_.slot().bytes.empty()) push_chunk();
   }
 
   /// From any thread: whether what is taken is kept.
-  void want(bool wanted) { wanted_.store(wanted, std::memory_order_relaxed); }
+  void set_enabled(bool enabled) { enabled_.store(enabled, std::memory_order_relaxed); }
 
  private:
-  bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
+  bool enabled() const { return enabled_.load(std::memory_order_relaxed); }
   void begin_chunk();
-  void hand_over();
-  void put(RecordKind kind, uint32_t source, Stamp stamp, std::span<const uint8_t> head,
-           std::span<const uint8_t> body);
-  void append(std::span<const uint8_t> bytes);
+  void push_chunk();
+  void append_record(RecordKind kind, uint32_t source, Stamp stamp, std::span<const uint8_t> header,
+                     std::span<const uint8_t> body);
+  void append_bytes(std::span<const uint8_t> bytes);
 
   RecordRing& ring_;
-  std::atomic<bool> wanted_{false};
-  uint64_t number_ = 0;   // of the chunk in hand
-  uint64_t records_ = 0;  // begun so far
-  Stamp last_;            // of them
-  Stamp begun_;           // when the chunk in hand had its first byte, by look_after
+  std::atomic<bool> enabled_{false};
+  uint64_t chunk_number_ = 0;  // of the chunk in hand
+  uint64_t record_count_ = 0;  // begun so far
+  Stamp last_stamp_;           // of them
+  Stamp chunk_begun_;          // when the chunk in hand had its first byte, by look_after
 };
 
 }  // namespace infuse::daemon

@@ -10,12 +10,12 @@ namespace infuse::daemon {
 namespace {
 
 constexpr int kCore = 0;  // fusion has the other to itself
-constexpr Duration kPeriod{100'000'000};
-constexpr Duration kPatienceAtEnd{1'000'000'000};
+constexpr Duration kWritePeriod{100'000'000};
+constexpr Duration kDrainTimeout{1'000'000'000};
 
 RecordChunk new_chunk() {
   RecordChunk chunk;
-  chunk.bytes.reserve(RecordChunk::kBytes);
+  chunk.bytes.reserve(RecordChunk::kMaxBytes);
   return chunk;
 }
 
@@ -26,10 +26,10 @@ Recorder::Recorder(const RecordSettings& settings, std::filesystem::path directo
     : settings_(settings),
       directory_(std::move(directory)),
       base_(base),
-      ring_(static_cast<size_t>(settings.memory / RecordChunk::kBytes), new_chunk),
-      reader_(ring_.reader()),
+      ring_(static_cast<size_t>(settings.memory / RecordChunk::kMaxBytes), new_chunk),
+      reader_(ring_.make_reader()),
       tap_(ring_) {
-  tap_.want(settings_.flight > Duration::zero());
+  tap_.set_enabled(settings_.flight_recorder > Duration::zero());
   thread_ = std::jthread([this](std::stop_token stop) { run(std::move(stop)); });
 }
 
@@ -39,9 +39,9 @@ void Recorder::begin(Recording recording) {
     report_ = recording.report();
     next_ = std::move(recording);
     until_.reset();
-    tap_.want(true);
+    tap_.set_enabled(true);
   }
-  ordered_.notify_one();
+  requested_.notify_one();
 }
 
 void Recorder::end_at(Stamp until) {
@@ -54,7 +54,7 @@ std::optional<RecordReport> Recorder::report() const {
   return report_;
 }
 
-bool Recorder::busy() const {
+bool Recorder::is_recording() const {
   const std::lock_guard lock(mutex_);
   return report_ && !report_->ended;
 }
@@ -68,21 +68,21 @@ void Recorder::finish() {
 
 void Recorder::run(std::stop_token stop) {
   name_and_pin("record", kCore);
-  while (take_orders(stop)) {
-    reader_.wait(kPeriod);
-    write(kPeriod);
-    tell();
+  while (process_requests(stop)) {
+    reader_.wait(kWritePeriod);
+    write_chunks(kWritePeriod);
+    update_report();
   }
   if (!recording_) return;
-  write(kPatienceAtEnd);
+  write_chunks(kDrainTimeout);
   recording_->end("the daemon has ended");
-  tell();
+  update_report();
 }
 
 // Sleeps while there is nothing to record. False where this is the end.
-bool Recorder::take_orders(std::stop_token& stop) {
+bool Recorder::process_requests(std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  if (!recording_) ordered_.wait(lock, stop, [this] { return next_.has_value(); });
+  if (!recording_) requested_.wait(lock, stop, [this] { return next_.has_value(); });
   if (next_) {
     if (recording_) recording_->end("another was begun");
     recording_ = std::exchange(next_, std::nullopt);
@@ -92,23 +92,23 @@ bool Recorder::take_orders(std::stop_token& stop) {
   return !stop.stop_requested();
 }
 
-void Recorder::write(Duration patience) {
+void Recorder::write_chunks(Duration timeout) {
   const Stamp begin = base_.now();
   bool caught_up = false;
-  while (!caught_up && base_.now() - begin < patience) {
+  while (!caught_up && base_.now() - begin < timeout) {
     const Pin<RecordChunk> chunk = reader_.next();
     caught_up = !chunk;
-    if (chunk) parser_.take(*chunk, [this](const Record& record) { recording_->take(record); });
+    if (chunk) parser_.parse(*chunk, [this](const Record& record) { recording_->add(record); });
   }
-  recording_->look_after(base_.now(), parser_.lost(), caught_up);
+  recording_->flush_and_check(base_.now(), parser_.lost(), caught_up);
 }
 
-void Recorder::tell() {
+void Recorder::update_report() {
   const bool ended = recording_->report().ended;
   {
     const std::lock_guard lock(mutex_);
     if (!next_) report_ = recording_->report();
-    if (ended && !next_) tap_.want(settings_.flight > Duration::zero());
+    if (ended && !next_) tap_.set_enabled(settings_.flight_recorder > Duration::zero());
   }
   if (!ended) return;
   recording_.reset();

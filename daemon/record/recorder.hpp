@@ -36,16 +36,16 @@ class Recorder {
   std::optional<RecordReport> report() const;
 
   /// A recording is being made.
-  bool busy() const;
+  bool is_recording() const;
 
   /// Writes what has come, and ends. The io thread has ended already.
   void finish();
 
  private:
   void run(std::stop_token stop);
-  bool take_orders(std::stop_token& stop);
-  void write(Duration patience);
-  void tell();
+  bool process_requests(std::stop_token& stop);
+  void write_chunks(Duration timeout);
+  void update_report();
 
   const RecordSettings settings_;
   const std::filesystem::path directory_;
@@ -59,7 +59,7 @@ class Recorder {
   RecordParser parser_;
 
   mutable std::mutex mutex_;  // of what follows
-  std::condition_variable_any ordered_;
+  std::condition_variable_any requested_;
   std::optional<Recording> next_;
   std::optional<Stamp> until_;
   std::optional<RecordReport> report_;

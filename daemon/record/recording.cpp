@@ -2,18 +2,18 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/record/picture_file.hpp"
+#include "daemon/record/image_file.hpp"
 #include "drivers/vehicle/candump.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 template <class Plain>
-Plain read_head(std::span<const uint8_t>& body) {
-  Plain head;
-  std::memcpy(&head, body.data(), sizeof(head));
-  body = body.subspan(sizeof(head));
-  return head;
+Plain read_header(std::span<const uint8_t>& body) {
+  Plain header;
+  std::memcpy(&header, body.data(), sizeof(header));
+  body = body.subspan(sizeof(header));
+  return header;
 }
 
 std::string size_text(uint64_t bytes) {
@@ -30,9 +30,9 @@ std::optional<uint64_t> free_bytes(const std::filesystem::path& folder) {
 
 Result<Recording> Recording::begin(RecordingPlan plan, Stamp now) {
   const auto free = free_bytes(plan.directory);
-  if (free && *free < plan.min_free) {
+  if (free && *free < plan.min_free_bytes) {
     return fail(fmt::format("only {} are free, and {} are to stay free", size_text(*free),
-                            size_text(plan.min_free)),
+                            size_text(plan.min_free_bytes)),
                 plan.directory.string(), "make room, or lower min_free_mb in [record]");
   }
   auto drive =
@@ -42,44 +42,44 @@ Result<Recording> Recording::begin(RecordingPlan plan, Stamp now) {
   RecordReport& report = recording.report_;
   report.name = recording.plan_.name;
   report.folder = recording.drive_.folder().string();
-  report.why = recording.plan_.why;
+  report.cause = recording.plan_.cause;
   report.stamp = report.since = now;
   report.drives = 1;
   return recording;
 }
 
-void Recording::take(const Record& record) {
+void Recording::add(const Record& record) {
   const Stamp stamp = record.stamp();
   if (report_.ended || stamp < plan_.from) return;
-  if (stamp - plan_.until > kPatience) return end("");
+  if (stamp - plan_.until > kMaxRecordDelay) return end("");
   if (stamp > plan_.until) return;
-  if (!first_) first_ = first_of_drive_ = stamp;
-  if (stamp - *first_ > plan_.longest) return end("it is as long as it may be");
-  report_.duration = std::max(report_.duration, stamp - *first_);
+  if (!first_stamp_) first_stamp_ = drive_begin_ = stamp;
+  if (stamp - *first_stamp_ > plan_.max_duration) return end("it is as long as it may be");
+  report_.duration = std::max(report_.duration, stamp - *first_stamp_);
   const auto written = split_if_due(stamp).and_then([&] { return write(record); });
   if (!written) return end(written.error().message(), true);
   report_.bytes = bytes_before_ + drive_.bytes();
-  if (report_.bytes >= plan_.largest) end("it is as large as it may be");
+  if (report_.bytes >= plan_.max_bytes) end("it is as large as it may be");
 }
 
 Result<void> Recording::write(const Record& record) {
   std::span<const uint8_t> body = record.body;
   switch (record.header.kind) {
     case RecordKind::kDatagram: {
-      const auto head = read_head<DatagramHead>(body);
+      const auto header = read_header<DatagramHeader>(body);
       ++report_.datagrams;
-      return drive_.write(
-          {record.stamp(), head.sender, head.sender_port, head.destination_port, body});
+      return drive_.write_datagram(
+          {record.stamp(), header.sender, header.sender_port, header.destination_port, body});
     }
     case RecordKind::kCanFrame:
       ++report_.frames;
-      drive_.write_line(vehicle::format_candump_line(read_head<vehicle::CanFrame>(body)));
+      drive_.write_can_line(vehicle::format_candump_line(read_header<vehicle::CanFrame>(body)));
       return {};
-    case RecordKind::kPicture:
-      return write_picture(record);
-    case RecordKind::kFix:
+    case RecordKind::kImage:
+      return write_image(record);
+    case RecordKind::kGnssFix:
       ++report_.fixes;
-      drive_.write(read_head<GpsFix>(body));
+      drive_.write_gnss(read_header<GnssFix>(body));
       return {};
   }
   return {};
@@ -87,23 +87,24 @@ Result<void> Recording::write(const Record& record) {
 
 // A picture that its camera damaged is a lost frame. The drive's stamps carry the camera's delay,
 // which its reader subtracts.
-Result<void> Recording::write_picture(const Record& record) {
+Result<void> Recording::write_image(const Record& record) {
   std::span<const uint8_t> body = record.body;
-  const auto head = read_head<PictureHead>(body);
-  const auto file = picture_file({head.format, head.width, head.height, head.row_bytes, body});
+  const auto header = read_header<ImageHeader>(body);
+  const auto file =
+      encode_image_file({header.format, header.width, header.height, header.row_bytes, body});
   if (!file) return {};
   const size_t camera = record.header.source;
-  if (auto told = drive_.set_reading(camera, file->mosaic, file->grey); !told) return told;
-  std::optional<uint64_t>& first = first_pictures_[camera];
-  if (!first || head.sequence < *first) first = head.sequence;
-  ++report_.pictures;
+  if (auto set = drive_.set_pixel_format(camera, file->mosaic, file->grey); !set) return set;
+  std::optional<uint64_t>& first = first_images_[camera];
+  if (!first || header.sequence < *first) first = header.sequence;
+  ++report_.images;
   const Stamp stamp = record.stamp() + plan_.description.rig.cameras[camera].stamp_delay;
-  return drive_.write_picture(camera, stamp, head.sequence - *first, file->bytes, file->extension);
+  return drive_.write_image(camera, stamp, header.sequence - *first, file->bytes, file->extension);
 }
 
 Result<void> Recording::split_if_due(Stamp stamp) {
   const bool long_enough =
-      plan_.split != Duration::zero() && stamp - *first_of_drive_ > plan_.split;
+      plan_.split_duration != Duration::zero() && stamp - *drive_begin_ > plan_.split_duration;
   const bool large_enough = plan_.split_bytes != 0 && drive_.bytes() >= plan_.split_bytes;
   if (!long_enough && !large_enough) return {};
   if (auto flushed = drive_.flush(); !flushed) return flushed;
@@ -114,12 +115,12 @@ Result<void> Recording::split_if_due(Stamp stamp) {
   bytes_before_ += drive_.bytes();
   drive_ = *std::move(next);
   ++report_.drives;
-  first_of_drive_ = stamp;
-  first_pictures_.assign(first_pictures_.size(), std::nullopt);
+  drive_begin_ = stamp;
+  first_images_.assign(first_images_.size(), std::nullopt);
   return {};
 }
 
-void Recording::look_after(Stamp now, uint64_t lost, bool caught_up) {
+void Recording::flush_and_check(Stamp now, uint64_t lost, bool caught_up) {
   if (report_.ended) return;
   report_.stamp = now;
   report_.lost = lost;
@@ -129,20 +130,20 @@ void Recording::look_after(Stamp now, uint64_t lost, bool caught_up) {
 
 void Recording::flush(Stamp now) {
   if (const auto flushed = drive_.flush(); !flushed) return end(flushed.error().message(), true);
-  if (now - synced_ < kSyncPeriod) return;
+  if (now - last_sync_ < kSyncPeriod) return;
   drive_.sync();
-  synced_ = now;
+  last_sync_ = now;
 }
 
 void Recording::check_bounds(Stamp now, bool caught_up) {
-  if (caught_up && now - plan_.until > kPatience) return end("");
-  if (caught_up && !first_ && now - plan_.from > plan_.longest + kPatience) {
+  if (caught_up && now - plan_.until > kMaxRecordDelay) return end("");
+  if (caught_up && !first_stamp_ && now - plan_.from > plan_.max_duration + kMaxRecordDelay) {
     return end("no sensor said anything");
   }
   const auto free = free_bytes(drive_.folder());
-  if (!free || *free >= plan_.min_free) return;
+  if (!free || *free >= plan_.min_free_bytes) return;
   end(fmt::format("{}: only {} are free, and {} are to stay free", drive_.folder().string(),
-                  size_text(*free), size_text(plan_.min_free)),
+                  size_text(*free), size_text(plan_.min_free_bytes)),
       true);
 }
 

@@ -10,7 +10,7 @@ namespace asio = boost::asio;
 using ErrorCode = boost::system::error_code;
 using Local = asio::local::stream_protocol;
 
-bool somebody_answers(asio::io_context& io, const Local::endpoint& endpoint) {
+bool is_answered(asio::io_context& io, const Local::endpoint& endpoint) {
   Local::socket probe(io);
   ErrorCode error;
   probe.connect(endpoint, error);
@@ -38,7 +38,7 @@ Result<void> listen_local(asio::io_context& io, Local::acceptor& acceptor,
     return fail("the path of a socket is at most 107 bytes long", path.string(), hint);
   }
   const Local::endpoint endpoint(path.string());
-  if (somebody_answers(io, endpoint)) {
+  if (is_answered(io, endpoint)) {
     return fail("another infused listens there", path.string(), hint);
   }
   std::error_code folder_error;

@@ -16,7 +16,7 @@ namespace asio = boost::asio;
 using ErrorCode = boost::system::error_code;
 using Local = asio::local::stream_protocol;
 
-constexpr std::chrono::milliseconds kLookAfterPeriod{200};
+constexpr std::chrono::milliseconds kCheckPeriod{200};
 
 }  // namespace
 
@@ -29,7 +29,7 @@ Server::Server(asio::io_context& io, const ServerOptions& options, std::string_v
       local_(io),
       tcp_(io),
       timer_(io) {
-  look_after();
+  check_sessions();
 }
 
 Server::~Server() {
@@ -64,7 +64,7 @@ void Server::accept(Acceptor& acceptor) {
   acceptor.async_accept([this, &acceptor](ErrorCode error, auto socket) {
     if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
     if (!error) {
-      greet(Session::Socket(std::move(socket)));
+      open_session(Session::Socket(std::move(socket)));
       accept(acceptor);
     } else {  // no free descriptor: it would fail again at once, so it waits for look_after()
       stalled_.emplace_back([this, &acceptor] { accept(acceptor); });
@@ -72,9 +72,9 @@ void Server::accept(Acceptor& acceptor) {
   });
 }
 
-void Server::greet(Session::Socket socket) {
-  forget_closed();
-  if (sessions_.size() >= options_.max_clients) return turn_away(std::move(socket));
+void Server::open_session(Session::Socket socket) {
+  remove_closed();
+  if (sessions_.size() >= options_.max_clients) return reject(std::move(socket));
   const auto peer = peer_of(socket.native_handle());
   if (peer) spdlog::debug("client connected: process {} of user {}", peer->process, peer->user);
   const bool is_owner = peer && (peer->user == ::geteuid() || peer->user == 0);
@@ -83,7 +83,7 @@ void Server::greet(Session::Socket socket) {
   sessions_.back()->start(greeting_);
 }
 
-void Server::turn_away(Session::Socket socket) {
+void Server::reject(Session::Socket socket) {
   spdlog::warn("a client was turned away: {} are connected", sessions_.size());
   const std::string message =
       error_message("", "too many clients: " + std::to_string(sessions_.size()),
@@ -102,35 +102,35 @@ void Server::publish(ReportClass report_class, const std::string& device, Stamp 
   last_values_.set(report_class, device, line);
 }
 
-void Server::finish(std::chrono::milliseconds patience) {
+void Server::finish(std::chrono::milliseconds timeout) {
   ErrorCode ignored;
   local_.close(ignored);
   tcp_.close(ignored);
   for (const auto& session : sessions_) session->finish();
-  finish_by_ = Session::Clock::now() + patience;
-  look_after();
+  finish_deadline_ = Session::Clock::now() + timeout;
+  check_sessions();
 }
 
-void Server::forget_closed() {
+void Server::remove_closed() {
   std::erase_if(sessions_, [](const auto& session) { return session->closed(); });
 }
 
 // Lets go of clients that were silent for too long, and ends finish().
-void Server::look_after() {
+void Server::check_sessions() {
   const auto now = Session::Clock::now();
   for (const auto& session : sessions_) {
     const bool idle = now - session->last_activity() > options_.idle_timeout;
-    if (idle || (finish_by_ && now >= *finish_by_)) session->close();
+    if (idle || (finish_deadline_ && now >= *finish_deadline_)) session->close();
   }
-  forget_closed();
-  if (finish_by_ && sessions_.empty()) {
+  remove_closed();
+  if (finish_deadline_ && sessions_.empty()) {
     timer_.cancel();
     return;
   }
-  for (const auto& accept_again : std::exchange(stalled_, {})) accept_again();
-  timer_.expires_after(finish_by_ ? kLookAfterPeriod / 10 : kLookAfterPeriod);
+  for (const auto& accept_again : std::exchange(stalled_accepts_, {})) accept_again();
+  timer_.expires_after(finish_deadline_ ? kCheckPeriod / 10 : kCheckPeriod);
   timer_.async_wait([this](ErrorCode error) {
-    if (!error) look_after();
+    if (!error) check_sessions();
   });
 }
 

@@ -53,18 +53,18 @@ class Server {
 
   /// Accepts nobody any more and lets every client go: when it has read what it is owed, or after
   /// `patience`.
-  void finish(std::chrono::milliseconds patience);
+  void finish(std::chrono::milliseconds timeout);
 
   /// Connections at present.
-  size_t clients() const { return sessions_.size(); }
+  size_t client_count() const { return sessions_.size(); }
 
  private:
   template <class Acceptor>
   void accept(Acceptor& acceptor);
-  void greet(Session::Socket socket);
-  void turn_away(Session::Socket socket);
-  void look_after();
-  void forget_closed();
+  void open_session(Session::Socket socket);
+  void reject(Session::Socket socket);
+  void check_sessions();
+  void remove_closed();
 
   boost::asio::io_context& io_;
   ServerOptions options_;
@@ -78,8 +78,8 @@ class Server {
     return fail("there is nothing that could be changed");
   };
   std::vector<std::shared_ptr<Session>> sessions_;
-  std::vector<std::function<void()>> stalled_;  // acceptors to be started again
-  std::optional<Session::Clock::time_point> finish_by_;
+  std::vector<std::function<void()>> stalled_accepts_;  // acceptors to be started again
+  std::optional<Session::Clock::time_point> finish_deadline_;
 };
 
 }  // namespace infuse::daemon

@@ -5,9 +5,10 @@
 namespace infuse::daemon {
 
 std::optional<std::string> ServerOptions::invalid() const {
-  constexpr size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
-  if (path.size() > kLongestPath) {
-    return "path is longer than " + std::to_string(kLongestPath) + " bytes, the limit of a socket";
+  constexpr size_t kMaxPathLength = sizeof(sockaddr_un::sun_path) - 1;
+  if (path.size() > kMaxPathLength) {
+    return "path is longer than " + std::to_string(kMaxPathLength) +
+           " bytes, the limit of a socket";
   }
   if (max_clients < 1 || max_clients > 10'000) return "max_clients must lie in 1 ... 10000";
   if (idle_timeout <= Duration::zero()) return "idle_timeout_s must be positive";

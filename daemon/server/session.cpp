@@ -44,11 +44,11 @@ void Session::read() {
   socket_.async_read_some(space, [self = shared_from_this()](ErrorCode error, size_t bytes) {
     self->reading_ = false;
     if (error || self->closed()) return self->close();
-    self->take(bytes);
+    self->process_input(bytes);
   });
 }
 
-void Session::take(size_t bytes) {
+void Session::process_input(size_t bytes) {
   last_activity_ = Clock::now();
   input_size_ += bytes;
   size_t begin = 0;
@@ -144,8 +144,8 @@ void Session::queue(Line line) {
 }
 
 void Session::write() {
-  constexpr size_t kLinesAWrite = 32;
-  const size_t lines = std::min(output_.size(), kLinesAWrite);
+  constexpr size_t kMaxLinesPerWrite = 32;
+  const size_t lines = std::min(output_.size(), kMaxLinesPerWrite);
   std::vector<asio::const_buffer> buffers;
   buffers.reserve(lines);
   for (size_t i = 0; i < lines; ++i) {

@@ -16,7 +16,7 @@
 
 namespace infuse::daemon {
 
-/// One client: reads its requests, writes what it asked for. Lives as long as an operation of its
+/// One client: reads its requests, writes what it requested. Lives as long as an operation of its
 /// socket is under way; used on one thread.
 class Session : public std::enable_shared_from_this<Session> {
  public:
@@ -49,7 +49,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
  private:
   void read();
-  void take(size_t bytes);
+  void process_input(size_t bytes);
   void answer(std::string_view line);
   void refuse(std::string_view what, std::string_view hint);
   void answer_poll();

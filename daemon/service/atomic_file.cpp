@@ -5,13 +5,13 @@
 
 #include <cstdio>
 
-#include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 #include "drivers/receive/system_error.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-using receive::Descriptor;
+using receive::FileDescriptor;
 
 bool write_all(int file, std::string_view text) {
   while (!text.empty()) {

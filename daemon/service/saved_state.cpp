@@ -2,14 +2,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "drivers/recording/text_file.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kForm = 1;
+constexpr int kFormatVersion = 1;
 constexpr size_t kMaxBytes = 64 << 10;
 
 /// A whole number that is not negative.
@@ -23,12 +23,10 @@ bool read(const Json& json, const char* key, uint64_t& value) {
 }  // namespace
 
 std::string format_state(const SavedState& state) {
-  const Json json = {{"form", kForm},
-                     {"starts", state.starts},
-                     {"unclean", state.unclean},
-                     {"running", state.running},
-                     {"saved_ns", state.saved.ns()},
-                     {"running_for_ns", state.running_for.count()}};
+  const Json json = {
+      {"form", kFormatVersion},          {"starts", state.starts},
+      {"unclean", state.unclean_exits},  {"running", state.running},
+      {"saved_ns", state.saved_at.ns()}, {"running_for_ns", state.total_run_time.count()}};
   return json.dump(2) + "\n";
 }
 
@@ -36,18 +34,18 @@ Result<SavedState> parse_state(std::string_view text) {
   const Json json = Json::parse(text, nullptr, false);
   SavedState state;
   uint64_t form = 0, saved = 0, running_for = 0;
-  if (!json.is_object() || !read(json, "form", form) || form != kForm) {
+  if (!json.is_object() || !read(json, "form", form) || form != kFormatVersion) {
     return fail("is no state of this release");
   }
   const auto running = json.find("running");
-  if (!read(json, "starts", state.starts) || !read(json, "unclean", state.unclean) ||
+  if (!read(json, "starts", state.starts) || !read(json, "unclean", state.unclean_exits) ||
       !read(json, "saved_ns", saved) || !read(json, "running_for_ns", running_for) ||
       running == json.end() || !running->is_boolean()) {
     return fail("is a damaged state");
   }
   state.running = running->get<bool>();
-  state.saved = Stamp::from_ns(static_cast<int64_t>(saved));
-  state.running_for = Duration(static_cast<int64_t>(running_for));
+  state.saved_at = Stamp::from_ns(static_cast<int64_t>(saved));
+  state.total_run_time = Duration(static_cast<int64_t>(running_for));
   return state;
 }
 

@@ -11,11 +11,11 @@ namespace infuse::daemon {
 
 /// What the daemon knows after a restart.
 struct SavedState {
-  uint64_t starts = 0;      ///< how often it was started with this state
-  uint64_t unclean = 0;     ///< and how often of these it had not ended by itself before
-  bool running = false;     ///< it has not ended by itself since
-  Stamp saved;              ///< when this was written
-  Duration running_for{0};  ///< all its runs together
+  uint64_t starts = 0;         ///< how often it was started with this state
+  uint64_t unclean_exits = 0;  ///< and how often of these it had not ended by itself before
+  bool running = false;        ///< it has not ended by itself since
+  Stamp saved_at;              ///< when this was written
+  Duration total_run_time{0};  ///< all its runs together
 };
 
 /// The text of a state, and back. What is no state, or of another form, is an error.

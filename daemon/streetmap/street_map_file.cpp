@@ -1,32 +1,32 @@
 #include "daemon/streetmap/street_map_file.hpp"
 
-#include "daemon/streetmap/plan_streets.hpp"
-#include "drivers/camera/picture.hpp"
-#include "drivers/recording/openstreetmap.hpp"
+#include "daemon/streetmap/street_plan_from_osm.hpp"
+#include "drivers/camera/image_decoder.hpp"
+#include "drivers/osm/openstreetmap.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-Result<MadeStreetMap> from_picture(const std::filesystem::path& input,
-                                   const streetmap::ImageMapOptions& options) {
+Result<GeneratedStreetMap> make_from_image(const std::filesystem::path& input,
+                                           const streetmap::ImageMapOptions& options) {
   const auto file = recording::MappedFile::open(input);
   if (!file) return tl::unexpected(file.error());
   const auto bytes = file->bytes();
   CameraFrame grey;
-  const auto decoded = camera::decode_picture(
+  const auto decoded = camera::decode_image(
       {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, {.grey = true}, grey);
   if (!decoded) return fail(decoded.error().what, input.string(), decoded.error().hint);
-  auto made = streetmap::map_of_image(grey, options, "image " + input.filename().string());
+  auto made = streetmap::make_map_from_image(grey, options, "image " + input.filename().string());
   if (!made) return fail(made.error().what, input.string(), made.error().hint);
-  return MadeStreetMap{std::move(*made), {}};
+  return GeneratedStreetMap{std::move(*made), {}};
 }
 
-Result<MadeStreetMap> from_openstreetmap(const std::filesystem::path& input,
-                                         const streetmap::RasterOptions& options) {
+Result<GeneratedStreetMap> make_from_openstreetmap(const std::filesystem::path& input,
+                                                   const streetmap::RasterOptions& options) {
   const auto map = recording::read_openstreetmap(input);
   if (!map) return tl::unexpected(map.error());
-  PlannedStreets planned = plan_streets(*map);
-  if (planned.carriageways == 0) {
+  OsmStreetPlan planned = build_street_plan(*map);
+  if (planned.carriageway_count == 0) {
     return fail("has no road that can be driven on", input.string(),
                 "no way of the map has a key highway of a known class");
   }
@@ -34,12 +34,12 @@ Result<MadeStreetMap> from_openstreetmap(const std::filesystem::path& input,
       planned.plan, options,
       "OpenStreetMap " + input.filename().string() + ", © OpenStreetMap contributors, ODbL");
   if (!made) return fail(made.error().what, input.string(), made.error().hint);
-  return MadeStreetMap{std::move(*made), std::move(planned.warnings)};
+  return GeneratedStreetMap{std::move(*made), std::move(planned.warnings)};
 }
 
 }  // namespace
 
-Result<StreetMapFile> open_street_map(const std::filesystem::path& path) {
+Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path) {
   auto file = recording::MappedFile::open(path);
   if (!file) return tl::unexpected(file.error());
   auto map = streetmap::SegmentMap::open(file->bytes(), path.string());
@@ -47,21 +47,21 @@ Result<StreetMapFile> open_street_map(const std::filesystem::path& path) {
   return StreetMapFile{std::move(*file), *map};
 }
 
-Result<StreetMapFile> open_street_map_if_any(const std::filesystem::path& folder,
-                                             const std::string& name) {
-  return name.empty() ? Result<StreetMapFile>() : open_street_map(folder / name);
+Result<StreetMapFile> open_optional_street_map_file(const std::filesystem::path& folder,
+                                                    const std::string& name) {
+  return name.empty() ? Result<StreetMapFile>() : open_street_map_file(folder / name);
 }
 
-bool is_picture(const std::filesystem::path& input) {
+bool is_image_file(const std::filesystem::path& input) {
   const std::string ending = input.extension().string();
   return ending == ".png" || ending == ".jpg" || ending == ".jpeg";
 }
 
-Result<MadeStreetMap> make_street_map(const std::filesystem::path& input,
-                                      const StreetMapOptions& options) {
-  if (!is_picture(input)) return from_openstreetmap(input, options.raster);
+Result<GeneratedStreetMap> make_street_map(const std::filesystem::path& input,
+                                           const StreetMapOptions& options) {
+  if (!is_image_file(input)) return make_from_openstreetmap(input, options.raster);
   if (!options.image) return fail("a picture has no scale of its own", input.string());
-  return from_picture(input, *options.image);
+  return make_from_image(input, *options.image);
 }
 
 }  // namespace infuse::daemon

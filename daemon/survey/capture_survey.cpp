@@ -36,7 +36,7 @@ Stream* CaptureSurvey::stream_of(const Datagram& datagram) {
 void CaptureSurvey::add(const Datagram& datagram) {
   Stream* stream = stream_of(datagram);
   if (stream == nullptr) {
-    ++others_;
+    ++excess_datagrams_;
     return;
   }
   stream->arrivals.add(datagram.stamp);

@@ -40,13 +40,13 @@ class CaptureSurvey {
   const std::vector<Stream>& streams() const { return streams_; }
 
   /// Datagrams of streams beyond kMaxStreams.
-  uint64_t others() const { return others_; }
+  uint64_t excess_datagrams() const { return excess_datagrams_; }
 
  private:
   Stream* stream_of(const Datagram& datagram);
 
   std::vector<Stream> streams_;
-  uint64_t others_ = 0;
+  uint64_t excess_datagrams_ = 0;
 };
 
 /// "10.0.0.7".

@@ -13,7 +13,7 @@ using Handle = std::unique_ptr<void, int (*)(tjhandle)>;
 
 }  // namespace
 
-Result<void> decode_jpeg(std::span<const uint8_t> file, const PictureOptions& options,
+Result<void> decode_jpeg(std::span<const uint8_t> file, const ImageOptions& options,
                          CameraFrame& frame) {
   thread_local Handle decoder(tjInitDecompress(), &tjDestroy);
   // After a warning the library's decoder refuses every file that follows: a new one takes over.

@@ -1,12 +1,12 @@
 #pragma once
 
-#include "drivers/camera/picture.hpp"
+#include "drivers/camera/image_decoder.hpp"
 
 namespace infuse::camera {
 
-/// `decode_picture` for JPEG, through libjpeg-turbo. Grey is read from the luminance alone.
+/// `decode_image` for JPEG, through libjpeg-turbo. Grey is read from the luminance alone.
 /// A file that ends early is an error, although the library would fill it with grey.
-Result<void> decode_jpeg(std::span<const uint8_t> file, const PictureOptions& options,
+Result<void> decode_jpeg(std::span<const uint8_t> file, const ImageOptions& options,
                          CameraFrame& frame);
 
 }  // namespace infuse::camera

@@ -8,7 +8,7 @@
 
 namespace infuse::camera {
 
-Result<void> decode_png(std::span<const uint8_t> file, const PictureOptions& options,
+Result<void> decode_png(std::span<const uint8_t> file, const ImageOptions& options,
                         CameraFrame& frame) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;

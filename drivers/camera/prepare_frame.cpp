@@ -4,8 +4,8 @@
 
 namespace infuse::camera {
 
-Result<void> prepare_frame(int64_t width, int64_t height, bool colour,
-                           const PictureOptions& options, CameraFrame& frame) {
+Result<void> prepare_frame(int64_t width, int64_t height, bool colour, const ImageOptions& options,
+                           CameraFrame& frame) {
   if (width <= 0 || height <= 0 || width > options.max_pixels / height) {
     return fail(
         "the picture is " + std::to_string(width) + " x " + std::to_string(height) + " pixels", {},

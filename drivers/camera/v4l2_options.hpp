@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "drivers/camera/raw_picture.hpp"
+#include "drivers/camera/raw_image.hpp"
 
 namespace infuse::camera {
 

@@ -13,9 +13,9 @@
 namespace infuse::camera {
 namespace {
 
-constexpr uint32_t kBuffers = 4;
+constexpr uint32_t kBufferCount = 4;
 constexpr Duration kControlsPeriod{1'000'000'000};
-constexpr int64_t kExposureUnit = 100'000;  // ns; V4L2_CID_EXPOSURE_ABSOLUTE counts 100 us
+constexpr int64_t kExposureUnitNs = 100'000;  // ns; V4L2_CID_EXPOSURE_ABSOLUTE counts 100 us
 
 /// What the driver calls a format, the cheapest to read first.
 struct FourCc {
@@ -38,7 +38,7 @@ constexpr std::array<FourCc, 12> kFormats = {{
 }};
 
 template <class Argument>
-bool ask(int device, unsigned long request, Argument& argument) {
+bool xioctl(int device, unsigned long request, Argument& argument) {
   int result = 0;
   do {
     result = ioctl(device, request, &argument);
@@ -49,7 +49,7 @@ bool ask(int device, unsigned long request, Argument& argument) {
 bool has_format(int device, uint32_t code) {
   v4l2_fmtdesc description{};
   description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  while (ask(device, VIDIOC_ENUM_FMT, description)) {
+  while (xioctl(device, VIDIOC_ENUM_FMT, description)) {
     if (description.pixelformat == code) return true;
     ++description.index;
   }
@@ -66,16 +66,16 @@ const FourCc* choose_format(int device, std::optional<RawFormat> wanted) {
 
 bool set_control(int device, uint32_t id, int64_t value) {
   v4l2_control control{id, static_cast<int32_t>(value)};
-  return ask(device, VIDIOC_S_CTRL, control);
+  return xioctl(device, VIDIOC_S_CTRL, control);
 }
 
 std::optional<int> read_control(int device, uint32_t id) {
   v4l2_control control{id, 0};
-  if (!ask(device, VIDIOC_G_CTRL, control)) return std::nullopt;
+  if (!xioctl(device, VIDIOC_G_CTRL, control)) return std::nullopt;
   return control.value;
 }
 
-v4l2_buffer buffer_of(uint32_t index) {
+v4l2_buffer make_buffer(uint32_t index) {
   v4l2_buffer buffer{};
   buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   buffer.memory = V4L2_MEMORY_MMAP;
@@ -114,7 +114,7 @@ Result<V4l2Source> V4l2Source::open(const V4l2Options& options, const receive::T
   if (auto wrong = options.invalid()) return fail(*wrong, options.device);
   V4l2Source source(options, base);
   source.device_ =
-      receive::Descriptor(::open(options.device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+      receive::FileDescriptor(::open(options.device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (!source.device_) {
     return receive::fail_errno("cannot be opened", options.device,
                                errno == EACCES ? "the user needs the group video" : "");
@@ -129,12 +129,12 @@ Result<V4l2Source> V4l2Source::open(const V4l2Options& options, const receive::T
 V4l2Source::~V4l2Source() {
   if (!device_) return;
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  ask(device_.get(), VIDIOC_STREAMOFF, type);
+  xioctl(device_.get(), VIDIOC_STREAMOFF, type);
 }
 
 Result<void> V4l2Source::check_capabilities() {
   v4l2_capability about{};
-  if (!ask(device_.get(), VIDIOC_QUERYCAP, about)) {
+  if (!xioctl(device_.get(), VIDIOC_QUERYCAP, about)) {
     return receive::fail_errno("is no Video4Linux2 device", options_.device);
   }
   const uint32_t able =
@@ -155,7 +155,7 @@ Result<void> V4l2Source::negotiate() {
   }
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (!ask(device_.get(), VIDIOC_G_FMT, format)) {
+  if (!xioctl(device_.get(), VIDIOC_G_FMT, format)) {
     return receive::fail_errno("does not tell its format", options_.device);
   }
   v4l2_pix_format& pixels = format.fmt.pix;
@@ -166,17 +166,17 @@ Result<void> V4l2Source::negotiate() {
   pixels.pixelformat = chosen->code;
   pixels.field = V4L2_FIELD_NONE;
   pixels.bytesperline = 0;
-  if (!ask(device_.get(), VIDIOC_S_FMT, format)) {
+  if (!xioctl(device_.get(), VIDIOC_S_FMT, format)) {
     return receive::fail_errno("cannot be set up", options_.device,
                                errno == EBUSY ? "another program uses it" : "");
   }
-  picture_ = {chosen->format,
-              static_cast<int>(pixels.width),
-              static_cast<int>(pixels.height),
-              pixels.bytesperline,
-              {}};
-  const bool size_granted = options_.width == 0 || (picture_.width == options_.width &&
-                                                    picture_.height == options_.height);
+  image_layout_ = {chosen->format,
+                   static_cast<int>(pixels.width),
+                   static_cast<int>(pixels.height),
+                   pixels.bytesperline,
+                   {}};
+  const bool size_granted = options_.width == 0 || (image_layout_.width == options_.width &&
+                                                    image_layout_.height == options_.height);
   if (!size_granted || pixels.pixelformat != chosen->code) {
     return fail("cannot do " + std::to_string(options_.width) + "x" +
                     std::to_string(options_.height) + " in " + name_of(chosen->format) + ", but " +
@@ -192,11 +192,11 @@ Result<void> V4l2Source::set_rate() {
   v4l2_fract& period = parameters.parm.capture.timeperframe;
   if (options_.rate_hz > 0) {
     period = {1000, static_cast<uint32_t>(std::lround(options_.rate_hz * 1000))};
-    if (!ask(device_.get(), VIDIOC_S_PARM, parameters)) {
+    if (!xioctl(device_.get(), VIDIOC_S_PARM, parameters)) {
       return receive::fail_errno("does not take a rate", options_.device, "leave rate_hz out");
     }
   }
-  if (ask(device_.get(), VIDIOC_G_PARM, parameters) && period.numerator != 0) {
+  if (xioctl(device_.get(), VIDIOC_G_PARM, parameters) && period.numerator != 0) {
     rate_hz_ = static_cast<double>(period.denominator) / static_cast<double>(period.numerator);
   }
   return {};
@@ -207,7 +207,7 @@ Result<void> V4l2Source::set_controls() {
   if (options_.exposure) {
     set_control(device, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
     if (!set_control(device, V4L2_CID_EXPOSURE_ABSOLUTE,
-                     options_.exposure->count() / kExposureUnit)) {
+                     options_.exposure->count() / kExposureUnitNs)) {
       return receive::fail_errno("does not take an exposure", options_.device,
                                  "leave exposure_ms out");
     }
@@ -223,60 +223,60 @@ Result<void> V4l2Source::set_controls() {
 
 Result<void> V4l2Source::start() {
   v4l2_requestbuffers request{};
-  request.count = kBuffers;
+  request.count = kBufferCount;
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
-  if (!ask(device_.get(), VIDIOC_REQBUFS, request)) {
+  if (!xioctl(device_.get(), VIDIOC_REQBUFS, request)) {
     return receive::fail_errno("gives no buffers", options_.device,
                                errno == EBUSY ? "another program uses it" : "");
   }
   for (uint32_t i = 0; i < request.count; ++i) {
-    v4l2_buffer buffer = buffer_of(i);
-    if (!ask(device_.get(), VIDIOC_QUERYBUF, buffer)) {
+    v4l2_buffer buffer = make_buffer(i);
+    if (!xioctl(device_.get(), VIDIOC_QUERYBUF, buffer)) {
       return receive::fail_errno("does not show its buffers", options_.device);
     }
     buffers_.emplace_back(device_.get(), buffer.m.offset, buffer.length);
-    if (buffers_.back().bytes().empty() || !ask(device_.get(), VIDIOC_QBUF, buffer)) {
+    if (buffers_.back().bytes().empty() || !xioctl(device_.get(), VIDIOC_QBUF, buffer)) {
       return receive::fail_errno("its buffers cannot be used", options_.device);
     }
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (!ask(device_.get(), VIDIOC_STREAMON, type)) {
+  if (!xioctl(device_.get(), VIDIOC_STREAMON, type)) {
     return receive::fail_errno("does not stream", options_.device);
   }
   return {};
 }
 
-Result<V4l2Source::Taken> V4l2Source::take(uint32_t& index, StreamedPicture& picture) {
-  v4l2_buffer buffer = buffer_of(0);
-  if (!ask(device_.get(), VIDIOC_DQBUF, buffer)) {
-    if (errno == EAGAIN) return Taken::kNothing;
+Result<V4l2Source::Dequeued> V4l2Source::dequeue(uint32_t& index, StreamedImage& image) {
+  v4l2_buffer buffer = make_buffer(0);
+  if (!xioctl(device_.get(), VIDIOC_DQBUF, buffer)) {
+    if (errno == EAGAIN) return Dequeued::kNone;
     return receive::fail_errno("cannot be read", options_.device);
   }
   if (buffer.index >= buffers_.size()) return fail("gave an unknown buffer", options_.device);
   index = buffer.index;
-  if (counters_.pictures + counters_.damaged > 0 && buffer.sequence > next_sequence_) {
+  if (counters_.images + counters_.damaged > 0 && buffer.sequence > next_sequence_) {
     counters_.lost += buffer.sequence - next_sequence_;
   }
   next_sequence_ = buffer.sequence + 1;
   if (buffer.flags & V4L2_BUF_FLAG_ERROR) {
     ++counters_.damaged;
-    return Taken::kDamaged;
+    return Dequeued::kDamaged;
   }
-  ++counters_.pictures;
+  ++counters_.images;
   read_controls(base_.now());
   const int64_t monotonic_ns =
       int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + int64_t{buffer.timestamp.tv_usec} * 1000;
-  picture = {exposure_stamp(monotonic_ns, buffer.flags), exposure_, gain_, buffer.sequence,
-             picture_};
+  image = {exposure_stamp(monotonic_ns, buffer.flags), exposure_, gain_, buffer.sequence,
+           image_layout_};
   const auto mapped = buffers_[index].bytes();
-  picture.raw.bytes = mapped.first(std::min<size_t>(buffer.bytesused, mapped.size()));
-  return Taken::kPicture;
+  image.raw.bytes = mapped.first(std::min<size_t>(buffer.bytesused, mapped.size()));
+  return Dequeued::kImage;
 }
 
-Result<void> V4l2Source::give_back(uint32_t index) {
-  v4l2_buffer buffer = buffer_of(index);
-  if (!ask(device_.get(), VIDIOC_QBUF, buffer)) {
+Result<void> V4l2Source::requeue(uint32_t index) {
+  v4l2_buffer buffer = make_buffer(index);
+  if (!xioctl(device_.get(), VIDIOC_QBUF, buffer)) {
     return receive::fail_errno("does not take its buffer back", options_.device);
   }
   return {};
@@ -284,10 +284,10 @@ Result<void> V4l2Source::give_back(uint32_t index) {
 
 // Asking costs a transfer on the camera's bus, and both change slowly.
 void V4l2Source::read_controls(Stamp now) {
-  if (now - controls_read_ < kControlsPeriod) return;
-  controls_read_ = now;
+  if (now - last_controls_read_ < kControlsPeriod) return;
+  last_controls_read_ = now;
   if (const auto units = read_control(device_.get(), V4L2_CID_EXPOSURE_ABSOLUTE)) {
-    exposure_ = Duration(*units * kExposureUnit);
+    exposure_ = Duration(*units * kExposureUnitNs);
   }
   if (const auto gain = read_control(device_.get(), V4L2_CID_GAIN)) gain_ = *gain;
 }
@@ -302,8 +302,8 @@ Stamp V4l2Source::exposure_stamp(int64_t monotonic_ns, uint32_t flags) const {
 
 std::string V4l2Source::description() const {
   std::array<char, 64> text{};
-  snprintf(text.data(), text.size(), "%s %dx%d, %.2f Hz", name_of(picture_.format), picture_.width,
-           picture_.height, rate_hz_);
+  snprintf(text.data(), text.size(), "%s %dx%d, %.2f Hz", name_of(image_layout_.format),
+           image_layout_.width, image_layout_.height, rate_hz_);
   return text.data();
 }
 

@@ -4,26 +4,26 @@
 #include <string>
 #include <vector>
 
-#include "drivers/camera/raw_picture.hpp"
+#include "drivers/camera/raw_image.hpp"
 #include "drivers/camera/v4l2_options.hpp"
 #include "drivers/measurement/error.hpp"
-#include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 #include "drivers/receive/time_base.hpp"
 
 namespace infuse::camera {
 
 /// What a camera has delivered since it was opened.
 struct V4l2Counters {
-  uint64_t pictures = 0;  ///< handed out
-  uint64_t lost = 0;      ///< missing by the driver's own counter
-  uint64_t damaged = 0;   ///< marked so by the driver
+  uint64_t images = 0;   ///< handed out
+  uint64_t lost = 0;     ///< missing by the driver's own counter
+  uint64_t damaged = 0;  ///< marked so by the driver
 };
 
 /// A camera of this host (Video4Linux2), streaming into memory that it shares with the driver.
 class V4l2Source {
  public:
   /// Opens, sets up and starts the camera. Errors: no such device (yet), no permission, in use, it
-  /// cannot do the size, format or rate that is asked for.
+  /// cannot do the size, format or rate that is requested.
   static Result<V4l2Source> open(const V4l2Options& options, const receive::TimeBase& base);
   V4l2Source(V4l2Source&&) noexcept = default;
   V4l2Source& operator=(V4l2Source&&) noexcept = default;
@@ -32,18 +32,18 @@ class V4l2Source {
   /// Readable when a picture waits; in error when the camera was unplugged.
   int descriptor() const { return device_.get(); }
 
-  /// Takes the oldest picture that waits and calls `on(const StreamedPicture&)` with it, unless the
+  /// Takes the oldest picture that waits and calls `on(const StreamedImage&)` with it, unless the
   /// driver calls it damaged; its bytes are the driver's again when `on` returns. False where none
   /// waits. An error says that the camera is gone: open another source, later.
-  template <class OnPicture>
-  Result<bool> read(OnPicture on) {
+  template <class OnImage>
+  Result<bool> read(OnImage on) {
     uint32_t buffer = 0;
-    StreamedPicture picture;
-    const auto taken = take(buffer, picture);
-    if (!taken) return tl::unexpected(taken.error());
-    if (*taken == Taken::kNothing) return false;
-    if (*taken == Taken::kPicture) on(static_cast<const StreamedPicture&>(picture));
-    if (const auto given = give_back(buffer); !given) return tl::unexpected(given.error());
+    StreamedImage image;
+    const auto dequeued = dequeue(buffer, image);
+    if (!dequeued) return tl::unexpected(dequeued.error());
+    if (*dequeued == Dequeued::kNone) return false;
+    if (*dequeued == Dequeued::kImage) on(static_cast<const StreamedImage&>(image));
+    if (const auto requeued = requeue(buffer); !requeued) return tl::unexpected(requeued.error());
     return true;
   }
 
@@ -52,12 +52,12 @@ class V4l2Source {
   /// What was agreed on: "GREY 640x480, 30.00 Hz".
   std::string description() const;
 
-  RawFormat format() const { return picture_.format; }
-  int width() const { return picture_.width; }
-  int height() const { return picture_.height; }
+  RawFormat format() const { return image_layout_.format; }
+  int width() const { return image_layout_.width; }
+  int height() const { return image_layout_.height; }
 
  private:
-  enum class Taken { kNothing, kDamaged, kPicture };
+  enum class Dequeued { kNone, kDamaged, kImage };
 
   /// A buffer of the driver, mapped into this process.
   class Mapping {
@@ -79,22 +79,22 @@ class V4l2Source {
   Result<void> set_rate();
   Result<void> set_controls();
   Result<void> start();
-  Result<Taken> take(uint32_t& buffer, StreamedPicture& picture);
-  Result<void> give_back(uint32_t buffer);
+  Result<Dequeued> dequeue(uint32_t& buffer, StreamedImage& image);
+  Result<void> requeue(uint32_t buffer);
   void read_controls(Stamp now);
   Stamp exposure_stamp(int64_t monotonic_ns, uint32_t flags) const;
 
   V4l2Options options_;
   receive::TimeBase base_;
-  receive::Descriptor device_;
+  receive::FileDescriptor device_;
   std::vector<Mapping> buffers_;
-  RawPicture picture_;  // all but its bytes
+  RawImage image_layout_;  // all but its bytes
   double rate_hz_ = 0;
   V4l2Counters counters_;
   uint32_t next_sequence_ = 0;
   Duration exposure_{0};
   double gain_ = 0;
-  Stamp controls_read_ = Stamp::earliest();
+  Stamp last_controls_read_ = Stamp::earliest();
 };
 
 }  // namespace infuse::camera

@@ -13,15 +13,17 @@ namespace {
 constexpr Duration kZero = Duration::zero();
 
 /// Far beyond any real time (±126 years), and so near that no arithmetic here overflows.
-constexpr int64_t kLimitNs = 4'000'000'000'000'000'000;
+constexpr int64_t kMaxAbsStampNs = 4'000'000'000'000'000'000;
 
 /// Where even the least of so many delays is further above the envelope than their own spread and
 /// this, the envelope is doubtful; after so many such parts in a row it is out of date.
-constexpr uint32_t kManySamples = 8;
-constexpr double kRiseNs = 100'000;
-constexpr uint32_t kPartsOfRise = 3;
+constexpr uint32_t kMinSamplesForRise = 8;
+constexpr double kMinRiseNs = 100'000;
+constexpr uint32_t kMinRisenParts = 3;
 
-Stamp bounded(Stamp stamp) { return Stamp::from_ns(std::clamp(stamp.ns(), -kLimitNs, kLimitNs)); }
+Stamp clamp_stamp(Stamp stamp) {
+  return Stamp::from_ns(std::clamp(stamp.ns(), -kMaxAbsStampNs, kMaxAbsStampNs));
+}
 
 double as_double(Duration span) { return static_cast<double>(span.count()); }
 
@@ -32,8 +34,8 @@ Duration rounded(double ns) { return Duration(std::llround(ns)); }
 std::optional<std::string> ClockModelOptions::invalid() const {
   constexpr Duration kDay = std::chrono::hours(24);
   if (modulo < kZero || modulo > kDay) return "modulo must be between 0 (none) and a day";
-  if (minimum_delay < kZero || minimum_delay > kDay) {
-    return "minimum_delay must be between 0 and a day";
+  if (min_delay < kZero || min_delay > kDay) {
+    return "min_delay must be between 0 and a day";
   }
   if (!(max_skew_ppm > 0) || max_skew_ppm > 10'000) {
     return "max_skew_ppm must be more than 0 and at most 10000";
@@ -41,7 +43,8 @@ std::optional<std::string> ClockModelOptions::invalid() const {
   if (window < std::chrono::seconds(1) || window > kDay) {
     return "window must be between a second and a day";
   }
-  if (settle < kZero || settle > window) return "settle must be between 0 and window";
+  if (settling_time < kZero || settling_time > window)
+    return "settling_time must be between 0 and window";
   if (jump_threshold <= kZero || jump_threshold > max_delay) {
     return "jump_threshold must be more than 0 and at most max_delay";
   }
@@ -64,7 +67,7 @@ ClockModel::ClockModel(const ClockModelOptions& options) : options_(options) {
 }
 
 Stamp ClockModel::update(Duration device, Stamp host) {
-  const Stamp sent = bounded(host) - options_.minimum_delay;
+  const Stamp sent = clamp_stamp(host) - options_.min_delay;
   if (!started_) {
     const Stamp placed = unwrap(device, sent);
     restart(placed, sent - placed);
@@ -74,16 +77,16 @@ Stamp ClockModel::update(Duration device, Stamp host) {
   const Duration delay = sent - mapped;
 
   const bool starting = part_count_ == 0;
-  const Duration least = starting ? -options_.max_delay : -options_.jump_threshold;
-  if (delay < least || delay > options_.jump_threshold) {
-    const bool jumped = suspect(device, sent);
+  const Duration min_delay = starting ? -options_.max_delay : -options_.jump_threshold;
+  if (delay < min_delay || delay > options_.jump_threshold) {
+    const bool jumped = detect_jump(device, sent);
     const bool plausible = delay > kZero && delay <= options_.max_delay;
-    state_clock(plausible && !jumped);
+    update_state(plausible && !jumped);
     return plausible && !jumped ? mapped : sent;
   }
-  suspects_ = Suspects();
-  learn(unwrapped, sent);
-  state_clock(true);
+  jump_candidate_ = JumpCandidate();
+  add_sample(unwrapped, sent);
+  update_state(true);
   return std::min(unwrapped + offset_at(unwrapped), sent);
 }
 
@@ -99,7 +102,7 @@ Duration ClockModel::offset_at(Stamp device) const {
 
 /// The time of the wrapping counter that is nearest to what is expected.
 Stamp ClockModel::unwrap(Duration device, Stamp expected) const {
-  const Stamp counted = bounded(Stamp::from_ns(device.count()));
+  const Stamp counted = clamp_stamp(Stamp::from_ns(device.count()));
   if (options_.modulo == kZero) return counted;
   const Duration ahead = expected - counted;
   int64_t turns = ahead / options_.modulo;
@@ -120,30 +123,32 @@ void ClockModel::restart(Stamp device, Duration offset) {
   part_ = Part{.begin = device};
   oldest_part_ = 0;
   part_count_ = 0;
-  suspects_ = Suspects();
+  jump_candidate_ = JumpCandidate();
   state_.jitter = kZero;
 }
 
-bool ClockModel::suspect(Duration device, Stamp host) {
-  const Duration known = suspects_.count > 0 ? suspects_.offset : offset_at(last_device_);
+bool ClockModel::detect_jump(Duration device, Stamp host) {
+  const Duration known =
+      jump_candidate_.count > 0 ? jump_candidate_.offset : offset_at(last_device_);
   const Stamp unwrapped = unwrap(device, host - known);
   const Duration offset = host - unwrapped;
   const bool agrees =
-      suspects_.count > 0 && host >= suspects_.since &&
-      distance_between(host, unwrapped + suspects_.offset) <= options_.jump_threshold;
-  if (!agrees) suspects_ = Suspects{.count = 0, .since = host, .offset = offset};
-  ++suspects_.count;
-  suspects_.offset = std::min(suspects_.offset, offset);
-  if (suspects_.count < kMinSuspects || host - suspects_.since < options_.jump_confirmation) {
+      jump_candidate_.count > 0 && host >= jump_candidate_.since &&
+      distance_between(host, unwrapped + jump_candidate_.offset) <= options_.jump_threshold;
+  if (!agrees) jump_candidate_ = JumpCandidate{.count = 0, .since = host, .offset = offset};
+  ++jump_candidate_.count;
+  jump_candidate_.offset = std::min(jump_candidate_.offset, offset);
+  if (jump_candidate_.count < kMinJumpSamples ||
+      host - jump_candidate_.since < options_.jump_confirmation) {
     return false;
   }
   ++state_.jumps;
   const Stamp placed = unwrap(device, host);
-  restart(placed, (host - placed) + (suspects_.offset - offset));
+  restart(placed, (host - placed) + (jump_candidate_.offset - offset));
   return true;
 }
 
-void ClockModel::learn(Stamp device, Stamp host) {
+void ClockModel::add_sample(Stamp device, Stamp host) {
   if (device <= last_device_) return;  // out of order: what is late says nothing of the envelope
   last_device_ = device;
   ++samples_;
@@ -165,21 +170,22 @@ void ClockModel::learn(Stamp device, Stamp host) {
 }
 
 void ClockModel::complete_part() {
-  const double least = as_double(part_.offset - offset_at(part_.device));
+  const double min_delay = as_double(part_.offset - offset_at(part_.device));
   const double mean = part_.delay_sum_ns / part_.samples;
-  const bool rises = part_.samples >= kManySamples && least > (mean - least) + kRiseNs;
+  const bool rises =
+      part_.samples >= kMinSamplesForRise && min_delay > (mean - min_delay) + kMinRiseNs;
   risen_parts_ = rises ? risen_parts_ + 1 : 0;
-  if (part_count_ == kParts) forget_oldest_part();
+  if (part_count_ == kParts) drop_oldest_part();
   parts_[(oldest_part_ + part_count_) % kParts] = part_;
   ++part_count_;
   while (part_.device - parts_[oldest_part_].device > options_.window) {
-    forget_oldest_part();
+    drop_oldest_part();
   }
-  while (risen_parts_ >= kPartsOfRise && part_count_ > kPartsOfRise) forget_oldest_part();
+  while (risen_parts_ >= kMinRisenParts && part_count_ > kMinRisenParts) drop_oldest_part();
   fit();
 }
 
-void ClockModel::forget_oldest_part() {
+void ClockModel::drop_oldest_part() {
   oldest_part_ = (oldest_part_ + 1) % kParts;
   --part_count_;
 }
@@ -195,7 +201,7 @@ void ClockModel::fit() {
     delay_sum_ns += part.delay_sum_ns;
     samples += part.samples;
   }
-  const double max_slope = part_count_ < kPartsForSkew ? 0 : options_.max_skew_ppm * 1e-6;
+  const double max_slope = part_count_ < kMinPartsForSkew ? 0 : options_.max_skew_ppm * 1e-6;
   const EnvelopeLine line = lower_envelope(std::span(points).first(part_count_), max_slope);
   line_ = Line{.device = part_.device,
                .offset = part_.offset + rounded(line.intercept),
@@ -204,17 +210,17 @@ void ClockModel::fit() {
   state_.jitter = rounded(delay_sum_ns / static_cast<double>(samples));
 }
 
-void ClockModel::state_clock(bool model_holds) {
+void ClockModel::update_state(bool model_holds) {
   state_.offset = offset_at(last_device_);
   state_.skew_ppm = (1 / (1 + line_.slope) - 1) * 1e6;
   const bool on_the_hour =
       options_.modulo > kZero && std::chrono::abs(state_.offset) <= options_.hour_tolerance;
-  state_.source = on_the_hour ? ClockState::Source::kHour : ClockState::Source::kPowerUp;
+  state_.source = on_the_hour ? ClockState::Source::kTopOfHour : ClockState::Source::kPowerUp;
   state_.reason = "";
   if (!model_holds) {
     state_.reason = "device time disagrees with the times of arrival: a jump or a bad packet";
-  } else if (samples_ < options_.min_samples || part_count_ < kPartsForSkew ||
-             last_device_ - first_device_ < options_.settle) {
+  } else if (samples_ < options_.min_samples || part_count_ < kMinPartsForSkew ||
+             last_device_ - first_device_ < options_.settling_time) {
     state_.reason = state_.jumps > 0 ? "not settled after a jump" : "not settled after the start";
   } else if (skew_at_limit_) {
     state_.reason = "the skew is at its limit: one of the clocks is broken or was stepped";

@@ -15,14 +15,14 @@ namespace infuse {
 /// top of the hour.
 struct ClockModelOptions {
   Duration modulo{3'600'000'000'000};  ///< ns; the device's counter starts again here; 0: never
-  Duration minimum_delay{0};  ///< ns; from the device's stamp to the host's at best (to fill and
+  Duration min_delay{0};      ///< ns; from the device's stamp to the host's at best (to fill and
                               ///< send the packet): passive observation cannot tell it
   double max_skew_ppm = 200;  ///< parts per million; no device's clock is worse
-  Duration window{60'000'000'000};     ///< ns; what is older is forgotten
-  Duration settle{5'000'000'000};      ///< ns; not trusted before samples cover so much time,
-  uint32_t min_samples = 40;           ///< and not before there are so many
-  Duration jump_threshold{5'000'000};  ///< ns; a sample so far off is suspect; a smaller jump is
-                                       ///< absorbed within a window
+  Duration window{60'000'000'000};        ///< ns; what is older is forgotten
+  Duration settling_time{5'000'000'000};  ///< ns; not trusted before samples cover so much time,
+  uint32_t min_samples = 40;              ///< and not before there are so many
+  Duration jump_threshold{5'000'000};     ///< ns; a sample so far off is suspect; a smaller jump is
+                                          ///< absorbed within a window
   Duration jump_confirmation{500'000'000};  ///< ns; suspects that agree for so long are a jump
   Duration max_delay{1'000'000'000};        ///< ns; no transport takes longer
   Duration hour_tolerance{500'000'000};     ///< ns; a counter so far off the host's hour is said to
@@ -39,7 +39,7 @@ struct ClockModelOptions {
 /// one of each of its 64 parts; the envelope of these is taken whenever a part is complete, and
 /// lowered at once by a sample that lies below it.
 ///
-/// What cannot be observed is the least transport delay itself: it is `minimum_delay`, or it
+/// What cannot be observed is the least transport delay itself: it is `min_delay`, or it
 /// remains in the result. Deterministic; constant memory, no allocation, amortised O(1) a sample.
 class ClockModel {
  public:
@@ -61,8 +61,8 @@ class ClockModel {
  private:
   static constexpr size_t kParts = 64;
   /// Fewer parts than this say nothing of the skew.
-  static constexpr size_t kPartsForSkew = 4;
-  static constexpr uint32_t kMinSuspects = 3;
+  static constexpr size_t kMinPartsForSkew = 4;
+  static constexpr uint32_t kMinJumpSamples = 3;
 
   /// Offsets are host time minus device time; device times are unwrapped: at the first sample and
   /// after a jump, the counter's time in the hour (modulo) that is nearest to the host's.
@@ -80,7 +80,7 @@ class ClockModel {
     uint32_t samples = 0;
   };
   /// Samples that disagree with the model but agree with each other.
-  struct Suspects {
+  struct JumpCandidate {
     uint32_t count = 0;
     Stamp since;
     Duration offset{0};
@@ -90,12 +90,12 @@ class ClockModel {
   Stamp unwrap(Duration device, Stamp expected) const;
   void restart(Stamp device, Duration offset);
   /// Takes a sample that is off the model. True where it confirmed a jump.
-  bool suspect(Duration device, Stamp host);
-  void learn(Stamp device, Stamp host);
+  bool detect_jump(Duration device, Stamp host);
+  void add_sample(Stamp device, Stamp host);
   void complete_part();
-  void forget_oldest_part();
+  void drop_oldest_part();
   void fit();
-  void state_clock(bool model_holds);
+  void update_state(bool model_holds);
 
   ClockModelOptions options_;
   ClockState state_;
@@ -110,7 +110,7 @@ class ClockModel {
   std::array<Part, kParts> parts_{};  ///< complete ones, a ring
   size_t oldest_part_ = 0;
   size_t part_count_ = 0;
-  Suspects suspects_;
+  JumpCandidate jump_candidate_;
 };
 
 }  // namespace infuse

@@ -10,11 +10,12 @@ namespace infuse {
 /// Plain data: it travels with every sweep.
 struct ClockState {
   enum class Source : uint8_t {
-    kNone,     ///< the data has no device clock (KITTI); stamps are the host's or made up
-    kHost,     ///< stamps are host receive times; the device clock is not used
-    kPowerUp,  ///< the device counts from power-up; mapped by the lower envelope of its transport
-               ///< delay
-    kHour,  ///< the device counts from the top of the hour (UTC), plausible against the host's hour
+    kNone,       ///< the data has no device clock (KITTI); stamps are the host's or synthetic
+    kHost,       ///< stamps are host receive times; the device clock is not used
+    kPowerUp,    ///< the device counts from power-up; mapped by the lower envelope of its transport
+                 ///< delay
+    kTopOfHour,  ///< the device counts from the top of the hour (UTC), plausible against the host's
+                 ///< hour
   };
   Source source = Source::kNone;
   bool trusted = false;
@@ -38,7 +39,7 @@ constexpr const char* describe(ClockState::Source source) {
       return "the device counts from power-up: nothing disciplines its clock (no PPS or GPS, or "
              "the host's own clock is off); mapped to host time by the lower envelope of its "
              "transport delay";
-    case ClockState::Source::kHour:
+    case ClockState::Source::kTopOfHour:
       return "the device counts from the top of the hour";
   }
   return "";

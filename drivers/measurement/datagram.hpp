@@ -8,7 +8,7 @@
 namespace infuse {
 
 /// One UDP datagram as it was received, live or from a recording. The payload belongs to whoever
-/// handed it out and is valid until that one is asked for the next.
+/// handed it out and is valid until that one is requested the next.
 struct Datagram {
   Stamp stamp;          ///< host receive time
   uint32_t sender = 0;  ///< IPv4 address, host byte order

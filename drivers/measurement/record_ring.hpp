@@ -41,7 +41,7 @@ class RecordRing {
   class Reader;
 
   /// `capacity` is rounded up to a power of two. `arrivals`: see RingCore.
-  explicit RecordRing(size_t capacity, Signal* arrivals = nullptr);
+  explicit RecordRing(size_t capacity, EventCount* arrivals = nullptr);
 
   /// Records held at most.
   size_t capacity() const { return capacity_; }
@@ -55,7 +55,7 @@ class RecordRing {
   bool has_room() const;
 
   /// For a replay: sleeps until `has_room`. False where the time is over or the ring is closed.
-  bool wait_for_room(Duration timeout = Signal::kForever);
+  bool wait_for_room(Duration timeout = EventCount::kNoTimeout);
 
   // --- anyone's ---
 
@@ -68,7 +68,7 @@ class RecordRing {
   uint64_t published() const { return core_.published(); }
 
   /// Registers a reader (at most RingCore::kMaxReaders at a time) that begins with the next push.
-  Reader reader() { return Reader(*this); }
+  Reader make_reader() { return Reader(*this); }
 
   /// The last record pushed; none before the first.
   std::optional<T> latest() const;
@@ -80,10 +80,10 @@ class RecordRing {
   /// Calls `visit(const T&)` for all records held with from ≤ stamp ≤ to, in order of pushing.
   /// Linear in the capacity. `complete` supposes that stamps do not go back.
   template <std::invocable<const T&> Visit>
-  IntervalResult interval(Stamp from, Stamp to, Visit visit) const;
+  IntervalResult visit_interval(Stamp from, Stamp to, Visit visit) const;
 
   /// Writes the first out.size() of them to `out`; `count` is how many there are.
-  IntervalResult interval(Stamp from, Stamp to, std::span<T> out) const;
+  IntervalResult copy_interval(Stamp from, Stamp to, std::span<T> out) const;
 
  private:
   static constexpr size_t kWords = (sizeof(T) + sizeof(uint64_t) - 1) / sizeof(uint64_t);
@@ -116,7 +116,7 @@ class RecordRing<T>::Reader : public RingReader {
 // --- implementation ---
 
 template <StampedRecord T>
-RecordRing<T>::RecordRing(size_t capacity, Signal* arrivals)
+RecordRing<T>::RecordRing(size_t capacity, EventCount* arrivals)
     : capacity_(std::bit_ceil(capacity)), slots_(new Words[capacity_]), core_(arrivals) {
   if (capacity == 0) throw std::invalid_argument("a ring needs room for at least one record");
 }
@@ -135,7 +135,7 @@ void RecordRing<T>::push(const T& record) {
 template <StampedRecord T>
 bool RecordRing<T>::has_room() const {
   const uint64_t slowest = core_.slowest_cursor();
-  return slowest == RingCore::kNobody || core_.published() - slowest < capacity_;
+  return slowest == RingCore::kNoReader || core_.published() - slowest < capacity_;
 }
 
 template <StampedRecord T>
@@ -190,7 +190,7 @@ std::optional<T> RecordRing<T>::nearest(Stamp stamp) const {
 
 template <StampedRecord T>
 template <std::invocable<const T&> Visit>
-IntervalResult RecordRing<T>::interval(Stamp from, Stamp to, Visit visit) const {
+IntervalResult RecordRing<T>::visit_interval(Stamp from, Stamp to, Visit visit) const {
   const uint64_t end = published();
   uint64_t position = oldest();
   IntervalResult result{.count = 0, .complete = position == 0};
@@ -211,7 +211,7 @@ IntervalResult RecordRing<T>::interval(Stamp from, Stamp to, Visit visit) const 
 }
 
 template <StampedRecord T>
-IntervalResult RecordRing<T>::interval(Stamp from, Stamp to, std::span<T> out) const {
+IntervalResult RecordRing<T>::copy_interval(Stamp from, Stamp to, std::span<T> out) const {
   size_t written = 0;
   return interval(from, to, [&](const T& record) {
     if (written < out.size()) out[written++] = record;

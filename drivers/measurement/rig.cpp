@@ -21,7 +21,7 @@ const Mount* find_by_name(const std::vector<Mount>& mounts, const std::string& n
 }
 
 template <class Mount>
-std::optional<std::string> bad_names(const std::vector<Mount>& mounts) {
+std::optional<std::string> find_name_error(const std::vector<Mount>& mounts) {
   for (const Mount& mount : mounts) {
     if (mount.name.empty()) return "a sensor has no name";
     if (find_by_name(mounts, mount.name) != &mount)
@@ -44,8 +44,8 @@ std::optional<std::string> CameraIntrinsics::invalid() const {
 }
 
 std::optional<std::string> Rig::invalid() const {
-  if (auto wrong = bad_names(lidars)) return wrong;
-  if (auto wrong = bad_names(cameras)) return wrong;
+  if (auto wrong = find_name_error(lidars)) return wrong;
+  if (auto wrong = find_name_error(cameras)) return wrong;
   for (const LidarMount& lidar : lidars) {
     if (!is_rigid(lidar.T_vehicle_lidar))
       return "T_vehicle_lidar of '" + lidar.name + "' is not a rigid motion";

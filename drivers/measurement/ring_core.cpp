@@ -7,8 +7,8 @@ namespace infuse {
 
 size_t RingCore::add_reader() {
   for (size_t reader = 0; reader < kMaxReaders; ++reader) {
-    uint64_t nobody = kNobody;
-    if (readers_[reader].cursor.compare_exchange_strong(nobody, published())) {
+    uint64_t no_reader = kNoReader;
+    if (readers_[reader].cursor.compare_exchange_strong(no_reader, published())) {
       readers_[reader].lost.store(0);
       return reader;
     }
@@ -17,7 +17,7 @@ size_t RingCore::add_reader() {
 }
 
 void RingCore::remove_reader(size_t reader) {
-  readers_[reader].cursor.store(kNobody);
+  readers_[reader].cursor.store(kNoReader);
   room_.notify();
 }
 
@@ -28,7 +28,7 @@ bool RingCore::wait_for_entry(size_t reader, Duration timeout) {
 }
 
 uint64_t RingCore::slowest_cursor() const {
-  uint64_t slowest = kNobody;
+  uint64_t slowest = kNoReader;
   for (const ReaderEntry& reader : readers_) slowest = std::min(slowest, reader.cursor.load());
   return slowest;
 }

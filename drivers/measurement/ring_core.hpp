@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "drivers/measurement/signal.hpp"
+#include "drivers/measurement/event_count.hpp"
 
 namespace infuse {
 
@@ -16,12 +16,13 @@ namespace infuse {
 class RingCore {
  public:
   static constexpr size_t kMaxReaders = 16;
-  static constexpr uint64_t kNobody = UINT64_MAX;
+  static constexpr uint64_t kNoReader = UINT64_MAX;
 
   /// Announces entries through `arrivals`, which may be shared between rings and outlives them, or
   /// through a signal of its own where that is null.
-  explicit RingCore(Signal* arrivals) : arrivals_(arrivals == nullptr ? &own_arrivals_ : arrivals) {
-    for (ReaderEntry& reader : readers_) reader.cursor.store(kNobody);
+  explicit RingCore(EventCount* arrivals)
+      : arrivals_(arrivals == nullptr ? &own_arrivals_ : arrivals) {
+    for (ReaderEntry& reader : readers_) reader.cursor.store(kNoReader);
   }
 
   /// Entries published so far, lost and dropped ones included.
@@ -52,11 +53,11 @@ class RingCore {
   /// ring is closed and everything has been read.
   bool wait_for_entry(size_t reader, Duration timeout);
 
-  /// The smallest cursor of all readers; kNobody where there is no reader.
+  /// The smallest cursor of all readers; kNoReader where there is no reader.
   uint64_t slowest_cursor() const;
 
   /// Where the producer sleeps until readers have made room.
-  Signal& room() { return room_; }
+  EventCount& room() { return room_; }
 
   void close();
   bool closed() const { return closed_.load(); }
@@ -69,9 +70,9 @@ class RingCore {
 
   alignas(64) std::atomic<uint64_t> published_{0};
   std::atomic<bool> closed_{false};
-  Signal own_arrivals_;
-  Signal* arrivals_;
-  alignas(64) Signal room_;
+  EventCount own_arrivals_;
+  EventCount* arrivals_;
+  alignas(64) EventCount room_;
   std::array<ReaderEntry, kMaxReaders> readers_;
 };
 
@@ -81,14 +82,16 @@ class RingReader {
  public:
   /// Sleeps until there is an entry that was not read (or lost). False where the time is over, or
   /// the ring is closed and everything was read.
-  bool wait(Duration timeout = Signal::kForever) { return core_->wait_for_entry(id_, timeout); }
+  bool wait(Duration timeout = EventCount::kNoTimeout) {
+    return core_->wait_for_entry(id_, timeout);
+  }
 
   /// Entries that were gone (overwritten, dropped) before this reader came to them. Grows as it
   /// reads.
   uint64_t lost() const { return core_->lost(id_); }
 
   /// Entries published that this reader has not passed yet.
-  uint64_t behind() const { return core_->published() - core_->cursor(id_); }
+  uint64_t backlog() const { return core_->published() - core_->cursor(id_); }
 
  protected:
   explicit RingReader(RingCore& core) : core_(&core), id_(core.add_reader()) {}

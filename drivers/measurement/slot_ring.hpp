@@ -83,7 +83,7 @@ class SlotRing {
   /// Holds up to `capacity` published entries, and one slot in the producer's hand. Each slot is
   /// made by `factory()`. `arrivals`: see RingCore.
   template <std::invocable Factory>
-  SlotRing(size_t capacity, Factory factory, Signal* arrivals = nullptr);
+  SlotRing(size_t capacity, Factory factory, EventCount* arrivals = nullptr);
 
   /// Published entries held at most.
   size_t capacity() const { return objects_.size() - 1; }
@@ -91,7 +91,7 @@ class SlotRing {
   // --- the producer's ---
 
   /// The object to fill. It holds whatever an earlier entry left there.
-  T& hand() { return objects_[hand_]; }
+  T& slot() { return objects_[slot_]; }
 
   /// Publishes what is in hand, by its stamp, and takes another slot in hand. False where it was
   /// dropped because all other slots are pinned. Wait-free.
@@ -103,7 +103,7 @@ class SlotRing {
 
   /// For a replay: sleeps until `has_room`. False where the time is over or the ring is closed.
   /// Readers that hold `capacity` pins and wait for more would wait for ever.
-  bool wait_for_room(Duration timeout = Signal::kForever);
+  bool wait_for_room(Duration timeout = EventCount::kNoTimeout);
 
   // --- anyone's ---
 
@@ -119,7 +119,7 @@ class SlotRing {
   uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
   /// Registers a reader (at most RingCore::kMaxReaders at a time) that begins with the next entry.
-  Reader reader() { return Reader(*this); }
+  Reader make_reader() { return Reader(*this); }
 
   /// The newest entry held; empty where there is none. While the producer changes hands and all
   /// else is pinned, it may for a moment be an older one (or none, where the capacity is 1).
@@ -132,10 +132,10 @@ class SlotRing {
   /// Calls `visit(const T&)` for all entries held with from ≤ stamp ≤ to, in order of publishing,
   /// each pinned meanwhile. `complete` supposes that stamps do not go back.
   template <std::invocable<const T&> Visit>
-  IntervalResult interval(Stamp from, Stamp to, Visit visit);
+  IntervalResult visit_interval(Stamp from, Stamp to, Visit visit);
 
   /// Pins the first out.size() of them into `out`; `count` is how many there are.
-  IntervalResult interval(Stamp from, Stamp to, std::span<Pin<T>> out);
+  IntervalResult pin_interval(Stamp from, Stamp to, std::span<Pin<T>> out);
 
  private:
   /// Pins the first entry of positions [from, end); empty where all are gone.
@@ -145,17 +145,17 @@ class SlotRing {
   Pin<T> pin_chosen(Choose choose);
   /// As `interval`, but hands over the pin.
   template <class Visit>
-  IntervalResult interval_pins(Stamp from, Stamp to, Visit visit);
+  IntervalResult visit_pins(Stamp from, Stamp to, Visit visit);
   /// A slot for the producer: a new one, or that of the oldest unpinned entry before `before`.
-  std::optional<size_t> take_slot(uint64_t before);
+  std::optional<size_t> claim_slot(uint64_t before);
 
   std::vector<T> objects_;
   RingCore core_;
   SlotStates states_;
   // The producer's own:
-  size_t hand_ = 0;
-  size_t unused_ = 1;                ///< slots from here on have never been in hand
-  std::optional<size_t> set_aside_;  ///< the next hand, where `has_room` has taken it
+  size_t slot_ = 0;
+  size_t unused_ = 1;               ///< slots from here on have never been in hand
+  std::optional<size_t> reserved_;  ///< the next hand, where `has_room` has taken it
   std::atomic<uint64_t> dropped_{0};
 };
 
@@ -176,7 +176,7 @@ class SlotRing<T>::Reader : public RingReader {
 
 template <StampedObject T>
 template <std::invocable Factory>
-SlotRing<T>::SlotRing(size_t capacity, Factory factory, Signal* arrivals)
+SlotRing<T>::SlotRing(size_t capacity, Factory factory, EventCount* arrivals)
     : core_(arrivals), states_(capacity + 1, core_.room()) {
   if (capacity == 0) throw std::invalid_argument("a ring needs room for at least one entry");
   objects_.reserve(capacity + 1);
@@ -184,7 +184,7 @@ SlotRing<T>::SlotRing(size_t capacity, Factory factory, Signal* arrivals)
 }
 
 template <StampedObject T>
-std::optional<size_t> SlotRing<T>::take_slot(uint64_t before) {
+std::optional<size_t> SlotRing<T>::claim_slot(uint64_t before) {
   if (unused_ < objects_.size()) return unused_++;
   return states_.claim_oldest(before);
 }
@@ -192,11 +192,11 @@ std::optional<size_t> SlotRing<T>::take_slot(uint64_t before) {
 template <StampedObject T>
 bool SlotRing<T>::publish() {
   const std::optional<size_t> next =
-      set_aside_ ? std::exchange(set_aside_, std::nullopt) : take_slot(RingCore::kNobody);
+      reserved_ ? std::exchange(reserved_, std::nullopt) : claim_slot(RingCore::kNoReader);
   const uint64_t position = core_.published();
   if (next) {
-    states_.publish(hand_, position, hand().stamp);
-    hand_ = *next;
+    states_.publish(slot_, position, slot().stamp);
+    slot_ = *next;
   } else {
     dropped_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -206,8 +206,8 @@ bool SlotRing<T>::publish() {
 
 template <StampedObject T>
 bool SlotRing<T>::has_room() {
-  if (!set_aside_) set_aside_ = take_slot(core_.slowest_cursor());
-  return set_aside_.has_value();
+  if (!reserved_) reserved_ = claim_slot(core_.slowest_cursor());
+  return reserved_.has_value();
 }
 
 template <StampedObject T>
@@ -247,7 +247,7 @@ Pin<T> SlotRing<T>::nearest(Stamp stamp) {
 
 template <StampedObject T>
 template <class Visit>
-IntervalResult SlotRing<T>::interval_pins(Stamp from, Stamp to, Visit visit) {
+IntervalResult SlotRing<T>::visit_pins(Stamp from, Stamp to, Visit visit) {
   const uint64_t end = published();
   IntervalResult result{.count = 0, .complete = true};
   uint64_t position = 0;
@@ -267,12 +267,12 @@ IntervalResult SlotRing<T>::interval_pins(Stamp from, Stamp to, Visit visit) {
 
 template <StampedObject T>
 template <std::invocable<const T&> Visit>
-IntervalResult SlotRing<T>::interval(Stamp from, Stamp to, Visit visit) {
+IntervalResult SlotRing<T>::visit_interval(Stamp from, Stamp to, Visit visit) {
   return interval_pins(from, to, [&](const Pin<T>& pin) { visit(*pin); });
 }
 
 template <StampedObject T>
-IntervalResult SlotRing<T>::interval(Stamp from, Stamp to, std::span<Pin<T>> out) {
+IntervalResult SlotRing<T>::pin_interval(Stamp from, Stamp to, std::span<Pin<T>> out) {
   size_t written = 0;
   return interval_pins(from, to, [&](Pin<T>& pin) {
     if (written < out.size()) out[written++] = std::move(pin);

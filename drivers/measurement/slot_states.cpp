@@ -15,7 +15,7 @@ constexpr uint64_t position_of(uint64_t state) { return (state >> kPinBits) - 1;
 
 }  // namespace
 
-SlotStates::SlotStates(size_t slots, Signal& room)
+SlotStates::SlotStates(size_t slots, EventCount& room)
     : count_(slots), slots_(new Slot[slots]), room_(room) {}
 
 void SlotStates::publish(size_t slot, uint64_t position, Stamp stamp) {
@@ -40,7 +40,7 @@ std::optional<size_t> SlotStates::claim_oldest(uint64_t before) {
   return std::nullopt;
 }
 
-std::optional<SlotStates::Entry> SlotStates::look(size_t slot) const {
+std::optional<SlotStates::Entry> SlotStates::load_entry(size_t slot) const {
   const uint64_t state = slots_[slot].state.load();
   if (!is_entry(state)) return std::nullopt;
   const Stamp stamp = Stamp::from_ns(slots_[slot].stamp_ns.load());
@@ -54,7 +54,7 @@ template <class Allowed, class Better>
 std::optional<SlotStates::Entry> SlotStates::best(Allowed allowed, Better better) const {
   std::optional<Entry> best;
   for (size_t slot = 0; slot < count_; ++slot) {
-    const std::optional<Entry> entry = look(slot);
+    const std::optional<Entry> entry = load_entry(slot);
     if (entry && allowed(*entry) && (!best || better(*entry, *best))) best = entry;
   }
   return best;

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "drivers/measurement/signal.hpp"
+#include "drivers/measurement/event_count.hpp"
 #include "drivers/measurement/stamp.hpp"
 
 namespace infuse {
@@ -28,7 +28,7 @@ class SlotStates {
   };
 
   /// `room` is told of every unpinning.
-  SlotStates(size_t slots, Signal& room);
+  SlotStates(size_t slots, EventCount& room);
 
   // --- the producer's ---
 
@@ -60,14 +60,14 @@ class SlotStates {
     std::atomic<int64_t> stamp_ns{0};
   };
 
-  std::optional<Entry> look(size_t slot) const;
+  std::optional<Entry> load_entry(size_t slot) const;
   /// Of the entries that `allowed(entry)`, the one that is `better(entry, any other)`.
   template <class Allowed, class Better>
   std::optional<Entry> best(Allowed allowed, Better better) const;
 
   size_t count_;
   std::unique_ptr<Slot[]> slots_;
-  Signal& room_;
+  EventCount& room_;
 };
 
 }  // namespace infuse

@@ -4,7 +4,7 @@ namespace infuse {
 namespace {
 
 template <class Action>
-void for_each_channel(Sweep& sweep, Action action) {
+void for_each_field(Sweep& sweep, Action action) {
   action(sweep.x);
   action(sweep.y);
   action(sweep.z);
@@ -19,15 +19,15 @@ void for_each_channel(Sweep& sweep, Action action) {
 }  // namespace
 
 void Sweep::resize(size_t returns) {
-  for_each_channel(*this, [&](auto& channel) { channel.resize(returns); });
+  for_each_field(*this, [&](auto& field) { field.resize(returns); });
 }
 
 void Sweep::reserve(size_t returns) {
-  for_each_channel(*this, [&](auto& channel) { channel.reserve(returns); });
+  for_each_field(*this, [&](auto& field) { field.reserve(returns); });
 }
 
 void Sweep::clear() {
-  for_each_channel(*this, [](auto& channel) { channel.clear(); });
+  for_each_field(*this, [](auto& field) { field.clear(); });
   gaps.clear();
   stamp = Stamp();
   span = Duration::zero();

@@ -42,7 +42,7 @@ struct UninitializedAllocator {
 
 /// One quantity of a sweep, an entry a return.
 template <class T>
-using Channel = std::vector<T, UninitializedAllocator<T>>;
+using FieldVector = std::vector<T, UninitializedAllocator<T>>;
 
 /// A stretch of a turn from which nothing arrived. Azimuths in radians, lidar frame
 /// (counter-clockwise from x), in the direction of rotation.
@@ -68,14 +68,14 @@ struct Sweep {
   uint64_t sequence = 0;         ///< counts the sweeps of a sensor from 0
   std::vector<AzimuthGap> gaps;  ///< wider than twice the step of a firing; none in a whole turn
 
-  Channel<float> x, y, z;       ///< m, lidar frame
-  Channel<float> range;         ///< m, along the beam
-  Channel<float> reflectivity;  ///< 0 … 1 as the sensor states it, calibrated diffuse range; not a
-                                ///< physical unit
-  Channel<uint16_t> ring;           ///< beam, counted by elevation from below
-  Channel<uint16_t> column;         ///< firing, counted from the sweep's first
-  Channel<int32_t> time_offset_ns;  ///< after `stamp`
-  Channel<ReturnKind> return_kind;
+  FieldVector<float> x, y, z;       ///< m, lidar frame
+  FieldVector<float> range;         ///< m, along the beam
+  FieldVector<float> reflectivity;  ///< 0 … 1 as the sensor states it, calibrated diffuse range;
+                                    ///< not a physical unit
+  FieldVector<uint16_t> ring;           ///< beam, counted by elevation from below
+  FieldVector<uint16_t> column;         ///< firing, counted from the sweep's first
+  FieldVector<int32_t> time_offset_ns;  ///< after `stamp`
+  FieldVector<ReturnKind> return_kind;
 
   /// Returns in the sweep.
   size_t size() const { return x.size(); }

@@ -24,15 +24,15 @@ struct ImuSample {
 };
 
 /// One fix of a satellite receiver.
-struct GpsFix {
+struct GnssFix {
   Stamp stamp;
   double latitude = 0;   ///< rad, WGS 84
   double longitude = 0;  ///< rad
   double altitude =
       0;  ///< m above the ellipsoid or the sea, as the receiver says; NaN where it does not
-  double speed = 0;                ///< m/s over ground; NaN where unknown
-  double course = 0;               ///< rad clockwise from north; NaN where unknown
-  double horizontal_dilution = 0;  ///< HDOP; NaN where unknown
+  double speed = 0;   ///< m/s over ground; NaN where unknown
+  double course = 0;  ///< rad clockwise from north; NaN where unknown
+  double hdop = 0;    ///< HDOP; NaN where unknown
   int64_t utc_ns =
       0;  ///< what the receiver says the time is, ns since the Unix epoch; 0 where unknown
   bool valid = false;  ///< the receiver itself calls the fix valid

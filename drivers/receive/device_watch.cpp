@@ -18,7 +18,7 @@ DeviceWatch::DeviceWatch(const std::vector<std::filesystem::path>& devices) {
     }
   }
   if (folders_.empty()) return;
-  inotify_ = Descriptor(inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
+  inotify_ = FileDescriptor(inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
   watch_folders();
 }
 
@@ -29,9 +29,9 @@ void DeviceWatch::watch_folders() {
   }
 }
 
-bool DeviceWatch::changed() {
+bool DeviceWatch::consume_changes() {
   alignas(inotify_event) std::array<char, 4096> events;
-  bool ours = false;
+  bool relevant = false;
   while (true) {
     const ssize_t got = ::read(inotify_.get(), events.data(), events.size());
     if (got <= 0) break;
@@ -40,12 +40,13 @@ bool DeviceWatch::changed() {
       inotify_event event{};
       std::memcpy(&event, events.data() + at, sizeof(event));
       const char* name = events.data() + at + sizeof(event);
-      ours = ours || (event.mask & IN_Q_OVERFLOW) != 0 || (event.len > 0 && names_.contains(name));
+      relevant =
+          relevant || (event.mask & IN_Q_OVERFLOW) != 0 || (event.len > 0 && names_.contains(name));
       at += sizeof(event) + event.len;
     }
   }
-  if (ours) watch_folders();
-  return ours;
+  if (relevant) watch_folders();
+  return relevant;
 }
 
 }  // namespace infuse::receive

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 
 namespace infuse::receive {
 
@@ -21,12 +21,12 @@ class DeviceWatch {
   int descriptor() const { return inotify_.get(); }
 
   /// Takes all that waits. Whether any of it was about the devices.
-  bool changed();
+  bool consume_changes();
 
  private:
   void watch_folders();
 
-  Descriptor inotify_;
+  FileDescriptor inotify_;
   std::set<std::string> folders_;  // that lead to the devices, whether they are there or not
   std::set<std::string> names_;    // of the devices and of these folders
 };

@@ -7,7 +7,7 @@ namespace {
 
 /// The counter of an interface starts again only with the interface; a host under load may be
 /// late by tens of milliseconds, which is no jump of that clock.
-ClockModelOptions options_of_interface() {
+ClockModelOptions interface_clock_options() {
   ClockModelOptions options;
   options.modulo = Duration::zero();
   options.jump_threshold = Duration(200'000'000);
@@ -16,11 +16,12 @@ ClockModelOptions options_of_interface() {
 
 }  // namespace
 
-HardwareStamps::HardwareStamps() : clock_(options_of_interface()) {}
+HardwareStamps::HardwareStamps() : clock_(interface_clock_options()) {}
 
-Stamp HardwareStamps::stamp_of(int64_t hardware_ns, Stamp received) {
-  used_ = hardware_ns > 0;
-  const Stamp stamp = used_ ? clock_.update(Duration(hardware_ns), received) : received;
+Stamp HardwareStamps::update(int64_t hardware_ns, Stamp received) {
+  stamped_by_hardware_ = hardware_ns > 0;
+  const Stamp stamp =
+      stamped_by_hardware_ ? clock_.update(Duration(hardware_ns), received) : received;
   last_ = std::min(std::max(stamp, last_), received);
   return last_;
 }

@@ -15,15 +15,15 @@ class HardwareStamps {
 
   /// The stamp of a message that the interface stamped `hardware_ns` and the kernel `received`; 0:
   /// the interface did not stamp it. Never later than `received`, never before the last.
-  Stamp stamp_of(int64_t hardware_ns, Stamp received);
+  Stamp update(int64_t hardware_ns, Stamp received);
 
   /// Whether the last message had a stamp of the interface.
-  bool used() const { return used_; }
+  bool stamped_by_hardware() const { return stamped_by_hardware_; }
 
  private:
   ClockModel clock_;
   Stamp last_ = Stamp::earliest();
-  bool used_ = false;
+  bool stamped_by_hardware_ = false;
 };
 
 }  // namespace infuse::receive

@@ -12,9 +12,7 @@
 namespace infuse::receive {
 namespace {
 
-int64_t nanoseconds(const timespec& time) {
-  return int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
-}
+int64_t to_ns(const timespec& time) { return int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec; }
 
 }  // namespace
 
@@ -45,16 +43,17 @@ int MessageBatch::receive(int socket, WallStamps& stamps) {
   const int count = recvmmsg(socket, headers_.data(), static_cast<unsigned>(headers_.size()),
                              MSG_DONTWAIT, nullptr);
   if (count < 0) return errno == EAGAIN || errno == EINTR ? 0 : -1;
-  stamps.look(ClockReading::now());
-  for (int i = 0; i < count; ++i) read_control(static_cast<size_t>(i), stamps);
+  stamps.update(ClockReading::now());
+  for (int i = 0; i < count; ++i) read_ancillary_data(static_cast<size_t>(i), stamps);
   return count;
 }
 
-void MessageBatch::read_control(size_t message, const WallStamps& stamps) {
-  const KernelNotes notes = KernelNotes::of(headers_[message].msg_hdr);
-  stamps_[message] = notes.wall_ns != 0 ? stamps.stamp_of(notes.wall_ns) : stamps.now();
-  hardware_ns_[message] = notes.hardware_ns;
-  if (notes.dropped != 0) dropped_ = notes.dropped;
+void MessageBatch::read_ancillary_data(size_t message, const WallStamps& stamps) {
+  const AncillaryData ancillary = AncillaryData::parse(headers_[message].msg_hdr);
+  stamps_[message] =
+      ancillary.wall_ns != 0 ? stamps.stamp_of(ancillary.wall_ns) : stamps.last_update();
+  hardware_ns_[message] = ancillary.hardware_ns;
+  if (ancillary.dropped != 0) dropped_ = ancillary.dropped;
 }
 
 MessageBatch::Message MessageBatch::operator[](size_t i) const {
@@ -66,32 +65,32 @@ MessageBatch::Message MessageBatch::operator[](size_t i) const {
           hardware_ns_[i]};
 }
 
-KernelNotes KernelNotes::of(const msghdr& header) {
-  KernelNotes notes;
+AncillaryData AncillaryData::parse(const msghdr& header) {
+  AncillaryData ancillary;
   auto* messages = const_cast<msghdr*>(&header);  // CMSG_NXTHDR only reads it
   for (cmsghdr* c = CMSG_FIRSTHDR(messages); c != nullptr; c = CMSG_NXTHDR(messages, c)) {
     if (c->cmsg_level != SOL_SOCKET) continue;
     if (c->cmsg_type == SCM_TIMESTAMPNS) {
       timespec time{};
       std::memcpy(&time, CMSG_DATA(c), sizeof(time));
-      notes.wall_ns = nanoseconds(time);
+      ancillary.wall_ns = to_ns(time);
     } else if (c->cmsg_type == SCM_TIMESTAMPING) {
       std::array<timespec, 3> times{};  // the last is the interface's own
       std::memcpy(times.data(), CMSG_DATA(c), sizeof(times));
-      notes.hardware_ns = nanoseconds(times[2]);
+      ancillary.hardware_ns = to_ns(times[2]);
     } else if (c->cmsg_type == SO_RXQ_OVFL) {
-      std::memcpy(&notes.dropped, CMSG_DATA(c), sizeof(notes.dropped));
+      std::memcpy(&ancillary.dropped, CMSG_DATA(c), sizeof(ancillary.dropped));
     }
   }
-  return notes;
+  return ancillary;
 }
 
-void ask_for_hardware_stamps(int socket) {
-  const int wanted = SOF_TIMESTAMPING_RX_HARDWARE | SOF_TIMESTAMPING_RAW_HARDWARE;
-  setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPING, &wanted, sizeof(wanted));
+void request_hardware_stamps(int socket) {
+  const int requested = SOF_TIMESTAMPING_RX_HARDWARE | SOF_TIMESTAMPING_RAW_HARDWARE;
+  setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPING, &requested, sizeof(requested));
 }
 
-Result<size_t> prepare_socket(int socket, size_t wanted, const std::string& where) {
+Result<size_t> prepare_socket(int socket, size_t requested, const std::string& where) {
   const int on = 1;
   if (setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof(on)) != 0) {
     return fail_errno("the kernel does not stamp what is received", where);
@@ -99,14 +98,14 @@ Result<size_t> prepare_socket(int socket, size_t wanted, const std::string& wher
   if (setsockopt(socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof(on)) != 0) {
     return fail_errno("the kernel does not tell what it drops", where);
   }
-  const int bytes = static_cast<int>(std::min<size_t>(wanted, 1 << 30));
+  const int bytes = static_cast<int>(std::min<size_t>(requested, 1 << 30));
   // The second goes beyond net.core.rmem_max and needs a capability that a service has not.
   setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
   setsockopt(socket, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof(bytes));
   int granted = 0;
   socklen_t size = sizeof(granted);
   if (getsockopt(socket, SOL_SOCKET, SO_RCVBUF, &granted, &size) != 0) {
-    return fail_errno("the receive buffer cannot be asked for", where);
+    return fail_errno("the receive buffer cannot be requested", where);
   }
   return static_cast<size_t>(granted) / 2;  // the kernel doubles it for its own bookkeeping
 }

@@ -49,7 +49,7 @@ class MessageBatch {
     char bytes[kControlBytes];
   };
 
-  void read_control(size_t message, const WallStamps& stamps);
+  void read_ancillary_data(size_t message, const WallStamps& stamps);
 
   size_t bytes_each_;
   std::vector<uint8_t> bytes_;
@@ -63,21 +63,21 @@ class MessageBatch {
 };
 
 /// What the kernel says beside a message, in its control messages.
-struct KernelNotes {
+struct AncillaryData {
   int64_t wall_ns = 0;      ///< when the kernel had it; 0: not told
   int64_t hardware_ns = 0;  ///< when the interface had it, by a clock of its own; 0: not told
   uint32_t dropped = 0;     ///< at this socket since it was made; 0: not told
 
   /// Reads them; `header` as `recvmmsg` leaves it.
-  static KernelNotes of(const msghdr& header);
+  static AncillaryData parse(const msghdr& header);
 };
 
 /// Asks that messages be stamped by the interface's own clock too, where it has one. What an
 /// interface stamps is its driver's and the system's matter and is left as it is.
-void ask_for_hardware_stamps(int socket);
+void request_hardware_stamps(int socket);
 
 /// Asks the kernel to stamp and to count drops, and for a receive buffer of `wanted` bytes. Gives
-/// the bytes granted, of payload and bookkeeping: less than asked for where net.core.rmem_max
+/// the bytes granted, of payload and bookkeeping: less than requested where net.core.rmem_max
 /// allows no more. `where` names the socket in errors.
 Result<size_t> prepare_socket(int socket, size_t wanted, const std::string& where);
 

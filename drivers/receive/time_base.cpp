@@ -21,20 +21,20 @@ ClockReading ClockReading::now() {
   return {before + (after - before) / 2, wall};
 }
 
-void WallStamps::look(const ClockReading& now) {
+void WallStamps::update(const ClockReading& now) {
   const int64_t gap = now.monotonic_ns - reading_.monotonic_ns;
   const int64_t gained = now.wall_ns - reading_.wall_ns - gap;
-  stepped_ = looked_ && std::abs(gained) > kLeastStep + gap / kDriftDivisor;
+  stepped_ = has_reading_ && std::abs(gained) > kMinStepNs + gap / kDriftDivisor;
   if (stepped_) ++steps_;
-  looked_ = true;
+  has_reading_ = true;
   reading_ = now;
-  now_ = base_.at_monotonic(now.monotonic_ns);
+  last_update_ = base_.at_monotonic(now.monotonic_ns);
 }
 
 Stamp WallStamps::stamp_of(int64_t wall_ns) const {
   const int64_t age = reading_.wall_ns - wall_ns;
-  if (stepped_ || age < 0 || age > kOldest) return now_;
-  return now_ - Duration(age);
+  if (stepped_ || age < 0 || age > kMaxAgeNs) return last_update_;
+  return last_update_ - Duration(age);
 }
 
 }  // namespace infuse::receive

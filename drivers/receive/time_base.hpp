@@ -47,26 +47,26 @@ class WallStamps {
   explicit WallStamps(const TimeBase& base) : base_(base) {}
 
   /// Takes the clocks as they are right after messages were read.
-  void look(const ClockReading& now);
+  void update(const ClockReading& now);
 
   /// The stamp of a message of that read, by the kernel's wall time of it.
   Stamp stamp_of(int64_t wall_ns) const;
 
   /// The stamp of the last `look`, for what the kernel did not stamp.
-  Stamp now() const { return now_; }
+  Stamp last_update() const { return last_update_; }
 
   /// Steps of the wall clock that were seen.
   uint64_t steps() const { return steps_; }
 
  private:
-  static constexpr int64_t kLeastStep = 1'000'000;    // ns; less is drift
-  static constexpr int64_t kDriftDivisor = 1000;      // a slewed clock gains at most 1 ms a second
-  static constexpr int64_t kOldest = 10'000'000'000;  // ns; nothing waits longer to be read
+  static constexpr int64_t kMinStepNs = 1'000'000;  // ns; less is drift
+  static constexpr int64_t kDriftDivisor = 1000;    // a slewed clock gains at most 1 ms a second
+  static constexpr int64_t kMaxAgeNs = 10'000'000'000;  // ns; nothing waits longer to be read
 
   TimeBase base_;
   ClockReading reading_;
-  Stamp now_;
-  bool looked_ = false;
+  Stamp last_update_;
+  bool has_reading_ = false;
   bool stepped_ = false;
   uint64_t steps_ = 0;
 };

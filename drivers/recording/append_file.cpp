@@ -11,27 +11,27 @@
 namespace infuse::recording {
 namespace {
 
-constexpr mode_t kMode = 0640;
+constexpr mode_t kFileMode = 0640;
 
 }  // namespace
 
 Result<AppendFile> AppendFile::create(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode);
   if (file < 0) return fail(std::string("cannot be made: ") + std::strerror(errno), path.string());
-  ::fchmod(file, kMode);  // whatever the umask
+  ::fchmod(file, kFileMode);  // whatever the umask
   return AppendFile(path, file);
 }
 
 AppendFile::AppendFile(AppendFile&& other) noexcept
     : path_(std::move(other.path_)),
       file_(std::exchange(other.file_, -1)),
-      waiting_(std::move(other.waiting_)),
+      buffer_(std::move(other.buffer_)),
       written_(other.written_) {}
 
 AppendFile& AppendFile::operator=(AppendFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(file_, other.file_);
-  std::swap(waiting_, other.waiting_);
+  std::swap(buffer_, other.buffer_);
   std::swap(written_, other.written_);
   return *this;
 }
@@ -43,13 +43,13 @@ AppendFile::~AppendFile() {
 }
 
 Result<void> AppendFile::flush() {
-  std::string_view rest = waiting_;
+  std::string_view rest = buffer_;
   while (!rest.empty()) {
     const ssize_t written = ::write(file_, rest.data(), rest.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
       const int reason = errno;
-      waiting_.clear();
+      buffer_.clear();
       // Appending goes on from the new end.
       if (::ftruncate(file_, static_cast<off_t>(written_)) == 0) {
         ::lseek(file_, static_cast<off_t>(written_), SEEK_SET);
@@ -59,8 +59,8 @@ Result<void> AppendFile::flush() {
     }
     rest.remove_prefix(static_cast<size_t>(written));
   }
-  written_ += waiting_.size();
-  waiting_.clear();
+  written_ += buffer_.size();
+  buffer_.clear();
   return {};
 }
 

@@ -22,20 +22,20 @@ class AppendFile {
   ~AppendFile();
 
   /// Adds a line, with its end; it waits in memory for `flush`.
-  void add(std::string_view line) { waiting_ += line; }
+  void add(std::string_view line) { buffer_ += line; }
 
   /// Hands what waits to the system. Where that fails none of it is in the file.
   Result<void> flush();
 
   /// Bytes in the file and waiting.
-  uint64_t bytes() const { return written_ + waiting_.size(); }
+  uint64_t bytes() const { return written_ + buffer_.size(); }
 
  private:
   AppendFile(std::filesystem::path path, int file) : path_(std::move(path)), file_(file) {}
 
   std::filesystem::path path_;
   int file_ = -1;
-  std::string waiting_;
+  std::string buffer_;
   uint64_t written_ = 0;
 };
 

@@ -3,35 +3,35 @@
 #include <algorithm>
 
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/recording/text_file.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMaxText = 1 << 20;
+constexpr size_t kMaxTextBytes = 1 << 20;
 
-std::optional<std::string> bad_path(const std::string& what, const std::string& path) {
+std::optional<std::string> check_path(const std::string& what, const std::string& path) {
   if (path.empty()) return std::nullopt;
-  const std::string told = what + " '" + path + "'";
+  const std::string quoted = what + " '" + path + "'";
   if (path.size() > 4096 || path.find('\0') != std::string::npos) return what + " is no path";
   const fs::path parts(path);
-  if (parts.is_absolute()) return told + " must be relative to the drive's folder";
+  if (parts.is_absolute()) return quoted + " must be relative to the drive's folder";
   if (std::find(parts.begin(), parts.end(), "..") != parts.end())
-    return told + " must stay inside the drive's folder";
+    return quoted + " must stay inside the drive's folder";
   return std::nullopt;
 }
 
-std::optional<std::string> bad_lidar(const LidarMount& mount, const LidarFiles& files) {
-  const std::string who = "lidar '" + mount.name + "': ";
+std::optional<std::string> check_lidar(const LidarMount& mount, const LidarFiles& files) {
+  const std::string prefix = "lidar '" + mount.name + "': ";
   if (files.packets.empty() == files.sweeps.empty())
-    return who + "either packets or sweeps must be given";
-  if (files.port == 0 || files.position_port == 0) return who + "a port must be 1 to 65535";
-  if (files.port == files.position_port) return who + "port and position_port must differ";
-  if (auto wrong = bad_path(who + "packets", files.packets)) return wrong;
-  if (auto wrong = bad_path(who + "sweeps", files.sweeps)) return wrong;
-  return bad_path(who + "calibration", files.calibration);
+    return prefix + "either packets or sweeps must be given";
+  if (files.port == 0 || files.position_port == 0) return prefix + "a port must be 1 to 65535";
+  if (files.port == files.position_port) return prefix + "port and position_port must differ";
+  if (auto wrong = check_path(prefix + "packets", files.packets)) return wrong;
+  if (auto wrong = check_path(prefix + "sweeps", files.sweeps)) return wrong;
+  return check_path(prefix + "calibration", files.calibration);
 }
 
 // Two lidars in one capture must differ in ports or in sender.
@@ -42,10 +42,10 @@ bool overlap(const LidarFiles& a, const LidarFiles& b) {
   return !a.packets.empty() && a.packets == b.packets && same_sender && shared_port;
 }
 
-std::optional<std::string> bad_can(const CanFiles& can) {
+std::optional<std::string> check_can(const CanFiles& can) {
   if (can.log.empty() || can.dbc.empty()) return "can: both log and dbc must be given";
-  if (auto wrong = bad_path("can: log", can.log)) return wrong;
-  if (auto wrong = bad_path("can: dbc", can.dbc)) return wrong;
+  if (auto wrong = check_path("can: log", can.log)) return wrong;
+  if (auto wrong = check_path("can: dbc", can.dbc)) return wrong;
   const std::vector<std::string>& known = can_quantities();
   for (size_t i = 0; i < can.signals.size(); ++i) {
     const std::string& quantity = can.signals[i].quantity;
@@ -59,30 +59,30 @@ std::optional<std::string> bad_can(const CanFiles& can) {
 }
 
 // A file or folder that drive.toml names, and must exist.
-struct Named {
+struct ReferencedFile {
   std::string what;
   std::string path;
   bool folder;
 };
 
-std::vector<Named> named_files(const DriveDescription& description) {
-  std::vector<Named> all;
+std::vector<ReferencedFile> list_referenced_files(const DriveDescription& description) {
+  std::vector<ReferencedFile> all;
   for (size_t i = 0; i < description.lidars.size(); ++i) {
-    const std::string who = "lidar '" + description.rig.lidars[i].name + "': ";
-    all.push_back({who + "packets", description.lidars[i].packets, false});
-    all.push_back({who + "sweeps", description.lidars[i].sweeps, true});
-    all.push_back({who + "calibration", description.lidars[i].calibration, false});
+    const std::string prefix = "lidar '" + description.rig.lidars[i].name + "': ";
+    all.push_back({prefix + "packets", description.lidars[i].packets, false});
+    all.push_back({prefix + "sweeps", description.lidars[i].sweeps, true});
+    all.push_back({prefix + "calibration", description.lidars[i].calibration, false});
   }
   for (size_t i = 0; i < description.cameras.size(); ++i) {
-    const std::string who = "camera '" + description.rig.cameras[i].name + "': ";
-    all.push_back({who + "images", description.cameras[i].images, true});
+    const std::string prefix = "camera '" + description.rig.cameras[i].name + "': ";
+    all.push_back({prefix + "images", description.cameras[i].images, true});
   }
   if (description.can) {
     all.push_back({"can: log", description.can->log, false});
     all.push_back({"can: dbc", description.can->dbc, false});
   }
   all.push_back({"imu: file", description.imu, false});
-  all.push_back({"gps: file", description.gps, false});
+  all.push_back({"gnss: file", description.gnss, false});
   all.push_back({"map: file", description.map, false});
   all.push_back({"truth: poses", description.truth_poses, false});
   all.push_back({"truth: rig", description.truth_rig, false});
@@ -114,7 +114,7 @@ std::optional<std::string> DriveDescription::invalid() const {
     return "the rig's sensors and their files do not match";
   if (auto wrong = rig.invalid()) return wrong;
   for (size_t i = 0; i < lidars.size(); ++i) {
-    if (auto wrong = bad_lidar(rig.lidars[i], lidars[i])) return wrong;
+    if (auto wrong = check_lidar(rig.lidars[i], lidars[i])) return wrong;
     for (size_t j = 0; j < i; ++j) {
       if (overlap(lidars[j], lidars[i])) {
         return "lidars '" + rig.lidars[j].name + "' and '" + rig.lidars[i].name +
@@ -123,29 +123,29 @@ std::optional<std::string> DriveDescription::invalid() const {
     }
   }
   for (size_t i = 0; i < cameras.size(); ++i) {
-    const std::string who = "camera '" + rig.cameras[i].name + "': ";
-    if (cameras[i].images.empty()) return who + "images must be given";
-    if (auto wrong = bad_path(who + "images", cameras[i].images)) return wrong;
+    const std::string prefix = "camera '" + rig.cameras[i].name + "': ";
+    if (cameras[i].images.empty()) return prefix + "images must be given";
+    if (auto wrong = check_path(prefix + "images", cameras[i].images)) return wrong;
   }
   if (can) {
-    if (auto wrong = bad_can(*can)) return wrong;
+    if (auto wrong = check_can(*can)) return wrong;
   }
-  if (auto wrong = bad_path("imu: file", imu)) return wrong;
-  if (auto wrong = bad_path("gps: file", gps)) return wrong;
-  if (auto wrong = bad_path("map: file", map)) return wrong;
-  if (auto wrong = bad_path("truth: poses", truth_poses)) return wrong;
-  return bad_path("truth: rig", truth_rig);
+  if (auto wrong = check_path("imu: file", imu)) return wrong;
+  if (auto wrong = check_path("gnss: file", gnss)) return wrong;
+  if (auto wrong = check_path("map: file", map)) return wrong;
+  if (auto wrong = check_path("truth: poses", truth_poses)) return wrong;
+  return check_path("truth: rig", truth_rig);
 }
 
 Result<Drive> Drive::open(const fs::path& folder) {
   const fs::path file = folder / "drive.toml";
-  const auto text = read_text(file, kMaxText);
+  const auto text = read_text(file, kMaxTextBytes);
   if (!text) return tl::unexpected(text.error());
   auto description = parse_drive(*text, file.string());
   if (!description) return tl::unexpected(description.error());
 
   Drive drive{folder, std::move(*description)};
-  for (const Named& named : named_files(drive.description)) {
+  for (const ReferencedFile& named : list_referenced_files(drive.description)) {
     if (named.path.empty()) continue;
     std::error_code ignored;
     const fs::file_status status = fs::status(drive.resolve(named.path), ignored);
@@ -160,13 +160,13 @@ Result<Drive> Drive::open(const fs::path& folder) {
   return drive;
 }
 
-Result<void> write_drive(const fs::path& folder, const DriveDescription& description) {
+Result<void> write_drive_toml(const fs::path& folder, const DriveDescription& description) {
   const fs::path file = folder / "drive.toml";
   if (const auto wrong = description.invalid()) return fail(*wrong, file.string());
   const std::string text = format_drive(description);
   // What TOML cannot hold (a name that is not UTF-8) shows here, not when the drive is opened.
-  if (const auto back = parse_drive(text, file.string()); !back)
-    return tl::unexpected(back.error());
+  if (const auto reparsed = parse_drive(text, file.string()); !reparsed)
+    return tl::unexpected(reparsed.error());
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) return fail("cannot be made: " + failed.message(), folder.string());

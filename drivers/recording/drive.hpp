@@ -57,13 +57,13 @@ const std::vector<std::string>& can_quantities();
 /// manual.
 struct DriveDescription {
   std::string name;           ///< free text
-  bool times_trusted = true;  ///< false: the stamps are made up (`times = "made up"`)
+  bool times_trusted = true;  ///< false: the stamps are synthetic (`times = "synthetic"`)
   Rig rig;
   std::vector<LidarFiles> lidars;    ///< an entry for each of `rig.lidars`
   std::vector<CameraFiles> cameras;  ///< an entry for each of `rig.cameras`
   std::optional<CanFiles> can;
   std::string imu;          ///< imu.csv; empty: none
-  std::string gps;          ///< gps.csv; empty: none
+  std::string gnss;         ///< gps.csv; empty: none
   std::string map;          ///< OpenStreetMap XML; empty: none
   std::string truth_poses;  ///< T_map_vehicle, TUM format; used to score, never to estimate
   std::string truth_rig;    ///< the true rig; used to score, never to estimate
@@ -86,6 +86,7 @@ struct Drive {
 };
 
 /// Writes `folder`/drive.toml, making the folder where it is missing.
-Result<void> write_drive(const std::filesystem::path& folder, const DriveDescription& description);
+Result<void> write_drive_toml(const std::filesystem::path& folder,
+                              const DriveDescription& description);
 
 }  // namespace infuse::recording

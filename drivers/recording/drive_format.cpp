@@ -8,7 +8,7 @@
 namespace infuse::recording {
 namespace {
 
-std::string toml_text(std::string_view text) {
+std::string format_string(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') {
@@ -25,15 +25,16 @@ std::string toml_text(std::string_view text) {
 }
 
 // The shortest digits that read back to the same number.
-std::string number(double value) {
+std::string format_number(double value) {
   std::array<char, 32> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
   return {digits.data(), end};
 }
 
-std::string numbers(std::span<const double> values) {
+std::string format_numbers(std::span<const double> values) {
   std::string result = "[";
-  for (size_t i = 0; i < values.size(); ++i) result += (i == 0 ? "" : ", ") + number(values[i]);
+  for (size_t i = 0; i < values.size(); ++i)
+    result += (i == 0 ? "" : ", ") + format_number(values[i]);
   return result + "]";
 }
 
@@ -42,7 +43,7 @@ void add(std::string& text, const char* key, const std::string& value) {
 }
 
 void add_text(std::string& text, const char* key, const std::string& value) {
-  if (!value.empty()) add(text, key, toml_text(value));
+  if (!value.empty()) add(text, key, format_string(value));
 }
 
 void add_transform(std::string& text, const char* key, const Eigen::Isometry3d& T) {
@@ -50,7 +51,7 @@ void add_transform(std::string& text, const char* key, const Eigen::Isometry3d& 
   for (int row = 0; row < 4; ++row) {
     text += "  ";
     for (int column = 0; column < 4; ++column) {
-      text += number(T.matrix()(row, column)) + (row == 3 && column == 3 ? "" : ",") +
+      text += format_number(T.matrix()(row, column)) + (row == 3 && column == 3 ? "" : ",") +
               (column == 3 ? "\n" : " ");
     }
   }
@@ -58,15 +59,15 @@ void add_transform(std::string& text, const char* key, const Eigen::Isometry3d& 
 }
 
 template <class Value, size_t size>
-std::string name_of(const std::array<std::pair<std::string_view, Value>, size>& names,
-                    Value value) {
+std::string format_enum(const std::array<std::pair<std::string_view, Value>, size>& names,
+                        Value value) {
   for (const auto& [name, meaning] : names) {
-    if (meaning == value) return toml_text(name);
+    if (meaning == value) return format_string(name);
   }
-  return toml_text("");
+  return format_string("");
 }
 
-std::string dotted(uint32_t address) {
+std::string format_ipv4(uint32_t address) {
   return std::to_string(address >> 24) + "." + std::to_string(address >> 16 & 0xFF) + "." +
          std::to_string(address >> 8 & 0xFF) + "." + std::to_string(address & 0xFF);
 }
@@ -85,7 +86,7 @@ void add_files(std::string& text, const LidarFiles& files) {
     add(text, "port", std::to_string(files.port));
     add(text, "position_port", std::to_string(files.position_port));
   }
-  if (files.sender) add(text, "sender", toml_text(dotted(*files.sender)));
+  if (files.sender) add(text, "sender", format_string(format_ipv4(*files.sender)));
   add_text(text, "calibration", files.calibration);
 }
 
@@ -94,24 +95,25 @@ void add_mount(std::string& text, const CameraMount& mount) {
   const bool fisheye = intrinsics.model == CameraIntrinsics::Model::kFisheye;
   text += "\n[[camera]]\n";
   add_text(text, "name", mount.name);
-  add(text, "model", name_of(kCameraModels, intrinsics.model));
+  add(text, "model", format_enum(kCameraModels, intrinsics.model));
   add(text, "width", std::to_string(intrinsics.width));
   add(text, "height", std::to_string(intrinsics.height));
-  add(text, "fx", number(intrinsics.fx));
-  add(text, "fy", number(intrinsics.fy));
-  add(text, "cx", number(intrinsics.cx));
-  add(text, "cy", number(intrinsics.cy));
-  add(text, "distortion", numbers(std::span(intrinsics.distortion).first(fisheye ? 4 : 5)));
+  add(text, "fx", format_number(intrinsics.fx));
+  add(text, "fy", format_number(intrinsics.fy));
+  add(text, "cx", format_number(intrinsics.cx));
+  add(text, "cy", format_number(intrinsics.cy));
+  add(text, "distortion", format_numbers(std::span(intrinsics.distortion).first(fisheye ? 4 : 5)));
   add_text(text, "lidar", mount.lidar);
   add_transform(text, "T_camera_lidar", mount.T_camera_lidar);
   if (mount.stamp_delay != Duration::zero()) {
-    add(text, "stamp_delay_ms", number(static_cast<double>(mount.stamp_delay.count()) / 1e6));
+    add(text, "stamp_delay_ms",
+        format_number(static_cast<double>(mount.stamp_delay.count()) / 1e6));
   }
 }
 
 void add_files(std::string& text, const CameraFiles& files) {
   add_text(text, "images", files.images);
-  if (files.mosaic) add(text, "mosaic", name_of(kMosaics, *files.mosaic));
+  if (files.mosaic) add(text, "mosaic", format_enum(kMosaics, *files.mosaic));
   if (files.grey) add(text, "grey", "true");
 }
 
@@ -120,13 +122,13 @@ void add_can(std::string& text, const CanFiles& can) {
   add_text(text, "log", can.log);
   add_text(text, "dbc", can.dbc);
   add_text(text, "interface", can.interface);
-  if (can.reverse_gear) add(text, "reverse_gear", number(*can.reverse_gear));
+  if (can.reverse_gear) add(text, "reverse_gear", format_number(*can.reverse_gear));
   if (can.signals.empty()) return;
   text += "\n[can.signals]\n";
   for (const CanSignal& signal : can.signals) {
-    std::string value = "{ signal = " + toml_text(signal.signal);
-    if (signal.scale != 1) value += ", scale = " + number(signal.scale);
-    if (!signal.unit.empty()) value += ", unit = " + toml_text(signal.unit);
+    std::string value = "{ signal = " + format_string(signal.signal);
+    if (signal.scale != 1) value += ", scale = " + format_number(signal.scale);
+    if (!signal.unit.empty()) value += ", unit = " + format_string(signal.unit);
     add(text, signal.quantity.c_str(), value + " }");
   }
 }
@@ -142,7 +144,7 @@ void add_path_table(std::string& text, const char* name, const std::string& path
 std::string format_drive(const DriveDescription& drive) {
   std::string text;
   add_text(text, "name", drive.name);
-  add(text, "times", name_of(kTimes, drive.times_trusted));
+  add(text, "times", format_enum(kTimes, drive.times_trusted));
   for (size_t i = 0; i < drive.lidars.size(); ++i) {
     add_mount(text, drive.rig.lidars[i]);
     add_files(text, drive.lidars[i]);
@@ -153,7 +155,7 @@ std::string format_drive(const DriveDescription& drive) {
   }
   if (drive.can) add_can(text, *drive.can);
   add_path_table(text, "imu", drive.imu);
-  add_path_table(text, "gps", drive.gps);
+  add_path_table(text, "gnss", drive.gnss);
   add_path_table(text, "map", drive.map);
   if (!drive.truth_poses.empty() || !drive.truth_rig.empty()) {
     text += "\n[truth]\n";

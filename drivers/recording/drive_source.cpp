@@ -10,7 +10,7 @@ namespace {
 using Stream = Result<std::unique_ptr<EventStream>>;
 
 // The lidars of a drive that share the capture of lidar `first`; empty where an earlier one does.
-std::vector<LidarRoute> routes_of(const DriveDescription& description, size_t first) {
+std::vector<LidarRoute> find_routes(const DriveDescription& description, size_t first) {
   const std::string& packets = description.lidars[first].packets;
   std::vector<LidarRoute> routes;
   for (size_t i = 0; i < description.lidars.size(); ++i) {
@@ -31,7 +31,7 @@ std::vector<Stream> open_streams(const Drive& drive) {
     if (!files.sweeps.empty()) {
       streams.push_back(
           open_sweep_stream(drive.resolve(files.sweeps), i, description.times_trusted));
-    } else if (auto routes = routes_of(description, i); !routes.empty()) {
+    } else if (auto routes = find_routes(description, i); !routes.empty()) {
       streams.push_back(open_capture_stream(drive.resolve(files.packets), {}, std::move(routes)));
     }
   }
@@ -41,7 +41,8 @@ std::vector<Stream> open_streams(const Drive& drive) {
   }
   if (description.can) streams.push_back(open_can_stream(drive.resolve(description.can->log)));
   if (!description.imu.empty()) streams.push_back(open_imu_stream(drive.resolve(description.imu)));
-  if (!description.gps.empty()) streams.push_back(open_gps_stream(drive.resolve(description.gps)));
+  if (!description.gnss.empty())
+    streams.push_back(open_gnss_stream(drive.resolve(description.gnss)));
   return streams;
 }
 
@@ -73,18 +74,20 @@ bool DriveSource::next(DriveEvent& event) {
   if (!started_) {
     started_ = true;
     for (Input& input : inputs_) advance(input);
-  } else if (taken_ != kNoInput) {
-    advance(inputs_[taken_]);
+  } else if (current_input_ != kNoInput) {
+    advance(inputs_[current_input_]);
   }
-  taken_ = kNoInput;
+  current_input_ = kNoInput;
   for (size_t i = 0; i < inputs_.size(); ++i) {
     if (!inputs_[i].has_pending) continue;
-    if (taken_ == kNoInput || inputs_[i].pending.stamp < inputs_[taken_].pending.stamp) taken_ = i;
+    if (current_input_ == kNoInput ||
+        inputs_[i].pending.stamp < inputs_[current_input_].pending.stamp)
+      current_input_ = i;
   }
-  if (taken_ == kNoInput) return false;
-  event = inputs_[taken_].pending;
-  if (event.stamp < last_) ++backward_;
-  last_ = event.stamp;
+  if (current_input_ == kNoInput) return false;
+  event = inputs_[current_input_].pending;
+  if (event.stamp < last_stamp_) ++out_of_order_count_;
+  last_stamp_ = event.stamp;
   return true;
 }
 

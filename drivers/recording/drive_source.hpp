@@ -50,7 +50,7 @@ struct CanLineEvent {
 /// for.
 struct DriveEvent {
   Stamp stamp;
-  std::variant<DatagramEvent, SweepEvent, ImageEvent, CanLineEvent, ImuSample, GpsFix> content;
+  std::variant<DatagramEvent, SweepEvent, ImageEvent, CanLineEvent, ImuSample, GnssFix> content;
 };
 
 /// One recorded stream, in the order of its file.
@@ -88,7 +88,7 @@ class DriveSource {
   std::vector<Error> notes() const;
 
   /// Events handed out whose stamp lay before the one handed out earlier.
-  uint64_t backward() const { return backward_; }
+  uint64_t out_of_order_count() const { return out_of_order_count_; }
 
  private:
   struct Input {
@@ -99,9 +99,9 @@ class DriveSource {
   void advance(Input& input) { input.has_pending = input.stream->next(input.pending); }
 
   std::vector<Input> inputs_;
-  size_t taken_ = kNoInput;  ///< whose pending event the caller holds
-  Stamp last_ = Stamp::earliest();
-  uint64_t backward_ = 0;
+  size_t current_input_ = kNoInput;  ///< whose pending event the caller holds
+  Stamp last_stamp_ = Stamp::earliest();
+  uint64_t out_of_order_count_ = 0;
   bool started_ = false;
 
   static constexpr size_t kNoInput = std::numeric_limits<size_t>::max();

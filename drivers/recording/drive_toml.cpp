@@ -6,18 +6,18 @@
 #include <string_view>
 
 #include "drivers/recording/can_toml.hpp"
-#include "drivers/recording/text_file.hpp"
 #include "drivers/recording/toml_names.hpp"
 #include "drivers/recording/toml_table.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kMaxText = 1 << 20;
+constexpr size_t kMaxTextBytes = 1 << 20;
 constexpr size_t kMaxSensors = 64;
 
 template <class Value, size_t size>
-void read_name(TomlTable& table, std::string_view key,
+void read_enum(TomlTable& table, std::string_view key,
                const std::array<std::pair<std::string_view, Value>, size>& names, Value& value) {
   std::string name;
   table.read(key, name);
@@ -30,7 +30,7 @@ void read_name(TomlTable& table, std::string_view key,
     }
     all += (all.empty() ? "\"" : ", \"") + std::string(known) + "\"";
   }
-  table.complain(key, std::string(key) + " must be one of " + all);
+  table.report_error(key, std::string(key) + " must be one of " + all);
 }
 
 void read_port(TomlTable& table, std::string_view key, uint16_t& port) {
@@ -45,7 +45,7 @@ void read_sender(TomlTable& table, std::optional<uint32_t>& sender) {
   if (table.node("sender") == nullptr) return;
   in_addr address{};
   if (inet_pton(AF_INET, text.c_str(), &address) != 1)
-    return table.complain("sender", "sender must be an IPv4 address", "as \"192.168.1.201\"");
+    return table.report_error("sender", "sender must be an IPv4 address", "as \"192.168.1.201\"");
   sender = ntohl(address.s_addr);
 }
 
@@ -68,7 +68,7 @@ void read_files(TomlTable& table, LidarFiles& files) {
 
 void read_intrinsics(TomlTable& table, CameraIntrinsics& intrinsics) {
   for (const char* key : {"width", "height", "fx", "fy", "cx", "cy"}) table.require(key);
-  read_name(table, "model", kCameraModels, intrinsics.model);
+  read_enum(table, "model", kCameraModels, intrinsics.model);
   int64_t width = 0, height = 0;
   table.read("width", 1, 65536, width);
   table.read("height", 1, 65536, height);
@@ -93,14 +93,14 @@ void read_mount(TomlTable& table, CameraMount& mount) {
   double delay_ms = 0;
   table.read("stamp_delay_ms", delay_ms);
   if (!(delay_ms >= -10'000 && delay_ms <= 10'000))
-    table.complain("stamp_delay_ms", "stamp_delay_ms must lie within ±10000");
+    table.report_error("stamp_delay_ms", "stamp_delay_ms must lie within ±10000");
   mount.stamp_delay = from_seconds(delay_ms * 1e-3);
 }
 
 void read_files(TomlTable& table, CameraFiles& files) {
   table.read("images", files.images);
   PixelFormat mosaic = PixelFormat::kGrey8;
-  read_name(table, "mosaic", kMosaics, mosaic);
+  read_enum(table, "mosaic", kMosaics, mosaic);
   if (mosaic != PixelFormat::kGrey8) files.mosaic = mosaic;
   table.read("grey", files.grey);
 }
@@ -119,7 +119,7 @@ std::optional<Error> read_can(const toml::table& source, const std::string& file
   return read_can_signals(*signals, file, can.signals);
 }
 
-// The tables [imu], [gps], [map], [truth] hold nothing but paths.
+// The tables [imu], [gnss], [map], [truth] hold nothing but paths.
 std::optional<Error> read_paths(TomlTable& root, const std::string& file, std::string_view name,
                                 std::initializer_list<std::pair<const char*, std::string*>> keys) {
   const toml::table* source = root.table(name);
@@ -141,7 +141,7 @@ std::optional<Error> read_sensors(TomlTable& root, const std::string& file, cons
       read_files(table, files->emplace_back());
     }
     if (auto wrong = table.finish()) return wrong;
-    if (const auto wrong = check()) table.complain_of_table(*wrong);
+    if (const auto wrong = check()) table.report_table_error(*wrong);
     if (auto wrong = table.finish()) return wrong;
   }
   return std::nullopt;
@@ -152,7 +152,7 @@ std::optional<Error> read_drive(const toml::table& source, const std::string& fi
   TomlTable root(source, file, "the drive");
   const auto check = [&] { return drive.invalid(); };
   root.read("name", drive.name);
-  read_name(root, "times", kTimes, drive.times_trusted);
+  read_enum(root, "times", kTimes, drive.times_trusted);
   if (auto wrong = read_sensors(root, file, "lidar", drive.rig.lidars, &drive.lidars, check))
     return wrong;
   if (auto wrong = read_sensors(root, file, "camera", drive.rig.cameras, &drive.cameras, check))
@@ -161,7 +161,7 @@ std::optional<Error> read_drive(const toml::table& source, const std::string& fi
     if (auto wrong = read_can(*can, file, drive.can.emplace())) return wrong;
   }
   if (auto wrong = read_paths(root, file, "imu", {{"file", &drive.imu}})) return wrong;
-  if (auto wrong = read_paths(root, file, "gps", {{"file", &drive.gps}})) return wrong;
+  if (auto wrong = read_paths(root, file, "gnss", {{"file", &drive.gnss}})) return wrong;
   if (auto wrong = read_paths(root, file, "map", {{"file", &drive.map}})) return wrong;
   if (auto wrong = read_paths(root, file, "truth",
                               {{"poses", &drive.truth_poses}, {"rig", &drive.truth_rig}}))
@@ -202,7 +202,7 @@ Result<Rig> parse_rig(std::string_view text, const std::string& file) {
 }
 
 Result<Rig> read_rig(const std::filesystem::path& path) {
-  const auto text = read_text(path, kMaxText);
+  const auto text = read_text(path, kMaxTextBytes);
   if (!text) return tl::unexpected(text.error());
   return parse_rig(*text, path.string());
 }

@@ -23,7 +23,7 @@ namespace infuse::recording {
 class DriveWriter {
  public:
   /// A file that belongs to the drive: what names the signals of the bus, a lidar's beam table.
-  struct Copy {
+  struct CopiedFile {
     std::filesystem::path from;
     std::string to;  ///< in the drive
   };
@@ -32,25 +32,25 @@ class DriveWriter {
   /// one capture of all lidars, a folder for each camera, the bus's log and gps.csv.
   static Result<DriveWriter> create(const std::filesystem::path& folder,
                                     const DriveDescription& description,
-                                    const std::vector<Copy>& copies);
+                                    const std::vector<CopiedFile>& copies);
 
   /// A datagram of any lidar.
-  Result<void> write(const Datagram& datagram);
+  Result<void> write_datagram(const Datagram& datagram);
 
   /// A line of the bus's log, without its end; nothing where the drive has no bus.
-  void write_line(std::string_view line);
+  void write_can_line(std::string_view line);
 
   /// A fix of the receiver; nothing where the drive has none.
-  void write(const GpsFix& fix);
+  void write_gnss(const GnssFix& fix);
 
   /// A picture file. `number` is where it stands among this camera's, and grows: numbers left out
   /// are lost frames. `extension` with its dot: ".png" or ".jpg".
-  Result<void> write_picture(size_t camera, Stamp stamp, uint64_t number,
-                             std::span<const uint8_t> file, const char* extension);
+  Result<void> write_image(size_t camera, Stamp stamp, uint64_t number,
+                           std::span<const uint8_t> file, const char* extension);
 
   /// How this camera's pictures are to be read, see `CameraFiles`. Rewrites drive.toml where that
   /// is new.
-  Result<void> set_reading(size_t camera, std::optional<PixelFormat> mosaic, bool grey);
+  Result<void> set_pixel_format(size_t camera, std::optional<PixelFormat> mosaic, bool grey);
 
   /// Hands everything to the system, so that the end of this process costs nothing of it.
   Result<void> flush();
@@ -64,9 +64,9 @@ class DriveWriter {
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
-  static constexpr uint64_t kMostLost = 10'000;  // frames in a row; more is another count
+  static constexpr uint64_t kMaxLostFrames = 10'000;  // frames in a row; more is another count
 
-  struct Pictures {
+  struct ImageFolder {
     std::filesystem::path folder;
     AppendFile times;
     uint64_t rows = 0;
@@ -74,17 +74,17 @@ class DriveWriter {
 
   DriveWriter(std::filesystem::path folder, DriveDescription description)
       : folder_(std::move(folder)), description_(std::move(description)) {}
-  Result<void> begin(const std::vector<Copy>& copies);
-  Result<void> make_files();
-  Result<void> copy(const Copy& copy);
-  Result<void> describe() const;
+  Result<void> write_initial_files(const std::vector<CopiedFile>& copies);
+  Result<void> create_files();
+  Result<void> copy_file(const CopiedFile& copy);
+  Result<void> write_description() const;
 
   std::filesystem::path folder_;
   DriveDescription description_;
   std::optional<PcapWriter> packets_;
-  std::vector<Pictures> cameras_;
-  std::optional<AppendFile> bus_, fixes_;
-  uint64_t bytes_of_pictures_ = 0;  // and of copies
+  std::vector<ImageFolder> cameras_;
+  std::optional<AppendFile> can_log_, gnss_log_;
+  uint64_t image_bytes_ = 0;  // and of copies
 };
 
 }  // namespace infuse::recording

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "drivers/recording/candump_stamp.hpp"
-#include "drivers/recording/line_reader.hpp"
-#include "drivers/recording/samples_csv.hpp"
+#include "drivers/recording/imu_csv.hpp"
 #include "drivers/recording/sweep_files.hpp"
 #include "drivers/recording/times_csv.hpp"
+#include "drivers/text/line_reader.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -23,7 +23,7 @@ class CaptureStream : public EventStream {
   bool next(DriveEvent& event) override {
     DatagramEvent datagram;
     if (!reader_.next(datagram.datagram)) return false;
-    datagram.lidar = lidar_of(datagram.datagram);
+    datagram.lidar = find_lidar(datagram.datagram);
     event.stamp = datagram.datagram.stamp;
     event.content = datagram;
     return true;
@@ -34,7 +34,7 @@ class CaptureStream : public EventStream {
   }
 
  private:
-  size_t lidar_of(const Datagram& datagram) const {
+  size_t find_lidar(const Datagram& datagram) const {
     if (routes_.empty()) return 0;
     for (const LidarRoute& route : routes_) {
       const bool port = datagram.destination_port == route.port ||
@@ -58,21 +58,21 @@ class SweepStream : public EventStream {
       const uintmax_t size = std::filesystem::file_size(entry.path, failed);
       if (!failed) largest = std::max(largest, size);
     }
-    constexpr uintmax_t kMost = (64 << 20) / 16;  // larger ones are refused
-    reader_.reserve(static_cast<size_t>(std::min(largest / 16, kMost)), sweep_);
+    constexpr uintmax_t kMaxPoints = (64 << 20) / 16;  // larger ones are refused
+    reader_.reserve(static_cast<size_t>(std::min(largest / 16, kMaxPoints)), sweep_);
   }
 
   bool next(DriveEvent& event) override {
-    while (at_ < files_.entries.size()) {
-      const SequenceEntry& entry = files_.entries[at_++];
+    while (next_index_ < files_.entries.size()) {
+      const SequenceEntry& entry = files_.entries[next_index_++];
       if (const auto read = reader_.read(entry.path, sweep_); !read) {
-        if (unreadable_++ == 0) first_ = read.error();
+        if (unreadable_++ == 0) first_error_ = read.error();
         continue;
       }
       sweep_.stamp = entry.stamp;
       sweep_.sequence = entry.number;
       sweep_.clock.trusted = times_trusted_;
-      sweep_.clock.reason = times_trusted_ ? "" : "the drive's times are made up";
+      sweep_.clock.reason = times_trusted_ ? "" : "the drive's times are synthetic";
       event.stamp = entry.stamp;
       event.content = SweepEvent{lidar_, &sweep_};
       return true;
@@ -83,7 +83,7 @@ class SweepStream : public EventStream {
   void append_notes(std::vector<Error>& notes) const override {
     append(notes, files_.notes);
     if (unreadable_ > 0) {
-      notes.push_back(first_);
+      notes.push_back(first_error_);
       notes.back().hint = std::to_string(unreadable_) + " such sweeps were left out";
     }
   }
@@ -92,11 +92,11 @@ class SweepStream : public EventStream {
   FileSequence files_;
   size_t lidar_;
   bool times_trusted_;
-  size_t at_ = 0;
+  size_t next_index_ = 0;
   SweepReader reader_;
   Sweep sweep_;
   size_t unreadable_ = 0;
-  Error first_;
+  Error first_error_;
 };
 
 class ImageStream : public EventStream {
@@ -105,8 +105,8 @@ class ImageStream : public EventStream {
       : files_(std::move(files)), camera_(camera), stamp_delay_(stamp_delay) {}
 
   bool next(DriveEvent& event) override {
-    if (at_ == files_.entries.size()) return false;
-    const SequenceEntry& entry = files_.entries[at_++];
+    if (next_index_ == files_.entries.size()) return false;
+    const SequenceEntry& entry = files_.entries[next_index_++];
     event.stamp = entry.stamp - stamp_delay_;
     event.content = ImageEvent{camera_, entry.number, &entry.path};
     return true;
@@ -118,7 +118,7 @@ class ImageStream : public EventStream {
   FileSequence files_;
   size_t camera_;
   Duration stamp_delay_;
-  size_t at_ = 0;
+  size_t next_index_ = 0;
 };
 
 class CanStream : public EventStream {
@@ -130,9 +130,9 @@ class CanStream : public EventStream {
     std::string_view line;
     while (lines_.next(line)) {
       if (line.empty()) continue;
-      const auto stamp = candump_stamp(line);
+      const auto stamp = parse_candump_stamp(line);
       if (!stamp) {
-        if (bad_++ == 0) first_bad_ = lines_.number();
+        if (malformed_lines_++ == 0) first_malformed_line_ = lines_.line_number();
         continue;
       }
       event.stamp = *stamp;
@@ -143,25 +143,25 @@ class CanStream : public EventStream {
   }
 
   void append_notes(std::vector<Error>& notes) const override {
-    if (bad_ > 0) {
+    if (malformed_lines_ > 0) {
       notes.push_back({"does not begin with a time as '(1436509052.249713)'",
-                       file_ + ":" + std::to_string(first_bad_),
-                       std::to_string(bad_) + " such lines were left out"});
+                       file_ + ":" + std::to_string(first_malformed_line_),
+                       std::to_string(malformed_lines_) + " such lines were left out"});
     }
-    if (lines_.too_long() > 0) {
+    if (lines_.too_long_lines() > 0) {
       notes.push_back(
-          {std::to_string(lines_.too_long()) + " overlong lines were left out", file_, {}});
+          {std::to_string(lines_.too_long_lines()) + " overlong lines were left out", file_, {}});
     }
   }
 
  private:
   LineReader lines_;
   std::string file_;
-  uint64_t bad_ = 0;
-  uint64_t first_bad_ = 0;
+  uint64_t malformed_lines_ = 0;
+  uint64_t first_malformed_line_ = 0;
 };
 
-// `Csv` is ImuCsv or GpsCsv, `Sample` what it reads.
+// `Csv` is ImuCsv or GnssCsv, `Sample` what it reads.
 template <class Csv, class Sample>
 class SampleStream : public EventStream {
  public:
@@ -217,10 +217,10 @@ Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path
   return std::make_unique<SampleStream<ImuCsv, ImuSample>>(std::move(*csv));
 }
 
-Result<std::unique_ptr<EventStream>> open_gps_stream(const std::filesystem::path& path) {
-  auto csv = GpsCsv::open(path);
+Result<std::unique_ptr<EventStream>> open_gnss_stream(const std::filesystem::path& path) {
+  auto csv = GnssCsv::open(path);
   if (!csv) return tl::unexpected(csv.error());
-  return std::make_unique<SampleStream<GpsCsv, GpsFix>>(std::move(*csv));
+  return std::make_unique<SampleStream<GnssCsv, GnssFix>>(std::move(*csv));
 }
 
 }  // namespace infuse::recording

@@ -34,6 +34,6 @@ Result<std::unique_ptr<EventStream>> open_image_stream(const std::filesystem::pa
 Result<std::unique_ptr<EventStream>> open_can_stream(const std::filesystem::path& path);
 
 Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path& path);
-Result<std::unique_ptr<EventStream>> open_gps_stream(const std::filesystem::path& path);
+Result<std::unique_ptr<EventStream>> open_gnss_stream(const std::filesystem::path& path);
 
 }  // namespace infuse::recording

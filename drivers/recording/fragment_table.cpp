@@ -4,31 +4,31 @@
 
 namespace infuse::recording {
 
-FragmentTable::FragmentTable(size_t slots, Duration age) : slots_(slots), age_(age) {
+FragmentTable::FragmentTable(size_t slots, Duration age) : slots_(slots), timeout_(age) {
   for (Slot& slot : slots_) slot.bytes = std::make_unique_for_overwrite<uint8_t[]>(kMaxBytes);
 }
 
 std::span<const uint8_t> FragmentTable::add(const Ipv4Fragment& fragment) {
-  drop_old(fragment.stamp);
+  drop_expired(fragment.stamp);
   const size_t end = fragment.offset + fragment.bytes.size();
   const bool impossible = fragment.bytes.empty() || end > kMaxBytes || slots_.empty() ||
-                          (fragment.more && fragment.bytes.size() % 8 != 0);
+                          (fragment.more_fragments && fragment.bytes.size() % 8 != 0);
   if (impossible) {
     ++dropped_;
     return {};
   }
   Slot* found = find(fragment);
-  Slot& slot = found != nullptr ? *found : take(fragment);
+  Slot& slot = found != nullptr ? *found : allocate_slot(fragment);
   ++slot.fragments;
-  slot.highest = std::max(slot.highest, end);
-  if (!fragment.more) {
-    if (slot.total != 0 && slot.total != end) {
+  slot.max_end = std::max(slot.max_end, end);
+  if (!fragment.more_fragments) {
+    if (slot.total_bytes != 0 && slot.total_bytes != end) {
       drop(slot);
       return {};
     }
-    slot.total = end;
+    slot.total_bytes = end;
   }
-  if (slot.total != 0 && slot.highest > slot.total) {
+  if (slot.total_bytes != 0 && slot.max_end > slot.total_bytes) {
     drop(slot);
     return {};
   }
@@ -39,9 +39,9 @@ std::span<const uint8_t> FragmentTable::add(const Ipv4Fragment& fragment) {
       ++slot.units_present;
     }
   }
-  if (slot.total == 0 || slot.units_present != (slot.total + 7) / 8) return {};
+  if (slot.total_bytes == 0 || slot.units_present != (slot.total_bytes + 7) / 8) return {};
   slot.used = false;
-  return {slot.bytes.get(), slot.total};
+  return {slot.bytes.get(), slot.total_bytes};
 }
 
 void FragmentTable::drop_all() {
@@ -60,21 +60,21 @@ FragmentTable::Slot* FragmentTable::find(const Ipv4Fragment& fragment) {
   return nullptr;
 }
 
-FragmentTable::Slot& FragmentTable::take(const Ipv4Fragment& fragment) {
+FragmentTable::Slot& FragmentTable::allocate_slot(const Ipv4Fragment& fragment) {
   // A free slot, or else the oldest.
   Slot& slot = *std::min_element(slots_.begin(), slots_.end(), [](const Slot& a, const Slot& b) {
-    return a.used != b.used ? !a.used : a.since < b.since;
+    return a.used != b.used ? !a.used : a.first_stamp < b.first_stamp;
   });
   if (slot.used) drop(slot);
   slot.used = true;
-  slot.since = fragment.stamp;
+  slot.first_stamp = fragment.stamp;
   slot.source = fragment.source;
   slot.destination = fragment.destination;
   slot.identification = fragment.identification;
   slot.fragments = 0;
-  slot.total = 0;
+  slot.total_bytes = 0;
   slot.units_present = 0;
-  slot.highest = 0;
+  slot.max_end = 0;
   slot.present.reset();
   return slot;
 }
@@ -84,10 +84,11 @@ void FragmentTable::drop(Slot& slot) {
   slot.used = false;
 }
 
-void FragmentTable::drop_old(Stamp now) {
+void FragmentTable::drop_expired(Stamp now) {
   for (Slot& slot : slots_) {
     // Either way: a clock that jumps back must not keep a slot for ever.
-    if (slot.used && (now - slot.since > age_ || slot.since - now > age_)) drop(slot);
+    if (slot.used && (now - slot.first_stamp > timeout_ || slot.first_stamp - now > timeout_))
+      drop(slot);
   }
 }
 

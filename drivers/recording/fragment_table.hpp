@@ -17,8 +17,8 @@ struct Ipv4Fragment {
   uint32_t source = 0;
   uint32_t destination = 0;
   uint16_t identification = 0;
-  size_t offset = 0;  ///< bytes into the packet's payload, a multiple of 8
-  bool more = false;  ///< others follow
+  size_t offset = 0;            ///< bytes into the packet's payload, a multiple of 8
+  bool more_fragments = false;  ///< others follow
   std::span<const uint8_t> bytes;
 };
 
@@ -40,26 +40,26 @@ class FragmentTable {
 
  private:
   static constexpr size_t kMaxBytes = 65535;
-  static constexpr size_t kUnits = 8192;  // of 8 bytes
+  static constexpr size_t kMaxUnits = 8192;  // of 8 bytes
   struct Slot {
     bool used = false;
-    Stamp since;
+    Stamp first_stamp;
     uint32_t source = 0, destination = 0;
     uint16_t identification = 0;
     uint64_t fragments = 0;
-    size_t total = 0;  // bytes; 0 until the last fragment has come
+    size_t total_bytes = 0;  // bytes; 0 until the last fragment has come
     size_t units_present = 0;
-    size_t highest = 0;  // end of the furthest fragment, bytes
-    std::bitset<kUnits> present;
+    size_t max_end = 0;  // end of the furthest fragment, bytes
+    std::bitset<kMaxUnits> present;
     std::unique_ptr<uint8_t[]> bytes;
   };
   Slot* find(const Ipv4Fragment& fragment);
-  Slot& take(const Ipv4Fragment& fragment);
+  Slot& allocate_slot(const Ipv4Fragment& fragment);
   void drop(Slot& slot);
-  void drop_old(Stamp now);
+  void drop_expired(Stamp now);
 
   std::vector<Slot> slots_;
-  Duration age_;
+  Duration timeout_;
   uint64_t dropped_ = 0;
 };
 

@@ -9,9 +9,9 @@ namespace infuse::recording {
 namespace {
 
 constexpr size_t kMaxRings = 128;
-constexpr size_t kBins = 4096;            // of the histogram of azimuth steps
+constexpr size_t kHistogramBins = 4096;   // of the histogram of azimuth steps
 constexpr double kBinsPerTurn = 1 << 18;  // the widest step that is counted is a 64th of a turn
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kTwoPi = 2 * std::numbers::pi;
 
 // Where the rings begin: ring k is points starts[k] … starts[k + 1] − 1.
 struct RingStarts {
@@ -21,7 +21,7 @@ struct RingStarts {
 
 // Whether the azimuth (0 … 2π) falls by more than π from point i − 1 to i: from the right half
 // plane to the left one, by less than half a turn counter-clockwise. Exact: no trigonometry.
-bool wraps(const Sweep& sweep, size_t i) {
+bool azimuth_wraps(const Sweep& sweep, size_t i) {
   const float x0 = sweep.x[i - 1], y0 = sweep.y[i - 1], x1 = sweep.x[i], y1 = sweep.y[i];
   return y0 < 0 && y1 >= 0 &&
          static_cast<double>(x0) * static_cast<double>(y1) >
@@ -32,7 +32,7 @@ RingStarts find_rings(const Sweep& sweep) {
   RingStarts rings;
   rings.count = 1;
   for (size_t i = 1; i < sweep.size(); ++i) {
-    if (!wraps(sweep, i)) continue;
+    if (!azimuth_wraps(sweep, i)) continue;
     if (rings.count == kMaxRings) return {};
     rings.starts[rings.count++] = i;
   }
@@ -40,7 +40,7 @@ RingStarts find_rings(const Sweep& sweep) {
   return rings;
 }
 
-bool fall_from_the_top(const Sweep& sweep, const RingStarts& rings) {
+bool elevations_decrease(const Sweep& sweep, const RingStarts& rings) {
   size_t rising = 0;
   double previous = 0;
   for (size_t k = 0; k < rings.count; ++k) {
@@ -57,19 +57,19 @@ bool fall_from_the_top(const Sweep& sweep, const RingStarts& rings) {
   return rising * 10 <= rings.count;
 }
 
-double azimuth(const Sweep& sweep, size_t i) {
+double compute_azimuth(const Sweep& sweep, size_t i) {
   const double angle = std::atan2(static_cast<double>(sweep.y[i]), static_cast<double>(sweep.x[i]));
-  return angle < 0 ? angle + kTurn : angle;
+  return angle < 0 ? angle + kTwoPi : angle;
 }
 
 // Calls `use` with each step of azimuth to the next point of the same ring, in turns.
 template <class Use>
 void for_each_step(const Sweep& sweep, const RingStarts& rings, const Use& use) {
   for (size_t k = 0; k < rings.count; ++k) {
-    double last = azimuth(sweep, rings.starts[k]);
+    double last = compute_azimuth(sweep, rings.starts[k]);
     for (size_t i = rings.starts[k] + 1; i < rings.starts[k + 1]; ++i) {
-      const double next = azimuth(sweep, i);
-      use((next - last) / kTurn);
+      const double next = compute_azimuth(sweep, i);
+      use((next - last) / kTwoPi);
       last = next;
     }
   }
@@ -77,11 +77,11 @@ void for_each_step(const Sweep& sweep, const RingStarts& rings, const Use& use) 
 
 // Steps a turn: the median step by a histogram, then the mean of those near it. 0 where unknown.
 uint32_t count_columns(const Sweep& sweep, const RingStarts& rings) {
-  std::array<uint32_t, kBins> histogram{};
+  std::array<uint32_t, kHistogramBins> histogram{};
   uint64_t steps = 0;
   for_each_step(sweep, rings, [&](double step) {
     const double bin = step * kBinsPerTurn;
-    if (!(bin >= 1 && bin < static_cast<double>(kBins))) return;
+    if (!(bin >= 1 && bin < static_cast<double>(kHistogramBins))) return;
     ++histogram[static_cast<size_t>(bin)];
     ++steps;
   });
@@ -101,7 +101,7 @@ uint32_t count_columns(const Sweep& sweep, const RingStarts& rings) {
   return columns <= 65535 ? static_cast<uint32_t>(columns) : 0;
 }
 
-void forget_rings(Sweep& sweep) {
+void clear_rings(Sweep& sweep) {
   std::fill(sweep.ring.begin(), sweep.ring.end(), uint16_t{0});
   std::fill(sweep.column.begin(), sweep.column.end(), uint16_t{0});
   sweep.rings = 0;
@@ -110,7 +110,7 @@ void forget_rings(Sweep& sweep) {
 
 // Fills `ring`, `column`, `rings`, `columns`; false, and nothing, where the columns' width is not
 // to be found.
-bool number(Sweep& sweep, const RingStarts& rings) {
+bool assign_rings_and_columns(Sweep& sweep, const RingStarts& rings) {
   const uint32_t columns = count_columns(sweep, rings);
   if (columns == 0) return false;
 
@@ -119,7 +119,7 @@ bool number(Sweep& sweep, const RingStarts& rings) {
   for (size_t k = 0; k < rings.count; ++k) {
     const auto ring = static_cast<uint16_t>(rings.count - 1 - k);
     for (size_t i = rings.starts[k]; i < rings.starts[k + 1]; ++i) {
-      const double step = azimuth(sweep, i) / kTurn * columns;
+      const double step = compute_azimuth(sweep, i) / kTwoPi * columns;
       sweep.ring[i] = ring;
       sweep.column[i] = static_cast<uint16_t>(std::min(static_cast<uint32_t>(step), columns - 1));
     }
@@ -130,19 +130,20 @@ bool number(Sweep& sweep, const RingStarts& rings) {
 }  // namespace
 
 bool infer_rings(Sweep& sweep) {
-  forget_rings(sweep);
+  clear_rings(sweep);
   if (sweep.size() == 0) return false;
   const RingStarts rings = find_rings(sweep);
-  return rings.count >= 2 && fall_from_the_top(sweep, rings) && number(sweep, rings);
+  return rings.count >= 2 && elevations_decrease(sweep, rings) &&
+         assign_rings_and_columns(sweep, rings);
 }
 
-bool number_rings(Sweep& sweep, std::span<const size_t> starts) {
-  forget_rings(sweep);
+bool assign_rings(Sweep& sweep, std::span<const size_t> starts) {
+  clear_rings(sweep);
   if (starts.size() < 2 || starts.size() > kMaxRings + 1) return false;
   RingStarts rings;
   std::copy(starts.begin(), starts.end(), rings.starts.begin());
   rings.count = starts.size() - 1;
-  return number(sweep, rings);
+  return assign_rings_and_columns(sweep, rings);
 }
 
 }  // namespace infuse::recording

@@ -7,34 +7,34 @@
 namespace infuse::recording {
 namespace {
 
-constexpr uint16_t kEtherIpv4 = 0x0800;
+constexpr uint16_t kEtherTypeIpv4 = 0x0800;
 
 bool is_vlan_tag(uint16_t ether_type) {
   return ether_type == 0x8100 || ether_type == 0x88A8 || ether_type == 0x9100;
 }
 
 // `header` bytes, of which the EtherType stands at `type_at`; VLAN tags may follow the header.
-LinkPayload after_ether_type(std::span<const uint8_t> frame, size_t type_at, size_t header) {
-  if (frame.size() < header) return {LinkPayload::Kind::kShort, {}};
+LinkPayload parse_ether_type(std::span<const uint8_t> frame, size_t type_at, size_t header) {
+  if (frame.size() < header) return {LinkPayload::Kind::kTooShort, {}};
   uint16_t type = read_u16(frame, type_at);
   while (is_vlan_tag(type)) {
-    if (frame.size() < header + 4) return {LinkPayload::Kind::kShort, {}};
+    if (frame.size() < header + 4) return {LinkPayload::Kind::kTooShort, {}};
     type = read_u16(frame, header + 2);
     header += 4;
   }
-  if (type != kEtherIpv4) return {};
+  if (type != kEtherTypeIpv4) return {};
   return {LinkPayload::Kind::kIpv4, frame.subspan(header)};
 }
 
-LinkPayload raw_ip(std::span<const uint8_t> frame) {
-  if (frame.empty()) return {LinkPayload::Kind::kShort, {}};
+LinkPayload parse_raw_ip(std::span<const uint8_t> frame) {
+  if (frame.empty()) return {LinkPayload::Kind::kTooShort, {}};
   if (frame[0] >> 4 != 4) return {};
   return {LinkPayload::Kind::kIpv4, frame};
 }
 
 // The address family stands in four bytes of either order; AF_INET is 2 everywhere.
-LinkPayload bsd_loopback(std::span<const uint8_t> frame) {
-  if (frame.size() < 4) return {LinkPayload::Kind::kShort, {}};
+LinkPayload parse_bsd_loopback(std::span<const uint8_t> frame) {
+  if (frame.size() < 4) return {LinkPayload::Kind::kTooShort, {}};
   const uint32_t family = read_u32(frame, 0);
   if (family != 2 && family != 0x0200'0000) return {};
   return {LinkPayload::Kind::kIpv4, frame.subspan(4)};
@@ -42,7 +42,7 @@ LinkPayload bsd_loopback(std::span<const uint8_t> frame) {
 
 }  // namespace
 
-bool link_type_known(int link_type) {
+bool is_supported_link_type(int link_type) {
   switch (link_type) {
     case DLT_EN10MB:
     case DLT_LINUX_SLL:
@@ -60,17 +60,17 @@ bool link_type_known(int link_type) {
 LinkPayload find_ipv4(int link_type, std::span<const uint8_t> frame) {
   switch (link_type) {
     case DLT_EN10MB:
-      return after_ether_type(frame, 12, 14);
+      return parse_ether_type(frame, 12, 14);
     case DLT_LINUX_SLL:
-      return after_ether_type(frame, 14, 16);
+      return parse_ether_type(frame, 14, 16);
     case DLT_LINUX_SLL2:
-      return after_ether_type(frame, 0, 20);
+      return parse_ether_type(frame, 0, 20);
     case DLT_RAW:
     case DLT_IPV4:
-      return raw_ip(frame);
+      return parse_raw_ip(frame);
     case DLT_NULL:
     case DLT_LOOP:
-      return bsd_loopback(frame);
+      return parse_bsd_loopback(frame);
     default:
       return {};
   }

@@ -7,14 +7,14 @@ namespace infuse::recording {
 
 /// Whether `find_ipv4` knows the link type (libpcap's DLT_ numbers): Ethernet, Linux cooked v1 and
 /// v2, raw IP, BSD loopback.
-bool link_type_known(int link_type);
+bool is_supported_link_type(int link_type);
 
 /// What a captured frame carries.
 struct LinkPayload {
   enum class Kind {
-    kIpv4,   ///< `packet` begins with an IPv4 header
-    kOther,  ///< ARP, IPv6 …
-    kShort,  ///< ends before that can be told
+    kIpv4,      ///< `packet` begins with an IPv4 header
+    kOther,     ///< ARP, IPv6 …
+    kTooShort,  ///< ends before that can be told
   };
   Kind kind = Kind::kOther;
   std::span<const uint8_t> packet;

@@ -20,8 +20,8 @@ class LocalFrame {
   Eigen::Vector3d to_geodetic(const Eigen::Vector3d& local) const;
 
  private:
-  Eigen::Vector3d origin_;  ///< earth-centred, m
-  Eigen::Matrix3d R_local_earth_;
+  Eigen::Vector3d origin_ecef_;  ///< earth-centred, m
+  Eigen::Matrix3d R_local_ecef_;
 };
 
 }  // namespace infuse::recording

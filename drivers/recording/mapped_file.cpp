@@ -26,7 +26,9 @@ class Descriptor {
   int number_;
 };
 
-std::string reason(const char* what) { return std::string(what) + ": " + std::strerror(errno); }
+std::string errno_message(const char* what) {
+  return std::string(what) + ": " + std::strerror(errno);
+}
 
 bool write_all(int file, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
@@ -47,31 +49,35 @@ MappedFile::~MappedFile() {
 Result<MappedFile> MappedFile::open(const std::filesystem::path& path) {
   // O_NONBLOCK: a pipe must not keep us waiting, it is refused below.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (file.number() < 0) return fail(reason("cannot be opened"), path.string());
+  if (file.number() < 0) return fail(errno_message("cannot be opened"), path.string());
   struct stat status {};
-  if (::fstat(file.number(), &status) != 0) return fail(reason("cannot be read"), path.string());
+  if (::fstat(file.number(), &status) != 0)
+    return fail(errno_message("cannot be read"), path.string());
   if (!S_ISREG(status.st_mode)) return fail("is no file", path.string());
   if (status.st_size <= 0) return fail("is empty", path.string());
   const auto size = static_cast<size_t>(status.st_size);
   void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
-  if (memory == MAP_FAILED) return fail(reason("cannot be mapped"), path.string());
+  if (memory == MAP_FAILED) return fail(errno_message("cannot be mapped"), path.string());
   MappedFile mapped;
   mapped.bytes_ = {static_cast<const std::byte*>(memory), size};
   return mapped;
 }
 
-Result<void> write_whole(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  std::string beside = path.string() + ".XXXXXX";
-  const Descriptor file(::mkostemp(beside.data(), O_CLOEXEC));
+Result<void> write_file_atomically(const std::filesystem::path& path,
+                                   std::span<const std::byte> bytes) {
+  std::string temporary = path.string() + ".XXXXXX";
+  const Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
   if (file.number() < 0) {
-    return fail(reason("cannot be written"), path.string(), "is the folder there and writable?");
+    return fail(errno_message("cannot be written"), path.string(),
+                "is the folder there and writable?");
   }
-  const bool whole = ::fchmod(file.number(), 0644) == 0 && write_all(file.number(), bytes) &&
-                     ::fsync(file.number()) == 0 && ::rename(beside.c_str(), path.c_str()) == 0;
-  if (whole) return {};
-  const std::string why = reason("cannot be written");
-  ::unlink(beside.c_str());
-  return fail(why, path.string(), "is the disk full?");
+  const bool succeeded = ::fchmod(file.number(), 0644) == 0 && write_all(file.number(), bytes) &&
+                         ::fsync(file.number()) == 0 &&
+                         ::rename(temporary.c_str(), path.c_str()) == 0;
+  if (succeeded) return {};
+  const std::string message = errno_message("cannot be written");
+  ::unlink(temporary.c_str());
+  return fail(message, path.string(), "is the disk full?");
 }
 
 }  // namespace infuse::recording

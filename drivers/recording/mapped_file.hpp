@@ -10,7 +10,7 @@
 namespace infuse::recording {
 
 /// A file in memory, read when it is touched. It must not be cut while it is mapped; files that are
-/// replaced whole (`write_whole`) may be.
+/// replaced whole (`write_file_atomically`) may be.
 class MappedFile {
  public:
   /// Nothing mapped.
@@ -33,6 +33,7 @@ class MappedFile {
 
 /// Writes a file beside `path`, flushes it to the disk and renames it into place: whoever reads
 /// `path` finds the old file or the new one, whole.
-Result<void> write_whole(const std::filesystem::path& path, std::span<const std::byte> bytes);
+Result<void> write_file_atomically(const std::filesystem::path& path,
+                                   std::span<const std::byte> bytes);
 
 }  // namespace infuse::recording

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "drivers/recording/candump_stamp.hpp"
-#include "drivers/recording/csv_reader.hpp"
+#include "drivers/text/csv_reader.hpp"
 
 namespace infuse::recording {
 
@@ -27,7 +27,7 @@ std::optional<std::vector<double>> parse_numbers(std::string_view text) {
 std::optional<Stamp> parse_seconds(std::string_view text) {
   std::string in_parentheses = "(";
   in_parentheses.append(text).append(")");
-  if (const auto stamp = candump_stamp(in_parentheses)) return stamp;
+  if (const auto stamp = parse_candump_stamp(in_parentheses)) return stamp;
   const auto seconds = parse_number(text);
   if (!seconds || *seconds < 0 || *seconds > 9e9) return std::nullopt;
   return Stamp() + from_seconds(*seconds);

@@ -14,15 +14,15 @@
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kFileBuffer = 1 << 18;
+constexpr size_t kFileBufferBytes = 1 << 18;
 
 // Both saturate: the seconds of a damaged file can be anything.
-Stamp stamp_of(const timeval& time) {
+Stamp to_stamp(const timeval& time) {
   int64_t ns = 0;
   if (__builtin_mul_overflow(static_cast<int64_t>(time.tv_sec), int64_t{1'000'000'000}, &ns)) {
     return time.tv_sec > 0 ? Stamp::latest() : Stamp::earliest();
   }
-  return Stamp::from_ns(ns) + Duration(time.tv_usec);  // nanoseconds, as asked for at opening
+  return Stamp::from_ns(ns) + Duration(time.tv_usec);  // nanoseconds, as requested at opening
 }
 
 bool passes(const std::vector<uint16_t>& ports, uint16_t port) {
@@ -36,8 +36,8 @@ bool passes(const std::vector<uint32_t>& senders, uint32_t sender) {
 }  // namespace
 
 std::optional<std::string> PcapOptions::invalid() const {
-  if (fragmented_datagrams > 1024) return "fragmented_datagrams must be at most 1024";
-  if (fragment_age < Duration::zero()) return "fragment_age must not be negative";
+  if (max_fragmented_datagrams > 1024) return "max_fragmented_datagrams must be at most 1024";
+  if (fragment_timeout < Duration::zero()) return "fragment_timeout must not be negative";
   return std::nullopt;
 }
 
@@ -48,14 +48,15 @@ struct PcapReader::State {
         options(std::move(filter)),
         buffer(std::move(file_buffer)),
         pcap(handle),
-        decoder(pcap_datalink(handle), options.fragmented_datagrams, options.fragment_age) {}
+        decoder(pcap_datalink(handle), options.max_fragmented_datagrams, options.fragment_timeout) {
+  }
   ~State() { pcap_close(pcap); }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
   static Result<PcapReader> make(FILE* file, const std::string& name, const PcapOptions& options);
-  void end(int status);
-  void count(FrameOutcome outcome);
+  void stop_reading(int status);
+  void count_outcome(FrameOutcome outcome);
 
   std::string name;
   PcapOptions options;
@@ -70,8 +71,8 @@ struct PcapReader::State {
 
 Result<PcapReader> PcapReader::State::make(FILE* file, const std::string& name,
                                            const PcapOptions& options) {
-  auto buffer = std::make_unique_for_overwrite<char[]>(kFileBuffer);
-  std::setvbuf(file, buffer.get(), _IOFBF, kFileBuffer);
+  auto buffer = std::make_unique_for_overwrite<char[]>(kFileBufferBytes);
+  std::setvbuf(file, buffer.get(), _IOFBF, kFileBufferBytes);
   std::array<char, PCAP_ERRBUF_SIZE> reason{};
   pcap_t* pcap =
       pcap_fopen_offline_with_tstamp_precision(file, PCAP_TSTAMP_PRECISION_NANO, reason.data());
@@ -82,7 +83,7 @@ Result<PcapReader> PcapReader::State::make(FILE* file, const std::string& name,
   }
   auto state = std::make_unique<State>(name, options, pcap, std::move(buffer));
   const int link_type = pcap_datalink(pcap);
-  if (!link_type_known(link_type)) {
+  if (!is_supported_link_type(link_type)) {
     const char* link_name = pcap_datalink_val_to_name(link_type);
     return fail("link type " + std::to_string(link_type) + " (" +
                     (link_name != nullptr ? link_name : "unknown") + ") is not supported",
@@ -92,7 +93,7 @@ Result<PcapReader> PcapReader::State::make(FILE* file, const std::string& name,
   return PcapReader(std::move(state));
 }
 
-void PcapReader::State::end(int status) {
+void PcapReader::State::stop_reading(int status) {
   ended = true;
   decoder.finish();
   if (status == PCAP_ERROR_BREAK) return;  // the end of the file
@@ -105,13 +106,13 @@ void PcapReader::State::end(int status) {
             "what comes before was read; it was probably cut off while being written or copied"};
 }
 
-void PcapReader::State::count(FrameOutcome outcome) {
+void PcapReader::State::count_outcome(FrameOutcome outcome) {
   switch (outcome) {
     case FrameOutcome::kNotUdp:
       ++counters.not_udp;
       break;
-    case FrameOutcome::kSnapped:
-      ++counters.snapped;
+    case FrameOutcome::kTruncated:
+      ++counters.truncated;
       break;
     case FrameOutcome::kMalformed:
       ++counters.malformed;
@@ -155,14 +156,14 @@ bool PcapReader::next(Datagram& datagram) {
     const u_char* bytes = nullptr;
     const int status = pcap_next_ex(s.pcap, &header, &bytes);
     if (status != 1) {
-      s.end(status);
+      s.stop_reading(status);
       break;
     }
     s.offset = ftello(pcap_file(s.pcap));
     ++s.counters.packets;
     const FrameOutcome outcome =
-        s.decoder.decode(stamp_of(header->ts), {bytes, header->caplen}, header->len, datagram);
-    s.count(outcome);
+        s.decoder.decode(to_stamp(header->ts), {bytes, header->caplen}, header->len, datagram);
+    s.count_outcome(outcome);
     if (outcome != FrameOutcome::kDatagram) continue;
     if (passes(s.options.ports, datagram.destination_port) &&
         passes(s.options.senders, datagram.sender)) {

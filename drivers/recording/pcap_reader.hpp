@@ -15,10 +15,11 @@ namespace infuse::recording {
 
 /// Which datagrams of a capture are handed out, and how much may wait for missing fragments.
 struct PcapOptions {
-  std::vector<uint16_t> ports;            ///< UDP destination ports; empty: all
-  std::vector<uint32_t> senders;          ///< IPv4 addresses, host byte order; empty: all
-  size_t fragmented_datagrams = 16;       ///< put together at the same time, 64 KiB each
-  Duration fragment_age{30'000'000'000};  ///< ns; a datagram that is not whole by then is dropped
+  std::vector<uint16_t> ports;           ///< UDP destination ports; empty: all
+  std::vector<uint32_t> senders;         ///< IPv4 addresses, host byte order; empty: all
+  size_t max_fragmented_datagrams = 16;  ///< put together at the same time, 64 KiB each
+  Duration fragment_timeout{
+      30'000'000'000};  ///< ns; a datagram that is not whole by then is dropped
 
   /// What is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
@@ -31,7 +32,7 @@ struct PcapCounters {
   uint64_t datagrams = 0;  ///< handed out
   uint64_t filtered = 0;   ///< whole UDP datagrams that the options leave out
   uint64_t not_udp = 0;    ///< ARP, TCP, IPv6 …
-  uint64_t snapped = 0;    ///< captured short (tcpdump -s): the rest of the datagram is lost
+  uint64_t truncated = 0;  ///< captured short (tcpdump -s): the rest of the datagram is lost
   uint64_t malformed = 0;  ///< lengths that contradict each other
   uint64_t fragments = 0;  ///< IPv4 fragments seen
   uint64_t fragments_dropped = 0;  ///< of these, such as never became whole

@@ -14,11 +14,11 @@
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kHeaders = 14 + 20 + 8;
-constexpr size_t kMaxPayload = 65535 - 20 - 8;
+constexpr size_t kHeaderBytes = 14 + 20 + 8;
+constexpr size_t kMaxPayloadBytes = 65535 - 20 - 8;
 constexpr int kSnapLength = 262144;
 constexpr int64_t kNsPerSecond = 1'000'000'000;
-constexpr uint64_t kFileHeader = 24, kRecordHeader = 16;
+constexpr uint64_t kFileHeaderBytes = 24, kRecordHeaderBytes = 16;
 
 void put_u16(std::vector<uint8_t>& frame, size_t at, size_t value) {
   frame[at] = static_cast<uint8_t>(value >> 8);
@@ -44,7 +44,7 @@ uint16_t header_checksum(const std::vector<uint8_t>& frame) {
 struct PcapWriter::State {
   State(std::string name, pcap_t* handle, pcap_dumper_t* out)
       : path(std::move(name)), pcap(handle), dumper(out) {
-    frame.reserve(kHeaders + kMaxPayload);
+    frame.reserve(kHeaderBytes + kMaxPayloadBytes);
   }
   ~State() {
     if (dumper != nullptr) pcap_dump_close(dumper);
@@ -54,29 +54,29 @@ struct PcapWriter::State {
   State& operator=(const State&) = delete;
 
   void build_frame(const Datagram& datagram, uint32_t receiver);
-  tl::unexpected<Error> give_up(int reason);
+  tl::unexpected<Error> close_and_truncate(int reason);
 
   std::string path;
   pcap_t* pcap;
   pcap_dumper_t* dumper;
   uint16_t identification = 0;
-  uint64_t bytes = kFileHeader;
-  uint64_t flushed = 0;  // bytes that the system has taken
+  uint64_t bytes = kFileHeaderBytes;
+  uint64_t flushed_bytes = 0;  // bytes that the system has taken
   std::vector<uint8_t> frame;
 };
 
 // What libpcap still holds may reach the file in part: it is closed first, and then cut.
-tl::unexpected<Error> PcapWriter::State::give_up(int reason) {
+tl::unexpected<Error> PcapWriter::State::close_and_truncate(int reason) {
   pcap_dump_close(std::exchange(dumper, nullptr));
   std::error_code ignored;
-  std::filesystem::resize_file(path, flushed, ignored);
+  std::filesystem::resize_file(path, flushed_bytes, ignored);
   return fail(std::string("cannot be written: ") + std::strerror(reason), path,
               "is the disk full?");
 }
 
 void PcapWriter::State::build_frame(const Datagram& datagram, uint32_t receiver) {
   const size_t payload = datagram.payload.size();
-  frame.assign(kHeaders, 0);
+  frame.assign(kHeaderBytes, 0);
   std::fill_n(frame.begin(), 6, uint8_t{0xFF});              // to everyone
   const std::array<uint8_t, 3> vendor = {0x60, 0x76, 0x88};  // Velodyne's
   std::copy(vendor.begin(), vendor.end(), frame.begin() + 6);
@@ -117,7 +117,7 @@ PcapWriter::~PcapWriter() = default;
 Result<void> PcapWriter::write(const Datagram& datagram, uint32_t receiver) {
   State& s = *state_;
   if (s.dumper == nullptr) return fail("is closed already", s.path);
-  if (datagram.payload.size() > kMaxPayload) {
+  if (datagram.payload.size() > kMaxPayloadBytes) {
     return fail("a payload of " + std::to_string(datagram.payload.size()) +
                     " bytes does not fit a UDP datagram",
                 s.path);
@@ -132,8 +132,8 @@ Result<void> PcapWriter::write(const Datagram& datagram, uint32_t receiver) {
   header.ts.tv_usec = ns % kNsPerSecond;  // nanoseconds: the precision of the file
   header.caplen = header.len = static_cast<bpf_u_int32>(s.frame.size());
   pcap_dump(reinterpret_cast<u_char*>(s.dumper), &header, s.frame.data());
-  if (std::ferror(pcap_dump_file(s.dumper)) != 0) return s.give_up(errno);
-  s.bytes += kRecordHeader + s.frame.size();
+  if (std::ferror(pcap_dump_file(s.dumper)) != 0) return s.close_and_truncate(errno);
+  s.bytes += kRecordHeaderBytes + s.frame.size();
   return {};
 }
 
@@ -142,8 +142,8 @@ uint64_t PcapWriter::bytes() const { return state_->bytes; }
 Result<void> PcapWriter::flush() {
   State& s = *state_;
   if (s.dumper == nullptr) return fail("is closed already", s.path);
-  if (pcap_dump_flush(s.dumper) != 0) return s.give_up(errno);
-  s.flushed = s.bytes;
+  if (pcap_dump_flush(s.dumper) != 0) return s.close_and_truncate(errno);
+  s.flushed_bytes = s.bytes;
   return {};
 }
 

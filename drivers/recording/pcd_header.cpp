@@ -8,13 +8,13 @@
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kMostFields = 64;
-constexpr size_t kMostValues = 1024;  // a point
-constexpr size_t kMostPoints = 4'000'000;
-constexpr size_t kMostLines = 100;
-constexpr size_t kLongestLine = 4096;
+constexpr size_t kMaxFields = 64;
+constexpr size_t kMaxValuesPerPoint = 1024;  // a point
+constexpr size_t kMaxPoints = 4'000'000;
+constexpr size_t kMaxHeaderLines = 100;
+constexpr size_t kMaxLineBytes = 4096;
 
-std::vector<std::string_view> words_of(std::string_view line) {
+std::vector<std::string_view> split_words(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r";
   std::vector<std::string_view> words;
   for (;;) {
@@ -27,19 +27,19 @@ std::vector<std::string_view> words_of(std::string_view line) {
   }
 }
 
-std::optional<size_t> whole_number(std::string_view word, size_t most) {
+std::optional<size_t> parse_unsigned(std::string_view word, size_t max_value) {
   size_t value = 0;
   const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (failed != std::errc() || end != word.data() + word.size() || value > most) {
+  if (failed != std::errc() || end != word.data() + word.size() || value > max_value) {
     return std::nullopt;
   }
   return value;
 }
 
-std::optional<PcdData> data_of(std::string_view word) {
+std::optional<PcdData> parse_data(std::string_view word) {
   if (word == "ascii") return PcdData::kAscii;
   if (word == "binary") return PcdData::kBinary;
-  if (word == "binary_compressed") return PcdData::kCompressed;
+  if (word == "binary_compressed") return PcdData::kBinaryCompressed;
   return std::nullopt;
 }
 
@@ -47,20 +47,20 @@ std::optional<PcdData> data_of(std::string_view word) {
 class HeaderReader {
  public:
   /// What is wrong with a line, or an empty text.
-  std::string read(std::span<const std::string_view> words) {
+  std::string read_line(std::span<const std::string_view> words) {
     const std::string_view key = words.front();
     const auto values = words.subspan(1);
     if (key == "FIELDS" || key == "COLUMNS") return read_fields(values);
     if (key == "SIZE" || key == "TYPE" || key == "COUNT") return read_each(key, values);
     if (key == "WIDTH" || key == "HEIGHT" || key == "POINTS") {
       const auto number =
-          values.size() == 1 ? whole_number(values[0], kMostPoints) : std::optional<size_t>();
-      if (!number) return "must be one number up to " + std::to_string(kMostPoints);
+          values.size() == 1 ? parse_unsigned(values[0], kMaxPoints) : std::optional<size_t>();
+      if (!number) return "must be one number up to " + std::to_string(kMaxPoints);
       (key == "WIDTH" ? width_ : key == "HEIGHT" ? height_ : points_) = *number;
       return {};
     }
     if (key == "DATA") {
-      const auto data = values.size() == 1 ? data_of(values[0]) : std::optional<PcdData>();
+      const auto data = values.size() == 1 ? parse_data(values[0]) : std::optional<PcdData>();
       if (!data) return "must be ascii, binary or binary_compressed";
       header_.data = *data;
       return finish();
@@ -73,8 +73,8 @@ class HeaderReader {
 
  private:
   std::string read_fields(std::span<const std::string_view> names) {
-    if (names.empty() || names.size() > kMostFields) {
-      return "must name 1 to " + std::to_string(kMostFields) + " fields";
+    if (names.empty() || names.size() > kMaxFields) {
+      return "must name 1 to " + std::to_string(kMaxFields) + " fields";
     }
     header_.fields.clear();
     for (const std::string_view name : names) header_.fields.push_back({.name = std::string(name)});
@@ -90,7 +90,7 @@ class HeaderReader {
         field.type = words[i][0];
         continue;
       }
-      const auto number = whole_number(words[i], kMostValues);
+      const auto number = parse_unsigned(words[i], kMaxValuesPerPoint);
       if (!number || *number == 0) return "must be numbers from 1";
       (key == "SIZE" ? field.size : field.count) = *number;
     }
@@ -107,7 +107,7 @@ class HeaderReader {
       }
       values += field.count;
     }
-    if (values > kMostValues) return "follows fields of more than 1024 values a point";
+    if (values > kMaxValuesPerPoint) return "follows fields of more than 1024 values a point";
     if (!points_ && !width_) return "comes before POINTS";
     header_.points = points_ ? *points_ : *width_;
     const size_t shape = width_ ? *width_ * height_.value_or(1) : header_.points;
@@ -139,21 +139,21 @@ int PcdHeader::find(std::initializer_list<std::string_view> names) const {
 Result<PcdHeader> parse_pcd_header(std::string_view bytes) {
   HeaderReader reader;
   size_t at = 0;
-  for (size_t number = 1; number <= kMostLines; ++number) {
-    const size_t length = bytes.substr(at, kLongestLine).find('\n');
+  for (size_t number = 1; number <= kMaxHeaderLines; ++number) {
+    const size_t length = bytes.substr(at, kMaxLineBytes).find('\n');
     const std::string where = "line " + std::to_string(number);
     if (length == std::string_view::npos) {
       return fail("the head has no DATA line", where, "a PCD file is expected");
     }
-    const auto words = words_of(bytes.substr(at, length));
+    const auto words = split_words(bytes.substr(at, length));
     at += length + 1;
     if (words.empty() || words.front().starts_with('#')) continue;
-    if (std::string wrong = reader.read(words); !wrong.empty()) {
+    if (std::string wrong = reader.read_line(words); !wrong.empty()) {
       return fail(std::string(words.front().substr(0, 32)) + " " + wrong, where);
     }
     if (words.front() != "DATA") continue;
     PcdHeader header = reader.header();
-    header.length = at;
+    header.data_offset = at;
     return header;
   }
   return fail("the head has more than 100 lines", {}, "a PCD file is expected");

@@ -21,14 +21,14 @@ struct PcdField {
 };
 
 /// How the points are written.
-enum class PcdData { kAscii, kBinary, kCompressed };
+enum class PcdData { kAscii, kBinary, kBinaryCompressed };
 
 /// What the head of a PCD file says (Point Cloud Library, version 0.7 and before).
 struct PcdHeader {
   std::vector<PcdField> fields;
   size_t points = 0;
   PcdData data = PcdData::kAscii;
-  size_t length = 0;  ///< bytes of the head: where the points begin
+  size_t data_offset = 0;  ///< bytes of the head: where the points begin
 
   size_t point_bytes() const;
   /// Index of the first of the names that is a field of one value, or −1.

@@ -21,9 +21,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "PCD files are little-endian");
 
-constexpr size_t kMostBytes = 256 << 20;  // unpacked
-constexpr size_t kMostRings = 128;
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr size_t kMaxBytes = 256 << 20;  // unpacked
+constexpr size_t kMaxRings = 128;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// The fields of interest, each a point's x, y, z, intensity, ring; empty where there is none.
 using Columns = std::array<std::vector<double>, 5>;
@@ -51,17 +51,17 @@ double read_value(const char* at, const PcdField& field) {
 }
 
 /// Which fields of the file are the columns; −1: none.
-using Chosen = std::array<int, 5>;
+using FieldIndices = std::array<int, 5>;
 
 /// Values of a block of points: field f of point i lies at begin[f] + i · step[f].
-void read_columns(const char* bytes, const PcdHeader& header, const Chosen& chosen,
+void read_columns(const char* bytes, const PcdHeader& header, const FieldIndices& field_indices,
                   bool field_after_field, Columns& columns) {
   size_t begin = 0;
   for (size_t f = 0; f < header.fields.size(); ++f) {
     const PcdField& field = header.fields[f];
     const size_t step = field_after_field ? field.bytes() : header.point_bytes();
-    for (size_t c = 0; c < chosen.size(); ++c) {
-      if (chosen[c] != static_cast<int>(f)) continue;
+    for (size_t c = 0; c < field_indices.size(); ++c) {
+      if (field_indices[c] != static_cast<int>(f)) continue;
       columns[c].resize(header.points);
       for (size_t i = 0; i < header.points; ++i) {
         columns[c][i] = read_value(bytes + begin + i * step, field);
@@ -71,19 +71,19 @@ void read_columns(const char* bytes, const PcdHeader& header, const Chosen& chos
   }
 }
 
-Result<void> read_binary(std::string_view points, const PcdHeader& header, const Chosen& chosen,
-                         Columns& columns) {
+Result<void> read_binary(std::string_view points, const PcdHeader& header,
+                         const FieldIndices& field_indices, Columns& columns) {
   const size_t length = header.points * header.point_bytes();
   if (points.size() < length) {
     return fail("ends after " + std::to_string(points.size()) + " of " + std::to_string(length) +
                 " bytes of points");
   }
-  read_columns(points.data(), header, chosen, false, columns);
+  read_columns(points.data(), header, field_indices, false, columns);
   return {};
 }
 
-Result<void> read_compressed(std::string_view points, const PcdHeader& header, const Chosen& chosen,
-                             Columns& columns) {
+Result<void> read_compressed(std::string_view points, const PcdHeader& header,
+                             const FieldIndices& field_indices, Columns& columns) {
   if (points.size() < 8) return fail("ends before its packed points");
   std::array<uint32_t, 2> sizes{};
   std::memcpy(sizes.data(), points.data(), 8);
@@ -96,16 +96,17 @@ Result<void> read_compressed(std::string_view points, const PcdHeader& header, c
   if (sizes[0] > points.size()) return fail("ends within its packed points");
   // Three bytes give at most 264: what cannot come out is not made room for.
   if (length / 88 > sizes[0]) return fail("has packed points that do not unpack");
-  std::vector<uint8_t> unpacked(length);
-  if (!unpack_lzf({reinterpret_cast<const uint8_t*>(points.data()), sizes[0]}, unpacked)) {
+  std::vector<uint8_t> decompressed(length);
+  if (!decompress_lzf({reinterpret_cast<const uint8_t*>(points.data()), sizes[0]}, decompressed)) {
     return fail("has packed points that do not unpack");
   }
-  read_columns(reinterpret_cast<const char*>(unpacked.data()), header, chosen, true, columns);
+  read_columns(reinterpret_cast<const char*>(decompressed.data()), header, field_indices, true,
+               columns);
   return {};
 }
 
 /// Takes the next word, or gives an empty one at the end of the line.
-std::string_view take_word(std::string_view& line) {
+std::string_view consume_word(std::string_view& line) {
   constexpr std::string_view kBlanks = " \t\r";
   line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
   const std::string_view word = line.substr(0, std::min(line.find_first_of(kBlanks), line.size()));
@@ -114,17 +115,17 @@ std::string_view take_word(std::string_view& line) {
 }
 
 /// The number, or nothing where it is none.
-bool parse(std::string_view word, double& value) {
+bool parse_value(std::string_view word, double& value) {
   const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (failed == std::errc::result_out_of_range) value = kNothing;
+  if (failed == std::errc::result_out_of_range) value = kNan;
   return failed != std::errc::invalid_argument && end == word.data() + word.size();
 }
 
-Result<void> read_ascii(std::string_view text, const PcdHeader& header, const Chosen& chosen,
-                        Columns& columns) {
+Result<void> read_ascii(std::string_view text, const PcdHeader& header,
+                        const FieldIndices& field_indices, Columns& columns) {
   if (text.size() < 2 * header.points) return fail("ends within its points");
-  for (size_t c = 0; c < chosen.size(); ++c) {
-    if (chosen[c] >= 0) columns[c].resize(header.points);
+  for (size_t c = 0; c < field_indices.size(); ++c) {
+    if (field_indices[c] >= 0) columns[c].resize(header.points);
   }
   for (size_t i = 0; i < header.points; ++i) {
     const size_t length = std::min(text.find('\n'), text.size());
@@ -133,11 +134,11 @@ Result<void> read_ascii(std::string_view text, const PcdHeader& header, const Ch
     for (size_t f = 0; f < header.fields.size(); ++f) {
       for (size_t k = 0; k < header.fields[f].count; ++k) {
         double value = 0;
-        if (!parse(take_word(line), value)) {
+        if (!parse_value(consume_word(line), value)) {
           return fail("point " + std::to_string(i) + " has no number for " + header.fields[f].name);
         }
-        for (size_t c = 0; c < chosen.size(); ++c) {
-          if (chosen[c] == static_cast<int>(f)) columns[c][i] = value;
+        for (size_t c = 0; c < field_indices.size(); ++c) {
+          if (field_indices[c] == static_cast<int>(f)) columns[c][i] = value;
         }
       }
     }
@@ -146,18 +147,19 @@ Result<void> read_ascii(std::string_view text, const PcdHeader& header, const Ch
 }
 
 /// What intensities are to be divided by.
-double full_scale(const std::vector<double>& intensity) {
-  double most = 0;
-  for (const double value : intensity) most = std::isfinite(value) ? std::max(most, value) : most;
-  return most <= 1 ? 1 : most <= 255 ? 255 : 65535;
+double find_intensity_scale(const std::vector<double>& intensity) {
+  double max_intensity = 0;
+  for (const double value : intensity)
+    max_intensity = std::isfinite(value) ? std::max(max_intensity, value) : max_intensity;
+  return max_intensity <= 1 ? 1 : max_intensity <= 255 ? 255 : 65535;
 }
 
 /// The points that are returns, in the order given.
-void take_returns(const Columns& columns, std::span<const uint32_t> order, Sweep& sweep) {
+void fill_sweep(const Columns& columns, std::span<const uint32_t> order, Sweep& sweep) {
   sweep.clear();
   sweep.has_times = false;
   sweep.resize(order.size());
-  const double scale = full_scale(columns[3]);
+  const double scale = find_intensity_scale(columns[3]);
   for (size_t k = 0; k < order.size(); ++k) {
     const uint32_t i = order[k];
     const auto x = static_cast<float>(columns[0][i]);
@@ -196,7 +198,7 @@ std::vector<size_t> sort_by_ring(const Columns& columns, std::vector<uint32_t>& 
   for (const uint32_t i : order) {
     if (!std::isfinite(columns[4][i])) return {};
     Ring& ring = rings[columns[4][i]];
-    if (rings.size() > kMostRings) return {};
+    if (rings.size() > kMaxRings) return {};
     const double range = std::hypot(columns[0][i], columns[1][i], columns[2][i]);
     ring.sine += columns[2][i] / range;
     ++ring.returns;
@@ -213,13 +215,13 @@ std::vector<size_t> sort_by_ring(const Columns& columns, std::vector<uint32_t>& 
     from_top[k]->from_top = k;
     starts.push_back(starts.back() + from_top[k]->returns);
   }
-  std::vector<std::pair<size_t, double>> place(columns[0].size());
+  std::vector<std::pair<size_t, double>> sort_key(columns[0].size());
   for (const uint32_t i : order) {
     const double azimuth = std::atan2(columns[1][i], columns[0][i]);
-    place[i] = {rings[columns[4][i]].from_top, azimuth < 0 ? azimuth + 2 * M_PI : azimuth};
+    sort_key[i] = {rings[columns[4][i]].from_top, azimuth < 0 ? azimuth + 2 * M_PI : azimuth};
   }
   std::stable_sort(order.begin(), order.end(),
-                   [&](uint32_t a, uint32_t b) { return place[a] < place[b]; });
+                   [&](uint32_t a, uint32_t b) { return sort_key[a] < sort_key[b]; });
   return starts;
 }
 
@@ -228,19 +230,21 @@ std::vector<size_t> sort_by_ring(const Columns& columns, std::vector<uint32_t>& 
 Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep) {
   const auto header = parse_pcd_header(bytes);
   if (!header) return tl::unexpected(header.error());
-  const Chosen chosen = {header->find({"x"}), header->find({"y"}), header->find({"z"}),
-                         header->find({"intensity", "reflectivity", "reflectance", "i"}),
-                         header->find({"ring", "channel", "laser", "beam"})};
-  if (chosen[0] < 0 || chosen[1] < 0 || chosen[2] < 0) return fail("has no fields x, y and z");
-  if (header->points * header->point_bytes() > kMostBytes) {
+  const FieldIndices field_indices = {
+      header->find({"x"}), header->find({"y"}), header->find({"z"}),
+      header->find({"intensity", "reflectivity", "reflectance", "i"}),
+      header->find({"ring", "channel", "laser", "beam"})};
+  if (field_indices[0] < 0 || field_indices[1] < 0 || field_indices[2] < 0)
+    return fail("has no fields x, y and z");
+  if (header->points * header->point_bytes() > kMaxBytes) {
     return fail("has more than 256 MiB of points");
   }
-  const std::string_view points = bytes.substr(header->length);
+  const std::string_view points = bytes.substr(header->data_offset);
   Columns columns;
-  const auto read = header->data == PcdData::kAscii ? read_ascii(points, *header, chosen, columns)
-                    : header->data == PcdData::kBinary
-                        ? read_binary(points, *header, chosen, columns)
-                        : read_compressed(points, *header, chosen, columns);
+  const auto read =
+      header->data == PcdData::kAscii    ? read_ascii(points, *header, field_indices, columns)
+      : header->data == PcdData::kBinary ? read_binary(points, *header, field_indices, columns)
+                                         : read_compressed(points, *header, field_indices, columns);
   if (!read) return read;
   std::vector<uint32_t> order;
   for (uint32_t i = 0; i < header->points; ++i) {
@@ -248,8 +252,8 @@ Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep) {
   }
   std::vector<size_t> rings;
   if (!columns[4].empty() && !order.empty()) rings = sort_by_ring(columns, order);
-  take_returns(columns, order, sweep);
-  if (rings.empty() || !number_rings(sweep, rings)) infer_rings(sweep);
+  fill_sweep(columns, order, sweep);
+  if (rings.empty() || !assign_rings(sweep, rings)) infer_rings(sweep);
   return {};
 }
 

@@ -5,16 +5,16 @@
 namespace infuse::recording {
 
 std::optional<Eigen::Isometry3d> to_rigid(const Eigen::Matrix4d& matrix) {
-  constexpr double kPrinted = 1e-3, kExact = 1e-12;
+  constexpr double kMaxRotationError = 1e-3, kExactRotationError = 1e-12;
   if (!matrix.allFinite() || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) return std::nullopt;
   const Eigen::Matrix3d given = matrix.topLeftCorner<3, 3>();
-  const double deviation =
+  const double rotation_error =
       (given * given.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(deviation <= kPrinted) || given.determinant() < 0) return std::nullopt;
+  if (!(rotation_error <= kMaxRotationError) || given.determinant() < 0) return std::nullopt;
 
   Eigen::Isometry3d T;
   T.matrix() = matrix;
-  if (deviation > kExact) {
+  if (rotation_error > kExactRotationError) {
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(given, Eigen::ComputeFullU | Eigen::ComputeFullV);
     T.linear() = svd.matrixU() * svd.matrixV().transpose();
   }

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "drivers/recording/sweep_files.hpp"
-#include "drivers/recording/text_file.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -23,8 +23,8 @@ void add_binary(std::string& bytes, Value value) {
 
 // One packed record a return, the same in PCD and PLY.
 void add_records(std::string& bytes, const Sweep& sweep) {
-  constexpr size_t kRecord = 5 * 4 + 2 * 2 + 4 + 1;
-  bytes.reserve(bytes.size() + kRecord * sweep.size());
+  constexpr size_t kRecordBytes = 5 * 4 + 2 * 2 + 4 + 1;
+  bytes.reserve(bytes.size() + kRecordBytes * sweep.size());
   for (size_t i = 0; i < sweep.size(); ++i) {
     add_binary(bytes, sweep.x[i]);
     add_binary(bytes, sweep.y[i]);
@@ -91,7 +91,7 @@ std::string to_csv(const Sweep& sweep) {
 
 }  // namespace
 
-std::optional<SweepFormat> sweep_format(const std::filesystem::path& path) {
+std::optional<SweepFormat> detect_sweep_format(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".pcd") return SweepFormat::kPcd;
   if (extension == ".ply") return SweepFormat::kPly;

@@ -17,7 +17,7 @@ enum class SweepFormat {
 };
 
 /// By extension (.pcd, .ply, .csv, .bin), or nothing.
-std::optional<SweepFormat> sweep_format(const std::filesystem::path& path);
+std::optional<SweepFormat> detect_sweep_format(const std::filesystem::path& path);
 
 /// Writes a sweep: x, y, z, range (m), reflectivity (0 … 1; "intensity" in PCD and PLY, the name
 /// that viewers know), ring, column, time_offset_ns, return_kind (0 strongest, 1 last, 2 both). The

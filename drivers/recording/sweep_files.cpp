@@ -11,7 +11,7 @@
 #include <string>
 
 #include "drivers/recording/pcd_sweep.hpp"
-#include "drivers/recording/text_file.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -68,11 +68,11 @@ Result<void> SweepReader::load(const std::filesystem::path& path) {
   points_.resize(length / kPointBytes);
   auto* bytes = reinterpret_cast<char*>(points_.data());
   for (size_t done = 0; done < length;) {
-    const ssize_t got = ::read(file.get(), bytes + done, length - done);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return tl::unexpected(system_error(path));
-    if (got == 0) return fail("grew shorter while being read", path.string());
-    done += static_cast<size_t>(got);
+    const ssize_t bytes_read = ::read(file.get(), bytes + done, length - done);
+    if (bytes_read < 0 && errno == EINTR) continue;
+    if (bytes_read < 0) return tl::unexpected(system_error(path));
+    if (bytes_read == 0) return fail("grew shorter while being read", path.string());
+    done += static_cast<size_t>(bytes_read);
   }
   return {};
 }
@@ -106,7 +106,7 @@ void SweepReader::reserve(size_t points, Sweep& sweep) {
   sweep.reserve(points);
 }
 
-Result<void> read_sweep_bin(const std::filesystem::path& path, Sweep& sweep) {
+Result<void> read_sweep_file(const std::filesystem::path& path, Sweep& sweep) {
   return SweepReader().read(path, sweep);
 }
 

@@ -29,9 +29,9 @@ class SweepReader {
 };
 
 /// The same for a single sweep.
-Result<void> read_sweep_bin(const std::filesystem::path& path, Sweep& sweep);
+Result<void> read_sweep_file(const std::filesystem::path& path, Sweep& sweep);
 
-/// Writes x, y, z, reflectivity as `read_sweep_bin` reads them.
+/// Writes x, y, z, reflectivity as `read_sweep_file` reads them.
 Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& sweep);
 
 /// Fills `ring`, `column`, `rings`, `columns` of a sweep whose points come ring after ring from the
@@ -45,7 +45,7 @@ bool infer_rings(Sweep& sweep);
 /// The same for a sweep whose rings are known: ring k from the top is points starts[k] …
 /// starts[k + 1] − 1, counter-clockwise from straight ahead. False, and nothing, where there are
 /// more than 128 or no two neighbours tell how wide a column is.
-bool number_rings(Sweep& sweep, std::span<const size_t> starts);
+bool assign_rings(Sweep& sweep, std::span<const size_t> starts);
 
 /// The decoded sweeps of a drive: a folder of NNNNNN.bin or NNNNNN.pcd and times.csv.
 Result<FileSequence> index_sweeps(const std::filesystem::path& folder);

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <map>
 
-#include "drivers/recording/csv_reader.hpp"
-#include "drivers/recording/text_file.hpp"
+#include "drivers/text/csv_reader.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -16,15 +16,15 @@ namespace fs = std::filesystem;
 constexpr size_t kMaxRows = 10'000'000;
 
 // NNNNNN: one to nine digits.
-std::optional<size_t> sequence_number(const fs::path& file) {
+std::optional<size_t> parse_sequence_number(const fs::path& file) {
   const std::string stem = file.stem().string();
   if (stem.empty() || stem.size() > 9) return std::nullopt;
   const auto number = parse_integer(stem);
   return number && *number >= 0 ? std::optional(static_cast<size_t>(*number)) : std::nullopt;
 }
 
-Result<std::map<size_t, fs::path>> numbered_files(const fs::path& folder,
-                                                  const std::vector<std::string>& extensions) {
+Result<std::map<size_t, fs::path>> list_numbered_files(const fs::path& folder,
+                                                       const std::vector<std::string>& extensions) {
   std::map<size_t, fs::path> files;
   std::error_code failed;
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
@@ -32,7 +32,7 @@ Result<std::map<size_t, fs::path>> numbered_files(const fs::path& folder,
     const fs::path& path = entry->path();
     const std::string extension = path.extension().string();
     if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
-    const auto number = sequence_number(path);
+    const auto number = parse_sequence_number(path);
     if (!number) continue;
     // Where a number has two files, which one is met first must not decide.
     fs::path& chosen = files[*number];
@@ -42,13 +42,13 @@ Result<std::map<size_t, fs::path>> numbered_files(const fs::path& folder,
   return files;
 }
 
-bool ends_with_a_line(const fs::path& path) {
+bool ends_with_newline(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(-1, std::ios::end);
   return file.get() == '\n';
 }
 
-std::string plural(size_t count, const std::string& what) {
+std::string format_count(size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
@@ -66,7 +66,7 @@ Result<std::vector<Stamp>> read_times(const fs::path& path) {
     // left in part.
     if (!ns) {
       const std::string where = csv->where();
-      if (!ends_with_a_line(path) && !csv->next(fields)) break;
+      if (!ends_with_newline(path) && !csv->next(fields)) break;
       return fail("the stamp is not an integer of nanoseconds", where);
     }
     if (stamps.size() == kMaxRows) return fail("has more than ten million rows", path.string());
@@ -91,7 +91,7 @@ Result<FileSequence> index_sequence(const fs::path& folder,
   const fs::path times_path = folder / "times.csv";
   const auto times = read_times(times_path);
   if (!times) return tl::unexpected(times.error());
-  auto files = numbered_files(folder, extensions);
+  auto files = list_numbered_files(folder, extensions);
   if (!files) return tl::unexpected(files.error());
 
   FileSequence sequence;
@@ -106,17 +106,18 @@ Result<FileSequence> index_sequence(const fs::path& folder,
     sequence.entries.push_back({stamp, number, std::move(path)});
   }
   if (without_time > 0) {
-    sequence.notes.push_back({plural(without_time, "file") + " beyond the last row of times.csv",
-                              folder.string(), "they are left out"});
+    sequence.notes.push_back(
+        {format_count(without_time, "file") + " beyond the last row of times.csv", folder.string(),
+         "they are left out"});
   }
   if (sequence.entries.size() < times->size()) {
-    sequence.notes.push_back(
-        {plural(times->size() - sequence.entries.size(), "row") + " of times.csv without a file",
-         folder.string(), "taken as lost frames"});
+    sequence.notes.push_back({format_count(times->size() - sequence.entries.size(), "row") +
+                                  " of times.csv without a file",
+                              folder.string(), "taken as lost frames"});
   }
   if (backward > 0) {
     sequence.notes.push_back(
-        {"the times go back " + plural(backward, "time"), times_path.string(), {}});
+        {"the times go back " + format_count(backward, "time"), times_path.string(), {}});
   }
   return sequence;
 }

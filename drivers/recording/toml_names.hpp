@@ -22,6 +22,6 @@ inline constexpr std::array<std::pair<std::string_view, PixelFormat>, 4> kMosaic
 
 /// `times`: whether the stamps can be trusted.
 inline constexpr std::array<std::pair<std::string_view, bool>, 2> kTimes = {
-    {{"recorded", true}, {"made up", false}}};
+    {{"recorded", true}, {"synthetic", false}}};
 
 }  // namespace infuse::recording

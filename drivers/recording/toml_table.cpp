@@ -7,9 +7,9 @@
 namespace infuse::recording {
 
 Result<toml::table> parse_toml(std::string_view text, const std::string& file) {
-  constexpr size_t kMaxText = 1 << 20;
-  if (text.size() > kMaxText)
-    return fail("is longer than " + std::to_string(kMaxText) + " bytes", file);
+  constexpr size_t kMaxTextBytes = 1 << 20;
+  if (text.size() > kMaxTextBytes)
+    return fail("is longer than " + std::to_string(kMaxTextBytes) + " bytes", file);
   toml::parse_result parsed = toml::parse(text);
   if (!parsed) {
     std::string where = file;
@@ -20,7 +20,8 @@ Result<toml::table> parse_toml(std::string_view text, const std::string& file) {
 }
 
 const toml::node* TomlTable::node(std::string_view key) {
-  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  if (std::find(known_keys_.begin(), known_keys_.end(), key) == known_keys_.end())
+    known_keys_.emplace_back(key);
   return table_.get(key);
 }
 
@@ -28,16 +29,16 @@ void TomlTable::read(std::string_view key, std::string& value) {
   const toml::node* found = node(key);
   if (found == nullptr) return;
   const auto* text = found->as_string();
-  if (text == nullptr) return wrong_type(key, "text in quotes");
+  if (text == nullptr) return report_wrong_type(key, "text in quotes");
   value = text->get();
 }
 
 void TomlTable::read(std::string_view key, bool& value) {
   const toml::node* found = node(key);
   if (found == nullptr) return;
-  const auto* truth = found->as_boolean();
-  if (truth == nullptr) return wrong_type(key, "true or false");
-  value = truth->get();
+  const auto* boolean = found->as_boolean();
+  if (boolean == nullptr) return report_wrong_type(key, "true or false");
+  value = boolean->get();
 }
 
 void TomlTable::read(std::string_view key, double& value) {
@@ -49,29 +50,29 @@ void TomlTable::read(std::string_view key, double& value) {
 void TomlTable::read(std::string_view key, std::optional<double>& value) {
   const toml::node* found = node(key);
   if (found == nullptr) return;
-  if (!found->is_number()) return wrong_type(key, "a number");
+  if (!found->is_number()) return report_wrong_type(key, "a number");
   value = found->value<double>();
 }
 
-void TomlTable::read(std::string_view key, int64_t lowest, int64_t highest, int64_t& value) {
+void TomlTable::read(std::string_view key, int64_t min_value, int64_t max_value, int64_t& value) {
   const toml::node* found = node(key);
   if (found == nullptr) return;
   const auto* number = found->as_integer();
-  if (number == nullptr || number->get() < lowest || number->get() > highest) {
-    return wrong_type(
-        key, "an integer from " + std::to_string(lowest) + " to " + std::to_string(highest));
+  if (number == nullptr || number->get() < min_value || number->get() > max_value) {
+    return report_wrong_type(
+        key, "an integer from " + std::to_string(min_value) + " to " + std::to_string(max_value));
   }
   value = number->get();
 }
 
-void TomlTable::read(std::string_view key, size_t most, std::vector<double>& values) {
+void TomlTable::read(std::string_view key, size_t max_count, std::vector<double>& values) {
   const toml::node* found = node(key);
   if (found == nullptr) return;
   const toml::array* array = found->as_array();
   const auto is_number = [](const toml::node& item) { return item.is_number(); };
-  if (array == nullptr || array->size() > most ||
+  if (array == nullptr || array->size() > max_count ||
       !std::all_of(array->begin(), array->end(), is_number)) {
-    return wrong_type(key, "a list of at most " + std::to_string(most) + " numbers");
+    return report_wrong_type(key, "a list of at most " + std::to_string(max_count) + " numbers");
   }
   values.clear();
   for (const toml::node& item : *array) values.push_back(item.value<double>().value_or(0));
@@ -83,15 +84,15 @@ void TomlTable::read(std::string_view key, Eigen::Isometry3d& T) {
   read(key, 16, numbers);
   if (error_) return;
   if (numbers.size() != 16) {
-    return complain(key, std::string(key) + " must be 16 numbers by row",
-                    std::to_string(numbers.size()) + " are given");
+    return report_error(key, std::string(key) + " must be 16 numbers by row",
+                        std::to_string(numbers.size()) + " are given");
   }
   const Eigen::Matrix4d matrix =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
   const auto rigid = to_rigid(matrix);
   if (!rigid) {
-    return complain(key, std::string(key) + " is not a rigid motion",
-                    "a rotation, a translation in the fourth column, last row 0 0 0 1");
+    return report_error(key, std::string(key) + " is not a rigid motion",
+                        "a rotation, a translation in the fourth column, last row 0 0 0 1");
   }
   T = *rigid;
 }
@@ -99,19 +100,20 @@ void TomlTable::read(std::string_view key, Eigen::Isometry3d& T) {
 const toml::table* TomlTable::table(std::string_view key) {
   const toml::node* found = node(key);
   if (found == nullptr) return nullptr;
-  if (!found->is_table()) wrong_type(key, "a table: [" + std::string(key) + "]");
+  if (!found->is_table()) report_wrong_type(key, "a table: [" + std::string(key) + "]");
   return found->as_table();
 }
 
-std::vector<const toml::table*> TomlTable::tables(std::string_view key, size_t most) {
+std::vector<const toml::table*> TomlTable::tables(std::string_view key, size_t max_count) {
   std::vector<const toml::table*> result;
   const toml::node* found = node(key);
   if (found == nullptr) return result;
   const toml::array* array = found->as_array();
   const auto is_table = [](const toml::node& item) { return item.is_table(); };
-  if (array == nullptr || array->size() > most ||
+  if (array == nullptr || array->size() > max_count ||
       !std::all_of(array->begin(), array->end(), is_table)) {
-    wrong_type(key, "at most " + std::to_string(most) + " tables: [[" + std::string(key) + "]]");
+    report_wrong_type(
+        key, "at most " + std::to_string(max_count) + " tables: [[" + std::string(key) + "]]");
     return result;
   }
   for (const toml::node& item : *array) result.push_back(item.as_table());
@@ -119,21 +121,21 @@ std::vector<const toml::table*> TomlTable::tables(std::string_view key, size_t m
 }
 
 void TomlTable::require(std::string_view key) {
-  if (node(key) == nullptr) complain_of_table(name_ + " has no " + std::string(key));
+  if (node(key) == nullptr) report_table_error(name_ + " has no " + std::string(key));
 }
 
-void TomlTable::complain(std::string_view key, const std::string& what, std::string hint) {
+void TomlTable::report_error(std::string_view key, const std::string& what, std::string hint) {
   const toml::node* found = node(key);
   set_error(found != nullptr ? found->source().begin : table_.source().begin, what,
             std::move(hint));
 }
 
-void TomlTable::complain_of_table(const std::string& what, std::string hint) {
+void TomlTable::report_table_error(const std::string& what, std::string hint) {
   set_error(table_.source().begin, what, std::move(hint));
 }
 
-void TomlTable::wrong_type(std::string_view key, const std::string& expected) {
-  complain(key, std::string(key) + " must be " + expected);
+void TomlTable::report_wrong_type(std::string_view key, const std::string& expected) {
+  report_error(key, std::string(key) + " must be " + expected);
 }
 
 void TomlTable::set_error(toml::source_position at, const std::string& what, std::string hint) {
@@ -145,9 +147,9 @@ void TomlTable::set_error(toml::source_position at, const std::string& what, std
 
 std::optional<Error> TomlTable::finish() {
   for (const auto& [key, value] : table_) {
-    if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
+    if (std::find(known_keys_.begin(), known_keys_.end(), key.str()) != known_keys_.end()) continue;
     std::string names;
-    for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
+    for (const std::string& name : known_keys_) names += (names.empty() ? "" : ", ") + name;
     set_error(key.source().begin, "unknown key '" + std::string(key.str()) + "'",
               "known keys: " + names);
   }

@@ -16,7 +16,7 @@ namespace infuse::recording {
 Result<toml::table> parse_toml(std::string_view text, const std::string& file);
 
 /// Reads a TOML table key by key and keeps the first thing that was wrong, with its line. Every key
-/// that is asked for becomes a known one; `finish` complains about the others.
+/// that is requested becomes a known one; `finish` complains about the others.
 class TomlTable {
  public:
   /// `name` is for messages: "lidar".
@@ -46,21 +46,21 @@ class TomlTable {
   void require(std::string_view key);
 
   /// Complains at a value of this table, or at the table itself where the key is absent.
-  void complain(std::string_view key, const std::string& what, std::string hint = {});
+  void report_error(std::string_view key, const std::string& what, std::string hint = {});
   /// Complains at the table itself.
-  void complain_of_table(const std::string& what, std::string hint = {});
+  void report_table_error(const std::string& what, std::string hint = {});
 
   /// Complains about unknown keys; gives what was wrong first, if anything.
   std::optional<Error> finish();
 
  private:
   void set_error(toml::source_position at, const std::string& what, std::string hint);
-  void wrong_type(std::string_view key, const std::string& expected);
+  void report_wrong_type(std::string_view key, const std::string& expected);
 
   const toml::table& table_;
   std::string file_;
   std::string name_;
-  std::vector<std::string> known_;
+  std::vector<std::string> known_keys_;
   std::optional<Error> error_;
 };
 

@@ -11,26 +11,26 @@
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kMostNumbers = 13;
-constexpr double kRoughly = 0.01;
+constexpr size_t kMaxFields = 13;
+constexpr double kTolerance = 0.01;
 
-/// The fields of a line, cut at spaces, tabs and commas; more than `kMostNumbers` are not kept.
+/// The fields of a line, cut at spaces, tabs and commas; more than `kMaxFields` are not kept.
 struct Fields {
-  std::array<std::string_view, kMostNumbers> text;
+  std::array<std::string_view, kMaxFields> text;
   size_t count = 0;
 
   explicit Fields(std::string_view line) {
-    constexpr const char* kBetween = " \t\r,";
-    size_t at = line.find_first_not_of(kBetween);
-    while (at != std::string_view::npos && count < kMostNumbers) {
-      const size_t end = std::min(line.find_first_of(kBetween, at), line.size());
+    constexpr const char* kSeparators = " \t\r,";
+    size_t at = line.find_first_not_of(kSeparators);
+    while (at != std::string_view::npos && count < kMaxFields) {
+      const size_t end = std::min(line.find_first_of(kSeparators, at), line.size());
       text[count++] = line.substr(at, end - at);
-      at = line.find_first_not_of(kBetween, end);
+      at = line.find_first_not_of(kSeparators, end);
     }
   }
 };
 
-std::optional<double> to_number(std::string_view text) {
+std::optional<double> parse_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -41,7 +41,7 @@ std::optional<double> to_number(std::string_view text) {
 }
 
 /// "1533226488.230547", exact to the nanosecond where it has a point and no exponent.
-std::optional<Stamp> to_stamp(std::string_view text) {
+std::optional<Stamp> parse_stamp(std::string_view text) {
   const size_t point = text.find('.');
   const std::string_view whole = text.substr(0, point);
   std::string_view part = point == std::string_view::npos ? "" : text.substr(point + 1);
@@ -50,7 +50,7 @@ std::optional<Stamp> to_stamp(std::string_view text) {
   const bool plain = error == std::errc() && end == whole.data() + whole.size() &&
                      part.find_first_not_of("0123456789") == std::string_view::npos;
   if (!plain) {
-    const auto value = to_number(text);
+    const auto value = parse_number(text);
     return value ? std::optional(Stamp() + from_seconds(*value)) : std::nullopt;
   }
   for (size_t i = 0; i < 9; ++i) ns = 10 * ns + (i < part.size() ? part[i] - '0' : 0);
@@ -60,10 +60,10 @@ std::optional<Stamp> to_stamp(std::string_view text) {
   return Stamp::from_ns(total) + Duration(ns);
 }
 
-using LineReader = Result<TrajectoryPose> (*)(const Fields&, size_t index);
+using LineParser = Result<TrajectoryPose> (*)(const Fields&, size_t index);
 
 Result<std::vector<TrajectoryPose>> parse_lines(std::string_view text, const std::string& name,
-                                                LineReader read_line) {
+                                                LineParser parse_line) {
   std::vector<TrajectoryPose> poses;
   size_t line_number = 0;
   while (!text.empty()) {
@@ -73,7 +73,7 @@ Result<std::vector<TrajectoryPose>> parse_lines(std::string_view text, const std
     ++line_number;
     const Fields fields(line);
     if (fields.count == 0 || fields.text[0].starts_with('#')) continue;
-    auto pose = read_line(fields, poses.size());
+    auto pose = parse_line(fields, poses.size());
     if (pose && !poses.empty() && pose->stamp <= poses.back().stamp) {
       pose = fail("time does not rise");
     }
@@ -89,54 +89,54 @@ Result<std::vector<TrajectoryPose>> parse_lines(std::string_view text, const std
   return poses;
 }
 
-Result<TrajectoryPose> tum_line(const Fields& fields, size_t) {
+Result<TrajectoryPose> parse_tum_line(const Fields& fields, size_t) {
   constexpr const char* kHint = "a TUM line is: seconds x y z qx qy qz qw";
   if (fields.count != 8) return fail(std::to_string(fields.count) + " numbers", "", kHint);
-  const auto stamp = to_stamp(fields.text[0]);
+  const auto stamp = parse_stamp(fields.text[0]);
   std::array<double, 7> v{};
   for (size_t i = 0; i < 7; ++i) {
-    const auto value = to_number(fields.text[i + 1]);
+    const auto value = parse_number(fields.text[i + 1]);
     if (!value || !stamp) return fail("not a number, or no time", "", kHint);
     v[i] = *value;
   }
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
-  if (std::abs(q.norm() - 1) > kRoughly)
+  if (std::abs(q.norm() - 1) > kTolerance)
     return fail("the quaternion is not of length 1", "", kHint);
   TrajectoryPose pose;
   pose.stamp = *stamp;
-  pose.T_map_body.linear() = q.normalized().toRotationMatrix();
-  pose.T_map_body.translation() << v[0], v[1], v[2];
+  pose.T_frame_body.linear() = q.normalized().toRotationMatrix();
+  pose.T_frame_body.translation() << v[0], v[1], v[2];
   return pose;
 }
 
-Result<TrajectoryPose> kitti_line(const Fields& fields, size_t index) {
+Result<TrajectoryPose> parse_kitti_line(const Fields& fields, size_t index) {
   constexpr const char* kHint = "a KITTI line is the upper 3 x 4 part of a pose, by row";
   if (fields.count != 12) return fail(std::to_string(fields.count) + " numbers", "", kHint);
   Eigen::Matrix<double, 3, 4> m;
   for (int i = 0; i < 12; ++i) {
-    const auto value = to_number(fields.text[static_cast<size_t>(i)]);
+    const auto value = parse_number(fields.text[static_cast<size_t>(i)]);
     if (!value) return fail("not a number", "", kHint);
     m(i / 4, i % 4) = *value;
   }
   const Eigen::Matrix3d R = m.leftCols<3>();
-  if (!(R * R.transpose()).isIdentity(kRoughly) || R.determinant() < 0) {
+  if (!(R * R.transpose()).isIdentity(kTolerance) || R.determinant() < 0) {
     return fail("not a rigid motion", "", kHint);
   }
   TrajectoryPose pose;
   pose.stamp = Stamp::from_ns(static_cast<int64_t>(index));
-  pose.T_map_body.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
-  pose.T_map_body.translation() = m.col(3);
+  pose.T_frame_body.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
+  pose.T_frame_body.translation() = m.col(3);
   return pose;
 }
 
 }  // namespace
 
 Result<std::vector<TrajectoryPose>> parse_tum(std::string_view text, const std::string& name) {
-  return parse_lines(text, name, tum_line);
+  return parse_lines(text, name, parse_tum_line);
 }
 
 Result<std::vector<TrajectoryPose>> parse_kitti(std::string_view text, const std::string& name) {
-  return parse_lines(text, name, kitti_line);
+  return parse_lines(text, name, parse_kitti_line);
 }
 
 Result<std::vector<TrajectoryPose>> read_trajectory(const std::filesystem::path& file) {
@@ -166,8 +166,8 @@ Result<std::vector<TrajectoryPose>> read_trajectory(const std::filesystem::path&
 std::string format_tum(const std::vector<TrajectoryPose>& poses) {
   std::string text;
   for (const TrajectoryPose& pose : poses) {
-    const Eigen::Quaterniond q(pose.T_map_body.linear());
-    const auto t = pose.T_map_body.translation();
+    const Eigen::Quaterniond q(pose.T_frame_body.linear());
+    const auto t = pose.T_frame_body.translation();
     const int64_t ns = pose.stamp.ns();
     const bool negative = ns < 0;
     const uint64_t size = negative ? 0 - static_cast<uint64_t>(ns) : static_cast<uint64_t>(ns);
@@ -188,7 +188,7 @@ std::string format_kitti(const std::vector<TrajectoryPose>& poses) {
     for (int i = 0; i < 12; ++i) {
       char number[64];
       const int length = std::snprintf(number, sizeof number, i < 11 ? "%.9e " : "%.9e\n",
-                                       pose.T_map_body.matrix()(i / 4, i % 4));
+                                       pose.T_frame_body.matrix()(i / 4, i % 4));
       text.append(number, static_cast<size_t>(length));
     }
   }

@@ -14,7 +14,7 @@ namespace infuse::recording {
 /// One line of a trajectory file.
 struct TrajectoryPose {
   Stamp stamp;  ///< the line's number in nanoseconds where the format has no times (KITTI)
-  Eigen::Isometry3d T_map_body = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_frame_body = Eigen::Isometry3d::Identity();
 };
 
 /// Reads "seconds x y z qx qy qz qw" a line, as the TUM benchmark writes trajectories; lines that

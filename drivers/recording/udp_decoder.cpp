@@ -6,18 +6,18 @@
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kIpv4Header = 20;
-constexpr size_t kUdpHeader = 8;
+constexpr size_t kIpv4HeaderBytes = 20;
+constexpr size_t kUdpHeaderBytes = 8;
 constexpr uint8_t kProtocolUdp = 17;
 
 // `segment` is the UDP header and what follows it.
 FrameOutcome decode_udp(std::span<const uint8_t> segment, Datagram& datagram) {
-  if (segment.size() < kUdpHeader) return FrameOutcome::kMalformed;
+  if (segment.size() < kUdpHeaderBytes) return FrameOutcome::kMalformed;
   const size_t length = read_u16(segment, 4);
-  if (length < kUdpHeader || length > segment.size()) return FrameOutcome::kMalformed;
+  if (length < kUdpHeaderBytes || length > segment.size()) return FrameOutcome::kMalformed;
   datagram.sender_port = read_u16(segment, 0);
   datagram.destination_port = read_u16(segment, 2);
-  datagram.payload = segment.subspan(kUdpHeader, length - kUdpHeader);
+  datagram.payload = segment.subspan(kUdpHeaderBytes, length - kUdpHeaderBytes);
   return FrameOutcome::kDatagram;
 }
 
@@ -26,18 +26,18 @@ FrameOutcome decode_udp(std::span<const uint8_t> segment, Datagram& datagram) {
 FrameOutcome UdpDecoder::decode(Stamp stamp, std::span<const uint8_t> frame, size_t wire_length,
                                 Datagram& datagram) {
   const FrameOutcome too_short =
-      frame.size() < wire_length ? FrameOutcome::kSnapped : FrameOutcome::kMalformed;
+      frame.size() < wire_length ? FrameOutcome::kTruncated : FrameOutcome::kMalformed;
   const LinkPayload link = find_ipv4(link_type_, frame);
-  if (link.kind == LinkPayload::Kind::kShort) return too_short;
+  if (link.kind == LinkPayload::Kind::kTooShort) return too_short;
   if (link.kind == LinkPayload::Kind::kOther) return FrameOutcome::kNotUdp;
 
   const std::span<const uint8_t> packet = link.packet;
-  if (packet.size() < kIpv4Header) return too_short;
+  if (packet.size() < kIpv4HeaderBytes) return too_short;
   if (packet[0] >> 4 != 4) return FrameOutcome::kMalformed;
   if (packet[9] != kProtocolUdp) return FrameOutcome::kNotUdp;
   const size_t header = (packet[0] & 0x0Fu) * 4u;
   const size_t total = read_u16(packet, 2);
-  if (header < kIpv4Header || total < header) return FrameOutcome::kMalformed;
+  if (header < kIpv4HeaderBytes || total < header) return FrameOutcome::kMalformed;
   if (packet.size() < total) return too_short;
   const std::span<const uint8_t> segment = packet.subspan(header, total - header);
 
@@ -49,9 +49,9 @@ FrameOutcome UdpDecoder::decode(Stamp stamp, std::span<const uint8_t> frame, siz
   if (!more && offset == 0) return decode_udp(segment, datagram);
 
   ++fragments_;
-  const std::span<const uint8_t> whole = table_.add(
+  const std::span<const uint8_t> reassembled = table_.add(
       {stamp, datagram.sender, read_u32(packet, 16), read_u16(packet, 4), offset, more, segment});
-  return whole.empty() ? FrameOutcome::kFragment : decode_udp(whole, datagram);
+  return reassembled.empty() ? FrameOutcome::kFragment : decode_udp(reassembled, datagram);
 }
 
 }  // namespace infuse::recording

@@ -13,7 +13,7 @@ enum class FrameOutcome {
   kDatagram,   ///< a whole UDP datagram
   kFragment,   ///< a fragment of one that is not whole yet, or never will be
   kNotUdp,     ///< ARP, TCP, IPv6 …
-  kSnapped,    ///< captured short
+  kTruncated,  ///< captured short
   kMalformed,  ///< lengths that contradict each other
 };
 

@@ -11,11 +11,11 @@ constexpr uint8_t kControllerActive = 0x40;  // CAN_ERR_CRTL_ACTIVE, not in ever
 
 const char* name_of(BusState state) {
   switch (state) {
-    case BusState::kActive:
+    case BusState::kErrorActive:
       return "error-active";
-    case BusState::kWarning:
+    case BusState::kErrorWarning:
       return "error-warning";
-    case BusState::kPassive:
+    case BusState::kErrorPassive:
       return "error-passive";
     case BusState::kBusOff:
       return "bus-off";
@@ -23,22 +23,22 @@ const char* name_of(BusState state) {
   return "";
 }
 
-void BusErrors::take(const CanFrame& frame) {
+void BusErrors::process(const CanFrame& frame) {
   if (!frame.error) {
-    if (state_ == BusState::kBusOff) state_ = BusState::kActive;  // who receives is on the bus
+    if (state_ == BusState::kBusOff) state_ = BusState::kErrorActive;  // who receives is on the bus
     return;
   }
   ++error_frames_;
-  if (frame.id & CAN_ERR_RESTARTED) state_ = BusState::kActive;
+  if (frame.id & CAN_ERR_RESTARTED) state_ = BusState::kErrorActive;
   if (frame.id & CAN_ERR_CRTL) {
     const uint8_t controller = frame.data[1];
     if (controller & CAN_ERR_CRTL_RX_OVERFLOW) ++overruns_;
-    if (controller & kControllerActive) state_ = BusState::kActive;
+    if (controller & kControllerActive) state_ = BusState::kErrorActive;
     if (controller & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING)) {
-      state_ = BusState::kWarning;
+      state_ = BusState::kErrorWarning;
     }
     if (controller & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) {
-      state_ = BusState::kPassive;
+      state_ = BusState::kErrorPassive;
     }
   }
   if (frame.id & CAN_ERR_BUSOFF) {

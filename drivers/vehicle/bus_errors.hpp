@@ -8,10 +8,10 @@ namespace infuse::vehicle {
 
 /// How a CAN controller is, in growing badness (ISO 11898-1).
 enum class BusState : uint8_t {
-  kActive,   ///< takes part
-  kWarning,  ///< many errors
-  kPassive,  ///< error-passive: no longer destroys the frames of others
-  kBusOff,   ///< takes part no more until it is restarted
+  kErrorActive,   ///< takes part
+  kErrorWarning,  ///< many errors
+  kErrorPassive,  ///< error-passive: no longer destroys the frames of others
+  kBusOff,        ///< takes part no more until it is restarted
 };
 
 /// "error-active", "error-warning", "error-passive", "bus-off".
@@ -21,10 +21,10 @@ const char* name_of(BusState state);
 class BusErrors {
  public:
   /// Takes a frame; one that is no error frame says nothing, but that the bus is not off.
-  void take(const CanFrame& frame);
+  void process(const CanFrame& frame);
 
   /// The interface went down or came up: the controller begins anew.
-  void reset() { state_ = BusState::kActive; }
+  void reset() { state_ = BusState::kErrorActive; }
 
   BusState state() const { return state_; }
   uint64_t error_frames() const { return error_frames_; }
@@ -32,7 +32,7 @@ class BusErrors {
   uint64_t overruns() const { return overruns_; }  ///< of the controller's own receive buffer
 
  private:
-  BusState state_ = BusState::kActive;
+  BusState state_ = BusState::kErrorActive;
   uint64_t error_frames_ = 0;
   uint64_t bus_offs_ = 0;
   uint64_t overruns_ = 0;

@@ -8,7 +8,9 @@ namespace {
 
 constexpr uint32_t kErrorBit = 0x20000000u;
 
-tl::unexpected<Error> bad(std::string what, const char* hint = "") { return fail(what, "", hint); }
+tl::unexpected<Error> parse_error(std::string what, const char* hint = "") {
+  return fail(what, "", hint);
+}
 
 std::string quoted(std::string_view text) {
   std::string quotation(1, '\'');
@@ -19,7 +21,7 @@ std::string quoted(std::string_view text) {
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 /// Takes the next run of characters that are no spaces; empty at the end.
-std::string_view take_word(std::string_view& rest) {
+std::string_view next_word(std::string_view& rest) {
   while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
   size_t length = 0;
   while (length < rest.size() && !is_space(rest[length])) ++length;
@@ -76,7 +78,7 @@ Result<Stamp> parse_stamp(std::string_view text) {
   }
   if (!fits || seconds < 0 || __builtin_mul_overflow(seconds, int64_t{1000000000}, &total) ||
       __builtin_add_overflow(total, ns, &total)) {
-    return bad(quoted(text) + " is no time", "expected (seconds.microseconds)");
+    return parse_error(quoted(text) + " is no time", "expected (seconds.microseconds)");
   }
   return Stamp::from_ns(total);
 }
@@ -95,14 +97,14 @@ bool read_id(std::string_view text, CanFrame& frame) {
   return id <= 0x3FFFFFFFu;
 }
 
-bool fd_length(size_t bytes) {
+bool is_valid_length(size_t bytes) {
   return bytes <= 8 || bytes == 12 || bytes == 16 || bytes == 20 || bytes == 24 || bytes == 32 ||
          bytes == 48 || bytes == 64;
 }
 
 /// "08FF", or with dots between the bytes; what follows an underscore (a raw length code) is passed
 /// over.
-Result<CanFrame> with_compact_data(CanFrame frame, std::string_view digits) {
+Result<CanFrame> parse_compact_data(CanFrame frame, std::string_view digits) {
   digits = digits.substr(0, digits.find('_'));
   const size_t limit = frame.fd ? 64 : 8;
   while (!digits.empty()) {
@@ -110,15 +112,16 @@ Result<CanFrame> with_compact_data(CanFrame frame, std::string_view digits) {
       digits.remove_prefix(1);
       continue;
     }
-    if (frame.length >= limit) return bad("more than " + std::to_string(limit) + " bytes of data");
+    if (frame.length >= limit)
+      return parse_error("more than " + std::to_string(limit) + " bytes of data");
     if (digits.size() < 2 || !read_integer(digits.substr(0, 2), frame.data[frame.length], 16)) {
-      return bad(quoted(digits) + " is not a whole number of bytes in hexadecimal");
+      return parse_error(quoted(digits) + " is not a whole number of bytes in hexadecimal");
     }
     ++frame.length;
     digits.remove_prefix(2);
   }
-  if (!fd_length(frame.length)) {
-    return bad("CAN FD has no frame of " + std::to_string(frame.length) + " bytes");
+  if (!is_valid_length(frame.length)) {
+    return parse_error("CAN FD has no frame of " + std::to_string(frame.length) + " bytes");
   }
   return frame;
 }
@@ -127,55 +130,56 @@ Result<CanFrame> with_compact_data(CanFrame frame, std::string_view digits) {
 Result<CanFrame> parse_compact(CanFrame frame, std::string_view word) {
   const size_t hash = word.find('#');
   if (!read_id(word.substr(0, hash), frame)) {
-    return bad(quoted(word.substr(0, hash)) + " is no identifier",
-               "3 hexadecimal digits, or 8 for an extended one");
+    return parse_error(quoted(word.substr(0, hash)) + " is no identifier",
+                       "3 hexadecimal digits, or 8 for an extended one");
   }
   std::string_view data = word.substr(hash + 1);
   if (data.starts_with('#')) {
     frame.fd = true;
     if (data.size() < 2 || !read_integer(data.substr(1, 1), frame.fd_flags, 16)) {
-      return bad("CAN FD flags are missing after '##'");
+      return parse_error("CAN FD flags are missing after '##'");
     }
-    return with_compact_data(frame, data.substr(2));
+    return parse_compact_data(frame, data.substr(2));
   }
   if (data.starts_with('R')) {
     frame.remote = true;
     if (data.size() > 1 && (!read_integer(data.substr(1, 1), frame.length) || frame.length > 8)) {
-      return bad("the length of the remote request is none of 0 to 8");
+      return parse_error("the length of the remote request is none of 0 to 8");
     }
     return frame;
   }
-  return with_compact_data(frame, data);
+  return parse_compact_data(frame, data);
 }
 
 /// "260", then "[8]  08 FF ...": two digits between the brackets mean CAN FD.
 Result<CanFrame> parse_columns(CanFrame frame, std::string_view id, std::string_view length,
                                std::string_view rest) {
   if (!read_id(id, frame)) {
-    return bad(quoted(id) + " is no identifier", "3 hexadecimal digits, or 8 for an extended one");
+    return parse_error(quoted(id) + " is no identifier",
+                       "3 hexadecimal digits, or 8 for an extended one");
   }
   unsigned bytes = 0;
   if (length.size() < 3 || length.back() != ']' ||
       !read_integer(length.substr(1, length.size() - 2), bytes)) {
-    return bad(quoted(length) + " is no length in brackets");
+    return parse_error(quoted(length) + " is no length in brackets");
   }
   frame.fd = length.size() == 4;
-  if (bytes > (frame.fd ? 64u : 8u) || !fd_length(bytes)) {
-    return bad("no frame has " + std::to_string(bytes) + " bytes");
+  if (bytes > (frame.fd ? 64u : 8u) || !is_valid_length(bytes)) {
+    return parse_error("no frame has " + std::to_string(bytes) + " bytes");
   }
   frame.length = static_cast<uint8_t>(bytes);
   for (size_t i = 0; i < bytes; ++i) {
-    const std::string_view word = take_word(rest);
+    const std::string_view word = next_word(rest);
     if (i == 0 && word == "remote") {
       frame.remote = true;
       return frame;
     }
     if (word.size() != 2 || !read_integer(word, frame.data[i], 16)) {
-      return bad("byte " + std::to_string(i) + " of " + std::to_string(bytes) + " is " +
-                 quoted(word));
+      return parse_error("byte " + std::to_string(i) + " of " + std::to_string(bytes) + " is " +
+                         quoted(word));
     }
   }
-  if (bytes == 0 && take_word(rest) == "remote") frame.remote = true;
+  if (bytes == 0 && next_word(rest) == "remote") frame.remote = true;
   return frame;
 }
 
@@ -187,7 +191,7 @@ Result<CanFrame> parse_candump_line(std::string_view line) {
   while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
   if (rest.starts_with('(')) {
     const size_t close = rest.find(')');
-    if (close == std::string_view::npos) return bad("the time is not closed by ')'");
+    if (close == std::string_view::npos) return parse_error("the time is not closed by ')'");
     const auto stamp = parse_stamp(rest.substr(1, close - 1));
     if (!stamp) return tl::unexpected(stamp.error());
     frame.stamp = *stamp;
@@ -196,18 +200,18 @@ Result<CanFrame> parse_candump_line(std::string_view line) {
   // Interface and direction come before the word that holds '#' or stands before '['.
   std::string_view previous;
   for (int words = 0; words < 6; ++words) {
-    const std::string_view word = take_word(rest);
+    const std::string_view word = next_word(rest);
     if (word.empty()) break;
     if (word.find('#') != std::string_view::npos) return parse_compact(frame, word);
     if (word.starts_with('[')) return parse_columns(frame, previous, word, rest);
     if (words == 0) {
       std::string_view ahead = rest;
-      if (!take_word(ahead).starts_with('[')) frame.set_interface(word);
+      if (!next_word(ahead).starts_with('[')) frame.set_interface(word);
     }
     previous = word;
   }
-  return bad("no CAN frame in " + quoted(line),
-             "expected '(time) interface id#data' or 'interface id [length] data'");
+  return parse_error("no CAN frame in " + quoted(line),
+                     "expected '(time) interface id#data' or 'interface id [length] data'");
 }
 
 std::string format_candump_line(const CanFrame& frame) {

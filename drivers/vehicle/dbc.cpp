@@ -10,7 +10,7 @@ namespace {
 
 auto key(uint32_t id, bool extended) { return std::make_tuple(extended, id); }
 
-bool before(const DbcMessage& message, const std::tuple<bool, uint32_t>& other) {
+bool key_less(const DbcMessage& message, const std::tuple<bool, uint32_t>& other) {
   return key(message.id, message.extended) < other;
 }
 
@@ -52,8 +52,8 @@ uint64_t to_raw_integer(double raw, int bits, bool is_signed) {
   return rounded <= 0 ? 0 : static_cast<uint64_t>(rounded);
 }
 
-bool selected(const DbcMessage& message, const DbcSignal& signal,
-              std::span<const uint8_t> payload) {
+bool is_selected(const DbcMessage& message, const DbcSignal& signal,
+                 std::span<const uint8_t> payload) {
   const DbcSignal* at = &signal;
   // A chain of selectors cannot be longer than the message has signals.
   for (size_t depth = 0; at->multiplexor >= 0; ++depth) {
@@ -79,7 +79,7 @@ const DbcSignal* DbcMessage::find_signal(std::string_view signal) const {
 
 bool Dbc::add(DbcMessage message) {
   const auto wanted = key(message.id, message.extended);
-  const auto at = std::lower_bound(messages_.begin(), messages_.end(), wanted, before);
+  const auto at = std::lower_bound(messages_.begin(), messages_.end(), wanted, key_less);
   if (at != messages_.end() && key(at->id, at->extended) == wanted) return false;
   messages_.insert(at, std::move(message));
   return true;
@@ -87,7 +87,7 @@ bool Dbc::add(DbcMessage message) {
 
 const DbcMessage* Dbc::find(uint32_t id, bool extended) const {
   const auto wanted = key(id, extended);
-  const auto at = std::lower_bound(messages_.begin(), messages_.end(), wanted, before);
+  const auto at = std::lower_bound(messages_.begin(), messages_.end(), wanted, key_less);
   return at != messages_.end() && key(at->id, at->extended) == wanted ? &*at : nullptr;
 }
 
@@ -113,7 +113,7 @@ std::optional<uint64_t> raw_value(const DbcSignal& signal, std::span<const uint8
 std::optional<double> decode(const DbcMessage& message, const DbcSignal& signal,
                              std::span<const uint8_t> payload) {
   const auto raw = raw_value(signal, payload);
-  if (!raw || !selected(message, signal, payload)) return std::nullopt;
+  if (!raw || !is_selected(message, signal, payload)) return std::nullopt;
   double value = 0;
   switch (signal.type) {
     case SignalType::kUnsigned:
@@ -167,7 +167,7 @@ bool encode(const DbcSignal& signal, double value, std::span<uint8_t> payload) {
   });
 }
 
-CanFrame frame_of(const DbcMessage& message, Stamp stamp) {
+CanFrame make_frame(const DbcMessage& message, Stamp stamp) {
   CanFrame frame;
   frame.stamp = stamp;
   frame.id = message.id;

@@ -79,7 +79,7 @@ class Dbc {
 };
 
 /// A DBC file as far as it could be understood, and what could not.
-struct DbcReading {
+struct DbcParseResult {
   Dbc dbc;
   ProblemLog problems;
 };
@@ -87,10 +87,10 @@ struct DbcReading {
 /// Reads the text of a DBC file: messages, signals (multiplexed ones too, also by SG_MUL_VAL_),
 /// float types and value tables; the rest is skipped. A statement that is wrong is left out and
 /// reported as a problem at `name`:line; what stands around it is kept.
-DbcReading parse_dbc(std::string_view text, const std::string& name);
+DbcParseResult parse_dbc(std::string_view text, const std::string& name);
 
 /// `parse_dbc` of a file of at most 64 MiB.
-Result<DbcReading> read_dbc(const std::filesystem::path& file);
+Result<DbcParseResult> read_dbc(const std::filesystem::path& file);
 
 /// The signal's raw bits, least significant first; nothing where the payload is too short.
 std::optional<uint64_t> raw_value(const DbcSignal& signal, std::span<const uint8_t> payload);
@@ -109,6 +109,6 @@ std::string_view value_name(const DbcSignal& signal, std::span<const uint8_t> pa
 bool encode(const DbcSignal& signal, double value, std::span<uint8_t> payload);
 
 /// An empty frame of the message, for `encode`: id, length, CAN FD where it is longer than 8 bytes.
-CanFrame frame_of(const DbcMessage& message, Stamp stamp);
+CanFrame make_frame(const DbcMessage& message, Stamp stamp);
 
 }  // namespace infuse::vehicle

@@ -43,28 +43,28 @@ bool is_dbc_keyword(std::string_view word) {
 
 DbcLexer::DbcLexer(std::string_view text) : text_(text) {
   if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
-  ahead_ = read();
+  lookahead_ = read();
 }
 
 DbcToken DbcLexer::next() {
-  DbcToken taken = ahead_;
-  ahead_ = read();
+  DbcToken taken = lookahead_;
+  lookahead_ = read();
   return taken;
 }
 
 void DbcLexer::skip_space() {
-  while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) <= ' ') {
-    if (text_[at_] == '\n') {
+  while (position_ < text_.size() && static_cast<unsigned char>(text_[position_]) <= ' ') {
+    if (text_[position_] == '\n') {
       ++line_;
       first_on_line_ = true;
     }
-    ++at_;
+    ++position_;
   }
 }
 
 DbcToken DbcLexer::read() {
   DbcToken token = read_token();
-  const size_t following = text_.find_first_not_of(" \t\r", at_);
+  const size_t following = text_.find_first_not_of(" \t\r", position_);
   token.last_on_line = following == std::string_view::npos || text_[following] == '\n';
   return token;
 }
@@ -75,33 +75,34 @@ DbcToken DbcLexer::read_token() {
   token.line = line_;
   token.first_on_line = first_on_line_;
   first_on_line_ = false;
-  if (at_ >= text_.size()) return token;
-  const char c = text_[at_];
-  const char following = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';
+  if (position_ >= text_.size()) return token;
+  const char c = text_[position_];
+  const char following = position_ + 1 < text_.size() ? text_[position_ + 1] : '\0';
   if (c == '"') return read_string(token);
-  const size_t begin = at_++;
+  const size_t begin = position_++;
   if (is_letter(c)) {
     token.kind = DbcToken::Kind::kWord;
-    while (at_ < text_.size() && (is_letter(text_[at_]) || is_digit(text_[at_]))) ++at_;
+    while (position_ < text_.size() && (is_letter(text_[position_]) || is_digit(text_[position_])))
+      ++position_;
   } else if (is_digit(c) || ((c == '-' || c == '+' || c == '.') &&
                              (is_digit(following) || (c != '.' && following == '.')))) {
     token.kind = DbcToken::Kind::kNumber;
-    while (at_ < text_.size()) {
-      const char d = text_[at_];
-      const char previous = text_[at_ - 1];
+    while (position_ < text_.size()) {
+      const char d = text_[position_];
+      const char previous = text_[position_ - 1];
       const bool exponent_sign = (d == '-' || d == '+') && (previous == 'e' || previous == 'E');
       if (!is_digit(d) && d != '.' && d != 'e' && d != 'E' && !exponent_sign) break;
-      ++at_;
+      ++position_;
     }
   } else {
-    token.kind = DbcToken::Kind::kSign;
+    token.kind = DbcToken::Kind::kPunctuation;
   }
-  token.text = text_.substr(begin, at_ - begin);
+  token.text = text_.substr(begin, position_ - begin);
   return token;
 }
 
 DbcToken DbcLexer::read_string(DbcToken token) {
-  const size_t begin = ++at_;
+  const size_t begin = ++position_;
   size_t first_line_end = std::string_view::npos;
   for (size_t i = begin; i < text_.size(); ++i) {
     if (text_[i] == '\\' && i + 1 < text_.size() && text_[i + 1] == '"') {
@@ -110,16 +111,16 @@ DbcToken DbcLexer::read_string(DbcToken token) {
       token.kind = DbcToken::Kind::kString;
       token.text = text_.substr(begin, i - begin);
       line_ += static_cast<int>(std::count(token.text.begin(), token.text.end(), '\n'));
-      at_ = i + 1;
+      position_ = i + 1;
       return token;
     } else if (text_[i] == '\n') {
       if (first_line_end == std::string_view::npos) first_line_end = i;
       if (starts_statement(text_.substr(i + 1, 64))) break;
     }
   }
-  token.kind = DbcToken::Kind::kBroken;
-  at_ = std::min(first_line_end, text_.size());
-  token.text = text_.substr(begin, at_ - begin);
+  token.kind = DbcToken::Kind::kUnterminatedString;
+  position_ = std::min(first_line_end, text_.size());
+  token.text = text_.substr(begin, position_ - begin);
   return token;
 }
 

@@ -8,7 +8,7 @@ namespace infuse::vehicle {
 
 /// A word, number, string or sign of a DBC file.
 struct DbcToken {
-  enum class Kind { kEnd, kWord, kNumber, kString, kSign, kBroken };
+  enum class Kind { kEnd, kWord, kNumber, kString, kPunctuation, kUnterminatedString };
   Kind kind = Kind::kEnd;
   std::string_view text;       ///< of a string, without its quotes
   int line = 0;                ///< from 1
@@ -17,7 +17,7 @@ struct DbcToken {
 
   /// It is this word or sign.
   bool is(std::string_view wanted) const {
-    return (kind == Kind::kWord || kind == Kind::kSign) && text == wanted;
+    return (kind == Kind::kWord || kind == Kind::kPunctuation) && text == wanted;
   }
 };
 
@@ -28,7 +28,7 @@ class DbcLexer {
   explicit DbcLexer(std::string_view text);
 
   /// The token ahead.
-  const DbcToken& peek() const { return ahead_; }
+  const DbcToken& peek() const { return lookahead_; }
 
   /// Takes the token ahead.
   DbcToken next();
@@ -40,10 +40,10 @@ class DbcLexer {
   DbcToken read_string(DbcToken token);
 
   std::string_view text_;
-  size_t at_ = 0;
+  size_t position_ = 0;
   int line_ = 1;
   bool first_on_line_ = true;
-  DbcToken ahead_;
+  DbcToken lookahead_;
 };
 
 /// A word that opens a statement of a DBC file.

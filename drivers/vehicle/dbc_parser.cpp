@@ -39,28 +39,28 @@ class Parser {
  public:
   Parser(std::string_view text, const std::string& name) : lexer_(text), name_(name) {}
 
-  DbcReading run() {
+  DbcParseResult parse() {
     while (lexer_.peek().kind != Kind::kEnd) {
       const DbcToken opening = lexer_.next();
       try {
-        statement(opening);
+        parse_statement(opening);
       } catch (const Malformed& malformed) {
         report(opening.line, malformed.what);
         skip_to_statement();
       }
     }
-    tie_multiplexors();
-    return std::move(reading_);
+    resolve_multiplexors();
+    return std::move(result_);
   }
 
  private:
-  void statement(const DbcToken& opening) {
-    if (opening.is("BO_")) return message();
-    if (opening.is("SG_")) return signal();
-    if (opening.is("VAL_")) return value_names();
-    if (opening.is("VAL_TABLE_")) return value_table();
-    if (opening.is("SIG_VALTYPE_")) return value_type();
-    if (opening.is("SG_MUL_VAL_")) return extended_multiplexing();
+  void parse_statement(const DbcToken& opening) {
+    if (opening.is("BO_")) return parse_message();
+    if (opening.is("SG_")) return parse_signal();
+    if (opening.is("VAL_")) return parse_value_names();
+    if (opening.is("VAL_TABLE_")) return parse_value_table();
+    if (opening.is("SIG_VALTYPE_")) return parse_value_type();
+    if (opening.is("SG_MUL_VAL_")) return parse_extended_multiplexing();
     if (opening.is("NS_") || opening.is("BS_") || opening.is("BU_") || opening.is("VERSION")) {
       return skip_lines();
     }
@@ -69,15 +69,15 @@ class Parser {
   }
 
   // BO_ 2364540158 Name: 8 Transmitter
-  void message() {
+  void parse_message() {
     has_message_ = false;
     DbcMessage parsed;
-    const uint32_t id = take_id();
+    const uint32_t id = parse_message_id();
     parsed.extended = (id & kExtendedBit) != 0;
     parsed.id = id & ~kExtendedBit;
-    parsed.name = take(Kind::kWord, "the message's name").text;
+    parsed.name = expect_token(Kind::kWord, "the message's name").text;
     expect(":");
-    const uint64_t length = take_unsigned("the message's length");
+    const uint64_t length = parse_unsigned("the message's length");
     if (lexer_.peek().kind == Kind::kWord && !lexer_.peek().first_on_line) lexer_.next();
     if (parsed.name == kNoMessage) return;
     if (parsed.id > (parsed.extended ? 0x1FFFFFFFu : 0x7FFu)) {
@@ -85,53 +85,53 @@ class Parser {
     }
     if (length > 64) throw Malformed{"message " + parsed.name + " is longer than 64 bytes"};
     parsed.length = static_cast<uint16_t>(length);
-    if (reading_.dbc.messages().size() >= kMaxMessages) throw Malformed{"too many messages"};
+    if (result_.dbc.messages().size() >= kMaxMessages) throw Malformed{"too many messages"};
     const std::string label = parsed.name;
-    current_ = {parsed.id, parsed.extended};
-    if (!reading_.dbc.add(std::move(parsed))) {
+    current_message_ = {parsed.id, parsed.extended};
+    if (!result_.dbc.add(std::move(parsed))) {
       throw Malformed{"message " + label + ": another message has its id"};
     }
     has_message_ = true;
   }
 
   // SG_ NAME m3M : 7|16@0+ (0.01,-67.67) [0|250] "kph" RECEIVER,RECEIVER
-  void signal() {
+  void parse_signal() {
     SignalLine parsed;
     DbcSignal& s = parsed.signal;
-    s.name = take(Kind::kWord, "the signal's name").text;
+    s.name = expect_token(Kind::kWord, "the signal's name").text;
     if (!lexer_.peek().is(":")) {
-      multiplexing(take(Kind::kWord, "':' or a multiplexor indicator").text, parsed);
+      parse_multiplexing(expect_token(Kind::kWord, "':' or a multiplexor indicator").text, parsed);
     }
     expect(":");
-    const uint64_t start = take_unsigned("the start bit");
+    const uint64_t start = parse_unsigned("the start bit");
     expect("|");
-    const uint64_t length = take_unsigned("the length");
+    const uint64_t length = parse_unsigned("the length");
     expect("@");
-    layout(s);
+    parse_byte_order_and_sign(s);
     expect("(");
-    s.scale = take_number("the factor");
+    s.scale = parse_number("the factor");
     expect(",");
-    s.offset = take_number("the offset");
+    s.offset = parse_number("the offset");
     expect(")");
     expect("[");
-    s.minimum = take_number("the minimum");
+    s.minimum = parse_number("the minimum");
     expect("|");
-    s.maximum = take_number("the maximum");
+    s.maximum = parse_number("the maximum");
     expect("]");
-    s.unit = take(Kind::kString, "the unit").text;
+    s.unit = expect_token(Kind::kString, "the unit").text;
     while (lexer_.peek().kind != Kind::kEnd && !lexer_.peek().first_on_line) lexer_.next();
 
     if (!has_message_) {  // its message was refused and reported
       return;
     }
-    DbcMessage& owner = *reading_.dbc.find(current_.first, current_.second);
+    DbcMessage& owner = *result_.dbc.find(current_message_.first, current_message_.second);
     const std::string label = owner.name + "." + s.name;
     if (length < 1 || length > 64 || start >= 512) {
       throw Malformed{label + ": start bit or length out of range"};
     }
     s.start_bit = static_cast<uint16_t>(start);
     s.length = static_cast<uint16_t>(length);
-    const CanFrame frame = frame_of(owner, {});
+    const CanFrame frame = make_frame(owner, {});
     if (!raw_value(s, frame.payload())) throw Malformed{label + " does not fit into its message"};
     if (s.scale == 0) throw Malformed{label + ": the factor is 0"};
     if (owner.find_signal(s.name) != nullptr) throw Malformed{label + " is there twice"};
@@ -142,7 +142,7 @@ class Parser {
     owner.signals.push_back(std::move(s));
   }
 
-  static void multiplexing(std::string_view indicator, SignalLine& parsed) {
+  static void parse_multiplexing(std::string_view indicator, SignalLine& parsed) {
     std::string_view rest = indicator;
     if (rest.ends_with('M')) {
       parsed.signal.is_multiplexor = true;
@@ -158,8 +158,8 @@ class Parser {
     parsed.selector_value = value;
   }
 
-  void layout(DbcSignal& s) {
-    const uint64_t order = take_unsigned("the byte order");
+  void parse_byte_order_and_sign(DbcSignal& s) {
+    const uint64_t order = parse_unsigned("the byte order");
     if (order > 1) throw Malformed{"the byte order of " + s.name + " is neither 0 nor 1"};
     s.byte_order = order == 1 ? ByteOrder::kIntel : ByteOrder::kMotorola;
     const DbcToken sign = lexer_.next();
@@ -168,9 +168,9 @@ class Parser {
   }
 
   // VAL_ 466 STATE 11 "on" 0 "off"; or VAL_ 466 STATE TableName; or of an environment variable
-  void value_names() {
+  void parse_value_names() {
     if (lexer_.peek().kind == Kind::kWord) return skip_to_semicolon();
-    DbcSignal* s = take_signal();
+    DbcSignal* s = parse_signal_reference();
     if (lexer_.peek().kind == Kind::kWord) {
       const std::string table(lexer_.next().text);
       const auto at = tables_.find(table);
@@ -178,31 +178,32 @@ class Parser {
       if (s != nullptr) s->value_names = at->second;
       return expect(";");
     }
-    ValueNames names = take_value_names();
+    ValueNames names = parse_value_list();
     if (s != nullptr) s->value_names = std::move(names);
   }
 
-  void value_table() {
-    std::string name(take(Kind::kWord, "the table's name").text);
-    tables_[std::move(name)] = take_value_names();
+  void parse_value_table() {
+    std::string name(expect_token(Kind::kWord, "the table's name").text);
+    tables_[std::move(name)] = parse_value_list();
   }
 
-  ValueNames take_value_names() {
+  ValueNames parse_value_list() {
     ValueNames names;
     while (!lexer_.peek().is(";")) {
-      const double value = take_number("a value or ';'");
+      const double value = parse_number("a value or ';'");
       if (!(std::abs(value) <= 9.2e18)) throw Malformed{"a named value is out of range"};
-      names.emplace_back(static_cast<int64_t>(value), take(Kind::kString, "the value's name").text);
+      names.emplace_back(static_cast<int64_t>(value),
+                         expect_token(Kind::kString, "the value's name").text);
     }
     lexer_.next();
     return names;
   }
 
   // SIG_VALTYPE_ 100 NAME : 1;
-  void value_type() {
-    DbcSignal* s = take_signal();
+  void parse_value_type() {
+    DbcSignal* s = parse_signal_reference();
     if (lexer_.peek().is(":")) lexer_.next();
-    const uint64_t type = take_unsigned("the value type");
+    const uint64_t type = parse_unsigned("the value type");
     if (type > 2) throw Malformed{"the value type is none of 0, 1, 2"};
     if (s != nullptr && type > 0) {
       if (s->length != (type == 1 ? 32 : 64)) {
@@ -214,15 +215,15 @@ class Parser {
   }
 
   // SG_MUL_VAL_ 100 NAME SELECTOR 1-3, 5-5;
-  void extended_multiplexing() {
+  void parse_extended_multiplexing() {
     const DbcToken ahead = lexer_.peek();
-    DbcSignal* s = take_signal();
-    const std::string selector(take(Kind::kWord, "the multiplexor's name").text);
+    DbcSignal* s = parse_signal_reference();
+    const std::string selector(expect_token(Kind::kWord, "the multiplexor's name").text);
     std::vector<std::pair<uint64_t, uint64_t>> ranges;
     do {
-      const uint64_t from = take_unsigned("a value");
+      const uint64_t from = parse_unsigned("a value");
       if (lexer_.peek().is("-")) lexer_.next();
-      const double to = std::abs(take_number("the end of a range"));  // "1-3" is read as 1, −3
+      const double to = std::abs(parse_number("the end of a range"));  // "1-3" is read as 1, −3
       if (!(to <= 1.8e19)) throw Malformed{"the end of a range is too large"};
       ranges.emplace_back(from, static_cast<uint64_t>(to));
     } while (lexer_.peek().is(",") && (lexer_.next(), true));
@@ -234,19 +235,19 @@ class Parser {
 
   /// Ties each multiplexed signal to its selector: the one that SG_MUL_VAL_ names, or the one
   /// multiplexor of the message that is always there.
-  void tie_multiplexors() {
+  void resolve_multiplexors() {
     for (const NamedSelector& named : named_selectors_) {
-      DbcMessage& owner = *reading_.dbc.find(named.message.first, named.message.second);
+      DbcMessage& owner = *result_.dbc.find(named.message.first, named.message.second);
       const DbcSignal* selector = owner.find_signal(named.selector);
       DbcSignal& s = *find_signal(owner, named.signal);
       if (selector != nullptr && selector != &s) {
         s.multiplexor = static_cast<int>(selector - owner.signals.data());
       } else {
-        never_selected(owner, s, named.line);
+        mark_never_selected(owner, s, named.line);
       }
     }
-    for (const DbcMessage& found : reading_.dbc.messages()) {
-      DbcMessage& owner = *reading_.dbc.find(found.id, found.extended);
+    for (const DbcMessage& found : result_.dbc.messages()) {
+      DbcMessage& owner = *result_.dbc.find(found.id, found.extended);
       const auto root = std::find_if(
           owner.signals.begin(), owner.signals.end(),
           [](const DbcSignal& s) { return s.is_multiplexor && s.multiplexor_values.empty(); });
@@ -255,28 +256,28 @@ class Parser {
         if (root != owner.signals.end()) {
           s.multiplexor = static_cast<int>(root - owner.signals.begin());
         } else {
-          never_selected(owner, s, 0);
+          mark_never_selected(owner, s, 0);
         }
       }
     }
   }
 
-  void never_selected(const DbcMessage& owner, DbcSignal& s, int line) {
+  void mark_never_selected(const DbcMessage& owner, DbcSignal& s, int line) {
     report(line, owner.name + "." + s.name + " is multiplexed, and its multiplexor is missing");
     s.multiplexor = static_cast<int>(&s - owner.signals.data());
     s.multiplexor_values.clear();
   }
 
-  DbcSignal* take_signal() {
-    const uint32_t id = take_id();
-    const std::string_view name = take(Kind::kWord, "the signal's name").text;
+  DbcSignal* parse_signal_reference() {
+    const uint32_t id = parse_message_id();
+    const std::string_view name = expect_token(Kind::kWord, "the signal's name").text;
     signal_message_ = {id & ~kExtendedBit, (id & kExtendedBit) != 0};
-    DbcMessage* owner = reading_.dbc.find(signal_message_.first, signal_message_.second);
+    DbcMessage* owner = result_.dbc.find(signal_message_.first, signal_message_.second);
     return owner == nullptr ? nullptr : find_signal(*owner, name);
   }
 
-  DbcToken take(Kind kind, const char* what) {
-    if (lexer_.peek().kind == Kind::kBroken) throw Malformed{"a string is not closed"};
+  DbcToken expect_token(Kind kind, const char* what) {
+    if (lexer_.peek().kind == Kind::kUnterminatedString) throw Malformed{"a string is not closed"};
     if (lexer_.peek().kind != kind) {
       throw Malformed{"expected " + std::string(what) + ", found '" +
                       std::string(lexer_.peek().text.substr(0, 40)) + "'"};
@@ -292,8 +293,8 @@ class Parser {
     lexer_.next();
   }
 
-  double take_number(const char* what) {
-    std::string_view text = take(Kind::kNumber, what).text;
+  double parse_number(const char* what) {
+    std::string_view text = expect_token(Kind::kNumber, what).text;
     if (text.starts_with('+')) text.remove_prefix(1);
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -303,8 +304,8 @@ class Parser {
     return value;
   }
 
-  uint64_t take_unsigned(const char* what) {
-    const std::string_view text = take(Kind::kNumber, what).text;
+  uint64_t parse_unsigned(const char* what) {
+    const std::string_view text = expect_token(Kind::kNumber, what).text;
     uint64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size()) {
@@ -313,8 +314,8 @@ class Parser {
     return value;
   }
 
-  uint32_t take_id() {
-    const uint64_t id = take_unsigned("the message's id");
+  uint32_t parse_message_id() {
+    const uint64_t id = parse_unsigned("the message's id");
     if (id > 0xFFFFFFFFu) throw Malformed{"the message's id is out of range"};
     return static_cast<uint32_t>(id);
   }
@@ -332,7 +333,7 @@ class Parser {
   void skip_to_semicolon() {
     while (!lexer_.peek().is(";")) {
       const DbcToken& ahead = lexer_.peek();
-      if (ahead.kind == Kind::kBroken) throw Malformed{"a string is not closed"};
+      if (ahead.kind == Kind::kUnterminatedString) throw Malformed{"a string is not closed"};
       if (ahead.kind == Kind::kEnd || opens_statement(ahead)) throw Malformed{"expected ';'"};
       lexer_.next();
     }
@@ -348,8 +349,8 @@ class Parser {
   }
 
   void report(int line, std::string what) {
-    reading_.problems.add({std::move(what), line > 0 ? name_ + ":" + std::to_string(line) : name_,
-                           "left out; the rest of the file is used"});
+    result_.problems.add({std::move(what), line > 0 ? name_ + ":" + std::to_string(line) : name_,
+                          "left out; the rest of the file is used"});
   }
 
   using MessageKey = std::pair<uint32_t, bool>;
@@ -361,8 +362,8 @@ class Parser {
 
   DbcLexer lexer_;
   std::string name_;
-  DbcReading reading_;
-  MessageKey current_{};
+  DbcParseResult result_;
+  MessageKey current_message_{};
   MessageKey signal_message_{};
   bool has_message_ = false;
   std::map<std::string, ValueNames, std::less<>> tables_;
@@ -371,11 +372,11 @@ class Parser {
 
 }  // namespace
 
-DbcReading parse_dbc(std::string_view text, const std::string& name) {
-  return Parser(text, name).run();
+DbcParseResult parse_dbc(std::string_view text, const std::string& name) {
+  return Parser(text, name).parse();
 }
 
-Result<DbcReading> read_dbc(const std::filesystem::path& file) {
+Result<DbcParseResult> read_dbc(const std::filesystem::path& file) {
   constexpr uintmax_t kMaxBytes = uintmax_t{64} << 20;
   std::error_code error;
   const uintmax_t bytes = std::filesystem::file_size(file, error);

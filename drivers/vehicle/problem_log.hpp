@@ -12,11 +12,11 @@ namespace infuse::vehicle {
 /// many there were. Bounded, so that a file of rubbish does not fill the memory.
 class ProblemLog {
  public:
-  static constexpr size_t kKept = 100;
+  static constexpr size_t kMaxKept = 100;
 
   /// Counts a problem, and keeps it if it is among the first `kKept`.
   void add(Error problem) {
-    if (problems_.size() < kKept) problems_.push_back(std::move(problem));
+    if (problems_.size() < kMaxKept) problems_.push_back(std::move(problem));
     ++count_;
   }
 

@@ -8,7 +8,7 @@
 namespace infuse::vehicle {
 namespace {
 
-std::optional<speed_t> speed_of(uint32_t baud) {
+std::optional<speed_t> termios_speed(uint32_t baud) {
   switch (baud) {
     case 4800:
       return B4800;
@@ -35,7 +35,7 @@ std::optional<speed_t> speed_of(uint32_t baud) {
 
 std::optional<std::string> SerialOptions::invalid() const {
   if (device.empty() || device.front() != '/') return "'" + device + "' is no path of a device";
-  if (!speed_of(baud)) return std::to_string(baud) + " baud is no speed of a serial device";
+  if (!termios_speed(baud)) return std::to_string(baud) + " baud is no speed of a serial device";
   return std::nullopt;
 }
 
@@ -43,7 +43,7 @@ Result<SerialLineSource> SerialLineSource::open(const SerialOptions& options,
                                                 const receive::TimeBase& base) {
   if (auto wrong = options.invalid()) return fail(*wrong, options.device);
   SerialLineSource source(options, base);
-  source.device_ = receive::Descriptor(
+  source.device_ = receive::FileDescriptor(
       ::open(options.device.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!source.device_) {
     return receive::fail_errno("cannot be opened", options.device,
@@ -57,14 +57,14 @@ Result<SerialLineSource> SerialLineSource::open(const SerialOptions& options,
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cc[VMIN] = 1;  // so that 0 bytes mean a device that hung up
   settings.c_cc[VTIME] = 0;
-  cfsetspeed(&settings, *speed_of(options.baud));
+  cfsetspeed(&settings, *termios_speed(options.baud));
   if (tcsetattr(source.device_.get(), TCSANOW, &settings) != 0) {
     return receive::fail_errno("cannot be set up", options.device);
   }
   return source;
 }
 
-Result<size_t> SerialLineSource::nothing_read(ssize_t count) const {
+Result<size_t> SerialLineSource::handle_read_error(ssize_t count) const {
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
   if (count == 0) return fail("the device hung up", options_.device);
   return receive::fail_errno("cannot be read", options_.device);

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "drivers/measurement/error.hpp"
-#include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 #include "drivers/receive/time_base.hpp"
 
 namespace infuse::vehicle {
@@ -22,25 +22,25 @@ struct SerialOptions {
 };
 
 /// Cuts bytes into lines of bounded length. Pure.
-class LineCutter {
+class LineSplitter {
  public:
-  static constexpr size_t kMaxLine = 127;  ///< an NMEA sentence has at most 82 characters
+  static constexpr size_t kMaxLineLength = 127;  ///< an NMEA sentence has at most 82 characters
 
   /// Takes bytes that came at `stamp` and calls `on(Stamp, std::string_view)` for each line that
   /// they complete, stamped with the arrival of its first byte; line ends and blank lines are left
   /// out. A line that is too long is dropped and counted.
   template <class OnLine>
-  void take(std::string_view bytes, Stamp stamp, OnLine on) {
+  void push(std::string_view bytes, Stamp stamp, OnLine on) {
     for (const char byte : bytes) {
       if (byte == '\n' || byte == '\r') {
-        if (overlong_) ++dropped_;
-        if (size_ > 0 && !overlong_) on(begun_, std::string_view(line_.data(), size_));
+        if (too_long_) ++dropped_;
+        if (size_ > 0 && !too_long_) on(line_stamp_, std::string_view(line_.data(), size_));
         size_ = 0;
-        overlong_ = false;
-      } else if (size_ == kMaxLine) {
-        overlong_ = true;
+        too_long_ = false;
+      } else if (size_ == kMaxLineLength) {
+        too_long_ = true;
       } else {
-        if (size_ == 0) begun_ = stamp;
+        if (size_ == 0) line_stamp_ = stamp;
         line_[size_++] = byte;
       }
     }
@@ -50,10 +50,10 @@ class LineCutter {
   uint64_t dropped() const { return dropped_; }
 
  private:
-  std::array<char, kMaxLine> line_{};
+  std::array<char, kMaxLineLength> line_{};
   size_t size_ = 0;
-  bool overlong_ = false;
-  Stamp begun_;
+  bool too_long_ = false;
+  Stamp line_stamp_;
   uint64_t dropped_ = 0;
 };
 
@@ -72,22 +72,22 @@ class SerialLineSource {
   Result<size_t> read(OnLine on) {
     std::array<char, 512> bytes;
     const ssize_t count = ::read(device_.get(), bytes.data(), bytes.size());
-    if (count <= 0) return nothing_read(count);
-    cutter_.take({bytes.data(), static_cast<size_t>(count)}, base_.now(), on);
+    if (count <= 0) return handle_read_error(count);
+    splitter_.push({bytes.data(), static_cast<size_t>(count)}, base_.now(), on);
     return static_cast<size_t>(count);
   }
 
-  const LineCutter& lines() const { return cutter_; }
+  const LineSplitter& splitter() const { return splitter_; }
 
  private:
   SerialLineSource(const SerialOptions& options, const receive::TimeBase& base)
       : options_(options), base_(base) {}
-  Result<size_t> nothing_read(ssize_t count) const;
+  Result<size_t> handle_read_error(ssize_t count) const;
 
   SerialOptions options_;
   receive::TimeBase base_;
-  receive::Descriptor device_;
-  LineCutter cutter_;
+  receive::FileDescriptor device_;
+  LineSplitter splitter_;
 };
 
 }  // namespace infuse::vehicle

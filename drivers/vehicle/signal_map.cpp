@@ -10,7 +10,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegree = std::numbers::pi / 180;
 
-enum class Dimension { kSpeed, kRate, kAngle, kAcceleration, kNone };
+enum class Dimension { kSpeed, kAngularVelocity, kAngle, kAcceleration, kNone };
 
 struct Unit {
   std::string_view name;
@@ -25,11 +25,11 @@ constexpr Unit kUnits[] = {
     {"kph", Dimension::kSpeed, 1 / 3.6},
     {"kmh", Dimension::kSpeed, 1 / 3.6},
     {"mph", Dimension::kSpeed, 0.44704},
-    {"rad/s", Dimension::kRate, 1},
-    {"deg/s", Dimension::kRate, kDegree},
-    {"deg/sec", Dimension::kRate, kDegree},
-    {"\xB0/s", Dimension::kRate, kDegree},  // Latin-1, as most DBC files are
-    {"°/s", Dimension::kRate, kDegree},
+    {"rad/s", Dimension::kAngularVelocity, 1},
+    {"deg/s", Dimension::kAngularVelocity, kDegree},
+    {"deg/sec", Dimension::kAngularVelocity, kDegree},
+    {"\xB0/s", Dimension::kAngularVelocity, kDegree},  // Latin-1, as most DBC files are
+    {"°/s", Dimension::kAngularVelocity, kDegree},
     {"rad", Dimension::kAngle, 1},
     {"deg", Dimension::kAngle, kDegree},
     {"\xB0", Dimension::kAngle, kDegree},
@@ -41,11 +41,11 @@ constexpr Unit kUnits[] = {
     {"g", Dimension::kAcceleration, 9.80665},
 };
 
-const char* units_of(Dimension dimension) {
+const char* unit_hint(Dimension dimension) {
   switch (dimension) {
     case Dimension::kSpeed:
       return "set `unit` to m/s, km/h or mph";
-    case Dimension::kRate:
+    case Dimension::kAngularVelocity:
       return "set `unit` to rad/s or deg/s";
     case Dimension::kAngle:
       return "set `unit` to rad or deg";
@@ -57,13 +57,13 @@ const char* units_of(Dimension dimension) {
   return "";
 }
 
-bool present(const SignalSource& source) { return !source.signal.empty(); }
+bool is_set(const SignalSource& source) { return !source.signal.empty(); }
 
 }  // namespace
 
 std::optional<std::string> SignalMap::invalid() const {
   const auto wrong = [](const SignalSource& source) -> std::optional<std::string> {
-    if (!present(source)) return std::nullopt;
+    if (!is_set(source)) return std::nullopt;
     if (source.signal.find('.') == std::string::npos) {
       return "'" + source.signal + "' must be MESSAGE.SIGNAL";
     }
@@ -74,7 +74,7 @@ std::optional<std::string> SignalMap::invalid() const {
   };
   bool any = false;
   const auto check = [&](const SignalSource& source) {
-    any = any || present(source);
+    any = any || is_set(source);
     return wrong(source);
   };
   for (const SignalSource& source : wheel_speed) {
@@ -93,10 +93,10 @@ std::optional<std::string> SignalMap::invalid() const {
   for (const SignalSource* source : {&steering_fraction, &gear}) {
     if (auto message = wrong(*source)) return message;
   }
-  if (present(steering_fraction) && !present(steering_angle)) {
+  if (is_set(steering_fraction) && !is_set(steering_angle)) {
     return "steering_fraction needs steering_angle";
   }
-  if (std::isfinite(reverse_gear) && !present(gear)) return "reverse_gear needs gear";
+  if (std::isfinite(reverse_gear) && !is_set(gear)) return "reverse_gear needs gear";
   return std::nullopt;
 }
 
@@ -107,18 +107,18 @@ Result<VehicleDecoder> VehicleDecoder::create(const Dbc& dbc, const SignalMap& m
   decoder.reverse_gear_ = map.reverse_gear;
   std::vector<std::pair<const SignalSource*, Quantity>> wanted = {
       {&map.yaw_rate, kYawRate},
-      {&map.steering_angle, kSteering},
+      {&map.steering_angle, kSteeringAngle},
       {&map.steering_fraction, kSteeringFraction},
       {&map.gear, kGear}};
   for (size_t i = 0; i < 4; ++i) {
-    wanted.emplace_back(&map.wheel_speed[i], static_cast<Quantity>(kWheel + i));
+    wanted.emplace_back(&map.wheel_speed[i], static_cast<Quantity>(kWheelSpeed + i));
   }
   for (size_t i = 0; i < 3; ++i) {
     wanted.emplace_back(&map.acceleration[i], static_cast<Quantity>(kAcceleration + i));
-    wanted.emplace_back(&map.angular_velocity[i], static_cast<Quantity>(kAngular + i));
+    wanted.emplace_back(&map.angular_velocity[i], static_cast<Quantity>(kAngularVelocity + i));
   }
   for (const auto& [source, quantity] : wanted) {
-    if (!present(*source)) continue;
+    if (!is_set(*source)) continue;
     if (auto error = decoder.bind(dbc, *source, quantity)) return tl::unexpected(*error);
   }
   return decoder;
@@ -137,10 +137,10 @@ std::optional<Error> VehicleDecoder::bind(const Dbc& dbc, const SignalSource& so
                                     : "the message is there; look for the signal's name"};
   }
   const Dimension dimension = quantity < kYawRate             ? Dimension::kSpeed
-                              : quantity == kYawRate          ? Dimension::kRate
+                              : quantity == kYawRate          ? Dimension::kAngularVelocity
                               : quantity <= kSteeringFraction ? Dimension::kAngle
-                              : quantity < kAngular           ? Dimension::kAcceleration
-                              : quantity < kGear              ? Dimension::kRate
+                              : quantity < kAngularVelocity   ? Dimension::kAcceleration
+                              : quantity < kGear              ? Dimension::kAngularVelocity
                                                               : Dimension::kNone;
   double factor = source.scale;
   if (dimension != Dimension::kNone) {
@@ -150,7 +150,7 @@ std::optional<Error> VehicleDecoder::bind(const Dbc& dbc, const SignalSource& so
     });
     if (known == std::end(kUnits)) {
       return Error{"unit '" + unit + "' of " + source.signal + " does not fit", "signal map",
-                   units_of(dimension)};
+                   unit_hint(dimension)};
     }
     factor *= known->factor;
   }
@@ -172,35 +172,35 @@ VehicleSamples VehicleDecoder::decode(const CanFrame& frame) {
   if (bound == messages_.end()) return {};
   Values values;
   values.fill(kNaN);
-  bool cut = false;
+  bool too_short = false;
   for (const Binding& binding : bound->bindings) {
     const DbcSignal& signal = bound->message.signals[binding.signal];
     if (const auto value = vehicle::decode(bound->message, signal, frame.payload())) {
       values[binding.quantity] = *value * binding.factor;
     } else {
-      cut = cut || !raw_value(signal, frame.payload());
+      too_short = too_short || !raw_value(signal, frame.payload());
     }
   }
-  if (cut) ++short_frames_;
+  if (too_short) ++short_frames_;
   if (std::isfinite(values[kGear])) reversing_ = values[kGear] == reverse_gear_;
-  return samples_of(values, frame.stamp);
+  return make_samples(values, frame.stamp);
 }
 
-VehicleSamples VehicleDecoder::samples_of(const Values& values, Stamp stamp) const {
+VehicleSamples VehicleDecoder::make_samples(const Values& values, Stamp stamp) const {
   const auto any = [&](int from, int to) {
     return std::any_of(values.begin() + from, values.begin() + to,
                        [](double v) { return std::isfinite(v); });
   };
   VehicleSamples samples;
-  if (any(kWheel, kSteeringFraction)) {
+  if (any(kWheelSpeed, kSteeringFraction)) {
     WheelOdometry wheels;
     wheels.stamp = stamp;
     for (size_t i = 0; i < 4; ++i) {
-      wheels.wheel_speed[i] = reversing_ ? -values[kWheel + i] : values[kWheel + i];
+      wheels.wheel_speed[i] = reversing_ ? -values[kWheelSpeed + i] : values[kWheelSpeed + i];
     }
     wheels.yaw_rate = values[kYawRate];
     const double fraction = values[kSteeringFraction];
-    wheels.steering_angle = values[kSteering] + (std::isfinite(fraction) ? fraction : 0);
+    wheels.steering_angle = values[kSteeringAngle] + (std::isfinite(fraction) ? fraction : 0);
     samples.wheels = wheels;
   }
   if (any(kAcceleration, kGear)) {
@@ -208,7 +208,7 @@ VehicleSamples VehicleDecoder::samples_of(const Values& values, Stamp stamp) con
     imu.stamp = stamp;
     for (size_t i = 0; i < 3; ++i) {
       imu.linear_acceleration[i] = values[kAcceleration + i];
-      imu.angular_velocity[i] = values[kAngular + i];
+      imu.angular_velocity[i] = values[kAngularVelocity + i];
     }
     samples.imu = imu;
   }

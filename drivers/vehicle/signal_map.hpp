@@ -61,21 +61,21 @@ class VehicleDecoder {
  private:
   /// Where a decoded value goes: an index into `Values`.
   enum Quantity : uint8_t {
-    kWheel = 0,
+    kWheelSpeed = 0,
     kYawRate = 4,
-    kSteering,
+    kSteeringAngle,
     kSteeringFraction,
     kAcceleration,
-    kAngular = kAcceleration + 3,
-    kGear = kAngular + 3,
-    kQuantities,
+    kAngularVelocity = kAcceleration + 3,
+    kGear = kAngularVelocity + 3,
+    kQuantityCount,
   };
-  using Values = std::array<double, kQuantities>;
+  using Values = std::array<double, kQuantityCount>;
 
   struct Binding {
     size_t signal = 0;  ///< index in the message
     double factor = 1;
-    Quantity quantity = kWheel;
+    Quantity quantity = kWheelSpeed;
   };
   struct BoundMessage {
     DbcMessage message;
@@ -83,7 +83,7 @@ class VehicleDecoder {
   };
 
   std::optional<Error> bind(const Dbc& dbc, const SignalSource& source, Quantity quantity);
-  VehicleSamples samples_of(const Values& values, Stamp stamp) const;
+  VehicleSamples make_samples(const Values& values, Stamp stamp) const;
 
   std::string interface_;
   std::vector<BoundMessage> messages_;

@@ -49,7 +49,8 @@ Result<SocketCanSource> SocketCanSource::open(const SocketCanOptions& options,
 
 Result<void> SocketCanSource::set_up() {
   const std::string& name = options_.interface;
-  socket_ = receive::Descriptor(socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW));
+  socket_ =
+      receive::FileDescriptor(socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW));
   if (!socket_) {
     return receive::fail_errno("this kernel has no CAN", name, "load the module can_raw");
   }
@@ -62,7 +63,7 @@ Result<void> SocketCanSource::set_up() {
       !size) {
     return tl::unexpected(size.error());
   }
-  receive::ask_for_hardware_stamps(socket_.get());
+  receive::request_hardware_stamps(socket_.get());
   sockaddr_can bus{};
   bus.can_family = AF_CAN;
   bus.can_ifindex = static_cast<int>(if_nametoindex(name.c_str()));
@@ -81,16 +82,16 @@ bool SocketCanSource::up() const {
   return ioctl(socket_.get(), SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
 }
 
-bool SocketCanSource::take(const receive::MessageBatch::Message& message) {
+bool SocketCanSource::process_message(const receive::MessageBatch::Message& message) {
   if (message.truncated || !parse_socket_can(message.bytes, frame_)) return false;
   // To the microsecond, as a candump log has it: a recording of the bus replays to the same.
-  const Stamp stamp = hardware_stamps_.stamp_of(message.hardware_ns, message.stamp);
+  const Stamp stamp = hardware_stamps_.update(message.hardware_ns, message.stamp);
   frame_.stamp = stamp - Duration(stamp.ns() % 1000);
-  bus_errors_.take(frame_);
+  bus_errors_.process(frame_);
   return true;
 }
 
-Result<size_t> SocketCanSource::failed_read() {
+Result<size_t> SocketCanSource::handle_read_error() {
   if (errno != ENETDOWN) return receive::fail_errno("cannot be read", options_.interface);
   bus_errors_.reset();
   return 0;

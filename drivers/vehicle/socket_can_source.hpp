@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "drivers/measurement/error.hpp"
-#include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 #include "drivers/receive/hardware_stamps.hpp"
 #include "drivers/receive/message_batch.hpp"
 #include "drivers/vehicle/bus_errors.hpp"
@@ -40,10 +40,10 @@ class SocketCanSource {
   template <class OnFrame>
   Result<size_t> read(receive::MessageBatch& batch, OnFrame on) {
     const int count = batch.receive(socket_.get(), stamps_);
-    if (count < 0) return failed_read();
+    if (count < 0) return handle_read_error();
     if (batch.dropped() != 0) dropped_ = batch.dropped();
     for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
-      if (!take(batch[i])) continue;
+      if (!process_message(batch[i])) continue;
       on(static_cast<const CanFrame&>(frame_));
     }
     return static_cast<size_t>(count);
@@ -60,7 +60,7 @@ class SocketCanSource {
 
   /// Whether frames are stamped by the interface's own clock: where its driver tells that, else
   /// they have the kernel's stamp.
-  bool stamped_by_hardware() const { return hardware_stamps_.used(); }
+  bool stamped_by_hardware() const { return hardware_stamps_.stamped_by_hardware(); }
 
   const std::string& interface() const { return options_.interface; }
 
@@ -68,20 +68,20 @@ class SocketCanSource {
   SocketCanSource(const SocketCanOptions& options, const receive::TimeBase& base)
       : options_(options), stamps_(base) {}
   Result<void> set_up();
-  bool take(const receive::MessageBatch::Message& message);
-  Result<size_t> failed_read();
+  bool process_message(const receive::MessageBatch::Message& message);
+  Result<size_t> handle_read_error();
 
   SocketCanOptions options_;
   receive::WallStamps stamps_;
   receive::HardwareStamps hardware_stamps_;
-  receive::Descriptor socket_;
+  receive::FileDescriptor socket_;
   CanFrame frame_;
   BusErrors bus_errors_;
   uint64_t dropped_ = 0;
 };
 
 /// Room for one read of a bus.
-inline receive::MessageBatch can_batch() { return receive::MessageBatch(64, 72); }
+inline receive::MessageBatch make_can_batch() { return receive::MessageBatch(64, 72); }
 
 /// Reads a frame as SocketCAN hands it over: `struct can_frame` (16 bytes) or `canfd_frame` (72).
 /// Sets everything but stamp and interface. False where the size is neither.

@@ -9,29 +9,29 @@ namespace infuse::velodyne {
 namespace {
 
 /// No network delays a packet past others by more.
-constexpr int64_t kLatestUs = 50'000;
+constexpr int64_t kMaxReorderDelayUs = 50'000;
 /// The device's and the host's clock may disagree by so much on the time between two packets.
 constexpr int64_t kClockToleranceUs = 500'000;
 
 }  // namespace
 
-ArrivalOrder::Verdict ArrivalOrder::take(uint32_t counter_us, Stamp host) {
+ArrivalOrder::Verdict ArrivalOrder::add(uint32_t counter_us, Stamp host) {
   const auto accept = [&](Arrival arrival, int64_t delay_us) {
-    before_newest_ = arrival == Arrival::kNext ? newest_ : counter_us;
+    second_newest_ = arrival == Arrival::kNext ? newest_ : counter_us;
     newest_ = counter_us;
     newest_host_ = host;
-    remember(counter_us);
+    add_recent(counter_us);
     return Verdict{arrival, delay_us};
   };
   if (recent_count_ == 0) return accept(Arrival::kFirst, 0);
   const int64_t delay_us = counter_difference_us(counter_us, newest_);
-  if (seen(counter_us)) return {Arrival::kDuplicate, delay_us};
-  if (delay_us <= 0 && delay_us > -kLatestUs) {
-    if (counter_difference_us(counter_us, before_newest_) <= 0) {
+  if (is_recent(counter_us)) return {Arrival::kDuplicate, delay_us};
+  if (delay_us <= 0 && delay_us > -kMaxReorderDelayUs) {
+    if (counter_difference_us(counter_us, second_newest_) <= 0) {
       return {Arrival::kTooLate, delay_us};
     }
-    before_newest_ = counter_us;
-    remember(counter_us);
+    second_newest_ = counter_us;
+    add_recent(counter_us);
     return {Arrival::kLate, delay_us};
   }
   const int64_t host_us = (host - newest_host_).count() / 1000;
@@ -39,13 +39,13 @@ ArrivalOrder::Verdict ArrivalOrder::take(uint32_t counter_us, Stamp host) {
   return accept(clocks_agree ? Arrival::kNext : Arrival::kClockJump, delay_us);
 }
 
-bool ArrivalOrder::seen(uint32_t counter_us) const {
-  const auto* end = recent_.data() + std::min(recent_count_, kRemembered);
+bool ArrivalOrder::is_recent(uint32_t counter_us) const {
+  const auto* end = recent_.data() + std::min(recent_count_, kMaxRecent);
   return std::find(recent_.data(), end, counter_us) != end;
 }
 
-void ArrivalOrder::remember(uint32_t counter_us) {
-  recent_[recent_count_++ % kRemembered] = counter_us;
+void ArrivalOrder::add_recent(uint32_t counter_us) {
+  recent_[recent_count_++ % kMaxRecent] = counter_us;
 }
 
 }  // namespace infuse::velodyne

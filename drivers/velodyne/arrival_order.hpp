@@ -27,17 +27,17 @@ class ArrivalOrder {
   };
 
   /// Takes a packet's counter (µs in the hour) and its time of arrival.
-  Verdict take(uint32_t counter_us, Stamp host);
+  Verdict add(uint32_t counter_us, Stamp host);
 
  private:
-  bool seen(uint32_t counter_us) const;
-  void remember(uint32_t counter_us);
+  bool is_recent(uint32_t counter_us) const;
+  void add_recent(uint32_t counter_us);
 
-  static constexpr size_t kRemembered = 16;
-  std::array<uint32_t, kRemembered> recent_{};
+  static constexpr size_t kMaxRecent = 16;
+  std::array<uint32_t, kMaxRecent> recent_{};
   size_t recent_count_ = 0;  ///< remembered so far; the ring holds the last of them
   uint32_t newest_ = 0;
-  uint32_t before_newest_ = 0;
+  uint32_t second_newest_ = 0;
   Stamp newest_host_;
 };
 

@@ -7,26 +7,26 @@
 namespace infuse::velodyne {
 namespace {
 
-constexpr double kHundredth = std::numbers::pi / 18000;  // rad
+constexpr double kCentidegree = std::numbers::pi / 18000;  // rad
 constexpr double kMaxTurnsPerSecond = 30;
 constexpr double kFocalRange = 131;  // m, the HDL-64E manual's
 
-int largest_step(const ModelInfo& info) {
+int max_azimuth_step(const ModelInfo& info) {
   // A VLS-128's firmware may run 5 % slower than the nominal cycle.
   const double period_s = 1.05 * to_seconds(sequence_period(info, info.cycle));
   return static_cast<int>(std::ceil(kMaxTurnsPerSecond * 36'000 * period_s));
 }
 
-float metres_per_metre(double near, double near_at, double far) {
-  return static_cast<float>((far - near) / (static_cast<double>(kFarPoint) - near_at));
+float correction_slope(double near, double near_at, double far) {
+  return static_cast<float>((far - near) / (static_cast<double>(kFarDistance) - near_at));
 }
 
 }  // namespace
 
 BeamTable::BeamTable(Model model, const Calibration& calibration, Duration firing_cycle)
     : info(&model_info(model)),
-      max_step(largest_step(*info)),
-      unit(static_cast<float>(info->distance_unit_mm * 1e-3)),
+      max_step(max_azimuth_step(*info)),
+      distance_unit(static_cast<float>(info->distance_unit_mm * 1e-3)),
       forward_rows(static_cast<size_t>(max_step + 1) * info->slots()),
       right_rows(forward_rows.size()) {
   rebuild(calibration, firing_cycle);
@@ -50,8 +50,8 @@ void BeamTable::rebuild(const Calibration& calibration, Duration firing_cycle) {
     const double near_distance_y = two_points ? beam.distance_y : beam.distance;
     near_x[slot] = static_cast<float>(near_distance_x);
     near_y[slot] = static_cast<float>(near_distance_y);
-    slope_x[slot] = metres_per_metre(near_distance_x, kNearX, beam.distance);
-    slope_y[slot] = metres_per_metre(near_distance_y, kNearY, beam.distance);
+    slope_x[slot] = correction_slope(near_distance_x, kNearDistanceX, beam.distance);
+    slope_y[slot] = correction_slope(near_distance_y, kNearDistanceY, beam.distance);
     horizontal_offset[slot] = static_cast<float>(beam.horizontal_offset);
     vertical_offset[slot] = static_cast<float>(beam.vertical_offset);
     focal_slope[slot] = static_cast<float>(256 * beam.focal_slope);
@@ -62,7 +62,7 @@ void BeamTable::rebuild(const Calibration& calibration, Duration firing_cycle) {
     const double horizontal = info->calibrated_per_unit ? 1.0 : std::cos(beam.elevation);
     const double turned = static_cast<double>(time_ns[slot]) / period_ns;
     for (size_t step = 0; step <= static_cast<size_t>(max_step); ++step) {
-      const double azimuth = static_cast<double>(step) * turned * kHundredth - beam.rotation;
+      const double azimuth = static_cast<double>(step) * turned * kCentidegree - beam.rotation;
       forward_rows[step * info->slots() + slot] =
           static_cast<float>(horizontal * std::cos(azimuth));
       right_rows[step * info->slots() + slot] = static_cast<float>(horizontal * std::sin(azimuth));

@@ -35,7 +35,7 @@ struct BeamTable {
   Duration cycle{0};           ///< ns; firing cycle
   int max_step = 0;            ///< 0.01°; a larger step is no rotation (above 30 turns a second)
   int32_t last_firing_ns = 0;  ///< when the last slot fires, after the sequence's start
-  float unit = 0;              ///< m; of a packet's distance
+  float distance_unit = 0;     ///< m; of a packet's distance
 
   alignas(64) PerSlot<int32_t> time_ns{};  ///< when the slot fires, after the sequence's start
   PerSlot<int32_t> ring{};                 ///< by elevation from below
@@ -56,6 +56,6 @@ struct BeamTable {
 };
 
 /// Where the two-point correction of an HDL-64E is known, m.
-inline constexpr float kNearX = 2.40F, kNearY = 1.93F, kFarPoint = 25.04F;
+inline constexpr float kNearDistanceX = 2.40F, kNearDistanceY = 1.93F, kFarDistance = 25.04F;
 
 }  // namespace infuse::velodyne

@@ -21,7 +21,7 @@ constexpr std::array<double, 16> kVlp16Elevation{
 };
 
 /// The Puck Hi-Res squeezes the same pattern from 2° to 4/3° a step.
-constexpr double kHiResSqueeze = 2.0 / 3.0;
+constexpr double kHiResElevationScale = 2.0 / 3.0;
 
 struct Angles {
   double elevation;
@@ -197,7 +197,7 @@ constexpr std::array<UnitBeam, 64> kHdl64eS3Unit{{
 }};
 
 template <class Table, class Fill>
-Calibration make(const Table& table, Fill fill) {
+Calibration make_calibration(const Table& table, Fill fill) {
   Calibration calibration;
   for (size_t laser = 0; laser < table.size(); ++laser) {
     fill(calibration.beams[laser], table[laser], laser);
@@ -232,26 +232,27 @@ void fill_unit(BeamCorrection& beam, const UnitBeam& unit, size_t) {
 Calibration make_built_in(Model model) {
   switch (model) {
     case Model::kHdl32e:
-      return make(kHdl32eElevation, fill_elevation);
+      return make_calibration(kHdl32eElevation, fill_elevation);
     case Model::kVlp16:
-      return make(kVlp16Elevation, fill_elevation);
+      return make_calibration(kVlp16Elevation, fill_elevation);
     case Model::kPuckHiRes:
-      return make(kVlp16Elevation, [](BeamCorrection& beam, double elevation, size_t) {
-        beam.elevation = elevation * kHiResSqueeze * kDegree;
+      return make_calibration(kVlp16Elevation, [](BeamCorrection& beam, double elevation, size_t) {
+        beam.elevation = elevation * kHiResElevationScale * kDegree;
       });
     case Model::kVlp32c:
-      return make(kVlp32cAngles, fill_angles);
+      return make_calibration(kVlp32cAngles, fill_angles);
     case Model::kHdl64eS2:
-      return make(kHdl64eS2Unit, fill_unit);
+      return make_calibration(kHdl64eS2Unit, fill_unit);
     case Model::kHdl64eS3:
-      return make(kHdl64eS3Unit, fill_unit);
+      return make_calibration(kHdl64eS3Unit, fill_unit);
     case Model::kVls128:
       break;
   }
-  return make(kVls128Elevation, [](BeamCorrection& beam, double elevation, size_t laser) {
-    beam.elevation = elevation * kDegree;
-    beam.rotation = kVls128Rotation[laser % 8] * kDegree;
-  });
+  return make_calibration(kVls128Elevation,
+                          [](BeamCorrection& beam, double elevation, size_t laser) {
+                            beam.elevation = elevation * kDegree;
+                            beam.rotation = kVls128Rotation[laser % 8] * kDegree;
+                          });
 }
 
 }  // namespace

@@ -18,20 +18,20 @@ std::optional<std::string> Calibration::invalid(const ModelInfo& info) const {
   constexpr double kMaxOffset = 2;       // m
   for (size_t laser = 0; laser < info.lasers; ++laser) {
     const BeamCorrection& beam = beams[laser];
-    const std::string of = " of laser " + std::to_string(laser) + " is out of range";
-    if (!within(beam.elevation, kMaxElevation)) return "vertical correction" + of;
-    if (!within(beam.rotation, kMaxRotation)) return "rotational correction" + of;
+    const std::string suffix = " of laser " + std::to_string(laser) + " is out of range";
+    if (!within(beam.elevation, kMaxElevation)) return "vertical correction" + suffix;
+    if (!within(beam.rotation, kMaxRotation)) return "rotational correction" + suffix;
     for (const double distance : {beam.distance, beam.distance_x, beam.distance_y}) {
-      if (!within(distance, kMaxDistance)) return "distance correction" + of;
+      if (!within(distance, kMaxDistance)) return "distance correction" + suffix;
     }
     for (const double offset : {beam.vertical_offset, beam.horizontal_offset}) {
-      if (!within(offset, kMaxOffset)) return "offset" + of;
+      if (!within(offset, kMaxOffset)) return "offset" + suffix;
     }
-    if (!within(beam.focal_distance, 1000)) return "focal distance" + of;
-    if (!within(beam.focal_slope, 1000)) return "focal slope" + of;
+    if (!within(beam.focal_distance, 1000)) return "focal distance" + suffix;
+    if (!within(beam.focal_slope, 1000)) return "focal slope" + suffix;
     if (!(beam.min_intensity >= 0 && beam.min_intensity <= beam.max_intensity &&
           beam.max_intensity <= 255)) {
-      return "intensity limits" + of;
+      return "intensity limits" + suffix;
     }
   }
   return std::nullopt;

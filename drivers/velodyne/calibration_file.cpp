@@ -13,7 +13,7 @@ namespace {
 
 using Tree = boost::property_tree::ptree;
 
-constexpr size_t kMaxSize = 4 << 20;
+constexpr size_t kMaxFileBytes = 4 << 20;
 constexpr size_t kLasers = 64;
 constexpr const char* kHint = "expected the vendor's db.xml with <points_> of 64 lasers";
 
@@ -121,7 +121,7 @@ Result<Calibration> read_db(const Tree& db) {
 }  // namespace
 
 Result<Calibration> parse_db_xml(std::string_view text) {
-  if (text.size() > kMaxSize) return fail("larger than 4 MiB", {}, kHint);
+  if (text.size() > kMaxFileBytes) return fail("larger than 4 MiB", {}, kHint);
   if (!is_shallow(text)) return fail("not a db.xml: tags too deep or broken", {}, kHint);
   try {
     std::istringstream in{std::string(text)};
@@ -140,7 +140,7 @@ Result<Calibration> parse_db_xml(std::string_view text) {
 Result<Calibration> load_db_xml(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return fail("cannot be read", path.string());
-  std::string text(kMaxSize + 1, '\0');
+  std::string text(kMaxFileBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<size_t>(file.gcount()));
   auto calibration = parse_db_xml(text);

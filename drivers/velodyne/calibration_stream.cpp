@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kMarkerText = "UNIT#";
 constexpr std::string_view kStatusTypes = "HMSDNYGTV";
-constexpr size_t kFirstRecord = 7;
+constexpr size_t kFirstRecordOffset = 7;
 constexpr size_t kRecordStride = 28;
 constexpr size_t kRecordSize = 21;
 constexpr size_t kLasers = 64;
@@ -51,7 +51,7 @@ std::optional<Calibration> CalibrationStream::add(uint8_t type, uint8_t value) {
   with_warnings_.push(value);
   if (type != 'W') without_warnings_.push(value);
   for (Window* window : {&with_warnings_, &without_warnings_}) {
-    if (!window->holds_cycle()) continue;
+    if (!window->has_cycle()) continue;
     if (auto calibration = read(*window)) return calibration;
   }
   return std::nullopt;
@@ -68,13 +68,14 @@ std::optional<Calibration> CalibrationStream::read(const Window& window) const {
   for (size_t laser = 0; laser < kLasers; ++laser) {
     std::array<uint8_t, kRecordSize> record;
     for (size_t i = 0; i < kRecordSize; ++i) {
-      record[i] = window.at(kFirstRecord + laser * kRecordStride + i);
+      record[i] = window.at(kFirstRecordOffset + laser * kRecordStride + i);
       if (i > 0) crc = crc16(crc, record[i]);
     }
     if (record[0] != laser) return std::nullopt;
     calibration.beams[laser] = read_record(record);
   }
-  const auto stated = static_cast<uint16_t>(window.at(kCycle - 2) | window.at(kCycle - 1) << 8);
+  const auto stated =
+      static_cast<uint16_t>(window.at(kCycleBytes - 2) | window.at(kCycleBytes - 1) << 8);
   if (model_ == Model::kHdl64eS3 && stated != crc) return std::nullopt;
   if (calibration.invalid(model_info(model_))) return std::nullopt;
   return calibration;
@@ -86,12 +87,12 @@ void CalibrationStream::Window::push(uint8_t byte) {
   ++count_;
 }
 
-bool CalibrationStream::Window::holds_cycle() const {
-  return count_ >= bytes_.size() && marker_at(kCycle) && marker_at(0);
+bool CalibrationStream::Window::has_cycle() const {
+  return count_ >= bytes_.size() && marker_at(kCycleBytes) && marker_at(0);
 }
 
 bool CalibrationStream::Window::marker_at(size_t i) const {
-  for (size_t k = 0; k < kMarker; ++k) {
+  for (size_t k = 0; k < kMarkerBytes; ++k) {
     if (at(i + k) != static_cast<uint8_t>(kMarkerText[k])) return false;
   }
   return true;

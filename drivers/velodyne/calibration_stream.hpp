@@ -26,20 +26,20 @@ class CalibrationStream {
   void restart();
 
  private:
-  static constexpr size_t kCycle = 1820;
-  static constexpr size_t kMarker = 5;  ///< length of "UNIT#"
+  static constexpr size_t kCycleBytes = 1820;
+  static constexpr size_t kMarkerBytes = 5;  ///< length of "UNIT#"
 
   /// The last bytes of the cycle and of the marker that follows it.
   class Window {
    public:
     void push(uint8_t byte);
     void clear() { count_ = 0; }
-    bool holds_cycle() const;
+    bool has_cycle() const;
     uint8_t at(size_t i) const { return bytes_[(next_ + i) % bytes_.size()]; }
 
    private:
     bool marker_at(size_t i) const;
-    std::array<uint8_t, kCycle + kMarker> bytes_{};
+    std::array<uint8_t, kCycleBytes + kMarkerBytes> bytes_{};
     size_t next_ = 0;   ///< place of the oldest byte
     size_t count_ = 0;  ///< bytes so far
   };

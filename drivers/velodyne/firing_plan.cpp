@@ -6,14 +6,14 @@
 namespace infuse::velodyne {
 namespace {
 
-constexpr int kMaxBackward = 100;                  // 0.01°
-constexpr int64_t kLongestJumpNs = 1'000'000'000;  // a turn at one a second
+constexpr int kMaxBackwardStep = 100;          // 0.01°
+constexpr int64_t kMaxJumpNs = 1'000'000'000;  // a turn at one a second
 
 /// Sets the times of what follows the last jump so that the following packet comes right after.
-void time_back(FiringPlan& plan, size_t first, int64_t following_ns, int64_t period_ns) {
+void retime_after_jump(FiringPlan& plan, size_t first, int64_t following_ns, int64_t period_ns) {
   const int64_t start = following_ns - static_cast<int64_t>(plan.count - first) * period_ns;
   const int64_t earliest = plan.sequences[first - 1].time_ns + period_ns;
-  if (start < earliest || start - earliest > kLongestJumpNs) return;
+  if (start < earliest || start - earliest > kMaxJumpNs) return;
   for (size_t i = first; i < plan.count; ++i) {
     plan.sequences[i].time_ns = start + static_cast<int64_t>(i - first) * period_ns;
   }
@@ -22,8 +22,9 @@ void time_back(FiringPlan& plan, size_t first, int64_t following_ns, int64_t per
 }  // namespace
 
 int azimuth_advance(int from, int to) {
-  const int advance = (to - from + 2 * kTurn) % kTurn;
-  return advance >= kTurn - kMaxBackward ? advance - kTurn : advance;
+  const int advance = (to - from + 2 * kCentidegreesPerTurn) % kCentidegreesPerTurn;
+  return advance >= kCentidegreesPerTurn - kMaxBackwardStep ? advance - kCentidegreesPerTurn
+                                                            : advance;
 }
 
 FiringPlan plan_firings(const Packet& packet, const std::optional<FollowingPacket>& following,
@@ -54,7 +55,7 @@ FiringPlan plan_firings(const Packet& packet, const std::optional<FollowingPacke
   if (!following) return plan;
 
   if (after_last_jump > 0) {
-    time_back(plan, after_last_jump, following->delay_ns, timing.period_ns);
+    retime_after_jump(plan, after_last_jump, following->delay_ns, timing.period_ns);
   }
   PlannedSequence& last = plan.sequences[plan.count - 1];
   const int64_t gap_ns = following->delay_ns - (last.time_ns + timing.period_ns);

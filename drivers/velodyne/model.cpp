@@ -16,14 +16,16 @@ constexpr std::array<ModelInfo, 7> kModels{{
     {Model::kVls128, "VLS-128", 128, 1, 4, 4, 0xA1, Duration(55'280), false, true},
 }};
 
-bool same_letters(std::string_view a, std::string_view b) {
-  const auto counts = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
+bool is_same_name(std::string_view a, std::string_view b) {
+  const auto is_alphanumeric = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0;
+  };
   const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
   size_t i = 0;
   size_t j = 0;
   while (true) {
-    while (i < a.size() && !counts(a[i])) ++i;
-    while (j < b.size() && !counts(b[j])) ++j;
+    while (i < a.size() && !is_alphanumeric(a[i])) ++i;
+    while (j < b.size() && !is_alphanumeric(b[j])) ++j;
     if (i == a.size() || j == b.size()) return i == a.size() && j == b.size();
     if (lower(a[i++]) != lower(b[j++])) return false;
   }
@@ -44,7 +46,7 @@ int32_t vls128_time(size_t j, Duration cycle) {
 
 }  // namespace
 
-size_t ModelInfo::sequences(bool dual_return) const {
+size_t ModelInfo::sequences_per_packet(bool dual_return) const {
   if (banks == 4) return dual_return ? 1 : 3;  // dual: the last four blocks stay empty
   return 12u / banks / (dual_return ? 2 : 1);
 }
@@ -55,14 +57,15 @@ std::span<const ModelInfo> models() { return kModels; }
 
 std::optional<Model> find_model(std::string_view name) {
   const auto at = std::find_if(kModels.begin(), kModels.end(), [&](const ModelInfo& info) {
-    return same_letters(info.name, name);
+    return is_same_name(info.name, name);
   });
   if (at == kModels.end()) return std::nullopt;
   return at->model;
 }
 
 Duration packet_period(const ModelInfo& info, Duration cycle, bool dual_return) {
-  return sequence_period(info, cycle) * static_cast<int64_t>(info.sequences(dual_return));
+  return sequence_period(info, cycle) *
+         static_cast<int64_t>(info.sequences_per_packet(dual_return));
 }
 
 std::array<int32_t, kMaxSlots> firing_times(const ModelInfo& info, Duration cycle) {
@@ -82,10 +85,10 @@ std::array<int32_t, kMaxSlots> firing_times(const ModelInfo& info, Duration cycl
         times[slot] = 2'304 * (j / 2);
         break;
       case Model::kHdl64eS2:
-        times[slot] = hdl64e_time(slot % kBlockSlots, 6'000, {0, 1'260, 2'460, 3'660});
+        times[slot] = hdl64e_time(slot % kSlotsPerBlock, 6'000, {0, 1'260, 2'460, 3'660});
         break;
       case Model::kHdl64eS3:
-        times[slot] = hdl64e_time(slot % kBlockSlots, 7'200, {0, 1'300, 2'500, 3'700});
+        times[slot] = hdl64e_time(slot % kSlotsPerBlock, 7'200, {0, 1'300, 2'500, 3'700});
         break;
       case Model::kVls128:
         times[slot] = vls128_time(slot, cycle);

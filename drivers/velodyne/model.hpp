@@ -25,7 +25,7 @@ enum class Model : uint8_t {
 enum class ReturnMode : uint8_t { kStrongest = 0x37, kLast = 0x38, kDual = 0x39 };
 
 /// Returns that one block of a packet holds.
-inline constexpr size_t kBlockSlots = 32;
+inline constexpr size_t kSlotsPerBlock = 32;
 /// Slots of the largest firing sequence (VLS-128).
 inline constexpr size_t kMaxSlots = 128;
 
@@ -40,15 +40,15 @@ struct ModelInfo {
   uint16_t firings;           ///< firings of all lasers in a sequence: 2 for 16 beams, else 1
   uint16_t banks;             ///< blocks in a sequence, of one return kind
   uint16_t distance_unit_mm;  ///< of a packet's distance
-  uint8_t product;            ///< byte 1205; 0 where the model sends something else there
+  uint8_t product_id;         ///< byte 1205; 0 where the model sends something else there
   Duration cycle;             ///< from one firing to the next of the same laser, nominal
   bool calibrated_per_unit;   ///< each unit has its own full calibration (HDL-64E)
-  bool dual;                  ///< can send two returns
+  bool has_dual_return;       ///< can send two returns
 
   /// Slots of a firing sequence.
-  constexpr size_t slots() const { return banks * kBlockSlots; }
+  constexpr size_t slots() const { return banks * kSlotsPerBlock; }
   /// Firing sequences in a packet.
-  size_t sequences(bool dual_return) const;
+  size_t sequences_per_packet(bool dual_return) const;
 };
 
 /// The table's row of a model.

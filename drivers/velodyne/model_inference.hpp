@@ -11,7 +11,7 @@
 namespace infuse::velodyne {
 
 /// A model, and why.
-struct ModelGuess {
+struct InferredModel {
   Model model = Model::kHdl32e;
   std::string reason;  ///< "product byte 0x21 says HDL-32E, but packets 1327 us apart ... VLP-16"
 };
@@ -25,21 +25,21 @@ class ModelInference {
   void add(std::span<const uint8_t> payload);
 
   /// Enough packets have been seen for the best guess.
-  bool settled() const { return packets_ > kPeriods; }
+  bool has_enough_packets() const { return packets_ > kMaxPeriods; }
 
   /// Nothing while fewer than 8 packets have been seen, or where no model fits them.
-  std::optional<ModelGuess> guess() const;
+  std::optional<InferredModel> infer() const;
 
  private:
-  static constexpr size_t kPeriods = 63;
-  std::array<int64_t, kPeriods> periods_us_{};
+  static constexpr size_t kMaxPeriods = 63;
+  std::array<int64_t, kMaxPeriods> periods_us_{};
   size_t packets_ = 0;
   size_t periods_ = 0;
   uint32_t last_counter_us_ = 0;
-  uint16_t second_flag_ = 0;  ///< of the last packet's second block
-  bool fourth_bank_ = false;  ///< a block of lasers 96 … 127 has been seen
+  uint16_t second_flag_ = 0;      ///< of the last packet's second block
+  bool has_fourth_bank_ = false;  ///< a block of lasers 96 … 127 has been seen
   bool dual_ = false;
-  uint8_t product_ = 0;
+  uint8_t product_id_ = 0;
 };
 
 }  // namespace infuse::velodyne

@@ -6,9 +6,9 @@ namespace {
 /// What a block of each bank begins with.
 constexpr std::array<uint16_t, 4> kBankFlags{0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF};
 
-constexpr size_t kCounterAt = 1200;
-constexpr size_t kModeAt = 1204;
-constexpr size_t kProductAt = 1205;
+constexpr size_t kCounterOffset = 1200;
+constexpr size_t kReturnModeOffset = 1204;
+constexpr size_t kProductIdOffset = 1205;
 
 const uint8_t* block_at(std::span<const uint8_t> payload, size_t block) {
   return payload.data() + block * kBlockSize;
@@ -25,9 +25,10 @@ bool repeats_azimuths(std::span<const uint8_t> payload) {
 
 ReturnMode read_mode(const ModelInfo& info, std::span<const uint8_t> payload) {
   if (info.calibrated_per_unit) {
-    return info.dual && repeats_azimuths(payload) ? ReturnMode::kDual : ReturnMode::kStrongest;
+    return info.has_dual_return && repeats_azimuths(payload) ? ReturnMode::kDual
+                                                             : ReturnMode::kStrongest;
   }
-  switch (payload[kModeAt]) {
+  switch (payload[kReturnModeOffset]) {
     case static_cast<uint8_t>(ReturnMode::kDual):
       return ReturnMode::kDual;
     case static_cast<uint8_t>(ReturnMode::kLast):
@@ -68,18 +69,18 @@ tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,
   if (payload.size() != kPacketSize) return tl::unexpected(PacketFault::kSize);
   Packet packet;
   packet.mode = read_mode(info, payload);
-  if (packet.dual() && !info.dual) return tl::unexpected(PacketFault::kReturnMode);
-  packet.counter_us = read_u32(payload.data() + kCounterAt);
-  packet.status_type = payload[kModeAt];
-  packet.product = payload[kProductAt];
-  packet.sequences = static_cast<uint8_t>(info.sequences(packet.dual()));
+  if (packet.dual() && !info.has_dual_return) return tl::unexpected(PacketFault::kReturnMode);
+  packet.counter_us = read_u32(payload.data() + kCounterOffset);
+  packet.status_type = payload[kReturnModeOffset];
+  packet.product_id = payload[kProductIdOffset];
+  packet.sequences = static_cast<uint8_t>(info.sequences_per_packet(packet.dual()));
 
   const BlockLayout layout = block_layout(info, packet.dual());
   const size_t echoes = packet.dual() ? 2 : 1;
   for (size_t i = 0; i < packet.sequences; ++i) {
     const uint16_t azimuth = read_u16(block_at(payload, layout.block(i, 0, 0)) + 2);
-    if (azimuth > kTurn) return tl::unexpected(PacketFault::kAzimuth);
-    packet.azimuth[i] = static_cast<uint16_t>(azimuth % kTurn);  // 360.00° occurs
+    if (azimuth > kCentidegreesPerTurn) return tl::unexpected(PacketFault::kAzimuth);
+    packet.azimuth[i] = static_cast<uint16_t>(azimuth % kCentidegreesPerTurn);  // 360.00° occurs
     for (size_t b = 0; b < info.banks; ++b) {
       for (size_t e = 0; e < echoes; ++e) {
         const uint8_t* block = block_at(payload, layout.block(i, b, e));

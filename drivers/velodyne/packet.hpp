@@ -16,7 +16,7 @@ inline constexpr size_t kBlocks = 12;
 /// Bytes of a block: flag, azimuth, 32 returns of 3 bytes.
 inline constexpr size_t kBlockSize = 100;
 /// A turn, in the packets' unit of azimuth (0.01°).
-inline constexpr int kTurn = 36'000;
+inline constexpr int kCentidegreesPerTurn = 36'000;
 /// Microseconds in an hour, where the counter wraps.
 inline constexpr int64_t kHourUs = 3'600'000'000;
 
@@ -40,7 +40,7 @@ struct Packet {
   uint32_t counter_us = 0;  ///< device time of the first firing: µs since the top of the hour, or
                             ///< since power-up; may slightly pass an hour
   ReturnMode mode = ReturnMode::kStrongest;
-  uint8_t product = 0;                      ///< byte 1205; on an HDL-64E the value of `status_type`
+  uint8_t product_id = 0;                   ///< byte 1205; on an HDL-64E the value of `status_type`
   uint8_t status_type = 0;                  ///< byte 1204; on an HDL-64E what the last byte means
   uint8_t sequences = 0;                    ///< firing sequences
   std::array<uint16_t, kBlocks> azimuth{};  ///< of each sequence, 0.01°, 0 … 35999, clockwise

@@ -8,10 +8,10 @@
 namespace infuse::velodyne {
 namespace {
 
-constexpr size_t kImuAt = 14;
-constexpr size_t kCounterAt = 0xC6;
-constexpr size_t kPpsAt = 0xCA;
-constexpr size_t kSentenceAt = 0xCE;
+constexpr size_t kImuOffset = 14;
+constexpr size_t kCounterOffset = 0xC6;
+constexpr size_t kPpsOffset = 0xCA;
+constexpr size_t kSentenceOffset = 0xCE;
 constexpr size_t kSentenceSize = 128;
 
 /// Twelve bits, two's complement; the upper four number the quantity.
@@ -34,7 +34,7 @@ ImuUnit read_unit(const uint8_t* bytes) {
 
 }  // namespace
 
-const char* name(PpsState state) {
+const char* to_string(PpsState state) {
   switch (state) {
     case PpsState::kAbsent:
       return "absent";
@@ -49,15 +49,15 @@ const char* name(PpsState state) {
 }
 
 std::optional<PositionPacket> parse_position_packet(std::span<const uint8_t> payload) {
-  if (payload.size() != kPositionPacketSize || payload[kPpsAt] > 3) return std::nullopt;
+  if (payload.size() != kPositionPacketSize || payload[kPpsOffset] > 3) return std::nullopt;
   PositionPacket packet;
-  packet.counter_us = read_u32(payload.data() + kCounterAt);
-  packet.pps = static_cast<PpsState>(payload[kPpsAt]);
+  packet.counter_us = read_u32(payload.data() + kCounterOffset);
+  packet.pps = static_cast<PpsState>(payload[kPpsOffset]);
   for (size_t unit = 0; unit < packet.imu.size(); ++unit) {
-    packet.imu[unit] = read_unit(payload.data() + kImuAt + 8 * unit);
+    packet.imu[unit] = read_unit(payload.data() + kImuOffset + 8 * unit);
   }
-  packet.sentence = parse_nmea(
-      std::string_view(reinterpret_cast<const char*>(payload.data()) + kSentenceAt, kSentenceSize));
+  packet.sentence = parse_nmea(std::string_view(
+      reinterpret_cast<const char*>(payload.data()) + kSentenceOffset, kSentenceSize));
   return packet;
 }
 

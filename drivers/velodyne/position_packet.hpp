@@ -6,8 +6,8 @@
 #include <span>
 #include <tl/expected.hpp>
 
+#include "drivers/gnss/nmea.hpp"
 #include "drivers/measurement/vehicle_samples.hpp"
-#include "drivers/velodyne/nmea.hpp"
 
 namespace infuse::velodyne {
 
@@ -18,7 +18,7 @@ inline constexpr size_t kPositionPacketSize = 512;
 enum class PpsState : uint8_t { kAbsent = 0, kSynchronising = 1, kLocked = 2, kError = 3 };
 
 /// The word for it: "absent", "synchronising", "locked", "error".
-const char* name(PpsState state);
+const char* to_string(PpsState state);
 
 /// One of the three inertial units in an HDL-32E: a gyroscope and two axes of acceleration, in the
 /// unit's own directions. In real captures x of the first two units points up, and of

@@ -21,7 +21,7 @@ using Bytes16 = uint8_t __attribute__((vector_size(16)));
 using Ints4 = int32_t __attribute__((vector_size(16)));
 
 /// For each set of lanes: those lanes in order, in front.
-alignas(32) constexpr auto kCompaction = [] {
+alignas(32) constexpr auto kCompactionOrder = [] {
   std::array<std::array<int32_t, kLanes>, 256> table{};
   for (size_t set = 0; set < table.size(); ++set) {
     size_t n = 0;
@@ -32,7 +32,7 @@ alignas(32) constexpr auto kCompaction = [] {
   return table;
 }();
 
-constexpr auto kSetSize = [] {
+constexpr auto kLanesInSet = [] {
   std::array<uint8_t, 256> table{};
   for (size_t set = 0; set < table.size(); ++set) {
     table[set] = static_cast<uint8_t>(std::popcount(set));
@@ -110,16 +110,16 @@ struct Direction {
   Floats forward, right;
 };
 
-INFUSE_INLINE Direction turn(const SequenceBlocks& sequence, const Floats& forward,
-                             const Floats& right) {
+INFUSE_INLINE Direction rotate_direction(const SequenceBlocks& sequence, const Floats& forward,
+                                         const Floats& right) {
   return {sequence.cos_azimuth * forward - sequence.sin_azimuth * right,
           sequence.sin_azimuth * forward + sequence.cos_azimuth * right};
 }
 
-INFUSE_INLINE Returns place_uniform(const BeamTable& table, size_t slot, const Direction& direction,
-                                    const Ints& raw) {
+INFUSE_INLINE Returns decode_uniform(const BeamTable& table, size_t slot,
+                                     const Direction& direction, const Ints& raw) {
   Returns r;
-  r.range = to_floats(raw & 0xFFFF) * table.unit;
+  r.range = to_floats(raw & 0xFFFF) * table.distance_unit;
   r.x = r.range * direction.forward;
   r.y = -(r.range * direction.right);
   r.z = r.range * load<Floats>(&table.sin_elevation[slot]);
@@ -128,38 +128,41 @@ INFUSE_INLINE Returns place_uniform(const BeamTable& table, size_t slot, const D
 }
 
 /// The HDL-64E's: two-point correction of distance, offset origins, reflectivity over focus.
-INFUSE_INLINE Returns place_corrected(const BeamTable& table, size_t slot,
-                                      const Direction& direction, const Ints& raw) {
-  const auto of = [&](const BeamTable::PerSlot<float>& values) {
+INFUSE_INLINE Returns decode_corrected(const BeamTable& table, size_t slot,
+                                       const Direction& direction, const Ints& raw) {
+  const auto load_slots = [&](const BeamTable::PerSlot<float>& values) {
     return load<Floats>(&values[slot]);
   };
   const Floats units = to_floats(raw & 0xFFFF);
-  const Floats distance = units * table.unit;
-  const Floats far = of(table.far_correction);
-  const Floats cos_elevation = of(table.cos_elevation);
+  const Floats distance = units * table.distance_unit;
+  const Floats far = load_slots(table.far_correction);
+  const Floats cos_elevation = load_slots(table.cos_elevation);
   const Floats horizontal = (distance + far) * cos_elevation;
   const Floats along_x = absolute(horizontal * direction.right);
   const Floats along_y = absolute(horizontal * direction.forward);
-  const Floats near_x = of(table.near_x) + of(table.slope_x) * (along_x - kNearX);
-  const Floats near_y = of(table.near_y) + of(table.slope_y) * (along_y - kNearY);
-  const Ints is_near = distance < kFarPoint;
+  const Floats near_x =
+      load_slots(table.near_x) + load_slots(table.slope_x) * (along_x - kNearDistanceX);
+  const Floats near_y =
+      load_slots(table.near_y) + load_slots(table.slope_y) * (along_y - kNearDistanceY);
+  const Ints is_near = distance < kFarDistance;
   const Floats correction_x = is_near ? near_x : far;
   const Floats correction_y = is_near ? near_y : far;
 
   Returns r;
-  const Floats offset = of(table.horizontal_offset);
+  const Floats offset = load_slots(table.horizontal_offset);
   r.range = distance + far;
   r.x = (distance + correction_y) * cos_elevation * direction.forward + offset * direction.right;
   r.y = offset * direction.forward - (distance + correction_x) * cos_elevation * direction.right;
-  r.z = (distance + (correction_x + correction_y) * 0.5F) * of(table.sin_elevation) +
-        of(table.vertical_offset);
+  r.z = (distance + (correction_x + correction_y) * 0.5F) * load_slots(table.sin_elevation) +
+        load_slots(table.vertical_offset);
 
   const Floats defocus = 1.0F - units / 65535.0F;
   const Floats intensity =
       to_floats(raw >> 16) +
-      of(table.focal_slope) * absolute(of(table.focal_term) - defocus * defocus);
+      load_slots(table.focal_slope) * absolute(load_slots(table.focal_term) - defocus * defocus);
   r.reflectivity =
-      larger(smaller(intensity, of(table.max_intensity)), of(table.min_intensity)) / 255.0F;
+      larger(smaller(intensity, load_slots(table.max_intensity)), load_slots(table.min_intensity)) /
+      255.0F;
   return r;
 }
 
@@ -172,7 +175,7 @@ struct Group {
 /// Writes the lanes of `set` to the front of what is free, and gives the new size.
 INFUSE_INLINE size_t append(const Returns& r, const Group& group, const Ints& kind, size_t set,
                             const ReturnArrays& out, size_t n) {
-  const Ints order = load<Ints>(kCompaction[set].data());
+  const Ints order = load<Ints>(kCompactionOrder[set].data());
   store(out.x + n, permute(r.x, order));
   store(out.y + n, permute(r.y, order));
   store(out.z + n, permute(r.z, order));
@@ -182,7 +185,7 @@ INFUSE_INLINE size_t append(const Returns& r, const Group& group, const Ints& ki
   store(out.column + n, Shorts{} + group.column);
   store(out.time_offset_ns + n, permute(group.time, order));
   store(out.return_kind + n, low_bytes(permute(kind, order)));
-  return n + kSetSize[set];
+  return n + kLanesInSet[set];
 }
 
 INFUSE_INLINE Ints kind_lanes(ReturnKind kind) { return Ints{} + static_cast<int32_t>(kind); }
@@ -191,28 +194,30 @@ template <bool kCorrected, bool kDual>
 INFUSE_INLINE size_t decode_group(const BeamTable& table, const SequenceBlocks& sequence,
                                   EchoKinds kinds, size_t slot, const ReturnArrays& out, size_t n) {
   const uint8_t* bytes =
-      sequence.returns + slot / kBlockSlots * sequence.bank_stride + slot % kBlockSlots * 3;
-  const Direction direction = turn(sequence, load<Floats>(table.forward(sequence.step) + slot),
-                                   load<Floats>(table.right(sequence.step) + slot));
+      sequence.returns + slot / kSlotsPerBlock * sequence.bank_stride + slot % kSlotsPerBlock * 3;
+  const Direction direction =
+      rotate_direction(sequence, load<Floats>(table.forward(sequence.step) + slot),
+                       load<Floats>(table.right(sequence.step) + slot));
   const Group group{load<Ints>(&table.ring[slot]),
                     load<Ints>(&table.time_ns[slot]) + sequence.time_offset_ns,
                     static_cast<uint16_t>(sequence.column + slot / table.info->lasers)};
-  const auto place = [&](const Ints& raw) __attribute__((always_inline)) {
-    return kCorrected ? place_corrected(table, slot, direction, raw)
-                      : place_uniform(table, slot, direction, raw);
+  const auto decode_lanes = [&](const Ints& raw) __attribute__((always_inline)) {
+    return kCorrected ? decode_corrected(table, slot, direction, raw)
+                      : decode_uniform(table, slot, direction, raw);
   };
 
   const Ints raw = load_returns(bytes);
   const Ints present = (raw & 0xFFFF) != 0;
   if constexpr (!kDual) {
-    return append(place(raw), group, kind_lanes(kinds.first), lane_set(present), out, n);
+    return append(decode_lanes(raw), group, kind_lanes(kinds.first), lane_set(present), out, n);
   } else {
     const Ints other = load_returns(bytes + sequence.echo_stride);
     const Ints same = raw == other;
     const Ints kind = same ? kind_lanes(ReturnKind::kBoth) : kind_lanes(kinds.first);
-    n = append(place(raw), group, kind, lane_set(present), out, n);
+    n = append(decode_lanes(raw), group, kind, lane_set(present), out, n);
     const Ints other_present = ((other & 0xFFFF) != 0) & ~same;
-    return append(place(other), group, kind_lanes(kinds.second), lane_set(other_present), out, n);
+    return append(decode_lanes(other), group, kind_lanes(kinds.second), lane_set(other_present),
+                  out, n);
   }
 }
 
@@ -255,16 +260,16 @@ size_t decode_portable(const BeamTable& table, std::span<const SequenceBlocks> s
 
 }  // namespace
 
-Instructions best_instructions() {
+InstructionSet best_instruction_set() {
 #ifdef __x86_64__
-  if (__builtin_cpu_supports("avx2")) return Instructions::kAvx2;
+  if (__builtin_cpu_supports("avx2")) return InstructionSet::kAvx2;
 #endif
-  return Instructions::kPortable;
+  return InstructionSet::kPortable;
 }
 
-ReturnKernel return_kernel(Instructions instructions) {
+ReturnKernel return_kernel(InstructionSet instructions) {
 #ifdef __x86_64__
-  if (instructions == Instructions::kAvx2) return decode_avx2;
+  if (instructions == InstructionSet::kAvx2) return decode_avx2;
 #endif
   (void)instructions;
   return decode_portable;

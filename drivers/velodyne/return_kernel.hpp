@@ -38,10 +38,10 @@ struct ReturnArrays {
 inline constexpr size_t kKernelSlack = 8;
 
 /// Sets of instructions that the kernel is compiled for; all give the same bytes.
-enum class Instructions : uint8_t { kPortable, kAvx2 };
+enum class InstructionSet : uint8_t { kPortable, kAvx2 };
 
 /// The best that this processor has.
-Instructions best_instructions();
+InstructionSet best_instruction_set();
 
 /// Writes the returns (distance not 0) of the sequences behind the `size` that are there, and gives
 /// the new size. With two returns equal echoes of one pulse become one of kind `kBoth`. Coordinates
@@ -50,6 +50,6 @@ using ReturnKernel = size_t (*)(const BeamTable& table, std::span<const Sequence
                                 EchoKinds kinds, const ReturnArrays& out, size_t size);
 
 /// The kernel for a set of instructions, which the processor must have.
-ReturnKernel return_kernel(Instructions instructions);
+ReturnKernel return_kernel(InstructionSet instructions);
 
 }  // namespace infuse::velodyne

@@ -10,10 +10,12 @@ namespace {
 
 /// Early VLP-16 firmware calls itself HDL-32E, and Pucks differ in their optics only.
 bool product_differs(const ModelInfo& info, uint8_t product) {
-  return info.product != 0 && product != info.product;
+  return info.product_id != 0 && product != info.product_id;
 }
 
-int in_hundredths(double degrees) { return static_cast<int>(std::lround(degrees * 100)) % kTurn; }
+int to_centidegrees(double degrees) {
+  return static_cast<int>(std::lround(degrees * 100)) % kCentidegreesPerTurn;
+}
 
 }  // namespace
 
@@ -29,30 +31,30 @@ std::optional<std::string> SweepAssemblerOptions::invalid() const {
 SweepAssembler::SweepAssembler(const SweepAssemblerOptions& options)
     : options_(options),
       info_(model_info(options.model)),
-      calibration_source_(options.calibration ? CalibrationSource::kGiven
-                                              : CalibrationSource::kModel),
+      calibration_source_(options.calibration ? CalibrationSource::kFile
+                                              : CalibrationSource::kBuiltIn),
       calibration_(options.calibration ? *options.calibration
                                        : built_in_calibration(options.model)),
       table_(options.model, calibration_, info_.cycle),
-      stream_(options.model),
-      cycle_(info_),
+      calibration_stream_(options.model),
+      cycle_estimator_(info_),
       clock_(ClockModelOptions()),
-      cutter_(in_hundredths(options.cut_azimuth)),
-      writer_(return_kernel(options.instructions)),
+      cutter_(to_centidegrees(options.cut_azimuth)),
+      writer_(return_kernel(options.instruction_set)),
       sender_(options.sender) {}
 
 void SweepAssembler::push(const Datagram& datagram) {
-  if (followed_) throw std::logic_error("SweepAssembler::push before pull has said false");
+  if (has_following_) throw std::logic_error("SweepAssembler::push before pull has said false");
   finished_ = false;
   if (!accept(datagram)) return;
   const auto packet = parse_packet(info_, datagram.payload);
   if (!packet) {
-    ++counters_.of(packet.error());
+    ++counters_.malformed_by(packet.error());
     return;
   }
   if (sender_ == 0) sender_ = datagram.sender;
-  if (product_differs(info_, packet->product)) ++counters_.wrong_model;
-  place(datagram, *packet);
+  if (product_differs(info_, packet->product_id)) ++counters_.wrong_model;
+  order_packet(datagram, *packet);
 }
 
 bool SweepAssembler::accept(const Datagram& datagram) {
@@ -62,8 +64,8 @@ bool SweepAssembler::accept(const Datagram& datagram) {
 }
 
 /// Puts a packet behind the one that is held, or before it where it is late.
-void SweepAssembler::place(const Datagram& datagram, const Packet& packet) {
-  const ArrivalOrder::Verdict verdict = order_.take(packet.counter_us, datagram.stamp);
+void SweepAssembler::order_packet(const Datagram& datagram, const Packet& packet) {
+  const ArrivalOrder::Verdict verdict = order_.add(packet.counter_us, datagram.stamp);
   const std::chrono::microseconds counter(packet.counter_us);
   // A packet is sent when it is full, and its counter is that of its first firing.
   const Stamp sent = datagram.stamp - packet_period(info_, table_.cycle, packet.dual());
@@ -95,28 +97,28 @@ void SweepAssembler::place(const Datagram& datagram, const Packet& packet) {
   if (verdict.arrival != Arrival::kLate) newest_device_ns_ = following_->device_ns;
   ++counters_.packets;
   std::copy(datagram.payload.begin(), datagram.payload.end(), following_->bytes.begin());
-  observe(packet, verdict);
+  update_beam_table(packet, verdict);
   const bool late = verdict.arrival == Arrival::kLate;
-  if (late || !holds_) std::swap(held_, following_);
-  followed_ = holds_;
-  holds_ = true;
+  if (late || !has_held_) std::swap(held_, following_);
+  has_following_ = has_held_;
+  has_held_ = true;
 }
 
 /// Learns what only the stream tells: an HDL-64E's calibration, a VLS-128's firing cycle.
-void SweepAssembler::observe(const Packet& packet, const ArrivalOrder::Verdict& verdict) {
-  if (info_.calibrated_per_unit && calibration_source_ == CalibrationSource::kModel) {
+void SweepAssembler::update_beam_table(const Packet& packet, const ArrivalOrder::Verdict& verdict) {
+  if (info_.calibrated_per_unit && calibration_source_ == CalibrationSource::kBuiltIn) {
     const int64_t period_us = packet_period(info_, info_.cycle, packet.dual()).count() / 1000;
     if (verdict.arrival != Arrival::kNext || verdict.delay_us > period_us * 3 / 2) {
-      stream_.restart();
+      calibration_stream_.restart();
     }
-    if (const auto told = stream_.add(packet.status_type, packet.product)) {
-      calibration_ = *told;
+    if (const auto streamed = calibration_stream_.add(packet.status_type, packet.product_id)) {
+      calibration_ = *streamed;
       calibration_source_ = CalibrationSource::kStream;
       table_.rebuild(calibration_, table_.cycle);
     }
   }
   if (info_.model == Model::kVls128 && verdict.arrival == Arrival::kNext) {
-    if (const auto cycle = cycle_.add(verdict.delay_us, packet.dual())) {
+    if (const auto cycle = cycle_estimator_.add(verdict.delay_us, packet.dual())) {
       table_.rebuild(calibration_, *cycle);
     }
   }
@@ -127,13 +129,13 @@ void SweepAssembler::finish() { finished_ = true; }
 bool SweepAssembler::pull(Sweep& sweep) {
   while (true) {
     if (!decoding_) {
-      if (!holds_ || (!followed_ && !finished_)) break;
-      begin_decoding(followed_ ? following_ : nullptr);
+      if (!has_held_ || (!has_following_ && !finished_)) break;
+      begin_decoding(has_following_ ? following_ : nullptr);
     }
     if (decode(sweep)) return true;
     decoding_ = false;
-    holds_ = followed_;
-    followed_ = false;
+    has_held_ = has_following_;
+    has_following_ = false;
     std::swap(held_, following_);
     if (!finished_) break;
   }
@@ -143,46 +145,47 @@ bool SweepAssembler::pull(Sweep& sweep) {
 }
 
 /// Plans the held packet's sequences and where sweeps end among them.
-void SweepAssembler::begin_decoding(const Arrived* following) {
+void SweepAssembler::begin_decoding(const ReceivedPacket* following) {
   const SequenceTiming timing{sequence_period(info_, table_.cycle).count(), table_.max_step};
   std::optional<FollowingPacket> next;
   if (following != nullptr && !following->after_clock_jump) {
     next = FollowingPacket{following->packet.azimuth[0], following->device_ns - held_->device_ns};
   }
-  plan_ = plan_firings(held_->packet, next, decoded_.step, timing);
+  plan_ = plan_firings(held_->packet, next, last_decoded_.step, timing);
   gap_from_.reset();
   lost_before_first_ = 0;
-  if (held_->after_clock_jump || !decoded_.any) {
+  if (held_->after_clock_jump || !last_decoded_.valid) {
     cutter_.restart();
   } else {
-    join_to_last(plan_.sequences[0]);
+    detect_gap(plan_.sequences[0]);
   }
   for (size_t i = 0; i < plan_.count; ++i) {
     const PlannedSequence& sequence = plan_.sequences[i];
-    cut_before_[i] = cutter_.cuts_before(sequence.azimuth, sequence.advance, sequence.after_jump);
+    cut_before_[i] =
+        cutter_.process_sequence(sequence.azimuth, sequence.advance, sequence.after_jump);
   }
-  decoded_ = {true, plan_.last().azimuth, plan_.last().step,
-              held_->device_ns + plan_.last().time_ns + timing.period_ns};
+  last_decoded_ = {true, plan_.last().azimuth, plan_.last().step,
+                   held_->device_ns + plan_.last().time_ns + timing.period_ns};
   next_sequence_ = 0;
   decoding_ = true;
 }
 
 /// What lies between the last decoded packet and the held one: nothing, lost packets, or the part
 /// of the turn that the sensor does not look at.
-void SweepAssembler::join_to_last(PlannedSequence& first) {
+void SweepAssembler::detect_gap(PlannedSequence& first) {
   const int64_t period_ns = sequence_period(info_, table_.cycle).count();
-  const int64_t gap_ns = held_->device_ns - decoded_.end_ns;
+  const int64_t gap_ns = held_->device_ns - last_decoded_.end_ns;
   const int64_t packet_ns = period_ns * held_->packet.sequences;
   const int64_t missing = std::max<int64_t>((gap_ns + packet_ns / 2) / packet_ns, 0);
-  first.advance = azimuth_advance(decoded_.azimuth, first.azimuth);
+  first.advance = azimuth_advance(last_decoded_.azimuth, first.azimuth);
   first.after_jump = first.advance > table_.max_step &&
-                     (missing == 0 || cutter_.is_known_jump(decoded_.azimuth, first.azimuth));
+                     (missing == 0 || cutter_.is_known_jump(last_decoded_.azimuth, first.azimuth));
   if (first.after_jump || missing == 0) return;
 
-  const int64_t turned = decoded_.step * (gap_ns + period_ns) / period_ns;
-  const int64_t turns = (turned - first.advance + kTurn / 2) / kTurn;
-  first.advance += static_cast<int32_t>(std::clamp<int64_t>(turns, 0, 1000) * kTurn);
-  gap_from_ = decoded_.azimuth + decoded_.step;
+  const int64_t turned = last_decoded_.step * (gap_ns + period_ns) / period_ns;
+  const int64_t turns = (turned - first.advance + kCentidegreesPerTurn / 2) / kCentidegreesPerTurn;
+  first.advance += static_cast<int32_t>(std::clamp<int64_t>(turns, 0, 1000) * kCentidegreesPerTurn);
+  gap_from_ = last_decoded_.azimuth + last_decoded_.step;
   lost_before_first_ = static_cast<uint32_t>(missing);
   counters_.network_lost += lost_before_first_;
 }
@@ -196,9 +199,9 @@ bool SweepAssembler::decode(Sweep& sweep) {
     const int64_t start_ns = held_->device_ns + start.time_ns;
     if (writer_.is_open()) {
       if (first == 0 && lost_before_first_ > 0) {
-        writer_.add_lost(std::exchange(lost_before_first_, 0));
+        writer_.add_lost_packets(std::exchange(lost_before_first_, 0));
       }
-      if (cut_before_[first] || !writer_.takes(start_ns, options_.max_span)) {
+      if (cut_before_[first] || !writer_.accepts(start_ns, options_.max_span)) {
         close();
         return true;
       }

@@ -12,7 +12,7 @@
 #include "drivers/velodyne/beam_table.hpp"
 #include "drivers/velodyne/calibration.hpp"
 #include "drivers/velodyne/calibration_stream.hpp"
-#include "drivers/velodyne/firing_cycle.hpp"
+#include "drivers/velodyne/firing_cycle_estimator.hpp"
 #include "drivers/velodyne/firing_plan.hpp"
 #include "drivers/velodyne/model.hpp"
 #include "drivers/velodyne/packet_counters.hpp"
@@ -23,9 +23,9 @@ namespace infuse::velodyne {
 
 /// Where the calibration of a sensor comes from.
 enum class CalibrationSource : uint8_t {
-  kModel,   ///< the same for all units, or an example (HDL-64E, until its stream has told it)
-  kGiven,   ///< by file
-  kStream,  ///< by the sensor itself (HDL-64E)
+  kBuiltIn,  ///< the same for all units, or an example (HDL-64E, until its stream has told it)
+  kFile,     ///< by file
+  kStream,   ///< by the sensor itself (HDL-64E)
 };
 
 /// What a `SweepAssembler` is told.
@@ -40,7 +40,7 @@ struct SweepAssemblerOptions {
   Duration max_span{400'000'000};  ///< ns: a sweep that lasts longer is ended (a sensor that does
                                    ///< not turn)
 
-  Instructions instructions = best_instructions();  ///< all give the same bytes
+  InstructionSet instruction_set = best_instruction_set();  ///< all give the same bytes
 
   /// What is wrong with the numbers, or nothing.
   std::optional<std::string> invalid() const;
@@ -96,7 +96,7 @@ class SweepAssembler {
 
  private:
   /// A packet that has come.
-  struct Arrived {
+  struct ReceivedPacket {
     std::array<uint8_t, kPacketSize> bytes{};
     Packet packet;
     int64_t device_ns = 0;  ///< of the counter, unwrapped
@@ -104,18 +104,18 @@ class SweepAssembler {
     bool after_clock_jump = false;
   };
   /// What is known of the last packet that was decoded.
-  struct Decoded {
-    bool any = false;
+  struct LastDecoded {
+    bool valid = false;
     int azimuth = 0;     ///< 0.01°, of its last sequence
     int step = 0;        ///< 0.01°, of its last sequence
     int64_t end_ns = 0;  ///< device time when the sequence after its last would start
   };
 
   bool accept(const Datagram& datagram);
-  void place(const Datagram& datagram, const Packet& packet);
-  void observe(const Packet& packet, const ArrivalOrder::Verdict& verdict);
-  void begin_decoding(const Arrived* following);
-  void join_to_last(PlannedSequence& first);
+  void order_packet(const Datagram& datagram, const Packet& packet);
+  void update_beam_table(const Packet& packet, const ArrivalOrder::Verdict& verdict);
+  void begin_decoding(const ReceivedPacket* following);
+  void detect_gap(PlannedSequence& first);
   bool decode(Sweep& sweep);
   void close();
 
@@ -125,8 +125,8 @@ class SweepAssembler {
   CalibrationSource calibration_source_;
   Calibration calibration_;
   BeamTable table_;
-  CalibrationStream stream_;
-  FiringCycle cycle_;
+  CalibrationStream calibration_stream_;
+  FiringCycleEstimator cycle_estimator_;
   ClockModel clock_;
   ArrivalOrder order_;
   SweepCutter cutter_;
@@ -135,11 +135,11 @@ class SweepAssembler {
   uint64_t sweeps_ = 0;
   int64_t newest_device_ns_ = 0;  ///< of the newest packet, unwrapped
 
-  std::array<Arrived, 2> arrived_;
-  Arrived* held_ = &arrived_[0];  ///< waits for what follows it; being decoded
-  Arrived* following_ = &arrived_[1];
-  bool holds_ = false;
-  bool followed_ = false;
+  std::array<ReceivedPacket, 2> received_;
+  ReceivedPacket* held_ = &received_[0];  ///< waits for what follows it; being decoded
+  ReceivedPacket* following_ = &received_[1];
+  bool has_held_ = false;
+  bool has_following_ = false;
   bool decoding_ = false;
   bool finished_ = false;
 
@@ -148,7 +148,7 @@ class SweepAssembler {
   size_t next_sequence_ = 0;
   std::optional<int> gap_from_;  ///< 0.01°, where packets are missing before the held one
   uint32_t lost_before_first_ = 0;
-  Decoded decoded_;
+  LastDecoded last_decoded_;
 };
 
 }  // namespace infuse::velodyne

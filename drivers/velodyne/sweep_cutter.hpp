@@ -16,7 +16,7 @@ class SweepCutter {
   /// Takes the next firing sequence: its azimuth (0.01°), how far the sensor has turned since the
   /// one before (0.01°, over lost packets more than a turn, backward negative) and whether it
   /// jumped there. True where a new sweep begins with it.
-  bool cuts_before(int azimuth, int64_t advance, bool after_jump);
+  bool process_sequence(int azimuth, int64_t advance, bool after_jump);
 
   /// The next sequence has no relation to those before.
   void restart() { started_ = false; }

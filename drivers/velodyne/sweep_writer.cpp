@@ -10,12 +10,13 @@ namespace {
 
 constexpr size_t kMaxGaps = 32;
 constexpr uint32_t kMaxColumns = 65'000;
-constexpr double kHundredth = std::numbers::pi / 18000;  // rad
+constexpr double kCentidegree = std::numbers::pi / 18000;  // rad
 
 /// The lidar frame's azimuth (rad, counter-clockwise, −π … π) of the sensor's (0.01°, clockwise).
 double lidar_azimuth(int azimuth) {
-  const int turned = (azimuth % kTurn + kTurn) % kTurn;
-  return -kHundredth * (turned > kTurn / 2 ? turned - kTurn : turned);
+  const int turned = (azimuth % kCentidegreesPerTurn + kCentidegreesPerTurn) % kCentidegreesPerTurn;
+  return -kCentidegree *
+         (turned > kCentidegreesPerTurn / 2 ? turned - kCentidegreesPerTurn : turned);
 }
 
 struct CosSin {
@@ -27,10 +28,10 @@ class AzimuthTable {
  public:
   AzimuthTable() {
     for (size_t i = 0; i < degrees_.size(); ++i) {
-      degrees_[i] = std::polar(1.0, static_cast<double>(i) * 100 * kHundredth);
+      degrees_[i] = std::polar(1.0, static_cast<double>(i) * 100 * kCentidegree);
     }
     for (size_t i = 0; i < hundredths_.size(); ++i) {
-      hundredths_[i] = std::polar(1.0, static_cast<double>(i) * kHundredth);
+      hundredths_[i] = std::polar(1.0, static_cast<double>(i) * kCentidegree);
     }
   }
 
@@ -75,7 +76,7 @@ void SweepWriter::open(Sweep& sweep, uint16_t rings, int64_t device_ns, Stamp st
   turned_ = 0;
 }
 
-bool SweepWriter::takes(int64_t device_ns, Duration max_span) const {
+bool SweepWriter::accepts(int64_t device_ns, Duration max_span) const {
   const int64_t span = device_ns - first_device_ns_;
   return span >= 0 && span < max_span.count() && sweep_->columns < kMaxColumns;
 }
@@ -135,7 +136,7 @@ void SweepWriter::add_gap(int from, int to) {
 
 void SweepWriter::close(const ClockState& clock, uint64_t sequence) {
   const int end = last_azimuth_ + last_step_;
-  if (turned_ + last_step_ < kTurn - 2 * std::max(last_step_, 1)) {
+  if (turned_ + last_step_ < kCentidegreesPerTurn - 2 * std::max(last_step_, 1)) {
     sweep_->gaps.push_back({lidar_azimuth(end), lidar_azimuth(first_azimuth_)});
   }
   sweep_->resize(size_);

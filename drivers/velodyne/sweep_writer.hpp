@@ -29,7 +29,7 @@ class SweepWriter {
   void open(Sweep& sweep, uint16_t rings, int64_t device_ns, Stamp stamp);
 
   /// Whether a sequence that starts at `device_ns` still belongs into a sweep of `max_span`.
-  bool takes(int64_t device_ns, Duration max_span) const;
+  bool accepts(int64_t device_ns, Duration max_span) const;
 
   /// Adds sequences `first` … `last` − 1 of a plan. Without `interpolate` all returns of a sequence
   /// have its azimuth.
@@ -40,7 +40,7 @@ class SweepWriter {
   void add_gap(int from, int to);
 
   /// Counts packets that are missing.
-  void add_lost(uint32_t packets) { sweep_->lost_packets += packets; }
+  void add_lost_packets(uint32_t packets) { sweep_->lost_packets += packets; }
 
   /// Completes the sweep: sizes, span, and the gap to a whole turn.
   void close(const ClockState& clock, uint64_t sequence);

@@ -35,7 +35,7 @@ Result<UdpSource> UdpSource::open(const UdpOptions& options, const receive::Time
 }
 
 Result<void> UdpSource::set_up() {
-  socket_ = receive::Descriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  socket_ = receive::FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket_) return receive::fail_errno("no socket can be made", name());
   const auto granted = receive::prepare_socket(socket_.get(), options_.receive_buffer, name());
   if (!granted) return tl::unexpected(granted.error());
@@ -81,7 +81,7 @@ Datagram UdpSource::datagram(const receive::MessageBatch::Message& message) cons
           options_.port, message.bytes};
 }
 
-tl::unexpected<Error> UdpSource::failed_read() const {
+tl::unexpected<Error> UdpSource::read_error() const {
   return receive::fail_errno("cannot be read", name());
 }
 

@@ -6,7 +6,7 @@
 
 #include "drivers/measurement/datagram.hpp"
 #include "drivers/measurement/error.hpp"
-#include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 #include "drivers/receive/message_batch.hpp"
 
 namespace infuse::velodyne {
@@ -28,7 +28,7 @@ struct UdpOptions {
 class UdpSource {
  public:
   /// Most bytes of a datagram; a longer one is cut, and so malformed.
-  static constexpr size_t kMaxBytes = 2048;
+  static constexpr size_t kMaxDatagramBytes = 2048;
 
   /// Errors: the address is not this host's (yet), the port is in use, no such interface.
   static Result<UdpSource> open(const UdpOptions& options, const receive::TimeBase& base);
@@ -41,7 +41,7 @@ class UdpSource {
   template <class OnDatagram>
   Result<size_t> read(receive::MessageBatch& batch, OnDatagram on) {
     const int count = batch.receive(socket_.get(), stamps_);
-    if (count < 0) return failed_read();
+    if (count < 0) return read_error();
     if (batch.dropped() != 0) dropped_ = batch.dropped();
     for (size_t i = 0; i < static_cast<size_t>(count); ++i) on(datagram(batch[i]));
     return static_cast<size_t>(count);
@@ -51,8 +51,8 @@ class UdpSource {
   /// the next datagram that fits.
   uint64_t dropped() const { return dropped_; }
 
-  /// Bytes of receive buffer that were asked for, and granted.
-  size_t buffer_wanted() const { return options_.receive_buffer; }
+  /// Bytes of receive buffer that were requested, and granted.
+  size_t buffer_requested() const { return options_.receive_buffer; }
   size_t buffer_granted() const { return granted_; }
 
   /// The port that is listened to.
@@ -67,12 +67,12 @@ class UdpSource {
   Result<void> set_up();
   Result<void> join();
   Datagram datagram(const receive::MessageBatch::Message& message) const;
-  tl::unexpected<Error> failed_read() const;
+  tl::unexpected<Error> read_error() const;
   std::string name() const;
 
   UdpOptions options_;
   receive::WallStamps stamps_;
-  receive::Descriptor socket_;
+  receive::FileDescriptor socket_;
   size_t granted_ = 0;
   uint64_t dropped_ = 0;
 };

@@ -8,36 +8,37 @@ namespace {
 
 using geometry::Vector6;
 
-constexpr double kFirstStep = 0.3;  // of the first step, before the curvature is known
-constexpr double kBacktrack = 0.4;  // of the step, where the function does not rise enough
+constexpr double kInitialStep = 0.3;      // of the first step, before the curvature is known
+constexpr double kBacktrackFactor = 0.4;  // of the step, where the function does not rise enough
 constexpr int kMaxBacktracks = 12;
-constexpr double kSufficient = 1e-4;  // of the rise that the slope promises (Armijo)
+constexpr double kArmijoFraction = 1e-4;  // of the rise that the slope promises (Armijo)
 
 template <int N>
 using Square = Eigen::Matrix<double, N, N>;
 
 /// A place, its value and its slope.
 template <int N>
-struct Place {
+struct Iterate {
   Parameters<N> d = Parameters<N>::Zero();
   double value = 0;
   Parameters<N> slope = Parameters<N>::Zero();
 };
 
 template <int N>
-Place<N> look(const Hill<N>& function, const Parameters<N>& d) {
-  Place<N> place{.d = d};
-  place.value = function(d, &place.slope);
-  return place;
+Iterate<N> evaluate(const ObjectiveFunction<N>& function, const Parameters<N>& d) {
+  Iterate<N> iterate{.d = d};
+  iterate.value = function(d, &iterate.slope);
+  return iterate;
 }
 
 /// Backtracks along `step` until the function has risen enough; false where it never does.
 template <int N>
-bool advance(const Hill<N>& function, const Place<N>& from, Parameters<N> step, Place<N>& to) {
+bool line_search(const ObjectiveFunction<N>& function, const Iterate<N>& from, Parameters<N> step,
+                 Iterate<N>& to) {
   for (int i = 0; i < kMaxBacktracks; ++i) {
-    to = look<N>(function, from.d + step);
-    if (to.value > from.value + kSufficient * step.dot(from.slope)) return true;
-    step *= kBacktrack;
+    to = evaluate<N>(function, from.d + step);
+    if (to.value > from.value + kArmijoFraction * step.dot(from.slope)) return true;
+    step *= kBacktrackFactor;
   }
   return false;
 }
@@ -49,13 +50,13 @@ class InverseCurvature {
   explicit InverseCurvature(const Parameters<N>& slope) { restart(slope); }
 
   void restart(const Parameters<N>& slope) {
-    inverse_ = Square<N>::Identity() * (kFirstStep / slope.norm());
+    inverse_ = Square<N>::Identity() * (kInitialStep / slope.norm());
     fresh_ = true;
   }
   bool fresh() const { return fresh_; }
   Parameters<N> times(const Parameters<N>& slope) const { return inverse_ * slope; }
 
-  void learn(const Place<N>& from, const Place<N>& to) {
+  void update(const Iterate<N>& from, const Iterate<N>& to) {
     const Parameters<N> s = to.d - from.d;
     const Parameters<N> y = from.slope - to.slope;
     const double sy = s.dot(y);
@@ -72,16 +73,16 @@ class InverseCurvature {
 };
 
 template <int N>
-AscentOf<N> bfgs(const Hill<N>& function, const AscentOptions& options) {
-  Place<N> at = look<N>(function, Parameters<N>::Zero());
+AscentResult<N> bfgs(const ObjectiveFunction<N>& function, const AscentOptions& options) {
+  Iterate<N> at = evaluate<N>(function, Parameters<N>::Zero());
   if (at.slope.norm() == 0) return {.value = at.value, .converged = true};
   InverseCurvature<N> curvature(at.slope);
   for (int i = 0; i < options.max_iterations; ++i) {
     Parameters<N> step = curvature.times(at.slope);
     if (step.norm() > options.max_step) step *= options.max_step / step.norm();
     if (step.norm() < options.tolerance) return {at.d, at.value, true};
-    Place<N> next;
-    if (advance(function, at, step, next)) {
+    Iterate<N> next;
+    if (line_search(function, at, step, next)) {
       curvature.learn(at, next);
       at = next;
     } else {
@@ -95,23 +96,25 @@ AscentOf<N> bfgs(const Hill<N>& function, const AscentOptions& options) {
 
 }  // namespace
 
-Ascent ascend_bfgs(const SixFunction& function, const AscentOptions& options) {
+PoseAscentResult ascend_bfgs(const PoseFunction& function, const AscentOptions& options) {
   return bfgs<6>(function, options);
 }
 
-AscentOf<10> ascend_ten(const Hill<10>& function, const AscentOptions& options) {
+AscentResult<10> ascend_bfgs_10d(const ObjectiveFunction<10>& function,
+                                 const AscentOptions& options) {
   return bfgs<10>(function, options);
 }
 
-Ascent ascend_barzilai_borwein(const SixFunction& function, const AscentOptions& options) {
-  Place<6> at = look<6>(function, Vector6::Zero());
-  Place<6> best = at;
-  double rate = kFirstStep / std::max(at.slope.norm(), 1e-12);
+PoseAscentResult ascend_barzilai_borwein(const PoseFunction& function,
+                                         const AscentOptions& options) {
+  Iterate<6> at = evaluate<6>(function, Vector6::Zero());
+  Iterate<6> best = at;
+  double rate = kInitialStep / std::max(at.slope.norm(), 1e-12);
   for (int i = 0; i < options.max_iterations; ++i) {
     Vector6 step = rate * at.slope;
     if (step.norm() > options.max_step) step *= options.max_step / step.norm();
     if (step.norm() < options.tolerance) return {best.d, best.value, true};
-    const Place<6> next = look<6>(function, at.d + step);
+    const Iterate<6> next = evaluate<6>(function, at.d + step);
     const double curvature = std::abs(step.dot(next.slope - at.slope));
     if (curvature > 0) rate = step.squaredNorm() / curvature;
     at = next;
@@ -120,24 +123,24 @@ Ascent ascend_barzilai_borwein(const SixFunction& function, const AscentOptions&
   return {best.d, best.value, false};
 }
 
-Ascent ascend_simplex(const SixFunction& function, const AscentOptions& options) {
+PoseAscentResult ascend_simplex(const PoseFunction& function, const AscentOptions& options) {
   struct Vertex {
     Vector6 d;
     double value;
   };
-  const auto ask = [&](const Vector6& d) { return Vertex{d, function(d, nullptr)}; };
+  const auto evaluate = [&](const Vector6& d) { return Vertex{d, function(d, nullptr)}; };
   std::array<Vertex, 7> vertices{};
   for (size_t i = 0; i < 7; ++i) {
     Vector6 d = Vector6::Zero();
     if (i > 0) d(static_cast<Eigen::Index>(i) - 1) = options.max_step / 2;
-    vertices[i] = ask(d);
+    vertices[i] = evaluate(d);
   }
   const auto order = [&] {
     std::stable_sort(vertices.begin(), vertices.end(),
                      [](const Vertex& a, const Vertex& b) { return a.value > b.value; });
   };
   const auto shrink = [&] {
-    for (size_t k = 1; k < 7; ++k) vertices[k] = ask(0.5 * (vertices[0].d + vertices[k].d));
+    for (size_t k = 1; k < 7; ++k) vertices[k] = evaluate(0.5 * (vertices[0].d + vertices[k].d));
   };
   for (int i = 0; i < options.max_iterations; ++i) {
     order();
@@ -147,15 +150,15 @@ Ascent ascend_simplex(const SixFunction& function, const AscentOptions& options)
     }
     Vector6 centre = Vector6::Zero();
     for (size_t k = 0; k < 6; ++k) centre += vertices[k].d / 6;
-    const Vertex reflected = ask(2 * centre - worst.d);
+    const Vertex reflected = evaluate(2 * centre - worst.d);
     if (reflected.value > vertices[0].value) {
-      const Vertex expanded = ask(3 * centre - 2 * worst.d);
+      const Vertex expanded = evaluate(3 * centre - 2 * worst.d);
       worst = expanded.value > reflected.value ? expanded : reflected;
     } else if (reflected.value > vertices[5].value) {
       worst = reflected;
     } else {
       const bool outside = reflected.value > worst.value;
-      const Vertex contracted = ask(0.5 * (centre + (outside ? reflected.d : worst.d)));
+      const Vertex contracted = evaluate(0.5 * (centre + (outside ? reflected.d : worst.d)));
       if (contracted.value > std::max(reflected.value, worst.value)) {
         worst = contracted;
       } else {

@@ -11,8 +11,8 @@ using Parameters = Eigen::Matrix<double, N, 1>;
 
 /// A function of N scaled parameters to be maximised. With a `gradient` it also fills that.
 template <int N>
-using Hill = std::function<double(const Parameters<N>& d, Parameters<N>* gradient)>;
-using SixFunction = Hill<6>;
+using ObjectiveFunction = std::function<double(const Parameters<N>& d, Parameters<N>* gradient)>;
+using PoseFunction = ObjectiveFunction<6>;
 
 /// When an ascent ends.
 struct AscentOptions {
@@ -23,24 +23,26 @@ struct AscentOptions {
 
 /// Where an ascent of N parameters ended.
 template <int N>
-struct AscentOf {
+struct AscentResult {
   Parameters<N> d = Parameters<N>::Zero();
   double value = 0;
   bool converged = false;  ///< false: still moving when its iterations were used up
 };
-using Ascent = AscentOf<6>;
+using PoseAscentResult = AscentResult<6>;
 
 /// Quasi-Newton ascent from 0 after Broyden, Fletcher, Goldfarb and Shanno (I 4.2.3; Nocedal and
 /// Wright, 6.1), with a bounded step and backtracking. Libraries' line searches lengthen the step
 /// until the function falls, which a dependence with many maxima does only beyond the next hill.
-Ascent ascend_bfgs(const SixFunction& function, const AscentOptions& options);
+PoseAscentResult ascend_bfgs(const PoseFunction& function, const AscentOptions& options);
 /// The same with ten parameters: a pose, and four of a camera.
-AscentOf<10> ascend_ten(const Hill<10>& function, const AscentOptions& options);
+AscentResult<10> ascend_bfgs_10d(const ObjectiveFunction<10>& function,
+                                 const AscentOptions& options);
 
 /// Gradient ascent from 0 with Barzilai–Borwein steps, P 3.3.2: d ← d + γ g, γ = |Δd|² / |Δd·Δg|.
-Ascent ascend_barzilai_borwein(const SixFunction& function, const AscentOptions& options);
+PoseAscentResult ascend_barzilai_borwein(const PoseFunction& function,
+                                         const AscentOptions& options);
 
 /// Nelder and Mead's simplex from 0 with the usual coefficients (1, 2, ½, ½); asks for no gradient.
-Ascent ascend_simplex(const SixFunction& function, const AscentOptions& options);
+PoseAscentResult ascend_simplex(const PoseFunction& function, const AscentOptions& options);
 
 }  // namespace infuse::calibration

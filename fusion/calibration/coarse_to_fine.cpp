@@ -7,7 +7,7 @@ std::optional<std::string> Level::invalid() const {
   if (!(sigma >= 0)) return "sigma must not be negative";
   if (passes < 1) return "passes must be at least 1";
   if (!(tolerance > 0)) return "tolerance must be positive";
-  if (!(anchor >= 0)) return "anchor must not be negative";
+  if (!(prior_weight >= 0)) return "anchor must not be negative";
   if (survivors < 1) return "survivors must be at least 1";
   return std::nullopt;
 }
@@ -22,39 +22,41 @@ CoarseToFine::CoarseToFine(std::span<const Scene> scenes, std::span<const RigCam
       images_(images),
       visibility_(visibility),
       maximize_(maximize),
-      known_(known),
-      known_to_(known_to) {}
+      prior_position_(known),
+      prior_position_sigma_(known_to) {}
 
-VisiblePoints CoarseToFine::visible(const Eigen::Isometry3d& T_head_lidar, size_t most) const {
+VisiblePoints CoarseToFine::visible_points(const Eigen::Isometry3d& T_head_lidar,
+                                           size_t most) const {
   VisibilityOptions visibility = visibility_;
   visibility.max_points = most;
   return select_visible(scenes_, cameras_, T_head_lidar, visibility);
 }
 
-Objective CoarseToFine::objective(const VisiblePoints& points, double sigma) {
+Objective CoarseToFine::make_objective(const VisiblePoints& points, double sigma) {
   return {points, images_.at(sigma), cameras_, scenes_, terms_};
 }
 
-Maximum CoarseToFine::climb_once(const Eigen::Isometry3d& start, const Level& level) {
-  if (maximize_.stop.stop_requested()) return {.T_head_lidar = start, .reason = kCancelled};
-  const VisiblePoints points = visible(start, level.points);
-  Objective measure = objective(points, level.sigma);
+Maximum CoarseToFine::ascend_once(const Eigen::Isometry3d& start, const Level& level) {
+  if (maximize_.stop.stop_requested()) return {.T_refcam_lidar = start, .reason = kCancelled};
+  const VisiblePoints points = visible_points(start, level.points);
+  Objective measure = make_objective(points, level.sigma);
   MaximizeOptions options = maximize_;
   options.tolerance = level.tolerance;
-  if (level.anchor > 0) {
+  if (level.prior_weight > 0) {
     const double value = measure.evaluate(start, false).estimate.value;
-    options.anchor = {.centre = known_,
-                      .weight = 2 * level.anchor * std::max(value, 0.0) / (known_to_ * known_to_)};
+    options.position_prior = {.centre = prior_position_,
+                              .weight = 2 * level.prior_weight * std::max(value, 0.0) /
+                                        (prior_position_sigma_ * prior_position_sigma_)};
   }
   const Maximum maximum = maximize(measure, start, options);
   evaluations_ += measure.evaluations();
   return maximum;
 }
 
-Maximum CoarseToFine::climb(const Eigen::Isometry3d& start, std::span<const Level> levels) {
-  Maximum at{.T_head_lidar = start};
+Maximum CoarseToFine::ascend(const Eigen::Isometry3d& start, std::span<const Level> levels) {
+  Maximum at{.T_refcam_lidar = start};
   for (const Level& level : levels) {
-    for (int pass = 0; pass < level.passes; ++pass) at = climb_once(at.T_head_lidar, level);
+    for (int pass = 0; pass < level.passes; ++pass) at = ascend_once(at.T_refcam_lidar, level);
   }
   return at;
 }

@@ -17,7 +17,7 @@ struct Level {
   size_t points = 0;   ///< how many points take part at most; 0: all in view
   int passes = 1;      ///< searches, each with the points chosen anew from where the last ended
   double tolerance = 2e-3;  ///< MaximizeOptions::tolerance
-  double anchor = 0;        ///< share of the measure that is taken off where the head stands one
+  double prior_weight = 0;  ///< share of the measure that is taken off where the head stands one
                             ///< standard deviation from where it is known to; 0: none
   int survivors = 1;        ///< of coarse levels: how many climbs go on to the next
 
@@ -33,22 +33,22 @@ class CoarseToFine {
   CoarseToFine(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                std::span<const TermOptions> terms, ImagePyramid& images,
                const VisibilityOptions& visibility, const MaximizeOptions& maximize,
-               const Eigen::Vector3d& known, double known_to);
+               const Eigen::Vector3d& prior_position, double prior_position_sigma);
 
-  /// Up all levels, in order; no further once a stop is asked for.
-  Maximum climb(const Eigen::Isometry3d& start, std::span<const Level> levels);
+  /// Up all levels, in order; no further once a stop is requested.
+  Maximum ascend(const Eigen::Isometry3d& start, std::span<const Level> levels);
 
   /// The points of a level, in view under a pose.
-  VisiblePoints visible(const Eigen::Isometry3d& T_head_lidar, size_t most) const;
+  VisiblePoints visible_points(const Eigen::Isometry3d& T_head_lidar, size_t max_points) const;
 
   /// The measure over `points`, which must outlive it, with images blurred by `sigma` pixels.
-  Objective objective(const VisiblePoints& points, double sigma);
+  Objective make_objective(const VisiblePoints& points, double sigma);
 
   /// Evaluations of the measure so far.
   int evaluations() const { return evaluations_; }
 
  private:
-  Maximum climb_once(const Eigen::Isometry3d& start, const Level& level);
+  Maximum ascend_once(const Eigen::Isometry3d& start, const Level& level);
 
   std::span<const Scene> scenes_;
   std::span<const RigCamera> cameras_;
@@ -56,8 +56,8 @@ class CoarseToFine {
   ImagePyramid& images_;
   VisibilityOptions visibility_;
   MaximizeOptions maximize_;
-  Eigen::Vector3d known_;
-  double known_to_;
+  Eigen::Vector3d prior_position_;
+  double prior_position_sigma_;
   int evaluations_ = 0;
 };
 

@@ -25,12 +25,12 @@ class HistogramTerm : public DependenceTerm {
         histogram_(lidar, {.x = {.bins = bins}, .y = {.bins = bins}, .window = window}) {}
 
   Estimate evaluate(std::span<const float> image, std::span<float> gradient) override {
-    if (chosen_.size() == image.size()) return ask(image, gradient);
+    if (chosen_.size() == image.size()) return evaluate_chosen(image, gradient);
     image_.resize(chosen_.size());
     for (size_t k = 0; k < chosen_.size(); ++k) image_[k] = image[chosen_[k]];
-    if (gradient.empty()) return ask(image_, {});
+    if (gradient.empty()) return evaluate_chosen(image_, {});
     gradient_.resize(chosen_.size());
-    const Estimate estimate = ask(image_, gradient_);
+    const Estimate estimate = evaluate_chosen(image_, gradient_);
     std::fill(gradient.begin(), gradient.end(), 0.0F);
     for (size_t k = 0; k < chosen_.size(); ++k) gradient[chosen_[k]] = gradient_[k];
     return estimate;
@@ -39,7 +39,7 @@ class HistogramTerm : public DependenceTerm {
   size_t samples() const override { return chosen_.size(); }
 
  private:
-  Estimate ask(std::span<const float> image, std::span<float> gradient) {
+  Estimate evaluate_chosen(std::span<const float> image, std::span<float> gradient) {
     if (gradient.empty()) return histogram_.value(measure_, image);
     if (window_ == dependence::Window::kBSpline) {
       return histogram_.value_and_gradient(measure_, image, gradient);
@@ -95,7 +95,7 @@ std::optional<std::string> TermOptions::invalid() const {
   return std::nullopt;
 }
 
-std::vector<uint32_t> taking_part(const TermOptions& options, const VisiblePoints& points) {
+std::vector<uint32_t> select_term_points(const TermOptions& options, const VisiblePoints& points) {
   std::vector<uint32_t> chosen;
   for (size_t i = 0; i < points.size(); ++i) {
     const bool compared =
@@ -112,7 +112,7 @@ std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const Visi
   if (options.measure == MeasureKind::kCorrelation) {
     return std::make_unique<CorrelationTerm>(points.lidar[index(options.lidar.front())]);
   }
-  std::vector<uint32_t> chosen = taking_part(options, points);
+  std::vector<uint32_t> chosen = select_term_points(options, points);
   std::vector<std::vector<float>> lidar;
   for (const LidarFeature feature : options.lidar) {
     const std::vector<float>& all = points.lidar[index(feature)];

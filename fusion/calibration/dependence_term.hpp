@@ -51,13 +51,13 @@ class DependenceTerm {
                                         std::span<float> gradient) = 0;
 
   /// How many points take part.
-  virtual size_t samples() const = 0;
+  virtual size_t sample_count() const = 0;
 };
 
 /// Indices of the points that take part in a term. A return without a depth edge near it is none to
 /// compare where edges are all that is compared, and one without an edge where several features are
 /// taken together.
-std::vector<uint32_t> taking_part(const TermOptions& options, const VisiblePoints& points);
+std::vector<uint32_t> select_term_points(const TermOptions& options, const VisiblePoints& points);
 
 /// Prepares a term with the points' features.
 std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const VisiblePoints& points);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kLevels = 256;
 
-Plane like(const Plane& plane) {
+Plane make_same_size(const Plane& plane) {
   Plane out{.width = plane.width, .height = plane.height, .step = plane.step, .values = {}};
   out.values.resize(plane.values.size());
   return out;
@@ -67,23 +67,23 @@ void blur_row(const float* line, int thin, const std::vector<float>& kernel, int
 }
 
 /// Where the samples of a row lie between those of a thinner one: after which, and how far.
-struct Between {
+struct RowInterpolation {
   std::vector<int> first;
-  std::vector<float> part;
+  std::vector<float> fraction;
 };
 
-Between between(int samples, float scale) {
-  Between all;
+RowInterpolation row_interpolation(int samples, float scale) {
+  RowInterpolation all;
   for (int i = 0; i < samples; ++i) {
     const float place = static_cast<float>(i) * scale;
     all.first.push_back(static_cast<int>(place));
-    all.part.push_back(place - static_cast<float>(all.first.back()));
+    all.fraction.push_back(place - static_cast<float>(all.first.back()));
   }
   return all;
 }
 
 /// Row `place` of a thinner plane, between two of its rows, its last sample once more at the end.
-void row_between(const Plane& thin, int first, float part, std::vector<float>& out) {
+void interpolate_row(const Plane& thin, int first, float part, std::vector<float>& out) {
   const float* above = row(thin, first);
   const float* below = row(thin, first + 1);
   const auto width = static_cast<size_t>(thin.width);
@@ -94,17 +94,17 @@ void row_between(const Plane& thin, int first, float part, std::vector<float>& o
 
 /// Samples against the mean and mean square around them, which are given at the samples of a
 /// thinner row.
-INFUSE_SIMD_CLONES void against_row(const float* __restrict in, const float* __restrict mean,
-                                    const float* __restrict power, const int* __restrict first,
-                                    const float* __restrict part, float least, int samples,
-                                    float* __restrict out) {
+INFUSE_SIMD_CLONES void normalize_row(const float* __restrict in, const float* __restrict mean,
+                                      const float* __restrict power, const int* __restrict first,
+                                      const float* __restrict part, float min_variance, int samples,
+                                      float* __restrict out) {
   for (int u = 0; u < samples; ++u) {
     const int at = first[u];
     const float m = mean[at] + part[u] * (mean[at + 1] - mean[at]);
     const float square = power[at] + part[u] * (power[at + 1] - power[at]);
     const float spread = square - m * m;
     const float off = in[u] - m;
-    const float z2 = off * off / ((spread > 0.0F ? spread : 0.0F) + least);
+    const float z2 = off * off / ((spread > 0.0F ? spread : 0.0F) + min_variance);
     const float half = 0.5F * std::sqrt(z2 / (1.0F + z2));
     out[u] = off < 0.0F ? 0.5F - half : 0.5F + half;
   }
@@ -125,7 +125,7 @@ INFUSE_SIMD_CLONES void ring_edge_row(const float* __restrict above, const float
 }
 
 /// A row with its first and last sample once more.
-void bordered(const Plane& plane, int v, std::vector<float>& out) {
+void copy_with_border(const Plane& plane, int v, std::vector<float>& out) {
   const float* from = row(plane, v);
   out.resize(static_cast<size_t>(plane.width) + 2);
   out.front() = from[0];
@@ -134,17 +134,17 @@ void bordered(const Plane& plane, int v, std::vector<float>& out) {
 }
 
 /// What the squares of row `v` hold, a sample each; beyond the squares as in the last.
-void spread_squares(const RingDirections& rings, const std::vector<float>& values, int v,
-                    std::vector<float>& out) {
-  const int first = std::min(v / RingDirections::kSquare, rings.rows - 1) * rings.columns;
+void expand_cells(const RingDirections& rings, const std::vector<float>& values, int v,
+                  std::vector<float>& out) {
+  const int first = std::min(v / RingDirections::kCellSize, rings.rows - 1) * rings.columns;
   for (size_t u = 0; u < out.size(); ++u) {
-    const int column = std::min(static_cast<int>(u) / RingDirections::kSquare, rings.columns - 1);
+    const int column = std::min(static_cast<int>(u) / RingDirections::kCellSize, rings.columns - 1);
     out[u] = values[static_cast<size_t>(first + column)];
   }
 }
 
 /// `blurred`, thinned after the first little of it: the rest is cheap.
-Plane blurred_in_two(const Plane& plane, double sigma, int step) {
+Plane blur_in_two_steps(const Plane& plane, double sigma, int step) {
   const double first = step > plane.step ? 0.75 * step : 0;
   return blurred(blurred(plane, first, step), std::sqrt(sigma * sigma - first * first), step);
 }
@@ -164,7 +164,7 @@ Plane grey_plane(const CameraFrame& frame) {
 }
 
 Plane edge_strength(const Plane& grey) {
-  Plane edge = like(grey);
+  Plane edge = make_same_size(grey);
   const int width = grey.width;
   std::vector<float> high(static_cast<size_t>(width));
   std::vector<float> low(static_cast<size_t>(width));
@@ -191,18 +191,18 @@ Plane edge_strength(const Plane& grey) {
 }
 
 Plane ring_edge(const Plane& grey, const RingDirections& rings) {
-  Plane edge = like(grey);
+  Plane edge = make_same_size(grey);
   const auto width = static_cast<size_t>(grey.width);
   std::vector<float> right(width, 1.0F), down(width, 0.0F);
   std::vector<float> above, here, below;
   for (int v = 0; v < grey.height; ++v) {
-    if (rings.columns > 0 && v % RingDirections::kSquare == 0) {
-      spread_squares(rings, rings.right, v, right);
-      spread_squares(rings, rings.down, v, down);
+    if (rings.columns > 0 && v % RingDirections::kCellSize == 0) {
+      expand_cells(rings, rings.right, v, right);
+      expand_cells(rings, rings.down, v, down);
     }
-    bordered(grey, v - 1, above);
-    bordered(grey, v, here);
-    bordered(grey, v + 1, below);
+    copy_with_border(grey, v - 1, above);
+    copy_with_border(grey, v, here);
+    copy_with_border(grey, v + 1, below);
     ring_edge_row(above.data() + 1, here.data() + 1, below.data() + 1, right.data(), down.data(),
                   grey.width, edge.values.data() + static_cast<size_t>(v) * width);
   }
@@ -251,25 +251,26 @@ Plane blurred(const Plane& plane, double sigma, int step) {
   return out;
 }
 
-Plane against_surroundings(const Plane& plane, double width, double floor) {
+Plane normalize_local_contrast(const Plane& plane, double width, double floor) {
   // Means change slowly: a few samples a width are enough.
   const int step = plane.step * std::max(1, static_cast<int>(width / (4 * plane.step)));
   Plane squared = plane;
   for (float& value : squared.values) value *= value;
-  const Plane mean = blurred_in_two(plane, width, step);
-  const Plane power = blurred_in_two(squared, width, step);
+  const Plane mean = blur_in_two_steps(plane, width, step);
+  const Plane power = blur_in_two_steps(squared, width, step);
   const float scale = static_cast<float>(plane.step) / static_cast<float>(step);
-  const auto least = static_cast<float>(floor * floor);
-  Plane out = like(plane);
-  const Between along = between(plane.width, scale);
-  const Between down = between(plane.height, scale);
+  const auto min_variance = static_cast<float>(floor * floor);
+  Plane out = make_same_size(plane);
+  const RowInterpolation along = row_interpolation(plane.width, scale);
+  const RowInterpolation down = row_interpolation(plane.height, scale);
   std::vector<float> means, powers;
   for (int v = 0; v < plane.height; ++v) {
     const auto at = static_cast<size_t>(v);
-    row_between(mean, down.first[at], down.part[at], means);
-    row_between(power, down.first[at], down.part[at], powers);
-    against_row(row(plane, v), means.data(), powers.data(), along.first.data(), along.part.data(),
-                least, plane.width, &out.values[at * static_cast<size_t>(plane.width)]);
+    interpolate_row(mean, down.first[at], down.fraction[at], means);
+    interpolate_row(power, down.first[at], down.fraction[at], powers);
+    normalize_row(row(plane, v), means.data(), powers.data(), along.first.data(),
+                  along.fraction.data(), min_variance, plane.width,
+                  &out.values[at * static_cast<size_t>(plane.width)]);
   }
   return out;
 }

@@ -40,7 +40,7 @@ Plane equalized(Plane plane);
 /// (the values' unit) is added to s² as its square, so that noise on a smooth surface stays small.
 /// Takes out light that changes slowly over the picture (shadow and sun, haze, vignetting, walls
 /// that get darker upwards), which goes with where things are and not with what they are.
-Plane against_surroundings(const Plane& plane, double width, double floor);
+Plane normalize_local_contrast(const Plane& plane, double width, double noise_sigma);
 
 /// The plane smoothed by a Gaussian of `sigma` pixels (0: unchanged), borders replicated, and then
 /// thinned to samples `step` pixels apart, a multiple of the plane's own.

@@ -12,25 +12,26 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr int kBagSize = 2000;      // I 4.3.2: a hundredth of 20 scans' points
-constexpr int kSingleFit = 20'000;  // samples of LSMI
+constexpr int kBagSize = 2000;           // I 4.3.2: a hundredth of 20 scans' points
+constexpr int kMaxLsmiSamples = 20'000;  // samples of LSMI
 
 /// What makes a feature's variance one.
 struct Scale {
   double mean = 0;
-  double by = 1;
+  double factor = 1;
 };
 
-Scale unit_variance(const MatrixXd& samples, Index column) {
+Scale unit_variance_scale(const MatrixXd& samples, Index column) {
   const double mean = samples.col(column).mean();
   const double variance = (samples.col(column).array() - mean).square().mean();
-  return {.mean = mean, .by = variance > 0 ? 1 / std::sqrt(variance) : 1};
+  return {.mean = mean, .factor = variance > 0 ? 1 / std::sqrt(variance) : 1};
 }
 
-dependence::BagOptions bags_of(const TermOptions& options, size_t samples) {
+dependence::BagOptions bag_options(const TermOptions& options, size_t samples) {
   const bool bagged = options.measure == MeasureKind::kBlsmi;
-  const auto most = static_cast<int>(std::min<size_t>(samples, bagged ? kBagSize : kSingleFit));
-  return {.bags = bagged ? options.bags : 1, .bag_size = std::max(most, 2)};
+  const auto max_samples =
+      static_cast<int>(std::min<size_t>(samples, bagged ? kBagSize : kMaxLsmiSamples));
+  return {.bags = bagged ? options.bags : 1, .bag_size = std::max(max_samples, 2)};
 }
 
 class LeastSquaresTerm : public DependenceTerm {
@@ -38,19 +39,19 @@ class LeastSquaresTerm : public DependenceTerm {
   LeastSquaresTerm(const TermOptions& options, std::vector<uint32_t> chosen, MatrixXd lidar)
       : chosen_(std::move(chosen)),
         features_(options.image.size()),
-        lsmi_(lidar, bags_of(options, chosen_.size())) {}
+        lsmi_(lidar, bag_options(options, chosen_.size())) {}
 
   dependence::Estimate evaluate(std::span<const float> image, std::span<float> gradient) override {
     const size_t points = image.size() / features_;
     samples_.resize(static_cast<Index>(chosen_.size()), static_cast<Index>(features_));
-    for (size_t f = 0; f < features_; ++f) fill(image.subspan(f * points, points), f);
-    const auto fit = lsmi_.ask(samples_, gradient.empty() ? nullptr : &by_sample_);
+    for (size_t f = 0; f < features_; ++f) fill_column(image.subspan(f * points, points), f);
+    const auto fit = lsmi_.evaluate(samples_, gradient.empty() ? nullptr : &by_sample_);
     std::fill(gradient.begin(), gradient.end(), 0.0F);
     if (by_sample_.size() > 0 && fit.usable() && !gradient.empty()) {
       for (size_t f = 0; f < features_; ++f) {
         for (size_t k = 0; k < chosen_.size(); ++k) {
           gradient[f * points + chosen_[k]] = static_cast<float>(
-              scales_[f].by * by_sample_(static_cast<Index>(k), static_cast<Index>(f)));
+              scales_[f].factor * by_sample_(static_cast<Index>(k), static_cast<Index>(f)));
         }
       }
     }
@@ -62,7 +63,7 @@ class LeastSquaresTerm : public DependenceTerm {
  private:
   /// Column `f` of the samples, scaled as at the first question: a scale that followed the pose
   /// would be a part of its derivative. Points that the camera does not see count as average.
-  void fill(std::span<const float> image, size_t f) {
+  void fill_column(std::span<const float> image, size_t f) {
     const auto column = static_cast<Index>(f);
     double seen = 0, sum = 0;
     for (const uint32_t i : chosen_) {
@@ -75,8 +76,8 @@ class LeastSquaresTerm : public DependenceTerm {
       const float value = image[chosen_[k]];
       samples_(static_cast<Index>(k), column) = std::isfinite(value) ? value : average;
     }
-    if (scales_.size() <= f) scales_.push_back(unit_variance(samples_, column));
-    samples_.col(column) = (samples_.col(column).array() - scales_[f].mean) * scales_[f].by;
+    if (scales_.size() <= f) scales_.push_back(unit_variance_scale(samples_, column));
+    samples_.col(column) = (samples_.col(column).array() - scales_[f].mean) * scales_[f].factor;
   }
 
   std::vector<uint32_t> chosen_;
@@ -96,8 +97,8 @@ std::unique_ptr<DependenceTerm> make_least_squares_term(
     for (Index k = 0; k < lidar.rows(); ++k) {
       lidar(k, f) = columns[static_cast<size_t>(f)][static_cast<size_t>(k)];
     }
-    const Scale scale = unit_variance(lidar, f);
-    lidar.col(f) = (lidar.col(f).array() - scale.mean) * scale.by;
+    const Scale scale = unit_variance_scale(lidar, f);
+    lidar.col(f) = (lidar.col(f).array() - scale.mean) * scale.factor;
   }
   return std::make_unique<LeastSquaresTerm>(options, std::move(chosen), std::move(lidar));
 }

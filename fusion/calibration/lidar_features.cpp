@@ -21,7 +21,7 @@ std::vector<uint32_t> order_by_ring(const Sweep& sweep) {
 }
 
 /// The azimuths of two returns lie within a gap whose tangent is given (below 90°).
-bool within(const Sweep& sweep, uint32_t a, uint32_t b, double tangent) {
+bool within_azimuth(const Sweep& sweep, uint32_t a, uint32_t b, double tangent) {
   const double cross = double{sweep.x[a]} * sweep.y[b] - double{sweep.y[a]} * sweep.x[b];
   const double dot = double{sweep.x[a]} * sweep.x[b] + double{sweep.y[a]} * sweep.y[b];
   return dot > 0 && std::abs(cross) <= tangent * dot;
@@ -32,13 +32,13 @@ std::vector<uint8_t> near_edges(const Sweep& sweep, const std::vector<uint32_t>&
                                 const std::vector<double>& step,
                                 const DiscontinuityOptions& options) {
   std::vector<uint8_t> near(sweep.size(), 0);
-  const double tangent = std::tan(options.reach);
+  const double tangent = std::tan(options.max_edge_azimuth);
   const auto mark = [&](auto first, auto last) {
     std::optional<uint32_t> edge;
     for (; first != last; ++first) {
-      if (step[*first] >= options.least_edge) edge = *first;
+      if (step[*first] >= options.min_edge_step) edge = *first;
       if (!edge || sweep.ring[*edge] != sweep.ring[*first]) continue;
-      if (within(sweep, *first, *edge, tangent)) near[*first] = 1;
+      if (within_azimuth(sweep, *first, *edge, tangent)) near[*first] = 1;
     }
   };
   mark(order.begin(), order.end());
@@ -52,8 +52,8 @@ std::optional<std::string> DiscontinuityOptions::invalid() const {
   if (!(gamma > 0) || !(gamma <= 2)) return "gamma must lie in (0, 2]";
   if (!(max_gap > 0) || !(max_gap < 1.5)) return "max_gap must lie in (0, 1.5)";
   if (!(no_return_step >= 0)) return "no_return_step must not be negative";
-  if (!(reach >= 0) || !(reach < 1.5)) return "reach must lie in [0, 1.5)";
-  if (!(least_edge > 0)) return "least_edge must be positive";
+  if (!(max_edge_azimuth >= 0) || !(max_edge_azimuth < 1.5)) return "reach must lie in [0, 1.5)";
+  if (!(min_edge_step > 0)) return "min_edge_step must be positive";
   return std::nullopt;
 }
 
@@ -62,9 +62,9 @@ std::vector<float> discontinuity(const Sweep& sweep, const DiscontinuityOptions&
   std::vector<double> step(sweep.size(), 0.0);
   const double tangent = std::tan(options.max_gap);
   // The step from `i` to its neighbour `j`, or to nothing where there is none.
-  const auto see = [&](uint32_t i, const uint32_t* j) {
+  const auto update_step = [&](uint32_t i, const uint32_t* j) {
     const bool near =
-        j != nullptr && sweep.ring[*j] == sweep.ring[i] && within(sweep, i, *j, tangent);
+        j != nullptr && sweep.ring[*j] == sweep.ring[i] && within_azimuth(sweep, i, *j, tangent);
     step[i] =
         std::max(step[i], near ? double{sweep.range[*j]} - sweep.range[i] : options.no_return_step);
   };
@@ -76,14 +76,14 @@ std::vector<float> discontinuity(const Sweep& sweep, const DiscontinuityOptions&
     while (before > 0 && same_firing(order[at], order[before - 1])) --before;
     size_t after = at + 1;
     while (after < order.size() && same_firing(order[at], order[after])) ++after;
-    see(order[at], before > 0 ? &order[before - 1] : nullptr);
-    see(order[at], after < order.size() ? &order[after] : nullptr);
+    update_step(order[at], before > 0 ? &order[before - 1] : nullptr);
+    update_step(order[at], after < order.size() ? &order[after] : nullptr);
   }
   std::vector<float> edge(sweep.size(), 0.0F);
   for (size_t i = 0; i < edge.size(); ++i) {
     if (step[i] > 0) edge[i] = static_cast<float>(std::pow(step[i], options.gamma));
   }
-  if (options.reach > 0) {
+  if (options.max_edge_azimuth > 0) {
     const std::vector<uint8_t> near = near_edges(sweep, order, step, options);
     for (size_t i = 0; i < edge.size(); ++i) {
       if (near[i] == 0) edge[i] = kNotCompared;
@@ -100,7 +100,7 @@ struct Keyed {
   uint32_t index;
 };
 
-uint32_t sortable(float value) {
+uint32_t sort_key(float value) {
   const auto bits = std::bit_cast<uint32_t>(value + 0.0F);  // −0 becomes 0
   return (bits & 0x8000'0000U) != 0 ? ~bits : bits | 0x8000'0000U;
 }
@@ -119,7 +119,7 @@ void sort_by_key(std::vector<Keyed>& keyed) {
 }
 
 /// Ranks of values that stand in order, divided by their number.
-void rank(std::span<const Keyed> keyed, std::span<float> values) {
+void assign_ranks(std::span<const Keyed> keyed, std::span<float> values) {
   const auto n = static_cast<double>(keyed.size());
   for (size_t first = 0; first < keyed.size();) {
     size_t last = first;
@@ -135,9 +135,9 @@ void rank(std::span<const Keyed> keyed, std::span<float> values) {
 void equalize(std::span<float> values) {
   std::vector<Keyed> keyed(values.size());
   for (size_t i = 0; i < values.size(); ++i)
-    keyed[i] = {sortable(values[i]), static_cast<uint32_t>(i)};
+    keyed[i] = {sort_key(values[i]), static_cast<uint32_t>(i)};
   sort_by_key(keyed);
-  rank(keyed, values);
+  assign_ranks(keyed, values);
 }
 
 std::vector<float> relative_discontinuity(std::span<const uint16_t> ring,
@@ -145,7 +145,7 @@ std::vector<float> relative_discontinuity(std::span<const uint16_t> ring,
   std::vector<Keyed> keyed;
   for (size_t i = 0; i < discontinuity.size(); ++i) {
     if (std::isnan(discontinuity[i])) continue;
-    keyed.push_back({sortable(discontinuity[i]), static_cast<uint32_t>(i)});
+    keyed.push_back({sort_key(discontinuity[i]), static_cast<uint32_t>(i)});
   }
   sort_by_key(keyed);
   std::stable_sort(keyed.begin(), keyed.end(),
@@ -155,7 +155,7 @@ std::vector<float> relative_discontinuity(std::span<const uint16_t> ring,
   for (size_t first = 0; first < all.size();) {
     size_t last = first;
     while (last < all.size() && ring[all[last].index] == ring[all[first].index]) ++last;
-    rank(all.subspan(first, last - first), relative);
+    assign_ranks(all.subspan(first, last - first), relative);
     first = last;
   }
   return relative;

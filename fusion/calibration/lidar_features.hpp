@@ -31,9 +31,9 @@ struct DiscontinuityOptions {
   double gamma = 0.5;         ///< exponent, I 4.3.1.2
   double max_gap = 0.02;      ///< rad of azimuth between neighbours; four firings of a slow HDL-32E
   double no_return_step = 0;  ///< m; the step that a missing neighbour stands for, 0: none
-  double reach = 0.03;        ///< rad of azimuth; returns farther than that from any edge on their
-                              ///< ring are not compared (`kNotCompared`); 0: all are
-  double least_edge = 0.5;    ///< m; the step that makes an edge, for `reach`
+  double max_edge_azimuth = 0.03;  ///< rad of azimuth; returns farther than that from any edge on
+                                   ///< their ring are not compared (`kNotCompared`); 0: all are
+  double min_edge_step = 0.5;  ///< m; the step that makes an edge, for `reach`
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

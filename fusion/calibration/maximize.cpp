@@ -11,17 +11,20 @@ using geometry::Vector6;
 
 constexpr const char* kNotConverged = "the search was still moving when its steps were used up";
 
-/// The objective around a start, in scaled coordinates: T(d) = exp(scale ∘ d) T_start.
+/// The objective around a start, in scaled coordinates: T(d) = exp(scale ∘ d) T_initial.
 class LocalProblem {
  public:
   LocalProblem(Objective& objective, const Eigen::Isometry3d& start, const MaximizeOptions& options)
-      : objective_(objective), start_(start), anchor_(options.anchor), stop_(options.stop) {
+      : objective_(objective),
+        initial_pose_(start),
+        prior_(options.position_prior),
+        stop_(options.stop) {
     scale_ << Eigen::Vector3d::Constant(options.rotation_scale),
         Eigen::Vector3d::Constant(options.translation_scale);
   }
 
   Eigen::Isometry3d pose(const Vector6& d) const {
-    return geometry::exp(scale_.cwiseProduct(d)) * start_;
+    return geometry::exp(scale_.cwiseProduct(d)) * initial_pose_;
   }
 
   /// The value, and the gradient by d where asked: the left Jacobian takes the step from ξ to d.
@@ -32,7 +35,7 @@ class LocalProblem {
     }
     const Eigen::Isometry3d T = pose(d);
     Evaluation at = objective_.evaluate(T, gradient != nullptr);
-    if (anchor_.weight > 0) pull_back(T, at);
+    if (prior_.weight > 0) apply_prior(T, at);
     if (gradient != nullptr) {
       const geometry::Matrix6 jacobian = geometry::left_jacobian(scale_.cwiseProduct(d));
       *gradient = (jacobian.transpose() * at.gradient).cwiseProduct(scale_);
@@ -42,29 +45,29 @@ class LocalProblem {
 
  private:
   /// Takes the anchor's penalty off the value, and its derivative off the gradient.
-  void pull_back(const Eigen::Isometry3d& T, Evaluation& at) const {
-    const Eigen::Vector3d off = T.inverse().translation() - anchor_.centre;
-    at.estimate.value -= 0.5 * anchor_.weight * off.squaredNorm();
+  void apply_prior(const Eigen::Isometry3d& T, Evaluation& at) const {
+    const Eigen::Vector3d off = T.inverse().translation() - prior_.centre;
+    at.estimate.value -= 0.5 * prior_.weight * off.squaredNorm();
     // exp(ω, ρ) T moves the head's origin by −Rᵀρ in the lidar frame, whatever ω is.
-    at.gradient.tail<3>() += anchor_.weight * (T.linear() * off);
+    at.gradient.tail<3>() += prior_.weight * (T.linear() * off);
   }
 
   Objective& objective_;
-  Eigen::Isometry3d start_;
-  Anchor anchor_;
+  Eigen::Isometry3d initial_pose_;
+  PositionPrior prior_;
   std::stop_token stop_;
   Vector6 scale_;
 };
 
-Ascent ascend(const SixFunction& function, const MaximizeOptions& options) {
+PoseAscentResult ascend(const PoseFunction& function, const MaximizeOptions& options) {
   AscentOptions ascent{.max_iterations = options.max_iterations, .tolerance = options.tolerance};
-  switch (options.search) {
-    case Search::kBfgs:
+  switch (options.optimizer) {
+    case Optimizer::kBfgs:
       return ascend_bfgs(function, ascent);
-    case Search::kBarzilaiBorwein:
+    case Optimizer::kBarzilaiBorwein:
       ascent.max_iterations *= 3;
       return ascend_barzilai_borwein(function, ascent);
-    case Search::kSimplex:
+    case Optimizer::kSimplex:
       break;
   }
   ascent.max_iterations *= 10;
@@ -85,19 +88,19 @@ Maximum maximize(Objective& objective, const Eigen::Isometry3d& start,
                  const MaximizeOptions& options) {
   const LocalProblem problem(objective, start, options);
   Vector6 slope = Vector6::Zero();
-  const dependence::Estimate first =
-      problem.evaluate(Vector6::Zero(), options.search == Search::kSimplex ? nullptr : &slope);
-  Maximum maximum{.T_head_lidar = start, .value = first.value, .reason = first.reason};
+  const dependence::Estimate first = problem.evaluate(
+      Vector6::Zero(), options.optimizer == Optimizer::kSimplex ? nullptr : &slope);
+  Maximum maximum{.T_refcam_lidar = start, .value = first.value, .reason = first.reason};
   if (!first.usable()) return maximum;
-  if (slope.norm() == 0 && options.search != Search::kSimplex) {
+  if (slope.norm() == 0 && options.optimizer != Optimizer::kSimplex) {
     maximum.reason = "the measure does not change with the calibration";
     return maximum;
   }
-  const Ascent ascent = ascend(
+  const PoseAscentResult ascent = ascend(
       [&](const Vector6& d, Vector6* gradient) { return problem.evaluate(d, gradient).value; },
       options);
   if (ascent.value >= first.value) {
-    maximum.T_head_lidar = problem.pose(ascent.d);
+    maximum.T_refcam_lidar = problem.pose(ascent.d);
     maximum.value = ascent.value;
   }
   if (!ascent.converged) maximum.reason = kNotConverged;

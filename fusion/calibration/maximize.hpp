@@ -10,7 +10,7 @@
 namespace infuse::calibration {
 
 /// How a maximum is looked for.
-enum class Search {
+enum class Optimizer {
   kBfgs,             ///< quasi-Newton on analytic gradients, I 4.2.3
   kBarzilaiBorwein,  ///< gradient ascent with Barzilai–Borwein steps, P 3.3.2
   kSimplex,          ///< Nelder–Mead: needs no gradient
@@ -19,7 +19,7 @@ enum class Search {
 /// Holds the head near where it is known to stand: ½ weight |c − centre|² is taken off the measure,
 /// c the head's origin in the lidar frame. For coarse levels, whose blurred images hardly tell
 /// where the camera stands.
-struct Anchor {
+struct PositionPrior {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< m, lidar frame
   double weight = 0;                                 ///< the measure's unit per m²; 0: none
 };
@@ -29,14 +29,14 @@ inline constexpr const char* kCancelled = "cancelled";
 
 /// Settings of a search.
 struct MaximizeOptions {
-  Search search = Search::kBfgs;
+  Optimizer optimizer = Optimizer::kBfgs;
   int max_iterations = 60;         ///< of BFGS; three times as many of P, ten of the simplex
   double rotation_scale = 0.01;    ///< rad; a step of this and
   double translation_scale = 0.1;  ///< m; a step of this are taken to matter alike, and are the
                                    ///< longest; 0: translation stays as it is
   double tolerance = 1e-4;         ///< in these scales: smaller steps end the search
 
-  Anchor anchor;
+  PositionPrior position_prior;
   std::stop_token stop;  ///< ends the search soon, with `kCancelled` for a reason
 
   /// What is wrong with the settings, or nothing.
@@ -45,7 +45,7 @@ struct MaximizeOptions {
 
 /// Where a search ended.
 struct Maximum {
-  Eigen::Isometry3d T_head_lidar = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();
   double value = 0;
   const char* reason = "";  ///< static text: why it is no maximum; empty when it is
 

@@ -8,22 +8,22 @@ namespace {
 using enum MeasureKind;
 using enum LidarFeature;
 
-TermOptions between(MeasureKind measure, LidarFeature lidar, ImageFeature image) {
+TermOptions make_term_options(MeasureKind measure, LidarFeature lidar, ImageFeature image) {
   return {.measure = measure, .lidar = {lidar}, .image = {image}, .bins = 32, .equalize = false};
 }
 
 /// Relative reflectivity against local grey, both without unit: no ranks are needed.
-std::vector<TermOptions> relative(MeasureKind measure) {
-  return {between(measure, kRelativeReflectivity, ImageFeature::kLocalGrey)};
+std::vector<TermOptions> relative_terms(MeasureKind measure) {
+  return {make_term_options(measure, kRelativeReflectivity, ImageFeature::kLocalGrey)};
 }
 
 /// Reflectivity against grey, both as the sensors state them.
-std::vector<TermOptions> stated(MeasureKind measure) {
-  return {between(measure, kReflectivity, ImageFeature::kGrey)};
+std::vector<TermOptions> raw_terms(MeasureKind measure) {
+  return {make_term_options(measure, kReflectivity, ImageFeature::kGrey)};
 }
 
 /// Features together, each against its own surroundings.
-TermOptions together(MeasureKind measure) {
+TermOptions joint_term(MeasureKind measure) {
   return {.measure = measure,
           .lidar = {kRelativeReflectivity, kDiscontinuity},
           .image = {ImageFeature::kLocalGrey, ImageFeature::kRingEdge},
@@ -32,8 +32,8 @@ TermOptions together(MeasureKind measure) {
 
 /// I table 4.1: with normals, which have no surroundings to be taken against. They go with the
 /// place in the picture as road and houses do, and pull by 0.1° on simulated streets.
-TermOptions with_normals(MeasureKind measure) {
-  TermOptions term = together(measure);
+TermOptions joint_term_with_normals(MeasureKind measure) {
+  TermOptions term = joint_term(measure);
   term.lidar.insert(term.lidar.end(), {kNormalX, kNormalY, kNormalZ});
   return term;
 }
@@ -43,17 +43,18 @@ std::vector<NamedMeasure> make_named_measures() {
   // Edges see from farther where to go. At the end they count as many as they are (on street and
   // garage a fifth of the returns is near one): by themselves they hardly tell turning up from
   // standing higher, because rings seldom cross an edge that lies.
-  TermOptions few_edges = edges;
-  few_edges.weight = 0.3;
+  TermOptions downweighted_edges = edges;
+  downweighted_edges.weight = 0.3;
   const std::vector<TermOptions> leading{TermOptions{}, edges};
-  TermOptions taylor = between(kNormalisedMutualInformation, kTaylorNormal, ImageFeature::kGrey);
+  TermOptions taylor =
+      make_term_options(kNormalisedMutualInformation, kTaylorNormal, ImageFeature::kGrey);
   taylor.equalize = true;
   return {
       {.name = "joint",
        .description = "MI of relative reflectivity and local grey + MI of depth edges and image "
                       "edges along the rings",
-       .terms = {TermOptions{}, few_edges},
-       .leading = leading,
+       .terms = {TermOptions{}, downweighted_edges},
+       .search_terms = leading,
        .equalize_image = true},
       {.name = "edges",
        .description =
@@ -62,48 +63,48 @@ std::vector<NamedMeasure> make_named_measures() {
        .equalize_image = true},
       {.name = "mi",
        .description = "mutual information, P(3.17), B-spline window of 32 bins",
-       .terms = relative(kMutualInformation)},
+       .terms = relative_terms(kMutualInformation)},
       {.name = "mi-raw",
        .description = "the same of reflectivity and grey as the sensors state them",
-       .terms = stated(kMutualInformation)},
+       .terms = raw_terms(kMutualInformation)},
       {.name = "mi-kde",
        .description = "mutual information, P(3.17), Gaussian KDE on 256 bins",
        .terms = {{.measure = kMutualInformationKde, .bins = 256, .equalize = false}},
        .has_gradient = false},
       {.name = "nmi",
        .description = "normalised mutual information, I(4.2)",
-       .terms = relative(kNormalisedMutualInformation),
-       .only_compared = true},
+       .terms = relative_terms(kNormalisedMutualInformation),
+       .comparison_only = true},
       {.name = "nmi-raw",
        .description = "the same of reflectivity and grey as the sensors state them",
-       .terms = stated(kNormalisedMutualInformation)},
+       .terms = raw_terms(kNormalisedMutualInformation)},
       {.name = "nmi-taylor",
        .description = "the same of Taylor and Nieto's normal feature and grey, I 4.3.2",
        .terms = {taylor}},
-      {.name = "chi2", .description = "chi-squared, P(3.25)", .terms = relative(kChiSquared)},
+      {.name = "chi2", .description = "chi-squared, P(3.25)", .terms = relative_terms(kChiSquared)},
       {.name = "smi",
        .description = "discretised squared-loss mutual information, I(4.3)",
-       .terms = relative(kSquaredLossMutualInformation)},
+       .terms = relative_terms(kSquaredLossMutualInformation)},
       {.name = "lsmi",
        .description = "LSMI, I(2.8), of reflectivity and depth edges together with grey and image "
                       "edges, one fit; joint leads there",
-       .terms = {together(kLsmi)},
-       .leading = leading,
+       .terms = {joint_term(kLsmi)},
+       .search_terms = leading,
        .equalize_image = true},
       {.name = "blsmi",
        .description = "the same by bagged LSMI, I(2.9), 100 bags",
-       .terms = {together(kBlsmi)},
-       .leading = leading,
+       .terms = {joint_term(kBlsmi)},
+       .search_terms = leading,
        .equalize_image = true},
       {.name = "blsmi-normals",
        .description = "the same with surface normals, I table 4.1",
-       .terms = {with_normals(kBlsmi)},
-       .leading = leading,
+       .terms = {joint_term_with_normals(kBlsmi)},
+       .search_terms = leading,
        .equalize_image = true},
       {.name = "levinson-thrun",
        .description = "depth edges times image edges, P(3.23), I(4.4)",
-       .terms = {between(kCorrelation, kDiscontinuity, ImageFeature::kEdge)},
-       .only_compared = true},
+       .terms = {make_term_options(kCorrelation, kDiscontinuity, ImageFeature::kEdge)},
+       .comparison_only = true},
   };
 }
 

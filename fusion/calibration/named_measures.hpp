@@ -13,11 +13,11 @@ struct NamedMeasure {
   const char* name;
   const char* description;
   std::vector<TermOptions> terms;
-  std::vector<TermOptions> leading;  ///< CalibrateOptions::leading; empty: `terms`
-  bool equalize_image = false;       ///< SceneOptions::equalize
+  std::vector<TermOptions> search_terms;  ///< CalibrateOptions::leading; empty: `terms`
+  bool equalize_image = false;            ///< SceneOptions::equalize
   bool has_gradient = true;
   /// To be compared with others only: on simulated drives it was sure of results that were wrong.
-  bool only_compared = false;
+  bool comparison_only = false;
 };
 
 /// All of them, the default first.

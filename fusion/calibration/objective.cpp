@@ -92,12 +92,12 @@ geometry::PointsView block_points(const VisiblePoints& points, const VisiblePoin
 }
 
 // How far local grey looks around, in widths of the blur, and px at least.
-constexpr double kSurroundings = 8;
-constexpr double kLeastSurroundings = 15;
-constexpr double kNoise = 2.0 / 255;  // a smooth surface's, in grey levels
+constexpr double kContrastWidthPerSigma = 8;
+constexpr double kMinContrastWidth = 15;
+constexpr double kNoiseSigma = 2.0 / 255;  // a smooth surface's, in grey levels
 
 /// Samples lie so far apart that their Gaussian is still at least one of them wide.
-int samples_apart(double sigma) {
+int sample_step(double sigma) {
   int step = 1;
   while (2 * step <= sigma) step *= 2;
   return step;
@@ -113,12 +113,12 @@ BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const Term
       for (const ImageFeature feature : term.image) {
         Plane& plane = blurred_[s][index(feature)];
         if (plane.values.empty()) {
-          plane = blurred(scenes[s].image[index(feature)], sigma, samples_apart(sigma));
+          plane = blurred(scenes[s].image[index(feature)], sigma, sample_step(sigma));
         }
       }
     }
   }
-  compare_with_surroundings();
+  make_local_grey();
 }
 
 BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
@@ -127,21 +127,21 @@ BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
   for (size_t s = 0; s < blurred_.size(); ++s) {
     for (size_t f = 0; f < kImageFeatures; ++f) {
       const Plane& plane = finer.blurred_[s][f];
-      blurred_[s][f] = blurred(plane, rest, std::max(plane.step, samples_apart(sigma)));
+      blurred_[s][f] = blurred(plane, rest, std::max(plane.step, sample_step(sigma)));
     }
   }
-  compare_with_surroundings();
+  make_local_grey();
 }
 
-void BlurredImages::compare_with_surroundings() {
-  const double width = std::max(kLeastSurroundings, kSurroundings * sigma_);
+void BlurredImages::make_local_grey() {
+  const double width = std::max(kMinContrastWidth, kContrastWidthPerSigma * sigma_);
   for (size_t s = 0; s < blurred_.size(); ++s) {
     const Plane& grey = blurred_[s][index(ImageFeature::kLocalGrey)];
-    if (!grey.values.empty()) local_grey_[s] = against_surroundings(grey, width, kNoise);
+    if (!grey.values.empty()) local_grey_[s] = normalize_local_contrast(grey, width, kNoiseSigma);
   }
 }
 
-BlurredImages BlurredImages::dealt(std::span<const size_t> from) const {
+BlurredImages BlurredImages::permuted(std::span<const size_t> from) const {
   BlurredImages other;
   other.sigma_ = sigma_;
   for (const size_t scene : from) {
@@ -155,14 +155,14 @@ Objective::Objective(const VisiblePoints& points, const BlurredImages& images,
                      std::span<const RigCamera> cameras, std::span<const Scene> scenes,
                      std::span<const TermOptions> terms)
     : points_(points), images_(&images), cameras_(cameras), scenes_(scenes) {
-  size_t most = 1;
+  size_t max_features = 1;
   for (const TermOptions& term : terms) {
     terms_.push_back({term, make_term(term, points)});
-    most = std::max(most, term.image.size());
+    max_features = std::max(max_features, term.image.size());
   }
   for (auto* scratch : {&u_, &v_, &depth_, &by_u_, &by_v_}) scratch->resize(points.size());
   for (auto* scratch : {&value_, &value_by_u_, &value_by_v_, &by_value_}) {
-    scratch->resize(most * points.size());
+    scratch->resize(max_features * points.size());
   }
 }
 
@@ -170,7 +170,7 @@ void Objective::project(const Eigen::Isometry3d& T_head_lidar) {
   for (const VisiblePoints::Block& block : points_.blocks) {
     const RigCamera& camera = cameras_[scenes_[block.scene].camera];
     geometry::project_points(
-        camera.model, camera.T_camera_head * T_head_lidar, block_points(points_, block),
+        camera.model, camera.T_camera_refcam * T_head_lidar, block_points(points_, block),
         {part<float>(u_, block), part<float>(v_, block), part<float>(depth_, block)});
   }
 }
@@ -215,7 +215,8 @@ dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_
     if (!one.usable()) sum.reason = one.reason;
     if (!with_gradient) continue;
     const auto weight = static_cast<float>(
-        term.options.weight * (of_samples ? static_cast<double>(term.dependence->samples()) : 1.0));
+        term.options.weight *
+        (of_samples ? static_cast<double>(term.dependence->sample_count()) : 1.0));
     for (size_t first = 0; first < values; first += points_.size()) {
       for (size_t i = 0; i < by_u_.size(); ++i) {
         by_u_[i] += weight * by_value_[first + i] * value_by_u_[first + i];
@@ -233,10 +234,11 @@ geometry::Vector6 Objective::block_gradient(const VisiblePoints::Block& block,
       std::span(by_u_).subspan(block.begin, block.end - block.begin);
   const std::span<const float> by_v =
       std::span(by_v_).subspan(block.begin, block.end - block.begin);
-  const geometry::Vector6 camera_gradient = geometry::pose_gradient(
-      camera.model, camera.T_camera_head * T_head_lidar, block_points(points_, block), by_u, by_v);
-  // T_camera_head exp(ξ) = exp(Ad ξ) T_camera_head.
-  return geometry::adjoint(camera.T_camera_head).transpose() * camera_gradient;
+  const geometry::Vector6 camera_gradient =
+      geometry::pose_gradient(camera.model, camera.T_camera_refcam * T_head_lidar,
+                              block_points(points_, block), by_u, by_v);
+  // T_camera_refcam exp(ξ) = exp(Ad ξ) T_camera_refcam.
+  return geometry::adjoint(camera.T_camera_refcam).transpose() * camera_gradient;
 }
 
 Evaluation Objective::evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_gradient) {
@@ -250,10 +252,10 @@ Evaluation Objective::evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_
 
 Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block,
                                            const Eigen::Isometry3d& T_head_lidar) const {
-  const RigCamera& seen_by = cameras_[scenes_[block.scene].camera];
-  const CameraIntrinsics& camera = seen_by.model.intrinsics();
+  const RigCamera& rig_camera = cameras_[scenes_[block.scene].camera];
+  const CameraIntrinsics& camera = rig_camera.model.intrinsics();
   const bool pinhole = camera.model == CameraIntrinsics::Model::kPinhole;
-  const Eigen::Isometry3d T = seen_by.T_camera_head * T_head_lidar;
+  const Eigen::Isometry3d T = rig_camera.T_camera_refcam * T_head_lidar;
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
   for (size_t i = block.begin; i < block.end; ++i) {
     const double by_u = by_u_[i], by_v = by_v_[i];
@@ -274,9 +276,9 @@ Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block,
   return gradient;
 }
 
-std::vector<ScenePull> Objective::scene_pulls(const Eigen::Isometry3d& T_head_lidar,
-                                              dependence::Estimate* estimate) {
-  std::vector<ScenePull> pulls(scenes_.size(), ScenePull::Zero());
+std::vector<SceneGradient> Objective::scene_gradients(const Eigen::Isometry3d& T_head_lidar,
+                                                      dependence::Estimate* estimate) {
+  std::vector<SceneGradient> pulls(scenes_.size(), SceneGradient::Zero());
   const dependence::Estimate sum = differentiate_pixels(T_head_lidar, true);
   if (estimate != nullptr) *estimate = sum;
   for (const VisiblePoints::Block& block : points_.blocks) {
@@ -292,7 +294,7 @@ Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, siz
   look_up(options);
   const std::vector<float>& lidar = points_.lidar[index(options.lidar.front())];
   Samples samples;
-  for (const uint32_t i : taking_part(options, points_)) {
+  for (const uint32_t i : select_term_points(options, points_)) {
     samples.lidar.push_back(lidar[i]);
     samples.image.push_back(value_[i]);
   }
@@ -316,7 +318,7 @@ geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_head_lidar) 
   differentiate_pixels(T_head_lidar, true, true);
   for (const VisiblePoints::Block& block : points_.blocks) {
     const RigCamera& camera = cameras_[scenes_[block.scene].camera];
-    const Eigen::Isometry3d T = camera.T_camera_head * T_head_lidar;
+    const Eigen::Isometry3d T = camera.T_camera_refcam * T_head_lidar;
     geometry::Matrix6 part = geometry::Matrix6::Zero();
     for (size_t i = block.begin; i < block.end; ++i) {
       if (by_u_[i] == 0 && by_v_[i] == 0) continue;
@@ -326,7 +328,7 @@ geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_head_lidar) 
       const geometry::Vector6 score = at->by_pose.transpose() * Eigen::Vector2d(by_u_[i], by_v_[i]);
       part += score * score.transpose();
     }
-    const geometry::Matrix6 adjoint = geometry::adjoint(camera.T_camera_head);
+    const geometry::Matrix6 adjoint = geometry::adjoint(camera.T_camera_refcam);
     sum += adjoint.transpose() * part * adjoint;
   }
   return sum;

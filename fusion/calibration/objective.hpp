@@ -28,13 +28,13 @@ class BlurredImages {
   }
 
   /// The same pictures dealt out to other scenes: scene s gets that of scene `from[s]`.
-  BlurredImages dealt(std::span<const size_t> from) const;
+  BlurredImages permuted(std::span<const size_t> source_scenes) const;
 
  private:
   BlurredImages() = default;
 
   /// Local grey from the blurred grey.
-  void compare_with_surroundings();
+  void make_local_grey();
 
   std::vector<PerImageFeature<Plane>> blurred_;  ///< from which more blurred ones are made
   std::vector<Plane> local_grey_;                ///< a scene each, where a term asks for it
@@ -51,7 +51,7 @@ struct Evaluation {
 /// How a scene's part of the objective changes with the pose (six entries, as Evaluation::gradient)
 /// and with its camera's model: with the logarithm of the focal lengths, the principal point (u, v,
 /// px) and the first radial distortion coefficient.
-using ScenePull = Eigen::Matrix<double, 10, 1>;
+using SceneGradient = Eigen::Matrix<double, 10, 1>;
 
 /// The dependence of lidar and camera as a function of T_head_lidar, over a fixed set of points.
 ///
@@ -69,16 +69,16 @@ class Objective {
   Evaluation evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_gradient);
 
   /// Has the points look at other pictures from now on, of the same sizes; they must outlive this.
-  void look_at(const BlurredImages& images) { images_ = &images; }
+  void set_images(const BlurredImages& images) { images_ = &images; }
 
   /// Has the points seen by other cameras from now on; they must outlive this.
-  void look_through(std::span<const RigCamera> cameras) { cameras_ = cameras; }
+  void set_cameras(std::span<const RigCamera> cameras) { cameras_ = cameras; }
 
   /// The gradient of each scene's part of the sum, an entry a scene; they add up to `gradient`.
   /// For the terms with a gradient: how the scenes pull, whose spread tells the uncertainty.
   /// The sum itself goes to `estimate`, where that is given.
-  std::vector<ScenePull> scene_pulls(const Eigen::Isometry3d& T_head_lidar,
-                                     dependence::Estimate* estimate = nullptr);
+  std::vector<SceneGradient> scene_gradients(const Eigen::Isometry3d& T_head_lidar,
+                                             dependence::Estimate* estimate = nullptr);
 
   /// The samples of one term at a pose that take part: what its measure is asked about. Of several
   /// features the first.
@@ -93,7 +93,7 @@ class Objective {
   /// information that of log p(x, y) / (p(x) p(y)). For the terms with a gradient.
   geometry::Matrix6 information(const Eigen::Isometry3d& T_head_lidar);
 
-  size_t points() const { return points_.size(); }
+  size_t point_count() const { return points_.size(); }
   /// Of the points, m: so far a translation goes that moves them as an angle of one does.
   double median_range() const;
   /// Evaluations so far.
@@ -108,7 +108,7 @@ class Objective {
   void look_up(const TermOptions& term);
   /// `of_samples`: what each sample adds to n times a term, in place of what it adds to the term.
   dependence::Estimate differentiate_pixels(const Eigen::Isometry3d& T_head_lidar,
-                                            bool with_gradient, bool of_samples = false);
+                                            bool with_gradient, bool per_sample = false);
   geometry::Vector6 block_gradient(const VisiblePoints::Block& block,
                                    const Eigen::Isometry3d& T_head_lidar) const;
   Eigen::Vector4d camera_gradient(const VisiblePoints::Block& block,

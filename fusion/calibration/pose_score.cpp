@@ -7,7 +7,8 @@ namespace {
 
 /// For each scene another of the same camera, as far away in the list as can be; nothing where a
 /// camera has too few pictures.
-std::optional<std::vector<size_t>> other_scenes(std::span<const Scene> scenes, size_t cameras) {
+std::optional<std::vector<size_t>> other_scene_indices(std::span<const Scene> scenes,
+                                                       size_t cameras) {
   std::vector<size_t> other(scenes.size());
   for (size_t camera = 0; camera < cameras; ++camera) {
     std::vector<size_t> own;
@@ -15,7 +16,7 @@ std::optional<std::vector<size_t>> other_scenes(std::span<const Scene> scenes, s
       if (scenes[s].camera == camera) own.push_back(s);
     }
     if (own.empty()) continue;
-    if (own.size() < PoseScore::kFewestPictures) return std::nullopt;
+    if (own.size() < PoseScore::kMinImages) return std::nullopt;
     for (size_t k = 0; k < own.size(); ++k) {
       other[own[k]] = own[(k + own.size() / 2) % own.size()];
     }
@@ -28,7 +29,7 @@ std::optional<std::vector<size_t>> other_scenes(std::span<const Scene> scenes, s
 PoseScore::PoseScore(std::span<const Scene> thin, std::span<const RigCamera> cameras,
                      std::span<const TermOptions> terms, const VisibilityOptions& visibility,
                      ImagePyramid& images, double sigma, bool subtract_others, std::stop_token stop)
-    : thin_(thin),
+    : scenes_(thin),
       cameras_(cameras),
       terms_(terms),
       visibility_(visibility),
@@ -36,18 +37,19 @@ PoseScore::PoseScore(std::span<const Scene> thin, std::span<const RigCamera> cam
       stop_(std::move(stop)) {
   visibility_.max_points = 0;
   if (!subtract_others) return;
-  if (const auto others = other_scenes(thin, cameras.size())) others_ = images_.dealt(*others);
+  if (const auto others = other_scene_indices(thin, cameras.size()))
+    baseline_images_ = images_.permuted(*others);
 }
 
 double PoseScore::operator()(const Eigen::Isometry3d& T_head_lidar) {
   if (stop_.stop_requested()) return 0;
-  const VisiblePoints points = select_visible(thin_, cameras_, T_head_lidar, visibility_);
+  const VisiblePoints points = select_visible(scenes_, cameras_, T_head_lidar, visibility_);
   if (points.size() == 0) return 0;
-  Objective measure(points, images_, cameras_, thin_, terms_);
+  Objective measure(points, images_, cameras_, scenes_, terms_);
   const dependence::Estimate own = measure.evaluate(T_head_lidar, false).estimate;
   double value = own.usable() ? own.value : 0;
-  if (others_) {
-    measure.look_at(*others_);
+  if (baseline_images_) {
+    measure.set_images(*baseline_images_);
     const dependence::Estimate shared = measure.evaluate(T_head_lidar, false).estimate;
     value -= shared.usable() ? shared.value : 0;
   }

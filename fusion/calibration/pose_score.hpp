@@ -17,30 +17,30 @@ namespace infuse::calibration {
 /// Over wide turns that is not enough. Streets are alike: sky above, road below. Turned down by
 /// 20°, a lidar's rings fall in with a picture's rows better than at the true pose, and so they do
 /// with every other picture. `subtract_others` takes off what the scans share with pictures of
-/// other scenes at the same pose, where each camera has at least `kFewestPictures`.
+/// other scenes at the same pose, where each camera has at least `kMinImages`.
 class PoseScore {
  public:
-  static constexpr size_t kFewestPictures = 4;
+  static constexpr size_t kMinImages = 4;
 
   /// The points are those of `thin` (`thin_scenes`), the images those of `images` at `sigma`
   /// pixels. All must outlive this.
-  PoseScore(std::span<const Scene> thin, std::span<const RigCamera> cameras,
+  PoseScore(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
             std::span<const TermOptions> terms, const VisibilityOptions& visibility,
-            ImagePyramid& images, double sigma, bool subtract_others, std::stop_token stop);
+            ImagePyramid& images, double sigma, bool subtract_baseline, std::stop_token stop);
 
-  /// Larger is better; 0 where no point is in view, and at once where a stop was asked for.
+  /// Larger is better; 0 where no point is in view, and at once where a stop was requested.
   double operator()(const Eigen::Isometry3d& T_head_lidar);
 
   /// Evaluations of the measure so far.
   int evaluations() const { return evaluations_; }
 
  private:
-  std::span<const Scene> thin_;
+  std::span<const Scene> scenes_;
   std::span<const RigCamera> cameras_;
   std::span<const TermOptions> terms_;
   VisibilityOptions visibility_;
   const BlurredImages& images_;
-  std::optional<BlurredImages> others_;
+  std::optional<BlurredImages> baseline_images_;
   std::stop_token stop_;
   int evaluations_ = 0;
 };

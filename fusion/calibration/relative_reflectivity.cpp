@@ -25,9 +25,9 @@ uint32_t level(float reflectivity) {
 
 }  // namespace
 
-const std::vector<float>& RelativeReflectivity::of(std::span<const uint16_t> ring,
-                                                   std::span<const float> range,
-                                                   std::span<const float> reflectivity) {
+const std::vector<float>& RelativeReflectivity::compute(std::span<const uint16_t> ring,
+                                                        std::span<const float> range,
+                                                        std::span<const float> reflectivity) {
   const uint32_t last = ring.empty() ? 0U : *std::max_element(ring.begin(), ring.end());
   const size_t groups = size_t{std::min(last + 1, kRings)} * kRanges;
   size_.assign(groups, 0U);

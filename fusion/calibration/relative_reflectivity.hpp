@@ -20,8 +20,8 @@ class RelativeReflectivity {
  public:
   /// One entry a return in all of `ring`, `range` (m) and `reflectivity` (0 … 1, compared as the 8
   /// bits that sensors state). Valid until the next call.
-  const std::vector<float>& of(std::span<const uint16_t> ring, std::span<const float> range,
-                               std::span<const float> reflectivity);
+  const std::vector<float>& compute(std::span<const uint16_t> ring, std::span<const float> range,
+                                    std::span<const float> reflectivity);
 
  private:
   std::vector<uint32_t> size_;   ///< by group of beam and range

@@ -3,13 +3,13 @@
 namespace infuse::calibration {
 namespace {
 
-constexpr double kStill = 1e-3;  // rad from the axis: there a ring is a point
+constexpr double kMinAxisAngle = 1e-3;  // rad from the axis: there a ring is a point
 
 /// Of unit length, or zero.
 Eigen::Vector2d direction_at(const geometry::CameraModel& camera, const Eigen::Vector3d& axis,
                              const Eigen::Vector2d& pixel) {
   const auto along = camera.unproject(pixel);
-  if (!along || along->cross(axis).norm() < kStill) return Eigen::Vector2d::Zero();
+  if (!along || along->cross(axis).norm() < kMinAxisAngle) return Eigen::Vector2d::Zero();
   const auto seen = camera.project_with_derivatives(*along);
   if (!seen) return Eigen::Vector2d::Zero();
   return (seen->by_point * axis.cross(*along)).normalized();
@@ -19,7 +19,7 @@ Eigen::Vector2d direction_at(const geometry::CameraModel& camera, const Eigen::V
 
 RingDirections ring_directions(const geometry::CameraModel& camera,
                                const Eigen::Isometry3d& T_camera_lidar) {
-  constexpr int kSquare = RingDirections::kSquare;
+  constexpr int kSquare = RingDirections::kCellSize;
   const CameraIntrinsics& intrinsics = camera.intrinsics();
   const Eigen::Vector3d axis = T_camera_lidar.linear().col(2);
   RingDirections rings{.columns = (intrinsics.width + kSquare - 1) / kSquare,

@@ -11,9 +11,9 @@ namespace infuse::calibration {
 /// of `kSquare` pixels; (0, 0) where no ring can be, because the camera's model sees nothing there
 /// or looks along that axis. Without any square: along the picture's rows.
 struct RingDirections {
-  static constexpr int kSquare = 16;  ///< px a side
-  int columns = 0, rows = 0;          ///< of squares
-  std::vector<float> right, down;     ///< a value a square, rows of squares from the top
+  static constexpr int kCellSize = 16;  ///< px a side
+  int columns = 0, rows = 0;            ///< of squares
+  std::vector<float> right, down;       ///< a value a square, rows of squares from the top
 };
 
 /// As the camera stands to the lidar. Degrees do not matter: an edge seen at an angle of 10° to a

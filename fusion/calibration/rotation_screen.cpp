@@ -10,13 +10,13 @@ namespace infuse::calibration {
 namespace {
 
 struct Scored {
-  Eigen::Vector3d turn;  ///< rad, of the camera
+  Eigen::Vector3d rotation;  ///< rad, of the camera
   double score;
 };
 
 /// Point k of a sequence that fills the cube [−1, 1]³ evenly: multiples of the powers of 1/g, g the
 /// real root of x⁴ = x + 1, each modulo 1.
-Eigen::Vector3d even(int k) {
+Eigen::Vector3d low_discrepancy_point(int k) {
   constexpr double kRoot = 1.2207440846057596;
   Eigen::Vector3d point;
   double power = 1;
@@ -28,68 +28,69 @@ Eigen::Vector3d even(int k) {
   return point;
 }
 
-class Screen {
+class RotationScreening {
  public:
-  Screen(const Eigen::Isometry3d& start, const ScreenOptions& options,
-         const std::function<double(const Eigen::Isometry3d&)>& score)
-      : start_(start), options_(options), score_(score) {}
+  RotationScreening(const Eigen::Isometry3d& start, const ScreenOptions& options,
+                    const std::function<double(const Eigen::Isometry3d&)>& score)
+      : initial_pose_(start), options_(options), score_(score) {}
 
   std::vector<Eigen::Isometry3d> run() {
-    const double each_side = 2 * options_.half_width / options_.spacing;
-    const double wanted = std::ceil(std::pow(each_side, 3));
-    const int first = static_cast<int>(std::min<double>(wanted, options_.most));
-    spread(Eigen::Vector3d::Zero(), options_.half_width, first);
+    const double poses_per_axis = 2 * options_.half_width / options_.spacing;
+    const double wanted = std::ceil(std::pow(poses_per_axis, 3));
+    const int first = static_cast<int>(std::min<double>(wanted, options_.max_poses));
+    score_around(Eigen::Vector3d::Zero(), options_.half_width, first);
     if (wanted > first) refine(2 * options_.half_width / std::cbrt(first));
     return best();
   }
 
  private:
-  Eigen::Isometry3d turned(const Eigen::Vector3d& turn) const {
+  Eigen::Isometry3d rotated(const Eigen::Vector3d& turn) const {
     geometry::Vector6 twist = geometry::Vector6::Zero();
     twist.head<3>() = turn;
-    return geometry::exp(twist) * start_;
+    return geometry::exp(twist) * initial_pose_;
   }
 
-  void spread(const Eigen::Vector3d& centre, double half_width, int count) {
+  void score_around(const Eigen::Vector3d& centre, double half_width, int count) {
     for (int k = 0; k < count; ++k) {
-      const Eigen::Vector3d turn = centre + half_width * even(k);
-      scored_.push_back({turn, score_(turned(turn))});
+      const Eigen::Vector3d turn = centre + half_width * low_discrepancy_point(k);
+      scored_.push_back({turn, score_(rotated(turn))});
     }
   }
 
-  void order() {
+  void sort_by_score() {
     std::stable_sort(scored_.begin(), scored_.end(),
                      [](const Scored& a, const Scored& b) { return a.score > b.score; });
   }
 
   /// Around the best of a round whose poses lie `apart`.
   void refine(double apart) {
-    constexpr size_t kRefined = 24;
-    order();
+    constexpr size_t kMaxRefinedPoses = 24;
+    sort_by_score();
     const std::vector<Scored> centres(
         scored_.begin(),
-        scored_.begin() + static_cast<std::ptrdiff_t>(std::min(kRefined, scored_.size())));
+        scored_.begin() + static_cast<std::ptrdiff_t>(std::min(kMaxRefinedPoses, scored_.size())));
     const int each = static_cast<int>(std::ceil(std::pow(apart / options_.spacing, 3)));
-    for (const Scored& centre : centres) spread(centre.turn, apart / 2, std::min(each, 12));
+    for (const Scored& centre : centres)
+      score_around(centre.rotation, apart / 2, std::min(each, 12));
   }
 
   std::vector<Eigen::Isometry3d> best() {
-    order();
-    std::vector<Eigen::Isometry3d> poses{start_};
+    sort_by_score();
+    std::vector<Eigen::Isometry3d> poses{initial_pose_};
     std::vector<Eigen::Vector3d> taken{Eigen::Vector3d::Zero()};
     for (const Scored& candidate : scored_) {
-      if (static_cast<int>(poses.size()) > options_.kept) break;
+      if (static_cast<int>(poses.size()) > options_.survivors) break;
       const bool close = std::any_of(taken.begin(), taken.end(), [&](const auto& turn) {
-        return (turn - candidate.turn).norm() < options_.spacing / 2;
+        return (turn - candidate.rotation).norm() < options_.spacing / 2;
       });
       if (close) continue;
-      taken.push_back(candidate.turn);
-      poses.push_back(turned(candidate.turn));
+      taken.push_back(candidate.rotation);
+      poses.push_back(rotated(candidate.rotation));
     }
     return poses;
   }
 
-  Eigen::Isometry3d start_;
+  Eigen::Isometry3d initial_pose_;
   const ScreenOptions& options_;
   const std::function<double(const Eigen::Isometry3d&)>& score_;
   std::vector<Scored> scored_;
@@ -100,16 +101,16 @@ class Screen {
 std::optional<std::string> ScreenOptions::invalid() const {
   if (!(half_width >= 0 && half_width <= M_PI)) return "half_width must lie in 0 … pi";
   if (!(spacing > 0)) return "spacing must be positive";
-  if (most < 1 || most > 1'000'000) return "most must lie in 1 … 1000000";
-  if (kept < 0) return "kept must not be negative";
+  if (max_poses < 1 || max_poses > 1'000'000) return "most must lie in 1 … 1000000";
+  if (survivors < 0) return "kept must not be negative";
   return std::nullopt;
 }
 
 std::vector<Eigen::Isometry3d> screen_rotations(
     const Eigen::Isometry3d& start, const ScreenOptions& options,
     const std::function<double(const Eigen::Isometry3d&)>& score) {
-  if (options.half_width == 0 || options.kept == 0) return {start};
-  return Screen(start, options, score).run();
+  if (options.half_width == 0 || options.survivors == 0) return {start};
+  return RotationScreening(start, options, score).run();
 }
 
 }  // namespace infuse::calibration

@@ -13,8 +13,8 @@ namespace infuse::calibration {
 struct ScreenOptions {
   double half_width = 0.06;  ///< rad about each camera axis; 0: the start alone
   double spacing = 0.02;     ///< rad, between the poses that are scored in the end
-  int most = 800;            ///< poses of the first round; more are spread wider, then refined
-  int kept = 5;              ///< best poses handed on, beside the start
+  int max_poses = 800;       ///< poses of the first round; more are spread wider, then refined
+  int survivors = 5;         ///< best poses handed on, beside the start
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

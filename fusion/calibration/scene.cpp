@@ -26,8 +26,8 @@ Plane colour_plane(const CameraFrame& frame, size_t channel) {
 }
 
 /// The wanted features of all returns; the other arrays stay empty.
-PerLidarFeature<std::vector<float>> lidar_features(const Sweep& sweep,
-                                                   const SceneOptions& options) {
+PerLidarFeature<std::vector<float>> compute_lidar_features(const Sweep& sweep,
+                                                           const SceneOptions& options) {
   using enum LidarFeature;
   const auto wanted = [&](LidarFeature feature) { return options.lidar[index(feature)]; };
   PerLidarFeature<std::vector<float>> features;
@@ -37,7 +37,7 @@ PerLidarFeature<std::vector<float>> lidar_features(const Sweep& sweep,
   }
   if (wanted(kRelativeReflectivity)) {
     RelativeReflectivity ranks;
-    at(kRelativeReflectivity) = ranks.of(sweep.ring, sweep.range, sweep.reflectivity);
+    at(kRelativeReflectivity) = ranks.compute(sweep.ring, sweep.range, sweep.reflectivity);
   }
   if (wanted(kDiscontinuity) || wanted(kRelativeDiscontinuity)) {
     std::vector<float> edges = discontinuity(sweep, options.discontinuity);
@@ -65,7 +65,8 @@ std::optional<std::string> SceneOptions::invalid() const {
   return std::nullopt;
 }
 
-PerImageFeature<Plane> picture_features(const CameraFrame& frame, const SceneOptions& options) {
+PerImageFeature<Plane> compute_image_features(const CameraFrame& frame,
+                                              const SceneOptions& options) {
   const auto shown = [&](ImageFeature feature) { return options.image[index(feature)]; };
   PerImageFeature<Plane> image;
   Plane grey = grey_plane(frame);
@@ -99,7 +100,7 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
   }
 
   Scene scene;
-  const PerLidarFeature<std::vector<float>> features = lidar_features(sweep, options);
+  const PerLidarFeature<std::vector<float>> features = compute_lidar_features(sweep, options);
   for (size_t i = 0; i < sweep.size(); ++i) {
     if (!(sweep.range[i] >= options.min_range && sweep.range[i] <= options.max_range)) continue;
     scene.x.push_back(sweep.x[i]);
@@ -111,7 +112,7 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
   }
   if (scene.size() == 0) return fail("the sweep has no return between min_range and max_range");
 
-  scene.image = picture_features(frame, options);
+  scene.image = compute_image_features(frame, options);
   return scene;
 }
 

@@ -48,7 +48,8 @@ struct Scene {
 
 /// The features of a kGrey8 or kBgr8 picture that `options` name, grey and edges by rank where they
 /// say so; the other planes stay empty.
-PerImageFeature<Plane> picture_features(const CameraFrame& frame, const SceneOptions& options);
+PerImageFeature<Plane> compute_image_features(const CameraFrame& frame,
+                                              const SceneOptions& options);
 
 /// Computes the features. The sweep should be corrected for motion to the picture's exposure.
 /// Errors: a picture or a sweep with nothing in it, a Bayer mosaic.

@@ -6,10 +6,10 @@ namespace infuse::calibration {
 namespace {
 
 constexpr double kDegree = M_PI / 180;
-constexpr size_t kMostEach = 8'000;  // points a scene, on the whole
-constexpr size_t kFewest = 2'000;    // points: with fewer the measure is mostly noise
+constexpr size_t kMaxPointsPerScene = 8'000;  // points a scene, on the whole
+constexpr size_t kMinPointsPerGroup = 2'000;  // points: with fewer the measure is mostly noise
 
-double share_of_worse(Objective& measure, const Eigen::Isometry3d& T, double value) {
+double share_of_worse_rotations(Objective& measure, const Eigen::Isometry3d& T, double value) {
   int worse = 0;
   int asked = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -24,12 +24,12 @@ double share_of_worse(Objective& measure, const Eigen::Isometry3d& T, double val
 
 /// Blocks that follow one another, so many together that they have enough points; what is left
 /// over goes with the last.
-std::vector<std::span<const VisiblePoints::Block>> groups(
+std::vector<std::span<const VisiblePoints::Block>> group_blocks(
     std::span<const VisiblePoints::Block> blocks) {
   std::vector<std::span<const VisiblePoints::Block>> out;
   size_t first = 0;
   for (size_t k = 0; k < blocks.size(); ++k) {
-    if (blocks[k].end - blocks[first].begin < kFewest) continue;
+    if (blocks[k].end - blocks[first].begin < kMinPointsPerGroup) continue;
     out.push_back(blocks.subspan(first, k + 1 - first));
     first = k + 1;
   }
@@ -45,15 +45,16 @@ std::vector<std::span<const VisiblePoints::Block>> groups(
 std::vector<SceneSupport> scene_support(CoarseToFine& search, const Eigen::Isometry3d& T_head_lidar,
                                         size_t scenes, double sigma) {
   std::vector<SceneSupport> all(scenes);
-  const VisiblePoints points = search.visible(T_head_lidar, scenes * kMostEach);
-  for (const auto& together : groups(points.blocks)) {
-    const VisiblePoints own = only(points, together);
+  const VisiblePoints points = search.visible_points(T_head_lidar, scenes * kMaxPointsPerScene);
+  for (const auto& together : group_blocks(points.blocks)) {
+    const VisiblePoints own = select_blocks(points, together);
     SceneSupport shared;
     if (own.size() > 0) {
-      Objective measure = search.objective(own, sigma);
+      Objective measure = search.make_objective(own, sigma);
       const dependence::Estimate estimate = measure.evaluate(T_head_lidar, false).estimate;
       shared.value = estimate.value;
-      if (estimate.usable()) shared.support = share_of_worse(measure, T_head_lidar, estimate.value);
+      if (estimate.usable())
+        shared.support = share_of_worse_rotations(measure, T_head_lidar, estimate.value);
     }
     for (const VisiblePoints::Block& block : together) {
       all[block.scene] = shared;

@@ -49,7 +49,7 @@ Eigen::Vector3f plane_normal(const Sweep& sweep, const std::vector<uint32_t>& po
 
 std::optional<std::string> NormalOptions::invalid() const {
   if (neighbours < 3 || neighbours > 10'000) return "neighbours must lie in 3 … 10000";
-  if (!(farthest > 0)) return "farthest must be positive";
+  if (!(max_neighbour_distance > 0)) return "farthest must be positive";
   return std::nullopt;
 }
 
@@ -63,9 +63,12 @@ std::array<std::vector<float>, 3> surface_normals(const Sweep& sweep,
   const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   std::vector<uint32_t> found(neighbours);
   std::vector<float> squared(neighbours);
-  const auto farthest = static_cast<float>(options.farthest * options.farthest);
+  const auto farthest =
+      static_cast<float>(options.max_neighbour_distance * options.max_neighbour_distance);
   const size_t stride =
-      options.most == 0 ? 1 : std::max<size_t>(1, (sweep.size() + options.most - 1) / options.most);
+      options.max_normals == 0
+          ? 1
+          : std::max<size_t>(1, (sweep.size() + options.max_normals - 1) / options.max_normals);
   for (size_t i = 0; i < sweep.size(); i += stride) {
     const std::array<float, 3> at{sweep.x[i], sweep.y[i], sweep.z[i]};
     tree.knnSearch(at.data(), neighbours, found.data(), squared.data());

@@ -12,8 +12,10 @@ namespace infuse::calibration {
 /// Settings of the surface normals.
 struct NormalOptions {
   int neighbours = 100;  ///< returns that a plane is fitted to, I 4.3.1.3
-  double farthest = 2;   ///< m; where the last neighbour lies farther away, there is no normal
-  size_t most = 20'000;  ///< returns of a sweep that get a normal, spread evenly over it; 0: all
+  double max_neighbour_distance =
+      2;  ///< m; where the last neighbour lies farther away, there is no normal
+  size_t max_normals =
+      20'000;  ///< returns of a sweep that get a normal, spread evenly over it; 0: all
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

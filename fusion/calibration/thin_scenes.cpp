@@ -12,13 +12,13 @@ namespace infuse::calibration {
 namespace {
 
 /// The largest angle from the optical axis that the picture shows, seen along its border.
-double half_view(const geometry::CameraModel& model) {
-  constexpr int kSteps = 8;
+double half_field_of_view(const geometry::CameraModel& model) {
+  constexpr int kBorderSteps = 8;
   const double right = model.intrinsics().width - 1;
   const double bottom = model.intrinsics().height - 1;
   double widest = 0;
-  for (int k = 0; k <= kSteps; ++k) {
-    const double part = static_cast<double>(k) / kSteps;
+  for (int k = 0; k <= kBorderSteps; ++k) {
+    const double part = static_cast<double>(k) / kBorderSteps;
     for (const Eigen::Vector2d& pixel :
          {Eigen::Vector2d(part * right, 0), Eigen::Vector2d(part * right, bottom),
           Eigen::Vector2d(0, part * bottom), Eigen::Vector2d(right, part * bottom)}) {
@@ -30,7 +30,7 @@ double half_view(const geometry::CameraModel& model) {
   return widest;
 }
 
-constexpr double kNearEdge = 4;  // what a point near a depth edge is worth, of others
+constexpr double kNearEdgeWeight = 4;  // what a point near a depth edge is worth, of others
 
 bool near_edge(const Scene& scene, size_t i) {
   for (const auto feature : {LidarFeature::kDiscontinuity, LidarFeature::kRelativeDiscontinuity}) {
@@ -44,32 +44,33 @@ bool near_edge(const Scene& scene, size_t i) {
 /// `inner` are near depth edges, and are not.
 struct Cone {
   std::vector<size_t> points;
-  size_t near = 0, others = 0;
+  size_t near_edge_count = 0, other_count = 0;
 };
 
-Cone points_within(const Scene& scene, const Eigen::Isometry3d& T, double angle, double inner) {
-  const double least = std::cos(std::min(angle, M_PI));
-  const double least_inner = std::cos(std::min(inner, M_PI));
+Cone points_in_cone(const Scene& scene, const Eigen::Isometry3d& T, double angle, double inner) {
+  const double min_cosine = std::cos(std::min(angle, M_PI));
+  const double min_inner_cosine = std::cos(std::min(inner, M_PI));
   Cone cone;
   for (size_t i = 0; i < scene.size(); ++i) {
     const Eigen::Vector3d p = T * Eigen::Vector3d(scene.x[i], scene.y[i], scene.z[i]);
     const double range = p.norm();
-    if (p.z() < least * range) continue;
+    if (p.z() < min_cosine * range) continue;
     cone.points.push_back(i);
-    if (p.z() >= least_inner * range) ++(near_edge(scene, i) ? cone.near : cone.others);
+    if (p.z() >= min_inner_cosine * range)
+      ++(near_edge(scene, i) ? cone.near_edge_count : cone.other_count);
   }
   return cone;
 }
 
 /// One of the points for every `step` of worth; where those near edges stay, of the others.
-std::vector<size_t> every(double step, bool edges_stay, const Scene& scene,
-                          const std::vector<size_t>& points) {
+std::vector<size_t> thin_points(double step, bool edges_stay, const Scene& scene,
+                                const std::vector<size_t>& points) {
   std::vector<size_t> kept;
   double due = step / 2;
   for (const size_t i : points) {
     const bool near = near_edge(scene, i);
     if (!(near && edges_stay)) {
-      due += near ? kNearEdge : 1;
+      due += near ? kNearEdgeWeight : 1;
       if (due < step) continue;
       due = std::min(due - step, step);
     }
@@ -79,40 +80,40 @@ std::vector<size_t> every(double step, bool edges_stay, const Scene& scene,
 }
 
 /// Some of a scene's points, in that order.
-Scene only(const Scene& scene, const std::vector<size_t>& points) {
+Scene select_points(const Scene& scene, const std::vector<size_t>& points) {
   Scene part{.name = scene.name, .camera = scene.camera, .twist = scene.twist};
-  const auto take = [&](const std::vector<float>& from, std::vector<float>& to) {
+  const auto copy_values = [&](const std::vector<float>& from, std::vector<float>& to) {
     if (from.empty()) return;
     to.reserve(points.size());
     for (const size_t i : points) to.push_back(from[i]);
   };
-  take(scene.x, part.x);
-  take(scene.y, part.y);
-  take(scene.z, part.z);
-  for (size_t f = 0; f < kLidarFeatures; ++f) take(scene.lidar[f], part.lidar[f]);
+  copy_values(scene.x, part.x);
+  copy_values(scene.y, part.y);
+  copy_values(scene.z, part.z);
+  for (size_t f = 0; f < kLidarFeatures; ++f) copy_values(scene.lidar[f], part.lidar[f]);
   return part;
 }
 
 /// The scene's points from the top of the picture to its bottom, a strip after the other: points
 /// that are looked up one after the other then find each other's pixels in the processor's cache.
-Scene by_strips(const Scene& scene, const geometry::CameraModel& model,
-                const Eigen::Isometry3d& T_camera_lidar) {
-  constexpr float kStrip = 8;  // px
+Scene sort_by_strips(const Scene& scene, const geometry::CameraModel& model,
+                     const Eigen::Isometry3d& T_camera_lidar) {
+  constexpr float kStripHeight = 8;  // px
   const size_t n = scene.size();
   std::vector<float> u(n), v(n), depth(n);
   geometry::project_points(model, T_camera_lidar, {scene.x, scene.y, scene.z}, {u, v, depth});
-  const auto strips = static_cast<float>(model.intrinsics().height) / kStrip;
+  const auto strips = static_cast<float>(model.intrinsics().height) / kStripHeight;
   std::vector<std::pair<float, float>> place(n);  // the strip, then along it
   for (size_t i = 0; i < n; ++i) {
     const bool seen = !std::isnan(v[i]);
-    place[i] = {seen ? std::floor(std::clamp(v[i] / kStrip, -1.0F, strips)) : strips + 1,
+    place[i] = {seen ? std::floor(std::clamp(v[i] / kStripHeight, -1.0F, strips)) : strips + 1,
                 seen ? u[i] : 0.0F};
   }
   std::vector<size_t> order(n);
   std::iota(order.begin(), order.end(), size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return place[a] < place[b]; });
-  return only(scene, order);
+  return select_points(scene, order);
 }
 
 }  // namespace
@@ -124,17 +125,20 @@ std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const Ri
   double in_view = 0;
   for (const Scene& scene : scenes) {
     const RigCamera& camera = cameras[scene.camera];
-    const double half = half_view(camera.model);
-    cones.push_back(points_within(scene, camera.T_camera_head * T_head_lidar, half + margin, half));
-    const double near = edges_stay ? 0 : kNearEdge * static_cast<double>(cones.back().near);
-    in_view += near + static_cast<double>(cones.back().others);
+    const double half = half_field_of_view(camera.model);
+    cones.push_back(
+        points_in_cone(scene, camera.T_camera_refcam * T_head_lidar, half + margin, half));
+    const double near =
+        edges_stay ? 0 : kNearEdgeWeight * static_cast<double>(cones.back().near_edge_count);
+    in_view += near + static_cast<double>(cones.back().other_count);
   }
   const double step = std::max(1.0, in_view / static_cast<double>(std::max<size_t>(points, 1)));
   std::vector<Scene> thin;
   for (size_t s = 0; s < scenes.size(); ++s) {
     const RigCamera& camera = cameras[scenes[s].camera];
-    const Scene part = only(scenes[s], every(step, edges_stay, scenes[s], cones[s].points));
-    thin.push_back(by_strips(part, camera.model, camera.T_camera_head * T_head_lidar));
+    const Scene part =
+        select_points(scenes[s], thin_points(step, edges_stay, scenes[s], cones[s].points));
+    thin.push_back(sort_by_strips(part, camera.model, camera.T_camera_refcam * T_head_lidar));
   }
   return thin;
 }

@@ -18,6 +18,6 @@ namespace infuse::calibration {
 /// points come by strips of the picture, from its top to its bottom.
 std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                                const Eigen::Isometry3d& T_head_lidar, double margin, size_t points,
-                               bool edges_stay = false);
+                               bool keep_edges = false);
 
 }  // namespace infuse::calibration

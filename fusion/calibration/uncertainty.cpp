@@ -14,10 +14,10 @@ using geometry::Vector6;
 // Differences are taken about as widely as the result is uncertain, where that is wider than the
 // narrowest: narrower ones see how the rings of the lidar cross the picture's edges instead of the
 // shape of the maximum, wider ones its flanks.
-constexpr double kWidest = 4e-3;     // rad, and as much of the points' range
-constexpr double kNarrowest = 1e-3;  // the same
-constexpr double kRotationLimit = 5 * M_PI / 180;
-constexpr double kTranslationLimit = 0.5;
+constexpr double kMaxStep = 4e-3;  // rad, and as much of the points' range
+constexpr double kMinStep = 1e-3;  // the same
+constexpr double kMaxRotationSigma = 5 * M_PI / 180;
+constexpr double kMaxTranslationSigma = 0.5;
 
 using SceneCurvature = std::vector<Eigen::Matrix<double, 10, 6>>;
 
@@ -29,8 +29,8 @@ SceneCurvature scene_curvature(Objective& objective, const Eigen::Isometry3d& T,
   for (int k = 0; k < 6; ++k) {
     const double step = k < 3 ? angle : range * angle;
     const Vector6 xi = step * Vector6::Unit(k);
-    const std::vector<ScenePull> after = objective.scene_pulls(geometry::exp(xi) * T);
-    const std::vector<ScenePull> before = objective.scene_pulls(geometry::exp(-xi) * T);
+    const std::vector<SceneGradient> after = objective.scene_gradients(geometry::exp(xi) * T);
+    const std::vector<SceneGradient> before = objective.scene_gradients(geometry::exp(-xi) * T);
     all.resize(after.size());
     for (size_t s = 0; s < all.size(); ++s) all[s].col(k) = (before[s] - after[s]) / (2 * step);
   }
@@ -45,7 +45,7 @@ Matrix6 curvature(const SceneCurvature& scenes) {
 }
 
 /// "rotation about (1.0, 0.0, 0.0)" or "translation along …", in camera axes.
-std::string name_direction(const Vector6& scaled) {
+std::string describe_direction(const Vector6& scaled) {
   const bool rotation = scaled.head<3>().norm() > scaled.tail<3>().norm();
   Eigen::Vector3d axis = rotation ? scaled.head<3>() : scaled.tail<3>();
   axis.normalize();
@@ -56,19 +56,20 @@ std::string name_direction(const Vector6& scaled) {
 }
 
 /// In units of the limits: a direction's standard deviation of 1 is the most that is accepted.
-Vector6 limits() {
+Vector6 sigma_limits() {
   Vector6 unit;
-  unit << Eigen::Vector3d::Constant(kRotationLimit), Eigen::Vector3d::Constant(kTranslationLimit);
+  unit << Eigen::Vector3d::Constant(kMaxRotationSigma),
+      Eigen::Vector3d::Constant(kMaxTranslationSigma);
   return unit;
 }
 
 /// How far the scenes' pulls at the result spread, for the sum of all.
-Matrix6 spread_of(const std::vector<Vector6>& pulls) {
+Matrix6 gradient_scatter(const std::vector<Vector6>& pulls) {
   const auto n = static_cast<double>(pulls.size());
   const Vector6 mean = std::accumulate(pulls.begin(), pulls.end(), Vector6::Zero().eval()) / n;
-  Matrix6 spread = Matrix6::Zero();
-  for (const Vector6& pull : pulls) spread += (pull - mean) * (pull - mean).transpose();
-  return n / std::max(n - 6, 1.0) * spread;
+  Matrix6 scatter = Matrix6::Zero();
+  for (const Vector6& pull : pulls) scatter += (pull - mean) * (pull - mean).transpose();
+  return n / std::max(n - 6, 1.0) * scatter;
 }
 
 /// H⁻¹ J H⁻¹, or why there is none.
@@ -77,22 +78,22 @@ struct Sandwich {
   std::string reason;
 };
 
-Sandwich sandwich(const Matrix6& curvature, const Matrix6& spread) {
-  const Vector6 unit = limits();
+Sandwich sandwich(const Matrix6& curvature, const Matrix6& scatter) {
+  const Vector6 unit = sigma_limits();
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(
       Matrix6(unit.asDiagonal() * curvature * unit.asDiagonal()));
   const double largest = eigen.eigenvalues()(5);
   if (!(eigen.eigenvalues()(0) > 1e-6 * largest) || !(largest > 0)) {
-    return {.reason = "not observable: " + name_direction(eigen.eigenvectors().col(0)) +
+    return {.reason = "not observable: " + describe_direction(eigen.eigenvectors().col(0)) +
                       " in camera axes is free"};
   }
   const Matrix6 inverse = curvature.inverse();
-  const Matrix6 covariance = inverse * spread * inverse.transpose();
+  const Matrix6 covariance = inverse * scatter * inverse.transpose();
   return {.covariance = 0.5 * (covariance + covariance.transpose())};
 }
 
 /// The widest axis' standard deviation, as an angle.
-double widest(const Matrix6& covariance, double range) {
+double max_angular_sigma(const Matrix6& covariance, double range) {
   const Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
   return std::max(sigma.head<3>().maxCoeff(), sigma.tail<3>().maxCoeff() / range);
 }
@@ -101,48 +102,48 @@ double widest(const Matrix6& covariance, double range) {
 
 Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_head_lidar) {
   Uncertainty out;
-  out.pulls = objective.scene_pulls(T_head_lidar);
+  out.scene_gradients = objective.scene_gradients(T_head_lidar);
   std::vector<Vector6> seen;
-  for (const ScenePull& pull : out.pulls) {
+  for (const SceneGradient& pull : out.scene_gradients) {
     if (pull.head<6>() != Vector6::Zero()) seen.push_back(pull.head<6>());
   }
-  out.pull.assign(out.pulls.size(), 0.0);
+  out.scene_influence.assign(out.scene_gradients.size(), 0.0);
   if (seen.size() < 3) {
     out.reason = std::to_string(seen.size()) +
                  " scenes say nothing of how far scenes disagree: at least 3 are needed";
     return out;
   }
-  const Matrix6 spread = spread_of(seen);
+  const Matrix6 scatter = gradient_scatter(seen);
   const double range = objective.median_range();
   Sandwich found{.reason = "not looked at"};
-  for (double angle = kNarrowest; angle <= kWidest; angle *= 2) {
-    SceneCurvature wider = scene_curvature(objective, T_head_lidar, angle, range);
-    const Sandwich next = sandwich(curvature(wider), spread);
+  for (double angle = kMinStep; angle <= kMaxStep; angle *= 2) {
+    SceneCurvature curvatures = scene_curvature(objective, T_head_lidar, angle, range);
+    const Sandwich next = sandwich(curvature(curvatures), scatter);
     if (next.reason.empty() || !found.reason.empty()) {
       found = next;
-      out.curvature = curvature(wider);
-      out.scene_curvature = std::move(wider);
+      out.curvature = curvature(curvatures);
+      out.scene_curvature = std::move(curvatures);
     }
-    if (found.reason.empty() && widest(found.covariance, range) <= 2 * angle) break;
+    if (found.reason.empty() && max_angular_sigma(found.covariance, range) <= 2 * angle) break;
   }
   out.reason = found.reason;
   if (!out.usable()) return out;
   out.covariance = found.covariance;
 
-  out.bound = objective.information(T_head_lidar).inverse();
-  const Vector6 unit = limits();
+  out.cramer_rao_bound = objective.information(T_head_lidar).inverse();
+  const Vector6 unit = sigma_limits();
   const Matrix6 scaled =
       unit.cwiseInverse().asDiagonal() * out.covariance * unit.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6> worst(scaled);
   if (worst.eigenvalues()(5) > 1) {
-    out.reason = "not observable: " + name_direction(worst.eigenvectors().col(5)) +
+    out.reason = "not observable: " + describe_direction(worst.eigenvectors().col(5)) +
                  " in camera axes is known to worse than 5 degrees or 50 cm";
   }
   const Matrix6 inverse = out.curvature.inverse();
   const Matrix6 information = out.covariance.inverse();
-  for (size_t s = 0; s < out.pulls.size(); ++s) {
-    const Vector6 moved = inverse * out.pulls[s].head<6>();
-    out.pull[s] = std::sqrt(std::max(0.0, moved.dot(information * moved)));
+  for (size_t s = 0; s < out.scene_gradients.size(); ++s) {
+    const Vector6 moved = inverse * out.scene_gradients[s].head<6>();
+    out.scene_influence[s] = std::sqrt(std::max(0.0, moved.dot(information * moved)));
   }
   return out;
 }

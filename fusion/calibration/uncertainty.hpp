@@ -16,10 +16,10 @@ struct Uncertainty {
       geometry::Matrix6::Zero();  ///< −∂²value/∂ξ², the measure's own unit
   /// Cramér and Rao's bound P(3.20): what the covariance would be if all returns were independent
   /// of each other, which returns of one scene are not.
-  geometry::Matrix6 bound = geometry::Matrix6::Identity();
+  geometry::Matrix6 cramer_rao_bound = geometry::Matrix6::Identity();
   std::vector<double>
-      pull;  ///< how many standard deviations each scene alone would move the result
-  std::vector<ScenePull> pulls;  ///< Objective::scene_pulls at the result
+      scene_influence;  ///< how many standard deviations each scene alone would move the result
+  std::vector<SceneGradient> scene_gradients;  ///< Objective::scene_gradients at the result
   std::vector<Eigen::Matrix<double, 10, 6>> scene_curvature;  ///< −∂pull/∂ξ
   std::string reason;  ///< why it is not known: a direction that nothing determines; or empty
 

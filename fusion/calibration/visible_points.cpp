@@ -17,22 +17,22 @@ class DepthBuffer {
   explicit DepthBuffer(double cell) : cell_(static_cast<float>(cell)) {}
 
   /// Empty, for pictures of this size.
-  void fit(int width, int height) {
+  void resize(int width, int height) {
     columns_ = static_cast<int>(static_cast<float>(width) / cell_) + 3;
     rows_ = static_cast<int>(static_cast<float>(height) / cell_) + 3;
-    nearest_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kNothing);
+    nearest_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kEmpty);
   }
   void add(float u, float v, float depth) {
     float& cell = nearest_[at(column(u), row(v))];
     cell = std::min(cell, depth);
   }
   /// Empties the cell: far cheaper than all of them, where points are few.
-  void forget(float u, float v) { nearest_[at(column(u), row(v))] = kNothing; }
+  void clear_cell(float u, float v) { nearest_[at(column(u), row(v))] = kEmpty; }
 
   float nearest_around(float u, float v) const {
     const int left = column(u) - 1;
     const int top = row(v) - 1;
-    float nearest = kNothing;
+    float nearest = kEmpty;
     for (int dy = 0; dy < 3; ++dy) {
       const float* cells = &nearest_[at(left, top + dy)];
       nearest = std::min({nearest, cells[0], cells[1], cells[2]});
@@ -41,7 +41,7 @@ class DepthBuffer {
   }
 
  private:
-  static constexpr float kNothing = std::numeric_limits<float>::infinity();
+  static constexpr float kEmpty = std::numeric_limits<float>::infinity();
 
   int column(float u) const { return std::clamp(static_cast<int>(u / cell_) + 1, 1, columns_ - 2); }
   int row(float v) const { return std::clamp(static_cast<int>(v / cell_) + 1, 1, rows_ - 2); }
@@ -59,15 +59,15 @@ struct Pixels {
 Pixels project(const Scene& scene, const RigCamera& camera, const Eigen::Isometry3d& T_head_lidar) {
   const size_t n = scene.size();
   Pixels pixels{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n)};
-  geometry::project_points(camera.model, camera.T_camera_head * T_head_lidar,
+  geometry::project_points(camera.model, camera.T_camera_refcam * T_head_lidar,
                            {scene.x, scene.y, scene.z}, {pixels.u, pixels.v, pixels.depth});
   return pixels;
 }
 
-std::vector<size_t> in_view(const Pixels& pixels, const CameraIntrinsics& picture,
-                            double min_depth) {
-  const auto right = static_cast<float>(picture.width - 1);
-  const auto bottom = static_cast<float>(picture.height - 1);
+std::vector<size_t> indices_in_image(const Pixels& pixels, const CameraIntrinsics& image,
+                                     double min_depth) {
+  const auto right = static_cast<float>(image.width - 1);
+  const auto bottom = static_cast<float>(image.height - 1);
   std::vector<size_t> view;
   for (size_t i = 0; i < pixels.u.size(); ++i) {
     // NaN where the model does not see the point: no comparison holds.
@@ -80,9 +80,9 @@ std::vector<size_t> in_view(const Pixels& pixels, const CameraIntrinsics& pictur
 }
 
 /// `buffer`: empty before and after.
-void remove_hidden(std::vector<size_t>& view, const Pixels& pixels, const CameraIntrinsics& picture,
-                   const VisibilityOptions& options, DepthBuffer& buffer) {
-  buffer.fit(picture.width, picture.height);
+void remove_occluded(std::vector<size_t>& view, const Pixels& pixels, const CameraIntrinsics& image,
+                     const VisibilityOptions& options, DepthBuffer& buffer) {
+  buffer.resize(image.width, image.height);
   for (const size_t i : view) buffer.add(pixels.u[i], pixels.v[i], pixels.depth[i]);
   const std::vector<size_t> added = view;
   const auto ratio = static_cast<float>(options.occlusion_ratio);
@@ -90,19 +90,19 @@ void remove_hidden(std::vector<size_t>& view, const Pixels& pixels, const Camera
   std::erase_if(view, [&](size_t i) {
     return pixels.depth[i] > buffer.nearest_around(pixels.u[i], pixels.v[i]) * ratio + step;
   });
-  for (const size_t i : added) buffer.forget(pixels.u[i], pixels.v[i]);
+  for (const size_t i : added) buffer.clear_cell(pixels.u[i], pixels.v[i]);
 }
 
 /// Indices of the scene's points that are in view under every pose.
-std::vector<size_t> view_of(const Scene& scene, const RigCamera& camera,
-                            std::span<const Eigen::Isometry3d> poses,
-                            const VisibilityOptions& options, DepthBuffer& buffer) {
-  const CameraIntrinsics& picture = camera.model.intrinsics();
+std::vector<size_t> visible_indices(const Scene& scene, const RigCamera& camera,
+                                    std::span<const Eigen::Isometry3d> poses,
+                                    const VisibilityOptions& options, DepthBuffer& buffer) {
+  const CameraIntrinsics& image = camera.model.intrinsics();
   std::vector<size_t> common;
   for (size_t k = 0; k < poses.size(); ++k) {
     const Pixels pixels = project(scene, camera, poses[k]);
-    std::vector<size_t> view = in_view(pixels, picture, options.min_depth);
-    if (options.occlusion_cell > 0) remove_hidden(view, pixels, picture, options, buffer);
+    std::vector<size_t> view = indices_in_image(pixels, image, options.min_depth);
+    if (options.occlusion_cell > 0) remove_occluded(view, pixels, image, options, buffer);
     if (k == 0) {
       common = std::move(view);
     } else {
@@ -133,7 +133,7 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
   DepthBuffer buffer(options.occlusion_cell);
   size_t all = 0;
   for (const Scene& scene : scenes) {
-    views.push_back(view_of(scene, cameras[scene.camera], poses, options, buffer));
+    views.push_back(visible_indices(scene, cameras[scene.camera], poses, options, buffer));
     all += views.back().size();
   }
   const size_t stride =
@@ -162,7 +162,8 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
   return select_visible(scenes, cameras, std::span(&T_head_lidar, 1), options);
 }
 
-VisiblePoints only(const VisiblePoints& points, std::span<const VisiblePoints::Block> blocks) {
+VisiblePoints select_blocks(const VisiblePoints& points,
+                            std::span<const VisiblePoints::Block> blocks) {
   const size_t first = blocks.front().begin;
   const auto cut = [&](const std::vector<float>& all) {
     if (all.empty()) return std::vector<float>();

@@ -15,7 +15,7 @@ namespace infuse::calibration {
 /// T_head_lidar. A camera alone is its own head.
 struct RigCamera {
   geometry::CameraModel model;
-  Eigen::Isometry3d T_camera_head = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_camera_refcam = Eigen::Isometry3d::Identity();
 };
 
 /// Which points take part.
@@ -58,6 +58,7 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
                              const VisibilityOptions& options);
 
 /// The points of blocks that follow one another alone; at least one block.
-VisiblePoints only(const VisiblePoints& points, std::span<const VisiblePoints::Block> blocks);
+VisiblePoints select_blocks(const VisiblePoints& points,
+                            std::span<const VisiblePoints::Block> blocks);
 
 }  // namespace infuse::calibration

@@ -20,7 +20,7 @@ std::optional<std::string> BagOptions::invalid() const {
 
 BaggedLsmi::BaggedLsmi(const Samples& fixed, const BagOptions& options)
     : options_(options), fixed_(fixed) {
-  reason_ = options.invalid() ? "invalid options" : unusable(fixed);
+  reason_ = options.invalid() ? "invalid options" : check_samples(fixed);
   if (*reason_ == '\0' && fixed.rows() < options.bag_size) reason_ = "fewer samples than bag_size";
   if (*reason_ != '\0') return;
   Random random(options.fit.seed);
@@ -31,43 +31,45 @@ BaggedLsmi::BaggedLsmi(const Samples& fixed, const BagOptions& options)
   }
 }
 
-void BaggedLsmi::fixed_features(const Bag& bag, MatrixXd& features) {
-  take_rows(fixed_, bag.rows, samples_);
-  take_rows(samples_, bag.centre_rows, centres_);
-  gaussian_kernel(samples_, centres_, kept_->sigma, features);
+void BaggedLsmi::compute_fixed_features(const Bag& bag, MatrixXd& features) {
+  gather_rows(fixed_, bag.rows, samples_);
+  gather_rows(samples_, bag.centre_rows, centres_);
+  gaussian_kernel(samples_, centres_, hyper_parameters_->sigma, features);
 }
 
-void BaggedLsmi::keep(const HyperParameters& hyper_parameters) {
-  const bool prepared = kept_valid_ && kept_->sigma == hyper_parameters.sigma;
-  kept_ = hyper_parameters;
+void BaggedLsmi::set_hyper_parameters(const HyperParameters& hyper_parameters) {
+  const bool prepared =
+      hyper_parameters_valid_ && hyper_parameters_->sigma == hyper_parameters.sigma;
+  hyper_parameters_ = hyper_parameters;
   FitOptions check;
   check.sigmas = {hyper_parameters.sigma};
   check.lambdas = {hyper_parameters.lambda};
-  kept_valid_ = !check.invalid();
-  if (prepared || !kept_valid_ || *reason_ != '\0') return;
+  hyper_parameters_valid_ = !check.invalid();
+  if (prepared || !hyper_parameters_valid_ || *reason_ != '\0') return;
   for (Bag& bag : bags_) {
-    fixed_features(bag, fixed_features_);
+    compute_fixed_features(bag, fixed_features_);
     multiply_by_transpose(fixed_features_, gram_);
     bag.fixed_basis = spectral_basis(gram_ / static_cast<double>(bag.rows.size()));
   }
 }
 
-const char* BaggedLsmi::choose(const Samples& moving) {
-  if (kept_) return kept_valid_ ? "" : "the kept hyper-parameters are out of range";
-  take_rows(fixed_, bags_[0].rows, samples_);
+const char* BaggedLsmi::choose_hyper_parameters(const Samples& moving) {
+  if (hyper_parameters_)
+    return hyper_parameters_valid_ ? "" : "the given hyper-parameters are out of range";
+  gather_rows(fixed_, bags_[0].rows, samples_);
   PreparedDependence first(FitMeasure::kSmi, samples_, options_.fit);
-  take_rows(moving, bags_[0].rows, samples_);
-  const FitEstimate fit = first.ask(samples_);
-  if (fit.usable()) keep(fit.chosen);
+  gather_rows(moving, bags_[0].rows, samples_);
+  const FitEstimate fit = first.evaluate(samples_);
+  if (fit.usable()) set_hyper_parameters(fit.hyper_parameters);
   return fit.reason;
 }
 
-double BaggedLsmi::ask_bag(const Bag& bag, const Samples& moving, MatrixXd* gradient) {
+double BaggedLsmi::evaluate_bag(const Bag& bag, const Samples& moving, MatrixXd* gradient) {
   const double n = static_cast<double>(bag.rows.size());
-  fixed_features(bag, fixed_features_);
-  take_rows(moving, bag.rows, samples_);
-  take_rows(samples_, bag.centre_rows, centres_);
-  gaussian_kernel(samples_, centres_, kept_->sigma, moving_features_);
+  compute_fixed_features(bag, fixed_features_);
+  gather_rows(moving, bag.rows, samples_);
+  gather_rows(samples_, bag.centre_rows, centres_);
+  gaussian_kernel(samples_, centres_, hyper_parameters_->sigma, moving_features_);
   multiply_by_transpose(moving_features_, gram_);
   const TridiagonalBasis basis = tridiagonal_basis(gram_ / n);
   multiply(fixed_features_, moving_features_.transpose(), cross_);
@@ -78,15 +80,16 @@ double BaggedLsmi::ask_bag(const Bag& bag, const Samples& moving, MatrixXd* grad
   } else {
     multiply(rotated_, basis.rotation.transpose(), cross_);
   }
-  solve_sylvester(bag.fixed_basis.eigenvalues, basis, kept_->lambda, cross_, theta_);
+  solve_sylvester(bag.fixed_basis.eigenvalues, basis, hyper_parameters_->lambda, cross_, theta_);
   double value = 0.5 * theta_.cwiseProduct(cross_).sum() - 0.5;
-  if (options_.fit.form == SmiForm::kPlugIn) value += 0.5 * kept_->lambda * theta_.squaredNorm();
+  if (options_.fit.form == SmiForm::kPlugIn)
+    value += 0.5 * hyper_parameters_->lambda * theta_.squaredNorm();
   if (gradient == nullptr) return value;
 
-  smi_sensitivity({bag.fixed_basis, basis, theta_, kept_->lambda, options_.fit.form},
+  smi_sensitivity({bag.fixed_basis, basis, theta_, hyper_parameters_->lambda, options_.fit.form},
                   fixed_features_, moving_features_, sensitivity_);
-  gaussian_kernel_gradient(samples_, bag.centre_rows, kept_->sigma, moving_features_, sensitivity_,
-                           bag_gradient_);
+  gaussian_kernel_gradient(samples_, bag.centre_rows, hyper_parameters_->sigma, moving_features_,
+                           sensitivity_, bag_gradient_);
   for (Index f = 0; f < bag_gradient_.cols(); ++f) {
     for (Index i = 0; i < bag_gradient_.rows(); ++i) {
       (*gradient)(bag.rows[static_cast<size_t>(i)], f) += bag_gradient_(i, f);
@@ -95,16 +98,16 @@ double BaggedLsmi::ask_bag(const Bag& bag, const Samples& moving, MatrixXd* grad
   return value;
 }
 
-FitEstimate BaggedLsmi::ask(const Samples& moving, MatrixXd* gradient) {
+FitEstimate BaggedLsmi::evaluate(const Samples& moving, MatrixXd* gradient) {
   FitEstimate answer;
   if (gradient != nullptr) gradient->resize(0, 0);
-  answer.reason = *reason_ != '\0' ? reason_ : unusable(moving);
+  answer.reason = *reason_ != '\0' ? reason_ : check_samples(moving);
   if (answer.usable() && moving.rows() != fixed_.rows()) {
     answer.reason = "the two sides differ in length";
   }
-  if (answer.usable()) answer.reason = choose(moving);
+  if (answer.usable()) answer.reason = choose_hyper_parameters(moving);
   if (!answer.usable()) return answer;
-  answer.chosen = *kept_;
+  answer.hyper_parameters = *hyper_parameters_;
 
   const double bags = static_cast<double>(bags_.size());
   if (gradient != nullptr) gradient->setZero(moving.rows(), moving.cols());
@@ -114,7 +117,7 @@ FitEstimate BaggedLsmi::ask(const Samples& moving, MatrixXd* gradient) {
       answer.reason = "the kernels of a bag's fixed side are singular";
       break;
     }
-    sum += ask_bag(bag, moving, gradient);
+    sum += evaluate_bag(bag, moving, gradient);
   }
   if (answer.usable() && !std::isfinite(sum)) {
     answer.reason = "the kernels are singular at this lambda";

@@ -42,14 +42,14 @@ class BaggedLsmi {
 
   /// Holds these hyper-parameters from now on (σ need not be in the grid). Values outside what
   /// FitOptions allows are the reason of the next answers.
-  void keep(const HyperParameters& hyper_parameters);
+  void set_hyper_parameters(const HyperParameters& hyper_parameters);
 
   /// What is held; nothing before the first question or `keep`.
-  const std::optional<HyperParameters>& kept() const { return kept_; }
+  const std::optional<HyperParameters>& hyper_parameters() const { return hyper_parameters_; }
 
   /// Mean LSMI of the bags with `moving`, N × d'. With `gradient` also ∂value/∂moving, N × d', zero
   /// where a sample is in no bag; empty where the answer is not usable.
-  FitEstimate ask(const Samples& moving, Eigen::MatrixXd* gradient = nullptr);
+  FitEstimate evaluate(const Samples& moving, Eigen::MatrixXd* gradient = nullptr);
 
  private:
   struct Bag {
@@ -57,16 +57,16 @@ class BaggedLsmi {
     std::vector<int> centre_rows;  ///< places in `rows`
     SpectralBasis fixed_basis;     ///< of the fixed side at the kept σ
   };
-  const char* choose(const Samples& moving);
-  double ask_bag(const Bag& bag, const Samples& moving, Eigen::MatrixXd* gradient);
-  void fixed_features(const Bag& bag, Eigen::MatrixXd& features);
+  const char* choose_hyper_parameters(const Samples& moving);
+  double evaluate_bag(const Bag& bag, const Samples& moving, Eigen::MatrixXd* gradient);
+  void compute_fixed_features(const Bag& bag, Eigen::MatrixXd& features);
 
   BagOptions options_;
   const char* reason_ = "";
   Eigen::MatrixXd fixed_;
   std::vector<Bag> bags_;
-  std::optional<HyperParameters> kept_;
-  bool kept_valid_ = false;
+  std::optional<HyperParameters> hyper_parameters_;
+  bool hyper_parameters_valid_ = false;
 
   // Scratch of a question.
   Eigen::MatrixXd samples_, centres_, fixed_features_, moving_features_, gram_, cross_, rotated_;

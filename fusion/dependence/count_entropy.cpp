@@ -18,7 +18,7 @@ double sum(std::span<const double> values) {
 
 double minus_p_log_p(double p) { return p > 0 ? -p * std::log(p) : 0; }
 
-const char* unusable_target(std::span<const double> target, size_t words) {
+const char* check_target(std::span<const double> target, size_t words) {
   if (target.size() != words) return "the target has another number of words than the counts";
   for (const double t : target) {
     if (!(t >= 0 && t <= 1)) return "the target is not a distribution: a value is not in 0..1";
@@ -52,22 +52,22 @@ double plug_in_entropy(std::span<const double> frequencies) {
   return h;
 }
 
-const char* unusable_counts(std::span<const double> counts) {
+const char* check_counts(std::span<const double> counts) {
   if (counts.empty()) return "no counts";
-  constexpr double kLargest = 1e15;  // sums stay exact enough, whole numbers stay whole
+  constexpr double kMaxCount = 1e15;  // sums stay exact enough, whole numbers stay whole
   for (const double c : counts) {
     if (!(c >= 0)) return "a count is negative or not a number";
-    if (c > kLargest) return "a count is above 1e15";
+    if (c > kMaxCount) return "a count is above 1e15";
   }
   return sum(counts) > 0 ? "" : "all counts are zero";
 }
 
-bool whole_numbered(std::span<const double> counts) {
+bool all_integers(std::span<const double> counts) {
   return std::all_of(counts.begin(), counts.end(), [](double c) { return c == std::floor(c); });
 }
 
 Estimate entropy_maximum_likelihood(std::span<const double> counts) {
-  if (const char* reason = unusable_counts(counts); *reason) return {0, reason};
+  if (const char* reason = check_counts(counts); *reason) return {0, reason};
   const double n = sum(counts);
   double h = 0;
   for (const double c : counts) h += minus_p_log_p(c / n);
@@ -76,7 +76,7 @@ Estimate entropy_maximum_likelihood(std::span<const double> counts) {
 
 Estimate entropy_miller_madow(std::span<const double> counts) {
   Estimate estimate = entropy_maximum_likelihood(counts);
-  if (*unusable_counts(counts)) return estimate;
+  if (*check_counts(counts)) return estimate;
   const auto seen = std::count_if(counts.begin(), counts.end(), [](double c) { return c > 0; });
   estimate.value += static_cast<double>(seen - 1) / (2 * sum(counts));
   return estimate;
@@ -85,9 +85,9 @@ Estimate entropy_miller_madow(std::span<const double> counts) {
 ShrunkFrequencies james_stein_frequencies(std::span<const double> counts,
                                           const Shrinkage& shrinkage) {
   ShrunkFrequencies shrunk;
-  shrunk.reason = unusable_counts(counts);
+  shrunk.reason = check_counts(counts);
   if (shrunk.usable() && !shrinkage.target.empty()) {
-    shrunk.reason = unusable_target(shrinkage.target, counts.size());
+    shrunk.reason = check_target(shrinkage.target, counts.size());
   }
   if (shrinkage.lambda && !(*shrinkage.lambda >= 0 && *shrinkage.lambda <= 1)) {
     shrunk.reason = "the shrinkage is not in 0..1";
@@ -120,7 +120,7 @@ double fast_shrinkage(double correspondences, double sigma, FastShrinkage direct
 }
 
 Estimate entropy_dirichlet(std::span<const double> counts, double alpha) {
-  if (const char* reason = unusable_counts(counts); *reason) return {0, reason};
+  if (const char* reason = check_counts(counts); *reason) return {0, reason};
   if (!(alpha >= 0) || !std::isfinite(alpha)) return {0, "alpha is negative or not finite"};
   const double total = sum(counts) + alpha * static_cast<double>(counts.size());
   if (!std::isfinite(total)) return {0, "alpha is too large"};
@@ -134,13 +134,13 @@ double perks_alpha(std::span<const double> counts) {
 }
 
 double minimax_alpha(std::span<const double> counts) {
-  if (*unusable_counts(counts)) return 0;
+  if (*check_counts(counts)) return 0;
   return std::sqrt(sum(counts)) / static_cast<double>(counts.size());
 }
 
 Estimate entropy_chao_shen(std::span<const double> counts) {
-  if (const char* reason = unusable_counts(counts); *reason) return {0, reason};
-  if (!whole_numbered(counts)) return {0, "Chao-Shen needs whole-numbered counts"};
+  if (const char* reason = check_counts(counts); *reason) return {0, reason};
+  if (!all_integers(counts)) return {0, "Chao-Shen needs whole-numbered counts"};
   const double n = sum(counts);
   auto singletons = static_cast<double>(std::count(counts.begin(), counts.end(), 1.0));
   if (singletons == n) singletons -= 1;
@@ -155,19 +155,19 @@ Estimate entropy_chao_shen(std::span<const double> counts) {
   return {h, ""};
 }
 
-Estimate entropy(std::span<const double> counts, const CountEntropy& how) {
-  switch (how.estimator) {
-    case CountEntropy::Estimator::kMaximumLikelihood:
+Estimate entropy(std::span<const double> counts, const CountEntropyOptions& options) {
+  switch (options.estimator) {
+    case CountEntropyOptions::Estimator::kMaximumLikelihood:
       return entropy_maximum_likelihood(counts);
-    case CountEntropy::Estimator::kMillerMadow:
+    case CountEntropyOptions::Estimator::kMillerMadow:
       return entropy_miller_madow(counts);
-    case CountEntropy::Estimator::kJamesStein:
-      return entropy_james_stein(counts, how.shrinkage);
-    case CountEntropy::Estimator::kDirichlet:
-      return entropy_dirichlet(counts, how.alpha);
-    case CountEntropy::Estimator::kNemenman:
+    case CountEntropyOptions::Estimator::kJamesStein:
+      return entropy_james_stein(counts, options.shrinkage);
+    case CountEntropyOptions::Estimator::kDirichlet:
+      return entropy_dirichlet(counts, options.alpha);
+    case CountEntropyOptions::Estimator::kNemenman:
       return entropy_nemenman(counts);
-    case CountEntropy::Estimator::kChaoShen:
+    case CountEntropyOptions::Estimator::kChaoShen:
       return entropy_chao_shen(counts);
   }
   return {0, "unknown estimator"};

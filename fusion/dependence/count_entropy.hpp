@@ -67,7 +67,7 @@ double minimax_alpha(std::span<const double> counts);
 Estimate entropy_chao_shen(std::span<const double> counts);
 
 /// Which entropy-of-counts estimator to use; with what.
-struct CountEntropy {
+struct CountEntropyOptions {
   enum class Estimator {
     kMaximumLikelihood,
     kMillerMadow,
@@ -82,15 +82,15 @@ struct CountEntropy {
 };
 
 /// The entropy by the estimator named.
-Estimate entropy(std::span<const double> counts, const CountEntropy& how);
+Estimate entropy(std::span<const double> counts, const CountEntropyOptions& options);
 
 /// −Σ p ln p of frequencies as they are: no check, no correction.
 double plug_in_entropy(std::span<const double> frequencies);
 
 /// Why `counts` cannot be used by any estimator (empty, negative, not finite, all zero), or "".
-const char* unusable_counts(std::span<const double> counts);
+const char* check_counts(std::span<const double> counts);
 
 /// Whether all counts are whole numbers.
-bool whole_numbered(std::span<const double> counts);
+bool all_integers(std::span<const double> counts);
 
 }  // namespace infuse::dependence

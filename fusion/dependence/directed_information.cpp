@@ -6,8 +6,8 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr int kLongestMemory = 16;
-constexpr int kLongestSequence = 1024;
+constexpr int kMaxMemory = 16;
+constexpr int kMaxSequenceLength = 1024;
 
 /// Words by number: observations that agree in everything appended so far have the same number.
 class Words {
@@ -33,28 +33,28 @@ class Words {
     }
   }
 
-  Estimate entropy(CountEntropy::Estimator estimator) const {
+  Estimate entropy(CountEntropyOptions::Estimator estimator) const {
     std::vector<double> counts(ids_.size(), 0.0);
     for (const int32_t id : ids_) counts[static_cast<size_t>(id)] += 1;
     while (!counts.empty() && counts.back() == 0) counts.pop_back();  // words that never occur
-    CountEntropy how;
-    how.estimator = estimator;
-    return infuse::dependence::entropy(counts, how);
+    CountEntropyOptions options;
+    options.estimator = estimator;
+    return infuse::dependence::entropy(counts, options);
   }
 
  private:
   std::vector<int32_t> ids_;
 };
 
-const char* unusable_estimator(CountEntropy::Estimator estimator) {
+const char* check_estimator(CountEntropyOptions::Estimator estimator) {
   switch (estimator) {
-    case CountEntropy::Estimator::kMaximumLikelihood:
-    case CountEntropy::Estimator::kMillerMadow:
-    case CountEntropy::Estimator::kChaoShen:
+    case CountEntropyOptions::Estimator::kMaximumLikelihood:
+    case CountEntropyOptions::Estimator::kMillerMadow:
+    case CountEntropyOptions::Estimator::kChaoShen:
       return "";
-    case CountEntropy::Estimator::kJamesStein:
-    case CountEntropy::Estimator::kDirichlet:
-    case CountEntropy::Estimator::kNemenman:
+    case CountEntropyOptions::Estimator::kJamesStein:
+    case CountEntropyOptions::Estimator::kDirichlet:
+    case CountEntropyOptions::Estimator::kNemenman:
       break;
   }
   return "this estimator needs the vocabulary of sequences: use maximum likelihood, Miller-Madow "
@@ -79,13 +79,13 @@ struct Term {
 }  // namespace
 
 Estimate directed_information(std::span<const int32_t> x, std::span<const int32_t> y, int length,
-                              CountEntropy::Estimator estimator, bool delayed) {
+                              CountEntropyOptions::Estimator estimator, bool delayed) {
   if (x.size() != y.size()) return {0, "the sides differ in size"};
-  if (length < 1 || length > kLongestSequence) return {0, "the length is not in 1 ... 1024"};
+  if (length < 1 || length > kMaxSequenceLength) return {0, "the length is not in 1 ... 1024"};
   const auto steps = static_cast<size_t>(length);
   if (x.empty() || x.size() % steps != 0) return {0, "not a whole number of sequences"};
   if (x.size() > 1u << 30) return {0, "too many samples"};
-  if (const char* reason = unusable_estimator(estimator); *reason) return {0, reason};
+  if (const char* reason = check_estimator(estimator); *reason) return {0, reason};
   const size_t observations = x.size() / steps;
   if (observations < 2) return {0, "one sequence only: see directed_information_rate"};
 
@@ -110,11 +110,12 @@ Estimate directed_information(std::span<const int32_t> x, std::span<const int32_
 }
 
 Estimate directed_information_rate(std::span<const int32_t> x, std::span<const int32_t> y,
-                                   int memory, CountEntropy::Estimator estimator, bool delayed) {
+                                   int memory, CountEntropyOptions::Estimator estimator,
+                                   bool delayed) {
   if (x.size() != y.size()) return {0, "the sides differ in size"};
-  if (memory < 0 || memory > kLongestMemory) return {0, "the memory is not in 0 ... 16"};
+  if (memory < 0 || memory > kMaxMemory) return {0, "the memory is not in 0 ... 16"};
   if (x.size() > 1u << 30) return {0, "too many samples"};
-  if (const char* reason = unusable_estimator(estimator); *reason) return {0, reason};
+  if (const char* reason = check_estimator(estimator); *reason) return {0, reason};
   const auto m = static_cast<size_t>(memory);
   if (x.size() < m + 2) return {0, "the sequences are shorter than the memory plus two"};
 

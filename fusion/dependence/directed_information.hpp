@@ -21,7 +21,7 @@ namespace infuse::dependence {
 /// @param delayed  conditions on X^{i−1} instead of X^i: the information of X's past alone
 Estimate directed_information(
     std::span<const int32_t> x, std::span<const int32_t> y, int length,
-    CountEntropy::Estimator estimator = CountEntropy::Estimator::kMaximumLikelihood,
+    CountEntropyOptions::Estimator estimator = CountEntropyOptions::Estimator::kMaximumLikelihood,
     bool delayed = false);
 
 /// One long pair of sequences that is stationary and forgets after `memory` labels: the rate in
@@ -30,7 +30,7 @@ Estimate directed_information(
 /// @param delayed  leaves X_i out
 Estimate directed_information_rate(
     std::span<const int32_t> x, std::span<const int32_t> y, int memory,
-    CountEntropy::Estimator estimator = CountEntropy::Estimator::kMaximumLikelihood,
+    CountEntropyOptions::Estimator estimator = CountEntropyOptions::Estimator::kMaximumLikelihood,
     bool delayed = false);
 
 }  // namespace infuse::dependence

@@ -19,7 +19,7 @@ struct DistanceSums {
   double product_ab = 0, product_aa = 0, product_bb = 0;  // Σ_ij a_ij b_ij, …
 };
 
-std::vector<int> ascending(const VectorXd& values) {
+std::vector<int> argsort(const VectorXd& values) {
   std::vector<int> order(static_cast<size_t>(values.size()));
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return values[i] < values[j]; });
@@ -50,7 +50,7 @@ class RankTree {
   void insert(size_t rank, const PairSums& entry) {
     for (size_t k = rank + 1; k < nodes_.size(); k += k & (~k + 1)) nodes_[k].add(entry);
   }
-  PairSums below(size_t rank) const {
+  PairSums sum_below(size_t rank) const {
     PairSums sums;
     for (size_t k = rank; k > 0; k -= k & (~k + 1)) sums.add(nodes_[k]);
     return sums;
@@ -74,7 +74,7 @@ double product_sum(const VectorXd& x, const VectorXd& y, const std::vector<int>&
   double sum = 0;
   for (const int i : by_x) {
     const size_t r = rank[static_cast<size_t>(i)];
-    sum += 2 * signed_sum(tree.below(r), x[i], y[i]) - signed_sum(all, x[i], y[i]);
+    sum += 2 * signed_sum(tree.sum_below(r), x[i], y[i]) - signed_sum(all, x[i], y[i]);
     const PairSums entry{1, x[i], y[i], x[i] * y[i]};
     tree.insert(r, entry);
     all.add(entry);
@@ -85,7 +85,7 @@ double product_sum(const VectorXd& x, const VectorXd& y, const std::vector<int>&
 DistanceSums scalar_sums(VectorXd x, VectorXd y) {
   x.array() -= x.mean();
   y.array() -= y.mean();
-  const std::vector<int> by_x = ascending(x), by_y = ascending(y);
+  const std::vector<int> by_x = argsort(x), by_y = argsort(y);
   const double n = static_cast<double>(x.size());
   DistanceSums sums{distance_rows(x, by_x), distance_rows(y, by_y)};
   sums.product_ab = product_sum(x, y, by_x, by_y);
@@ -128,7 +128,7 @@ double centred_without_bias(double product, const VectorXd& a, const VectorXd& b
 
 DistanceDependence distance_dependence(const Samples& x, const Samples& y) {
   DistanceDependence result;
-  result.reason = unusable(x, y);
+  result.reason = check_paired_samples(x, y);
   if (!result.usable()) return result;
   // Dividing by the largest entry keeps squares of anything finite in range.
   const double scale_x = x.cwiseAbs().maxCoeff(), scale_y = y.cwiseAbs().maxCoeff();
@@ -140,7 +140,7 @@ DistanceDependence distance_dependence(const Samples& x, const Samples& y) {
   const double variances = centred(sums.product_aa, sums.row_a, sums.row_a) *
                            centred(sums.product_bb, sums.row_b, sums.row_b);
   if (!(variances > 0)) {
-    result.reason = "the samples vary too little to be told apart";
+    result.reason = "the samples vary too little";
     return result;
   }
   result.covariance = std::sqrt(covariance) * std::sqrt(scale_x) * std::sqrt(scale_y);

@@ -18,13 +18,14 @@ template <class Set>
 [[gnu::always_inline]] inline void exp_of_negative(typename Set::Vector& x) {
   using Vector = typename Set::Vector;
   using Integers = typename Set::Integers;
-  constexpr double kRound = 6755399441055744.0;  // 1.5·2^52: adding it rounds to an integer
+  constexpr double kRoundToInteger =
+      6755399441055744.0;  // 1.5·2^52: adding it rounds to an integer
   constexpr double kLn2High = 0x1.62e42fefa0000p-1, kLn2Low = 0x1.cf79abc9e3b3ap-40;
-  constexpr double kLowest = -707.0;
-  const Integers in_range = x >= kLowest;
-  const Vector clamped = in_range ? x : Vector{} + kLowest;
-  const Vector shifted = clamped * std::numbers::log2e + kRound;
-  const Vector k = shifted - kRound;
+  constexpr double kMinArgument = -707.0;
+  const Integers in_range = x >= kMinArgument;
+  const Vector clamped = in_range ? x : Vector{} + kMinArgument;
+  const Vector shifted = clamped * std::numbers::log2e + kRoundToInteger;
+  const Vector k = shifted - kRoundToInteger;
   const Vector r = (clamped - k * kLn2High) - k * kLn2Low;
   Vector p = r * (1.0 / 6227020800.0) + 1.0 / 479001600.0;
   p = p * r + 1.0 / 39916800.0;
@@ -137,14 +138,14 @@ void gaussian_kernel_gradient(const Samples& samples, const std::vector<int>& ce
   Eigen::MatrixXd c(kernel.rows(), d + 1);
   for (Index l = 0; l < c.rows(); ++l) c.row(l) = x.row(centre_rows[static_cast<size_t>(l)]);
 
-  Eigen::MatrixXd of_samples, of_centres;
-  multiply(sensitivity.transpose(), c, of_samples);
-  multiply(sensitivity, x, of_centres);
-  gradient = of_samples.leftCols(d);
-  for (Index f = 0; f < d; ++f) gradient.col(f) -= of_samples.col(d).cwiseProduct(x.col(f));
+  Eigen::MatrixXd by_sample, by_centre;
+  multiply(sensitivity.transpose(), c, by_sample);
+  multiply(sensitivity, x, by_centre);
+  gradient = by_sample.leftCols(d);
+  for (Index f = 0; f < d; ++f) gradient.col(f) -= by_sample.col(d).cwiseProduct(x.col(f));
   for (Index l = 0; l < c.rows(); ++l) {
     gradient.row(centre_rows[static_cast<size_t>(l)]) +=
-        of_centres.row(l).head(d) - of_centres(l, d) * c.row(l).head(d);
+        by_centre.row(l).head(d) - by_centre(l, d) * c.row(l).head(d);
   }
 }
 

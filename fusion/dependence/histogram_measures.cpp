@@ -9,14 +9,14 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr size_t kMostBins = 1024;
+constexpr size_t kMaxBins = 1024;
 
 /// Sums over rows and columns, on the stack.
 struct Marginals {
-  std::array<double, kMostBins> x{}, y{};
+  std::array<double, kMaxBins> x{}, y{};
 };
 
-Marginals marginals(std::span<const double> table, size_t bins_x, size_t bins_y) {
+Marginals sum_marginals(std::span<const double> table, size_t bins_x, size_t bins_y) {
   Marginals sums;
   for (size_t i = 0; i < bins_x; ++i) {
     for (size_t j = 0; j < bins_y; ++j) {
@@ -32,7 +32,7 @@ struct Entropies {
   double x = 0, y = 0, xy = 0;
 };
 
-double from_entropies(Measure which, const Entropies& h) {
+double measure_from_entropies(Measure which, const Entropies& h) {
   const double information = h.x + h.y - h.xy;
   switch (which) {
     case Measure::kMutualInformation:
@@ -48,25 +48,25 @@ double from_entropies(Measure which, const Entropies& h) {
   return 0;
 }
 
-bool made_of_entropies(Measure which) {
+bool is_entropy_measure(Measure which) {
   return which != Measure::kChiSquared && which != Measure::kSquaredLossMutualInformation;
 }
 
 /// Plug-in value of a table of any scale.
 double plug_in(Measure which, std::span<const double> table, size_t bins_x, size_t bins_y,
                double total) {
-  const Marginals sums = marginals(table, bins_x, bins_y);
-  if (made_of_entropies(which)) {
+  const Marginals sums = sum_marginals(table, bins_x, bins_y);
+  if (is_entropy_measure(which)) {
     // H = ln W − (Σ m ln m)/W, so that a table needs no normalised copy.
-    const auto entropy_of = [total](std::span<const double> mass) {
+    const auto compute_entropy = [total](std::span<const double> mass) {
       double sum = 0;
       for (const double m : mass) sum += m > 0 ? m * std::log(m) : 0;
       return std::log(total) - sum / total;
     };
-    Entropies h{entropy_of({sums.x.data(), bins_x}), entropy_of({sums.y.data(), bins_y}),
-                entropy_of(table)};
+    Entropies h{compute_entropy({sums.x.data(), bins_x}), compute_entropy({sums.y.data(), bins_y}),
+                compute_entropy(table)};
     h.xy = std::clamp(h.xy, std::max({h.x, h.y, 0.0}), std::max(h.x + h.y, 0.0));  // of rounding
-    return from_entropies(which, h);
+    return measure_from_entropies(which, h);
   }
   double ratio = 0;  // Σ p²/(p_x p_y): the total cancels
   for (size_t i = 0; i < bins_x; ++i) {
@@ -79,54 +79,55 @@ double plug_in(Measure which, std::span<const double> table, size_t bins_x, size
   return which == Measure::kChiSquared ? chi_squared : chi_squared / 2;
 }
 
-bool made_for_few_samples(CountEntropy::Estimator estimator) {
-  return estimator != CountEntropy::Estimator::kMaximumLikelihood &&
-         estimator != CountEntropy::Estimator::kMillerMadow;
+bool supports_few_samples(CountEntropyOptions::Estimator estimator) {
+  return estimator != CountEntropyOptions::Estimator::kMaximumLikelihood &&
+         estimator != CountEntropyOptions::Estimator::kMillerMadow;
 }
 
 /// The histogram's reason, less the one that `how` lifts.
-const char* remaining_reason(const JointHistogram& histogram, const CountEntropy& how) {
+const char* remaining_reason(const JointHistogram& histogram, const CountEntropyOptions& options) {
   const bool few = std::string_view(histogram.reason) == kFewerSamplesThanBins;
-  return few && made_for_few_samples(how.estimator) ? "" : histogram.reason;
+  return few && supports_few_samples(options.estimator) ? "" : histogram.reason;
 }
 
-Estimate of_regularised_frequencies(Measure which, const JointHistogram& histogram,
-                                    const CountEntropy& how) {
+Estimate measure_regularised(Measure which, const JointHistogram& histogram,
+                             const CountEntropyOptions& options) {
   std::vector<double> table;
-  if (how.estimator == CountEntropy::Estimator::kJamesStein) {
-    ShrunkFrequencies shrunk = james_stein_frequencies(histogram.mass, how.shrinkage);
+  if (options.estimator == CountEntropyOptions::Estimator::kJamesStein) {
+    ShrunkFrequencies shrunk = james_stein_frequencies(histogram.mass, options.shrinkage);
     if (!shrunk.usable()) return {0, shrunk.reason};
     table = std::move(shrunk.frequencies);
   } else {
-    if (!(how.alpha >= 0 && how.alpha <= 1e15)) return {0, "alpha is not in 0 ... 1e15"};
+    if (!(options.alpha >= 0 && options.alpha <= 1e15)) return {0, "alpha is not in 0 ... 1e15"};
     table = histogram.mass;
-    for (double& m : table) m += how.alpha;
+    for (double& m : table) m += options.alpha;
   }
   double total = 0;
   for (const double m : table) total += m;
   return {plug_in(which, table, static_cast<size_t>(histogram.bins_x),
                   static_cast<size_t>(histogram.bins_y), total),
-          remaining_reason(histogram, how)};
+          remaining_reason(histogram, options)};
 }
 
-Estimate of_corrected_entropies(Measure which, const JointHistogram& histogram,
-                                const CountEntropy& how) {
-  if (!made_of_entropies(which)) {
+Estimate measure_corrected(Measure which, const JointHistogram& histogram,
+                           const CountEntropyOptions& options) {
+  if (!is_entropy_measure(which)) {
     return {0, "this measure has no entropies to correct: use James-Stein or Dirichlet"};
   }
   const auto bins_x = static_cast<size_t>(histogram.bins_x);
   const auto bins_y = static_cast<size_t>(histogram.bins_y);
-  const Marginals sums = marginals(histogram.mass, bins_x, bins_y);
-  const Estimate x = entropy({sums.x.data(), bins_x}, how);
-  const Estimate y = entropy({sums.y.data(), bins_y}, how);
-  const Estimate xy = entropy(histogram.mass, how);
+  const Marginals sums = sum_marginals(histogram.mass, bins_x, bins_y);
+  const Estimate x = entropy({sums.x.data(), bins_x}, options);
+  const Estimate y = entropy({sums.y.data(), bins_y}, options);
+  const Estimate xy = entropy(histogram.mass, options);
   // Fewer samples than cells is the usual state of the joint table and no reason by itself.
-  if (made_for_few_samples(how.estimator)) {
+  if (supports_few_samples(options.estimator)) {
     for (const Estimate& h : {x, y, xy}) {
       if (!h.usable()) return {0, h.reason};
     }
   }
-  return {from_entropies(which, {x.value, y.value, xy.value}), remaining_reason(histogram, how)};
+  return {measure_from_entropies(which, {x.value, y.value, xy.value}),
+          remaining_reason(histogram, options)};
 }
 
 }  // namespace
@@ -138,20 +139,21 @@ Estimate measure(Measure which, const JointHistogram& histogram) {
           histogram.reason};
 }
 
-Estimate measure(Measure which, const JointHistogram& histogram, const CountEntropy& how) {
+Estimate measure(Measure which, const JointHistogram& histogram,
+                 const CountEntropyOptions& options) {
   if (!(histogram.total > 0)) return measure(which, histogram);
-  switch (how.estimator) {
-    case CountEntropy::Estimator::kMaximumLikelihood:
+  switch (options.estimator) {
+    case CountEntropyOptions::Estimator::kMaximumLikelihood:
       return measure(which, histogram);
-    case CountEntropy::Estimator::kJamesStein:
-    case CountEntropy::Estimator::kDirichlet:
-      return of_regularised_frequencies(which, histogram, how);
-    case CountEntropy::Estimator::kMillerMadow:
-    case CountEntropy::Estimator::kNemenman:
-    case CountEntropy::Estimator::kChaoShen:
+    case CountEntropyOptions::Estimator::kJamesStein:
+    case CountEntropyOptions::Estimator::kDirichlet:
+      return measure_regularised(which, histogram, options);
+    case CountEntropyOptions::Estimator::kMillerMadow:
+    case CountEntropyOptions::Estimator::kNemenman:
+    case CountEntropyOptions::Estimator::kChaoShen:
       break;
   }
-  return of_corrected_entropies(which, histogram, how);
+  return measure_corrected(which, histogram, options);
 }
 
 void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& out) {
@@ -162,16 +164,16 @@ void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& 
   const auto bins_x = static_cast<size_t>(histogram.bins_x);
   const auto bins_y = static_cast<size_t>(histogram.bins_y);
   const double scale = 1 / histogram.total;
-  Marginals p = marginals(histogram.mass, bins_x, bins_y);
+  Marginals p = sum_marginals(histogram.mass, bins_x, bins_y);
   for (double& m : p.x) m *= scale;
   for (double& m : p.y) m *= scale;
 
-  if (made_of_entropies(which)) {
+  if (is_entropy_measure(which)) {
     // dI/dp = ln p − ln p_y; d(1/NMI-like ratio) follows from R = (H_x + H_y)/H_xy.
     const double h_x = plug_in_entropy({p.x.data(), bins_x});
     const double h_y = plug_in_entropy({p.y.data(), bins_y});
     double h_xy = 0;
-    std::array<double, kMostBins> log_y{};
+    std::array<double, kMaxBins> log_y{};
     for (size_t j = 0; j < bins_y; ++j) log_y[j] = p.y[j] > 0 ? std::log(p.y[j]) : 0;
     for (size_t k = 0; k < out.table.size(); ++k) {
       const double q = histogram.mass[k] * scale;

@@ -25,7 +25,8 @@ Estimate measure(Measure which, const JointHistogram& histogram);
 /// frequencies (a target has one value a cell); Miller–Madow, Nemenman and Chao–Shen correct the
 /// three entropies, so that χ² and SMI have no such form and the mutual information may come out
 /// negative. Reason "fewer samples than bins" is lifted for the estimators made for that.
-Estimate measure(Measure which, const JointHistogram& histogram, const CountEntropy& how);
+Estimate measure(Measure which, const JointHistogram& histogram,
+                 const CountEntropyOptions& options);
 
 /// The measure and its derivative with respect to every normalised cell p(x, y), up to terms that
 /// depend on x alone (those vanish when samples move along y).

@@ -9,12 +9,12 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr int kMostBins = 1024;
+constexpr int kMaxBins = 1024;
 
-std::optional<std::string> invalid_axis(const Axis& axis, const std::string& name, int fewest) {
-  if (axis.bins < fewest || axis.bins > kMostBins) {
-    return name + ".bins is " + std::to_string(axis.bins) + ", not in " + std::to_string(fewest) +
-           " ... " + std::to_string(kMostBins);
+std::optional<std::string> invalid_axis(const Axis& axis, const std::string& name, int min_bins) {
+  if (axis.bins < min_bins || axis.bins > kMaxBins) {
+    return name + ".bins is " + std::to_string(axis.bins) + ", not in " + std::to_string(min_bins) +
+           " ... " + std::to_string(kMaxBins);
   }
   const double span = axis.high - axis.low;
   if (!(span > 1e-30) || !std::isfinite(span) || std::abs(axis.low) > 1e30 || span > 1e30) {
@@ -23,7 +23,7 @@ std::optional<std::string> invalid_axis(const Axis& axis, const std::string& nam
   return {};
 }
 
-size_t cells(const JointHistogram& histogram) {
+size_t cell_count(const JointHistogram& histogram) {
   return static_cast<size_t>(histogram.bins_x) * static_cast<size_t>(histogram.bins_y);
 }
 
@@ -57,18 +57,18 @@ void smooth_lines(std::vector<double>& mass, int lines, LineOf line_of, double b
                   std::vector<double>& scratch) {
   if (!(bandwidth > 1e-6)) return;
   const size_t count = line_of(0).count;
-  const auto reach = std::min(static_cast<size_t>(std::ceil(5 * bandwidth)), count - 1);
-  scratch.assign(reach + 1 + 2 * count, 0.0);
-  const std::span<double> kernel(scratch.data(), reach + 1);
-  const std::span<double> norm(scratch.data() + reach + 1, count);
-  const std::span<double> smoothed(scratch.data() + reach + 1 + count, count);
-  for (size_t d = 0; d <= reach; ++d) {
+  const auto radius = std::min(static_cast<size_t>(std::ceil(5 * bandwidth)), count - 1);
+  scratch.assign(radius + 1 + 2 * count, 0.0);
+  const std::span<double> kernel(scratch.data(), radius + 1);
+  const std::span<double> norm(scratch.data() + radius + 1, count);
+  const std::span<double> smoothed(scratch.data() + radius + 1 + count, count);
+  for (size_t d = 0; d <= radius; ++d) {
     const double u = static_cast<double>(d) / bandwidth;
     kernel[d] = std::exp(-0.5 * u * u);
   }
   const auto for_neighbours = [&](size_t from, auto&& visit) {
-    const size_t last = std::min(from + reach, count - 1);
-    for (size_t to = from - std::min(from, reach); to <= last; ++to) {
+    const size_t last = std::min(from + radius, count - 1);
+    for (size_t to = from - std::min(from, radius); to <= last; ++to) {
       visit(to, kernel[to > from ? to - from : from - to]);
     }
   };
@@ -90,9 +90,9 @@ void smooth_lines(std::vector<double>& mass, int lines, LineOf line_of, double b
 }  // namespace
 
 std::optional<std::string> JointHistogramOptions::invalid() const {
-  const int fewest = window == Window::kBSpline ? 4 : 1;
-  if (auto wrong = invalid_axis(x, "x", fewest)) return wrong;
-  return invalid_axis(y, "y", fewest);
+  const int min_bins = window == Window::kBSpline ? 4 : 1;
+  if (auto wrong = invalid_axis(x, "x", min_bins)) return wrong;
+  return invalid_axis(y, "y", min_bins);
 }
 
 bool JointHistogram::add(const JointHistogram& tile) {
@@ -110,11 +110,11 @@ bool JointHistogram::add(const JointHistogram& tile) {
   }
   for (size_t i = 0; i < mass.size(); ++i) mass[i] += tile.mass[i];
   samples += tile.samples;
-  summarise(*this);
+  update_total(*this);
   return true;
 }
 
-void summarise(JointHistogram& histogram) {
+void update_total(JointHistogram& histogram) {
   const auto bins_x = static_cast<size_t>(histogram.bins_x);
   const auto bins_y = static_cast<size_t>(histogram.bins_y);
   histogram.total = std::accumulate(histogram.mass.begin(), histogram.mass.end(), 0.0);
@@ -148,19 +148,19 @@ JointHistogram joint_histogram(std::span<const float> x, std::span<const float> 
 JointHistogram joint_counts(std::span<const int32_t> x, std::span<const int32_t> y, int labels_x,
                             int labels_y) {
   JointHistogram histogram{.bins_x = labels_x, .bins_y = labels_y, .mass = {}};
-  if (labels_x < 1 || labels_y < 1 || labels_x > kMostBins || labels_y > kMostBins) {
+  if (labels_x < 1 || labels_y < 1 || labels_x > kMaxBins || labels_y > kMaxBins) {
     histogram.reason = "the number of labels is not in 1 ... 1024";
     histogram.bins_x = histogram.bins_y = 0;
     return histogram;
   }
-  histogram.mass.assign(cells(histogram), 0.0);
+  histogram.mass.assign(cell_count(histogram), 0.0);
   if (x.size() != y.size()) {
     histogram.reason = "the sides differ in size";
     return histogram;
   }
   for (size_t i = 0; i < x.size(); ++i) {
     if (x[i] < 0 || x[i] >= labels_x || y[i] < 0 || y[i] >= labels_y) {
-      histogram.mass.assign(cells(histogram), 0.0);
+      histogram.mass.assign(cell_count(histogram), 0.0);
       histogram.reason = "a label is outside 0 ... labels - 1";
       return histogram;
     }
@@ -168,27 +168,27 @@ JointHistogram joint_counts(std::span<const int32_t> x, std::span<const int32_t>
     histogram.mass[static_cast<size_t>(cell)] += 1;
   }
   histogram.samples = static_cast<double>(x.size());
-  summarise(histogram);
+  update_total(histogram);
   return histogram;
 }
 
 JointHistogram joint_table(std::span<const double> mass, int bins_x, int bins_y) {
   JointHistogram histogram{.bins_x = bins_x, .bins_y = bins_y, .mass = {}};
-  if (bins_x < 1 || bins_y < 1 || bins_x > kMostBins || bins_y > kMostBins ||
-      mass.size() != cells(histogram)) {
+  if (bins_x < 1 || bins_y < 1 || bins_x > kMaxBins || bins_y > kMaxBins ||
+      mass.size() != cell_count(histogram)) {
     histogram.reason = "the table's size is not bins_x times bins_y within 1 ... 1024";
     histogram.bins_x = histogram.bins_y = 0;
     return histogram;
   }
-  constexpr double kLargest = 1e15;
-  if (!std::all_of(mass.begin(), mass.end(), [](double m) { return m >= 0 && m <= kLargest; })) {
+  constexpr double kMaxMass = 1e15;
+  if (!std::all_of(mass.begin(), mass.end(), [](double m) { return m >= 0 && m <= kMaxMass; })) {
     histogram.mass.assign(mass.size(), 0.0);
     histogram.reason = "a value of the table is negative, above 1e15 or not a number";
     return histogram;
   }
   histogram.mass.assign(mass.begin(), mass.end());
   histogram.samples = std::accumulate(mass.begin(), mass.end(), 0.0);
-  summarise(histogram);
+  update_total(histogram);
   return histogram;
 }
 

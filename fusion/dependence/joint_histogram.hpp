@@ -82,6 +82,6 @@ void smooth_gaussian(JointHistogram& histogram, std::vector<double>& scratch);
 
 /// Sets `total` from `mass`, and the reason of a side with one occupied bin or of fewer samples
 /// than bins.
-void summarise(JointHistogram& histogram);
+void update_total(JointHistogram& histogram);
 
 }  // namespace infuse::dependence

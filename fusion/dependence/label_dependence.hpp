@@ -40,8 +40,8 @@ class LabelDependence {
 
   /// Asks with one label 0 … label_count − 1 a sample. `kept` (its σ one of the grid's) leaves out
   /// the cross-validation.
-  FitEstimate ask(std::span<const int32_t> labels, int label_count,
-                  const std::optional<HyperParameters>& kept = {});
+  FitEstimate evaluate(std::span<const int32_t> labels, int label_count,
+                       const std::optional<HyperParameters>& hyper_parameters = {});
 
  private:
   /// A Gram matrix by a tridiagonal one: rotationᵀ · T · rotation.
@@ -57,18 +57,18 @@ class LabelDependence {
     std::vector<Eigen::MatrixXd> grams;  ///< ΦΦᵀ, by part
     Eigen::VectorXd sum;
     Eigen::MatrixXd gram;
-    Basis basis;                        ///< of the whole
-    std::vector<Basis> bases;           ///< of all but one part
-    std::vector<Eigen::MatrixXd> held;  ///< mean ΦΦᵀ of that part, in its basis
+    Basis basis;                                  ///< of the whole
+    std::vector<Basis> bases;                     ///< of all but one part
+    std::vector<Eigen::MatrixXd> held_out_grams;  ///< mean ΦΦᵀ of that part, in its basis
   };
 
-  void fill_width(Width& width, Eigen::Index dimensions);
-  void find_basis(Basis& basis);
-  void group(std::span<const int32_t> labels, size_t parts);
+  void prepare_width(Width& width, Eigen::Index dimensions);
+  void compute_basis(Basis& basis);
+  void group_labels(std::span<const int32_t> labels, size_t parts);
   void sum_labels(const Width& width, size_t part, std::span<const double> sum, double* cross);
   void rotate(const double* cross, const Basis& basis, double scale, std::vector<double>& out);
   void eliminate(const Basis& basis, double lambda, const std::vector<double>& right);
-  double value(const Width& width, double lambda);
+  double compute_value(const Width& width, double lambda);
   void add_fold_errors(const Width& width, size_t fold);
   std::optional<HyperParameters> cross_validate();
 
@@ -82,15 +82,15 @@ class LabelDependence {
 
   // Scratch.
   std::vector<double> ordered_;
-  std::vector<int> all_;
+  std::vector<int> row_indices_;
   Eigen::MatrixXd centre_samples_, train_, half_;
   Eigen::Tridiagonalization<Eigen::MatrixXd> reduction_{2};
   Eigen::VectorXd workspace_;
-  std::vector<int> begin_, fill_, grouped_;  ///< samples by part, then label
-  std::vector<double> cross_, total_;        ///< Σ Φ by label: a part's, and the whole's
-  std::vector<double> share_;                ///< a_k
-  std::vector<double> turned_, rotated_, held_cross_, ratio_, pivot_, theta_, stack_, product_,
-      errors_;
+  std::vector<int> group_begin_, group_fill_, grouped_;  ///< samples by part, then label
+  std::vector<double> cross_, total_;  ///< Σ Φ by label: a part's, and the whole's
+  std::vector<double> label_shares_;   ///< a_k
+  std::vector<double> rotated_columns_, rotated_, held_out_cross_, ratio_, pivot_, theta_, stack_,
+      product_, errors_;
 };
 
 }  // namespace infuse::dependence

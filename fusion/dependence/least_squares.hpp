@@ -51,12 +51,12 @@ struct FitOptions {
   std::optional<std::string> invalid() const;
 
   /// The folds that are dealt: 1 where the grid leaves nothing to choose.
-  int folds_dealt() const { return sigmas.size() * lambdas.size() > 1 ? folds : 1; }
+  int effective_folds() const { return sigmas.size() * lambdas.size() > 1 ? folds : 1; }
 };
 
 /// An estimate, and the hyper-parameters it assumed.
 struct FitEstimate : Estimate {
-  HyperParameters chosen;
+  HyperParameters hyper_parameters;
 };
 
 }  // namespace infuse::dependence

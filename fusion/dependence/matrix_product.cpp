@@ -8,8 +8,9 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kInner = 128;    // inner indices of one block
-constexpr Index kColumns = 120;  // columns of b in one packed block; a multiple of every tile's
+constexpr Index kInnerBlockSize = 128;  // inner indices of one block
+constexpr Index kColumnBlockSize =
+    120;  // columns of b in one packed block; a multiple of every tile's
 
 // What one instruction set holds in registers: tiles of 2 vectors × kTileColumns.
 struct Baseline : Lanes<2> {
@@ -38,10 +39,10 @@ template <Index width>
 template <class Set, Index vectors>
 [[gnu::always_inline]] inline void add_tile(const double* a, Index a_stride, const double* b,
                                             Index inner, double* out, Index out_stride,
-                                            bool start) {
+                                            bool overwrite) {
   using Vector = typename Set::Vector;
   Vector sum[Set::kTileColumns][vectors] = {};
-  if (!start) {
+  if (!overwrite) {
     for (Index c = 0; c < Set::kTileColumns; ++c) {
       std::memcpy(&sum[c], out + c * out_stride, sizeof(sum[c]));
     }
@@ -70,7 +71,7 @@ struct Block {
   Index columns, inner;
   double* out;
   Index out_stride;
-  bool start;        // out is not yet begun
+  bool overwrite;    // out is not yet begun
   Index lower_from;  // tiles that end at or above row = column − lower_from are not wanted
 };
 
@@ -78,7 +79,7 @@ struct Block {
 template <class Set, Index vectors>
 [[gnu::always_inline]] inline void add_rows(const Block& block, Index row, Index rows) {
   constexpr Index kTileRows = vectors * Set::kLanes;
-  alignas(64) double packed_a[kInner * kTileRows];
+  alignas(64) double packed_a[kInnerBlockSize * kTileRows];
   alignas(64) double tile[kTileRows * Set::kTileColumns];
   const double* a = block.a + row * block.row_stride;
   Index a_stride = block.column_stride;
@@ -93,11 +94,11 @@ template <class Set, Index vectors>
     const double* b = block.packed_b + c * block.inner;
     double* out = block.out + row + c * block.out_stride;
     if (rows == kTileRows && columns == Set::kTileColumns) {
-      add_tile<Set, vectors>(a, a_stride, b, block.inner, out, block.out_stride, block.start);
+      add_tile<Set, vectors>(a, a_stride, b, block.inner, out, block.out_stride, block.overwrite);
       continue;
     }
     std::fill(tile, tile + kTileRows * Set::kTileColumns, 0.0);
-    for (Index j = 0; j < columns && !block.start; ++j) {
+    for (Index j = 0; j < columns && !block.overwrite; ++j) {
       std::copy_n(out + j * block.out_stride, rows, tile + j * kTileRows);
     }
     add_tile<Set, vectors>(a, a_stride, b, block.inner, tile, kTileRows, false);
@@ -110,15 +111,15 @@ template <class Set, Index vectors>
 template <class Set>
 [[gnu::always_inline]] inline void multiply_with(const MatrixView& a, const MatrixView& b,
                                                  double* out, Index out_stride, bool lower_only) {
-  static_assert(kColumns % Set::kTileColumns == 0);
-  alignas(64) double packed_b[kInner * kColumns];
+  static_assert(kColumnBlockSize % Set::kTileColumns == 0);
+  alignas(64) double packed_b[kInnerBlockSize * kColumnBlockSize];
   if (a.columns == 0) {
     for (Index c = 0; c < b.columns; ++c) std::fill_n(out + c * out_stride, a.rows, 0.0);
   }
-  for (Index c0 = 0; c0 < b.columns; c0 += kColumns) {
-    const Index columns = std::min(kColumns, b.columns - c0);
-    for (Index k0 = 0; k0 < a.columns; k0 += kInner) {
-      const Index inner = std::min(kInner, a.columns - k0);
+  for (Index c0 = 0; c0 < b.columns; c0 += kColumnBlockSize) {
+    const Index columns = std::min(kColumnBlockSize, b.columns - c0);
+    for (Index k0 = 0; k0 < a.columns; k0 += kInnerBlockSize) {
+      const Index inner = std::min(kInnerBlockSize, a.columns - k0);
       for (Index c = 0; c < columns; c += Set::kTileColumns) {
         pack<Set::kTileColumns>(b.data + k0 * b.row_stride + (c0 + c) * b.column_stride,
                                 std::min(Set::kTileColumns, columns - c), inner, b.column_stride,

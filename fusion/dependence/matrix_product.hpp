@@ -17,7 +17,7 @@ struct MatrixView {
 
 /// A view of a matrix, block or transpose that lies in memory (not of an expression).
 template <class Derived>
-MatrixView view_of(const Eigen::MatrixBase<Derived>& matrix) {
+MatrixView matrix_view(const Eigen::MatrixBase<Derived>& matrix) {
   static_assert((Derived::Flags & Eigen::DirectAccessBit) != 0, "evaluate the expression first");
   return {matrix.derived().data(), matrix.rows(), matrix.cols(), matrix.derived().rowStride(),
           matrix.derived().colStride()};
@@ -39,7 +39,7 @@ template <class A, class B>
 void multiply(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b, Eigen::MatrixXd& out,
               InstructionSet set = best_instruction_set()) {
   out.resize(a.rows(), b.cols());
-  multiply(view_of(a), view_of(b), out.data(), out.rows(), set);
+  multiply(matrix_view(a), matrix_view(b), out.data(), out.rows(), set);
 }
 
 /// out = a · aᵀ for Eigen's matrices and blocks; resizes `out`.
@@ -47,7 +47,7 @@ template <class A>
 void multiply_by_transpose(const Eigen::MatrixBase<A>& a, Eigen::MatrixXd& out,
                            InstructionSet set = best_instruction_set()) {
   out.resize(a.rows(), a.rows());
-  multiply_by_transpose(view_of(a), out.data(), out.rows(), set);
+  multiply_by_transpose(matrix_view(a), out.data(), out.rows(), set);
 }
 
 }  // namespace infuse::dependence

@@ -12,9 +12,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kTolerance = 1e-4;   // nats
-constexpr int kSteps = 500;           // of the final fit
-constexpr int kValidationSteps = 50;  // of the fits that only choose σ
+constexpr double kGainTolerance = 1e-4;  // nats
+constexpr int kMaxSteps = 500;           // of the final fit
+constexpr int kMaxValidationSteps = 50;  // of the fits that only choose σ
 
 // r(x_i, y_i) = Σ_l w_l·G_li·L_li / m_l, where m_l = mean G_l · mean L_l makes Σ w = 1 the
 // normalisation of the ratio.
@@ -29,7 +29,7 @@ struct RatioModel {
 
 // Expectation-maximisation of the mixture weights. With g_l = mean basis_l/r the gain that is left
 // is at most max g − 1.
-RatioModel maximise(const MatrixXd& product, const VectorXd& means, int steps) {
+RatioModel maximise_likelihood(const MatrixXd& product, const VectorXd& means, int steps) {
   const double n = static_cast<double>(product.cols());
   const VectorXd scale = (means.array() > 0).select(means.cwiseInverse(), 0.0);
   VectorXd w = (means.array() > 0).cast<double>();
@@ -44,7 +44,7 @@ RatioModel maximise(const MatrixXd& product, const VectorXd& means, int steps) {
       gain += product.col(i) / std::max(ratio, std::numeric_limits<double>::min());
     }
     gain = gain.cwiseProduct(scale) / n;
-    if (!(gain.maxCoeff() > 1 + kTolerance)) break;
+    if (!(gain.maxCoeff() > 1 + kGainTolerance)) break;
     w.array() *= gain.array();
   }
   return model;
@@ -55,7 +55,7 @@ double mean_log(const VectorXd& ratios) {
 }
 
 // What one training set needs: the products of its columns, and the means of both sides.
-double held_out_log(const MatrixXd& g, const MatrixXd& l, Index begin, Index count) {
+double held_out_log_likelihood(const MatrixXd& g, const MatrixXd& l, Index begin, Index count) {
   const Index rest = g.cols() - count;
   MatrixXd product(g.rows(), rest);
   product.leftCols(begin) = g.leftCols(begin).cwiseProduct(l.leftCols(begin));
@@ -64,7 +64,8 @@ double held_out_log(const MatrixXd& g, const MatrixXd& l, Index begin, Index cou
   const VectorXd sum_g = g.leftCols(begin).rowwise().sum() + g.rightCols(after).rowwise().sum();
   const VectorXd sum_l = l.leftCols(begin).rowwise().sum() + l.rightCols(after).rowwise().sum();
   const double n = static_cast<double>(rest);
-  const RatioModel model = maximise(product, sum_g.cwiseProduct(sum_l) / (n * n), kValidationSteps);
+  const RatioModel model =
+      maximise_likelihood(product, sum_g.cwiseProduct(sum_l) / (n * n), kMaxValidationSteps);
   return mean_log(
       model.ratios(g.middleCols(begin, count).cwiseProduct(l.middleCols(begin, count))));
 }
@@ -83,10 +84,10 @@ FitEstimate mlmi_with(const Samples& x, const OtherFeatures& other_features,
   }
   Random random(options.seed);
   const std::vector<int> centres = choose_subset(n, options.centres, random);
-  const Folds folds = deal_folds(n, fold_count, random);
+  const Folds folds = make_folds(n, fold_count, random);
   MatrixXd ordered, at_centres, g;
-  take_rows(x, folds.order, ordered);
-  take_rows(x, centres, at_centres);
+  gather_rows(x, folds.order, ordered);
+  gather_rows(x, centres, at_centres);
 
   double best = -std::numeric_limits<double>::infinity();
   MatrixXd best_g, best_l;
@@ -95,13 +96,13 @@ FitEstimate mlmi_with(const Samples& x, const OtherFeatures& other_features,
     MatrixXd l = other_features(folds, centres, sigma);
     double score = 0;
     for (int f = 0; f < folds.count() && folds.count() > 1; ++f) {
-      score += held_out_log(g, l, folds.begin[static_cast<size_t>(f)], folds.size(f));
+      score += held_out_log_likelihood(g, l, folds.begin[static_cast<size_t>(f)], folds.size(f));
     }
     if (!(score > best)) continue;
     best = score;
     best_g.swap(g);
     best_l.swap(l);
-    answer.chosen.sigma = sigma;
+    answer.hyper_parameters.sigma = sigma;
   }
   if (best_g.size() == 0) {
     answer.reason = "no width of the grid gives a finite likelihood";
@@ -109,7 +110,7 @@ FitEstimate mlmi_with(const Samples& x, const OtherFeatures& other_features,
   }
   const MatrixXd product = best_g.cwiseProduct(best_l);
   const VectorXd means = best_g.rowwise().mean().cwiseProduct(best_l.rowwise().mean());
-  const double value = mean_log(maximise(product, means, kSteps).ratios(product));
+  const double value = mean_log(maximise_likelihood(product, means, kMaxSteps).ratios(product));
   if (std::isfinite(value)) {
     answer.value = value;
   } else {
@@ -122,12 +123,12 @@ FitEstimate mlmi_with(const Samples& x, const OtherFeatures& other_features,
 
 FitEstimate mlmi(const Samples& x, const Samples& y, const FitOptions& options) {
   FitEstimate answer;
-  answer.reason = options.invalid() ? "invalid options" : unusable(x, y);
+  answer.reason = options.invalid() ? "invalid options" : check_paired_samples(x, y);
   if (!answer.usable()) return answer;
   const auto features = [&](const Folds& folds, const std::vector<int>& centres, double sigma) {
     MatrixXd ordered, at_centres, l;
-    take_rows(y, folds.order, ordered);
-    take_rows(y, centres, at_centres);
+    gather_rows(y, folds.order, ordered);
+    gather_rows(y, centres, at_centres);
     gaussian_kernel(ordered, at_centres, sigma, l);
     return l;
   };
@@ -137,8 +138,8 @@ FitEstimate mlmi(const Samples& x, const Samples& y, const FitOptions& options) 
 FitEstimate mlmi(const Samples& x, std::span<const int32_t> labels, int label_count,
                  const FitOptions& options) {
   FitEstimate answer;
-  answer.reason = options.invalid() ? "invalid options" : unusable(x);
-  if (answer.usable()) answer.reason = unusable(labels, x.rows(), label_count);
+  answer.reason = options.invalid() ? "invalid options" : check_samples(x);
+  if (answer.usable()) answer.reason = check_labels(labels, x.rows(), label_count);
   if (!answer.usable()) return answer;
   const auto features = [&](const Folds& folds, const std::vector<int>& centres, double) {
     MatrixXd l(centres.size(), folds.order.size());

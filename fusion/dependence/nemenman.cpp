@@ -78,7 +78,7 @@ PosteriorPoint posterior(std::span<const Multiplicity> grouped, double words, do
 }  // namespace
 
 Estimate entropy_nemenman(std::span<const double> counts) {
-  if (const char* reason = unusable_counts(counts); *reason) return {0, reason};
+  if (const char* reason = check_counts(counts); *reason) return {0, reason};
   if (counts.size() == 1) return {0, ""};
   const std::vector<Multiplicity> grouped = multiplicities(counts);
   const auto words = static_cast<double>(counts.size());
@@ -86,12 +86,12 @@ Estimate entropy_nemenman(std::span<const double> counts) {
 
   // The trapezoid rule over ln β: the integrand is smooth and falls off exponentially at both ends,
   // where the rule converges faster than any power of the step.
-  constexpr double kLowest = -36, kHighest = 36, kStep = 1.0 / 16;
-  constexpr auto kPoints = static_cast<size_t>((kHighest - kLowest) / kStep) + 1;
-  std::array<PosteriorPoint, kPoints> points;
+  constexpr double kMinLogBeta = -36, kMaxLogBeta = 36, kLogBetaStep = 1.0 / 16;
+  constexpr auto kPointCount = static_cast<size_t>((kMaxLogBeta - kMinLogBeta) / kLogBetaStep) + 1;
+  std::array<PosteriorPoint, kPointCount> points;
   double peak = -INFINITY;
-  for (size_t i = 0; i < kPoints; ++i) {
-    const double log_beta = kLowest + kStep * static_cast<double>(i);
+  for (size_t i = 0; i < kPointCount; ++i) {
+    const double log_beta = kMinLogBeta + kLogBetaStep * static_cast<double>(i);
     points[i] = posterior(grouped, words, n, std::exp(log_beta));
     peak = std::max(peak, points[i].log_density);
   }

@@ -52,20 +52,20 @@ struct PairedModel {
 
 FitEstimate paired_lsmi(const Samples& x, const Samples& y, const FitOptions& options) {
   FitEstimate answer;
-  answer.reason = options.invalid() ? "invalid options" : unusable(x, y);
+  answer.reason = options.invalid() ? "invalid options" : check_paired_samples(x, y);
   const int n = static_cast<int>(x.rows());
-  const int fold_count = options.folds_dealt();
+  const int fold_count = options.effective_folds();
   if (answer.usable() && n < fold_count) answer.reason = "fewer samples than folds";
   if (!answer.usable()) return answer;
 
   Random random(options.seed);
   const std::vector<int> centres = choose_subset(n, options.centres, random);
-  const Folds folds = deal_folds(n, fold_count, random);
+  const Folds folds = make_folds(n, fold_count, random);
   MatrixXd xo, yo, xc, yc, g, l;
-  take_rows(x, folds.order, xo);
-  take_rows(y, folds.order, yo);
-  take_rows(x, centres, xc);
-  take_rows(y, centres, yc);
+  gather_rows(x, folds.order, xo);
+  gather_rows(y, folds.order, yo);
+  gather_rows(x, centres, xc);
+  gather_rows(y, centres, yc);
 
   double best = std::numeric_limits<double>::max();
   answer.reason = "no hyper-parameters of the grid give a finite fit";
@@ -76,12 +76,12 @@ FitEstimate paired_lsmi(const Samples& x, const Samples& y, const FitOptions& op
     VectorXd errors = VectorXd::Zero(static_cast<Eigen::Index>(options.lambdas.size()));
     for (int f = 0; f < folds.count() && folds.count() > 1; ++f) {
       const int begin = folds.begin[static_cast<size_t>(f)];
-      const PairedSums held =
+      const PairedSums held_out =
           paired_sums(g.middleCols(begin, folds.size(f)), l.middleCols(begin, folds.size(f)));
-      const PairedModel model(total.without(held));
+      const PairedModel model(total.without(held_out));
       for (Eigen::Index k = 0; k < errors.size(); ++k) {
         const VectorXd alpha = model.alpha(options.lambdas[static_cast<size_t>(k)]);
-        errors[k] += 0.5 * alpha.dot(held.h_matrix() * alpha) - held.h_vector().dot(alpha);
+        errors[k] += 0.5 * alpha.dot(held_out.h_matrix() * alpha) - held_out.h_vector().dot(alpha);
       }
     }
     const PairedModel model(total);
@@ -96,7 +96,7 @@ FitEstimate paired_lsmi(const Samples& x, const Samples& y, const FitOptions& op
       best = errors[k];
       answer.value = value;
       answer.reason = "";
-      answer.chosen = {sigma, lambda};
+      answer.hyper_parameters = {sigma, lambda};
     }
   }
   return answer;

@@ -17,18 +17,18 @@ using Eigen::VectorXd;
 PreparedDependence::PreparedDependence(FitMeasure measure, const Samples& samples,
                                        const FitOptions& options)
     : measure_(measure), options_(options) {
-  reason_ = unusable(samples, options);
+  reason_ = check_samples(samples, options);
   if (*reason_ != '\0') return;
   const int n = static_cast<int>(samples.rows());
   Random random(options.seed);
   const std::vector<int> centres = choose_subset(n, options.centres, random);
-  folds_ = deal_folds(n, options.folds_dealt(), random);
+  folds_ = make_folds(n, options.effective_folds(), random);
   std::vector<int> place(folds_.order.size());
   for (int i = 0; i < n; ++i) place[static_cast<size_t>(folds_.order[static_cast<size_t>(i)])] = i;
   for (const int centre : centres) centre_rows_.push_back(place[static_cast<size_t>(centre)]);
 
   MatrixXd ordered;
-  take_rows(samples, folds_.order, ordered);
+  gather_rows(samples, folds_.order, ordered);
   for (const double sigma : options.sigmas) prepare_width(sigma, ordered);
 }
 
@@ -36,7 +36,7 @@ void PreparedDependence::prepare_width(double sigma, const Samples& ordered) {
   Width width;
   width.sigma = sigma;
   MatrixXd centres;
-  take_rows(ordered, centre_rows_, centres);
+  gather_rows(ordered, centre_rows_, centres);
   gaussian_kernel(ordered, centres, sigma, width.features);
 
   const int folds = folds_.count();
@@ -62,12 +62,12 @@ void PreparedDependence::prepare_width(double sigma, const Samples& ordered) {
       split.basis = spectral_basis(f < folds ? MatrixXd((total - grams[fold]) / (n - count))
                                              : MatrixXd(total / n));
     }
-    if (split.basis.rotation.size() == 0) reason_ = "the kernels of the prepared side are singular";
+    if (split.basis.rotation.size() == 0) reason_ = "the kernels of the fixed side are singular";
     if (f == folds || *reason_ != '\0') continue;
     MatrixXd half;
     multiply(split.basis.rotation,
              measure_ == FitMeasure::kQmi ? integral : MatrixXd(grams[fold] / count), half);
-    multiply(half, split.basis.rotation.transpose(), split.held);
+    multiply(half, split.basis.rotation.transpose(), split.held_out_gram);
   }
   widths_.push_back(std::move(width));
 }
@@ -81,39 +81,40 @@ const PreparedDependence::Width* PreparedDependence::find_width(double sigma) co
 
 // --- the two kinds of question ---
 
-FitEstimate PreparedDependence::ask(std::span<const int32_t> labels, int label_count,
-                                    const std::optional<HyperParameters>& kept) {
+FitEstimate PreparedDependence::evaluate(std::span<const int32_t> labels, int label_count,
+                                         const std::optional<HyperParameters>& hyper_parameters) {
   FitEstimate answer;
   answer.reason = reason_;
   if (answer.usable()) {
-    answer.reason = unusable(labels, static_cast<Index>(folds_.order.size()), label_count);
+    answer.reason = check_labels(labels, static_cast<Index>(folds_.order.size()), label_count);
   }
   if (!answer.usable()) return answer;
   group_labels(labels, label_count);
-  return fit([&](const Width& width) { sum_labels(width, label_count); }, kept);
+  return fit([&](const Width& width) { sum_labels(width, label_count); }, hyper_parameters);
 }
 
-FitEstimate PreparedDependence::ask(const Samples& samples,
-                                    const std::optional<HyperParameters>& kept,
-                                    MatrixXd* gradient) {
+FitEstimate PreparedDependence::evaluate(const Samples& samples,
+                                         const std::optional<HyperParameters>& hyper_parameters,
+                                         MatrixXd* gradient) {
   FitEstimate answer;
   if (gradient != nullptr) gradient->resize(0, 0);
-  answer.reason = *reason_ != '\0' ? reason_ : unusable(samples);
+  answer.reason = *reason_ != '\0' ? reason_ : check_samples(samples);
   if (answer.usable() && samples.rows() != static_cast<Index>(folds_.order.size())) {
     answer.reason = "the two sides differ in length";
   }
   if (!answer.usable()) return answer;
-  take_rows(samples, folds_.order, asked_samples_);
-  take_rows(asked_samples_, centre_rows_, asked_centres_);
-  answer = fit([&](const Width& width) { sum_samples(width); }, kept);
+  gather_rows(samples, folds_.order, moving_samples_);
+  gather_rows(moving_samples_, centre_rows_, moving_centres_);
+  answer = fit([&](const Width& width) { sum_samples(width); }, hyper_parameters);
   if (gradient == nullptr || measure_ != FitMeasure::kSmi || !answer.usable()) return answer;
 
-  const Width& width = *find_width(answer.chosen.sigma);
+  const Width& width = *find_width(answer.hyper_parameters.sigma);
   MatrixXd sensitivity, ordered;
-  smi_sensitivity({width.splits.back().basis, asked_, theta_, answer.chosen.lambda, options_.form},
-                  width.features, asked_features_, sensitivity);
-  gaussian_kernel_gradient(asked_samples_, centre_rows_, width.sigma, asked_features_, sensitivity,
-                           ordered);
+  smi_sensitivity({width.splits.back().basis, moving_basis_, theta_, answer.hyper_parameters.lambda,
+                   options_.form},
+                  width.features, moving_features_, sensitivity);
+  gaussian_kernel_gradient(moving_samples_, centre_rows_, width.sigma, moving_features_,
+                           sensitivity, ordered);
   gradient->resize(samples.rows(), samples.cols());
   for (Index i = 0; i < ordered.rows(); ++i) {
     gradient->row(folds_.order[static_cast<size_t>(i)]) = ordered.row(i);
@@ -146,9 +147,9 @@ void PreparedDependence::group_labels(std::span<const int32_t> labels, int label
 }
 
 void PreparedDependence::sum_labels(const Width& width, int label_count) {
-  held_.resize(static_cast<size_t>(folds_.count()));
-  for (size_t f = 0; f < held_.size(); ++f) {
-    Sums& sums = held_[f];
+  fold_sums_.resize(static_cast<size_t>(folds_.count()));
+  for (size_t f = 0; f < fold_sums_.size(); ++f) {
+    Sums& sums = fold_sums_[f];
     sums.n = folds_.size(static_cast<int>(f));
     sums.cross.resize(width.features.rows(), label_count);
     sums.gram.resize(0, 0);
@@ -162,49 +163,49 @@ void PreparedDependence::sum_labels(const Width& width, int label_count) {
       sums.gram_diagonal[label] = static_cast<double>(count);
     }
     if (measure_ == FitMeasure::kQmi) {
-      sums.prepared = sums.cross.rowwise().sum();
-      sums.asked = sums.gram_diagonal;
+      sums.fixed = sums.cross.rowwise().sum();
+      sums.moving = sums.gram_diagonal;
     }
     if (measure_ != FitMeasure::kSmi) sums.gram_diagonal.setOnes();
   }
-  total_up();
+  sum_folds();
 }
 
 void PreparedDependence::sum_samples(const Width& width) {
-  gaussian_kernel(asked_samples_, asked_centres_, width.sigma, asked_features_);
-  held_.resize(static_cast<size_t>(folds_.count()));
-  for (size_t f = 0; f < held_.size(); ++f) {
-    Sums& sums = held_[f];
+  gaussian_kernel(moving_samples_, moving_centres_, width.sigma, moving_features_);
+  fold_sums_.resize(static_cast<size_t>(folds_.count()));
+  for (size_t f = 0; f < fold_sums_.size(); ++f) {
+    Sums& sums = fold_sums_[f];
     const int count = folds_.size(static_cast<int>(f));
-    const auto prepared = width.features.middleCols(folds_.begin[f], count);
-    const auto asked = asked_features_.middleCols(folds_.begin[f], count);
+    const auto fixed = width.features.middleCols(folds_.begin[f], count);
+    const auto moving = moving_features_.middleCols(folds_.begin[f], count);
     sums.n = count;
-    multiply(prepared, asked.transpose(), sums.cross);
+    multiply(fixed, moving.transpose(), sums.cross);
     if (measure_ == FitMeasure::kSmi) {
-      multiply_by_transpose(asked, sums.gram);
+      multiply_by_transpose(moving, sums.gram);
     } else {
-      gaussian_overlap(asked_centres_, width.sigma, sums.gram);
+      gaussian_overlap(moving_centres_, width.sigma, sums.gram);
     }
     if (measure_ == FitMeasure::kQmi) {
-      sums.prepared = prepared.rowwise().sum();
-      sums.asked = asked.rowwise().sum();
+      sums.fixed = fixed.rowwise().sum();
+      sums.moving = moving.rowwise().sum();
     }
   }
-  total_up();
+  sum_folds();
 }
 
-void PreparedDependence::total_up() {
-  total_ = held_[0];
-  for (size_t f = 1; f < held_.size(); ++f) {
-    total_.n += held_[f].n;
-    total_.cross += held_[f].cross;
+void PreparedDependence::sum_folds() {
+  total_ = fold_sums_[0];
+  for (size_t f = 1; f < fold_sums_.size(); ++f) {
+    total_.n += fold_sums_[f].n;
+    total_.cross += fold_sums_[f].cross;
     if (measure_ == FitMeasure::kQmi) {
-      total_.prepared += held_[f].prepared;
-      total_.asked += held_[f].asked;
+      total_.fixed += fold_sums_[f].fixed;
+      total_.moving += fold_sums_[f].moving;
     }
     if (measure_ == FitMeasure::kSmi) {
-      total_.gram += held_[f].gram;
-      total_.gram_diagonal += held_[f].gram_diagonal;
+      total_.gram += fold_sums_[f].gram;
+      total_.gram_diagonal += fold_sums_[f].gram_diagonal;
     }
   }
 }
@@ -213,8 +214,8 @@ void PreparedDependence::subtract(const Sums& part, Sums& rest) const {
   rest.n = total_.n - part.n;
   rest.cross = total_.cross - part.cross;
   if (measure_ == FitMeasure::kQmi) {
-    rest.prepared = total_.prepared - part.prepared;
-    rest.asked = total_.asked - part.asked;
+    rest.fixed = total_.fixed - part.fixed;
+    rest.moving = total_.moving - part.moving;
   }
   if (measure_ == FitMeasure::kSmi) {
     rest.gram = total_.gram - part.gram;
@@ -227,15 +228,15 @@ void PreparedDependence::subtract(const Sums& part, Sums& rest) const {
 
 // --- the fit ---
 
-void PreparedDependence::normalised_cross(const Sums& sums, MatrixXd& out) const {
+void PreparedDependence::normalise_cross(const Sums& sums, MatrixXd& out) const {
   out = sums.cross / sums.n;
   if (measure_ != FitMeasure::kQmi) return;
   for (Index c = 0; c < out.cols(); ++c) {
-    out.col(c) -= sums.prepared * (sums.asked[c] / (sums.n * sums.n));
+    out.col(c) -= sums.fixed * (sums.moving[c] / (sums.n * sums.n));
   }
 }
 
-void PreparedDependence::asked_basis(const Sums& sums, TridiagonalBasis& out) const {
+void PreparedDependence::compute_moving_basis(const Sums& sums, TridiagonalBasis& out) const {
   const double n = measure_ == FitMeasure::kSmi ? sums.n : 1.0;
   if (sums.gram.size() != 0) {
     out = tridiagonal_basis(sums.gram / n);
@@ -247,65 +248,66 @@ void PreparedDependence::asked_basis(const Sums& sums, TridiagonalBasis& out) co
 }
 
 // matrix = rotation of the prepared side · matrix · rotation of the asked sideᵀ.
-void PreparedDependence::rotate(const Split& split, const TridiagonalBasis& asked,
+void PreparedDependence::rotate(const Split& split, const TridiagonalBasis& moving,
                                 MatrixXd& matrix) {
   multiply(split.basis.rotation, matrix, rotated_);
-  if (asked.rotation.size() == 0) {
+  if (moving.rotation.size() == 0) {
     matrix = rotated_;
   } else {
-    multiply(rotated_, asked.rotation.transpose(), matrix);
+    multiply(rotated_, moving.rotation.transpose(), matrix);
   }
 }
 
-void PreparedDependence::add_fold_errors(const Split& split, const Sums& held,
+void PreparedDependence::add_fold_errors(const Split& split, const Sums& held_out,
                                          std::span<double> errors) {
-  subtract(held, train_);
-  asked_basis(train_, asked_);
-  normalised_cross(train_, cross_);
-  rotate(split, asked_, cross_);
-  normalised_cross(held, held_cross_);
-  rotate(split, asked_, held_cross_);
-  const bool diagonal = held.gram.size() == 0;
-  const double n = measure_ == FitMeasure::kSmi ? held.n : 1.0;
+  subtract(held_out, train_);
+  compute_moving_basis(train_, moving_basis_);
+  normalise_cross(train_, cross_);
+  rotate(split, moving_basis_, cross_);
+  normalise_cross(held_out, held_out_cross_);
+  rotate(split, moving_basis_, held_out_cross_);
+  const bool diagonal = held_out.gram.size() == 0;
+  const double n = measure_ == FitMeasure::kSmi ? held_out.n : 1.0;
   if (!diagonal) {
-    held_gram_ = held.gram / n;
-    multiply(asked_.rotation, held_gram_, rotated_);
-    multiply(rotated_, asked_.rotation.transpose(), held_gram_);
+    held_out_gram_ = held_out.gram / n;
+    multiply(moving_basis_.rotation, held_out_gram_, rotated_);
+    multiply(rotated_, moving_basis_.rotation.transpose(), held_out_gram_);
   }
   // The solutions of all λ side by side, so that P meets them in one product.
   const Index rows = cross_.rows(), columns = cross_.cols();
   stack_.resize(rows, columns * static_cast<Index>(errors.size()));
   for (size_t k = 0; k < errors.size(); ++k) {
-    solve_sylvester(split.basis.eigenvalues, asked_, options_.lambdas[k], cross_, theta_);
+    solve_sylvester(split.basis.eigenvalues, moving_basis_, options_.lambdas[k], cross_, theta_);
     stack_.middleCols(static_cast<Index>(k) * columns, columns) = theta_;
   }
-  multiply(split.held, stack_, product_);
+  multiply(split.held_out_gram, stack_, product_);
   for (size_t k = 0; k < errors.size(); ++k) {
     const Index first = static_cast<Index>(k) * columns;
     const auto theta = stack_.middleCols(first, columns);
     double quadratic = 0;
     if (diagonal) {
       for (Index c = 0; c < columns; ++c) {
-        quadratic += held.gram_diagonal[c] / n * theta.col(c).dot(product_.col(first + c));
+        quadratic += held_out.gram_diagonal[c] / n * theta.col(c).dot(product_.col(first + c));
       }
     } else {
-      multiply(product_.middleCols(first, columns), held_gram_, rotated_);
+      multiply(product_.middleCols(first, columns), held_out_gram_, rotated_);
       quadratic = theta.cwiseProduct(rotated_).sum();
     }
-    errors[k] += 0.5 * quadratic - theta.cwiseProduct(held_cross_).sum();
+    errors[k] += 0.5 * quadratic - theta.cwiseProduct(held_out_cross_).sum();
   }
 }
 
-template <class Load>
-std::optional<HyperParameters> PreparedDependence::cross_validate(const Load& load) {
+template <class ComputeSums>
+std::optional<HyperParameters> PreparedDependence::cross_validate(const ComputeSums& compute_sums) {
   if (folds_.count() == 1) return HyperParameters{options_.sigmas[0], options_.lambdas[0]};
   std::optional<HyperParameters> best;
   double best_error = std::numeric_limits<double>::max();
   errors_.resize(options_.lambdas.size());
   for (const Width& width : widths_) {
-    load(width);
+    compute_sums(width);
     std::fill(errors_.begin(), errors_.end(), 0.0);
-    for (size_t f = 0; f < held_.size(); ++f) add_fold_errors(width.splits[f], held_[f], errors_);
+    for (size_t f = 0; f < fold_sums_.size(); ++f)
+      add_fold_errors(width.splits[f], fold_sums_[f], errors_);
     for (size_t k = 0; k < errors_.size(); ++k) {
       if (!(errors_[k] < best_error)) continue;
       best_error = errors_[k];
@@ -315,27 +317,28 @@ std::optional<HyperParameters> PreparedDependence::cross_validate(const Load& lo
   return best;
 }
 
-template <class Load>
-FitEstimate PreparedDependence::fit(const Load& load, const std::optional<HyperParameters>& kept) {
+template <class ComputeSums>
+FitEstimate PreparedDependence::fit(const ComputeSums& compute_sums,
+                                    const std::optional<HyperParameters>& hyper_parameters) {
   FitEstimate answer;
-  const auto chosen = kept ? kept : cross_validate(load);
+  const auto chosen = hyper_parameters ? hyper_parameters : cross_validate(compute_sums);
   const Width* width = chosen ? find_width(chosen->sigma) : nullptr;
   if (!chosen) {
     answer.reason = "no hyper-parameters of the grid give a finite fit";
   } else if (width == nullptr) {
-    answer.reason = "the kept sigma is not in the grid";
+    answer.reason = "the given sigma is not in the grid";
   } else if (!(chosen->lambda >= 1e-12 && chosen->lambda <= 1e12)) {
-    answer.reason = "the kept lambda is outside 1e-12 … 1e12";
+    answer.reason = "the given lambda is outside 1e-12 … 1e12";
   }
   if (!answer.usable()) return answer;
-  answer.chosen = *chosen;
+  answer.hyper_parameters = *chosen;
 
-  load(*width);
+  compute_sums(*width);
   const Split& split = width->splits.back();
-  asked_basis(total_, asked_);
-  normalised_cross(total_, cross_);
-  rotate(split, asked_, cross_);
-  solve_sylvester(split.basis.eigenvalues, asked_, chosen->lambda, cross_, theta_);
+  compute_moving_basis(total_, moving_basis_);
+  normalise_cross(total_, cross_);
+  rotate(split, moving_basis_, cross_);
+  solve_sylvester(split.basis.eigenvalues, moving_basis_, chosen->lambda, cross_, theta_);
   const double linear = theta_.cwiseProduct(cross_).sum();  // ⟨Θ, C⟩
   const double ridge = chosen->lambda * theta_.squaredNorm();  // ⟨Θ, PΘA⟩ = ⟨Θ, C⟩ − λ|Θ|²
   switch (measure_) {

@@ -45,20 +45,22 @@ class PreparedDependence {
 
   /// Asks with one label 0 … label_count − 1 a sample. `kept` (its σ one of the grid's) leaves out
   /// the cross-validation.
-  FitEstimate ask(std::span<const int32_t> labels, int label_count,
-                  const std::optional<HyperParameters>& kept = {});
+  FitEstimate evaluate(std::span<const int32_t> labels, int label_count,
+                       const std::optional<HyperParameters>& hyper_parameters = {});
 
   /// Asks with samples, n × d' for any d'. With `gradient` (kSmi only; it is left empty otherwise,
   /// and where the answer is not usable) also ∂value/∂samples, n × d', hyper-parameters held, the
   /// centres moving with their samples.
-  FitEstimate ask(const Samples& samples, const std::optional<HyperParameters>& kept = {},
-                  Eigen::MatrixXd* gradient = nullptr);
+  FitEstimate evaluate(const Samples& samples,
+                       const std::optional<HyperParameters>& hyper_parameters = {},
+                       Eigen::MatrixXd* gradient = nullptr);
 
  private:
   /// The prepared side as one training set sees it.
   struct Split {
-    SpectralBasis basis;   ///< of P
-    Eigen::MatrixXd held;  ///< P of the fold held out, rotated into the basis; of the whole: empty
+    SpectralBasis basis;  ///< of P
+    Eigen::MatrixXd
+        held_out_gram;  ///< P of the fold held out, rotated into the basis; of the whole: empty
   };
   /// The prepared side at one σ.
   struct Width {
@@ -70,8 +72,8 @@ class PreparedDependence {
   struct Sums {
     double n = 0;
     Eigen::MatrixXd cross;          ///< Σ Φ_P Φ_Aᵀ
-    Eigen::VectorXd prepared;       ///< Σ Φ_P; kQmi only
-    Eigen::VectorXd asked;          ///< Σ Φ_A; kQmi only
+    Eigen::VectorXd fixed;          ///< Σ Φ_P; kQmi only
+    Eigen::VectorXd moving;         ///< Σ Φ_A; kQmi only
     Eigen::MatrixXd gram;           ///< Σ Φ_A Φ_Aᵀ, or the integral; empty for labels
     Eigen::VectorXd gram_diagonal;  ///< the same for labels
   };
@@ -80,16 +82,17 @@ class PreparedDependence {
   void group_labels(std::span<const int32_t> labels, int label_count);
   void sum_labels(const Width& width, int label_count);
   void sum_samples(const Width& width);
-  void total_up();
+  void sum_folds();
   void subtract(const Sums& part, Sums& rest) const;
-  void normalised_cross(const Sums& sums, Eigen::MatrixXd& out) const;
-  void asked_basis(const Sums& sums, TridiagonalBasis& out) const;
-  void rotate(const Split& split, const TridiagonalBasis& asked, Eigen::MatrixXd& matrix);
-  void add_fold_errors(const Split& split, const Sums& held, std::span<double> errors);
-  template <class Load>
-  FitEstimate fit(const Load& load, const std::optional<HyperParameters>& kept);
-  template <class Load>
-  std::optional<HyperParameters> cross_validate(const Load& load);
+  void normalise_cross(const Sums& sums, Eigen::MatrixXd& out) const;
+  void compute_moving_basis(const Sums& sums, TridiagonalBasis& out) const;
+  void rotate(const Split& split, const TridiagonalBasis& moving, Eigen::MatrixXd& matrix);
+  void add_fold_errors(const Split& split, const Sums& held_out, std::span<double> errors);
+  template <class ComputeSums>
+  FitEstimate fit(const ComputeSums& compute_sums,
+                  const std::optional<HyperParameters>& hyper_parameters);
+  template <class ComputeSums>
+  std::optional<HyperParameters> cross_validate(const ComputeSums& compute_sums);
   const Width* find_width(double sigma) const;
 
   FitMeasure measure_;
@@ -101,11 +104,11 @@ class PreparedDependence {
 
   // Scratch of a question.
   std::vector<int> group_begin_, group_fill_, grouped_;  ///< samples by fold, then label
-  Eigen::MatrixXd asked_samples_, asked_centres_, asked_features_;
-  std::vector<Sums> held_;  ///< by fold
+  Eigen::MatrixXd moving_samples_, moving_centres_, moving_features_;
+  std::vector<Sums> fold_sums_;  ///< by fold
   Sums total_, train_;
-  TridiagonalBasis asked_;
-  Eigen::MatrixXd cross_, held_cross_, held_gram_, rotated_, theta_, stack_, product_;
+  TridiagonalBasis moving_basis_;
+  Eigen::MatrixXd cross_, held_out_cross_, held_out_gram_, rotated_, theta_, stack_, product_;
   std::vector<double> errors_;
 };
 

@@ -6,9 +6,9 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr float kLargest = 1e30F;
+constexpr float kMaxWeight = 1e30F;
 
-const char* unusable_side(std::span<const float> fixed, std::span<const float> weights) {
+const char* check_fixed_side(std::span<const float> fixed, std::span<const float> weights) {
   if (fixed.empty()) return "no samples";
   if (fixed.size() > 1u << 30) return "too many samples";
   if (!weights.empty() && weights.size() != fixed.size()) {
@@ -18,13 +18,13 @@ const char* unusable_side(std::span<const float> fixed, std::span<const float> w
     if (!std::isfinite(x)) return "a sample is not finite";
   }
   for (const float w : weights) {
-    if (!(w >= 0 && w <= kLargest)) return "a weight is negative, above 1e30 or not a number";
+    if (!(w >= 0 && w <= kMaxWeight)) return "a weight is negative, above 1e30 or not a number";
   }
   return "";
 }
 
 /// The bin of a value where each bin is an equal part of the axis.
-int32_t bin_of(double value, const Axis& axis) {
+int32_t bin_index(double value, const Axis& axis) {
   const double t = (value - axis.low) / (axis.high - axis.low) * axis.bins;
   return static_cast<int32_t>(std::clamp(t, 0.0, axis.bins - 1.0));
 }
@@ -34,9 +34,9 @@ int32_t bin_of(double value, const Axis& axis) {
 PreparedHistogram::PreparedHistogram(std::span<const float> fixed,
                                      const JointHistogramOptions& options,
                                      std::span<const float> weights)
-    : options_(options), samples_(fixed.size()) {
+    : options_(options), sample_count_(fixed.size()) {
   reason_ = options.invalid() ? "invalid options: see JointHistogramOptions::invalid()"
-                              : unusable_side(fixed, weights);
+                              : check_fixed_side(fixed, weights);
   if (*reason_) return;
   histogram_.bins_x = options.x.bins;
   histogram_.bins_y = options.y.bins;
@@ -45,14 +45,14 @@ PreparedHistogram::PreparedHistogram(std::span<const float> fixed,
     return;
   }
   weights_.assign(weights.begin(), weights.end());
-  row_.reserve(fixed.size());
-  for (const float x : fixed) row_.push_back(bin_of(x, options.x) * options.y.bins);
+  row_begin_.reserve(fixed.size());
+  for (const float x : fixed) row_begin_.push_back(bin_index(x, options.x) * options.y.bins);
 }
 
 const JointHistogram& PreparedHistogram::histogram(std::span<const float> moving) {
   histogram_.total = histogram_.samples = 0;
   histogram_.reason = reason_;
-  if (histogram_.usable() && moving.size() != samples_) {
+  if (histogram_.usable() && moving.size() != sample_count_) {
     histogram_.reason = "the sides differ in size";
   }
   if (!histogram_.usable()) return histogram_;
@@ -62,25 +62,25 @@ const JointHistogram& PreparedHistogram::histogram(std::span<const float> moving
   if (options_.window == Window::kBSpline) {
     tile_.accumulate(moving, histogram_);
   } else {
-    count(moving);
+    count_samples(moving);
   }
   if (options_.window == Window::kGaussian) smooth_gaussian(histogram_, scratch_);
   return histogram_;
 }
 
-void PreparedHistogram::count(std::span<const float> moving) {
+void PreparedHistogram::count_samples(std::span<const float> moving) {
   for (size_t i = 0; i < moving.size(); ++i) {
     if (!(moving[i] > -kAbsent)) {
       histogram_.reason = "a sample is not a number";
       return;
     }
     if (moving[i] == kAbsent) continue;
-    const int32_t cell = row_[i] + bin_of(moving[i], options_.y);
+    const int32_t cell = row_begin_[i] + bin_index(moving[i], options_.y);
     histogram_.mass[static_cast<size_t>(cell)] +=
         weights_.empty() ? 1.0 : static_cast<double>(weights_[i]);
     histogram_.samples += 1;
   }
-  summarise(histogram_);
+  update_total(histogram_);
 }
 
 Estimate PreparedHistogram::value(Measure which, std::span<const float> moving) {
@@ -93,7 +93,8 @@ Estimate PreparedHistogram::value_and_gradient(Measure which, std::span<const fl
   if (options_.window != Window::kBSpline) {
     return {0, "no gradient: only the B-spline window is differentiable"};
   }
-  if (gradient_out.size() != samples_) return {0, "the gradient has another size than the samples"};
+  if (gradient_out.size() != sample_count_)
+    return {0, "the gradient has another size than the samples"};
   differentiate(which, histogram(moving), sensitivity_);
   if (sensitivity_.total > 0) gradient(sensitivity_, moving, gradient_out);
   return sensitivity_.estimate;
@@ -104,7 +105,8 @@ void PreparedHistogram::gradient(const Sensitivity& sensitivity, std::span<const
   const auto cells = static_cast<size_t>(options_.x.bins) * static_cast<size_t>(options_.y.bins);
   std::fill(gradient_out.begin(), gradient_out.end(), 0.0F);
   if (*reason_ || options_.window != Window::kBSpline || sensitivity.table.size() != cells ||
-      !(sensitivity.total > 0) || moving.size() != samples_ || gradient_out.size() != samples_) {
+      !(sensitivity.total > 0) || moving.size() != sample_count_ ||
+      gradient_out.size() != sample_count_) {
     return;
   }
   tile_.differentiate(sensitivity.table, 1 / sensitivity.total, moving, gradient_out);

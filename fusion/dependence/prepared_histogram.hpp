@@ -24,7 +24,7 @@ class PreparedHistogram {
                     std::span<const float> weights = {});
 
   /// How many samples the fixed side has; `moving` must have as many.
-  size_t samples() const { return samples_; }
+  size_t sample_count() const { return sample_count_; }
 
   /// The joint histogram with `moving`, in y's unit; see `kAbsent`. Valid until the next question.
   const JointHistogram& histogram(std::span<const float> moving);
@@ -46,14 +46,14 @@ class PreparedHistogram {
 
  private:
   /// Fills the histogram without a window.
-  void count(std::span<const float> moving);
+  void count_samples(std::span<const float> moving);
 
   JointHistogramOptions options_;
-  size_t samples_ = 0;
+  size_t sample_count_ = 0;
   const char* reason_ = "";
-  SplineTile tile_;             // for the B-spline window
-  std::vector<int32_t> row_;    // for the others: where the sample's row of the table begins
-  std::vector<float> weights_;  // for the others: empty or one a sample
+  SplineTile tile_;                 // for the B-spline window
+  std::vector<int32_t> row_begin_;  // for the others: where the sample's row of the table begins
+  std::vector<float> weights_;      // for the others: empty or one a sample
   JointHistogram histogram_;
   Sensitivity sensitivity_;
   std::vector<double> scratch_;

@@ -33,26 +33,26 @@ struct Folds {
 };
 
 /// Deals n samples to `count` folds, 1 <= count <= n.
-Folds deal_folds(int n, int count, Random& random);
+Folds make_folds(int n, int count, Random& random);
 
 /// The same into `folds`, which keeps its memory.
-void deal_folds(int n, int count, Random& random, Folds& folds);
+void make_folds(int n, int count, Random& random, Folds& folds);
 
 /// Static text that says why samples cannot be used, "" where they can: none, not finite (or
 /// beyond 1e100), all alike.
-const char* unusable(const Samples& samples);
+const char* check_samples(const Samples& samples);
 
 /// The same for samples that are to be fitted with `options`: those must be valid as well, and
 /// leave every fold a sample.
-const char* unusable(const Samples& samples, const FitOptions& options);
+const char* check_samples(const Samples& samples, const FitOptions& options);
 
 /// The same for the two sides of a dependence, which must be of one length.
-const char* unusable(const Samples& x, const Samples& y);
+const char* check_paired_samples(const Samples& x, const Samples& y);
 
 /// The same for labels 0 … label_count − 1 of n samples; label_count is 1 … 10000.
-const char* unusable(std::span<const int32_t> labels, Eigen::Index n, int label_count);
+const char* check_labels(std::span<const int32_t> labels, Eigen::Index n, int label_count);
 
 /// Row rows[i] of `samples` becomes row i of `out`.
-void take_rows(const Samples& samples, const std::vector<int>& rows, Eigen::MatrixXd& out);
+void gather_rows(const Samples& samples, const std::vector<int>& rows, Eigen::MatrixXd& out);
 
 }  // namespace infuse::dependence

@@ -50,8 +50,8 @@ Estimate entropy_spacing(std::span<const double> samples, const SpacingOptions& 
     if (!std::isfinite(x)) return {0, "a sample is not finite"};
   }
   const auto n = static_cast<int>(samples.size());
-  const int usual = std::min(static_cast<int>(std::lround(std::cbrt(n))), (n - 1) / 2);
-  const int m = options.m == 0 ? usual : options.m;
+  const int default_m = std::min(static_cast<int>(std::lround(std::cbrt(n))), (n - 1) / 2);
+  const int m = options.m == 0 ? default_m : options.m;
   if (m < 1 || 2 * m >= n) return {0, "the spacing m is not in 1 ... n/2"};
 
   std::vector<double> sorted(samples.begin(), samples.end());
@@ -75,8 +75,8 @@ Estimate entropy_nearest_neighbour(const Eigen::Ref<const Eigen::MatrixXd>& samp
   if (samples.rows() < 1) return {0, "samples have no dimension"};
   if (k < 1 || samples.cols() <= k) return {0, "k is not in 1 ... n - 1"};
   if (!samples.allFinite()) return {0, "a sample is not finite"};
-  constexpr double kLargest = 1e100;  // squared distances stay finite
-  if (samples.cwiseAbs().maxCoeff() > kLargest) return {0, "a sample is above 1e100"};
+  constexpr double kMaxMagnitude = 1e100;  // squared distances stay finite
+  if (samples.cwiseAbs().maxCoeff() > kMaxMagnitude) return {0, "a sample is above 1e100"};
 
   const ColumnPoints points{samples};
   const Tree tree(static_cast<int>(samples.rows()), points);

@@ -33,9 +33,9 @@ double tree_length(Eigen::MatrixXd points, double gamma) {
   return length;
 }
 
-constexpr Eigen::Index kMostSamples = 50000;
+constexpr Eigen::Index kMaxSamples = 50000;
 
-const char* unusable_options(const SpanningTreeOptions& options) {
+const char* check_options(const SpanningTreeOptions& options) {
   if (!(options.alpha > 0 && options.alpha < 1)) return "alpha is not inside (0, 1)";
   if (options.log_beta && !std::isfinite(*options.log_beta)) return "log_beta is not finite";
   if (options.calibration_sets < 1) return "no calibration sets";
@@ -45,8 +45,8 @@ const char* unusable_options(const SpanningTreeOptions& options) {
 }  // namespace
 
 double spanning_tree_log_beta(int dimensions, int samples, const SpanningTreeOptions& options) {
-  if (dimensions < 1 || samples < 2 || samples > kMostSamples) return 0;
-  if (*unusable_options(options)) return 0;
+  if (dimensions < 1 || samples < 2 || samples > kMaxSamples) return 0;
+  if (*check_options(options)) return 0;
   std::mt19937_64 random(options.seed);
   Eigen::MatrixXd points(dimensions, samples);
   double length = 0;
@@ -59,21 +59,21 @@ double spanning_tree_log_beta(int dimensions, int samples, const SpanningTreeOpt
 
 Estimate renyi_entropy_spanning_tree(const Eigen::Ref<const Eigen::MatrixXd>& samples,
                                      const SpanningTreeOptions& options) {
-  if (const char* reason = unusable_options(options); *reason) return {0, reason};
+  if (const char* reason = check_options(options); *reason) return {0, reason};
   if (samples.rows() < 1) return {0, "samples have no dimension"};
   if (samples.cols() < 2) return {0, "fewer than two samples"};
-  if (samples.cols() > kMostSamples) return {0, "more than 50 000 samples: draw a part of them"};
+  if (samples.cols() > kMaxSamples) return {0, "more than 50 000 samples: draw a part of them"};
   if (!samples.allFinite()) return {0, "a sample is not finite"};
-  constexpr double kLargest = 1e100;  // squared distances stay finite
-  if (samples.cwiseAbs().maxCoeff() > kLargest) return {0, "a sample is above 1e100"};
+  constexpr double kMaxMagnitude = 1e100;  // squared distances stay finite
+  if (samples.cwiseAbs().maxCoeff() > kMaxMagnitude) return {0, "a sample is above 1e100"};
 
   const double length =
       tree_length(samples, static_cast<double>(samples.rows()) * (1 - options.alpha));
   if (!(length > 0)) return {0, "all samples are equal"};
   if (!std::isfinite(length)) return {0, "the samples spread beyond the range of double"};
-  constexpr Eigen::Index kMostCalibrationSamples = 1000;
+  constexpr Eigen::Index kMaxCalibrationSamples = 1000;
   const auto dimensions = static_cast<int>(samples.rows());
-  const auto sizes = static_cast<int>(std::min(samples.cols(), kMostCalibrationSamples));
+  const auto sizes = static_cast<int>(std::min(samples.cols(), kMaxCalibrationSamples));
   const double log_beta =
       options.log_beta ? *options.log_beta : spanning_tree_log_beta(dimensions, sizes, options);
   const double log_n = std::log(static_cast<double>(samples.cols()));

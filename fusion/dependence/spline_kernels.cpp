@@ -14,7 +14,7 @@ using Int4 = int32_t __attribute__((vector_size(16)));
 Float4 broadcast(float value) { return Float4{value, value, value, value}; }
 
 /// Derivatives of the weights with respect to f; they sum to 0.
-Float4 slopes_at(float f) {
+Float4 spline_slopes(float f) {
   constexpr Float4 kSquare = {-0.5F, 1.5F, -1.5F, 0.5F}, kLinear = {1, -2, 1, 0},
                    kConstant = {-0.5F, 0, 0.5F, 0};
   const Float4 u = broadcast(f);
@@ -30,15 +30,15 @@ Float4 spline_weights(float f) {
   return ((kCubic * u + kSquare) * u + kLinear) * u + kConstant;
 }
 
-SplineSeen locate_samples(const float* moving, const int32_t* first_block, size_t count,
-                          const SplineAxis& axis, SplineChunk& chunk) {
-  static_assert(kSplineChunk % kLanes == 0);
+SplineChunkStats locate_samples(const float* moving, const int32_t* first_block, size_t count,
+                                const SplineAxis& axis, SplineChunk& chunk) {
+  static_assert(kSplineChunkSize % kLanes == 0);
   const int32_t last = static_cast<int32_t>(axis.intervals) - 1;
   const Float4 low = Float4{} + axis.low, scale = Float4{} + axis.scale,
                intervals = Float4{} + axis.intervals;
   const Int4 absent_block = Int4{} + axis.absent_block;
-  Int4 bad{}, present{}, greatest = Int4{} - 1;
-  Int4 least = Int4{} + std::numeric_limits<int32_t>::max();
+  Int4 invalid{}, present{}, max_place = Int4{} - 1;
+  Int4 min_place = Int4{} + std::numeric_limits<int32_t>::max();
   for (size_t i = 0; i < count; i += kLanes) {
     Float4 y = Float4{} + kAbsent;  // so that lanes beyond the end take no part
     Int4 first{};
@@ -62,22 +62,22 @@ SplineSeen locate_samples(const float* moving, const int32_t* first_block, size_
     std::memcpy(chunk.fraction + i, &fraction, sizeof fraction);
     std::memcpy(chunk.inside + i, &inside, sizeof inside);
     std::memcpy(chunk.block + i, &block, sizeof block);
-    bad -= ~(y > -kAbsent);
+    invalid -= ~(y > -kAbsent);
     present -= ~absent;
     Int4 bits;
     std::memcpy(&bits, &place, sizeof bits);
-    const Int4 lesser = ~absent & (bits < least), greater = ~absent & (bits > greatest);
-    least = lesser ? bits : least;
-    greatest = greater ? bits : greatest;
+    const Int4 lesser = ~absent & (bits < min_place), greater = ~absent & (bits > max_place);
+    min_place = lesser ? bits : min_place;
+    max_place = greater ? bits : max_place;
   }
-  SplineSeen seen;
+  SplineChunkStats stats;
   for (size_t lane = 0; lane < kLanes; ++lane) {
-    seen.bad += bad[lane];
-    seen.present += present[lane];
-    seen.least = std::min(seen.least, least[lane]);
-    seen.greatest = std::max(seen.greatest, greatest[lane]);
+    stats.invalid += invalid[lane];
+    stats.present += present[lane];
+    stats.min_place = std::min(stats.min_place, min_place[lane]);
+    stats.max_place = std::max(stats.max_place, max_place[lane]);
   }
-  return seen;
+  return stats;
 }
 
 void add_to_blocks(const SplineChunk& chunk, const Float4* weights, size_t count, Float4* blocks) {
@@ -98,7 +98,7 @@ void differentiate_blocks(const SplineChunk& chunk, const Float4* weights, size_
     const Float4* block = blocks + 4 * static_cast<size_t>(chunk.block[i]);
     const Float4 along_y = (broadcast(x[0]) * block[0] + broadcast(x[1]) * block[1]) +
                            (broadcast(x[2]) * block[2] + broadcast(x[3]) * block[3]);
-    const Float4 terms = along_y * slopes_at(chunk.fraction[i]);
+    const Float4 terms = along_y * spline_slopes(chunk.fraction[i]);
     gradient[i] = ((terms[0] + terms[2]) + (terms[1] + terms[3])) * (chunk.inside[i] * factor);
   }
 }

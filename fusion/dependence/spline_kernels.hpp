@@ -14,7 +14,7 @@ namespace infuse::dependence {
 using Float4 = float __attribute__((vector_size(16)));
 
 /// How many samples the kernels take at once, at most.
-inline constexpr size_t kSplineChunk = 1024;
+inline constexpr size_t kSplineChunkSize = 1024;
 
 /// The y axis in knot intervals.
 struct SplineAxis {
@@ -25,21 +25,21 @@ struct SplineAxis {
 
 /// Where the samples of a chunk lie along y.
 struct SplineChunk {
-  alignas(64) int32_t block[kSplineChunk];
-  alignas(64) float fraction[kSplineChunk];  ///< of the knot interval, 0 … 1
-  alignas(64) float inside[kSplineChunk];    ///< 1 where the sample moves the table, else 0
+  alignas(64) int32_t block[kSplineChunkSize];
+  alignas(64) float fraction[kSplineChunkSize];  ///< of the knot interval, 0 … 1
+  alignas(64) float inside[kSplineChunkSize];    ///< 1 where the sample moves the table, else 0
 };
 
 /// What the samples of a chunk are like.
-struct SplineSeen {
-  int32_t present = 0, bad = 0;  ///< counts; bad: not a number or −∞
+struct SplineChunkStats {
+  int32_t present = 0, invalid = 0;  ///< counts; bad: not a number or −∞
   /// Least and greatest place along y of those present, as bits: a float ≥ 0 sorts like them.
-  int32_t least = std::numeric_limits<int32_t>::max(), greatest = -1;
+  int32_t min_place = std::numeric_limits<int32_t>::max(), max_place = -1;
 };
 
 /// Bins `count` moving samples; `first_block` is where each one's row of blocks begins.
-SplineSeen locate_samples(const float* moving, const int32_t* first_block, size_t count,
-                          const SplineAxis& axis, SplineChunk& chunk);
+SplineChunkStats locate_samples(const float* moving, const int32_t* first_block, size_t count,
+                                const SplineAxis& axis, SplineChunk& chunk);
 
 /// Adds each sample's 4 × 4 products to its block of four rows.
 void add_to_blocks(const SplineChunk& chunk, const Float4* weights, size_t count, Float4* blocks);

@@ -5,7 +5,7 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr size_t kChunksPerFold = 8;  // float sums of at most 8192 samples
+constexpr size_t kChunksPerFlush = 8;  // float sums of at most 8192 samples
 
 }  // namespace
 
@@ -18,18 +18,18 @@ SplineTile::SplineTile(std::span<const float> fixed, std::span<const float> weig
       low_(static_cast<float>(options.y.low)),
       scale_(static_cast<float>(intervals_y_ / (options.y.high - options.y.low))) {
   const double scale = intervals_x_ / (options.x.high - options.x.low);
-  double least = intervals_x_, greatest = 0;
+  double min_place = intervals_x_, max_place = 0;
   for (size_t i = 0; i < fixed.size(); ++i) {
     const double t = std::clamp((static_cast<double>(fixed[i]) - options.x.low) * scale, 0.0,
                                 static_cast<double>(intervals_x_));
-    least = std::min(least, t);
-    greatest = std::max(greatest, t);
+    min_place = std::min(min_place, t);
+    max_place = std::max(max_place, t);
     const int32_t interval = std::min(static_cast<int32_t>(t), intervals_x_ - 1);
     weights_[i] =
         spline_weights(static_cast<float>(t - interval)) * (weights.empty() ? 1.0F : weights[i]);
     first_block_[i] = interval * intervals_y_;
   }
-  fixed_is_constant_ = !(least < greatest);
+  fixed_is_constant_ = !(min_place < max_place);
   blocks_.resize(4 * (static_cast<size_t>(intervals_x_) * static_cast<size_t>(intervals_y_) + 1));
 }
 
@@ -40,29 +40,29 @@ SplineAxis SplineTile::axis() const {
 void SplineTile::accumulate(std::span<const float> moving, JointHistogram& histogram) {
   std::fill(blocks_.begin(), blocks_.end(), Float4{});
   SplineChunk chunk;
-  SplineSeen all;
+  SplineChunkStats all;
   size_t chunks = 0;
-  for (size_t begin = 0; begin < moving.size(); begin += kSplineChunk) {
-    const size_t count = std::min(kSplineChunk, moving.size() - begin);
-    const SplineSeen seen =
+  for (size_t begin = 0; begin < moving.size(); begin += kSplineChunkSize) {
+    const size_t count = std::min(kSplineChunkSize, moving.size() - begin);
+    const SplineChunkStats stats =
         locate_samples(moving.data() + begin, first_block_.data() + begin, count, axis(), chunk);
-    if (seen.bad) {
+    if (stats.invalid) {
       histogram.reason = "a sample is not a number";
       return;
     }
-    all.least = std::min(all.least, seen.least);
-    all.greatest = std::max(all.greatest, seen.greatest);
-    histogram.samples += seen.present;
+    all.min_place = std::min(all.min_place, stats.min_place);
+    all.max_place = std::max(all.max_place, stats.max_place);
+    histogram.samples += stats.present;
     add_to_blocks(chunk, weights_.data() + begin, count, blocks_.data());
-    if (++chunks % kChunksPerFold == 0) fold(histogram);
+    if (++chunks % kChunksPerFlush == 0) flush_blocks(histogram);
   }
-  fold(histogram);
-  summarise(histogram);
-  const bool constant = fixed_is_constant_ || all.least == all.greatest;
+  flush_blocks(histogram);
+  update_total(histogram);
+  const bool constant = fixed_is_constant_ || all.min_place == all.max_place;
   if (histogram.usable() && constant) histogram.reason = kConstantSide;
 }
 
-void SplineTile::fold(JointHistogram& histogram) {
+void SplineTile::flush_blocks(JointHistogram& histogram) {
   const auto bins_y = static_cast<size_t>(histogram.bins_y);
   Float4* block = blocks_.data();
   for (int32_t x = 0; x < intervals_x_; ++x) {
@@ -96,8 +96,8 @@ void SplineTile::differentiate(std::span<const double> table, double scale,
 
   const auto factor = static_cast<float>(scale * static_cast<double>(scale_));
   SplineChunk chunk;
-  for (size_t begin = 0; begin < moving.size(); begin += kSplineChunk) {
-    const size_t count = std::min(kSplineChunk, moving.size() - begin);
+  for (size_t begin = 0; begin < moving.size(); begin += kSplineChunkSize) {
+    const size_t count = std::min(kSplineChunkSize, moving.size() - begin);
     locate_samples(moving.data() + begin, first_block_.data() + begin, count, axis(), chunk);
     differentiate_blocks(chunk, weights_.data() + begin, count, blocks_.data(), factor,
                          gradient.data() + begin);

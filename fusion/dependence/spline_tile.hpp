@@ -31,7 +31,7 @@ class SplineTile {
                      std::span<float> gradient);
 
  private:
-  void fold(JointHistogram& histogram);
+  void flush_blocks(JointHistogram& histogram);
 
   SplineAxis axis() const;
 

@@ -12,7 +12,7 @@ using Distortion = std::array<double, 5>;
 
 /// 1 + k1 s + k2 s² + k3 s³ (+ k4 s⁴): what a radius (pinhole, s = r²) or an angle (fisheye, s =
 /// θ²) is multiplied with.
-double stretch(const CameraIntrinsics& camera, double s) {
+double radial_factor(const CameraIntrinsics& camera, double s) {
   const Distortion& k = camera.distortion;
   if (camera.model == CameraIntrinsics::Model::kPinhole) {
     return 1 + s * (k[0] + s * (k[1] + s * k[4]));
@@ -21,7 +21,7 @@ double stretch(const CameraIntrinsics& camera, double s) {
 }
 
 /// d(x · stretch(x²)) / dx at s = x².
-double slope(const CameraIntrinsics& camera, double s) {
+double radial_derivative(const CameraIntrinsics& camera, double s) {
   const Distortion& k = camera.distortion;
   if (camera.model == CameraIntrinsics::Model::kPinhole) {
     return 1 + s * (3 * k[0] + s * (5 * k[1] + s * 7 * k[4]));
@@ -30,12 +30,13 @@ double slope(const CameraIntrinsics& camera, double s) {
 }
 
 /// The x in 0 … top with x · stretch(x²) = value, by bisection: it rises there.
-std::optional<double> undistort(const CameraIntrinsics& camera, double value, double top) {
-  if (value > top * stretch(camera, top * top)) return std::nullopt;
-  double low = 0, high = top;
+std::optional<double> undistort_radius(const CameraIntrinsics& camera, double value,
+                                       double max_radius) {
+  if (value > max_radius * radial_factor(camera, max_radius * max_radius)) return std::nullopt;
+  double low = 0, high = max_radius;
   for (int i = 0; i < 80 && high - low > 1e-16 * high; ++i) {
     const double middle = 0.5 * (low + high);
-    (middle * stretch(camera, middle * middle) < value ? low : high) = middle;
+    (middle * radial_factor(camera, middle * middle) < value ? low : high) = middle;
   }
   return 0.5 * (low + high);
 }
@@ -45,7 +46,7 @@ Eigen::Vector2d distort(const CameraIntrinsics& camera, double a, double b,
                         Eigen::Matrix2d* derivative) {
   const double p1 = camera.distortion[2], p2 = camera.distortion[3];
   const double s = a * a + b * b;
-  const double g = stretch(camera, s);
+  const double g = radial_factor(camera, s);
   if (derivative != nullptr) {
     const Distortion& k = camera.distortion;
     const double dg = k[0] + s * (2 * k[1] + s * 3 * k[4]);  // by s
@@ -61,13 +62,13 @@ Eigen::Vector2d distort(const CameraIntrinsics& camera, double a, double b,
 
 CameraModel::CameraModel(const CameraIntrinsics& intrinsics) : intrinsics_(intrinsics) {
   const bool pinhole = intrinsics.model == CameraIntrinsics::Model::kPinhole;
-  const double widest = pinhole ? 89.5 / 180 * std::numbers::pi : std::numbers::pi;
+  const double max_angle = pinhole ? 89.5 / 180 * std::numbers::pi : std::numbers::pi;
   constexpr int kSteps = 4000;
   double last = 0;
   for (int i = 1; i <= kSteps; ++i) {
-    const double angle = widest * i / kSteps;
+    const double angle = max_angle * i / kSteps;
     const double x = pinhole ? std::tan(angle) : angle;
-    if (!(slope(intrinsics_, x * x) > 0)) break;
+    if (!(radial_derivative(intrinsics_, x * x) > 0)) break;
     last = x;
   }
   limit_ = pinhole ? last * last : last;
@@ -85,7 +86,7 @@ std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& point
     const double radius = std::hypot(point.x(), point.y());
     const double angle = std::atan2(radius, point.z());
     if (!(angle <= limit_) || !(radius + std::abs(point.z()) > 0)) return std::nullopt;
-    const double g = stretch(c, angle * angle);
+    const double g = radial_factor(c, angle * angle);
     // On the axis angle / radius is 1 / z.
     const double per_metre = radius > 1e-9 * std::abs(point.z()) ? angle / radius : 1 / point.z();
     distorted = g * per_metre * point.head<2>();
@@ -113,8 +114,8 @@ std::optional<ProjectionDerivatives> CameraModel::project_with_derivatives(
       J << 1 / point.z(), 0, 0, 0, 1 / point.z(), 0;
     } else {
       const double angle = std::atan2(radius, point.z());
-      const double distorted = angle * stretch(c, angle * angle);
-      const double by_angle = slope(c, angle * angle);
+      const double distorted = angle * radial_factor(c, angle * angle);
+      const double by_angle = radial_derivative(c, angle * angle);
       const Eigen::Vector2d unit = point.head<2>() / radius;
       // The angle turns with the radius at z / |p|², with z at −radius / |p|².
       J.leftCols<2>() =
@@ -143,23 +144,24 @@ std::optional<Eigen::Vector3d> CameraModel::unproject(const Eigen::Vector2d& pix
 
 std::optional<Eigen::Vector3d> CameraModel::unproject_pinhole(
     const Eigen::Vector2d& distorted) const {
-  const double top = std::sqrt(limit_);
+  const double max_radius = std::sqrt(limit_);
   const double radius = distorted.norm();
   // Start from the answer without tangential distortion, then Newton's method.
-  const auto start =
-      undistort(intrinsics_, std::min(radius, top * stretch(intrinsics_, limit_)), top);
-  if (!start) return std::nullopt;
-  Eigen::Vector2d at = radius > 0 ? Eigen::Vector2d(distorted * (*start / radius)) : distorted;
+  const auto initial_radius = undistort_radius(
+      intrinsics_, std::min(radius, max_radius * radial_factor(intrinsics_, limit_)), max_radius);
+  if (!initial_radius) return std::nullopt;
+  Eigen::Vector2d at =
+      radius > 0 ? Eigen::Vector2d(distorted * (*initial_radius / radius)) : distorted;
   const double tolerance = 1e-9 / std::max(intrinsics_.fx, intrinsics_.fy);
   for (int i = 0; i < 20; ++i) {
     Eigen::Matrix2d derivative;
-    const Eigen::Vector2d miss = distort(intrinsics_, at.x(), at.y(), &derivative) - distorted;
-    if (!miss.allFinite()) return std::nullopt;
-    if (miss.norm() <= tolerance * (1 + radius)) {
+    const Eigen::Vector2d residual = distort(intrinsics_, at.x(), at.y(), &derivative) - distorted;
+    if (!residual.allFinite()) return std::nullopt;
+    if (residual.norm() <= tolerance * (1 + radius)) {
       if (at.squaredNorm() > limit_ * (1 + 1e-9)) return std::nullopt;
       return Eigen::Vector3d(at.x(), at.y(), 1).normalized();
     }
-    at -= derivative.inverse() * miss;
+    at -= derivative.inverse() * residual;
   }
   return std::nullopt;
 }
@@ -167,7 +169,7 @@ std::optional<Eigen::Vector3d> CameraModel::unproject_pinhole(
 std::optional<Eigen::Vector3d> CameraModel::unproject_fisheye(
     const Eigen::Vector2d& distorted) const {
   const double radius = distorted.norm();
-  const auto angle = undistort(intrinsics_, radius, limit_);
+  const auto angle = undistort_radius(intrinsics_, radius, limit_);
   if (!angle) return std::nullopt;
   if (radius == 0) return Eigen::Vector3d(0, 0, 1);
   const double sine = std::sin(*angle);
@@ -175,7 +177,7 @@ std::optional<Eigen::Vector3d> CameraModel::unproject_fisheye(
                          std::cos(*angle));
 }
 
-bool CameraModel::in_picture(const Eigen::Vector2d& pixel) const {
+bool CameraModel::in_image(const Eigen::Vector2d& pixel) const {
   return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < intrinsics_.width - 0.5 &&
          pixel.y() < intrinsics_.height - 0.5;
 }

@@ -41,7 +41,7 @@ class CameraModel {
   std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;
 
   /// The pixel lies in the picture: within half a pixel of a pixel's centre.
-  bool in_picture(const Eigen::Vector2d& pixel) const;
+  bool in_image(const Eigen::Vector2d& pixel) const;
 
  private:
   std::optional<Eigen::Vector3d> unproject_pinhole(const Eigen::Vector2d& distorted) const;

@@ -15,11 +15,11 @@ struct ExtrinsicError {
                                       ///< rotation between them and the difference of their
                                       ///< translations, about and along the camera's axes
   double pixels = 0;  ///< mean distance between where the two put the same point, over a grid
-                      ///< of the picture at `kDepths`
+                      ///< of the picture at `kComparisonDepths`
 };
 
 /// The distances at which pixels are compared, m.
-inline constexpr std::array<double, 3> kDepths{5, 15, 45};
+inline constexpr std::array<double, 3> kComparisonDepths{5, 15, 45};
 
 /// Compares two extrinsics T_camera_lidar of one camera.
 ExtrinsicError extrinsic_error(const Eigen::Isometry3d& T_camera_lidar_estimate,

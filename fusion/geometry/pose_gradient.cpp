@@ -17,7 +17,7 @@ struct Pinhole {
   float fx, fy, k1, k2, p1, p2, k3;
 };
 
-Pinhole pinhole(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d& T) {
+Pinhole make_pinhole(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d& T) {
   Pinhole out{};
   for (int i = 0; i < 9; ++i) out.R[i] = static_cast<float>(T.linear()(i / 3, i % 3));
   for (int i = 0; i < 3; ++i) out.t[i] = static_cast<float>(T.translation()(i));
@@ -35,12 +35,13 @@ Pinhole pinhole(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d& T) 
 /// Six sums a lane: a fixed number of lanes, so that the order of summation is the same everywhere.
 using Sums = std::array<std::array<float, kLanes>, 6>;
 
-constexpr float kNearest = 0.01F;  // m before the camera: nothing is seen nearer
+constexpr float kMinDepth = 0.01F;  // m before the camera: nothing is seen nearer
 
-INFUSE_SIMD_CLONES void add_points(const Pinhole c, const float* __restrict x,
-                                   const float* __restrict y, const float* __restrict z,
-                                   const float* __restrict by_u, const float* __restrict by_v,
-                                   size_t groups, Sums& __restrict sums) {
+INFUSE_SIMD_CLONES void add_point_gradients(const Pinhole c, const float* __restrict x,
+                                            const float* __restrict y, const float* __restrict z,
+                                            const float* __restrict by_u,
+                                            const float* __restrict by_v, size_t groups,
+                                            Sums& __restrict sums) {
   for (size_t g = 0; g < groups; ++g) {
     for (size_t lane = 0; lane < kLanes; ++lane) {
       const size_t i = g * kLanes + lane;
@@ -48,7 +49,7 @@ INFUSE_SIMD_CLONES void add_points(const Pinhole c, const float* __restrict x,
       const float py = c.R[3] * x[i] + c.R[4] * y[i] + c.R[5] * z[i] + c.t[1];
       const float pz = c.R[6] * x[i] + c.R[7] * y[i] + c.R[8] * z[i] + c.t[2];
       // Points that are not seen pull by nothing: what stands beside that nothing must be finite.
-      const float inverse = 1 / (pz > kNearest ? pz : kNearest);
+      const float inverse = 1 / (pz > kMinDepth ? pz : kMinDepth);
       const float a = px * inverse;
       const float b = py * inverse;
       const float r2 = a * a + b * b;
@@ -73,8 +74,8 @@ INFUSE_SIMD_CLONES void add_points(const Pinhole c, const float* __restrict x,
 }
 
 /// One point by `project_with_derivatives`.
-Vector6 one_point(const CameraModel& camera, const Eigen::Isometry3d& T, const PointsView& points,
-                  float by_u, float by_v, size_t i) {
+Vector6 point_gradient(const CameraModel& camera, const Eigen::Isometry3d& T,
+                       const PointsView& points, float by_u, float by_v, size_t i) {
   if (by_u == 0 && by_v == 0) return Vector6::Zero();
   const Eigen::Vector3d point(points.x[i], points.y[i], points.z[i]);
   const auto derivatives = camera.project_with_derivatives(T * point);
@@ -90,14 +91,14 @@ Vector6 pose_gradient(const CameraModel& camera, const Eigen::Isometry3d& T_came
   Vector6 gradient = Vector6::Zero();
   size_t done = 0;
   if (camera.intrinsics().model == CameraIntrinsics::Model::kPinhole) {
-    const Pinhole constants = pinhole(camera.intrinsics(), T_camera_lidar);
-    constexpr size_t kBatch = 64;  // groups whose sums stay in single precision
+    const Pinhole constants = make_pinhole(camera.intrinsics(), T_camera_lidar);
+    constexpr size_t kGroupsPerBatch = 64;  // groups whose sums stay in single precision
     const size_t groups = points.x.size() / kLanes;
-    for (size_t first = 0; first < groups; first += kBatch) {
+    for (size_t first = 0; first < groups; first += kGroupsPerBatch) {
       Sums sums{};
       const size_t at = first * kLanes;
-      add_points(constants, &points.x[at], &points.y[at], &points.z[at], &by_u[at], &by_v[at],
-                 std::min(kBatch, groups - first), sums);
+      add_point_gradients(constants, &points.x[at], &points.y[at], &points.z[at], &by_u[at],
+                          &by_v[at], std::min(kGroupsPerBatch, groups - first), sums);
       for (int k = 0; k < 6; ++k) {
         for (const float sum : sums[static_cast<size_t>(k)]) gradient(k) += sum;
       }
@@ -105,7 +106,7 @@ Vector6 pose_gradient(const CameraModel& camera, const Eigen::Isometry3d& T_came
     done = groups * kLanes;
   }
   for (size_t i = done; i < points.x.size(); ++i) {
-    gradient += one_point(camera, T_camera_lidar, points, by_u[i], by_v[i], i);
+    gradient += point_gradient(camera, T_camera_lidar, points, by_u[i], by_v[i], i);
   }
   return gradient;
 }

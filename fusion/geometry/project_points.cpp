@@ -15,7 +15,7 @@ struct Constants {
   float k[5];
 };
 
-Constants constants(const CameraModel& camera, const Eigen::Isometry3d& T) {
+Constants make_constants(const CameraModel& camera, const Eigen::Isometry3d& T) {
   Constants c{};
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
@@ -67,27 +67,27 @@ void project_fisheye(const Constants c, const float* __restrict x, const float* 
     const float pz = c.R[6] * x[n] + c.R[7] * y[n] + c.R[8] * z[n] + c.t[2];
     const float radius = std::sqrt(px * px + py * py);
     // atan2(radius, pz): reduced to 0 … tan(π/8), then the Cephes library's polynomial.
-    const float far = pz < 0.0f ? -pz : pz;
-    const float least = radius < far ? radius : far, most = radius < far ? far : radius;
-    const float ratio = least / most;
-    const float turned = (ratio - 1.0f) / (ratio + 1.0f);
+    const float abs_z = pz < 0.0f ? -pz : pz;
+    const float smaller = radius < abs_z ? radius : abs_z, larger = radius < abs_z ? abs_z : radius;
+    const float ratio = smaller / larger;
+    const float reduced = (ratio - 1.0f) / (ratio + 1.0f);
     const bool upper = ratio > 0.414213562f;
-    const float q = upper ? turned : ratio;
+    const float q = upper ? reduced : ratio;
     const float s = q * q;
     const float p = (((8.05374449538e-2f * s - 1.38776856032e-1f) * s + 1.99777106478e-1f) * s -
                      3.33329491539e-1f) *
                         s * q +
                     q;
     const float eighth = upper ? kQuarterPi + p : p;
-    const float quarter = radius > far ? kHalfPi - eighth : eighth;
+    const float quarter = radius > abs_z ? kHalfPi - eighth : eighth;
     const float angle = pz < 0.0f ? kPi - quarter : quarter;
 
     const float t = angle * angle;
     const float g = 1.0f + t * (c.k[0] + t * (c.k[1] + t * (c.k[2] + t * c.k[3])));
     const float off_axis = angle / radius, on_axis = 1.0f / pz;
-    const float per_metre = radius > 1e-6f * far ? off_axis : on_axis;
+    const float per_metre = radius > 1e-6f * abs_z ? off_axis : on_axis;
     const float scale = g * per_metre;
-    const bool seen = (angle <= c.limit) & (most > 0.0f);
+    const bool seen = (angle <= c.limit) & (larger > 0.0f);
     u[n] = seen ? c.fx * scale * px + c.cx : kNaN;
     v[n] = seen ? c.fy * scale * py + c.cy : kNaN;
     depth[n] = pz;
@@ -98,7 +98,7 @@ void project_fisheye(const Constants c, const float* __restrict x, const float* 
 
 void project_points(const CameraModel& camera, const Eigen::Isometry3d& T_camera_lidar,
                     const PointsView& points, const PixelsView& pixels) {
-  const Constants c = constants(camera, T_camera_lidar);
+  const Constants c = make_constants(camera, T_camera_lidar);
   const auto project = camera.intrinsics().model == CameraIntrinsics::Model::kPinhole
                            ? project_pinhole
                            : project_fisheye;

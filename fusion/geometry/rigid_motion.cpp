@@ -15,9 +15,9 @@ struct Coefficients {
   double e;  ///< (2θ − 3 sin θ + θ cos θ) / 2θ⁵
 
   explicit Coefficients(double squared) {
-    constexpr double kSeriesBelow = 1e-2;
+    constexpr double kMaxSeriesAngleSquared = 1e-2;
     const double s = squared;
-    if (s < kSeriesBelow) {
+    if (s < kMaxSeriesAngleSquared) {
       a = 1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72)));
       b = 0.5 * (1 - s / 12 * (1 - s / 30 * (1 - s / 56 * (1 - s / 90))));
       c = 1.0 / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110))));

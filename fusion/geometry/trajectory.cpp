@@ -6,10 +6,10 @@
 namespace infuse::geometry {
 namespace {
 
-constexpr const char* kEmpty = "no pose is known";
-constexpr const char* kBefore = "the time lies before the first pose";
-constexpr const char* kAfter = "the time lies after the last pose";
-constexpr const char* kGap = "the poses around the time are too far apart";
+constexpr const char* kReasonEmpty = "no pose is known";
+constexpr const char* kReasonBeforeFirst = "the time lies before the first pose";
+constexpr const char* kReasonAfterLast = "the time lies after the last pose";
+constexpr const char* kReasonGap = "the poses around the time are too far apart";
 
 /// The nearest covariance: a difference of two may have lost its sign by rounding or by what was
 /// learned in between.
@@ -63,33 +63,34 @@ size_t Trajectory::index_at_or_after(Stamp stamp) const {
 }
 
 PoseAt Trajectory::at(Stamp stamp) const {
-  if (size_ == 0) return {.reason = kEmpty};
+  if (size_ == 0) return {.reason = kReasonEmpty};
   const size_t after = index_at_or_after(stamp);
   if (after == size_) return extrapolate(stamp);
   const StampedPose& b = (*this)[after];
-  if (b.stamp == stamp) return {b.T_map_vehicle, b.covariance, ""};
-  if (after == 0) return {.reason = kBefore};
+  if (b.stamp == stamp) return {b.T_odom_vehicle, b.covariance, ""};
+  if (after == 0) return {.reason = kReasonBeforeFirst};
   const StampedPose& a = (*this)[after - 1];
-  if (b.stamp - a.stamp > options_.max_gap) return {.reason = kGap};
+  if (b.stamp - a.stamp > options_.max_gap) return {.reason = kReasonGap};
   const double u = to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
-  return {interpolate(a.T_map_vehicle, b.T_map_vehicle, u),
+  return {interpolate(a.T_odom_vehicle, b.T_odom_vehicle, u),
           (1 - u) * a.covariance + u * b.covariance, ""};
 }
 
 PoseAt Trajectory::extrapolate(Stamp stamp) const {
   const StampedPose& last = (*this)[size_ - 1];
-  if (size_ < 2 || stamp - last.stamp > options_.max_extrapolation) return {.reason = kAfter};
+  if (size_ < 2 || stamp - last.stamp > options_.max_extrapolation)
+    return {.reason = kReasonAfterLast};
   const StampedPose& previous = (*this)[size_ - 2];
-  if (last.stamp - previous.stamp > options_.max_gap) return {.reason = kAfter};
+  if (last.stamp - previous.stamp > options_.max_gap) return {.reason = kReasonAfterLast};
   const double ahead = to_seconds(stamp - last.stamp);
   const double u = 1 + ahead / to_seconds(last.stamp - previous.stamp);
   Vector6 growth;
   growth << Eigen::Vector3d::Constant(std::pow(options_.rotation_growth, 2) * ahead),
       Eigen::Vector3d::Constant(std::pow(options_.translation_growth, 2) * ahead);
   PoseAt result;
-  result.T_map_vehicle = interpolate(previous.T_map_vehicle, last.T_map_vehicle, u);
+  result.T_odom_vehicle = interpolate(previous.T_odom_vehicle, last.T_odom_vehicle, u);
   result.covariance =
-      last.covariance + transform_covariance(result.T_map_vehicle, growth.asDiagonal());
+      last.covariance + transform_covariance(result.T_odom_vehicle, growth.asDiagonal());
   return result;
 }
 
@@ -98,24 +99,24 @@ MotionBetween Trajectory::between(Stamp from, Stamp to) const {
   MotionBetween motion;
   motion.reason = !a.usable()   ? a.reason
                   : !b.usable() ? b.reason
-                                : uncovered(std::min(from, to), std::max(from, to));
+                                : uncovered_reason(std::min(from, to), std::max(from, to));
   if (!motion.usable()) return motion;
-  const Eigen::Isometry3d T_from_map = a.T_map_vehicle.inverse();
-  motion.T_from_to = T_from_map * b.T_map_vehicle;
+  const Eigen::Isometry3d T_from_odom = a.T_odom_vehicle.inverse();
+  motion.T_from_to = T_from_odom * b.T_odom_vehicle;
   const Matrix6 growth =
       from <= to ? Matrix6(b.covariance - a.covariance) : Matrix6(a.covariance - b.covariance);
-  motion.covariance = positive_part(transform_covariance(T_from_map, growth));
+  motion.covariance = positive_part(transform_covariance(T_from_odom, growth));
   return motion;
 }
 
-const char* Trajectory::uncovered(Stamp from, Stamp to) const {
-  if (size_ == 0) return kEmpty;
-  if (from < (*this)[0].stamp) return kBefore;
+const char* Trajectory::uncovered_reason(Stamp from, Stamp to) const {
+  if (size_ == 0) return kReasonEmpty;
+  if (from < (*this)[0].stamp) return kReasonBeforeFirst;
   if (const PoseAt end = at(to); !end.usable()) return end.reason;
   for (size_t i = index_at_or_after(from); i < size_; ++i) {
     if (i > 0 && (*this)[i].stamp > from &&
         (*this)[i].stamp - (*this)[i - 1].stamp > options_.max_gap) {
-      return kGap;
+      return kReasonGap;
     }
     if ((*this)[i].stamp >= to) break;
   }

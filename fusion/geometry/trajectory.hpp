@@ -12,7 +12,7 @@ namespace infuse::geometry {
 /// Where the vehicle was at one moment.
 struct StampedPose {
   Stamp stamp;
-  Eigen::Isometry3d T_map_vehicle = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
   Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, map frame
 };
 
@@ -31,7 +31,7 @@ struct TrajectoryOptions {
 
 /// A pose asked of a trajectory, or why there is none.
 struct PoseAt {
-  Eigen::Isometry3d T_map_vehicle = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
   Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, map frame
   const char* reason = "";               ///< static text; empty when the pose can be used
 
@@ -76,7 +76,7 @@ class Trajectory {
 
   /// Why some of the span from one time to a later one is not covered, static text; empty where all
   /// of it is.
-  const char* uncovered(Stamp from, Stamp to) const;
+  const char* uncovered_reason(Stamp from, Stamp to) const;
 
   /// The first pose that is not before the stamp; size() where there is none.
   size_t index_at_or_after(Stamp stamp) const;

@@ -6,10 +6,10 @@
 namespace infuse::motion {
 namespace {
 
-constexpr size_t kWaiting = 512;                    // samples that wait for earlier ones, at most
-constexpr Duration kLongestStep{50'000'000};        // of one prediction
-constexpr Duration kLeap{2'000'000'000};            // between stamps: one alone is not believed
-constexpr Duration kSteeringInterval{100'000'000};  // its errors last: more samples tell no more
+constexpr size_t kMaxPendingSamples = 512;          // samples that wait for earlier ones, at most
+constexpr Duration kMaxPredictionStep{50'000'000};  // of one prediction
+constexpr Duration kMaxStampJump{2'000'000'000};    // between stamps: one alone is not believed
+constexpr Duration kMinSteeringInterval{100'000'000};  // its errors last: more samples tell no more
 
 template <class Range>
 bool any_finite(const Range& values) {
@@ -21,19 +21,19 @@ bool any_finite(const Range& values) {
 OdometryFilter::OdometryFilter(const OdometryOptions& options,
                                const geometry::TrajectoryOptions& trajectory)
     : options_(options), state_(options), trajectory_(trajectory) {
-  waiting_.reserve(kWaiting);
+  pending_.reserve(kMaxPendingSamples);
 }
 
-void OdometryFilter::set_pose(const Eigen::Isometry3d& T_map_vehicle,
+void OdometryFilter::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
                               const geometry::Matrix6& covariance) {
-  state_.set_pose(T_map_vehicle, covariance);
+  state_.set_pose(T_odom_vehicle, covariance);
   trajectory_.clear();
 }
 
 void OdometryFilter::add(const WheelOdometry& sample) {
   if (!any_finite(sample.wheel_speed) && !std::isfinite(sample.yaw_rate) &&
       !std::isfinite(sample.steering_angle)) {
-    ++senseless_;
+    ++invalid_samples_;
     return;
   }
   insert(sample.stamp - options_.wheel_delay, sample);
@@ -41,113 +41,120 @@ void OdometryFilter::add(const WheelOdometry& sample) {
 
 void OdometryFilter::add(const ImuSample& sample) {
   if (!any_finite(sample.angular_velocity) && !any_finite(sample.linear_acceleration)) {
-    ++senseless_;
+    ++invalid_samples_;
     return;
   }
   insert(sample.stamp - options_.imu_delay, sample);
 }
 
-void OdometryFilter::add(const GpsFix& fix) { insert(fix.stamp - options_.gps_delay, fix); }
+void OdometryFilter::add(const GnssFix& fix) { insert(fix.stamp - options_.gnss_delay, fix); }
 
 void OdometryFilter::insert(Stamp stamp, const Sample& sample) {
-  if (!waiting_.empty() || now_ != Stamp::earliest()) {
-    const auto leaps = [&](Stamp from) { return stamp - from > kLeap || from - stamp > kLeap; };
-    if (leaps(newest_)) {
+  if (!pending_.empty() || now_ != Stamp::earliest()) {
+    const auto jumps = [&](Stamp from) {
+      return stamp - from > kMaxStampJump || from - stamp > kMaxStampJump;
+    };
+    if (jumps(newest_stamp_)) {
       // One stamp may be wrong; two that agree are a pause, or a clock that was set.
-      const bool confirmed = leap_ && !leaps(*leap_);
-      leap_ = stamp;
+      const bool confirmed = jumped_stamp_ && !jumps(*jumped_stamp_);
+      jumped_stamp_ = stamp;
       if (!confirmed) {
-        ++senseless_;
+        ++invalid_samples_;
         return;
       }
-      if (stamp < newest_) restart_clock();
+      if (stamp < newest_stamp_) reset_clock();
     }
-    leap_.reset();
+    jumped_stamp_.reset();
   }
   if (stamp < now_) {
     ++late_;
     return;
   }
-  if (waiting_.size() == kWaiting) work_off(waiting_.front().stamp);
-  const auto at =
-      std::upper_bound(waiting_.begin(), waiting_.end(), stamp,
-                       [](Stamp value, const Waiting& waiting) { return value < waiting.stamp; });
-  waiting_.insert(at, Waiting{stamp, sample});
-  newest_ = std::max(newest_, stamp);
-  work_off(newest_ - options_.reorder);
+  if (pending_.size() == kMaxPendingSamples) process_until(pending_.front().stamp);
+  const auto at = std::upper_bound(
+      pending_.begin(), pending_.end(), stamp,
+      [](Stamp value, const PendingSample& pending) { return value < pending.stamp; });
+  pending_.insert(at, PendingSample{stamp, sample});
+  newest_stamp_ = std::max(newest_stamp_, stamp);
+  process_until(newest_stamp_ - options_.reorder);
 }
 
-void OdometryFilter::restart_clock() {
-  waiting_.clear();
+void OdometryFilter::reset_clock() {
+  pending_.clear();
   trajectory_.clear();
-  state_.lose_motion(to_seconds(options_.max_silence));
-  now_ = newest_ = last_speed_ = last_rotation_ = last_steering_ = Stamp::earliest();
+  state_.reset_motion(to_seconds(options_.max_silence));
+  now_ = newest_stamp_ = last_speed_stamp_ = last_rotation_stamp_ = last_steering_stamp_ =
+      Stamp::earliest();
   at_rest_since_ = Stamp::latest();
 }
 
-void OdometryFilter::flush() { work_off(Stamp::latest()); }
+void OdometryFilter::flush() { process_until(Stamp::latest()); }
 
-void OdometryFilter::work_off(Stamp until) {
+void OdometryFilter::process_until(Stamp until) {
   size_t done = 0;
-  while (done < waiting_.size() && waiting_[done].stamp <= until) process(waiting_[done++]);
-  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(done));
+  while (done < pending_.size() && pending_[done].stamp <= until) process(pending_[done++]);
+  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
 }
 
-void OdometryFilter::process(const Waiting& waiting) {
-  if (now_ == Stamp::earliest()) now_ = waiting.stamp;
-  Duration ahead = waiting.stamp - now_;
+void OdometryFilter::process(const PendingSample& pending) {
+  if (now_ == Stamp::earliest()) now_ = pending.stamp;
+  Duration ahead = pending.stamp - now_;
   if (ahead > options_.max_silence) {
-    state_.lose_motion(to_seconds(ahead));
-    last_speed_ = last_rotation_ = Stamp::earliest();
+    state_.reset_motion(to_seconds(ahead));
+    last_speed_stamp_ = last_rotation_stamp_ = Stamp::earliest();
     at_rest_since_ = Stamp::latest();
   } else {
-    for (; ahead > kLongestStep; ahead -= kLongestStep) state_.predict(to_seconds(kLongestStep));
+    for (; ahead > kMaxPredictionStep; ahead -= kMaxPredictionStep)
+      state_.predict(to_seconds(kMaxPredictionStep));
     state_.predict(to_seconds(ahead));
   }
-  now_ = waiting.stamp;
-  std::visit([this](const auto& sample) { use(sample); }, waiting.sample);
+  now_ = pending.stamp;
+  std::visit([this](const auto& sample) { update(sample); }, pending.sample);
   extend_trajectory();
 }
 
-void OdometryFilter::use(const WheelOdometry& sample) {
-  watch_standstill(sample);
+void OdometryFilter::update(const WheelOdometry& sample) {
+  detect_standstill(sample);
   if (any_finite(sample.wheel_speed)) {
-    const int agreed = state_.update_wheels(sample);
-    heed(agreed >= 1, last_speed_, &OdometryState::loosen_speed);
+    const int accepted = state_.update_wheels(sample);
+    handle_gate_result(accepted >= 1, last_speed_stamp_, &OdometryState::reset_speed_covariance);
   }
   if (std::isfinite(sample.yaw_rate)) {
-    heed(state_.update_yaw_rate(sample.yaw_rate), last_rotation_, &OdometryState::loosen_rotation);
+    handle_gate_result(state_.update_yaw_rate(sample.yaw_rate), last_rotation_stamp_,
+                       &OdometryState::reset_rotation_covariance);
   }
-  if (std::isfinite(sample.steering_angle) && now_ - last_steering_ >= kSteeringInterval) {
-    if (state_.update_steering(sample.steering_angle)) last_steering_ = now_;
+  if (std::isfinite(sample.steering_angle) && now_ - last_steering_stamp_ >= kMinSteeringInterval) {
+    if (state_.update_steering(sample.steering_angle)) last_steering_stamp_ = now_;
   }
 }
 
-void OdometryFilter::use(const ImuSample& sample) {
+void OdometryFilter::update(const ImuSample& sample) {
   const bool whole =
       options_.planar ? std::isfinite(sample.angular_velocity[2])
                       : std::all_of(sample.angular_velocity.begin(), sample.angular_velocity.end(),
                                     [](double v) { return std::isfinite(v); });
   if (whole) {
-    heed(state_.update_gyro(sample), last_rotation_, &OdometryState::loosen_rotation);
+    handle_gate_result(state_.update_gyro(sample), last_rotation_stamp_,
+                       &OdometryState::reset_rotation_covariance);
   }
   if (any_finite(sample.linear_acceleration)) state_.update_gravity(sample);
 }
 
-void OdometryFilter::use(const GpsFix& fix) { state_.update_gps(fix); }
+void OdometryFilter::update(const GnssFix& fix) { state_.update_gnss(fix); }
 
-void OdometryFilter::heed(bool agreed, Stamp& last_agreed, void (OdometryState::*loosen)()) {
-  if (agreed) {
-    last_agreed = now_;
+void OdometryFilter::handle_gate_result(bool accepted, Stamp& last_accepted,
+                                        void (OdometryState::*reset_covariance)()) {
+  if (accepted) {
+    last_accepted = now_;
     return;
   }
-  ++contradicted_;
-  if (last_agreed != Stamp::earliest() && now_ - last_agreed > options_.max_silence) {
-    (state_.*loosen)();
+  ++outliers_;
+  if (last_accepted != Stamp::earliest() && now_ - last_accepted > options_.max_silence) {
+    (state_.*reset_covariance)();
   }
 }
 
-void OdometryFilter::watch_standstill(const WheelOdometry& sample) {
+void OdometryFilter::detect_standstill(const WheelOdometry& sample) {
   if (!any_finite(sample.wheel_speed)) return;
   const bool at_rest =
       std::none_of(sample.wheel_speed.begin(), sample.wheel_speed.end(),
@@ -165,8 +172,8 @@ const char* OdometryFilter::reason() const {
   const auto silent = [this](Stamp last) {
     return last == Stamp::earliest() || now_ - last > options_.max_silence;
   };
-  if (silent(last_speed_)) return "no believable wheel speed";
-  if (silent(last_rotation_)) return "no believable yaw rate";
+  if (silent(last_speed_stamp_)) return "no believable wheel speed";
+  if (silent(last_rotation_stamp_)) return "no believable yaw rate";
   return "";
 }
 
@@ -176,24 +183,24 @@ void OdometryFilter::extend_trajectory() {
       now_ - trajectory_[trajectory_.size() - 1].stamp < options_.pose_interval) {
     return;
   }
-  trajectory_.append({now_, state_.T_map_vehicle(), state_.pose_covariance()});
+  trajectory_.append({now_, state_.T_odom_vehicle(), state_.pose_covariance()});
 }
 
 OdometryReport OdometryFilter::report() const {
   OdometryReport report;
-  report.wheel_scale = state_.learned(OdometryState::kWheelScale);
-  report.yaw_rate_bias = state_.learned(OdometryState::kYawBias);
+  report.wheel_scale = state_.parameter(OdometryState::kWheelScale);
+  report.yaw_rate_bias = state_.parameter(OdometryState::kYawRateBias);
   for (size_t i = 0; i < 3; ++i) {
-    report.gyro_bias[i] = state_.learned(OdometryState::kGyroBias + static_cast<int>(i));
+    report.gyro_bias[i] = state_.parameter(OdometryState::kGyroBias + static_cast<int>(i));
   }
-  report.steering_zero = state_.learned(OdometryState::kSteeringZero);
+  report.steering_zero = state_.parameter(OdometryState::kSteeringZero);
   report.speed = state_.speed();
   report.angular_velocity = state_.angular_velocity();
   report.standing =
       at_rest_since_ != Stamp::latest() && now_ - at_rest_since_ >= options_.standstill_after;
   report.late = late_;
-  report.contradicted = contradicted_;
-  report.senseless = senseless_;
+  report.outliers = outliers_;
+  report.invalid_samples = invalid_samples_;
   return report;
 }
 

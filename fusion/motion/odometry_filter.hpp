@@ -12,16 +12,16 @@ namespace infuse::motion {
 
 /// What the filter has learned of the vehicle's sensors.
 struct OdometryReport {
-  Learned wheel_scale;               ///< true over measured speed
-  Learned yaw_rate_bias;             ///< rad/s, of `WheelOdometry::yaw_rate`
-  std::array<Learned, 3> gyro_bias;  ///< rad/s, of `ImuSample`; planar: z only
-  Learned steering_zero;             ///< rad at the steering wheel, driving straight
-  double speed = 0;                  ///< m/s along x
+  EstimatedParameter wheel_scale;               ///< true over measured speed
+  EstimatedParameter yaw_rate_bias;             ///< rad/s, of `WheelOdometry::yaw_rate`
+  std::array<EstimatedParameter, 3> gyro_bias;  ///< rad/s, of `ImuSample`; planar: z only
+  EstimatedParameter steering_zero;             ///< rad at the steering wheel, driving straight
+  double speed = 0;                             ///< m/s along x
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s, vehicle frame
   bool standing = false;
-  uint64_t late = 0;          ///< samples that came after their time had been worked off
-  uint64_t contradicted = 0;  ///< samples that did not agree with the motion and were not used
-  uint64_t senseless = 0;     ///< samples with no finite quantity, or one stamp apart from all
+  uint64_t late = 0;             ///< samples that came after their time had been worked off
+  uint64_t outliers = 0;         ///< samples that did not agree with the motion and were not used
+  uint64_t invalid_samples = 0;  ///< samples with no finite quantity, or one stamp apart from all
 };
 
 /// Dead reckoning from wheel speeds, yaw rate, inertial unit, steering and, where there is one, a
@@ -36,12 +36,12 @@ class OdometryFilter {
 
   /// Says where the vehicle is now, as the start of dead reckoning. Without it, it starts at the
   /// identity, perfectly known.
-  void set_pose(const Eigen::Isometry3d& T_map_vehicle, const geometry::Matrix6& covariance);
+  void set_pose(const Eigen::Isometry3d& T_odom_vehicle, const geometry::Matrix6& covariance);
 
   /// Samples, in about their order of time.
   void add(const WheelOdometry& sample);
   void add(const ImuSample& sample);
-  void add(const GpsFix& fix);
+  void add(const GnssFix& fix);
 
   /// Works off the samples that still wait for earlier ones, at the end of a recording.
   void flush();
@@ -56,35 +56,36 @@ class OdometryFilter {
   OdometryReport report() const;
 
  private:
-  using Sample = std::variant<WheelOdometry, ImuSample, GpsFix>;
-  struct Waiting {
+  using Sample = std::variant<WheelOdometry, ImuSample, GnssFix>;
+  struct PendingSample {
     Stamp stamp;
     Sample sample;
   };
 
   void insert(Stamp stamp, const Sample& sample);
-  void restart_clock();
-  void work_off(Stamp until);
-  void process(const Waiting& waiting);
-  void use(const WheelOdometry& sample);
-  void use(const ImuSample& sample);
-  void use(const GpsFix& fix);
-  void watch_standstill(const WheelOdometry& sample);
-  void heed(bool agreed, Stamp& last_agreed, void (OdometryState::*loosen)());
+  void reset_clock();
+  void process_until(Stamp until);
+  void process(const PendingSample& waiting);
+  void update(const WheelOdometry& sample);
+  void update(const ImuSample& sample);
+  void update(const GnssFix& fix);
+  void detect_standstill(const WheelOdometry& sample);
+  void handle_gate_result(bool accepted, Stamp& last_accepted,
+                          void (OdometryState::*reset_covariance)());
   void extend_trajectory();
 
   OdometryOptions options_;
   OdometryState state_;
   geometry::Trajectory trajectory_;
-  std::vector<Waiting> waiting_;  // in order of time
+  std::vector<PendingSample> pending_;  // in order of time
   Stamp now_ = Stamp::earliest();
-  Stamp newest_ = Stamp::earliest();
-  std::optional<Stamp> leap_;
-  Stamp last_speed_ = Stamp::earliest();
-  Stamp last_rotation_ = Stamp::earliest();
-  Stamp last_steering_ = Stamp::earliest();
+  Stamp newest_stamp_ = Stamp::earliest();
+  std::optional<Stamp> jumped_stamp_;
+  Stamp last_speed_stamp_ = Stamp::earliest();
+  Stamp last_rotation_stamp_ = Stamp::earliest();
+  Stamp last_steering_stamp_ = Stamp::earliest();
   Stamp at_rest_since_ = Stamp::latest();
-  uint64_t late_ = 0, contradicted_ = 0, senseless_ = 0;
+  uint64_t late_ = 0, outliers_ = 0, invalid_samples_ = 0;
 };
 
 }  // namespace infuse::motion

@@ -18,7 +18,7 @@ struct OdometryOptions {
 
   Duration wheel_delay{0};             ///< ns from measuring to stamp, subtracted
   Duration imu_delay{0};               ///< ns, the same
-  Duration gps_delay{0};               ///< ns, the same; must be less than `reorder`
+  Duration gnss_delay{0};              ///< ns, the same; must be less than `reorder`
   Duration reorder{20'000'000};        ///< ns that a sample waits for earlier ones
   Duration max_silence{500'000'000};   ///< ns without speed, or without rotation, before the filter
                                        ///< is not trusted
@@ -30,17 +30,17 @@ struct OdometryOptions {
   double gyro_noise = 0.004;        ///< rad/s, of the inertial unit
   double acceleration_noise = 1.0;  ///< m/s², mounting and road included
   double steering_noise = 0.01;     ///< rad/s of yaw rate, ten times a second
-  double straight_noise =
+  double straight_steering_noise =
       0.15;  ///< rad: how far the steering is from straight, ten times a second;
   ///< far more than its spread, since it stays there for long
-  double gps_speed_noise = 0.4;     ///< m/s, ten times a second; its errors last longer
-  double gps_course_noise = 0.015;  ///< rad at 10 m/s and above; grows below
-  double standstill_speed = 0.05;   ///< m/s below which a wheel is at rest
+  double gnss_speed_noise = 0.4;     ///< m/s, ten times a second; its errors last longer
+  double gnss_course_noise = 0.015;  ///< rad at 10 m/s and above; grows below
+  double standstill_speed = 0.05;    ///< m/s below which a wheel is at rest
 
-  double jerk = 2.0;                  ///< m/s² per √s: how the acceleration walks
-  double angular_acceleration = 0.4;  ///< rad/s per √s: how the angular velocity walks
-  double slip = 0.03;           ///< m per √s: translation that wheels do not see, while moving
-  double rotation_walk = 2e-4;  ///< rad per √s: rotation that gyros do not see, while moving
+  double acceleration_walk = 2.0;      ///< m/s² per √s: how the acceleration walks
+  double angular_velocity_walk = 0.4;  ///< rad/s per √s: how the angular velocity walks
+  double translation_walk = 0.03;  ///< m per √s: translation that wheels do not see, while moving
+  double rotation_walk = 2e-4;     ///< rad per √s: rotation that gyros do not see, while moving
 
   double yaw_bias_sigma = 0.01;       ///< rad/s at the start
   double gyro_bias_sigma = 0.01;      ///< rad/s at the start
@@ -49,7 +49,7 @@ struct OdometryOptions {
   double wheel_scale_sigma = 0.01;    ///< at the start
   double wheel_scale_walk = 1e-5;     ///< per √s
   double steering_zero_sigma = 0.01;  ///< rad at the steering wheel, road camber included
-  Duration steering_zero_memory{20'000'000'000};  ///< ns after which it may be another
+  Duration steering_zero_time_constant{20'000'000'000};  ///< ns after which it may be another
 
   /// What is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;

@@ -7,16 +7,16 @@
 namespace infuse::motion {
 namespace {
 
-constexpr double kGate = 4;  // standard deviations beyond which a sample is not believed
-constexpr double kNoGate = 1e9;
-constexpr double kGravity = 9.80665;  // m/s²
-constexpr double kSpeedSigma = 40;    // m/s: nothing is known of the speed
-constexpr double kRateSigma = 1.5;    // rad/s: nothing is known of the rotation
-constexpr double kRecent = 0.3;       // s of motion that a sample corrects
+constexpr double kGateSigmas = 4;  // standard deviations beyond which a sample is not believed
+constexpr double kNoGateSigmas = 1e9;
+constexpr double kGravity = 9.80665;                  // m/s²
+constexpr double kUnknownSpeedSigma = 40;             // m/s: nothing is known of the speed
+constexpr double kUnknownAngularVelocitySigma = 1.5;  // rad/s: nothing is known of the rotation
+constexpr double kRecentTimeConstant = 0.3;           // s of motion that a sample corrects
 
 double square(double x) { return x * x; }
 
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+double wrap_angle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 }  // namespace
 
@@ -29,17 +29,17 @@ std::optional<std::string> OdometryOptions::invalid() const {
     return "reorder and pose_interval must not be negative";
   }
   if (max_silence <= Duration::zero() || standstill_after <= Duration::zero() ||
-      steering_zero_memory <= Duration::zero()) {
+      steering_zero_time_constant <= Duration::zero()) {
     return "max_silence, standstill_after and steering_zero_memory must be positive";
   }
   for (const double noise :
-       {wheel_noise, yaw_rate_noise, gyro_noise, acceleration_noise, steering_noise, straight_noise,
-        gps_speed_noise, gps_course_noise, standstill_speed}) {
+       {wheel_noise, yaw_rate_noise, gyro_noise, acceleration_noise, steering_noise,
+        straight_steering_noise, gnss_speed_noise, gnss_course_noise, standstill_speed}) {
     if (!(noise > 0)) return "the noise of a sensor must be positive";
   }
   for (const double sigma :
-       {jerk, angular_acceleration, slip, rotation_walk, yaw_bias_sigma, gyro_bias_sigma, bias_walk,
-        wheel_scale_sigma, wheel_scale_walk, steering_zero_sigma}) {
+       {acceleration_walk, angular_velocity_walk, translation_walk, rotation_walk, yaw_bias_sigma,
+        gyro_bias_sigma, bias_walk, wheel_scale_sigma, wheel_scale_walk, steering_zero_sigma}) {
     if (!(sigma >= 0)) return "a standard deviation must not be negative";
   }
   return std::nullopt;
@@ -47,112 +47,116 @@ std::optional<std::string> OdometryOptions::invalid() const {
 
 OdometryState::OdometryState(const OdometryOptions& options) : options_(options) {
   x_[kWheelScale] = options.wheel_scale;
-  P_(kYawBias, kYawBias) = square(options.yaw_bias_sigma);
+  P_(kYawRateBias, kYawRateBias) = square(options.yaw_bias_sigma);
   for (int i = options.planar ? 2 : 0; i < 3; ++i) {
     P_(kGyroBias + i, kGyroBias + i) = square(options.gyro_bias_sigma);
   }
   P_(kWheelScale, kWheelScale) = square(options.wheel_scale_sigma);
   P_(kSteeringZero, kSteeringZero) = square(options.steering_zero_sigma);
-  loosen_speed();
-  loosen_rotation();
+  reset_speed_covariance();
+  reset_rotation_covariance();
 }
 
-void OdometryState::set_pose(const Eigen::Isometry3d& T_map_vehicle,
+void OdometryState::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
                              const geometry::Matrix6& covariance) {
-  T_map_vehicle_ = T_map_vehicle;
+  T_odom_vehicle_ = T_odom_vehicle;
   P_.topRows<6>().setZero();
   P_.leftCols<6>().setZero();
   P_.topLeftCorner<6, 6>() = covariance;
   recent_.setZero();
-  loosen_speed();
-  loosen_rotation();
+  reset_speed_covariance();
+  reset_rotation_covariance();
 }
 
-void OdometryState::loosen_speed() {
+void OdometryState::reset_speed_covariance() {
   for (const int i : {int{kSpeed}, int{kAcceleration}}) {
     P_.row(i).setZero();
     P_.col(i).setZero();
     recent_.col(i).setZero();
   }
   x_[kAcceleration] = 0;
-  P_(kSpeed, kSpeed) = square(kSpeedSigma);
+  P_(kSpeed, kSpeed) = square(kUnknownSpeedSigma);
   P_(kAcceleration, kAcceleration) = 4;
 }
 
-void OdometryState::loosen_rotation() {
-  for (int i = kAngular; i < kAngular + 3; ++i) {
+void OdometryState::reset_rotation_covariance() {
+  for (int i = kAngularVelocity; i < kAngularVelocity + 3; ++i) {
     P_.row(i).setZero();
     P_.col(i).setZero();
     recent_.col(i).setZero();
-    if (i == kAngular + 2 || !options_.planar) P_(i, i) = square(kRateSigma);
+    if (i == kAngularVelocity + 2 || !options_.planar)
+      P_(i, i) = square(kUnknownAngularVelocitySigma);
   }
 }
 
-void OdometryState::lose_motion(double seconds) {
-  constexpr double kTurning = 0.3,
-                   kDriving = 20;  // rad/s, m/s: what the vehicle may have done meanwhile
-  const double turn = square(std::min(kTurning * seconds, std::numbers::pi));
-  const double tilt = options_.planar ? 0 : 0.1 * turn;
-  const double way = square(kDriving * seconds);
+void OdometryState::reset_motion(double seconds) {
+  constexpr double kUnseenYawRate = 0.3,
+                   kUnseenSpeed = 20;  // rad/s, m/s: what the vehicle may have done meanwhile
+  const double yaw_variance = square(std::min(kUnseenYawRate * seconds, std::numbers::pi));
+  const double tilt = options_.planar ? 0 : 0.1 * yaw_variance;
+  const double position_variance = square(kUnseenSpeed * seconds);
   geometry::Vector6 unseen;
-  unseen << tilt, tilt, turn, way, way, options_.planar ? 0 : 0.01 * way;
-  P_.topLeftCorner<6, 6>() += geometry::transform_covariance(T_map_vehicle_, unseen.asDiagonal());
-  loosen_speed();
-  loosen_rotation();
+  unseen << tilt, tilt, yaw_variance, position_variance, position_variance,
+      options_.planar ? 0 : 0.01 * position_variance;
+  P_.topLeftCorner<6, 6>() += geometry::transform_covariance(T_odom_vehicle_, unseen.asDiagonal());
+  reset_speed_covariance();
+  reset_rotation_covariance();
 }
 
 void OdometryState::predict(double seconds) {
-  constexpr double kAccelerationMemory = 2;  // s
+  constexpr double kAccelerationTimeConstant = 2;  // s
   const double dt = seconds;
   geometry::Vector6 twist = geometry::Vector6::Zero();
-  twist.head<3>() = x_.segment<3>(kAngular);
+  twist.head<3>() = x_.segment<3>(kAngularVelocity);
   const double wheels = x_[kSpeed] + 0.5 * dt * x_[kAcceleration], scale = x_[kWheelScale];
   twist[3] = scale * wheels;
 
   // exp((τ + δ) dt) ≈ exp(J δ dt) exp(τ dt): an error of the motion enters the pose through T and
   // J, the pose's own error stays.
   const geometry::Matrix6 gain =
-      geometry::adjoint(T_map_vehicle_) * geometry::left_jacobian(twist * dt) * dt;
-  const double decay = std::exp(-dt / kAccelerationMemory);
-  const double forget = std::exp(-dt / to_seconds(options_.steering_zero_memory));
+      geometry::adjoint(T_odom_vehicle_) * geometry::left_jacobian(twist * dt) * dt;
+  const double decay = std::exp(-dt / kAccelerationTimeConstant);
+  const double steering_zero_decay =
+      std::exp(-dt / to_seconds(options_.steering_zero_time_constant));
   Matrix F = Matrix::Identity();
-  F.block<6, 3>(kPose, kAngular) = gain.leftCols<3>();
+  F.block<6, 3>(kPose, kAngularVelocity) = gain.leftCols<3>();
   F.block<6, 1>(kPose, kSpeed) = scale * gain.col(3);
   F.block<6, 1>(kPose, kAcceleration) = 0.5 * dt * scale * gain.col(3);
   F.block<6, 1>(kPose, kWheelScale) = wheels * gain.col(3);
   F(kSpeed, kAcceleration) = dt;
   F(kAcceleration, kAcceleration) = decay;
-  F(kSteeringZero, kSteeringZero) = forget;
+  F(kSteeringZero, kSteeringZero) = steering_zero_decay;
 
-  T_map_vehicle_ = T_map_vehicle_ * geometry::exp(twist * dt);
+  T_odom_vehicle_ = T_odom_vehicle_ * geometry::exp(twist * dt);
   // Keep the rotation a rotation over millions of steps.
-  T_map_vehicle_.linear() = Eigen::Quaterniond(T_map_vehicle_.linear()).normalized().matrix();
+  T_odom_vehicle_.linear() = Eigen::Quaterniond(T_odom_vehicle_.linear()).normalized().matrix();
   x_[kSpeed] += dt * x_[kAcceleration];
   x_[kAcceleration] *= decay;
-  x_[kSteeringZero] *= forget;
+  x_[kSteeringZero] *= steering_zero_decay;
 
   // What is new of the pose's error joins what is recent, and that fades.
   const Matrix PFt = P_ * F.transpose();
-  recent_ = std::exp(-dt / kRecent) * (recent_ * F.transpose()).eval();
+  recent_ = std::exp(-dt / kRecentTimeConstant) * (recent_ * F.transpose()).eval();
   recent_ += F.topRightCorner<6, kSize - 6>() * PFt.bottomRows<kSize - 6>();
   P_ = F * PFt;
-  if (moving()) {
+  if (is_moving()) {
     geometry::Vector6 unseen;
     const double tilt = options_.planar ? 0 : square(options_.rotation_walk);
-    const double slip = square(options_.slip);
+    const double slip = square(options_.translation_walk);
     unseen << tilt, tilt, square(options_.rotation_walk), slip, slip, options_.planar ? 0 : slip;
     P_.topLeftCorner<6, 6>() +=
-        geometry::transform_covariance(T_map_vehicle_, (unseen * dt).asDiagonal());
+        geometry::transform_covariance(T_odom_vehicle_, (unseen * dt).asDiagonal());
   }
-  P_(kSpeed, kSpeed) += square(options_.jerk) * dt * dt * dt / 3;
-  P_(kAcceleration, kAcceleration) += square(options_.jerk) * dt;
-  P_(kYawBias, kYawBias) += square(options_.bias_walk) * dt;
+  P_(kSpeed, kSpeed) += square(options_.acceleration_walk) * dt * dt * dt / 3;
+  P_(kAcceleration, kAcceleration) += square(options_.acceleration_walk) * dt;
+  P_(kYawRateBias, kYawRateBias) += square(options_.bias_walk) * dt;
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
-    P_(kAngular + i, kAngular + i) += square(options_.angular_acceleration) * dt;
+    P_(kAngularVelocity + i, kAngularVelocity + i) += square(options_.angular_velocity_walk) * dt;
     P_(kGyroBias + i, kGyroBias + i) += square(options_.bias_walk) * dt;
   }
   P_(kWheelScale, kWheelScale) += square(options_.wheel_scale_walk) * dt;
-  P_(kSteeringZero, kSteeringZero) += square(options_.steering_zero_sigma) * (1 - forget * forget);
+  P_(kSteeringZero, kSteeringZero) +=
+      square(options_.steering_zero_sigma) * (1 - steering_zero_decay * steering_zero_decay);
 }
 
 bool OdometryState::update(double innovation, const Vector& derivative, double noise, double gate) {
@@ -160,24 +164,24 @@ bool OdometryState::update(double innovation, const Vector& derivative, double n
   const double variance = derivative.dot(PH) + square(noise);
   if (!(square(innovation) <= square(gate) * variance)) return false;  // NaN too
   Vector gain = PH / variance;
-  const bool whole = moving() || !derivative.head<6>().isZero(0);
+  const bool full_gain = is_moving() || !derivative.head<6>().isZero(0);
   const geometry::Vector6 recent_gain = recent_ * derivative / variance;
-  if (!whole) gain.head<6>() = recent_gain;
+  if (!full_gain) gain.head<6>() = recent_gain;
   const Vector change = gain * innovation;
-  T_map_vehicle_ = geometry::exp(change.head<6>()) * T_map_vehicle_;
+  T_odom_vehicle_ = geometry::exp(change.head<6>()) * T_odom_vehicle_;
   x_.tail<kSize - 6>() += change.tail<kSize - 6>();
   // For any gain, P − KHP − PHᵀKᵀ + K(HPHᵀ + R)Kᵀ.
   const Matrix lost = gain * PH.transpose();
   P_ += variance * gain * gain.transpose() - lost - lost.transpose();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
-  // Only its part with the motion is ever asked for.
+  // Only its part with the motion is ever requested.
   recent_.rightCols<kSize - 6>() -= recent_gain * PH.tail<kSize - 6>().transpose();
   return true;
 }
 
 int OdometryState::update_wheels(const WheelOdometry& sample) {
-  int agreed = 0;
-  const double rate = x_[kAngular + 2];
+  int accepted = 0;
+  const double rate = x_[kAngularVelocity + 2];
   for (size_t i = 0; i < 4; ++i) {
     const double measured = sample.wheel_speed[i];
     if (!std::isfinite(measured)) continue;
@@ -190,41 +194,42 @@ int OdometryState::update_wheels(const WheelOdometry& sample) {
     const double expected = std::copysign(std::hypot(along, across), along);
     Vector H = Vector::Zero();
     H[kSpeed] = 1;
-    agreed += update(measured - expected, H, options_.wheel_noise, kGate);
+    accepted += update(measured - expected, H, options_.wheel_noise, kGateSigmas);
   }
-  return agreed;
+  return accepted;
 }
 
 bool OdometryState::update_yaw_rate(double yaw_rate) {
   Vector H = Vector::Zero();
-  H[kAngular + 2] = H[kYawBias] = 1;
-  return update(yaw_rate - x_[kAngular + 2] - x_[kYawBias], H, options_.yaw_rate_noise, kGate);
+  H[kAngularVelocity + 2] = H[kYawRateBias] = 1;
+  return update(yaw_rate - x_[kAngularVelocity + 2] - x_[kYawRateBias], H, options_.yaw_rate_noise,
+                kGateSigmas);
 }
 
 bool OdometryState::update_gyro(const ImuSample& sample) {
-  bool agreed = true;
+  bool accepted = true;
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
     Vector H = Vector::Zero();
-    H[kAngular + i] = H[kGyroBias + i] = 1;
-    const double expected = x_[kAngular + i] + x_[kGyroBias + i];
-    agreed = update(sample.angular_velocity[static_cast<size_t>(i)] - expected, H,
-                    options_.gyro_noise, kGate) &&
-             agreed;
+    H[kAngularVelocity + i] = H[kGyroBias + i] = 1;
+    const double expected = x_[kAngularVelocity + i] + x_[kGyroBias + i];
+    accepted = update(sample.angular_velocity[static_cast<size_t>(i)] - expected, H,
+                      options_.gyro_noise, kGateSigmas) &&
+               accepted;
   }
-  return agreed;
+  return accepted;
 }
 
 bool OdometryState::update_gravity(const ImuSample& sample) {
   if (options_.planar) return false;
   // Specific force: the motion's acceleration plus gravity's reaction, in vehicle axes.
-  const Eigen::Matrix3d R_vehicle_map = T_map_vehicle_.linear().transpose();
-  const Eigen::Vector3d up = R_vehicle_map.col(2);
+  const Eigen::Matrix3d R_vehicle_odom = T_odom_vehicle_.linear().transpose();
+  const Eigen::Vector3d up = R_vehicle_odom.col(2);
   const Eigen::Matrix3d by_rotation =
-      kGravity * R_vehicle_map * geometry::skew(Eigen::Vector3d::UnitZ());
-  const double v = speed(), rate = x_[kAngular + 2], scale = x_[kWheelScale];
+      kGravity * R_vehicle_odom * geometry::skew(Eigen::Vector3d::UnitZ());
+  const double v = speed(), rate = x_[kAngularVelocity + 2], scale = x_[kWheelScale];
   const double expected[2] = {scale * x_[kAcceleration] + kGravity * up.x(),
                               rate * v + kGravity * up.y()};
-  bool agreed = true;
+  bool accepted = true;
   for (int i = 0; i < 2; ++i) {
     Vector H = Vector::Zero();
     H.head<3>() = by_rotation.row(i).transpose();
@@ -232,58 +237,62 @@ bool OdometryState::update_gravity(const ImuSample& sample) {
       H[kAcceleration] = scale;
     } else {
       H[kSpeed] = rate * scale;
-      H[kAngular + 2] = v;
+      H[kAngularVelocity + 2] = v;
     }
-    agreed = update(sample.linear_acceleration[static_cast<size_t>(i)] - expected[i], H,
-                    options_.acceleration_noise, kGate) &&
-             agreed;
+    accepted = update(sample.linear_acceleration[static_cast<size_t>(i)] - expected[i], H,
+                      options_.acceleration_noise, kGateSigmas) &&
+               accepted;
   }
-  return agreed;
+  return accepted;
 }
 
 bool OdometryState::update_steering(double steering_angle) {
-  constexpr double kNearlyStraight = 0.5;  // rad at the steering wheel: the bicycle model holds
-  if (options_.steering_ratio <= 0 || !(std::abs(steering_angle) < kNearlyStraight)) return false;
+  constexpr double kMaxBicycleSteeringAngle =
+      0.5;  // rad at the steering wheel: the bicycle model holds
+  if (options_.steering_ratio <= 0 || !(std::abs(steering_angle) < kMaxBicycleSteeringAngle))
+    return false;
   const double v = speed();
   const double response = v / (options_.steering_ratio * options_.wheelbase *
                                (1 + square(v / options_.characteristic_speed)));
   Vector H = Vector::Zero();
-  H[kAngular + 2] = 1;
+  H[kAngularVelocity + 2] = 1;
   H[kSteeringZero] = response;
-  const double expected = x_[kAngular + 2] + response * x_[kSteeringZero];
-  if (!update(response * steering_angle - expected, H, options_.steering_noise, kGate)) {
+  const double expected = x_[kAngularVelocity + 2] + response * x_[kSteeringZero];
+  if (!update(response * steering_angle - expected, H, options_.steering_noise, kGateSigmas)) {
     return false;
   }
   // Roads are straight on average, and so is the steering at speed.
-  constexpr double kFast = 8, kSlight = 0.1;  // m/s, rad
-  if (std::abs(v) > kFast && std::abs(steering_angle - x_[kSteeringZero]) < kSlight) {
+  constexpr double kMinStraightSpeed = 8, kMaxStraightSteeringAngle = 0.1;  // m/s, rad
+  if (std::abs(v) > kMinStraightSpeed &&
+      std::abs(steering_angle - x_[kSteeringZero]) < kMaxStraightSteeringAngle) {
     H.setZero();
     H[kSteeringZero] = 1;
-    update(steering_angle - x_[kSteeringZero], H, options_.straight_noise, kGate);
+    update(steering_angle - x_[kSteeringZero], H, options_.straight_steering_noise, kGateSigmas);
   }
   return true;
 }
 
-bool OdometryState::update_gps(const GpsFix& fix) {
+bool OdometryState::update_gnss(const GnssFix& fix) {
   if (!fix.valid) return false;
-  bool agreed = false;
+  bool accepted = false;
   if (std::isfinite(fix.speed)) {
     Vector H = Vector::Zero();
     H[kSpeed] = std::copysign(x_[kWheelScale], x_[kSpeed]);
     H[kWheelScale] = std::abs(x_[kSpeed]);
-    agreed = update(fix.speed - std::abs(speed()), H, options_.gps_speed_noise, kGate);
+    accepted = update(fix.speed - std::abs(speed()), H, options_.gnss_speed_noise, kGateSigmas);
   }
-  constexpr double kSlowest = 3, kFull = 10;  // m/s
-  if (std::isfinite(fix.course) && speed() > kSlowest) {
-    const Eigen::Vector3d ahead = T_map_vehicle_.linear().col(0);
+  constexpr double kMinCourseSpeed = 3, kFullCourseSpeed = 10;  // m/s
+  if (std::isfinite(fix.course) && speed() > kMinCourseSpeed) {
+    const Eigen::Vector3d ahead = T_odom_vehicle_.linear().col(0);
     const double heading = std::atan2(ahead.y(), ahead.x());
     Vector H = Vector::Zero();
     H[kPose + 2] = 1;
-    const double noise = options_.gps_course_noise * std::max(1.0, kFull / speed());
-    agreed =
-        update(wrapped(std::numbers::pi / 2 - fix.course - heading), H, noise, kGate) || agreed;
+    const double noise = options_.gnss_course_noise * std::max(1.0, kFullCourseSpeed / speed());
+    accepted =
+        update(wrap_angle(std::numbers::pi / 2 - fix.course - heading), H, noise, kGateSigmas) ||
+        accepted;
   }
-  return agreed;
+  return accepted;
 }
 
 void OdometryState::update_standstill() {
@@ -291,18 +300,18 @@ void OdometryState::update_standstill() {
   constexpr double kRotationNoise = 0.002;  // rad/s: doors, wind
   Vector H = Vector::Zero();
   H[kSpeed] = 1;
-  update(-x_[kSpeed], H, kSpeedNoise, kNoGate);
+  update(-x_[kSpeed], H, kSpeedNoise, kNoGateSigmas);
   H.setZero();
   H[kAcceleration] = 1;
-  update(-x_[kAcceleration], H, 0.1, kNoGate);
+  update(-x_[kAcceleration], H, 0.1, kNoGateSigmas);
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
     H.setZero();
-    H[kAngular + i] = 1;
-    update(-x_[kAngular + i], H, kRotationNoise, kNoGate);
+    H[kAngularVelocity + i] = 1;
+    update(-x_[kAngularVelocity + i], H, kRotationNoise, kNoGateSigmas);
   }
 }
 
-Learned OdometryState::learned(int index) const {
+EstimatedParameter OdometryState::parameter(int index) const {
   return {x_[index], std::sqrt(std::max(0.0, P_(index, index)))};
 }
 

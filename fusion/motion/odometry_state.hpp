@@ -9,7 +9,7 @@
 namespace infuse::motion {
 
 /// A quantity the filter has learned.
-struct Learned {
+struct EstimatedParameter {
   double value = 0;
   double sigma = 0;  ///< standard deviation
 };
@@ -30,8 +30,8 @@ class OdometryState {
     kPose = 0,
     kSpeed = 6,
     kAcceleration = 7,
-    kAngular = 8,
-    kYawBias = 11,
+    kAngularVelocity = 8,
+    kYawRateBias = 11,
     kGyroBias = 12,
     kWheelScale = 15,
     kSteeringZero = 16,
@@ -45,7 +45,7 @@ class OdometryState {
   explicit OdometryState(const OdometryOptions& options);
 
   /// Sets the pose and forgets the motion; what has been learned stays.
-  void set_pose(const Eigen::Isometry3d& T_map_vehicle, const geometry::Matrix6& covariance);
+  void set_pose(const Eigen::Isometry3d& T_odom_vehicle, const geometry::Matrix6& covariance);
 
   /// Moves on by a time.
   void predict(double seconds);
@@ -57,29 +57,29 @@ class OdometryState {
   bool update_gyro(const ImuSample& sample);
   bool update_gravity(const ImuSample& sample);
   bool update_steering(double steering_angle);
-  bool update_gps(const GpsFix& fix);
+  bool update_gnss(const GnssFix& fix);
   /// The vehicle stands.
   void update_standstill();
 
   /// A time passed without samples: the pose stays and gets vague, the motion is not known.
-  void lose_motion(double seconds);
+  void reset_motion(double seconds);
 
   /// Forgets how sure speed or rotation were, after they were contradicted for long.
-  void loosen_speed();
-  void loosen_rotation();
+  void reset_speed_covariance();
+  void reset_rotation_covariance();
 
-  const Eigen::Isometry3d& T_map_vehicle() const { return T_map_vehicle_; }
+  const Eigen::Isometry3d& T_odom_vehicle() const { return T_odom_vehicle_; }
   geometry::Matrix6 pose_covariance() const { return P_.topLeftCorner<6, 6>(); }
   double speed() const { return x_[kWheelScale] * x_[kSpeed]; }
-  Eigen::Vector3d angular_velocity() const { return x_.segment<3>(kAngular); }
-  Learned learned(int index) const;
+  Eigen::Vector3d angular_velocity() const { return x_.segment<3>(kAngularVelocity); }
+  EstimatedParameter parameter(int index) const;
 
  private:
-  bool moving() const { return std::abs(x_[kSpeed]) > options_.standstill_speed; }
+  bool is_moving() const { return std::abs(x_[kSpeed]) > options_.standstill_speed; }
   bool update(double innovation, const Vector& derivative, double noise, double gate);
 
   OdometryOptions options_;
-  Eigen::Isometry3d T_map_vehicle_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_odom_vehicle_ = Eigen::Isometry3d::Identity();
   Vector x_ = Vector::Zero();  // the pose's part is always 0
   Matrix P_ = Matrix::Zero();
   // Covariance of what of the pose's error is recent, a fading memory, with the whole state's.

@@ -7,9 +7,9 @@
 namespace infuse::motion {
 namespace {
 
-constexpr const char* kTooFew = "fewer than 3 poses have a true pose at their time";
+constexpr const char* kReasonTooFewPairs = "fewer than 3 poses have a true pose at their time";
 
-ErrorStatistics statistics(std::vector<double> errors) {
+ErrorStatistics compute_statistics(std::vector<double> errors) {
   ErrorStatistics s;
   s.count = errors.size();
   if (errors.empty()) return s;
@@ -27,12 +27,12 @@ ErrorStatistics statistics(std::vector<double> errors) {
   return s;
 }
 
-double angle(const Eigen::Matrix3d& R) { return geometry::rotation_log(R).norm(); }
+double rotation_angle(const Eigen::Matrix3d& R) { return geometry::rotation_log(R).norm(); }
 
 /// The rotation by which estimated orientations are best turned about `axis` (a unit vector), after
 /// `R`: of all angles a the one that maximises the sum of tr(exp(-a axis) truth (R estimate)ᵀ).
-Eigen::Matrix3d turn_about(const Eigen::Vector3d& axis, const Eigen::Matrix3d& R,
-                           std::span<const PosePair> pairs) {
+Eigen::Matrix3d best_rotation_about(const Eigen::Vector3d& axis, const Eigen::Matrix3d& R,
+                                    std::span<const PosePair> pairs) {
   Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
   for (const PosePair& pair : pairs) {
     M += pair.truth.linear() * (R * pair.estimate.linear()).transpose();
@@ -64,9 +64,9 @@ void align(std::span<const PosePair> pairs, bool with_scale, AbsoluteError& resu
   Eigen::Matrix3d R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
   // Positions on a line say nothing of the rotation about it (a path 33 m long and 10 cm wide was
   // laid on its side): there the orientations decide.
-  constexpr double kLine = 1e-3;  // of the line's variance is across it
-  if (svd.singularValues()[1] < kLine * svd.singularValues()[0]) {
-    R = turn_about(svd.matrixU().col(0), R, pairs) * R;
+  constexpr double kMaxLineVarianceRatio = 1e-3;  // of the line's variance is across it
+  if (svd.singularValues()[1] < kMaxLineVarianceRatio * svd.singularValues()[0]) {
+    R = best_rotation_about(svd.matrixU().col(0), R, pairs) * R;
   }
   if (with_scale && spread > 0) result.scale = svd.singularValues().dot(sign) / spread;
   result.T_truth_estimate.linear() = R;
@@ -90,14 +90,14 @@ std::vector<PosePair> pair_by_time(std::span<const geometry::StampedPose> estima
     if (after == truth.size()) break;
     const geometry::StampedPose& b = truth[after];
     if (b.stamp == pose.stamp) {
-      pairs.push_back({pose.stamp, pose.T_map_vehicle, b.T_map_vehicle});
+      pairs.push_back({pose.stamp, pose.T_odom_vehicle, b.T_odom_vehicle});
       continue;
     }
     if (after == 0 || b.stamp - truth[after - 1].stamp > max_gap) continue;
     const geometry::StampedPose& a = truth[after - 1];
     const double u = to_seconds(pose.stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
-    pairs.push_back({pose.stamp, pose.T_map_vehicle,
-                     geometry::interpolate(a.T_map_vehicle, b.T_map_vehicle, u)});
+    pairs.push_back({pose.stamp, pose.T_odom_vehicle,
+                     geometry::interpolate(a.T_odom_vehicle, b.T_odom_vehicle, u)});
   }
   return pairs;
 }
@@ -105,13 +105,13 @@ std::vector<PosePair> pair_by_time(std::span<const geometry::StampedPose> estima
 AbsoluteError absolute_error(std::span<const PosePair> pairs, Alignment alignment) {
   AbsoluteError result;
   if (pairs.size() < 3) {
-    result.reason = kTooFew;
+    result.reason = kReasonTooFewPairs;
     return result;
   }
-  if (alignment == Alignment::kFirst) {
+  if (alignment == Alignment::kFirstPose) {
     result.T_truth_estimate = pairs[0].truth * pairs[0].estimate.inverse();
   } else if (alignment != Alignment::kNone) {
-    align(pairs, alignment == Alignment::kSimilar, result);
+    align(pairs, alignment == Alignment::kSimilarity, result);
   }
   const Eigen::Matrix3d R = result.T_truth_estimate.linear();
   std::vector<double> translation, rotation;
@@ -119,10 +119,11 @@ AbsoluteError absolute_error(std::span<const PosePair> pairs, Alignment alignmen
     const Eigen::Vector3d moved =
         result.scale * (R * pair.estimate.translation()) + result.T_truth_estimate.translation();
     translation.push_back((pair.truth.translation() - moved).norm());
-    rotation.push_back(angle(pair.truth.linear().transpose() * R * pair.estimate.linear()));
+    rotation.push_back(
+        rotation_angle(pair.truth.linear().transpose() * R * pair.estimate.linear()));
   }
-  result.translation = statistics(std::move(translation));
-  result.rotation = statistics(std::move(rotation));
+  result.translation = compute_statistics(std::move(translation));
+  result.rotation = compute_statistics(std::move(rotation));
   return result;
 }
 
@@ -141,14 +142,14 @@ RelativeError relative_error(std::span<const PosePair> pairs, Duration span) {
     if (off > span / 2) continue;
     const Eigen::Isometry3d error = motion_error(pairs[from], nearest);
     translation.push_back(error.translation().norm());
-    rotation.push_back(angle(error.linear()));
+    rotation.push_back(rotation_angle(error.linear()));
   }
   if (translation.empty()) {
     result.reason = "no two poses are that span apart";
     return result;
   }
-  result.translation = statistics(std::move(translation));
-  result.rotation = statistics(std::move(rotation));
+  result.translation = compute_statistics(std::move(translation));
+  result.rotation = compute_statistics(std::move(rotation));
   return result;
 }
 
@@ -169,7 +170,7 @@ KittiError kitti_error(std::span<const PosePair> pairs, std::span<const double> 
       const PosePair& to = pairs[static_cast<size_t>(at - distance.begin())];
       const Eigen::Isometry3d error = motion_error(pairs[from], to);
       segment.translation += error.translation().norm() / length;
-      segment.rotation += angle(error.linear()) / length;
+      segment.rotation += rotation_angle(error.linear()) / length;
       ++segment.count;
     }
     result.translation += segment.translation;

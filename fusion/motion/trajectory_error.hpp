@@ -26,10 +26,10 @@ struct ErrorStatistics {
 
 /// What an estimate's positions are moved by before they are compared.
 enum class Alignment {
-  kNone,     ///< both are in one frame already
-  kFirst,    ///< the first poses are laid on each other
-  kRigid,    ///< least squares over all positions (Umeyama 1991), TUM's convention
-  kSimilar,  ///< as `kRigid`, with a scale
+  kNone,        ///< both are in one frame already
+  kFirstPose,   ///< the first poses are laid on each other
+  kRigid,       ///< least squares over all positions (Umeyama 1991), TUM's convention
+  kSimilarity,  ///< as `kRigid`, with a scale
 };
 
 /// Absolute trajectory error, TUM's convention.

@@ -18,34 +18,34 @@ void standardise(Eigen::MatrixXd& features) {
   for (Index c = 0; c < features.cols(); ++c) {
     auto column = features.col(c);
     column.array() -= column.mean();
-    const double deviation = std::sqrt(column.squaredNorm() / static_cast<double>(column.size()));
-    if (deviation > 1e-6) column /= deviation;
+    const double sigma = std::sqrt(column.squaredNorm() / static_cast<double>(column.size()));
+    if (sigma > 1e-6) column /= sigma;
   }
 }
 
 /// One of the least-squares measures over all pixels. Its hyper-parameters are chosen at the first
 /// question and kept: scores of different ones are not to be compared.
-LabelScore least_squares_score(FitMeasure measure, const Eigen::MatrixXd& features,
-                               const dependence::FitOptions& fit) {
+LabelScore make_least_squares_score(FitMeasure measure, const Eigen::MatrixXd& features,
+                                    const dependence::FitOptions& fit) {
   const auto prepared = std::make_shared<PreparedDependence>(measure, features, fit);
   if (*prepared->reason() != '\0') return {};
   const auto kept = std::make_shared<std::optional<dependence::HyperParameters>>();
   const double sign = measure == FitMeasure::kSce ? -1 : 1;
   return [=](std::span<const int32_t> labels, int label_count) {
-    const auto answer = prepared->ask(labels, label_count, *kept);
-    if (answer.usable() && !*kept) *kept = answer.chosen;
+    const auto answer = prepared->evaluate(labels, label_count, *kept);
+    if (answer.usable() && !*kept) *kept = answer.hyper_parameters;
     return answer.usable() ? sign * answer.value : 0;
   };
 }
 
 /// The mean of LSMI over bags, I(2.9): each every k-th pixel, from another one on.
-LabelScore bagged_score(const Eigen::MatrixXd& features, const OneImageOptions& options) {
-  const Index bags = options.bags, size = features.rows() / bags;
+LabelScore make_bagged_score(const Eigen::MatrixXd& features, const SingleImageOptions& options) {
+  const Index bags = options.bag_count, size = features.rows() / bags;
   std::vector<LabelScore> parts;
   for (Index b = 0; b < bags; ++b) {
     Eigen::MatrixXd part(size, features.cols());
     for (Index i = 0; i < size; ++i) part.row(i) = features.row(i * bags + b);
-    parts.push_back(least_squares_score(FitMeasure::kSmi, part, options.fit));
+    parts.push_back(make_least_squares_score(FitMeasure::kSmi, part, options.fit));
     if (!parts.back()) return {};
   }
   return [=](std::span<const int32_t> labels, int label_count) {
@@ -59,16 +59,16 @@ LabelScore bagged_score(const Eigen::MatrixXd& features, const OneImageOptions& 
   };
 }
 
-LabelScore mlmi_score(const Eigen::MatrixXd& features, const dependence::FitOptions& fit) {
+LabelScore make_mlmi_score(const Eigen::MatrixXd& features, const dependence::FitOptions& fit) {
   const auto options = std::make_shared<dependence::FitOptions>(fit);
   return [=](std::span<const int32_t> labels, int label_count) {
     const auto answer = dependence::mlmi(features, labels, label_count, *options);
-    if (answer.usable()) options->sigmas = {answer.chosen.sigma};
+    if (answer.usable()) options->sigmas = {answer.hyper_parameters.sigma};
     return answer.usable() ? answer.value : 0;
   };
 }
 
-LabelScore correlation_score(const Eigen::MatrixXd& features) {
+LabelScore make_correlation_score(const Eigen::MatrixXd& features) {
   return [=](std::span<const int32_t> labels, int label_count) {
     Eigen::MatrixXd indicators = Eigen::MatrixXd::Zero(features.rows(), label_count);
     for (size_t i = 0; i < labels.size(); ++i) indicators(static_cast<Index>(i), labels[i]) = 1;
@@ -78,7 +78,7 @@ LabelScore correlation_score(const Eigen::MatrixXd& features) {
 }
 
 // I(3.7) with the gradient as the likeness to a boundary: a picture has no discontinuity.
-LabelScore boundary_score(const GroundPixels& pixels, const std::vector<bool>& boundary) {
+LabelScore make_boundary_score(const GroundPixels& pixels, const std::vector<bool>& boundary) {
   double squares = 0;
   for (const float gradient : pixels.gradients) squares += gradient * gradient;
   if (!(squares > 0)) return {};
@@ -95,11 +95,11 @@ LabelScore boundary_score(const GroundPixels& pixels, const std::vector<bool>& b
 
 }  // namespace
 
-GroundPixels ground_pixels(const PictureFeatures& features, const geometry::CameraModel& camera,
-                           const Eigen::Isometry3d& T_camera_vehicle,
-                           const OneImageOptions& options) {
+GroundPixels find_ground_pixels(const ImageFeatures& features, const geometry::CameraModel& camera,
+                                const Eigen::Isometry3d& T_camera_vehicle,
+                                const SingleImageOptions& options) {
   const Eigen::Isometry3d T_vehicle_camera = T_camera_vehicle.inverse();
-  const Eigen::Vector3d eye = T_vehicle_camera.translation();
+  const Eigen::Vector3d camera_position = T_vehicle_camera.translation();
   const double fx = static_cast<double>(camera.intrinsics().width) / features.width;
   const double fy = static_cast<double>(camera.intrinsics().height) / features.height;
   GroundPixels all;
@@ -110,16 +110,16 @@ GroundPixels ground_pixels(const PictureFeatures& features, const geometry::Came
       if (!ray) continue;
       const Eigen::Vector3d d = T_vehicle_camera.linear() * *ray;
       if (!(d.z() < -1e-3)) continue;
-      const Eigen::Vector3d p = eye - eye.z() / d.z() * d;
+      const Eigen::Vector3d p = camera_position - camera_position.z() / d.z() * d;
       const double distance = p.head<2>().norm();
-      if (!(distance > options.nearest && distance < options.farthest)) continue;
+      if (!(distance > options.min_distance && distance < options.max_distance)) continue;
       all.x.push_back(static_cast<float>(p.x()));
       all.y.push_back(static_cast<float>(p.y()));
       seen.push_back(&features.at(u, v));
     }
   }
   // Every k-th pixel along rows that follow each other: even over the picture.
-  const size_t n = std::min(seen.size(), static_cast<size_t>(options.most_samples));
+  const size_t n = std::min(seen.size(), static_cast<size_t>(options.max_samples));
   GroundPixels pixels;
   pixels.features.resize(static_cast<Index>(n), 6);
   for (size_t i = 0; i < n; ++i) {
@@ -137,23 +137,23 @@ GroundPixels ground_pixels(const PictureFeatures& features, const geometry::Came
   return pixels;
 }
 
-LabelScore label_score(const GroundPixels& pixels, const OneImageOptions& options,
-                       const std::vector<bool>& boundary) {
+LabelScore make_label_score(const GroundPixels& pixels, const SingleImageOptions& options,
+                            const std::vector<bool>& boundary) {
   switch (options.measure) {
     case ImageMeasure::kLsmi:
-      return least_squares_score(FitMeasure::kSmi, pixels.features, options.fit);
+      return make_least_squares_score(FitMeasure::kSmi, pixels.features, options.fit);
     case ImageMeasure::kBlsmi:
-      return bagged_score(pixels.features, options);
+      return make_bagged_score(pixels.features, options);
     case ImageMeasure::kMi:
-      return mlmi_score(pixels.features, options.fit);
+      return make_mlmi_score(pixels.features, options.fit);
     case ImageMeasure::kQmi:
-      return least_squares_score(FitMeasure::kQmi, pixels.features, options.fit);
+      return make_least_squares_score(FitMeasure::kQmi, pixels.features, options.fit);
     case ImageMeasure::kSce:
-      return least_squares_score(FitMeasure::kSce, pixels.features, options.fit);
+      return make_least_squares_score(FitMeasure::kSce, pixels.features, options.fit);
     case ImageMeasure::kCorrelation:
-      return correlation_score(pixels.features);
+      return make_correlation_score(pixels.features);
     case ImageMeasure::kBoundaries:
-      return boundary_score(pixels, boundary);
+      return make_boundary_score(pixels, boundary);
   }
   return {};
 }

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "fusion/streetmap/one_image.hpp"
+#include "fusion/streetmap/single_image_pose.hpp"
 
 namespace infuse::streetmap {
 
@@ -19,16 +19,16 @@ struct GroundPixels {
 };
 
 /// Lays the pixels on the plane z = 0 of the vehicle's frame.
-GroundPixels ground_pixels(const PictureFeatures& features, const geometry::CameraModel& camera,
-                           const Eigen::Isometry3d& T_camera_vehicle,
-                           const OneImageOptions& options);
+GroundPixels find_ground_pixels(const ImageFeatures& features, const geometry::CameraModel& camera,
+                                const Eigen::Isometry3d& T_camera_vehicle,
+                                const SingleImageOptions& options);
 
 /// Scores labels 0 … label_count − 1 of the pixels; larger is better.
 using LabelScore = std::function<double(std::span<const int32_t> labels, int label_count)>;
 
 /// The score of a measure, its side of the pixels prepared; `boundary` tells of a label whether it
 /// is a boundary line (kBoundaries only). Empty where the pixels do not vary.
-LabelScore label_score(const GroundPixels& pixels, const OneImageOptions& options,
-                       const std::vector<bool>& boundary);
+LabelScore make_label_score(const GroundPixels& pixels, const SingleImageOptions& options,
+                            const std::vector<bool>& boundary);
 
 }  // namespace infuse::streetmap

@@ -6,9 +6,9 @@
 namespace infuse::streetmap {
 
 void LabelWindow::reserve(const SegmentMap& map, double reach, Labelling labelling) {
-  const auto edge = static_cast<size_t>(std::ceil(2 * reach / map.frame().cell)) + 1;
+  const auto edge = static_cast<size_t>(std::ceil(2 * reach / map.frame().cell_size)) + 1;
   labels_.reserve(edge * edge);
-  const size_t keys = labelling == Labelling::kKinds ? kSegmentKinds : map.segments();
+  const size_t keys = labelling == Labelling::kKinds ? kSegmentKindCount : map.segment_count();
   by_key_.assign(keys, 0);
   used_keys_.reserve(keys);
   kinds_.reserve(std::min<size_t>(keys, 255));
@@ -18,17 +18,18 @@ void LabelWindow::read(const SegmentMap& map, double x, double y, double reach,
                        Labelling labelling) {
   const MapFrame& frame = map.frame();
   const auto first = [&](double place, double low) {
-    const double cell = std::floor((place - reach - low) / frame.cell);
+    const double cell = std::floor((place - reach - low) / frame.cell_size);
     return static_cast<int>(std::clamp(cell, -1e8, 1e8));
   };
-  const int first_column = first(x, frame.low.x()), first_row = first(y, frame.low.y());
-  columns_ = rows_ = static_cast<int>(std::ceil(2 * reach / frame.cell)) + 1;
-  low_x_ = frame.low.x() + first_column * frame.cell;
-  low_y_ = frame.low.y() + first_row * frame.cell;
-  cells_a_metre_ = 1 / frame.cell;
+  const int first_column = first(x, frame.min_corner.x()),
+            first_row = first(y, frame.min_corner.y());
+  columns_ = rows_ = static_cast<int>(std::ceil(2 * reach / frame.cell_size)) + 1;
+  low_x_ = frame.min_corner.x() + first_column * frame.cell_size;
+  low_y_ = frame.min_corner.y() + first_row * frame.cell_size;
+  cells_per_metre_ = 1 / frame.cell_size;
   labels_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
 
-  const size_t keys = labelling == Labelling::kKinds ? kSegmentKinds : map.segments();
+  const size_t keys = labelling == Labelling::kKinds ? kSegmentKindCount : map.segment_count();
   if (by_key_.size() != keys) {
     by_key_.assign(keys, 0);
     used_keys_.clear();
@@ -63,11 +64,11 @@ void LabelWindow::read(const SegmentMap& map, double x, double y, double reach,
 void LabelWindow::look_up(const PlanarPose& pose, std::span<const float> x,
                           std::span<const float> y, std::span<int32_t> labels) const {
   // In cells of the window; single precision is exact to a millimetre over some kilometres of it.
-  const auto scale = static_cast<float>(cells_a_metre_);
+  const auto scale = static_cast<float>(cells_per_metre_);
   const auto c = static_cast<float>(std::cos(pose.yaw)) * scale;
   const auto s = static_cast<float>(std::sin(pose.yaw)) * scale;
-  const auto x0 = static_cast<float>((pose.x - low_x_) * cells_a_metre_);
-  const auto y0 = static_cast<float>((pose.y - low_y_) * cells_a_metre_);
+  const auto x0 = static_cast<float>((pose.x - low_x_) * cells_per_metre_);
+  const auto y0 = static_cast<float>((pose.y - low_y_) * cells_per_metre_);
   const auto columns = static_cast<float>(columns_), rows = static_cast<float>(rows_);
   for (size_t i = 0; i < x.size(); ++i) {
     const float column = x0 + c * x[i] - s * y[i];

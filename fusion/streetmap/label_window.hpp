@@ -39,7 +39,7 @@ class LabelWindow {
 
  private:
   double low_x_ = 0, low_y_ = 0;  // m
-  double cells_a_metre_ = 1;
+  double cells_per_metre_ = 1;
   int columns_ = 0, rows_ = 0;
   int label_count_ = 1;
   std::vector<uint8_t> labels_;

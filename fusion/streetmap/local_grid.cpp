@@ -10,32 +10,34 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr uint32_t kNone = UINT32_MAX;
-constexpr int kOcclusionTile = 8;            // pixels of the features' picture
-constexpr float kOcclusionTolerance = 0.5F;  // m, beside the share of the depth
-constexpr float kOcclusionShare = 0.25F;     // on flat ground a tile spans that much of the depth
+constexpr uint32_t kNoIndex = UINT32_MAX;
+constexpr int kOcclusionTileSize = 8;          // pixels of the features' picture
+constexpr float kOcclusionTolerance = 0.5F;    // m, beside the share of the depth
+constexpr float kOcclusionDepthRatio = 0.25F;  // on flat ground a tile spans that much of the depth
 
-float compressed(float height) { return std::copysign(std::sqrt(std::abs(height)), height); }
+float signed_sqrt(float height) { return std::copysign(std::sqrt(std::abs(height)), height); }
 
 }  // namespace
 
 std::optional<std::string> LocalGridOptions::invalid() const {
-  if (!(cell >= 0.02 && cell <= 1)) return "the local grid's cell must be 0.02 … 1 m";
-  if (!(extent >= 10 * cell && extent / cell <= 4000)) {
+  if (!(cell_size >= 0.02 && cell_size <= 1))
+    return "the local grid's cell_size must be 0.02 … 1 m";
+  if (!(extent >= 10 * cell_size && extent / cell_size <= 4000)) {
     return "the local grid's extent must be 10 … 4000 cells";
   }
-  if (block < 1 || block > 32) return "the local grid's block must be 1 … 32 cells";
-  if (!(low < high)) return "the local grid's low must be below its high";
-  if (!(near >= 0)) return "the local grid's near must not be negative";
-  if (memory < 1) return "the local grid's memory must be 1 at least";
-  if (most_samples < 50) return "the local grid must give 50 samples at least";
+  if (block_size < 1 || block_size > 32) return "the local grid's block_size must be 1 … 32 cells";
+  if (!(min_height < max_height)) return "the local grid's min_height must be below its max_height";
+  if (!(min_range >= 0)) return "the local grid's min_range must not be negative";
+  if (mean_window < 1) return "the local grid's mean_window must be 1 at least";
+  if (max_samples < 50) return "the local grid must give 50 samples at least";
   return std::nullopt;
 }
 
 LocalGrid::LocalGrid(const LocalGridOptions& options)
-    : options_(options), cells_(static_cast<int>(std::ceil(options.extent / options.cell))) {
-  grid_.resize(static_cast<size_t>(cells_) * static_cast<size_t>(cells_));
-  const auto blocks = static_cast<size_t>(cells_ / options.block + 2);
+    : options_(options),
+      cells_per_edge_(static_cast<int>(std::ceil(options.extent / options.cell_size))) {
+  grid_.resize(static_cast<size_t>(cells_per_edge_) * static_cast<size_t>(cells_per_edge_));
+  const auto blocks = static_cast<size_t>(cells_per_edge_ / options.block_size + 2);
   blocks_.reserve(blocks * blocks);
 }
 
@@ -43,20 +45,20 @@ void LocalGrid::clear() { std::fill(grid_.begin(), grid_.end(), Cell{}); }
 
 LocalGrid::Cell& LocalGrid::cell_at(int32_t column, int32_t row) {
   const auto wrap = [&](int32_t k) {
-    const int32_t rest = k % cells_;
-    return static_cast<size_t>(rest < 0 ? rest + cells_ : rest);
+    const int32_t rest = k % cells_per_edge_;
+    return static_cast<size_t>(rest < 0 ? rest + cells_per_edge_ : rest);
   };
-  return grid_[wrap(row) * static_cast<size_t>(cells_) + wrap(column)];
+  return grid_[wrap(row) * static_cast<size_t>(cells_per_edge_) + wrap(column)];
 }
 
 // I(3.6): how far the beams beside this one, on the same ring, go beyond it.
 void LocalGrid::find_discontinuities(const Sweep& sweep) {
   discontinuity_.assign(sweep.size(), 0.0F);
-  last_of_ring_.assign(sweep.rings, kNone);
+  last_of_ring_.assign(sweep.rings, kNoIndex);
   for (uint32_t i = 0; i < sweep.size(); ++i) {
     if (sweep.ring[i] >= sweep.rings) continue;
     uint32_t& last = last_of_ring_[sweep.ring[i]];
-    if (last != kNone && sweep.column[i] - sweep.column[last] == 1) {
+    if (last != kNoIndex && sweep.column[i] - sweep.column[last] == 1) {
       const float step = sweep.range[last] - sweep.range[i];
       float& own = discontinuity_[i];
       float& other = discontinuity_[last];
@@ -68,36 +70,36 @@ void LocalGrid::find_discontinuities(const Sweep& sweep) {
   for (float& value : discontinuity_) value = std::sqrt(std::min(value, 25.0F));
 }
 
-void LocalGrid::project(const StraightView& straight, const PictureView& picture) {
-  const size_t n = straight.x.size();
+void LocalGrid::project(const DeskewedView& deskewed, const ImageView& image) {
+  const size_t n = deskewed.x.size();
   u_.resize(n);
   v_.resize(n);
   depth_.resize(n);
-  geometry::project_points(picture.camera, picture.T_camera_lidar,
-                           {straight.x, straight.y, straight.z}, {u_, v_, depth_});
+  geometry::project_points(image.camera, image.T_camera_lidar, {deskewed.x, deskewed.y, deskewed.z},
+                           {u_, v_, depth_});
   // Pixels of the features' picture, which may be a reduced one.
-  const float fx = static_cast<float>(picture.features.width) /
-                   static_cast<float>(picture.camera.intrinsics().width);
-  const float fy = static_cast<float>(picture.features.height) /
-                   static_cast<float>(picture.camera.intrinsics().height);
-  nearest_columns_ = picture.features.width / kOcclusionTile + 1;
-  nearest_rows_ = picture.features.height / kOcclusionTile + 1;
+  const float fx = static_cast<float>(image.features.width) /
+                   static_cast<float>(image.camera.intrinsics().width);
+  const float fy = static_cast<float>(image.features.height) /
+                   static_cast<float>(image.camera.intrinsics().height);
+  nearest_columns_ = image.features.width / kOcclusionTileSize + 1;
+  nearest_rows_ = image.features.height / kOcclusionTileSize + 1;
   nearest_.assign(static_cast<size_t>(nearest_columns_) * static_cast<size_t>(nearest_rows_),
                   std::numeric_limits<float>::max());
   for (size_t i = 0; i < n; ++i) {
     const float u = (u_[i] + 0.5F) * fx, v = (v_[i] + 0.5F) * fy;
     const bool inside = depth_[i] > 0.1F && u >= 0 && v >= 0 &&
-                        u < static_cast<float>(picture.features.width) &&
-                        v < static_cast<float>(picture.features.height);
+                        u < static_cast<float>(image.features.width) &&
+                        v < static_cast<float>(image.features.height);
     if (!inside) {
       depth_[i] = -1;
       continue;
     }
     u_[i] = u;
     v_[i] = v;
-    float& nearest =
-        nearest_[static_cast<size_t>(v) / kOcclusionTile * static_cast<size_t>(nearest_columns_) +
-                 static_cast<size_t>(u) / kOcclusionTile];
+    float& nearest = nearest_[static_cast<size_t>(v) / kOcclusionTileSize *
+                                  static_cast<size_t>(nearest_columns_) +
+                              static_cast<size_t>(u) / kOcclusionTileSize];
     nearest = std::min(nearest, depth_[i]);
   }
 }
@@ -106,46 +108,46 @@ void LocalGrid::project(const StraightView& straight, const PictureView& picture
 // camera do not look from the same place.
 bool LocalGrid::visible(size_t i) const {
   if (depth_[i] < 0) return false;
-  const auto column = static_cast<size_t>(u_[i]) / kOcclusionTile;
-  const auto row = static_cast<size_t>(v_[i]) / kOcclusionTile;
+  const auto column = static_cast<size_t>(u_[i]) / kOcclusionTileSize;
+  const auto row = static_cast<size_t>(v_[i]) / kOcclusionTileSize;
   const float nearest = nearest_[row * static_cast<size_t>(nearest_columns_) + column];
-  return depth_[i] - nearest < kOcclusionTolerance + kOcclusionShare * depth_[i];
+  return depth_[i] - nearest < kOcclusionTolerance + kOcclusionDepthRatio * depth_[i];
 }
 
-void LocalGrid::add(const StraightView& straight, const PictureView* picture,
-                    const PlanarPose& pose) {
-  const size_t n = straight.x.size();
-  find_discontinuities(straight.sweep);
-  if (picture != nullptr) project(straight, *picture);
-  const Eigen::Matrix3f R = straight.T_vehicle_lidar.linear().cast<float>();
-  const Eigen::Vector3f t = straight.T_vehicle_lidar.translation().cast<float>();
+void LocalGrid::add(const DeskewedView& deskewed, const ImageView* image, const PlanarPose& pose) {
+  const size_t n = deskewed.x.size();
+  find_discontinuities(deskewed.sweep);
+  if (image != nullptr) project(deskewed, *image);
+  const Eigen::Matrix3f R = deskewed.T_vehicle_lidar.linear().cast<float>();
+  const Eigen::Vector3f t = deskewed.T_vehicle_lidar.translation().cast<float>();
   const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
   const auto half = static_cast<float>(options_.extent / 2);
-  const auto low = static_cast<float>(options_.low), high = static_cast<float>(options_.high);
-  const auto near = static_cast<float>(options_.near);
-  const auto most = static_cast<float>(options_.memory);
+  const auto low = static_cast<float>(options_.min_height),
+             high = static_cast<float>(options_.max_height);
+  const auto near = static_cast<float>(options_.min_range);
+  const auto max_count = static_cast<float>(options_.mean_window);
   for (size_t i = 0; i < n; ++i) {
-    const Eigen::Vector3f p = R * Eigen::Vector3f(straight.x[i], straight.y[i], straight.z[i]) + t;
-    const bool wanted = p.z() > low && p.z() < high && std::abs(p.x()) < half &&
-                        std::abs(p.y()) < half && straight.sweep.range[i] > near;
-    if (!wanted) continue;
+    const Eigen::Vector3f p = R * Eigen::Vector3f(deskewed.x[i], deskewed.y[i], deskewed.z[i]) + t;
+    const bool in_range = p.z() > low && p.z() < high && std::abs(p.x()) < half &&
+                          std::abs(p.y()) < half && deskewed.sweep.range[i] > near;
+    if (!in_range) continue;
     const double x = pose.x + c * p.x() - s * p.y(), y = pose.y + s * p.x() + c * p.y();
-    const auto column = static_cast<int32_t>(std::floor(x / options_.cell));
-    const auto row = static_cast<int32_t>(std::floor(y / options_.cell));
+    const auto column = static_cast<int32_t>(std::floor(x / options_.cell_size));
+    const auto row = static_cast<int32_t>(std::floor(y / options_.cell_size));
     Cell& cell = cell_at(column, row);
     if (cell.column != column || cell.row != row) {
       cell = {};
       cell.column = column;
       cell.row = row;
     }
-    cell.lidar_count = std::min(cell.lidar_count + 1, most);
+    cell.lidar_count = std::min(cell.lidar_count + 1, max_count);
     const float share = 1 / cell.lidar_count;
-    cell.mean[kHeight] += share * (compressed(p.z()) - cell.mean[kHeight]);
+    cell.mean[kHeight] += share * (signed_sqrt(p.z()) - cell.mean[kHeight]);
     cell.mean[kDiscontinuity] += share * (discontinuity_[i] - cell.mean[kDiscontinuity]);
-    cell.mean[kReflectivity] += share * (straight.sweep.reflectivity[i] - cell.mean[kReflectivity]);
-    if (picture == nullptr || !visible(i)) continue;
-    const auto& pixel = picture->features.at(static_cast<int>(u_[i]), static_cast<int>(v_[i]));
-    cell.colour_count = std::min(cell.colour_count + 1, most);
+    cell.mean[kReflectivity] += share * (deskewed.sweep.reflectivity[i] - cell.mean[kReflectivity]);
+    if (image == nullptr || !visible(i)) continue;
+    const auto& pixel = image->features.at(static_cast<int>(u_[i]), static_cast<int>(v_[i]));
+    cell.colour_count = std::min(cell.colour_count + 1, max_count);
     for (size_t k = 0; k < 4; ++k) {
       float& mean = cell.mean[static_cast<size_t>(kBlue) + k];
       mean += (pixel[k] - mean) / cell.colour_count;
@@ -155,7 +157,7 @@ void LocalGrid::add(const StraightView& straight, const PictureView* picture,
 
 void LocalGrid::gather_blocks(const PlanarPose& pose) {
   blocks_.clear();
-  const double edge = options_.cell * options_.block, half = options_.extent / 2;
+  const double edge = options_.cell_size * options_.block_size, half = options_.extent / 2;
   const int reach = static_cast<int>(std::floor(half / edge));
   const auto middle_column = static_cast<int32_t>(std::floor(pose.x / edge));
   const auto middle_row = static_cast<int32_t>(std::floor(pose.y / edge));
@@ -164,21 +166,22 @@ void LocalGrid::gather_blocks(const PlanarPose& pose) {
     for (int32_t k = middle_column - reach; k < middle_column + reach; ++k) {
       Block block{};
       float lidar = 0, colour = 0;
-      for (int i = 0; i < options_.block * options_.block; ++i) {
-        const int32_t column = k * options_.block + i % options_.block;
-        const int32_t row = r * options_.block + i / options_.block;
+      for (int i = 0; i < options_.block_size * options_.block_size; ++i) {
+        const int32_t column = k * options_.block_size + i % options_.block_size;
+        const int32_t row = r * options_.block_size + i / options_.block_size;
         const Cell& cell = cell_at(column, row);
         if (cell.column != column || cell.row != row) continue;
         ++lidar;
-        for (size_t f = 0; f < kLidarFeatures; ++f) block.mean[f] += cell.mean[f];
+        for (size_t f = 0; f < kLidarFeatureCount; ++f) block.mean[f] += cell.mean[f];
         if (cell.colour_count == 0) continue;
         ++colour;
-        for (size_t f = kLidarFeatures; f < kFeatures; ++f) block.mean[f] += cell.mean[f];
+        for (size_t f = kLidarFeatureCount; f < kFeatureCount; ++f) block.mean[f] += cell.mean[f];
       }
       if (lidar == 0) continue;
-      for (size_t f = 0; f < kLidarFeatures; ++f) block.mean[f] /= lidar;
+      for (size_t f = 0; f < kLidarFeatureCount; ++f) block.mean[f] /= lidar;
       block.coloured = colour > 0;
-      for (size_t f = kLidarFeatures; f < kFeatures && colour > 0; ++f) block.mean[f] /= colour;
+      for (size_t f = kLidarFeatureCount; f < kFeatureCount && colour > 0; ++f)
+        block.mean[f] /= colour;
       const double dx = (k + 0.5) * edge - pose.x, dy = (r + 0.5) * edge - pose.y;
       block.x = static_cast<float>(c * dx + s * dy);
       block.y = static_cast<float>(-s * dx + c * dy);
@@ -187,15 +190,15 @@ void LocalGrid::gather_blocks(const PlanarPose& pose) {
   }
 }
 
-void LocalGrid::samples(const PlanarPose& pose, GridSamples& samples) {
+void LocalGrid::draw_samples(const PlanarPose& pose, GridSamples& samples) {
   gather_blocks(pose);
   // A random choice, the same for the same history.
-  const auto wanted = static_cast<size_t>(options_.most_samples);
+  const auto max_samples = static_cast<size_t>(options_.max_samples);
   std::mt19937_64 random(options_.seed + 0x9E3779B97F4A7C15 * ++draws_);
-  for (size_t i = 0; i < wanted && blocks_.size() > wanted; ++i) {
+  for (size_t i = 0; i < max_samples && blocks_.size() > max_samples; ++i) {
     std::swap(blocks_[i], blocks_[i + random() % (blocks_.size() - i)]);
   }
-  if (blocks_.size() > wanted) blocks_.resize(wanted);
+  if (blocks_.size() > max_samples) blocks_.resize(max_samples);
   standardise(samples);
 }
 
@@ -210,23 +213,23 @@ void LocalGrid::standardise(GridSamples& samples) const {
     coloured += blocks_[i].coloured;
   }
   // Colours of less than a tenth say more about where the camera looks than about the ground.
-  const int columns = coloured * 10 >= n && coloured > 0 ? kFeatures : kLidarFeatures;
+  const int columns = coloured * 10 >= n && coloured > 0 ? kFeatureCount : kLidarFeatureCount;
   samples.features.resize(static_cast<Eigen::Index>(n), columns);
   for (int f = 0; f < columns; ++f) {
     const auto feature = static_cast<size_t>(f);
     double count = 0, sum = 0, squares = 0;
     for (const Block& block : blocks_) {
-      if (f >= kLidarFeatures && !block.coloured) continue;
+      if (f >= kLidarFeatureCount && !block.coloured) continue;
       const double value = block.mean[feature];
       ++count;
       sum += value;
       squares += value * value;
     }
     const double mean = count > 0 ? sum / count : 0;
-    const double deviation = std::sqrt(std::max(squares / std::max(count, 1.0) - mean * mean, 0.0));
-    const double scale = deviation > 1e-6 ? 1 / deviation : 0;
+    const double sigma = std::sqrt(std::max(squares / std::max(count, 1.0) - mean * mean, 0.0));
+    const double scale = sigma > 1e-6 ? 1 / sigma : 0;
     for (size_t i = 0; i < n; ++i) {
-      const bool known = f < kLidarFeatures || blocks_[i].coloured;
+      const bool known = f < kLidarFeatureCount || blocks_[i].coloured;
       samples.features(static_cast<Eigen::Index>(i), f) =
           known ? std::clamp((blocks_[i].mean[feature] - mean) * scale, -3.0, 3.0) : 0.0;
     }

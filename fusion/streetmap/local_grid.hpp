@@ -9,7 +9,7 @@
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "fusion/geometry/camera_model.hpp"
-#include "fusion/streetmap/picture_features.hpp"
+#include "fusion/streetmap/image_features.hpp"
 #include "fusion/streetmap/planar_pose.hpp"
 
 namespace infuse::streetmap {
@@ -24,35 +24,35 @@ enum Feature : int {
   kRed = 5,
   kGradient = 6,  ///< Sobel magnitude, square root
 };
-inline constexpr int kFeatures = 7;
-inline constexpr int kLidarFeatures = 3;  ///< the first ones need no camera
+inline constexpr int kFeatureCount = 7;
+inline constexpr int kLidarFeatureCount = 3;  ///< the first ones need no camera
 
 /// How the grid collects.
 struct LocalGridOptions {
-  double extent = 40;       ///< m, edge of the square around the vehicle that is kept
-  double cell = 0.1;        ///< m
-  int block = 4;            ///< cells along the edge of a block that becomes one sample
-  double low = -1.0;        ///< m above ground: returns below are left out
-  double high = 3.0;        ///< m above ground: returns above (crowns of trees) are left out
-  double near = 1.5;        ///< m from the lidar: nearer returns are the vehicle's own
-  int memory = 24;          ///< returns that a cell's mean stands for: things that move fade out
-  int most_samples = 1500;  ///< blocks that are given out, chosen at random
-  uint64_t seed = 1;        ///< of that choice
+  double extent = 40;        ///< m, edge of the square around the vehicle that is kept
+  double cell_size = 0.1;    ///< m
+  int block_size = 4;        ///< cells along the edge of a block that becomes one sample
+  double min_height = -1.0;  ///< m above ground: returns below are left out
+  double max_height = 3.0;   ///< m above ground: returns above (crowns of trees) are left out
+  double min_range = 1.5;    ///< m from the lidar: nearer returns are the vehicle's own
+  int mean_window = 24;      ///< returns that a cell's mean stands for: things that move fade out
+  int max_samples = 1500;    ///< blocks that are given out, chosen at random
+  uint64_t seed = 1;         ///< of that choice
 
   /// What is wrong, or nothing.
   std::optional<std::string> invalid() const;
 };
 
 /// A sweep made straight: index for index the returns of `sweep` at one moment.
-struct StraightView {
+struct DeskewedView {
   const Sweep& sweep;              ///< ring, column, range, reflectivity
   std::span<const float> x, y, z;  ///< m, lidar frame at that moment
   Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
 };
 
 /// A picture that sees the same.
-struct PictureView {
-  const PictureFeatures& features;
+struct ImageView {
+  const ImageFeatures& features;
   const geometry::CameraModel& camera;
   Eigen::Isometry3d T_camera_lidar =
       Eigen::Isometry3d::Identity();  ///< from the lidar at the sweep's moment to the camera at the
@@ -108,10 +108,10 @@ class LocalGrid {
   explicit LocalGrid(const LocalGridOptions& options = {});
 
   /// Adds a sweep taken at `pose` (odometry frame), with a picture or null.
-  void add(const StraightView& straight, const PictureView* picture, const PlanarPose& pose);
+  void add(const DeskewedView& deskewed, const ImageView* image, const PlanarPose& pose);
 
   /// The grid as seen from `pose`. Allocates nothing once `samples` has been as large.
-  void samples(const PlanarPose& pose, GridSamples& samples);
+  void draw_samples(const PlanarPose& pose, GridSamples& samples);
 
   /// Forgets everything.
   void clear();
@@ -120,23 +120,23 @@ class LocalGrid {
   struct Cell {
     int32_t column = INT32_MIN, row = INT32_MIN;  // of the odometry frame, to tell old from new
     float lidar_count = 0, colour_count = 0;
-    std::array<float, kFeatures> mean{};
+    std::array<float, kFeatureCount> mean{};
   };
   struct Block {
     float x, y;
-    std::array<float, kFeatures> mean;
+    std::array<float, kFeatureCount> mean;
     bool coloured;
   };
 
   Cell& cell_at(int32_t column, int32_t row);
   void find_discontinuities(const Sweep& sweep);
-  void project(const StraightView& straight, const PictureView& picture);
+  void project(const DeskewedView& deskewed, const ImageView& image);
   bool visible(size_t i) const;
   void gather_blocks(const PlanarPose& pose);
   void standardise(GridSamples& samples) const;
 
   LocalGridOptions options_;
-  int cells_;  // along an edge
+  int cells_per_edge_;  // along an edge
   std::vector<Cell> grid_;
   uint64_t draws_ = 0;
 

@@ -10,26 +10,26 @@ namespace {
 
 /// A square root L of a covariance, L Lᵀ = C; directions without variance are let be.
 template <int N>
-Eigen::Matrix<double, N, N> root(const Eigen::Matrix<double, N, N>& covariance) {
+Eigen::Matrix<double, N, N> matrix_sqrt(const Eigen::Matrix<double, N, N>& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(
       (covariance + covariance.transpose()) / 2);
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
 /// What a particle holds: x, y, yaw, scale, rate.
-using Hypothesis = Eigen::Matrix<double, 5, 1>;
+using ParticleState = Eigen::Matrix<double, 5, 1>;
 
-Hypothesis difference(const Particle& from, const Particle& to) {
-  return {to.pose.x - from.pose.x, to.pose.y - from.pose.y, wrapped(to.pose.yaw - from.pose.yaw),
-          to.scale - from.scale, to.rate - from.rate};
+ParticleState difference(const Particle& from, const Particle& to) {
+  return {to.pose.x - from.pose.x, to.pose.y - from.pose.y, wrap_angle(to.pose.yaw - from.pose.yaw),
+          to.scale - from.scale, to.yaw_rate_bias - from.yaw_rate_bias};
 }
 
-void add(Particle& particle, const Hypothesis& d) {
+void add(Particle& particle, const ParticleState& d) {
   particle.pose.x += d[0];
   particle.pose.y += d[1];
-  particle.pose.yaw = wrapped(particle.pose.yaw + d[2]);
+  particle.pose.yaw = wrap_angle(particle.pose.yaw + d[2]);
   particle.scale += d[3];
-  particle.rate += d[4];
+  particle.yaw_rate_bias += d[4];
 }
 
 }  // namespace
@@ -42,126 +42,129 @@ double PoseMoments::spread() const {
 
 ParticleSet::ParticleSet(const ParticleOptions& options, uint64_t seed)
     : options_(options), random_(seed) {
-  const auto most = static_cast<size_t>(options.most);
-  particles_.reserve(most);
-  drawn_.reserve(most);
-  weights_.reserve(most);
-  bins_.reserve(most);
+  const auto max_count = static_cast<size_t>(options.max_count);
+  particles_.reserve(max_count);
+  resampled_.reserve(max_count);
+  weights_.reserve(max_count);
+  bins_.reserve(max_count);
 }
 
-void ParticleSet::draw_lasting(Particle& particle) {
+void ParticleSet::draw_odometry_errors(Particle& particle) {
   particle.scale = 1 + options_.scale_sigma * normal();
-  particle.rate = options_.rate_sigma * normal();
+  particle.yaw_rate_bias = options_.yaw_rate_bias_sigma * normal();
 }
 
 void ParticleSet::scatter(const PlanarPose& mean, const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix3d L = root<3>(covariance);
+  const Eigen::Matrix3d L = matrix_sqrt<3>(covariance);
   const auto draw = [&](int count) {
     particles_.resize(static_cast<size_t>(count));
     for (Particle& particle : particles_) {
       const Eigen::Vector3d d = L * Eigen::Vector3d(normal(), normal(), normal());
-      particle = {{mean.x + d.x(), mean.y + d.y(), wrapped(mean.yaw + d.z())}};
-      draw_lasting(particle);
+      particle = {{mean.x + d.x(), mean.y + d.y(), wrap_angle(mean.yaw + d.z())}};
+      draw_odometry_errors(particle);
     }
   };
-  draw(options_.most);
-  const int needed = number_needed();
+  draw(options_.max_count);
+  const int needed = required_count();
   particles_.resize(static_cast<size_t>(needed));
 }
 
 void ParticleSet::scatter_disc(const PlanarPose& middle, double radius, double yaw) {
   std::uniform_real_distribution<double> share(0, 1);
-  particles_.resize(static_cast<size_t>(options_.most));
+  particles_.resize(static_cast<size_t>(options_.max_count));
   for (Particle& particle : particles_) {
     const double r = radius * std::sqrt(share(random_));
     const double a = 2 * std::numbers::pi * share(random_);
     const double turned = yaw * (2 * share(random_) - 1);
     particle = {
-        {middle.x + r * std::cos(a), middle.y + r * std::sin(a), wrapped(middle.yaw + turned)}};
-    draw_lasting(particle);
+        {middle.x + r * std::cos(a), middle.y + r * std::sin(a), wrap_angle(middle.yaw + turned)}};
+    draw_odometry_errors(particle);
   }
 }
 
-void ParticleSet::add_place(const PlanarPose& mean, const Eigen::Matrix3d& covariance) {
+void ParticleSet::add_mode(const PlanarPose& mean, const Eigen::Matrix3d& covariance) {
   normalise();
   const double even = -std::log(static_cast<double>(particles_.size()));
-  const Eigen::Matrix3d L = root<3>(covariance);
+  const Eigen::Matrix3d L = matrix_sqrt<3>(covariance);
   for (size_t i = 0; i < particles_.size(); ++i) {
     Particle& particle = particles_[i];
     particle.log_weight = std::log(std::max(weights_[i], 1e-300));
-    particle.elsewhere = i % 3 == 0;
-    if (!particle.elsewhere) continue;
+    particle.in_second_mode = i % 3 == 0;
+    if (!particle.in_second_mode) continue;
     const Eigen::Vector3d d = L * Eigen::Vector3d(normal(), normal(), normal());
-    particle.pose = {mean.x + d.x(), mean.y + d.y(), wrapped(mean.yaw + d.z())};
+    particle.pose = {mean.x + d.x(), mean.y + d.y(), wrap_angle(mean.yaw + d.z())};
     particle.log_weight = even;
   }
   normalise();
 }
 
-double ParticleSet::doubt() const {
-  double sum = 0, elsewhere = 0;
+double ParticleSet::second_mode_weight() const {
+  double sum = 0, second_mode_sum = 0;
   for (const Particle& particle : particles_) {
     const double weight = std::exp(particle.log_weight);
     sum += weight;
-    if (particle.elsewhere) elsewhere += weight;
+    if (particle.in_second_mode) second_mode_sum += weight;
   }
-  return sum > 0 ? std::min(elsewhere, sum - elsewhere) / sum : 0;
+  return sum > 0 ? std::min(second_mode_sum, sum - second_mode_sum) / sum : 0;
 }
 
 // Two places are one once one of them holds nearly all of the weight, or they lie within a
 // deviation of each other.
-void ParticleSet::settle_places() {
-  const double weight = doubt();
+void ParticleSet::merge_modes() {
+  const double weight = second_mode_weight();
   if (weight == 0) return;
-  const PoseMoments here = moments_of(false), there = moments_of(true);
-  const Eigen::Vector2d apart(there.mean.x - here.mean.x, there.mean.y - here.mean.y);
-  const Eigen::Matrix2d spread = (here.covariance + there.covariance).topLeftCorner<2, 2>() +
-                                 1e-6 * Eigen::Matrix2d::Identity();
-  if (weight > 0.02 && apart.dot(spread.inverse() * apart) > 1) return;
-  for (Particle& particle : particles_) particle.elsewhere = false;
+  const PoseMoments first_mode = moments_of_mode(false), second_mode = moments_of_mode(true);
+  const Eigen::Vector2d difference_xy(second_mode.mean.x - first_mode.mean.x,
+                                      second_mode.mean.y - first_mode.mean.y);
+  const Eigen::Matrix2d spread =
+      (first_mode.covariance + second_mode.covariance).topLeftCorner<2, 2>() +
+      1e-6 * Eigen::Matrix2d::Identity();
+  if (weight > 0.02 && difference_xy.dot(spread.inverse() * difference_xy) > 1) return;
+  for (Particle& particle : particles_) particle.in_second_mode = false;
 }
 
-void ParticleSet::move(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
-                       double seconds) {
+void ParticleSet::predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
+                          double seconds) {
   const double distance = std::hypot(motion.x, motion.y);
   Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
   own(0, 0) = own(1, 1) = options_.distance_noise * options_.distance_noise * distance;
-  own(2, 2) =
-      options_.yaw_noise * options_.yaw_noise * distance + options_.yaw_rest * options_.yaw_rest;
-  const Eigen::Matrix3d L = root<3>(covariance + own);
+  own(2, 2) = options_.yaw_noise * options_.yaw_noise * distance +
+              options_.yaw_noise_per_update * options_.yaw_noise_per_update;
+  const Eigen::Matrix3d L = matrix_sqrt<3>(covariance + own);
   // What lasts stays near what it was, and within its deviation in the long run.
-  const double scale_kept = std::exp(-distance / options_.scale_memory);
-  const double scale_walk = options_.scale_sigma * std::sqrt(1 - scale_kept * scale_kept);
-  const double rate_kept = std::exp(-seconds / options_.rate_memory);
-  const double rate_walk = options_.rate_sigma * std::sqrt(1 - rate_kept * rate_kept);
+  const double scale_decay = std::exp(-distance / options_.scale_correlation_distance);
+  const double scale_walk = options_.scale_sigma * std::sqrt(1 - scale_decay * scale_decay);
+  const double rate_decay = std::exp(-seconds / options_.yaw_rate_bias_correlation_time);
+  const double rate_walk = options_.yaw_rate_bias_sigma * std::sqrt(1 - rate_decay * rate_decay);
   for (Particle& particle : particles_) {
     const Eigen::Vector3d d = L * Eigen::Vector3d(normal(), normal(), normal());
-    const double scale = particle.scale, turned = particle.rate * seconds;
-    particle.pose = particle.pose.then(
+    const double scale = particle.scale, turned = particle.yaw_rate_bias * seconds;
+    particle.pose = particle.pose.compose(
         {scale * motion.x + d.x(), scale * motion.y + d.y(), motion.yaw + turned + d.z()});
-    particle.scale = 1 + scale_kept * (scale - 1) + scale_walk * normal();
-    particle.rate = rate_kept * particle.rate + rate_walk * normal();
+    particle.scale = 1 + scale_decay * (scale - 1) + scale_walk * normal();
+    particle.yaw_rate_bias = rate_decay * particle.yaw_rate_bias + rate_walk * normal();
   }
 }
 
-void ParticleSet::learn(std::span<const double> scores, double within, double between,
-                        double reach) {
+void ParticleSet::update_weights(std::span<const double> scores, double within_gain,
+                                 double between_gain, double radius) {
   normalise();
   const size_t count = particles_.size();
   for (size_t i = 0; i < count; ++i) {
-    double around = scores[i];
-    if (within != between) {
+    double local_score = scores[i];
+    if (within_gain != between_gain) {
       const PlanarPose& at = particles_[i].pose;
       double sum = 0, scored = 0;
       for (size_t k = 0; k < count; ++k) {
         const double dx = particles_[k].pose.x - at.x, dy = particles_[k].pose.y - at.y;
-        const double near = std::max(0.0, 1 - (dx * dx + dy * dy) / (reach * reach));
-        sum += near * weights_[k];
-        scored += near * weights_[k] * scores[k];
+        const double kernel_weight = std::max(0.0, 1 - (dx * dx + dy * dy) / (radius * radius));
+        sum += kernel_weight * weights_[k];
+        scored += kernel_weight * weights_[k] * scores[k];
       }
-      around = sum > 0 ? scored / sum : around;
+      local_score = sum > 0 ? scored / sum : local_score;
     }
-    particles_[i].log_weight += within * (scores[i] - around) + between * around;
+    particles_[i].log_weight +=
+        within_gain * (scores[i] - local_score) + between_gain * local_score;
   }
 }
 
@@ -179,49 +182,49 @@ void ParticleSet::normalise() {
 }
 
 // Fox's bound (KLD sampling, 2003) for an error of 0.05 with 99 %, by the bins that are occupied.
-int ParticleSet::number_needed() {
+int ParticleSet::required_count() {
   bins_.clear();
   for (const Particle& particle : particles_) {
     const auto part = [](double value, double bin) {
       return static_cast<uint64_t>(static_cast<int64_t>(std::floor(value / bin))) & 0x1FFFFFU;
     };
-    bins_.push_back(part(particle.pose.x, options_.bin) << 42 |
-                    part(particle.pose.y, options_.bin) << 21 |
-                    part(particle.pose.yaw, options_.bin_yaw));
+    bins_.push_back(part(particle.pose.x, options_.bin_size) << 42 |
+                    part(particle.pose.y, options_.bin_size) << 21 |
+                    part(particle.pose.yaw, options_.yaw_bin_size));
   }
   std::sort(bins_.begin(), bins_.end());
   const auto occupied =
       static_cast<double>(std::unique(bins_.begin(), bins_.end()) - bins_.begin());
-  if (occupied < 2) return options_.fewest;
+  if (occupied < 2) return options_.min_count;
   const double k = occupied - 1, a = 2 / (9 * k);
   const double needed = k / (2 * 0.05) * std::pow(1 - a + std::sqrt(a) * 2.33, 3);
-  return static_cast<int>(std::clamp(std::ceil(needed), static_cast<double>(options_.fewest),
-                                     static_cast<double>(options_.most)));
+  return static_cast<int>(std::clamp(std::ceil(needed), static_cast<double>(options_.min_count),
+                                     static_cast<double>(options_.max_count)));
 }
 
 bool ParticleSet::resample_if_needed() {
   normalise();
-  settle_places();
-  if (effective() > 0.5 * static_cast<double>(particles_.size())) return false;
+  merge_modes();
+  if (effective_count() > 0.5 * static_cast<double>(particles_.size())) return false;
   const auto draw = [&](int count) {
     std::uniform_real_distribution<double> share(0, 1);
     const double step = 1.0 / count;
     double pointer = step * share(random_), reached = weights_[0];
     size_t at = 0;
-    drawn_.clear();
+    resampled_.clear();
     for (int i = 0; i < count; ++i, pointer += step) {
       while (reached < pointer && at + 1 < particles_.size()) reached += weights_[++at];
-      drawn_.push_back(particles_[at]);
+      resampled_.push_back(particles_[at]);
     }
   };
-  draw(options_.most);
-  std::swap(particles_, drawn_);
-  const int needed = number_needed();
-  std::swap(particles_, drawn_);
+  draw(options_.max_count);
+  std::swap(particles_, resampled_);
+  const int needed = required_count();
+  std::swap(particles_, resampled_);
   draw(needed);
-  std::swap(particles_, drawn_);
+  std::swap(particles_, resampled_);
   for (Particle& particle : particles_) particle.log_weight = 0;
-  spread_copies();
+  smooth_with_kernel();
   normalise();
   return true;
 }
@@ -229,52 +232,52 @@ bool ParticleSet::resample_if_needed() {
 // Liu and West's kernel (2001): all that a particle holds is drawn towards the mean of its place
 // and spread by a share of the covariance there. So mean and covariance stay what they are, the
 // errors that last stay tied to the poses that they led to, and no copies are left.
-void ParticleSet::spread_copies() {
-  const double width = options_.kernel, kept = std::sqrt(1 - width * width);
-  for (const bool elsewhere : {false, true}) {
-    const auto of_place = [&](const Particle& p) { return p.elsewhere == elsewhere; };
-    const auto first = std::find_if(particles_.begin(), particles_.end(), of_place);
+void ParticleSet::smooth_with_kernel() {
+  const double width = options_.kernel_width, shrinkage = std::sqrt(1 - width * width);
+  for (const bool second_mode : {false, true}) {
+    const auto in_mode = [&](const Particle& p) { return p.in_second_mode == second_mode; };
+    const auto first = std::find_if(particles_.begin(), particles_.end(), in_mode);
     if (first == particles_.end()) continue;
     Particle middle = *first;
-    Hypothesis sum = Hypothesis::Zero();
+    ParticleState sum = ParticleState::Zero();
     double count = 0;
     for (const Particle& particle : particles_) {
-      if (!of_place(particle)) continue;
+      if (!in_mode(particle)) continue;
       sum += difference(middle, particle);
       ++count;
     }
     add(middle, sum / count);
     Eigen::Matrix<double, 5, 5> covariance = Eigen::Matrix<double, 5, 5>::Zero();
     for (const Particle& particle : particles_) {
-      if (!of_place(particle)) continue;
-      const Hypothesis d = difference(middle, particle);
+      if (!in_mode(particle)) continue;
+      const ParticleState d = difference(middle, particle);
       covariance += d * d.transpose() / count;
     }
-    const Eigen::Matrix<double, 5, 5> L = width * root<5>(covariance);
+    const Eigen::Matrix<double, 5, 5> L = width * matrix_sqrt<5>(covariance);
     for (Particle& particle : particles_) {
-      if (!of_place(particle)) continue;
-      const Hypothesis n(normal(), normal(), normal(), normal(), normal());
-      add(particle, (kept - 1) * difference(middle, particle) + L * n);
+      if (!in_mode(particle)) continue;
+      const ParticleState n(normal(), normal(), normal(), normal(), normal());
+      add(particle, (shrinkage - 1) * difference(middle, particle) + L * n);
       particle.pose.x += options_.jitter * normal();
       particle.pose.y += options_.jitter * normal();
-      particle.pose.yaw = wrapped(particle.pose.yaw + options_.jitter_yaw * normal());
+      particle.pose.yaw = wrap_angle(particle.pose.yaw + options_.jitter_yaw * normal());
     }
   }
 }
 
 PoseMoments ParticleSet::moments() const {
-  double places[2] = {0, 0};
+  double mode_weights[2] = {0, 0};
   for (const Particle& particle : particles_) {
-    places[particle.elsewhere] += std::exp(particle.log_weight);
+    mode_weights[particle.in_second_mode] += std::exp(particle.log_weight);
   }
-  return moments_of(places[1] > places[0]);
+  return moments_of_mode(mode_weights[1] > mode_weights[0]);
 }
 
-PoseMoments ParticleSet::moments_of(bool elsewhere) const {
+PoseMoments ParticleSet::moments_of_mode(bool second_mode) const {
   PoseMoments moments;
   double sum = 0, x = 0, y = 0, c = 0, s = 0;
   for (const Particle& particle : particles_) {
-    if (particle.elsewhere != elsewhere) continue;
+    if (particle.in_second_mode != second_mode) continue;
     const double weight = std::exp(particle.log_weight);
     sum += weight;
     x += weight * particle.pose.x;
@@ -285,15 +288,15 @@ PoseMoments ParticleSet::moments_of(bool elsewhere) const {
   if (!(sum > 0)) return moments;
   moments.mean = {x / sum, y / sum, std::atan2(s, c)};
   for (const Particle& particle : particles_) {
-    if (particle.elsewhere != elsewhere) continue;
+    if (particle.in_second_mode != second_mode) continue;
     const Eigen::Vector3d d(particle.pose.x - moments.mean.x, particle.pose.y - moments.mean.y,
-                            wrapped(particle.pose.yaw - moments.mean.yaw));
+                            wrap_angle(particle.pose.yaw - moments.mean.yaw));
     moments.covariance += std::exp(particle.log_weight) / sum * d * d.transpose();
   }
   return moments;
 }
 
-double ParticleSet::effective() const {
+double ParticleSet::effective_count() const {
   double sum = 0, squares = 0;
   for (const Particle& particle : particles_) {
     const double weight = std::exp(particle.log_weight);

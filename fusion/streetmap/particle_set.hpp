@@ -16,12 +16,12 @@ namespace infuse::streetmap {
 struct Particle {
   PlanarPose pose;
   // Errors of the odometry that last, learned from the map.
-  double scale = 1;  ///< true over measured distance
-  double rate = 0;   ///< rad/s, true minus measured yaw rate
+  double scale = 1;          ///< true over measured distance
+  double yaw_rate_bias = 0;  ///< rad/s, true minus measured yaw rate
   double log_weight = 0;
-  bool elsewhere = false;  ///< of the second place, while two are weighed against each other
+  bool in_second_mode = false;  ///< of the second place, while two are weighed against each other
   /// What cross-validation chose for it, or for the one that it is a copy of.
-  std::optional<dependence::HyperParameters> kept;
+  std::optional<dependence::HyperParameters> hyper_parameters;
 };
 
 /// Mean and covariance (x, y, yaw) of poses.
@@ -46,17 +46,18 @@ class ParticleSet {
 
   /// Replaces every third particle by a draw from a normal distribution around `mean`, each with
   /// the mean weight: a second place, half as likely as the first.
-  void add_place(const PlanarPose& mean, const Eigen::Matrix3d& covariance);
+  void add_mode(const PlanarPose& mean, const Eigen::Matrix3d& covariance);
 
   /// Moves all by a motion in the vehicle's frame with its covariance (x, y, yaw) and the options'
   /// own noise, I(3.2), each by its own scale and yaw rate over the `seconds` that it took. The
   /// covariance is that of errors which are other ones at the next motion.
-  void move(const PlanarPose& motion, const Eigen::Matrix3d& covariance, double seconds);
+  void predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance, double seconds);
 
   /// Adds to the log-weights: `within` times what each particle's score, one a particle, is above
   /// those of the particles around it, and `between` times what these score. Around it is within
   /// `reach` (m, positive), the near ones counting more.
-  void learn(std::span<const double> scores, double within, double between, double reach);
+  void update_weights(std::span<const double> scores, double within_gain, double between_gain,
+                      double radius);
 
   /// Draws a new set with probability proportional to weight (systematic, low variance), as many
   /// as the spread needs, and spreads the copies, if fewer than half of the particles carry the
@@ -70,27 +71,27 @@ class ParticleSet {
   PoseMoments moments() const;
 
   /// The weight of the less likely place, 0 … 0.5; 0 where there is one place.
-  double doubt() const;
+  double second_mode_weight() const;
 
   /// Effective number of particles, 1/Σw².
-  double effective() const;
+  double effective_count() const;
 
   /// Entropy of the weights over their largest possible one, 0 … 1.
   double entropy() const;
 
  private:
-  int number_needed();
-  void draw_lasting(Particle& particle);
+  int required_count();
+  void draw_odometry_errors(Particle& particle);
   void normalise();
-  void settle_places();
-  void spread_copies();
-  PoseMoments moments_of(bool elsewhere) const;
+  void merge_modes();
+  void smooth_with_kernel();
+  PoseMoments moments_of_mode(bool second_mode) const;
   double normal() { return normal_(random_); }
 
   ParticleOptions options_;
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
-  std::vector<Particle> particles_, drawn_;
+  std::vector<Particle> particles_, resampled_;
   std::vector<double> weights_;
   std::vector<uint64_t> bins_;
 };

@@ -19,12 +19,14 @@ struct Box {
   bool empty() const { return low.x() > high.x(); }
 };
 
-double reach_of(const PlanStrip& strip) { return strip.half_width + strip.kerb + strip.roadside; }
+double outer_half_width(const PlanStrip& strip) {
+  return strip.half_width + strip.kerb_width + strip.sidewalk_width;
+}
 
-Box box_of(const PlanArea& area) {
+Box bounding_box(const PlanArea& area) {
   Box box;
   for (const Polyline& ring : area.rings) {
-    for (const Eigen::Vector2d& point : ring) box.add(point, area.wall / 2);
+    for (const Eigen::Vector2d& point : ring) box.add(point, area.wall_width / 2);
   }
   return box;
 }
@@ -36,10 +38,10 @@ class Rasteriser {
       : plan_(plan), options_(options) {}
 
   Result<std::vector<std::byte>> run(std::string_view provenance) {
-    if (auto placed = place(); !placed) return tl::unexpected(placed.error());
-    number_elements();
+    if (auto placed = compute_frame(); !placed) return tl::unexpected(placed.error());
+    assign_ids();
     index_elements();
-    TilePainter painter(plan_, options_.cell);
+    TilePainter painter(plan_, options_.cell_size);
     SegmentMapWriter writer(frame_, columns_, rows_);
     for (int row = 0; row < rows_; ++row) {
       for (int column = 0; column < columns_; ++column) {
@@ -56,15 +58,15 @@ class Rasteriser {
     std::vector<uint32_t> areas;  // large ones first, buildings last
   };
 
-  double edge() const { return options_.cell * SegmentMap::kTile; }
+  double edge() const { return options_.cell_size * SegmentMap::kTileSize; }
 
-  Result<void> place() {
+  Result<void> compute_frame() {
     Box box;
     for (const PlanStrip& strip : plan_.strips) {
-      for (const Eigen::Vector2d& point : strip.points) box.add(point, reach_of(strip));
+      for (const Eigen::Vector2d& point : strip.points) box.add(point, outer_half_width(strip));
     }
     for (const PlanArea& area : plan_.areas) {
-      const Box own = box_of(area);
+      const Box own = bounding_box(area);
       if (own.empty()) continue;
       box.add(own.low, 0);
       box.add(own.high, 0);
@@ -82,9 +84,9 @@ class Rasteriser {
     frame_.georeferenced = true;
     frame_.latitude = plan_.latitude;
     frame_.longitude = plan_.longitude;
-    frame_.cell = options_.cell;
-    frame_.low = {std::floor(low.x() / options_.cell) * options_.cell,
-                  std::floor(low.y() / options_.cell) * options_.cell};
+    frame_.cell_size = options_.cell_size;
+    frame_.min_corner = {std::floor(low.x() / options_.cell_size) * options_.cell_size,
+                         std::floor(low.y() / options_.cell_size) * options_.cell_size};
     columns_ = static_cast<int>(std::ceil(size.x() / edge())) + 1;
     rows_ = static_cast<int>(std::ceil(size.y() / edge())) + 1;
     return {};
@@ -95,29 +97,29 @@ class Rasteriser {
     return static_cast<uint32_t>(segments_.size() - 1);
   }
 
-  void number_elements() {
+  void assign_ids() {
     for (const PlanStrip& strip : plan_.strips) {
       ElementIds ids;
-      const int64_t element = strip.segment.element;
+      const int64_t element = strip.segment.osm_id;
       ids.body = new_id(strip.segment.kind, element);
-      if (strip.kerb > 0) ids.line = new_id(SegmentKind::kKerb, element);
-      if (strip.roadside > 0) ids.side = new_id(SegmentKind::kRoadside, element);
+      if (strip.kerb_width > 0) ids.boundary = new_id(SegmentKind::kKerb, element);
+      if (strip.sidewalk_width > 0) ids.sidewalk = new_id(SegmentKind::kSidewalk, element);
       strip_ids_.push_back(ids);
     }
     for (const PlanArea& area : plan_.areas) {
       ElementIds ids;
-      ids.body = new_id(area.segment.kind, area.segment.element);
-      if (area.wall > 0) ids.line = new_id(SegmentKind::kWall, area.segment.element);
+      ids.body = new_id(area.segment.kind, area.segment.osm_id);
+      if (area.wall_width > 0) ids.boundary = new_id(SegmentKind::kWall, area.segment.osm_id);
       area_ids_.push_back(ids);
     }
   }
 
   template <class Visit>
-  void for_tiles(const Box& box, Visit visit) {
+  void for_each_tile(const Box& box, Visit visit) {
     const auto index = [&](double metres, int end) {
       return static_cast<int>(std::clamp(std::floor(metres / edge()), 0.0, end - 1.0));
     };
-    const Eigen::Vector2d low = box.low - frame_.low, high = box.high - frame_.low;
+    const Eigen::Vector2d low = box.low - frame_.min_corner, high = box.high - frame_.min_corner;
     for (int row = index(low.y(), rows_); row <= index(high.y(), rows_); ++row) {
       for (int column = index(low.x(), columns_); column <= index(high.x(), columns_); ++column) {
         visit(tiles_[tile_index(column, row)]);
@@ -135,9 +137,9 @@ class Rasteriser {
       const PlanStrip& strip = plan_.strips[s];
       for (uint32_t i = 0; i + 1 < strip.points.size(); ++i) {
         Box box;
-        box.add(strip.points[i], reach_of(strip));
-        box.add(strip.points[i + 1], reach_of(strip));
-        for_tiles(box, [&](TileContent& tile) { tile.pieces.push_back({s, i}); });
+        box.add(strip.points[i], outer_half_width(strip));
+        box.add(strip.points[i + 1], outer_half_width(strip));
+        for_each_tile(box, [&](TileContent& tile) { tile.pieces.push_back({s, i}); });
       }
     }
     std::vector<uint32_t> order(plan_.areas.size());
@@ -151,19 +153,19 @@ class Rasteriser {
     std::stable_sort(order.begin(), order.end(),
                      [&](uint32_t a, uint32_t b) { return rank(a) < rank(b); });
     for (const uint32_t a : order) {
-      const Box box = box_of(plan_.areas[a]);
+      const Box box = bounding_box(plan_.areas[a]);
       if (box.empty()) continue;
-      for_tiles(box, [&](TileContent& tile) { tile.areas.push_back(a); });
+      for_each_tile(box, [&](TileContent& tile) { tile.areas.push_back(a); });
     }
   }
 
   void paint(TilePainter& painter, int column, int row) {
     const TileContent& tile = tiles_[tile_index(column, row)];
-    painter.begin(frame_.low + edge() * Eigen::Vector2d(column, row));
-    for (const uint32_t a : tile.areas) painter.fill(plan_.areas[a], area_ids_[a].body);
+    painter.begin_tile(frame_.min_corner + edge() * Eigen::Vector2d(column, row));
+    for (const uint32_t a : tile.areas) painter.fill_area(plan_.areas[a], area_ids_[a].body);
     painter.draw_strips(tile.pieces, strip_ids_);
     for (const uint32_t a : tile.areas) {
-      if (area_ids_[a].line != 0) painter.draw_wall(plan_.areas[a], area_ids_[a].line);
+      if (area_ids_[a].boundary != 0) painter.draw_wall(plan_.areas[a], area_ids_[a].boundary);
     }
   }
 
@@ -179,7 +181,7 @@ class Rasteriser {
 }  // namespace
 
 std::optional<std::string> RasterOptions::invalid() const {
-  if (!(cell >= 0.05 && cell <= 2)) return "the cells of a street map must be 0.05 … 2 m";
+  if (!(cell_size >= 0.05 && cell_size <= 2)) return "the cells of a street map must be 0.05 … 2 m";
   if (!(margin >= 0 && margin <= 1000)) return "the margin of a street map must be 0 … 1000 m";
   if (!(max_extent > 0) || !(max_area > 0)) return "the limits of a street map must be positive";
   return std::nullopt;

@@ -13,7 +13,7 @@ namespace infuse::streetmap {
 
 /// How a plan becomes a raster.
 struct RasterOptions {
-  double cell = 0.2;        ///< m
+  double cell_size = 0.2;   ///< m
   double margin = 20;       ///< m of open land around all elements
   double max_extent = 1e5;  ///< m along an edge; larger maps are refused
   double max_area = 2.5e8;  ///< m² that the raster may cover

@@ -10,7 +10,7 @@ const char* name(SegmentKind kind) {
       return "carriageway";
     case SegmentKind::kKerb:
       return "kerb";
-    case SegmentKind::kRoadside:
+    case SegmentKind::kSidewalk:
       return "roadside";
     case SegmentKind::kFootway:
       return "footway";

@@ -9,7 +9,7 @@ enum class SegmentKind : uint8_t {
   kOpenLand = 0,     ///< what no element of the map covers
   kCarriageway = 1,  ///< driven on
   kKerb = 2,         ///< boundary line of a carriageway
-  kRoadside = 3,     ///< pavement that the map does not draw but tells of by a tag
+  kSidewalk = 3,     ///< pavement that the map does not draw but tells of by a tag
   kFootway = 4,      ///< footway, cycleway, path
   kCrossing = 5,     ///< footway on a carriageway
   kGreen = 6,        ///< park, grass, wood
@@ -20,7 +20,7 @@ enum class SegmentKind : uint8_t {
   kImageRegion = 11,  ///< closed region of a map given as an image
   kImageLine = 12,    ///< boundary line of a map given as an image
 };
-inline constexpr int kSegmentKinds = 13;
+inline constexpr int kSegmentKindCount = 13;
 
 /// The kind in lower case: "carriageway".
 const char* name(SegmentKind kind);
@@ -28,7 +28,7 @@ const char* name(SegmentKind kind);
 /// A region or line of a street map with an id of its own, I 3.2.1.
 struct Segment {
   SegmentKind kind = SegmentKind::kOpenLand;
-  int64_t element = 0;  ///< OpenStreetMap's id of the way or relation that it was made of; 0: none
+  int64_t osm_id = 0;  ///< OpenStreetMap's id of the way or relation that it was made of; 0: none
 
   bool operator==(const Segment&) const = default;
 };

@@ -18,8 +18,8 @@ struct MapFrame {
   bool georeferenced = false;  ///< false: the map came from an image, latitude and longitude are 0
   double latitude = 0;         ///< rad, WGS 84, of the origin
   double longitude = 0;        ///< rad
-  double cell = 0.2;           ///< m, edge of a cell
-  Eigen::Vector2d low{0, 0};   ///< m, south-west corner of the raster
+  double cell_size = 0.2;      ///< m, edge of a cell
+  Eigen::Vector2d min_corner{0, 0};  ///< m, south-west corner of the raster
 
   bool operator==(const MapFrame&) const = default;
 };
@@ -30,7 +30,7 @@ struct MapFrame {
 /// states the layout. A look-up is two table reads whatever the size of the map.
 class SegmentMap {
  public:
-  static constexpr int kTile = 64;  ///< cells along a tile's edge
+  static constexpr int kTileSize = 64;  ///< cells along a tile's edge
 
   /// An empty map: open land everywhere.
   SegmentMap() = default;
@@ -41,12 +41,12 @@ class SegmentMap {
   static Result<SegmentMap> open(std::span<const std::byte> bytes, const std::string& file);
 
   const MapFrame& frame() const { return frame_; }
-  int columns() const { return tile_columns_ * kTile; }  ///< cells from west to east
-  int rows() const { return tile_rows_ * kTile; }        ///< cells from south to north
+  int columns() const { return tile_columns_ * kTileSize; }  ///< cells from west to east
+  int rows() const { return tile_rows_ * kTileSize; }        ///< cells from south to north
   bool empty() const { return tile_columns_ == 0; }
 
   /// Number of segments; ids are 0 … segments() − 1, 0 being open land.
-  uint32_t segments() const { return segment_count_; }
+  uint32_t segment_count() const { return segment_count_; }
 
   /// What an id stands for; open land for ids that do not exist.
   Segment segment(uint32_t id) const;
@@ -61,16 +61,17 @@ class SegmentMap {
   uint32_t id_at(double x, double y) const;
 
   /// One tile's ids, row by row from the south.
-  void read_tile(int tile_column, int tile_row, std::span<uint32_t, kTile * kTile> ids) const;
+  void read_tile(int tile_column, int tile_row,
+                 std::span<uint32_t, kTileSize * kTileSize> ids) const;
 
   /// Where the map came from, as its maker wrote it.
   std::string_view provenance() const { return provenance_; }
 
  private:
   struct Tile {
-    uint32_t place = 0;    // of the palette, in units of 4 bytes; of a uniform tile, its id
-    uint16_t palette = 0;  // ids in it
-    uint16_t bits = 0;     // a cell: 0, 4, 8 or 16
+    uint32_t offset = 0;         // of the palette, in units of 4 bytes; of a uniform tile, its id
+    uint16_t palette_size = 0;   // ids in it
+    uint16_t bits_per_cell = 0;  // a cell: 0, 4, 8 or 16
   };
   Tile tile(size_t index) const;
   uint32_t id_in_tile(const Tile& tile, uint32_t cell) const;
@@ -91,7 +92,7 @@ class SegmentMapWriter {
   SegmentMapWriter(const MapFrame& frame, int tile_columns, int tile_rows);
 
   /// The next tile's ids, row by row from the south.
-  void add_tile(std::span<const uint32_t, SegmentMap::kTile * SegmentMap::kTile> ids);
+  void add_tile(std::span<const uint32_t, SegmentMap::kTileSize * SegmentMap::kTileSize> ids);
 
   /// The file. `segments` by id, the first open land; fails where a tile refers to an id that is
   /// not there, tiles are missing, or the map is too large for the format (16 GiB of tiles).
@@ -101,7 +102,7 @@ class SegmentMapWriter {
  private:
   MapFrame frame_;
   int tile_columns_, tile_rows_;
-  uint32_t largest_id_ = 0;
+  uint32_t max_id_ = 0;
   std::vector<uint32_t> tiles_;  // two words a tile
   std::vector<uint32_t> data_;
 };

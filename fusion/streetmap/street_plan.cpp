@@ -19,8 +19,8 @@ bool within(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
          (point.array() <= a.array().max(b.array())).all();
 }
 
-bool meet(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
-          const Eigen::Vector2d& d) {
+bool segments_intersect(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                        const Eigen::Vector2d& c, const Eigen::Vector2d& d) {
   const double ac = side(c, d, a), bc = side(c, d, b), ca = side(a, b, c), da = side(a, b, d);
   if (ac * bc < 0 && ca * da < 0) return true;
   return (ac == 0 && within(c, d, a)) || (bc == 0 && within(c, d, b)) ||
@@ -54,7 +54,7 @@ bool crosses_itself(const Polyline& ring) {
     for (size_t k = i + 1; k < n && edges[k].west <= edges[i].east; ++k) {
       const size_t a = edges[i].index, b = edges[k].index;
       if ((a + 1) % n == b || (b + 1) % n == a) continue;
-      if (meet(ring[a], ring[(a + 1) % n], ring[b], ring[(b + 1) % n])) return true;
+      if (segments_intersect(ring[a], ring[(a + 1) % n], ring[b], ring[(b + 1) % n])) return true;
     }
   }
   return false;

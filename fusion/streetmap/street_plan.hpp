@@ -14,16 +14,16 @@ using Polyline = std::vector<Eigen::Vector2d>;
 struct PlanStrip {
   Segment segment;
   Polyline points;
-  double half_width = 0;  ///< m
-  double kerb = 0;        ///< m, width of the boundary line outside its edge; 0: none
-  double roadside = 0;    ///< m, pavement outside the kerb that the map does not draw; 0: none
+  double half_width = 0;      ///< m
+  double kerb_width = 0;      ///< m, width of the boundary line outside its edge; 0: none
+  double sidewalk_width = 0;  ///< m, pavement outside the kerb that the map does not draw; 0: none
 };
 
 /// A piece of ground within rings (even-odd rule, so that rings within rings are holes).
 struct PlanArea {
   Segment segment;
   std::vector<Polyline> rings;  ///< without the repeated first point
-  double wall = 0;              ///< m, width of the boundary line on the rings; 0: none
+  double wall_width = 0;        ///< m, width of the boundary line on the rings; 0: none
 };
 
 /// A street map as lines and areas.

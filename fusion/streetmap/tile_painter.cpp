@@ -6,11 +6,11 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr uint32_t kNone = UINT32_MAX;
+constexpr uint32_t kNoStrip = UINT32_MAX;
 
 /// The cells whose middles lie in [from, to] metres from the tile's edge: [first, end).
 std::pair<int, int> cells_between(double from, double to, double cell) {
-  const double last = TilePainter::kTile;
+  const double last = TilePainter::kTileSize;
   const double first = std::clamp(std::ceil(from / cell - 0.5), 0.0, last);
   const double end = std::clamp(std::floor(to / cell - 0.5) + 1, 0.0, last);
   return {static_cast<int>(first), std::max(static_cast<int>(first), static_cast<int>(end))};
@@ -18,14 +18,14 @@ std::pair<int, int> cells_between(double from, double to, double cell) {
 
 }  // namespace
 
-void TilePainter::begin(const Eigen::Vector2d& low) {
-  low_ = low;
+void TilePainter::begin_tile(const Eigen::Vector2d& low) {
+  min_corner_ = low;
   ids_.fill(0);
-  driven_.fill(false);
+  on_carriageway_.fill(false);
 }
 
-void TilePainter::fill(const PlanArea& area, uint32_t id) {
-  const double south = low_.y(), north = low_.y() + kTile * cell_;
+void TilePainter::fill_area(const PlanArea& area, uint32_t id) {
+  const double south = min_corner_.y(), north = min_corner_.y() + kTileSize * cell_size_;
   edges_.clear();
   for (const Polyline& ring : area.rings) {
     for (size_t i = 0; i < ring.size(); ++i) {
@@ -36,37 +36,40 @@ void TilePainter::fill(const PlanArea& area, uint32_t id) {
       }
     }
   }
-  for (int row = 0; row < kTile; ++row) {
-    const double y = south + (row + 0.5) * cell_;
+  for (int row = 0; row < kTileSize; ++row) {
+    const double y = south + (row + 0.5) * cell_size_;
     crossings_.clear();
     for (const auto& [a, b] : edges_) {
       if ((a.y() > y) == (b.y() > y)) continue;
-      crossings_.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) - low_.x());
+      crossings_.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) -
+                           min_corner_.x());
     }
     std::sort(crossings_.begin(), crossings_.end());
     for (size_t i = 0; i + 1 < crossings_.size(); i += 2) {
-      const auto [first, end] = cells_between(crossings_[i], crossings_[i + 1], cell_);
-      for (int c = first; c < end; ++c) ids_[static_cast<size_t>(row * kTile + c)] = id;
+      const auto [first, end] = cells_between(crossings_[i], crossings_[i + 1], cell_size_);
+      for (int c = first; c < end; ++c) ids_[static_cast<size_t>(row * kTileSize + c)] = id;
     }
   }
 }
 
 // visit(cell, distance) for the cells whose middles lie within `reach` of the line from a to b.
 template <class Visit>
-void TilePainter::near_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach,
-                            Visit visit) {
-  const Eigen::Vector2d from = a - low_, along = b - a;
+void TilePainter::visit_near_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach,
+                                  Visit visit) {
+  const Eigen::Vector2d from = a - min_corner_, along = b - a;
   const double length2 = std::max(along.squaredNorm(), 1e-12);
-  const auto [row_begin, row_end] = cells_between(std::min(a.y(), b.y()) - low_.y() - reach,
-                                                  std::max(a.y(), b.y()) - low_.y() + reach, cell_);
-  const auto [first, end] = cells_between(std::min(a.x(), b.x()) - low_.x() - reach,
-                                          std::max(a.x(), b.x()) - low_.x() + reach, cell_);
+  const auto [row_begin, row_end] =
+      cells_between(std::min(a.y(), b.y()) - min_corner_.y() - reach,
+                    std::max(a.y(), b.y()) - min_corner_.y() + reach, cell_size_);
+  const auto [first, end] =
+      cells_between(std::min(a.x(), b.x()) - min_corner_.x() - reach,
+                    std::max(a.x(), b.x()) - min_corner_.x() + reach, cell_size_);
   for (int row = row_begin; row < row_end; ++row) {
     for (int c = first; c < end; ++c) {
-      const Eigen::Vector2d p = Eigen::Vector2d(c + 0.5, row + 0.5) * cell_ - from;
+      const Eigen::Vector2d p = Eigen::Vector2d(c + 0.5, row + 0.5) * cell_size_ - from;
       const double t = std::clamp(p.dot(along) / length2, 0.0, 1.0);
       const double distance = (p - t * along).norm();
-      if (distance < reach) visit(static_cast<size_t>(row * kTile + c), distance);
+      if (distance < reach) visit(static_cast<size_t>(row * kTileSize + c), distance);
     }
   }
 }
@@ -79,40 +82,40 @@ void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const Ele
       draw(piece.strip, strip, strip.points[piece.point], strip.points[piece.point + 1]);
     }
   };
-  edge_.fill(1e9F);
-  nearest_.fill(kNone);
+  edge_distance_.fill(1e9F);
+  nearest_strip_.fill(kNoStrip);
   each(SegmentKind::kCarriageway,
        [&](uint32_t index, const PlanStrip& strip, const auto& a, const auto& b) {
-         const double reach = strip.half_width + strip.kerb + strip.roadside;
+         const double reach = strip.half_width + strip.kerb_width + strip.sidewalk_width;
          near_line(a, b, reach, [&](size_t cell, double distance) {
            const auto edge = static_cast<float>(distance - strip.half_width);
-           if (edge >= edge_[cell]) return;
-           edge_[cell] = edge;
-           nearest_[cell] = index;
+           if (edge >= edge_distance_[cell]) return;
+           edge_distance_[cell] = edge;
+           nearest_strip_[cell] = index;
          });
        });
-  for (size_t cell = 0; cell < kCells; ++cell) {
-    if (nearest_[cell] == kNone || edge_[cell] < 0) continue;
-    if (ids[nearest_[cell]].side != 0) ids_[cell] = ids[nearest_[cell]].side;
+  for (size_t cell = 0; cell < kCellsPerTile; ++cell) {
+    if (nearest_strip_[cell] == kNoStrip || edge_distance_[cell] < 0) continue;
+    if (ids[nearest_strip_[cell]].sidewalk != 0) ids_[cell] = ids[nearest_strip_[cell]].sidewalk;
   }
   each(SegmentKind::kFootway, [&](uint32_t index, const PlanStrip& strip, const auto& a,
                                   const auto& b) {
     near_line(a, b, strip.half_width, [&](size_t cell, double) { ids_[cell] = ids[index].body; });
   });
-  for (size_t cell = 0; cell < kCells; ++cell) {
-    if (nearest_[cell] == kNone) continue;
-    const PlanStrip& strip = plan_.strips[nearest_[cell]];
-    if (edge_[cell] < 0) {
-      ids_[cell] = ids[nearest_[cell]].body;
-      driven_[cell] = true;
-    } else if (edge_[cell] < strip.kerb) {
-      ids_[cell] = ids[nearest_[cell]].line;
+  for (size_t cell = 0; cell < kCellsPerTile; ++cell) {
+    if (nearest_strip_[cell] == kNoStrip) continue;
+    const PlanStrip& strip = plan_.strips[nearest_strip_[cell]];
+    if (edge_distance_[cell] < 0) {
+      ids_[cell] = ids[nearest_strip_[cell]].body;
+      on_carriageway_[cell] = true;
+    } else if (edge_distance_[cell] < strip.kerb_width) {
+      ids_[cell] = ids[nearest_strip_[cell]].boundary;
     }
   }
   each(SegmentKind::kCrossing,
        [&](uint32_t index, const PlanStrip& strip, const auto& a, const auto& b) {
          near_line(a, b, strip.half_width, [&](size_t cell, double) {
-           if (driven_[cell]) ids_[cell] = ids[index].body;
+           if (on_carriageway_[cell]) ids_[cell] = ids[index].body;
          });
        });
 }
@@ -120,9 +123,10 @@ void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const Ele
 void TilePainter::draw_wall(const PlanArea& area, uint32_t id) {
   for (const Polyline& ring : area.rings) {
     for (size_t i = 0; i < ring.size(); ++i) {
-      near_line(ring[i], ring[(i + 1) % ring.size()], area.wall / 2, [&](size_t cell, double) {
-        if (!driven_[cell]) ids_[cell] = id;
-      });
+      visit_near_line(ring[i], ring[(i + 1) % ring.size()], area.wall_width / 2,
+                      [&](size_t cell, double) {
+                        if (!on_carriageway_[cell]) ids_[cell] = id;
+                      });
     }
   }
 }

@@ -9,8 +9,8 @@
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/streetmap/label_window.hpp"
 #include "fusion/streetmap/local_grid.hpp"
-#include "fusion/streetmap/null_test.hpp"
 #include "fusion/streetmap/particle_set.hpp"
+#include "fusion/streetmap/score_significance.hpp"
 #include "fusion/streetmap/tracker_options.hpp"
 #include "fusion/streetmap/view_score.hpp"
 
@@ -34,7 +34,7 @@ struct TrackerEstimate {
   const char* reason = "";  ///< static text: why the pose is not sure; empty while TRACKING
   double score = 0;         ///< SMI at the pose, last update
   double p_value = 1;       ///< chance that the scores of the last updates are chance
-  double excess = 0;        ///< the scores above their null distribution, in its deviations
+  double z_score = 0;       ///< the scores above their null distribution, in its deviations
   double entropy = 1;       ///< of the particles' weights, 0 … 1
   int particles = 0;
 
@@ -43,7 +43,7 @@ struct TrackerEstimate {
   Eigen::Isometry3d T_map_vehicle() const;
   /// Order (rx, ry, rz, tx, ty, tz), left perturbation in the map frame; roll, pitch and height are
   /// not estimated: their variances are 0.05² rad² and 1 m².
-  geometry::Matrix6 covariance6() const;
+  geometry::Matrix6 pose_covariance() const;
 };
 
 /// Tracks the vehicle on a street map by the dependence between segments and what is seen there,
@@ -73,7 +73,8 @@ class Tracker {
 
   /// Collects what was seen at the current pose, or where the vehicle was at another moment: `then`
   /// is that pose seen from the current one.
-  void take(const StraightView& straight, const PictureView* picture, const PlanarPose& then = {});
+  void add_sweep(const DeskewedView& deskewed, const ImageView* image,
+                 const PlanarPose& sensor_pose = {});
 
   /// Weighs the particles by what was collected. Does nothing before `start`, while too little is
   /// seen, and while the vehicle stands: the same view again is no new evidence.
@@ -86,16 +87,16 @@ class Tracker {
   TrackerEstimate estimate() const;
 
  private:
-  bool moved_on();
-  void tell_news(double distance);
-  double reach(double spread) const;
-  double score_of(const PlanarPose& pose, const GridSamples& samples,
-                  const std::optional<dependence::HyperParameters>& kept,
+  bool begin_update();
+  void update_novelty(double distance);
+  double window_radius(double spread) const;
+  double evaluate(const PlanarPose& pose, const GridSamples& samples,
+                  const std::optional<dependence::HyperParameters>& fixed,
                   dependence::HyperParameters* chosen = nullptr);
-  void weigh(const GridSamples& samples);
-  void test_against_chance(const GridSamples& samples);
-  void look_elsewhere(const GridSamples& samples);
-  void judge();
+  void update_weights(const GridSamples& samples);
+  void update_significance(const GridSamples& samples);
+  void search_globally(const GridSamples& samples);
+  void update_state();
 
   const SegmentMap& map_;
   TrackerOptions options_;
@@ -103,8 +104,8 @@ class Tracker {
   LabelWindow window_;
   ViewScore view_;
   ParticleSet particles_;
-  NullTest null_test_;
-  Scouts scouts_;
+  ScoreSignificance significance_;
+  GlobalSearch global_search_;
   std::mt19937_64 random_;
   PlanarPose odometry_;  // of the grid's frame
   bool started_ = false;
@@ -112,19 +113,21 @@ class Tracker {
   const char* reason_ = "no initial pose";
   double score_ = 0;
   int updates_since_search_ = 0;
-  PlanarPose updated_at_;  // odometry's pose at the last update
+  PlanarPose odometry_at_update_;  // odometry's pose at the last update
   // Since then.
   double driven_s_ = 0;
-  double forgotten_place_ = 0, forgotten_yaw_ = 0;  // m², rad² of the odometry's covariance
-  double news_ = 1;                                 // share of what is seen that is new
-  double place_news_ = 1;  // the same, of what tells one place from another
-  double blurred_ = 0;     // m²: of what the odometry forgot over the last `fresh` metres
+  double odometry_position_variance_ = 0,
+         odometry_yaw_variance_ = 0;  // m², rad² of the odometry's covariance
+  double novelty_ = 1;                // share of what is seen that is new
+  double mode_novelty_ = 1;           // the same, of what tells one place from another
+  double recent_position_variance_ =
+      0;  // m²: of what the odometry forgot over the last `fresh` metres
 
   // Scratch.
   GridSamples samples_;
   std::vector<int32_t> labels_;
-  std::vector<double> scores_, null_;
-  std::optional<dependence::HyperParameters> common_;
+  std::vector<double> scores_, null_scores_;
+  std::optional<dependence::HyperParameters> last_hyper_parameters_;
 };
 
 }  // namespace infuse::streetmap

@@ -3,17 +3,19 @@
 namespace infuse::streetmap {
 
 std::optional<std::string> ParticleOptions::invalid() const {
-  if (fewest < 10 || most < fewest || most > 100'000) {
-    return "particles: fewest must be 10 at least, most not less and 100000 at most";
+  if (min_count < 10 || max_count < min_count || max_count > 100'000) {
+    return "particles: min_count must be 10 at least, max_count not less and 100000 at most";
   }
-  if (!(bin > 0 && bin_yaw > 0)) return "particles: bins must be positive";
-  for (const double noise :
-       {distance_noise, scale_sigma, rate_sigma, yaw_noise, yaw_rest, jitter, jitter_yaw}) {
+  if (!(bin_size > 0 && yaw_bin_size > 0)) return "particles: bins must be positive";
+  for (const double noise : {distance_noise, scale_sigma, yaw_rate_bias_sigma, yaw_noise,
+                             yaw_noise_per_update, jitter, jitter_yaw}) {
     if (!(noise >= 0 && noise <= 1)) return "particles: noise must be within 0 … 1";
   }
-  if (!(kernel >= 0 && kernel < 1)) return "particles: kernel must be within 0 … 1";
-  if (!(scale_memory > 0 && rate_memory > 0)) {
-    return "particles: scale_memory and rate_memory must be positive";
+  if (!(kernel_width >= 0 && kernel_width < 1))
+    return "particles: kernel_width must be within 0 … 1";
+  if (!(scale_correlation_distance > 0 && yaw_rate_bias_correlation_time > 0)) {
+    return "particles: scale_correlation_distance and yaw_rate_bias_correlation_time must be "
+           "positive";
   }
   return std::nullopt;
 }
@@ -22,11 +24,14 @@ std::optional<std::string> ConfidenceOptions::invalid() const {
   if (null_draws < 1 || window < 1 || null_draws > 1000 || window > 1000) {
     return "confidence: null_draws and window must be 1 … 1000";
   }
-  if (!(tracking_p > 0 && tracking_p < lost_p && lost_p <= 1)) {
-    return "confidence: 0 < tracking_p < lost_p ≤ 1 is needed";
+  if (!(max_tracking_p_value > 0 && max_tracking_p_value < min_lost_p_value &&
+        min_lost_p_value <= 1)) {
+    return "confidence: 0 < max_tracking_p_value < min_lost_p_value ≤ 1 is needed";
   }
-  if (!(tracking_spread > 0 && tracking_spread < lost_spread && tracking_yaw > 0)) {
-    return "confidence: 0 < tracking_spread < lost_spread and tracking_yaw > 0 are needed";
+  if (!(max_tracking_spread > 0 && max_tracking_spread < min_lost_spread &&
+        max_tracking_yaw_sigma > 0)) {
+    return "confidence: 0 < max_tracking_spread < min_lost_spread and max_tracking_yaw_sigma > 0 "
+           "are needed";
   }
   if (!(search_radius > 0 && search_radius <= 1000 && search_yaw > 0)) {
     return "confidence: search_radius must be 0 … 1000 m, search_yaw positive";
@@ -40,15 +45,17 @@ std::optional<std::string> TrackerOptions::invalid() const {
   if (auto wrong = fit.invalid()) return wrong;
   if (auto wrong = particles.invalid()) return wrong;
   if (auto wrong = confidence.invalid()) return wrong;
-  if (scouts.count < 0 || scouts.count > 10'000 || !(scouts.patience > 0)) {
-    return "scouts: count must be 0 … 10000, patience positive";
+  if (global_search.count < 0 || global_search.count > 10'000 ||
+      !(global_search.comparison_views > 0)) {
+    return "global_search: count must be 0 … 10000, comparison_views positive";
   }
-  if (!(omission >= 0 && omission <= 1)) return "omission must be within 0 … 1";
-  if (!(most_validated > 0)) return "most_validated must be above 0";
-  if (!(fresh_seconds > 0)) return "fresh_seconds must be above 0";
-  if (!(least_motion >= 0 && least_turn >= 0)) return "least_motion must not be negative";
+  if (!(skipped_validation_share >= 0 && skipped_validation_share <= 1))
+    return "skipped_validation_share must be within 0 … 1";
+  if (!(max_validated > 0)) return "max_validated must be above 0";
+  if (!(novelty_seconds > 0)) return "novelty_seconds must be above 0";
+  if (!(min_motion >= 0 && min_rotation >= 0)) return "min_motion must not be negative";
   if (!(sharpness > 0 && sharpness <= 1e4)) return "sharpness must be within 0 … 10000";
-  if (!(fresh > 0)) return "fresh must be positive";
+  if (!(novelty_distance > 0)) return "novelty_distance must be positive";
   return std::nullopt;
 }
 

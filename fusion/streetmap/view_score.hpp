@@ -33,9 +33,9 @@ class ViewScore {
 
   /// The score of one label a sample, labels of `window`; 0 where it has none. `kept` leaves out
   /// the cross-validation; `chosen`, where not null, is what was kept or chosen (σ 0: nothing).
-  double ask(std::span<const int32_t> labels, const LabelWindow& window,
-             const std::optional<dependence::HyperParameters>& kept,
-             dependence::HyperParameters* chosen = nullptr);
+  double evaluate(std::span<const int32_t> labels, const LabelWindow& window,
+                  const std::optional<dependence::HyperParameters>& fixed,
+                  dependence::HyperParameters* chosen = nullptr);
 
  private:
   const char* prepare_boundaries(const FeatureTable& features);
@@ -43,10 +43,10 @@ class ViewScore {
 
   ViewMeasure measure_;
   std::vector<dependence::LabelDependence> bags_;  // one for kLsmi
-  FeatureTable part_;
-  std::vector<int32_t> part_labels_;
-  std::vector<double> likeness_;  // to a boundary, by sample
-  double likeness_norm_ = 0;
+  FeatureTable bag_features_;
+  std::vector<int32_t> bag_labels_;
+  std::vector<double> boundary_strength_;  // to a boundary, by sample
+  double boundary_strength_norm_ = 0;
 };
 
 }  // namespace infuse::streetmap

@@ -8,22 +8,22 @@ std::optional<std::string> Board::invalid() const {
   if (columns < 3 || rows < 3 || columns > 100 || rows > 100) {
     return "a board has 3 to 100 inner corners a row and a column";
   }
-  if (!(square > 0) || !std::isfinite(square)) return "square must be positive";
+  if (!(square_size > 0) || !std::isfinite(square_size)) return "square_size must be positive";
   return std::nullopt;
 }
 
 Eigen::Vector3d Board::corner(size_t index) const {
   const auto across = static_cast<size_t>(columns);
-  return {square * static_cast<double>(index % across),
-          square * static_cast<double>(index / across), 0};
+  return {square_size * static_cast<double>(index % across),
+          square_size * static_cast<double>(index / across), 0};
 }
 
 Eigen::Vector3d Board::middle() const {
-  return {0.5 * square * (columns - 1), 0.5 * square * (rows - 1), 0};
+  return {0.5 * square_size * (columns - 1), 0.5 * square_size * (rows - 1), 0};
 }
 
 Eigen::Vector2d Board::half_size() const {
-  return {0.5 * square * (columns + 1), 0.5 * square * (rows + 1)};
+  return {0.5 * square_size * (columns + 1), 0.5 * square_size * (rows + 1)};
 }
 
 }  // namespace infuse::target

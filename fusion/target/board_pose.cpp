@@ -14,32 +14,32 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr double kWorstFit = 2;  // px
+constexpr double kMaxRms = 2;  // px
 
 /// A pose from OpenCV, on the plane at unit distance: no camera model is needed there.
-std::optional<Eigen::Isometry3d> start_pose(const geometry::CameraModel& camera, const Board& board,
-                                            const Corners& corners) {
+std::optional<Eigen::Isometry3d> estimate_initial_pose(const geometry::CameraModel& camera,
+                                                       const Board& board, const Corners& corners) {
   std::vector<cv::Point3d> on_board;
-  std::vector<cv::Point2d> seen;
+  std::vector<cv::Point2d> observed;
   for (size_t i = 0; i < corners.size(); ++i) {
     const auto ray = camera.unproject(corners[i]);
     if (!ray || !(ray->z() > 0.05)) return std::nullopt;
     const Eigen::Vector3d corner = board.corner(i) - board.middle();
     on_board.emplace_back(corner.x(), corner.y(), corner.z());
-    seen.emplace_back(ray->x() / ray->z(), ray->y() / ray->z());
+    observed.emplace_back(ray->x() / ray->z(), ray->y() / ray->z());
   }
-  cv::Mat turn, shift;
+  cv::Mat rvec, tvec;
   try {
-    if (!cv::solvePnP(on_board, seen, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false,
-                      cv::SOLVEPNP_IPPE)) {
+    if (!cv::solvePnP(on_board, observed, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), rvec, tvec,
+                      false, cv::SOLVEPNP_IPPE)) {
       return std::nullopt;
     }
   } catch (const cv::Exception&) {
     return std::nullopt;
   }
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = geometry::rotation_exp({turn.at<double>(0), turn.at<double>(1), turn.at<double>(2)});
-  T.translation() = Eigen::Vector3d(shift.at<double>(0), shift.at<double>(1), shift.at<double>(2)) -
+  T.linear() = geometry::rotation_exp({rvec.at<double>(0), rvec.at<double>(1), rvec.at<double>(2)});
+  T.translation() = Eigen::Vector3d(tvec.at<double>(0), tvec.at<double>(1), tvec.at<double>(2)) -
                     T.linear() * board.middle();
   if (!T.matrix().allFinite()) return std::nullopt;
   for (size_t i = 0; i < corners.size(); ++i) {
@@ -52,18 +52,18 @@ std::optional<Eigen::Isometry3d> start_pose(const geometry::CameraModel& camera,
 class CornerCost : public ceres::SizedCostFunction<2, 6> {
  public:
   CornerCost(const geometry::CameraModel& camera, const PoseParameter& pose,
-             const Eigen::Vector3d& corner, const Eigen::Vector2d& seen)
-      : camera_(camera), pose_(pose), corner_(corner), seen_(seen) {}
+             const Eigen::Vector3d& corner, const Eigen::Vector2d& observed)
+      : camera_(camera), pose_(pose), corner_(corner), observed_(observed) {}
 
   bool Evaluate(const double* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const auto put = camera_.project_with_derivatives(pose_.at(parameters[0]) * corner_);
-    if (!put) return false;
+    const auto projected = camera_.project_with_derivatives(pose_.at(parameters[0]) * corner_);
+    if (!projected) return false;
     Eigen::Map<Eigen::Vector2d> residual(residuals);
-    residual = put->pixel - seen_;
+    residual = projected->pixel - observed_;
     if (jacobians != nullptr && jacobians[0] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> jacobian(jacobians[0]);
-      jacobian = PoseParameter::by_xi(put->by_pose, parameters[0]);
+      jacobian = PoseParameter::jacobian_by_xi(projected->by_pose, parameters[0]);
     }
     return true;
   }
@@ -72,18 +72,19 @@ class CornerCost : public ceres::SizedCostFunction<2, 6> {
   const geometry::CameraModel& camera_;
   const PoseParameter& pose_;
   Eigen::Vector3d corner_;
-  Eigen::Vector2d seen_;
+  Eigen::Vector2d observed_;
 };
 
 }  // namespace
 
-std::optional<BoardPose> board_pose(const geometry::CameraModel& camera, const Board& board,
-                                    const Corners& corners, double corner_noise) {
-  if (corners.size() != board.corners()) return std::nullopt;
-  const auto start = start_pose(camera, board, corners);
-  if (!start) return std::nullopt;
+std::optional<BoardPose> estimate_board_pose(const geometry::CameraModel& camera,
+                                             const Board& board, const Corners& corners,
+                                             double corner_noise) {
+  if (corners.size() != board.corner_count()) return std::nullopt;
+  const auto initial_pose = estimate_initial_pose(camera, board, corners);
+  if (!initial_pose) return std::nullopt;
 
-  const PoseParameter pose{*start};
+  const PoseParameter pose{*initial_pose};
   Vector6 xi = Vector6::Zero();
   ceres::Problem problem;
   for (size_t i = 0; i < corners.size(); ++i) {
@@ -101,14 +102,14 @@ std::optional<BoardPose> board_pose(const geometry::CameraModel& camera, const B
   Matrix6 information = Matrix6::Zero();
   double squares = 0;
   for (size_t i = 0; i < corners.size(); ++i) {
-    const auto put = camera.project_with_derivatives(out.T_camera_board * board.corner(i));
-    if (!put) return std::nullopt;
-    squares += (put->pixel - corners[i]).squaredNorm();
-    information += put->by_pose.transpose() * put->by_pose;
+    const auto projected = camera.project_with_derivatives(out.T_camera_board * board.corner(i));
+    if (!projected) return std::nullopt;
+    squares += (projected->pixel - corners[i]).squaredNorm();
+    information += projected->by_pose.transpose() * projected->by_pose;
   }
   const auto n = static_cast<double>(corners.size());
   out.rms = std::sqrt(squares / n);
-  if (!(out.rms <= kWorstFit)) return std::nullopt;
+  if (!(out.rms <= kMaxRms)) return std::nullopt;
   const double noise = std::max(corner_noise, std::sqrt(squares / (2 * n - 6)));
   out.covariance = noise * noise * information.inverse();
   if (!out.covariance.allFinite()) return std::nullopt;

@@ -22,7 +22,8 @@ struct BoardPose {
 /// model. Its covariance supposes that every corner is off by `corner_noise` pixels (one standard
 /// deviation an axis) or by what the residuals show, whichever is more. Nothing where corners lie
 /// outside what the model sees, or no pose fits them within 2 pixels.
-std::optional<BoardPose> board_pose(const geometry::CameraModel& camera, const Board& board,
-                                    const Corners& corners, double corner_noise);
+std::optional<BoardPose> estimate_board_pose(const geometry::CameraModel& camera,
+                                             const Board& board, const Corners& corners,
+                                             double corner_noise);
 
 }  // namespace infuse::target

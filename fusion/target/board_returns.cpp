@@ -12,26 +12,30 @@ namespace {
 using Points = std::vector<Eigen::Vector3d>;
 
 /// Standard deviation of returns that cover the middle half of the board, in its half size.
-constexpr double kNarrowest = 0.29;
+constexpr double kMinRelativeWidth = 0.29;
 
 /// Points x with normal · x = distance.
 struct Plane {
   Eigen::Vector3d normal;
   double distance;
 
-  double off(const Eigen::Vector3d& point) const { return std::abs(normal.dot(point) - distance); }
+  double distance_to(const Eigen::Vector3d& point) const {
+    return std::abs(normal.dot(point) - distance);
+  }
 };
 
 /// Whether a point of the board's frame lies in the board's outline, grown, and within `thick` of
 /// it.
-bool in_box(const Eigen::Vector3d& on_board, const Board& board, double grow, double thick) {
+bool in_box(const Eigen::Vector3d& on_board, const Board& board, double grow,
+            double half_thickness) {
   const Eigen::Vector3d at = on_board - board.middle();
   const Eigen::Vector2d half = board.half_size() + Eigen::Vector2d::Constant(grow);
-  return std::abs(at.x()) <= half.x() && std::abs(at.y()) <= half.y() && std::abs(at.z()) <= thick;
+  return std::abs(at.x()) <= half.x() && std::abs(at.y()) <= half.y() &&
+         std::abs(at.z()) <= half_thickness;
 }
 
-std::optional<Plane> through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                             const Eigen::Vector3d& c) {
+std::optional<Plane> plane_through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                   const Eigen::Vector3d& c) {
   const Eigen::Vector3d cross = (b - a).cross(c - a);
   const double area = cross.norm();
   if (!(area > 1e-4)) return std::nullopt;
@@ -39,29 +43,29 @@ std::optional<Plane> through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
   return Plane{normal, normal.dot(a)};
 }
 
-Points on_plane(const Points& points, const Plane& plane, double thickness) {
-  Points on;
+Points select_inliers(const Points& points, const Plane& plane, double thickness) {
+  Points inliers;
   for (const Eigen::Vector3d& point : points) {
-    if (plane.off(point) <= thickness) on.push_back(point);
+    if (plane.distance_to(point) <= thickness) inliers.push_back(point);
   }
-  return on;
+  return inliers;
 }
 
-std::optional<Plane> consensus(const Points& points, const Eigen::Vector3d& facing,
-                               const BoardReturnsOptions& options) {
+std::optional<Plane> ransac_plane(const Points& points, const Eigen::Vector3d& facing,
+                                  const BoardReturnsOptions& options) {
   std::mt19937_64 random(options.seed);
   const auto draw = [&]() -> const Eigen::Vector3d& { return points[random() % points.size()]; };
   std::optional<Plane> best;
-  size_t most = 0;
-  for (int k = 0; k < options.draws; ++k) {
-    const auto plane = through(draw(), draw(), draw());
-    if (!plane || std::abs(plane->normal.dot(facing)) < std::cos(options.tilt)) continue;
+  size_t max_count = 0;
+  for (int k = 0; k < options.ransac_iterations; ++k) {
+    const auto plane = plane_through(draw(), draw(), draw());
+    if (!plane || std::abs(plane->normal.dot(facing)) < std::cos(options.max_tilt)) continue;
     const auto count =
         static_cast<size_t>(std::count_if(points.begin(), points.end(), [&](const auto& point) {
-          return plane->off(point) <= options.thickness;
+          return plane->distance_to(point) <= options.thickness;
         }));
-    if (count > most) {
-      most = count;
+    if (count > max_count) {
+      max_count = count;
       best = plane;
     }
   }
@@ -72,15 +76,15 @@ std::optional<Plane> consensus(const Points& points, const Eigen::Vector3d& faci
 
 std::optional<std::string> BoardReturnsOptions::invalid() const {
   if (!(margin > 0)) return "margin must be positive";
-  if (!(tilt > 0) || !(tilt < 1.5)) return "tilt must lie in (0, 1.5)";
+  if (!(max_tilt > 0) || !(max_tilt < 1.5)) return "max_tilt must lie in (0, 1.5)";
   if (!(thickness > 0)) return "thickness must be positive";
-  if (fewest < 3) return "fewest must be at least 3";
-  if (draws < 1) return "draws must be at least 1";
+  if (min_returns < 3) return "min_returns must be at least 3";
+  if (ransac_iterations < 1) return "ransac_iterations must be at least 1";
   return std::nullopt;
 }
 
-Points returns_near(const Sweep& sweep, const Eigen::Isometry3d& T_lidar_board, const Board& board,
-                    double margin) {
+Points crop_to_board(const Sweep& sweep, const Eigen::Isometry3d& T_lidar_board, const Board& board,
+                     double margin) {
   const Eigen::Isometry3d T_board_lidar = T_lidar_board.inverse();
   Points near;
   for (size_t i = 0; i < sweep.size(); ++i) {
@@ -90,34 +94,34 @@ Points returns_near(const Sweep& sweep, const Eigen::Isometry3d& T_lidar_board, 
   return near;
 }
 
-Result<Points> board_returns(std::span<const Eigen::Vector3d> all,
-                             const Eigen::Isometry3d& T_lidar_board, const Board& board,
-                             double grow, const BoardReturnsOptions& options) {
+Result<Points> find_board_returns(std::span<const Eigen::Vector3d> all,
+                                  const Eigen::Isometry3d& T_lidar_board, const Board& board,
+                                  double grow, const BoardReturnsOptions& options) {
   const Eigen::Isometry3d T_board_lidar = T_lidar_board.inverse();
   Points near;
   for (const Eigen::Vector3d& point : all) {
     if (in_box(T_board_lidar * point, board, grow, options.margin)) near.push_back(point);
   }
-  const auto fewest = static_cast<size_t>(options.fewest);
-  if (near.size() < fewest) {
+  const auto min_returns = static_cast<size_t>(options.min_returns);
+  if (near.size() < min_returns) {
     return fail("only " + std::to_string(near.size()) + " returns where the board should be");
   }
   const Eigen::Vector3d facing = T_lidar_board.linear().col(2);
-  const auto plane = consensus(near, facing, options);
+  const auto plane = ransac_plane(near, facing, options);
   if (!plane) return fail("no plane among the returns that faces as the board does");
-  Points on = on_plane(near, *plane, options.thickness);
-  if (on.size() >= fewest) {
-    const ReturnsPlane best = returns_plane(on);
-    on = on_plane(near, {best.normal, best.normal.dot(best.mean)}, options.thickness);
+  Points inliers = select_inliers(near, *plane, options.thickness);
+  if (inliers.size() >= min_returns) {
+    const ReturnsPlane best = fit_returns_plane(inliers);
+    inliers = select_inliers(near, {best.normal, best.normal.dot(best.mean)}, options.thickness);
   }
-  if (on.size() < fewest) {
-    return fail("only " + std::to_string(on.size()) + " returns lie on the board");
+  if (inliers.size() < min_returns) {
+    return fail("only " + std::to_string(inliers.size()) + " returns lie on the board");
   }
   // A strip is where another surface crosses the plane that was looked for.
-  if (returns_plane(on).width < kNarrowest * board.half_size().minCoeff()) {
+  if (fit_returns_plane(inliers).width < kMinRelativeWidth * board.half_size().minCoeff()) {
     return fail("the returns cover a strip of the board only");
   }
-  return on;
+  return inliers;
 }
 
 }  // namespace infuse::target

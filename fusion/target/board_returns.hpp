@@ -16,10 +16,10 @@ namespace infuse::target {
 /// How a board's returns are found in a sweep.
 struct BoardReturnsOptions {
   double margin = 0.25;     ///< m; how far the given extrinsics may put a board off its place
-  double tilt = 0.25;       ///< rad; how far they may tilt it
+  double max_tilt = 0.25;   ///< rad; how far they may tilt it
   double thickness = 0.05;  ///< m; a return this near to the plane is on it (2.5 σ of the range)
-  int fewest = 30;          ///< returns; with fewer the board is not seen
-  int draws = 400;          ///< of three returns each
+  int min_returns = 30;     ///< returns; with fewer the board is not seen
+  int ransac_iterations = 400;  ///< of three returns each
   uint64_t seed = 1;
 
   /// What is wrong with the settings, or nothing.
@@ -27,16 +27,16 @@ struct BoardReturnsOptions {
 };
 
 /// The returns of a sweep (m, lidar frame) within `margin` of where `T_lidar_board` puts a board.
-std::vector<Eigen::Vector3d> returns_near(const Sweep& sweep,
-                                          const Eigen::Isometry3d& T_lidar_board,
-                                          const Board& board, double margin);
+std::vector<Eigen::Vector3d> crop_to_board(const Sweep& sweep,
+                                           const Eigen::Isometry3d& T_lidar_board,
+                                           const Board& board, double margin);
 
 /// Those of `near` that lie on the board: in its outline, grown by `grow` (m; negative: shrunk),
 /// and on a plane, by RANSAC (Fischler and Bolles 1981). Errors: too few returns there, no plane
 /// among them that faces as the board does.
-Result<std::vector<Eigen::Vector3d>> board_returns(std::span<const Eigen::Vector3d> near,
-                                                   const Eigen::Isometry3d& T_lidar_board,
-                                                   const Board& board, double grow,
-                                                   const BoardReturnsOptions& options);
+Result<std::vector<Eigen::Vector3d>> find_board_returns(std::span<const Eigen::Vector3d> near,
+                                                        const Eigen::Isometry3d& T_lidar_board,
+                                                        const Board& board, double grow,
+                                                        const BoardReturnsOptions& options);
 
 }  // namespace infuse::target

@@ -5,50 +5,56 @@
 namespace infuse::target {
 namespace {
 
-constexpr double kCloser = 0.08;   // m, of the second pass
-constexpr double kInside = -0.01;  // m, of the last
-constexpr double kRoughly = 0.15;  // m and rad; what else is near a board may put it so far off
+constexpr double kSecondPassMargin = 0.08;  // m, of the second pass
+constexpr double kLastPassMargin = -0.01;   // m, of the last
+constexpr double kEarlyPassTolerance =
+    0.15;  // m and rad; what else is near a board may put it so far off
 
-TargetCalibration pass(std::span<const BoardSighting> sightings, const Board& board, double grow,
-                       const Eigen::Isometry3d& T_head_lidar, const BoardReturnsOptions& finding,
-                       const SolveTargetOptions& solving) {
+TargetCalibration run_pass(std::span<const BoardObservation> observations, const Board& board,
+                           double grow, const Eigen::Isometry3d& T_head_lidar,
+                           const BoardReturnsOptions& returns_options,
+                           const SolveTargetOptions& solve_options) {
   TargetCalibration out;
-  out.returns.resize(sightings.size());
-  out.missing.resize(sightings.size());
+  out.return_counts.resize(observations.size());
+  out.reasons.resize(observations.size());
   std::vector<TargetView> views;
-  std::vector<size_t> whose;
-  for (size_t i = 0; i < sightings.size(); ++i) {
-    const BoardSighting& seen = sightings[i];
-    auto on_board =
-        board_returns(seen.near, T_head_lidar.inverse() * seen.T_head_board, board, grow, finding);
+  std::vector<size_t> observation_index;
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const BoardObservation& observation = observations[i];
+    auto on_board = find_board_returns(observation.nearby_returns,
+                                       T_head_lidar.inverse() * observation.T_refcam_board, board,
+                                       grow, returns_options);
     if (!on_board) {
-      out.missing[i] = on_board.error().what;
+      out.reasons[i] = on_board.error().what;
       continue;
     }
-    out.returns[i] = on_board->size();
-    views.push_back({seen.T_head_board, seen.board_covariance, *std::move(on_board)});
-    whose.push_back(i);
+    out.return_counts[i] = on_board->size();
+    views.push_back(
+        {observation.T_refcam_board, observation.board_covariance, *std::move(on_board)});
+    observation_index.push_back(i);
   }
-  out.result = solve_target(views, T_head_lidar, solving);
-  std::vector<ViewResidual> residuals(sightings.size(), {.used = false});
-  for (size_t k = 0; k < whose.size(); ++k) residuals[whose[k]] = out.result.views[k];
+  out.result = solve_target(views, T_head_lidar, solve_options);
+  std::vector<ViewResidual> residuals(observations.size(), {.used = false});
+  for (size_t k = 0; k < observation_index.size(); ++k)
+    residuals[observation_index[k]] = out.result.views[k];
   out.result.views = std::move(residuals);
   return out;
 }
 
 }  // namespace
 
-TargetCalibration calibrate_target(std::span<const BoardSighting> sightings, const Board& board,
-                                   const Eigen::Isometry3d& T_start,
-                                   const BoardReturnsOptions& finding,
-                                   const SolveTargetOptions& solving) {
-  SolveTargetOptions roughly = solving;
-  roughly.tolerated = kRoughly;
-  Eigen::Isometry3d T = T_start;
-  for (const double grow : {finding.margin, kCloser}) {
-    T = pass(sightings, board, grow, T, finding, roughly).result.T_head_lidar;
+TargetCalibration calibrate_target(std::span<const BoardObservation> observations,
+                                   const Board& board, const Eigen::Isometry3d& T_initial,
+                                   const BoardReturnsOptions& returns_options,
+                                   const SolveTargetOptions& solve_options) {
+  SolveTargetOptions early_options = solve_options;
+  early_options.inlier_tolerance = kEarlyPassTolerance;
+  Eigen::Isometry3d T = T_initial;
+  for (const double grow : {returns_options.margin, kSecondPassMargin}) {
+    T = run_pass(observations, board, grow, T, returns_options, early_options)
+            .result.T_refcam_lidar;
   }
-  return pass(sightings, board, kInside, T, finding, solving);
+  return run_pass(observations, board, kLastPassMargin, T, returns_options, solve_options);
 }
 
 }  // namespace infuse::target

@@ -8,9 +8,9 @@
 namespace infuse::target {
 namespace {
 
-constexpr double kFlat = 0.0027;  // sin² of 3 degrees
+constexpr double kCoplanarSinSquared = 0.0027;  // sin² of 3 degrees
 
-std::string print(const char* format, const Eigen::Vector3d& direction) {
+std::string format_direction(const char* format, const Eigen::Vector3d& direction) {
   // The direction's sign has no meaning: its largest entry is positive.
   int largest = 0;
   direction.cwiseAbs().maxCoeff(&largest);
@@ -22,21 +22,21 @@ std::string print(const char* format, const Eigen::Vector3d& direction) {
 
 }  // namespace
 
-std::string name_degeneracy(std::span<const TargetView* const> views) {
+std::string describe_degeneracy(std::span<const TargetView* const> views) {
   if (views.empty()) return "no view of a board is usable";
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const TargetView* view : views) {
     spread += view->normal() * view->normal().transpose() / static_cast<double>(views.size());
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(spread);
-  if (eigen.eigenvalues()(1) < kFlat) {
-    return print(
+  if (eigen.eigenvalues()(1) < kCoplanarSinSquared) {
+    return format_direction(
         "all normals are parallel: translation across and rotation about (%.1f, %.1f, %.1f) are "
         "free; show the board in at least three orientations",
         eigen.eigenvectors().col(2));
   }
-  if (eigen.eigenvalues()(0) < kFlat) {
-    return print(
+  if (eigen.eigenvalues()(0) < kCoplanarSinSquared) {
+    return format_direction(
         "all normals lie in one plane: translation along (%.1f, %.1f, %.1f) is free; tilt the "
         "board that way",
         eigen.eigenvectors().col(0));
@@ -44,16 +44,17 @@ std::string name_degeneracy(std::span<const TargetView* const> views) {
   return {};
 }
 
-std::string name_unknown(const geometry::Matrix6& covariance, double rotation, double translation) {
+std::string describe_uncertain_axis(const geometry::Matrix6& covariance, double rotation,
+                                    double translation) {
   constexpr std::array<const char*, 6> kAxes = {"rotation about x",    "rotation about y",
                                                 "rotation about z",    "translation along x",
                                                 "translation along y", "translation along z"};
   for (int k = 0; k < 6; ++k) {
-    const double deviation = std::sqrt(covariance(k, k));
-    if (deviation <= (k < 3 ? rotation : translation)) continue;
+    const double sigma = std::sqrt(covariance(k, k));
+    if (sigma <= (k < 3 ? rotation : translation)) continue;
     std::array<char, 128> text{};
     std::snprintf(text.data(), text.size(), "%s is known to %.2g %s only; show more views",
-                  kAxes[static_cast<size_t>(k)], k < 3 ? deviation * 180 / M_PI : deviation,
+                  kAxes[static_cast<size_t>(k)], k < 3 ? sigma * 180 / M_PI : sigma,
                   k < 3 ? "degrees" : "m");
     return text.data();
   }

@@ -6,18 +6,18 @@
 namespace infuse::target {
 namespace {
 
-std::vector<cv::Point2f> find_one(const cv::Mat& picture, const Board& board) {
+std::vector<cv::Point2f> find_board(const cv::Mat& image, const Board& board) {
   std::vector<cv::Point2f> corners;
   const cv::Size size(board.columns, board.rows);
   // Asking for accuracy takes five times as long: only where there is a board.
-  if (!cv::findChessboardCornersSB(picture, size, corners)) return {};
+  if (!cv::findChessboardCornersSB(image, size, corners)) return {};
   std::vector<cv::Point2f> accurate;
-  if (cv::findChessboardCornersSB(picture, size, accurate, cv::CALIB_CB_ACCURACY)) return accurate;
+  if (cv::findChessboardCornersSB(image, size, accurate, cv::CALIB_CB_ACCURACY)) return accurate;
   return corners;
 }
 
 /// Covers a board that was found, its outermost squares included, so that the next one is found.
-void paint_over(cv::Mat& picture, const std::vector<cv::Point2f>& corners, const Board& board) {
+void mask_board(cv::Mat& image, const std::vector<cv::Point2f>& corners, const Board& board) {
   const auto at = [&](int row, int column) {
     return corners[static_cast<size_t>(row * board.columns + column)];
   };
@@ -32,29 +32,29 @@ void paint_over(cv::Mat& picture, const std::vector<cv::Point2f>& corners, const
   const std::vector<cv::Point> outline = {out(0, 0, 1, 1), out(0, right, 1, right - 1),
                                           out(low, right, low - 1, right - 1),
                                           out(low, 0, low - 1, 1)};
-  cv::fillConvexPoly(picture, outline, cv::mean(picture));
+  cv::fillConvexPoly(image, outline, cv::mean(image));
 }
 
 }  // namespace
 
-std::vector<Corners> find_boards(const CameraFrame& grey, const Board& board, int most) {
+std::vector<Corners> find_boards(const CameraFrame& grey, const Board& board, int max_boards) {
   std::vector<Corners> boards;
   if (grey.format != PixelFormat::kGrey8 || grey.width < 16 || grey.height < 16 ||
       grey.pixels.size() != grey.row_bytes() * static_cast<size_t>(grey.height)) {
     return boards;
   }
   cv::setNumThreads(1);
-  cv::Mat picture(grey.height, grey.width, CV_8UC1);
-  std::copy(grey.pixels.begin(), grey.pixels.end(), picture.data);
+  cv::Mat image(grey.height, grey.width, CV_8UC1);
+  std::copy(grey.pixels.begin(), grey.pixels.end(), image.data);
   try {
-    while (static_cast<int>(boards.size()) < most) {
-      const std::vector<cv::Point2f> found = find_one(picture, board);
-      if (found.size() != board.corners()) break;
+    while (static_cast<int>(boards.size()) < max_boards) {
+      const std::vector<cv::Point2f> found = find_board(image, board);
+      if (found.size() != board.corner_count()) break;
       Corners& corners = boards.emplace_back();
       for (const cv::Point2f& corner : found) {
         corners.emplace_back(double{corner.x}, double{corner.y});
       }
-      paint_over(picture, found, board);
+      mask_board(image, found, board);
     }
   } catch (const cv::Exception&) {
     // The detector gives up on this picture; what was found before stays.

@@ -4,17 +4,17 @@
 
 namespace infuse::target {
 
-/// A pose as Ceres varies it: T = exp(ξ) T_start with ξ = 0 at the start.
+/// A pose as Ceres varies it: T = exp(ξ) T_initial with ξ = 0 at the start.
 struct PoseParameter {
-  Eigen::Isometry3d T_start;
+  Eigen::Isometry3d T_initial;
 
   Eigen::Isometry3d at(const double* xi) const {
-    return geometry::exp(Eigen::Map<const geometry::Vector6>(xi)) * T_start;
+    return geometry::exp(Eigen::Map<const geometry::Vector6>(xi)) * T_initial;
   }
 
   /// Takes a derivative by a left perturbation of `at(xi)` to one by ξ.
   template <class Rows>
-  static auto by_xi(const Rows& by_perturbation, const double* xi) {
+  static auto jacobian_by_xi(const Rows& by_perturbation, const double* xi) {
     return (by_perturbation * geometry::left_jacobian(Eigen::Map<const geometry::Vector6>(xi)))
         .eval();
   }

@@ -10,25 +10,25 @@
 #include "fusion/target/degeneracy.hpp"
 #include "fusion/target/pose_parameter.hpp"
 #include "fusion/target/view_consensus.hpp"
-#include "fusion/target/view_weight.hpp"
+#include "fusion/target/view_residuals.hpp"
 
 namespace infuse::target {
 namespace {
 
 using geometry::Matrix6;
 
-constexpr int kRounds = 10;      // of rejecting and solving again
-constexpr double kRobust = 4;    // standard deviations, of the first round's Cauchy loss
-constexpr double kTiny = 1e-12;  // m²; residuals are never taken for better known than 1 µm
+constexpr int kMaxRounds = 10;      // of rejecting and solving again
+constexpr double kCauchyScale = 4;  // standard deviations, of the first round's Cauchy loss
+constexpr double kEpsilon = 1e-12;  // m²; residuals are never taken for better known than 1 µm
 
 /// The views, what stands for their returns, and which of them are in use.
-struct Problem {
+struct ViewSet {
   std::span<const TargetView> views;
   std::vector<ReturnsPlane> planes;
   std::vector<ViewResidual> residuals;
   double range_noise;
 
-  std::vector<const TargetView*> in_use() const {
+  std::vector<const TargetView*> used_views() const {
     std::vector<const TargetView*> used;
     for (size_t i = 0; i < views.size(); ++i) {
       if (residuals[i].used) used.push_back(&views[i]);
@@ -38,7 +38,7 @@ struct Problem {
 
   Eigen::Matrix4d covariance(size_t i, const Eigen::Isometry3d& T) const {
     return residual_covariance(views[i], planes[i], T, range_noise) +
-           kTiny * Eigen::Matrix4d::Identity();
+           kEpsilon * Eigen::Matrix4d::Identity();
   }
 };
 
@@ -55,12 +55,12 @@ class ViewCost : public ceres::SizedCostFunction<4, 6> {
 
   bool Evaluate(const double* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const ViewResiduals view = view_residuals(view_, plane_, pose_.at(parameters[0]));
+    const LinearisedView view = linearise_view(view_, plane_, pose_.at(parameters[0]));
     Eigen::Map<Eigen::Vector4d> out(residuals);
-    out = whitening_ * view.off;
+    out = whitening_ * view.residuals;
     if (jacobians != nullptr && jacobians[0] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 4, 6, Eigen::RowMajor>> jacobian(jacobians[0]);
-      jacobian = whitening_ * PoseParameter::by_xi(view.by_pose, parameters[0]);
+      jacobian = whitening_ * PoseParameter::jacobian_by_xi(view.jacobian, parameters[0]);
     }
     return true;
   }
@@ -73,15 +73,15 @@ class ViewCost : public ceres::SizedCostFunction<4, 6> {
 };
 
 /// P(3.10) over the views in use; far ones count little where `robust`.
-Eigen::Isometry3d minimise(const Problem& set, const Eigen::Isometry3d& start, bool robust) {
-  const PoseParameter pose{start};
+Eigen::Isometry3d minimise(const ViewSet& set, const Eigen::Isometry3d& T_initial, bool robust) {
+  const PoseParameter pose{T_initial};
   geometry::Vector6 xi = geometry::Vector6::Zero();
   ceres::Problem problem;
   for (size_t i = 0; i < set.views.size(); ++i) {
     if (!set.residuals[i].used) continue;
     problem.AddResidualBlock(
-        new ViewCost(pose, set.views[i], set.planes[i], set.covariance(i, start)),
-        robust ? new ceres::CauchyLoss(kRobust) : nullptr, xi.data());
+        new ViewCost(pose, set.views[i], set.planes[i], set.covariance(i, T_initial)),
+        robust ? new ceres::CauchyLoss(kCauchyScale) : nullptr, xi.data());
   }
   ceres::Solver::Options options;
   options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
@@ -90,16 +90,16 @@ Eigen::Isometry3d minimise(const Problem& set, const Eigen::Isometry3d& start, b
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return summary.IsSolutionUsable() ? pose.at(xi.data()) : start;
+  return summary.IsSolutionUsable() ? pose.at(xi.data()) : T_initial;
 }
 
 /// P(3.12). F is weighted by the covariance of its residuals, which are linear in the measurements:
 /// then the mixed derivatives and Σ_X together are ∂²F/∂Θ² again, and one inverse of it is left.
-Matrix6 covariance_of(const Problem& set, const Eigen::Isometry3d& T) {
+Matrix6 compute_covariance(const ViewSet& set, const Eigen::Isometry3d& T) {
   Matrix6 information = Matrix6::Zero();
   for (size_t i = 0; i < set.views.size(); ++i) {
     if (!set.residuals[i].used) continue;
-    const auto J = view_residuals(set.views[i], set.planes[i], T).by_pose;
+    const auto J = linearise_view(set.views[i], set.planes[i], T).jacobian;
     information += J.transpose() * set.covariance(i, T).inverse() * J;
   }
   const Matrix6 covariance = information.inverse();
@@ -107,22 +107,23 @@ Matrix6 covariance_of(const Problem& set, const Eigen::Isometry3d& T) {
 }
 
 /// How far off a view is; one that is not in use is compared with a solution made without it.
-void measure(const Problem& set, size_t i, const Eigen::Isometry3d& T, const Matrix6& of_solution,
-             ViewResidual& out) {
-  const ViewResiduals view = view_residuals(set.views[i], set.planes[i], T);
+void evaluate_view(const ViewSet& set, size_t i, const Eigen::Isometry3d& T,
+                   const Matrix6& solution_covariance, ViewResidual& out) {
+  const LinearisedView view = linearise_view(set.views[i], set.planes[i], T);
   Eigen::Matrix4d covariance = set.covariance(i, T);
-  if (!out.used) covariance += view.by_pose * of_solution * view.by_pose.transpose();
-  out.offset = view.off.mean();
-  out.rms = std::hypot(std::sqrt(view.off.squaredNorm() / 4), set.planes[i].rms);
+  if (!out.used) covariance += view.jacobian * solution_covariance * view.jacobian.transpose();
+  out.offset = view.residuals.mean();
+  out.rms = std::hypot(std::sqrt(view.residuals.squaredNorm() / 4), set.planes[i].rms);
   const double along = set.views[i].normal().dot(T.linear() * set.planes[i].normal);
   out.tilt = std::acos(std::min(1.0, std::abs(along)));
-  out.deviation = std::sqrt(std::max(0.0, view.off.dot(covariance.inverse() * view.off)));
+  out.mahalanobis =
+      std::sqrt(std::max(0.0, view.residuals.dot(covariance.inverse() * view.residuals)));
 }
 
 /// Standard deviation of ranges that the returns' distances from their own planes show.
-double shown_noise(const Problem& set) {
+double estimate_range_noise(const ViewSet& set) {
   double squares = 0;
-  double slopes = kTiny;
+  double slopes = kEpsilon;
   for (size_t i = 0; i < set.views.size(); ++i) {
     if (!set.residuals[i].used) continue;
     const auto n = static_cast<double>(set.views[i].returns.size());
@@ -134,20 +135,20 @@ double shown_noise(const Problem& set) {
 }
 
 /// Leaves out what lies too far off, takes back what does not; whether anything changed.
-bool choose(Problem& set, const SolveTargetOptions& options) {
+bool update_outliers(ViewSet& set, const SolveTargetOptions& options) {
   bool changed = false;
   for (ViewResidual& view : set.residuals) {
-    const bool fits =
-        view.deviation <= options.outlier || std::abs(view.offset) + view.tilt <= options.tolerated;
-    changed = changed || fits != view.used;
-    view.used = fits;
+    const bool inlier = view.mahalanobis <= options.max_mahalanobis ||
+                        std::abs(view.offset) + view.tilt <= options.inlier_tolerance;
+    changed = changed || inlier != view.used;
+    view.used = inlier;
   }
   return changed;
 }
 
-void sum_up(const Problem& set, TargetResult& result) {
+void summarise(const ViewSet& set, TargetResult& result) {
   double squares = 0;
-  double returns = kTiny;
+  double returns = kEpsilon;
   for (size_t i = 0; i < set.views.size(); ++i) {
     if (!set.residuals[i].used) continue;
     ++result.used;
@@ -164,41 +165,41 @@ void sum_up(const Problem& set, TargetResult& result) {
 
 std::optional<std::string> SolveTargetOptions::invalid() const {
   if (!(range_noise > 0)) return "range_noise must be positive";
-  if (!(outlier > 0)) return "outlier must be positive";
-  if (!(tolerated >= 0)) return "tolerated must not be negative";
-  if (!(max_rotation_sd > 0) || !(max_translation_sd > 0)) {
-    return "max_rotation_sd and max_translation_sd must be positive";
+  if (!(max_mahalanobis > 0)) return "max_mahalanobis must be positive";
+  if (!(inlier_tolerance >= 0)) return "inlier_tolerance must not be negative";
+  if (!(max_rotation_sigma > 0) || !(max_translation_sigma > 0)) {
+    return "max_rotation_sigma and max_translation_sigma must be positive";
   }
   return std::nullopt;
 }
 
-TargetResult solve_target(std::span<const TargetView> views, const Eigen::Isometry3d& T_start,
+TargetResult solve_target(std::span<const TargetView> views, const Eigen::Isometry3d& T_initial,
                           const SolveTargetOptions& options) {
-  TargetResult result{.T_head_lidar = T_start};
-  Problem set{views, {}, std::vector<ViewResidual>(views.size()), options.range_noise};
-  for (const TargetView& view : views) set.planes.push_back(returns_plane(view.returns));
+  TargetResult result{.T_refcam_lidar = T_initial};
+  ViewSet set{views, {}, std::vector<ViewResidual>(views.size()), options.range_noise};
+  for (const TargetView& view : views) set.planes.push_back(fit_returns_plane(view.returns));
 
-  Eigen::Isometry3d& T = result.T_head_lidar;
-  T = view_consensus(views, set.planes, options.seed).value_or(T_start);
-  for (int round = 0; round < kRounds; ++round) {
-    result.reason = name_degeneracy(set.in_use());
+  Eigen::Isometry3d& T = result.T_refcam_lidar;
+  T = find_consensus_pose(views, set.planes, options.seed).value_or(T_initial);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    result.reason = describe_degeneracy(set.used_views());
     if (!result.reason.empty()) break;
-    set.range_noise = std::max(options.range_noise, shown_noise(set));
+    set.range_noise = std::max(options.range_noise, estimate_range_noise(set));
     T = minimise(set, T, round == 0);
-    result.covariance = covariance_of(set, T);
+    result.covariance = compute_covariance(set, T);
     for (size_t i = 0; i < views.size(); ++i) {
-      measure(set, i, T, result.covariance, set.residuals[i]);
+      evaluate_view(set, i, T, result.covariance, set.residuals[i]);
     }
-    if (!choose(set, options) && round > 0) break;
+    if (!update_outliers(set, options) && round > 0) break;
   }
-  sum_up(set, result);
+  summarise(set, result);
   if (!result.reason.empty()) return result;
   if (2 * result.used <= static_cast<int>(views.size())) {
     result.reason = "most views are outliers: " + std::to_string(result.used) + " of " +
                     std::to_string(views.size()) + " agree";
   } else {
-    result.reason =
-        name_unknown(result.covariance, options.max_rotation_sd, options.max_translation_sd);
+    result.reason = describe_uncertain_axis(result.covariance, options.max_rotation_sigma,
+                                            options.max_translation_sigma);
   }
   return result;
 }

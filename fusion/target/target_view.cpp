@@ -6,7 +6,7 @@
 
 namespace infuse::target {
 
-ReturnsPlane returns_plane(const std::vector<Eigen::Vector3d>& returns) {
+ReturnsPlane fit_returns_plane(const std::vector<Eigen::Vector3d>& returns) {
   ReturnsPlane plane;
   const auto n = static_cast<double>(returns.size());
   for (const Eigen::Vector3d& point : returns) plane.mean += point / n;

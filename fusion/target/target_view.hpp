@@ -9,14 +9,14 @@ namespace infuse::target {
 
 /// One board as both sensors saw it: what P(3.10) sums over.
 struct TargetView {
-  Eigen::Isometry3d T_head_board = Eigen::Isometry3d::Identity();
-  /// Of a left perturbation of T_head_board.
+  Eigen::Isometry3d T_refcam_board = Eigen::Isometry3d::Identity();
+  /// Of a left perturbation of T_refcam_board.
   geometry::Matrix6 board_covariance = geometry::Matrix6::Zero();
   std::vector<Eigen::Vector3d> returns;  ///< on the board; m, lidar frame
 
   /// ʰN ÷ |ʰN| and |ʰN| of P(3.8): points x of the board have normal · x = distance.
-  Eigen::Vector3d normal() const { return T_head_board.linear().col(2); }
-  double distance() const { return normal().dot(T_head_board.translation()); }
+  Eigen::Vector3d normal() const { return T_refcam_board.linear().col(2); }
+  double distance() const { return normal().dot(T_refcam_board.translation()); }
 };
 
 /// The plane of a view's returns, and points on it that stand for them all.
@@ -31,6 +31,6 @@ struct ReturnsPlane {
 };
 
 /// At least three returns are needed.
-ReturnsPlane returns_plane(const std::vector<Eigen::Vector3d>& returns);
+ReturnsPlane fit_returns_plane(const std::vector<Eigen::Vector3d>& returns);
 
 }  // namespace infuse::target

@@ -11,8 +11,8 @@
 //   single    what single scans say (P fig. 3.14)
 //   cameras   two cameras of a ring, each alone, against each other (P fig. 3.19)
 //
-// Drives are rendered once (`rendered_drive.hpp`). INFUSE_STARTS says how many starts are tried; 10
-// otherwise.
+// Drives are rendered once (`rendered_drive.hpp`). INFUSE_INITIAL_GUESSES says how many starts are
+// tried; 10 otherwise.
 
 #include <benchmark/benchmark.h>
 
@@ -36,13 +36,13 @@ using geometry::Vector6;
 constexpr double kDegree = M_PI / 180;
 
 /// The pairs of a drive and one of its cameras; read once.
-const ScenePairs& pairs_of(const std::filesystem::path& drive, const std::string& camera,
-                           int scenes) {
+const ScenePairs& load_pairs(const std::filesystem::path& drive, const std::string& camera,
+                             int scenes) {
   static std::map<std::string, ScenePairs> all;
   const std::string key = drive.string() + " " + camera;
   if (const auto at = all.find(key); at != all.end()) return at->second;
-  auto pairs = read_scene_pairs({.drives = {drive.string()}, .cameras = {camera}, .scenes = scenes},
-                                [](double) {});
+  auto pairs = read_scene_pairs(
+      {.drives = {drive.string()}, .cameras = {camera}, .max_scenes = scenes}, [](double) {});
   if (!pairs || !pairs->truth) {
     std::fprintf(stderr, "%s: cannot be read, or has no truth\n", drive.c_str());
     std::exit(1);
@@ -50,17 +50,17 @@ const ScenePairs& pairs_of(const std::filesystem::path& drive, const std::string
   return all.emplace(key, *std::move(pairs)).first->second;
 }
 
-const ScenePairs& pairs_of(const std::string& scenario) {
-  return pairs_of(rendered_drive(scenario), "", 20);
+const ScenePairs& load_pairs(const std::string& scenario) {
+  return load_pairs(rendered_drive(scenario), "", 20);
 }
 
 /// Twice as long: forty scans.
-const ScenePairs& forty_of(const std::string& scenario) {
-  return pairs_of(rendered_drive(scenario, scenario + "_40", " --duration 42"), "", 40);
+const ScenePairs& load_forty_pairs(const std::string& scenario) {
+  return load_pairs(rendered_drive(scenario, scenario + "_40", " --duration 42"), "", 40);
 }
 
 /// Some of the pairs.
-ScenePairs part_of(const ScenePairs& pairs, const std::vector<size_t>& chosen) {
+ScenePairs select_pairs(const ScenePairs& pairs, const std::vector<size_t>& chosen) {
   ScenePairs part{.cameras = pairs.cameras, .lidar = pairs.lidar, .rig = pairs.rig};
   part.truth = pairs.truth;
   for (const size_t k : chosen) part.pairs.push_back(pairs.pairs[k]);
@@ -76,46 +76,46 @@ struct Outcome {
 
 using calibration::NamedMeasure;
 
-const NamedMeasure& named(const char* name) { return *calibration::find_measure(name); }
+const NamedMeasure& measure_named(const char* name) { return *calibration::find_measure(name); }
 
 Outcome run(const ScenePairs& pairs, const NamedMeasure& measure, const Eigen::Isometry3d& start,
             const calibration::CalibrateOptions& options) {
   const auto done = run_calibration(pairs, measure, start, options);
   if (!done) return {.rotation = M_PI, .translation = 1e3};
-  const auto error = geometry::extrinsic_error(done->result.T_head_lidar, *pairs.truth,
+  const auto error = geometry::extrinsic_error(done->result.T_refcam_lidar, *pairs.truth,
                                                done->cameras.front().model);
-  return {.error = geometry::log(done->result.T_head_lidar * pairs.truth->inverse()),
+  return {.error = geometry::log(done->result.T_refcam_lidar * pairs.truth->inverse()),
           .rotation = error.rotation,
           .translation = error.translation,
           .result = done->result,
           .cpu_s = done->cpu_s};
 }
 
-double quantile(std::vector<double> values, double share) {
+double quantile(std::vector<double> values, double fraction) {
   std::sort(values.begin(), values.end());
   return values[std::min(values.size() - 1,
-                         static_cast<size_t>(share * static_cast<double>(values.size())))];
+                         static_cast<size_t>(fraction * static_cast<double>(values.size())))];
 }
 
 /// From starts within ± 10° and 10 cm: how many come home (0.1°, 3 cm), how many of the others are
 /// called usable, the worst of those at home.
-void starts(benchmark::State& state, const std::string& scenario) {
-  const ScenePairs& pairs = pairs_of(scenario);
-  const char* given = std::getenv("INFUSE_STARTS");
+void convergence(benchmark::State& state, const std::string& scenario) {
+  const ScenePairs& pairs = load_pairs(scenario);
+  const char* given = std::getenv("INFUSE_INITIAL_GUESSES");
   const int count = given == nullptr ? 10 : std::atoi(given);
   std::mt19937_64 random(1);
-  int home = 0, wrong = 0;
+  int converged = 0, wrong = 0;
   double rotation = 0, translation = 0;
   std::vector<double> seconds;
   for (auto _ : state) {
     for (int k = 0; k < count; ++k) {
       calibration::CalibrateOptions options;
       options.screen.half_width = 10 * kDegree;
-      const Outcome outcome =
-          run(pairs, named("joint"), perturbed(*pairs.truth, 10 * kDegree, 0.1, random), options);
+      const Outcome outcome = run(pairs, measure_named("joint"),
+                                  perturb(*pairs.truth, 10 * kDegree, 0.1, random), options);
       seconds.push_back(outcome.cpu_s);
       if (outcome.rotation < 0.1 * kDegree && outcome.translation < 0.03) {
-        ++home;
+        ++converged;
         rotation = std::max(rotation, outcome.rotation);
         translation = std::max(translation, outcome.translation);
       } else if (outcome.result.usable()) {
@@ -124,21 +124,20 @@ void starts(benchmark::State& state, const std::string& scenario) {
     }
     state.SetIterationTime(quantile(seconds, 0.5));
   }
-  state.counters["home_percent"] = 100.0 * home / count;
+  state.counters["converged_percent"] = 100.0 * converged / count;
   state.counters["usable_but_wrong"] = wrong;
-  state.counters["worst_home_deg"] = rotation / kDegree;
-  state.counters["worst_home_m"] = translation;
+  state.counters["worst_converged_deg"] = rotation / kDegree;
+  state.counters["worst_converged_m"] = translation;
 }
 
 /// What a measure reaches from within ± 1° and 5 cm: the median of a few starts, on the same scans.
-void reach(benchmark::State& state, const ScenePairs& pairs, const NamedMeasure& measure) {
+void accuracy(benchmark::State& state, const ScenePairs& pairs, const NamedMeasure& measure) {
   std::vector<double> rotation, translation, seconds;
   int usable = 0;
   for (auto _ : state) {
     std::mt19937_64 random(2);
     for (int k = 0; k < 3; ++k) {
-      const Outcome outcome =
-          run(pairs, measure, perturbed(*pairs.truth, kDegree, 0.05, random), {});
+      const Outcome outcome = run(pairs, measure, perturb(*pairs.truth, kDegree, 0.05, random), {});
       rotation.push_back(outcome.rotation);
       translation.push_back(outcome.translation);
       seconds.push_back(outcome.cpu_s);
@@ -152,9 +151,9 @@ void reach(benchmark::State& state, const ScenePairs& pairs, const NamedMeasure&
 }
 
 /// BLSMI of some of the lidar's features: r(eflectivity), d(epth edges), n(ormals).
-NamedMeasure blsmi_of(const std::string& features) {
+NamedMeasure blsmi_with_features(const std::string& features) {
   using enum calibration::LidarFeature;
-  NamedMeasure measure = named("blsmi");
+  NamedMeasure measure = measure_named("blsmi");
   std::vector<calibration::LidarFeature>& lidar = measure.terms.front().lidar;
   lidar.clear();
   for (const char feature : features) {
@@ -165,22 +164,22 @@ NamedMeasure blsmi_of(const std::string& features) {
   return measure;
 }
 
-NamedMeasure blsmi_of(int bags) {
-  NamedMeasure measure = named("blsmi");
+NamedMeasure blsmi_with_bags(int bags) {
+  NamedMeasure measure = measure_named("blsmi");
   measure.terms.front().bags = bags;
   return measure;
 }
 
 /// A climb from the truth alone: what the scans say, not what the search finds.
-calibration::CalibrateOptions from_the_truth() {
+calibration::CalibrateOptions ascent_only_options() {
   calibration::CalibrateOptions options;
-  options.screen.kept = 0;
+  options.screen.survivors = 0;
   options.restarts = 0;
   return options;
 }
 
 /// `count` of `all` places, at random.
-std::vector<size_t> draw(size_t all, size_t count, std::mt19937_64& random) {
+std::vector<size_t> draw_subset(size_t all, size_t count, std::mt19937_64& random) {
   std::vector<size_t> order(all);
   for (size_t i = 0; i < all; ++i) order[i] = i;
   for (size_t i = all; i > 1; --i) std::swap(order[i - 1], order[random() % i]);
@@ -195,39 +194,41 @@ double metres(const Vector6& squares) { return std::sqrt(squares.tail<3>().sum()
 /// uncertainty: root of the mean squares, summed over three axes.
 void spread(benchmark::State& state, const ScenePairs& pairs, const NamedMeasure& measure) {
   constexpr int kDraws = 8;
-  Vector6 squares = Vector6::Zero(), told = Vector6::Zero(), bound = Vector6::Zero();
+  Vector6 squares = Vector6::Zero(), variances = Vector6::Zero(), bound = Vector6::Zero();
   std::vector<double> seconds;
   int usable = 0;
   for (auto _ : state) {
     std::mt19937_64 random(3);
     for (int k = 0; k < kDraws; ++k) {
-      const auto order = draw(pairs.pairs.size(), static_cast<size_t>(state.range(0)), random);
-      const Outcome outcome = run(part_of(pairs, order), measure, *pairs.truth, from_the_truth());
+      const auto order =
+          draw_subset(pairs.pairs.size(), static_cast<size_t>(state.range(0)), random);
+      const Outcome outcome =
+          run(select_pairs(pairs, order), measure, *pairs.truth, ascent_only_options());
       squares += outcome.error.cwiseAbs2() / kDraws;
       seconds.push_back(outcome.cpu_s);
       if (!outcome.result.uncertainty.usable()) continue;
-      told += outcome.result.uncertainty.covariance.diagonal();
-      bound += outcome.result.uncertainty.bound.diagonal();
+      variances += outcome.result.uncertainty.covariance.diagonal();
+      bound += outcome.result.uncertainty.cramer_rao_bound.diagonal();
       ++usable;
     }
     state.SetIterationTime(quantile(seconds, 0.5));
   }
   state.counters["error_deg"] = degrees(squares);
   state.counters["error_m"] = metres(squares);
-  state.counters["told_of"] = usable;
-  state.counters["told_deg"] = degrees(told / usable);
+  state.counters["sigma_count"] = usable;
+  state.counters["sigma_deg"] = degrees(variances / usable);
   state.counters["bound_deg"] = degrees(bound / usable);
-  state.counters["told_m"] = metres(told / usable);
+  state.counters["sigma_m"] = metres(variances / usable);
   state.counters["bound_m"] = metres(bound / usable);
 }
 
 /// The spread of what single scans say.
-void single(benchmark::State& state, const ScenePairs& pairs) {
+void single_scans(benchmark::State& state, const ScenePairs& pairs) {
   std::vector<double> rotation, translation, seconds;
   for (auto _ : state) {
     for (size_t k = 0; k < pairs.pairs.size(); ++k) {
-      const Outcome outcome =
-          run(part_of(pairs, {k}), named("joint"), *pairs.truth, from_the_truth());
+      const Outcome outcome = run(select_pairs(pairs, {k}), measure_named("joint"), *pairs.truth,
+                                  ascent_only_options());
       rotation.push_back(outcome.rotation);
       translation.push_back(outcome.translation);
       seconds.push_back(outcome.cpu_s);
@@ -245,18 +246,19 @@ void single(benchmark::State& state, const ScenePairs& pairs) {
 void cameras(benchmark::State& state, const NamedMeasure& measure) {
   constexpr int kDraws = 6;
   const std::filesystem::path drive = rendered_drive("ring_of_five");
-  const ScenePairs& one = pairs_of(drive, "cam1", 40);
-  const ScenePairs& other = pairs_of(drive, "cam4", 40);
+  const ScenePairs& one = load_pairs(drive, "cam1", 40);
+  const ScenePairs& other = load_pairs(drive, "cam4", 40);
   Vector6 squares = Vector6::Zero();
   std::vector<double> seconds;
   for (auto _ : state) {
     std::mt19937_64 random(4);
     for (int k = 0; k < kDraws; ++k) {
       const auto count = static_cast<size_t>(state.range(0));
-      const auto order = draw(std::min(one.pairs.size(), other.pairs.size()), count, random);
-      const Outcome a = run(part_of(one, order), measure, *one.truth, from_the_truth());
-      const Outcome b = run(part_of(other, order), measure, *other.truth, from_the_truth());
-      const Eigen::Isometry3d found = a.result.T_head_lidar * b.result.T_head_lidar.inverse();
+      const auto order = draw_subset(std::min(one.pairs.size(), other.pairs.size()), count, random);
+      const Outcome a = run(select_pairs(one, order), measure, *one.truth, ascent_only_options());
+      const Outcome b =
+          run(select_pairs(other, order), measure, *other.truth, ascent_only_options());
+      const Eigen::Isometry3d found = a.result.T_refcam_lidar * b.result.T_refcam_lidar.inverse();
       const Eigen::Isometry3d truth = *one.truth * other.truth->inverse();
       squares += geometry::log(found * truth.inverse()).cwiseAbs2() / kDraws;
       seconds.push_back(a.cpu_s + b.cpu_s);
@@ -267,7 +269,7 @@ void cameras(benchmark::State& state, const NamedMeasure& measure) {
   state.counters["error_m"] = metres(squares);
 }
 
-int add_all() {
+int register_benchmarks() {
   const auto add = [](const std::string& name, auto&& function) {
     return benchmark::RegisterBenchmark(name.c_str(), function)
         ->UseManualTime()
@@ -276,35 +278,36 @@ int add_all() {
   };
   for (const char* scenario : {"calibration_street", "calibration_garage", "calibration_low_sun"}) {
     const std::string where = std::string(scenario).substr(12);
-    add("calibration/starts/" + where,
-        [scenario](benchmark::State& state) { starts(state, scenario); });
+    add("calibration/convergence/" + where,
+        [scenario](benchmark::State& state) { convergence(state, scenario); });
     for (const NamedMeasure& measure : calibration::named_measures()) {
       if (!measure.has_gradient) continue;  // minutes each
       add("calibration/measure/" + where + "/" + measure.name,
-          [=](benchmark::State& state) { reach(state, pairs_of(scenario), measure); });
+          [=](benchmark::State& state) { accuracy(state, load_pairs(scenario), measure); });
     }
     for (const char* features : {"r", "d", "n", "rd", "rn", "dn", "rdn"}) {
       add("calibration/features/" + where + "/" + features, [=](benchmark::State& state) {
-        reach(state, pairs_of(scenario), blsmi_of(std::string(features)));
+        accuracy(state, load_pairs(scenario), blsmi_with_features(std::string(features)));
       });
     }
     for (const int bags : {10, 50, 100, 200}) {
-      add("calibration/bags/" + where + "/" + std::to_string(bags),
-          [=](benchmark::State& state) { reach(state, pairs_of(scenario), blsmi_of(bags)); });
+      add("calibration/bags/" + where + "/" + std::to_string(bags), [=](benchmark::State& state) {
+        accuracy(state, load_pairs(scenario), blsmi_with_bags(bags));
+      });
     }
     add("calibration/single/" + where,
-        [=](benchmark::State& state) { single(state, pairs_of(scenario)); });
+        [=](benchmark::State& state) { single_scans(state, load_pairs(scenario)); });
   }
   for (const char* measure : {"joint", "levinson-thrun"}) {
     auto* scans =
         add(std::string("calibration/scans/street/") + measure, [=](benchmark::State& state) {
-          spread(state, forty_of("calibration_street"), named(measure));
+          spread(state, load_forty_pairs("calibration_street"), measure_named(measure));
         });
     for (const int count : {5, 10, 15, 20, 30, 40}) scans->Arg(count);
   }
   for (const char* measure : {"joint", "mi"}) {
     add(std::string("calibration/cameras/") + measure,
-        [=](benchmark::State& state) { cameras(state, named(measure)); })
+        [=](benchmark::State& state) { cameras(state, measure_named(measure)); })
         ->Arg(10)
         ->Arg(20)
         ->Arg(40);
@@ -312,7 +315,7 @@ int add_all() {
   return 0;
 }
 
-const int kAdded = add_all();
+const int kRegistered = register_benchmarks();
 
 }  // namespace
 }  // namespace infuse::daemon

@@ -40,10 +40,10 @@ PclDecode pcl_decode();
 
 /// Access checks do not apply to the arguments of an explicit instantiation.
 template <PclDecode kMember>
-struct Opened {
+struct PrivateAccess {
   friend PclDecode pcl_decode() { return kMember; }
 };
-template struct Opened<&pcl::HDLGrabber::toPointClouds>;
+template struct PrivateAccess<&pcl::HDLGrabber::toPointClouds>;
 
 struct Input {
   std::vector<std::vector<uint8_t>> packets;
@@ -54,7 +54,7 @@ struct Input {
 int64_t count_returns(const std::vector<uint8_t>& packet) {
   int64_t returns = 0;
   for (size_t block = 0; block < velodyne::kBlocks; ++block) {
-    for (size_t slot = 0; slot < velodyne::kBlockSlots; ++slot) {
+    for (size_t slot = 0; slot < velodyne::kSlotsPerBlock; ++slot) {
       const size_t at = block * velodyne::kBlockSize + 4 + 3 * slot;
       if (velodyne::read_u16(packet.data() + at) != 0) ++returns;
     }
@@ -69,7 +69,7 @@ void add(Input& input, Stamp stamp, std::vector<uint8_t> packet) {
 }
 
 /// 1.5 s of ten turns a second; 84 % of the directions have a return, as in hdl32e-monterey.
-Input generated(Model model, velodyne::ReturnMode mode) {
+Input generate_packets(Model model, velodyne::ReturnMode mode) {
   const velodyne::ModelInfo& info = velodyne::model_info(model);
   const double period_s = to_seconds(velodyne::sequence_period(info, info.cycle));
   fixtures::PacketEncoder encoder({.model = model, .mode = mode});
@@ -96,10 +96,10 @@ Input generated(Model model, velodyne::ReturnMode mode) {
 }
 
 /// A real capture where there is one.
-Input load(const char* name, Model model) {
+Input load_capture(const char* name, Model model) {
   const std::filesystem::path path = real_data(std::string("velodyne/") + name + ".pcap");
   if (path.empty() || !std::filesystem::exists(path)) {
-    return generated(model, velodyne::ReturnMode::kStrongest);
+    return generate_packets(model, velodyne::ReturnMode::kStrongest);
   }
   Input input;
   for (CapturedDatagram& datagram : read_capture(path)) {
@@ -138,7 +138,7 @@ void run_pcl(benchmark::State& state, Grabber& grabber, Input& input) {
 }
 
 /// Three tenths of a second of the simulated street as that sensor's packets.
-Input simulated(const std::string& model) {
+Input simulate_packets(const std::string& model) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("infuse-bench-" + std::to_string(::getpid()));
   const std::string text =
@@ -168,7 +168,7 @@ std::vector<int> our_ranges(Model model, const Input& input) {
   velodyne::SweepAssembler assembler({.model = model, .calibration = uncorrected});
   Sweep sweep;
   std::vector<int> ranges;
-  const auto take = [&] {
+  const auto collect = [&] {
     while (assembler.pull(sweep)) {
       for (const float range : sweep.range)
         ranges.push_back(static_cast<int>(std::lround(range * 500)));
@@ -176,10 +176,10 @@ std::vector<int> our_ranges(Model model, const Input& input) {
   };
   for (size_t i = 0; i < input.packets.size(); ++i) {
     assembler.push({input.stamps[i], 1, 2368, 2368, input.packets[i]});
-    take();
+    collect();
   }
   assembler.finish();
-  take();
+  collect();
   std::sort(ranges.begin(), ranges.end());
   return ranges;
 }
@@ -187,14 +187,14 @@ std::vector<int> our_ranges(Model model, const Input& input) {
 template <class Grabber>
 std::vector<int> pcl_ranges(Grabber& grabber, Input& input) {
   std::vector<int> ranges;
-  std::function<void(const pcl::PointCloud<pcl::PointXYZI>::ConstPtr&)> take =
+  std::function<void(const pcl::PointCloud<pcl::PointXYZI>::ConstPtr&)> collect =
       [&](const pcl::PointCloud<pcl::PointXYZI>::ConstPtr& cloud) {
         for (const pcl::PointXYZI& p : *cloud) {
           if (!std::isfinite(p.x)) continue;
           ranges.push_back(static_cast<int>(std::lround(std::hypot(p.x, p.y, p.z) * 500)));
         }
       };
-  grabber.registerCallback(take);
+  grabber.registerCallback(collect);
   const PclDecode decode = pcl_decode();
   for (std::vector<uint8_t>& packet : input.packets) {
     (grabber.*decode)(reinterpret_cast<PclTypes::Packet*>(packet.data()));
@@ -207,7 +207,7 @@ std::vector<int> pcl_ranges(Grabber& grabber, Input& input) {
 /// from azimuth 0 to 0) is one of ours.
 template <class Grabber>
 void compare(benchmark::State& state, Grabber& grabber, Model model, const char* name) {
-  Input input = simulated(name);
+  Input input = simulate_packets(name);
   const std::vector<int> ours = our_ranges(model, input);
   const std::vector<int> theirs = pcl_ranges(grabber, input);
   if (theirs.size() < ours.size() / 2) return state.SkipWithError("PCL gave too few ranges");
@@ -219,12 +219,12 @@ void compare(benchmark::State& state, Grabber& grabber, Model model, const char*
 }
 
 void register_all() {
-  static Input hdl32e = load("hdl32e-monterey", Model::kHdl32e);
-  static Input vlp16 = load("vlp16-gps", Model::kVlp16);
-  static Input vlp16_dual = load("vlp16-dual-return", Model::kVlp16);
-  static Input vlp32c = load("vlp32c-half-turn", Model::kVlp32c);
-  static const Input vls128 = generated(Model::kVls128, velodyne::ReturnMode::kDual);
-  static const Input hdl64e = generated(Model::kHdl64eS3, velodyne::ReturnMode::kStrongest);
+  static Input hdl32e = load_capture("hdl32e-monterey", Model::kHdl32e);
+  static Input vlp16 = load_capture("vlp16-gps", Model::kVlp16);
+  static Input vlp16_dual = load_capture("vlp16-dual-return", Model::kVlp16);
+  static Input vlp32c = load_capture("vlp32c-half-turn", Model::kVlp32c);
+  static const Input vls128 = generate_packets(Model::kVls128, velodyne::ReturnMode::kDual);
+  static const Input hdl64e = generate_packets(Model::kHdl64eS3, velodyne::ReturnMode::kStrongest);
   const auto ours = [](const char* name, Model model, const Input& input) {
     benchmark::RegisterBenchmark(
         name, [model, &input](benchmark::State& state) { run_ours(state, model, input); });

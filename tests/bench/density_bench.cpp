@@ -71,20 +71,20 @@ double plain_lsmi_cross_validated(const MatrixXd& x, const MatrixXd& centres, co
     std::vector<double> errors(options.lambdas.size(), 0.0);
     for (int fold = 0; fold < options.folds; ++fold) {
       const Eigen::Index begin = n * fold / options.folds, end = n * (fold + 1) / options.folds;
-      const Eigen::Index held = end - begin;
-      MatrixXd k_train(n - held, k.cols()), l_train(n - held, l.cols());
+      const Eigen::Index held_out = end - begin;
+      MatrixXd k_train(n - held_out, k.cols()), l_train(n - held_out, l.cols());
       k_train << k.topRows(begin), k.bottomRows(n - end);
       l_train << l.topRows(begin), l.bottomRows(n - end);
       const PlainSolution solution(k_train, l_train);
       for (size_t j = 0; j < errors.size(); ++j) {
-        errors[j] += plain_error(k.middleRows(begin, held), l.middleRows(begin, held),
+        errors[j] += plain_error(k.middleRows(begin, held_out), l.middleRows(begin, held_out),
                                  solution.theta(options.lambdas[j]));
       }
     }
-    const auto least = std::min_element(errors.begin(), errors.end());
-    if (*least >= best) continue;
-    best = *least;
-    best_lambda = options.lambdas[static_cast<size_t>(least - errors.begin())];
+    const auto min_error = std::min_element(errors.begin(), errors.end());
+    if (*min_error >= best) continue;
+    best = *min_error;
+    best_lambda = options.lambdas[static_cast<size_t>(min_error - errors.begin())];
     best_kernel = k;
   }
   return plain_lsmi(best_kernel, l, best_lambda);
@@ -133,7 +133,7 @@ void hypotheses_cv(benchmark::State& state) {
   for (auto _ : state) {
     PreparedDependence prepared(FitMeasure::kSmi, map.features, map.options);
     for (const auto& labels : map.labels) {
-      benchmark::DoNotOptimize(prepared.ask(labels, StreetMap::kLabels).value);
+      benchmark::DoNotOptimize(prepared.evaluate(labels, StreetMap::kLabels).value);
     }
   }
 }
@@ -154,7 +154,7 @@ BENCHMARK(hypotheses_cv_plain)
     ->Unit(benchmark::kMillisecond);
 
 // A tracker whose particles keep σ and λ prepares its cells for the kept σ alone.
-void hypotheses_kept(benchmark::State& state) {
+void hypotheses_fixed(benchmark::State& state) {
   const StreetMap map;
   FitOptions options = map.options;
   options.sigmas = {0.4};
@@ -162,15 +162,15 @@ void hypotheses_kept(benchmark::State& state) {
   for (auto _ : state) {
     PreparedDependence prepared(FitMeasure::kSmi, map.features, options);
     for (const auto& labels : map.labels) {
-      benchmark::DoNotOptimize(prepared.ask(labels, StreetMap::kLabels).value);
+      benchmark::DoNotOptimize(prepared.evaluate(labels, StreetMap::kLabels).value);
     }
   }
 }
-BENCHMARK(hypotheses_kept)
-    ->Name("dependence/lsmi_100_hypotheses_kept")
+BENCHMARK(hypotheses_fixed)
+    ->Name("dependence/lsmi_100_hypotheses_fixed")
     ->Unit(benchmark::kMillisecond);
 
-void hypotheses_kept_plain(benchmark::State& state) {
+void hypotheses_fixed_plain(benchmark::State& state) {
   const StreetMap map;
   for (auto _ : state) {
     const MatrixXd centres = map.features.topRows(map.options.centres);
@@ -180,8 +180,8 @@ void hypotheses_kept_plain(benchmark::State& state) {
     }
   }
 }
-BENCHMARK(hypotheses_kept_plain)
-    ->Name("dependence/lsmi_100_hypotheses_kept/baseline:plain_eigen")
+BENCHMARK(hypotheses_fixed_plain)
+    ->Name("dependence/lsmi_100_hypotheses_fixed/baseline:plain_eigen")
     ->Unit(benchmark::kMillisecond);
 
 // --- the calibration's question: bags, and a gradient by six parameters ---
@@ -189,20 +189,22 @@ BENCHMARK(hypotheses_kept_plain)
 struct Calibration {
   static constexpr int kBags = 200, kBagSize = 2000, kCentres = 100, kParameters = 6;
   static constexpr int kPlainBags = 4;  // what the baseline times; it is scaled to kBags
-  static constexpr int kSamples = 20000, kFixed = 3, kMoving = 6;
-  static constexpr HyperParameters kKept{1.0, 0.01};
-  MatrixXd fixed{kSamples, kFixed}, moving{kSamples, kMoving};
+  static constexpr int kSamples = 20000, kFixedFeatures = 3, kMovingFeatures = 6;
+  static constexpr HyperParameters kHyperParameters{1.0, 0.01};
+  MatrixXd fixed{kSamples, kFixedFeatures}, moving{kSamples, kMovingFeatures};
   std::vector<MatrixXd> jacobian;  // ∂moving/∂parameter
 
   Calibration() {
     std::mt19937_64 random(5);
     std::normal_distribution<double> noise;
     for (int i = 0; i < kSamples; ++i) {
-      for (int f = 0; f < kFixed; ++f) fixed(i, f) = noise(random);
-      for (int f = 0; f < kMoving; ++f) moving(i, f) = 0.6 * fixed(i, f % 3) + 0.8 * noise(random);
+      for (int f = 0; f < kFixedFeatures; ++f) fixed(i, f) = noise(random);
+      for (int f = 0; f < kMovingFeatures; ++f)
+        moving(i, f) = 0.6 * fixed(i, f % 3) + 0.8 * noise(random);
     }
     for (int p = 0; p < kParameters; ++p) {
-      jacobian.push_back(MatrixXd::NullaryExpr(kSamples, kMoving, [&]() { return noise(random); }));
+      jacobian.push_back(
+          MatrixXd::NullaryExpr(kSamples, kMovingFeatures, [&]() { return noise(random); }));
     }
   }
   MatrixXd moved(int parameter, double step) const {
@@ -217,10 +219,10 @@ void blsmi_gradient(benchmark::State& state) {
   options.bag_size = Calibration::kBagSize;
   options.fit.centres = Calibration::kCentres;
   BaggedLsmi bagged(calibration.fixed, options);
-  bagged.keep(Calibration::kKept);
+  bagged.set_hyper_parameters(Calibration::kHyperParameters);
   MatrixXd gradient;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(bagged.ask(calibration.moving, &gradient).value);
+    benchmark::DoNotOptimize(bagged.evaluate(calibration.moving, &gradient).value);
     VectorXd by_parameter(Calibration::kParameters);
     for (int p = 0; p < Calibration::kParameters; ++p) {
       by_parameter[p] = gradient.cwiseProduct(calibration.jacobian[static_cast<size_t>(p)]).sum();
@@ -243,10 +245,10 @@ void blsmi_gradient_plain(benchmark::State& state) {
       const std::vector<int> rows(order.begin() + b * Calibration::kBagSize,
                                   order.begin() + (b + 1) * Calibration::kBagSize);
       const MatrixXd x = calibration.fixed(rows, Eigen::all), y = moving(rows, Eigen::all);
-      const double sigma = Calibration::kKept.sigma;
+      const double sigma = Calibration::kHyperParameters.sigma;
       sum += plain_lsmi(plain_kernel(x, x.topRows(Calibration::kCentres), sigma),
                         plain_kernel(y, y.topRows(Calibration::kCentres), sigma),
-                        Calibration::kKept.lambda);
+                        Calibration::kHyperParameters.lambda);
     }
     return sum / Calibration::kPlainBags;
   };
@@ -259,8 +261,8 @@ void blsmi_gradient_plain(benchmark::State& state) {
       benchmark::DoNotOptimize(
           (value(calibration.moved(p, kStep)) - value(calibration.moved(p, -kStep))) / (2 * kStep));
     }
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-    state.SetIterationTime(taken.count() * Calibration::kBags / Calibration::kPlainBags);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+    state.SetIterationTime(elapsed.count() * Calibration::kBags / Calibration::kPlainBags);
   }
   state.SetLabel("4 bags timed, scaled to 200");
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fusion/geometry/rigid_motion.hpp"
-#include "fusion/watch/watch.hpp"
+#include "fusion/monitoring/calibration_monitor.hpp"
 
 /// The online test of Levinson and Thrun (Automatic online calibration of cameras and lasers, RSS
 /// 2013), as a baseline: depth edges times the inverse distance transform of image edges, summed
@@ -31,12 +31,12 @@ class LevinsonThrun {
   void set_calibration(const Eigen::Isometry3d& T) { T_ = T; }
 
   /// True where the picture raises an alarm.
-  bool take(const CameraFrame& grey, const watch::SweepView& sweep) {
-    points_.set(sweep, camera_, T_, 20'000);
-    transform(grey);
+  bool process(const CameraFrame& grey, const monitoring::SweepView& sweep) {
+    points_.select(sweep, camera_, T_, 20'000);
+    compute_distance_transform(grey);
     std::array<double, 729> fit{};
     std::vector<uint32_t> edges;
-    for (const uint32_t i : points_.around()) {
+    for (const uint32_t i : points_.near_image()) {
       if (points_.discontinuity()[i] > 0.55F) edges.push_back(i);  // 0.3 m
     }
     for (size_t p = 0; p < poses_.size(); ++p) {
@@ -49,7 +49,7 @@ class LevinsonThrun {
         const int v = static_cast<int>(pixel->y() / 2);
         if (u < 0 || v < 0 || u >= width_ || v >= height_) continue;
         fit[p] += double{points_.discontinuity()[i]} *
-                  double{transform_[static_cast<size_t>(v * width_ + u)]};
+                  double{distance_transform_[static_cast<size_t>(v * width_ + u)]};
       }
     }
     window_.push_back(fit);
@@ -61,42 +61,44 @@ class LevinsonThrun {
     }
     double worse = 0;
     for (const double value : sum) worse += value < sum[364] ? 1 : 0;  // 364: no perturbation
-    const double share = worse / 728;
-    if (learned_ < 40) {
-      ++learned_;
-      mean_ += (share - mean_) / learned_;
-      square_ += (share * share - square_) / learned_;
+    const double fraction = worse / 728;
+    if (learned_count_ < 40) {
+      ++learned_count_;
+      mean_ += (fraction - mean_) / learned_count_;
+      mean_square_ += (fraction * fraction - mean_square_) / learned_count_;
       return false;
     }
-    const double sd = std::max(0.01, std::sqrt(std::max(0.0, square_ - mean_ * mean_)));
-    return share < mean_ - 3 * sd;
+    const double sigma = std::max(0.01, std::sqrt(std::max(0.0, mean_square_ - mean_ * mean_)));
+    return fraction < mean_ - 3 * sigma;
   }
 
  private:
   /// D = α E + (1 − α) max_j E_j γ^distance, α = 1/3, γ = 0.98 a pixel; at half resolution.
-  void transform(const CameraFrame& grey) {
+  void compute_distance_transform(const CameraFrame& grey) {
     width_ = grey.width / 2;
     height_ = grey.height / 2;
     const auto at = [&](int u, int v) {
       return static_cast<float>(grey.pixels[static_cast<size_t>(2 * v * grey.width + 2 * u)]);
     };
-    transform_.assign(static_cast<size_t>(width_ * height_), 0.0F);
-    std::vector<float> edge = transform_;
+    distance_transform_.assign(static_cast<size_t>(width_ * height_), 0.0F);
+    std::vector<float> edge = distance_transform_;
     for (int v = 1; v + 1 < height_; ++v) {
       for (int u = 1; u + 1 < width_; ++u) {
-        float most = 0;
+        float max_difference = 0;
         for (int d = 0; d < 9; ++d) {
-          most = std::max(most, std::abs(at(u, v) - at(u + d % 3 - 1, v + d / 3 - 1)));
+          max_difference =
+              std::max(max_difference, std::abs(at(u, v) - at(u + d % 3 - 1, v + d / 3 - 1)));
         }
-        edge[static_cast<size_t>(v * width_ + u)] = most;
+        edge[static_cast<size_t>(v * width_ + u)] = max_difference;
       }
     }
-    constexpr float kFade = 0.96F;
-    transform_ = edge;
+    constexpr float kDecay = 0.96F;
+    distance_transform_ = edge;
     const auto spread = [&](int u, int v, int du, int dv) {
       if (u + du < 0 || u + du >= width_ || v + dv < 0 || v + dv >= height_) return;
-      float& here = transform_[static_cast<size_t>(v * width_ + u)];
-      here = std::max(here, kFade * transform_[static_cast<size_t>((v + dv) * width_ + u + du)]);
+      float& here = distance_transform_[static_cast<size_t>(v * width_ + u)];
+      here = std::max(
+          here, kDecay * distance_transform_[static_cast<size_t>((v + dv) * width_ + u + du)]);
     };
     for (int v = 0; v < height_; ++v) {
       for (int u = 0; u < width_; ++u) {
@@ -111,19 +113,19 @@ class LevinsonThrun {
       }
     }
     for (size_t i = 0; i < edge.size(); ++i) {
-      transform_[i] = edge[i] / 3 + transform_[i] * 2 / 3;
+      distance_transform_[i] = edge[i] / 3 + distance_transform_[i] * 2 / 3;
     }
   }
 
   geometry::CameraModel camera_;
   Eigen::Isometry3d T_;
-  watch::QuickPoints points_;
+  monitoring::MonitorPoints points_;
   std::vector<Eigen::Isometry3d> poses_;
-  std::vector<float> transform_;
+  std::vector<float> distance_transform_;
   int width_ = 0, height_ = 0;
   std::deque<std::array<double, 729>> window_;
-  int learned_ = 0;
-  double mean_ = 0, square_ = 0;
+  int learned_count_ = 0;
+  double mean_ = 0, mean_square_ = 0;
 };
 
 }  // namespace infuse::online

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "fusion/motion/compensation.hpp"
+#include "fusion/motion/deskew.hpp"
 
 namespace infuse {
 namespace {
@@ -19,7 +19,7 @@ geometry::Trajectory trajectory() {
   for (int i = -2; i <= 14; ++i) {
     pose.stamp = Stamp::from_ns(i * 10'000'000);
     drive.append(pose);
-    pose.T_map_vehicle = pose.T_map_vehicle * geometry::exp(step);
+    pose.T_odom_vehicle = pose.T_odom_vehicle * geometry::exp(step);
   }
   return drive;
 }
@@ -40,15 +40,15 @@ Sweep sweep() {
   return made;
 }
 
-void compensate(benchmark::State& state) {
-  const Sweep taken = sweep();
+void deskew(benchmark::State& state) {
+  const Sweep input = sweep();
   const geometry::Trajectory drive = trajectory();
-  motion::MotionCompensator compensator(Eigen::Isometry3d::Identity());
-  motion::StraightSweep straight;
+  motion::Deskewer compensator(Eigen::Isometry3d::Identity());
+  motion::DeskewedSweep deskewed;
   for (auto _ : state) {
-    compensator.compensate(taken, drive, taken.stamp + taken.span, straight);
-    if (!straight.usable()) state.SkipWithError(straight.reason);
-    benchmark::DoNotOptimize(straight.x.data());
+    compensator.deskew(input, drive, input.stamp + input.span, deskewed);
+    if (!deskewed.usable()) state.SkipWithError(deskewed.reason);
+    benchmark::DoNotOptimize(deskewed.x.data());
     benchmark::ClobberMemory();
   }
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(kReturns));
@@ -56,45 +56,45 @@ void compensate(benchmark::State& state) {
 
 /// The twist of each piece once, then an exp for every point; pieces found by going along.
 void per_point_exp(benchmark::State& state) {
-  const Sweep taken = sweep();
+  const Sweep input = sweep();
   const geometry::Trajectory drive = trajectory();
-  motion::StraightSweep straight;
-  straight.x.resize(kReturns);
-  straight.y.resize(kReturns);
-  straight.z.resize(kReturns);
+  motion::DeskewedSweep deskewed;
+  deskewed.x.resize(kReturns);
+  deskewed.y.resize(kReturns);
+  deskewed.z.resize(kReturns);
   const Eigen::Isometry3d T_reference_map =
-      drive.at(taken.stamp + taken.span).T_map_vehicle.inverse();
+      drive.at(input.stamp + input.span).T_odom_vehicle.inverse();
   for (auto _ : state) {
     size_t piece = 0;
     geometry::Vector6 twist = geometry::Vector6::Zero();
     Eigen::Isometry3d T_reference_start;
     int64_t begin = 0, end = -1;
     for (size_t i = 0; i < kReturns; ++i) {
-      const int64_t at = taken.time_offset_ns[i];
+      const int64_t at = input.time_offset_ns[i];
       while (at > end) {
         const geometry::StampedPose &a = drive[piece], &b = drive[piece + 1];
         begin = a.stamp.ns();
         end = b.stamp.ns();
-        twist = geometry::log(a.T_map_vehicle.inverse() * b.T_map_vehicle) /
+        twist = geometry::log(a.T_odom_vehicle.inverse() * b.T_odom_vehicle) /
                 static_cast<double>(end - begin);
-        T_reference_start = T_reference_map * a.T_map_vehicle;
+        T_reference_start = T_reference_map * a.T_odom_vehicle;
         ++piece;
       }
       const Eigen::Vector3d moved =
           T_reference_start * (geometry::exp(static_cast<double>(at - begin) * twist) *
-                               Eigen::Vector3d(taken.x[i], taken.y[i], taken.z[i]));
-      straight.x[i] = static_cast<float>(moved.x());
-      straight.y[i] = static_cast<float>(moved.y());
-      straight.z[i] = static_cast<float>(moved.z());
+                               Eigen::Vector3d(input.x[i], input.y[i], input.z[i]));
+      deskewed.x[i] = static_cast<float>(moved.x());
+      deskewed.y[i] = static_cast<float>(moved.y());
+      deskewed.z[i] = static_cast<float>(moved.z());
     }
-    benchmark::DoNotOptimize(straight.x.data());
+    benchmark::DoNotOptimize(deskewed.x.data());
     benchmark::ClobberMemory();
   }
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(kReturns));
 }
 
-BENCHMARK(compensate)->Name("motion/compensate");
-BENCHMARK(per_point_exp)->Name("motion/compensate/baseline:per_point_exp");
+BENCHMARK(compensate)->Name("motion/deskew");
+BENCHMARK(per_point_exp)->Name("motion/deskew/baseline:per_point_exp");
 
 }  // namespace
 }  // namespace infuse

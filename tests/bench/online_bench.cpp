@@ -17,17 +17,17 @@
 #include "tests/bench/null_tail.hpp"
 #include "tests/bench/online_loop.hpp"
 #include "tests/bench/rendered_drive.hpp"
-#include "tests/fusion/watch/kitti_stream.hpp"
+#include "tests/fusion/monitoring/kitti_stream.hpp"
 
 namespace infuse::online {
 namespace {
 
-using watch::Drift;
-using watch::view_of;
+using monitoring::Drift;
+using monitoring::make_sweep_view;
 
-constexpr double kNever = 1e9;
+constexpr double kNotDetected = 1e9;
 
-const Drive& drive_of(const std::string& scenario) {
+const Drive& load_drive(const std::string& scenario) {
   static std::map<std::string, std::unique_ptr<Drive>> drives;
   std::unique_ptr<Drive>& drive = drives[scenario];
   if (drive) return *drive;
@@ -36,55 +36,58 @@ const Drive& drive_of(const std::string& scenario) {
 }
 
 /// Of 90 s each, of one rig: kept in memory.
-const std::vector<std::string> kConditions = {"online_2hz", "online_overcast", "online_low_sun",
-                                              "online_dusk"};
+const std::vector<std::string> kScenarios = {"online_2hz", "online_overcast", "online_low_sun",
+                                             "online_dusk"};
 /// Beside them for false alarms; those of recorded routes only where `./dev bench streetmap` has
 /// rendered them.
-const std::vector<std::string> kMore = {"online_jam", "online_stop_and_go", "pedestrian_zone",
-                                        "kitti_00",   "kitti_05",           "kitti_07"};
+const std::vector<std::string> kMoreScenarios = {
+    "online_jam", "online_stop_and_go", "pedestrian_zone", "kitti_00", "kitti_05", "kitti_07"};
 
 /// A lidar of 64 beams and 1.3 megapixels; of these one drive at a time is kept.
-const std::vector<std::string> kLarge = {"online_large", "online_large_low_sun"};
+const std::vector<std::string> kLargeScenarios = {"online_large", "online_large_low_sun"};
 
 /// The second world of a large drive.
-const std::string kSecondWorld = "101";
+const std::string kSecondWorldSeed = "101";
 
 /// And so many other worlds along the same route, in every condition and in the jam.
-constexpr int kWorlds = 12;
+constexpr int kWorldCount = 12;
 
-/// Seconds from the fault to suspicion and to certainty; kNever where there is none.
-struct Delay {
-  double suspect = kNever, certain = kNever;
+/// Seconds from the fault to suspicion and to certainty; kNotDetected where there is none.
+struct DetectionDelay {
+  double suspected = kNotDetected, confirmed = kNotDetected;
 };
 
 /// The watch; its calibration becomes wrong without its being told.
-Delay notice(const Drive& drive, const Fault& fault, const watch::WatchOptions& options) {
-  watch::Watch watch(drive.intrinsics, drive.T_camera_lidar, options);
-  Delay delay;
+DetectionDelay measure_delay(const Drive& drive, const Fault& fault,
+                             const monitoring::MonitorOptions& options) {
+  monitoring::CalibrationMonitor monitor(drive.intrinsics, drive.T_camera_lidar, options);
+  DetectionDelay delay;
   for (size_t i = 0; i < drive.pairs.size(); ++i) {
-    const Pair& pair = drive.pairs[i];
-    if (i == fault.from) watch.misplace(geometry::exp(fault.off) * drive.T_camera_lidar);
+    const ImageSweepPair& pair = drive.pairs[i];
+    if (i == fault.first_pair)
+      monitor.inject_miscalibration(geometry::exp(fault.perturbation) * drive.T_camera_lidar);
     const auto report =
-        watch.take(pair.grey, view_of(pair.sweep), {pair.angular_rate, pair.velocity});
-    if (i < fault.from) continue;
-    const double after = to_seconds(pair.grey.stamp - drive.pairs[fault.from].grey.stamp);
-    if (report.drift == Drift::kSuspect) delay.suspect = std::min(delay.suspect, after);
-    if (report.drift == Drift::kDrifted) {
-      delay.suspect = std::min(delay.suspect, after);
-      delay.certain = after;
+        monitor.process(pair.grey, make_sweep_view(pair.sweep), {pair.angular_rate, pair.velocity});
+    if (i < fault.first_pair) continue;
+    const double after = to_seconds(pair.grey.stamp - drive.pairs[fault.first_pair].grey.stamp);
+    if (report.drift == Drift::kSuspected) delay.suspected = std::min(delay.suspected, after);
+    if (report.drift == Drift::kConfirmed) {
+      delay.suspected = std::min(delay.suspected, after);
+      delay.confirmed = after;
       break;
     }
   }
   return delay;
 }
 
-Delay notice_levinson(const Drive& drive, const Fault& fault) {
+DetectionDelay measure_delay_levinson_thrun(const Drive& drive, const Fault& fault) {
   LevinsonThrun test(drive.intrinsics, drive.T_camera_lidar);
   for (size_t i = 0; i < drive.pairs.size(); ++i) {
-    const Pair& pair = drive.pairs[i];
-    if (i == fault.from) test.set_calibration(geometry::exp(fault.off) * drive.T_camera_lidar);
-    if (!test.take(pair.grey, view_of(pair.sweep)) || i < fault.from) continue;
-    const double after = to_seconds(pair.grey.stamp - drive.pairs[fault.from].grey.stamp);
+    const ImageSweepPair& pair = drive.pairs[i];
+    if (i == fault.first_pair)
+      test.set_calibration(geometry::exp(fault.perturbation) * drive.T_camera_lidar);
+    if (!test.process(pair.grey, make_sweep_view(pair.sweep)) || i < fault.first_pair) continue;
+    const double after = to_seconds(pair.grey.stamp - drive.pairs[fault.first_pair].grey.stamp);
     return {after, after};
   }
   return {};
@@ -96,11 +99,11 @@ double quantile(std::vector<double> values, double share) {
                          static_cast<size_t>(share * static_cast<double>(values.size())))];
 }
 
-enum class Who { kWatch, kInformation, kLevinson };
+enum class Method { kMonitor, kMutualInformation, kLevinsonThrun };
 
-watch::WatchOptions options_of(Who who) {
-  watch::WatchOptions options;
-  if (who == Who::kInformation) options.weights = {.reflectivity = 1, .edges = 0};
+monitoring::MonitorOptions options_for(Method method) {
+  monitoring::MonitorOptions options;
+  if (method == Method::kMutualInformation) options.weights = {.reflectivity = 1, .edges = 0};
   return options;
 }
 
@@ -108,51 +111,52 @@ watch::WatchOptions options_of(Who who) {
 /// how many were found in `within` seconds. `faults`: of the first seeds, dealt out to the
 /// conditions.
 void detect(benchmark::State& state, const std::vector<int>& axes, size_t faults, double within,
-            Who who) {
-  std::vector<double> suspect, certain;
+            Method method) {
+  std::vector<double> suspected, confirmed;
   for (auto _ : state) {
     for (size_t seed = 0; seed < faults; ++seed) {
-      const Drive& drive = drive_of(kConditions[seed % kConditions.size()]);
-      const Fault fault = fault_of(seed, axes, 90);
-      const Delay delay = who == Who::kLevinson ? notice_levinson(drive, fault)
-                                                : notice(drive, fault, options_of(who));
-      suspect.push_back(delay.suspect);
-      certain.push_back(delay.certain);
+      const Drive& drive = load_drive(kScenarios[seed % kScenarios.size()]);
+      const Fault fault = random_fault(seed, axes, 90);
+      const DetectionDelay delay = method == Method::kLevinsonThrun
+                                       ? measure_delay_levinson_thrun(drive, fault)
+                                       : measure_delay(drive, fault, options_for(method));
+      suspected.push_back(delay.suspected);
+      confirmed.push_back(delay.confirmed);
     }
-    state.SetIterationTime(std::min(quantile(certain, 0.5), 600.0));
+    state.SetIterationTime(std::min(quantile(confirmed, 0.5), 600.0));
   }
   const auto found =
-      std::count_if(certain.begin(), certain.end(), [&](double s) { return s <= within; });
+      std::count_if(confirmed.begin(), confirmed.end(), [&](double s) { return s <= within; });
   state.counters["faults"] = static_cast<double>(faults);
-  state.counters["found_percent"] =
-      100.0 * static_cast<double>(found) / static_cast<double>(certain.size());
-  state.counters["suspect_p98_s"] = std::min(quantile(suspect, 0.98), 600.0);
-  state.counters["drifted_p98_s"] = std::min(quantile(certain, 0.98), 600.0);
-  state.SetLabel("to certainty, median");
+  state.counters["detected_percent"] =
+      100.0 * static_cast<double>(found) / static_cast<double>(confirmed.size());
+  state.counters["suspected_p98_s"] = std::min(quantile(suspected, 0.98), 600.0);
+  state.counters["confirmed_p98_s"] = std::min(quantile(confirmed, 0.98), 600.0);
+  state.SetLabel("to confirmation, median");
 }
 
 /// One drive without a fault; gives back its hours, counts alarms, adds the evidence of its looks.
-double drive_without_fault(const std::filesystem::path& drive, Who who, int& alarms,
-                           NullTail& tail) {
-  std::optional<watch::Watch> watch;
+double run_without_fault(const std::filesystem::path& drive, Method method, int& alarms,
+                         NullTail& tail) {
+  std::optional<monitoring::CalibrationMonitor> monitor;
   std::optional<LevinsonThrun> levinson;
   Stamp first, last;
   bool raised = false;
-  for_each_pair(drive, [&](const Truth& truth, Pair& pair) {
+  for_each_pair(drive, [&](const Truth& truth, ImageSweepPair& pair) {
     last = pair.grey.stamp;
-    if (!watch) {
-      watch.emplace(truth.intrinsics, truth.T_camera_lidar, options_of(who));
+    if (!monitor) {
+      monitor.emplace(truth.intrinsics, truth.T_camera_lidar, options_for(method));
       levinson.emplace(truth.intrinsics, truth.T_camera_lidar);
       first = last;
     }
     bool alarm = false;
-    if (who == Who::kLevinson) {
-      alarm = levinson->take(pair.grey, view_of(pair.sweep));
+    if (method == Method::kLevinsonThrun) {
+      alarm = levinson->process(pair.grey, make_sweep_view(pair.sweep));
     } else {
-      const auto report =
-          watch->take(pair.grey, view_of(pair.sweep), {pair.angular_rate, pair.velocity});
-      alarm = report.drift == Drift::kDrifted;
-      if (report.looked) tail.add(report.evidence);
+      const auto report = monitor->process(pair.grey, make_sweep_view(pair.sweep),
+                                           {pair.angular_rate, pair.velocity});
+      alarm = report.drift == Drift::kConfirmed;
+      if (report.evaluated) tail.add(report.evidence);
     }
     alarms += alarm && !raised ? 1 : 0;
     raised = alarm;
@@ -164,28 +168,30 @@ double drive_without_fault(const std::filesystem::path& drive, Who who, int& ala
 /// The large drives, each in two worlds.
 std::vector<std::filesystem::path> large_drives() {
   std::vector<std::filesystem::path> drives;
-  for (const std::string& name : kLarge) {
+  for (const std::string& name : kLargeScenarios) {
     drives.push_back(rendered_drive(name));
-    drives.push_back(rendered_drive(name, name + "_" + kSecondWorld, " --seed " + kSecondWorld));
+    drives.push_back(
+        rendered_drive(name, name + "_" + kSecondWorldSeed, " --seed " + kSecondWorldSeed));
   }
   return drives;
 }
 
 /// The drives of `false_alarms`.
-std::vector<std::filesystem::path> drives_without_fault(Who who) {
+std::vector<std::filesystem::path> drives_without_fault(Method method) {
   std::vector<std::filesystem::path> drives;
-  for (const std::string& name : kConditions) drives.push_back(rendered_drive(name));
-  if (who == Who::kLevinson) return drives;  // a grid of 728 poses takes long
+  for (const std::string& name : kScenarios) drives.push_back(rendered_drive(name));
+  if (method == Method::kLevinsonThrun) return drives;  // a grid of 728 poses takes long
   for (const std::filesystem::path& large : large_drives()) drives.push_back(large);
-  for (const std::string& name : kMore) {
-    if (name.starts_with("kitti") && !std::filesystem::exists(bench_drives() / name)) continue;
+  for (const std::string& name : kMoreScenarios) {
+    if (name.starts_with("kitti") && !std::filesystem::exists(bench_drives_folder() / name))
+      continue;
     drives.push_back(rendered_drive(name));
   }
-  std::vector<std::string> again = kConditions;
-  again.emplace_back("online_jam");
-  for (int seed = 101; seed < 101 + kWorlds; ++seed) {
+  std::vector<std::string> repeated = kScenarios;
+  repeated.emplace_back("online_jam");
+  for (int seed = 101; seed < 101 + kWorldCount; ++seed) {
     const std::string number = std::to_string(seed);
-    for (const std::string& name : again) {
+    for (const std::string& name : repeated) {
       drives.push_back(rendered_drive(name, name + "_" + number, " --seed " + number));
     }
   }
@@ -194,15 +200,15 @@ std::vector<std::filesystem::path> drives_without_fault(Who who) {
 
 /// Looks without an alarm, in all conditions, as drive hours a false alarm (one counted where there
 /// was none); for the watch, what the tail of its evidence says of the time between alarms.
-void false_alarms(benchmark::State& state, Who who) {
+void false_alarms(benchmark::State& state, Method method) {
   double hours = 0;
   int alarms = 0;
   NullTail tail;
   for (auto _ : state) {
-    for (const std::filesystem::path& drive : drives_without_fault(who)) {
-      const double driven = drive_without_fault(drive, who, alarms, tail);
+    for (const std::filesystem::path& drive : drives_without_fault(method)) {
+      const double driven = run_without_fault(drive, method, alarms, tail);
       std::fprintf(stderr, "%s: %.1f min, %d alarms so far, %zu peaks\n", drive.filename().c_str(),
-                   60 * driven, alarms, tail.peaks());
+                   60 * driven, alarms, tail.peak_count());
       hours += driven;
     }
     state.SetIterationTime(1);
@@ -210,42 +216,44 @@ void false_alarms(benchmark::State& state, Who who) {
   state.counters["items_per_second"] = hours / std::max(1, alarms);
   state.counters["false_alarms"] = alarms;
   state.counters["drive_hours"] = hours;
-  if (who != Who::kLevinson) {
-    const double limit = watch::DriftTestOptions{}.certain();
-    state.counters["peaks"] = static_cast<double>(tail.peaks());
-    state.counters["peak_scale_nats"] = tail.scale();
-    state.counters["hours_between"] = tail.hours_between(limit, hours, tail.scale());
-    state.counters["hours_between_95"] = tail.hours_between(limit, hours, tail.upper_scale());
+  if (method != Method::kLevinsonThrun) {
+    const double limit = monitoring::DriftDetectorOptions{}.confirmation_threshold();
+    state.counters["peaks"] = static_cast<double>(tail.peak_count());
+    state.counters["peak_scale_nats"] = tail.excess_scale();
+    state.counters["hours_between_alarms"] =
+        tail.hours_between_alarms(limit, hours, tail.excess_scale());
+    state.counters["hours_between_alarms_95"] =
+        tail.hours_between_alarms(limit, hours, tail.upper_excess_scale());
     for (size_t nats = 1; nats < 8; ++nats) {
-      std::fprintf(stderr, "%zu nats or more: %.4f of looks\n", nats, tail.share(nats));
+      std::fprintf(stderr, "%zu nats or more: %.4f of looks\n", nats, tail.fraction_above(nats));
     }
   }
-  state.SetLabel("h of drive an alarm");
+  state.SetLabel("hours driven per alarm");
 }
 
 /// Degrees that a drift of 0.05° a minute has built up when it is suspected: the worst of three
 /// axes and both signs, and when it is certain.
 void slow_drift(benchmark::State& state) {
-  double suspect = 0, certain = 0;
+  double suspected = 0, confirmed = 0;
   for (auto _ : state) {
     std::vector<const Drive*> drives;
     for (int round = 0; round < 2; ++round) {
-      for (const std::string& name : kConditions) drives.push_back(&drive_of(name));
+      for (const std::string& name : kScenarios) drives.push_back(&load_drive(name));
     }
     for (int axis = 0; axis < 3; ++axis) {
       for (const double rate : {0.05, -0.05}) {
-        const Noticed noticed = notice_slow(drives, axis, rate);
+        const DriftAngles detected = detect_slow_drift(drives, axis, rate);
         std::fprintf(stderr,
                      "axis %d, %+.2f degrees a minute: suspected at %.3f, certain at %.3f\n", axis,
-                     rate, noticed.suspect, noticed.certain);
-        suspect = std::max(suspect, noticed.suspect);
-        certain = std::max(certain, noticed.certain);
+                     rate, detected.suspected_deg, detected.confirmed_deg);
+        suspected = std::max(suspected, detected.suspected_deg);
+        confirmed = std::max(confirmed, detected.confirmed_deg);
       }
     }
     state.SetIterationTime(1);
   }
-  state.counters["suspect_worst_deg"] = std::min(suspect, 9.0);
-  state.counters["certain_worst_deg"] = std::min(certain, 9.0);
+  state.counters["suspected_worst_deg"] = std::min(suspected, 9.0);
+  state.counters["confirmed_worst_deg"] = std::min(confirmed, 9.0);
 }
 
 /// The whole loop (`mend`), by seeds over the large drives: rotation and translation error of what
@@ -253,21 +261,21 @@ void slow_drift(benchmark::State& state) {
 void recalibrate(benchmark::State& state, size_t faults) {
   std::vector<double> degrees, across, along, normalised, seconds, after;
   const auto run = [&](const Drive& drive, const std::string& name, uint64_t seed) {
-    const Mended mended = mend(drive, fault_of(seed, {0, 1, 2, 3, 4}, 75));
-    seconds.insert(seconds.end(), mended.cpu.begin(), mended.cpu.end());
-    const Vector6& e = mended.error;
+    const RecoveryResult recovery = run_recovery(drive, random_fault(seed, {0, 1, 2, 3, 4}, 75));
+    seconds.insert(seconds.end(), recovery.cpu_seconds.begin(), recovery.cpu_seconds.end());
+    const Vector6& e = recovery.error;
     std::fprintf(stderr,
                  "%s seed %zu: %s, alarm after %.1f s, in use %.1f s later; %.3f %.3f %.3f deg, "
                  "%.1f %.1f %.1f cm, normalised %.2f\n",
-                 name.c_str(), seed, mended.applied ? "applied" : "not applied", mended.alarm,
-                 mended.after, e(0) * 180 / M_PI, e(1) * 180 / M_PI, e(2) * 180 / M_PI, 100 * e(3),
-                 100 * e(4), 100 * e(5), mended.normalised);
-    if (!mended.applied) return;
+                 name.c_str(), seed, recovery.applied ? "applied" : "not applied",
+                 recovery.alarm_delay, recovery.apply_delay, e(0) * 180 / M_PI, e(1) * 180 / M_PI,
+                 e(2) * 180 / M_PI, 100 * e(3), 100 * e(4), 100 * e(5), recovery.normalised_error);
+    if (!recovery.applied) return;
     degrees.push_back(e.head<3>().norm() * 180 / M_PI);
     across.push_back(e.segment<2>(3).norm());
     along.push_back(std::abs(e(5)));
-    normalised.push_back(mended.normalised);
-    after.push_back(mended.after);
+    normalised.push_back(recovery.normalised_error);
+    after.push_back(recovery.apply_delay);
   };
   for (auto _ : state) {
     const auto drives = large_drives();
@@ -305,23 +313,23 @@ void recalibrate(benchmark::State& state, size_t faults) {
 /// under the published ones.
 void kitti_stream(benchmark::State& state) {
   const char* data = std::getenv("INFUSE_REAL_DATA");
-  const auto stream = watch::kitti::read_stream(std::filesystem::path(data == nullptr ? "" : data) /
-                                                "calibration/kitti");
-  if (stream.pictures.empty()) return state.SkipWithError("INFUSE_REAL_DATA has no KITTI pairs");
+  const auto stream = monitoring::kitti::read_stream(
+      std::filesystem::path(data == nullptr ? "" : data) / "calibration/kitti");
+  if (stream.images.empty()) return state.SkipWithError("INFUSE_REAL_DATA has no KITTI pairs");
   std::vector<double> degrees, metres;
-  double noticed = 0, certain = 0, usable = 0, all = 0, evidence = 0;
+  double detected = 0, confirmed = 0, usable = 0, all = 0, evidence = 0;
   for (auto _ : state) {
-    watch::Watch right(stream.camera, stream.T_camera_lidar, {});
-    evidence = watch::kitti::drive(right, stream, 4).evidence;
+    monitoring::CalibrationMonitor right(stream.camera, stream.T_camera_lidar, {});
+    evidence = monitoring::kitti::drive(right, stream, 4).evidence;
     for (const double size : {0.5, -0.5, 1.0, -1.0, 2.0, -2.0}) {
       for (int axis = 0; axis < 3; ++axis) {
         const Eigen::Isometry3d wrong =
             geometry::exp(size * M_PI / 180 * Vector6::Unit(axis)) * stream.T_camera_lidar;
-        watch::Watch watch(stream.camera, wrong, {});
-        const Drift drift = watch::kitti::drive(watch, stream, 4).drift;
-        noticed += drift == Drift::kSuspect || drift == Drift::kDrifted ? 1 : 0;
-        certain += drift == Drift::kDrifted ? 1 : 0;
-        const watch::Reestimate found = watch::kitti::estimate(stream, wrong);
+        monitoring::CalibrationMonitor monitor(stream.camera, wrong, {});
+        const Drift drift = monitoring::kitti::drive(monitor, stream, 4).drift;
+        detected += drift == Drift::kSuspected || drift == Drift::kConfirmed ? 1 : 0;
+        confirmed += drift == Drift::kConfirmed ? 1 : 0;
+        const monitoring::Reestimate found = monitoring::kitti::estimate(stream, wrong);
         const Vector6 error = geometry::log(found.T_camera_lidar * stream.T_camera_lidar.inverse());
         std::fprintf(stderr, "%+.1f degrees about axis %d: %.3f deg, %.1f cm %s\n", size, axis,
                      error.head<3>().norm() * 180 / M_PI, 100 * error.tail<3>().norm(),
@@ -336,8 +344,8 @@ void kitti_stream(benchmark::State& state) {
     state.SetIterationTime(1);
   }
   state.counters["faults"] = all;
-  state.counters["noticed"] = noticed;
-  state.counters["certain"] = certain;
+  state.counters["detected"] = detected;
+  state.counters["confirmed"] = confirmed;
   state.counters["usable"] = usable;
   state.counters["evidence_unperturbed"] = evidence;
   if (degrees.empty()) return;
@@ -348,82 +356,82 @@ void kitti_stream(benchmark::State& state) {
 /// Processor time of a re-estimation from 30 scenes of 1.3 megapixels.
 void reestimate(benchmark::State& state) {
   const Drive drive = read_drive(large_drives().front());
-  watch::Watch watch(drive.intrinsics, drive.T_camera_lidar, {});
-  for (const Pair& pair : drive.pairs) {
-    if (watch.scenes().size() == 30) break;
-    watch.take(pair.grey, view_of(pair.sweep), {pair.angular_rate, pair.velocity});
+  monitoring::CalibrationMonitor monitor(drive.intrinsics, drive.T_camera_lidar, {});
+  for (const ImageSweepPair& pair : drive.pairs) {
+    if (monitor.scenes().size() == 30) break;
+    monitor.process(pair.grey, make_sweep_view(pair.sweep), {pair.angular_rate, pair.velocity});
   }
-  std::vector<watch::StoredScene> scenes;
-  watch.scenes().copy(Stamp::earliest(), scenes);
+  std::vector<monitoring::StoredScene> scenes;
+  monitor.scenes().copy(Stamp::earliest(), scenes);
   const Eigen::Isometry3d wrong =
       geometry::exp(kHalfDegree * Vector6::Unit(1)) * drive.T_camera_lidar;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(watch::reestimate(scenes, drive.intrinsics, wrong, {}));
+    benchmark::DoNotOptimize(monitoring::reestimate(scenes, drive.intrinsics, wrong, {}));
   }
   state.counters["scenes"] = static_cast<double>(scenes.size());
 }
 
 /// Processor time of a look at a picture of 1.3 megapixels and a sweep of 64 beams.
-void look(benchmark::State& state) {
-  std::optional<Pair> pair;
-  std::optional<watch::Watch> watch;
+void evaluate_pair(benchmark::State& state) {
+  std::optional<ImageSweepPair> pair;
+  std::optional<monitoring::CalibrationMonitor> monitor;
   int seen = 0;
-  for_each_pair(large_drives().front(), [&](const Truth& truth, Pair& next) {
+  for_each_pair(large_drives().front(), [&](const Truth& truth, ImageSweepPair& next) {
     if (++seen != 40) return;  // somewhere in the middle
     pair = std::move(next);
-    watch.emplace(truth.intrinsics, truth.T_camera_lidar, watch::WatchOptions{});
+    monitor.emplace(truth.intrinsics, truth.T_camera_lidar, monitoring::MonitorOptions{});
   });
   if (!pair) return state.SkipWithError("no drive");
   int64_t next = 0;
   for (auto _ : state) {
     pair->grey.stamp = Stamp::from_ns(500'000'000 * ++next);
     pair->grey.pixels[static_cast<size_t>(next) % 1000] ^= 1;
-    benchmark::DoNotOptimize(
-        watch->take(pair->grey, view_of(pair->sweep), {.velocity = Eigen::Vector3d(0, 0, 9)}));
+    benchmark::DoNotOptimize(monitor->process(pair->grey, make_sweep_view(pair->sweep),
+                                              {.velocity = Eigen::Vector3d(0, 0, 9)}));
   }
   state.counters["returns"] = static_cast<double>(pair->sweep.size());
 }
 
-struct Kind {
+struct FaultKind {
   const char* name;
   std::vector<int> axes;
   size_t faults;
   double within;
 };
 
-int add_all() {
-  const std::vector<Kind> kinds = {{"online/detect/rotation_0.5_deg", {0, 1, 2}, 100, 20},
-                                   {"online/detect/translation_xy_5_cm", {3, 4}, 60, 60}};
-  const std::vector<std::pair<std::string, Who>> everyone = {
-      {"", Who::kWatch},
-      {"/baseline:mutual-information", Who::kInformation},
-      {"/baseline:levinson-thrun", Who::kLevinson}};
+int register_benchmarks() {
+  const std::vector<FaultKind> kinds = {{"online/detect/rotation_0.5_deg", {0, 1, 2}, 100, 20},
+                                        {"online/detect/translation_xy_5_cm", {3, 4}, 60, 60}};
+  const std::vector<std::pair<std::string, Method>> methods = {
+      {"", Method::kMonitor},
+      {"/baseline:mutual-information", Method::kMutualInformation},
+      {"/baseline:levinson-thrun", Method::kLevinsonThrun}};
   const auto add = [](const std::string& name, const auto& run) {
     return benchmark::RegisterBenchmark(name.c_str(), run)
         ->UseManualTime()
         ->Iterations(1)
         ->Unit(benchmark::kSecond);
   };
-  for (const auto& [suffix, who] : everyone) {
-    for (const Kind& kind : kinds) {
+  for (const auto& [suffix, who] : methods) {
+    for (const FaultKind& kind : kinds) {
       // The grid of 728 poses takes long: a quarter of the faults.
-      const size_t faults = who == Who::kLevinson ? kind.faults / 4 : kind.faults;
-      add(kind.name + suffix, [kind, faults, who = who](benchmark::State& state) {
-        detect(state, kind.axes, faults, kind.within, who);
+      const size_t faults = method == Method::kLevinsonThrun ? kind.faults / 4 : kind.faults;
+      add(kind.name + suffix, [kind, faults, method = method](benchmark::State& state) {
+        detect(state, kind.axes, faults, kind.within, method);
       });
     }
     add("online/false_alarms" + suffix,
-        [who = who](benchmark::State& state) { false_alarms(state, who); });
+        [method = method](benchmark::State& state) { false_alarms(state, method); });
   }
   add("online/slow_drift", slow_drift);
   add("online/recalibrate", [](benchmark::State& state) { recalibrate(state, 50); });
   add("online/kitti", kitti_stream);
   benchmark::RegisterBenchmark("online/reestimate", reestimate)->Unit(benchmark::kMillisecond);
-  benchmark::RegisterBenchmark("online/look", look)->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark("online/evaluation", evaluate_pair)->Unit(benchmark::kMillisecond);
   return 0;
 }
 
-const int kAdded = add_all();
+const int kRegistered = register_benchmarks();
 
 }  // namespace
 }  // namespace infuse::online

@@ -10,19 +10,19 @@
 
 #include "daemon/pipeline/drive_setup.hpp"
 #include "drivers/camera/colour.hpp"
-#include "drivers/camera/picture.hpp"
+#include "drivers/camera/image_decoder.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "fusion/geometry/trajectory.hpp"
-#include "fusion/motion/compensation.hpp"
+#include "fusion/motion/deskew.hpp"
 
 /// A drive on disk as the online watch sees it: pictures, and sweeps straightened to their exposure
 /// by the true trajectory.
 namespace infuse::online {
 
 /// A picture with its sweep.
-struct Pair {
+struct ImageSweepPair {
   CameraFrame grey;
   Sweep sweep;                                             ///< x, y, z as of the exposure
   Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  ///< rad/s, camera axes
@@ -37,7 +37,7 @@ struct Truth {
 
 /// All pairs, and the truth.
 struct Drive : Truth {
-  std::vector<Pair> pairs;
+  std::vector<ImageSweepPair> pairs;
 };
 
 inline std::optional<CameraFrame> read_grey(const std::filesystem::path& path, Stamp stamp) {
@@ -45,7 +45,7 @@ inline std::optional<CameraFrame> read_grey(const std::filesystem::path& path, S
   const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
   CameraFrame frame;
   const std::span<const uint8_t> file(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
-  if (!camera::decode_picture(file, {.grey = true}, frame)) return std::nullopt;
+  if (!camera::decode_image(file, {.grey = true}, frame)) return std::nullopt;
   frame.stamp = stamp;
   if (frame.format == PixelFormat::kGrey8) return frame;
   CameraFrame grey;
@@ -55,8 +55,8 @@ inline std::optional<CameraFrame> read_grey(const std::filesystem::path& path, S
 
 /// Reads a drive of one lidar and one camera: `take(const Truth&, Pair&)` for one pair after the
 /// other. Without a true trajectory sweeps stay as they are. False where there is no such drive.
-template <class Take>
-bool for_each_pair(const std::filesystem::path& folder, const Take& take) {
+template <class Callback>
+bool for_each_pair(const std::filesystem::path& folder, const Callback& callback) {
   const auto drive = recording::Drive::open(folder);
   auto setup = daemon::open_drive(folder, {}, std::nullopt);
   if (!drive || !setup) return false;
@@ -68,52 +68,52 @@ bool for_each_pair(const std::filesystem::path& folder, const Take& take) {
   if (!drive->description.truth_poses.empty()) {
     const auto poses = recording::read_trajectory(drive->resolve(drive->description.truth_poses));
     if (poses) {
-      for (const auto& pose : *poses) trajectory.append({pose.stamp, pose.T_map_body});
+      for (const auto& pose : *poses) trajectory.append({pose.stamp, pose.T_frame_body});
     }
   }
   if (!drive->description.truth_rig.empty()) {
     const auto truth = recording::read_rig(drive->resolve(drive->description.truth_rig));
     if (truth) out.T_camera_lidar = truth->cameras[0].T_camera_lidar;
   }
-  motion::MotionCompensator compensator(rig.lidars[0].T_vehicle_lidar);
+  motion::Deskewer deskewer(rig.lidars[0].T_vehicle_lidar);
   const Eigen::Matrix3d R_camera_vehicle =
       out.T_camera_lidar.linear() * rig.lidars[0].T_vehicle_lidar.linear().transpose();
-  struct Shot {
+  struct ImageFile {
     std::filesystem::path path;
     Stamp stamp;
   };
-  std::vector<Shot> shots;
+  std::vector<ImageFile> images;
   std::vector<Sweep> sweeps;
   daemon::LidarIntake intake(setup->lidars[0]);
-  const auto pair_up = [&] {
-    std::erase_if(shots, [&](const Shot& shot) {
+  const auto match_images = [&] {
+    std::erase_if(images, [&](const ImageFile& image) {
       const Sweep* nearest = nullptr;
       for (const Sweep& sweep : sweeps) {
         const auto apart = [&](const Sweep& s) {
-          return distance_between(s.stamp + s.span / 2, shot.stamp);
+          return distance_between(s.stamp + s.span / 2, image.stamp);
         };
         if (nearest == nullptr || apart(sweep) < apart(*nearest)) nearest = &sweep;
       }
       if (nearest == nullptr) return true;
-      auto grey = read_grey(shot.path, shot.stamp);
+      auto grey = read_grey(image.path, image.stamp);
       if (!grey) return true;
-      Pair pair{*std::move(grey), *nearest, {}, {}};
-      motion::StraightSweep straight;
-      compensator.compensate(*nearest, trajectory, shot.stamp, straight);
-      if (straight.usable()) {
-        pair.sweep.x = straight.x;
-        pair.sweep.y = straight.y;
-        pair.sweep.z = straight.z;
+      ImageSweepPair pair{*std::move(grey), *nearest, {}, {}};
+      motion::DeskewedSweep deskewed;
+      deskewer.deskew(*nearest, trajectory, image.stamp, deskewed);
+      if (deskewed.usable()) {
+        pair.sweep.x = deskewed.x;
+        pair.sweep.y = deskewed.y;
+        pair.sweep.z = deskewed.z;
       }
-      const auto before = trajectory.at(shot.stamp - Duration(50'000'000));
-      const auto after = trajectory.at(shot.stamp + Duration(50'000'000));
+      const auto before = trajectory.at(image.stamp - Duration(50'000'000));
+      const auto after = trajectory.at(image.stamp + Duration(50'000'000));
       if (before.usable() && after.usable()) {
         const geometry::Vector6 twist =
             geometry::log(before.T_map_vehicle.inverse() * after.T_map_vehicle) / 0.1;
         pair.angular_rate = R_camera_vehicle * twist.head<3>();
         pair.velocity = R_camera_vehicle * twist.tail<3>();
       }
-      take(std::as_const(out), pair);
+      callback(std::as_const(out), pair);
       return true;
     });
   };
@@ -121,27 +121,27 @@ bool for_each_pair(const std::filesystem::path& folder, const Take& take) {
     if (sweep.size() < 1000) return;
     sweeps.push_back(sweep);
     if (sweeps.size() > 3) sweeps.erase(sweeps.begin());
-    if (!shots.empty() && sweep.stamp > shots.front().stamp) pair_up();
+    if (!images.empty() && sweep.stamp > images.front().stamp) match_images();
   };
   recording::DriveEvent event;
   while (setup->source.next(event)) {
     if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
-      intake.take(datagram->datagram, on_sweep);
+      intake.add_datagram(datagram->datagram, on_sweep);
     } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-      intake.take(*sweep->sweep, on_sweep);
+      intake.add_datagram(*sweep->sweep, on_sweep);
     } else if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
-      if (image->camera == 0) shots.push_back({*image->path, event.stamp});
+      if (image->camera == 0) images.push_back({*image->path, event.stamp});
     }
   }
   intake.finish(on_sweep);
-  pair_up();
+  match_images();
   return true;
 }
 
 /// The whole of a drive; empty where there is none.
 inline Drive read_drive(const std::filesystem::path& folder) {
   Drive drive;
-  for_each_pair(folder, [&](const Truth& truth, Pair& pair) {
+  for_each_pair(folder, [&](const Truth& truth, ImageSweepPair& pair) {
     static_cast<Truth&>(drive) = truth;
     drive.pairs.push_back(std::move(pair));
   });

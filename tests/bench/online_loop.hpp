@@ -3,7 +3,7 @@
 #include <ctime>
 #include <random>
 
-#include "fusion/watch/decision.hpp"
+#include "fusion/monitoring/calibration_supervisor.hpp"
 #include "tests/bench/online_drive.hpp"
 
 /// A calibration that becomes wrong during a drive, and what the watch and the decision make of it.
@@ -13,15 +13,15 @@ using geometry::Vector6;
 
 /// A fault of the rig, from a pair on.
 struct Fault {
-  Vector6 off = Vector6::Zero();
-  size_t from = 0;
+  Vector6 perturbation = Vector6::Zero();
+  size_t first_pair = 0;
 };
 
 constexpr double kHalfDegree = 8.7e-3;
 
 /// By seed: 0.5° about one of three axes or 5 cm along x or y, of either sign, at any moment that
 /// leaves enough of a drive of 90 s.
-inline Fault fault_of(uint64_t seed, const std::vector<int>& axes, size_t latest) {
+inline Fault random_fault(uint64_t seed, const std::vector<int>& axes, size_t latest) {
   std::mt19937_64 random(seed);
   const int axis = axes[random() % axes.size()];
   const double size = (random() % 2 == 0 ? 1 : -1) * (axis < 3 ? kHalfDegree : 0.05);
@@ -29,87 +29,89 @@ inline Fault fault_of(uint64_t seed, const std::vector<int>& axes, size_t latest
 }
 
 /// What came of one fault.
-struct Mended {
+struct RecoveryResult {
   bool applied = false;
-  Vector6 error = Vector6::Zero();  ///< of what is in use at the end
-  double normalised = 0;            ///< squared error, a degree of freedom
-  double alarm = 0, after = 0;      ///< s: fault to certainty, certainty to use
-  std::vector<double> cpu;          ///< s, of each re-estimation
+  Vector6 error = Vector6::Zero();          ///< of what is in use at the end
+  double normalised_error = 0;              ///< squared error, a degree of freedom
+  double alarm_delay = 0, apply_delay = 0;  ///< s: fault to certainty, certainty to use
+  std::vector<double> cpu_seconds;          ///< s, of each re-estimation
 };
 
 /// The whole loop: a step of the rig, alarm, re-estimation, applied.
-inline Mended mend(const Drive& drive, const Fault& fault) {
-  Mended out;
-  watch::Watch watch(drive.intrinsics, drive.T_camera_lidar, {});
-  const Eigen::Isometry3d wrong = geometry::exp(fault.off) * drive.T_camera_lidar;
-  watch::Decision decision(wrong, {.policy = watch::Policy::kApply});
-  std::vector<watch::StoredScene> scenes;
+inline RecoveryResult run_recovery(const Drive& drive, const Fault& fault) {
+  RecoveryResult out;
+  monitoring::CalibrationMonitor monitor(drive.intrinsics, drive.T_camera_lidar, {});
+  const Eigen::Isometry3d wrong = geometry::exp(fault.perturbation) * drive.T_camera_lidar;
+  monitoring::CalibrationSupervisor supervisor(wrong, {.policy = monitoring::UpdatePolicy::kApply});
+  std::vector<monitoring::StoredScene> scenes;
   std::optional<Stamp> alarm;
   for (size_t i = 0; i < drive.pairs.size(); ++i) {
-    const Pair& pair = drive.pairs[i];
-    if (i == fault.from) watch.misplace(wrong);
-    const auto report =
-        watch.take(pair.grey, watch::view_of(pair.sweep), {pair.angular_rate, pair.velocity});
-    if (i < fault.from) continue;
-    if (!alarm && report.drift == watch::Drift::kDrifted) {
+    const ImageSweepPair& pair = drive.pairs[i];
+    if (i == fault.first_pair) monitor.inject_miscalibration(wrong);
+    const auto report = monitor.process(pair.grey, monitoring::make_sweep_view(pair.sweep),
+                                        {pair.angular_rate, pair.velocity});
+    if (i < fault.first_pair) continue;
+    if (!alarm && report.drift == monitoring::Drift::kConfirmed) {
       alarm = pair.grey.stamp;
-      out.alarm = to_seconds(*alarm - drive.pairs[fault.from].grey.stamp);
+      out.alarm_delay = to_seconds(*alarm - drive.pairs[fault.first_pair].grey.stamp);
     }
-    const auto decided = decision.take(report, watch.scenes().count_since(report.since));
-    if (decided.calibration_changed) {
-      watch.set_calibration(decision.present());
-      if (!out.applied && decision.covariance()) {
+    const auto actions = supervisor.process(report, monitor.scenes().count_since(report.since));
+    if (actions.calibration_changed) {
+      monitor.set_calibration(supervisor.current());
+      if (!out.applied && supervisor.covariance()) {
         out.applied = true;
-        out.after = to_seconds(pair.grey.stamp - alarm.value_or(pair.grey.stamp));
+        out.apply_delay = to_seconds(pair.grey.stamp - alarm.value_or(pair.grey.stamp));
       }
     }
-    if (decided.alternative_changed) watch.set_alternative(decision.alternative());
-    if (!decided.start) continue;
-    watch.scenes().copy(decided.since, scenes);
+    if (actions.alternative_changed) monitor.set_alternative(supervisor.alternative());
+    if (!actions.start_reestimation) continue;
+    monitor.scenes().copy(actions.scenes_since, scenes);
     const auto begin = std::clock();
-    decision.finish(watch::reestimate(scenes, drive.intrinsics, decision.present(), {}));
-    out.cpu.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+    supervisor.finish_reestimation(
+        monitoring::reestimate(scenes, drive.intrinsics, supervisor.current(), {}));
+    out.cpu_seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   }
-  out.error = geometry::log(decision.present() * drive.T_camera_lidar.inverse());
-  if (decision.covariance()) {
-    out.normalised = out.error.dot(decision.covariance()->inverse() * out.error) / 6;
+  out.error = geometry::log(supervisor.current() * drive.T_camera_lidar.inverse());
+  if (supervisor.covariance()) {
+    out.normalised_error = out.error.dot(supervisor.covariance()->inverse() * out.error) / 6;
   }
   return out;
 }
 
 /// Degrees built up when a slow drift about one axis was suspected and when it was certain; 1e9
 /// where it never was.
-struct Noticed {
-  double suspect = 1e9, certain = 1e9;
+struct DriftAngles {
+  double suspected_deg = 1e9, confirmed_deg = 1e9;
 };
 
 /// Drives one drive after the other while the rig turns by so many degrees a minute.
-inline Noticed notice_slow(const std::vector<const Drive*>& drives, int axis,
-                           double degrees_a_minute) {
-  Noticed out;
+inline DriftAngles detect_slow_drift(const std::vector<const Drive*>& drives, int axis,
+                                     double degrees_per_minute) {
+  DriftAngles out;
   const Truth& rig = *drives.front();
-  watch::Watch watch(rig.intrinsics, rig.T_camera_lidar, {});
+  monitoring::CalibrationMonitor monitor(rig.intrinsics, rig.T_camera_lidar, {});
   Duration before{0};
   for (const Drive* drive : drives) {
     if (drive->pairs.empty()) continue;
     const Stamp first = drive->pairs.front().grey.stamp;
     CameraFrame grey;
     Duration last{0};
-    for (const Pair& pair : drive->pairs) {
+    for (const ImageSweepPair& pair : drive->pairs) {
       last = pair.grey.stamp - first;
       grey = pair.grey;
       grey.stamp = drives.front()->pairs.front().grey.stamp + before + last;
-      const double degrees = degrees_a_minute * to_seconds(before + last) / 60;
-      watch.misplace(geometry::exp(degrees * M_PI / 180 * Vector6::Unit(axis)) *
-                     drive->T_camera_lidar);
-      const auto report =
-          watch.take(grey, watch::view_of(pair.sweep), {pair.angular_rate, pair.velocity});
-      if (report.drift == watch::Drift::kSuspect && report.axis == static_cast<watch::Axis>(axis)) {
-        out.suspect = std::min(out.suspect, std::abs(degrees));
+      const double degrees = degrees_per_minute * to_seconds(before + last) / 60;
+      monitor.inject_miscalibration(geometry::exp(degrees * M_PI / 180 * Vector6::Unit(axis)) *
+                                    drive->T_camera_lidar);
+      const auto report = monitor.process(grey, monitoring::make_sweep_view(pair.sweep),
+                                          {pair.angular_rate, pair.velocity});
+      if (report.drift == monitoring::Drift::kSuspected &&
+          report.axis == static_cast<monitoring::Axis>(axis)) {
+        out.suspected_deg = std::min(out.suspected_deg, std::abs(degrees));
       }
-      if (report.drift == watch::Drift::kDrifted) {
-        out.certain = std::abs(degrees);
-        out.suspect = std::min(out.suspect, out.certain);
+      if (report.drift == monitoring::Drift::kConfirmed) {
+        out.confirmed_deg = std::abs(degrees);
+        out.suspected_deg = std::min(out.suspected_deg, out.confirmed_deg);
         return out;
       }
     }

@@ -8,7 +8,7 @@
 namespace infuse {
 
 /// Where benchmarks keep their drives: the build's folder, or that of INFUSE_BENCH_DRIVES.
-inline std::filesystem::path bench_drives() {
+inline std::filesystem::path bench_drives_folder() {
   const char* given = std::getenv("INFUSE_BENCH_DRIVES");
   return given == nullptr ? INFUSE_DRIVES : given;
 }
@@ -19,13 +19,13 @@ inline std::filesystem::path bench_drives() {
 /// A drive that could not be simulated is told, and is missing.
 inline std::filesystem::path rendered_drive(const std::string& scenario,
                                             const std::string& drive = {},
-                                            const std::string& more = {}) {
-  const std::filesystem::path folder = bench_drives() / (drive.empty() ? scenario : drive);
+                                            const std::string& extra_arguments = {}) {
+  const std::filesystem::path folder = bench_drives_folder() / (drive.empty() ? scenario : drive);
   if (std::filesystem::exists(folder / "drive.toml")) return folder;
   std::filesystem::create_directories(folder.parent_path());
   const std::string command = std::string(INFUSE_BINARIES) + "/infuse-simulate " +
                               INFUSE_SOURCE_DIR + "/fixtures/scenarios/" + scenario + ".toml" +
-                              more + " -o " + folder.string();
+                              extra_arguments + " -o " + folder.string();
   std::fprintf(stderr, "%s\n", command.c_str());
   if (std::system((command + " >&2").c_str()) != 0) std::fprintf(stderr, "failed\n");
   return folder;

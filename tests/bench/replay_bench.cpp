@@ -11,15 +11,15 @@
 
 #include "drivers/recording/pcap_reader.hpp"
 #include "fixtures/scene/capture.hpp"
-#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/pipeline/run_replay.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-constexpr double kSeconds = 600;
+constexpr double kCaptureSeconds = 600;
 
 /// Keeps this thread, and those that it starts, on one core.
-void stay_on_one_core() {
+void pin_to_one_core() {
   cpu_set_t one;
   CPU_ZERO(&one);
   CPU_SET(sched_getcpu(), &one);
@@ -35,7 +35,7 @@ double resident_mb() {
 }
 
 /// Made on first use, removed at the end.
-const std::filesystem::path& capture(double seconds) {
+const std::filesystem::path& capture_file(double seconds) {
   static const TemporaryFolder folder;
   static std::map<double, std::filesystem::path> made;
   std::filesystem::path& path = made[seconds];
@@ -43,31 +43,31 @@ const std::filesystem::path& capture(double seconds) {
     path = folder / (std::to_string(seconds) + ".pcap");
     std::fprintf(stderr, "making a capture of %.0f s\n", seconds);
     fixtures::CaptureOptions options;
-    options.length = from_seconds(seconds);
+    options.duration = from_seconds(seconds);
     if (!fixtures::make_capture(path, options)) std::abort();
   }
   return path;
 }
 
 void replay_hdl32e(benchmark::State& state) {
-  const std::filesystem::path path = capture(kSeconds);
-  const std::filesystem::path brief = capture(kSeconds / 20);
-  stay_on_one_core();
-  (void)replayed(brief);
+  const std::filesystem::path path = capture_file(kCaptureSeconds);
+  const std::filesystem::path brief = capture_file(kCaptureSeconds / 20);
+  pin_to_one_core();
+  (void)run_replay(brief);
   const double after_brief_mb = resident_mb();
   for (auto _ : state) {
-    const auto result = replayed(path);
+    const auto result = run_replay(path);
     if (!result) state.SkipWithError(result.error().message().c_str());
   }
-  state.SetItemsProcessed(static_cast<int64_t>(kSeconds) *
+  state.SetItemsProcessed(static_cast<int64_t>(kCaptureSeconds) *
                           static_cast<int64_t>(state.iterations()));
   state.SetLabel("x real time");
   state.counters["memory_growth_mb"] = resident_mb() - after_brief_mb;
 }
 
 void read_by_libpcap(benchmark::State& state) {
-  const std::filesystem::path path = capture(kSeconds);
-  stay_on_one_core();
+  const std::filesystem::path path = capture_file(kCaptureSeconds);
+  pin_to_one_core();
   for (auto _ : state) {
     auto reader = recording::PcapReader::open(path);
     Datagram datagram;
@@ -75,7 +75,7 @@ void read_by_libpcap(benchmark::State& state) {
     while (reader->next(datagram)) bytes += datagram.payload.size();
     benchmark::DoNotOptimize(bytes);
   }
-  state.SetItemsProcessed(static_cast<int64_t>(kSeconds) *
+  state.SetItemsProcessed(static_cast<int64_t>(kCaptureSeconds) *
                           static_cast<int64_t>(state.iterations()));
   state.SetLabel("x real time");
 }

@@ -35,7 +35,7 @@ std::string without_modifiers(std::string name) {
   return name;
 }
 
-Figure figure_of(const Json& run) {
+Figure parse_figure(const Json& run) {
   if (run.contains("items_per_second")) {
     return {run["items_per_second"], run.value("label", "1/s"), true};
   }
@@ -54,50 +54,50 @@ struct Figures {
       if (aggregate && run.value("aggregate_name", "") != "median") continue;
       const std::string name = without_modifiers(run.value("run_name", ""));
       if (!by_name.contains(name)) names.push_back(name);
-      by_name[name] = figure_of(run);
+      by_name[name] = parse_figure(run);
     }
   }
 };
 
 /// "decode/x/baseline:pcl/8" is a baseline of "decode/x/8", by "pcl".
 struct Baseline {
-  std::string of, who;
+  std::string benchmark, name;
 };
-std::optional<Baseline> baseline(const std::string& name) {
-  constexpr std::string_view kMark = "/baseline:";
-  const size_t begin = name.find(kMark);
+std::optional<Baseline> parse_baseline(const std::string& name) {
+  constexpr std::string_view kBaselineMark = "/baseline:";
+  const size_t begin = name.find(kBaselineMark);
   if (begin == std::string::npos) return std::nullopt;
   const size_t end = std::min(name.find('/', begin + 1), name.size());
-  const size_t who = begin + kMark.size();
+  const size_t who = begin + kBaselineMark.size();
   return Baseline{name.substr(0, begin) + name.substr(end), name.substr(who, end - who)};
 }
 
-Json entry(const std::string& name, const Figure& figure) {
+Json make_entry(const std::string& name, const Figure& figure) {
   return {{"name", name}, {"value", figure.value}, {"unit", figure.unit}};
 }
 
-Json compared(const std::string& name, const Figure& figure, const std::string& who,
-              const Figure& other) {
-  Json json = entry(name, figure);
-  json["baseline"] = who;
+Json make_comparison(const std::string& name, const Figure& figure,
+                     const std::string& baseline_name, const Figure& other) {
+  Json json = make_entry(name, figure);
+  json["baseline"] = baseline_name;
   json["baseline_value"] = other.value;
   json["ratio"] = figure.is_rate ? figure.value / other.value : other.value / figure.value;
   return json;
 }
 
-Json list_of(const Figures& figures) {
+Json make_list(const Figures& figures) {
   Json list = Json::array();
   for (const std::string& name : figures.names) {
-    if (baseline(name)) continue;
+    if (parse_baseline(name)) continue;
     const Figure& figure = figures.by_name.at(name);
     bool has_baseline = false;
     for (const std::string& other : figures.names) {
-      const auto its = baseline(other);
-      if (!its || its->of != name) continue;
-      list.push_back(compared(name, figure, its->who, figures.by_name.at(other)));
+      const auto its = parse_baseline(other);
+      if (!its || its->benchmark != name) continue;
+      list.push_back(make_comparison(name, figure, its->name, figures.by_name.at(other)));
       has_baseline = true;
     }
-    if (!has_baseline) list.push_back(entry(name, figure));
+    if (!has_baseline) list.push_back(make_entry(name, figure));
   }
   return list;
 }
@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
     const Json file = Json::parse(stream, nullptr, false);
     if (file.is_object()) figures.read(file);
   }
-  const Json list = list_of(figures);
+  const Json list = make_list(figures);
   for (const Json& row : list) {
     std::printf("%-44s %12.4g %-16s", row["name"].get<std::string>().c_str(),
                 row["value"].get<double>(), row["unit"].get<std::string>().c_str());

@@ -21,13 +21,13 @@ namespace {
 
 constexpr size_t kCapacity = 1024;
 constexpr size_t kSlots = 8;
-constexpr int kBatch = 512;  ///< records written before they are read; below every capacity
+constexpr int kRecordBatch = 512;  ///< records written before they are read; below every capacity
 constexpr int kSlotBatch = 4;
 
-ImuSample sample(int64_t i) {
-  ImuSample sample;
-  sample.stamp = Stamp::from_ns(i);
-  return sample;
+ImuSample make_sample(int64_t i) {
+  ImuSample make_sample;
+  make_sample.stamp = Stamp::from_ns(i);
+  return make_sample;
 }
 
 /// What stands for a sweep: filling it is not what is measured.
@@ -59,9 +59,9 @@ class MutexDeque {
 };
 
 /// A thread that only sleeps: in a process without a second one the C library's mutex does nothing.
-class Company {
+class IdleThread {
  public:
-  ~Company() {
+  ~IdleThread() {
     done_.release();
     thread_.join();
   }
@@ -73,8 +73,8 @@ class Company {
 
 /// Writes and reads in turn, in batches, in one thread: the cost of the operations themselves.
 template <class Push, class Pop>
-void in_turn(benchmark::State& state, int batch, Push push, Pop pop) {
-  const Company company;
+void run_alternating(benchmark::State& state, int batch, Push push, Pop pop) {
+  const IdleThread idle_thread;
   int64_t stamp = 0;
   int64_t read = 0;
   for (auto _ : state) {
@@ -87,9 +87,9 @@ void in_turn(benchmark::State& state, int batch, Push push, Pop pop) {
 
 void record(benchmark::State& state) {
   RecordRing<ImuSample> ring(kCapacity);
-  auto reader = ring.reader();
-  in_turn(
-      state, kBatch, [&](int64_t i) { ring.push(sample(i)); },
+  auto reader = ring.make_reader();
+  run_alternating(
+      state, kRecordBatch, [&](int64_t i) { ring.push(make_sample(i)); },
       [&] {
         const auto found = reader.next();
         benchmark::DoNotOptimize(found);
@@ -99,8 +99,8 @@ void record(benchmark::State& state) {
 
 void record_spsc_queue(benchmark::State& state) {
   boost::lockfree::spsc_queue<ImuSample, boost::lockfree::capacity<kCapacity>> queue;
-  in_turn(
-      state, kBatch, [&](int64_t i) { queue.push(sample(i)); },
+  run_alternating(
+      state, kRecordBatch, [&](int64_t i) { queue.push(make_sample(i)); },
       [&] {
         ImuSample found;
         const bool any = queue.pop(found);
@@ -111,8 +111,8 @@ void record_spsc_queue(benchmark::State& state) {
 
 void record_mutex_deque(benchmark::State& state) {
   MutexDeque<ImuSample> queue;
-  in_turn(
-      state, kBatch, [&](int64_t i) { queue.push(sample(i)); },
+  run_alternating(
+      state, kRecordBatch, [&](int64_t i) { queue.push(make_sample(i)); },
       [&] {
         const auto found = queue.pop();
         benchmark::DoNotOptimize(found);
@@ -122,11 +122,11 @@ void record_mutex_deque(benchmark::State& state) {
 
 void slot(benchmark::State& state) {
   SlotRing<Object> ring(kSlots, [] { return Object(); });
-  auto reader = ring.reader();
-  in_turn(
+  auto reader = ring.make_reader();
+  run_alternating(
       state, kSlotBatch,
       [&](int64_t i) {
-        ring.hand().stamp = Stamp::from_ns(i);
+        ring.slot().stamp = Stamp::from_ns(i);
         ring.publish();
       },
       [&] {
@@ -141,7 +141,7 @@ template <class Queue, class Push, class Pop>
 void slot_by_pointer(benchmark::State& state, Queue& filled, Queue& empty, Push push, Pop pop) {
   std::array<Object, kSlots> pool;
   for (Object& object : pool) push(empty, &object);
-  in_turn(
+  run_alternating(
       state, kSlotBatch,
       [&](int64_t i) {
         Object* object = pop(empty);

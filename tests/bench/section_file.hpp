@@ -11,7 +11,7 @@ namespace infuse::bench {
 
 /// A part of a generated document that can be made by itself.
 struct Section {
-  std::string name;   ///< by which it is asked for
+  std::string name;   ///< by which it is requested
   std::string title;  ///< its heading
   int runs;           ///< how often what is random is repeated, unless asked otherwise
   /// Writes what stands below the heading; false where it could not be made.
@@ -33,15 +33,15 @@ inline std::map<std::string, std::string> read_sections(const std::string& path)
 
 /// Makes `section` anew in the file at `path`: `head`, then all sections of `order` that have been
 /// made, the others as they are. Whether it could be made and written.
-inline bool remake_section(const std::string& path, const std::string& head,
-                           const std::vector<Section>& order, const Section& section, int runs) {
-  std::ostringstream made;
-  made << "## " << section.title << "\n\n";
-  if (!section.write(made, runs)) return false;
+inline bool rewrite_section(const std::string& path, const std::string& preamble,
+                            const std::vector<Section>& order, const Section& section, int runs) {
+  std::ostringstream section_text;
+  section_text << "## " << section.title << "\n\n";
+  if (!section.write(section_text, runs)) return false;
   auto all = read_sections(path);
-  all[section.title] = made.str();
+  all[section.title] = section_text.str();
   std::ofstream file(path);
-  file << head;
+  file << preamble;
   for (const Section& one : order) {
     std::string text = all[one.title];
     while (text.ends_with("\n\n")) text.pop_back();

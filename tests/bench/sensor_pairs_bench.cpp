@@ -22,17 +22,17 @@ using geometry::Vector6;
 
 constexpr double kDegree = M_PI / 180;
 
-struct Pair {
+struct SensorPair {
   const char* name;
   painted::Scanner scanner;
   double scale;  ///< of the world
   const char* measure;
-  int most;  ///< scans, of twice as many
+  int max_scans;  ///< scans, of twice as many
 };
 
 // A time-of-flight camera's 176 x 144 pixels, 1 cm of noise, in a room; a planar scanner's 270
 // degrees, of which the camera sees 100, every quarter of a degree.
-const Pair kPairs[] = {
+const SensorPair kSensorPairs[] = {
     {"time_of_flight",
      {.rings = 144, .low = -17, .high = 17, .columns = 176, .half_width = 22, .range_noise = 0.01},
      0.4,
@@ -45,11 +45,11 @@ const Pair kPairs[] = {
      400},
     {"edges_only", {}, 1, "edges", 80}};
 
-const painted::Drive& drive_of(const Pair& pair) {
+const painted::Drive& cached_drive(const SensorPair& pair) {
   static std::map<std::string, painted::Drive> all;
   const auto at = all.find(pair.name);
   if (at != all.end()) return at->second;
-  return all.emplace(pair.name, painted::make_drive(2 * pair.most, pair.scale, pair.scanner))
+  return all.emplace(pair.name, painted::make_drive(2 * pair.max_scans, pair.scale, pair.scanner))
       .first->second;
 }
 
@@ -60,13 +60,13 @@ double cpu_seconds() {
 }
 
 /// Some of the scenes, from within ± 1° and 5 cm: root mean square of the error, three axes summed.
-void spread(benchmark::State& state, const Pair& pair) {
+void spread(benchmark::State& state, const SensorPair& pair) {
   constexpr int kDraws = 5;
-  const painted::Drive& drive = drive_of(pair);
+  const painted::Drive& drive = cached_drive(pair);
   const NamedMeasure& measure = *find_measure(pair.measure);
   CalibrateOptions options;
   options.terms = measure.terms;
-  options.leading = measure.leading;
+  options.search_terms = measure.search_terms;
   Vector6 squares = Vector6::Zero();
   int usable = 0;
   double seconds = 0;
@@ -81,16 +81,17 @@ void spread(benchmark::State& state, const Pair& pair) {
       for (size_t i = 0; i < static_cast<size_t>(state.range(0)); ++i) {
         scenes.push_back(drive.scenes[order[i]]);
       }
-      Vector6 off;
-      for (int axis = 0; axis < 6; ++axis) off(axis) = draw() * (axis < 3 ? kDegree : 0.05);
+      Vector6 perturbation;
+      for (int axis = 0; axis < 6; ++axis)
+        perturbation(axis) = draw() * (axis < 3 ? kDegree : 0.05);
       const double began = cpu_seconds();
-      const CalibrationResult result =
-          calibrate(scenes, drive.cameras, geometry::exp(off) * drive.T_camera_lidar, options);
+      const CalibrationResult result = calibrate(
+          scenes, drive.cameras, geometry::exp(perturbation) * drive.T_camera_lidar, options);
       seconds += (cpu_seconds() - began) / kDraws;
       usable += result.usable() ? 1 : 0;
       if (!result.usable()) std::fprintf(stderr, "%s: %s\n", pair.name, result.reason.c_str());
-      squares +=
-          geometry::log(result.T_head_lidar * drive.T_camera_lidar.inverse()).cwiseAbs2() / kDraws;
+      squares += geometry::log(result.T_refcam_lidar * drive.T_camera_lidar.inverse()).cwiseAbs2() /
+                 kDraws;
     }
     state.SetIterationTime(seconds);
   }
@@ -99,20 +100,20 @@ void spread(benchmark::State& state, const Pair& pair) {
   state.counters["usable_of_5"] = usable;
 }
 
-int add_all() {
-  for (const Pair& pair : kPairs) {
+int register_benchmarks() {
+  for (const SensorPair& pair : kSensorPairs) {
     auto* one =
         benchmark::RegisterBenchmark((std::string("calibration/pairs/") + pair.name).c_str(),
                                      [&pair](benchmark::State& state) { spread(state, pair); })
             ->UseManualTime()
             ->Iterations(1)
             ->Unit(benchmark::kSecond);
-    for (const int part : {8, 4, 2, 1}) one->Arg(pair.most / part);
+    for (const int part : {8, 4, 2, 1}) one->Arg(pair.max_scans / part);
   }
   return 0;
 }
 
-const int kAdded = add_all();
+const int kRegistered = register_benchmarks();
 
 }  // namespace
 }  // namespace infuse::calibration

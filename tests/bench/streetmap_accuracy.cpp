@@ -8,7 +8,7 @@
 #include <functional>
 #include <numbers>
 
-#include "fusion/streetmap/one_image.hpp"
+#include "fusion/streetmap/single_image_pose.hpp"
 #include "tests/bench/section_file.hpp"
 #include "tests/bench/streetmap_runs.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 template <class... Values>
-std::string text(const char* format, Values... values) {
+std::string format_text(const char* format, Values... values) {
   char buffer[256];
   std::snprintf(buffer, sizeof buffer, format, values...);
   return buffer;
@@ -32,100 +32,103 @@ struct Moments {
     squares += x * x;
   }
   double mean() const { return n > 0 ? sum / n : 0; }
-  double deviation() const {
+  double sigma() const {
     return n > 0 ? std::sqrt(std::max(squares / n - mean() * mean(), 0.0)) : 0;
   }
 };
 
 // --- one picture ---
 
-struct PictureRow {
+struct ImageRow {
   Moments across, turned, seconds;
 };
 
-PictureRow locate_all(const SegmentMap& map, const std::vector<Shot>& shots,
-                      const CameraMount& mount, int step, const OneImageOptions& options) {
+ImageRow locate_all(const SegmentMap& map, const std::vector<PosedImage>& posed_images,
+                    const CameraMount& mount, int step, const SingleImageOptions& options) {
   const geometry::CameraModel camera(mount.intrinsics);
-  PictureRow row;
+  ImageRow row;
   uint64_t draws = 1;
-  for (const Shot& shot : shots) {
-    PictureFeatures features;
-    if (!extract_features(shot.picture, step, features)) continue;
+  for (const PosedImage& posed_image : posed_images) {
+    ImageFeatures features;
+    if (!extract_features(posed_image.image, step, features)) continue;
     // The prior is off by up to half of what is searched.
-    const auto even = [&] {
+    const auto uniform = [&] {
       draws = draws * 6364136223846793005ULL + 1442695040888963407ULL;
       return static_cast<double>(draws >> 40) / (1 << 23) - 1;
     };
-    const double off = even(), turn = 10 * kDegree * even();
+    const double lateral_offset = uniform(), yaw_offset = 10 * kDegree * uniform();
     const auto begin = std::chrono::steady_clock::now();
-    const OneImagePose pose = locate_by_picture(map, features, camera, mount.T_camera_lidar,
-                                                shot.truth.then({0, off, turn}), options);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    const SingleImagePose pose =
+        locate_from_image(map, features, camera, mount.T_camera_lidar,
+                          posed_image.truth.compose({0, lateral_offset, yaw_offset}), options);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     if (!pose.usable()) continue;
-    const PlanarPose found = shot.truth.then({0, off, turn}).then({0, pose.across, pose.yaw});
-    const PlanarPose error = shot.truth.motion_to(found);
+    const PlanarPose found = posed_image.truth.compose({0, lateral_offset, yaw_offset})
+                                 .compose({0, pose.lateral, pose.yaw});
+    const PlanarPose error = posed_image.truth.motion_to(found);
     row.across.add(std::abs(error.y));
     row.turned.add(std::abs(error.yaw) / kDegree);
-    row.seconds.add(took.count() / static_cast<double>(pose.scores.size()));
+    row.seconds.add(elapsed.count() / static_cast<double>(pose.scores.size()));
   }
   return row;
 }
 
-bool one_picture(std::ostream& out, int pictures) {
+bool one_image(std::ostream& out, int images) {
   if (!render("street")) return false;
   CameraMount mount;
-  const std::vector<Shot> shots = read_shots("street", pictures, mount);
+  const std::vector<PosedImage> posed_images = read_posed_images("street", images, mount);
   const DriveMap made = make_map("street");
-  out << "The drive `street` (fixtures/scenarios/online_2hz.toml): " << shots.size()
+  out << "The drive `street` (fixtures/scenarios/online_2hz.toml): " << posed_images.size()
       << " pictures, reduced by 8; mean ± one deviation of the error; time a\n"
       << "pose relative to LSMI's, one thread.\n\n"
-      << "| measure | across, m | heading, ° | time a pose | pictures |\n|---|---|---|---|---|\n";
+      << "| measure | lateral, m | heading, ° | time a pose | pictures |\n|---|---|---|---|---|\n";
   double unit = 0;
   for (const ImageMeasure measure :
        {ImageMeasure::kLsmi, ImageMeasure::kBlsmi, ImageMeasure::kMi, ImageMeasure::kQmi,
         ImageMeasure::kSce, ImageMeasure::kCorrelation, ImageMeasure::kBoundaries}) {
-    OneImageOptions options;
+    SingleImageOptions options;
     options.measure = measure;
     // The slow ones see fewer pixels, or the table would take an hour.
     if (measure == ImageMeasure::kMi || measure == ImageMeasure::kCorrelation) {
-      options.most_samples = 200;
+      options.max_samples = 200;
     }
     if (measure == ImageMeasure::kMi) options.fit.centres = 20;
     if (measure == ImageMeasure::kMi) options.fit.sigmas = {1.0};
-    const PictureRow row = locate_all(made.map, shots, mount, 8, options);
+    const ImageRow row = locate_all(made.map, posed_images, mount, 8, options);
     if (measure == ImageMeasure::kLsmi) unit = row.seconds.mean();
-    out << text("| %s | %.2f ± %.2f | %.1f ± %.1f | %.2f | %.0f |\n", name(measure),
-                row.across.mean(), row.across.deviation(), row.turned.mean(),
-                row.turned.deviation(), row.seconds.mean() / unit, row.across.n);
+    out << format_text("| %s | %.2f ± %.2f | %.1f ± %.1f | %.2f | %.0f |\n", name(measure),
+                       row.across.mean(), row.across.sigma(), row.turned.mean(), row.turned.sigma(),
+                       row.seconds.mean() / unit, row.across.n);
     std::fprintf(stderr, "%s: %.2f m\n", name(measure), row.across.mean());
   }
   out << "\nMLMI and dCor use 200 pixels, the others 1500; MLMI one width.\n\n"
-      << "| reduced by (LSMI) | across, m | heading, ° |\n|---|---|---|\n";
+      << "| reduced by (LSMI) | lateral, m | heading, ° |\n|---|---|---|\n";
   for (const int step : {2, 4, 8, 16, 24}) {
-    const PictureRow row = locate_all(made.map, shots, mount, step, {});
-    out << text("| %d | %.2f ± %.2f | %.1f ± %.1f |\n", step, row.across.mean(),
-                row.across.deviation(), row.turned.mean(), row.turned.deviation());
+    const ImageRow row = locate_all(made.map, posed_images, mount, step, {});
+    out << format_text("| %d | %.2f ± %.2f | %.1f ± %.1f |\n", step, row.across.mean(),
+                       row.across.sigma(), row.turned.mean(), row.turned.sigma());
   }
   return true;
 }
 
 // --- the tracker ---
 
-constexpr const char* kHead =
-    "| | lateral, m | along, m | total, m | heading, ° | ends within 2 m | TRACKING | LOST | "
+constexpr const char* kTableHeader =
+    "| | lateral, m | longitudinal, m | total, m | heading, ° | ends within 2 m | TRACKING | LOST "
+    "| "
     "within 99 % |\n|---|---|---|---|---|---|---|---|---|\n";
 
 void write_row(std::ostream& out, const std::string& what, const Summary& s) {
-  const std::string row =
-      text("| %s | %.2f | %.2f | %.2f ± %.2f | %.2f | %.0f %% | %.1f %% | %.1f %% | %.1f %% |\n",
-           what.c_str(), s.lateral, s.along, s.total, s.deviation, s.yaw / kDegree, 100 * s.success,
-           100 * s.tracking, 100 * s.lost, 100 * s.within);
+  const std::string row = format_text(
+      "| %s | %.2f | %.2f | %.2f ± %.2f | %.2f | %.0f %% | %.1f %% | %.1f %% | %.1f %% |\n",
+      what.c_str(), s.lateral, s.longitudinal, s.total, s.total_sigma, s.yaw / kDegree,
+      100 * s.success, 100 * s.tracking, 100 * s.lost, 100 * s.inside_99);
   out << row << std::flush;
   std::fputs(row.c_str(), stderr);
 }
 
-/// What is seen on a drive, its map, and over how many seeds it is asked for.
-struct Course {
+/// What is seen on a drive, its map, and over how many seeds it is requested.
+struct TestDrive {
   std::string drive;
   std::vector<View> views;  // none where the drive cannot be had
   DriveMap made;
@@ -137,73 +140,74 @@ struct Course {
 };
 
 /// A section's rows over a course.
-using Rows = std::function<void(std::ostream&, const Course&)>;
+using RowWriter = std::function<void(std::ostream&, const TestDrive&)>;
 
 /// A section about a drive: names it, and writes the rows. False where it cannot be had.
-bool about(std::ostream& out, const std::string& drive, int seeds, const Rows& rows) {
+bool write_drive_section(std::ostream& out, const std::string& drive, int seeds,
+                         const RowWriter& rows) {
   if (!render(drive)) return false;
-  const Course course{drive, read_views(drive), make_map(drive), seeds};
-  if (course.views.empty()) return false;
+  const TestDrive test_drive{drive, read_views(drive), make_map(drive), seeds};
+  if (test_drive.views.empty()) return false;
   out << "Drive `" << drive << "`, " << seeds << " seeds.\n\n";
-  rows(out, course);
+  rows(out, test_drive);
   return true;
 }
 
-void one_drive(std::ostream& out, const Course& course) {
-  out << kHead;
-  write_row(out, course.drive, course.run({}));
+void one_drive(std::ostream& out, const TestDrive& test_drive) {
+  out << kTableHeader;
+  write_row(out, test_drive.drive, test_drive.run({}));
 }
 
 /// The thesis' kind of drive, and what it compares with.
-void robot(std::ostream& out, const Course& course) {
-  out << kHead;
+void robot(std::ostream& out, const TestDrive& test_drive) {
+  out << kTableHeader;
   for (const auto& [measure, what] : {std::pair(ViewMeasure::kLsmi, "LSMI"),
                                       {ViewMeasure::kBlsmi, "BLSMI, 4 bags"},
                                       {ViewMeasure::kBoundaries, "road boundaries"}}) {
     RunOptions options;
     options.tracker.measure = measure;
-    write_row(out, what, course.run(options));
+    write_row(out, what, test_drive.run(options));
   }
 }
 
-void wrong_starts(std::ostream& out, const Course& course) {
-  out << kHead;
+void wrong_initial_poses(std::ostream& out, const TestDrive& test_drive) {
+  out << kTableHeader;
   for (const double error : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) {
     RunOptions options;
-    options.start_error = error;
-    write_row(out, text("%.0f m", error), course.run(options));
+    options.initial_error = error;
+    write_row(out, format_text("%.0f m", error), test_drive.run(options));
   }
 }
 
-void noisy_odometry(std::ostream& out, const Course& course) {
+void noisy_odometry(std::ostream& out, const TestDrive& test_drive) {
   out << "Gaussian noise, a share of each motion and of its yaw rate, drawn anew so often.\n\n"
-      << kHead;
-  for (const int a_second : {10, 2}) {
+      << kTableHeader;
+  for (const int noise_hz : {10, 2}) {
     for (const auto& [share, rate] : {std::pair(0.1, 1.0), {0.2, 2.0}, {0.3, 3.0}}) {
       RunOptions options;
       options.distance_noise = share;
-      options.rate_noise = rate * kDegree;
-      options.noise_hz = a_second;
-      write_row(out, text("%.0f %%, %.0f °/s, at %d Hz", 100 * share, rate, a_second),
-                course.run(options));
+      options.yaw_rate_noise = rate * kDegree;
+      options.noise_hz = noise_hz;
+      write_row(out, format_text("%.0f %%, %.0f °/s, at %d Hz", 100 * share, rate, noise_hz),
+                test_drive.run(options));
     }
   }
 }
 
-void omission(std::ostream& out, const Course& course) {
+void omission(std::ostream& out, const TestDrive& test_drive) {
   out << "100 particles.\n\n| omitted | total, m | time an update, relative to 90 % |\n"
       << "|---|---|---|\n";
   std::vector<std::pair<double, Summary>> rows;
   for (const double omitted : {0.0, 0.5, 0.7, 0.9, 0.97}) {
     RunOptions options;
-    options.tracker.omission = omitted;
-    options.tracker.most_validated = 100;
-    options.tracker.particles.fewest = options.tracker.particles.most = 100;
-    rows.emplace_back(omitted, course.run(options));
+    options.tracker.skipped_validation_share = omitted;
+    options.tracker.max_validated = 100;
+    options.tracker.particles.min_count = options.tracker.particles.max_count = 100;
+    rows.emplace_back(omitted, test_drive.run(options));
   }
   for (const auto& [omitted, s] : rows) {
-    out << text("| %.0f %% | %.2f ± %.2f | %.2f |\n", 100 * omitted, s.total, s.deviation,
-                s.seconds / rows[3].second.seconds);
+    out << format_text("| %.0f %% | %.2f ± %.2f | %.2f |\n", 100 * omitted, s.total, s.total_sigma,
+                       s.seconds / rows[3].second.seconds);
   }
 }
 
@@ -220,7 +224,7 @@ double distance_to(const Polyline& line, const PlanarPose& pose) {
   return nearest;
 }
 
-PlanStrip& street_at(StreetPlan& plan, const PlanarPose& pose) {
+PlanStrip& nearest_street(StreetPlan& plan, const PlanarPose& pose) {
   const auto key = [&](const PlanStrip& strip) {
     return strip.segment.kind == SegmentKind::kCarriageway ? distance_to(strip.points, pose) : 1e9;
   };
@@ -228,31 +232,32 @@ PlanStrip& street_at(StreetPlan& plan, const PlanarPose& pose) {
                            [&](const auto& a, const auto& b) { return key(a) < key(b); });
 }
 
-void wrong_maps(std::ostream& out, const Course& course) {
-  const StreetPlan& plan = course.made.plan;
-  const PlanarPose middle = course.views[course.views.size() / 2].truth;
-  out << kHead;
-  const auto with = [&](const char* what, const std::function<void(StreetPlan&)>& change) {
+void wrong_maps(std::ostream& out, const TestDrive& test_drive) {
+  const StreetPlan& plan = test_drive.made.plan;
+  const PlanarPose middle = test_drive.views[test_drive.views.size() / 2].truth;
+  out << kTableHeader;
+  const auto write_changed_map = [&](const char* what,
+                                     const std::function<void(StreetPlan&)>& change) {
     StreetPlan wrong = plan;
     change(wrong);
-    const DriveMap made = make_map(course.drive, wrong);
-    write_row(out, what, run_seeds(made.map, course.views, {}, course.seeds));
+    const DriveMap made = make_map(test_drive.drive, wrong);
+    write_row(out, what, run_seeds(made.map, test_drive.views, {}, test_drive.seeds));
   };
-  with("a street is missing", [&](StreetPlan& wrong) {
-    PlanStrip& gone = street_at(wrong, middle);
+  write_changed_map("a street is missing", [&](StreetPlan& wrong) {
+    PlanStrip& gone = nearest_street(wrong, middle);
     wrong.strips.erase(wrong.strips.begin() + (&gone - wrong.strips.data()));
   });
-  with("no buildings", [](StreetPlan& wrong) {
+  write_changed_map("no buildings", [](StreetPlan& wrong) {
     std::erase_if(wrong.areas,
                   [](const PlanArea& area) { return area.segment.kind == SegmentKind::kBuilding; });
   });
-  with("streets 30 % wider", [](StreetPlan& wrong) {
+  write_changed_map("streets 30 % wider", [](StreetPlan& wrong) {
     for (PlanStrip& strip : wrong.strips) strip.half_width *= 1.3;
   });
-  with("streets 30 % narrower", [](StreetPlan& wrong) {
+  write_changed_map("streets 30 % narrower", [](StreetPlan& wrong) {
     for (PlanStrip& strip : wrong.strips) strip.half_width *= 0.7;
   });
-  with("2 m off within 80 m of a place", [&](StreetPlan& wrong) {
+  write_changed_map("2 m off within 80 m of a place", [&](StreetPlan& wrong) {
     const Eigen::Vector2d place(middle.x, middle.y);
     const Eigen::Vector2d aside(-std::sin(middle.yaw), std::cos(middle.yaw));
     const auto move = [&](Eigen::Vector2d& p) {
@@ -271,11 +276,11 @@ void wrong_maps(std::ostream& out, const Course& course) {
 
 // --- the file ---
 
-constexpr const char* kAbout =
-    "# How well the vehicle is found on simulated drives\n\n"
+constexpr const char* kDocumentHeader =
+    "# Localisation accuracy on simulated drives\n\n"
     "Made by `./dev bench streetmap`, or section by section with `./dev bench "
     "streetmap:SECTION[=SEEDS]`:\n"
-    "`one_picture`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `robot`, `wrong_starts`, "
+    "`one_image`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `robot`, `wrong_initial_poses`, "
     "`noisy_odometry`, `omission`,\n"
     "`wrong_maps`; what is not below has not been made. The tracker is run on cached views, two a "
     "second, as the daemon\n"
@@ -284,24 +289,27 @@ constexpr const char* kAbout =
     "bias, the start and the filter. The world departs from the map.\n";
 
 const std::vector<infuse::bench::Section>& sections() {
-  const auto on = [](const char* drive, const Rows& rows) {
-    return [=](std::ostream& out, int seeds) { return about(out, drive, seeds, rows); };
+  const auto on = [](const char* drive, const RowWriter& rows) {
+    return
+        [=](std::ostream& out, int seeds) { return write_drive_section(out, drive, seeds, rows); };
   };
   // Everything else is asked of the shortest of the recorded routes, or of the street.
-  const auto on_short = [](const Rows& rows) {
+  const auto on_short = [](const RowWriter& rows) {
     return [=](std::ostream& out, int seeds) {
-      return about(out, "kitti_07", seeds, rows) || about(out, "street", seeds, rows);
+      return write_drive_section(out, "kitti_07", seeds, rows) ||
+             write_drive_section(out, "street", seeds, rows);
     };
   };
   static const std::vector<infuse::bench::Section> all = {
-      {"one_picture", "One picture (I table 3.3, 3.6, figure 3.12)", 40, one_picture},
+      {"one_image", "One image (I table 3.3, 3.6, figure 3.12)", 40, one_image},
       {"kitti_00", "The route of KITTI 00", 20, on("kitti_00", one_drive)},
       {"kitti_05", "The route of KITTI 05", 20, on("kitti_05", one_drive)},
       {"kitti_07", "The route of KITTI 07", 20, on("kitti_07", one_drive)},
       {"street", "A street", 20, on("street", one_drive)},
       {"robot", "A robot in a pedestrian zone (I tables 3.5, 3.6)", 100,
        on("pedestrian_zone", robot)},
-      {"wrong_starts", "Wrong starts (I figure 3.19(c))", 20, on_short(wrong_starts)},
+      {"wrong_initial_poses", "Wrong initial poses (I figure 3.19(c))", 20,
+       on_short(wrong_initial_poses)},
       {"noisy_odometry", "Noisy odometry (I figure 3.19(b))", 20, on_short(noisy_odometry)},
       {"omission", "Cross-validation left out (I figure 3.19(a))", 5, on_short(omission)},
       {"wrong_maps", "Wrong maps", 20, on_short(wrong_maps)}};
@@ -309,26 +317,28 @@ const std::vector<infuse::bench::Section>& sections() {
 }
 
 /// `wanted`: "NAME" or "NAME=SEEDS".
-bool write_section(const std::string& path, const std::string& wanted) {
-  const size_t end = wanted.find('=');
-  const std::string name = wanted.substr(0, end);
+bool write_section(const std::string& path, const std::string& requested) {
+  const size_t end = requested.find('=');
+  const std::string name = requested.substr(0, end);
   for (const infuse::bench::Section& section : sections()) {
     if (section.name != name) continue;
-    const int seeds = end == std::string::npos ? section.runs : std::atoi(wanted.c_str() + end + 1);
+    const int seeds =
+        end == std::string::npos ? section.runs : std::atoi(requested.c_str() + end + 1);
     std::fprintf(stderr, "%s, %d\n", name.c_str(), seeds);
-    return seeds > 0 && infuse::bench::remake_section(path, kAbout, sections(), section, seeds);
+    return seeds > 0 &&
+           infuse::bench::rewrite_section(path, kDocumentHeader, sections(), section, seeds);
   }
   std::fprintf(stderr, "no section is called %s\n", name.c_str());
   return false;
 }
 
 // A section that cannot be made, for want of a recording, does not keep the others back.
-int write_tables(const std::string& folder, std::vector<std::string> wanted) {
-  if (wanted.empty()) {
-    for (const infuse::bench::Section& section : sections()) wanted.push_back(section.name);
+int write_tables(const std::string& folder, std::vector<std::string> requested) {
+  if (requested.empty()) {
+    for (const infuse::bench::Section& section : sections()) requested.push_back(section.name);
   }
   bool made = true;
-  for (const std::string& section : wanted) {
+  for (const std::string& section : requested) {
     made = write_section(folder + "/accuracy.md", section) && made;
   }
   return made ? 0 : 1;

@@ -24,14 +24,14 @@ struct Crossing {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<float> place(-20, 20);
     std::normal_distribution<double> noise;
-    samples.features.resize(kSamples, kFeatures);
+    samples.features.resize(kSamples, kFeatureCount);
     for (int i = 0; i < kSamples; ++i) {
       samples.x.push_back(place(random));
       samples.y.push_back(place(random));
-      const double look =
+      const double level =
           static_cast<double>(map.segment(map.id_at(samples.x.back(), samples.y.back())).kind);
-      for (int f = 0; f < kFeatures; ++f)
-        samples.features(i, f) = look * (f % 3) / 3 + noise(random);
+      for (int f = 0; f < kFeatureCount; ++f)
+        samples.features(i, f) = level * (f % 3) / 3 + noise(random);
     }
   }
 };
@@ -40,16 +40,16 @@ struct Crossing {
 void update(benchmark::State& state, double omission) {
   const Crossing crossing;
   TrackerOptions options;
-  options.omission = omission;
-  options.most_validated = 100;
-  options.particles.fewest = options.particles.most = 100;
+  options.skipped_validation_share = omission;
+  options.max_validated = 100;
+  options.particles.min_count = options.particles.max_count = 100;
   Tracker tracker(crossing.map, options);
   tracker.start({}, Eigen::Vector3d(0.25, 0.25, 0.003).asDiagonal());
-  double way = 0.31;  // to and fro: enough for an update
+  double step = 0.31;  // to and fro: enough for an update
   for (auto _ : state) {
-    tracker.predict({way, 0, 0}, Eigen::Matrix3d::Zero(), Duration(500'000'000));
+    tracker.predict({step, 0, 0}, Eigen::Matrix3d::Zero(), Duration(500'000'000));
     tracker.update(crossing.samples);
-    way = -way;
+    step = -step;
   }
 }
 

@@ -22,9 +22,9 @@ struct View {
 };
 
 /// A picture and where the vehicle was.
-struct Shot {
+struct PosedImage {
   PlanarPose truth;
-  CameraFrame picture;
+  CameraFrame image;
 };
 
 /// A map made of the drive's OpenStreetMap file, and the bytes that it reads.
@@ -43,7 +43,7 @@ bool render(const std::string& drive);
 std::vector<View> read_views(const std::string& drive);
 
 /// `count` pictures evenly over the drive, and the camera's mount.
-std::vector<Shot> read_shots(const std::string& drive, int count, CameraMount& mount);
+std::vector<PosedImage> read_posed_images(const std::string& drive, int count, CameraMount& mount);
 
 /// Makes the drive's map; of another plan where one is given.
 DriveMap make_map(const std::string& drive, const std::optional<StreetPlan>& plan = {});

@@ -6,9 +6,9 @@
 namespace infuse::streetmap::bench {
 namespace {
 
-constexpr size_t kSettling = 10;    // views that do not count
-constexpr double kInside99 = 9.21;  // χ² of two
-constexpr double kSuccess = 2;      // m, I 3.4.3.3
+constexpr size_t kSettlingViews = 10;   // views that do not count
+constexpr double kChiSquared99 = 9.21;  // χ² of two
+constexpr double kMaxSuccessError = 2;  // m, I 3.4.3.3
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -19,20 +19,22 @@ double square(double x) { return x * x; }
 RunResult run(const SegmentMap& map, const std::vector<View>& views, const RunOptions& options) {
   std::mt19937_64 random(options.seed * 7919);
   std::normal_distribution<double> normal;
-  const double scale = 1 + options.scale * normal(random), rate = options.rate * normal(random);
+  const double scale = 1 + options.scale_sigma * normal(random),
+               rate = options.yaw_bias_sigma * normal(random);
   TrackerOptions settings = options.tracker;
   settings.seed = options.seed * 77;
   Tracker tracker(map, settings);
   const double direction = 10 * normal(random);
-  PlanarPose begin = views.front().truth;
-  begin.x += options.start_error * std::cos(direction);
-  begin.y += options.start_error * std::sin(direction);
-  begin.yaw += options.start_yaw * normal(random);
-  const double sigma = std::max(options.start_error, 0.5);
-  tracker.start(
-      begin, Eigen::Vector3d(square(sigma), square(sigma), square(options.start_yaw)).asDiagonal());
+  PlanarPose initial_pose = views.front().truth;
+  initial_pose.x += options.initial_error * std::cos(direction);
+  initial_pose.y += options.initial_error * std::sin(direction);
+  initial_pose.yaw += options.initial_yaw_sigma * normal(random);
+  const double sigma = std::max(options.initial_error, 0.5);
+  tracker.start(initial_pose,
+                Eigen::Vector3d(square(sigma), square(sigma), square(options.initial_yaw_sigma))
+                    .asDiagonal());
   RunResult result;
-  double across = 0, along = 0, yaw = 0, counted = 0;
+  double lateral = 0, longitudinal = 0, yaw = 0, counted = 0;
   const double began = cpu_seconds();
   for (size_t i = 0; i < views.size(); ++i) {
     if (i > 0) {
@@ -42,7 +44,7 @@ RunResult run(const SegmentMap& map, const std::vector<View>& views, const RunOp
       // Of motions that are drawn one by one the deviation of the sum is a smaller share.
       const double share = 1 / std::sqrt(std::max(std::round(step * options.noise_hz), 1.0));
       const double distance_noise = share * options.distance_noise * driven;
-      const double turn_noise = share * options.rate_noise * step;
+      const double turn_noise = share * options.yaw_rate_noise * step;
       PlanarPose motion = true_motion;
       motion.x =
           scale * true_motion.x + (distance_noise + 0.005 * std::sqrt(driven)) * normal(random);
@@ -61,19 +63,19 @@ RunResult run(const SegmentMap& map, const std::vector<View>& views, const RunOp
       const Eigen::Vector2d d(estimate.pose.x - views[i].truth.x,
                               estimate.pose.y - views[i].truth.y);
       const Eigen::Matrix2d C = estimate.covariance.topLeftCorner<2, 2>();
-      result.within += d.dot(C.inverse() * d) < kInside99;
+      result.inside_99 += d.dot(C.inverse() * d) < kChiSquared99;
     }
-    result.last = std::hypot(error.x, error.y);
-    if (i < kSettling) continue;
+    result.final_error = std::hypot(error.x, error.y);
+    if (i < kSettlingViews) continue;
     ++counted;
-    across += square(error.y);
-    along += square(error.x);
+    lateral += square(error.y);
+    longitudinal += square(error.x);
     yaw += square(error.yaw);
   }
   result.seconds = (cpu_seconds() - began) / static_cast<double>(views.size());
-  result.lateral = std::sqrt(across / counted);
-  result.along = std::sqrt(along / counted);
-  result.total = std::sqrt((across + along) / counted);
+  result.lateral = std::sqrt(lateral / counted);
+  result.longitudinal = std::sqrt(longitudinal / counted);
+  result.total = std::sqrt((lateral + longitudinal) / counted);
   result.yaw = std::sqrt(yaw / counted);
   return result;
 }
@@ -86,21 +88,21 @@ Summary run_seeds(const SegmentMap& map, const std::vector<View>& views, RunOpti
     options.seed = static_cast<uint64_t>(seed);
     const RunResult result = run(map, views, options);
     summary.lateral += result.lateral / seeds;
-    summary.along += result.along / seeds;
+    summary.longitudinal += result.longitudinal / seeds;
     summary.total += result.total / seeds;
     squares += square(result.total) / seeds;
     summary.yaw += result.yaw / seeds;
-    summary.success += (result.last < kSuccess ? 1.0 : 0.0) / seeds;
+    summary.success += (result.final_error < kMaxSuccessError ? 1.0 : 0.0) / seeds;
     summary.seconds += result.seconds / seeds;
     updates += result.updates;
     tracking += result.tracking;
-    within += result.within;
+    within += result.inside_99;
     lost += result.lost;
   }
-  summary.deviation = std::sqrt(std::max(squares - square(summary.total), 0.0));
+  summary.total_sigma = std::sqrt(std::max(squares - square(summary.total), 0.0));
   summary.tracking = tracking / updates;
   summary.lost = lost / updates;
-  summary.within = tracking > 0 ? within / tracking : 1;
+  summary.inside_99 = tracking > 0 ? within / tracking : 1;
   summary.runs = seeds;
   return summary;
 }

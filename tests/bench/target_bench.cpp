@@ -8,49 +8,49 @@
 #include <cmath>
 
 #include "fusion/target/solve_target.hpp"
-#include "tests/fusion/target/made_views.hpp"
+#include "tests/fusion/target/synthetic_views.hpp"
 
 namespace infuse::target {
 namespace {
 
 constexpr double kDegree = M_PI / 180;
-constexpr double kNoise = 0.02;  // m
+constexpr double kRangeNoise = 0.02;  // m
 
 void solve(benchmark::State& state, int views, const Board& board) {
   constexpr uint64_t kRuns = 20;
-  const Eigen::Isometry3d truth = made::true_T_camera_lidar();
-  const Eigen::Isometry3d start = made::off(truth, 0.05, 0.1);
-  SolveTargetOptions options{.range_noise = kNoise};
-  geometry::Vector6 squares = geometry::Vector6::Zero(), told = geometry::Vector6::Zero();
+  const Eigen::Isometry3d truth = synthetic::true_T_camera_lidar();
+  const Eigen::Isometry3d initial_guess = synthetic::perturb(truth, 0.05, 0.1);
+  SolveTargetOptions options{.range_noise = kRangeNoise};
+  geometry::Vector6 squares = geometry::Vector6::Zero(), variances = geometry::Vector6::Zero();
   double usable = 0;
   for (auto _ : state) {
     squares.setZero();
-    told.setZero();
+    variances.setZero();
     usable = 0;
     for (uint64_t seed = 1; seed <= kRuns; ++seed) {
-      const auto seen = made::look_often(views, seed, board, kNoise);
-      const TargetResult result = solve_target(seen, start, options);
-      squares += geometry::log(result.T_head_lidar * truth.inverse()).cwiseAbs2() / kRuns;
-      told += result.covariance.diagonal() / kRuns;
+      const auto seen = synthetic::make_views(views, seed, board, kRangeNoise);
+      const TargetResult result = solve_target(seen, initial_guess, options);
+      squares += geometry::log(result.T_refcam_lidar * truth.inverse()).cwiseAbs2() / kRuns;
+      variances += result.covariance.diagonal() / kRuns;
       usable += result.usable() ? 1 : 0;
     }
   }
   state.counters["error_deg"] = std::sqrt(squares.head<3>().sum()) / kDegree;
-  state.counters["told_deg"] = std::sqrt(told.head<3>().sum()) / kDegree;
+  state.counters["sigma_deg"] = std::sqrt(variances.head<3>().sum()) / kDegree;
   state.counters["error_cm"] = 100 * std::sqrt(squares.tail<3>().sum());
-  state.counters["told_cm"] = 100 * std::sqrt(told.tail<3>().sum());
+  state.counters["sigma_cm"] = 100 * std::sqrt(variances.tail<3>().sum());
   state.counters["usable_percent"] = 100 * usable / kRuns;
 }
 
 void by_views(benchmark::State& state) {
-  solve(state, static_cast<int>(state.range(0)), made::board());
+  solve(state, static_cast<int>(state.range(0)), synthetic::board());
 }
 
 /// Squares so large that the board has so many hundredths of a square metre.
 void by_area(benchmark::State& state) {
-  Board board = made::board();
+  Board board = synthetic::board();
   const double cells = (board.columns + 1) * (board.rows + 1);
-  board.square = std::sqrt(static_cast<double>(state.range(0)) / 100 / cells);
+  board.square_size = std::sqrt(static_cast<double>(state.range(0)) / 100 / cells);
   solve(state, 10, board);
 }
 

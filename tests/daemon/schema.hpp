@@ -18,7 +18,7 @@
 namespace infuse::daemon {
 
 /// daemon/protocol/<name>.schema.json, read once; null where there is none.
-inline const valijson::Schema* schema_named(const std::string& name) {
+inline const valijson::Schema* load_schema(const std::string& name) {
   static std::map<std::string, std::unique_ptr<valijson::Schema>> read;
   const auto known = read.find(name);
   if (known != read.end()) return known->second.get();
@@ -35,7 +35,7 @@ inline const valijson::Schema* schema_named(const std::string& name) {
 /// Whether `value` is as the schema of that name says; else why not.
 inline testing::AssertionResult matches_schema(const nlohmann::json& value,
                                                const std::string& name) {
-  const valijson::Schema* schema = schema_named(name);
+  const valijson::Schema* schema = load_schema(name);
   if (schema == nullptr) return testing::AssertionFailure() << "no schema of " << name;
   valijson::Validator validator(valijson::Validator::kStrongTypes);
   valijson::ValidationResults results;
@@ -53,7 +53,7 @@ inline testing::AssertionResult matches_schema(const nlohmann::json& value,
 }
 
 /// Whether a line from the daemon is a message as the schema of its class says.
-inline testing::AssertionResult valid_message(const std::string& line) {
+inline testing::AssertionResult is_valid_message(const std::string& line) {
   const auto json = nlohmann::json::parse(line, nullptr, false);
   if (!json.is_object() || !json.contains("class")) {
     return testing::AssertionFailure() << "no message: " << line;

@@ -40,7 +40,7 @@ class SocketClient {
   }
 
   /// The next line without its line feed; nothing at the end of the stream or after `timeout_ms`.
-  std::optional<std::string> line(int timeout_ms = 10'000) {
+  std::optional<std::string> read_line(int timeout_ms = 10'000) {
     while (true) {
       const size_t end = buffer_.find('\n');
       if (end != std::string::npos) {

@@ -38,7 +38,7 @@ std::vector<uint8_t> wrap(std::span<const uint8_t> input) {
 
 void read_all(std::span<const uint8_t> file) {
   infuse::recording::PcapOptions options;
-  options.fragmented_datagrams = 2;
+  options.max_fragmented_datagrams = 2;
   auto reader = infuse::recording::PcapReader::from_bytes(file, "fuzz", options);
   if (!reader) return;
   infuse::Datagram datagram;

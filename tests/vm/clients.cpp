@@ -27,14 +27,14 @@ namespace {
 
 using infuse::daemon::SocketClient;
 
-int hold(const char* socket, unsigned seconds) {
+int watch_without_reading(const char* socket, unsigned seconds) {
   SocketClient client(socket);
   if (!client.send("{\"op\":\"watch\"}\n")) return 1;
   sleep(seconds);
   return 0;
 }
 
-int crowd(const char* socket, int count) {
+int open_connections(const char* socket, int count) {
   rlimit files{};
   getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = files.rlim_max;
@@ -53,43 +53,43 @@ long now_ms() {
 }
 
 /// The daemon's socket is systemd's: who connects while there is no daemon waits for the next.
-bool answers(const char* socket) {
+bool is_answering(const char* socket) {
   SocketClient client(socket);
-  if (!client.line(20'000) || !client.send("{\"op\":\"devices\"}\n")) return false;
-  const auto answer = client.line(20'000);
+  if (!client.read_line(20'000) || !client.send("{\"op\":\"devices\"}\n")) return false;
+  const auto answer = client.read_line(20'000);
   return answer && answer->find("\"class\":\"DEVICES\"") != std::string::npos;
 }
 
 /// For how long each of two processors has waited for one of the host's, ns, as the host writes it.
-std::array<long, 2> waited(const char* file) {
+std::array<long, 2> read_cpu_waits(const char* file) {
   std::array<long, 2> waits{};
   for (int tries = 0; tries < 1000; ++tries) {  // it may be about to be written
-    std::FILE* const told = std::fopen(file, "r");
-    if (told == nullptr) break;
-    const int numbers = std::fscanf(told, "%ld %ld", &waits[0], &waits[1]);
-    std::fclose(told);
+    std::FILE* const stream = std::fopen(file, "r");
+    if (stream == nullptr) break;
+    const int numbers = std::fscanf(stream, "%ld %ld", &waits[0], &waits[1]);
+    std::fclose(stream);
     if (numbers == 2) return waits;
   }
   return {};
 }
 
 int kill_daemon(pid_t daemon, const char* socket, const char* file) {
-  const auto before = waited(file);
+  const auto before = read_cpu_waits(file);
   const long killed = now_ms();
   if (kill(daemon, SIGKILL) != 0) return 1;
-  while (!answers(socket)) {
+  while (!is_answering(socket)) {
     if (now_ms() - killed > 20'000) return 1;
   }
   const long answered = now_ms();
-  const auto after = waited(file);
+  const auto after = read_cpu_waits(file);
   // By the processor that waited less.
-  const long still_ms = std::min(after[0] - before[0], after[1] - before[1]) / 1'000'000;
-  std::printf("%ld %ld %ld\n", killed, answered, still_ms);
+  const long stalled_ms = std::min(after[0] - before[0], after[1] - before[1]) / 1'000'000;
+  std::printf("%ld %ld %ld\n", killed, answered, stalled_ms);
   return 0;
 }
 
 /// A pseudo-terminal: who opens LINK cannot tell it from a serial device.
-int receiver(const char* link) {
+int simulate_gnss_receiver(const char* link) {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
   if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0) return 1;
   unlink(link);
@@ -114,7 +114,7 @@ int receiver(const char* link) {
 const struct {
   const char* what;
   std::string line;
-} kAttempts[] = {
+} kForbiddenRequests[] = {
     {"recalibrate", R"({"op":"recalibrate"})"},
     {"apply", R"({"op":"apply"})"},
     {"rollback", R"({"op":"rollback"})"},
@@ -139,12 +139,12 @@ const struct {
 };
 
 /// The answer is an error, or the connection is closed, or there is none.
-bool refused(const char* socket, const std::string& line) {
+bool is_refused(const char* socket, const std::string& line) {
   SocketClient client(socket);
   if (!client.connected()) return true;
-  if (!client.line()) return false;  // the greeting
+  if (!client.read_line()) return false;  // the greeting
   client.send(line + "\n");
-  const auto answer = client.line();
+  const auto answer = client.read_line();
   return !answer || answer->find("\"class\":\"ERROR\"") != std::string::npos;
 }
 
@@ -152,26 +152,27 @@ bool refused(const char* socket, const std::string& line) {
 bool flood_is_limited(const char* socket) {
   SocketClient client(socket);
   if (!client.connected()) return true;
-  client.line();
+  client.read_line();
   std::string lines;
   for (int i = 0; i < 300; ++i) lines += "{\"op\":\"devices\"}\n";
   client.send(lines);
   for (int i = 0; i < 300; ++i) {
-    const auto answer = client.line(3000);
+    const auto answer = client.read_line(3000);
     if (!answer || answer->find("\"class\":\"ERROR\"") != std::string::npos) return true;
   }
   return false;
 }
 
-int try_all(const char* socket) {
+int try_forbidden_requests(const char* socket) {
   int attempts = 0, allowed = 0;
-  const auto tell = [&](const char* what, bool was_refused) {
+  const auto report = [&](const char* what, bool was_refused) {
     std::printf("        %-7s %s\n", was_refused ? "refused" : "ALLOWED", what);
     ++attempts;
     allowed += was_refused ? 0 : 1;
   };
-  for (const auto& attempt : kAttempts) tell(attempt.what, refused(socket, attempt.line));
-  tell("300 requests at once", flood_is_limited(socket));
+  for (const auto& attempt : kForbiddenRequests)
+    report(attempt.what, is_refused(socket, attempt.line));
+  report("300 requests at once", flood_is_limited(socket));
   std::printf("        %d attempts, %d allowed\n", attempts, allowed);
   return allowed == 0 ? 0 : 1;
 }
@@ -180,10 +181,11 @@ int try_all(const char* socket) {
 
 int main(int argc, char** argv) {
   const std::string what = argc > 2 ? argv[1] : "";
-  if (what == "hold" && argc == 4) return hold(argv[2], static_cast<unsigned>(std::atoi(argv[3])));
-  if (what == "crowd" && argc == 4) return crowd(argv[2], std::atoi(argv[3]));
+  if (what == "never-read" && argc == 4)
+    return watch_without_reading(argv[2], static_cast<unsigned>(std::atoi(argv[3])));
+  if (what == "connect-many" && argc == 4) return open_connections(argv[2], std::atoi(argv[3]));
   if (what == "kill" && argc == 5) return kill_daemon(std::atoi(argv[2]), argv[3], argv[4]);
-  if (what == "receiver" && argc == 3) return receiver(argv[2]);
-  if (what == "refused" && argc == 3) return try_all(argv[2]);
+  if (what == "gnss-receiver" && argc == 3) return simulate_gnss_receiver(argv[2]);
+  if (what == "refused" && argc == 3) return try_forbidden_requests(argv[2]);
   return 2;
 }

@@ -33,7 +33,7 @@ wheel_speed_rear_left = "WHEELS.REAR_LEFT"
 wheel_speed_rear_right = "WHEELS.REAR_RIGHT"
 [record]
 min_free_mb = 0
-largest_mb = 500
+max_size_mb = 500
 flight_recorder_s = 5
 memory_mb = 32
 after_alert_s = 1

@@ -16,19 +16,19 @@
 namespace infuse::vehicle {
 namespace {
 
-using receive::Descriptor;
+using receive::FileDescriptor;
 
 class VirtualBus : public testing::Test {
  protected:
   void SetUp() override {
     if (if_nametoindex("vcan0") == 0) GTEST_SKIP() << "no vcan0 here: ./dev vm";
-    sender_ = sender_on("vcan0");
+    sender_ = open_sender("vcan0");
   }
   void TearDown() override {
-    if (sender_) set_up(true);
+    if (sender_) set_interface_up(true);
   }
 
-  static Descriptor sender_on(const char* interface) {
+  static Descriptor open_sender(const char* interface) {
     Descriptor sender(socket(PF_CAN, SOCK_RAW, CAN_RAW));
     const int on = 1;
     setsockopt(sender.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof(on));
@@ -39,16 +39,16 @@ class VirtualBus : public testing::Test {
     return sender;
   }
 
-  void set_up(bool up) const {
+  void set_interface_up(bool up) const {
     ifreq request{};
     std::string("vcan0").copy(request.ifr_name, IFNAMSIZ - 1);
     ASSERT_EQ(ioctl(sender_.get(), SIOCGIFFLAGS, &request), 0);
     request.ifr_flags = static_cast<short>(up ? request.ifr_flags | IFF_UP  // NOLINT
                                               : request.ifr_flags & ~IFF_UP);
     ASSERT_EQ(ioctl(sender_.get(), SIOCSIFFLAGS, &request), 0) << "needs root";
-    int told = 0;  // of the interface that went down, to the sender too
-    socklen_t size = sizeof(told);
-    getsockopt(sender_.get(), SOL_SOCKET, SO_ERROR, &told, &size);
+    int error = 0;  // of the interface that went down, to the sender too
+    socklen_t size = sizeof(error);
+    getsockopt(sender_.get(), SOL_SOCKET, SO_ERROR, &error, &size);
   }
 
   void send(canid_t id, uint8_t length, uint8_t first, size_t size = CAN_MTU) const {
@@ -65,7 +65,7 @@ class VirtualBus : public testing::Test {
   }
 
   SocketCanSource open(const SocketCanOptions& options) const {
-    auto source = SocketCanSource::open(options, base_);
+    auto source = SocketCanSource::open(options, time_base_);
     EXPECT_TRUE(source.has_value()) << source.error().message();
     return *std::move(source);
   }
@@ -79,19 +79,19 @@ class VirtualBus : public testing::Test {
     }
   }
 
-  receive::TimeBase base_;
-  receive::MessageBatch batch_ = can_batch();
+  receive::TimeBase time_base_;
+  receive::MessageBatch batch_ = make_can_batch();
   Descriptor sender_;
 };
 
 TEST_F(VirtualBus, GivesClassicAndFdFramesInOrderWithTheKernelsStamps) {
   SocketCanSource source = open({.interface = "vcan0"});
   EXPECT_TRUE(source.up());
-  const Stamp before = base_.now();
+  const Stamp before = time_base_.now();
   send(0x123, 8, 1);
   send(0x18FEF100U | CAN_EFF_FLAG, 3, 2);
   send(0x400, 64, 3, CANFD_MTU);
-  const Stamp after = base_.now();
+  const Stamp after = time_base_.now();
   const auto frames = read_all(source);
   ASSERT_EQ(frames.size(), 3U);
   EXPECT_EQ(frames[0].id, 0x123U);
@@ -106,7 +106,7 @@ TEST_F(VirtualBus, GivesClassicAndFdFramesInOrderWithTheKernelsStamps) {
   EXPECT_FALSE(source.stamped_by_hardware());  // a virtual bus has no clock
 }
 
-TEST_F(VirtualBus, TheKernelPassesOnlyTheIdentifiersAskedFor) {
+TEST_F(VirtualBus, TheKernelPassesOnlyTheSubscribedIdentifiers) {
   SocketCanSource source =
       open({.interface = "vcan0", .identifiers = {{0x10, false}, {0x20, true}}});
   send(0x10, 1, 1);
@@ -120,11 +120,11 @@ TEST_F(VirtualBus, TheKernelPassesOnlyTheIdentifiersAskedFor) {
   EXPECT_EQ(frames[1].data[0], 4);
 }
 
-TEST_F(VirtualBus, ErrorFramesPassTheFiltersAndAreHealth) {
+TEST_F(VirtualBus, ErrorFramesPassTheFiltersAndUpdateTheBusState) {
   SocketCanSource source = open({.interface = "vcan0", .identifiers = {{0x10, false}}});
   send(CAN_ERR_FLAG | CAN_ERR_CRTL, 8, CAN_ERR_CRTL_RX_PASSIVE);
   EXPECT_EQ(read_all(source).size(), 1U);
-  EXPECT_EQ(source.bus_errors().state(), BusState::kPassive);
+  EXPECT_EQ(source.bus_errors().state(), BusState::kErrorPassive);
   send(CAN_ERR_FLAG | CAN_ERR_BUSOFF, 8, 0);
   EXPECT_EQ(read_all(source).size(), 1U);
   EXPECT_EQ(source.bus_errors().state(), BusState::kBusOff);
@@ -132,12 +132,12 @@ TEST_F(VirtualBus, ErrorFramesPassTheFiltersAndAreHealth) {
 
 TEST_F(VirtualBus, SurvivesTheInterfaceGoingDownAndUp) {
   SocketCanSource source = open({.interface = "vcan0"});
-  set_up(false);
+  set_interface_up(false);
   pollfd waiting{source.descriptor(), POLLIN, 0};
   EXPECT_EQ(poll(&waiting, 1, 1000), 1);  // the kernel tells it
   EXPECT_EQ(read_all(source).size(), 0U);
   EXPECT_FALSE(source.up());
-  set_up(true);
+  set_interface_up(true);
   EXPECT_TRUE(source.up());
   send(0x77, 1, 9);
   const auto frames = read_all(source);
@@ -145,9 +145,9 @@ TEST_F(VirtualBus, SurvivesTheInterfaceGoingDownAndUp) {
   EXPECT_EQ(frames[0].id, 0x77U);
 }
 
-TEST_F(VirtualBus, TwoAreHeardApartAndOneGoesDownAlone) {
+TEST_F(VirtualBus, TwoBusesAreReceivedSeparatelyAndOneGoesDownAlone) {
   ASSERT_NE(if_nametoindex("vcan1"), 0U);
-  const Descriptor other = sender_on("vcan1");
+  const Descriptor other = open_sender("vcan1");
   SocketCanSource first = open({.interface = "vcan0"});
   SocketCanSource second = open({.interface = "vcan1"});
   send(0x10, 1, 1);
@@ -158,7 +158,7 @@ TEST_F(VirtualBus, TwoAreHeardApartAndOneGoesDownAlone) {
   EXPECT_EQ(of_first[0].data[0], 1);
   EXPECT_EQ(of_second[0].data[0], 2);
   EXPECT_EQ(of_second[0].interface_name(), "vcan1");
-  set_up(false);
+  set_interface_up(false);
   EXPECT_EQ(read_all(first).size(), 0U);
   EXPECT_FALSE(first.up());
   EXPECT_TRUE(second.up());

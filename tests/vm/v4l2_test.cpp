@@ -18,26 +18,26 @@ class VirtualCamera : public testing::Test {
   }
 
   V4l2Source open(const V4l2Options& options) {
-    auto source = V4l2Source::open(options, base_);
+    auto source = V4l2Source::open(options, time_base_);
     EXPECT_TRUE(source.has_value()) << source.error().message();
     return *std::move(source);
   }
 
   /// Waits for so many pictures and calls `on` with each.
-  template <class OnPicture>
-  void stream(V4l2Source& source, int pictures, OnPicture on) {
-    for (int left = pictures; left > 0;) {
+  template <class OnImage>
+  void stream(V4l2Source& source, int images, OnImage on) {
+    for (int left = images; left > 0;) {
       pollfd waiting{source.descriptor(), POLLIN, 0};
       ASSERT_EQ(poll(&waiting, 1, 10'000), 1) << "no picture came";
-      const auto read = source.read([&](const StreamedPicture& picture) {
-        on(picture);
+      const auto read = source.read([&](const StreamedImage& image) {
+        on(image);
         --left;
       });
       ASSERT_TRUE(read.has_value()) << read.error().message();
     }
   }
 
-  receive::TimeBase base_;
+  receive::TimeBase time_base_;
 };
 
 TEST_F(VirtualCamera, StreamsWithRisingSequenceAndStampsBeforeNow) {
@@ -45,18 +45,18 @@ TEST_F(VirtualCamera, StreamsWithRisingSequenceAndStampsBeforeNow) {
   EXPECT_EQ(source.width(), 640);
   Stamp last = Stamp::earliest();
   uint64_t next = 0;
-  stream(source, 15, [&](const StreamedPicture& picture) {
+  stream(source, 15, [&](const StreamedImage& image) {
     EXPECT_GT(picture.stamp, last);
     EXPECT_LT(picture.stamp, base_.now() + Duration(50'000'000));  // half of the exposure ahead
     EXPECT_GT(picture.stamp, base_.now() - Duration(10'000'000'000));
     EXPECT_GE(picture.sequence + 1, next);  // vivid may count its first picture twice
-    next = picture.sequence + 1;
-    last = picture.stamp;
+    next = image.sequence + 1;
+    last = image.stamp;
   });
   EXPECT_EQ(source.counters().pictures, 15U);
 }
 
-TEST_F(VirtualCamera, EveryFormatShowsTheSamePicture) {
+TEST_F(VirtualCamera, EveryFormatGivesTheSameImage) {
   // vivid draws colour bars from the left: white first, black last.
   for (const RawFormat format :
        {RawFormat::kGrey, RawFormat::kYuyv, RawFormat::kUyvy, RawFormat::kRgb24, RawFormat::kBgr24,
@@ -67,8 +67,8 @@ TEST_F(VirtualCamera, EveryFormatShowsTheSamePicture) {
         open({.device = "/dev/video0", .width = 320, .height = 240, .format = format});
     EXPECT_EQ(source.format(), format);
     CameraFrame frame;
-    stream(source, 2, [&](const StreamedPicture& picture) {
-      const auto unpacked = unpack(picture.raw, true, frame);
+    stream(source, 2, [&](const StreamedImage& image) {
+      const auto unpacked = unpack(image.raw, true, frame);
       ASSERT_TRUE(unpacked.has_value()) << unpacked.error().message();
     });
     ASSERT_EQ(frame.width, 320);
@@ -80,27 +80,27 @@ TEST_F(VirtualCamera, EveryFormatShowsTheSamePicture) {
   }
 }
 
-TEST_F(VirtualCamera, SaysWhatItCannotDo) {
+TEST_F(VirtualCamera, ReportsUnsupportedSettings) {
   V4l2Options odd{.device = "/dev/video0", .width = 641, .height = 7};
-  const auto size = V4l2Source::open(odd, base_);
+  const auto size = V4l2Source::open(odd, time_base_);
   ASSERT_FALSE(size.has_value());
   EXPECT_NE(size.error().what.find("cannot do 641x7"), std::string::npos) << size.error().what;
   const auto format =
-      V4l2Source::open({.device = "/dev/video0", .format = RawFormat::kMjpeg}, base_);
+      V4l2Source::open({.device = "/dev/video0", .format = RawFormat::kMjpeg}, time_base_);
   ASSERT_FALSE(format.has_value());
   EXPECT_NE(format.error().what.find("MJPEG"), std::string::npos);
 }
 
-TEST_F(VirtualCamera, TakesAGainAndReadsItBack) {
+TEST_F(VirtualCamera, SetsTheGainAndReadsItBack) {
   V4l2Source source = open({.device = "/dev/video0", .width = 640, .height = 480, .gain = 77});
   double gain = 0;
-  stream(source, 1, [&](const StreamedPicture& picture) { gain = picture.gain; });
+  stream(source, 1, [&](const StreamedImage& image) { gain = image.gain; });
   EXPECT_EQ(gain, 77);
 }
 
 TEST_F(VirtualCamera, TwoCannotStreamFromOne) {
   const V4l2Source first = open({.device = "/dev/video0"});
-  const auto second = V4l2Source::open({.device = "/dev/video0"}, base_);
+  const auto second = V4l2Source::open({.device = "/dev/video0"}, time_base_);
   ASSERT_FALSE(second.has_value());
   EXPECT_EQ(second.error().where, "/dev/video0");
 }

@@ -105,7 +105,7 @@ TEST_F(SavedCalibrationsTest, ANewConfigurationCountsMore) {
   EXPECT_EQ(other.cameras[0].T_camera_lidar.translation().x(), 0.3);
 }
 
-TEST_F(SavedCalibrationsTest, DamagedFilesAreToldAndLeaveTheConfiguration) {
+TEST_F(SavedCalibrationsTest, DamagedFilesAreReportedAndLeaveTheConfiguration) {
   Rig first = rig(0.1);
   SavedCalibrations saved(path_);
   saved.restore(first);

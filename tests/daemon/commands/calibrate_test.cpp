@@ -6,11 +6,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "drivers/import/kitti_import.hpp"
+#include "drivers/import/opencalib_import.hpp"
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/recording/kitti_import.hpp"
-#include "drivers/recording/opencalib_import.hpp"
 #include "tests/daemon/commands/run_program.hpp"
-#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/real_data.hpp"
 
 namespace infuse::daemon {
@@ -19,25 +19,27 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-Ran calibrate(const std::string& arguments) {
-  return run_line(std::string(INFUSE_BINARIES) + "/infuse calibrate " + arguments + " 2>/dev/null");
+ProgramResult calibrate(const std::string& arguments) {
+  return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse calibrate " + arguments +
+                           " 2>/dev/null");
 }
 
-TEST(CalibrateCommand, SaysWhatIsWrongByItsExitCode) {
+TEST(CalibrateCommand, ReportsErrorsByExitCode) {
   EXPECT_EQ(calibrate("").code, 2);
   EXPECT_EQ(calibrate("/nonexistent").code, 3);
   EXPECT_EQ(calibrate("/nonexistent --measure nonsense").code, 2);
   EXPECT_EQ(calibrate("/nonexistent --scenes 0").code, 2);
 }
 
-TEST(CalibrateCommand, RealKittiPairsComeHomeAndMakeARig) {
+TEST(CalibrateCommand, RealKittiPairsConvergeAndWriteARig) {
   INFUSE_REAL_DATA_OR_SKIP(kitti, "calibration/kitti");
   TemporaryFolder folder;
   const auto drive = folder / "drive";
   ASSERT_TRUE(recording::import_kitti(kitti, drive));
   const auto rig_file = folder / "rig.toml";
-  const Ran ran = calibrate(drive.string() + " --perturb 1,0.05 --seed 2 --json --report " +
-                            (folder / "report").string() + " -o " + rig_file.string());
+  const ProgramResult ran =
+      calibrate(drive.string() + " --perturb 1,0.05 --seed 2 --json --report " +
+                (folder / "report").string() + " -o " + rig_file.string());
   EXPECT_EQ(ran.code, 0) << ran.output;
   const json result = json::parse(ran.output, nullptr, false);
   ASSERT_TRUE(result.is_object()) << ran.output;
@@ -67,7 +69,7 @@ TEST(CalibrateCommand, RealKittiTwoScansAreNotUsable) {
   TemporaryFolder folder;
   const auto drive = folder / "drive";
   ASSERT_TRUE(recording::import_kitti(kitti, drive));
-  const Ran ran = calibrate(drive.string() + " --scenes 2 --within 0 --json");
+  const ProgramResult ran = calibrate(drive.string() + " --scenes 2 --within 0 --json");
   EXPECT_EQ(ran.code, 1);
   const json result = json::parse(ran.output, nullptr, false);
   ASSERT_TRUE(result.is_object()) << ran.output;
@@ -83,7 +85,7 @@ TEST(CalibrateCommand, RealOpenCalibScenesAreRefusedAndWithinADegree) {
   for (const std::string scene : {"scene2", "scene3"}) {
     const auto drive = folder / scene;
     ASSERT_TRUE(recording::import_opencalib(scenes / (scene + ".calib.txt"), drive));
-    const Ran ran = calibrate(drive.string() + " --perturb 1,0.05 --seed 3 --json");
+    const ProgramResult ran = calibrate(drive.string() + " --perturb 1,0.05 --seed 3 --json");
     EXPECT_EQ(ran.code, 1);
     const json result = json::parse(ran.output, nullptr, false);
     ASSERT_TRUE(result.is_object()) << ran.output;

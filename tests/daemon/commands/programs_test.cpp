@@ -10,7 +10,7 @@
 
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/commands/run_program.hpp"
-#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/schema.hpp"
 
 namespace infuse::daemon {
@@ -20,8 +20,8 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 /// `output`: standard output and standard error.
-Ran run(const std::string& command) {
-  return run_line("{ " + std::string(INFUSE_BINARIES) + "/" + command + "; } 2>&1");
+ProgramResult run(const std::string& command) {
+  return run_shell_command("{ " + std::string(INFUSE_BINARIES) + "/" + command + "; } 2>&1");
 }
 
 class ProgramsTest : public testing::Test {
@@ -29,7 +29,7 @@ class ProgramsTest : public testing::Test {
   void make(double seconds, double loss = 0) {
     fixtures::CaptureOptions options;
     options.model = velodyne::Model::kVlp16;
-    options.length = from_seconds(seconds);
+    options.duration = from_seconds(seconds);
     options.loss = loss;
     const auto made = fixtures::make_capture(path_, options);
     ASSERT_TRUE(made);
@@ -43,20 +43,20 @@ class ProgramsTest : public testing::Test {
   fixtures::CaptureTruth truth_;
 };
 
-TEST_F(ProgramsTest, ExitCodesAreThoseOfTheHouse) {
+TEST_F(ProgramsTest, ExitCodesAreAsDocumented) {
   EXPECT_EQ(run("infused --version").code, 0);
   EXPECT_EQ(run("infuse --help").code, 0);
   EXPECT_EQ(run("infuse").code, 2);
   EXPECT_EQ(run("infuse nonsense").code, 2);
   EXPECT_EQ(run("infused --rate").code, 2);
-  const Ran live = run("infused");
+  const ProgramResult live = run("infused");
   EXPECT_EQ(live.code, 2);
   EXPECT_THAT(live.output, HasSubstr("nothing to do"));
   EXPECT_EQ(run("infused --replay /nonexistent" + socket()).code, 3);
   EXPECT_EQ(run("infuse inspect /nonexistent").code, 3);
   EXPECT_EQ(run("infuse decode /nonexistent -o x.pcd").code, 3);
   EXPECT_EQ(run("infuse decode /nonexistent -o x.xyz").code, 2);
-  const Ran nobody = run("infuse status" + socket());
+  const ProgramResult nobody = run("infuse status" + socket());
   EXPECT_EQ(nobody.code, 1);
   EXPECT_THAT(nobody.output, HasSubstr("is infused running?"));
   make(0.5);
@@ -70,7 +70,7 @@ TEST_F(ProgramsTest, AConfigurationIsCheckedWithoutStarting) {
   std::ofstream(file) << "[health]\nstale_after_s = 5\n";
   EXPECT_EQ(run("infused --check-config --config " + file.string()).code, 0);
   std::ofstream(file) << "[health]\n\nstale = 5\n";
-  const Ran wrong = run("infused --check-config --config " + file.string());
+  const ProgramResult wrong = run("infused --check-config --config " + file.string());
   EXPECT_EQ(wrong.code, 2);
   EXPECT_THAT(wrong.output, HasSubstr("infused.toml:3: unknown key 'stale'"));
   EXPECT_EQ(run("infused --check-config").code, 2);
@@ -78,10 +78,10 @@ TEST_F(ProgramsTest, AConfigurationIsCheckedWithoutStarting) {
 
 TEST_F(ProgramsTest, TheSummaryIsOneObjectOrReadable) {
   make(2);
-  const Ran text = run("infused --replay " + path() + socket());
+  const ProgramResult text = run("infused --replay " + path() + socket());
   EXPECT_EQ(text.code, 0);
   EXPECT_THAT(text.output, HasSubstr("VLP-16, OK (inferred: product byte 0x22"));
-  const Ran machine = run("infused --json --replay " + path() + socket());
+  const ProgramResult machine = run("infused --json --replay " + path() + socket());
   ASSERT_EQ(machine.code, 0);
   const json summary = json::parse(machine.output.substr(machine.output.rfind("\n{") + 1));
   EXPECT_EQ(summary["packets"], truth_.packets);
@@ -109,9 +109,9 @@ TEST_F(ProgramsTest, ReportsAreTheSameBytesAtEveryRate) {
   EXPECT_EQ(reports("1"), fastest);
 }
 
-TEST_F(ProgramsTest, InspectTellsStreamsDevicesAndProblems) {
+TEST_F(ProgramsTest, InspectPrintsStreamsDevicesAndProblems) {
   make(3, 0.05);
-  const Ran machine = run("infuse inspect --json " + path());
+  const ProgramResult machine = run("infuse inspect --json " + path());
   ASSERT_EQ(machine.code, 0);
   const json found = json::parse(machine.output);
   ASSERT_EQ(found["streams"].size(), 2U);
@@ -121,7 +121,7 @@ TEST_F(ProgramsTest, InspectTellsStreamsDevicesAndProblems) {
   EXPECT_EQ(found["streams"][1]["count"], truth_.position_packets);
   EXPECT_EQ(found["devices"][0]["model"], "VLP-16");
   EXPECT_THAT(found["problems"].dump(), HasSubstr("packets are missing"));
-  const Ran text = run("infuse inspect " + path());
+  const ProgramResult text = run("infuse inspect " + path());
   EXPECT_THAT(text.output, HasSubstr("lidar packets from 192.168.1.201 to port 2368"));
 }
 
@@ -134,17 +134,18 @@ TEST_F(ProgramsTest, DecodeWritesASweepToAFile) {
   for (std::string line; std::getline(stream, line);) ++lines;
   EXPECT_GT(lines, 20'000);  // a turn of a VLP-16 in a street
   EXPECT_EQ(run("infuse decode " + path() + " --sweep 99 -o " + file.string()).code, 1);
-  const Ran all = run("infuse decode --json " + path() + " -o " + (folder_ / "x.pcd").string());
+  const ProgramResult all =
+      run("infuse decode --json " + path() + " -o " + (folder_ / "x.pcd").string());
   ASSERT_EQ(all.code, 0);
   EXPECT_EQ(json::parse(all.output)["returns"], truth_.returns);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "x-000000.pcd"));
 }
 
-TEST_F(ProgramsTest, StatusAndWatchAskARunningReplay) {
+TEST_F(ProgramsTest, StatusAndWatchQueryARunningReplay) {
   make(4);
-  Ran daemon;
+  ProgramResult daemon;
   std::thread thread([&] { daemon = run("infused --replay " + path() + " --rate 1" + socket()); });
-  Ran status;
+  ProgramResult status;
   for (int i = 0; i < 200 && status.output.find("HEALTH") == std::string::npos; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     status = run("infuse status" + socket());
@@ -153,14 +154,14 @@ TEST_F(ProgramsTest, StatusAndWatchAskARunningReplay) {
   EXPECT_THAT(status.output, HasSubstr("HEALTH OK"));
   EXPECT_THAT(status.output, HasSubstr("lidar: "));
   EXPECT_EQ(run("infuse watch NONSENSE" + socket()).code, 2);
-  const Ran watched = run("infuse watch --json" + socket());  // until the daemon ends
+  const ProgramResult watched = run("infuse watch --json" + socket());  // until the daemon ends
   thread.join();
   EXPECT_EQ(watched.code, 0);
   EXPECT_EQ(daemon.code, 0);
   std::istringstream lines(watched.output);
   int sweeps = 0;
   for (std::string line; std::getline(lines, line);) {
-    ASSERT_TRUE(valid_message(line));
+    ASSERT_TRUE(is_valid_message(line));
     sweeps += json::parse(line)["class"] == "SWEEP";
   }
   EXPECT_GT(sweeps, 3);
@@ -168,8 +169,8 @@ TEST_F(ProgramsTest, StatusAndWatchAskARunningReplay) {
 
 TEST_F(ProgramsTest, ATerminationSignalEndsWithASummary) {
   make(30);
-  const Ran stopped = run("infused --json --replay " + path() + " --rate 1" + socket() +
-                          " & pid=$!; sleep 0.5; kill -TERM $pid; wait $pid");
+  const ProgramResult stopped = run("infused --json --replay " + path() + " --rate 1" + socket() +
+                                    " & pid=$!; sleep 0.5; kill -TERM $pid; wait $pid");
   EXPECT_EQ(stopped.code, 0);
   EXPECT_THAT(stopped.output, HasSubstr("\"stopped\":true"));
 }
@@ -177,8 +178,8 @@ TEST_F(ProgramsTest, ATerminationSignalEndsWithASummary) {
 TEST_F(ProgramsTest, StreetMapsAreMadeAndRefused) {
   const std::string map = " -o " + (folder_ / "x.map").string();
   const std::string altfeld = INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm";
-  const std::string picture = (folder_ / "x.png").string();
-  const Ran made = run("infuse streetmap --json " + altfeld + map + " --picture " + picture);
+  const std::string image = (folder_ / "x.png").string();
+  const ProgramResult made = run("infuse streetmap --json " + altfeld + map + " --image " + image);
   ASSERT_EQ(made.code, 0) << made.output;
   const json report = json::parse(made.output);
   EXPECT_EQ(report["kinds"]["building"], 115);
@@ -202,7 +203,7 @@ TEST_F(ProgramsTest, EvaluateScoresATrajectoryByHandMadeErrors) {
   std::ofstream(folder_ / "result.tum") << result;
   const std::string files =
       (folder_ / "result.tum").string() + " " + (folder_ / "truth.tum").string();
-  const Ran ran = run("infuse evaluate " + files + " --align first --json");
+  const ProgramResult ran = run("infuse evaluate " + files + " --align first --json");
   ASSERT_EQ(ran.code, 0) << ran.output;
   const json score = json::parse(ran.output);
   EXPECT_EQ(score["paired"], 200);
@@ -226,7 +227,8 @@ TEST_F(ProgramsTest, EvaluateScoresACalibrationInDegreesCentimetresAndPixels) {
     return (folder_ / name).string();
   };
   const std::string truth = rig("truth.toml", 0);
-  const Ran ran = run("infuse evaluate " + rig("result.toml", 0.05) + " " + truth + " --json");
+  const ProgramResult ran =
+      run("infuse evaluate " + rig("result.toml", 0.05) + " " + truth + " --json");
   ASSERT_EQ(ran.code, 0) << ran.output;
   const json camera = json::parse(ran.output)["cameras"][0];
   EXPECT_EQ(camera["camera"], "front");
@@ -234,7 +236,8 @@ TEST_F(ProgramsTest, EvaluateScoresACalibrationInDegreesCentimetresAndPixels) {
   EXPECT_NEAR(camera["rotation_deg"].get<double>(), 0, 1e-6);
   std::ofstream(folder_ / "result.json")
       << R"({"T_camera_lidar": [0,-1,0,0, 0,0,-1,0, 1,0,0,0.02, 0,0,0,1]})";
-  const Ran other = run("infuse evaluate " + (folder_ / "result.json").string() + " " + truth);
+  const ProgramResult other =
+      run("infuse evaluate " + (folder_ / "result.json").string() + " " + truth);
   EXPECT_EQ(other.code, 0);
   EXPECT_THAT(other.output, HasSubstr("2.00 cm"));
   std::ofstream(folder_ / "bad.json") << R"({"T_camera_lidar": [1, 2]})";

@@ -75,12 +75,12 @@ reverse_gear = 7
 yaw_rate = "ESP.YAW"
 wheel_speed_rear_left = { signal = "ABS.RL", scale = -1, unit = "km/h" }
 
-[gps]
+[gnss]
 device = "/dev/ttyUSB3"
 baud = 115200
 )";
 
-TEST(Config, LiveSensorsAreTakenOver) {
+TEST(Config, LiveSensorsAreRead) {
   const auto config = parse_config(kLive, "x.toml");
   ASSERT_TRUE(config) << config.error().message();
   EXPECT_EQ(config->rig, "rig.toml");
@@ -118,8 +118,8 @@ TEST(Config, ALiveSensorThatCannotBeIsRefusedWithItsLine) {
        {"[[camera]]\ndevice = \"video0\"", "[[camera]]\nwidth = 640",
         "[[camera]]\nformat = \"H264\"", "[[camera]]\nexposure_ms = 0", "[[can]]\ninterface = \"\"",
         "[[can]]\nsignals = {yaw_rate = \"A.B\"}",
-        "[[can]]\ndbc = \"x\"\nsignals = {yaw = \"A.B\"}", "[gps]\ndevice = \"/dev/x\"\nbaud = 1",
-        "[gps]\ndevice = \"/dev/x\"\nlidar = \"top\"", "[[lidar]]\nmulticast = \"10.0.0.1\"",
+        "[[can]]\ndbc = \"x\"\nsignals = {yaw = \"A.B\"}", "[gnss]\ndevice = \"/dev/x\"\nbaud = 1",
+        "[gnss]\ndevice = \"/dev/x\"\nlidar = \"top\"", "[[lidar]]\nmulticast = \"10.0.0.1\"",
         "[[lidar]]\nposition_port = 0", "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\""}) {
     const auto config = parse_config(text, "x.toml");
     ASSERT_FALSE(config) << text;
@@ -171,7 +171,7 @@ TEST(Config, AWrongDropInIsNamed) {
   EXPECT_THAT(config.error().where, HasSubstr("x.toml:3"));
 }
 
-TEST(Config, EveryKeyIsTakenOver) {
+TEST(Config, EveryKeyIsRead) {
   const auto config = parse_config(kFull, "x.toml");
   ASSERT_TRUE(config) << config.error().message();
   EXPECT_EQ(config->log_level, "debug");
@@ -199,15 +199,15 @@ struct Wrong {
   const char* message;
 };
 
-TEST(Config, OdometryAndCalibrationAreTakenOver) {
+TEST(Config, OdometryAndCalibrationAreRead) {
   const auto config = parse_config(R"(
 [odometry]
 planar = false
 wheelbase = 2.65
 steering_ratio = 16.9
-gps_delay_ms = 120
+gnss_delay_ms = 120
 reorder_ms = 150
-use_gps_speed = false
+use_gnss_speed = false
 max_wait_ms = 50
 [calibration]
 watch = false
@@ -219,9 +219,9 @@ limit_translation = 0.05
   ASSERT_TRUE(config) << config.error().message();
   EXPECT_FALSE(config->odometry.filter.planar);
   EXPECT_EQ(config->odometry.filter.wheelbase, 2.65);
-  EXPECT_EQ(config->odometry.filter.gps_delay, from_seconds(0.12));
+  EXPECT_EQ(config->odometry.filter.gnss_delay, from_seconds(0.12));
   EXPECT_EQ(config->odometry.filter.reorder, from_seconds(0.15));
-  EXPECT_FALSE(config->odometry.use_gps_speed);
+  EXPECT_FALSE(config->odometry.use_gnss_speed);
   EXPECT_EQ(config->odometry.max_wait, from_seconds(0.05));
   EXPECT_FALSE(config->calibration.watched);
   EXPECT_EQ(config->calibration.decision.policy, watch::Policy::kApplyWithin);
@@ -231,15 +231,15 @@ limit_translation = 0.05
   EXPECT_FALSE(parse_config("[odometry]\nmax_wait_ms = 1e9\n", "x.toml"));
 }
 
-TEST(Config, RecordingIsTakenOverAndChecked) {
+TEST(Config, RecordIsReadAndChecked) {
   const auto config = parse_config(R"([record]
 directory = "/data/drives"
 memory_mb = 128
 flight_recorder_s = 20
 after_alert_s = 3
 keep_alerts = 4
-longest_s = 600
-largest_mb = 2048
+max_duration_s = 600
+max_size_mb = 2048
 split_s = 60
 split_mb = 512
 min_free_mb = 100
@@ -249,24 +249,25 @@ min_free_mb = 100
   RecordSettings expected;
   expected.directory = "/data/drives";
   expected.memory = 128 << 20;
-  expected.flight = from_seconds(20);
+  expected.flight_recorder = from_seconds(20);
   expected.after_alert = from_seconds(3);
   expected.keep_alerts = 4;
-  expected.longest = from_seconds(600);
-  expected.largest = uint64_t{2048} << 20;
+  expected.max_duration = from_seconds(600);
+  expected.max_bytes = uint64_t{2048} << 20;
   expected.split = from_seconds(60);
   expected.split_bytes = 512 << 20;
   expected.min_free = 100 << 20;
   EXPECT_EQ(config->record, expected);
   EXPECT_EQ(parse_config("", "x.toml")->record, RecordSettings{});
-  for (const char* wrong : {"memory_mb = 1", "flight_recorder_s = -1", "keep_alerts = 0",
-                            "longest_s = 0", "largest_mb = 0", "split_s = 0.1", "min_free_mb = -1",
-                            "largest_mb = 9223372036854775807", "folder = \"x\""}) {
+  for (const char* wrong :
+       {"memory_mb = 1", "flight_recorder_s = -1", "keep_alerts = 0", "max_duration_s = 0",
+        "max_size_mb = 0", "split_s = 0.1", "min_free_mb = -1", "max_size_mb = 9223372036854775807",
+        "folder = \"x\""}) {
     EXPECT_FALSE(parse_config(std::string("[record]\n") + wrong, "x.toml")) << wrong;
   }
 }
 
-TEST(Config, NobodyLooksAtTheFiguresByDefault) {
+TEST(Config, MetricsAreDisabledByDefault) {
   EXPECT_FALSE(parse_config("", "x.toml")->metrics.any());
   const auto config = parse_config("[metrics]\npath = \"/run/m\"\nport = 9469\n", "x.toml");
   ASSERT_TRUE(config);
@@ -275,7 +276,7 @@ TEST(Config, NobodyLooksAtTheFiguresByDefault) {
   EXPECT_FALSE(parse_config("[metrics]\nport = 70000\n", "x.toml"));
 }
 
-TEST(Config, TellsWhatTwoOfThemSayDifferently) {
+TEST(Config, ListsTheKeysThatDiffer) {
   const auto read = [](const char* text) {
     auto config = parse_config(text, "x.toml");
     EXPECT_TRUE(config) << config.error().message();
@@ -333,8 +334,8 @@ TEST(Config, TheStreetMapIsReadAndChecked) {
   EXPECT_EQ(settings.start->x, 12.5);
   EXPECT_EQ(settings.start->y, -3);
   EXPECT_NEAR(settings.start->yaw, 1.5707963, 1e-6);
-  EXPECT_EQ(settings.start_sigma, 4);
-  EXPECT_NEAR(settings.start_yaw_sigma, 0.0872665, 1e-6);
+  EXPECT_EQ(settings.initial_sigma, 4);
+  EXPECT_NEAR(settings.initial_yaw_sigma, 0.0872665, 1e-6);
   EXPECT_EQ(settings.update_hz, 5);
   EXPECT_EQ(settings.tracker.confidence.search_radius, 20);
   EXPECT_EQ(settings.tracker.seed, 7U);

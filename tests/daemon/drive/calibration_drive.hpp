@@ -10,9 +10,9 @@
 
 namespace infuse::daemon {
 
-/// Two pictures a second, the lidar turning around each of them (`turn_every` 5) or all the time
+/// Two pictures a second, the lidar turning around each of them (`turn_stride` 5) or all the time
 /// (1). `more`: faults.
-inline void make_online_drive(const std::filesystem::path& folder, double seconds, int turn_every,
+inline void make_online_drive(const std::filesystem::path& folder, double seconds, int turn_stride,
                               const std::string& more) {
   const std::string text = "duration_s = " + std::to_string(seconds) + R"(
 [world]
@@ -27,7 +27,7 @@ start_speed = 9
 model = "HDL-32E"
 position = [1.0, 0.0, 1.95]
 parts = 1
-turn_every = )" + std::to_string(turn_every) +
+turn_stride = )" + std::to_string(turn_stride) +
                            R"(
 [[camera]]
 width = 480
@@ -45,28 +45,28 @@ format = "jpg"
 }
 
 /// What a replay told of its one camera's calibration.
-struct Story {
-  std::vector<std::string> states;  ///< one after the other
-  std::vector<std::string> faults;  ///< of the camera, the same
-  std::vector<std::string> alerts;  ///< ids of those that were raised
-  nlohmann::json first, last;       ///< CALIBRATION reports
+struct CalibrationHistory {
+  std::vector<std::string> states;           ///< one after the other
+  std::vector<std::string> faults;           ///< of the camera, the same
+  std::vector<std::string> alerts;           ///< ids of those that were raised
+  nlohmann::json first_report, last_report;  ///< CALIBRATION reports
 };
 
-inline Story story_of(const Replayed& replayed) {
-  Story story;
+inline CalibrationHistory read_calibration_history(const ReplayResult& replayed) {
+  CalibrationHistory history;
   for (const std::string& line : replayed.lines()) {
-    EXPECT_TRUE(valid_message(line));
+    EXPECT_TRUE(is_valid_message(line));
     nlohmann::json report = nlohmann::json::parse(line);
     if (report["class"] == "ALERT" && report["state"] == "raised") {
-      story.alerts.push_back(report["id"]);
+      history.alerts.push_back(report["id"]);
     }
     if (report["class"] != "CALIBRATION") continue;
-    story.states.push_back(report["state"]);
-    if (report.contains("camera_fault")) story.faults.push_back(report["camera_fault"]);
-    if (story.first.is_null()) story.first = report;
-    story.last = std::move(report);
+    history.states.push_back(report["state"]);
+    if (report.contains("camera_fault")) history.faults.push_back(report["camera_fault"]);
+    if (history.first_report.is_null()) history.first_report = report;
+    history.last_report = std::move(report);
   }
-  return story;
+  return history;
 }
 
 }  // namespace infuse::daemon

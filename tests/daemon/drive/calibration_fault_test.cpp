@@ -16,24 +16,24 @@ using testing::Contains;
 using testing::Not;
 
 /// What is told of a drive with `faults` by a daemon that may apply what it estimates.
-Story story_with(const std::string& faults, double seconds, int turn_every) {
+CalibrationHistory replay_with_faults(const std::string& faults, double seconds, int turn_stride) {
   const TemporaryFolder folder;
-  make_online_drive(folder / "drive", seconds, turn_every, faults);
-  ReplayedOptions options;
-  options.pipeline.calibration.decision.policy = watch::Policy::kApply;
-  const auto told = replayed(folder / "drive", options);
-  EXPECT_TRUE(told) << told.error().message();
-  return told ? story_of(*told) : Story();
+  make_online_drive(folder / "drive", seconds, turn_stride, faults);
+  RunReplayOptions options;
+  options.pipeline.calibration.supervisor.policy = monitoring::UpdatePolicy::kApply;
+  const auto result = run_replay(folder / "drive", options);
+  EXPECT_TRUE(told) << result.error().message();
+  return result ? read_calibration_history(*result) : CalibrationHistory();
 }
 
 TEST(CalibrationFaults, LateStampsAreNamed) {
-  const Story story = story_with(R"(
+  const CalibrationHistory history = replay_with_faults(R"(
 [[fault]]
 kind = "late"
 from_s = 15
 amount = 0.2
 )",
-                                 45, 1);
+                                                        45, 1);
   EXPECT_THAT(story.faults, Contains("late"));
   EXPECT_THAT(story.alerts, Contains("front.camera_fault"));
   EXPECT_THAT(story.states, Not(Contains("RECALIBRATING")));
@@ -43,7 +43,7 @@ amount = 0.2
 }
 
 TEST(CalibrationFaults, FrozenBlackAndDirtyAreNamed) {
-  const Story story = story_with(R"(
+  const CalibrationHistory history = replay_with_faults(R"(
 [[fault]]
 kind = "frozen"
 from_s = 10
@@ -57,7 +57,7 @@ kind = "dirty"
 from_s = 26
 amount = 1
 )",
-                                 55, 5);
+                                                        55, 5);
   EXPECT_THAT(story.faults, testing::IsSupersetOf({"frozen", "black", "dirty"}));
   EXPECT_THAT(story.states, Not(Contains("RECALIBRATING")));
   EXPECT_EQ(story.last["state"], "UNUSABLE");
@@ -66,22 +66,22 @@ amount = 1
 
 // The scenes are tampered with: the camera is turned for just so long that a new calibration is
 // found and applied, and then stands as before.
-TEST(CalibrationFaults, ABadUpdateIsTakenBack) {
-  const Story story = story_with(R"(
+TEST(CalibrationFaults, ABadUpdateIsRolledBack) {
+  const CalibrationHistory history = replay_with_faults(R"(
 [[fault]]
 kind = "extrinsic_step"
 from_s = 8
 to_s = 42
 rotation_deg = [0, 1, 0]
 )",
-                                 75, 5);
+                                                        75, 5);
   EXPECT_THAT(story.states, Contains("RECALIBRATED"));
   EXPECT_THAT(story.alerts, Contains("front.calibration_changed"));
-  bool told = false;
-  for (const auto& entry : story.last["history"]) {
-    told = told || entry["what"].get<std::string>().starts_with("rolled back");
+  bool result = false;
+  for (const auto& entry : history.last_report["history"]) {
+    result = result || entry["what"].get<std::string>().starts_with("rolled back");
   }
-  EXPECT_TRUE(told) << story.last["history"].dump(1);
+  EXPECT_TRUE(told) << history.last_report["history"].dump(1);
   EXPECT_EQ(story.last["T_camera_lidar"], story.first["T_camera_lidar"]);
 }
 
@@ -91,8 +91,9 @@ TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
   auto setup = open_drive(folder / "drive", {}, std::nullopt);
   ASSERT_TRUE(setup) << setup.error().message();
   PipelineOptions options;
-  options.calibration.decision.scenes = options.calibration.decision.least_scenes = 10;
-  options.calibration.reestimate.starts = 2000;  // hours
+  options.calibration.supervisor.min_scenes =
+      options.calibration.supervisor.min_scenes_after_timeout = 10;
+  options.calibration.reestimate.searches = 2000;  // hours
   boost::asio::io_context io(1);
   Server server(io, {}, "0", "0123456789abcdef");
   bool ended = false;
@@ -102,7 +103,7 @@ TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
   });
   std::optional<HostClock::time_point> stopped;
   replay.publisher().on_calibration([&](const CalibrationReport& report) {
-    if (report.looks >= 12 && std::string_view(report.state) != "RECALIBRATING" && !stopped) {
+    if (report.evaluations >= 12 && std::string_view(report.state) != "RECALIBRATING" && !stopped) {
       ASSERT_TRUE(replay.ask({.op = Request::Op::kRecalibrate}));
     }
     if (std::string_view(report.state) != "RECALIBRATING" || stopped) return;

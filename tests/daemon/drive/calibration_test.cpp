@@ -21,35 +21,35 @@ void turn_camera(const std::filesystem::path& folder, double degrees) {
   ASSERT_TRUE(recording::write_drive(folder, drive->description));
 }
 
-TEST(CalibrationDrive, ATurnedCameraIsNoticedAndAGoodOneLeftAlone) {
+TEST(CalibrationDrive, ATurnedCameraIsDetectedAndAGoodOneIsNotChanged) {
   const TemporaryFolder folder;
   ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 45, 5, ""));
 
-  const auto good = replayed(folder / "drive");
+  const auto good = run_replay(folder / "drive");
   ASSERT_TRUE(good) << good.error().message();
-  const Story quiet = story_of(*good);
+  const CalibrationHistory quiet = read_calibration_history(*good);
   EXPECT_THAT(quiet.states, testing::Contains("OK"));
-  EXPECT_THAT(quiet.states, testing::Not(testing::Contains("DRIFTED")));
-  EXPECT_THAT(quiet.alerts, testing::Not(testing::Contains("front.calibration_drifted")));
+  EXPECT_THAT(quiet.states, testing::Not(testing::Contains("CONFIRMED")));
+  EXPECT_THAT(quiet.alerts, testing::Not(testing::Contains("front.drift_confirmed")));
 
   ASSERT_NO_FATAL_FAILURE(turn_camera(folder / "drive", 1.0));
-  ReplayedOptions options;
-  options.pipeline.calibration.decision.policy = watch::Policy::kApply;
-  const auto turned = replayed(folder / "drive", options);
+  RunReplayOptions options;
+  options.pipeline.calibration.supervisor.policy = monitoring::UpdatePolicy::kApply;
+  const auto turned = run_replay(folder / "drive", options);
   ASSERT_TRUE(turned);
-  const Story story = story_of(*turned);
-  EXPECT_THAT(story.alerts, testing::Contains("front.calibration_drifted"));
+  const CalibrationHistory history = read_calibration_history(*turned);
+  EXPECT_THAT(story.alerts, testing::Contains("front.drift_confirmed"));
   // It is estimated anew and applied, and what is in use in the end is nearer to the truth.
-  EXPECT_THAT(story.states, testing::IsSupersetOf({"SUSPECT", "RECALIBRATING", "RECALIBRATED"}));
+  EXPECT_THAT(story.states, testing::IsSupersetOf({"SUSPECTED", "RECALIBRATING", "RECALIBRATED"}));
   ASSERT_TRUE(story.last.contains("estimate"));
   const auto truth = recording::Drive::open(folder / "drive");
   Eigen::Matrix3d R;
   for (int i = 0; i < 9; ++i) {
-    R(i / 3, i % 3) = story.last["T_camera_lidar"][static_cast<size_t>(i / 3 * 4 + i % 3)];
+    R(i / 3, i % 3) = history.last_report["T_camera_lidar"][static_cast<size_t>(i / 3 * 4 + i % 3)];
   }
   const Eigen::Matrix3d R_true = geometry::rotation_exp({0, -1.0 * std::numbers::pi / 180, 0}) *
                                  truth->description.rig.cameras[0].T_camera_lidar.linear();
-  const double off = geometry::rotation_log(R * R_true.transpose()).norm();
+  const double rotation_error = geometry::rotation_log(R * R_true.transpose()).norm();
   EXPECT_LT(off, 0.5 * std::numbers::pi / 180);
   options.rate = 200;
   EXPECT_EQ(replayed(folder / "drive", options)->reports, turned->reports);

@@ -30,7 +30,7 @@ void make_drive(const std::filesystem::path& folder, double sun) {
       "[[lidar]]\n"
       "model = \"HDL-64E S2\"\n"
       "position = [1.0, 0.0, 1.95]\n"
-      "turn_every = 10\n"
+      "turn_stride = 10\n"
       "parts = 1\n"
       "[[camera]]\n"
       "width = 800\n"
@@ -46,15 +46,16 @@ void make_drive(const std::filesystem::path& folder, double sun) {
 }
 
 /// The measure at the truth, having seen that it is less everywhere along the axes.
-double peak(const std::filesystem::path& folder) {
-  const auto pairs = read_scene_pairs({.drives = {folder.string()}, .scenes = 11}, [](double) {});
+double check_peak(const std::filesystem::path& folder) {
+  const auto pairs =
+      read_scene_pairs({.drives = {folder.string()}, .max_scenes = 11}, [](double) {});
   if (!pairs || !pairs->truth) {
     ADD_FAILURE() << "no pairs or no truth";
     return 0;
   }
   std::vector<calibration::Scene> scenes;
   for (const ScenePair& pair : pairs->pairs) {
-    if (!pair.uncompensated.empty()) continue;  // the first: no odometry yet
+    if (!pair.deskew_reason.empty()) continue;  // the first: no odometry yet
     scenes.push_back(*calibration::make_scene(pair.sweep, pair.frame, {}));
   }
   EXPECT_EQ(scenes.size(), 10U);
@@ -68,11 +69,11 @@ double peak(const std::filesystem::path& folder) {
   const double at_truth = measure.evaluate(*pairs->truth, false).estimate.value;
   for (int axis = 0; axis < 6; ++axis) {
     const double step = axis < 3 ? 2.5e-3 : 0.04;
-    for (const double off : {-8.0, -4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0}) {
+    for (const double steps : {-8.0, -4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0}) {
       const Eigen::Isometry3d wrong =
-          geometry::exp(off * step * geometry::Vector6::Unit(axis)) * *pairs->truth;
+          geometry::exp(steps * step * geometry::Vector6::Unit(axis)) * *pairs->truth;
       EXPECT_LT(measure.evaluate(wrong, false).estimate.value, at_truth)
-          << "axis " << axis << ", " << off << " steps";
+          << "axis " << axis << ", " << steps << " steps";
     }
   }
   return at_truth;
@@ -82,8 +83,8 @@ TEST(Dependence, PeaksAtTheTruthAlongEveryAxisUnderAnEvenSkyAndInTheSun) {
   const TemporaryFolder folder;
   ASSERT_NO_FATAL_FAILURE(make_drive(folder / "overcast", 0));
   ASSERT_NO_FATAL_FAILURE(make_drive(folder / "sun", 1));
-  const double overcast = peak(folder / "overcast");
-  const double sun = peak(folder / "sun");
+  const double overcast = check_peak(folder / "overcast");
+  const double sun = check_peak(folder / "sun");
   EXPECT_GT(sun, 0);
   EXPECT_LT(sun, overcast);
 }

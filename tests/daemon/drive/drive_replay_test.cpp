@@ -26,17 +26,17 @@ class DriveReplayTest : public testing::Test {
   }
 
   /// The reports of one class.
-  static std::vector<json> reports_of(const Replayed& replayed, const std::string& name) {
+  static std::vector<json> reports_of(const ReplayResult& replayed, const std::string& name) {
     std::vector<json> reports;
     for (const std::string& line : replayed.lines()) {
-      EXPECT_TRUE(valid_message(line));
+      EXPECT_TRUE(is_valid_message(line));
       json report = json::parse(line);
       if (report["class"] == name) reports.push_back(std::move(report));
     }
     return reports;
   }
 
-  static std::vector<std::string> raised(const Replayed& replayed) {
+  static std::vector<std::string> raised_alerts(const ReplayResult& replayed) {
     std::vector<std::string> ids;
     for (const json& alert : reports_of(replayed, "ALERT")) {
       if (alert["state"] == "raised") ids.push_back(alert["id"]);
@@ -44,23 +44,23 @@ class DriveReplayTest : public testing::Test {
     return ids;
   }
 
-  Replayed replay(const ReplayedOptions& options = {}) const {
-    auto result = replayed(drive_, options);
+  ReplayResult replay(const RunReplayOptions& options = {}) const {
+    auto result = run_replay(drive_, options);
     EXPECT_TRUE(result) << result.error().message();
     return *std::move(result);
   }
 
   /// Lines of can.log, changed.
   template <class Change>
-  void change_bus(Change change) const {
-    std::istringstream lines(content(drive_ / "can.log"));
+  void edit_can_log(Change change) const {
+    std::istringstream lines(read_file(drive_ / "can.log"));
     std::string text;
     size_t number = 0;
     for (std::string line; std::getline(lines, line);) text += change(number++, line);
-    write(drive_ / "can.log", text);
+    write_file(drive_ / "can.log", text);
   }
 
-  std::filesystem::path picture(int number) const {
+  std::filesystem::path image_path(int number) const {
     return drive_ / "front" / ("00000" + std::to_string(number) + ".jpg");
   }
 
@@ -69,8 +69,8 @@ class DriveReplayTest : public testing::Test {
   simulator::DriveSummary summary_;
 };
 
-TEST_F(DriveReplayTest, EverythingIsReadAndEverySweepThatOdometryCoversIsStraight) {
-  const Replayed result = replay();
+TEST_F(DriveReplayTest, EverythingIsReadAndSweepsCoveredByOdometryAreDeskewed) {
+  const ReplayResult result = replay();
   ASSERT_EQ(result.devices.size(), 5U);
   EXPECT_EQ(result.totals.counters.at(0).packets, summary_.packets);
   const StreamCounters& camera = result.totals.streams.at(0);
@@ -83,16 +83,16 @@ TEST_F(DriveReplayTest, EverythingIsReadAndEverySweepThatOdometryCoversIsStraigh
 
   const auto sweeps = reports_of(result, "SWEEP");
   ASSERT_GE(sweeps.size(), 30U);
-  size_t straight = 0;
-  for (const json& sweep : sweeps) straight += sweep["straight"].get<bool>() ? 1 : 0;
+  size_t deskewed = 0;
+  for (const json& sweep : sweeps) deskewed += sweep["deskewed"].get<bool>() ? 1 : 0;
   // The first begins before the first word on the bus, and of the last the end is not covered.
   EXPECT_GE(straight + 2, sweeps.size());
   EXPECT_EQ(reports_of(result, "POSE").size(), sweeps.size());
   EXPECT_EQ(reports_of(result, "FRAME").size(), summary_.pictures);
 }
 
-TEST_F(DriveReplayTest, MotionAndPosesAreTheTrueOnes) {
-  const Replayed result = replay();
+TEST_F(DriveReplayTest, MotionAndPosesMatchTheTruth) {
+  const ReplayResult result = replay();
   const auto truth = recording::read_trajectory(drive_ / "truth/poses.tum");
   ASSERT_TRUE(truth);
   const auto true_pose = [&](Stamp stamp) {
@@ -103,11 +103,11 @@ TEST_F(DriveReplayTest, MotionAndPosesAreTheTrueOnes) {
   };
   size_t compared = 0;
   for (const json& sweep : reports_of(result, "SWEEP")) {
-    if (!sweep["straight"].get<bool>()) continue;
+    if (!sweep["deskewed"].get<bool>()) continue;
     const Stamp begin = Stamp::from_ns(sweep["stamp"].get<int64_t>());
     const Stamp end = begin + from_seconds(sweep["span_s"].get<double>());
     const double travelled =
-        (true_pose(end).T_map_body.translation() - true_pose(begin).T_map_body.translation())
+        (true_pose(end).T_frame_body.translation() - true_pose(begin).T_frame_body.translation())
             .norm();
     EXPECT_NEAR(sweep["travelled"].get<double>(), travelled, 0.12);  // truth to 10 ms at 10 m/s
     ++compared;
@@ -123,18 +123,18 @@ TEST_F(DriveReplayTest, MotionAndPosesAreTheTrueOnes) {
   const json& last = poses[poses.size() - 3];
   EXPECT_TRUE(last["usable"].get<bool>());
   const double true_distance =
-      (true_pose(Stamp::from_ns(last["stamp"].get<int64_t>())).T_map_body.translation() -
-       true_pose(Stamp::from_ns(first["stamp"].get<int64_t>())).T_map_body.translation())
+      (true_pose(Stamp::from_ns(last["stamp"].get<int64_t>())).T_frame_body.translation() -
+       true_pose(Stamp::from_ns(first["stamp"].get<int64_t>())).T_frame_body.translation())
           .norm();
   EXPECT_GT(true_distance, 15);
   EXPECT_NEAR(distance(first, last), true_distance, 0.02 * true_distance + 0.1);
 }
 
-TEST_F(DriveReplayTest, PicturesMeetTheSweepDuringWhichTheyWereExposed) {
-  const Replayed result = replay();
+TEST_F(DriveReplayTest, ImagesArePairedWithTheSweepOfTheirExposure) {
+  const ReplayResult result = replay();
   std::map<uint64_t, json> sweeps;
   for (json& sweep : reports_of(result, "SWEEP")) sweeps[sweep["sequence"]] = sweep;
-  size_t straight = 0;
+  size_t deskewed = 0;
   for (const json& frame : reports_of(result, "FRAME")) {
     const json& sweep = sweeps.at(frame["sweep"]);
     const double after = frame["sweep_offset_s"].get<double>();
@@ -143,27 +143,27 @@ TEST_F(DriveReplayTest, PicturesMeetTheSweepDuringWhichTheyWereExposed) {
       EXPECT_GE(after, -1e-3);
     }
     EXPECT_GT(frame["points_in_view"].get<int>(), 300);
-    straight += frame["straight"].get<bool>() ? 1 : 0;
+    deskewed += frame["deskewed"].get<bool>() ? 1 : 0;
   }
   EXPECT_GE(straight + 2, summary_.pictures);
 }
 
 TEST_F(DriveReplayTest, SameBytesAtEveryRate) {
-  const Replayed fast = replay();
+  const ReplayResult fast = replay();
   EXPECT_EQ(replay({.rate = 4}).reports, fast.reports);
   EXPECT_EQ(replay().reports, fast.reports);
 }
 
 TEST_F(DriveReplayTest, BadLinesAndTimesOnTheBusAreReportedAndNothingElseIsLost) {
-  const Replayed sound = replay();
-  change_bus([](size_t number, const std::string& line) {
+  const ReplayResult sound = replay();
+  edit_can_log([](size_t number, const std::string& line) {
     std::string text;
     if (number % 50 == 10) text += line.substr(0, line.find('#')) + "#0G\n";  // no hex digit
     if (number % 50 == 20) text += "rubbish\n";
     if (number == 30) text += "(1750000000.000001)" + line.substr(line.find(')') + 1) + "\n";
     return text + line + "\n";
   });
-  const Replayed result = replay();
+  const ReplayResult result = replay();
   const StreamCounters& bus = result.totals.streams.at(1);
   const uint64_t refused =
       (summary_.can_frames + 39) / 50;  // "rubbish" has no time: left out before
@@ -180,20 +180,20 @@ TEST_F(DriveReplayTest, BadLinesAndTimesOnTheBusAreReportedAndNothingElseIsLost)
   EXPECT_THAT(notes, HasSubstr("such lines were left out"));
 }
 
-TEST_F(DriveReplayTest, SilenceOfTheBusLeavesSweepsAsTheyAreAndSaysSo) {
+TEST_F(DriveReplayTest, ASilentBusLeavesSweepsNotDeskewedAndIsReported) {
   ASSERT_TRUE(simulate_car(drive_, 4));
-  write(drive_ / "imu.csv", content(drive_ / "imu.csv").substr(0, 2000));
-  write(drive_ / "gps.csv", content(drive_ / "gps.csv").substr(0, 500));
-  change_bus([](size_t, const std::string& line) {
+  write_file(drive_ / "imu.csv", read_file(drive_ / "imu.csv").substr(0, 2000));
+  write_file(drive_ / "gnss.csv", read_file(drive_ / "gnss.csv").substr(0, 500));
+  edit_can_log([](size_t, const std::string& line) {
     return line < "(1750000000.3" ? line + "\n" : std::string();
   });
-  const Replayed result = replay();
+  const ReplayResult result = replay();
   EXPECT_FALSE(result.totals.odometry.usable());
-  size_t bent = 0;
+  size_t not_deskewed = 0;
   for (const json& sweep : reports_of(result, "SWEEP")) {
-    if (sweep["straight"].get<bool>()) continue;
-    EXPECT_FALSE(sweep["straight_reason"].get<std::string>().empty());
-    ++bent;
+    if (sweep["deskewed"].get<bool>()) continue;
+    EXPECT_FALSE(sweep["deskew_reason"].get<std::string>().empty());
+    ++not_deskewed;
   }
   EXPECT_GE(bent, 34U);  // all but the first of four seconds
   EXPECT_THAT(raised(result), testing::Contains("odometry.untrusted"));
@@ -201,11 +201,11 @@ TEST_F(DriveReplayTest, SilenceOfTheBusLeavesSweepsAsTheyAreAndSaysSo) {
   EXPECT_EQ(reports_of(result, "FRAME").size(), 40U);
 }
 
-TEST_F(DriveReplayTest, DamagedAndMissingPicturesAreCountedAndTheOthersUsed) {
-  write(picture(3), content(picture(3)).substr(0, 400));
-  write(picture(4), "no picture");
-  std::filesystem::remove(picture(7));
-  const Replayed result = replay();
+TEST_F(DriveReplayTest, DamagedAndMissingImagesAreCountedAndTheOthersUsed) {
+  write_file(image_path(3), read_file(image_path(3)).substr(0, 400));
+  write_file(image_path(4), "no picture");
+  std::filesystem::remove(image_path(7));
+  const ReplayResult result = replay();
   const StreamCounters& camera = result.totals.streams.at(0);
   EXPECT_EQ(camera.refused + camera.lost, 3U);
   EXPECT_EQ(camera.used, summary_.pictures - 3);
@@ -213,17 +213,17 @@ TEST_F(DriveReplayTest, DamagedAndMissingPicturesAreCountedAndTheOthersUsed) {
 }
 
 TEST_F(DriveReplayTest, ADbcWithoutTheSignalIsRefusedByName) {
-  const std::string dbc = content(drive_ / "vehicle.dbc");
+  const std::string dbc = read_file(drive_ / "vehicle.dbc");
   std::string other = dbc;
   other.replace(other.find("YAW_RATE"), 8, "YAW_RATX");
-  write(drive_ / "vehicle.dbc", other);
-  const auto refused = replayed(drive_);
+  write_file(drive_ / "vehicle.dbc", other);
+  const auto refused = run_replay(drive_);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message(), HasSubstr("MOTION.YAW_RATE"));
   // A statement that is wrong is told, and what stands around it is used.
-  write(drive_ / "vehicle.dbc",
-        dbc + "\nBO_ 77 BROKEN: x Y\n SG_ A : 0|99@1+ (1,0) [0|0] \"\" Z\n");
-  const Replayed result = replay();
+  write_file(drive_ / "vehicle.dbc",
+             dbc + "\nBO_ 77 BROKEN: x Y\n SG_ A : 0|99@1+ (1,0) [0|0] \"\" Z\n");
+  const ReplayResult result = replay();
   EXPECT_FALSE(result.notes.empty());
   EXPECT_TRUE(result.totals.odometry.usable());
 }

@@ -26,7 +26,7 @@ start_speed = 8
 [[lidar]]
 model = "HDL-64E S2"
 position = [1.0, 0.0, 2.1]
-turn_every = 10
+turn_stride = 10
 parts = 1
 [[camera]]
 width = 640
@@ -45,33 +45,36 @@ ScenePairs simulated_pairs() {
   const auto made = simulate(folder / "drive", kScenario);
   EXPECT_TRUE(made) << made.error().message();
   auto pairs =
-      read_scene_pairs({.drives = {(folder / "drive").string()}, .scenes = 21}, [](double) {});
+      read_scene_pairs({.drives = {(folder / "drive").string()}, .max_scenes = 21}, [](double) {});
   EXPECT_TRUE(pairs && pairs->truth);
   return *std::move(pairs);
 }
 
 /// From half a degree and 3 cm off.
-CalibrationRun run(const ScenePairs& pairs, const calibration::NamedMeasure& measure) {
+CalibrationRun calibrate_perturbed(const ScenePairs& pairs,
+                                   const calibration::NamedMeasure& measure) {
   std::mt19937_64 random(1);
-  const Eigen::Isometry3d start = perturbed(*pairs.truth, 0.5 * M_PI / 180, 0.03, random);
-  return *run_calibration(pairs, measure, start, {});
+  const Eigen::Isometry3d initial_pose = perturb(*pairs.truth, 0.5 * M_PI / 180, 0.03, random);
+  return *run_calibration(pairs, measure, initial_pose, {});
 }
 
-geometry::ExtrinsicError error_of(const CalibrationRun& run, const ScenePairs& pairs) {
-  return geometry::extrinsic_error(run.result.T_head_lidar, *pairs.truth,
-                                   run.cameras.front().model);
+geometry::ExtrinsicError error_of(const CalibrationRun& calibrate_perturbed,
+                                  const ScenePairs& pairs) {
+  return geometry::extrinsic_error(calibrate_perturbed.result.T_refcam_lidar, *pairs.truth,
+                                   calibrate_perturbed.cameras.front().model);
 }
 
-TEST(SideCamera, DepthEdgesComeHome) {
+TEST(SideCamera, DepthEdgesConverge) {
   const ScenePairs pairs = simulated_pairs();
-  const auto edges = error_of(run(pairs, *calibration::find_measure("edges")), pairs);
+  const auto edges =
+      error_of(calibrate_perturbed(pairs, *calibration::find_measure("edges")), pairs);
   EXPECT_LT(edges.rotation, 0.2 * M_PI / 180);
   EXPECT_LT(edges.translation, 0.08);
 
   // A measure that is only compared is not called usable, however sure of itself.
   calibration::NamedMeasure joint = *calibration::find_measure("joint");
-  joint.only_compared = true;
-  const CalibrationRun both = run(pairs, joint);
+  joint.comparison_only = true;
+  const CalibrationRun both = calibrate_perturbed(pairs, joint);
   EXPECT_LT(error_of(both, pairs).rotation, 0.15 * M_PI / 180);
   EXPECT_LT(error_of(both, pairs).translation, 0.03);
   EXPECT_THAT(both.result.reason, testing::HasSubstr("there to be compared"));

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "fixtures/simulator/drive_writer.hpp"
-#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/pipeline/run_replay.hpp"
 
 namespace infuse::daemon {
 
@@ -47,12 +47,12 @@ position = [1.5, 0.0, 1.6]
 )");
 }
 
-inline std::string content(const std::filesystem::path& path) {
+inline std::string read_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-inline void write(const std::filesystem::path& path, const std::string& text) {
+inline void write_file(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 

@@ -11,7 +11,7 @@ namespace infuse::daemon {
 namespace {
 
 TEST(LatencyHistogram, IsEmptyAtFirst) {
-  const LatencyFigures figures = LatencyHistogram().figures();
+  const LatencyStats figures = LatencyHistogram().stats();
   EXPECT_EQ(figures.count, 0U);
   EXPECT_EQ(figures.max.count(), 0);
   EXPECT_EQ(figures.p99.count(), 0);
@@ -38,7 +38,7 @@ TEST(LatencyHistogram, QuantilesLieWithinASixteenthAboveTheSortedList) {
   EXPECT_EQ(histogram.figures().count, all.size());
 }
 
-TEST(LatencyHistogram, TakesTheWholeRangeOfDurations) {
+TEST(LatencyHistogram, AcceptsTheWholeRangeOfDurations) {
   LatencyHistogram histogram;
   histogram.add(Duration::max());
   histogram.add(Duration::min());

@@ -72,8 +72,8 @@ TEST_F(SensorHealthTest, SilenceIsStaleAfterThreeSecondsAndSaysSo) {
 
 TEST_F(SensorHealthTest, SilenceNamesWhoElseSends) {
   counters_.malformed = 12;
-  counters_.stranger = 10U << 24 | 7;
-  counters_.stranger_size = 512;
+  counters_.unexpected_sender = 10U << 24 | 7;
+  counters_.unexpected_size = 512;
   tick(false);
   tick(false);
   const SensorStatus& status = tick(false);
@@ -83,9 +83,9 @@ TEST_F(SensorHealthTest, SilenceNamesWhoElseSends) {
             "10.0.0.7");
 }
 
-TEST_F(SensorHealthTest, LossIsToldOnlyWhenItLastsAndTakenBackOnlyWhenItStaysAway) {
+TEST_F(SensorHealthTest, LossIsRaisedOnlyWhenItLastsAndClearedOnlyWhenItStaysAway) {
   settle();
-  const auto lose = [&](uint64_t packets) {
+  const auto tick_with_loss = [&](uint64_t packets) {
     deliver();
     counters_.lost_network += packets;
     return tick().level;
@@ -95,7 +95,7 @@ TEST_F(SensorHealthTest, LossIsToldOnlyWhenItLastsAndTakenBackOnlyWhenItStaysAwa
   EXPECT_EQ(lose(0), Level::kWarn);
   EXPECT_THAT(health_.update(at(second_), counters_).findings.at(0).what, HasSubstr("(100 of"));
   int warned = 0;
-  while (lose(0) == Level::kWarn) ++warned;
+  while (tick_with_loss(0) == Level::kWarn) ++warned;
   EXPECT_GE(warned, 5);  // while the loss is within the window, and for clear_after
   EXPECT_LE(warned, 14);
 }

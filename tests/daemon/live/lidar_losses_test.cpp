@@ -12,7 +12,8 @@ namespace {
 
 /// A second of a VLP-16 into an intake, without the packets `from` ... `to` − 1, of which the
 /// kernel says that it dropped `by_kernel`; and so many position packets.
-SensorCounters with_loss(uint64_t from, uint64_t to, uint64_t by_kernel, uint64_t positions = 0) {
+SensorCounters counters_with_loss(uint64_t from, uint64_t to, uint64_t by_kernel,
+                                  uint64_t positions = 0) {
   const auto path =
       std::filesystem::path(testing::TempDir()) / ("infuse-losses-" + std::to_string(getpid()));
   EXPECT_TRUE(
@@ -31,7 +32,7 @@ SensorCounters with_loss(uint64_t from, uint64_t to, uint64_t by_kernel, uint64_
     const uint64_t number = i++;
     if (number >= from && number < to) continue;
     if (number == to) intake.add_kernel_dropped(by_kernel, true);
-    intake.take(datagram, [](Sweep&) {});
+    intake.add_datagram(datagram, [](Sweep&) {});
     EXPECT_GE(intake.counters().lost_network, network_before);
     network_before = intake.counters().lost_network;
   }
@@ -39,20 +40,20 @@ SensorCounters with_loss(uint64_t from, uint64_t to, uint64_t by_kernel, uint64_
   return intake.counters();
 }
 
-TEST(LidarLosses, WhatTheKernelDroppedIsNotMissingInTheNetworkToo) {
-  const SensorCounters counters = with_loss(300, 350, 50);
+TEST(LidarLosses, KernelDropsAreNotCountedAsNetworkLoss) {
+  const SensorCounters counters = counters_with_loss(300, 350, 50);
   EXPECT_EQ(counters.lost_kernel, 50U);
   EXPECT_EQ(counters.lost_network, 0U);
 }
 
-TEST(LidarLosses, TheRestOfAGapIsTheNetworks) {
-  const SensorCounters counters = with_loss(300, 350, 30);
+TEST(LidarLosses, TheRestOfAGapIsNetworkLoss) {
+  const SensorCounters counters = counters_with_loss(300, 350, 30);
   EXPECT_EQ(counters.lost_kernel, 30U);
   EXPECT_EQ(counters.lost_network, 20U);
 }
 
-TEST(LidarLosses, PositionPacketsThatTheKernelDroppedHideNone) {
-  const SensorCounters counters = with_loss(300, 350, 0, 7);
+TEST(LidarLosses, DroppedPositionPacketsDoNotHideNetworkLoss) {
+  const SensorCounters counters = counters_with_loss(300, 350, 0, 7);
   EXPECT_EQ(counters.lost_kernel, 7U);
   EXPECT_EQ(counters.lost_network, 50U);
 }

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <regex>
 
-#include "drivers/recording/text_file.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -61,17 +61,17 @@ TEST_F(LiveSetupTest, SensorsAreMountedAsTheRigHasThem) {
       "[[camera]]\nname = \"front\"\ndevice = \"/dev/video0\"\n"
       "[[lidar]]\nname = \"top\"\nmodel = \"VLP-16\"\n"
       "[[can]]\nname = \"bus\"\ndbc = \"car.dbc\"\nsignals = { yaw_rate = \"ESP.YAW\" }\n"
-      "[gps]\ndevice = \"/dev/ttyUSB0\"\n");
+      "[gnss]\ndevice = \"/dev/ttyUSB0\"\n");
   ASSERT_TRUE(setup.has_value()) << setup.error().message();
   EXPECT_EQ(setup->delivery, Delivery::kOverwrite);
   ASSERT_EQ(setup->rig.lidars.size(), 1U);
   EXPECT_EQ(setup->rig.lidars[0].T_vehicle_lidar.translation().z(), 1.8);
   // The camera of the rig comes first; its size and delay are the rig's.
   ASSERT_EQ(setup->rig.cameras.size(), 1U);
-  ASSERT_EQ(setup->streams_of_cameras.size(), 2U);
-  EXPECT_EQ(setup->streams_of_cameras[0].device, "/dev/video0");
-  EXPECT_EQ(setup->streams_of_cameras[0].width, 640);
-  EXPECT_EQ(setup->streams_of_cameras[0].stamp_delay, from_seconds(0.004));
+  ASSERT_EQ(setup->camera_streams.size(), 2U);
+  EXPECT_EQ(setup->camera_streams[0].device, "/dev/video0");
+  EXPECT_EQ(setup->camera_streams[0].width, 640);
+  EXPECT_EQ(setup->camera_streams[0].stamp_delay, from_seconds(0.004));
   std::vector<std::string> kinds;
   for (const Device& device : setup->devices) kinds.push_back(device.kind + " " + device.name);
   EXPECT_THAT(kinds, testing::ElementsAre("lidar top", "camera front", "camera rear", "can bus",
@@ -83,21 +83,21 @@ TEST_F(LiveSetupTest, SensorsAreMountedAsTheRigHasThem) {
   EXPECT_TRUE(setup->vehicle.has_odometry());
 }
 
-TEST_F(LiveSetupTest, AReceiverMayBeConnectedToALidar) {
+TEST_F(LiveSetupTest, AGnssReceiverMayBeConnectedToALidar) {
   const std::string lidars =
       "[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\nsender = \"10.0.0.1\"\n"
       "[[lidar]]\nname = \"b\"\nmodel = \"VLP-16\"\nsender = \"10.0.0.2\"\n";
-  const auto setup = set_up(lidars + "[gps]\nlidar = \"b\"\n");
+  const auto setup = set_up(lidars + "[gnss]\nlidar = \"b\"\n");
   ASSERT_TRUE(setup.has_value()) << setup.error().message();
-  EXPECT_EQ(setup->lidar_of_gps, 1U);
+  EXPECT_EQ(setup->gnss_lidar, 1U);
   EXPECT_FALSE(setup->gps.has_value());
-  EXPECT_EQ(setup->devices.back().kind, "gps");
-  EXPECT_TRUE(setup->ports[1].is_of(1, 0x0A000002));
-  EXPECT_FALSE(setup->ports[1].is_of(1, 0x0A000001));
-  EXPECT_FALSE(set_up(lidars + "[gps]\nlidar = \"c\"\n").has_value());
+  EXPECT_EQ(setup->devices.back().kind, "gnss");
+  EXPECT_TRUE(setup->ports[1].is_from_lidar(1, 0x0A000002));
+  EXPECT_FALSE(setup->ports[1].is_from_lidar(1, 0x0A000001));
+  EXPECT_FALSE(set_up(lidars + "[gnss]\nlidar = \"c\"\n").has_value());
 }
 
-TEST_F(LiveSetupTest, LidarsThatShareAPortAreToldApartByTheirSenders) {
+TEST_F(LiveSetupTest, LidarsThatShareAPortAreDistinguishedBySender) {
   const auto setup = set_up(
       "[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\nsender = \"10.0.0.1\"\n"
       "[[lidar]]\nname = \"b\"\nmodel = \"VLP-16\"\nsender = \"10.0.0.2\"\n"
@@ -110,7 +110,7 @@ TEST_F(LiveSetupTest, LidarsThatShareAPortAreToldApartByTheirSenders) {
   EXPECT_EQ(setup->ports[2].lidar_of(0x0A000003), 2U);
 }
 
-TEST_F(LiveSetupTest, TheExamplesAreRight) {
+TEST_F(LiveSetupTest, TheExamplesAreValid) {
   std::ofstream(folder_ / "all.dbc") << "BO_ 1 WHEEL_SPEEDS: 8 X\n"
                                         " SG_ REAR_LEFT : 0|16@1+ (0.01,0) [0|0] \"m/s\" X\n"
                                         " SG_ REAR_RIGHT : 16|16@1+ (0.01,0) [0|0] \"m/s\" X\n"
@@ -139,7 +139,7 @@ TEST_F(LiveSetupTest, TheExamplesAreRight) {
   }
 }
 
-TEST_F(LiveSetupTest, SaysWhatCannotBe) {
+TEST_F(LiveSetupTest, ReportsInvalidConfigurations) {
   const std::pair<const char*, const char*> cases[] = {
       {"[[lidar]]\n", "has no model"},
       {"rig = \"none.toml\"\n", "none.toml"},

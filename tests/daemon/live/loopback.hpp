@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "daemon/live/live_setup.hpp"
-#include "drivers/receive/descriptor.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 #include "drivers/recording/pcap_reader.hpp"
 #include "fixtures/scene/capture.hpp"
 
@@ -37,11 +37,11 @@ inline uint64_t send_capture(uint16_t port) {
   const auto path =
       std::filesystem::path(testing::TempDir()) / ("infuse-live-" + std::to_string(getpid()));
   const auto made =
-      fixtures::make_capture(path, {.model = velodyne::Model::kVlp16, .length = from_seconds(1)});
+      fixtures::make_capture(path, {.model = velodyne::Model::kVlp16, .duration = from_seconds(1)});
   EXPECT_TRUE(made.has_value());
   auto reader = recording::PcapReader::open(path);
   EXPECT_TRUE(reader.has_value());
-  const receive::Descriptor socket(::socket(AF_INET, SOCK_DGRAM, 0));
+  const receive::FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM, 0));
   sockaddr_in receiver{};
   receiver.sin_family = AF_INET;
   receiver.sin_addr.s_addr = htonl(INADDR_LOOPBACK);

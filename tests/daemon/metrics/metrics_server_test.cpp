@@ -20,7 +20,7 @@ class MetricsServerTest : public testing::Test {
   MetricsServerTest() {
     path_ =
         std::filesystem::temp_directory_path() / ("infuse-metrics-" + std::to_string(::getpid()));
-    server_.set("infuse_up 1\n");
+    server_.set_text("infuse_up 1\n");
     EXPECT_TRUE(server_.listen(path_));
     thread_ = std::thread([this] { io_.run(); });
   }
@@ -30,16 +30,16 @@ class MetricsServerTest : public testing::Test {
   }
 
   /// All that is answered until the server hangs up.
-  static std::string answer(SocketClient& client) {
+  static std::string read_response(SocketClient& client) {
     std::string all;
-    while (const auto line = client.line()) all += *line + "\n";
+    while (const auto line = client.read_line()) all += *line + "\n";
     return all;
   }
-  std::string ask(const std::string& request) {
+  std::string send_request(const std::string& request) {
     SocketClient client(path_);
     EXPECT_TRUE(client.connected());
     client.send(request);
-    return answer(client);
+    return read_response(client);
   }
 
   boost::asio::io_context io_{1};
@@ -49,13 +49,13 @@ class MetricsServerTest : public testing::Test {
 };
 
 TEST_F(MetricsServerTest, AnswersAScrape) {
-  const std::string got = ask("GET /metrics HTTP/1.1\r\nHost: x\r\nAccept: */*\r\n\r\n");
+  const std::string got = send_request("GET /metrics HTTP/1.1\r\nHost: x\r\nAccept: */*\r\n\r\n");
   EXPECT_THAT(got, StartsWith("HTTP/1.1 200 OK\r\n"));
   EXPECT_THAT(got, HasSubstr("Content-Type: text/plain; version=0.0.4"));
   EXPECT_THAT(got, HasSubstr("Content-Length: 12\r\n"));
   EXPECT_THAT(got, HasSubstr("\r\n\r\ninfuse_up 1\n"));
   EXPECT_THAT(ask("GET /metrics?x=1 HTTP/1.0\r\n\r\n"), HasSubstr(" 200 OK"));
-  const std::string head = ask("HEAD /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+  const std::string head = send_request("HEAD /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_THAT(head, HasSubstr("Content-Length: 12\r\n"));
   EXPECT_EQ(head.find("infuse_up"), std::string::npos);
 }
@@ -93,7 +93,7 @@ TEST_F(MetricsServerTest, AThousandConnectionsLeaveItAsItWas) {
   std::string got;
   for (int i = 0; i < 100 && got.find("200 OK") == std::string::npos; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    got = ask("GET /metrics HTTP/1.1\r\n\r\n");
+    got = send_request("GET /metrics HTTP/1.1\r\n\r\n");
   }
   EXPECT_THAT(got, HasSubstr(" 200 OK"));
 }

@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-#include "daemon/metrics/figures.hpp"
+#include "daemon/metrics/metric_definitions.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -58,10 +58,10 @@ Scraped scrape(const std::string& text) {
 }
 
 /// Every path of HEALTH's schema below `schema` whose value is a number or a truth.
-void numbers_of(const Json& schema, const std::string& path, std::vector<std::string>& paths) {
+void collect_numbers(const Json& schema, const std::string& path, std::vector<std::string>& paths) {
   if (schema.contains("properties")) {
     for (const auto& [key, value] : schema["properties"].items()) {
-      numbers_of(value, path + "/" + key, paths);
+      collect_numbers(value, path + "/" + key, paths);
     }
   } else if (schema.contains("type")) {
     const Json& type = schema["type"];
@@ -69,28 +69,28 @@ void numbers_of(const Json& schema, const std::string& path, std::vector<std::st
   }
 }
 
-std::vector<std::string> paths_of(std::span<const Figure> figures) {
+std::vector<std::string> paths_of(std::span<const MetricDefinition> figures) {
   std::vector<std::string> paths;
-  for (const Figure& figure : figures) paths.push_back(figure.path);
+  for (const MetricDefinition& figure : figures) paths.push_back(figure.path);
   return paths;
 }
 
-TEST(MetricsText, HasEveryFigureOfTheSchema) {
+TEST(MetricsText, HasEveryNumberOfTheSchema) {
   std::ifstream file(std::string(INFUSE_SOURCE_DIR) + "/daemon/protocol/health.schema.json");
   const Json schema = Json::parse(file)["properties"];
-  const auto expect_all = [](const Json& table, std::span<const Figure> figures) {
+  const auto expect_all = [](const Json& table, std::span<const MetricDefinition> figures) {
     std::vector<std::string> numbers;
-    numbers_of(table, "", numbers);
+    collect_numbers(table, "", numbers);
     EXPECT_GT(numbers.size(), 2U);
     EXPECT_THAT(paths_of(figures), testing::IsSupersetOf(numbers));
   };
-  expect_all(schema["sensors"]["items"], lidar_figures());
-  expect_all(schema["streams"]["items"], stream_figures());
-  expect_all(schema["odometry"], odometry_figures());
-  expect_all(schema["streetmap"], streetmap_figures());
-  expect_all(schema["host"]["properties"]["stages"]["items"], stage_figures());
-  expect_all(schema["host"]["properties"]["queues"]["items"], queue_figures());
-  EXPECT_THAT(paths_of(report_figures()),
+  expect_all(schema["sensors"]["items"], lidar_metrics());
+  expect_all(schema["streams"]["items"], stream_metrics());
+  expect_all(schema["odometry"], odometry_metrics());
+  expect_all(schema["streetmap"], streetmap_metrics());
+  expect_all(schema["host"]["properties"]["stages"]["items"], stage_metrics());
+  expect_all(schema["host"]["properties"]["queues"]["items"], queue_metrics());
+  EXPECT_THAT(paths_of(report_metrics()),
               testing::UnorderedElementsAre("/stamp", "/drive_s", "/host/cpu_s"));
 }
 
@@ -104,11 +104,11 @@ const Json kHealth = Json::parse(R"({
   "streams":[{"device":"front","kind":"camera","level":"WARN","received":7,"findings":[]}],
   "odometry":{"level":"OK","usable":false,"speed":3.25,"findings":[]},
   "host":{"cpu_s":1.5,
-    "stages":[{"stage":"watch","count":5,"latency_ms":{"p50":0.5,"p99":2,"max":3},"deadline_misses":1}],
+    "stages":[{"stage":"monitor","count":5,"latency_ms":{"p50":0.5,"p99":2,"max":3},"deadline_misses":1}],
     "queues":[{"queue":"items","depth":1,"capacity":32,"lost":9}]}})");
 
 TEST(MetricsText, IsWhatAScraperReads) {
-  ProcessFigures process;
+  ProcessStats process;
   process.release = "0.1.0";
   process.alerts = 2;
   process.descriptors = 20;
@@ -157,7 +157,7 @@ TEST(MetricsText, PromtoolFindsNothingWrong) {
 }
 
 TEST(MetricsText, MeasuresThisProcess) {
-  ProcessFigures figures;
+  ProcessStats figures;
   measure_process(figures);
   EXPECT_GT(figures.resident_bytes, 1U << 20);
   EXPECT_GE(figures.descriptors, 3U);

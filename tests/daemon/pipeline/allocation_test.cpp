@@ -10,7 +10,7 @@
 #include <new>
 
 #include "fixtures/scene/capture.hpp"
-#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/pipeline/run_replay.hpp"
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
@@ -19,7 +19,7 @@ namespace {
 std::atomic<uint64_t> streaming_allocations{0};
 
 /// Whether this is the io or the fusion thread, by its name.
-bool streaming() {
+bool is_streaming_thread() {
   thread_local bool known = false;
   if (known) return true;
   char name[16] = {};
@@ -29,7 +29,7 @@ bool streaming() {
 }
 
 void* allocate(std::size_t size, std::size_t alignment) {
-  if (streaming()) streaming_allocations.fetch_add(1);
+  if (is_streaming_thread()) streaming_allocations.fetch_add(1);
   const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
   void* memory = std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
   if (memory == nullptr) throw std::bad_alloc();
@@ -58,15 +58,15 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { s
 namespace infuse::daemon {
 namespace {
 
-uint64_t allocations_of(velodyne::Model model, double seconds) {
+uint64_t count_allocations(velodyne::Model model, double seconds) {
   const TemporaryFolder folder;
   fixtures::CaptureOptions options;
   options.model = model;
-  options.length = from_seconds(seconds);
+  options.duration = from_seconds(seconds);
   options.loss = 0.01;
   EXPECT_TRUE(fixtures::make_capture(folder / "x.pcap", options));
   const uint64_t before = streaming_allocations;
-  const auto result = replayed(folder / "x.pcap");
+  const auto result = run_replay(folder / "x.pcap");
   EXPECT_TRUE(result);
   EXPECT_GT(result->totals.counters.at(0).sweeps, static_cast<uint64_t>(seconds) * 9);
   return streaming_allocations - before;
@@ -74,9 +74,9 @@ uint64_t allocations_of(velodyne::Model model, double seconds) {
 
 TEST(Allocation, NoneOnTheStreamingPathAfterWarmUp) {
   for (const auto model : {velodyne::Model::kHdl32e, velodyne::Model::kVlp16}) {
-    const uint64_t brief = allocations_of(model, 4);
+    const uint64_t brief = count_allocations(model, 4);
     EXPECT_GT(brief, 0U);  // the count works: warm-up does allocate
-    EXPECT_EQ(allocations_of(model, 12), brief);
+    EXPECT_EQ(count_allocations(model, 12), brief);
   }
 }
 

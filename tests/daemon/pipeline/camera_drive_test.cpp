@@ -1,12 +1,12 @@
-// Pictures and the bus beside a lidar, on threads of their own; what the drive says is made up, its
-// motion is known: it stands still.
+// Pictures and the bus beside a lidar, on threads of their own; what the drive says is synthetic,
+// its motion is known: it stands still.
 
 #include <gmock/gmock.h>
 #include <png.h>
 
 #include "drivers/recording/drive.hpp"
 #include "fixtures/scene/capture.hpp"
-#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/schema.hpp"
 
 namespace infuse::daemon {
@@ -17,7 +17,7 @@ using nlohmann::json;
 constexpr int64_t kStart = 1'700'000'600'000'000'000;
 constexpr int kWidth = 64, kHeight = 48;
 
-void write_picture(const std::filesystem::path& path, uint8_t grey) {
+void write_image(const std::filesystem::path& path, uint8_t grey) {
   const std::vector<uint8_t> pixels(static_cast<size_t>(kWidth) * kHeight, grey);
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
@@ -33,7 +33,7 @@ void make_drive(const std::filesystem::path& folder, int cameras) {
   std::filesystem::create_directories(folder);
   fixtures::CaptureOptions capture;
   capture.model = velodyne::Model::kVlp16;
-  capture.length = from_seconds(3);
+  capture.duration = from_seconds(3);
   ASSERT_TRUE(fixtures::make_capture(folder / "lidar.pcap", capture));
   recording::DriveDescription drive;
   drive.rig.lidars.push_back({.name = "top", .model = "VLP-16"});
@@ -58,7 +58,7 @@ void make_drive(const std::filesystem::path& folder, int cameras) {
       times << kStart + k * 100'000'000LL + i * 7'000'000 + 3'000'000 << "\n";
       char file[16];
       std::snprintf(file, sizeof(file), "%06d.png", k);
-      write_picture(folder / name / file, static_cast<uint8_t>(8 * k));
+      write_image(folder / name / file, static_cast<uint8_t>(8 * k));
     }
   }
   drive.imu = "imu.csv";
@@ -82,20 +82,20 @@ void make_drive(const std::filesystem::path& folder, int cameras) {
   ASSERT_TRUE(recording::write_drive(folder, drive));
 }
 
-TEST(CameraDrive, PicturesOfSeveralCamerasMeetTheirSweepsInOneOrderAtEveryRate) {
+TEST(CameraDrive, ImagesOfSeveralCamerasAreMatchedToSweepsInOneOrderAtEveryRate) {
   const TemporaryFolder folder;
   ASSERT_NO_FATAL_FAILURE(make_drive(folder / "drive", 3));
-  const auto fast = replayed(folder / "drive");
+  const auto fast = run_replay(folder / "drive");
   ASSERT_TRUE(fast) << fast.error().message();
   std::vector<int> frames(3);
-  int straight = 0, sweeps = 0;
+  int deskewed = 0, sweeps = 0;
   for (const std::string& line : fast->lines()) {
-    ASSERT_TRUE(valid_message(line));
+    ASSERT_TRUE(is_valid_message(line));
     const json report = json::parse(line);
     if (report["class"] == "SWEEP") {
       ++sweeps;
-      straight += report["straight"].get<bool>() ? 1 : 0;
-      if (report["straight"].get<bool>()) {
+      deskewed += report["deskewed"].get<bool>() ? 1 : 0;
+      if (report["deskewed"].get<bool>()) {
         EXPECT_LT(report["travelled"].get<double>(), 0.01);
       }
     }
@@ -110,11 +110,11 @@ TEST(CameraDrive, PicturesOfSeveralCamerasMeetTheirSweepsInOneOrderAtEveryRate) 
   EXPECT_EQ(replayed(folder / "drive", {.rate = 8})->reports, fast->reports);
 }
 
-TEST(CameraDrive, MayBeGivenUpWhilePicturesAreDecoded) {
+TEST(CameraDrive, CanBeStoppedWhileImagesAreDecoded) {
   const TemporaryFolder folder;
   ASSERT_NO_FATAL_FAILURE(make_drive(folder / "drive", 2));
   const auto result =
-      replayed(folder / "drive", {.rate = 1, .stop_after = std::chrono::milliseconds(300)});
+      run_replay(folder / "drive", {.rate = 1, .stop_after = std::chrono::milliseconds(300)});
   ASSERT_TRUE(result);
   EXPECT_TRUE(result->totals.ended);
   EXPECT_LT(result->totals.counters.at(0).packets, 3 * 754U);

@@ -9,7 +9,7 @@
 #include "drivers/recording/pcap_reader.hpp"
 #include "drivers/recording/pcap_writer.hpp"
 #include "fixtures/scene/capture.hpp"
-#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/schema.hpp"
 #include "tests/daemon/socket_client.hpp"
 #include "tests/real_data.hpp"
@@ -26,7 +26,7 @@ class ReplayTest : public testing::Test {
                               velodyne::Model model = velodyne::Model::kVlp16) {
     fixtures::CaptureOptions options;
     options.model = model;
-    options.length = from_seconds(seconds);
+    options.duration = from_seconds(seconds);
     options.loss = loss;
     const auto truth = fixtures::make_capture(path_, options);
     EXPECT_TRUE(truth);
@@ -57,7 +57,7 @@ class ReplayTest : public testing::Test {
 
 TEST_F(ReplayTest, EveryPacketAndReturnOfAGeneratedCaptureComesThrough) {
   const auto truth = make(3.05, 0, velodyne::Model::kHdl32e);
-  const auto result = replayed(path_);
+  const auto result = run_replay(path_);
   ASSERT_TRUE(result) << result.error().message();
   const SensorCounters& counters = result->totals.counters.at(0);
   EXPECT_EQ(counters.packets, truth.packets);
@@ -70,7 +70,7 @@ TEST_F(ReplayTest, EveryPacketAndReturnOfAGeneratedCaptureComesThrough) {
 
   uint64_t returns = 0, sweeps = 0, healths = 0;
   for (const std::string& line : result->lines()) {
-    ASSERT_TRUE(valid_message(line));
+    ASSERT_TRUE(is_valid_message(line));
     const json report = json::parse(line);
     EXPECT_FALSE(report.contains("host"));
     if (report["class"] == "HEALTH") ++healths;
@@ -83,10 +83,10 @@ TEST_F(ReplayTest, EveryPacketAndReturnOfAGeneratedCaptureComesThrough) {
   EXPECT_EQ(healths, 4U);  // three whole seconds, and the end
 }
 
-TEST_F(ReplayTest, LostPacketsAreCountedAndTold) {
+TEST_F(ReplayTest, LostPacketsAreCountedAndReported) {
   const auto truth = make(8, 0.08);
   ASSERT_GT(truth.lost, 100U);
-  const auto result = replayed(path_);
+  const auto result = run_replay(path_);
   ASSERT_TRUE(result);
   const SensorCounters& counters = result->totals.counters.at(0);
   EXPECT_EQ(counters.packets, truth.packets);
@@ -98,11 +98,11 @@ TEST_F(ReplayTest, LostPacketsAreCountedAndTold) {
 
 TEST_F(ReplayTest, TheSameBytesAtEveryRateAndWithASlowClient) {
   make(1.5, 0.01);
-  const auto fastest = replayed(path_);
+  const auto fastest = run_replay(path_);
   ASSERT_TRUE(fastest);
   ASSERT_GT(fastest->lines().size(), 15U);
   for (const double rate : {10.0, 1.0}) {
-    const auto slower = replayed(path_, {.rate = rate});
+    const auto slower = run_replay(path_, {.rate = rate});
     ASSERT_TRUE(slower);
     EXPECT_EQ(slower->reports, fastest->reports) << rate;
   }
@@ -118,7 +118,7 @@ TEST_F(ReplayTest, TheSameBytesAtEveryRateAndWithASlowClient) {
       break;
     }
   });
-  const auto watched = replayed(path_, {.rate = 10, .socket = folder_ / "s"});
+  const auto watched = run_replay(path_, {.rate = 10, .socket = folder_ / "s"});
   slow.join();
   ASSERT_TRUE(watched);
   EXPECT_EQ(watched->reports, fastest->reports);
@@ -135,16 +135,16 @@ TEST_F(ReplayTest, AWatcherSeesEveryReportWithHostFigures) {
         continue;
       }
       client.send("{\"op\":\"watch\"}\n");
-      while (const auto line = client.line()) seen.push_back(*line);
+      while (const auto line = client.read_line()) seen.push_back(*line);
       break;
     }
   });
-  const auto result = replayed(path_, {.rate = 4, .socket = folder_ / "s"});
+  const auto result = run_replay(path_, {.rate = 4, .socket = folder_ / "s"});
   watcher.join();
   ASSERT_TRUE(result);
   int sweeps = 0, healths = 0;
   for (const std::string& line : seen) {
-    ASSERT_TRUE(valid_message(line));
+    ASSERT_TRUE(is_valid_message(line));
     const json report = json::parse(line);
     sweeps += report["class"] == "SWEEP";
     if (report["class"] != "HEALTH") continue;
@@ -159,7 +159,7 @@ TEST_F(ReplayTest, AWatcherSeesEveryReportWithHostFigures) {
 TEST_F(ReplayTest, SilenceRaisesAnAlertThatIsClearedWhenPacketsComeBack) {
   make(12);
   const auto path = without([](double s, const Datagram&) { return s > 2 && s < 8; });
-  const auto result = replayed(path);
+  const auto result = run_replay(path);
   ASSERT_TRUE(result);
   std::vector<json> alerts;
   for (const std::string& line : result->lines()) {
@@ -175,8 +175,8 @@ TEST_F(ReplayTest, SilenceRaisesAnAlertThatIsClearedWhenPacketsComeBack) {
 
 TEST_F(ReplayTest, AStopComesSoonAndTheReportsAreTheBeginningOfAll) {
   make(20);
-  const auto whole = replayed(path_);
-  const auto part = replayed(path_, {.rate = 1, .stop_after = std::chrono::milliseconds(300)});
+  const auto whole = run_replay(path_);
+  const auto part = run_replay(path_, {.rate = 1, .stop_after = std::chrono::milliseconds(300)});
   ASSERT_TRUE(whole && part);
   EXPECT_TRUE(part->totals.ended);
   const auto all = whole->lines();
@@ -190,14 +190,14 @@ TEST_F(ReplayTest, AStopComesSoonAndTheReportsAreTheBeginningOfAll) {
 TEST_F(ReplayTest, ATruncatedCaptureGivesWhatIsWholeAndSaysWhereItEnds) {
   make(2);
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2 + 7);
-  const auto result = replayed(path_);
+  const auto result = run_replay(path_);
   ASSERT_TRUE(result);
   EXPECT_NEAR(static_cast<double>(result->totals.counters.at(0).packets), 754, 20);
   EXPECT_FALSE(result->notes.empty());
 }
 
 TEST_F(ReplayTest, WhatIsNoDriveIsAnErrorThatSaysWhy) {
-  const auto absent = replayed(folder_ / "absent.pcap");
+  const auto absent = run_replay(folder_ / "absent.pcap");
   ASSERT_FALSE(absent);
   EXPECT_THAT(absent.error().message(), HasSubstr("absent.pcap"));
   std::ofstream(folder_ / "text.pcap") << "this is no capture, but it is long enough to look into";
@@ -209,7 +209,7 @@ TEST_F(ReplayTest, WhatIsNoDriveIsAnErrorThatSaysWhy) {
   make(0.5);
   const auto positions =
       without([](double, const Datagram& d) { return d.payload.size() == 1206; });
-  const auto none = replayed(positions);
+  const auto none = run_replay(positions);
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().message(), HasSubstr("no lidar packets"));
   EXPECT_THAT(none.error().message(), HasSubstr("512 bytes from 192.168.1.201 to port 8308"));
@@ -227,7 +227,7 @@ TEST_F(ReplayTest, ManyDamagedCapturesEndWithAResultOrAReason) {
       bytes[random() % (edits % 2 == 0 ? bytes.size() : 2000)] = static_cast<char>(random());
     }
     std::ofstream(damaged, std::ios::binary) << bytes;
-    const auto result = replayed(damaged);
+    const auto result = run_replay(damaged);
     if (result) {
       EXPECT_TRUE(result->totals.ended);
     } else {
@@ -248,7 +248,7 @@ class RealReplay : public testing::TestWithParam<RealCapture> {};
 // Packet counts are those of the captures' own index, read from the bytes.
 TEST_P(RealReplay, ComesThroughWhole) {
   INFUSE_REAL_DATA_OR_SKIP(path, std::string("velodyne/") + GetParam().file);
-  const auto result = replayed(path);
+  const auto result = run_replay(path);
   ASSERT_TRUE(result) << result.error().message();
   const SensorCounters& counters = result->totals.counters.at(0);
   EXPECT_EQ(result->devices.at(0).model, GetParam().model);
@@ -256,7 +256,7 @@ TEST_P(RealReplay, ComesThroughWhole) {
   EXPECT_EQ(counters.position_packets, GetParam().position_packets);
   EXPECT_EQ(counters.lost_network, 0U);
   EXPECT_TRUE(result->notes.empty());
-  for (const std::string& line : result->lines()) EXPECT_TRUE(valid_message(line));
+  for (const std::string& line : result->lines()) EXPECT_TRUE(is_valid_message(line));
   if (std::string(GetParam().file) == "hdl32e-monterey.pcap") {
     EXPECT_EQ(counters.returns, 872'800U);
   }

@@ -20,7 +20,7 @@ const std::vector<Device> kDevices = {
     {"rear", "lidar", "VLP-16", "the packets say so", "port 2369", std::nullopt}};
 
 json checked(const std::string& line) {
-  EXPECT_TRUE(valid_message(line));
+  EXPECT_TRUE(is_valid_message(line));
   EXPECT_EQ(line.find('\n'), std::string::npos);
   return json::parse(line);
 }
@@ -65,7 +65,7 @@ TEST(Messages, AFrameWithoutASweepSaysWhyAndNothingOfASweep) {
   const json whole = checked(frame_message(report, cameras));
   EXPECT_EQ(whole["device"], "front");
   EXPECT_EQ(whole["points_in_view"], 1234);
-  EXPECT_EQ(whole["straight"], true);
+  EXPECT_EQ(whole["deskewed"], true);
   report.reason = "no sweep was taken near this picture";
   const json apart = checked(frame_message(report, cameras));
   EXPECT_FALSE(apart.contains("points_in_view"));
@@ -86,17 +86,17 @@ TEST(Messages, APoseIsSixteenNumbersByRow) {
   EXPECT_EQ(checked(pose_message(report))["usable"], false);
 }
 
-TEST(Messages, ACalibrationTellsOnlyWhatIsKnown) {
+TEST(Messages, ACalibrationReportsOnlyWhatIsKnown) {
   CalibrationReport report;
   report.camera = "front";
-  report.state = "WATCHING";
+  report.state = "MONITORING";
   report.policy = "alert-only";
   const json young = checked(calibration_message(report));
   EXPECT_FALSE(young.contains("evidence"));
   EXPECT_FALSE(young.contains("estimate"));
   report.axis = "rotation about y";
-  report.evidence_needed = 17;
-  report.deviation[2] = std::numeric_limits<double>::infinity();
+  report.evidence_threshold = 17;
+  report.offset_sigma[2] = std::numeric_limits<double>::infinity();
   report.has_estimate = true;
   report.estimate_reason = "two halves of the scenes disagree";
   report.history.push_back(
@@ -126,7 +126,7 @@ TEST(Messages, HealthHasTheWorstLevelAndHostFiguresOnlyWhenGiven) {
   EXPECT_EQ(plain["sensors"][1]["clock"]["reason"], "settling");
   EXPECT_FALSE(plain["sensors"][1]["clock"].contains("skew_ppm"));
 
-  HostFigures host;
+  HostStats host;
   host.cpu_s = 1.5;
   host.stages.push_back(
       {"decode", {7, from_seconds(1e-3), from_seconds(2e-3), from_seconds(1)}, 2});
@@ -153,7 +153,7 @@ TEST(Messages, ARecordingSaysWhyItEndedWhereItDidByItself) {
   RecordReport report;
   report.name = "street";
   report.folder = "/var/lib/infuse/drives/street";
-  report.why = "asked for";
+  report.cause = "requested";
   report.drives = 1;
   report.duration = from_seconds(1.5);
   const json begun = checked(record_message(report));
@@ -179,16 +179,16 @@ TEST(Messages, RepliesAreValid) {
 TEST(Messages, TextThatIsNotUtf8IsMended) {
   std::vector<Device> devices = kDevices;
   devices[0].model_reason = "a \xff b";
-  EXPECT_TRUE(valid_message(devices_message(kStamp, devices)));
+  EXPECT_TRUE(is_valid_message(devices_message(kStamp, devices)));
 }
 
 TEST(Messages, TheSchemasRefuseWhatIsWrong) {
-  EXPECT_FALSE(valid_message(R"({"class":"ACK"})"));
-  EXPECT_FALSE(valid_message(R"({"class":"ACK","op":null})"));
-  EXPECT_FALSE(valid_message(R"({"class":"ACK","op":"poll","more":1})"));
-  EXPECT_FALSE(valid_message(R"({"class":"LOST","stamp":1.5,"reports":1})"));
-  EXPECT_FALSE(valid_message(R"({"class":"LOST","stamp":1,"reports":0})"));
-  EXPECT_FALSE(valid_message("[]"));
+  EXPECT_FALSE(is_valid_message(R"({"class":"ACK"})"));
+  EXPECT_FALSE(is_valid_message(R"({"class":"ACK","op":null})"));
+  EXPECT_FALSE(is_valid_message(R"({"class":"ACK","op":"poll","more":1})"));
+  EXPECT_FALSE(is_valid_message(R"({"class":"LOST","stamp":1.5,"reports":1})"));
+  EXPECT_FALSE(is_valid_message(R"({"class":"LOST","stamp":1,"reports":0})"));
+  EXPECT_FALSE(is_valid_message("[]"));
 }
 
 }  // namespace

@@ -10,9 +10,9 @@
 #include <random>
 
 #include "daemon/record/recorder.hpp"
-#include "drivers/camera/picture.hpp"
+#include "drivers/camera/image_decoder.hpp"
 #include "drivers/recording/drive_source.hpp"
-#include "tests/daemon/pipeline/replayed.hpp"
+#include "tests/daemon/pipeline/run_replay.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -21,10 +21,10 @@ using testing::HasSubstr;
 
 constexpr int64_t kStart = 1'700'000'000'000'000'000;
 
-template <class Head>
-std::vector<uint8_t> body_of(const Head& head, std::span<const uint8_t> rest = {}) {
-  const auto* bytes = reinterpret_cast<const uint8_t*>(&head);
-  std::vector<uint8_t> body(bytes, bytes + sizeof(head));
+template <class Header>
+std::vector<uint8_t> body_of(const Header& header, std::span<const uint8_t> rest = {}) {
+  const auto* bytes = reinterpret_cast<const uint8_t*>(&header);
+  std::vector<uint8_t> body(bytes, bytes + sizeof(header));
   body.insert(body.end(), rest.begin(), rest.end());
   return body;
 }
@@ -37,11 +37,11 @@ class RecordingTest : public testing::Test {
     std::ofstream(folder_ / "car.dbc") << "VERSION \"\"\n";
     plan_.directory = folder_ / "drives";
     plan_.name = "d";
-    plan_.why = "asked for";
+    plan_.cause = "requested";
     plan_.from = Stamp::from_ns(kStart);
     plan_.until = Stamp::latest();
-    plan_.longest = from_seconds(1000);
-    plan_.largest = uint64_t{1} << 40;
+    plan_.max_duration = from_seconds(1000);
+    plan_.max_bytes = uint64_t{1} << 40;
     recording::DriveDescription& drive = plan_.description;
     drive.rig.lidars.push_back({"top", "VLP-16"});
     drive.lidars.push_back({.packets = "lidar.pcap"});
@@ -59,7 +59,7 @@ class RecordingTest : public testing::Test {
     drive.can.emplace();
     drive.can->log = "can.log";
     drive.can->dbc = "vehicle.dbc";
-    drive.gps = "gps.csv";
+    drive.gnss = "gnss.csv";
     plan_.copies = {{folder_ / "car.dbc", "vehicle.dbc"}};
   }
 
@@ -69,24 +69,24 @@ class RecordingTest : public testing::Test {
     return *std::move(recording);
   }
 
-  static void take(Recording& recording, int64_t offset_ns, RecordKind kind,
-                   std::span<const uint8_t> body, uint32_t source = 0) {
-    recording.take({{kStart + offset_ns, kind, source, body.size()}, body});
+  static void add(Recording& recording, int64_t offset_ns, RecordKind kind,
+                  std::span<const uint8_t> body, uint32_t source = 0) {
+    recording.add({{kStart + offset_ns, kind, source, body.size()}, body});
   }
 
   /// A datagram whose payload tells its number.
-  static void take_datagram(Recording& recording, uint32_t number, int64_t offset_ns) {
+  static void add_datagram(Recording& recording, uint32_t number, int64_t offset_ns) {
     std::vector<uint8_t> payload(1206, static_cast<uint8_t>(number));
     std::memcpy(payload.data(), &number, sizeof(number));
-    take(recording, offset_ns, RecordKind::kDatagram,
-         body_of(DatagramHead{0xC0A801C9, 2368, 2368}, payload));
+    add(recording, offset_ns, RecordKind::kDatagram,
+        body_of(DatagramHeader{0xC0A801C9, 2368, 2368}, payload));
   }
 
-  static void take_picture(Recording& recording, uint32_t camera, uint64_t sequence,
-                           camera::RawFormat format, std::span<const uint8_t> pixels,
-                           uint64_t row_bytes, int64_t offset_ns) {
-    take(recording, offset_ns, RecordKind::kPicture,
-         body_of(PictureHead{sequence, row_bytes, 8, 6, format}, pixels), camera);
+  static void add_image(Recording& recording, uint32_t camera, uint64_t sequence,
+                        camera::RawFormat format, std::span<const uint8_t> pixels,
+                        uint64_t row_bytes, int64_t offset_ns) {
+    add(recording, offset_ns, RecordKind::kImage,
+        body_of(ImageHeader{sequence, row_bytes, 8, 6, format}, pixels), camera);
   }
 
   /// Every event of a drive.
@@ -124,25 +124,25 @@ class RecordingTest : public testing::Test {
   std::vector<Error> notes_;
 };
 
-TEST_F(RecordingTest, ADriveOfEverythingReadsBackToTheSame) {
+TEST_F(RecordingTest, AllKindsOfRecordsReadBackUnchanged) {
   Recording recording = begin();
-  take_datagram(recording, 7, 1'000'001);
+  add_datagram(recording, 7, 1'000'001);
   vehicle::CanFrame frame;
   frame.set_interface("can1");
   frame.stamp = Stamp::from_ns(kStart + 2'000'000);
   frame.id = 0x123;
   frame.length = 2;
   frame.data = {0xAB, 0xCD};
-  take(recording, 2'000'000, RecordKind::kCanFrame, body_of(frame));
-  GpsFix fix;
+  add(recording, 2'000'000, RecordKind::kCanFrame, body_of(frame));
+  GnssFix fix;
   fix.stamp = Stamp::from_ns(kStart + 3'000'000);
   fix.latitude = 0.9;
   fix.longitude = 0.2;
   fix.valid = true;
-  take(recording, 3'000'000, RecordKind::kFix, body_of(fix));
+  add(recording, 3'000'000, RecordKind::kGnssFix, body_of(fix));
   const std::vector<uint8_t> grey(48, 77);
-  take_picture(recording, 1, 500, camera::RawFormat::kGrey, grey, 8, 4'000'000);
-  take_picture(recording, 1, 502, camera::RawFormat::kGrey, grey, 8, 5'000'000);
+  add_image(recording, 1, 500, camera::RawFormat::kGrey, grey, 8, 4'000'000);
+  add_image(recording, 1, 502, camera::RawFormat::kGrey, grey, 8, 5'000'000);
   recording.end("");
   const RecordReport& report = recording.report();
   EXPECT_TRUE(report.ended);
@@ -161,7 +161,7 @@ TEST_F(RecordingTest, ADriveOfEverythingReadsBackToTheSame) {
   EXPECT_EQ(datagram.datagram.sender, 0xC0A801C9U);
   EXPECT_EQ(numbers_, std::vector<uint32_t>{7});
   EXPECT_EQ(lines_, std::vector<std::string>{"(1700000000.002000) can1 123#ABCD"});
-  EXPECT_NEAR(std::get<GpsFix>(all[2].content).latitude, 0.9, 1e-15);
+  EXPECT_NEAR(std::get<GnssFix>(all[2].content).latitude, 0.9, 1e-15);
   // The stamp is that of the exposure, whatever the camera's delay; a frame between was lost.
   EXPECT_EQ(all[3].stamp.ns(), kStart + 4'000'000);
   EXPECT_EQ(std::get<recording::ImageEvent>(all[3].content).sequence, 0U);
@@ -170,7 +170,7 @@ TEST_F(RecordingTest, ADriveOfEverythingReadsBackToTheSame) {
 }
 
 // What a replay decodes is what the pipeline unpacks.
-TEST_F(RecordingTest, PicturesOfEveryFormatAreThoseOfThePipeline) {
+TEST_F(RecordingTest, ImagesOfEveryFormatDecodeAsInThePipeline) {
   std::mt19937 random(3);
   std::vector<uint8_t> bytes(8 * 6 * 3 + 64);
   for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random());
@@ -183,7 +183,7 @@ TEST_F(RecordingTest, PicturesOfEveryFormatAreThoseOfThePipeline) {
     plan_.name = camera::name_of(format);
     Recording recording = begin();
     const size_t row = camera::packed_row_bytes(format, 8) + 3;  // padded
-    take_picture(recording, 0, 1, format, std::span(bytes).first(row * 6), row, 1000);
+    add_image(recording, 0, 1, format, std::span(bytes).first(row * 6), row, 1000);
     recording.end("");
     files_.clear();
     events(plan_.name);
@@ -196,17 +196,17 @@ TEST_F(RecordingTest, PicturesOfEveryFormatAreThoseOfThePipeline) {
     const std::span<const uint8_t> encoded(reinterpret_cast<const uint8_t*>(file.data()),
                                            file.size());
     ASSERT_TRUE(
-        camera::decode_picture(encoded, {.bayer = reading.mosaic, .grey = reading.grey}, replayed));
+        camera::decode_image(encoded, {.bayer = reading.mosaic, .grey = reading.grey}, replayed));
     ASSERT_TRUE(camera::unpack({format, 8, 6, row, std::span(bytes).first(row * 6)}, true, live));
     EXPECT_EQ(replayed.format, live.format);
     EXPECT_EQ(replayed.pixels, live.pixels);
   }
 }
 
-TEST_F(RecordingTest, MotionJpegIsKeptAsItCame) {
+TEST_F(RecordingTest, MotionJpegIsStoredUnchanged) {
   Recording recording = begin();
   const std::vector<uint8_t> jpeg = {0xFF, 0xD8, 1, 2, 3, 0xFF, 0xD9};
-  take_picture(recording, 0, 1, camera::RawFormat::kMjpeg, jpeg, 0, 1000);
+  add_image(recording, 0, 1, camera::RawFormat::kMjpeg, jpeg, 0, 1000);
   recording.end("");
   events("d");
   ASSERT_EQ(files_.size(), 1U);
@@ -218,9 +218,9 @@ TEST_F(RecordingTest, MotionJpegIsKeptAsItCame) {
 }
 
 TEST_F(RecordingTest, EndsAtItsBounds) {
-  plan_.longest = std::chrono::milliseconds(10);
+  plan_.max_duration = std::chrono::milliseconds(10);
   Recording by_time = begin();
-  for (uint32_t i = 0; i < 20; ++i) take_datagram(by_time, i, i * 1'000'000);
+  for (uint32_t i = 0; i < 20; ++i) add_datagram(by_time, i, i * 1'000'000);
   EXPECT_TRUE(by_time.report().ended);
   EXPECT_FALSE(by_time.report().failed);
   EXPECT_THAT(by_time.report().reason, HasSubstr("long"));
@@ -228,28 +228,28 @@ TEST_F(RecordingTest, EndsAtItsBounds) {
   EXPECT_EQ(numbers_.size(), 11U);
 
   plan_.name = "e";
-  plan_.longest = from_seconds(100);
-  plan_.largest = 100'000;
+  plan_.max_duration = from_seconds(100);
+  plan_.max_bytes = 100'000;
   Recording by_size = begin();
-  for (uint32_t i = 0; i < 200; ++i) take_datagram(by_size, i, i * 1'000);
+  for (uint32_t i = 0; i < 200; ++i) add_datagram(by_size, i, i * 1'000);
   EXPECT_TRUE(by_size.report().ended);
   EXPECT_THAT(by_size.report().reason, HasSubstr("large"));
   EXPECT_LT(by_size.report().bytes, 102'000U);
   EXPECT_EQ(std::filesystem::file_size(plan_.directory / "e" / "lidar.pcap") +
                 std::filesystem::file_size(plan_.directory / "e" / "vehicle.dbc") +
-                std::filesystem::file_size(plan_.directory / "e" / "gps.csv") +
+                std::filesystem::file_size(plan_.directory / "e" / "gnss.csv") +
                 std::filesystem::file_size(plan_.directory / "e" / "camera_left/times.csv") +
                 std::filesystem::file_size(plan_.directory / "e" / "camera_right/times.csv"),
             by_size.report().bytes);
 }
 
-TEST_F(RecordingTest, TakesNothingOfAnotherTime) {
+TEST_F(RecordingTest, IgnoresRecordsOutsideItsTime) {
   plan_.until = Stamp::from_ns(kStart + 5'000);
   Recording recording = begin();
   for (int64_t offset = -3; offset < 10; ++offset) {
-    take_datagram(recording, static_cast<uint32_t>(offset + 10), offset * 1'000);
+    add_datagram(recording, static_cast<uint32_t>(offset + 10), offset * 1'000);
   }
-  recording.look_after(Stamp::from_ns(kStart) + from_seconds(3), 4, true);
+  recording.flush_and_check(Stamp::from_ns(kStart) + from_seconds(3), 4, true);
   EXPECT_TRUE(recording.report().ended);
   EXPECT_EQ(recording.report().lost, 4U);
   EXPECT_EQ(recording.report().reason, "");
@@ -257,15 +257,15 @@ TEST_F(RecordingTest, TakesNothingOfAnotherTime) {
   EXPECT_EQ(numbers_, (std::vector<uint32_t>{10, 11, 12, 13, 14, 15}));
 }
 
-TEST_F(RecordingTest, OneThatIsBehindGetsAllThatIsToBeInIt) {
+TEST_F(RecordingTest, ALateWriterStillGetsAllItsRecords) {
   plan_.until = Stamp::from_ns(kStart + 5'000);
   Recording recording = begin();
-  take_datagram(recording, 1, 1'000);
-  recording.look_after(Stamp::from_ns(kStart) + from_seconds(3), 0, false);
+  add_datagram(recording, 1, 1'000);
+  recording.flush_and_check(Stamp::from_ns(kStart) + from_seconds(3), 0, false);
   EXPECT_FALSE(recording.report().ended);
-  take_datagram(recording, 2, 2'000);
+  add_datagram(recording, 2, 2'000);
   // What comes now is so late that nothing can be missing any more.
-  take_datagram(recording, 3, 2'000'000'000);
+  add_datagram(recording, 3, 2'000'000'000);
   EXPECT_TRUE(recording.report().ended);
   EXPECT_EQ(recording.report().reason, "");
   events("d");
@@ -275,7 +275,7 @@ TEST_F(RecordingTest, OneThatIsBehindGetsAllThatIsToBeInIt) {
 TEST_F(RecordingTest, SplitsIntoDrivesThatLoseNothing) {
   plan_.split_bytes = 30'000;
   Recording recording = begin();
-  for (uint32_t i = 0; i < 100; ++i) take_datagram(recording, i, i * 1'000);
+  for (uint32_t i = 0; i < 100; ++i) add_datagram(recording, i, i * 1'000);
   recording.end("");
   const uint32_t drives = recording.report().drives;
   EXPECT_GT(drives, 3U);
@@ -286,21 +286,21 @@ TEST_F(RecordingTest, SplitsIntoDrivesThatLoseNothing) {
 
   plan_.name = "t";
   plan_.split_bytes = 0;
-  plan_.split = std::chrono::milliseconds(1);
+  plan_.split_duration = std::chrono::milliseconds(1);
   Recording by_time = begin();
-  for (uint32_t i = 0; i < 30; ++i) take_datagram(by_time, i, i * 100'000);
+  for (uint32_t i = 0; i < 30; ++i) add_datagram(by_time, i, i * 100'000);
   EXPECT_EQ(by_time.report().drives, 3U);
 }
 
-TEST_F(RecordingTest, NeverWritesOverAnother) {
+TEST_F(RecordingTest, NeverOverwritesAnother) {
   Recording first = begin();
   const auto second = Recording::begin(plan_, Stamp::from_ns(kStart));
   ASSERT_FALSE(second.has_value());
   EXPECT_THAT(second.error().message(), HasSubstr("is there already"));
 }
 
-TEST_F(RecordingTest, LeavesRoomOnTheDisk) {
-  plan_.min_free = uint64_t{1} << 62;
+TEST_F(RecordingTest, KeepsTheMinimumFreeSpace) {
+  plan_.min_free_bytes = uint64_t{1} << 62;
   const auto refused = Recording::begin(plan_, Stamp::from_ns(kStart));
   ASSERT_FALSE(refused.has_value());
   EXPECT_THAT(refused.error().message(), HasSubstr("are to stay free"));
@@ -322,13 +322,13 @@ class FileLimit {
   rlimit before_{};
 };
 
-TEST_F(RecordingTest, AFullDiskEndsItAndWhatIsThereIsWhole) {
+TEST_F(RecordingTest, AFullDiskEndsItAndLeavesAValidDrive) {
   Recording recording = begin();
   {
     const FileLimit limit(50'123);
     for (uint32_t i = 0; i < 1000 && !recording.report().ended; ++i) {
-      take_datagram(recording, i, i * 1'000);
-      if (i % 7 == 0) recording.look_after(Stamp::from_ns(kStart), 0, true);
+      add_datagram(recording, i, i * 1'000);
+      if (i % 7 == 0) recording.flush_and_check(Stamp::from_ns(kStart), 0, true);
     }
   }
   EXPECT_TRUE(recording.report().ended);
@@ -348,8 +348,8 @@ TEST_F(RecordingTest, AFullDiskCutsNoLineOfTheBus) {
     frame.length = 8;
     for (int i = 0; i < 1000 && !recording.report().ended; ++i) {
       frame.stamp = Stamp::from_ns(kStart + i * 1'000);
-      take(recording, i * 1'000, RecordKind::kCanFrame, body_of(frame));
-      if (i % 5 == 4) recording.look_after(Stamp::from_ns(kStart), 0, true);
+      add(recording, i * 1'000, RecordKind::kCanFrame, body_of(frame));
+      if (i % 5 == 4) recording.flush_and_check(Stamp::from_ns(kStart), 0, true);
     }
   }
   EXPECT_TRUE(recording.report().failed);
@@ -359,7 +359,7 @@ TEST_F(RecordingTest, AFullDiskCutsNoLineOfTheBus) {
 }
 
 // Killed at any moment, what was handed to the system is a drive.
-TEST_F(RecordingTest, ADriveIsWholeWhereverTheProcessWasKilled) {
+TEST_F(RecordingTest, ADriveIsValidWheneverTheProcessIsKilled) {
   std::mt19937 random(11);
   const std::vector<uint8_t> grey(48, 77);
   for (int round = 0; round < 12; ++round) {
@@ -369,9 +369,9 @@ TEST_F(RecordingTest, ADriveIsWholeWhereverTheProcessWasKilled) {
     if (child == 0) {
       auto recording = Recording::begin(plan_, Stamp::from_ns(kStart));
       for (uint32_t i = 0;; ++i) {
-        take_datagram(*recording, i, i * 1'000);
-        take_picture(*recording, 0, i, camera::RawFormat::kGrey, grey, 8, i * 1'000);
-        if (i % 16 == 0) recording->look_after(Stamp::from_ns(kStart), 0, true);
+        add_datagram(*recording, i, i * 1'000);
+        add_image(*recording, 0, i, camera::RawFormat::kGrey, grey, 8, i * 1'000);
+        if (i % 16 == 0) recording->flush_and_check(Stamp::from_ns(kStart), 0, true);
       }
     }
     while (!std::filesystem::exists(plan_.directory / plan_.name / "camera_left/000001.png")) {

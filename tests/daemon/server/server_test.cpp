@@ -70,9 +70,9 @@ class ServerTest : public testing::Test {
   }
 
   json next(SocketClient& client) {
-    const auto line = client.line();
+    const auto line = client.read_line();
     if (!line) return json{{"class", "nothing came"}};
-    EXPECT_TRUE(valid_message(*line));
+    EXPECT_TRUE(is_valid_message(*line));
     return json::parse(*line);
   }
 
@@ -139,14 +139,14 @@ TEST_F(ServerTest, RequestsThatCannotBeCarriedOutAreRefusedWithAReason) {
   EXPECT_EQ(next(client)["op"], "poll");
 }
 
-TEST_F(ServerTest, WhatChangesTheDaemonIsTakenFromItsOwnerOnly) {
+TEST_F(ServerTest, ControlRequestsAreAcceptedFromTheOwnerOnly) {
   start({});
-  std::vector<std::string> asked;
+  std::vector<std::string> requests;
   uint16_t port = 0;
   on_server([&] {
     port = *server_->listen_tcp(0);
     server_->on_control([&](const Request& request) -> Result<void> {
-      asked.push_back(std::string(name_of(request.op)) + " " + request.device);
+      requests.push_back(std::string(name_of(request.op)) + " " + request.device);
       if (request.device == "none") return fail("there is no camera 'none'", "", "ask status");
       return {};
     });
@@ -163,13 +163,13 @@ TEST_F(ServerTest, WhatChangesTheDaemonIsTakenFromItsOwnerOnly) {
   EXPECT_EQ(answer["op"], "rollback");
   EXPECT_EQ(answer["what"], "there is no camera 'none'");
 
-  boost::asio::ip::tcp::iostream stranger("127.0.0.1", std::to_string(port));
-  stranger << "{\"op\":\"apply\"}\n" << std::flush;
+  boost::asio::ip::tcp::iostream tcp_client("127.0.0.1", std::to_string(port));
+  tcp_client << "{\"op\":\"apply\"}\n" << std::flush;
   std::string line;
-  std::getline(stranger, line);  // the greeting
-  std::getline(stranger, line);
+  std::getline(tcp_client, line);  // the greeting
+  std::getline(tcp_client, line);
   answer = json::parse(line);
-  EXPECT_TRUE(valid_message(line));
+  EXPECT_TRUE(is_valid_message(line));
   EXPECT_EQ(answer["class"], "ERROR");
   EXPECT_THAT(answer["what"].get<std::string>(), HasSubstr("only the daemon's owner"));
   on_server([&] {
@@ -202,7 +202,7 @@ TEST_F(ServerTest, TooManyRequestsEndTheConnection) {
   EXPECT_FALSE(client.line());
 }
 
-TEST_F(ServerTest, ASlowClientLosesReportsAndIsToldHowMany) {
+TEST_F(ServerTest, ASlowClientLosesReportsAndGetsTheirNumber) {
   ServerOptions options;
   options.queue_reports = 16;
   start(options);
@@ -227,8 +227,8 @@ TEST_F(ServerTest, ASlowClientLosesReportsAndIsToldHowMany) {
   uint64_t expected = 1;
   uint64_t lost = 0;
   const auto read_all = [&] {
-    while (const auto line = slow.line(100)) {
-      ASSERT_TRUE(valid_message(*line));
+    while (const auto line = slow.read_line(100)) {
+      ASSERT_TRUE(is_valid_message(*line));
       const json message = json::parse(*line);
       if (message["class"] == "LOST") {
         lost += message["reports"].get<uint64_t>();
@@ -246,7 +246,7 @@ TEST_F(ServerTest, ASlowClientLosesReportsAndIsToldHowMany) {
   EXPECT_EQ(expected, kRounds * kBatch + 2);
 }
 
-TEST_F(ServerTest, AClientBeyondTheLimitIsTurnedAwayAndThereIsRoomWhenOneLeaves) {
+TEST_F(ServerTest, AClientBeyondTheLimitIsRejectedAndThereIsRoomWhenOneLeaves) {
   start({});
   std::vector<std::unique_ptr<SocketClient>> clients;
   for (int i = 0; i < 64; ++i) {
@@ -268,7 +268,7 @@ TEST_F(ServerTest, AClientBeyondTheLimitIsTurnedAwayAndThereIsRoomWhenOneLeaves)
   EXPECT_EQ(greeting["class"], "VERSION");
 }
 
-TEST_F(ServerTest, ASilentClientIsLetGo) {
+TEST_F(ServerTest, AnIdleClientIsDisconnected) {
   ServerOptions options;
   options.idle_timeout = std::chrono::milliseconds(100);
   start(options);
@@ -276,7 +276,7 @@ TEST_F(ServerTest, ASilentClientIsLetGo) {
   EXPECT_EQ(next(client)["class"], "VERSION");
   EXPECT_FALSE(client.line());
   size_t clients = 1;
-  on_server([&] { clients = server_->clients(); });
+  on_server([&] { clients = server_->client_count(); });
   EXPECT_EQ(clients, 0U);
 }
 
@@ -310,7 +310,7 @@ TEST_F(ServerTest, ASocketLeftBehindIsTakenOverAndAFileIsNot) {
   EXPECT_EQ(std::filesystem::file_size(file), 8U);
 }
 
-TEST_F(ServerTest, FinishingSendsWhatIsOwed) {
+TEST_F(ServerTest, FinishingSendsWhatIsQueued) {
   start({});
   SocketClient client(path_);
   next(client);
@@ -350,12 +350,12 @@ TEST_F(ServerTest, TenThousandMutatedRequestsAreEachAnswered) {
     }
     std::replace(line.begin(), line.end(), '\n', ' ');
     ASSERT_TRUE(client.send(line + "\n"));
-    const auto answer = client.line();
+    const auto answer = client.read_line();
     ASSERT_TRUE(answer) << line;
     const json message = json::parse(*answer);
     ASSERT_TRUE(message["class"] == "ACK" || message["class"] == "ERROR");
     if (i % 50 == 0) {
-      ASSERT_TRUE(valid_message(*answer));
+      ASSERT_TRUE(is_valid_message(*answer));
     }
   }
 }
@@ -373,7 +373,7 @@ TEST(ServerOptions, NamesWhatIsWrong) {
   EXPECT_THAT(options.invalid().value_or(""), HasSubstr("max_requests_hz"));
 }
 
-TEST_F(ServerTest, ServesASocketThatSomebodyElseListensOnForIt) {
+TEST_F(ServerTest, ServesAnAdoptedSocket) {
   const auto path = std::filesystem::temp_directory_path() /
                     ("infuse-adopted-" + std::to_string(::getpid()) + ".sock");
   const int listening = ::socket(AF_UNIX, SOCK_STREAM, 0);
@@ -389,7 +389,7 @@ TEST_F(ServerTest, ServesASocketThatSomebodyElseListensOnForIt) {
     server_.emplace(io_, ServerOptions{}, "0.1.0", "0123456789abcdef");
     EXPECT_TRUE(server_->adopt(listening));
   });
-  const auto greeting = early.line();
+  const auto greeting = early.read_line();
   ASSERT_TRUE(greeting);
   EXPECT_EQ(json::parse(*greeting)["class"], "VERSION");
   std::filesystem::remove(path);

@@ -8,13 +8,13 @@
 namespace infuse::daemon {
 namespace {
 
-TEST(SavedState, ComesBackAsItWasWritten) {
+TEST(SavedState, ReadsBackAsWritten) {
   SavedState state;
   state.starts = 7;
-  state.unclean = 3;
+  state.unclean_exits = 3;
   state.running = true;
-  state.saved = Stamp::from_ns(1'700'000'000'123'456'789);
-  state.running_for = Duration(987'654'321);
+  state.saved_at = Stamp::from_ns(1'700'000'000'123'456'789);
+  state.total_run_time = Duration(987'654'321);
   const auto back = parse_state(format_state(state));
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(back->starts, 7U);
@@ -24,7 +24,7 @@ TEST(SavedState, ComesBackAsItWasWritten) {
   EXPECT_EQ(back->running_for, state.running_for);
 }
 
-TEST(SavedState, WhatIsNoStateIsAnError) {
+TEST(SavedState, InvalidTextIsAnError) {
   const std::string good = format_state({});
   for (size_t length = 0; length + 2 < good.size(); ++length) {
     EXPECT_FALSE(parse_state(good.substr(0, length)).has_value()) << length;

@@ -12,9 +12,9 @@ namespace infuse::daemon {
 namespace {
 
 /// A service manager's end of NOTIFY_SOCKET.
-class Manager {
+class FakeServiceManager {
  public:
-  Manager() {
+  FakeServiceManager() {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     const std::string name = "infuse-notify-" + std::to_string(getpid());
@@ -23,7 +23,7 @@ class Manager {
     EXPECT_EQ(bind(socket_.get(), reinterpret_cast<sockaddr*>(&address), size), 0);
     setenv("NOTIFY_SOCKET", ("@" + name).c_str(), 1);
   }
-  ~Manager() { unsetenv("NOTIFY_SOCKET"); }
+  ~FakeServiceManager() { unsetenv("NOTIFY_SOCKET"); }
 
   std::string next() const {
     std::array<char, 512> text{};
@@ -32,30 +32,30 @@ class Manager {
   }
 
  private:
-  receive::Descriptor socket_{socket(AF_UNIX, SOCK_DGRAM, 0)};
+  receive::FileDescriptor socket_{socket(AF_UNIX, SOCK_DGRAM, 0)};
 };
 
-TEST(ServiceManager, IsToldWhatHappens) {
-  const Manager manager;
-  service_manager::ready("2 sensors");
+TEST(ServiceManager, IsNotifiedOfStateChanges) {
+  const FakeServiceManager manager;
+  service_manager::notify_ready("2 sensors");
   EXPECT_EQ(manager.next(), "READY=1\nSTATUS=2 sensors");
-  service_manager::alive();
+  service_manager::notify_watchdog();
   EXPECT_EQ(manager.next(), "WATCHDOG=1");
-  service_manager::reloading();
+  service_manager::notify_reloading();
   EXPECT_EQ(manager.next().substr(0, 26), "RELOADING=1\nMONOTONIC_USEC");
-  service_manager::stopping();
+  service_manager::notify_stopping();
   EXPECT_EQ(manager.next(), "STOPPING=1");
 }
 
-TEST(ServiceManager, IsNothingWhereThereIsNone) {
+TEST(ServiceManager, DoesNothingWithoutAServiceManager) {
   unsetenv("NOTIFY_SOCKET");
-  service_manager::ready("");
-  service_manager::alive();
+  service_manager::notify_ready("");
+  service_manager::notify_watchdog();
   EXPECT_FALSE(service_manager::watchdog());
-  EXPECT_TRUE(service_manager::take_sockets().empty());
+  EXPECT_TRUE(service_manager::inherited_sockets().empty());
 }
 
-TEST(ServiceManager, SaysHowOftenItWantsToHear) {
+TEST(ServiceManager, ReportsItsWatchdogTimeout) {
   setenv("WATCHDOG_USEC", "5000000", 1);
   setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);
   EXPECT_EQ(service_manager::watchdog(), from_seconds(5));

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <sstream>
 
-#include "daemon/streetmap/plan_streets.hpp"
+#include "daemon/streetmap/street_plan_from_osm.hpp"
 #include "drivers/recording/local_frame.hpp"
-#include "drivers/recording/text_file.hpp"
-#include "tests/drivers/recording/scratch_folder.hpp"
+#include "drivers/text/text_file.hpp"
 #include "tests/real_data.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -53,7 +53,7 @@ std::string way(int id, const std::vector<int>& nodes, const std::string& tags) 
 
 class StreetMapFileTest : public testing::Test {
  protected:
-  Result<MadeStreetMap> make(const std::string& ways) {
+  Result<GeneratedStreetMap> make(const std::string& ways) {
     const auto path = folder_ / "map.osm";
     EXPECT_TRUE(recording::write_text(path, map_text(ways)));
     return make_street_map(path, {});
@@ -71,7 +71,7 @@ class StreetMapFileTest : public testing::Test {
     EXPECT_TRUE(recording::write_text(path, map_text(way(1, {1, 10}, tags))));
     const auto map = recording::read_openstreetmap(path);
     EXPECT_TRUE(map);
-    const auto planned = plan_streets(*map);
+    const auto planned = build_street_plan(*map);
     return planned.plan.strips.empty() ? streetmap::PlanStrip{} : planned.plan.strips[0];
   }
   double width(const std::string& tags) { return 2 * strip(tags).half_width; }
@@ -121,8 +121,8 @@ TEST_F(StreetMapFileTest, IsOpenedAsItWasMade) {
   const auto made = make(way(4711, {1, 10}, "highway=residential"));
   ASSERT_TRUE(made);
   const auto path = folder_ / "a.map";
-  ASSERT_TRUE(recording::write_whole(path, made->bytes));
-  auto opened = open_street_map(path);
+  ASSERT_TRUE(recording::write_file_atomically(path, made->bytes));
+  auto opened = open_street_map_file(path);
   ASSERT_TRUE(opened) << opened.error().message();
   const StreetMapFile moved = std::move(*opened);  // the map stays valid
   const auto& frame = moved.map.frame();
@@ -138,16 +138,17 @@ TEST_F(StreetMapFileTest, DamagedFilesAreSaid) {
   const auto made = make(way(4711, {1, 10}, "highway=residential"));
   ASSERT_TRUE(made);
   const auto path = folder_ / "cut.map";
-  ASSERT_TRUE(recording::write_whole(path, std::span(made->bytes).first(made->bytes.size() / 2)));
-  const auto cut = open_street_map(path);
+  ASSERT_TRUE(
+      recording::write_file_atomically(path, std::span(made->bytes).first(made->bytes.size() / 2)));
+  const auto cut = open_street_map_file(path);
   ASSERT_FALSE(cut);
   EXPECT_THAT(cut.error().message(), HasSubstr("is cut off"));
-  EXPECT_FALSE(open_street_map(folder_ / "missing.map"));
-  EXPECT_FALSE(open_street_map("/"));
+  EXPECT_FALSE(open_street_map_file(folder_ / "missing.map"));
+  EXPECT_FALSE(open_street_map_file("/"));
   ASSERT_TRUE(recording::write_text(folder_ / "empty.map", ""));
-  EXPECT_FALSE(open_street_map(folder_ / "empty.map"));
+  EXPECT_FALSE(open_street_map_file(folder_ / "empty.map"));
   ASSERT_TRUE(recording::write_text(folder_ / "text.map", std::string(500, 'x')));
-  const auto text = open_street_map(folder_ / "text.map");
+  const auto text = open_street_map_file(folder_ / "text.map");
   ASSERT_FALSE(text);
   EXPECT_THAT(text.error().message(), HasSubstr("is not a street map of infuse"));
 }
@@ -165,13 +166,14 @@ TEST(StreetMap, AltfeldConvertsWithoutWarnings) {
 }
 
 /// Share of a drive's rows that lie on carriageways, and the farthest that one lies from them, m.
-struct OnRoad {
+struct RoadCoverage {
   double share = 0;
-  double farthest = 0;
+  double max_distance = 0;
 };
 
-OnRoad on_road(const std::filesystem::path& osm, const std::filesystem::path& rows) {
-  OnRoad result;
+RoadCoverage measure_road_coverage(const std::filesystem::path& osm,
+                                   const std::filesystem::path& rows) {
+  RoadCoverage result;
   const auto made = make_street_map(osm, {});
   EXPECT_TRUE(made);
   const auto unpacked = testing::TempDir() + "/oxts.txt";
@@ -205,7 +207,7 @@ OnRoad on_road(const std::filesystem::path& osm, const std::filesystem::path& ro
         if (driven(p.x() + r * std::cos(a), p.y() + r * std::sin(a))) nearest = r;
       }
     }
-    result.farthest = std::max(result.farthest, nearest);
+    result.max_distance = std::max(result.max_distance, nearest);
   }
   result.share = on / count;
   return result;
@@ -218,8 +220,8 @@ TEST(StreetMap, RealKarlsruheTrajectoriesLieOnCarriageways) {
     double share;
   } expected[] = {{"00", 0.97}, {"05", 0.90}, {"07", 0.97}};
   for (const auto& [sequence, share] : expected) {
-    const OnRoad found = on_road(folder / (std::string(sequence) + ".osm.bz2"),
-                                 folder / (std::string(sequence) + ".txt.bz2"));
+    const RoadCoverage found = measure_road_coverage(folder / (std::string(sequence) + ".osm.bz2"),
+                                                     folder / (std::string(sequence) + ".txt.bz2"));
     EXPECT_GE(found.share, share) << sequence;
     EXPECT_LE(found.farthest, 3.5) << sequence;
     RecordProperty(std::string("share_") + sequence, std::to_string(found.share));

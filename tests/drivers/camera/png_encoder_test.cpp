@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "drivers/camera/picture.hpp"
+#include "drivers/camera/image_decoder.hpp"
 
 namespace infuse::camera {
 namespace {
@@ -19,7 +19,7 @@ TEST(PngEncoder, IsReadBackExactly) {
     const auto file = encode_png(frame);
     ASSERT_TRUE(file) << file.error().message();
     CameraFrame read;
-    ASSERT_TRUE(decode_picture(*file, {}, read));
+    ASSERT_TRUE(decode_image(*file, {}, read));
     EXPECT_EQ(read.width, 37);
     EXPECT_EQ(read.format, format);
     EXPECT_EQ(read.pixels, frame.pixels);

@@ -17,15 +17,15 @@
 namespace infuse::camera::testing {
 
 /// A picture that a scripted device delivers.
-struct ScriptedPicture {
+struct ScriptedImage {
   std::vector<uint8_t> bytes;
   uint32_t sequence = 0;
   uint32_t flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
   int64_t monotonic_us = 0;
-  uint32_t bytes_used = 0;  ///< said to be; 0: as many as there are
-  uint32_t buffer = kTrue;  ///< said to lie in; kTrue: where it does
+  uint32_t bytes_used = 0;          ///< said to be; 0: as many as there are
+  uint32_t buffer = kActualBuffer;  ///< said to lie in; kActualBuffer: where it does
 
-  static constexpr uint32_t kTrue = 99;
+  static constexpr uint32_t kActualBuffer = 99;
 };
 
 /// A Video4Linux2 device without a driver: the test program's own `ioctl` asks it. A plain file
@@ -50,18 +50,18 @@ class ScriptedDevice {
 
   // What it can and has.
   std::vector<uint32_t> formats = {V4L2_PIX_FMT_MJPEG};
-  uint32_t width = 64;                   ///< pixels, whatever is asked for
+  uint32_t width = 64;                   ///< pixels, whatever is requested
   uint32_t height = 48;                  ///< the same
   std::map<uint32_t, int32_t> controls;  ///< by identifier; others are refused
-  std::deque<ScriptedPicture> pictures;  ///< to be delivered
+  std::deque<ScriptedImage> images;      ///< to be delivered
   bool unplugged = false;
 
   // What became of it.
   bool streaming = false;
-  int given_back = 0;  ///< buffers, those of the beginning included
+  int requeued = 0;  ///< buffers, those of the beginning included
 
   /// Whether the descriptor is of this device.
-  bool is(int descriptor) const {
+  bool matches(int descriptor) const {
     struct stat mine {
     }, other{};
     return fstat(file_, &mine) == 0 && fstat(descriptor, &other) == 0 &&
@@ -69,8 +69,8 @@ class ScriptedDevice {
   }
 
   /// As a driver does: 0, or −1 and errno.
-  int answer(unsigned long request, void* argument) {
-    if (unplugged) return refuse(ENODEV);
+  int handle_ioctl(unsigned long request, void* argument) {
+    if (unplugged) return fail_with(ENODEV);
     switch (request) {
       case VIDIOC_QUERYCAP: {
         auto& about = *static_cast<v4l2_capability*>(argument);
@@ -79,7 +79,7 @@ class ScriptedDevice {
       }
       case VIDIOC_ENUM_FMT: {
         auto& about = *static_cast<v4l2_fmtdesc*>(argument);
-        if (about.index >= formats.size()) return refuse(EINVAL);
+        if (about.index >= formats.size()) return fail_with(EINVAL);
         about.pixelformat = formats[about.index];
         return 0;
       }
@@ -94,7 +94,7 @@ class ScriptedDevice {
       case VIDIOC_G_CTRL: {
         auto& about = *static_cast<v4l2_control*>(argument);
         const auto control = controls.find(about.id);
-        if (control == controls.end()) return refuse(EINVAL);
+        if (control == controls.end()) return fail_with(EINVAL);
         if (request == VIDIOC_S_CTRL) control->second = about.value;
         about.value = control->second;
         return 0;
@@ -110,48 +110,48 @@ class ScriptedDevice {
         return 0;
       }
       case VIDIOC_QBUF:
-        free_.push_back(static_cast<v4l2_buffer*>(argument)->index);
-        ++given_back;
+        free_buffers_.push_back(static_cast<v4l2_buffer*>(argument)->index);
+        ++requeued;
         return 0;
       case VIDIOC_DQBUF:
-        return deliver(*static_cast<v4l2_buffer*>(argument));
+        return dequeue(*static_cast<v4l2_buffer*>(argument));
       case VIDIOC_STREAMON:
       case VIDIOC_STREAMOFF:
         streaming = request == VIDIOC_STREAMON;
         return 0;
       default:  // rates
-        return refuse(ENOTTY);
+        return fail_with(ENOTTY);
     }
   }
 
  private:
-  static int refuse(int number) {
+  static int fail_with(int number) {
     errno = number;
     return -1;
   }
 
-  int deliver(v4l2_buffer& about) {
-    if (pictures.empty() || free_.empty() || !streaming) return refuse(EAGAIN);
-    const ScriptedPicture picture = pictures.front();
-    pictures.pop_front();
-    const uint32_t buffer = free_.front();
-    free_.pop_front();
-    const auto bytes = static_cast<ssize_t>(picture.bytes.size());
-    if (pwrite(file_, picture.bytes.data(), picture.bytes.size(),
+  int dequeue(v4l2_buffer& about) {
+    if (images.empty() || free_buffers_.empty() || !streaming) return fail_with(EAGAIN);
+    const ScriptedImage image = images.front();
+    images.pop_front();
+    const uint32_t buffer = free_buffers_.front();
+    free_buffers_.pop_front();
+    const auto bytes = static_cast<ssize_t>(image.bytes.size());
+    if (pwrite(file_, image.bytes.data(), image.bytes.size(),
                static_cast<off_t>(buffer * kBufferBytes)) != bytes) {
-      return refuse(EIO);
+      return fail_with(EIO);
     }
-    about.index = picture.buffer == ScriptedPicture::kTrue ? buffer : picture.buffer;
-    about.bytesused = picture.bytes_used != 0 ? picture.bytes_used : static_cast<uint32_t>(bytes);
-    about.sequence = picture.sequence;
-    about.flags = picture.flags;
-    about.timestamp = {picture.monotonic_us / 1'000'000, picture.monotonic_us % 1'000'000};
+    about.index = image.buffer == ScriptedImage::kActualBuffer ? buffer : image.buffer;
+    about.bytesused = image.bytes_used != 0 ? image.bytes_used : static_cast<uint32_t>(bytes);
+    about.sequence = image.sequence;
+    about.flags = image.flags;
+    about.timestamp = {image.monotonic_us / 1'000'000, image.monotonic_us % 1'000'000};
     return 0;
   }
 
   std::string path_;
   int file_;
-  std::deque<uint32_t> free_;  // buffers
+  std::deque<uint32_t> free_buffers_;  // buffers
 };
 
 }  // namespace infuse::camera::testing

@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(StampDelay, TakesConstantAndTransferTimeAway) {
+TEST(StampDelay, SubtractsConstantAndTransferTime) {
   const StampDelay delay{.constant = milliseconds(5), .bandwidth_bytes_s = 100e6};
   const Stamp stamped = Stamp::from_ns(1'000'000'000);
   EXPECT_EQ(stamped - delay.exposure_stamp(stamped, 2'000'000), milliseconds(25));

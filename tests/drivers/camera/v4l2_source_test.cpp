@@ -24,7 +24,8 @@ extern "C" int ioctl(int descriptor, unsigned long request, ...) noexcept {
   va_start(arguments, request);
   void* argument = va_arg(arguments, void*);
   va_end(arguments);
-  if (scripted != nullptr && scripted->is(descriptor)) return scripted->answer(request, argument);
+  if (scripted != nullptr && scripted->matches(descriptor))
+    return scripted->handle_ioctl(request, argument);
   return static_cast<int>(syscall(SYS_ioctl, descriptor, request, argument));
 }
 
@@ -33,7 +34,7 @@ namespace {
 
 using testing::make_jpeg;
 using testing::ScriptedDevice;
-using testing::ScriptedPicture;
+using testing::ScriptedImage;
 
 class ScriptedCamera : public ::testing::Test {
  protected:
@@ -48,12 +49,12 @@ class ScriptedCamera : public ::testing::Test {
   }
 
   /// All that waits, without its bytes.
-  std::vector<StreamedPicture> read_all(V4l2Source& source) {
-    std::vector<StreamedPicture> pictures;
+  std::vector<StreamedImage> read_all(V4l2Source& source) {
+    std::vector<StreamedImage> images;
     while (true) {
-      const auto read = source.read([&](const StreamedPicture& p) { pictures.push_back(p); });
+      const auto read = source.read([&](const StreamedImage& p) { images.push_back(p); });
       EXPECT_TRUE(read.has_value()) << read.error().message();
-      if (!read || !*read) return pictures;
+      if (!read || !*read) return images;
     }
   }
 
@@ -77,18 +78,18 @@ std::vector<uint8_t> without_huffman_tables(const std::vector<uint8_t>& file) {
   return stripped;
 }
 
-TEST_F(ScriptedCamera, MotionJpegIsWhatTheCameraSaw) {
+TEST_F(ScriptedCamera, MotionJpegIsDecoded) {
   const auto whole = make_jpeg(64, 48, TJSAMP_422);
   const auto stripped = without_huffman_tables(whole);
   ASSERT_LT(stripped.size(), whole.size());
-  device_.pictures.push_back({.bytes = whole, .sequence = 0});
-  device_.pictures.push_back({.bytes = stripped, .sequence = 1});
+  device_.images.push_back({.bytes = whole, .sequence = 0});
+  device_.images.push_back({.bytes = stripped, .sequence = 1});
   V4l2Source source = open({.width = 64, .height = 48, .format = RawFormat::kMjpeg});
   EXPECT_EQ(source.format(), RawFormat::kMjpeg);
   for (int i = 0; i < 2; ++i) {
     CameraFrame frame;
-    const auto read = source.read([&](const StreamedPicture& picture) {
-      const auto unpacked = unpack(picture.raw, false, frame);
+    const auto read = source.read([&](const StreamedImage& image) {
+      const auto unpacked = unpack(image.raw, false, frame);
       ASSERT_TRUE(unpacked.has_value()) << unpacked.error().message();
     });
     ASSERT_TRUE(read.has_value());
@@ -101,29 +102,29 @@ TEST_F(ScriptedCamera, MotionJpegIsWhatTheCameraSaw) {
   }
 }
 
-TEST_F(ScriptedCamera, ExposureAndGainAreSetAndReadIntoEveryPicture) {
+TEST_F(ScriptedCamera, ExposureAndGainAreSetAndReadIntoEveryImage) {
   device_.controls = {{V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_APERTURE_PRIORITY},
                       {V4L2_CID_EXPOSURE_ABSOLUTE, 333},
                       {V4L2_CID_AUTOGAIN, 1},
                       {V4L2_CID_GAIN, 5}};
-  for (uint32_t i = 0; i < 2; ++i) device_.pictures.push_back({.bytes = {1}, .sequence = i});
+  for (uint32_t i = 0; i < 2; ++i) device_.images.push_back({.bytes = {1}, .sequence = i});
   V4l2Source source = open({.exposure = Duration(8'000'000), .gain = 12});
   EXPECT_EQ(device_.controls[V4L2_CID_EXPOSURE_AUTO], V4L2_EXPOSURE_MANUAL);
   EXPECT_EQ(device_.controls[V4L2_CID_EXPOSURE_ABSOLUTE], 80);  // of 100 us
   EXPECT_EQ(device_.controls[V4L2_CID_AUTOGAIN], 0);
-  const auto pictures = read_all(source);
+  const auto images = read_all(source);
   ASSERT_EQ(pictures.size(), 2U);
-  for (const StreamedPicture& picture : pictures) {
+  for (const StreamedImage& image : images) {
     EXPECT_EQ(picture.exposure, Duration(8'000'000));
     EXPECT_EQ(picture.gain, 12);
   }
 }
 
-TEST_F(ScriptedCamera, ACameraThatChoosesItselfTellsWhatItChose) {
+TEST_F(ScriptedCamera, AutomaticExposureAndGainAreReported) {
   device_.controls = {{V4L2_CID_EXPOSURE_ABSOLUTE, 333}, {V4L2_CID_GAIN, 5}};
-  device_.pictures.push_back({.bytes = {1}});
+  device_.images.push_back({.bytes = {1}});
   V4l2Source source = open();
-  const auto pictures = read_all(source);
+  const auto images = read_all(source);
   ASSERT_EQ(pictures.size(), 1U);
   EXPECT_EQ(pictures[0].exposure, Duration(33'300'000));
   EXPECT_EQ(pictures[0].gain, 5);
@@ -133,55 +134,55 @@ TEST_F(ScriptedCamera, TheStampIsTheMiddleOfTheExposure) {
   device_.controls = {{V4L2_CID_EXPOSURE_ABSOLUTE, 100}};  // 10 ms
   constexpr int64_t kUs = 123'456'789;
   constexpr uint32_t kMonotonic = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
-  device_.pictures.push_back(
+  device_.images.push_back(
       {.bytes = {1}, .flags = kMonotonic | V4L2_BUF_FLAG_TSTAMP_SRC_SOE, .monotonic_us = kUs});
-  device_.pictures.push_back(
+  device_.images.push_back(
       {.bytes = {1}, .flags = kMonotonic | V4L2_BUF_FLAG_TSTAMP_SRC_EOF, .monotonic_us = kUs});
   V4l2Source source = open({.stamp_delay = Duration(2'000'000)});
-  const auto pictures = read_all(source);
+  const auto images = read_all(source);
   ASSERT_EQ(pictures.size(), 2U);
-  const Stamp told = base_.at_monotonic(kUs * 1000);
+  const Stamp reported = base_.at_monotonic(kUs * 1000);
   EXPECT_EQ(pictures[0].stamp, told + Duration(3'000'000));
   EXPECT_EQ(pictures[1].stamp, told - Duration(7'000'000));
 }
 
-TEST_F(ScriptedCamera, GapsAreCountedAndDamagedPicturesAreNotHandedOut) {
+TEST_F(ScriptedCamera, GapsAreCountedAndDamagedImagesAreDropped) {
   for (const uint32_t sequence : {5U, 6U, 9U, 10U}) {
-    device_.pictures.push_back({.bytes = {1}, .sequence = sequence});
+    device_.images.push_back({.bytes = {1}, .sequence = sequence});
   }
-  device_.pictures[3].flags |= V4L2_BUF_FLAG_ERROR;
+  device_.images[3].flags |= V4L2_BUF_FLAG_ERROR;
   V4l2Source source = open();
-  const int free_before = device_.given_back;
-  const auto pictures = read_all(source);
+  const int requeued_before = device_.requeued;
+  const auto images = read_all(source);
   ASSERT_EQ(pictures.size(), 3U);
   EXPECT_EQ(pictures[2].sequence, 9U);
   EXPECT_EQ(source.counters().lost, 2U);
   EXPECT_EQ(source.counters().damaged, 1U);
-  EXPECT_EQ(device_.given_back, free_before + 4);  // the damaged one's too
+  EXPECT_EQ(device_.requeued, requeued_before + 4);  // the damaged one's too
 }
 
-TEST_F(ScriptedCamera, OneThatIsUnpluggedIsAnError) {
-  device_.pictures.push_back({.bytes = {1}});
+TEST_F(ScriptedCamera, UnpluggingIsAnError) {
+  device_.images.push_back({.bytes = {1}});
   V4l2Source source = open();
   EXPECT_EQ(read_all(source).size(), 1U);
   device_.unplugged = true;
-  const auto read = source.read([](const StreamedPicture&) {});
+  const auto read = source.read([](const StreamedImage&) {});
   ASSERT_FALSE(read.has_value());
   EXPECT_EQ(read.error().where, device_.path());
 }
 
-TEST_F(ScriptedCamera, ADriverThatLiesIsNotBelieved) {
-  device_.pictures.push_back({.bytes = {1, 2, 3}, .bytes_used = 1U << 30});
-  device_.pictures.push_back({.bytes = {1}, .buffer = 77});
+TEST_F(ScriptedCamera, WrongBufferSizeAndIndexAreRejected) {
+  device_.images.push_back({.bytes = {1, 2, 3}, .bytes_used = 1U << 30});
+  device_.images.push_back({.bytes = {1}, .buffer = 77});
   V4l2Source source = open();
   size_t bytes = 0;
-  const auto read = source.read([&](const StreamedPicture& p) { bytes = p.raw.bytes.size(); });
+  const auto read = source.read([&](const StreamedImage& p) { bytes = p.raw.bytes.size(); });
   ASSERT_TRUE(read.has_value());
   EXPECT_EQ(bytes, ScriptedDevice::kBufferBytes);
-  EXPECT_FALSE(source.read([](const StreamedPicture&) {}).has_value());
+  EXPECT_FALSE(source.read([](const StreamedImage&) {}).has_value());
 }
 
-TEST_F(ScriptedCamera, WhatItCannotDoIsAnError) {
+TEST_F(ScriptedCamera, UnsupportedSettingsAreErrors) {
   const auto size =
       V4l2Source::open({.device = device_.path(), .width = 640, .height = 480}, base_);
   ASSERT_FALSE(size.has_value());

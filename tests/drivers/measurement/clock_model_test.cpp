@@ -50,7 +50,7 @@ struct Device {
 };
 
 /// Runs the model and gives the largest error of the stamps once it is trusted.
-Duration worst_error(ClockModel& model, Device& device, Duration span) {
+Duration max_error(ClockModel& model, Device& device, Duration span) {
   Duration worst{0};
   const Stamp end = device.now + span;
   while (device.now < end) {
@@ -69,7 +69,7 @@ TEST_P(ClockModelSkew, IsFoundAndStampsAreExactWithinMicroseconds) {
   // Two minutes before to two minutes after the hour: the counter wraps on the way.
   Device device{.skew_ppm = GetParam()};
   ClockModel model{{}};
-  EXPECT_LT(worst_error(model, device, 4min), 2us);
+  EXPECT_LT(max_error(model, device, 4min), 2us);
   EXPECT_TRUE(model.state().trusted) << model.state().reason;
   EXPECT_STREQ(model.state().reason, "");
   EXPECT_EQ(model.state().source, ClockState::Source::kHour);
@@ -90,8 +90,8 @@ TEST(ClockModel, ASlowStreamWithLargeDelaysIsExactWithinAFractionOfTheDelay) {
   ClockModelOptions options;
   options.modulo = 0ns;
   ClockModel model(options);
-  EXPECT_LT(worst_error(model, device, 30min), 1500us);  // the first minute included
-  EXPECT_LT(worst_error(model, device, 30min), 400us);
+  EXPECT_LT(max_error(model, device, 30min), 1500us);  // the first minute included
+  EXPECT_LT(max_error(model, device, 30min), 400us);
   EXPECT_NEAR(model.state().skew_ppm, 40, 10);
   EXPECT_EQ(model.state().source, ClockState::Source::kPowerUp);
   EXPECT_EQ(model.state().jumps, 0);
@@ -101,7 +101,7 @@ TEST(ClockModel, ACounterFromPowerUpIsRecognisedAndFollowed) {
   for (const Duration phase : std::vector<Duration>{-1430s, 1531s, 1800s, -2s, 3599s}) {
     Device device{.skew_ppm = -30, .phase = kHour + phase};
     ClockModel model{{}};
-    EXPECT_LT(worst_error(model, device, 3min), 2us);
+    EXPECT_LT(max_error(model, device, 3min), 2us);
     EXPECT_TRUE(model.state().trusted);
     // 3599 s after the hour is 1 s before it.
     EXPECT_EQ(model.state().source, ClockState::Source::kPowerUp);
@@ -114,7 +114,7 @@ TEST(ClockModel, ACounterFromPowerUpIsRecognisedAndFollowed) {
 TEST(ClockModel, AHostClockHalfASecondOffIsStillTheHour) {
   Device device{.phase = 400ms};
   ClockModel model{{}};
-  worst_error(model, device, 10s);
+  max_error(model, device, 10s);
   EXPECT_EQ(model.state().source, ClockState::Source::kHour);
 }
 
@@ -142,7 +142,7 @@ TEST(ClockModel, AJumpIsCountedAndDistrustedUntilItSettlesAgain) {
        std::vector<Duration>{-20min, -10s, -700ms, -20ms, 20ms, 700ms, 10s, 20min}) {
     Device device{.skew_ppm = 50, .phase = 3h};
     ClockModel model{{}};
-    worst_error(model, device, 20s);
+    max_error(model, device, 20s);
     ASSERT_TRUE(model.state().trusted);
     device.phase += jump;
     // Within the confirmation a small jump looks like a delay, so trust is lost only then.
@@ -160,7 +160,7 @@ TEST(ClockModel, AJumpIsCountedAndDistrustedUntilItSettlesAgain) {
     EXPECT_EQ(model.state().jumps, 1) << jump.count();
     EXPECT_FALSE(model.state().trusted);
     EXPECT_STREQ(model.state().reason, "not settled after a jump");
-    EXPECT_LT(worst_error(model, device, 1min), 3us) << jump.count();
+    EXPECT_LT(max_error(model, device, 1min), 3us) << jump.count();
     EXPECT_TRUE(model.state().trusted);
     EXPECT_EQ(model.state().jumps, 1);
     EXPECT_EQ(model.state().source, jump > -500ms && jump < 500ms ? ClockState::Source::kHour
@@ -172,7 +172,7 @@ TEST(ClockModel, AStepOfTheHostsClockIsAJumpToo) {
   for (const Duration step : std::vector<Duration>{-3s, 3s}) {
     Device device;
     ClockModel model{{}};
-    worst_error(model, device, 20s);
+    max_error(model, device, 20s);
     const Stamp end = device.now + 20s;
     Duration worst{0};
     while (device.now < end) {
@@ -188,11 +188,11 @@ TEST(ClockModel, AStepOfTheHostsClockIsAJumpToo) {
   }
 }
 
-TEST(ClockModel, AJumpTooSmallToBeSuspectIsNotTrustedWhileItMatters) {
+TEST(ClockModel, AJumpBelowTheThresholdIsNotTrustedUntilItIsForgotten) {
   for (const Duration jump : std::vector<Duration>{-4ms, -1ms, 1ms, 4ms}) {
     Device device;
     ClockModel model{{}};
-    worst_error(model, device, 90s);
+    max_error(model, device, 90s);
     device.phase += jump;
     const Stamp second = device.now + 2s;  // until a part of the window is complete
     while (device.now < second) {
@@ -200,10 +200,10 @@ TEST(ClockModel, AJumpTooSmallToBeSuspectIsNotTrustedWhileItMatters) {
       model.update(message.device, message.host);
     }
     // About the spread of the delay (200 us) and 0.1 ms pass for delay.
-    EXPECT_LT(worst_error(model, device, 3min), 500us) << jump.count();
+    EXPECT_LT(max_error(model, device, 3min), 500us) << jump.count();
     EXPECT_TRUE(model.state().trusted);
     EXPECT_EQ(model.state().jumps, 0);
-    EXPECT_LT(worst_error(model, device, 10s), 2us) << jump.count();
+    EXPECT_LT(max_error(model, device, 10s), 2us) << jump.count();
   }
 }
 
@@ -231,7 +231,7 @@ TEST(ClockModel, BadPacketsAreIgnored) {
 TEST(ClockModel, AStallOfTheHostDoesNotMoveTheClock) {
   Device device;
   ClockModel model{{}};
-  worst_error(model, device, 20s);
+  max_error(model, device, 20s);
   // Nothing is read for 0.8 s, then everything at once.
   const Stamp resumed = device.now + 800ms;
   Duration worst{0};
@@ -241,12 +241,12 @@ TEST(ClockModel, AStallOfTheHostDoesNotMoveTheClock) {
     worst = std::max(worst, std::chrono::abs(stamp - message.truth));
   }
   EXPECT_LT(worst, 2us);
-  EXPECT_LT(worst_error(model, device, 1min), 2us);
+  EXPECT_LT(max_error(model, device, 1min), 2us);
   EXPECT_EQ(model.state().jumps, 0);
   EXPECT_TRUE(model.state().trusted);
 }
 
-TEST(ClockModel, MessagesOutOfOrderAndTwiceAreMappedAlike) {
+TEST(ClockModel, OutOfOrderAndDuplicateMessagesAreMappedEqually) {
   Device device{.skew_ppm = -60};
   ClockModel model{{}};
   Duration worst{0};
@@ -268,9 +268,9 @@ TEST(ClockModel, MessagesOutOfOrderAndTwiceAreMappedAlike) {
 TEST(ClockModel, AGapOfAnHourAndAHalfIsBridged) {
   Device device{.skew_ppm = 30};
   ClockModel model{{}};
-  worst_error(model, device, 2min);
+  max_error(model, device, 2min);
   device.now += 90min;
-  EXPECT_LT(worst_error(model, device, 1min), 2ms);
+  EXPECT_LT(max_error(model, device, 1min), 2ms);
   EXPECT_EQ(model.state().jumps, 0);
 }
 
@@ -295,7 +295,7 @@ TEST(ClockModel, AMillionSamplesOverADayAndAHalfKeepTheError) {
 TEST(ClockModel, DeviceTimesNearTheLatestAreMappedWithoutLearning) {
   Device device{.skew_ppm = 100};
   ClockModel model{{}};
-  worst_error(model, device, 3min);  // 1 min past the hour
+  max_error(model, device, 3min);  // 1 min past the hour
   const ClockState before = model.state();
   for (const Duration ahead : std::vector<Duration>{-1h / 3, -90s, -1ms, 0ms, 1ms, 10s}) {
     Device other = device;
@@ -309,10 +309,10 @@ TEST(ClockModel, DeviceTimesNearTheLatestAreMappedWithoutLearning) {
   EXPECT_EQ(model.state().offset, before.offset);
 }
 
-TEST(ClockModel, TheLeastDelayIsTakenAway) {
+TEST(ClockModel, MinDelayIsSubtracted) {
   Device device;
   ClockModelOptions options;
-  options.minimum_delay = 1500us;
+  options.min_delay = 1500us;
   ClockModel model(options);
   for (int i = 0; i < 50'000; ++i) {
     const Device::Message message = device.next();
@@ -330,27 +330,27 @@ TEST(ClockModel, IsNotTrustedBeforeItHasSeenEnough) {
   EXPECT_STREQ(model.state().reason, "no sample yet");
   EXPECT_EQ(model.to_host(5s), Stamp::from_ns(5'000'000'000));
   Device device;
-  worst_error(model, device, 4900ms);
+  max_error(model, device, 4900ms);
   EXPECT_FALSE(model.state().trusted);
   EXPECT_STREQ(model.state().reason, "not settled after the start");
-  worst_error(model, device, 200ms);
+  max_error(model, device, 200ms);
   EXPECT_TRUE(model.state().trusted);
 
   ClockModel rare{{}};
   Device slow{.period = 1s};
-  worst_error(rare, slow, 35s);
+  max_error(rare, slow, 35s);
   EXPECT_FALSE(rare.state().trusted);
 }
 
 TEST(ClockModel, AClockBeyondTheLimitOfSkewIsNotTrusted) {
   Device device{.skew_ppm = 1000};
   ClockModel model{{}};
-  worst_error(model, device, 2min);
+  max_error(model, device, 2min);
   EXPECT_FALSE(model.state().trusted);
   EXPECT_STRNE(model.state().reason, "");
 }
 
-TEST(ClockModel, AnyNumbersAreSurvived) {
+TEST(ClockModel, ArbitraryNumbersDoNotBreakIt) {
   std::mt19937_64 random(11);
   const int64_t wild[] = {INT64_MIN, INT64_MIN + 1, -1, 0, 1, INT64_MAX - 1, INT64_MAX};
   for (const Duration modulo : std::vector<Duration>{0ns, 1us, 1h}) {
@@ -377,7 +377,7 @@ TEST(ClockModel, AnyNumbersAreSurvived) {
   }
 }
 
-TEST(ClockModelOptions, SaysWhatIsWrong) {
+TEST(ClockModelOptions, ReportsWhatIsInvalid) {
   EXPECT_FALSE(ClockModelOptions{}.invalid());
   const auto wrong = [](auto change) {
     ClockModelOptions options;
@@ -385,7 +385,7 @@ TEST(ClockModelOptions, SaysWhatIsWrong) {
     return options.invalid().value_or("nothing");
   };
   EXPECT_THAT(wrong([](auto& o) { o.modulo = -1ns; }), testing::StartsWith("modulo"));
-  EXPECT_THAT(wrong([](auto& o) { o.minimum_delay = -1ns; }), testing::StartsWith("minimum_delay"));
+  EXPECT_THAT(wrong([](auto& o) { o.min_delay = -1ns; }), testing::StartsWith("minimum_delay"));
   EXPECT_THAT(wrong([](auto& o) { o.max_skew_ppm = 0; }), testing::StartsWith("max_skew_ppm"));
   EXPECT_THAT(wrong([](auto& o) { o.max_skew_ppm = NAN; }), testing::StartsWith("max_skew_ppm"));
   EXPECT_THAT(wrong([](auto& o) { o.window = 0ns; }), testing::StartsWith("window"));

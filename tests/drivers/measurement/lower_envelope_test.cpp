@@ -27,7 +27,7 @@ double intercept_below(const std::vector<EnvelopePoint>& points, double slope) {
 
 /// The least sum of vertical distances, by trying every slope that the optimum can have: those of
 /// all pairs of points, and the limits.
-double least_sum(const std::vector<EnvelopePoint>& points, double max_slope) {
+double min_height_sum(const std::vector<EnvelopePoint>& points, double max_slope) {
   std::vector<double> slopes{-max_slope, max_slope};
   for (const EnvelopePoint& a : points) {
     for (const EnvelopePoint& b : points) {
@@ -35,11 +35,11 @@ double least_sum(const std::vector<EnvelopePoint>& points, double max_slope) {
       if (a.x < b.x && std::abs(slope) <= max_slope) slopes.push_back(slope);
     }
   }
-  double least = std::numeric_limits<double>::infinity();
+  double min_sum = std::numeric_limits<double>::infinity();
   for (const double slope : slopes) {
-    least = std::min(least, height_sum(points, intercept_below(points, slope), slope));
+    min_sum = std::min(min_sum, height_sum(points, intercept_below(points, slope), slope));
   }
-  return least;
+  return min_sum;
 }
 
 TEST(LowerEnvelope, IsTheBestOfAllLinesBelowThePoints) {
@@ -60,7 +60,8 @@ TEST(LowerEnvelope, IsTheBestOfAllLinesBelowThePoints) {
     for (const EnvelopePoint& point : points) {
       ASSERT_GE(point.y - line.intercept - line.slope * point.x, -1e-9);
     }
-    ASSERT_NEAR(height_sum(points, line.intercept, line.slope), least_sum(points, max_slope), 1e-7);
+    ASSERT_NEAR(height_sum(points, line.intercept, line.slope), min_height_sum(points, max_slope),
+                1e-7);
   }
 }
 

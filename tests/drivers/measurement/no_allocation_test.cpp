@@ -37,27 +37,28 @@ namespace {
 
 /// Allocations while `work` runs.
 template <class Work>
-uint64_t allocations_in(Work work) {
+uint64_t count_allocations(Work work) {
   const uint64_t before = allocations;
   work();
   return allocations - before;
 }
 
 TEST(NoAllocation, TheCounterCounts) {
-  EXPECT_GE(allocations_in([] { Sweep().reserve(1); }), 9u);
+  EXPECT_GE(count_allocations([] { Sweep().reserve(1); }), 9u);
 }
 
 TEST(NoAllocation, InARecordRing) {
   RecordRing<ImuSample> ring(16);
-  auto reader = ring.reader();
+  auto reader = ring.make_reader();
   uint64_t found = 0;
-  const uint64_t allocated = allocations_in([&] {
+  const uint64_t allocated = count_allocations([&] {
     for (int64_t i = 0; i < 1000; ++i) {
       ring.push({.stamp = Stamp::from_ns(i)});
       if (i % 20 == 0) reader.wait();
       while (i % 20 < 3 && reader.next()) ++found;
       ring.nearest(Stamp::from_ns(i - 3));
-      ring.interval(Stamp::from_ns(i - 5), Stamp::from_ns(i), [&](const ImuSample&) { ++found; });
+      ring.visit_interval(Stamp::from_ns(i - 5), Stamp::from_ns(i),
+                          [&](const ImuSample&) { ++found; });
       ring.has_room();
     }
   });
@@ -72,11 +73,11 @@ TEST(NoAllocation, InASlotRingOfSweeps) {
     sweep.reserve(1000);
     return sweep;
   });
-  auto reader = ring.reader();
+  auto reader = ring.make_reader();
   size_t returns = 0;
-  const uint64_t allocated = allocations_in([&] {
+  const uint64_t allocated = count_allocations([&] {
     for (int64_t i = 0; i < 1000; ++i) {
-      Sweep& sweep = ring.hand();
+      Sweep& sweep = ring.slot();
       sweep.clear();
       sweep.resize(static_cast<size_t>(i) % 1000);
       sweep.stamp = Stamp::from_ns(i);
@@ -92,7 +93,7 @@ TEST(NoAllocation, InASlotRingOfSweeps) {
 
 TEST(NoAllocation, InTheClockModel) {
   ClockModel model{{}};
-  const uint64_t allocated = allocations_in([&] {
+  const uint64_t allocated = count_allocations([&] {
     for (int64_t i = 0; i < 200'000; ++i) {
       // With a jump on the way.
       const Duration device((i * 1'000'000 + (i > 150'000 ? 77'000'000'000 : 0)) %

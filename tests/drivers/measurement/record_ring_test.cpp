@@ -33,7 +33,7 @@ struct Sample {
   static uint32_t scramble(uint64_t number, size_t i) {
     return static_cast<uint32_t>((number * 9 + i + 1) * 0x9E3779B97F4A7C15u >> 32);
   }
-  bool whole() const {
+  bool is_intact() const {
     for (size_t i = 0; i < echo.size(); ++i) {
       if (echo[i] != scramble(number, i)) return false;
     }
@@ -52,11 +52,11 @@ class Model {
   explicit Model(size_t capacity) : capacity_(capacity) {}
 
   void push(const Sample& sample) {
-    held_.push_back(sample);
-    if (held_.size() > capacity_) held_.pop_front();
+    entries_.push_back(sample);
+    if (entries_.size() > capacity_) entries_.pop_front();
     ++pushed_;
   }
-  uint64_t oldest() const { return pushed_ - held_.size(); }
+  uint64_t oldest() const { return pushed_ - entries_.size(); }
   Reader reader() const { return {.cursor = pushed_, .lost = 0}; }
   std::optional<Sample> next(Reader& reader) const {
     if (reader.cursor < oldest()) {
@@ -64,11 +64,11 @@ class Model {
       reader.cursor = oldest();
     }
     if (reader.cursor == pushed_) return std::nullopt;
-    return held_[reader.cursor++ - oldest()];
+    return entries_[reader.cursor++ - oldest()];
   }
   std::optional<Sample> nearest(Stamp stamp) const {
     std::optional<Sample> best;
-    for (const Sample& sample : held_) {
+    for (const Sample& sample : entries_) {
       if (!best || std::chrono::abs(sample.stamp - stamp) <= std::chrono::abs(best->stamp - stamp))
         best = sample;
     }
@@ -76,17 +76,17 @@ class Model {
   }
   std::vector<uint64_t> interval(Stamp from, Stamp to) const {
     std::vector<uint64_t> numbers;
-    for (const Sample& sample : held_) {
+    for (const Sample& sample : entries_) {
       if (sample.stamp >= from && sample.stamp <= to) numbers.push_back(sample.number);
     }
     return numbers;
   }
   bool has_room(const std::vector<Reader>& readers) const {
     return std::all_of(readers.begin(), readers.end(), [&](const Reader& reader) {
-      return held_.size() < capacity_ || reader.cursor > oldest();
+      return entries_.size() < capacity_ || reader.cursor > oldest();
     });
   }
-  std::deque<Sample> held_;
+  std::deque<Sample> entries_;
   uint64_t pushed_ = 0;
 
  private:
@@ -104,7 +104,7 @@ void expect_same(const std::optional<Sample>& found, const std::optional<Sample>
 /// Random operations on the ring and on the model; everything that can be seen must be equal.
 void compare_with_model(size_t capacity, uint32_t seed, bool ordered_stamps) {
   std::mt19937 random(seed);
-  const auto below = [&](uint32_t n) { return static_cast<int64_t>(random() % n); };
+  const auto random_below = [&](uint32_t n) { return static_cast<int64_t>(random() % n); };
   RecordRing<Sample> ring(capacity);
   ASSERT_EQ(ring.capacity(), capacity);
   Model model(capacity);
@@ -112,15 +112,17 @@ void compare_with_model(size_t capacity, uint32_t seed, bool ordered_stamps) {
   std::vector<Model::Reader> model_readers;
   int64_t time = 0;
   for (int step = 0; step < 20'000; ++step) {
-    const auto some_stamp = [&] { return at(time - below(uint32_t(capacity) * 12 + 20) + 10); };
-    switch (below(12)) {
+    const auto random_stamp = [&] {
+      return at(time - random_below(uint32_t(capacity) * 12 + 20) + 10);
+    };
+    switch (random_below(12)) {
       case 0:
       case 1:
       case 2: {
-        for (int64_t burst = below(8) == 0 ? below(uint32_t(capacity) * 3) : 1; burst > 0;
-             --burst) {
-          time += below(10);
-          const Stamp stamp = at(ordered_stamps ? time : time - below(30));
+        for (int64_t burst = random_below(8) == 0 ? random_below(uint32_t(capacity) * 3) : 1;
+             burst > 0; --burst) {
+          time += random_below(10);
+          const Stamp stamp = at(ordered_stamps ? time : time - random_below(30));
           const Sample sample = Sample::make(model.pushed_, stamp);
           ring.push(sample);
           model.push(sample);
@@ -129,10 +131,10 @@ void compare_with_model(size_t capacity, uint32_t seed, bool ordered_stamps) {
       }
       case 3: {
         if (readers.size() < 5) {
-          readers.push_back(ring.reader());
+          readers.push_back(ring.make_reader());
           model_readers.push_back(model.reader());
-        } else if (below(20) == 0) {
-          const auto which = below(uint32_t(readers.size()));
+        } else if (random_below(20) == 0) {
+          const auto which = random_below(uint32_t(readers.size()));
           readers.erase(readers.begin() + which);
           model_readers.erase(model_readers.begin() + which);
         }
@@ -143,8 +145,8 @@ void compare_with_model(size_t capacity, uint32_t seed, bool ordered_stamps) {
       case 6:
       case 7: {
         if (readers.empty()) break;
-        const auto which = static_cast<size_t>(below(uint32_t(readers.size())));
-        for (int64_t n = below(uint32_t(capacity) + 2); n >= 0; --n) {
+        const auto which = static_cast<size_t>(random_below(uint32_t(readers.size())));
+        for (int64_t n = random_below(uint32_t(capacity) + 2); n >= 0; --n) {
           expect_same(readers[which].next(), model.next(model_readers[which]));
           ASSERT_EQ(readers[which].lost(), model_readers[which].lost);
           ASSERT_EQ(readers[which].behind(), model.pushed_ - model_readers[which].cursor);
@@ -153,20 +155,20 @@ void compare_with_model(size_t capacity, uint32_t seed, bool ordered_stamps) {
       }
       case 8: {
         expect_same(ring.latest(),
-                    model.held_.empty() ? std::nullopt : std::optional(model.held_.back()));
+                    model.entries_.empty() ? std::nullopt : std::optional(model.entries_.back()));
         break;
       }
       case 9: {
-        const Stamp stamp = some_stamp();
+        const Stamp stamp = random_stamp();
         expect_same(ring.nearest(stamp), model.nearest(stamp));
         break;
       }
       case 10: {
-        const Stamp from = some_stamp();
-        const Stamp to = from + Duration(below(60));
+        const Stamp from = random_stamp();
+        const Stamp to = from + Duration(random_below(60));
         const std::vector<uint64_t> expected = model.interval(from, to);
         std::vector<uint64_t> found;
-        const IntervalResult result = ring.interval(from, to, [&](const Sample& sample) {
+        const IntervalResult result = ring.visit_interval(from, to, [&](const Sample& sample) {
           EXPECT_TRUE(sample.whole());
           found.push_back(sample.number);
         });
@@ -200,23 +202,23 @@ TEST(RecordRing, DoesWhatALockedDequeDoes) {
 
 TEST(RecordRing, RoundsItsCapacityUpAndRefusesNone) {
   EXPECT_EQ(RecordRing<ImuSample>(5).capacity(), 8u);
-  EXPECT_EQ(RecordRing<GpsFix>(8).capacity(), 8u);
+  EXPECT_EQ(RecordRing<GnssFix>(8).capacity(), 8u);
   EXPECT_THROW(RecordRing<ImuSample>(0), std::invalid_argument);
 }
 
 TEST(RecordRing, KeepsEveryBitOfARecord) {
-  RecordRing<GpsFix> ring(2);
-  const GpsFix fix{.stamp = at(5),
-                   .latitude = 0.25,
-                   .longitude = -1.5,
-                   .altitude = -0.0,
-                   .speed = 3,
-                   .course = 4,
-                   .horizontal_dilution = 5,
-                   .utc_ns = INT64_MIN,
-                   .valid = true};
+  RecordRing<GnssFix> ring(2);
+  const GnssFix fix{.stamp = at(5),
+                    .latitude = 0.25,
+                    .longitude = -1.5,
+                    .altitude = -0.0,
+                    .speed = 3,
+                    .course = 4,
+                    .hdop = 5,
+                    .utc_ns = INT64_MIN,
+                    .valid = true};
   ring.push(fix);
-  const GpsFix found = ring.latest().value();
+  const GnssFix found = ring.latest().value();
   EXPECT_EQ(found.stamp, fix.stamp);
   EXPECT_EQ(found.longitude, fix.longitude);
   EXPECT_TRUE(std::signbit(found.altitude));
@@ -237,7 +239,7 @@ TEST(RecordRing, ExtremeStampsAreFound) {
 TEST(RecordRing, HasSixteenReadersAtMost) {
   RecordRing<ImuSample> ring(2);
   std::vector<RecordRing<ImuSample>::Reader> readers;
-  for (size_t i = 0; i < RingCore::kMaxReaders; ++i) readers.push_back(ring.reader());
+  for (size_t i = 0; i < RingCore::kMaxReaders; ++i) readers.push_back(ring.make_reader());
   EXPECT_THROW(ring.reader(), std::length_error);
   readers.pop_back();
   EXPECT_NO_THROW(ring.reader());
@@ -245,7 +247,7 @@ TEST(RecordRing, HasSixteenReadersAtMost) {
 
 TEST(RecordRing, WaitingEndsWithTheTimeOrTheRing) {
   RecordRing<ImuSample> ring(2);
-  auto reader = ring.reader();
+  auto reader = ring.make_reader();
   EXPECT_FALSE(reader.wait(1ms));
   ring.push({});
   EXPECT_TRUE(reader.wait(0ms));
@@ -262,11 +264,11 @@ TEST(RecordRing, WaitingEndsWithTheTimeOrTheRing) {
 }
 
 TEST(RecordRing, OneSignalWakesForSeveralRings) {
-  Signal arrivals;
+  EventCount arrivals;
   RecordRing<ImuSample> imu(4, &arrivals);
   RecordRing<WheelOdometry> wheels(4, &arrivals);
-  auto imu_reader = imu.reader();
-  auto wheel_reader = wheels.reader();
+  auto imu_reader = imu.make_reader();
+  auto wheel_reader = wheels.make_reader();
   std::thread producer([&] {
     for (int i = 0; i < 500; ++i) {
       imu.wait_for_room();
@@ -280,9 +282,9 @@ TEST(RecordRing, OneSignalWakesForSeveralRings) {
   int found = 0;
   while (true) {
     arrivals.wait([&] {
-      return imu_reader.behind() + wheel_reader.behind() > 0 || (imu.closed() && wheels.closed());
+      return imu_reader.backlog() + wheel_reader.backlog() > 0 || (imu.closed() && wheels.closed());
     });
-    if (imu_reader.behind() + wheel_reader.behind() == 0) break;
+    if (imu_reader.backlog() + wheel_reader.backlog() == 0) break;
     while (imu_reader.next()) ++found;
     while (wheel_reader.next()) ++found;
   }
@@ -290,19 +292,19 @@ TEST(RecordRing, OneSignalWakesForSeveralRings) {
   EXPECT_EQ(found, 1000);
 }
 
-TEST(RecordRing, LiveReadersSeeWholeRecordsInOrderAndCountTheirLosses) {
+TEST(RecordRing, LiveReadersSeeIntactRecordsInOrderAndCountLostOnes) {
   constexpr uint64_t kRecords = 200'000;
   RecordRing<Sample> ring(8);
   std::atomic<uint64_t> torn{0};
   std::vector<std::thread> threads;
   std::array<uint64_t, 3> read{}, lost{};
   for (size_t id = 0; id < read.size(); ++id) {
-    threads.emplace_back([&, id, reader = ring.reader()]() mutable {
+    threads.emplace_back([&, id, reader = ring.make_reader()]() mutable {
       uint64_t expected = 0;
       while (reader.wait()) {
         while (const auto sample = reader.next()) {
           expected = ++read[id] + reader.lost();
-          if (!sample->whole() || sample->number + 1 != expected) ++torn;
+          if (!sample->is_intact() || sample->number + 1 != expected) ++torn;
           if (id == 0 && read[id] % 64 == 0) std::this_thread::yield();
         }
       }
@@ -313,14 +315,14 @@ TEST(RecordRing, LiveReadersSeeWholeRecordsInOrderAndCountTheirLosses) {
     uint64_t last = 0;
     while (!ring.closed()) {
       if (const auto sample = ring.latest()) {
-        if (!sample->whole() || sample->number < last) ++torn;
+        if (!sample->is_intact() || sample->number < last) ++torn;
         last = sample->number;
       }
       const Stamp middle = at(static_cast<int64_t>(last));
-      if (const auto sample = ring.nearest(middle); sample && !sample->whole()) ++torn;
+      if (const auto sample = ring.nearest(middle); sample && !sample->is_intact()) ++torn;
       uint64_t before = 0;
-      ring.interval(middle - Duration(3), middle + Duration(3), [&](const Sample& sample) {
-        if (!sample.whole() || sample.number < before) ++torn;
+      ring.visit_interval(middle - Duration(3), middle + Duration(3), [&](const Sample& sample) {
+        if (!sample.is_intact() || sample.number < before) ++torn;
         before = sample.number;
       });
     }
@@ -340,11 +342,11 @@ TEST(RecordRing, AReplayThatWaitsForRoomLosesNothing) {
   std::atomic<uint64_t> wrong{0};
   std::vector<std::thread> threads;
   for (int id = 0; id < 2; ++id) {
-    threads.emplace_back([&, reader = ring.reader()]() mutable {
+    threads.emplace_back([&, reader = ring.make_reader()]() mutable {
       uint64_t expected = 0;
       while (reader.wait()) {
         while (const auto sample = reader.next()) {
-          if (!sample->whole() || sample->number != expected++) ++wrong;
+          if (!sample->is_intact() || sample->number != expected++) ++wrong;
         }
       }
       if (expected != kRecords || reader.lost() != 0) ++wrong;

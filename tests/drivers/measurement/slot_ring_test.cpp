@@ -27,7 +27,7 @@ struct Object {
     number = its_number;
     std::fill(body.begin(), body.end(), its_number);
   }
-  bool whole() const {
+  bool is_intact() const {
     return std::all_of(body.begin(), body.end(), [&](uint64_t entry) { return entry == number; });
   }
 };
@@ -50,20 +50,20 @@ class Model {
   explicit Model(size_t capacity) : unused_(capacity) {}
 
   bool publish(Stamp stamp) {
-    const bool has_slot = set_aside_ || take(UINT64_MAX);
-    set_aside_ = false;
-    if (has_slot) held_.push_back({published_, stamp});
+    const bool has_slot = reserved_ || claim_slot(UINT64_MAX);
+    reserved_ = false;
+    if (has_slot) entries_.push_back({published_, stamp});
     ++published_;
     return has_slot;
   }
   bool has_room(const std::vector<Reader>& readers) {
     uint64_t slowest = UINT64_MAX;
     for (const Reader& reader : readers) slowest = std::min(slowest, reader.cursor);
-    set_aside_ = set_aside_ || take(slowest);
-    return set_aside_;
+    reserved_ = reserved_ || claim_slot(slowest);
+    return reserved_;
   }
   Entry* next(Reader& reader) {
-    for (Entry& entry : held_) {
+    for (Entry& entry : entries_) {
       if (entry.position < reader.cursor) continue;
       reader.lost += entry.position - reader.cursor;
       reader.cursor = entry.position + 1;
@@ -73,10 +73,10 @@ class Model {
     reader.cursor = published_;
     return nullptr;
   }
-  Entry* latest() { return held_.empty() ? nullptr : &held_.back(); }
+  Entry* latest() { return entries_.empty() ? nullptr : &entries_.back(); }
   Entry* nearest(Stamp stamp) {
     Entry* best = nullptr;
-    for (Entry& entry : held_) {
+    for (Entry& entry : entries_) {
       if (!best || std::chrono::abs(entry.stamp - stamp) <= std::chrono::abs(best->stamp - stamp))
         best = &entry;
     }
@@ -84,36 +84,36 @@ class Model {
   }
   std::vector<uint64_t> interval(Stamp from, Stamp to) const {
     std::vector<uint64_t> positions;
-    for (const Entry& entry : held_) {
+    for (const Entry& entry : entries_) {
       if (entry.stamp >= from && entry.stamp <= to) positions.push_back(entry.position);
     }
     return positions;
   }
   Entry& entry(uint64_t position) {
-    return *std::find_if(held_.begin(), held_.end(),
+    return *std::find_if(entries_.begin(), entries_.end(),
                          [&](const Entry& entry) { return entry.position == position; });
   }
 
-  std::vector<Entry> held_;
+  std::vector<Entry> entries_;
   uint64_t published_ = 0;
 
  private:
-  bool take(uint64_t before) {
+  bool claim_slot(uint64_t before) {
     if (unused_ > 0) return unused_-- > 0;
-    const auto oldest = std::find_if(held_.begin(), held_.end(),
+    const auto oldest = std::find_if(entries_.begin(), entries_.end(),
                                      [](const Entry& entry) { return entry.pins == 0; });
-    if (oldest == held_.end() || oldest->position >= before) return false;
-    held_.erase(oldest);
+    if (oldest == entries_.end() || oldest->position >= before) return false;
+    entries_.erase(oldest);
     return true;
   }
   size_t unused_;
-  bool set_aside_ = false;
+  bool reserved_ = false;
 };
 
 /// Random operations on the ring and on the model; everything that can be seen must be equal.
 void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
   std::mt19937 random(seed);
-  const auto below = [&](size_t n) { return static_cast<size_t>(random() % n); };
+  const auto random_below = [&](size_t n) { return static_cast<size_t>(random() % n); };
   Ring ring(capacity, [] { return Object(); });
   ASSERT_EQ(ring.capacity(), capacity);
   Model model(capacity);
@@ -133,16 +133,16 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
   };
   const auto keep_sometimes = [&](Pin<Object> pin, Model::Entry* entry) {
     check(pin, entry);
-    if (!pin || pins.size() > capacity || below(3) > 0) return;
+    if (!pin || pins.size() > capacity || random_below(3) > 0) return;
     ++entry->pins;
     pins.push_back(std::move(pin));
   };
 
   for (int step = 0; step < 20'000; ++step) {
-    const auto some_stamp = [&] {
-      return at(time - static_cast<int64_t>(below(capacity * 12 + 20)) + 10);
+    const auto random_stamp = [&] {
+      return at(time - static_cast<int64_t>(random_below(capacity * 12 + 20)) + 10);
     };
-    switch (below(12)) {
+    switch (random_below(12)) {
       case 0:
       case 1:
       case 2: {
@@ -151,9 +151,10 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
           ASSERT_EQ(room, model.has_room(model_readers));
           if (!room) break;
         }
-        time += static_cast<int64_t>(below(10));
-        const Stamp stamp = at(seed % 2 == 0 ? time : time - static_cast<int64_t>(below(30)));
-        ring.hand().fill(model.published_, stamp);
+        time += static_cast<int64_t>(random_below(10));
+        const Stamp stamp =
+            at(seed % 2 == 0 ? time : time - static_cast<int64_t>(random_below(30)));
+        ring.slot().fill(model.published_, stamp);
         const bool published = ring.publish();
         ASSERT_EQ(published, model.publish(stamp));
         dropped += published ? 0 : 1;
@@ -162,10 +163,10 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
       }
       case 3: {
         if (readers.size() < 4) {
-          readers.push_back(ring.reader());
+          readers.push_back(ring.make_reader());
           model_readers.push_back({.cursor = model.published_, .lost = 0});
-        } else if (below(20) == 0) {
-          const auto which = static_cast<ptrdiff_t>(below(readers.size()));
+        } else if (random_below(20) == 0) {
+          const auto which = static_cast<ptrdiff_t>(random_below(readers.size()));
           readers.erase(readers.begin() + which);
           model_readers.erase(model_readers.begin() + which);
         }
@@ -175,8 +176,8 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
       case 5:
       case 6: {
         if (readers.empty()) break;
-        const size_t which = below(readers.size());
-        for (size_t n = below(capacity + 2) + 1; n > 0; --n) {
+        const size_t which = random_below(readers.size());
+        for (size_t n = random_below(capacity + 2) + 1; n > 0; --n) {
           keep_sometimes(readers[which].next(), model.next(model_readers[which]));
           ASSERT_EQ(readers[which].lost(), model_readers[which].lost);
           ASSERT_EQ(readers[which].behind(), model.published_ - model_readers[which].cursor);
@@ -189,7 +190,7 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
       case 7:
       case 8: {
         if (pins.empty()) break;
-        const size_t which = below(pins.size());
+        const size_t which = random_below(pins.size());
         Model::Entry& entry = model.entry(pins[which].position());
         check(pins[which], &entry);
         --entry.pins;
@@ -200,16 +201,16 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
         keep_sometimes(ring.latest(), model.latest());
         break;
       case 10: {
-        const Stamp stamp = some_stamp();
+        const Stamp stamp = random_stamp();
         keep_sometimes(ring.nearest(stamp), model.nearest(stamp));
         break;
       }
       default: {
-        const Stamp from = some_stamp();
-        const Stamp to = from + Duration(below(60));
+        const Stamp from = random_stamp();
+        const Stamp to = from + Duration(random_below(60));
         const std::vector<uint64_t> expected = model.interval(from, to);
         std::vector<uint64_t> found;
-        const IntervalResult result = ring.interval(from, to, [&](const Object& object) {
+        const IntervalResult result = ring.visit_interval(from, to, [&](const Object& object) {
           EXPECT_TRUE(object.whole());
           found.push_back(object.number);
         });
@@ -218,7 +219,7 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
         if (seed % 2 == 0 && result.complete) {
           // Nothing of the interval has gone: what has gone is older than something before it.
           uint64_t next = 0;
-          for (const Model::Entry& entry : model.held_) {
+          for (const Model::Entry& entry : model.entries_) {
             if (entry.stamp >= from) {
               ASSERT_EQ(entry.position, next);
             }
@@ -266,8 +267,8 @@ TEST(SlotRing, MakesItsObjectsOnceAndUsesThemAgain) {
   EXPECT_EQ(made, 4);
   std::vector<const uint64_t*> bodies;
   for (uint64_t number = 0; number < 20; ++number) {
-    bodies.push_back(ring.hand().body.data());
-    ring.hand().fill(number, at(0));
+    bodies.push_back(ring.slot().body.data());
+    ring.slot().fill(number, at(0));
     ring.publish();
   }
   EXPECT_EQ(made, 4);
@@ -282,14 +283,14 @@ TEST(SlotRing, APinOutlivesItsReaderAndItsMove) {
   Pin<Object> kept;
   EXPECT_FALSE(kept);
   {
-    auto reader = ring.reader();
-    ring.hand().fill(0, at(0));
+    auto reader = ring.make_reader();
+    ring.slot().fill(0, at(0));
     ring.publish();
     Pin<Object> pin = reader.next();
     kept = std::move(pin);
   }
   for (uint64_t number = 1; number < 10; ++number) {
-    ring.hand().fill(number, at(0));
+    ring.slot().fill(number, at(0));
     EXPECT_TRUE(ring.publish());
     EXPECT_EQ(kept->number, 0u);
     EXPECT_TRUE(kept->whole());
@@ -305,7 +306,7 @@ TEST(SlotRing, APinOutlivesItsReaderAndItsMove) {
 
 TEST(SlotRing, UnpinningAndReadingMakeRoom) {
   Ring ring(1, [] { return Object(); });
-  auto reader = ring.reader();
+  auto reader = ring.make_reader();
   ASSERT_TRUE(ring.wait_for_room());
   ring.publish();
   EXPECT_FALSE(ring.wait_for_room(1ms));  // unread
@@ -319,21 +320,21 @@ TEST(SlotRing, UnpinningAndReadingMakeRoom) {
   EXPECT_FALSE(reader.wait());
 }
 
-TEST(SlotRing, LiveReadersSeeWholeObjectsInOrderAndCountTheirLosses) {
+TEST(SlotRing, LiveReadersSeeIntactObjectsInOrderAndCountLostOnes) {
   constexpr uint64_t kObjects = 30'000;
   Ring ring(4, [] { return Object(); });
   std::atomic<uint64_t> wrong{0};
   std::array<uint64_t, 2> read{}, lost{};
   std::vector<std::thread> threads;
   for (size_t id = 0; id < read.size(); ++id) {
-    threads.emplace_back([&, id, reader = ring.reader()]() mutable {
+    threads.emplace_back([&, id, reader = ring.make_reader()]() mutable {
       std::array<Pin<Object>, 2> kept;
       while (reader.wait()) {
         while (Pin<Object> pin = reader.next()) {
           ++read[id];
-          if (!pin->whole() || pin->number + 1 != read[id] + reader.lost()) ++wrong;
+          if (!pin->is_intact() || pin->number + 1 != read[id] + reader.lost()) ++wrong;
           Pin<Object>& old = kept[read[id] % 2];
-          if (old && (!old->whole() || old->number != old.position())) ++wrong;
+          if (old && (!old->is_intact() || old->number != old.position())) ++wrong;
           old = std::move(pin);
         }
       }
@@ -344,18 +345,18 @@ TEST(SlotRing, LiveReadersSeeWholeObjectsInOrderAndCountTheirLosses) {
     uint64_t last = 0;
     while (!ring.closed()) {
       if (const Pin<Object> pin = ring.latest()) {
-        if (!pin->whole() || pin->number != pin.position()) ++wrong;
+        if (!pin->is_intact() || pin->number != pin.position()) ++wrong;
         last = pin->number;
       }
       const Stamp middle = at(static_cast<int64_t>(last));
-      if (const Pin<Object> pin = ring.nearest(middle); pin && !pin->whole()) ++wrong;
-      ring.interval(middle - Duration(3), middle + Duration(3), [&](const Object& object) {
-        if (!object.whole()) ++wrong;
+      if (const Pin<Object> pin = ring.nearest(middle); pin && !pin->is_intact()) ++wrong;
+      ring.visit_interval(middle - Duration(3), middle + Duration(3), [&](const Object& object) {
+        if (!object.is_intact()) ++wrong;
       });
     }
   });
   for (uint64_t number = 0; number < kObjects; ++number) {
-    ring.hand().fill(number, at(static_cast<int64_t>(number)));
+    ring.slot().fill(number, at(static_cast<int64_t>(number)));
     ring.publish();
   }
   ring.close();
@@ -371,12 +372,12 @@ TEST(SlotRing, AReplayThatWaitsForRoomLosesNothing) {
   std::atomic<bool> done{false};
   std::vector<std::thread> threads;
   for (int id = 0; id < 2; ++id) {
-    threads.emplace_back([&, reader = ring.reader()]() mutable {
+    threads.emplace_back([&, reader = ring.make_reader()]() mutable {
       uint64_t expected = 0;
       Pin<Object> kept;
       while (reader.wait()) {
         while (Pin<Object> pin = reader.next()) {
-          if (!pin->whole() || pin->number != expected++) ++wrong;
+          if (!pin->is_intact() || pin->number != expected++) ++wrong;
           kept = std::move(pin);
         }
       }
@@ -386,12 +387,12 @@ TEST(SlotRing, AReplayThatWaitsForRoomLosesNothing) {
   // Who looks around meanwhile, pinning what has been read, must not make others lose anything.
   threads.emplace_back([&] {
     while (!done) {
-      if (const Pin<Object> pin = ring.nearest(at(0)); pin && !pin->whole()) ++wrong;
+      if (const Pin<Object> pin = ring.nearest(at(0)); pin && !pin->is_intact()) ++wrong;
     }
   });
   for (uint64_t number = 0; number < kObjects; ++number) {
     ASSERT_TRUE(ring.wait_for_room());
-    ring.hand().fill(number, at(static_cast<int64_t>(number)));
+    ring.slot().fill(number, at(static_cast<int64_t>(number)));
     ASSERT_TRUE(ring.publish());
   }
   ring.close();

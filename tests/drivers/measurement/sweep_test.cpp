@@ -12,7 +12,7 @@ namespace {
 
 /// Calls `visit(name, channel)` for each array of a sweep.
 template <class Visit>
-void for_each_channel(Sweep& sweep, Visit visit) {
+void for_each_field(Sweep& sweep, Visit visit) {
   visit("x", sweep.x);
   visit("y", sweep.y);
   visit("z", sweep.z);
@@ -25,9 +25,9 @@ void for_each_channel(Sweep& sweep, Visit visit) {
 }
 
 /// Where the arrays are: as long as this stays, nothing was allocated.
-std::vector<const void*> memory_of(Sweep& sweep) {
+std::vector<const void*> data_pointers(Sweep& sweep) {
   std::vector<const void*> memory;
-  for_each_channel(sweep, [&](const char*, auto& channel) { memory.push_back(channel.data()); });
+  for_each_field(sweep, [&](const char*, auto& field) { memory.push_back(field.data()); });
   return memory;
 }
 
@@ -36,16 +36,15 @@ TEST(Sweep, ResizingSetsTheLengthOfEveryArray) {
   for (const size_t returns : {0u, 1u, 1000u, 17u}) {
     sweep.resize(returns);
     EXPECT_EQ(sweep.size(), returns);
-    for_each_channel(sweep, [&](const char* name, auto& channel) {
-      EXPECT_EQ(channel.size(), returns) << name;
-    });
+    for_each_field(
+        sweep, [&](const char* name, auto& field) { EXPECT_EQ(channel.size(), returns) << name; });
   }
 }
 
 TEST(Sweep, ArraysBeginOnACacheLine) {
   Sweep sweep;
   sweep.resize(5);
-  for_each_channel(sweep, [](const char* name, auto& channel) {
+  for_each_field(sweep, [](const char* name, auto& field) {
     EXPECT_EQ(reinterpret_cast<uintptr_t>(channel.data()) % 64, 0u) << name;
   });
 }
@@ -54,13 +53,13 @@ TEST(Sweep, WithinItsReserveNothingIsAllocated) {
   Sweep sweep;
   sweep.reserve(70'000);
   EXPECT_EQ(sweep.size(), 0u);
-  const std::vector<const void*> memory = memory_of(sweep);
+  const std::vector<const void*> memory = data_pointers(sweep);
   for (const size_t returns : {1u, 70'000u, 3u, 69'999u}) {
     sweep.resize(returns);
-    EXPECT_EQ(memory_of(sweep), memory);
+    EXPECT_EQ(data_pointers(sweep), memory);
     sweep.clear();
-    EXPECT_EQ(memory_of(sweep), memory);
-    for_each_channel(sweep, [&](const char* name, auto& channel) {
+    EXPECT_EQ(data_pointers(sweep), memory);
+    for_each_field(sweep, [&](const char* name, auto& field) {
       EXPECT_EQ(channel.size(), 0u) << name;
       EXPECT_GE(channel.capacity(), 70'000u) << name;
     });
@@ -81,14 +80,14 @@ TEST(Sweep, GrowingWithinItsReserveWritesNothing) {
   EXPECT_EQ(kept.back(), 99.0f);
 }
 
-TEST(Sweep, ClearingForgetsEverythingThatWasSaid) {
+TEST(Sweep, ClearResetsEveryMember) {
   Sweep sweep;
   sweep.stamp = Stamp::from_ns(1);
   sweep.span = Duration(2);
   sweep.rings = 32;
   sweep.columns = 4;
   sweep.has_times = false;
-  sweep.clock = {.source = ClockState::Source::kHour,
+  sweep.clock = {.source = ClockState::Source::kTopOfHour,
                  .trusted = true,
                  .offset = Duration(5),
                  .skew_ppm = 6,
@@ -121,7 +120,7 @@ TEST(Sweep, ClearingForgetsEverythingThatWasSaid) {
 TEST(ClockState, EverySourceIsDescribedInItsOwnWords) {
   std::vector<std::string> texts;
   for (const auto source : {ClockState::Source::kNone, ClockState::Source::kHost,
-                            ClockState::Source::kPowerUp, ClockState::Source::kHour}) {
+                            ClockState::Source::kPowerUp, ClockState::Source::kTopOfHour}) {
     const std::string text = describe(source);
     EXPECT_FALSE(text.empty());
     for (const std::string& other : texts) EXPECT_NE(text, other);

@@ -14,25 +14,25 @@ class DeviceWatchTest : public testing::Test {
   DeviceWatchTest() { std::filesystem::create_directories(folder_); }
   ~DeviceWatchTest() override { std::filesystem::remove_all(folder_); }
 
-  void make(const std::string& name) const { std::ofstream(folder_ / name) << ""; }
+  void make_file(const std::string& name) const { std::ofstream(folder_ / name) << ""; }
 
   const std::filesystem::path folder_ =
       std::filesystem::path(testing::TempDir()) / ("infuse-watch-" + std::to_string(getpid()));
 };
 
-TEST_F(DeviceWatchTest, TellsOfTheDeviceAndOfNothingElse) {
+TEST_F(DeviceWatchTest, ReportsTheDeviceAndNothingElse) {
   DeviceWatch watch({folder_ / "video0"});
   ASSERT_GE(watch.descriptor(), 0);
   EXPECT_FALSE(watch.changed());
-  make("video1");
+  make_file("video1");
   EXPECT_FALSE(watch.changed());
-  make("video0");
+  make_file("video0");
   EXPECT_TRUE(watch.changed());
   EXPECT_FALSE(watch.changed());
 }
 
-TEST_F(DeviceWatchTest, TellsOfAnotherOwnerOrMode) {
-  make("video0");
+TEST_F(DeviceWatchTest, ReportsAnotherOwnerOrMode) {
+  make_file("video0");
   DeviceWatch watch({folder_ / "video0"});
   ASSERT_EQ(chmod((folder_ / "video0").c_str(), 0600), 0);
   EXPECT_TRUE(watch.changed());
@@ -49,11 +49,11 @@ TEST_F(DeviceWatchTest, FollowsFoldersThatComeAndGo) {
     std::filesystem::rename(folder_ / "infuse" / ".new", folder_ / "infuse" / "camera-7");
     EXPECT_TRUE(watch.changed());
     std::filesystem::remove_all(folder_ / "infuse");
-    watch.changed();
+    watch.consume_changes();
   }
 }
 
-TEST(DeviceWatch, OfNothingIsSilent) {
+TEST(DeviceWatch, WithoutDevicesReportsNothing) {
   DeviceWatch watch({});
   EXPECT_EQ(watch.descriptor(), -1);
   EXPECT_FALSE(watch.changed());

@@ -9,7 +9,7 @@ namespace {
 
 constexpr Stamp kStart = Stamp::from_ns(1'700'000'000'000'000'000);
 
-TEST(HardwareStamps, TakeTheDelaysOfTheWayOutOfTheStamps) {
+TEST(HardwareStamps, RemoveTransportDelaysFromStamps) {
   HardwareStamps stamps;
   std::mt19937 random(7);
   std::exponential_distribution<double> late_ms(0.5);
@@ -20,7 +20,7 @@ TEST(HardwareStamps, TakeTheDelaysOfTheWayOutOfTheStamps) {
     // 40 ppm fast, since the interface was plugged in.
     const auto hardware_ns = static_cast<int64_t>(5e9 + i * 1e7 * (1 + 40e-6));
     const Stamp received = sent + Duration(static_cast<int64_t>(late_ms(random) * 1e6));
-    const Stamp stamp = stamps.stamp_of(hardware_ns, received);
+    const Stamp stamp = stamps.update(hardware_ns, received);
     ASSERT_LE(stamp, received);
     ASSERT_GE(stamp, before);
     before = stamp;
@@ -45,7 +45,7 @@ TEST(HardwareStamps, AnInterfaceThatBeganToCountAgainIsFollowed) {
   for (int i = 0; i < 2000; ++i) {
     const Stamp received = kStart + i * Duration(10'000'000);
     const int64_t counted = i < 1000 ? i : i - 1000;
-    stamp = stamps.stamp_of(1'000'000'000 + counted * 10'000'000, received);
+    stamp = stamps.update(1'000'000'000 + counted * 10'000'000, received);
     ASSERT_LE(stamp, received);
     ASSERT_LT(received - stamp, Duration(1'000'000)) << i;
   }

@@ -10,7 +10,7 @@ namespace infuse::receive {
 namespace {
 
 /// Control messages as the kernel writes them.
-class Controls {
+class ControlBuffer {
  public:
   template <class Value>
   void add(int type, const Value& value) {
@@ -21,11 +21,11 @@ class Controls {
     std::memcpy(CMSG_DATA(header), &value, sizeof(value));
     size_ += CMSG_SPACE(sizeof(value));
   }
-  KernelNotes notes() {
+  AncillaryData parse() {
     msghdr header{};
     header.msg_control = bytes_.data();
     header.msg_controllen = size_;
-    return KernelNotes::of(header);
+    return AncillaryData::parse(header);
   }
 
  private:
@@ -33,19 +33,19 @@ class Controls {
   size_t size_ = 0;
 };
 
-TEST(KernelNotes, AreTheStampsOfBothClocksAndTheDrops) {
-  Controls controls;
+TEST(AncillaryData, AreTheStampsOfBothClocksAndTheDrops) {
+  ControlBuffer controls;
   controls.add(SCM_TIMESTAMPNS, timespec{1'700'000'000, 250});
   controls.add(SCM_TIMESTAMPING, std::array<timespec, 3>{{{0, 0}, {0, 0}, {12, 34}}});
   controls.add(SO_RXQ_OVFL, uint32_t{9});
-  const KernelNotes notes = controls.notes();
+  const AncillaryData ancillary = controls.parse();
   EXPECT_EQ(notes.wall_ns, 1'700'000'000'000'000'250);
   EXPECT_EQ(notes.hardware_ns, 12'000'000'034);
   EXPECT_EQ(notes.dropped, 9U);
 }
 
-TEST(KernelNotes, AreZeroWhereNothingIsTold) {
-  const KernelNotes notes = Controls().notes();
+TEST(AncillaryData, AreZeroWhereNothingIsReported) {
+  const AncillaryData ancillary = ControlBuffer().parse();
   EXPECT_EQ(notes.wall_ns, 0);
   EXPECT_EQ(notes.hardware_ns, 0);
   EXPECT_EQ(notes.dropped, 0U);

@@ -9,7 +9,7 @@ constexpr int64_t kSecond = 1'000'000'000;
 constexpr ClockReading kStart{100 * kSecond, 1'700'000'000 * kSecond};
 
 /// The clocks `seconds` after the start, the wall clock set ahead by `step_ns` since.
-ClockReading later(double seconds, int64_t step_ns = 0) {
+ClockReading clocks_after_start(double seconds, int64_t step_ns = 0) {
   const int64_t ns = from_seconds(seconds).count();
   return {kStart.monotonic_ns + ns, kStart.wall_ns + ns + step_ns};
 }
@@ -24,7 +24,7 @@ TEST(TimeBase, IsWallTimeAtTheStartAndMonotonicAfterIt) {
   EXPECT_EQ(base.at_monotonic(later(5, -3600 * kSecond).monotonic_ns), stamp_after_start(5));
 }
 
-TEST(TimeBase, TellsHowFarTheWallClockWasSteppedSince) {
+TEST(TimeBase, ReportsHowFarTheWallClockWasStepped) {
   const TimeBase base(kStart);
   EXPECT_EQ(base.utc_offset(later(5)), Duration(0));
   EXPECT_EQ(base.utc_offset(later(5, 3600 * kSecond)), Duration(3600 * kSecond));
@@ -42,7 +42,7 @@ TEST(TimeBase, NowRunsOnAndIsNearTheWallClock) {
 TEST(WallStamps, AMessageIsStampedByItsAge) {
   const TimeBase base(kStart);
   WallStamps stamps(base);
-  stamps.look(later(1));
+  stamps.update(clocks_after_start(1));
   EXPECT_EQ(stamps.stamp_of(later(0.75).wall_ns), stamp_after_start(0.75));
   EXPECT_EQ(stamps.now(), stamp_after_start(1));
 }
@@ -51,15 +51,16 @@ TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
   for (const int64_t step : {3600 * kSecond, -3600 * kSecond, kSecond / 100, -kSecond / 100}) {
     const TimeBase base(kStart);
     WallStamps stamps(base);
-    stamps.look(later(1));
-    const Stamp before = stamps.stamp_of(later(0.999).wall_ns);
-    stamps.look(later(2, step));  // it holds one of before the step and one of after it
+    stamps.update(clocks_after_start(1));
+    const Stamp before = stamps.stamp_of(clocks_after_start(0.999).wall_ns);
+    stamps.update(
+        clocks_after_start(2, step));  // it holds one of before the step and one of after it
     EXPECT_EQ(stamps.steps(), 1U);
-    const Stamp around = stamps.stamp_of(later(1.5).wall_ns);
+    const Stamp around = stamps.stamp_of(clocks_after_start(1.5).wall_ns);
     EXPECT_EQ(stamps.stamp_of(later(1.9, step).wall_ns), around);
-    stamps.look(later(3, step));
+    stamps.update(clocks_after_start(3, step));
     EXPECT_EQ(stamps.steps(), 1U);
-    const Stamp after = stamps.stamp_of(later(2.5, step).wall_ns);
+    const Stamp after = stamps.stamp_of(clocks_after_start(2.5, step).wall_ns);
     EXPECT_EQ(after, stamp_after_start(2.5));
     EXPECT_LT(before, around);
     EXPECT_LT(around, after);
@@ -69,15 +70,15 @@ TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
 TEST(WallStamps, ASlewedClockIsNoStep) {
   const TimeBase base(kStart);
   WallStamps stamps(base);
-  stamps.look(later(0));
-  stamps.look(later(10, 5'000'000));  // 500 ppm, the most that the kernel slews
+  stamps.update(clocks_after_start(0));
+  stamps.update(clocks_after_start(10, 5'000'000));  // 500 ppm, the most that the kernel slews
   EXPECT_EQ(stamps.steps(), 0U);
 }
 
-TEST(WallStamps, AnAgeThatCannotBeIsNotBelieved) {
+TEST(WallStamps, AnImpossibleAgeIsRejected) {
   const TimeBase base(kStart);
   WallStamps stamps(base);
-  stamps.look(later(1));
+  stamps.update(clocks_after_start(1));
   EXPECT_EQ(stamps.stamp_of(later(2).wall_ns), stamp_after_start(1));
   EXPECT_EQ(stamps.stamp_of(0), stamp_after_start(1));
 }

@@ -35,7 +35,7 @@ inline void add(Bytes& bytes, const Bytes& more) {
 inline constexpr uint32_t kSender = 0xC0A801C9;  // 192.168.1.201
 inline constexpr uint32_t kReceiver = 0xC0A80164;
 
-inline Bytes numbered(size_t length, uint32_t seed = 0) {
+inline Bytes make_payload(size_t length, uint32_t seed = 0) {
   Bytes bytes(length);
   for (size_t i = 0; i < length; ++i) bytes[i] = static_cast<uint8_t>(i * 7 + i / 256 + seed);
   return bytes;
@@ -124,7 +124,7 @@ struct Record {
   uint32_t seconds = 0;
   uint32_t fraction = 0;  // microseconds or nanoseconds
   Bytes frame;
-  uint32_t cut = 0;  // bytes that the capture left out at the end
+  uint32_t truncated_bytes = 0;  // bytes that the capture left out at the end
 };
 
 inline Bytes pcap_header(uint32_t link_type, bool nanoseconds) {
@@ -145,9 +145,9 @@ inline Bytes pcap(uint32_t link_type, const std::vector<Record>& records, bool n
     const auto wire = static_cast<uint32_t>(record.frame.size());
     add_le32(bytes, record.seconds);
     add_le32(bytes, record.fraction);
-    add_le32(bytes, wire - record.cut);
+    add_le32(bytes, wire - record.truncated_bytes);
     add_le32(bytes, wire);
-    bytes.insert(bytes.end(), record.frame.begin(), record.frame.end() - record.cut);
+    bytes.insert(bytes.end(), record.frame.begin(), record.frame.end() - record.truncated_bytes);
   }
   return bytes;
 }
@@ -188,9 +188,9 @@ inline Bytes pcapng(uint32_t link_type, const std::vector<Record>& records) {
     add_le32(body, 0);
     add_le32(body, static_cast<uint32_t>(ns >> 32));
     add_le32(body, static_cast<uint32_t>(ns));
-    add_le32(body, wire - record.cut);
+    add_le32(body, wire - record.truncated_bytes);
     add_le32(body, wire);
-    body.insert(body.end(), record.frame.begin(), record.frame.end() - record.cut);
+    body.insert(body.end(), record.frame.begin(), record.frame.end() - record.truncated_bytes);
     add_block(bytes, 6, body);
   }
   return bytes;

@@ -7,10 +7,10 @@
 #include <random>
 
 #include "drivers/recording/candump_stamp.hpp"
-#include "drivers/recording/samples_csv.hpp"
+#include "drivers/recording/imu_csv.hpp"
 #include "tests/drivers/recording/capture_bytes.hpp"
-#include "tests/drivers/recording/scratch_folder.hpp"
 #include "tests/real_data.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -19,15 +19,15 @@ using namespace testing;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+std::string to_text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 
 // A stream of given stamps; each event is an IMU sample that carries the stream's name.
 class ListStream : public EventStream {
  public:
   ListStream(double name, std::vector<int64_t> stamps) : name_(name), stamps_(std::move(stamps)) {}
   bool next(DriveEvent& event) override {
-    if (at_ == stamps_.size()) return false;
-    event.stamp = Stamp::from_ns(stamps_[at_++]);
+    if (next_index_ == stamps_.size()) return false;
+    event.stamp = Stamp::from_ns(stamps_[next_index_++]);
     event.content = ImuSample{event.stamp, {name_, 0, 0}, {}};
     return true;
   }
@@ -38,7 +38,7 @@ class ListStream : public EventStream {
  private:
   double name_;
   std::vector<int64_t> stamps_;
-  size_t at_ = 0;
+  size_t next_index_ = 0;
 };
 
 TEST(DriveSource, MergesAsAStableSortWould) {
@@ -84,9 +84,9 @@ class WholeDrive : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto frame = [](uint32_t sender, uint16_t port) {
-      return ethernet(ipv4(udp(numbered(12), port), {.sender = sender}));
+      return ethernet(ipv4(udp(make_payload(12), port), {.sender = sender}));
     };
-    folder_.write("lidar.pcap", text_of(pcap(kEthernet, {{0, 10, frame(1, 2368)},
+    folder_.write("lidar.pcap", to_text(pcap(kEthernet, {{0, 10, frame(1, 2368)},
                                                          {0, 60, frame(2, 2368)},
                                                          {0, 70, frame(2, 8308)},
                                                          {0, 80, frame(3, 2368)},
@@ -147,16 +147,17 @@ file = "gps.csv"
     if (!drive) return {drive.error().message()};
     auto source = DriveSource::open(*drive);
     if (!source) return {source.error().message()};
-    std::vector<std::string> told;
+    std::vector<std::string> lines;
     DriveEvent event;
     while (source->next(event)) {
-      told.push_back(std::to_string(event.stamp.ns()) + " " + std::visit(Teller{}, event.content));
+      lines.push_back(std::to_string(event.stamp.ns()) + " " +
+                      std::visit(EventPrinter{}, event.content));
     }
     for (const Error& note : source->notes()) notes_ += note.message() + "\n";
-    return told;
+    return lines;
   }
 
-  struct Teller {
+  struct EventPrinter {
     std::string operator()(const DatagramEvent& e) const {
       return (e.lidar == kNoLidar ? "stray" : "lidar " + std::to_string(e.lidar)) + " port " +
              std::to_string(e.datagram.destination_port);
@@ -172,7 +173,7 @@ file = "gps.csv"
     std::string operator()(const ImuSample& e) const {
       return "imu " + std::to_string(static_cast<int>(e.linear_acceleration[2]));
     }
-    std::string operator()(const GpsFix& e) const {
+    std::string operator()(const GnssFix& e) const {
       return "gps " + std::to_string(std::lround(e.longitude * 1e6));
     }
   };
@@ -202,13 +203,13 @@ TEST_F(WholeDrive, FailsWithTheFileThatIsOfNoUse) {
 }
 
 TEST(CandumpStamp, ReadsSecondsAndTheirFraction) {
-  EXPECT_EQ(candump_stamp("(1436509052.249713) can0 044#2A366C2BBA")->ns(),
+  EXPECT_EQ(parse_candump_stamp("(1436509052.249713) can0 044#2A366C2BBA")->ns(),
             1'436'509'052'249'713'000);
-  EXPECT_EQ(candump_stamp("(0.5)")->ns(), 500'000'000);
-  EXPECT_EQ(candump_stamp("(7) x")->ns(), 7'000'000'000);
+  EXPECT_EQ(parse_candump_stamp("(0.5)")->ns(), 500'000'000);
+  EXPECT_EQ(parse_candump_stamp("(7) x")->ns(), 7'000'000'000);
   for (const char* bad : {"", "(", "()", "(1", "(1.", "(1.)", "1.5)", "(-1.5)", "(1.0000000001)",
                           "(99999999999.0)", "( 1.5)"}) {
-    EXPECT_FALSE(candump_stamp(bad)) << bad;
+    EXPECT_FALSE(parse_candump_stamp(bad)) << bad;
   }
 }
 
@@ -225,28 +226,28 @@ TEST(SamplesCsv, WhatIsWrittenIsRead) {
   EXPECT_EQ(imu_back.linear_acceleration, imu.linear_acceleration);
   EXPECT_FALSE(imu_csv->next(imu_back));
 
-  GpsFix fix;
+  GnssFix fix;
   fix.stamp = Stamp::from_ns(6);
   fix.latitude = 0.85;
   fix.longitude = -2.5;
   fix.altitude = std::nan("");
   fix.speed = 12.5;
   fix.course = 6.28;
-  fix.horizontal_dilution = std::nan("");
+  fix.hdop = std::nan("");
   fix.utc_ns = 77;
   fix.valid = false;
-  ASSERT_TRUE(write_gps_csv(folder / "gps.csv", {fix}));
-  auto gps_csv = GpsCsv::open(folder / "gps.csv");
-  ASSERT_TRUE(gps_csv);
-  GpsFix back;
-  ASSERT_TRUE(gps_csv->next(back));
+  ASSERT_TRUE(write_gnss_csv(folder / "gps.csv", {fix}));
+  auto gnss_csv = GnssCsv::open(folder / "gps.csv");
+  ASSERT_TRUE(gnss_csv);
+  GnssFix read_fix;
+  ASSERT_TRUE(gnss_csv->next(back));
   EXPECT_EQ(back.stamp, fix.stamp);
   EXPECT_DOUBLE_EQ(back.latitude, fix.latitude);
   EXPECT_DOUBLE_EQ(back.longitude, fix.longitude);
   EXPECT_TRUE(std::isnan(back.altitude));
   EXPECT_EQ(back.speed, fix.speed);
   EXPECT_DOUBLE_EQ(back.course, fix.course);
-  EXPECT_TRUE(std::isnan(back.horizontal_dilution));
+  EXPECT_TRUE(std::isnan(back.hdop));
   EXPECT_EQ(back.utc_ns, 77);
   EXPECT_FALSE(back.valid);
 }

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/drivers/recording/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace infuse::recording {
 namespace {

@@ -188,14 +188,14 @@ TEST(DriveToml, WhatIsWrittenReadsBackEqualToTheLastBit) {
 }
 
 // Replaces the first `from` in the drive above.
-std::string changed(const std::string& from, const std::string& to) {
+std::string replace_in_drive(const std::string& from, const std::string& to) {
   std::string text = kDrive;
   const size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return text.replace(at, from.size(), to);
 }
 
-std::string message(const std::string& text) {
+std::string parse_message(const std::string& text) {
   const auto drive = parse_drive(text);
   return drive ? "accepted" : drive.error().message();
 }
@@ -208,7 +208,7 @@ TEST(DriveToml, ErrorsNameTheLineAndTheCure) {
   EXPECT_THAT(message(changed("192.168.1.201", "192.168.1.256")),
               HasSubstr("drive.toml:9: sender"));
   EXPECT_THAT(message(changed("\"recorded\"", "\"guessed\"")),
-              HasSubstr("drive.toml:2: times must be one of \"recorded\", \"made up\""));
+              HasSubstr("drive.toml:2: times must be one of \"recorded\", \"synthetic\""));
   EXPECT_THAT(message(changed("0, -1, 0, 0.5", "0, -2, 0, 0.5")),
               HasSubstr("drive.toml:10: T_vehicle_lidar is not a rigid motion"));
   EXPECT_THAT(message(changed("0, -1, 0, 0.5,", "0, -1, 0,")),

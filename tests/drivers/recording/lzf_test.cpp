@@ -11,9 +11,9 @@ namespace {
 
 using Bytes = std::vector<uint8_t>;
 
-std::string unpacked(const Bytes& packed, size_t length) {
+std::string decompress(const Bytes& packed, size_t length) {
   std::string out(length, '?');
-  const bool whole = unpack_lzf(packed, {reinterpret_cast<uint8_t*>(out.data()), length});
+  const bool whole = decompress_lzf(packed, {reinterpret_cast<uint8_t*>(out.data()), length});
   return whole ? out : "refused";
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/drivers/recording/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -15,12 +15,12 @@ using testing::ScratchFolder;
 TEST(MappedFile, ReadsWhatWasWrittenWhole) {
   const ScratchFolder folder;
   const std::vector<std::byte> first(100'000, std::byte{7}), second(10, std::byte{9});
-  ASSERT_TRUE(write_whole(folder / "x", first));
+  ASSERT_TRUE(write_file_atomically(folder / "x", first));
   const auto mapped = MappedFile::open(folder / "x");
   ASSERT_TRUE(mapped);
   EXPECT_TRUE(std::ranges::equal(mapped->bytes(), first));
   // Who reads the old file keeps it.
-  ASSERT_TRUE(write_whole(folder / "x", second));
+  ASSERT_TRUE(write_file_atomically(folder / "x", second));
   EXPECT_TRUE(std::ranges::equal(mapped->bytes(), first));
   const auto again = MappedFile::open(folder / "x");
   ASSERT_TRUE(again);
@@ -34,15 +34,15 @@ TEST(MappedFile, FailsForWhatIsNoFile) {
   const ScratchFolder folder;
   EXPECT_FALSE(MappedFile::open(folder / "missing"));
   EXPECT_FALSE(MappedFile::open((folder / "x").parent_path()));
-  ASSERT_TRUE(write_whole(folder / "empty", {}));
+  ASSERT_TRUE(write_file_atomically(folder / "empty", {}));
   EXPECT_FALSE(MappedFile::open(folder / "empty"));
-  EXPECT_FALSE(write_whole(folder / "no" / "such" / "folder", {}));
+  EXPECT_FALSE(write_file_atomically(folder / "no" / "such" / "folder", {}));
 }
 
 TEST(MappedFile, MovesTheMapping) {
   const ScratchFolder folder;
   const std::vector<std::byte> bytes(5000, std::byte{1});
-  ASSERT_TRUE(write_whole(folder / "x", bytes));
+  ASSERT_TRUE(write_file_atomically(folder / "x", bytes));
   auto first = MappedFile::open(folder / "x");
   ASSERT_TRUE(first);
   MappedFile second = std::move(*first);

@@ -9,12 +9,12 @@
 #include "drivers/recording/drive_source.hpp"
 #include "drivers/recording/pcap_writer.hpp"
 #include "tests/drivers/recording/capture_bytes.hpp"
-#include "tests/drivers/recording/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace {
 std::atomic<size_t> allocations{0};
 
-void* counted(size_t size, size_t alignment) {
+void* allocate_counted(size_t size, size_t alignment) {
   ++allocations;
   void* memory = nullptr;
   if (posix_memalign(&memory, std::max(alignment, sizeof(void*)), size) != 0)
@@ -24,12 +24,12 @@ void* counted(size_t size, size_t alignment) {
 }  // namespace
 
 // Counts every allocation of the program.
-void* operator new(size_t size) { return counted(size, alignof(std::max_align_t)); }
+void* operator new(size_t size) { return allocate_counted(size, alignof(std::max_align_t)); }
 void* operator new(size_t size, std::align_val_t alignment) {
-  return counted(size, static_cast<size_t>(alignment));
+  return allocate_counted(size, static_cast<size_t>(alignment));
 }
 void* operator new(size_t size, const std::nothrow_t&) noexcept {
-  return counted(size, alignof(std::max_align_t));
+  return allocate_counted(size, alignof(std::max_align_t));
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, size_t) noexcept { std::free(memory); }
@@ -48,13 +48,15 @@ TEST(NoAllocation, ReadingADriveAllocatesNothingAnEvent) {
   std::vector<Record> records;
   std::string can, imu = "stamp_ns,wx,wy,wz,ax,ay,az\n", times = "stamp_ns\n";
   for (uint32_t i = 0; i < 1000; ++i) {
-    const Bytes datagram = udp(numbered(1206, i));
+    const Bytes datagram = udp(make_payload(1206, i));
     const auto part = static_cast<std::ptrdiff_t>(800);
     const auto id = static_cast<uint16_t>(i);
-    const Bytes head(datagram.begin(), datagram.begin() + part);
-    const Bytes tail(datagram.begin() + part, datagram.end());
-    records.push_back({0, i * 100, ethernet(ipv4(head, {.identification = id, .more = true}))});
-    records.push_back({0, i * 100, ethernet(ipv4(tail, {.identification = id, .offset = 800}))});
+    const Bytes first_part(datagram.begin(), datagram.begin() + part);
+    const Bytes second_part(datagram.begin() + part, datagram.end());
+    records.push_back(
+        {0, i * 100, ethernet(ipv4(first_part, {.identification = id, .more = true}))});
+    records.push_back(
+        {0, i * 100, ethernet(ipv4(second_part, {.identification = id, .offset = 800}))});
     can += "(0.0000" + std::to_string(10000 + i) + ") can0 123#0011223344556677\n";
     imu += std::to_string(i * 100) + ",0.1,0.2,0.3,4,5,6.789\n";
   }
@@ -100,7 +102,7 @@ TEST(NoAllocation, WritingACaptureAllocatesNothingADatagram) {
   const ScratchFolder folder;
   auto writer = PcapWriter::create(folder / "a.pcap");
   ASSERT_TRUE(writer);
-  const Bytes payload = numbered(1206);
+  const Bytes payload = make_payload(1206);
   Datagram datagram;
   datagram.payload = payload;
   ASSERT_TRUE(writer->write(datagram));

@@ -51,7 +51,7 @@ Outcome read_all(const Bytes& file, const PcapOptions& options = {}) {
 }
 
 TEST(PcapReader, EveryLinkTypeGivesTheSamePayload) {
-  const Bytes payload = numbered(1206);
+  const Bytes payload = make_payload(1206);
   const Bytes packet = ipv4(udp(payload, 2368, 40000));
   Bytes null_frame = {2, 0, 0, 0}, loop_frame = {0, 0, 0, 2};
   add(null_frame, packet);
@@ -84,7 +84,7 @@ TEST(PcapReader, EveryLinkTypeGivesTheSamePayload) {
 }
 
 TEST(PcapReader, MicrosecondFilesAndBigEndianFiles) {
-  const Bytes frame = ethernet(ipv4(udp(numbered(10))));
+  const Bytes frame = ethernet(ipv4(udp(make_payload(10))));
   const Outcome little = read_all(pcap(kEthernet, {{100, 999'999, frame}}, false));
   ASSERT_EQ(little.datagrams.size(), 1u);
   EXPECT_EQ(little.datagrams[0].ns, 100'999'999'000);
@@ -103,7 +103,7 @@ TEST(PcapReader, MicrosecondFilesAndBigEndianFiles) {
 }
 
 TEST(PcapReader, EthernetPaddingAndIpOptionsAreNotPayload) {
-  Bytes padded = ethernet(ipv4(udp(numbered(4)), {.option_words = 3}));
+  Bytes padded = ethernet(ipv4(udp(make_payload(4)), {.option_words = 3}));
   padded.resize(padded.size() + 17, 0);
   const Outcome outcome = read_all(pcap(kEthernet, {{1, 0, padded}}));
   ASSERT_EQ(outcome.datagrams.size(), 1u);
@@ -114,7 +114,7 @@ TEST(PcapReader, FiltersByPortAndSender) {
   std::vector<Record> records;
   for (const uint32_t sender : {0x0A000001u, 0x0A000002u}) {
     for (const uint16_t port : std::vector<uint16_t>{2368, 2369, 8308}) {
-      records.push_back({1, 0, ethernet(ipv4(udp(numbered(8), port), {.sender = sender}))});
+      records.push_back({1, 0, ethernet(ipv4(udp(make_payload(8), port), {.sender = sender}))});
     }
   }
   const Bytes file = pcap(kEthernet, records);
@@ -129,30 +129,30 @@ TEST(PcapReader, FiltersByPortAndSender) {
 }
 
 TEST(PcapReader, CountsWhatItLeavesOut) {
-  const Bytes packet = ipv4(udp(numbered(100)));
-  Bytes long_udp = udp(numbered(10));
+  const Bytes packet = ipv4(udp(make_payload(100)));
+  Bytes long_udp = udp(make_payload(10));
   long_udp[5] = 200;  // a length beyond the packet
-  Bytes tiny_udp = udp(numbered(10));
+  Bytes tiny_udp = udp(make_payload(10));
   tiny_udp[5] = 7;
   Bytes long_ip = packet;
   long_ip[2] = 0x7F;
   Bytes short_header = packet;
   short_header[0] = 0x44;
-  const Outcome outcome =
-      read_all(pcap(kEthernet, {
-                                   {1, 0, ethernet(packet)},
-                                   {1, 0, ethernet(Bytes(28, 0), {}, 0x0806)},             // ARP
-                                   {1, 0, ethernet(Bytes(60, 0x60), {}, 0x86DD)},          // IPv6
-                                   {1, 0, ethernet(ipv4(numbered(40), {.protocol = 6}))},  // TCP
-                                   {1, 0, ethernet(packet), 1},
-                                   {1, 0, ethernet(packet), 120},
-                                   {1, 0, ethernet(packet), 135},
-                                   {1, 0, ethernet(ipv4(long_udp))},
-                                   {1, 0, ethernet(ipv4(tiny_udp))},
-                                   {1, 0, ethernet(long_ip)},
-                                   {1, 0, ethernet(short_header)},
-                                   {1, 0, Bytes(9, 0)},
-                               }));
+  const Outcome outcome = read_all(
+      pcap(kEthernet, {
+                          {1, 0, ethernet(packet)},
+                          {1, 0, ethernet(Bytes(28, 0), {}, 0x0806)},                 // ARP
+                          {1, 0, ethernet(Bytes(60, 0x60), {}, 0x86DD)},              // IPv6
+                          {1, 0, ethernet(ipv4(make_payload(40), {.protocol = 6}))},  // TCP
+                          {1, 0, ethernet(packet), 1},
+                          {1, 0, ethernet(packet), 120},
+                          {1, 0, ethernet(packet), 135},
+                          {1, 0, ethernet(ipv4(long_udp))},
+                          {1, 0, ethernet(ipv4(tiny_udp))},
+                          {1, 0, ethernet(long_ip)},
+                          {1, 0, ethernet(short_header)},
+                          {1, 0, Bytes(9, 0)},
+                      }));
   EXPECT_EQ(outcome.counters.packets, 12u);
   EXPECT_EQ(outcome.counters.datagrams, 1u);
   EXPECT_EQ(outcome.counters.not_udp, 3u);
@@ -161,8 +161,8 @@ TEST(PcapReader, CountsWhatItLeavesOut) {
 }
 
 // Cuts a UDP datagram into fragments of `size` bytes (a multiple of 8).
-std::vector<Bytes> fragments(const Bytes& datagram, size_t size, uint16_t identification,
-                             uint32_t sender = kSender) {
+std::vector<Bytes> make_fragments(const Bytes& datagram, size_t size, uint16_t identification,
+                                  uint32_t sender = kSender) {
   std::vector<Bytes> result;
   for (size_t at = 0; at < datagram.size(); at += size) {
     const size_t end = std::min(at + size, datagram.size());
@@ -177,9 +177,9 @@ std::vector<Bytes> fragments(const Bytes& datagram, size_t size, uint16_t identi
 }
 
 TEST(PcapReader, PutsFragmentsTogetherInAnyOrder) {
-  const Bytes a = numbered(5000, 1), b = numbered(3001, 2);
-  std::vector<Bytes> frames = fragments(udp(a), 1480, 77);
-  for (const Bytes& frame : fragments(udp(b), 1480, 78)) frames.push_back(frame);
+  const Bytes a = make_payload(5000, 1), b = make_payload(3001, 2);
+  std::vector<Bytes> frames = make_fragments(udp(a), 1480, 77);
+  for (const Bytes& frame : make_fragments(udp(b), 1480, 78)) frames.push_back(frame);
   frames.push_back(frames.front());  // one comes twice, after its datagram is whole or before
   std::mt19937 random(4);
   for (int round = 0; round < 50; ++round) {
@@ -197,8 +197,8 @@ TEST(PcapReader, PutsFragmentsTogetherInAnyOrder) {
 }
 
 TEST(PcapReader, FragmentsOfTwoSendersAreNotMixed) {
-  const Bytes a = numbered(2000, 1), b = numbered(2000, 9);
-  const auto of_a = fragments(udp(a), 1480, 5, 1), of_b = fragments(udp(b), 1480, 5, 2);
+  const Bytes a = make_payload(2000, 1), b = make_payload(2000, 9);
+  const auto of_a = make_fragments(udp(a), 1480, 5, 1), of_b = make_fragments(udp(b), 1480, 5, 2);
   const Outcome outcome = read_all(
       pcap(kEthernet, {{1, 0, of_a[0]}, {1, 0, of_b[0]}, {1, 0, of_b[1]}, {1, 0, of_a[1]}}));
   ASSERT_EQ(outcome.datagrams.size(), 2u);
@@ -209,19 +209,21 @@ TEST(PcapReader, FragmentsOfTwoSendersAreNotMixed) {
 }
 
 TEST(PcapReader, IncompleteFragmentsAreDroppedByAgeByNumberAndAtTheEnd) {
-  const auto cut = fragments(udp(numbered(2000)), 1480, 5);
+  const auto cut = make_fragments(udp(make_payload(2000)), 1480, 5);
   const Outcome late = read_all(pcap(kEthernet, {{1, 0, cut[0]}, {40, 0, cut[1]}}));
   EXPECT_TRUE(late.datagrams.empty());
   EXPECT_EQ(late.counters.fragments_dropped, 2u);
 
   std::vector<Record> records;
   for (uint16_t id = 0; id < 100; ++id) {
-    records.push_back({1, id, fragments(udp(numbered(2000)), 1480, id)[0]});
+    records.push_back({1, id, make_fragments(udp(make_payload(2000)), 1480, id)[0]});
   }
-  records.push_back({2, 0, fragments(udp(numbered(2000)), 1480, 99)[1]});  // the last one lives
-  records.push_back({2, 0, fragments(udp(numbered(2000)), 1480, 3)[1]});   // pushed out long ago
+  records.push_back(
+      {2, 0, make_fragments(udp(make_payload(2000)), 1480, 99)[1]});  // the last one lives
+  records.push_back(
+      {2, 0, make_fragments(udp(make_payload(2000)), 1480, 3)[1]});  // pushed out long ago
   PcapOptions options;
-  options.fragmented_datagrams = 4;
+  options.max_fragmented_datagrams = 4;
   const Outcome full = read_all(pcap(kEthernet, records), options);
   ASSERT_EQ(full.datagrams.size(), 1u);
   EXPECT_EQ(full.datagrams[0].payload, numbered(2000));
@@ -230,7 +232,8 @@ TEST(PcapReader, IncompleteFragmentsAreDroppedByAgeByNumberAndAtTheEnd) {
 
 TEST(PcapReader, ContradictoryFragmentsAreDropped) {
   const auto fragment = [](size_t length, size_t offset, bool more) {
-    return ethernet(ipv4(numbered(length), {.identification = 1, .offset = offset, .more = more}));
+    return ethernet(
+        ipv4(make_payload(length), {.identification = 1, .offset = offset, .more = more}));
   };
   const Outcome outcome =
       read_all(pcap(kEthernet, {
@@ -247,7 +250,8 @@ TEST(PcapReader, ContradictoryFragmentsAreDropped) {
 
 TEST(PcapReader, TruncatedAtEveryByteGivesWhatIsWholeAndSaysWhereItEnds) {
   std::vector<Record> records;
-  for (uint32_t i = 0; i < 5; ++i) records.push_back({i, 0, ethernet(ipv4(udp(numbered(20 + i))))});
+  for (uint32_t i = 0; i < 5; ++i)
+    records.push_back({i, 0, ethernet(ipv4(udp(make_payload(20 + i))))});
   const Bytes file = pcap(kEthernet, records);
   std::vector<size_t> starts = {24};
   for (const Record& record : records) starts.push_back(starts.back() + 16 + record.frame.size());
@@ -275,7 +279,7 @@ TEST(PcapReader, TruncatedAtEveryByteGivesWhatIsWholeAndSaysWhereItEnds) {
 }
 
 TEST(PcapReader, DamageInTheMiddleEndsTheCaptureThere) {
-  const Bytes frame = ethernet(ipv4(udp(numbered(100))));
+  const Bytes frame = ethernet(ipv4(udp(make_payload(100))));
   Bytes file = pcap(kEthernet, std::vector<Record>(10, {1, 0, frame}));
   const size_t third = 24 + 2 * (16 + frame.size());
   for (size_t i = 0; i < 16; ++i) file[third + i] = 0xFF;
@@ -296,21 +300,21 @@ TEST(PcapReader, RefusesWhatIsNoCapture) {
   ASSERT_FALSE(wifi);
   EXPECT_THAT(wifi.error().message(), HasSubstr("link type 105"));
   PcapOptions options;
-  options.fragmented_datagrams = 1'000'000;
+  options.max_fragmented_datagrams = 1'000'000;
   EXPECT_FALSE(PcapReader::from_bytes(pcap_header(1, true), "x", options));
 }
 
 TEST(PcapReader, TenThousandMutatedCapturesAreReadToTheirEnd) {
   std::vector<Record> records;
-  for (const Bytes& frame : fragments(udp(numbered(3000)), 1480, 9))
+  for (const Bytes& frame : make_fragments(udp(make_payload(3000)), 1480, 9))
     records.push_back({1, 0, frame});
-  records.push_back({1, 1, ethernet(ipv4(udp(numbered(60))), {{0x8100, 1}})});
-  records.push_back({2, 2, ethernet(ipv4(udp(numbered(60)))), 4});
+  records.push_back({1, 1, ethernet(ipv4(udp(make_payload(60))), {{0x8100, 1}})});
+  records.push_back({2, 2, ethernet(ipv4(udp(make_payload(60)))), 4});
   const std::vector<Bytes> originals = {pcap(kEthernet, records), pcapng(kEthernet, records),
                                         pcap(kCooked2, records), pcap(kRaw, records, false)};
   std::mt19937 random(7);
   PcapOptions options;
-  options.fragmented_datagrams = 2;
+  options.max_fragmented_datagrams = 2;
   uint64_t packets = 0;
   for (int round = 0; round < 10'000; ++round) {
     Bytes file = originals[static_cast<size_t>(round) % originals.size()];

@@ -7,7 +7,7 @@
 
 #include "drivers/recording/pcap_reader.hpp"
 #include "tests/drivers/recording/capture_bytes.hpp"
-#include "tests/drivers/recording/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -19,7 +19,7 @@ Bytes read_bytes(const std::filesystem::path& path) {
   return Bytes(std::istreambuf_iterator<char>(in), {});
 }
 
-Datagram make(int64_t ns, const Bytes& payload) {
+Datagram make_datagram(int64_t ns, const Bytes& payload) {
   Datagram datagram;
   datagram.stamp = Stamp::from_ns(ns);
   datagram.sender = kSender;
@@ -31,7 +31,7 @@ Datagram make(int64_t ns, const Bytes& payload) {
 
 TEST(PcapWriter, WritesTheBytesThatTheStandardsAskFor) {
   const ScratchFolder folder;
-  const Bytes payload = numbered(3);
+  const Bytes payload = make_payload(3);
   auto writer = PcapWriter::create(folder / "a.pcap");
   ASSERT_TRUE(writer);
   ASSERT_TRUE(writer->write(make(0x1'0000'0001, payload), 0xC0A80164));
@@ -64,7 +64,7 @@ TEST(PcapWriter, WhatIsWrittenIsRead) {
   ASSERT_TRUE(writer);
   const std::vector<size_t> lengths = {0, 1, 512, 1206, 65507};
   for (size_t i = 0; i < lengths.size(); ++i) {
-    const Bytes payload = numbered(lengths[i], static_cast<uint32_t>(i));
+    const Bytes payload = make_payload(lengths[i], static_cast<uint32_t>(i));
     ASSERT_TRUE(writer->write(make(1'795'216'680'123'456'789 + static_cast<int64_t>(i), payload)));
   }
   ASSERT_TRUE(writer->close());
@@ -101,9 +101,9 @@ TEST(PcapWriter, RefusesWhatTheFormatCannotHold) {
 TEST(PcapWriter, AFullDiskIsAnError) {
   auto writer = PcapWriter::create("/dev/full");
   if (!writer) GTEST_SKIP() << "no /dev/full";
-  const Bytes payload = numbered(1206);
+  const Bytes payload = make_payload(1206);
   bool failed = false;
-  for (int i = 0; i < 1000 && !failed; ++i) failed = !writer->write(make(i, payload));
+  for (int i = 0; i < 1000 && !failed; ++i) failed = !writer->write(make_datagram(i, payload));
   EXPECT_TRUE(failed || !writer->close());
 }
 

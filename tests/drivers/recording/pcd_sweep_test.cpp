@@ -10,8 +10,8 @@
 
 #include "drivers/recording/sweep_export.hpp"
 #include "drivers/recording/sweep_files.hpp"
-#include "tests/drivers/recording/scratch_folder.hpp"
 #include "tests/real_data.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -20,49 +20,50 @@ using ::testing::HasSubstr;
 using testing::ScratchFolder;
 
 template <class Value>
-std::string raw(Value value) {
+std::string to_bytes(Value value) {
   std::string bytes(sizeof value, '\0');
   std::memcpy(bytes.data(), &value, sizeof value);
   return bytes;
 }
 
-std::string head(const std::string& fields, size_t points, const std::string& data) {
+std::string make_header(const std::string& fields, size_t points, const std::string& data) {
   return "# .PCD v0.7\nVERSION 0.7\n" + fields + "WIDTH " + std::to_string(points) +
          "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + std::to_string(points) + "\nDATA " +
          data + "\n";
 }
 
-constexpr const char* kPlain =
+constexpr const char* kXyziFields =
     "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n";
 
 // What a file of these bytes is refused for, or an empty text.
-std::string refusal(const std::string& bytes) {
+std::string parse_error(const std::string& bytes) {
   Sweep sweep;
   const auto parsed = parse_pcd_sweep(bytes, sweep);
   return parsed ? "" : parsed.error().message();
 }
 
 // As they are, in runs of at most 32.
-std::string packed(const std::string& bytes) {
+std::string compress(const std::string& bytes) {
   std::string out;
   for (size_t at = 0; at < bytes.size(); at += 32) {
     const std::string run = bytes.substr(at, 32);
     out += static_cast<char>(run.size() - 1) + run;
   }
-  return raw(static_cast<uint32_t>(out.size())) + raw(static_cast<uint32_t>(bytes.size())) + out;
+  return to_bytes(static_cast<uint32_t>(out.size())) +
+         to_bytes(static_cast<uint32_t>(bytes.size())) + out;
 }
 
 // Returns of four beams, in the order of firing (clockwise, all beams at a time), as a file tells
 // of them: beams are numbered as they are wired.
-struct Made {
+struct SyntheticReturn {
   double x, y, z;
-  int wire;        // as numbered
-  int from_below;  // by elevation
-  int level;       // 0 … 255
+  int ring_number;  // as numbered
+  int from_below;   // by elevation
+  int intensity;    // 0 … 255
 };
-std::vector<Made> make_returns() {
+std::vector<SyntheticReturn> make_returns() {
   constexpr std::array<int, 4> kFromBelow = {2, 0, 3, 1};
-  std::vector<Made> all;
+  std::vector<SyntheticReturn> all;
   for (int step = 0; step < 360; ++step) {
     const double azimuth = -(step + 0.25) * M_PI / 180;
     for (int wire = 0; wire < 4; ++wire) {
@@ -78,14 +79,14 @@ std::vector<Made> make_returns() {
   return all;
 }
 
-void expect_the_made_returns(const Sweep& sweep) {
-  const std::vector<Made> made = make_returns();
+void expect_synthetic_returns(const Sweep& sweep) {
+  const std::vector<SyntheticReturn> made = make_returns();
   ASSERT_EQ(sweep.size(), made.size());
   EXPECT_EQ(sweep.rings, 4);
   EXPECT_EQ(sweep.columns, 360U);
   EXPECT_FALSE(sweep.has_times);
   std::set<size_t> found;
-  for (const Made& one : made) {
+  for (const SyntheticReturn& one : made) {
     for (size_t i = 0; i < sweep.size(); ++i) {
       if (std::abs(sweep.x[i] - one.x) > 1e-5 || std::abs(sweep.y[i] - one.y) > 1e-5) continue;
       if (std::abs(sweep.z[i] - one.z) > 1e-5) continue;
@@ -101,56 +102,56 @@ void expect_the_made_returns(const Sweep& sweep) {
   EXPECT_EQ(found.size(), made.size());
 }
 
-constexpr const char* kRinged =
+constexpr const char* kXyziRingFields =
     "FIELDS x y z intensity ring timestamp\nSIZE 4 4 4 1 2 8\nTYPE F F F U U F\n"
     "COUNT 1 1 1 1 1 1\n";
 
 TEST(PcdSweep, ReadsBinaryPointAfterPoint) {
-  const std::vector<Made> made = make_returns();
-  std::string bytes = head(kRinged, made.size(), "binary");
-  for (const Made& one : made) {
-    bytes += raw(static_cast<float>(one.x)) + raw(static_cast<float>(one.y)) +
-             raw(static_cast<float>(one.z)) + raw(static_cast<uint8_t>(one.level)) +
-             raw(static_cast<uint16_t>(one.wire)) + raw(1.6e9);
+  const std::vector<SyntheticReturn> made = make_returns();
+  std::string bytes = make_header(kXyziRingFields, made.size(), "binary");
+  for (const SyntheticReturn& one : made) {
+    bytes += to_bytes(static_cast<float>(one.x)) + to_bytes(static_cast<float>(one.y)) +
+             to_bytes(static_cast<float>(one.z)) + to_bytes(static_cast<uint8_t>(one.intensity)) +
+             to_bytes(static_cast<uint16_t>(one.ring_number)) + to_bytes(1.6e9);
   }
   Sweep sweep;
   ASSERT_TRUE(parse_pcd_sweep(bytes, sweep));
-  expect_the_made_returns(sweep);
+  expect_synthetic_returns(sweep);
 }
 
 TEST(PcdSweep, ReadsPackedFieldAfterField) {
-  const std::vector<Made> made = make_returns();
+  const std::vector<SyntheticReturn> made = make_returns();
   std::string x, y, z, intensity, ring, time;
-  for (const Made& one : made) {
-    x += raw(static_cast<float>(one.x));
-    y += raw(static_cast<float>(one.y));
-    z += raw(static_cast<float>(one.z));
-    intensity += raw(static_cast<uint8_t>(one.level));
-    ring += raw(static_cast<uint16_t>(one.wire));
-    time += raw(1.6e9);
+  for (const SyntheticReturn& one : made) {
+    x += to_bytes(static_cast<float>(one.x));
+    y += to_bytes(static_cast<float>(one.y));
+    z += to_bytes(static_cast<float>(one.z));
+    intensity += to_bytes(static_cast<uint8_t>(one.intensity));
+    ring += to_bytes(static_cast<uint16_t>(one.ring_number));
+    time += to_bytes(1.6e9);
   }
-  const std::string bytes = head(kRinged, made.size(), "binary_compressed") +
-                            packed(x + y + z + intensity + ring + time) + "what follows";
+  const std::string bytes = make_header(kXyziRingFields, made.size(), "binary_compressed") +
+                            compress(x + y + z + intensity + ring + time) + "what follows";
   Sweep sweep;
   ASSERT_TRUE(parse_pcd_sweep(bytes, sweep));
-  expect_the_made_returns(sweep);
+  expect_synthetic_returns(sweep);
 }
 
 TEST(PcdSweep, ReadsTextAndPassesOverWhatItDoesNotKnow) {
   const std::string fields =
       "FIELDS normal intensity z y x _ laser\nSIZE 4 4 8 8 8 1 4\nTYPE F F F F F U I\n"
       "COUNT 3 1 1 1 1 2 1\n";
-  const std::vector<Made> made = make_returns();
-  std::string bytes = head(fields, made.size(), "ascii");
-  for (const Made& one : made) {
+  const std::vector<SyntheticReturn> made = make_returns();
+  std::string bytes = make_header(fields, made.size(), "ascii");
+  for (const SyntheticReturn& one : made) {
     char line[200];
-    std::snprintf(line, sizeof line, "0 0 1 %d %.9g %.9g\t%.9g 0 0 %d\r\n", one.level, one.z, one.y,
-                  one.x, one.wire);
+    std::snprintf(line, sizeof line, "0 0 1 %d %.9g %.9g\t%.9g 0 0 %d\r\n", one.intensity, one.z,
+                  one.y, one.x, one.ring_number);
     bytes += line;
   }
   Sweep sweep;
-  ASSERT_TRUE(parse_pcd_sweep(bytes, sweep)) << refusal(bytes);
-  expect_the_made_returns(sweep);
+  ASSERT_TRUE(parse_pcd_sweep(bytes, sweep)) << parse_error(bytes);
+  expect_synthetic_returns(sweep);
 }
 
 TEST(PcdSweep, LeavesOutDirectionsWithoutAReturn) {
@@ -169,7 +170,7 @@ TEST(PcdSweep, LeavesOutDirectionsWithoutAReturn) {
 TEST(PcdSweep, AnEmptyCloudIsAnEmptySweep) {
   for (const char* data : {"ascii", "binary"}) {
     Sweep sweep;
-    EXPECT_TRUE(parse_pcd_sweep(head(kRinged, 0, data), sweep)) << data;
+    EXPECT_TRUE(parse_pcd_sweep(head(kXyziRingFields, 0, data), sweep)) << data;
     EXPECT_EQ(sweep.size(), 0U);
   }
 }
@@ -187,10 +188,10 @@ TEST(PcdSweep, SaysWhatIsWrong) {
               HasSubstr("point 1 has no number for z"));
   EXPECT_THAT(refusal(head(kPlain, 2, "binary") + std::string(31, 'a')),
               HasSubstr("ends after 31 of 32 bytes"));
-  const std::string four = raw(1.F) + raw(1.F) + raw(1.F) + raw(1.F);
+  const std::string four = to_bytes(1.F) + to_bytes(1.F) + to_bytes(1.F) + to_bytes(1.F);
   EXPECT_THAT(refusal(head(kPlain, 2, "binary_compressed") + packed(four)),
               HasSubstr("unpacks to 16"));
-  const std::string whole = head(kPlain, 1, "binary_compressed") + packed(four);
+  const std::string whole = make_header(kXyziFields, 1, "binary_compressed") + compress(four);
   EXPECT_EQ(refusal(whole), "");
   EXPECT_THAT(refusal(whole.substr(0, whole.size() - 1)), HasSubstr("ends within"));
   EXPECT_THAT(refusal(head(kPlain, 1, "binary_compressed") + raw(2U) + raw(16U) + "\x05\x05"),
@@ -201,12 +202,12 @@ TEST(PcdSweep, SaysWhatIsWrong) {
 }
 
 TEST(PcdSweep, DamagedFilesAreReadOrRefused) {
-  const std::vector<Made> made = make_returns();
+  const std::vector<SyntheticReturn> made = make_returns();
   std::string points;
-  for (const Made& one : made) points += raw(static_cast<float>(one.x));
-  const std::string sound = head("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n",
-                                 made.size() / 3, "binary_compressed") +
-                            packed(points.substr(0, made.size() / 3 * 12));
+  for (const SyntheticReturn& one : made) points += to_bytes(static_cast<float>(one.x));
+  const std::string sound = make_header("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n",
+                                        made.size() / 3, "binary_compressed") +
+                            compress(points.substr(0, made.size() / 3 * 12));
   std::mt19937 random(1);
   Sweep sweep;
   int refused = 0;
@@ -226,10 +227,10 @@ TEST(PcdSweep, DamagedFilesAreReadOrRefused) {
 TEST(PcdSweep, WhatWasExportedIsReadAgain) {
   const ScratchFolder folder;
   Sweep sweep, again;
-  std::string bytes = head(kRinged, make_returns().size(), "ascii");
-  for (const Made& one : make_returns()) {
+  std::string bytes = make_header(kXyziRingFields, make_returns().size(), "ascii");
+  for (const SyntheticReturn& one : make_returns()) {
     bytes += std::to_string(one.x) + " " + std::to_string(one.y) + " " + std::to_string(one.z) +
-             " " + std::to_string(one.level) + " " + std::to_string(one.wire) + " 0\n";
+             " " + std::to_string(one.intensity) + " " + std::to_string(one.ring_number) + " 0\n";
   }
   ASSERT_TRUE(parse_pcd_sweep(bytes, sweep));
   ASSERT_TRUE(export_sweep(sweep, folder / "a.pcd", SweepFormat::kPcd));

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "tests/drivers/recording/scratch_folder.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -34,7 +34,7 @@ Sweep two_returns() {
 }
 
 template <class Value>
-Value at(const std::string& bytes, size_t offset) {
+Value read_at(const std::string& bytes, size_t offset) {
   Value value{};
   std::memcpy(&value, bytes.data() + offset, sizeof(Value));
   return value;
@@ -85,11 +85,11 @@ TEST(SweepExport, EveryFormatHoldsEveryField) {
 }
 
 TEST(SweepExport, FormatsGoByExtension) {
-  EXPECT_EQ(sweep_format("a/b.pcd"), SweepFormat::kPcd);
-  EXPECT_EQ(sweep_format("b.ply"), SweepFormat::kPly);
-  EXPECT_EQ(sweep_format("b.csv"), SweepFormat::kCsv);
-  EXPECT_EQ(sweep_format("b.bin"), SweepFormat::kBin);
-  EXPECT_FALSE(sweep_format("b.las"));
+  EXPECT_EQ(detect_sweep_format("a/b.pcd"), SweepFormat::kPcd);
+  EXPECT_EQ(detect_sweep_format("b.ply"), SweepFormat::kPly);
+  EXPECT_EQ(detect_sweep_format("b.csv"), SweepFormat::kCsv);
+  EXPECT_EQ(detect_sweep_format("b.bin"), SweepFormat::kBin);
+  EXPECT_FALSE(detect_sweep_format("b.las"));
   EXPECT_FALSE(export_sweep(two_returns(), "/does/not/exist.pcd", SweepFormat::kPcd));
 }
 

@@ -11,8 +11,8 @@
 #include <numbers>
 #include <set>
 
-#include "tests/drivers/recording/scratch_folder.hpp"
 #include "tests/real_data.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -20,26 +20,26 @@ namespace {
 using ::testing::HasSubstr;
 using testing::ScratchFolder;
 
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kTwoPi = 2 * std::numbers::pi;
 
-std::string bin(const std::vector<std::array<float, 4>>& points) {
+std::string to_bin(const std::vector<std::array<float, 4>>& points) {
   std::string bytes(points.size() * 16, '\0');
   std::memcpy(bytes.data(), points.data(), bytes.size());
   return bytes;
 }
 
 // `rings` rings from the top, `columns` steps a turn, a fifth of the directions without a return.
-struct Turn {
+struct SyntheticSweep {
   std::vector<std::array<float, 4>> points;
   std::vector<int> ring, column;
 };
-Turn make_turn(int rings, int columns) {
-  Turn turn;
+SyntheticSweep make_synthetic_sweep(int rings, int columns) {
+  SyntheticSweep turn;
   for (int k = 0; k < rings; ++k) {
     const double elevation = (0.05 - 0.01 * k);
     for (int c = 0; c < columns; ++c) {
       if ((c * 7 + k * 3) % 5 == 0) continue;
-      const double azimuth = (c + 0.5) * kTurn / columns;
+      const double azimuth = (c + 0.5) * kTwoPi / columns;
       const double range = 5 + (c % 17);
       turn.points.push_back({static_cast<float>(range * std::cos(elevation) * std::cos(azimuth)),
                              static_cast<float>(range * std::cos(elevation) * std::sin(azimuth)),
@@ -54,11 +54,11 @@ Turn make_turn(int rings, int columns) {
 TEST(SweepFiles, RingsAndColumnsOfAMadeTurnAreFound) {
   for (const int rings : {2, 16, 64, 128}) {
     for (const int columns : {360, 2083}) {
-      const Turn turn = make_turn(rings, columns);
+      const SyntheticSweep turn = make_synthetic_sweep(rings, columns);
       const ScratchFolder folder;
-      folder.write("a.bin", bin(turn.points));
+      folder.write("a.bin", to_bin(turn.points));
       Sweep sweep;
-      ASSERT_TRUE(read_sweep_bin(folder / "a.bin", sweep));
+      ASSERT_TRUE(read_sweep_file(folder / "a.bin", sweep));
       ASSERT_EQ(sweep.size(), turn.points.size());
       EXPECT_EQ(sweep.rings, rings);
       ASSERT_EQ(sweep.columns, static_cast<uint32_t>(columns));
@@ -74,17 +74,17 @@ TEST(SweepFiles, RingsAndColumnsOfAMadeTurnAreFound) {
 }
 
 TEST(SweepFiles, NoRingsWhereTheOrderIsAnother) {
-  Turn turn = make_turn(16, 360);
+  SyntheticSweep turn = make_synthetic_sweep(16, 360);
   std::reverse(turn.points.begin(), turn.points.end());  // clockwise, from below
   const ScratchFolder folder;
-  folder.write("a.bin", bin(turn.points));
+  folder.write("a.bin", to_bin(turn.points));
   folder.write("empty.bin", "");
   Sweep sweep;
-  ASSERT_TRUE(read_sweep_bin(folder / "a.bin", sweep));
+  ASSERT_TRUE(read_sweep_file(folder / "a.bin", sweep));
   EXPECT_EQ(sweep.rings, 0);
   EXPECT_EQ(sweep.columns, 0u);
   EXPECT_EQ(sweep.ring[100], 0);
-  ASSERT_TRUE(read_sweep_bin(folder / "empty.bin", sweep));
+  ASSERT_TRUE(read_sweep_file(folder / "empty.bin", sweep));
   EXPECT_EQ(sweep.size(), 0u);
 }
 
@@ -92,25 +92,26 @@ TEST(SweepFiles, PointsThatAreNotFiniteAreLeftOutAndBadFilesRefused) {
   const ScratchFolder folder;
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float huge = std::numeric_limits<float>::max();
-  folder.write("a.bin", bin({{1, 2, 2, 0.5f}, {nan, 0, 0, 0}, {huge, huge, 0, 0}, {0, 3, 4, 1}}));
+  folder.write("a.bin",
+               to_bin({{1, 2, 2, 0.5f}, {nan, 0, 0, 0}, {huge, huge, 0, 0}, {0, 3, 4, 1}}));
   Sweep sweep;
-  ASSERT_TRUE(read_sweep_bin(folder / "a.bin", sweep));
+  ASSERT_TRUE(read_sweep_file(folder / "a.bin", sweep));
   ASSERT_EQ(sweep.size(), 2u);
   EXPECT_EQ(sweep.range[0], 3);
   EXPECT_EQ(sweep.range[1], 5);
   folder.write("b.bin", "0123456789");
-  EXPECT_THAT(read_sweep_bin(folder / "b.bin", sweep).error().message(),
+  EXPECT_THAT(read_sweep_file(folder / "b.bin", sweep).error().message(),
               HasSubstr("multiple of 16"));
-  EXPECT_FALSE(read_sweep_bin(folder / "missing.bin", sweep));
-  EXPECT_FALSE(read_sweep_bin(folder.path(), sweep));
+  EXPECT_FALSE(read_sweep_file(folder / "missing.bin", sweep));
+  EXPECT_FALSE(read_sweep_file(folder.path(), sweep));
 }
 
 TEST(SweepFiles, WhatIsWrittenIsRead) {
   const ScratchFolder folder;
-  const Turn turn = make_turn(4, 100);
-  folder.write("a.bin", bin(turn.points));
+  const SyntheticSweep turn = make_synthetic_sweep(4, 100);
+  folder.write("a.bin", to_bin(turn.points));
   Sweep sweep;
-  ASSERT_TRUE(read_sweep_bin(folder / "a.bin", sweep));
+  ASSERT_TRUE(read_sweep_file(folder / "a.bin", sweep));
   ASSERT_TRUE(write_sweep_bin(folder / "b.bin", sweep));
   EXPECT_EQ(folder.read("b.bin"), folder.read("a.bin"));
 }
@@ -120,7 +121,7 @@ TEST(SweepFiles, RealKittiSweepsHaveTheirScannersSixtyFourRings) {
   for (const auto& entry : std::filesystem::directory_iterator(path)) {
     SCOPED_TRACE(entry.path().string());
     Sweep sweep;
-    ASSERT_TRUE(read_sweep_bin(entry.path(), sweep));
+    ASSERT_TRUE(read_sweep_file(entry.path(), sweep));
     EXPECT_EQ(sweep.rings, 64);
     // 10 turns a second, a firing every 48 µs: 2083 a turn.
     EXPECT_NEAR(sweep.columns, 2083, 100);

@@ -23,7 +23,7 @@ TEST(TrajectoryFile, ReadsTum) {
   ASSERT_EQ(poses->size(), 2u);
   EXPECT_EQ((*poses)[0].stamp.ns(), 1533226488'230547123);
   EXPECT_EQ((*poses)[1].stamp.ns(), 1533226489'000000000);
-  const Eigen::Vector3d turned = (*poses)[0].T_map_body * Eigen::Vector3d(1, 0, 0);
+  const Eigen::Vector3d turned = (*poses)[0].T_frame_body * Eigen::Vector3d(1, 0, 0);
   EXPECT_LT((turned - Eigen::Vector3d(1, 3, 3)).norm(), 1e-6) << "a quarter turn to the left";
 }
 
@@ -33,7 +33,7 @@ TEST(TrajectoryFile, ReadsKitti) {
   ASSERT_TRUE(poses) << poses.error().message();
   ASSERT_EQ(poses->size(), 2u);
   EXPECT_EQ((*poses)[1].stamp.ns(), 1);
-  const Eigen::Vector3d ahead = (*poses)[1].T_map_body * Eigen::Vector3d(0, 0, 1);
+  const Eigen::Vector3d ahead = (*poses)[1].T_frame_body * Eigen::Vector3d(0, 0, 1);
   EXPECT_LT((ahead - Eigen::Vector3d(6, -6, 7)).norm(), 1e-12);
 }
 
@@ -59,9 +59,9 @@ TEST(TrajectoryFile, ReadsWhatItWrites) {
   for (int i = 0; i < 3; ++i) {
     TrajectoryPose& pose = poses[static_cast<size_t>(i)];
     pose.stamp = Stamp::from_ns(-1'500'000'001 + i * 1'000'000'000LL);
-    pose.T_map_body.linear() =
+    pose.T_frame_body.linear() =
         Eigen::AngleAxisd(1.0 + i, Eigen::Vector3d(1, -2, 3).normalized()).toRotationMatrix();
-    pose.T_map_body.translation() << 1e5 + i, -0.125, 1e-3;
+    pose.T_frame_body.translation() << 1e5 + i, -0.125, 1e-3;
   }
   const auto expect_same = [&](const Result<std::vector<TrajectoryPose>>& again, bool stamps) {
     ASSERT_TRUE(again) << again.error().message();
@@ -70,7 +70,7 @@ TEST(TrajectoryFile, ReadsWhatItWrites) {
       if (stamps) {
         EXPECT_EQ((*again)[i].stamp, poses[i].stamp);
       }
-      EXPECT_LT(((*again)[i].T_map_body.matrix() - poses[i].T_map_body.matrix()).norm(), 1e-4);
+      EXPECT_LT(((*again)[i].T_frame_body.matrix() - poses[i].T_frame_body.matrix()).norm(), 1e-4);
     }
   };
   expect_same(parse_tum(format_tum(poses), "t"), true);
@@ -93,7 +93,8 @@ TEST(TrajectoryFile, RealKitti00IsReadWhole) {
     double length = 0;
     for (size_t i = 1; i < poses->size(); ++i) {
       length +=
-          ((*poses)[i].T_map_body.translation() - (*poses)[i - 1].T_map_body.translation()).norm();
+          ((*poses)[i].T_frame_body.translation() - (*poses)[i - 1].T_frame_body.translation())
+              .norm();
     }
     EXPECT_NEAR(length, 3724, 1);  // as the benchmark's page has it
     return;

@@ -79,7 +79,7 @@ TEST(Candump, ReadsFdRemoteAndErrorFrames) {
   }
 }
 
-TEST(Candump, SaysWhatIsWrongWithALine) {
+TEST(Candump, ReportsMalformedLines) {
   const std::pair<const char*, const char*> cases[] = {
       {"(1533226488.230547) can0 260#08F", "'F' is not a whole number of bytes"},
       {"(1533226488.230547) can0 260#0011223344556677AA", "more than 8 bytes"},

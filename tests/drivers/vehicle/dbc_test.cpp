@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 using testing::SizeIs;
 
-constexpr char kText[] = R"(VERSION ""
+constexpr char kDbcText[] = R"(VERSION ""
 
 NS_ :
     CM_
@@ -47,7 +47,7 @@ SIG_VALTYPE_ 512 D : 2;
 SG_MUL_VAL_ 2566834709 C B 3-5, 9-9;
 )";
 
-DbcReading reading() { return parse_dbc(kText, "test.dbc"); }
+DbcParseResult parse_test_dbc() { return parse_dbc(kDbcText, "test.dbc"); }
 
 std::optional<double> value(const Dbc& dbc, const char* message, const char* signal,
                             std::vector<uint8_t> payload) {
@@ -56,7 +56,7 @@ std::optional<double> value(const Dbc& dbc, const char* message, const char* sig
 }
 
 TEST(Dbc, ReadsMessagesAndSignals) {
-  const DbcReading read = reading();
+  const DbcParseResult read = parse_test_dbc();
   EXPECT_EQ(read.problems.count(), 0u) << read.problems.first()[0].message();
   ASSERT_THAT(read.dbc.messages(), SizeIs(3));
   const DbcMessage* extended = read.dbc.find(0x18FECA15, true);
@@ -71,7 +71,7 @@ TEST(Dbc, ReadsMessagesAndSignals) {
 
 // Expected values worked out by hand from the bit layouts.
 TEST(Dbc, DecodesBothByteOrdersAndSigns) {
-  const DbcReading read = reading();
+  const DbcParseResult read = parse_test_dbc();
   const std::vector<uint8_t> payload = {0x50, 0xAB, 0xFC, 0xDE, 0x1F, 0x00, 0xFF, 0x38};
   // Bits 4..15, least significant first: 0xAB5 = 2741.
   EXPECT_EQ(value(read.dbc, "BOTH_ORDERS", "INTEL_12", payload), 2741 * 0.5 - 10);
@@ -86,7 +86,7 @@ TEST(Dbc, DecodesBothByteOrdersAndSigns) {
 }
 
 TEST(Dbc, DecodesMultiplexedSignalsOnlyWhereSelected) {
-  const DbcReading read = reading();
+  const DbcParseResult read = parse_test_dbc();
   EXPECT_EQ(value(read.dbc, "EXTENDED", "A", {0, 7, 9}), 7);
   EXPECT_EQ(value(read.dbc, "EXTENDED", "B", {0, 7, 9}), std::nullopt);
   EXPECT_EQ(value(read.dbc, "EXTENDED", "B", {1, 4, 9}), 4);
@@ -97,7 +97,7 @@ TEST(Dbc, DecodesMultiplexedSignalsOnlyWhereSelected) {
 }
 
 TEST(Dbc, DecodesFloats) {
-  const DbcReading read = reading();
+  const DbcParseResult read = parse_test_dbc();
   // 1.5f = 0x3FC00000, -2.0 = 0xC000000000000000.
   const std::vector<uint8_t> payload = {0, 0, 0xC0, 0x3F, 0xC0, 0, 0, 0, 0, 0, 0, 0};
   EXPECT_EQ(value(read.dbc, "FLOATS", "F", payload), 1.5);
@@ -114,7 +114,7 @@ TEST(Dbc, EncodesWhatDecodesBackAndLeavesOtherBitsAlone) {
     signal.byte_order = trial % 2 == 0 ? ByteOrder::kIntel : ByteOrder::kMotorola;
     signal.type = trial % 3 == 0 ? SignalType::kSigned : SignalType::kUnsigned;
     signal.start_bit = static_cast<uint16_t>(random() % 64);
-    CanFrame frame = frame_of(message, {});
+    CanFrame frame = make_frame(message, {});
     if (!raw_value(signal, frame.payload())) continue;
     for (uint8_t& byte : frame.data) byte = static_cast<uint8_t>(random());
     const CanFrame before = frame;
@@ -131,9 +131,9 @@ TEST(Dbc, EncodesWhatDecodesBackAndLeavesOtherBitsAlone) {
 }
 
 TEST(Dbc, EncodesBytesWorkedOutByHand) {
-  const DbcReading read = reading();
+  const DbcParseResult read = parse_test_dbc();
   const DbcMessage& message = *read.dbc.find("BOTH_ORDERS");
-  CanFrame frame = frame_of(message, Stamp::from_ns(5));
+  CanFrame frame = make_frame(message, Stamp::from_ns(5));
   EXPECT_EQ(frame.length, 8);
   EXPECT_FALSE(frame.fd);
   const auto payload = std::span(frame.data).first(frame.length);
@@ -172,14 +172,14 @@ TEST(Dbc, ReportsWhatIsWrongAndReadsTheRest) {
       {"3 \"three\"", "3 three", "expected the value's name"},
   };
   for (const Damage& damage : damages) {
-    std::string text = kText;
+    std::string text = kDbcText;
     const size_t at = text.find(damage.from);
     if (at == std::string::npos) {
       ADD_FAILURE() << damage.from;
       continue;
     }
     text.replace(at, std::string(damage.from).size(), damage.to);
-    const DbcReading read = parse_dbc(text, "test.dbc");
+    const DbcParseResult read = parse_dbc(text, "test.dbc");
     ASSERT_GE(read.problems.count(), 1u) << damage.to;
     EXPECT_THAT(read.problems.first()[0].message(), HasSubstr(damage.report));
     ASSERT_NE(read.dbc.find("EXTENDED"), nullptr) << damage.to;
@@ -197,12 +197,12 @@ TEST(Dbc, ReportsWhatIsWrongAndReadsTheRest) {
 TEST(Dbc, KeepsTheListOfProblemsBounded) {
   std::string text;
   for (int i = 0; i < 1000; ++i) text += "rubbish " + std::to_string(i) + "\n" + "BO_ x\n";
-  const DbcReading read = parse_dbc(text, "bad.dbc");
+  const DbcParseResult read = parse_dbc(text, "bad.dbc");
   EXPECT_GE(read.problems.count(), 1000u);
   EXPECT_THAT(read.problems.first(), SizeIs(ProblemLog::kKept));
 }
 
-TEST(Dbc, SaysWhichFileIsMissing) {
+TEST(Dbc, ReportsMissingFile) {
   const auto read = read_dbc("/nonexistent/x.dbc");
   ASSERT_FALSE(read);
   EXPECT_THAT(read.error().message(), HasSubstr("/nonexistent/x.dbc"));

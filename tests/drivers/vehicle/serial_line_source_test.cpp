@@ -10,45 +10,45 @@
 namespace infuse::vehicle {
 namespace {
 
-TEST(LineCutter, CutsAtLineEndsHoweverTheBytesCome) {
+TEST(LineSplitter, CutsAtLineEndsHoweverTheBytesCome) {
   const std::string text = "\r\n$GPRMC,1*00\r\n\r\n$GPGGA,2*11\n$tail";
   for (size_t piece = 1; piece <= text.size(); ++piece) {
-    LineCutter cutter;
+    LineSplitter splitter;
     std::vector<std::string> lines;
     for (size_t at = 0; at < text.size(); at += piece) {
-      cutter.take(std::string_view(text).substr(at, piece), Stamp(),
-                  [&](Stamp, std::string_view line) { lines.emplace_back(line); });
+      splitter.push(std::string_view(text).substr(at, piece), Stamp(),
+                    [&](Stamp, std::string_view line) { lines.emplace_back(line); });
     }
     EXPECT_EQ(lines, (std::vector<std::string>{"$GPRMC,1*00", "$GPGGA,2*11"})) << piece;
   }
 }
 
-TEST(LineCutter, ALineIsStampedByItsFirstByte) {
-  LineCutter cutter;
+TEST(LineSplitter, ALineIsStampedByItsFirstByte) {
+  LineSplitter splitter;
   std::vector<int64_t> stamps;
   const auto note = [&](Stamp stamp, std::string_view) { stamps.push_back(stamp.ns()); };
-  cutter.take("a\nb", Stamp::from_ns(1), note);
-  cutter.take("b\n", Stamp::from_ns(2), note);
-  cutter.take("\nc\n", Stamp::from_ns(3), note);
+  splitter.push("a\nb", Stamp::from_ns(1), note);
+  splitter.push("b\n", Stamp::from_ns(2), note);
+  splitter.push("\nc\n", Stamp::from_ns(3), note);
   EXPECT_EQ(stamps, (std::vector<int64_t>{1, 1, 3}));
 }
 
-TEST(LineCutter, DropsALineThatIsTooLongAndGoesOn) {
-  LineCutter cutter;
+TEST(LineSplitter, DropsALineThatIsTooLongAndGoesOn) {
+  LineSplitter splitter;
   std::vector<std::string> lines;
-  const std::string longest(LineCutter::kMaxLine, 'x');
-  cutter.take(longest + "\n" + longest + "y\nz\n", Stamp(),
-              [&](Stamp, std::string_view line) { lines.emplace_back(line); });
+  const std::string max_line(LineSplitter::kMaxLineLength, 'x');
+  splitter.push(max_line + "\n" + max_line + "y\nz\n", Stamp(),
+                [&](Stamp, std::string_view line) { lines.emplace_back(line); });
   EXPECT_EQ(lines, (std::vector<std::string>{longest, "z"}));
   EXPECT_EQ(cutter.dropped(), 1U);
 }
 
 /// A pair of pseudo-terminals: what is written to the one is read from the other.
-struct Terminal {
-  receive::Descriptor main{posix_openpt(O_RDWR | O_NOCTTY)};
+struct PseudoTerminal {
+  receive::FileDescriptor main{posix_openpt(O_RDWR | O_NOCTTY)};
   std::string device;
 
-  Terminal() {
+  PseudoTerminal() {
     EXPECT_EQ(grantpt(main.get()), 0);
     EXPECT_EQ(unlockpt(main.get()), 0);
     std::array<char, 64> name{};
@@ -65,8 +65,8 @@ bool wait_for(const SerialLineSource& source) {
   return poll(&waiting, 1, 5000) == 1;
 }
 
-TEST(SerialLineSource, ReadsLinesAndSaysWhenTheDeviceIsGone) {
-  auto terminal = std::make_unique<Terminal>();
+TEST(SerialLineSource, ReadsLinesAndReportsHangUp) {
+  auto terminal = std::make_unique<PseudoTerminal>();
   auto source = SerialLineSource::open({terminal->device, 9600}, receive::TimeBase());
   ASSERT_TRUE(source.has_value()) << source.error().message();
   std::vector<std::string> lines;
@@ -81,7 +81,7 @@ TEST(SerialLineSource, ReadsLinesAndSaysWhenTheDeviceIsGone) {
   EXPECT_FALSE(source->read(note).has_value());
 }
 
-TEST(SerialLineSource, SaysWhatIsNoSerialDevice) {
+TEST(SerialLineSource, RejectsNonSerialDevices) {
   const receive::TimeBase base;
   EXPECT_FALSE(SerialLineSource::open({"/dev/null", 9600}, base).has_value());
   EXPECT_FALSE(SerialLineSource::open({"/dev/no-such-device", 9600}, base).has_value());

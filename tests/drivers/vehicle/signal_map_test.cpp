@@ -31,20 +31,20 @@ BO_ 102 GEARBOX: 1 X
  SG_ GEAR : 0|8@1+ (1,0) [0|0] "" X
 )";
 
-SignalMap map() {
-  SignalMap map;
-  map.wheel_speed = {SignalSource{"WHEELS.FL"}, SignalSource{"WHEELS.FR"},
-                     SignalSource{"WHEELS.RL"}, SignalSource{"WHEELS.RR"}};
-  map.yaw_rate = {"DYNAMICS.YAW", -1, ""};
-  map.steering_angle = {"DYNAMICS.COARSE"};
-  map.steering_fraction = {"DYNAMICS.FINE"};
-  map.acceleration[0] = {"DYNAMICS.ACCEL"};
-  map.gear = {"GEARBOX.GEAR"};
-  map.reverse_gear = 7;
-  return map;
+SignalMap make_map() {
+  SignalMap make_map;
+  make_map.wheel_speed = {SignalSource{"WHEELS.FL"}, SignalSource{"WHEELS.FR"},
+                          SignalSource{"WHEELS.RL"}, SignalSource{"WHEELS.RR"}};
+  make_map.yaw_rate = {"DYNAMICS.YAW", -1, ""};
+  make_map.steering_angle = {"DYNAMICS.COARSE"};
+  make_map.steering_fraction = {"DYNAMICS.FINE"};
+  make_map.acceleration[0] = {"DYNAMICS.ACCEL"};
+  make_map.gear = {"GEARBOX.GEAR"};
+  make_map.reverse_gear = 7;
+  return make_map;
 }
 
-CanFrame frame(uint32_t id, std::initializer_list<uint8_t> bytes) {
+CanFrame make_test_frame(uint32_t id, std::initializer_list<uint8_t> bytes) {
   CanFrame made;
   made.stamp = Stamp::from_ns(5);
   made.id = id;
@@ -54,9 +54,10 @@ CanFrame frame(uint32_t id, std::initializer_list<uint8_t> bytes) {
 }
 
 TEST(SignalMap, GivesSamplesInSiUnits) {
-  auto decoder = VehicleDecoder::create(parse_dbc(kDbc, "x").dbc, map());
+  auto decoder = VehicleDecoder::create(parse_dbc(kDbc, "x").dbc, make_map());
   ASSERT_TRUE(decoder) << decoder.error().message();
-  const auto wheels = decoder->decode(frame(100, {0x10, 0x0E, 0, 0, 1, 0, 2, 0}));  // 36 km/h
+  const auto wheels =
+      decoder->decode(make_test_frame(100, {0x10, 0x0E, 0, 0, 1, 0, 2, 0}));  // 36 km/h
   ASSERT_TRUE(wheels.wheels);
   EXPECT_FALSE(wheels.imu);
   EXPECT_EQ(wheels.wheels->stamp.ns(), 5);
@@ -64,7 +65,8 @@ TEST(SignalMap, GivesSamplesInSiUnits) {
   EXPECT_NEAR(wheels.wheels->wheel_speed[3], 0.02 / 3.6, 1e-12);
   EXPECT_TRUE(std::isnan(wheels.wheels->yaw_rate));
 
-  const auto dynamics = decoder->decode(frame(101, {0xE8, 0x03, 0xE8, 0x03, 2, 0xFF, 0, 0}));
+  const auto dynamics =
+      decoder->decode(make_test_frame(101, {0xE8, 0x03, 0xE8, 0x03, 2, 0xFF, 0, 0}));
   ASSERT_TRUE(dynamics.wheels && dynamics.imu);
   constexpr double kDegree = std::numbers::pi / 180;
   EXPECT_NEAR(dynamics.wheels->yaw_rate, -10 * kDegree, 1e-12) << "the scale turns the sign";
@@ -75,22 +77,22 @@ TEST(SignalMap, GivesSamplesInSiUnits) {
   EXPECT_TRUE(std::isnan(dynamics.imu->angular_velocity[2]));
 }
 
-TEST(SignalMap, TurnsWheelSpeedsWhileReversing) {
-  auto decoder = VehicleDecoder::create(parse_dbc(kDbc, "x").dbc, map());
+TEST(SignalMap, NegatesWheelSpeedsInReverse) {
+  auto decoder = VehicleDecoder::create(parse_dbc(kDbc, "x").dbc, make_map());
   ASSERT_TRUE(decoder);
-  const auto wheels = frame(100, {0x10, 0x0E, 0, 0, 0, 0, 0, 0});
+  const auto wheels = make_test_frame(100, {0x10, 0x0E, 0, 0, 0, 0, 0, 0});
   EXPECT_FALSE(decoder->decode(frame(102, {7})).wheels);
   EXPECT_NEAR(decoder->decode(wheels).wheels->wheel_speed[0], -10, 1e-12);
-  decoder->decode(frame(102, {3}));
+  decoder->decode(make_test_frame(102, {3}));
   EXPECT_NEAR(decoder->decode(wheels).wheels->wheel_speed[0], 10, 1e-12);
 }
 
-TEST(SignalMap, PassesOverWhatIsNotItsOwn) {
-  SignalMap one_bus = map();
+TEST(SignalMap, IgnoresOtherInterfacesAndFrames) {
+  SignalMap one_bus = make_map();
   one_bus.interface = "can0";
   auto decoder = VehicleDecoder::create(parse_dbc(kDbc, "x").dbc, one_bus);
   ASSERT_TRUE(decoder);
-  CanFrame wheels = frame(100, {0x10, 0x0E, 0, 0, 0, 0, 0, 0});
+  CanFrame wheels = make_test_frame(100, {0x10, 0x0E, 0, 0, 0, 0, 0, 0});
   wheels.set_interface("can128");
   EXPECT_FALSE(decoder->decode(wheels).wheels);
   wheels.set_interface("can0");
@@ -109,10 +111,10 @@ TEST(SignalMap, PassesOverWhatIsNotItsOwn) {
   EXPECT_EQ(decoder->short_frames(), 1u);
 }
 
-TEST(SignalMap, SaysWhatDoesNotFit) {
+TEST(SignalMap, ReportsInvalidMaps) {
   const Dbc dbc = parse_dbc(kDbc, "x").dbc;
   const auto error_of = [&](auto&& change) {
-    SignalMap changed = map();
+    SignalMap changed = make_map();
     change(changed);
     const auto decoder = VehicleDecoder::create(dbc, changed);
     return decoder ? std::string() : decoder.error().message();

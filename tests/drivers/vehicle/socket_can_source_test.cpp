@@ -13,7 +13,7 @@ std::span<const uint8_t> bytes_of(const can_frame& frame) {
   return {reinterpret_cast<const uint8_t*>(&frame), sizeof(frame)};
 }
 
-can_frame raw(canid_t id, std::initializer_list<uint8_t> data) {
+can_frame make_raw_frame(canid_t id, std::initializer_list<uint8_t> data) {
   can_frame frame{};
   frame.can_id = id;
   frame.len = static_cast<uint8_t>(data.size());
@@ -21,7 +21,7 @@ can_frame raw(canid_t id, std::initializer_list<uint8_t> data) {
   return frame;
 }
 
-CanFrame error_frame(uint32_t error_class, uint8_t controller = 0) {
+CanFrame make_error_frame(uint32_t error_class, uint8_t controller = 0) {
   CanFrame frame;
   EXPECT_TRUE(
       parse_socket_can(bytes_of(raw(error_class | CAN_ERR_FLAG, {0, controller, 0, 0})), frame));
@@ -63,8 +63,8 @@ TEST(SocketCan, ReadsAnFdFrame) {
   EXPECT_EQ(frame.payload()[63], 63);
 }
 
-TEST(SocketCan, ALengthThatLiesIsHeldToTheFrame) {
-  can_frame lying = raw(1, {});
+TEST(SocketCan, TooLargeLengthIsClamped) {
+  can_frame lying = make_raw_frame(1, {});
   lying.len = 200;
   CanFrame frame;
   ASSERT_TRUE(parse_socket_can(bytes_of(lying), frame));
@@ -72,7 +72,7 @@ TEST(SocketCan, ALengthThatLiesIsHeldToTheFrame) {
   EXPECT_FALSE(parse_socket_can(bytes_of(lying).first(15), frame));
 }
 
-TEST(SocketCan, SaysThatThereIsNoSuchBus) {
+TEST(SocketCan, ReportsMissingInterface) {
   const auto source = SocketCanSource::open({.interface = "nosuchcan0"}, receive::TimeBase());
   ASSERT_FALSE(source.has_value());
   EXPECT_FALSE(source.error().what.empty());
@@ -82,33 +82,33 @@ TEST(SocketCan, SaysThatThereIsNoSuchBus) {
 
 TEST(BusErrors, FollowsTheControllerIntoBusOffAndBack) {
   BusErrors errors;
-  EXPECT_EQ(errors.state(), BusState::kActive);
-  errors.take(error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING));
-  EXPECT_EQ(errors.state(), BusState::kWarning);
-  errors.take(error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE));
-  EXPECT_EQ(errors.state(), BusState::kPassive);
-  errors.take(error_frame(CAN_ERR_BUSOFF));
+  EXPECT_EQ(errors.state(), BusState::kErrorActive);
+  errors.process(make_error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING));
+  EXPECT_EQ(errors.state(), BusState::kErrorWarning);
+  errors.process(make_error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE));
+  EXPECT_EQ(errors.state(), BusState::kErrorPassive);
+  errors.process(make_error_frame(CAN_ERR_BUSOFF));
   EXPECT_EQ(errors.state(), BusState::kBusOff);
-  errors.take(error_frame(CAN_ERR_RESTARTED));
-  EXPECT_EQ(errors.state(), BusState::kActive);
+  errors.process(make_error_frame(CAN_ERR_RESTARTED));
+  EXPECT_EQ(errors.state(), BusState::kErrorActive);
   EXPECT_EQ(errors.error_frames(), 4U);
   EXPECT_EQ(errors.bus_offs(), 1U);
 }
 
 TEST(BusErrors, AFrameThatCameShowsThatTheBusIsNotOff) {
   BusErrors errors;
-  errors.take(error_frame(CAN_ERR_BUSOFF));
+  errors.process(make_error_frame(CAN_ERR_BUSOFF));
   CanFrame frame;
   ASSERT_TRUE(parse_socket_can(bytes_of(raw(0x10, {1})), frame));
-  errors.take(frame);
-  EXPECT_EQ(errors.state(), BusState::kActive);
+  errors.process(frame);
+  EXPECT_EQ(errors.state(), BusState::kErrorActive);
 }
 
 TEST(BusErrors, CountsOverrunsOfTheController) {
   BusErrors errors;
-  errors.take(error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW));
+  errors.process(make_error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW));
   EXPECT_EQ(errors.overruns(), 1U);
-  EXPECT_EQ(errors.state(), BusState::kActive);
+  EXPECT_EQ(errors.state(), BusState::kErrorActive);
 }
 
 }  // namespace

@@ -7,13 +7,13 @@ namespace {
 
 Stamp at_ms(int64_t ms) { return Stamp::from_ns(ms * 1'000'000); }
 
-TEST(ArrivalOrder, TellsLateTwiceAndSetCounters) {
+TEST(ArrivalOrder, ClassifiesLateDuplicateAndResetCounters) {
   ArrivalOrder order;
   EXPECT_EQ(order.take(1'000, at_ms(0)).arrival, Arrival::kFirst);
   EXPECT_EQ(order.take(2'000, at_ms(1)).arrival, Arrival::kNext);
   EXPECT_EQ(order.take(2'000, at_ms(1)).arrival, Arrival::kDuplicate);
   EXPECT_EQ(order.take(4'000, at_ms(3)).arrival, Arrival::kNext);
-  const auto late = order.take(3'000, at_ms(3));
+  const auto late = order.add(3'000, at_ms(3));
   EXPECT_EQ(late.arrival, Arrival::kLate);
   EXPECT_EQ(late.delay_us, -1'000);
   EXPECT_EQ(order.take(1'500, at_ms(3)).arrival, Arrival::kTooLate);
@@ -28,15 +28,15 @@ TEST(ArrivalOrder, TellsLateTwiceAndSetCounters) {
 
 TEST(ArrivalOrder, ALongSilenceIsNoJump) {
   ArrivalOrder order;
-  order.take(1'000, at_ms(0));
+  order.add(1'000, at_ms(0));
   EXPECT_EQ(order.take(60'001'000, at_ms(60'010)).arrival, Arrival::kNext);
   EXPECT_EQ(order.take(60'002'000, at_ms(120'000)).arrival, Arrival::kClockJump);
 }
 
 TEST(ArrivalOrder, TheHourIsNoJump) {
   ArrivalOrder order;
-  order.take(3'599'999'900, at_ms(0));
-  const auto verdict = order.take(453, at_ms(1));
+  order.add(3'599'999'900, at_ms(0));
+  const auto verdict = order.add(453, at_ms(1));
   EXPECT_EQ(verdict.arrival, Arrival::kNext);
   EXPECT_EQ(verdict.delay_us, 553);
 }

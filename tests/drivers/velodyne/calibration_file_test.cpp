@@ -61,7 +61,7 @@ TEST(CalibrationFile, DbXmlIsReadInItsUnits) {
   EXPECT_EQ(beam.min_intensity, 40);
 }
 
-TEST(CalibrationFile, AllLasersComeBackFromAFile) {
+TEST(CalibrationFile, AllLasersRoundTripThroughAFile) {
   const auto path = std::filesystem::path(testing::TempDir()) / "velodyne_db.xml";
   std::ofstream(path) << fixtures::write_db_xml(built_in_calibration(Model::kHdl64eS3));
   const auto calibration = load_db_xml(path);
@@ -73,7 +73,7 @@ TEST(CalibrationFile, AllLasersComeBackFromAFile) {
   EXPECT_EQ(none.error().where, path.string());
 }
 
-TEST(CalibrationFile, WhatIsWrongIsSaid) {
+TEST(CalibrationFile, ErrorsNameTheirCause) {
   const std::string whole = fixtures::write_db_xml(built_in_calibration(Model::kHdl64eS2));
   const auto error = [](const std::string& text) {
     const auto calibration = parse_db_xml(text);

@@ -12,11 +12,11 @@ namespace {
 using fixtures::StatusStream;
 
 /// The first calibration among `packets` packets, and the packet that completed it.
-std::optional<Calibration> gather(CalibrationStream& gatherer, StatusStream& sensor, size_t packets,
-                                  size_t* completed = nullptr) {
+std::optional<Calibration> collect(CalibrationStream& stream, StatusStream& sensor, size_t packets,
+                                   size_t* completed = nullptr) {
   for (size_t i = 0; i < packets; ++i) {
     const fixtures::StatusByte status = sensor.next();
-    if (auto calibration = gatherer.add(status.type, status.value)) {
+    if (auto calibration = stream.add(status.type, status.value)) {
       if (completed != nullptr) *completed = i;
       return calibration;
     }
@@ -40,25 +40,25 @@ void expect_equal(const Calibration& a, const Calibration& b) {
   }
 }
 
-class OfModel : public testing::TestWithParam<Model> {};
+class EachHdl64e : public testing::TestWithParam<Model> {};
 
-TEST_P(OfModel, ACycleGivesTheCalibrationWhereverOneBeginsToListen) {
+TEST_P(EachHdl64e, ACycleGivesTheCalibrationFromAnyFirstPacket) {
   const Calibration& unit = built_in_calibration(GetParam());
   for (const size_t missed : {size_t{0}, size_t{5}, size_t{1234}, size_t{4159}}) {
     StatusStream sensor(GetParam(), unit);
     for (size_t i = 0; i < missed; ++i) sensor.next();
-    CalibrationStream gatherer(GetParam());
+    CalibrationStream stream(GetParam());
     size_t completed = 0;
-    const auto calibration = gather(gatherer, sensor, 2 * 4160 + 20, &completed);
+    const auto calibration = collect(stream, sensor, 2 * 4160 + 20, &completed);
     ASSERT_TRUE(calibration) << missed;
-    expect_equal(*calibration, fixtures::as_streamed(unit));
+    expect_equal(*calibration, fixtures::quantise_calibration(unit));
     EXPECT_GE(completed, 4160U);
   }
 }
 
-TEST_P(OfModel, ABrokenCycleGivesNothingAndTheNextOneDoes) {
+TEST_P(EachHdl64e, ABrokenCycleGivesNothingAndTheNextOneDoes) {
   StatusStream sensor(GetParam(), built_in_calibration(GetParam()));
-  CalibrationStream gatherer(GetParam());
+  CalibrationStream stream(GetParam());
   for (size_t i = 0; i < 2000; ++i) {
     const auto status = sensor.next();
     EXPECT_FALSE(gatherer.add(status.type, status.value));
@@ -70,12 +70,12 @@ TEST_P(OfModel, ABrokenCycleGivesNothingAndTheNextOneDoes) {
   EXPECT_GT(completed, 4160U);
 }
 
-INSTANTIATE_TEST_SUITE_P(CalibrationStream, OfModel,
+INSTANTIATE_TEST_SUITE_P(CalibrationStream, EachHdl64e,
                          testing::Values(Model::kHdl64eS2, Model::kHdl64eS3));
 
 TEST(CalibrationStream, AnS3sChecksumMustFit) {
   StatusStream sensor(Model::kHdl64eS3, built_in_calibration(Model::kHdl64eS3));
-  CalibrationStream gatherer(Model::kHdl64eS3);
+  CalibrationStream stream(Model::kHdl64eS3);
   for (size_t i = 0; i < 2 * 4160; ++i) {
     auto status = sensor.next();
     if (i % 4160 == 1003) {  // a byte of the cycle
@@ -98,27 +98,27 @@ TEST(CalibrationStream, TheChecksumIsThePublishedOne) {
 
 TEST(CalibrationStream, WarningsBesideTheCycleDoNotMatter) {
   StatusStream sensor(Model::kHdl64eS2, built_in_calibration(Model::kHdl64eS2));
-  CalibrationStream gatherer(Model::kHdl64eS2);
+  CalibrationStream stream(Model::kHdl64eS2);
   std::optional<Calibration> found;
   for (size_t i = 0; i < 2 * 4160 && !found; ++i) {
     const auto status = sensor.next();
-    if (status.type == 'V') gatherer.add('W', 3);
-    found = gatherer.add(status.type, status.value);
+    if (status.type == 'V') stream.add('W', 3);
+    found = stream.add(status.type, status.value);
   }
   EXPECT_TRUE(found);
 }
 
 // A unit that is not the example: from its first cycle on, sweeps are as its own numbers say.
-TEST(CalibrationStream, TheAssemblerUsesWhatTheSensorTells) {
+TEST(CalibrationStream, TheAssemblerUsesTheCalibrationThatTheSensorSends) {
   SceneOptions options;
   options.model = Model::kHdl64eS3;
   options.turns_per_second = 20;
   options.turns = 32;  // 1.6 s
   options.start_azimuth = 0;
-  options.calibration = fixtures::as_streamed(built_in_calibration(Model::kHdl64eS2));
+  options.calibration = fixtures::quantise_calibration(built_in_calibration(Model::kHdl64eS2));
   const Scene scene = make_scene(options);
   SweepAssembler assembler({.model = options.model});
-  EXPECT_EQ(assembler.calibration_source(), CalibrationSource::kModel);
+  EXPECT_EQ(assembler.calibration_source(), CalibrationSource::kBuiltIn);
   const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
   EXPECT_EQ(assembler.calibration_source(), CalibrationSource::kStream);
   ASSERT_EQ(sweeps.size(), scene.sweeps.size());

@@ -21,7 +21,7 @@ std::vector<double> elevations(Model model) {
   return degrees;
 }
 
-TEST(Calibration, BuiltInBeamsSpanWhatTheManualsSay) {
+TEST(Calibration, BuiltInBeamsSpanTheManualsFieldOfView) {
   const auto expect_span = [](Model model, double low, double high) {
     const std::vector<double> all = elevations(model);
     EXPECT_NEAR(*std::min_element(all.begin(), all.end()), low, 0.01) << model_info(model).name;
@@ -77,7 +77,7 @@ TEST(Calibration, RingsCountFromBelow) {
   EXPECT_EQ(vlp16[15], 15);
 }
 
-TEST(Calibration, ImpossibleNumbersAreNamed) {
+TEST(Calibration, ImpossibleNumbersAreReported) {
   const ModelInfo& info = model_info(Model::kHdl64eS3);
   Calibration calibration = built_in_calibration(Model::kHdl64eS3);
   calibration.beams[5].rotation = std::numeric_limits<double>::quiet_NaN();

@@ -9,7 +9,7 @@ namespace {
 
 constexpr SequenceTiming kTiming{50'000, 60};
 
-Packet packet_of(const std::vector<int>& azimuths) {
+Packet make_packet(const std::vector<int>& azimuths) {
   Packet packet;
   packet.sequences = static_cast<uint8_t>(azimuths.size());
   for (size_t i = 0; i < azimuths.size(); ++i) {
@@ -31,7 +31,7 @@ std::vector<int64_t> times_us(const FiringPlan& plan) {
 }
 
 TEST(FiringPlan, AzimuthGrowsToTheNextSequenceAlsoInTheNextPacket) {
-  const Packet packet = packet_of({35'970, 35'990, 11, 30});
+  const Packet packet = make_packet({35'970, 35'990, 11, 30});
   const auto plan = plan_firings(packet, FollowingPacket{52, 200'000}, 7, kTiming);
   EXPECT_EQ(steps(plan), (std::vector<int>{20, 21, 19, 22}));
   EXPECT_EQ(times_us(plan), (std::vector<int64_t>{0, 50, 100, 150}));
@@ -43,15 +43,15 @@ TEST(FiringPlan, AzimuthGrowsToTheNextSequenceAlsoInTheNextPacket) {
             (std::vector<int>{20, 21, 19, 19}));
 }
 
-TEST(FiringPlan, ASequenceAloneTakesTheStepOfThePacketBefore) {
-  const Packet packet = packet_of({100});
+TEST(FiringPlan, ASingleSequenceUsesTheStepOfThePreviousPacket) {
+  const Packet packet = make_packet({100});
   EXPECT_EQ(steps(plan_firings(packet, std::nullopt, 20, kTiming)), std::vector<int>{20});
   EXPECT_EQ(steps(plan_firings(packet, FollowingPacket{119, 50'000}, 20, kTiming)),
             std::vector<int>{19});
 }
 
-TEST(FiringPlan, AJumpIsNotInterpolatedAndWhatFollowsIsTimedBack) {
-  const Packet packet = packet_of({8'960, 8'980, 27'010, 27'030});
+TEST(FiringPlan, AJumpIsNotInterpolatedAndLaterSequencesAreRetimed) {
+  const Packet packet = make_packet({8'960, 8'980, 27'010, 27'030});
   // 18 010 hundredths at 20 a sequence are 45 ms; the next packet tells the exact time.
   const auto plan = plan_firings(packet, FollowingPacket{27'050, 45'183'000}, 20, kTiming);
   EXPECT_EQ(steps(plan), (std::vector<int>{20, 20, 20, 20}));
@@ -64,7 +64,7 @@ TEST(FiringPlan, AJumpIsNotInterpolatedAndWhatFollowsIsTimedBack) {
 
 TEST(FiringPlan, AJitterBackwardsIsNoTurn) {
   const auto plan =
-      plan_firings(packet_of({100, 99, 101}), FollowingPacket{100, 150'000}, 0, kTiming);
+      plan_firings(make_packet({100, 99, 101}), FollowingPacket{100, 150'000}, 0, kTiming);
   EXPECT_EQ(steps(plan), (std::vector<int>{0, 2, 0}));
   EXPECT_FALSE(plan.sequences[1].after_jump);
   EXPECT_EQ(plan.sequences[1].advance, -1);

@@ -94,7 +94,7 @@ std::vector<Case> all_cases() {
   for (const ModelInfo& info : models()) {
     for (const double rate : {5.0, 10.0, 20.0}) {
       cases.push_back({info.model, ReturnMode::kStrongest, rate});
-      if (info.dual) cases.push_back({info.model, ReturnMode::kDual, rate});
+      if (info.has_dual_return) cases.push_back({info.model, ReturnMode::kDual, rate});
     }
     if (!info.calibrated_per_unit) cases.push_back({info.model, ReturnMode::kLast, 10});
   }

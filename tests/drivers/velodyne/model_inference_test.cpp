@@ -7,43 +7,43 @@
 namespace infuse::velodyne {
 namespace {
 
-std::optional<ModelGuess> infer(const Scene& scene, std::optional<uint8_t> product = {}) {
+std::optional<InferredModel> infer(const Scene& scene, std::optional<uint8_t> product = {}) {
   ModelInference inference;
   for (SentPacket packet : scene.packets) {
     if (product) packet.payload[1205] = *product;
     inference.add(packet.payload);
   }
-  return inference.guess();
+  return inference.infer();
 }
 
 TEST(ModelInference, EveryModelIsKnownByItsPackets) {
   for (const ModelInfo& info : models()) {
     for (const ReturnMode mode : {ReturnMode::kStrongest, ReturnMode::kDual}) {
-      if (mode == ReturnMode::kDual && !info.dual) continue;
-      const auto guess = infer(make_scene({.model = info.model,
-                                           .mode = mode,
-                                           .turns = 0.3,
-                                           .calibration = built_in_calibration(info.model)}));
+      if (mode == ReturnMode::kDual && !info.has_dual_return) continue;
+      const auto inferred = infer(make_scene({.model = info.model,
+                                              .mode = mode,
+                                              .turns = 0.3,
+                                              .calibration = built_in_calibration(info.model)}));
       ASSERT_TRUE(guess) << info.name;
-      EXPECT_EQ(guess->model, info.model) << guess->reason;
+      EXPECT_EQ(guess->model, info.model) << inferred->reason;
       EXPECT_FALSE(guess->reason.empty());
     }
   }
 }
 
-TEST(ModelInference, EarlyVlp16FirmwareIsSeenThrough) {
+TEST(ModelInference, EarlyVlp16FirmwareIsRecognised) {
   for (const ReturnMode mode : {ReturnMode::kStrongest, ReturnMode::kDual}) {
-    const auto guess = infer(make_scene({.model = Model::kVlp16,
-                                         .mode = mode,
-                                         .calibration = built_in_calibration(Model::kVlp16)}),
-                             uint8_t{0x21});
+    const auto inferred = infer(make_scene({.model = Model::kVlp16,
+                                            .mode = mode,
+                                            .calibration = built_in_calibration(Model::kVlp16)}),
+                                uint8_t{0x21});
     ASSERT_TRUE(guess);
     EXPECT_EQ(guess->model, Model::kVlp16);
-    EXPECT_NE(guess->reason.find("0x21"), std::string::npos) << guess->reason;
+    EXPECT_NE(guess->reason.find("0x21"), std::string::npos) << inferred->reason;
   }
 }
 
-TEST(ModelInference, SaysNothingOfTooLittleOrOfOtherData) {
+TEST(ModelInference, GivesNoModelForTooFewPacketsOrOtherData) {
   const Scene scene = make_scene({.turns = 1, .calibration = built_in_calibration(Model::kHdl32e)});
   ModelInference inference;
   EXPECT_FALSE(inference.guess());

@@ -43,7 +43,7 @@ class Mutator {
   }
 
   // Heads matter more than returns: azimuths, flags, counter, mode.
-  void mutate_heads(std::vector<uint8_t>& packet) {
+  void mutate_headers(std::vector<uint8_t>& packet) {
     if (packet.size() != kPacketSize || random_() % 2 == 0) return;
     const size_t block = random_() % 13;
     const size_t at = block == 12 ? 1200 + random_() % 6 : block * 100 + 2 + random_() % 2;
@@ -61,18 +61,18 @@ TEST(MutatedPackets, EachIsUsedOrCountedWithItsReason) {
   size_t pushed = 0;
   for (const ModelInfo& info : models()) {
     for (const ReturnMode mode : {ReturnMode::kStrongest, ReturnMode::kDual}) {
-      if (mode == ReturnMode::kDual && !info.dual) continue;
+      if (mode == ReturnMode::kDual && !info.has_dual_return) continue;
       const Scene scene = make_scene({.model = info.model,
                                       .mode = mode,
                                       .turns = 0.05,
                                       .calibration = built_in_calibration(info.model)});
       SweepAssembler assembler({.model = info.model});
       Sweep sweep;
-      size_t mine = 0;
-      for (; mine < 850; ++mine) {
-        SentPacket packet = scene.packets[mine % scene.packets.size()];
+      size_t packets_of_model = 0;
+      for (; packets_of_model < 850; ++packets_of_model) {
+        SentPacket packet = scene.packets[packets_of_model % scene.packets.size()];
         mutator.mutate(packet.payload);
-        mutator.mutate_heads(packet.payload);
+        mutator.mutate_headers(packet.payload);
         Datagram datagram = packet.datagram();
         if (mutator.next() % 50 == 0) datagram.sender = mutator.next();
         if (mutator.next() % 50 == 0)
@@ -89,10 +89,10 @@ TEST(MutatedPackets, EachIsUsedOrCountedWithItsReason) {
         }
       }
       const PacketCounters& c = assembler.counters();
-      EXPECT_EQ(c.packets + c.all_malformed() + c.wrong_sender + c.duplicates + c.too_late, mine);
-      EXPECT_GT(c.all_malformed(), 0U) << info.name;
+      EXPECT_EQ(c.packets + c.total_malformed() + c.wrong_sender + c.duplicates + c.too_late, mine);
+      EXPECT_GT(c.total_malformed(), 0U) << info.name;
       EXPECT_GT(c.packets, 0U) << info.name;
-      pushed += mine;
+      pushed += packets_of_model;
     }
   }
   EXPECT_GE(pushed, 10'000U);

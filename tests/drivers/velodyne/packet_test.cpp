@@ -7,7 +7,7 @@
 namespace infuse::velodyne {
 namespace {
 
-std::vector<uint8_t> a_packet(Model model, ReturnMode mode = ReturnMode::kStrongest) {
+std::vector<uint8_t> make_packet(Model model, ReturnMode mode = ReturnMode::kStrongest) {
   return make_scene({.model = model,
                      .mode = mode,
                      .turns = 0.02,
@@ -17,8 +17,8 @@ std::vector<uint8_t> a_packet(Model model, ReturnMode mode = ReturnMode::kStrong
       .payload;
 }
 
-TEST(Packet, TellsItsHeads) {
-  const auto packet = parse_packet(model_info(Model::kVlp32c), a_packet(Model::kVlp32c));
+TEST(Packet, HeadersAreRead) {
+  const auto packet = parse_packet(model_info(Model::kVlp32c), make_packet(Model::kVlp32c));
   ASSERT_TRUE(packet);
   EXPECT_EQ(packet->counter_us, 123'456'789U);
   EXPECT_EQ(packet->mode, ReturnMode::kStrongest);
@@ -26,14 +26,14 @@ TEST(Packet, TellsItsHeads) {
   EXPECT_EQ(packet->sequences, 12);
   EXPECT_EQ(packet->azimuth[0], 35'000);
   const auto dual =
-      parse_packet(model_info(Model::kVls128), a_packet(Model::kVls128, ReturnMode::kDual));
+      parse_packet(model_info(Model::kVls128), make_packet(Model::kVls128, ReturnMode::kDual));
   ASSERT_TRUE(dual);
   EXPECT_TRUE(dual->dual());
   EXPECT_EQ(dual->sequences, 1);
 }
 
 TEST(Packet, ThreeHundredAndSixtyDegreesAreZero) {
-  std::vector<uint8_t> bytes = a_packet(Model::kHdl32e);
+  std::vector<uint8_t> bytes = make_packet(Model::kHdl32e);
   bytes[402] = 0xA0;
   bytes[403] = 0x8C;
   const auto packet = parse_packet(model_info(Model::kHdl32e), bytes);
@@ -47,7 +47,7 @@ TEST(Packet, OfAnotherLayoutIsRefused) {
   for (const ModelInfo& info : models()) {
     for (const ModelInfo& other : models()) {
       if (info.banks == other.banks) continue;
-      EXPECT_EQ(parse_packet(other, a_packet(info.model)).error(), PacketFault::kFlag)
+      EXPECT_EQ(parse_packet(other, make_packet(info.model)).error(), PacketFault::kFlag)
           << info.name << " read as " << other.name;
     }
   }
@@ -57,7 +57,7 @@ TEST(Packet, OfAnotherLayoutIsRefused) {
 // An HDL-64E that stands still repeats its azimuth too: that is no second return.
 TEST(Packet, RepeatedAzimuthMeansTwoReturnsOnlyWhereTheSensorTurns) {
   const ModelInfo& s3 = model_info(Model::kHdl64eS3);
-  std::vector<uint8_t> bytes = a_packet(Model::kHdl64eS3, ReturnMode::kDual);
+  std::vector<uint8_t> bytes = make_packet(Model::kHdl64eS3, ReturnMode::kDual);
   ASSERT_TRUE(parse_packet(s3, bytes));
   EXPECT_TRUE(parse_packet(s3, bytes)->dual());
   for (size_t block = 0; block < kBlocks; ++block) {
@@ -66,7 +66,7 @@ TEST(Packet, RepeatedAzimuthMeansTwoReturnsOnlyWhereTheSensorTurns) {
   }
   ASSERT_TRUE(parse_packet(s3, bytes));
   EXPECT_FALSE(parse_packet(s3, bytes)->dual());
-  std::vector<uint8_t> vlp16 = a_packet(Model::kVlp16);
+  std::vector<uint8_t> vlp16 = make_packet(Model::kVlp16);
   vlp16[1204] = 0x39;
   EXPECT_EQ(parse_packet(model_info(Model::kVlp16), vlp16).error(), PacketFault::kDualPair);
 }

@@ -10,7 +10,7 @@
 namespace infuse::velodyne {
 namespace {
 
-TEST(PositionPacket, TellsCounterPpsAndSentence) {
+TEST(PositionPacket, CounterPpsAndSentenceAreRead) {
   const std::string sentence = fixtures::gga_sentence({.talker = "GN", .latitude = 0.5});
   for (uint8_t pps = 0; pps < 4; ++pps) {
     const auto bytes = fixtures::encode_position_packet(

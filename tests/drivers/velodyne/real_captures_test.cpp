@@ -85,13 +85,13 @@ TEST(RealMonterey, FramesAndPointsAreThoseOfTheVendorsViewer) {
   }
 }
 
-TEST(RealMonterey, EveryPacketIsUsedAndSweepsAreWhole) {
+TEST(RealMonterey, EveryPacketIsUsedAndSweepsAreComplete) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
   SweepAssembler assembler({.model = Model::kHdl32e});
   const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
   const PacketCounters& counters = assembler.counters();
   EXPECT_EQ(counters.packets, 2702U);
-  EXPECT_EQ(counters.network_lost + counters.all_malformed() + counters.duplicates +
+  EXPECT_EQ(counters.network_lost + counters.total_malformed() + counters.duplicates +
                 counters.out_of_order + counters.too_late + counters.clock_jumps +
                 counters.wrong_model,
             0U);
@@ -266,7 +266,7 @@ TEST(RealVlp32cHalfTurn, HoldsEveryPointOfTheReference) {
   EXPECT_GE(static_cast<double>(near), 0.999 * 26'216);
 }
 
-TEST(RealVlp32cHalfTurn, SweepsAreTheHalvesAndSayWhatIsMissing) {
+TEST(RealVlp32cHalfTurn, SweepsAreTheHalvesAndReportTheGap) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp32c-half-turn.pcap");
   SweepAssembler assembler({.model = Model::kVlp32c, .cut_azimuth = 180});
   const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
@@ -294,15 +294,15 @@ TEST(RealCaptures, AModelIsInferredFromItsPackets) {
     INFUSE_REAL_DATA_OR_SKIP(path, name);
     ModelInference inference;
     for (const CapturedDatagram& packet : data_packets(path)) inference.add(packet.payload);
-    const auto guess = inference.guess();
+    const auto inferred = inference.infer();
     ASSERT_TRUE(guess.has_value()) << name;
-    EXPECT_EQ(guess->model, model) << name << ": " << guess->reason;
+    EXPECT_EQ(guess->model, model) << name << ": " << inferred->reason;
   }
 }
 
-TEST(RealCaptures, ClocksThatCountFromPowerUpAreSaidToDoSo) {
+TEST(RealCaptures, ClocksThatCountFromPowerUpAreReported) {
   const std::vector<std::tuple<const char*, Model, ClockState::Source>> captures{
-      {"velodyne/vlp16-gps.pcap", Model::kVlp16, ClockState::Source::kHour},
+      {"velodyne/vlp16-gps.pcap", Model::kVlp16, ClockState::Source::kTopOfHour},
       {"velodyne/vlp16-dual-return.pcap", Model::kVlp16, ClockState::Source::kPowerUp},
       {"velodyne/vlp32c-half-turn.pcap", Model::kVlp32c, ClockState::Source::kPowerUp}};
   for (const auto& [name, model, source] : captures) {
@@ -319,7 +319,7 @@ TEST(RealCaptures, ClocksThatCountFromPowerUpAreSaidToDoSo) {
   }
 }
 
-TEST(RealCaptures, PositionPacketsTellTimePlaceAndState) {
+TEST(RealCaptures, PositionPacketsGiveTimePositionAndState) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
   size_t count = 0;
   for (const CapturedDatagram& datagram : read_capture(path)) {

@@ -11,22 +11,23 @@ namespace infuse::velodyne {
 namespace {
 
 template <class T>
-bool same_bytes(const Channel<T>& a, const Channel<T>& b) {
+bool same_bytes(const FieldVector<T>& a, const FieldVector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
 TEST(ReturnKernel, AllInstructionsGiveTheSameBytes) {
-  if (best_instructions() == Instructions::kPortable) GTEST_SKIP() << "no vector unit to compare";
+  if (best_instruction_set() == InstructionSet::kPortable)
+    GTEST_SKIP() << "no vector unit to compare";
   for (const ModelInfo& info : models()) {
     for (const ReturnMode mode : {ReturnMode::kStrongest, ReturnMode::kDual}) {
-      if (mode == ReturnMode::kDual && !info.dual) continue;
+      if (mode == ReturnMode::kDual && !info.has_dual_return) continue;
       const Scene scene = make_scene({.model = info.model,
                                       .mode = mode,
                                       .turns = 0.2,
                                       .calibration = built_in_calibration(info.model),
                                       .seed = 7});
-      SweepAssembler vector({.model = info.model, .instructions = best_instructions()});
-      SweepAssembler portable({.model = info.model, .instructions = Instructions::kPortable});
+      SweepAssembler vector({.model = info.model, .instruction_set = best_instruction_set()});
+      SweepAssembler portable({.model = info.model, .instruction_set = InstructionSet::kPortable});
       const std::vector<Sweep> a = assemble(vector, scene.packets);
       const std::vector<Sweep> b = assemble(portable, scene.packets);
       ASSERT_EQ(a.size(), b.size());
@@ -49,7 +50,7 @@ TEST(ReturnKernel, AllInstructionsGiveTheSameBytes) {
 // Every pattern of returns and gaps among eight lasers.
 TEST(ReturnKernel, KeepsTheReturnsThatAreThereInOrder) {
   const BeamTable table(Model::kVlp16, built_in_calibration(Model::kVlp16), Duration(55'296));
-  for (const Instructions instructions : {Instructions::kPortable, best_instructions()}) {
+  for (const InstructionSet instructions : {InstructionSet::kPortable, best_instruction_set()}) {
     for (unsigned set = 0; set < 256; ++set) {
       std::array<uint8_t, 96> bytes{};
       std::vector<float> expected;

@@ -12,13 +12,13 @@
 namespace infuse::velodyne {
 namespace {
 
-Scene scene_of(Model model, SceneOptions options = {}) {
+Scene make_model_scene(Model model, SceneOptions options = {}) {
   options.model = model;
   options.calibration = built_in_calibration(model);
   return make_scene(options);
 }
 
-size_t all_returns(const std::vector<Sweep>& sweeps) {
+size_t count_returns(const std::vector<Sweep>& sweeps) {
   size_t sum = 0;
   for (const Sweep& sweep : sweeps) sum += sweep.size();
   return sum;
@@ -30,8 +30,8 @@ bool same_returns(const Sweep& a, const Sweep& b) {
          a.return_kind == b.return_kind && a.reflectivity == b.reflectivity;
 }
 
-TEST(SweepAssembler, WholeTurnsHaveNoGapsAndPartsOfTurnsSayWhatIsMissing) {
-  const Scene scene = scene_of(Model::kHdl32e, {.start_azimuth = 90, .turns = 2.5});
+TEST(SweepAssembler, FullTurnsHaveNoGapsAndPartialTurnsReportThem) {
+  const Scene scene = make_model_scene(Model::kHdl32e, {.start_azimuth = 90, .turns = 2.5});
   SweepAssembler assembler({.model = Model::kHdl32e});
   const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
   ASSERT_EQ(sweeps.size(), 3U);  // 90° … 360°, a turn, 0° … 270°
@@ -46,7 +46,7 @@ TEST(SweepAssembler, WholeTurnsHaveNoGapsAndPartsOfTurnsSayWhatIsMissing) {
 }
 
 TEST(SweepAssembler, CutsAtTheConfiguredAzimuthInsidePackets) {
-  const Scene scene = scene_of(Model::kVlp16, {.start_azimuth = 0, .turns = 3});
+  const Scene scene = make_model_scene(Model::kVlp16, {.start_azimuth = 0, .turns = 3});
   SweepAssembler assembler({.model = Model::kVlp16, .cut_azimuth = 123.45});
   const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
   ASSERT_EQ(sweeps.size(), 4U);
@@ -61,7 +61,7 @@ TEST(SweepAssembler, CutsAtTheConfiguredAzimuthInsidePackets) {
 }
 
 TEST(SweepAssembler, LostPacketsAreCountedAndLeaveAGap) {
-  Scene scene = scene_of(Model::kHdl32e, {.start_azimuth = 0, .turns = 3});
+  Scene scene = make_model_scene(Model::kHdl32e, {.start_azimuth = 0, .turns = 3});
   const size_t whole = scene.packets.size();
   // The second turn is packets 181 … 361; take ten out of its middle.
   scene.packets.erase(scene.packets.begin() + 250, scene.packets.begin() + 260);
@@ -81,7 +81,7 @@ TEST(SweepAssembler, LostPacketsAreCountedAndLeaveAGap) {
 }
 
 TEST(SweepAssembler, LosingMoreThanATurnEndsTheSweep) {
-  Scene scene = scene_of(Model::kHdl32e, {.start_azimuth = 0, .turns = 4});
+  Scene scene = make_model_scene(Model::kHdl32e, {.start_azimuth = 0, .turns = 4});
   scene.packets.erase(scene.packets.begin() + 100, scene.packets.begin() + 400);
   SweepAssembler assembler({.model = Model::kHdl32e});
   const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
@@ -94,9 +94,9 @@ TEST(SweepAssembler, LosingMoreThanATurnEndsTheSweep) {
 }
 
 TEST(SweepAssembler, PacketsTwiceAndOutOfOrderGiveTheSameSweeps) {
-  const Scene scene = scene_of(Model::kVlp32c, {.turns = 2});
-  SweepAssembler straight({.model = Model::kVlp32c});
-  const std::vector<Sweep> expected = assemble(straight, scene.packets);
+  const Scene scene = make_model_scene(Model::kVlp32c, {.turns = 2});
+  SweepAssembler deskewed({.model = Model::kVlp32c});
+  const std::vector<Sweep> expected = assemble(deskewed, scene.packets);
 
   std::vector<SentPacket> disturbed;
   for (size_t i = 0; i < scene.packets.size(); ++i) {
@@ -137,7 +137,7 @@ TEST(SweepAssembler, PacketsTwiceAndOutOfOrderGiveTheSameSweeps) {
 }
 
 TEST(SweepAssembler, AVeryLatePacketIsLeftOut) {
-  Scene scene = scene_of(Model::kVlp32c, {.turns = 1});
+  Scene scene = make_model_scene(Model::kVlp32c, {.turns = 1});
   std::rotate(scene.packets.begin() + 20, scene.packets.begin() + 21, scene.packets.begin() + 41);
   SweepAssembler assembler({.model = Model::kVlp32c});
   assemble(assembler, scene.packets);
@@ -147,7 +147,7 @@ TEST(SweepAssembler, AVeryLatePacketIsLeftOut) {
 }
 
 TEST(SweepAssembler, EveryRefusalIsCountedByItsCause) {
-  Scene scene = scene_of(Model::kVlp16, {.turns = 0.2});
+  Scene scene = make_model_scene(Model::kVlp16, {.turns = 0.2});
   SweepAssembler assembler({.model = Model::kVlp16, .sender = 0x0A000007});
   const auto push = [&](std::vector<uint8_t> payload, uint32_t sender) {
     assembler.push({Stamp(), sender, 2368, 2368, payload});
@@ -185,7 +185,7 @@ TEST(SweepAssembler, EveryRefusalIsCountedByItsCause) {
 }
 
 TEST(SweepAssembler, TheFirstSenderIsTheSensorWhereNoneIsConfigured) {
-  const Scene scene = scene_of(Model::kVlp16, {.turns = 0.2});
+  const Scene scene = make_model_scene(Model::kVlp16, {.turns = 0.2});
   SweepAssembler assembler({.model = Model::kVlp16});
   Sweep sweep;
   for (const SentPacket& packet : scene.packets) {
@@ -202,8 +202,8 @@ TEST(SweepAssembler, TheFirstSenderIsTheSensorWhereNoneIsConfigured) {
 }
 
 TEST(SweepAssembler, TheTopOfTheHourIsNoGap) {
-  const Scene before = scene_of(Model::kHdl32e, {.turns = 2, .start_us = 100});
-  const Scene across = scene_of(Model::kHdl32e, {.turns = 2, .start_us = 3'599'900'100});
+  const Scene before = make_model_scene(Model::kHdl32e, {.turns = 2, .start_us = 100});
+  const Scene across = make_model_scene(Model::kHdl32e, {.turns = 2, .start_us = 3'599'900'100});
   SweepAssembler first({.model = Model::kHdl32e});
   SweepAssembler second({.model = Model::kHdl32e});
   const std::vector<Sweep> expected = assemble(first, before.packets);
@@ -218,7 +218,7 @@ TEST(SweepAssembler, TheTopOfTheHourIsNoGap) {
 }
 
 TEST(SweepAssembler, ACounterThatIsSetEndsTheSweepAndIsNoLoss) {
-  Scene scene = scene_of(Model::kHdl32e, {.turns = 2, .start_us = 5'000'000});
+  Scene scene = make_model_scene(Model::kHdl32e, {.turns = 2, .start_us = 5'000'000});
   for (size_t i = 200; i < scene.packets.size(); ++i) {
     uint8_t* counter = scene.packets[i].payload.data() + 1200;
     const uint32_t value = read_u32(counter) + 1'430'000'000;
@@ -233,13 +233,13 @@ TEST(SweepAssembler, ACounterThatIsSetEndsTheSweepAndIsNoLoss) {
 }
 
 TEST(SweepAssembler, ASensorThatDoesNotTurnGivesSweepsOfBoundedLength) {
-  const Scene scene = scene_of(Model::kHdl32e, {.turns_per_second = 0.001, .turns = 0.003});
+  const Scene scene = make_model_scene(Model::kHdl32e, {.turns_per_second = 0.001, .turns = 0.003});
   SweepAssembler assembler({.model = Model::kHdl32e});
   const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
   ASSERT_GE(sweeps.size(), 7U);
   size_t expected = 0;
   for (const ExpectedSweep& sweep : scene.sweeps) expected += sweep.size();
-  EXPECT_EQ(all_returns(sweeps), expected);
+  EXPECT_EQ(count_returns(sweeps), expected);
   for (const Sweep& sweep : sweeps) {
     EXPECT_LE(sweep.span, Duration(401'000'000));
     EXPECT_EQ(sweep.gaps.size(), 1U);
@@ -270,7 +270,7 @@ TEST(SweepAssembler, AChangeOfRotationChangesOnlyTheSpans) {
     EXPECT_LT(sweeps[i].span, sweeps[i - 1].span);
     EXPECT_TRUE(sweeps[i].gaps.empty());
   }
-  EXPECT_EQ(all_returns(sweeps), packets.size() * 384);
+  EXPECT_EQ(count_returns(sweeps), packets.size() * 384);
 }
 
 // A sensor told to look at 100° … 300°. The jump lies inside packets, wherever it falls.
@@ -318,14 +318,14 @@ TEST(SweepAssembler, APartOfTheTurnIsOneSweepWithExactTimes) {
 }
 
 TEST(SweepAssembler, PushingWithoutPullingIsAProgrammingError) {
-  const Scene scene = scene_of(Model::kHdl32e, {.turns = 0.1});
+  const Scene scene = make_model_scene(Model::kHdl32e, {.turns = 0.1});
   SweepAssembler assembler({.model = Model::kHdl32e});
   assembler.push(scene.packets[0].datagram());
   assembler.push(scene.packets[1].datagram());
   EXPECT_THROW(assembler.push(scene.packets[2].datagram()), std::logic_error);
 }
 
-TEST(SweepAssembler, OptionsSayWhatIsWrong) {
+TEST(SweepAssembler, OptionsReportWhatIsInvalid) {
   EXPECT_FALSE(SweepAssemblerOptions().invalid());
   EXPECT_TRUE((SweepAssemblerOptions{.cut_azimuth = -1}).invalid());
   EXPECT_TRUE((SweepAssemblerOptions{.cut_azimuth = std::nan("")}).invalid());

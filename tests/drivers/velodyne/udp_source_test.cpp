@@ -8,15 +8,15 @@
 namespace infuse::velodyne {
 namespace {
 
-using receive::Descriptor;
+using receive::FileDescriptor;
 using receive::MessageBatch;
 using receive::TimeBase;
 
 constexpr uint32_t kLoopback = 0x7F00'0001;
-constexpr uint32_t kGroup = 0xEFFF'2A01;  // 239.255.42.1
+constexpr uint32_t kMulticastGroup = 0xEFFF'2A01;  // 239.255.42.1
 
 /// A socket that sends from an address of the loopback network.
-Descriptor sender_at(uint32_t address) {
+Descriptor open_sender(uint32_t address) {
   Descriptor sender(socket(AF_INET, SOCK_DGRAM, 0));
   sockaddr_in local{};
   local.sin_family = AF_INET;
@@ -49,8 +49,8 @@ UdpSource open_source(const TimeBase& base, size_t buffer = 1 << 20) {
 TEST(UdpSource, GivesWhatWasSentWithSenderAndTheKernelsStamp) {
   const TimeBase base;
   UdpSource source = open_source(base);
-  MessageBatch batch(64, UdpSource::kMaxBytes);
-  const Descriptor first = sender_at(kLoopback), second = sender_at(kLoopback + 1);
+  MessageBatch batch(64, UdpSource::kMaxDatagramBytes);
+  const Descriptor first = open_sender(kLoopback), second = open_sender(kLoopback + 1);
   const Stamp before = base.now();
   send_to(first, source.port(), std::vector<uint8_t>(1206, 7));
   send_to(second, source.port(), std::vector<uint8_t>(512, 9));
@@ -80,8 +80,8 @@ TEST(UdpSource, GivesWhatWasSentWithSenderAndTheKernelsStamp) {
 TEST(UdpSource, ReadsNoMoreThanTheBatchHolds) {
   const TimeBase base;
   UdpSource source = open_source(base);
-  MessageBatch batch(8, UdpSource::kMaxBytes);
-  const Descriptor sender = sender_at(kLoopback);
+  MessageBatch batch(8, UdpSource::kMaxDatagramBytes);
+  const Descriptor sender = open_sender(kLoopback);
   for (int i = 0; i < 20; ++i) send_to(sender, source.port(), {uint8_t(i)});
   std::vector<size_t> reads;
   std::vector<int> order;
@@ -99,8 +99,8 @@ TEST(UdpSource, CountsWhatTheKernelDropped) {
   const TimeBase base;
   UdpSource source = open_source(base, 16 << 10);
   EXPECT_EQ(source.buffer_granted(), size_t{16} << 10);
-  MessageBatch batch(64, UdpSource::kMaxBytes);
-  const Descriptor sender = sender_at(kLoopback);
+  MessageBatch batch(64, UdpSource::kMaxDatagramBytes);
+  const Descriptor sender = open_sender(kLoopback);
   constexpr uint64_t kSent = 200;
   for (uint64_t i = 0; i < kSent; ++i) send_to(sender, source.port(), std::vector<uint8_t>(1206));
   uint64_t received = 0;
@@ -115,18 +115,18 @@ TEST(UdpSource, CountsWhatTheKernelDropped) {
   EXPECT_EQ(source.dropped() + received, kSent + 1);
 }
 
-TEST(UdpSource, SaysWhenItGotLessBufferThanItAskedFor) {
+TEST(UdpSource, ReportsABufferSmallerThanRequested) {
   const TimeBase base;
   const UdpSource source = open_source(base, size_t{1} << 40);
-  EXPECT_LT(source.buffer_granted(), source.buffer_wanted());
+  EXPECT_LT(source.buffer_granted(), source.buffer_requested());
   EXPECT_GT(source.buffer_granted(), 0U);
 }
 
 TEST(UdpSource, CutsALongDatagramAndStaysInStep) {
   const TimeBase base;
   UdpSource source = open_source(base);
-  MessageBatch batch(64, UdpSource::kMaxBytes);
-  const Descriptor sender = sender_at(kLoopback);
+  MessageBatch batch(64, UdpSource::kMaxDatagramBytes);
+  const Descriptor sender = open_sender(kLoopback);
   send_to(sender, source.port(), std::vector<uint8_t>(5000));
   send_to(sender, source.port(), {});
   std::vector<size_t> sizes;
@@ -134,7 +134,7 @@ TEST(UdpSource, CutsALongDatagramAndStaysInStep) {
   EXPECT_EQ(sizes, (std::vector<size_t>{UdpSource::kMaxBytes, 0}));
 }
 
-TEST(UdpSource, HearsAMulticastGroupThatItJoined) {
+TEST(UdpSource, ReceivesFromAJoinedMulticastGroup) {
   const TimeBase base;
   auto source = UdpSource::open({.address = "239.255.42.1",
                                  .port = 0,
@@ -144,14 +144,14 @@ TEST(UdpSource, HearsAMulticastGroupThatItJoined) {
                                 base);
   ASSERT_TRUE(source.has_value()) << source.error().message();
   source->rejoin();  // being a member already is no failure
-  MessageBatch batch(4, UdpSource::kMaxBytes);
-  send_to(sender_at(kLoopback), source->port(), {1, 2, 3}, kGroup);
+  MessageBatch batch(4, UdpSource::kMaxDatagramBytes);
+  send_to(open_sender(kLoopback), source->port(), {1, 2, 3}, kMulticastGroup);
   size_t bytes = 0;
   ASSERT_TRUE(source->read(batch, [&](const Datagram& d) { bytes += d.payload.size(); }));
   EXPECT_EQ(bytes, 3U);
 }
 
-TEST(UdpSource, SaysWhatCannotBeListenedTo) {
+TEST(UdpSource, ReportsWhyAPortCannotBeOpened) {
   const TimeBase base;
   const UdpSource source = open_source(base);
   const auto taken = UdpSource::open({.address = "127.0.0.1", .port = source.port()}, base);
@@ -162,7 +162,7 @@ TEST(UdpSource, SaysWhatCannotBeListenedTo) {
                    .has_value());
 }
 
-TEST(UdpOptions, RefusesWhatCannotBe) {
+TEST(UdpOptions, RejectInvalidValues) {
   EXPECT_FALSE(UdpOptions{}.invalid());
   EXPECT_TRUE(UdpOptions{.address = "lidar"}.invalid());
   EXPECT_TRUE(UdpOptions{.multicast = "10.0.0.1"}.invalid());

@@ -17,7 +17,7 @@ Vector6 peak() {
 }
 
 /// A hill whose axes differ by a factor of 30 and are turned against the parameters'.
-double hill(const Vector6& d, Vector6* gradient) {
+double quadratic(const Vector6& d, Vector6* gradient) {
   Matrix6 A = Matrix6::Identity();
   for (int i = 0; i < 6; ++i) A(i, i) = 1 + 5 * i;
   A(0, 5) = A(5, 0) = 1.5;
@@ -28,7 +28,7 @@ double hill(const Vector6& d, Vector6* gradient) {
 }
 
 /// Two hills along the first axis: a small one at 0.6, a great one at 6.
-double two_hills(const Vector6& d, Vector6* gradient) {
+double two_peaks(const Vector6& d, Vector6* gradient) {
   Vector6 low = Vector6::Zero();
   Vector6 high = Vector6::Zero();
   low(0) = 0.6;
@@ -39,14 +39,14 @@ double two_hills(const Vector6& d, Vector6* gradient) {
   return near + far;
 }
 
-TEST(Ascent, BfgsFindsTheTopOfAHill) {
-  const Ascent ascent = ascend_bfgs(hill, {.tolerance = 1e-6});
+TEST(Ascent, BfgsFindsTheMaximum) {
+  const PoseAscentResult ascent = ascend_bfgs(quadratic, {.tolerance = 1e-6});
   EXPECT_TRUE(ascent.converged);
   EXPECT_NEAR((ascent.d - peak()).norm(), 0, 1e-4);
   EXPECT_NEAR(ascent.value, 3, 1e-8);
 }
 
-TEST(Ascent, BfgsFindsTheTopOfAHillOfTen) {
+TEST(Ascent, BfgsFindsTheMaximumInTenDimensions) {
   // A ridge: what holds the first and the last together is fifty times what holds either.
   const auto ridge = [](const Parameters<10>& d, Parameters<10>* gradient) {
     Eigen::Matrix<double, 10, 10> A = Eigen::Matrix<double, 10, 10>::Identity();
@@ -56,32 +56,34 @@ TEST(Ascent, BfgsFindsTheTopOfAHillOfTen) {
     if (gradient != nullptr) *gradient = -A * off;
     return 7 - 0.5 * off.dot(A * off);
   };
-  const AscentOf<10> ascent = ascend_ten(ridge, {.tolerance = 1e-6});
+  const AscentResult<10> ascent = ascend_bfgs_10d(ridge, {.tolerance = 1e-6});
   EXPECT_TRUE(ascent.converged);
   EXPECT_NEAR((ascent.d - Parameters<10>::LinSpaced(-1, 2)).norm(), 0, 1e-4);
   EXPECT_NEAR(ascent.value, 7, 1e-8);
 }
 
-TEST(Ascent, BarzilaiBorweinFindsTheTopOfAHill) {
-  const Ascent ascent = ascend_barzilai_borwein(hill, {.max_iterations = 500, .tolerance = 1e-6});
+TEST(Ascent, BarzilaiBorweinFindsTheMaximum) {
+  const PoseAscentResult ascent =
+      ascend_barzilai_borwein(quadratic, {.max_iterations = 500, .tolerance = 1e-6});
   EXPECT_TRUE(ascent.converged);
   EXPECT_NEAR((ascent.d - peak()).norm(), 0, 1e-4);
 }
 
-TEST(Ascent, SimplexFindsTheTopOfAHillWithoutGradients) {
-  const auto blind = [](const Vector6& d, Vector6* gradient) {
+TEST(Ascent, SimplexFindsTheMaximumWithoutGradients) {
+  const auto without_gradient = [](const Vector6& d, Vector6* gradient) {
     EXPECT_EQ(gradient, nullptr);
-    return hill(d, nullptr);
+    return quadratic(d, nullptr);
   };
-  const Ascent ascent = ascend_simplex(blind, {.max_iterations = 2000, .tolerance = 1e-5});
+  const PoseAscentResult ascent =
+      ascend_simplex(without_gradient, {.max_iterations = 2000, .tolerance = 1e-5});
   EXPECT_TRUE(ascent.converged);
   EXPECT_NEAR((ascent.d - peak()).norm(), 0, 1e-3);
 }
 
-TEST(Ascent, ABoundedStepDoesNotLeapToAnotherHill) {
+TEST(Ascent, ABoundedStepStaysAtTheNearestMaximum) {
   for (const auto& ascend : {ascend_bfgs, ascend_barzilai_borwein}) {
-    const Ascent ascent =
-        ascend(two_hills, {.max_iterations = 200, .tolerance = 1e-6, .max_step = 0.5});
+    const PoseAscentResult ascent =
+        ascend(two_peaks, {.max_iterations = 200, .tolerance = 1e-6, .max_step = 0.5});
     EXPECT_TRUE(ascent.converged);
     EXPECT_NEAR(ascent.d(0), 0.6, 1e-3);
   }
@@ -92,19 +94,19 @@ TEST(Ascent, NoStepIsLongerThanAllowed) {
   const auto steep = [&](const Vector6& d, Vector6* gradient) {
     EXPECT_LE((d - last).norm(), 0.25 + 1e-9);
     last = d;
-    return hill(d, gradient);
+    return quadratic(d, gradient);
   };
-  const Ascent ascent = ascend_bfgs(steep, {.max_iterations = 3, .max_step = 0.25});
+  const PoseAscentResult ascent = ascend_bfgs(steep, {.max_iterations = 3, .max_step = 0.25});
   EXPECT_FALSE(ascent.converged);
 }
 
-TEST(Ascent, UsedUpIterationsAreSaid) {
+TEST(Ascent, ReportsThatIterationsWereUsedUp) {
   EXPECT_FALSE(ascend_bfgs(hill, {.max_iterations = 2}).converged);
   EXPECT_FALSE(ascend_barzilai_borwein(hill, {.max_iterations = 2}).converged);
   EXPECT_FALSE(ascend_simplex(hill, {.max_iterations = 2}).converged);
 }
 
-TEST(Ascent, NeverEndsBelowTheStart) {
+TEST(Ascent, NeverEndsBelowTheInitialValue) {
   const auto valley = [](const Vector6& d, Vector6* gradient) {
     if (gradient != nullptr) *gradient = -d + Vector6::Constant(1e-9);  // a gradient that lies
     return -d.lpNorm<1>();
@@ -119,7 +121,7 @@ TEST(Ascent, AFlatFunctionEndsAtOnce) {
     if (gradient != nullptr) gradient->setZero();
     return 2.0;
   };
-  const Ascent ascent = ascend_bfgs(flat, {});
+  const PoseAscentResult ascent = ascend_bfgs(flat, {});
   EXPECT_TRUE(ascent.converged);
   EXPECT_EQ(ascent.d, Vector6::Zero());
 }

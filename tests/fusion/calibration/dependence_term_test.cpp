@@ -62,7 +62,7 @@ TEST(LeastSquaresTerm, OfNormalVariablesBesideTheClosedForm) {
   }
 }
 
-TEST(LeastSquaresTerm, SeesWhatOnlyTwoFeaturesTogetherTell) {
+TEST(LeastSquaresTerm, FindsDependenceOfTwoFeaturesJointly) {
   const VisiblePoints points = two_features(4000, 3);
   std::mt19937_64 random(4);
   std::vector<float> image(2 * points.size());
@@ -79,7 +79,7 @@ TEST(LeastSquaresTerm, SeesWhatOnlyTwoFeaturesTogetherTell) {
   EXPECT_LT(std::abs(make_term(alone, points)->evaluate(image, {}).value), 0.02);
 }
 
-TEST(LeastSquaresTerm, PointsThatTheCameraDoesNotSeeAreNoNews) {
+TEST(LeastSquaresTerm, PointsOutsideTheCameraModelAreIgnored) {
   const VisiblePoints points = two_features(3000, 5);
   std::vector<float> image(2 * points.size(), 0.5F);
   std::mt19937_64 random(6);
@@ -91,14 +91,14 @@ TEST(LeastSquaresTerm, PointsThatTheCameraDoesNotSeeAreNoNews) {
   for (const float slope : gradient) EXPECT_TRUE(std::isfinite(slope));
 }
 
-TEST(TakingPart, NoEdgeIsNothingToCompareUnlessOneOfSeveral) {
+TEST(SelectTermPoints, NoEdgeIsNothingToCompareUnlessOneOfSeveral) {
   VisiblePoints points = two_features(4, 7);
   points.lidar[index(kDiscontinuity)] = {1.0F, kNotCompared, 0.0F, kNotCompared};
   points.lidar[index(kNormalX)][0] = kNotCompared;
-  EXPECT_EQ(taking_part({.lidar = {kDiscontinuity}}, points), (std::vector<uint32_t>{0, 2}));
-  EXPECT_EQ(taking_part({.lidar = {kRelativeReflectivity, kDiscontinuity}}, points),
+  EXPECT_EQ(select_term_points({.lidar = {kDiscontinuity}}, points), (std::vector<uint32_t>{0, 2}));
+  EXPECT_EQ(select_term_points({.lidar = {kRelativeReflectivity, kDiscontinuity}}, points),
             (std::vector<uint32_t>{0, 1, 2, 3}));
-  EXPECT_EQ(taking_part({.lidar = {kDiscontinuity, kNormalX}}, points),
+  EXPECT_EQ(select_term_points({.lidar = {kDiscontinuity, kNormalX}}, points),
             (std::vector<uint32_t>{1, 2, 3}));
 }
 
@@ -118,7 +118,8 @@ TEST(NamedMeasures, AreAllValidAndFoundByName) {
   for (const NamedMeasure& measure : named_measures()) {
     EXPECT_EQ(find_measure(measure.name), &measure);
     for (const TermOptions& term : measure.terms) EXPECT_FALSE(term.invalid()) << measure.name;
-    for (const TermOptions& term : measure.leading) EXPECT_FALSE(term.invalid()) << measure.name;
+    for (const TermOptions& term : measure.search_terms)
+      EXPECT_FALSE(term.invalid()) << measure.name;
   }
   EXPECT_EQ(find_measure("no such measure"), nullptr);
   EXPECT_STREQ(named_measures().front().name, "joint");

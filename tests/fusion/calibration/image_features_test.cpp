@@ -56,7 +56,7 @@ TEST(EdgeStrength, IsTheLargestStepToANeighbour) {
 }
 
 /// |n · ∇I| by Sobel's masks.
-float ring_edge_by_hand(const Plane& grey, int u, int v, float right, float down) {
+float expected_ring_edge(const Plane& grey, int u, int v, float right, float down) {
   float across = 0, downwards = 0;
   for (int k = -1; k <= 1; ++k) {
     const float weight = k == 0 ? 2 : 1;
@@ -77,9 +77,9 @@ TEST(RingEdge, IsTheChangeAlongTheRing) {
   for (int v = 0; v < grey.height; ++v) {
     for (int u = 0; u < grey.width; ++u) {
       const auto square = static_cast<size_t>(v / 16 * 3 + u / 16);
-      const float by_hand = ring_edge_by_hand(grey, u, v, rings.right[square], rings.down[square]);
+      const float by_hand = expected_ring_edge(grey, u, v, rings.right[square], rings.down[square]);
       EXPECT_NEAR(at(edge, u, v), by_hand, 1e-3) << u << ", " << v;
-      EXPECT_NEAR(at(along_rows, u, v), ring_edge_by_hand(grey, u, v, 1, 0), 1e-3);
+      EXPECT_NEAR(at(along_rows, u, v), expected_ring_edge(grey, u, v, 1, 0), 1e-3);
     }
   }
 }
@@ -96,15 +96,15 @@ TEST(RingEdge, DoesNotSeeEdgesThatRingsRunAlong) {
   EXPECT_EQ(at(ring_edge(post, {}), 10, 20), 0);
 }
 
-TEST(RingEdge, APictureLargerThanTheCameraIsSaidToHave) {
+TEST(RingEdge, AcceptsAnImageLargerThanTheIntrinsics) {
   const Plane grey = noise(40, 40, 256, 6);
   const RingDirections rings{.columns = 1, .rows = 1, .right = {0}, .down = {1}};
   const Plane edge = ring_edge(grey, rings);
-  EXPECT_NEAR(at(edge, 35, 38), ring_edge_by_hand(grey, 35, 38, 0, 1), 1e-3);
+  EXPECT_NEAR(at(edge, 35, 38), expected_ring_edge(grey, 35, 38, 0, 1), 1e-3);
 }
 
 /// Mean and deviation under the Gaussian from their definition, the borders replicated.
-float against_by_hand(const Plane& plane, int u, int v, double width, double floor) {
+float expected_local_contrast(const Plane& plane, int u, int v, double width, double floor) {
   const int reach = static_cast<int>(std::ceil(3 * width));
   double weights = 0, sum = 0, squares = 0;
   for (int dv = -reach; dv <= reach; ++dv) {
@@ -122,40 +122,42 @@ float against_by_hand(const Plane& plane, int u, int v, double width, double flo
   return static_cast<float>(0.5 + 0.5 * z / std::sqrt(1 + z * z));
 }
 
-TEST(AgainstSurroundings, BesideItsDefinition) {
+TEST(NormalizeLocalContrast, BesideItsDefinition) {
   // Up to seven pixels no sample of the means is left out, and both agree but for rounding.
   const Plane plane = noise(40, 31, 200, 4);
-  const Plane local = against_surroundings(plane, 5, 3);
+  const Plane local = normalize_local_contrast(plane, 5, 3);
   ASSERT_EQ(local.values.size(), plane.values.size());
   for (int v = 0; v < plane.height; v += 5) {
     for (int u = 0; u < plane.width; u += 3) {
-      EXPECT_NEAR(at(local, u, v), against_by_hand(plane, u, v, 5, 3), 1e-4F) << u << ", " << v;
+      EXPECT_NEAR(at(local, u, v), expected_local_contrast(plane, u, v, 5, 3), 1e-4F)
+          << u << ", " << v;
     }
   }
 }
 
-TEST(AgainstSurroundings, WideOnesAreNearTheirDefinition) {
+TEST(NormalizeLocalContrast, WideOnesAreNearTheirDefinition) {
   // Wider, means are interpolated between samples a quarter of a width apart; at the border those
   // stand for what lies outside, and the definition's noisy pixels do not.
   const Plane plane = noise(130, 110, 200, 4);
-  const Plane local = against_surroundings(plane, 12, 3);
+  const Plane local = normalize_local_contrast(plane, 12, 3);
   for (int v = 36; v < plane.height - 36; v += 5) {
     for (int u = 36; u < plane.width - 36; u += 7) {
-      EXPECT_NEAR(at(local, u, v), against_by_hand(plane, u, v, 12, 3), 0.01F) << u << ", " << v;
+      EXPECT_NEAR(at(local, u, v), expected_local_contrast(plane, u, v, 12, 3), 0.01F)
+          << u << ", " << v;
     }
   }
 }
 
-TEST(AgainstSurroundings, LightThatChangesSlowlyDoesNotMatter) {
+TEST(NormalizeLocalContrast, LightThatChangesSlowlyDoesNotMatter) {
   Plane plane = noise(200, 150, 50, 5);
-  const Plane even = against_surroundings(plane, 6, 1);
+  const Plane even = normalize_local_contrast(plane, 6, 1);
   for (int v = 0; v < plane.height; ++v) {
     for (int u = 0; u < plane.width; ++u) {
       float& value = plane.values[static_cast<size_t>(v * plane.width + u)];
       value = (0.5F + 0.004F * static_cast<float>(u)) * value + 0.2F * static_cast<float>(v);
     }
   }
-  const Plane uneven = against_surroundings(plane, 6, 1);
+  const Plane uneven = normalize_local_contrast(plane, 6, 1);
   double sum = 0;
   for (size_t i = 0; i < even.values.size(); ++i) {
     sum += std::abs(static_cast<double>(even.values[i]) - uneven.values[i]);
@@ -163,9 +165,9 @@ TEST(AgainstSurroundings, LightThatChangesSlowlyDoesNotMatter) {
   EXPECT_LT(sum / static_cast<double>(even.values.size()), 0.02);
 }
 
-TEST(AgainstSurroundings, ASmoothSurfaceIsInTheMiddle) {
+TEST(NormalizeLocalContrast, ASmoothSurfaceIsInTheMiddle) {
   Plane plane{.width = 3, .height = 90, .values = std::vector<float>(270, 0.7F)};
-  for (const float value : against_surroundings(plane, 15, 0.01).values) {
+  for (const float value : normalize_local_contrast(plane, 15, 0.01).values) {
     EXPECT_NEAR(value, 0.5F, 0.05F);
   }
 }

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "drivers/camera/picture.hpp"
+#include "drivers/camera/image_decoder.hpp"
+#include "drivers/import/kitti_calibration.hpp"
+#include "drivers/import/kitti_files.hpp"
 #include "drivers/measurement/error.hpp"
-#include "drivers/recording/kitti_calibration.hpp"
-#include "drivers/recording/kitti_files.hpp"
 #include "drivers/recording/sweep_files.hpp"
 #include "fusion/calibration/scene.hpp"
 #include "fusion/calibration/visible_points.hpp"
@@ -26,7 +26,7 @@ struct Pairs {
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< as published
 };
 
-inline std::vector<uint8_t> bytes_of(const std::filesystem::path& path) {
+inline std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -34,16 +34,16 @@ inline std::vector<uint8_t> bytes_of(const std::filesystem::path& path) {
 /// All pairs of camera 2 in `folder` (data/calibration/kitti).
 inline Result<Pairs> read_pairs(const std::filesystem::path& folder, SceneOptions options) {
   Pairs pairs;
-  for (const auto& [number, path] : recording::list_numbered(folder / "velodyne", ".bin")) {
+  for (const auto& [number, path] : recording::list_numbered_files(folder / "velodyne", ".bin")) {
     const std::string stem = path.stem().string();
     const auto calibration = recording::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
     if (!calibration) return tl::unexpected(calibration.error());
     Sweep sweep;
-    if (auto read = recording::read_sweep_bin(path, sweep); !read)
+    if (auto read = recording::read_sweep_file(path, sweep); !read)
       return tl::unexpected(read.error());
     CameraFrame frame;
-    const auto picture = bytes_of(folder / "image_2" / (stem + ".png"));
-    if (auto decoded = camera::decode_picture(picture, {}, frame); !decoded)
+    const auto image = read_bytes(folder / "image_2" / (stem + ".png"));
+    if (auto decoded = camera::decode_image(image, {}, frame); !decoded)
       return tl::unexpected(decoded.error());
     if (pairs.cameras.empty()) {
       pairs.T_camera_lidar = calibration->T_camera_lidar(2);
@@ -60,8 +60,8 @@ inline Result<Pairs> read_pairs(const std::filesystem::path& folder, SceneOption
 }
 
 /// Starts uniform within ± `radians` about each axis and ± `metres` along each.
-inline std::vector<Eigen::Isometry3d> draw_starts(const Eigen::Isometry3d& T, double radians,
-                                                  double metres, int count, uint64_t seed) {
+inline std::vector<Eigen::Isometry3d> draw_initial_poses(const Eigen::Isometry3d& T, double radians,
+                                                         double metres, int count, uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto even = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; };
   std::vector<Eigen::Isometry3d> starts;

@@ -14,7 +14,7 @@ using testing::ElementsAre;
 using testing::FloatNear;
 
 /// Returns of the given rings at a spacing of 0.01 rad of azimuth; a range of 0 is no return.
-Sweep hand_made(const std::vector<std::vector<float>>& ranges, bool column_by_column = false) {
+Sweep make_sweep(const std::vector<std::vector<float>>& ranges, bool column_by_column = false) {
   Sweep sweep;
   const auto add = [&](size_t ring, size_t column) {
     const float range = ranges[ring][column];
@@ -42,30 +42,32 @@ Sweep hand_made(const std::vector<std::vector<float>>& ranges, bool column_by_co
 }
 
 TEST(Discontinuity, MarksTheNearSideOfAStep) {
-  const auto edge = discontinuity(hand_made({{5, 5, 9, 9}}), {.reach = 0});
+  const auto edge = discontinuity(make_sweep({{5, 5, 9, 9}}), {.max_edge_azimuth = 0});
   EXPECT_THAT(edge, ElementsAre(0, 2, 0, 0));
 }
 
 TEST(Discontinuity, ALonePostIsMarkedFromBothSides) {
-  const auto edge = discontinuity(hand_made({{9, 5, 14, 14}}), {.gamma = 1, .reach = 0});
+  const auto edge =
+      discontinuity(make_sweep({{9, 5, 14, 14}}), {.gamma = 1, .max_edge_azimuth = 0});
   EXPECT_THAT(edge, ElementsAre(0, 9, 0, 0));
 }
 
 TEST(Discontinuity, RingsDoNotMix) {
-  const Sweep sweep = hand_made({{5, 5, 5}, {9, 9, 9}}, true);
+  const Sweep sweep = make_sweep({{5, 5, 5}, {9, 9, 9}}, true);
   EXPECT_THAT(discontinuity(sweep, {.reach = 0}), ElementsAre(0, 0, 0, 0, 0, 0));
 }
 
 TEST(Discontinuity, TheOrderOfFiringDoesNotMatter) {
   const std::vector<std::vector<float>> ranges{{5, 6, 9, 3}, {9, 8, 7, 7}};
-  const auto by_ring = discontinuity(hand_made(ranges), {.gamma = 1, .reach = 0});
-  const auto by_column = discontinuity(hand_made(ranges, true), {.gamma = 1, .reach = 0});
+  const auto by_ring = discontinuity(make_sweep(ranges), {.gamma = 1, .max_edge_azimuth = 0});
+  const auto by_column =
+      discontinuity(make_sweep(ranges, true), {.gamma = 1, .max_edge_azimuth = 0});
   EXPECT_THAT(by_ring, ElementsAre(1, 3, 0, 6, 0, 1, 1, 0));
   EXPECT_THAT(by_column, ElementsAre(1, 0, 3, 1, 0, 1, 6, 0));
 }
 
-TEST(Discontinuity, AFarNeighbourStandsForWhatTheOptionSays) {
-  const Sweep sweep = hand_made({{5, 0, 0, 0, 9}});
+TEST(Discontinuity, AFarNeighbourCountsAsTheNoReturnStep) {
+  const Sweep sweep = make_sweep({{5, 0, 0, 0, 9}});
   EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .reach = 0}), ElementsAre(0, 0));
   EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .no_return_step = 3, .reach = 0}),
               ElementsAre(3, 3));
@@ -74,21 +76,22 @@ TEST(Discontinuity, AFarNeighbourStandsForWhatTheOptionSays) {
 }
 
 TEST(Discontinuity, TwoEchoesOfOneFiringAreNoNeighbours) {
-  Sweep sweep = hand_made({{5, 5, 5}});
+  Sweep sweep = make_sweep({{5, 5, 5}});
   const size_t i = sweep.size();
   sweep.resize(i + 1);
   for (auto* channel : {&sweep.x, &sweep.y, &sweep.z, &sweep.range})
     (*channel)[i] = 2 * (*channel)[i - 1];
   sweep.ring[i] = 0;
   sweep.column[i] = sweep.column[i - 1];
-  const auto edge = discontinuity(sweep, {.gamma = 1, .reach = 0});
+  const auto edge = discontinuity(sweep, {.gamma = 1, .max_edge_azimuth = 0});
   EXPECT_FLOAT_EQ(edge[2], 0);  // beside it in its own firing stands 10 m, before it 5 m
   EXPECT_FLOAT_EQ(edge[3], 0);
 }
 
 TEST(Discontinuity, OnlyWhatLiesBesideAnEdgeIsCompared) {
-  const Sweep sweep = hand_made({{5, 5, 5, 5, 9, 9, 9, 9}, {7, 7, 7, 7, 7, 7, 7, 7.3F}});
-  const auto edge = discontinuity(sweep, {.gamma = 1, .reach = 0.021, .least_edge = 1});
+  const Sweep sweep = make_sweep({{5, 5, 5, 5, 9, 9, 9, 9}, {7, 7, 7, 7, 7, 7, 7, 7.3F}});
+  const auto edge =
+      discontinuity(sweep, {.gamma = 1, .max_edge_azimuth = 0.021, .min_edge_step = 1});
   for (const size_t i : {1U, 2U, 3U, 4U, 5U}) EXPECT_EQ(edge[i], i == 3 ? 4 : 0) << i;
   // Farther than two columns from the edge, and on a ring whose only step is too small for one.
   for (const size_t i : {0U, 6U, 7U, 8U, 14U, 15U}) EXPECT_TRUE(std::isnan(edge[i])) << i;
@@ -111,12 +114,12 @@ TEST(RelativeDiscontinuity, IsTheRankAmongThoseOfTheRing) {
       EXPECT_TRUE(std::isnan(relative[i]));
       continue;
     }
-    int below = 0, alike = 0, all = 0;
+    int below = 0, equal = 0, all = 0;
     for (size_t j = 0; j < edge.size(); ++j) {
       if (ring[j] != ring[i] || std::isnan(edge[j])) continue;
       ++all;
       below += edge[j] < edge[i];
-      alike += edge[j] == edge[i];
+      equal += edge[j] == edge[i];
     }
     EXPECT_NEAR(relative[i], (below + 0.5 * (alike - 1)) / all, 1e-6);
   }
@@ -129,7 +132,7 @@ TEST(DiscontinuityOptions, SaysWhatIsWrong) {
   EXPECT_TRUE((DiscontinuityOptions{.max_gap = 0}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.no_return_step = -1}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.reach = -1}.invalid()));
-  EXPECT_TRUE((DiscontinuityOptions{.least_edge = 0}.invalid()));
+  EXPECT_TRUE((DiscontinuityOptions{.min_edge_step = 0}.invalid()));
 }
 
 TEST(Equalize, RanksBesideABruteForceCount) {

@@ -14,43 +14,44 @@ namespace {
 using geometry::Vector6;
 
 /// What the scenes say at the maximum next to the true pose, seen through `cameras`.
-std::vector<ModelDoubt> doubts_of(const std::vector<Scene>& scenes,
-                                  const std::vector<RigCamera>& cameras,
-                                  const Eigen::Isometry3d& T) {
+std::vector<ModelMismatch> mismatches_of(const std::vector<Scene>& scenes,
+                                         const std::vector<RigCamera>& cameras,
+                                         const Eigen::Isometry3d& T) {
   const std::vector<TermOptions>& terms = named_measures().front().terms;
   const BlurredImages images(scenes, terms, 1);
   const VisiblePoints points = select_visible(scenes, cameras, T, {});
   Objective objective(points, images, cameras, scenes, terms);
-  const Eigen::Isometry3d best = maximize(objective, T, {}).T_head_lidar;
+  const Eigen::Isometry3d best = maximize(objective, T, {}).T_refcam_lidar;
   return check_model(objective, best, cameras, scenes, estimate_uncertainty(objective, best));
 }
 
-TEST(CheckModel, DoubtsNothingWhereAllIsRight) {
-  const painted::Drive& drive = painted::drive_of_twelve();
-  const auto doubts = doubts_of(drive.scenes, drive.cameras, drive.T_camera_lidar);
+TEST(CheckModel, FindsNothingWhereTheModelIsRight) {
+  const painted::Drive& drive = painted::twelve_scene_drive();
+  const auto doubts = mismatches_of(drive.scenes, drive.cameras, drive.T_camera_lidar);
   ASSERT_EQ(doubts.size(), 4U);  // the scenes do not know their motion
-  for (const ModelDoubt& doubt : doubts) {
-    EXPECT_FALSE(doubt.serious) << doubt.what << " " << doubt.value << " " << doubt.significance;
+  for (const ModelMismatch& doubt : doubts) {
+    EXPECT_FALSE(doubt.serious) << doubt.parameter << " " << doubt.value << " "
+                                << doubt.significance;
   }
 }
 
 TEST(CheckModel, FindsAWrongFocalLength) {
-  const painted::Drive& drive = painted::drive_of_twelve();
+  const painted::Drive& drive = painted::twelve_scene_drive();
   CameraIntrinsics wrong = drive.cameras[0].model.intrinsics();
   wrong.fx *= 1.01;
   wrong.fy *= 1.01;
   const auto doubts =
-      doubts_of(drive.scenes, {RigCamera{geometry::CameraModel(wrong)}}, drive.T_camera_lidar);
+      mismatches_of(drive.scenes, {RigCamera{geometry::CameraModel(wrong)}}, drive.T_camera_lidar);
   ASSERT_FALSE(doubts.empty());
   EXPECT_EQ(doubts[0].what, "focal length");
   EXPECT_TRUE(doubts[0].doubtful);
   EXPECT_LT(doubts[0].significance, -3.5);  // it ought to be smaller
 }
 
-TEST(CheckModel, FindsALateClockWhereTheMotionVaries) {
-  const painted::Drive& drive = painted::drive_of_twelve();
+TEST(CheckModel, FindsAnImageDelayWhereTheMotionVaries) {
+  const painted::Drive& drive = painted::twelve_scene_drive();
   std::vector<Scene> scenes = drive.scenes;
-  constexpr double kLate = 0.006;  // s
+  constexpr double kDelay = 0.006;  // s
   std::mt19937_64 random(1);
   const auto draw = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };
   for (Scene& scene : scenes) {
@@ -59,7 +60,7 @@ TEST(CheckModel, FindsALateClockWhereTheMotionVaries) {
     scene.twist = twist;
     // The sweep was corrected to a moment before the picture's: the picture shows points as they
     // are seen from further on.
-    const Eigen::Isometry3d there = geometry::exp(kLate * twist);
+    const Eigen::Isometry3d there = geometry::exp(kDelay * twist);
     for (size_t i = 0; i < scene.size(); ++i) {
       const Eigen::Vector3d p = there * Eigen::Vector3d(scene.x[i], scene.y[i], scene.z[i]);
       scene.x[i] = static_cast<float>(p.x());
@@ -67,18 +68,18 @@ TEST(CheckModel, FindsALateClockWhereTheMotionVaries) {
       scene.z[i] = static_cast<float>(p.z());
     }
   }
-  const auto doubts = doubts_of(scenes, drive.cameras, drive.T_camera_lidar);
+  const auto doubts = mismatches_of(scenes, drive.cameras, drive.T_camera_lidar);
   ASSERT_EQ(doubts.size(), 5U);
-  EXPECT_EQ(doubts[4].what, "time of the pictures");
+  EXPECT_EQ(doubts[4].what, "image time offset");
   EXPECT_TRUE(doubts[4].doubtful);
   EXPECT_GT(doubts[4].significance, 3.5);
   EXPECT_NEAR(doubts[4].value, 1e3 * kLate, 3);
 }
 
-TEST(CheckModel, AFewScenesSayNothing) {
-  const painted::Drive& drive = painted::drive_of_twelve();
+TEST(CheckModel, TooFewScenesGiveNoAnswer) {
+  const painted::Drive& drive = painted::twelve_scene_drive();
   const std::vector<Scene> few(drive.scenes.begin(), drive.scenes.begin() + 9);
-  EXPECT_TRUE(doubts_of(few, drive.cameras, drive.T_camera_lidar).empty());
+  EXPECT_TRUE(mismatches_of(few, drive.cameras, drive.T_camera_lidar).empty());
 }
 
 }  // namespace

@@ -163,22 +163,22 @@ TEST(Objective, ScenesAddUpToTheWhole) {
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
   const Vector6 whole = objective.evaluate(rig.T, true).gradient;
   Vector6 sum = Vector6::Zero();
-  for (const ScenePull& part : objective.scene_pulls(rig.T)) sum += part.head<6>();
+  for (const SceneGradient& part : objective.scene_gradients(rig.T)) sum += part.head<6>();
   EXPECT_LT((whole - sum).norm(), 1e-9 * whole.norm());
 }
 
 /// One of a camera's four further numbers moved by a step.
-RigCamera with(const RigCamera& camera, int which, double step) {
+RigCamera with_intrinsic_offset(const RigCamera& camera, int which, double step) {
   CameraIntrinsics model = camera.model.intrinsics();
   model.fx *= which == 0 ? std::exp(step) : 1;
   model.fy *= which == 0 ? std::exp(step) : 1;
   model.cx += which == 1 ? step : 0;
   model.cy += which == 2 ? step : 0;
   model.distortion[0] += which == 3 ? step : 0;
-  return {geometry::CameraModel(model), camera.T_camera_head};
+  return {geometry::CameraModel(model), camera.T_camera_refcam};
 }
 
-TEST(Objective, PullsOnIntrinsicsMatchDifferences) {
+TEST(Objective, IntrinsicGradientsMatchDifferences) {
   for (const CameraIntrinsics& model : {pinhole(), distorted(), fisheye()}) {
     const Rig rig = make_rig({model}, kTwoTerms);
     const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});
@@ -186,25 +186,26 @@ TEST(Objective, PullsOnIntrinsicsMatchDifferences) {
     Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
     Eigen::Vector4d pull = Eigen::Vector4d::Zero();
     dependence::Estimate whole;
-    for (const ScenePull& part : objective.scene_pulls(rig.T, &whole)) pull += part.tail<4>();
+    for (const SceneGradient& part : objective.scene_gradients(rig.T, &whole))
+      pull += part.tail<4>();
     EXPECT_EQ(whole.value, objective.evaluate(rig.T, false).estimate.value);
     const double steps[] = {1e-3, 0.1, 0.1, 3e-3};
     for (int which = 0; which < 4; ++which) {
       double values[2];
       for (const int side : {0, 1}) {
         const std::vector<RigCamera> other{
-            with(rig.cameras[0], which, (2 * side - 1) * steps[which])};
-        objective.look_through(other);
+            with_intrinsic_offset(rig.cameras[0], which, (2 * side - 1) * steps[which])};
+        objective.set_cameras(other);
         values[side] = objective.evaluate(rig.T, false).estimate.value;
       }
-      objective.look_through(rig.cameras);
+      objective.set_cameras(rig.cameras);
       const double expected = (values[1] - values[0]) / (2 * steps[which]);
       EXPECT_NEAR(pull(which), expected, 0.05 * std::abs(expected) + 1e-4) << which;
     }
   }
 }
 
-TEST(Objective, PointsThatLeaveThePictureKeepTheBordersValue) {
+TEST(Objective, PointsThatLeaveTheImageKeepTheBorderValue) {
   const Rig rig = make_rig({pinhole()}, {{}});
   const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});
   const BlurredImages images(rig.scenes, rig.terms, 2);
@@ -241,10 +242,11 @@ TEST(Objective, PointsThatAreNotComparedTakeNoPart) {
   const std::vector<TermOptions> edges{kTwoTerms.back()};
   const VisibilityOptions all_of_them{.occlusion_cell = 0};
   const BlurredImages images(rig.scenes, edges, 2);
-  const VisiblePoints with = select_visible(rig.scenes, rig.cameras, rig.T, all_of_them);
+  const VisiblePoints with_intrinsic_offset =
+      select_visible(rig.scenes, rig.cameras, rig.T, all_of_them);
   const VisiblePoints without = select_visible(few.scenes, few.cameras, few.T, all_of_them);
   ASSERT_GT(with.size(), without.size());
-  Objective a(with, images, rig.cameras, rig.scenes, edges);
+  Objective a(with_intrinsic_offset, images, rig.cameras, rig.scenes, edges);
   Objective b(without, images, few.cameras, few.scenes, edges);
   const Evaluation of_a = a.evaluate(rig.T, true);
   const Evaluation of_b = b.evaluate(few.T, true);
@@ -255,7 +257,7 @@ TEST(Objective, PointsThatAreNotComparedTakeNoPart) {
   EXPECT_EQ(a.samples(rig.T, 0).image, b.samples(few.T, 0).image);
 }
 
-TEST(Objective, NoPointsAreSaid) {
+TEST(Objective, NoPointsAreReported) {
   Rig rig = make_rig({pinhole()}, {{}});
   const VisiblePoints none;
   const BlurredImages images(rig.scenes, rig.terms, 2);
@@ -263,7 +265,7 @@ TEST(Objective, NoPointsAreSaid) {
   EXPECT_FALSE(objective.evaluate(rig.T, true).estimate.usable());
 }
 
-TEST(BlurredImages, FromFinerOnesOrFromTheScenesAlike) {
+TEST(BlurredImages, AreTheSameFromFinerImagesOrFromScenes) {
   const Rig rig = make_rig({pinhole()}, {{}});
   const BlurredImages fine(rig.scenes, rig.terms, 2);
   const BlurredImages coarse(rig.scenes, rig.terms, 8);

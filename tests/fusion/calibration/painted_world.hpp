@@ -23,9 +23,9 @@ namespace infuse::calibration::painted {
 /// Rectangle centre ± a ± b with a paint of its own.
 struct Face {
   Eigen::Vector3d centre, a, b;
-  double base = 0.5;   ///< albedo
-  double wave = 0.0;   ///< amplitude of its pattern
-  double pitch = 1.0;  ///< m, of the pattern
+  double base = 0.5;               ///< albedo
+  double pattern_amplitude = 0.0;  ///< amplitude of its pattern
+  double pattern_period = 1.0;     ///< m, of the pattern
 };
 
 struct World {
@@ -37,8 +37,8 @@ struct Hit {
   double albedo;  ///< 0 … 1
 };
 
-inline std::optional<Hit> cast(const World& world, const Eigen::Vector3d& from,
-                               const Eigen::Vector3d& along) {
+inline std::optional<Hit> cast_ray(const World& world, const Eigen::Vector3d& from,
+                                   const Eigen::Vector3d& along) {
   std::optional<Hit> nearest;
   for (const Face& face : world.faces) {
     const Eigen::Vector3d normal = face.a.cross(face.b);
@@ -50,10 +50,10 @@ inline std::optional<Hit> cast(const World& world, const Eigen::Vector3d& from,
     const double s = on.dot(face.a) / face.a.squaredNorm();
     const double t = on.dot(face.b) / face.b.squaredNorm();
     if (std::abs(s) > 1 || std::abs(t) > 1) continue;
-    const double p = s * face.a.norm() / face.pitch;
-    const double q = t * face.b.norm() / face.pitch;
+    const double p = s * face.a.norm() / face.pattern_period;
+    const double q = t * face.b.norm() / face.pattern_period;
     const double pattern = std::sin(2 * M_PI * p) * std::sin(2 * M_PI * q + 1.0) > 0 ? 1 : -1;
-    nearest = Hit{distance, std::clamp(face.base + face.wave * pattern, 0.0, 1.0)};
+    nearest = Hit{distance, std::clamp(face.base + face.pattern_amplitude * pattern, 0.0, 1.0)};
   }
   return nearest;
 }
@@ -128,7 +128,7 @@ inline Sweep scan(const World& world, uint64_t seed, const Scanner& scanner = {}
       const double elevation = (scanner.low + rise) * M_PI / 180;
       const Eigen::Vector3d along(std::cos(elevation) * std::cos(azimuth),
                                   std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-      const auto hit = cast(world, Eigen::Vector3d::Zero(), along);
+      const auto hit = cast_ray(world, Eigen::Vector3d::Zero(), along);
       if (!hit) continue;
       const size_t i = sweep.size();
       sweep.resize(i + 1);
@@ -150,8 +150,8 @@ inline Sweep scan(const World& world, uint64_t seed, const Scanner& scanner = {}
 }
 
 /// The picture, its light falling off towards the left, what is beyond the walls white.
-inline CameraFrame photograph(const World& world, const CameraIntrinsics& intrinsics,
-                              const Eigen::Isometry3d& T_camera_lidar) {
+inline CameraFrame render_image(const World& world, const CameraIntrinsics& intrinsics,
+                                const Eigen::Isometry3d& T_camera_lidar) {
   const geometry::CameraModel model(intrinsics);
   const Eigen::Isometry3d T_lidar_camera = T_camera_lidar.inverse();
   CameraFrame frame;
@@ -161,7 +161,7 @@ inline CameraFrame photograph(const World& world, const CameraIntrinsics& intrin
     for (int u = 0; u < frame.width; ++u) {
       const auto along = model.unproject(Eigen::Vector2d(u, v));
       const auto hit =
-          along ? cast(world, T_lidar_camera.translation(), T_lidar_camera.linear() * *along)
+          along ? cast_ray(world, T_lidar_camera.translation(), T_lidar_camera.linear() * *along)
                 : std::nullopt;
       const double light = 0.7 + 0.3 * u / frame.width;
       frame.pixels.push_back(static_cast<uint8_t>(255 * (hit ? light * hit->albedo : 1.0)));
@@ -188,7 +188,7 @@ inline Drive make_drive(int scenes, double scale = 1, const Scanner& scanner = {
     options.max_range = 1e4;
     options.min_range = std::min(options.min_range, scale);
     auto scene = make_scene(scan(world, 100 + static_cast<uint64_t>(s), scanner),
-                            photograph(world, small_camera(), drive.T_camera_lidar), options);
+                            render_image(world, small_camera(), drive.T_camera_lidar), options);
     scene->name = "place " + std::to_string(s);
     drive.scenes.push_back(std::move(*scene));
   }
@@ -204,7 +204,7 @@ inline double metres_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d
 }
 
 /// Twelve scenes, made once.
-inline const Drive& drive_of_twelve() {
+inline const Drive& twelve_scene_drive() {
   static const Drive drive = make_drive(12);
   return drive;
 }

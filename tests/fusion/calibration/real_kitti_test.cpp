@@ -15,11 +15,11 @@ const Result<kitti::Pairs>& pairs(const std::filesystem::path& folder) {
   return read;
 }
 
-geometry::Vector6 off(const CalibrationResult& result, const kitti::Pairs& truth) {
-  return geometry::log(result.T_head_lidar * truth.T_camera_lidar.inverse());
+geometry::Vector6 pose_error(const CalibrationResult& result, const kitti::Pairs& truth) {
+  return geometry::log(result.T_refcam_lidar * truth.T_camera_lidar.inverse());
 }
 
-TEST(RealKittiPairs, FromThePublishedStartItStaysThere) {
+TEST(RealKittiPairs, StaysAtThePublishedExtrinsics) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/kitti");
   const auto& read = pairs(folder);
   ASSERT_TRUE(read) << read.error().message();
@@ -33,7 +33,7 @@ TEST(RealKittiPairs, FromThreeDegreesAndTenCentimetresOneOptimum) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/kitti");
   const auto& read = pairs(folder);
   ASSERT_TRUE(read) << read.error().message();
-  const auto starts = kitti::draw_starts(read->T_camera_lidar, 3 * kDegree, 0.1, 1, 7);
+  const auto starts = kitti::draw_initial_poses(read->T_camera_lidar, 3 * kDegree, 0.1, 1, 7);
   for (const Eigen::Isometry3d& start : starts) {
     const CalibrationResult result = calibrate(read->scenes, read->cameras, start, {});
     EXPECT_LT(off(result, *read).head<3>().norm(), 0.2 * kDegree);
@@ -41,7 +41,7 @@ TEST(RealKittiPairs, FromThreeDegreesAndTenCentimetresOneOptimum) {
   }
 }
 
-TEST(RealKittiPairs, PicturesOfOtherScenesAreNotBelieved) {
+TEST(RealKittiPairs, ImagesOfOtherScenesAreRejected) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/kitti");
   const auto& read = pairs(folder);
   ASSERT_TRUE(read) << read.error().message();

@@ -19,7 +19,7 @@ constexpr double kDegree = M_PI / 180;
 /// An HDL-32E's sweep as nuScenes stores it: x, y, z, intensity 0 … 255, ring, all float32, in
 /// order of firing. A firing ends where the ring falls.
 Sweep read_sweep(const std::filesystem::path& path) {
-  const std::vector<uint8_t> bytes = kitti::bytes_of(path);
+  const std::vector<uint8_t> bytes = kitti::read_bytes(path);
   Sweep sweep;
   sweep.resize(bytes.size() / 20);
   uint32_t column = 0;
@@ -57,7 +57,7 @@ Eigen::Isometry3d matrix(const json& rows) {
 }
 
 Rig read_rig(const std::filesystem::path& folder) {
-  const auto text = kitti::bytes_of(folder / "calib.json");
+  const auto text = kitti::read_bytes(folder / "calib.json");
   const json calib = json::parse(text.begin(), text.end());
   Rig rig;
   Sweep sweep;
@@ -66,8 +66,8 @@ Rig read_rig(const std::filesystem::path& folder) {
   }
   for (const auto& [name, image] : calib.at("images").items()) {
     CameraFrame frame;
-    const auto picture = kitti::bytes_of(folder / image.at("img_path").get<std::string>());
-    EXPECT_TRUE(camera::decode_picture(picture, {}, frame)) << name;
+    const auto image = kitti::read_bytes(folder / image.at("img_path").get<std::string>());
+    EXPECT_TRUE(camera::decode_image(picture, {}, frame)) << name;
     const json& K = image.at("cam2img");
     const CameraIntrinsics intrinsics{.width = frame.width,
                                       .height = frame.height,
@@ -91,7 +91,7 @@ Rig read_rig(const std::filesystem::path& folder) {
 /// Within a degree of the published extrinsics, or refused.
 void expect_never_confidently_wrong(const CalibrationResult& result, const Rig& rig) {
   if (!result.usable()) return;
-  const geometry::Vector6 off = geometry::log(result.T_head_lidar * rig.T_head_lidar.inverse());
+  const geometry::Vector6 off = geometry::log(result.T_refcam_lidar * rig.T_head_lidar.inverse());
   EXPECT_LT(off.head<3>().norm(), 1 * kDegree);
   EXPECT_LT(off.tail<3>().norm(), 0.2);
 }
@@ -100,7 +100,7 @@ TEST(RealNuscenes, SixCamerasAndOneSweepTogether) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/nuscenes");
   const Rig rig = read_rig(folder);
   ASSERT_EQ(rig.cameras.size(), 6U);
-  for (const auto& start : kitti::draw_starts(rig.T_head_lidar, 1 * kDegree, 0.05, 2, 3)) {
+  for (const auto& start : kitti::draw_initial_poses(rig.T_head_lidar, 1 * kDegree, 0.05, 2, 3)) {
     expect_never_confidently_wrong(calibrate(rig.scenes, rig.cameras, start, {}), rig);
   }
   expect_never_confidently_wrong(calibrate(rig.scenes, rig.cameras, rig.T_head_lidar, {}), rig);

@@ -15,7 +15,7 @@ struct Returns {
   std::vector<float> range, reflectivity;
 
   std::vector<float> relative() const {
-    return RelativeReflectivity().of(ring, range, reflectivity);
+    return RelativeReflectivity().compute(ring, range, reflectivity);
   }
 };
 
@@ -40,14 +40,14 @@ Returns random_returns() {
 TEST(RelativeReflectivity, RanksBesideABruteForceCount) {
   const Returns returns = random_returns();
   const std::vector<float> relative = returns.relative();
-  const auto alike = [&](size_t a, size_t b) {
+  const auto same_group = [&](size_t a, size_t b) {
     return returns.ring[a] == returns.ring[b] &&
            quarter(returns.range[a]) == quarter(returns.range[b]);
   };
   for (size_t i = 0; i < relative.size(); i += 13) {
     double below = 0, equal = 0, all = 0;
     for (size_t k = 0; k < relative.size(); ++k) {
-      if (!alike(i, k)) continue;
+      if (!same_group(i, k)) continue;
       all += 1;
       below += returns.reflectivity[k] < returns.reflectivity[i] ? 1 : 0;
       equal += returns.reflectivity[k] == returns.reflectivity[i] ? 1 : 0;
@@ -67,7 +67,7 @@ TEST(RelativeReflectivity, ABeamsGainAndAMonotoneResponseChangeNothing) {
   EXPECT_EQ(returns.relative(), before);
 }
 
-TEST(RelativeReflectivity, ReturnsOfAKindStandInTheMiddle) {
+TEST(RelativeReflectivity, EqualReturnsGetTheMiddleRank) {
   const Returns same{.ring = {3, 3, 3}, .range = {9, 9.1F, 9.2F}, .reflectivity = {1, 1, 1}};
   EXPECT_THAT(same.relative(), testing::Each(0.5F));
   EXPECT_TRUE(Returns{}.relative().empty());
@@ -76,13 +76,13 @@ TEST(RelativeReflectivity, ReturnsOfAKindStandInTheMiddle) {
 TEST(RelativeReflectivity, MemoryOfTheLastSweepChangesNothing) {
   RelativeReflectivity kept;
   const Returns returns = random_returns();
-  kept.of(returns.ring, returns.range, returns.reflectivity);
+  kept.compute(returns.ring, returns.range, returns.reflectivity);
   const Returns same{.ring = {3, 3}, .range = {9, 9}, .reflectivity = {0.2F, 0.4F}};
   EXPECT_THAT(kept.of(same.ring, same.range, same.reflectivity),
               testing::ElementsAre(0.25F, 0.75F));
 }
 
-TEST(RelativeReflectivity, NumbersThatMeanNothingHarmNothing) {
+TEST(RelativeReflectivity, NonFiniteValuesAreHarmless) {
   const float inf = std::numeric_limits<float>::infinity();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const Returns odd{.ring = {65535, 0, 0, 0, 0},

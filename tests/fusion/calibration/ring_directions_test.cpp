@@ -8,7 +8,7 @@ namespace infuse::calibration {
 namespace {
 
 /// Looks along x of the lidar, upright, then turned by ξ.
-Eigen::Isometry3d camera_turned(double rx, double ry, double rz) {
+Eigen::Isometry3d rotated_camera(double rx, double ry, double rz) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
   geometry::Vector6 turn;
@@ -30,7 +30,7 @@ CameraIntrinsics fisheye() {
 }
 
 /// Where a point a kilometre away, seen in the middle of a square, goes when the lidar turns on.
-void expect_as_points_turn(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d& T) {
+void expect_matches_rotated_points(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d& T) {
   const geometry::CameraModel camera(intrinsics);
   const RingDirections rings = ring_directions(camera, T);
   ASSERT_EQ(rings.columns * rings.rows, static_cast<int>(rings.right.size()));
@@ -57,16 +57,16 @@ void expect_as_points_turn(const CameraIntrinsics& intrinsics, const Eigen::Isom
 
 TEST(RingDirections, AreWhereTurnedPointsGo) {
   for (const auto& intrinsics : {pinhole(), fisheye()}) {
-    expect_as_points_turn(intrinsics, camera_turned(0, 0, 0));
-    expect_as_points_turn(intrinsics, camera_turned(0, 0, M_PI / 2));
-    expect_as_points_turn(intrinsics, camera_turned(0.4, -0.7, 0.3));
-    expect_as_points_turn(intrinsics, camera_turned(-1.2, 0.2, 2.0));
+    expect_matches_rotated_points(intrinsics, rotated_camera(0, 0, 0));
+    expect_matches_rotated_points(intrinsics, rotated_camera(0, 0, M_PI / 2));
+    expect_matches_rotated_points(intrinsics, rotated_camera(0.4, -0.7, 0.3));
+    expect_matches_rotated_points(intrinsics, rotated_camera(-1.2, 0.2, 2.0));
   }
 }
 
 TEST(RingDirections, AreRowsBeforeAnUprightCamera) {
   const RingDirections rings =
-      ring_directions(geometry::CameraModel(pinhole()), camera_turned(0, 0, 0));
+      ring_directions(geometry::CameraModel(pinhole()), rotated_camera(0, 0, 0));
   EXPECT_EQ(rings.columns, 21);
   EXPECT_EQ(rings.rows, 13);
   const auto middle = static_cast<size_t>(6 * rings.columns + 10);

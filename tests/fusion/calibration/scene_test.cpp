@@ -51,7 +51,7 @@ TEST(MakeScene, PlanesAsTheyAre) {
   EXPECT_FLOAT_EQ(scene->image[index(ImageFeature::kEdge)].values[11], 180.0F / 255);
 }
 
-TEST(MakeScene, RanksDoNotKnowTheExposure) {
+TEST(MakeScene, RanksDoNotDependOnTheExposure) {
   CameraFrame dark = grey_frame();
   for (uint8_t& pixel : dark.pixels) pixel = static_cast<uint8_t>(pixel / 2 + 7);
   const SceneOptions ranks{.image = {true, false, true, true}};
@@ -63,7 +63,7 @@ TEST(MakeScene, RanksDoNotKnowTheExposure) {
   EXPECT_EQ(bright_scene->image[index(ImageFeature::kEdge)].values.size(), 12U);
 }
 
-TEST(MakeScene, ColoursOfAColourPicture) {
+TEST(MakeScene, ColoursOfAColourImage) {
   CameraFrame frame = grey_frame();
   frame.format = PixelFormat::kBgr8;
   frame.pixels.assign(36, 0);

@@ -35,7 +35,7 @@ TEST(SurfaceNormals, OfRoadAndWallTurnedTowardsTheSensor) {
     add(sweep, {draw(random, 3, 8), draw(random, -3, 3), -1.8});  // road
     add(sweep, {draw(random, -8, -3), 40, draw(random, 0, 5)});   // a wall to the left
   }
-  const auto normals = surface_normals(sweep, {.most = 0});
+  const auto normals = surface_normals(sweep, {.max_normals = 0});
   for (size_t i = 0; i < sweep.size(); i += 2) {
     EXPECT_LT((normal_of(normals, i) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-3);
     EXPECT_LT((normal_of(normals, i + 1) - Eigen::Vector3d(0, -1, 0)).norm(), 1e-3);
@@ -48,7 +48,8 @@ TEST(SurfaceNormals, BesideNeighboursFoundOneByOne) {
   for (int i = 0; i < 300; ++i) {
     add(sweep, {draw(random, 4, 7), draw(random, -2, 2), draw(random, -1, 1)});
   }
-  const auto normals = surface_normals(sweep, {.neighbours = 12, .farthest = 10, .most = 0});
+  const auto normals =
+      surface_normals(sweep, {.neighbours = 12, .max_neighbour_distance = 10, .max_normals = 0});
   for (size_t i = 0; i < sweep.size(); i += 7) {
     const Eigen::Vector3d here(sweep.x[i], sweep.y[i], sweep.z[i]);
     std::vector<Eigen::Vector3d> all;
@@ -71,7 +72,8 @@ TEST(SurfaceNormals, NoneWhereReturnsAreFewOrFar) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 200; ++i) add(sweep, {draw(random, 3, 4), draw(random, 0, 1), -1.8});
   add(sweep, {60, 0, 2});
-  const auto normals = surface_normals(sweep, {.neighbours = 50, .farthest = 2, .most = 0});
+  const auto normals =
+      surface_normals(sweep, {.neighbours = 50, .max_neighbour_distance = 2, .max_normals = 0});
   EXPECT_TRUE(std::isnan(normals[0].back()));
   EXPECT_FALSE(std::isnan(normals[0].front()));
   const auto few = surface_normals(sweep, {.neighbours = 500});
@@ -82,7 +84,7 @@ TEST(SurfaceNormals, AreSpreadEvenlyWhereNotAllAreAskedFor) {
   Sweep sweep;
   std::mt19937_64 random(4);
   for (int i = 0; i < 1000; ++i) add(sweep, {draw(random, 3, 5), draw(random, -1, 1), -1.8});
-  const auto normals = surface_normals(sweep, {.neighbours = 20, .most = 250});
+  const auto normals = surface_normals(sweep, {.neighbours = 20, .max_normals = 250});
   for (size_t i = 0; i < sweep.size(); ++i) EXPECT_EQ(std::isnan(normals[2][i]), i % 4 != 0) << i;
 }
 

@@ -12,15 +12,15 @@ namespace {
 const std::vector<RigCamera> kCameras{{geometry::CameraModel(
     {.width = 100, .height = 80, .fx = 100, .fy = 100, .cx = 50, .cy = 40})}};
 
-constexpr size_t kAcross = 50, kDown = 40;
+constexpr size_t kWallColumns = 50, kWallRows = 40;
 
 /// A wall 10 m before the camera, a point every two pixels, every eighth of them near a depth edge;
 /// and one point behind the camera. The reflectivity counts them.
 Scene wall() {
   Scene scene;
   std::vector<float>& edge = scene.lidar[index(LidarFeature::kDiscontinuity)];
-  for (size_t column = 0; column < kAcross; ++column) {
-    for (size_t row = 0; row < kDown; ++row) {
+  for (size_t column = 0; column < kWallColumns; ++column) {
+    for (size_t row = 0; row < kWallRows; ++row) {
       scene.x.push_back((2 * static_cast<float>(column) - 49) / 10);
       scene.y.push_back((2 * static_cast<float>(row) - 39) / 10);
       scene.z.push_back(10);
@@ -58,7 +58,7 @@ Count count(const Scene& scene) {
 TEST(ThinScenesTest, WithPointsEnoughAllInViewStayOnce) {
   const Scene scene = thin(1'000'000, false);
   const auto& number = scene.lidar[index(LidarFeature::kReflectivity)];
-  EXPECT_EQ(scene.size(), kAcross * kDown) << "all but the one behind";
+  EXPECT_EQ(scene.size(), kAcross * kWallRows) << "all but the one behind";
   EXPECT_EQ(std::set<float>(number.begin(), number.end()).size(), scene.size());
 }
 

@@ -38,7 +38,7 @@ VisiblePoints select(const std::vector<Scene>& scenes, const VisibilityOptions& 
   return select_visible(scenes, cameras, Eigen::Isometry3d::Identity(), options);
 }
 
-TEST(SelectVisible, KeepsWhatLiesInThePicture) {
+TEST(SelectVisible, KeepsPointsInsideTheImage) {
   const Scene points = scene({{0, 0, 10},       // the centre
                               {-5.05F, 0, 10},  // half a pixel beyond the left border
                               {4.85F, 0, 10},   // u = 98.5
@@ -61,7 +61,7 @@ TEST(SelectVisible, APointBehindANearerOneIsHidden) {
   EXPECT_THAT(numbers(select({points}, kNoOcclusion)), ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
-TEST(SelectVisible, AWallSeenByTheLidarBehindAPostSeenByTheCameraGoes) {
+TEST(SelectVisible, AWallOccludedByAPostInTheCameraIsRemoved) {
   // Lidar and camera stand 1 m apart; the post at 4 m hides another part of the wall from each.
   std::vector<Eigen::Vector3f> points;
   for (int i = -40; i <= 40; ++i) points.push_back({0.1F * static_cast<float>(i), 0, 10});
@@ -81,7 +81,7 @@ TEST(SelectVisible, AWallSeenByTheLidarBehindAPostSeenByTheCameraGoes) {
   EXPECT_GT(seen.size(), 55U);
 }
 
-TEST(SelectVisible, SeveralPosesKeepWhatAllSee) {
+TEST(SelectVisible, KeepsPointsVisibleUnderAllPoses) {
   const std::vector<Scene> scenes{scene({{0, 0, 10}, {4, 0, 10}, {-4, 0, 10}})};
   const std::vector<RigCamera> cameras{camera()};
   Eigen::Isometry3d left = Eigen::Isometry3d::Identity();
@@ -109,7 +109,7 @@ TEST(SelectVisible, ASceneOutOfViewHasAnEmptyBlock) {
       select({scene({{0, 0, 10}}), scene({{0, 0, -10}}), scene({{0, 0, 20}})}, {});
   ASSERT_EQ(points.blocks.size(), 3U);
   EXPECT_EQ(points.blocks[1].begin, points.blocks[1].end);
-  const VisiblePoints last = only(points, std::span(points.blocks).subspan(2, 1));
+  const VisiblePoints last = select_blocks(points, std::span(points.blocks).subspan(2, 1));
   EXPECT_THAT(last.z, ElementsAre(20));
   ASSERT_EQ(last.blocks.size(), 1U);
   EXPECT_EQ(last.blocks[0].scene, 2U);

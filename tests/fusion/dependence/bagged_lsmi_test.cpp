@@ -28,9 +28,9 @@ TEST(BaggedLsmi, BagsOfAllSamplesAreLsmi) {
     PreparedDependence plain(FitMeasure::kSmi, x, options.fit);
     BaggedLsmi bagged(x, options);
     MatrixXd bagged_gradient, plain_gradient;
-    const FitEstimate found = bagged.ask(y, &bagged_gradient);
+    const FitEstimate found = bagged.evaluate(y, &bagged_gradient);
     EXPECT_STREQ(found.reason, "");
-    const FitEstimate truth = plain.ask(y, found.chosen, &plain_gradient);
+    const FitEstimate truth = plain.evaluate(y, found.hyper_parameters, &plain_gradient);
     EXPECT_NEAR(found.value, truth.value, 1e-11);
     EXPECT_TRUE(bagged_gradient.isApprox(plain_gradient, 1e-8));
     EXPECT_EQ(*bagged.kept(), found.chosen);
@@ -40,11 +40,11 @@ TEST(BaggedLsmi, BagsOfAllSamplesAreLsmi) {
 TEST(BaggedLsmi, GradientEqualsCentralDifferences) {
   const MatrixXd x = normal_samples(80, 3, 3), y = correlated_with(x, 0.7, 4).leftCols(2);
   BaggedLsmi bagged(x, small_bags(4, 30, 10));
-  bagged.keep({0.9, 0.02});
+  bagged.set_hyper_parameters({0.9, 0.02});
   MatrixXd gradient;
   EXPECT_EQ(bagged.ask(y, &gradient).value, bagged.ask(y).value);
   EXPECT_GT(gradient.norm(), 0.01);
-  const auto value = [&](const MatrixXd& at) { return bagged.ask(at).value; };
+  const auto value = [&](const MatrixXd& at) { return bagged.evaluate(at).value; };
   EXPECT_LT((gradient - central_differences(value, y, 1e-5)).cwiseAbs().maxCoeff(), 1e-8);
 }
 
@@ -54,11 +54,11 @@ TEST(BaggedLsmi, SeedFixesTheBagsAndMoreBagsVaryLess) {
     BagOptions options = small_bags(bags, 100, 20);
     options.fit.seed = seed;
     BaggedLsmi bagged(x, options);
-    bagged.keep({1.0, 0.01});
-    return bagged.ask(y).value;
+    bagged.set_hyper_parameters({1.0, 0.01});
+    return bagged.evaluate(y).value;
   };
   EXPECT_EQ(value(5, 7), value(5, 7));
-  MeanOf one, many;
+  RunningMean one, many;
   for (uint64_t seed = 0; seed < 30; ++seed) {
     one.add(value(1, seed));
     many.add(value(16, 100 + seed));
@@ -68,25 +68,25 @@ TEST(BaggedLsmi, SeedFixesTheBagsAndMoreBagsVaryLess) {
   EXPECT_NEAR(many.mean(), one.mean(), 4 * one.standard_error());
 }
 
-TEST(BaggedLsmi, KeepsWhatTheFirstQuestionChose) {
+TEST(BaggedLsmi, KeepsTheHyperParametersOfTheFirstEvaluation) {
   const MatrixXd x = normal_samples(300, 1, 8), y = correlated_with(x, 0.9, 9);
   BaggedLsmi bagged(x, small_bags(3, 100, 20));
   EXPECT_FALSE(bagged.kept());
-  const HyperParameters first = bagged.ask(y).chosen;
+  const HyperParameters first = bagged.evaluate(y).hyper_parameters;
   EXPECT_EQ(bagged.ask(normal_samples(300, 1, 10)).chosen, first);
-  bagged.keep({0.123, 0.5});
+  bagged.set_hyper_parameters({0.123, 0.5});
   EXPECT_EQ(bagged.ask(y).chosen, (HyperParameters{0.123, 0.5}));
 }
 
-TEST(BaggedLsmi, SaysWhyItCannotAnswer) {
+TEST(BaggedLsmi, ReportsReasonForInvalidInput) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const MatrixXd x = normal_samples(50, 2, 11);
   const BagOptions options = small_bags(2, 20, 5);
   const auto reason = [&](const MatrixXd& fixed, const BagOptions& with) {
-    return BaggedLsmi(fixed, with).ask(x).reason;
+    return BaggedLsmi(fixed, with).evaluate(x).reason;
   };
   EXPECT_STREQ(reason(MatrixXd(0, 0), options), "fewer than two samples");
-  EXPECT_STREQ(reason(MatrixXd::Ones(50, 1), options), "all samples are alike");
+  EXPECT_STREQ(reason(MatrixXd::Ones(50, 1), options), "all samples are equal");
   EXPECT_STREQ(reason(MatrixXd::Constant(50, 1, kNan), options), "a sample is not finite");
   EXPECT_STREQ(reason(x, small_bags(2, 51, 5)), "fewer samples than bag_size");
   EXPECT_STREQ(reason(x, small_bags(0, 20, 5)), "invalid options");
@@ -98,20 +98,20 @@ TEST(BaggedLsmi, SaysWhyItCannotAnswer) {
   EXPECT_STREQ(bagged.ask(bad, &gradient).reason, "a sample is not finite");
   EXPECT_EQ(gradient.size(), 0);
   EXPECT_STREQ(bagged.ask(x.topRows(30)).reason, "the two sides differ in length");
-  bagged.keep({kNan, 1});
-  EXPECT_STREQ(bagged.ask(x).reason, "the kept hyper-parameters are out of range");
-  bagged.keep({1, 0.01});
+  bagged.set_hyper_parameters({kNan, 1});
+  EXPECT_STREQ(bagged.ask(x).reason, "the given hyper-parameters are out of range");
+  bagged.set_hyper_parameters({1, 0.01});
   EXPECT_TRUE(bagged.ask(x).usable());
 
   // The first bag may be constant where the samples are not.
   MatrixXd spike = MatrixXd::Zero(50, 1);
   spike(0) = 1;
   BaggedLsmi hollow(x, small_bags(20, 4, 4));
-  hollow.keep({1, 0.01});
+  hollow.set_hyper_parameters({1, 0.01});
   EXPECT_TRUE(std::isfinite(hollow.ask(spike).value));
 }
 
-TEST(BagOptions, SayWhatIsWrong) {
+TEST(BagOptions, ReportInvalidValues) {
   EXPECT_FALSE(BagOptions().invalid());
   EXPECT_TRUE(small_bags(0, 20, 5).invalid());
   EXPECT_TRUE(small_bags(5, 1, 5).invalid());

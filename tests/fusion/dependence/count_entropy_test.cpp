@@ -11,22 +11,23 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr double kPrinted = 5e-13;  // the reference values have twelve decimals
-const std::vector<double> kSmall = {4, 2, 3, 0, 2, 4, 0, 0, 2, 1, 1};
-const std::vector<double> kSkewed = {100, 50, 25, 12, 6, 3, 1, 1, 1, 0};
+constexpr double kReferenceTolerance = 5e-13;  // the reference values have twelve decimals
+const std::vector<double> kSmallCounts = {4, 2, 3, 0, 2, 4, 0, 0, 2, 1, 1};
+const std::vector<double> kSkewedCounts = {100, 50, 25, 12, 6, 3, 1, 1, 1, 0};
 
 // Reference values: R package `entropy` 1.3.2.
-TEST(CountEntropy, MaximumLikelihoodAndMillerMadowAgreeWithReference) {
-  EXPECT_NEAR(entropy_maximum_likelihood(kSmall).value, 1.968382408728, kPrinted);
-  EXPECT_NEAR(entropy_maximum_likelihood(kSmall).value / std::log(2), 2.839775539646, kPrinted);
-  EXPECT_NEAR(entropy_miller_madow(kSmall).value, 2.152592935044, kPrinted);
-  EXPECT_TRUE(entropy_maximum_likelihood(kSmall).usable());
+TEST(CountEntropyOptions, MaximumLikelihoodAndMillerMadowAgreeWithReference) {
+  EXPECT_NEAR(entropy_maximum_likelihood(kSmallCounts).value, 1.968382408728, kPrinted);
+  EXPECT_NEAR(entropy_maximum_likelihood(kSmallCounts).value / std::log(2), 2.839775539646,
+              kPrinted);
+  EXPECT_NEAR(entropy_miller_madow(kSmallCounts).value, 2.152592935044, kPrinted);
+  EXPECT_TRUE(entropy_maximum_likelihood(kSmallCounts).usable());
 }
 
-TEST(CountEntropy, ChaoShenAgreesWithReference) {
-  EXPECT_NEAR(entropy_chao_shen(kSmall).value, 2.201137101280, kPrinted);
-  EXPECT_NEAR(entropy_chao_shen(kSmall).value / std::log(2), 3.175569580333, kPrinted);
-  EXPECT_NEAR(entropy_chao_shen(kSkewed).value, 1.416122833810, kPrinted);
+TEST(CountEntropyOptions, ChaoShenAgreesWithReference) {
+  EXPECT_NEAR(entropy_chao_shen(kSmallCounts).value, 2.201137101280, kPrinted);
+  EXPECT_NEAR(entropy_chao_shen(kSmallCounts).value / std::log(2), 3.175569580333, kPrinted);
+  EXPECT_NEAR(entropy_chao_shen(kSkewedCounts).value, 1.416122833810, kPrinted);
   EXPECT_NEAR(entropy_chao_shen(std::vector<double>{10, 1}).value, 0.493770428333, kPrinted);
   EXPECT_NEAR(entropy_chao_shen(std::vector<double>{5, 5, 5, 5}).value, 1.390704580088, kPrinted);
   EXPECT_EQ(entropy_chao_shen(std::vector<double>{1}).value, 0);
@@ -35,34 +36,36 @@ TEST(CountEntropy, ChaoShenAgreesWithReference) {
   EXPECT_TRUE(singletons.usable());
 }
 
-TEST(CountEntropy, JamesSteinAgreesWithReference) {
-  const ShrunkFrequencies shrunk = james_stein_frequencies(kSmall);
+TEST(CountEntropyOptions, JamesSteinAgreesWithReference) {
+  const ShrunkFrequencies shrunk = james_stein_frequencies(kSmallCounts);
   EXPECT_NEAR(shrunk.lambda, 0.766393442623, kPrinted);
   const std::vector<double> expected = {0.1188524590, 0.0942622951, 0.1065573770, 0.0696721311,
                                         0.0942622951, 0.1188524590, 0.0696721311, 0.0696721311,
                                         0.0942622951, 0.0819672131, 0.0819672131};
   EXPECT_THAT(shrunk.frequencies, testing::Pointwise(testing::DoubleNear(5e-11), expected));
-  EXPECT_NEAR(entropy_james_stein(kSmall).value, 2.379602895310, kPrinted);
-  EXPECT_NEAR(entropy_james_stein(kSkewed).value, 1.405388823447, kPrinted);
-  EXPECT_NEAR(james_stein_frequencies(kSkewed).lambda, 0.014187121242, kPrinted);
+  EXPECT_NEAR(entropy_james_stein(kSmallCounts).value, 2.379602895310, kPrinted);
+  EXPECT_NEAR(entropy_james_stein(kSkewedCounts).value, 1.405388823447, kPrinted);
+  EXPECT_NEAR(james_stein_frequencies(kSkewedCounts).lambda, 0.014187121242, kPrinted);
   EXPECT_NEAR(entropy_james_stein(std::vector<double>{5, 5, 5, 5}).value, 1.386294361120, kPrinted);
   EXPECT_NEAR(entropy_james_stein(std::vector<double>{1, 0, 0}).value, 1.098612288668, kPrinted);
 }
 
-TEST(CountEntropy, DirichletAgreesWithReference) {
-  EXPECT_NEAR(entropy_dirichlet(kSmall, 0.5).value, 2.179480382724, kPrinted);
-  EXPECT_NEAR(entropy_dirichlet(kSmall, 1).value, 2.257875518693, kPrinted);
-  EXPECT_NEAR(entropy_dirichlet(kSmall, perks_alpha(kSmall)).value, 2.036887808124, kPrinted);
-  EXPECT_NEAR(entropy_dirichlet(kSmall, minimax_alpha(kSmall)).value, 2.154091189931, kPrinted);
+TEST(CountEntropyOptions, DirichletAgreesWithReference) {
+  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 0.5).value, 2.179480382724, kPrinted);
+  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 1).value, 2.257875518693, kPrinted);
+  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, perks_alpha(kSmallCounts)).value, 2.036887808124,
+              kPrinted);
+  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, minimax_alpha(kSmallCounts)).value, 2.154091189931,
+              kPrinted);
 }
 
-TEST(CountEntropy, PlugInOfKnownDistribution) {
+TEST(CountEntropyOptions, PlugInOfKnownDistribution) {
   const std::vector<double> p = {0.5, 0.25, 0.125, 0.125};
   EXPECT_NEAR(plug_in_entropy(p), 1.2130075659799, 5e-14);
   EXPECT_NEAR(plug_in_entropy(p), 1.75 * std::log(2), 1e-15);
 }
 
-TEST(CountEntropy, GivenTargetAndShrinkageAreTheWeightedAverage) {
+TEST(CountEntropyOptions, GivenTargetAndShrinkageAreTheWeightedAverage) {
   const std::vector<double> counts = {3, 1}, target = {0.2, 0.8};
   const ShrunkFrequencies shrunk =
       james_stein_frequencies(counts, {.target = target, .lambda = 0.25});
@@ -73,7 +76,7 @@ TEST(CountEntropy, GivenTargetAndShrinkageAreTheWeightedAverage) {
   EXPECT_NEAR(optimal, 2 * (0.75 * 0.25 / 3) / (2 * 0.55 * 0.55), 1e-15);
 }
 
-TEST(CountEntropy, FastShrinkageAsPrintedGrowsAndReversedFalls) {
+TEST(CountEntropyOptions, FastShrinkageAsPrintedGrowsAndReversedFalls) {
   EXPECT_EQ(fast_shrinkage(0, 1000, FastShrinkage::kAsPrinted), 0);
   EXPECT_EQ(fast_shrinkage(0, 1000, FastShrinkage::kReversed), 1);
   const double printed = 2 / (1 + std::exp(-1.5)) - 1;
@@ -84,7 +87,7 @@ TEST(CountEntropy, FastShrinkageAsPrintedGrowsAndReversedFalls) {
 }
 
 // Which direction of P(4.11) works: root mean square error of the entropy of codeword histograms.
-TEST(CountEntropy, FastShrinkageWorksReversedNotAsPrinted) {
+TEST(CountEntropyOptions, FastShrinkageWorksReversedNotAsPrinted) {
   constexpr int kWords = 64, kTrials = 50;
   constexpr double kSigma = 100;
   std::vector<double> truth(kWords);
@@ -113,10 +116,10 @@ TEST(CountEntropy, FastShrinkageWorksReversedNotAsPrinted) {
   EXPECT_GT(error(20, truth, FastShrinkage::kAsPrinted), 0.5);
 }
 
-TEST(CountEntropy, BadCountsGiveAReasonAndAFiniteValue) {
+TEST(CountEntropyOptions, BadCountsGiveAReasonAndAFiniteValue) {
   const double inf = std::numeric_limits<double>::infinity();
   const std::vector<std::vector<double>> bad = {{}, {0, 0}, {-1, 2}, {NAN, 1}, {inf, 1}, {1e300}};
-  using Estimator = CountEntropy::Estimator;
+  using Estimator = CountEntropyOptions::Estimator;
   for (const auto& counts : bad) {
     for (const Estimator estimator :
          {Estimator::kMaximumLikelihood, Estimator::kMillerMadow, Estimator::kJamesStein,
@@ -126,14 +129,14 @@ TEST(CountEntropy, BadCountsGiveAReasonAndAFiniteValue) {
       EXPECT_TRUE(std::isfinite(h.value));
     }
   }
-  EXPECT_FALSE(entropy_dirichlet(kSmall, -1).usable());
-  EXPECT_FALSE(entropy_dirichlet(kSmall, 1e308).usable());
+  EXPECT_FALSE(entropy_dirichlet(kSmallCounts, -1).usable());
+  EXPECT_FALSE(entropy_dirichlet(kSmallCounts, 1e308).usable());
   EXPECT_FALSE(entropy_chao_shen(std::vector<double>{1.5, 2}).usable());
-  EXPECT_FALSE(entropy_james_stein(kSmall, {.target = {}, .lambda = 1.5}).usable());
-  EXPECT_FALSE(entropy_james_stein(kSmall, {.target = kSmall, .lambda = {}}).usable());
+  EXPECT_FALSE(entropy_james_stein(kSmallCounts, {.target = {}, .lambda = 1.5}).usable());
+  EXPECT_FALSE(entropy_james_stein(kSmallCounts, {.target = kSmallCounts, .lambda = {}}).usable());
 }
 
-TEST(CountEntropy, FewerObservationsThanWordsIsSaidByThePlugInOnly) {
+TEST(CountEntropyOptions, OnlyThePlugInRejectsFewerObservationsThanWords) {
   const std::vector<double> sparse = {1, 0, 2, 0, 0};
   EXPECT_THAT(std::string(entropy_maximum_likelihood(sparse).reason),
               testing::HasSubstr("fewer observations than words"));
@@ -142,14 +145,14 @@ TEST(CountEntropy, FewerObservationsThanWordsIsSaidByThePlugInOnly) {
   EXPECT_TRUE(entropy_chao_shen(sparse).usable());
 }
 
-TEST(CountEntropy, RelabellingChangesNothing) {
-  std::vector<double> reversed(kSmall.rbegin(), kSmall.rend());
-  using Estimator = CountEntropy::Estimator;
+TEST(CountEntropyOptions, RelabellingChangesNothing) {
+  std::vector<double> reversed(kSmallCounts.rbegin(), kSmallCounts.rend());
+  using Estimator = CountEntropyOptions::Estimator;
   for (const Estimator estimator :
        {Estimator::kMaximumLikelihood, Estimator::kMillerMadow, Estimator::kJamesStein,
         Estimator::kDirichlet, Estimator::kNemenman, Estimator::kChaoShen}) {
-    const CountEntropy how{.estimator = estimator, .alpha = 0.5, .shrinkage = {}};
-    EXPECT_NEAR(entropy(kSmall, how).value, entropy(reversed, how).value, 1e-13);
+    const CountEntropyOptions options{.estimator = estimator, .alpha = 0.5, .shrinkage = {}};
+    EXPECT_NEAR(entropy(kSmallCounts, how).value, entropy(reversed, how).value, 1e-13);
   }
 }
 

@@ -11,7 +11,7 @@ namespace infuse::dependence {
 namespace {
 
 using Labels = std::vector<int32_t>;
-constexpr auto kMaximumLikelihood = CountEntropy::Estimator::kMaximumLikelihood;
+constexpr auto kMaximumLikelihood = CountEntropyOptions::Estimator::kMaximumLikelihood;
 
 double binary_entropy(double p) { return -p * std::log(p) - (1 - p) * std::log(1 - p); }
 
@@ -101,7 +101,7 @@ TEST(DirectedInformation, CorrectedEstimatorsAreLessBiasedOnIndependentSequences
   for (int32_t& label : y) label = int32_t(random() % 4);
   const double plug_in = directed_information_rate(x, y, 1).value;
   const double corrected =
-      directed_information_rate(x, y, 1, CountEntropy::Estimator::kMillerMadow).value;
+      directed_information_rate(x, y, 1, CountEntropyOptions::Estimator::kMillerMadow).value;
   EXPECT_GT(plug_in, 0.1);
   EXPECT_LT(std::abs(corrected), plug_in);
 }
@@ -113,14 +113,15 @@ TEST(DirectedInformation, BadInputGivesAReason) {
   EXPECT_FALSE(directed_information(ten, ten, 3).usable());
   EXPECT_FALSE(directed_information(ten, ten, 0).usable());
   EXPECT_FALSE(directed_information(ten, ten, 10).usable());
-  EXPECT_FALSE(directed_information(ten, ten, 2, CountEntropy::Estimator::kNemenman).usable());
+  EXPECT_FALSE(
+      directed_information(ten, ten, 2, CountEntropyOptions::Estimator::kNemenman).usable());
   EXPECT_FALSE(directed_information_rate({}, {}, 0).usable());
   EXPECT_FALSE(directed_information_rate(ten, nine, 1).usable());
   EXPECT_FALSE(directed_information_rate(ten, ten, 9).usable());
   EXPECT_FALSE(directed_information_rate(ten, ten, -1).usable());
   EXPECT_FALSE(directed_information_rate(ten, ten, 17).usable());
   EXPECT_FALSE(
-      directed_information_rate(ten, ten, 1, CountEntropy::Estimator::kDirichlet).usable());
+      directed_information_rate(ten, ten, 1, CountEntropyOptions::Estimator::kDirichlet).usable());
 }
 
 TEST(DirectedInformation, ConstantSequencesCarryNone) {

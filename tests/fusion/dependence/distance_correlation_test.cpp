@@ -108,7 +108,7 @@ TEST(DistanceCorrelation, PopulationValuesOfTheGaussian) {
                              {0.9, 0.868178054},
                              {0.95, 0.930112866}};
   for (const auto& [rho, population] : table) {
-    MeanOf found;
+    RunningMean found;
     for (uint64_t trial = 0; trial < 20; ++trial) {
       const MatrixXd x = normal_samples(2000, 1, 10 + trial);
       found.add(corrected_distance_correlation(x, correlated_with(x, rho, 50 + trial)).value);
@@ -118,10 +118,10 @@ TEST(DistanceCorrelation, PopulationValuesOfTheGaussian) {
   }
 }
 
-TEST(DistanceCorrelation, SaysWhyThereIsNone) {
+TEST(DistanceCorrelation, ReportsReasonForInvalidInput) {
   MatrixXd x = normal_samples(20, 1, 9);
   const MatrixXd constant = MatrixXd::Constant(20, 1, 3.0), empty(0, 1);
-  EXPECT_STREQ(distance_correlation(x, constant).reason, "all samples are alike");
+  EXPECT_STREQ(distance_correlation(x, constant).reason, "all samples are equal");
   EXPECT_STREQ(distance_correlation(empty, empty).reason, "fewer than two samples");
   EXPECT_STREQ(distance_correlation(x, x.topRows(5)).reason, "the two sides differ in length");
   EXPECT_STREQ(corrected_distance_correlation(x.topRows(3), x.topRows(3)).reason,

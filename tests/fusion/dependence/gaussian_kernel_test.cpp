@@ -90,12 +90,12 @@ TEST(GaussianKernel, GradientEqualsCentralDifferences) {
   const MatrixXd weight = normal_samples(9, 30, 7);
   const auto scalar = [&](const MatrixXd& at) {
     MatrixXd c, kernel;
-    take_rows(at, rows, c);
+    gather_rows(at, rows, c);
     gaussian_kernel(at, c, 1.5, kernel);
     return kernel.cwiseProduct(weight).sum();
   };
   MatrixXd c, kernel, sensitivity = weight, gradient;
-  take_rows(x, rows, c);
+  gather_rows(x, rows, c);
   gaussian_kernel(x, c, 1.5, kernel);
   gaussian_kernel_gradient(x, rows, 1.5, kernel, sensitivity, gradient);
   ASSERT_EQ(gradient.rows(), 30);

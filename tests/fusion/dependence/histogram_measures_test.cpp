@@ -10,17 +10,21 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr double kPrinted = 5e-13;
-constexpr Measure kAll[] = {Measure::kMutualInformation, Measure::kNormalisedMutualInformation,
-                            Measure::kNormalisedInformationDistance, Measure::kChiSquared,
-                            Measure::kSquaredLossMutualInformation};
-constexpr CountEntropy::Estimator kEstimators[] = {
-    CountEntropy::Estimator::kMaximumLikelihood, CountEntropy::Estimator::kMillerMadow,
-    CountEntropy::Estimator::kJamesStein,        CountEntropy::Estimator::kDirichlet,
-    CountEntropy::Estimator::kNemenman,          CountEntropy::Estimator::kChaoShen};
+constexpr double kReferenceTolerance = 5e-13;
+constexpr Measure kAllMeasures[] = {Measure::kMutualInformation,
+                                    Measure::kNormalisedMutualInformation,
+                                    Measure::kNormalisedInformationDistance, Measure::kChiSquared,
+                                    Measure::kSquaredLossMutualInformation};
+constexpr CountEntropyOptions::Estimator kEstimators[] = {
+    CountEntropyOptions::Estimator::kMaximumLikelihood,
+    CountEntropyOptions::Estimator::kMillerMadow,
+    CountEntropyOptions::Estimator::kJamesStein,
+    CountEntropyOptions::Estimator::kDirichlet,
+    CountEntropyOptions::Estimator::kNemenman,
+    CountEntropyOptions::Estimator::kChaoShen};
 
-CountEntropy by(CountEntropy::Estimator estimator) {
-  CountEntropy how;
+CountEntropyOptions with_estimator(CountEntropyOptions::Estimator estimator) {
+  CountEntropyOptions how;
   how.estimator = estimator;
   return how;
 }
@@ -51,16 +55,16 @@ TEST(HistogramMeasures, ReferenceTable) {
   const JointHistogram table = reference_table();
   const Measure information = Measure::kMutualInformation;
   EXPECT_NEAR(measure(information, table).value, 0.034504918061, kPrinted);
-  EXPECT_NEAR(measure(information, table, by(CountEntropy::Estimator::kDirichlet)).value,
+  EXPECT_NEAR(measure(information, table, by(CountEntropyOptions::Estimator::kDirichlet)).value,
               0.024760325552, kPrinted);
-  EXPECT_NEAR(measure(information, table, by(CountEntropy::Estimator::kJamesStein)).value, 0,
+  EXPECT_NEAR(measure(information, table, by(CountEntropyOptions::Estimator::kJamesStein)).value, 0,
               kPrinted);
   EXPECT_EQ(james_stein_frequencies(table.mass).lambda, 1);
-  EXPECT_NEAR(measure(information, table, by(CountEntropy::Estimator::kChaoShen)).value,
+  EXPECT_NEAR(measure(information, table, by(CountEntropyOptions::Estimator::kChaoShen)).value,
               -0.071355585069, kPrinted);
   EXPECT_NEAR(measure(Measure::kNormalisedInformationDistance, table).value, 0.979243625900,
               kPrinted);
-  for (const Measure which : kAll) EXPECT_TRUE(measure(which, table).usable());
+  for (const Measure which : kAllMeasures) EXPECT_TRUE(measure(which, table).usable());
 }
 
 TEST(HistogramMeasures, ChiSquaredAndSquaredLossAreTheirDefinitions) {
@@ -79,10 +83,10 @@ TEST(HistogramMeasures, ChiSquaredAndSquaredLossAreTheirDefinitions) {
   EXPECT_NEAR(measure(Measure::kSquaredLossMutualInformation, table).value, chi_squared / 2, 1e-14);
 }
 
-TEST(HistogramMeasures, MillerMadowTakesTheDegreesOfFreedomOff) {
+TEST(HistogramMeasures, MillerMadowSubtractsTheDegreesOfFreedom) {
   const double expected = 0.034504918061 - (2 - 1) * (3 - 1) / (2 * 21.0);
   EXPECT_NEAR(measure(Measure::kMutualInformation, reference_table(),
-                      by(CountEntropy::Estimator::kMillerMadow))
+                      by(CountEntropyOptions::Estimator::kMillerMadow))
                   .value,
               expected, kPrinted);
 }
@@ -100,7 +104,7 @@ TEST(HistogramMeasures, BoundsSymmetryAndRelabelling) {
       for (const int y : columns) mass.push_back(table.at(x, y));
     }
     const JointHistogram relabelled = joint_table(mass, 6, 4);
-    for (const Measure which : kAll) {
+    for (const Measure which : kAllMeasures) {
       const double value = measure(which, table).value;
       EXPECT_GE(value, 0);
       EXPECT_NEAR(value, measure(which, transposed(table)).value, 1e-12);
@@ -109,7 +113,8 @@ TEST(HistogramMeasures, BoundsSymmetryAndRelabelling) {
     EXPECT_LE(measure(Measure::kNormalisedInformationDistance, table).value, 1);
     EXPECT_LE(measure(Measure::kNormalisedMutualInformation, table).value, 2);
     for (const auto estimator : kEstimators) {
-      const double value = measure(Measure::kMutualInformation, table, by(estimator)).value;
+      const double value =
+          measure(Measure::kMutualInformation, table, with_estimator(estimator)).value;
       EXPECT_NEAR(value,
                   measure(Measure::kMutualInformation, transposed(table), by(estimator)).value,
                   1e-12);
@@ -135,7 +140,7 @@ TEST(HistogramMeasures, ProductTableIsIndependentAndDiagonalIsComplete) {
 TEST(HistogramMeasures, SensitivityAgreesWithCentralDifferences) {
   const JointHistogram table = random_table(3, 5, 7);
   Sensitivity sensitivity;
-  for (const Measure which : kAll) {
+  for (const Measure which : kAllMeasures) {
     differentiate(which, table, sensitivity);
     EXPECT_NEAR(sensitivity.estimate.value, measure(which, table).value, 1e-14);
     for (int x = 0; x < 5; ++x) {
@@ -169,9 +174,9 @@ TEST(HistogramMeasures, BadTablesGiveAReasonAndAFiniteValue) {
                                               joint_table(std::vector<double>{5, 0, 5, 0}, 2, 2),
                                               joint_table(std::vector<double>{5}, 1, 1)};
   for (const JointHistogram& table : tables) {
-    for (const Measure which : kAll) {
+    for (const Measure which : kAllMeasures) {
       for (const auto estimator : kEstimators) {
-        const Estimate estimate = measure(which, table, by(estimator));
+        const Estimate estimate = measure(which, table, with_estimator(estimator));
         EXPECT_FALSE(estimate.usable());
         EXPECT_TRUE(std::isfinite(estimate.value));
       }
@@ -183,19 +188,19 @@ TEST(HistogramMeasures, FewerSamplesThanBinsIsLiftedForEstimatorsMadeForIt) {
   const JointHistogram table = joint_table(std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 0}, 3, 3);
   EXPECT_EQ(std::string(measure(Measure::kMutualInformation, table).reason), kFewerSamplesThanBins);
   for (const auto estimator : kEstimators) {
-    const bool made_for_it = estimator != CountEntropy::Estimator::kMaximumLikelihood &&
-                             estimator != CountEntropy::Estimator::kMillerMadow;
+    const bool made_for_it = estimator != CountEntropyOptions::Estimator::kMaximumLikelihood &&
+                             estimator != CountEntropyOptions::Estimator::kMillerMadow;
     EXPECT_EQ(measure(Measure::kMutualInformation, table, by(estimator)).usable(), made_for_it);
   }
 }
 
 TEST(HistogramMeasures, EntropyCorrectionsOfChiSquaredAreRefused) {
-  EXPECT_FALSE(
-      measure(Measure::kChiSquared, reference_table(), by(CountEntropy::Estimator::kChaoShen))
-          .usable());
-  EXPECT_TRUE(
-      measure(Measure::kChiSquared, reference_table(), by(CountEntropy::Estimator::kDirichlet))
-          .usable());
+  EXPECT_FALSE(measure(Measure::kChiSquared, reference_table(),
+                       by(CountEntropyOptions::Estimator::kChaoShen))
+                   .usable());
+  EXPECT_TRUE(measure(Measure::kChiSquared, reference_table(),
+                      by(CountEntropyOptions::Estimator::kDirichlet))
+                  .usable());
 }
 
 }  // namespace

@@ -26,11 +26,11 @@ TEST(LabelDependence, EqualsTheDenseKroneckerSolve) {
   for (const double lambda : {1e-4, 0.02, 1.0}) {
     for (const double sigma : {0.3, 0.7, 3.0}) {
       const MatrixXd x = normal_samples(30, 2, 3);
-      const std::vector<int32_t> labels = labels_of(x, 4, 4);
+      const std::vector<int32_t> labels = make_labels(x, 4, 4);
       // Five labels, of which the last does not occur.
       const PlainFit plain(FitMeasure::kSmi, plain_kernel(x, x, sigma), indicators(labels, 5),
                            MatrixXd::Zero(30, 30), MatrixXd::Identity(5, 5), lambda);
-      const FitEstimate found = prepared(x, fixed(sigma, lambda)).ask(labels, 5);
+      const FitEstimate found = prepared(x, fixed(sigma, lambda)).evaluate(labels, 5);
       EXPECT_STREQ(found.reason, "");
       EXPECT_EQ(found.chosen, (HyperParameters{sigma, lambda}));
       EXPECT_NEAR(found.value, plain.value(), 1e-9) << sigma << " " << lambda;
@@ -38,11 +38,11 @@ TEST(LabelDependence, EqualsTheDenseKroneckerSolve) {
   }
 }
 
-TEST(LabelDependence, OneCentreIsAnswered) {
+TEST(LabelDependence, WorksWithOneCentre) {
   FitOptions options = fixed(0.7, 0.1);
   options.centres = 1;
   const MatrixXd x = normal_samples(40, 2, 5);
-  const std::vector<int32_t> labels = labels_of(x, 3, 6);
+  const std::vector<int32_t> labels = make_labels(x, 3, 6);
   Random random(options.seed);
   const MatrixXd centre = x(choose_subset(40, 1, random), Eigen::all);
   const PlainFit plain(FitMeasure::kSmi, plain_kernel(x, centre, 0.7), indicators(labels, 3),
@@ -56,17 +56,17 @@ TEST(LabelDependence, CrossValidationChoosesAsThePlainOneDoes) {
   LabelDependence dependence(options);
   for (uint64_t trial = 0; trial < 12; ++trial) {
     const MatrixXd x = normal_samples(53, 2, 10 + trial);
-    const std::vector<int32_t> labels = labels_of(x, 3, 30 + trial);
+    const std::vector<int32_t> labels = make_labels(x, 3, 30 + trial);
     dependence.prepare(x);
-    const FitEstimate found = dependence.ask(labels, 3);
+    const FitEstimate found = dependence.evaluate(labels, 3);
     EXPECT_EQ(found.chosen, plain_choice(FitMeasure::kSmi, x, nullptr, labels, 3, options));
     EXPECT_EQ(dependence.ask(labels, 3, found.chosen).value, found.value);
-    all.push_back(found.chosen);
+    all.push_back(found.hyper_parameters);
   }
   EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const auto& h) { return !(h == all[0]); }));
 }
 
-TEST(LabelDependence, PreparedAnewItAnswersAsAFreshOne) {
+TEST(LabelDependence, ReusedObjectGivesTheValuesOfAFreshOne) {
   FitOptions options;
   options.centres = 25;
   LabelDependence shared(options);
@@ -75,8 +75,8 @@ TEST(LabelDependence, PreparedAnewItAnswersAsAFreshOne) {
     shared.prepare(x);
     LabelDependence fresh = prepared(x, options);
     for (int count = 2; count < 7; count += 2) {
-      const auto labels = labels_of(x, count, 50);
-      const FitEstimate one = shared.ask(labels, count), other = fresh.ask(labels, count);
+      const auto labels = make_labels(x, count, 50);
+      const FitEstimate one = shared.evaluate(labels, count), other = fresh.evaluate(labels, count);
       EXPECT_EQ(one.value, other.value);
       EXPECT_EQ(one.chosen, other.chosen);
       EXPECT_NE(one.value, 0);
@@ -84,9 +84,9 @@ TEST(LabelDependence, PreparedAnewItAnswersAsAFreshOne) {
   }
 }
 
-TEST(LabelDependence, SaysWhyItCannotAnswer) {
+TEST(LabelDependence, ReportsReasonForInvalidInput) {
   const MatrixXd x = normal_samples(30, 2, 500);
-  const std::vector<int32_t> labels = labels_of(x, 3, 501), alike(30, 1);
+  const std::vector<int32_t> labels = make_labels(x, 3, 501), alike(30, 1);
   LabelDependence side{FitOptions{}};
   EXPECT_STREQ(side.ask(labels, 3).reason, "no samples");
   MatrixXd with_nan = x;
@@ -98,13 +98,13 @@ TEST(LabelDependence, SaysWhyItCannotAnswer) {
   EXPECT_STREQ(side.reason(), "fewer samples than folds");
   side.prepare(x);
   EXPECT_STREQ(side.reason(), "");
-  EXPECT_STREQ(side.ask(alike, 3).reason, "all labels are alike");
+  EXPECT_STREQ(side.ask(alike, 3).reason, "all labels are equal");
   EXPECT_STREQ(side.ask(labels, 2).reason, "a label is outside 0 … label_count − 1");
   EXPECT_STREQ(side.ask(std::span(labels).first(9), 3).reason, "the two sides differ in length");
   EXPECT_STREQ(side.ask(labels, 3, HyperParameters{7, 1}).reason,
-               "the kept sigma is not in the grid");
+               "the given sigma is not in the grid");
   EXPECT_STREQ(side.ask(labels, 3, HyperParameters{1, 0}).reason,
-               "the kept lambda is outside 1e-12 … 1e12");
+               "the given lambda is outside 1e-12 … 1e12");
   EXPECT_TRUE(side.ask(labels, 3).usable());
   FitOptions invalid;
   invalid.lambdas = {0.0};
@@ -120,7 +120,7 @@ TEST(LabelDependence, SingularKernelsAndExtremeScalesGiveFiniteValuesOrAReason) 
     for (const double lambda : {1e-12, 1e-3, 1e12}) {
       FitOptions options = fixed(1.0, lambda);
       options.sigmas = {0.5, 1.0};
-      const FitEstimate answer = prepared(scale * twins, options).ask(each, 30);
+      const FitEstimate answer = prepared(scale * twins, options).evaluate(each, 30);
       EXPECT_TRUE(std::isfinite(answer.value));
     }
   }

@@ -43,7 +43,7 @@ TEST(MatrixProduct, GivesTheBytesOfTheDefinitionOnEveryInstructionSet) {
   }
 }
 
-TEST(MatrixProduct, TakesTransposesAndBlocks) {
+TEST(MatrixProduct, AcceptsTransposesAndBlocks) {
   const MatrixXd a = normal_samples(50, 30, 3), b = normal_samples(50, 20, 4);
   MatrixXd out;
   multiply(a.transpose(), b, out);

@@ -25,15 +25,15 @@ double psi(double x) {
 double two_words_by_quadrature(double n1, double n2) {
   const auto xi = [](double beta) { return psi(2 * beta + 1) - psi(beta + 1); };
   double mass = 0, mean = 0;
-  constexpr int kP = 4000;
+  constexpr int kPointCount = 4000;
   constexpr double kStep = 0.02;
   for (double u = -13; u < 13; u += kStep) {
     const double beta = std::exp(u);
     const double weight = xi(std::exp(u + kStep / 2)) - xi(std::exp(u - kStep / 2));
     const double log_norm = std::lgamma(2 * beta) - 2 * std::lgamma(beta);
-    for (int i = 0; i < kP; ++i) {
+    for (int i = 0; i < kPointCount; ++i) {
       // p = Φ-like map that puts points close to both ends: p = 1/(1 + e^{-z})
-      const double z = -60 + 120 * (i + 0.5) / kP;
+      const double z = -60 + 120 * (i + 0.5) / kPointCount;
       const double p = 1 / (1 + std::exp(-z)), q = 1 / (1 + std::exp(z));
       const double density =
           std::exp(log_norm + (n1 + beta) * std::log(p) + (n2 + beta) * std::log(q));

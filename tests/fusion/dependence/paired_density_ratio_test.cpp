@@ -44,7 +44,7 @@ TEST(PairedLsmi, EqualsADenseSolve) {
 }
 
 TEST(PairedLsmi, CrossValidatedOnTheGaussian) {
-  MeanOf none, half;
+  RunningMean none, half;
   for (uint64_t trial = 0; trial < 8; ++trial) {
     const MatrixXd x = normal_samples(1000, 1, 10 + trial);
     none.add(paired_lsmi(x, normal_samples(1000, 1, 40 + trial), FitOptions()).value);
@@ -64,7 +64,7 @@ FitOptions mlmi_options(double sigma, int centres) {
 TEST(Mlmi, MutualInformationOfTheGaussian) {
   const double table[][2] = {{0.0, 0.0}, {0.3, 0.047155340}, {0.5, 0.143841036}};
   for (const auto& [rho, truth] : table) {
-    MeanOf found;
+    RunningMean found;
     for (uint64_t trial = 0; trial < 8; ++trial) {
       const MatrixXd x = normal_samples(1000, 1, 100 + trial);
       found.add(mlmi(x, correlated_with(x, rho, 200 + trial), mlmi_options(0.8, 50)).value);
@@ -113,7 +113,7 @@ TEST(Mlmi, CrossValidationFindsAWidthOfTheGrid) {
   EXPECT_EQ(mlmi(x, y, options).chosen, (HyperParameters{0.5, 0}));
 }
 
-TEST(PairedDensityRatios, SayWhyThereIsNoValue) {
+TEST(PairedDensityRatios, ReportReasonForInvalidInput) {
   const MatrixXd x = normal_samples(20, 1, 7), empty(0, 1);
   MatrixXd bad = x;
   bad(3) = std::numeric_limits<double>::infinity();
@@ -123,7 +123,7 @@ TEST(PairedDensityRatios, SayWhyThereIsNoValue) {
        {+[](const Samples&a, const Samples&b, const FitOptions&o) { return paired_lsmi(a, b, o); },
         +[](const Samples&a, const Samples&b, const FitOptions&o) { return mlmi(a, b, o); }}) {
     EXPECT_STREQ(estimator(empty, empty, options).reason, "fewer than two samples");
-    EXPECT_STREQ(estimator(x, MatrixXd::Ones(20, 1), options).reason, "all samples are alike");
+    EXPECT_STREQ(estimator(x, MatrixXd::Ones(20, 1), options).reason, "all samples are equal");
     EXPECT_STREQ(estimator(bad, x, options).reason, "a sample is not finite");
     EXPECT_STREQ(estimator(x, x.topRows(7), options).reason, "the two sides differ in length");
     EXPECT_STREQ(estimator(x.topRows(3), x.topRows(3), options).reason, "fewer samples than folds");
@@ -134,7 +134,7 @@ TEST(PairedDensityRatios, SayWhyThereIsNoValue) {
     EXPECT_TRUE(std::isfinite(estimator(x, x, tiny).value));
   }
   const std::vector<int32_t> alike(20, 0);
-  EXPECT_STREQ(mlmi(x, alike, 2, options).reason, "all labels are alike");
+  EXPECT_STREQ(mlmi(x, alike, 2, options).reason, "all labels are equal");
 }
 
 }  // namespace

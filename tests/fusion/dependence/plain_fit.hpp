@@ -97,7 +97,7 @@ inline Eigen::MatrixXd indicators(const std::vector<int32_t>& labels, int label_
 }
 
 /// Labels that lean on the first feature.
-inline std::vector<int32_t> labels_of(const Eigen::MatrixXd& x, int label_count, uint64_t seed) {
+inline std::vector<int32_t> make_labels(const Eigen::MatrixXd& x, int label_count, uint64_t seed) {
   const Eigen::MatrixXd noise = normal_samples(x.rows(), 1, seed);
   std::vector<int32_t> labels;
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
@@ -114,8 +114,8 @@ inline HyperParameters plain_choice(FitMeasure measure, const Eigen::MatrixXd& x
   Random random(options.seed);
   const int n = static_cast<int>(x.rows());
   const std::vector<int> centres = choose_subset(n, options.centres, random);
-  const Folds folds = deal_folds(n, options.folds, random);
-  double least = std::numeric_limits<double>::max();
+  const Folds folds = make_folds(n, options.folds, random);
+  double best_error = std::numeric_limits<double>::max();
   HyperParameters best;
   for (const double sigma : options.sigmas) {
     const Eigen::MatrixXd xc = x(centres, Eigen::all);
@@ -128,31 +128,31 @@ inline HyperParameters plain_choice(FitMeasure measure, const Eigen::MatrixXd& x
     for (const double lambda : options.lambdas) {
       double error = 0;
       for (int f = 0; f < folds.count(); ++f) {
-        std::vector<int> held, train;
+        std::vector<int> held_out, train;
         for (int i = 0; i < n; ++i) {
           const bool in = i >= folds.begin[static_cast<size_t>(f)] &&
                           i < folds.begin[static_cast<size_t>(f) + 1];
-          (in ? held : train).push_back(folds.order[static_cast<size_t>(i)]);
+          (in ? held_out : train).push_back(folds.order[static_cast<size_t>(i)]);
         }
         const PlainFit fit(measure, phi(Eigen::all, train), psi(Eigen::all, train),
                            plain_integral(xc, sigma), a_integral, lambda);
         // The criterion of the held-out samples with the solution of the others.
-        const PlainFit judge(measure, phi(Eigen::all, held), psi(Eigen::all, held),
-                             plain_integral(xc, sigma), a_integral, 1.0);
-        error += 0.5 * fit.theta.cwiseProduct(judge.p * fit.theta * judge.a).sum() -
-                 fit.theta.cwiseProduct(judge.c).sum();
+        const PlainFit validation(measure, phi(Eigen::all, held_out), psi(Eigen::all, held_out),
+                                  plain_integral(xc, sigma), a_integral, 1.0);
+        error += 0.5 * fit.theta.cwiseProduct(validation.p * fit.theta * validation.a).sum() -
+                 fit.theta.cwiseProduct(validation.c).sum();
         if (measure == FitMeasure::kSmi) {
           // I 2.2.2.2 in its own words: ½ mean r(x_i, y_j)² − mean r(x_i, y_i).
           const Eigen::MatrixXd r =
-              phi(Eigen::all, held).transpose() * fit.theta * psi(Eigen::all, held);
+              phi(Eigen::all, held_out).transpose() * fit.theta * psi(Eigen::all, held_out);
           EXPECT_NEAR(0.5 * r.array().square().mean() - r.diagonal().mean(),
                       0.5 * fit.theta.cwiseProduct(judge.p * fit.theta * judge.a).sum() -
                           fit.theta.cwiseProduct(judge.c).sum(),
                       1e-8);
         }
       }
-      if (error < least) {
-        least = error;
+      if (error < best_error) {
+        best_error = error;
         best = {sigma, lambda};
       }
     }

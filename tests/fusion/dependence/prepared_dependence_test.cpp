@@ -36,7 +36,7 @@ TEST(PreparedDependence, ReferenceValuesOfLsmi) {
     FitOptions options = fixed(sigma, lambda);
     EXPECT_NEAR(PreparedDependence(FitMeasure::kSmi, x, options).ask(y).value, linear, 1e-12);
     options.form = SmiForm::kPlugIn;
-    const FitEstimate found = PreparedDependence(FitMeasure::kSmi, x, options).ask(y);
+    const FitEstimate found = PreparedDependence(FitMeasure::kSmi, x, options).evaluate(y);
     EXPECT_NEAR(found.value, plug_in, 1e-12);
     EXPECT_EQ(found.chosen, (HyperParameters{sigma, lambda}));
   }
@@ -52,7 +52,7 @@ TEST(PreparedDependence, SamplesEqualTheDenseKroneckerSolve) {
       for (const SmiForm form : {SmiForm::kLinear, SmiForm::kPlugIn}) {
         FitOptions options = fixed(0.9, lambda);
         options.form = plain.form = form;
-        const FitEstimate found = PreparedDependence(measure, x, options).ask(y);
+        const FitEstimate found = PreparedDependence(measure, x, options).evaluate(y);
         EXPECT_STREQ(found.reason, "");
         EXPECT_NEAR(found.value, plain.value(), 1e-10);
       }
@@ -62,12 +62,12 @@ TEST(PreparedDependence, SamplesEqualTheDenseKroneckerSolve) {
 
 TEST(PreparedDependence, LabelsEqualTheDenseKroneckerSolve) {
   const MatrixXd x = normal_samples(30, 2, 3);
-  std::vector<int32_t> labels = labels_of(x, 4, 4);
+  std::vector<int32_t> labels = make_labels(x, 4, 4);
   for (const FitMeasure measure : kMeasures) {
     // Five labels, of which the last does not occur.
     const PlainFit plain(measure, plain_kernel(x, x, 0.7), indicators(labels, 5),
                          plain_integral(x, 0.7), MatrixXd::Identity(5, 5), 0.02);
-    const FitEstimate found = PreparedDependence(measure, x, fixed(0.7, 0.02)).ask(labels, 5);
+    const FitEstimate found = PreparedDependence(measure, x, fixed(0.7, 0.02)).evaluate(labels, 5);
     EXPECT_STREQ(found.reason, "");
     EXPECT_NEAR(found.value, plain.value(), 1e-10);
   }
@@ -81,30 +81,31 @@ TEST(PreparedDependence, CrossValidationChoosesAsThePlainOneDoes) {
       options.seed = 1 + trial;
       const MatrixXd x = normal_samples(53, 2, 10 + trial);
       const MatrixXd y = correlated_with(x, 0.3 + 0.2 * static_cast<double>(trial), 20 + trial);
-      const std::vector<int32_t> labels = labels_of(x, 3, 30 + trial);
+      const std::vector<int32_t> labels = make_labels(x, 3, 30 + trial);
       PreparedDependence prepared(measure, x, options);
-      const FitEstimate of_samples = prepared.ask(y), of_labels = prepared.ask(labels, 3);
+      const FitEstimate of_samples = prepared.evaluate(y), of_labels = prepared.evaluate(labels, 3);
       EXPECT_EQ(of_samples.chosen, plain_choice(measure, x, &y, {}, 0, options));
       EXPECT_EQ(of_labels.chosen, plain_choice(measure, x, nullptr, labels, 3, options));
       // Asked again with what was chosen, it says the same.
       EXPECT_EQ(prepared.ask(y, of_samples.chosen).value, of_samples.value);
       EXPECT_EQ(prepared.ask(labels, 3, of_labels.chosen).value, of_labels.value);
-      all.push_back(of_samples.chosen);
+      all.push_back(of_samples.hyper_parameters);
     }
   }
   EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const auto& h) { return h != all[0]; }));
 }
 
-TEST(PreparedDependence, OneObjectAnswersManyHypothesesAsFreshOnesDo) {
+TEST(PreparedDependence, ReusedObjectGivesTheValuesOfFreshOnes) {
   const MatrixXd x = normal_samples(200, 4, 40);
   FitOptions options;
   options.centres = 25;
   PreparedDependence shared(FitMeasure::kSmi, x, options);
   for (uint64_t h = 0; h < 5; ++h) {
-    const auto labels = labels_of(x, 2 + static_cast<int>(h), 50 + h);
+    const auto labels = make_labels(x, 2 + static_cast<int>(h), 50 + h);
     const int count = 2 + static_cast<int>(h);
-    const FitEstimate together = shared.ask(labels, count);
-    const FitEstimate alone = PreparedDependence(FitMeasure::kSmi, x, options).ask(labels, count);
+    const FitEstimate together = shared.evaluate(labels, count);
+    const FitEstimate alone =
+        PreparedDependence(FitMeasure::kSmi, x, options).evaluate(labels, count);
     EXPECT_EQ(together.value, alone.value);
     EXPECT_EQ(together.chosen, alone.chosen);
     const MatrixXd y = correlated_with(x, 0.5, 60 + h);
@@ -114,13 +115,13 @@ TEST(PreparedDependence, OneObjectAnswersManyHypothesesAsFreshOnesDo) {
 
 TEST(PreparedDependence, RelabellingChangesNothing) {
   const MatrixXd x = normal_samples(150, 3, 70);
-  std::vector<int32_t> labels = labels_of(x, 4, 71), renamed;
+  std::vector<int32_t> labels = make_labels(x, 4, 71), renamed;
   for (const int32_t label : labels) renamed.push_back((label * 3 + 2) % 5);
   FitOptions options;
   options.centres = 30;
   for (const FitMeasure measure : kMeasures) {
     PreparedDependence prepared(measure, x, options);
-    const FitEstimate one = prepared.ask(labels, 4), other = prepared.ask(renamed, 5);
+    const FitEstimate one = prepared.evaluate(labels, 4), other = prepared.evaluate(renamed, 5);
     EXPECT_NEAR(one.value, other.value, 1e-12);
     EXPECT_EQ(one.chosen, other.chosen);
   }
@@ -144,12 +145,12 @@ TEST(PreparedDependence, GradientEqualsCentralDifferences) {
     options.form = form;
     PreparedDependence prepared(FitMeasure::kSmi, x, options);
     MatrixXd gradient;
-    const FitEstimate found = prepared.ask(y, {}, &gradient);
+    const FitEstimate found = prepared.evaluate(y, {}, &gradient);
     EXPECT_EQ(found.value, prepared.ask(y).value);
     ASSERT_EQ(gradient.rows(), 40);
     ASSERT_EQ(gradient.cols(), 2);
     EXPECT_GT(gradient.norm(), 0.01);
-    const auto value = [&](const MatrixXd& at) { return prepared.ask(at).value; };
+    const auto value = [&](const MatrixXd& at) { return prepared.evaluate(at).value; };
     EXPECT_LT((gradient - central_differences(value, y, 1e-5)).cwiseAbs().maxCoeff(), 1e-8);
   }
 }
@@ -159,7 +160,7 @@ TEST(PreparedDependence, BiasOfLsmiOnTheGaussian) {
   const double table[][3] = {
       {0.0, 0.000, 0.004}, {0.5, 0.168, 0.010}, {0.8, 0.61, 0.02}, {0.9, 1.07, 0.08}};
   for (const auto& [rho, value, within] : table) {
-    MeanOf found;
+    RunningMean found;
     for (uint64_t trial = 0; trial < 12; ++trial) {
       const MatrixXd x = normal_samples(1000, 1, 100 + trial);
       FitOptions options;
@@ -167,7 +168,7 @@ TEST(PreparedDependence, BiasOfLsmiOnTheGaussian) {
       options.sigmas = {0.5, 1.0, 1.5};
       options.lambdas = {1e-4, 1e-2, 1.0};
       found.add(PreparedDependence(FitMeasure::kSmi, x, options)
-                    .ask(correlated_with(x, rho, 200 + trial))
+                    .evaluate(correlated_with(x, rho, 200 + trial))
                     .value);
     }
     EXPECT_NEAR(found.mean(), value, within + 2 * found.standard_error()) << rho;
@@ -177,7 +178,7 @@ TEST(PreparedDependence, BiasOfLsmiOnTheGaussian) {
 TEST(PreparedDependence, QmiAndSceOfTheGaussian) {
   using std::numbers::pi;
   for (const double rho : {0.5, 0.8}) {
-    MeanOf qmi, sce;
+    RunningMean qmi, sce;
     for (uint64_t trial = 0; trial < 10; ++trial) {
       const MatrixXd x = normal_samples(1000, 1, 300 + trial);
       const MatrixXd y = correlated_with(x, rho, 400 + trial);
@@ -185,8 +186,8 @@ TEST(PreparedDependence, QmiAndSceOfTheGaussian) {
       options.centres = 60;
       options.sigmas = {0.5, 0.75, 1.0};
       options.lambdas = {1e-3, 1e-2, 1e-1};
-      qmi.add(PreparedDependence(FitMeasure::kQmi, x, options).ask(y).value);
-      sce.add(PreparedDependence(FitMeasure::kSce, x, options).ask(y).value);
+      qmi.add(PreparedDependence(FitMeasure::kQmi, x, options).evaluate(y).value);
+      sce.add(PreparedDependence(FitMeasure::kSce, x, options).evaluate(y).value);
     }
     const double s = std::sqrt(1 - rho * rho);
     const double true_qmi = 1 / (4 * pi * s) + 1 / (4 * pi) - 1 / (pi * std::sqrt(4 - rho * rho));
@@ -197,14 +198,14 @@ TEST(PreparedDependence, QmiAndSceOfTheGaussian) {
   }
 }
 
-TEST(PreparedDependence, SaysWhyItCannotAnswer) {
+TEST(PreparedDependence, ReportsReasonForInvalidInput) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const MatrixXd x = normal_samples(30, 2, 500);
   const FitOptions options;
-  const std::vector<int32_t> labels = labels_of(x, 3, 501), alike(30, 1);
+  const std::vector<int32_t> labels = make_labels(x, 3, 501), alike(30, 1);
   const auto reason = [&](const MatrixXd& prepared, const FitOptions& with) {
     PreparedDependence side(FitMeasure::kSmi, prepared, with);
-    const FitEstimate answer = side.ask(labels, 3), other = side.ask(x);
+    const FitEstimate answer = side.evaluate(labels, 3), other = side.evaluate(x);
     EXPECT_STREQ(side.reason(), answer.reason);
     EXPECT_STREQ(side.reason(), other.reason);
     EXPECT_EQ(answer.value, 0.0);
@@ -214,7 +215,7 @@ TEST(PreparedDependence, SaysWhyItCannotAnswer) {
   with_nan(4, 1) = kNan;
   EXPECT_STREQ(reason(with_nan, options), "a sample is not finite");
   EXPECT_STREQ(reason(MatrixXd(0, 2), options), "fewer than two samples");
-  EXPECT_STREQ(reason(MatrixXd::Ones(30, 2), options), "all samples are alike");
+  EXPECT_STREQ(reason(MatrixXd::Ones(30, 2), options), "all samples are equal");
   EXPECT_STREQ(reason(x.topRows(4), options), "fewer samples than folds");
   FitOptions invalid;
   invalid.lambdas = {0.0};
@@ -225,13 +226,13 @@ TEST(PreparedDependence, SaysWhyItCannotAnswer) {
   EXPECT_STREQ(side.ask(with_nan, {}, &gradient).reason, "a sample is not finite");
   EXPECT_EQ(gradient.size(), 0);
   EXPECT_STREQ(side.ask(x.topRows(9)).reason, "the two sides differ in length");
-  EXPECT_STREQ(side.ask(MatrixXd::Ones(30, 1)).reason, "all samples are alike");
-  EXPECT_STREQ(side.ask(alike, 3).reason, "all labels are alike");
+  EXPECT_STREQ(side.ask(MatrixXd::Ones(30, 1)).reason, "all samples are equal");
+  EXPECT_STREQ(side.ask(alike, 3).reason, "all labels are equal");
   EXPECT_STREQ(side.ask(labels, 2).reason, "a label is outside 0 … label_count − 1");
   EXPECT_STREQ(side.ask(labels, 3, HyperParameters{7, 1}).reason,
-               "the kept sigma is not in the grid");
+               "the given sigma is not in the grid");
   EXPECT_STREQ(side.ask(labels, 3, HyperParameters{1, kNan}).reason,
-               "the kept lambda is outside 1e-12 … 1e12");
+               "the given lambda is outside 1e-12 … 1e12");
   EXPECT_TRUE(side.ask(labels, 3).usable());
 }
 
@@ -246,8 +247,8 @@ TEST(PreparedDependence, SingularKernelsAndExtremeScalesGiveFiniteValuesOrAReaso
       for (const double lambda : {1e-12, 1e-3, 1e12}) {
         PreparedDependence side(measure, scale * twins, fixed(1.0, lambda));
         MatrixXd gradient;
-        for (const FitEstimate& answer :
-             {side.ask(each, 30), side.ask(y), side.ask(scale * twins, {}, &gradient)}) {
+        for (const FitEstimate& answer : {side.evaluate(each, 30), side.evaluate(y),
+                                          side.evaluate(scale * twins, {}, &gradient)}) {
           EXPECT_TRUE(std::isfinite(answer.value));
         }
         EXPECT_TRUE(gradient.allFinite());
@@ -256,7 +257,7 @@ TEST(PreparedDependence, SingularKernelsAndExtremeScalesGiveFiniteValuesOrAReaso
   }
 }
 
-TEST(FitOptions, SayWhatIsWrong) {
+TEST(FitOptions, ReportInvalidValues) {
   EXPECT_FALSE(FitOptions().invalid());
   FitOptions options;
   options.sigmas = {};

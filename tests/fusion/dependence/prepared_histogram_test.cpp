@@ -14,9 +14,10 @@ namespace infuse::dependence {
 namespace {
 
 constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
-constexpr Measure kAll[] = {Measure::kMutualInformation, Measure::kNormalisedMutualInformation,
-                            Measure::kNormalisedInformationDistance, Measure::kChiSquared,
-                            Measure::kSquaredLossMutualInformation};
+constexpr Measure kAllMeasures[] = {Measure::kMutualInformation,
+                                    Measure::kNormalisedMutualInformation,
+                                    Measure::kNormalisedInformationDistance, Measure::kChiSquared,
+                                    Measure::kSquaredLossMutualInformation};
 
 /// Correlated samples, a few of them beyond 0..1.
 struct Pairs {
@@ -119,7 +120,7 @@ TEST(PreparedHistogram, ValuesAgreeWithTheOracle) {
   const Pairs pairs(3000);
   PreparedHistogram prepared(pairs.x, options(24, 32));
   const JointHistogram truth = spline_oracle(pairs.x, pairs.y, options(24, 32));
-  for (const Measure which : kAll) {
+  for (const Measure which : kAllMeasures) {
     EXPECT_NEAR(prepared.value(which, pairs.y).value, measure(which, truth).value, 2e-6);
   }
 }
@@ -136,18 +137,18 @@ TEST(PreparedHistogram, GradientAgreesWithCentralDifferencesOfTheOracle) {
   std::vector<double> y(pairs.y.begin(), pairs.y.end());
   std::vector<float> gradient(400);
   PreparedHistogram prepared(pairs.x, o, weights);
-  for (const Measure which : kAll) {
+  for (const Measure which : kAllMeasures) {
     ASSERT_TRUE(prepared.value_and_gradient(which, pairs.y, gradient).usable());
     double largest = 0;
     for (const float g : gradient) largest = std::max(largest, std::abs(double(g)));
     ASSERT_GT(largest, 1e-6);
     for (size_t i = 0; i < 400; i += 7) {
-      const double kept = y[i], step = 1e-4;
-      y[i] = kept + step;
+      const double saved = y[i], step = 1e-4;
+      y[i] = saved + step;
       const double above = measure(which, spline_oracle(x, y, o, weights)).value;
-      y[i] = kept - step;
+      y[i] = saved - step;
       const double below = measure(which, spline_oracle(x, y, o, weights)).value;
-      y[i] = kept;
+      y[i] = saved;
       EXPECT_NEAR(double(gradient[i]), (above - below) / (2 * step), 2e-4 * largest) << i;
     }
   }
@@ -207,7 +208,7 @@ TEST(PreparedHistogram, TilesAddUpAndShareOneGradient) {
 TEST(PreparedHistogram, SymmetricInItsSides) {
   const Pairs pairs(2000);
   for (const Window window : {Window::kNone, Window::kGaussian, Window::kBSpline}) {
-    for (const Measure which : kAll) {
+    for (const Measure which : kAllMeasures) {
       const double xy =
           measure(which, joint_histogram(pairs.x, pairs.y, options(12, 20, window))).value;
       const double yx =
@@ -218,7 +219,7 @@ TEST(PreparedHistogram, SymmetricInItsSides) {
   }
 }
 
-TEST(PreparedHistogram, AskedAgainAnswersTheSameBytes) {
+TEST(PreparedHistogram, EvaluatedAgainGivesTheSameBytes) {
   const Pairs pairs(5000), other(5000, 2);
   PreparedHistogram prepared(pairs.x, options(32, 32));
   std::vector<float> first(5000), second(5000);
@@ -234,7 +235,7 @@ void expect_reason(const std::vector<float>& x, const std::vector<float>& y,
                    const std::string& reason, const std::vector<float>& weights = {}) {
   for (const Window window : {Window::kNone, Window::kGaussian, Window::kBSpline}) {
     PreparedHistogram prepared(x, options(8, 8, window), weights);
-    for (const Measure which : kAll) {
+    for (const Measure which : kAllMeasures) {
       const Estimate estimate = prepared.value(which, y);
       EXPECT_THAT(std::string(estimate.reason), testing::HasSubstr(reason));
       EXPECT_TRUE(std::isfinite(estimate.value));
@@ -282,7 +283,7 @@ TEST(PreparedHistogram, HugeValuesAndAxesStayFinite) {
   }
 }
 
-TEST(PreparedHistogram, InvalidOptionsAreTold) {
+TEST(PreparedHistogram, InvalidOptionsAreReported) {
   EXPECT_FALSE(options(32, 32).invalid());
   EXPECT_TRUE(options(3, 32).invalid());
   EXPECT_FALSE(options(3, 32, Window::kNone).invalid());

@@ -34,7 +34,7 @@ Eigen::MatrixXd central_differences(const Value& value, const Eigen::MatrixXd& s
 }
 
 /// Mean and its standard error, of values that are added one by one.
-class MeanOf {
+class RunningMean {
  public:
   void add(double value) {
     ++n_;

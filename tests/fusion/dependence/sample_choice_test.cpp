@@ -23,22 +23,22 @@ TEST(SampleChoice, SubsetsAreDistinctAscendingAndEquallyLikely) {
   for (const int count : times) EXPECT_NEAR(count, 1500, 160);
 }
 
-TEST(SampleChoice, AllWhereMoreAreWanted) {
+TEST(SampleChoice, SubsetIsAllWhenCountIsTooLarge) {
   Random random(1);
   EXPECT_EQ(choose_subset(3, 3, random), (std::vector<int>{0, 1, 2}));
   EXPECT_EQ(choose_subset(3, 9, random), (std::vector<int>{0, 1, 2}));
 }
 
-TEST(SampleChoice, FoldsPartTheSamplesInEqualSizes) {
+TEST(SampleChoice, FoldsSplitTheSamplesEvenly) {
   Random random(2);
-  const Folds folds = deal_folds(23, 5, random);
+  const Folds folds = make_folds(23, 5, random);
   ASSERT_EQ(folds.count(), 5);
   EXPECT_EQ(std::set<int>(folds.order.begin(), folds.order.end()).size(), 23U);
   for (int f = 0; f < 5; ++f) EXPECT_TRUE(folds.size(f) == 4 || folds.size(f) == 5);
   EXPECT_FALSE(std::is_sorted(folds.order.begin(), folds.order.end()));
 }
 
-TEST(SampleChoice, SaysWhySamplesCannotBeUsed) {
+TEST(SampleChoice, CheckSamplesReportsTheReason) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   Eigen::MatrixXd x(3, 1), y(4, 1);
   x << 1, 2, 3;
@@ -46,7 +46,7 @@ TEST(SampleChoice, SaysWhySamplesCannotBeUsed) {
   EXPECT_STREQ(unusable(x), "");
   EXPECT_STREQ(unusable(Eigen::MatrixXd(0, 1)), "fewer than two samples");
   EXPECT_STREQ(unusable(Eigen::MatrixXd(3, 0)), "fewer than two samples");
-  EXPECT_STREQ(unusable(Eigen::MatrixXd::Ones(3, 2)), "all samples are alike");
+  EXPECT_STREQ(unusable(Eigen::MatrixXd::Ones(3, 2)), "all samples are equal");
   EXPECT_STREQ(unusable(x, y), "the two sides differ in length");
   for (const double bad : {kNan, std::numeric_limits<double>::infinity(), -1e101}) {
     y(2) = bad;
@@ -54,13 +54,13 @@ TEST(SampleChoice, SaysWhySamplesCannotBeUsed) {
   }
 }
 
-TEST(SampleChoice, SaysWhyLabelsCannotBeUsed) {
+TEST(SampleChoice, CheckLabelsReportsTheReason) {
   const std::vector<int32_t> good = {0, 1, 2}, alike = {1, 1, 1}, negative = {0, -1, 2};
   EXPECT_STREQ(unusable(good, 3, 3), "");
   EXPECT_STREQ(unusable(good, 4, 3), "the two sides differ in length");
   EXPECT_STREQ(unusable(good, 3, 2), "a label is outside 0 … label_count − 1");
   EXPECT_STREQ(unusable(negative, 3, 3), "a label is outside 0 … label_count − 1");
-  EXPECT_STREQ(unusable(alike, 3, 3), "all labels are alike");
+  EXPECT_STREQ(unusable(alike, 3, 3), "all labels are equal");
   EXPECT_STREQ(unusable(good, 3, 0), "label_count is outside 1 … 10000");
 }
 

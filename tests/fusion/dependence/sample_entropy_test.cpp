@@ -34,7 +34,7 @@ std::span<const double> row(const Eigen::MatrixXd& scalars) {
 struct Mean {
   double value, standard_error;
 };
-Mean mean_of(int trials, const std::function<Estimate(unsigned)>& estimate) {
+Mean mean_over_seeds(int trials, const std::function<Estimate(unsigned)>& estimate) {
   double sum = 0, squared = 0;
   for (int t = 0; t < trials; ++t) {
     const Estimate h = estimate(static_cast<unsigned>(t) + 1);
@@ -56,7 +56,7 @@ TEST(SpacingEntropy, IsThePrintedFormulaByHand) {
 
 TEST(SpacingEntropy, UniformWithinStandardErrorAtAnySpacing) {
   for (const int m : {1, 3, 10}) {
-    const Mean h = mean_of(400, [&](unsigned seed) {
+    const Mean h = mean_over_seeds(400, [&](unsigned seed) {
       return entropy_spacing(row(3 * uniform(1, 50, seed)), {.m = m, .correct_bias = true});
     });
     EXPECT_NEAR(h.value, std::log(3), 4 * h.standard_error) << m;
@@ -64,7 +64,7 @@ TEST(SpacingEntropy, UniformWithinStandardErrorAtAnySpacing) {
 }
 
 TEST(SpacingEntropy, GaussianWithinStandardError) {
-  const Mean h = mean_of(20, [](unsigned seed) {
+  const Mean h = mean_over_seeds(20, [](unsigned seed) {
     return entropy_spacing(row(gaussian(1, 20000, seed)), {.m = 20, .correct_bias = true});
   });
   EXPECT_NEAR(h.value, std::log(kTwoPiE) / 2, 4 * h.standard_error);
@@ -94,7 +94,7 @@ TEST(NearestNeighbourEntropy, IsThePrintedFormulaInOneDimension) {
 TEST(NearestNeighbourEntropy, GaussianWithinStandardError) {
   for (const int d : {1, 2, 3}) {
     for (const int k : {1, 4}) {
-      const Mean h = mean_of(
+      const Mean h = mean_over_seeds(
           12, [&](unsigned seed) { return entropy_nearest_neighbour(gaussian(d, 4000, seed), k); });
       // The bias falls with the dimension as n^(-2/d): allowed for in three dimensions.
       const double bias = d == 3 ? 0.02 : 0.002;
@@ -105,7 +105,7 @@ TEST(NearestNeighbourEntropy, GaussianWithinStandardError) {
 }
 
 TEST(NearestNeighbourEntropy, UniformWithinStandardError) {
-  const Mean h = mean_of(
+  const Mean h = mean_over_seeds(
       20, [](unsigned seed) { return entropy_nearest_neighbour(2 * uniform(1, 4000, seed), 3); });
   EXPECT_NEAR(h.value, std::log(2), 4 * h.standard_error + 0.001);
 }
@@ -152,7 +152,7 @@ TEST(SpanningTreeEntropy, GaussianAgreesWithClosedForm) {
     SpanningTreeOptions options;
     options.alpha = alpha;
     options.log_beta = spanning_tree_log_beta(2, 1000, options);
-    const Mean h = mean_of(8, [&](unsigned seed) {
+    const Mean h = mean_over_seeds(8, [&](unsigned seed) {
       return renyi_entropy_spanning_tree(3 * gaussian(2, 1000, seed), options);
     });
     const double truth =

@@ -16,7 +16,7 @@ inline double cubic_spline(double t) {
 }
 
 /// Where `value` lies on the axis, in bins: the ends are one bin inside the table.
-inline double place(double value, const Axis& axis) {
+inline double axis_position(double value, const Axis& axis) {
   const double t = (value - axis.low) / (axis.high - axis.low);
   return 1 + std::min(1.0, std::max(0.0, t)) * (axis.bins - 3);
 }
@@ -31,8 +31,8 @@ JointHistogram spline_oracle(const Values& x, const Values& y, const JointHistog
       for (int l = 0; l < options.y.bins; ++l) {
         mass[static_cast<size_t>(k * options.y.bins + l)] +=
             (weights.empty() ? 1.0 : double(weights[i])) *
-            cubic_spline(place(double(x[i]), options.x) - k) *
-            cubic_spline(place(double(y[i]), options.y) - l);
+            cubic_spline(axis_position(double(x[i]), options.x) - k) *
+            cubic_spline(axis_position(double(y[i]), options.y) - l);
       }
     }
   }

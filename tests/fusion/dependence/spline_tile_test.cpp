@@ -21,7 +21,7 @@ TEST(SplineKernels, WeightsAreTheCubicSpline) {
 }
 
 /// One sample at a time instead of many: the lanes and chunks must not show.
-TEST(SplineTile, SamplesDoNotInfluenceEachOthersPlace) {
+TEST(SplineTile, SamplesAreIndependentOfChunksAndLanes) {
   std::mt19937 random(1);
   constexpr size_t kCount = 2051;  // two chunks and three samples
   std::vector<float> x(kCount), y(kCount), gradient(kCount);

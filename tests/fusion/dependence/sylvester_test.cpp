@@ -49,13 +49,12 @@ TEST(Sylvester, SolutionEqualsTheDenseKroneckerSolve) {
     for (const Index size : {1, 2, 9}) {
       const MatrixXd p = random_gram(11, 20, 2), a = random_gram(size, 20, 3);
       const MatrixXd c = normal_samples(11, size, 4);
-      const SpectralBasis prepared = spectral_basis(p);
-      const TridiagonalBasis asked = tridiagonal_basis(a);
-      const MatrixXd q = asked.rotation.size() == 0 ? MatrixXd::Identity(1, 1) : asked.rotation;
+      const SpectralBasis fixed = spectral_basis(p);
+      const TridiagonalBasis moving = tridiagonal_basis(a);
+      const MatrixXd q = moving.rotation.size() == 0 ? MatrixXd::Identity(1, 1) : moving.rotation;
       MatrixXd theta;
-      solve_sylvester(prepared.eigenvalues, asked, lambda, prepared.rotation * c * q.transpose(),
-                      theta);
-      theta = prepared.rotation.transpose() * theta * q;
+      solve_sylvester(fixed.eigenvalues, moving, lambda, fixed.rotation * c * q.transpose(), theta);
+      theta = fixed.rotation.transpose() * theta * q;
       EXPECT_TRUE(theta.isApprox(dense_solution(p, a, lambda, c), 1e-9)) << lambda << " " << size;
     }
   }
@@ -64,13 +63,13 @@ TEST(Sylvester, SolutionEqualsTheDenseKroneckerSolve) {
 TEST(Sylvester, SingularGramsAreSolvedThroughTheRidge) {
   const MatrixXd p = random_gram(10, 2, 5), a = MatrixXd::Ones(6, 6);
   const MatrixXd c = normal_samples(10, 6, 6);
-  const SpectralBasis prepared = spectral_basis(p);
-  const TridiagonalBasis asked = tridiagonal_basis(a);
+  const SpectralBasis fixed = spectral_basis(p);
+  const TridiagonalBasis moving = tridiagonal_basis(a);
   EXPECT_GE(prepared.eigenvalues.minCoeff(), 0.0);
   MatrixXd theta;
-  solve_sylvester(prepared.eigenvalues, asked, 1e-3,
-                  prepared.rotation * c * asked.rotation.transpose(), theta);
-  theta = prepared.rotation.transpose() * theta * asked.rotation;
+  solve_sylvester(fixed.eigenvalues, moving, 1e-3, fixed.rotation * c * moving.rotation.transpose(),
+                  theta);
+  theta = fixed.rotation.transpose() * theta * moving.rotation;
   EXPECT_TRUE(theta.isApprox(dense_solution(p, a, 1e-3, c), 1e-8));
 }
 

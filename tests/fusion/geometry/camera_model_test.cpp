@@ -22,7 +22,7 @@ CameraIntrinsics fisheye() {
 }
 
 /// The formulas as OpenCV's documentation prints them.
-Eigen::Vector2d by_the_manual(const CameraIntrinsics& c, const Eigen::Vector3d& P) {
+Eigen::Vector2d project_by_opencv_formulas(const CameraIntrinsics& c, const Eigen::Vector3d& P) {
   const auto& k = c.distortion;
   const double a = P.x() / P.z(), b = P.y() / P.z();
   const double r = std::sqrt(a * a + b * b);
@@ -53,14 +53,14 @@ INSTANTIATE_TEST_SUITE_P(Both, CameraModels, testing::Values(pinhole(), fisheye(
                            return camera.param.model == Model::kPinhole ? "Pinhole" : "Fisheye";
                          });
 
-TEST_P(CameraModels, ProjectAsTheManualSays) {
+TEST_P(CameraModels, ProjectAgreesWithOpenCvFormulas) {
   std::mt19937_64 random(1);
   const CameraModel camera(GetParam());
   for (int n = 0; n < 200; ++n) {
     const Eigen::Vector3d point = random_point(random, 0.75);
     const auto pixel = camera.project(point);
     ASSERT_TRUE(pixel);
-    EXPECT_LT((*pixel - by_the_manual(GetParam(), point)).norm(), 1e-9);
+    EXPECT_LT((*pixel - project_by_opencv_formulas(GetParam(), point)).norm(), 1e-9);
   }
 }
 
@@ -112,7 +112,7 @@ TEST(CameraModel, DoesNotFoldBackWhatIsFarOutside) {
   const Eigen::Vector3d wide(3.2, 0.2, 1);
   CameraIntrinsics folding = pinhole();
   folding.distortion = {-0.10, 0, 0, 0, 0};
-  ASSERT_TRUE(CameraModel(folding).in_picture(by_the_manual(folding, wide)));
+  ASSERT_TRUE(CameraModel(folding).in_image(project_by_opencv_formulas(folding, wide)));
   EXPECT_FALSE(CameraModel(folding).project(wide));
   // The radius r (1 − 0.1 r²) rises until r² = 10/3.
   EXPECT_NEAR(CameraModel(folding).limit(), 10.0 / 3, 0.02);
@@ -131,13 +131,13 @@ TEST(CameraModel, FisheyeSeesBehindItself) {
   EXPECT_NEAR(direction->z(), std::cos(angle), 1e-12);
 }
 
-TEST(CameraModel, PictureEndsHalfAPixelFromTheLastCentre) {
+TEST(CameraModel, ImageEndsHalfAPixelFromTheLastCentre) {
   const CameraModel camera(pinhole());
-  EXPECT_TRUE(camera.in_picture({-0.5, -0.5}));
-  EXPECT_TRUE(camera.in_picture({1279.4, 959.4}));
-  EXPECT_FALSE(camera.in_picture({1279.5, 0}));
-  EXPECT_FALSE(camera.in_picture({0, -0.51}));
-  EXPECT_FALSE(camera.in_picture({std::nan(""), 0}));
+  EXPECT_TRUE(camera.in_image({-0.5, -0.5}));
+  EXPECT_TRUE(camera.in_image({1279.4, 959.4}));
+  EXPECT_FALSE(camera.in_image({1279.5, 0}));
+  EXPECT_FALSE(camera.in_image({0, -0.51}));
+  EXPECT_FALSE(camera.in_image({std::nan(""), 0}));
 }
 
 TEST_P(CameraModels, ManyPointsAtOnceAgreeWithOneByOne) {
@@ -161,8 +161,8 @@ TEST_P(CameraModels, ManyPointsAtOnceAgreeWithOneByOne) {
     if (point.norm() < 1) continue;
     EXPECT_NEAR(depth[n], point.z(), 1e-4);
     const auto pixel = camera.project(point);
-    if (!pixel || !camera.in_picture(*pixel)) {
-      EXPECT_FALSE(camera.in_picture({u[n], v[n]}) &&
+    if (!pixel || !camera.in_image(*pixel)) {
+      EXPECT_FALSE(camera.in_image({u[n], v[n]}) &&
                    (!pixel || (Eigen::Vector2d(u[n], v[n]) - *pixel).norm() > 0.01));
       continue;
     }

@@ -40,7 +40,7 @@ TEST(ExtrinsicError, AShiftMovesPixelsByFocalLengthOverDepth) {
     for (int column = 0; column < 12; ++column) {
       const double x = ((column + 0.5) * 1000 / 12 - 0.5 - 499.5) / 800;
       const double y = ((row + 0.5) * 600 / 12 - 0.5 - 299.5) / 800;
-      for (const double depth : kDepths) {
+      for (const double depth : kComparisonDepths) {
         sum += 800 * 0.1 / (depth / std::sqrt(1 + x * x + y * y));
         ++count;
       }

@@ -23,9 +23,9 @@ Points draw_points(size_t n) {
     points.x.push_back(draw(-0.5, 0.5) * depth);
     points.y.push_back(draw(-0.4, 0.4) * depth);
     points.z.push_back(depth);
-    const bool still = i % 7 == 0;
-    points.by_u.push_back(still ? 0 : draw(-1, 1));
-    points.by_v.push_back(still ? 0 : draw(-1, 1));
+    const bool zero_gradient = i % 7 == 0;
+    points.by_u.push_back(zero_gradient ? 0 : draw(-1, 1));
+    points.by_v.push_back(zero_gradient ? 0 : draw(-1, 1));
   }
   return points;
 }

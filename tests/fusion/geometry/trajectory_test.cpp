@@ -7,9 +7,9 @@
 namespace infuse::geometry {
 namespace {
 
-constexpr int64_t kMs = 1'000'000;
+constexpr int64_t kNsPerMs = 1'000'000;
 
-Stamp at_ms(int64_t ms) { return Stamp::from_ns(ms * kMs); }
+Stamp at_ms(int64_t ms) { return Stamp::from_ns(ms * kNsPerMs); }
 
 /// 10 m/s along a circle to the left, 0.5 rad/s, from the origin towards x: known in closed form.
 Eigen::Isometry3d on_circle(double t) {
@@ -20,7 +20,7 @@ Eigen::Isometry3d on_circle(double t) {
   return T;
 }
 
-Trajectory circle(const TrajectoryOptions& options = {}, int poses = 20) {
+Trajectory make_circle(const TrajectoryOptions& options = {}, int poses = 20) {
   Trajectory trajectory(options);
   for (int i = 0; i < poses; ++i) {
     StampedPose pose{at_ms(100 * i), on_circle(0.1 * i), Matrix6::Identity() * 1e-4 * i};
@@ -30,7 +30,7 @@ Trajectory circle(const TrajectoryOptions& options = {}, int poses = 20) {
 }
 
 TEST(Trajectory, InterpolatesACircleExactly) {
-  const Trajectory trajectory = circle();
+  const Trajectory trajectory = make_circle();
   for (const int64_t ms : {0, 30, 50, 100, 730, 1899, 1900}) {
     const PoseAt pose = trajectory.at(at_ms(ms));
     ASSERT_TRUE(pose.usable()) << pose.reason;
@@ -40,8 +40,8 @@ TEST(Trajectory, InterpolatesACircleExactly) {
   }
 }
 
-TEST(Trajectory, SaysWhatItDoesNotCover) {
-  Trajectory trajectory = circle();
+TEST(Trajectory, ReportsWhatItDoesNotCover) {
+  Trajectory trajectory = make_circle();
   EXPECT_FALSE(Trajectory().at(at_ms(0)).usable());
   EXPECT_STREQ(trajectory.at(at_ms(-1)).reason, "the time lies before the first pose");
   EXPECT_STREQ(trajectory.at(at_ms(1901)).reason, "the time lies after the last pose");
@@ -55,10 +55,10 @@ TEST(Trajectory, SaysWhatItDoesNotCover) {
   EXPECT_FALSE(trajectory.append({at_ms(2500), on_circle(0), Matrix6::Zero()})) << "not later";
 }
 
-TEST(Trajectory, ExtrapolatesAsFarAsAllowedAndGetsVaguer) {
+TEST(Trajectory, ExtrapolatesToTheLimitWithGrowingCovariance) {
   TrajectoryOptions options;
-  options.max_extrapolation = Duration(100 * kMs);
-  const Trajectory trajectory = circle(options);
+  options.max_extrapolation = Duration(100 * kNsPerMs);
+  const Trajectory trajectory = make_circle(options);
   const PoseAt pose = trajectory.at(at_ms(2000));
   ASSERT_TRUE(pose.usable());
   EXPECT_LT((pose.T_map_vehicle.matrix() - on_circle(2.0).matrix()).norm(), 1e-10);
@@ -68,7 +68,7 @@ TEST(Trajectory, ExtrapolatesAsFarAsAllowedAndGetsVaguer) {
 }
 
 TEST(Trajectory, MotionBetweenTwoTimesBothWays) {
-  const Trajectory trajectory = circle();
+  const Trajectory trajectory = make_circle();
   const MotionBetween there = trajectory.between(at_ms(250), at_ms(1210));
   const MotionBetween back = trajectory.between(at_ms(1210), at_ms(250));
   ASSERT_TRUE(there.usable() && back.usable());
@@ -101,8 +101,8 @@ TEST(Trajectory, CovarianceOfAMotionIsItsSpread) {
       trajectory.append(pose);
       Vector6 noise;
       for (int k = 0; k < 6; ++k) noise[k] = sigma[k] * normal(random);
-      pose.T_map_vehicle = pose.T_map_vehicle * exp(noise) * step;
-      pose.covariance += transform_covariance(trajectory[static_cast<size_t>(i)].T_map_vehicle,
+      pose.T_odom_vehicle = pose.T_odom_vehicle * exp(noise) * step;
+      pose.covariance += transform_covariance(trajectory[static_cast<size_t>(i)].T_odom_vehicle,
                                               sigma.cwiseAbs2().asDiagonal());
     }
     const MotionBetween motion = trajectory.between(at_ms(500), at_ms(1700));
@@ -116,14 +116,14 @@ TEST(Trajectory, CovarianceOfAMotionIsItsSpread) {
 TEST(Trajectory, KeepsTheNewestWhenFull) {
   TrajectoryOptions options;
   options.capacity = 8;
-  const Trajectory trajectory = circle(options);
+  const Trajectory trajectory = make_circle(options);
   EXPECT_EQ(trajectory.size(), 8u);
   EXPECT_EQ(trajectory[0].stamp, at_ms(1200));
   EXPECT_FALSE(trajectory.at(at_ms(1100)).usable());
   EXPECT_TRUE(trajectory.at(at_ms(1850)).usable());
 }
 
-TEST(Trajectory, RefusesSenselessOptions) {
+TEST(Trajectory, RejectsInvalidOptions) {
   EXPECT_FALSE(TrajectoryOptions{}.invalid());
   EXPECT_TRUE(TrajectoryOptions{.capacity = 1}.invalid());
   EXPECT_TRUE(TrajectoryOptions{.max_gap = Duration(0)}.invalid());

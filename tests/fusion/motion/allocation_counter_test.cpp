@@ -9,7 +9,7 @@ std::atomic<size_t> counted{0};
 }  // namespace
 
 namespace infuse::motion {
-size_t allocations() { return counted; }
+size_t allocation_count() { return counted; }
 }  // namespace infuse::motion
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

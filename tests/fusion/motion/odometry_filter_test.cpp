@@ -17,7 +17,7 @@ using geometry::Vector6;
 constexpr double kDegree = std::numbers::pi / 180;
 
 /// Stands for `standing` s, then drives a winding road in the plane.
-Vector6 winding(double t, double standing) {
+Vector6 winding_twist(double t, double standing) {
   Vector6 twist = Vector6::Zero();
   const double start = std::clamp((t - standing) / 6, 0.0, 1.0);
   twist[2] = start * 0.3 * std::sin(0.5 * t);
@@ -26,17 +26,17 @@ Vector6 winding(double t, double standing) {
 }
 
 TrueDrive winding_drive(double length, double standing) {
-  return TrueDrive(length, [standing](double t) { return winding(t, standing); });
+  return TrueDrive(length, [standing](double t) { return winding_twist(t, standing); });
 }
 
 double heading_error(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return geometry::rotation_log(a.linear().transpose() * b.linear()).z();
 }
 
-void expect_consistent(const Learned& learned, double truth, double sigma_at_most,
+void expect_consistent(const EstimatedParameter& estimated, double truth, double max_sigma,
                        const char* what) {
   EXPECT_LT(std::abs(learned.value - truth), 3 * learned.sigma) << what;
-  EXPECT_LT(learned.sigma, sigma_at_most) << what;
+  EXPECT_LT(learned.sigma, max_sigma) << what;
 }
 
 TEST(OdometryFilter, FollowsAPlanarDriveWithPerfectSensors) {
@@ -106,18 +106,18 @@ TEST(OdometryFilter, WhatItLearnsStandingDoesNotMoveTheVehicle) {
   filter.flush();
   expect_consistent(filter.report().yaw_rate_bias, bias, 6e-4, "yaw rate");
   const geometry::Trajectory& trajectory = filter.trajectory();
-  double farthest = 0, most_turned = 0;
+  double max_distance = 0, max_rotation = 0;
   for (double t = 32.1; t < 35.8; t += 0.02) {
     const auto motion = trajectory.between(seconds(32.05), seconds(t));
     ASSERT_TRUE(motion.usable()) << motion.reason;
-    farthest = std::max(farthest, motion.T_from_to.translation().norm());
-    most_turned = std::max(most_turned, geometry::log(motion.T_from_to).head<3>().norm());
+    max_distance = std::max(max_distance, motion.T_from_to.translation().norm());
+    max_rotation = std::max(max_rotation, geometry::log(motion.T_from_to).head<3>().norm());
   }
   EXPECT_LT(farthest, 0.1);
-  EXPECT_LT(most_turned, 0.3 * kDegree);
+  EXPECT_LT(max_rotation, 0.3 * kDegree);
   // What was not taken back is still stated.
   const auto end = trajectory.at(seconds(35.8));
-  const Vector6 error = geometry::log(drive.pose(35.8) * end.T_map_vehicle.inverse());
+  const Vector6 error = geometry::log(drive.pose(35.8) * end.T_odom_vehicle.inverse());
   EXPECT_GT(std::abs(error[2]), 8 * kDegree);
   EXPECT_LT(std::abs(error[2]), 3 * std::sqrt(end.covariance(2, 2)));
 }
@@ -147,23 +147,23 @@ TEST(OdometryFilter, LearnsTheYawRateBiasFromSteeringWhereItNeverStands) {
     filter.add(sample);
   }
   filter.flush();
-  const Learned learned = filter.report().yaw_rate_bias;
-  expect_consistent(learned, bias, 0.003, "yaw rate");
+  const EstimatedParameter estimated = filter.report().yaw_rate_bias;
+  expect_consistent(estimated, bias, 0.003, "yaw rate");
   EXPECT_LT(std::abs(learned.value - bias), 0.3 * bias) << "most of the bias is found";
 }
 
-TEST(OdometryFilter, LearnsTheWheelScaleFromAReceiverAndOnlyFromIt) {
+TEST(OdometryFilter, LearnsTheWheelScaleOnlyFromGnss) {
   const TrueDrive drive = winding_drive(40, 0);
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
-  for (const bool receiver : {false, true}) {
+  for (const bool with_gnss : {false, true}) {
     OdometryFilter filter;
     for (double t = 0; t < 39.9; t += 0.02) {
       WheelOdometry sample = drive.wheels(t);
       for (double& speed : sample.wheel_speed) speed = speed / 1.008 + 0.02 * normal(random);
       filter.add(sample);
-      if (receiver && std::fmod(t + 1e-9, 0.1) < 0.02) {
-        GpsFix fix;
+      if (with_gnss && std::fmod(t + 1e-9, 0.1) < 0.02) {
+        GnssFix fix;
         fix.stamp = seconds(t);
         fix.speed = std::abs(drive.twist(t)[3] + 0.1 * normal(random));
         fix.course = std::nan("");
@@ -171,8 +171,8 @@ TEST(OdometryFilter, LearnsTheWheelScaleFromAReceiverAndOnlyFromIt) {
         filter.add(fix);
       }
     }
-    const Learned scale = filter.report().wheel_scale;
-    if (receiver) {
+    const EstimatedParameter scale = filter.report().wheel_scale;
+    if (with_gnss) {
       expect_consistent(scale, 1.008, 0.003, "scale");
     } else {
       EXPECT_NEAR(scale.value, 1, 1e-3);
@@ -181,7 +181,7 @@ TEST(OdometryFilter, LearnsTheWheelScaleFromAReceiverAndOnlyFromIt) {
   }
 }
 
-TEST(OdometryFilter, TakesSamplesOutOfOrderAsIfInOrder) {
+TEST(OdometryFilter, OutOfOrderSamplesGiveTheSameResult) {
   const TrueDrive drive = winding_drive(5, 0);
   std::vector<WheelOdometry> samples;
   for (double t = 0; t < 4.9; t += 0.005) samples.push_back(drive.wheels(t));
@@ -203,7 +203,7 @@ TEST(OdometryFilter, TakesSamplesOutOfOrderAsIfInOrder) {
   EXPECT_EQ(out_of_order.report().late, 1u);
 }
 
-TEST(OdometryFilter, IsNotTrustedInSilenceAndLeavesAGap) {
+TEST(OdometryFilter, IsUnusableWithoutSamplesAndLeavesAGap) {
   const TrueDrive drive = winding_drive(20, 0);
   OdometryFilter filter;
   EXPECT_STREQ(filter.reason(), "no sample has come yet");
@@ -236,7 +236,7 @@ TEST(OdometryFilter, IsNotTrustedInSilenceAndLeavesAGap) {
   EXPECT_GT(after.covariance(3, 3), before.covariance(3, 3) + 100) << "20 m/s for a second";
 }
 
-TEST(OdometryFilter, DoesNotBelieveASpinningWheel) {
+TEST(OdometryFilter, RejectsASpinningWheel) {
   const TrueDrive drive = winding_drive(20, 0);
   OdometryFilter filter;
   for (double t = 0; t < 19.9; t += 0.01) {
@@ -251,20 +251,20 @@ TEST(OdometryFilter, DoesNotBelieveASpinningWheel) {
   EXPECT_LT((pose.T_map_vehicle.translation() - drive.pose(19.8).translation()).norm(), 0.5);
 }
 
-TEST(OdometryFilter, SaysWhenAllWheelsContradictTheMotionAndRecovers) {
+TEST(OdometryFilter, ReportsWhenAllWheelsAreRejectedAndRecovers) {
   const TrueDrive drive = winding_drive(20, 0);
   OdometryFilter filter;
-  bool distrusted = false;
+  bool was_unusable = false;
   for (double t = 0; t < 19.9; t += 0.01) {
     WheelOdometry sample = drive.wheels(t);
     const bool spinning = t > 8 && t < 10;
     if (spinning) {
       // Leaps no vehicle can make.
-      const double leap = static_cast<int>(t * 100) % 2 == 0 ? 30 : -30;
-      for (double& speed : sample.wheel_speed) speed += leap;
+      const double jump = static_cast<int>(t * 100) % 2 == 0 ? 30 : -30;
+      for (double& speed : sample.wheel_speed) speed += jump;
     }
     filter.add(sample);
-    distrusted = distrusted || !filter.usable();
+    was_unusable = was_unusable || !filter.usable();
   }
   EXPECT_TRUE(distrusted);
   EXPECT_GT(filter.report().contradicted, 20u);
@@ -272,7 +272,7 @@ TEST(OdometryFilter, SaysWhenAllWheelsContradictTheMotionAndRecovers) {
   EXPECT_NEAR(filter.report().speed, drive.twist(19.87)[3], 0.1);
 }
 
-TEST(OdometryFilter, OneWrongStampDoesNoHarmAndAClockSetBackStartsAnew) {
+TEST(OdometryFilter, OneWrongStampIsIgnoredAndAClockSetBackRestarts) {
   const TrueDrive drive = winding_drive(10, 0);
   OdometryFilter filter;
   for (double t = 0; t < 5; t += 0.01) {
@@ -298,7 +298,7 @@ TEST(OdometryFilter, OneWrongStampDoesNoHarmAndAClockSetBackStartsAnew) {
   WheelOdometry nothing;
   nothing.wheel_speed.fill(std::nan(""));
   nothing.yaw_rate = nothing.steering_angle = std::nan("");
-  const uint64_t senseless = filter.report().senseless;
+  const uint64_t invalid_before = filter.report().invalid_samples;
   filter.add(nothing);
   EXPECT_EQ(filter.report().senseless, senseless + 1);
 }
@@ -359,14 +359,14 @@ TEST(OdometryFilter, FollowsAClimbInThreeDimensions) {
 
 // Many drives with the noise that the options state: the error of the end pose, squared and weighed
 // by the stated covariance, must be about its number of degrees of freedom.
-TEST(OdometryFilter, StatesItsUncertaintyHonestly) {
+TEST(OdometryFilter, CovarianceIsConsistent) {
   constexpr int kDrives = 60;
   const TrueDrive drive = winding_drive(20, 0);
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   OdometryOptions options;
   options.yaw_bias_sigma = 0.003;
-  double weighed = 0;
+  double mean_nees = 0;
   for (int n = 0; n < kDrives; ++n) {
     OdometryFilter filter(options);
     const double bias = options.yaw_bias_sigma * normal(random);
@@ -380,15 +380,15 @@ TEST(OdometryFilter, StatesItsUncertaintyHonestly) {
     filter.flush();
     const auto pose = filter.trajectory().at(seconds(19.7));
     ASSERT_TRUE(pose.usable());
-    const Vector6 error = geometry::log(drive.pose(19.7) * pose.T_map_vehicle.inverse());
+    const Vector6 error = geometry::log(drive.pose(19.7) * pose.T_odom_vehicle.inverse());
     const Eigen::Vector3d planar(error[2], error[3], error[4]);
-    weighed += planar.dot(pose.covariance.block<3, 3>(2, 2).inverse() * planar) / (3.0 * kDrives);
+    mean_nees += planar.dot(pose.covariance.block<3, 3>(2, 2).inverse() * planar) / (3.0 * kDrives);
   }
   EXPECT_GT(weighed, 0.4);
   EXPECT_LT(weighed, 1.6);
 }
 
-TEST(OdometryFilter, TakesAnyNumbersWithoutHarm) {
+TEST(OdometryFilter, StaysFiniteForArbitraryInput) {
   std::mt19937_64 random(6);
   const double values[] = {
       0,  1,   -1,    1e300, -1e300, std::numeric_limits<double>::infinity(), std::nan(""),
@@ -409,7 +409,7 @@ TEST(OdometryFilter, TakesAnyNumbersWithoutHarm) {
   }
 }
 
-TEST(OdometryFilter, RefusesSenselessOptions) {
+TEST(OdometryFilter, RejectsInvalidOptions) {
   EXPECT_FALSE(OdometryOptions{}.invalid());
   OdometryOptions options;
   options.wheel_noise = 0;
@@ -418,7 +418,7 @@ TEST(OdometryFilter, RefusesSenselessOptions) {
   options.wheelbase = -1;
   EXPECT_TRUE(options.invalid());
   options = {};
-  options.jerk = std::nan("");
+  options.acceleration_walk = std::nan("");
   EXPECT_TRUE(options.invalid());
 }
 

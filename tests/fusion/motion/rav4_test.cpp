@@ -39,13 +39,13 @@ std::vector<std::pair<Stamp, Row>> read_table(const std::filesystem::path& file)
   return rows;
 }
 
-struct TruePlace {
+struct TruePosition {
   Stamp stamp;
   Eigen::Vector3d east_north_up;
 };
 
 /// The reference positions, from earth-centred coordinates to a tangent plane at the first.
-std::vector<TruePlace> read_truth(const std::filesystem::path& file) {
+std::vector<TruePosition> read_truth(const std::filesystem::path& file) {
   const auto rows = read_table(file);
   const Eigen::Vector3d origin(rows[0].second[0], rows[0].second[1], rows[0].second[2]);
   const double longitude = std::atan2(origin.y(), origin.x());
@@ -56,21 +56,21 @@ std::vector<TruePlace> read_truth(const std::filesystem::path& file) {
       -std::sin(latitude) * std::sin(longitude), std::cos(latitude),
       std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude),
       std::sin(latitude);
-  std::vector<TruePlace> places;
+  std::vector<TruePosition> positions;
   for (const auto& [stamp, row] : rows) {
-    places.push_back({stamp, R * (Eigen::Vector3d(row[0], row[1], row[2]) - origin)});
+    positions.push_back({stamp, R * (Eigen::Vector3d(row[0], row[1], row[2]) - origin)});
   }
-  return places;
+  return positions;
 }
 
 /// Direction of travel between two places half a second to either side, counter-clockwise from
 /// east.
-double course_at(const std::vector<TruePlace>& truth, size_t i) {
-  const Eigen::Vector3d way = truth[i + 10].east_north_up - truth[i - 10].east_north_up;
-  return std::atan2(way.y(), way.x());
+double course_at(const std::vector<TruePosition>& truth, size_t i) {
+  const Eigen::Vector3d displacement = truth[i + 10].east_north_up - truth[i - 10].east_north_up;
+  return std::atan2(displacement.y(), displacement.x());
 }
 
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+double wrap_angle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 vehicle::SignalMap rav4() {
   vehicle::SignalMap map;
@@ -90,8 +90,8 @@ OdometryOptions rav4_options() {
   options.wheelbase = 2.65;
   options.track = 1.57;
   options.steering_ratio = 16.9;
-  options.gps_delay = Duration(120'000'000);  // of this receiver's speed
-  options.gps_course_noise = 0.005;           // of the reference, in place of a receiver
+  options.gnss_delay = Duration(120'000'000);  // of this receiver's speed
+  options.gnss_course_noise = 0.005;           // of the reference, in place of a receiver
   options.reorder = Duration(150'000'000);
   return options;
 }
@@ -99,22 +99,22 @@ OdometryOptions rav4_options() {
 struct Inputs {
   bool can_yaw_rate = true;
   bool gyro = false;
-  bool receiver_speed = false;  // during the first 10 s
-  bool receiver_course = true;  // the same
+  bool gnss_speed = false;       // during the first 10 s
+  bool reference_course = true;  // the same
 };
 
 struct Drift {
-  double distance = 0;  // m driven
-  double position = 0;  // m, at the end
-  double worst = 0;     // m, at any time
-  double heading = 0;   // rad, at the end, mean of the last two seconds
+  double distance = 0;      // m driven
+  double position = 0;      // m, at the end
+  double max_position = 0;  // m, at any time
+  double heading = 0;       // rad, at the end, mean of the last two seconds
   OdometryReport report;
   double yaw_bias = 0;  // rad/s: mean of the bus's yaw rate, less the mean turn of the true course
   double wheel_scale = 0;  // true distance over the wheels'
 };
 
 /// Dead reckoning over the minute. The first 10 s tell the course (as the reference positions have
-/// it) and, if asked for, the satellite receiver's speed; then wheels and yaw rate are alone.
+/// it) and, if requested, the satellite receiver's speed; then wheels and yaw rate are alone.
 Drift dead_reckon(const std::filesystem::path& folder, const Inputs& inputs) {
   const auto truth = read_truth(folder / "pose_ecef.csv");
   const auto dbc = vehicle::read_dbc(folder / "vehicle.dbc");
@@ -123,11 +123,11 @@ Drift dead_reckon(const std::filesystem::path& folder, const Inputs& inputs) {
   const Stamp begin = truth[10].stamp, learn_until = truth[0].stamp + Duration(10'000'000'000);
 
   // Start on the truth's place, its course known to a few degrees; the first 10 s tell it.
-  Eigen::Isometry3d T_map_vehicle = Eigen::Isometry3d::Identity();
-  T_map_vehicle.linear() = geometry::rotation_exp({0, 0, course_at(truth, 10)});
+  Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
+  T_odom_vehicle.linear() = geometry::rotation_exp({0, 0, course_at(truth, 10)});
   geometry::Matrix6 unsure = geometry::Matrix6::Zero();
   unsure(2, 2) = std::pow(3 * kDegree, 2);
-  filter.set_pose(T_map_vehicle, unsure);
+  filter.set_pose(T_odom_vehicle, unsure);
 
   const auto gyro = read_table(folder / "imu_gyro_frd.csv");
   const auto gnss = read_table(folder / "gnss_ublox.csv");
@@ -148,8 +148,8 @@ Drift dead_reckon(const std::filesystem::path& folder, const Inputs& inputs) {
     }
     for (; next_gnss < gnss.size() && gnss[next_gnss].first <= frame->stamp; ++next_gnss) {
       const auto& [stamp, row] = gnss[next_gnss];
-      if (!inputs.receiver_speed || stamp < begin || stamp > learn_until) continue;
-      GpsFix fix;
+      if (!inputs.gnss_speed || stamp < begin || stamp > learn_until) continue;
+      GnssFix fix;
       fix.stamp = stamp;
       fix.speed = row[2];
       fix.course = std::nan("");
@@ -158,9 +158,9 @@ Drift dead_reckon(const std::filesystem::path& folder, const Inputs& inputs) {
     }
     for (; next_course + 10 < truth.size() && truth[next_course].stamp <= frame->stamp;
          next_course += 10) {
-      if (!inputs.receiver_course || truth[next_course].stamp > learn_until) continue;
-      GpsFix fix;
-      fix.stamp = truth[next_course].stamp + rav4_options().gps_delay;
+      if (!inputs.reference_course || truth[next_course].stamp > learn_until) continue;
+      GnssFix fix;
+      fix.stamp = truth[next_course].stamp + rav4_options().gnss_delay;
       fix.speed = std::nan("");
       fix.course = std::numbers::pi / 2 - course_at(truth, next_course);
       fix.valid = true;
@@ -195,20 +195,21 @@ Drift dead_reckon(const std::filesystem::path& folder, const Inputs& inputs) {
       EXPECT_LT(i, 13u) << pose.reason;
       continue;
     }
-    const Eigen::Vector3d true_place = truth[i].east_north_up;
-    if (!origin) origin = true_place - pose.T_map_vehicle.translation();
-    drift.distance += (true_place - truth[i - 1].east_north_up).norm();
-    drift.position = (pose.T_map_vehicle.translation() + *origin - true_place).head<2>().norm();
-    drift.worst = std::max(drift.worst, drift.position);
+    const Eigen::Vector3d true_position = truth[i].east_north_up;
+    if (!origin) origin = true_position - pose.T_odom_vehicle.translation();
+    drift.distance += (true_position - truth[i - 1].east_north_up).norm();
+    drift.position = (pose.T_odom_vehicle.translation() + *origin - true_position).head<2>().norm();
+    drift.max_position = std::max(drift.max_position, drift.position);
     if (i + 51 > truth.size()) {
-      const Eigen::Vector3d ahead = pose.T_map_vehicle.linear().col(0);
-      drift.heading += wrapped(std::atan2(ahead.y(), ahead.x()) - course_at(truth, i));
+      const Eigen::Vector3d ahead = pose.T_odom_vehicle.linear().col(0);
+      drift.heading += wrap_angle(std::atan2(ahead.y(), ahead.x()) - course_at(truth, i));
       ++headings;
     }
   }
   drift.heading /= static_cast<double>(headings);
-  drift.yaw_bias = (turned - wrapped(course_at(truth, truth.size() - 12) - course_at(truth, 10))) /
-                   to_seconds(end - begin);
+  drift.yaw_bias =
+      (turned - wrap_angle(course_at(truth, truth.size() - 12) - course_at(truth, 10))) /
+      to_seconds(end - begin);
   drift.wheel_scale = drift.distance / rolled;
   return drift;
 }
@@ -229,7 +230,7 @@ void record(const char* name, const Drift& drift) {
 // what is aimed at, 1 % and 1.5°.
 TEST(Odometry, RealRav4WithGyroDriftsAtMostAPercentAndADegreeAndAHalf) {
   INFUSE_REAL_DATA_OR_SKIP(path, "can/rav4");
-  const Drift drift = dead_reckon(path, {.gyro = true, .receiver_speed = true});
+  const Drift drift = dead_reckon(path, {.gyro = true, .gnss_speed = true});
   record("bus and gyro, 10 s of course and speed", drift);
   EXPECT_GT(drift.distance, 990);
   EXPECT_LT(drift.worst, 0.01 * drift.distance);
@@ -247,7 +248,7 @@ TEST(Odometry, RealRav4WithGyroDriftsAtMostAPercentAndADegreeAndAHalf) {
 TEST(Odometry, RealRav4FromTheBusAlone) {
   INFUSE_REAL_DATA_OR_SKIP(path, "can/rav4");
   for (const bool course : {true, false}) {
-    const Drift drift = dead_reckon(path, {.receiver_course = course});
+    const Drift drift = dead_reckon(path, {.reference_course = course});
     record(course ? "bus, 10 s of course" : "bus", drift);
     EXPECT_LT(drift.worst, 0.02 * drift.distance);
     EXPECT_LT(std::abs(drift.heading), 2 * kDegree);

@@ -13,7 +13,7 @@ namespace {
 using geometry::StampedPose;
 using geometry::Vector6;
 
-Eigen::Isometry3d placed(double x, double y, double yaw) {
+Eigen::Isometry3d planar_pose(double x, double y, double yaw) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation() << x, y, 0;
   T.linear() = geometry::rotation_exp({0, 0, yaw});
@@ -21,10 +21,10 @@ Eigen::Isometry3d placed(double x, double y, double yaw) {
 }
 
 /// A straight road of n metres, a pose a metre, 10 m/s.
-std::vector<PosePair> straight_road(int metres) {
+std::vector<PosePair> deskewed_road(int metres) {
   std::vector<PosePair> pairs;
   for (int i = 0; i <= metres; ++i)
-    pairs.push_back({seconds(0.1 * i), placed(i, 0, 0), placed(i, 0, 0)});
+    pairs.push_back({seconds(0.1 * i), planar_pose(i, 0, 0), planar_pose(i, 0, 0)});
   return pairs;
 }
 
@@ -35,10 +35,10 @@ Eigen::Isometry3d some_motion() {
 }
 
 /// A winding climb, so that positions span all axes.
-std::vector<PosePair> climb() {
+std::vector<PosePair> winding_road() {
   std::vector<PosePair> pairs;
   for (int i = 0; i < 300; ++i) {
-    Eigen::Isometry3d T = placed(0.5 * i, 20 * std::sin(0.03 * i), 0.02 * i);
+    Eigen::Isometry3d T = planar_pose(0.5 * i, 20 * std::sin(0.03 * i), 0.02 * i);
     T.translation().z() = 5 * std::cos(0.05 * i);
     pairs.push_back({seconds(0.1 * i), T, T});
   }
@@ -46,7 +46,7 @@ std::vector<PosePair> climb() {
 }
 
 TEST(TrajectoryError, AlignmentFindsTheMotionBetweenTheFrames) {
-  std::vector<PosePair> pairs = climb();
+  std::vector<PosePair> pairs = winding_road();
   for (PosePair& pair : pairs) pair.estimate = some_motion().inverse() * pair.truth;
   const AbsoluteError aligned = absolute_error(pairs);
   ASSERT_TRUE(aligned.usable());
@@ -56,14 +56,14 @@ TEST(TrajectoryError, AlignmentFindsTheMotionBetweenTheFrames) {
   EXPECT_LT(absolute_error(pairs, Alignment::kFirst).translation.max, 1e-9);
   EXPECT_GT(absolute_error(pairs, Alignment::kNone).translation.rms, 10);
   for (PosePair& pair : pairs) pair.estimate.translation() *= 0.5;
-  const AbsoluteError similar = absolute_error(pairs, Alignment::kSimilar);
+  const AbsoluteError similar = absolute_error(pairs, Alignment::kSimilarity);
   EXPECT_NEAR(similar.scale, 2, 1e-9);
   EXPECT_LT(similar.translation.max, 1e-9);
   EXPECT_GT(absolute_error(pairs, Alignment::kRigid).translation.rms, 1);
 }
 
 TEST(TrajectoryError, OnAStraightRoadTheOrientationsDecideTheRotationAboutIt) {
-  std::vector<PosePair> pairs = straight_road(40);
+  std::vector<PosePair> pairs = deskewed_road(40);
   for (size_t i = 0; i < pairs.size(); ++i) {
     const double wiggle = 0.02 * std::sin(static_cast<double>(i));
     pairs[i].truth.translation().z() += wiggle;  // suspension: to the side of it for who looks
@@ -77,8 +77,8 @@ TEST(TrajectoryError, OnAStraightRoadTheOrientationsDecideTheRotationAboutIt) {
 }
 
 TEST(TrajectoryError, AlignmentIsNeverAMirror) {
-  std::vector<PosePair> pairs = straight_road(50);  // a line: mirrors fit as well
-  for (PosePair& pair : pairs) pair.estimate = placed(0, 3, 1) * pair.truth;
+  std::vector<PosePair> pairs = deskewed_road(50);  // a line: mirrors fit as well
+  for (PosePair& pair : pairs) pair.estimate = planar_pose(0, 3, 1) * pair.truth;
   const AbsoluteError aligned = absolute_error(pairs);
   EXPECT_NEAR(aligned.T_truth_estimate.linear().determinant(), 1, 1e-9);
   EXPECT_LT(aligned.translation.max, 1e-9);
@@ -88,7 +88,7 @@ TEST(TrajectoryError, AlignmentIsNeverAMirror) {
 TEST(TrajectoryError, AlignmentIsTheLeastSquares) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
-  std::vector<PosePair> pairs = climb();
+  std::vector<PosePair> pairs = winding_road();
   for (PosePair& pair : pairs) {
     for (int i = 0; i < 3; ++i) pair.estimate.translation()[i] += normal(random);
   }
@@ -106,7 +106,7 @@ TEST(TrajectoryError, AlignmentIsTheLeastSquares) {
 }
 
 TEST(TrajectoryError, StatisticsOfKnownErrors) {
-  std::vector<PosePair> pairs = straight_road(3);
+  std::vector<PosePair> pairs = deskewed_road(3);
   const double errors[] = {3, 0, 4, 1};
   for (size_t i = 0; i < 4; ++i) pairs[i].estimate.translation().y() = errors[i];
   const ErrorStatistics s = absolute_error(pairs, Alignment::kNone).translation;
@@ -118,10 +118,10 @@ TEST(TrajectoryError, StatisticsOfKnownErrors) {
 }
 
 TEST(TrajectoryError, RelativeErrorOfAWrongScaleAndATurn) {
-  std::vector<PosePair> pairs = straight_road(100);
+  std::vector<PosePair> pairs = deskewed_road(100);
   for (size_t i = 0; i < pairs.size(); ++i) {
     const double x = static_cast<double>(i);
-    pairs[i].estimate = placed(1.02 * x, 0, 0);
+    pairs[i].estimate = planar_pose(1.02 * x, 0, 0);
   }
   const RelativeError scale = relative_error(pairs, Duration(1'000'000'000));  // 10 m
   ASSERT_TRUE(scale.usable());
@@ -129,14 +129,14 @@ TEST(TrajectoryError, RelativeErrorOfAWrongScaleAndATurn) {
   EXPECT_NEAR(scale.translation.rms, 0.2, 1e-9);
   EXPECT_NEAR(scale.rotation.max, 0, 1e-9);
   for (size_t i = 0; i < pairs.size(); ++i) {
-    pairs[i].estimate = placed(static_cast<double>(i), 0, 0.001 * static_cast<double>(i));
+    pairs[i].estimate = planar_pose(static_cast<double>(i), 0, 0.001 * static_cast<double>(i));
   }
   EXPECT_NEAR(relative_error(pairs, Duration(1'000'000'000)).rotation.mean, 0.01, 1e-9);
   EXPECT_FALSE(relative_error(pairs, Duration(60'000'000'000)).usable());
 }
 
 TEST(TrajectoryError, KittiErrorOfAWrongScale) {
-  std::vector<PosePair> pairs = straight_road(1000);
+  std::vector<PosePair> pairs = deskewed_road(1000);
   for (PosePair& pair : pairs) pair.estimate.translation() *= 1.01;
   const KittiError error = kitti_error(pairs);
   ASSERT_TRUE(error.usable());
@@ -150,14 +150,14 @@ TEST(TrajectoryError, KittiErrorOfAWrongScale) {
 }
 
 TEST(TrajectoryError, KittiErrorOfASteadyTurn) {
-  std::vector<PosePair> pairs = straight_road(400);
+  std::vector<PosePair> pairs = deskewed_road(400);
   for (size_t i = 0; i < pairs.size(); ++i) {
-    pairs[i].estimate = placed(static_cast<double>(i), 0, 1e-4 * static_cast<double>(i));
+    pairs[i].estimate = planar_pose(static_cast<double>(i), 0, 1e-4 * static_cast<double>(i));
   }
   const KittiError error = kitti_error(pairs);
   EXPECT_NEAR(error.segments[1].rotation, 1e-4 * 201 / 200, 1e-9);
   EXPECT_EQ(error.segments[4].count, 0u);
-  EXPECT_FALSE(kitti_error(straight_road(90)).usable());
+  EXPECT_FALSE(kitti_error(deskewed_road(90)).usable());
 }
 
 TEST(TrajectoryError, PairsByTimeAndLeavesOutWhatTheTruthDoesNotCover) {

@@ -52,15 +52,15 @@ TEST(TrackerAllocations, TheCounterCounts) {
 TEST(TrackerAllocations, NoneAfterTheFirstUpdates) {
   const town::Town town = town::build(town::plan());
   TrackerOptions options;
-  options.grid.most_samples = 700;
-  options.particles.most = 150;
-  options.omission = 0.5;
+  options.grid.max_samples = 700;
+  options.particles.max_count = 150;
+  options.skipped_validation_share = 0.5;
   Tracker tracker(town.map, options);
   tracker.start({-80, -1.2, 0.02}, Eigen::Vector3d(1, 1, 0.01).asDiagonal());
   PlanarPose truth{-80, -1.2, 0.02};
   std::vector<GridSamples> views;
   for (uint64_t i = 0; i < 24; ++i) {
-    views.push_back(town::see(town.map, truth = truth.then({2, 0, 0}), i, i > 15));
+    views.push_back(town::sample_view(town.map, truth = truth.compose({2, 0, 0}), i, i > 15));
     // Every other view is a smaller one.
     if (i % 2 == 0) continue;
     GridSamples& view = views.back();

@@ -27,9 +27,9 @@ void expect_agrees(Labelling labelling) {
     std::vector<int32_t> labels(x.size());
     window.look_up(pose, x, y, labels);
     for (size_t i = 0; i < x.size(); ++i) {
-      const Eigen::Vector2d p = pose.of({x[i], y[i]});
+      const Eigen::Vector2d p = pose.transform({x[i], y[i]});
       // Away from the edges of cells, where rounding may decide.
-      const Eigen::Vector2d cell = (p - town.map.frame().low) / 0.2;
+      const Eigen::Vector2d cell = (p - town.map.frame().min_corner) / 0.2;
       if ((cell - cell.array().round().matrix()).cwiseAbs().minCoeff() < 0.01) continue;
       const uint32_t id = town.map.id_at(p.x(), p.y());
       const uint32_t key =

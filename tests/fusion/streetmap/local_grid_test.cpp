@@ -25,7 +25,7 @@ class Scan {
     sweep_.ring[n] = ring;
     sweep_.column[n] = static_cast<uint16_t>(column == UINT32_MAX ? 2 * n : column);
   }
-  StraightView view() const {
+  DeskewedView view() const {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation().z() = 1.5;
     return {sweep_, sweep_.x, sweep_.y, sweep_.z, T};
@@ -38,8 +38,8 @@ class Scan {
 LocalGridOptions small() {
   LocalGridOptions options;
   options.extent = 20;
-  options.block = 1;
-  options.cell = 0.5;
+  options.block_size = 1;
+  options.cell_size = 0.5;
   return options;
 }
 
@@ -65,7 +65,7 @@ TEST(LocalGrid, StandardisesWhatReturnsSay) {
   LocalGrid grid(small());
   grid.add(scan.view(), nullptr, {});
   GridSamples samples;
-  grid.samples({}, samples);
+  grid.draw_samples({}, samples);
   ASSERT_EQ(samples.size(), 3U);
   ASSERT_EQ(samples.features.cols(), kLidarFeatures);
   // Heights enter as roots: 0, 1, 0.5. Reflectivities 0.3, 0.9, 0.6.
@@ -93,7 +93,7 @@ TEST(LocalGrid, DiscontinuityIsTheStepToTheNeighboursBeyond) {
   LocalGrid grid(small());
   grid.add(scan.view(), nullptr, {});
   GridSamples samples;
-  grid.samples({}, samples);
+  grid.draw_samples({}, samples);
   ASSERT_EQ(samples.size(), 5U);
   // Only the second is in front of a farther neighbour: √4 = 2, the others 0.
   int raised = 0;
@@ -119,21 +119,21 @@ TEST(LocalGrid, StaysWhereItIsWhileTheVehicleMoves) {
   LocalGrid grid(small());
   const PlanarPose first{100, 50, 0};
   grid.add(scan.view(), nullptr, first);
-  const PlanarPose moved = first.then({4, 1, M_PI / 2});
+  const PlanarPose moved = first.compose({4, 1, M_PI / 2});
   GridSamples samples;
-  grid.samples(moved, samples);
+  grid.draw_samples(moved, samples);
   ASSERT_EQ(samples.size(), 2U);
   // (6.25, 2.25) seen from (4, 1) and turned left: (1.25, −2.25).
   EXPECT_GE(sample_at(samples, 1.25, -2.25), 0);
   EXPECT_GE(sample_at(samples, -3.25, -4.25), 0);
   // Far on, nothing of it is left.
-  grid.samples(first.then({200, 0, 0}), samples);
+  grid.draw_samples(first.compose({200, 0, 0}), samples);
   EXPECT_EQ(samples.size(), 0U);
 }
 
 TEST(LocalGrid, WhatMovedAwayFades) {
   LocalGridOptions options = small();
-  options.memory = 10;
+  options.mean_window = 10;
   LocalGrid grid(options);
   Scan car, road;
   car.add({5.25, 0.25, 1.0}, 0.9F);
@@ -144,7 +144,7 @@ TEST(LocalGrid, WhatMovedAwayFades) {
   for (int i = 0; i < 20; ++i) grid.add(car.view(), nullptr, {});
   for (int i = 0; i < 40; ++i) grid.add(road.view(), nullptr, {});
   GridSamples samples;
-  grid.samples({}, samples);
+  grid.draw_samples({}, samples);
   ASSERT_EQ(samples.size(), 3U);
   const auto cleared = sample_at(samples, 5.25, 0.25), other = sample_at(samples, -5.25, 0.25);
   EXPECT_NEAR(samples.features(cleared, kHeight), samples.features(other, kHeight), 0.1);
@@ -164,12 +164,12 @@ TEST(LocalGrid, ColoursComeFromThePictureAndNotThroughWalls) {
   frame.format = PixelFormat::kBgr8;
   frame.pixels.resize(200 * 100 * 3, 0);
   for (size_t i = 0; i < 200 * 100; ++i) frame.pixels[3 * i + (i % 200 < 100 ? 2 : 0)] = 255;
-  PictureFeatures features;
+  ImageFeatures features;
   ASSERT_TRUE(extract_features(frame, 1, features));
   const geometry::CameraModel camera(intrinsics);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  const PictureView picture{features, camera, T};
+  const ImageView image{features, camera, T};
   Scan scan;
   scan.add({6.25, 2.25, 1.5}, 0.5F);   // left: red
   scan.add({6.25, -2.25, 1.5}, 0.4F);  // right: blue
@@ -177,9 +177,9 @@ TEST(LocalGrid, ColoursComeFromThePictureAndNotThroughWalls) {
   scan.add({9.25, 2.25, 1.55}, 0.5F);  // behind it in the picture: hidden
   scan.add({-6.25, 0.25, 1.5}, 0.6F);  // behind the camera
   LocalGrid grid(small());
-  grid.add(scan.view(), &picture, {});
+  grid.add(scan.view(), &image, {});
   GridSamples samples;
-  grid.samples({}, samples);
+  grid.draw_samples({}, samples);
   ASSERT_EQ(samples.features.cols(), kFeatures);
   const auto red = sample_at(samples, 6.25, 2.25), blue = sample_at(samples, 6.25, -2.25);
   const auto hidden = sample_at(samples, 9.25, 2.25), behind = sample_at(samples, -6.25, 0.25);
@@ -197,28 +197,28 @@ TEST(LocalGrid, GivesNoMoreThanAskedAndTheSameAgain) {
     scan.add({2.0 + i % 20 * 0.37, 1.0 + i / 20 * 0.37, 0.001 * i}, 0.5F);
   }
   LocalGridOptions options = small();
-  options.most_samples = 60;
+  options.max_samples = 60;
   LocalGrid one(options), two(options);
   one.add(scan.view(), nullptr, {});
   two.add(scan.view(), nullptr, {});
   GridSamples a, b;
-  one.samples({}, a);
-  two.samples({}, b);
+  one.draw_samples({}, a);
+  two.draw_samples({}, b);
   EXPECT_EQ(a.size(), 60U);
   EXPECT_EQ(a.x, b.x);
   EXPECT_TRUE(a.features == b.features);
   one.clear();
-  one.samples({}, a);
+  one.draw_samples({}, a);
   EXPECT_EQ(a.size(), 0U);
 }
 
-TEST(PictureFeatures, AreColoursAndSobelOfAStep) {
+TEST(ImageFeatures, AreColoursAndSobelOfAStep) {
   CameraFrame frame;
   frame.width = 8;
   frame.height = 6;
   frame.pixels.resize(48);
   for (size_t i = 0; i < 48; ++i) frame.pixels[i] = i % 8 < 4 ? 0 : 255;
-  PictureFeatures features;
+  ImageFeatures features;
   ASSERT_TRUE(extract_features(frame, 1, features));
   EXPECT_FLOAT_EQ(features.at(6, 3)[0], 1);
   EXPECT_FLOAT_EQ(features.at(1, 3)[2], 0);

@@ -6,22 +6,22 @@
 #include <map>
 #include <vector>
 
-#include "fusion/streetmap/null_test.hpp"
+#include "fusion/streetmap/score_significance.hpp"
 
 namespace infuse::streetmap {
 namespace {
 
-ParticleOptions still() {
+ParticleOptions noise_free_options() {
   ParticleOptions options;
-  options.distance_noise = options.yaw_noise = options.yaw_rest = 0;
-  options.scale_sigma = options.rate_sigma = 0;
-  options.kernel = options.jitter = options.jitter_yaw = 0;
+  options.distance_noise = options.yaw_noise = options.yaw_noise_per_update = 0;
+  options.scale_sigma = options.yaw_rate_bias_sigma = 0;
+  options.kernel_width = options.jitter = options.jitter_yaw = 0;
   return options;
 }
 
 TEST(ParticleSet, ScattersByTheCovariance) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 20000;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 20000;
   ParticleSet set(options, 1);
   Eigen::Matrix3d C;
   C << 4, 1, 0.05, 1, 1, 0, 0.05, 0, 0.01;
@@ -40,11 +40,11 @@ TEST(ParticleSet, ScattersByTheCovariance) {
 }
 
 TEST(ParticleSet, MovesInTheVehiclesFrame) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 10;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 10;
   ParticleSet set(options, 1);
   set.scatter({1, 2, M_PI / 2}, Eigen::Matrix3d::Zero());
-  set.move({3, 1, 0.25}, Eigen::Matrix3d::Zero(), 0.5);
+  set.predict({3, 1, 0.25}, Eigen::Matrix3d::Zero(), 0.5);
   for (const Particle& particle : set.all()) {
     EXPECT_NEAR(particle.pose.x, 0, 1e-12);
     EXPECT_NEAR(particle.pose.y, 5, 1e-12);
@@ -53,13 +53,13 @@ TEST(ParticleSet, MovesInTheVehiclesFrame) {
 }
 
 TEST(ParticleSet, MotionNoiseHasItsCovariance) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 20000;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 20000;
   options.distance_noise = 0.1;
   ParticleSet set(options, 3);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
   const Eigen::Matrix3d C = Eigen::Vector3d(0.01, 0.04, 1e-4).asDiagonal();
-  set.move({4, 0, 0}, C, 0.5);
+  set.predict({4, 0, 0}, C, 0.5);
   const PoseMoments moments = set.moments();
   EXPECT_NEAR(moments.covariance(0, 0), 0.01 + 0.01 * 4, 0.002);
   EXPECT_NEAR(moments.covariance(1, 1), 0.04 + 0.01 * 4, 0.003);
@@ -68,14 +68,14 @@ TEST(ParticleSet, MotionNoiseHasItsCovariance) {
 
 // An error that lasts grows with the way, not with its root: 100 steps of one metre and 100 s.
 TEST(ParticleSet, ErrorsThatLastAddUp) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 20000;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 20000;
   options.scale_sigma = 0.01;
-  options.rate_sigma = 0.001;
-  options.scale_memory = options.rate_memory = 1e7;
+  options.yaw_rate_bias_sigma = 0.001;
+  options.scale_correlation_distance = options.yaw_rate_bias_correlation_time = 1e7;
   ParticleSet set(options, 8);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
-  for (int i = 0; i < 100; ++i) set.move({1, 0, 0}, Eigen::Matrix3d::Zero(), 1);
+  for (int i = 0; i < 100; ++i) set.predict({1, 0, 0}, Eigen::Matrix3d::Zero(), 1);
   const Eigen::Matrix3d C = set.moments().covariance;
   EXPECT_NEAR(std::sqrt(C(0, 0)), 1, 0.05);
   EXPECT_NEAR(std::sqrt(C(2, 2)), 0.1, 0.003);
@@ -84,21 +84,21 @@ TEST(ParticleSet, ErrorsThatLastAddUp) {
 
 // Over ways far longer than its memory an error stays within its deviation.
 TEST(ParticleSet, ErrorsThatLastStayWithinTheirDeviation) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 5000;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 5000;
   options.scale_sigma = 0.01;
-  options.scale_memory = 20;
+  options.scale_correlation_distance = 20;
   ParticleSet set(options, 9);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
-  for (int i = 0; i < 200; ++i) set.move({1, 0, 0}, Eigen::Matrix3d::Zero(), 1);
+  for (int i = 0; i < 200; ++i) set.predict({1, 0, 0}, Eigen::Matrix3d::Zero(), 1);
   double squares = 0;
   for (const Particle& particle : set.all()) squares += std::pow(particle.scale - 1, 2);
   EXPECT_NEAR(std::sqrt(squares / 5000), 0.01, 0.0005);
 }
 
 TEST(ParticleSet, ResamplesInProportionToWeight) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 100;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 100;
   ParticleSet set(options, 4);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Identity());
   auto all = set.all();
@@ -121,9 +121,9 @@ TEST(ParticleSet, ResamplesInProportionToWeight) {
 }
 
 TEST(ParticleSet, TheNumberFollowsTheSpread) {
-  ParticleOptions options = still();
-  options.fewest = 50;
-  options.most = 5000;
+  ParticleOptions options = noise_free_options();
+  options.min_count = 50;
+  options.max_count = 5000;
   ParticleSet set(options, 5);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
   EXPECT_EQ(set.all().size(), 50U);
@@ -136,8 +136,8 @@ TEST(ParticleSet, TheNumberFollowsTheSpread) {
 }
 
 TEST(ParticleSet, ADiscIsFilledEvenly) {
-  ParticleOptions options = still();
-  options.most = 8000;
+  ParticleOptions options = noise_free_options();
+  options.max_count = 8000;
   ParticleSet set(options, 6);
   set.scatter_disc({5, 5, 1}, 10, 0.2);
   int inner = 0;
@@ -151,12 +151,12 @@ TEST(ParticleSet, ADiscIsFilledEvenly) {
 }
 
 TEST(ParticleSet, ASecondPlaceIsWeighedAgainstTheFirst) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 300;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 300;
   ParticleSet set(options, 7);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
   EXPECT_EQ(set.doubt(), 0);
-  set.add_place({10, 0, 0}, Eigen::Matrix3d::Zero());
+  set.add_mode({10, 0, 0}, Eigen::Matrix3d::Zero());
   EXPECT_NEAR(set.doubt(), 1.0 / 3, 1e-9);
   EXPECT_NEAR(set.moments().mean.x, 0, 1e-9);  // not between the two
   for (Particle& particle : set.all()) particle.log_weight += particle.pose.x > 5 ? 1.5 : 0;
@@ -168,14 +168,14 @@ TEST(ParticleSet, ASecondPlaceIsWeighedAgainstTheFirst) {
 }
 
 TEST(ParticleSet, TwoPlacesThatCameTogetherAreOne) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 300;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 300;
   const auto doubt_at = [&](double x) {
     ParticleSet set(options, 7);
     set.scatter({0, 0, 0}, Eigen::Vector3d(0.04, 0.04, 0).asDiagonal());
-    set.add_place({x, 0, 0}, Eigen::Vector3d(0.04, 0.04, 0).asDiagonal());
+    set.add_mode({x, 0, 0}, Eigen::Vector3d(0.04, 0.04, 0).asDiagonal());
     set.resample_if_needed();
-    return set.doubt();
+    return set.second_mode_weight();
   };
   EXPECT_EQ(doubt_at(0.1), 0);  // the deviation of the difference is 0.28 m
   EXPECT_NEAR(doubt_at(0.6), 1.0 / 3, 1e-9);
@@ -183,15 +183,15 @@ TEST(ParticleSet, TwoPlacesThatCameTogetherAreOne) {
 
 // x and scale, yaw and rate depend on each other; a tenth of the particles carries the weight.
 TEST(ParticleSet, SpreadingCopiesKeepsMeanAndCovariance) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 20000;
-  options.kernel = 0.5;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 20000;
+  options.kernel_width = 0.5;
   ParticleSet set(options, 8);
   set.scatter({5, -3, 3.1}, Eigen::Vector3d(4, 1, 0.01).asDiagonal());
   int i = 0;
   for (Particle& particle : set.all()) {
     particle.scale = 1 + 0.01 * (particle.pose.x - 5) + 0.002 * (i % 7 - 3);
-    particle.rate = 0.1 * wrapped(particle.pose.yaw - 3.1);
+    particle.yaw_rate_bias = 0.1 * wrap_angle(particle.pose.yaw - 3.1);
     particle.log_weight = i++ % 10 == 0 ? 0 : -1e3;
   }
   ASSERT_TRUE(set.resample_if_needed());
@@ -205,7 +205,7 @@ TEST(ParticleSet, SpreadingCopiesKeepsMeanAndCovariance) {
   std::map<double, int> copies;
   for (const Particle& particle : set.all()) {
     scale += (particle.scale - 1) * (particle.pose.x - 5) / 20000;
-    rate += particle.rate * wrapped(particle.pose.yaw - 3.1) / 20000;
+    rate += particle.yaw_rate_bias * wrap_angle(particle.pose.yaw - 3.1) / 20000;
     ++copies[particle.pose.x];
   }
   EXPECT_NEAR(scale, 0.04, 0.004);
@@ -215,19 +215,20 @@ TEST(ParticleSet, SpreadingCopiesKeepsMeanAndCovariance) {
 
 // Weights 2/3 and 1/3 at first; ±1 within each place, and 3 between the two.
 TEST(ParticleSet, LearnsBetweenPlacesAndWithinThemAtTheirOwnPace) {
-  ParticleOptions options = still();
-  options.fewest = options.most = 300;
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 300;
   const auto doubt_after = [&](double within, double between) {
     ParticleSet set(options, 7);
     set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
-    set.add_place({10, 0, 0}, Eigen::Matrix3d::Zero());
+    set.add_mode({10, 0, 0}, Eigen::Matrix3d::Zero());
     std::vector<double> scores;
     int seen[2] = {0, 0};
     for (const Particle& particle : set.all()) {
-      scores.push_back((particle.elsewhere ? 3 : 0) + (seen[particle.elsewhere]++ % 2 ? 1 : -1));
+      scores.push_back((particle.in_second_mode ? 3 : 0) +
+                       (seen[particle.in_second_mode]++ % 2 ? 1 : -1));
     }
-    set.learn(scores, within, between, 5);
-    return set.doubt();
+    set.update_weights(scores, within, between, 5);
+    return set.second_mode_weight();
   };
   EXPECT_NEAR(doubt_after(0, 0), 1.0 / 3, 1e-9);
   EXPECT_NEAR(doubt_after(2, 0), 1.0 / 3, 1e-9);  // both places gain the same within themselves
@@ -239,21 +240,21 @@ TEST(ParticleSet, LearnsBetweenPlacesAndWithinThemAtTheirOwnPace) {
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
   std::vector<double> scores(set.all().size(), 5);
   scores[0] = 7;
-  set.learn(scores, 0.5, 0.1, 5);
+  set.update_weights(scores, 0.5, 0.1, 5);
   EXPECT_NEAR(set.all()[0].log_weight - set.all()[1].log_weight, 1, 1e-9);
 }
 
 TEST(PlanarPose, ThenAndMotionToAreInverse) {
   const PlanarPose a{3, -2, 2.9}, motion{4, 1, 1.2};
-  const PlanarPose b = a.then(motion), back = a.motion_to(b);
+  const PlanarPose b = a.compose(motion), back = a.motion_to(b);
   EXPECT_NEAR(back.x, 4, 1e-12);
   EXPECT_NEAR(back.y, 1, 1e-12);
   EXPECT_NEAR(back.yaw, 1.2, 1e-12);
   EXPECT_LE(std::abs(b.yaw), M_PI);
 }
 
-TEST(NullTest, CountsChanceScoresOfTheWindow) {
-  NullTest test(2);
+TEST(ScoreSignificance, CountsChanceScoresOfTheWindow) {
+  ScoreSignificance test(2);
   EXPECT_DOUBLE_EQ(test.p_value(), 1);
   const double null[] = {1, 2, 3, 4};
   test.add(2.5, null);  // two reach it

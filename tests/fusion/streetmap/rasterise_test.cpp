@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "fusion/streetmap/map_picture.hpp"
+#include "fusion/streetmap/draw_map.hpp"
 #include "fusion/streetmap/segment_map.hpp"
 
 namespace infuse::streetmap {
@@ -20,7 +20,7 @@ struct Drawn {
 
 Drawn draw(const StreetPlan& plan, double cell = 0.1) {
   Drawn drawn;
-  auto bytes = rasterise(plan, {.cell = cell}, "test");
+  auto bytes = rasterise(plan, {.cell_size = cell}, "test");
   EXPECT_TRUE(bytes);
   if (!bytes) return drawn;
   drawn.bytes = std::move(*bytes);
@@ -43,7 +43,7 @@ TEST(Rasterise, DrawsAStreetAsWideAsItIs) {
       const double edge = std::abs(y - 5) - 3;
       const SegmentKind expected = edge < 0     ? SegmentKind::kCarriageway
                                    : edge < 0.4 ? SegmentKind::kKerb
-                                   : edge < 2.4 ? SegmentKind::kRoadside
+                                   : edge < 2.4 ? SegmentKind::kSidewalk
                                                 : SegmentKind::kOpenLand;
       // A cell is as its middle is: 5 cm of doubt on either side of an edge.
       const bool doubtful =
@@ -114,7 +114,7 @@ TEST(Rasterise, CellsAgreeAcrossTilesAndWithTheOracle) {
   for (int row = 0; row < drawn.map.rows(); ++row) {
     for (int column = 0; column < drawn.map.columns(); ++column) {
       const Eigen::Vector2d p =
-          drawn.map.frame().low + 0.2 * Eigen::Vector2d(column + 0.5, row + 0.5);
+          drawn.map.frame().min_corner + 0.2 * Eigen::Vector2d(column + 0.5, row + 0.5);
       double turned = 0;  // winding number
       for (size_t i = 0; i < ring.size(); ++i) {
         const Eigen::Vector2d a = ring[i] - p, b = ring[(i + 1) % ring.size()] - p;
@@ -150,14 +150,14 @@ TEST(StreetPlan, FindsRingsThatCrossThemselves) {
 
 TEST(MapPicture, IsNorthUp) {
   const Drawn drawn = draw(one_street(), 0.2);
-  const CameraFrame picture = draw_map(drawn.map);
+  const CameraFrame image = draw_map(drawn.map);
   ASSERT_EQ(picture.width, drawn.map.columns());
   ASSERT_EQ(picture.pixels.size(), picture.row_bytes() * static_cast<size_t>(picture.height));
   const auto pixel = [&](double x, double y) {
-    const auto column = static_cast<size_t>((x - drawn.map.frame().low.x()) / 0.2);
-    const auto row = static_cast<size_t>((y - drawn.map.frame().low.y()) / 0.2);
-    return picture
-        .pixels[(static_cast<size_t>(picture.height) - 1 - row) * picture.row_bytes() + column * 3];
+    const auto column = static_cast<size_t>((x - drawn.map.frame().min_corner.x()) / 0.2);
+    const auto row = static_cast<size_t>((y - drawn.map.frame().min_corner.y()) / 0.2);
+    return image
+        .pixels[(static_cast<size_t>(image.height) - 1 - row) * image.row_bytes() + column * 3];
   };
   EXPECT_NE(pixel(0, 5), pixel(0, -5));
   EXPECT_EQ(pixel(0, 5), pixel(10, 4));

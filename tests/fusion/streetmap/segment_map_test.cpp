@@ -10,11 +10,11 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr int kTile = SegmentMap::kTile;
-using Tile = std::array<uint32_t, kTile * kTile>;
+constexpr int kTileSize = SegmentMap::kTileSize;
+using Tile = std::array<uint32_t, kTileSize * kTileSize>;
 
 /// Tiles of one, some, many and very many ids: every number of bits a cell.
-std::vector<Tile> some_tiles() {
+std::vector<Tile> make_tiles() {
   std::mt19937 random(7);
   std::vector<Tile> tiles;
   for (const uint32_t ids : {1U, 2U, 16U, 17U, 256U, 257U}) {
@@ -35,7 +35,7 @@ std::vector<Segment> segments() {
   return list;
 }
 
-std::vector<std::byte> file(const std::vector<Tile>& tiles) {
+std::vector<std::byte> make_file(const std::vector<Tile>& tiles) {
   SegmentMapWriter writer(kFrame, 3, 2);
   for (const Tile& tile : tiles) writer.add_tile(tile);
   auto bytes = writer.finish(segments(), "made for a test");
@@ -45,7 +45,7 @@ std::vector<std::byte> file(const std::vector<Tile>& tiles) {
 
 /// Puts a number into a file and mends its checksum, as somebody with bad intent could.
 template <class T>
-std::vector<std::byte> forged(std::vector<std::byte> bytes, size_t offset, T value) {
+std::vector<std::byte> forge(std::vector<std::byte> bytes, size_t offset, T value) {
   std::memcpy(bytes.data() + offset, &value, sizeof value);
   const uint64_t zero = 0;
   std::memcpy(bytes.data() + 80, &zero, 8);
@@ -56,8 +56,8 @@ std::vector<std::byte> forged(std::vector<std::byte> bytes, size_t offset, T val
 }
 
 TEST(SegmentMap, GivesBackEveryCell) {
-  const auto tiles = some_tiles();
-  const auto bytes = file(tiles);
+  const auto tiles = make_tiles();
+  const auto bytes = make_file(tiles);
   const auto map = SegmentMap::open(bytes, "x.map");
   ASSERT_TRUE(map) << map.error().message();
   ASSERT_EQ(map->columns(), 3 * kTile);
@@ -66,8 +66,9 @@ TEST(SegmentMap, GivesBackEveryCell) {
   EXPECT_EQ(map->provenance(), "made for a test");
   for (int row = 0; row < map->rows(); ++row) {
     for (int column = 0; column < map->columns(); ++column) {
-      const Tile& tile = tiles[static_cast<size_t>(row / kTile * 3 + column / kTile)];
-      const uint32_t expected = tile[static_cast<size_t>(row % kTile * kTile + column % kTile)];
+      const Tile& tile = tiles[static_cast<size_t>(row / kTileSize * 3 + column / kTileSize)];
+      const uint32_t expected =
+          tile[static_cast<size_t>(row % kTileSize * kTileSize + column % kTileSize)];
       ASSERT_EQ(map->id_of_cell(column, row), expected) << column << " " << row;
       const double x = -40 + (column + 0.5) * 0.25, y = 12.5 + (row + 0.5) * 0.25;
       ASSERT_EQ(map->id_at(x, y), expected);
@@ -80,7 +81,7 @@ TEST(SegmentMap, GivesBackEveryCell) {
 }
 
 TEST(SegmentMap, IsOpenLandOutsideAndForUnknownIds) {
-  const auto bytes = file(some_tiles());
+  const auto bytes = make_file(make_tiles());
   const auto map = SegmentMap::open(bytes, "x.map");
   ASSERT_TRUE(map);
   EXPECT_FALSE(map->covers(-40.01, 20));
@@ -93,7 +94,7 @@ TEST(SegmentMap, IsOpenLandOutsideAndForUnknownIds) {
 }
 
 TEST(SegmentMap, RefusesWhatIsCutOffOrLonger) {
-  auto bytes = file(some_tiles());
+  auto bytes = make_file(make_tiles());
   for (size_t length = 0; length < bytes.size(); length += length < 200 ? 1 : 997) {
     EXPECT_FALSE(SegmentMap::open(std::span(bytes).first(length), "x.map")) << length;
   }
@@ -105,7 +106,7 @@ TEST(SegmentMap, RefusesWhatIsCutOffOrLonger) {
 }
 
 TEST(SegmentMap, FindsAChangedBit) {
-  const auto bytes = file(some_tiles());
+  const auto bytes = make_file(make_tiles());
   std::mt19937 random(3);
   for (int i = 0; i < 400; ++i) {
     auto changed = bytes;
@@ -116,7 +117,7 @@ TEST(SegmentMap, FindsAChangedBit) {
 }
 
 TEST(SegmentMap, SurvivesForgedTables) {
-  const auto bytes = file(some_tiles());
+  const auto bytes = make_file(make_tiles());
   const size_t tiles = 88 + 300 * 16;
   const auto second = tiles + 8;
   EXPECT_TRUE(SegmentMap::open(forged(bytes, 80, uint64_t{0}), "x"));  // only the checksum mended
@@ -131,7 +132,7 @@ TEST(SegmentMap, SurvivesForgedTables) {
   EXPECT_FALSE(SegmentMap::open(forged(bytes, 64, uint32_t{0}), "x"));           // segments
   EXPECT_FALSE(SegmentMap::open(forged(bytes, 32, double(NAN)), "x"));           // cell
   // A cell that points beyond its tile's palette of two: open land, not another tile's memory.
-  const auto beyond = forged(bytes, data + 8, uint8_t{0xFF});
+  const auto beyond = forge(bytes, data + 8, uint8_t{0xFF});
   const auto map = SegmentMap::open(beyond, "x");
   ASSERT_TRUE(map);
   EXPECT_EQ(map->id_of_cell(kTile, 0), 0U);
@@ -139,7 +140,7 @@ TEST(SegmentMap, SurvivesForgedTables) {
 }
 
 TEST(SegmentMap, UnknownKindsAreOpenLand) {
-  const auto bytes = forged(file(some_tiles()), 88 + 16 + 8, uint8_t{200});
+  const auto bytes = forge(make_file(make_tiles()), 88 + 16 + 8, uint8_t{200});
   const auto map = SegmentMap::open(bytes, "x");
   ASSERT_TRUE(map);
   EXPECT_EQ(map->segment(1).kind, SegmentKind::kOpenLand);

@@ -53,20 +53,21 @@ inline Town build(const StreetPlan& plan) {
 
 /// What is seen at `pose`: places within 18 m, each with features of its kind of ground and noise;
 /// the insides of houses are not seen. `blind`: features that have nothing to do with the ground.
-inline GridSamples see(const SegmentMap& map, const PlanarPose& pose, uint64_t seed,
-                       bool blind = false) {
+inline GridSamples sample_view(const SegmentMap& map, const PlanarPose& pose, uint64_t seed,
+                               bool unrelated = false) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> place(-18, 18);
   std::normal_distribution<double> noise;
   GridSamples samples;
   std::vector<std::array<double, 3>> rows;
   while (rows.size() < 700) {
-    const Eigen::Vector2d p(place(random), place(random)), q = pose.of(p);
+    const Eigen::Vector2d p(place(random), place(random)), q = pose.transform(p);
     const auto kind = static_cast<int>(map.segment(map.id_at(q.x(), q.y())).kind);
     if (kind == static_cast<int>(SegmentKind::kBuilding)) continue;
-    const int look = blind ? 0 : kind;
-    rows.push_back({1.4 * (look % 3) + noise(random), 1.3 * (look % 2) + noise(random),
-                    1.1 * (look / 3) + noise(random)});
+    const int visible_kind = unrelated ? 0 : kind;
+    rows.push_back({1.4 * (visible_kind % 3) + noise(random),
+                    1.3 * (visible_kind % 2) + noise(random),
+                    1.1 * (visible_kind / 3) + noise(random)});
     samples.x.push_back(static_cast<float>(p.x()));
     samples.y.push_back(static_cast<float>(p.y()));
   }

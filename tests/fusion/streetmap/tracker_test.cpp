@@ -9,26 +9,26 @@
 namespace infuse::streetmap {
 namespace {
 
-using town::see;
+using town::sample_view;
 
-constexpr Duration kStep{250'000'000};
+constexpr Duration kUpdatePeriod{250'000'000};
 
-const town::Town& the_town() {
+const town::Town& shared_town() {
   static const town::Town kTown = town::build(town::plan());
   return kTown;
 }
 
-TrackerOptions quick() {
+TrackerOptions fast_options() {
   TrackerOptions options;
   options.fit.centres = 25;
   options.fit.sigmas = {1.0, 2.0};
   options.fit.lambdas = {1e-3, 1e-1};
-  options.fresh = 0.5;                   // each view of the town is drawn anew
+  options.novelty_distance = 0.5;        // each view of the town is drawn anew
   options.particles.scale_sigma = 0.02;  // its odometry is that long, and turns
   options.particles.distance_noise = 0.03;
   options.particles.yaw_noise = 0.0015;
-  options.particles.fewest = 60;
-  options.particles.most = 250;
+  options.particles.min_count = 60;
+  options.particles.max_count = 250;
   return options;
 }
 
@@ -37,7 +37,7 @@ Eigen::Matrix3d covariance(double metres, double yaw) {
 }
 
 /// What became of a drive along the first street and into the second.
-struct Driven {
+struct DriveResult {
   double rms = 0;      ///< m, after the first ten updates
   double yaw_rms = 0;  ///< rad
   int tracking = 0, updates = 0, within = 0;
@@ -46,21 +46,21 @@ struct Driven {
 };
 
 /// 60 updates: 2 m each, a bend at the crossing. The odometry is 2 % long and turns 0.1° an update.
-Driven drive(Tracker& tracker, const PlanarPose& start_error, double sigma, uint64_t seed,
-             int updates = 60) {
-  Driven driven;
+DriveResult drive(Tracker& tracker, const PlanarPose& start_error, double sigma, uint64_t seed,
+                  int updates = 60) {
+  DriveResult driven;
   PlanarPose truth{-80, -1.2, 0.02};
-  const PlanarPose begin = truth.then(start_error);
-  tracker.start(begin, covariance(sigma, 0.06));
+  const PlanarPose initial_pose = truth.compose(start_error);
+  tracker.start(initial_pose, covariance(sigma, 0.06));
   double sum = 0, yaw_sum = 0;
   int counted = 0;
   for (int i = 0; i < updates; ++i) {
-    const bool bend = truth.x > -6 && truth.yaw < 1.5;
-    const PlanarPose motion{2, 0, bend ? 0.35 : (truth.yaw < 0.5 ? -0.05 * truth.yaw : 0)};
-    truth = truth.then(motion);
+    const bool turning = truth.x > -6 && truth.yaw < 1.5;
+    const PlanarPose motion{2, 0, turning ? 0.35 : (truth.yaw < 0.5 ? -0.05 * truth.yaw : 0)};
+    truth = truth.compose(motion);
     tracker.predict({motion.x * 1.02, motion.y, motion.yaw + 0.0017}, covariance(0.02, 0.002),
-                    kStep);
-    tracker.update(see(the_town().map, truth, seed * 1000 + static_cast<uint64_t>(i)));
+                    kUpdatePeriod);
+    tracker.update(sample_view(shared_town().map, truth, seed * 1000 + static_cast<uint64_t>(i)));
     const TrackerEstimate estimate = tracker.estimate();
     const PlanarPose error = truth.motion_to(estimate.pose);
     ++driven.updates;
@@ -85,10 +85,10 @@ Driven drive(Tracker& tracker, const PlanarPose& start_error, double sigma, uint
 
 TEST(Tracker, FollowsADriveRoundACorner) {
   for (const uint64_t seed : {1U, 2U, 3U}) {
-    TrackerOptions options = quick();
+    TrackerOptions options = fast_options();
     options.seed = seed;
-    Tracker tracker(the_town().map, options);
-    const Driven driven = drive(tracker, {0.8, -0.6, 0.03}, 1, seed);
+    Tracker tracker(shared_town().map, options);
+    const DriveResult driven = drive(tracker, {0.8, -0.6, 0.03}, 1, seed);
     EXPECT_LT(driven.rms, 0.8) << seed;  // dead reckoning: some metres
     EXPECT_LT(driven.yaw_rms, 0.03) << seed;
     EXPECT_GT(driven.tracking, driven.updates * 3 / 4) << seed;
@@ -101,12 +101,13 @@ TEST(Tracker, FollowsADriveRoundACorner) {
 TEST(Tracker, ConvergesFromFourMetresAway) {
   int found = 0;
   for (const uint64_t seed : {1U, 2U, 3U, 4U}) {
-    TrackerOptions options = quick();
+    TrackerOptions options = fast_options();
     options.seed = seed;
-    options.particles.most = 400;
-    Tracker tracker(the_town().map, options);
+    options.particles.max_count = 400;
+    Tracker tracker(shared_town().map, options);
     const double a = 1.3 * static_cast<double>(seed);
-    const Driven driven = drive(tracker, {4 * std::cos(a), 4 * std::sin(a), 0.05}, 4, seed, 36);
+    const DriveResult driven =
+        drive(tracker, {4 * std::cos(a), 4 * std::sin(a), 0.05}, 4, seed, 36);
     // Along the street the odometry, 2 % long, pulls by 1.4 m.
     found += std::abs(driven.last.x - driven.truth.x) < 1.6 &&
              std::abs(driven.last.y - driven.truth.y) < 0.7;
@@ -117,9 +118,9 @@ TEST(Tracker, ConvergesFromFourMetresAway) {
 TEST(Tracker, TheSameSeedGivesTheSamePoses) {
   PlanarPose poses[3];
   for (int i = 0; i < 3; ++i) {
-    TrackerOptions options = quick();
+    TrackerOptions options = fast_options();
     options.seed = i < 2 ? 7 : 8;
-    Tracker tracker(the_town().map, options);
+    Tracker tracker(shared_town().map, options);
     poses[i] = drive(tracker, {0.5, 0.5, 0}, 1, 9, 12).last;
   }
   EXPECT_EQ(poses[0], poses[1]);
@@ -127,13 +128,13 @@ TEST(Tracker, TheSameSeedGivesTheSamePoses) {
 }
 
 TEST(Tracker, SaysLostWhenNothingFits) {
-  Tracker tracker(the_town().map, quick());
+  Tracker tracker(shared_town().map, fast_options());
   const PlanarPose pose{-60, 0, 0};
   tracker.start(pose, covariance(1, 0.05));
   int lost = 0, tracking = 0;
   for (uint64_t i = 0; i < 40; ++i) {
-    tracker.predict({0.5, 0, 0}, covariance(0.01, 0.001), kStep);
-    tracker.update(see(the_town().map, pose, i, true));
+    tracker.predict({0.5, 0, 0}, covariance(0.01, 0.001), kUpdatePeriod);
+    tracker.update(sample_view(shared_town().map, pose, i, true));
     lost += tracker.estimate().state == TrackState::kLost;
     tracking += tracker.estimate().state == TrackState::kTracking;
   }
@@ -144,18 +145,18 @@ TEST(Tracker, SaysLostWhenNothingFits) {
 }
 
 TEST(Tracker, FindsItselfAfterItWasCarriedAway) {
-  TrackerOptions options = quick();
-  options.particles.most = 600;
-  Tracker tracker(the_town().map, options);
+  TrackerOptions options = fast_options();
+  options.particles.max_count = 600;
+  Tracker tracker(shared_town().map, options);
   drive(tracker, {0, 0, 0}, 0.5, 1, 20);
   // Carried 7 m back and to the side: the odometry does not see it.
-  PlanarPose truth = tracker.estimate().pose.then({-6, 1.5, 0});
+  PlanarPose truth = tracker.estimate().pose.compose({-6, 1.5, 0});
   double worst = 0;
   bool doubted = false;
   for (int i = 0; i < 60; ++i) {
-    truth = truth.then({0.7, 0, 0});
-    tracker.predict({0.7, 0, 0}, covariance(0.02, 0.002), kStep);
-    tracker.update(see(the_town().map, truth, 500 + static_cast<uint64_t>(i)));
+    truth = truth.compose({0.7, 0, 0});
+    tracker.predict({0.7, 0, 0}, covariance(0.02, 0.002), kUpdatePeriod);
+    tracker.update(sample_view(shared_town().map, truth, 500 + static_cast<uint64_t>(i)));
     const auto estimate = tracker.estimate();
     doubted |= estimate.state != TrackState::kTracking;
     if (i >= 50) {
@@ -172,22 +173,22 @@ TEST(Tracker, FindsItselfAfterItWasCarriedAway) {
 TEST(Tracker, FindsItselfWithinTheSearchRadius) {
   int found = 0;
   for (const uint64_t seed : {1U, 2U, 3U, 4U}) {
-    TrackerOptions options = quick();
+    TrackerOptions options = fast_options();
     options.seed = seed;
-    options.particles.most = 800;
-    Tracker tracker(the_town().map, options);
+    options.particles.max_count = 800;
+    Tracker tracker(shared_town().map, options);
     PlanarPose truth{-80, -1.2, 0.02};
     const double direction = 1.5 * static_cast<double>(seed);
     const double radius = options.confidence.search_radius;
-    tracker.search(truth.then({8 * std::cos(direction), 8 * std::sin(direction), 0.1}), radius,
+    tracker.search(truth.compose({8 * std::cos(direction), 8 * std::sin(direction), 0.1}), radius,
                    options.confidence.search_yaw);
     EXPECT_EQ(tracker.estimate().state, TrackState::kLost);
     EXPECT_FALSE(tracker.estimate().usable());
     int tracking = 0, within = 0;
     for (int i = 0; i < 34; ++i) {
-      truth = truth.then({2, 0, truth.yaw < 0.5 ? -0.05 * truth.yaw : 0});
-      tracker.predict({2, 0, -0.05 * truth.yaw}, covariance(0.02, 0.002), kStep);
-      tracker.update(see(the_town().map, truth, seed * 1000 + static_cast<uint64_t>(i)));
+      truth = truth.compose({2, 0, truth.yaw < 0.5 ? -0.05 * truth.yaw : 0});
+      tracker.predict({2, 0, -0.05 * truth.yaw}, covariance(0.02, 0.002), kUpdatePeriod);
+      tracker.update(sample_view(shared_town().map, truth, seed * 1000 + static_cast<uint64_t>(i)));
       const TrackerEstimate estimate = tracker.estimate();
       if (estimate.state != TrackState::kTracking) continue;
       ++tracking;
@@ -202,12 +203,12 @@ TEST(Tracker, FindsItselfWithinTheSearchRadius) {
 }
 
 TEST(Tracker, StandingStillIsNoEvidence) {
-  Tracker tracker(the_town().map, quick());
-  const Driven driven = drive(tracker, {0, 0, 0}, 0.5, 1, 20);
+  Tracker tracker(shared_town().map, fast_options());
+  const DriveResult driven = drive(tracker, {0, 0, 0}, 0.5, 1, 20);
   const Eigen::Matrix3d spread = tracker.estimate().covariance;
   for (uint64_t i = 0; i < 50; ++i) {
-    tracker.predict({}, Eigen::Matrix3d::Zero(), kStep);
-    tracker.update(see(the_town().map, driven.truth, 77));
+    tracker.predict({}, Eigen::Matrix3d::Zero(), kUpdatePeriod);
+    tracker.update(sample_view(shared_town().map, driven.truth, 77));
   }
   EXPECT_NEAR(tracker.estimate().covariance.trace(), spread.trace(), 0.01);
   EXPECT_NEAR(std::hypot(tracker.estimate().pose.x - driven.last.x,
@@ -216,22 +217,22 @@ TEST(Tracker, StandingStillIsNoEvidence) {
 }
 
 TEST(Tracker, OutsideTheMapItIsLost) {
-  Tracker tracker(the_town().map, quick());
+  Tracker tracker(shared_town().map, fast_options());
   tracker.start({5000, 5000, 0}, covariance(1, 0.05));
-  tracker.update(see(the_town().map, {0, 0, 0}, 1));
+  tracker.update(sample_view(shared_town().map, {0, 0, 0}, 1));
   EXPECT_EQ(tracker.estimate().state, TrackState::kLost);
   EXPECT_STREQ(tracker.estimate().reason, "the vehicle is outside the map");
 }
 
 TEST(Tracker, BeforeItsStartItIsLost) {
-  Tracker tracker(the_town().map, quick());
-  tracker.update(see(the_town().map, {0, 0, 0}, 1));
+  Tracker tracker(shared_town().map, fast_options());
+  tracker.update(sample_view(shared_town().map, {0, 0, 0}, 1));
   EXPECT_FALSE(tracker.estimate().usable());
   EXPECT_STREQ(tracker.estimate().reason, "no initial pose");
 }
 
 TEST(Tracker, TooFewSamplesChangeNothing) {
-  Tracker tracker(the_town().map, quick());
+  Tracker tracker(shared_town().map, fast_options());
   tracker.start({0, 0, 0}, covariance(1, 0.05));
   const PlanarPose before = tracker.estimate().pose;
   tracker.update(GridSamples{});
@@ -243,7 +244,7 @@ TEST(TrackerEstimate, CovarianceIsALeftPerturbation) {
   TrackerEstimate estimate;
   estimate.pose = {30, -20, 0.7};
   estimate.covariance << 0.09, 0.02, 0.001, 0.02, 0.16, -0.002, 0.001, -0.002, 0.0004;
-  const geometry::Matrix6 C = estimate.covariance6();
+  const geometry::Matrix6 C = estimate.pose_covariance();
   const Eigen::Matrix3d L = estimate.covariance.llt().matrixL();
   std::mt19937 random(2);
   std::normal_distribution<double> normal;
@@ -269,13 +270,13 @@ TEST(TrackerOptions, SaysWhatIsWrong) {
   EXPECT_TRUE(TrackerOptions{.omission = 1.5}.invalid());
   EXPECT_TRUE(TrackerOptions{.sharpness = 0}.invalid());
   TrackerOptions few;
-  few.particles.fewest = 1;
+  few.particles.min_count = 1;
   EXPECT_TRUE(few.invalid());
   TrackerOptions window;
   window.confidence.window = 0;
   EXPECT_TRUE(window.invalid());
   TrackerOptions grid;
-  grid.grid.cell = 0;
+  grid.grid.cell_size = 0;
   EXPECT_TRUE(grid.invalid());
 }
 

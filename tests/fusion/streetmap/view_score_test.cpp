@@ -12,35 +12,35 @@ namespace {
 
 const dependence::FitOptions kFit{.centres = 25, .sigmas = {1.0, 2.0}, .lambdas = {1e-3, 1e-1}};
 
-struct Asked {
+struct LabelledView {
   town::Town town = town::build(town::plan());
   PlanarPose pose{-60, 0, 0};
-  GridSamples samples = town::see(town.map, pose, 1);
+  GridSamples samples = town::sample_view(town.map, pose, 1);
   LabelWindow window;
   std::vector<int32_t> labels = std::vector<int32_t>(samples.size());
 
-  Asked() {
+  LabelledView() {
     window.read(town.map, pose.x, pose.y, 60, Labelling::kKinds);
     window.look_up(pose, samples.x, samples.y, labels);
   }
 };
 
 TEST(ViewScore, LsmiIsThatOfThePreparedDependence) {
-  Asked asked;
+  LabelledView asked;
   ViewScore score(ViewMeasure::kLsmi, kFit);
   EXPECT_STREQ(score.prepare(asked.samples), "");
   dependence::HyperParameters chosen;
-  const double found = score.ask(asked.labels, asked.window, {}, &chosen);
+  const double found = score.evaluate(asked.labels, asked.window, {}, &chosen);
   dependence::PreparedDependence prepared(dependence::FitMeasure::kSmi,
                                           asked.samples.features.matrix(), kFit);
-  const auto expected = prepared.ask(asked.labels, asked.window.label_count());
+  const auto expected = prepared.evaluate(asked.labels, asked.window.label_count());
   EXPECT_NEAR(found, expected.value, 1e-9);
   EXPECT_EQ(chosen, expected.chosen);
   EXPECT_GT(found, 0.1);
 }
 
 TEST(ViewScore, BlsmiIsTheMeanOverItsBags) {
-  Asked asked;
+  LabelledView asked;
   const dependence::HyperParameters kept{2.0, 1e-3};
   ViewScore score(ViewMeasure::kBlsmi, kFit);
   EXPECT_STREQ(score.prepare(asked.samples), "");
@@ -54,20 +54,20 @@ TEST(ViewScore, BlsmiIsTheMeanOverItsBags) {
           asked.samples.features.matrix().row(static_cast<Eigen::Index>(i * 4 + b));
     }
     dependence::PreparedDependence bag(dependence::FitMeasure::kSmi, part, kFit);
-    sum += bag.ask(labels, asked.window.label_count(), kept).value;
+    sum += bag.evaluate(labels, asked.window.label_count(), kept).value;
   }
   EXPECT_NEAR(score.ask(asked.labels, asked.window, kept), sum / 4, 1e-9);
 }
 
 // I(3.7) by hand: gradients and discontinuities that begin at 0, kerbs where some samples are.
 TEST(ViewScore, BoundariesAreACorrelation) {
-  Asked asked;
+  LabelledView asked;
   GridSamples& samples = asked.samples;
   const auto n = static_cast<Eigen::Index>(samples.size());
-  samples.features.resize(n, kFeatures);
+  samples.features.resize(n, kFeatureCount);
   double sum = 0, squares = 0, kerbs = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index f = 0; f < kFeatures; ++f) samples.features(i, f) = 0;
+    for (Eigen::Index f = 0; f < kFeatureCount; ++f) samples.features(i, f) = 0;
     const auto g = static_cast<double>(i % 3), d = static_cast<double>(i % 4);  // from 0 on
     samples.features(i, kGradient) = g - 0.7;
     samples.features(i, kDiscontinuity) = d - 1.3;
@@ -86,7 +86,7 @@ TEST(ViewScore, SaysWhyAViewCannotBeAsked) {
   GridSamples none;
   EXPECT_STRNE(ViewScore(ViewMeasure::kLsmi, kFit).prepare(none), "");
   EXPECT_STRNE(ViewScore(ViewMeasure::kBlsmi, kFit).prepare(none), "");
-  const Asked asked;
+  const LabelledView asked;
   EXPECT_STREQ(ViewScore(ViewMeasure::kBoundaries, kFit).prepare(asked.samples),
                "boundaries need colours");
 }

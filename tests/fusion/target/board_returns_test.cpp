@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/fusion/target/made_views.hpp"
+#include "tests/fusion/target/synthetic_views.hpp"
 
 namespace infuse::target {
 namespace {
@@ -11,29 +11,35 @@ namespace {
 using testing::HasSubstr;
 
 /// A board held up, and what the lidar sees of it and of the wall behind.
-struct Held {
+struct BoardScene {
   Eigen::Isometry3d T_lidar_board;
-  std::vector<Eigen::Vector3d> near;
+  std::vector<Eigen::Vector3d> nearby_returns;
 };
 
-Held hold(made::Draw& draw, double margin = 0.25) {
-  Held held{made::true_T_camera_lidar().inverse() * made::hold_up(draw, made::board()), {}};
-  const Sweep sweep = made::scan(held.T_lidar_board, made::board(), 0.02, draw);
-  held.near = returns_near(sweep, held.T_lidar_board, made::board(), margin);
-  return held;
+BoardScene make_scene(synthetic::RandomSource& random, double margin = 0.25) {
+  BoardScene scene{synthetic::true_T_camera_lidar().inverse() *
+                       synthetic::random_board_pose(random, synthetic::board()),
+                   {}};
+  const Sweep sweep =
+      synthetic::simulate_sweep(scene.T_lidar_board, synthetic::board(), 0.02, random);
+  scene.nearby_returns = crop_to_board(sweep, scene.T_lidar_board, synthetic::board(), margin);
+  return scene;
 }
 
 TEST(BoardReturns, FindsTheBoardBeforeAWall) {
-  made::Draw draw(1);
+  synthetic::RandomSource random(1);
   for (int k = 0; k < 10; ++k) {
-    const Held held = hold(draw);
+    const BoardScene scene = make_scene(random);
     const auto returns =
-        board_returns(held.near, made::off(held.T_lidar_board, 0.05, 0.1), made::board(), 0.25, {});
+        find_board_returns(scene.nearby_returns, synthetic::perturb(scene.T_lidar_board, 0.05, 0.1),
+                           synthetic::board(), 0.25, {});
     ASSERT_TRUE(returns) << returns.error().message();
     size_t expected = 0;
-    made::for_each_beam([&](const Eigen::Vector3d& along, uint16_t, uint16_t) {
-      expected +=
-          made::meet(held.T_lidar_board, made::board(), Eigen::Vector3d::Zero(), along) ? 1 : 0;
+    synthetic::for_each_beam([&](const Eigen::Vector3d& along, uint16_t, uint16_t) {
+      expected += synthetic::intersect(scene.T_lidar_board, synthetic::board(),
+                                       Eigen::Vector3d::Zero(), along)
+                      ? 1
+                      : 0;
     });
     EXPECT_NEAR(static_cast<double>(returns->size()), static_cast<double>(expected),
                 0.03 * static_cast<double>(expected));
@@ -43,46 +49,48 @@ TEST(BoardReturns, FindsTheBoardBeforeAWall) {
   }
 }
 
-TEST(BoardReturns, ShrunkTheyLieInTheOutline) {
-  made::Draw draw(6);
-  const Held held = hold(draw);
-  const auto returns = board_returns(held.near, held.T_lidar_board, made::board(), -0.02, {});
+TEST(BoardReturns, ShrunkReturnsLieInsideTheOutline) {
+  synthetic::RandomSource random(6);
+  const BoardScene scene = make_scene(random);
+  const auto returns =
+      find_board_returns(scene.nearby_returns, scene.T_lidar_board, synthetic::board(), -0.02, {});
   ASSERT_TRUE(returns);
-  const Eigen::Vector2d half = made::board().half_size();
+  const Eigen::Vector2d half = synthetic::board().half_size();
   for (const Eigen::Vector3d& point : *returns) {
-    const Eigen::Vector3d at = held.T_lidar_board.inverse() * point - made::board().middle();
+    const Eigen::Vector3d at = scene.T_lidar_board.inverse() * point - synthetic::board().middle();
     EXPECT_LE(std::abs(at.x()), half.x() - 0.02 + 1e-9);
     EXPECT_LE(std::abs(at.y()), half.y() - 0.02 + 1e-9);
   }
 }
 
-TEST(BoardReturns, NothingThereIsSaid) {
-  made::Draw draw(1);
-  const Held held = hold(draw);
-  Eigen::Isometry3d behind = held.T_lidar_board;
+TEST(BoardReturns, ReportsAMissingBoard) {
+  synthetic::RandomSource random(1);
+  const BoardScene scene = make_scene(random);
+  Eigen::Isometry3d behind = scene.T_lidar_board;
   behind.translation().x() = -4;
-  const auto nothing = board_returns(held.near, behind, made::board(), 0.25, {});
+  const auto nothing =
+      find_board_returns(scene.nearby_returns, behind, synthetic::board(), 0.25, {});
   ASSERT_FALSE(nothing);
   EXPECT_THAT(nothing.error().message(), HasSubstr("returns where the board should be"));
-  EXPECT_FALSE(board_returns({}, held.T_lidar_board, made::board(), 0, {}));
-  EXPECT_TRUE(returns_near(Sweep{}, held.T_lidar_board, made::board(), 1).empty());
+  EXPECT_FALSE(find_board_returns({}, held.T_lidar_board, made::board(), 0, {}));
+  EXPECT_TRUE(crop_to_board(Sweep{}, held.T_lidar_board, made::board(), 1).empty());
 }
 
-TEST(BoardReturns, APlaneThatFacesElsewhereIsNoBoard) {
-  made::Draw draw(1);
-  const Held held = hold(draw);
-  Eigen::Isometry3d turned = held.T_lidar_board;
-  turned.linear() = held.T_lidar_board.linear() * Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX());
-  const auto found = board_returns(held.near, turned, made::board(), 0.15,
-                                   {.margin = 0.15, .tilt = 0.1, .thickness = 0.02});
+TEST(BoardReturns, RejectsAPlaneOfAnotherOrientation) {
+  synthetic::RandomSource random(1);
+  const BoardScene scene = make_scene(random);
+  Eigen::Isometry3d turned = scene.T_lidar_board;
+  turned.linear() = scene.T_lidar_board.linear() * Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX());
+  const auto found = find_board_returns(scene.nearby_returns, turned, synthetic::board(), 0.15,
+                                        {.margin = 0.15, .max_tilt = 0.1, .thickness = 0.02});
   EXPECT_FALSE(found);
 }
 
-TEST(BoardReturnsOptions, SaysWhatIsWrong) {
+TEST(BoardReturnsOptions, ReportsInvalidValues) {
   EXPECT_FALSE(BoardReturnsOptions{}.invalid());
   EXPECT_THAT(*(BoardReturnsOptions{.margin = 0}.invalid()), HasSubstr("margin"));
   EXPECT_THAT(*(BoardReturnsOptions{.tilt = 2}.invalid()), HasSubstr("tilt"));
-  EXPECT_THAT(*(BoardReturnsOptions{.fewest = 1}.invalid()), HasSubstr("fewest"));
+  EXPECT_THAT(*(BoardReturnsOptions{.fewest = 1}.invalid()), HasSubstr("min_returns"));
 }
 
 }  // namespace

@@ -3,25 +3,26 @@
 #include <gtest/gtest.h>
 
 #include "fusion/target/board_pose.hpp"
-#include "tests/fusion/target/made_views.hpp"
+#include "tests/fusion/target/synthetic_views.hpp"
 
 namespace infuse::target {
 namespace {
 
-Eigen::Isometry3d place(double x, double y, double z, double turn, const Eigen::Vector3d& axis) {
+Eigen::Isometry3d board_pose_at(double x, double y, double z, double turn,
+                                const Eigen::Vector3d& axis) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = Eigen::AngleAxisd(turn, axis.normalized()).toRotationMatrix();
-  T.translation() = Eigen::Vector3d(x, y, z) - T.linear() * made::board().middle();
+  T.translation() = Eigen::Vector3d(x, y, z) - T.linear() * synthetic::board().middle();
   return T;
 }
 
 TEST(FindBoards, FindsEveryBoardToAThirdOfAPixel) {
-  const std::vector<Eigen::Isometry3d> places = {place(-1.0, -0.2, 4.0, 0.5, {0, 1, 0}),
-                                                 place(1.0, 0.3, 4.4, 0.4, {1, 0.3, 0})};
-  const CameraFrame frame = made::photograph(places, made::board());
-  const auto boards = find_boards(frame, made::board(), 5);
+  const std::vector<Eigen::Isometry3d> places = {board_pose_at(-1.0, -0.2, 4.0, 0.5, {0, 1, 0}),
+                                                 board_pose_at(1.0, 0.3, 4.4, 0.4, {1, 0.3, 0})};
+  const CameraFrame frame = synthetic::render_image(places, synthetic::board());
+  const auto boards = find_boards(frame, synthetic::board(), 5);
   ASSERT_EQ(boards.size(), 2U);
-  const geometry::CameraModel camera(made::intrinsics());
+  const geometry::CameraModel camera(synthetic::intrinsics());
   for (const Eigen::Isometry3d& T : places) {
     double best = 1e9;
     for (const Corners& corners : boards) {
@@ -29,7 +30,7 @@ TEST(FindBoards, FindsEveryBoardToAThirdOfAPixel) {
       for (const bool turned : {false, true}) {
         double worst = 0;
         for (size_t i = 0; i < corners.size(); ++i) {
-          const auto pixel = camera.project(T * made::board().corner(i));
+          const auto pixel = camera.project(T * synthetic::board().corner(i));
           worst = std::max(worst, (*pixel - corners[turned ? corners.size() - 1 - i : i]).norm());
         }
         best = std::min(best, worst);
@@ -39,7 +40,7 @@ TEST(FindBoards, FindsEveryBoardToAThirdOfAPixel) {
   }
 }
 
-TEST(FindBoards, NothingInAnEmptyOrColouredPicture) {
+TEST(FindBoards, FindsNothingInAnEmptyOrColouredImage) {
   CameraFrame frame;
   EXPECT_TRUE(find_boards(frame, made::board(), 3).empty());
   frame.width = 320;
@@ -52,11 +53,12 @@ TEST(FindBoards, NothingInAnEmptyOrColouredPicture) {
 }
 
 TEST(BoardPose, ExactCornersGiveTheExactPose) {
-  made::Draw draw(1);
+  synthetic::RandomSource random(1);
   for (int k = 0; k < 20; ++k) {
-    const Eigen::Isometry3d T = made::hold_up(draw, made::board());
-    const auto pose = board_pose(geometry::CameraModel(made::intrinsics()), made::board(),
-                                 made::corners_of(T, made::board(), 0, draw), 0.1);
+    const Eigen::Isometry3d T = synthetic::random_board_pose(random, synthetic::board());
+    const auto pose =
+        estimate_board_pose(geometry::CameraModel(synthetic::intrinsics()), synthetic::board(),
+                            synthetic::project_corners(T, synthetic::board(), 0, random), 0.1);
     ASSERT_TRUE(pose);
     EXPECT_LT(made::degrees_between(pose->T_camera_board, T), 1e-4);
     EXPECT_LT(made::metres_between(pose->T_camera_board, T), 1e-5);
@@ -64,13 +66,14 @@ TEST(BoardPose, ExactCornersGiveTheExactPose) {
   }
 }
 
-TEST(BoardPose, CovarianceIsThatOfManyNoisyPictures) {
-  made::Draw draw(2);
-  const Eigen::Isometry3d T = made::hold_up(draw, made::board());
+TEST(BoardPose, CovarianceMatchesManyNoisyImages) {
+  synthetic::RandomSource random(2);
+  const Eigen::Isometry3d T = synthetic::random_board_pose(random, synthetic::board());
   double squares = 0;
   for (int k = 0; k < 200; ++k) {
-    const auto pose = board_pose(geometry::CameraModel(made::intrinsics()), made::board(),
-                                 made::corners_of(T, made::board(), 0.3, draw), 0.3);
+    const auto pose =
+        estimate_board_pose(geometry::CameraModel(synthetic::intrinsics()), synthetic::board(),
+                            synthetic::project_corners(T, synthetic::board(), 0.3, random), 0.3);
     ASSERT_TRUE(pose);
     const geometry::Vector6 error = geometry::log(pose->T_camera_board * T.inverse());
     squares += error.dot(pose->covariance.inverse() * error);
@@ -80,15 +83,15 @@ TEST(BoardPose, CovarianceIsThatOfManyNoisyPictures) {
   EXPECT_LT(squares, 1367);
 }
 
-TEST(BoardPose, CornersOfNoBoardHaveNone) {
-  made::Draw draw(4);
-  const geometry::CameraModel camera(made::intrinsics());
+TEST(BoardPose, RandomCornersGiveNoPose) {
+  synthetic::RandomSource random(4);
+  const geometry::CameraModel camera(synthetic::intrinsics());
   Corners corners;
-  for (size_t i = 0; i < made::board().corners(); ++i) {
-    corners.emplace_back(draw.even(0, 1279), draw.even(0, 959));
+  for (size_t i = 0; i < synthetic::board().corner_count(); ++i) {
+    corners.emplace_back(random.uniform(0, 1279), random.uniform(0, 959));
   }
-  EXPECT_FALSE(board_pose(camera, made::board(), corners, 0.1));
-  EXPECT_FALSE(board_pose(camera, made::board(), {}, 0.1));
+  EXPECT_FALSE(estimate_board_pose(camera, made::board(), corners, 0.1));
+  EXPECT_FALSE(estimate_board_pose(camera, made::board(), {}, 0.1));
 }
 
 }  // namespace

@@ -3,32 +3,33 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/fusion/target/made_views.hpp"
+#include "tests/fusion/target/synthetic_views.hpp"
 
 namespace infuse::target {
 namespace {
 
 using geometry::Matrix6;
 using geometry::Vector6;
-using made::degrees_between;
-using made::metres_between;
+using synthetic::degrees_between;
+using synthetic::metres_between;
 using testing::HasSubstr;
 
-const Eigen::Isometry3d kTruth = made::true_T_camera_lidar();
+const Eigen::Isometry3d kTruth = synthetic::true_T_camera_lidar();
 
-Eigen::Isometry3d rough() { return made::off(kTruth, 0.05, 0.1); }
+Eigen::Isometry3d initial_guess() { return synthetic::perturb(kTruth, 0.05, 0.1); }
 
-TEST(SolveTarget, TenAndThirtyViewsReachTheFigures) {
+TEST(SolveTarget, TenAndThirtyViewsReachTheStatedAccuracy) {
   constexpr int kRuns = 20;
   for (const int views : {10, 30}) {
     double degrees = 0;
     double metres = 0;
     for (uint64_t seed = 1; seed <= kRuns; ++seed) {
-      const TargetResult result = solve_target(made::look_often(views, seed), rough(), {});
+      const TargetResult result =
+          solve_target(synthetic::make_views(views, seed), initial_guess(), {});
       ASSERT_TRUE(result.usable()) << result.reason;
       EXPECT_GE(result.used, views - 1);
-      degrees += std::pow(degrees_between(result.T_head_lidar, kTruth), 2) / kRuns;
-      metres += std::pow(metres_between(result.T_head_lidar, kTruth), 2) / kRuns;
+      degrees += std::pow(degrees_between(result.T_refcam_lidar, kTruth), 2) / kRuns;
+      metres += std::pow(metres_between(result.T_refcam_lidar, kTruth), 2) / kRuns;
     }
     EXPECT_LT(std::sqrt(degrees), 0.1) << views;
     EXPECT_LT(std::sqrt(metres), 0.005) << views;
@@ -39,8 +40,8 @@ TEST(SolveTarget, CovarianceCoversTheSpreadOfAHundredRuns) {
   double squares = 0;
   int inside = 0;
   for (uint64_t seed = 1; seed <= 100; ++seed) {
-    const TargetResult result = solve_target(made::look_often(10, seed), rough(), {});
-    const Vector6 error = geometry::log(result.T_head_lidar * kTruth.inverse());
+    const TargetResult result = solve_target(synthetic::make_views(10, seed), initial_guess(), {});
+    const Vector6 error = geometry::log(result.T_refcam_lidar * kTruth.inverse());
     const double normalised = error.dot(result.covariance.inverse() * error);
     squares += normalised;
     inside += normalised < 12.592 ? 1 : 0;  // 95 % of chi squared, 6 degrees of freedom
@@ -52,24 +53,25 @@ TEST(SolveTarget, CovarianceCoversTheSpreadOfAHundredRuns) {
 }
 
 TEST(SolveTarget, WithoutNoiseTheTruthIsFound) {
-  made::Draw draw(3);
+  synthetic::RandomSource random(3);
   std::vector<TargetView> views;
   for (int k = 0; k < 5; ++k) {
-    views.push_back(made::look(made::hold_up(draw, made::board()), made::board(), draw, 0, 0));
+    views.push_back(synthetic::make_view(synthetic::random_board_pose(random, synthetic::board()),
+                                         synthetic::board(), random, 0, 0));
     views.back().board_covariance.setZero();
   }
-  const TargetResult result = solve_target(views, rough(), {});
+  const TargetResult result = solve_target(views, initial_guess(), {});
   EXPECT_LT(degrees_between(result.T_head_lidar, kTruth), 1e-6);
   EXPECT_LT(metres_between(result.T_head_lidar, kTruth), 1e-8);
 }
 
 TEST(SolveTarget, WrongViewsAreRejectedAndListed) {
-  std::vector<TargetView> views = made::look_often(12, 7);
+  std::vector<TargetView> views = synthetic::make_views(12, 7);
   // The board was elsewhere; the returns are of another plane; the board was moved a little.
-  views[2].T_head_board = made::off(views[2].T_head_board, 0.4, 0.3);
+  views[2].T_refcam_board = synthetic::perturb(views[2].T_refcam_board, 0.4, 0.3);
   for (Eigen::Vector3d& point : views[5].returns) point.x() = 8;
-  views[9].T_head_board.pretranslate(0.05 * views[9].normal());
-  const TargetResult result = solve_target(views, rough(), {});
+  views[9].T_refcam_board.pretranslate(0.05 * views[9].normal());
+  const TargetResult result = solve_target(views, initial_guess(), {});
   EXPECT_TRUE(result.usable()) << result.reason;
   EXPECT_EQ(result.used, 9);
   for (const size_t wrong : {2, 5, 9}) EXPECT_FALSE(result.views[wrong].used) << wrong;
@@ -79,16 +81,16 @@ TEST(SolveTarget, WrongViewsAreRejectedAndListed) {
 }
 
 /// Views of a board that turns about one axis only.
-std::vector<TargetView> turned_about(const Eigen::Vector3d& axis,
-                                     const std::vector<double>& angles) {
-  made::Draw draw(5);
+std::vector<TargetView> make_views_about_axis(const Eigen::Vector3d& axis,
+                                              const std::vector<double>& angles) {
+  synthetic::RandomSource random(5);
   std::vector<TargetView> views;
   for (const double angle : angles) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-    T.translation() = Eigen::Vector3d(draw.even(-0.5, 0.5), draw.even(-0.4, 0.4), 3) -
-                      T.linear() * made::board().middle();
-    views.push_back(made::look(T, made::board(), draw));
+    T.translation() = Eigen::Vector3d(random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), 3) -
+                      T.linear() * synthetic::board().middle();
+    views.push_back(synthetic::make_view(T, synthetic::board(), random));
   }
   return views;
 }
@@ -96,28 +98,30 @@ std::vector<TargetView> turned_about(const Eigen::Vector3d& axis,
 TEST(SolveTarget, NormalsInOnePlaneNameTheFreeTranslation) {
   // Turned about the picture's upright: nothing tells how high the camera stands.
   const auto upright =
-      solve_target(turned_about(Eigen::Vector3d::UnitY(), {-0.6, -0.3, 0, 0.3, 0.6}), rough(), {});
+      solve_target(make_views_about_axis(Eigen::Vector3d::UnitY(), {-0.6, -0.3, 0, 0.3, 0.6}),
+                   initial_guess(), {});
   EXPECT_FALSE(upright.usable());
   EXPECT_THAT(upright.reason, HasSubstr("all normals lie in one plane"));
   EXPECT_THAT(upright.reason, HasSubstr("1.0"));
   EXPECT_THAT(upright.reason, testing::ContainsRegex("\\(-?0\\.0, 1\\.0, -?0\\.0\\) is free"));
   const Eigen::Vector3d skew = Eigen::Vector3d(0.6, 0.8, 0);
-  const auto skewed = solve_target(turned_about(skew, {-0.6, -0.2, 0.2, 0.6}), rough(), {});
+  const auto skewed =
+      solve_target(make_views_about_axis(skew, {-0.6, -0.2, 0.2, 0.6}), initial_guess(), {});
   EXPECT_THAT(skewed.reason, testing::ContainsRegex("\\(0\\.6, 0\\.8, -?0\\.0\\) is free"));
 }
 
 TEST(SolveTarget, OneOrientationIsNotEnough) {
-  const auto result =
-      solve_target(turned_about(Eigen::Vector3d::UnitX(), {0.3, 0.3, 0.3}), rough(), {});
+  const auto result = solve_target(make_views_about_axis(Eigen::Vector3d::UnitX(), {0.3, 0.3, 0.3}),
+                                   initial_guess(), {});
   EXPECT_FALSE(result.usable());
   EXPECT_THAT(result.reason, HasSubstr("all normals are parallel"));
   EXPECT_THAT(solve_target({}, rough(), {}).reason, HasSubstr("no view"));
 }
 
 TEST(SolveTarget, TwoViewsLeaveTheirIntersectionFree) {
-  std::vector<TargetView> views = made::look_often(2, 11);
+  std::vector<TargetView> views = synthetic::make_views(2, 11);
   const Eigen::Vector3d free = views[0].normal().cross(views[1].normal()).normalized();
-  const auto result = solve_target(views, rough(), {});
+  const auto result = solve_target(views, initial_guess(), {});
   EXPECT_FALSE(result.usable());
   char text[40];
   const double sign = free.cwiseAbs().maxCoeff() == free.maxCoeff() ? 1 : -1;
@@ -127,28 +131,29 @@ TEST(SolveTarget, TwoViewsLeaveTheirIntersectionFree) {
 }
 
 TEST(SolveTarget, TooMuchNoiseIsRefused) {
-  const auto result = solve_target(made::look_often(4, 2, made::board(), 1.0), rough(), {});
+  const auto result =
+      solve_target(synthetic::make_views(4, 2, synthetic::board(), 1.0), initial_guess(), {});
   EXPECT_FALSE(result.usable());
 }
 
 TEST(SolveTarget, SameSeedSameBytes) {
-  const auto views = made::look_often(8, 4);
-  const auto a = solve_target(views, rough(), {});
-  const auto b = solve_target(views, rough(), {});
+  const auto views = synthetic::make_views(8, 4);
+  const auto a = solve_target(views, initial_guess(), {});
+  const auto b = solve_target(views, initial_guess(), {});
   EXPECT_EQ(a.T_head_lidar.matrix(), b.T_head_lidar.matrix());
   EXPECT_EQ(a.covariance, b.covariance);
 }
 
-TEST(SolveTargetOptions, SaysWhatIsWrong) {
+TEST(SolveTargetOptions, ReportsInvalidValues) {
   EXPECT_FALSE(SolveTargetOptions{}.invalid());
   EXPECT_THAT(*(SolveTargetOptions{.range_noise = 0}.invalid()), HasSubstr("range_noise"));
-  EXPECT_THAT(*(SolveTargetOptions{.outlier = -1}.invalid()), HasSubstr("outlier"));
-  EXPECT_THAT(*(SolveTargetOptions{.max_translation_sd = 0}.invalid()), HasSubstr("sd"));
+  EXPECT_THAT(*(SolveTargetOptions{.outlier = -1}.invalid()), HasSubstr("max_mahalanobis"));
+  EXPECT_THAT(*(SolveTargetOptions{.max_translation_sigma = 0}.invalid()), HasSubstr("sigma"));
 }
 
 TEST(ReturnsPlane, FourPointsHaveTheReturnsMeanAndSpreadInThePlane) {
-  const TargetView view = made::look_often(1, 9)[0];
-  const ReturnsPlane plane = returns_plane(view.returns);
+  const TargetView view = synthetic::make_views(1, 9)[0];
+  const ReturnsPlane plane = fit_returns_plane(view.returns);
   Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d four = Eigen::Matrix3d::Zero();
   const auto square = [&](const Eigen::Vector3d& point) -> Eigen::Matrix3d {

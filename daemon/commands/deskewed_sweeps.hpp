@@ -1,0 +1,54 @@
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "daemon/pipeline/odometry_tracker.hpp"
+#include "fusion/motion/deskew.hpp"
+
+namespace infuse::daemon {
+
+/// Makes the sweeps of one lidar of a recording straight, as the daemon does: each waits until
+/// odometry covers its time.
+class DeskewedSweeps {
+ public:
+  DeskewedSweeps(const Eigen::Isometry3d& T_vehicle_lidar, const OdometrySettings& settings)
+      : odometry_(settings), max_wait_(settings.max_wait), deskewer_(T_vehicle_lidar) {}
+
+  void add_sample(const VehicleSample& sample) { odometry_.add(sample); }
+  void add_sweep(const Sweep& sweep) { waiting_.push_back(sweep); }
+
+  /// Calls `use(const Sweep&, const DeskewedSweep&)` for every sweep that waits no longer at the
+  /// drive time `now`; x, y and z are as of the sweep's end.
+  template <class OnSweep>
+  void process_due(Stamp now, OnSweep on_sweep) {
+    while (!waiting_.empty() && is_due(waiting_.front(), now)) {
+      const Sweep& sweep = waiting_.front();
+      deskewer_.deskew(sweep, odometry_.trajectory(), sweep.stamp + sweep.span, deskewed_);
+      on_sweep(sweep, deskewed_);
+      waiting_.pop_front();
+    }
+  }
+
+  /// The recording has ended: the same for all.
+  template <class OnSweep>
+  void finish(OnSweep on_sweep) {
+    odometry_.finish();
+    release(Stamp::latest(), on_sweep);
+  }
+
+ private:
+  bool is_due(const Sweep& sweep, Stamp now) const {
+    const Stamp end = sweep.stamp + sweep.span;
+    return now - end >= max_wait_ ||
+           *odometry_.trajectory().uncovered_reason(sweep.stamp, end) == '\0';
+  }
+
+  OdometryTracker odometry_;
+  Duration max_wait_;
+  motion::Deskewer deskewer_;
+  motion::DeskewedSweep deskewed_;
+  std::deque<Sweep> waiting_;
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,80 @@
+#include "daemon/live/run_tracker.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+
+#include "daemon/service/abort_marker.hpp"
+#include "daemon/service/atomic_file.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kDevice = "infused";
+constexpr const char* kAbortMarkerFile = "abort_marker";  // beside the state
+
+}  // namespace
+
+RunTracker RunTracker::from_environment() {
+  const char* folder = std::getenv("STATE_DIRECTORY");
+  if (folder == nullptr || *folder != '/') return RunTracker({});
+  return RunTracker(std::filesystem::path(folder) / "state.json");
+}
+
+std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
+  if (file_.empty()) return std::nullopt;
+  if (const auto before = read_state(file_); !before) {
+    spdlog::warn("{}", before.error().message());
+  } else if (*before) {
+    state_ = **before;
+  }
+  const bool unclean = state_.running;
+  const Stamp last_seen = state_.saved_at;
+  ++state_.starts;
+  if (unclean) ++state_.unclean_exits;
+  state_.running = true;
+  if (const auto written = write(now); !written) spdlog::error("{}", written.error().message());
+  const std::filesystem::path marker = file_.parent_path() / kAbortMarkerFile;
+  const bool aborted = consume_abort_marker(marker);
+  install_abort_handler(marker);
+  if (!unclean) return std::nullopt;
+  const char* what = aborted ? "the watchdog ended the run before, which was stuck"
+                             : "the run before did not end by itself";
+  spdlog::warn("{}", what);
+  return AlertReport{now,
+                     kDevice,
+                     true,
+                     {"restarted", Level::kWarn, now,
+                      fmt::format("{}; it was last seen {:.0f} s ago, and this is the {}. time",
+                                  what, to_seconds(now - last_seen), state_.unclean_exits),
+                      "look at: journalctl -u infused"}};
+}
+
+std::optional<AlertReport> RunTracker::save_if_due(Stamp now) {
+  if (file_.empty() || now - last_saved_ < kSavePeriod) return std::nullopt;
+  const auto written = write(now);
+  if (written.has_value() != failing_) return std::nullopt;
+  failing_ = !written.has_value();
+  const std::string what = failing_ ? written.error().message() : "the state can be written again";
+  spdlog::warn("{}", what);
+  return AlertReport{
+      now,
+      kDevice,
+      failing_,
+      {"state", Level::kWarn, now, what, "make room on the disk of the state directory"}};
+}
+
+void RunTracker::end_run(Stamp now) {
+  if (file_.empty()) return;
+  state_.running = false;
+  if (const auto written = write(now); !written) spdlog::error("{}", written.error().message());
+}
+
+Result<void> RunTracker::write(Stamp now) {
+  if (last_saved_ != Stamp() && now > last_saved_) state_.total_run_time += now - last_saved_;
+  last_saved_ = now;
+  state_.saved_at = now;
+  return write_atomically(file_, format_state(state_));
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,42 @@
+#include "daemon/pipeline/image_thread.hpp"
+
+namespace infuse::daemon {
+
+ImageThread::ImageThread(SlotRing<StreamItem>& in, SlotRing<CameraImage>& out,
+                         std::vector<camera::ImageOptions> options, Delivery delivery)
+    : in_(in.make_reader()), out_(out), options_(std::move(options)), delivery_(delivery) {}
+
+void ImageThread::run() {
+  bool ended = false;
+  while (!ended && in_.wait()) {
+    const Pin<StreamItem> item = in_.next();
+    if (!item) continue;
+    ended = item->kind == StreamItem::Kind::kEnd;
+    if (item->kind != StreamItem::Kind::kImage) continue;
+    decode(*item, out_.slot());
+    deliver(out_, delivery_);
+  }
+}
+
+// Of a live camera the estimators need no colour.
+Result<void> ImageThread::unpack(const StreamItem& item, CameraFrame& frame) const {
+  if (!item.raw) return camera::decode_image(item.encoded, options_[item.camera], frame);
+  camera::RawImage raw = item.raw->raw;
+  raw.bytes = item.encoded;
+  frame.exposure = item.raw->exposure;
+  frame.gain = item.raw->gain;
+  return camera::unpack(raw, true, frame);
+}
+
+void ImageThread::decode(const StreamItem& item, CameraImage& image) const {
+  const HostClock::time_point begin = HostClock::now();
+  image.stamp = item.stamp;
+  image.camera = item.camera;
+  image.number = item.number;
+  image.readable = unpack(item, image.frame).has_value();
+  image.frame.stamp = item.stamp;
+  image.frame.sequence = item.sequence;
+  image.decode_time = HostClock::now() - begin;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,59 @@
+#include "daemon/pipeline/odometry_tracker.hpp"
+
+#include <limits>
+
+namespace infuse::daemon {
+
+void OdometryTracker::add(const VehicleSample& sample) {
+  if (const auto* wheels = std::get_if<WheelOdometry>(&sample)) {
+    filter_.add(*wheels);
+  } else if (const auto* imu = std::get_if<ImuSample>(&sample)) {
+    filter_.add(*imu);
+  } else if (const auto* fix = std::get_if<GnssFix>(&sample); fix != nullptr && use_gnss_speed_) {
+    GnssFix speed = *fix;
+    speed.course = std::numeric_limits<double>::quiet_NaN();
+    filter_.add(speed);
+  }
+}
+
+PoseReport OdometryTracker::pose_at(Stamp stamp) const {
+  const geometry::PoseAt pose = trajectory().at(stamp);
+  const motion::OdometryReport odometry = filter_.report();
+  PoseReport report;
+  report.stamp = stamp;
+  report.frame = "odom";
+  report.T_frame_vehicle = pose.T_odom_vehicle;
+  report.covariance = pose.covariance;
+  report.speed = odometry.speed;
+  report.yaw_rate = odometry.angular_velocity.z();
+  report.reason = pose.usable() ? reason_at(stamp) : pose.reason;
+  return report;
+}
+
+// The filter's time is that of its samples: it cannot know that none has come for long.
+const char* OdometryTracker::reason_at(Stamp now) const {
+  if (!filter_.usable() || trajectory().empty()) return filter_.reason();
+  const Stamp last = trajectory()[trajectory().size() - 1].stamp;
+  return now - last > max_silence_ ? "the vehicle's own sensors are silent" : "";
+}
+
+OdometryStatus OdometryTracker::status(Stamp now) const {
+  const motion::OdometryReport report = filter_.report();
+  OdometryStatus figures;
+  figures.reason = reason_at(now);
+  figures.speed = report.speed;
+  figures.yaw_rate = report.angular_velocity.z();
+  figures.standing = report.standing;
+  figures.wheel_scale = report.wheel_scale.value;
+  figures.wheel_scale_sigma = report.wheel_scale.sigma;
+  figures.yaw_rate_bias = report.yaw_rate_bias.value;
+  figures.yaw_rate_bias_sigma = report.yaw_rate_bias.sigma;
+  figures.gyro_bias = report.gyro_bias[2].value;
+  figures.gyro_bias_sigma = report.gyro_bias[2].sigma;
+  figures.late = report.late;
+  figures.outliers = report.outliers;
+  figures.invalid_samples = report.invalid_samples;
+  return figures;
+}
+
+}  // namespace infuse::daemon

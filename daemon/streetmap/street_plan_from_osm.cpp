@@ -1,0 +1,278 @@
+#include "daemon/streetmap/street_plan_from_osm.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+
+#include "drivers/recording/local_frame.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using recording::find_tag;
+using recording::OsmPoint;
+using recording::OsmTag;
+using streetmap::Polyline;
+using streetmap::SegmentKind;
+
+constexpr double kKerbWidth = 0.4;           // m, line outside the carriageway
+constexpr double kWallWidth = 0.8;           // m, line on a building's outline
+constexpr double kSidewalkWidth = 2.4;       // m, pavement that a street's tags name
+constexpr double kCrossingHalfLength = 2.0;  // m, half the length of a crossing along the street
+constexpr double kMaxDistance = 50e3;        // m from the map's median
+constexpr size_t kMaxWarnings = 1000;
+
+/// What is usual for a class of way.
+struct WayDefaults {
+  std::string_view highway;
+  bool carriageway;
+  double width;         // m, two-way without lanes stated
+  double oneway_width;  // m, one-way without lanes stated
+  double lane_width;    // m a lane, where lanes are stated
+};
+constexpr WayDefaults kWayDefaults[] = {
+    {"motorway", true, 12.0, 12.0, 3.75},   {"motorway_link", true, 8.0, 6.0, 4.5},
+    {"trunk", true, 8.0, 8.0, 3.5},         {"trunk_link", true, 7.5, 5.5, 4.5},
+    {"primary", true, 7.5, 7.0, 3.5},       {"primary_link", true, 7.0, 5.0, 4.0},
+    {"secondary", true, 7.0, 6.5, 3.5},     {"secondary_link", true, 6.5, 5.0, 4.0},
+    {"tertiary", true, 6.5, 6.0, 3.25},     {"tertiary_link", true, 6.5, 5.0, 4.0},
+    {"unclassified", true, 6.0, 5.5, 3.0},  {"residential", true, 6.0, 5.5, 3.0},
+    {"living_street", true, 5.0, 5.0, 3.0}, {"road", true, 6.0, 5.0, 3.0},
+    {"service", true, 4.0, 4.0, 3.0},       {"track", true, 3.0, 3.0, 3.0},
+    {"pedestrian", false, 6.0, 6.0, 3.0},   {"footway", false, 2.0, 2.0, 2.0},
+    {"cycleway", false, 2.2, 2.2, 2.0},     {"path", false, 1.6, 1.6, 1.6},
+    {"steps", false, 2.0, 2.0, 2.0},        {"bridleway", false, 2.0, 2.0, 2.0},
+};
+
+const WayDefaults* find_way_defaults(std::string_view highway) {
+  for (const WayDefaults& usual : kWayDefaults) {
+    if (usual.highway == highway) return &usual;
+  }
+  return nullptr;
+}
+
+/// The number that a value begins with, within limits.
+std::optional<double> parse_number(std::string_view text, double low, double high) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || !(value >= low && value <= high)) return std::nullopt;
+  return value;
+}
+
+double street_width(const std::vector<OsmTag>& tags, const WayDefaults& usual) {
+  if (const auto width = parse_number(find_tag(tags, "width"), 0.8, 60)) return *width;
+  if (const auto lanes = parse_number(find_tag(tags, "lanes"), 1, 12); lanes && usual.carriageway) {
+    return std::max(3.5, *lanes * usual.lane_width);
+  }
+  const std::string_view oneway = find_tag(tags, "oneway");
+  const bool one = oneway == "yes" || oneway == "1" || oneway == "-1" || oneway == "true" ||
+                   find_tag(tags, "junction") == "roundabout";
+  return one ? usual.oneway_width : usual.width;
+}
+
+// Pavements are drawn only where the map tells of them: one that is guessed, and is wider on one
+// side than on the other or not there, pulls the vehicle aside.
+bool has_sidewalk(const std::vector<OsmTag>& tags) {
+  const std::string_view sidewalk = find_tag(tags, "sidewalk");
+  return sidewalk == "both" || sidewalk == "left" || sidewalk == "right" || sidewalk == "yes";
+}
+
+std::optional<SegmentKind> area_kind(const std::vector<OsmTag>& tags) {
+  const auto tag = [&](std::string_view key) { return find_tag(tags, key); };
+  const auto one_of = [](std::string_view value, std::initializer_list<std::string_view> list) {
+    return std::find(list.begin(), list.end(), value) != list.end();
+  };
+  if (!tag("building").empty() && tag("building") != "no") return SegmentKind::kBuilding;
+  if (tag("natural") == "water" || one_of(tag("waterway"), {"riverbank", "dock"}) ||
+      one_of(tag("landuse"), {"reservoir", "basin"}) || tag("amenity") == "swimming_pool") {
+    return SegmentKind::kWater;
+  }
+  if (one_of(tag("leisure"), {"park", "garden", "pitch", "playground", "golf_course"}) ||
+      one_of(tag("landuse"), {"grass", "meadow", "forest", "village_green", "recreation_ground",
+                              "allotments", "cemetery", "farmland", "orchard"}) ||
+      one_of(tag("natural"), {"wood", "scrub", "grass", "grassland", "heath"})) {
+    return SegmentKind::kGreen;
+  }
+  if (tag("amenity") == "parking" || tag("place") == "square") return SegmentKind::kPaved;
+  if (!tag("highway").empty() && tag("area") == "yes") return SegmentKind::kPaved;
+  return std::nullopt;
+}
+
+class StreetPlanBuilder {
+ public:
+  explicit StreetPlanBuilder(const recording::OpenStreetMap& map)
+      : map_(map), frame_(map.centre_latitude, map.centre_longitude) {
+    set_origin();
+  }
+
+  OsmStreetPlan run() {
+    planned_.plan.latitude = latitude_;
+    planned_.plan.longitude = longitude_;
+    planned_.warnings = map_.warnings;
+    for (const recording::OsmWay& way : map_.ways) add_way(way);
+    for (const recording::OsmArea& area : map_.areas) add_relation(area);
+    for (const recording::OsmNode& node : map_.nodes) add_crossing(node);
+    return std::move(planned_);
+  }
+
+ private:
+  // The middle of the box, unless far elements pull it away: then the median of the points.
+  void set_origin() {
+    std::vector<double> latitudes, longitudes;
+    for (const recording::OsmWay& way : map_.ways) {
+      for (const OsmPoint& point : way.points) {
+        latitudes.push_back(point.latitude);
+        longitudes.push_back(point.longitude);
+      }
+    }
+    latitude_ = map_.centre_latitude;
+    longitude_ = map_.centre_longitude;
+    if (latitudes.empty()) return;
+    const auto median = [](std::vector<double>& values) {
+      const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+      std::nth_element(values.begin(), middle, values.end());
+      return *middle;
+    };
+    median_ = {median(latitudes), median(longitudes)};
+    const auto [south, north] = std::minmax_element(latitudes.begin(), latitudes.end());
+    const auto [west, east] = std::minmax_element(longitudes.begin(), longitudes.end());
+    if (!is_beyond_limit(*south, *west) && !is_beyond_limit(*north, *east)) return;
+    latitude_ = median_.x();
+    longitude_ = median_.y();
+    frame_ = recording::LocalFrame(latitude_, longitude_);
+  }
+
+  bool is_beyond_limit(double latitude, double longitude) const {
+    constexpr double kEarthRadius = 6.37e6;
+    const double north = (latitude - median_.x()) * kEarthRadius;
+    const double east =
+        std::remainder(longitude - median_.y(), 2 * M_PI) * kEarthRadius * std::cos(median_.x());
+    return std::hypot(north, east) > kMaxDistance;
+  }
+
+  void warn(const char* kind, int64_t id, const char* what, const char* hint) {
+    if (planned_.warnings.size() >= kMaxWarnings) return;
+    planned_.warnings.push_back({what, std::string(kind) + " " + std::to_string(id), hint});
+  }
+
+  bool warn_if_far(const char* kind, int64_t id, const std::vector<OsmPoint>& points) {
+    for (const OsmPoint& point : points) {
+      if (!is_beyond_limit(point.latitude, point.longitude)) continue;
+      warn(kind, id, "lies more than 50 km from the rest of the map", "it is left out");
+      return true;
+    }
+    return false;
+  }
+
+  Polyline to_polyline(const std::vector<OsmPoint>& points) const {
+    Polyline line;
+    for (const OsmPoint& point : points) {
+      line.push_back(frame_.to_local(point.latitude, point.longitude).head<2>());
+    }
+    return line;
+  }
+
+  Polyline to_ring(const std::vector<OsmPoint>& points) const {
+    Polyline ring = to_polyline(points);
+    ring.pop_back();
+    std::erase_if(ring, [previous = ring.back()](const Eigen::Vector2d& point) mutable {
+      return point == std::exchange(previous, point);
+    });
+    return ring;
+  }
+
+  void add_way(const recording::OsmWay& way) {
+    const auto kind = area_kind(way.tags);
+    const std::string_view highway = find_tag(way.tags, "highway");
+    if (!kind && highway.empty()) return;
+    if (warn_if_far("way", way.id, way.points)) return;
+    if (!kind) return add_street(way, highway);
+    if (!way.closed()) {
+      if (highway.empty()) warn("way", way.id, "is an area that does not close", "it is left out");
+      return;
+    }
+    add_ring("way", way.id, {{*kind, way.id}, {to_ring(way.points)}, wall_width(*kind)});
+  }
+
+  void add_relation(const recording::OsmArea& area) {
+    const auto kind = area_kind(area.tags);
+    if (!kind) return;
+    streetmap::PlanArea plan_area{{*kind, area.id}, {}, wall_width(*kind)};
+    for (const auto* rings : {&area.outer, &area.inner}) {
+      for (const auto& ring : *rings) {
+        if (warn_if_far("relation", area.id, ring)) return;
+        plan_area.rings.push_back(to_ring(ring));
+      }
+    }
+    add_ring("relation", area.id, std::move(plan_area));
+  }
+
+  static double wall_width(SegmentKind kind) {
+    return kind == SegmentKind::kBuilding ? kWallWidth : 0;
+  }
+
+  void add_ring(const char* kind, int64_t id, streetmap::PlanArea area) {
+    for (const Polyline& ring : area.rings) {
+      if (!streetmap::crosses_itself(ring)) continue;
+      return warn(kind, id, "has a ring that crosses itself", "it is left out");
+    }
+    planned_.plan.areas.push_back(std::move(area));
+  }
+
+  void add_street(const recording::OsmWay& way, std::string_view highway) {
+    const WayDefaults* defaults = find_way_defaults(highway);
+    const std::string_view tunnel = find_tag(way.tags, "tunnel");
+    if (defaults == nullptr || (!tunnel.empty() && tunnel != "no")) return;
+    streetmap::PlanStrip strip;
+    strip.segment = {defaults->carriageway ? SegmentKind::kCarriageway : SegmentKind::kFootway,
+                     way.id};
+    if (find_tag(way.tags, "footway") == "crossing") strip.segment.kind = SegmentKind::kCrossing;
+    strip.points = to_polyline(way.points);
+    strip.half_width = street_width(way.tags, *defaults) / 2;
+    if (defaults->carriageway) {
+      strip.kerb_width = kKerbWidth;
+      strip.sidewalk_width = has_sidewalk(way.tags) ? kSidewalkWidth : 0;
+      for (size_t i = 0; i < way.points.size(); ++i) {
+        streets_[way.points[i].node] = {planned_.plan.strips.size(), i};
+      }
+      ++planned_.carriageway_count;
+    }
+    planned_.plan.strips.push_back(std::move(strip));
+  }
+
+  /// A crossing is a node of a street: a short strip as wide as it.
+  void add_crossing(const recording::OsmNode& node) {
+    if (find_tag(node.tags, "highway") != "crossing") return;
+    const auto at = streets_.find(node.id);
+    if (at == streets_.end()) return;
+    const auto [index, point] = at->second;
+    const streetmap::PlanStrip& street = planned_.plan.strips[index];
+    const Eigen::Vector2d before = street.points[point > 0 ? point - 1 : 0];
+    const Eigen::Vector2d after = street.points[std::min(point + 1, street.points.size() - 1)];
+    const Eigen::Vector2d along = (after - before).normalized();
+    if (!along.allFinite()) return;
+    const Eigen::Vector2d across(-along.y(), along.x());
+    const Eigen::Vector2d middle = street.points[point];
+    planned_.plan.strips.push_back(
+        {{SegmentKind::kCrossing, node.id},
+         {middle - street.half_width * across, middle + street.half_width * across},
+         kCrossingHalfLength});
+  }
+
+  const recording::OpenStreetMap& map_;
+  recording::LocalFrame frame_;
+  double latitude_ = 0, longitude_ = 0;
+  Eigen::Vector2d median_{0, 0};
+  OsmStreetPlan planned_;
+  std::unordered_map<int64_t, std::pair<size_t, size_t>> streets_;  // strip and point by node
+};
+
+}  // namespace
+
+OsmStreetPlan build_street_plan(const recording::OpenStreetMap& map) {
+  return StreetPlanBuilder(map).run();
+}
+
+}  // namespace infuse::daemon

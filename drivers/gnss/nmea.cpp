@@ -1,0 +1,188 @@
+#include "drivers/gnss/nmea.hpp"
+
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace infuse::velodyne {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kKnot = 1852.0 / 3600.0;  // m/s
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr size_t kMaxFields = 24;
+
+/// A sentence between '$' and '*', at its commas.
+struct Fields {
+  std::array<std::string_view, kMaxFields> field{};
+  size_t count = 0;
+
+  std::string_view operator[](size_t i) const { return i < count ? field[i] : std::string_view(); }
+};
+
+Fields split(std::string_view body) {
+  Fields fields;
+  while (fields.count < kMaxFields) {
+    const size_t comma = body.find(',');
+    fields.field[fields.count++] = body.substr(0, comma);
+    if (comma == std::string_view::npos) break;
+    body.remove_prefix(comma + 1);
+  }
+  return fields;
+}
+
+/// The whole text as a number, finite.
+template <class Number>
+std::optional<Number> parse_number(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  if constexpr (std::is_floating_point_v<Number>) {
+    if (!std::isfinite(value)) return std::nullopt;
+  }
+  return value;
+}
+
+double parse_number_or_nan(std::string_view text) {
+  return parse_number<double>(text).value_or(kNaN);
+}
+
+/// "ddmm.mmm" and its hemisphere, in radians.
+std::optional<double> parse_angle(std::string_view text, std::string_view hemisphere,
+                                  double limit) {
+  const auto value = parse_number<double>(text);
+  if (!value || *value < 0 || hemisphere.size() != 1) return std::nullopt;
+  const double degrees = std::floor(*value / 100);
+  const double minutes = *value - degrees * 100;
+  const double parse_angle = (degrees + minutes / 60) * kDegree;
+  if (minutes >= 60 || parse_angle > limit) return std::nullopt;
+  switch (hemisphere[0]) {
+    case 'N':
+    case 'E':
+      return parse_angle;
+    case 'S':
+    case 'W':
+      return -parse_angle;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// "hhmmss[.sss]" in nanoseconds since midnight.
+std::optional<int64_t> parse_time_of_day(std::string_view text) {
+  if (text.size() < 6) return std::nullopt;
+  const auto hours = parse_number<unsigned>(text.substr(0, 2));
+  const auto minutes = parse_number<unsigned>(text.substr(2, 2));
+  const auto seconds = parse_number<double>(text.substr(4));
+  if (!hours || !minutes || !seconds) return std::nullopt;
+  if (*hours > 23 || *minutes > 59 || *seconds < 0 || *seconds >= 61) return std::nullopt;
+  return static_cast<int64_t>(*hours * 60 + *minutes) * 60'000'000'000 +
+         static_cast<int64_t>(std::llround(*seconds * 1e9));
+}
+
+/// "ddmmyy" in days since the Unix epoch; the years 2000 … 2099.
+std::optional<std::chrono::sys_days> parse_date(std::string_view text) {
+  if (text.size() != 6) return std::nullopt;
+  const auto day = parse_number<unsigned>(text.substr(0, 2));
+  const auto month = parse_number<unsigned>(text.substr(2, 2));
+  const auto year = parse_number<int>(text.substr(4, 2));
+  if (!day || !month || !year || *year < 0) return std::nullopt;
+  const std::chrono::year_month_day parse_date(std::chrono::year(2000 + *year),
+                                               std::chrono::month(*month), std::chrono::day(*day));
+  if (!parse_date.ok()) return std::nullopt;
+  return std::chrono::sys_days(parse_date);
+}
+
+/// Latitude, its hemisphere, longitude, its hemisphere from field `first` on.
+bool read_position(const Fields& fields, size_t first, GnssFix& fix) {
+  const auto latitude = parse_angle(fields[first], fields[first + 1], 90 * kDegree);
+  const auto longitude = parse_angle(fields[first + 2], fields[first + 3], 180 * kDegree);
+  if (!latitude || !longitude) return false;
+  fix.latitude = *latitude;
+  fix.longitude = *longitude;
+  return true;
+}
+
+tl::expected<NmeaFix, NmeaFault> read_rmc(const Fields& fields, NmeaFix result) {
+  const auto time = parse_time_of_day(fields[1]);
+  const auto day = parse_date(fields[9]);
+  if (!time || !day) return tl::unexpected(NmeaFault::kField);
+  result.fix.utc_ns = std::chrono::nanoseconds(day->time_since_epoch()).count() + *time;
+  result.has_date = true;
+  result.fix.valid = fields[2] == "A";
+  if (!read_position(fields, 3, result.fix) && result.fix.valid) {
+    return tl::unexpected(NmeaFault::kField);
+  }
+  result.fix.speed = parse_number_or_nan(fields[7]) * kKnot;
+  result.fix.course = parse_number_or_nan(fields[8]) * kDegree;
+  return result;
+}
+
+tl::expected<NmeaFix, NmeaFault> read_gga(const Fields& fields, NmeaFix result) {
+  const auto time = parse_time_of_day(fields[1]);
+  const auto quality = parse_number<unsigned>(fields[6]);
+  if (!time || !quality) return tl::unexpected(NmeaFault::kField);
+  result.fix.utc_ns = *time;
+  result.fix.valid = *quality > 0;
+  if (!read_position(fields, 2, result.fix) && result.fix.valid) {
+    return tl::unexpected(NmeaFault::kField);
+  }
+  result.fix.hdop = parse_number_or_nan(fields[8]);
+  result.fix.altitude = parse_number_or_nan(fields[9]);
+  return result;
+}
+
+bool checksum_matches(std::string_view body, std::string_view digits) {
+  unsigned sum = 0;
+  for (const char c : body) sum ^= static_cast<unsigned char>(c);
+  unsigned stated = 0;
+  const auto [end, error] =
+      std::from_chars(digits.data(), digits.data() + digits.size(), stated, 16);
+  return error == std::errc() && digits.size() == 2 && end == digits.data() + 2 && stated == sum;
+}
+
+}  // namespace
+
+const char* describe(NmeaFault fault) {
+  switch (fault) {
+    case NmeaFault::kNoSentence:
+      return "no NMEA sentence";
+    case NmeaFault::kChecksum:
+      return "the NMEA checksum does not fit";
+    case NmeaFault::kType:
+      return "an NMEA sentence that is neither RMC nor GGA";
+    case NmeaFault::kField:
+      return "an NMEA field is missing or not a number";
+  }
+  return "";
+}
+
+tl::expected<NmeaFix, NmeaFault> parse_nmea(std::string_view text) {
+  text = text.substr(0, text.find_first_of(std::string_view("\0\r\n", 3)));
+  const size_t begin = text.find('$');
+  const size_t star = text.find('*', begin == std::string_view::npos ? 0 : begin);
+  if (begin == std::string_view::npos || star == std::string_view::npos) {
+    return tl::unexpected(NmeaFault::kNoSentence);
+  }
+  const std::string_view body = text.substr(begin + 1, star - begin - 1);
+  if (!checksum_matches(body, text.substr(star + 1, 2)))
+    return tl::unexpected(NmeaFault::kChecksum);
+
+  NmeaFix empty_fix;
+  empty_fix.fix.altitude = kNaN;
+  empty_fix.fix.speed = kNaN;
+  empty_fix.fix.course = kNaN;
+  empty_fix.fix.hdop = kNaN;
+  const Fields fields = split(body);
+  if (fields[0].size() != 5) return tl::unexpected(NmeaFault::kType);
+  const std::string_view type = fields[0].substr(2);
+  if (type == "RMC") return read_rmc(fields, empty_fix);
+  if (type == "GGA") return read_gga(fields, empty_fix);
+  return tl::unexpected(NmeaFault::kType);
+}
+
+}  // namespace infuse::velodyne

@@ -1,0 +1,164 @@
+#include "drivers/import/kitti_import.hpp"
+
+#include "drivers/import/image_size.hpp"
+#include "drivers/import/import_files.hpp"
+#include "drivers/import/kitti_layouts.hpp"
+#include "drivers/recording/drive.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "drivers/recording/imu_csv.hpp"
+#include "drivers/recording/trajectory_file.hpp"
+#include "drivers/text/text_file.hpp"
+
+namespace infuse::recording {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<KittiRecording> read_layout(KittiLayout layout, const fs::path& folder) {
+  switch (layout) {
+    case KittiLayout::kRaw:
+      return read_kitti_raw(folder);
+    case KittiLayout::kOdometry:
+      return read_kitti_odometry(folder);
+    case KittiLayout::kObject:
+      return read_kitti_object(folder);
+  }
+  return fail("unknown layout", folder.string());
+}
+
+// Keeps the pictures of one size, that of the first.
+ImageSize keep_same_size(std::vector<StampedFile>& images, std::vector<Error>& notes) {
+  ImageSize size;
+  std::erase_if(images, [&](const StampedFile& image) {
+    const auto this_size = read_image_size(image.path);
+    if (this_size && size.width == 0) size = *this_size;
+    if (this_size && *this_size == size) return false;
+    notes.push_back(
+        {this_size ? "is of another size than the first: left out" : "is no picture: left out",
+         image.path.string(),
+         {}});
+    return true;
+  });
+  return size;
+}
+
+void add_lidar(const KittiCalibration& calibration, DriveDescription& description) {
+  LidarMount mount;
+  mount.name = "velodyne";
+  mount.T_vehicle_lidar = calibration.T_vehicle_lidar();
+  description.rig.lidars.push_back(mount);
+  description.lidars.emplace_back().sweeps = "sweeps";
+}
+
+void add_camera(const KittiCalibration& calibration, size_t camera, const ImageSize& size,
+                DriveDescription& description) {
+  CameraMount mount;
+  mount.name = "image_" + std::to_string(camera);
+  mount.lidar = "velodyne";
+  mount.intrinsics = calibration.intrinsics(camera, size.width, size.height);
+  mount.T_camera_lidar = calibration.T_camera_lidar(camera);
+  description.rig.cameras.push_back(mount);
+  description.cameras.emplace_back().images = mount.name;
+}
+
+Result<void> write_truth(const KittiRecording& recording, const fs::path& drive,
+                         DriveDescription& description) {
+  std::error_code failed;
+  fs::create_directories(drive / "truth", failed);
+  description.truth_rig = "truth/rig.toml";
+  if (auto written = write_rig(drive / description.truth_rig, description.rig); !written)
+    return written;
+  if (recording.poses.empty()) return {};
+  description.truth_poses = "truth/poses.tum";
+  return write_text(drive / description.truth_poses, format_tum(recording.poses));
+}
+
+Result<void> write_samples(const KittiRecording& recording, const fs::path& drive,
+                           DriveDescription& description) {
+  if (!recording.imu.empty()) {
+    description.imu = "imu.csv";
+    if (auto written = write_imu_csv(drive / "imu.csv", recording.imu); !written) return written;
+  }
+  if (!recording.gnss.empty()) {
+    description.gnss = "gnss.csv";
+    if (auto written = write_gnss_csv(drive / "gnss.csv", recording.gnss); !written) return written;
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* to_string(KittiLayout layout) {
+  switch (layout) {
+    case KittiLayout::kRaw:
+      return "raw";
+    case KittiLayout::kOdometry:
+      return "odometry";
+    case KittiLayout::kObject:
+      return "object";
+  }
+  return "unknown";
+}
+
+Result<KittiLayout> detect_kitti_layout(const fs::path& folder) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) return fail("is no folder", folder.string());
+  if (fs::is_directory(folder / "velodyne_points", ignored)) return KittiLayout::kRaw;
+  if (fs::is_directory(folder / "velodyne", ignored)) {
+    if (fs::is_directory(folder / "calib", ignored)) return KittiLayout::kObject;
+    if (fs::exists(folder / "times.txt", ignored) || fs::exists(folder / "calib.txt", ignored))
+      return KittiLayout::kOdometry;
+  }
+  return fail(
+      "is none of KITTI's layouts", folder.string(),
+      "raw has velodyne_points/, object has velodyne/ and calib/, odometry has velodyne/ and "
+      "times.txt");
+}
+
+Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& drive) {
+  const auto layout = detect_kitti_layout(folder);
+  if (!layout) return tl::unexpected(layout.error());
+  auto recording = read_layout(*layout, folder);
+  if (!recording) return tl::unexpected(recording.error());
+  if (recording->sweeps.empty()) return fail("holds no sweep that could be used", folder.string());
+  if (auto made = make_empty_folder(drive); !made) return tl::unexpected(made.error());
+
+  KittiImportSummary result;
+  result.layout = *layout;
+  result.sweeps = recording->sweeps.size();
+  result.poses = recording->poses.size();
+  result.times_trusted = recording->times_trusted;
+  DriveDescription description;
+  description.name = "KITTI, " + std::string(to_string(*layout)) + " layout";
+  description.times_trusted = recording->times_trusted;
+
+  add_lidar(recording->calibration, description);
+  if (auto linked = link_sequence(recording->sweeps, drive / "sweeps"); !linked)
+    return tl::unexpected(linked.error());
+  for (size_t camera = 0; camera < recording->images.size(); ++camera) {
+    std::vector<StampedFile>& images = recording->images[camera];
+    if (images.empty()) continue;
+    if (!recording->calibration.projection[camera]) {
+      recording->notes.push_back({"the calibration has no P" + std::to_string(camera),
+                                  images.front().path.parent_path().string(),
+                                  "this camera is left out"});
+      continue;
+    }
+    const ImageSize size = keep_same_size(images, recording->notes);
+    if (images.empty()) continue;
+    add_camera(recording->calibration, camera, size, description);
+    if (auto linked = link_sequence(images, drive / description.cameras.back().images); !linked)
+      return tl::unexpected(linked.error());
+    result.images += images.size();
+  }
+  if (auto written = write_truth(*recording, drive, description); !written)
+    return tl::unexpected(written.error());
+  if (auto written = write_samples(*recording, drive, description); !written)
+    return tl::unexpected(written.error());
+  if (auto written = write_drive_toml(drive, description); !written)
+    return tl::unexpected(written.error());
+  result.notes = std::move(recording->notes);
+  return result;
+}
+
+}  // namespace infuse::recording

@@ -1,0 +1,273 @@
+#include "drivers/import/kitti_layouts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "drivers/import/kitti_files.hpp"
+#include "drivers/recording/local_frame.hpp"
+#include "drivers/recording/rigid_matrix.hpp"
+
+namespace infuse::recording {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr Duration kSyntheticFramePeriod{100'000'000};
+constexpr size_t kMaxFrames = 1'000'000;  // of a recording without times
+
+using Files = std::map<size_t, fs::path>;
+
+std::string camera_folder(size_t camera) { return "image_" + std::to_string(camera); }
+
+// index · 0.1 s for every frame that has a sweep or a picture.
+std::map<size_t, Stamp> synthesize_times(const Files& sweeps, const std::array<Files, 4>& images) {
+  std::map<size_t, Stamp> times;
+  for (const auto& [number, path] : sweeps) times[number] = Stamp();
+  for (const Files& files : images) {
+    for (const auto& [number, path] : files) times[number] = Stamp();
+  }
+  Stamp stamp;
+  for (auto& [number, time] : times) {
+    time = stamp;
+    stamp += kSyntheticFramePeriod;
+  }
+  return times;
+}
+
+std::vector<StampedFile> stamp_files(const Files& files, const std::map<size_t, Stamp>& times) {
+  std::vector<StampedFile> result;
+  for (const auto& [number, path] : files) result.push_back({times.at(number), path});
+  return result;
+}
+
+// The calibration that most frames share, and those frames.
+struct SharedCalibration {
+  KittiCalibration calibration;
+  std::set<size_t> frames;
+};
+
+Result<SharedCalibration> find_most_frequent_calibration(const Files& files,
+                                                         std::vector<Error>& notes) {
+  std::vector<SharedCalibration> groups;
+  for (const auto& [number, path] : files) {
+    const auto calibration = read_kitti_calibration(path);
+    if (!calibration) {
+      notes.push_back(calibration.error());
+      continue;
+    }
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const SharedCalibration& g) {
+      return g.calibration == *calibration;
+    });
+    if (group == groups.end()) group = groups.insert(group, {*calibration, {}});
+    group->frames.insert(number);
+  }
+  const auto best = std::max_element(groups.begin(), groups.end(),
+                                     [](const SharedCalibration& a, const SharedCalibration& b) {
+                                       return a.frames.size() < b.frames.size();
+                                     });
+  if (best == groups.end()) {
+    return notes.empty() ? fail("holds no calibration")
+                         : Result<SharedCalibration>(tl::unexpected(notes.front()));
+  }
+  if (groups.size() > 1) {
+    notes.push_back({std::to_string(groups.size()) + " calibrations", "calib/",
+                     "only the " + std::to_string(best->frames.size()) +
+                         " frames of the most frequent one are taken: a drive has one rig"});
+  }
+  return std::move(*best);
+}
+
+size_t keep_frames(Files& files, const std::set<size_t>& frames) {
+  return std::erase_if(files, [&](const auto& file) { return !frames.contains(file.first); });
+}
+
+Result<fs::path> find_odometry_calibration(const fs::path& folder) {
+  if (fs::exists(folder / "calib.txt")) return folder / "calib.txt";
+  std::vector<fs::path> found;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with("calib") && name.ends_with(".txt")) found.push_back(entry->path());
+  }
+  if (found.size() == 1) return found.front();
+  return fail(found.empty() ? "has no calib.txt" : "has several calib*.txt", folder.string());
+}
+
+std::optional<fs::path> find_odometry_poses(const fs::path& folder) {
+  const fs::path absolute = fs::absolute(folder).lexically_normal();
+  const fs::path sequence_folder = absolute.filename().empty() ? absolute.parent_path() : absolute;
+  for (const fs::path& path : {folder / "poses.txt", folder / "poses_gt_cam0.txt",
+                               sequence_folder.parent_path().parent_path() / "poses" /
+                                   (sequence_folder.filename().string() + ".txt")}) {
+    if (fs::exists(path)) return path;
+  }
+  return std::nullopt;
+}
+
+// Poses of rectified camera 0 against its first, as poses of the vehicle against its first.
+Result<std::vector<TrajectoryPose>> read_odometry_poses(const fs::path& path,
+                                                        const std::vector<Stamp>& times,
+                                                        const KittiCalibration& calibration) {
+  const auto rows = read_number_lines(path, 12);
+  if (!rows) return tl::unexpected(rows.error());
+  const Eigen::Isometry3d T_vehicle_camera =
+      calibration.T_vehicle_lidar() * calibration.T_rectified_lidar.inverse();
+  std::vector<TrajectoryPose> poses;
+  for (size_t i = 0; i < rows->size() && i < times.size(); ++i) {
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    matrix.topRows<3>() =
+        Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>((*rows)[i].data());
+    const auto T_first_camera = to_rigid(matrix);
+    if (!T_first_camera) {
+      return fail("is no rigid motion", path.string() + ":" + std::to_string(i + 1));
+    }
+    poses.push_back({times[i], T_vehicle_camera * *T_first_camera * T_vehicle_camera.inverse()});
+  }
+  return poses;
+}
+
+// Columns of an oxts file: 0–2 latitude, longitude (°), altitude; 3–5 roll, pitch, yaw (rad, east
+// is 0); 6, 7 speed north, east; 11–13 acceleration, 17–19 angular velocity in the car's axes.
+void add_oxts(const std::vector<double>& row, Stamp stamp, const LocalFrame& map,
+              const Eigen::Isometry3d& T_imu_vehicle, KittiRecording& recording) {
+  GnssFix fix;
+  fix.stamp = stamp;
+  fix.latitude = row[0] * kDegree;
+  fix.longitude = row[1] * kDegree;
+  fix.altitude = row[2];
+  fix.speed = std::hypot(row[6], row[7]);
+  fix.course = std::atan2(row[7], row[6]);
+  fix.hdop = std::numeric_limits<double>::quiet_NaN();
+  fix.valid = true;
+  recording.gnss.push_back(fix);
+  recording.imu.push_back({stamp, {row[17], row[18], row[19]}, {row[11], row[12], row[13]}});
+  const Eigen::Isometry3d T_map_imu =
+      Eigen::Translation3d(map.to_local(fix.latitude, fix.longitude, fix.altitude)) *
+      Eigen::AngleAxisd(row[5], Eigen::Vector3d::UnitZ()) *
+      Eigen::AngleAxisd(row[4], Eigen::Vector3d::UnitY()) *
+      Eigen::AngleAxisd(row[3], Eigen::Vector3d::UnitX());
+  recording.poses.push_back({stamp, T_map_imu * T_imu_vehicle});
+}
+
+Result<void> read_oxts(const fs::path& folder, KittiRecording& recording) {
+  const auto times = read_kitti_times(folder / "timestamps.txt");
+  if (!times) return tl::unexpected(times.error());
+  const std::vector<StampedFile> files =
+      assign_times(list_numbered_files(folder / "data", ".txt"), *times, recording.notes);
+  const KittiCalibration& calibration = recording.calibration;
+  const Eigen::Isometry3d T_lidar_imu =
+      calibration.T_lidar_imu.value_or(Eigen::Isometry3d::Identity());
+  const Eigen::Isometry3d T_imu_vehicle = (calibration.T_vehicle_lidar() * T_lidar_imu).inverse();
+  std::optional<LocalFrame> map;
+  for (const StampedFile& file : files) {
+    const auto rows = read_number_lines(file.path, 30);
+    if (!rows) return tl::unexpected(rows.error());
+    if (rows->size() != 1) return fail("must hold one line", file.path.string());
+    const std::vector<double>& row = rows->front();
+    if (!map) map.emplace(row[0] * kDegree, row[1] * kDegree, row[2]);
+    add_oxts(row, file.stamp, *map, T_imu_vehicle, recording);
+  }
+  return {};
+}
+
+Result<std::vector<StampedFile>> read_raw_stream(const fs::path& folder,
+                                                 const std::string& extension,
+                                                 std::vector<Error>& notes) {
+  const auto times = read_kitti_times(folder / "timestamps.txt");
+  if (!times) return tl::unexpected(times.error());
+  return assign_times(list_numbered_files(folder / "data", extension), *times, notes);
+}
+
+}  // namespace
+
+Result<KittiRecording> read_kitti_object(const fs::path& folder) {
+  KittiRecording recording;
+  auto shared = find_most_frequent_calibration(list_numbered_files(folder / "calib", ".txt"),
+                                               recording.notes);
+  if (!shared) return tl::unexpected(shared.error());
+  recording.calibration = shared->calibration;
+
+  Files sweeps = list_numbered_files(folder / "velodyne", ".bin");
+  size_t left_out = keep_frames(sweeps, shared->frames);
+  std::array<Files, 4> images;
+  for (size_t camera = 0; camera < images.size(); ++camera) {
+    images[camera] = list_numbered_files(folder / camera_folder(camera), ".png");
+    left_out += keep_frames(images[camera], shared->frames);
+  }
+  if (left_out > 0) {
+    recording.notes.push_back(
+        {std::to_string(left_out) + " files of frames without that calibration are left out",
+         folder.string(),
+         {}});
+  }
+  const auto times = synthesize_times(sweeps, images);
+  recording.sweeps = stamp_files(sweeps, times);
+  for (size_t camera = 0; camera < images.size(); ++camera) {
+    recording.images[camera] = stamp_files(images[camera], times);
+  }
+  return recording;
+}
+
+Result<KittiRecording> read_kitti_odometry(const fs::path& folder) {
+  KittiRecording recording;
+  const auto calibration_file = find_odometry_calibration(folder);
+  if (!calibration_file) return tl::unexpected(calibration_file.error());
+  const auto calibration = read_kitti_calibration(*calibration_file);
+  if (!calibration) return tl::unexpected(calibration.error());
+  recording.calibration = *calibration;
+  const Files sweeps = list_numbered_files(folder / "velodyne", ".bin");
+  Result<std::vector<Stamp>> times;
+  recording.times_trusted = fs::exists(folder / "times.txt");
+  if (recording.times_trusted) {
+    times = read_kitti_times(folder / "times.txt");
+    if (!times) return tl::unexpected(times.error());
+  } else {
+    const size_t frames = sweeps.empty() ? 0 : std::min(sweeps.rbegin()->first + 1, kMaxFrames);
+    for (size_t i = 0; i < frames; ++i) times->push_back(Stamp() + kSyntheticFramePeriod * i);
+  }
+
+  recording.sweeps = assign_times(sweeps, *times, recording.notes);
+  for (size_t camera = 0; camera < recording.images.size(); ++camera) {
+    recording.images[camera] = assign_times(
+        list_numbered_files(folder / camera_folder(camera), ".png"), *times, recording.notes);
+  }
+  if (const auto path = find_odometry_poses(folder)) {
+    auto poses = read_odometry_poses(*path, *times, *calibration);
+    if (!poses) return tl::unexpected(poses.error());
+    recording.poses = std::move(*poses);
+  }
+  return recording;
+}
+
+Result<KittiRecording> read_kitti_raw(const fs::path& folder) {
+  KittiRecording recording;
+  const fs::path parent_folder = fs::absolute(folder).lexically_normal() / "..";
+  const auto calibration = read_kitti_raw_calibration(
+      fs::exists(folder / "calib_cam_to_cam.txt") ? folder : parent_folder);
+  if (!calibration) return tl::unexpected(calibration.error());
+  recording.calibration = *calibration;
+  recording.times_trusted = true;
+
+  auto sweeps = read_raw_stream(folder / "velodyne_points", ".bin", recording.notes);
+  if (!sweeps) return tl::unexpected(sweeps.error());
+  recording.sweeps = std::move(*sweeps);
+  for (size_t camera = 0; camera < recording.images.size(); ++camera) {
+    const fs::path images_folder = folder / ("image_0" + std::to_string(camera));
+    if (!fs::exists(images_folder)) continue;
+    auto images = read_raw_stream(images_folder, ".png", recording.notes);
+    if (!images) return tl::unexpected(images.error());
+    recording.images[camera] = std::move(*images);
+  }
+  if (fs::exists(folder / "oxts")) {
+    if (auto read = read_oxts(folder / "oxts", recording); !read)
+      return tl::unexpected(read.error());
+  }
+  return recording;
+}
+
+}  // namespace infuse::recording

@@ -1,0 +1,220 @@
+#include "drivers/osm/openstreetmap.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <osmium/io/bzip2_compression.hpp>
+#include <osmium/io/gzip_compression.hpp>
+#include <osmium/io/reader.hpp>
+#include <osmium/io/xml_input.hpp>
+#include <osmium/osm/node.hpp>
+#include <osmium/osm/relation.hpp>
+#include <osmium/osm/way.hpp>
+#include <unordered_map>
+
+#include "drivers/osm/osm_rings.hpp"
+
+namespace infuse::recording {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr size_t kMaxWarnings = 1000;
+
+struct Member {
+  int64_t way = 0;
+  bool inner = false;
+};
+
+struct Relation {
+  int64_t id = 0;
+  std::vector<OsmTag> tags;
+  std::vector<Member> members;
+};
+
+std::vector<OsmTag> copy_tags(const osmium::OSMObject& object) {
+  std::vector<OsmTag> tags;
+  for (const osmium::Tag& tag : object.tags()) tags.push_back({tag.key(), tag.value()});
+  return tags;
+}
+
+// Collects the elements of a file in any order, then ties them together.
+class MapBuilder {
+ public:
+  explicit MapBuilder(const OpenStreetMapOptions& options) : options_(options) {}
+
+  // False where the file holds more than the options allow.
+  bool add(const osmium::OSMEntity& entity) {
+    switch (entity.type()) {
+      case osmium::item_type::node:
+        add_node(static_cast<const osmium::Node&>(entity));
+        break;
+      case osmium::item_type::way:
+        add_way(static_cast<const osmium::Way&>(entity));
+        break;
+      case osmium::item_type::relation:
+        add_relation(static_cast<const osmium::Relation&>(entity));
+        break;
+      default:
+        break;
+    }
+    return elements_ <= options_.max_elements;
+  }
+
+  OpenStreetMap finish() {
+    resolve_ways();
+    for (Relation& relation : relations_) resolve_relation(relation);
+    set_centre();
+    const bool roads = std::any_of(map_.ways.begin(), map_.ways.end(), [](const OsmWay& way) {
+      return !find_tag(way.tags, "highway").empty();
+    });
+    if (!roads) warn("", 0, "the map has no road", "no way has the key highway");
+    if (dropped_warnings_ > 0) {
+      map_.warnings.push_back({std::to_string(dropped_warnings_) + " more warnings", {}, {}});
+    }
+    return std::move(map_);
+  }
+
+ private:
+  void add_node(const osmium::Node& node) {
+    elements_ += 1 + node.tags().size();
+    if (!node.location().valid()) {
+      return warn("node", node.id(), "has no valid latitude and longitude", "it is left out");
+    }
+    const OsmPoint point{node.id(), node.location().lat() * kDegree,
+                         node.location().lon() * kDegree};
+    points_[node.id()] = point;
+    if (node.tags().empty()) return;
+    map_.nodes.push_back({node.id(), point.latitude, point.longitude, copy_tags(node)});
+  }
+
+  // The points hold nothing but node numbers until all nodes are known.
+  void add_way(const osmium::Way& way) {
+    elements_ += 1 + way.tags().size() + way.nodes().size();
+    OsmWay& added = map_.ways.emplace_back();
+    added.id = way.id();
+    added.tags = copy_tags(way);
+    for (const osmium::NodeRef& node : way.nodes()) added.points.push_back({node.ref(), 0, 0});
+  }
+
+  void add_relation(const osmium::Relation& relation) {
+    elements_ += 1 + relation.tags().size() + relation.members().size();
+    if (std::string_view(relation.tags().get_value_by_key("type", "")) != "multipolygon") return;
+    Relation& added = relations_.emplace_back();
+    added.id = relation.id();
+    added.tags = copy_tags(relation);
+    for (const osmium::RelationMember& member : relation.members()) {
+      if (member.type() != osmium::item_type::way) continue;
+      added.members.push_back({member.ref(), std::string_view(member.role()) == "inner"});
+    }
+  }
+
+  void resolve_ways() {
+    std::erase_if(map_.ways, [this](OsmWay& way) {
+      const size_t missing = std::erase_if(way.points, [this](OsmPoint& point) {
+        const auto at = points_.find(point.node);
+        if (at == points_.end()) return true;
+        point = at->second;
+        return false;
+      });
+      if (missing > 0) {
+        warn("way", way.id, std::to_string(missing) + " of its nodes are not in the file",
+             "they are left out");
+      }
+      if (way.points.size() >= 2) return false;
+      warn("way", way.id, "has fewer than two nodes", "it is left out");
+      return true;
+    });
+    for (size_t i = 0; i < map_.ways.size(); ++i) way_index_[map_.ways[i].id] = i;
+  }
+
+  void resolve_relation(Relation& relation) {
+    std::vector<const OsmWay*> outer, inner;
+    for (const Member& member : relation.members) {
+      const auto at = way_index_.find(member.way);
+      if (at == way_index_.end()) {
+        warn("relation", relation.id, "way " + std::to_string(member.way) + " is not in the file",
+             {});
+        continue;
+      }
+      (member.inner ? inner : outer).push_back(&map_.ways[at->second]);
+    }
+    OsmArea area;
+    area.id = relation.id;
+    area.tags = std::move(relation.tags);
+    const size_t open = join_rings(outer, area.outer) + join_rings(inner, area.inner);
+    if (open > 0) {
+      warn("relation", relation.id, std::to_string(open) + " of its rings do not close",
+           "they are left out");
+    }
+    if (area.outer.empty()) {
+      return warn("relation", relation.id, "has no whole outer ring", "it is left out");
+    }
+    map_.areas.push_back(std::move(area));
+  }
+
+  void set_centre() {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    double south = kInfinity, north = -kInfinity, west = kInfinity, east = -kInfinity;
+    for (const OsmWay& way : map_.ways) {
+      for (const OsmPoint& point : way.points) {
+        south = std::min(south, point.latitude);
+        north = std::max(north, point.latitude);
+        west = std::min(west, point.longitude);
+        east = std::max(east, point.longitude);
+      }
+    }
+    if (map_.ways.empty()) return;
+    map_.centre_latitude = (south + north) / 2;
+    map_.centre_longitude = (west + east) / 2;
+  }
+
+  void warn(const char* kind, int64_t id, std::string what, std::string hint) {
+    if (map_.warnings.size() == kMaxWarnings) {
+      ++dropped_warnings_;
+      return;
+    }
+    std::string where = kind;
+    if (!where.empty()) where.append(" ").append(std::to_string(id));
+    map_.warnings.push_back({std::move(what), std::move(where), std::move(hint)});
+  }
+
+  OpenStreetMapOptions options_;
+  OpenStreetMap map_;
+  std::unordered_map<int64_t, OsmPoint> points_;
+  std::unordered_map<int64_t, size_t> way_index_;
+  std::vector<Relation> relations_;
+  uint64_t elements_ = 0;
+  uint64_t dropped_warnings_ = 0;
+};
+
+}  // namespace
+
+std::string_view find_tag(const std::vector<OsmTag>& tags, std::string_view key) {
+  const auto at =
+      std::find_if(tags.begin(), tags.end(), [&](const OsmTag& tag) { return tag.key == key; });
+  return at == tags.end() ? std::string_view() : std::string_view(at->value);
+}
+
+Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
+                                         const OpenStreetMapOptions& options) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return fail("is no file", path.string());
+  // libosmium reports by exception: system errors, XML errors with line and column, compression.
+  try {
+    MapBuilder builder(options);
+    osmium::io::Reader reader(path.string(), osmium::osm_entity_bits::nwr);
+    while (const osmium::memory::Buffer buffer = reader.read()) {
+      for (const auto& entity : buffer.select<osmium::OSMEntity>()) {
+        if (builder.add(entity)) continue;
+        return fail("holds more than " + std::to_string(options.max_elements) + " elements",
+                    path.string(), "cut a smaller piece, for example with osmium extract");
+      }
+    }
+    reader.close();
+    return builder.finish();
+  } catch (const std::exception& error) {
+    return fail(std::string("cannot be read as OpenStreetMap XML: ") + error.what(), path.string());
+  }
+}
+
+}  // namespace infuse::recording

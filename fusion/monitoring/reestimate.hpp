@@ -1,0 +1,50 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+
+#include "drivers/measurement/rig.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/monitoring/scene_store.hpp"
+
+namespace infuse::monitoring {
+
+/// Settings of the re-estimation.
+struct ReestimateOptions {
+  int searches = 3;                 ///< searches: from the present calibration and from around it
+  double screen_half_width = 0.02;  ///< rad, half width of the rotations screened around it
+  double initial_translation_sigma = 0.1;  ///< m, standard deviation of what may have moved
+  size_t points = 160'000;                 ///< that take part, all scenes together
+  double max_split_half_distance =
+      4;  ///< standard deviations by which the halves of the scenes may differ
+  uint64_t seed = 1;
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// What kept scenes say of a calibration.
+struct Reestimate {
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+  /// Of a left perturbation (rx, ry, rz, tx, ty, tz), rad and m.
+  geometry::Matrix6 covariance = geometry::Matrix6::Identity();
+  double moved = 0;  ///< Mahalanobis distance from the present calibration
+  double split_half_distance =
+      0;               ///< the same between the estimates of two halves of the scenes, over √6
+  size_t scenes = 0;   ///< that took part
+  double support = 0;  ///< share of small wrong rotations that fit worse
+  std::string reason;  ///< why it cannot be used; empty when it can
+
+  bool usable() const { return reason.empty(); }
+};
+
+/// Estimates T_camera_lidar anew from kept scenes: `calibration::calibrate` from the present
+/// calibration, and from each half of the scenes alone as a check. Pure: runs on any thread. Comes
+/// to an end soon after `stop`, without a usable result. Options must be valid.
+Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
+                      const Eigen::Isometry3d& current, const ReestimateOptions& options,
+                      std::stop_token stop = {});
+
+}  // namespace infuse::monitoring

@@ -1,0 +1,111 @@
+#include "daemon/calibration/background_worker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+namespace infuse::daemon {
+namespace {
+
+Stamp at(int64_t seconds) { return Stamp::from_ns(seconds * 1'000'000'000); }
+constexpr Duration kTenSeconds{10'000'000'000};
+
+TEST(Background, AResultIsVisibleAtItsStatedTimeHoweverQuickOrSlow) {
+  for (const int milliseconds : {0, 200}) {
+    BackgroundWorker background(true);
+    std::atomic<int> result = 0;
+    EXPECT_FALSE(background.busy());
+    background.start(at(100), kTenSeconds, [&](const std::stop_token&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+      result = 7;
+    });
+    EXPECT_TRUE(background.busy());
+    EXPECT_FALSE(background.take(at(100)));
+    EXPECT_FALSE(background.take(at(109)));
+    EXPECT_TRUE(background.take(at(110)));  // waited for
+    EXPECT_EQ(result, 7);
+    EXPECT_FALSE(background.busy());
+    EXPECT_FALSE(background.take(at(120)));
+  }
+}
+
+TEST(Background, LiveDoesNotBlock) {
+  BackgroundWorker background(false);
+  std::atomic<bool> go = false;
+  background.start(at(0), kTenSeconds, [&](const std::stop_token&) {
+    while (!go) std::this_thread::yield();
+  });
+  EXPECT_FALSE(background.take(at(60)));
+  EXPECT_TRUE(background.busy());
+  go = true;
+  while (!background.consume_result(at(61))) std::this_thread::yield();
+  EXPECT_FALSE(background.busy());
+}
+
+TEST(Background, DoesOnePieceOfWorkAfterTheOther) {
+  BackgroundWorker background(true);
+  int sum = 0;
+  for (int i = 1; i <= 50; ++i) {
+    background.start(at(i), Duration::zero(), [&sum, i](const std::stop_token&) { sum += i; });
+    EXPECT_TRUE(background.take(at(i)));
+  }
+  EXPECT_EQ(sum, 50 * 51 / 2);
+}
+
+/// Goes on until it is asked to stop.
+void endless(const std::stop_token& stop) {
+  while (!stop.stop_requested()) std::this_thread::yield();
+}
+
+TEST(Background, WhatIsCancelledEndsAndIsNeverVisible) {
+  BackgroundWorker replay(true);
+  replay.start(at(0), kTenSeconds, endless);
+  replay.cancel();  // waited for
+  EXPECT_FALSE(replay.busy());
+  EXPECT_FALSE(replay.take(at(60)));
+  int done = 0;
+  replay.start(at(61), Duration::zero(), [&](const std::stop_token& stop) {
+    EXPECT_FALSE(stop.stop_requested());
+    ++done;
+  });
+  EXPECT_TRUE(replay.take(at(61)));
+  EXPECT_EQ(done, 1);
+
+  BackgroundWorker live(false);
+  live.start(at(0), kTenSeconds, endless);
+  live.cancel();
+  while (live.busy()) std::this_thread::yield();
+  EXPECT_FALSE(live.take(at(60)));
+}
+
+TEST(Background, ShutDownFromAnotherThreadUnblocks) {
+  BackgroundWorker background(true);
+  background.start(at(0), Duration::zero(), endless);
+  std::jthread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    background.shut_down();
+  });
+  EXPECT_FALSE(background.take(at(1)));  // would wait for ever
+  bool began = false;
+  background.start(at(2), Duration::zero(), [&](const std::stop_token&) { began = true; });
+  EXPECT_FALSE(background.take(at(3)));
+  EXPECT_FALSE(began);
+}
+
+TEST(Background, DestructionStopsTheRunningWork) {
+  bool ended = false;
+  {
+    BackgroundWorker background(true);
+    std::atomic<bool> began = false;
+    background.start(at(0), kTenSeconds, [&](const std::stop_token& stop) {
+      began = true;
+      endless(stop);
+      ended = true;
+    });
+    while (!began) std::this_thread::yield();
+  }
+  EXPECT_TRUE(ended);
+}
+
+}  // namespace
+}  // namespace infuse::daemon

@@ -1,0 +1,83 @@
+#include "daemon/live/run_tracker.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "tests/scratch_folder.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+class RunTrackerTest : public testing::Test {
+ protected:
+  void TearDown() override { signal(SIGABRT, SIG_DFL); }
+
+  static Stamp at_s(int64_t s) { return Stamp::from_ns((1'700'000'000 + s) * 1'000'000'000); }
+
+  const recording::testing::ScratchFolder folder_;
+  const std::filesystem::path file_ = folder_ / "state.json";
+};
+
+TEST_F(RunTrackerTest, SaysNothingOfARunThatEndedByItself) {
+  RunTracker first(file_);
+  EXPECT_FALSE(first.begin(at_s(0)).has_value());
+  first.end_run(at_s(5));
+  RunTracker second(file_);
+  EXPECT_FALSE(second.begin(at_s(6)).has_value());
+  EXPECT_EQ(second.state().starts, 2U);
+  EXPECT_EQ(second.state().unclean, 0U);
+}
+
+TEST_F(RunTrackerTest, SaysThatTheRunBeforeDidNotEndByItself) {
+  RunTracker(file_).begin_run(at_s(0));
+  RunTracker next(file_);
+  const auto alert = next.begin_run(at_s(7));
+  ASSERT_TRUE(alert.has_value());
+  EXPECT_TRUE(alert->raised);
+  EXPECT_EQ(alert->device, "infused");
+  EXPECT_EQ(alert->finding.what,
+            "the run before did not end by itself; it was last seen 7 s ago, and this is the 1. "
+            "time");
+  EXPECT_EQ(next.state().unclean, 1U);
+}
+
+TEST_F(RunTrackerTest, SaysThatTheWatchdogEndedIt) {
+  RunTracker(file_).begin_run(at_s(0));
+  folder_.write("abort_marker", "");
+  const auto alert = RunTracker(file_).begin_run(at_s(3));
+  ASSERT_TRUE(alert.has_value());
+  EXPECT_EQ(alert->finding.what.find("the watchdog ended the run before, which was stuck"), 0U);
+  const auto next = RunTracker(file_).begin_run(at_s(4));  // the note is told of once
+  ASSERT_TRUE(next.has_value());
+  EXPECT_EQ(next->finding.what.find("the run before did not end by itself"), 0U);
+}
+
+TEST_F(RunTrackerTest, AnAbortFromOutsideIsNoted) {
+  EXPECT_EXIT(
+      {
+        RunTracker(file_).begin(at_s(0));
+        kill(getpid(), SIGABRT);
+        pause();
+      },
+      testing::KilledBySignal(SIGABRT), "");
+  EXPECT_TRUE(exists(folder_ / "abort_marker"));
+}
+
+TEST_F(RunTrackerTest, AStateThatCannotBeWrittenIsAnAlertUntilItCan) {
+  RunTracker record(file_);
+  record.begin_run(at_s(0));
+  std::filesystem::remove_all(folder_.path());
+  const auto raised = record.save_if_due(at_s(11));
+  ASSERT_TRUE(raised.has_value());
+  EXPECT_TRUE(raised->raised);
+  EXPECT_FALSE(record.keep(at_s(22)).has_value());  // it is known
+  std::filesystem::create_directories(folder_.path());
+  const auto cleared = record.save_if_due(at_s(33));
+  ASSERT_TRUE(cleared.has_value());
+  EXPECT_FALSE(cleared->raised);
+}
+
+}  // namespace
+}  // namespace infuse::daemon

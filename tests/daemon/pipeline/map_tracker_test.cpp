@@ -1,0 +1,188 @@
+#include "daemon/pipeline/map_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "daemon/protocol/messages.hpp"
+#include "tests/daemon/schema.hpp"
+#include "tests/fusion/streetmap/town.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using streetmap::PlanarPose;
+using streetmap::SegmentKind;
+
+/// A town, a drive along its street with exact odometry, and sweeps of the ground around.
+class MapTrackerTest : public testing::Test {
+ protected:
+  static constexpr Duration kStep{250'000'000};  // between sweeps
+
+  Eigen::Isometry3d pose_at(Stamp stamp) const {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translation().x() = -90 + 5 * to_seconds(stamp - start_);
+    T.translation().y() = -1.3;
+    return T;
+  }
+
+  MapTrackerTest() {
+    rig_.lidars.push_back({"top", "", Eigen::Isometry3d::Identity()});
+    rig_.lidars[0].T_vehicle_lidar.translation().z() = 1.7;
+    // Odometry's frame begins where the drive does: not the map's.
+    const Eigen::Isometry3d T_odom_map = pose_at(start_).inverse();
+    for (int i = 0; i <= 1200; ++i) {
+      const Stamp stamp = start_ + i * Duration(20'000'000);
+      trajectory_.append({stamp, T_odom_map * pose_at(stamp)});
+    }
+    settings_.tracker.particles.max_count = 300;
+    settings_.tracker.grid.max_samples = 600;
+    settings_.tracker.grid.extent = 30;
+  }
+
+  /// What lies around: how bright and how high tells the kind of ground.
+  void scan(Stamp stamp, uint64_t seed) {
+    sweep_.clear();
+    sweep_.rings = 1;
+    sweep_.stamp = stamp;
+    sweep_.resize(2500);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> place(-15, 15);
+    std::normal_distribution<double> noise;
+    const Eigen::Isometry3d T = pose_at(stamp);
+    for (size_t i = 0; i < sweep_.size(); ++i) {
+      const Eigen::Vector3d p(place(random), place(random), 0);
+      const Eigen::Vector3d q = T * p;
+      const auto kind = town_.map.segment(town_.map.id_at(q.x(), q.y())).kind;
+      const bool wall = kind == SegmentKind::kWall || kind == SegmentKind::kBuilding;
+      const double height = wall ? 1.5 : kind == SegmentKind::kCarriageway ? 0 : 0.12;
+      const double bright = kind == SegmentKind::kCarriageway ? 0.2
+                            : kind == SegmentKind::kSidewalk  ? 0.5
+                                                              : 0.35;
+      sweep_.x[i] = static_cast<float>(p.x());
+      sweep_.y[i] = static_cast<float>(p.y());
+      sweep_.z[i] = static_cast<float>(height + 0.02 * noise(random) - 1.7);
+      sweep_.range[i] = static_cast<float>(std::hypot(p.norm(), 1.7));
+      sweep_.reflectivity[i] = static_cast<float>(bright + 0.06 * noise(random));
+      sweep_.ring[i] = 0;
+      sweep_.column[i] = static_cast<uint16_t>(2 * i);
+    }
+    deskewed_.reference = stamp;
+    deskewed_.x = sweep_.x;
+    deskewed_.y = sweep_.y;
+    deskewed_.z = sweep_.z;
+  }
+
+  void drive(MapTracker& tracker, int sweeps) {
+    for (int i = 0; i < sweeps; ++i) {
+      now_ = start_ + i * kStep;
+      scan(now_, static_cast<uint64_t>(i));
+      tracker.add_sweep(sweep_, deskewed_, 0, trajectory_);
+    }
+  }
+
+  double error(const PoseReport& report) const {
+    return (report.T_frame_vehicle.translation() - pose_at(now_).translation()).norm();
+  }
+
+  Stamp start_ = Stamp::from_ns(1'000'000'000'000);
+  Stamp now_ = start_;
+  streetmap::town::Town town_ = streetmap::town::build(streetmap::town::plan());
+  Rig rig_;
+  geometry::Trajectory trajectory_;
+  StreetMapSettings settings_;
+  Sweep sweep_;
+  motion::DeskewedSweep deskewed_;
+};
+
+TEST_F(MapTrackerTest, ReportsThePoseOnTheMap) {
+  settings_.initial_pose = InitialPose{-89, -2.5, 0.03};
+  MapTracker tracker(settings_, town_.map, rig_);
+  drive(tracker, 60);
+  PoseReport odometry;
+  odometry.stamp = now_;
+  odometry.frame = "odometry";
+  odometry.speed = 5;
+  const PoseReport pose = tracker.pose(odometry);
+  EXPECT_STREQ(pose.frame, "map");
+  EXPECT_STREQ(pose.state, "TRACKING");
+  EXPECT_TRUE(pose.usable());
+  EXPECT_LT(error(pose), 0.6);
+  EXPECT_EQ(pose.speed, 5);
+  EXPECT_TRUE(is_valid_message(pose_message(pose)));
+  const StreetMapStatus status = tracker.status();
+  EXPECT_STREQ(figures.state, "TRACKING");
+  EXPECT_FALSE(figures.misfit);
+  EXPECT_NEAR(figures.x, pose.T_frame_vehicle.translation().x(), 1e-9);
+  // 60 sweeps in 14.75 s at two a second.
+  EXPECT_EQ(figures.updates, 30U);
+}
+
+TEST_F(MapTrackerTest, InitialisesFromAGnssFix) {
+  MapTracker tracker(settings_, town_.map, rig_);
+  drive(tracker, 1);
+  PoseReport odometry;
+  EXPECT_FALSE(stage.pose(odometry).usable());
+  EXPECT_STREQ(stage.pose(odometry).reason, "no initial pose");
+  EXPECT_TRUE(is_valid_message(pose_message(stage.pose(odometry))));
+  const auto& frame = town_.map.frame();
+  const Eigen::Vector3d place =
+      recording::LocalFrame(frame.latitude, frame.longitude).to_geodetic({-89, -2, 0});
+  GnssFix fix;
+  fix.latitude = place.x();
+  fix.longitude = place.y();
+  fix.course = M_PI / 2 + 0.03;  // clockwise from north: east
+  fix.speed = 0.5;
+  fix.valid = true;
+  tracker.add_gnss(fix);  // too slow for a course
+  EXPECT_FALSE(stage.pose(odometry).usable());
+  fix.speed = 5;
+  tracker.add_gnss(fix);
+  EXPECT_TRUE(stage.pose(odometry).usable());
+  EXPECT_LT(error(stage.pose(odometry)), 2);
+  EXPECT_NEAR(std::atan2(stage.pose(odometry).T_frame_vehicle(1, 0),
+                         stage.pose(odometry).T_frame_vehicle(0, 0)),
+              -0.03, 0.03);
+}
+
+TEST_F(MapTrackerTest, AGapInOdometryWidensTheParticles) {
+  settings_.initial_pose = InitialPose{-90, -1.3, 0};
+  settings_.initial_sigma = 0.1;
+  MapTracker tracker(settings_, town_.map, rig_);
+  scan(start_, 1);
+  tracker.add_sweep(sweep_, deskewed_, 0, trajectory_);
+  geometry::Trajectory nothing;
+  deskewed_.reference = start_ + kStep;
+  deskewed_.reason = "the trajectory has a gap";
+  tracker.add_sweep(sweep_, deskewed_, 0, nothing);
+  const PoseReport pose = tracker.pose({});
+  // Of x itself: a left perturbation turns about the map's origin.
+  const auto& C = pose.covariance;
+  const double y = pose.T_frame_vehicle(1, 3);
+  EXPECT_GT(C(3, 3) - 2 * y * C(2, 3) + y * y * C(2, 2), 4);
+}
+
+TEST(StreetMapSettings, SaysWhatIsWrong) {
+  EXPECT_FALSE(StreetMapSettings().invalid());
+  EXPECT_TRUE((StreetMapSettings{.start = InitialPose{1e9, 0, 0}}).invalid());
+  EXPECT_TRUE(StreetMapSettings{.initial_sigma = 0}.invalid());
+  EXPECT_TRUE(StreetMapSettings{.update_hz = 0}.invalid());
+}
+
+TEST(StreetMapHealth, RaisesFindingsWithThePosition) {
+  HealthOptions options;
+  options.raise_after = options.clear_after = Duration::zero();
+  StreetMapHealth health(options);
+  StreetMapStatus status{.state = "LOST", .reason = "x", .mismatch = true, .x = 120.4, .y = -33};
+  const Conditions& conditions = health.update(Stamp::from_ns(1), status);
+  ASSERT_EQ(conditions.findings().size(), 2U);
+  EXPECT_STREQ(conditions.findings()[0].id, "lost");
+  EXPECT_STREQ(conditions.findings()[1].id, "map_mismatch");
+  EXPECT_NE(conditions.findings()[1].what.find("120 m east, -33 m north"), std::string::npos);
+  status = {.state = "TRACKING"};
+  health.update(Stamp::from_ns(2), status);
+  EXPECT_TRUE(conditions.findings().empty());
+}
+
+}  // namespace
+}  // namespace infuse::daemon

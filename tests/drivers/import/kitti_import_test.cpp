@@ -1,0 +1,348 @@
+#include "drivers/import/kitti_import.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "drivers/recording/drive_source.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "drivers/recording/imu_csv.hpp"
+#include "drivers/recording/sweep_files.hpp"
+#include "drivers/recording/trajectory_file.hpp"
+#include "tests/real_data.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace infuse::recording {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ScratchFolder;
+
+// The numbers after "KEY:" in a calibration file, read independently of the code under test.
+std::vector<double> numbers_after(const std::filesystem::path& file, const std::string& key) {
+  std::ifstream in(file);
+  std::string line;
+  while (std::getline(in, line)) {
+    if (line.rfind(key + ":", 0) != 0) continue;
+    std::istringstream words(line.substr(key.size() + 1));
+    std::vector<double> numbers;
+    for (double number = 0; words >> number;) numbers.push_back(number);
+    return numbers;
+  }
+  return {};
+}
+
+// rows × 3 or rows × 4 numbers, filled up to 4 × 4 with the identity.
+using Matrix = std::array<std::array<double, 4>, 4>;
+Matrix to_matrix(const std::vector<double>& numbers, size_t columns) {
+  Matrix m{};
+  for (size_t i = 0; i < 4; ++i) m[i][i] = 1;
+  for (size_t i = 0; i < numbers.size(); ++i) m[i / columns][i % columns] = numbers[i];
+  return m;
+}
+Matrix multiply(const Matrix& a, const Matrix& b) {
+  Matrix m{};
+  for (size_t i = 0; i < 4; ++i) {
+    for (size_t j = 0; j < 4; ++j) {
+      for (size_t k = 0; k < 4; ++k) m[i][j] += a[i][k] * b[k][j];
+    }
+  }
+  return m;
+}
+
+// KITTI's own recipe: P · R0 · Tr · x, then division by the third coordinate.
+struct Pixel {
+  double u, v, depth;
+};
+Pixel project(const Matrix& chain, double x, double y, double z) {
+  const auto row = [&](size_t i) {
+    return chain[i][0] * x + chain[i][1] * y + chain[i][2] * z + chain[i][3];
+  };
+  return {row(0) / row(2), row(1) / row(2), row(2)};
+}
+
+TEST(KittiImportSummary, RealObjectLayoutBecomesADrive) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "calibration/kitti");
+  const ScratchFolder folder;
+  const auto result = import_kitti(path, folder / "drive");
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_EQ(result->layout, KittiLayout::kObject);
+  EXPECT_EQ(result->sweeps, 17u);
+  EXPECT_EQ(result->images, 17u);
+  EXPECT_FALSE(result->times_trusted);
+  EXPECT_TRUE(result->notes.empty());
+
+  const auto drive = Drive::open(folder / "drive");
+  ASSERT_TRUE(drive) << drive.error().message();
+  EXPECT_FALSE(drive->description.times_trusted);
+  ASSERT_EQ(drive->description.rig.cameras.size(), 1u);
+  const CameraMount& camera = drive->description.rig.cameras[0];
+  EXPECT_EQ(camera.name, "image_2");
+  EXPECT_EQ(camera.intrinsics.width, 1242);
+  EXPECT_EQ(camera.intrinsics.height, 375);
+  EXPECT_EQ(camera.intrinsics.fx, 721.5377);
+  EXPECT_EQ(camera.intrinsics.cy, 172.854);
+  // T = [I | K⁻¹ p] R0 Tr by hand.
+  const std::filesystem::path calib = path / "calib/000001.txt";
+  const std::vector<double> P = numbers_after(calib, "P2");
+  const Matrix R0 = to_matrix(numbers_after(calib, "R0_rect"), 3);
+  const Matrix Tr = to_matrix(numbers_after(calib, "Tr_velo_to_cam"), 4);
+  Matrix offset = to_matrix({}, 4);
+  offset[2][3] = P[11];
+  offset[0][3] = (P[3] - P[2] * P[11]) / P[0];
+  offset[1][3] = (P[7] - P[6] * P[11]) / P[5];
+  EXPECT_NEAR(offset[0][3], 0.06, 0.001);  // the stereo offset of data/INDEX.md
+  const Matrix T = multiply(offset, multiply(R0, Tr));
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      EXPECT_NEAR(camera.T_camera_lidar.matrix()(i, j),
+                  T[static_cast<size_t>(i)][static_cast<size_t>(j)], 2e-7);
+    }
+  }
+  const auto truth = read_rig(drive->resolve(drive->description.truth_rig));
+  ASSERT_TRUE(truth);
+  EXPECT_EQ(truth->cameras[0].T_camera_lidar.matrix(), camera.T_camera_lidar.matrix());
+
+  // Every sweep comes 0.1 s after the one before, together with its picture; points fall on the
+  // same pixels as with KITTI's recipe, and a forward camera of 81° sees about a sixth of a turn.
+  const Matrix chain = multiply(to_matrix(P, 4), multiply(R0, Tr));
+  auto source = DriveSource::open(*drive);
+  ASSERT_TRUE(source) << source.error().message();
+  DriveEvent event;
+  int64_t sweeps = 0, images = 0;
+  while (source->next(event)) {
+    if (std::holds_alternative<ImageEvent>(event.content)) {
+      EXPECT_EQ(event.stamp.ns(), 100'000'000 * images++);
+      continue;
+    }
+    EXPECT_EQ(event.stamp.ns(), 100'000'000 * sweeps++);
+    const Sweep& sweep = *std::get<SweepEvent>(event.content).sweep;
+    EXPECT_FALSE(sweep.clock.trusted);
+    size_t in_view = 0, compared = 0;
+    for (size_t i = 0; i < sweep.size(); i += 7) {
+      const Pixel pixel = project(chain, sweep.x[i], sweep.y[i], sweep.z[i]);
+      if (pixel.depth < 1) continue;
+      const Eigen::Vector3d p =
+          camera.T_camera_lidar * Eigen::Vector3d(sweep.x[i], sweep.y[i], sweep.z[i]);
+      const double u = camera.intrinsics.fx * p.x() / p.z() + camera.intrinsics.cx;
+      const double v = camera.intrinsics.fy * p.y() / p.z() + camera.intrinsics.cy;
+      const bool inside = u >= 0 && u < 1242 && v >= 0 && v < 375;
+      if (inside) {
+        ASSERT_NEAR(u, pixel.u, 1e-2);
+        ASSERT_NEAR(v, pixel.v, 1e-2);
+      }
+      in_view += inside;
+      ++compared;
+    }
+    const double share = static_cast<double>(in_view) * 7 / static_cast<double>(sweep.size());
+    EXPECT_GT(share, 0.10);
+    EXPECT_LT(share, 0.25);
+    EXPECT_GT(compared, 1000u);
+  }
+  EXPECT_EQ(sweeps, 17);
+  EXPECT_EQ(images, 17);
+  EXPECT_TRUE(source->notes().empty());
+  EXPECT_THAT(folder.read("drive/sweeps/times.csv"), HasSubstr("400000000,100000.bin\n"));
+}
+
+TEST(KittiImportSummary, RealOdometryLayoutBecomesADrive) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "registration/kitti_odometry_00");
+  const ScratchFolder folder;
+  const auto result = import_kitti(path, folder / "drive");
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_EQ(result->layout, KittiLayout::kOdometry);
+  EXPECT_EQ(result->sweeps, 4u);
+  EXPECT_EQ(result->poses, 4541u);
+  EXPECT_TRUE(result->times_trusted);
+
+  const auto drive = Drive::open(folder / "drive");
+  ASSERT_TRUE(drive) << drive.error().message();
+  const auto sweeps = index_sweeps(drive->resolve("sweeps"));
+  ASSERT_TRUE(sweeps);
+  ASSERT_EQ(sweeps->entries.size(), 4u);
+  EXPECT_EQ(sweeps->entries[1].stamp.ns(), 103'735'900);  // 1.037359e-01
+
+  const auto poses = read_trajectory(drive->resolve(drive->description.truth_poses));
+  ASSERT_TRUE(poses);
+  ASSERT_EQ(poses->size(), 4541u);
+  const Eigen::Isometry3d first = poses->front().T_frame_body;
+  EXPECT_LT((first.matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-5);
+  // The car drives forward: 0.86 m along x in the first step as the file states it.
+  const Eigen::Vector3d step = poses->at(1).T_frame_body.translation();
+  EXPECT_NEAR(step.x(), 0.858, 0.01);
+  EXPECT_LT(std::abs(step.z()), 0.05);
+  // Distances between poses do not depend on the frame: the camera's path and the vehicle's differ
+  // by no more than the lever arm allows.
+  double vehicle = 0;
+  for (size_t i = 1; i < poses->size(); ++i) {
+    vehicle +=
+        (poses->at(i).T_frame_body.translation() - poses->at(i - 1).T_frame_body.translation())
+            .norm();
+  }
+  EXPECT_NEAR(vehicle, 3724, 40);  // KITTI states 3724 m for sequence 00
+  // Sweeps 94 and 95 by the rig and the poses against cam0's own: T_95_94 of the lidar.
+  const auto lidar_motion = [&](size_t a, size_t b) {
+    const Eigen::Isometry3d T_vehicle_lidar = drive->description.rig.lidars[0].T_vehicle_lidar;
+    return (poses->at(b).T_frame_body * T_vehicle_lidar).inverse() * poses->at(a).T_frame_body *
+           T_vehicle_lidar;
+  };
+  std::ifstream in(path / "poses_gt_cam0.txt");
+  std::string line;
+  std::vector<Matrix> camera_poses;
+  while (std::getline(in, line)) {
+    std::istringstream words(line);
+    std::vector<double> numbers;
+    for (double number = 0; words >> number;) numbers.push_back(number);
+    camera_poses.push_back(to_matrix(numbers, 4));
+  }
+  ASSERT_EQ(camera_poses.size(), 4541u);
+  const Matrix Tr = to_matrix(numbers_after(path / "calib_P2_Tr.txt", "Tr"), 4);
+  // pose₉₅ · Tr · T_95_94 = pose₉₄ · Tr
+  const Eigen::Isometry3d motion = lidar_motion(94, 95);
+  Matrix T_95_94{};
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      T_95_94[static_cast<size_t>(i)][static_cast<size_t>(j)] = motion.matrix()(i, j);
+    }
+  }
+  const Matrix left = multiply(multiply(camera_poses[95], Tr), T_95_94);
+  const Matrix right = multiply(camera_poses[94], Tr);
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t j = 0; j < 4; ++j) EXPECT_NEAR(left[i][j], right[i][j], j == 3 ? 1e-4 : 1e-5);
+  }
+}
+
+// A raw recording of two frames, made by hand.
+class RawLayout : public ::testing::Test {
+ protected:
+  static std::string png(uint32_t width, uint32_t height) {
+    std::string bytes("\x89PNG\r\n\x1A\n\0\0\0\rIHDR", 16);
+    for (const uint32_t value : {width, height}) {
+      for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+    }
+    return bytes;
+  }
+
+  void SetUp() override {
+    const std::string drive = "day/2011_09_26_drive_0001_sync/";
+    folder_.write("day/calib_cam_to_cam.txt",
+                  "calib_time: 09-Jan-2012 13:57:47\ncorner_dist: 9.95e-02\n"
+                  "R_rect_00: 1 0 0 0 1 0 0 0 1\n"
+                  "P_rect_00: 700 0 600 0 0 700 180 0 0 0 1 0\n"
+                  "P_rect_03: 700 0 600 -350 0 700 180 0 0 0 1 0\n");
+    folder_.write("day/calib_velo_to_cam.txt", "R: 0 -1 0 0 0 -1 1 0 0\nT: 0 -0.08 -0.27\n");
+    folder_.write("day/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: -0.81 0.32 -0.8\n");
+    const std::string stamps = "2011-09-26 13:02:25.5\n2011-09-26 13:02:25.964389445\n";
+    for (const char* stream : {"velodyne_points", "image_03", "oxts"}) {
+      folder_.write(drive + stream + "/timestamps.txt", stamps);
+    }
+    folder_.write(drive + "velodyne_points/data/0000000001.bin", std::string(16, '\0'));
+    folder_.write(drive + "image_03/data/0000000000.png", png(1242, 375));
+    folder_.write(drive + "image_03/data/0000000001.png", png(1242, 375));
+    // 49°N 8°E, heading 90° (north), 10 m/s north.
+    const std::string rest =
+        " 10 0 10 0 0 0.1 0.2 9.8 0 0 0 0.01 0.02 0.03 0 0 0 0.5 0.1 4 8 4 4 0\n";
+    folder_.write(drive + "oxts/data/0000000000.txt", "49 8 110 0 0 1.5707963267948966" + rest);
+    folder_.write(drive + "oxts/data/0000000001.txt",
+                  "49.0001 8 110 0 0 1.5707963267948966" + rest);
+    raw_ = folder_ / drive;
+  }
+
+  ScratchFolder folder_;
+  std::filesystem::path raw_;
+};
+
+TEST_F(RawLayout, BecomesADriveWithItsOwnTimes) {
+  const auto result = import_kitti(raw_, folder_ / "drive");
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_EQ(result->layout, KittiLayout::kRaw);
+  EXPECT_TRUE(result->times_trusted);
+  EXPECT_EQ(result->sweeps, 1u);
+  EXPECT_EQ(result->images, 2u);
+  EXPECT_EQ(result->poses, 2u);
+  const auto drive = Drive::open(folder_ / "drive");
+  ASSERT_TRUE(drive) << drive.error().message();
+
+  // The lidar's only sweep is frame 1, at 13:02:25.964389445 UTC (1317042145 s).
+  const auto sweeps = index_sweeps(drive->resolve("sweeps"));
+  ASSERT_TRUE(sweeps);
+  EXPECT_EQ(sweeps->entries.at(0).stamp.ns(), 1'317'042'145'964'389'445);
+  // Camera 3 stands half a metre to the right of camera 0: its coordinates are 0.5 m further left.
+  const Eigen::Vector3d ahead =
+      drive->description.rig.cameras.at(0).T_camera_lidar * Eigen::Vector3d(10, 1, 0.5);
+  EXPECT_LT((ahead - Eigen::Vector3d(-1 - 0.5, -0.5 - 0.08, 10 - 0.27)).norm(), 1e-12);
+
+  const auto poses = read_trajectory(drive->resolve(drive->description.truth_poses));
+  ASSERT_TRUE(poses);
+  const Eigen::Isometry3d moved = poses->at(0).T_frame_body.inverse() * poses->at(1).T_frame_body;
+  EXPECT_NEAR(moved.translation().x(), 11.12, 0.01);  // 0.0001° of latitude, straight ahead
+  EXPECT_NEAR(moved.translation().y(), 0, 1e-3);
+  // The vehicle's x axis points north; its origin lies behind the unit and 0.93 m below.
+  EXPECT_NEAR(poses->at(0).T_frame_body.linear()(1, 0), 1, 1e-9);
+  EXPECT_NEAR(poses->at(0).T_frame_body.translation().z(), -0.93, 1e-9);
+
+  auto imu = ImuCsv::open(drive->resolve("imu.csv"));
+  ASSERT_TRUE(imu);
+  ImuSample sample;
+  ASSERT_TRUE(imu->next(sample));
+  EXPECT_EQ(sample.angular_velocity, (std::array<double, 3>{0.01, 0.02, 0.03}));
+  EXPECT_EQ(sample.linear_acceleration, (std::array<double, 3>{0.1, 0.2, 9.8}));
+  auto gnss = GnssCsv::open(drive->resolve("gps.csv"));
+  ASSERT_TRUE(gps);
+  GnssFix fix;
+  ASSERT_TRUE(gps->next(fix));
+  EXPECT_EQ(fix.speed, 10);
+  EXPECT_NEAR(fix.course, 0, 1e-12);
+}
+
+TEST_F(RawLayout, SaysWhatIsMissing) {
+  EXPECT_THAT(import_kitti(folder_ / "day", folder_ / "drive").error().message(),
+              HasSubstr("is none of KITTI's layouts"));
+  EXPECT_FALSE(import_kitti(folder_ / "nowhere", folder_ / "drive"));
+  folder_.write("full/file", "x");
+  EXPECT_THAT(import_kitti(raw_, folder_ / "full").error().message(),
+              HasSubstr("exists and is not empty"));
+  folder_.write("day/calib_velo_to_cam.txt", "R: 0 -1 0 0 0 -1 1 0 0\n");
+  EXPECT_THAT(import_kitti(raw_, folder_ / "drive").error().message(),
+              HasSubstr("calib_velo_to_cam.txt: has no T"));
+  folder_.write("day/calib_velo_to_cam.txt", "R: 0 -1 0 0 0 -1 1 0 1\nT: 0 0 0\n");
+  EXPECT_THAT(import_kitti(raw_, folder_ / "drive").error().message(),
+              HasSubstr("R is not a rigid motion"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "drive"));
+}
+
+TEST_F(RawLayout, ReportsBadTimesAndOddImages) {
+  folder_.write("day/2011_09_26_drive_0001_sync/image_03/data/0000000001.png", png(640, 480));
+  const auto result = import_kitti(raw_, folder_ / "drive");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->images, 1u);
+  ASSERT_EQ(result->notes.size(), 1u);
+  EXPECT_THAT(result->notes[0].message(), HasSubstr("another size"));
+  folder_.write("day/2011_09_26_drive_0001_sync/oxts/timestamps.txt", "2011-13-26 13:02:25.5\n");
+  EXPECT_THAT(import_kitti(raw_, folder_ / "drive2").error().message(),
+              HasSubstr("timestamps.txt:1: is no time"));
+}
+
+TEST(KittiImportSummary, FramesOfAnotherCalibrationAreLeftOutAndNoted) {
+  const ScratchFolder folder;
+  const std::string calib =
+      "P2: 700 0 600 0 0 700 180 0 0 0 1 0\nTr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 ";
+  for (const auto& [name, offset] : {std::pair("000000", "0"), {"000001", "0"}, {"000002", "1"}}) {
+    folder.write(std::string("in/calib/") + name + ".txt", calib + offset + "\n");
+    folder.write(std::string("in/velodyne/") + name + ".bin", std::string(16, '\0'));
+  }
+  folder.write("in/velodyne/000007.bin", std::string(16, '\0'));
+  const auto result = import_kitti(folder / "in", folder / "drive");
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_EQ(result->sweeps, 2u);
+  std::string notes;
+  for (const Error& note : result->notes) notes += note.message() + "\n";
+  EXPECT_THAT(notes, HasSubstr("2 calibrations"));
+  EXPECT_THAT(notes, HasSubstr("2 files of frames without that calibration"));
+}
+
+}  // namespace
+}  // namespace infuse::recording

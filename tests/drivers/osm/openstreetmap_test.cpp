@@ -1,0 +1,215 @@
+#include "drivers/osm/openstreetmap.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <numbers>
+
+#include "drivers/recording/local_frame.hpp"
+#include "tests/real_data.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace infuse::recording {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::ScratchFolder;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// A road, a footway with a node that is missing, a tree, and a building with a courtyard whose
+// outer ring is two ways of opposite direction. The ways come before the nodes.
+const char* const kMap = R"(<?xml version='1.0' encoding='UTF-8'?>
+<osm version='0.6'>
+  <way id='100'>
+    <nd ref='1'/><nd ref='2'/><nd ref='3'/>
+    <tag k='highway' v='residential'/><tag k='width' v='6.5'/><tag k='name' v='Süd &amp; Nord'/>
+  </way>
+  <way id='101'><nd ref='3'/><nd ref='99'/><nd ref='4'/><tag k='highway' v='footway'/></way>
+  <way id='102'><nd ref='10'/><nd ref='11'/><nd ref='12'/></way>
+  <way id='103'><nd ref='10'/><nd ref='13'/><nd ref='12'/></way>
+  <way id='104'><nd ref='14'/><nd ref='15'/><nd ref='16'/><nd ref='14'/></way>
+  <way id='105'><nd ref='98'/><nd ref='1'/></way>
+  <relation id='200'>
+    <member type='way' ref='102' role='outer'/>
+    <member type='way' ref='103' role=''/>
+    <member type='way' ref='104' role='inner'/>
+    <tag k='type' v='multipolygon'/><tag k='building' v='yes'/>
+  </relation>
+  <relation id='201'>
+    <member type='way' ref='102' role='outer'/>
+    <member type='way' ref='999' role='outer'/>
+    <tag k='type' v='multipolygon'/>
+  </relation>
+  <relation id='202'><member type='way' ref='100' role=''/><tag k='type' v='route'/></relation>
+  <node id='1' lat='49.0' lon='8.0'/>
+  <node id='2' lat='49.001' lon='8.0'/>
+  <node id='3' lat='49.001' lon='8.002'/>
+  <node id='4' lat='49.002' lon='8.002'/>
+  <node id='5' lat='49.0005' lon='8.0001'><tag k='natural' v='tree'/></node>
+  <node id='6' lat='149.0' lon='8.0'/>
+  <node id='10' lat='49.0001' lon='8.0010'/>
+  <node id='11' lat='49.0001' lon='8.0014'/>
+  <node id='12' lat='49.0004' lon='8.0014'/>
+  <node id='13' lat='49.0004' lon='8.0010'/>
+  <node id='14' lat='49.0002' lon='8.0011'/>
+  <node id='15' lat='49.0002' lon='8.0012'/>
+  <node id='16' lat='49.0003' lon='8.0012'/>
+</osm>
+)";
+
+std::vector<int64_t> node_ids(const std::vector<OsmPoint>& points) {
+  std::vector<int64_t> result;
+  for (const OsmPoint& point : points) result.push_back(point.node);
+  return result;
+}
+
+std::string join_messages(const std::vector<Error>& warnings) {
+  std::string text;
+  for (const Error& warning : warnings) text += warning.message() + "\n";
+  return text;
+}
+
+TEST(OpenStreetMap, ReadsWaysNodesAndAreas) {
+  const ScratchFolder folder;
+  folder.write("map.osm", kMap);
+  const auto map = read_openstreetmap(folder / "map.osm");
+  ASSERT_TRUE(map) << map.error().message();
+
+  ASSERT_EQ(map->ways.size(), 5u);
+  EXPECT_EQ(map->ways[0].id, 100);
+  EXPECT_EQ(find_tag(map->ways[0].tags, "highway"), "residential");
+  EXPECT_EQ(find_tag(map->ways[0].tags, "width"), "6.5");
+  EXPECT_EQ(find_tag(map->ways[0].tags, "name"), "Süd & Nord");
+  EXPECT_EQ(find_tag(map->ways[0].tags, "lanes"), "");
+  EXPECT_THAT(ids(map->ways[0].points), ElementsAre(1, 2, 3));
+  EXPECT_NEAR(map->ways[0].points[2].latitude, 49.001 * kDegree, 1e-12);
+  EXPECT_NEAR(map->ways[0].points[2].longitude, 8.002 * kDegree, 1e-12);
+  EXPECT_FALSE(map->ways[0].closed());
+  EXPECT_THAT(ids(map->ways[1].points), ElementsAre(3, 4));
+  EXPECT_TRUE(map->ways[4].closed());
+
+  ASSERT_EQ(map->nodes.size(), 1u);
+  EXPECT_EQ(map->nodes[0].id, 5);
+  EXPECT_EQ(find_tag(map->nodes[0].tags, "natural"), "tree");
+
+  ASSERT_EQ(map->areas.size(), 1u);
+  EXPECT_EQ(map->areas[0].id, 200);
+  EXPECT_EQ(find_tag(map->areas[0].tags, "building"), "yes");
+  ASSERT_EQ(map->areas[0].outer.size(), 1u);
+  EXPECT_THAT(ids(map->areas[0].outer[0]), ElementsAre(10, 11, 12, 13, 10));
+  ASSERT_EQ(map->areas[0].inner.size(), 1u);
+  EXPECT_THAT(ids(map->areas[0].inner[0]), ElementsAre(14, 15, 16, 14));
+
+  EXPECT_NEAR(map->latitude, 49.001 * kDegree, 1e-12);
+  EXPECT_NEAR(map->longitude, 8.001 * kDegree, 1e-12);
+
+  const std::string warnings = join_messages(map->warnings);
+  EXPECT_THAT(warnings, HasSubstr("way 101: 1 of its nodes are not in the file"));
+  EXPECT_THAT(warnings, HasSubstr("way 105: has fewer than two nodes"));
+  EXPECT_THAT(warnings, HasSubstr("relation 201: way 999 is not in the file"));
+  EXPECT_THAT(warnings, HasSubstr("relation 201: 1 of its rings do not close"));
+  EXPECT_THAT(warnings, HasSubstr("relation 201: has no whole outer ring"));
+  EXPECT_THAT(warnings, HasSubstr("node 6: has no valid latitude"));
+}
+
+TEST(OpenStreetMap, BadFilesAreErrorsAndEmptyOnesWarned) {
+  const ScratchFolder folder;
+  EXPECT_FALSE(read_openstreetmap(folder / "missing.osm"));
+  EXPECT_FALSE(read_openstreetmap(folder.path()));
+  folder.write("broken.osm", std::string(kMap).substr(0, 700));
+  EXPECT_THAT(read_openstreetmap(folder / "broken.osm").error().message(), HasSubstr("broken.osm"));
+  folder.write("text.osm", "hello");
+  EXPECT_FALSE(read_openstreetmap(folder / "text.osm"));
+  folder.write("broken.osm.bz2", "BZh91AY&SY rubbish");
+  EXPECT_FALSE(read_openstreetmap(folder / "broken.osm.bz2"));
+  folder.write("map.xyz", kMap);
+  EXPECT_FALSE(read_openstreetmap(folder / "map.xyz"));
+  folder.write("empty.osm", "<osm version='0.6'></osm>");
+  const auto empty = read_openstreetmap(folder / "empty.osm");
+  ASSERT_TRUE(empty);
+  EXPECT_THAT(all(empty->warnings), HasSubstr("the map has no road"));
+  folder.write("map.osm", kMap);
+  OpenStreetMapOptions small;
+  small.max_elements = 20;
+  EXPECT_THAT(read_openstreetmap(folder / "map.osm", small).error().message(),
+              HasSubstr("more than 20 elements"));
+}
+
+TEST(OpenStreetMap, WarningsAreBounded) {
+  const ScratchFolder folder;
+  std::string text = "<osm version='0.6'>";
+  for (int i = 1; i <= 5000; ++i) {
+    text += "<way id='" + std::to_string(i) + "'><nd ref='1'/></way>";
+  }
+  folder.write("map.osm", text + "</osm>");
+  const auto map = read_openstreetmap(folder / "map.osm");
+  ASSERT_TRUE(map);
+  ASSERT_EQ(map->warnings.size(), 1001u);
+  // Two a way and that there is no road.
+  EXPECT_EQ(map->warnings.back().what, "9001 more warnings");
+}
+
+struct ClosePipe {
+  void operator()(FILE* pipe) const { pclose(pipe); }
+};
+
+// Counts elements by their tags in the text, without an XML parser.
+struct ElementCounts {
+  size_t ways = 0, roads = 0;
+};
+ElementCounts count_by_text(const std::filesystem::path& path) {
+  ElementCounts counted;
+  const std::string command = "bzcat '" + path.string() + "'";
+  const std::unique_ptr<FILE, ClosePipe> pipe(popen(command.c_str(), "r"));
+  std::array<char, 65536> line{};
+  bool in_way = false;
+  while (pipe && std::fgets(line.data(), line.size(), pipe.get()) != nullptr) {
+    const std::string text = line.data();
+    if (text.find("<way ") != std::string::npos) {
+      ++counted.ways;
+      in_way = true;
+    }
+    if (text.find("</way>") != std::string::npos) in_way = false;
+    if (in_way && text.find("k='highway'") != std::string::npos) ++counted.roads;
+  }
+  return counted;
+}
+
+TEST(OpenStreetMap, RealKarlsruheMapsHoldWhatTheirTextHolds) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "street");
+  for (const char* name : {"00.osm.bz2", "05.osm.bz2", "07.osm.bz2"}) {
+    SCOPED_TRACE(name);
+    const ElementCounts counted = count_by_text(path / name);
+    if (counted.ways == 0) GTEST_SKIP() << "no bzcat";
+    const auto map = read_openstreetmap(path / name);
+    ASSERT_TRUE(map) << map.error().message();
+    size_t roads = 0;
+    for (const OsmWay& way : map->ways) roads += !find_tag(way.tags, "highway").empty();
+    size_t left_out = 0;
+    for (const Error& warning : map->warnings) {
+      left_out += warning.what == "has fewer than two nodes";
+    }
+    EXPECT_EQ(map->ways.size() + left_out, counted.ways);
+    EXPECT_NEAR(static_cast<double>(roads), static_cast<double>(counted.roads),
+                static_cast<double>(left_out));
+    EXPECT_GT(roads, 50u);
+    // All of it lies within a few kilometres of its middle, in Karlsruhe.
+    EXPECT_NEAR(map->latitude / kDegree, 49, 0.1);
+    EXPECT_NEAR(map->longitude / kDegree, 8.4, 0.1);
+    const LocalFrame frame(map->centre_latitude, map->centre_longitude);
+    for (const OsmWay& way : map->ways) {
+      for (const OsmPoint& point : way.points) {
+        ASSERT_LT(frame.to_local(point.latitude, point.longitude).norm(), 20'000);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace infuse::recording

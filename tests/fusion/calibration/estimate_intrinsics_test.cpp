@@ -1,0 +1,116 @@
+#include "fusion/calibration/estimate_intrinsics.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fusion/calibration/calibrate.hpp"
+#include "fusion/calibration/named_measures.hpp"
+#include "tests/fusion/calibration/painted_world.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+using testing::HasSubstr;
+
+/// What the camera would rather be, from the pose that a climb with what is given leads to.
+std::optional<IntrinsicsEstimate> estimate_for(const std::vector<Scene>& scenes,
+                                               const CameraIntrinsics& given,
+                                               const std::stop_token& stop = {}) {
+  const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(given)}};
+  const std::vector<TermOptions>& terms = named_measures().front().terms;
+  ImagePyramid images(scenes, terms, std::vector<double>{2});
+  const Eigen::Isometry3d truth = painted::twelve_scene_drive().T_camera_lidar;
+  const VisiblePoints points = select_visible(scenes, cameras, truth, {});
+  Objective objective(points, images.at(2), cameras, scenes, terms);
+  const Eigen::Isometry3d T = maximize(objective, truth, {}).T_refcam_lidar;
+  return estimate_intrinsics(scenes, cameras, 0, terms, images, {}, T, stop);
+}
+
+std::optional<ModelMismatch> gross_mismatch(const std::optional<IntrinsicsEstimate>& found,
+                                            const CameraIntrinsics& given) {
+  const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(given)}};
+  return detect_gross_mismatch(*found, cameras, 0);
+}
+
+TEST(EstimateIntrinsics, StayWhereTheyAreRight) {
+  const auto found = estimate_for(painted::twelve_scene_drive().scenes, painted::small_camera());
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->scenes, 12);
+  EXPECT_LT(std::abs(found->off(0)), 0.02);
+  EXPECT_LT(found->off.segment<2>(1).cwiseAbs().maxCoeff(), 5);
+  EXPECT_LT(
+      painted::degrees_between(found->T_head_lidar, painted::twelve_scene_drive().T_camera_lidar),
+      1);
+  EXPECT_FALSE(doubt(found, painted::small_camera()));
+}
+
+TEST(EstimateIntrinsics, FindAPrincipalPointThatIsFarOff) {
+  for (const double off : {-25.0, 25.0}) {
+    CameraIntrinsics wrong = painted::small_camera();
+    wrong.cx += off;
+    const auto found = estimate_for(painted::twelve_scene_drive().scenes, wrong);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->off(1), -off, 6);
+    EXPECT_GT(found->better, 9);
+    const auto mismatch = gross_mismatch(found, wrong);
+    ASSERT_TRUE(told);
+    EXPECT_EQ(told->what, "principal point cx");
+    EXPECT_TRUE(told->serious);
+  }
+}
+
+TEST(EstimateIntrinsics, FindADistortionLeftOut) {
+  // The pictures of a camera without one, seen as through one that bends: as good as the converse.
+  CameraIntrinsics wrong = painted::small_camera();
+  wrong.distortion[0] = 0.15;
+  const auto found = estimate_for(painted::twelve_scene_drive().scenes, wrong);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->off(3), -0.15, 0.05);
+  const auto mismatch = gross_mismatch(found, wrong);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->what, "radial distortion k1");
+}
+
+TEST(EstimateIntrinsics, ACalibrationWithAWrongCameraIsRefused) {
+  const painted::Drive& drive = painted::twelve_scene_drive();
+  CameraIntrinsics wrong = painted::small_camera();
+  wrong.cx += 30;
+  const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(wrong)}};
+  const CalibrationResult result =
+      calibrate(drive.scenes, cameras, drive.T_camera_lidar, {.restarts = 1});
+  EXPECT_FALSE(result.usable());
+  ASSERT_FALSE(result.doubts.empty());
+  EXPECT_EQ(result.doubts.front().what, "principal point cx");
+  EXPECT_TRUE(result.doubts.front().gross);
+}
+
+TEST(EstimateIntrinsics, FewScenesGiveNoEstimate) {
+  const std::vector<Scene>& all = painted::twelve_scene_drive().scenes;
+  const std::vector<Scene> few(all.begin(), all.begin() + 7);
+  EXPECT_FALSE(freed(few, painted::small_camera()));
+}
+
+TEST(EstimateIntrinsics, StopsWhenRequested) {
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_FALSE(
+      freed(painted::twelve_scene_drive().scenes, painted::small_camera(), stop.get_token()));
+}
+
+TEST(DetectGrossMismatch, NeedsBothSizeAndScenesThatAgree) {
+  const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(painted::small_camera())}};
+  IntrinsicsEstimate found{
+      .correction = {0.03, 1, 1, 0.01}, .scenes = 20, .improved_scenes = 19, .significance = 6};
+  const auto mismatch = detect_gross_mismatch(found, cameras, 0);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->what, "focal length");
+  EXPECT_NEAR(told->value, 3, 1e-9);  // per cent
+  found.significance = 3;
+  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0));
+  found.significance = 30;
+  found.correction(0) = 0.01;
+  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0));
+}
+
+}  // namespace
+}  // namespace infuse::calibration

@@ -1,0 +1,196 @@
+#include "fusion/monitoring/calibration_monitor.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fusion/monitoring/reestimate.hpp"
+#include "tests/fusion/calibration/painted_world.hpp"
+#include "tests/fusion/motion/allocation_counter.hpp"
+
+namespace infuse::monitoring {
+namespace {
+
+using calibration::painted::degrees_between;
+using calibration::painted::metres_between;
+using calibration::painted::small_camera;
+using calibration::painted::true_T_camera_lidar;
+
+/// What a vehicle sees at ten places.
+struct Snapshot {
+  CameraFrame grey;
+  Sweep sweep;
+};
+
+const std::vector<Snapshot>& snapshots() {
+  static const std::vector<Snapshot> all = [] {
+    std::vector<Snapshot> made;
+    for (uint64_t k = 0; k < 10; ++k) {
+      const auto world = calibration::painted::make_world(k + 1);
+      made.push_back(
+          {calibration::painted::render_image(world, small_camera(), true_T_camera_lidar()),
+           calibration::painted::scan(world, 100 + k)});
+    }
+    return made;
+  }();
+  return all;
+}
+
+const Motion kDrivingMotion{.velocity = Eigen::Vector3d(0, 0, 8)};
+
+Eigen::Isometry3d turned(double degrees, int axis) {
+  return geometry::exp(degrees * M_PI / 180 * geometry::Vector6::Unit(axis)) *
+         true_T_camera_lidar();
+}
+
+/// Drives past the places again and again, twice a second.
+class Driver {
+ public:
+  MonitorReport drive(CalibrationMonitor& watch, const Motion& motion = kDrivingMotion) {
+    const Snapshot& place = snapshots()[static_cast<size_t>(next_) % snapshots().size()];
+    CameraFrame grey = place.grey;
+    // No two pictures are equal.
+    grey.pixels[0] = static_cast<uint8_t>(next_);
+    grey.pixels[1] = static_cast<uint8_t>(next_ / 256);
+    grey.stamp = Stamp::from_ns(500'000'000LL * next_++);
+    return watch.process(grey, make_sweep_view(place.sweep), motion);
+  }
+  MonitorReport drive(CalibrationMonitor& watch, int images) {
+    MonitorReport report;
+    for (int k = 0; k < images; ++k) report = drive(watch);
+    return report;
+  }
+
+ private:
+  int next_ = 1;
+};
+
+TEST(Watch, AnUnchangedCalibrationHolds) {
+  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
+  Driver driver;
+  const MonitorReport report = driver.drive(watch, 200);
+  EXPECT_EQ(report.drift, Drift::kHolds) << report.evidence << " " << to_string(report.axis);
+  EXPECT_EQ(report.fault, CameraFault::kNone);
+  EXPECT_LT(report.offset.head<3>().norm(), 0.2 * M_PI / 180);
+}
+
+TEST(Watch, ARotatedCameraIsDetectedWithItsAxis) {
+  for (int axis = 0; axis < 3; ++axis) {
+    CalibrationMonitor watch(small_camera(), turned(1, axis), {});
+    Driver driver;
+    const MonitorReport report = driver.drive(watch, 60);
+    EXPECT_EQ(report.drift, Drift::kConfirmed) << axis;
+    EXPECT_GT(report.offset(axis), 0.2 * M_PI / 180) << axis;
+  }
+}
+
+TEST(Watch, ANewCalibrationResetsTheEvidence) {
+  CalibrationMonitor watch(small_camera(), turned(1, 1), {});
+  Driver driver;
+  EXPECT_EQ(driver.drive(watch, 60).drift, Drift::kConfirmed);
+  watch.set_calibration(true_T_camera_lidar());
+  EXPECT_NE(driver.drive(watch, 1).drift, Drift::kConfirmed);
+  EXPECT_EQ(driver.drive(watch, 60).drift, Drift::kHolds);
+}
+
+TEST(Watch, TheAlternativeIsComparedWithTheCurrent) {
+  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
+  watch.set_alternative(turned(1, 0));
+  Driver driver;
+  double gain = 0;
+  for (int k = 0; k < 10; ++k) {
+    const MonitorReport report = driver.drive(watch);
+    ASSERT_TRUE(report.has_gain);
+    gain += report.gain;
+  }
+  EXPECT_GT(gain, 0);
+}
+
+TEST(Watch, AStandingVehicleIsEvaluatedOnce) {
+  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
+  Driver driver;
+  EXPECT_TRUE(driver.drive(watch, Motion{}).looked);
+  for (int k = 0; k < 20; ++k) {
+    const MonitorReport report = driver.drive(watch, Motion{});
+    EXPECT_FALSE(report.looked);
+    EXPECT_THAT(report.reason, testing::HasSubstr("same place"));
+  }
+}
+
+TEST(Watch, WrongImagesAndEmptySweepsAreSkipped) {
+  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
+  EXPECT_FALSE(watch.take(CameraFrame{}, view_of(Sweep{}), kDriving).looked);
+  CameraFrame grey = snapshots()[0].grey;
+  EXPECT_THAT(watch.take(grey, view_of(Sweep{}), kDriving).reason, testing::HasSubstr("too few"));
+}
+
+TEST(Watch, AllocatesNothingOnceWarm) {
+  MonitorOptions options;
+  options.scene_store.capacity = 4;
+  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), options);
+  Driver driver;
+  driver.drive(watch, 30);
+  const Snapshot& place = snapshots()[3];
+  CameraFrame grey = place.grey;
+  grey.stamp = Stamp::from_ns(100'000'000'000);
+  const size_t before = motion::allocation_count();
+  const MonitorReport report = watch.process(grey, make_sweep_view(place.sweep), kDrivingMotion);
+  const size_t after = motion::allocation_count();
+  EXPECT_TRUE(report.looked);
+  EXPECT_EQ(after, before);
+}
+
+TEST(Watch, SameInSameOut) {
+  CalibrationMonitor a(small_camera(), turned(0.4, 2), {});
+  CalibrationMonitor b(small_camera(), turned(0.4, 2), {});
+  Driver first, second;
+  for (int k = 0; k < 20; ++k) {
+    const MonitorReport x = first.drive(a);
+    const MonitorReport y = second.drive(b);
+    EXPECT_EQ(x.evidence, y.evidence);
+    EXPECT_EQ(x.offset, y.offset);
+    EXPECT_EQ(x.dependence, y.dependence);
+  }
+}
+
+TEST(Reestimate, CorrectsARotatedCamera) {
+  MonitorOptions options;
+  options.scene_store.capacity = 10;
+  CalibrationMonitor watch(small_camera(), turned(1, 1), options);
+  Driver driver;
+  driver.drive(watch, 30);
+  std::vector<StoredScene> scenes;
+  watch.scenes().copy(Stamp::earliest(), scenes);
+  ASSERT_EQ(scenes.size(), 10U);
+  const Reestimate result = reestimate(scenes, small_camera(), watch.T_camera_lidar(), {});
+  EXPECT_TRUE(result.usable()) << result.reason << ", " << result.split_half_distance;
+  EXPECT_LT(degrees_between(result.T_camera_lidar, true_T_camera_lidar()), 0.15);
+  EXPECT_LT(metres_between(result.T_camera_lidar, true_T_camera_lidar()), 0.03);
+  EXPECT_GT(result.moved, 3.5);
+  const Reestimate again = reestimate(scenes, small_camera(), watch.T_camera_lidar(), {});
+  EXPECT_EQ(again.T_camera_lidar.matrix(), result.T_camera_lidar.matrix());
+}
+
+TEST(Reestimate, TwoScenesAreRejected) {
+  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
+  Driver driver;
+  driver.drive(watch, 2);
+  std::vector<StoredScene> scenes;
+  watch.scenes().copy(Stamp::earliest(), scenes);
+  const Reestimate result = reestimate(scenes, small_camera(), watch.T_camera_lidar(), {});
+  EXPECT_FALSE(result.usable());
+  EXPECT_EQ(result.T_camera_lidar.matrix(), watch.T_camera_lidar().matrix());
+}
+
+TEST(MonitorOptions, SaysWhatIsWrong) {
+  EXPECT_FALSE(MonitorOptions{}.invalid());
+  EXPECT_TRUE(MonitorOptions{.rotation_step = 0}.invalid());
+  EXPECT_TRUE(MonitorOptions{.max_points = 10}.invalid());
+  MonitorOptions options;
+  options.scene_store.capacity = 1;
+  EXPECT_THAT(*options.invalid(), testing::HasSubstr("store"));
+  EXPECT_FALSE(ReestimateOptions{}.invalid());
+  EXPECT_TRUE(ReestimateOptions{.starts = 0}.invalid());
+}
+
+}  // namespace
+}  // namespace infuse::monitoring

@@ -1,0 +1,240 @@
+#include "fusion/monitoring/calibration_supervisor.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace infuse::monitoring {
+namespace {
+
+using enum CalibrationState;
+using testing::HasSubstr;
+
+Eigen::Isometry3d turned(double degrees) {
+  return geometry::exp(degrees * M_PI / 180 * geometry::Vector6::Unit(1));
+}
+
+/// A drive of half a second a step, in which the test chooses what the watch says.
+class Drive {
+ public:
+  explicit Drive(const SupervisorOptions& options) : supervisor(turned(0), options) {}
+
+  SupervisorActions step(Drift drift, double gain = 0, CameraFault fault = CameraFault::kNone) {
+    MonitorReport report{.stamp = Stamp::from_ns(500'000'000LL * next_++), .evaluated = true};
+    report.drift = drift;
+    report.fault = fault;
+    report.evidence = drift == Drift::kHolds ? 0 : drift == Drift::kSuspected ? 5 : 20;
+    report.axis = Axis::kRotationY;
+    report.offset(1) = 0.5 * M_PI / 180;
+    report.gain = gain;
+    report.has_gain = supervisor.alternative().has_value();
+    return supervisor.process(report, scenes);
+  }
+  void steps(int count, Drift drift, double gain = 0) {
+    for (int k = 0; k < count; ++k) step(drift, gain);
+  }
+  /// Drifts, starts and delivers `degrees`.
+  void drift_and_reestimate(double degrees) {
+    steps(5, Drift::kHolds);
+    EXPECT_TRUE(step(Drift::kConfirmed).start);
+    supervisor.finish_reestimation(make_result(degrees));
+    steps(21, Drift::kConfirmed);
+  }
+  static Reestimate make_result(double degrees) {
+    Reestimate result{.T_camera_lidar = turned(degrees)};
+    result.covariance = 1e-6 * geometry::Matrix6::Identity();
+    result.moved = 1000 * degrees * M_PI / 180;
+    result.scenes = 15;
+    return result;
+  }
+
+  CalibrationSupervisor supervisor;
+  size_t scenes = 40;
+
+ private:
+  int next_ = 1;
+};
+
+TEST(Decision, FollowsTheEvidenceWithHysteresis) {
+  Drive drive({.min_scenes = 100, .scene_timeout = 1000});
+  EXPECT_EQ(drive.step(Drift::kLearning).state, kMonitoring);
+  EXPECT_EQ(drive.step(Drift::kHolds).state, kOk);
+  EXPECT_EQ(drive.step(Drift::kSuspected).state, kSuspected);
+  const SupervisorActions drifted = drive.step(Drift::kConfirmed);
+  EXPECT_EQ(drifted.state, kConfirmed);
+  EXPECT_TRUE(drifted.changed);
+  EXPECT_FALSE(drifted.start);  // too few scenes
+  EXPECT_EQ(drive.step(Drift::kSuspected).state, kConfirmed);
+  EXPECT_EQ(drive.step(Drift::kHolds).state, kOk);
+  EXPECT_THAT(drive.decision.history().back().what, HasSubstr("rotation about y, 0.50 degrees"));
+}
+
+TEST(Decision, AlertOnlyProposesAndTheOwnerApplies) {
+  Drive drive({});
+  drive.drift_and_reestimate(0.5);
+  EXPECT_EQ(drive.decision.state(), kConfirmed);
+  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
+  ASSERT_TRUE(drive.decision.proposal());
+  drive.supervisor.request_apply();
+  const SupervisorActions decided = drive.step(Drift::kConfirmed);
+  EXPECT_TRUE(decided.calibration_changed);
+  EXPECT_EQ(decided.state, kRecalibrated);
+  EXPECT_EQ(drive.decision.present().matrix(), turned(0.5).matrix());
+  drive.steps(20, Drift::kHolds, 0.01);
+  EXPECT_EQ(drive.decision.state(), kOk);
+  EXPECT_THAT(drive.decision.history().back().what, HasSubstr("confirmed"));
+}
+
+TEST(Decision, AResultBecomesVisibleAfterItsBudget) {
+  Drive drive({.policy = UpdatePolicy::kApply, .result_delay = 3});
+  drive.steps(5, Drift::kHolds);
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
+  EXPECT_EQ(drive.decision.state(), kRecalibrating);
+  drive.supervisor.finish_reestimation(Drive::make_result(0.5));
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_FALSE(drive.step(Drift::kConfirmed).calibration_changed) << k;
+  }
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).calibration_changed);
+  EXPECT_EQ(drive.decision.state(), kRecalibrated);
+  ASSERT_TRUE(drive.decision.covariance());
+}
+
+TEST(Decision, RollsBackAWorseCalibration) {
+  Drive drive({.policy = UpdatePolicy::kApply});
+  drive.drift_and_reestimate(2);
+  EXPECT_EQ(drive.decision.state(), kRecalibrated);
+  ASSERT_TRUE(drive.decision.alternative());
+  drive.steps(15, Drift::kHolds, -0.01);
+  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
+  EXPECT_THAT(drive.decision.history().back().what, HasSubstr("rolled back"));
+  EXPECT_FALSE(drive.decision.alternative());
+}
+
+TEST(Decision, AppliesWithinItsLimitsOnly) {
+  Drive near({.policy = UpdatePolicy::kApplyWithin, .limit_rotation = 0.02});
+  near.drift_and_reestimate(1);
+  EXPECT_EQ(near.decision.state(), kRecalibrated);
+  Drive far({.policy = UpdatePolicy::kApplyWithin, .limit_rotation = 0.02});
+  far.drift_and_reestimate(2);
+  EXPECT_EQ(far.decision.state(), kConfirmed);
+  EXPECT_TRUE(far.decision.proposal());
+}
+
+TEST(Decision, KeepsACalibrationThatHasNotMoved) {
+  Drive drive({.policy = UpdatePolicy::kApply});
+  drive.steps(5, Drift::kHolds);
+  drive.step(Drift::kConfirmed);
+  drive.supervisor.finish_reestimation(Drive::make_result(0.05));
+  drive.steps(21, Drift::kHolds);
+  EXPECT_EQ(drive.decision.state(), kOk);
+  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
+}
+
+TEST(Decision, ACameraAtFaultIsNotRecalibrated) {
+  Drive drive({.policy = UpdatePolicy::kApply});
+  drive.steps(5, Drift::kHolds);
+  for (int k = 0; k < 30; ++k) {
+    const SupervisorActions decided = drive.step(Drift::kConfirmed, 0, CameraFault::kFrozen);
+    EXPECT_FALSE(decided.start);
+    EXPECT_EQ(decided.state, kUnusable);
+  }
+  EXPECT_THAT(drive.decision.history().back().what, HasSubstr("frozen"));
+  drive.steps(3, Drift::kHolds);
+  EXPECT_EQ(drive.decision.state(), kOk);
+}
+
+TEST(Decision, FailuresMakeItUnusable) {
+  Drive drive({.policy = UpdatePolicy::kApply, .max_failures = 2, .retry_interval = 1});
+  drive.steps(5, Drift::kHolds);
+  int started = 0;
+  for (int k = 0; k < 60; ++k) {
+    if (!drive.step(Drift::kConfirmed).start_reestimation) continue;
+    ++started;
+    Reestimate failed;
+    failed.reason = "not observable";
+    drive.supervisor.finish_reestimation(failed);
+  }
+  EXPECT_EQ(started, 2);
+  EXPECT_EQ(drive.decision.state(), kUnusable);
+}
+
+TEST(Decision, FrozenByTheOwnerNothingIsStarted) {
+  Drive drive({.policy = UpdatePolicy::kApply});
+  drive.supervisor.set_frozen(true);
+  drive.steps(5, Drift::kHolds);
+  for (int k = 0; k < 10; ++k) EXPECT_FALSE(drive.step(Drift::kConfirmed).start);
+  EXPECT_EQ(drive.decision.state(), kConfirmed);
+}
+
+TEST(Decision, FewerScenesAreEnoughAfterTheTimeout) {
+  Drive drive({.min_scenes = 30, .min_scenes_after_timeout = 15, .scene_timeout = 40});
+  drive.scenes = 20;
+  drive.steps(5, Drift::kHolds);
+  for (int k = 0; k < 80; ++k) ASSERT_FALSE(drive.step(Drift::kConfirmed).start) << k;
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
+}
+
+TEST(Decision, FreezingCancelsTheReestimation) {
+  Drive drive({.policy = UpdatePolicy::kApply});
+  drive.steps(5, Drift::kHolds);
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
+  drive.supervisor.set_frozen(true);
+  const SupervisorActions frozen = drive.step(Drift::kConfirmed);
+  EXPECT_TRUE(frozen.cancel);
+  EXPECT_EQ(frozen.state, kConfirmed);
+  EXPECT_FALSE(drive.decision.running());
+  for (int k = 0; k < 10; ++k) EXPECT_FALSE(drive.step(Drift::kConfirmed).cancel);
+  drive.supervisor.set_frozen(false);
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
+}
+
+TEST(Decision, ACameraFaultCancelsTheReestimation) {
+  Drive drive({.policy = UpdatePolicy::kApply});
+  drive.steps(5, Drift::kHolds);
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
+  const SupervisorActions at_fault = drive.step(Drift::kConfirmed, 0, CameraFault::kDirty);
+  EXPECT_TRUE(at_fault.cancel);
+  EXPECT_EQ(at_fault.state, kUnusable);
+  drive.supervisor.finish_reestimation(Drive::make_result(0.5));  // too late
+  drive.steps(10, Drift::kHolds);
+  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
+  EXPECT_EQ(drive.decision.state(), kOk);
+}
+
+TEST(Decision, RollingBackCancelsTheReestimation) {
+  Drive drive({.policy = UpdatePolicy::kApply, .retry_interval = 0});
+  drive.drift_and_reestimate(0.5);
+  drive.supervisor.request_recalibration();
+  EXPECT_TRUE(drive.step(Drift::kHolds).start);
+  drive.supervisor.request_roll_back();
+  const SupervisorActions back = drive.step(Drift::kHolds);
+  EXPECT_TRUE(back.cancel);
+  EXPECT_TRUE(back.calibration_changed);
+}
+
+TEST(Decision, TheOwnerMayAskAndRollBack) {
+  Drive drive({.policy = UpdatePolicy::kApply});
+  drive.steps(5, Drift::kHolds);
+  drive.supervisor.request_recalibration();
+  EXPECT_TRUE(drive.step(Drift::kHolds).start);
+  drive.supervisor.finish_reestimation(Drive::make_result(0.5));
+  drive.steps(21, Drift::kHolds);
+  EXPECT_EQ(drive.decision.present().matrix(), turned(0.5).matrix());
+  drive.supervisor.request_roll_back();
+  EXPECT_TRUE(drive.step(Drift::kHolds).calibration_changed);
+  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
+}
+
+TEST(Decision, HistoryIsBounded) {
+  Drive drive({.min_scenes = 100, .scene_timeout = 1000, .max_history = 5});
+  for (int k = 0; k < 20; ++k) {
+    drive.step(Drift::kConfirmed);
+    drive.step(Drift::kHolds);
+  }
+  EXPECT_EQ(drive.decision.history().size(), 5U);
+  EXPECT_FALSE(SupervisorOptions{}.invalid());
+  EXPECT_TRUE(SupervisorOptions{.min_scenes_after_timeout = 1}.invalid());
+  EXPECT_STREQ(to_string(kRecalibrating), "RECALIBRATING");
+}
+
+}  // namespace
+}  // namespace infuse::monitoring

@@ -1,0 +1,53 @@
+#include <gtest/gtest.h>
+
+#include "tests/fusion/monitoring/kitti_stream.hpp"
+#include "tests/real_data.hpp"
+
+namespace infuse::monitoring {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+
+/// All pairs; read once.
+const kitti::Stream& stream_of(const std::filesystem::path& folder) {
+  static const kitti::Stream read = kitti::read_stream(folder);
+  return read;
+}
+
+Eigen::Isometry3d turned(const kitti::Stream& stream, double degrees, int axis) {
+  return geometry::exp(degrees * kDegree * geometry::Vector6::Unit(axis)) * stream.T_camera_lidar;
+}
+
+TEST(RealKittiStream, ThePublishedExtrinsicsHold) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/kitti");
+  const kitti::Stream& stream = stream_of(folder);
+  ASSERT_EQ(stream.pictures.size(), 17U);
+  CalibrationMonitor watch(stream.camera, stream.T_camera_lidar, {});
+  const MonitorReport report = kitti::drive(watch, stream, 4);
+  EXPECT_EQ(report.drift, Drift::kHolds) << to_string(report.axis) << " " << report.evidence;
+  EXPECT_EQ(report.fault, CameraFault::kNone);
+}
+
+TEST(RealKittiStream, ARotationIsDetected) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/kitti");
+  const kitti::Stream& stream = stream_of(folder);
+  for (const double degrees : {0.5, 1.0, -2.0}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      CalibrationMonitor watch(stream.camera, turned(stream, degrees, axis), {});
+      EXPECT_EQ(kitti::drive(watch, stream, 6).drift, Drift::kConfirmed) << degrees << " " << axis;
+    }
+  }
+}
+
+TEST(RealKittiStream, ARotationIsCorrected) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/kitti");
+  const kitti::Stream& stream = stream_of(folder);
+  const Reestimate found = kitti::estimate(stream, turned(stream, 1, 1));
+  EXPECT_TRUE(found.usable()) << found.reason;
+  const geometry::Vector6 error =
+      geometry::log(found.T_camera_lidar * stream.T_camera_lidar.inverse());
+  EXPECT_LT(error.head<3>().norm(), 0.3 * kDegree);
+}
+
+}  // namespace
+}  // namespace infuse::monitoring

@@ -1,0 +1,100 @@
+#include "fusion/monitoring/scene_store.hpp"
+
+#include <gtest/gtest.h>
+
+namespace infuse::monitoring {
+namespace {
+
+/// A grey picture and three returns of which two lie around the view.
+struct TestScene {
+  CameraFrame grey;
+  Sweep sweep;
+  MonitorPoints points;
+};
+
+TestScene make_test_scene(double seconds, uint8_t level = 100) {
+  TestScene shot;
+  shot.grey.width = 64;
+  shot.grey.height = 48;
+  shot.grey.pixels.assign(64 * 48, level);
+  shot.grey.stamp = Stamp::from_ns(static_cast<int64_t>(seconds * 1e9));
+  shot.sweep.resize(3);
+  const std::array<float, 3> x = {5, 10, -5};
+  for (size_t i = 0; i < 3; ++i) {
+    shot.sweep.x[i] = x[i];
+    shot.sweep.y[i] = shot.sweep.z[i] = 0;
+    shot.sweep.range[i] = std::abs(x[i]);
+    shot.sweep.reflectivity[i] = 0.1F * static_cast<float>(i + 1);
+    shot.sweep.ring[i] = static_cast<uint16_t>(i);
+    shot.sweep.column[i] = 0;
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  shot.points.select(
+      make_sweep_view(shot.sweep),
+      geometry::CameraModel({.width = 64, .height = 48, .fx = 50, .fy = 50, .cx = 32, .cy = 24}), T,
+      100);
+  return shot;
+}
+
+bool offer(SceneStore& store, double seconds, double worth, double rate = 0, uint8_t level = 100) {
+  const TestScene shot = make_test_scene(seconds, level);
+  return store.offer(shot.grey, make_sweep_view(shot.sweep), shot.points, worth, 10 * seconds,
+                     rate);
+}
+
+std::vector<double> stored_seconds(const SceneStore& store) {
+  std::vector<StoredScene> scenes;
+  store.copy(Stamp::earliest(), scenes);
+  std::vector<double> seconds;
+  for (const StoredScene& scene : scenes) {
+    seconds.push_back(static_cast<double>(scene.stamp.ns()) * 1e-9);
+  }
+  return seconds;
+}
+
+TEST(SceneStore, KeepsTheMostInformativeAndRemovesTheOld) {
+  SceneStore store({.capacity = 3, .half_life = 10, .max_age = 100});
+  EXPECT_TRUE(offer(store, 1, 0.5));
+  EXPECT_TRUE(offer(store, 2, 0.9));
+  EXPECT_TRUE(offer(store, 3, 0.6));
+  EXPECT_FALSE(offer(store, 4, 0.1));  // worth less than any
+  EXPECT_TRUE(offer(store, 5, 0.55));  // takes the place of the first
+  EXPECT_EQ(stored_seconds(store), (std::vector<double>{2, 3, 5}));
+  EXPECT_TRUE(offer(store, 50, 0.1));  // what is old is worth little
+  EXPECT_EQ(store.size(), 3U);
+  EXPECT_EQ(store.count_since(Stamp::from_ns(6'000'000'000)), 1U);
+  EXPECT_TRUE(offer(store, 300, 0.1));
+  EXPECT_EQ(stored_seconds(store), (std::vector<double>{300}));
+}
+
+TEST(SceneStore, RejectsUninformativeScenes) {
+  SceneStore store({.capacity = 3, .min_distance = 4});
+  EXPECT_FALSE(offer(store, 1, 0));
+  EXPECT_FALSE(offer(store, 1, 0.5, 1.0));     // turning fast
+  EXPECT_FALSE(offer(store, 1, 0.5, 0, 5));    // dark
+  EXPECT_FALSE(offer(store, 1, 0.5, 0, 250));  // over-exposed
+  EXPECT_TRUE(offer(store, 1, 0.5));
+  EXPECT_FALSE(offer(store, 1.3, 0.9));  // 3 m farther only
+  EXPECT_EQ(store.size(), 1U);
+}
+
+TEST(SceneStore, KeepsPointsAroundTheImage) {
+  SceneStore store({.capacity = 3});
+  ASSERT_TRUE(offer(store, 1, 0.5));
+  std::vector<StoredScene> scenes;
+  store.copy(Stamp::earliest(), scenes);
+  ASSERT_EQ(scenes.size(), 1U);
+  EXPECT_EQ(scenes[0].x, (std::vector<float>{5, 10}));
+  EXPECT_EQ(scenes[0].reflectivity, (std::vector<float>{0.5F, 0.5F}));  // each alone of its like
+  EXPECT_EQ(scenes[0].grey.pixels.size(), 64U * 48U);
+}
+
+TEST(SceneStoreOptions, SaysWhatIsWrong) {
+  EXPECT_FALSE(SceneStoreOptions{}.invalid());
+  EXPECT_TRUE(SceneStoreOptions{.capacity = 1}.invalid());
+  EXPECT_TRUE((SceneStoreOptions{.dark = 100, .bright = 50}.invalid()));
+}
+
+}  // namespace
+}  // namespace infuse::monitoring
