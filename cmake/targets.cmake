@@ -26,6 +26,18 @@ if(INFUSE_FUZZ)
   target_compile_options(infuse_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
+# Precompiled headers, one for all libraries and programs and one for all tests: every file parses the standard
+# library and Eigen otherwise, which takes longer than the file itself.
+file(WRITE ${CMAKE_BINARY_DIR}/precompiled.cpp "")
+function(infuse_precompiled name)
+  add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/precompiled.cpp)
+  target_link_libraries(${name} PRIVATE infuse::flags Eigen3::Eigen tl::expected)
+  target_precompile_headers(${name} PRIVATE <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <deque>
+    <filesystem> <functional> <limits> <map> <memory> <numbers> <optional> <random> <span> <string> <string_view>
+    <thread> <utility> <variant> <vector> <Eigen/Core> <Eigen/Geometry> <tl/expected.hpp> ${ARGN})
+endfunction()
+infuse_precompiled(infuse_pch)
+
 # infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder, as infuse::drivers_velodyne.
 function(infuse_library folder)
   string(REPLACE "/" "_" name ${folder})
@@ -33,12 +45,14 @@ function(infuse_library folder)
   add_library(infuse_${name} STATIC ${sources})
   add_library(infuse::${name} ALIAS infuse_${name})
   target_link_libraries(infuse_${name} PUBLIC infuse::flags ${ARGN})
+  target_precompile_headers(infuse_${name} REUSE_FROM infuse_pch)
 endfunction()
 
 # infuse_program(infused daemon/infused.cpp DEPENDENCY...): one program in build/bin.
 function(infuse_program name source)
   add_executable(${name} ${source})
   target_link_libraries(${name} PRIVATE infuse::flags ${ARGN})
+  target_precompile_headers(${name} REUSE_FROM infuse_pch)
   install(TARGETS ${name} RUNTIME)
 endfunction()
 
@@ -51,6 +65,13 @@ function(infuse_test folder)
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*_test.cpp)
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE infuse::flags GTest::gtest_main GTest::gmock ${ARG_UNPARSED_ARGUMENTS})
+  if(NOT TARGET infuse_test_pch)
+    infuse_precompiled(infuse_test_pch <gmock/gmock.h> <gtest/gtest.h>)
+    target_link_libraries(infuse_test_pch PRIVATE GTest::gtest_main GTest::gmock)
+    target_compile_options(infuse_test_pch PRIVATE -O1)
+  endif()
+  target_compile_options(${name} PRIVATE -O1)  # what is tested is optimised, the tests need not be
+  target_precompile_headers(${name} REUSE_FROM infuse_test_pch)
   if(INFUSE_SANITIZE)  # falsely raised for tests that count allocations, once they are inlined less
     target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-mismatched-new-delete>)
   endif()

@@ -93,7 +93,7 @@ void LiveReader::reopen_sources(Stamp now) {
 void LiveReader::rebuild_poll_set() {
   poll_set_.clear();
   const auto add_to_poll_set = [&](auto* source) {
-    watched_.push_back({source != nullptr ? source->descriptor() : -1, POLLIN, 0});
+    poll_set_.push_back({source != nullptr ? source->descriptor() : -1, POLLIN, 0});
   };
   for (Port& port : ports_) add_to_poll_set(port.source.get());
   for (Camera& camera : cameras_) add_to_poll_set(camera.source.get());
@@ -128,7 +128,7 @@ void LiveReader::retry_now() {
 
 template <class Source>
 void LiveReader::close_source(ReopeningSource<Source>& source, const Error& error) {
-  source.lose(error, base_.now());
+  source.close(error, base_.now());
   rebuild_poll_set();  // its descriptor may soon be another's
 }
 

@@ -20,7 +20,7 @@ class ReopeningSource {
   static constexpr Duration kMaxRetryDelay{2'000'000'000};
 
   /// `name` is for the log.
-  Reopening(std::string name, std::function<Result<Source>()> open)
+  ReopeningSource(std::string name, std::function<Result<Source>()> open)
       : name_(std::move(name)), open_(std::move(open)) {
     state_.open = false;
     state_.set_problem("not opened yet");

@@ -67,7 +67,7 @@ void Server::accept(Acceptor& acceptor) {
       open_session(Session::Socket(std::move(socket)));
       accept(acceptor);
     } else {  // no free descriptor: it would fail again at once, so it waits for look_after()
-      stalled_.emplace_back([this, &acceptor] { accept(acceptor); });
+      stalled_accepts_.emplace_back([this, &acceptor] { accept(acceptor); });
     }
   });
 }

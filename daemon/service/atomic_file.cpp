@@ -25,7 +25,7 @@ bool write_all(int file, std::string_view text) {
 
 bool write_to_disk(const std::filesystem::path& path, std::string_view text) {
   constexpr mode_t kMode = 0640;
-  const Descriptor file(
+  const FileDescriptor file(
       ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, kMode));
   return file && write_all(file.get(), text) && fsync(file.get()) == 0;
 }
@@ -40,7 +40,7 @@ Result<void> write_atomically(const std::filesystem::path& path, std::string_vie
     return receive::fail_errno("cannot be written", path.string(), "", number);
   }
   // The folder's own entry, too; where that cannot be, the file is still whole.
-  const Descriptor folder(::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const FileDescriptor folder(::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder) fsync(folder.get());
   return {};
 }

@@ -83,7 +83,7 @@ AscentResult<N> bfgs(const ObjectiveFunction<N>& function, const AscentOptions& 
     if (step.norm() < options.tolerance) return {at.d, at.value, true};
     Iterate<N> next;
     if (line_search(function, at, step, next)) {
-      curvature.learn(at, next);
+      curvature.update(at, next);
       at = next;
     } else {
       // Not even the slope's own direction leads up: a maximum, as far as the numbers can tell.

@@ -36,7 +36,7 @@ class HistogramTerm : public DependenceTerm {
     return estimate;
   }
 
-  size_t samples() const override { return chosen_.size(); }
+  size_t sample_count() const override { return chosen_.size(); }
 
  private:
   Estimate evaluate_chosen(std::span<const float> image, std::span<float> gradient) {
@@ -75,7 +75,7 @@ class CorrelationTerm : public DependenceTerm {
     return {.value = sum / n};
   }
 
-  size_t samples() const override { return lidar_.size(); }
+  size_t sample_count() const override { return lidar_.size(); }
 
  private:
   std::vector<float> lidar_;

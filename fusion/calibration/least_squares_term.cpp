@@ -58,7 +58,7 @@ class LeastSquaresTerm : public DependenceTerm {
     return fit;
   }
 
-  size_t samples() const override { return chosen_.size(); }
+  size_t sample_count() const override { return chosen_.size(); }
 
  private:
   /// Column `f` of the samples, scaled as at the first question: a scale that followed the pose

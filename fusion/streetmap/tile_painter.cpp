@@ -87,7 +87,7 @@ void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const Ele
   each(SegmentKind::kCarriageway,
        [&](uint32_t index, const PlanStrip& strip, const auto& a, const auto& b) {
          const double reach = strip.half_width + strip.kerb_width + strip.sidewalk_width;
-         near_line(a, b, reach, [&](size_t cell, double distance) {
+         visit_near_line(a, b, reach, [&](size_t cell, double distance) {
            const auto edge = static_cast<float>(distance - strip.half_width);
            if (edge >= edge_distance_[cell]) return;
            edge_distance_[cell] = edge;
@@ -100,7 +100,7 @@ void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const Ele
   }
   each(SegmentKind::kFootway, [&](uint32_t index, const PlanStrip& strip, const auto& a,
                                   const auto& b) {
-    near_line(a, b, strip.half_width, [&](size_t cell, double) { ids_[cell] = ids[index].body; });
+    visit_near_line(a, b, strip.half_width, [&](size_t cell, double) { ids_[cell] = ids[index].body; });
   });
   for (size_t cell = 0; cell < kCellsPerTile; ++cell) {
     if (nearest_strip_[cell] == kNoStrip) continue;
@@ -114,7 +114,7 @@ void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const Ele
   }
   each(SegmentKind::kCrossing,
        [&](uint32_t index, const PlanStrip& strip, const auto& a, const auto& b) {
-         near_line(a, b, strip.half_width, [&](size_t cell, double) {
+         visit_near_line(a, b, strip.half_width, [&](size_t cell, double) {
            if (on_carriageway_[cell]) ids_[cell] = ids[index].body;
          });
        });
