@@ -100,7 +100,7 @@ CameraFrame draw_overlay(const ScenePair& pair, const CameraIntrinsics& intrinsi
 }
 
 CameraFrame draw_map(std::span<const double> values, int columns) {
-  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  const auto [min_value, max_value] = std::minmax_element(values.begin(), values.end());
   const double span = std::max(*max_value - *min_value, 1e-300);
   CameraFrame frame;
   frame.width = columns;

@@ -83,7 +83,7 @@ std::string curve_html(const std::array<double, calibration::Landscape::kSamples
                        const std::string& title, double max_offset, const char* unit) {
   constexpr double kWidth = 380;
   constexpr double kHeight = 150;
-  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  const auto [min_value, max_value] = std::minmax_element(values.begin(), values.end());
   const double span = std::max(*max_value - *min_value, 1e-300);
   std::string points;
   for (size_t k = 0; k < values.size(); ++k) {

@@ -34,7 +34,7 @@ class DeskewedSweeps {
   template <class OnSweep>
   void finish(OnSweep on_sweep) {
     odometry_.finish();
-    release(Stamp::latest(), on_sweep);
+    process_due(Stamp::latest(), on_sweep);
   }
 
  private:

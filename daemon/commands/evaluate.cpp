@@ -28,7 +28,7 @@ bool is_calibration(const std::filesystem::path& result) {
 
 template <class Score>
 int print(const Arguments& arguments, const Result<Score>& score) {
-  if (!score) return complain(kProgram, score.error(), kUnreadable);
+  if (!score) return print_error(kProgram, score.error(), kUnreadable);
   std::cout << (arguments.json ? to_json(*score).dump() + "\n" : to_text(*score));
   return kDone;
 }

@@ -22,7 +22,7 @@ void play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_s
     if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
       if (datagram->lidar == lidar) intake.add_datagram(datagram->datagram, on_sweep);
     } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-      if (sweep->lidar == lidar) intake.add_datagram(*sweep->sweep, on_sweep);
+      if (sweep->lidar == lidar) intake.add_sweep(*sweep->sweep, on_sweep);
     } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
       vehicle.add_can_line(bus->line, event.stamp, on_sample);
     } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {

@@ -109,7 +109,7 @@ TEST(SingleImageMeasures, TheSensitiveOnesAreFiniteAndDependOnThePose) {
         locate_from_image(shared_town().map, render_features(shared_town().map, truth, 3), camera(),
                           camera_mount(), truth, options);
     ASSERT_TRUE(pose.usable());
-    const auto [least, most] = std::minmax_element(pose.scores.begin(), pose.scores.end());
+    const auto [min_score, max_score] = std::minmax_element(pose.scores.begin(), pose.scores.end());
     EXPECT_TRUE(std::isfinite(*least) && std::isfinite(*most));
     EXPECT_GT(*most, *least) << name(measure);
   }
