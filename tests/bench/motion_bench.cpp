@@ -93,7 +93,7 @@ void per_point_exp(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(kReturns));
 }
 
-BENCHMARK(compensate)->Name("motion/deskew");
+BENCHMARK(deskew)->Name("motion/deskew");
 BENCHMARK(per_point_exp)->Name("motion/deskew/baseline:per_point_exp");
 
 }  // namespace

@@ -46,14 +46,14 @@ TEST_F(VirtualCamera, StreamsWithRisingSequenceAndStampsBeforeNow) {
   Stamp last = Stamp::earliest();
   uint64_t next = 0;
   stream(source, 15, [&](const StreamedImage& image) {
-    EXPECT_GT(picture.stamp, last);
-    EXPECT_LT(picture.stamp, base_.now() + Duration(50'000'000));  // half of the exposure ahead
-    EXPECT_GT(picture.stamp, base_.now() - Duration(10'000'000'000));
-    EXPECT_GE(picture.sequence + 1, next);  // vivid may count its first picture twice
+    EXPECT_GT(image.stamp, last);
+    EXPECT_LT(image.stamp, time_base_.now() + Duration(50'000'000));  // half of the exposure ahead
+    EXPECT_GT(image.stamp, time_base_.now() - Duration(10'000'000'000));
+    EXPECT_GE(image.sequence + 1, next);  // vivid may count its first picture twice
     next = image.sequence + 1;
     last = image.stamp;
   });
-  EXPECT_EQ(source.counters().pictures, 15U);
+  EXPECT_EQ(source.counters().images, 15U);
 }
 
 TEST_F(VirtualCamera, EveryFormatGivesTheSameImage) {

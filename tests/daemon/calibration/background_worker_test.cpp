@@ -20,12 +20,12 @@ TEST(Background, AResultIsVisibleAtItsStatedTimeHoweverQuickOrSlow) {
       result = 7;
     });
     EXPECT_TRUE(background.busy());
-    EXPECT_FALSE(background.take(at(100)));
-    EXPECT_FALSE(background.take(at(109)));
-    EXPECT_TRUE(background.take(at(110)));  // waited for
+    EXPECT_FALSE(background.consume_result(at(100)));
+    EXPECT_FALSE(background.consume_result(at(109)));
+    EXPECT_TRUE(background.consume_result(at(110)));  // waited for
     EXPECT_EQ(result, 7);
     EXPECT_FALSE(background.busy());
-    EXPECT_FALSE(background.take(at(120)));
+    EXPECT_FALSE(background.consume_result(at(120)));
   }
 }
 
@@ -35,7 +35,7 @@ TEST(Background, LiveDoesNotBlock) {
   background.start(at(0), kTenSeconds, [&](const std::stop_token&) {
     while (!go) std::this_thread::yield();
   });
-  EXPECT_FALSE(background.take(at(60)));
+  EXPECT_FALSE(background.consume_result(at(60)));
   EXPECT_TRUE(background.busy());
   go = true;
   while (!background.consume_result(at(61))) std::this_thread::yield();
@@ -47,7 +47,7 @@ TEST(Background, DoesOnePieceOfWorkAfterTheOther) {
   int sum = 0;
   for (int i = 1; i <= 50; ++i) {
     background.start(at(i), Duration::zero(), [&sum, i](const std::stop_token&) { sum += i; });
-    EXPECT_TRUE(background.take(at(i)));
+    EXPECT_TRUE(background.consume_result(at(i)));
   }
   EXPECT_EQ(sum, 50 * 51 / 2);
 }
@@ -62,20 +62,20 @@ TEST(Background, WhatIsCancelledEndsAndIsNeverVisible) {
   replay.start(at(0), kTenSeconds, endless);
   replay.cancel();  // waited for
   EXPECT_FALSE(replay.busy());
-  EXPECT_FALSE(replay.take(at(60)));
+  EXPECT_FALSE(replay.consume_result(at(60)));
   int done = 0;
   replay.start(at(61), Duration::zero(), [&](const std::stop_token& stop) {
     EXPECT_FALSE(stop.stop_requested());
     ++done;
   });
-  EXPECT_TRUE(replay.take(at(61)));
+  EXPECT_TRUE(replay.consume_result(at(61)));
   EXPECT_EQ(done, 1);
 
   BackgroundWorker live(false);
   live.start(at(0), kTenSeconds, endless);
   live.cancel();
   while (live.busy()) std::this_thread::yield();
-  EXPECT_FALSE(live.take(at(60)));
+  EXPECT_FALSE(live.consume_result(at(60)));
 }
 
 TEST(Background, ShutDownFromAnotherThreadUnblocks) {
@@ -85,10 +85,10 @@ TEST(Background, ShutDownFromAnotherThreadUnblocks) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     background.shut_down();
   });
-  EXPECT_FALSE(background.take(at(1)));  // would wait for ever
+  EXPECT_FALSE(background.consume_result(at(1)));  // would wait for ever
   bool began = false;
   background.start(at(2), Duration::zero(), [&](const std::stop_token&) { began = true; });
-  EXPECT_FALSE(background.take(at(3)));
+  EXPECT_FALSE(background.consume_result(at(3)));
   EXPECT_FALSE(began);
 }
 

@@ -43,9 +43,9 @@ TEST_F(SavedCalibrationsTest, WhatWasAppliedIsInUseAfterARestart) {
   Rig first = rig(0.1);
   SavedCalibrations saved(path_);
   EXPECT_TRUE(saved.restore(first).empty());
-  ASSERT_TRUE(saved.keep(report(0.1)));
+  ASSERT_TRUE(saved.save(report(0.1)));
   EXPECT_FALSE(std::filesystem::exists(path_));  // nothing has changed
-  ASSERT_TRUE(saved.keep(report(0.15)));
+  ASSERT_TRUE(saved.save(report(0.15)));
 
   Rig second = rig(0.1);
   const auto lines = SavedCalibrations(path_).restore(second);
@@ -58,7 +58,7 @@ TEST_F(SavedCalibrationsTest, WhatWasAppliedIsInUseAfterARestart) {
   SavedCalibrations again(path_);
   Rig third = rig(0.1);
   again.restore(third);
-  ASSERT_TRUE(again.keep(report(0.1)));
+  ASSERT_TRUE(again.save(report(0.1)));
   Rig fourth = rig(0.1);
   SavedCalibrations(path_).restore(fourth);
   EXPECT_EQ(fourth.cameras[0].T_camera_lidar.translation().x(), 0.1);
@@ -70,18 +70,18 @@ TEST_F(SavedCalibrationsTest, WhatWasFrozenIsFrozenAfterARestart) {
   saved.restore(first);
   CalibrationReport frozen = report(0.1);
   frozen.frozen = true;
-  ASSERT_TRUE(saved.keep(frozen));
+  ASSERT_TRUE(saved.save(frozen));
 
   Rig second = rig(0.1);
   SavedCalibrations again(path_);
   EXPECT_THAT(again.restore(second), ElementsAre(HasSubstr("frozen")));
-  EXPECT_THAT(again.frozen(), ElementsAre("front"));
-  ASSERT_TRUE(again.keep(report(0.1)));  // let go
+  EXPECT_THAT(again.frozen_cameras(), ElementsAre("front"));
+  ASSERT_TRUE(again.save(report(0.1)));  // let go
 
   Rig third = rig(0.1);
   SavedCalibrations last(path_);
   EXPECT_TRUE(last.restore(third).empty());
-  EXPECT_TRUE(last.frozen().empty());
+  EXPECT_TRUE(last.frozen_cameras().empty());
 }
 
 TEST_F(SavedCalibrationsTest, AFileFromBeforeThereWasFreezingIsRead) {
@@ -99,7 +99,7 @@ TEST_F(SavedCalibrationsTest, ANewConfigurationCountsMore) {
   Rig first = rig(0.1);
   SavedCalibrations saved(path_);
   saved.restore(first);
-  ASSERT_TRUE(saved.keep(report(0.15)));
+  ASSERT_TRUE(saved.save(report(0.15)));
   Rig other = rig(0.3);
   EXPECT_THAT(SavedCalibrations(path_).restore(other).at(0), HasSubstr("configured since"));
   EXPECT_EQ(other.cameras[0].T_camera_lidar.translation().x(), 0.3);
@@ -109,7 +109,7 @@ TEST_F(SavedCalibrationsTest, DamagedFilesAreReportedAndLeaveTheConfiguration) {
   Rig first = rig(0.1);
   SavedCalibrations saved(path_);
   saved.restore(first);
-  ASSERT_TRUE(saved.keep(report(0.15)));
+  ASSERT_TRUE(saved.save(report(0.15)));
   std::ifstream file(path_);
   const std::string whole{std::istreambuf_iterator<char>(file), {}};
   std::mt19937 random(1);

@@ -184,10 +184,10 @@ TEST_F(ProgramsTest, StreetMapsAreMadeAndRefused) {
   const json report = json::parse(made.output);
   EXPECT_EQ(report["kinds"]["building"], 115);
   EXPECT_EQ(report["bytes"], std::filesystem::file_size(folder_ / "x.map"));
-  EXPECT_GT(std::filesystem::file_size(picture), 1000U);
+  EXPECT_GT(std::filesystem::file_size(image), 1000U);
   // Its picture is a map again, once its scale is given.
-  EXPECT_EQ(run("infuse streetmap " + picture + map).code, 2);
-  EXPECT_EQ(run("infuse streetmap --scale 0.2 " + picture + map).code, 0);
+  EXPECT_EQ(run("infuse streetmap " + image + map).code, 2);
+  EXPECT_EQ(run("infuse streetmap --scale 0.2 " + image + map).code, 0);
   EXPECT_EQ(run("infuse streetmap --cell 0 " + altfeld + map).code, 2);
   EXPECT_EQ(run("infuse streetmap /nonexistent.osm" + map).code, 3);
   EXPECT_EQ(run("infuse streetmap " + altfeld + " -o /nonexistent/x.map").code, 1);

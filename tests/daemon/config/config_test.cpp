@@ -109,8 +109,8 @@ TEST(Config, LiveSensorsAreRead) {
   ASSERT_EQ(config->buses[0].signals.size(), 2U);
   EXPECT_EQ(config->buses[0].signals[0].quantity, "wheel_speed_rear_left");
   EXPECT_EQ(config->buses[0].signals[0].scale, -1);
-  EXPECT_EQ(config->gps.device, "/dev/ttyUSB3");
-  EXPECT_EQ(config->gps.baud, 115200U);
+  EXPECT_EQ(config->gnss.device, "/dev/ttyUSB3");
+  EXPECT_EQ(config->gnss.baud, 115200U);
 }
 
 TEST(Config, ALiveSensorThatCannotBeIsRefusedWithItsLine) {
@@ -223,9 +223,9 @@ limit_translation = 0.05
   EXPECT_EQ(config->odometry.filter.reorder, from_seconds(0.15));
   EXPECT_FALSE(config->odometry.use_gnss_speed);
   EXPECT_EQ(config->odometry.max_wait, from_seconds(0.05));
-  EXPECT_FALSE(config->calibration.watched);
-  EXPECT_EQ(config->calibration.decision.policy, watch::Policy::kApplyWithin);
-  EXPECT_NEAR(config->calibration.decision.limit_rotation, 0.0314159265, 1e-9);
+  EXPECT_FALSE(config->calibration.monitored);
+  EXPECT_EQ(config->calibration.supervisor.policy, monitoring::UpdatePolicy::kApplyWithin);
+  EXPECT_NEAR(config->calibration.supervisor.limit_rotation, 0.0314159265, 1e-9);
   EXPECT_FALSE(parse_config("[calibration]\npolicy = \"sometimes\"\n", "x.toml"));
   EXPECT_FALSE(parse_config("[odometry]\nwheelbase = -1\n", "x.toml"));
   EXPECT_FALSE(parse_config("[odometry]\nmax_wait_ms = 1e9\n", "x.toml"));
@@ -268,7 +268,7 @@ min_free_mb = 100
 }
 
 TEST(Config, MetricsAreDisabledByDefault) {
-  EXPECT_FALSE(parse_config("", "x.toml")->metrics.any());
+  EXPECT_FALSE(parse_config("", "x.toml")->metrics.enabled());
   const auto config = parse_config("[metrics]\npath = \"/run/m\"\nport = 9469\n", "x.toml");
   ASSERT_TRUE(config);
   EXPECT_EQ(config->metrics, (MetricsSettings{"/run/m", 9469}));
@@ -330,10 +330,10 @@ TEST(Config, TheStreetMapIsReadAndChecked) {
   ASSERT_TRUE(config) << config.error().message();
   const StreetMapSettings& settings = config->streetmap;
   EXPECT_EQ(settings.map, "town.map");
-  ASSERT_TRUE(settings.start);
-  EXPECT_EQ(settings.start->x, 12.5);
-  EXPECT_EQ(settings.start->y, -3);
-  EXPECT_NEAR(settings.start->yaw, 1.5707963, 1e-6);
+  ASSERT_TRUE(settings.initial_pose);
+  EXPECT_EQ(settings.initial_pose->x, 12.5);
+  EXPECT_EQ(settings.initial_pose->y, -3);
+  EXPECT_NEAR(settings.initial_pose->yaw, 1.5707963, 1e-6);
   EXPECT_EQ(settings.initial_sigma, 4);
   EXPECT_NEAR(settings.initial_yaw_sigma, 0.0872665, 1e-6);
   EXPECT_EQ(settings.update_hz, 5);

@@ -78,20 +78,20 @@ TEST(CalibrateRig, TwoCamerasConvergeAndWrongInputsAreNotUsable) {
     camera.intrinsics.fx *= 1.08;
     camera.intrinsics.fy *= 1.08;
   }
-  EXPECT_FALSE(calibrate(longer, start).result.usable()) << "focal lengths 8 % too long";
+  EXPECT_FALSE(calibrate(longer, initial_pose).result.usable()) << "focal lengths 8 % too long";
 
   ScenePairs other = *read;
   for (size_t k = 0; k < other.pairs.size(); ++k) {
     const ScenePair& next = read->pairs[(k + 1) % read->pairs.size()];
     if (next.camera == other.pairs[k].camera) other.pairs[k].frame = next.frame;
   }
-  EXPECT_FALSE(calibrate(other, start).result.usable()) << "pictures of a second later";
+  EXPECT_FALSE(calibrate(other, initial_pose).result.usable()) << "pictures of a second later";
 
   ScenePairs blind = *read;
   for (ScenePair& pair : blind.pairs) {
     std::fill(pair.frame.pixels.begin(), pair.frame.pixels.end(), uint8_t{90});
   }
-  EXPECT_FALSE(calibrate(blind, start).result.usable()) << "pictures that show nothing";
+  EXPECT_FALSE(calibrate(blind, initial_pose).result.usable()) << "pictures that show nothing";
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ CalibrationHistory replay_with_faults(const std::string& faults, double seconds,
   RunReplayOptions options;
   options.pipeline.calibration.supervisor.policy = monitoring::UpdatePolicy::kApply;
   const auto result = run_replay(folder / "drive", options);
-  EXPECT_TRUE(told) << result.error().message();
+  EXPECT_TRUE(result) << result.error().message();
   return result ? read_calibration_history(*result) : CalibrationHistory();
 }
 
@@ -34,12 +34,12 @@ from_s = 15
 amount = 0.2
 )",
                                                         45, 1);
-  EXPECT_THAT(story.faults, Contains("late"));
-  EXPECT_THAT(story.alerts, Contains("front.camera_fault"));
-  EXPECT_THAT(story.states, Not(Contains("RECALIBRATING")));
-  EXPECT_EQ(story.last["state"], "UNUSABLE");
-  EXPECT_EQ(story.last["T_camera_lidar"], story.first["T_camera_lidar"]);
-  EXPECT_NEAR(story.last["delay_s"].get<double>(), 0.2, 0.05);
+  EXPECT_THAT(history.faults, Contains("late"));
+  EXPECT_THAT(history.alerts, Contains("front.camera_fault"));
+  EXPECT_THAT(history.states, Not(Contains("RECALIBRATING")));
+  EXPECT_EQ(history.last_report["state"], "UNUSABLE");
+  EXPECT_EQ(history.last_report["T_camera_lidar"], history.first_report["T_camera_lidar"]);
+  EXPECT_NEAR(history.last_report["delay_s"].get<double>(), 0.2, 0.05);
 }
 
 TEST(CalibrationFaults, FrozenBlackAndDirtyAreNamed) {
@@ -58,10 +58,10 @@ from_s = 26
 amount = 1
 )",
                                                         55, 5);
-  EXPECT_THAT(story.faults, testing::IsSupersetOf({"frozen", "black", "dirty"}));
-  EXPECT_THAT(story.states, Not(Contains("RECALIBRATING")));
-  EXPECT_EQ(story.last["state"], "UNUSABLE");
-  EXPECT_EQ(story.last["T_camera_lidar"], story.first["T_camera_lidar"]);
+  EXPECT_THAT(history.faults, testing::IsSupersetOf({"frozen", "black", "dirty"}));
+  EXPECT_THAT(history.states, Not(Contains("RECALIBRATING")));
+  EXPECT_EQ(history.last_report["state"], "UNUSABLE");
+  EXPECT_EQ(history.last_report["T_camera_lidar"], history.first_report["T_camera_lidar"]);
 }
 
 // The scenes are tampered with: the camera is turned for just so long that a new calibration is
@@ -75,14 +75,14 @@ to_s = 42
 rotation_deg = [0, 1, 0]
 )",
                                                         75, 5);
-  EXPECT_THAT(story.states, Contains("RECALIBRATED"));
-  EXPECT_THAT(story.alerts, Contains("front.calibration_changed"));
+  EXPECT_THAT(history.states, Contains("RECALIBRATED"));
+  EXPECT_THAT(history.alerts, Contains("front.calibration_changed"));
   bool result = false;
   for (const auto& entry : history.last_report["history"]) {
     result = result || entry["what"].get<std::string>().starts_with("rolled back");
   }
-  EXPECT_TRUE(told) << history.last_report["history"].dump(1);
-  EXPECT_EQ(story.last["T_camera_lidar"], story.first["T_camera_lidar"]);
+  EXPECT_TRUE(result) << history.last_report["history"].dump(1);
+  EXPECT_EQ(history.last_report["T_camera_lidar"], history.first_report["T_camera_lidar"]);
 }
 
 TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
@@ -104,7 +104,7 @@ TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
   std::optional<HostClock::time_point> stopped;
   replay.publisher().on_calibration([&](const CalibrationReport& report) {
     if (report.evaluations >= 12 && std::string_view(report.state) != "RECALIBRATING" && !stopped) {
-      ASSERT_TRUE(replay.ask({.op = Request::Op::kRecalibrate}));
+      ASSERT_TRUE(replay.handle_request({.op = Request::Op::kRecalibrate}));
     }
     if (std::string_view(report.state) != "RECALIBRATING" || stopped) return;
     stopped = HostClock::now();

@@ -18,7 +18,7 @@ void turn_camera(const std::filesystem::path& folder, double degrees) {
   ASSERT_TRUE(drive);
   Eigen::Isometry3d& T = drive->description.rig.cameras[0].T_camera_lidar;
   T.linear() = geometry::rotation_exp({0, degrees * std::numbers::pi / 180, 0}) * T.linear();
-  ASSERT_TRUE(recording::write_drive(folder, drive->description));
+  ASSERT_TRUE(recording::write_drive_toml(folder, drive->description));
 }
 
 TEST(CalibrationDrive, ATurnedCameraIsDetectedAndAGoodOneIsNotChanged) {
@@ -38,10 +38,11 @@ TEST(CalibrationDrive, ATurnedCameraIsDetectedAndAGoodOneIsNotChanged) {
   const auto turned = run_replay(folder / "drive", options);
   ASSERT_TRUE(turned);
   const CalibrationHistory history = read_calibration_history(*turned);
-  EXPECT_THAT(story.alerts, testing::Contains("front.drift_confirmed"));
+  EXPECT_THAT(history.alerts, testing::Contains("front.drift_confirmed"));
   // It is estimated anew and applied, and what is in use in the end is nearer to the truth.
-  EXPECT_THAT(story.states, testing::IsSupersetOf({"SUSPECTED", "RECALIBRATING", "RECALIBRATED"}));
-  ASSERT_TRUE(story.last.contains("estimate"));
+  EXPECT_THAT(history.states,
+              testing::IsSupersetOf({"SUSPECTED", "RECALIBRATING", "RECALIBRATED"}));
+  ASSERT_TRUE(history.last_report.contains("estimate"));
   const auto truth = recording::Drive::open(folder / "drive");
   Eigen::Matrix3d R;
   for (int i = 0; i < 9; ++i) {
@@ -50,9 +51,9 @@ TEST(CalibrationDrive, ATurnedCameraIsDetectedAndAGoodOneIsNotChanged) {
   const Eigen::Matrix3d R_true = geometry::rotation_exp({0, -1.0 * std::numbers::pi / 180, 0}) *
                                  truth->description.rig.cameras[0].T_camera_lidar.linear();
   const double rotation_error = geometry::rotation_log(R * R_true.transpose()).norm();
-  EXPECT_LT(off, 0.5 * std::numbers::pi / 180);
+  EXPECT_LT(rotation_error, 0.5 * std::numbers::pi / 180);
   options.rate = 200;
-  EXPECT_EQ(replayed(folder / "drive", options)->reports, turned->reports);
+  EXPECT_EQ(run_replay(folder / "drive", options)->reports, turned->reports);
 }
 
 }  // namespace

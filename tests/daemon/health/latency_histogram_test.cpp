@@ -34,8 +34,8 @@ TEST(LatencyHistogram, QuantilesLieWithinASixteenthAboveTheSortedList) {
     EXPECT_GE(answer, exact) << q;
     EXPECT_LE(answer, exact * (1 + 1.0 / 16) + 1) << q;
   }
-  EXPECT_EQ(histogram.figures().max.count(), all.back());
-  EXPECT_EQ(histogram.figures().count, all.size());
+  EXPECT_EQ(histogram.stats().max.count(), all.back());
+  EXPECT_EQ(histogram.stats().count, all.size());
 }
 
 TEST(LatencyHistogram, AcceptsTheWholeRangeOfDurations) {

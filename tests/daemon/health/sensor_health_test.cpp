@@ -90,9 +90,9 @@ TEST_F(SensorHealthTest, LossIsRaisedOnlyWhenItLastsAndClearedOnlyWhenItStaysAwa
     counters_.lost_network += packets;
     return tick().level;
   };
-  EXPECT_EQ(lose(100), Level::kOk);  // 0.55 % of the window
-  EXPECT_EQ(lose(0), Level::kOk);
-  EXPECT_EQ(lose(0), Level::kWarn);
+  EXPECT_EQ(tick_with_loss(100), Level::kOk);  // 0.55 % of the window
+  EXPECT_EQ(tick_with_loss(0), Level::kOk);
+  EXPECT_EQ(tick_with_loss(0), Level::kWarn);
   EXPECT_THAT(health_.update(at(second_), counters_).findings.at(0).what, HasSubstr("(100 of"));
   int warned = 0;
   while (tick_with_loss(0) == Level::kWarn) ++warned;

@@ -76,7 +76,7 @@ TEST_F(LiveSetupTest, SensorsAreMountedAsTheRigHasThem) {
   for (const Device& device : setup->devices) kinds.push_back(device.kind + " " + device.name);
   EXPECT_THAT(kinds, testing::ElementsAre("lidar top", "camera front", "camera rear", "can bus",
                                           "gps gps"));
-  EXPECT_EQ(setup->streams(), 4U);
+  EXPECT_EQ(setup->stream_count(), 4U);
   // The kernel passes only what the DBC's signals need.
   ASSERT_EQ(setup->interfaces.size(), 1U);
   EXPECT_EQ(setup->interfaces[0].identifiers, (std::vector<vehicle::CanIdentifier>{{291, false}}));
@@ -90,7 +90,7 @@ TEST_F(LiveSetupTest, AGnssReceiverMayBeConnectedToALidar) {
   const auto setup = set_up(lidars + "[gnss]\nlidar = \"b\"\n");
   ASSERT_TRUE(setup.has_value()) << setup.error().message();
   EXPECT_EQ(setup->gnss_lidar, 1U);
-  EXPECT_FALSE(setup->gps.has_value());
+  EXPECT_FALSE(setup->gnss.has_value());
   EXPECT_EQ(setup->devices.back().kind, "gnss");
   EXPECT_TRUE(setup->ports[1].is_from_lidar(1, 0x0A000002));
   EXPECT_FALSE(setup->ports[1].is_from_lidar(1, 0x0A000001));

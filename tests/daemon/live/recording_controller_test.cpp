@@ -103,12 +103,12 @@ class RecordingControllerTest : public testing::Test {
 TEST_F(RecordingControllerTest, WhatIsRecordedLiveReplaysToTheSameSweeps) {
   run(
       [](RecordingController& controller) {
-        EXPECT_TRUE(desk.ask({.op = Request::Op::kRecord, .name = "street"}));
-        EXPECT_FALSE(desk.ask({.op = Request::Op::kRecord, .name = "another"}));
+        EXPECT_TRUE(controller.handle_request({.op = Request::Op::kRecord, .name = "street"}));
+        EXPECT_FALSE(controller.handle_request({.op = Request::Op::kRecord, .name = "another"}));
       },
       [stop_requested = false](RecordingController& controller) mutable {
         if (std::exchange(stop_requested, true)) return true;
-        EXPECT_TRUE(desk.ask({.op = Request::Op::kRecord, .on = false}));
+        EXPECT_TRUE(controller.handle_request({.op = Request::Op::kRecord, .on = false}));
         return false;
       });
   const json record = last_record();
@@ -125,12 +125,12 @@ TEST_F(RecordingControllerTest, WhatIsRecordedLiveReplaysToTheSameSweeps) {
 TEST_F(RecordingControllerTest, TheEndOfOneIsToldBeforeTheNextBegins) {
   run(
       [](RecordingController& controller) {
-        EXPECT_TRUE(
-            desk.ask({.op = Request::Op::kRecord, .name = "one", .longest = from_seconds(0.3)}));
+        EXPECT_TRUE(controller.handle_request(
+            {.op = Request::Op::kRecord, .name = "one", .max_duration = from_seconds(0.3)}));
         for (int i = 0; i < 3000 && controller.is_recording(); ++i) {
           std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
-        EXPECT_TRUE(desk.ask({.op = Request::Op::kRecord, .name = "two"}));
+        EXPECT_TRUE(controller.handle_request({.op = Request::Op::kRecord, .name = "two"}));
       },
       [](RecordingController&) { return true; });
   std::vector<std::string> reports;
@@ -139,7 +139,7 @@ TEST_F(RecordingControllerTest, TheEndOfOneIsToldBeforeTheNextBegins) {
     if (report["class"] != "RECORD") continue;
     reports.push_back(report["name"].get<std::string>() + " " + report["state"].get<std::string>());
   }
-  EXPECT_THAT(told, testing::Contains("one ended"));
+  EXPECT_THAT(reports, testing::Contains("one ended"));
   EXPECT_EQ(last_record()["name"], "two");
 }
 

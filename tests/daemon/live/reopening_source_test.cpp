@@ -19,7 +19,7 @@ TEST(ReopeningSource, RetryDelayDoublesAndIsResetByAnOpenSource) {
     return 7;
   });
   EXPECT_FALSE(source.state().open);
-  for (; now < 10'000; now += 10) EXPECT_FALSE(source.look_after(at_ms(now)));
+  for (; now < 10'000; now += 10) EXPECT_FALSE(source.reopen_if_due(at_ms(now)));
   // After 100, 200, 400, 800, 1600 ms, then every 2 s.
   EXPECT_EQ(tries, (std::vector<int64_t>{0, 100, 300, 700, 1500, 3100, 5100, 7100, 9100}));
   EXPECT_STREQ(source.state().problem.data(), "somewhere: not there");
@@ -28,12 +28,12 @@ TEST(ReopeningSource, RetryDelayDoublesAndIsResetByAnOpenSource) {
   ASSERT_NE(source.get(), nullptr);
   EXPECT_EQ(tries.back(), 11'100);
   EXPECT_TRUE(source.state().open);
-  EXPECT_EQ(source.state().opened, 1U);
+  EXPECT_EQ(source.state().open_count, 1U);
   source.close({"pulled out", "somewhere", ""}, at_ms(now));
   EXPECT_EQ(source.get(), nullptr);
-  EXPECT_FALSE(source.look_after(at_ms(now + 50)));
-  EXPECT_TRUE(source.look_after(at_ms(now + 100)));
-  EXPECT_EQ(source.state().opened, 2U);
+  EXPECT_FALSE(source.reopen_if_due(at_ms(now + 50)));
+  EXPECT_TRUE(source.reopen_if_due(at_ms(now + 100)));
+  EXPECT_EQ(source.state().open_count, 2U);
 }
 
 TEST(ReopeningSource, RetryNowSkipsTheDelay) {
@@ -44,9 +44,9 @@ TEST(ReopeningSource, RetryNowSkipsTheDelay) {
   });
   for (int64_t now = 0; now < 1000; now += 10) source.reopen_if_due(at_ms(now));
   EXPECT_EQ(tries, 4);
-  EXPECT_FALSE(source.look_after(at_ms(1000)));
+  EXPECT_FALSE(source.reopen_if_due(at_ms(1000)));
   source.retry_now();
-  EXPECT_TRUE(source.look_after(at_ms(1010)));
+  EXPECT_TRUE(source.reopen_if_due(at_ms(1010)));
 }
 
 }  // namespace

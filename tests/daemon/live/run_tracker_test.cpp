@@ -22,12 +22,12 @@ class RunTrackerTest : public testing::Test {
 
 TEST_F(RunTrackerTest, SaysNothingOfARunThatEndedByItself) {
   RunTracker first(file_);
-  EXPECT_FALSE(first.begin(at_s(0)).has_value());
+  EXPECT_FALSE(first.begin_run(at_s(0)).has_value());
   first.end_run(at_s(5));
   RunTracker second(file_);
-  EXPECT_FALSE(second.begin(at_s(6)).has_value());
+  EXPECT_FALSE(second.begin_run(at_s(6)).has_value());
   EXPECT_EQ(second.state().starts, 2U);
-  EXPECT_EQ(second.state().unclean, 0U);
+  EXPECT_EQ(second.state().unclean_exits, 0U);
 }
 
 TEST_F(RunTrackerTest, SaysThatTheRunBeforeDidNotEndByItself) {
@@ -40,7 +40,7 @@ TEST_F(RunTrackerTest, SaysThatTheRunBeforeDidNotEndByItself) {
   EXPECT_EQ(alert->finding.what,
             "the run before did not end by itself; it was last seen 7 s ago, and this is the 1. "
             "time");
-  EXPECT_EQ(next.state().unclean, 1U);
+  EXPECT_EQ(next.state().unclean_exits, 1U);
 }
 
 TEST_F(RunTrackerTest, SaysThatTheWatchdogEndedIt) {
@@ -57,7 +57,7 @@ TEST_F(RunTrackerTest, SaysThatTheWatchdogEndedIt) {
 TEST_F(RunTrackerTest, AnAbortFromOutsideIsNoted) {
   EXPECT_EXIT(
       {
-        RunTracker(file_).begin(at_s(0));
+        RunTracker(file_).begin_run(at_s(0));
         kill(getpid(), SIGABRT);
         pause();
       },
@@ -72,7 +72,7 @@ TEST_F(RunTrackerTest, AStateThatCannotBeWrittenIsAnAlertUntilItCan) {
   const auto raised = record.save_if_due(at_s(11));
   ASSERT_TRUE(raised.has_value());
   EXPECT_TRUE(raised->raised);
-  EXPECT_FALSE(record.keep(at_s(22)).has_value());  // it is known
+  EXPECT_FALSE(record.save_if_due(at_s(22)).has_value());  // it is known
   std::filesystem::create_directories(folder_.path());
   const auto cleared = record.save_if_due(at_s(33));
   ASSERT_TRUE(cleared.has_value());

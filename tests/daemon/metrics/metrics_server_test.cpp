@@ -54,33 +54,34 @@ TEST_F(MetricsServerTest, AnswersAScrape) {
   EXPECT_THAT(got, HasSubstr("Content-Type: text/plain; version=0.0.4"));
   EXPECT_THAT(got, HasSubstr("Content-Length: 12\r\n"));
   EXPECT_THAT(got, HasSubstr("\r\n\r\ninfuse_up 1\n"));
-  EXPECT_THAT(ask("GET /metrics?x=1 HTTP/1.0\r\n\r\n"), HasSubstr(" 200 OK"));
+  EXPECT_THAT(send_request("GET /metrics?x=1 HTTP/1.0\r\n\r\n"), HasSubstr(" 200 OK"));
   const std::string head = send_request("HEAD /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_THAT(head, HasSubstr("Content-Length: 12\r\n"));
   EXPECT_EQ(head.find("infuse_up"), std::string::npos);
 }
 
 TEST_F(MetricsServerTest, RefusesEverythingElse) {
-  EXPECT_THAT(ask("GET / HTTP/1.1\r\n\r\n"), HasSubstr(" 404 "));
-  EXPECT_THAT(ask("GET /../metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 404 "));
-  EXPECT_THAT(ask("POST /metrics HTTP/1.1\r\nContent-Length: 5\r\n\r\nhello"), HasSubstr(" 405 "));
-  EXPECT_THAT(ask("DELETE /metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 405 "));
-  EXPECT_THAT(ask("this is no HTTP at all\r\n\r\n"), HasSubstr(" 400 "));
-  EXPECT_THAT(ask(std::string(100, '\0') + "\r\n\r\n"), HasSubstr(" 400 "));
-  EXPECT_THAT(ask("GET /metrics HTTP/9.9\r\n\r\n"), HasSubstr(" 400 "));
-  EXPECT_THAT(ask("GET /metrics HTTP/1.1\r\nX: " + std::string(10'000, 'x') + "\r\n\r\n"),
+  EXPECT_THAT(send_request("GET / HTTP/1.1\r\n\r\n"), HasSubstr(" 404 "));
+  EXPECT_THAT(send_request("GET /../metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 404 "));
+  EXPECT_THAT(send_request("POST /metrics HTTP/1.1\r\nContent-Length: 5\r\n\r\nhello"),
+              HasSubstr(" 405 "));
+  EXPECT_THAT(send_request("DELETE /metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 405 "));
+  EXPECT_THAT(send_request("this is no HTTP at all\r\n\r\n"), HasSubstr(" 400 "));
+  EXPECT_THAT(send_request(std::string(100, '\0') + "\r\n\r\n"), HasSubstr(" 400 "));
+  EXPECT_THAT(send_request("GET /metrics HTTP/9.9\r\n\r\n"), HasSubstr(" 400 "));
+  EXPECT_THAT(send_request("GET /metrics HTTP/1.1\r\nX: " + std::string(10'000, 'x') + "\r\n\r\n"),
               HasSubstr(" 431 "));
-  EXPECT_THAT(ask("GET /" + std::string(100'000, 'x')), HasSubstr(" 431 "));
-  EXPECT_THAT(ask("GET /metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 200 OK"));
+  EXPECT_THAT(send_request("GET /" + std::string(100'000, 'x')), HasSubstr(" 431 "));
+  EXPECT_THAT(send_request("GET /metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 200 OK"));
 }
 
 TEST_F(MetricsServerTest, ARequestThatNeverEndsIsCutOff) {
   SocketClient silent(path_);
   SocketClient begun(path_);
   begun.send("GET /metrics HTTP/1.1\r\nX: y");
-  EXPECT_EQ(silent.line(10'000), std::nullopt);
-  EXPECT_EQ(answer(begun), "");
-  EXPECT_THAT(ask("GET /metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 200 OK"));
+  EXPECT_EQ(silent.read_line(10'000), std::nullopt);
+  EXPECT_EQ(read_response(begun), "");
+  EXPECT_THAT(send_request("GET /metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 200 OK"));
 }
 
 TEST_F(MetricsServerTest, AThousandConnectionsLeaveItAsItWas) {

@@ -79,7 +79,7 @@ void make_drive(const std::filesystem::path& folder, int cameras) {
     bus << line;
   }
   bus.close();
-  ASSERT_TRUE(recording::write_drive(folder, drive));
+  ASSERT_TRUE(recording::write_drive_toml(folder, drive));
 }
 
 TEST(CameraDrive, ImagesOfSeveralCamerasAreMatchedToSweepsInOneOrderAtEveryRate) {
@@ -106,8 +106,8 @@ TEST(CameraDrive, ImagesOfSeveralCamerasAreMatchedToSweepsInOneOrderAtEveryRate)
     ++frames[camera];
   }
   EXPECT_EQ(frames, std::vector<int>(3, 30));
-  EXPECT_GE(straight, sweeps - 2);
-  EXPECT_EQ(replayed(folder / "drive", {.rate = 8})->reports, fast->reports);
+  EXPECT_GE(deskewed, sweeps - 2);
+  EXPECT_EQ(run_replay(folder / "drive", {.rate = 8})->reports, fast->reports);
 }
 
 TEST(CameraDrive, CanBeStoppedWhileImagesAreDecoded) {

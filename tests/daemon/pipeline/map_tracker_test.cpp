@@ -111,20 +111,20 @@ TEST_F(MapTrackerTest, ReportsThePoseOnTheMap) {
   EXPECT_EQ(pose.speed, 5);
   EXPECT_TRUE(is_valid_message(pose_message(pose)));
   const StreetMapStatus status = tracker.status();
-  EXPECT_STREQ(figures.state, "TRACKING");
-  EXPECT_FALSE(figures.misfit);
-  EXPECT_NEAR(figures.x, pose.T_frame_vehicle.translation().x(), 1e-9);
+  EXPECT_STREQ(status.state, "TRACKING");
+  EXPECT_FALSE(status.mismatch);
+  EXPECT_NEAR(status.x, pose.T_frame_vehicle.translation().x(), 1e-9);
   // 60 sweeps in 14.75 s at two a second.
-  EXPECT_EQ(figures.updates, 30U);
+  EXPECT_EQ(status.updates, 30U);
 }
 
 TEST_F(MapTrackerTest, InitialisesFromAGnssFix) {
   MapTracker tracker(settings_, town_.map, rig_);
   drive(tracker, 1);
   PoseReport odometry;
-  EXPECT_FALSE(stage.pose(odometry).usable());
-  EXPECT_STREQ(stage.pose(odometry).reason, "no initial pose");
-  EXPECT_TRUE(is_valid_message(pose_message(stage.pose(odometry))));
+  EXPECT_FALSE(tracker.pose(odometry).usable());
+  EXPECT_STREQ(tracker.pose(odometry).reason, "no initial pose");
+  EXPECT_TRUE(is_valid_message(pose_message(tracker.pose(odometry))));
   const auto& frame = town_.map.frame();
   const Eigen::Vector3d place =
       recording::LocalFrame(frame.latitude, frame.longitude).to_geodetic({-89, -2, 0});
@@ -135,13 +135,13 @@ TEST_F(MapTrackerTest, InitialisesFromAGnssFix) {
   fix.speed = 0.5;
   fix.valid = true;
   tracker.add_gnss(fix);  // too slow for a course
-  EXPECT_FALSE(stage.pose(odometry).usable());
+  EXPECT_FALSE(tracker.pose(odometry).usable());
   fix.speed = 5;
   tracker.add_gnss(fix);
-  EXPECT_TRUE(stage.pose(odometry).usable());
-  EXPECT_LT(error(stage.pose(odometry)), 2);
-  EXPECT_NEAR(std::atan2(stage.pose(odometry).T_frame_vehicle(1, 0),
-                         stage.pose(odometry).T_frame_vehicle(0, 0)),
+  EXPECT_TRUE(tracker.pose(odometry).usable());
+  EXPECT_LT(error(tracker.pose(odometry)), 2);
+  EXPECT_NEAR(std::atan2(tracker.pose(odometry).T_frame_vehicle(1, 0),
+                         tracker.pose(odometry).T_frame_vehicle(0, 0)),
               -0.03, 0.03);
 }
 
@@ -164,7 +164,7 @@ TEST_F(MapTrackerTest, AGapInOdometryWidensTheParticles) {
 
 TEST(StreetMapSettings, SaysWhatIsWrong) {
   EXPECT_FALSE(StreetMapSettings().invalid());
-  EXPECT_TRUE((StreetMapSettings{.start = InitialPose{1e9, 0, 0}}).invalid());
+  EXPECT_TRUE((StreetMapSettings{.initial_pose = InitialPose{1e9, 0, 0}}).invalid());
   EXPECT_TRUE(StreetMapSettings{.initial_sigma = 0}.invalid());
   EXPECT_TRUE(StreetMapSettings{.update_hz = 0}.invalid());
 }

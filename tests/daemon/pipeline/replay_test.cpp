@@ -201,10 +201,10 @@ TEST_F(ReplayTest, WhatIsNoDriveIsAnErrorThatSaysWhy) {
   ASSERT_FALSE(absent);
   EXPECT_THAT(absent.error().message(), HasSubstr("absent.pcap"));
   std::ofstream(folder_ / "text.pcap") << "this is no capture, but it is long enough to look into";
-  EXPECT_FALSE(replayed(folder_ / "text.pcap"));
+  EXPECT_FALSE(run_replay(folder_ / "text.pcap"));
   const auto empty_folder = folder_ / "drive";
   std::filesystem::create_directory(empty_folder);
-  EXPECT_FALSE(replayed(empty_folder));
+  EXPECT_FALSE(run_replay(empty_folder));
 
   make(0.5);
   const auto positions =

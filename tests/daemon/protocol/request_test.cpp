@@ -49,8 +49,8 @@ TEST(Request, ARecordingHasANameAndBounds) {
   EXPECT_EQ(record->op, Request::Op::kRecord);
   EXPECT_TRUE(record->is_control());
   EXPECT_EQ(record->name, "x");
-  EXPECT_EQ(record->longest, std::chrono::milliseconds(1500));
-  EXPECT_EQ(record->largest, 2'000'000'000U);
+  EXPECT_EQ(record->max_duration, std::chrono::milliseconds(1500));
+  EXPECT_EQ(record->max_bytes, 2'000'000'000U);
   EXPECT_FALSE(parse_request(R"({"op":"record","on":false})")->on);
 }
 

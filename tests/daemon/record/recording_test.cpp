@@ -150,7 +150,7 @@ TEST_F(RecordingTest, AllKindsOfRecordsReadBackUnchanged) {
   EXPECT_EQ(report.datagrams, 1U);
   EXPECT_EQ(report.frames, 1U);
   EXPECT_EQ(report.fixes, 1U);
-  EXPECT_EQ(report.pictures, 2U);
+  EXPECT_EQ(report.images, 2U);
   EXPECT_EQ(report.duration, std::chrono::nanoseconds(3'999'999));
 
   const auto all = events("d");

@@ -35,10 +35,10 @@ void check_record(const Record& record) {
   ASSERT_EQ(record.body.size(), sizeof(DatagramHeader) + payload.size());
   DatagramHeader header;
   std::memcpy(&header, record.body.data(), sizeof(header));
-  EXPECT_EQ(head.sender, 0x7F000001U);
-  EXPECT_EQ(head.sender_port, 1234);
-  EXPECT_EQ(head.destination_port, 2368);
-  EXPECT_TRUE(std::equal(payload.begin(), payload.end(), record.body.begin() + sizeof(head)));
+  EXPECT_EQ(header.sender, 0x7F000001U);
+  EXPECT_EQ(header.sender_port, 1234);
+  EXPECT_EQ(header.destination_port, 2368);
+  EXPECT_TRUE(std::equal(payload.begin(), payload.end(), record.body.begin() + sizeof(header)));
 }
 
 TEST(RecordStream, AllRecordsComeBackInOrder) {

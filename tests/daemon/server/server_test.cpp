@@ -117,8 +117,8 @@ TEST_F(ServerTest, AClientGetsWhatItWatchesAndNothingElse) {
   publish_sweeps(2);
   EXPECT_EQ(next(sweeps)["sequence"], 1);
   EXPECT_EQ(next(sweeps)["sequence"], 2);
-  EXPECT_FALSE(health.line(50));
-  EXPECT_FALSE(silent.line(50));
+  EXPECT_FALSE(health.read_line(50));
+  EXPECT_FALSE(silent.read_line(50));
 }
 
 TEST_F(ServerTest, RequestsThatCannotBeCarriedOutAreRefusedWithAReason) {
@@ -173,7 +173,7 @@ TEST_F(ServerTest, ControlRequestsAreAcceptedFromTheOwnerOnly) {
   EXPECT_EQ(answer["class"], "ERROR");
   EXPECT_THAT(answer["what"].get<std::string>(), HasSubstr("only the daemon's owner"));
   on_server([&] {
-    EXPECT_EQ(asked, (std::vector<std::string>{"recalibrate front", "rollback none"}));
+    EXPECT_EQ(requests, (std::vector<std::string>{"recalibrate front", "rollback none"}));
   });
 }
 
@@ -183,7 +183,7 @@ TEST_F(ServerTest, ARequestWithoutEndIsRefusedAndTheConnectionClosed) {
   next(client);
   client.send(std::string(kMaxRequestBytes + 1, 'x'));
   EXPECT_THAT(next(client)["what"], HasSubstr("longer than 4096 bytes"));
-  EXPECT_FALSE(client.line());
+  EXPECT_FALSE(client.read_line());
 }
 
 TEST_F(ServerTest, TooManyRequestsEndTheConnection) {
@@ -199,7 +199,7 @@ TEST_F(ServerTest, TooManyRequestsEndTheConnection) {
   EXPECT_GE(answered, 5);
   EXPECT_LT(answered, 20);
   EXPECT_THAT(message["what"], HasSubstr("too many requests"));
-  EXPECT_FALSE(client.line());
+  EXPECT_FALSE(client.read_line());
 }
 
 TEST_F(ServerTest, ASlowClientLosesReportsAndGetsTheirNumber) {
@@ -256,7 +256,7 @@ TEST_F(ServerTest, AClientBeyondTheLimitIsRejectedAndThereIsRoomWhenOneLeaves) {
   for (int i = 0; i < 10; ++i) {
     SocketClient extra(path_);
     EXPECT_THAT(next(extra)["what"], HasSubstr("too many clients: 64"));
-    EXPECT_FALSE(extra.line());
+    EXPECT_FALSE(extra.read_line());
   }
   clients.pop_back();
   json greeting;
@@ -274,7 +274,7 @@ TEST_F(ServerTest, AnIdleClientIsDisconnected) {
   start(options);
   SocketClient client(path_);
   EXPECT_EQ(next(client)["class"], "VERSION");
-  EXPECT_FALSE(client.line());
+  EXPECT_FALSE(client.read_line());
   size_t clients = 1;
   on_server([&] { clients = server_->client_count(); });
   EXPECT_EQ(clients, 0U);
@@ -319,7 +319,7 @@ TEST_F(ServerTest, FinishingSendsWhatIsQueued) {
   publish_sweeps(100);
   on_server([&] { server_->finish(std::chrono::milliseconds(5000)); });
   for (int i = 1; i <= 100; ++i) ASSERT_EQ(next(client)["sequence"], i);
-  EXPECT_FALSE(client.line());
+  EXPECT_FALSE(client.read_line());
 }
 
 TEST_F(ServerTest, TcpIsServedOnTheLoopbackWhenAsked) {

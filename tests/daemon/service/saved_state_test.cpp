@@ -18,10 +18,10 @@ TEST(SavedState, ReadsBackAsWritten) {
   const auto back = parse_state(format_state(state));
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(back->starts, 7U);
-  EXPECT_EQ(back->unclean, 3U);
+  EXPECT_EQ(back->unclean_exits, 3U);
   EXPECT_TRUE(back->running);
-  EXPECT_EQ(back->saved, state.saved);
-  EXPECT_EQ(back->running_for, state.running_for);
+  EXPECT_EQ(back->saved_at, state.saved_at);
+  EXPECT_EQ(back->total_run_time, state.total_run_time);
 }
 
 TEST(SavedState, InvalidTextIsAnError) {

@@ -51,16 +51,16 @@ TEST(ServiceManager, DoesNothingWithoutAServiceManager) {
   unsetenv("NOTIFY_SOCKET");
   service_manager::notify_ready("");
   service_manager::notify_watchdog();
-  EXPECT_FALSE(service_manager::watchdog());
+  EXPECT_FALSE(service_manager::watchdog_timeout());
   EXPECT_TRUE(service_manager::inherited_sockets().empty());
 }
 
 TEST(ServiceManager, ReportsItsWatchdogTimeout) {
   setenv("WATCHDOG_USEC", "5000000", 1);
   setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);
-  EXPECT_EQ(service_manager::watchdog(), from_seconds(5));
+  EXPECT_EQ(service_manager::watchdog_timeout(), from_seconds(5));
   setenv("WATCHDOG_PID", "1", 1);
-  EXPECT_FALSE(service_manager::watchdog());
+  EXPECT_FALSE(service_manager::watchdog_timeout());
   unsetenv("WATCHDOG_USEC");
   unsetenv("WATCHDOG_PID");
 }

@@ -90,11 +90,11 @@ TEST_F(StreetMapFileTest, WidthsComeFromTheTagElseLanesElseClass) {
 }
 
 TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWhereATagTellsOfThem) {
-  EXPECT_EQ(strip("highway=residential").roadside, 0);
-  EXPECT_EQ(strip("highway=residential sidewalk=no").roadside, 0);
-  EXPECT_GT(strip("highway=residential sidewalk=both").roadside, 1);
-  EXPECT_GT(strip("highway=primary sidewalk=right").roadside, 1);
-  EXPECT_GT(strip("highway=residential").kerb, 0);
+  EXPECT_EQ(strip("highway=residential").sidewalk_width, 0);
+  EXPECT_EQ(strip("highway=residential sidewalk=no").sidewalk_width, 0);
+  EXPECT_GT(strip("highway=residential sidewalk=both").sidewalk_width, 1);
+  EXPECT_GT(strip("highway=primary sidewalk=right").sidewalk_width, 1);
+  EXPECT_GT(strip("highway=residential").kerb_width, 0);
 }
 
 TEST_F(StreetMapFileTest, OpenAndSelfCrossingRingsAreReportedWithTheirId) {
@@ -130,7 +130,7 @@ TEST_F(StreetMapFileTest, IsOpenedAsItWasMade) {
   const auto middle = local.to_local(50 * std::numbers::pi / 180, 8.0006 * std::numbers::pi / 180);
   const auto segment = moved.map.segment(moved.map.id_at(middle.x(), middle.y()));
   EXPECT_EQ(segment.kind, SegmentKind::kCarriageway);
-  EXPECT_EQ(segment.element, 4711);
+  EXPECT_EQ(segment.osm_id, 4711);
   EXPECT_THAT(std::string(moved.map.provenance()), HasSubstr("map.osm"));
 }
 
@@ -223,7 +223,7 @@ TEST(StreetMap, RealKarlsruheTrajectoriesLieOnCarriageways) {
     const RoadCoverage found = measure_road_coverage(folder / (std::string(sequence) + ".osm.bz2"),
                                                      folder / (std::string(sequence) + ".txt.bz2"));
     EXPECT_GE(found.share, share) << sequence;
-    EXPECT_LE(found.farthest, 3.5) << sequence;
+    EXPECT_LE(found.max_distance, 3.5) << sequence;
     RecordProperty(std::string("share_") + sequence, std::to_string(found.share));
   }
 }

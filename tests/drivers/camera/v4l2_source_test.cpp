@@ -113,10 +113,10 @@ TEST_F(ScriptedCamera, ExposureAndGainAreSetAndReadIntoEveryImage) {
   EXPECT_EQ(device_.controls[V4L2_CID_EXPOSURE_ABSOLUTE], 80);  // of 100 us
   EXPECT_EQ(device_.controls[V4L2_CID_AUTOGAIN], 0);
   const auto images = read_all(source);
-  ASSERT_EQ(pictures.size(), 2U);
+  ASSERT_EQ(images.size(), 2U);
   for (const StreamedImage& image : images) {
-    EXPECT_EQ(picture.exposure, Duration(8'000'000));
-    EXPECT_EQ(picture.gain, 12);
+    EXPECT_EQ(image.exposure, Duration(8'000'000));
+    EXPECT_EQ(image.gain, 12);
   }
 }
 
@@ -125,9 +125,9 @@ TEST_F(ScriptedCamera, AutomaticExposureAndGainAreReported) {
   device_.images.push_back({.bytes = {1}});
   V4l2Source source = open();
   const auto images = read_all(source);
-  ASSERT_EQ(pictures.size(), 1U);
-  EXPECT_EQ(pictures[0].exposure, Duration(33'300'000));
-  EXPECT_EQ(pictures[0].gain, 5);
+  ASSERT_EQ(images.size(), 1U);
+  EXPECT_EQ(images[0].exposure, Duration(33'300'000));
+  EXPECT_EQ(images[0].gain, 5);
 }
 
 TEST_F(ScriptedCamera, TheStampIsTheMiddleOfTheExposure) {
@@ -140,10 +140,10 @@ TEST_F(ScriptedCamera, TheStampIsTheMiddleOfTheExposure) {
       {.bytes = {1}, .flags = kMonotonic | V4L2_BUF_FLAG_TSTAMP_SRC_EOF, .monotonic_us = kUs});
   V4l2Source source = open({.stamp_delay = Duration(2'000'000)});
   const auto images = read_all(source);
-  ASSERT_EQ(pictures.size(), 2U);
+  ASSERT_EQ(images.size(), 2U);
   const Stamp reported = base_.at_monotonic(kUs * 1000);
-  EXPECT_EQ(pictures[0].stamp, told + Duration(3'000'000));
-  EXPECT_EQ(pictures[1].stamp, told - Duration(7'000'000));
+  EXPECT_EQ(images[0].stamp, reported + Duration(3'000'000));
+  EXPECT_EQ(images[1].stamp, reported - Duration(7'000'000));
 }
 
 TEST_F(ScriptedCamera, GapsAreCountedAndDamagedImagesAreDropped) {
@@ -154,8 +154,8 @@ TEST_F(ScriptedCamera, GapsAreCountedAndDamagedImagesAreDropped) {
   V4l2Source source = open();
   const int requeued_before = device_.requeued;
   const auto images = read_all(source);
-  ASSERT_EQ(pictures.size(), 3U);
-  EXPECT_EQ(pictures[2].sequence, 9U);
+  ASSERT_EQ(images.size(), 3U);
+  EXPECT_EQ(images[2].sequence, 9U);
   EXPECT_EQ(source.counters().lost, 2U);
   EXPECT_EQ(source.counters().damaged, 1U);
   EXPECT_EQ(device_.requeued, requeued_before + 4);  // the damaged one's too

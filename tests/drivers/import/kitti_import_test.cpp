@@ -291,9 +291,9 @@ TEST_F(RawLayout, BecomesADriveWithItsOwnTimes) {
   EXPECT_EQ(sample.angular_velocity, (std::array<double, 3>{0.01, 0.02, 0.03}));
   EXPECT_EQ(sample.linear_acceleration, (std::array<double, 3>{0.1, 0.2, 9.8}));
   auto gnss = GnssCsv::open(drive->resolve("gps.csv"));
-  ASSERT_TRUE(gps);
+  ASSERT_TRUE(gnss);
   GnssFix fix;
-  ASSERT_TRUE(gps->next(fix));
+  ASSERT_TRUE(gnss->next(fix));
   EXPECT_EQ(fix.speed, 10);
   EXPECT_NEAR(fix.course, 0, 1e-12);
 }

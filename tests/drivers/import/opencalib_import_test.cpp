@@ -54,7 +54,7 @@ TEST(OpencalibImport, MakesADriveOfAScene) {
     if (std::holds_alternative<ImageEvent>(event.content)) ++images;
   }
   EXPECT_EQ(returns, 2U);
-  EXPECT_EQ(pictures, 1U);
+  EXPECT_EQ(images, 1U);
 }
 
 TEST(OpencalibImport, SaysWhatIsMissing) {
@@ -63,25 +63,25 @@ TEST(OpencalibImport, SaysWhatIsMissing) {
     const auto imported = import_opencalib(folder / "a.calib.txt", folder / "drive");
     return imported ? "" : imported.error().message();
   };
-  EXPECT_THAT(refusal(), HasSubstr("cannot be opened"));
+  EXPECT_THAT(import_error(), HasSubstr("cannot be opened"));
   folder.write("a.calib.txt", "K: 1 0 0 0 1 0 0 0 1\n");
-  EXPECT_THAT(refusal(), HasSubstr("has no sweep beside it"));
+  EXPECT_THAT(import_error(), HasSubstr("has no sweep beside it"));
   folder.write("a.pcd", kPcd);
-  EXPECT_THAT(refusal(), HasSubstr("has no picture beside it"));
+  EXPECT_THAT(import_error(), HasSubstr("has no picture beside it"));
   folder.write("a.png", "no picture");
-  EXPECT_THAT(refusal(), HasSubstr("is no picture"));
+  EXPECT_THAT(import_error(), HasSubstr("is no picture"));
   folder.write("a.png", make_png());
-  EXPECT_THAT(refusal(), HasSubstr("has no T"));
+  EXPECT_THAT(import_error(), HasSubstr("has no T"));
   folder.write("a.calib.txt", "K: 1 0 0 0 1 0 0 0\nT: 1 0 0 0 0 1 0 0 0 0 1 0\n");
-  EXPECT_THAT(refusal(), HasSubstr("K must be 9 numbers"));
+  EXPECT_THAT(import_error(), HasSubstr("K must be 9 numbers"));
   folder.write("a.calib.txt", "K: 1 0 0 0 1 0 0 0 1\nD: 1 2 3 4 5 6\nT: 1 0 0 0 0 1 0 0 0 0 1 0\n");
-  EXPECT_THAT(refusal(), HasSubstr("at most 5"));
+  EXPECT_THAT(import_error(), HasSubstr("at most 5"));
   folder.write("a.calib.txt", "K: 1 0 0 0 1 0 0 0 1\nT: 2 0 0 0 0 1 0 0 0 0 1 0\n");
-  EXPECT_THAT(refusal(), HasSubstr("rigid"));
+  EXPECT_THAT(import_error(), HasSubstr("rigid"));
   EXPECT_FALSE(std::filesystem::exists(folder / "drive"));
   folder.write("a.calib.txt", kCalibration);
   folder.write("drive/file", "");
-  EXPECT_THAT(refusal(), HasSubstr("not empty"));
+  EXPECT_THAT(import_error(), HasSubstr("not empty"));
 }
 
 TEST(ImageSize, OfJpegByItsFrame) {

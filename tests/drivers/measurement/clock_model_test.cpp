@@ -72,7 +72,7 @@ TEST_P(ClockModelSkew, IsFoundAndStampsAreExactWithinMicroseconds) {
   EXPECT_LT(max_error(model, device, 4min), 2us);
   EXPECT_TRUE(model.state().trusted) << model.state().reason;
   EXPECT_STREQ(model.state().reason, "");
-  EXPECT_EQ(model.state().source, ClockState::Source::kHour);
+  EXPECT_EQ(model.state().source, ClockState::Source::kTopOfHour);
   EXPECT_EQ(model.state().jumps, 0);
   EXPECT_NEAR(model.state().skew_ppm, GetParam(), 0.05);
   EXPECT_NEAR(to_seconds(model.state().jitter), 200e-6, 10e-6);
@@ -115,7 +115,7 @@ TEST(ClockModel, AHostClockHalfASecondOffIsStillTheHour) {
   Device device{.phase = 400ms};
   ClockModel model{{}};
   max_error(model, device, 10s);
-  EXPECT_EQ(model.state().source, ClockState::Source::kHour);
+  EXPECT_EQ(model.state().source, ClockState::Source::kTopOfHour);
 }
 
 TEST(ClockModel, TheCounterMaySlightlyPassTheHour) {
@@ -163,7 +163,7 @@ TEST(ClockModel, AJumpIsCountedAndDistrustedUntilItSettlesAgain) {
     EXPECT_LT(max_error(model, device, 1min), 3us) << jump.count();
     EXPECT_TRUE(model.state().trusted);
     EXPECT_EQ(model.state().jumps, 1);
-    EXPECT_EQ(model.state().source, jump > -500ms && jump < 500ms ? ClockState::Source::kHour
+    EXPECT_EQ(model.state().source, jump > -500ms && jump < 500ms ? ClockState::Source::kTopOfHour
                                                                   : ClockState::Source::kPowerUp);
   }
 }

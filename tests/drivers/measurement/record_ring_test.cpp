@@ -98,7 +98,7 @@ void expect_same(const std::optional<Sample>& found, const std::optional<Sample>
   if (!found) return;
   EXPECT_EQ(found->number, expected->number);
   EXPECT_EQ(found->stamp, expected->stamp);
-  EXPECT_TRUE(found->whole());
+  EXPECT_TRUE(found->is_intact());
 }
 
 /// Random operations on the ring and on the model; everything that can be seen must be equal.
@@ -149,7 +149,7 @@ void compare_with_model(size_t capacity, uint32_t seed, bool ordered_stamps) {
         for (int64_t n = random_below(uint32_t(capacity) + 2); n >= 0; --n) {
           expect_same(readers[which].next(), model.next(model_readers[which]));
           ASSERT_EQ(readers[which].lost(), model_readers[which].lost);
-          ASSERT_EQ(readers[which].behind(), model.pushed_ - model_readers[which].cursor);
+          ASSERT_EQ(readers[which].backlog(), model.pushed_ - model_readers[which].cursor);
         }
         break;
       }
@@ -169,16 +169,16 @@ void compare_with_model(size_t capacity, uint32_t seed, bool ordered_stamps) {
         const std::vector<uint64_t> expected = model.interval(from, to);
         std::vector<uint64_t> found;
         const IntervalResult result = ring.visit_interval(from, to, [&](const Sample& sample) {
-          EXPECT_TRUE(sample.whole());
+          EXPECT_TRUE(sample.is_intact());
           found.push_back(sample.number);
         });
         ASSERT_EQ(found, expected);
         ASSERT_EQ(result.count, expected.size());
         if (ordered_stamps) {
-          ASSERT_EQ(result.complete, model.oldest() == 0 || model.held_.front().stamp < from);
+          ASSERT_EQ(result.complete, model.oldest() == 0 || model.entries_.front().stamp < from);
         }
         std::array<Sample, 3> first{};
-        ASSERT_EQ(ring.interval(from, to, first).count, expected.size());
+        ASSERT_EQ(ring.copy_interval(from, to, first).count, expected.size());
         for (size_t i = 0; i < std::min<size_t>(3, expected.size()); ++i) {
           ASSERT_EQ(first[i].number, expected[i]);
         }
@@ -233,16 +233,16 @@ TEST(RecordRing, ExtremeStampsAreFound) {
   EXPECT_EQ(ring.nearest(Stamp::earliest())->number, 0u);
   EXPECT_EQ(ring.nearest(Stamp::latest())->number, 1u);
   std::array<Sample, 2> all{};
-  EXPECT_EQ(ring.interval(Stamp::earliest(), Stamp::latest(), all).count, 2u);
+  EXPECT_EQ(ring.copy_interval(Stamp::earliest(), Stamp::latest(), all).count, 2u);
 }
 
 TEST(RecordRing, HasSixteenReadersAtMost) {
   RecordRing<ImuSample> ring(2);
   std::vector<RecordRing<ImuSample>::Reader> readers;
   for (size_t i = 0; i < RingCore::kMaxReaders; ++i) readers.push_back(ring.make_reader());
-  EXPECT_THROW(ring.reader(), std::length_error);
+  EXPECT_THROW(ring.make_reader(), std::length_error);
   readers.pop_back();
-  EXPECT_NO_THROW(ring.reader());
+  EXPECT_NO_THROW(ring.make_reader());
 }
 
 TEST(RecordRing, WaitingEndsWithTheTimeOrTheRing) {

@@ -129,7 +129,7 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
     ASSERT_EQ(pin.position(), expected->position);
     ASSERT_EQ(pin->number, expected->position);
     ASSERT_EQ(pin->stamp, expected->stamp);
-    ASSERT_TRUE(pin->whole());
+    ASSERT_TRUE(pin->is_intact());
   };
   const auto keep_sometimes = [&](Pin<Object> pin, Model::Entry* entry) {
     check(pin, entry);
@@ -180,7 +180,7 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
         for (size_t n = random_below(capacity + 2) + 1; n > 0; --n) {
           keep_sometimes(readers[which].next(), model.next(model_readers[which]));
           ASSERT_EQ(readers[which].lost(), model_readers[which].lost);
-          ASSERT_EQ(readers[which].behind(), model.published_ - model_readers[which].cursor);
+          ASSERT_EQ(readers[which].backlog(), model.published_ - model_readers[which].cursor);
           if (replay) {
             ASSERT_EQ(readers[which].lost(), 0u);
           }
@@ -211,7 +211,7 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
         const std::vector<uint64_t> expected = model.interval(from, to);
         std::vector<uint64_t> found;
         const IntervalResult result = ring.visit_interval(from, to, [&](const Object& object) {
-          EXPECT_TRUE(object.whole());
+          EXPECT_TRUE(object.is_intact());
           found.push_back(object.number);
         });
         ASSERT_EQ(found, expected);
@@ -228,7 +228,7 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
           ASSERT_EQ(next, model.published_);
         }
         std::array<Pin<Object>, 3> first;
-        ASSERT_EQ(ring.interval(from, to, first).count, expected.size());
+        ASSERT_EQ(ring.pin_interval(from, to, first).count, expected.size());
         for (size_t i = 0; i < 3; ++i) {
           ASSERT_EQ(static_cast<bool>(first[i]), i < expected.size());
           if (first[i]) {
@@ -293,7 +293,7 @@ TEST(SlotRing, APinOutlivesItsReaderAndItsMove) {
     ring.slot().fill(number, at(0));
     EXPECT_TRUE(ring.publish());
     EXPECT_EQ(kept->number, 0u);
-    EXPECT_TRUE(kept->whole());
+    EXPECT_TRUE(kept->is_intact());
   }
   const Pin<Object> other = ring.latest();
   EXPECT_EQ(other->number, 9u);

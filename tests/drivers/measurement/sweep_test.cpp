@@ -37,7 +37,7 @@ TEST(Sweep, ResizingSetsTheLengthOfEveryArray) {
     sweep.resize(returns);
     EXPECT_EQ(sweep.size(), returns);
     for_each_field(
-        sweep, [&](const char* name, auto& field) { EXPECT_EQ(channel.size(), returns) << name; });
+        sweep, [&](const char* name, auto& field) { EXPECT_EQ(field.size(), returns) << name; });
   }
 }
 
@@ -45,7 +45,7 @@ TEST(Sweep, ArraysBeginOnACacheLine) {
   Sweep sweep;
   sweep.resize(5);
   for_each_field(sweep, [](const char* name, auto& field) {
-    EXPECT_EQ(reinterpret_cast<uintptr_t>(channel.data()) % 64, 0u) << name;
+    EXPECT_EQ(reinterpret_cast<uintptr_t>(field.data()) % 64, 0u) << name;
   });
 }
 
@@ -60,8 +60,8 @@ TEST(Sweep, WithinItsReserveNothingIsAllocated) {
     sweep.clear();
     EXPECT_EQ(data_pointers(sweep), memory);
     for_each_field(sweep, [&](const char* name, auto& field) {
-      EXPECT_EQ(channel.size(), 0u) << name;
-      EXPECT_GE(channel.capacity(), 70'000u) << name;
+      EXPECT_EQ(field.size(), 0u) << name;
+      EXPECT_GE(field.capacity(), 70'000u) << name;
     });
   }
 }

@@ -87,11 +87,11 @@ TEST(OpenStreetMap, ReadsWaysNodesAndAreas) {
   EXPECT_EQ(find_tag(map->ways[0].tags, "width"), "6.5");
   EXPECT_EQ(find_tag(map->ways[0].tags, "name"), "Süd & Nord");
   EXPECT_EQ(find_tag(map->ways[0].tags, "lanes"), "");
-  EXPECT_THAT(ids(map->ways[0].points), ElementsAre(1, 2, 3));
+  EXPECT_THAT(node_ids(map->ways[0].points), ElementsAre(1, 2, 3));
   EXPECT_NEAR(map->ways[0].points[2].latitude, 49.001 * kDegree, 1e-12);
   EXPECT_NEAR(map->ways[0].points[2].longitude, 8.002 * kDegree, 1e-12);
   EXPECT_FALSE(map->ways[0].closed());
-  EXPECT_THAT(ids(map->ways[1].points), ElementsAre(3, 4));
+  EXPECT_THAT(node_ids(map->ways[1].points), ElementsAre(3, 4));
   EXPECT_TRUE(map->ways[4].closed());
 
   ASSERT_EQ(map->nodes.size(), 1u);
@@ -102,12 +102,12 @@ TEST(OpenStreetMap, ReadsWaysNodesAndAreas) {
   EXPECT_EQ(map->areas[0].id, 200);
   EXPECT_EQ(find_tag(map->areas[0].tags, "building"), "yes");
   ASSERT_EQ(map->areas[0].outer.size(), 1u);
-  EXPECT_THAT(ids(map->areas[0].outer[0]), ElementsAre(10, 11, 12, 13, 10));
+  EXPECT_THAT(node_ids(map->areas[0].outer[0]), ElementsAre(10, 11, 12, 13, 10));
   ASSERT_EQ(map->areas[0].inner.size(), 1u);
-  EXPECT_THAT(ids(map->areas[0].inner[0]), ElementsAre(14, 15, 16, 14));
+  EXPECT_THAT(node_ids(map->areas[0].inner[0]), ElementsAre(14, 15, 16, 14));
 
-  EXPECT_NEAR(map->latitude, 49.001 * kDegree, 1e-12);
-  EXPECT_NEAR(map->longitude, 8.001 * kDegree, 1e-12);
+  EXPECT_NEAR(map->centre_latitude, 49.001 * kDegree, 1e-12);
+  EXPECT_NEAR(map->centre_longitude, 8.001 * kDegree, 1e-12);
 
   const std::string warnings = join_messages(map->warnings);
   EXPECT_THAT(warnings, HasSubstr("way 101: 1 of its nodes are not in the file"));
@@ -133,7 +133,7 @@ TEST(OpenStreetMap, BadFilesAreErrorsAndEmptyOnesWarned) {
   folder.write("empty.osm", "<osm version='0.6'></osm>");
   const auto empty = read_openstreetmap(folder / "empty.osm");
   ASSERT_TRUE(empty);
-  EXPECT_THAT(all(empty->warnings), HasSubstr("the map has no road"));
+  EXPECT_THAT(join_messages(empty->warnings), HasSubstr("the map has no road"));
   folder.write("map.osm", kMap);
   OpenStreetMapOptions small;
   small.max_elements = 20;
@@ -200,8 +200,8 @@ TEST(OpenStreetMap, RealKarlsruheMapsHoldWhatTheirTextHolds) {
                 static_cast<double>(left_out));
     EXPECT_GT(roads, 50u);
     // All of it lies within a few kilometres of its middle, in Karlsruhe.
-    EXPECT_NEAR(map->latitude / kDegree, 49, 0.1);
-    EXPECT_NEAR(map->longitude / kDegree, 8.4, 0.1);
+    EXPECT_NEAR(map->centre_latitude / kDegree, 49, 0.1);
+    EXPECT_NEAR(map->centre_longitude / kDegree, 8.4, 0.1);
     const LocalFrame frame(map->centre_latitude, map->centre_longitude);
     for (const OsmWay& way : map->ways) {
       for (const OsmPoint& point : way.points) {

@@ -23,31 +23,31 @@ class DeviceWatchTest : public testing::Test {
 TEST_F(DeviceWatchTest, ReportsTheDeviceAndNothingElse) {
   DeviceWatch watch({folder_ / "video0"});
   ASSERT_GE(watch.descriptor(), 0);
-  EXPECT_FALSE(watch.changed());
+  EXPECT_FALSE(watch.consume_changes());
   make_file("video1");
-  EXPECT_FALSE(watch.changed());
+  EXPECT_FALSE(watch.consume_changes());
   make_file("video0");
-  EXPECT_TRUE(watch.changed());
-  EXPECT_FALSE(watch.changed());
+  EXPECT_TRUE(watch.consume_changes());
+  EXPECT_FALSE(watch.consume_changes());
 }
 
 TEST_F(DeviceWatchTest, ReportsAnotherOwnerOrMode) {
   make_file("video0");
   DeviceWatch watch({folder_ / "video0"});
   ASSERT_EQ(chmod((folder_ / "video0").c_str(), 0600), 0);
-  EXPECT_TRUE(watch.changed());
+  EXPECT_TRUE(watch.consume_changes());
 }
 
 TEST_F(DeviceWatchTest, FollowsFoldersThatComeAndGo) {
   DeviceWatch watch({folder_ / "infuse" / "camera-7"});
   for (int round = 0; round < 2; ++round) {
     std::filesystem::create_directory(folder_ / "infuse");
-    EXPECT_TRUE(watch.changed());
+    EXPECT_TRUE(watch.consume_changes());
     // As udev does it: made under another name, then renamed.
     std::filesystem::create_symlink("../video0", folder_ / "infuse" / ".new");
-    EXPECT_FALSE(watch.changed());
+    EXPECT_FALSE(watch.consume_changes());
     std::filesystem::rename(folder_ / "infuse" / ".new", folder_ / "infuse" / "camera-7");
-    EXPECT_TRUE(watch.changed());
+    EXPECT_TRUE(watch.consume_changes());
     std::filesystem::remove_all(folder_ / "infuse");
     watch.consume_changes();
   }
@@ -56,7 +56,7 @@ TEST_F(DeviceWatchTest, FollowsFoldersThatComeAndGo) {
 TEST(DeviceWatch, WithoutDevicesReportsNothing) {
   DeviceWatch watch({});
   EXPECT_EQ(watch.descriptor(), -1);
-  EXPECT_FALSE(watch.changed());
+  EXPECT_FALSE(watch.consume_changes());
 }
 
 }  // namespace

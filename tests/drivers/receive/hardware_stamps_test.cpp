@@ -28,15 +28,15 @@ TEST(HardwareStamps, RemoveTransportDelaysFromStamps) {
     worst = std::max(worst, distance_between(stamp, sent));
     worst_of_kernel = std::max(worst_of_kernel, distance_between(received, sent));
   }
-  EXPECT_TRUE(stamps.used());
+  EXPECT_TRUE(stamps.stamped_by_hardware());
   EXPECT_GT(worst_of_kernel, Duration(10'000'000));
   EXPECT_LT(worst, Duration(500'000));
 }
 
 TEST(HardwareStamps, WithoutThemItIsTheKernels) {
   HardwareStamps stamps;
-  EXPECT_EQ(stamps.stamp_of(0, kStart), kStart);
-  EXPECT_FALSE(stamps.used());
+  EXPECT_EQ(stamps.update(0, kStart), kStart);
+  EXPECT_FALSE(stamps.stamped_by_hardware());
 }
 
 TEST(HardwareStamps, AnInterfaceThatBeganToCountAgainIsFollowed) {

@@ -39,16 +39,16 @@ TEST(AncillaryData, AreTheStampsOfBothClocksAndTheDrops) {
   controls.add(SCM_TIMESTAMPING, std::array<timespec, 3>{{{0, 0}, {0, 0}, {12, 34}}});
   controls.add(SO_RXQ_OVFL, uint32_t{9});
   const AncillaryData ancillary = controls.parse();
-  EXPECT_EQ(notes.wall_ns, 1'700'000'000'000'000'250);
-  EXPECT_EQ(notes.hardware_ns, 12'000'000'034);
-  EXPECT_EQ(notes.dropped, 9U);
+  EXPECT_EQ(ancillary.wall_ns, 1'700'000'000'000'000'250);
+  EXPECT_EQ(ancillary.hardware_ns, 12'000'000'034);
+  EXPECT_EQ(ancillary.dropped, 9U);
 }
 
 TEST(AncillaryData, AreZeroWhereNothingIsReported) {
   const AncillaryData ancillary = ControlBuffer().parse();
-  EXPECT_EQ(notes.wall_ns, 0);
-  EXPECT_EQ(notes.hardware_ns, 0);
-  EXPECT_EQ(notes.dropped, 0U);
+  EXPECT_EQ(ancillary.wall_ns, 0);
+  EXPECT_EQ(ancillary.hardware_ns, 0);
+  EXPECT_EQ(ancillary.dropped, 0U);
 }
 
 }  // namespace

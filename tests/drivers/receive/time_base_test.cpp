@@ -21,13 +21,14 @@ Stamp stamp_after_start(double seconds) {
 TEST(TimeBase, IsWallTimeAtTheStartAndMonotonicAfterIt) {
   const TimeBase base(kStart);
   EXPECT_EQ(base.at_monotonic(kStart.monotonic_ns), stamp_after_start(0));
-  EXPECT_EQ(base.at_monotonic(later(5, -3600 * kSecond).monotonic_ns), stamp_after_start(5));
+  EXPECT_EQ(base.at_monotonic(clocks_after_start(5, -3600 * kSecond).monotonic_ns),
+            stamp_after_start(5));
 }
 
 TEST(TimeBase, ReportsHowFarTheWallClockWasStepped) {
   const TimeBase base(kStart);
-  EXPECT_EQ(base.utc_offset(later(5)), Duration(0));
-  EXPECT_EQ(base.utc_offset(later(5, 3600 * kSecond)), Duration(3600 * kSecond));
+  EXPECT_EQ(base.utc_offset(clocks_after_start(5)), Duration(0));
+  EXPECT_EQ(base.utc_offset(clocks_after_start(5, 3600 * kSecond)), Duration(3600 * kSecond));
 }
 
 TEST(TimeBase, NowRunsOnAndIsNearTheWallClock) {
@@ -43,8 +44,8 @@ TEST(WallStamps, AMessageIsStampedByItsAge) {
   const TimeBase base(kStart);
   WallStamps stamps(base);
   stamps.update(clocks_after_start(1));
-  EXPECT_EQ(stamps.stamp_of(later(0.75).wall_ns), stamp_after_start(0.75));
-  EXPECT_EQ(stamps.now(), stamp_after_start(1));
+  EXPECT_EQ(stamps.stamp_of(clocks_after_start(0.75).wall_ns), stamp_after_start(0.75));
+  EXPECT_EQ(stamps.last_update(), stamp_after_start(1));
 }
 
 TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
@@ -57,7 +58,7 @@ TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
         clocks_after_start(2, step));  // it holds one of before the step and one of after it
     EXPECT_EQ(stamps.steps(), 1U);
     const Stamp around = stamps.stamp_of(clocks_after_start(1.5).wall_ns);
-    EXPECT_EQ(stamps.stamp_of(later(1.9, step).wall_ns), around);
+    EXPECT_EQ(stamps.stamp_of(clocks_after_start(1.9, step).wall_ns), around);
     stamps.update(clocks_after_start(3, step));
     EXPECT_EQ(stamps.steps(), 1U);
     const Stamp after = stamps.stamp_of(clocks_after_start(2.5, step).wall_ns);
@@ -79,7 +80,7 @@ TEST(WallStamps, AnImpossibleAgeIsRejected) {
   const TimeBase base(kStart);
   WallStamps stamps(base);
   stamps.update(clocks_after_start(1));
-  EXPECT_EQ(stamps.stamp_of(later(2).wall_ns), stamp_after_start(1));
+  EXPECT_EQ(stamps.stamp_of(clocks_after_start(2).wall_ns), stamp_after_start(1));
   EXPECT_EQ(stamps.stamp_of(0), stamp_after_start(1));
 }
 

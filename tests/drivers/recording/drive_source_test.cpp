@@ -63,7 +63,7 @@ TEST(DriveSource, MergesAsAStableSortWould) {
     }
     EXPECT_FALSE(source.next(event));
     EXPECT_FALSE(source.next(event));
-    EXPECT_EQ(source.backward(), 0u);
+    EXPECT_EQ(source.out_of_order_count(), 0u);
     EXPECT_EQ(source.notes().size(), 5u);
   }
 }
@@ -76,7 +76,7 @@ TEST(DriveSource, AClockThatJumpsBackLosesNothing) {
   DriveEvent event;
   while (source.next(event)) stamps.push_back(event.stamp.ns());
   EXPECT_THAT(stamps, ElementsAre(10, 15, 20, 5, 25, 30));
-  EXPECT_EQ(source.backward(), 1u);
+  EXPECT_EQ(source.out_of_order_count(), 1u);
 }
 
 // A drive with two lidars in one capture, sweeps, pictures, CAN, IMU and GPS, interleaved.
@@ -240,16 +240,16 @@ TEST(SamplesCsv, WhatIsWrittenIsRead) {
   auto gnss_csv = GnssCsv::open(folder / "gps.csv");
   ASSERT_TRUE(gnss_csv);
   GnssFix read_fix;
-  ASSERT_TRUE(gnss_csv->next(back));
-  EXPECT_EQ(back.stamp, fix.stamp);
-  EXPECT_DOUBLE_EQ(back.latitude, fix.latitude);
-  EXPECT_DOUBLE_EQ(back.longitude, fix.longitude);
-  EXPECT_TRUE(std::isnan(back.altitude));
-  EXPECT_EQ(back.speed, fix.speed);
-  EXPECT_DOUBLE_EQ(back.course, fix.course);
-  EXPECT_TRUE(std::isnan(back.hdop));
-  EXPECT_EQ(back.utc_ns, 77);
-  EXPECT_FALSE(back.valid);
+  ASSERT_TRUE(gnss_csv->next(read_fix));
+  EXPECT_EQ(read_fix.stamp, fix.stamp);
+  EXPECT_DOUBLE_EQ(read_fix.latitude, fix.latitude);
+  EXPECT_DOUBLE_EQ(read_fix.longitude, fix.longitude);
+  EXPECT_TRUE(std::isnan(read_fix.altitude));
+  EXPECT_EQ(read_fix.speed, fix.speed);
+  EXPECT_DOUBLE_EQ(read_fix.course, fix.course);
+  EXPECT_TRUE(std::isnan(read_fix.hdop));
+  EXPECT_EQ(read_fix.utc_ns, 77);
+  EXPECT_FALSE(read_fix.valid);
 }
 
 TEST(DriveSource, RealCaptureIsOneStream) {

@@ -24,7 +24,7 @@ TEST(Drive, IsWrittenAndOpened) {
   const ScratchFolder folder;
   DriveDescription description = one_lidar();
   description.truth_rig = "truth/rig.toml";
-  ASSERT_TRUE(write_drive(folder / "drive", description));
+  ASSERT_TRUE(write_drive_toml(folder / "drive", description));
   folder.write("drive/lidar.pcap", "");
   folder.write("drive/truth/rig.toml", "");
   const auto drive = Drive::open(folder / "drive");
@@ -38,7 +38,7 @@ TEST(Drive, FilesThatAreMissingAreNamed) {
   EXPECT_THAT(Drive::open(folder.path()).error().message(),
               HasSubstr("drive.toml: cannot be opened"));
   EXPECT_FALSE(Drive::open(folder / "nowhere"));
-  ASSERT_TRUE(write_drive(folder.path(), one_lidar()));
+  ASSERT_TRUE(write_drive_toml(folder.path(), one_lidar()));
   EXPECT_THAT(Drive::open(folder.path()).error().message(),
               HasSubstr("lidar 'top': packets 'lidar.pcap' does not exist"));
   std::filesystem::create_directory(folder / "lidar.pcap");
@@ -50,13 +50,13 @@ TEST(Drive, WritingRefusesWhatCouldNotBeRead) {
   const ScratchFolder folder;
   DriveDescription description = one_lidar();
   description.name = "\xFF\xFE";
-  EXPECT_FALSE(write_drive(folder.path(), description));
+  EXPECT_FALSE(write_drive_toml(folder.path(), description));
   description = one_lidar();
   description.lidars[0].packets = "../lidar.pcap";
-  EXPECT_FALSE(write_drive(folder.path(), description));
+  EXPECT_FALSE(write_drive_toml(folder.path(), description));
   description = one_lidar();
   description.lidars.clear();
-  EXPECT_FALSE(write_drive(folder.path(), description));
+  EXPECT_FALSE(write_drive_toml(folder.path(), description));
   EXPECT_FALSE(std::filesystem::exists(folder / "drive.toml"));
 }
 

@@ -118,7 +118,7 @@ TEST(DriveToml, EveryKeyReachesItsField) {
   EXPECT_EQ(drive->can->signals[0].unit, "km/h");
   EXPECT_EQ(drive->can->signals[1].signal, "KINEMATICS.YAW_RATE");
   EXPECT_EQ(drive->imu, "imu.csv");
-  EXPECT_EQ(drive->gps, "gps.csv");
+  EXPECT_EQ(drive->gnss, "gps.csv");
   EXPECT_EQ(drive->map, "map.osm");
   EXPECT_EQ(drive->truth_poses, "truth/poses.tum");
   EXPECT_EQ(drive->truth_rig, "truth/rig.toml");
@@ -201,60 +201,65 @@ std::string parse_message(const std::string& text) {
 }
 
 TEST(DriveToml, ErrorsNameTheLineAndTheCure) {
-  EXPECT_THAT(message(changed("model = \"HDL-32E\"", "modle = \"HDL-32E\"")),
+  EXPECT_THAT(parse_message(replace_in_drive("model = \"HDL-32E\"", "modle = \"HDL-32E\"")),
               HasSubstr("drive.toml:6: unknown key 'modle' (known keys: name, T_vehicle_lidar"));
-  EXPECT_THAT(message(changed("port = 2368", "port = 70000")),
+  EXPECT_THAT(parse_message(replace_in_drive("port = 2368", "port = 70000")),
               HasSubstr("drive.toml:8: port must be an integer from 1 to 65535"));
-  EXPECT_THAT(message(changed("192.168.1.201", "192.168.1.256")),
+  EXPECT_THAT(parse_message(replace_in_drive("192.168.1.201", "192.168.1.256")),
               HasSubstr("drive.toml:9: sender"));
-  EXPECT_THAT(message(changed("\"recorded\"", "\"guessed\"")),
+  EXPECT_THAT(parse_message(replace_in_drive("\"recorded\"", "\"guessed\"")),
               HasSubstr("drive.toml:2: times must be one of \"recorded\", \"synthetic\""));
-  EXPECT_THAT(message(changed("0, -1, 0, 0.5", "0, -2, 0, 0.5")),
+  EXPECT_THAT(parse_message(replace_in_drive("0, -1, 0, 0.5", "0, -2, 0, 0.5")),
               HasSubstr("drive.toml:10: T_vehicle_lidar is not a rigid motion"));
-  EXPECT_THAT(message(changed("0, -1, 0, 0.5,", "0, -1, 0,")),
+  EXPECT_THAT(parse_message(replace_in_drive("0, -1, 0, 0.5,", "0, -1, 0,")),
               HasSubstr("T_vehicle_lidar must be 16 numbers by row (15 are given)"));
-  EXPECT_THAT(message(changed("\"fisheye\"", "\"fish\"")), HasSubstr("drive.toml:26: model"));
-  EXPECT_THAT(message(changed("width = 1242", "width = 0")), HasSubstr("drive.toml:27: width"));
-  EXPECT_THAT(message(changed("width = 1242\n", "")),
+  EXPECT_THAT(parse_message(replace_in_drive("\"fisheye\"", "\"fish\"")),
+              HasSubstr("drive.toml:26: model"));
+  EXPECT_THAT(parse_message(replace_in_drive("width = 1242", "width = 0")),
+              HasSubstr("drive.toml:27: width"));
+  EXPECT_THAT(parse_message(replace_in_drive("width = 1242\n", "")),
               HasSubstr("drive.toml:23: camera has no width"));
-  EXPECT_THAT(message(changed("fx = 721.5", "fx = inf")), HasSubstr("fx and fy must be positive"));
-  EXPECT_THAT(message(changed("lidar = \"top\"", "lidar = \"tip\"")),
+  EXPECT_THAT(parse_message(replace_in_drive("fx = 721.5", "fx = inf")),
+              HasSubstr("fx and fy must be positive"));
+  EXPECT_THAT(parse_message(replace_in_drive("lidar = \"top\"", "lidar = \"tip\"")),
               HasSubstr("drive.toml:23: camera 'left' refers to lidar 'tip'"));
-  EXPECT_THAT(message(changed("3e-3, 0]", "3e-3, 0, 0]")),
+  EXPECT_THAT(parse_message(replace_in_drive("3e-3, 0]", "3e-3, 0, 0]")),
               HasSubstr("distortion must be a list of at most 4 numbers"));
-  EXPECT_THAT(message(changed("12.5", "1e99")), HasSubstr("stamp_delay_ms must lie within"));
-  EXPECT_THAT(message(changed("yaw_rate =", "yaw_rat =")), HasSubstr("unknown key 'yaw_rat'"));
-  EXPECT_THAT(message(changed("\"rear\"\nsweeps", "\"top\"\nsweeps")),
+  EXPECT_THAT(parse_message(replace_in_drive("12.5", "1e99")),
+              HasSubstr("stamp_delay_ms must lie within"));
+  EXPECT_THAT(parse_message(replace_in_drive("yaw_rate =", "yaw_rat =")),
+              HasSubstr("unknown key 'yaw_rat'"));
+  EXPECT_THAT(parse_message(replace_in_drive("\"rear\"\nsweeps", "\"top\"\nsweeps")),
               HasSubstr("drive.toml:17: two sensors are named 'top'"));
-  EXPECT_THAT(message(changed("sweeps = \"rear\"", "packets = \"lidar.pcap\"")),
+  EXPECT_THAT(parse_message(replace_in_drive("sweeps = \"rear\"", "packets = \"lidar.pcap\"")),
               HasSubstr("drive.toml:17: lidars 'top' and 'rear' cannot be told apart"));
-  EXPECT_THAT(message(changed("[imu]", "[imu")), HasSubstr("drive.toml:"));
-  EXPECT_THAT(message("x = 1"), HasSubstr("drive.toml:1: unknown key 'x'"));
-  EXPECT_THAT(message("lidar = 3"), HasSubstr("drive.toml:1: lidar must be"));
-  EXPECT_THAT(message(std::string(2 << 20, '#')), HasSubstr("is longer than"));
-  EXPECT_EQ(message(""), "accepted");  // a drive without sensors is useless, not wrong
+  EXPECT_THAT(parse_message(replace_in_drive("[imu]", "[imu")), HasSubstr("drive.toml:"));
+  EXPECT_THAT(parse_message("x = 1"), HasSubstr("drive.toml:1: unknown key 'x'"));
+  EXPECT_THAT(parse_message("lidar = 3"), HasSubstr("drive.toml:1: lidar must be"));
+  EXPECT_THAT(parse_message(std::string(2 << 20, '#')), HasSubstr("is longer than"));
+  EXPECT_EQ(parse_message(""), "accepted");  // a drive without sensors is useless, not wrong
 }
 
 // toml++ 3.3 by itself runs into undefined behaviour on the refused ones (drive_toml_fuzz).
 TEST(DriveToml, LettersBeyondAsciiStandInStringsAndCommentsOnly) {
   for (const char* good : {"name = \"Süd λ\"", "name = 'λ'  # λ", "\xEF\xBB\xBFname = \"λ\"",
                            "name = \"\"\"a \\\n  λ\"\"\""}) {
-    EXPECT_EQ(message(good), "accepted") << good;
+    EXPECT_EQ(parse_message(good), "accepted") << good;
   }
   for (const char* bad : {"\nλ = 1", "\nname λ = 1", "\nname = λ", "\nname = \"a\" λ", "\n[λ]",
                           "\nname = 2a\"\"m\"<Ļ", "\nname = \u3001", "\nname = \uFDFD"}) {
-    EXPECT_THAT(message(bad), HasSubstr("drive.toml:2: ")) << bad;
+    EXPECT_THAT(parse_message(bad), HasSubstr("drive.toml:2: ")) << bad;
   }
 }
 
 TEST(DriveToml, PathsStayInsideTheDrive) {
   for (const std::string path : {"/etc/passwd", "../lidar.pcap", "a/../../b", "a/.."}) {
     const std::string quoted = std::string("\"").append(path).append("\"");
-    EXPECT_THAT(message(changed("\"lidar.pcap\"", quoted)),
+    EXPECT_THAT(parse_message(replace_in_drive("\"lidar.pcap\"", quoted)),
                 HasSubstr("lidar 'top': packets '" + path + "' must"));
-    EXPECT_THAT(message(changed("\"map.osm\"", quoted)), HasSubstr("map: file"));
+    EXPECT_THAT(parse_message(replace_in_drive("\"map.osm\"", quoted)), HasSubstr("map: file"));
   }
-  EXPECT_EQ(message(changed("\"lidar.pcap\"", "\"a/..b/c..pcap\"")), "accepted");
+  EXPECT_EQ(parse_message(replace_in_drive("\"lidar.pcap\"", "\"a/..b/c..pcap\"")), "accepted");
 }
 
 TEST(DriveToml, APrintedRotationIsMadeARotation) {

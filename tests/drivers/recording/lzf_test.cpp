@@ -20,13 +20,13 @@ std::string decompress(const Bytes& packed, size_t length) {
 TEST(Lzf, CopiesRunsAndWhatLiesBefore) {
   // "abc" as it is, six bytes from three before (which the copy itself makes), "X" as it is.
   const Bytes packed{2, 'a', 'b', 'c', 4 << 5, 2, 0, 'X'};
-  EXPECT_EQ(unpacked(packed, 10), "abcabcabcX");
+  EXPECT_EQ(decompress(packed, 10), "abcabcabcX");
 }
 
 TEST(Lzf, ALongCopyHasItsLengthInAByte) {
   // "z", then 7 + 2 + 200 bytes from one before.
   const Bytes packed{0, 'z', 7 << 5, 200, 0};
-  EXPECT_EQ(unpacked(packed, 210), std::string(210, 'z'));
+  EXPECT_EQ(decompress(packed, 210), std::string(210, 'z'));
 }
 
 TEST(Lzf, ReachesBackEightKibibytes) {
@@ -42,18 +42,18 @@ TEST(Lzf, ReachesBackEightKibibytes) {
   }
   packed.insert(packed.end(), {1 << 5 | 31, 255});  // three bytes from 8192 before
   expected += expected.substr(0, 3);
-  EXPECT_EQ(unpacked(packed, expected.size()), expected);
+  EXPECT_EQ(decompress(packed, expected.size()), expected);
 }
 
 TEST(Lzf, RefusesWhatIsNotWhole) {
-  EXPECT_EQ(unpacked({2, 'a', 'b'}, 3), "refused");        // the run ends early
-  EXPECT_EQ(unpacked({0, 'a', 4 << 5}, 7), "refused");     // a copy from nowhere
-  EXPECT_EQ(unpacked({0, 'a', 7 << 5}, 10), "refused");    // a copy without its length
-  EXPECT_EQ(unpacked({0, 'a', 4 << 5, 1}, 7), "refused");  // from before the beginning
-  EXPECT_EQ(unpacked({2, 'a', 'b', 'c'}, 2), "refused");   // more than there is room for
-  EXPECT_EQ(unpacked({0, 'a', 4 << 5, 0}, 6), "refused");  // the same of a copy
-  EXPECT_EQ(unpacked({2, 'a', 'b', 'c'}, 4), "refused");   // less than was said
-  EXPECT_EQ(unpacked({0, 'a', 4 << 5, 0}, 7), "aaaaaaa");
+  EXPECT_EQ(decompress({2, 'a', 'b'}, 3), "refused");        // the run ends early
+  EXPECT_EQ(decompress({0, 'a', 4 << 5}, 7), "refused");     // a copy from nowhere
+  EXPECT_EQ(decompress({0, 'a', 7 << 5}, 10), "refused");    // a copy without its length
+  EXPECT_EQ(decompress({0, 'a', 4 << 5, 1}, 7), "refused");  // from before the beginning
+  EXPECT_EQ(decompress({2, 'a', 'b', 'c'}, 2), "refused");   // more than there is room for
+  EXPECT_EQ(decompress({0, 'a', 4 << 5, 0}, 6), "refused");  // the same of a copy
+  EXPECT_EQ(decompress({2, 'a', 'b', 'c'}, 4), "refused");   // less than was said
+  EXPECT_EQ(decompress({0, 'a', 4 << 5, 0}, 7), "aaaaaaa");
 }
 
 }  // namespace

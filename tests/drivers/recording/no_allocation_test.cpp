@@ -82,7 +82,7 @@ TEST(NoAllocation, ReadingADriveAllocatesNothingAnEvent) {
   description.can->log = "can.log";
   description.can->dbc = "vehicle.dbc";
   description.imu = "imu.csv";
-  ASSERT_TRUE(write_drive(folder.path(), description));
+  ASSERT_TRUE(write_drive_toml(folder.path(), description));
   const auto drive = Drive::open(folder.path());
   ASSERT_TRUE(drive);
   auto source = DriveSource::open(*drive);

@@ -99,7 +99,7 @@ TEST(PcapReader, MicrosecondFilesAndBigEndianFiles) {
   const Outcome outcome = read_all(big);
   ASSERT_EQ(outcome.datagrams.size(), 1u);
   EXPECT_EQ(outcome.datagrams[0].ns, 7'000'008'000);
-  EXPECT_EQ(outcome.datagrams[0].payload, numbered(10));
+  EXPECT_EQ(outcome.datagrams[0].payload, make_payload(10));
 }
 
 TEST(PcapReader, EthernetPaddingAndIpOptionsAreNotPayload) {
@@ -107,7 +107,7 @@ TEST(PcapReader, EthernetPaddingAndIpOptionsAreNotPayload) {
   padded.resize(padded.size() + 17, 0);
   const Outcome outcome = read_all(pcap(kEthernet, {{1, 0, padded}}));
   ASSERT_EQ(outcome.datagrams.size(), 1u);
-  EXPECT_EQ(outcome.datagrams[0].payload, numbered(4));
+  EXPECT_EQ(outcome.datagrams[0].payload, make_payload(4));
 }
 
 TEST(PcapReader, FiltersByPortAndSender) {
@@ -156,7 +156,7 @@ TEST(PcapReader, CountsWhatItLeavesOut) {
   EXPECT_EQ(outcome.counters.packets, 12u);
   EXPECT_EQ(outcome.counters.datagrams, 1u);
   EXPECT_EQ(outcome.counters.not_udp, 3u);
-  EXPECT_EQ(outcome.counters.snapped, 3u);
+  EXPECT_EQ(outcome.counters.truncated, 3u);
   EXPECT_EQ(outcome.counters.malformed, 5u);
 }
 
@@ -226,7 +226,7 @@ TEST(PcapReader, IncompleteFragmentsAreDroppedByAgeByNumberAndAtTheEnd) {
   options.max_fragmented_datagrams = 4;
   const Outcome full = read_all(pcap(kEthernet, records), options);
   ASSERT_EQ(full.datagrams.size(), 1u);
-  EXPECT_EQ(full.datagrams[0].payload, numbered(2000));
+  EXPECT_EQ(full.datagrams[0].payload, make_payload(2000));
   EXPECT_EQ(full.counters.fragments_dropped, 100u);
 }
 
@@ -331,7 +331,7 @@ TEST(PcapReader, TenThousandMutatedCapturesAreReadToTheirEnd) {
     while (reader->next(datagram)) ASSERT_LE(datagram.payload.size(), 65507u);
     const PcapCounters& counters = reader->counters();
     ASSERT_LE(counters.fragments_dropped, counters.fragments);
-    ASSERT_LE(counters.datagrams + counters.filtered + counters.not_udp + counters.snapped +
+    ASSERT_LE(counters.datagrams + counters.filtered + counters.not_udp + counters.truncated +
                   counters.malformed,
               counters.packets);
     packets += counters.packets;

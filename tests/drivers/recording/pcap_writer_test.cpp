@@ -34,7 +34,7 @@ TEST(PcapWriter, WritesTheBytesThatTheStandardsAskFor) {
   const Bytes payload = make_payload(3);
   auto writer = PcapWriter::create(folder / "a.pcap");
   ASSERT_TRUE(writer);
-  ASSERT_TRUE(writer->write(make(0x1'0000'0001, payload), 0xC0A80164));
+  ASSERT_TRUE(writer->write(make_datagram(0x1'0000'0001, payload), 0xC0A80164));
   EXPECT_EQ(writer->bytes(), 24u + 16 + 14 + 20 + 8 + 3);
   ASSERT_TRUE(writer->close());
   const Bytes file = read_bytes(folder / "a.pcap");
@@ -65,7 +65,8 @@ TEST(PcapWriter, WhatIsWrittenIsRead) {
   const std::vector<size_t> lengths = {0, 1, 512, 1206, 65507};
   for (size_t i = 0; i < lengths.size(); ++i) {
     const Bytes payload = make_payload(lengths[i], static_cast<uint32_t>(i));
-    ASSERT_TRUE(writer->write(make(1'795'216'680'123'456'789 + static_cast<int64_t>(i), payload)));
+    ASSERT_TRUE(
+        writer->write(make_datagram(1'795'216'680'123'456'789 + static_cast<int64_t>(i), payload)));
   }
   ASSERT_TRUE(writer->close());
   EXPECT_EQ(std::filesystem::file_size(folder / "a.pcap"), writer->bytes());
@@ -79,7 +80,7 @@ TEST(PcapWriter, WhatIsWrittenIsRead) {
     EXPECT_EQ(datagram.sender, kSender);
     EXPECT_EQ(datagram.sender_port, 443);
     EXPECT_EQ(Bytes(datagram.payload.begin(), datagram.payload.end()),
-              numbered(lengths[i], static_cast<uint32_t>(i)));
+              make_payload(lengths[i], static_cast<uint32_t>(i)));
   }
   EXPECT_FALSE(reader->next(datagram));
   EXPECT_FALSE(reader->damage());
@@ -90,11 +91,11 @@ TEST(PcapWriter, RefusesWhatTheFormatCannotHold) {
   EXPECT_FALSE(PcapWriter::create(folder / "missing" / "a.pcap"));
   auto writer = PcapWriter::create(folder / "a.pcap");
   ASSERT_TRUE(writer);
-  EXPECT_FALSE(writer->write(make(0, Bytes(65508))));
-  EXPECT_FALSE(writer->write(make(-1, Bytes(1))));
-  EXPECT_FALSE(writer->write(make(int64_t{1} << 62, Bytes(1))));
+  EXPECT_FALSE(writer->write(make_datagram(0, Bytes(65508))));
+  EXPECT_FALSE(writer->write(make_datagram(-1, Bytes(1))));
+  EXPECT_FALSE(writer->write(make_datagram(int64_t{1} << 62, Bytes(1))));
   EXPECT_TRUE(writer->close());
-  EXPECT_FALSE(writer->write(make(0, Bytes(1))));
+  EXPECT_FALSE(writer->write(make_datagram(0, Bytes(1))));
   EXPECT_TRUE(writer->close());
 }
 

@@ -93,7 +93,7 @@ void expect_synthetic_returns(const Sweep& sweep) {
       found.insert(i);
       EXPECT_EQ(sweep.ring[i], one.from_below);
       EXPECT_NEAR(sweep.range[i], std::hypot(one.x, one.y, one.z), 1e-5);
-      EXPECT_NEAR(sweep.reflectivity[i], one.level / 255.0, 1e-6);
+      EXPECT_NEAR(sweep.reflectivity[i], one.intensity / 255.0, 1e-6);
       const double azimuth = std::atan2(one.y, one.x);
       EXPECT_EQ(sweep.column[i],
                 static_cast<int>((azimuth < 0 ? azimuth + 2 * M_PI : azimuth) * 180 / M_PI));
@@ -156,9 +156,9 @@ TEST(PcdSweep, ReadsTextAndPassesOverWhatItDoesNotKnow) {
 
 TEST(PcdSweep, LeavesOutDirectionsWithoutAReturn) {
   Sweep sweep;
-  ASSERT_TRUE(parse_pcd_sweep(
-      head(kPlain, 5, "ascii") + "1 2 2 0.5\nnan nan nan 1\n0 0 0 0.25\n1e99 0 0 0\n0 3 0 nan\n",
-      sweep));
+  ASSERT_TRUE(parse_pcd_sweep(make_header(kXyziFields, 5, "ascii") +
+                                  "1 2 2 0.5\nnan nan nan 1\n0 0 0 0.25\n1e99 0 0 0\n0 3 0 nan\n",
+                              sweep));
   ASSERT_EQ(sweep.size(), 2U);
   EXPECT_EQ(sweep.range[0], 3);
   EXPECT_EQ(sweep.reflectivity[0], 0.5F);
@@ -170,35 +170,38 @@ TEST(PcdSweep, LeavesOutDirectionsWithoutAReturn) {
 TEST(PcdSweep, AnEmptyCloudIsAnEmptySweep) {
   for (const char* data : {"ascii", "binary"}) {
     Sweep sweep;
-    EXPECT_TRUE(parse_pcd_sweep(head(kXyziRingFields, 0, data), sweep)) << data;
+    EXPECT_TRUE(parse_pcd_sweep(make_header(kXyziRingFields, 0, data), sweep)) << data;
     EXPECT_EQ(sweep.size(), 0U);
   }
 }
 
 TEST(PcdSweep, SaysWhatIsWrong) {
-  EXPECT_THAT(refusal(""), HasSubstr("no DATA line"));
-  EXPECT_THAT(refusal("JUNK 1\n"), HasSubstr("line 1: JUNK is no key"));
-  EXPECT_THAT(refusal("FIELDS x y\nSIZE 4\n"), HasSubstr("line 2: SIZE must have one entry"));
-  EXPECT_THAT(refusal("FIELDS x\nPOINTS 99999999999999999999\n"), HasSubstr("must be one number"));
-  EXPECT_THAT(refusal("FIELDS x\nSIZE 3\nPOINTS 1\nDATA ascii\n"), HasSubstr("field 'x'"));
-  EXPECT_THAT(refusal("FIELDS x\nWIDTH 2\nHEIGHT 2\nPOINTS 3\nDATA ascii\n"), HasSubstr("HEIGHT"));
-  EXPECT_THAT(refusal("FIELDS x y\nPOINTS 1\nDATA ascii\n1 2\n"), HasSubstr("x, y and z"));
-  EXPECT_THAT(refusal("FIELDS x y z\nPOINTS 1\nDATA zip\n"), HasSubstr("binary_compressed"));
-  EXPECT_THAT(refusal(head(kPlain, 2, "ascii") + "1 2 3 4\n1 2 x 4\n"),
+  EXPECT_THAT(parse_error(""), HasSubstr("no DATA line"));
+  EXPECT_THAT(parse_error("JUNK 1\n"), HasSubstr("line 1: JUNK is no key"));
+  EXPECT_THAT(parse_error("FIELDS x y\nSIZE 4\n"), HasSubstr("line 2: SIZE must have one entry"));
+  EXPECT_THAT(parse_error("FIELDS x\nPOINTS 99999999999999999999\n"),
+              HasSubstr("must be one number"));
+  EXPECT_THAT(parse_error("FIELDS x\nSIZE 3\nPOINTS 1\nDATA ascii\n"), HasSubstr("field 'x'"));
+  EXPECT_THAT(parse_error("FIELDS x\nWIDTH 2\nHEIGHT 2\nPOINTS 3\nDATA ascii\n"),
+              HasSubstr("HEIGHT"));
+  EXPECT_THAT(parse_error("FIELDS x y\nPOINTS 1\nDATA ascii\n1 2\n"), HasSubstr("x, y and z"));
+  EXPECT_THAT(parse_error("FIELDS x y z\nPOINTS 1\nDATA zip\n"), HasSubstr("binary_compressed"));
+  EXPECT_THAT(parse_error(make_header(kXyziFields, 2, "ascii") + "1 2 3 4\n1 2 x 4\n"),
               HasSubstr("point 1 has no number for z"));
-  EXPECT_THAT(refusal(head(kPlain, 2, "binary") + std::string(31, 'a')),
+  EXPECT_THAT(parse_error(make_header(kXyziFields, 2, "binary") + std::string(31, 'a')),
               HasSubstr("ends after 31 of 32 bytes"));
   const std::string four = to_bytes(1.F) + to_bytes(1.F) + to_bytes(1.F) + to_bytes(1.F);
-  EXPECT_THAT(refusal(head(kPlain, 2, "binary_compressed") + packed(four)),
+  EXPECT_THAT(parse_error(make_header(kXyziFields, 2, "binary_compressed") + compress(four)),
               HasSubstr("unpacks to 16"));
   const std::string whole = make_header(kXyziFields, 1, "binary_compressed") + compress(four);
-  EXPECT_EQ(refusal(whole), "");
-  EXPECT_THAT(refusal(whole.substr(0, whole.size() - 1)), HasSubstr("ends within"));
-  EXPECT_THAT(refusal(head(kPlain, 1, "binary_compressed") + raw(2U) + raw(16U) + "\x05\x05"),
+  EXPECT_EQ(parse_error(whole), "");
+  EXPECT_THAT(parse_error(whole.substr(0, whole.size() - 1)), HasSubstr("ends within"));
+  EXPECT_THAT(parse_error(make_header(kXyziFields, 1, "binary_compressed") + to_bytes(2U) +
+                          to_bytes(16U) + "\x05\x05"),
               HasSubstr("do not unpack"));
-  EXPECT_THAT(
-      refusal(head(kPlain, 4'000'000, "binary_compressed") + raw(2U) + raw(64'000'000U) + "aa"),
-      HasSubstr("do not unpack"));
+  EXPECT_THAT(parse_error(make_header(kXyziFields, 4'000'000, "binary_compressed") + to_bytes(2U) +
+                          to_bytes(64'000'000U) + "aa"),
+              HasSubstr("do not unpack"));
 }
 
 TEST(PcdSweep, DamagedFilesAreReadOrRefused) {

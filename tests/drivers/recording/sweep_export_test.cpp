@@ -46,15 +46,15 @@ void expect_records(const std::string& bytes, const std::string& end_of_header) 
   ASSERT_EQ(bytes.size() - header, 2 * 29u);
   for (size_t i = 0; i < 2; ++i) {
     const size_t record = header + 29 * i;
-    EXPECT_EQ(at<float>(bytes, record), 1.5f + static_cast<float>(i));
-    EXPECT_EQ(at<float>(bytes, record + 4), -2);
-    EXPECT_EQ(at<float>(bytes, record + 8), 0.25f);
-    EXPECT_EQ(at<float>(bytes, record + 12), 3);
-    EXPECT_EQ(at<float>(bytes, record + 16), 0.5f);
-    EXPECT_EQ(at<uint16_t>(bytes, record + 20), 40000 + i);
-    EXPECT_EQ(at<uint16_t>(bytes, record + 22), 7);
-    EXPECT_EQ(at<int32_t>(bytes, record + 24), -9);
-    EXPECT_EQ(at<uint8_t>(bytes, record + 28), 2);
+    EXPECT_EQ(read_at<float>(bytes, record), 1.5f + static_cast<float>(i));
+    EXPECT_EQ(read_at<float>(bytes, record + 4), -2);
+    EXPECT_EQ(read_at<float>(bytes, record + 8), 0.25f);
+    EXPECT_EQ(read_at<float>(bytes, record + 12), 3);
+    EXPECT_EQ(read_at<float>(bytes, record + 16), 0.5f);
+    EXPECT_EQ(read_at<uint16_t>(bytes, record + 20), 40000 + i);
+    EXPECT_EQ(read_at<uint16_t>(bytes, record + 22), 7);
+    EXPECT_EQ(read_at<int32_t>(bytes, record + 24), -9);
+    EXPECT_EQ(read_at<uint8_t>(bytes, record + 28), 2);
   }
 }
 
@@ -80,8 +80,8 @@ TEST(SweepExport, EveryFormatHoldsEveryField) {
             "2.5,-2,0.25,3,0.5,40001,7,-9,2\n");
   const std::string bin = folder.read("a.bin");
   ASSERT_EQ(bin.size(), 32u);
-  EXPECT_EQ(at<float>(bin, 16), 2.5f);
-  EXPECT_EQ(at<float>(bin, 28), 0.5f);
+  EXPECT_EQ(read_at<float>(bin, 16), 2.5f);
+  EXPECT_EQ(read_at<float>(bin, 28), 0.5f);
 }
 
 TEST(SweepExport, FormatsGoByExtension) {

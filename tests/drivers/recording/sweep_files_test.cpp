@@ -132,8 +132,8 @@ TEST(SweepFiles, RealKittiSweepsHaveTheirScannersSixtyFourRings) {
       sum += std::asin(sweep.z[i] / sweep.range[i]);
       ++count;
     }
-    EXPECT_NEAR(elevation[0].first / elevation[0].second * 360 / kTurn, -24, 2);
-    EXPECT_GT(elevation[63].first / elevation[63].second * 360 / kTurn, 0);
+    EXPECT_NEAR(elevation[0].first / elevation[0].second * 360 / kTwoPi, -24, 2);
+    EXPECT_GT(elevation[63].first / elevation[63].second * 360 / kTwoPi, 0);
     // A direction holds one return, but where two beams' corrections move them together.
     std::set<std::pair<int, int>> cells;
     for (size_t i = 0; i < sweep.size(); ++i) cells.insert({sweep.ring[i], sweep.column[i]});

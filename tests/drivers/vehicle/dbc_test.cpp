@@ -199,7 +199,7 @@ TEST(Dbc, KeepsTheListOfProblemsBounded) {
   for (int i = 0; i < 1000; ++i) text += "rubbish " + std::to_string(i) + "\n" + "BO_ x\n";
   const DbcParseResult read = parse_dbc(text, "bad.dbc");
   EXPECT_GE(read.problems.count(), 1000u);
-  EXPECT_THAT(read.problems.first(), SizeIs(ProblemLog::kKept));
+  EXPECT_THAT(read.problems.first(), SizeIs(ProblemLog::kMaxKept));
 }
 
 TEST(Dbc, ReportsMissingFile) {

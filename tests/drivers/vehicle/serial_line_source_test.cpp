@@ -39,8 +39,8 @@ TEST(LineSplitter, DropsALineThatIsTooLongAndGoesOn) {
   const std::string max_line(LineSplitter::kMaxLineLength, 'x');
   splitter.push(max_line + "\n" + max_line + "y\nz\n", Stamp(),
                 [&](Stamp, std::string_view line) { lines.emplace_back(line); });
-  EXPECT_EQ(lines, (std::vector<std::string>{longest, "z"}));
-  EXPECT_EQ(cutter.dropped(), 1U);
+  EXPECT_EQ(lines, (std::vector<std::string>{max_line, "z"}));
+  EXPECT_EQ(splitter.dropped(), 1U);
 }
 
 /// A pair of pseudo-terminals: what is written to the one is read from the other.

@@ -81,7 +81,7 @@ TEST(SignalMap, NegatesWheelSpeedsInReverse) {
   auto decoder = VehicleDecoder::create(parse_dbc(kDbc, "x").dbc, make_map());
   ASSERT_TRUE(decoder);
   const auto wheels = make_test_frame(100, {0x10, 0x0E, 0, 0, 0, 0, 0, 0});
-  EXPECT_FALSE(decoder->decode(frame(102, {7})).wheels);
+  EXPECT_FALSE(decoder->decode(make_test_frame(102, {7})).wheels);
   EXPECT_NEAR(decoder->decode(wheels).wheels->wheel_speed[0], -10, 1e-12);
   decoder->decode(make_test_frame(102, {3}));
   EXPECT_NEAR(decoder->decode(wheels).wheels->wheel_speed[0], 10, 1e-12);

@@ -23,15 +23,15 @@ can_frame make_raw_frame(canid_t id, std::initializer_list<uint8_t> data) {
 
 CanFrame make_error_frame(uint32_t error_class, uint8_t controller = 0) {
   CanFrame frame;
-  EXPECT_TRUE(
-      parse_socket_can(bytes_of(raw(error_class | CAN_ERR_FLAG, {0, controller, 0, 0})), frame));
+  EXPECT_TRUE(parse_socket_can(
+      bytes_of(make_raw_frame(error_class | CAN_ERR_FLAG, {0, controller, 0, 0})), frame));
   EXPECT_TRUE(frame.error);
   return frame;
 }
 
 TEST(SocketCan, ReadsAClassicFrame) {
   CanFrame frame;
-  ASSERT_TRUE(parse_socket_can(bytes_of(raw(0x260, {8, 0xFF})), frame));
+  ASSERT_TRUE(parse_socket_can(bytes_of(make_raw_frame(0x260, {8, 0xFF})), frame));
   EXPECT_EQ(frame.id, 0x260U);
   EXPECT_FALSE(frame.extended || frame.remote || frame.error || frame.fd);
   EXPECT_EQ(std::vector<uint8_t>(frame.payload().begin(), frame.payload().end()),
@@ -40,10 +40,10 @@ TEST(SocketCan, ReadsAClassicFrame) {
 
 TEST(SocketCan, ReadsExtendedAndRemoteFrames) {
   CanFrame frame;
-  ASSERT_TRUE(parse_socket_can(bytes_of(raw(0x18FEF100U | CAN_EFF_FLAG, {1})), frame));
+  ASSERT_TRUE(parse_socket_can(bytes_of(make_raw_frame(0x18FEF100U | CAN_EFF_FLAG, {1})), frame));
   EXPECT_EQ(frame.id, 0x18FEF100U);
   EXPECT_TRUE(frame.extended);
-  ASSERT_TRUE(parse_socket_can(bytes_of(raw(0x123 | CAN_RTR_FLAG, {1, 2})), frame));
+  ASSERT_TRUE(parse_socket_can(bytes_of(make_raw_frame(0x123 | CAN_RTR_FLAG, {1, 2})), frame));
   EXPECT_EQ(frame.id, 0x123U);
   EXPECT_TRUE(frame.remote);
   EXPECT_EQ(frame.payload().size(), 0U);
@@ -99,7 +99,7 @@ TEST(BusErrors, AFrameThatCameShowsThatTheBusIsNotOff) {
   BusErrors errors;
   errors.process(make_error_frame(CAN_ERR_BUSOFF));
   CanFrame frame;
-  ASSERT_TRUE(parse_socket_can(bytes_of(raw(0x10, {1})), frame));
+  ASSERT_TRUE(parse_socket_can(bytes_of(make_raw_frame(0x10, {1})), frame));
   errors.process(frame);
   EXPECT_EQ(errors.state(), BusState::kErrorActive);
 }

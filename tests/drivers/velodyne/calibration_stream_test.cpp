@@ -61,12 +61,12 @@ TEST_P(EachHdl64e, ABrokenCycleGivesNothingAndTheNextOneDoes) {
   CalibrationStream stream(GetParam());
   for (size_t i = 0; i < 2000; ++i) {
     const auto status = sensor.next();
-    EXPECT_FALSE(gatherer.add(status.type, status.value));
+    EXPECT_FALSE(stream.add(status.type, status.value));
   }
   while (sensor.next().type != '3') {
   }  // some packets are lost, unnoticed
   size_t completed = 0;
-  ASSERT_TRUE(gather(gatherer, sensor, 3 * 4160, &completed));
+  ASSERT_TRUE(collect(stream, sensor, 3 * 4160, &completed));
   EXPECT_GT(completed, 4160U);
 }
 
@@ -82,7 +82,7 @@ TEST(CalibrationStream, AnS3sChecksumMustFit) {
       ASSERT_EQ(status.type, '3');
       status.value ^= 1;
     }
-    ASSERT_FALSE(gatherer.add(status.type, status.value)) << i;
+    ASSERT_FALSE(stream.add(status.type, status.value)) << i;
   }
 }
 

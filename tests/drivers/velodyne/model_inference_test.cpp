@@ -24,9 +24,9 @@ TEST(ModelInference, EveryModelIsKnownByItsPackets) {
                                               .mode = mode,
                                               .turns = 0.3,
                                               .calibration = built_in_calibration(info.model)}));
-      ASSERT_TRUE(guess) << info.name;
-      EXPECT_EQ(guess->model, info.model) << inferred->reason;
-      EXPECT_FALSE(guess->reason.empty());
+      ASSERT_TRUE(inferred) << info.name;
+      EXPECT_EQ(inferred->model, info.model) << inferred->reason;
+      EXPECT_FALSE(inferred->reason.empty());
     }
   }
 }
@@ -37,26 +37,26 @@ TEST(ModelInference, EarlyVlp16FirmwareIsRecognised) {
                                             .mode = mode,
                                             .calibration = built_in_calibration(Model::kVlp16)}),
                                 uint8_t{0x21});
-    ASSERT_TRUE(guess);
-    EXPECT_EQ(guess->model, Model::kVlp16);
-    EXPECT_NE(guess->reason.find("0x21"), std::string::npos) << inferred->reason;
+    ASSERT_TRUE(inferred);
+    EXPECT_EQ(inferred->model, Model::kVlp16);
+    EXPECT_NE(inferred->reason.find("0x21"), std::string::npos) << inferred->reason;
   }
 }
 
 TEST(ModelInference, GivesNoModelForTooFewPacketsOrOtherData) {
   const Scene scene = make_scene({.turns = 1, .calibration = built_in_calibration(Model::kHdl32e)});
   ModelInference inference;
-  EXPECT_FALSE(inference.guess());
+  EXPECT_FALSE(inference.infer());
   for (size_t i = 0; i < 7; ++i) inference.add(scene.packets[i].payload);
-  EXPECT_FALSE(inference.guess());
-  EXPECT_FALSE(inference.settled());
+  EXPECT_FALSE(inference.infer());
+  EXPECT_FALSE(inference.has_enough_packets());
   for (size_t i = 7; i < 64; ++i) inference.add(scene.packets[i].payload);
-  EXPECT_TRUE(inference.settled());
+  EXPECT_TRUE(inference.has_enough_packets());
   EXPECT_FALSE(infer(scene, uint8_t{0x99}));
 
   ModelInference noise;
   for (size_t i = 0; i < 100; ++i) noise.add(std::vector<uint8_t>(kPacketSize, 7));
-  EXPECT_FALSE(noise.guess());
+  EXPECT_FALSE(noise.infer());
 }
 
 }  // namespace

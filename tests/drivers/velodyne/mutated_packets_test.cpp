@@ -89,7 +89,8 @@ TEST(MutatedPackets, EachIsUsedOrCountedWithItsReason) {
         }
       }
       const PacketCounters& c = assembler.counters();
-      EXPECT_EQ(c.packets + c.total_malformed() + c.wrong_sender + c.duplicates + c.too_late, mine);
+      EXPECT_EQ(c.packets + c.total_malformed() + c.wrong_sender + c.duplicates + c.too_late,
+                packets_of_model);
       EXPECT_GT(c.total_malformed(), 0U) << info.name;
       EXPECT_GT(c.packets, 0U) << info.name;
       pushed += packets_of_model;

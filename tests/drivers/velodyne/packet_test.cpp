@@ -22,7 +22,7 @@ TEST(Packet, HeadersAreRead) {
   ASSERT_TRUE(packet);
   EXPECT_EQ(packet->counter_us, 123'456'789U);
   EXPECT_EQ(packet->mode, ReturnMode::kStrongest);
-  EXPECT_EQ(packet->product, 0x28);
+  EXPECT_EQ(packet->product_id, 0x28);
   EXPECT_EQ(packet->sequences, 12);
   EXPECT_EQ(packet->azimuth[0], 35'000);
   const auto dual =

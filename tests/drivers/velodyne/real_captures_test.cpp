@@ -295,8 +295,8 @@ TEST(RealCaptures, AModelIsInferredFromItsPackets) {
     ModelInference inference;
     for (const CapturedDatagram& packet : data_packets(path)) inference.add(packet.payload);
     const auto inferred = inference.infer();
-    ASSERT_TRUE(guess.has_value()) << name;
-    EXPECT_EQ(guess->model, model) << name << ": " << inferred->reason;
+    ASSERT_TRUE(inferred.has_value()) << name;
+    EXPECT_EQ(inferred->model, model) << name << ": " << inferred->reason;
   }
 }
 

@@ -131,7 +131,7 @@ TEST(UdpSource, CutsALongDatagramAndStaysInStep) {
   send_to(sender, source.port(), {});
   std::vector<size_t> sizes;
   ASSERT_TRUE(source.read(batch, [&](const Datagram& d) { sizes.push_back(d.payload.size()); }));
-  EXPECT_EQ(sizes, (std::vector<size_t>{UdpSource::kMaxBytes, 0}));
+  EXPECT_EQ(sizes, (std::vector<size_t>{UdpSource::kMaxDatagramBytes, 0}));
 }
 
 TEST(UdpSource, ReceivesFromAJoinedMulticastGroup) {

@@ -54,7 +54,7 @@ TEST(Discontinuity, ALonePostIsMarkedFromBothSides) {
 
 TEST(Discontinuity, RingsDoNotMix) {
   const Sweep sweep = make_sweep({{5, 5, 5}, {9, 9, 9}}, true);
-  EXPECT_THAT(discontinuity(sweep, {.reach = 0}), ElementsAre(0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(discontinuity(sweep, {.max_edge_azimuth = 0}), ElementsAre(0, 0, 0, 0, 0, 0));
 }
 
 TEST(Discontinuity, TheOrderOfFiringDoesNotMatter) {
@@ -68,10 +68,10 @@ TEST(Discontinuity, TheOrderOfFiringDoesNotMatter) {
 
 TEST(Discontinuity, AFarNeighbourCountsAsTheNoReturnStep) {
   const Sweep sweep = make_sweep({{5, 0, 0, 0, 9}});
-  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .reach = 0}), ElementsAre(0, 0));
-  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .no_return_step = 3, .reach = 0}),
+  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .max_edge_azimuth = 0}), ElementsAre(0, 0));
+  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .no_return_step = 3, .max_edge_azimuth = 0}),
               ElementsAre(3, 3));
-  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .max_gap = 0.05, .reach = 0}),
+  EXPECT_THAT(discontinuity(sweep, {.gamma = 1, .max_gap = 0.05, .max_edge_azimuth = 0}),
               ElementsAre(FloatNear(4, 1e-6F), 0));
 }
 
@@ -121,7 +121,7 @@ TEST(RelativeDiscontinuity, IsTheRankAmongThoseOfTheRing) {
       below += edge[j] < edge[i];
       equal += edge[j] == edge[i];
     }
-    EXPECT_NEAR(relative[i], (below + 0.5 * (alike - 1)) / all, 1e-6);
+    EXPECT_NEAR(relative[i], (below + 0.5 * (equal - 1)) / all, 1e-6);
   }
   EXPECT_TRUE(relative_discontinuity({}, {}).empty());
 }
@@ -131,7 +131,7 @@ TEST(DiscontinuityOptions, SaysWhatIsWrong) {
   EXPECT_TRUE((DiscontinuityOptions{.gamma = 0}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.max_gap = 0}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.no_return_step = -1}.invalid()));
-  EXPECT_TRUE((DiscontinuityOptions{.reach = -1}.invalid()));
+  EXPECT_TRUE((DiscontinuityOptions{.max_edge_azimuth = -1}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.min_edge_step = 0}.invalid()));
 }
 

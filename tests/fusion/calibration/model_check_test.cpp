@@ -43,8 +43,8 @@ TEST(CheckModel, FindsAWrongFocalLength) {
   const auto doubts =
       mismatches_of(drive.scenes, {RigCamera{geometry::CameraModel(wrong)}}, drive.T_camera_lidar);
   ASSERT_FALSE(doubts.empty());
-  EXPECT_EQ(doubts[0].what, "focal length");
-  EXPECT_TRUE(doubts[0].doubtful);
+  EXPECT_EQ(doubts[0].parameter, "focal length");
+  EXPECT_TRUE(doubts[0].significant);
   EXPECT_LT(doubts[0].significance, -3.5);  // it ought to be smaller
 }
 
@@ -70,10 +70,10 @@ TEST(CheckModel, FindsAnImageDelayWhereTheMotionVaries) {
   }
   const auto doubts = mismatches_of(scenes, drive.cameras, drive.T_camera_lidar);
   ASSERT_EQ(doubts.size(), 5U);
-  EXPECT_EQ(doubts[4].what, "image time offset");
-  EXPECT_TRUE(doubts[4].doubtful);
+  EXPECT_EQ(doubts[4].parameter, "image time offset");
+  EXPECT_TRUE(doubts[4].significant);
   EXPECT_GT(doubts[4].significance, 3.5);
-  EXPECT_NEAR(doubts[4].value, 1e3 * kLate, 3);
+  EXPECT_NEAR(doubts[4].value, 1e3 * kDelay, 3);
 }
 
 TEST(CheckModel, TooFewScenesGiveNoAnswer) {

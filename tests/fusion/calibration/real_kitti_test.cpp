@@ -25,8 +25,8 @@ TEST(RealKittiPairs, StaysAtThePublishedExtrinsics) {
   ASSERT_TRUE(read) << read.error().message();
   const CalibrationResult result = calibrate(read->scenes, read->cameras, read->T_camera_lidar, {});
   EXPECT_TRUE(result.usable()) << result.reason;
-  EXPECT_LT(off(result, *read).head<3>().norm(), 0.2 * kDegree);
-  EXPECT_LT(off(result, *read).tail<3>().norm(), 0.05);
+  EXPECT_LT(pose_error(result, *read).head<3>().norm(), 0.2 * kDegree);
+  EXPECT_LT(pose_error(result, *read).tail<3>().norm(), 0.05);
 }
 
 TEST(RealKittiPairs, FromThreeDegreesAndTenCentimetresOneOptimum) {
@@ -36,8 +36,8 @@ TEST(RealKittiPairs, FromThreeDegreesAndTenCentimetresOneOptimum) {
   const auto starts = kitti::draw_initial_poses(read->T_camera_lidar, 3 * kDegree, 0.1, 1, 7);
   for (const Eigen::Isometry3d& start : starts) {
     const CalibrationResult result = calibrate(read->scenes, read->cameras, start, {});
-    EXPECT_LT(off(result, *read).head<3>().norm(), 0.2 * kDegree);
-    EXPECT_LT(off(result, *read).tail<3>().norm(), 0.05);
+    EXPECT_LT(pose_error(result, *read).head<3>().norm(), 0.2 * kDegree);
+    EXPECT_LT(pose_error(result, *read).tail<3>().norm(), 0.05);
   }
 }
 

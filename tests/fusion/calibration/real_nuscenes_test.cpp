@@ -67,7 +67,7 @@ Rig read_rig(const std::filesystem::path& folder) {
   for (const auto& [name, image] : calib.at("images").items()) {
     CameraFrame frame;
     const auto image = kitti::read_bytes(folder / image.at("img_path").get<std::string>());
-    EXPECT_TRUE(camera::decode_image(picture, {}, frame)) << name;
+    EXPECT_TRUE(camera::decode_image(image, {}, frame)) << name;
     const json& K = image.at("cam2img");
     const CameraIntrinsics intrinsics{.width = frame.width,
                                       .height = frame.height,

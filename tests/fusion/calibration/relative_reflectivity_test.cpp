@@ -78,7 +78,7 @@ TEST(RelativeReflectivity, MemoryOfTheLastSweepChangesNothing) {
   const Returns returns = random_returns();
   kept.compute(returns.ring, returns.range, returns.reflectivity);
   const Returns same{.ring = {3, 3}, .range = {9, 9}, .reflectivity = {0.2F, 0.4F}};
-  EXPECT_THAT(kept.of(same.ring, same.range, same.reflectivity),
+  EXPECT_THAT(kept.compute(same.ring, same.range, same.reflectivity),
               testing::ElementsAre(0.25F, 0.75F));
 }
 

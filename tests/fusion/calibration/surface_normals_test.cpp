@@ -91,7 +91,7 @@ TEST(SurfaceNormals, AreSpreadEvenlyWhereNotAllAreAskedFor) {
 TEST(SurfaceNormals, SayWhatIsWrongWithTheirOptions) {
   EXPECT_FALSE(NormalOptions{}.invalid());
   EXPECT_TRUE((NormalOptions{.neighbours = 2}.invalid()));
-  EXPECT_TRUE((NormalOptions{.farthest = 0}.invalid()));
+  EXPECT_TRUE((NormalOptions{.max_neighbour_distance = 0}.invalid()));
 }
 
 TEST(TaylorNormal, IsRiseSquaredOverTheWayAlong) {

@@ -58,7 +58,7 @@ Count count(const Scene& scene) {
 TEST(ThinScenesTest, WithPointsEnoughAllInViewStayOnce) {
   const Scene scene = thin(1'000'000, false);
   const auto& number = scene.lidar[index(LidarFeature::kReflectivity)];
-  EXPECT_EQ(scene.size(), kAcross * kWallRows) << "all but the one behind";
+  EXPECT_EQ(scene.size(), kWallColumns * kWallRows) << "all but the one behind";
   EXPECT_EQ(std::set<float>(number.begin(), number.end()).size(), scene.size());
 }
 

@@ -33,7 +33,7 @@ TEST(BaggedLsmi, BagsOfAllSamplesAreLsmi) {
     const FitEstimate truth = plain.evaluate(y, found.hyper_parameters, &plain_gradient);
     EXPECT_NEAR(found.value, truth.value, 1e-11);
     EXPECT_TRUE(bagged_gradient.isApprox(plain_gradient, 1e-8));
-    EXPECT_EQ(*bagged.kept(), found.chosen);
+    EXPECT_EQ(*bagged.hyper_parameters(), found.hyper_parameters);
   }
 }
 
@@ -42,7 +42,7 @@ TEST(BaggedLsmi, GradientEqualsCentralDifferences) {
   BaggedLsmi bagged(x, small_bags(4, 30, 10));
   bagged.set_hyper_parameters({0.9, 0.02});
   MatrixXd gradient;
-  EXPECT_EQ(bagged.ask(y, &gradient).value, bagged.ask(y).value);
+  EXPECT_EQ(bagged.evaluate(y, &gradient).value, bagged.evaluate(y).value);
   EXPECT_GT(gradient.norm(), 0.01);
   const auto value = [&](const MatrixXd& at) { return bagged.evaluate(at).value; };
   EXPECT_LT((gradient - central_differences(value, y, 1e-5)).cwiseAbs().maxCoeff(), 1e-8);
@@ -71,11 +71,11 @@ TEST(BaggedLsmi, SeedFixesTheBagsAndMoreBagsVaryLess) {
 TEST(BaggedLsmi, KeepsTheHyperParametersOfTheFirstEvaluation) {
   const MatrixXd x = normal_samples(300, 1, 8), y = correlated_with(x, 0.9, 9);
   BaggedLsmi bagged(x, small_bags(3, 100, 20));
-  EXPECT_FALSE(bagged.kept());
+  EXPECT_FALSE(bagged.hyper_parameters());
   const HyperParameters first = bagged.evaluate(y).hyper_parameters;
-  EXPECT_EQ(bagged.ask(normal_samples(300, 1, 10)).chosen, first);
+  EXPECT_EQ(bagged.evaluate(normal_samples(300, 1, 10)).hyper_parameters, first);
   bagged.set_hyper_parameters({0.123, 0.5});
-  EXPECT_EQ(bagged.ask(y).chosen, (HyperParameters{0.123, 0.5}));
+  EXPECT_EQ(bagged.evaluate(y).hyper_parameters, (HyperParameters{0.123, 0.5}));
 }
 
 TEST(BaggedLsmi, ReportsReasonForInvalidInput) {
@@ -95,20 +95,20 @@ TEST(BaggedLsmi, ReportsReasonForInvalidInput) {
   BaggedLsmi bagged(x, options);
   MatrixXd gradient = x, bad = x;
   bad(49, 1) = kNan;
-  EXPECT_STREQ(bagged.ask(bad, &gradient).reason, "a sample is not finite");
+  EXPECT_STREQ(bagged.evaluate(bad, &gradient).reason, "a sample is not finite");
   EXPECT_EQ(gradient.size(), 0);
-  EXPECT_STREQ(bagged.ask(x.topRows(30)).reason, "the two sides differ in length");
+  EXPECT_STREQ(bagged.evaluate(x.topRows(30)).reason, "the two sides differ in length");
   bagged.set_hyper_parameters({kNan, 1});
-  EXPECT_STREQ(bagged.ask(x).reason, "the given hyper-parameters are out of range");
+  EXPECT_STREQ(bagged.evaluate(x).reason, "the given hyper-parameters are out of range");
   bagged.set_hyper_parameters({1, 0.01});
-  EXPECT_TRUE(bagged.ask(x).usable());
+  EXPECT_TRUE(bagged.evaluate(x).usable());
 
   // The first bag may be constant where the samples are not.
   MatrixXd spike = MatrixXd::Zero(50, 1);
   spike(0) = 1;
   BaggedLsmi hollow(x, small_bags(20, 4, 4));
   hollow.set_hyper_parameters({1, 0.01});
-  EXPECT_TRUE(std::isfinite(hollow.ask(spike).value));
+  EXPECT_TRUE(std::isfinite(hollow.evaluate(spike).value));
 }
 
 TEST(BagOptions, ReportInvalidValues) {

@@ -32,7 +32,7 @@ TEST(LabelDependence, EqualsTheDenseKroneckerSolve) {
                            MatrixXd::Zero(30, 30), MatrixXd::Identity(5, 5), lambda);
       const FitEstimate found = prepared(x, fixed(sigma, lambda)).evaluate(labels, 5);
       EXPECT_STREQ(found.reason, "");
-      EXPECT_EQ(found.chosen, (HyperParameters{sigma, lambda}));
+      EXPECT_EQ(found.hyper_parameters, (HyperParameters{sigma, lambda}));
       EXPECT_NEAR(found.value, plain.value(), 1e-9) << sigma << " " << lambda;
     }
   }
@@ -47,7 +47,7 @@ TEST(LabelDependence, WorksWithOneCentre) {
   const MatrixXd centre = x(choose_subset(40, 1, random), Eigen::all);
   const PlainFit plain(FitMeasure::kSmi, plain_kernel(x, centre, 0.7), indicators(labels, 3),
                        MatrixXd::Zero(1, 1), MatrixXd::Identity(3, 3), 0.1);
-  EXPECT_NEAR(prepared(x, options).ask(labels, 3).value, plain.value(), 1e-12);
+  EXPECT_NEAR(prepared(x, options).evaluate(labels, 3).value, plain.value(), 1e-12);
 }
 
 TEST(LabelDependence, CrossValidationChoosesAsThePlainOneDoes) {
@@ -59,8 +59,9 @@ TEST(LabelDependence, CrossValidationChoosesAsThePlainOneDoes) {
     const std::vector<int32_t> labels = make_labels(x, 3, 30 + trial);
     dependence.prepare(x);
     const FitEstimate found = dependence.evaluate(labels, 3);
-    EXPECT_EQ(found.chosen, plain_choice(FitMeasure::kSmi, x, nullptr, labels, 3, options));
-    EXPECT_EQ(dependence.ask(labels, 3, found.chosen).value, found.value);
+    EXPECT_EQ(found.hyper_parameters,
+              plain_choice(FitMeasure::kSmi, x, nullptr, labels, 3, options));
+    EXPECT_EQ(dependence.evaluate(labels, 3, found.hyper_parameters).value, found.value);
     all.push_back(found.hyper_parameters);
   }
   EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const auto& h) { return !(h == all[0]); }));
@@ -78,7 +79,7 @@ TEST(LabelDependence, ReusedObjectGivesTheValuesOfAFreshOne) {
       const auto labels = make_labels(x, count, 50);
       const FitEstimate one = shared.evaluate(labels, count), other = fresh.evaluate(labels, count);
       EXPECT_EQ(one.value, other.value);
-      EXPECT_EQ(one.chosen, other.chosen);
+      EXPECT_EQ(one.hyper_parameters, other.hyper_parameters);
       EXPECT_NE(one.value, 0);
     }
   }
@@ -88,24 +89,25 @@ TEST(LabelDependence, ReportsReasonForInvalidInput) {
   const MatrixXd x = normal_samples(30, 2, 500);
   const std::vector<int32_t> labels = make_labels(x, 3, 501), alike(30, 1);
   LabelDependence side{FitOptions{}};
-  EXPECT_STREQ(side.ask(labels, 3).reason, "no samples");
+  EXPECT_STREQ(side.evaluate(labels, 3).reason, "no samples");
   MatrixXd with_nan = x;
   with_nan(4, 1) = std::numeric_limits<double>::quiet_NaN();
   side.prepare(with_nan);
   EXPECT_STREQ(side.reason(), "a sample is not finite");
-  EXPECT_STREQ(side.ask(labels, 3).reason, "a sample is not finite");
+  EXPECT_STREQ(side.evaluate(labels, 3).reason, "a sample is not finite");
   side.prepare(x.topRows(4));
   EXPECT_STREQ(side.reason(), "fewer samples than folds");
   side.prepare(x);
   EXPECT_STREQ(side.reason(), "");
-  EXPECT_STREQ(side.ask(alike, 3).reason, "all labels are equal");
-  EXPECT_STREQ(side.ask(labels, 2).reason, "a label is outside 0 … label_count − 1");
-  EXPECT_STREQ(side.ask(std::span(labels).first(9), 3).reason, "the two sides differ in length");
-  EXPECT_STREQ(side.ask(labels, 3, HyperParameters{7, 1}).reason,
+  EXPECT_STREQ(side.evaluate(alike, 3).reason, "all labels are equal");
+  EXPECT_STREQ(side.evaluate(labels, 2).reason, "a label is outside 0 … label_count − 1");
+  EXPECT_STREQ(side.evaluate(std::span(labels).first(9), 3).reason,
+               "the two sides differ in length");
+  EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{7, 1}).reason,
                "the given sigma is not in the grid");
-  EXPECT_STREQ(side.ask(labels, 3, HyperParameters{1, 0}).reason,
+  EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{1, 0}).reason,
                "the given lambda is outside 1e-12 … 1e12");
-  EXPECT_TRUE(side.ask(labels, 3).usable());
+  EXPECT_TRUE(side.evaluate(labels, 3).usable());
   FitOptions invalid;
   invalid.lambdas = {0.0};
   EXPECT_STREQ(prepared(x, invalid).reason(), "invalid options");

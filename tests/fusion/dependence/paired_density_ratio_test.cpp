@@ -110,7 +110,7 @@ TEST(Mlmi, CrossValidationFindsAWidthOfTheGrid) {
   FitOptions options;
   options.centres = 30;
   options.sigmas = {1e-3, 0.5, 30};
-  EXPECT_EQ(mlmi(x, y, options).chosen, (HyperParameters{0.5, 0}));
+  EXPECT_EQ(mlmi(x, y, options).hyper_parameters, (HyperParameters{0.5, 0}));
 }
 
 TEST(PairedDensityRatios, ReportReasonForInvalidInput) {

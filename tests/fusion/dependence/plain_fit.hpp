@@ -146,8 +146,8 @@ inline HyperParameters plain_choice(FitMeasure measure, const Eigen::MatrixXd& x
           const Eigen::MatrixXd r =
               phi(Eigen::all, held_out).transpose() * fit.theta * psi(Eigen::all, held_out);
           EXPECT_NEAR(0.5 * r.array().square().mean() - r.diagonal().mean(),
-                      0.5 * fit.theta.cwiseProduct(judge.p * fit.theta * judge.a).sum() -
-                          fit.theta.cwiseProduct(judge.c).sum(),
+                      0.5 * fit.theta.cwiseProduct(validation.p * fit.theta * validation.a).sum() -
+                          fit.theta.cwiseProduct(validation.c).sum(),
                       1e-8);
         }
       }

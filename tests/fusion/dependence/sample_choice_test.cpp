@@ -43,25 +43,25 @@ TEST(SampleChoice, CheckSamplesReportsTheReason) {
   Eigen::MatrixXd x(3, 1), y(4, 1);
   x << 1, 2, 3;
   y << 1, 2, 3, 4;
-  EXPECT_STREQ(unusable(x), "");
-  EXPECT_STREQ(unusable(Eigen::MatrixXd(0, 1)), "fewer than two samples");
-  EXPECT_STREQ(unusable(Eigen::MatrixXd(3, 0)), "fewer than two samples");
-  EXPECT_STREQ(unusable(Eigen::MatrixXd::Ones(3, 2)), "all samples are equal");
-  EXPECT_STREQ(unusable(x, y), "the two sides differ in length");
+  EXPECT_STREQ(check_samples(x), "");
+  EXPECT_STREQ(check_samples(Eigen::MatrixXd(0, 1)), "fewer than two samples");
+  EXPECT_STREQ(check_samples(Eigen::MatrixXd(3, 0)), "fewer than two samples");
+  EXPECT_STREQ(check_samples(Eigen::MatrixXd::Ones(3, 2)), "all samples are equal");
+  EXPECT_STREQ(check_paired_samples(x, y), "the two sides differ in length");
   for (const double bad : {kNan, std::numeric_limits<double>::infinity(), -1e101}) {
     y(2) = bad;
-    EXPECT_STREQ(unusable(y), "a sample is not finite");
+    EXPECT_STREQ(check_samples(y), "a sample is not finite");
   }
 }
 
 TEST(SampleChoice, CheckLabelsReportsTheReason) {
   const std::vector<int32_t> good = {0, 1, 2}, alike = {1, 1, 1}, negative = {0, -1, 2};
-  EXPECT_STREQ(unusable(good, 3, 3), "");
-  EXPECT_STREQ(unusable(good, 4, 3), "the two sides differ in length");
-  EXPECT_STREQ(unusable(good, 3, 2), "a label is outside 0 … label_count − 1");
-  EXPECT_STREQ(unusable(negative, 3, 3), "a label is outside 0 … label_count − 1");
-  EXPECT_STREQ(unusable(alike, 3, 3), "all labels are equal");
-  EXPECT_STREQ(unusable(good, 3, 0), "label_count is outside 1 … 10000");
+  EXPECT_STREQ(check_labels(good, 3, 3), "");
+  EXPECT_STREQ(check_labels(good, 4, 3), "the two sides differ in length");
+  EXPECT_STREQ(check_labels(good, 3, 2), "a label is outside 0 … label_count − 1");
+  EXPECT_STREQ(check_labels(negative, 3, 3), "a label is outside 0 … label_count − 1");
+  EXPECT_STREQ(check_labels(alike, 3, 3), "all labels are equal");
+  EXPECT_STREQ(check_labels(good, 3, 0), "label_count is outside 1 … 10000");
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST(Sylvester, SingularGramsAreSolvedThroughTheRidge) {
   const MatrixXd c = normal_samples(10, 6, 6);
   const SpectralBasis fixed = spectral_basis(p);
   const TridiagonalBasis moving = tridiagonal_basis(a);
-  EXPECT_GE(prepared.eigenvalues.minCoeff(), 0.0);
+  EXPECT_GE(fixed.eigenvalues.minCoeff(), 0.0);
   MatrixXd theta;
   solve_sylvester(fixed.eigenvalues, moving, 1e-3, fixed.rotation * c * moving.rotation.transpose(),
                   theta);

@@ -35,7 +35,7 @@ TEST(Trajectory, InterpolatesACircleExactly) {
     const PoseAt pose = trajectory.at(at_ms(ms));
     ASSERT_TRUE(pose.usable()) << pose.reason;
     const Eigen::Isometry3d expected = on_circle(static_cast<double>(ms) * 1e-3);
-    EXPECT_LT((pose.T_map_vehicle.matrix() - expected.matrix()).norm(), 1e-10) << ms;
+    EXPECT_LT((pose.T_odom_vehicle.matrix() - expected.matrix()).norm(), 1e-10) << ms;
     EXPECT_NEAR(pose.covariance(2, 2), 1e-6 * static_cast<double>(ms), 1e-12);
   }
 }
@@ -49,9 +49,9 @@ TEST(Trajectory, ReportsWhatItDoesNotCover) {
   EXPECT_STREQ(trajectory.at(at_ms(2000)).reason, "the poses around the time are too far apart");
   EXPECT_TRUE(trajectory.at(at_ms(2500)).usable());
   EXPECT_FALSE(trajectory.between(at_ms(1800), at_ms(2500)).usable()) << "spans the gap";
-  EXPECT_STREQ(trajectory.uncovered(at_ms(0), at_ms(1900)), "");
-  EXPECT_STRNE(trajectory.uncovered(at_ms(0), at_ms(2500)), "");
-  EXPECT_STRNE(trajectory.uncovered(at_ms(-5), at_ms(5)), "");
+  EXPECT_STREQ(trajectory.uncovered_reason(at_ms(0), at_ms(1900)), "");
+  EXPECT_STRNE(trajectory.uncovered_reason(at_ms(0), at_ms(2500)), "");
+  EXPECT_STRNE(trajectory.uncovered_reason(at_ms(-5), at_ms(5)), "");
   EXPECT_FALSE(trajectory.append({at_ms(2500), on_circle(0), Matrix6::Zero()})) << "not later";
 }
 
@@ -61,7 +61,7 @@ TEST(Trajectory, ExtrapolatesToTheLimitWithGrowingCovariance) {
   const Trajectory trajectory = make_circle(options);
   const PoseAt pose = trajectory.at(at_ms(2000));
   ASSERT_TRUE(pose.usable());
-  EXPECT_LT((pose.T_map_vehicle.matrix() - on_circle(2.0).matrix()).norm(), 1e-10);
+  EXPECT_LT((pose.T_odom_vehicle.matrix() - on_circle(2.0).matrix()).norm(), 1e-10);
   const PoseAt last = trajectory.at(at_ms(1900));
   EXPECT_GT(pose.covariance.trace(), last.covariance.trace() + 3 * 0.01 * 0.099);
   EXPECT_FALSE(trajectory.at(at_ms(2001)).usable());

@@ -108,19 +108,20 @@ TEST(Watch, TheAlternativeIsComparedWithTheCurrent) {
 TEST(Watch, AStandingVehicleIsEvaluatedOnce) {
   CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
   Driver driver;
-  EXPECT_TRUE(driver.drive(watch, Motion{}).looked);
+  EXPECT_TRUE(driver.drive(watch, Motion{}).evaluated);
   for (int k = 0; k < 20; ++k) {
     const MonitorReport report = driver.drive(watch, Motion{});
-    EXPECT_FALSE(report.looked);
+    EXPECT_FALSE(report.evaluated);
     EXPECT_THAT(report.reason, testing::HasSubstr("same place"));
   }
 }
 
 TEST(Watch, WrongImagesAndEmptySweepsAreSkipped) {
   CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
-  EXPECT_FALSE(watch.take(CameraFrame{}, view_of(Sweep{}), kDriving).looked);
+  EXPECT_FALSE(watch.process(CameraFrame{}, make_sweep_view(Sweep{}), kDrivingMotion).evaluated);
   CameraFrame grey = snapshots()[0].grey;
-  EXPECT_THAT(watch.take(grey, view_of(Sweep{}), kDriving).reason, testing::HasSubstr("too few"));
+  EXPECT_THAT(watch.process(grey, make_sweep_view(Sweep{}), kDrivingMotion).reason,
+              testing::HasSubstr("too few"));
 }
 
 TEST(Watch, AllocatesNothingOnceWarm) {
@@ -135,7 +136,7 @@ TEST(Watch, AllocatesNothingOnceWarm) {
   const size_t before = motion::allocation_count();
   const MonitorReport report = watch.process(grey, make_sweep_view(place.sweep), kDrivingMotion);
   const size_t after = motion::allocation_count();
-  EXPECT_TRUE(report.looked);
+  EXPECT_TRUE(report.evaluated);
   EXPECT_EQ(after, before);
 }
 
@@ -189,7 +190,7 @@ TEST(MonitorOptions, SaysWhatIsWrong) {
   options.scene_store.capacity = 1;
   EXPECT_THAT(*options.invalid(), testing::HasSubstr("store"));
   EXPECT_FALSE(ReestimateOptions{}.invalid());
-  EXPECT_TRUE(ReestimateOptions{.starts = 0}.invalid());
+  EXPECT_TRUE(ReestimateOptions{.searches = 0}.invalid());
 }
 
 }  // namespace

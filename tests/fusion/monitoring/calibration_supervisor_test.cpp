@@ -35,7 +35,7 @@ class Drive {
   /// Drifts, starts and delivers `degrees`.
   void drift_and_reestimate(double degrees) {
     steps(5, Drift::kHolds);
-    EXPECT_TRUE(step(Drift::kConfirmed).start);
+    EXPECT_TRUE(step(Drift::kConfirmed).start_reestimation);
     supervisor.finish_reestimation(make_result(degrees));
     steps(21, Drift::kConfirmed);
   }
@@ -61,62 +61,62 @@ TEST(Decision, FollowsTheEvidenceWithHysteresis) {
   EXPECT_EQ(drive.step(Drift::kSuspected).state, kSuspected);
   const SupervisorActions drifted = drive.step(Drift::kConfirmed);
   EXPECT_EQ(drifted.state, kConfirmed);
-  EXPECT_TRUE(drifted.changed);
-  EXPECT_FALSE(drifted.start);  // too few scenes
+  EXPECT_TRUE(drifted.state_changed);
+  EXPECT_FALSE(drifted.start_reestimation);  // too few scenes
   EXPECT_EQ(drive.step(Drift::kSuspected).state, kConfirmed);
   EXPECT_EQ(drive.step(Drift::kHolds).state, kOk);
-  EXPECT_THAT(drive.decision.history().back().what, HasSubstr("rotation about y, 0.50 degrees"));
+  EXPECT_THAT(drive.supervisor.history().back().what, HasSubstr("rotation about y, 0.50 degrees"));
 }
 
 TEST(Decision, AlertOnlyProposesAndTheOwnerApplies) {
   Drive drive({});
   drive.drift_and_reestimate(0.5);
-  EXPECT_EQ(drive.decision.state(), kConfirmed);
-  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
-  ASSERT_TRUE(drive.decision.proposal());
+  EXPECT_EQ(drive.supervisor.state(), kConfirmed);
+  EXPECT_EQ(drive.supervisor.current().matrix(), turned(0).matrix());
+  ASSERT_TRUE(drive.supervisor.proposal());
   drive.supervisor.request_apply();
   const SupervisorActions decided = drive.step(Drift::kConfirmed);
   EXPECT_TRUE(decided.calibration_changed);
   EXPECT_EQ(decided.state, kRecalibrated);
-  EXPECT_EQ(drive.decision.present().matrix(), turned(0.5).matrix());
+  EXPECT_EQ(drive.supervisor.current().matrix(), turned(0.5).matrix());
   drive.steps(20, Drift::kHolds, 0.01);
-  EXPECT_EQ(drive.decision.state(), kOk);
-  EXPECT_THAT(drive.decision.history().back().what, HasSubstr("confirmed"));
+  EXPECT_EQ(drive.supervisor.state(), kOk);
+  EXPECT_THAT(drive.supervisor.history().back().what, HasSubstr("confirmed"));
 }
 
 TEST(Decision, AResultBecomesVisibleAfterItsBudget) {
   Drive drive({.policy = UpdatePolicy::kApply, .result_delay = 3});
   drive.steps(5, Drift::kHolds);
-  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
-  EXPECT_EQ(drive.decision.state(), kRecalibrating);
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
+  EXPECT_EQ(drive.supervisor.state(), kRecalibrating);
   drive.supervisor.finish_reestimation(Drive::make_result(0.5));
   for (int k = 0; k < 5; ++k) {
     EXPECT_FALSE(drive.step(Drift::kConfirmed).calibration_changed) << k;
   }
   EXPECT_TRUE(drive.step(Drift::kConfirmed).calibration_changed);
-  EXPECT_EQ(drive.decision.state(), kRecalibrated);
-  ASSERT_TRUE(drive.decision.covariance());
+  EXPECT_EQ(drive.supervisor.state(), kRecalibrated);
+  ASSERT_TRUE(drive.supervisor.covariance());
 }
 
 TEST(Decision, RollsBackAWorseCalibration) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.drift_and_reestimate(2);
-  EXPECT_EQ(drive.decision.state(), kRecalibrated);
-  ASSERT_TRUE(drive.decision.alternative());
+  EXPECT_EQ(drive.supervisor.state(), kRecalibrated);
+  ASSERT_TRUE(drive.supervisor.alternative());
   drive.steps(15, Drift::kHolds, -0.01);
-  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
-  EXPECT_THAT(drive.decision.history().back().what, HasSubstr("rolled back"));
-  EXPECT_FALSE(drive.decision.alternative());
+  EXPECT_EQ(drive.supervisor.current().matrix(), turned(0).matrix());
+  EXPECT_THAT(drive.supervisor.history().back().what, HasSubstr("rolled back"));
+  EXPECT_FALSE(drive.supervisor.alternative());
 }
 
 TEST(Decision, AppliesWithinItsLimitsOnly) {
   Drive near({.policy = UpdatePolicy::kApplyWithin, .limit_rotation = 0.02});
   near.drift_and_reestimate(1);
-  EXPECT_EQ(near.decision.state(), kRecalibrated);
+  EXPECT_EQ(near.supervisor.state(), kRecalibrated);
   Drive far({.policy = UpdatePolicy::kApplyWithin, .limit_rotation = 0.02});
   far.drift_and_reestimate(2);
-  EXPECT_EQ(far.decision.state(), kConfirmed);
-  EXPECT_TRUE(far.decision.proposal());
+  EXPECT_EQ(far.supervisor.state(), kConfirmed);
+  EXPECT_TRUE(far.supervisor.proposal());
 }
 
 TEST(Decision, KeepsACalibrationThatHasNotMoved) {
@@ -125,8 +125,8 @@ TEST(Decision, KeepsACalibrationThatHasNotMoved) {
   drive.step(Drift::kConfirmed);
   drive.supervisor.finish_reestimation(Drive::make_result(0.05));
   drive.steps(21, Drift::kHolds);
-  EXPECT_EQ(drive.decision.state(), kOk);
-  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
+  EXPECT_EQ(drive.supervisor.state(), kOk);
+  EXPECT_EQ(drive.supervisor.current().matrix(), turned(0).matrix());
 }
 
 TEST(Decision, ACameraAtFaultIsNotRecalibrated) {
@@ -134,12 +134,12 @@ TEST(Decision, ACameraAtFaultIsNotRecalibrated) {
   drive.steps(5, Drift::kHolds);
   for (int k = 0; k < 30; ++k) {
     const SupervisorActions decided = drive.step(Drift::kConfirmed, 0, CameraFault::kFrozen);
-    EXPECT_FALSE(decided.start);
+    EXPECT_FALSE(decided.start_reestimation);
     EXPECT_EQ(decided.state, kUnusable);
   }
-  EXPECT_THAT(drive.decision.history().back().what, HasSubstr("frozen"));
+  EXPECT_THAT(drive.supervisor.history().back().what, HasSubstr("frozen"));
   drive.steps(3, Drift::kHolds);
-  EXPECT_EQ(drive.decision.state(), kOk);
+  EXPECT_EQ(drive.supervisor.state(), kOk);
 }
 
 TEST(Decision, FailuresMakeItUnusable) {
@@ -154,60 +154,60 @@ TEST(Decision, FailuresMakeItUnusable) {
     drive.supervisor.finish_reestimation(failed);
   }
   EXPECT_EQ(started, 2);
-  EXPECT_EQ(drive.decision.state(), kUnusable);
+  EXPECT_EQ(drive.supervisor.state(), kUnusable);
 }
 
 TEST(Decision, FrozenByTheOwnerNothingIsStarted) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.supervisor.set_frozen(true);
   drive.steps(5, Drift::kHolds);
-  for (int k = 0; k < 10; ++k) EXPECT_FALSE(drive.step(Drift::kConfirmed).start);
-  EXPECT_EQ(drive.decision.state(), kConfirmed);
+  for (int k = 0; k < 10; ++k) EXPECT_FALSE(drive.step(Drift::kConfirmed).start_reestimation);
+  EXPECT_EQ(drive.supervisor.state(), kConfirmed);
 }
 
 TEST(Decision, FewerScenesAreEnoughAfterTheTimeout) {
   Drive drive({.min_scenes = 30, .min_scenes_after_timeout = 15, .scene_timeout = 40});
   drive.scenes = 20;
   drive.steps(5, Drift::kHolds);
-  for (int k = 0; k < 80; ++k) ASSERT_FALSE(drive.step(Drift::kConfirmed).start) << k;
-  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
+  for (int k = 0; k < 80; ++k) ASSERT_FALSE(drive.step(Drift::kConfirmed).start_reestimation) << k;
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
 }
 
 TEST(Decision, FreezingCancelsTheReestimation) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
-  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
   drive.supervisor.set_frozen(true);
   const SupervisorActions frozen = drive.step(Drift::kConfirmed);
-  EXPECT_TRUE(frozen.cancel);
+  EXPECT_TRUE(frozen.cancel_reestimation);
   EXPECT_EQ(frozen.state, kConfirmed);
-  EXPECT_FALSE(drive.decision.running());
-  for (int k = 0; k < 10; ++k) EXPECT_FALSE(drive.step(Drift::kConfirmed).cancel);
+  EXPECT_FALSE(drive.supervisor.reestimating());
+  for (int k = 0; k < 10; ++k) EXPECT_FALSE(drive.step(Drift::kConfirmed).cancel_reestimation);
   drive.supervisor.set_frozen(false);
-  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
 }
 
 TEST(Decision, ACameraFaultCancelsTheReestimation) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
-  EXPECT_TRUE(drive.step(Drift::kConfirmed).start);
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
   const SupervisorActions at_fault = drive.step(Drift::kConfirmed, 0, CameraFault::kDirty);
-  EXPECT_TRUE(at_fault.cancel);
+  EXPECT_TRUE(at_fault.cancel_reestimation);
   EXPECT_EQ(at_fault.state, kUnusable);
   drive.supervisor.finish_reestimation(Drive::make_result(0.5));  // too late
   drive.steps(10, Drift::kHolds);
-  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
-  EXPECT_EQ(drive.decision.state(), kOk);
+  EXPECT_EQ(drive.supervisor.current().matrix(), turned(0).matrix());
+  EXPECT_EQ(drive.supervisor.state(), kOk);
 }
 
 TEST(Decision, RollingBackCancelsTheReestimation) {
   Drive drive({.policy = UpdatePolicy::kApply, .retry_interval = 0});
   drive.drift_and_reestimate(0.5);
   drive.supervisor.request_recalibration();
-  EXPECT_TRUE(drive.step(Drift::kHolds).start);
+  EXPECT_TRUE(drive.step(Drift::kHolds).start_reestimation);
   drive.supervisor.request_roll_back();
   const SupervisorActions back = drive.step(Drift::kHolds);
-  EXPECT_TRUE(back.cancel);
+  EXPECT_TRUE(back.cancel_reestimation);
   EXPECT_TRUE(back.calibration_changed);
 }
 
@@ -215,13 +215,13 @@ TEST(Decision, TheOwnerMayAskAndRollBack) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
   drive.supervisor.request_recalibration();
-  EXPECT_TRUE(drive.step(Drift::kHolds).start);
+  EXPECT_TRUE(drive.step(Drift::kHolds).start_reestimation);
   drive.supervisor.finish_reestimation(Drive::make_result(0.5));
   drive.steps(21, Drift::kHolds);
-  EXPECT_EQ(drive.decision.present().matrix(), turned(0.5).matrix());
+  EXPECT_EQ(drive.supervisor.current().matrix(), turned(0.5).matrix());
   drive.supervisor.request_roll_back();
   EXPECT_TRUE(drive.step(Drift::kHolds).calibration_changed);
-  EXPECT_EQ(drive.decision.present().matrix(), turned(0).matrix());
+  EXPECT_EQ(drive.supervisor.current().matrix(), turned(0).matrix());
 }
 
 TEST(Decision, HistoryIsBounded) {
@@ -230,7 +230,7 @@ TEST(Decision, HistoryIsBounded) {
     drive.step(Drift::kConfirmed);
     drive.step(Drift::kHolds);
   }
-  EXPECT_EQ(drive.decision.history().size(), 5U);
+  EXPECT_EQ(drive.supervisor.history().size(), 5U);
   EXPECT_FALSE(SupervisorOptions{}.invalid());
   EXPECT_TRUE(SupervisorOptions{.min_scenes_after_timeout = 1}.invalid());
   EXPECT_STREQ(to_string(kRecalibrating), "RECALIBRATING");

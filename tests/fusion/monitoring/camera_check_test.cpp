@@ -47,7 +47,7 @@ constexpr double kImageDistance = 4;  // m between two pictures
 CameraCheck make_trained_check() {
   CameraCheck check({});
   for (int k = 0; k < 20; ++k) {
-    EXPECT_EQ(check.take(picture(k), kImageDistance * k), CameraFault::kNone);
+    EXPECT_EQ(check.process(make_image(k), kImageDistance * k), CameraFault::kNone);
   }
   return check;
 }
@@ -60,26 +60,27 @@ CameraFault fault_after(CameraCheck check, int images, const auto& make) {
 
 TEST(CameraCheck, NamesEachFault) {
   const CameraCheck check = make_trained_check();
-  EXPECT_EQ(after(check, 5, [](int k) { return picture(k, {.light = 0.02}); }),
+  EXPECT_EQ(fault_after(check, 5, [](int k) { return make_image(k, {.light = 0.02}); }),
             CameraFault::kBlack);
-  EXPECT_EQ(after(check, 5, [](int) { return picture(100); }), CameraFault::kFrozen);
-  EXPECT_EQ(after(check, 5, [](int k) { return picture(k, {.blurred = true}); }),
+  EXPECT_EQ(fault_after(check, 5, [](int) { return make_image(100); }), CameraFault::kFrozen);
+  EXPECT_EQ(fault_after(check, 5, [](int k) { return make_image(k, {.blurred = true}); }),
             CameraFault::kOutOfFocus);
-  EXPECT_EQ(after(check, 20, [](int k) { return picture(k, {.patch = true}); }),
+  EXPECT_EQ(fault_after(check, 20, [](int k) { return make_image(k, {.patch = true}); }),
             CameraFault::kDirty);
-  EXPECT_EQ(after(check, 40, [](int k) { return picture(k, {.blots = true}); }),
+  EXPECT_EQ(fault_after(check, 40, [](int k) { return make_image(k, {.blots = true}); }),
             CameraFault::kDirty);
-  EXPECT_EQ(after(check, 40, [](int k) { return picture(k); }), CameraFault::kNone);
+  EXPECT_EQ(fault_after(check, 40, [](int k) { return make_image(k); }), CameraFault::kNone);
 }
 
 TEST(CameraCheck, APlainWallThatIsPassedIsNoDirt) {
   CameraCheck check = make_trained_check();
   for (int k = 20; k < 28; ++k) {
-    EXPECT_EQ(check.take(picture(k, {.plain_wall = true}), kImageDistance * k), CameraFault::kNone)
+    EXPECT_EQ(check.process(make_image(k, {.plain_wall = true}), kImageDistance * k),
+              CameraFault::kNone)
         << k;
   }
   for (int k = 28; k < 60; ++k) {
-    EXPECT_EQ(check.take(picture(k), kImageDistance * k), CameraFault::kNone) << k;
+    EXPECT_EQ(check.process(make_image(k), kImageDistance * k), CameraFault::kNone) << k;
   }
 }
 
@@ -88,7 +89,7 @@ TEST(CameraCheck, AStandingVehicleSeesNoDirt) {
   for (int k = 0; k < 60; ++k) {
     CameraFrame frame = make_image(20, {.plain_wall = true});
     frame.pixels[static_cast<size_t>(k)] ^= 1;
-    EXPECT_EQ(check.take(frame, kImageDistance * 20), CameraFault::kNone) << k;
+    EXPECT_EQ(check.process(frame, kImageDistance * 20), CameraFault::kNone) << k;
   }
 }
 
@@ -104,12 +105,14 @@ TEST(CameraCheck, DirtIsClearedOnceWipedOff) {
 
 TEST(CameraCheck, DuskIsNoFault) {
   const CameraCheck check = make_trained_check();
-  EXPECT_EQ(after(check, 40, [](int k) { return picture(k, {.light = 0.3}); }), CameraFault::kNone);
+  EXPECT_EQ(fault_after(check, 40, [](int k) { return make_image(k, {.light = 0.3}); }),
+            CameraFault::kNone);
 }
 
 TEST(CameraCheck, OneImageIsNotEnoughAndFaultsClear) {
   CameraCheck check = make_trained_check();
-  EXPECT_EQ(check.take(picture(30, {.light = 0.02}), kImageDistance * 30), CameraFault::kNone);
+  EXPECT_EQ(check.process(make_image(30, {.light = 0.02}), kImageDistance * 30),
+            CameraFault::kNone);
   for (int k = 31; k < 36; ++k) check.process(make_image(k, {.light = 0.02}), kImageDistance * k);
   EXPECT_EQ(check.fault(), CameraFault::kBlack);
   for (int k = 40; k < 45; ++k) check.process(make_image(k), kImageDistance * k);

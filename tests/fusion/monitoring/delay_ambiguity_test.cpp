@@ -12,25 +12,27 @@ std::optional<Axis> axis_after(int looks, const auto& motion) {
 }
 
 TEST(DelayAmbiguity, ASteadyTurnMakesADelayLookLikeAYaw) {
-  EXPECT_EQ(after(40, [](int) { return Motion{{0, 0.5, 0}, {0, 0, 4}}; }), Axis::kRotationY);
+  EXPECT_EQ(axis_after(40, [](int) { return Motion{{0, 0.5, 0}, {0, 0, 4}}; }), Axis::kRotationY);
 }
 
 TEST(DelayAmbiguity, ASteadySpeedMakesItLookLikeAShiftAhead) {
-  EXPECT_EQ(after(40,
-                  [](int k) {
-                    return Motion{{0, 0, 0}, {0, 0, 9 + 0.1 * (k % 3)}};
-                  }),
+  EXPECT_EQ(axis_after(40,
+                       [](int k) {
+                         return Motion{{0, 0, 0}, {0, 0, 9 + 0.1 * (k % 3)}};
+                       }),
             Axis::kTranslationZ);
 }
 
 TEST(DelayAmbiguity, ChangingRatesAndSpeedsResolveTheAmbiguity) {
-  EXPECT_FALSE(after(40, [](int k) { return Motion{{0, k % 8 < 4 ? 0.4 : -0.4, 0}, {0, 0, 5}}; }));
-  EXPECT_FALSE(after(40, [](int k) { return Motion{{0, 0, 0}, {0, 0, 4.0 + k % 8}}; }));
+  EXPECT_FALSE(axis_after(40, [](int k) {
+    return Motion{{0, k % 8 < 4 ? 0.4 : -0.4, 0}, {0, 0, 5}};
+  }));
+  EXPECT_FALSE(axis_after(40, [](int k) { return Motion{{0, 0, 0}, {0, 0, 4.0 + k % 8}}; }));
 }
 
 TEST(DelayAmbiguity, NoAmbiguityWithoutMotionOrEvaluations) {
-  EXPECT_FALSE(after(40, [](int) { return Motion{}; }));
-  EXPECT_FALSE(after(0, [](int) { return Motion{}; }));
+  EXPECT_FALSE(axis_after(40, [](int) { return Motion{}; }));
+  EXPECT_FALSE(axis_after(0, [](int) { return Motion{}; }));
 }
 
 }  // namespace

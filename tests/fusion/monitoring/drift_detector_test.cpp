@@ -51,7 +51,7 @@ TEST(DriftDetector, NoFalseAlarmInManyHours) {
   for (const double correlation : {0.0, 0.4}) {
     DriftDetector test({});
     EvaluationGenerator generator(7);
-    EXPECT_EQ(evaluations_until_confirmed(test, looks, {}, 100'000, correlation), 100'000);
+    EXPECT_EQ(evaluations_until_confirmed(test, generator, {}, 100'000, correlation), 100'000);
   }
 }
 
@@ -81,16 +81,16 @@ TEST(DriftDetector, FindsADriftOfEachAxisAndSign) {
     for (const double sign : {1.0, -1.0}) {
       DriftDetector test({});
       EvaluationGenerator generator(axis + 1);
-      EXPECT_EQ(evaluations_until_confirmed(test, looks, {}, 200), 200);
+      EXPECT_EQ(evaluations_until_confirmed(test, generator, {}, 200), 200);
       PerAxis drift{};
       drift[axis] = sign * 1.2 * options.drift_offset[axis];
-      EXPECT_LT(evaluations_until_confirmed(test, looks, drift, 100), 60) << axis;
-      EXPECT_EQ(test.strongest(), static_cast<Axis>(axis));
-      EXPECT_TRUE(test.suspect());
+      EXPECT_LT(evaluations_until_confirmed(test, generator, drift, 100), 60) << axis;
+      EXPECT_EQ(test.strongest_axis(), static_cast<Axis>(axis));
+      EXPECT_TRUE(test.suspected());
       // Of the looks since, whatever was seen during the hundred seconds before.
       EXPECT_NEAR(test.offset(static_cast<Axis>(axis)), drift[axis],
-                  4 * test.deviation(static_cast<Axis>(axis)));
-      EXPECT_LT(test.deviation(static_cast<Axis>(axis)), 0.3 * std::abs(drift[axis]));
+                  4 * test.sigma(static_cast<Axis>(axis)));
+      EXPECT_LT(test.sigma(static_cast<Axis>(axis)), 0.3 * std::abs(drift[axis]));
     }
   }
 }
@@ -102,14 +102,14 @@ TEST(DriftDetector, NoAlarmBeforeTheNoiseIsLearned) {
   drift[0] = 0.1;
   for (int k = 0; k < 11; ++k) test.add(generator.next(drift, 0.006));
   EXPECT_FALSE(test.warmed_up());
-  EXPECT_FALSE(test.suspect());
+  EXPECT_FALSE(test.suspected());
 }
 
 TEST(DriftDetector, NoisierEvaluationsCountLess) {
   // Looks claim to be worth ten times what they are.
   DriftDetector test({});
   EvaluationGenerator generator(5);
-  EXPECT_EQ(evaluations_until_confirmed(test, looks, {}, 400), 400);
+  EXPECT_EQ(evaluations_until_confirmed(test, generator, {}, 400), 400);
   DriftDetector overconfident({});
   EvaluationGenerator noisier(5);
   int alarms = 0;
@@ -119,7 +119,7 @@ TEST(DriftDetector, NoisierEvaluationsCountLess) {
     alarms += overconfident.confirmed() ? 1 : 0;
   }
   EXPECT_EQ(alarms, 0);
-  EXPECT_GT(boastful.deviation(Axis::kTranslationX), 0.5 * test.deviation(Axis::kTranslationX));
+  EXPECT_GT(overconfident.sigma(Axis::kTranslationX), 0.5 * test.sigma(Axis::kTranslationX));
 }
 
 TEST(DriftDetector, RestartClearsEvidence) {
@@ -129,9 +129,9 @@ TEST(DriftDetector, RestartClearsEvidence) {
   PerAxis drift{};
   drift[4] = 0.1;
   evaluations_until_confirmed(test, generator, drift, 100);
-  EXPECT_TRUE(test.certain());
+  EXPECT_TRUE(test.confirmed());
   test.restart();
-  EXPECT_FALSE(test.suspect());
+  EXPECT_FALSE(test.suspected());
   EXPECT_EQ(test.evidence(Axis::kTranslationY), 0);
   EXPECT_TRUE(test.warmed_up());
 }
@@ -141,10 +141,11 @@ TEST(DriftDetectorOptions, SaysWhatIsWrong) {
   DriftDetectorOptions options;
   options.drift_offset[2] = 0;
   EXPECT_THAT(*options.invalid(), HasSubstr("drifted"));
-  EXPECT_THAT(*(DriftDetectorOptions{.suspect = 40}.invalid()), HasSubstr("suspect"));
+  EXPECT_THAT(*(DriftDetectorOptions{.suspicion_threshold = 40}.invalid()), HasSubstr("suspect"));
   EXPECT_THAT(*(DriftDetectorOptions{.warm_up = 2}.invalid()), HasSubstr("warm_up"));
   // e^h looks an alarm, for two tests an axis side by side.
-  EXPECT_NEAR(std::exp(DriftDetectorOptions{}.certain()) / (2 * kAxes) / 2.5 / 3600, 1000, 1e-6);
+  EXPECT_NEAR(std::exp(DriftDetectorOptions{}.confirmation_threshold()) / (2 * kAxes) / 2.5 / 3600,
+              1000, 1e-6);
 }
 
 }  // namespace

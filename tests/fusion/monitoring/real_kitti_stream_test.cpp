@@ -21,7 +21,7 @@ Eigen::Isometry3d turned(const kitti::Stream& stream, double degrees, int axis) 
 TEST(RealKittiStream, ThePublishedExtrinsicsHold) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/kitti");
   const kitti::Stream& stream = stream_of(folder);
-  ASSERT_EQ(stream.pictures.size(), 17U);
+  ASSERT_EQ(stream.images.size(), 17U);
   CalibrationMonitor watch(stream.camera, stream.T_camera_lidar, {});
   const MonitorReport report = kitti::drive(watch, stream, 4);
   EXPECT_EQ(report.drift, Drift::kHolds) << to_string(report.axis) << " " << report.evidence;

@@ -93,7 +93,7 @@ TEST(SceneStore, KeepsPointsAroundTheImage) {
 TEST(SceneStoreOptions, SaysWhatIsWrong) {
   EXPECT_FALSE(SceneStoreOptions{}.invalid());
   EXPECT_TRUE(SceneStoreOptions{.capacity = 1}.invalid());
-  EXPECT_TRUE((SceneStoreOptions{.dark = 100, .bright = 50}.invalid()));
+  EXPECT_TRUE((SceneStoreOptions{.min_mean_grey = 100, .max_mean_grey = 50}.invalid()));
 }
 
 }  // namespace

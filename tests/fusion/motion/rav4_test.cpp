@@ -233,14 +233,14 @@ TEST(Odometry, RealRav4WithGyroDriftsAtMostAPercentAndADegreeAndAHalf) {
   const Drift drift = dead_reckon(path, {.gyro = true, .gnss_speed = true});
   record("bus and gyro, 10 s of course and speed", drift);
   EXPECT_GT(drift.distance, 990);
-  EXPECT_LT(drift.worst, 0.01 * drift.distance);
+  EXPECT_LT(drift.max_position, 0.01 * drift.distance);
   EXPECT_LT(std::abs(drift.heading), 1.5 * kDegree);
   EXPECT_LT(std::abs(drift.report.yaw_rate_bias.value - drift.yaw_bias),
             3 * drift.report.yaw_rate_bias.sigma);
   EXPECT_LT(drift.report.yaw_rate_bias.sigma, 0.05 * kDegree);
   EXPECT_LT(std::abs(drift.report.wheel_scale.value - drift.wheel_scale),
             3 * drift.report.wheel_scale.sigma);
-  EXPECT_EQ(drift.report.contradicted, 0u);
+  EXPECT_EQ(drift.report.outliers, 0u);
 }
 
 // From the bus alone: its yaw rate comes in steps of 0.244°/s and is 0.41°/s off; the car never
@@ -250,7 +250,7 @@ TEST(Odometry, RealRav4FromTheBusAlone) {
   for (const bool course : {true, false}) {
     const Drift drift = dead_reckon(path, {.reference_course = course});
     record(course ? "bus, 10 s of course" : "bus", drift);
-    EXPECT_LT(drift.worst, 0.02 * drift.distance);
+    EXPECT_LT(drift.max_position, 0.02 * drift.distance);
     EXPECT_LT(std::abs(drift.heading), 2 * kDegree);
     EXPECT_LT(std::abs(drift.report.yaw_rate_bias.value - drift.yaw_bias),
               3 * drift.report.yaw_rate_bias.sigma);

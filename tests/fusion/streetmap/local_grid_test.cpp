@@ -67,7 +67,7 @@ TEST(LocalGrid, StandardisesWhatReturnsSay) {
   GridSamples samples;
   grid.draw_samples({}, samples);
   ASSERT_EQ(samples.size(), 3U);
-  ASSERT_EQ(samples.features.cols(), kLidarFeatures);
+  ASSERT_EQ(samples.features.cols(), kLidarFeatureCount);
   // Heights enter as roots: 0, 1, 0.5. Reflectivities 0.3, 0.9, 0.6.
   const double z = std::sqrt(1.5);
   const auto a = sample_at(samples, 3.25, 1.25), b = sample_at(samples, 5.25, -2.25),
@@ -180,7 +180,7 @@ TEST(LocalGrid, ColoursComeFromThePictureAndNotThroughWalls) {
   grid.add(scan.view(), &image, {});
   GridSamples samples;
   grid.draw_samples({}, samples);
-  ASSERT_EQ(samples.features.cols(), kFeatures);
+  ASSERT_EQ(samples.features.cols(), kFeatureCount);
   const auto red = sample_at(samples, 6.25, 2.25), blue = sample_at(samples, 6.25, -2.25);
   const auto hidden = sample_at(samples, 9.25, 2.25), behind = sample_at(samples, -6.25, 0.25);
   EXPECT_GT(samples.features(red, kRed), 0.5);

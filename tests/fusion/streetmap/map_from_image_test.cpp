@@ -56,8 +56,8 @@ TEST(ImageMap, RefusesWhatIsNoMap) {
   colour.format = PixelFormat::kBgr8;
   EXPECT_FALSE(make_map_from_image(colour, {}, ""));
   EXPECT_TRUE(ImageMapOptions{.metres_per_pixel = 0}.invalid());
-  EXPECT_TRUE(ImageMapOptions{.edge = 0}.invalid());
-  EXPECT_TRUE(ImageMapOptions{.smallest = 0}.invalid());
+  EXPECT_TRUE(ImageMapOptions{.edge_threshold = 0}.invalid());
+  EXPECT_TRUE(ImageMapOptions{.min_region_pixels = 0}.invalid());
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ TEST(ParticleSet, ScattersByTheCovariance) {
   const PoseMoments moments = set.moments();
   EXPECT_NEAR(moments.mean.x, 10, 0.06);
   EXPECT_NEAR(moments.mean.y, 20, 0.03);
-  EXPECT_NEAR(wrapped(moments.mean.yaw - 3.1), 0, 0.003);
+  EXPECT_NEAR(wrap_angle(moments.mean.yaw - 3.1), 0, 0.003);
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(moments.covariance(i, k), C(i, k), 0.04 * std::sqrt(C(i, i) * C(k, k)));
@@ -108,7 +108,7 @@ TEST(ParticleSet, ResamplesInProportionToWeight) {
     all[i].log_weight = i == 7 ? std::log(0.55) : i == 30 ? std::log(0.25) : -1e3;
     if (i == 99) all[i].log_weight = std::log(0.2);
   }
-  EXPECT_NEAR(set.effective(), 1 / (0.55 * 0.55 + 0.25 * 0.25 + 0.2 * 0.2), 1e-9);
+  EXPECT_NEAR(set.effective_count(), 1 / (0.55 * 0.55 + 0.25 * 0.25 + 0.2 * 0.2), 1e-9);
   ASSERT_TRUE(set.resample_if_needed());
   std::map<double, int> copies;
   for (const Particle& particle : set.all()) ++copies[particle.pose.x];
@@ -155,16 +155,16 @@ TEST(ParticleSet, ASecondPlaceIsWeighedAgainstTheFirst) {
   options.min_count = options.max_count = 300;
   ParticleSet set(options, 7);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
-  EXPECT_EQ(set.doubt(), 0);
+  EXPECT_EQ(set.second_mode_weight(), 0);
   set.add_mode({10, 0, 0}, Eigen::Matrix3d::Zero());
-  EXPECT_NEAR(set.doubt(), 1.0 / 3, 1e-9);
+  EXPECT_NEAR(set.second_mode_weight(), 1.0 / 3, 1e-9);
   EXPECT_NEAR(set.moments().mean.x, 0, 1e-9);  // not between the two
   for (Particle& particle : set.all()) particle.log_weight += particle.pose.x > 5 ? 1.5 : 0;
   EXPECT_NEAR(set.moments().mean.x, 10, 1e-9);
-  EXPECT_NEAR(set.doubt(), 2 / (2 + std::exp(1.5)), 1e-9);
+  EXPECT_NEAR(set.second_mode_weight(), 2 / (2 + std::exp(1.5)), 1e-9);
   for (Particle& particle : set.all()) particle.log_weight += particle.pose.x > 5 ? 6 : 0;
-  EXPECT_TRUE(set.resample_if_needed() || set.doubt() == 0);
-  EXPECT_EQ(set.doubt(), 0);
+  EXPECT_TRUE(set.resample_if_needed() || set.second_mode_weight() == 0);
+  EXPECT_EQ(set.second_mode_weight(), 0);
 }
 
 TEST(ParticleSet, TwoPlacesThatCameTogetherAreOne) {
@@ -198,7 +198,7 @@ TEST(ParticleSet, SpreadingCopiesKeepsMeanAndCovariance) {
   const PoseMoments moments = set.moments();
   EXPECT_NEAR(moments.mean.x, 5, 0.15);
   EXPECT_NEAR(moments.mean.y, -3, 0.08);
-  EXPECT_NEAR(wrapped(moments.mean.yaw - 3.1), 0, 0.008);
+  EXPECT_NEAR(wrap_angle(moments.mean.yaw - 3.1), 0, 0.008);
   EXPECT_NEAR(moments.covariance(0, 0), 4, 0.4);
   EXPECT_NEAR(moments.covariance(2, 2), 0.01, 0.001);
   double scale = 0, rate = 0;
@@ -259,12 +259,12 @@ TEST(ScoreSignificance, CountsChanceScoresOfTheWindow) {
   const double null[] = {1, 2, 3, 4};
   test.add(2.5, null);  // two reach it
   EXPECT_DOUBLE_EQ(test.p_value(), 3.0 / 5);
-  EXPECT_NEAR(test.excess(), 0, 1e-12);
-  EXPECT_FALSE(test.settled());
+  EXPECT_NEAR(test.mean_z_score(), 0, 1e-12);
+  EXPECT_FALSE(test.window_full());
   test.add(10, null);
-  EXPECT_TRUE(test.settled());
+  EXPECT_TRUE(test.window_full());
   EXPECT_DOUBLE_EQ(test.p_value(), 3.0 / 9);
-  EXPECT_NEAR(test.excess(), 7.5 / std::sqrt(1.25) / 2, 1e-9);
+  EXPECT_NEAR(test.mean_z_score(), 7.5 / std::sqrt(1.25) / 2, 1e-9);
   test.add(10, null);  // the first is out of the window
   EXPECT_DOUBLE_EQ(test.p_value(), 1.0 / 9);
   test.clear();

@@ -52,8 +52,8 @@ TEST(Rasterise, DrawsAStreetAsWideAsItIs) {
       ASSERT_EQ(drawn.at(x, y).kind, expected) << x << " " << y;
     }
   }
-  EXPECT_EQ(drawn.at(0, 5).element, 7);
-  EXPECT_EQ(drawn.at(0, 8.2).element, 7);
+  EXPECT_EQ(drawn.at(0, 5).osm_id, 7);
+  EXPECT_EQ(drawn.at(0, 8.2).osm_id, 7);
 }
 
 TEST(Rasterise, HasNoKerbWhereStreetsMeet) {
@@ -64,8 +64,8 @@ TEST(Rasterise, HasNoKerbWhereStreetsMeet) {
     EXPECT_EQ(drawn.at(0, y).kind, SegmentKind::kCarriageway) << y;
   }
   EXPECT_EQ(drawn.at(2.7, 30).kind, SegmentKind::kKerb);
-  EXPECT_EQ(drawn.at(2.7, 30).element, 8);
-  EXPECT_EQ(drawn.at(0, 30).element, 8);
+  EXPECT_EQ(drawn.at(2.7, 30).osm_id, 8);
+  EXPECT_EQ(drawn.at(0, 30).osm_id, 8);
   EXPECT_EQ(drawn.at(-2.7, 8.2).kind, SegmentKind::kKerb);  // of the first, beside the mouth
 }
 
@@ -135,7 +135,7 @@ TEST(Rasterise, RefusesWhatIsEmptyOrTooLarge) {
   const auto large = rasterise(plan, {}, "");
   ASSERT_FALSE(large);
   EXPECT_NE(large.error().what.find("3000 km"), std::string::npos);
-  EXPECT_TRUE(RasterOptions{.cell = 0}.invalid());
+  EXPECT_TRUE(RasterOptions{.cell_size = 0}.invalid());
   EXPECT_FALSE(RasterOptions{}.invalid());
 }
 
@@ -151,8 +151,8 @@ TEST(StreetPlan, FindsRingsThatCrossThemselves) {
 TEST(MapPicture, IsNorthUp) {
   const Drawn drawn = draw(one_street(), 0.2);
   const CameraFrame image = draw_map(drawn.map);
-  ASSERT_EQ(picture.width, drawn.map.columns());
-  ASSERT_EQ(picture.pixels.size(), picture.row_bytes() * static_cast<size_t>(picture.height));
+  ASSERT_EQ(image.width, drawn.map.columns());
+  ASSERT_EQ(image.pixels.size(), image.row_bytes() * static_cast<size_t>(image.height));
   const auto pixel = [&](double x, double y) {
     const auto column = static_cast<size_t>((x - drawn.map.frame().min_corner.x()) / 0.2);
     const auto row = static_cast<size_t>((y - drawn.map.frame().min_corner.y()) / 0.2);

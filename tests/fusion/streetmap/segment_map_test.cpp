@@ -60,8 +60,8 @@ TEST(SegmentMap, GivesBackEveryCell) {
   const auto bytes = make_file(tiles);
   const auto map = SegmentMap::open(bytes, "x.map");
   ASSERT_TRUE(map) << map.error().message();
-  ASSERT_EQ(map->columns(), 3 * kTile);
-  ASSERT_EQ(map->rows(), 2 * kTile);
+  ASSERT_EQ(map->columns(), 3 * kTileSize);
+  ASSERT_EQ(map->rows(), 2 * kTileSize);
   EXPECT_EQ(map->frame(), kFrame);
   EXPECT_EQ(map->provenance(), "made for a test");
   for (int row = 0; row < map->rows(); ++row) {
@@ -120,23 +120,23 @@ TEST(SegmentMap, SurvivesForgedTables) {
   const auto bytes = make_file(make_tiles());
   const size_t tiles = 88 + 300 * 16;
   const auto second = tiles + 8;
-  EXPECT_TRUE(SegmentMap::open(forged(bytes, 80, uint64_t{0}), "x"));  // only the checksum mended
-  EXPECT_FALSE(SegmentMap::open(forged(bytes, second, uint32_t{0xFFFFFFF0}), "x"));  // place
-  EXPECT_FALSE(SegmentMap::open(forged(bytes, second + 4, uint16_t{60000}), "x"));   // palette
-  EXPECT_FALSE(SegmentMap::open(forged(bytes, second + 6, uint16_t{16}), "x"));      // bits
-  EXPECT_FALSE(SegmentMap::open(forged(bytes, second + 6, uint16_t{5}), "x"));
-  EXPECT_FALSE(SegmentMap::open(forged(bytes, tiles, uint32_t{300}), "x"));  // uniform tile's id
+  EXPECT_TRUE(SegmentMap::open(forge(bytes, 80, uint64_t{0}), "x"));  // only the checksum mended
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, second, uint32_t{0xFFFFFFF0}), "x"));  // place
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, second + 4, uint16_t{60000}), "x"));   // palette
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, second + 6, uint16_t{16}), "x"));      // bits
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, second + 6, uint16_t{5}), "x"));
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, tiles, uint32_t{300}), "x"));  // uniform tile's id
   const size_t data = tiles + 6 * 8;
-  EXPECT_FALSE(SegmentMap::open(forged(bytes, data, uint32_t{300}), "x"));       // palette's id
-  EXPECT_FALSE(SegmentMap::open(forged(bytes, 56, uint32_t{0x7FFFFFFF}), "x"));  // tile columns
-  EXPECT_FALSE(SegmentMap::open(forged(bytes, 64, uint32_t{0}), "x"));           // segments
-  EXPECT_FALSE(SegmentMap::open(forged(bytes, 32, double(NAN)), "x"));           // cell
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, data, uint32_t{300}), "x"));       // palette's id
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, 56, uint32_t{0x7FFFFFFF}), "x"));  // tile columns
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, 64, uint32_t{0}), "x"));           // segments
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, 32, double(NAN)), "x"));           // cell
   // A cell that points beyond its tile's palette of two: open land, not another tile's memory.
   const auto beyond = forge(bytes, data + 8, uint8_t{0xFF});
   const auto map = SegmentMap::open(beyond, "x");
   ASSERT_TRUE(map);
-  EXPECT_EQ(map->id_of_cell(kTile, 0), 0U);
-  EXPECT_EQ(map->id_of_cell(kTile + 1, 0), 0U);
+  EXPECT_EQ(map->id_of_cell(kTileSize, 0), 0U);
+  EXPECT_EQ(map->id_of_cell(kTileSize + 1, 0), 0U);
 }
 
 TEST(SegmentMap, UnknownKindsAreOpenLand) {

@@ -110,27 +110,27 @@ TEST(SingleImageMeasures, TheSensitiveOnesAreFiniteAndDependOnThePose) {
                           camera_mount(), truth, options);
     ASSERT_TRUE(pose.usable());
     const auto [min_score, max_score] = std::minmax_element(pose.scores.begin(), pose.scores.end());
-    EXPECT_TRUE(std::isfinite(*least) && std::isfinite(*most));
-    EXPECT_GT(*most, *least) << name(measure);
+    EXPECT_TRUE(std::isfinite(*min_score) && std::isfinite(*max_score));
+    EXPECT_GT(*max_score, *min_score) << name(measure);
   }
 }
 
 TEST(SingleImageReasons, SayWhyThereIsNoPose) {
   const ImageFeatures seen = render_features(shared_town().map, {-70, -1, 0}, 1);
   EXPECT_STREQ(locate_from_image(shared_town().map, seen, camera(), camera_mount(), {5000, 0, 0},
-                                 quick(ImageMeasure::kLsmi))
+                                 fast_options(ImageMeasure::kLsmi))
                    .reason,
                "the prior pose is outside the map");
   Eigen::Isometry3d upwards = camera_mount();
   upwards.linear() << 0, -1, 0, -1, 0, 0, 0, 0, 1;
   upwards.translation() << 0, 0, -kCameraHeight;
   EXPECT_FALSE(locate_from_image(shared_town().map, seen, camera(), upwards, {-70, -1, 0},
-                                 quick(ImageMeasure::kLsmi))
+                                 fast_options(ImageMeasure::kLsmi))
                    .usable());
   ImageFeatures blank = seen;
   for (auto& pixel : blank.pixels) pixel = {0.5F, 0.5F, 0.5F, 0, 0};
   EXPECT_FALSE(locate_from_image(shared_town().map, blank, camera(), camera_mount(), {-70, -1, 0},
-                                 quick(ImageMeasure::kBoundaries))
+                                 fast_options(ImageMeasure::kBoundaries))
                    .usable());
   SingleImageOptions wrong;
   wrong.lateral_step = 0;

@@ -267,7 +267,7 @@ TEST(TrackerEstimate, CovarianceIsALeftPerturbation) {
 
 TEST(TrackerOptions, SaysWhatIsWrong) {
   EXPECT_FALSE(TrackerOptions().invalid());
-  EXPECT_TRUE(TrackerOptions{.omission = 1.5}.invalid());
+  EXPECT_TRUE(TrackerOptions{.skipped_validation_share = 1.5}.invalid());
   EXPECT_TRUE(TrackerOptions{.sharpness = 0}.invalid());
   TrackerOptions few;
   few.particles.min_count = 1;

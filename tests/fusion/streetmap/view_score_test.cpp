@@ -35,7 +35,7 @@ TEST(ViewScore, LsmiIsThatOfThePreparedDependence) {
                                           asked.samples.features.matrix(), kFit);
   const auto expected = prepared.evaluate(asked.labels, asked.window.label_count());
   EXPECT_NEAR(found, expected.value, 1e-9);
-  EXPECT_EQ(chosen, expected.chosen);
+  EXPECT_EQ(chosen, expected.hyper_parameters);
   EXPECT_GT(found, 0.1);
 }
 
@@ -56,7 +56,7 @@ TEST(ViewScore, BlsmiIsTheMeanOverItsBags) {
     dependence::PreparedDependence bag(dependence::FitMeasure::kSmi, part, kFit);
     sum += bag.evaluate(labels, asked.window.label_count(), kept).value;
   }
-  EXPECT_NEAR(score.ask(asked.labels, asked.window, kept), sum / 4, 1e-9);
+  EXPECT_NEAR(score.evaluate(asked.labels, asked.window, kept), sum / 4, 1e-9);
 }
 
 // I(3.7) by hand: gradients and discontinuities that begin at 0, kerbs where some samples are.
@@ -79,7 +79,8 @@ TEST(ViewScore, BoundariesAreACorrelation) {
   ASSERT_GT(kerbs, 3);
   ViewScore score(ViewMeasure::kBoundaries, kFit);
   EXPECT_STREQ(score.prepare(samples), "");
-  EXPECT_NEAR(score.ask(asked.labels, asked.window, {}), sum / std::sqrt(squares * kerbs), 1e-12);
+  EXPECT_NEAR(score.evaluate(asked.labels, asked.window, {}), sum / std::sqrt(squares * kerbs),
+              1e-12);
 }
 
 TEST(ViewScore, SaysWhyAViewCannotBeAsked) {

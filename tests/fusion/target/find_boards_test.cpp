@@ -42,14 +42,14 @@ TEST(FindBoards, FindsEveryBoardToAThirdOfAPixel) {
 
 TEST(FindBoards, FindsNothingInAnEmptyOrColouredImage) {
   CameraFrame frame;
-  EXPECT_TRUE(find_boards(frame, made::board(), 3).empty());
+  EXPECT_TRUE(find_boards(frame, synthetic::board(), 3).empty());
   frame.width = 320;
   frame.height = 240;
   frame.pixels.assign(320 * 240, 90);
-  EXPECT_TRUE(find_boards(frame, made::board(), 3).empty());
+  EXPECT_TRUE(find_boards(frame, synthetic::board(), 3).empty());
   frame.format = PixelFormat::kBgr8;
   frame.pixels.assign(3 * 320 * 240, 90);
-  EXPECT_TRUE(find_boards(frame, made::board(), 3).empty());
+  EXPECT_TRUE(find_boards(frame, synthetic::board(), 3).empty());
 }
 
 TEST(BoardPose, ExactCornersGiveTheExactPose) {
@@ -60,8 +60,8 @@ TEST(BoardPose, ExactCornersGiveTheExactPose) {
         estimate_board_pose(geometry::CameraModel(synthetic::intrinsics()), synthetic::board(),
                             synthetic::project_corners(T, synthetic::board(), 0, random), 0.1);
     ASSERT_TRUE(pose);
-    EXPECT_LT(made::degrees_between(pose->T_camera_board, T), 1e-4);
-    EXPECT_LT(made::metres_between(pose->T_camera_board, T), 1e-5);
+    EXPECT_LT(synthetic::degrees_between(pose->T_camera_board, T), 1e-4);
+    EXPECT_LT(synthetic::metres_between(pose->T_camera_board, T), 1e-5);
     EXPECT_LT(pose->rms, 1e-4);
   }
 }
@@ -90,8 +90,8 @@ TEST(BoardPose, RandomCornersGiveNoPose) {
   for (size_t i = 0; i < synthetic::board().corner_count(); ++i) {
     corners.emplace_back(random.uniform(0, 1279), random.uniform(0, 959));
   }
-  EXPECT_FALSE(estimate_board_pose(camera, made::board(), corners, 0.1));
-  EXPECT_FALSE(estimate_board_pose(camera, made::board(), {}, 0.1));
+  EXPECT_FALSE(estimate_board_pose(camera, synthetic::board(), corners, 0.1));
+  EXPECT_FALSE(estimate_board_pose(camera, synthetic::board(), {}, 0.1));
 }
 
 }  // namespace
