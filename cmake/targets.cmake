@@ -72,9 +72,8 @@ function(infuse_test folder)
   endif()
   target_compile_options(${name} PRIVATE -O1)  # what is tested is optimised, the tests need not be
   target_precompile_headers(${name} REUSE_FROM infuse_test_pch)
-  if(INFUSE_SANITIZE)  # falsely raised for tests that count allocations, once they are inlined less
-    target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-mismatched-new-delete>)
-  endif()
+  # -Wno-mismatched-new-delete: falsely raised for tests that count allocations, once they are inlined less.
+  target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-mismatched-new-delete>)
   set(labels "")
   if(ARG_THREADED)
     set(labels LABELS threaded)

@@ -213,7 +213,7 @@ IntervalResult RecordRing<T>::visit_interval(Stamp from, Stamp to, Visit visit) 
 template <StampedRecord T>
 IntervalResult RecordRing<T>::copy_interval(Stamp from, Stamp to, std::span<T> out) const {
   size_t written = 0;
-  return interval(from, to, [&](const T& record) {
+  return visit_interval(from, to, [&](const T& record) {
     if (written < out.size()) out[written++] = record;
   });
 }

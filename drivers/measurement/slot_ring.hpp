@@ -268,13 +268,13 @@ IntervalResult SlotRing<T>::visit_pins(Stamp from, Stamp to, Visit visit) {
 template <StampedObject T>
 template <std::invocable<const T&> Visit>
 IntervalResult SlotRing<T>::visit_interval(Stamp from, Stamp to, Visit visit) {
-  return interval_pins(from, to, [&](const Pin<T>& pin) { visit(*pin); });
+  return visit_pins(from, to, [&](const Pin<T>& pin) { visit(*pin); });
 }
 
 template <StampedObject T>
 IntervalResult SlotRing<T>::pin_interval(Stamp from, Stamp to, std::span<Pin<T>> out) {
   size_t written = 0;
-  return interval_pins(from, to, [&](Pin<T>& pin) {
+  return visit_pins(from, to, [&](Pin<T>& pin) {
     if (written < out.size()) out[written++] = std::move(pin);
   });
 }
