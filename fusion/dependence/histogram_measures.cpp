@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kMaxBins = 1024;
 
-/// Sums over rows and columns, on the stack.
+/// Row and column sums, on the stack.
 struct Marginals {
   std::array<double, kMaxBins> x{}, y{};
 };
@@ -27,7 +27,7 @@ Marginals sum_marginals(std::span<const double> table, size_t bins_x, size_t bin
   return sums;
 }
 
-/// What the measures are made of.
+/// Entropies from which the measures are computed.
 struct Entropies {
   double x = 0, y = 0, xy = 0;
 };
@@ -52,12 +52,12 @@ bool is_entropy_measure(Measure which) {
   return which != Measure::kChiSquared && which != Measure::kSquaredLossMutualInformation;
 }
 
-/// Plug-in value of a table of any scale.
+/// Plug-in value of an unnormalised table.
 double plug_in(Measure which, std::span<const double> table, size_t bins_x, size_t bins_y,
                double total) {
   const Marginals sums = sum_marginals(table, bins_x, bins_y);
   if (is_entropy_measure(which)) {
-    // H = ln W − (Σ m ln m)/W, so that a table needs no normalised copy.
+    // H = ln W − (Σ m ln m)/W, so that the table needs no normalised copy.
     const auto compute_entropy = [total](std::span<const double> mass) {
       double sum = 0;
       for (const double m : mass) sum += m > 0 ? m * std::log(m) : 0;
@@ -65,7 +65,8 @@ double plug_in(Measure which, std::span<const double> table, size_t bins_x, size
     };
     Entropies h{compute_entropy({sums.x.data(), bins_x}), compute_entropy({sums.y.data(), bins_y}),
                 compute_entropy(table)};
-    h.xy = std::clamp(h.xy, std::max({h.x, h.y, 0.0}), std::max(h.x + h.y, 0.0));  // of rounding
+    h.xy =
+        std::clamp(h.xy, std::max({h.x, h.y, 0.0}), std::max(h.x + h.y, 0.0));  // against rounding
     return measure_from_entropies(which, h);
   }
   double ratio = 0;  // Σ p²/(p_x p_y): the total cancels
@@ -84,7 +85,7 @@ bool supports_few_samples(CountEntropyOptions::Estimator estimator) {
          estimator != CountEntropyOptions::Estimator::kMillerMadow;
 }
 
-/// The histogram's reason, less the one that `how` lifts.
+/// The histogram's reason, unless the estimator lifts it.
 const char* remaining_reason(const JointHistogram& histogram, const CountEntropyOptions& options) {
   const bool few = std::string_view(histogram.reason) == kFewerSamplesThanBins;
   return few && supports_few_samples(options.estimator) ? "" : histogram.reason;
@@ -98,7 +99,7 @@ Estimate measure_regularised(Measure which, const JointHistogram& histogram,
     if (!shrunk.usable()) return {0, shrunk.reason};
     table = std::move(shrunk.frequencies);
   } else {
-    if (!(options.alpha >= 0 && options.alpha <= 1e15)) return {0, "alpha is not in 0 ... 1e15"};
+    if (!(options.alpha >= 0 && options.alpha <= 1e15)) return {0, "alpha is not in 0 … 1e15"};
     table = histogram.mass;
     for (double& m : table) m += options.alpha;
   }
@@ -120,7 +121,7 @@ Estimate measure_corrected(Measure which, const JointHistogram& histogram,
   const Estimate x = entropy({sums.x.data(), bins_x}, options);
   const Estimate y = entropy({sums.y.data(), bins_y}, options);
   const Estimate xy = entropy(histogram.mass, options);
-  // Fewer samples than cells is the usual state of the joint table and no reason by itself.
+  // A joint table usually has fewer samples than cells; this alone is no reason.
   if (supports_few_samples(options.estimator)) {
     for (const Estimate& h : {x, y, xy}) {
       if (!h.usable()) return {0, h.reason};

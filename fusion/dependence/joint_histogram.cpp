@@ -27,7 +27,7 @@ size_t cell_count(const JointHistogram& histogram) {
   return static_cast<size_t>(histogram.bins_x) * static_cast<size_t>(histogram.bins_y);
 }
 
-/// How often `stride` apart, `count` values: one marginal bin.
+/// One marginal bin: `count` values, `stride` apart.
 struct Line {
   size_t first, stride, count;
 };
@@ -38,7 +38,7 @@ double sum_line(std::span<const double> mass, const Line& line) {
   return sum;
 }
 
-/// P(3.16) for one side, in bins: `lines` are its marginal bins.
+/// Bandwidth P(3.16) of one side, in bins; `line_of` gives its marginal bins.
 template <class LineOf>
 double silverman_bandwidth(const JointHistogram& histogram, int bins, LineOf line_of) {
   double mean = 0, square = 0;
@@ -50,8 +50,8 @@ double silverman_bandwidth(const JointHistogram& histogram, int bins, LineOf lin
   return 1.06 * std::pow(histogram.samples, -0.2) * std::sqrt(std::max(0.0, square - mean * mean));
 }
 
-/// Convolves each line with a Gaussian of `bandwidth` bins; the part of a bin's kernel that lies
-/// outside the line is shared out by what lies inside.
+/// Convolves each line with a Gaussian of `bandwidth` bins; the kernel is renormalised to the part
+/// inside the line.
 template <class LineOf>
 void smooth_lines(std::vector<double>& mass, int lines, LineOf line_of, double bandwidth,
                   std::vector<double>& scratch) {
@@ -120,7 +120,7 @@ void update_total(JointHistogram& histogram) {
   histogram.total = std::accumulate(histogram.mass.begin(), histogram.mass.end(), 0.0);
   histogram.reason = "";
   if (!(histogram.total > 0)) {
-    histogram.reason = "no sample takes part";
+    histogram.reason = "no valid samples";
     return;
   }
   const double all = histogram.total * (1 - 1e-12);
@@ -176,7 +176,7 @@ JointHistogram joint_table(std::span<const double> mass, int bins_x, int bins_y)
   JointHistogram histogram{.bins_x = bins_x, .bins_y = bins_y, .mass = {}};
   if (bins_x < 1 || bins_y < 1 || bins_x > kMaxBins || bins_y > kMaxBins ||
       mass.size() != cell_count(histogram)) {
-    histogram.reason = "the table's size is not bins_x times bins_y within 1 ... 1024";
+    histogram.reason = "the size of the table is not bins_x times bins_y within 1 ... 1024";
     histogram.bins_x = histogram.bins_y = 0;
     return histogram;
   }

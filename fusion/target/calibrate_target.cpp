@@ -5,10 +5,9 @@
 namespace infuse::target {
 namespace {
 
-constexpr double kSecondPassMargin = 0.08;  // m, of the second pass
-constexpr double kLastPassMargin = -0.01;   // m, of the last
-constexpr double kEarlyPassTolerance =
-    0.15;  // m and rad; what else is near a board may put it so far off
+constexpr double kSecondPassMargin = 0.08;    // m, second pass
+constexpr double kLastPassMargin = -0.01;     // m, last pass
+constexpr double kEarlyPassTolerance = 0.15;  // m and rad; error caused by objects near a board
 
 TargetCalibration run_pass(std::span<const BoardObservation> observations, const Board& board,
                            double grow, const Eigen::Isometry3d& T_head_lidar,

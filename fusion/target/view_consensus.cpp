@@ -11,9 +11,10 @@ namespace infuse::target {
 namespace {
 
 constexpr int kTripleCount = 500;
-constexpr double kMinNormalsVolume = 0.02;  // of three unit normals: they are independent
+constexpr double kMinNormalsVolume =
+    0.02;  // minimum volume spanned by three unit normals to count as independent
 
-/// The board's normal towards the camera, as `ReturnsPlane::normal` is towards the lidar.
+/// Normal of the board towards the camera, as `ReturnsPlane::normal` points towards the lidar.
 Eigen::Vector3d normal_towards_camera(const TargetView& view) {
   return view.distance() > 0 ? Eigen::Vector3d(-view.normal()) : view.normal();
 }

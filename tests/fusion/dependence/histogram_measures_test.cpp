@@ -33,7 +33,7 @@ JointHistogram reference_table() {
   return joint_table(std::vector<double>{1, 2, 3, 6, 5, 4}, 2, 3);
 }
 
-/// A random table of whole counts.
+/// Returns a random table of integer counts.
 JointHistogram random_table(unsigned seed, int bins_x, int bins_y) {
   std::mt19937 random(seed);
   std::poisson_distribution<int> draw(3);
@@ -99,7 +99,7 @@ TEST(HistogramMeasures, BoundsSymmetryAndRelabelling) {
   std::mt19937 random(5);
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const JointHistogram table = random_table(seed, 6, 4);
-    // Relabelled: rows and columns in another order.
+    // Relabelled: rows and columns permuted.
     std::vector<int> rows = {0, 1, 2, 3, 4, 5}, columns = {0, 1, 2, 3};
     std::shuffle(rows.begin(), rows.end(), random);
     std::shuffle(columns.begin(), columns.end(), random);
@@ -142,7 +142,7 @@ TEST(HistogramMeasures, ProductTableIsIndependentAndDiagonalIsComplete) {
   EXPECT_NEAR(measure(Measure::kNormalisedInformationDistance, diagonal).value, 0, 1e-14);
 }
 
-/// Moves a little mass along y and looks at the difference quotient.
+/// Moves a little mass along y and compares with the difference quotient.
 TEST(HistogramMeasures, SensitivityAgreesWithCentralDifferences) {
   const JointHistogram table = random_table(3, 5, 7);
   Sensitivity sensitivity;

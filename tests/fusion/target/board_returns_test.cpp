@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A board held up, and what the lidar sees of it and of the wall behind.
+/// A board, its returns and those of the wall behind it.
 struct BoardScene {
   Eigen::Isometry3d T_lidar_board;
   std::vector<Eigen::Vector3d> nearby_returns;
@@ -26,7 +26,7 @@ BoardScene make_scene(synthetic::RandomSource& random, double margin = 0.25) {
   return scene;
 }
 
-TEST(BoardReturns, FindsTheBoardBeforeAWall) {
+TEST(BoardReturns, FindsTheBoardInFrontOfAWall) {
   synthetic::RandomSource random(1);
   for (int k = 0; k < 10; ++k) {
     const BoardScene scene = make_scene(random);
@@ -44,7 +44,7 @@ TEST(BoardReturns, FindsTheBoardBeforeAWall) {
     EXPECT_NEAR(static_cast<double>(returns->size()), static_cast<double>(expected),
                 0.03 * static_cast<double>(expected));
     for (const Eigen::Vector3d& point : *returns) {
-      EXPECT_LT(std::abs((scene.T_lidar_board.inverse() * point).z()), 0.1);
+      EXPECT_LT(std::abs((held.T_lidar_board.inverse() * point).z()), 0.1);
     }
   }
 }
@@ -71,9 +71,9 @@ TEST(BoardReturns, ReportsAMissingBoard) {
   const auto nothing =
       find_board_returns(scene.nearby_returns, behind, synthetic::board(), 0.25, {});
   ASSERT_FALSE(nothing);
-  EXPECT_THAT(nothing.error().message(), HasSubstr("returns where the board should be"));
-  EXPECT_FALSE(find_board_returns({}, scene.T_lidar_board, synthetic::board(), 0, {}));
-  EXPECT_TRUE(crop_to_board(Sweep{}, scene.T_lidar_board, synthetic::board(), 1).empty());
+  EXPECT_THAT(nothing.error().message(), HasSubstr("returns at the expected place of the board"));
+  EXPECT_FALSE(find_board_returns({}, held.T_lidar_board, made::board(), 0, {}));
+  EXPECT_TRUE(crop_to_board(Sweep{}, held.T_lidar_board, made::board(), 1).empty());
 }
 
 TEST(BoardReturns, RejectsAPlaneOfAnotherOrientation) {
@@ -89,8 +89,8 @@ TEST(BoardReturns, RejectsAPlaneOfAnotherOrientation) {
 TEST(BoardReturnsOptions, ReportsInvalidValues) {
   EXPECT_FALSE(BoardReturnsOptions{}.invalid());
   EXPECT_THAT(*(BoardReturnsOptions{.margin = 0}.invalid()), HasSubstr("margin"));
-  EXPECT_THAT(*(BoardReturnsOptions{.max_tilt = 2}.invalid()), HasSubstr("tilt"));
-  EXPECT_THAT(*(BoardReturnsOptions{.min_returns = 1}.invalid()), HasSubstr("min_returns"));
+  EXPECT_THAT(*(BoardReturnsOptions{.tilt = 2}.invalid()), HasSubstr("tilt"));
+  EXPECT_THAT(*(BoardReturnsOptions{.fewest = 1}.invalid()), HasSubstr("min_returns"));
 }
 
 }  // namespace
