@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <span>
-#include <string_view>
 
 namespace infuse::dependence {
 namespace {
@@ -52,6 +51,13 @@ bool is_entropy_measure(Measure which) {
   return which != Measure::kChiSquared && which != Measure::kSquaredLossMutualInformation;
 }
 
+/// −Σ p ln p.
+double plug_in_entropy(std::span<const double> frequencies) {
+  double h = 0;
+  for (const double p : frequencies) h += p > 0 ? -p * std::log(p) : 0;
+  return h;
+}
+
 /// Plug-in value of an unnormalised table.
 double plug_in(Measure which, std::span<const double> table, size_t bins_x, size_t bins_y,
                double total) {
@@ -80,57 +86,6 @@ double plug_in(Measure which, std::span<const double> table, size_t bins_x, size
   return which == Measure::kChiSquared ? chi_squared : chi_squared / 2;
 }
 
-bool supports_few_samples(CountEntropyOptions::Estimator estimator) {
-  return estimator != CountEntropyOptions::Estimator::kMaximumLikelihood &&
-         estimator != CountEntropyOptions::Estimator::kMillerMadow;
-}
-
-/// The histogram's reason, unless the estimator lifts it.
-const char* remaining_reason(const JointHistogram& histogram, const CountEntropyOptions& options) {
-  const bool few = std::string_view(histogram.reason) == kFewerSamplesThanBins;
-  return few && supports_few_samples(options.estimator) ? "" : histogram.reason;
-}
-
-Estimate measure_regularised(Measure which, const JointHistogram& histogram,
-                             const CountEntropyOptions& options) {
-  std::vector<double> table;
-  if (options.estimator == CountEntropyOptions::Estimator::kJamesStein) {
-    ShrunkFrequencies shrunk = james_stein_frequencies(histogram.mass, options.shrinkage);
-    if (!shrunk.usable()) return {0, shrunk.reason};
-    table = std::move(shrunk.frequencies);
-  } else {
-    if (!(options.alpha >= 0 && options.alpha <= 1e15)) return {0, "alpha is not in 0 … 1e15"};
-    table = histogram.mass;
-    for (double& m : table) m += options.alpha;
-  }
-  double total = 0;
-  for (const double m : table) total += m;
-  return {plug_in(which, table, static_cast<size_t>(histogram.bins_x),
-                  static_cast<size_t>(histogram.bins_y), total),
-          remaining_reason(histogram, options)};
-}
-
-Estimate measure_corrected(Measure which, const JointHistogram& histogram,
-                           const CountEntropyOptions& options) {
-  if (!is_entropy_measure(which)) {
-    return {0, "this measure has no entropies to correct: use James-Stein or Dirichlet"};
-  }
-  const auto bins_x = static_cast<size_t>(histogram.bins_x);
-  const auto bins_y = static_cast<size_t>(histogram.bins_y);
-  const Marginals sums = sum_marginals(histogram.mass, bins_x, bins_y);
-  const Estimate x = entropy({sums.x.data(), bins_x}, options);
-  const Estimate y = entropy({sums.y.data(), bins_y}, options);
-  const Estimate xy = entropy(histogram.mass, options);
-  // A joint table usually has fewer samples than cells; this alone is no reason.
-  if (supports_few_samples(options.estimator)) {
-    for (const Estimate& h : {x, y, xy}) {
-      if (!h.usable()) return {0, h.reason};
-    }
-  }
-  return {measure_from_entropies(which, {x.value, y.value, xy.value}),
-          remaining_reason(histogram, options)};
-}
-
 }  // namespace
 
 Estimate measure(Measure which, const JointHistogram& histogram) {
@@ -138,23 +93,6 @@ Estimate measure(Measure which, const JointHistogram& histogram) {
   return {plug_in(which, histogram.mass, static_cast<size_t>(histogram.bins_x),
                   static_cast<size_t>(histogram.bins_y), histogram.total),
           histogram.reason};
-}
-
-Estimate measure(Measure which, const JointHistogram& histogram,
-                 const CountEntropyOptions& options) {
-  if (!(histogram.total > 0)) return measure(which, histogram);
-  switch (options.estimator) {
-    case CountEntropyOptions::Estimator::kMaximumLikelihood:
-      return measure(which, histogram);
-    case CountEntropyOptions::Estimator::kJamesStein:
-    case CountEntropyOptions::Estimator::kDirichlet:
-      return measure_regularised(which, histogram, options);
-    case CountEntropyOptions::Estimator::kMillerMadow:
-    case CountEntropyOptions::Estimator::kNemenman:
-    case CountEntropyOptions::Estimator::kChaoShen:
-      break;
-  }
-  return measure_corrected(which, histogram, options);
 }
 
 void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& out) {

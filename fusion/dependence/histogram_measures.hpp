@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "fusion/dependence/count_entropy.hpp"
 #include "fusion/dependence/estimate.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
 
@@ -20,13 +19,6 @@ enum class Measure {
 /// Computes the plug-in measure of the table. The value is set wherever there is mass, with the
 /// histogram's reason.
 Estimate measure(Measure which, const JointHistogram& histogram);
-
-/// The measure with another estimator of entropy. James–Stein and Dirichlet regularise the joint
-/// frequencies (a target has one value a cell); Miller–Madow, Nemenman and Chao–Shen correct the
-/// three entropies, so that χ² and SMI have no such form and the mutual information may come out
-/// negative. Reason "fewer samples than bins" is lifted for the estimators made for that.
-Estimate measure(Measure which, const JointHistogram& histogram,
-                 const CountEntropyOptions& options);
 
 /// Value of a measure and its derivative with respect to every normalised cell p(x, y), up to terms
 /// that depend on x alone (they vanish when samples move along y).

@@ -1,12 +1,12 @@
-#include "fusion/dependence/count_entropy.hpp"
+#include "tests/study/dependence/count_entropy.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "fusion/dependence/nemenman.hpp"
+#include "tests/study/dependence/nemenman.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 constexpr const char* kFewerSamplesThanWords =
@@ -173,4 +173,4 @@ Estimate entropy(std::span<const double> counts, const CountEntropyOptions& opti
   return {0, "unknown estimator"};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -1,9 +1,9 @@
-#include "fusion/dependence/directed_information.hpp"
+#include "tests/study/dependence/directed_information.hpp"
 
 #include <algorithm>
 #include <vector>
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 constexpr int kMaxMemory = 16;
@@ -142,4 +142,4 @@ Estimate directed_information_rate(std::span<const int32_t> x, std::span<const i
   return {term.value(), ""};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

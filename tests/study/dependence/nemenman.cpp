@@ -1,4 +1,4 @@
-#include "fusion/dependence/nemenman.hpp"
+#include "tests/study/dependence/nemenman.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <numeric>
 #include <vector>
 
-#include "fusion/dependence/count_entropy.hpp"
+#include "tests/study/dependence/count_entropy.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 using boost::math::digamma;
@@ -105,4 +105,4 @@ Estimate entropy_nemenman(std::span<const double> counts) {
   return {std::clamp(entropy / mass, 0.0, std::log(words)), ""};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

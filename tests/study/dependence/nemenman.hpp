@@ -4,7 +4,9 @@
 
 #include "fusion/dependence/estimate.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
+
+using dependence::Estimate;
 
 /// Posterior mean entropy (nats) under Nemenman, Shafee and Bialek's mixture of Dirichlet priors,
 /// P 2.4.2 [116]: integrates over the concentration β with the prior that makes the expected
@@ -12,4 +14,4 @@ namespace infuse::dependence {
 /// word (K = 1) has entropy 0.
 Estimate entropy_nemenman(std::span<const double> counts);
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -1,4 +1,4 @@
-#include "fusion/dependence/nemenman.hpp"
+#include "tests/study/dependence/nemenman.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
-#include "fusion/dependence/count_entropy.hpp"
+#include "tests/study/dependence/count_entropy.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 /// ψ by finite differences of std::lgamma: crude, but independent of the library's.
@@ -93,4 +93,4 @@ TEST(Nemenman, StaysBetweenZeroAndLogOfTheVocabulary) {
 }
 
 }  // namespace
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -1,4 +1,4 @@
-#include "fusion/dependence/sample_entropy.hpp"
+#include "tests/study/dependence/sample_entropy.hpp"
 
 #include <algorithm>
 #include <boost/math/special_functions/digamma.hpp>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 using boost::math::digamma;
@@ -99,4 +99,4 @@ Estimate entropy_nearest_neighbour(const Eigen::Ref<const Eigen::MatrixXd>& samp
           ""};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -7,7 +7,9 @@
 
 #include "fusion/dependence/estimate.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
+
+using dependence::Estimate;
 
 /// Differential entropy in nats, from samples and without a histogram. Rejects samples that are not
 /// finite. Repeated samples (8-bit values) have no density: a distance of zero gives a reason.
@@ -48,4 +50,4 @@ Estimate renyi_entropy_spanning_tree(const Eigen::Ref<const Eigen::MatrixXd>& sa
 /// many sets of one size. Never NaN; 0 for arguments that make no tree.
 double spanning_tree_log_beta(int dimensions, int samples, const SpanningTreeOptions& options = {});
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -1,4 +1,4 @@
-#include "fusion/dependence/sample_entropy.hpp"
+#include "tests/study/dependence/sample_entropy.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 constexpr double kTwoPiE = 2 * std::numbers::pi * std::numbers::e;
@@ -180,4 +180,4 @@ TEST(SpanningTreeEntropy, BadInputGivesAReason) {
 }
 
 }  // namespace
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -5,9 +5,9 @@
 #include <random>
 #include <vector>
 
-#include "fusion/dependence/sample_entropy.hpp"
+#include "tests/study/dependence/sample_entropy.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 /// Σ |e|^γ over the edges of the Euclidean minimum spanning tree: Prim's algorithm on the complete
@@ -80,4 +80,4 @@ Estimate renyi_entropy_spanning_tree(const Eigen::Ref<const Eigen::MatrixXd>& sa
   return {(std::log(length) - options.alpha * log_n - log_beta) / (1 - options.alpha), ""};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study
