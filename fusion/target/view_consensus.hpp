@@ -19,6 +19,6 @@ std::optional<Eigen::Isometry3d> find_consensus_pose(std::span<const TargetView>
 
 /// Root mean square distance of a view's `points` from its board for a given pose, m.
 double rms_board_distance(const TargetView& view, const ReturnsPlane& plane,
-                          const Eigen::Isometry3d& T_head_lidar);
+                          const Eigen::Isometry3d& T_refcam_lidar);
 
 }  // namespace infuse::target

@@ -34,11 +34,11 @@ TEST(PreparedDependence, ReferenceValuesOfLsmi) {
                              {1.0, 0.01, 0.662947545006, 0.787257756873}};
   for (const auto& [sigma, lambda, linear, plug_in] : table) {
     FitOptions options = fixed(sigma, lambda);
-    EXPECT_NEAR(PreparedDependence(FitMeasure::kSmi, x, options).ask(y).value, linear, 1e-12);
+    EXPECT_NEAR(PreparedDependence(FitMeasure::kSmi, x, options).evaluate(y).value, linear, 1e-12);
     options.form = SmiForm::kPlugIn;
     const FitEstimate found = PreparedDependence(FitMeasure::kSmi, x, options).evaluate(y);
     EXPECT_NEAR(found.value, plug_in, 1e-12);
-    EXPECT_EQ(found.chosen, (HyperParameters{sigma, lambda}));
+    EXPECT_EQ(found.hyper_parameters, (HyperParameters{sigma, lambda}));
   }
 }
 
@@ -84,11 +84,11 @@ TEST(PreparedDependence, CrossValidationChoosesLikeThePlainImplementation) {
       const std::vector<int32_t> labels = make_labels(x, 3, 30 + trial);
       PreparedDependence prepared(measure, x, options);
       const FitEstimate of_samples = prepared.evaluate(y), of_labels = prepared.evaluate(labels, 3);
-      EXPECT_EQ(of_samples.chosen, plain_choice(measure, x, &y, {}, 0, options));
-      EXPECT_EQ(of_labels.chosen, plain_choice(measure, x, nullptr, labels, 3, options));
+      EXPECT_EQ(of_samples.hyper_parameters, plain_choice(measure, x, &y, {}, 0, options));
+      EXPECT_EQ(of_labels.hyper_parameters, plain_choice(measure, x, nullptr, labels, 3, options));
       // The same value with the hyper-parameters chosen before.
-      EXPECT_EQ(prepared.ask(y, of_samples.chosen).value, of_samples.value);
-      EXPECT_EQ(prepared.ask(labels, 3, of_labels.chosen).value, of_labels.value);
+      EXPECT_EQ(prepared.evaluate(y, of_samples.hyper_parameters).value, of_samples.value);
+      EXPECT_EQ(prepared.evaluate(labels, 3, of_labels.hyper_parameters).value, of_labels.value);
       all.push_back(of_samples.hyper_parameters);
     }
   }
@@ -107,9 +107,9 @@ TEST(PreparedDependence, ReusedObjectGivesTheValuesOfNewOnes) {
     const FitEstimate alone =
         PreparedDependence(FitMeasure::kSmi, x, options).evaluate(labels, count);
     EXPECT_EQ(together.value, alone.value);
-    EXPECT_EQ(together.chosen, alone.chosen);
+    EXPECT_EQ(together.hyper_parameters, alone.hyper_parameters);
     const MatrixXd y = correlated_with(x, 0.5, 60 + h);
-    EXPECT_EQ(shared.ask(y).value, PreparedDependence(FitMeasure::kSmi, x, options).ask(y).value);
+    EXPECT_EQ(shared.evaluate(y).value, PreparedDependence(FitMeasure::kSmi, x, options).evaluate(y).value);
   }
 }
 
@@ -123,7 +123,7 @@ TEST(PreparedDependence, RelabellingChangesNothing) {
     PreparedDependence prepared(measure, x, options);
     const FitEstimate one = prepared.evaluate(labels, 4), other = prepared.evaluate(renamed, 5);
     EXPECT_NEAR(one.value, other.value, 1e-12);
-    EXPECT_EQ(one.chosen, other.chosen);
+    EXPECT_EQ(one.hyper_parameters, other.hyper_parameters);
   }
 }
 
@@ -132,8 +132,8 @@ TEST(PreparedDependence, SmiAndQmiAreSymmetric) {
   FitOptions options;
   options.centres = 20;
   for (const FitMeasure measure : {FitMeasure::kSmi, FitMeasure::kQmi}) {
-    EXPECT_NEAR(PreparedDependence(measure, x, options).ask(y).value,
-                PreparedDependence(measure, y, options).ask(x).value, 1e-11);
+    EXPECT_NEAR(PreparedDependence(measure, x, options).evaluate(y).value,
+                PreparedDependence(measure, y, options).evaluate(x).value, 1e-11);
   }
 }
 
@@ -146,7 +146,7 @@ TEST(PreparedDependence, GradientEqualsCentralDifferences) {
     PreparedDependence prepared(FitMeasure::kSmi, x, options);
     MatrixXd gradient;
     const FitEstimate found = prepared.evaluate(y, {}, &gradient);
-    EXPECT_EQ(found.value, prepared.ask(y).value);
+    EXPECT_EQ(found.value, prepared.evaluate(y).value);
     ASSERT_EQ(gradient.rows(), 40);
     ASSERT_EQ(gradient.cols(), 2);
     EXPECT_GT(gradient.norm(), 0.01);
@@ -223,17 +223,17 @@ TEST(PreparedDependence, ReportsReasonForInvalidInput) {
 
   PreparedDependence side(FitMeasure::kSmi, x, options);
   MatrixXd gradient = MatrixXd::Ones(1, 1);
-  EXPECT_STREQ(side.ask(with_nan, {}, &gradient).reason, "a sample is not finite");
+  EXPECT_STREQ(side.evaluate(with_nan, {}, &gradient).reason, "a sample is not finite");
   EXPECT_EQ(gradient.size(), 0);
-  EXPECT_STREQ(side.ask(x.topRows(9)).reason, "the two sides differ in length");
-  EXPECT_STREQ(side.ask(MatrixXd::Ones(30, 1)).reason, "all samples are equal");
-  EXPECT_STREQ(side.ask(alike, 3).reason, "all labels are equal");
-  EXPECT_STREQ(side.ask(labels, 2).reason, "a label is outside 0 … label_count − 1");
-  EXPECT_STREQ(side.ask(labels, 3, HyperParameters{7, 1}).reason,
+  EXPECT_STREQ(side.evaluate(x.topRows(9)).reason, "the two sides differ in length");
+  EXPECT_STREQ(side.evaluate(MatrixXd::Ones(30, 1)).reason, "all samples are equal");
+  EXPECT_STREQ(side.evaluate(alike, 3).reason, "all labels are equal");
+  EXPECT_STREQ(side.evaluate(labels, 2).reason, "a label is outside 0 … label_count − 1");
+  EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{7, 1}).reason,
                "the given sigma is not in the grid");
-  EXPECT_STREQ(side.ask(labels, 3, HyperParameters{1, kNan}).reason,
+  EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{1, kNan}).reason,
                "the given lambda is outside 1e-12 … 1e12");
-  EXPECT_TRUE(side.ask(labels, 3).usable());
+  EXPECT_TRUE(side.evaluate(labels, 3).usable());
 }
 
 TEST(PreparedDependence, SingularKernelsAndExtremeScalesGiveFiniteValuesOrAReason) {

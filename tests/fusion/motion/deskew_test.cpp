@@ -85,12 +85,12 @@ TEST(Deskew, AgreesWithAnExactPoseForEachReturn) {
     const Sweep sweep = random_sweep(20011, 0.503, 1, ordered);
     for (const Stamp reference : {sweep.stamp, sweep.stamp + sweep.span, seconds(0.6312)}) {
       deskewer.deskew(sweep, trajectory, reference, deskewed);
-      ASSERT_TRUE(straight.usable()) << deskewed.reason;
-      EXPECT_EQ(straight.reference, reference);
+      ASSERT_TRUE(deskewed.usable()) << deskewed.reason;
+      EXPECT_EQ(deskewed.reference, reference);
       // 0.1 mm by the bound of the cells, the rest is single precision at 170 m.
-      EXPECT_LT(max_error(sweep, trajectory, reference, straight), 2e-4);
+      EXPECT_LT(max_error(sweep, trajectory, reference, deskewed), 2e-4);
     }
-    EXPECT_NEAR(straight.motion.T_from_to.translation().x(), 1.5, 0.2);
+    EXPECT_NEAR(deskewed.motion.T_from_to.translation().x(), 1.5, 0.2);
   }
 }
 
@@ -110,7 +110,7 @@ TEST(Deskew, KeepsItsToleranceWhenTheVehicleSpins) {
     Deskewer deskewer(T_vehicle_lidar(), options);
     DeskewedSweep deskewed;
     deskewer.deskew(sweep, trajectory, sweep.stamp, deskewed);
-    ASSERT_TRUE(straight.usable());
+    ASSERT_TRUE(deskewed.usable());
     const double max = max_error(sweep, trajectory, sweep.stamp, deskewed);
     EXPECT_LT(worst, tolerance + 1e-4);
     if (tolerance == 1e-2) {
@@ -127,10 +127,10 @@ TEST(Deskew, CopiesReturnsThatOdometryDoesNotCover) {
   const auto expect_not_deskewed = [&](const Sweep& sweep, const Trajectory& known, Stamp reference,
                                        const char* reason) {
     deskewer.deskew(sweep, known, reference, deskewed);
-    EXPECT_STREQ(straight.reason, reason);
-    EXPECT_FALSE(straight.usable());
-    EXPECT_TRUE(std::equal(sweep.x.begin(), sweep.x.end(), straight.x.begin(), straight.x.end()));
-    EXPECT_TRUE(std::equal(sweep.z.begin(), sweep.z.end(), straight.z.begin(), straight.z.end()));
+    EXPECT_STREQ(deskewed.reason, reason);
+    EXPECT_FALSE(deskewed.usable());
+    EXPECT_TRUE(std::equal(sweep.x.begin(), sweep.x.end(), deskewed.x.begin(), deskewed.x.end()));
+    EXPECT_TRUE(std::equal(sweep.z.begin(), sweep.z.end(), deskewed.z.begin(), deskewed.z.end()));
   };
   Sweep sweep = random_sweep(1000, 0.95, 3, true);
   expect_not_deskewed(sweep, trajectory, sweep.stamp, "the time is after the last pose");
@@ -168,14 +168,14 @@ TEST(Deskew, AcceptsEmptyAndSingleReturnSweeps) {
   Sweep sweep;
   sweep.stamp = seconds(0.5);
   deskewer.deskew(sweep, trajectory, sweep.stamp, deskewed);
-  EXPECT_TRUE(straight.usable());
-  EXPECT_TRUE(straight.x.empty());
+  EXPECT_TRUE(deskewed.usable());
+  EXPECT_TRUE(deskewed.x.empty());
   for (const double start : {0.5, 0.503, 1.0}) {  // on a pose, between two, on the last
     sweep = random_sweep(1, start, 4, true);
     sweep.time_offset_ns[0] = 0;
     deskewer.deskew(sweep, trajectory, seconds(0.7), deskewed);
-    ASSERT_TRUE(straight.usable()) << deskewed.reason;
-    EXPECT_LT(max_error(sweep, trajectory, seconds(0.7), straight), 1e-4);
+    ASSERT_TRUE(deskewed.usable()) << deskewed.reason;
+    EXPECT_LT(max_error(sweep, trajectory, seconds(0.7), deskewed), 1e-4);
   }
 }
 
@@ -322,7 +322,7 @@ TEST(Deskew, TurningHdl64WithPerfectOdometry) {
   DeskewedSweep deskewed;
   for (const double reference : {0.5, 0.4, 0.437}) {
     deskewer.deskew(sweep.measured, trajectory, seconds(reference), deskewed);
-    ASSERT_TRUE(straight.usable());
+    ASSERT_TRUE(deskewed.usable());
     const Residual after =
         residual(sweep, drive, reference, kRangeNoise, deskewed.x, deskewed.y, deskewed.z);
     EXPECT_LT(after.rms, 0.02) << reference;
@@ -368,7 +368,7 @@ TEST(Deskew, TurningHdl64WithCanOdometry) {
   DeskewedSweep deskewed;
   for (const auto& [start, sweep] : sweeps) {
     deskewer.deskew(sweep.measured, filter.trajectory(), seconds(start + 0.1), deskewed);
-    ASSERT_TRUE(straight.usable()) << deskewed.reason;
+    ASSERT_TRUE(deskewed.usable()) << deskewed.reason;
     const Residual after =
         residual(sweep, drive, start + 0.1, kRangeNoise, deskewed.x, deskewed.y, deskewed.z);
     EXPECT_LT(after.rms, 0.05) << start;

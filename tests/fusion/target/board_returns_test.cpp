@@ -90,7 +90,7 @@ TEST(BoardReturnsOptions, ReportsInvalidValues) {
   EXPECT_FALSE(BoardReturnsOptions{}.invalid());
   EXPECT_THAT(*(BoardReturnsOptions{.margin = 0}.invalid()), HasSubstr("margin"));
   EXPECT_THAT(*(BoardReturnsOptions{.tilt = 2}.invalid()), HasSubstr("tilt"));
-  EXPECT_THAT(*(BoardReturnsOptions{.fewest = 1}.invalid()), HasSubstr("min_returns"));
+  EXPECT_THAT(*(BoardReturnsOptions{.min_returns = 1}.invalid()), HasSubstr("min_returns"));
 }
 
 }  // namespace
