@@ -38,8 +38,6 @@ double measure_from_entropies(Measure which, const Entropies& h) {
       return information;
     case Measure::kNormalisedMutualInformation:
       return h.xy > 0 ? (h.x + h.y) / h.xy : 1;
-    case Measure::kNormalisedInformationDistance:
-      return h.xy > 0 ? (h.xy - information) / h.xy : 1;
     case Measure::kChiSquared:
     case Measure::kSquaredLossMutualInformation:
       break;
@@ -108,7 +106,7 @@ void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& 
   for (double& m : p.y) m *= scale;
 
   if (is_entropy_measure(which)) {
-    // dI/dp = ln p − ln p_y; d(1/NMI-like ratio) follows from R = (H_x + H_y)/H_xy.
+    // dI/dp = ln p − ln p_y; dNMI follows from (H_x + H_y)/H_xy.
     const double h_x = plug_in_entropy({p.x.data(), bins_x});
     const double h_y = plug_in_entropy({p.y.data(), bins_y});
     double h_xy = 0;
@@ -120,11 +118,9 @@ void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& 
       h_xy -= q * out.table[k];
     }
     double joint = 1, marginal = 1;  // factors of ln p and of −ln p_y
-    if (which != Measure::kMutualInformation) {
-      const bool distance = which == Measure::kNormalisedInformationDistance;
-      const double sign = distance ? -1 : 1;
-      marginal = h_xy > 0 ? sign / h_xy : 0;
-      joint = h_xy > 0 ? sign * (h_x + h_y) / (h_xy * h_xy) : 0;
+    if (which == Measure::kNormalisedMutualInformation) {
+      marginal = h_xy > 0 ? 1 / h_xy : 0;
+      joint = h_xy > 0 ? (h_x + h_y) / (h_xy * h_xy) : 0;
     }
     for (size_t k = 0; k < out.table.size(); ++k) {
       if (histogram.mass[k] > 0) {

@@ -7,13 +7,12 @@
 
 namespace infuse::dependence {
 
-/// Dependence measure of a joint histogram. All but the distance increase with dependence.
+/// Dependence measure of a joint histogram. Increases with dependence.
 enum class Measure {
-  kMutualInformation,              ///< I = H_x + H_y − H_xy, nats, P(2.13), I(2.3)
-  kNormalisedMutualInformation,    ///< (H_x + H_y)/H_xy, 1 … 2, I(4.2)
-  kNormalisedInformationDistance,  ///< (H_xy − I)/H_xy, 0 … 1, falls with dependence
-  kChiSquared,                     ///< Σ (p − p_x p_y)²/(p_x p_y), P(3.25)
-  kSquaredLossMutualInformation,   ///< half of χ²: I(4.3) without its spurious minus sign
+  kMutualInformation,             ///< I = H_x + H_y − H_xy, nats, P(2.13), I(2.3)
+  kNormalisedMutualInformation,   ///< (H_x + H_y)/H_xy, 1 … 2, I(4.2)
+  kChiSquared,                    ///< Σ (p − p_x p_y)²/(p_x p_y), P(3.25)
+  kSquaredLossMutualInformation,  ///< half of χ²: I(4.3) without its spurious minus sign
 };
 
 /// Computes the plug-in measure of the table. The value is set wherever there is mass, with the

@@ -52,12 +52,6 @@ struct JointHistogram {
     const int cell = x * bins_y + y;
     return mass[static_cast<size_t>(cell)];
   }
-
-  /// Adds a histogram of the same shape and options, such as tiles of several threads or scans.
-  /// Returns false, sets the reason and adds nothing if the tile is empty or has another shape. Not
-  /// for `Window::kGaussian`, whose bandwidth depends on all samples together: add unsmoothed
-  /// tables and smooth the sum.
-  [[nodiscard]] bool add(const JointHistogram& tile);
 };
 
 /// Computes the joint histogram of paired samples; `weights` is empty or has one value per sample,
@@ -66,13 +60,6 @@ struct JointHistogram {
 JointHistogram joint_histogram(std::span<const float> x, std::span<const float> y,
                                const JointHistogramOptions& options = {},
                                std::span<const float> weights = {});
-
-/// The same for labels 0 … labels − 1 (codewords).
-JointHistogram joint_counts(std::span<const int32_t> x, std::span<const int32_t> y, int labels_x,
-                            int labels_y);
-
-/// Makes a histogram from counts, `bins_x` rows of `bins_y`.
-JointHistogram joint_table(std::span<const double> mass, int bins_x, int bins_y);
 
 /// Replaces the table by its Gaussian kernel density estimate, P(3.15), with the bandwidth P(3.16)
 /// of the table's marginals. No mass leaves the table. `scratch` is reused, so that repeated calls

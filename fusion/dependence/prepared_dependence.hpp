@@ -43,8 +43,8 @@ class PreparedDependence {
   /// Static text: why nothing can be evaluated; "" if it can.
   const char* reason() const { return reason_; }
 
-  /// Evaluates one label 0 … label_count − 1 per sample. With `hyper_parameters` (σ in the grid) there is
-  /// no cross-validation.
+  /// Evaluates one label 0 … label_count − 1 per sample. With `hyper_parameters` (σ in the grid)
+  /// there is no cross-validation.
   FitEstimate evaluate(std::span<const int32_t> labels, int label_count,
                        const std::optional<HyperParameters>& hyper_parameters = {});
 

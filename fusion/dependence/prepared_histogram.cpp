@@ -96,20 +96,10 @@ Estimate PreparedHistogram::value_and_gradient(Measure which, std::span<const fl
   if (gradient_out.size() != sample_count_)
     return {0, "the gradient and the samples differ in size"};
   differentiate(which, histogram(moving), sensitivity_);
-  if (sensitivity_.total > 0) gradient(sensitivity_, moving, gradient_out);
-  return sensitivity_.estimate;
-}
-
-void PreparedHistogram::gradient(const Sensitivity& sensitivity, std::span<const float> moving,
-                                 std::span<float> gradient_out) {
-  const auto cells = static_cast<size_t>(options_.x.bins) * static_cast<size_t>(options_.y.bins);
-  std::fill(gradient_out.begin(), gradient_out.end(), 0.0F);
-  if (*reason_ || options_.window != Window::kBSpline || sensitivity.table.size() != cells ||
-      !(sensitivity.total > 0) || moving.size() != sample_count_ ||
-      gradient_out.size() != sample_count_) {
-    return;
+  if (sensitivity_.total > 0) {
+    tile_.differentiate(sensitivity_.table, 1 / sensitivity_.total, moving, gradient_out);
   }
-  tile_.differentiate(sensitivity.table, 1 / sensitivity.total, moving, gradient_out);
+  return sensitivity_.estimate;
 }
 
 }  // namespace infuse::dependence

@@ -13,8 +13,7 @@ namespace infuse::dependence {
 
 /// Joint histogram with a fixed x side that is binned once (lidar reflectivity), evaluated with
 /// many y sides (grey values at the projections of each candidate pose). Does not allocate after
-/// the first evaluation. Single-threaded: give each thread its own object over a part of the
-/// samples and add the histograms.
+/// the first evaluation. Single-threaded.
 class PreparedHistogram {
  public:
   /// @param fixed    x samples, finite
@@ -39,11 +38,6 @@ class PreparedHistogram {
   /// @param gradient  one per sample
   Estimate value_and_gradient(Measure which, std::span<const float> moving,
                               std::span<float> gradient);
-
-  /// Sets the gradient of a measure of a larger histogram, of which this one is a tile.
-  /// @param sensitivity  of the sum of the tiles
-  void gradient(const Sensitivity& sensitivity, std::span<const float> moving,
-                std::span<float> gradient);
 
  private:
   /// Fills the histogram without a window.

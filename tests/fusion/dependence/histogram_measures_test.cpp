@@ -7,13 +7,14 @@
 #include <random>
 #include <string>
 
+#include "tests/fusion/dependence/joint_table.hpp"
+
 namespace infuse::dependence {
 namespace {
 
 constexpr double kReferenceTolerance = 5e-13;
 constexpr Measure kAllMeasures[] = {Measure::kMutualInformation,
-                                    Measure::kNormalisedMutualInformation,
-                                    Measure::kNormalisedInformationDistance, Measure::kChiSquared,
+                                    Measure::kNormalisedMutualInformation, Measure::kChiSquared,
                                     Measure::kSquaredLossMutualInformation};
 JointHistogram reference_table() {
   return joint_table(std::vector<double>{1, 2, 3, 6, 5, 4}, 2, 3);
@@ -41,8 +42,6 @@ TEST(HistogramMeasures, ReferenceTable) {
   const JointHistogram table = reference_table();
   const Measure information = Measure::kMutualInformation;
   EXPECT_NEAR(measure(information, table).value, 0.034504918061, kReferenceTolerance);
-  EXPECT_NEAR(measure(Measure::kNormalisedInformationDistance, table).value, 0.979243625900,
-              kReferenceTolerance);
   for (const Measure which : kAllMeasures) EXPECT_TRUE(measure(which, table).usable());
 }
 
@@ -81,7 +80,6 @@ TEST(HistogramMeasures, BoundsSymmetryAndRelabelling) {
       EXPECT_NEAR(value, measure(which, transposed(table)).value, 1e-12);
       EXPECT_NEAR(value, measure(which, relabelled).value, 1e-12);
     }
-    EXPECT_LE(measure(Measure::kNormalisedInformationDistance, table).value, 1);
     EXPECT_LE(measure(Measure::kNormalisedMutualInformation, table).value, 2);
   }
 }
@@ -95,7 +93,6 @@ TEST(HistogramMeasures, ProductTableIsIndependentAndDiagonalIsComplete) {
   const JointHistogram diagonal = joint_table(std::vector<double>{5, 0, 0, 0, 5, 0, 0, 0, 5}, 3, 3);
   EXPECT_NEAR(measure(Measure::kMutualInformation, diagonal).value, std::log(3), 1e-14);
   EXPECT_NEAR(measure(Measure::kChiSquared, diagonal).value, 2, 1e-14);
-  EXPECT_NEAR(measure(Measure::kNormalisedInformationDistance, diagonal).value, 0, 1e-14);
 }
 
 /// Moves a little mass along y and compares with the difference quotient.
@@ -125,12 +122,8 @@ TEST(HistogramMeasures, SensitivityAgreesWithCentralDifferences) {
 }
 
 TEST(HistogramMeasures, BadTablesGiveAReasonAndAFiniteValue) {
-  const double nan = std::nan("");
   const std::vector<JointHistogram> tables = {JointHistogram{},
-                                              joint_table({}, 0, 0),
                                               joint_table(std::vector<double>{0, 0, 0, 0}, 2, 2),
-                                              joint_table(std::vector<double>{1, nan, 0, 0}, 2, 2),
-                                              joint_table(std::vector<double>{1, -1, 0, 0}, 2, 2),
                                               joint_table(std::vector<double>{5, 0, 0, 0}, 2, 2),
                                               joint_table(std::vector<double>{5, 5, 0, 0}, 2, 2),
                                               joint_table(std::vector<double>{5, 0, 5, 0}, 2, 2),

@@ -59,7 +59,8 @@ TEST(LabelDependence, CrossValidationChoosesLikeThePlainImplementation) {
     const std::vector<int32_t> labels = make_labels(x, 3, 30 + trial);
     dependence.prepare(x);
     const FitEstimate found = dependence.evaluate(labels, 3);
-    EXPECT_EQ(found.hyper_parameters, plain_choice(FitMeasure::kSmi, x, nullptr, labels, 3, options));
+    EXPECT_EQ(found.hyper_parameters,
+              plain_choice(FitMeasure::kSmi, x, nullptr, labels, 3, options));
     EXPECT_EQ(dependence.evaluate(labels, 3, found.hyper_parameters).value, found.value);
     all.push_back(found.hyper_parameters);
   }
@@ -100,7 +101,8 @@ TEST(LabelDependence, ReportsReasonForInvalidInput) {
   EXPECT_STREQ(side.reason(), "");
   EXPECT_STREQ(side.evaluate(alike, 3).reason, "all labels are equal");
   EXPECT_STREQ(side.evaluate(labels, 2).reason, "a label is outside 0 … label_count − 1");
-  EXPECT_STREQ(side.evaluate(std::span(labels).first(9), 3).reason, "the two sides differ in length");
+  EXPECT_STREQ(side.evaluate(std::span(labels).first(9), 3).reason,
+               "the two sides differ in length");
   EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{7, 1}).reason,
                "the given sigma is not in the grid");
   EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{1, 0}).reason,

@@ -109,7 +109,8 @@ TEST(PreparedDependence, ReusedObjectGivesTheValuesOfNewOnes) {
     EXPECT_EQ(together.value, alone.value);
     EXPECT_EQ(together.hyper_parameters, alone.hyper_parameters);
     const MatrixXd y = correlated_with(x, 0.5, 60 + h);
-    EXPECT_EQ(shared.evaluate(y).value, PreparedDependence(FitMeasure::kSmi, x, options).evaluate(y).value);
+    EXPECT_EQ(shared.evaluate(y).value,
+              PreparedDependence(FitMeasure::kSmi, x, options).evaluate(y).value);
   }
 }
 

@@ -15,8 +15,7 @@ namespace {
 
 constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 constexpr Measure kAllMeasures[] = {Measure::kMutualInformation,
-                                    Measure::kNormalisedMutualInformation,
-                                    Measure::kNormalisedInformationDistance, Measure::kChiSquared,
+                                    Measure::kNormalisedMutualInformation, Measure::kChiSquared,
                                     Measure::kSquaredLossMutualInformation};
 
 /// Correlated samples, a few of them outside 0 … 1.
@@ -71,15 +70,6 @@ TEST(PreparedHistogram, WithoutWindowCountsEqualParts) {
   const std::vector<float> weights = {1, 2, 4, 8, 16, 32};
   const JointHistogram weighted = joint_histogram(x, y, options(4, 2, Window::kNone), weights);
   EXPECT_THAT(weighted.mass, testing::ElementsAre(1, 34, 4, 0, 0, 0, 16, 8));
-}
-
-TEST(PreparedHistogram, LabelsAreCountedAsBins) {
-  const std::vector<int32_t> x = {0, 1, 1, 2}, y = {1, 0, 0, 1};
-  EXPECT_THAT(joint_counts(x, y, 3, 2).mass, testing::ElementsAre(0, 1, 2, 0, 0, 1));
-  EXPECT_FALSE(joint_counts(x, y, 2, 2).usable());
-  EXPECT_FALSE(joint_counts(x, std::vector<int32_t>{1}, 3, 2).usable());
-  EXPECT_FALSE(joint_counts({}, {}, 3, 2).usable());
-  EXPECT_FALSE(joint_counts(x, y, 3, 100000).usable());
 }
 
 // A single count far from the edges becomes a Gaussian of Silverman's width. Another count sets the
@@ -184,26 +174,6 @@ TEST(PreparedHistogram, AbsentSamplesAreIgnored) {
     EXPECT_EQ(table.samples, double(some.x.size()));
     EXPECT_EQ(table.mass, joint_histogram(some.x, some.y, options(8, 8, window)).mass);
   }
-}
-
-TEST(PreparedHistogram, TilesAddUpAndShareOneGradient) {
-  const Pairs pairs(4000);
-  const std::span<const float> x(pairs.x), y(pairs.y);
-  PreparedHistogram first(x.first(1500), options(16, 16)), second(x.subspan(1500), options(16, 16)),
-      whole(x, options(16, 16));
-  JointHistogram sum;
-  ASSERT_TRUE(sum.add(first.histogram(y.first(1500))));
-  ASSERT_TRUE(sum.add(second.histogram(y.subspan(1500))));
-  Sensitivity sensitivity;
-  differentiate(Measure::kMutualInformation, sum, sensitivity);
-  std::vector<float> tiled(4000), at_once(4000);
-  first.gradient(sensitivity, y.first(1500), std::span(tiled).first(1500));
-  second.gradient(sensitivity, y.subspan(1500), std::span(tiled).subspan(1500));
-  const Estimate estimate = whole.value_and_gradient(Measure::kMutualInformation, y, at_once);
-  EXPECT_NEAR(sensitivity.estimate.value, estimate.value, 1e-6);
-  EXPECT_THAT(tiled, testing::Pointwise(testing::FloatNear(1e-8F), at_once));
-  EXPECT_FALSE(sum.add(JointHistogram{}));
-  EXPECT_FALSE(sum.add(joint_histogram(x, y, options(8, 8))));
 }
 
 TEST(PreparedHistogram, SymmetricInItsSides) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fusion/dependence/histogram_measures.hpp"
+#include "tests/fusion/dependence/joint_table.hpp"
 
 namespace infuse::dependence {
 

@@ -58,12 +58,8 @@ Estimate measure_corrected(Measure which, const JointHistogram& histogram,
     }
   }
   const double information = x.value + y.value - xy.value;
-  double value = information;
-  if (which != Measure::kMutualInformation) {
-    const bool distance = which == Measure::kNormalisedInformationDistance;
-    const double numerator = distance ? xy.value - information : x.value + y.value;
-    value = xy.value > 0 ? numerator / xy.value : 1;
-  }
+  const double normalised = xy.value > 0 ? (x.value + y.value) / xy.value : 1;
+  const double value = which == Measure::kMutualInformation ? information : normalised;
   return {value, remaining_reason(histogram, options)};
 }
 
