@@ -26,25 +26,6 @@ Marginals sum_marginals(std::span<const double> table, size_t bins_x, size_t bin
   return sums;
 }
 
-/// Entropies from which the measures are computed.
-struct Entropies {
-  double x = 0, y = 0, xy = 0;
-};
-
-double measure_from_entropies(Measure which, const Entropies& h) {
-  const double information = h.x + h.y - h.xy;
-  switch (which) {
-    case Measure::kMutualInformation:
-      return information;
-    case Measure::kNormalisedMutualInformation:
-      return h.xy > 0 ? (h.x + h.y) / h.xy : 1;
-    case Measure::kChiSquared:
-    case Measure::kSquaredLossMutualInformation:
-      break;
-  }
-  return 0;
-}
-
 bool is_entropy_measure(Measure which) {
   return which != Measure::kChiSquared && which != Measure::kSquaredLossMutualInformation;
 }
@@ -56,10 +37,14 @@ double plug_in_entropy(std::span<const double> frequencies) {
   return h;
 }
 
-/// Plug-in value of an unnormalised table.
-double plug_in(Measure which, std::span<const double> table, size_t bins_x, size_t bins_y,
-               double total) {
-  const Marginals sums = sum_marginals(table, bins_x, bins_y);
+}  // namespace
+
+Estimate measure(Measure which, const JointHistogram& histogram) {
+  const double total = histogram.total;
+  if (!(total > 0)) return {0, histogram.usable() ? "no samples" : histogram.reason};
+  const auto bins_x = static_cast<size_t>(histogram.bins_x);
+  const auto bins_y = static_cast<size_t>(histogram.bins_y);
+  const Marginals sums = sum_marginals(histogram.mass, bins_x, bins_y);
   if (is_entropy_measure(which)) {
     // H = ln W − (Σ m ln m)/W, so that the table needs no normalised copy.
     const auto compute_entropy = [total](std::span<const double> mass) {
@@ -67,30 +52,22 @@ double plug_in(Measure which, std::span<const double> table, size_t bins_x, size
       for (const double m : mass) sum += m > 0 ? m * std::log(m) : 0;
       return std::log(total) - sum / total;
     };
-    Entropies h{compute_entropy({sums.x.data(), bins_x}), compute_entropy({sums.y.data(), bins_y}),
-                compute_entropy(table)};
-    h.xy =
-        std::clamp(h.xy, std::max({h.x, h.y, 0.0}), std::max(h.x + h.y, 0.0));  // against rounding
-    return measure_from_entropies(which, h);
+    const double x = compute_entropy({sums.x.data(), bins_x});
+    const double y = compute_entropy({sums.y.data(), bins_y});
+    const double xy = std::clamp(compute_entropy(histogram.mass), std::max({x, y, 0.0}),
+                                 std::max(x + y, 0.0));  // against rounding
+    if (which == Measure::kMutualInformation) return {x + y - xy, histogram.reason};
+    return {xy > 0 ? (x + y) / xy : 1, histogram.reason};
   }
   double ratio = 0;  // Σ p²/(p_x p_y): the total cancels
   for (size_t i = 0; i < bins_x; ++i) {
     for (size_t j = 0; j < bins_y; ++j) {
-      const double m = table[i * bins_y + j];
+      const double m = histogram.mass[i * bins_y + j];
       if (m > 0) ratio += m * (m / (sums.x[i] * sums.y[j]));
     }
   }
   const double chi_squared = std::max(0.0, ratio - 1);
-  return which == Measure::kChiSquared ? chi_squared : chi_squared / 2;
-}
-
-}  // namespace
-
-Estimate measure(Measure which, const JointHistogram& histogram) {
-  if (!(histogram.total > 0)) return {0, histogram.usable() ? "no samples" : histogram.reason};
-  return {plug_in(which, histogram.mass, static_cast<size_t>(histogram.bins_x),
-                  static_cast<size_t>(histogram.bins_y), histogram.total),
-          histogram.reason};
+  return {which == Measure::kChiSquared ? chi_squared : chi_squared / 2, histogram.reason};
 }
 
 void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& out) {
