@@ -42,6 +42,7 @@ infuse_precompiled(infuse_pch)
 function(infuse_library folder)
   string(REPLACE "/" "_" name ${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
   add_library(infuse_${name} STATIC ${sources})
   add_library(infuse::${name} ALIAS infuse_${name})
   target_link_libraries(infuse_${name} PUBLIC infuse::flags ${ARGN})
@@ -84,21 +85,6 @@ function(infuse_test folder)
   endif()
   gtest_discover_tests(${name} TEST_PREFIX ${folder}/ DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT 600 ${labels} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
-endfunction()
-
-# infuse_study(tests/study/dependence DEPENDENCY...): the .cpp files of the folder as infuse::study_dependence, its
-# *_test.cpp as one program.
-function(infuse_study folder)
-  get_filename_component(name ${folder} NAME)
-  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
-  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
-  add_library(infuse_study_${name} STATIC ${sources})
-  add_library(infuse::study_${name} ALIAS infuse_study_${name})
-  target_link_libraries(infuse_study_${name} PUBLIC infuse::flags ${ARGN})
-  target_precompile_headers(infuse_study_${name} REUSE_FROM infuse_pch)
-  if(INFUSE_TESTS)
-    infuse_test(${folder} infuse::study_${name})
-  endif()
 endfunction()
 
 # infuse_bench(tests/bench/decode_bench.cpp DEPENDENCY...): a Google Benchmark program in build/bin.

@@ -281,7 +281,7 @@ int register_benchmarks() {
     add("calibration/convergence/" + where,
         [scenario](benchmark::State& state) { convergence(state, scenario); });
     for (const NamedMeasure& measure : calibration::named_measures()) {
-      if (!measure.has_gradient) continue;  // takes minutes each
+      if (!measure.has_gradient) continue;  // minutes each
       add("calibration/measure/" + where + "/" + measure.name,
           [=](benchmark::State& state) { accuracy(state, load_pairs(scenario), measure); });
     }

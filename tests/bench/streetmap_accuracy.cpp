@@ -1,5 +1,4 @@
-// Makes the tables of fusion/streetmap/accuracy.md: single images, and the tracker on simulated
-// drives.
+// Tables of fusion/streetmap/accuracy.md: one picture, and the tracker over simulated drives.
 //   streetmap_accuracy FOLDER [SECTION[=SEEDS]...]
 #include <chrono>
 #include <cmath>
@@ -38,7 +37,7 @@ struct Moments {
   }
 };
 
-// --- single image ---
+// --- one picture ---
 
 struct ImageRow {
   Moments across, turned, seconds;
@@ -52,7 +51,7 @@ ImageRow locate_all(const SegmentMap& map, const std::vector<PosedImage>& posed_
   for (const PosedImage& posed_image : posed_images) {
     ImageFeatures features;
     if (!extract_features(posed_image.image, step, features)) continue;
-    // The prior error is up to half of the search range.
+    // The prior is off by up to half of what is searched.
     const auto uniform = [&] {
       draws = draws * 6364136223846793005ULL + 1442695040888963407ULL;
       return static_cast<double>(draws >> 40) / (1 << 23) - 1;
@@ -80,16 +79,16 @@ bool one_image(std::ostream& out, int images) {
   const std::vector<PosedImage> posed_images = read_posed_images("street", images, mount);
   const DriveMap made = make_map("street");
   out << "The drive `street` (fixtures/scenarios/online_2hz.toml): " << posed_images.size()
-      << " images, reduced by 8; mean ± standard deviation of the error; time per\n"
+      << " pictures, reduced by 8; mean ± one deviation of the error; time a\n"
       << "pose relative to LSMI's, one thread.\n\n"
-      << "| measure | lateral, m | heading, ° | time per pose | images |\n|---|---|---|---|---|\n";
+      << "| measure | lateral, m | heading, ° | time a pose | pictures |\n|---|---|---|---|---|\n";
   double unit = 0;
   for (const ImageMeasure measure :
        {ImageMeasure::kLsmi, ImageMeasure::kBlsmi, ImageMeasure::kMi, ImageMeasure::kQmi,
         ImageMeasure::kSce, ImageMeasure::kCorrelation, ImageMeasure::kBoundaries}) {
     SingleImageOptions options;
     options.measure = measure;
-    // Slow measures use fewer pixels, otherwise the table takes an hour.
+    // The slow ones see fewer pixels, or the table would take an hour.
     if (measure == ImageMeasure::kMi || measure == ImageMeasure::kCorrelation) {
       options.max_samples = 200;
     }
@@ -128,10 +127,10 @@ void write_row(std::ostream& out, const std::string& what, const Summary& s) {
   std::fputs(row.c_str(), stderr);
 }
 
-/// Views of a drive, its map, and the number of seeds to run.
+/// What is seen on a drive, its map, and over how many seeds it is requested.
 struct TestDrive {
   std::string drive;
-  std::vector<View> views;  // empty if the drive is missing
+  std::vector<View> views;  // none where the drive cannot be had
   DriveMap made;
   int seeds = 0;
 
@@ -140,10 +139,10 @@ struct TestDrive {
   }
 };
 
-/// Writes the rows of a section for a drive.
+/// A section's rows over a course.
 using RowWriter = std::function<void(std::ostream&, const TestDrive&)>;
 
-/// Writes a section about a drive: its name and the rows. Returns false if the drive is missing.
+/// A section about a drive: names it, and writes the rows. False where it cannot be had.
 bool write_drive_section(std::ostream& out, const std::string& drive, int seeds,
                          const RowWriter& rows) {
   if (!render(drive)) return false;
@@ -159,7 +158,7 @@ void one_drive(std::ostream& out, const TestDrive& test_drive) {
   write_row(out, test_drive.drive, test_drive.run({}));
 }
 
-/// A drive like that of the thesis, with the measures it compares.
+/// The thesis' kind of drive, and what it compares with.
 void robot(std::ostream& out, const TestDrive& test_drive) {
   out << kTableHeader;
   for (const auto& [measure, what] : {std::pair(ViewMeasure::kLsmi, "LSMI"),
@@ -181,8 +180,7 @@ void wrong_initial_poses(std::ostream& out, const TestDrive& test_drive) {
 }
 
 void noisy_odometry(std::ostream& out, const TestDrive& test_drive) {
-  out << "Gaussian noise, a fraction of each motion and of its yaw rate, redrawn at the given "
-         "rate.\n\n"
+  out << "Gaussian noise, a share of each motion and of its yaw rate, drawn anew so often.\n\n"
       << kTableHeader;
   for (const int noise_hz : {10, 2}) {
     for (const auto& [share, rate] : {std::pair(0.1, 1.0), {0.2, 2.0}, {0.3, 3.0}}) {
@@ -197,7 +195,7 @@ void noisy_odometry(std::ostream& out, const TestDrive& test_drive) {
 }
 
 void omission(std::ostream& out, const TestDrive& test_drive) {
-  out << "100 particles.\n\n| omitted | total, m | time per update, relative to 90 % |\n"
+  out << "100 particles.\n\n| omitted | total, m | time an update, relative to 90 % |\n"
       << "|---|---|---|\n";
   std::vector<std::pair<double, Summary>> rows;
   for (const double omitted : {0.0, 0.5, 0.7, 0.9, 0.97}) {
@@ -213,7 +211,7 @@ void omission(std::ostream& out, const TestDrive& test_drive) {
   }
 }
 
-// --- wrong maps ---
+// --- maps that are wrong ---
 
 double distance_to(const Polyline& line, const PlanarPose& pose) {
   const Eigen::Vector2d p(pose.x, pose.y);
@@ -284,18 +282,18 @@ constexpr const char* kDocumentHeader =
     "streetmap:SECTION[=SEEDS]`:\n"
     "`one_image`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `robot`, `wrong_initial_poses`, "
     "`noisy_odometry`, `omission`,\n"
-    "`wrong_maps`; missing sections have not been made. The tracker is run on cached views, two a "
+    "`wrong_maps`; what is not below has not been made. The tracker is run on cached views, two a "
     "second, as the daemon\n"
     "updates. Errors are rms over a run, after ten views, and means over the seeds, which vary the "
     "odometry's scale and\n"
-    "bias, the initial pose and the filter. The world differs from the map.\n";
+    "bias, the start and the filter. The world departs from the map.\n";
 
 const std::vector<infuse::bench::Section>& sections() {
   const auto on = [](const char* drive, const RowWriter& rows) {
     return
         [=](std::ostream& out, int seeds) { return write_drive_section(out, drive, seeds, rows); };
   };
-  // The other sections use the shortest of the recorded routes, or the street.
+  // Everything else is asked of the shortest of the recorded routes, or of the street.
   const auto on_short = [](const RowWriter& rows) {
     return [=](std::ostream& out, int seeds) {
       return write_drive_section(out, "kitti_07", seeds, rows) ||
@@ -318,7 +316,7 @@ const std::vector<infuse::bench::Section>& sections() {
   return all;
 }
 
-/// `requested`: "NAME" or "NAME=SEEDS".
+/// `wanted`: "NAME" or "NAME=SEEDS".
 bool write_section(const std::string& path, const std::string& requested) {
   const size_t end = requested.find('=');
   const std::string name = requested.substr(0, end);
@@ -330,11 +328,11 @@ bool write_section(const std::string& path, const std::string& requested) {
     return seeds > 0 &&
            infuse::bench::rewrite_section(path, kDocumentHeader, sections(), section, seeds);
   }
-  std::fprintf(stderr, "unknown section %s\n", name.c_str());
+  std::fprintf(stderr, "no section is called %s\n", name.c_str());
   return false;
 }
 
-// A section that fails, for lack of a recording, does not stop the others.
+// A section that cannot be made, for want of a recording, does not keep the others back.
 int write_tables(const std::string& folder, std::vector<std::string> requested) {
   if (requested.empty()) {
     for (const infuse::bench::Section& section : sections()) requested.push_back(section.name);

@@ -8,7 +8,7 @@
 namespace infuse::streetmap {
 namespace {
 
-/// Two crossing streets with kerbs; the ground features identify the kind of ground.
+/// Two streets that cross, with kerbs, and ground that tells its kind by its features.
 struct Crossing {
   std::vector<std::byte> bytes;
   SegmentMap map;
@@ -36,7 +36,7 @@ struct Crossing {
   }
 };
 
-/// One update of 100 particles; the fraction `omission` is not cross-validated.
+/// One update of 100 particles, of which the share `omission` is not cross-validated.
 void update(benchmark::State& state, double omission) {
   const Crossing crossing;
   TrackerOptions options;
@@ -45,7 +45,7 @@ void update(benchmark::State& state, double omission) {
   options.particles.min_count = options.particles.max_count = 100;
   Tracker tracker(crossing.map, options);
   tracker.start({}, Eigen::Vector3d(0.25, 0.25, 0.003).asDiagonal());
-  double step = 0.31;  // moves back and forth, enough for an update
+  double step = 0.31;  // to and fro: enough for an update
   for (auto _ : state) {
     tracker.predict({step, 0, 0}, Eigen::Matrix3d::Zero(), Duration(500'000'000));
     tracker.update(crossing.samples);

@@ -11,41 +11,41 @@
 #include "fusion/streetmap/segment_map.hpp"
 #include "fusion/streetmap/street_plan.hpp"
 
-/// Simulated drives on street maps, rendered once, with the parts that the benchmarks use.
+/// Simulated drives on street maps, rendered once, and what of them the benchmarks use.
 namespace infuse::streetmap::bench {
 
-/// Input of one update, collected along the true trajectory, with the true pose of the vehicle.
+/// What one update sees, collected along the true way, and where the vehicle is.
 struct View {
   double seconds = 0;  ///< since the start of the drive
   PlanarPose truth;
   GridSamples samples;
 };
 
-/// An image with the true pose of the vehicle.
+/// A picture and where the vehicle was.
 struct PosedImage {
   PlanarPose truth;
   CameraFrame image;
 };
 
-/// A map made from the drive's OpenStreetMap file, with the bytes it refers to.
+/// A map made of the drive's OpenStreetMap file, and the bytes that it reads.
 struct DriveMap {
   StreetPlan plan;
   std::vector<std::byte> bytes;
   SegmentMap map;
 };
 
-/// Renders `drive` if it does not exist: "pedestrian_zone", "street", "kitti_00", "kitti_05" or
-/// "kitti_07", the latter with the recordings of INFUSE_REAL_DATA. Returns false on failure and
-/// prints the reason to standard error.
+/// Renders `drive` unless it is there: "pedestrian_zone", "street", "kitti_00", "kitti_05" or
+/// "kitti_07", the latter with the recordings of INFUSE_REAL_DATA. False, and why on standard
+/// error, where that fails.
 bool render(const std::string& drive);
 
-/// Views of a drive, two per second, from its cache (written by the first call).
+/// The views of a drive, two a second, from its cache (written by the first call).
 std::vector<View> read_views(const std::string& drive);
 
-/// Returns `count` images evenly spread over the drive, and the mount of the camera.
+/// `count` pictures evenly over the drive, and the camera's mount.
 std::vector<PosedImage> read_posed_images(const std::string& drive, int count, CameraMount& mount);
 
-/// Makes the map of the drive, or of another plan if one is given.
+/// Makes the drive's map; of another plan where one is given.
 DriveMap make_map(const std::string& drive, const std::optional<StreetPlan>& plan = {});
 
 }  // namespace infuse::streetmap::bench

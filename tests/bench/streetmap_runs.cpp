@@ -6,8 +6,8 @@
 namespace infuse::streetmap::bench {
 namespace {
 
-constexpr size_t kSettlingViews = 10;   // views before the evaluation begins
-constexpr double kChiSquared99 = 9.21;  // χ² with two degrees of freedom
+constexpr size_t kSettlingViews = 10;   // views that do not count
+constexpr double kChiSquared99 = 9.21;  // χ² of two
 constexpr double kMaxSuccessError = 2;  // m, I 3.4.3.3
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -41,8 +41,7 @@ RunResult run(const SegmentMap& map, const std::vector<View>& views, const RunOp
       const PlanarPose true_motion = views[i - 1].truth.motion_to(views[i].truth);
       const double step = views[i].seconds - views[i - 1].seconds;
       const double driven = std::hypot(true_motion.x, true_motion.y);
-      // Noise drawn per motion averages out: its standard deviation is a smaller fraction of the
-      // sum.
+      // Of motions that are drawn one by one the deviation of the sum is a smaller share.
       const double share = 1 / std::sqrt(std::max(std::round(step * options.noise_hz), 1.0));
       const double distance_noise = share * options.distance_noise * driven;
       const double turn_noise = share * options.yaw_rate_noise * step;
