@@ -18,8 +18,8 @@ template <class Set>
 [[gnu::always_inline]] inline void exp_of_negative(typename Set::Vector& x) {
   using Vector = typename Set::Vector;
   using Integers = typename Set::Integers;
-  constexpr double kRoundToInteger =
-      6755399441055744.0;  // 1.5·2^52: adding it rounds to an integer
+  constexpr double kRoundToInteger = 6755399441055744.0;  // 1.5·2^52: adding it rounds to an
+                                                          // integer
   constexpr double kLn2High = 0x1.62e42fefa0000p-1, kLn2Low = 0x1.cf79abc9e3b3ap-40;
   constexpr double kMinArgument = -707.0;
   const Integers in_range = x >= kMinArgument;

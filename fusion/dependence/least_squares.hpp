@@ -38,10 +38,10 @@ struct HyperParameters {
 /// Settings of the fits. The grid is searched by cross-validation I 2.2.2.2; with one entry in each
 /// list there is no search.
 struct FitOptions {
-  int centres =
-      100;  ///< number of kernel centres, drawn from the samples; all samples if there are fewer
-  std::vector<double> sigmas = {
-      0.25, 0.5, 0.75, 1.0, 1.5};  ///< in the unit of the features; the default suits unit variance
+  int centres = 100;  ///< number of kernel centres, drawn from the samples; all samples if there
+                      ///< are fewer
+  std::vector<double> sigmas = {0.25, 0.5, 0.75, 1.0, 1.5};  ///< in the unit of the features; the
+                                                             ///< default suits unit variance
   std::vector<double> lambdas = {1e-4, 1e-3, 1e-2, 1e-1, 1.0};  ///< ridge, dimensionless
   int folds = 5;                                                ///< of the cross-validation
   uint64_t seed = 1;  ///< draws the centres and assigns the folds

@@ -8,9 +8,9 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kInnerBlockSize = 128;  // inner indices per block
-constexpr Index kColumnBlockSize =
-    120;  // columns of b per packed block; a multiple of every tile's
+constexpr Index kInnerBlockSize = 128;   // inner indices per block
+constexpr Index kColumnBlockSize = 120;  // columns of b per packed block; a multiple of every
+                                         // tile's
 
 // Register tile of one instruction set: 2 vectors × kTileColumns.
 struct Baseline : Lanes<2> {

@@ -9,11 +9,11 @@ namespace infuse::geometry {
 
 /// Error of estimated camera extrinsics against the truth.
 struct ExtrinsicError {
-  double rotation = 0;     ///< rad, angle of the rotation between them
-  double translation = 0;  ///< m, norm of the difference of the translations
-  Vector6 by_axis =
-      Vector6::Zero();  ///< (rx, ry, rz, tx, ty, tz), estimate minus truth: rotation vector and
-                        ///< difference of the translations, in the axes of the camera
+  double rotation = 0;                ///< rad, angle of the rotation between them
+  double translation = 0;             ///< m, norm of the difference of the translations
+  Vector6 by_axis = Vector6::Zero();  ///< (rx, ry, rz, tx, ty, tz), estimate minus truth: rotation
+                                      ///< vector and difference of the translations, in the axes of
+                                      ///< the camera
   double pixels = 0;  ///< px, mean distance between the projections of the same point, over a grid
                       ///< of the image at `kComparisonDepths`
 };

@@ -21,8 +21,8 @@ struct TrajectoryOptions {
   size_t capacity = 4096;         ///< maximum number of poses; the oldest are dropped
   Duration max_gap{200'000'000};  ///< ns; the pose between two poses further apart is unknown
   Duration max_extrapolation{0};  ///< ns past the last pose, at its twist
-  double rotation_growth =
-      3e-4;  ///< rad/√s, growth of the standard deviation of an extrapolated rotation, each axis
+  double rotation_growth = 3e-4;  ///< rad/√s, growth of the standard deviation of an extrapolated
+                                  ///< rotation, each axis
   double translation_growth = 0.1;  ///< m/√s, the same for the translation
 
   /// Returns what is wrong with the options, or nothing.
@@ -40,8 +40,8 @@ struct PoseAt {
 
 /// Motion between two times, or the reason why it is unknown.
 struct MotionBetween {
-  Eigen::Isometry3d T_from_to =
-      Eigen::Isometry3d::Identity();     ///< vehicle at `to` in the frame of the vehicle at `from`
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();  ///< vehicle at `to` in the frame of
+                                                                ///< the vehicle at `from`
   Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, vehicle frame at `from`
   const char* reason = "";               ///< static text; empty if the motion is usable
 

@@ -13,10 +13,10 @@ namespace infuse::motion {
 /// Settings of the motion compensation.
 struct DeskewOptions {
   double tolerance = 1e-4;  ///< m; maximum error of a return against its exact pose
-  double max_range =
-      250;  ///< m; range up to which `tolerance` holds; beyond, the error grows in proportion
-  size_t max_cells =
-      2048;  ///< maximum number of cells of a sweep; a motion that needs more is rejected
+  double max_range = 250;   ///< m; range up to which `tolerance` holds; beyond, the error grows in
+                            ///< proportion
+  size_t max_cells = 2048;  ///< maximum number of cells of a sweep; a motion that needs more is
+                            ///< rejected
 
   /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
@@ -28,8 +28,8 @@ struct DeskewedSweep {
   Stamp reference;                 ///< that time; x, y and z are in the lidar frame at this time
   FieldVector<float> x, y, z;      ///< m
   geometry::MotionBetween motion;  ///< vehicle motion from the first return to the last
-  const char* reason =
-      "";  ///< static text: why x, y and z are uncorrected; empty if they are corrected
+  const char* reason = "";  ///< static text: why x, y and z are uncorrected; empty if they are
+                            ///< corrected
 
   /// True if the returns are corrected for motion.
   bool usable() const { return *reason == '\0'; }

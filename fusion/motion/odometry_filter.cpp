@@ -8,10 +8,10 @@ namespace {
 
 constexpr size_t kMaxPendingSamples = 512;  // maximum number of samples waiting for earlier ones
 constexpr Duration kMaxPredictionStep{50'000'000};  // maximum duration of one prediction
-constexpr Duration kMaxStampJump{
-    2'000'000'000};  // maximum gap between stamps; a single larger one is rejected
-constexpr Duration kMinSteeringInterval{
-    100'000'000};  // the errors are correlated: more samples add no information
+constexpr Duration kMaxStampJump{2'000'000'000};  // maximum gap between stamps; a single larger one
+                                                  // is rejected
+constexpr Duration kMinSteeringInterval{100'000'000};  // the errors are correlated: more samples
+                                                       // add no information
 
 template <class Range>
 bool any_finite(const Range& values) {

@@ -16,13 +16,13 @@ struct OdometryOptions {
   double steering_ratio = 0;  ///< steering wheel angle to road wheel angle; 0: steering is not used
   double characteristic_speed = 24;  ///< m/s at which understeer halves the steering response
 
-  Duration wheel_delay{0};       ///< ns from measurement to stamp, subtracted
-  Duration imu_delay{0};         ///< ns, the same
-  Duration gnss_delay{0};        ///< ns, the same; must be less than `reorder`
-  Duration reorder{20'000'000};  ///< ns that a sample waits for earlier ones
-  Duration max_silence{
-      500'000'000};  ///< maximum ns without speed or without rotation; then the filter is unusable
-  Duration pose_interval{10'000'000};      ///< minimum ns between poses of the trajectory
+  Duration wheel_delay{0};             ///< ns from measurement to stamp, subtracted
+  Duration imu_delay{0};               ///< ns, the same
+  Duration gnss_delay{0};              ///< ns, the same; must be less than `reorder`
+  Duration reorder{20'000'000};        ///< ns that a sample waits for earlier ones
+  Duration max_silence{500'000'000};   ///< maximum ns without speed or without rotation; then the
+                                       ///< filter is unusable
+  Duration pose_interval{10'000'000};  ///< minimum ns between poses of the trajectory
   Duration standstill_after{400'000'000};  ///< ns of wheels at rest, then the vehicle stands
 
   double wheel_noise = 0.06;              ///< m/s

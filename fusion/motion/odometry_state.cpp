@@ -247,8 +247,8 @@ bool OdometryState::update_gravity(const ImuSample& sample) {
 }
 
 bool OdometryState::update_steering(double steering_angle) {
-  constexpr double kMaxBicycleSteeringAngle =
-      0.5;  // rad at the steering wheel; range of the bicycle model
+  constexpr double kMaxBicycleSteeringAngle = 0.5;  // rad at the steering wheel; range of the
+                                                    // bicycle model
   if (options_.steering_ratio <= 0 || !(std::abs(steering_angle) < kMaxBicycleSteeringAngle))
     return false;
   const double v = speed();

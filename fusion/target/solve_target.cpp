@@ -17,9 +17,9 @@ namespace {
 
 using geometry::Matrix6;
 
-constexpr int kMaxRounds = 10;  // maximum number of outlier rejections
-constexpr double kCauchyScale =
-    4;  // standard deviations, scale of the Cauchy loss of the first round
+constexpr int kMaxRounds = 10;      // maximum number of outlier rejections
+constexpr double kCauchyScale = 4;  // standard deviations, scale of the Cauchy loss of the first
+                                    // round
 constexpr double kEpsilon = 1e-12;  // m²; lower bound of a residual's variance (1 µm)
 
 /// Views, the points that represent their returns, and the inlier flags.

@@ -11,8 +11,8 @@ namespace infuse::target {
 namespace {
 
 constexpr int kTripleCount = 500;
-constexpr double kMinNormalsVolume =
-    0.02;  // minimum volume spanned by three unit normals to count as independent
+constexpr double kMinNormalsVolume = 0.02;  // minimum volume spanned by three unit normals to count
+                                            // as independent
 
 /// Normal of the board towards the camera, as `ReturnsPlane::normal` points towards the lidar.
 Eigen::Vector3d normal_towards_camera(const TargetView& view) {

@@ -16,7 +16,7 @@
 namespace infuse::study {
 namespace {
 
-using namespace dependence;  // NOLINT(google-build-using-namespace)
+using namespace dependence;
 
 const double kMutualInformation = -0.5 * std::log(1 - kRho * kRho);
 const double kSquaredLossMi = kRho * kRho / (2 * (1 - kRho * kRho));
