@@ -28,7 +28,7 @@ std::vector<PosePair> straight_road(int metres) {
   return pairs;
 }
 
-Eigen::Isometry3d some_motion() {
+Eigen::Isometry3d frame_motion() {
   Vector6 twist;
   twist << 0.3, -0.2, 2.1, 10, -40, 5;
   return geometry::exp(twist);
@@ -47,13 +47,13 @@ std::vector<PosePair> winding_road() {
 
 TEST(TrajectoryError, AlignmentFindsTheMotionBetweenTheFrames) {
   std::vector<PosePair> pairs = winding_road();
-  for (PosePair& pair : pairs) pair.estimate = some_motion().inverse() * pair.truth;
+  for (PosePair& pair : pairs) pair.estimate = frame_motion().inverse() * pair.truth;
   const AbsoluteError aligned = absolute_error(pairs);
   ASSERT_TRUE(aligned.usable());
   EXPECT_LT(aligned.translation.max, 1e-9);
   EXPECT_LT(aligned.rotation.max, 1e-9);
-  EXPECT_LT((aligned.T_truth_estimate.matrix() - some_motion().matrix()).norm(), 1e-9);
-  EXPECT_LT(absolute_error(pairs, Alignment::kFirstPose).translation.max, 1e-9);
+  EXPECT_LT((aligned.T_truth_estimate.matrix() - frame_motion().matrix()).norm(), 1e-9);
+  EXPECT_LT(absolute_error(pairs, Alignment::kFirst).translation.max, 1e-9);
   EXPECT_GT(absolute_error(pairs, Alignment::kNone).translation.rms, 10);
   for (PosePair& pair : pairs) pair.estimate.translation() *= 0.5;
   const AbsoluteError similar = absolute_error(pairs, Alignment::kSimilarity);
@@ -68,7 +68,7 @@ TEST(TrajectoryError, OnAStraightRoadTheOrientationsDetermineTheRotationAboutIt)
     const double wiggle = 0.02 * std::sin(static_cast<double>(i));
     pairs[i].truth.translation().z() += wiggle;  // suspension
     pairs[i].estimate.translation().y() += wiggle;
-    pairs[i].estimate = some_motion().inverse() * pairs[i].estimate;
+    pairs[i].estimate = frame_motion().inverse() * pairs[i].estimate;
   }
   const AbsoluteError aligned = absolute_error(pairs);
   ASSERT_TRUE(aligned.usable());
