@@ -1,8 +1,8 @@
 // infuse-study: lists the estimators of tests/study, runs one on a file, measures their accuracy.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <sstream>
