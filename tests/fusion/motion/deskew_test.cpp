@@ -112,9 +112,9 @@ TEST(Deskew, KeepsItsToleranceWhenTheVehicleSpins) {
     deskewer.deskew(sweep, trajectory, sweep.stamp, deskewed);
     ASSERT_TRUE(deskewed.usable());
     const double max = max_error(sweep, trajectory, sweep.stamp, deskewed);
-    EXPECT_LT(worst, tolerance + 1e-4);
+    EXPECT_LT(max, tolerance + 1e-4);
     if (tolerance == 1e-2) {
-      EXPECT_GT(worst, 5e-4) << "coarser cells must exceed the tolerance";
+      EXPECT_GT(max, 5e-4) << "coarser cells must exceed the tolerance";
     }
   }
 }
@@ -219,7 +219,7 @@ TEST(Deskew, DoesNotAllocateAfterWarmUp) {
   deskewer.deskew(first, trajectory, seconds(3), deskewed);
   for (int i = 1; i < 100; ++i) filter.add(drive.wheels(0.01 * i));
   filter.flush();
-  EXPECT_EQ(allocations(), before);
+  EXPECT_EQ(allocation_count(), before);
   EXPECT_GT(filter.trajectory().size(), 90u);
 }
 
@@ -328,7 +328,7 @@ TEST(Deskew, TurningHdl64WithPerfectOdometry) {
     EXPECT_LT(after.rms, 0.02) << reference;
     const Sweep& raw = sweep.measured;
     const Residual before = residual(sweep, drive, reference, kRangeNoise, raw.x, raw.y, raw.z);
-    EXPECT_GT(before.worst, 1.0) << reference;
+    EXPECT_GT(before.max, 1.0) << reference;
     EXPECT_GT(before.rms, 10 * after.rms);
     RecordProperty("rms_mm", static_cast<int>(1e3 * after.rms));
   }
@@ -373,7 +373,7 @@ TEST(Deskew, TurningHdl64WithCanOdometry) {
         residual(sweep, drive, start + 0.1, kRangeNoise, deskewed.x, deskewed.y, deskewed.z);
     EXPECT_LT(after.rms, 0.05) << start;
     const Sweep& raw = sweep.measured;
-    EXPECT_GT(residual(sweep, drive, start + 0.1, kNoise, raw.x, raw.y, raw.z).worst, 1.0);
+    EXPECT_GT(residual(sweep, drive, start + 0.1, kRangeNoise, raw.x, raw.y, raw.z).max, 1.0);
     RecordProperty("rms_mm", static_cast<int>(1e3 * after.rms));
   }
 }

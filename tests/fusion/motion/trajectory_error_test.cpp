@@ -53,7 +53,7 @@ TEST(TrajectoryError, AlignmentFindsTheMotionBetweenTheFrames) {
   EXPECT_LT(aligned.translation.max, 1e-9);
   EXPECT_LT(aligned.rotation.max, 1e-9);
   EXPECT_LT((aligned.T_truth_estimate.matrix() - frame_motion().matrix()).norm(), 1e-9);
-  EXPECT_LT(absolute_error(pairs, Alignment::kFirst).translation.max, 1e-9);
+  EXPECT_LT(absolute_error(pairs, Alignment::kFirstPose).translation.max, 1e-9);
   EXPECT_GT(absolute_error(pairs, Alignment::kNone).translation.rms, 10);
   for (PosePair& pair : pairs) pair.estimate.translation() *= 0.5;
   const AbsoluteError similar = absolute_error(pairs, Alignment::kSimilarity);

@@ -44,7 +44,7 @@ TEST(BoardReturns, FindsTheBoardInFrontOfAWall) {
     EXPECT_NEAR(static_cast<double>(returns->size()), static_cast<double>(expected),
                 0.03 * static_cast<double>(expected));
     for (const Eigen::Vector3d& point : *returns) {
-      EXPECT_LT(std::abs((held.T_lidar_board.inverse() * point).z()), 0.1);
+      EXPECT_LT(std::abs((scene.T_lidar_board.inverse() * point).z()), 0.1);
     }
   }
 }
@@ -72,8 +72,8 @@ TEST(BoardReturns, ReportsAMissingBoard) {
       find_board_returns(scene.nearby_returns, behind, synthetic::board(), 0.25, {});
   ASSERT_FALSE(nothing);
   EXPECT_THAT(nothing.error().message(), HasSubstr("returns at the expected place of the board"));
-  EXPECT_FALSE(find_board_returns({}, held.T_lidar_board, made::board(), 0, {}));
-  EXPECT_TRUE(crop_to_board(Sweep{}, held.T_lidar_board, made::board(), 1).empty());
+  EXPECT_FALSE(find_board_returns({}, scene.T_lidar_board, synthetic::board(), 0, {}));
+  EXPECT_TRUE(crop_to_board(Sweep{}, scene.T_lidar_board, synthetic::board(), 1).empty());
 }
 
 TEST(BoardReturns, RejectsAPlaneOfAnotherOrientation) {
@@ -89,7 +89,7 @@ TEST(BoardReturns, RejectsAPlaneOfAnotherOrientation) {
 TEST(BoardReturnsOptions, ReportsInvalidValues) {
   EXPECT_FALSE(BoardReturnsOptions{}.invalid());
   EXPECT_THAT(*(BoardReturnsOptions{.margin = 0}.invalid()), HasSubstr("margin"));
-  EXPECT_THAT(*(BoardReturnsOptions{.tilt = 2}.invalid()), HasSubstr("tilt"));
+  EXPECT_THAT(*(BoardReturnsOptions{.max_tilt = 2}.invalid()), HasSubstr("tilt"));
   EXPECT_THAT(*(BoardReturnsOptions{.min_returns = 1}.invalid()), HasSubstr("min_returns"));
 }
 

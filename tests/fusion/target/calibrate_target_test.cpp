@@ -44,8 +44,8 @@ TEST(CalibrateTarget, IsRobustToStandsAndARoughInitialGuess) {
       calibrate_target(observations, synthetic::board(), initial_guess, {.margin = 0.3}, {});
   EXPECT_TRUE(found.result.usable()) << found.result.reason;
   EXPECT_GE(found.result.used, 18);
-  EXPECT_LT(made::degrees_between(found.result.T_refcam_lidar, truth), 0.1);
-  EXPECT_LT(made::metres_between(found.result.T_refcam_lidar, truth), 0.005);
+  EXPECT_LT(synthetic::degrees_between(found.result.T_refcam_lidar, truth), 0.1);
+  EXPECT_LT(synthetic::metres_between(found.result.T_refcam_lidar, truth), 0.005);
 }
 
 TEST(CalibrateTarget, ObservationsWithoutReturnsAreListed) {
@@ -58,8 +58,8 @@ TEST(CalibrateTarget, ObservationsWithoutReturnsAreListed) {
   EXPECT_FALSE(found.result.views[2].used);
   EXPECT_THAT(found.reasons[2], testing::HasSubstr("0 returns"));
   EXPECT_TRUE(found.reasons[1].empty());
-  EXPECT_GT(found.returns[1], 30U);
-  EXPECT_FALSE(calibrate_target({}, made::board(), truth, {}, {}).result.usable());
+  EXPECT_GT(found.return_counts[1], 30U);
+  EXPECT_FALSE(calibrate_target({}, synthetic::board(), truth, {}, {}).result.usable());
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ TEST(CountEntropy, RelabellingChangesNothing) {
        {Estimator::kMaximumLikelihood, Estimator::kMillerMadow, Estimator::kJamesStein,
         Estimator::kDirichlet, Estimator::kNemenman, Estimator::kChaoShen}) {
     const CountEntropyOptions options{.estimator = estimator, .alpha = 0.5, .shrinkage = {}};
-    EXPECT_NEAR(entropy(kSmallCounts, how).value, entropy(reversed, how).value, 1e-13);
+    EXPECT_NEAR(entropy(kSmallCounts, options).value, entropy(reversed, options).value, 1e-13);
   }
 }
 
