@@ -22,8 +22,8 @@ namespace infuse::streetmap::bench {
 namespace {
 
 const std::filesystem::path kDrivesFolder = bench_drives_folder();
-constexpr double kMinViewInterval = 0.4;  // s, minimum time between views
-constexpr double kMaxImageOffset = 0.12;  // s, maximum offset from the middle of a sweep
+constexpr double kMinViewInterval = 0.4;  // s between views, at least
+constexpr double kMaxImageOffset = 0.12;  // s from a sweep's middle
 
 PlanarPose to_planar_pose(const Eigen::Isometry3d& T) {
   return {T.translation().x(), T.translation().y(), std::atan2(T(1, 0), T(0, 0))};
@@ -46,7 +46,7 @@ bool decode(const std::filesystem::path& path, CameraFrame& image) {
       .has_value();
 }
 
-/// Collects sweeps, each with the nearest image, and returns views.
+/// Collects sweeps, each with the picture nearest to it, and gives out views.
 class ViewCollector {
  public:
   ViewCollector(const std::filesystem::path& folder, const Rig& rig)
@@ -189,7 +189,7 @@ std::vector<PosedImage> read_posed_images(const std::string& drive, int count, C
   std::vector<PosedImage> posed_images;
   if (!opened || !images || truth.empty()) return posed_images;
   mount = opened->description.rig.cameras[0];
-  // The mount is relative to the lidar; here it must be relative to the vehicle.
+  // The mount is seen from the lidar; the vehicle's is wanted here.
   mount.T_camera_lidar =
       mount.T_camera_lidar * opened->description.rig.lidars[0].T_vehicle_lidar.inverse();
   for (int i = 0; i < count; ++i) {
