@@ -5,7 +5,6 @@
 // (`toPointClouds`, once per packet, with one subscriber for the sweeps), so that neither the queue
 // nor the thread counts. A return is an entry with a distance; both sides decode the same packets
 // repeatedly.
-// packets again and again.
 
 #include <benchmark/benchmark.h>
 #include <pcl/io/vlp_grabber.h>
