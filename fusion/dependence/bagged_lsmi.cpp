@@ -13,8 +13,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 std::optional<std::string> BagOptions::invalid() const {
-  if (bags < 1 || bags > 100000) return "bags must be 1 … 100000";
-  if (bag_size < 2 || bag_size > 1000000) return "bag_size must be 2 … 1000000";
+  if (bags < 1 || bags > 100000) return "bags must be in 1 … 100000";
+  if (bag_size < 2 || bag_size > 1000000) return "bag_size must be in 2 … 1000000";
   return fit.invalid();
 }
 
@@ -114,13 +114,13 @@ FitEstimate BaggedLsmi::evaluate(const Samples& moving, MatrixXd* gradient) {
   double sum = 0;
   for (const Bag& bag : bags_) {
     if (bag.fixed_basis.rotation.size() == 0) {
-      answer.reason = "the kernels of a bag's fixed side are singular";
+      answer.reason = "the kernel matrix of a bag's fixed side is singular";
       break;
     }
     sum += evaluate_bag(bag, moving, gradient);
   }
   if (answer.usable() && !std::isfinite(sum)) {
-    answer.reason = "the kernels are singular at this lambda";
+    answer.reason = "the kernel matrices are singular at this lambda";
   }
   if (answer.usable()) {
     answer.value = sum / bags;

@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Index;
 
-// Sums of `kLanes · kVectors` rows held in registers.
+// Sums of `kLanes · kVectors` rows, kept in registers.
 template <class Set, Index vectors>
 [[gnu::always_inline]] inline void sum_rows(const double* data, Index stride,
                                             std::span<const int> columns, double* out) {

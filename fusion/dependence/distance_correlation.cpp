@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// All that the statistics need of the distances a_ij = |x_i − x_j|, b_ij = |y_i − y_j|.
+// Sums over the distances a_ij = |x_i − x_j|, b_ij = |y_i − y_j|.
 struct DistanceSums {
   VectorXd row_a, row_b;                                  // Σ_j a_ij, Σ_j b_ij
   double product_ab = 0, product_aa = 0, product_bb = 0;  // Σ_ij a_ij b_ij, …
@@ -30,7 +30,7 @@ std::vector<int> argsort(const VectorXd& values) {
 VectorXd distance_rows(const VectorXd& values, const std::vector<int>& order) {
   VectorXd rows(values.size());
   const double n = static_cast<double>(values.size()), total = values.sum();
-  double below = 0, count = 0;  // sum and number of what is smaller
+  double below = 0, count = 0;  // sum and number of the smaller values
   for (const int i : order) {
     rows[i] = values[i] * (2 * count - n) + total - 2 * below;
     below += values[i];
@@ -60,8 +60,8 @@ class RankTree {
   std::vector<PairSums> nodes_;
 };
 
-// Walks the samples by x; |y_i − y_j| is y_i − y_j where y_j has the lower rank. Huo and Székely
-// 2016, with a tree in place of the merge sort.
+// Visits the samples in order of x; |y_i − y_j| is y_i − y_j where y_j has the lower rank. Huo and
+// Székely 2016, with a tree instead of the merge sort.
 double product_sum(const VectorXd& x, const VectorXd& y, const std::vector<int>& by_x,
                    const std::vector<int>& by_y) {
   std::vector<size_t> rank(by_y.size());
@@ -118,7 +118,7 @@ double centred(double product, const VectorXd& a, const VectorXd& b) {
   return product / (n * n) - 2 * a.dot(b) / (n * n * n) + a.sum() * b.sum() / (n * n * n * n);
 }
 
-// The same, centred without bias (U-centring), times a factor that the correlation cancels.
+// The same with unbiased centring (U-centring), times a factor that cancels in the correlation.
 double centred_without_bias(double product, const VectorXd& a, const VectorXd& b) {
   const double n = static_cast<double>(a.size());
   return product - 2 * a.dot(b) / (n - 2) + a.sum() * b.sum() / ((n - 1) * (n - 2));
@@ -130,7 +130,7 @@ DistanceDependence distance_dependence(const Samples& x, const Samples& y) {
   DistanceDependence result;
   result.reason = check_paired_samples(x, y);
   if (!result.usable()) return result;
-  // Dividing by the largest entry keeps squares of anything finite in range.
+  // Division by the largest entry keeps the squares of finite values in range.
   const double scale_x = x.cwiseAbs().maxCoeff(), scale_y = y.cwiseAbs().maxCoeff();
   const Eigen::MatrixXd u = x / scale_x, v = y / scale_y;
   const DistanceSums sums =

@@ -5,26 +5,26 @@
 
 namespace infuse::dependence {
 
-/// What `distance_dependence` answers. `reason` holds for all three; it is "" where both sides
-/// vary.
+/// Distance covariance and correlation. `reason` applies to all three values; it is "" if both
+/// sides vary.
 struct DistanceDependence {
   double covariance = 0;             ///< dCov, in √(unit of x · unit of y)
   double correlation = 0;            ///< dCor, 0 … 1
   double corrected_correlation = 0;  ///< bias-corrected dCor², may be negative; 0 below 4 samples
-  const char* reason = "";           ///< static text, "" where the values can be used
+  const char* reason = "";           ///< static text, "" if the values are usable
 
   bool usable() const { return *reason == '\0'; }
 };
 
-/// Distance covariance and correlation (Székely, Rizzo and Bakirov; I 2.3.3) of n samples of x and
-/// y, and the correlation after bias correction (Székely and Rizzo 2013). Exact: O(n log n) where
-/// both sides have one feature, O(n²) time and O(n) memory otherwise.
+/// Computes the distance covariance and correlation (Székely, Rizzo and Bakirov; I 2.3.3) of n
+/// samples of x and y, and the bias-corrected correlation (Székely and Rizzo 2013). Exact: O(n log
+/// n) if both sides have one feature, O(n²) time and O(n) memory otherwise.
 DistanceDependence distance_dependence(const Samples& x, const Samples& y);
 
-/// dCor alone, as an Estimate.
+/// Returns dCor alone.
 Estimate distance_correlation(const Samples& x, const Samples& y);
 
-/// Bias-corrected dCor² alone, as an Estimate; needs four samples.
+/// Returns the bias-corrected dCor² alone; needs four samples.
 Estimate corrected_distance_correlation(const Samples& x, const Samples& y);
 
 }  // namespace infuse::dependence

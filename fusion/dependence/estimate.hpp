@@ -2,10 +2,10 @@
 
 namespace infuse::dependence {
 
-/// What an estimator answers: a value, and whether it may be used. `value` is always finite.
+/// Value of an estimator, with the reason if it is unusable. `value` is always finite.
 struct Estimate {
-  double value = 0;         ///< nats, or the measure's own unit
-  const char* reason = "";  ///< static text: why the value cannot be used; empty when it can
+  double value = 0;         ///< nats, or the unit of the measure
+  const char* reason = "";  ///< static text: why the value is unusable; empty if usable
 
   bool usable() const { return *reason == '\0'; }
 };

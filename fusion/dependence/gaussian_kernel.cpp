@@ -12,14 +12,14 @@ namespace {
 
 using Eigen::Index;
 
-// x = exp(x) for x <= 0, within 2 units in the last place: x = k·ln 2 + r, |r| <= ln 2 / 2,
-// exp(r) by its Taylor series to r¹³ (remainder below 5e-18), 2^k through the exponent bits.
+// Replaces x by exp(x) for x <= 0, within 2 units in the last place: x = k·ln 2 + r, |r| <= ln 2 /
+// 2, exp(r) by its Taylor series to r¹³ (remainder below 5e-18), 2^k by the exponent bits.
 template <class Set>
 [[gnu::always_inline]] inline void exp_of_negative(typename Set::Vector& x) {
   using Vector = typename Set::Vector;
   using Integers = typename Set::Integers;
-  constexpr double kRoundToInteger =
-      6755399441055744.0;  // 1.5·2^52: adding it rounds to an integer
+  constexpr double kRoundToInteger = 6755399441055744.0;  // 1.5·2^52: adding it rounds to an
+                                                          // integer
   constexpr double kLn2High = 0x1.62e42fefa0000p-1, kLn2Low = 0x1.cf79abc9e3b3ap-40;
   constexpr double kMinArgument = -707.0;
   const Integers in_range = x >= kMinArgument;
@@ -61,7 +61,8 @@ template <class Set>
   std::memcpy(out, &sum, sizeof(sum));
 }
 
-// The last block of a row overlaps the one before it where the lanes do not divide the centres.
+// The last block of a row overlaps the one before it if the number of centres is not a multiple of
+// the lanes.
 template <class Set>
 [[gnu::always_inline]] inline void kernel_with(const Samples& samples, const double* centres,
                                                Index centre_count, double factor, double* kernel) {
@@ -128,8 +129,8 @@ void gaussian_overlap(const Samples& centres, double sigma, Eigen::MatrixXd& ove
 void gaussian_kernel_gradient(const Samples& samples, const std::vector<int>& centre_rows,
                               double sigma, const Eigen::MatrixXd& kernel,
                               Eigen::MatrixXd& sensitivity, Eigen::MatrixXd& gradient) {
-  // ∂kernel(l, i) = −kernel(l, i)·(x_i − c_l)·(∂x_i − ∂c_l)/σ². The sums over (x − c) are taken
-  // apart into products with [x 1] and [c 1]; centring the samples keeps them from cancelling.
+  // ∂kernel(l, i) = −kernel(l, i)·(x_i − c_l)·(∂x_i − ∂c_l)/σ². The sums over (x − c) are split
+  // into products with [x 1] and [c 1]; centring the samples avoids cancellation.
   sensitivity.array() *= kernel.array() / (sigma * sigma);
   const Index d = samples.cols();
   Eigen::MatrixXd x(samples.rows(), d + 1);

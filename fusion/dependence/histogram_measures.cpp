@@ -4,14 +4,13 @@
 #include <array>
 #include <cmath>
 #include <span>
-#include <string_view>
 
 namespace infuse::dependence {
 namespace {
 
 constexpr size_t kMaxBins = 1024;
 
-/// Sums over rows and columns, on the stack.
+/// Row and column sums, on the stack.
 struct Marginals {
   std::array<double, kMaxBins> x{}, y{};
 };
@@ -27,133 +26,48 @@ Marginals sum_marginals(std::span<const double> table, size_t bins_x, size_t bin
   return sums;
 }
 
-/// What the measures are made of.
-struct Entropies {
-  double x = 0, y = 0, xy = 0;
-};
-
-double measure_from_entropies(Measure which, const Entropies& h) {
-  const double information = h.x + h.y - h.xy;
-  switch (which) {
-    case Measure::kMutualInformation:
-      return information;
-    case Measure::kNormalisedMutualInformation:
-      return h.xy > 0 ? (h.x + h.y) / h.xy : 1;
-    case Measure::kNormalisedInformationDistance:
-      return h.xy > 0 ? (h.xy - information) / h.xy : 1;
-    case Measure::kChiSquared:
-    case Measure::kSquaredLossMutualInformation:
-      break;
-  }
-  return 0;
-}
-
 bool is_entropy_measure(Measure which) {
   return which != Measure::kChiSquared && which != Measure::kSquaredLossMutualInformation;
 }
 
-/// Plug-in value of a table of any scale.
-double plug_in(Measure which, std::span<const double> table, size_t bins_x, size_t bins_y,
-               double total) {
-  const Marginals sums = sum_marginals(table, bins_x, bins_y);
-  if (is_entropy_measure(which)) {
-    // H = ln W − (Σ m ln m)/W, so that a table needs no normalised copy.
-    const auto compute_entropy = [total](std::span<const double> mass) {
-      double sum = 0;
-      for (const double m : mass) sum += m > 0 ? m * std::log(m) : 0;
-      return std::log(total) - sum / total;
-    };
-    Entropies h{compute_entropy({sums.x.data(), bins_x}), compute_entropy({sums.y.data(), bins_y}),
-                compute_entropy(table)};
-    h.xy = std::clamp(h.xy, std::max({h.x, h.y, 0.0}), std::max(h.x + h.y, 0.0));  // of rounding
-    return measure_from_entropies(which, h);
-  }
-  double ratio = 0;  // Σ p²/(p_x p_y): the total cancels
-  for (size_t i = 0; i < bins_x; ++i) {
-    for (size_t j = 0; j < bins_y; ++j) {
-      const double m = table[i * bins_y + j];
-      if (m > 0) ratio += m * (m / (sums.x[i] * sums.y[j]));
-    }
-  }
-  const double chi_squared = std::max(0.0, ratio - 1);
-  return which == Measure::kChiSquared ? chi_squared : chi_squared / 2;
-}
-
-bool supports_few_samples(CountEntropyOptions::Estimator estimator) {
-  return estimator != CountEntropyOptions::Estimator::kMaximumLikelihood &&
-         estimator != CountEntropyOptions::Estimator::kMillerMadow;
-}
-
-/// The histogram's reason, less the one that `how` lifts.
-const char* remaining_reason(const JointHistogram& histogram, const CountEntropyOptions& options) {
-  const bool few = std::string_view(histogram.reason) == kFewerSamplesThanBins;
-  return few && supports_few_samples(options.estimator) ? "" : histogram.reason;
-}
-
-Estimate measure_regularised(Measure which, const JointHistogram& histogram,
-                             const CountEntropyOptions& options) {
-  std::vector<double> table;
-  if (options.estimator == CountEntropyOptions::Estimator::kJamesStein) {
-    ShrunkFrequencies shrunk = james_stein_frequencies(histogram.mass, options.shrinkage);
-    if (!shrunk.usable()) return {0, shrunk.reason};
-    table = std::move(shrunk.frequencies);
-  } else {
-    if (!(options.alpha >= 0 && options.alpha <= 1e15)) return {0, "alpha is not in 0 ... 1e15"};
-    table = histogram.mass;
-    for (double& m : table) m += options.alpha;
-  }
-  double total = 0;
-  for (const double m : table) total += m;
-  return {plug_in(which, table, static_cast<size_t>(histogram.bins_x),
-                  static_cast<size_t>(histogram.bins_y), total),
-          remaining_reason(histogram, options)};
-}
-
-Estimate measure_corrected(Measure which, const JointHistogram& histogram,
-                           const CountEntropyOptions& options) {
-  if (!is_entropy_measure(which)) {
-    return {0, "this measure has no entropies to correct: use James-Stein or Dirichlet"};
-  }
-  const auto bins_x = static_cast<size_t>(histogram.bins_x);
-  const auto bins_y = static_cast<size_t>(histogram.bins_y);
-  const Marginals sums = sum_marginals(histogram.mass, bins_x, bins_y);
-  const Estimate x = entropy({sums.x.data(), bins_x}, options);
-  const Estimate y = entropy({sums.y.data(), bins_y}, options);
-  const Estimate xy = entropy(histogram.mass, options);
-  // Fewer samples than cells is the usual state of the joint table and no reason by itself.
-  if (supports_few_samples(options.estimator)) {
-    for (const Estimate& h : {x, y, xy}) {
-      if (!h.usable()) return {0, h.reason};
-    }
-  }
-  return {measure_from_entropies(which, {x.value, y.value, xy.value}),
-          remaining_reason(histogram, options)};
+/// −Σ p ln p.
+double plug_in_entropy(std::span<const double> frequencies) {
+  double h = 0;
+  for (const double p : frequencies) h += p > 0 ? -p * std::log(p) : 0;
+  return h;
 }
 
 }  // namespace
 
 Estimate measure(Measure which, const JointHistogram& histogram) {
-  if (!(histogram.total > 0)) return {0, histogram.usable() ? "no samples" : histogram.reason};
-  return {plug_in(which, histogram.mass, static_cast<size_t>(histogram.bins_x),
-                  static_cast<size_t>(histogram.bins_y), histogram.total),
-          histogram.reason};
-}
-
-Estimate measure(Measure which, const JointHistogram& histogram,
-                 const CountEntropyOptions& options) {
-  if (!(histogram.total > 0)) return measure(which, histogram);
-  switch (options.estimator) {
-    case CountEntropyOptions::Estimator::kMaximumLikelihood:
-      return measure(which, histogram);
-    case CountEntropyOptions::Estimator::kJamesStein:
-    case CountEntropyOptions::Estimator::kDirichlet:
-      return measure_regularised(which, histogram, options);
-    case CountEntropyOptions::Estimator::kMillerMadow:
-    case CountEntropyOptions::Estimator::kNemenman:
-    case CountEntropyOptions::Estimator::kChaoShen:
-      break;
+  const double total = histogram.total;
+  if (!(total > 0)) return {0, histogram.usable() ? "no samples" : histogram.reason};
+  const auto bins_x = static_cast<size_t>(histogram.bins_x);
+  const auto bins_y = static_cast<size_t>(histogram.bins_y);
+  const Marginals sums = sum_marginals(histogram.mass, bins_x, bins_y);
+  if (is_entropy_measure(which)) {
+    // H = ln W − (Σ m ln m)/W, so that the table needs no normalised copy.
+    const auto compute_entropy = [total](std::span<const double> mass) {
+      double sum = 0;
+      for (const double m : mass) sum += m > 0 ? m * std::log(m) : 0;
+      return std::log(total) - sum / total;
+    };
+    const double x = compute_entropy({sums.x.data(), bins_x});
+    const double y = compute_entropy({sums.y.data(), bins_y});
+    const double xy = std::clamp(compute_entropy(histogram.mass), std::max({x, y, 0.0}),
+                                 std::max(x + y, 0.0));  // against rounding
+    if (which == Measure::kMutualInformation) return {x + y - xy, histogram.reason};
+    return {xy > 0 ? (x + y) / xy : 1, histogram.reason};
   }
-  return measure_corrected(which, histogram, options);
+  double ratio = 0;  // Σ p²/(p_x p_y): the total cancels
+  for (size_t i = 0; i < bins_x; ++i) {
+    for (size_t j = 0; j < bins_y; ++j) {
+      const double m = histogram.mass[i * bins_y + j];
+      if (m > 0) ratio += m * (m / (sums.x[i] * sums.y[j]));
+    }
+  }
+  const double chi_squared = std::max(0.0, ratio - 1);
+  return {which == Measure::kChiSquared ? chi_squared : chi_squared / 2, histogram.reason};
 }
 
 void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& out) {
@@ -169,7 +83,7 @@ void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& 
   for (double& m : p.y) m *= scale;
 
   if (is_entropy_measure(which)) {
-    // dI/dp = ln p − ln p_y; d(1/NMI-like ratio) follows from R = (H_x + H_y)/H_xy.
+    // dI/dp = ln p − ln p_y; dNMI follows from (H_x + H_y)/H_xy.
     const double h_x = plug_in_entropy({p.x.data(), bins_x});
     const double h_y = plug_in_entropy({p.y.data(), bins_y});
     double h_xy = 0;
@@ -181,11 +95,9 @@ void differentiate(Measure which, const JointHistogram& histogram, Sensitivity& 
       h_xy -= q * out.table[k];
     }
     double joint = 1, marginal = 1;  // factors of ln p and of −ln p_y
-    if (which != Measure::kMutualInformation) {
-      const bool distance = which == Measure::kNormalisedInformationDistance;
-      const double sign = distance ? -1 : 1;
-      marginal = h_xy > 0 ? sign / h_xy : 0;
-      joint = h_xy > 0 ? sign * (h_x + h_y) / (h_xy * h_xy) : 0;
+    if (which == Measure::kNormalisedMutualInformation) {
+      marginal = h_xy > 0 ? 1 / h_xy : 0;
+      joint = h_xy > 0 ? (h_x + h_y) / (h_xy * h_xy) : 0;
     }
     for (size_t k = 0; k < out.table.size(); ++k) {
       if (histogram.mass[k] > 0) {

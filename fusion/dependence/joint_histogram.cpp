@@ -23,11 +23,7 @@ std::optional<std::string> invalid_axis(const Axis& axis, const std::string& nam
   return {};
 }
 
-size_t cell_count(const JointHistogram& histogram) {
-  return static_cast<size_t>(histogram.bins_x) * static_cast<size_t>(histogram.bins_y);
-}
-
-/// How often `stride` apart, `count` values: one marginal bin.
+/// One marginal bin: `count` values, `stride` apart.
 struct Line {
   size_t first, stride, count;
 };
@@ -38,7 +34,7 @@ double sum_line(std::span<const double> mass, const Line& line) {
   return sum;
 }
 
-/// P(3.16) for one side, in bins: `lines` are its marginal bins.
+/// Bandwidth P(3.16) of one side, in bins; `line_of` gives its marginal bins.
 template <class LineOf>
 double silverman_bandwidth(const JointHistogram& histogram, int bins, LineOf line_of) {
   double mean = 0, square = 0;
@@ -50,8 +46,8 @@ double silverman_bandwidth(const JointHistogram& histogram, int bins, LineOf lin
   return 1.06 * std::pow(histogram.samples, -0.2) * std::sqrt(std::max(0.0, square - mean * mean));
 }
 
-/// Convolves each line with a Gaussian of `bandwidth` bins; the part of a bin's kernel that lies
-/// outside the line is shared out by what lies inside.
+/// Convolves each line with a Gaussian of `bandwidth` bins; the kernel is renormalised to the part
+/// inside the line.
 template <class LineOf>
 void smooth_lines(std::vector<double>& mass, int lines, LineOf line_of, double bandwidth,
                   std::vector<double>& scratch) {
@@ -95,32 +91,13 @@ std::optional<std::string> JointHistogramOptions::invalid() const {
   return invalid_axis(y, "y", min_bins);
 }
 
-bool JointHistogram::add(const JointHistogram& tile) {
-  if (!(tile.total > 0)) {
-    reason = tile.usable() ? "a tile is empty" : tile.reason;
-    return false;
-  }
-  if (mass.empty()) {
-    *this = tile;
-    return true;
-  }
-  if (tile.bins_x != bins_x || tile.bins_y != bins_y) {
-    reason = "a tile has another shape";
-    return false;
-  }
-  for (size_t i = 0; i < mass.size(); ++i) mass[i] += tile.mass[i];
-  samples += tile.samples;
-  update_total(*this);
-  return true;
-}
-
 void update_total(JointHistogram& histogram) {
   const auto bins_x = static_cast<size_t>(histogram.bins_x);
   const auto bins_y = static_cast<size_t>(histogram.bins_y);
   histogram.total = std::accumulate(histogram.mass.begin(), histogram.mass.end(), 0.0);
   histogram.reason = "";
   if (!(histogram.total > 0)) {
-    histogram.reason = "no sample takes part";
+    histogram.reason = "no valid samples";
     return;
   }
   const double all = histogram.total * (1 - 1e-12);
@@ -143,53 +120,6 @@ JointHistogram joint_histogram(std::span<const float> x, std::span<const float> 
                                const JointHistogramOptions& options,
                                std::span<const float> weights) {
   return PreparedHistogram(x, options, weights).histogram(y);
-}
-
-JointHistogram joint_counts(std::span<const int32_t> x, std::span<const int32_t> y, int labels_x,
-                            int labels_y) {
-  JointHistogram histogram{.bins_x = labels_x, .bins_y = labels_y, .mass = {}};
-  if (labels_x < 1 || labels_y < 1 || labels_x > kMaxBins || labels_y > kMaxBins) {
-    histogram.reason = "the number of labels is not in 1 ... 1024";
-    histogram.bins_x = histogram.bins_y = 0;
-    return histogram;
-  }
-  histogram.mass.assign(cell_count(histogram), 0.0);
-  if (x.size() != y.size()) {
-    histogram.reason = "the sides differ in size";
-    return histogram;
-  }
-  for (size_t i = 0; i < x.size(); ++i) {
-    if (x[i] < 0 || x[i] >= labels_x || y[i] < 0 || y[i] >= labels_y) {
-      histogram.mass.assign(cell_count(histogram), 0.0);
-      histogram.reason = "a label is outside 0 ... labels - 1";
-      return histogram;
-    }
-    const int cell = x[i] * labels_y + y[i];
-    histogram.mass[static_cast<size_t>(cell)] += 1;
-  }
-  histogram.samples = static_cast<double>(x.size());
-  update_total(histogram);
-  return histogram;
-}
-
-JointHistogram joint_table(std::span<const double> mass, int bins_x, int bins_y) {
-  JointHistogram histogram{.bins_x = bins_x, .bins_y = bins_y, .mass = {}};
-  if (bins_x < 1 || bins_y < 1 || bins_x > kMaxBins || bins_y > kMaxBins ||
-      mass.size() != cell_count(histogram)) {
-    histogram.reason = "the table's size is not bins_x times bins_y within 1 ... 1024";
-    histogram.bins_x = histogram.bins_y = 0;
-    return histogram;
-  }
-  constexpr double kMaxMass = 1e15;
-  if (!std::all_of(mass.begin(), mass.end(), [](double m) { return m >= 0 && m <= kMaxMass; })) {
-    histogram.mass.assign(mass.size(), 0.0);
-    histogram.reason = "a value of the table is negative, above 1e15 or not a number";
-    return histogram;
-  }
-  histogram.mass.assign(mass.begin(), mass.end());
-  histogram.samples = std::accumulate(mass.begin(), mass.end(), 0.0);
-  update_total(histogram);
-  return histogram;
 }
 
 void smooth_gaussian(JointHistogram& histogram, std::vector<double>& scratch) {

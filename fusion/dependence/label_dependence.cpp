@@ -97,7 +97,7 @@ void LabelDependence::prepare_width(Width& width, Index dimensions) {
   }
 }
 
-/// Of `train_`.
+/// Computes the basis of `train_`.
 void LabelDependence::compute_basis(Basis& basis) {
   const Index b = train_.rows();
   if (b == 1) {
@@ -114,9 +114,9 @@ void LabelDependence::compute_basis(Basis& basis) {
   basis.subdiagonal = reduction_.subDiagonal();
 }
 
-// --- sums that join the two sides ---
+// --- sums over both sides ---
 
-// Sorts the samples by part, then label, by counting; one part is the whole.
+// Sorts the samples by fold, then by label, by counting; one fold is the whole set.
 void LabelDependence::group_labels(std::span<const int32_t> labels, size_t parts) {
   const auto n = static_cast<int>(folds_.order.size());
   const auto end_of = [&](size_t part) { return parts == 1 ? n : folds_.begin[part + 1]; };
@@ -140,7 +140,7 @@ void LabelDependence::group_labels(std::span<const int32_t> labels, size_t parts
   }
 }
 
-// cross = Σ Φ by label, centres × labels, of a part whose sum over all labels is `sum`.
+// cross = Σ Φ by label, centres × labels, of a fold whose sum over all labels is `sum`.
 void LabelDependence::sum_labels(const Width& width, size_t part, std::span<const double> sum,
                                  double* cross) {
   const auto size_of = [&](size_t label) {
@@ -175,8 +175,8 @@ void LabelDependence::rotate(const double* cross, const Basis& basis, double sca
   }
 }
 
-// Gauss without pivoting of (share_[k] T + λ) θ_k = right_k, downwards, all labels side by side:
-// the matrices are positive definite. `theta_` becomes the right side after it.
+// Gaussian elimination without pivoting of (share_[k] T + λ) θ_k = right_k, for all labels at once:
+// the matrices are positive definite. Leaves the right side in `theta_`.
 void LabelDependence::eliminate(const Basis& basis, double lambda,
                                 const std::vector<double>& right) {
   ratio_.resize(b_ * k_);
@@ -204,7 +204,7 @@ void LabelDependence::eliminate(const Basis& basis, double lambda,
   }
 }
 
-// ½ Σ c_kᵀ (a_k P + λ)⁻¹ c_k − ½, which the way down alone tells.
+// ½ Σ c_kᵀ (a_k P + λ)⁻¹ c_k − ½, from the forward elimination alone.
 double LabelDependence::compute_value(const Width& width, double lambda) {
   const auto n = static_cast<double>(folds_.order.size());
   for (size_t k = 0; k < k_; ++k) label_shares_[k] = (group_begin_[k + 1] - group_begin_[k]) / n;
@@ -215,7 +215,7 @@ double LabelDependence::compute_value(const Width& width, double lambda) {
   return 0.5 * sum - 0.5;
 }
 
-// The criterion I 2.2.2.2 of one fold held out, for each λ.
+// Criterion I 2.2.2.2 of one held-out fold, for each λ.
 void LabelDependence::add_fold_errors(const Width& width, size_t fold) {
   const Basis& basis = width.bases[fold];
   const double held_out = folds_.size(static_cast<int>(fold));
@@ -233,7 +233,7 @@ void LabelDependence::add_fold_errors(const Width& width, size_t fold) {
     for (size_t f = 0; f < static_cast<size_t>(folds_.count()); ++f) count += size_of(f, k);
     label_shares_[k] = (count - size_of(fold, k)) / rest;
   }
-  // The solutions of all λ below each other, so that P meets them in one product.
+  // The solutions of all λ are stacked, so that one product with P serves them all.
   const size_t lambdas = options_.lambdas.size(), rows = lambdas * k_;
   stack_.resize(b_ * rows);
   product_.resize(b_ * rows);
@@ -326,7 +326,7 @@ FitEstimate LabelDependence::evaluate(std::span<const int32_t> labels, int label
   answer.value = compute_value(*width, chosen->lambda);
   if (!std::isfinite(answer.value)) {
     answer.value = 0;
-    answer.reason = "the kernels are singular at this lambda";
+    answer.reason = "the kernel matrices are singular at this lambda";
   }
   return answer;
 }

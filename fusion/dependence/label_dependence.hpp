@@ -12,54 +12,54 @@
 
 namespace infuse::dependence {
 
-/// SMI between samples and labels by LSMI I(2.7–2.8), for one set of samples after another, each
-/// asked with very many labellings: the particles of a street map. `PreparedDependence` gives the
-/// same values; this one keeps its memory from set to set and costs half.
+/// SMI between samples and labels by LSMI I(2.7–2.8), for a sequence of sample sets, each evaluated
+/// with many labellings (the particles on a street map). Gives the same values as
+/// `PreparedDependence` in half the time, and keeps its memory from set to set.
 ///
-/// The delta kernel of labels makes the model fall apart into one system a label,
-/// (a_k P + λ) θ_k = c_k. The prepared side's Gram matrix P is made tridiagonal once for each σ and
-/// fold, which serves every label and λ; its eigenvalues are not needed. Of the sums of a
-/// labelling, those of the largest label are what the others leave of the whole.
+/// With the delta kernel of labels the model separates into one system per label, (a_k P + λ) θ_k =
+/// c_k. The Gram matrix P of the prepared side is made tridiagonal once for each σ and fold, which
+/// serves every label and λ; its eigenvalues are not needed. The sums of the largest label are the
+/// total minus those of the others.
 ///
-/// One thread at a time. `prepare` and `ask` allocate nothing once they had as many samples and
+/// Single-threaded. `prepare` and `evaluate` do not allocate once they have had as many samples and
 /// labels (up to 48 centres).
 class LabelDependence {
  public:
-  /// `options.form` must be kLinear; its seed draws the centres and folds of every set alike.
+  /// `options.form` must be kLinear; its seed draws the same centres and folds for every set.
   explicit LabelDependence(const FitOptions& options);
 
-  /// Takes the memory for as many samples, features and labels as there may be.
+  /// Allocates memory for the given maximum numbers of samples, features and labels.
   void reserve(int samples, int features, int labels);
 
-  /// Takes n × d samples, finite, not all alike. What is wrong with them or with the options is the
-  /// reason of every answer.
+  /// Prepares n × d samples, finite and not all equal. Invalid samples or options become the reason
+  /// of every estimate.
   void prepare(const Samples& samples);
 
-  /// Static text: why no question can be answered; "" where all is well.
+  /// Static text: why nothing can be evaluated; "" if it can.
   const char* reason() const { return reason_; }
 
-  /// Asks with one label 0 … label_count − 1 a sample. `kept` (its σ one of the grid's) leaves out
-  /// the cross-validation.
+  /// Evaluates one label 0 … label_count − 1 per sample. With `hyper_parameters` (σ in the grid)
+  /// there is no cross-validation.
   FitEstimate evaluate(std::span<const int32_t> labels, int label_count,
                        const std::optional<HyperParameters>& hyper_parameters = {});
 
  private:
-  /// A Gram matrix by a tridiagonal one: rotationᵀ · T · rotation.
+  /// Gram matrix as rotationᵀ · T · rotation with T tridiagonal.
   struct Basis {
     Eigen::MatrixXd rotation;
     Eigen::VectorXd diagonal, subdiagonal;
   };
-  /// The samples at one σ; parts are the folds.
+  /// Samples at one σ; the parts are the folds.
   struct Width {
     double sigma = 0;
     std::vector<double> features;        ///< Φ, centres × n, in order of fold
-    std::vector<Eigen::VectorXd> sums;   ///< Σ Φ, by part
-    std::vector<Eigen::MatrixXd> grams;  ///< ΦΦᵀ, by part
+    std::vector<Eigen::VectorXd> sums;   ///< Σ Φ per fold
+    std::vector<Eigen::MatrixXd> grams;  ///< ΦΦᵀ per fold
     Eigen::VectorXd sum;
     Eigen::MatrixXd gram;
-    Basis basis;                                  ///< of the whole
-    std::vector<Basis> bases;                     ///< of all but one part
-    std::vector<Eigen::MatrixXd> held_out_grams;  ///< mean ΦΦᵀ of that part, in its basis
+    Basis basis;                                  ///< of the whole set
+    std::vector<Basis> bases;                     ///< of all but one fold
+    std::vector<Eigen::MatrixXd> held_out_grams;  ///< mean ΦΦᵀ of that fold, in its basis
   };
 
   void prepare_width(Width& width, Eigen::Index dimensions);
@@ -77,8 +77,8 @@ class LabelDependence {
   Folds folds_;
   std::vector<int> centres_;
   std::vector<Width> widths_;
-  size_t b_ = 0;  ///< centres
-  size_t k_ = 0;  ///< labels of the question
+  size_t b_ = 0;  ///< number of centres
+  size_t k_ = 0;  ///< number of labels of the evaluation
 
   // Scratch.
   std::vector<double> ordered_;
@@ -86,8 +86,8 @@ class LabelDependence {
   Eigen::MatrixXd centre_samples_, train_, half_;
   Eigen::Tridiagonalization<Eigen::MatrixXd> reduction_{2};
   Eigen::VectorXd workspace_;
-  std::vector<int> group_begin_, group_fill_, grouped_;  ///< samples by part, then label
-  std::vector<double> cross_, total_;  ///< Σ Φ by label: a part's, and the whole's
+  std::vector<int> group_begin_, group_fill_, grouped_;  ///< samples by fold, then by label
+  std::vector<double> cross_, total_;  ///< Σ Φ per label: of a fold, and of the whole set
   std::vector<double> label_shares_;   ///< a_k
   std::vector<double> rotated_columns_, rotated_, held_out_cross_, ratio_, pivot_, theta_, stack_,
       product_, errors_;

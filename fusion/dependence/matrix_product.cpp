@@ -8,11 +8,11 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kInnerBlockSize = 128;  // inner indices of one block
-constexpr Index kColumnBlockSize =
-    120;  // columns of b in one packed block; a multiple of every tile's
+constexpr Index kInnerBlockSize = 128;   // inner indices per block
+constexpr Index kColumnBlockSize = 120;  // columns of b per packed block; a multiple of every
+                                         // tile's
 
-// What one instruction set holds in registers: tiles of 2 vectors × kTileColumns.
+// Register tile of one instruction set: 2 vectors × kTileColumns.
 struct Baseline : Lanes<2> {
   static constexpr Index kTileColumns = 4;
 };
@@ -23,7 +23,7 @@ struct Avx512 : Lanes<8> {
   static constexpr Index kTileColumns = 8;
 };
 
-// `count` vectors of length `inner` as [inner][width], padded with zeros.
+// Packs `count` vectors of length `inner` as [inner][width], padded with zeros.
 template <Index width>
 [[gnu::always_inline]] inline void pack(const double* from, Index count, Index inner,
                                         Index count_stride, Index inner_stride, double* to) {
@@ -71,8 +71,8 @@ struct Block {
   Index columns, inner;
   double* out;
   Index out_stride;
-  bool overwrite;    // out is not yet begun
-  Index lower_from;  // tiles that end at or above row = column − lower_from are not wanted
+  bool overwrite;    // out is uninitialised
+  Index lower_from;  // tiles at or above row = column − lower_from are skipped
 };
 
 // Rows [row, row + rows) of a block, rows <= vectors · kLanes.

@@ -6,7 +6,7 @@
 
 namespace infuse::dependence {
 
-/// A matrix of doubles somewhere in memory, with any strides.
+/// View of a matrix of doubles with any strides.
 struct MatrixView {
   const double* data = nullptr;
   Eigen::Index rows = 0;
@@ -15,7 +15,7 @@ struct MatrixView {
   Eigen::Index column_stride = 0;
 };
 
-/// A view of a matrix, block or transpose that lies in memory (not of an expression).
+/// View of an Eigen matrix, block or transpose in memory (not of an expression).
 template <class Derived>
 MatrixView matrix_view(const Eigen::MatrixBase<Derived>& matrix) {
   static_assert((Derived::Flags & Eigen::DirectAccessBit) != 0, "evaluate the expression first");
@@ -23,18 +23,18 @@ MatrixView matrix_view(const Eigen::MatrixBase<Derived>& matrix) {
           matrix.derived().colStride()};
 }
 
-/// out = a · b. `out` is column-major with `out_stride` doubles from column to column and must not
-/// overlap `a` or `b`. Each entry is summed in order of the inner index, without fused
-/// multiply-adds: the bytes do not depend on the processor (Eigen's own product splits the sum by
-/// the size of the caches).
+/// Computes out = a · b. `out` is column-major with `out_stride` doubles between columns and must
+/// not overlap `a` or `b`. Each entry is summed in order of the inner index, without fused
+/// multiply-adds: same bytes on every processor (Eigen's own product splits the sum by cache
+/// sizes).
 void multiply(const MatrixView& a, const MatrixView& b, double* out, Eigen::Index out_stride,
               InstructionSet set);
 
-/// out = a · aᵀ, half of the work of `multiply`, exactly symmetric.
+/// Computes out = a · aᵀ in half the time of `multiply`, exactly symmetric.
 void multiply_by_transpose(const MatrixView& a, double* out, Eigen::Index out_stride,
                            InstructionSet set);
 
-/// out = a · b for Eigen's matrices, blocks and transposes; resizes `out`.
+/// The same for Eigen matrices, blocks and transposes; resizes `out`.
 template <class A, class B>
 void multiply(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b, Eigen::MatrixXd& out,
               InstructionSet set = best_instruction_set()) {
@@ -42,7 +42,7 @@ void multiply(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b, Eige
   multiply(matrix_view(a), matrix_view(b), out.data(), out.rows(), set);
 }
 
-/// out = a · aᵀ for Eigen's matrices and blocks; resizes `out`.
+/// The same for Eigen matrices and blocks; resizes `out`.
 template <class A>
 void multiply_by_transpose(const Eigen::MatrixBase<A>& a, Eigen::MatrixXd& out,
                            InstructionSet set = best_instruction_set()) {

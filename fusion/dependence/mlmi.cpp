@@ -13,11 +13,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kGainTolerance = 1e-4;  // nats
-constexpr int kMaxSteps = 500;           // of the final fit
-constexpr int kMaxValidationSteps = 50;  // of the fits that only choose σ
+constexpr int kMaxSteps = 500;           // maximum number of steps of the final fit
+constexpr int kMaxValidationSteps = 50;  // maximum number of steps of the fits that choose σ
 
-// r(x_i, y_i) = Σ_l w_l·G_li·L_li / m_l, where m_l = mean G_l · mean L_l makes Σ w = 1 the
-// normalisation of the ratio.
+// r(x_i, y_i) = Σ_l w_l·G_li·L_li / m_l; with m_l = mean G_l · mean L_l, Σ w = 1 normalises the
+// ratio.
 struct RatioModel {
   VectorXd weights;  // w_l / m_l
 
@@ -27,8 +27,8 @@ struct RatioModel {
   }
 };
 
-// Expectation-maximisation of the mixture weights. With g_l = mean basis_l/r the gain that is left
-// is at most max g − 1.
+// Expectation-maximisation of the mixture weights. With g_l = mean basis_l/r, the remaining gain is
+// at most max g − 1.
 RatioModel maximise_likelihood(const MatrixXd& product, const VectorXd& means, int steps) {
   const double n = static_cast<double>(product.cols());
   const VectorXd scale = (means.array() > 0).select(means.cwiseInverse(), 0.0);
@@ -70,8 +70,8 @@ double held_out_log_likelihood(const MatrixXd& g, const MatrixXd& l, Index begin
       model.ratios(g.middleCols(begin, count).cwiseProduct(l.middleCols(begin, count))));
 }
 
-// other_features(folds, centres, σ): kernel values of the other side, centres × samples, the
-// samples in order of fold.
+// other_features(folds, centres, σ): kernel values of the other side, centres × samples, in order
+// of fold.
 template <class OtherFeatures>
 FitEstimate mlmi_with(const Samples& x, const OtherFeatures& other_features,
                       const FitOptions& options) {

@@ -12,7 +12,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Sums over some samples: Σ ggᵀ, Σ llᵀ, Σ g∘l.
+// Sums over samples: Σ ggᵀ, Σ llᵀ, Σ g∘l.
 struct PairedSums {
   double n = 0;
   MatrixXd gram_x, gram_y;
@@ -35,7 +35,7 @@ PairedSums paired_sums(const Features& g, const Features& l) {
   return sums;
 }
 
-// α of every λ from one rotation.
+// Solutions α for every λ from one rotation.
 struct PairedModel {
   SpectralBasis basis;
   VectorXd rotated;

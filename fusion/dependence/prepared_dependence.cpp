@@ -62,7 +62,8 @@ void PreparedDependence::prepare_width(double sigma, const Samples& ordered) {
       split.basis = spectral_basis(f < folds ? MatrixXd((total - grams[fold]) / (n - count))
                                              : MatrixXd(total / n));
     }
-    if (split.basis.rotation.size() == 0) reason_ = "the kernels of the fixed side are singular";
+    if (split.basis.rotation.size() == 0)
+      reason_ = "the kernel matrix of the fixed side is singular";
     if (f == folds || *reason_ != '\0') continue;
     MatrixXd half;
     multiply(split.basis.rotation,
@@ -79,7 +80,7 @@ const PreparedDependence::Width* PreparedDependence::find_width(double sigma) co
   return nullptr;
 }
 
-// --- the two kinds of question ---
+// --- the two kinds of evaluation ---
 
 FitEstimate PreparedDependence::evaluate(std::span<const int32_t> labels, int label_count,
                                          const std::optional<HyperParameters>& hyper_parameters) {
@@ -122,7 +123,7 @@ FitEstimate PreparedDependence::evaluate(const Samples& samples,
   return answer;
 }
 
-// --- sums that join the two sides ---
+// --- sums over both sides ---
 
 // Sorts the samples by fold, then label, by counting.
 void PreparedDependence::group_labels(std::span<const int32_t> labels, int label_count) {
@@ -247,7 +248,7 @@ void PreparedDependence::compute_moving_basis(const Sums& sums, TridiagonalBasis
   out.diagonal = sums.gram_diagonal / n;
 }
 
-// matrix = rotation of the prepared side · matrix · rotation of the asked sideᵀ.
+// Computes matrix = rotation of the prepared side · matrix · (rotation of the other side)ᵀ.
 void PreparedDependence::rotate(const Split& split, const TridiagonalBasis& moving,
                                 MatrixXd& matrix) {
   multiply(split.basis.rotation, matrix, rotated_);
@@ -273,7 +274,7 @@ void PreparedDependence::add_fold_errors(const Split& split, const Sums& held_ou
     multiply(moving_basis_.rotation, held_out_gram_, rotated_);
     multiply(rotated_, moving_basis_.rotation.transpose(), held_out_gram_);
   }
-  // The solutions of all λ side by side, so that P meets them in one product.
+  // The solutions of all λ are side by side, so that one product with P serves them all.
   const Index rows = cross_.rows(), columns = cross_.cols();
   stack_.resize(rows, columns * static_cast<Index>(errors.size()));
   for (size_t k = 0; k < errors.size(); ++k) {
@@ -355,7 +356,7 @@ FitEstimate PreparedDependence::fit(const ComputeSums& compute_sums,
   }
   if (!std::isfinite(answer.value)) {
     answer.value = 0;
-    answer.reason = "the kernels are singular at this lambda";
+    answer.reason = "the kernel matrices are singular at this lambda";
   }
   return answer;
 }

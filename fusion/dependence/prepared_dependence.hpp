@@ -12,63 +12,63 @@
 
 namespace infuse::dependence {
 
-/// One side of a dependence, prepared once and asked with many other sides: the particles of a
-/// street map each bring their labels, the candidates of a calibration each bring their samples.
+/// One side of a dependence, prepared once and evaluated with many other sides: the labels of each
+/// particle on a street map, or the samples of each candidate calibration.
 ///
-/// All that belongs to the prepared side alone is computed in the constructor, for every σ of the
-/// grid and every fold of the cross-validation: kernel matrix, Gram matrix, its eigenvectors, its
-/// held-out part in their coordinates. A question then costs the sums that join the two sides, and
-/// for all λ of a grid one rotation.
+/// The constructor computes all that depends on the prepared side alone, for every σ of the grid
+/// and every fold of the cross-validation: kernel matrix, Gram matrix, its eigenvectors, and its
+/// held-out part in their coordinates. An evaluation then costs the sums over both sides, and one
+/// rotation for all λ of the grid.
 ///
 /// The model is the product model I(2.7), whose coefficients solve P Θ A + λΘ = C:
 ///
-/// | measure | P, prepared side | A, asked side | C |
+/// | measure | P, prepared side | A, other side | C |
 /// |---|---|---|---|
 /// | kSmi | mean ΦΦᵀ | mean ΦΦᵀ | mean Φ_P Φ_Aᵀ |
 /// | kQmi | ∫ΦΦᵀ | ∫ΦΦᵀ | mean Φ_P Φ_Aᵀ − mean Φ_P · mean Φ_Aᵀ |
 /// | kSce | mean ΦΦᵀ | ∫ΦΦᵀ | mean Φ_P Φ_Aᵀ |
 ///
-/// Φ are Gaussian kernels at the centres (the same samples on both sides), for labels the delta
-/// kernel at each label, which makes A diagonal. A fold is judged by ½⟨Θ, PΘA⟩ − ⟨Θ, C⟩ of what
-/// was held out, I 2.2.2.2.
+/// Φ are Gaussian kernels at the centres (the same samples on both sides); for labels, the delta
+/// kernel at each label, which makes A diagonal. The error of a held-out fold is its ½⟨Θ, PΘA⟩ −
+/// ⟨Θ, C⟩, I 2.2.2.2.
 ///
-/// `ask` uses scratch memory of the object: one thread at a time. After a first question of the
-/// same shape, labels are answered without allocating.
+/// Single-threaded: `evaluate` uses scratch memory of the object. Labels are evaluated without
+/// allocation after a first evaluation of the same shape.
 class PreparedDependence {
  public:
-  /// `samples`: n × d, finite, not all alike. What is wrong with them or with the options is the
-  /// reason of every answer.
+  /// `samples`: n × d, finite, not all equal. Invalid samples or options become the reason of every
+  /// estimate.
   PreparedDependence(FitMeasure measure, const Samples& samples, const FitOptions& options);
 
-  /// Static text: why no question can be answered; "" where all is well.
+  /// Static text: why nothing can be evaluated; "" if it can.
   const char* reason() const { return reason_; }
 
-  /// Asks with one label 0 … label_count − 1 a sample. `kept` (its σ one of the grid's) leaves out
-  /// the cross-validation.
+  /// Evaluates one label 0 … label_count − 1 per sample. With `hyper_parameters` (σ in the grid)
+  /// there is no cross-validation.
   FitEstimate evaluate(std::span<const int32_t> labels, int label_count,
                        const std::optional<HyperParameters>& hyper_parameters = {});
 
-  /// Asks with samples, n × d' for any d'. With `gradient` (kSmi only; it is left empty otherwise,
-  /// and where the answer is not usable) also ∂value/∂samples, n × d', hyper-parameters held, the
-  /// centres moving with their samples.
+  /// Evaluates samples, n × d' for any d'. If `gradient` is given, sets it to ∂value/∂samples, n ×
+  /// d', with fixed hyper-parameters and centres that move with their samples (kSmi only; empty for
+  /// other measures and if the estimate is unusable).
   FitEstimate evaluate(const Samples& samples,
                        const std::optional<HyperParameters>& hyper_parameters = {},
                        Eigen::MatrixXd* gradient = nullptr);
 
  private:
-  /// The prepared side as one training set sees it.
+  /// Prepared side of one training set.
   struct Split {
     SpectralBasis basis;  ///< of P
     Eigen::MatrixXd
-        held_out_gram;  ///< P of the fold held out, rotated into the basis; of the whole: empty
+        held_out_gram;  ///< P of the held-out fold, rotated into the basis; empty for the whole set
   };
-  /// The prepared side at one σ.
+  /// Prepared side at one σ.
   struct Width {
     double sigma = 0;
     Eigen::MatrixXd features;   ///< Φ_P, centres × n, samples in order of fold
     std::vector<Split> splits;  ///< all but fold 0, all but fold 1, …, the whole
   };
-  /// Sums over some samples that join the two sides.
+  /// Sums over samples of both sides.
   struct Sums {
     double n = 0;
     Eigen::MatrixXd cross;          ///< Σ Φ_P Φ_Aᵀ
@@ -98,14 +98,14 @@ class PreparedDependence {
   FitMeasure measure_;
   FitOptions options_;
   const char* reason_ = "";
-  Folds folds_;                   ///< one fold where there is nothing to cross-validate
-  std::vector<int> centre_rows_;  ///< centres, as places in folds_.order
+  Folds folds_;                   ///< one fold if there is nothing to cross-validate
+  std::vector<int> centre_rows_;  ///< centres, as indices into folds_.order
   std::vector<Width> widths_;
 
-  // Scratch of a question.
+  // Scratch of an evaluation.
   std::vector<int> group_begin_, group_fill_, grouped_;  ///< samples by fold, then label
   Eigen::MatrixXd moving_samples_, moving_centres_, moving_features_;
-  std::vector<Sums> fold_sums_;  ///< by fold
+  std::vector<Sums> fold_sums_;  ///< per fold
   Sums total_, train_;
   TridiagonalBasis moving_basis_;
   Eigen::MatrixXd cross_, held_out_cross_, held_out_gram_, rotated_, theta_, stack_, product_;

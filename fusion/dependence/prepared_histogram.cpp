@@ -12,7 +12,7 @@ const char* check_fixed_side(std::span<const float> fixed, std::span<const float
   if (fixed.empty()) return "no samples";
   if (fixed.size() > 1u << 30) return "too many samples";
   if (!weights.empty() && weights.size() != fixed.size()) {
-    return "another number of weights than of samples";
+    return "the number of weights differs from the number of samples";
   }
   for (const float x : fixed) {
     if (!std::isfinite(x)) return "a sample is not finite";
@@ -23,7 +23,7 @@ const char* check_fixed_side(std::span<const float> fixed, std::span<const float
   return "";
 }
 
-/// The bin of a value where each bin is an equal part of the axis.
+/// Bin of a value; the bins are equal parts of the axis.
 int32_t bin_index(double value, const Axis& axis) {
   const double t = (value - axis.low) / (axis.high - axis.low) * axis.bins;
   return static_cast<int32_t>(std::clamp(t, 0.0, axis.bins - 1.0));
@@ -94,22 +94,12 @@ Estimate PreparedHistogram::value_and_gradient(Measure which, std::span<const fl
     return {0, "no gradient: only the B-spline window is differentiable"};
   }
   if (gradient_out.size() != sample_count_)
-    return {0, "the gradient has another size than the samples"};
+    return {0, "the gradient and the samples differ in size"};
   differentiate(which, histogram(moving), sensitivity_);
-  if (sensitivity_.total > 0) gradient(sensitivity_, moving, gradient_out);
-  return sensitivity_.estimate;
-}
-
-void PreparedHistogram::gradient(const Sensitivity& sensitivity, std::span<const float> moving,
-                                 std::span<float> gradient_out) {
-  const auto cells = static_cast<size_t>(options_.x.bins) * static_cast<size_t>(options_.y.bins);
-  std::fill(gradient_out.begin(), gradient_out.end(), 0.0F);
-  if (*reason_ || options_.window != Window::kBSpline || sensitivity.table.size() != cells ||
-      !(sensitivity.total > 0) || moving.size() != sample_count_ ||
-      gradient_out.size() != sample_count_) {
-    return;
+  if (sensitivity_.total > 0) {
+    tile_.differentiate(sensitivity_.table, 1 / sensitivity_.total, moving, gradient_out);
   }
-  tile_.differentiate(sensitivity.table, 1 / sensitivity.total, moving, gradient_out);
+  return sensitivity_.estimate;
 }
 
 }  // namespace infuse::dependence

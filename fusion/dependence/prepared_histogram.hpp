@@ -11,38 +11,33 @@
 
 namespace infuse::dependence {
 
-/// A joint histogram whose x side is fixed and binned once (lidar reflectivity), then asked with
-/// one y side a hypothesis (grey values at the projections). After the first question it allocates
-/// nothing. Not for two threads at a time: give each thread its own, over its own part of the
-/// samples, and add the histograms.
+/// Joint histogram with a fixed x side that is binned once (lidar reflectivity), evaluated with
+/// many y sides (grey values at the projections of each candidate pose). Does not allocate after
+/// the first evaluation. Single-threaded.
 class PreparedHistogram {
  public:
   /// @param fixed    x samples, finite
-  /// @param weights  empty, or one a sample, finite and not negative
-  /// What is wrong with them becomes the reason of every answer.
+  /// @param weights  empty, or one per sample, finite and not negative
+  /// Invalid input becomes the reason of every estimate.
   PreparedHistogram(std::span<const float> fixed, const JointHistogramOptions& options,
                     std::span<const float> weights = {});
 
-  /// How many samples the fixed side has; `moving` must have as many.
+  /// Number of samples of the fixed side; `moving` must have as many.
   size_t sample_count() const { return sample_count_; }
 
-  /// The joint histogram with `moving`, in y's unit; see `kAbsent`. Valid until the next question.
+  /// Returns the joint histogram with `moving`, in the unit of y; see `kAbsent`. Valid until the
+  /// next evaluation.
   const JointHistogram& histogram(std::span<const float> moving);
 
-  /// The plug-in measure.
+  /// Returns the plug-in measure.
   Estimate value(Measure which, std::span<const float> moving);
 
-  /// The measure, and its derivative with respect to every moving sample (measure's unit per unit
-  /// of y): 0 for samples that are absent or outside the axis. Only for `Window::kBSpline`. Where
-  /// there is no histogram the gradient is 0.
-  /// @param gradient  as many as samples
+  /// Returns the measure and sets its derivative with respect to every moving sample (unit of the
+  /// measure per unit of y): 0 for samples that are absent or outside the axis, and for all samples
+  /// if there is no histogram. Only for `Window::kBSpline`.
+  /// @param gradient  one per sample
   Estimate value_and_gradient(Measure which, std::span<const float> moving,
                               std::span<float> gradient);
-
-  /// The gradient alone, of a measure of a larger histogram that this one is a tile of.
-  /// @param sensitivity  of the sum of the tiles
-  void gradient(const Sensitivity& sensitivity, std::span<const float> moving,
-                std::span<float> gradient);
 
  private:
   /// Fills the histogram without a window.
@@ -52,8 +47,8 @@ class PreparedHistogram {
   size_t sample_count_ = 0;
   const char* reason_ = "";
   SplineTile tile_;                 // for the B-spline window
-  std::vector<int32_t> row_begin_;  // for the others: where the sample's row of the table begins
-  std::vector<float> weights_;      // for the others: empty or one a sample
+  std::vector<int32_t> row_begin_;  // for the others: first cell of the sample's row of the table
+  std::vector<float> weights_;      // for the others: empty or one per sample
   JointHistogram histogram_;
   Sensitivity sensitivity_;
   std::vector<double> scratch_;

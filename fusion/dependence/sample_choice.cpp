@@ -6,12 +6,12 @@
 namespace infuse::dependence {
 namespace {
 
-// Uniform below `bound`, by multiplication; the bias of bound/2^32 does not matter here.
+// Uniform integer below `bound`, by multiplication; the bias of bound/2^32 is negligible here.
 int random_below(int bound, Random& random) {
   return static_cast<int>(((random() >> 32) * static_cast<uint64_t>(bound)) >> 32);
 }
 
-// The first `count` entries become a random draw without repetition.
+// Replaces the first `count` entries by a random draw without replacement.
 void partial_shuffle(std::vector<int>& list, int count, Random& random) {
   const int n = static_cast<int>(list.size());
   for (int i = 0; i < count; ++i) {

@@ -5,7 +5,7 @@
 namespace infuse::dependence {
 namespace {
 
-// leftᵀ · middle · right; an empty `right` is the identity.
+// Returns leftᵀ · middle · right; an empty `right` is the identity.
 void rotate_back(const Eigen::MatrixXd& left, const Eigen::MatrixXd& middle,
                  const Eigen::MatrixXd& right, Eigen::MatrixXd& out) {
   if (right.size() == 0) return multiply(left.transpose(), middle, out);
@@ -20,8 +20,8 @@ void smi_sensitivity(const SmiSolution& solution, const Eigen::MatrixXd& fixed_f
                      const Eigen::MatrixXd& moving_features, Eigen::MatrixXd& sensitivity) {
   const Eigen::VectorXd& mu = solution.fixed.eigenvalues;
   const Eigen::MatrixXd& theta = solution.theta;
-  // S = ½⟨Θ, C⟩ (+ ½λ|Θ|² for the plug-in form), so ∂S = ⟨½Θ + Z, ∂C⟩ − ⟨Z, P Θ ∂A⟩ where Z solves
-  // the equation for ½C (+ λΘ).
+  // S = ½⟨Θ, C⟩ (+ ½λ|Θ|² for the plug-in form), so ∂S = ⟨½Θ + Z, ∂C⟩ − ⟨Z, P Θ ∂A⟩, where Z solves
+  // the equation with right side ½C (+ λΘ).
   Eigen::MatrixXd adjoint = 0.5 * theta;
   if (solution.form == SmiForm::kPlugIn) {
     Eigen::MatrixXd second;

@@ -40,7 +40,7 @@ SplineChunkStats locate_samples(const float* moving, const int32_t* first_block,
   Int4 invalid{}, present{}, max_place = Int4{} - 1;
   Int4 min_place = Int4{} + std::numeric_limits<int32_t>::max();
   for (size_t i = 0; i < count; i += kLanes) {
-    Float4 y = Float4{} + kAbsent;  // so that lanes beyond the end take no part
+    Float4 y = Float4{} + kAbsent;  // lanes beyond the end are absent
     Int4 first{};
     const size_t lanes = std::min(kLanes, count - i);
     if (lanes == kLanes) [[likely]] {
@@ -50,9 +50,9 @@ SplineChunkStats locate_samples(const float* moving, const int32_t* first_block,
       std::memcpy(&y, moving + i, lanes * sizeof(float));
       std::memcpy(&first, first_block + i, lanes * sizeof(int32_t));
     }
-    const Int4 absent = y == kAbsent;  // −1 where true
+    const Int4 absent = y == kAbsent;  // −1 if absent
     const Float4 t = (y - low) * scale;
-    Float4 place = t > 0 ? t : Float4{};  // takes NaN to 0
+    Float4 place = t > 0 ? t : Float4{};  // maps NaN to 0
     place = place < intervals ? place : intervals;
     Int4 interval = __builtin_convertvector(place, Int4);
     interval = interval < last ? interval : Int4{} + last;

@@ -31,8 +31,8 @@ void solve_sylvester(const Eigen::VectorXd& mu, const TridiagonalBasis& a, doubl
     }
     return;
   }
-  // Gauss without pivoting: the matrices are positive definite. `upper` is the part of the matrix
-  // above the diagonal divided by the pivot.
+  // Gaussian elimination without pivoting: the matrices are positive definite. `upper` is the
+  // superdiagonal divided by the pivot.
   const auto m = mu.array();
   Eigen::ArrayXXd upper(c.rows(), columns), pivot(c.rows(), columns);
   pivot.col(0) = m * a.diagonal[0] + lambda;

@@ -10,8 +10,8 @@ namespace {
 
 using Distortion = std::array<double, 5>;
 
-/// 1 + k1 s + k2 s² + k3 s³ (+ k4 s⁴): what a radius (pinhole, s = r²) or an angle (fisheye, s =
-/// θ²) is multiplied with.
+/// Radial distortion factor 1 + k1 s + k2 s² + k3 s³ (+ k4 s⁴), with s = r² (pinhole) or s = θ²
+/// (fisheye).
 double radial_factor(const CameraIntrinsics& camera, double s) {
   const Distortion& k = camera.distortion;
   if (camera.model == CameraIntrinsics::Model::kPinhole) {
@@ -20,7 +20,7 @@ double radial_factor(const CameraIntrinsics& camera, double s) {
   return 1 + s * (k[0] + s * (k[1] + s * (k[2] + s * k[3])));
 }
 
-/// d(x · stretch(x²)) / dx at s = x².
+/// Derivative d(x · radial_factor(x²)) / dx at s = x².
 double radial_derivative(const CameraIntrinsics& camera, double s) {
   const Distortion& k = camera.distortion;
   if (camera.model == CameraIntrinsics::Model::kPinhole) {
@@ -29,7 +29,8 @@ double radial_derivative(const CameraIntrinsics& camera, double s) {
   return 1 + s * (3 * k[0] + s * (5 * k[1] + s * (7 * k[2] + s * 9 * k[3])));
 }
 
-/// The x in 0 … top with x · stretch(x²) = value, by bisection: it rises there.
+/// Solves x · radial_factor(x²) = value for x in 0 … max_radius by bisection; the left side
+/// increases there.
 std::optional<double> undistort_radius(const CameraIntrinsics& camera, double value,
                                        double max_radius) {
   if (value > max_radius * radial_factor(camera, max_radius * max_radius)) return std::nullopt;
@@ -41,7 +42,8 @@ std::optional<double> undistort_radius(const CameraIntrinsics& camera, double va
   return 0.5 * (low + high);
 }
 
-/// Distorted image coordinates of the direction (a, b, 1), and their derivative by (a, b).
+/// Distorted image coordinates of the direction (a, b, 1) and their derivative with respect to (a,
+/// b).
 Eigen::Vector2d distort(const CameraIntrinsics& camera, double a, double b,
                         Eigen::Matrix2d* derivative) {
   const double p1 = camera.distortion[2], p2 = camera.distortion[3];
@@ -49,7 +51,7 @@ Eigen::Vector2d distort(const CameraIntrinsics& camera, double a, double b,
   const double g = radial_factor(camera, s);
   if (derivative != nullptr) {
     const Distortion& k = camera.distortion;
-    const double dg = k[0] + s * (2 * k[1] + s * 3 * k[4]);  // by s
+    const double dg = k[0] + s * (2 * k[1] + s * 3 * k[4]);  // with respect to s
     const double mixed = 2 * a * b * dg + 2 * p1 * a + 2 * p2 * b;
     *derivative << g + 2 * a * a * dg + 2 * p1 * b + 6 * p2 * a, mixed, mixed,
         g + 2 * b * b * dg + 6 * p1 * b + 2 * p2 * a;
@@ -87,7 +89,7 @@ std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& point
     const double angle = std::atan2(radius, point.z());
     if (!(angle <= limit_) || !(radius + std::abs(point.z()) > 0)) return std::nullopt;
     const double g = radial_factor(c, angle * angle);
-    // On the axis angle / radius is 1 / z.
+    // On the axis, angle / radius is 1 / z.
     const double per_metre = radius > 1e-9 * std::abs(point.z()) ? angle / radius : 1 / point.z();
     distorted = g * per_metre * point.head<2>();
   }
@@ -117,7 +119,7 @@ std::optional<ProjectionDerivatives> CameraModel::project_with_derivatives(
       const double distorted = angle * radial_factor(c, angle * angle);
       const double by_angle = radial_derivative(c, angle * angle);
       const Eigen::Vector2d unit = point.head<2>() / radius;
-      // The angle turns with the radius at z / |p|², with z at −radius / |p|².
+      // d(angle)/d(radius) = z / |p|², d(angle)/dz = −radius / |p|².
       J.leftCols<2>() =
           by_angle * point.z() / squared * unit * unit.transpose() +
           distorted / radius * (Eigen::Matrix2d::Identity() - unit * unit.transpose());
@@ -146,7 +148,7 @@ std::optional<Eigen::Vector3d> CameraModel::unproject_pinhole(
     const Eigen::Vector2d& distorted) const {
   const double max_radius = std::sqrt(limit_);
   const double radius = distorted.norm();
-  // Start from the answer without tangential distortion, then Newton's method.
+  // Initial value: the solution without tangential distortion; then Newton's method.
   const auto initial_radius = undistort_radius(
       intrinsics_, std::min(radius, max_radius * radial_factor(intrinsics_, limit_)), max_radius);
   if (!initial_radius) return std::nullopt;

@@ -7,16 +7,16 @@
 
 namespace infuse::geometry {
 
-/// A pixel and how it moves.
+/// Pixel of a point and its derivatives.
 struct ProjectionDerivatives {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;  ///< pixel per metre of the point, camera frame
-  Eigen::Matrix<double, 2, 6> by_pose;   ///< per (rx, ry, rz, tx, ty, tz) of a left perturbation of
-                                         ///< T_camera_lidar
+  Eigen::Matrix<double, 2, 6>
+      by_pose;  ///< per (rx, ry, rz, tx, ty, tz) of a left perturbation of T_camera_lidar
 };
 
-/// A camera's intrinsics, with the directions for which its distortion can be inverted worked out.
-/// Beyond them a polynomial distortion folds back and would put what is far outside the picture
+/// Intrinsics of a camera with the range of directions in which its distortion is invertible.
+/// Beyond that range a polynomial distortion folds back and would map points far outside the image
 /// into it; such points are not projected.
 class CameraModel {
  public:
@@ -25,22 +25,24 @@ class CameraModel {
 
   const CameraIntrinsics& intrinsics() const { return intrinsics_; }
 
-  /// Largest angle from the optical axis that is projected: as tan² for a pinhole, as radians for a
+  /// Largest projected angle from the optical axis: tan² of it for a pinhole, radians for a
   /// fisheye.
   double limit() const { return limit_; }
 
-  /// The pixel of a point in the camera frame (m); nothing where the model does not see it. The
-  /// pixel may lie outside the picture. Brown–Conrady or Kannala–Brandt, as OpenCV documents them.
+  /// Returns the pixel of a point in the camera frame (m), or nullopt where the model is not
+  /// defined. The pixel may lie outside the image. Brown–Conrady or Kannala–Brandt distortion as
+  /// documented by OpenCV.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point) const;
 
-  /// `project` with its derivatives; `point` is T_camera_lidar times the lidar's point.
+  /// Returns `project` with its derivatives; `point` is T_camera_lidar times the point in the lidar
+  /// frame.
   std::optional<ProjectionDerivatives> project_with_derivatives(const Eigen::Vector3d& point) const;
 
-  /// The direction (unit vector, camera frame) whose projection is the pixel, to 1e-9 pixels;
-  /// nothing where there is none.
+  /// Returns the direction (unit vector, camera frame) that projects to the pixel, to 1e-9 pixels;
+  /// nullopt if there is none.
   std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;
 
-  /// The pixel lies in the picture: within half a pixel of a pixel's centre.
+  /// True if the pixel lies in the image: at most half a pixel from the centre of some pixel.
   bool in_image(const Eigen::Vector2d& pixel) const;
 
  private:

@@ -3,10 +3,10 @@
 namespace infuse::geometry {
 namespace {
 
-/// Mean distance in pixels between where a point seen by the true camera is, and where the estimate
-/// puts it.
+/// Mean distance in pixels between the true and the estimated projection of points in the true
+/// camera's view.
 double mean_pixel_error(const Eigen::Isometry3d& T_estimate_truth, const CameraModel& camera) {
-  constexpr int kGridSize = 12;  // cells along each side of the picture
+  constexpr int kGridSize = 12;  // cells along each side of the image
   double sum = 0;
   int count = 0;
   for (int row = 0; row < kGridSize; ++row) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kLanes = 16;
 
-/// What the loop over points needs of a pinhole and its pose, in single precision.
+/// Pinhole camera and pose in single precision, for the loop over the points.
 struct Pinhole {
   float R[9];
   float t[3];
@@ -32,10 +32,11 @@ Pinhole make_pinhole(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d
   return out;
 }
 
-/// Six sums a lane: a fixed number of lanes, so that the order of summation is the same everywhere.
+/// Six sums per lane. The number of lanes is fixed, so that the order of summation is the same on
+/// every processor.
 using Sums = std::array<std::array<float, kLanes>, 6>;
 
-constexpr float kMinDepth = 0.01F;  // m before the camera: nothing is seen nearer
+constexpr float kMinDepth = 0.01F;  // m along the optical axis; nearer points are not projected
 
 INFUSE_SIMD_CLONES void add_point_gradients(const Pinhole c, const float* __restrict x,
                                             const float* __restrict y, const float* __restrict z,
@@ -48,13 +49,15 @@ INFUSE_SIMD_CLONES void add_point_gradients(const Pinhole c, const float* __rest
       const float px = c.R[0] * x[i] + c.R[1] * y[i] + c.R[2] * z[i] + c.t[0];
       const float py = c.R[3] * x[i] + c.R[4] * y[i] + c.R[5] * z[i] + c.t[1];
       const float pz = c.R[6] * x[i] + c.R[7] * y[i] + c.R[8] * z[i] + c.t[2];
-      // Points that are not seen pull by nothing: what stands beside that nothing must be finite.
+      // Points outside the view have zero derivatives; their other factor must be finite.
       const float inverse = 1 / (pz > kMinDepth ? pz : kMinDepth);
       const float a = px * inverse;
       const float b = py * inverse;
       const float r2 = a * a + b * b;
       const float radial = 1 + r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3));
-      const float slope = 2 * (c.k1 + r2 * (2 * c.k2 + 3 * r2 * c.k3));  // of `radial` by a, over a
+      const float slope =
+          2 *
+          (c.k1 + r2 * (2 * c.k2 + 3 * r2 * c.k3));  // of `radial` with respect to a, divided by a
       const float mixed = slope * a * b + 2 * (c.p1 * a + c.p2 * b);
       const float u_a = radial + slope * a * a + 2 * c.p1 * b + 6 * c.p2 * a;
       const float v_b = radial + slope * b * b + 6 * c.p1 * b + 2 * c.p2 * a;
@@ -73,7 +76,7 @@ INFUSE_SIMD_CLONES void add_point_gradients(const Pinhole c, const float* __rest
   }
 }
 
-/// One point by `project_with_derivatives`.
+/// Gradient of one point by `project_with_derivatives`.
 Vector6 point_gradient(const CameraModel& camera, const Eigen::Isometry3d& T,
                        const PointsView& points, float by_u, float by_v, size_t i) {
   if (by_u == 0 && by_v == 0) return Vector6::Zero();
@@ -92,7 +95,7 @@ Vector6 pose_gradient(const CameraModel& camera, const Eigen::Isometry3d& T_came
   size_t done = 0;
   if (camera.intrinsics().model == CameraIntrinsics::Model::kPinhole) {
     const Pinhole constants = make_pinhole(camera.intrinsics(), T_camera_lidar);
-    constexpr size_t kGroupsPerBatch = 64;  // groups whose sums stay in single precision
+    constexpr size_t kGroupsPerBatch = 64;  // groups summed in single precision
     const size_t groups = points.x.size() / kLanes;
     for (size_t first = 0; first < groups; first += kGroupsPerBatch) {
       Sums sums{};

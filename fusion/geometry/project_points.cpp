@@ -8,7 +8,7 @@
 namespace infuse::geometry {
 namespace {
 
-/// Everything a point needs, in single precision.
+/// Camera and pose in single precision, for the loop over the points.
 struct Constants {
   float R[9], t[3];
   float fx, fy, cx, cy, limit;
@@ -66,7 +66,8 @@ void project_fisheye(const Constants c, const float* __restrict x, const float* 
     const float py = c.R[3] * x[n] + c.R[4] * y[n] + c.R[5] * z[n] + c.t[1];
     const float pz = c.R[6] * x[n] + c.R[7] * y[n] + c.R[8] * z[n] + c.t[2];
     const float radius = std::sqrt(px * px + py * py);
-    // atan2(radius, pz): reduced to 0 … tan(π/8), then the Cephes library's polynomial.
+    // atan2(radius, pz): argument reduced to 0 … tan(π/8), then the polynomial of the Cephes
+    // library.
     const float abs_z = pz < 0.0f ? -pz : pz;
     const float smaller = radius < abs_z ? radius : abs_z, larger = radius < abs_z ? abs_z : radius;
     const float ratio = smaller / larger;

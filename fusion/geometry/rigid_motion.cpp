@@ -5,8 +5,7 @@
 namespace infuse::geometry {
 namespace {
 
-/// The functions of the angle that the closed forms are made of; by their series where the closed
-/// forms cancel.
+/// Functions of the angle in the closed forms; series near zero, where the closed forms cancel.
 struct Coefficients {
   double a;  ///< sin θ / θ
   double b;  ///< (1 − cos θ) / θ²
@@ -35,7 +34,7 @@ struct Coefficients {
   }
 };
 
-/// The lower left block of the left Jacobian, Barfoot (7.86b).
+/// Lower left block of the left Jacobian, Barfoot (7.86b).
 Eigen::Matrix3d coupling(const Eigen::Vector3d& w, const Eigen::Vector3d& v) {
   const Coefficients k(w.squaredNorm());
   const Eigen::Matrix3d W = skew(w), P = skew(v);
@@ -62,7 +61,7 @@ Eigen::Vector3d rotation_log(const Eigen::Matrix3d& R) {
   Eigen::Quaterniond q(R);
   q.normalize();
   if (q.w() < 0) q.coeffs() = -q.coeffs();
-  const double sine = q.vec().norm();                           // of half the angle
+  const double sine = q.vec().norm();                           // sine of half the angle
   if (sine < 1e-4) return 2 * q.vec() * (1 + sine * sine / 6);  // asin(x) / x near 0
   return 2 * std::atan2(sine, q.w()) / sine * q.vec();
 }

@@ -6,13 +6,13 @@
 namespace infuse::geometry {
 namespace {
 
-constexpr const char* kReasonEmpty = "no pose is known";
-constexpr const char* kReasonBeforeFirst = "the time lies before the first pose";
-constexpr const char* kReasonAfterLast = "the time lies after the last pose";
+constexpr const char* kReasonEmpty = "the trajectory is empty";
+constexpr const char* kReasonBeforeFirst = "the time is before the first pose";
+constexpr const char* kReasonAfterLast = "the time is after the last pose";
 constexpr const char* kReasonGap = "the poses around the time are too far apart";
 
-/// The nearest covariance: a difference of two may have lost its sign by rounding or by what was
-/// learned in between.
+/// Nearest positive semidefinite matrix. A difference of two covariances may be indefinite, by
+/// rounding or by information gained in between.
 Matrix6 positive_part(const Matrix6& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(0.5 * (symmetric + symmetric.transpose()));
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() *

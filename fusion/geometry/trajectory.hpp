@@ -9,76 +9,76 @@
 
 namespace infuse::geometry {
 
-/// Where the vehicle was at one moment.
+/// Pose of the vehicle at one time, in the odometry frame `odom` of REP 105.
 struct StampedPose {
   Stamp stamp;
   Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
-  Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, map frame
+  Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, odometry frame
 };
 
-/// How a trajectory keeps and answers.
+/// Settings of a trajectory.
 struct TrajectoryOptions {
-  size_t capacity = 4096;         ///< poses kept; the oldest give way
-  Duration max_gap{200'000'000};  ///< ns; between two poses further apart nothing is known
-  Duration max_extrapolation{0};  ///< ns past the last pose that are answered, at the last twist
-  double rotation_growth = 3e-4;  ///< rad/√s: how fast an extrapolated pose's rotation gets vaguer,
-                                  ///< each axis
-  double translation_growth = 0.1;  ///< m/√s: as above, translation
+  size_t capacity = 4096;         ///< maximum number of poses; the oldest are dropped
+  Duration max_gap{200'000'000};  ///< ns; the pose between two poses further apart is unknown
+  Duration max_extrapolation{0};  ///< ns past the last pose, at its twist
+  double rotation_growth = 3e-4;  ///< rad/√s, growth of the standard deviation of an extrapolated
+                                  ///< rotation, each axis
+  double translation_growth = 0.1;  ///< m/√s, the same for the translation
 
-  /// What is wrong with the options, or nothing.
+  /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// A pose asked of a trajectory, or why there is none.
+/// Pose at a requested time, or the reason why it is unknown.
 struct PoseAt {
   Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
-  Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, map frame
-  const char* reason = "";               ///< static text; empty when the pose can be used
+  Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, odometry frame
+  const char* reason = "";               ///< static text; empty if the pose is usable
 
   bool usable() const { return *reason == '\0'; }
 };
 
-/// The motion between two moments, or why it is not known.
+/// Motion between two times, or the reason why it is unknown.
 struct MotionBetween {
-  Eigen::Isometry3d T_from_to =
-      Eigen::Isometry3d::Identity();     ///< vehicle at `to` seen from `from`
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();  ///< vehicle at `to` in the frame of
+                                                                ///< the vehicle at `from`
   Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, vehicle frame at `from`
-  const char* reason = "";               ///< static text; empty when the motion can be used
+  const char* reason = "";               ///< static text; empty if the motion is usable
 
   bool usable() const { return *reason == '\0'; }
 };
 
-/// Stamped poses in order of time, bounded; a pose between two of them moves at constant twist and
-/// its covariance grows linearly from one to the other, as dead reckoning's does.
+/// Bounded, time-ordered sequence of stamped poses `T_odom_vehicle` in the odometry frame. Between
+/// two poses the vehicle moves at constant twist and the covariance is interpolated linearly.
 class Trajectory {
  public:
-  /// `options.invalid()` must be empty. All memory is taken here.
+  /// `options.invalid()` must be empty. Allocates all memory.
   explicit Trajectory(const TrajectoryOptions& options = {});
 
-  /// Adds a pose; false, and nothing happens, where it is not later than the last.
+  /// Appends a pose; returns false and changes nothing if it is not later than the last.
   bool append(const StampedPose& pose);
 
-  /// Forgets all poses, keeps the memory.
+  /// Removes all poses; keeps the memory.
   void clear();
 
   size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
 
-  /// Poses in order of time; index < size().
+  /// Poses in time order; index < size().
   const StampedPose& operator[](size_t index) const;
 
-  /// The pose at a time.
+  /// Returns the pose at a time.
   PoseAt at(Stamp stamp) const;
 
-  /// The motion from one time to another (either may be the earlier). Its covariance is the growth
-  /// between the two: errors common to both are none of the motion's.
+  /// Returns the motion from one time to another; either may be the earlier. Its covariance is the
+  /// growth between the two, without the errors common to both.
   MotionBetween between(Stamp from, Stamp to) const;
 
-  /// Why some of the span from one time to a later one is not covered, static text; empty where all
-  /// of it is.
+  /// Returns why a part of the time span is not covered, as static text; empty if all of it is
+  /// covered.
   const char* uncovered_reason(Stamp from, Stamp to) const;
 
-  /// The first pose that is not before the stamp; size() where there is none.
+  /// Returns the index of the first pose at or after the stamp; size() if there is none.
   size_t index_at_or_after(Stamp stamp) const;
 
  private:

@@ -107,8 +107,8 @@ const char* Deskewer::build_cells(const Sweep& sweep, const Trajectory& trajecto
                                   int32_t last) {
   cells_.clear();
   const Stamp origin = sweep.stamp;
-  if (trajectory.size() < 2) return "a single pose tells no motion";
-  // The piece that holds the first return; times past the last pose belong to the last piece.
+  if (trajectory.size() < 2) return "the trajectory has fewer than two poses";
+  // The segment of the first return; times past the last pose belong to the last segment.
   size_t next = std::clamp<size_t>(trajectory.index_at_or_after(origin + Duration(first)), 1,
                                    trajectory.size() - 1);
   int32_t begin = first;
@@ -142,8 +142,7 @@ const char* Deskewer::add_cells(const geometry::StampedPose& from, const geometr
   const double cells_needed =
       std::ceil((static_cast<double>(end) - begin) * 1e-9 / max_cell_seconds);
   const double cells_left = static_cast<double>(options_.max_cells - cells_.size());
-  if (!(cells_needed <= cells_left) || cells_left < 1)
-    return "the motion is too fast to be believed";
+  if (!(cells_needed <= cells_left) || cells_left < 1) return "the motion is too fast to deskew";
 
   const int64_t count = std::max<int64_t>(1, static_cast<int64_t>(cells_needed));
   const auto pose_at = [&](int32_t offset) -> Eigen::Matrix4d {
@@ -189,8 +188,8 @@ void Deskewer::transform(const Cell& cell, const Sweep& sweep, size_t from, size
 void Deskewer::apply_cells(const Sweep& sweep, DeskewedSweep& deskewed) const {
   const int32_t* offsets = sweep.time_offset_ns.data();
   const size_t count = sweep.size();
-  // Returns are in order of time but for the few of one firing, so that most blocks lie in one
-  // cell; blocks in a row that share their cell are moved together.
+  // Returns are in time order except within one firing, so most blocks lie in one cell; consecutive
+  // blocks of the same cell are transformed together.
   size_t cell = 0, run = 0;
   for (size_t at = 0; at < count; at += kBlockSize) {
     const size_t block_end = std::min(count, at + kBlockSize);

@@ -10,51 +10,53 @@
 
 namespace infuse::motion {
 
-/// How exactly a sweep is made straight.
+/// Settings of the motion compensation.
 struct DeskewOptions {
-  double tolerance = 1e-4;  ///< m: how far a return may be from where its own pose puts it
-  double max_range = 250;   ///< m: up to which range `tolerance` holds; beyond, in proportion
-  size_t max_cells = 2048;  ///< pieces of a sweep; a motion that needs more is not believed
+  double tolerance = 1e-4;  ///< m; maximum error of a return against its exact pose
+  double max_range = 250;   ///< m; range up to which `tolerance` holds; beyond, the error grows in
+                            ///< proportion
+  size_t max_cells = 2048;  ///< maximum number of cells of a sweep; a motion that needs more is
+                            ///< rejected
 
-  /// What is wrong with the options, or nothing.
+  /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// A sweep's returns as if all of them had been taken at one time; the other quantities stay in the
-/// sweep, index for index.
+/// Coordinates of a sweep's returns as if all had been measured at one time. The other fields stay
+/// in the sweep, with the same indices.
 struct DeskewedSweep {
-  Stamp reference;                 ///< the time; x, y and z are in the lidar frame of that time
+  Stamp reference;                 ///< that time; x, y and z are in the lidar frame at this time
   FieldVector<float> x, y, z;      ///< m
-  geometry::MotionBetween motion;  ///< of the vehicle, from the first return to the last
-  const char* reason = "";  ///< static text: why x, y and z are as they were measured; empty when
-                            ///< they are corrected
+  geometry::MotionBetween motion;  ///< vehicle motion from the first return to the last
+  const char* reason = "";  ///< static text: why x, y and z are uncorrected; empty if they are
+                            ///< corrected
 
-  /// The returns are corrected for motion.
+  /// True if the returns are corrected for motion.
   bool usable() const { return *reason == '\0'; }
 };
 
-/// Corrects sweeps for the motion of the vehicle while they were taken.
+/// Deskews sweeps: corrects them for the motion of the vehicle during the sweep.
 ///
-/// A trajectory moves at constant twist between two poses; each such piece is cut into cells, at
-/// whose ends the pose is exact and within which its matrix is blended linearly. A point at range r
-/// then errs by at most h² |ω| (|ω| r + |v|) / 8 in a cell of h seconds (second derivative of a
-/// motion at constant twist), from which the number of cells follows.
+/// A trajectory has constant twist between two poses. Each such segment is cut into cells; the pose
+/// is exact at the ends of a cell and its matrix is interpolated linearly within. The error of a
+/// point at range r is at most h² |ω| (|ω| r + |v|) / 8 in a cell of h seconds (second derivative
+/// of a constant-twist motion), which determines the number of cells.
 class Deskewer {
  public:
   /// `options.invalid()` must be empty.
   explicit Deskewer(const Eigen::Isometry3d& T_vehicle_lidar, const DeskewOptions& options = {});
 
-  /// Writes the sweep as of `reference` (its start, its end, a camera's exposure). Where the
-  /// trajectory does not cover all of the returns and the reference, or the sweep has no times, the
-  /// returns are copied as they are and `straight.reason` says why. Allocates nothing once
-  /// `straight` has been as large. The same bytes on every processor.
+  /// Deskews a sweep to the time `reference` (its start, its end, the exposure of a camera). If the
+  /// trajectory does not cover all returns and the reference, or the sweep has no times, copies the
+  /// returns unchanged and sets `deskewed.reason`. Does not allocate once `deskewed` has reached
+  /// its size. Same bytes on every processor.
   void deskew(const Sweep& sweep, const geometry::Trajectory& trajectory, Stamp reference,
               DeskewedSweep& deskewed);
 
  private:
-  using Matrix34f = std::array<float, 12>;  // by row
+  using Matrix34f = std::array<float, 12>;  // row-major
 
-  /// A piece of time within which the pose is start + u · change, u = (offset − begin) · rate.
+  /// Time interval in which the pose is start + u · change, with u = (offset − begin) · rate.
   struct Cell {
     int32_t begin = 0, end = 0;  // ns after the sweep's stamp
     float rate = 0;              // 1/ns

@@ -6,10 +6,12 @@
 namespace infuse::motion {
 namespace {
 
-constexpr size_t kMaxPendingSamples = 512;          // samples that wait for earlier ones, at most
-constexpr Duration kMaxPredictionStep{50'000'000};  // of one prediction
-constexpr Duration kMaxStampJump{2'000'000'000};    // between stamps: one alone is not believed
-constexpr Duration kMinSteeringInterval{100'000'000};  // its errors last: more samples tell no more
+constexpr size_t kMaxPendingSamples = 512;  // maximum number of samples waiting for earlier ones
+constexpr Duration kMaxPredictionStep{50'000'000};  // maximum duration of one prediction
+constexpr Duration kMaxStampJump{2'000'000'000};  // maximum gap between stamps; a single larger one
+                                                  // is rejected
+constexpr Duration kMinSteeringInterval{100'000'000};  // the errors are correlated: more samples
+                                                       // add no information
 
 template <class Range>
 bool any_finite(const Range& values) {
@@ -55,7 +57,7 @@ void OdometryFilter::insert(Stamp stamp, const Sample& sample) {
       return stamp - from > kMaxStampJump || from - stamp > kMaxStampJump;
     };
     if (jumps(newest_stamp_)) {
-      // One stamp may be wrong; two that agree are a pause, or a clock that was set.
+      // One outlier stamp is an error; two that agree are a pause or a clock step.
       const bool confirmed = jumped_stamp_ && !jumps(*jumped_stamp_);
       jumped_stamp_ = stamp;
       if (!confirmed) {
@@ -168,12 +170,12 @@ void OdometryFilter::detect_standstill(const WheelOdometry& sample) {
 }
 
 const char* OdometryFilter::reason() const {
-  if (now_ == Stamp::earliest()) return "no sample has come yet";
+  if (now_ == Stamp::earliest()) return "no sample received yet";
   const auto silent = [this](Stamp last) {
     return last == Stamp::earliest() || now_ - last > options_.max_silence;
   };
-  if (silent(last_speed_stamp_)) return "no believable wheel speed";
-  if (silent(last_rotation_stamp_)) return "no believable yaw rate";
+  if (silent(last_speed_stamp_)) return "no valid wheel speed";
+  if (silent(last_rotation_stamp_)) return "no valid yaw rate";
   return "";
 }
 

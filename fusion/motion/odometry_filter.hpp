@@ -10,46 +10,46 @@
 
 namespace infuse::motion {
 
-/// What the filter has learned of the vehicle's sensors.
+/// Estimated parameters and counters of the odometry filter.
 struct OdometryReport {
   EstimatedParameter wheel_scale;               ///< true over measured speed
   EstimatedParameter yaw_rate_bias;             ///< rad/s, of `WheelOdometry::yaw_rate`
   std::array<EstimatedParameter, 3> gyro_bias;  ///< rad/s, of `ImuSample`; planar: z only
-  EstimatedParameter steering_zero;             ///< rad at the steering wheel, driving straight
+  EstimatedParameter steering_zero;             ///< rad at the steering wheel when driving straight
   double speed = 0;                             ///< m/s along x
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s, vehicle frame
   bool standing = false;
-  uint64_t late = 0;             ///< samples that came after their time had been worked off
-  uint64_t outliers = 0;         ///< samples that did not agree with the motion and were not used
-  uint64_t invalid_samples = 0;  ///< samples with no finite quantity, or one stamp apart from all
+  uint64_t late = 0;             ///< samples older than the filter's time on arrival
+  uint64_t outliers = 0;         ///< samples rejected as inconsistent with the motion
+  uint64_t invalid_samples = 0;  ///< samples without a finite quantity, or with an isolated stamp
 };
 
-/// Dead reckoning from wheel speeds, yaw rate, inertial unit, steering and, where there is one, a
-/// receiver's speed and course. Samples may come out of order by `reorder` and may be missing;
-/// where speed or rotation are silent or contradicted for `max_silence` the filter is not trusted,
-/// and the trajectory has a gap.
+/// Dead reckoning in the odometry frame from wheel speeds, yaw rate, inertial unit, steering and,
+/// where available, the speed and course of a GNSS receiver. Samples may arrive out of order by up
+/// to `reorder` and may be missing. If speed or rotation have no valid sample for `max_silence`,
+/// the filter is unusable and the trajectory has a gap.
 class OdometryFilter {
  public:
-  /// `options.invalid()` must be empty. All memory is taken here.
+  /// `options.invalid()` must be empty. Allocates all memory.
   explicit OdometryFilter(const OdometryOptions& options = {},
                           const geometry::TrajectoryOptions& trajectory = {});
 
-  /// Says where the vehicle is now, as the start of dead reckoning. Without it, it starts at the
-  /// identity, perfectly known.
+  /// Sets the current pose of the vehicle in the odometry frame. Without it, dead reckoning starts
+  /// at the identity with zero covariance.
   void set_pose(const Eigen::Isometry3d& T_odom_vehicle, const geometry::Matrix6& covariance);
 
-  /// Samples, in about their order of time.
+  /// Adds a sample; samples come roughly in time order.
   void add(const WheelOdometry& sample);
   void add(const ImuSample& sample);
   void add(const GnssFix& fix);
 
-  /// Works off the samples that still wait for earlier ones, at the end of a recording.
+  /// Processes the samples that wait for earlier ones, at the end of a recording.
   void flush();
 
-  /// The poses so far.
+  /// Poses so far.
   const geometry::Trajectory& trajectory() const { return trajectory_; }
 
-  /// Why the filter cannot be trusted now, static text; empty where it can.
+  /// Returns why the filter is unusable now, as static text; empty if it is usable.
   const char* reason() const;
   bool usable() const { return *reason() == '\0'; }
 
@@ -77,7 +77,7 @@ class OdometryFilter {
   OdometryOptions options_;
   OdometryState state_;
   geometry::Trajectory trajectory_;
-  std::vector<PendingSample> pending_;  // in order of time
+  std::vector<PendingSample> pending_;  // in time order
   Stamp now_ = Stamp::earliest();
   Stamp newest_stamp_ = Stamp::earliest();
   std::optional<Stamp> jumped_stamp_;

@@ -7,12 +7,12 @@
 namespace infuse::motion {
 namespace {
 
-constexpr double kGateSigmas = 4;  // standard deviations beyond which a sample is not believed
+constexpr double kGateSigmas = 4;  // standard deviations beyond which a sample is rejected
 constexpr double kNoGateSigmas = 1e9;
 constexpr double kGravity = 9.80665;                  // m/s²
-constexpr double kUnknownSpeedSigma = 40;             // m/s: nothing is known of the speed
-constexpr double kUnknownAngularVelocitySigma = 1.5;  // rad/s: nothing is known of the rotation
-constexpr double kRecentTimeConstant = 0.3;           // s of motion that a sample corrects
+constexpr double kUnknownSpeedSigma = 40;             // m/s: speed unknown
+constexpr double kUnknownAngularVelocitySigma = 1.5;  // rad/s: rotation unknown
+constexpr double kRecentTimeConstant = 0.3;  // s of motion that a sample corrects at standstill
 
 double square(double x) { return x * x; }
 
@@ -30,7 +30,7 @@ std::optional<std::string> OdometryOptions::invalid() const {
   }
   if (max_silence <= Duration::zero() || standstill_after <= Duration::zero() ||
       steering_zero_time_constant <= Duration::zero()) {
-    return "max_silence, standstill_after and steering_zero_memory must be positive";
+    return "max_silence, standstill_after and steering_zero_time_constant must be positive";
   }
   for (const double noise :
        {wheel_noise, yaw_rate_noise, gyro_noise, acceleration_noise, steering_noise,
@@ -91,7 +91,7 @@ void OdometryState::reset_rotation_covariance() {
 
 void OdometryState::reset_motion(double seconds) {
   constexpr double kUnseenYawRate = 0.3,
-                   kUnseenSpeed = 20;  // rad/s, m/s: what the vehicle may have done meanwhile
+                   kUnseenSpeed = 20;  // rad/s, m/s: possible unseen motion
   const double yaw_variance = square(std::min(kUnseenYawRate * seconds, std::numbers::pi));
   const double tilt = options_.planar ? 0 : 0.1 * yaw_variance;
   const double position_variance = square(kUnseenSpeed * seconds);
@@ -112,7 +112,7 @@ void OdometryState::predict(double seconds) {
   twist[3] = scale * wheels;
 
   // exp((τ + δ) dt) ≈ exp(J δ dt) exp(τ dt): an error of the motion enters the pose through T and
-  // J, the pose's own error stays.
+  // J; the pose error itself is unchanged.
   const geometry::Matrix6 gain =
       geometry::adjoint(T_odom_vehicle_) * geometry::left_jacobian(twist * dt) * dt;
   const double decay = std::exp(-dt / kAccelerationTimeConstant);
@@ -128,13 +128,13 @@ void OdometryState::predict(double seconds) {
   F(kSteeringZero, kSteeringZero) = steering_zero_decay;
 
   T_odom_vehicle_ = T_odom_vehicle_ * geometry::exp(twist * dt);
-  // Keep the rotation a rotation over millions of steps.
+  // Renormalise the rotation, which drifts over millions of steps.
   T_odom_vehicle_.linear() = Eigen::Quaterniond(T_odom_vehicle_.linear()).normalized().matrix();
   x_[kSpeed] += dt * x_[kAcceleration];
   x_[kAcceleration] *= decay;
   x_[kSteeringZero] *= steering_zero_decay;
 
-  // What is new of the pose's error joins what is recent, and that fades.
+  // New pose error is added to the recent part, which fades.
   const Matrix PFt = P_ * F.transpose();
   recent_ = std::exp(-dt / kRecentTimeConstant) * (recent_ * F.transpose()).eval();
   recent_ += F.topRightCorner<6, kSize - 6>() * PFt.bottomRows<kSize - 6>();
@@ -170,11 +170,11 @@ bool OdometryState::update(double innovation, const Vector& derivative, double n
   const Vector change = gain * innovation;
   T_odom_vehicle_ = geometry::exp(change.head<6>()) * T_odom_vehicle_;
   x_.tail<kSize - 6>() += change.tail<kSize - 6>();
-  // For any gain, P − KHP − PHᵀKᵀ + K(HPHᵀ + R)Kᵀ.
+  // Holds for any gain: P − KHP − PHᵀKᵀ + K(HPHᵀ + R)Kᵀ.
   const Matrix lost = gain * PH.transpose();
   P_ += variance * gain * gain.transpose() - lost - lost.transpose();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
-  // Only its part with the motion is ever requested.
+  // Only its part with the motion is used.
   recent_.rightCols<kSize - 6>() -= recent_gain * PH.tail<kSize - 6>().transpose();
   return true;
 }
@@ -185,9 +185,9 @@ int OdometryState::update_wheels(const WheelOdometry& sample) {
   for (size_t i = 0; i < 4; ++i) {
     const double measured = sample.wheel_speed[i];
     if (!std::isfinite(measured)) continue;
-    // The rear axle's centre moves along x; a wheel's own way differs by the turning, taken as
-    // known: radii and track are not known well enough for wheels to tell rotation, nor for
-    // rotation to tell the wheels' scale.
+    // The centre of the rear axle moves along x. The speed of a wheel differs by the turning, which
+    // is taken as known: radii and track are too uncertain to estimate rotation from the wheels, or
+    // the wheel scale from rotation.
     const double side = i % 2 == 0 ? 0.5 * options_.track : -0.5 * options_.track;
     const double along = x_[kSpeed] - rate * side;
     const double across = i < 2 ? rate * options_.wheelbase : 0;
@@ -221,7 +221,7 @@ bool OdometryState::update_gyro(const ImuSample& sample) {
 
 bool OdometryState::update_gravity(const ImuSample& sample) {
   if (options_.planar) return false;
-  // Specific force: the motion's acceleration plus gravity's reaction, in vehicle axes.
+  // Specific force: acceleration of the motion plus the reaction to gravity, in vehicle axes.
   const Eigen::Matrix3d R_vehicle_odom = T_odom_vehicle_.linear().transpose();
   const Eigen::Vector3d up = R_vehicle_odom.col(2);
   const Eigen::Matrix3d by_rotation =
@@ -247,8 +247,8 @@ bool OdometryState::update_gravity(const ImuSample& sample) {
 }
 
 bool OdometryState::update_steering(double steering_angle) {
-  constexpr double kMaxBicycleSteeringAngle =
-      0.5;  // rad at the steering wheel: the bicycle model holds
+  constexpr double kMaxBicycleSteeringAngle = 0.5;  // rad at the steering wheel; range of the
+                                                    // bicycle model
   if (options_.steering_ratio <= 0 || !(std::abs(steering_angle) < kMaxBicycleSteeringAngle))
     return false;
   const double v = speed();
@@ -261,7 +261,7 @@ bool OdometryState::update_steering(double steering_angle) {
   if (!update(response * steering_angle - expected, H, options_.steering_noise, kGateSigmas)) {
     return false;
   }
-  // Roads are straight on average, and so is the steering at speed.
+  // Roads are straight on average; so is the steering at speed.
   constexpr double kMinStraightSpeed = 8, kMaxStraightSteeringAngle = 0.1;  // m/s, rad
   if (std::abs(v) > kMinStraightSpeed &&
       std::abs(steering_angle - x_[kSteeringZero]) < kMaxStraightSteeringAngle) {
@@ -297,7 +297,7 @@ bool OdometryState::update_gnss(const GnssFix& fix) {
 
 void OdometryState::update_standstill() {
   constexpr double kSpeedNoise = 0.01;      // m/s
-  constexpr double kRotationNoise = 0.002;  // rad/s: doors, wind
+  constexpr double kRotationNoise = 0.002;  // rad/s, for doors and wind
   Vector H = Vector::Zero();
   H[kSpeed] = 1;
   update(-x_[kSpeed], H, kSpeedNoise, kNoGateSigmas);

@@ -8,21 +8,21 @@
 
 namespace infuse::motion {
 
-/// A quantity the filter has learned.
+/// Estimated parameter of a sensor.
 struct EstimatedParameter {
   double value = 0;
   double sigma = 0;  ///< standard deviation
 };
 
-/// The extended Kalman filter of the vehicle's motion: pose, speed and acceleration along x,
-/// angular velocity, and what the sensors' errors are. The vehicle moves along its x axis (no side
-/// slip at the rear axle) and turns; the pose's error is a left perturbation in the map frame, so
-/// that it is carried through time unchanged and only grows.
+/// Extended Kalman filter of the vehicle motion: pose, speed and acceleration along x, angular
+/// velocity, and sensor errors. The vehicle moves along its x axis (no side slip at the rear axle)
+/// and turns. The pose error is a left perturbation in the odometry frame, so that prediction
+/// leaves it unchanged and only adds to it.
 ///
-/// What is learned of a bias while driving mends the way that lies behind, little by little. What
-/// is learned while standing would do so at once, by metres: then samples correct no more than the
-/// last tenths of a second, so that a vehicle that stands is not moved. That gain is not the best
-/// one for the pose; the covariance is that of the pose as it is.
+/// A bias learned while driving corrects the path driven before, gradually. A bias learned at
+/// standstill would correct it at once, by metres: then samples correct only the last tenths of a
+/// second, so that a standing vehicle does not move. That gain is not optimal for the pose; the
+/// covariance is that of the actual pose.
 class OdometryState {
  public:
   /// Indices of the error state.
@@ -44,27 +44,29 @@ class OdometryState {
   /// `options.invalid()` must be empty.
   explicit OdometryState(const OdometryOptions& options);
 
-  /// Sets the pose and forgets the motion; what has been learned stays.
+  /// Sets the pose and resets the motion; the learned parameters stay.
   void set_pose(const Eigen::Isometry3d& T_odom_vehicle, const geometry::Matrix6& covariance);
 
-  /// Moves on by a time.
+  /// Predicts the state after a time step.
   void predict(double seconds);
 
-  /// Speeds of the wheels; how many of them agreed with the motion.
+  /// Updates with the wheel speeds; returns how many were consistent with the motion.
   int update_wheels(const WheelOdometry& sample);
-  /// False where the sample disagrees with the motion, or says nothing.
+  /// Updates with one sample. Returns false if the sample is inconsistent with the motion or
+  /// carries no information.
   bool update_yaw_rate(double yaw_rate);
   bool update_gyro(const ImuSample& sample);
   bool update_gravity(const ImuSample& sample);
   bool update_steering(double steering_angle);
   bool update_gnss(const GnssFix& fix);
-  /// The vehicle stands.
+  /// Updates with zero speed and rotation.
   void update_standstill();
 
-  /// A time passed without samples: the pose stays and gets vague, the motion is not known.
+  /// Resets the motion after a time without samples: the pose stays with a larger covariance, the
+  /// motion is unknown.
   void reset_motion(double seconds);
 
-  /// Forgets how sure speed or rotation were, after they were contradicted for long.
+  /// Resets the covariance of speed or rotation after prolonged contradiction.
   void reset_speed_covariance();
   void reset_rotation_covariance();
 
@@ -80,9 +82,9 @@ class OdometryState {
 
   OdometryOptions options_;
   Eigen::Isometry3d T_odom_vehicle_ = Eigen::Isometry3d::Identity();
-  Vector x_ = Vector::Zero();  // the pose's part is always 0
+  Vector x_ = Vector::Zero();  // the pose block is always 0
   Matrix P_ = Matrix::Zero();
-  // Covariance of what of the pose's error is recent, a fading memory, with the whole state's.
+  // Covariance of the recent part of the pose error (fading memory) with the whole state.
   RecentMatrix recent_ = RecentMatrix::Zero();
 };
 

@@ -7,7 +7,8 @@
 namespace infuse::motion {
 namespace {
 
-constexpr const char* kReasonTooFewPairs = "fewer than 3 poses have a true pose at their time";
+constexpr const char* kReasonTooFewPairs =
+    "fewer than 3 estimated poses have a true pose at their time";
 
 ErrorStatistics compute_statistics(std::vector<double> errors) {
   ErrorStatistics s;
@@ -29,8 +30,8 @@ ErrorStatistics compute_statistics(std::vector<double> errors) {
 
 double rotation_angle(const Eigen::Matrix3d& R) { return geometry::rotation_log(R).norm(); }
 
-/// The rotation by which estimated orientations are best turned about `axis` (a unit vector), after
-/// `R`: of all angles a the one that maximises the sum of tr(exp(-a axis) truth (R estimate)ᵀ).
+/// Rotation about `axis` (unit vector) that best aligns the estimated orientations after `R`: the
+/// angle a that maximises the sum of tr(exp(-a axis) truth (R estimate)ᵀ).
 Eigen::Matrix3d best_rotation_about(const Eigen::Vector3d& axis, const Eigen::Matrix3d& R,
                                     std::span<const PosePair> pairs) {
   Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
@@ -62,9 +63,9 @@ void align(std::span<const PosePair> pairs, bool with_scale, AbsoluteError& resu
   Eigen::Vector3d sign = Eigen::Vector3d::Ones();
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign.z() = -1;
   Eigen::Matrix3d R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  // Positions on a line say nothing of the rotation about it (a path 33 m long and 10 cm wide was
-  // laid on its side): there the orientations decide.
-  constexpr double kMaxLineVarianceRatio = 1e-3;  // of the line's variance is across it
+  // Positions on a line do not determine the rotation about it (a path 33 m long and 10 cm wide was
+  // rolled onto its side): use the orientations there.
+  constexpr double kMaxLineVarianceRatio = 1e-3;  // variance across the line
   if (svd.singularValues()[1] < kMaxLineVarianceRatio * svd.singularValues()[0]) {
     R = best_rotation_about(svd.matrixU().col(0), R, pairs) * R;
   }
@@ -73,7 +74,7 @@ void align(std::span<const PosePair> pairs, bool with_scale, AbsoluteError& resu
   result.T_truth_estimate.translation() = mean_truth - result.scale * (R * mean_estimate);
 }
 
-/// The error of the motion between two poses: what is left when the true motion is undone.
+/// Error of the motion between two poses, after undoing the true motion.
 Eigen::Isometry3d motion_error(const PosePair& from, const PosePair& to) {
   const Eigen::Isometry3d true_motion = from.truth.inverse() * to.truth;
   return true_motion.inverse() * (from.estimate.inverse() * to.estimate);
@@ -145,7 +146,7 @@ RelativeError relative_error(std::span<const PosePair> pairs, Duration span) {
     rotation.push_back(rotation_angle(error.linear()));
   }
   if (translation.empty()) {
-    result.reason = "no two poses are that span apart";
+    result.reason = "no two poses are the requested time span apart";
     return result;
   }
   result.translation = compute_statistics(std::move(translation));
@@ -183,7 +184,7 @@ KittiError kitti_error(std::span<const PosePair> pairs, std::span<const double> 
     result.segments.push_back(segment);
   }
   if (result.count == 0) {
-    result.reason = "the truth is shorter than the shortest part";
+    result.reason = "the true path is shorter than the shortest segment";
     return result;
   }
   result.translation /= static_cast<double>(result.count);

@@ -6,7 +6,7 @@ namespace infuse::target {
 
 std::optional<std::string> Board::invalid() const {
   if (columns < 3 || rows < 3 || columns > 100 || rows > 100) {
-    return "a board has 3 to 100 inner corners a row and a column";
+    return "a board must have 3 to 100 inner corners per row and per column";
   }
   if (!(square_size > 0) || !std::isfinite(square_size)) return "square_size must be positive";
   return std::nullopt;

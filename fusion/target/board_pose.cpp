@@ -16,7 +16,7 @@ using geometry::Vector6;
 
 constexpr double kMaxRms = 2;  // px
 
-/// A pose from OpenCV, on the plane at unit distance: no camera model is needed there.
+/// Initial pose by OpenCV from corners on the plane at unit distance, which needs no camera model.
 std::optional<Eigen::Isometry3d> estimate_initial_pose(const geometry::CameraModel& camera,
                                                        const Board& board, const Corners& corners) {
   std::vector<cv::Point3d> on_board;
@@ -48,7 +48,7 @@ std::optional<Eigen::Isometry3d> estimate_initial_pose(const geometry::CameraMod
   return T;
 }
 
-/// How far one corner lies from where the pose puts it, pixels.
+/// Reprojection error of one corner, pixels.
 class CornerCost : public ceres::SizedCostFunction<2, 6> {
  public:
   CornerCost(const geometry::CameraModel& camera, const PoseParameter& pose,

@@ -11,10 +11,11 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-/// Standard deviation of returns that cover the middle half of the board, in its half size.
+/// Minimum standard deviation of the returns as a fraction of the board's half size: that of
+/// returns on the middle half.
 constexpr double kMinRelativeWidth = 0.29;
 
-/// Points x with normal · x = distance.
+/// Plane of the points x with normal · x = distance.
 struct Plane {
   Eigen::Vector3d normal;
   double distance;
@@ -24,8 +25,8 @@ struct Plane {
   }
 };
 
-/// Whether a point of the board's frame lies in the board's outline, grown, and within `thick` of
-/// it.
+/// True if a point in the board frame lies within the outline of the board, grown by `grow`, and
+/// within the thickness of its plane.
 bool in_box(const Eigen::Vector3d& on_board, const Board& board, double grow,
             double half_thickness) {
   const Eigen::Vector3d at = on_board - board.middle();
@@ -104,11 +105,12 @@ Result<Points> find_board_returns(std::span<const Eigen::Vector3d> all,
   }
   const auto min_returns = static_cast<size_t>(options.min_returns);
   if (near.size() < min_returns) {
-    return fail("only " + std::to_string(near.size()) + " returns where the board should be");
+    return fail("only " + std::to_string(near.size()) +
+                " returns at the expected place of the board");
   }
   const Eigen::Vector3d facing = T_lidar_board.linear().col(2);
   const auto plane = ransac_plane(near, facing, options);
-  if (!plane) return fail("no plane among the returns that faces as the board does");
+  if (!plane) return fail("no plane among the returns has the orientation of the board");
   Points inliers = select_inliers(near, *plane, options.thickness);
   if (inliers.size() >= min_returns) {
     const ReturnsPlane best = fit_returns_plane(inliers);
@@ -117,9 +119,9 @@ Result<Points> find_board_returns(std::span<const Eigen::Vector3d> all,
   if (inliers.size() < min_returns) {
     return fail("only " + std::to_string(inliers.size()) + " returns lie on the board");
   }
-  // A strip is where another surface crosses the plane that was looked for.
+  // A strip results where another surface crosses the searched plane.
   if (fit_returns_plane(inliers).width < kMinRelativeWidth * board.half_size().minCoeff()) {
-    return fail("the returns cover a strip of the board only");
+    return fail("the returns cover only a strip of the board");
   }
   return inliers;
 }

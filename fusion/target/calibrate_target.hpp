@@ -9,24 +9,24 @@
 
 namespace infuse::target {
 
-/// A board that a camera saw, and what the lidar saw around it.
+/// Board detected in an image, with the lidar returns around it.
 struct BoardObservation {
   Eigen::Isometry3d T_refcam_board = Eigen::Isometry3d::Identity();
-  geometry::Matrix6 board_covariance = geometry::Matrix6::Zero();  ///< as TargetView's
-  std::vector<Eigen::Vector3d> nearby_returns;  ///< `crop_to_board`, m, lidar frame
+  geometry::Matrix6 board_covariance = geometry::Matrix6::Zero();  ///< as in TargetView
+  std::vector<Eigen::Vector3d> nearby_returns;  ///< from `crop_to_board`, m, lidar frame
 };
 
-/// What the sightings say of T_head_lidar.
+/// Result of the target-based calibration, T_refcam_lidar.
 struct TargetCalibration {
-  TargetResult result;                ///< an entry a sighting in its `views`
-  std::vector<size_t> return_counts;  ///< on each sighting's board
-  std::vector<std::string> reasons;   ///< why a sighting gave no view; empty where it did
+  TargetResult result;                ///< one entry per observation in its `views`
+  std::vector<size_t> return_counts;  ///< returns on the board, per observation
+  std::vector<std::string> reasons;   ///< why an observation gave no view; empty if it gave one
 };
 
-/// Calibrates from sightings of one kind of board, in three passes: at first a board's returns are
-/// looked for as far around as `T_initial` may be wrong, then within 8 cm of where the first
-/// solution puts it, at last within its outline alone, so that stands and walls behind cannot tilt
-/// it.
+/// Calibrates from observations of one kind of board in three passes. The first pass searches for
+/// returns as far around a board as `T_initial` may be wrong, the second within 8 cm of the first
+/// solution, the last only within the outline of the board, so that stands and walls behind it
+/// cannot tilt the plane.
 TargetCalibration calibrate_target(std::span<const BoardObservation> observations,
                                    const Board& board, const Eigen::Isometry3d& T_initial,
                                    const BoardReturnsOptions& returns_options,

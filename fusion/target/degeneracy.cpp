@@ -11,7 +11,7 @@ namespace {
 constexpr double kCoplanarSinSquared = 0.0027;  // sin² of 3 degrees
 
 std::string format_direction(const char* format, const Eigen::Vector3d& direction) {
-  // The direction's sign has no meaning: its largest entry is positive.
+  // The sign of the direction is arbitrary: make its largest entry positive.
   int largest = 0;
   direction.cwiseAbs().maxCoeff(&largest);
   const Eigen::Vector3d d = direction(largest) < 0 ? Eigen::Vector3d(-direction) : direction;
@@ -23,7 +23,7 @@ std::string format_direction(const char* format, const Eigen::Vector3d& directio
 }  // namespace
 
 std::string describe_degeneracy(std::span<const TargetView* const> views) {
-  if (views.empty()) return "no view of a board is usable";
+  if (views.empty()) return "no usable view of a board";
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const TargetView* view : views) {
     spread += view->normal() * view->normal().transpose() / static_cast<double>(views.size());
@@ -53,7 +53,7 @@ std::string describe_uncertain_axis(const geometry::Matrix6& covariance, double 
     const double sigma = std::sqrt(covariance(k, k));
     if (sigma <= (k < 3 ? rotation : translation)) continue;
     std::array<char, 128> text{};
-    std::snprintf(text.data(), text.size(), "%s is known to %.2g %s only; show more views",
+    std::snprintf(text.data(), text.size(), "%s is only known to %.2g %s; add more views",
                   kAxes[static_cast<size_t>(k)], k < 3 ? sigma * 180 / M_PI : sigma,
                   k < 3 ? "degrees" : "m");
     return text.data();

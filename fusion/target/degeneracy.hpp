@@ -8,12 +8,12 @@
 
 namespace infuse::target {
 
-/// Which motion the views leave free, P 3.2.3, in words; empty where none is. Normals that lie in a
-/// plane to within 3 degrees count as if they did.
+/// Describes the motion that the views leave undetermined, P 3.2.3; empty if there is none. Normals
+/// within 3 degrees of a plane count as coplanar.
 std::string describe_degeneracy(std::span<const TargetView* const> views);
 
-/// The direction that a covariance knows worse than `rotation` (rad) or `translation` (m), one
-/// standard deviation, in words; empty where there is none.
+/// Describes the direction whose standard deviation exceeds `rotation` (rad) or `translation` (m);
+/// empty if there is none.
 std::string describe_uncertain_axis(const geometry::Matrix6& covariance, double rotation,
                                     double translation);
 

@@ -9,21 +9,21 @@ namespace {
 std::vector<cv::Point2f> find_board(const cv::Mat& image, const Board& board) {
   std::vector<cv::Point2f> corners;
   const cv::Size size(board.columns, board.rows);
-  // Asking for accuracy takes five times as long: only where there is a board.
+  // The accurate mode takes five times as long: use it only where there is a board.
   if (!cv::findChessboardCornersSB(image, size, corners)) return {};
   std::vector<cv::Point2f> accurate;
   if (cv::findChessboardCornersSB(image, size, accurate, cv::CALIB_CB_ACCURACY)) return accurate;
   return corners;
 }
 
-/// Covers a board that was found, its outermost squares included, so that the next one is found.
+/// Covers a detected board, including its outermost squares, so that the next one is detected.
 void mask_board(cv::Mat& image, const std::vector<cv::Point2f>& corners, const Board& board) {
   const auto at = [&](int row, int column) {
     return corners[static_cast<size_t>(row * board.columns + column)];
   };
   const int right = board.columns - 1;
   const int low = board.rows - 1;
-  // One square and a quarter farther out than the outermost corners.
+  // One and a quarter squares beyond the outermost corners.
   const auto out = [&](int row, int column, int inner_row, int inner_column) {
     const cv::Point2f here = at(row, column);
     return cv::Point(here + 1.25F * (here - at(row, inner_column)) +
@@ -57,7 +57,7 @@ std::vector<Corners> find_boards(const CameraFrame& grey, const Board& board, in
       mask_board(image, found, board);
     }
   } catch (const cv::Exception&) {
-    // The detector gives up on this picture; what was found before stays.
+    // The detector failed on this image; keep the boards found before.
   }
   return boards;
 }

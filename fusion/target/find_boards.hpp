@@ -8,12 +8,12 @@
 
 namespace infuse::target {
 
-/// The inner corners of one board in a picture: pixels, in the order of `Board::corner`.
+/// Inner corners of one board in an image: pixels, in the order of `Board::corner`.
 using Corners = std::vector<Eigen::Vector2d>;
 
-/// Every board of this kind in a grey picture (kGrey8), at most `most`, by OpenCV's detector of
-/// chessboard corners. Which end of a board is counted first is not determined where the board
-/// looks alike from both. Nothing where none is found, or the picture is not grey.
+/// Finds up to `max_boards` boards of this kind in a grey image (kGrey8) with OpenCV's chessboard
+/// corner detector. For a board that is symmetric under a half turn, which corner comes first is
+/// arbitrary. Returns an empty list if there is no board or the image is not grey.
 std::vector<Corners> find_boards(const CameraFrame& grey, const Board& board, int max_boards);
 
 }  // namespace infuse::target

@@ -4,7 +4,7 @@
 
 namespace infuse::target {
 
-/// A pose as Ceres varies it: T = exp(ξ) T_initial with ξ = 0 at the start.
+/// Pose parametrisation for Ceres: T = exp(ξ) T_initial, initially ξ = 0.
 struct PoseParameter {
   Eigen::Isometry3d T_initial;
 
@@ -12,7 +12,7 @@ struct PoseParameter {
     return geometry::exp(Eigen::Map<const geometry::Vector6>(xi)) * T_initial;
   }
 
-  /// Takes a derivative by a left perturbation of `at(xi)` to one by ξ.
+  /// Converts a derivative by a left perturbation of `at(xi)` to one by ξ.
   template <class Rows>
   static auto jacobian_by_xi(const Rows& by_perturbation, const double* xi) {
     return (by_perturbation * geometry::left_jacobian(Eigen::Map<const geometry::Vector6>(xi)))

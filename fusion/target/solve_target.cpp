@@ -17,11 +17,12 @@ namespace {
 
 using geometry::Matrix6;
 
-constexpr int kMaxRounds = 10;      // of rejecting and solving again
-constexpr double kCauchyScale = 4;  // standard deviations, of the first round's Cauchy loss
-constexpr double kEpsilon = 1e-12;  // m²; residuals are never taken for better known than 1 µm
+constexpr int kMaxRounds = 10;      // maximum number of outlier rejections
+constexpr double kCauchyScale = 4;  // standard deviations, scale of the Cauchy loss of the first
+                                    // round
+constexpr double kEpsilon = 1e-12;  // m²; lower bound of a residual's variance (1 µm)
 
-/// The views, what stands for their returns, and which of them are in use.
+/// Views, the points that represent their returns, and the inlier flags.
 struct ViewSet {
   std::span<const TargetView> views;
   std::vector<ReturnsPlane> planes;
@@ -42,8 +43,8 @@ struct ViewSet {
   }
 };
 
-/// One view's part of P(3.10), its residuals whitened: W r with Wᵀ W the inverse of their
-/// covariance at the start.
+/// Cost of one view in P(3.10), with whitened residuals W r, where Wᵀ W is the inverse of their
+/// covariance at the initial pose.
 class ViewCost : public ceres::SizedCostFunction<4, 6> {
  public:
   ViewCost(const PoseParameter& pose, const TargetView& view, const ReturnsPlane& plane,
@@ -72,7 +73,7 @@ class ViewCost : public ceres::SizedCostFunction<4, 6> {
   Eigen::Matrix4d whitening_;
 };
 
-/// P(3.10) over the views in use; far ones count little where `robust`.
+/// Minimises P(3.10) over the inlier views, with a Cauchy loss if `robust`.
 Eigen::Isometry3d minimise(const ViewSet& set, const Eigen::Isometry3d& T_initial, bool robust) {
   const PoseParameter pose{T_initial};
   geometry::Vector6 xi = geometry::Vector6::Zero();
@@ -93,8 +94,9 @@ Eigen::Isometry3d minimise(const ViewSet& set, const Eigen::Isometry3d& T_initia
   return summary.IsSolutionUsable() ? pose.at(xi.data()) : T_initial;
 }
 
-/// P(3.12). F is weighted by the covariance of its residuals, which are linear in the measurements:
-/// then the mixed derivatives and Σ_X together are ∂²F/∂Θ² again, and one inverse of it is left.
+/// Covariance, P(3.12). F is weighted by the covariance of its residuals, which are linear in the
+/// measurements, so that the mixed derivatives and Σ_X together equal ∂²F/∂Θ² and one inverse of it
+/// remains.
 Matrix6 compute_covariance(const ViewSet& set, const Eigen::Isometry3d& T) {
   Matrix6 information = Matrix6::Zero();
   for (size_t i = 0; i < set.views.size(); ++i) {
@@ -106,7 +108,7 @@ Matrix6 compute_covariance(const ViewSet& set, const Eigen::Isometry3d& T) {
   return 0.5 * (covariance + covariance.transpose());
 }
 
-/// How far off a view is; one that is not in use is compared with a solution made without it.
+/// Computes the residuals of a view; an outlier view is compared with a solution made without it.
 void evaluate_view(const ViewSet& set, size_t i, const Eigen::Isometry3d& T,
                    const Matrix6& solution_covariance, ViewResidual& out) {
   const LinearisedView view = linearise_view(set.views[i], set.planes[i], T);
@@ -120,7 +122,7 @@ void evaluate_view(const ViewSet& set, size_t i, const Eigen::Isometry3d& T,
       std::sqrt(std::max(0.0, view.residuals.dot(covariance.inverse() * view.residuals)));
 }
 
-/// Standard deviation of ranges that the returns' distances from their own planes show.
+/// Range standard deviation estimated from the distances of the returns to their own planes.
 double estimate_range_noise(const ViewSet& set) {
   double squares = 0;
   double slopes = kEpsilon;
@@ -134,7 +136,7 @@ double estimate_range_noise(const ViewSet& set) {
   return std::sqrt(squares / slopes);
 }
 
-/// Leaves out what lies too far off, takes back what does not; whether anything changed.
+/// Updates the set of outliers; returns true if it changed.
 bool update_outliers(ViewSet& set, const SolveTargetOptions& options) {
   bool changed = false;
   for (ViewResidual& view : set.residuals) {

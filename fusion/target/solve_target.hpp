@@ -12,52 +12,52 @@ namespace infuse::target {
 
 /// Settings of the target-based calibration.
 struct SolveTargetOptions {
-  double range_noise =
-      0.02;  ///< m along the beam, one standard deviation (P 3.2.2); what the
-             ///< returns' distances from their planes show is used where it is more
-  double max_mahalanobis =
-      5;  ///< a view whose board lies so many standard deviations off is rejected
-  double inlier_tolerance = 0.01;  ///< m of offset plus rad of tilt; what lies no farther off stays
-  double max_rotation_sigma = 0.005;  ///< rad; a direction known worse than that is not determined
-  double max_translation_sigma = 0.02;  ///< m; the same
+  double range_noise = 0.02;   ///< m along the beam, standard deviation (P 3.2.2); the value
+                               ///< estimated from the returns' distances to their planes is used if
+                               ///< it is larger
+  double max_mahalanobis = 5;  ///< standard deviations; views beyond are rejected
+  double inlier_tolerance = 0.01;     ///< m of offset plus rad of tilt; views within are never
+                                      ///< rejected
+  double max_rotation_sigma = 0.005;  ///< rad; maximum standard deviation of a determined direction
+  double max_translation_sigma = 0.02;  ///< m; the same for translations
   uint64_t seed = 1;
 
-  /// What is wrong with the settings, or nothing.
+  /// Returns what is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// What the solution says of one view.
+/// Residuals of one view at the solution.
 struct ViewResidual {
   double rms = 0;          ///< m, distance of the returns from the board
-  double offset = 0;       ///< m, mean of the same, along the board's normal
-  double tilt = 0;         ///< rad, between the returns' plane and the board
-  double mahalanobis = 0;  ///< how many standard deviations offset and tilts lie off, together
-  bool used = true;        ///< false: an outlier, the solution does without it
+  double offset = 0;       ///< m, mean of the same, along the normal of the board
+  double tilt = 0;         ///< rad, between the plane of the returns and the board
+  double mahalanobis = 0;  ///< Mahalanobis distance of offset and tilts together
+  bool used = true;        ///< false: outlier, not part of the solution
 };
 
-/// What the views say of T_head_lidar.
+/// Result of the target-based calibration, T_refcam_lidar.
 struct TargetResult {
   Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();
-  /// (rx, ry, rz, tx, ty, tz), rad and m, of a left perturbation of T_head_lidar.
+  /// (rx, ry, rz, tx, ty, tz), rad and m, of a left perturbation of T_refcam_lidar.
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();
-  std::vector<ViewResidual> views;  ///< an entry a view
-  int used = 0;                     ///< views that are no outliers
-  double rms = 0;                   ///< m, over the returns of these, P(3.10)
+  std::vector<ViewResidual> views;  ///< one entry per view
+  int used = 0;                     ///< number of inlier views
+  double rms = 0;                   ///< m, over the returns of the inlier views, P(3.10)
   double range_noise = 0;           ///< m, as used
-  std::string reason;               ///< why it cannot be used; empty when it can
+  std::string reason;               ///< why it is unusable; empty if usable
 
   bool usable() const { return reason.empty(); }
 };
 
-/// Finds T_head_lidar from views of boards: P(3.10) minimised by Levenberg–Marquardt (Ceres), every
-/// view weighted by what its corners and its returns are worth, from where most views agree, or
-/// from `T_initial` where three views do not determine it. Views that lie too far off are left out
-/// and the rest is solved again until nothing changes. Covariance after P(3.12) and appendix B,
-/// with the boards' poses and the ranges as measurements.
+/// Estimates T_refcam_lidar from views of boards: minimises P(3.10) by Levenberg–Marquardt (Ceres),
+/// with every view weighted by the covariance of its corners and returns. The initial pose is the
+/// consensus of the views, or `T_initial` if no three views determine one. Outlier views are
+/// removed and the problem is solved again until nothing changes. The covariance follows P(3.12)
+/// and appendix B, with the poses of the boards and the ranges as measurements.
 ///
-/// Not usable, with the direction named: normals that all lie in one plane or are all parallel
-/// (P 3.2.3), an axis known worse than the options ask for; most views outliers. Views must hold at
-/// least three returns each.
+/// Unusable, with the direction in the reason: all normals coplanar or parallel (P 3.2.3), an axis
+/// with a larger standard deviation than the options allow; or most views are outliers. Every view
+/// needs at least three returns.
 TargetResult solve_target(std::span<const TargetView> views, const Eigen::Isometry3d& T_initial,
                           const SolveTargetOptions& options);
 

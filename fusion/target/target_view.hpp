@@ -7,30 +7,31 @@
 
 namespace infuse::target {
 
-/// One board as both sensors saw it: what P(3.10) sums over.
+/// One board as seen by both sensors: a summand of P(3.10).
 struct TargetView {
   Eigen::Isometry3d T_refcam_board = Eigen::Isometry3d::Identity();
-  /// Of a left perturbation of T_refcam_board.
+  /// Covariance of a left perturbation of T_refcam_board.
   geometry::Matrix6 board_covariance = geometry::Matrix6::Zero();
-  std::vector<Eigen::Vector3d> returns;  ///< on the board; m, lidar frame
+  std::vector<Eigen::Vector3d> returns;  ///< returns on the board; m, lidar frame
 
-  /// ʰN ÷ |ʰN| and |ʰN| of P(3.8): points x of the board have normal · x = distance.
+  /// ʰN ÷ |ʰN| and |ʰN| of P(3.8): points x on the board satisfy normal · x = distance.
   Eigen::Vector3d normal() const { return T_refcam_board.linear().col(2); }
   double distance() const { return normal().dot(T_refcam_board.translation()); }
 };
 
-/// The plane of a view's returns, and points on it that stand for them all.
+/// Plane fitted to the returns of a view, with points that represent all of them.
 struct ReturnsPlane {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();     ///< m, lidar frame
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of the best plane, towards the lidar
-  double rms = 0;    ///< m, distance of returns from that plane: the ranges' noise
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of the fitted plane, towards the lidar
+  double rms = 0;    ///< m, distance of the returns from the plane: range noise
   double width = 0;  ///< m, standard deviation of the returns along the plane's narrow side
-  /// Four points with the returns' mean, and their scatter within the plane, each standing for a
-  /// quarter of them: P(3.10) over either differs by what the ranges' noise brings alone.
+  /// Four points with the mean of the returns and their scatter within the plane, each representing
+  /// a quarter of them: P(3.10) over the points differs from P(3.10) over the returns only by the
+  /// range noise.
   Eigen::Matrix<double, 3, 4> points = Eigen::Matrix<double, 3, 4>::Zero();
 };
 
-/// At least three returns are needed.
+/// Fits a plane; needs at least three returns.
 ReturnsPlane fit_returns_plane(const std::vector<Eigen::Vector3d>& returns);
 
 }  // namespace infuse::target

@@ -11,9 +11,10 @@ namespace infuse::target {
 namespace {
 
 constexpr int kTripleCount = 500;
-constexpr double kMinNormalsVolume = 0.02;  // of three unit normals: they are independent
+constexpr double kMinNormalsVolume = 0.02;  // minimum volume spanned by three unit normals to count
+                                            // as independent
 
-/// The board's normal towards the camera, as `ReturnsPlane::normal` is towards the lidar.
+/// Normal of the board towards the camera, as `ReturnsPlane::normal` points towards the lidar.
 Eigen::Vector3d normal_towards_camera(const TargetView& view) {
   return view.distance() > 0 ? Eigen::Vector3d(-view.normal()) : view.normal();
 }
@@ -57,10 +58,10 @@ double median_distance(std::span<const TargetView> views, std::span<const Return
 }  // namespace
 
 double rms_board_distance(const TargetView& view, const ReturnsPlane& plane,
-                          const Eigen::Isometry3d& T_head_lidar) {
+                          const Eigen::Isometry3d& T_refcam_lidar) {
   double squares = 0;
   for (int k = 0; k < 4; ++k) {
-    const double off = view.normal().dot(T_head_lidar * plane.points.col(k)) - view.distance();
+    const double off = view.normal().dot(T_refcam_lidar * plane.points.col(k)) - view.distance();
     squares += off * off / 4;
   }
   return std::sqrt(squares);

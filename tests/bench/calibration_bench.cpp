@@ -1,18 +1,18 @@
-// Target-less calibration of simulated drives, whose truth is known. Times are processor seconds of
-// a calibration.
+// Target-less calibration of simulated drives with known truth. Times are processor seconds per
+// calibration.
 //
-//   starts    what starts within ±10°, ±10 cm reach
-//   measure   what each measure reaches on the same scans (P table 3.1, I fig. 4.9)
-//   features  what BLSMI reaches with some of the lidar's features (I fig. 4.11)
-//   bags      what BLSMI reaches with so many bags (I fig. 4.12)
-//   scans     how the spread falls with the number of scans, beside what is told of it and the
-//   bound
-//             (P fig. 3.16), and that of Levinson and Thrun's measure (P fig. 3.20)
-//   single    what single scans say (P fig. 3.14)
-//   cameras   two cameras of a ring, each alone, against each other (P fig. 3.19)
+//   convergence  convergence basin for initial poses within ±10°, ±10 cm
+//   measure      accuracy of each measure on the same scans (P table 3.1, I fig. 4.9)
+//   features     accuracy of BLSMI with subsets of the lidar features (I fig. 4.11)
+//   bags         accuracy of BLSMI against the number of bags (I fig. 4.12)
+//   scans        spread of the estimates against the number of scans, with the estimated standard
+//                deviation and the bound (P fig. 3.16), also for Levinson and Thrun's measure (P
+//                fig. 3.20)
+//   single       accuracy of single scans (P fig. 3.14)
+//   cameras      two cameras of a ring, calibrated separately, against each other (P fig. 3.19)
 //
-// Drives are rendered once (`rendered_drive.hpp`). INFUSE_INITIAL_GUESSES says how many starts are
-// tried; 10 otherwise.
+// Drives are rendered once (`rendered_drive.hpp`). INFUSE_INITIAL_GUESSES sets the number of
+// initial poses; the default is 10.
 
 #include <benchmark/benchmark.h>
 
@@ -35,7 +35,7 @@ using geometry::Vector6;
 
 constexpr double kDegree = M_PI / 180;
 
-/// The pairs of a drive and one of its cameras; read once.
+/// Pairs of a drive and one of its cameras; read once.
 const ScenePairs& load_pairs(const std::filesystem::path& drive, const std::string& camera,
                              int scenes) {
   static std::map<std::string, ScenePairs> all;
@@ -54,12 +54,12 @@ const ScenePairs& load_pairs(const std::string& scenario) {
   return load_pairs(rendered_drive(scenario), "", 20);
 }
 
-/// Twice as long: forty scans.
+/// Pairs of a drive twice as long: forty scans.
 const ScenePairs& load_forty_pairs(const std::string& scenario) {
   return load_pairs(rendered_drive(scenario, scenario + "_40", " --duration 42"), "", 40);
 }
 
-/// Some of the pairs.
+/// Selects pairs by index.
 ScenePairs select_pairs(const ScenePairs& pairs, const std::vector<size_t>& chosen) {
   ScenePairs part{.cameras = pairs.cameras, .lidar = pairs.lidar, .rig = pairs.rig};
   part.truth = pairs.truth;
@@ -97,8 +97,8 @@ double quantile(std::vector<double> values, double fraction) {
                          static_cast<size_t>(fraction * static_cast<double>(values.size())))];
 }
 
-/// From starts within ± 10° and 10 cm: how many come home (0.1°, 3 cm), how many of the others are
-/// called usable, the worst of those at home.
+/// Convergence from initial poses within ± 10° and 10 cm: the share that converges (0.1°, 3 cm),
+/// the number of other results reported as usable, and the largest error of the converged ones.
 void convergence(benchmark::State& state, const std::string& scenario) {
   const ScenePairs& pairs = load_pairs(scenario);
   const char* given = std::getenv("INFUSE_INITIAL_GUESSES");
@@ -130,7 +130,8 @@ void convergence(benchmark::State& state, const std::string& scenario) {
   state.counters["worst_converged_m"] = translation;
 }
 
-/// What a measure reaches from within ± 1° and 5 cm: the median of a few starts, on the same scans.
+/// Accuracy of a measure from initial poses within ± 1° and 5 cm: median of a few initial poses, on
+/// the same scans.
 void accuracy(benchmark::State& state, const ScenePairs& pairs, const NamedMeasure& measure) {
   std::vector<double> rotation, translation, seconds;
   int usable = 0;
@@ -150,7 +151,7 @@ void accuracy(benchmark::State& state, const ScenePairs& pairs, const NamedMeasu
   state.counters["usable"] = usable;
 }
 
-/// BLSMI of some of the lidar's features: r(eflectivity), d(epth edges), n(ormals).
+/// BLSMI with a subset of the lidar features: r(eflectivity), d(epth edges), n(ormals).
 NamedMeasure blsmi_with_features(const std::string& features) {
   using enum calibration::LidarFeature;
   NamedMeasure measure = measure_named("blsmi");
@@ -170,7 +171,7 @@ NamedMeasure blsmi_with_bags(int bags) {
   return measure;
 }
 
-/// A climb from the truth alone: what the scans say, not what the search finds.
+/// Options of a local ascent from the truth: error of the scans, not of the search.
 calibration::CalibrateOptions ascent_only_options() {
   calibration::CalibrateOptions options;
   options.screen.survivors = 0;
@@ -178,7 +179,7 @@ calibration::CalibrateOptions ascent_only_options() {
   return options;
 }
 
-/// `count` of `all` places, at random.
+/// Draws `count` of `all` indices at random.
 std::vector<size_t> draw_subset(size_t all, size_t count, std::mt19937_64& random) {
   std::vector<size_t> order(all);
   for (size_t i = 0; i < all; ++i) order[i] = i;
@@ -190,8 +191,8 @@ std::vector<size_t> draw_subset(size_t all, size_t count, std::mt19937_64& rando
 double degrees(const Vector6& squares) { return std::sqrt(squares.head<3>().sum()) / kDegree; }
 double metres(const Vector6& squares) { return std::sqrt(squares.tail<3>().sum()); }
 
-/// The spread of estimates from so many scans drawn at random, and what each tells of its own
-/// uncertainty: root of the mean squares, summed over three axes.
+/// Spread of the estimates from randomly drawn scans, and their estimated standard deviation: root
+/// mean squares, three axes summed.
 void spread(benchmark::State& state, const ScenePairs& pairs, const NamedMeasure& measure) {
   constexpr int kDraws = 8;
   Vector6 squares = Vector6::Zero(), variances = Vector6::Zero(), bound = Vector6::Zero();
@@ -222,7 +223,7 @@ void spread(benchmark::State& state, const ScenePairs& pairs, const NamedMeasure
   state.counters["bound_m"] = metres(bound / usable);
 }
 
-/// The spread of what single scans say.
+/// Spread of the estimates from single scans.
 void single_scans(benchmark::State& state, const ScenePairs& pairs) {
   std::vector<double> rotation, translation, seconds;
   for (auto _ : state) {
@@ -241,8 +242,7 @@ void single_scans(benchmark::State& state, const ScenePairs& pairs) {
   state.counters["p90_m"] = quantile(translation, 0.9);
 }
 
-/// Two cameras of a ring calibrated each alone: how far off is where one seems to stand, seen from
-/// the other.
+/// Calibrates two cameras of a ring separately and compares the relative pose with the truth.
 void cameras(benchmark::State& state, const NamedMeasure& measure) {
   constexpr int kDraws = 6;
   const std::filesystem::path drive = rendered_drive("ring_of_five");

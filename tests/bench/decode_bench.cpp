@@ -1,9 +1,10 @@
-// Packets in memory to full sweeps, one core, beside PCL's grabbers on the same packets.
+// Decodes packets in memory to complete sweeps, on one core, and compares with PCL's grabbers on
+// the same packets.
 //
-// PCL keeps its decoder private behind a queue and a thread. The baseline calls that decoder itself
-// (`toPointClouds`, once a packet, a sweep handed to one subscriber), so that neither the queue nor
-// the thread counts against it. A return is an entry with a distance; both sides are given the same
-// packets again and again.
+// PCL's decoder is private, behind a queue and a thread. The baseline calls the decoder itself
+// (`toPointClouds`, once per packet, with one subscriber for the sweeps), so that neither the queue
+// nor the thread counts. A return is an entry with a distance; both sides decode the same packets
+// repeatedly.
 
 #include <benchmark/benchmark.h>
 #include <pcl/io/vlp_grabber.h>
@@ -30,7 +31,7 @@ namespace {
 
 using velodyne::Model;
 
-/// Names PCL's types and its decoder; nothing of it runs here.
+/// Names PCL's types and its decoder; never instantiated.
 struct PclTypes : pcl::HDLGrabber {
   using Packet = pcl::HDLGrabber::HDLDataPacket;
 };
@@ -68,7 +69,7 @@ void add(Input& input, Stamp stamp, std::vector<uint8_t> packet) {
   input.packets.push_back(std::move(packet));
 }
 
-/// 1.5 s of ten turns a second; 84 % of the directions have a return, as in hdl32e-monterey.
+/// 1.5 s at ten turns per second; 84 % of the directions have a return, as in hdl32e-monterey.
 Input generate_packets(Model model, velodyne::ReturnMode mode) {
   const velodyne::ModelInfo& info = velodyne::model_info(model);
   const double period_s = to_seconds(velodyne::sequence_period(info, info.cycle));
@@ -95,7 +96,7 @@ Input generate_packets(Model model, velodyne::ReturnMode mode) {
   return input;
 }
 
-/// A real capture where there is one.
+/// Loads a real capture if it is available.
 Input load_capture(const char* name, Model model) {
   const std::filesystem::path path = real_data(std::string("velodyne/") + name + ".pcap");
   if (path.empty() || !std::filesystem::exists(path)) {
@@ -133,11 +134,11 @@ void run_pcl(benchmark::State& state, Grabber& grabber, Input& input) {
       (grabber.*decode)(reinterpret_cast<PclTypes::Packet*>(packet.data()));
     }
   }
-  if (points == 0) state.SkipWithError("PCL gave no points");
+  if (points == 0) state.SkipWithError("PCL returned no points");
   state.SetItemsProcessed(state.iterations() * input.returns);
 }
 
-/// Three tenths of a second of the simulated street as that sensor's packets.
+/// 0.3 s of the simulated street as packets of the given sensor.
 Input simulate_packets(const std::string& model) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("infuse-bench-" + std::to_string(::getpid()));
@@ -160,7 +161,7 @@ Input simulate_packets(const std::string& model) {
 
 /// Ranges in steps of 2 mm, sorted.
 std::vector<int> our_ranges(Model model, const Input& input) {
-  // PCL without a file of the unit knows no corrections: none here either.
+  // PCL applies no corrections without a calibration file of the unit.
   velodyne::Calibration uncorrected;
   for (size_t i = 0; i < uncorrected.beams.size(); ++i) {
     uncorrected.beams[i].elevation = velodyne::built_in_calibration(model).beams[i].elevation;
@@ -203,16 +204,16 @@ std::vector<int> pcl_ranges(Grabber& grabber, Input& input) {
   return ranges;
 }
 
-/// Whether PCL reads the simulated packets as we do: every range that it gives (whole turns only,
-/// from azimuth 0 to 0) is one of ours.
+/// Checks that PCL decodes the simulated packets to the same ranges: every range from PCL (complete
+/// turns only, from azimuth 0 to 0) must be one of ours.
 template <class Grabber>
 void compare(benchmark::State& state, Grabber& grabber, Model model, const char* name) {
   Input input = simulate_packets(name);
   const std::vector<int> ours = our_ranges(model, input);
   const std::vector<int> theirs = pcl_ranges(grabber, input);
-  if (theirs.size() < ours.size() / 2) return state.SkipWithError("PCL gave too few ranges");
+  if (theirs.size() < ours.size() / 2) return state.SkipWithError("PCL returned too few ranges");
   if (!std::includes(ours.begin(), ours.end(), theirs.begin(), theirs.end())) {
-    return state.SkipWithError("PCL reads other ranges from these packets");
+    return state.SkipWithError("PCL returned other ranges for these packets");
   }
   state.counters["ranges_equal"] = static_cast<double>(theirs.size());
   run_pcl(state, grabber, input);

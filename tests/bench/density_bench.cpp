@@ -1,5 +1,5 @@
-// Least-squares mutual information with one side prepared, against one fresh solve a hypothesis as
-// the papers state it.
+// Least-squares mutual information with one side prepared, against a new solve per hypothesis as in
+// the papers.
 
 #include <benchmark/benchmark.h>
 
@@ -60,7 +60,7 @@ double plain_error(const MatrixXd& k, const MatrixXd& l, const MatrixXd& theta) 
          k_theta.cwiseProduct(l).sum() / n;
 }
 
-// Samples dealt to folds in turn; the bench's samples are in no order.
+// Assigns samples to folds in turn; the samples are in random order.
 double plain_lsmi_cross_validated(const MatrixXd& x, const MatrixXd& centres, const MatrixXd& l,
                                   const FitOptions& options) {
   const Eigen::Index n = x.rows();
@@ -90,7 +90,7 @@ double plain_lsmi_cross_validated(const MatrixXd& x, const MatrixXd& centres, co
   return plain_lsmi(best_kernel, l, best_lambda);
 }
 
-// --- the street map's question: many labelings of one set of cells ---
+// --- street map: many labellings of one set of cells ---
 
 struct StreetMap {
   static constexpr int kHypotheses = 100, kCells = 625, kFeatures = 6, kLabels = 8;
@@ -127,7 +127,7 @@ struct StreetMap {
   }
 };
 
-// Preparing the cells is counted: a tracker does it once an update.
+// Includes the preparation of the cells, which a tracker does once per update.
 void hypotheses_cv(benchmark::State& state) {
   const StreetMap map;
   for (auto _ : state) {
@@ -153,7 +153,7 @@ BENCHMARK(hypotheses_cv_plain)
     ->Name("dependence/lsmi_100_hypotheses_cv/baseline:plain_eigen")
     ->Unit(benchmark::kMillisecond);
 
-// A tracker whose particles keep σ and λ prepares its cells for the kept σ alone.
+// A tracker whose particles keep σ and λ prepares the cells for that σ only.
 void hypotheses_fixed(benchmark::State& state) {
   const StreetMap map;
   FitOptions options = map.options;
@@ -184,11 +184,11 @@ BENCHMARK(hypotheses_fixed_plain)
     ->Name("dependence/lsmi_100_hypotheses_fixed/baseline:plain_eigen")
     ->Unit(benchmark::kMillisecond);
 
-// --- the calibration's question: bags, and a gradient by six parameters ---
+// --- calibration: bags, and a gradient with respect to six parameters ---
 
 struct Calibration {
   static constexpr int kBags = 200, kBagSize = 2000, kCentres = 100, kParameters = 6;
-  static constexpr int kPlainBags = 4;  // what the baseline times; it is scaled to kBags
+  static constexpr int kPlainBags = 4;  // bags timed by the baseline; its time is scaled to kBags
   static constexpr int kSamples = 20000, kFixedFeatures = 3, kMovingFeatures = 6;
   static constexpr HyperParameters kHyperParameters{1.0, 0.01};
   MatrixXd fixed{kSamples, kFixedFeatures}, moving{kSamples, kMovingFeatures};
@@ -232,8 +232,8 @@ void blsmi_gradient(benchmark::State& state) {
 }
 BENCHMARK(blsmi_gradient)->Name("dependence/blsmi_gradient")->Unit(benchmark::kMillisecond);
 
-// Each bag solved afresh for the value and for both ends of six central differences. The time of
-// kPlainBags bags is reported as if all had been solved.
+// Solves each bag anew for the value and for both ends of six central differences. The time of
+// kPlainBags bags is scaled to that of all bags.
 void blsmi_gradient_plain(benchmark::State& state) {
   const Calibration calibration;
   std::mt19937_64 random(6);

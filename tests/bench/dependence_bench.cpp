@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kSamples = 300000;
 constexpr int kBins = 32;
 
-/// Reflectivity and grey values in 0..1 as a lidar and a camera give them: two correlated sides.
+/// Reflectivity and grey values in 0 … 1 as from a lidar and a camera: two correlated sides.
 struct Pairs {
   std::vector<float> reflectivity = std::vector<float>(kSamples);
   std::vector<float> grey = std::vector<float>(kSamples);
@@ -32,7 +32,7 @@ const Pairs& pairs() {
   return made;
 }
 
-/// The same measure written down straightforwardly in double precision.
+/// The same measure, implemented straightforwardly in double precision.
 class NaiveMutualInformation {
  public:
   double value(const std::vector<float>& x, const std::vector<float>& y) {

@@ -9,11 +9,11 @@
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/monitoring/calibration_monitor.hpp"
 
-/// The online test of Levinson and Thrun (Automatic online calibration of cameras and lasers, RSS
+/// Online test of Levinson and Thrun (Automatic online calibration of cameras and lasers, RSS
 /// 2013), as a baseline: depth edges times the inverse distance transform of image edges, summed
-/// over nine pictures; the share F of the 728 poses of a grid around the calibration that fit
-/// worse. F of calibrated pictures is learned as a Gaussian from the first ones; an F three
-/// standard deviations below it is an alarm.
+/// over nine images; F is the fraction of the 728 poses of a grid around the calibration that fit
+/// worse. The distribution of F for a calibrated rig is learned as a Gaussian from the first
+/// images; an F three standard deviations below its mean raises an alarm.
 namespace infuse::online {
 
 class LevinsonThrun {
@@ -30,7 +30,7 @@ class LevinsonThrun {
 
   void set_calibration(const Eigen::Isometry3d& T) { T_ = T; }
 
-  /// True where the picture raises an alarm.
+  /// Processes an image; returns true if it raises an alarm.
   bool process(const CameraFrame& grey, const monitoring::SweepView& sweep) {
     points_.select(sweep, camera_, T_, 20'000);
     compute_distance_transform(grey);
@@ -60,7 +60,7 @@ class LevinsonThrun {
       for (size_t p = 0; p < sum.size(); ++p) sum[p] += one[p];
     }
     double worse = 0;
-    for (const double value : sum) worse += value < sum[364] ? 1 : 0;  // 364: no perturbation
+    for (const double value : sum) worse += value < sum[364] ? 1 : 0;  // 364: the unperturbed pose
     const double fraction = worse / 728;
     if (learned_count_ < 40) {
       ++learned_count_;
@@ -73,7 +73,7 @@ class LevinsonThrun {
   }
 
  private:
-  /// D = α E + (1 − α) max_j E_j γ^distance, α = 1/3, γ = 0.98 a pixel; at half resolution.
+  /// D = α E + (1 − α) max_j E_j γ^distance, α = 1/3, γ = 0.98 per pixel; at half resolution.
   void compute_distance_transform(const CameraFrame& grey) {
     width_ = grey.width / 2;
     height_ = grey.height / 2;

@@ -10,7 +10,7 @@ namespace {
 constexpr size_t kReturns = 130'000;  // HDL-64E, 10 Hz
 constexpr int64_t kSpanNs = 100'000'000;
 
-/// 15 m/s, 30°/s to the left, a pose every 10 ms.
+/// 15 m/s, 30°/s to the left, one pose every 10 ms.
 geometry::Trajectory trajectory() {
   geometry::Trajectory drive;
   geometry::Vector6 step;
@@ -54,7 +54,8 @@ void deskew(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(kReturns));
 }
 
-/// The twist of each piece once, then an exp for every point; pieces found by going along.
+/// Computes the twist of each segment once, then an exp for every point; segments are found
+/// sequentially.
 void per_point_exp(benchmark::State& state) {
   const Sweep input = sweep();
   const geometry::Trajectory drive = trajectory();

@@ -1,7 +1,7 @@
-// The online watch on simulated drives: how soon a fault of the calibration is noticed, how often
-// there is a false alarm, what re-estimation reaches, what a look costs. Baselines in the same run
-// on the same drives: the online test of Levinson and Thrun, and mutual information of reflectivity
-// and grey alone in the same sequential test.
+// Calibration monitoring on simulated drives: detection delay of a calibration fault, rate of false
+// alarms, accuracy of the re-estimation, cost of an evaluation. Baselines in the same run on the
+// same drives: the online test of Levinson and Thrun, and mutual information of reflectivity and
+// grey alone in the same sequential test.
 //
 // Drives are rendered once (`rendered_drive.hpp`).
 
@@ -35,29 +35,29 @@ const Drive& load_drive(const std::string& scenario) {
   return *drive;
 }
 
-/// Of 90 s each, of one rig: kept in memory.
+/// Drives of 90 s of one rig: kept in memory.
 const std::vector<std::string> kScenarios = {"online_2hz", "online_overcast", "online_low_sun",
                                              "online_dusk"};
-/// Beside them for false alarms; those of recorded routes only where `./dev bench streetmap` has
-/// rendered them.
+/// Further drives for false alarms; recorded routes only if `./dev bench streetmap` has rendered
+/// them.
 const std::vector<std::string> kMoreScenarios = {
     "online_jam", "online_stop_and_go", "pedestrian_zone", "kitti_00", "kitti_05", "kitti_07"};
 
-/// A lidar of 64 beams and 1.3 megapixels; of these one drive at a time is kept.
+/// A lidar with 64 beams and a camera of 1.3 megapixels; only one such drive is kept in memory.
 const std::vector<std::string> kLargeScenarios = {"online_large", "online_large_low_sun"};
 
-/// The second world of a large drive.
+/// Seed of the second world of a large drive.
 const std::string kSecondWorldSeed = "101";
 
-/// And so many other worlds along the same route, in every condition and in the jam.
+/// Number of other worlds along the same route, in every condition and in the jam.
 constexpr int kWorldCount = 12;
 
-/// Seconds from the fault to suspicion and to certainty; kNotDetected where there is none.
+/// Seconds from the fault to the suspected and the confirmed state; kNotDetected if not reached.
 struct DetectionDelay {
   double suspected = kNotDetected, confirmed = kNotDetected;
 };
 
-/// The watch; its calibration becomes wrong without its being told.
+/// Runs the monitor on a drive whose calibration becomes wrong.
 DetectionDelay measure_delay(const Drive& drive, const Fault& fault,
                              const monitoring::MonitorOptions& options) {
   monitoring::CalibrationMonitor monitor(drive.intrinsics, drive.T_camera_lidar, options);
@@ -107,8 +107,8 @@ monitoring::MonitorOptions options_for(Method method) {
   return options;
 }
 
-/// Seconds to certainty: the median, and beside it in a table suspicion, the 98th percentile, and
-/// how many were found in `within` seconds. `faults`: of the first seeds, dealt out to the
+/// Median time to confirmation in seconds; counters give suspicion, the 98th percentile, and the
+/// percentage detected within `within` seconds. `faults`: number of seeds, distributed over the
 /// conditions.
 void detect(benchmark::State& state, const std::vector<int>& axes, size_t faults, double within,
             Method method) {
@@ -135,7 +135,8 @@ void detect(benchmark::State& state, const std::vector<int>& axes, size_t faults
   state.SetLabel("to confirmation, median");
 }
 
-/// One drive without a fault; gives back its hours, counts alarms, adds the evidence of its looks.
+/// Runs one drive without a fault; returns its hours, counts alarms, adds the evidence of its
+/// evaluations.
 double run_without_fault(const std::filesystem::path& drive, Method method, int& alarms,
                          NullTail& tail) {
   std::optional<monitoring::CalibrationMonitor> monitor;
@@ -165,7 +166,7 @@ double run_without_fault(const std::filesystem::path& drive, Method method, int&
   return to_seconds(last - first) / 3600;
 }
 
-/// The large drives, each in two worlds.
+/// Large drives, each in two worlds.
 std::vector<std::filesystem::path> large_drives() {
   std::vector<std::filesystem::path> drives;
   for (const std::string& name : kLargeScenarios) {
@@ -176,11 +177,11 @@ std::vector<std::filesystem::path> large_drives() {
   return drives;
 }
 
-/// The drives of `false_alarms`.
+/// Drives of `false_alarms`.
 std::vector<std::filesystem::path> drives_without_fault(Method method) {
   std::vector<std::filesystem::path> drives;
   for (const std::string& name : kScenarios) drives.push_back(rendered_drive(name));
-  if (method == Method::kLevinsonThrun) return drives;  // a grid of 728 poses takes long
+  if (method == Method::kLevinsonThrun) return drives;  // a grid of 728 poses is slow
   for (const std::filesystem::path& large : large_drives()) drives.push_back(large);
   for (const std::string& name : kMoreScenarios) {
     if (name.starts_with("kitti") && !std::filesystem::exists(bench_drives_folder() / name))
@@ -198,8 +199,8 @@ std::vector<std::filesystem::path> drives_without_fault(Method method) {
   return drives;
 }
 
-/// Looks without an alarm, in all conditions, as drive hours a false alarm (one counted where there
-/// was none); for the watch, what the tail of its evidence says of the time between alarms.
+/// Drive hours per false alarm in all conditions (one alarm counted if there was none); for the
+/// monitor also the time between alarms from the tail of its evidence.
 void false_alarms(benchmark::State& state, Method method) {
   double hours = 0;
   int alarms = 0;
@@ -225,14 +226,15 @@ void false_alarms(benchmark::State& state, Method method) {
     state.counters["hours_between_alarms_95"] =
         tail.hours_between_alarms(limit, hours, tail.upper_excess_scale());
     for (size_t nats = 1; nats < 8; ++nats) {
-      std::fprintf(stderr, "%zu nats or more: %.4f of looks\n", nats, tail.fraction_above(nats));
+      std::fprintf(stderr, "%zu nats or more: %.4f of evaluations
+", nats, tail.fraction_above(nats));
     }
   }
-  state.SetLabel("hours driven per alarm");
+  state.SetLabel("drive hours per alarm");
 }
 
-/// Degrees that a drift of 0.05° a minute has built up when it is suspected: the worst of three
-/// axes and both signs, and when it is certain.
+/// Accumulated angle of a drift of 0.05° per minute when it is suspected and when it is confirmed:
+/// the worst of three axes and both signs.
 void slow_drift(benchmark::State& state) {
   double suspected = 0, confirmed = 0;
   for (auto _ : state) {
@@ -244,8 +246,10 @@ void slow_drift(benchmark::State& state) {
       for (const double rate : {0.05, -0.05}) {
         const DriftAngles detected = detect_slow_drift(drives, axis, rate);
         std::fprintf(stderr,
-                     "axis %d, %+.2f degrees a minute: suspected at %.3f, certain at %.3f\n", axis,
-                     rate, detected.suspected_deg, detected.confirmed_deg);
+                     "axis %d, %+.2f degrees a minute: suspected at %.3f, confirmed at %.3f
+                     ", axis,
+                     rate,
+                     detected.suspected_deg, detected.confirmed_deg);
         suspected = std::max(suspected, detected.suspected_deg);
         confirmed = std::max(confirmed, detected.confirmed_deg);
       }
@@ -256,8 +260,8 @@ void slow_drift(benchmark::State& state) {
   state.counters["confirmed_worst_deg"] = std::min(confirmed, 9.0);
 }
 
-/// The whole loop (`mend`), by seeds over the large drives: rotation and translation error of what
-/// is in use at the end, normalised squared error a degree of freedom.
+/// Complete loop (`run_recovery`) over the large drives, by seeds: rotation and translation error
+/// of the calibration in use at the end, normalised squared error per degree of freedom.
 void recalibrate(benchmark::State& state, size_t faults) {
   std::vector<double> degrees, across, along, normalised, seconds, after;
   const auto run = [&](const Drive& drive, const std::string& name, uint64_t seed) {
@@ -308,9 +312,9 @@ void recalibrate(benchmark::State& state, size_t faults) {
   state.counters["after_alarm_worst_s"] = quantile(after, 1);
 }
 
-/// KITTI's pairs as a stream, extrinsics wrong by 0.5°, 1° and 2° about each axis, both ways: how
-/// many are noticed, and how far from the published extrinsics the pairs lead back; and evidence
-/// under the published ones.
+/// KITTI pairs as a stream, with extrinsics wrong by 0.5°, 1° and 2° about each axis in both
+/// directions: number of detections, error of the re-estimation against the published extrinsics,
+/// and evidence with the published ones.
 void kitti_stream(benchmark::State& state) {
   const char* data = std::getenv("INFUSE_REAL_DATA");
   const auto stream = monitoring::kitti::read_stream(
@@ -371,13 +375,13 @@ void reestimate(benchmark::State& state) {
   state.counters["scenes"] = static_cast<double>(scenes.size());
 }
 
-/// Processor time of a look at a picture of 1.3 megapixels and a sweep of 64 beams.
+/// Processor time of an evaluation of a 1.3 megapixel image and a sweep of 64 beams.
 void evaluate_pair(benchmark::State& state) {
   std::optional<ImageSweepPair> pair;
   std::optional<monitoring::CalibrationMonitor> monitor;
   int seen = 0;
   for_each_pair(large_drives().front(), [&](const Truth& truth, ImageSweepPair& next) {
-    if (++seen != 40) return;  // somewhere in the middle
+    if (++seen != 40) return;  // a pair in the middle
     pair = std::move(next);
     monitor.emplace(truth.intrinsics, truth.T_camera_lidar, monitoring::MonitorOptions{});
   });
@@ -414,7 +418,7 @@ int register_benchmarks() {
   };
   for (const auto& [suffix, who] : methods) {
     for (const FaultKind& kind : kinds) {
-      // The grid of 728 poses takes long: a quarter of the faults.
+      // The grid of 728 poses is slow: use a quarter of the faults.
       const size_t faults = method == Method::kLevinsonThrun ? kind.faults / 4 : kind.faults;
       add(kind.name + suffix, [kind, faults, method = method](benchmark::State& state) {
         detect(state, kind.axes, faults, kind.within, method);

@@ -17,25 +17,25 @@
 #include "fusion/geometry/trajectory.hpp"
 #include "fusion/motion/deskew.hpp"
 
-/// A drive on disk as the online watch sees it: pictures, and sweeps straightened to their exposure
-/// by the true trajectory.
+/// Drive on disk as seen by the calibration monitor: images, and sweeps deskewed to their exposure
+/// with the true trajectory.
 namespace infuse::online {
 
-/// A picture with its sweep.
+/// An image with its sweep.
 struct ImageSweepPair {
   CameraFrame grey;
-  Sweep sweep;                                             ///< x, y, z as of the exposure
+  Sweep sweep;                                             ///< x, y, z at the time of the exposure
   Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  ///< rad/s, camera axes
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s, camera axes
 };
 
-/// The camera, and where it truly is.
+/// The camera and its true pose.
 struct Truth {
   CameraIntrinsics intrinsics;
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
 };
 
-/// All pairs, and the truth.
+/// All pairs and the truth.
 struct Drive : Truth {
   std::vector<ImageSweepPair> pairs;
 };
@@ -53,8 +53,9 @@ inline std::optional<CameraFrame> read_grey(const std::filesystem::path& path, S
   return grey;
 }
 
-/// Reads a drive of one lidar and one camera: `take(const Truth&, Pair&)` for one pair after the
-/// other. Without a true trajectory sweeps stay as they are. False where there is no such drive.
+/// Reads a drive with one lidar and one camera and calls `callback(const Truth&, ImageSweepPair&)`
+/// for each pair. Without a true trajectory the sweeps are not deskewed. Returns false if there is
+/// no such drive.
 template <class Callback>
 bool for_each_pair(const std::filesystem::path& folder, const Callback& callback) {
   const auto drive = recording::Drive::open(folder);
@@ -138,7 +139,7 @@ bool for_each_pair(const std::filesystem::path& folder, const Callback& callback
   return true;
 }
 
-/// The whole of a drive; empty where there is none.
+/// Reads a whole drive; empty if there is none.
 inline Drive read_drive(const std::filesystem::path& folder) {
   Drive drive;
   for_each_pair(folder, [&](const Truth& truth, ImageSweepPair& pair) {

@@ -6,12 +6,12 @@
 #include "fusion/monitoring/calibration_supervisor.hpp"
 #include "tests/bench/online_drive.hpp"
 
-/// A calibration that becomes wrong during a drive, and what the watch and the decision make of it.
+/// Calibration fault during a drive, with the response of the monitor and of the decision.
 namespace infuse::online {
 
 using geometry::Vector6;
 
-/// A fault of the rig, from a pair on.
+/// Step fault of the rig at a given pair.
 struct Fault {
   Vector6 perturbation = Vector6::Zero();
   size_t first_pair = 0;
@@ -19,8 +19,8 @@ struct Fault {
 
 constexpr double kHalfDegree = 8.7e-3;
 
-/// By seed: 0.5° about one of three axes or 5 cm along x or y, of either sign, at any moment that
-/// leaves enough of a drive of 90 s.
+/// Random fault by seed: 0.5° about one of three axes or 5 cm along x or y, of either sign, at a
+/// time that leaves enough of a drive of 90 s.
 inline Fault random_fault(uint64_t seed, const std::vector<int>& axes, size_t latest) {
   std::mt19937_64 random(seed);
   const int axis = axes[random() % axes.size()];
@@ -28,16 +28,17 @@ inline Fault random_fault(uint64_t seed, const std::vector<int>& axes, size_t la
   return {size * Vector6::Unit(axis), 30 + random() % (latest - 30)};
 }
 
-/// What came of one fault.
+/// Result of one fault.
 struct RecoveryResult {
   bool applied = false;
-  Vector6 error = Vector6::Zero();          ///< of what is in use at the end
-  double normalised_error = 0;              ///< squared error, a degree of freedom
-  double alarm_delay = 0, apply_delay = 0;  ///< s: fault to certainty, certainty to use
-  std::vector<double> cpu_seconds;          ///< s, of each re-estimation
+  Vector6 error = Vector6::Zero();  ///< of the calibration in use at the end
+  double normalised_error = 0;      ///< squared error per degree of freedom
+  double alarm_delay = 0,
+         apply_delay = 0;           ///< s: fault to confirmation, confirmation to application
+  std::vector<double> cpu_seconds;  ///< s, of each re-estimation
 };
 
-/// The whole loop: a step of the rig, alarm, re-estimation, applied.
+/// Complete loop: step fault, alarm, re-estimation, application.
 inline RecoveryResult run_recovery(const Drive& drive, const Fault& fault) {
   RecoveryResult out;
   monitoring::CalibrationMonitor monitor(drive.intrinsics, drive.T_camera_lidar, {});
@@ -78,13 +79,13 @@ inline RecoveryResult run_recovery(const Drive& drive, const Fault& fault) {
   return out;
 }
 
-/// Degrees built up when a slow drift about one axis was suspected and when it was certain; 1e9
-/// where it never was.
+/// Accumulated degrees of a slow drift about one axis when it was suspected and when it was
+/// confirmed; 1e9 if never.
 struct DriftAngles {
   double suspected_deg = 1e9, confirmed_deg = 1e9;
 };
 
-/// Drives one drive after the other while the rig turns by so many degrees a minute.
+/// Runs consecutive drives while the rig turns at a constant rate in degrees per minute.
 inline DriftAngles detect_slow_drift(const std::vector<const Drive*>& drives, int axis,
                                      double degrees_per_minute) {
   DriftAngles out;

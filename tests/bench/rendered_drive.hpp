@@ -7,16 +7,16 @@
 
 namespace infuse {
 
-/// Where benchmarks keep their drives: the build's folder, or that of INFUSE_BENCH_DRIVES.
+/// Folder of the benchmark drives: in the build folder, or INFUSE_BENCH_DRIVES.
 inline std::filesystem::path bench_drives_folder() {
   const char* given = std::getenv("INFUSE_BENCH_DRIVES");
   return given == nullptr ? INFUSE_DRIVES : given;
 }
 
-/// The folder of a drive that benchmarks share: simulated once, and found there from then on.
+/// Returns the folder of a drive shared by benchmarks; it is simulated on first use.
 /// `scenario`: one of fixtures/scenarios;
-/// `drive` and `more`: the folder's name and more arguments, where they are not the scenario's own.
-/// A drive that could not be simulated is told, and is missing.
+/// `drive`, `extra_arguments`: name of the folder and further arguments, if different from the
+/// scenario's. Prints an error if the simulation fails; the folder is then missing.
 inline std::filesystem::path rendered_drive(const std::string& scenario,
                                             const std::string& drive = {},
                                             const std::string& extra_arguments = {}) {

@@ -1,5 +1,5 @@
-// The whole replay of a ten-minute capture, as fast as it goes, all threads on one core, beside
-// libpcap reading the same file.
+// Replays a ten-minute capture at maximum rate, all threads on one core, and compares with libpcap
+// reading the same file.
 
 #include <benchmark/benchmark.h>
 #include <sched.h>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kCaptureSeconds = 600;
 
-/// Keeps this thread, and those that it starts, on one core.
+/// Pins this thread and its future children to one core.
 void pin_to_one_core() {
   cpu_set_t one;
   CPU_ZERO(&one);
@@ -26,7 +26,7 @@ void pin_to_one_core() {
   sched_setaffinity(0, sizeof(one), &one);
 }
 
-/// Resident memory at present, MB.
+/// Current resident memory, MB.
 double resident_mb() {
   std::ifstream statm("/proc/self/statm");
   double all = 0, resident = 0;
@@ -34,7 +34,7 @@ double resident_mb() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
-/// Made on first use, removed at the end.
+/// Written on first use, removed at exit.
 const std::filesystem::path& capture_file(double seconds) {
   static const TemporaryFolder folder;
   static std::map<double, std::filesystem::path> made;

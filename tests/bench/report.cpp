@@ -1,7 +1,8 @@
-// bench-report: makes one list of what Google Benchmark wrote into several files. A benchmark named
-// `X` is set beside every `X/baseline:WHO` of the same run; a ratio above 1 means that X is better.
+// bench-report: merges the results of several Google Benchmark files into one list. A benchmark
+// named `X` is compared with every `X/baseline:WHO` of the same run; a ratio above 1 means that X
+// is better.
 //
-//     bench-report OUT.json IN.json...       OUT "-": only the table
+// bench-report OUT.json IN.json...       OUT "-": prints the table only
 
 #include <cstdio>
 #include <fstream>
@@ -16,14 +17,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// One benchmark: a rate (more is better) or a time (less is better).
+/// Result of one benchmark: a rate (higher is better) or a time (lower is better).
 struct Figure {
   double value = 0;
   std::string unit;
   bool is_rate = false;
 };
 
-/// What Google Benchmark adds to a name to say how it measured.
+/// Removes the suffixes that Google Benchmark adds to a name.
 std::string without_modifiers(std::string name) {
   for (const char* modifier : {"/real_time", "/process_time", "/manual_time",
                                "/iterations:", "/min_time:", "/repeats:", "/threads:"}) {
@@ -42,7 +43,7 @@ Figure parse_figure(const Json& run) {
   return {run.value("real_time", 0.0), run.value("time_unit", "ns"), false};
 }
 
-/// Median over repetitions where there are several, else the only run; in the order of the files.
+/// Results by name: the median of several repetitions, or the only run; in the order of the files.
 struct Figures {
   std::vector<std::string> names;
   std::map<std::string, Figure> by_name;
@@ -59,7 +60,7 @@ struct Figures {
   }
 };
 
-/// "decode/x/baseline:pcl/8" is a baseline of "decode/x/8", by "pcl".
+/// Splits "decode/x/baseline:pcl/8" into the benchmark "decode/x/8" and the baseline "pcl".
 struct Baseline {
   std::string benchmark, name;
 };

@@ -1,6 +1,6 @@
-// Operations a second of the rings beside what one would take otherwise. An operation is one record
-// (or object) handed from the producer to one reader. `ring/record` and `ring/slot` also keep the
-// history for look-ups by time and serve any number of readers, which the baselines do not.
+// Operations per second of the ring buffers against common alternatives. An operation hands one
+// record (or object) from the producer to one reader. `ring/record` and `ring/slot` also keep a
+// history for lookup by time and serve any number of readers, which the baselines do not.
 
 #include <benchmark/benchmark.h>
 
@@ -30,13 +30,13 @@ ImuSample make_sample(int64_t i) {
   return make_sample;
 }
 
-/// What stands for a sweep: filling it is not what is measured.
+/// Stands for a sweep; filling it is not measured.
 struct Object {
   Stamp stamp;
   std::array<char, 4096> body{};
 };
 
-/// A deque of bounded length behind a lock, oldest overwritten.
+/// Deque of bounded length with a lock, overwrites the oldest entry.
 template <class T>
 class MutexDeque {
  public:
@@ -58,7 +58,7 @@ class MutexDeque {
   std::deque<T> entries_;
 };
 
-/// A thread that only sleeps: in a process without a second one the C library's mutex does nothing.
+/// A thread that only sleeps: in a single-threaded process the C library's mutex does nothing.
 class IdleThread {
  public:
   ~IdleThread() {
@@ -71,7 +71,8 @@ class IdleThread {
   std::thread thread_{[this] { done_.acquire(); }};
 };
 
-/// Writes and reads in turn, in batches, in one thread: the cost of the operations themselves.
+/// Writes and reads alternately, in batches, in one thread: measures the cost of the operations
+/// themselves.
 template <class Push, class Pop>
 void run_alternating(benchmark::State& state, int batch, Push push, Pop pop) {
   const IdleThread idle_thread;
@@ -136,7 +137,7 @@ void slot(benchmark::State& state) {
       });
 }
 
-/// Objects of a pool travel as pointers and come back when they were read.
+/// Pool objects travel as pointers and return after they are read.
 template <class Queue, class Push, class Pop>
 void slot_by_pointer(benchmark::State& state, Queue& filled, Queue& empty, Push push, Pop pop) {
   std::array<Object, kSlots> pool;

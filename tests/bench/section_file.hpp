@@ -9,17 +9,17 @@
 
 namespace infuse::bench {
 
-/// A part of a generated document that can be made by itself.
+/// Section of a generated document that can be regenerated separately.
 struct Section {
-  std::string name;   ///< by which it is requested
-  std::string title;  ///< its heading
-  int runs;           ///< how often what is random is repeated, unless asked otherwise
-  /// Writes what stands below the heading; false where it could not be made.
+  std::string name;   ///< name on the command line
+  std::string title;  ///< heading
+  int runs;           ///< default number of random repetitions
+  /// Writes the text below the heading; returns false on failure.
   std::function<bool(std::ostream&, int runs)> write;
 };
 
-/// The sections of a Markdown file, each with its heading, by title; what comes before the first is
-/// left out.
+/// Reads the sections of a Markdown file with their headings, by title; the text before the first
+/// is omitted.
 inline std::map<std::string, std::string> read_sections(const std::string& path) {
   std::map<std::string, std::string> sections;
   std::ifstream file(path);
@@ -31,8 +31,8 @@ inline std::map<std::string, std::string> read_sections(const std::string& path)
   return sections;
 }
 
-/// Makes `section` anew in the file at `path`: `head`, then all sections of `order` that have been
-/// made, the others as they are. Whether it could be made and written.
+/// Regenerates `section` in the file at `path`: `preamble`, then all sections of `order` that
+/// exist, the others unchanged. Returns true on success.
 inline bool rewrite_section(const std::string& path, const std::string& preamble,
                             const std::vector<Section>& order, const Section& section, int runs) {
   std::ostringstream section_text;

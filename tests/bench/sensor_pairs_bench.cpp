@@ -1,7 +1,6 @@
-// Calibration of other pairs of sensors in a painted world whose truth is known: a time-of-flight
-// camera (P 3.4.4, fig. 3.22), a planar scanner (P 3.4.5, fig. 3.23), and a lidar whose
-// reflectivity is not used (P 6.2.1), by the number of scans. Times are processor seconds of a
-// calibration.
+// Calibration of other sensor pairs in a synthetic world with known truth: a time-of-flight camera
+// (P 3.4.4, fig. 3.22), a planar scanner (P 3.4.5, fig. 3.23), and a lidar without reflectivity
+// (P 6.2.1), against the number of scans. Times are processor seconds per calibration.
 
 #include <benchmark/benchmark.h>
 
@@ -27,11 +26,11 @@ struct SensorPair {
   painted::Scanner scanner;
   double scale;  ///< of the world
   const char* measure;
-  int max_scans;  ///< scans, of twice as many
+  int max_scans;  ///< maximum number of scans; twice as many are simulated
 };
 
-// A time-of-flight camera's 176 x 144 pixels, 1 cm of noise, in a room; a planar scanner's 270
-// degrees, of which the camera sees 100, every quarter of a degree.
+// A time-of-flight camera with 176 x 144 pixels and 1 cm of noise, in a room; a planar scanner of
+// 270 degrees in steps of a quarter degree, 100 degrees of it in the camera's view.
 const SensorPair kSensorPairs[] = {
     {"time_of_flight",
      {.rings = 144, .low = -17, .high = 17, .columns = 176, .half_width = 22, .range_noise = 0.01},
@@ -59,7 +58,8 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Some of the scenes, from within ± 1° and 5 cm: root mean square of the error, three axes summed.
+/// Random scenes from initial poses within ± 1° and 5 cm: root mean square error, three axes
+/// summed.
 void spread(benchmark::State& state, const SensorPair& pair) {
   constexpr int kDraws = 5;
   const painted::Drive& drive = cached_drive(pair);

@@ -1,7 +1,7 @@
-// Target-based calibration: how its error falls with the number of views (P fig. 3.4) and with the
-// board's area (P fig. 3.5), and what it tells of its own uncertainty. Range noise is a Velodyne's
-// 2 cm; with P's 10 cm most views look like outliers and the result is refused. Root mean squares
-// over twenty runs, three axes summed. Times are wall seconds a run.
+// Target-based calibration: error against the number of views (P fig. 3.4) and the area of the
+// board (P fig. 3.5), and the estimated standard deviation. The range noise is 2 cm, a Velodyne's;
+// with P's 10 cm most views look like outliers and the result is rejected. Root mean squares over
+// twenty runs, three axes summed. Times are wall seconds per run.
 
 #include <benchmark/benchmark.h>
 
@@ -46,7 +46,7 @@ void by_views(benchmark::State& state) {
   solve(state, static_cast<int>(state.range(0)), synthetic::board());
 }
 
-/// Squares so large that the board has so many hundredths of a square metre.
+/// Squares sized for a board of the given area in hundredths of a square metre.
 void by_area(benchmark::State& state) {
   Board board = synthetic::board();
   const double cells = (board.columns + 1) * (board.rows + 1);

@@ -82,7 +82,7 @@ TEST(Messages, APoseIsSixteenNumbersByRow) {
   EXPECT_EQ(pose["T_frame_vehicle"][7], 2.0);
   EXPECT_EQ(pose["covariance"][5], 0.25);
   EXPECT_EQ(pose["usable"], true);
-  report.reason = "no sample has come yet";
+  report.reason = "no sample received yet";
   EXPECT_EQ(checked(pose_message(report))["usable"], false);
 }
 

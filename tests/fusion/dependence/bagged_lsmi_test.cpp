@@ -20,7 +20,7 @@ BagOptions small_bags(int bags, int bag_size, int centres) {
   return options;
 }
 
-TEST(BaggedLsmi, BagsOfAllSamplesAreLsmi) {
+TEST(BaggedLsmi, OneBagOfAllSamplesEqualsLsmi) {
   const MatrixXd x = normal_samples(60, 2, 1), y = correlated_with(x, 0.6, 2);
   for (const SmiForm form : {SmiForm::kLinear, SmiForm::kPlugIn}) {
     BagOptions options = small_bags(3, 60, 60);
@@ -63,7 +63,7 @@ TEST(BaggedLsmi, SeedFixesTheBagsAndMoreBagsVaryLess) {
     one.add(value(1, seed));
     many.add(value(16, 100 + seed));
   }
-  // Sixteen bags: about a quarter of the spread.
+  // Sixteen bags: about a quarter of the standard deviation.
   EXPECT_LT(many.standard_error(), 0.45 * one.standard_error());
   EXPECT_NEAR(many.mean(), one.mean(), 4 * one.standard_error());
 }
@@ -103,7 +103,7 @@ TEST(BaggedLsmi, ReportsReasonForInvalidInput) {
   bagged.set_hyper_parameters({1, 0.01});
   EXPECT_TRUE(bagged.evaluate(x).usable());
 
-  // The first bag may be constant where the samples are not.
+  // The first bag may be constant even if the samples are not.
   MatrixXd spike = MatrixXd::Zero(50, 1);
   spike(0) = 1;
   BaggedLsmi hollow(x, small_bags(20, 4, 4));

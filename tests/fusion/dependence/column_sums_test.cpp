@@ -9,7 +9,7 @@
 namespace infuse::dependence {
 namespace {
 
-TEST(ColumnSums, GiveTheBytesOfTheDefinitionOnEveryInstructionSet) {
+TEST(ColumnSums, SameBytesAsTheDefinitionOnEveryInstructionSet) {
   for (const Eigen::Index rows : {1, 2, 5, 8, 31, 40, 100}) {
     const Eigen::MatrixXd matrix = normal_samples(rows, 20, 1);
     const std::vector<int> columns = {3, 19, 0, 7, 7, 12};

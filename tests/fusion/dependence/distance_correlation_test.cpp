@@ -88,7 +88,7 @@ TEST(DistanceCorrelation, VectorsEqualTheDefinition) {
   expect_equal(distance_dependence(x, y.leftCols(1)), by_definition(x, y.leftCols(1)), 1e-11);
 }
 
-TEST(DistanceCorrelation, SymmetricAndFreeOfShiftAndScale) {
+TEST(DistanceCorrelation, IsSymmetricAndInvariantToShiftAndScale) {
   const MatrixXd x = normal_samples(200, 1, 7), y = correlated_with(x, 0.6, 8);
   const DistanceDependence there = distance_dependence(x, y), back = distance_dependence(y, x);
   expect_equal(there, back, 1e-12);
@@ -130,7 +130,7 @@ TEST(DistanceCorrelation, ReportsReasonForInvalidInput) {
   const Estimate bad = distance_correlation(x, x);
   EXPECT_STREQ(bad.reason, "a sample is not finite");
   EXPECT_EQ(bad.value, 0.0);
-  // Constant but for the last bit: the distances drown in rounding.
+  // Constant except for the last bit: the distances are below rounding.
   MatrixXd almost = constant;
   almost(0) = std::nextafter(3.0, 4.0);
   const Estimate nothing = distance_correlation(almost, normal_samples(20, 1, 9));

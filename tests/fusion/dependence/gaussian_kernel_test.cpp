@@ -31,7 +31,7 @@ TEST(GaussianKernel, EqualsTheExponentialOfTheDistance) {
 }
 
 TEST(GaussianKernel, ExponentialIsExactOverItsWholeRange) {
-  // At σ² = ½ the argument is −d² itself, so that only the exponential can err.
+  // At σ² = ½ the argument is −d² exactly, so that only the exponential has an error.
   MatrixXd x(20000, 1), c = MatrixXd::Zero(1, 1), kernel;
   for (Index i = 0; i < x.rows(); ++i) x(i) = std::sqrt(706.0 * static_cast<double>(i) / 20000);
   gaussian_kernel(x, c, std::sqrt(0.5), kernel);
@@ -43,7 +43,7 @@ TEST(GaussianKernel, ExponentialIsExactOverItsWholeRange) {
   EXPECT_EQ(kernel(0), 1.0);
 }
 
-TEST(GaussianKernel, WhatUnderflowsIsZero) {
+TEST(GaussianKernel, UnderflowIsZero) {
   MatrixXd x(3, 1), kernel;
   x << 0, 1e3, 1e100;
   gaussian_kernel(x, x, 1e-50, kernel);
@@ -76,7 +76,7 @@ TEST(GaussianKernel, OverlapIsTheIntegralOfTheProduct) {
       EXPECT_NEAR(overlap(l, m), integral, 1e-10);
     }
   }
-  // In two dimensions the integral is the product of one in each.
+  // In two dimensions the integral is a product of one-dimensional integrals.
   MatrixXd flat(2, 2), flat_overlap;
   flat << c(0), c(0), c(1), c(1);
   gaussian_overlap(flat, kSigma, flat_overlap);
@@ -84,7 +84,7 @@ TEST(GaussianKernel, OverlapIsTheIntegralOfTheProduct) {
 }
 
 TEST(GaussianKernel, GradientEqualsCentralDifferences) {
-  // Far from the origin, where sums over x − c cancel unless they are centred.
+  // Far from the origin, where sums over x − c cancel unless the samples are centred.
   MatrixXd x = normal_samples(30, 4, 6).array() + 1e4;
   const std::vector<int> rows = {2, 3, 5, 7, 11, 13, 17, 19, 23};
   const MatrixXd weight = normal_samples(9, 30, 7);

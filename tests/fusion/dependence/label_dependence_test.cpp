@@ -27,7 +27,7 @@ TEST(LabelDependence, EqualsTheDenseKroneckerSolve) {
     for (const double sigma : {0.3, 0.7, 3.0}) {
       const MatrixXd x = normal_samples(30, 2, 3);
       const std::vector<int32_t> labels = make_labels(x, 4, 4);
-      // Five labels, of which the last does not occur.
+      // Five labels, the last of which does not occur.
       const PlainFit plain(FitMeasure::kSmi, plain_kernel(x, x, sigma), indicators(labels, 5),
                            MatrixXd::Zero(30, 30), MatrixXd::Identity(5, 5), lambda);
       const FitEstimate found = prepared(x, fixed(sigma, lambda)).evaluate(labels, 5);
@@ -50,7 +50,7 @@ TEST(LabelDependence, WorksWithOneCentre) {
   EXPECT_NEAR(prepared(x, options).evaluate(labels, 3).value, plain.value(), 1e-12);
 }
 
-TEST(LabelDependence, CrossValidationChoosesAsThePlainOneDoes) {
+TEST(LabelDependence, CrossValidationChoosesLikeThePlainImplementation) {
   const FitOptions options = small_grid();
   std::vector<HyperParameters> all;
   LabelDependence dependence(options);
@@ -67,7 +67,7 @@ TEST(LabelDependence, CrossValidationChoosesAsThePlainOneDoes) {
   EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const auto& h) { return !(h == all[0]); }));
 }
 
-TEST(LabelDependence, ReusedObjectGivesTheValuesOfAFreshOne) {
+TEST(LabelDependence, ReusedObjectGivesTheValuesOfANewOne) {
   FitOptions options;
   options.centres = 25;
   LabelDependence shared(options);

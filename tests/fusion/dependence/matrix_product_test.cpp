@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 constexpr InstructionSet kSets[] = {InstructionSet::kBaseline, InstructionSet::kAvx2,
                                     InstructionSet::kAvx512};
 
-// One running sum an entry, in order of the inner index.
+// One running sum per entry, in order of the inner index.
 MatrixXd by_definition(const MatrixXd& a, const MatrixXd& b) {
   MatrixXd out(a.rows(), b.cols());
   for (Index r = 0; r < a.rows(); ++r) {
@@ -28,7 +28,7 @@ MatrixXd by_definition(const MatrixXd& a, const MatrixXd& b) {
   return out;
 }
 
-TEST(MatrixProduct, GivesTheBytesOfTheDefinitionOnEveryInstructionSet) {
+TEST(MatrixProduct, SameBytesAsTheDefinitionOnEveryInstructionSet) {
   const Index shapes[][3] = {{1, 1, 1},   {3, 5, 2},     {16, 128, 8},  {17, 129, 9},
                              {40, 40, 8}, {24, 300, 31}, {100, 257, 6}, {33, 64, 250}};
   for (const auto& [rows, inner, columns] : shapes) {
@@ -66,7 +66,7 @@ TEST(MatrixProduct, SquareIsSymmetricAndEqualsTheProduct) {
   }
 }
 
-TEST(MatrixProduct, NothingToSumIsZero) {
+TEST(MatrixProduct, EmptySumIsZero) {
   MatrixXd out;
   multiply(MatrixXd(3, 0), MatrixXd(0, 2), out);
   EXPECT_EQ(out, MatrixXd::Zero(3, 2));

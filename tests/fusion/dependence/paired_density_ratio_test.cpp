@@ -74,7 +74,7 @@ TEST(Mlmi, MutualInformationOfTheGaussian) {
 }
 
 TEST(Mlmi, MutualInformationOfLabels) {
-  // Two labels whose samples lie far apart: ln 2. A label drawn without looking: 0.
+  // Two labels whose samples lie far apart: ln 2. A random label: 0.
   MatrixXd x = normal_samples(400, 1, 1);
   std::vector<int32_t> side, coin;
   const MatrixXd toss = normal_samples(400, 1, 2);
@@ -88,7 +88,7 @@ TEST(Mlmi, MutualInformationOfLabels) {
 }
 
 TEST(Mlmi, IsTheMaximumOfTheConstrainedLikelihood) {
-  // No mixture of the basis may beat it by more than the tolerance; try many.
+  // No mixture of the basis may exceed it by more than the tolerance; try many.
   const MatrixXd x = normal_samples(60, 1, 3), y = correlated_with(x, 0.8, 4);
   const double found = mlmi(x, y, mlmi_options(0.7, 60)).value;
   const MatrixXd k = plain_kernel(x, x, 0.7), l = plain_kernel(y, y, 0.7);

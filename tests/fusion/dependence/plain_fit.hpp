@@ -16,8 +16,7 @@
 
 namespace infuse::dependence {
 
-/// Few enough centres and folds for the plain fits, on a grid in which there is something to
-/// choose.
+/// Few centres and folds for the plain fits, on a grid with more than one entry.
 inline FitOptions small_grid() {
   FitOptions options;
   options.centres = 9;
@@ -27,8 +26,8 @@ inline FitOptions small_grid() {
   return options;
 }
 
-/// The least-squares fits written down plainly: kernels by std::exp, the product model's b² × b²
-/// system solved densely, held-out errors by running over all pairs of samples.
+/// Straightforward least-squares fits: kernels by std::exp, the b² × b² system of the product model
+/// solved densely, held-out errors over all pairs of samples.
 struct PlainFit {
   FitMeasure measure = FitMeasure::kSmi;
   SmiForm form = SmiForm::kLinear;
@@ -36,7 +35,7 @@ struct PlainFit {
   Eigen::MatrixXd c, theta;
   double lambda = 0;
 
-  /// x, y: kernel values, centres × samples. p_integral, a_integral: ∫ΦΦᵀ where the measure wants
+  /// x, y: kernel values, centres × samples. p_integral, a_integral: ∫ΦΦᵀ if the measure needs
   /// them.
   PlainFit(FitMeasure m, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
            const Eigen::MatrixXd& p_integral, const Eigen::MatrixXd& a_integral, double ridge)
@@ -68,7 +67,7 @@ struct PlainFit {
   }
 };
 
-/// exp(−|x_i − c_l|²/(2σ²)), centres × samples.
+/// Returns exp(−|x_i − c_l|²/(2σ²)), centres × samples.
 inline Eigen::MatrixXd plain_kernel(const Eigen::MatrixXd& samples, const Eigen::MatrixXd& centres,
                                     double sigma) {
   Eigen::MatrixXd kernel(centres.rows(), samples.rows());
@@ -81,14 +80,14 @@ inline Eigen::MatrixXd plain_kernel(const Eigen::MatrixXd& samples, const Eigen:
   return kernel;
 }
 
-/// ∫ G(x, c_l) G(x, c_m) dx.
+/// Returns ∫ G(x, c_l) G(x, c_m) dx.
 inline Eigen::MatrixXd plain_integral(const Eigen::MatrixXd& centres, double sigma) {
   const double d = static_cast<double>(centres.cols());
   return plain_kernel(centres, centres, sigma * std::numbers::sqrt2) *
          std::pow(std::numbers::pi * sigma * sigma, d / 2);
 }
 
-/// The delta kernel: labels × samples.
+/// Delta kernel: labels × samples.
 inline Eigen::MatrixXd indicators(const std::vector<int32_t>& labels, int label_count) {
   Eigen::MatrixXd out =
       Eigen::MatrixXd::Zero(label_count, static_cast<Eigen::Index>(labels.size()));
@@ -96,7 +95,7 @@ inline Eigen::MatrixXd indicators(const std::vector<int32_t>& labels, int label_
   return out;
 }
 
-/// Labels that lean on the first feature.
+/// Labels that depend on the first feature.
 inline std::vector<int32_t> make_labels(const Eigen::MatrixXd& x, int label_count, uint64_t seed) {
   const Eigen::MatrixXd noise = normal_samples(x.rows(), 1, seed);
   std::vector<int32_t> labels;
@@ -107,7 +106,7 @@ inline std::vector<int32_t> make_labels(const Eigen::MatrixXd& x, int label_coun
   return labels;
 }
 
-/// All of cross-validation done plainly, with the same centres and folds.
+/// Straightforward cross-validation with the same centres and folds.
 inline HyperParameters plain_choice(FitMeasure measure, const Eigen::MatrixXd& x,
                                     const Eigen::MatrixXd* y, const std::vector<int32_t>& labels,
                                     int label_count, const FitOptions& options) {
@@ -136,13 +135,13 @@ inline HyperParameters plain_choice(FitMeasure measure, const Eigen::MatrixXd& x
         }
         const PlainFit fit(measure, phi(Eigen::all, train), psi(Eigen::all, train),
                            plain_integral(xc, sigma), a_integral, lambda);
-        // The criterion of the held-out samples with the solution of the others.
+        // Criterion of the held-out samples with the solution of the others.
         const PlainFit validation(measure, phi(Eigen::all, held_out), psi(Eigen::all, held_out),
                                   plain_integral(xc, sigma), a_integral, 1.0);
         error += 0.5 * fit.theta.cwiseProduct(validation.p * fit.theta * validation.a).sum() -
                  fit.theta.cwiseProduct(validation.c).sum();
         if (measure == FitMeasure::kSmi) {
-          // I 2.2.2.2 in its own words: ½ mean r(x_i, y_j)² − mean r(x_i, y_i).
+          // I 2.2.2.2 as printed: ½ mean r(x_i, y_j)² − mean r(x_i, y_i).
           const Eigen::MatrixXd r =
               phi(Eigen::all, held_out).transpose() * fit.theta * psi(Eigen::all, held_out);
           EXPECT_NEAR(0.5 * r.array().square().mean() - r.diagonal().mean(),

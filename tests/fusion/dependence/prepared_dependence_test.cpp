@@ -64,7 +64,7 @@ TEST(PreparedDependence, LabelsEqualTheDenseKroneckerSolve) {
   const MatrixXd x = normal_samples(30, 2, 3);
   std::vector<int32_t> labels = make_labels(x, 4, 4);
   for (const FitMeasure measure : kMeasures) {
-    // Five labels, of which the last does not occur.
+    // Five labels, the last of which does not occur.
     const PlainFit plain(measure, plain_kernel(x, x, 0.7), indicators(labels, 5),
                          plain_integral(x, 0.7), MatrixXd::Identity(5, 5), 0.02);
     const FitEstimate found = PreparedDependence(measure, x, fixed(0.7, 0.02)).evaluate(labels, 5);
@@ -73,7 +73,7 @@ TEST(PreparedDependence, LabelsEqualTheDenseKroneckerSolve) {
   }
 }
 
-TEST(PreparedDependence, CrossValidationChoosesAsThePlainOneDoes) {
+TEST(PreparedDependence, CrossValidationChoosesLikeThePlainImplementation) {
   FitOptions options = small_grid();
   std::vector<HyperParameters> all;
   for (const FitMeasure measure : kMeasures) {
@@ -86,7 +86,7 @@ TEST(PreparedDependence, CrossValidationChoosesAsThePlainOneDoes) {
       const FitEstimate of_samples = prepared.evaluate(y), of_labels = prepared.evaluate(labels, 3);
       EXPECT_EQ(of_samples.hyper_parameters, plain_choice(measure, x, &y, {}, 0, options));
       EXPECT_EQ(of_labels.hyper_parameters, plain_choice(measure, x, nullptr, labels, 3, options));
-      // Asked again with what was chosen, it says the same.
+      // The same value with the hyper-parameters chosen before.
       EXPECT_EQ(prepared.evaluate(y, of_samples.hyper_parameters).value, of_samples.value);
       EXPECT_EQ(prepared.evaluate(labels, 3, of_labels.hyper_parameters).value, of_labels.value);
       all.push_back(of_samples.hyper_parameters);
@@ -95,7 +95,7 @@ TEST(PreparedDependence, CrossValidationChoosesAsThePlainOneDoes) {
   EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const auto& h) { return h != all[0]; }));
 }
 
-TEST(PreparedDependence, ReusedObjectGivesTheValuesOfFreshOnes) {
+TEST(PreparedDependence, ReusedObjectGivesTheValuesOfNewOnes) {
   const MatrixXd x = normal_samples(200, 4, 40);
   FitOptions options;
   options.centres = 25;

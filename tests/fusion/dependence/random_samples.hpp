@@ -6,19 +6,19 @@
 
 namespace infuse::dependence {
 
-/// n × d independent standard normal numbers.
+/// Returns n × d independent standard normal numbers.
 inline Eigen::MatrixXd normal_samples(Eigen::Index n, Eigen::Index d, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   return Eigen::MatrixXd::NullaryExpr(n, d, [&]() { return normal(random); });
 }
 
-/// Standard normal, correlation `rho` with each column of `x`.
+/// Returns standard normal numbers with correlation `rho` to each column of `x`.
 inline Eigen::MatrixXd correlated_with(const Eigen::MatrixXd& x, double rho, uint64_t seed) {
   return rho * x + std::sqrt(1 - rho * rho) * normal_samples(x.rows(), x.cols(), seed);
 }
 
-/// The derivative of `value(samples)` by each entry, by central differences.
+/// Derivative of `value(samples)` with respect to each entry, by central differences.
 template <class Value>
 Eigen::MatrixXd central_differences(const Value& value, const Eigen::MatrixXd& samples,
                                     double step) {
@@ -33,7 +33,7 @@ Eigen::MatrixXd central_differences(const Value& value, const Eigen::MatrixXd& s
   return gradient;
 }
 
-/// Mean and its standard error, of values that are added one by one.
+/// Running mean and its standard error.
 class RunningMean {
  public:
   void add(double value) {

@@ -5,23 +5,24 @@
 #include <vector>
 
 #include "fusion/dependence/histogram_measures.hpp"
+#include "tests/fusion/dependence/joint_table.hpp"
 
 namespace infuse::dependence {
 
-/// The cubic B-spline β³ by its definition.
+/// Cubic B-spline β³ by its definition.
 inline double cubic_spline(double t) {
   t = std::abs(t);
   if (t < 1) return 2.0 / 3 - t * t + t * t * t / 2;
   return t < 2 ? (2 - t) * (2 - t) * (2 - t) / 6 : 0;
 }
 
-/// Where `value` lies on the axis, in bins: the ends are one bin inside the table.
+/// Position of `value` on the axis, in bins: the ends are one bin inside the table.
 inline double axis_position(double value, const Axis& axis) {
   const double t = (value - axis.low) / (axis.high - axis.low);
   return 1 + std::min(1.0, std::max(0.0, t)) * (axis.bins - 3);
 }
 
-/// The B-spline joint histogram by its definition, every sample against every bin, in double.
+/// B-spline joint histogram by its definition: every sample against every bin, in double.
 template <class Values>
 JointHistogram spline_oracle(const Values& x, const Values& y, const JointHistogramOptions& options,
                              const std::vector<float>& weights = {}) {

@@ -20,14 +20,14 @@ TEST(SplineKernels, WeightsAreTheCubicSpline) {
   }
 }
 
-/// One sample at a time instead of many: the lanes and chunks must not show.
+/// Compares one sample at a time with many: lanes and chunks must not matter.
 TEST(SplineTile, SamplesAreIndependentOfChunksAndLanes) {
   std::mt19937 random(1);
   constexpr size_t kCount = 2051;  // two chunks and three samples
   std::vector<float> x(kCount), y(kCount), gradient(kCount);
   for (size_t i = 0; i < kCount; ++i) {
     x[i] = static_cast<float>(random() >> 8) * 0x1p-24F;
-    y[i] = static_cast<float>(random() >> 8) * 0x1.8p-24F - 0.25F;  // a third beyond the ends
+    y[i] = static_cast<float>(random() >> 8) * 0x1.8p-24F - 0.25F;  // a third lie beyond the ends
   }
   y[100] = y[1500] = kAbsent;
   const JointHistogramOptions options;

@@ -28,7 +28,7 @@ MatrixXd dense_solution(const MatrixXd& p, const MatrixXd& a, double lambda, con
   return Map<const MatrixXd>(theta.data(), c.rows(), c.cols());
 }
 
-TEST(Sylvester, BasesGiveTheMatrixBack) {
+TEST(Sylvester, BasesReproduceTheMatrix) {
   for (const Index size : {1, 2, 3, 12}) {
     const MatrixXd gram = random_gram(size, 2 * size, 1);
     const SpectralBasis spectral = spectral_basis(gram);
@@ -60,7 +60,7 @@ TEST(Sylvester, SolutionEqualsTheDenseKroneckerSolve) {
   }
 }
 
-TEST(Sylvester, SingularGramsAreSolvedThroughTheRidge) {
+TEST(Sylvester, RidgeMakesSingularGramsSolvable) {
   const MatrixXd p = random_gram(10, 2, 5), a = MatrixXd::Ones(6, 6);
   const MatrixXd c = normal_samples(10, 6, 6);
   const SpectralBasis fixed = spectral_basis(p);

@@ -21,7 +21,7 @@ CameraIntrinsics fisheye() {
   return {Model::kFisheye, 1600, 1200, 430.0, 431.5, 801.0, 596.5, {0.04, -0.01, 0.004, -0.0012}};
 }
 
-/// The formulas as OpenCV's documentation prints them.
+/// Formulas of OpenCV's documentation.
 Eigen::Vector2d project_by_opencv_formulas(const CameraIntrinsics& c, const Eigen::Vector3d& P) {
   const auto& k = c.distortion;
   const double a = P.x() / P.z(), b = P.y() / P.z();
@@ -103,22 +103,22 @@ TEST_P(CameraModels, DerivativesAgreeWithDifferences) {
   }
 }
 
-TEST(CameraModel, DoesNotFoldBackWhatIsFarOutside) {
+TEST(CameraModel, DoesNotFoldBackPointsFarOutside) {
   const CameraModel camera(pinhole());
   EXPECT_FALSE(camera.project({1, 1, -3}));
   EXPECT_FALSE(camera.project({1, 1, 0}));
   EXPECT_FALSE(camera.project({std::nan(""), 1, 2}));
-  // By the polynomial alone this direction, 73° off the axis, would land in the picture.
+  // By the polynomial alone this direction, 73° off the axis, would project into the image.
   const Eigen::Vector3d wide(3.2, 0.2, 1);
   CameraIntrinsics folding = pinhole();
   folding.distortion = {-0.10, 0, 0, 0, 0};
   ASSERT_TRUE(CameraModel(folding).in_image(project_by_opencv_formulas(folding, wide)));
   EXPECT_FALSE(CameraModel(folding).project(wide));
-  // The radius r (1 − 0.1 r²) rises until r² = 10/3.
+  // The radius r (1 − 0.1 r²) increases up to r² = 10/3.
   EXPECT_NEAR(CameraModel(folding).limit(), 10.0 / 3, 0.02);
 }
 
-TEST(CameraModel, FisheyeSeesBehindItself) {
+TEST(CameraModel, FisheyeProjectsPointsBehindTheImagePlane) {
   CameraIntrinsics ideal = fisheye();
   ideal.distortion = {};
   const CameraModel camera(ideal);
@@ -131,7 +131,7 @@ TEST(CameraModel, FisheyeSeesBehindItself) {
   EXPECT_NEAR(direction->z(), std::cos(angle), 1e-12);
 }
 
-TEST(CameraModel, ImageEndsHalfAPixelFromTheLastCentre) {
+TEST(CameraModel, ImageEndsHalfAPixelBeyondTheLastCentre) {
   const CameraModel camera(pinhole());
   EXPECT_TRUE(camera.in_image({-0.5, -0.5}));
   EXPECT_TRUE(camera.in_image({1279.4, 959.4}));
@@ -140,7 +140,7 @@ TEST(CameraModel, ImageEndsHalfAPixelFromTheLastCentre) {
   EXPECT_FALSE(camera.in_image({std::nan(""), 0}));
 }
 
-TEST_P(CameraModels, ManyPointsAtOnceAgreeWithOneByOne) {
+TEST_P(CameraModels, BatchProjectionAgreesWithSinglePoints) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<float> uniform(-30, 30);
   const CameraModel camera(GetParam());
@@ -173,8 +173,8 @@ TEST_P(CameraModels, ManyPointsAtOnceAgreeWithOneByOne) {
   EXPECT_GT(seen, 500u);
 }
 
-// Any cut of the input gives the same bytes: vector body and scalar tail compute alike.
-TEST_P(CameraModels, ManyPointsAtOnceDoNotDependOnTheirNumber) {
+// Any split of the input gives the same bytes: vector body and scalar tail compute the same.
+TEST_P(CameraModels, BatchProjectionDoesNotDependOnTheNumberOfPoints) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<float> uniform(-30, 30);
   const CameraModel camera(GetParam());

@@ -17,7 +17,7 @@ CameraModel camera() {
   return CameraModel(intrinsics);
 }
 
-TEST(ExtrinsicError, NoneBetweenEqualOnes) {
+TEST(ExtrinsicError, IsZeroForEqualExtrinsics) {
   const Eigen::Isometry3d T = exp((Vector6() << 0.1, 0.2, 0.3, 1, 2, 3).finished());
   const ExtrinsicError error = extrinsic_error(T, T, camera());
   EXPECT_NEAR(error.rotation, 0, 1e-9);
@@ -25,8 +25,8 @@ TEST(ExtrinsicError, NoneBetweenEqualOnes) {
   EXPECT_NEAR(error.pixels, 0, 1e-6);
 }
 
-// A shift along the camera's x by t moves every point by f t / z pixels, whatever its pixel.
-TEST(ExtrinsicError, AShiftMovesPixelsByFocalLengthOverDepth) {
+// A shift t along the camera's x axis moves every projection by f t / z pixels.
+TEST(ExtrinsicError, ShiftMovesPixelsByFocalLengthOverDepth) {
   const Eigen::Isometry3d truth = exp((Vector6() << 1.2, -1.2, 1.2, 0.1, 0.2, 0.3).finished());
   Eigen::Isometry3d estimate = truth;
   estimate.translation().x() += 0.1;
@@ -34,7 +34,7 @@ TEST(ExtrinsicError, AShiftMovesPixelsByFocalLengthOverDepth) {
   EXPECT_NEAR(error.translation, 0.1, 1e-12);
   EXPECT_NEAR(error.by_axis[3], 0.1, 1e-12);
   EXPECT_NEAR(error.rotation, 0, 1e-7);
-  double sum = 0;  // by hand, over the same grid: depth is along the ray, z = depth · cos
+  double sum = 0;  // computed over the same grid: depth is along the ray, z = depth · cos
   int count = 0;
   for (int row = 0; row < 12; ++row) {
     for (int column = 0; column < 12; ++column) {
@@ -49,7 +49,7 @@ TEST(ExtrinsicError, AShiftMovesPixelsByFocalLengthOverDepth) {
   EXPECT_NEAR(error.pixels, sum / count, 1e-6);
 }
 
-TEST(ExtrinsicError, ARotationAboutTheOpticalAxisIsNamed) {
+TEST(ExtrinsicError, RotationAboutTheOpticalAxisIsItsThirdComponent) {
   const Eigen::Isometry3d truth = exp((Vector6() << 1.2, -1.2, 1.2, 0.1, 0.2, 0.3).finished());
   Eigen::Isometry3d estimate = truth;
   const double angle = 0.5 * std::numbers::pi / 180;

@@ -55,28 +55,28 @@ CameraIntrinsics pinhole() {
   return {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 320, .cy = 240};
 }
 
-TEST(PoseGradient, IsTheSumOverThePoints) {
+TEST(PoseGradient, EqualsTheSumOverThePoints) {
   for (const size_t n : {0, 1, 15, 16, 17, 1024, 3000}) expect_sum_of_points(pinhole(), n);
 }
 
-TEST(PoseGradient, ThroughDistortion) {
+TEST(PoseGradient, IncludesDistortion) {
   CameraIntrinsics intrinsics = pinhole();
   intrinsics.distortion = {-0.15, 0.03, 0.002, -0.001, 0.004};
   expect_sum_of_points(intrinsics, 1500);
 }
 
-TEST(PoseGradient, ThroughAFisheye) {
+TEST(PoseGradient, WorksForAFisheye) {
   CameraIntrinsics intrinsics = pinhole();
   intrinsics.model = CameraIntrinsics::Model::kFisheye;
   intrinsics.distortion = {0.03, -0.01, 0.002, -0.001, 0};
   expect_sum_of_points(intrinsics, 500);
 }
 
-TEST(PoseGradient, UnseenPointsWithZerosDoNotCount) {
+TEST(PoseGradient, IgnoresUnprojectedPointsWithZeroDerivatives) {
   Points points = draw_points(40);
   const auto full = pose_gradient(CameraModel(pinhole()), Eigen::Isometry3d::Identity(),
                                   {points.x, points.y, points.z}, points.by_u, points.by_v);
-  for (size_t i = 0; i < 40; i += 7) points.z[i] = 0;  // on the camera's plane
+  for (size_t i = 0; i < 40; i += 7) points.z[i] = 0;  // in the image plane
   const auto less = pose_gradient(CameraModel(pinhole()), Eigen::Isometry3d::Identity(),
                                   {points.x, points.y, points.z}, points.by_u, points.by_v);
   EXPECT_EQ(full, less);

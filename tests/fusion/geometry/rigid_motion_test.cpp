@@ -8,7 +8,8 @@
 namespace infuse::geometry {
 namespace {
 
-/// The matrix exponential by its power series with scaling and squaring: knows no closed form.
+/// Matrix exponential by its power series with scaling and squaring: independent of the closed
+/// form.
 Eigen::Matrix4d series_exp(const Vector6& twist) {
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   A.topLeftCorner<3, 3>() = skew(twist.head<3>());
@@ -33,7 +34,7 @@ Vector6 random_twist(std::mt19937_64& random, double angle) {
 
 const double kAngles[] = {1e-12, 1e-7, 1e-4, 0.05, 0.0999, 0.1001, 0.7, 2.0, 3.0, 3.1415};
 
-TEST(RigidMotion, ExpIsTheMatrixExponential) {
+TEST(RigidMotion, ExpEqualsTheMatrixExponential) {
   std::mt19937_64 random(1);
   for (const double angle : kAngles) {
     const Vector6 twist = random_twist(random, angle);
@@ -41,15 +42,15 @@ TEST(RigidMotion, ExpIsTheMatrixExponential) {
   }
 }
 
-TEST(RigidMotion, ExpOfAScrewIsKnown) {
+TEST(RigidMotion, ExpOfAScrewMotionIsKnown) {
   Vector6 quarter_turn;
   quarter_turn << 0, 0, std::numbers::pi / 2, std::numbers::pi / 2, 0, 3;
-  const Eigen::Isometry3d T = exp(quarter_turn);  // a quarter of a circle of radius 1 to the left
+  const Eigen::Isometry3d T = exp(quarter_turn);  // a quarter circle of radius 1 to the left
   EXPECT_LT((T.translation() - Eigen::Vector3d(1, 1, 3)).norm(), 1e-14);
   EXPECT_LT((T.linear() * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-14);
 }
 
-TEST(RigidMotion, LogUndoesExp) {
+TEST(RigidMotion, LogInvertsExp) {
   std::mt19937_64 random(2);
   for (const double angle : kAngles) {
     const Vector6 twist = random_twist(random, angle);
@@ -64,7 +65,7 @@ TEST(RigidMotion, LogOfAHalfTurnIsAHalfTurn) {
   EXPECT_LT((rotation_exp(w) - R).norm(), 1e-12);
 }
 
-TEST(RigidMotion, AdjointMovesATwistThroughAMotion) {
+TEST(RigidMotion, AdjointTransformsATwist) {
   std::mt19937_64 random(3);
   const Eigen::Isometry3d T = exp(random_twist(random, 1.3));
   const Vector6 twist = random_twist(random, 0.4);
@@ -101,8 +102,8 @@ TEST(RigidMotion, InterpolatesAtConstantTwist) {
   }
 }
 
-// Samples of a noisy motion, moved into another frame: their spread is the transformed covariance.
-TEST(RigidMotion, TransformsCovarianceAsSamplesDo) {
+// Samples of a noisy motion, transformed to another frame: their covariance is the transformed one.
+TEST(RigidMotion, TransformsCovarianceLikeSamples) {
   std::mt19937_64 random(6);
   std::normal_distribution<double> normal;
   const Eigen::Isometry3d T = exp(random_twist(random, 0.7));

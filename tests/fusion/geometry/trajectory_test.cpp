@@ -11,7 +11,8 @@ constexpr int64_t kNsPerMs = 1'000'000;
 
 Stamp at_ms(int64_t ms) { return Stamp::from_ns(ms * kNsPerMs); }
 
-/// 10 m/s along a circle to the left, 0.5 rad/s, from the origin towards x: known in closed form.
+/// Pose after t seconds at 10 m/s on a circle to the left, 0.5 rad/s, from the origin along x, in
+/// closed form.
 Eigen::Isometry3d on_circle(double t) {
   const double radius = 20, angle = 0.5 * t;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -40,11 +41,11 @@ TEST(Trajectory, InterpolatesACircleExactly) {
   }
 }
 
-TEST(Trajectory, ReportsWhatItDoesNotCover) {
+TEST(Trajectory, ReportsTimesThatItDoesNotCover) {
   Trajectory trajectory = make_circle();
   EXPECT_FALSE(Trajectory().at(at_ms(0)).usable());
-  EXPECT_STREQ(trajectory.at(at_ms(-1)).reason, "the time lies before the first pose");
-  EXPECT_STREQ(trajectory.at(at_ms(1901)).reason, "the time lies after the last pose");
+  EXPECT_STREQ(trajectory.at(at_ms(-1)).reason, "the time is before the first pose");
+  EXPECT_STREQ(trajectory.at(at_ms(1901)).reason, "the time is after the last pose");
   ASSERT_TRUE(trajectory.append({at_ms(2500), on_circle(2.5), Matrix6::Zero()}));
   EXPECT_STREQ(trajectory.at(at_ms(2000)).reason, "the poses around the time are too far apart");
   EXPECT_TRUE(trajectory.at(at_ms(2500)).usable());
@@ -55,7 +56,7 @@ TEST(Trajectory, ReportsWhatItDoesNotCover) {
   EXPECT_FALSE(trajectory.append({at_ms(2500), on_circle(0), Matrix6::Zero()})) << "not later";
 }
 
-TEST(Trajectory, ExtrapolatesToTheLimitWithGrowingCovariance) {
+TEST(Trajectory, ExtrapolatesUpToTheLimitWithGrowingCovariance) {
   TrajectoryOptions options;
   options.max_extrapolation = Duration(100 * kNsPerMs);
   const Trajectory trajectory = make_circle(options);
@@ -67,21 +68,21 @@ TEST(Trajectory, ExtrapolatesToTheLimitWithGrowingCovariance) {
   EXPECT_FALSE(trajectory.at(at_ms(2001)).usable());
 }
 
-TEST(Trajectory, MotionBetweenTwoTimesBothWays) {
+TEST(Trajectory, MotionBetweenTwoTimesInBothDirections) {
   const Trajectory trajectory = make_circle();
   const MotionBetween there = trajectory.between(at_ms(250), at_ms(1210));
   const MotionBetween back = trajectory.between(at_ms(1210), at_ms(250));
   ASSERT_TRUE(there.usable() && back.usable());
-  // On a circle the motion depends on the difference of times alone.
+  // On a circle the motion depends only on the difference of the times.
   EXPECT_LT((there.T_from_to.matrix() - on_circle(0.96).matrix()).norm(), 1e-9);
   EXPECT_LT((there.T_from_to * back.T_from_to).translation().norm(), 1e-9);
   EXPECT_GT(there.covariance.diagonal().minCoeff(), 0);
   EXPECT_GT(back.covariance.diagonal().minCoeff(), 0);
 }
 
-// Steps with independent noise, their covariance summed up as dead reckoning does: the covariance
-// of the motion between two times is the spread of that motion over many drives.
-TEST(Trajectory, CovarianceOfAMotionIsItsSpread) {
+// Steps with independent noise whose covariance accumulates as in dead reckoning: the covariance of
+// the motion between two times equals its spread over many drives.
+TEST(Trajectory, CovarianceOfAMotionEqualsItsSpread) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   Vector6 sigma;
@@ -113,7 +114,7 @@ TEST(Trajectory, CovarianceOfAMotionIsItsSpread) {
   for (int k = 0; k < 6; ++k) EXPECT_NEAR(spread(k, k) / stated(k, k), 1, 0.2) << k;
 }
 
-TEST(Trajectory, KeepsTheNewestWhenFull) {
+TEST(Trajectory, KeepsTheNewestPosesWhenFull) {
   TrajectoryOptions options;
   options.capacity = 8;
   const Trajectory trajectory = make_circle(options);

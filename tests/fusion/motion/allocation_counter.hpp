@@ -4,7 +4,7 @@
 
 namespace infuse::motion {
 
-/// What this test program has taken from the heap so far; stays 0 under sanitizers, whose own
+/// Number of heap allocations of this test program so far; always 0 under sanitizers, whose own
 /// allocator is left in place.
 size_t allocation_count();
 

@@ -31,7 +31,7 @@ Vector6 varying_twist(double t) {
   return twist;
 }
 
-/// Poses of the true drive every 10 ms.
+/// Trajectory with a pose every 10 ms of the true drive.
 Trajectory true_trajectory(const TrueDrive& drive) {
   Trajectory trajectory;
   for (int i = 0; 0.01 * i <= drive.seconds(); ++i) {
@@ -60,7 +60,7 @@ Sweep random_sweep(size_t returns, double start, uint64_t seed, bool ordered) {
   return sweep;
 }
 
-/// Largest distance from where each return's own pose puts it, by exp and log for each.
+/// Largest distance of a return from its exact position, by exp and log for each return.
 double max_error(const Sweep& sweep, const Trajectory& trajectory, Stamp reference,
                  const DeskewedSweep& deskewed) {
   const Eigen::Isometry3d T_reference_odom =
@@ -87,15 +87,15 @@ TEST(Deskew, AgreesWithAnExactPoseForEachReturn) {
       deskewer.deskew(sweep, trajectory, reference, deskewed);
       ASSERT_TRUE(deskewed.usable()) << deskewed.reason;
       EXPECT_EQ(deskewed.reference, reference);
-      // 0.1 mm by the cells' bound, the rest single precision at 170 m.
+      // 0.1 mm by the bound of the cells, the rest is single precision at 170 m.
       EXPECT_LT(max_error(sweep, trajectory, reference, deskewed), 2e-4);
     }
     EXPECT_NEAR(deskewed.motion.T_from_to.translation().x(), 1.5, 0.2);
   }
 }
 
-TEST(Deskew, HoldsItsBoundWhenTheVehicleSpins) {
-  // 170°/s and poses only every 100 ms: the cells must be cut finer, at the stated tolerance.
+TEST(Deskew, KeepsItsToleranceWhenTheVehicleSpins) {
+  // 170°/s and poses only every 100 ms: finer cells are needed for the tolerance.
   Trajectory trajectory;
   Vector6 step;
   step << 0.02, 0.01, 0.3, 2, 0, 0;
@@ -114,12 +114,12 @@ TEST(Deskew, HoldsItsBoundWhenTheVehicleSpins) {
     const double max = max_error(sweep, trajectory, sweep.stamp, deskewed);
     EXPECT_LT(max, tolerance + 1e-4);
     if (tolerance == 1e-2) {
-      EXPECT_GT(max, 5e-4) << "coarser cells must show: else this test sees nothing";
+      EXPECT_GT(max, 5e-4) << "coarser cells must exceed the tolerance";
     }
   }
 }
 
-TEST(Deskew, PassesOnUncompensatedWhatOdometryDoesNotCover) {
+TEST(Deskew, CopiesReturnsThatOdometryDoesNotCover) {
   const TrueDrive drive(1, varying_twist);
   const Trajectory trajectory = true_trajectory(drive);
   Deskewer deskewer(T_vehicle_lidar());
@@ -133,12 +133,12 @@ TEST(Deskew, PassesOnUncompensatedWhatOdometryDoesNotCover) {
     EXPECT_TRUE(std::equal(sweep.z.begin(), sweep.z.end(), deskewed.z.begin(), deskewed.z.end()));
   };
   Sweep sweep = random_sweep(1000, 0.95, 3, true);
-  expect_not_deskewed(sweep, trajectory, sweep.stamp, "the time lies after the last pose");
-  expect_not_deskewed(sweep, Trajectory(), sweep.stamp, "no pose is known");
+  expect_not_deskewed(sweep, trajectory, sweep.stamp, "the time is after the last pose");
+  expect_not_deskewed(sweep, Trajectory(), sweep.stamp, "the trajectory is empty");
   sweep.stamp = seconds(-0.01);
-  expect_not_deskewed(sweep, trajectory, seconds(0.5), "the time lies before the first pose");
+  expect_not_deskewed(sweep, trajectory, seconds(0.5), "the time is before the first pose");
   sweep.stamp = seconds(0.5);
-  expect_not_deskewed(sweep, trajectory, seconds(1.2), "the time lies after the last pose");
+  expect_not_deskewed(sweep, trajectory, seconds(1.2), "the time is after the last pose");
   Trajectory gap;
   for (const double t : {0.1, 0.9}) {
     geometry::StampedPose pose;
@@ -157,10 +157,10 @@ TEST(Deskew, PassesOnUncompensatedWhatOdometryDoesNotCover) {
     pose.T_odom_vehicle.linear() = geometry::rotation_exp({0, 0, i % 2 == 0 ? 3.0 : 0.0});
     absurd.append(pose);
   }
-  expect_not_deskewed(sweep, absurd, sweep.stamp, "the motion is too fast to be believed");
+  expect_not_deskewed(sweep, absurd, sweep.stamp, "the motion is too fast to deskew");
 }
 
-TEST(Deskew, TakesEmptyAndSingleReturnSweeps) {
+TEST(Deskew, AcceptsEmptyAndSingleReturnSweeps) {
   const TrueDrive drive(1, varying_twist);
   const Trajectory trajectory = true_trajectory(drive);
   Deskewer deskewer(T_vehicle_lidar());
@@ -179,8 +179,8 @@ TEST(Deskew, TakesEmptyAndSingleReturnSweeps) {
   }
 }
 
-// Whatever the alignment, vector body or scalar tail: one return gives the same bytes.
-TEST(Deskew, DoesNotDependOnHowReturnsAreGrouped) {
+// For any alignment, in the vector body or the scalar tail: a return gives the same bytes.
+TEST(Deskew, DoesNotDependOnTheGroupingOfReturns) {
   const TrueDrive drive(1, varying_twist);
   const Trajectory trajectory = true_trajectory(drive);
   Deskewer deskewer(T_vehicle_lidar());
@@ -204,7 +204,7 @@ TEST(Deskew, DoesNotDependOnHowReturnsAreGrouped) {
   }
 }
 
-TEST(Deskew, AllocatesNothingOnceWarm) {
+TEST(Deskew, DoesNotAllocateAfterWarmUp) {
   if (!kAllocationsCounted) GTEST_SKIP() << "the sanitizer has its own allocator";
   const TrueDrive drive(2, varying_twist);
   const Trajectory trajectory = true_trajectory(drive);
@@ -223,14 +223,14 @@ TEST(Deskew, AllocatesNothingOnceWarm) {
   EXPECT_GT(filter.trajectory().size(), 90u);
 }
 
-// --- A world of planes, an HDL-64E-like sweep, and the truth in closed form ---
+// --- planar scene, a sweep like an HDL-64E's, and the truth in closed form ---
 
 struct Plane {
   Eigen::Vector3d normal;
   double distance;  // normal · p = distance
 };
 
-/// A street at a crossing: ground, house fronts, walls across at some distance.
+/// A street at a crossing: ground, house fronts, walls across the road further away.
 const std::vector<Plane>& world() {
   static const std::vector<Plane> planes = {
       {Eigen::Vector3d::UnitZ(), 0},   {Eigen::Vector3d::UnitY(), 45},
@@ -242,7 +242,7 @@ const std::vector<Plane>& world() {
 
 struct SimulatedSweep {
   Sweep measured;
-  std::vector<Eigen::Vector3d> hits;  // map frame, without range noise
+  std::vector<Eigen::Vector3d> hits;  // odometry frame, without range noise
 };
 
 SimulatedSweep simulate_sweep(const TrueDrive& drive, double start, double range_noise,
@@ -287,7 +287,7 @@ SimulatedSweep simulate_sweep(const TrueDrive& drive, double start, double range
 
 struct Residual {
   double rms = 0;  // beyond the range noise
-  double max = 0;  // of the raw returns: far end
+  double max = 0;  // of the raw returns: at the far end
 };
 
 Residual residual(const SimulatedSweep& sweep, const TrueDrive& drive, double reference,
@@ -304,7 +304,7 @@ Residual residual(const SimulatedSweep& sweep, const TrueDrive& drive, double re
   return {std::sqrt(std::max(0.0, mean - range_noise * range_noise)), max};
 }
 
-/// Planar: 15 m/s and 30°/s, both changing.
+/// Planar motion: 15 m/s and 30°/s, both varying.
 Vector6 turning_twist(double t) {
   Vector6 twist = Vector6::Zero();
   twist[2] = 0.5236 * (1 + 0.15 * std::sin(2 * t));
@@ -334,9 +334,9 @@ TEST(Deskew, TurningHdl64WithPerfectOdometry) {
   }
 }
 
-// A CAN bus as cars have it: wheel speeds at 50 Hz in steps of 0.01 km/h with 0.4 % wrong scale and
+// A typical CAN bus: wheel speeds at 50 Hz in steps of 0.01 km/h with a scale error of 0.4 % and
 // noise, yaw rate at 50 Hz in steps of 0.244°/s with a bias of 0.4°/s; the car stands for 3 s,
-// pulls away and turns.
+// starts and turns.
 TEST(Deskew, TurningHdl64WithCanOdometry) {
   constexpr double kRangeNoise = 0.02;
   const TrueDrive drive(16, [](double t) {

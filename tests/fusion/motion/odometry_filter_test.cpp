@@ -16,7 +16,7 @@ using geometry::Vector6;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// Stands for `standing` s, then drives a winding road in the plane.
+/// Stands for `standing` s, then drives on a winding planar road.
 Vector6 winding_twist(double t, double standing) {
   Vector6 twist = Vector6::Zero();
   const double start = std::clamp((t - standing) / 6, 0.0, 1.0);
@@ -57,7 +57,7 @@ TEST(OdometryFilter, FollowsAPlanarDriveWithPerfectSensors) {
   EXPECT_EQ(filter.report().outliers, 0u);
 }
 
-TEST(OdometryFilter, LearnsBiasesStandingStill) {
+TEST(OdometryFilter, LearnsBiasesAtStandstill) {
   const TrueDrive drive = winding_drive(30, 6);
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
@@ -86,9 +86,9 @@ TEST(OdometryFilter, LearnsBiasesStandingStill) {
   EXPECT_LT(std::abs(heading_error(pose.T_odom_vehicle, drive.pose(29.8))), 0.7 * kDegree);
 }
 
-TEST(OdometryFilter, WhatItLearnsStandingDoesNotMoveTheVehicle) {
-  // Half a minute with a bias that nothing tells, then it stands: the heading is off by 12°, the
-  // place by 25 m, and as soon as the bias is known so is that. The vehicle has not moved.
+TEST(OdometryFilter, BiasLearnedAtStandstillDoesNotMoveTheVehicle) {
+  // Half a minute with an unobservable bias, then a standstill: the heading error is 12° and the
+  // position error 25 m when the bias becomes known. The vehicle must not move.
   const TrueDrive drive(36, [](double t) {
     geometry::Vector6 twist = geometry::Vector6::Zero();
     twist[3] = t < 30 ? 8.0 : std::max(0.0, 8 - 4 * (t - 30));
@@ -115,14 +115,14 @@ TEST(OdometryFilter, WhatItLearnsStandingDoesNotMoveTheVehicle) {
   }
   EXPECT_LT(max_distance, 0.1);
   EXPECT_LT(max_rotation, 0.3 * kDegree);
-  // What was not taken back is still stated.
+  // The uncorrected error is still in the covariance.
   const auto end = trajectory.at(seconds(35.8));
   const Vector6 error = geometry::log(drive.pose(35.8) * end.T_odom_vehicle.inverse());
   EXPECT_GT(std::abs(error[2]), 8 * kDegree);
   EXPECT_LT(std::abs(error[2]), 3 * std::sqrt(end.covariance(2, 2)));
 }
 
-TEST(OdometryFilter, LearnsTheYawRateBiasFromSteeringWhereItNeverStands) {
+TEST(OdometryFilter, LearnsTheYawRateBiasFromSteeringWithoutStandstill) {
   OdometryOptions options;
   options.steering_ratio = 15;
   options.steering_zero_sigma = 0.005;
@@ -149,7 +149,7 @@ TEST(OdometryFilter, LearnsTheYawRateBiasFromSteeringWhereItNeverStands) {
   filter.flush();
   const EstimatedParameter estimated = filter.report().yaw_rate_bias;
   expect_consistent(estimated, bias, 0.003, "yaw rate");
-  EXPECT_LT(std::abs(estimated.value - bias), 0.3 * bias) << "most of the bias is found";
+  EXPECT_LT(std::abs(estimated.value - bias), 0.3 * bias) << "most of the bias is learned";
 }
 
 TEST(OdometryFilter, LearnsTheWheelScaleOnlyFromGnss) {
@@ -176,7 +176,7 @@ TEST(OdometryFilter, LearnsTheWheelScaleOnlyFromGnss) {
       expect_consistent(scale, 1.008, 0.003, "scale");
     } else {
       EXPECT_NEAR(scale.value, 1, 1e-3);
-      EXPECT_NEAR(scale.sigma, 0.01, 1e-3) << "nothing was learned, and it says so";
+      EXPECT_NEAR(scale.sigma, 0.01, 1e-3) << "nothing is learned, and sigma shows it";
     }
   }
 }
@@ -206,18 +206,18 @@ TEST(OdometryFilter, OutOfOrderSamplesGiveTheSameResult) {
 TEST(OdometryFilter, IsUnusableWithoutSamplesAndLeavesAGap) {
   const TrueDrive drive = winding_drive(20, 0);
   OdometryFilter filter;
-  EXPECT_STREQ(filter.reason(), "no sample has come yet");
+  EXPECT_STREQ(filter.reason(), "no sample received yet");
   for (double t = 0; t < 19.9; t += 0.01) {
     WheelOdometry sample = drive.wheels(t);
-    if (t > 6 && t < 7.5) sample.yaw_rate = std::nan("");  // the sensor is silent
+    if (t > 6 && t < 7.5) sample.yaw_rate = std::nan("");  // yaw-rate sensor silent
     if (t > 10 && t < 11.5) sample.wheel_speed.fill(std::nan(""));
-    if (t > 14 && t < 15) continue;  // the whole bus is
+    if (t > 14 && t < 15) continue;  // whole bus silent
     filter.add(sample);
     if (std::abs(t - 7.4) < 1e-6) {
-      EXPECT_STREQ(filter.reason(), "no believable yaw rate");
+      EXPECT_STREQ(filter.reason(), "no valid yaw rate");
     }
     if (std::abs(t - 11.4) < 1e-6) {
-      EXPECT_STREQ(filter.reason(), "no believable wheel speed");
+      EXPECT_STREQ(filter.reason(), "no valid wheel speed");
     }
     if (std::abs(t - 5) < 1e-6 || std::abs(t - 9) < 1e-6 || std::abs(t - 18) < 1e-6) {
       EXPECT_STREQ(filter.reason(), "") << t;
@@ -259,7 +259,7 @@ TEST(OdometryFilter, ReportsWhenAllWheelsAreRejectedAndRecovers) {
     WheelOdometry sample = drive.wheels(t);
     const bool spinning = t > 8 && t < 10;
     if (spinning) {
-      // Leaps no vehicle can make.
+      // Jumps that no vehicle can make.
       const double jump = static_cast<int>(t * 100) % 2 == 0 ? 30 : -30;
       for (double& speed : sample.wheel_speed) speed += jump;
     }
@@ -303,7 +303,7 @@ TEST(OdometryFilter, OneWrongStampIsIgnoredAndAClockSetBackRestarts) {
   EXPECT_EQ(filter.report().invalid_samples, invalid_before + 1);
 }
 
-/// A ramp that climbs, banks and turns, in three dimensions.
+/// A three-dimensional path that climbs, banks and turns.
 TEST(OdometryFilter, FollowsAClimbInThreeDimensions) {
   const TrueDrive drive(30, [](double t) {
     Vector6 twist = Vector6::Zero();
@@ -320,7 +320,8 @@ TEST(OdometryFilter, FollowsAClimbInThreeDimensions) {
   OdometryFilter filter(options);
   geometry::Matrix6 unsure = geometry::Matrix6::Zero();
   unsure(0, 0) = unsure(1, 1) = std::pow(3 * kDegree, 2);
-  Eigen::Isometry3d tilted = Eigen::Isometry3d::Identity();  // the start is 1.5° wrong
+  Eigen::Isometry3d tilted =
+      Eigen::Isometry3d::Identity();  // the initial orientation is 1.5° wrong
   tilted.linear() = geometry::rotation_exp({1.5 * kDegree, -1.5 * kDegree, 0});
   filter.set_pose(tilted, unsure);
   const Eigen::Vector3d bias(0.002, -0.003, 0.004);
@@ -348,7 +349,7 @@ TEST(OdometryFilter, FollowsAClimbInThreeDimensions) {
   const auto pose = filter.trajectory().at(seconds(29.8));
   ASSERT_TRUE(pose.usable());
   const Eigen::Isometry3d truth = drive.pose(29.8);
-  ASSERT_GT(std::abs(truth.translation().z()), 3.0) << "the road does climb";
+  ASSERT_GT(std::abs(truth.translation().z()), 3.0) << "the road climbs";
   EXPECT_LT((pose.T_odom_vehicle.translation() - truth.translation()).norm(), 3.0);
   EXPECT_LT(
       geometry::rotation_log(pose.T_odom_vehicle.linear().transpose() * truth.linear()).norm(),
@@ -358,8 +359,8 @@ TEST(OdometryFilter, FollowsAClimbInThreeDimensions) {
   }
 }
 
-// Many drives with the noise that the options state: the error of the end pose, squared and weighed
-// by the stated covariance, must be about its number of degrees of freedom.
+// Many drives with the noise of the options: the squared error of the final pose, weighted with the
+// estimated covariance, must match its degrees of freedom.
 TEST(OdometryFilter, CovarianceIsConsistent) {
   constexpr int kDrives = 60;
   const TrueDrive drive = winding_drive(20, 0);

@@ -18,7 +18,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 using Row = std::vector<double>;
 
-/// The rows of a table of numbers, the head line left out; the first column, seconds, becomes ns.
+/// Reads the rows of a numeric table without its header; converts the first column from seconds to
+/// ns.
 std::vector<std::pair<Stamp, Row>> read_table(const std::filesystem::path& file) {
   std::ifstream stream(file);
   std::string line;
@@ -44,7 +45,8 @@ struct TruePosition {
   Eigen::Vector3d east_north_up;
 };
 
-/// The reference positions, from earth-centred coordinates to a tangent plane at the first.
+/// Reads the reference positions and transforms them from earth-centred coordinates to a tangent
+/// plane at the first.
 std::vector<TruePosition> read_truth(const std::filesystem::path& file) {
   const auto rows = read_table(file);
   const Eigen::Vector3d origin(rows[0].second[0], rows[0].second[1], rows[0].second[2]);
@@ -63,7 +65,7 @@ std::vector<TruePosition> read_truth(const std::filesystem::path& file) {
   return positions;
 }
 
-/// Direction of travel between two places half a second to either side, counter-clockwise from
+/// Direction of travel between the positions half a second before and after, counter-clockwise from
 /// east.
 double course_at(const std::vector<TruePosition>& truth, size_t i) {
   const Eigen::Vector3d displacement = truth[i + 10].east_north_up - truth[i - 10].east_north_up;
@@ -91,7 +93,7 @@ OdometryOptions rav4_options() {
   options.track = 1.57;
   options.steering_ratio = 16.9;
   options.gnss_delay = Duration(120'000'000);  // of this receiver's speed
-  options.gnss_course_noise = 0.005;           // of the reference, in place of a receiver
+  options.gnss_course_noise = 0.005;           // of the reference, used instead of a receiver
   options.reorder = Duration(150'000'000);
   return options;
 }
@@ -100,7 +102,7 @@ struct Inputs {
   bool can_yaw_rate = true;
   bool gyro = false;
   bool gnss_speed = false;       // during the first 10 s
-  bool reference_course = true;  // the same
+  bool reference_course = true;  // during the first 10 s
 };
 
 struct Drift {
@@ -109,12 +111,14 @@ struct Drift {
   double max_position = 0;  // m, at any time
   double heading = 0;       // rad, at the end, mean of the last two seconds
   OdometryReport report;
-  double yaw_bias = 0;  // rad/s: mean of the bus's yaw rate, less the mean turn of the true course
-  double wheel_scale = 0;  // true distance over the wheels'
+  double yaw_bias =
+      0;  // rad/s: mean yaw rate on the bus minus the mean turn rate of the true course
+  double wheel_scale = 0;  // true distance over the distance of the wheels
 };
 
-/// Dead reckoning over the minute. The first 10 s tell the course (as the reference positions have
-/// it) and, if requested, the satellite receiver's speed; then wheels and yaw rate are alone.
+/// Dead reckoning over the minute. During the first 10 s the filter receives the course (of the
+/// reference positions) and, if requested, the speed of the GNSS receiver; then only wheels and yaw
+/// rate.
 Drift dead_reckon(const std::filesystem::path& folder, const Inputs& inputs) {
   const auto truth = read_truth(folder / "pose_ecef.csv");
   const auto dbc = vehicle::read_dbc(folder / "vehicle.dbc");
@@ -122,7 +126,7 @@ Drift dead_reckon(const std::filesystem::path& folder, const Inputs& inputs) {
   OdometryFilter filter(rav4_options(), {.capacity = 10000});
   const Stamp begin = truth[10].stamp, learn_until = truth[0].stamp + Duration(10'000'000'000);
 
-  // Start on the truth's place, its course known to a few degrees; the first 10 s tell it.
+  // Initial pose: true position, course known to a few degrees.
   Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
   T_odom_vehicle.linear() = geometry::rotation_exp({0, 0, course_at(truth, 10)});
   geometry::Matrix6 unsure = geometry::Matrix6::Zero();
@@ -134,7 +138,7 @@ Drift dead_reckon(const std::filesystem::path& folder, const Inputs& inputs) {
   size_t next_gyro = 0, next_gnss = 0, next_course = 10;
   std::ifstream log(folder / "raw_can_candump.log");
   vehicle::CandumpReader reader("raw_can_candump.log");
-  double turned = 0, rolled = 0;  // by the bus
+  double turned = 0, rolled = 0;  // from the bus
   std::optional<Stamp> last_yaw, last_wheels;
   const Stamp end = truth[truth.size() - 12].stamp;
   for (std::string line; std::getline(log, line);) {
@@ -221,14 +225,14 @@ void record(const char* name, const Drift& drift) {
        << "°; yaw-rate bias " << drift.report.yaw_rate_bias.value / kDegree << " ± "
        << drift.report.yaw_rate_bias.sigma / kDegree << " (is " << drift.yaw_bias / kDegree
        << ") °/s; wheel scale " << drift.report.wheel_scale.value << " ± "
-       << drift.report.wheel_scale.sigma << " (is " << drift.wheel_scale << ")";
+       << drift.report.wheel_scale.sigma << " (true " << drift.wheel_scale << ")";
   testing::Test::RecordProperty("drift", text.str());
   std::cout << text.str() << "\n";
 }
 
-// With the inertial unit's gyro beside the bus, and the receiver's speed during the first 10 s:
-// what is aimed at, 1 % and 1.5°.
-TEST(Odometry, RealRav4WithGyroDriftsAtMostAPercentAndADegreeAndAHalf) {
+// With the gyro of the inertial unit besides the bus, and the speed of the receiver during the
+// first 10 s. Target: 1 % and 1.5°.
+TEST(Odometry, RealRav4WithGyroDriftsAtMostOnePercentAndOneAndAHalfDegrees) {
   INFUSE_REAL_DATA_OR_SKIP(path, "can/rav4");
   const Drift drift = dead_reckon(path, {.gyro = true, .gnss_speed = true});
   record("bus and gyro, 10 s of course and speed", drift);
@@ -243,8 +247,9 @@ TEST(Odometry, RealRav4WithGyroDriftsAtMostAPercentAndADegreeAndAHalf) {
   EXPECT_EQ(drift.report.outliers, 0u);
 }
 
-// From the bus alone: its yaw rate comes in steps of 0.244°/s and is 0.41°/s off; the car never
-// stands, so that steering and 10 s of course must tell the bias. Not corrected, it would be 24°.
+// From the bus alone: its yaw rate has steps of 0.244°/s and a bias of 0.41°/s. The car never
+// stands, so the bias follows from steering and 10 s of course. Uncorrected, the error would be
+// 24°.
 TEST(Odometry, RealRav4FromTheBusAlone) {
   INFUSE_REAL_DATA_OR_SKIP(path, "can/rav4");
   for (const bool course : {true, false}) {

@@ -20,21 +20,21 @@ Eigen::Isometry3d planar_pose(double x, double y, double yaw) {
   return T;
 }
 
-/// A straight road of n metres, a pose a metre, 10 m/s.
-std::vector<PosePair> deskewed_road(int metres) {
+/// A straight road of n metres, one pose per metre, 10 m/s.
+std::vector<PosePair> straight_road(int metres) {
   std::vector<PosePair> pairs;
   for (int i = 0; i <= metres; ++i)
     pairs.push_back({seconds(0.1 * i), planar_pose(i, 0, 0), planar_pose(i, 0, 0)});
   return pairs;
 }
 
-Eigen::Isometry3d some_motion() {
+Eigen::Isometry3d frame_motion() {
   Vector6 twist;
   twist << 0.3, -0.2, 2.1, 10, -40, 5;
   return geometry::exp(twist);
 }
 
-/// A winding climb, so that positions span all axes.
+/// A winding climb: the positions span all axes.
 std::vector<PosePair> winding_road() {
   std::vector<PosePair> pairs;
   for (int i = 0; i < 300; ++i) {
@@ -47,12 +47,12 @@ std::vector<PosePair> winding_road() {
 
 TEST(TrajectoryError, AlignmentFindsTheMotionBetweenTheFrames) {
   std::vector<PosePair> pairs = winding_road();
-  for (PosePair& pair : pairs) pair.estimate = some_motion().inverse() * pair.truth;
+  for (PosePair& pair : pairs) pair.estimate = frame_motion().inverse() * pair.truth;
   const AbsoluteError aligned = absolute_error(pairs);
   ASSERT_TRUE(aligned.usable());
   EXPECT_LT(aligned.translation.max, 1e-9);
   EXPECT_LT(aligned.rotation.max, 1e-9);
-  EXPECT_LT((aligned.T_truth_estimate.matrix() - some_motion().matrix()).norm(), 1e-9);
+  EXPECT_LT((aligned.T_truth_estimate.matrix() - frame_motion().matrix()).norm(), 1e-9);
   EXPECT_LT(absolute_error(pairs, Alignment::kFirstPose).translation.max, 1e-9);
   EXPECT_GT(absolute_error(pairs, Alignment::kNone).translation.rms, 10);
   for (PosePair& pair : pairs) pair.estimate.translation() *= 0.5;
@@ -62,13 +62,13 @@ TEST(TrajectoryError, AlignmentFindsTheMotionBetweenTheFrames) {
   EXPECT_GT(absolute_error(pairs, Alignment::kRigid).translation.rms, 1);
 }
 
-TEST(TrajectoryError, OnAStraightRoadTheOrientationsDecideTheRotationAboutIt) {
-  std::vector<PosePair> pairs = deskewed_road(40);
+TEST(TrajectoryError, OnAStraightRoadTheOrientationsDetermineTheRotationAboutIt) {
+  std::vector<PosePair> pairs = straight_road(40);
   for (size_t i = 0; i < pairs.size(); ++i) {
     const double wiggle = 0.02 * std::sin(static_cast<double>(i));
-    pairs[i].truth.translation().z() += wiggle;  // suspension: to the side of it for who looks
+    pairs[i].truth.translation().z() += wiggle;  // suspension
     pairs[i].estimate.translation().y() += wiggle;
-    pairs[i].estimate = some_motion().inverse() * pairs[i].estimate;
+    pairs[i].estimate = frame_motion().inverse() * pairs[i].estimate;
   }
   const AbsoluteError aligned = absolute_error(pairs);
   ASSERT_TRUE(aligned.usable());
@@ -76,16 +76,16 @@ TEST(TrajectoryError, OnAStraightRoadTheOrientationsDecideTheRotationAboutIt) {
   EXPECT_LT(aligned.rotation.max, 0.01);
 }
 
-TEST(TrajectoryError, AlignmentIsNeverAMirror) {
-  std::vector<PosePair> pairs = deskewed_road(50);  // a line: mirrors fit as well
+TEST(TrajectoryError, AlignmentIsNeverAReflection) {
+  std::vector<PosePair> pairs = straight_road(50);  // a line: reflections fit as well
   for (PosePair& pair : pairs) pair.estimate = planar_pose(0, 3, 1) * pair.truth;
   const AbsoluteError aligned = absolute_error(pairs);
   EXPECT_NEAR(aligned.T_truth_estimate.linear().determinant(), 1, 1e-9);
   EXPECT_LT(aligned.translation.max, 1e-9);
 }
 
-// No rigid motion does better than the alignment: small changes of it only worsen the error.
-TEST(TrajectoryError, AlignmentIsTheLeastSquares) {
+// Small changes of the alignment only increase the error.
+TEST(TrajectoryError, AlignmentIsTheLeastSquaresSolution) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   std::vector<PosePair> pairs = winding_road();
@@ -106,7 +106,7 @@ TEST(TrajectoryError, AlignmentIsTheLeastSquares) {
 }
 
 TEST(TrajectoryError, StatisticsOfKnownErrors) {
-  std::vector<PosePair> pairs = deskewed_road(3);
+  std::vector<PosePair> pairs = straight_road(3);
   const double errors[] = {3, 0, 4, 1};
   for (size_t i = 0; i < 4; ++i) pairs[i].estimate.translation().y() = errors[i];
   const ErrorStatistics s = absolute_error(pairs, Alignment::kNone).translation;
@@ -118,7 +118,7 @@ TEST(TrajectoryError, StatisticsOfKnownErrors) {
 }
 
 TEST(TrajectoryError, RelativeErrorOfAWrongScaleAndATurn) {
-  std::vector<PosePair> pairs = deskewed_road(100);
+  std::vector<PosePair> pairs = straight_road(100);
   for (size_t i = 0; i < pairs.size(); ++i) {
     const double x = static_cast<double>(i);
     pairs[i].estimate = planar_pose(1.02 * x, 0, 0);
@@ -136,12 +136,12 @@ TEST(TrajectoryError, RelativeErrorOfAWrongScaleAndATurn) {
 }
 
 TEST(TrajectoryError, KittiErrorOfAWrongScale) {
-  std::vector<PosePair> pairs = deskewed_road(1000);
+  std::vector<PosePair> pairs = straight_road(1000);
   for (PosePair& pair : pairs) pair.estimate.translation() *= 1.01;
   const KittiError error = kitti_error(pairs);
   ASSERT_TRUE(error.usable());
   ASSERT_EQ(error.segments.size(), 8u);
-  // A part ends at the first pose beyond its length: 101 m for 100.
+  // A segment ends at the first pose beyond its length: 101 m for 100.
   EXPECT_NEAR(error.segments[0].translation, 0.0101, 1e-9);
   EXPECT_EQ(error.segments[0].count, 90u) << "from poses 0, 10, … 890";
   EXPECT_EQ(error.segments[7].count, 20u);
@@ -150,17 +150,17 @@ TEST(TrajectoryError, KittiErrorOfAWrongScale) {
 }
 
 TEST(TrajectoryError, KittiErrorOfASteadyTurn) {
-  std::vector<PosePair> pairs = deskewed_road(400);
+  std::vector<PosePair> pairs = straight_road(400);
   for (size_t i = 0; i < pairs.size(); ++i) {
     pairs[i].estimate = planar_pose(static_cast<double>(i), 0, 1e-4 * static_cast<double>(i));
   }
   const KittiError error = kitti_error(pairs);
   EXPECT_NEAR(error.segments[1].rotation, 1e-4 * 201 / 200, 1e-9);
   EXPECT_EQ(error.segments[4].count, 0u);
-  EXPECT_FALSE(kitti_error(deskewed_road(90)).usable());
+  EXPECT_FALSE(kitti_error(straight_road(90)).usable());
 }
 
-TEST(TrajectoryError, PairsByTimeAndLeavesOutWhatTheTruthDoesNotCover) {
+TEST(TrajectoryError, PairsByTimeAndLeavesOutPosesWithoutTruth) {
   const TrueDrive drive(10, [](double) {
     Vector6 twist;
     twist << 0, 0, 0.3, 10, 0, 0;

@@ -10,8 +10,8 @@
 
 namespace infuse::motion {
 
-/// A drive whose truth is known: body twist as a function of time (s), integrated in steps of half
-/// a millisecond.
+/// Simulated drive with known truth: body twist as a function of time (s), integrated in steps of
+/// half a millisecond.
 class TrueDrive {
  public:
   TrueDrive(double seconds, std::function<geometry::Vector6(double)> twist)
@@ -32,7 +32,7 @@ class TrueDrive {
     return poses_[i] * geometry::exp(rest * twist_(t - rest / 2));
   }
 
-  /// Wheel speeds of a vehicle of the default dimensions, noiseless.
+  /// Noiseless wheel speeds of a vehicle with the default dimensions.
   WheelOdometry wheels(double t, double wheelbase = 2.7, double track = 1.55) const {
     const geometry::Vector6 now = twist_(t);
     WheelOdometry sample;

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A board held up, and what the lidar sees of it and of the wall behind.
+/// A board, its returns and those of the wall behind it.
 struct BoardScene {
   Eigen::Isometry3d T_lidar_board;
   std::vector<Eigen::Vector3d> nearby_returns;
@@ -26,7 +26,7 @@ BoardScene make_scene(synthetic::RandomSource& random, double margin = 0.25) {
   return scene;
 }
 
-TEST(BoardReturns, FindsTheBoardBeforeAWall) {
+TEST(BoardReturns, FindsTheBoardInFrontOfAWall) {
   synthetic::RandomSource random(1);
   for (int k = 0; k < 10; ++k) {
     const BoardScene scene = make_scene(random);
@@ -71,7 +71,7 @@ TEST(BoardReturns, ReportsAMissingBoard) {
   const auto nothing =
       find_board_returns(scene.nearby_returns, behind, synthetic::board(), 0.25, {});
   ASSERT_FALSE(nothing);
-  EXPECT_THAT(nothing.error().message(), HasSubstr("returns where the board should be"));
+  EXPECT_THAT(nothing.error().message(), HasSubstr("returns at the expected place of the board"));
   EXPECT_FALSE(find_board_returns({}, scene.T_lidar_board, synthetic::board(), 0, {}));
   EXPECT_TRUE(crop_to_board(Sweep{}, scene.T_lidar_board, synthetic::board(), 1).empty());
 }

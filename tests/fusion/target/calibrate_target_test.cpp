@@ -8,7 +8,7 @@
 namespace infuse::target {
 namespace {
 
-/// Boards on stands: a post that leans against the board's back, 8 cm behind it and below.
+/// Boards on stands: a post leans against the back of the board, 8 cm behind and below it.
 std::vector<BoardObservation> make_boards_on_stands(int count, const Eigen::Isometry3d& T_stated) {
   synthetic::RandomSource random(21);
   const geometry::CameraModel camera(synthetic::intrinsics());

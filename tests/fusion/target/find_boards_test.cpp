@@ -16,7 +16,7 @@ Eigen::Isometry3d board_pose_at(double x, double y, double z, double turn,
   return T;
 }
 
-TEST(FindBoards, FindsEveryBoardToAThirdOfAPixel) {
+TEST(FindBoards, FindsEveryBoardWithinAThirdOfAPixel) {
   const std::vector<Eigen::Isometry3d> places = {board_pose_at(-1.0, -0.2, 4.0, 0.5, {0, 1, 0}),
                                                  board_pose_at(1.0, 0.3, 4.4, 0.4, {1, 0.3, 0})};
   const CameraFrame frame = synthetic::render_image(places, synthetic::board());
@@ -26,7 +26,7 @@ TEST(FindBoards, FindsEveryBoardToAThirdOfAPixel) {
   for (const Eigen::Isometry3d& T : places) {
     double best = 1e9;
     for (const Corners& corners : boards) {
-      // The board looks alike from both ends: odd numbers of corners.
+      // With odd numbers of corners the board is symmetric under a half turn.
       for (const bool turned : {false, true}) {
         double worst = 0;
         for (size_t i = 0; i < corners.size(); ++i) {
@@ -78,7 +78,8 @@ TEST(BoardPose, CovarianceMatchesManyNoisyImages) {
     const geometry::Vector6 error = geometry::log(pose->T_camera_board * T.inverse());
     squares += error.dot(pose->covariance.inverse() * error);
   }
-  // 1200 degrees of freedom: 99.9 % within 1044 … 1367; noise is never taken for less than stated.
+  // 1200 degrees of freedom: 99.9 % within 1044 … 1367; the noise is never assumed smaller than
+  // stated.
   EXPECT_GT(squares, 1000);
   EXPECT_LT(squares, 1367);
 }

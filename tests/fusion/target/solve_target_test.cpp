@@ -52,7 +52,7 @@ TEST(SolveTarget, CovarianceCoversTheSpreadOfAHundredRuns) {
   EXPECT_GE(inside, 87);  // 99.9 % of draws of 100 at 95 %
 }
 
-TEST(SolveTarget, WithoutNoiseTheTruthIsFound) {
+TEST(SolveTarget, FindsTheTruthWithoutNoise) {
   synthetic::RandomSource random(3);
   std::vector<TargetView> views;
   for (int k = 0; k < 5; ++k) {
@@ -67,7 +67,7 @@ TEST(SolveTarget, WithoutNoiseTheTruthIsFound) {
 
 TEST(SolveTarget, WrongViewsAreRejectedAndListed) {
   std::vector<TargetView> views = synthetic::make_views(12, 7);
-  // The board was elsewhere; the returns are of another plane; the board was moved a little.
+  // The board was elsewhere; the returns are on another plane; the board was moved a little.
   views[2].T_refcam_board = synthetic::perturb(views[2].T_refcam_board, 0.4, 0.3);
   for (Eigen::Vector3d& point : views[5].returns) point.x() = 8;
   views[9].T_refcam_board.pretranslate(0.05 * views[9].normal());
@@ -80,7 +80,7 @@ TEST(SolveTarget, WrongViewsAreRejectedAndListed) {
   EXPECT_LT(metres_between(result.T_refcam_lidar, kTruth), 0.005);
 }
 
-/// Views of a board that turns about one axis only.
+/// Views of a board that turns about a single axis.
 std::vector<TargetView> make_views_about_axis(const Eigen::Vector3d& axis,
                                               const std::vector<double>& angles) {
   synthetic::RandomSource random(5);
@@ -95,8 +95,8 @@ std::vector<TargetView> make_views_about_axis(const Eigen::Vector3d& axis,
   return views;
 }
 
-TEST(SolveTarget, NormalsInOnePlaneNameTheFreeTranslation) {
-  // Turned about the picture's upright: nothing tells how high the camera stands.
+TEST(SolveTarget, CoplanarNormalsNameTheFreeTranslation) {
+  // Turned about the vertical axis of the image: the height of the camera is undetermined.
   const auto upright =
       solve_target(make_views_about_axis(Eigen::Vector3d::UnitY(), {-0.6, -0.3, 0, 0.3, 0.6}),
                    initial_guess(), {});
@@ -130,7 +130,7 @@ TEST(SolveTarget, TwoViewsLeaveTheirIntersectionFree) {
   EXPECT_THAT(result.reason, HasSubstr(text));
 }
 
-TEST(SolveTarget, TooMuchNoiseIsRefused) {
+TEST(SolveTarget, TooMuchNoiseIsRejected) {
   const auto result =
       solve_target(synthetic::make_views(4, 2, synthetic::board(), 1.0), initial_guess(), {});
   EXPECT_FALSE(result.usable());

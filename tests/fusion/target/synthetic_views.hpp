@@ -14,8 +14,8 @@
 #include "fusion/target/board_pose.hpp"
 #include "fusion/target/target_view.hpp"
 
-/// Boards of the size that P used (75 × 105 cm, 3.4.1.1) held up before a camera and a lidar, with
-/// known truth.
+/// Boards of the size used in P (75 × 105 cm, 3.4.1.1) in view of a camera and a lidar, with known
+/// truth.
 namespace infuse::target::synthetic {
 
 inline Board board() { return {.columns = 7, .rows = 5, .square_size = 0.13}; }
@@ -45,7 +45,7 @@ inline Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double rad, double 
   return geometry::exp(xi / std::sqrt(3.0)) * T;
 }
 
-/// Draws the same numbers with every library.
+/// Random numbers that are the same with every standard library.
 class RandomSource {
  public:
   explicit RandomSource(uint64_t seed) : random_(seed) {}
@@ -60,7 +60,7 @@ class RandomSource {
   std::mt19937_64 random_;
 };
 
-/// A board 2 to 5 m before the camera, tilted by 20 to 50 degrees, wholly in the picture.
+/// A board 2 to 5 m from the camera, tilted by 20 to 50 degrees, completely in the image.
 inline Eigen::Isometry3d random_board_pose(RandomSource& random, const Board& board) {
   const geometry::CameraModel camera(intrinsics());
   while (true) {
@@ -83,7 +83,8 @@ inline Eigen::Isometry3d random_board_pose(RandomSource& random, const Board& bo
   }
 }
 
-/// Where a ray from `from` along `along` (unit) meets the board, m; squares' border included.
+/// Distance at which a ray from `from` along `along` (unit vector) meets the board, m, including
+/// the outermost squares.
 inline std::optional<double> intersect(const Eigen::Isometry3d& T_board, const Board& board,
                                        const Eigen::Vector3d& from, const Eigen::Vector3d& along) {
   const Eigen::Vector3d normal = T_board.linear().col(2);
@@ -95,7 +96,7 @@ inline std::optional<double> intersect(const Eigen::Isometry3d& T_board, const B
   return range;
 }
 
-/// Calls `see(along, ring, column)` for 64 beams from −24° to 16°, every 0.35° between ±50°.
+/// Calls `visit(along, ring, column)` for 64 beams from −24° to 16°, every 0.35° between ±50°.
 template <class Visit>
 void for_each_beam(const Visit& visit) {
   for (int column = 0; column < 286; ++column) {
@@ -109,7 +110,7 @@ void for_each_beam(const Visit& visit) {
   }
 }
 
-/// The board, and a wall 8 m away.
+/// Sweep of the board and a wall 8 m away.
 inline Sweep simulate_sweep(const Eigen::Isometry3d& T_lidar_board, const Board& board,
                             double noise, RandomSource& random) {
   Sweep sweep;
@@ -142,7 +143,8 @@ inline Corners project_corners(const Eigen::Isometry3d& T_camera_board, const Bo
   return corners;
 }
 
-/// What both sensors see of one board, with noise of both; the returns are exactly those on it.
+/// Views one board with both sensors, with the noise of both; the returns are exactly those on the
+/// board.
 inline TargetView make_view(const Eigen::Isometry3d& T_camera_board, const Board& board,
                             RandomSource& random, double range_noise = 0.02,
                             double corner_noise = 0.06) {
@@ -170,7 +172,7 @@ inline std::vector<TargetView> make_views(int views, uint64_t seed,
   return all;
 }
 
-/// Brightness of a board with a white border half a square wide, where a ray meets it.
+/// Brightness where a ray meets a board with a white border half a square wide.
 inline std::optional<double> brightness(const Eigen::Isometry3d& T_camera_board, const Board& board,
                                         const Eigen::Vector3d& along) {
   const Eigen::Vector3d normal = T_camera_board.linear().col(2);
@@ -184,7 +186,7 @@ inline std::optional<double> brightness(const Eigen::Isometry3d& T_camera_board,
   return dark ? 30 : 220;
 }
 
-/// A picture of boards before a grey wall, 3 × 3 rays a pixel.
+/// Image of boards in front of a grey wall, 3 × 3 rays per pixel.
 inline CameraFrame render_image(const std::vector<Eigen::Isometry3d>& T_camera_boards,
                                 const Board& board) {
   const geometry::CameraModel camera(intrinsics());
@@ -217,7 +219,7 @@ inline double degrees_between(const Eigen::Isometry3d& a, const Eigen::Isometry3
   return geometry::log(a * b.inverse()).head<3>().norm() * 180 / M_PI;
 }
 
-/// Distance of the two lidar origins as the camera places them, m.
+/// Distance of the two lidar origins in the camera frame, m.
 inline double metres_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return (a.translation() - b.translation()).norm();
 }

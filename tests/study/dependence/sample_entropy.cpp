@@ -1,4 +1,4 @@
-#include "fusion/dependence/sample_entropy.hpp"
+#include "tests/study/dependence/sample_entropy.hpp"
 
 #include <algorithm>
 #include <boost/math/special_functions/digamma.hpp>
@@ -7,13 +7,13 @@
 #include <numbers>
 #include <vector>
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 using boost::math::digamma;
 
-/// The expected error of P(2.20) on n samples of a uniform density: exact, since the spacings are
-/// then Beta distributed. Inside the sample the spacing has 2m steps, at its ends fewer.
+/// Expected error of P(2.20) on n samples of a uniform density: exact, since the spacings are then
+/// Beta distributed. Inside the sample a spacing has 2m steps, at its ends fewer.
 double spacing_bias(int n, int m) {
   const double samples = n;
   double edges = 0;
@@ -22,7 +22,7 @@ double spacing_bias(int n, int m) {
          (1 - 2.0 * m / samples) * digamma(2.0 * m) + 2 / samples * edges;
 }
 
-/// The samples as nanoflann wants to see them.
+/// Adaptor of the samples for nanoflann.
 struct ColumnPoints {
   const Eigen::Ref<const Eigen::MatrixXd>& samples;
   size_t kdtree_get_point_count() const { return static_cast<size_t>(samples.cols()); }
@@ -63,11 +63,11 @@ Estimate entropy_spacing(std::span<const double> samples, const SpacingOptions& 
   double sum = 0;
   for (int k = 0; k < n; ++k) {
     const double spacing = order_statistic(k + m) - order_statistic(k - m);
-    if (!(spacing > 0)) return {0, "more equal samples than the spacing spans: no density"};
+    if (!(spacing > 0)) return {0, "more equal samples than a spacing covers: no density"};
     sum += std::log(spacing);
   }
   const double h = sum / n + std::log(n / (2.0 * m));
-  if (!std::isfinite(h)) return {0, "the samples spread beyond the range of double"};
+  if (!std::isfinite(h)) return {0, "the range of the samples exceeds that of double"};
   return {options.correct_bias ? h - spacing_bias(n, m) : h, ""};
 }
 
@@ -75,7 +75,7 @@ Estimate entropy_nearest_neighbour(const Eigen::Ref<const Eigen::MatrixXd>& samp
   if (samples.rows() < 1) return {0, "samples have no dimension"};
   if (k < 1 || samples.cols() <= k) return {0, "k is not in 1 ... n - 1"};
   if (!samples.allFinite()) return {0, "a sample is not finite"};
-  constexpr double kMaxMagnitude = 1e100;  // squared distances stay finite
+  constexpr double kMaxMagnitude = 1e100;  // keeps squared distances finite
   if (samples.cwiseAbs().maxCoeff() > kMaxMagnitude) return {0, "a sample is above 1e100"};
 
   const ColumnPoints points{samples};
@@ -99,4 +99,4 @@ Estimate entropy_nearest_neighbour(const Eigen::Ref<const Eigen::MatrixXd>& samp
           ""};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -1,4 +1,4 @@
-#include "fusion/dependence/count_entropy.hpp"
+#include "tests/study/dependence/count_entropy.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 constexpr double kReferenceTolerance = 5e-13;  // the reference values have twelve decimals
@@ -16,7 +16,7 @@ const std::vector<double> kSmallCounts = {4, 2, 3, 0, 2, 4, 0, 0, 2, 1, 1};
 const std::vector<double> kSkewedCounts = {100, 50, 25, 12, 6, 3, 1, 1, 1, 0};
 
 // Reference values: R package `entropy` 1.3.2.
-TEST(CountEntropyOptions, MaximumLikelihoodAndMillerMadowAgreeWithReference) {
+TEST(CountEntropy, MaximumLikelihoodAndMillerMadowAgreeWithReference) {
   EXPECT_NEAR(entropy_maximum_likelihood(kSmallCounts).value, 1.968382408728, kReferenceTolerance);
   EXPECT_NEAR(entropy_maximum_likelihood(kSmallCounts).value / std::log(2), 2.839775539646,
               kReferenceTolerance);
@@ -24,7 +24,7 @@ TEST(CountEntropyOptions, MaximumLikelihoodAndMillerMadowAgreeWithReference) {
   EXPECT_TRUE(entropy_maximum_likelihood(kSmallCounts).usable());
 }
 
-TEST(CountEntropyOptions, ChaoShenAgreesWithReference) {
+TEST(CountEntropy, ChaoShenAgreesWithReference) {
   EXPECT_NEAR(entropy_chao_shen(kSmallCounts).value, 2.201137101280, kReferenceTolerance);
   EXPECT_NEAR(entropy_chao_shen(kSmallCounts).value / std::log(2), 3.175569580333,
               kReferenceTolerance);
@@ -39,7 +39,7 @@ TEST(CountEntropyOptions, ChaoShenAgreesWithReference) {
   EXPECT_TRUE(singletons.usable());
 }
 
-TEST(CountEntropyOptions, JamesSteinAgreesWithReference) {
+TEST(CountEntropy, JamesSteinAgreesWithReference) {
   const ShrunkFrequencies shrunk = james_stein_frequencies(kSmallCounts);
   EXPECT_NEAR(shrunk.lambda, 0.766393442623, kReferenceTolerance);
   const std::vector<double> expected = {0.1188524590, 0.0942622951, 0.1065573770, 0.0696721311,
@@ -55,7 +55,7 @@ TEST(CountEntropyOptions, JamesSteinAgreesWithReference) {
               kReferenceTolerance);
 }
 
-TEST(CountEntropyOptions, DirichletAgreesWithReference) {
+TEST(CountEntropy, DirichletAgreesWithReference) {
   EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 0.5).value, 2.179480382724, kReferenceTolerance);
   EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 1).value, 2.257875518693, kReferenceTolerance);
   EXPECT_NEAR(entropy_dirichlet(kSmallCounts, perks_alpha(kSmallCounts)).value, 2.036887808124,
@@ -64,13 +64,13 @@ TEST(CountEntropyOptions, DirichletAgreesWithReference) {
               kReferenceTolerance);
 }
 
-TEST(CountEntropyOptions, PlugInOfKnownDistribution) {
+TEST(CountEntropy, PlugInOfKnownDistribution) {
   const std::vector<double> p = {0.5, 0.25, 0.125, 0.125};
   EXPECT_NEAR(plug_in_entropy(p), 1.2130075659799, 5e-14);
   EXPECT_NEAR(plug_in_entropy(p), 1.75 * std::log(2), 1e-15);
 }
 
-TEST(CountEntropyOptions, GivenTargetAndShrinkageAreTheWeightedAverage) {
+TEST(CountEntropy, GivenTargetAndShrinkageAreTheWeightedAverage) {
   const std::vector<double> counts = {3, 1}, target = {0.2, 0.8};
   const ShrunkFrequencies shrunk =
       james_stein_frequencies(counts, {.target = target, .lambda = 0.25});
@@ -81,7 +81,7 @@ TEST(CountEntropyOptions, GivenTargetAndShrinkageAreTheWeightedAverage) {
   EXPECT_NEAR(optimal, 2 * (0.75 * 0.25 / 3) / (2 * 0.55 * 0.55), 1e-15);
 }
 
-TEST(CountEntropyOptions, FastShrinkageAsPrintedGrowsAndReversedFalls) {
+TEST(CountEntropy, FastShrinkageAsPrintedGrowsAndReversedFalls) {
   EXPECT_EQ(fast_shrinkage(0, 1000, FastShrinkage::kAsPrinted), 0);
   EXPECT_EQ(fast_shrinkage(0, 1000, FastShrinkage::kReversed), 1);
   const double printed = 2 / (1 + std::exp(-1.5)) - 1;
@@ -91,8 +91,8 @@ TEST(CountEntropyOptions, FastShrinkageAsPrintedGrowsAndReversedFalls) {
   EXPECT_EQ(fast_shrinkage(10, 0), 1);
 }
 
-// Which direction of P(4.11) works: root mean square error of the entropy of codeword histograms.
-TEST(CountEntropyOptions, FastShrinkageWorksReversedNotAsPrinted) {
+// Direction of P(4.11): root mean square error of the entropy of codeword histograms.
+TEST(CountEntropy, FastShrinkageWorksReversedNotAsPrinted) {
   constexpr int kWords = 64, kTrials = 50;
   constexpr double kSigma = 100;
   std::vector<double> truth(kWords);
@@ -113,15 +113,15 @@ TEST(CountEntropyOptions, FastShrinkageWorksReversedNotAsPrinted) {
     }
     return std::sqrt(squared / kTrials);
   };
-  // Many correspondences, a target that is wrong: the samples must win.
+  // Many correspondences and a wrong target: the samples must prevail.
   EXPECT_LT(error(1000, {}, FastShrinkage::kReversed), 0.1);
   EXPECT_GT(error(1000, {}, FastShrinkage::kAsPrinted), 0.5);
-  // Few correspondences, a target as training gives it: the target must win.
+  // Few correspondences and a target from training: the target must prevail.
   EXPECT_LT(error(20, truth, FastShrinkage::kReversed), 0.1);
   EXPECT_GT(error(20, truth, FastShrinkage::kAsPrinted), 0.5);
 }
 
-TEST(CountEntropyOptions, BadCountsGiveAReasonAndAFiniteValue) {
+TEST(CountEntropy, BadCountsGiveAReasonAndAFiniteValue) {
   const double inf = std::numeric_limits<double>::infinity();
   const std::vector<std::vector<double>> bad = {{}, {0, 0}, {-1, 2}, {NAN, 1}, {inf, 1}, {1e300}};
   using Estimator = CountEntropyOptions::Estimator;
@@ -141,7 +141,7 @@ TEST(CountEntropyOptions, BadCountsGiveAReasonAndAFiniteValue) {
   EXPECT_FALSE(entropy_james_stein(kSmallCounts, {.target = kSmallCounts, .lambda = {}}).usable());
 }
 
-TEST(CountEntropyOptions, OnlyThePlugInRejectsFewerObservationsThanWords) {
+TEST(CountEntropy, OnlyThePlugInRejectsFewerObservationsThanWords) {
   const std::vector<double> sparse = {1, 0, 2, 0, 0};
   EXPECT_THAT(std::string(entropy_maximum_likelihood(sparse).reason),
               testing::HasSubstr("fewer observations than words"));
@@ -150,7 +150,7 @@ TEST(CountEntropyOptions, OnlyThePlugInRejectsFewerObservationsThanWords) {
   EXPECT_TRUE(entropy_chao_shen(sparse).usable());
 }
 
-TEST(CountEntropyOptions, RelabellingChangesNothing) {
+TEST(CountEntropy, RelabellingChangesNothing) {
   std::vector<double> reversed(kSmallCounts.rbegin(), kSmallCounts.rend());
   using Estimator = CountEntropyOptions::Estimator;
   for (const Estimator estimator :
@@ -162,4 +162,4 @@ TEST(CountEntropyOptions, RelabellingChangesNothing) {
 }
 
 }  // namespace
-}  // namespace infuse::dependence
+}  // namespace infuse::study

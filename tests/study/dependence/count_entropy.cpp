@@ -1,12 +1,12 @@
-#include "fusion/dependence/count_entropy.hpp"
+#include "tests/study/dependence/count_entropy.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "fusion/dependence/nemenman.hpp"
+#include "tests/study/dependence/nemenman.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 constexpr const char* kFewerSamplesThanWords =
@@ -19,11 +19,11 @@ double sum(std::span<const double> values) {
 double minus_p_log_p(double p) { return p > 0 ? -p * std::log(p) : 0; }
 
 const char* check_target(std::span<const double> target, size_t words) {
-  if (target.size() != words) return "the target has another number of words than the counts";
+  if (target.size() != words) return "the target and the counts differ in size";
   for (const double t : target) {
-    if (!(t >= 0 && t <= 1)) return "the target is not a distribution: a value is not in 0..1";
+    if (!(t >= 0 && t <= 1)) return "the target is not a distribution: a value is not in 0 … 1";
   }
-  if (std::abs(sum(target) - 1) > 1e-6) return "the target is not a distribution: sum is not 1";
+  if (std::abs(sum(target) - 1) > 1e-6) return "the target is not a distribution: its sum is not 1";
   return "";
 }
 
@@ -54,7 +54,7 @@ double plug_in_entropy(std::span<const double> frequencies) {
 
 const char* check_counts(std::span<const double> counts) {
   if (counts.empty()) return "no counts";
-  constexpr double kMaxCount = 1e15;  // sums stay exact enough, whole numbers stay whole
+  constexpr double kMaxCount = 1e15;  // keeps sums accurate and integers exact
   for (const double c : counts) {
     if (!(c >= 0)) return "a count is negative or not a number";
     if (c > kMaxCount) return "a count is above 1e15";
@@ -90,7 +90,7 @@ ShrunkFrequencies james_stein_frequencies(std::span<const double> counts,
     shrunk.reason = check_target(shrinkage.target, counts.size());
   }
   if (shrinkage.lambda && !(*shrinkage.lambda >= 0 && *shrinkage.lambda <= 1)) {
-    shrunk.reason = "the shrinkage is not in 0..1";
+    shrunk.reason = "the shrinkage is not in 0 … 1";
   }
   if (!shrunk.usable()) return shrunk;
 
@@ -173,4 +173,4 @@ Estimate entropy(std::span<const double> counts, const CountEntropyOptions& opti
   return {0, "unknown estimator"};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -1,4 +1,4 @@
-#include "fusion/dependence/directed_information.hpp"
+#include "tests/study/dependence/directed_information.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 using Labels = std::vector<int32_t>;
@@ -15,7 +15,7 @@ constexpr auto kMaximumLikelihood = CountEntropyOptions::Estimator::kMaximumLike
 
 double binary_entropy(double p) { return -p * std::log(p) - (1 - p) * std::log(1 - p); }
 
-/// X a fair coin; Y_i = X_{i − delay}, turned over with probability `noise`.
+/// X is a fair coin; Y_i = X_{i − delay}, flipped with probability `noise`.
 struct Channel {
   Labels x, y;
   Channel(size_t n, size_t delay, double noise) : x(n), y(n) {
@@ -44,7 +44,7 @@ TEST(DirectedInformationRate, DelayedLeavesThePresentOut) {
               0.001);
 }
 
-/// H of words made of some positions of each observation, by a map.
+/// Entropy of words made of some positions of each observation, computed with a map.
 double word_entropy(const std::vector<Labels>& words) {
   std::map<Labels, double> counts;
   for (const Labels& word : words) counts[word] += 1;
@@ -132,4 +132,4 @@ TEST(DirectedInformation, ConstantSequencesCarryNone) {
 }
 
 }  // namespace
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -1,4 +1,4 @@
-#include "fusion/dependence/nemenman.hpp"
+#include "tests/study/dependence/nemenman.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +6,12 @@
 #include <random>
 #include <vector>
 
-#include "fusion/dependence/count_entropy.hpp"
+#include "tests/study/dependence/count_entropy.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
-/// ψ by the difference of std::lgamma: crude, and independent of the library's.
+/// ψ by finite differences of std::lgamma: crude, but independent of the library's.
 double psi(double x) {
   const double h = 1e-4 * std::max(x, 1.0);
   if (x < 1) return psi(x + 1) - 1 / x;
@@ -20,8 +20,8 @@ double psi(double x) {
          (12 * h);
 }
 
-/// Two words: the posterior mean of H(p) by quadrature over p and over ξ(β), straight from the
-/// definition of the prior.
+/// Two words: posterior mean of H(p) by quadrature over p and over ξ(β), from the definition of the
+/// prior.
 double two_words_by_quadrature(double n1, double n2) {
   const auto xi = [](double beta) { return psi(2 * beta + 1) - psi(beta + 1); };
   double mass = 0, mean = 0;
@@ -32,7 +32,7 @@ double two_words_by_quadrature(double n1, double n2) {
     const double weight = xi(std::exp(u + kStep / 2)) - xi(std::exp(u - kStep / 2));
     const double log_norm = std::lgamma(2 * beta) - 2 * std::lgamma(beta);
     for (int i = 0; i < kPointCount; ++i) {
-      // p = Φ-like map that puts points close to both ends: p = 1/(1 + e^{-z})
+      // p = 1/(1 + e^{-z}) puts points close to both ends.
       const double z = -60 + 120 * (i + 0.5) / kPointCount;
       const double p = 1 / (1 + std::exp(-z)), q = 1 / (1 + std::exp(z));
       const double density =
@@ -52,7 +52,7 @@ TEST(Nemenman, AgreesWithQuadratureOverTheDistributionItself) {
   }
 }
 
-// The example of simomarsili/ndd, an independent implementation (its quadrature is adaptive).
+// Example of simomarsili/ndd, an independent implementation (with adaptive quadrature).
 TEST(Nemenman, AgreesWithPublishedExample) {
   std::vector<double> counts = {4, 12, 4, 5, 3, 1, 5, 1, 2, 2, 2, 2, 11, 3, 4, 12, 12, 1, 2};
   counts.resize(100, 0.0);
@@ -93,4 +93,4 @@ TEST(Nemenman, StaysBetweenZeroAndLogOfTheVocabulary) {
 }
 
 }  // namespace
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -5,13 +5,13 @@
 #include <random>
 #include <vector>
 
-#include "fusion/dependence/sample_entropy.hpp"
+#include "tests/study/dependence/sample_entropy.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
-/// Σ |e|^γ over the edges of the Euclidean minimum spanning tree: Prim's algorithm on the full
-/// graph, one pass over the points outside the tree for each that joins.
+/// Σ |e|^γ over the edges of the Euclidean minimum spanning tree: Prim's algorithm on the complete
+/// graph, one pass over the remaining points for each point added.
 double tree_length(Eigen::MatrixXd points, double gamma) {
   const Eigen::Index n = points.cols();
   std::vector<double> nearest(static_cast<size_t>(n), std::numeric_limits<double>::infinity());
@@ -62,15 +62,15 @@ Estimate renyi_entropy_spanning_tree(const Eigen::Ref<const Eigen::MatrixXd>& sa
   if (const char* reason = check_options(options); *reason) return {0, reason};
   if (samples.rows() < 1) return {0, "samples have no dimension"};
   if (samples.cols() < 2) return {0, "fewer than two samples"};
-  if (samples.cols() > kMaxSamples) return {0, "more than 50 000 samples: draw a part of them"};
+  if (samples.cols() > kMaxSamples) return {0, "more than 50 000 samples: draw a subset"};
   if (!samples.allFinite()) return {0, "a sample is not finite"};
-  constexpr double kMaxMagnitude = 1e100;  // squared distances stay finite
+  constexpr double kMaxMagnitude = 1e100;  // keeps squared distances finite
   if (samples.cwiseAbs().maxCoeff() > kMaxMagnitude) return {0, "a sample is above 1e100"};
 
   const double length =
       tree_length(samples, static_cast<double>(samples.rows()) * (1 - options.alpha));
   if (!(length > 0)) return {0, "all samples are equal"};
-  if (!std::isfinite(length)) return {0, "the samples spread beyond the range of double"};
+  if (!std::isfinite(length)) return {0, "the range of the samples exceeds that of double"};
   constexpr Eigen::Index kMaxCalibrationSamples = 1000;
   const auto dimensions = static_cast<int>(samples.rows());
   const auto sizes = static_cast<int>(std::min(samples.cols(), kMaxCalibrationSamples));
@@ -80,4 +80,4 @@ Estimate renyi_entropy_spanning_tree(const Eigen::Ref<const Eigen::MatrixXd>& sa
   return {(std::log(length) - options.alpha * log_n - log_beta) / (1 - options.alpha), ""};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

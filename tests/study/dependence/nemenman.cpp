@@ -1,4 +1,4 @@
-#include "fusion/dependence/nemenman.hpp"
+#include "tests/study/dependence/nemenman.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,15 +8,15 @@
 #include <numeric>
 #include <vector>
 
-#include "fusion/dependence/count_entropy.hpp"
+#include "tests/study/dependence/count_entropy.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 using boost::math::digamma;
 using boost::math::trigamma;
 
-/// A count and how many words have it.
+/// A count and the number of words that have it.
 struct Multiplicity {
   double count;
   double words;
@@ -35,7 +35,7 @@ std::vector<Multiplicity> multiplicities(std::span<const double> counts) {
 
 /// ln Γ(x + n) − ln Γ(x) without the cancellation of two large values.
 double log_rising_factorial(double x, double n) {
-  double shift = 0;  // raise x to where the Stirling series has full precision
+  double shift = 0;  // raise x until the Stirling series has full precision
   while (x < 12) {
     shift += std::log((x + n) / x);
     x += 1;
@@ -58,7 +58,7 @@ double entropy_density(double beta, double words) {
   return w * ((1 - k) / 2 - w * (1 - k * k) / 6);
 }
 
-/// The posterior at one β: ln of its density over ln β, and the expected entropy.
+/// Posterior at one β: log density over ln β, and expected entropy.
 struct PosteriorPoint {
   double log_density;
   double entropy;
@@ -84,8 +84,8 @@ Estimate entropy_nemenman(std::span<const double> counts) {
   const auto words = static_cast<double>(counts.size());
   const double n = std::accumulate(counts.begin(), counts.end(), 0.0);
 
-  // The trapezoid rule over ln β: the integrand is smooth and falls off exponentially at both ends,
-  // where the rule converges faster than any power of the step.
+  // Trapezoid rule over ln β: the integrand is smooth and decays exponentially at both ends, where
+  // the rule converges faster than any power of the step.
   constexpr double kMinLogBeta = -36, kMaxLogBeta = 36, kLogBetaStep = 1.0 / 16;
   constexpr auto kPointCount = static_cast<size_t>((kMaxLogBeta - kMinLogBeta) / kLogBetaStep) + 1;
   std::array<PosteriorPoint, kPointCount> points;
@@ -105,4 +105,4 @@ Estimate entropy_nemenman(std::span<const double> counts) {
   return {std::clamp(entropy / mass, 0.0, std::log(words)), ""};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -1,15 +1,15 @@
-#include "fusion/dependence/directed_information.hpp"
+#include "tests/study/dependence/directed_information.hpp"
 
 #include <algorithm>
 #include <vector>
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 constexpr int kMaxMemory = 16;
 constexpr int kMaxSequenceLength = 1024;
 
-/// Words by number: observations that agree in everything appended so far have the same number.
+/// Numbers words: observations that agree in all labels appended so far have the same number.
 class Words {
  public:
   explicit Words(size_t observations) : ids_(observations, 0) {}
@@ -36,7 +36,7 @@ class Words {
   Estimate entropy(CountEntropyOptions::Estimator estimator) const {
     std::vector<double> counts(ids_.size(), 0.0);
     for (const int32_t id : ids_) counts[static_cast<size_t>(id)] += 1;
-    while (!counts.empty() && counts.back() == 0) counts.pop_back();  // words that never occur
+    while (!counts.empty() && counts.back() == 0) counts.pop_back();  // unused numbers
     CountEntropyOptions options;
     options.estimator = estimator;
     return infuse::dependence::entropy(counts, options);
@@ -61,7 +61,7 @@ const char* check_estimator(CountEntropyOptions::Estimator estimator) {
          "or Chao-Shen";
 }
 
-/// H(after_y) − H(before_y) of words of y, less the same of words of y and x: one term of P(6.1).
+/// One term of P(6.1): H(after_y) − H(before_y) of words of y, minus the same for words of y and x.
 struct Term {
   Estimate y_after, y_before, xy_after, xy_before;
 
@@ -87,7 +87,7 @@ Estimate directed_information(std::span<const int32_t> x, std::span<const int32_
   if (x.size() > 1u << 30) return {0, "too many samples"};
   if (const char* reason = check_estimator(estimator); *reason) return {0, reason};
   const size_t observations = x.size() / steps;
-  if (observations < 2) return {0, "one sequence only: see directed_information_rate"};
+  if (observations < 2) return {0, "fewer than two sequences: use directed_information_rate"};
 
   Words past_y(observations), past_xy(observations);
   double sum = 0;
@@ -142,4 +142,4 @@ Estimate directed_information_rate(std::span<const int32_t> x, std::span<const i
   return {term.value(), ""};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

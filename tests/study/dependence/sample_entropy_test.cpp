@@ -1,4 +1,4 @@
-#include "fusion/dependence/sample_entropy.hpp"
+#include "tests/study/dependence/sample_entropy.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
 constexpr double kTwoPiE = 2 * std::numbers::pi * std::numbers::e;
@@ -30,7 +30,7 @@ std::span<const double> row(const Eigen::MatrixXd& scalars) {
   return {scalars.data(), static_cast<size_t>(scalars.size())};
 }
 
-/// Mean of `trials` values of `estimate(seed)` and the standard error of that mean.
+/// Mean of `trials` values of `estimate(seed)` and its standard error.
 struct Mean {
   double value, standard_error;
 };
@@ -96,7 +96,7 @@ TEST(NearestNeighbourEntropy, GaussianWithinStandardError) {
     for (const int k : {1, 4}) {
       const Mean h = mean_over_seeds(
           12, [&](unsigned seed) { return entropy_nearest_neighbour(gaussian(d, 4000, seed), k); });
-      // The bias falls with the dimension as n^(-2/d): allowed for in three dimensions.
+      // The bias decreases as n^(-2/d): allow for it in three dimensions.
       const double bias = d == 3 ? 0.02 : 0.002;
       EXPECT_NEAR(h.value, d * std::log(kTwoPiE) / 2, 4 * h.standard_error + bias)
           << "d " << d << " k " << k;
@@ -129,7 +129,7 @@ TEST(NearestNeighbourEntropy, BadInputGivesAReason) {
 }
 
 TEST(SpanningTreeEntropy, LengthAgreesWithATreeByHand) {
-  // Points of a line at 0, 1, 4, 9: edges 1, 3, 5; d = 1, alpha = 0.5, so gamma = 0.5.
+  // Points on a line at 0, 1, 4, 9: edges 1, 3, 5; d = 1, alpha = 0.5, so gamma = 0.5.
   const Eigen::RowVector4d x(9, 0, 4, 1);
   const double length = 1 + std::sqrt(3) + std::sqrt(5);
   const SpanningTreeOptions options{
@@ -139,7 +139,7 @@ TEST(SpanningTreeEntropy, LengthAgreesWithATreeByHand) {
 }
 
 TEST(SpanningTreeEntropy, LogBetaOfALineIsTheMomentOfItsSpacings) {
-  // n spacings are exponential: E L = n^α Γ(1 + γ), γ = 1 − α.
+  // The n spacings are exponential: E L = n^α Γ(1 + γ), γ = 1 − α.
   SpanningTreeOptions options;
   options.alpha = 0.3;
   options.calibration_sets = 40;
@@ -180,4 +180,4 @@ TEST(SpanningTreeEntropy, BadInputGivesAReason) {
 }
 
 }  // namespace
-}  // namespace infuse::dependence
+}  // namespace infuse::study
