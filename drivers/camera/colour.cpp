@@ -10,7 +10,7 @@ namespace {
 
 enum Channel { kBlue = 0, kGreen = 1, kRed = 2 };
 
-/// The colours of the 2 × 2 tile at the top left, by row.
+/// Colours of the 2 × 2 tile at the top left, by row.
 std::array<Channel, 4> bayer_tile(PixelFormat format) {
   switch (format) {
     case PixelFormat::kBayerRggb8:
@@ -35,7 +35,7 @@ void copy_all_but_pixels(const CameraFrame& from, PixelFormat format, CameraFram
   to.pixels.resize(to.row_bytes() * static_cast<size_t>(to.height));
 }
 
-/// `pixels` of blue, green and red.
+/// Converts `pixels` pixels of blue, green and red.
 INFUSE_SIMD_CLONES void to_luminance(const uint8_t* __restrict bgr, size_t pixels,
                                      uint8_t* __restrict grey) {
   for (size_t i = 0; i < pixels; ++i) {
@@ -43,8 +43,8 @@ INFUSE_SIMD_CLONES void to_luminance(const uint8_t* __restrict bgr, size_t pixel
   }
 }
 
-/// Bilinear interpolation: a missing colour is the mean of its nearest samples, which lie in the 3
-/// × 3 neighbourhood; at the border, of those inside the picture.
+/// Bilinear interpolation: a missing colour is the mean of its nearest samples in the 3 × 3
+/// neighbourhood; at the border, of those inside the image.
 std::array<int, 3> demosaic_pixel(const CameraFrame& frame, const std::array<Channel, 4>& tile,
                                   int row, int column) {
   std::array<int, 3> value{};

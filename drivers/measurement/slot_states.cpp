@@ -8,7 +8,7 @@ namespace {
 constexpr int kPinBits = 16;
 constexpr uint64_t kPinMask = (uint64_t{1} << kPinBits) - 1;
 
-/// The state of an entry that nobody pins.
+/// State of an entry that no reader pins.
 constexpr uint64_t unpinned(uint64_t position) { return (position + 1) << kPinBits; }
 constexpr bool is_entry(uint64_t state) { return state != 0; }
 constexpr uint64_t position_of(uint64_t state) { return (state >> kPinBits) - 1; }
@@ -44,7 +44,7 @@ std::optional<SlotStates::Entry> SlotStates::load_entry(size_t slot) const {
   const uint64_t state = slots_[slot].state.load();
   if (!is_entry(state)) return std::nullopt;
   const Stamp stamp = Stamp::from_ns(slots_[slot].stamp_ns.load());
-  // The stamp belongs to the entry only if the entry is still there.
+  // The stamp belongs to the entry only if the entry is still in the slot.
   const uint64_t again = slots_[slot].state.load();
   if (!is_entry(again) || position_of(again) != position_of(state)) return std::nullopt;
   return Entry{.slot = slot, .position = position_of(state), .stamp = stamp};

@@ -5,7 +5,8 @@
 namespace infuse::vehicle {
 namespace {
 
-constexpr uint8_t kControllerActive = 0x40;  // CAN_ERR_CRTL_ACTIVE, not in every kernel's header
+constexpr uint8_t kControllerActive =
+    0x40;  // CAN_ERR_CRTL_ACTIVE, missing from some kernel headers
 
 }  // namespace
 
@@ -25,7 +26,8 @@ const char* name_of(BusState state) {
 
 void BusErrors::process(const CanFrame& frame) {
   if (!frame.error) {
-    if (state_ == BusState::kBusOff) state_ = BusState::kErrorActive;  // who receives is on the bus
+    if (state_ == BusState::kBusOff)
+      state_ = BusState::kErrorActive;  // a received frame shows that the controller is on the bus
     return;
   }
   ++error_frames_;

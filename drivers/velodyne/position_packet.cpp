@@ -14,7 +14,7 @@ constexpr size_t kPpsOffset = 0xCA;
 constexpr size_t kSentenceOffset = 0xCE;
 constexpr size_t kSentenceSize = 128;
 
-/// Twelve bits, two's complement; the upper four number the quantity.
+/// Twelve bits, two's complement; the upper four bits number the quantity.
 double signed12(const uint8_t* bytes) {
   const int low = read_u16(bytes) & 0x0FFF;
   return low >= 0x800 ? low - 0x1000 : low;

@@ -20,7 +20,7 @@ CameraFrame uniform_mosaic(PixelFormat format, const char* tile, int width, int 
   return frame;
 }
 
-TEST(Colour, EveryBayerPatternGivesItsUniformColourBack) {
+TEST(Colour, EveryBayerPatternReproducesAUniformColour) {
   const std::pair<PixelFormat, const char*> patterns[] = {{PixelFormat::kBayerRggb8, "RGGB"},
                                                           {PixelFormat::kBayerBggr8, "BGGR"},
                                                           {PixelFormat::kBayerGbrg8, "GBRG"},

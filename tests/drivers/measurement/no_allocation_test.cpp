@@ -1,4 +1,4 @@
-// Counts what this whole test program takes from the heap.
+// Counts the heap allocations of this test program.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ void operator delete(void* memory, size_t, std::align_val_t) noexcept { std::fre
 namespace infuse {
 namespace {
 
-/// Allocations while `work` runs.
+/// Number of allocations while `work` runs.
 template <class Work>
 uint64_t count_allocations(Work work) {
   const uint64_t before = allocations;
@@ -95,7 +95,7 @@ TEST(NoAllocation, InTheClockModel) {
   ClockModel model{{}};
   const uint64_t allocated = count_allocations([&] {
     for (int64_t i = 0; i < 200'000; ++i) {
-      // With a jump on the way.
+      // with a jump in between
       const Duration device((i * 1'000'000 + (i > 150'000 ? 77'000'000'000 : 0)) %
                             3'600'000'000'000);
       model.update(device, Stamp::from_ns(i * 1'000'000 + i % 977));

@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 
 Stamp at(int64_t ns) { return Stamp::from_ns(ns); }
 
-/// A big object whose every entry is its number.
+/// A large object whose every entry is its number.
 struct Object {
   Stamp stamp;
   uint64_t number = 0;
@@ -34,7 +34,7 @@ struct Object {
 
 using Ring = SlotRing<Object>;
 
-/// What the ring must do, said as plainly as possible.
+/// Reference implementation of the ring.
 class Model {
  public:
   struct Entry {
@@ -110,7 +110,7 @@ class Model {
   bool reserved_ = false;
 };
 
-/// Random operations on the ring and on the model; everything that can be seen must be equal.
+/// Performs random operations on the ring and on the model; all observable results must be equal.
 void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
   std::mt19937 random(seed);
   const auto random_below = [&](size_t n) { return static_cast<size_t>(random() % n); };
@@ -217,7 +217,7 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
         ASSERT_EQ(found, expected);
         ASSERT_EQ(result.count, expected.size());
         if (seed % 2 == 0 && result.complete) {
-          // Nothing of the interval has gone: what has gone is older than something before it.
+          // Nothing of the interval is gone: anything gone is older than an entry before it.
           uint64_t next = 0;
           for (const Model::Entry& entry : model.entries_) {
             if (entry.stamp >= from) {
@@ -242,7 +242,7 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
   EXPECT_EQ(replay, dropped == 0);
 }
 
-TEST(SlotRing, DoesWhatALockedDequeDoes) {
+TEST(SlotRing, MatchesALockedDeque) {
   for (const size_t capacity : {1u, 2u, 3u, 8u}) {
     for (uint32_t seed = 0; seed < 4; ++seed) {
       ASSERT_NO_FATAL_FAILURE(compare_with_model(capacity, seed, false));
@@ -250,7 +250,7 @@ TEST(SlotRing, DoesWhatALockedDequeDoes) {
   }
 }
 
-TEST(SlotRing, DoesWhatALockedDequeDoesInAReplay) {
+TEST(SlotRing, MatchesALockedDequeInAReplay) {
   for (const size_t capacity : {1u, 2u, 3u, 8u}) {
     for (uint32_t seed = 0; seed < 4; ++seed) {
       ASSERT_NO_FATAL_FAILURE(compare_with_model(capacity, seed, true));
@@ -258,7 +258,7 @@ TEST(SlotRing, DoesWhatALockedDequeDoesInAReplay) {
   }
 }
 
-TEST(SlotRing, MakesItsObjectsOnceAndUsesThemAgain) {
+TEST(SlotRing, CreatesItsObjectsOnceAndReusesThem) {
   int made = 0;
   Ring ring(3, [&] {
     ++made;
@@ -365,7 +365,7 @@ TEST(SlotRing, LiveReadersSeeIntactObjectsInOrderAndCountLostOnes) {
   for (size_t id = 0; id < read.size(); ++id) EXPECT_EQ(read[id] + lost[id], kObjects);
 }
 
-TEST(SlotRing, AReplayThatWaitsForRoomLosesNothing) {
+TEST(SlotRing, ReplayThatWaitsForRoomLosesNothing) {
   constexpr uint64_t kObjects = 10'000;
   Ring ring(4, [] { return Object(); });
   std::atomic<uint64_t> wrong{0};
@@ -384,7 +384,7 @@ TEST(SlotRing, AReplayThatWaitsForRoomLosesNothing) {
       if (expected != kObjects || reader.lost() != 0) ++wrong;
     });
   }
-  // Who looks around meanwhile, pinning what has been read, must not make others lose anything.
+  // Concurrent queries that pin entries already read must not make other readers lose anything.
   threads.emplace_back([&] {
     while (!done) {
       if (const Pin<Object> pin = ring.nearest(at(0)); pin && !pin->is_intact()) ++wrong;

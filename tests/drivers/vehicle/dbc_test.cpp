@@ -69,7 +69,7 @@ TEST(Dbc, ReadsMessagesAndSignals) {
   EXPECT_EQ(intel->scale, 0.5);
 }
 
-// Expected values worked out by hand from the bit layouts.
+// Expected values are derived by hand from the bit layouts.
 TEST(Dbc, DecodesBothByteOrdersAndSigns) {
   const DbcParseResult read = parse_test_dbc();
   const std::vector<uint8_t> payload = {0x50, 0xAB, 0xFC, 0xDE, 0x1F, 0x00, 0xFF, 0x38};
@@ -85,7 +85,7 @@ TEST(Dbc, DecodesBothByteOrdersAndSigns) {
       << "the payload ends before the signal";
 }
 
-TEST(Dbc, DecodesMultiplexedSignalsOnlyWhereSelected) {
+TEST(Dbc, DecodesMultiplexedSignalsOnlyIfSelected) {
   const DbcParseResult read = parse_test_dbc();
   EXPECT_EQ(value(read.dbc, "EXTENDED", "A", {0, 7, 9}), 7);
   EXPECT_EQ(value(read.dbc, "EXTENDED", "B", {0, 7, 9}), std::nullopt);
@@ -104,7 +104,7 @@ TEST(Dbc, DecodesFloats) {
   EXPECT_EQ(value(read.dbc, "FLOATS", "D", payload), -2.0 * 2 + 1);
 }
 
-TEST(Dbc, EncodesWhatDecodesBackAndLeavesOtherBitsAlone) {
+TEST(Dbc, EncodingDecodesBackAndKeepsOtherBits) {
   std::mt19937_64 random(7);
   for (int trial = 0; trial < 4000; ++trial) {
     DbcMessage message;
@@ -130,7 +130,7 @@ TEST(Dbc, EncodesWhatDecodesBackAndLeavesOtherBitsAlone) {
   }
 }
 
-TEST(Dbc, EncodesBytesWorkedOutByHand) {
+TEST(Dbc, EncodesTheBytesDerivedByHand) {
   const DbcParseResult read = parse_test_dbc();
   const DbcMessage& message = *read.dbc.find("BOTH_ORDERS");
   CanFrame frame = make_frame(message, Stamp::from_ns(5));
@@ -152,7 +152,7 @@ struct Damage {
   const char* report;
 };
 
-// Each kind of damage is reported once with its line, and what stands around it is still read.
+// Each kind of damage is reported once with its line, and the statements around it are still read.
 TEST(Dbc, ReportsWhatIsWrongAndReadsTheRest) {
   const Damage damages[] = {
       {"INTEL_12 : 4|12", "INTEL_12 : 4/12", "test.dbc:10: expected '|'"},
@@ -161,14 +161,14 @@ TEST(Dbc, ReportsWhatIsWrongAndReadsTheRest) {
       {"(0.5,-10)", "(0,-10)", "the factor is 0"},
       {"(0.5,-10)", "(half,-10)", "expected the factor, found 'half'"},
       {"[0|0] \"m\" ECU", "[0|0] \"m ECU", "a string is not closed"},
-      {" SG_ INTEL_12", " SG_ MOTOROLA_12", "BOTH_ORDERS.MOTOROLA_12 is there twice"},
+      {" SG_ INTEL_12", " SG_ MOTOROLA_12", "BOTH_ORDERS.MOTOROLA_12 is defined twice"},
       {"SIG_VALTYPE_ 512 D : 2;", "SIG_VALTYPE_ 512 D : 2", "expected ';'"},
       {"\"quotes\\\" in them\"", "\"quotes\\\" in them", "a string is not closed"},
-      {"SELECT M", "SELECT Q", "'Q' is no multiplexor indicator"},
-      {"BO_ 256", "nonsense here\nBO_ 256", "'nonsense' opens no statement"},
+      {"SELECT M", "SELECT Q", "'Q' is not a multiplexor indicator"},
+      {"BO_ 256", "nonsense here\nBO_ 256", "'nonsense' does not open a statement"},
       {"C B 3-5", "C NONE 3-5", "its multiplexor is missing"},
       {"BOTH_ORDERS: 8", "BOTH_ORDERS: 65", "longer than 64 bytes"},
-      {"BO_ 512", "BO_ 256", "another message has its id"},
+      {"BO_ 512", "BO_ 256", "another message has the same id"},
       {"3 \"three\"", "3 three", "expected the value's name"},
   };
   for (const Damage& damage : damages) {
@@ -208,7 +208,7 @@ TEST(Dbc, ReportsMissingFile) {
   EXPECT_THAT(read.error().message(), HasSubstr("/nonexistent/x.dbc"));
 }
 
-TEST(Dbc, RealRav4IsReadWhole) {
+TEST(Dbc, ReadsTheWholeRealRav4File) {
   INFUSE_REAL_DATA_OR_SKIP(path, "can/rav4/vehicle.dbc");
   const auto read = read_dbc(path);
   ASSERT_TRUE(read);

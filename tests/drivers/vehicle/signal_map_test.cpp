@@ -53,7 +53,7 @@ CanFrame make_test_frame(uint32_t id, std::initializer_list<uint8_t> bytes) {
   return made;
 }
 
-TEST(SignalMap, GivesSamplesInSiUnits) {
+TEST(SignalMap, ReturnsSamplesInSiUnits) {
   auto decoder = VehicleDecoder::create(parse_dbc(kDbc, "x").dbc, make_map());
   ASSERT_TRUE(decoder) << decoder.error().message();
   const auto wheels =
@@ -133,7 +133,7 @@ TEST(SignalMap, ReportsInvalidMaps) {
   EXPECT_THAT(error_of([](SignalMap& m) { m.steering_angle.signal = ""; }),
               HasSubstr("steering_fraction needs steering_angle"));
   EXPECT_THAT(error_of([](SignalMap& m) { m.gear.signal = ""; }), HasSubstr("needs gear"));
-  EXPECT_THAT(error_of([](SignalMap& m) { m = {}; }), HasSubstr("no signal is named"));
+  EXPECT_THAT(error_of([](SignalMap& m) { m = {}; }), HasSubstr("no signal is configured"));
 }
 
 TEST(SignalMap, RealRav4WheelSpeedsEqualTheTable) {

@@ -63,7 +63,7 @@ TEST(SocketCan, ReadsAnFdFrame) {
   EXPECT_EQ(frame.payload()[63], 63);
 }
 
-TEST(SocketCan, TooLargeLengthIsClamped) {
+TEST(SocketCan, ClampsATooLargeLength) {
   can_frame lying = make_raw_frame(1, {});
   lying.len = 200;
   CanFrame frame;
@@ -95,7 +95,7 @@ TEST(BusErrors, FollowsTheControllerIntoBusOffAndBack) {
   EXPECT_EQ(errors.bus_offs(), 1U);
 }
 
-TEST(BusErrors, AFrameThatCameShowsThatTheBusIsNotOff) {
+TEST(BusErrors, AReceivedFrameEndsBusOff) {
   BusErrors errors;
   errors.process(make_error_frame(CAN_ERR_BUSOFF));
   CanFrame frame;

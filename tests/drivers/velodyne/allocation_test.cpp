@@ -36,7 +36,7 @@ TEST(Streaming, AllocatesNothingAfterTheFirstSweeps) {
   for (const Model model : {Model::kHdl32e, Model::kVlp16, Model::kHdl64eS3}) {
     Scene scene =
         make_scene({.model = model, .turns = 7, .calibration = built_in_calibration(model)});
-    // Something of everything that can be wrong.
+    // One of every kind of disturbance.
     for (size_t i = 100; i < scene.packets.size(); i += 50) {
       scene.packets[i].payload[i % 1200] ^= 0x55;
       scene.packets[i + 3] = scene.packets[i + 2];

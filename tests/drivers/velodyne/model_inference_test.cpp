@@ -16,7 +16,7 @@ std::optional<InferredModel> infer(const Scene& scene, std::optional<uint8_t> pr
   return inference.infer();
 }
 
-TEST(ModelInference, EveryModelIsKnownByItsPackets) {
+TEST(ModelInference, InfersEveryModelFromItsPackets) {
   for (const ModelInfo& info : models()) {
     for (const ReturnMode mode : {ReturnMode::kStrongest, ReturnMode::kDual}) {
       if (mode == ReturnMode::kDual && !info.has_dual_return) continue;
@@ -31,7 +31,7 @@ TEST(ModelInference, EveryModelIsKnownByItsPackets) {
   }
 }
 
-TEST(ModelInference, EarlyVlp16FirmwareIsRecognised) {
+TEST(ModelInference, RecognisesEarlyVlp16Firmware) {
   for (const ReturnMode mode : {ReturnMode::kStrongest, ReturnMode::kDual}) {
     const auto inferred = infer(make_scene({.model = Model::kVlp16,
                                             .mode = mode,

@@ -15,7 +15,7 @@ bool same_bytes(const FieldVector<T>& a, const FieldVector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-TEST(ReturnKernel, AllInstructionsGiveTheSameBytes) {
+TEST(ReturnKernel, AllInstructionSetsGiveTheSameBytes) {
   if (best_instruction_set() == InstructionSet::kPortable)
     GTEST_SKIP() << "no vector unit to compare";
   for (const ModelInfo& info : models()) {
@@ -48,7 +48,7 @@ TEST(ReturnKernel, AllInstructionsGiveTheSameBytes) {
 }
 
 // Every pattern of returns and gaps among eight lasers.
-TEST(ReturnKernel, KeepsTheReturnsThatAreThereInOrder) {
+TEST(ReturnKernel, KeepsExistingReturnsInOrder) {
   const BeamTable table(Model::kVlp16, built_in_calibration(Model::kVlp16), Duration(55'296));
   for (const InstructionSet instructions : {InstructionSet::kPortable, best_instruction_set()}) {
     for (unsigned set = 0; set < 256; ++set) {
