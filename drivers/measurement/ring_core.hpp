@@ -113,10 +113,4 @@ class RingReader {
   size_t id_;
 };
 
-/// Result of a query by interval.
-struct IntervalResult {
-  size_t count = 0;       ///< number of entries inside the interval
-  bool complete = false;  ///< false if entries of the interval may have been overwritten before
-};
-
 }  // namespace infuse

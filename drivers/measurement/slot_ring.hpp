@@ -2,28 +2,19 @@
 
 #include <atomic>
 #include <concepts>
-#include <memory>
 #include <optional>
-#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "drivers/measurement/ring_core.hpp"
 #include "drivers/measurement/slot_states.hpp"
-#include "drivers/measurement/stamp.hpp"
 
 namespace infuse {
 
-/// An object that has a stamp.
-template <class T>
-concept StampedObject = std::movable<T> && requires(const T& object) {
-  { object.stamp } -> std::convertible_to<Stamp>;
-};
-
 /// Holds one entry of a `SlotRing` so that it is not overwritten; empty if there was none. The ring
 /// must outlive it. Hold few pins and for a short time: the producer cannot use pinned slots.
-template <StampedObject T>
+template <std::movable T>
 class Pin {
  public:
   Pin() = default;
@@ -54,7 +45,7 @@ class Pin {
   }
 
  private:
-  template <StampedObject>
+  template <std::movable>
   friend class SlotRing;
   /// Takes over an entry that is already pinned.
   Pin(const T& object, SlotStates& states, const SlotStates::Entry& entry)
@@ -75,7 +66,7 @@ class Pin {
 /// dropped. A dropped entry has a position, and is lost to every reader.
 ///
 /// SlotStates documents why no entry is overwritten while a reader holds it.
-template <StampedObject T>
+template <std::movable T>
 class SlotRing {
  public:
   class Reader;
@@ -93,7 +84,7 @@ class SlotRing {
   /// The object to fill. It still holds the content of an earlier entry.
   T& slot() { return objects_[slot_]; }
 
-  /// Publishes the current slot under its stamp and claims another one. False if the entry was
+  /// Publishes the current slot and claims another one. False if the entry was
   /// dropped because all other slots are pinned. Wait-free.
   bool publish();
 
@@ -120,32 +111,9 @@ class SlotRing {
   /// Registers a reader (at most RingCore::kMaxReaders at a time) that begins with the next entry.
   Reader make_reader() { return Reader(*this); }
 
-  /// The newest entry held; empty if there is none. While the producer changes slots and all others
-  /// are pinned, it may briefly be an older one (or none, if the capacity is 1).
-  Pin<T> latest();
-
-  /// The entry held whose stamp is nearest; of two equally near, the one published later. Stamps
-  /// need not be in order.
-  Pin<T> nearest(Stamp stamp);
-
-  /// Calls `visit(const T&)` for all entries held with from ≤ stamp ≤ to, in order of publishing,
-  /// each pinned meanwhile. `complete` assumes that stamps do not decrease.
-  template <std::invocable<const T&> Visit>
-  IntervalResult visit_interval(Stamp from, Stamp to, Visit visit);
-
-  /// Pins the first out.size() entries of the interval into `out`; `count` is the number of entries
-  /// in the interval.
-  IntervalResult pin_interval(Stamp from, Stamp to, std::span<Pin<T>> out);
-
  private:
   /// Pins the first entry at positions [from, end); empty if all are gone.
   Pin<T> pin_first(uint64_t from, uint64_t end);
-  /// Pins the entry that `choose()` returns, and retries if the producer claimed it first.
-  template <class Choose>
-  Pin<T> pin_chosen(Choose choose);
-  /// As `visit_interval`, but passes the pin.
-  template <class Visit>
-  IntervalResult visit_pins(Stamp from, Stamp to, Visit visit);
   /// Returns a slot for the producer: an unused one, or that of the oldest unpinned entry before
   /// position `before`.
   std::optional<size_t> claim_slot(uint64_t before);
@@ -161,7 +129,7 @@ class SlotRing {
 };
 
 /// Reads the entries of a ring in order; for one thread. The ring must outlive it.
-template <StampedObject T>
+template <std::movable T>
 class SlotRing<T>::Reader : public RingReader {
  public:
   explicit Reader(SlotRing& ring) : RingReader(ring.core_), ring_(&ring) {}
@@ -175,7 +143,7 @@ class SlotRing<T>::Reader : public RingReader {
 
 // --- implementation ---
 
-template <StampedObject T>
+template <std::movable T>
 template <std::invocable Factory>
 SlotRing<T>::SlotRing(size_t capacity, Factory factory, EventCount* arrivals)
     : core_(arrivals), states_(capacity + 1, core_.room()) {
@@ -184,19 +152,19 @@ SlotRing<T>::SlotRing(size_t capacity, Factory factory, EventCount* arrivals)
   while (objects_.size() <= capacity) objects_.push_back(factory());
 }
 
-template <StampedObject T>
+template <std::movable T>
 std::optional<size_t> SlotRing<T>::claim_slot(uint64_t before) {
   if (unused_ < objects_.size()) return unused_++;
   return states_.claim_oldest(before);
 }
 
-template <StampedObject T>
+template <std::movable T>
 bool SlotRing<T>::publish() {
   const std::optional<size_t> next =
       reserved_ ? std::exchange(reserved_, std::nullopt) : claim_slot(RingCore::kNoReader);
   const uint64_t position = core_.published();
   if (next) {
-    states_.publish(slot_, position, slot().stamp);
+    states_.publish(slot_, position);
     slot_ = *next;
   } else {
     dropped_.fetch_add(1, std::memory_order_relaxed);
@@ -205,19 +173,19 @@ bool SlotRing<T>::publish() {
   return next.has_value();
 }
 
-template <StampedObject T>
+template <std::movable T>
 bool SlotRing<T>::has_room() {
   if (!reserved_) reserved_ = claim_slot(core_.slowest_cursor());
   return reserved_.has_value();
 }
 
-template <StampedObject T>
+template <std::movable T>
 bool SlotRing<T>::wait_for_room(Duration timeout) {
   core_.room().wait([&] { return closed() || has_room(); }, timeout);
   return !closed() && has_room();
 }
 
-template <StampedObject T>
+template <std::movable T>
 Pin<T> SlotRing<T>::pin_first(uint64_t from, uint64_t end) {
   while (const std::optional<SlotStates::Entry> entry = states_.first(from, end)) {
     if (states_.pin(*entry)) return Pin<T>(objects_[entry->slot], states_, *entry);
@@ -225,62 +193,7 @@ Pin<T> SlotRing<T>::pin_first(uint64_t from, uint64_t end) {
   return {};
 }
 
-template <StampedObject T>
-template <class Choose>
-Pin<T> SlotRing<T>::pin_chosen(Choose choose) {
-  while (true) {
-    const uint64_t before = published();
-    const std::optional<SlotStates::Entry> entry = choose();
-    if (entry && states_.pin(*entry)) return Pin<T>(objects_[entry->slot], states_, *entry);
-    if (!entry && published() == before) return {};
-  }
-}
-
-template <StampedObject T>
-Pin<T> SlotRing<T>::latest() {
-  return pin_chosen([&] { return states_.last(); });
-}
-
-template <StampedObject T>
-Pin<T> SlotRing<T>::nearest(Stamp stamp) {
-  return pin_chosen([&] { return states_.nearest(stamp); });
-}
-
-template <StampedObject T>
-template <class Visit>
-IntervalResult SlotRing<T>::visit_pins(Stamp from, Stamp to, Visit visit) {
-  const uint64_t end = published();
-  IntervalResult result{.count = 0, .complete = true};
-  uint64_t position = 0;
-  while (true) {
-    Pin<T> pin = pin_first(position, end);
-    const uint64_t found = pin ? pin.position() : end;
-    if (found > position) result.complete = false;
-    if (!pin) return result;
-    position = found + 1;
-    const Stamp stamp = pin->stamp;
-    if (stamp < from) result.complete = true;
-    if (stamp < from || stamp > to) continue;
-    ++result.count;
-    visit(pin);
-  }
-}
-
-template <StampedObject T>
-template <std::invocable<const T&> Visit>
-IntervalResult SlotRing<T>::visit_interval(Stamp from, Stamp to, Visit visit) {
-  return interval_pins(from, to, [&](const Pin<T>& pin) { visit(*pin); });
-}
-
-template <StampedObject T>
-IntervalResult SlotRing<T>::pin_interval(Stamp from, Stamp to, std::span<Pin<T>> out) {
-  size_t written = 0;
-  return interval_pins(from, to, [&](Pin<T>& pin) {
-    if (written < out.size()) out[written++] = std::move(pin);
-  });
-}
-
-template <StampedObject T>
+template <std::movable T>
 Pin<T> SlotRing<T>::Reader::next() {
   uint64_t position = cursor();
   uint64_t lost = 0;

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "drivers/measurement/event_count.hpp"
-#include "drivers/measurement/stamp.hpp"
 
 namespace infuse {
 
@@ -24,7 +23,6 @@ class SlotStates {
   struct Entry {
     size_t slot = 0;
     uint64_t position = 0;
-    Stamp stamp;
   };
 
   /// Notifies `room` of every unpinning.
@@ -33,7 +31,7 @@ class SlotStates {
   // --- for the producer ---
 
   /// Publishes a slot that the producer owns. Positions below 2^48.
-  void publish(size_t slot, uint64_t position, Stamp stamp);
+  void publish(size_t slot, uint64_t position);
 
   /// Claims the slot with the oldest unpinned entry before position `before`. Nothing if there is
   /// no such entry, or if readers pinned the candidate in as many attempts as there are slots.
@@ -44,28 +42,14 @@ class SlotStates {
   /// The entry with the smallest position in [from, end). If everything below `end` was published
   /// before the call, an empty result means that all of it is gone.
   std::optional<Entry> first(uint64_t from, uint64_t end) const;
-  /// The entry with the largest position.
-  std::optional<Entry> last() const;
-  /// The entry nearest in time; of two equally near, the one with the larger position.
-  std::optional<Entry> nearest(Stamp stamp) const;
 
   /// Pins the entry. False if it has been overwritten. At most 65 535 pins per slot.
   bool pin(const Entry& entry);
   void unpin(size_t slot);
 
  private:
-  struct Slot {
-    std::atomic<uint64_t> state{0};
-    std::atomic<int64_t> stamp_ns{0};
-  };
-
-  std::optional<Entry> load_entry(size_t slot) const;
-  /// Of the entries with `allowed(entry)`, the one that is `better(entry, other)` than all others.
-  template <class Allowed, class Better>
-  std::optional<Entry> best(Allowed allowed, Better better) const;
-
   size_t count_;
-  std::unique_ptr<Slot[]> slots_;
+  std::unique_ptr<std::atomic<uint64_t>[]> slots_;  ///< the states
   EventCount& room_;
 };
 

@@ -7,10 +7,8 @@
 #include <new>
 
 #include "drivers/measurement/clock_model.hpp"
-#include "drivers/measurement/record_ring.hpp"
 #include "drivers/measurement/slot_ring.hpp"
 #include "drivers/measurement/sweep.hpp"
-#include "drivers/measurement/vehicle_samples.hpp"
 
 namespace {
 std::atomic<uint64_t> allocations{0};
@@ -47,26 +45,6 @@ TEST(NoAllocation, TheCounterCounts) {
   EXPECT_GE(count_allocations([] { Sweep().reserve(1); }), 9u);
 }
 
-TEST(NoAllocation, InARecordRing) {
-  RecordRing<ImuSample> ring(16);
-  auto reader = ring.make_reader();
-  uint64_t found = 0;
-  const uint64_t allocated = count_allocations([&] {
-    for (int64_t i = 0; i < 1000; ++i) {
-      ring.push({.stamp = Stamp::from_ns(i)});
-      if (i % 20 == 0) reader.wait();
-      while (i % 20 < 3 && reader.next()) ++found;
-      ring.nearest(Stamp::from_ns(i - 3));
-      ring.visit_interval(Stamp::from_ns(i - 5), Stamp::from_ns(i),
-                          [&](const ImuSample&) { ++found; });
-      ring.has_room();
-    }
-  });
-  EXPECT_EQ(allocated, 0u);
-  EXPECT_GT(found, 0u);
-  EXPECT_GT(reader.lost(), 0u);
-}
-
 TEST(NoAllocation, InASlotRingOfSweeps) {
   SlotRing<Sweep> ring(4, [] {
     Sweep sweep;
@@ -82,8 +60,6 @@ TEST(NoAllocation, InASlotRingOfSweeps) {
       sweep.resize(static_cast<size_t>(i) % 1000);
       sweep.stamp = Stamp::from_ns(i);
       ring.publish();
-      const Pin<Sweep> latest = ring.latest();
-      const Pin<Sweep> near = ring.nearest(Stamp::from_ns(i - 2));
       while (const Pin<Sweep> pin = reader.next()) returns += pin->size();
     }
   });
