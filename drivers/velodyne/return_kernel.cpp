@@ -246,7 +246,7 @@ INFUSE_INLINE size_t decode(const BeamTable& table, std::span<const SequenceBloc
               : decode_all<false, false>(table, sequences, kinds, out, n);
 }
 
-size_t decode_portable(const BeamTable& table, std::span<const SequenceBlocks> sequences,
+size_t decode_baseline(const BeamTable& table, std::span<const SequenceBlocks> sequences,
                        EchoKinds kinds, const ReturnArrays& out, size_t n) {
   return decode(table, sequences, kinds, out, n);
 }
@@ -261,19 +261,12 @@ size_t decode_portable(const BeamTable& table, std::span<const SequenceBlocks> s
 
 }  // namespace
 
-InstructionSet best_instruction_set() {
+ReturnKernel return_kernel(InstructionSet set) {
 #ifdef __x86_64__
-  if (__builtin_cpu_supports("avx2")) return InstructionSet::kAvx2;
+  return select_variant(set, decode_baseline, decode_avx2, decode_avx2);
+#else
+  return select_variant(set, decode_baseline, decode_baseline, decode_baseline);
 #endif
-  return InstructionSet::kPortable;
-}
-
-ReturnKernel return_kernel(InstructionSet instructions) {
-#ifdef __x86_64__
-  if (instructions == InstructionSet::kAvx2) return decode_avx2;
-#endif
-  (void)instructions;
-  return decode_portable;
 }
 
 }  // namespace infuse::velodyne

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "drivers/measurement/instruction_set.hpp"
 #include "drivers/velodyne/beam_table.hpp"
 
 namespace infuse::velodyne {
@@ -37,19 +38,13 @@ struct ReturnArrays {
 /// Number of entries that the kernel may write beyond the last return.
 inline constexpr size_t kKernelSlack = 8;
 
-/// Instruction sets for which the kernel is compiled; all give the same bytes.
-enum class InstructionSet : uint8_t { kPortable, kAvx2 };
-
-/// The best instruction set of this processor.
-InstructionSet best_instruction_set();
-
 /// Appends the returns (distance not 0) of the sequences to the `size` existing ones, and returns
 /// the new size. With two returns, equal echoes of one pulse become one of kind `kBoth`.
 /// Coordinates are in the lidar frame; an HDL-64E's have its full correction.
 using ReturnKernel = size_t (*)(const BeamTable& table, std::span<const SequenceBlocks> sequences,
                                 EchoKinds kinds, const ReturnArrays& out, size_t size);
 
-/// The kernel for an instruction set, which the processor must support.
-ReturnKernel return_kernel(InstructionSet instructions);
+/// The kernel for an instruction set, which the processor must support. All give the same bytes.
+ReturnKernel return_kernel(InstructionSet set);
 
 }  // namespace infuse::velodyne

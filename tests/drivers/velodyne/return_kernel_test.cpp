@@ -16,7 +16,7 @@ bool same_bytes(const FieldVector<T>& a, const FieldVector<T>& b) {
 }
 
 TEST(ReturnKernel, AllInstructionSetsGiveTheSameBytes) {
-  if (best_instruction_set() == InstructionSet::kPortable)
+  if (best_instruction_set() == InstructionSet::kBaseline)
     GTEST_SKIP() << "no vector unit to compare";
   for (const ModelInfo& info : models()) {
     for (const ReturnMode mode : {ReturnMode::kStrongest, ReturnMode::kDual}) {
@@ -27,7 +27,7 @@ TEST(ReturnKernel, AllInstructionSetsGiveTheSameBytes) {
                                       .calibration = built_in_calibration(info.model),
                                       .seed = 7});
       SweepAssembler vector({.model = info.model, .instruction_set = best_instruction_set()});
-      SweepAssembler portable({.model = info.model, .instruction_set = InstructionSet::kPortable});
+      SweepAssembler portable({.model = info.model, .instruction_set = InstructionSet::kBaseline});
       const std::vector<Sweep> a = assemble(vector, scene.packets);
       const std::vector<Sweep> b = assemble(portable, scene.packets);
       ASSERT_EQ(a.size(), b.size());
@@ -50,7 +50,7 @@ TEST(ReturnKernel, AllInstructionSetsGiveTheSameBytes) {
 // Every pattern of returns and gaps among eight lasers.
 TEST(ReturnKernel, KeepsExistingReturnsInOrder) {
   const BeamTable table(Model::kVlp16, built_in_calibration(Model::kVlp16), Duration(55'296));
-  for (const InstructionSet instructions : {InstructionSet::kPortable, best_instruction_set()}) {
+  for (const InstructionSet instructions : {InstructionSet::kBaseline, best_instruction_set()}) {
     for (unsigned set = 0; set < 256; ++set) {
       std::array<uint8_t, 96> bytes{};
       std::vector<float> expected;

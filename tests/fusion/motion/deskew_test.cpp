@@ -7,7 +7,7 @@
 #include <random>
 
 #include "fusion/motion/odometry_filter.hpp"
-#include "tests/fusion/motion/allocation_counter.hpp"
+#include "tests/allocation_counter.hpp"
 #include "tests/fusion/motion/true_drive.hpp"
 
 namespace infuse::motion {
