@@ -12,6 +12,7 @@ namespace {
 
 std::atomic<size_t> count{0};
 std::atomic<size_t> streaming_count{0};
+std::atomic<bool> streaming_counted{false};  // reading a thread's name is a system call
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
@@ -26,7 +27,7 @@ bool is_streaming_thread() {
 
 void* allocate(size_t size, size_t alignment) noexcept {
   ++count;
-  if (is_streaming_thread()) ++streaming_count;
+  if (streaming_counted && is_streaming_thread()) ++streaming_count;
   const size_t rounded = (size + alignment - 1) / alignment * alignment;
   return std::aligned_alloc(alignment, std::max(rounded, alignment));
 }
@@ -43,7 +44,10 @@ void* allocate_or_throw(size_t size, size_t alignment) {
 
 namespace infuse {
 size_t allocation_count() { return count; }
-size_t streaming_allocation_count() { return streaming_count; }
+size_t streaming_allocation_count() {
+  streaming_counted = true;
+  return streaming_count;
+}
 }  // namespace infuse
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

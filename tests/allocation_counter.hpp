@@ -15,7 +15,8 @@ inline constexpr bool kAllocationsCounted = true;
 /// A test program links it by the option ALLOCATIONS of infuse_test.
 size_t allocation_count();
 
-/// As `allocation_count`, but only on the threads named "io" and "fusion".
+/// As `allocation_count`, but only on the threads named "io" and "fusion", and counted from the
+/// first call of this function on.
 size_t streaming_allocation_count();
 
 }  // namespace infuse
