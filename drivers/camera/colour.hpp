@@ -9,7 +9,4 @@ namespace infuse::camera {
 /// which must not be `frame`.
 void to_grey(const CameraFrame& frame, CameraFrame& grey);
 
-/// Converts `frame` to kBgr8; a grey image gets three equal channels. Otherwise as `to_grey`.
-void to_bgr(const CameraFrame& frame, CameraFrame& bgr);
-
 }  // namespace infuse::camera

@@ -27,15 +27,9 @@ class BusErrors {
   void reset() { state_ = BusState::kErrorActive; }
 
   BusState state() const { return state_; }
-  uint64_t error_frames() const { return error_frames_; }
-  uint64_t bus_offs() const { return bus_offs_; }
-  uint64_t overruns() const { return overruns_; }  ///< of the controller's own receive buffer
 
  private:
   BusState state_ = BusState::kErrorActive;
-  uint64_t error_frames_ = 0;
-  uint64_t bus_offs_ = 0;
-  uint64_t overruns_ = 0;
 };
 
 }  // namespace infuse::vehicle

@@ -250,7 +250,6 @@ std::optional<CanFrame> CandumpReader::read(std::string_view line) {
   }
   ++frames_;
   if (frame->stamp < last_) {
-    ++backward_steps_;
     report({"time goes back by " + std::to_string(to_seconds(last_ - frame->stamp)) + " s", "",
             "the clock was set, or logs were joined out of order; the frame is used"});
   }

@@ -37,7 +37,6 @@ class CandumpReader {
 
   uint64_t lines() const { return lines_; }
   uint64_t frames() const { return frames_; }
-  uint64_t backward_steps() const { return backward_steps_; }
 
  private:
   void report(Error problem);
@@ -47,7 +46,6 @@ class CandumpReader {
   Stamp last_ = Stamp::earliest();
   uint64_t lines_ = 0;
   uint64_t frames_ = 0;
-  uint64_t backward_steps_ = 0;
 };
 
 }  // namespace infuse::vehicle

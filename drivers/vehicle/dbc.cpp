@@ -132,17 +132,6 @@ std::optional<double> decode(const DbcMessage& message, const DbcSignal& signal,
   return value * signal.scale + signal.offset;
 }
 
-std::string_view value_name(const DbcSignal& signal, std::span<const uint8_t> payload) {
-  const auto raw = raw_value(signal, payload);
-  if (!raw) return {};
-  const int64_t value = signal.type == SignalType::kSigned ? sign_extended(*raw, signal.length)
-                                                           : static_cast<int64_t>(*raw);
-  for (const auto& [named, name] : signal.value_names) {
-    if (named == value) return name;
-  }
-  return {};
-}
-
 bool encode(const DbcSignal& signal, double value, std::span<uint8_t> payload) {
   const double scaled = (value - signal.offset) / signal.scale;
   if (std::isnan(scaled) || signal.length == 0 || signal.length > 64) return false;

@@ -46,7 +46,6 @@ struct DbcSignal {
   std::vector<std::pair<uint64_t, uint64_t>>
       multiplexor_values;  ///< ranges of the selector's raw value, ends included; none: never
                            ///< present
-  std::vector<std::pair<int64_t, std::string>> value_names;  ///< raw value and its meaning
 };
 
 /// One message: its frame's identifier, and its signals.
@@ -86,7 +85,7 @@ struct DbcParseResult {
 };
 
 /// Parses the text of a DBC file: messages, signals (also multiplexed ones, also by SG_MUL_VAL_),
-/// float types and value tables; the rest is skipped. A malformed statement is left out and
+/// and float types; the rest is skipped. A malformed statement is left out and
 /// reported as a problem at `name`:line; the statements around it are kept.
 DbcParseResult parse_dbc(std::string_view text, const std::string& name);
 
@@ -100,9 +99,6 @@ std::optional<uint64_t> raw_value(const DbcSignal& signal, std::span<const uint8
 /// selects other signals. `signal` is one of `message`.
 std::optional<double> decode(const DbcMessage& message, const DbcSignal& signal,
                              std::span<const uint8_t> payload);
-
-/// The meaning of the signal's raw value by its value table; empty if it has none.
-std::string_view value_name(const DbcSignal& signal, std::span<const uint8_t> payload);
 
 /// Writes a physical value into a payload: the nearest raw value, clamped to the signal's range.
 /// Other signals' bits stay unchanged. False, with nothing written, if the value is NaN or the

@@ -2,7 +2,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <sstream>
 
 #include "drivers/vehicle/dbc.hpp"
@@ -12,7 +11,6 @@ namespace infuse::vehicle {
 namespace {
 
 using Kind = DbcToken::Kind;
-using ValueNames = std::vector<std::pair<int64_t, std::string>>;
 
 // Maximum number of messages, more than any bus has; bounds the quadratic time of a corrupt file.
 constexpr size_t kMaxMessages = 16384;
@@ -57,8 +55,6 @@ class Parser {
   void parse_statement(const DbcToken& opening) {
     if (opening.is("BO_")) return parse_message();
     if (opening.is("SG_")) return parse_signal();
-    if (opening.is("VAL_")) return parse_value_names();
-    if (opening.is("VAL_TABLE_")) return parse_value_table();
     if (opening.is("SIG_VALTYPE_")) return parse_value_type();
     if (opening.is("SG_MUL_VAL_")) return parse_extended_multiplexing();
     if (opening.is("NS_") || opening.is("BS_") || opening.is("BU_") || opening.is("VERSION")) {
@@ -165,38 +161,6 @@ class Parser {
     const DbcToken sign = lexer_.next();
     if (!sign.is("+") && !sign.is("-")) throw Malformed{"expected + or - after the byte order"};
     s.type = sign.is("-") ? SignalType::kSigned : SignalType::kUnsigned;
-  }
-
-  // VAL_ 466 STATE 11 "on" 0 "off"; or VAL_ 466 STATE TableName; or of an environment variable
-  void parse_value_names() {
-    if (lexer_.peek().kind == Kind::kWord) return skip_to_semicolon();
-    DbcSignal* s = parse_signal_reference();
-    if (lexer_.peek().kind == Kind::kWord) {
-      const std::string table(lexer_.next().text);
-      const auto at = tables_.find(table);
-      if (at == tables_.end()) throw Malformed{"value table " + table + " is not defined"};
-      if (s != nullptr) s->value_names = at->second;
-      return expect(";");
-    }
-    ValueNames names = parse_value_list();
-    if (s != nullptr) s->value_names = std::move(names);
-  }
-
-  void parse_value_table() {
-    std::string name(expect_token(Kind::kWord, "the table's name").text);
-    tables_[std::move(name)] = parse_value_list();
-  }
-
-  ValueNames parse_value_list() {
-    ValueNames names;
-    while (!lexer_.peek().is(";")) {
-      const double value = parse_number("a value or ';'");
-      if (!(std::abs(value) <= 9.2e18)) throw Malformed{"a named value is out of range"};
-      names.emplace_back(static_cast<int64_t>(value),
-                         expect_token(Kind::kString, "the value's name").text);
-    }
-    lexer_.next();
-    return names;
   }
 
   // SIG_VALTYPE_ 100 NAME : 1;
@@ -366,7 +330,6 @@ class Parser {
   MessageKey current_message_{};
   MessageKey signal_message_{};
   bool has_message_ = false;
-  std::map<std::string, ValueNames, std::less<>> tables_;
   std::vector<NamedSelector> named_selectors_;
 };
 

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::vehicle {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegree = std::numbers::pi / 180;
 
 enum class Dimension { kSpeed, kAngularVelocity, kAngle, kAcceleration, kNone };
 
@@ -172,16 +172,12 @@ VehicleSamples VehicleDecoder::decode(const CanFrame& frame) {
   if (bound == messages_.end()) return {};
   Values values;
   values.fill(kNaN);
-  bool too_short = false;
   for (const Binding& binding : bound->bindings) {
     const DbcSignal& signal = bound->message.signals[binding.signal];
     if (const auto value = vehicle::decode(bound->message, signal, frame.payload())) {
       values[binding.quantity] = *value * binding.factor;
-    } else {
-      too_short = too_short || !raw_value(signal, frame.payload());
     }
   }
-  if (too_short) ++short_frames_;
   if (std::isfinite(values[kGear])) reversing_ = values[kGear] == reverse_gear_;
   return make_samples(values, frame.stamp);
 }

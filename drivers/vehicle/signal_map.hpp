@@ -54,9 +54,6 @@ class VehicleDecoder {
   /// Identifiers of the decoded messages.
   std::vector<CanIdentifier> identifiers() const;
 
-  /// Number of frames that were too short for one of their signals.
-  uint64_t short_frames() const { return short_frames_; }
-
  private:
   /// Index of a decoded value in `Values`.
   enum Quantity : uint8_t {
@@ -88,7 +85,6 @@ class VehicleDecoder {
   std::vector<BoundMessage> messages_;
   double reverse_gear_ = std::numeric_limits<double>::quiet_NaN();
   bool reversing_ = false;
-  uint64_t short_frames_ = 0;
 };
 
 }  // namespace infuse::vehicle

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/velodyne/packet.hpp"
 
 namespace infuse::velodyne {
 namespace {
 
-constexpr double kCentidegree = std::numbers::pi / 18000;  // rad
 constexpr double kMaxTurnsPerSecond = 30;
 constexpr double kFocalRange = 131;  // m, from the HDL-64E manual
 

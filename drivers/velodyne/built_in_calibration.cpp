@@ -1,14 +1,12 @@
 #include <cmath>
-#include <numbers>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/velodyne/calibration.hpp"
 
 // Nominal angles from the manuals, in degrees, by laser in wire order.
 
 namespace infuse::velodyne {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 constexpr std::array<double, 32> kHdl32eElevation{
     -30.67, -9.33,  -29.33, -8,     -28,    -6.67, -26.67, -5.33,  -25.33, -4,     -24,

@@ -4,9 +4,10 @@
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 #include <fstream>
-#include <numbers>
 #include <sstream>
 #include <string>
+
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::velodyne {
 namespace {
@@ -62,7 +63,6 @@ bool is_shallow(std::string_view text) {
 
 /// Reads the numbers of one `<px>`; false if one is missing.
 bool read_beam(const Tree& px, BeamCorrection& beam) {
-  constexpr double kDegree = std::numbers::pi / 180;
   constexpr double kCentimetre = 0.01;
   const auto read = [&](const char* key, double unit, double& value) {
     const auto number = px.get_optional<double>(key);

@@ -23,9 +23,6 @@ class ModelInference {
   /// Adds the payload of a packet of the data port; other payloads are ignored.
   void add(std::span<const uint8_t> payload);
 
-  /// Enough packets have been seen for the best guess.
-  bool has_enough_packets() const { return packets_ > kMaxPeriods; }
-
   /// Nothing while fewer than 8 packets have been seen, or if no model fits them.
   std::optional<InferredModel> infer() const;
 

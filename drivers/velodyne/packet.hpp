@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <span>
 #include <tl/expected.hpp>
 
@@ -17,6 +18,9 @@ inline constexpr size_t kBlocks = 12;
 inline constexpr size_t kBlockSize = 100;
 /// A turn, in the packets' unit of azimuth (0.01°).
 inline constexpr int kCentidegreesPerTurn = 36'000;
+
+/// The packets' unit of azimuth, rad.
+inline constexpr double kCentidegree = std::numbers::pi / 18000;
 /// Microseconds in an hour, after which the counter wraps.
 inline constexpr int64_t kHourUs = 3'600'000'000;
 

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 namespace infuse::velodyne {
 namespace {
 
 constexpr size_t kMaxGaps = 32;
 constexpr uint32_t kMaxColumns = 65'000;
-constexpr double kCentidegree = std::numbers::pi / 18000;  // rad
 
 /// Converts the sensor's azimuth (0.01°, clockwise) to the lidar frame's (rad, counter-clockwise,
 /// −π … π).

@@ -1,11 +1,11 @@
 #include "drivers/vehicle/signal_map.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
-#include <numbers>
 #include <sstream>
 
 #include "drivers/vehicle/candump.hpp"
@@ -68,7 +68,6 @@ TEST(SignalMap, ReturnsSamplesInSiUnits) {
   const auto dynamics =
       decoder->decode(make_test_frame(101, {0xE8, 0x03, 0xE8, 0x03, 2, 0xFF, 0, 0}));
   ASSERT_TRUE(dynamics.wheels && dynamics.imu);
-  constexpr double kDegree = std::numbers::pi / 180;
   EXPECT_NEAR(dynamics.wheels->yaw_rate, -10 * kDegree, 1e-12) << "the scale turns the sign";
   EXPECT_NEAR(dynamics.wheels->steering_angle, 2.9 * kDegree, 1e-12);
   EXPECT_TRUE(std::isnan(dynamics.wheels->wheel_speed[2]));
@@ -108,7 +107,6 @@ TEST(SignalMap, IgnoresOtherInterfacesAndFrames) {
   ASSERT_TRUE(cut.wheels);
   EXPECT_NEAR(cut.wheels->wheel_speed[0], 10, 1e-12);
   EXPECT_TRUE(std::isnan(cut.wheels->wheel_speed[1]));
-  EXPECT_EQ(decoder->short_frames(), 1u);
 }
 
 TEST(SignalMap, ReportsInvalidMaps) {
@@ -176,7 +174,6 @@ TEST(SignalMap, RealRav4WheelSpeedsEqualTheTable) {
   EXPECT_EQ(equal, 4974u);
   EXPECT_EQ(reader.frames(), 135468u);
   EXPECT_EQ(reader.problems().count(), 0u);
-  EXPECT_EQ(decoder->short_frames(), 0u);
 }
 
 }  // namespace

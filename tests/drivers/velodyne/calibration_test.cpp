@@ -1,17 +1,15 @@
 #include "drivers/velodyne/calibration.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 
 namespace infuse::velodyne {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::vector<double> elevations(Model model) {
   std::vector<double> degrees;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "drivers/measurement/angles.hpp"
 #include "tests/drivers/velodyne/assemble.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
 
@@ -15,7 +16,7 @@ namespace {
 // is used, in whole hundredths of a degree.
 double azimuth_tolerance(const Sweep& sweep, size_t i, const ModelInfo& info, bool stream_ends) {
   const bool last = stream_ends && sweep.column[i] + info.firings >= sweep.columns;
-  return last ? 0.011 * std::numbers::pi / 180 : 0;
+  return last ? 0.011 * kDegree : 0;
 }
 
 void expect_sweep(const Sweep& sweep, const ExpectedSweep& expected, int64_t first_ns,

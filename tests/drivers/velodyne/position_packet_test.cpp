@@ -1,8 +1,8 @@
 #include "drivers/velodyne/position_packet.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <vector>
 
 #include "fixtures/velodyne/position_encoder.hpp"
@@ -29,7 +29,6 @@ TEST(PositionPacket, ReadsInertialValuesAsSigned12Bits) {
       {.sentence = "", .imu = {{{-2048, 0, 2047, -1}, {100, -100, 819, 0}, {0, 0, 0, 0}}}});
   const auto packet = parse_position_packet(bytes);
   ASSERT_TRUE(packet);
-  constexpr double kDegree = std::numbers::pi / 180;
   EXPECT_NEAR(packet->imu[0].angular_velocity, -2048 * 0.09766 * kDegree, 1e-12);
   EXPECT_NEAR(packet->imu[0].temperature, 25, 1e-12);
   EXPECT_NEAR(packet->imu[0].linear_acceleration[0], 2047 * 0.001221 * 9.80665, 1e-9);

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <string>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/velodyne/model_inference.hpp"
 #include "drivers/velodyne/position_packet.hpp"
 #include "tests/drivers/velodyne/assemble.hpp"
@@ -177,7 +178,7 @@ TEST(RealVlp16DualReturn, ContainsEveryPointOfTheReference) {
     }
     if (best > 1e8) ++absent;
     const bool second_echo = point.return_type == 5 || point.return_type == 10;
-    const double ahead = second_echo ? 0.41 * std::numbers::pi / 180 * point.distance : 0;
+    const double ahead = second_echo ? 0.41 * kDegree * point.distance : 0;
     if (best < 0.02 + ahead) ++near;
     if (second_echo) ++second_echoes;
   }
@@ -331,9 +332,8 @@ TEST(RealCaptures, PositionPacketsContainTimePositionAndState) {
     EXPECT_EQ(packet->pps, PpsState::kAbsent);  // although locked: firmware of 2012
     ASSERT_TRUE(packet->sentence.has_value());
     EXPECT_TRUE(packet->sentence->fix.valid);
-    EXPECT_NEAR(packet->sentence->fix.latitude * 180 / std::numbers::pi, 37 + 7.8324 / 60, 1e-4);
-    EXPECT_NEAR(packet->sentence->fix.longitude * 180 / std::numbers::pi, -121 - 39.2864 / 60,
-                1e-4);
+    EXPECT_NEAR(packet->sentence->fix.latitude / kDegree, 37 + 7.8324 / 60, 1e-4);
+    EXPECT_NEAR(packet->sentence->fix.longitude / kDegree, -121 - 39.2864 / 60, 1e-4);
     // The sensor stands upright: the first two units measure gravity along their x.
     EXPECT_NEAR(packet->imu[0].linear_acceleration[0], 9.8, 1.0);
     EXPECT_NEAR(packet->imu[1].linear_acceleration[0], 9.8, 1.0);

@@ -1,4 +1,5 @@
 #include "drivers/velodyne/sweep_assembler.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -52,7 +53,7 @@ TEST(SweepAssembler, CutsAtTheConfiguredAzimuthInsidePackets) {
   ASSERT_EQ(sweeps.size(), 4U);
   for (size_t i = 1; i < 3; ++i) {
     const Sweep& sweep = sweeps[i];
-    const double first = -std::atan2(sweep.y[0], sweep.x[0]) * 180 / std::numbers::pi;
+    const double first = -std::atan2(sweep.y[0], sweep.x[0]) / kDegree;
     EXPECT_NEAR(first, 123.45, 0.45);  // within a block
     EXPECT_GE(first, 123.44);
     EXPECT_TRUE(sweep.gaps.empty());
@@ -75,7 +76,7 @@ TEST(SweepAssembler, LostPacketsAreCountedAndLeaveAGap) {
   ASSERT_EQ(sweeps[1].gaps.size(), 1U);
   double width = sweeps[1].gaps[0].from - sweeps[1].gaps[0].to;
   if (width < 0) width += 2 * std::numbers::pi;
-  EXPECT_NEAR(width, 120 * 0.16589 * std::numbers::pi / 180, 0.01);
+  EXPECT_NEAR(width, 120 * 0.16589 * kDegree, 0.01);
   EXPECT_EQ(sweeps[2].lost_packets, 0U);
   EXPECT_NEAR(to_seconds(sweeps[1].span), 0.1, 1e-4);  // times continue over the gap
 }
