@@ -385,11 +385,11 @@ TEST(ClockModelOptions, ReportsWhatIsInvalid) {
     return options.invalid().value_or("nothing");
   };
   EXPECT_THAT(wrong([](auto& o) { o.modulo = -1ns; }), testing::StartsWith("modulo"));
-  EXPECT_THAT(wrong([](auto& o) { o.min_delay = -1ns; }), testing::StartsWith("minimum_delay"));
+  EXPECT_THAT(wrong([](auto& o) { o.min_delay = -1ns; }), testing::StartsWith("min_delay"));
   EXPECT_THAT(wrong([](auto& o) { o.max_skew_ppm = 0; }), testing::StartsWith("max_skew_ppm"));
   EXPECT_THAT(wrong([](auto& o) { o.max_skew_ppm = NAN; }), testing::StartsWith("max_skew_ppm"));
   EXPECT_THAT(wrong([](auto& o) { o.window = 0ns; }), testing::StartsWith("window"));
-  EXPECT_THAT(wrong([](auto& o) { o.settle = 2min; }), testing::StartsWith("settle"));
+  EXPECT_THAT(wrong([](auto& o) { o.settling_time = 2min; }), testing::StartsWith("settling_time"));
   EXPECT_THAT(wrong([](auto& o) { o.jump_threshold = 2s; }), testing::StartsWith("jump_threshold"));
   EXPECT_THAT(wrong([](auto& o) { o.jump_confirmation = -1ns; }),
               testing::StartsWith("jump_confirmation"));

@@ -45,7 +45,7 @@ TEST(WallStamps, StampsAMessageByItsAge) {
   WallStamps stamps(base);
   stamps.update(clocks_after_start(1));
   EXPECT_EQ(stamps.stamp_of(clocks_after_start(0.75).wall_ns), stamp_after_start(0.75));
-  EXPECT_EQ(stamps.last_update(), stamp_after_start(1));
+  EXPECT_EQ(stamps.now(), stamp_after_start(1));
 }
 
 TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {

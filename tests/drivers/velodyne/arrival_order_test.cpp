@@ -16,14 +16,14 @@ TEST(ArrivalOrder, ClassifiesLateDuplicateAndResetCounters) {
   const auto late = order.add(3'000, at_ms(3));
   EXPECT_EQ(late.arrival, Arrival::kLate);
   EXPECT_EQ(late.delay_us, -1'000);
-  EXPECT_EQ(order.take(1'500, at_ms(3)).arrival, Arrival::kTooLate);
-  EXPECT_EQ(order.take(1'000, at_ms(3)).arrival, Arrival::kDuplicate);
-  EXPECT_EQ(order.take(5'000, at_ms(4)).arrival, Arrival::kNext);
+  EXPECT_EQ(order.add(1'500, at_ms(3)).arrival, Arrival::kTooLate);
+  EXPECT_EQ(order.add(1'000, at_ms(3)).arrival, Arrival::kDuplicate);
+  EXPECT_EQ(order.add(5'000, at_ms(4)).arrival, Arrival::kNext);
   // A restart: the counter begins again. GPS lock: it jumps ahead of the host's clock.
-  EXPECT_EQ(order.take(3'000'000'000, at_ms(5)).arrival, Arrival::kClockJump);
-  EXPECT_EQ(order.take(3'000'001'000, at_ms(6)).arrival, Arrival::kNext);
-  EXPECT_EQ(order.take(100, at_ms(7)).arrival, Arrival::kClockJump);
-  EXPECT_EQ(order.take(1'100, at_ms(8)).arrival, Arrival::kNext);
+  EXPECT_EQ(order.add(3'000'000'000, at_ms(5)).arrival, Arrival::kClockJump);
+  EXPECT_EQ(order.add(3'000'001'000, at_ms(6)).arrival, Arrival::kNext);
+  EXPECT_EQ(order.add(100, at_ms(7)).arrival, Arrival::kClockJump);
+  EXPECT_EQ(order.add(1'100, at_ms(8)).arrival, Arrival::kNext);
 }
 
 TEST(ArrivalOrder, DoesNotCountALongSilenceAsAJump) {

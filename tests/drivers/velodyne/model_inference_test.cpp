@@ -48,7 +48,7 @@ TEST(ModelInference, GivesNoModelForTooFewPacketsOrOtherData) {
   ModelInference inference;
   EXPECT_FALSE(inference.infer());
   for (size_t i = 0; i < 7; ++i) inference.add(scene.packets[i].payload);
-  EXPECT_FALSE(inference.guess());
+  EXPECT_FALSE(inference.infer());
   for (size_t i = 7; i < 64; ++i) inference.add(scene.packets[i].payload);
   EXPECT_FALSE(infer(scene, uint8_t{0x99}));
 
