@@ -77,9 +77,9 @@ struct AncillaryData {
 /// the interface's own configuration.
 void request_hardware_stamps(int socket);
 
-/// Enables the kernel's receive stamps and drop counter, and requests a receive buffer of `requested`
-/// bytes. Returns the bytes granted, payload and bookkeeping together: less than requested if
-/// net.core.rmem_max is smaller. `where` names the socket in errors.
+/// Enables the kernel's receive stamps and drop counter, and requests a receive buffer of
+/// `requested` bytes. Returns the bytes granted, payload and bookkeeping together: less than
+/// requested if net.core.rmem_max is smaller. `where` names the socket in errors.
 Result<size_t> prepare_socket(int socket, size_t requested, const std::string& where);
 
 }  // namespace infuse::receive

@@ -16,8 +16,8 @@ constexpr uint32_t kLoopback = 0x7F00'0001;
 constexpr uint32_t kMulticastGroup = 0xEFFF'2A01;  // 239.255.42.1
 
 /// A socket that sends from an address of the loopback network.
-Descriptor open_sender(uint32_t address) {
-  Descriptor sender(socket(AF_INET, SOCK_DGRAM, 0));
+FileDescriptor open_sender(uint32_t address) {
+  FileDescriptor sender(socket(AF_INET, SOCK_DGRAM, 0));
   sockaddr_in local{};
   local.sin_family = AF_INET;
   local.sin_addr.s_addr = htonl(address);
@@ -27,7 +27,7 @@ Descriptor open_sender(uint32_t address) {
   return sender;
 }
 
-void send_to(const Descriptor& sender, uint16_t port, const std::vector<uint8_t>& payload,
+void send_to(const FileDescriptor& sender, uint16_t port, const std::vector<uint8_t>& payload,
              uint32_t receiver = kLoopback) {
   sockaddr_in remote{};
   remote.sin_family = AF_INET;
@@ -50,7 +50,7 @@ TEST(UdpSource, DeliversDatagramsWithSenderAndKernelStamp) {
   const TimeBase base;
   UdpSource source = open_source(base);
   MessageBatch batch(64, UdpSource::kMaxDatagramBytes);
-  const Descriptor first = open_sender(kLoopback), second = open_sender(kLoopback + 1);
+  const FileDescriptor first = open_sender(kLoopback), second = open_sender(kLoopback + 1);
   const Stamp before = base.now();
   send_to(first, source.port(), std::vector<uint8_t>(1206, 7));
   send_to(second, source.port(), std::vector<uint8_t>(512, 9));
@@ -81,7 +81,7 @@ TEST(UdpSource, ReadsAtMostABatch) {
   const TimeBase base;
   UdpSource source = open_source(base);
   MessageBatch batch(8, UdpSource::kMaxDatagramBytes);
-  const Descriptor sender = open_sender(kLoopback);
+  const FileDescriptor sender = open_sender(kLoopback);
   for (int i = 0; i < 20; ++i) send_to(sender, source.port(), {uint8_t(i)});
   std::vector<size_t> reads;
   std::vector<int> order;
@@ -100,7 +100,7 @@ TEST(UdpSource, CountsDatagramsDroppedByTheKernel) {
   UdpSource source = open_source(base, 16 << 10);
   EXPECT_EQ(source.buffer_granted(), size_t{16} << 10);
   MessageBatch batch(64, UdpSource::kMaxDatagramBytes);
-  const Descriptor sender = open_sender(kLoopback);
+  const FileDescriptor sender = open_sender(kLoopback);
   constexpr uint64_t kSent = 200;
   for (uint64_t i = 0; i < kSent; ++i) send_to(sender, source.port(), std::vector<uint8_t>(1206));
   uint64_t received = 0;
@@ -126,7 +126,7 @@ TEST(UdpSource, TruncatesALongDatagramAndContinues) {
   const TimeBase base;
   UdpSource source = open_source(base);
   MessageBatch batch(64, UdpSource::kMaxDatagramBytes);
-  const Descriptor sender = open_sender(kLoopback);
+  const FileDescriptor sender = open_sender(kLoopback);
   send_to(sender, source.port(), std::vector<uint8_t>(5000));
   send_to(sender, source.port(), {});
   std::vector<size_t> sizes;
