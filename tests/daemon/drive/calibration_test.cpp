@@ -17,7 +17,7 @@ void turn_camera(const std::filesystem::path& folder, double degrees) {
   ASSERT_TRUE(drive);
   Eigen::Isometry3d& T = drive->description.rig.cameras[0].T_camera_lidar;
   T.linear() = geometry::rotation_exp({0, degrees * kDegree, 0}) * T.linear();
-  ASSERT_TRUE(recording::write_drive(folder, drive->description));
+  ASSERT_TRUE(recording::write_drive_toml(folder, drive->description));
 }
 
 TEST(CalibrationDrive, ATurnedCameraIsDetectedAndAGoodOneIsNotChanged) {
@@ -50,7 +50,7 @@ TEST(CalibrationDrive, ATurnedCameraIsDetectedAndAGoodOneIsNotChanged) {
   const Eigen::Matrix3d R_true = geometry::rotation_exp({0, -1.0 * kDegree, 0}) *
                                  truth->description.rig.cameras[0].T_camera_lidar.linear();
   const double rotation_error = geometry::rotation_log(R * R_true.transpose()).norm();
-  EXPECT_LT(off, 0.5 * kDegree);
+  EXPECT_LT(rotation_error, 0.5 * kDegree);
   options.rate = 200;
   EXPECT_EQ(run_replay(folder / "drive", options)->reports, turned->reports);
 }

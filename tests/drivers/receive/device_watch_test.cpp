@@ -42,7 +42,7 @@ TEST_F(DeviceWatchTest, FollowsFoldersThatAppearAndDisappear) {
   DeviceWatch watch({folder_ / "infuse" / "camera-7"});
   for (int round = 0; round < 2; ++round) {
     std::filesystem::create_directory(folder_ / "infuse");
-    EXPECT_TRUE(watch.changed());
+    EXPECT_TRUE(watch.consume_changes());
     // udev creates the link under another name, then renames it.
     std::filesystem::create_symlink("../video0", folder_ / "infuse" / ".new");
     EXPECT_FALSE(watch.consume_changes());

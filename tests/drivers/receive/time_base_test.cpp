@@ -45,7 +45,7 @@ TEST(WallStamps, StampsAMessageByItsAge) {
   WallStamps stamps(base);
   stamps.update(clocks_after_start(1));
   EXPECT_EQ(stamps.stamp_of(clocks_after_start(0.75).wall_ns), stamp_after_start(0.75));
-  EXPECT_EQ(stamps.now(), stamp_after_start(1));
+  EXPECT_EQ(stamps.last_update(), stamp_after_start(1));
 }
 
 TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
@@ -54,8 +54,8 @@ TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
     WallStamps stamps(base);
     stamps.update(clocks_after_start(1));
     const Stamp before = stamps.stamp_of(clocks_after_start(0.999).wall_ns);
-    stamps.update(clocks_after_start(
-        2, step));  // the batch contains a message of before the step and one of after it
+    // The batch contains a message of before the step and one of after it.
+    stamps.update(clocks_after_start(2, step));
     EXPECT_EQ(stamps.steps(), 1U);
     const Stamp around = stamps.stamp_of(clocks_after_start(1.5).wall_ns);
     EXPECT_EQ(stamps.stamp_of(clocks_after_start(1.9, step).wall_ns), around);
@@ -72,8 +72,8 @@ TEST(WallStamps, DoesNotCountASlewedClockAsAStep) {
   const TimeBase base(kStart);
   WallStamps stamps(base);
   stamps.update(clocks_after_start(0));
-  stamps.update(
-      clocks_after_start(10, 5'000'000));  // 500 ppm, the maximum rate at which the kernel slews
+  // 500 ppm, the maximum rate at which the kernel slews.
+  stamps.update(clocks_after_start(10, 5'000'000));
   EXPECT_EQ(stamps.steps(), 0U);
 }
 

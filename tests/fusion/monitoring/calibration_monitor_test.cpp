@@ -136,7 +136,7 @@ TEST(Watch, AllocatesNothingOnceWarm) {
   const size_t before = allocation_count();
   const MonitorReport report = watch.process(grey, make_sweep_view(place.sweep), kDrivingMotion);
   const size_t after = allocation_count();
-  EXPECT_TRUE(report.looked);
+  EXPECT_TRUE(report.evaluated);
   EXPECT_EQ(after, before);
 }
 
