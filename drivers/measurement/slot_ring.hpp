@@ -84,8 +84,8 @@ class SlotRing {
   /// The object to fill. It still holds the content of an earlier entry.
   T& slot() { return objects_[slot_]; }
 
-  /// Publishes the current slot and claims another one. False if the entry was
-  /// dropped because all other slots are pinned. Wait-free.
+  /// Publishes the current slot and claims another one. False if the entry was dropped because all
+  /// other slots are pinned. Wait-free.
   bool publish();
 
   /// True if the next `publish` neither overwrites an entry that a registered reader has yet to

@@ -28,7 +28,7 @@ struct GnssFix {
   Stamp stamp;
   double latitude = 0;   ///< rad, WGS 84
   double longitude = 0;  ///< rad
-  /// M above the ellipsoid or the sea, as the receiver reports it; NaN if unknown.
+  /// Height above the ellipsoid or the sea, m, as the receiver reports it; NaN if unknown.
   double altitude = 0;
   double speed = 0;    ///< m/s over ground; NaN if unknown
   double course = 0;   ///< rad clockwise from north; NaN if unknown
