@@ -57,11 +57,12 @@ function(infuse_program name source)
   install(TARGETS ${name} RUNTIME)
 endfunction()
 
-# infuse_test(tests/drivers/velodyne [THREADED] DEPENDENCY...): all *_test.cpp of the folder, as one
-# program. THREADED: it shares memory between threads, so the thread sanitizer runs it too.
+# infuse_test(tests/drivers/velodyne [THREADED] [ALLOCATIONS] DEPENDENCY...): all *_test.cpp of the
+# folder, as one program. THREADED: it shares memory between threads, so the thread sanitizer runs it
+# too. ALLOCATIONS: it counts allocations (tests/allocation_counter.hpp).
 add_custom_target(threaded_tests)
 function(infuse_test folder)
-  cmake_parse_arguments(ARG "THREADED" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "THREADED;ALLOCATIONS" "" "" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*_test.cpp)
   add_executable(${name} ${sources})
@@ -73,8 +74,9 @@ function(infuse_test folder)
   endif()
   target_compile_options(${name} PRIVATE -O1)  # what is tested is optimised, the tests need not be
   target_precompile_headers(${name} REUSE_FROM infuse_test_pch)
-  # -Wno-mismatched-new-delete: falsely raised for tests that count allocations, once they are inlined less.
-  target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-mismatched-new-delete>)
+  if(ARG_ALLOCATIONS)
+    target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/allocation_counter.cpp)
+  endif()
   set(labels "")
   if(ARG_THREADED)
     set(labels LABELS threaded)

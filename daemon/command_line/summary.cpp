@@ -3,12 +3,10 @@
 #include <spdlog/fmt/fmt.h>
 #include <sys/resource.h>
 
-#include <numbers>
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// A number of things over a stretch of drive time.
 double rate(uint64_t count, Duration span) {
@@ -193,7 +191,7 @@ std::string odometry_text(const OdometryStatus& odometry) {
   text += odometry.usable() ? "trusted" : fmt::format("not trusted: {}", odometry.reason);
   text += fmt::format("; wheels' scale {:.4f} ± {:.4f}, yaw-rate bias {:.3f} ± {:.3f} °/s\n",
                       odometry.wheel_scale, odometry.wheel_scale_sigma,
-                      odometry.yaw_rate_bias * kDegrees, odometry.yaw_rate_bias_sigma * kDegrees);
+                      odometry.yaw_rate_bias / kDegree, odometry.yaw_rate_bias_sigma / kDegree);
   if (odometry.not_deskewed > 0) {
     text += fmt::format("    {} sweeps were not corrected for motion\n", odometry.not_deskewed);
   }

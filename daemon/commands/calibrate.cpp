@@ -2,7 +2,6 @@
 
 #include <iostream>
 #include <memory>
-#include <numbers>
 #include <random>
 
 #include "daemon/command_line/arguments.hpp"
@@ -10,6 +9,7 @@
 #include "daemon/commands/calibration_report.hpp"
 #include "daemon/commands/calibration_run.hpp"
 #include "daemon/commands/command.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/number_list.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
@@ -18,7 +18,6 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kProgram = "infuse calibrate";
-constexpr double kRadians = std::numbers::pi / 180;
 
 struct Arguments {
   SceneRequest request;
@@ -141,7 +140,7 @@ int run(const Arguments& arguments) {
     return report_no_pairs(arguments, *pairs);
   }
   calibration::CalibrateOptions options;
-  options.screen.half_width = arguments.within_deg * kRadians;
+  options.screen.half_width = arguments.within_deg * kDegree;
   options.seed = arguments.seed;
   options.splits = 4;
   std::vector<CalibrationRun> runs;
@@ -151,7 +150,7 @@ int run(const Arguments& arguments) {
     std::mt19937_64 random(arguments.seed);  // every measure from the same start
     auto calibrated = run_calibration(
         *pairs, *calibration::find_measure(arguments.measures[k]),
-        perturb(*initial_pose, arguments.perturb[0] * kRadians, arguments.perturb[1], random),
+        perturb(*initial_pose, arguments.perturb[0] * kDegree, arguments.perturb[1], random),
         options);
     if (!calibrated) {
       line.clear();

@@ -9,6 +9,7 @@
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/target_views.hpp"
 #include "daemon/protocol/counters_json.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "fusion/target/calibrate_target.hpp"
 
@@ -16,7 +17,6 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kProgram = "infuse calibrate-target";
-constexpr double kDegrees = 180 / M_PI;
 
 struct Arguments {
   std::vector<std::string> drives;
@@ -38,7 +38,7 @@ struct TargetError {
 std::optional<TargetError> error_to_truth(const TargetViews& views, const Eigen::Isometry3d& T) {
   if (!views.truth) return std::nullopt;
   const Eigen::AngleAxisd rotation(T.linear() * views.truth->linear().transpose());
-  return TargetError{rotation.angle() * kDegrees,
+  return TargetError{rotation.angle() / kDegree,
                      (T.translation() - views.truth->translation()).norm()};
 }
 
@@ -62,7 +62,7 @@ Json to_json(const TargetViews& views, const target::TargetCalibration& calibrat
                     {"used", view.used},
                     {"rms_m", view.rms},
                     {"offset_m", view.offset},
-                    {"tilt_deg", view.tilt * kDegrees},
+                    {"tilt_deg", view.tilt / kDegree},
                     {"mahalanobis_distance", view.mahalanobis}});
     if (!calibration.reasons[i].empty()) list.back()["reason"] = calibration.reasons[i];
   }
@@ -90,7 +90,7 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
     text += fmt::format("  {:<28} ", views.names[i]);
     text += calibration.reasons[i].empty()
                 ? fmt::format("{:5} returns, {:6.1f} mm and {:5.2f} deg off{}\n",
-                              calibration.return_counts[i], 1e3 * view.offset, view.tilt * kDegrees,
+                              calibration.return_counts[i], 1e3 * view.offset, view.tilt / kDegree,
                               view.used ? "" : ": an outlier, left out")
                 : calibration.reasons[i] + "\n";
   }
@@ -105,7 +105,7 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
   text += fmt::format(
       "one standard deviation: {:.3f} {:.3f} {:.3f} deg about, {:.1f} {:.1f} {:.1f} mm along the "
       "camera's axes\n",
-      sigma(0) * kDegrees, sigma(1) * kDegrees, sigma(2) * kDegrees, 1e3 * sigma(3), 1e3 * sigma(4),
+      sigma(0) / kDegree, sigma(1) / kDegree, sigma(2) / kDegree, 1e3 * sigma(3), 1e3 * sigma(4),
       1e3 * sigma(5));
   if (const auto error = error_to_truth(views, result.T_refcam_lidar)) {
     text += fmt::format("error to the truth: {:.3f} deg, {:.1f} mm\n", error->rotation_deg,

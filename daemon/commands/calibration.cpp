@@ -3,16 +3,14 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
-#include <numbers>
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/client.hpp"
 #include "daemon/commands/command.hpp"
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Arguments {
   std::string socket;
@@ -75,7 +73,7 @@ std::string calibration_text(const Json& report) {
                     report.value("evaluations", uint64_t{0}), evidence.value("nats", 0.0),
                     evidence.value("threshold_nats", 0.0), text(evidence, "axis"));
     lines += fmt::format("  seems off by ({})°, ({}) cm\n",
-                         offset_text(report["offset"], report["offset_sigma"], 0, kDegrees),
+                         offset_text(report["offset"], report["offset_sigma"], 0, 1 / kDegree),
                          offset_text(report["offset"], report["offset_sigma"], 3, 100));
   }
   if (report.contains("estimate")) {

@@ -5,17 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "daemon/commands/calibration_images.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fusion/calibration/landscape.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kMaxPlotRotation = 1.5 / kDegrees;
+constexpr double kMaxPlotRotation = 1.5 * kDegree;
 constexpr double kMaxPlotTranslation = 0.3;
 constexpr size_t kMaxCoarsePoints = 20'000;
 constexpr std::array<const char*, 6> kAxes{"about x", "about y", "about z",
@@ -114,10 +113,10 @@ std::string objective_html(const CalibrationRun& run, calibration::CoarseToFine&
   if (!run.options.search_terms.empty()) html += " Drawn for the measure that led there.";
   html += "</p><div class=row>";
   for (size_t axis = 0; axis < 6; ++axis) {
-    html += axis < 3 ? curve_html(around.axis_profiles[axis], kAxes[axis],
-                                  kMaxPlotRotation * kDegrees, "deg")
-                     : curve_html(around.axis_profiles[axis], kAxes[axis],
-                                  100 * kMaxPlotTranslation, "cm");
+    html +=
+        axis < 3
+            ? curve_html(around.axis_profiles[axis], kAxes[axis], kMaxPlotRotation / kDegree, "deg")
+            : curve_html(around.axis_profiles[axis], kAxes[axis], 100 * kMaxPlotTranslation, "cm");
   }
   html += "</div><div class=row>";
   for (const auto& map : around.maps) {

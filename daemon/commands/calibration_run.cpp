@@ -3,14 +3,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <ctime>
-#include <numbers>
 
+#include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 double cpu_seconds() {
   timespec now{};
@@ -40,8 +38,8 @@ Json matrix_json(const geometry::Matrix6& matrix) {
 
 Json error_json(const geometry::ExtrinsicError& error) {
   Json axes = Json::array();
-  for (int k = 0; k < 6; ++k) axes.push_back(error.by_axis(k) * (k < 3 ? kDegrees : 1.0));
-  return {{"rotation_deg", error.rotation * kDegrees},
+  for (int k = 0; k < 6; ++k) axes.push_back(error.by_axis(k) * (k < 3 ? 1 / kDegree : 1.0));
+  return {{"rotation_deg", error.rotation / kDegree},
           {"translation_m", error.translation},
           {"by_axis_deg_m", axes},
           {"pixels", error.pixels}};
@@ -92,8 +90,8 @@ std::string model_check_text(const calibration::ModelMismatch& check) {
 /// Degrees and centimetres of a covariance's diagonal.
 std::string sigma_text(const geometry::Matrix6& covariance) {
   const geometry::Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
-  return fmt::format("{:.3f} {:.3f} {:.3f} deg, {:.1f} {:.1f} {:.1f} cm", sigma(0) * kDegrees,
-                     sigma(1) * kDegrees, sigma(2) * kDegrees, 100 * sigma(3), 100 * sigma(4),
+  return fmt::format("{:.3f} {:.3f} {:.3f} deg, {:.1f} {:.1f} {:.1f} cm", sigma(0) / kDegree,
+                     sigma(1) / kDegree, sigma(2) / kDegree, 100 * sigma(3), 100 * sigma(4),
                      100 * sigma(5));
 }
 
@@ -208,7 +206,7 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                                  result.usable() ? "usable" : "NOT USABLE: " + result.reason,
                                  run.measure, run.scenes.size(), result.points, run.cpu_s);
   text += fmt::format("  {:.3f} deg, {:.1f} cm from the start; measure {:.5f}, there {:.5f}\n",
-                      moved.rotation * kDegrees, 100 * moved.translation, result.value,
+                      moved.rotation / kDegree, 100 * moved.translation, result.value,
                       result.initial_value);
   const Eigen::Matrix4d& T = result.T_refcam_lidar.matrix();
   text += fmt::format("  T_camera_lidar{} =\n",
@@ -232,13 +230,13 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
   if (pairs.truth) {
     const auto error = geometry::extrinsic_error(result.T_refcam_lidar, *pairs.truth, model);
     text += fmt::format("  against the drive's truth: {:.3f} deg, {:.1f} cm, {:.1f} pixels\n",
-                        error.rotation * kDegrees, 100 * error.translation, error.pixels);
+                        error.rotation / kDegree, 100 * error.translation, error.pixels);
   }
   for (const calibration::ModelMismatch& check : result.model_mismatches) {
     if (check.significant) text += "  doubt: " + model_check_text(check) + "\n";
     if (check.unit == std::string("ms")) {
       text += fmt::format("  pictures stamped 10 ms late would move it by {:.3f} deg, {:.1f} cm\n",
-                          10 * check.pose_sensitivity.head<3>().norm() * kDegrees,
+                          10 * check.pose_sensitivity.head<3>().norm() / kDegree,
                           10 * 100 * check.pose_sensitivity.tail<3>().norm());
     }
   }

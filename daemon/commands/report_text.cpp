@@ -5,7 +5,8 @@
 
 #include <chrono>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -101,7 +102,7 @@ std::string report_text(const Json& message) {
     const auto T = message.value("T_frame_vehicle", std::vector<double>(16));
     return fmt::format("{} POSE in {}: ({:.2f}, {:.2f}) m, heading {:.1f}°, {:.1f} m/s{}\n",
                        time_text(message), text(message, "frame"), T[3], T[7],
-                       std::atan2(T[4], T[0]) * 180 / std::numbers::pi, message.value("speed", 0.0),
+                       std::atan2(T[4], T[0]) / kDegree, message.value("speed", 0.0),
                        message.value("usable", false)
                            ? std::string()
                            : ", not to be used: " + text(message, "reason"));

@@ -1,8 +1,7 @@
 #include <spdlog/fmt/fmt.h>
 
-#include <numbers>
-
 #include "daemon/commands/evaluation.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
@@ -11,7 +10,6 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr size_t kMaxJsonBytes = 64 << 20;
 
 bool is_folder(const std::filesystem::path& path) {
@@ -106,10 +104,10 @@ Json to_json(const std::vector<CameraScore>& scores) {
   for (const CameraScore& score : scores) {
     const geometry::ExtrinsicError& e = score.error;
     Json axes;
-    for (int i = 0; i < 3; ++i) axes["rotation_deg"].push_back(e.by_axis[i] * kDegrees);
+    for (int i = 0; i < 3; ++i) axes["rotation_deg"].push_back(e.by_axis[i] / kDegree);
     for (int i = 3; i < 6; ++i) axes["translation_m"].push_back(e.by_axis[i]);
     json["cameras"].push_back({{"camera", score.camera},
-                               {"rotation_deg", e.rotation * kDegrees},
+                               {"rotation_deg", e.rotation / kDegree},
                                {"translation_m", e.translation},
                                {"mean_px", e.pixels},
                                {"by_axis", axes}});
@@ -122,12 +120,12 @@ std::string to_text(const std::vector<CameraScore>& scores) {
   for (const CameraScore& score : scores) {
     const geometry::ExtrinsicError& e = score.error;
     text += fmt::format("{}: {:.3f}°, {:.2f} cm, {:.2f} pixels on average\n", score.camera,
-                        e.rotation * kDegrees, e.translation * 100, e.pixels);
+                        e.rotation / kDegree, e.translation * 100, e.pixels);
     text += fmt::format(
         "  about the camera's axes ({:+.3f}, {:+.3f}, {:+.3f})°, along them ({:+.2f}, {:+.2f}, "
         "{:+.2f}) cm\n",
-        e.by_axis[0] * kDegrees, e.by_axis[1] * kDegrees, e.by_axis[2] * kDegrees,
-        e.by_axis[3] * 100, e.by_axis[4] * 100, e.by_axis[5] * 100);
+        e.by_axis[0] / kDegree, e.by_axis[1] / kDegree, e.by_axis[2] / kDegree, e.by_axis[3] * 100,
+        e.by_axis[4] * 100, e.by_axis[5] * 100);
   }
   return text;
 }

@@ -4,20 +4,19 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
-#include <numbers>
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/protocol/counters_json.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
 #include "drivers/camera/png_encoder.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "fusion/streetmap/draw_map.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 constexpr const char* kProgram = "infuse streetmap";
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Arguments {
   std::string input;

@@ -1,9 +1,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "daemon/commands/evaluation.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 
@@ -11,8 +11,6 @@ namespace infuse::daemon {
 namespace {
 
 using motion::ErrorStatistics;
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// A drive's true poses, or the file itself.
 Result<std::filesystem::path> truth_file(const std::filesystem::path& truth) {
@@ -125,17 +123,17 @@ Json to_json(const TrajectoryScore& score) {
   }
   json["rms_m"] = score.absolute.translation.rms;
   json["absolute"] = {{"translation_m", statistics_json(score.absolute.translation, 1)},
-                      {"rotation_deg", statistics_json(score.absolute.rotation, kDegrees)}};
+                      {"rotation_deg", statistics_json(score.absolute.rotation, 1 / kDegree)}};
   if (score.alignment == motion::Alignment::kSimilarity) json["scale"] = score.absolute.scale;
   if (score.relative.usable()) {
     json["relative"] = {{"span_s", to_seconds(score.span)},
                         {"translation_m", statistics_json(score.relative.translation, 1)},
-                        {"rotation_deg", statistics_json(score.relative.rotation, kDegrees)}};
+                        {"rotation_deg", statistics_json(score.relative.rotation, 1 / kDegree)}};
   }
   if (!score.kitti.usable()) return json;
   json["kitti"] = {{"segments", score.kitti.count},
                    {"translation_percent", 100 * score.kitti.translation},
-                   {"rotation_deg_per_100m", 100 * kDegrees * score.kitti.rotation},
+                   {"rotation_deg_per_100m", 100 / kDegree * score.kitti.rotation},
                    {"lengths", Json::array()}};
   for (const motion::SegmentError& segment : score.kitti.segments) {
     if (segment.count == 0) continue;
@@ -143,7 +141,7 @@ Json to_json(const TrajectoryScore& score) {
         {{"length_m", segment.length},
          {"segments", segment.count},
          {"translation_percent", 100 * segment.translation},
-         {"rotation_deg_per_100m", 100 * kDegrees * segment.rotation}});
+         {"rotation_deg_per_100m", 100 / kDegree * segment.rotation}});
   }
   return json;
 }
@@ -154,17 +152,17 @@ std::string to_text(const TrajectoryScore& score) {
   if (!score.absolute.usable()) return text + "  no score: " + score.absolute.reason + "\n";
   text += fmt::format("absolute, alignment: {}\n", name_of(score.alignment));
   text += statistics_text("position", score.absolute.translation, 1, "m");
-  text += statistics_text("orientation", score.absolute.rotation, kDegrees, "°");
+  text += statistics_text("orientation", score.absolute.rotation, 1 / kDegree, "°");
   if (score.relative.usable()) {
     text += fmt::format("relative, over {:g} s\n", to_seconds(score.span));
     text += statistics_text("position", score.relative.translation, 1, "m");
-    text += statistics_text("orientation", score.relative.rotation, kDegrees, "°");
+    text += statistics_text("orientation", score.relative.rotation, 1 / kDegree, "°");
   }
   if (!score.kitti.usable()) {
     return text + "KITTI's score: none, " + score.kitti.reason + "\n";
   }
   return text + fmt::format("KITTI's score: {:.3f} %, {:.4f} ° / 100 m over {} parts\n",
-                            100 * score.kitti.translation, 100 * kDegrees * score.kitti.rotation,
+                            100 * score.kitti.translation, 100 / kDegree * score.kitti.rotation,
                             score.kitti.count);
 }
 

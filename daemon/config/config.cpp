@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <sstream>
 
 #include "daemon/config/read_sensors.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
@@ -63,7 +63,7 @@ void read_odometry(TomlTable& table, OdometrySettings& settings) {
 void read_radians(TomlTable& table, std::string_view key, double& value) {
   std::optional<double> degrees;
   table.read(key, degrees);
-  if (degrees) value = *degrees * std::numbers::pi / 180;
+  if (degrees) value = *degrees * kDegree;
 }
 
 void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
@@ -86,7 +86,6 @@ void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
 }
 
 void read_calibration(TomlTable& table, CalibrationSettings& settings) {
-  constexpr double kRadians = std::numbers::pi / 180;
   table.read("monitor", settings.monitored);
   std::string policy;
   table.read("policy", policy);
@@ -98,7 +97,7 @@ void read_calibration(TomlTable& table, CalibrationSettings& settings) {
   }
   std::optional<double> degrees;
   table.read("limit_rotation_deg", degrees);
-  if (degrees) settings.supervisor.limit_rotation = *degrees * kRadians;
+  if (degrees) settings.supervisor.limit_rotation = *degrees * kDegree;
   table.read("limit_translation", settings.supervisor.limit_translation);
   table.read("false_alarm_hours", settings.monitor.detector.false_alarm_hours);
 }

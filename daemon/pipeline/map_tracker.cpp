@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -71,7 +73,7 @@ void MapTracker::add_gnss(const GnssFix& fix) {
                      std::isfinite(fix.course) && fix.speed >= kMinCourseSpeed;
   if (initialised_ || !frame_ || !known) return;
   const Eigen::Vector3d place = frame_->to_local(fix.latitude, fix.longitude);
-  tracker_.start({place.x(), place.y(), streetmap::wrap_angle(std::numbers::pi / 2 - fix.course)},
+  tracker_.start({place.x(), place.y(), wrap_angle(std::numbers::pi / 2 - fix.course)},
                  diagonal(kFixSigma, kCourseSigma));
   initialised_ = true;
 }

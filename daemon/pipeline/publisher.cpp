@@ -2,9 +2,9 @@
 
 #include <array>
 #include <ctime>
-#include <numbers>
 
 #include "daemon/protocol/messages.hpp"
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -26,7 +26,7 @@ CalibrationStatus calibration_status(const CalibrationReport& report) {
   for (size_t i = 0; i < kAxes.size(); ++i) {
     if (status.axis != kAxes[i]) continue;
     const auto axis = static_cast<Eigen::Index>(i);
-    const double factor = i < 3 ? 180 / std::numbers::pi : 100;
+    const double factor = i < 3 ? 1 / kDegree : 100;
     status.offset = report.offset[axis] * factor;
     status.offset_sigma = report.offset_sigma[axis] * factor;
     status.unit = i < 3 ? "°" : "cm";

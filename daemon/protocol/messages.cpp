@@ -1,9 +1,9 @@
 #include "daemon/protocol/messages.hpp"
 
 #include <cmath>
-#include <numbers>
 
 #include "daemon/protocol/counters_json.hpp"
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -165,7 +165,7 @@ std::string sweep_message(const SweepReport& sweep, std::span<const Device> devi
   message["rings"] = sweep.rings;
   message["lost_packets"] = sweep.lost_packets;
   message["gaps"] = sweep.gaps;
-  message["gap_deg"] = rounded(sweep.gap_angle * 180 / std::numbers::pi);
+  message["gap_deg"] = rounded(sweep.gap_angle / kDegree);
   add_if_finite(message, "mean_range", rounded(sweep.mean_range));
   add_if_finite(message, "max_range", rounded(sweep.max_range));
   add_if_finite(message, "mean_reflectivity", rounded(sweep.mean_reflectivity));
@@ -176,7 +176,7 @@ std::string sweep_message(const SweepReport& sweep, std::span<const Device> devi
     message["deskew_reason"] = sweep.deskew_reason;
   } else {
     message["travelled"] = rounded(sweep.travelled);
-    message["turned_deg"] = rounded(sweep.turned * 180 / std::numbers::pi);
+    message["turned_deg"] = rounded(sweep.turned / kDegree);
   }
   return line(message);
 }

@@ -10,7 +10,7 @@ namespace {
 
 enum Channel { kBlue = 0, kGreen = 1, kRed = 2 };
 
-/// The colours of the 2 × 2 tile at the top left, by row.
+/// Colours of the 2 × 2 tile at the top left, by row.
 std::array<Channel, 4> bayer_tile(PixelFormat format) {
   switch (format) {
     case PixelFormat::kBayerRggb8:
@@ -24,18 +24,18 @@ std::array<Channel, 4> bayer_tile(PixelFormat format) {
   }
 }
 
-void copy_all_but_pixels(const CameraFrame& from, PixelFormat format, CameraFrame& to) {
+void copy_all_but_pixels(const CameraFrame& from, CameraFrame& to) {
   to.stamp = from.stamp;
   to.exposure = from.exposure;
   to.gain = from.gain;
   to.sequence = from.sequence;
   to.width = from.width;
   to.height = from.height;
-  to.format = format;
+  to.format = PixelFormat::kGrey8;
   to.pixels.resize(to.row_bytes() * static_cast<size_t>(to.height));
 }
 
-/// `pixels` of blue, green and red.
+/// Converts `pixels` pixels of blue, green and red.
 INFUSE_SIMD_CLONES void to_luminance(const uint8_t* __restrict bgr, size_t pixels,
                                      uint8_t* __restrict grey) {
   for (size_t i = 0; i < pixels; ++i) {
@@ -43,8 +43,8 @@ INFUSE_SIMD_CLONES void to_luminance(const uint8_t* __restrict bgr, size_t pixel
   }
 }
 
-/// Bilinear interpolation: a missing colour is the mean of its nearest samples, which lie in the 3
-/// × 3 neighbourhood; at the border, of those inside the picture.
+/// Bilinear interpolation: a missing colour is the mean of its nearest samples in the 3 × 3
+/// neighbourhood; at the border, of those inside the image.
 std::array<int, 3> demosaic_pixel(const CameraFrame& frame, const std::array<Channel, 4>& tile,
                                   int row, int column) {
   std::array<int, 3> value{};
@@ -70,13 +70,13 @@ std::array<int, 3> demosaic_pixel(const CameraFrame& frame, const std::array<Cha
   return value;
 }
 
-template <class Write>
-void demosaic(const CameraFrame& frame, Write write) {
+void demosaic(const CameraFrame& frame, std::vector<uint8_t>& grey) {
   const std::array<Channel, 4> tile = bayer_tile(frame.format);
   size_t pixel = 0;
   for (int row = 0; row < frame.height; ++row) {
     for (int column = 0; column < frame.width; ++column) {
-      write(pixel++, demosaic_pixel(frame, tile, row, column));
+      const std::array<int, 3> bgr = demosaic_pixel(frame, tile, row, column);
+      grey[pixel++] = luminance(bgr[kBlue], bgr[kGreen], bgr[kRed]);
     }
   }
 }
@@ -84,30 +84,13 @@ void demosaic(const CameraFrame& frame, Write write) {
 }  // namespace
 
 void to_grey(const CameraFrame& frame, CameraFrame& grey) {
-  copy_all_but_pixels(frame, PixelFormat::kGrey8, grey);
+  copy_all_but_pixels(frame, grey);
   if (frame.format == PixelFormat::kGrey8) {
     grey.pixels = frame.pixels;
   } else if (frame.format == PixelFormat::kBgr8) {
     to_luminance(frame.pixels.data(), grey.pixels.size(), grey.pixels.data());
   } else {
-    demosaic(frame, [&](size_t i, const std::array<int, 3>& bgr) {
-      grey.pixels[i] = luminance(bgr[kBlue], bgr[kGreen], bgr[kRed]);
-    });
-  }
-}
-
-void to_bgr(const CameraFrame& frame, CameraFrame& bgr) {
-  copy_all_but_pixels(frame, PixelFormat::kBgr8, bgr);
-  if (frame.format == PixelFormat::kBgr8) {
-    bgr.pixels = frame.pixels;
-  } else if (frame.format == PixelFormat::kGrey8) {
-    for (size_t i = 0; i < frame.pixels.size(); ++i) {
-      std::fill_n(bgr.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, frame.pixels[i]);
-    }
-  } else {
-    demosaic(frame, [&](size_t i, const std::array<int, 3>& value) {
-      for (size_t k = 0; k < 3; ++k) bgr.pixels[3 * i + k] = static_cast<uint8_t>(value[k]);
-    });
+    demosaic(frame, grey.pixels);
   }
 }
 

@@ -25,7 +25,7 @@ Result<void> decode_image(std::span<const uint8_t> file, const ImageOptions& opt
   };
   if (begins_with(kPngMagic)) return decode_png(file, options, frame);
   if (begins_with(kJpegMagic)) return decode_jpeg(file, options, frame);
-  return fail("neither a PNG nor a JPEG file", {}, "its first bytes are those of no known format");
+  return fail("neither a PNG nor a JPEG file", {}, "unknown file signature");
 }
 
 }  // namespace infuse::camera

@@ -10,26 +10,25 @@
 
 namespace infuse::camera {
 
-/// How a picture file is to be read.
+/// Options for decoding an image file.
 struct ImageOptions {
-  /// Set where the file is one channel of raw sensor values; colour files are then refused.
+  /// Bayer pattern of a one-channel file of raw sensor values; colour files are then refused.
   std::optional<PixelFormat> bayer{};
-  /// Decode to grey even where the file has colour.
+  /// Decode to grey even if the file has colour.
   bool grey = false;
-  /// Larger pictures are refused before any of their pixels is read.
+  /// Maximum number of pixels; larger images are refused before any pixel is read.
   int64_t max_pixels = 64'000'000;
 
-  /// What is wrong with the settings, or nothing.
+  /// Returns what is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
 /// Decodes a PNG or JPEG file into `frame`: sets width, height, format and pixels, and leaves the
-/// rest. One-channel files become kGrey8 (or the Bayer format requested), colour becomes kBgr8,
-/// transparency is laid on black; 16 bits a channel are reduced to 8. The frame's memory is reused
-/// where it suffices; what it holds after a failure is not specified.
+/// other members. One-channel files become kGrey8 (or the Bayer format requested), colour becomes
+/// kBgr8, transparency is blended with black; 16 bits per channel are reduced to 8. Reuses the
+/// frame's memory if it suffices; its content after a failure is unspecified.
 ///
-/// Errors: neither PNG nor JPEG, damaged or cut off, too large, colour where a Bayer mosaic is
-/// expected.
+/// Errors: neither PNG nor JPEG, damaged or truncated, too large, colour instead of a Bayer mosaic.
 Result<void> decode_image(std::span<const uint8_t> file, const ImageOptions& options,
                           CameraFrame& frame);
 

@@ -16,7 +16,7 @@ using Handle = std::unique_ptr<void, int (*)(tjhandle)>;
 Result<void> decode_jpeg(std::span<const uint8_t> file, const ImageOptions& options,
                          CameraFrame& frame) {
   thread_local Handle decoder(tjInitDecompress(), &tjDestroy);
-  // After a warning the library's decoder refuses every file that follows: a new one takes over.
+  // After a warning the library's decoder refuses every following file, so it is replaced.
   const auto damaged = [] {
     const std::string why = tjGetErrorStr2(decoder.get());
     decoder.reset(tjInitDecompress());
@@ -31,15 +31,15 @@ Result<void> decode_jpeg(std::span<const uint8_t> file, const ImageOptions& opti
     return damaged();
   }
   if (colour_space == TJCS_CMYK || colour_space == TJCS_YCCK) {
-    return fail("a JPEG file in printing colours (CMYK)", {}, "convert it to RGB or grey");
+    return fail("JPEG file in CMYK colours", {}, "convert it to RGB or grey");
   }
   if (auto prepared = prepare_frame(width, height, colour_space != TJCS_GRAY, options, frame);
       !prepared) {
     return prepared;
   }
   const int format = frame.format == PixelFormat::kBgr8 ? TJPF_BGR : TJPF_GRAY;
-  // TJFLAG_STOPONWARNING: what is cut off is otherwise filled with grey and reported as a warning
-  // only.
+  // TJFLAG_STOPONWARNING: otherwise the library fills the missing part of a truncated file with
+  // grey and only warns.
   if (tjDecompress2(decoder.get(), file.data(), file.size(), frame.pixels.data(), width, 0, height,
                     format, TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS) != 0) {
     return damaged();

@@ -4,8 +4,8 @@
 
 namespace infuse::camera {
 
-/// `decode_image` for JPEG, through libjpeg-turbo. Grey is read from the luminance alone.
-/// A file that ends early is an error, although the library would fill it with grey.
+/// `decode_image` for JPEG, through libjpeg-turbo. Grey is decoded from the luminance alone. A
+/// truncated file is an error, although the library would fill it with grey.
 Result<void> decode_jpeg(std::span<const uint8_t> file, const ImageOptions& options,
                          CameraFrame& frame);
 

@@ -6,10 +6,11 @@ namespace infuse::camera {
 
 Result<std::vector<uint8_t>> encode_png(const CameraFrame& frame) {
   const bool colour = frame.format == PixelFormat::kBgr8;
-  if (!colour && frame.format != PixelFormat::kGrey8) return fail("only grey and BGR become PNG");
+  if (!colour && frame.format != PixelFormat::kGrey8)
+    return fail("only grey and BGR images can be written as PNG");
   if (frame.width < 1 || frame.height < 1 ||
       frame.pixels.size() < frame.row_bytes() * static_cast<size_t>(frame.height)) {
-    return fail("the picture is empty");
+    return fail("the image is empty");
   }
   png_image image{};
   image.version = PNG_IMAGE_VERSION;

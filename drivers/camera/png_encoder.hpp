@@ -8,8 +8,8 @@
 
 namespace infuse::camera {
 
-/// The PNG file of a picture in kGrey8 or kBgr8. Fails for other formats, for an empty picture, and
-/// where libpng does.
+/// Encodes an image in kGrey8 or kBgr8 as a PNG file. Fails for other formats, for an empty image,
+/// and if libpng fails.
 Result<std::vector<uint8_t>> encode_png(const CameraFrame& frame);
 
 }  // namespace infuse::camera

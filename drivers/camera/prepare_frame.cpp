@@ -8,12 +8,11 @@ Result<void> prepare_frame(int64_t width, int64_t height, bool colour, const Ima
                            CameraFrame& frame) {
   if (width <= 0 || height <= 0 || width > options.max_pixels / height) {
     return fail(
-        "the picture is " + std::to_string(width) + " x " + std::to_string(height) + " pixels", {},
-        "at most " + std::to_string(options.max_pixels) + " pixels are read");
+        "the image has " + std::to_string(width) + " x " + std::to_string(height) + " pixels", {},
+        "at most " + std::to_string(options.max_pixels) + " pixels are accepted");
   }
   if (options.bayer && colour) {
-    return fail("a colour picture where a Bayer mosaic is expected", {},
-                "leave the Bayer pattern out");
+    return fail("colour image instead of a Bayer mosaic", {}, "remove the Bayer pattern");
   }
   frame.width = static_cast<int>(width);
   frame.height = static_cast<int>(height);

@@ -37,7 +37,7 @@ PixelFormat to_pixel_format(RawFormat format, bool grey) {
 
 uint8_t clamp_byte(int value) { return static_cast<uint8_t>(std::clamp(value, 0, 255)); }
 
-// The usual 8-bit fixed-point form of BT.601 in limited range: luma 16 ... 235.
+// 8-bit fixed-point form of BT.601 in limited range: luma 16 ... 235.
 void write_bgr(int luma, int u, int v, uint8_t* bgr) {
   const int c = 298 * (luma - 16) + 128;
   bgr[0] = clamp_byte((c + 516 * (u - 128)) >> 8);
@@ -45,8 +45,8 @@ void write_bgr(int luma, int u, int v, uint8_t* bgr) {
   bgr[2] = clamp_byte((c + 409 * (v - 128)) >> 8);
 }
 
-/// A row of pairs of pixels; `luma` is the place of the first luma in the four bytes of a pair, and
-/// colour takes the other places.
+/// Unpacks a row of pixel pairs; `luma` is the index of the first luma in the four bytes of a pair,
+/// colour has the other places.
 void unpack_yuv_row(const uint8_t* row, size_t width, size_t luma, bool grey, uint8_t* out) {
   const size_t chroma = 1 - luma;
   if (grey) {
@@ -108,12 +108,12 @@ Result<void> unpack(const RawImage& image, bool grey, CameraFrame& frame) {
   if (image.format == RawFormat::kMjpeg) {
     return decode_image(image.bytes, {.grey = grey}, frame);
   }
-  if (image.width <= 0 || image.height <= 0) return fail("the picture has no pixels");
+  if (image.width <= 0 || image.height <= 0) return fail("the image has no pixels");
   const size_t row_bytes = packed_row_bytes(image.format, image.width);
   const size_t rows = static_cast<size_t>(image.height);
   if (image.row_bytes < row_bytes ||
       image.bytes.size() < (rows - 1) * image.row_bytes + row_bytes) {
-    return fail("the picture ends early: " + std::to_string(image.bytes.size()) + " bytes");
+    return fail("truncated image: " + std::to_string(image.bytes.size()) + " bytes");
   }
   frame.width = image.width;
   frame.height = image.height;

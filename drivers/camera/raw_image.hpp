@@ -11,7 +11,7 @@
 
 namespace infuse::camera {
 
-/// How a camera lays out a picture that it streams.
+/// Memory layout of an image that a camera streams.
 enum class RawFormat : uint8_t {
   kGrey,
   kYuyv,  ///< Y0 U Y1 V: two pixels share a colour
@@ -22,40 +22,40 @@ enum class RawFormat : uint8_t {
   kBayerBggr,
   kBayerGbrg,
   kBayerGrbg,
-  kMjpeg,  ///< each picture a JPEG file
+  kMjpeg,  ///< each image a JPEG file
 };
 
 /// "GREY", "YUYV", "UYVY", "RGB24", "BGR24", "RGGB", "BGGR", "GBRG", "GRBG", "MJPEG".
 const char* name_of(RawFormat format);
 
-/// The format of that name; nothing where there is none.
+/// Returns the format of that name, or nothing.
 std::optional<RawFormat> find_raw_format(std::string_view name);
 
-/// A picture as the driver hands it over.
+/// An image as the driver delivers it.
 struct RawImage {
   RawFormat format = RawFormat::kGrey;
   int width = 0;                   ///< pixels
   int height = 0;                  ///< pixels
-  size_t row_bytes = 0;            ///< from a row to the next, padding included
-  std::span<const uint8_t> bytes;  ///< of kMjpeg: the file
+  size_t row_bytes = 0;            ///< bytes from one row to the next, padding included
+  std::span<const uint8_t> bytes;  ///< for kMjpeg: the file
 };
 
-/// A picture that a camera streams.
+/// An image that a camera streams, with its metadata.
 struct StreamedImage {
-  Stamp stamp;            ///< middle of the exposure, as far as the driver tells
-  Duration exposure{0};   ///< how long it lasted; 0 where unknown
-  double gain = 0;        ///< as the driver states it; 0 where unknown
-  uint64_t sequence = 0;  ///< the driver's counter since the camera was opened
-  RawImage raw;           ///< to be unpacked by whoever needs its pixels
+  Stamp stamp;            ///< middle of the exposure, as far as the driver reports it
+  Duration exposure{0};   ///< duration of the exposure; 0 if unknown
+  double gain = 0;        ///< as the driver reports it; 0 if unknown
+  uint64_t sequence = 0;  ///< frame counter of the driver since the camera was opened
+  RawImage raw;           ///< not unpacked yet
 };
 
 /// Bytes of a row without padding; 0 for kMjpeg.
 size_t packed_row_bytes(RawFormat format, int width);
 
-/// Lays the picture out as a `CameraFrame`: sets width, height, format and pixels, and leaves the
-/// rest. YUV becomes kGrey8 (its luma, as the camera gives it) where `grey` is requested, else
-/// kBgr8 (ITU-R BT.601, limited range); MJPEG likewise; RGB becomes kBgr8; grey and Bayer stay. The
-/// frame's memory is reused. Errors: fewer bytes than the picture has, a damaged JPEG.
+/// Unpacks the image into a `CameraFrame`: sets width, height, format and pixels, and leaves the
+/// other members. YUV becomes kGrey8 (its luma, unchanged) if `grey` is requested, else kBgr8
+/// (ITU-R BT.601, limited range); MJPEG likewise; RGB becomes kBgr8; grey and Bayer are copied.
+/// Reuses the frame's memory. Errors: fewer bytes than the image needs, a damaged JPEG.
 Result<void> unpack(const RawImage& image, bool grey, CameraFrame& frame);
 
 }  // namespace infuse::camera

@@ -7,21 +7,21 @@
 
 namespace infuse::camera {
 
-/// Which camera of this host, and how it is to stream.
+/// Device and stream settings of a local camera.
 struct V4l2Options {
-  /// A path that stays the same when the camera is plugged in again is in /dev/v4l/by-id or
-  /// /dev/v4l/by-path.
+  /// Path of the device. Paths in /dev/v4l/by-id and /dev/v4l/by-path stay the same when the camera
+  /// is plugged in again.
   std::string device = "/dev/video0";
-  int width = 0;                     ///< pixels; 0: as the camera is set
-  int height = 0;                    ///< pixels; 0: as the camera is set
-  double rate_hz = 0;                ///< pictures a second; 0: as the camera is set
-  std::optional<RawFormat> format;   ///< nothing: the cheapest to read that the camera has
-  bool grey = true;                  ///< leave colour out where the format allows it
-  std::optional<Duration> exposure;  ///< fixed; nothing: as the camera is set
-  std::optional<int> gain;           ///< fixed, in the driver's units; nothing: as it is set
+  int width = 0;                     ///< pixels; 0: the camera's current setting
+  int height = 0;                    ///< pixels; 0: the camera's current setting
+  double rate_hz = 0;                ///< images per second; 0: the camera's current setting
+  std::optional<RawFormat> format;   ///< nothing: the camera's format that is cheapest to read
+  bool grey = true;                  ///< omit colour if the format allows it
+  std::optional<Duration> exposure;  ///< fixed; nothing: the camera's current setting
+  std::optional<int> gain;           ///< fixed, in the driver's units; nothing: the current setting
   Duration stamp_delay{0};           ///< stamp minus middle of the exposure; subtracted
 
-  /// What is wrong with the numbers, or nothing.
+  /// Returns what is wrong with the numbers, or nothing.
   std::optional<std::string> invalid() const;
 
   bool operator==(const V4l2Options&) const = default;

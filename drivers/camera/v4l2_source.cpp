@@ -17,7 +17,7 @@ constexpr uint32_t kBufferCount = 4;
 constexpr Duration kControlsPeriod{1'000'000'000};
 constexpr int64_t kExposureUnitNs = 100'000;  // ns; V4L2_CID_EXPOSURE_ABSOLUTE counts 100 us
 
-/// What the driver calls a format, the cheapest to read first.
+/// The driver's code of a format; the cheapest to read comes first.
 struct FourCc {
   uint32_t code;
   RawFormat format;
@@ -86,7 +86,7 @@ v4l2_buffer make_buffer(uint32_t index) {
 }  // namespace
 
 std::optional<std::string> V4l2Options::invalid() const {
-  if (device.empty() || device.front() != '/') return "'" + device + "' is no path of a device";
+  if (device.empty() || device.front() != '/') return "'" + device + "' is not a device path";
   if (width < 0 || height < 0 || width > 16384 || height > 16384) {
     return "width and height must lie in 0 ... 16384";
   }
@@ -117,7 +117,7 @@ Result<V4l2Source> V4l2Source::open(const V4l2Options& options, const receive::T
       receive::FileDescriptor(::open(options.device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (!source.device_) {
     return receive::fail_errno("cannot be opened", options.device,
-                               errno == EACCES ? "the user needs the group video" : "");
+                               errno == EACCES ? "add the user to the group video" : "");
   }
   for (const auto step : {&V4l2Source::check_capabilities, &V4l2Source::negotiate,
                           &V4l2Source::set_rate, &V4l2Source::set_controls, &V4l2Source::start}) {
@@ -135,13 +135,13 @@ V4l2Source::~V4l2Source() {
 Result<void> V4l2Source::check_capabilities() {
   v4l2_capability about{};
   if (!xioctl(device_.get(), VIDIOC_QUERYCAP, about)) {
-    return receive::fail_errno("is no Video4Linux2 device", options_.device);
+    return receive::fail_errno("not a Video4Linux2 device", options_.device);
   }
   const uint32_t able =
       about.capabilities & V4L2_CAP_DEVICE_CAPS ? about.device_caps : about.capabilities;
   if (!(able & V4L2_CAP_VIDEO_CAPTURE) || !(able & V4L2_CAP_STREAMING)) {
-    return fail("is no camera that streams", options_.device,
-                "a camera may have several devices; take another");
+    return fail("not a streaming camera", options_.device,
+                "a camera may have several devices; try another");
   }
   return {};
 }
@@ -149,14 +149,14 @@ Result<void> V4l2Source::check_capabilities() {
 Result<void> V4l2Source::negotiate() {
   const FourCc* chosen = choose_format(device_.get(), options_.format);
   if (chosen == nullptr) {
-    return fail(options_.format ? std::string("has no ") + name_of(*options_.format)
-                                : "has no format that can be read",
-                options_.device, "v4l2-ctl --list-formats-ext shows what it has");
+    return fail(options_.format ? std::string("does not support ") + name_of(*options_.format)
+                                : "has no supported pixel format",
+                options_.device, "v4l2-ctl --list-formats-ext lists its formats");
   }
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (!xioctl(device_.get(), VIDIOC_G_FMT, format)) {
-    return receive::fail_errno("does not tell its format", options_.device);
+    return receive::fail_errno("cannot read the current format", options_.device);
   }
   v4l2_pix_format& pixels = format.fmt.pix;
   if (options_.width != 0) {
@@ -168,7 +168,7 @@ Result<void> V4l2Source::negotiate() {
   pixels.bytesperline = 0;
   if (!xioctl(device_.get(), VIDIOC_S_FMT, format)) {
     return receive::fail_errno("cannot be set up", options_.device,
-                               errno == EBUSY ? "another program uses it" : "");
+                               errno == EBUSY ? "in use by another program" : "");
   }
   image_layout_ = {chosen->format,
                    static_cast<int>(pixels.width),
@@ -178,10 +178,10 @@ Result<void> V4l2Source::negotiate() {
   const bool size_granted = options_.width == 0 || (image_layout_.width == options_.width &&
                                                     image_layout_.height == options_.height);
   if (!size_granted || pixels.pixelformat != chosen->code) {
-    return fail("cannot do " + std::to_string(options_.width) + "x" +
+    return fail("does not support " + std::to_string(options_.width) + "x" +
                     std::to_string(options_.height) + " in " + name_of(chosen->format) + ", but " +
                     std::to_string(pixels.width) + "x" + std::to_string(pixels.height),
-                options_.device, "v4l2-ctl --list-formats-ext shows what it has");
+                options_.device, "v4l2-ctl --list-formats-ext lists its formats");
   }
   return {};
 }
@@ -193,7 +193,7 @@ Result<void> V4l2Source::set_rate() {
   if (options_.rate_hz > 0) {
     period = {1000, static_cast<uint32_t>(std::lround(options_.rate_hz * 1000))};
     if (!xioctl(device_.get(), VIDIOC_S_PARM, parameters)) {
-      return receive::fail_errno("does not take a rate", options_.device, "leave rate_hz out");
+      return receive::fail_errno("cannot set the rate", options_.device, "remove rate_hz");
     }
   }
   if (xioctl(device_.get(), VIDIOC_G_PARM, parameters) && period.numerator != 0) {
@@ -208,14 +208,13 @@ Result<void> V4l2Source::set_controls() {
     set_control(device, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
     if (!set_control(device, V4L2_CID_EXPOSURE_ABSOLUTE,
                      options_.exposure->count() / kExposureUnitNs)) {
-      return receive::fail_errno("does not take an exposure", options_.device,
-                                 "leave exposure_ms out");
+      return receive::fail_errno("cannot set the exposure", options_.device, "remove exposure_ms");
     }
   }
   if (options_.gain) {
     set_control(device, V4L2_CID_AUTOGAIN, 0);
     if (!set_control(device, V4L2_CID_GAIN, *options_.gain)) {
-      return receive::fail_errno("does not take a gain", options_.device, "leave gain out");
+      return receive::fail_errno("cannot set the gain", options_.device, "remove gain");
     }
   }
   return {};
@@ -227,22 +226,22 @@ Result<void> V4l2Source::start() {
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   if (!xioctl(device_.get(), VIDIOC_REQBUFS, request)) {
-    return receive::fail_errno("gives no buffers", options_.device,
-                               errno == EBUSY ? "another program uses it" : "");
+    return receive::fail_errno("cannot allocate buffers", options_.device,
+                               errno == EBUSY ? "in use by another program" : "");
   }
   for (uint32_t i = 0; i < request.count; ++i) {
     v4l2_buffer buffer = make_buffer(i);
     if (!xioctl(device_.get(), VIDIOC_QUERYBUF, buffer)) {
-      return receive::fail_errno("does not show its buffers", options_.device);
+      return receive::fail_errno("cannot query buffers", options_.device);
     }
     buffers_.emplace_back(device_.get(), buffer.m.offset, buffer.length);
     if (buffers_.back().bytes().empty() || !xioctl(device_.get(), VIDIOC_QBUF, buffer)) {
-      return receive::fail_errno("its buffers cannot be used", options_.device);
+      return receive::fail_errno("cannot map buffers", options_.device);
     }
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (!xioctl(device_.get(), VIDIOC_STREAMON, type)) {
-    return receive::fail_errno("does not stream", options_.device);
+    return receive::fail_errno("cannot start streaming", options_.device);
   }
   return {};
 }
@@ -253,7 +252,8 @@ Result<V4l2Source::Dequeued> V4l2Source::dequeue(uint32_t& index, StreamedImage&
     if (errno == EAGAIN) return Dequeued::kNone;
     return receive::fail_errno("cannot be read", options_.device);
   }
-  if (buffer.index >= buffers_.size()) return fail("gave an unknown buffer", options_.device);
+  if (buffer.index >= buffers_.size())
+    return fail("the driver returned an unknown buffer", options_.device);
   index = buffer.index;
   if (counters_.images + counters_.damaged > 0 && buffer.sequence > next_sequence_) {
     counters_.lost += buffer.sequence - next_sequence_;
@@ -277,12 +277,12 @@ Result<V4l2Source::Dequeued> V4l2Source::dequeue(uint32_t& index, StreamedImage&
 Result<void> V4l2Source::requeue(uint32_t index) {
   v4l2_buffer buffer = make_buffer(index);
   if (!xioctl(device_.get(), VIDIOC_QBUF, buffer)) {
-    return receive::fail_errno("does not take its buffer back", options_.device);
+    return receive::fail_errno("cannot requeue a buffer", options_.device);
   }
   return {};
 }
 
-// Asking costs a transfer on the camera's bus, and both change slowly.
+// Reading them costs a transfer on the camera's bus, and both change slowly.
 void V4l2Source::read_controls(Stamp now) {
   if (now - last_controls_read_ < kControlsPeriod) return;
   last_controls_read_ = now;

@@ -12,29 +12,29 @@
 
 namespace infuse::camera {
 
-/// What a camera has delivered since it was opened.
+/// Counters since the camera was opened.
 struct V4l2Counters {
-  uint64_t images = 0;   ///< handed out
+  uint64_t images = 0;   ///< delivered
   uint64_t lost = 0;     ///< missing by the driver's own counter
-  uint64_t damaged = 0;  ///< marked so by the driver
+  uint64_t damaged = 0;  ///< marked as damaged by the driver
 };
 
-/// A camera of this host (Video4Linux2), streaming into memory that it shares with the driver.
+/// A local camera (Video4Linux2) that streams into memory shared with the driver.
 class V4l2Source {
  public:
-  /// Opens, sets up and starts the camera. Errors: no such device (yet), no permission, in use, it
-  /// cannot do the size, format or rate that is requested.
+  /// Opens, configures and starts the camera. Errors: no such device (yet), no permission, in use,
+  /// unsupported size, format or rate.
   static Result<V4l2Source> open(const V4l2Options& options, const receive::TimeBase& base);
   V4l2Source(V4l2Source&&) noexcept = default;
   V4l2Source& operator=(V4l2Source&&) noexcept = default;
   ~V4l2Source();
 
-  /// Readable when a picture waits; in error when the camera was unplugged.
+  /// Readable when an image is pending; in error when the camera was unplugged.
   int descriptor() const { return device_.get(); }
 
-  /// Takes the oldest picture that waits and calls `on(const StreamedImage&)` with it, unless the
-  /// driver calls it damaged; its bytes are the driver's again when `on` returns. False where none
-  /// waits. An error says that the camera is gone: open another source, later.
+  /// Dequeues the oldest pending image and calls `on(const StreamedImage&)` with it, unless the
+  /// driver marks it as damaged; its bytes belong to the driver again when `on` returns. False if
+  /// none is pending. An error means that the camera is gone: open another source later.
   template <class OnImage>
   Result<bool> read(OnImage on) {
     uint32_t buffer = 0;
@@ -49,7 +49,7 @@ class V4l2Source {
 
   const V4l2Counters& counters() const { return counters_; }
 
-  /// What was agreed on: "GREY 640x480, 30.00 Hz".
+  /// The settings in use: "GREY 640x480, 30.00 Hz".
   std::string description() const;
 
   RawFormat format() const { return image_layout_.format; }

@@ -5,13 +5,13 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
+
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::velodyne {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kKnot = 1852.0 / 3600.0;  // m/s
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr size_t kMaxFields = 24;

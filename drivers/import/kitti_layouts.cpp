@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 
 #include "drivers/import/kitti_files.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "drivers/recording/local_frame.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
 
@@ -15,7 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr Duration kSyntheticFramePeriod{100'000'000};
 constexpr size_t kMaxFrames = 1'000'000;  // of a recording without times
 

@@ -12,11 +12,13 @@ namespace {
 
 constexpr Duration kZero = Duration::zero();
 
-/// Far beyond any real time (±126 years), and so near that no arithmetic here overflows.
+/// Limit of accepted stamps: beyond any real time (±126 years), small enough that no arithmetic
+/// here overflows.
 constexpr int64_t kMaxAbsStampNs = 4'000'000'000'000'000'000;
 
-/// Where even the least of so many delays is further above the envelope than their own spread and
-/// this, the envelope is doubtful; after so many such parts in a row it is out of date.
+/// A part of the window is risen if its smallest delay lies further above the envelope than its
+/// mean delay lies above its smallest, plus kMinRiseNs. One risen part makes the envelope doubtful,
+/// kMinRisenParts in a row make it out of date.
 constexpr uint32_t kMinSamplesForRise = 8;
 constexpr double kMinRiseNs = 100'000;
 constexpr uint32_t kMinRisenParts = 3;
@@ -100,7 +102,7 @@ Duration ClockModel::offset_at(Stamp device) const {
   return line_.offset + rounded(line_.slope * as_double(device - line_.device));
 }
 
-/// The time of the wrapping counter that is nearest to what is expected.
+/// Returns the time of the wrapping counter that is nearest to `expected`.
 Stamp ClockModel::unwrap(Duration device, Stamp expected) const {
   const Stamp counted = clamp_stamp(Stamp::from_ns(device.count()));
   if (options_.modulo == kZero) return counted;
@@ -149,7 +151,8 @@ bool ClockModel::detect_jump(Duration device, Stamp host) {
 }
 
 void ClockModel::add_sample(Stamp device, Stamp host) {
-  if (device <= last_device_) return;  // out of order: what is late says nothing of the envelope
+  if (device <= last_device_)
+    return;  // out of order: a late sample carries no information about the envelope
   last_device_ = device;
   ++samples_;
   if (part_.samples > 0 && device - part_.begin >= options_.window / kParts) {
@@ -159,7 +162,7 @@ void ClockModel::add_sample(Stamp device, Stamp host) {
   const Duration offset = host - device;
   const Duration delay = offset - offset_at(device);
   if (delay < kZero) line_.offset += delay;
-  // With the slope taken away, the least offset of the part is the least delay.
+  // With the slope subtracted, the smallest offset of the part is its smallest delay.
   const double rise = as_double(offset - part_.offset);
   if (part_.samples == 0 || rise < line_.slope * as_double(device - part_.device)) {
     part_.device = device;
@@ -218,14 +221,14 @@ void ClockModel::update_state(bool model_holds) {
   state_.source = on_the_hour ? ClockState::Source::kTopOfHour : ClockState::Source::kPowerUp;
   state_.reason = "";
   if (!model_holds) {
-    state_.reason = "device time disagrees with the times of arrival: a jump or a bad packet";
+    state_.reason = "device time disagrees with arrival times: a jump or a bad packet";
   } else if (samples_ < options_.min_samples || part_count_ < kMinPartsForSkew ||
              last_device_ - first_device_ < options_.settling_time) {
     state_.reason = state_.jumps > 0 ? "not settled after a jump" : "not settled after the start";
   } else if (skew_at_limit_) {
-    state_.reason = "the skew is at its limit: one of the clocks is broken or was stepped";
+    state_.reason = "skew at its limit: one of the clocks is faulty or was stepped";
   } else if (risen_parts_ > 0) {
-    state_.reason = "even the least delay has risen: a small jump of a clock, or a busy network";
+    state_.reason = "minimum transport delay has risen: a small clock jump, or a busy network";
   }
   state_.trusted = *state_.reason == '\0';
 }

@@ -11,61 +11,62 @@
 
 namespace infuse {
 
-/// How a device's clock is followed. The defaults are those of a Velodyne, which counts from the
-/// top of the hour.
+/// Parameters of a ClockModel. The defaults fit a Velodyne, which counts from the top of the hour.
 struct ClockModelOptions {
-  Duration modulo{3'600'000'000'000};  ///< ns; the device's counter starts again here; 0: never
-  Duration min_delay{0};      ///< ns; from the device's stamp to the host's at best (to fill and
-                              ///< send the packet): passive observation cannot tell it
-  double max_skew_ppm = 200;  ///< parts per million; no device's clock is worse
-  Duration window{60'000'000'000};        ///< ns; what is older is forgotten
-  Duration settling_time{5'000'000'000};  ///< ns; not trusted before samples cover so much time,
-  uint32_t min_samples = 40;              ///< and not before there are so many
-  Duration jump_threshold{5'000'000};     ///< ns; a sample so far off is suspect; a smaller jump is
-                                          ///< absorbed within a window
-  Duration jump_confirmation{500'000'000};  ///< ns; suspects that agree for so long are a jump
-  Duration max_delay{1'000'000'000};        ///< ns; no transport takes longer
-  Duration hour_tolerance{500'000'000};     ///< ns; a counter so far off the host's hour is said to
-                                            ///< count from power-up
+  Duration modulo{3'600'000'000'000};  ///< ns; period of the device's counter; 0: it never wraps
+  Duration min_delay{0};  ///< ns; minimum delay from the device's stamp to the host's (filling and
+                          ///< sending the packet); passive observation cannot determine it
+  double max_skew_ppm = 200;        ///< parts per million; maximum skew of the device's clock
+  Duration window{60'000'000'000};  ///< ns; older samples are discarded
+  /// Minimum time covered by samples before the model is trusted, ns.
+  Duration settling_time{5'000'000'000};
+  uint32_t min_samples = 40;           ///< minimum number of samples before the model is trusted
+  Duration jump_threshold{5'000'000};  ///< ns; a sample further off is a jump candidate; a smaller
+                                       ///< jump is absorbed within a window
+  Duration jump_confirmation{500'000'000};  ///< ns; candidates that agree for this long are a jump
+  Duration max_delay{1'000'000'000};        ///< ns; maximum transport delay
+  /// A counter further off the host's hour than this, ns, counts from power-up.
+  Duration hour_tolerance{500'000'000};
 
-  /// What is wrong with the numbers, or nothing.
+  /// Returns what is wrong with the numbers, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// Maps a device's time to host time by watching when its messages arrive: passive synchronisation
-/// (P appendix C.2, after Olson 2010). A message is received after it was stamped, never before,
-/// and some are hardly delayed: so host time minus device time has a lower envelope, a line whose
-/// slope is the skew of the two clocks. The samples of a window are thinned to the least delayed
-/// one of each of its 64 parts; the envelope of these is taken whenever a part is complete, and
-/// lowered at once by a sample that lies below it.
+/// Maps a device's time to host time from the arrival times of its messages: passive
+/// synchronisation (P appendix C.2, after Olson 2010). A message is received after it was stamped,
+/// and some messages are hardly delayed, so host time minus device time has a lower envelope: a
+/// line whose slope is the skew of the two clocks. The model keeps the least delayed sample of each
+/// of the window's 64 parts. It fits the envelope of these whenever a part is complete, and lowers
+/// it at once for a sample below it.
 ///
-/// What cannot be observed is the least transport delay itself: it is `min_delay`, or it
-/// remains in the result. Deterministic; constant memory, no allocation, amortised O(1) a sample.
+/// The minimum transport delay cannot be observed: it is `min_delay`, or it remains in the result.
+/// Deterministic; constant memory, no allocation, amortised O(1) per sample.
 class ClockModel {
  public:
-  /// Options that are `invalid()` are a programming error.
+  /// Throws std::invalid_argument for options that are `invalid()`.
   explicit ClockModel(const ClockModelOptions& options);
 
-  /// Takes a message stamped `device` by the device (time since its counter was 0) and received at
-  /// `host`, and returns the host's time of the device's stamp: not later than `host` less the
-  /// minimum delay, and that itself where the model does not hold (a jump not confirmed yet).
+  /// Adds a message stamped `device` by the device (time since its counter was 0) and received at
+  /// `host`. Returns the host time of the device's stamp: at most `host` minus the minimum delay,
+  /// and exactly that while the model does not hold (a jump not confirmed yet).
   Stamp update(Duration device, Stamp host);
 
-  /// The host's time of a device time within half a `modulo` of the last sample's. Before the first
-  /// sample, device time itself.
+  /// Returns the host time of a device time within half a `modulo` of the last sample's. Before the
+  /// first sample, returns the device time itself.
   Stamp to_host(Duration device) const;
 
-  /// As of the last sample.
+  /// State of the clock at the last sample.
   const ClockState& state() const { return state_; }
 
  private:
   static constexpr size_t kParts = 64;
-  /// Fewer parts than this say nothing of the skew.
+  /// Minimum number of parts from which a skew is estimated.
   static constexpr size_t kMinPartsForSkew = 4;
   static constexpr uint32_t kMinJumpSamples = 3;
 
-  /// Offsets are host time minus device time; device times are unwrapped: at the first sample and
-  /// after a jump, the counter's time in the hour (modulo) that is nearest to the host's.
+  /// Line of the envelope. Offsets are host time minus device time; device times are unwrapped: at
+  /// the first sample and after a jump, the counter's time in the hour (modulo) that is nearest to
+  /// the host's.
   struct Line {
     Stamp device;
     Duration offset{0};
@@ -76,7 +77,7 @@ class ClockModel {
     Stamp begin{};
     Stamp device{};
     Duration offset{0};
-    double delay_sum_ns = 0;  ///< of all samples, above the envelope of that time
+    double delay_sum_ns = 0;  ///< of all samples, above the envelope at that time
     uint32_t samples = 0;
   };
   /// Samples that disagree with the model but agree with each other.
@@ -89,7 +90,7 @@ class ClockModel {
   Duration offset_at(Stamp device) const;
   Stamp unwrap(Duration device, Stamp expected) const;
   void restart(Stamp device, Duration offset);
-  /// Takes a sample that is off the model. True where it confirmed a jump.
+  /// Processes a sample that is off the model. True if it confirmed a jump.
   bool detect_jump(Duration device, Stamp host);
   void add_sample(Stamp device, Stamp host);
   void complete_part();
@@ -102,12 +103,13 @@ class ClockModel {
   bool started_ = false;
   Line line_;
   Stamp first_device_;  ///< of the first sample since the start or the last jump
-  Stamp last_device_;   ///< of the latest
+  Stamp last_device_;   ///< of the latest sample
   uint64_t samples_ = 0;
   bool skew_at_limit_ = false;
-  uint32_t risen_parts_ = 0;  ///< of the latest, those whose least delay lies above the envelope
-  Part part_;                 ///< being filled
-  std::array<Part, kParts> parts_{};  ///< complete ones, a ring
+  /// Number of latest parts in a row whose smallest delay lies above the envelope.
+  uint32_t risen_parts_ = 0;
+  Part part_;                         ///< the incomplete part
+  std::array<Part, kParts> parts_{};  ///< complete parts, a ring
   size_t oldest_part_ = 0;
   size_t part_count_ = 0;
   JumpCandidate jump_candidate_;

@@ -6,8 +6,8 @@
 
 namespace infuse {
 
-/// How a device's clock relates to infuse's, and whether it can be trusted.
-/// Plain data: it travels with every sweep.
+/// How a device's clock relates to the host's, and whether it can be trusted. Plain data, a member
+/// of every sweep.
 struct ClockState {
   enum class Source : uint8_t {
     kNone,       ///< the data has no device clock (KITTI); stamps are the host's or synthetic
@@ -19,16 +19,16 @@ struct ClockState {
   };
   Source source = Source::kNone;
   bool trusted = false;
-  Duration offset{0};       ///< host time minus device time; the device's hour is the one nearest
-                            ///< to the host's time where its counter wraps
-  double skew_ppm = 0;      ///< device clock's rate error against the host's, parts per million;
-                            ///< positive where the device's clock runs fast
-  Duration jitter{0};       ///< mean of the transport delay above its lower envelope
-  uint32_t jumps = 0;       ///< times the device's clock (or the host's) has jumped
-  const char* reason = "";  ///< static text: why it is not trusted; empty when it is
+  Duration offset{0};   ///< host time minus device time; if the device's counter wraps, its hour is
+                        ///< the one nearest to the host's time
+  double skew_ppm = 0;  ///< rate error of the device's clock against the host's, parts per million;
+                        ///< positive if the device's clock runs fast
+  Duration jitter{0};   ///< mean of the transport delay above its lower envelope
+  uint32_t jumps = 0;   ///< number of jumps of the device's clock or the host's
+  const char* reason = "";  ///< static text: why the clock is not trusted; empty if it is
 };
 
-/// What people read: what the stamps rest on, and what could be done about it.
+/// Description for people: what the stamps are based on, and what may be wrong.
 constexpr const char* describe(ClockState::Source source) {
   switch (source) {
     case ClockState::Source::kNone:

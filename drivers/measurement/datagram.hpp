@@ -7,8 +7,8 @@
 
 namespace infuse {
 
-/// One UDP datagram as it was received, live or from a recording. The payload belongs to whoever
-/// handed it out and is valid until that one is requested the next.
+/// One UDP datagram, live or from a recording. Its source owns the payload, which is valid until
+/// the next datagram is requested.
 struct Datagram {
   Stamp stamp;          ///< host receive time
   uint32_t sender = 0;  ///< IPv4 address, host byte order

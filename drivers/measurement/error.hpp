@@ -5,21 +5,21 @@
 
 namespace infuse {
 
-/// A failure at an edge (bytes, files, sockets, configuration), told so that a person can act on
-/// it.
+/// A failure at an edge (bytes, files, sockets, configuration), described so that a person can act
+/// on it.
 struct Error {
   std::string what;   ///< what is wrong: "unknown key 'modle'"
-  std::string where;  ///< file, line, offset, address: "drive.toml:12"; empty where there is none
+  std::string where;  ///< file, line, offset, address: "drive.toml:12"; empty if there is none
   std::string
-      hint;  ///< what to do: "known keys: model, port, sender"; empty where there is nothing to add
+      hint;  ///< what to do: "known keys: model, port, sender"; empty if there is nothing to add
 
-  /// "where: what (hint)", leaving out what is empty.
+  /// Returns "where: what (hint)" without the empty parts.
   std::string message() const {
     return (where.empty() ? "" : where + ": ") + what + (hint.empty() ? "" : " (" + hint + ")");
   }
 };
 
-/// A value, or the reason why there is none.
+/// A value, or the error that prevented it.
 template <class T>
 using Result = tl::expected<T, Error>;
 

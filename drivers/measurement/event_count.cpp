@@ -26,8 +26,8 @@ bool EventCount::sleep(uint32_t epoch, Deadline deadline) {
     left.tv_nsec = static_cast<long>(span.count() % 1'000'000'000);
     limit = &left;
   }
-  // Whatever ends the sleep (a wake-up, another epoch, a signal handler, the time), the caller
-  // looks at its condition again.
+  // The caller evaluates its condition again after every return: wake-up, changed epoch, signal
+  // handler or timeout.
   syscall(SYS_futex, &epoch_, FUTEX_WAIT_PRIVATE, epoch, limit, nullptr, 0);
   return true;
 }

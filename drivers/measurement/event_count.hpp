@@ -8,18 +8,19 @@
 
 namespace infuse {
 
-/// Lets a thread sleep until another one has changed something, without a lock (an event count over
-/// a Linux futex). Several rings can share one, so that a thread waits for whichever speaks first.
+/// Lets a thread sleep until another thread has changed something, without a lock (an event count
+/// over a Linux futex). Several rings can share one, so that a thread waits for all of them at
+/// once.
 ///
-/// Rule: what the condition reads is written by sequentially consistent operations, and the writer
-/// calls `notify` afterwards. Why no wake-up is lost: in the single order of those operations
-/// either `notify` sees the waiter counted, or the waiter, counting itself, comes later and so sees
-/// the change.
+/// Rule: the state that the condition reads is written by sequentially consistent operations, and
+/// the writer calls `notify` afterwards. No wake-up is lost: in the single order of those
+/// operations either `notify` sees the waiter counted, or the waiter counts itself later and so
+/// sees the change.
 class EventCount {
  public:
   static constexpr Duration kNoTimeout = Duration::max();
 
-  /// Sleeps until the condition holds or the time is over. Returns whether the condition holds.
+  /// Sleeps until the condition holds or the timeout expires. Returns whether the condition holds.
   template <class Condition>
   bool wait(Condition condition, Duration timeout = kNoTimeout) {
     if (condition()) return true;
@@ -37,7 +38,8 @@ class EventCount {
     return holds;
   }
 
-  /// Wakes all who wait, so that they look again. Costs one load where nobody waits.
+  /// Wakes all waiting threads, which then evaluate their conditions again. Costs one load if no
+  /// thread waits.
   void notify() {
     if (waiters_.load() != 0) wake();
   }

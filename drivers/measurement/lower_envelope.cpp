@@ -6,7 +6,7 @@
 namespace infuse {
 namespace {
 
-/// Whether b lies below the line from a to c (all in order of x).
+/// True if b lies below the line from a to c (all in order of x).
 bool is_below(const EnvelopePoint& a, const EnvelopePoint& b, const EnvelopePoint& c) {
   return (b.y - a.y) * (c.x - a.x) < (c.y - a.y) * (b.x - a.x);
 }
@@ -28,8 +28,9 @@ EnvelopeLine lower_envelope(std::span<EnvelopePoint> points, double max_slope) {
   for (const EnvelopePoint& point : points) mean_x += point.x;
   mean_x /= static_cast<double>(points.size());
 
-  // A line below all points is highest at the mean of x, so closest to the points in sum, where it
-  // is the hull's edge over that mean; the height is concave in the slope, so clamping is optimal.
+  // A line below all points is highest at the mean of x, and so has the smallest sum of distances,
+  // if it contains the hull's edge over that mean. The height is concave in the slope, so clamping
+  // the slope is optimal.
   const std::span<EnvelopePoint> hull = lower_hull(points);
   double slope = 0;
   if (hull.size() >= 2) {

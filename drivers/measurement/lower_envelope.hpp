@@ -17,10 +17,10 @@ struct EnvelopeLine {
   double slope = 0;
 };
 
-/// Of all lines on or below every point with |slope| ≤ max_slope, the one closest to the points:
-/// the sum of the vertical distances is least (Moon, Skelly and Towsley 1999). Of several, one.
-/// `points`: at least one, x strictly increasing; they serve as room to work in and are left in
-/// disorder. Linear in their number.
+/// Returns the line on or below every point, with |slope| ≤ max_slope, that has the smallest sum of
+/// vertical distances to the points (Moon, Skelly and Towsley 1999); one of them if there are
+/// several. `points`: at least one, x strictly increasing; they are reordered. Linear in their
+/// number.
 EnvelopeLine lower_envelope(std::span<EnvelopePoint> points, double max_slope);
 
 }  // namespace infuse

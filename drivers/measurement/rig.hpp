@@ -10,7 +10,7 @@
 
 namespace infuse {
 
-/// How a camera maps directions to pixels.
+/// Intrinsics of a camera: the mapping from directions to pixels.
 struct CameraIntrinsics {
   enum class Model {
     kPinhole,  ///< distortion (k1, k2, p1, p2, k3): Brown–Conrady, as OpenCV's calib3d
@@ -23,11 +23,11 @@ struct CameraIntrinsics {
   double cx = 0, cy = 0;  ///< principal point, pixels; the centre of the top left pixel is (0, 0)
   std::array<double, 5> distortion{};
 
-  /// What is wrong with the numbers, or nothing.
+  /// Returns what is wrong with the numbers, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// A camera as it is mounted.
+/// Mounting of a camera.
 struct CameraMount {
   std::string name;
   CameraIntrinsics intrinsics;
@@ -36,23 +36,23 @@ struct CameraMount {
   Duration stamp_delay{0};  ///< stamp minus middle of the exposure; subtracted on reading
 };
 
-/// A lidar as it is mounted.
+/// Mounting of a lidar.
 struct LidarMount {
   std::string name;
   std::string model;  ///< as drivers/velodyne names it ("HDL-32E"); empty for decoded sweeps
   Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
 };
 
-/// Where the sensors of a vehicle are. Names are unique within each list.
+/// Sensors of a vehicle and their mounting. Names are unique within each list.
 struct Rig {
   std::vector<LidarMount> lidars;
   std::vector<CameraMount> cameras;
 
-  /// What is wrong: two sensors of one name, a camera that refers to no lidar, a transform that is
-  /// not rigid.
+  /// Returns what is wrong, or nothing: two sensors of one name, a camera that refers to no lidar,
+  /// a transform that is not rigid.
   std::optional<std::string> invalid() const;
 
-  /// Null where there is none of that name.
+  /// Returns the lidar of that name, or null.
   const LidarMount* find_lidar(const std::string& name) const;
   const CameraMount* find_camera(const std::string& name) const;
 };

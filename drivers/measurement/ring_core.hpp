@@ -10,53 +10,53 @@
 
 namespace infuse {
 
-/// What `RecordRing` and `SlotRing` share: how many entries have been published, where each reader
-/// stands and what it has lost, waiting, and closing. Entries are counted from 0; that number is an
-/// entry's position. All operations are sequentially consistent, as `Signal` asks.
+/// State of a ring apart from its entries: number of published entries, position and losses of each
+/// reader, waiting, and closing. Entries are counted from 0; that number is an entry's position.
+/// All operations are sequentially consistent, as `EventCount` requires.
 class RingCore {
  public:
   static constexpr size_t kMaxReaders = 16;
   static constexpr uint64_t kNoReader = UINT64_MAX;
 
-  /// Announces entries through `arrivals`, which may be shared between rings and outlives them, or
-  /// through a signal of its own where that is null.
+  /// Announces entries through `arrivals`, which several rings may share and which must outlive
+  /// them, or through an EventCount of its own if that is null.
   explicit RingCore(EventCount* arrivals)
       : arrivals_(arrivals == nullptr ? &own_arrivals_ : arrivals) {
     for (ReaderEntry& reader : readers_) reader.cursor.store(kNoReader);
   }
 
-  /// Entries published so far, lost and dropped ones included.
+  /// Number of entries published so far, lost and dropped ones included.
   uint64_t published() const { return published_.load(); }
 
-  /// The producer's: makes `count` entries known in all and wakes readers.
+  /// For the producer: sets the number of published entries to `count` and wakes readers.
   void publish(uint64_t count) {
     published_.store(count);
     arrivals_->notify();
   }
 
-  /// Registers a reader that stands behind the last published entry, and returns its number.
-  /// Throws std::length_error where there are already kMaxReaders.
+  /// Registers a reader that begins with the next entry, and returns its number. Throws
+  /// std::length_error if there are already kMaxReaders.
   size_t add_reader();
   void remove_reader(size_t reader);
 
   uint64_t cursor(size_t reader) const { return readers_[reader].cursor.load(); }
   uint64_t lost(size_t reader) const { return readers_[reader].lost.load(); }
 
-  /// The reader's: it has passed everything before `cursor`, and `lost` of that unseen.
+  /// For the reader: it has passed all entries before `cursor` and missed `lost` of them.
   void advance(size_t reader, uint64_t cursor, uint64_t lost) {
     if (lost > 0) readers_[reader].lost.fetch_add(lost);
     readers_[reader].cursor.store(cursor);
     room_.notify();
   }
 
-  /// The reader's: sleeps until there is something to read. False where the time is over, or the
-  /// ring is closed and everything has been read.
+  /// For the reader: sleeps until there is an entry to read. False if the timeout expired, or if
+  /// the ring is closed and everything has been read.
   bool wait_for_entry(size_t reader, Duration timeout);
 
-  /// The smallest cursor of all readers; kNoReader where there is no reader.
+  /// The smallest cursor of all readers; kNoReader if there is no reader.
   uint64_t slowest_cursor() const;
 
-  /// Where the producer sleeps until readers have made room.
+  /// Event on which the producer waits until readers have made room.
   EventCount& room() { return room_; }
 
   void close();
@@ -76,21 +76,20 @@ class RingCore {
   std::array<ReaderEntry, kMaxReaders> readers_;
 };
 
-/// A registered reader's place in a ring, without the reading: the part that all rings share. For
-/// one thread; movable. The ring must outlive it.
+/// Position of a registered reader in a ring. For one thread; movable. The ring must outlive it.
 class RingReader {
  public:
-  /// Sleeps until there is an entry that was not read (or lost). False where the time is over, or
-  /// the ring is closed and everything was read.
+  /// Sleeps until there is an unread (or lost) entry. False if the timeout expired, or if the ring
+  /// is closed and everything has been read.
   bool wait(Duration timeout = EventCount::kNoTimeout) {
     return core_->wait_for_entry(id_, timeout);
   }
 
-  /// Entries that were gone (overwritten, dropped) before this reader came to them. Grows as it
-  /// reads.
+  /// Number of entries that were overwritten or dropped before this reader reached them. Updated by
+  /// reading.
   uint64_t lost() const { return core_->lost(id_); }
 
-  /// Entries published that this reader has not passed yet.
+  /// Number of published entries that this reader has not passed yet.
   uint64_t backlog() const { return core_->published() - core_->cursor(id_); }
 
  protected:
@@ -112,12 +111,6 @@ class RingReader {
  private:
   RingCore* core_;
   size_t id_;
-};
-
-/// What a look-up by interval found.
-struct IntervalResult {
-  size_t count = 0;       ///< entries inside the interval
-  bool complete = false;  ///< false where entries of the interval may have been overwritten before
 };
 
 }  // namespace infuse

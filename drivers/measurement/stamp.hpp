@@ -10,9 +10,9 @@ namespace infuse {
 /// A span of time: int64 nanoseconds.
 using Duration = std::chrono::nanoseconds;
 
-/// A point in time on infuse's one time base: int64 nanoseconds, the monotonic clock plus an epoch
-/// offset fixed at start (so that a step of the wall clock never reorders measurements); in a
-/// replay, the recording's own time. A strong type: it mixes with nothing but `Duration`.
+/// A point in time on infuse's single time base: int64 nanoseconds, the monotonic clock plus an
+/// epoch offset fixed at start, so that a step of the wall clock never reorders measurements. In a
+/// replay, the recording's own time. A strong type: it combines only with `Duration`.
 ///
 /// Arithmetic saturates at the ends of the range instead of overflowing, since stamps come from
 /// files.
@@ -53,14 +53,14 @@ class Stamp {
   int64_t ns_ = 0;
 };
 
-/// How far apart two stamps are, in either direction; saturates.
+/// Absolute difference of two stamps; saturates.
 constexpr Duration distance_between(Stamp a, Stamp b) { return a < b ? b - a : a - b; }
 
 /// Seconds as a double: for text, settings and arithmetic inside a function, never across an
 /// interface.
 constexpr double to_seconds(Duration span) { return static_cast<double>(span.count()) * 1e-9; }
 
-/// The nearest nanosecond; saturates, and takes a NaN for zero.
+/// The nearest nanosecond; saturates, and maps NaN to zero.
 constexpr Duration from_seconds(double seconds) {
   constexpr double kLimit = 9.2e18;
   const double ns = seconds * 1e9;

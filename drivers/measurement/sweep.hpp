@@ -11,15 +11,15 @@
 
 namespace infuse {
 
-/// Which of the echoes of one laser pulse a return is.
+/// Echo of a laser pulse that a return is.
 enum class ReturnKind : uint8_t {
   kStrongest = 0,
   kLast = 1,
   kBoth = 2,  ///< dual-return mode, and the strongest echo was also the last
 };
 
-/// Allocator whose default construction leaves memory as it is: growing an array that is about to
-/// be overwritten costs nothing. Aligned to a cache line, for the vector units.
+/// Allocator whose default construction leaves memory uninitialised, so that growing an array that
+/// is about to be overwritten costs nothing. Aligned to a cache line, for vector instructions.
 template <class T>
 struct UninitializedAllocator {
   using value_type = T;
@@ -40,53 +40,53 @@ struct UninitializedAllocator {
   bool operator==(const UninitializedAllocator&) const { return true; }
 };
 
-/// One quantity of a sweep, an entry a return.
+/// One quantity of a sweep, one entry per return.
 template <class T>
 using FieldVector = std::vector<T, UninitializedAllocator<T>>;
 
-/// A stretch of a turn from which nothing arrived. Azimuths in radians, lidar frame
+/// Azimuth range of a turn from which no data arrived. Azimuths in radians, lidar frame
 /// (counter-clockwise from x), in the direction of rotation.
 struct AzimuthGap {
   double from = 0;
   double to = 0;
 };
 
-/// One turn of a lidar (or the part of it that the sensor was told to look at): a structure of
-/// arrays, all of length `size()`, an entry a return, in order of firing. Directions without a
-/// return have no entry; `ring` and `column` say where an entry's neighbours are.
+/// One turn of a lidar (or the part of it that the sensor is configured to scan): a structure of
+/// arrays, all of length `size()`, one entry per return, in order of firing. Directions without a
+/// return have no entry; `ring` and `column` identify an entry's neighbours.
 ///
-/// Coordinates are in the lidar frame *at the moment of each return*: nothing is corrected for
-/// motion.
+/// Coordinates are in the lidar frame *at the moment of each return*: the sweep is not deskewed.
 struct Sweep {
-  Stamp stamp;                   ///< first firing
-  Duration span{0};              ///< from the first firing to the last
-  uint16_t rings = 0;            ///< beams of the sensor
-  uint32_t columns = 0;          ///< firings in this sweep: columns are 0 … columns − 1
-  bool has_times = true;         ///< false where the source has no per-return time (KITTI)
-  ClockState clock;              ///< of the device, when the sweep ended
-  uint32_t lost_packets = 0;     ///< data packets missing inside this sweep
-  uint64_t sequence = 0;         ///< counts the sweeps of a sensor from 0
-  std::vector<AzimuthGap> gaps;  ///< wider than twice the step of a firing; none in a whole turn
+  Stamp stamp;                ///< first firing
+  Duration span{0};           ///< from the first firing to the last
+  uint16_t rings = 0;         ///< number of beams of the sensor
+  uint32_t columns = 0;       ///< number of firings in this sweep: columns are 0 … columns − 1
+  bool has_times = true;      ///< false if the source has no time per return (KITTI)
+  ClockState clock;           ///< state of the device's clock at the end of the sweep
+  uint32_t lost_packets = 0;  ///< number of data packets missing inside this sweep
+  uint64_t sequence = 0;      ///< number of the sweep, counted from 0 for each sensor
+  std::vector<AzimuthGap>
+      gaps;  ///< wider than twice the azimuth step of a firing; empty for a whole turn
 
   FieldVector<float> x, y, z;       ///< m, lidar frame
   FieldVector<float> range;         ///< m, along the beam
-  FieldVector<float> reflectivity;  ///< 0 … 1 as the sensor states it, calibrated diffuse range;
+  FieldVector<float> reflectivity;  ///< 0 … 1 as the sensor reports it, calibrated diffuse range;
                                     ///< not a physical unit
-  FieldVector<uint16_t> ring;           ///< beam, counted by elevation from below
-  FieldVector<uint16_t> column;         ///< firing, counted from the sweep's first
+  FieldVector<uint16_t> ring;       ///< number of the beam by elevation, counted from below
+  FieldVector<uint16_t> column;     ///< number of the firing, counted from the sweep's first
   FieldVector<int32_t> time_offset_ns;  ///< after `stamp`
   FieldVector<ReturnKind> return_kind;
 
-  /// Returns in the sweep.
+  /// Number of returns in the sweep.
   size_t size() const { return x.size(); }
 
   /// Sets the length of every array. New entries are not initialised.
   void resize(size_t returns);
 
-  /// Makes room for `returns` so that a later `resize` up to it allocates nothing.
+  /// Allocates memory for `returns` entries, so that a later `resize` up to it allocates nothing.
   void reserve(size_t returns);
 
-  /// Empties the sweep and keeps its memory.
+  /// Removes all returns and keeps the memory.
   void clear();
 };
 

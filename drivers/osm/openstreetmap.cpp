@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 #include <osmium/io/bzip2_compression.hpp>
 #include <osmium/io/gzip_compression.hpp>
 #include <osmium/io/reader.hpp>
@@ -12,12 +11,12 @@
 #include <osmium/osm/way.hpp>
 #include <unordered_map>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/osm/osm_rings.hpp"
 
 namespace infuse::recording {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr size_t kMaxWarnings = 1000;
 
 struct Member {

@@ -22,7 +22,7 @@ DeviceWatch::DeviceWatch(const std::vector<std::filesystem::path>& devices) {
   watch_folders();
 }
 
-// One that is watched already stays so.
+// Adding a watch that already exists has no effect.
 void DeviceWatch::watch_folders() {
   for (const std::string& folder : folders_) {
     inotify_add_watch(inotify_.get(), folder.c_str(), IN_CREATE | IN_MOVED_TO | IN_ATTRIB);

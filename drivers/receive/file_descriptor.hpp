@@ -6,7 +6,7 @@
 
 namespace infuse::receive {
 
-/// Owns a file descriptor.
+/// Owns a file descriptor and closes it.
 class FileDescriptor {
  public:
   FileDescriptor() = default;
@@ -20,9 +20,9 @@ class FileDescriptor {
     if (fd_ >= 0) ::close(fd_);
   }
 
-  /// −1 where there is none.
+  /// The descriptor, or −1 if there is none.
   int get() const { return fd_; }
-  /// Gives it up to the caller.
+  /// Releases ownership to the caller.
   int release() { return std::exchange(fd_, -1); }
   explicit operator bool() const { return fd_ >= 0; }
 

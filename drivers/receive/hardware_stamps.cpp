@@ -5,8 +5,8 @@
 namespace infuse::receive {
 namespace {
 
-/// The counter of an interface starts again only with the interface; a host under load may be
-/// late by tens of milliseconds, which is no jump of that clock.
+/// The counter of an interface restarts only with the interface. A loaded host may be late by tens
+/// of milliseconds, which is not a jump of that clock.
 ClockModelOptions interface_clock_options() {
   ClockModelOptions options;
   options.modulo = Duration::zero();

@@ -6,18 +6,19 @@
 
 namespace infuse::receive {
 
-/// Brings the stamps of an interface's own clock onto the time base by watching when its messages
-/// arrive. That clock counts from anywhere and runs at its own rate; what it says is free of the
-/// delays of the interface's bus and of this host, but for the least of them.
+/// Maps the hardware stamps of a network or CAN interface onto the time base, from the arrival
+/// times of its messages. The interface's clock has an arbitrary origin and its own rate. Its
+/// stamps are free of the varying delays of the interface's bus and of this host; the minimum delay
+/// remains.
 class HardwareStamps {
  public:
   HardwareStamps();
 
-  /// The stamp of a message that the interface stamped `hardware_ns` and the kernel `received`; 0:
-  /// the interface did not stamp it. Never later than `received`, never before the last.
+  /// Returns the stamp of a message that the interface stamped `hardware_ns` (0: not stamped) and
+  /// the kernel `received`. Never later than `received`, never before the previous stamp.
   Stamp update(int64_t hardware_ns, Stamp received);
 
-  /// Whether the last message had a stamp of the interface.
+  /// True if the last message had a hardware stamp.
   bool stamped_by_hardware() const { return stamped_by_hardware_; }
 
  private:

@@ -75,7 +75,7 @@ AncillaryData AncillaryData::parse(const msghdr& header) {
       std::memcpy(&time, CMSG_DATA(c), sizeof(time));
       ancillary.wall_ns = to_ns(time);
     } else if (c->cmsg_type == SCM_TIMESTAMPING) {
-      std::array<timespec, 3> times{};  // the last is the interface's own
+      std::array<timespec, 3> times{};  // the last one is the hardware stamp
       std::memcpy(times.data(), CMSG_DATA(c), sizeof(times));
       ancillary.hardware_ns = to_ns(times[2]);
     } else if (c->cmsg_type == SO_RXQ_OVFL) {
@@ -93,19 +93,19 @@ void request_hardware_stamps(int socket) {
 Result<size_t> prepare_socket(int socket, size_t requested, const std::string& where) {
   const int on = 1;
   if (setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof(on)) != 0) {
-    return fail_errno("the kernel does not stamp what is received", where);
+    return fail_errno("cannot enable receive timestamps", where);
   }
   if (setsockopt(socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof(on)) != 0) {
-    return fail_errno("the kernel does not tell what it drops", where);
+    return fail_errno("cannot enable the drop counter", where);
   }
   const int bytes = static_cast<int>(std::min<size_t>(requested, 1 << 30));
-  // The second goes beyond net.core.rmem_max and needs a capability that a service has not.
+  // SO_RCVBUFFORCE exceeds net.core.rmem_max and needs a capability that a service does not have.
   setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
   setsockopt(socket, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof(bytes));
   int granted = 0;
   socklen_t size = sizeof(granted);
   if (getsockopt(socket, SOL_SOCKET, SO_RCVBUF, &granted, &size) != 0) {
-    return fail_errno("the receive buffer cannot be requested", where);
+    return fail_errno("cannot read the receive buffer size", where);
   }
   return static_cast<size_t>(granted) / 2;  // the kernel doubles it for its own bookkeeping
 }

@@ -13,34 +13,35 @@
 
 namespace infuse::receive {
 
-/// Room for the messages that one `recvmmsg` brings. Several sockets may use one in turn.
+/// Buffers for the messages of one `recvmmsg`. Several sockets may use one batch in turn.
 class MessageBatch {
  public:
-  /// For up to `messages` at a time, each of up to `bytes`.
+  /// Allocates buffers for up to `messages` messages of up to `bytes` each.
   MessageBatch(size_t messages, size_t bytes);
   MessageBatch(const MessageBatch&) = delete;
   MessageBatch& operator=(const MessageBatch&) = delete;
 
-  /// One message as it was received; valid until the next `receive`.
+  /// One received message; valid until the next `receive`.
   struct Message {
-    Stamp stamp;                     ///< when the kernel had it; when it was read, where unknown
-    std::span<const uint8_t> bytes;  ///< cut to the room there is
-    const sockaddr_in& sender;       ///< of UDP
-    bool truncated = false;          ///< it was longer than the room
-    int64_t hardware_ns = 0;         ///< by the interface's own clock; 0: it does not say
+    Stamp stamp;                     ///< kernel receive time; time of reading if unknown
+    std::span<const uint8_t> bytes;  ///< truncated to the buffer's size
+    const sockaddr_in& sender;       ///< sender of a UDP datagram
+    bool truncated = false;          ///< true if the message was longer than the buffer
+    /// Hardware stamp, ns by the interface's own clock; 0 if there is none.
+    int64_t hardware_ns = 0;
   };
 
-  /// Takes what waits at a socket, without waiting: how many messages. 0 with errno EAGAIN where
-  /// nothing waits; an error of the socket is −1 with its errno.
+  /// Receives the pending messages of a socket without waiting and returns their number. 0 with
+  /// errno EAGAIN if none is pending; −1 with the errno of a socket error.
   int receive(int socket, WallStamps& stamps);
 
-  /// The message `i` of the last `receive`.
+  /// Message `i` of the last `receive`.
   Message operator[](size_t i) const;
 
   size_t capacity() const { return headers_.size(); }
 
-  /// What the kernel has dropped at the last socket read since that was made, as far as the
-  /// messages of the last `receive` tell; 0 where they tell nothing.
+  /// Number of messages that the kernel has dropped at the last socket read since that socket was
+  /// created, as reported with the messages of the last `receive`; 0 if they do not report it.
   uint32_t dropped() const { return dropped_; }
 
  private:
@@ -62,23 +63,23 @@ class MessageBatch {
   uint32_t dropped_ = 0;
 };
 
-/// What the kernel says beside a message, in its control messages.
+/// Control messages that the kernel attaches to a message.
 struct AncillaryData {
-  int64_t wall_ns = 0;      ///< when the kernel had it; 0: not told
-  int64_t hardware_ns = 0;  ///< when the interface had it, by a clock of its own; 0: not told
-  uint32_t dropped = 0;     ///< at this socket since it was made; 0: not told
+  int64_t wall_ns = 0;      ///< kernel receive time, wall clock; 0 if absent
+  int64_t hardware_ns = 0;  ///< receive time by the interface's own clock; 0 if absent
+  uint32_t dropped = 0;     ///< messages dropped at this socket since it was created; 0 if absent
 
-  /// Reads them; `header` as `recvmmsg` leaves it.
+  /// Parses `header` as `recvmmsg` leaves it.
   static AncillaryData parse(const msghdr& header);
 };
 
-/// Asks that messages be stamped by the interface's own clock too, where it has one. What an
-/// interface stamps is its driver's and the system's matter and is left as it is.
+/// Requests hardware stamps for received messages, if the interface supports them. Does not change
+/// the interface's own configuration.
 void request_hardware_stamps(int socket);
 
-/// Asks the kernel to stamp and to count drops, and for a receive buffer of `wanted` bytes. Gives
-/// the bytes granted, of payload and bookkeeping: less than requested where net.core.rmem_max
-/// allows no more. `where` names the socket in errors.
-Result<size_t> prepare_socket(int socket, size_t wanted, const std::string& where);
+/// Enables the kernel's receive stamps and drop counter, and requests a receive buffer of
+/// `requested` bytes. Returns the bytes granted, payload and bookkeeping together: less than
+/// requested if net.core.rmem_max is smaller. `where` names the socket in errors.
+Result<size_t> prepare_socket(int socket, size_t requested, const std::string& where);
 
 }  // namespace infuse::receive

@@ -4,14 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 constexpr std::array<CsvColumn, 7> kImuColumns = {
     {{"stamp_ns"}, {"wx"}, {"wy"}, {"wz"}, {"ax"}, {"ay"}, {"az"}}};

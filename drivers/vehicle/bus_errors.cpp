@@ -5,7 +5,8 @@
 namespace infuse::vehicle {
 namespace {
 
-constexpr uint8_t kControllerActive = 0x40;  // CAN_ERR_CRTL_ACTIVE, not in every kernel's header
+// CAN_ERR_CRTL_ACTIVE, missing from some kernel headers.
+constexpr uint8_t kControllerActive = 0x40;
 
 }  // namespace
 
@@ -25,14 +26,13 @@ const char* name_of(BusState state) {
 
 void BusErrors::process(const CanFrame& frame) {
   if (!frame.error) {
-    if (state_ == BusState::kBusOff) state_ = BusState::kErrorActive;  // who receives is on the bus
+    // A received frame shows that the controller is on the bus.
+    if (state_ == BusState::kBusOff) state_ = BusState::kErrorActive;
     return;
   }
-  ++error_frames_;
   if (frame.id & CAN_ERR_RESTARTED) state_ = BusState::kErrorActive;
   if (frame.id & CAN_ERR_CRTL) {
     const uint8_t controller = frame.data[1];
-    if (controller & CAN_ERR_CRTL_RX_OVERFLOW) ++overruns_;
     if (controller & kControllerActive) state_ = BusState::kErrorActive;
     if (controller & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING)) {
       state_ = BusState::kErrorWarning;
@@ -41,10 +41,7 @@ void BusErrors::process(const CanFrame& frame) {
       state_ = BusState::kErrorPassive;
     }
   }
-  if (frame.id & CAN_ERR_BUSOFF) {
-    state_ = BusState::kBusOff;
-    ++bus_offs_;
-  }
+  if (frame.id & CAN_ERR_BUSOFF) state_ = BusState::kBusOff;
 }
 
 }  // namespace infuse::vehicle

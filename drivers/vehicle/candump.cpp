@@ -20,7 +20,7 @@ std::string quoted(std::string_view text) {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/// Takes the next run of characters that are no spaces; empty at the end.
+/// Removes and returns the next run of non-space characters; empty at the end.
 std::string_view next_word(std::string_view& rest) {
   while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
   size_t length = 0;
@@ -36,14 +36,14 @@ bool read_integer(std::string_view text, Integer& value, int base = 10) {
   return !text.empty() && error == std::errc() && end == text.data() + text.size();
 }
 
-/// "230547" after the point, as nanoseconds.
+/// Reads the digits after the point ("230547") as nanoseconds.
 bool read_fraction(std::string_view digits, int64_t& ns) {
   if (digits.empty() || digits.size() > 9 || !read_integer(digits, ns) || ns < 0) return false;
   for (size_t i = digits.size(); i < 9; ++i) ns *= 10;
   return true;
 }
 
-/// "2018-08-02" and "16:14:48", UTC, as seconds since the epoch.
+/// Converts "2018-08-02" and "16:14:48", UTC, to seconds since the epoch.
 bool read_date(std::string_view date, std::string_view time, int64_t& seconds) {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
   const bool fits = date.size() == 10 && date[4] == '-' && date[7] == '-' && time.size() == 8 &&
@@ -64,7 +64,7 @@ bool read_date(std::string_view date, std::string_view time, int64_t& seconds) {
   return true;
 }
 
-/// "1533226488.230547" or "2018-08-02 16:14:48.230547", the text between the brackets.
+/// Parses the text between the brackets: "1533226488.230547" or "2018-08-02 16:14:48.230547".
 Result<Stamp> parse_stamp(std::string_view text) {
   const size_t point = text.find('.');
   int64_t seconds = 0, ns = 0, total = 0;
@@ -78,7 +78,7 @@ Result<Stamp> parse_stamp(std::string_view text) {
   }
   if (!fits || seconds < 0 || __builtin_mul_overflow(seconds, int64_t{1000000000}, &total) ||
       __builtin_add_overflow(total, ns, &total)) {
-    return parse_error(quoted(text) + " is no time", "expected (seconds.microseconds)");
+    return parse_error(quoted(text) + " is not a time", "expected (seconds.microseconds)");
   }
   return Stamp::from_ns(total);
 }
@@ -102,8 +102,7 @@ bool is_valid_length(size_t bytes) {
          bytes == 48 || bytes == 64;
 }
 
-/// "08FF", or with dots between the bytes; what follows an underscore (a raw length code) is passed
-/// over.
+/// Parses "08FF", or with dots between the bytes; skips a raw length code after an underscore.
 Result<CanFrame> parse_compact_data(CanFrame frame, std::string_view digits) {
   digits = digits.substr(0, digits.find('_'));
   const size_t limit = frame.fd ? 64 : 8;
@@ -121,16 +120,16 @@ Result<CanFrame> parse_compact_data(CanFrame frame, std::string_view digits) {
     digits.remove_prefix(2);
   }
   if (!is_valid_length(frame.length)) {
-    return parse_error("CAN FD has no frame of " + std::to_string(frame.length) + " bytes");
+    return parse_error("a CAN FD frame cannot have " + std::to_string(frame.length) + " bytes");
   }
   return frame;
 }
 
-/// "260#08FF", "260##108FF", "260#R4"
+/// Parses "260#08FF", "260##108FF", "260#R4".
 Result<CanFrame> parse_compact(CanFrame frame, std::string_view word) {
   const size_t hash = word.find('#');
   if (!read_id(word.substr(0, hash), frame)) {
-    return parse_error(quoted(word.substr(0, hash)) + " is no identifier",
+    return parse_error(quoted(word.substr(0, hash)) + " is not an identifier",
                        "3 hexadecimal digits, or 8 for an extended one");
   }
   std::string_view data = word.substr(hash + 1);
@@ -144,28 +143,28 @@ Result<CanFrame> parse_compact(CanFrame frame, std::string_view word) {
   if (data.starts_with('R')) {
     frame.remote = true;
     if (data.size() > 1 && (!read_integer(data.substr(1, 1), frame.length) || frame.length > 8)) {
-      return parse_error("the length of the remote request is none of 0 to 8");
+      return parse_error("the length of the remote request is not in 0 ... 8");
     }
     return frame;
   }
   return parse_compact_data(frame, data);
 }
 
-/// "260", then "[8]  08 FF ...": two digits between the brackets mean CAN FD.
+/// Parses "260", then "[8]  08 FF ...": two digits between the brackets mean CAN FD.
 Result<CanFrame> parse_columns(CanFrame frame, std::string_view id, std::string_view length,
                                std::string_view rest) {
   if (!read_id(id, frame)) {
-    return parse_error(quoted(id) + " is no identifier",
+    return parse_error(quoted(id) + " is not an identifier",
                        "3 hexadecimal digits, or 8 for an extended one");
   }
   unsigned bytes = 0;
   if (length.size() < 3 || length.back() != ']' ||
       !read_integer(length.substr(1, length.size() - 2), bytes)) {
-    return parse_error(quoted(length) + " is no length in brackets");
+    return parse_error(quoted(length) + " is not a length in brackets");
   }
   frame.fd = length.size() == 4;
   if (bytes > (frame.fd ? 64u : 8u) || !is_valid_length(bytes)) {
-    return parse_error("no frame has " + std::to_string(bytes) + " bytes");
+    return parse_error("a frame cannot have " + std::to_string(bytes) + " bytes");
   }
   frame.length = static_cast<uint8_t>(bytes);
   for (size_t i = 0; i < bytes; ++i) {
@@ -197,7 +196,7 @@ Result<CanFrame> parse_candump_line(std::string_view line) {
     frame.stamp = *stamp;
     rest.remove_prefix(close + 1);
   }
-  // Interface and direction come before the word that holds '#' or stands before '['.
+  // Interface and direction come before the word that contains '#' or precedes '['.
   std::string_view previous;
   for (int words = 0; words < 6; ++words) {
     const std::string_view word = next_word(rest);
@@ -251,7 +250,6 @@ std::optional<CanFrame> CandumpReader::read(std::string_view line) {
   }
   ++frames_;
   if (frame->stamp < last_) {
-    ++backward_steps_;
     report({"time goes back by " + std::to_string(to_seconds(last_ - frame->stamp)) + " s", "",
             "the clock was set, or logs were joined out of order; the frame is used"});
   }

@@ -14,8 +14,8 @@ bool key_less(const DbcMessage& message, const std::tuple<bool, uint32_t>& other
   return key(message.id, message.extended) < other;
 }
 
-/// Calls visit(byte, bit in byte) for each bit of the signal, least significant first; false where
-/// the payload is too short.
+/// Calls visit(byte, bit in byte) for each bit of the signal, least significant first; false if the
+/// payload is too short.
 template <class Visit>
 bool for_each_bit(const DbcSignal& signal, size_t bytes, Visit&& visit) {
   if (signal.length == 0 || signal.length > 64) return false;
@@ -39,7 +39,7 @@ int64_t sign_extended(uint64_t raw, int bits) {
   return static_cast<int64_t>(raw << shift) >> shift;
 }
 
-/// The nearest integer that `bits` can hold.
+/// The nearest integer that fits into `bits`.
 uint64_t to_raw_integer(double raw, int bits, bool is_signed) {
   const double rounded = std::nearbyint(raw);
   const double span = std::ldexp(1.0, is_signed ? bits - 1 : bits);
@@ -55,7 +55,7 @@ uint64_t to_raw_integer(double raw, int bits, bool is_signed) {
 bool is_selected(const DbcMessage& message, const DbcSignal& signal,
                  std::span<const uint8_t> payload) {
   const DbcSignal* at = &signal;
-  // A chain of selectors cannot be longer than the message has signals.
+  // A chain of selectors cannot be longer than the message's number of signals.
   for (size_t depth = 0; at->multiplexor >= 0; ++depth) {
     if (depth > message.signals.size()) return false;
     const DbcSignal& selector = message.signals[static_cast<size_t>(at->multiplexor)];
@@ -130,17 +130,6 @@ std::optional<double> decode(const DbcMessage& message, const DbcSignal& signal,
       break;
   }
   return value * signal.scale + signal.offset;
-}
-
-std::string_view value_name(const DbcSignal& signal, std::span<const uint8_t> payload) {
-  const auto raw = raw_value(signal, payload);
-  if (!raw) return {};
-  const int64_t value = signal.type == SignalType::kSigned ? sign_extended(*raw, signal.length)
-                                                           : static_cast<int64_t>(*raw);
-  for (const auto& [named, name] : signal.value_names) {
-    if (named == value) return name;
-  }
-  return {};
 }
 
 bool encode(const DbcSignal& signal, double value, std::span<uint8_t> payload) {

@@ -14,13 +14,13 @@
 
 namespace infuse::vehicle {
 
-/// How a signal's bits are counted in a frame.
+/// Bit order of a signal in a frame.
 enum class ByteOrder : uint8_t {
   kIntel,     ///< little-endian: `start_bit` is the least significant bit ("@1")
   kMotorola,  ///< big-endian: `start_bit` is the most significant bit ("@0")
 };
 
-/// How a signal's bits are read.
+/// Interpretation of a signal's bits.
 enum class SignalType : uint8_t {
   kUnsigned,
   kSigned,   ///< two's complement
@@ -28,7 +28,7 @@ enum class SignalType : uint8_t {
   kFloat64,  ///< IEEE 754, 64 bits
 };
 
-/// One signal of a message: bits, and the law physical = raw · scale + offset.
+/// One signal of a message: its bits, and the law physical = raw · scale + offset.
 struct DbcSignal {
   std::string name;
   uint16_t start_bit = 0;  ///< byte · 8 + bit, bit 0 the least significant of its byte
@@ -41,14 +41,14 @@ struct DbcSignal {
   double maximum = 0;  ///< as `minimum`
   std::string unit;
   bool is_multiplexor = false;
-  int multiplexor = -1;  ///< index in the message of the signal that selects this one; −1: always
-                         ///< there
+  /// Index in the message of the signal that selects this one; −1: always present.
+  int multiplexor = -1;
   std::vector<std::pair<uint64_t, uint64_t>>
-      multiplexor_values;  ///< ranges of the selector's raw value, ends included; none: never there
-  std::vector<std::pair<int64_t, std::string>> value_names;  ///< raw value and its meaning
+      multiplexor_values;  ///< ranges of the selector's raw value, ends included; none: never
+                           ///< present
 };
 
-/// One message: which frame, and the signals in it.
+/// One message: its frame's identifier, and its signals.
 struct DbcMessage {
   uint32_t id = 0;
   bool extended = false;
@@ -56,17 +56,17 @@ struct DbcMessage {
   uint16_t length = 0;  ///< bytes, ≤ 64
   std::vector<DbcSignal> signals;
 
-  /// Null where there is none of that name.
+  /// Returns the signal of that name, or null.
   const DbcSignal* find_signal(std::string_view signal) const;
 };
 
 /// The messages of a bus, as a DBC file describes them.
 class Dbc {
  public:
-  /// Adds a message unless there is one of that id already; says whether it did.
+  /// Adds a message unless there is one of that id. Returns whether it was added.
   bool add(DbcMessage message);
 
-  /// Null where there is none.
+  /// Returns the message, or null.
   const DbcMessage* find(uint32_t id, bool extended) const;
   const DbcMessage* find(std::string_view name) const;
   DbcMessage* find(uint32_t id, bool extended);
@@ -78,37 +78,34 @@ class Dbc {
   std::vector<DbcMessage> messages_;
 };
 
-/// A DBC file as far as it could be understood, and what could not.
+/// Content of a DBC file as far as it could be parsed, and the problems.
 struct DbcParseResult {
   Dbc dbc;
   ProblemLog problems;
 };
 
-/// Reads the text of a DBC file: messages, signals (multiplexed ones too, also by SG_MUL_VAL_),
-/// float types and value tables; the rest is skipped. A statement that is wrong is left out and
-/// reported as a problem at `name`:line; what stands around it is kept.
+/// Parses the text of a DBC file: messages, signals (also multiplexed ones, also by SG_MUL_VAL_),
+/// and float types; the rest is skipped. A malformed statement is left out and
+/// reported as a problem at `name`:line; the statements around it are kept.
 DbcParseResult parse_dbc(std::string_view text, const std::string& name);
 
-/// `parse_dbc` of a file of at most 64 MiB.
+/// Parses a file of at most 64 MiB with `parse_dbc`.
 Result<DbcParseResult> read_dbc(const std::filesystem::path& file);
 
-/// The signal's raw bits, least significant first; nothing where the payload is too short.
+/// The signal's raw bits, least significant first; nothing if the payload is too short.
 std::optional<uint64_t> raw_value(const DbcSignal& signal, std::span<const uint8_t> payload);
 
-/// The signal's physical value; nothing where the payload is too short for it or the message's
-/// multiplexor selects other signals. `signal` is one of `message`.
+/// The signal's physical value; nothing if the payload is too short or the message's multiplexor
+/// selects other signals. `signal` is one of `message`.
 std::optional<double> decode(const DbcMessage& message, const DbcSignal& signal,
                              std::span<const uint8_t> payload);
 
-/// The meaning of the signal's raw value by its value table; empty where it has none.
-std::string_view value_name(const DbcSignal& signal, std::span<const uint8_t> payload);
-
-/// Writes a physical value into a payload: the nearest raw value, held to what the bits can say.
-/// Other signals' bits stay as they are. False, and nothing written, where the value is NaN or the
-/// signal does not fit into the payload. A multiplexor is a signal like others: the caller sets it.
+/// Writes a physical value into a payload: the nearest raw value, clamped to the signal's range.
+/// Other signals' bits stay unchanged. False, with nothing written, if the value is NaN or the
+/// signal does not fit into the payload. Multiplexors are ordinary signals: the caller sets them.
 bool encode(const DbcSignal& signal, double value, std::span<uint8_t> payload);
 
-/// An empty frame of the message, for `encode`: id, length, CAN FD where it is longer than 8 bytes.
+/// Returns an empty frame of the message, for `encode`: id, length, CAN FD if longer than 8 bytes.
 CanFrame make_frame(const DbcMessage& message, Stamp stamp);
 
 }  // namespace infuse::vehicle

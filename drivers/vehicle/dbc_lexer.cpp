@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 35> kKeywords = {
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
-/// The text that follows a line's end looks like a new statement: the string before it was never
+/// True if the text after a line's end looks like a new statement: the string before it was never
 /// closed.
 bool starts_statement(std::string_view text) {
   const size_t begin = text.find_first_not_of(" \t\r");

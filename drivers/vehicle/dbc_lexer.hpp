@@ -10,27 +10,27 @@ namespace infuse::vehicle {
 struct DbcToken {
   enum class Kind { kEnd, kWord, kNumber, kString, kPunctuation, kUnterminatedString };
   Kind kind = Kind::kEnd;
-  std::string_view text;       ///< of a string, without its quotes
-  int line = 0;                ///< from 1
-  bool first_on_line = false;  ///< nothing but space before it
-  bool last_on_line = false;   ///< nothing but space after it
+  std::string_view text;       ///< for a string, without its quotes
+  int line = 0;                ///< counted from 1
+  bool first_on_line = false;  ///< preceded only by space
+  bool last_on_line = false;   ///< followed only by space
 
-  /// It is this word or sign.
+  /// True if the token is this word or sign.
   bool is(std::string_view wanted) const {
     return (kind == Kind::kWord || kind == Kind::kPunctuation) && text == wanted;
   }
 };
 
-/// Cuts the text of a DBC file into tokens. A string that is not closed becomes a broken token that
-/// ends with its line, so that it does not swallow what follows.
+/// Splits the text of a DBC file into tokens. An unclosed string becomes a broken token that ends
+/// with its line, so that it does not swallow the following text.
 class DbcLexer {
  public:
   explicit DbcLexer(std::string_view text);
 
-  /// The token ahead.
+  /// The next token, without consuming it.
   const DbcToken& peek() const { return lookahead_; }
 
-  /// Takes the token ahead.
+  /// Consumes and returns the next token.
   DbcToken next();
 
  private:
@@ -46,7 +46,7 @@ class DbcLexer {
   DbcToken lookahead_;
 };
 
-/// A word that opens a statement of a DBC file.
+/// True if the word opens a statement of a DBC file.
 bool is_dbc_keyword(std::string_view word);
 
 }  // namespace infuse::vehicle

@@ -2,7 +2,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <sstream>
 
 #include "drivers/vehicle/dbc.hpp"
@@ -12,15 +11,14 @@ namespace infuse::vehicle {
 namespace {
 
 using Kind = DbcToken::Kind;
-using ValueNames = std::vector<std::pair<int64_t, std::string>>;
 
-// More than any bus has; they keep a file of rubbish from costing quadratic time.
+// Maximum number of messages, more than any bus has; bounds the quadratic time of a corrupt file.
 constexpr size_t kMaxMessages = 16384;
-constexpr size_t kMaxSignals = 1024;  // of one message
+constexpr size_t kMaxSignals = 1024;  // maximum per message
 constexpr uint32_t kExtendedBit = 0x80000000u;
 constexpr std::string_view kNoMessage = "VECTOR__INDEPENDENT_SIG_MSG";
 
-/// A statement that cannot be understood: thrown and caught inside this file only.
+/// A statement that cannot be parsed: thrown and caught inside this file only.
 struct Malformed {
   std::string what;
 };
@@ -29,7 +27,7 @@ DbcSignal* find_signal(DbcMessage& message, std::string_view name) {
   return const_cast<DbcSignal*>(std::as_const(message).find_signal(name));
 }
 
-/// One `SG_` line, its multiplexing not yet tied to the selector.
+/// One `SG_` line, its multiplexing not yet linked to the selector.
 struct SignalLine {
   DbcSignal signal;
   std::optional<uint64_t> selector_value;
@@ -57,15 +55,13 @@ class Parser {
   void parse_statement(const DbcToken& opening) {
     if (opening.is("BO_")) return parse_message();
     if (opening.is("SG_")) return parse_signal();
-    if (opening.is("VAL_")) return parse_value_names();
-    if (opening.is("VAL_TABLE_")) return parse_value_table();
     if (opening.is("SIG_VALTYPE_")) return parse_value_type();
     if (opening.is("SG_MUL_VAL_")) return parse_extended_multiplexing();
     if (opening.is("NS_") || opening.is("BS_") || opening.is("BU_") || opening.is("VERSION")) {
       return skip_lines();
     }
     if (opening.kind == Kind::kWord && is_dbc_keyword(opening.text)) return skip_to_semicolon();
-    throw Malformed{"'" + std::string(opening.text.substr(0, 40)) + "' opens no statement"};
+    throw Malformed{"'" + std::string(opening.text.substr(0, 40)) + "' does not open a statement"};
   }
 
   // BO_ 2364540158 Name: 8 Transmitter
@@ -89,7 +85,7 @@ class Parser {
     const std::string label = parsed.name;
     current_message_ = {parsed.id, parsed.extended};
     if (!result_.dbc.add(std::move(parsed))) {
-      throw Malformed{"message " + label + ": another message has its id"};
+      throw Malformed{"message " + label + ": another message has the same id"};
     }
     has_message_ = true;
   }
@@ -134,7 +130,7 @@ class Parser {
     const CanFrame frame = make_frame(owner, {});
     if (!raw_value(s, frame.payload())) throw Malformed{label + " does not fit into its message"};
     if (s.scale == 0) throw Malformed{label + ": the factor is 0"};
-    if (owner.find_signal(s.name) != nullptr) throw Malformed{label + " is there twice"};
+    if (owner.find_signal(s.name) != nullptr) throw Malformed{label + " is defined twice"};
     if (owner.signals.size() >= kMaxSignals) throw Malformed{label + ": too many signals"};
     if (parsed.selector_value) {
       s.multiplexor_values.emplace_back(*parsed.selector_value, *parsed.selector_value);
@@ -153,7 +149,7 @@ class Parser {
     const auto [end, error] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), value);
     if (rest[0] != 'm' || error != std::errc() || end != rest.data() + rest.size()) {
       throw Malformed{"'" + std::string(indicator.substr(0, 40)) +
-                      "' is no multiplexor indicator (M, m<value> or m<value>M)"};
+                      "' is not a multiplexor indicator (M, m<value> or m<value>M)"};
     }
     parsed.selector_value = value;
   }
@@ -167,44 +163,12 @@ class Parser {
     s.type = sign.is("-") ? SignalType::kSigned : SignalType::kUnsigned;
   }
 
-  // VAL_ 466 STATE 11 "on" 0 "off"; or VAL_ 466 STATE TableName; or of an environment variable
-  void parse_value_names() {
-    if (lexer_.peek().kind == Kind::kWord) return skip_to_semicolon();
-    DbcSignal* s = parse_signal_reference();
-    if (lexer_.peek().kind == Kind::kWord) {
-      const std::string table(lexer_.next().text);
-      const auto at = tables_.find(table);
-      if (at == tables_.end()) throw Malformed{"value table " + table + " is not defined"};
-      if (s != nullptr) s->value_names = at->second;
-      return expect(";");
-    }
-    ValueNames names = parse_value_list();
-    if (s != nullptr) s->value_names = std::move(names);
-  }
-
-  void parse_value_table() {
-    std::string name(expect_token(Kind::kWord, "the table's name").text);
-    tables_[std::move(name)] = parse_value_list();
-  }
-
-  ValueNames parse_value_list() {
-    ValueNames names;
-    while (!lexer_.peek().is(";")) {
-      const double value = parse_number("a value or ';'");
-      if (!(std::abs(value) <= 9.2e18)) throw Malformed{"a named value is out of range"};
-      names.emplace_back(static_cast<int64_t>(value),
-                         expect_token(Kind::kString, "the value's name").text);
-    }
-    lexer_.next();
-    return names;
-  }
-
   // SIG_VALTYPE_ 100 NAME : 1;
   void parse_value_type() {
     DbcSignal* s = parse_signal_reference();
     if (lexer_.peek().is(":")) lexer_.next();
     const uint64_t type = parse_unsigned("the value type");
-    if (type > 2) throw Malformed{"the value type is none of 0, 1, 2"};
+    if (type > 2) throw Malformed{"the value type is not 0, 1 or 2"};
     if (s != nullptr && type > 0) {
       if (s->length != (type == 1 ? 32 : 64)) {
         throw Malformed{s->name + ": a float has 32 bits, a double 64"};
@@ -233,8 +197,8 @@ class Parser {
     named_selectors_.push_back({signal_message_, s->name, selector, ahead.line});
   }
 
-  /// Ties each multiplexed signal to its selector: the one that SG_MUL_VAL_ names, or the one
-  /// multiplexor of the message that is always there.
+  /// Links each multiplexed signal to its selector: the one that SG_MUL_VAL_ names, or the only
+  /// multiplexor of the message that is always present.
   void resolve_multiplexors() {
     for (const NamedSelector& named : named_selectors_) {
       DbcMessage& owner = *result_.dbc.find(named.message.first, named.message.second);
@@ -299,7 +263,7 @@ class Parser {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-      throw Malformed{"'" + std::string(text.substr(0, 40)) + "' is no number"};
+      throw Malformed{"'" + std::string(text.substr(0, 40)) + "' is not a number"};
     }
     return value;
   }
@@ -320,8 +284,8 @@ class Parser {
     return static_cast<uint32_t>(id);
   }
 
-  /// VERSION "x", BS_: and BU_: a b end with their lines; the words under NS_: stand alone on
-  /// theirs.
+  /// VERSION "x", BS_: and BU_: a b end with their lines; the words under NS_: are alone on their
+  /// lines.
   void skip_lines() {
     while (lexer_.peek().kind != Kind::kEnd) {
       const DbcToken& ahead = lexer_.peek();
@@ -350,7 +314,7 @@ class Parser {
 
   void report(int line, std::string what) {
     result_.problems.add({std::move(what), line > 0 ? name_ + ":" + std::to_string(line) : name_,
-                          "left out; the rest of the file is used"});
+                          "skipped; the rest of the file is used"});
   }
 
   using MessageKey = std::pair<uint32_t, bool>;
@@ -366,7 +330,6 @@ class Parser {
   MessageKey current_message_{};
   MessageKey signal_message_{};
   bool has_message_ = false;
-  std::map<std::string, ValueNames, std::less<>> tables_;
   std::vector<NamedSelector> named_selectors_;
 };
 

@@ -8,13 +8,13 @@
 
 namespace infuse::vehicle {
 
-/// What was wrong with an input that is read on regardless: the first problems in full, and how
-/// many there were. Bounded, so that a file of rubbish does not fill the memory.
+/// Problems of an input that is read on regardless: the first ones in full, and their number.
+/// Bounded, so that a corrupt file does not fill the memory.
 class ProblemLog {
  public:
   static constexpr size_t kMaxKept = 100;
 
-  /// Counts a problem, and keeps it if it is among the first `kKept`.
+  /// Counts a problem, and stores it if it is among the first `kKept`.
   void add(Error problem) {
     if (problems_.size() < kMaxKept) problems_.push_back(std::move(problem));
     ++count_;
@@ -23,7 +23,7 @@ class ProblemLog {
   /// The first problems, at most `kKept`.
   std::span<const Error> first() const { return problems_; }
 
-  /// All problems, also those that were not kept.
+  /// Number of all problems, including those that were not stored.
   uint64_t count() const { return count_; }
 
  private:

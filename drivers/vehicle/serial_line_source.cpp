@@ -34,8 +34,8 @@ std::optional<speed_t> termios_speed(uint32_t baud) {
 }  // namespace
 
 std::optional<std::string> SerialOptions::invalid() const {
-  if (device.empty() || device.front() != '/') return "'" + device + "' is no path of a device";
-  if (!termios_speed(baud)) return std::to_string(baud) + " baud is no speed of a serial device";
+  if (device.empty() || device.front() != '/') return "'" + device + "' is not a device path";
+  if (!termios_speed(baud)) return std::to_string(baud) + " baud is not a supported speed";
   return std::nullopt;
 }
 
@@ -47,11 +47,11 @@ Result<SerialLineSource> SerialLineSource::open(const SerialOptions& options,
       ::open(options.device.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!source.device_) {
     return receive::fail_errno("cannot be opened", options.device,
-                               errno == EACCES ? "the user needs the group dialout" : "");
+                               errno == EACCES ? "add the user to the group dialout" : "");
   }
   termios settings{};
   if (tcgetattr(source.device_.get(), &settings) != 0) {
-    return receive::fail_errno("is no serial device", options.device);
+    return receive::fail_errno("not a serial device", options.device);
   }
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;

@@ -12,23 +12,24 @@
 
 namespace infuse::vehicle {
 
-/// A serial device that sends lines of text, as a satellite receiver does.
+/// A serial device that sends lines of text, such as a GNSS receiver.
 struct SerialOptions {
   std::string device = "/dev/ttyUSB0";
-  uint32_t baud = 9600;  ///< bits a second: 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800
+  /// Bits per second: 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800.
+  uint32_t baud = 9600;
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// Cuts bytes into lines of bounded length. Pure.
+/// Splits bytes into lines of bounded length. Pure.
 class LineSplitter {
  public:
   static constexpr size_t kMaxLineLength = 127;  ///< an NMEA sentence has at most 82 characters
 
-  /// Takes bytes that came at `stamp` and calls `on(Stamp, std::string_view)` for each line that
-  /// they complete, stamped with the arrival of its first byte; line ends and blank lines are left
-  /// out. A line that is too long is dropped and counted.
+  /// Adds bytes that arrived at `stamp` and calls `on(Stamp, std::string_view)` for each completed
+  /// line, stamped with the arrival of its first byte. Line ends and blank lines are omitted; a
+  /// line that is too long is dropped and counted.
   template <class OnLine>
   void push(std::string_view bytes, Stamp stamp, OnLine on) {
     for (const char byte : bytes) {
@@ -46,7 +47,7 @@ class LineSplitter {
     }
   }
 
-  /// Lines that were too long.
+  /// Number of lines that were too long.
   uint64_t dropped() const { return dropped_; }
 
  private:
@@ -60,14 +61,14 @@ class LineSplitter {
 /// Reads lines from a serial device.
 class SerialLineSource {
  public:
-  /// Errors: no such device (yet), no permission, not a serial device.
+  /// Opens the device. Errors: no such device (yet), no permission, not a serial device.
   static Result<SerialLineSource> open(const SerialOptions& options, const receive::TimeBase& base);
 
-  /// Readable when something waits.
+  /// Readable when bytes are pending.
   int descriptor() const { return device_.get(); }
 
-  /// Takes what waits and calls `on(Stamp, std::string_view)` for each line completed. How many
-  /// bytes. An error says that the device is gone: open another source, later.
+  /// Reads pending bytes and calls `on(Stamp, std::string_view)` for each completed line. Returns
+  /// the number of bytes. An error means that the device is gone: open another source later.
   template <class OnLine>
   Result<size_t> read(OnLine on) {
     std::array<char, 512> bytes;

@@ -2,20 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::vehicle {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegree = std::numbers::pi / 180;
 
 enum class Dimension { kSpeed, kAngularVelocity, kAngle, kAcceleration, kNone };
 
 struct Unit {
   std::string_view name;
   Dimension dimension;
-  double factor;  ///< to SI
+  double factor;  ///< conversion to SI
 };
 
 constexpr Unit kUnits[] = {
@@ -28,7 +28,7 @@ constexpr Unit kUnits[] = {
     {"rad/s", Dimension::kAngularVelocity, 1},
     {"deg/s", Dimension::kAngularVelocity, kDegree},
     {"deg/sec", Dimension::kAngularVelocity, kDegree},
-    {"\xB0/s", Dimension::kAngularVelocity, kDegree},  // Latin-1, as most DBC files are
+    {"\xB0/s", Dimension::kAngularVelocity, kDegree},  // Latin-1, as in most DBC files
     {"°/s", Dimension::kAngularVelocity, kDegree},
     {"rad", Dimension::kAngle, 1},
     {"deg", Dimension::kAngle, kDegree},
@@ -89,7 +89,7 @@ std::optional<std::string> SignalMap::invalid() const {
   for (const SignalSource* source : {&yaw_rate, &steering_angle}) {
     if (auto message = check(*source)) return message;
   }
-  if (!any) return "no signal is named";
+  if (!any) return "no signal is configured";
   for (const SignalSource* source : {&steering_fraction, &gear}) {
     if (auto message = wrong(*source)) return message;
   }
@@ -134,7 +134,7 @@ std::optional<Error> VehicleDecoder::bind(const Dbc& dbc, const SignalSource& so
   if (signal == nullptr) {
     return Error{"the DBC has no signal " + source.signal, "signal map",
                  message == nullptr ? "it has no message of that name"
-                                    : "the message is there; look for the signal's name"};
+                                    : "the message exists; check the signal's name"};
   }
   const Dimension dimension = quantity < kYawRate             ? Dimension::kSpeed
                               : quantity == kYawRate          ? Dimension::kAngularVelocity
@@ -172,16 +172,12 @@ VehicleSamples VehicleDecoder::decode(const CanFrame& frame) {
   if (bound == messages_.end()) return {};
   Values values;
   values.fill(kNaN);
-  bool too_short = false;
   for (const Binding& binding : bound->bindings) {
     const DbcSignal& signal = bound->message.signals[binding.signal];
     if (const auto value = vehicle::decode(bound->message, signal, frame.payload())) {
       values[binding.quantity] = *value * binding.factor;
-    } else {
-      too_short = too_short || !raw_value(signal, frame.payload());
     }
   }
-  if (too_short) ++short_frames_;
   if (std::isfinite(values[kGear])) reversing_ = values[kGear] == reverse_gear_;
   return make_samples(values, frame.stamp);
 }

@@ -24,7 +24,7 @@ Result<void> set_filters(int socket, const SocketCanOptions& options) {
   }
   if (setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
                  static_cast<socklen_t>(filters.size() * sizeof(can_filter))) != 0) {
-    return receive::fail_errno("the kernel does not take the filters", options.interface);
+    return receive::fail_errno("cannot set the kernel's filters", options.interface);
   }
   return {};
 }
@@ -33,9 +33,9 @@ Result<void> set_filters(int socket, const SocketCanOptions& options) {
 
 std::optional<std::string> SocketCanOptions::invalid() const {
   if (interface.empty() || interface.size() >= IF_NAMESIZE) {
-    return "'" + interface + "' is no name of an interface";
+    return "'" + interface + "' is not an interface name";
   }
-  if (receive_buffer == 0) return "the receive buffer is empty";
+  if (receive_buffer == 0) return "the receive buffer size must not be 0";
   return std::nullopt;
 }
 
@@ -52,7 +52,7 @@ Result<void> SocketCanSource::set_up() {
   socket_ =
       receive::FileDescriptor(socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW));
   if (!socket_) {
-    return receive::fail_errno("this kernel has no CAN", name, "load the module can_raw");
+    return receive::fail_errno("the kernel does not support CAN", name, "load the module can_raw");
   }
   const int on = 1;
   setsockopt(socket_.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof(on));
@@ -67,10 +67,10 @@ Result<void> SocketCanSource::set_up() {
   sockaddr_can bus{};
   bus.can_family = AF_CAN;
   bus.can_ifindex = static_cast<int>(if_nametoindex(name.c_str()));
-  if (bus.can_ifindex == 0) return fail("there is no such interface", name, "is it plugged in?");
+  if (bus.can_ifindex == 0)
+    return fail("no such interface", name, "check that the adapter is plugged in");
   if (bind(socket_.get(), reinterpret_cast<const sockaddr*>(&bus), sizeof(bus)) != 0) {
-    return receive::fail_errno("cannot be listened to", name,
-                               errno == ENODEV ? "it is no CAN bus" : "");
+    return receive::fail_errno("cannot bind", name, errno == ENODEV ? "not a CAN interface" : "");
   }
   frame_.set_interface(name);
   return {};
@@ -84,7 +84,7 @@ bool SocketCanSource::up() const {
 
 bool SocketCanSource::process_message(const receive::MessageBatch::Message& message) {
   if (message.truncated || !parse_socket_can(message.bytes, frame_)) return false;
-  // To the microsecond, as a candump log has it: a recording of the bus replays to the same.
+  // To the microsecond, as in a candump log: a recording of the bus replays identically.
   const Stamp stamp = hardware_stamps_.update(message.hardware_ns, message.stamp);
   frame_.stamp = stamp - Duration(stamp.ns() % 1000);
   bus_errors_.process(frame_);

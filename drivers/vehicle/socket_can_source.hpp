@@ -14,29 +14,30 @@
 
 namespace infuse::vehicle {
 
-/// Which bus is listened to, and for what.
+/// Bus and message filter.
 struct SocketCanOptions {
   std::string interface = "can0";
-  std::vector<CanIdentifier> identifiers;   ///< the kernel passes only these; empty: all
+  std::vector<CanIdentifier> identifiers;   ///< only these pass the kernel's filter; empty: all
   size_t receive_buffer = size_t{1} << 20;  ///< bytes; a full bus of 1 Mbit/s fills 0.1 s of it
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// A CAN bus of this host, classic and FD.
+/// A local CAN bus, classic and FD.
 class SocketCanSource {
  public:
-  /// Errors: no such interface (yet), or it is no CAN bus. One that is down is waited for.
+  /// Opens the bus. Errors: no such interface (yet), or not a CAN bus. An interface that is down is
+  /// not an error; frames follow once it is up.
   static Result<SocketCanSource> open(const SocketCanOptions& options,
                                       const receive::TimeBase& base);
 
-  /// Readable when something waits, and when the interface went down or away.
+  /// Readable when a frame is pending, and when the interface went down or away.
   int descriptor() const { return socket_.get(); }
 
-  /// Takes what waits, at most `batch.capacity()` frames, and calls `on(const CanFrame&)` for each,
-  /// error frames included. How many they were. An interface that went down is no error, see
-  /// `up()`; one that is gone is: open another source, later.
+  /// Reads pending frames, at most `batch.capacity()`, and calls `on(const CanFrame&)` for each,
+  /// error frames included. Returns their number. An interface that went down is not an error, see
+  /// `up()`; an error means that it is gone: open another source later.
   template <class OnFrame>
   Result<size_t> read(receive::MessageBatch& batch, OnFrame on) {
     const int count = batch.receive(socket_.get(), stamps_);
@@ -49,17 +50,17 @@ class SocketCanSource {
     return static_cast<size_t>(count);
   }
 
-  /// Whether the interface is up; asks the kernel.
+  /// True if the interface is up; queries the kernel.
   bool up() const;
 
-  /// What the controller has said of the bus.
+  /// State of the bus by its controller's error frames.
   const BusErrors& bus_errors() const { return bus_errors_; }
 
-  /// Frames that the kernel has dropped at this socket, as far as is known.
+  /// Number of frames that the kernel has dropped at this socket, as far as known.
   uint64_t dropped() const { return dropped_; }
 
-  /// Whether frames are stamped by the interface's own clock: where its driver tells that, else
-  /// they have the kernel's stamp.
+  /// True if frames have hardware stamps, if the interface's driver provides them; false if they
+  /// have the kernel's stamps.
   bool stamped_by_hardware() const { return hardware_stamps_.stamped_by_hardware(); }
 
   const std::string& interface() const { return options_.interface; }
@@ -80,11 +81,11 @@ class SocketCanSource {
   uint64_t dropped_ = 0;
 };
 
-/// Room for one read of a bus.
+/// Buffers for one read of a bus.
 inline receive::MessageBatch make_can_batch() { return receive::MessageBatch(64, 72); }
 
-/// Reads a frame as SocketCAN hands it over: `struct can_frame` (16 bytes) or `canfd_frame` (72).
-/// Sets everything but stamp and interface. False where the size is neither.
+/// Parses a frame of SocketCAN: `struct can_frame` (16 bytes) or `canfd_frame` (72). Sets
+/// everything but stamp and interface. False for any other size.
 bool parse_socket_can(std::span<const uint8_t> bytes, CanFrame& frame);
 
 }  // namespace infuse::vehicle

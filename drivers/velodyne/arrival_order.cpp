@@ -8,9 +8,9 @@
 namespace infuse::velodyne {
 namespace {
 
-/// No network delays a packet past others by more.
+/// Maximum reordering delay on a network.
 constexpr int64_t kMaxReorderDelayUs = 50'000;
-/// The device's and the host's clock may disagree by so much on the time between two packets.
+/// Tolerance between the device's and the host's clock for the time between two packets.
 constexpr int64_t kClockToleranceUs = 500'000;
 
 }  // namespace

@@ -7,26 +7,26 @@
 
 namespace infuse::velodyne {
 
-/// What the counter of a packet says of its place among those that came before.
+/// Place of a packet among the packets before it, by its counter.
 enum class Arrival : uint8_t {
-  kFirst,      ///< nothing to compare with
-  kNext,       ///< newer than all
+  kFirst,      ///< no packet to compare with
+  kNext,       ///< newer than all others
   kLate,       ///< between the two newest
   kTooLate,    ///< older than these
-  kDuplicate,  ///< came before
+  kDuplicate,  ///< received before
   kClockJump,  ///< the device's clock has jumped
 };
 
-/// Puts packets in order by the device's counter, and tells a late packet from a counter that was
-/// set: by restart, or when GPS took it over.
+/// Orders packets by the device's counter, and distinguishes a late packet from a counter that was
+/// set by a restart or by GPS lock.
 class ArrivalOrder {
  public:
   struct Verdict {
     Arrival arrival = Arrival::kFirst;
-    int64_t delay_us = 0;  ///< counter minus the newest packet's
+    int64_t delay_us = 0;  ///< counter minus that of the newest packet
   };
 
-  /// Takes a packet's counter (µs in the hour) and its time of arrival.
+  /// Adds a packet by its counter (µs in the hour) and its arrival time.
   Verdict add(uint32_t counter_us, Stamp host);
 
  private:
@@ -35,7 +35,7 @@ class ArrivalOrder {
 
   static constexpr size_t kMaxRecent = 16;
   std::array<uint32_t, kMaxRecent> recent_{};
-  size_t recent_count_ = 0;  ///< remembered so far; the ring holds the last of them
+  size_t recent_count_ = 0;  ///< number of packets remembered so far; the ring holds the latest
   uint32_t newest_ = 0;
   uint32_t second_newest_ = 0;
   Stamp newest_host_;

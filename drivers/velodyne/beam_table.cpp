@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/velodyne/packet.hpp"
 
 namespace infuse::velodyne {
 namespace {
 
-constexpr double kCentidegree = std::numbers::pi / 18000;  // rad
 constexpr double kMaxTurnsPerSecond = 30;
-constexpr double kFocalRange = 131;  // m, the HDL-64E manual's
+constexpr double kFocalRange = 131;  // m, from the HDL-64E manual
 
 int max_azimuth_step(const ModelInfo& info) {
-  // A VLS-128's firmware may run 5 % slower than the nominal cycle.
+  // The firmware of a VLS-128 may run 5 % slower than the nominal cycle.
   const double period_s = 1.05 * to_seconds(sequence_period(info, info.cycle));
   return static_cast<int>(std::ceil(kMaxTurnsPerSecond * 36'000 * period_s));
 }

@@ -1,14 +1,12 @@
 #include <cmath>
-#include <numbers>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/velodyne/calibration.hpp"
 
-// The tables below are the manuals' nominal angles, in degrees, by laser in order of the wire.
+// Nominal angles from the manuals, in degrees, by laser in wire order.
 
 namespace infuse::velodyne {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 constexpr std::array<double, 32> kHdl32eElevation{
     -30.67, -9.33,  -29.33, -8,     -28,    -6.67, -26.67, -5.33,  -25.33, -4,     -24,
@@ -20,7 +18,7 @@ constexpr std::array<double, 16> kVlp16Elevation{
     -15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15,
 };
 
-/// The Puck Hi-Res squeezes the same pattern from 2° to 4/3° a step.
+/// The Puck Hi-Res compresses the same pattern from 2° to 4/3° per step.
 constexpr double kHiResElevationScale = 2.0 / 3.0;
 
 struct Angles {
@@ -55,7 +53,7 @@ constexpr std::array<double, 128> kVls128Elevation{
     8.43,    -2.87,   2.52,  -6.17,   -1.66, 3.73,  -4.96,   0.43,
 };
 
-/// One HDL-64E's own calibration: angles in degrees, lengths in centimetres.
+/// Calibration of one HDL-64E: angles in degrees, lengths in centimetres.
 struct UnitBeam {
   double elevation, rotation, distance, distance_x, distance_y;
   double vertical_offset, horizontal_offset, focal_distance, focal_slope;

@@ -4,9 +4,10 @@
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 #include <fstream>
-#include <numbers>
 #include <sstream>
 #include <string>
+
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::velodyne {
 namespace {
@@ -17,8 +18,8 @@ constexpr size_t kMaxFileBytes = 4 << 20;
 constexpr size_t kLasers = 64;
 constexpr const char* kHint = "expected the vendor's db.xml with <points_> of 64 lasers";
 
-/// Where a tag that begins at `at` ends: behind its ">", quotes respected. npos where it does not
-/// end, or holds another "<", which XML forbids even in quotes.
+/// Returns the end of the tag that begins at `at`: the position behind its ">", quotes respected.
+/// npos if it does not end, or contains another "<", which XML forbids even in quotes.
 size_t end_of_tag(std::string_view text, size_t at) {
   char quote = 0;
   for (size_t i = at + 1; i < text.size(); ++i) {
@@ -35,7 +36,7 @@ size_t end_of_tag(std::string_view text, size_t at) {
   return std::string_view::npos;
 }
 
-/// The XML parser calls itself for every level, so depth is bounded before it sees the text.
+/// The XML parser recurses for every level, so the depth is checked before parsing.
 bool is_shallow(std::string_view text) {
   constexpr int kMaxDepth = 40;
   int depth = 0;
@@ -45,7 +46,7 @@ bool is_shallow(std::string_view text) {
       at = text.find("-->", at + 4);
       continue;
     }
-    if (rest.starts_with("<![CDATA[")) return false;  // never in a db.xml
+    if (rest.starts_with("<![CDATA[")) return false;  // never used in a db.xml
     const size_t end = end_of_tag(text, at);
     if (end == std::string_view::npos) return false;
     const char kind = text[at + 1];
@@ -60,9 +61,8 @@ bool is_shallow(std::string_view text) {
   return true;
 }
 
-/// Reads the numbers of one `<px>`; false where one is missing.
+/// Reads the numbers of one `<px>`; false if one is missing.
 bool read_beam(const Tree& px, BeamCorrection& beam) {
-  constexpr double kDegree = std::numbers::pi / 180;
   constexpr double kCentimetre = 0.01;
   const auto read = [&](const char* key, double unit, double& value) {
     const auto number = px.get_optional<double>(key);
@@ -80,7 +80,7 @@ bool read_beam(const Tree& px, BeamCorrection& beam) {
          read("focalSlope_", 1, beam.focal_slope);
 }
 
-/// Fills one limit of reflectivity by laser from a list of `<item>`; files of early units have
+/// Reads one limit of reflectivity per laser from a list of `<item>`; files of early units have
 /// none.
 void read_limits(const Tree& db, const char* key, Calibration& calibration,
                  double BeamCorrection::*limit) {
@@ -110,7 +110,7 @@ Result<Calibration> read_db(const Tree& db) {
     known.set(*laser);
   }
   if (!known.all()) {
-    return fail(std::to_string(known.count()) + " of 64 lasers are there", {}, kHint);
+    return fail(std::to_string(known.count()) + " of 64 lasers present", {}, kHint);
   }
   read_limits(db, "minIntensity_", calibration, &BeamCorrection::min_intensity);
   read_limits(db, "maxIntensity_", calibration, &BeamCorrection::max_intensity);

@@ -1,7 +1,8 @@
 #include "drivers/velodyne/calibration_stream.hpp"
 
-#include <numbers>
 #include <string_view>
+
+#include "drivers/velodyne/packet.hpp"
 
 namespace infuse::velodyne {
 namespace {
@@ -24,7 +25,6 @@ uint16_t crc16(uint16_t crc, uint8_t byte) {
 }
 
 BeamCorrection read_record(const std::array<uint8_t, kRecordSize>& record) {
-  constexpr double kCentidegree = std::numbers::pi / 18000;
   constexpr double kMillimetre = 0.001;
   const auto word = [&](size_t i) {
     return static_cast<double>(static_cast<int16_t>(record[1 + 2 * i] | record[2 + 2 * i] << 8));

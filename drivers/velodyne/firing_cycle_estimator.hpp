@@ -7,14 +7,15 @@
 
 namespace infuse::velodyne {
 
-/// The firing cycle of a sensor whose firmware decides it, from the period of its packets.
+/// Estimates the firing cycle of a sensor whose firmware determines it, from the period of its
+/// packets.
 class FiringCycleEstimator {
  public:
   explicit FiringCycleEstimator(const ModelInfo& info) : info_(info) {}
 
-  /// Takes the time from a packet of these returns to the next. Gives the cycle once, when enough
-  /// periods are known; periods that cannot be the model's (more than 10 % off: packets are
-  /// missing) do not count. The mean of the rest, since the counter has whole microseconds only.
+  /// Adds the time from a packet with these returns to the next. Returns the cycle once, when
+  /// enough periods are known: the mean, since the counter has whole microseconds only. Periods
+  /// more than 10 % off the model's (packets are missing) are ignored.
   std::optional<Duration> add(int64_t period_us, bool dual_return);
 
  private:

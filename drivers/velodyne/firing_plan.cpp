@@ -7,9 +7,10 @@ namespace infuse::velodyne {
 namespace {
 
 constexpr int kMaxBackwardStep = 100;          // 0.01°
-constexpr int64_t kMaxJumpNs = 1'000'000'000;  // a turn at one a second
+constexpr int64_t kMaxJumpNs = 1'000'000'000;  // one turn per second
 
-/// Sets the times of what follows the last jump so that the following packet comes right after.
+/// Sets the times of the sequences after the last jump so that the following packet comes directly
+/// after them.
 void retime_after_jump(FiringPlan& plan, size_t first, int64_t following_ns, int64_t period_ns) {
   const int64_t start = following_ns - static_cast<int64_t>(plan.count - first) * period_ns;
   const int64_t earliest = plan.sequences[first - 1].time_ns + period_ns;

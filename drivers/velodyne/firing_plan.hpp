@@ -8,12 +8,13 @@
 
 namespace infuse::velodyne {
 
-/// When and where the sensor looked while one firing sequence lasted.
+/// Time and azimuth of one firing sequence.
 struct PlannedSequence {
-  uint16_t azimuth = 0;  ///< 0.01°, when it started
-  uint16_t step = 0;     ///< 0.01°, turned until the next sequence started
-  int32_t advance = 0;  ///< 0.01°, turned since the sequence before started; 0 for a packet's first
-  bool after_jump = false;  ///< the sensor has looked at nothing since the sequence before
+  uint16_t azimuth = 0;  ///< 0.01°, at its start
+  uint16_t step = 0;     ///< 0.01°, turned until the next sequence starts
+  /// Angle, 0.01°, turned since the start of the previous sequence; 0 for a packet's first.
+  int32_t advance = 0;
+  bool after_jump = false;  ///< true if the sensor skipped a part of the turn before this sequence
   int64_t time_ns = 0;      ///< start, after the packet's counter
 };
 
@@ -25,27 +26,27 @@ struct FiringPlan {
   const PlannedSequence& last() const { return sequences[count - 1]; }
 };
 
-/// What is known of the packet that follows.
+/// Known data of the following packet.
 struct FollowingPacket {
   uint16_t azimuth = 0;  ///< 0.01°, of its first sequence
   int64_t delay_ns = 0;  ///< its counter minus this packet's
 };
 
-/// How a sensor's firing sequences follow each other.
+/// Timing of a sensor's firing sequences.
 struct SequenceTiming {
-  int64_t period_ns = 0;  ///< from a sequence to the next
-  int max_step = 0;       ///< 0.01°; more is a jump, not a rotation
+  int64_t period_ns = 0;  ///< from one sequence to the next
+  int max_step = 0;       ///< 0.01°; a larger step is a jump, not a rotation
 };
 
-/// From one azimuth to another in the direction of rotation, 0.01°: 0 … 35999, but a step back of
-/// up to a degree (a jittering encoder, a sensor that does not turn) is negative.
+/// Returns the difference of two azimuths in the direction of rotation, 0.01°: 0 … 35999. A step
+/// back of up to one degree (a jittering encoder, a sensor at rest) is negative.
 int azimuth_advance(int from, int to);
 
-/// Azimuth, its growth, and time of each sequence in a packet. Azimuth is linear from sequence to
-/// sequence; the last one's growth comes from the following packet where that follows at once,
-/// otherwise it is the growth before it (`previous_step` where there is none). Over a jump inside
-/// the packet (a sensor told to look at a part of the turn) nothing is interpolated; what comes
-/// after it is timed back from the following packet, or by the rate of rotation without one.
+/// Returns azimuth, step and time of each sequence in a packet. Azimuth is linear from sequence to
+/// sequence. The last step comes from the following packet if that follows directly; otherwise it
+/// is the step before it (`previous_step` if there is none). Over a jump inside the packet (a
+/// sensor configured to scan a part of the turn) nothing is interpolated; the sequences after it
+/// are timed backwards from the following packet, or by the rate of rotation without one.
 FiringPlan plan_firings(const Packet& packet, const std::optional<FollowingPacket>& following,
                         int previous_step, const SequenceTiming& timing);
 

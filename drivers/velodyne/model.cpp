@@ -31,13 +31,13 @@ bool is_same_name(std::string_view a, std::string_view b) {
   }
 }
 
-/// When laser `j` of a bank of an HDL-64E fires: four lasers in a group, unevenly spaced.
+/// Firing time of laser `j` of an HDL-64E bank: four lasers per group, unevenly spaced.
 int32_t hdl64e_time(size_t j, int32_t group_ns, const std::array<int32_t, 4>& in_group_ns) {
   return static_cast<int32_t>(j / 4) * group_ns + in_group_ns[j % 4];
 }
 
-/// When laser `j` of a VLS-128 fires: groups of eight, a slot each, one dead slot after the eighth
-/// group and three at the end, so that a cycle has twenty.
+/// Firing time of laser `j` of a VLS-128: groups of eight, one slot each, one dead slot after the
+/// eighth group and three at the end, so that a cycle has twenty slots.
 int32_t vls128_time(size_t j, Duration cycle) {
   const auto group = static_cast<int64_t>(j / 8);
   const int64_t slot = group + (group >= 8 ? 1 : 0);

@@ -18,7 +18,7 @@ std::string hex(uint8_t byte) {
   return {'0', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
 }
 
-/// How far a period is from the model's, in parts of it.
+/// Difference of a period from the model's, relative to the model's.
 double relative_period_error(const ModelInfo& info, int64_t period_us, bool dual) {
   const double expected = to_seconds(packet_period(info, info.cycle, dual)) * 1e6;
   return std::abs(static_cast<double>(period_us) / expected - 1);

@@ -10,24 +10,20 @@
 
 namespace infuse::velodyne {
 
-/// A model, and why.
+/// A model and the reason for it.
 struct InferredModel {
   Model model = Model::kHdl32e;
   std::string reason;  ///< "product byte 0x21 says HDL-32E, but packets 1327 us apart ... VLP-16"
 };
 
-/// Infers the model of a sensor that nobody has named, from its packets: what blocks begin with,
-/// the product byte, and the period of packets (the product byte lies on early VLP-16 firmware, and
-/// an HDL-64E has none).
+/// Infers the model of a sensor from its packets: the flags of blocks, the product byte, and the
+/// period of packets (the product byte is wrong on early VLP-16 firmware, and an HDL-64E has none).
 class ModelInference {
  public:
-  /// Takes the payload of a packet of the data port; what is no data packet does not count.
+  /// Adds the payload of a packet of the data port; other payloads are ignored.
   void add(std::span<const uint8_t> payload);
 
-  /// Enough packets have been seen for the best guess.
-  bool has_enough_packets() const { return packets_ > kMaxPeriods; }
-
-  /// Nothing while fewer than 8 packets have been seen, or where no model fits them.
+  /// Nothing while fewer than 8 packets have been seen, or if no model fits them.
   std::optional<InferredModel> infer() const;
 
  private:

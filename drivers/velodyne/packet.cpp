@@ -3,7 +3,7 @@
 namespace infuse::velodyne {
 namespace {
 
-/// What a block of each bank begins with.
+/// Flag at the beginning of a block of each bank.
 constexpr std::array<uint16_t, 4> kBankFlags{0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF};
 
 constexpr size_t kCounterOffset = 1200;
@@ -34,7 +34,7 @@ ReturnMode read_mode(const ModelInfo& info, std::span<const uint8_t> payload) {
     case static_cast<uint8_t>(ReturnMode::kLast):
       return ReturnMode::kLast;
     default:
-      return ReturnMode::kStrongest;  // early firmware leaves the byte to chance
+      return ReturnMode::kStrongest;  // the byte is arbitrary in early firmware
   }
 }
 
@@ -43,9 +43,9 @@ ReturnMode read_mode(const ModelInfo& info, std::span<const uint8_t> payload) {
 const char* describe(PacketFault fault) {
   switch (fault) {
     case PacketFault::kSize:
-      return "a data packet has 1206 bytes";
+      return "the payload is not 1206 bytes";
     case PacketFault::kFlag:
-      return "a block does not begin as this model's blocks do";
+      return "a block does not begin with a flag of this model";
     case PacketFault::kAzimuth:
       return "a block's azimuth is above 360 degrees";
     case PacketFault::kDualPair:
@@ -60,7 +60,7 @@ BlockLayout block_layout(const ModelInfo& info, bool dual_return) {
   const auto banks = static_cast<uint8_t>(info.banks);
   if (!dual_return) return {banks, 1, 0};
   const auto both = static_cast<uint8_t>(2 * banks);
-  // HDL-64E: all banks of the one echo, then all of the other. All others: pairs of echoes.
+  // HDL-64E: all banks of one echo, then all of the other. Other models: pairs of echoes.
   return info.calibrated_per_unit ? BlockLayout{both, 1, banks} : BlockLayout{both, 2, 1};
 }
 

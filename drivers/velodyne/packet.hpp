@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <span>
 #include <tl/expected.hpp>
 
@@ -11,44 +12,47 @@ namespace infuse::velodyne {
 
 /// Bytes of a data packet's payload.
 inline constexpr size_t kPacketSize = 1206;
-/// Blocks in a data packet.
+/// Number of blocks in a data packet.
 inline constexpr size_t kBlocks = 12;
 /// Bytes of a block: flag, azimuth, 32 returns of 3 bytes.
 inline constexpr size_t kBlockSize = 100;
 /// A turn, in the packets' unit of azimuth (0.01°).
 inline constexpr int kCentidegreesPerTurn = 36'000;
-/// Microseconds in an hour, where the counter wraps.
+
+/// The packets' unit of azimuth, rad.
+inline constexpr double kCentidegree = std::numbers::pi / 18000;
+/// Microseconds in an hour, after which the counter wraps.
 inline constexpr int64_t kHourUs = 3'600'000'000;
 
 /// The payload of a data packet.
 using PacketBytes = std::span<const uint8_t, kPacketSize>;
 
-/// Why bytes are not a data packet of the model.
+/// Reason why bytes are not a data packet of the model.
 enum class PacketFault : uint8_t {
   kSize,        ///< not 1206 bytes
-  kFlag,        ///< a block does not begin as the model's blocks do
+  kFlag,        ///< a block does not begin with a flag of the model
   kAzimuth,     ///< a block's azimuth is above 360°
   kDualPair,    ///< dual return, but the blocks of a pair differ in azimuth
   kReturnMode,  ///< dual return from a model that has none
 };
 
-/// The fault in words.
+/// Description of the fault for people.
 const char* describe(PacketFault fault);
 
-/// What the head of each block and the packet's end say. The returns stay in the payload.
+/// Headers of a packet's blocks and the packet's end. The returns stay in the payload.
 struct Packet {
   uint32_t counter_us = 0;  ///< device time of the first firing: µs since the top of the hour, or
-                            ///< since power-up; may slightly pass an hour
+                            ///< since power-up; may slightly exceed an hour
   ReturnMode mode = ReturnMode::kStrongest;
-  uint8_t product_id = 0;                   ///< byte 1205; on an HDL-64E the value of `status_type`
-  uint8_t status_type = 0;                  ///< byte 1204; on an HDL-64E what the last byte means
-  uint8_t sequences = 0;                    ///< firing sequences
+  uint8_t product_id = 0;   ///< byte 1205; on an HDL-64E the value of `status_type`
+  uint8_t status_type = 0;  ///< byte 1204; on an HDL-64E the meaning of the last byte
+  uint8_t sequences = 0;    ///< number of firing sequences
   std::array<uint16_t, kBlocks> azimuth{};  ///< of each sequence, 0.01°, 0 … 35999, clockwise
 
   bool dual() const { return mode == ReturnMode::kDual; }
 };
 
-/// Where the blocks of a firing sequence lie in a packet: bank `b` of echo `e` of sequence `i` is
+/// Position of a firing sequence's blocks in a packet: bank `b` of echo `e` of sequence `i` is
 /// block i·sequence + b·bank + e·echo.
 struct BlockLayout {
   uint8_t sequence, bank, echo;
@@ -56,15 +60,15 @@ struct BlockLayout {
   size_t block(size_t i, size_t b, size_t e) const { return i * sequence + b * bank + e * echo; }
 };
 
-/// The layout of a model's packets.
+/// The block layout of a model's packets.
 BlockLayout block_layout(const ModelInfo& info, bool dual_return);
 
-/// Reads the heads of a payload as the model writes them. An HDL-64E does not say that it sends two
-/// returns: repeated azimuths do.
+/// Parses the headers of a payload of this model. An HDL-64E has no flag for two returns: they are
+/// recognised by repeated azimuths.
 tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,
                                                std::span<const uint8_t> payload);
 
-/// From one counter to another, µs, across the top of the hour: in ±30 minutes.
+/// Difference of two counters, µs, across the top of the hour: in ±30 minutes.
 constexpr int64_t counter_difference_us(uint32_t later, uint32_t earlier) {
   int64_t difference = static_cast<int64_t>(later) - static_cast<int64_t>(earlier);
   if (difference > kHourUs / 2) difference -= kHourUs;

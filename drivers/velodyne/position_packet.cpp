@@ -1,8 +1,8 @@
 #include "drivers/velodyne/position_packet.hpp"
 
-#include <numbers>
 #include <string_view>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/velodyne/packet.hpp"
 
 namespace infuse::velodyne {
@@ -14,16 +14,16 @@ constexpr size_t kPpsOffset = 0xCA;
 constexpr size_t kSentenceOffset = 0xCE;
 constexpr size_t kSentenceSize = 128;
 
-/// Twelve bits, two's complement; the upper four number the quantity.
+/// Twelve bits, two's complement; the upper four bits number the quantity.
 double signed12(const uint8_t* bytes) {
   const int low = read_u16(bytes) & 0x0FFF;
   return low >= 0x800 ? low - 0x1000 : low;
 }
 
 ImuUnit read_unit(const uint8_t* bytes) {
-  constexpr double kAngularVelocity = 0.09766 * std::numbers::pi / 180;  // rad/s
-  constexpr double kTemperature = 0.1453;                                // °C
-  constexpr double kAcceleration = 0.001221 * 9.80665;                   // m/s²
+  constexpr double kAngularVelocity = 0.09766 * kDegree;  // rad/s
+  constexpr double kTemperature = 0.1453;                 // °C
+  constexpr double kAcceleration = 0.001221 * 9.80665;    // m/s²
   ImuUnit unit;
   unit.angular_velocity = signed12(bytes) * kAngularVelocity;
   unit.temperature = signed12(bytes + 2) * kTemperature + 25;

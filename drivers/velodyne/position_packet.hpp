@@ -14,32 +14,33 @@ namespace infuse::velodyne {
 /// Bytes of a position packet's payload (UDP port 8308).
 inline constexpr size_t kPositionPacketSize = 512;
 
-/// The sensor's pulse-per-second input. HDL-32E firmware of 2012 always says absent.
+/// State of the sensor's pulse-per-second input. HDL-32E firmware of 2012 always reports absent.
 enum class PpsState : uint8_t { kAbsent = 0, kSynchronising = 1, kLocked = 2, kError = 3 };
 
-/// The word for it: "absent", "synchronising", "locked", "error".
+/// Name of the state: "absent", "synchronising", "locked", "error".
 const char* to_string(PpsState state);
 
 /// One of the three inertial units in an HDL-32E: a gyroscope and two axes of acceleration, in the
-/// unit's own directions. In real captures x of the first two units points up, and of
-/// the horizontal axes y of the second is y of the third, y of the first minus x of the third;
-/// which points forward the captures at hand do not tell, so the units stay apart.
+/// unit's own directions. In real captures x of the first two units points up, and of the
+/// horizontal axes y of the second is y of the third, y of the first minus x of the third. The
+/// available captures do not show which of them points forward, so the units stay separate.
 struct ImuUnit {
   double angular_velocity = 0;                  ///< rad/s
   double temperature = 0;                       ///< °C
   std::array<double, 2> linear_acceleration{};  ///< m/s²: its x and y
 };
 
-/// What a position packet says.
+/// Content of a position packet.
 struct PositionPacket {
   uint32_t counter_us = 0;  ///< device time: µs since the top of the hour, or since power-up
   PpsState pps = PpsState::kAbsent;
-  std::array<ImuUnit, 3> imu{};               ///< HDL-32E only; zero bytes on others read as 25 °C
-  tl::expected<NmeaFix, NmeaFault> sentence;  ///< the receiver's last sentence, up to a second old:
-                                              ///< date and hour count, seconds do not
+  std::array<ImuUnit, 3> imu{};  ///< HDL-32E only; zero bytes on others read as 25 °C
+  tl::expected<NmeaFix, NmeaFault>
+      sentence;  ///< last sentence of the GNSS receiver, up to a second old: its date and hour are
+                 ///< reliable, its seconds are not
 };
 
-/// Reads a payload; nothing where it is not 512 bytes or the PPS byte is none of the four.
+/// Parses a payload; nothing if it is not 512 bytes or the PPS byte is not one of the four.
 std::optional<PositionPacket> parse_position_packet(std::span<const uint8_t> payload);
 
 }  // namespace infuse::velodyne

@@ -5,7 +5,7 @@
 #include <cstring>
 
 // Eight returns at a time, in the compiler's portable vectors, so that the same source gives the
-// same bytes with and without the vector unit.
+// same bytes with and without vector instructions.
 
 #define INFUSE_INLINE [[gnu::always_inline]] inline
 
@@ -20,7 +20,7 @@ using Bytes = uint8_t __attribute__((vector_size(8)));
 using Bytes16 = uint8_t __attribute__((vector_size(16)));
 using Ints4 = int32_t __attribute__((vector_size(16)));
 
-/// For each set of lanes: those lanes in order, in front.
+/// For each set of lanes: these lanes in order, moved to the front.
 alignas(32) constexpr auto kCompactionOrder = [] {
   std::array<std::array<int32_t, kLanes>, 256> table{};
   for (size_t set = 0; set < table.size(); ++set) {
@@ -54,8 +54,8 @@ INFUSE_INLINE void store(T* to, const Vector& vector) {
 
 INFUSE_INLINE Floats to_floats(const Ints& v) { return __builtin_convertvector(v, Floats); }
 
-/// Eight returns of three bytes, each as distance + reflectivity · 65536. Reads these 24 bytes
-/// only.
+/// Loads eight returns of three bytes, each as distance + reflectivity · 65536. Reads these 24
+/// bytes only.
 INFUSE_INLINE Ints load_returns(const uint8_t* from) {
   const Bytes16 zero{};
   const Bytes16 low = __builtin_shufflevector(load<Bytes16>(from), zero, 0, 1, 2, 16, 3, 4, 5, 16,
@@ -65,7 +65,7 @@ INFUSE_INLINE Ints load_returns(const uint8_t* from) {
   return __builtin_shufflevector((Ints4)low, (Ints4)high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-/// Bit i is set where lane i of a comparison is true.
+/// Bit i is set if lane i of a comparison is true.
 INFUSE_INLINE size_t lane_set(const Ints& truth) {
   const Ints bits = truth & Ints{1, 2, 4, 8, 16, 32, 64, 128};
   const Ints4 halves = __builtin_shufflevector(bits, bits, 0, 1, 2, 3) |
@@ -100,7 +100,7 @@ INFUSE_INLINE Floats absolute(const Floats& v) { return (Floats)((Ints)v & 0x7FF
 INFUSE_INLINE Floats larger(const Floats& a, const Floats& b) { return a < b ? b : a; }
 INFUSE_INLINE Floats smaller(const Floats& a, const Floats& b) { return b < a ? b : a; }
 
-/// Eight returns, decoded.
+/// Eight decoded returns.
 struct Returns {
   Floats x, y, z, range, reflectivity;
 };
@@ -127,7 +127,8 @@ INFUSE_INLINE Returns decode_uniform(const BeamTable& table, size_t slot,
   return r;
 }
 
-/// The HDL-64E's: two-point correction of distance, offset origins, reflectivity over focus.
+/// Full correction of an HDL-64E: two-point correction of distance, offset origins, reflectivity
+/// over focus.
 INFUSE_INLINE Returns decode_corrected(const BeamTable& table, size_t slot,
                                        const Direction& direction, const Ints& raw) {
   const auto load_slots = [&](const BeamTable::PerSlot<float>& values) {
@@ -166,13 +167,13 @@ INFUSE_INLINE Returns decode_corrected(const BeamTable& table, size_t slot,
   return r;
 }
 
-/// What eight lanes have in common besides their returns.
+/// Data that eight lanes share apart from their returns.
 struct Group {
   Ints ring, time;
   uint16_t column;
 };
 
-/// Writes the lanes of `set` to the front of what is free, and gives the new size.
+/// Appends the lanes of `set` to the arrays and returns the new size.
 INFUSE_INLINE size_t append(const Returns& r, const Group& group, const Ints& kind, size_t set,
                             const ReturnArrays& out, size_t n) {
   const Ints order = load<Ints>(kCompactionOrder[set].data());
@@ -245,7 +246,7 @@ INFUSE_INLINE size_t decode(const BeamTable& table, std::span<const SequenceBloc
               : decode_all<false, false>(table, sequences, kinds, out, n);
 }
 
-size_t decode_portable(const BeamTable& table, std::span<const SequenceBlocks> sequences,
+size_t decode_baseline(const BeamTable& table, std::span<const SequenceBlocks> sequences,
                        EchoKinds kinds, const ReturnArrays& out, size_t n) {
   return decode(table, sequences, kinds, out, n);
 }
@@ -260,19 +261,12 @@ size_t decode_portable(const BeamTable& table, std::span<const SequenceBlocks> s
 
 }  // namespace
 
-InstructionSet best_instruction_set() {
+ReturnKernel return_kernel(InstructionSet set) {
 #ifdef __x86_64__
-  if (__builtin_cpu_supports("avx2")) return InstructionSet::kAvx2;
+  return select_variant(set, decode_baseline, decode_avx2, decode_avx2);
+#else
+  return select_variant(set, decode_baseline, decode_baseline, decode_baseline);
 #endif
-  return InstructionSet::kPortable;
-}
-
-ReturnKernel return_kernel(InstructionSet instructions) {
-#ifdef __x86_64__
-  if (instructions == InstructionSet::kAvx2) return decode_avx2;
-#endif
-  (void)instructions;
-  return decode_portable;
 }
 
 }  // namespace infuse::velodyne

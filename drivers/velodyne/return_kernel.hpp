@@ -4,15 +4,16 @@
 #include <cstdint>
 #include <span>
 
+#include "drivers/measurement/instruction_set.hpp"
 #include "drivers/velodyne/beam_table.hpp"
 
 namespace infuse::velodyne {
 
 /// One firing sequence as the kernel reads it.
 struct SequenceBlocks {
-  const uint8_t* returns = nullptr;  ///< of the first bank's first echo: 32 × 3 bytes
-  uint32_t bank_stride = 0;          ///< bytes from a bank to the next
-  uint32_t echo_stride = 0;          ///< bytes from an echo to the other; 0 with one return
+  const uint8_t* returns = nullptr;  ///< first bank's first echo: 32 × 3 bytes
+  uint32_t bank_stride = 0;          ///< bytes from one bank to the next
+  uint32_t echo_stride = 0;          ///< bytes from one echo to the other; 0 with one return
   float cos_azimuth = 1;             ///< of the sequence's azimuth, clockwise from forward
   float sin_azimuth = 0;
   uint16_t step = 0;           ///< 0.01°; azimuth turned until the next sequence
@@ -20,13 +21,13 @@ struct SequenceBlocks {
   int32_t time_offset_ns = 0;  ///< after the sweep's first firing
 };
 
-/// The kinds of the first and the second echo in a packet; the second counts with two returns only.
+/// Kinds of the first and the second echo in a packet; the second applies with two returns only.
 struct EchoKinds {
   ReturnKind first = ReturnKind::kStrongest;
   ReturnKind second = ReturnKind::kLast;
 };
 
-/// Where returns go: the arrays of a sweep, with room for `kKernelSlack` returns more than come.
+/// Output arrays: those of a sweep, with room for `kKernelSlack` returns beyond the last.
 struct ReturnArrays {
   float *x, *y, *z, *range, *reflectivity;
   uint16_t *ring, *column;
@@ -34,22 +35,16 @@ struct ReturnArrays {
   ReturnKind* return_kind;
 };
 
-/// Entries that the kernel may write beyond the last return.
+/// Number of entries that the kernel may write beyond the last return.
 inline constexpr size_t kKernelSlack = 8;
 
-/// Sets of instructions that the kernel is compiled for; all give the same bytes.
-enum class InstructionSet : uint8_t { kPortable, kAvx2 };
-
-/// The best that this processor has.
-InstructionSet best_instruction_set();
-
-/// Writes the returns (distance not 0) of the sequences behind the `size` that are there, and gives
-/// the new size. With two returns equal echoes of one pulse become one of kind `kBoth`. Coordinates
-/// in the lidar frame; an HDL-64E's with its full correction.
+/// Appends the returns (distance not 0) of the sequences to the `size` existing ones, and returns
+/// the new size. With two returns, equal echoes of one pulse become one of kind `kBoth`.
+/// Coordinates are in the lidar frame; an HDL-64E's have its full correction.
 using ReturnKernel = size_t (*)(const BeamTable& table, std::span<const SequenceBlocks> sequences,
                                 EchoKinds kinds, const ReturnArrays& out, size_t size);
 
-/// The kernel for a set of instructions, which the processor must have.
-ReturnKernel return_kernel(InstructionSet instructions);
+/// The kernel for an instruction set, which the processor must support. All give the same bytes.
+ReturnKernel return_kernel(InstructionSet set);
 
 }  // namespace infuse::velodyne

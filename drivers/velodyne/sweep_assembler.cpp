@@ -8,7 +8,7 @@
 namespace infuse::velodyne {
 namespace {
 
-/// Early VLP-16 firmware calls itself HDL-32E, and Pucks differ in their optics only.
+/// Early VLP-16 firmware identifies itself as HDL-32E, and Pucks differ in their optics only.
 bool product_differs(const ModelInfo& info, uint8_t product) {
   return info.product_id != 0 && product != info.product_id;
 }
@@ -44,7 +44,7 @@ SweepAssembler::SweepAssembler(const SweepAssemblerOptions& options)
       sender_(options.sender) {}
 
 void SweepAssembler::push(const Datagram& datagram) {
-  if (has_following_) throw std::logic_error("SweepAssembler::push before pull has said false");
+  if (has_following_) throw std::logic_error("SweepAssembler::push before pull returned false");
   finished_ = false;
   if (!accept(datagram)) return;
   const auto packet = parse_packet(info_, datagram.payload);
@@ -63,7 +63,7 @@ bool SweepAssembler::accept(const Datagram& datagram) {
   return false;
 }
 
-/// Puts a packet behind the one that is held, or before it where it is late.
+/// Orders a packet behind the held one, or before it if it is late.
 void SweepAssembler::order_packet(const Datagram& datagram, const Packet& packet) {
   const ArrivalOrder::Verdict verdict = order_.add(packet.counter_us, datagram.stamp);
   const std::chrono::microseconds counter(packet.counter_us);
@@ -104,7 +104,8 @@ void SweepAssembler::order_packet(const Datagram& datagram, const Packet& packet
   has_held_ = true;
 }
 
-/// Learns what only the stream tells: an HDL-64E's calibration, a VLS-128's firing cycle.
+/// Updates the properties that only the stream contains: an HDL-64E's calibration, a VLS-128's
+/// firing cycle.
 void SweepAssembler::update_beam_table(const Packet& packet, const ArrivalOrder::Verdict& verdict) {
   if (info_.calibrated_per_unit && calibration_source_ == CalibrationSource::kBuiltIn) {
     const int64_t period_us = packet_period(info_, info_.cycle, packet.dual()).count() / 1000;
@@ -144,7 +145,7 @@ bool SweepAssembler::pull(Sweep& sweep) {
   return true;
 }
 
-/// Plans the held packet's sequences and where sweeps end among them.
+/// Plans the held packet's sequences and the ends of sweeps among them.
 void SweepAssembler::begin_decoding(const ReceivedPacket* following) {
   const SequenceTiming timing{sequence_period(info_, table_.cycle).count(), table_.max_step};
   std::optional<FollowingPacket> next;
@@ -170,8 +171,8 @@ void SweepAssembler::begin_decoding(const ReceivedPacket* following) {
   decoding_ = true;
 }
 
-/// What lies between the last decoded packet and the held one: nothing, lost packets, or the part
-/// of the turn that the sensor does not look at.
+/// Classifies the gap between the last decoded packet and the held one: none, lost packets, or the
+/// part of the turn that the sensor does not scan.
 void SweepAssembler::detect_gap(PlannedSequence& first) {
   const int64_t period_ns = sequence_period(info_, table_.cycle).count();
   const int64_t gap_ns = held_->device_ns - last_decoded_.end_ns;

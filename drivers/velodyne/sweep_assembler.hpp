@@ -21,94 +21,94 @@
 
 namespace infuse::velodyne {
 
-/// Where the calibration of a sensor comes from.
+/// Origin of a sensor's calibration.
 enum class CalibrationSource : uint8_t {
-  kBuiltIn,  ///< the same for all units, or an example (HDL-64E, until its stream has told it)
-  kFile,     ///< by file
-  kStream,   ///< by the sensor itself (HDL-64E)
+  kBuiltIn,  ///< identical for all units, or an example (HDL-64E, until its stream has been read)
+  kFile,     ///< from a file
+  kStream,   ///< from the sensor itself (HDL-64E)
 };
 
-/// What a `SweepAssembler` is told.
+/// Options of a `SweepAssembler`.
 struct SweepAssemblerOptions {
   Model model = Model::kHdl32e;
-  std::optional<Calibration> calibration{};  ///< of this unit; the model's own where absent
-  double cut_azimuth = 0;  ///< °, as the sensor counts it (clockwise from the vendor's y, which
-                           ///< is forward): where a sweep ends and the next begins, 0 … 360
-  bool interpolate_azimuth = true;  ///< false: every return has its block's azimuth, as simple
-                                    ///< viewers show it; wrong by up to 0.2°
-  uint32_t sender = 0;  ///< IPv4 address of the sensor, host byte order; 0: whoever speaks first
-  Duration max_span{400'000'000};  ///< ns: a sweep that lasts longer is ended (a sensor that does
-                                   ///< not turn)
+  std::optional<Calibration> calibration{};  ///< of this unit; the model's own if absent
+  double cut_azimuth = 0;  ///< °, as the sensor counts it (clockwise from the vendor's y, which is
+                           ///< forward): azimuth at which a sweep ends and the next begins, 0 … 360
+  bool interpolate_azimuth = true;  ///< false: every return has its block's azimuth, as in simple
+                                    ///< viewers; wrong by up to 0.2°
+  uint32_t sender = 0;  ///< IPv4 address of the sensor, host byte order; 0: the first sender
+  /// Maximum duration of a sweep, ns (for a sensor that does not turn).
+  Duration max_span{400'000'000};
 
   InstructionSet instruction_set = best_instruction_set();  ///< all give the same bytes
 
-  /// What is wrong with the numbers, or nothing.
+  /// Returns what is wrong with the numbers, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// Turns the data packets of one sensor into sweeps, written straight into the `Sweep` that the
-/// caller hands it: no copy, and no allocation once its arrays have grown to a sweep's size.
+/// Assembles the data packets of one sensor into sweeps, written directly into the caller's
+/// `Sweep`: no copy, and no allocation once its arrays have grown to a sweep's size.
 ///
-/// A packet is decoded when the next one has come, since only that tells the azimuth of its last
-/// returns (and the time after a jump); so the assembler is one packet (0.06 … 1.4 ms) behind.
+/// A packet is decoded when the next one has arrived, since only that contains the azimuth of its
+/// last returns (and the time after a jump). The assembler is therefore one packet (0.06 … 1.4 ms)
+/// behind.
 ///
 ///     assembler.push(datagram);
-///     while (assembler.pull(*sweep)) sweep = publish_and_take_an_empty_one(sweep);
+///     while (assembler.pull(*sweep)) sweep = publish_and_claim_an_empty_one(sweep);
 ///
-/// A sweep runs from the cut azimuth to the cut azimuth, by the azimuth of blocks; where the sensor
-/// looks at a part of the turn only, from that part's beginning to its end instead.
+/// A sweep runs from the cut azimuth to the cut azimuth, by the azimuth of blocks; if the sensor
+/// scans a part of the turn only, from the beginning of that part to its end.
 class SweepAssembler {
  public:
   /// The options must be valid.
   explicit SweepAssembler(const SweepAssemblerOptions& options);
 
-  /// Takes a datagram of the data port. Whatever it holds: it is used, or counted with the reason.
-  /// `pull` must have said false since the last push.
+  /// Adds a datagram of the data port. It is used, or counted with the reason. `pull` must have
+  /// returned false since the last push.
   void push(const Datagram& datagram);
 
-  /// Decodes on into `sweep`. True: the sweep is complete, call again with an empty one. False: all
-  /// that can be decoded is in; hand the same sweep in again after the next push.
+  /// Decodes into `sweep`. True: the sweep is complete, call again with an empty one. False: all
+  /// available data is decoded; pass the same sweep again after the next push.
   bool pull(Sweep& sweep);
 
-  /// The stream has ended: `pull` until false gives what is left.
+  /// Ends the stream: `pull` until false returns the remaining data.
   void finish();
 
-  /// What became of every datagram.
+  /// Number of datagrams by outcome.
   const PacketCounters& counters() const { return counters_; }
 
-  /// Tells of datagrams that the kernel dropped before they came here.
+  /// Adds datagrams that the kernel dropped before they arrived here.
   void add_kernel_dropped(uint64_t datagrams) { counters_.kernel_dropped += datagrams; }
 
-  /// How the device's clock relates to the host's, as of the last packet.
+  /// State of the device's clock at the last packet.
   const ClockState& clock() const { return clock_.state(); }
 
-  /// The host's time of a device counter that lies within half an hour of the last packet's: for
-  /// position packets.
+  /// Host time of a device counter within half an hour of the last packet's: for position packets.
   Stamp to_host(uint32_t counter_us) const {
     return clock_.to_host(std::chrono::microseconds(counter_us));
   }
 
-  /// Where the calibration in use comes from.
+  /// Origin of the calibration in use.
   CalibrationSource calibration_source() const { return calibration_source_; }
 
-  /// The firing cycle in use: the model's, or as observed where firmware decides it.
+  /// Firing cycle in use: the model's, or the observed one if firmware determines it.
   Duration firing_cycle() const { return table_.cycle; }
 
  private:
-  /// A packet that has come.
+  /// A received packet.
   struct ReceivedPacket {
     std::array<uint8_t, kPacketSize> bytes{};
     Packet packet;
     int64_t device_ns = 0;  ///< of the counter, unwrapped
-    Stamp stamp;            ///< host's time of the counter
+    Stamp stamp;            ///< host time of the counter
     bool after_clock_jump = false;
   };
-  /// What is known of the last packet that was decoded.
+  /// Known data of the last decoded packet.
   struct LastDecoded {
     bool valid = false;
     int azimuth = 0;     ///< 0.01°, of its last sequence
     int step = 0;        ///< 0.01°, of its last sequence
-    int64_t end_ns = 0;  ///< device time when the sequence after its last would start
+    int64_t end_ns = 0;  ///< device time of the sequence after its last
   };
 
   bool accept(const Datagram& datagram);
@@ -136,7 +136,7 @@ class SweepAssembler {
   int64_t newest_device_ns_ = 0;  ///< of the newest packet, unwrapped
 
   std::array<ReceivedPacket, 2> received_;
-  ReceivedPacket* held_ = &received_[0];  ///< waits for what follows it; being decoded
+  ReceivedPacket* held_ = &received_[0];  ///< the packet being decoded; waits for the following one
   ReceivedPacket* following_ = &received_[1];
   bool has_held_ = false;
   bool has_following_ = false;
@@ -146,7 +146,7 @@ class SweepAssembler {
   FiringPlan plan_;
   std::array<bool, kBlocks> cut_before_{};
   size_t next_sequence_ = 0;
-  std::optional<int> gap_from_;  ///< 0.01°, where packets are missing before the held one
+  std::optional<int> gap_from_;  ///< 0.01°, set if packets are missing before the held one
   uint32_t lost_before_first_ = 0;
   LastDecoded last_decoded_;
 };

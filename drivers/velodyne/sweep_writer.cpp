@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 namespace infuse::velodyne {
 namespace {
 
 constexpr size_t kMaxGaps = 32;
 constexpr uint32_t kMaxColumns = 65'000;
-constexpr double kCentidegree = std::numbers::pi / 18000;  // rad
 
-/// The lidar frame's azimuth (rad, counter-clockwise, −π … π) of the sensor's (0.01°, clockwise).
+/// Converts the sensor's azimuth (0.01°, clockwise) to the lidar frame's (rad, counter-clockwise,
+/// −π … π).
 double lidar_azimuth(int azimuth) {
   const int turned = (azimuth % kCentidegreesPerTurn + kCentidegreesPerTurn) % kCentidegreesPerTurn;
   return -kCentidegree *

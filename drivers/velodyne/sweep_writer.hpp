@@ -11,14 +11,14 @@
 
 namespace infuse::velodyne {
 
-/// A packet that is being decoded, and when its counter was.
+/// A packet that is being decoded, and the time of its counter.
 struct TimedPacket {
   PacketBytes bytes;
   const Packet& packet;
   int64_t device_ns;  ///< of the counter, unwrapped
 };
 
-/// Fills one sweep. While it is open the sweep's arrays are longer than what is in them.
+/// Fills one sweep. While it is open the sweep's arrays are longer than their content.
 class SweepWriter {
  public:
   explicit SweepWriter(ReturnKernel kernel) : kernel_(kernel) {}
@@ -28,18 +28,18 @@ class SweepWriter {
   /// Begins an empty sweep whose first sequence starts at `device_ns` and `stamp`.
   void open(Sweep& sweep, uint16_t rings, int64_t device_ns, Stamp stamp);
 
-  /// Whether a sequence that starts at `device_ns` still belongs into a sweep of `max_span`.
+  /// True if a sequence that starts at `device_ns` still belongs to a sweep of `max_span`.
   bool accepts(int64_t device_ns, Duration max_span) const;
 
-  /// Adds sequences `first` … `last` − 1 of a plan. Without `interpolate` all returns of a sequence
-  /// have its azimuth.
+  /// Appends sequences `first` … `last` − 1 of a plan. Without `interpolate` all returns of a
+  /// sequence have its azimuth.
   void append(const BeamTable& table, const TimedPacket& timed, const FiringPlan& plan,
               size_t first, size_t last, bool interpolate);
 
-  /// States that nothing came between these azimuths (0.01°).
+  /// Adds a gap without data between these azimuths (0.01°).
   void add_gap(int from, int to);
 
-  /// Counts packets that are missing.
+  /// Counts missing packets.
   void add_lost_packets(uint32_t packets) { sweep_->lost_packets += packets; }
 
   /// Completes the sweep: sizes, span, and the gap to a whole turn.
@@ -50,7 +50,7 @@ class SweepWriter {
 
   ReturnKernel kernel_;
   Sweep* sweep_ = nullptr;
-  size_t size_ = 0;  ///< returns so far
+  size_t size_ = 0;  ///< number of returns so far
   int64_t first_device_ns_ = 0;
   int64_t last_firing_ns_ = 0;  ///< after the first
   int first_azimuth_ = 0;       ///< 0.01°

@@ -17,13 +17,13 @@ std::optional<in_addr> parse_ipv4(const std::string& text) {
 }  // namespace
 
 std::optional<std::string> UdpOptions::invalid() const {
-  if (!parse_ipv4(address)) return "'" + address + "' is no IPv4 address";
+  if (!parse_ipv4(address)) return "'" + address + "' is not an IPv4 address";
   const auto group = parse_ipv4(multicast);
   if (!multicast.empty() && !(group && IN_MULTICAST(ntohl(group->s_addr)))) {
-    return "'" + multicast + "' is no IPv4 multicast group";
+    return "'" + multicast + "' is not an IPv4 multicast group";
   }
-  if (interface.size() >= IF_NAMESIZE) return "'" + interface + "' is no name of an interface";
-  if (receive_buffer == 0) return "the receive buffer is empty";
+  if (interface.size() >= IF_NAMESIZE) return "'" + interface + "' is not an interface name";
+  if (receive_buffer == 0) return "the receive buffer size must not be 0";
   return std::nullopt;
 }
 
@@ -36,11 +36,11 @@ Result<UdpSource> UdpSource::open(const UdpOptions& options, const receive::Time
 
 Result<void> UdpSource::set_up() {
   socket_ = receive::FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!socket_) return receive::fail_errno("no socket can be made", name());
+  if (!socket_) return receive::fail_errno("cannot create a socket", name());
   const auto granted = receive::prepare_socket(socket_.get(), options_.receive_buffer, name());
   if (!granted) return tl::unexpected(granted.error());
   granted_ = *granted;
-  if (!options_.multicast.empty()) {  // several may listen to a group
+  if (!options_.multicast.empty()) {  // several processes may receive from a group
     const int on = 1;
     setsockopt(socket_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
   }
@@ -49,8 +49,8 @@ Result<void> UdpSource::set_up() {
   local.sin_port = htons(options_.port);
   local.sin_addr = *parse_ipv4(options_.address);
   if (bind(socket_.get(), reinterpret_cast<const sockaddr*>(&local), sizeof(local)) != 0) {
-    return receive::fail_errno("cannot be listened to", name(),
-                               errno == EADDRINUSE ? "another program has the port" : "");
+    return receive::fail_errno("cannot bind", name(),
+                               errno == EADDRINUSE ? "the port is in use by another program" : "");
   }
   socklen_t size = sizeof(local);
   getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&local), &size);
@@ -64,12 +64,12 @@ Result<void> UdpSource::join() {
   request.imr_multiaddr = *parse_ipv4(options_.multicast);
   if (!options_.interface.empty()) {
     request.imr_ifindex = static_cast<int>(if_nametoindex(options_.interface.c_str()));
-    if (request.imr_ifindex == 0) return fail("there is no such interface", options_.interface);
+    if (request.imr_ifindex == 0) return fail("no such interface", options_.interface);
   }
   if (setsockopt(socket_.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof(request)) != 0 &&
-      errno != EADDRINUSE) {  // which says that it is a member already
-    return receive::fail_errno("the group " + options_.multicast + " cannot be joined", name(),
-                               "name the lidar's interface");
+      errno != EADDRINUSE) {  // EADDRINUSE means that it is a member already
+    return receive::fail_errno("cannot join the group " + options_.multicast + "", name(),
+                               "set the lidar's interface");
   }
   return {};
 }

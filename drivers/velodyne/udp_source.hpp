@@ -11,33 +11,33 @@
 
 namespace infuse::velodyne {
 
-/// Where datagrams are listened for.
+/// Local address on which datagrams are received.
 struct UdpOptions {
-  std::string address;    ///< IPv4 address of this host; empty: any
-  uint16_t port = 2368;   ///< 0 takes a free one
+  std::string address;    ///< local IPv4 address; empty: any
+  uint16_t port = 2368;   ///< 0 selects a free one
   std::string multicast;  ///< IPv4 group to join; empty: none
-  std::string interface;  ///< that it is joined on; empty: the kernel chooses
+  std::string interface;  ///< interface on which the group is joined; empty: the kernel chooses
   /// Bytes; 100 ms of a VLS-128 with two returns are 1810 datagrams of 2304 bytes in the kernel.
   size_t receive_buffer = size_t{8} << 20;
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// A UDP port that lidars send to.
+/// A UDP port that receives lidar packets.
 class UdpSource {
  public:
-  /// Most bytes of a datagram; a longer one is cut, and so malformed.
+  /// Maximum bytes of a datagram; a longer one is truncated and therefore malformed.
   static constexpr size_t kMaxDatagramBytes = 2048;
 
-  /// Errors: the address is not this host's (yet), the port is in use, no such interface.
+  /// Opens the port. Errors: the address is not local (yet), the port is in use, no such interface.
   static Result<UdpSource> open(const UdpOptions& options, const receive::TimeBase& base);
 
-  /// Readable when something waits.
+  /// Readable when a datagram is pending.
   int descriptor() const { return socket_.get(); }
 
-  /// Takes what waits, at most `batch.capacity()` datagrams, and calls `on(const Datagram&)` for
-  /// each. How many they were: as many as the batch holds means that there may be more.
+  /// Reads pending datagrams, at most `batch.capacity()`, and calls `on(const Datagram&)` for each.
+  /// Returns their number; if it equals the capacity, more may be pending.
   template <class OnDatagram>
   Result<size_t> read(receive::MessageBatch& batch, OnDatagram on) {
     const int count = batch.receive(socket_.get(), stamps_);
@@ -47,18 +47,19 @@ class UdpSource {
     return static_cast<size_t>(count);
   }
 
-  /// Datagrams that the kernel has dropped at this socket, as far as is known: a drop is told with
-  /// the next datagram that fits.
+  /// Number of datagrams that the kernel has dropped at this socket, as far as known: a drop is
+  /// reported with the next datagram that fits.
   uint64_t dropped() const { return dropped_; }
 
   /// Bytes of receive buffer that were requested, and granted.
   size_t buffer_requested() const { return options_.receive_buffer; }
   size_t buffer_granted() const { return granted_; }
 
-  /// The port that is listened to.
+  /// The local port.
   uint16_t port() const { return options_.port; }
 
-  /// Joins the multicast group again: its interface may have been made anew. Nothing without one.
+  /// Joins the multicast group again, since its interface may have been recreated. Does nothing
+  /// without a group.
   void rejoin();
 
  private:

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/estimate_intrinsics.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "fusion/calibration/pose_score.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 using geometry::Vector6;
 
-constexpr double kMaxSameMaximumRotation = 0.3 * M_PI / 180;
+constexpr double kMaxSameMaximumRotation = 0.3 * kDegree;
 constexpr double kMaxSameMaximumTranslation = 0.04;
 constexpr double kMinBaselineHalfWidth =
     0.1;                                // rad: turned further, pictures of other places fit as well

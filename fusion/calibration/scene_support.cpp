@@ -2,10 +2,11 @@
 
 #include <cmath>
 
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::calibration {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 constexpr size_t kMaxPointsPerScene = 8'000;  // points a scene, on the whole
 constexpr size_t kMinPointsPerGroup = 2'000;  // points: with fewer the measure is mostly noise
 

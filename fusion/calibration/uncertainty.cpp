@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <numeric>
 
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::calibration {
 namespace {
 
@@ -16,7 +18,7 @@ using geometry::Vector6;
 // shape of the maximum, wider ones its flanks.
 constexpr double kMaxStep = 4e-3;  // rad, and as much of the points' range
 constexpr double kMinStep = 1e-3;  // the same
-constexpr double kMaxRotationSigma = 5 * M_PI / 180;
+constexpr double kMaxRotationSigma = 5 * kDegree;
 constexpr double kMaxTranslationSigma = 0.5;
 
 using SceneCurvature = std::vector<Eigen::Matrix<double, 10, 6>>;

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "fusion/dependence/lanes.hpp"
+
 namespace infuse::dependence {
 namespace {
 
@@ -53,14 +55,7 @@ void sum_baseline(const double* matrix, Index rows, std::span<const int> columns
 
 void sum_columns(const double* matrix, Index rows, std::span<const int> columns, double* out,
                  InstructionSet set) {
-  switch (set) {
-    case InstructionSet::kAvx512:
-      return sum_avx512(matrix, rows, columns, out);
-    case InstructionSet::kAvx2:
-      return sum_avx2(matrix, rows, columns, out);
-    case InstructionSet::kBaseline:
-      return sum_baseline(matrix, rows, columns, out);
-  }
+  select_variant(set, sum_baseline, sum_avx2, sum_avx512)(matrix, rows, columns, out);
 }
 
 }  // namespace infuse::dependence

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "fusion/dependence/instruction_set.hpp"
+#include "drivers/measurement/instruction_set.hpp"
 
 namespace infuse::dependence {
 

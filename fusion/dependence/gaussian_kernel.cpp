@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "fusion/dependence/lanes.hpp"
 #include "fusion/dependence/matrix_product.hpp"
 
 namespace infuse::dependence {
@@ -111,14 +112,8 @@ void gaussian_kernel(const Samples& samples, const Samples& centres, double sigm
 void gaussian_kernel(const Samples& samples, const Eigen::MatrixXd& centres, double sigma,
                      double* kernel, InstructionSet set) {
   const double factor = -0.5 / (sigma * sigma);
-  switch (set) {
-    case InstructionSet::kAvx512:
-      return kernel_avx512(samples, centres.data(), centres.rows(), factor, kernel);
-    case InstructionSet::kAvx2:
-      return kernel_avx2(samples, centres.data(), centres.rows(), factor, kernel);
-    case InstructionSet::kBaseline:
-      return kernel_baseline(samples, centres.data(), centres.rows(), factor, kernel);
-  }
+  select_variant(set, kernel_baseline, kernel_avx2, kernel_avx512)(samples, centres.data(),
+                                                                   centres.rows(), factor, kernel);
 }
 
 void gaussian_overlap(const Samples& centres, double sigma, Eigen::MatrixXd& overlap) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "fusion/dependence/lanes.hpp"
+
 namespace infuse::dependence {
 namespace {
 
@@ -168,14 +170,8 @@ void multiply_baseline(const MatrixView& a, const MatrixView& b, double* out, In
 
 void multiply_dispatched(const MatrixView& a, const MatrixView& b, double* out, Index out_stride,
                          bool lower_only, InstructionSet set) {
-  switch (set) {
-    case InstructionSet::kAvx512:
-      return multiply_avx512(a, b, out, out_stride, lower_only);
-    case InstructionSet::kAvx2:
-      return multiply_avx2(a, b, out, out_stride, lower_only);
-    case InstructionSet::kBaseline:
-      return multiply_baseline(a, b, out, out_stride, lower_only);
-  }
+  select_variant(set, multiply_baseline, multiply_avx2, multiply_avx512)(a, b, out, out_stride,
+                                                                         lower_only);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "fusion/dependence/instruction_set.hpp"
+#include "drivers/measurement/instruction_set.hpp"
 
 namespace infuse::dependence {
 

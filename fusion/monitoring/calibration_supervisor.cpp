@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <utility>
 
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::monitoring {
 namespace {
-
-constexpr double kDegrees = 180 / M_PI;
 
 template <class... Values>
 std::string format_text(const char* format, Values... values) {
@@ -27,7 +27,7 @@ std::string describe_drift(const MonitorReport& report) {
   }
   const auto k = static_cast<Eigen::Index>(report.axis);
   const std::string moved =
-      k < 3 ? format_text("%s, %.2f degrees", to_string(report.axis), report.offset(k) * kDegrees)
+      k < 3 ? format_text("%s, %.2f degrees", to_string(report.axis), report.offset(k) / kDegree)
             : format_text("%s, %.1f cm", to_string(report.axis), 100 * report.offset(k));
   return moved + (report.delay_ambiguous_axis == report.axis
                       ? " (or late stamps: not to be told apart as it drove)"

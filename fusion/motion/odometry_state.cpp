@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::motion {
 namespace {
 
@@ -15,8 +17,6 @@ constexpr double kUnknownAngularVelocitySigma = 1.5;  // rad/s: rotation unknown
 constexpr double kRecentTimeConstant = 0.3;  // s of motion that a sample corrects at standstill
 
 double square(double x) { return x * x; }
-
-double wrap_angle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 }  // namespace
 

@@ -2,13 +2,12 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::streetmap {
 
 /// An angle within −π … π.
-inline double wrap_angle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
-
 /// A pose in the plane: where the vehicle stands and where it looks, I 3.2.
 struct PlanarPose {
   double x = 0;    ///< m

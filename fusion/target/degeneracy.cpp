@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::target {
 namespace {
 
@@ -54,7 +56,7 @@ std::string describe_uncertain_axis(const geometry::Matrix6& covariance, double 
     if (sigma <= (k < 3 ? rotation : translation)) continue;
     std::array<char, 128> text{};
     std::snprintf(text.data(), text.size(), "%s is only known to %.2g %s; add more views",
-                  kAxes[static_cast<size_t>(k)], k < 3 ? sigma * 180 / M_PI : sigma,
+                  kAxes[static_cast<size_t>(k)], k < 3 ? sigma / kDegree : sigma,
                   k < 3 ? "degrees" : "m");
     return text.data();
   }

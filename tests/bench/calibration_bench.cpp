@@ -23,6 +23,7 @@
 #include <random>
 
 #include "daemon/commands/calibration_run.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 #include "tests/bench/rendered_drive.hpp"
@@ -32,8 +33,6 @@ namespace {
 
 using geometry::Matrix6;
 using geometry::Vector6;
-
-constexpr double kDegree = M_PI / 180;
 
 /// Pairs of a drive and one of its cameras; read once.
 const ScenePairs& load_pairs(const std::filesystem::path& drive, const std::string& camera,

@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 
+#include "drivers/measurement/angles.hpp"
 #include "tests/bench/levinson_thrun.hpp"
 #include "tests/bench/null_tail.hpp"
 #include "tests/bench/online_loop.hpp"
@@ -272,10 +273,10 @@ void recalibrate(benchmark::State& state, size_t faults) {
                  "%s seed %zu: %s, alarm after %.1f s, in use %.1f s later; %.3f %.3f %.3f deg, "
                  "%.1f %.1f %.1f cm, normalised %.2f\n",
                  name.c_str(), seed, recovery.applied ? "applied" : "not applied",
-                 recovery.alarm_delay, recovery.apply_delay, e(0) * 180 / M_PI, e(1) * 180 / M_PI,
-                 e(2) * 180 / M_PI, 100 * e(3), 100 * e(4), 100 * e(5), recovery.normalised_error);
+                 recovery.alarm_delay, recovery.apply_delay, e(0) / kDegree, e(1) / kDegree,
+                 e(2) / kDegree, 100 * e(3), 100 * e(4), 100 * e(5), recovery.normalised_error);
     if (!recovery.applied) return;
-    degrees.push_back(e.head<3>().norm() * 180 / M_PI);
+    degrees.push_back(e.head<3>().norm() / kDegree);
     across.push_back(e.segment<2>(3).norm());
     along.push_back(std::abs(e(5)));
     normalised.push_back(recovery.normalised_error);
@@ -328,7 +329,7 @@ void kitti_stream(benchmark::State& state) {
     for (const double size : {0.5, -0.5, 1.0, -1.0, 2.0, -2.0}) {
       for (int axis = 0; axis < 3; ++axis) {
         const Eigen::Isometry3d wrong =
-            geometry::exp(size * M_PI / 180 * Vector6::Unit(axis)) * stream.T_camera_lidar;
+            geometry::exp(size * kDegree * Vector6::Unit(axis)) * stream.T_camera_lidar;
         monitoring::CalibrationMonitor monitor(stream.camera, wrong, {});
         const Drift drift = monitoring::kitti::drive(monitor, stream, 4).drift;
         detected += drift == Drift::kSuspected || drift == Drift::kConfirmed ? 1 : 0;
@@ -336,12 +337,12 @@ void kitti_stream(benchmark::State& state) {
         const monitoring::Reestimate found = monitoring::kitti::estimate(stream, wrong);
         const Vector6 error = geometry::log(found.T_camera_lidar * stream.T_camera_lidar.inverse());
         std::fprintf(stderr, "%+.1f degrees about axis %d: %.3f deg, %.1f cm %s\n", size, axis,
-                     error.head<3>().norm() * 180 / M_PI, 100 * error.tail<3>().norm(),
+                     error.head<3>().norm() / kDegree, 100 * error.tail<3>().norm(),
                      found.reason.c_str());
         ++all;
         if (!found.usable()) continue;
         ++usable;
-        degrees.push_back(error.head<3>().norm() * 180 / M_PI);
+        degrees.push_back(error.head<3>().norm() / kDegree);
         metres.push_back(error.tail<3>().norm());
       }
     }

@@ -3,6 +3,7 @@
 #include <ctime>
 #include <random>
 
+#include "drivers/measurement/angles.hpp"
 #include "fusion/monitoring/calibration_supervisor.hpp"
 #include "tests/bench/online_drive.hpp"
 
@@ -102,7 +103,7 @@ inline DriftAngles detect_slow_drift(const std::vector<const Drive*>& drives, in
       grey = pair.grey;
       grey.stamp = drives.front()->pairs.front().grey.stamp + before + last;
       const double degrees = degrees_per_minute * to_seconds(before + last) / 60;
-      monitor.inject_miscalibration(geometry::exp(degrees * M_PI / 180 * Vector6::Unit(axis)) *
+      monitor.inject_miscalibration(geometry::exp(degrees * kDegree * Vector6::Unit(axis)) *
                                     drive->T_camera_lidar);
       const auto report = monitor.process(grey, monitoring::make_sweep_view(pair.sweep),
                                           {pair.angular_rate, pair.velocity});

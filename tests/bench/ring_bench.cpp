@@ -1,6 +1,6 @@
-// Operations per second of the ring buffers against common alternatives. An operation hands one
-// record (or object) from the producer to one reader. `ring/record` and `ring/slot` also keep a
-// history for lookup by time and serve any number of readers, which the baselines do not.
+// Operations per second of the slot ring and of alternatives. An operation is one object passed
+// from the producer to one reader. `ring/slot` also serves any number of readers, which the
+// baselines do not.
 
 #include <benchmark/benchmark.h>
 
@@ -12,25 +12,16 @@
 #include <semaphore>
 #include <thread>
 
-#include "drivers/measurement/record_ring.hpp"
 #include "drivers/measurement/slot_ring.hpp"
-#include "drivers/measurement/vehicle_samples.hpp"
 
 namespace infuse {
 namespace {
 
 constexpr size_t kCapacity = 1024;
 constexpr size_t kSlots = 8;
-constexpr int kRecordBatch = 512;  ///< records written before they are read; below every capacity
 constexpr int kSlotBatch = 4;
 
-ImuSample make_sample(int64_t i) {
-  ImuSample make_sample;
-  make_sample.stamp = Stamp::from_ns(i);
-  return make_sample;
-}
-
-/// Stands for a sweep; filling it is not measured.
+/// What stands for a sweep: filling it is not what is measured.
 struct Object {
   Stamp stamp;
   std::array<char, 4096> body{};
@@ -84,41 +75,6 @@ void run_alternating(benchmark::State& state, int batch, Push push, Pop pop) {
   }
   if (read != stamp) state.SkipWithError("entries were lost");
   state.SetItemsProcessed(read);
-}
-
-void record(benchmark::State& state) {
-  RecordRing<ImuSample> ring(kCapacity);
-  auto reader = ring.make_reader();
-  run_alternating(
-      state, kRecordBatch, [&](int64_t i) { ring.push(make_sample(i)); },
-      [&] {
-        const auto found = reader.next();
-        benchmark::DoNotOptimize(found);
-        return found.has_value();
-      });
-}
-
-void record_spsc_queue(benchmark::State& state) {
-  boost::lockfree::spsc_queue<ImuSample, boost::lockfree::capacity<kCapacity>> queue;
-  run_alternating(
-      state, kRecordBatch, [&](int64_t i) { queue.push(make_sample(i)); },
-      [&] {
-        ImuSample found;
-        const bool any = queue.pop(found);
-        benchmark::DoNotOptimize(found);
-        return any;
-      });
-}
-
-void record_mutex_deque(benchmark::State& state) {
-  MutexDeque<ImuSample> queue;
-  run_alternating(
-      state, kRecordBatch, [&](int64_t i) { queue.push(make_sample(i)); },
-      [&] {
-        const auto found = queue.pop();
-        benchmark::DoNotOptimize(found);
-        return found.has_value();
-      });
 }
 
 void slot(benchmark::State& state) {
@@ -177,9 +133,6 @@ void slot_mutex_deque(benchmark::State& state) {
       [](Queue& queue) { return queue.pop().value_or(nullptr); });
 }
 
-BENCHMARK(record)->Name("ring/record");
-BENCHMARK(record_spsc_queue)->Name("ring/record/baseline:boost_spsc_queue");
-BENCHMARK(record_mutex_deque)->Name("ring/record/baseline:mutex_deque");
 BENCHMARK(slot)->Name("ring/slot");
 BENCHMARK(slot_spsc_queue)->Name("ring/slot/baseline:boost_spsc_queue");
 BENCHMARK(slot_mutex_deque)->Name("ring/slot/baseline:mutex_deque");

@@ -10,6 +10,7 @@
 #include <map>
 #include <random>
 
+#include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "tests/fusion/calibration/painted_world.hpp"
@@ -18,8 +19,6 @@ namespace infuse::calibration {
 namespace {
 
 using geometry::Vector6;
-
-constexpr double kDegree = M_PI / 180;
 
 struct SensorPair {
   const char* name;

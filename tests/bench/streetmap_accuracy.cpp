@@ -6,16 +6,14 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
-#include <numbers>
 
+#include "drivers/measurement/angles.hpp"
 #include "fusion/streetmap/single_image_pose.hpp"
 #include "tests/bench/section_file.hpp"
 #include "tests/bench/streetmap_runs.hpp"
 
 namespace infuse::streetmap::bench {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 template <class... Values>
 std::string format_text(const char* format, Values... values) {

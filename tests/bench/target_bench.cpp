@@ -7,13 +7,13 @@
 
 #include <cmath>
 
+#include "drivers/measurement/angles.hpp"
 #include "fusion/target/solve_target.hpp"
 #include "tests/fusion/target/synthetic_views.hpp"
 
 namespace infuse::target {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kRangeNoise = 0.02;  // m
 
 void solve(benchmark::State& state, int views, const Board& board) {

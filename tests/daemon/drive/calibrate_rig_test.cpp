@@ -6,13 +6,12 @@
 #include <algorithm>
 
 #include "daemon/commands/calibration_run.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 #include "tests/daemon/drive/simulated.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 void make_drive(const std::filesystem::path& folder) {
   const std::string camera =

@@ -3,8 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include <numbers>
-
+#include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "tests/daemon/drive/calibration_drive.hpp"
@@ -17,7 +16,7 @@ void turn_camera(const std::filesystem::path& folder, double degrees) {
   auto drive = recording::Drive::open(folder);
   ASSERT_TRUE(drive);
   Eigen::Isometry3d& T = drive->description.rig.cameras[0].T_camera_lidar;
-  T.linear() = geometry::rotation_exp({0, degrees * std::numbers::pi / 180, 0}) * T.linear();
+  T.linear() = geometry::rotation_exp({0, degrees * kDegree, 0}) * T.linear();
   ASSERT_TRUE(recording::write_drive_toml(folder, drive->description));
 }
 
@@ -48,10 +47,10 @@ TEST(CalibrationDrive, ATurnedCameraIsDetectedAndAGoodOneIsNotChanged) {
   for (int i = 0; i < 9; ++i) {
     R(i / 3, i % 3) = history.last_report["T_camera_lidar"][static_cast<size_t>(i / 3 * 4 + i % 3)];
   }
-  const Eigen::Matrix3d R_true = geometry::rotation_exp({0, -1.0 * std::numbers::pi / 180, 0}) *
+  const Eigen::Matrix3d R_true = geometry::rotation_exp({0, -1.0 * kDegree, 0}) *
                                  truth->description.rig.cameras[0].T_camera_lidar.linear();
   const double rotation_error = geometry::rotation_log(R * R_true.transpose()).norm();
-  EXPECT_LT(rotation_error, 0.5 * std::numbers::pi / 180);
+  EXPECT_LT(rotation_error, 0.5 * kDegree);
   options.rate = 200;
   EXPECT_EQ(run_replay(folder / "drive", options)->reports, turned->reports);
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/commands/calibration_run.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 #include "tests/daemon/drive/simulated.hpp"
 
@@ -54,7 +55,7 @@ ScenePairs simulated_pairs() {
 CalibrationRun calibrate_perturbed(const ScenePairs& pairs,
                                    const calibration::NamedMeasure& measure) {
   std::mt19937_64 random(1);
-  const Eigen::Isometry3d initial_pose = perturb(*pairs.truth, 0.5 * M_PI / 180, 0.03, random);
+  const Eigen::Isometry3d initial_pose = perturb(*pairs.truth, 0.5 * kDegree, 0.03, random);
   return *run_calibration(pairs, measure, initial_pose, {});
 }
 
@@ -68,14 +69,14 @@ TEST(SideCamera, DepthEdgesConverge) {
   const ScenePairs pairs = simulated_pairs();
   const auto edges =
       error_of(calibrate_perturbed(pairs, *calibration::find_measure("edges")), pairs);
-  EXPECT_LT(edges.rotation, 0.2 * M_PI / 180);
+  EXPECT_LT(edges.rotation, 0.2 * kDegree);
   EXPECT_LT(edges.translation, 0.08);
 
   // A measure that is only compared is not called usable, however sure of itself.
   calibration::NamedMeasure joint = *calibration::find_measure("joint");
   joint.comparison_only = true;
   const CalibrationRun both = calibrate_perturbed(pairs, joint);
-  EXPECT_LT(error_of(both, pairs).rotation, 0.15 * M_PI / 180);
+  EXPECT_LT(error_of(both, pairs).rotation, 0.15 * kDegree);
   EXPECT_LT(error_of(both, pairs).translation, 0.03);
   EXPECT_THAT(both.result.reason, testing::HasSubstr("there to be compared"));
 }

@@ -1,10 +1,10 @@
 #include "daemon/streetmap/street_map_file.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <sstream>
 
 #include "daemon/streetmap/street_plan_from_osm.hpp"
@@ -127,7 +127,7 @@ TEST_F(StreetMapFileTest, IsOpenedAsItWasMade) {
   const StreetMapFile moved = std::move(*opened);  // the map stays valid
   const auto& frame = moved.map.frame();
   const recording::LocalFrame local(frame.latitude, frame.longitude);
-  const auto middle = local.to_local(50 * std::numbers::pi / 180, 8.0006 * std::numbers::pi / 180);
+  const auto middle = local.to_local(50 * kDegree, 8.0006 * kDegree);
   const auto segment = moved.map.segment(moved.map.id_at(middle.x(), middle.y()));
   EXPECT_EQ(segment.kind, SegmentKind::kCarriageway);
   EXPECT_EQ(segment.osm_id, 4711);
@@ -195,8 +195,7 @@ RoadCoverage measure_road_coverage(const std::filesystem::path& osm,
     std::istringstream words(line);
     double latitude = 0, longitude = 0;
     words >> latitude >> longitude;
-    const Eigen::Vector3d p =
-        frame.to_local(latitude * std::numbers::pi / 180, longitude * std::numbers::pi / 180);
+    const Eigen::Vector3d p = frame.to_local(latitude * kDegree, longitude * kDegree);
     if (driven(p.x(), p.y())) {
       ++on;
       continue;

@@ -34,7 +34,7 @@ Bytes make_png(unsigned width, unsigned height, png_uint_32 format, Bytes& sampl
   return file;
 }
 
-TEST(DecodeImage, PngGreyAndColourComeBackExactly) {
+TEST(DecodeImage, DecodesGreyAndColourPngExactly) {
   CameraFrame frame;
   Bytes samples;
   Bytes file = make_png(31, 17, PNG_FORMAT_GRAY, samples);
@@ -50,7 +50,7 @@ TEST(DecodeImage, PngGreyAndColourComeBackExactly) {
   EXPECT_EQ(frame.pixels, samples);
 }
 
-TEST(DecodeImage, BayerMosaicIsTakenAsItLiesAndColourRefused) {
+TEST(DecodeImage, ReadsABayerMosaicUnchangedAndRefusesColour) {
   CameraFrame frame;
   Bytes samples;
   const ImageOptions options{.bayer = PixelFormat::kBayerGrbg8};
@@ -62,7 +62,7 @@ TEST(DecodeImage, BayerMosaicIsTakenAsItLiesAndColourRefused) {
   EXPECT_NE(refused.error().what.find("Bayer"), std::string::npos);
 }
 
-TEST(DecodeImage, JpegWithinItsLossInColourAndGrey) {
+TEST(DecodeImage, DecodesJpegWithinItsLossInColourAndGrey) {
   CameraFrame frame;
   const Bytes file = make_jpeg(100, 60, TJSAMP_444);
   ASSERT_TRUE(decode_image(file, {}, frame));
@@ -80,7 +80,7 @@ TEST(DecodeImage, JpegWithinItsLossInColourAndGrey) {
   EXPECT_NEAR(frame.pixels[30 * 100 + 50], 0.114 * 100 + 0.587 * 60 + 0.299 * 90, 4);
 }
 
-TEST(DecodeImage, ADamagedFileLeavesTheNextOnesReadable) {
+TEST(DecodeImage, DecodesIntactFilesAfterADamagedOne) {
   CameraFrame frame;
   const Bytes file = make_jpeg(100, 60, TJSAMP_444);
   const Bytes cut(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(file.size() * 3 / 4));
@@ -90,7 +90,7 @@ TEST(DecodeImage, ADamagedFileLeavesTheNextOnesReadable) {
   }
 }
 
-TEST(DecodeImage, AStreamOfOneSizeKeepsItsMemory) {
+TEST(DecodeImage, ReusesMemoryForAStreamOfOneSize) {
   CameraFrame frame;
   Bytes samples;
   const Bytes file = make_png(64, 64, PNG_FORMAT_GRAY, samples);
@@ -100,7 +100,7 @@ TEST(DecodeImage, AStreamOfOneSizeKeepsItsMemory) {
   EXPECT_EQ(frame.pixels.data(), memory);
 }
 
-TEST(DecodeImage, SaysWhatIsWrong) {
+TEST(DecodeImage, ErrorsNameTheirCause) {
   CameraFrame frame;
   EXPECT_FALSE(decode_image(Bytes{}, {}, frame));
   EXPECT_EQ(decode_image(Bytes{'G', 'I', 'F', '8'}, {}, frame).error().what,
@@ -109,24 +109,24 @@ TEST(DecodeImage, SaysWhatIsWrong) {
   const auto large =
       decode_image(make_png(100, 100, PNG_FORMAT_GRAY, samples), {.max_pixels = 9999}, frame);
   ASSERT_FALSE(large);
-  EXPECT_EQ(large.error().what, "the picture is 100 x 100 pixels");
+  EXPECT_EQ(large.error().what, "the image has 100 x 100 pixels");
   EXPECT_TRUE(ImageOptions{.max_pixels = 0}.invalid());
   EXPECT_TRUE(ImageOptions{.bayer = PixelFormat::kBgr8}.invalid());
 }
 
-TEST(DecodeImage, FilesCutOffAnywhereAreErrors) {
+TEST(DecodeImage, ReportsTruncatedFilesAsErrors) {
   CameraFrame frame;
   Bytes samples;
   for (const Bytes& file :
        {make_png(9, 9, PNG_FORMAT_BGR, samples), make_jpeg(16, 16, TJSAMP_420)}) {
-    // The last bytes of a PNG (its IEND chunk) and of a JPEG (its EOI marker) hold no pixels.
+    // The last bytes of a PNG (its IEND chunk) and of a JPEG (its EOI marker) contain no pixels.
     for (size_t length = 0; length + 16 < file.size(); ++length) {
       EXPECT_FALSE(decode_image(std::span(file).first(length), {}, frame)) << length;
     }
   }
 }
 
-TEST(DecodeImage, MutatedFilesNeverDoMoreThanFail) {
+TEST(DecodeImage, ReportsMutatedFilesAsErrorsAtMost) {
   CameraFrame frame;
   Bytes samples;
   std::mt19937 random(11);
@@ -142,7 +142,7 @@ TEST(DecodeImage, MutatedFilesNeverDoMoreThanFail) {
   EXPECT_GT(failed, 2000);
 }
 
-TEST(DecodeImage, RealKittiPicture) {
+TEST(DecodeImage, DecodesARealKittiImage) {
   INFUSE_REAL_DATA_OR_SKIP(path, "calibration/kitti/image_2/000001.png");
   std::ifstream in(path, std::ios::binary);
   const Bytes file((std::istreambuf_iterator<char>(in)), {});

@@ -8,7 +8,7 @@
 
 namespace infuse::camera::testing {
 
-/// A JPEG file of a smooth picture: B rises to the right, G downwards, R is constant.
+/// A JPEG file of a smooth image: B rises to the right, G downwards, R is constant.
 inline std::vector<uint8_t> make_jpeg(int width, int height, int subsampling) {
   std::vector<uint8_t> bgr;
   for (int r = 0; r < height; ++r) {

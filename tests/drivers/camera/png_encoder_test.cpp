@@ -7,7 +7,7 @@
 namespace infuse::camera {
 namespace {
 
-TEST(PngEncoder, IsReadBackExactly) {
+TEST(PngEncoder, DecodesBackExactly) {
   for (const PixelFormat format : {PixelFormat::kGrey8, PixelFormat::kBgr8}) {
     CameraFrame frame;
     frame.width = 37;
@@ -26,7 +26,7 @@ TEST(PngEncoder, IsReadBackExactly) {
   }
 }
 
-TEST(PngEncoder, RefusesWhatItCannotWrite) {
+TEST(PngEncoder, RefusesUnsupportedImages) {
   CameraFrame frame;
   EXPECT_FALSE(encode_png(frame));
   frame.width = frame.height = 4;

@@ -11,7 +11,7 @@
 namespace infuse::camera {
 namespace {
 
-/// BT.601, limited range, in real numbers: the definition.
+/// Definition of BT.601, limited range, in real numbers.
 std::array<double, 3> expected_bgr(double y, double u, double v) {
   const double luma = 255.0 / 219.0 * (y - 16);
   const double blue = 255.0 / 224.0 * (u - 128), red = 255.0 / 224.0 * (v - 128);
@@ -64,7 +64,7 @@ TEST(RawImage, AnOddWidthUsesHalfOfTheLastPair) {
   EXPECT_EQ(frame.pixels, (std::vector<uint8_t>{10, 20, 30}));
 }
 
-TEST(RawImage, RgbBecomesBgrAndPaddingIsLeftOut) {
+TEST(RawImage, RgbBecomesBgrWithoutPadding) {
   const std::vector<uint8_t> rgb = {1, 2, 3, 4, 5, 6, 0, 0, 7, 8, 9, 10, 11, 12};
   CameraFrame frame;
   ASSERT_TRUE(unpack(make_raw_image(RawFormat::kRgb24, 2, 2, 8, rgb), true, frame));
@@ -74,7 +74,7 @@ TEST(RawImage, RgbBecomesBgrAndPaddingIsLeftOut) {
   EXPECT_EQ(frame.pixels, (std::vector<uint8_t>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}));
 }
 
-TEST(RawImage, BayerAndGreyStay) {
+TEST(RawImage, BayerAndGreyAreUnchanged) {
   const std::vector<uint8_t> bytes = {1, 2, 3, 4};
   const std::pair<RawFormat, PixelFormat> formats[] = {
       {RawFormat::kGrey, PixelFormat::kGrey8},
@@ -92,7 +92,7 @@ TEST(RawImage, BayerAndGreyStay) {
   EXPECT_FALSE(find_raw_format("H264"));
 }
 
-TEST(RawImage, WhatIsCutShortIsRefused) {
+TEST(RawImage, RefusesTruncatedImages) {
   CameraFrame frame;
   const std::vector<uint8_t> bytes(11);
   EXPECT_FALSE(unpack(make_raw_image(RawFormat::kRgb24, 2, 2, 6, bytes), true, frame));

@@ -16,20 +16,20 @@
 
 namespace infuse::camera::testing {
 
-/// A picture that a scripted device delivers.
+/// An image that a scripted device delivers.
 struct ScriptedImage {
   std::vector<uint8_t> bytes;
   uint32_t sequence = 0;
   uint32_t flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
   int64_t monotonic_us = 0;
-  uint32_t bytes_used = 0;          ///< said to be; 0: as many as there are
-  uint32_t buffer = kActualBuffer;  ///< said to lie in; kActualBuffer: where it does
+  uint32_t bytes_used = 0;          ///< reported size; 0: the actual size
+  uint32_t buffer = kActualBuffer;  ///< reported buffer; kActualBuffer: the actual one
 
   static constexpr uint32_t kActualBuffer = 99;
 };
 
-/// A Video4Linux2 device without a driver: the test program's own `ioctl` asks it. A plain file
-/// stands for the device, its contents for the buffers.
+/// A Video4Linux2 device without a driver: the test program's own `ioctl` calls it. A plain file
+/// represents the device, its contents the buffers.
 class ScriptedDevice {
  public:
   static constexpr uint32_t kBufferBytes = 64 << 10;  // a multiple of a page
@@ -45,22 +45,22 @@ class ScriptedDevice {
   ScriptedDevice(const ScriptedDevice&) = delete;
   ScriptedDevice& operator=(const ScriptedDevice&) = delete;
 
-  /// To be opened.
+  /// Path to open.
   const std::string& path() const { return path_; }
 
-  // What it can and has.
+  // Supported formats, settings and content.
   std::vector<uint32_t> formats = {V4L2_PIX_FMT_MJPEG};
   uint32_t width = 64;                   ///< pixels, whatever is requested
-  uint32_t height = 48;                  ///< the same
+  uint32_t height = 48;                  ///< pixels, whatever is requested
   std::map<uint32_t, int32_t> controls;  ///< by identifier; others are refused
   std::deque<ScriptedImage> images;      ///< to be delivered
   bool unplugged = false;
 
-  // What became of it.
+  // Observed calls.
   bool streaming = false;
-  int requeued = 0;  ///< buffers, those of the beginning included
+  int requeued = 0;  ///< number of buffers queued, the initial ones included
 
-  /// Whether the descriptor is of this device.
+  /// True if the descriptor belongs to this device.
   bool matches(int descriptor) const {
     struct stat mine {
     }, other{};
@@ -68,7 +68,7 @@ class ScriptedDevice {
            mine.st_ino == other.st_ino && mine.st_dev == other.st_dev;
   }
 
-  /// As a driver does: 0, or −1 and errno.
+  /// Handles an ioctl like a driver: 0, or −1 and errno.
   int handle_ioctl(unsigned long request, void* argument) {
     if (unplugged) return fail_with(ENODEV);
     switch (request) {

@@ -1,4 +1,4 @@
-// The camera's side of Video4Linux2 is scripted here: formats and controls that vivid, the virtual
+// The device side of Video4Linux2 is scripted here: formats and controls that vivid, the virtual
 // camera of ./dev vm, does not have.
 
 #include "drivers/camera/v4l2_source.hpp"
@@ -18,7 +18,8 @@ infuse::camera::testing::ScriptedDevice* scripted = nullptr;
 
 }  // namespace
 
-/// In place of the system's in this program: a scripted device is asked, the kernel of all else.
+/// Replaces the system's ioctl in this program: calls for a scripted device go to it, all others to
+/// the kernel.
 extern "C" int ioctl(int descriptor, unsigned long request, ...) noexcept {
   va_list arguments;
   va_start(arguments, request);
@@ -48,7 +49,7 @@ class ScriptedCamera : public ::testing::Test {
     return *std::move(source);
   }
 
-  /// All that waits, without its bytes.
+  /// All pending images, without their bytes.
   std::vector<StreamedImage> read_all(V4l2Source& source) {
     std::vector<StreamedImage> images;
     while (true) {
@@ -158,7 +159,7 @@ TEST_F(ScriptedCamera, GapsAreCountedAndDamagedImagesAreDropped) {
   EXPECT_EQ(images[2].sequence, 9U);
   EXPECT_EQ(source.counters().lost, 2U);
   EXPECT_EQ(source.counters().damaged, 1U);
-  EXPECT_EQ(device_.requeued, requeued_before + 4);  // the damaged one's too
+  EXPECT_EQ(device_.requeued, requeued_before + 4);  // including the buffer of the damaged image
 }
 
 TEST_F(ScriptedCamera, UnpluggingIsAnError) {
@@ -195,7 +196,7 @@ TEST_F(ScriptedCamera, UnsupportedSettingsAreErrors) {
   EXPECT_FALSE(device_.streaming);
 }
 
-TEST_F(ScriptedCamera, TheStreamEndsWithTheSource) {
+TEST_F(ScriptedCamera, StreamingStopsWithTheSource) {
   {
     const V4l2Source source = open();
     EXPECT_TRUE(device_.streaming);

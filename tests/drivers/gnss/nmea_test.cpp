@@ -1,17 +1,15 @@
 #include "drivers/gnss/nmea.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "fixtures/velodyne/position_encoder.hpp"
 
 namespace infuse::velodyne {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // As an HDL-32E of 2012 and a VLP-16 of 2016 sent them.
 TEST(Nmea, SentencesOfRealReceiversAreRead) {

@@ -19,8 +19,8 @@ using namespace std::chrono_literals;
 constexpr Stamp kStart = Stamp::from_ns(1'795'219'080'000'000'000);
 constexpr Duration kHour = 1h;
 
-/// A device with a clock of its own, whose truth is known. The least transport delay is 0, so that
-/// the truth can be reached.
+/// A simulated device with a known clock. The minimum transport delay is 0, so that the truth can
+/// be reached.
 struct Device {
   double skew_ppm = 0;          ///< positive: runs fast
   Duration period = 553us;      ///< of its messages, true time
@@ -49,7 +49,7 @@ struct Device {
   }
 };
 
-/// Runs the model and gives the largest error of the stamps once it is trusted.
+/// Runs the model and returns the largest error of the stamps once the clock is trusted.
 Duration max_error(ClockModel& model, Device& device, Duration span) {
   Duration worst{0};
   const Stamp end = device.now + span;
@@ -65,8 +65,8 @@ Duration max_error(ClockModel& model, Device& device, Duration span) {
 
 class ClockModelSkew : public testing::TestWithParam<double> {};
 
-TEST_P(ClockModelSkew, IsFoundAndStampsAreExactWithinMicroseconds) {
-  // Two minutes before to two minutes after the hour: the counter wraps on the way.
+TEST_P(ClockModelSkew, IsEstimatedAndStampsAreAccurateToMicroseconds) {
+  // Two minutes before to two minutes after the hour: the counter wraps in between.
   Device device{.skew_ppm = GetParam()};
   ClockModel model{{}};
   EXPECT_LT(max_error(model, device, 4min), 2us);
@@ -76,7 +76,7 @@ TEST_P(ClockModelSkew, IsFoundAndStampsAreExactWithinMicroseconds) {
   EXPECT_EQ(model.state().jumps, 0);
   EXPECT_NEAR(model.state().skew_ppm, GetParam(), 0.05);
   EXPECT_NEAR(to_seconds(model.state().jitter), 200e-6, 10e-6);
-  // Host less device is minus what the device has gained.
+  // Host time minus device time is minus the time that the device has gained.
   const double gained_s = 240 * GetParam() * 1e-6;
   EXPECT_NEAR(to_seconds(model.state().offset), -gained_s, 2e-6);
 }
@@ -84,26 +84,26 @@ TEST_P(ClockModelSkew, IsFoundAndStampsAreExactWithinMicroseconds) {
 INSTANTIATE_TEST_SUITE_P(PartsPerMillion, ClockModelSkew,
                          testing::Values(-100.0, -20.0, 0.0, 3.0, 100.0));
 
-TEST(ClockModel, ASlowStreamWithLargeDelaysIsExactWithinAFractionOfTheDelay) {
+TEST(ClockModel, SlowStreamWithLargeDelaysIsAccurateToAFractionOfTheDelay) {
   // A camera: 10 Hz, 2 ms mean delay.
   Device device{.skew_ppm = 40, .period = 100ms, .mean_delay = 2ms, .modulo = 0ns};
   ClockModelOptions options;
   options.modulo = 0ns;
   ClockModel model(options);
-  EXPECT_LT(max_error(model, device, 30min), 1500us);  // the first minute included
+  EXPECT_LT(max_error(model, device, 30min), 1500us);  // including the first minute
   EXPECT_LT(max_error(model, device, 30min), 400us);
   EXPECT_NEAR(model.state().skew_ppm, 40, 10);
   EXPECT_EQ(model.state().source, ClockState::Source::kPowerUp);
   EXPECT_EQ(model.state().jumps, 0);
 }
 
-TEST(ClockModel, ACounterFromPowerUpIsRecognisedAndFollowed) {
+TEST(ClockModel, DetectsAndMapsACounterFromPowerUp) {
   for (const Duration phase : std::vector<Duration>{-1430s, 1531s, 1800s, -2s, 3599s}) {
     Device device{.skew_ppm = -30, .phase = kHour + phase};
     ClockModel model{{}};
     EXPECT_LT(max_error(model, device, 3min), 2us);
     EXPECT_TRUE(model.state().trusted);
-    // 3599 s after the hour is 1 s before it.
+    // 3599 s after the hour is 1 s before the next.
     EXPECT_EQ(model.state().source, ClockState::Source::kPowerUp);
     EXPECT_EQ(model.state().jumps, 0);
     const Duration in_hour = model.state().offset + phase;
@@ -111,14 +111,14 @@ TEST(ClockModel, ACounterFromPowerUpIsRecognisedAndFollowed) {
   }
 }
 
-TEST(ClockModel, AHostClockHalfASecondOffIsStillTheHour) {
+TEST(ClockModel, ToleratesAHostClockHalfASecondOff) {
   Device device{.phase = 400ms};
   ClockModel model{{}};
   max_error(model, device, 10s);
   EXPECT_EQ(model.state().source, ClockState::Source::kTopOfHour);
 }
 
-TEST(ClockModel, TheCounterMaySlightlyPassTheHour) {
+TEST(ClockModel, AcceptsACounterSlightlyPastTheHour) {
   Device device{.skew_ppm = 80};
   ClockModel model{{}};
   Duration worst{0};
@@ -137,7 +137,7 @@ TEST(ClockModel, TheCounterMaySlightlyPassTheHour) {
   EXPECT_EQ(model.state().jumps, 0);
 }
 
-TEST(ClockModel, AJumpIsCountedAndDistrustedUntilItSettlesAgain) {
+TEST(ClockModel, CountsAJumpAndWithdrawsTrustUntilSettled) {
   for (const Duration jump :
        std::vector<Duration>{-20min, -10s, -700ms, -20ms, 20ms, 700ms, 10s, 20min}) {
     Device device{.skew_ppm = 50, .phase = 3h};
@@ -145,7 +145,7 @@ TEST(ClockModel, AJumpIsCountedAndDistrustedUntilItSettlesAgain) {
     max_error(model, device, 20s);
     ASSERT_TRUE(model.state().trusted);
     device.phase += jump;
-    // Within the confirmation a small jump looks like a delay, so trust is lost only then.
+    // During the confirmation a small jump looks like a delay, so trust is withdrawn only then.
     const Stamp end = device.now + 600ms;
     bool distrusted_at_once = false;
     while (device.now < end) {
@@ -168,7 +168,7 @@ TEST(ClockModel, AJumpIsCountedAndDistrustedUntilItSettlesAgain) {
   }
 }
 
-TEST(ClockModel, AStepOfTheHostsClockIsAJumpToo) {
+TEST(ClockModel, CountsAStepOfTheHostClockAsAJump) {
   for (const Duration step : std::vector<Duration>{-3s, 3s}) {
     Device device;
     ClockModel model{{}};
@@ -188,7 +188,7 @@ TEST(ClockModel, AStepOfTheHostsClockIsAJumpToo) {
   }
 }
 
-TEST(ClockModel, AJumpBelowTheThresholdIsNotTrustedUntilItIsForgotten) {
+TEST(ClockModel, WithdrawsTrustAfterASmallJumpUntilItLeavesTheWindow) {
   for (const Duration jump : std::vector<Duration>{-4ms, -1ms, 1ms, 4ms}) {
     Device device;
     ClockModel model{{}};
@@ -199,7 +199,7 @@ TEST(ClockModel, AJumpBelowTheThresholdIsNotTrustedUntilItIsForgotten) {
       const Device::Message message = device.next();
       model.update(message.device, message.host);
     }
-    // About the spread of the delay (200 us) and 0.1 ms pass for delay.
+    // A jump below about the spread of the delay (200 us) plus 0.1 ms passes for delay.
     EXPECT_LT(max_error(model, device, 3min), 500us) << jump.count();
     EXPECT_TRUE(model.state().trusted);
     EXPECT_EQ(model.state().jumps, 0);
@@ -207,7 +207,7 @@ TEST(ClockModel, AJumpBelowTheThresholdIsNotTrustedUntilItIsForgotten) {
   }
 }
 
-TEST(ClockModel, BadPacketsAreIgnored) {
+TEST(ClockModel, IgnoresBadPackets) {
   Device device{.skew_ppm = 10};
   ClockModel model{{}};
   std::mt19937 random(3);
@@ -228,7 +228,7 @@ TEST(ClockModel, BadPacketsAreIgnored) {
   EXPECT_LT(worst, 2us);
 }
 
-TEST(ClockModel, AStallOfTheHostDoesNotMoveTheClock) {
+TEST(ClockModel, IsNotMovedByAStallOfTheHost) {
   Device device;
   ClockModel model{{}};
   max_error(model, device, 20s);
@@ -246,7 +246,7 @@ TEST(ClockModel, AStallOfTheHostDoesNotMoveTheClock) {
   EXPECT_TRUE(model.state().trusted);
 }
 
-TEST(ClockModel, OutOfOrderAndDuplicateMessagesAreMappedEqually) {
+TEST(ClockModel, MapsOutOfOrderAndDuplicateMessagesEqually) {
   Device device{.skew_ppm = -60};
   ClockModel model{{}};
   Duration worst{0};
@@ -265,7 +265,7 @@ TEST(ClockModel, OutOfOrderAndDuplicateMessagesAreMappedEqually) {
   EXPECT_EQ(model.state().jumps, 0);
 }
 
-TEST(ClockModel, AGapOfAnHourAndAHalfIsBridged) {
+TEST(ClockModel, BridgesAGapOfAnHourAndAHalf) {
   Device device{.skew_ppm = 30};
   ClockModel model{{}};
   max_error(model, device, 2min);
@@ -274,7 +274,7 @@ TEST(ClockModel, AGapOfAnHourAndAHalfIsBridged) {
   EXPECT_EQ(model.state().jumps, 0);
 }
 
-TEST(ClockModel, AMillionSamplesOverADayAndAHalfKeepTheError) {
+TEST(ClockModel, KeepsItsAccuracyOverAMillionSamplesInADayAndAHalf) {
   Device device{.skew_ppm = 100, .period = 130ms, .mean_delay = 300us};
   ClockModel model{{}};
   Duration worst{0};
@@ -292,7 +292,7 @@ TEST(ClockModel, AMillionSamplesOverADayAndAHalfKeepTheError) {
   EXPECT_NEAR(to_seconds(model.state().offset), -13.0, 0.001);
 }
 
-TEST(ClockModel, DeviceTimesNearTheLatestAreMappedWithoutLearning) {
+TEST(ClockModel, MapsDeviceTimesNearTheLatestWithoutAddingThem) {
   Device device{.skew_ppm = 100};
   ClockModel model{{}};
   max_error(model, device, 3min);  // 1 min past the hour
@@ -309,7 +309,7 @@ TEST(ClockModel, DeviceTimesNearTheLatestAreMappedWithoutLearning) {
   EXPECT_EQ(model.state().offset, before.offset);
 }
 
-TEST(ClockModel, MinDelayIsSubtracted) {
+TEST(ClockModel, SubtractsTheMinimumDelay) {
   Device device;
   ClockModelOptions options;
   options.min_delay = 1500us;
@@ -324,7 +324,7 @@ TEST(ClockModel, MinDelayIsSubtracted) {
   EXPECT_TRUE(model.state().trusted);
 }
 
-TEST(ClockModel, IsNotTrustedBeforeItHasSeenEnough) {
+TEST(ClockModel, IsNotTrustedBeforeItHasEnoughSamples) {
   ClockModel model{{}};
   EXPECT_FALSE(model.state().trusted);
   EXPECT_STREQ(model.state().reason, "no sample yet");
@@ -342,7 +342,7 @@ TEST(ClockModel, IsNotTrustedBeforeItHasSeenEnough) {
   EXPECT_FALSE(rare.state().trusted);
 }
 
-TEST(ClockModel, AClockBeyondTheLimitOfSkewIsNotTrusted) {
+TEST(ClockModel, IsNotTrustedBeyondTheMaximumSkew) {
   Device device{.skew_ppm = 1000};
   ClockModel model{{}};
   max_error(model, device, 2min);
@@ -350,7 +350,7 @@ TEST(ClockModel, AClockBeyondTheLimitOfSkewIsNotTrusted) {
   EXPECT_STRNE(model.state().reason, "");
 }
 
-TEST(ClockModel, ArbitraryNumbersDoNotBreakIt) {
+TEST(ClockModel, AcceptsArbitraryNumbers) {
   std::mt19937_64 random(11);
   const int64_t wild[] = {INT64_MIN, INT64_MIN + 1, -1, 0, 1, INT64_MAX - 1, INT64_MAX};
   for (const Duration modulo : std::vector<Duration>{0ns, 1us, 1h}) {

@@ -25,8 +25,8 @@ double intercept_below(const std::vector<EnvelopePoint>& points, double slope) {
   return intercept;
 }
 
-/// The least sum of vertical distances, by trying every slope that the optimum can have: those of
-/// all pairs of points, and the limits.
+/// The smallest sum of vertical distances, by brute force over all slopes that the optimum can
+/// have: those of all pairs of points, and the limits.
 double min_height_sum(const std::vector<EnvelopePoint>& points, double max_slope) {
   std::vector<double> slopes{-max_slope, max_slope};
   for (const EnvelopePoint& a : points) {
@@ -42,7 +42,7 @@ double min_height_sum(const std::vector<EnvelopePoint>& points, double max_slope
   return min_sum;
 }
 
-TEST(LowerEnvelope, IsTheBestOfAllLinesBelowThePoints) {
+TEST(LowerEnvelope, IsTheClosestOfAllLinesBelowThePoints) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> step(0.1, 2.0);
   std::exponential_distribution<double> delay(1.0);
@@ -65,7 +65,7 @@ TEST(LowerEnvelope, IsTheBestOfAllLinesBelowThePoints) {
   }
 }
 
-TEST(LowerEnvelope, OfPointsOnALineIsTheLine) {
+TEST(LowerEnvelope, FindsTheLineOfPointsOnALine) {
   std::vector<EnvelopePoint> points;
   for (int i = 0; i < 10; ++i) points.push_back({1.0 * i, 2.0 - 0.5 * i});
   const EnvelopeLine line = lower_envelope(points, 1.0);
@@ -73,7 +73,7 @@ TEST(LowerEnvelope, OfPointsOnALineIsTheLine) {
   EXPECT_NEAR(line.slope, -0.5, 1e-12);
 }
 
-TEST(LowerEnvelope, OfOnePointIsLevel) {
+TEST(LowerEnvelope, IsHorizontalForOnePoint) {
   std::vector<EnvelopePoint> points{{3.0, 7.0}};
   const EnvelopeLine line = lower_envelope(points, 1.0);
   EXPECT_EQ(line.slope, 0);

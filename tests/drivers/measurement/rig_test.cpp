@@ -51,9 +51,9 @@ std::optional<std::string> rig_error(const std::function<void(Rig&)>& change) {
   return rig.invalid();
 }
 
-TEST(CameraIntrinsics, GoodOnesAreValid) {
+TEST(CameraIntrinsics, AcceptsValidIntrinsics) {
   EXPECT_EQ(valid_intrinsics().invalid(), std::nullopt);
-  // The principal point may lie outside the picture, and distortion may be anything finite.
+  // The principal point may lie outside the image, and distortion may be anything finite.
   EXPECT_EQ(intrinsics_error([](auto& k) { k.cx = -10; }), std::nullopt);
   EXPECT_EQ(intrinsics_error([](auto& k) {
               k.distortion = {-0.4, 0.2, 1e-3, -1e-3, 0};
@@ -61,7 +61,7 @@ TEST(CameraIntrinsics, GoodOnesAreValid) {
             std::nullopt);
 }
 
-TEST(CameraIntrinsics, ReportWhatIsInvalid) {
+TEST(CameraIntrinsics, ReportsWhatIsInvalid) {
   EXPECT_THAT(CameraIntrinsics{}.invalid(), Optional(HasSubstr("width")));
   EXPECT_THAT(intrinsics_error([](auto& k) { k.width = 0; }), Optional(HasSubstr("width")));
   EXPECT_THAT(intrinsics_error([](auto& k) { k.height = -1; }), Optional(HasSubstr("height")));
@@ -79,7 +79,7 @@ TEST(CameraIntrinsics, ReportWhatIsInvalid) {
   }
 }
 
-TEST(Rig, GoodOnesAreValid) {
+TEST(Rig, AcceptsValidRigs) {
   EXPECT_EQ(valid_rig().invalid(), std::nullopt);
   EXPECT_EQ(Rig{}.invalid(), std::nullopt);
   // A lidar and a camera may share a name.

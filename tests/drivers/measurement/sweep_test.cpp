@@ -24,7 +24,7 @@ void for_each_field(Sweep& sweep, Visit visit) {
   visit("return_kind", sweep.return_kind);
 }
 
-/// Where the arrays are: as long as this stays, nothing was allocated.
+/// Addresses of the arrays: while they stay the same, nothing was allocated.
 std::vector<const void*> data_pointers(Sweep& sweep) {
   std::vector<const void*> memory;
   for_each_field(sweep, [&](const char*, auto& field) { memory.push_back(field.data()); });
@@ -49,7 +49,7 @@ TEST(Sweep, ArraysBeginOnACacheLine) {
   });
 }
 
-TEST(Sweep, WithinItsReserveNothingIsAllocated) {
+TEST(Sweep, ResizingWithinItsCapacityDoesNotAllocate) {
   Sweep sweep;
   sweep.reserve(70'000);
   EXPECT_EQ(sweep.size(), 0u);
@@ -66,15 +66,15 @@ TEST(Sweep, WithinItsReserveNothingIsAllocated) {
   }
 }
 
-TEST(Sweep, GrowingWithinItsReserveWritesNothing) {
+TEST(Sweep, GrowingWithinItsCapacityDoesNotInitialise) {
   Sweep sweep;
   sweep.resize(100);
   for (size_t i = 0; i < 100; ++i) sweep.x[i] = static_cast<float>(i);
   sweep.resize(10);
   sweep.resize(100);
   for (size_t i = 0; i < 10; ++i) EXPECT_EQ(sweep.x[i], static_cast<float>(i));
-  // Entries 10 … 99 are not initialised; that they still hold what was there shows that no time
-  // went into clearing them.
+  // Entries 10 … 99 are not initialised; that they still hold the old values shows that no time was
+  // spent clearing them.
   const std::vector<float> kept(sweep.x.begin() + 10, sweep.x.end());
   EXPECT_EQ(kept.front(), 10.0f);
   EXPECT_EQ(kept.back(), 99.0f);
@@ -117,7 +117,7 @@ TEST(Sweep, ClearResetsEveryMember) {
   EXPECT_EQ(sweep.size(), 0u);
 }
 
-TEST(ClockState, EverySourceIsDescribedInItsOwnWords) {
+TEST(ClockState, EverySourceHasItsOwnDescription) {
   std::vector<std::string> texts;
   for (const auto source : {ClockState::Source::kNone, ClockState::Source::kHost,
                             ClockState::Source::kPowerUp, ClockState::Source::kTopOfHour}) {

@@ -1,4 +1,5 @@
 #include "drivers/osm/openstreetmap.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +8,6 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
-#include <numbers>
 
 #include "drivers/recording/local_frame.hpp"
 #include "tests/real_data.hpp"
@@ -19,8 +19,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::ScratchFolder;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // A road, a footway with a node that is missing, a tree, and a building with a courtyard whose
 // outer ring is two ways of opposite direction. The ways come before the nodes.

@@ -38,12 +38,12 @@ TEST_F(DeviceWatchTest, ReportsAnotherOwnerOrMode) {
   EXPECT_TRUE(watch.consume_changes());
 }
 
-TEST_F(DeviceWatchTest, FollowsFoldersThatComeAndGo) {
+TEST_F(DeviceWatchTest, FollowsFoldersThatAppearAndDisappear) {
   DeviceWatch watch({folder_ / "infuse" / "camera-7"});
   for (int round = 0; round < 2; ++round) {
     std::filesystem::create_directory(folder_ / "infuse");
     EXPECT_TRUE(watch.consume_changes());
-    // As udev does it: made under another name, then renamed.
+    // udev creates the link under another name, then renames it.
     std::filesystem::create_symlink("../video0", folder_ / "infuse" / ".new");
     EXPECT_FALSE(watch.consume_changes());
     std::filesystem::rename(folder_ / "infuse" / ".new", folder_ / "infuse" / "camera-7");

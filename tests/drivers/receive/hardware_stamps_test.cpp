@@ -15,7 +15,7 @@ TEST(HardwareStamps, RemoveTransportDelaysFromStamps) {
   std::exponential_distribution<double> late_ms(0.5);
   Duration worst{0}, worst_of_kernel{0};
   Stamp before = Stamp::earliest();
-  for (int i = 0; i < 6000; ++i) {  // a minute of frames every 10 ms
+  for (int i = 0; i < 6000; ++i) {  // one minute of frames every 10 ms
     const Stamp sent = kStart + i * Duration(10'000'000);
     // 40 ppm fast, since the interface was plugged in.
     const auto hardware_ns = static_cast<int64_t>(5e9 + i * 1e7 * (1 + 40e-6));
@@ -33,13 +33,13 @@ TEST(HardwareStamps, RemoveTransportDelaysFromStamps) {
   EXPECT_LT(worst, Duration(500'000));
 }
 
-TEST(HardwareStamps, WithoutThemItIsTheKernels) {
+TEST(HardwareStamps, FallsBackToTheKernelsStamps) {
   HardwareStamps stamps;
   EXPECT_EQ(stamps.update(0, kStart), kStart);
   EXPECT_FALSE(stamps.stamped_by_hardware());
 }
 
-TEST(HardwareStamps, AnInterfaceThatBeganToCountAgainIsFollowed) {
+TEST(HardwareStamps, FollowsAnInterfaceThatRestartsItsCounter) {
   HardwareStamps stamps;
   Stamp stamp;
   for (int i = 0; i < 2000; ++i) {

@@ -33,7 +33,7 @@ class ControlBuffer {
   size_t size_ = 0;
 };
 
-TEST(AncillaryData, AreTheStampsOfBothClocksAndTheDrops) {
+TEST(AncillaryData, ContainsTheStampsOfBothClocksAndTheDrops) {
   ControlBuffer controls;
   controls.add(SCM_TIMESTAMPNS, timespec{1'700'000'000, 250});
   controls.add(SCM_TIMESTAMPING, std::array<timespec, 3>{{{0, 0}, {0, 0}, {12, 34}}});
@@ -44,7 +44,7 @@ TEST(AncillaryData, AreTheStampsOfBothClocksAndTheDrops) {
   EXPECT_EQ(ancillary.dropped, 9U);
 }
 
-TEST(AncillaryData, AreZeroWhereNothingIsReported) {
+TEST(AncillaryData, IsZeroIfNothingIsReported) {
   const AncillaryData ancillary = ControlBuffer().parse();
   EXPECT_EQ(ancillary.wall_ns, 0);
   EXPECT_EQ(ancillary.hardware_ns, 0);

@@ -8,7 +8,7 @@ namespace {
 constexpr int64_t kSecond = 1'000'000'000;
 constexpr ClockReading kStart{100 * kSecond, 1'700'000'000 * kSecond};
 
-/// The clocks `seconds` after the start, the wall clock set ahead by `step_ns` since.
+/// The clocks `seconds` after the start, the wall clock set forward by `step_ns` since.
 ClockReading clocks_after_start(double seconds, int64_t step_ns = 0) {
   const int64_t ns = from_seconds(seconds).count();
   return {kStart.monotonic_ns + ns, kStart.wall_ns + ns + step_ns};
@@ -25,13 +25,13 @@ TEST(TimeBase, IsWallTimeAtTheStartAndMonotonicAfterIt) {
             stamp_after_start(5));
 }
 
-TEST(TimeBase, ReportsHowFarTheWallClockWasStepped) {
+TEST(TimeBase, ReportsTheStepOfTheWallClock) {
   const TimeBase base(kStart);
   EXPECT_EQ(base.utc_offset(clocks_after_start(5)), Duration(0));
   EXPECT_EQ(base.utc_offset(clocks_after_start(5, 3600 * kSecond)), Duration(3600 * kSecond));
 }
 
-TEST(TimeBase, NowRunsOnAndIsNearTheWallClock) {
+TEST(TimeBase, NowAdvancesAndIsNearTheWallClock) {
   const TimeBase base;
   const Stamp first = base.now();
   const Stamp second = base.now();
@@ -40,7 +40,7 @@ TEST(TimeBase, NowRunsOnAndIsNearTheWallClock) {
             Duration(kSecond));
 }
 
-TEST(WallStamps, AMessageIsStampedByItsAge) {
+TEST(WallStamps, StampsAMessageByItsAge) {
   const TimeBase base(kStart);
   WallStamps stamps(base);
   stamps.update(clocks_after_start(1));
@@ -54,8 +54,8 @@ TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
     WallStamps stamps(base);
     stamps.update(clocks_after_start(1));
     const Stamp before = stamps.stamp_of(clocks_after_start(0.999).wall_ns);
-    stamps.update(
-        clocks_after_start(2, step));  // it holds one of before the step and one of after it
+    // The batch contains a message of before the step and one of after it.
+    stamps.update(clocks_after_start(2, step));
     EXPECT_EQ(stamps.steps(), 1U);
     const Stamp around = stamps.stamp_of(clocks_after_start(1.5).wall_ns);
     EXPECT_EQ(stamps.stamp_of(clocks_after_start(1.9, step).wall_ns), around);
@@ -68,15 +68,16 @@ TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
   }
 }
 
-TEST(WallStamps, ASlewedClockIsNoStep) {
+TEST(WallStamps, DoesNotCountASlewedClockAsAStep) {
   const TimeBase base(kStart);
   WallStamps stamps(base);
   stamps.update(clocks_after_start(0));
-  stamps.update(clocks_after_start(10, 5'000'000));  // 500 ppm, the most that the kernel slews
+  // 500 ppm, the maximum rate at which the kernel slews.
+  stamps.update(clocks_after_start(10, 5'000'000));
   EXPECT_EQ(stamps.steps(), 0U);
 }
 
-TEST(WallStamps, AnImpossibleAgeIsRejected) {
+TEST(WallStamps, RejectsAnImpossibleAge) {
   const TimeBase base(kStart);
   WallStamps stamps(base);
   stamps.update(clocks_after_start(1));

@@ -1,14 +1,12 @@
 #include "drivers/recording/local_frame.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace infuse::recording {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 TEST(LocalFrame, OriginIsZeroAndUpIsAltitude) {
   const LocalFrame frame(49 * kDegree, 8.4 * kDegree, 115);

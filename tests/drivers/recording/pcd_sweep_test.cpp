@@ -1,4 +1,5 @@
 #include "drivers/recording/pcd_sweep.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -65,7 +66,7 @@ std::vector<SyntheticReturn> make_returns() {
   constexpr std::array<int, 4> kFromBelow = {2, 0, 3, 1};
   std::vector<SyntheticReturn> all;
   for (int step = 0; step < 360; ++step) {
-    const double azimuth = -(step + 0.25) * M_PI / 180;
+    const double azimuth = -(step + 0.25) * kDegree;
     for (int wire = 0; wire < 4; ++wire) {
       if ((step + 3 * wire) % 7 == 0) continue;
       const int from_below = kFromBelow[static_cast<size_t>(wire)];
@@ -96,7 +97,7 @@ void expect_synthetic_returns(const Sweep& sweep) {
       EXPECT_NEAR(sweep.reflectivity[i], one.intensity / 255.0, 1e-6);
       const double azimuth = std::atan2(one.y, one.x);
       EXPECT_EQ(sweep.column[i],
-                static_cast<int>((azimuth < 0 ? azimuth + 2 * M_PI : azimuth) * 180 / M_PI));
+                static_cast<int>((azimuth < 0 ? azimuth + 2 * M_PI : azimuth) / kDegree));
     }
   }
   EXPECT_EQ(found.size(), made.size());

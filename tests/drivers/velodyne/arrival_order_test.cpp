@@ -19,21 +19,21 @@ TEST(ArrivalOrder, ClassifiesLateDuplicateAndResetCounters) {
   EXPECT_EQ(order.add(1'500, at_ms(3)).arrival, Arrival::kTooLate);
   EXPECT_EQ(order.add(1'000, at_ms(3)).arrival, Arrival::kDuplicate);
   EXPECT_EQ(order.add(5'000, at_ms(4)).arrival, Arrival::kNext);
-  // A restart: the counter begins again. GPS takes over: it leaps ahead of the host's clock.
+  // A restart: the counter begins again. GPS lock: it jumps ahead of the host's clock.
   EXPECT_EQ(order.add(3'000'000'000, at_ms(5)).arrival, Arrival::kClockJump);
   EXPECT_EQ(order.add(3'000'001'000, at_ms(6)).arrival, Arrival::kNext);
   EXPECT_EQ(order.add(100, at_ms(7)).arrival, Arrival::kClockJump);
   EXPECT_EQ(order.add(1'100, at_ms(8)).arrival, Arrival::kNext);
 }
 
-TEST(ArrivalOrder, ALongSilenceIsNoJump) {
+TEST(ArrivalOrder, DoesNotCountALongSilenceAsAJump) {
   ArrivalOrder order;
   order.add(1'000, at_ms(0));
   EXPECT_EQ(order.add(60'001'000, at_ms(60'010)).arrival, Arrival::kNext);
   EXPECT_EQ(order.add(60'002'000, at_ms(120'000)).arrival, Arrival::kClockJump);
 }
 
-TEST(ArrivalOrder, TheHourIsNoJump) {
+TEST(ArrivalOrder, DoesNotCountTheTopOfTheHourAsAJump) {
   ArrivalOrder order;
   order.add(3'599'999'900, at_ms(0));
   const auto verdict = order.add(453, at_ms(1));

@@ -6,8 +6,8 @@
 
 namespace infuse::velodyne {
 
-/// All sweeps that an assembler makes of these datagrams (anything with `datagram()`), the last one
-/// included.
+/// All sweeps that an assembler makes of these datagrams (any range of elements with `datagram()`),
+/// the last one included.
 template <class Datagrams>
 std::vector<Sweep> assemble(SweepAssembler& assembler, const Datagrams& datagrams) {
   std::vector<Sweep> sweeps;

@@ -34,8 +34,8 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text.replace(at, what.size(), with);
 }
 
-TEST(CalibrationFile, DbXmlIsReadInItsUnits) {
-  // Laser 1 as it stands in a file, in degrees and centimetres.
+TEST(CalibrationFile, ReadsDbXmlInItsUnits) {
+  // Laser 1 as in a file, in degrees and centimetres.
   std::string text = fixtures::write_db_xml(built_in_calibration(Model::kHdl64eS2));
   const size_t begin = text.find("<id_>1</id_>");
   const size_t end = text.find("</px>", begin);
@@ -96,8 +96,8 @@ TEST(CalibrationFile, ErrorsNameTheirCause) {
   mentions(std::string(5 << 20, ' '), "4 MiB");
 }
 
-// The XML parser recurses: a million levels must not reach it, however they are hidden.
-TEST(CalibrationFile, DepthIsBounded) {
+// The XML parser recurses: a million levels must not reach it, however they are disguised.
+TEST(CalibrationFile, BoundsTheDepth) {
   const auto deep = [](const std::string& opening) {
     std::string text;
     for (int i = 0; i < 300'000 / static_cast<int>(opening.size()) * 3; ++i) text += opening;

@@ -42,7 +42,7 @@ void expect_equal(const Calibration& a, const Calibration& b) {
 
 class EachHdl64e : public testing::TestWithParam<Model> {};
 
-TEST_P(EachHdl64e, ACycleGivesTheCalibrationFromAnyFirstPacket) {
+TEST_P(EachHdl64e, ReadsTheCalibrationFromAnyFirstPacket) {
   const Calibration& unit = built_in_calibration(GetParam());
   for (const size_t missed : {size_t{0}, size_t{5}, size_t{1234}, size_t{4159}}) {
     StatusStream sensor(GetParam(), unit);
@@ -56,7 +56,7 @@ TEST_P(EachHdl64e, ACycleGivesTheCalibrationFromAnyFirstPacket) {
   }
 }
 
-TEST_P(EachHdl64e, ABrokenCycleGivesNothingAndTheNextOneDoes) {
+TEST_P(EachHdl64e, IgnoresABrokenCycleAndReadsTheNextOne) {
   StatusStream sensor(GetParam(), built_in_calibration(GetParam()));
   CalibrationStream stream(GetParam());
   for (size_t i = 0; i < 2000; ++i) {
@@ -64,7 +64,7 @@ TEST_P(EachHdl64e, ABrokenCycleGivesNothingAndTheNextOneDoes) {
     EXPECT_FALSE(stream.add(status.type, status.value));
   }
   while (sensor.next().type != '3') {
-  }  // some packets are lost, unnoticed
+  }  // some packets are lost without notice
   size_t completed = 0;
   ASSERT_TRUE(collect(stream, sensor, 3 * 4160, &completed));
   EXPECT_GT(completed, 4160U);
@@ -73,7 +73,7 @@ TEST_P(EachHdl64e, ABrokenCycleGivesNothingAndTheNextOneDoes) {
 INSTANTIATE_TEST_SUITE_P(CalibrationStream, EachHdl64e,
                          testing::Values(Model::kHdl64eS2, Model::kHdl64eS3));
 
-TEST(CalibrationStream, AnS3sChecksumMustFit) {
+TEST(CalibrationStream, ChecksTheChecksumOfAnS3) {
   StatusStream sensor(Model::kHdl64eS3, built_in_calibration(Model::kHdl64eS3));
   CalibrationStream stream(Model::kHdl64eS3);
   for (size_t i = 0; i < 2 * 4160; ++i) {
@@ -87,8 +87,8 @@ TEST(CalibrationStream, AnS3sChecksumMustFit) {
 }
 
 // The published check value of CRC-16 with polynomial 0x8005, not reflected, start 0: 0xFEE8 for
-// "123456789". The fixture's checksum is what the decoder is tested with, so it is tested itself.
-TEST(CalibrationStream, TheChecksumIsThePublishedOne) {
+// "123456789". The fixture's checksum is the reference for the decoder, so it is tested itself.
+TEST(CalibrationStream, ChecksumMatchesThePublishedCheckValue) {
   uint16_t crc = 0;
   for (const char c : std::string("123456789")) {
     crc = fixtures::crc16_8005(crc, static_cast<uint8_t>(c));
@@ -96,7 +96,7 @@ TEST(CalibrationStream, TheChecksumIsThePublishedOne) {
   EXPECT_EQ(crc, 0xFEE8);
 }
 
-TEST(CalibrationStream, WarningsBesideTheCycleDoNotMatter) {
+TEST(CalibrationStream, IgnoresWarningsBesideTheCycle) {
   StatusStream sensor(Model::kHdl64eS2, built_in_calibration(Model::kHdl64eS2));
   CalibrationStream stream(Model::kHdl64eS2);
   std::optional<Calibration> found;
@@ -108,8 +108,8 @@ TEST(CalibrationStream, WarningsBesideTheCycleDoNotMatter) {
   EXPECT_TRUE(found);
 }
 
-// A unit that is not the example: from its first cycle on, sweeps are as its own numbers say.
-TEST(CalibrationStream, TheAssemblerUsesTheCalibrationThatTheSensorSends) {
+// A unit that differs from the example: from its first cycle on, sweeps use its own numbers.
+TEST(CalibrationStream, AssemblerUsesTheCalibrationThatTheSensorSends) {
   SceneOptions options;
   options.model = Model::kHdl64eS3;
   options.turns_per_second = 20;

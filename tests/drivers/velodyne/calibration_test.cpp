@@ -1,17 +1,15 @@
 #include "drivers/velodyne/calibration.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 
 namespace infuse::velodyne {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::vector<double> elevations(Model model) {
   std::vector<double> degrees;
@@ -21,7 +19,7 @@ std::vector<double> elevations(Model model) {
   return degrees;
 }
 
-TEST(Calibration, BuiltInBeamsSpanTheManualsFieldOfView) {
+TEST(Calibration, BuiltInBeamsCoverTheManualsFieldOfView) {
   const auto expect_span = [](Model model, double low, double high) {
     const std::vector<double> all = elevations(model);
     EXPECT_NEAR(*std::min_element(all.begin(), all.end()), low, 0.01) << model_info(model).name;
@@ -37,7 +35,7 @@ TEST(Calibration, BuiltInBeamsSpanTheManualsFieldOfView) {
     const std::vector<double> all = elevations(info.model);
     EXPECT_EQ(std::set<double>(all.begin(), all.end()).size(), info.lasers) << info.name;
   }
-  // In steps of 4/3° an HDL-32E's beams rise from −30.67°.
+  // An HDL-32E's beams rise from −30.67° in steps of 4/3°.
   std::vector<double> hdl32e = elevations(Model::kHdl32e);
   std::sort(hdl32e.begin(), hdl32e.end());
   for (size_t i = 0; i < 32; ++i) {
@@ -45,7 +43,7 @@ TEST(Calibration, BuiltInBeamsSpanTheManualsFieldOfView) {
   }
 }
 
-TEST(Calibration, AzimuthOffsetsAreTheManuals) {
+TEST(Calibration, AzimuthOffsetsMatchTheManuals) {
   std::set<long> vlp32c;
   for (size_t laser = 0; laser < 32; ++laser) {
     const BeamCorrection& beam = built_in_calibration(Model::kVlp32c).beams[laser];
@@ -77,7 +75,7 @@ TEST(Calibration, RingsCountFromBelow) {
   EXPECT_EQ(vlp16[15], 15);
 }
 
-TEST(Calibration, ImpossibleNumbersAreReported) {
+TEST(Calibration, ReportsImpossibleNumbers) {
   const ModelInfo& info = model_info(Model::kHdl64eS3);
   Calibration calibration = built_in_calibration(Model::kHdl64eS3);
   calibration.beams[5].rotation = std::numeric_limits<double>::quiet_NaN();

@@ -8,8 +8,8 @@
 namespace infuse::velodyne {
 namespace {
 
-// VLS-128 firmware decides the cycle: what the stream shows is used, lost packets or not.
-TEST(FiringCycleEstimator, IsSeenInTheStream) {
+// VLS-128 firmware determines the cycle: the observed value is used, with or without lost packets.
+TEST(FiringCycleEstimator, EstimatesTheCycleFromTheStream) {
   for (const double cycle_us : {53.3, 55.28, 57.8}) {
     for (const ReturnMode mode : {ReturnMode::kStrongest, ReturnMode::kDual}) {
       Scene scene = make_scene({.model = Model::kVls128,
@@ -30,7 +30,7 @@ TEST(FiringCycleEstimator, IsSeenInTheStream) {
   }
 }
 
-TEST(FiringCycleEstimator, PeriodsOfOtherSensorsDoNotCount) {
+TEST(FiringCycleEstimator, IgnoresPeriodsOfOtherSensors) {
   FiringCycleEstimator cycle(model_info(Model::kVls128));
   for (int i = 0; i < 5'000; ++i) EXPECT_FALSE(cycle.add(400, false));
   int told = 0;

@@ -36,7 +36,7 @@ TEST(FiringPlan, AzimuthGrowsToTheNextSequenceAlsoInTheNextPacket) {
   EXPECT_EQ(steps(plan), (std::vector<int>{20, 21, 19, 22}));
   EXPECT_EQ(times_us(plan), (std::vector<int64_t>{0, 50, 100, 150}));
   EXPECT_EQ(plan.sequences[2].advance, 21);
-  // Nothing follows, or not at once: the last growth again.
+  // No following packet, or not directly: the last step is used again.
   EXPECT_EQ(steps(plan_firings(packet, std::nullopt, 7, kTiming)),
             (std::vector<int>{20, 21, 19, 19}));
   EXPECT_EQ(steps(plan_firings(packet, FollowingPacket{52, 400'000}, 7, kTiming)),
@@ -52,7 +52,7 @@ TEST(FiringPlan, ASingleSequenceUsesTheStepOfThePreviousPacket) {
 
 TEST(FiringPlan, AJumpIsNotInterpolatedAndLaterSequencesAreRetimed) {
   const Packet packet = make_packet({8'960, 8'980, 27'010, 27'030});
-  // 18 010 hundredths at 20 a sequence are 45 ms; the next packet tells the exact time.
+  // 18 010 hundredths at 20 per sequence are 45 ms; the next packet contains the exact time.
   const auto plan = plan_firings(packet, FollowingPacket{27'050, 45'183'000}, 20, kTiming);
   EXPECT_EQ(steps(plan), (std::vector<int>{20, 20, 20, 20}));
   EXPECT_FALSE(plan.sequences[1].after_jump);
@@ -62,7 +62,7 @@ TEST(FiringPlan, AJumpIsNotInterpolatedAndLaterSequencesAreRetimed) {
   EXPECT_EQ(times_us(alone), (std::vector<int64_t>{0, 50, 45'125, 45'175}));
 }
 
-TEST(FiringPlan, AJitterBackwardsIsNoTurn) {
+TEST(FiringPlan, JitterBackwardsIsNotATurn) {
   const auto plan =
       plan_firings(make_packet({100, 99, 101}), FollowingPacket{100, 150'000}, 0, kTiming);
   EXPECT_EQ(steps(plan), (std::vector<int>{0, 2, 0}));
@@ -70,7 +70,7 @@ TEST(FiringPlan, AJitterBackwardsIsNoTurn) {
   EXPECT_EQ(plan.sequences[1].advance, -1);
 }
 
-TEST(FiringPlan, AdvanceIsTheShortWayRoundForwardOnly) {
+TEST(FiringPlan, AdvanceIsForwardExceptForJitter) {
   EXPECT_EQ(azimuth_advance(35'990, 10), 20);
   EXPECT_EQ(azimuth_advance(10, 35'990), -20);
   EXPECT_EQ(azimuth_advance(0, 35'899), 35'899);

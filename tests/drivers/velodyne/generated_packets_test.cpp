@@ -1,21 +1,22 @@
-// Generated packets of known truth, against plain formulas in double precision.
+// Generated packets with known truth, compared with plain formulas in double precision.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
 
+#include "drivers/measurement/angles.hpp"
 #include "tests/drivers/velodyne/assemble.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
 
 namespace infuse::velodyne {
 namespace {
 
-// Where the stream ends, nothing tells how far the sensor turned during the last sequence: the turn
-// of the one before stands in, in whole hundredths of a degree.
+// At the end of the stream the turn during the last sequence is unknown: that of the previous one
+// is used, in whole hundredths of a degree.
 double azimuth_tolerance(const Sweep& sweep, size_t i, const ModelInfo& info, bool stream_ends) {
   const bool last = stream_ends && sweep.column[i] + info.firings >= sweep.columns;
-  return last ? 0.011 * std::numbers::pi / 180 : 0;
+  return last ? 0.011 * kDegree : 0;
 }
 
 void expect_sweep(const Sweep& sweep, const ExpectedSweep& expected, int64_t first_ns,
@@ -65,7 +66,7 @@ std::string case_name(const testing::TestParamInfo<Case>& info) {
 
 class GeneratedPackets : public testing::TestWithParam<Case> {};
 
-TEST_P(GeneratedPackets, EveryReturnHasItsExactPlaceTimeAndKind) {
+TEST_P(GeneratedPackets, EveryReturnHasTheExactPositionTimeAndKind) {
   const Case& param = GetParam();
   const ModelInfo& info = model_info(param.model);
   SceneOptions options;

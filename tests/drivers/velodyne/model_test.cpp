@@ -5,7 +5,7 @@
 namespace infuse::velodyne {
 namespace {
 
-TEST(Model, IsFoundByNameHoweverItIsWritten) {
+TEST(Model, IsFoundByNameInAnySpelling) {
   EXPECT_EQ(find_model("VLP-16"), Model::kVlp16);
   EXPECT_EQ(find_model("vlp16"), Model::kVlp16);
   EXPECT_EQ(find_model("puck_hi_res"), Model::kPuckHiRes);
@@ -16,8 +16,8 @@ TEST(Model, IsFoundByNameHoweverItIsWritten) {
   for (const ModelInfo& info : models()) EXPECT_EQ(find_model(info.name), info.model);
 }
 
-// The vendor's packets a second, single and dual.
-TEST(Model, PacketsComeAtTheManualsRates) {
+// The vendor's packet rates, single and dual return.
+TEST(Model, PacketRatesMatchTheManuals) {
   const auto rate = [](Model model, bool dual) {
     const ModelInfo& info = model_info(model);
     return 1 / to_seconds(packet_period(info, info.cycle, dual));
@@ -45,7 +45,7 @@ TEST(Model, AllLasersFireWithinTheSequence) {
   }
   EXPECT_EQ(firing_times(model_info(Model::kHdl32e), Duration(46'080))[31], 35'712);
   EXPECT_EQ(firing_times(model_info(Model::kVlp16), Duration(55'296))[31], 89'856);
-  // A slot of 2.665 µs; after eight groups one is dead.
+  // A slot of 2.665 µs; one slot is dead after eight groups.
   EXPECT_EQ(firing_times(model_info(Model::kVls128), Duration(53'300))[63], 7 * 2665);
   EXPECT_EQ(firing_times(model_info(Model::kVls128), Duration(53'300))[64], 9 * 2665);
   EXPECT_EQ(firing_times(model_info(Model::kVls128), Duration(53'300))[127], 16 * 2665);

@@ -1,4 +1,4 @@
-// Damaged input: refused or counted, never a crash (the sanitizers watch).
+// Damaged input is refused or counted, and never crashes (run with sanitizers).
 
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ class Mutator {
     }
   }
 
-  // Heads matter more than returns: azimuths, flags, counter, mode.
+  // Mutates headers more than returns: azimuths, flags, counter, mode.
   void mutate_headers(std::vector<uint8_t>& packet) {
     if (packet.size() != kPacketSize || random_() % 2 == 0) return;
     const size_t block = random_() % 13;
@@ -56,7 +56,7 @@ class Mutator {
   std::mt19937 random_;
 };
 
-TEST(MutatedPackets, EachIsUsedOrCountedWithItsReason) {
+TEST(MutatedPackets, DataPacketsAreUsedOrCountedWithTheirReason) {
   Mutator mutator(1);
   size_t pushed = 0;
   for (const ModelInfo& info : models()) {
@@ -119,7 +119,7 @@ TEST(MutatedPackets, PositionPacketsAreReadOrRefused) {
     ASSERT_TRUE(std::isfinite(packet->sentence->fix.latitude));
   }
   EXPECT_GT(read, 5'000U);
-  EXPECT_LT(with_sentence, read / 10);  // the checksum finds nearly all
+  EXPECT_LT(with_sentence, read / 10);  // the checksum detects nearly all mutations
 }
 
 TEST(MutatedPackets, CalibrationFilesAreReadOrRefusedWithAReason) {

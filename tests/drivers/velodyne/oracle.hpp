@@ -16,7 +16,7 @@
 
 namespace infuse::velodyne {
 
-/// A packet as it comes from the network.
+/// A packet as received from the network.
 struct SentPacket {
   Stamp stamp;
   std::vector<uint8_t> payload;
@@ -24,25 +24,25 @@ struct SentPacket {
   Datagram datagram() const { return {stamp, 0x0A000007, 2368, 2368, payload}; }
 };
 
-/// A return as it should come out: plain formulas in double precision.
+/// Expected return: plain formulas in double precision.
 struct ExpectedReturn {
   double x, y, z, range, reflectivity;
   int64_t time_ns;      ///< device time
-  double true_azimuth;  ///< °, of the beam that really turned, before any rounding
-  double azimuth;       ///< °, as packets can tell it
+  double true_azimuth;  ///< °, of the beam at its actual rotation, before any rounding
+  double azimuth;       ///< °, with the resolution of packets
 };
 
 /// By firing (from the sweep's first), ring and kind.
 using ExpectedSweep = std::map<std::tuple<uint32_t, uint16_t, ReturnKind>, ExpectedReturn>;
 
-/// A sensor that turns steadily and sees random things, and what a decoder should make of it.
+/// A sensor that turns steadily and measures random ranges, and the expected result of decoding.
 struct Scene {
   std::vector<SentPacket> packets;
   std::vector<ExpectedSweep> sweeps;
   std::vector<int64_t> starts_ns;  ///< device time of each sweep's first firing
 };
 
-/// What a scene is made of.
+/// Options of a scene.
 struct SceneOptions {
   Model model = Model::kHdl32e;
   ReturnMode mode = ReturnMode::kStrongest;
@@ -52,11 +52,11 @@ struct SceneOptions {
   uint32_t start_us = 0;
   int64_t host_ns = 1'700'000'000'000'000'000;
   Calibration calibration{};
-  double cycle_us = 0;  ///< firing cycle, where it is not the model's
+  double cycle_us = 0;  ///< firing cycle, if it is not the model's
   unsigned seed = 1;
 };
 
-/// When a laser fires after its sequence's start, µs: the manuals' tables as they stand there.
+/// Firing time of a laser after its sequence's start, µs: the manuals' tables.
 inline double manual_time_us(Model model, size_t slot, double cycle_us) {
   const auto j = static_cast<double>(slot);
   switch (model) {
@@ -81,7 +81,8 @@ inline double manual_time_us(Model model, size_t slot, double cycle_us) {
   return 0;
 }
 
-/// Vendor axes (x right, y forward, z up) of one return of an HDL-64E, by the vendor's formulas.
+/// Position of one return of an HDL-64E in vendor axes (x right, y forward, z up), by the vendor's
+/// formulas.
 inline std::array<double, 3> hdl64e_position(const BeamCorrection& c, double d, double theta) {
   const double far = c.distance;
   double cx = far;

@@ -17,7 +17,7 @@ std::vector<uint8_t> make_packet(Model model, ReturnMode mode = ReturnMode::kStr
       .payload;
 }
 
-TEST(Packet, HeadersAreRead) {
+TEST(Packet, ParsesHeaders) {
   const auto packet = parse_packet(model_info(Model::kVlp32c), make_packet(Model::kVlp32c));
   ASSERT_TRUE(packet);
   EXPECT_EQ(packet->counter_us, 123'456'789U);
@@ -32,7 +32,7 @@ TEST(Packet, HeadersAreRead) {
   EXPECT_EQ(dual->sequences, 1);
 }
 
-TEST(Packet, ThreeHundredAndSixtyDegreesAreZero) {
+TEST(Packet, ReadsThreeHundredAndSixtyDegreesAsZero) {
   std::vector<uint8_t> bytes = make_packet(Model::kHdl32e);
   bytes[402] = 0xA0;
   bytes[403] = 0x8C;
@@ -43,7 +43,7 @@ TEST(Packet, ThreeHundredAndSixtyDegreesAreZero) {
   EXPECT_EQ(parse_packet(model_info(Model::kHdl32e), bytes).error(), PacketFault::kAzimuth);
 }
 
-TEST(Packet, OfAnotherLayoutIsRefused) {
+TEST(Packet, RefusesAnotherLayout) {
   for (const ModelInfo& info : models()) {
     for (const ModelInfo& other : models()) {
       if (info.banks == other.banks) continue;
@@ -54,8 +54,8 @@ TEST(Packet, OfAnotherLayoutIsRefused) {
   EXPECT_EQ(parse_packet(model_info(Model::kHdl32e), {}).error(), PacketFault::kSize);
 }
 
-// An HDL-64E that stands still repeats its azimuth too: that is no second return.
-TEST(Packet, RepeatedAzimuthMeansTwoReturnsOnlyWhereTheSensorTurns) {
+// An HDL-64E at rest repeats its azimuth too: that is not a second return.
+TEST(Packet, RepeatedAzimuthMeansTwoReturnsOnlyIfTheSensorTurns) {
   const ModelInfo& s3 = model_info(Model::kHdl64eS3);
   std::vector<uint8_t> bytes = make_packet(Model::kHdl64eS3, ReturnMode::kDual);
   ASSERT_TRUE(parse_packet(s3, bytes));
@@ -71,7 +71,7 @@ TEST(Packet, RepeatedAzimuthMeansTwoReturnsOnlyWhereTheSensorTurns) {
   EXPECT_EQ(parse_packet(model_info(Model::kVlp16), vlp16).error(), PacketFault::kDualPair);
 }
 
-TEST(Packet, CountersDifferAcrossTheHour) {
+TEST(Packet, CounterDifferenceSpansTheTopOfTheHour) {
   EXPECT_EQ(counter_difference_us(553, 3'600'000'000 - 10), 563);
   EXPECT_EQ(counter_difference_us(653, 3'600'000'100), 553);  // it had passed the hour
   EXPECT_EQ(counter_difference_us(3'599'999'000, 500), -1'500);

@@ -1,8 +1,8 @@
 #include "drivers/velodyne/position_packet.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <vector>
 
 #include "fixtures/velodyne/position_encoder.hpp"
@@ -10,7 +10,7 @@
 namespace infuse::velodyne {
 namespace {
 
-TEST(PositionPacket, CounterPpsAndSentenceAreRead) {
+TEST(PositionPacket, ParsesCounterPpsAndSentence) {
   const std::string sentence = fixtures::gga_sentence({.talker = "GN", .latitude = 0.5});
   for (uint8_t pps = 0; pps < 4; ++pps) {
     const auto bytes = fixtures::encode_position_packet(
@@ -24,12 +24,11 @@ TEST(PositionPacket, CounterPpsAndSentenceAreRead) {
   }
 }
 
-TEST(PositionPacket, TwelveBitsOfInertiaHaveASign) {
+TEST(PositionPacket, ReadsInertialValuesAsSigned12Bits) {
   const auto bytes = fixtures::encode_position_packet(
       {.sentence = "", .imu = {{{-2048, 0, 2047, -1}, {100, -100, 819, 0}, {0, 0, 0, 0}}}});
   const auto packet = parse_position_packet(bytes);
   ASSERT_TRUE(packet);
-  constexpr double kDegree = std::numbers::pi / 180;
   EXPECT_NEAR(packet->imu[0].angular_velocity, -2048 * 0.09766 * kDegree, 1e-12);
   EXPECT_NEAR(packet->imu[0].temperature, 25, 1e-12);
   EXPECT_NEAR(packet->imu[0].linear_acceleration[0], 2047 * 0.001221 * 9.80665, 1e-9);
@@ -40,7 +39,7 @@ TEST(PositionPacket, TwelveBitsOfInertiaHaveASign) {
   EXPECT_EQ(packet->sentence.error(), NmeaFault::kNoSentence);
 }
 
-TEST(PositionPacket, OtherBytesAreRefused) {
+TEST(PositionPacket, RefusesOtherBytes) {
   auto bytes = fixtures::encode_position_packet({.sentence = ""});
   EXPECT_FALSE(parse_position_packet(std::span(bytes).first(511)));
   EXPECT_FALSE(parse_position_packet({}));

@@ -1,4 +1,5 @@
-// Real captures against what other decoders make of them. None of the files is in the repository.
+// Real captures compared with the results of other decoders. None of the files is in the
+// repository.
 
 #include <gtest/gtest.h>
 
@@ -10,6 +11,7 @@
 #include <numbers>
 #include <string>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/velodyne/model_inference.hpp"
 #include "drivers/velodyne/position_packet.hpp"
 #include "tests/drivers/velodyne/assemble.hpp"
@@ -57,12 +59,12 @@ ExpectedFrames read_expected(const std::filesystem::path& path) {
   return expected;
 }
 
-TEST(RealMonterey, FramesAndPointsAreThoseOfTheVendorsViewer) {
+TEST(RealMonterey, MatchesTheFramesAndPointsOfTheVendorsViewer) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
   const ExpectedFrames expected = read_expected(real_data("velodyne/hdl32e-monterey.expected.txt"));
   SweepAssemblerOptions options;
   options.model = Model::kHdl32e;
-  options.interpolate_azimuth = false;  // as the viewer did
+  options.interpolate_azimuth = false;  // as in the viewer
   SweepAssembler assembler(options);
   const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
 
@@ -98,7 +100,7 @@ TEST(RealMonterey, EveryPacketIsUsedAndSweepsAreComplete) {
   ASSERT_EQ(sweeps.size(), 19U);
   for (size_t i = 1; i + 1 < sweeps.size(); ++i) {
     EXPECT_TRUE(sweeps[i].gaps.empty()) << i;
-    EXPECT_NEAR(to_seconds(sweeps[i].span), 0.0846, 0.001) << i;  // 11.8 turns a second
+    EXPECT_NEAR(to_seconds(sweeps[i].span), 0.0846, 0.001) << i;  // 11.8 turns per second
     EXPECT_NEAR(to_seconds(sweeps[i].stamp - sweeps[i - 1].stamp), to_seconds(sweeps[i - 1].span),
                 1e-3)
         << i;
@@ -137,13 +139,13 @@ Eigen::Vector3d position(const Sweep& sweep, size_t i) {
   return {sweep.x[i], sweep.y[i], sweep.z[i]};
 }
 
-// The reference takes two short cuts of its own. It does not interpolate azimuth in the last pair
-// of blocks of a packet, which has no next block to look at (its own time stamps tell which these
-// are): there our block's azimuth is compared. And it takes the second block of a pair, where that
-// holds another echo (return types 5 and 10), for a later firing, in time and in azimuth, which
-// runs ahead by up to 0.41°: there only ring and range can agree, and azimuth within that. It cuts
-// at packets, so the sweeps differ by some points at their ends.
-TEST(RealVlp16DualReturn, HoldsEveryPointOfTheReference) {
+// The reference has two simplifications. It does not interpolate azimuth in the last pair of blocks
+// of a packet, which has no next block (its own time stamps show which these are): there our
+// block's azimuth is compared. And it treats the second block of a pair, if that holds another echo
+// (return types 5 and 10), as a later firing, in time and in azimuth, which runs ahead by up to
+// 0.41°: there only ring and range can agree, and azimuth within that. It cuts at packets, so the
+// sweeps differ by some points at their ends.
+TEST(RealVlp16DualReturn, ContainsEveryPointOfTheReference) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp16-dual-return.pcap");
   const auto reference = read_pcd<DualPoint>(real_data("velodyne/vlp16-dual-return.reference.pcd"));
   ASSERT_EQ(reference.size(), 14'831U);
@@ -153,10 +155,10 @@ TEST(RealVlp16DualReturn, HoldsEveryPointOfTheReference) {
   const std::vector<Sweep> sweeps = assemble(exact, packets);
   const std::vector<Sweep> plain_sweeps = assemble(plain, packets);
   ASSERT_EQ(sweeps.size(), 5U);
-  const Sweep& sweep = sweeps[3];  // the turn that the reference shows
+  const Sweep& sweep = sweeps[3];  // the turn of the reference
   const Sweep& plain_sweep = plain_sweeps[3];
   ASSERT_EQ(sweep.size(), plain_sweep.size());
-  EXPECT_NEAR(static_cast<double>(sweep.size()), 14'831, 60);  // it cuts at packets
+  EXPECT_NEAR(static_cast<double>(sweep.size()), 14'831, 60);  // the reference cuts at packets
 
   constexpr uint32_t kLastPairNs = 20 * 55'296;
   size_t absent = 0;
@@ -176,7 +178,7 @@ TEST(RealVlp16DualReturn, HoldsEveryPointOfTheReference) {
     }
     if (best > 1e8) ++absent;
     const bool second_echo = point.return_type == 5 || point.return_type == 10;
-    const double ahead = second_echo ? 0.41 * std::numbers::pi / 180 * point.distance : 0;
+    const double ahead = second_echo ? 0.41 * kDegree * point.distance : 0;
     if (best < 0.02 + ahead) ++near;
     if (second_echo) ++second_echoes;
   }
@@ -219,15 +221,15 @@ struct PlainPoint {
   float x, y, z;
 };
 
-// The reference gives each laser of a VLP-32C the time of a VLP-16's, 2.304 µs · j instead of
-// 2.304 µs · ⌊j/2⌋, and again does not interpolate in the last block of a packet. With both put on
-// our block azimuths its points are ours. It ends with the whole packet that holds the jump to the
-// next half turn, so its last points are our next sweep's first.
-TEST(RealVlp32cHalfTurn, HoldsEveryPointOfTheReference) {
+// The reference uses the times of a VLP-16 for each laser of a VLP-32C, 2.304 µs · j instead of
+// 2.304 µs · ⌊j/2⌋, and again does not interpolate in the last block of a packet. With both applied
+// to our block azimuths its points equal ours. It ends with the whole packet that contains the jump
+// to the next half turn, so its last points are our next sweep's first.
+TEST(RealVlp32cHalfTurn, ContainsEveryPointOfTheReference) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp32c-half-turn.pcap");
   const auto reference = read_pcd<PlainPoint>(real_data("velodyne/vlp32c-half-turn.reference.pcd"));
   ASSERT_EQ(reference.size(), 26'216U);
-  // Cut where the sensor does not look: only its own jump ends a sweep.
+  // Cut where the sensor does not scan: only its own jump ends a sweep.
   SweepAssembler plain({.model = Model::kVlp32c, .cut_azimuth = 180, .interpolate_azimuth = false});
   const std::vector<Sweep> sweeps = assemble(plain, data_packets(path));
   ASSERT_EQ(sweeps.size(), 6U);
@@ -236,7 +238,7 @@ TEST(RealVlp32cHalfTurn, HoldsEveryPointOfTheReference) {
   const auto rings = built_in_calibration(Model::kVlp32c).rings(info);
   std::array<double, 32> laser_of{};
   for (size_t laser = 0; laser < 32; ++laser) laser_of[rings[laser]] = static_cast<double>(laser);
-  constexpr double kStep = 19.93 * std::numbers::pi / 18'000;  // 10 turns a second
+  constexpr double kStep = 19.93 * std::numbers::pi / 18'000;  // 10 turns per second
   std::multimap<long, std::array<Eigen::Vector3d, 2>> ours;    // by distance in its 4 mm units
   const auto insert = [&](const Sweep& sweep, size_t columns) {
     for (size_t i = 0; i < sweep.size() && sweep.column[i] < columns; ++i) {
@@ -266,12 +268,12 @@ TEST(RealVlp32cHalfTurn, HoldsEveryPointOfTheReference) {
   EXPECT_GE(static_cast<double>(near), 0.999 * 26'216);
 }
 
-TEST(RealVlp32cHalfTurn, SweepsAreTheHalvesAndReportTheGap) {
+TEST(RealVlp32cHalfTurn, SweepsAreHalfTurnsAndReportTheGap) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp32c-half-turn.pcap");
   SweepAssembler assembler({.model = Model::kVlp32c, .cut_azimuth = 180});
   const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
   EXPECT_EQ(assembler.counters().packets, 379U);
-  EXPECT_EQ(assembler.counters().network_lost, 0U);  // the 50 ms without packets are no loss
+  EXPECT_EQ(assembler.counters().network_lost, 0U);  // the 50 ms without packets are not a loss
   ASSERT_EQ(sweeps.size(), 6U);
   for (size_t i = 1; i < 5; ++i) {
     const Sweep& sweep = sweeps[i];
@@ -311,7 +313,7 @@ TEST(RealCaptures, ClocksThatCountFromPowerUpAreReported) {
     const auto packets = data_packets(path);
     const std::vector<Sweep> sweeps = assemble(assembler, packets);
     EXPECT_EQ(assembler.clock().source, source) << name;
-    // Whatever the counter says, stamps are the host's: within the capture, in order.
+    // Whatever the counter is, stamps are the host's: within the capture, in order.
     for (const Sweep& sweep : sweeps) {
       EXPECT_GT(sweep.stamp, packets.front().stamp - Duration(50'000'000)) << name;
       EXPECT_LT(sweep.stamp + sweep.span, packets.back().stamp + Duration(1'000'000)) << name;
@@ -319,7 +321,7 @@ TEST(RealCaptures, ClocksThatCountFromPowerUpAreReported) {
   }
 }
 
-TEST(RealCaptures, PositionPacketsGiveTimePositionAndState) {
+TEST(RealCaptures, PositionPacketsContainTimePositionAndState) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
   size_t count = 0;
   for (const CapturedDatagram& datagram : read_capture(path)) {
@@ -327,13 +329,12 @@ TEST(RealCaptures, PositionPacketsGiveTimePositionAndState) {
     ++count;
     const auto packet = parse_position_packet(datagram.payload);
     ASSERT_TRUE(packet.has_value());
-    EXPECT_EQ(packet->pps, PpsState::kAbsent);  // though locked: firmware of 2012
+    EXPECT_EQ(packet->pps, PpsState::kAbsent);  // although locked: firmware of 2012
     ASSERT_TRUE(packet->sentence.has_value());
     EXPECT_TRUE(packet->sentence->fix.valid);
-    EXPECT_NEAR(packet->sentence->fix.latitude * 180 / std::numbers::pi, 37 + 7.8324 / 60, 1e-4);
-    EXPECT_NEAR(packet->sentence->fix.longitude * 180 / std::numbers::pi, -121 - 39.2864 / 60,
-                1e-4);
-    // Standing upright: the first two units feel gravity along their x.
+    EXPECT_NEAR(packet->sentence->fix.latitude / kDegree, 37 + 7.8324 / 60, 1e-4);
+    EXPECT_NEAR(packet->sentence->fix.longitude / kDegree, -121 - 39.2864 / 60, 1e-4);
+    // The sensor stands upright: the first two units measure gravity along their x.
     EXPECT_NEAR(packet->imu[0].linear_acceleration[0], 9.8, 1.0);
     EXPECT_NEAR(packet->imu[1].linear_acceleration[0], 9.8, 1.0);
     EXPECT_NEAR(packet->imu[0].temperature, 35, 3);

@@ -15,8 +15,8 @@ bool same_bytes(const FieldVector<T>& a, const FieldVector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-TEST(ReturnKernel, AllInstructionsGiveTheSameBytes) {
-  if (best_instruction_set() == InstructionSet::kPortable)
+TEST(ReturnKernel, AllInstructionSetsGiveTheSameBytes) {
+  if (best_instruction_set() == InstructionSet::kBaseline)
     GTEST_SKIP() << "no vector unit to compare";
   for (const ModelInfo& info : models()) {
     for (const ReturnMode mode : {ReturnMode::kStrongest, ReturnMode::kDual}) {
@@ -27,7 +27,7 @@ TEST(ReturnKernel, AllInstructionsGiveTheSameBytes) {
                                       .calibration = built_in_calibration(info.model),
                                       .seed = 7});
       SweepAssembler vector({.model = info.model, .instruction_set = best_instruction_set()});
-      SweepAssembler portable({.model = info.model, .instruction_set = InstructionSet::kPortable});
+      SweepAssembler portable({.model = info.model, .instruction_set = InstructionSet::kBaseline});
       const std::vector<Sweep> a = assemble(vector, scene.packets);
       const std::vector<Sweep> b = assemble(portable, scene.packets);
       ASSERT_EQ(a.size(), b.size());
@@ -48,9 +48,9 @@ TEST(ReturnKernel, AllInstructionsGiveTheSameBytes) {
 }
 
 // Every pattern of returns and gaps among eight lasers.
-TEST(ReturnKernel, KeepsTheReturnsThatAreThereInOrder) {
+TEST(ReturnKernel, KeepsExistingReturnsInOrder) {
   const BeamTable table(Model::kVlp16, built_in_calibration(Model::kVlp16), Duration(55'296));
-  for (const InstructionSet instructions : {InstructionSet::kPortable, best_instruction_set()}) {
+  for (const InstructionSet instructions : {InstructionSet::kBaseline, best_instruction_set()}) {
     for (unsigned set = 0; set < 256; ++set) {
       std::array<uint8_t, 96> bytes{};
       std::vector<float> expected;

@@ -1,4 +1,5 @@
 #include "drivers/velodyne/sweep_assembler.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -34,7 +35,7 @@ TEST(SweepAssembler, FullTurnsHaveNoGapsAndPartialTurnsReportThem) {
   const Scene scene = make_model_scene(Model::kHdl32e, {.start_azimuth = 90, .turns = 2.5});
   SweepAssembler assembler({.model = Model::kHdl32e});
   const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
-  ASSERT_EQ(sweeps.size(), 3U);  // 90° … 360°, a turn, 0° … 270°
+  ASSERT_EQ(sweeps.size(), 3U);  // 90° … 360°, a full turn, 0° … 270°
   EXPECT_TRUE(sweeps[1].gaps.empty());
   EXPECT_NEAR(to_seconds(sweeps[1].span), 0.1, 1e-4);
   EXPECT_EQ(sweeps[1].columns, 2170U);
@@ -52,7 +53,7 @@ TEST(SweepAssembler, CutsAtTheConfiguredAzimuthInsidePackets) {
   ASSERT_EQ(sweeps.size(), 4U);
   for (size_t i = 1; i < 3; ++i) {
     const Sweep& sweep = sweeps[i];
-    const double first = -std::atan2(sweep.y[0], sweep.x[0]) * 180 / std::numbers::pi;
+    const double first = -std::atan2(sweep.y[0], sweep.x[0]) / kDegree;
     EXPECT_NEAR(first, 123.45, 0.45);  // within a block
     EXPECT_GE(first, 123.44);
     EXPECT_TRUE(sweep.gaps.empty());
@@ -63,7 +64,7 @@ TEST(SweepAssembler, CutsAtTheConfiguredAzimuthInsidePackets) {
 TEST(SweepAssembler, LostPacketsAreCountedAndLeaveAGap) {
   Scene scene = make_model_scene(Model::kHdl32e, {.start_azimuth = 0, .turns = 3});
   const size_t whole = scene.packets.size();
-  // The second turn is packets 181 … 361; take ten out of its middle.
+  // The second turn is packets 181 … 361; remove ten from its middle.
   scene.packets.erase(scene.packets.begin() + 250, scene.packets.begin() + 260);
   SweepAssembler assembler({.model = Model::kHdl32e});
   const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
@@ -75,12 +76,12 @@ TEST(SweepAssembler, LostPacketsAreCountedAndLeaveAGap) {
   ASSERT_EQ(sweeps[1].gaps.size(), 1U);
   double width = sweeps[1].gaps[0].from - sweeps[1].gaps[0].to;
   if (width < 0) width += 2 * std::numbers::pi;
-  EXPECT_NEAR(width, 120 * 0.16589 * std::numbers::pi / 180, 0.01);
+  EXPECT_NEAR(width, 120 * 0.16589 * kDegree, 0.01);
   EXPECT_EQ(sweeps[2].lost_packets, 0U);
-  EXPECT_NEAR(to_seconds(sweeps[1].span), 0.1, 1e-4);  // times go on over the gap
+  EXPECT_NEAR(to_seconds(sweeps[1].span), 0.1, 1e-4);  // times continue over the gap
 }
 
-TEST(SweepAssembler, LosingMoreThanATurnEndsTheSweep) {
+TEST(SweepAssembler, LossOfMoreThanATurnEndsTheSweep) {
   Scene scene = make_model_scene(Model::kHdl32e, {.start_azimuth = 0, .turns = 4});
   scene.packets.erase(scene.packets.begin() + 100, scene.packets.begin() + 400);
   SweepAssembler assembler({.model = Model::kHdl32e});
@@ -93,7 +94,7 @@ TEST(SweepAssembler, LosingMoreThanATurnEndsTheSweep) {
   }
 }
 
-TEST(SweepAssembler, PacketsTwiceAndOutOfOrderGiveTheSameSweeps) {
+TEST(SweepAssembler, DuplicateAndReorderedPacketsGiveTheSameSweeps) {
   const Scene scene = make_model_scene(Model::kVlp32c, {.turns = 2});
   SweepAssembler deskewed({.model = Model::kVlp32c});
   const std::vector<Sweep> expected = assemble(deskewed, scene.packets);
@@ -101,9 +102,9 @@ TEST(SweepAssembler, PacketsTwiceAndOutOfOrderGiveTheSameSweeps) {
   std::vector<SentPacket> disturbed;
   for (size_t i = 0; i < scene.packets.size(); ++i) {
     disturbed.push_back(scene.packets[i]);
-    if (i % 7 == 0) disturbed.push_back(scene.packets[i]);       // twice at once
-    if (i % 11 == 5) disturbed.push_back(scene.packets[i - 3]);  // twice, later
-    if (i % 13 == 6) {                                           // the next two swapped
+    if (i % 7 == 0) disturbed.push_back(scene.packets[i]);       // duplicate, directly
+    if (i % 11 == 5) disturbed.push_back(scene.packets[i - 3]);  // duplicate, later
+    if (i % 13 == 6) {                                           // swap the next two
       disturbed.push_back(scene.packets[i + 2]);
       disturbed.push_back(scene.packets[i + 1]);
       i += 2;
@@ -129,14 +130,14 @@ TEST(SweepAssembler, PacketsTwiceAndOutOfOrderGiveTheSameSweeps) {
     EXPECT_EQ(sweep.time_offset_ns, expected[i].time_offset_ns);
     EXPECT_EQ(sweep.reflectivity, expected[i].reflectivity);
     for (size_t k = 0; k < sweep.size(); ++k) {
-      // A packet that came before the one it should follow did not know its last step.
+      // A packet that arrived before its predecessor did not have its last step.
       ASSERT_NEAR(sweep.x[k], expected[i].x[k], 2e-4 * sweep.range[k]);
       ASSERT_NEAR(sweep.y[k], expected[i].y[k], 2e-4 * sweep.range[k]);
     }
   }
 }
 
-TEST(SweepAssembler, AVeryLatePacketIsLeftOut) {
+TEST(SweepAssembler, IgnoresAVeryLatePacket) {
   Scene scene = make_model_scene(Model::kVlp32c, {.turns = 1});
   std::rotate(scene.packets.begin() + 20, scene.packets.begin() + 21, scene.packets.begin() + 41);
   SweepAssembler assembler({.model = Model::kVlp32c});
@@ -146,7 +147,7 @@ TEST(SweepAssembler, AVeryLatePacketIsLeftOut) {
   EXPECT_EQ(assembler.counters().clock_jumps, 0U);
 }
 
-TEST(SweepAssembler, EveryRefusalIsCountedByItsCause) {
+TEST(SweepAssembler, CountsEveryRefusalByItsCause) {
   Scene scene = make_model_scene(Model::kVlp16, {.turns = 0.2});
   SweepAssembler assembler({.model = Model::kVlp16, .sender = 0x0A000007});
   const auto push = [&](std::vector<uint8_t> payload, uint32_t sender) {
@@ -175,7 +176,7 @@ TEST(SweepAssembler, EveryRefusalIsCountedByItsCause) {
   Sweep sweep;
   EXPECT_FALSE(assembler.pull(sweep));
 
-  std::vector<uint8_t> early = good;  // early firmware: decoded, and said
+  std::vector<uint8_t> early = good;  // early firmware: decoded, and counted
   early[1205] = 0x21;
   push(early, 0x0A000007);
   EXPECT_EQ(counters.wrong_model, 1U);
@@ -184,7 +185,7 @@ TEST(SweepAssembler, EveryRefusalIsCountedByItsCause) {
   EXPECT_EQ(counters.kernel_dropped, 12U);
 }
 
-TEST(SweepAssembler, TheFirstSenderIsTheSensorWhereNoneIsConfigured) {
+TEST(SweepAssembler, TheFirstSenderIsTheSensorIfNoneIsConfigured) {
   const Scene scene = make_model_scene(Model::kVlp16, {.turns = 0.2});
   SweepAssembler assembler({.model = Model::kVlp16});
   Sweep sweep;
@@ -201,7 +202,7 @@ TEST(SweepAssembler, TheFirstSenderIsTheSensorWhereNoneIsConfigured) {
   EXPECT_EQ(assembler.counters().wrong_sender, scene.packets.size());
 }
 
-TEST(SweepAssembler, TheTopOfTheHourIsNoGap) {
+TEST(SweepAssembler, TheTopOfTheHourIsNotAGap) {
   const Scene before = make_model_scene(Model::kHdl32e, {.turns = 2, .start_us = 100});
   const Scene across = make_model_scene(Model::kHdl32e, {.turns = 2, .start_us = 3'599'900'100});
   SweepAssembler first({.model = Model::kHdl32e});
@@ -217,7 +218,7 @@ TEST(SweepAssembler, TheTopOfTheHourIsNoGap) {
   }
 }
 
-TEST(SweepAssembler, ACounterThatIsSetEndsTheSweepAndIsNoLoss) {
+TEST(SweepAssembler, ACounterThatIsSetEndsTheSweepWithoutLoss) {
   Scene scene = make_model_scene(Model::kHdl32e, {.turns = 2, .start_us = 5'000'000});
   for (size_t i = 200; i < scene.packets.size(); ++i) {
     uint8_t* counter = scene.packets[i].payload.data() + 1200;
@@ -246,7 +247,7 @@ TEST(SweepAssembler, ASensorThatDoesNotTurnGivesSweepsOfBoundedLength) {
   }
 }
 
-// Rotation changes from 5 to 20 turns a second within two seconds.
+// The rotation changes from 5 to 20 turns per second within two seconds.
 TEST(SweepAssembler, AChangeOfRotationChangesOnlyTheSpans) {
   const ModelInfo& info = model_info(Model::kHdl32e);
   fixtures::PacketEncoder encoder({.model = Model::kHdl32e});
@@ -273,13 +274,13 @@ TEST(SweepAssembler, AChangeOfRotationChangesOnlyTheSpans) {
   EXPECT_EQ(count_returns(sweeps), packets.size() * 384);
 }
 
-// A sensor told to look at 100° … 300°. The jump lies inside packets, wherever it falls.
-TEST(SweepAssembler, APartOfTheTurnIsOneSweepWithExactTimes) {
+// A sensor configured to scan 100° … 300°. The jump may be anywhere inside packets.
+TEST(SweepAssembler, APartialTurnIsOneSweepWithExactTimes) {
   const ModelInfo& info = model_info(Model::kVlp32c);
   fixtures::PacketEncoder encoder({.model = Model::kVlp32c});
   const std::vector<fixtures::Echo> echoes(32, {10, 100});
   std::vector<SentPacket> packets;
-  std::vector<int64_t> firings_ns;  // of all sequences that were sent
+  std::vector<int64_t> firings_ns;  // of all sequences sent
   std::vector<bool> begins;
   bool was_in = true;
   for (size_t i = 0; i < 40'000; ++i) {
@@ -313,7 +314,7 @@ TEST(SweepAssembler, APartOfTheTurnIsOneSweepWithExactTimes) {
     firing += sweep.columns;
     ++sweeps_seen;
   }
-  // Where a jump falls between two packets it looks like loss until the first jump inside one.
+  // A jump between two packets looks like loss until the first jump inside one.
   EXPECT_LE(assembler.counters().network_lost, 70U);
 }
 

@@ -7,9 +7,9 @@
 namespace infuse::velodyne {
 namespace {
 
-TEST(SweepCutter, CutsWhereTheCutAzimuthIsReached) {
+TEST(SweepCutter, CutsAtTheCutAzimuth) {
   SweepCutter cutter(9'000);
-  EXPECT_TRUE(cutter.process_sequence(8'980, 0, false));  // the first
+  EXPECT_TRUE(cutter.process_sequence(8'980, 0, false));  // the first sequence
   EXPECT_FALSE(cutter.process_sequence(8'999, 19, false));
   EXPECT_TRUE(cutter.process_sequence(9'000, 1, false));
   EXPECT_FALSE(cutter.process_sequence(9'020, 20, false));
@@ -27,7 +27,7 @@ TEST(SweepCutter, JitterAtTheCutCutsOnce) {
   EXPECT_FALSE(cutter.process_sequence(10, 12, false));
 }
 
-TEST(SweepCutter, MoreThanATurnLostCutsOnce) {
+TEST(SweepCutter, LossOfMoreThanATurnCutsOnce) {
   SweepCutter cutter(0);
   cutter.process_sequence(100, 0, false);
   EXPECT_TRUE(cutter.process_sequence(200, 36'100, false));
@@ -36,10 +36,10 @@ TEST(SweepCutter, MoreThanATurnLostCutsOnce) {
   EXPECT_TRUE(cutter.process_sequence(10, 20, false));
 }
 
-TEST(SweepCutter, APartOfTheTurnEndsAtItsJumpOnlyAndAWholeTurnIsCutAgain) {
+TEST(SweepCutter, APartialTurnEndsAtItsJumpAndAFullTurnIsCutAgain) {
   SweepCutter cutter(0);
   cutter.process_sequence(27'000, 0, false);
-  EXPECT_TRUE(cutter.process_sequence(10, 9'010, false));  // not yet known
+  EXPECT_TRUE(cutter.process_sequence(10, 9'010, false));  // the jump is not known yet
   EXPECT_FALSE(cutter.process_sequence(9'000, 8'990, false));
   EXPECT_TRUE(cutter.process_sequence(27'000, 18'000, true));
   EXPECT_TRUE(cutter.partial_turn());
@@ -47,7 +47,8 @@ TEST(SweepCutter, APartOfTheTurnEndsAtItsJumpOnlyAndAWholeTurnIsCutAgain) {
   EXPECT_TRUE(cutter.is_known_jump(9'050, 26'950));
   EXPECT_FALSE(cutter.is_known_jump(9'050, 28'000));
   EXPECT_FALSE(cutter.process_sequence(9'000, 8'990, false));
-  EXPECT_FALSE(cutter.process_sequence(26'990, 17'990, false));  // it looks all around now
+  EXPECT_FALSE(
+      cutter.process_sequence(26'990, 17'990, false));  // the sensor scans the full turn now
   EXPECT_TRUE(cutter.process_sequence(10, 9'020, false));
   EXPECT_FALSE(cutter.partial_turn());
 }

@@ -46,7 +46,7 @@ UdpSource open_source(const TimeBase& base, size_t buffer = 1 << 20) {
   return *std::move(source);
 }
 
-TEST(UdpSource, GivesWhatWasSentWithSenderAndTheKernelsStamp) {
+TEST(UdpSource, DeliversDatagramsWithSenderAndKernelStamp) {
   const TimeBase base;
   UdpSource source = open_source(base);
   MessageBatch batch(64, UdpSource::kMaxDatagramBytes);
@@ -77,7 +77,7 @@ TEST(UdpSource, GivesWhatWasSentWithSenderAndTheKernelsStamp) {
   EXPECT_EQ(*source.read(batch, [](const Datagram&) {}), 0U);
 }
 
-TEST(UdpSource, ReadsNoMoreThanTheBatchHolds) {
+TEST(UdpSource, ReadsAtMostABatch) {
   const TimeBase base;
   UdpSource source = open_source(base);
   MessageBatch batch(8, UdpSource::kMaxDatagramBytes);
@@ -95,7 +95,7 @@ TEST(UdpSource, ReadsNoMoreThanTheBatchHolds) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(order[static_cast<size_t>(i)], i);
 }
 
-TEST(UdpSource, CountsWhatTheKernelDropped) {
+TEST(UdpSource, CountsDatagramsDroppedByTheKernel) {
   const TimeBase base;
   UdpSource source = open_source(base, 16 << 10);
   EXPECT_EQ(source.buffer_granted(), size_t{16} << 10);
@@ -110,7 +110,7 @@ TEST(UdpSource, CountsWhatTheKernelDropped) {
   };
   read_all();
   EXPECT_LT(received, kSent);
-  send_to(sender, source.port(), {1});  // with it comes the count
+  send_to(sender, source.port(), {1});  // carries the drop count
   read_all();
   EXPECT_EQ(source.dropped() + received, kSent + 1);
 }
@@ -122,7 +122,7 @@ TEST(UdpSource, ReportsABufferSmallerThanRequested) {
   EXPECT_GT(source.buffer_granted(), 0U);
 }
 
-TEST(UdpSource, CutsALongDatagramAndStaysInStep) {
+TEST(UdpSource, TruncatesALongDatagramAndContinues) {
   const TimeBase base;
   UdpSource source = open_source(base);
   MessageBatch batch(64, UdpSource::kMaxDatagramBytes);
@@ -143,7 +143,7 @@ TEST(UdpSource, ReceivesFromAJoinedMulticastGroup) {
                                  .receive_buffer = 1 << 16},
                                 base);
   ASSERT_TRUE(source.has_value()) << source.error().message();
-  source->rejoin();  // being a member already is no failure
+  source->rejoin();  // existing membership is not a failure
   MessageBatch batch(4, UdpSource::kMaxDatagramBytes);
   send_to(open_sender(kLoopback), source->port(), {1, 2, 3}, kMulticastGroup);
   size_t bytes = 0;
@@ -156,7 +156,8 @@ TEST(UdpSource, ReportsWhyAPortCannotBeOpened) {
   const UdpSource source = open_source(base);
   const auto taken = UdpSource::open({.address = "127.0.0.1", .port = source.port()}, base);
   ASSERT_FALSE(taken.has_value());
-  EXPECT_NE(taken.error().message().find("another program has the port"), std::string::npos);
+  EXPECT_NE(taken.error().message().find("the port is in use by another program"),
+            std::string::npos);
   EXPECT_FALSE(UdpSource::open({.address = "192.0.2.77", .port = 0}, base).has_value());
   EXPECT_FALSE(UdpSource::open({.port = 0, .multicast = "239.1.1.1", .interface = "nosuch0"}, base)
                    .has_value());

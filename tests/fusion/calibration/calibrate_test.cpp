@@ -1,4 +1,5 @@
 #include "fusion/calibration/calibrate.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ const Drive& eight_scene_drive() {
 }
 
 Eigen::Isometry3d perturbed(const Eigen::Isometry3d& T, double degrees, double metres) {
-  const double r = degrees * M_PI / 180 / std::sqrt(3.0);
+  const double r = degrees * kDegree / std::sqrt(3.0);
   const double t = metres / std::sqrt(3.0);
   Vector6 xi;
   xi << r, -r, r, -t, t, t;
@@ -59,7 +60,7 @@ TEST(Calibrate, TheCovarianceCoversTheError) {
   // lie below 7.44.
   EXPECT_LT(error.dot(result.uncertainty.covariance.inverse() * error), 6 * 7.44);
   EXPECT_LT(std::sqrt(result.uncertainty.covariance.diagonal().head<3>().maxCoeff()),
-            0.05 * M_PI / 180);
+            0.05 * kDegree);
   EXPECT_LT(std::sqrt(result.uncertainty.covariance.diagonal().tail<3>().maxCoeff()), 0.01);
 }
 
@@ -124,7 +125,7 @@ TEST(Calibrate, ConvergesFromAWideRotation) {
   const Drive& drive = eight_scene_drive();
   const auto start = perturbed(drive.T_camera_lidar, 12, 0.05);
   CalibrateOptions options;
-  options.screen.half_width = 10 * M_PI / 180;
+  options.screen.half_width = 10 * kDegree;
   const CalibrationResult result = calibrate(drive.scenes, drive.cameras, start, options);
   EXPECT_TRUE(result.usable()) << result.reason;
   EXPECT_LT(degrees_between(result.T_refcam_lidar, drive.T_camera_lidar), 0.1);

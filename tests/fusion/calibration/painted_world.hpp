@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "fusion/calibration/scene.hpp"
@@ -122,10 +123,10 @@ inline Sweep scan(const World& world, uint64_t seed, const Scanner& scanner = {}
   const double apart = 2 * scanner.half_width / (scanner.columns - 1);
   for (uint16_t column = 0; column < scanner.columns; ++column) {
     for (uint16_t ring = 0; ring < scanner.rings; ++ring) {
-      const double azimuth = (scanner.half_width - apart * column) * M_PI / 180;
+      const double azimuth = (scanner.half_width - apart * column) * kDegree;
       const double rise =
           scanner.rings > 1 ? (scanner.high - scanner.low) * ring / (scanner.rings - 1) : 0;
-      const double elevation = (scanner.low + rise) * M_PI / 180;
+      const double elevation = (scanner.low + rise) * kDegree;
       const Eigen::Vector3d along(std::cos(elevation) * std::cos(azimuth),
                                   std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       const auto hit = cast_ray(world, Eigen::Vector3d::Zero(), along);
@@ -196,7 +197,7 @@ inline Drive make_drive(int scenes, double scale = 1, const Scanner& scanner = {
 }
 
 inline double degrees_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  return geometry::log(a * b.inverse()).head<3>().norm() * 180 / M_PI;
+  return geometry::log(a * b.inverse()).head<3>().norm() / kDegree;
 }
 
 inline double metres_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {

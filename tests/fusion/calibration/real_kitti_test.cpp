@@ -1,13 +1,12 @@
 #include <gtest/gtest.h>
 
+#include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "tests/fusion/calibration/kitti_pairs.hpp"
 #include "tests/real_data.hpp"
 
 namespace infuse::calibration {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 /// All pairs; read once.
 const Result<kitti::Pairs>& pairs(const std::filesystem::path& folder) {

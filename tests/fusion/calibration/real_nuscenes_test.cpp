@@ -5,6 +5,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "tests/fusion/calibration/kitti_pairs.hpp"
 #include "tests/real_data.hpp"
@@ -13,8 +14,6 @@ namespace infuse::calibration {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kDegree = M_PI / 180;
 
 /// An HDL-32E's sweep as nuScenes stores it: x, y, z, intensity 0 … 255, ring, all float32, in
 /// order of firing. A firing ends where the ring falls.

@@ -1,8 +1,7 @@
 #include "fusion/geometry/extrinsic_error.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
-
-#include <numbers>
 
 namespace infuse::geometry {
 namespace {
@@ -52,7 +51,7 @@ TEST(ExtrinsicError, ShiftMovesPixelsByFocalLengthOverDepth) {
 TEST(ExtrinsicError, RotationAboutTheOpticalAxisIsItsThirdComponent) {
   const Eigen::Isometry3d truth = exp((Vector6() << 1.2, -1.2, 1.2, 0.1, 0.2, 0.3).finished());
   Eigen::Isometry3d estimate = truth;
-  const double angle = 0.5 * std::numbers::pi / 180;
+  const double angle = 0.5 * kDegree;
   estimate.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) * truth.linear();
   const ExtrinsicError error = extrinsic_error(estimate, truth, camera());
   EXPECT_NEAR(error.rotation, angle, 1e-12);

@@ -1,11 +1,12 @@
 #include "fusion/monitoring/calibration_monitor.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "fusion/monitoring/reestimate.hpp"
+#include "tests/allocation_counter.hpp"
 #include "tests/fusion/calibration/painted_world.hpp"
-#include "tests/fusion/motion/allocation_counter.hpp"
 
 namespace infuse::monitoring {
 namespace {
@@ -38,8 +39,7 @@ const std::vector<Snapshot>& snapshots() {
 const Motion kDrivingMotion{.velocity = Eigen::Vector3d(0, 0, 8)};
 
 Eigen::Isometry3d turned(double degrees, int axis) {
-  return geometry::exp(degrees * M_PI / 180 * geometry::Vector6::Unit(axis)) *
-         true_T_camera_lidar();
+  return geometry::exp(degrees * kDegree * geometry::Vector6::Unit(axis)) * true_T_camera_lidar();
 }
 
 /// Drives past the places again and again, twice a second.
@@ -70,7 +70,7 @@ TEST(Watch, AnUnchangedCalibrationHolds) {
   const MonitorReport report = driver.drive(watch, 200);
   EXPECT_EQ(report.drift, Drift::kHolds) << report.evidence << " " << to_string(report.axis);
   EXPECT_EQ(report.fault, CameraFault::kNone);
-  EXPECT_LT(report.offset.head<3>().norm(), 0.2 * M_PI / 180);
+  EXPECT_LT(report.offset.head<3>().norm(), 0.2 * kDegree);
 }
 
 TEST(Watch, ARotatedCameraIsDetectedWithItsAxis) {
@@ -79,7 +79,7 @@ TEST(Watch, ARotatedCameraIsDetectedWithItsAxis) {
     Driver driver;
     const MonitorReport report = driver.drive(watch, 60);
     EXPECT_EQ(report.drift, Drift::kConfirmed) << axis;
-    EXPECT_GT(report.offset(axis), 0.2 * M_PI / 180) << axis;
+    EXPECT_GT(report.offset(axis), 0.2 * kDegree) << axis;
   }
 }
 
@@ -133,9 +133,9 @@ TEST(Watch, AllocatesNothingOnceWarm) {
   const Snapshot& place = snapshots()[3];
   CameraFrame grey = place.grey;
   grey.stamp = Stamp::from_ns(100'000'000'000);
-  const size_t before = motion::allocation_count();
+  const size_t before = allocation_count();
   const MonitorReport report = watch.process(grey, make_sweep_view(place.sweep), kDrivingMotion);
-  const size_t after = motion::allocation_count();
+  const size_t after = allocation_count();
   EXPECT_TRUE(report.evaluated);
   EXPECT_EQ(after, before);
 }

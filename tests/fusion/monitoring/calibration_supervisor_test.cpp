@@ -1,4 +1,5 @@
 #include "fusion/monitoring/calibration_supervisor.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@ using enum CalibrationState;
 using testing::HasSubstr;
 
 Eigen::Isometry3d turned(double degrees) {
-  return geometry::exp(degrees * M_PI / 180 * geometry::Vector6::Unit(1));
+  return geometry::exp(degrees * kDegree * geometry::Vector6::Unit(1));
 }
 
 /// A drive of half a second a step, in which the test chooses what the watch says.
@@ -24,7 +25,7 @@ class Drive {
     report.fault = fault;
     report.evidence = drift == Drift::kHolds ? 0 : drift == Drift::kSuspected ? 5 : 20;
     report.axis = Axis::kRotationY;
-    report.offset(1) = 0.5 * M_PI / 180;
+    report.offset(1) = 0.5 * kDegree;
     report.gain = gain;
     report.has_gain = supervisor.alternative().has_value();
     return supervisor.process(report, scenes);
@@ -42,7 +43,7 @@ class Drive {
   static Reestimate make_result(double degrees) {
     Reestimate result{.T_camera_lidar = turned(degrees)};
     result.covariance = 1e-6 * geometry::Matrix6::Identity();
-    result.moved = 1000 * degrees * M_PI / 180;
+    result.moved = 1000 * degrees * kDegree;
     result.scenes = 15;
     return result;
   }

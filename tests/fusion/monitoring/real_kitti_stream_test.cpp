@@ -1,12 +1,11 @@
 #include <gtest/gtest.h>
 
+#include "drivers/measurement/angles.hpp"
 #include "tests/fusion/monitoring/kitti_stream.hpp"
 #include "tests/real_data.hpp"
 
 namespace infuse::monitoring {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 /// All pairs; read once.
 const kitti::Stream& stream_of(const std::filesystem::path& folder) {

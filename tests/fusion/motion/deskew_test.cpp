@@ -1,4 +1,5 @@
 #include "fusion/motion/deskew.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,7 @@
 #include <random>
 
 #include "fusion/motion/odometry_filter.hpp"
-#include "tests/fusion/motion/allocation_counter.hpp"
+#include "tests/allocation_counter.hpp"
 #include "tests/fusion/motion/true_drive.hpp"
 
 namespace infuse::motion {
@@ -261,8 +262,7 @@ SimulatedSweep simulate_sweep(const TrueDrive& drive, double start, double range
     const Eigen::Isometry3d T_map_lidar = drive.pose(start + 1e-9 * offset) * T_vehicle_lidar();
     const double azimuth = -2 * std::numbers::pi * static_cast<double>(column) / kColumns;
     for (size_t ring = 0; ring < kRings; ++ring) {
-      const double elevation =
-          (-24.8 + 26.8 * static_cast<double>(ring) / (kRings - 1)) * std::numbers::pi / 180;
+      const double elevation = (-24.8 + 26.8 * static_cast<double>(ring) / (kRings - 1)) * kDegree;
       const Eigen::Vector3d beam(std::cos(elevation) * std::cos(azimuth),
                                  std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       const Eigen::Vector3d from = T_map_lidar.translation(), along = T_map_lidar.linear() * beam;
@@ -356,8 +356,8 @@ TEST(Deskew, TurningHdl64WithCanOdometry) {
       if (speed != 0) speed = speed / 1.004 + 0.03 * normal(random);
       speed = std::round(speed * 360) / 360;
     }
-    constexpr double kYawRateStep = 0.244 * std::numbers::pi / 180;
-    const double bias = 0.4 * std::numbers::pi / 180;
+    constexpr double kYawRateStep = 0.244 * kDegree;
+    const double bias = 0.4 * kDegree;
     sample.yaw_rate =
         std::round((sample.yaw_rate + bias + 0.003 * normal(random)) / kYawRateStep) * kYawRateStep;
     filter.add(sample);

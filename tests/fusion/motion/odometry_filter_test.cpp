@@ -1,10 +1,10 @@
 #include "fusion/motion/odometry_filter.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 
 #include "tests/fusion/motion/true_drive.hpp"
@@ -13,8 +13,6 @@ namespace infuse::motion {
 namespace {
 
 using geometry::Vector6;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Stands for `standing` s, then drives on a winding planar road.
 Vector6 winding_twist(double t, double standing) {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/vehicle/candump.hpp"
 #include "drivers/vehicle/signal_map.hpp"
 #include "fusion/motion/odometry_filter.hpp"
@@ -13,8 +14,6 @@
 
 namespace infuse::motion {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 using Row = std::vector<double>;
 
@@ -71,8 +70,6 @@ double course_at(const std::vector<TruePosition>& truth, size_t i) {
   const Eigen::Vector3d displacement = truth[i + 10].east_north_up - truth[i - 10].east_north_up;
   return std::atan2(displacement.y(), displacement.x());
 }
-
-double wrap_angle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 vehicle::SignalMap rav4() {
   vehicle::SignalMap map;

@@ -1,4 +1,5 @@
 #include "fusion/streetmap/particle_set.hpp"
+#include "drivers/measurement/angles.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "drivers/measurement/angles.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "fusion/geometry/camera_model.hpp"
@@ -101,8 +102,8 @@ template <class Visit>
 void for_each_beam(const Visit& visit) {
   for (int column = 0; column < 286; ++column) {
     for (int ring = 0; ring < 64; ++ring) {
-      const double azimuth = (50 - 0.35 * column) * M_PI / 180;
-      const double elevation = (-24 + 40.0 * ring / 63) * M_PI / 180;
+      const double azimuth = (50 - 0.35 * column) * kDegree;
+      const double elevation = (-24 + 40.0 * ring / 63) * kDegree;
       visit(Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
                             std::cos(elevation) * std::sin(azimuth), std::sin(elevation)),
             static_cast<uint16_t>(ring), static_cast<uint16_t>(column));
@@ -216,7 +217,7 @@ inline CameraFrame render_image(const std::vector<Eigen::Isometry3d>& T_camera_b
 }
 
 inline double degrees_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  return geometry::log(a * b.inverse()).head<3>().norm() * 180 / M_PI;
+  return geometry::log(a * b.inverse()).head<3>().norm() / kDegree;
 }
 
 /// Distance of the two lidar origins in the camera frame, m.

@@ -1,8 +1,9 @@
-#include "fusion/dependence/instruction_set.hpp"
+#include "drivers/measurement/instruction_set.hpp"
 
-namespace infuse::dependence {
+namespace infuse {
 
 bool supported(InstructionSet set) {
+#ifdef __x86_64__
   switch (set) {
     case InstructionSet::kAvx512:
       return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
@@ -13,7 +14,8 @@ bool supported(InstructionSet set) {
     case InstructionSet::kBaseline:
       break;
   }
-  return true;
+#endif
+  return set == InstructionSet::kBaseline;
 }
 
 InstructionSet best_instruction_set() {
@@ -23,4 +25,4 @@ InstructionSet best_instruction_set() {
   return best;
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse

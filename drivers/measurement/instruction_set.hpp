@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+namespace infuse {
+
+/// Instruction sets for which kernels are compiled. All variants of a kernel do the same arithmetic
+/// on every number in the same order, so all give the same bytes; only the time differs.
+enum class InstructionSet : uint8_t {
+  kBaseline,  ///< x86-64: SSE2; the only one on other processors
+  kAvx2,      ///< AVX2
+  kAvx512,    ///< x86-64-v4: AVX-512 F, BW, CD, DQ, VL
+};
+
+/// True if this processor supports `set`.
+bool supported(InstructionSet set);
+
+/// The widest instruction set that this processor supports.
+InstructionSet best_instruction_set();
+
+/// Returns the variant of a kernel for `set`, which the processor must support.
+template <class Kernel>
+Kernel* select_variant(InstructionSet set, Kernel* baseline, Kernel* avx2, Kernel* avx512) {
+  switch (set) {
+    case InstructionSet::kAvx512:
+      return avx512;
+    case InstructionSet::kAvx2:
+      return avx2;
+    case InstructionSet::kBaseline:
+      break;
+  }
+  return baseline;
+}
+
+}  // namespace infuse
