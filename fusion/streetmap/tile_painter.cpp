@@ -8,7 +8,7 @@ namespace {
 
 constexpr uint32_t kNoStrip = UINT32_MAX;
 
-/// The cells whose middles lie in [from, to] metres from the tile's edge: [first, end).
+/// Returns the cells [first, end) whose centres lie in [from, to] metres from the edge of the tile.
 std::pair<int, int> cells_between(double from, double to, double cell) {
   const double last = TilePainter::kTileSize;
   const double first = std::clamp(std::ceil(from / cell - 0.5), 0.0, last);
@@ -52,7 +52,7 @@ void TilePainter::fill_area(const PlanArea& area, uint32_t id) {
   }
 }
 
-// visit(cell, distance) for the cells whose middles lie within `reach` of the line from a to b.
+// Calls visit(cell, distance) for cells with centres within `reach` of the line from a to b.
 template <class Visit>
 void TilePainter::visit_near_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach,
                                   Visit visit) {

@@ -25,7 +25,7 @@ const char* ViewScore::prepare(const GridSamples& samples) {
     bags_[0].prepare(samples.features.matrix());
     return bags_[0].reason();
   }
-  // Each bag takes every kBags-th sample, from another one on: the samples are in random order.
+  // Bag b holds every kBags-th sample from sample b on: the samples are in random order.
   const Eigen::Index bags = kBagCount, size = samples.features.rows() / bags;
   bag_features_.resize(size, samples.features.cols());
   for (Eigen::Index b = 0; b < bags; ++b) {
@@ -40,9 +40,10 @@ const char* ViewScore::prepare(const GridSamples& samples) {
   return "";
 }
 
-// I(3.8): gradient times discontinuity. The table holds them without their mean; both begin at 0.
+// I(3.8): gradient times discontinuity. The table holds them without their means; both are shifted
+// to a minimum of 0.
 const char* ViewScore::prepare_boundaries(const FeatureTable& features) {
-  if (features.cols() < kFeatureCount) return "boundaries need colours";
+  if (features.cols() < kFeatureCount) return "the boundary measure needs colours";
   const auto all = features.matrix();
   const auto gradient = all.col(kGradient);
   const auto discontinuity = all.col(kDiscontinuity);
@@ -55,7 +56,7 @@ const char* ViewScore::prepare_boundaries(const FeatureTable& features) {
     squares += value * value;
   }
   boundary_strength_norm_ = std::sqrt(squares);
-  return squares > 0 ? "" : "nothing looks like a boundary";
+  return squares > 0 ? "" : "no sample resembles a boundary";
 }
 
 // I(3.7).
@@ -90,7 +91,7 @@ double ViewScore::evaluate(std::span<const int32_t> labels, const LabelWindow& w
     if (!estimate.usable()) return 0;
     sum += estimate.value;
     if (!hyper_parameters)
-      hyper_parameters = estimate.hyper_parameters;  // I 4.3.2: the first bag's serve all
+      hyper_parameters = estimate.hyper_parameters;  // I 4.3.2: all bags use those of the first
   }
   if (chosen != nullptr) *chosen = *hyper_parameters;
   return sum / static_cast<double>(bags_.size());

@@ -11,28 +11,29 @@
 
 namespace infuse::streetmap {
 
-/// By what the tracker weighs a pose.
+/// Measure by which the tracker weights a pose.
 enum class ViewMeasure {
-  kLsmi,   ///< SMI by LSMI, I 3.3.1
-  kBlsmi,  ///< the mean of LSMI over bags of the samples, I(2.9): the comparison of I table 3.6
-  kBoundaries,  ///< correlation of what looks like a kerb with the map's kerbs, I(3.7–3.9): the
-                ///< comparison of I table 3.5; needs colours
+  kLsmi,        ///< SMI by LSMI, I 3.3.1
+  kBlsmi,       ///< mean of LSMI over bags of the samples, I(2.9); for comparison with I table 3.6
+  kBoundaries,  ///< correlation of kerb-like samples with the kerbs of the map, I(3.7–3.9); needs
+                ///< colours; for comparison with I table 3.5
 };
 
-/// How well labels fit what is seen, for one view after another, each asked with many labellings.
-/// Allocates nothing after its first view of a size.
+/// Scores labels against the features of a view; each view is evaluated with many labellings. Does
+/// not allocate after the first view of a size.
 class ViewScore {
  public:
   ViewScore(ViewMeasure measure, const dependence::FitOptions& fit);
 
-  /// Takes the memory for as many samples and labels as there may be.
+  /// Reserves memory for the given numbers of samples and labels.
   void reserve(int samples, int labels);
 
-  /// Takes a view. Why it cannot be asked, static text; "" where it can.
+  /// Prepares a view. Returns why it cannot be evaluated (static text), or "".
   const char* prepare(const GridSamples& samples);
 
-  /// The score of one label a sample, labels of `window`; 0 where it has none. `kept` leaves out
-  /// the cross-validation; `chosen`, where not null, is what was kept or chosen (σ 0: nothing).
+  /// Returns the score of one label per sample, labels of `window`; 0 if there is none. `fixed`
+  /// hyper-parameters skip the cross-validation; `chosen`, if not null, receives those used (σ 0:
+  /// none).
   double evaluate(std::span<const int32_t> labels, const LabelWindow& window,
                   const std::optional<dependence::HyperParameters>& fixed,
                   dependence::HyperParameters* chosen = nullptr);
@@ -45,7 +46,7 @@ class ViewScore {
   std::vector<dependence::LabelDependence> bags_;  // one for kLsmi
   FeatureTable bag_features_;
   std::vector<int32_t> bag_labels_;
-  std::vector<double> boundary_strength_;  // to a boundary, by sample
+  std::vector<double> boundary_strength_;  // likeness to a boundary, by sample
   double boundary_strength_norm_ = 0;
 };
 

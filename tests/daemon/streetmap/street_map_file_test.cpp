@@ -99,11 +99,11 @@ TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWhereATagTellsOfThem) {
 
 TEST_F(StreetMapFileTest, OpenAndSelfCrossingRingsAreReportedWithTheirId) {
   EXPECT_THAT(warnings(way(77, {101, 102, 203}, "building=yes")),
-              Contains("way 77: is an area that does not close (it is left out)"));
+              Contains("way 77: is an area that does not close (it is skipped)"));
   EXPECT_THAT(warnings(way(78, {301, 404, 304, 401, 301}, "leisure=park")),
-              Contains("way 78: has a ring that crosses itself (it is left out)"));
+              Contains("way 78: has a ring that crosses itself (it is skipped)"));
   EXPECT_THAT(warnings(way(79, {301, 5000}, "highway=service")),
-              Contains("way 79: lies more than 50 km from the rest of the map (it is left out)"));
+              Contains("way 79: lies more than 50 km from the rest of the map (it is skipped)"));
   EXPECT_THAT(warnings(way(80, {301, 9999, 302}, "highway=service")),
               Contains(HasSubstr("way 80: 1 of its nodes are not in the file")));
   EXPECT_THAT(warnings(way(81, {301, 304, 404, 401, 301}, "building=yes")), testing::IsEmpty());
@@ -113,7 +113,7 @@ TEST_F(StreetMapFileTest, AMapWithoutRoadsIsRefused) {
   for (const char* tags : {"building=yes", "highway=footway"}) {
     const auto made = make(way(1, {1, 4, 304, 301, 1}, tags));
     ASSERT_FALSE(made) << tags;
-    EXPECT_THAT(made.error().message(), HasSubstr("has no road that can be driven on"));
+    EXPECT_THAT(made.error().message(), HasSubstr("has no drivable road"));
   }
 }
 
@@ -142,7 +142,7 @@ TEST_F(StreetMapFileTest, DamagedFilesAreSaid) {
       recording::write_file_atomically(path, std::span(made->bytes).first(made->bytes.size() / 2)));
   const auto cut = open_street_map_file(path);
   ASSERT_FALSE(cut);
-  EXPECT_THAT(cut.error().message(), HasSubstr("is cut off"));
+  EXPECT_THAT(cut.error().message(), HasSubstr("is truncated"));
   EXPECT_FALSE(open_street_map_file(folder_ / "missing.map"));
   EXPECT_FALSE(open_street_map_file("/"));
   ASSERT_TRUE(recording::write_text(folder_ / "empty.map", ""));
@@ -150,7 +150,7 @@ TEST_F(StreetMapFileTest, DamagedFilesAreSaid) {
   ASSERT_TRUE(recording::write_text(folder_ / "text.map", std::string(500, 'x')));
   const auto text = open_street_map_file(folder_ / "text.map");
   ASSERT_FALSE(text);
-  EXPECT_THAT(text.error().message(), HasSubstr("is not a street map of infuse"));
+  EXPECT_THAT(text.error().message(), HasSubstr("is not an infuse street map"));
 }
 
 TEST_F(StreetMapFileTest, APictureNeedsAScale) {

@@ -102,7 +102,7 @@ TEST(SegmentMap, RefusesWhatIsCutOffOrLonger) {
   const auto longer = SegmentMap::open(bytes, "x.map");
   ASSERT_FALSE(longer);
   EXPECT_EQ(longer.error().message(),
-            "x.map: has bytes after its end (make it anew with infuse streetmap)");
+            "x.map: has bytes after its end (regenerate it with infuse streetmap)");
 }
 
 TEST(SegmentMap, FindsAChangedBit) {

@@ -89,7 +89,7 @@ TEST(ViewScore, SaysWhyAViewCannotBeAsked) {
   EXPECT_STRNE(ViewScore(ViewMeasure::kBlsmi, kFit).prepare(none), "");
   const LabelledView asked;
   EXPECT_STREQ(ViewScore(ViewMeasure::kBoundaries, kFit).prepare(asked.samples),
-               "boundaries need colours");
+               "the boundary measure needs colours");
 }
 
 }  // namespace
