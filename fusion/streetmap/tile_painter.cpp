@@ -98,10 +98,11 @@ void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const Ele
     if (nearest_strip_[cell] == kNoStrip || edge_distance_[cell] < 0) continue;
     if (ids[nearest_strip_[cell]].sidewalk != 0) ids_[cell] = ids[nearest_strip_[cell]].sidewalk;
   }
-  each(SegmentKind::kFootway, [&](uint32_t index, const PlanStrip& strip, const auto& a,
-                                  const auto& b) {
-    visit_near_line(a, b, strip.half_width, [&](size_t cell, double) { ids_[cell] = ids[index].body; });
-  });
+  each(SegmentKind::kFootway,
+       [&](uint32_t index, const PlanStrip& strip, const auto& a, const auto& b) {
+         visit_near_line(a, b, strip.half_width,
+                         [&](size_t cell, double) { ids_[cell] = ids[index].body; });
+       });
   for (size_t cell = 0; cell < kCellsPerTile; ++cell) {
     if (nearest_strip_[cell] == kNoStrip) continue;
     const PlanStrip& strip = plan_.strips[nearest_strip_[cell]];

@@ -49,17 +49,18 @@ geometry::Matrix6 TrackerEstimate::pose_covariance() const {
   return result;
 }
 
-Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options)
+Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
+                 std::unique_ptr<ViewScore> score)
     : map_(map),
       options_(options),
       grid_(options.grid),
-      view_(options.measure, options.fit),
+      view_(score ? std::move(score) : std::make_unique<LsmiScore>(options.fit)),
       particles_(options.particles, options.seed),
       significance_(options.confidence.window),
       global_search_(options.global_search, options.seed + 2),
       random_(options.seed + 1) {
   const auto samples = static_cast<size_t>(options.grid.max_samples);
-  view_.reserve(options.grid.max_samples, kSegmentKindCount);
+  view_->reserve(options.grid.max_samples, kSegmentKindCount);
   window_.reserve(map, window_radius(kMaxSpread), options.labelling);
   samples_.features.resize(options.grid.max_samples, kFeatureCount);
   samples_.x.reserve(samples);
@@ -118,7 +119,7 @@ void Tracker::update() {
 
 void Tracker::update(const GridSamples& samples) {
   if (!started_ || samples.size() < kMinSamples || !begin_update()) return;
-  if (*view_.prepare(samples) != '\0') return;
+  if (*view_->prepare(samples) != '\0') return;
   const PoseMoments before = particles_.moments();
   window_.read(map_, before.mean.x, before.mean.y, window_radius(before.spread()),
                options_.labelling);
@@ -171,7 +172,7 @@ double Tracker::evaluate(const PlanarPose& pose, const GridSamples& samples,
                          const std::optional<dependence::HyperParameters>& fixed,
                          dependence::HyperParameters* chosen) {
   window_.look_up(pose, samples.x, samples.y, labels_);
-  return view_.evaluate(labels_, window_, fixed, chosen);
+  return view_->evaluate(labels_, window_, fixed, chosen);
 }
 
 // I 3.3.2: a random subset of the particles is cross-validated; the others keep their

@@ -57,8 +57,10 @@ struct TrackerEstimate {
 /// the probability that a wrong pose scores as high.
 class Tracker {
  public:
-  /// `map` must outlive the tracker. `options.invalid()` must be empty.
-  explicit Tracker(const SegmentMap& map, const TrackerOptions& options = {});
+  /// `map` must outlive the tracker. `options.invalid()` must be empty. `score` weights the poses;
+  /// null: `LsmiScore`.
+  explicit Tracker(const SegmentMap& map, const TrackerOptions& options = {},
+                   std::unique_ptr<ViewScore> score = nullptr);
 
   /// Starts around a pose (map frame); covariance of x, y, yaw.
   void start(const PlanarPose& pose, const Eigen::Matrix3d& covariance);
@@ -102,7 +104,7 @@ class Tracker {
   TrackerOptions options_;
   LocalGrid grid_;
   LabelWindow window_;
-  ViewScore view_;
+  std::unique_ptr<ViewScore> view_;
   ParticleSet particles_;
   ScoreSignificance significance_;
   GlobalSearch global_search_;

@@ -8,7 +8,6 @@
 #include "fusion/streetmap/global_search.hpp"
 #include "fusion/streetmap/label_window.hpp"
 #include "fusion/streetmap/local_grid.hpp"
-#include "fusion/streetmap/view_score.hpp"
 
 namespace infuse::streetmap {
 
@@ -60,7 +59,6 @@ struct ConfidenceOptions {
 struct TrackerOptions {
   LocalGridOptions grid;
   Labelling labelling = Labelling::kKinds;
-  ViewMeasure measure = ViewMeasure::kLsmi;
   dependence::FitOptions fit{
       .centres = 40, .sigmas = {1.0, 1.5, 2.2, 3.3}, .lambdas = {1e-4, 1e-3, 1e-2, 1e-1}};
   double skipped_validation_share =

@@ -89,7 +89,7 @@ TEST_F(StreetMapFileTest, WidthsComeFromTheTagElseLanesElseClass) {
   EXPECT_DOUBLE_EQ(width("highway=residential tunnel=yes"), 0);
 }
 
-TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWhereATagTellsOfThem) {
+TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWithASidewalkTag) {
   EXPECT_EQ(strip("highway=residential").sidewalk_width, 0);
   EXPECT_EQ(strip("highway=residential sidewalk=no").sidewalk_width, 0);
   EXPECT_GT(strip("highway=residential sidewalk=both").sidewalk_width, 1);
@@ -109,7 +109,7 @@ TEST_F(StreetMapFileTest, OpenAndSelfCrossingRingsAreReportedWithTheirId) {
   EXPECT_THAT(warnings(way(81, {301, 304, 404, 401, 301}, "building=yes")), testing::IsEmpty());
 }
 
-TEST_F(StreetMapFileTest, AMapWithoutRoadsIsRefused) {
+TEST_F(StreetMapFileTest, AMapWithoutRoadsIsRejected) {
   for (const char* tags : {"building=yes", "highway=footway"}) {
     const auto made = make(way(1, {1, 4, 304, 301, 1}, tags));
     ASSERT_FALSE(made) << tags;
@@ -117,7 +117,7 @@ TEST_F(StreetMapFileTest, AMapWithoutRoadsIsRefused) {
   }
 }
 
-TEST_F(StreetMapFileTest, IsOpenedAsItWasMade) {
+TEST_F(StreetMapFileTest, OpensAGeneratedMap) {
   const auto made = make(way(4711, {1, 10}, "highway=residential"));
   ASSERT_TRUE(made);
   const auto path = folder_ / "a.map";
@@ -134,7 +134,7 @@ TEST_F(StreetMapFileTest, IsOpenedAsItWasMade) {
   EXPECT_THAT(std::string(moved.map.provenance()), HasSubstr("map.osm"));
 }
 
-TEST_F(StreetMapFileTest, DamagedFilesAreSaid) {
+TEST_F(StreetMapFileTest, DamagedFilesAreReported) {
   const auto made = make(way(4711, {1, 10}, "highway=residential"));
   ASSERT_TRUE(made);
   const auto path = folder_ / "cut.map";
@@ -153,7 +153,7 @@ TEST_F(StreetMapFileTest, DamagedFilesAreSaid) {
   EXPECT_THAT(text.error().message(), HasSubstr("is not an infuse street map"));
 }
 
-TEST_F(StreetMapFileTest, APictureNeedsAScale) {
+TEST_F(StreetMapFileTest, AnImageNeedsAScale) {
   const auto made = make_street_map("screenshot.png", {});
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().message(), HasSubstr("no scale"));
@@ -165,7 +165,7 @@ TEST(StreetMap, AltfeldConvertsWithoutWarnings) {
   EXPECT_THAT(made->warnings, testing::IsEmpty());
 }
 
-/// Share of a drive's rows that lie on carriageways, and the farthest that one lies from them, m.
+/// Share of the rows of a drive on carriageways, and the maximum distance from them, m.
 struct RoadCoverage {
   double share = 0;
   double max_distance = 0;
