@@ -120,7 +120,7 @@ class LocalGrid {
  private:
   struct Cell {
     int32_t column = INT32_MIN,
-            row = INT32_MIN;  // in the odometry frame; tells whether the cell is outdated
+            row = INT32_MIN;  // in the odometry frame, to detect outdated cells
     float lidar_count = 0, colour_count = 0;
     std::array<float, kFeatureCount> mean{};
   };
