@@ -27,8 +27,8 @@ Result<GeneratedStreetMap> make_from_openstreetmap(const std::filesystem::path& 
   if (!map) return tl::unexpected(map.error());
   OsmStreetPlan planned = build_street_plan(*map);
   if (planned.carriageway_count == 0) {
-    return fail("has no road that can be driven on", input.string(),
-                "no way of the map has a key highway of a known class");
+    return fail("has no drivable road", input.string(),
+                "no way of the map has a highway tag of a known class");
   }
   auto made = streetmap::rasterise(
       planned.plan, options,
@@ -60,7 +60,7 @@ bool is_image_file(const std::filesystem::path& input) {
 Result<GeneratedStreetMap> make_street_map(const std::filesystem::path& input,
                                            const StreetMapOptions& options) {
   if (!is_image_file(input)) return make_from_openstreetmap(input, options.raster);
-  if (!options.image) return fail("a picture has no scale of its own", input.string());
+  if (!options.image) return fail("an image has no scale of its own", input.string());
   return make_from_image(input, *options.image);
 }
 

@@ -11,37 +11,38 @@
 
 namespace infuse::daemon {
 
-/// A street map file in memory, and the map that reads it in place.
+/// Memory-mapped street map file and the map that reads it in place.
 struct StreetMapFile {
   recording::MappedFile file;
   streetmap::SegmentMap map;
 };
 
-/// Maps a file that `infuse streetmap` wrote. Fails where it is missing, damaged or cut off.
+/// Opens a file that `infuse streetmap` wrote. Fails if it is missing, damaged or truncated.
 Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path);
 
-/// The same of a name in a folder; an empty map where the name is empty.
+/// Opens `name` in `folder`; returns an empty map if `name` is empty.
 Result<StreetMapFile> open_optional_street_map_file(const std::filesystem::path& folder,
                                                     const std::string& name);
 
-/// What a street map is made with.
+/// Settings of `make_street_map`.
 struct StreetMapOptions {
-  streetmap::RasterOptions raster;                    ///< for OpenStreetMap
-  std::optional<streetmap::ImageMapOptions> image{};  ///< for a PNG or JPEG, which has no scale
+  streetmap::RasterOptions raster;  ///< for OpenStreetMap input
+  std::optional<streetmap::ImageMapOptions>
+      image{};  ///< for PNG or JPEG input, which has no scale of its own
 };
 
-/// A street map to be written.
+/// Generated street map.
 struct GeneratedStreetMap {
-  std::vector<std::byte> bytes;  ///< the file
-  std::vector<Error> warnings;   ///< what of the input is not as it should be, with element ids
+  std::vector<std::byte> bytes;  ///< content of the file
+  std::vector<Error> warnings;   ///< defects of the input, with element ids
 };
 
-/// Makes a map of OpenStreetMap XML (.osm, .osm.bz2, .osm.gz) or of a picture (.png, .jpg, .jpeg).
-/// Fails where the input cannot be read, has no road that can be driven on, or is too large.
+/// Makes a map from OpenStreetMap XML (.osm, .osm.bz2, .osm.gz) or from an image (.png, .jpg,
+/// .jpeg). Fails if the input cannot be read, has no drivable road, or is too large.
 Result<GeneratedStreetMap> make_street_map(const std::filesystem::path& input,
                                            const StreetMapOptions& options);
 
-/// Whether the name is a picture's.
+/// True if the file name is that of an image.
 bool is_image_file(const std::filesystem::path& input);
 
 }  // namespace infuse::daemon

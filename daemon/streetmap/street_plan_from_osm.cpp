@@ -17,20 +17,20 @@ using recording::OsmTag;
 using streetmap::Polyline;
 using streetmap::SegmentKind;
 
-constexpr double kKerbWidth = 0.4;           // m, line outside the carriageway
-constexpr double kWallWidth = 0.8;           // m, line on a building's outline
-constexpr double kSidewalkWidth = 2.4;       // m, pavement that a street's tags name
+constexpr double kKerbWidth = 0.4;           // m, boundary line outside the carriageway
+constexpr double kWallWidth = 0.8;           // m, boundary line on the outline of a building
+constexpr double kSidewalkWidth = 2.4;       // m, pavement of a street with a sidewalk tag
 constexpr double kCrossingHalfLength = 2.0;  // m, half the length of a crossing along the street
-constexpr double kMaxDistance = 50e3;        // m from the map's median
+constexpr double kMaxDistance = 50e3;        // m from the median of the map
 constexpr size_t kMaxWarnings = 1000;
 
-/// What is usual for a class of way.
+/// Defaults of a class of way.
 struct WayDefaults {
   std::string_view highway;
   bool carriageway;
   double width;         // m, two-way without lanes stated
   double oneway_width;  // m, one-way without lanes stated
-  double lane_width;    // m a lane, where lanes are stated
+  double lane_width;    // m per lane, if lanes are stated
 };
 constexpr WayDefaults kWayDefaults[] = {
     {"motorway", true, 12.0, 12.0, 3.75},   {"motorway_link", true, 8.0, 6.0, 4.5},
@@ -53,7 +53,7 @@ const WayDefaults* find_way_defaults(std::string_view highway) {
   return nullptr;
 }
 
-/// The number that a value begins with, within limits.
+/// Parses the leading number of a value; nothing if outside the limits.
 std::optional<double> parse_number(std::string_view text, double low, double high) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -72,8 +72,8 @@ double street_width(const std::vector<OsmTag>& tags, const WayDefaults& usual) {
   return one ? usual.oneway_width : usual.width;
 }
 
-// Pavements are drawn only where the map tells of them: one that is guessed, and is wider on one
-// side than on the other or not there, pulls the vehicle aside.
+// Pavements are drawn only where the map states them: a guessed pavement that does not exist, or is
+// wider on one side, biases the lateral position.
 bool has_sidewalk(const std::vector<OsmTag>& tags) {
   const std::string_view sidewalk = find_tag(tags, "sidewalk");
   return sidewalk == "both" || sidewalk == "left" || sidewalk == "right" || sidewalk == "yes";
@@ -118,7 +118,7 @@ class StreetPlanBuilder {
   }
 
  private:
-  // The middle of the box, unless far elements pull it away: then the median of the points.
+  // The middle of the bounding box, or the median of the points if outliers shift the box.
   void set_origin() {
     std::vector<double> latitudes, longitudes;
     for (const recording::OsmWay& way : map_.ways) {
@@ -160,7 +160,7 @@ class StreetPlanBuilder {
   bool warn_if_far(const char* kind, int64_t id, const std::vector<OsmPoint>& points) {
     for (const OsmPoint& point : points) {
       if (!is_beyond_limit(point.latitude, point.longitude)) continue;
-      warn(kind, id, "lies more than 50 km from the rest of the map", "it is left out");
+      warn(kind, id, "lies more than 50 km from the rest of the map", "it is skipped");
       return true;
     }
     return false;
@@ -190,7 +190,7 @@ class StreetPlanBuilder {
     if (warn_if_far("way", way.id, way.points)) return;
     if (!kind) return add_street(way, highway);
     if (!way.closed()) {
-      if (highway.empty()) warn("way", way.id, "is an area that does not close", "it is left out");
+      if (highway.empty()) warn("way", way.id, "is an area that does not close", "it is skipped");
       return;
     }
     add_ring("way", way.id, {{*kind, way.id}, {to_ring(way.points)}, wall_width(*kind)});
@@ -216,7 +216,7 @@ class StreetPlanBuilder {
   void add_ring(const char* kind, int64_t id, streetmap::PlanArea area) {
     for (const Polyline& ring : area.rings) {
       if (!streetmap::crosses_itself(ring)) continue;
-      return warn(kind, id, "has a ring that crosses itself", "it is left out");
+      return warn(kind, id, "has a ring that crosses itself", "it is skipped");
     }
     planned_.plan.areas.push_back(std::move(area));
   }
@@ -242,7 +242,7 @@ class StreetPlanBuilder {
     planned_.plan.strips.push_back(std::move(strip));
   }
 
-  /// A crossing is a node of a street: a short strip as wide as it.
+  /// Adds a crossing node of a street as a short strip of the same width.
   void add_crossing(const recording::OsmNode& node) {
     if (find_tag(node.tags, "highway") != "crossing") return;
     const auto at = streets_.find(node.id);

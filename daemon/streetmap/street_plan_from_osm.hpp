@@ -7,17 +7,17 @@
 
 namespace infuse::daemon {
 
-/// A plan made of a map, and what of the map is not as it should be.
+/// Plan made from OpenStreetMap data, and defects of these data.
 struct OsmStreetPlan {
   streetmap::StreetPlan plan;
-  size_t carriageway_count = 0;  ///< ways that became one
-  std::vector<Error> warnings;   ///< each with the element's id; the map's own come first
+  size_t carriageway_count = 0;  ///< number of ways that became carriageways
+  std::vector<Error> warnings;   ///< each with an element id; those of the reader come first
 };
 
-/// Turns OpenStreetMap's elements into strips and areas in metres. Carriageways are as wide as
-/// their `width` says, else as their lanes need, else as is usual for their class (street_widths
-/// in the .cpp, after the German guidelines RASt 06 and RAL). Left out, with a warning: rings that
-/// are open or cross themselves, and elements that lie more than 50 km from the map's median.
+/// Converts OpenStreetMap elements to strips and areas in metres. The width of a carriageway is its
+/// `width` tag, else follows from its lanes, else is the usual one of its class (table in the .cpp,
+/// after the German guidelines RASt 06 and RAL). Skipped with a warning: rings that are open or
+/// cross themselves, and elements more than 50 km from the median of the map.
 OsmStreetPlan build_street_plan(const recording::OpenStreetMap& map);
 
 }  // namespace infuse::daemon

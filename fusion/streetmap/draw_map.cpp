@@ -8,7 +8,7 @@ namespace {
 
 struct Colour {
   int r, g, b;
-  int spread;  // how far ids of one kind differ
+  int spread;  // colour difference between ids of one kind
 };
 
 Colour colour_of(SegmentKind kind) {

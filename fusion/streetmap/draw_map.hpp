@@ -5,9 +5,9 @@
 
 namespace infuse::streetmap {
 
-/// A picture of a map in kBgr8, north up: every id in a colour of its own, the kinds told apart by
-/// hue (carriageways grey, buildings red, green areas green, water blue). Large maps are drawn
-/// smaller, so that the longer edge has at most `largest` pixels.
+/// Draws a map as an image in kBgr8, north up. Each segment id has its own colour; the hue shows
+/// the kind (carriageways grey, buildings red, green areas green, water blue). A large map is
+/// reduced so that the longer edge of the image has at most `largest` pixels.
 CameraFrame draw_map(const SegmentMap& map, int largest = 8000);
 
 }  // namespace infuse::streetmap

@@ -9,33 +9,35 @@
 
 namespace infuse::streetmap {
 
-/// How the scouts look around.
+/// Settings of `GlobalSearch`.
 struct GlobalSearchOptions {
-  int count = 40;                 ///< poses that are tried; 0: none
-  double longitudinal_sigma = 7;  ///< m, deviation along the heading: where streets look alike
-  double lateral_sigma = 2.5;     ///< m
-  double yaw_sigma = 0.04;        ///< rad
-  double comparison_views = 3;  ///< wholly new views over which they are compared with the estimate
-  double min_advantage = 0.04;  ///< SMI by which one must be better than the estimate, in the mean
-  double min_distance = 1.5;    ///< m within which a scout is no other place than the estimate
+  int count = 40;                 ///< number of candidate poses; 0: no search
+  double longitudinal_sigma = 7;  ///< m, standard deviation of the candidates along the heading, in
+                                  ///< which streets are self-similar
+  double lateral_sigma = 2.5;     ///< m, standard deviation across the heading
+  double yaw_sigma = 0.04;        ///< rad, standard deviation
+  double comparison_views =
+      3;  ///< independent views over which candidates are compared with the estimate
+  double min_advantage = 0.04;  ///< SMI, minimum mean advantage of a candidate over the estimate
+  double min_distance = 1.5;    ///< m, minimum distance of a candidate from the estimate
 };
 
-/// Poses around the estimate that are tried for some views: particles that agree on a wrong place
-/// would never look elsewhere.
+/// Candidate poses around the estimate that are evaluated over several views. They find another
+/// place on the map when all particles agree on a wrong one.
 class GlobalSearch {
  public:
   GlobalSearch(const GlobalSearchOptions& options, uint64_t seed)
       : options_(options), random_(seed) {}
 
-  /// Sends all out anew from their next update.
+  /// Draws new candidates at the next update.
   void reset() { poses_.clear(); }
 
-  /// Moves all with the vehicle.
+  /// Moves all candidates with the vehicle.
   void move(const PlanarPose& motion);
 
-  /// Scores all by a view of which the share `news` is new; `estimate_score` is that of `estimate`.
-  /// After `patience` new views gives the best one where it is better than the estimate by the
-  /// advantage, and sends all out anew.
+  /// Evaluates all candidates on a view of which the share `novelty` is new; `estimate_score` is
+  /// the score of `estimate`. After `comparison_views` new views returns the best candidate if it
+  /// exceeds the estimate by `min_advantage`, and draws new candidates.
   std::optional<PlanarPose> update(const PlanarPose& estimate, double estimate_score,
                                    double novelty,
                                    const std::function<double(const PlanarPose&)>& score);

@@ -7,12 +7,12 @@
 
 namespace infuse::streetmap {
 
-/// What a pixel knows, I table 3.2.
+/// Features of an image by pixel, I table 3.2.
 struct ImageFeatures {
   int width = 0;   ///< pixels
   int height = 0;  ///< pixels
-  /// By pixel: blue, green, red and the root of the Sobel magnitude of the luminance, each 0 … 1;
-  /// and the Sobel orientation, −π … π.
+  /// Row by row: blue, green, red and the square root of the Sobel magnitude of the luminance, each
+  /// 0 … 1; Sobel orientation, −π … π.
   std::vector<std::array<float, 5>> pixels;
 
   const std::array<float, 5>& at(int x, int y) const {
@@ -20,9 +20,9 @@ struct ImageFeatures {
   }
 };
 
-/// Colours and gradients of a picture in kBgr8 or kGrey8, reduced by `step` (means of step × step
-/// pixels) first. False where the format is another or the picture smaller than that; `features`
-/// keeps its memory.
+/// Computes colours and gradients of an image in kBgr8 or kGrey8, reduced by `step` first (means of
+/// step × step pixels). False if the format is another or the image is smaller than one reduced
+/// pixel. `features` keeps its memory.
 bool extract_features(const CameraFrame& image, int step, ImageFeatures& features);
 
 }  // namespace infuse::streetmap

@@ -63,7 +63,7 @@ void LabelWindow::read(const SegmentMap& map, double x, double y, double reach,
 
 void LabelWindow::look_up(const PlanarPose& pose, std::span<const float> x,
                           std::span<const float> y, std::span<int32_t> labels) const {
-  // In cells of the window; single precision is exact to a millimetre over some kilometres of it.
+  // In cells of the window; single precision resolves a millimetre over several kilometres.
   const auto scale = static_cast<float>(cells_per_metre_);
   const auto c = static_cast<float>(std::cos(pose.yaw)) * scale;
   const auto s = static_cast<float>(std::sin(pose.yaw)) * scale;

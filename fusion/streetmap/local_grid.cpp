@@ -11,9 +11,10 @@ namespace infuse::streetmap {
 namespace {
 
 constexpr uint32_t kNoIndex = UINT32_MAX;
-constexpr int kOcclusionTileSize = 8;          // pixels of the features' picture
-constexpr float kOcclusionTolerance = 0.5F;    // m, beside the share of the depth
-constexpr float kOcclusionDepthRatio = 0.25F;  // on flat ground a tile spans that much of the depth
+constexpr int kOcclusionTileSize = 8;        // pixels of the feature image
+constexpr float kOcclusionTolerance = 0.5F;  // m, in addition to the share of the depth
+constexpr float kOcclusionDepthRatio =
+    0.25F;  // share of the depth that a tile spans on flat ground
 
 float signed_sqrt(float height) { return std::copysign(std::sqrt(std::abs(height)), height); }
 
@@ -28,8 +29,8 @@ std::optional<std::string> LocalGridOptions::invalid() const {
   if (block_size < 1 || block_size > 32) return "the local grid's block_size must be 1 … 32 cells";
   if (!(min_height < max_height)) return "the local grid's min_height must be below its max_height";
   if (!(min_range >= 0)) return "the local grid's min_range must not be negative";
-  if (mean_window < 1) return "the local grid's mean_window must be 1 at least";
-  if (max_samples < 50) return "the local grid must give 50 samples at least";
+  if (mean_window < 1) return "the local grid's mean_window must be at least 1";
+  if (max_samples < 50) return "the local grid's max_samples must be at least 50";
   return std::nullopt;
 }
 
@@ -51,7 +52,7 @@ LocalGrid::Cell& LocalGrid::cell_at(int32_t column, int32_t row) {
   return grid_[wrap(row) * static_cast<size_t>(cells_per_edge_) + wrap(column)];
 }
 
-// I(3.6): how far the beams beside this one, on the same ring, go beyond it.
+// I(3.6): range by which the neighbouring beams of the same ring exceed this one.
 void LocalGrid::find_discontinuities(const Sweep& sweep) {
   discontinuity_.assign(sweep.size(), 0.0F);
   last_of_ring_.assign(sweep.rings, kNoIndex);
@@ -77,7 +78,7 @@ void LocalGrid::project(const DeskewedView& deskewed, const ImageView& image) {
   depth_.resize(n);
   geometry::project_points(image.camera, image.T_camera_lidar, {deskewed.x, deskewed.y, deskewed.z},
                            {u_, v_, depth_});
-  // Pixels of the features' picture, which may be a reduced one.
+  // Pixels of the feature image, which may be reduced.
   const float fx = static_cast<float>(image.features.width) /
                    static_cast<float>(image.camera.intrinsics().width);
   const float fy = static_cast<float>(image.features.height) /
@@ -104,8 +105,8 @@ void LocalGrid::project(const DeskewedView& deskewed, const ImageView& image) {
   }
 }
 
-// A return is hidden where another one in the same tile of the picture is far nearer: lidar and
-// camera do not look from the same place.
+// A return is occluded if another return in the same tile of the image is far nearer: lidar and
+// camera see the scene from different positions.
 bool LocalGrid::visible(size_t i) const {
   if (depth_[i] < 0) return false;
   const auto column = static_cast<size_t>(u_[i]) / kOcclusionTileSize;
@@ -192,7 +193,7 @@ void LocalGrid::gather_blocks(const PlanarPose& pose) {
 
 void LocalGrid::draw_samples(const PlanarPose& pose, GridSamples& samples) {
   gather_blocks(pose);
-  // A random choice, the same for the same history.
+  // A random choice that depends on the seed and the number of draws only.
   const auto max_samples = static_cast<size_t>(options_.max_samples);
   std::mt19937_64 random(options_.seed + 0x9E3779B97F4A7C15 * ++draws_);
   for (size_t i = 0; i < max_samples && blocks_.size() > max_samples; ++i) {
@@ -212,7 +213,7 @@ void LocalGrid::standardise(GridSamples& samples) const {
     samples.y[i] = blocks_[i].y;
     coloured += blocks_[i].coloured;
   }
-  // Colours of less than a tenth say more about where the camera looks than about the ground.
+  // If less than a tenth has a colour, colour shows the field of view rather than the ground.
   const int columns = coloured * 10 >= n && coloured > 0 ? kFeatureCount : kLidarFeatureCount;
   samples.features.resize(static_cast<Eigen::Index>(n), columns);
   for (int f = 0; f < columns; ++f) {

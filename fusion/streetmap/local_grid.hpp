@@ -14,7 +14,7 @@
 
 namespace infuse::streetmap {
 
-/// What a cell of the local grid knows, I table 3.4 and reflectivity.
+/// Features of a grid cell: I table 3.4, and reflectivity.
 enum Feature : int {
   kHeight = 0,         ///< m above the vehicle's ground, compressed: sign(h)·√|h|
   kDiscontinuity = 1,  ///< √m, I(3.6)
@@ -25,42 +25,43 @@ enum Feature : int {
   kGradient = 6,  ///< Sobel magnitude, square root
 };
 inline constexpr int kFeatureCount = 7;
-inline constexpr int kLidarFeatureCount = 3;  ///< the first ones need no camera
+inline constexpr int kLidarFeatureCount = 3;  ///< number of leading features without a camera
 
-/// How the grid collects.
+/// Settings of `LocalGrid`.
 struct LocalGridOptions {
-  double extent = 40;        ///< m, edge of the square around the vehicle that is kept
+  double extent = 40;        ///< m, edge of the square around the vehicle
   double cell_size = 0.1;    ///< m
-  int block_size = 4;        ///< cells along the edge of a block that becomes one sample
-  double min_height = -1.0;  ///< m above ground: returns below are left out
-  double max_height = 3.0;   ///< m above ground: returns above (crowns of trees) are left out
-  double min_range = 1.5;    ///< m from the lidar: nearer returns are the vehicle's own
-  int mean_window = 24;      ///< returns that a cell's mean stands for: things that move fade out
-  int max_samples = 1500;    ///< blocks that are given out, chosen at random
-  uint64_t seed = 1;         ///< of that choice
+  int block_size = 4;        ///< edge of a block in cells; each block becomes one sample
+  double min_height = -1.0;  ///< m above ground; lower returns are dropped
+  double max_height = 3.0;   ///< m above ground; higher returns (tree crowns) are dropped
+  double min_range = 1.5;    ///< m from the lidar; nearer returns hit the vehicle itself
+  int mean_window =
+      24;  ///< returns over which the mean of a cell extends, so that moving objects fade
+  int max_samples = 1500;  ///< maximum number of samples, chosen at random
+  uint64_t seed = 1;       ///< seed of that choice
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// A sweep made straight: index for index the returns of `sweep` at one moment.
+/// A deskewed sweep: element i is return i of `sweep`, moved to one common moment.
 struct DeskewedView {
   const Sweep& sweep;              ///< ring, column, range, reflectivity
   std::span<const float> x, y, z;  ///< m, lidar frame at that moment
   Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
 };
 
-/// A picture that sees the same.
+/// An image of the same scene.
 struct ImageView {
   const ImageFeatures& features;
   const geometry::CameraModel& camera;
   Eigen::Isometry3d T_camera_lidar =
-      Eigen::Isometry3d::Identity();  ///< from the lidar at the sweep's moment to the camera at the
-                                      ///< picture's
+      Eigen::Isometry3d::Identity();  ///< from the lidar at the common moment of the sweep to the
+                                      ///< camera at the exposure
 };
 
-/// Numbers by sample and feature, samples next to each other; unlike Eigen's matrices it keeps its
-/// memory when it becomes smaller.
+/// Matrix of samples by features, column-major. Unlike an Eigen matrix it keeps its memory when it
+/// shrinks.
 class FeatureTable {
  public:
   void resize(Eigen::Index rows, Eigen::Index columns) {
@@ -79,7 +80,7 @@ class FeatureTable {
     return values_[static_cast<size_t>(column * rows_ + row)];
   }
 
-  /// As Eigen sees it, while it lives and is not resized.
+  /// Eigen view; valid until the table is resized or destroyed.
   Eigen::Map<const Eigen::MatrixXd> matrix() const { return {values_.data(), rows_, columns_}; }
 
   bool operator==(const FeatureTable&) const = default;
@@ -89,36 +90,37 @@ class FeatureTable {
   Eigen::Index rows_ = 0, columns_ = 0;
 };
 
-/// The local grid as samples: one a block of cells that returns fell into.
+/// Samples of the local grid: one per block of cells with returns.
 struct GridSamples {
   std::vector<float> x, y;  ///< m, vehicle frame
-  FeatureTable features;    ///< n × kFeatures, or × kLidarFeatures where no cell has a colour;
-                            ///< each column of mean 0 and variance 1, clipped at ±3
+  FeatureTable features;  ///< n × kFeatureCount, or n × kLidarFeatureCount if no cell has a colour;
+                          ///< each column has mean 0 and variance 1 and is clipped at ±3
 
   size_t size() const { return x.size(); }
 };
 
-/// The ground around the vehicle, I 3.4.3.1: a grid in the frame of the odometry, into which
-/// straight sweeps, coloured by pictures, are collected while the vehicle moves. Cells are
-/// overwritten when the vehicle has moved on by the grid's extent; each holds means that forget, so
-/// that what moved away fades.
+/// Local map of the ground around the vehicle, I 3.4.3.1: a grid in the odometry frame that
+/// collects deskewed sweeps, coloured by images. Cells are overwritten once the vehicle has moved
+/// on by the extent of the grid. Each cell holds running means, so that moving objects fade.
 class LocalGrid {
  public:
-  /// `options.invalid()` must be empty. All memory is taken here.
+  /// Allocates all memory. `options.invalid()` must be empty.
   explicit LocalGrid(const LocalGridOptions& options = {});
 
-  /// Adds a sweep taken at `pose` (odometry frame), with a picture or null.
+  /// Adds a sweep taken at `pose` (odometry frame), with an image or null.
   void add(const DeskewedView& deskewed, const ImageView* image, const PlanarPose& pose);
 
-  /// The grid as seen from `pose`. Allocates nothing once `samples` has been as large.
+  /// Draws samples of the grid as seen from `pose`. Does not allocate once `samples` has had this
+  /// size.
   void draw_samples(const PlanarPose& pose, GridSamples& samples);
 
-  /// Forgets everything.
+  /// Clears all cells.
   void clear();
 
  private:
   struct Cell {
-    int32_t column = INT32_MIN, row = INT32_MIN;  // of the odometry frame, to tell old from new
+    int32_t column = INT32_MIN,
+            row = INT32_MIN;  // in the odometry frame, to detect outdated cells
     float lidar_count = 0, colour_count = 0;
     std::array<float, kFeatureCount> mean{};
   };
@@ -136,13 +138,13 @@ class LocalGrid {
   void standardise(GridSamples& samples) const;
 
   LocalGridOptions options_;
-  int cells_per_edge_;  // along an edge
+  int cells_per_edge_;
   std::vector<Cell> grid_;
   uint64_t draws_ = 0;
 
   // Scratch.
   std::vector<float> discontinuity_, u_, v_, depth_;
-  std::vector<float> nearest_;  // depth by tile of the picture, for occlusion
+  std::vector<float> nearest_;  // depth by tile of the image, for occlusion
   int nearest_columns_ = 0, nearest_rows_ = 0;
   std::vector<uint32_t> last_of_ring_;
   std::vector<Block> blocks_;

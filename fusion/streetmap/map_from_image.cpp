@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint32_t kUnfilled = UINT32_MAX;
 
-/// Whether each pixel belongs to a line: its Sobel magnitude reaches the threshold.
+/// True for each pixel of a line: its Sobel magnitude reaches the threshold.
 std::vector<bool> find_lines(const CameraFrame& grey, double threshold) {
   const int w = grey.width, h = grey.height;
   const auto at = [&](int x, int y) {
@@ -32,7 +32,7 @@ std::vector<bool> find_lines(const CameraFrame& grey, double threshold) {
   return lines;
 }
 
-/// Fills connected pixels of one kind; lines connect diagonally too, regions do not.
+/// Fills connected pixels of one kind. Lines connect diagonally too, regions do not.
 class FloodFill {
  public:
   FloodFill(int width, int height)
@@ -40,7 +40,7 @@ class FloodFill {
         height_(height),
         ids_(static_cast<size_t>(width) * static_cast<size_t>(height), kUnfilled) {}
 
-  /// Gives all pixels connected to `start` an id; how many they are.
+  /// Gives all pixels connected to `start` an id; returns their number.
   size_t fill(const std::vector<bool>& lines, size_t start, uint32_t id) {
     const bool line = lines[start];
     size_t count = 0;
@@ -79,11 +79,11 @@ class FloodFill {
 
 std::optional<std::string> ImageMapOptions::invalid() const {
   if (!(metres_per_pixel >= 0.02 && metres_per_pixel <= 10)) {
-    return "the scale of a map image must be 0.02 … 10 m a pixel";
+    return "metres_per_pixel of a map image must be within 0.02 … 10";
   }
   if (!(edge_threshold > 0 && edge_threshold <= 1442))
-    return "the edge of a map image must be within 0 … 1442";
-  if (min_region_pixels < 1) return "the smallest region of a map image must have a pixel at least";
+    return "edge_threshold of a map image must be within 0 … 1442";
+  if (min_region_pixels < 1) return "min_region_pixels of a map image must be at least 1";
   return std::nullopt;
 }
 

@@ -8,7 +8,7 @@
 namespace infuse::streetmap {
 namespace {
 
-/// A square root L of a covariance, L Lᵀ = C; directions without variance are let be.
+/// Returns a square root L of a covariance, L Lᵀ = C; directions without variance are zero.
 template <int N>
 Eigen::Matrix<double, N, N> matrix_sqrt(const Eigen::Matrix<double, N, N>& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(
@@ -16,7 +16,7 @@ Eigen::Matrix<double, N, N> matrix_sqrt(const Eigen::Matrix<double, N, N>& covar
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
-/// What a particle holds: x, y, yaw, scale, rate.
+/// State vector of a particle: x, y, yaw, scale, yaw-rate bias.
 using ParticleState = Eigen::Matrix<double, 5, 1>;
 
 ParticleState difference(const Particle& from, const Particle& to) {
@@ -108,8 +108,8 @@ double ParticleSet::second_mode_weight() const {
   return sum > 0 ? std::min(second_mode_sum, sum - second_mode_sum) / sum : 0;
 }
 
-// Two places are one once one of them holds nearly all of the weight, or they lie within a
-// deviation of each other.
+// Two modes are merged once one of them holds nearly all of the weight or they lie within one
+// standard deviation of each other.
 void ParticleSet::merge_modes() {
   const double weight = second_mode_weight();
   if (weight == 0) return;
@@ -131,7 +131,7 @@ void ParticleSet::predict(const PlanarPose& motion, const Eigen::Matrix3d& covar
   own(2, 2) = options_.yaw_noise * options_.yaw_noise * distance +
               options_.yaw_noise_per_update * options_.yaw_noise_per_update;
   const Eigen::Matrix3d L = matrix_sqrt<3>(covariance + own);
-  // What lasts stays near what it was, and within its deviation in the long run.
+  // Persistent errors change slowly and keep their stationary standard deviation.
   const double scale_decay = std::exp(-distance / options_.scale_correlation_distance);
   const double scale_walk = options_.scale_sigma * std::sqrt(1 - scale_decay * scale_decay);
   const double rate_decay = std::exp(-seconds / options_.yaw_rate_bias_correlation_time);
@@ -181,7 +181,7 @@ void ParticleSet::normalise() {
   for (double& weight : weights_) weight /= sum;
 }
 
-// Fox's bound (KLD sampling, 2003) for an error of 0.05 with 99 %, by the bins that are occupied.
+// Fox's bound (KLD sampling, 2003) for an error of 0.05 with 99 %, by the number of occupied bins.
 int ParticleSet::required_count() {
   bins_.clear();
   for (const Particle& particle : particles_) {
@@ -229,9 +229,9 @@ bool ParticleSet::resample_if_needed() {
   return true;
 }
 
-// Liu and West's kernel (2001): all that a particle holds is drawn towards the mean of its place
-// and spread by a share of the covariance there. So mean and covariance stay what they are, the
-// errors that last stay tied to the poses that they led to, and no copies are left.
+// Kernel of Liu and West (2001): each state is shrunk towards the mean of its mode and spread by a
+// share of its covariance. Mean and covariance stay the same, persistent errors stay correlated
+// with the poses that they led to, and no identical copies remain.
 void ParticleSet::smooth_with_kernel() {
   const double width = options_.kernel_width, shrinkage = std::sqrt(1 - width * width);
   for (const bool second_mode : {false, true}) {

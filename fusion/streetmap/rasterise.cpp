@@ -31,7 +31,7 @@ Box bounding_box(const PlanArea& area) {
   return box;
 }
 
-/// Draws a plan tile by tile; an index says what touches which tile.
+/// Draws a plan tile by tile; an index lists the elements of each tile.
 class Rasteriser {
  public:
   Rasteriser(const StreetPlan& plan, const RasterOptions& options)
@@ -71,7 +71,7 @@ class Rasteriser {
       box.add(own.low, 0);
       box.add(own.high, 0);
     }
-    if (box.empty()) return fail("the map holds nothing to draw");
+    if (box.empty()) return fail("the map has no elements to draw");
     const Eigen::Vector2d size =
         box.high - box.low + Eigen::Vector2d::Constant(2 * options_.margin);
     if (!(size.maxCoeff() <= options_.max_extent) || !(size.x() * size.y() <= options_.max_area)) {
@@ -79,7 +79,7 @@ class Rasteriser {
                       std::to_string(std::lround(size.y() / 1000)) + " km, which is too large",
                   {}, "cut a smaller piece, for example with osmium extract");
     }
-    // The corner is a whole number of cells from the origin, so that maps of one origin agree.
+    // The corner is a whole number of cells from the origin, so that maps with one origin align.
     const Eigen::Vector2d low = box.low - Eigen::Vector2d::Constant(options_.margin);
     frame_.georeferenced = true;
     frame_.latitude = plan_.latitude;
@@ -181,9 +181,11 @@ class Rasteriser {
 }  // namespace
 
 std::optional<std::string> RasterOptions::invalid() const {
-  if (!(cell_size >= 0.05 && cell_size <= 2)) return "the cells of a street map must be 0.05 … 2 m";
-  if (!(margin >= 0 && margin <= 1000)) return "the margin of a street map must be 0 … 1000 m";
-  if (!(max_extent > 0) || !(max_area > 0)) return "the limits of a street map must be positive";
+  if (!(cell_size >= 0.05 && cell_size <= 2))
+    return "cell_size of a street map must be within 0.05 … 2 m";
+  if (!(margin >= 0 && margin <= 1000)) return "margin of a street map must be within 0 … 1000 m";
+  if (!(max_extent > 0) || !(max_area > 0))
+    return "max_extent and max_area of a street map must be positive";
   return std::nullopt;
 }
 

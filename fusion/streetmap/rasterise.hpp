@@ -11,22 +11,22 @@
 
 namespace infuse::streetmap {
 
-/// How a plan becomes a raster.
+/// Settings of `rasterise`.
 struct RasterOptions {
   double cell_size = 0.2;   ///< m
   double margin = 20;       ///< m of open land around all elements
-  double max_extent = 1e5;  ///< m along an edge; larger maps are refused
-  double max_area = 2.5e8;  ///< m² that the raster may cover
+  double max_extent = 1e5;  ///< m, maximum edge length; larger maps are rejected
+  double max_area = 2.5e8;  ///< m², maximum area of the raster
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// Gives each strip and area, each kerb and wall an id of its own, I 3.4.1 from vector data, and
-/// draws them: areas (large ones first), buildings, pavements, footways, kerbs, carriageways,
-/// crossings, each over what came before; walls last where no carriageway passes. Where
-/// carriageways meet there is no kerb. The result is the file that `SegmentMap::open` reads. Fails
-/// where the plan is empty or too large.
+/// Gives each strip, area, kerb and wall an id, I 3.4.1 from vector data, and draws them in this
+/// order, each over the ones before: areas (large ones first), buildings, pavements, footways,
+/// kerbs, carriageways, crossings; walls last except on carriageways. There is no kerb where
+/// carriageways meet. Returns the file that `SegmentMap::open` reads. Fails if the plan is empty or
+/// too large.
 Result<std::vector<std::byte>> rasterise(const StreetPlan& plan, const RasterOptions& options,
                                          std::string_view provenance);
 

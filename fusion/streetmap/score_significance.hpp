@@ -6,25 +6,25 @@
 
 namespace infuse::streetmap {
 
-/// Compares scores with what they would be by chance, over the last updates. Each update brings the
-/// score of the estimate and scores of poses that cannot be right; the p-value is the share of the
-/// latter that reach the former.
+/// Compares scores with their null distribution over the last updates. Each update adds the score
+/// of the estimate and the scores of displaced poses; the p-value is the share of displaced poses
+/// that reach the score of the estimate.
 class ScoreSignificance {
  public:
-  /// `window`: updates that count.
+  /// `window`: number of updates that count.
   explicit ScoreSignificance(int window);
 
-  /// Adds an update. `score` is the estimate's, `null` those by chance (not empty).
+  /// Adds an update: `score` of the estimate, `null` of displaced poses (not empty).
   void add(double score, std::span<const double> null);
 
-  /// (1 + chance scores that reached their update's) / (1 + all chance scores) of the window; 1
-  /// before the first update.
+  /// (1 + null scores that reach the score of their update) / (1 + all null scores) of the window;
+  /// 1 before the first update.
   double p_value() const;
 
-  /// Mean over the window of (score − mean of null) / deviation of null.
+  /// Mean over the window of (score − mean of null) / standard deviation of null.
   double mean_z_score() const;
 
-  /// Whether the window is full.
+  /// True once the window is full.
   bool window_full() const { return updates_ >= entries_.size(); }
 
   void clear();

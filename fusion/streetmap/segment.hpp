@@ -4,17 +4,17 @@
 
 namespace infuse::streetmap {
 
-/// What a segment of a street map stands for.
+/// Kind of a segment of a street map.
 enum class SegmentKind : uint8_t {
-  kOpenLand = 0,     ///< what no element of the map covers
-  kCarriageway = 1,  ///< driven on
+  kOpenLand = 0,     ///< covered by no element of the map
+  kCarriageway = 1,  ///< road surface between the kerbs
   kKerb = 2,         ///< boundary line of a carriageway
-  kSidewalk = 3,     ///< pavement that the map does not draw but tells of by a tag
+  kSidewalk = 3,     ///< pavement that the map gives by a tag only
   kFootway = 4,      ///< footway, cycleway, path
-  kCrossing = 5,     ///< footway on a carriageway
+  kCrossing = 5,     ///< footway across a carriageway
   kGreen = 6,        ///< park, grass, wood
   kWater = 7,
-  kPaved = 8,         ///< square, parking place
+  kPaved = 8,         ///< square or car park
   kBuilding = 9,      ///< inside of a building
   kWall = 10,         ///< boundary line of a building
   kImageRegion = 11,  ///< closed region of a map given as an image
@@ -22,13 +22,13 @@ enum class SegmentKind : uint8_t {
 };
 inline constexpr int kSegmentKindCount = 13;
 
-/// The kind in lower case: "carriageway".
+/// Returns the kind in lower case: "carriageway".
 const char* name(SegmentKind kind);
 
-/// A region or line of a street map with an id of its own, I 3.2.1.
+/// Region or line of a street map with its own id, I 3.2.1.
 struct Segment {
   SegmentKind kind = SegmentKind::kOpenLand;
-  int64_t osm_id = 0;  ///< OpenStreetMap's id of the way or relation that it was made of; 0: none
+  int64_t osm_id = 0;  ///< id of the OpenStreetMap way or relation; 0: none
 
   bool operator==(const Segment&) const = default;
 };

@@ -5,15 +5,17 @@
 
 #include "fusion/streetmap/checksum.hpp"
 
-// The layout, little-endian, sections one after the other without gaps, each of whole 8 bytes:
+// File layout, little-endian; sections follow each other without gaps and are padded to 8 bytes:
 //
 //   header      kHeaderBytes, struct Header below
 //   segments    16 bytes each: int64 element, uint8 kind, 7 zero bytes
-//   tiles       8 bytes each, by row from the south-west: uint32 place, uint16 palette, uint16 bits
-//   data        palettes (uint32 ids) with their cells after them, in units of 4 bytes
-//   provenance  text, filled up with zero bytes
+//   tiles       8 bytes each, by row from the south-west: uint32 offset, uint16 palette size,
+//               uint16 bits per cell
+//   data        palettes (uint32 ids), each followed by its cells, in units of 4 bytes
+//   provenance  text, padded with zero bytes
 //
-// A tile of 0 bits is uniform: its place is the id. Cells of 4 bits: the even one is the low half.
+// A tile with 0 bits is uniform: its offset is the id. Of two 4-bit cells the even one is the low
+// half of the byte.
 
 namespace infuse::streetmap {
 namespace {
@@ -21,7 +23,7 @@ namespace {
 constexpr std::array<char, 8> kMagic{'I', 'N', 'F', 'U', 'S', 'E', 'M', 'P'};
 constexpr uint32_t kVersion = 1;
 constexpr int kCellsPerTile = SegmentMap::kTileSize * SegmentMap::kTileSize;
-constexpr int kMaxTilesPerEdge = 1 << 15;  // along an edge
+constexpr int kMaxTilesPerEdge = 1 << 15;
 constexpr size_t kSegmentBytes = 16;
 constexpr size_t kTileBytes = 8;
 
@@ -31,9 +33,9 @@ struct Header {
   uint32_t georeferenced = 0;
   double latitude = 0, longitude = 0, cell_size = 0, low_x = 0, low_y = 0;
   uint32_t tile_columns = 0, tile_rows = 0, segment_count = 0,
-           provenance_bytes = 0;  // provenance: bytes
+           provenance_bytes = 0;  // bytes
   uint64_t data_bytes = 0;        // bytes
-  uint64_t checksum = 0;  // of everything after the header, and of the header with a checksum of 0
+  uint64_t checksum = 0;          // of the header with a checksum of 0 and everything after it
 };
 constexpr size_t kHeaderBytes = sizeof(Header);
 static_assert(kHeaderBytes == 88);
@@ -54,24 +56,24 @@ uint64_t checksum_of(Header header, std::span<const std::byte> rest) {
 }
 
 const char* header_error(const Header& header) {
-  if (header.magic != kMagic) return "is not a street map of infuse";
-  if (header.version != kVersion) return "is a street map of another version";
+  if (header.magic != kMagic) return "is not an infuse street map";
+  if (header.version != kVersion) return "has an unsupported street map version";
   const auto finite = [](double value, double limit) { return std::abs(value) <= limit; };
-  if (!(header.cell_size >= 0.01 && header.cell_size <= 10)) return "states a senseless cell size";
+  if (!(header.cell_size >= 0.01 && header.cell_size <= 10)) return "states an invalid cell size";
   if (!finite(header.latitude, 1.6) || !finite(header.longitude, 6.3) ||
       !finite(header.low_x, 1e7) || !finite(header.low_y, 1e7) || header.georeferenced > 1) {
-    return "states a senseless frame";
+    return "states an invalid frame";
   }
   if (header.tile_columns < 1 || header.tile_columns > kMaxTilesPerEdge || header.tile_rows < 1 ||
       header.tile_rows > kMaxTilesPerEdge || header.segment_count < 1 ||
       header.segment_count > (1U << 28) || header.data_bytes > (uint64_t{1} << 34) ||
       header.data_bytes % 8 != 0 || header.provenance_bytes > (1U << 20)) {
-    return "states a senseless size";
+    return "states an invalid size";
   }
   return nullptr;
 }
 
-/// Bits a cell for a palette, and words of 4 bytes that the cells take.
+/// Bits per cell for a palette size, and words of 4 bytes for the cells of a tile.
 uint16_t bits_for(size_t palette) {
   return palette <= 1 ? uint16_t{0} : palette <= 16 ? uint16_t{4} : palette <= 256 ? 8 : 16;
 }
@@ -83,7 +85,7 @@ constexpr uint64_t cell_words(uint16_t bits) {
 
 Result<SegmentMap> SegmentMap::open(std::span<const std::byte> bytes, const std::string& file) {
   const auto damaged = [&](const char* what) {
-    return fail(what, file, "make it anew with infuse streetmap");
+    return fail(what, file, "regenerate it with infuse streetmap");
   };
   if (bytes.size() < kHeaderBytes) return damaged("is too short for a street map");
   const auto header = load<Header>(bytes, 0);
@@ -92,7 +94,7 @@ Result<SegmentMap> SegmentMap::open(std::span<const std::byte> bytes, const std:
   const size_t tiles = size_t{header.tile_columns} * header.tile_rows * kTileBytes;
   const size_t expected =
       kHeaderBytes + segments + tiles + header.data_bytes + round_up_to_8(header.provenance_bytes);
-  if (bytes.size() < expected) return damaged("is cut off: bytes are missing at its end");
+  if (bytes.size() < expected) return damaged("is truncated: bytes are missing at its end");
   if (bytes.size() > expected) return damaged("has bytes after its end");
   if (checksum_of(header, bytes.subspan(kHeaderBytes)) != header.checksum) {
     return damaged("is damaged: its checksum is wrong");
@@ -128,17 +130,17 @@ const char* SegmentMap::check_tiles() const {
     const Tile t = tile(i);
     if (t.bits_per_cell == 0) {
       if (t.palette_size != 0 || t.offset >= segment_count_)
-        return "has a tile of an unknown segment";
+        return "has a tile with an unknown segment";
       continue;
     }
     if (t.palette_size < 2 || t.bits_per_cell != bits_for(t.palette_size))
-      return "has a tile of unknown form";
+      return "has a tile with an invalid palette";
     if (uint64_t{t.offset} + t.palette_size + cell_words(t.bits_per_cell) > words) {
       return "has a tile beyond its end";
     }
     for (size_t k = 0; k < t.palette_size; ++k) {
       if (load<uint32_t>(data_, (t.offset + k) * 4) >= segment_count_) {
-        return "has a tile of an unknown segment";
+        return "has a tile with an unknown segment";
       }
     }
   }
@@ -159,7 +161,7 @@ bool SegmentMap::covers(double x, double y) const {
   return column >= 0 && row >= 0 && column < columns() && row < rows();
 }
 
-// A cell may point beyond its palette where the file was made by others: then it is open land.
+// A cell of a foreign file may point beyond its palette; it is then open land.
 uint32_t SegmentMap::id_in_tile(const Tile& t, uint32_t cell) const {
   if (t.bits_per_cell == 0) return t.offset;
   const size_t palette = size_t{t.offset} * 4;
@@ -239,8 +241,8 @@ void SegmentMapWriter::add_tile(
 Result<std::vector<std::byte>> SegmentMapWriter::finish(std::span<const Segment> segments,
                                                         std::string_view provenance) const {
   const size_t tiles = static_cast<size_t>(tile_columns_) * static_cast<size_t>(tile_rows_);
-  if (tiles_.size() != tiles * 2) return fail("the map has tiles that were not given");
-  if (max_id_ >= segments.size()) return fail("a tile refers to a segment that is not there");
+  if (tiles_.size() != tiles * 2) return fail("the map is incomplete: tiles were not added");
+  if (max_id_ >= segments.size()) return fail("a tile refers to an unknown segment");
   Header header{.georeferenced = frame_.georeferenced ? 1U : 0U,
                 .latitude = frame_.latitude,
                 .longitude = frame_.longitude,
@@ -253,7 +255,7 @@ Result<std::vector<std::byte>> SegmentMapWriter::finish(std::span<const Segment>
                 .provenance_bytes = static_cast<uint32_t>(provenance.size()),
                 .data_bytes = round_up_to_8(data_.size() * 4)};
   if (const char* wrong = header_error(header)) {
-    return fail(std::string("the map ") + wrong, {}, "choose larger cells or a smaller piece");
+    return fail(std::string("the map ") + wrong, {}, "choose larger cells or a smaller area");
   }
   const size_t segment_bytes = segments.size() * kSegmentBytes;
   std::vector<std::byte> file(kHeaderBytes + segment_bytes + tiles_.size() * 4 + header.data_bytes +

@@ -13,21 +13,21 @@
 
 namespace infuse::streetmap {
 
-/// Where a map's raster lies. Its frame is east-north-up at the origin; x east, y north, metres.
+/// Position of a raster. The map frame is east-north-up at the origin: x east, y north, metres.
 struct MapFrame {
-  bool georeferenced = false;  ///< false: the map came from an image, latitude and longitude are 0
-  double latitude = 0;         ///< rad, WGS 84, of the origin
-  double longitude = 0;        ///< rad
-  double cell_size = 0.2;      ///< m, edge of a cell
+  bool georeferenced = false;        ///< false: made from an image, latitude and longitude are 0
+  double latitude = 0;               ///< rad, WGS 84, of the origin
+  double longitude = 0;              ///< rad
+  double cell_size = 0.2;            ///< m, edge of a cell
   Eigen::Vector2d min_corner{0, 0};  ///< m, south-west corner of the raster
 
   bool operator==(const MapFrame&) const = default;
 };
 
-/// A raster of segment ids, read in place from bytes that somebody else keeps (a file mapped into
-/// memory): nothing is copied, so a city is there at once. The bytes are 64 × 64 tiles of cells,
-/// each with a palette of the ids that occur in it and 0, 4, 8 or 16 bits a cell; segment_map.cpp
-/// states the layout. A look-up is two table reads whatever the size of the map.
+/// Raster of segment ids, read in place from bytes that the caller keeps (a memory-mapped file):
+/// nothing is copied, so a city opens at once. The raster is stored as tiles of 64 × 64 cells, each
+/// with a palette of its ids and 0, 4, 8 or 16 bits per cell; segment_map.cpp defines the layout. A
+/// look-up is two table reads for any map size.
 class SegmentMap {
  public:
   static constexpr int kTileSize = 64;  ///< cells along a tile's edge
@@ -35,9 +35,9 @@ class SegmentMap {
   /// An empty map: open land everywhere.
   SegmentMap() = default;
 
-  /// Reads a map in place. Checks everything that look-ups rely on (sizes, offsets, palettes) and
-  /// the checksum over all bytes; fails with what is wrong and `file` as the place. The bytes must
-  /// outlive the map and stay as they are.
+  /// Opens a map in place. Checks all sizes, offsets and palettes that look-ups use and the
+  /// checksum over all bytes; the error states what is wrong, with `file` as the location. The
+  /// bytes must outlive the map and must not change.
   static Result<SegmentMap> open(std::span<const std::byte> bytes, const std::string& file);
 
   const MapFrame& frame() const { return frame_; }
@@ -45,33 +45,33 @@ class SegmentMap {
   int rows() const { return tile_rows_ * kTileSize; }        ///< cells from south to north
   bool empty() const { return tile_columns_ == 0; }
 
-  /// Number of segments; ids are 0 … segments() − 1, 0 being open land.
+  /// Number of segments; ids are 0 … segment_count() − 1, id 0 is open land.
   uint32_t segment_count() const { return segment_count_; }
 
-  /// What an id stands for; open land for ids that do not exist.
+  /// Segment of an id; open land for unknown ids.
   Segment segment(uint32_t id) const;
 
-  /// Whether a place (m, map frame) lies on the raster.
+  /// True if a point (m, map frame) lies on the raster.
   bool covers(double x, double y) const;
 
-  /// The segment id of a cell; 0 outside the raster.
+  /// Segment id of a cell; 0 outside the raster.
   uint32_t id_of_cell(int column, int row) const;
 
-  /// The segment id at a place, m; 0 outside the raster.
+  /// Segment id at a point, m; 0 outside the raster.
   uint32_t id_at(double x, double y) const;
 
-  /// One tile's ids, row by row from the south.
+  /// Reads the ids of a tile, row by row from the south.
   void read_tile(int tile_column, int tile_row,
                  std::span<uint32_t, kTileSize * kTileSize> ids) const;
 
-  /// Where the map came from, as its maker wrote it.
+  /// Origin of the data, as the writer stated it.
   std::string_view provenance() const { return provenance_; }
 
  private:
   struct Tile {
-    uint32_t offset = 0;         // of the palette, in units of 4 bytes; of a uniform tile, its id
-    uint16_t palette_size = 0;   // ids in it
-    uint16_t bits_per_cell = 0;  // a cell: 0, 4, 8 or 16
+    uint32_t offset = 0;         // of the palette, in units of 4 bytes; for a uniform tile, its id
+    uint16_t palette_size = 0;   // number of ids
+    uint16_t bits_per_cell = 0;  // 0, 4, 8 or 16
   };
   Tile tile(size_t index) const;
   uint32_t id_in_tile(const Tile& tile, uint32_t cell) const;
@@ -84,18 +84,17 @@ class SegmentMap {
   std::string_view provenance_;
 };
 
-/// Collects tiles and makes the bytes that `SegmentMap::open` reads.
+/// Collects tiles and writes the bytes that `SegmentMap::open` reads.
 class SegmentMapWriter {
  public:
-  /// Tiles follow by row from the south-west corner: `add_tile` is to be called
-  /// tile_columns · tile_rows times.
+  /// Expects tile_columns · tile_rows calls of `add_tile`, by row from the south-west corner.
   SegmentMapWriter(const MapFrame& frame, int tile_columns, int tile_rows);
 
-  /// The next tile's ids, row by row from the south.
+  /// Adds the next tile: ids row by row from the south.
   void add_tile(std::span<const uint32_t, SegmentMap::kTileSize * SegmentMap::kTileSize> ids);
 
-  /// The file. `segments` by id, the first open land; fails where a tile refers to an id that is
-  /// not there, tiles are missing, or the map is too large for the format (16 GiB of tiles).
+  /// Returns the file. `segments` are indexed by id, the first is open land. Fails if a tile refers
+  /// to an unknown id, tiles are missing, or the map is too large for the format (16 GiB of tiles).
   Result<std::vector<std::byte>> finish(std::span<const Segment> segments,
                                         std::string_view provenance) const;
 
@@ -103,7 +102,7 @@ class SegmentMapWriter {
   MapFrame frame_;
   int tile_columns_, tile_rows_;
   uint32_t max_id_ = 0;
-  std::vector<uint32_t> tiles_;  // two words a tile
+  std::vector<uint32_t> tiles_;  // two words per tile
   std::vector<uint32_t> data_;
 };
 

@@ -13,7 +13,7 @@ double side(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
   return cross(b - a, point - a);
 }
 
-/// Whether a point that lies on the line through a and b lies between them.
+/// True if a point on the line through a and b lies between them.
 bool within(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& point) {
   return (point.array() >= a.array().min(b.array())).all() &&
          (point.array() <= a.array().max(b.array())).all();
@@ -38,7 +38,7 @@ double signed_area(const Polyline& ring) {
 bool crosses_itself(const Polyline& ring) {
   const size_t n = ring.size();
   if (n < 4) return false;
-  // Edges in order of their western ends: only those that overlap in x are compared.
+  // Edges sorted by their western ends: only edges that overlap in x are compared.
   struct Edge {
     double west, east;
     size_t index;

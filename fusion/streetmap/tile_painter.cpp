@@ -8,7 +8,7 @@ namespace {
 
 constexpr uint32_t kNoStrip = UINT32_MAX;
 
-/// The cells whose middles lie in [from, to] metres from the tile's edge: [first, end).
+/// Returns the cells [first, end) whose centres lie in [from, to] metres from the edge of the tile.
 std::pair<int, int> cells_between(double from, double to, double cell) {
   const double last = TilePainter::kTileSize;
   const double first = std::clamp(std::ceil(from / cell - 0.5), 0.0, last);
@@ -52,7 +52,7 @@ void TilePainter::fill_area(const PlanArea& area, uint32_t id) {
   }
 }
 
-// visit(cell, distance) for the cells whose middles lie within `reach` of the line from a to b.
+// Calls visit(cell, distance) for cells with centres within `reach` of the line from a to b.
 template <class Visit>
 void TilePainter::visit_near_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach,
                                   Visit visit) {
@@ -98,10 +98,11 @@ void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const Ele
     if (nearest_strip_[cell] == kNoStrip || edge_distance_[cell] < 0) continue;
     if (ids[nearest_strip_[cell]].sidewalk != 0) ids_[cell] = ids[nearest_strip_[cell]].sidewalk;
   }
-  each(SegmentKind::kFootway, [&](uint32_t index, const PlanStrip& strip, const auto& a,
-                                  const auto& b) {
-    visit_near_line(a, b, strip.half_width, [&](size_t cell, double) { ids_[cell] = ids[index].body; });
-  });
+  each(SegmentKind::kFootway,
+       [&](uint32_t index, const PlanStrip& strip, const auto& a, const auto& b) {
+         visit_near_line(a, b, strip.half_width,
+                         [&](size_t cell, double) { ids_[cell] = ids[index].body; });
+       });
   for (size_t cell = 0; cell < kCellsPerTile; ++cell) {
     if (nearest_strip_[cell] == kNoStrip) continue;
     const PlanStrip& strip = plan_.strips[nearest_strip_[cell]];

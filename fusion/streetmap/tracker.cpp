@@ -6,10 +6,10 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr double kOutsideLogWeight = -1e3;  // log-weight of a particle beyond the map
+constexpr double kOutsideLogWeight = -1e3;  // log-weight of a particle outside the map
 constexpr size_t kMinSamples = 100;
-constexpr double kViewYawSigma = 0.03;  // rad, how well one view tells the heading
-constexpr double kMaxSpread = 20;       // m, of particles that all see the map
+constexpr double kViewYawSigma = 0.03;  // rad, heading accuracy of one view
+constexpr double kMaxSpread = 20;       // m, of particles that all lie in the window
 
 }  // namespace
 
@@ -33,8 +33,8 @@ Eigen::Isometry3d TrackerEstimate::T_map_vehicle() const {
 }
 
 geometry::Matrix6 TrackerEstimate::pose_covariance() const {
-  // Ours is of the pose's own x, y, yaw; a left perturbation turns the pose about the map's origin:
-  // t' = t + dt + rz × t, so that dt = d(x, y) − rz × (x, y).
+  // The estimate's covariance is that of x, y, yaw; a left perturbation rotates about the map
+  // origin: t' = t + dt + rz × t, so that dt = d(x, y) − rz × (x, y).
   Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
   J(0, 2) = pose.y;
   J(1, 2) = -pose.x;
@@ -49,17 +49,18 @@ geometry::Matrix6 TrackerEstimate::pose_covariance() const {
   return result;
 }
 
-Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options)
+Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
+                 std::unique_ptr<ViewScore> score)
     : map_(map),
       options_(options),
       grid_(options.grid),
-      view_(options.measure, options.fit),
+      view_(score ? std::move(score) : std::make_unique<LsmiScore>(options.fit)),
       particles_(options.particles, options.seed),
       significance_(options.confidence.window),
       global_search_(options.global_search, options.seed + 2),
       random_(options.seed + 1) {
   const auto samples = static_cast<size_t>(options.grid.max_samples);
-  view_.reserve(options.grid.max_samples, kSegmentKindCount);
+  view_->reserve(options.grid.max_samples, kSegmentKindCount);
   window_.reserve(map, window_radius(kMaxSpread), options.labelling);
   samples_.features.resize(options.grid.max_samples, kFeatureCount);
   samples_.x.reserve(samples);
@@ -69,7 +70,7 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options)
   null_scores_.reserve(static_cast<size_t>(options.confidence.null_draws));
 }
 
-// Half the edge of what the particles, the displaced poses and the scouts see of the map.
+// Half the edge of the map window that particles, displaced poses and search candidates need.
 double Tracker::window_radius(double spread) const {
   constexpr double kMaxDisplacement = 15;  // m
   return options_.grid.extent * 0.75 + 3 * std::min(spread, kMaxSpread) + kMaxDisplacement;
@@ -92,7 +93,7 @@ void Tracker::search(const PlanarPose& pose, double radius, double yaw) {
   global_search_.reset();
   started_ = true;
   state_ = TrackState::kLost;
-  reason_ = "searching for its place on the map";
+  reason_ = "searching for the position on the map";
   updates_since_search_ = 0;
 }
 
@@ -118,7 +119,7 @@ void Tracker::update() {
 
 void Tracker::update(const GridSamples& samples) {
   if (!started_ || samples.size() < kMinSamples || !begin_update()) return;
-  if (*view_.prepare(samples) != '\0') return;
+  if (*view_->prepare(samples) != '\0') return;
   const PoseMoments before = particles_.moments();
   window_.read(map_, before.mean.x, before.mean.y, window_radius(before.spread()),
                options_.labelling);
@@ -144,12 +145,11 @@ bool Tracker::begin_update() {
   return true;
 }
 
-// How much of a view is evidence of its own. Where the map is wrong it is so for tens of metres,
-// and the odometry ties one view to the next: what it forgot in between, by its drift or by its
-// stated covariance, must be found anew. Particles that are spread wider than the map is wrong
-// learn from views that share the map's error. What was forgotten counts among poses that are
-// nearer to each other than what the odometry forgot while a view is new, and not between two
-// places farther apart: the map is as wrong at either as it was before.
+// Share of a view that is independent evidence. A map error extends over tens of metres, and the
+// odometry correlates successive views; the position that the odometry lost by drift or by its
+// stated covariance must be estimated again. Particles that are spread wider than the map error
+// gain from views that share that error. Odometry loss counts among poses closer to each other than
+// that loss, not between two distant modes: the map error is the same at either as before.
 void Tracker::update_novelty(double distance) {
   constexpr double kMaxSpeedup = 4;
   const PoseMoments moments = particles_.moments();
@@ -172,11 +172,11 @@ double Tracker::evaluate(const PlanarPose& pose, const GridSamples& samples,
                          const std::optional<dependence::HyperParameters>& fixed,
                          dependence::HyperParameters* chosen) {
   window_.look_up(pose, samples.x, samples.y, labels_);
-  return view_.evaluate(labels_, window_, fixed, chosen);
+  return view_->evaluate(labels_, window_, fixed, chosen);
 }
 
-// I 3.3.2: some particles, chosen at random, are cross-validated; the others keep what they have,
-// or take what the last one chose. Their number is bounded: what one tells serves many.
+// I 3.3.2: a random subset of the particles is cross-validated; the others keep their
+// hyper-parameters or use those last chosen. The size of the subset is bounded.
 void Tracker::update_weights(const GridSamples& samples) {
   std::uniform_real_distribution<double> share(0, 1);
   const double validated =
@@ -237,7 +237,7 @@ void Tracker::update_state() {
   const PoseMoments moments = particles_.moments();
   const double spread = moments.spread(), p = significance_.p_value();
   const double yaw = std::sqrt(std::max(moments.covariance(2, 2), 0.0));
-  // Once lost, it is until all that TRACKING asks for holds.
+  // LOST changes to TRACKING only.
   const auto set_state = [&](TrackState state, const char* reason) {
     const bool found = state_ != TrackState::kLost || state == TrackState::kTracking;
     state_ = found ? state : TrackState::kLost;
@@ -248,21 +248,21 @@ void Tracker::update_state() {
   }
   const bool enough_updates = updates_since_search_ >= confidence.window / 2;
   if (spread > confidence.min_lost_spread) {
-    set_state(TrackState::kLost, "the particles are spread over too wide a place");
+    set_state(TrackState::kLost, "the particles are spread over too large an area");
   } else if (significance_.window_full() && p > confidence.min_lost_p_value) {
-    set_state(TrackState::kLost, "what is seen fits the map no better than by chance");
+    set_state(TrackState::kLost, "sensor data match the map no better than by chance");
   } else if (!enough_updates) {
     return set_state(TrackState::kUnsure, "too few updates since the start");
   } else if (particles_.second_mode_weight() > confidence.max_tracking_second_mode_weight) {
-    return set_state(TrackState::kUnsure, "two places on the map fit what is seen");
+    return set_state(TrackState::kUnsure, "two places on the map match the sensor data");
   } else if (spread > confidence.max_tracking_spread || yaw > confidence.max_tracking_yaw_sigma) {
     return set_state(TrackState::kUnsure, "the particles do not agree");
   } else if (p > confidence.max_tracking_p_value) {
-    return set_state(TrackState::kUnsure, "what is seen hardly fits the map");
+    return set_state(TrackState::kUnsure, "sensor data match the map poorly");
   } else {
     return set_state(TrackState::kTracking, "");
   }
-  // Lost: look for the place anew, around where it should be, once the last search had its chance.
+  // Lost: search again around the estimate once the last search had a full window of updates.
   if (updates_since_search_ < confidence.window) return;
   const char* lost_reason = reason_;
   search(moments.mean, confidence.search_radius, confidence.search_yaw);

@@ -16,74 +16,76 @@
 
 namespace infuse::streetmap {
 
-/// How sure the tracker is.
+/// State of the tracker.
 enum class TrackState {
   kUnsure,    ///< the pose may be right
-  kTracking,  ///< the score cannot be chance, and the particles agree
-  kLost,      ///< the pose is not to be used
+  kTracking,  ///< the score is significant and the particles agree
+  kLost,      ///< the pose must not be used
 };
 
-/// "UNSURE", "TRACKING" or "LOST".
+/// Returns "UNSURE", "TRACKING" or "LOST".
 const char* name(TrackState state);
 
-/// Where the vehicle is on the map.
+/// Pose of the vehicle on the map.
 struct TrackerEstimate {
   PlanarPose pose;                                           ///< map frame
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of x, y (m, map frame), yaw (rad)
   TrackState state = TrackState::kLost;
-  const char* reason = "";  ///< static text: why the pose is not sure; empty while TRACKING
+  const char* reason = "";  ///< static text: why the pose is not certain; empty while TRACKING
   double score = 0;         ///< SMI at the pose, last update
-  double p_value = 1;       ///< chance that the scores of the last updates are chance
-  double z_score = 0;       ///< the scores above their null distribution, in its deviations
-  double entropy = 1;       ///< of the particles' weights, 0 … 1
+  double p_value = 1;       ///< p-value of the scores of the last updates
+  double z_score = 0;       ///< mean z-score of the last updates against the null distribution
+  double entropy = 1;       ///< normalised entropy of the weights, 0 … 1
   int particles = 0;
 
-  /// The pose is not lost.
+  /// True unless the track is lost.
   bool usable() const { return state != TrackState::kLost; }
   Eigen::Isometry3d T_map_vehicle() const;
-  /// Order (rx, ry, rz, tx, ty, tz), left perturbation in the map frame; roll, pitch and height are
+  /// Order (rx, ry, rz, tx, ty, tz), left perturbation in the map frame. Roll, pitch and height are
   /// not estimated: their variances are 0.05² rad² and 1 m².
   geometry::Matrix6 pose_covariance() const;
 };
 
-/// Tracks the vehicle on a street map by the dependence between segments and what is seen there,
-/// I chapter 3: particles move with the odometry, and are weighed by the SMI between the features
-/// of the local grid and the labels that they give its places; the features' side is prepared once
-/// for all particles. Weights are exp(sharpness · SMI), where I(3.4) takes SMI itself: in the
-/// units of the estimate, one wrong street then costs a particle its life in a few updates.
+/// Tracks the vehicle on a street map by the dependence between map segments and sensor data, I
+/// chapter 3: a particle filter that predicts with the odometry and weights each particle by the
+/// SMI between the features of the local grid and the map labels at that pose. The feature side is
+/// prepared once for all particles. Weights are exp(sharpness · SMI) where I(3.4) uses SMI itself:
+/// in SMI units alone a wrong street would lower a weight too slowly.
 ///
-/// A score is compared with those of displaced poses of the same update: they keep the shape of the
-/// label image, which labels permuted one by one would not, and so tell the chance that a wrong
-/// pose scores as well.
+/// The score is compared with the scores of displaced poses of the same update. These keep the
+/// spatial structure of the label image, which a permutation of labels would destroy, so they give
+/// the probability that a wrong pose scores as high.
 class Tracker {
  public:
-  /// The map must outlive the tracker. `options.invalid()` must be empty.
-  explicit Tracker(const SegmentMap& map, const TrackerOptions& options = {});
+  /// `map` must outlive the tracker. `options.invalid()` must be empty. `score` weights the poses;
+  /// null: `LsmiScore`.
+  explicit Tracker(const SegmentMap& map, const TrackerOptions& options = {},
+                   std::unique_ptr<ViewScore> score = nullptr);
 
-  /// Begins around a pose (map frame); covariance of x, y, yaw.
+  /// Starts around a pose (map frame); covariance of x, y, yaw.
   void start(const PlanarPose& pose, const Eigen::Matrix3d& covariance);
 
-  /// Begins somewhere within `radius` (m) of a pose, heading within ± `yaw` (rad) of it.
+  /// Starts within `radius` (m) of a pose, heading within ± `yaw` (rad) of it.
   void search(const PlanarPose& pose, double radius, double yaw);
 
-  /// The vehicle moved by `motion` (frame of the vehicle before it) within `step`; covariance of
-  /// x, y, yaw, of errors that are other ones at the next motion. Those that last, of scale and yaw
-  /// rate, the particles carry (`ParticleOptions`).
+  /// Predicts by a motion (in the vehicle frame before it) within `step`. The covariance (x, y,
+  /// yaw) is that of errors that are independent between motions; persistent errors of scale and
+  /// yaw rate are part of the particles (`ParticleOptions`).
   void predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
 
-  /// Collects what was seen at the current pose, or where the vehicle was at another moment: `then`
-  /// is that pose seen from the current one.
+  /// Adds a deskewed sweep and an optional image taken at `sensor_pose`, relative to the current
+  /// pose.
   void add_sweep(const DeskewedView& deskewed, const ImageView* image,
                  const PlanarPose& sensor_pose = {});
 
-  /// Weighs the particles by what was collected. Does nothing before `start`, while too little is
-  /// seen, and while the vehicle stands: the same view again is no new evidence.
+  /// Weights the particles by the collected data. Does nothing before `start`, with too few
+  /// samples, and while the vehicle stands still: the same view is no new evidence.
   void update();
 
-  /// The same with samples that were collected elsewhere (a cache), vehicle frame.
+  /// The same with samples from elsewhere (a cache), vehicle frame.
   void update(const GridSamples& samples);
 
-  /// Where the vehicle is; LOST before `start`.
+  /// Returns the current estimate; LOST before `start`.
   TrackerEstimate estimate() const;
 
  private:
@@ -102,26 +104,25 @@ class Tracker {
   TrackerOptions options_;
   LocalGrid grid_;
   LabelWindow window_;
-  ViewScore view_;
+  std::unique_ptr<ViewScore> view_;
   ParticleSet particles_;
   ScoreSignificance significance_;
   GlobalSearch global_search_;
   std::mt19937_64 random_;
-  PlanarPose odometry_;  // of the grid's frame
+  PlanarPose odometry_;  // pose of the vehicle in the frame of the grid
   bool started_ = false;
   TrackState state_ = TrackState::kLost;
   const char* reason_ = "no initial pose";
   double score_ = 0;
   int updates_since_search_ = 0;
-  PlanarPose odometry_at_update_;  // odometry's pose at the last update
-  // Since then.
+  PlanarPose odometry_at_update_;  // odometry pose at the last update
   double driven_s_ = 0;
   double odometry_position_variance_ = 0,
-         odometry_yaw_variance_ = 0;  // m², rad² of the odometry's covariance
-  double novelty_ = 1;                // share of what is seen that is new
-  double mode_novelty_ = 1;           // the same, of what tells one place from another
+         odometry_yaw_variance_ = 0;  // m², rad² of the odometry
+  double novelty_ = 1;                // share of the view that is new evidence
+  double mode_novelty_ = 1;           // the same for evidence between two modes
   double recent_position_variance_ =
-      0;  // m²: of what the odometry forgot over the last `fresh` metres
+      0;  // m²: odometry variance over the last `novelty_distance` metres
 
   // Scratch.
   GridSamples samples_;

@@ -4,9 +4,10 @@ namespace infuse::streetmap {
 
 std::optional<std::string> ParticleOptions::invalid() const {
   if (min_count < 10 || max_count < min_count || max_count > 100'000) {
-    return "particles: min_count must be 10 at least, max_count not less and 100000 at most";
+    return "particles: 10 ≤ min_count ≤ max_count ≤ 100000 is required";
   }
-  if (!(bin_size > 0 && yaw_bin_size > 0)) return "particles: bins must be positive";
+  if (!(bin_size > 0 && yaw_bin_size > 0))
+    return "particles: bin_size and yaw_bin_size must be positive";
   for (const double noise : {distance_noise, scale_sigma, yaw_rate_bias_sigma, yaw_noise,
                              yaw_noise_per_update, jitter, jitter_yaw}) {
     if (!(noise >= 0 && noise <= 1)) return "particles: noise must be within 0 … 1";
@@ -26,12 +27,12 @@ std::optional<std::string> ConfidenceOptions::invalid() const {
   }
   if (!(max_tracking_p_value > 0 && max_tracking_p_value < min_lost_p_value &&
         min_lost_p_value <= 1)) {
-    return "confidence: 0 < max_tracking_p_value < min_lost_p_value ≤ 1 is needed";
+    return "confidence: 0 < max_tracking_p_value < min_lost_p_value ≤ 1 is required";
   }
   if (!(max_tracking_spread > 0 && max_tracking_spread < min_lost_spread &&
         max_tracking_yaw_sigma > 0)) {
     return "confidence: 0 < max_tracking_spread < min_lost_spread and max_tracking_yaw_sigma > 0 "
-           "are needed";
+           "are required";
   }
   if (!(search_radius > 0 && search_radius <= 1000 && search_yaw > 0)) {
     return "confidence: search_radius must be 0 … 1000 m, search_yaw positive";

@@ -1,4 +1,5 @@
-// Tables of fusion/streetmap/accuracy.md: one picture, and the tracker over simulated drives.
+// Makes the tables of fusion/streetmap/accuracy.md: single images, and the tracker on simulated
+// drives.
 //   streetmap_accuracy FOLDER [SECTION[=SEEDS]...]
 #include <chrono>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "fusion/streetmap/single_image_pose.hpp"
 #include "tests/bench/section_file.hpp"
 #include "tests/bench/streetmap_runs.hpp"
+#include "tests/study/streetmap/comparison_scores.hpp"
 
 namespace infuse::streetmap::bench {
 namespace {
@@ -35,7 +37,7 @@ struct Moments {
   }
 };
 
-// --- one picture ---
+// --- single images ---
 
 struct ImageRow {
   Moments across, turned, seconds;
@@ -49,7 +51,7 @@ ImageRow locate_all(const SegmentMap& map, const std::vector<PosedImage>& posed_
   for (const PosedImage& posed_image : posed_images) {
     ImageFeatures features;
     if (!extract_features(posed_image.image, step, features)) continue;
-    // The prior is off by up to half of what is searched.
+    // The error of the prior is up to half of the search range.
     const auto uniform = [&] {
       draws = draws * 6364136223846793005ULL + 1442695040888963407ULL;
       return static_cast<double>(draws >> 40) / (1 << 23) - 1;
@@ -77,16 +79,16 @@ bool one_image(std::ostream& out, int images) {
   const std::vector<PosedImage> posed_images = read_posed_images("street", images, mount);
   const DriveMap made = make_map("street");
   out << "The drive `street` (fixtures/scenarios/online_2hz.toml): " << posed_images.size()
-      << " pictures, reduced by 8; mean ± one deviation of the error; time a\n"
-      << "pose relative to LSMI's, one thread.\n\n"
-      << "| measure | lateral, m | heading, ° | time a pose | pictures |\n|---|---|---|---|---|\n";
+      << " images, reduced by 8; mean ± standard deviation of the error; time per\n"
+      << "pose relative to LSMI, one thread.\n\n"
+      << "| measure | lateral, m | heading, ° | time per pose | images |\n|---|---|---|---|---|\n";
   double unit = 0;
   for (const ImageMeasure measure :
        {ImageMeasure::kLsmi, ImageMeasure::kBlsmi, ImageMeasure::kMi, ImageMeasure::kQmi,
         ImageMeasure::kSce, ImageMeasure::kCorrelation, ImageMeasure::kBoundaries}) {
     SingleImageOptions options;
     options.measure = measure;
-    // The slow ones see fewer pixels, or the table would take an hour.
+    // Slow measures use fewer pixels, or the table would take an hour.
     if (measure == ImageMeasure::kMi || measure == ImageMeasure::kCorrelation) {
       options.max_samples = 200;
     }
@@ -99,7 +101,7 @@ bool one_image(std::ostream& out, int images) {
                        row.seconds.mean() / unit, row.across.n);
     std::fprintf(stderr, "%s: %.2f m\n", name(measure), row.across.mean());
   }
-  out << "\nMLMI and dCor use 200 pixels, the others 1500; MLMI one width.\n\n"
+  out << "\nMLMI and dCor use 200 pixels, the others 1500; MLMI uses one kernel width.\n\n"
       << "| reduced by (LSMI) | lateral, m | heading, ° |\n|---|---|---|\n";
   for (const int step : {2, 4, 8, 16, 24}) {
     const ImageRow row = locate_all(made.map, posed_images, mount, step, {});
@@ -125,10 +127,10 @@ void write_row(std::ostream& out, const std::string& what, const Summary& s) {
   std::fputs(row.c_str(), stderr);
 }
 
-/// What is seen on a drive, its map, and over how many seeds it is requested.
+/// Views of a drive, its map, and the number of seeds.
 struct TestDrive {
   std::string drive;
-  std::vector<View> views;  // none where the drive cannot be had
+  std::vector<View> views;  // empty if the drive is not available
   DriveMap made;
   int seeds = 0;
 
@@ -137,10 +139,10 @@ struct TestDrive {
   }
 };
 
-/// A section's rows over a course.
+/// Writes the rows of a section for a drive.
 using RowWriter = std::function<void(std::ostream&, const TestDrive&)>;
 
-/// A section about a drive: names it, and writes the rows. False where it cannot be had.
+/// Writes the section of a drive: its name and its rows. False if the drive is not available.
 bool write_drive_section(std::ostream& out, const std::string& drive, int seeds,
                          const RowWriter& rows) {
   if (!render(drive)) return false;
@@ -156,16 +158,15 @@ void one_drive(std::ostream& out, const TestDrive& test_drive) {
   write_row(out, test_drive.drive, test_drive.run({}));
 }
 
-/// The thesis' kind of drive, and what it compares with.
+/// The kind of drive of the thesis, and the measures that it compares.
 void robot(std::ostream& out, const TestDrive& test_drive) {
   out << kTableHeader;
-  for (const auto& [measure, what] : {std::pair(ViewMeasure::kLsmi, "LSMI"),
-                                      {ViewMeasure::kBlsmi, "BLSMI, 4 bags"},
-                                      {ViewMeasure::kBoundaries, "road boundaries"}}) {
-    RunOptions options;
-    options.tracker.measure = measure;
-    write_row(out, what, test_drive.run(options));
-  }
+  RunOptions options;
+  write_row(out, "LSMI", test_drive.run(options));
+  options.score = [&] { return std::make_unique<BaggedLsmiScore>(options.tracker.fit); };
+  write_row(out, "BLSMI, 4 bags", test_drive.run(options));
+  options.score = [] { return std::make_unique<BoundaryScore>(); };
+  write_row(out, "road boundaries", test_drive.run(options));
 }
 
 void wrong_initial_poses(std::ostream& out, const TestDrive& test_drive) {
@@ -178,7 +179,7 @@ void wrong_initial_poses(std::ostream& out, const TestDrive& test_drive) {
 }
 
 void noisy_odometry(std::ostream& out, const TestDrive& test_drive) {
-  out << "Gaussian noise, a share of each motion and of its yaw rate, drawn anew so often.\n\n"
+  out << "Gaussian noise in proportion to each motion and on its yaw rate, at the given rate.\n\n"
       << kTableHeader;
   for (const int noise_hz : {10, 2}) {
     for (const auto& [share, rate] : {std::pair(0.1, 1.0), {0.2, 2.0}, {0.3, 3.0}}) {
@@ -193,7 +194,7 @@ void noisy_odometry(std::ostream& out, const TestDrive& test_drive) {
 }
 
 void omission(std::ostream& out, const TestDrive& test_drive) {
-  out << "100 particles.\n\n| omitted | total, m | time an update, relative to 90 % |\n"
+  out << "100 particles.\n\n| omitted | total, m | time per update, relative to 90 % |\n"
       << "|---|---|---|\n";
   std::vector<std::pair<double, Summary>> rows;
   for (const double omitted : {0.0, 0.5, 0.7, 0.9, 0.97}) {
@@ -209,7 +210,7 @@ void omission(std::ostream& out, const TestDrive& test_drive) {
   }
 }
 
-// --- maps that are wrong ---
+// --- wrong maps ---
 
 double distance_to(const Polyline& line, const PlanarPose& pose) {
   const Eigen::Vector2d p(pose.x, pose.y);
@@ -255,7 +256,7 @@ void wrong_maps(std::ostream& out, const TestDrive& test_drive) {
   write_changed_map("streets 30 % narrower", [](StreetPlan& wrong) {
     for (PlanStrip& strip : wrong.strips) strip.half_width *= 0.7;
   });
-  write_changed_map("2 m off within 80 m of a place", [&](StreetPlan& wrong) {
+  write_changed_map("2 m shift within 80 m of a point", [&](StreetPlan& wrong) {
     const Eigen::Vector2d place(middle.x, middle.y);
     const Eigen::Vector2d aside(-std::sin(middle.yaw), std::cos(middle.yaw));
     const auto move = [&](Eigen::Vector2d& p) {
@@ -280,18 +281,18 @@ constexpr const char* kDocumentHeader =
     "streetmap:SECTION[=SEEDS]`:\n"
     "`one_image`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `robot`, `wrong_initial_poses`, "
     "`noisy_odometry`, `omission`,\n"
-    "`wrong_maps`; what is not below has not been made. The tracker is run on cached views, two a "
-    "second, as the daemon\n"
-    "updates. Errors are rms over a run, after ten views, and means over the seeds, which vary the "
-    "odometry's scale and\n"
-    "bias, the start and the filter. The world departs from the map.\n";
+    "`wrong_maps`; sections that are missing below have not been run. The tracker runs on cached "
+    "views, two per second,\n"
+    "as in the daemon. Errors are rms over a run without its first ten views, averaged over seeds; "
+    "a seed sets the scale\n"
+    "and bias of the odometry, the initial pose and the filter. The world deviates from the map.\n";
 
 const std::vector<infuse::bench::Section>& sections() {
   const auto on = [](const char* drive, const RowWriter& rows) {
     return
         [=](std::ostream& out, int seeds) { return write_drive_section(out, drive, seeds, rows); };
   };
-  // Everything else is asked of the shortest of the recorded routes, or of the street.
+  // All other sections use the shortest recorded route, or the street.
   const auto on_short = [](const RowWriter& rows) {
     return [=](std::ostream& out, int seeds) {
       return write_drive_section(out, "kitti_07", seeds, rows) ||
@@ -299,7 +300,7 @@ const std::vector<infuse::bench::Section>& sections() {
     };
   };
   static const std::vector<infuse::bench::Section> all = {
-      {"one_image", "One image (I table 3.3, 3.6, figure 3.12)", 40, one_image},
+      {"one_image", "A single image (I table 3.3, 3.6, figure 3.12)", 40, one_image},
       {"kitti_00", "The route of KITTI 00", 20, on("kitti_00", one_drive)},
       {"kitti_05", "The route of KITTI 05", 20, on("kitti_05", one_drive)},
       {"kitti_07", "The route of KITTI 07", 20, on("kitti_07", one_drive)},
@@ -309,12 +310,12 @@ const std::vector<infuse::bench::Section>& sections() {
       {"wrong_initial_poses", "Wrong initial poses (I figure 3.19(c))", 20,
        on_short(wrong_initial_poses)},
       {"noisy_odometry", "Noisy odometry (I figure 3.19(b))", 20, on_short(noisy_odometry)},
-      {"omission", "Cross-validation left out (I figure 3.19(a))", 5, on_short(omission)},
+      {"omission", "Omitted cross-validation (I figure 3.19(a))", 5, on_short(omission)},
       {"wrong_maps", "Wrong maps", 20, on_short(wrong_maps)}};
   return all;
 }
 
-/// `wanted`: "NAME" or "NAME=SEEDS".
+/// `requested`: "NAME" or "NAME=SEEDS".
 bool write_section(const std::string& path, const std::string& requested) {
   const size_t end = requested.find('=');
   const std::string name = requested.substr(0, end);
@@ -326,11 +327,11 @@ bool write_section(const std::string& path, const std::string& requested) {
     return seeds > 0 &&
            infuse::bench::rewrite_section(path, kDocumentHeader, sections(), section, seeds);
   }
-  std::fprintf(stderr, "no section is called %s\n", name.c_str());
+  std::fprintf(stderr, "unknown section %s\n", name.c_str());
   return false;
 }
 
-// A section that cannot be made, for want of a recording, does not keep the others back.
+// A section without its recording is skipped; the others are still made.
 int write_tables(const std::string& folder, std::vector<std::string> requested) {
   if (requested.empty()) {
     for (const infuse::bench::Section& section : sections()) requested.push_back(section.name);

@@ -8,7 +8,7 @@
 namespace infuse::streetmap {
 namespace {
 
-/// Two streets that cross, with kerbs, and ground that tells its kind by its features.
+/// Two crossing streets with kerbs, and samples with features by the kind of ground.
 struct Crossing {
   std::vector<std::byte> bytes;
   SegmentMap map;
@@ -45,7 +45,7 @@ void update(benchmark::State& state, double omission) {
   options.particles.min_count = options.particles.max_count = 100;
   Tracker tracker(crossing.map, options);
   tracker.start({}, Eigen::Vector3d(0.25, 0.25, 0.003).asDiagonal());
-  double step = 0.31;  // to and fro: enough for an update
+  double step = 0.31;  // back and forth: enough for an update
   for (auto _ : state) {
     tracker.predict({step, 0, 0}, Eigen::Matrix3d::Zero(), Duration(500'000'000));
     tracker.update(crossing.samples);

@@ -46,7 +46,7 @@ bool decode(const std::filesystem::path& path, CameraFrame& image) {
       .has_value();
 }
 
-/// Collects sweeps, each with the picture nearest to it, and gives out views.
+/// Collects sweeps, each with the image nearest in time, and returns views.
 class ViewCollector {
  public:
   ViewCollector(const std::filesystem::path& folder, const Rig& rig)

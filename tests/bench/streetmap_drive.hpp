@@ -11,41 +11,41 @@
 #include "fusion/streetmap/segment_map.hpp"
 #include "fusion/streetmap/street_plan.hpp"
 
-/// Simulated drives on street maps, rendered once, and what of them the benchmarks use.
+/// Simulated drives on street maps, rendered once, for benchmarks.
 namespace infuse::streetmap::bench {
 
-/// What one update sees, collected along the true way, and where the vehicle is.
+/// Samples of one update, collected along the true trajectory, and the true pose.
 struct View {
   double seconds = 0;  ///< since the start of the drive
   PlanarPose truth;
   GridSamples samples;
 };
 
-/// A picture and where the vehicle was.
+/// An image and the true pose of the vehicle.
 struct PosedImage {
   PlanarPose truth;
   CameraFrame image;
 };
 
-/// A map made of the drive's OpenStreetMap file, and the bytes that it reads.
+/// A map made from the OpenStreetMap file of a drive, and its bytes.
 struct DriveMap {
   StreetPlan plan;
   std::vector<std::byte> bytes;
   SegmentMap map;
 };
 
-/// Renders `drive` unless it is there: "pedestrian_zone", "street", "kitti_00", "kitti_05" or
-/// "kitti_07", the latter with the recordings of INFUSE_REAL_DATA. False, and why on standard
-/// error, where that fails.
+/// Renders `drive` unless it exists: "pedestrian_zone", "street", "kitti_00", "kitti_05" or
+/// "kitti_07", the latter with the recordings of INFUSE_REAL_DATA. On failure prints the reason to
+/// standard error and returns false.
 bool render(const std::string& drive);
 
-/// The views of a drive, two a second, from its cache (written by the first call).
+/// Reads the views of a drive, two per second, from its cache (written by the first call).
 std::vector<View> read_views(const std::string& drive);
 
-/// `count` pictures evenly over the drive, and the camera's mount.
+/// Reads `count` images, evenly spread over the drive, and the mount of the camera.
 std::vector<PosedImage> read_posed_images(const std::string& drive, int count, CameraMount& mount);
 
-/// Makes the drive's map; of another plan where one is given.
+/// Makes the map of a drive, or of another plan.
 DriveMap make_map(const std::string& drive, const std::optional<StreetPlan>& plan = {});
 
 }  // namespace infuse::streetmap::bench

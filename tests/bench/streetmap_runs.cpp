@@ -23,7 +23,7 @@ RunResult run(const SegmentMap& map, const std::vector<View>& views, const RunOp
                rate = options.yaw_bias_sigma * normal(random);
   TrackerOptions settings = options.tracker;
   settings.seed = options.seed * 77;
-  Tracker tracker(map, settings);
+  Tracker tracker(map, settings, options.score ? options.score() : nullptr);
   const double direction = 10 * normal(random);
   PlanarPose initial_pose = views.front().truth;
   initial_pose.x += options.initial_error * std::cos(direction);
@@ -41,7 +41,7 @@ RunResult run(const SegmentMap& map, const std::vector<View>& views, const RunOp
       const PlanarPose true_motion = views[i - 1].truth.motion_to(views[i].truth);
       const double step = views[i].seconds - views[i - 1].seconds;
       const double driven = std::hypot(true_motion.x, true_motion.y);
-      // Of motions that are drawn one by one the deviation of the sum is a smaller share.
+      // The relative standard deviation of a sum of independent motions is smaller.
       const double share = 1 / std::sqrt(std::max(std::round(step * options.noise_hz), 1.0));
       const double distance_noise = share * options.distance_noise * driven;
       const double turn_noise = share * options.yaw_rate_noise * step;

@@ -89,7 +89,7 @@ TEST_F(StreetMapFileTest, WidthsComeFromTheTagElseLanesElseClass) {
   EXPECT_DOUBLE_EQ(width("highway=residential tunnel=yes"), 0);
 }
 
-TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWhereATagTellsOfThem) {
+TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWithASidewalkTag) {
   EXPECT_EQ(strip("highway=residential").sidewalk_width, 0);
   EXPECT_EQ(strip("highway=residential sidewalk=no").sidewalk_width, 0);
   EXPECT_GT(strip("highway=residential sidewalk=both").sidewalk_width, 1);
@@ -99,25 +99,25 @@ TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWhereATagTellsOfThem) {
 
 TEST_F(StreetMapFileTest, OpenAndSelfCrossingRingsAreReportedWithTheirId) {
   EXPECT_THAT(warnings(way(77, {101, 102, 203}, "building=yes")),
-              Contains("way 77: is an area that does not close (it is left out)"));
+              Contains("way 77: is an area that does not close (it is skipped)"));
   EXPECT_THAT(warnings(way(78, {301, 404, 304, 401, 301}, "leisure=park")),
-              Contains("way 78: has a ring that crosses itself (it is left out)"));
+              Contains("way 78: has a ring that crosses itself (it is skipped)"));
   EXPECT_THAT(warnings(way(79, {301, 5000}, "highway=service")),
-              Contains("way 79: lies more than 50 km from the rest of the map (it is left out)"));
+              Contains("way 79: lies more than 50 km from the rest of the map (it is skipped)"));
   EXPECT_THAT(warnings(way(80, {301, 9999, 302}, "highway=service")),
               Contains(HasSubstr("way 80: 1 of its nodes are not in the file")));
   EXPECT_THAT(warnings(way(81, {301, 304, 404, 401, 301}, "building=yes")), testing::IsEmpty());
 }
 
-TEST_F(StreetMapFileTest, AMapWithoutRoadsIsRefused) {
+TEST_F(StreetMapFileTest, AMapWithoutRoadsIsRejected) {
   for (const char* tags : {"building=yes", "highway=footway"}) {
     const auto made = make(way(1, {1, 4, 304, 301, 1}, tags));
     ASSERT_FALSE(made) << tags;
-    EXPECT_THAT(made.error().message(), HasSubstr("has no road that can be driven on"));
+    EXPECT_THAT(made.error().message(), HasSubstr("has no drivable road"));
   }
 }
 
-TEST_F(StreetMapFileTest, IsOpenedAsItWasMade) {
+TEST_F(StreetMapFileTest, OpensAGeneratedMap) {
   const auto made = make(way(4711, {1, 10}, "highway=residential"));
   ASSERT_TRUE(made);
   const auto path = folder_ / "a.map";
@@ -134,7 +134,7 @@ TEST_F(StreetMapFileTest, IsOpenedAsItWasMade) {
   EXPECT_THAT(std::string(moved.map.provenance()), HasSubstr("map.osm"));
 }
 
-TEST_F(StreetMapFileTest, DamagedFilesAreSaid) {
+TEST_F(StreetMapFileTest, DamagedFilesAreReported) {
   const auto made = make(way(4711, {1, 10}, "highway=residential"));
   ASSERT_TRUE(made);
   const auto path = folder_ / "cut.map";
@@ -142,7 +142,7 @@ TEST_F(StreetMapFileTest, DamagedFilesAreSaid) {
       recording::write_file_atomically(path, std::span(made->bytes).first(made->bytes.size() / 2)));
   const auto cut = open_street_map_file(path);
   ASSERT_FALSE(cut);
-  EXPECT_THAT(cut.error().message(), HasSubstr("is cut off"));
+  EXPECT_THAT(cut.error().message(), HasSubstr("is truncated"));
   EXPECT_FALSE(open_street_map_file(folder_ / "missing.map"));
   EXPECT_FALSE(open_street_map_file("/"));
   ASSERT_TRUE(recording::write_text(folder_ / "empty.map", ""));
@@ -150,10 +150,10 @@ TEST_F(StreetMapFileTest, DamagedFilesAreSaid) {
   ASSERT_TRUE(recording::write_text(folder_ / "text.map", std::string(500, 'x')));
   const auto text = open_street_map_file(folder_ / "text.map");
   ASSERT_FALSE(text);
-  EXPECT_THAT(text.error().message(), HasSubstr("is not a street map of infuse"));
+  EXPECT_THAT(text.error().message(), HasSubstr("is not an infuse street map"));
 }
 
-TEST_F(StreetMapFileTest, APictureNeedsAScale) {
+TEST_F(StreetMapFileTest, AnImageNeedsAScale) {
   const auto made = make_street_map("screenshot.png", {});
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().message(), HasSubstr("no scale"));
@@ -165,7 +165,7 @@ TEST(StreetMap, AltfeldConvertsWithoutWarnings) {
   EXPECT_THAT(made->warnings, testing::IsEmpty());
 }
 
-/// Share of a drive's rows that lie on carriageways, and the farthest that one lies from them, m.
+/// Share of the rows of a drive on carriageways, and the maximum distance from them, m.
 struct RoadCoverage {
   double share = 0;
   double max_distance = 0;

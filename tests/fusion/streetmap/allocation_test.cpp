@@ -1,5 +1,5 @@
-// After warm-up, collecting and updating take nothing from the heap: glibc's own calls are counted,
-// since Eigen asks it directly.
+// After warm-up, collecting and updating do not allocate. The test counts calls of glibc's
+// allocator, because Eigen calls it directly.
 
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ TEST(TrackerAllocations, NoneAfterTheFirstUpdates) {
   std::vector<GridSamples> views;
   for (uint64_t i = 0; i < 24; ++i) {
     views.push_back(town::sample_view(town.map, truth = truth.compose({2, 0, 0}), i, i > 15));
-    // Every other view is a smaller one.
+    // Every second view is smaller.
     if (i % 2 == 0) continue;
     GridSamples& view = views.back();
     const GridSamples whole = view;

@@ -9,7 +9,7 @@
 namespace infuse::streetmap {
 namespace {
 
-/// Every look-up against the map itself: one label for one segment or kind, and the other way.
+/// Compares every look-up with the map: labels correspond one to one to segments or kinds.
 void expect_agrees(Labelling labelling) {
   const town::Town town = town::build(town::plan());
   LabelWindow window;
@@ -28,7 +28,7 @@ void expect_agrees(Labelling labelling) {
     window.look_up(pose, x, y, labels);
     for (size_t i = 0; i < x.size(); ++i) {
       const Eigen::Vector2d p = pose.transform({x[i], y[i]});
-      // Away from the edges of cells, where rounding may decide.
+      // Away from cell edges, where rounding matters.
       const Eigen::Vector2d cell = (p - town.map.frame().min_corner) / 0.2;
       if ((cell - cell.array().round().matrix()).cwiseAbs().minCoeff() < 0.01) continue;
       const uint32_t id = town.map.id_at(p.x(), p.y());

@@ -8,7 +8,7 @@
 namespace infuse::streetmap {
 namespace {
 
-/// Returns given one by one, in the lidar frame; the lidar is 1.5 m above the vehicle's origin.
+/// Sweep built return by return, in the lidar frame; the lidar is 1.5 m above the vehicle origin.
 class Scan {
  public:
   void add(const Eigen::Vector3d& vehicle, float reflectivity, uint16_t ring = 0,
@@ -43,7 +43,7 @@ LocalGridOptions small() {
   return options;
 }
 
-/// The sample nearest to a place, or -1.
+/// Returns the sample nearest to a point, or -1.
 Eigen::Index sample_at(const GridSamples& samples, double x, double y) {
   for (size_t i = 0; i < samples.size(); ++i) {
     if (std::abs(samples.x[i] - x) < 0.26 && std::abs(samples.y[i] - y) < 0.26) {
@@ -53,7 +53,7 @@ Eigen::Index sample_at(const GridSamples& samples, double x, double y) {
   return -1;
 }
 
-TEST(LocalGrid, StandardisesWhatReturnsSay) {
+TEST(LocalGrid, StandardisesTheFeaturesOfReturns) {
   Scan scan;
   scan.add({3.2, 1.2, 0.0}, 0.2F);
   scan.add({3.3, 1.3, 0.0}, 0.4F);  // the same cell: mean 0.3
@@ -78,10 +78,10 @@ TEST(LocalGrid, StandardisesWhatReturnsSay) {
     EXPECT_NEAR(samples.features(b, f), z, 1e-3);
     EXPECT_NEAR(samples.features(c, f), 0, 1e-3);
   }
-  EXPECT_EQ(samples.features(a, kDiscontinuity), 0);  // all alike
+  EXPECT_EQ(samples.features(a, kDiscontinuity), 0);  // all equal
 }
 
-TEST(LocalGrid, DiscontinuityIsTheStepToTheNeighboursBeyond) {
+TEST(LocalGrid, DiscontinuityIsTheRangeStepToFartherNeighbours) {
   Scan scan;
   // One ring; ranges 4, 4, 8, 8 at neighbouring columns, then a gap.
   const double ranges[] = {4, 4, 8, 8, 4};
@@ -112,7 +112,7 @@ TEST(LocalGrid, DiscontinuityIsTheStepToTheNeighboursBeyond) {
   EXPECT_EQ(raised, 1);
 }
 
-TEST(LocalGrid, StaysWhereItIsWhileTheVehicleMoves) {
+TEST(LocalGrid, StaysFixedWhileTheVehicleMoves) {
   Scan scan;
   scan.add({6.25, 2.25, 0}, 0.1F);
   scan.add({8.25, -2.25, 1}, 0.9F);
@@ -126,12 +126,12 @@ TEST(LocalGrid, StaysWhereItIsWhileTheVehicleMoves) {
   // (6.25, 2.25) seen from (4, 1) and turned left: (1.25, −2.25).
   EXPECT_GE(sample_at(samples, 1.25, -2.25), 0);
   EXPECT_GE(sample_at(samples, -3.25, -4.25), 0);
-  // Far on, nothing of it is left.
+  // Far on, all cells are overwritten.
   grid.draw_samples(first.compose({200, 0, 0}), samples);
   EXPECT_EQ(samples.size(), 0U);
 }
 
-TEST(LocalGrid, WhatMovedAwayFades) {
+TEST(LocalGrid, MovingObjectsFade) {
   LocalGridOptions options = small();
   options.mean_window = 10;
   LocalGrid grid(options);
@@ -150,7 +150,7 @@ TEST(LocalGrid, WhatMovedAwayFades) {
   EXPECT_NEAR(samples.features(cleared, kHeight), samples.features(other, kHeight), 0.1);
 }
 
-TEST(LocalGrid, ColoursComeFromThePictureAndNotThroughWalls) {
+TEST(LocalGrid, ColoursComeFromTheImageUnlessOccluded) {
   // A camera at the lidar looking forward (x); left half red, right half blue.
   CameraIntrinsics intrinsics;
   intrinsics.width = 200;
@@ -173,8 +173,8 @@ TEST(LocalGrid, ColoursComeFromThePictureAndNotThroughWalls) {
   Scan scan;
   scan.add({6.25, 2.25, 1.5}, 0.5F);   // left: red
   scan.add({6.25, -2.25, 1.5}, 0.4F);  // right: blue
-  scan.add({3.25, 0.75, 1.5}, 0.5F);   // a near thing, red
-  scan.add({9.25, 2.25, 1.55}, 0.5F);  // behind it in the picture: hidden
+  scan.add({3.25, 0.75, 1.5}, 0.5F);   // a near object, red
+  scan.add({9.25, 2.25, 1.55}, 0.5F);  // behind it in the image: occluded
   scan.add({-6.25, 0.25, 1.5}, 0.6F);  // behind the camera
   LocalGrid grid(small());
   grid.add(scan.view(), &image, {});
@@ -191,7 +191,7 @@ TEST(LocalGrid, ColoursComeFromThePictureAndNotThroughWalls) {
   EXPECT_EQ(samples.features(behind, kRed), 0);
 }
 
-TEST(LocalGrid, GivesNoMoreThanAskedAndTheSameAgain) {
+TEST(LocalGrid, SamplesAreBoundedAndRepeatable) {
   Scan scan;
   for (int i = 0; i < 400; ++i) {
     scan.add({2.0 + i % 20 * 0.37, 1.0 + i / 20 * 0.37, 0.001 * i}, 0.5F);
@@ -212,7 +212,7 @@ TEST(LocalGrid, GivesNoMoreThanAskedAndTheSameAgain) {
   EXPECT_EQ(a.size(), 0U);
 }
 
-TEST(ImageFeatures, AreColoursAndSobelOfAStep) {
+TEST(ImageFeatures, ContainColoursAndTheSobelGradientOfAStep) {
   CameraFrame frame;
   frame.width = 8;
   frame.height = 6;

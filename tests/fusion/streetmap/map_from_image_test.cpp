@@ -23,7 +23,7 @@ void fill(CameraFrame& image, int x0, int y0, int x1, int y1, uint8_t value) {
   }
 }
 
-TEST(ImageMap, RegionsAndTheirLinesGetIds) {
+TEST(ImageMap, RegionsAndTheirOutlinesGetIds) {
   CameraFrame image = grey(120, 100, 240);
   fill(image, 0, 40, 120, 60, 150);  // a street from edge to edge
   fill(image, 20, 10, 50, 30, 100);  // a house north of it
@@ -33,7 +33,7 @@ TEST(ImageMap, RegionsAndTheirLinesGetIds) {
   const auto map = SegmentMap::open(*bytes, "drawn");
   ASSERT_TRUE(map);
   EXPECT_FALSE(map->frame().georeferenced);
-  // The picture's middle is the origin; up is north.
+  // The centre of the image is the origin; up is north.
   const auto id = [&](int x, int y) { return map->id_at((x + 0.5 - 60) * 0.5, (49.5 - y) * 0.5); };
   const auto kind = [&](int x, int y) { return map->segment(id(x, y)).kind; };
   const std::set<uint32_t> regions{id(5, 5), id(60, 50), id(35, 20), id(5, 90)};
@@ -49,7 +49,7 @@ TEST(ImageMap, RegionsAndTheirLinesGetIds) {
   EXPECT_EQ(kind(91, 81), SegmentKind::kImageLine);  // too small for a region
 }
 
-TEST(ImageMap, RefusesWhatIsNoMap) {
+TEST(ImageMap, RejectsImagesWithoutAMap) {
   EXPECT_FALSE(make_map_from_image(grey(100, 100, 7), {}, ""));
   EXPECT_FALSE(make_map_from_image(grey(0, 0, 7), {}, ""));
   CameraFrame colour = grey(100, 100, 7);

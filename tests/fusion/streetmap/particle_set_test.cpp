@@ -67,8 +67,8 @@ TEST(ParticleSet, MotionNoiseHasItsCovariance) {
   EXPECT_NEAR(moments.covariance(2, 2), 1e-4, 4e-6);
 }
 
-// An error that lasts grows with the way, not with its root: 100 steps of one metre and 100 s.
-TEST(ParticleSet, ErrorsThatLastAddUp) {
+// A persistent error grows linearly with distance: 100 steps of one metre and 100 s.
+TEST(ParticleSet, PersistentErrorsAddUp) {
   ParticleOptions options = noise_free_options();
   options.min_count = options.max_count = 20000;
   options.scale_sigma = 0.01;
@@ -80,11 +80,11 @@ TEST(ParticleSet, ErrorsThatLastAddUp) {
   const Eigen::Matrix3d C = set.moments().covariance;
   EXPECT_NEAR(std::sqrt(C(0, 0)), 1, 0.05);
   EXPECT_NEAR(std::sqrt(C(2, 2)), 0.1, 0.003);
-  EXPECT_NEAR(std::sqrt(C(1, 1)), 0.001 * 100 * 100 / 2.0, 0.2);  // a heading that turns evenly
+  EXPECT_NEAR(std::sqrt(C(1, 1)), 0.001 * 100 * 100 / 2.0, 0.2);  // a heading with a constant rate
 }
 
-// Over ways far longer than its memory an error stays within its deviation.
-TEST(ParticleSet, ErrorsThatLastStayWithinTheirDeviation) {
+// Over distances far beyond its correlation distance an error keeps its standard deviation.
+TEST(ParticleSet, PersistentErrorsKeepTheirStandardDeviation) {
   ParticleOptions options = noise_free_options();
   options.min_count = options.max_count = 5000;
   options.scale_sigma = 0.01;
@@ -118,7 +118,7 @@ TEST(ParticleSet, ResamplesInProportionToWeight) {
   EXPECT_NEAR(copies[99], 20, 1);
   EXPECT_EQ(copies.size(), 3U);
   EXPECT_NEAR(set.entropy(), 1, 1e-12);
-  EXPECT_FALSE(set.resample_if_needed());  // equal weights are left alone
+  EXPECT_FALSE(set.resample_if_needed());  // equal weights are not resampled
 }
 
 TEST(ParticleSet, TheNumberFollowsTheSpread) {
@@ -136,7 +136,7 @@ TEST(ParticleSet, TheNumberFollowsTheSpread) {
   EXPECT_LE(set.all().size(), 5000U);
 }
 
-TEST(ParticleSet, ADiscIsFilledEvenly) {
+TEST(ParticleSet, ADiscIsFilledUniformly) {
   ParticleOptions options = noise_free_options();
   options.max_count = 8000;
   ParticleSet set(options, 6);
@@ -151,7 +151,7 @@ TEST(ParticleSet, ADiscIsFilledEvenly) {
   EXPECT_NEAR(inner, 2000, 150);
 }
 
-TEST(ParticleSet, ASecondPlaceIsWeighedAgainstTheFirst) {
+TEST(ParticleSet, ASecondModeIsWeightedAgainstTheFirst) {
   ParticleOptions options = noise_free_options();
   options.min_count = options.max_count = 300;
   ParticleSet set(options, 7);
@@ -168,7 +168,7 @@ TEST(ParticleSet, ASecondPlaceIsWeighedAgainstTheFirst) {
   EXPECT_EQ(set.second_mode_weight(), 0);
 }
 
-TEST(ParticleSet, TwoPlacesThatCameTogetherAreOne) {
+TEST(ParticleSet, TwoModesThatMeetAreMerged) {
   ParticleOptions options = noise_free_options();
   options.min_count = options.max_count = 300;
   const auto doubt_at = [&](double x) {
@@ -178,12 +178,12 @@ TEST(ParticleSet, TwoPlacesThatCameTogetherAreOne) {
     set.resample_if_needed();
     return set.second_mode_weight();
   };
-  EXPECT_EQ(doubt_at(0.1), 0);  // the deviation of the difference is 0.28 m
+  EXPECT_EQ(doubt_at(0.1), 0);  // the standard deviation of the difference is 0.28 m
   EXPECT_NEAR(doubt_at(0.6), 1.0 / 3, 1e-9);
 }
 
-// x and scale, yaw and rate depend on each other; a tenth of the particles carries the weight.
-TEST(ParticleSet, SpreadingCopiesKeepsMeanAndCovariance) {
+// x and scale, and yaw and yaw rate, are correlated; a tenth of the particles carries the weight.
+TEST(ParticleSet, KernelSmoothingKeepsMeanAndCovariance) {
   ParticleOptions options = noise_free_options();
   options.min_count = options.max_count = 20000;
   options.kernel_width = 0.5;
@@ -214,8 +214,8 @@ TEST(ParticleSet, SpreadingCopiesKeepsMeanAndCovariance) {
   EXPECT_EQ(copies.size(), 20000U);
 }
 
-// Weights 2/3 and 1/3 at first; ±1 within each place, and 3 between the two.
-TEST(ParticleSet, LearnsBetweenPlacesAndWithinThemAtTheirOwnPace) {
+// Initial weights 2/3 and 1/3; scores differ by ±1 within each mode, and by 3 between the two.
+TEST(ParticleSet, WeightsBetweenAndWithinModesHaveSeparateGains) {
   ParticleOptions options = noise_free_options();
   options.min_count = options.max_count = 300;
   const auto doubt_after = [&](double within, double between) {
@@ -232,11 +232,11 @@ TEST(ParticleSet, LearnsBetweenPlacesAndWithinThemAtTheirOwnPace) {
     return set.second_mode_weight();
   };
   EXPECT_NEAR(doubt_after(0, 0), 1.0 / 3, 1e-9);
-  EXPECT_NEAR(doubt_after(2, 0), 1.0 / 3, 1e-9);  // both places gain the same within themselves
+  EXPECT_NEAR(doubt_after(2, 0), 1.0 / 3, 1e-9);  // both modes gain the same within themselves
   EXPECT_NEAR(doubt_after(0, 0.1), 1 / (1 + 2 * std::exp(-0.3)), 1e-9);
   EXPECT_NEAR(doubt_after(2, 0.1), 1 / (1 + 2 * std::exp(-0.3)), 1e-9);
 
-  // Of one place all are told apart by their scores, whatever its mean.
+  // With one mode, particles are weighted by their scores regardless of the mean.
   ParticleSet set(options, 7);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
   std::vector<double> scores(set.all().size(), 5);
@@ -245,7 +245,7 @@ TEST(ParticleSet, LearnsBetweenPlacesAndWithinThemAtTheirOwnPace) {
   EXPECT_NEAR(set.all()[0].log_weight - set.all()[1].log_weight, 1, 1e-9);
 }
 
-TEST(PlanarPose, ThenAndMotionToAreInverse) {
+TEST(PlanarPose, ComposeAndMotionToAreInverse) {
   const PlanarPose a{3, -2, 2.9}, motion{4, 1, 1.2};
   const PlanarPose b = a.compose(motion), back = a.motion_to(b);
   EXPECT_NEAR(back.x, 4, 1e-12);
@@ -254,7 +254,7 @@ TEST(PlanarPose, ThenAndMotionToAreInverse) {
   EXPECT_LE(std::abs(b.yaw), M_PI);
 }
 
-TEST(ScoreSignificance, CountsChanceScoresOfTheWindow) {
+TEST(ScoreSignificance, CountsNullScoresOfTheWindow) {
   ScoreSignificance test(2);
   EXPECT_DOUBLE_EQ(test.p_value(), 1);
   const double null[] = {1, 2, 3, 4};

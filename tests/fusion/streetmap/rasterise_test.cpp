@@ -10,7 +10,7 @@
 namespace infuse::streetmap {
 namespace {
 
-/// A map and the bytes that it reads.
+/// A map and its bytes.
 struct Drawn {
   std::vector<std::byte> bytes;
   SegmentMap map;
@@ -36,7 +36,7 @@ StreetPlan one_street() {
   return plan;
 }
 
-TEST(Rasterise, DrawsAStreetAsWideAsItIs) {
+TEST(Rasterise, DrawsAStreetWithItsWidth) {
   const Drawn drawn = draw(one_street());
   for (double x = -29.95; x < 30; x += 0.73) {
     for (double y = -5; y < 15; y += 0.07) {
@@ -45,7 +45,7 @@ TEST(Rasterise, DrawsAStreetAsWideAsItIs) {
                                    : edge < 0.4 ? SegmentKind::kKerb
                                    : edge < 2.4 ? SegmentKind::kSidewalk
                                                 : SegmentKind::kOpenLand;
-      // A cell is as its middle is: 5 cm of doubt on either side of an edge.
+      // The centre of a cell decides: tolerance of 5 cm on either side of an edge.
       const bool doubtful =
           std::abs(edge) < 0.06 || std::abs(edge - 0.4) < 0.06 || std::abs(edge - 2.4) < 0.06;
       if (doubtful) continue;
@@ -66,7 +66,7 @@ TEST(Rasterise, HasNoKerbWhereStreetsMeet) {
   EXPECT_EQ(drawn.at(2.7, 30).kind, SegmentKind::kKerb);
   EXPECT_EQ(drawn.at(2.7, 30).osm_id, 8);
   EXPECT_EQ(drawn.at(0, 30).osm_id, 8);
-  EXPECT_EQ(drawn.at(-2.7, 8.2).kind, SegmentKind::kKerb);  // of the first, beside the mouth
+  EXPECT_EQ(drawn.at(-2.7, 8.2).kind, SegmentKind::kKerb);  // of the first, beside the junction
 }
 
 TEST(Rasterise, LayersAreInOrder) {
@@ -74,7 +74,7 @@ TEST(Rasterise, LayersAreInOrder) {
   const Polyline park{{-20, -20}, {20, -20}, {20, 20}, {-20, 20}};
   const Polyline pond{{5, 12}, {9, 12}, {9, 16}, {5, 16}};
   plan.areas.push_back({{SegmentKind::kWater, 3}, {pond}});
-  plan.areas.push_back({{SegmentKind::kGreen, 2}, {park}});  // larger, but given later
+  plan.areas.push_back({{SegmentKind::kGreen, 2}, {park}});  // larger, but later in the plan
   plan.strips.push_back({{SegmentKind::kFootway, 4}, {{-10, -15}, {-10, 25}}, 1});
   plan.strips.push_back({{SegmentKind::kCrossing, 5}, {{10, 2}, {10, 8}}, 2});
   const Drawn drawn = draw(plan);
@@ -128,7 +128,7 @@ TEST(Rasterise, CellsAgreeAcrossTilesAndWithTheOracle) {
   EXPECT_NEAR(inside * 0.04, signed_area(ring), 5);
 }
 
-TEST(Rasterise, RefusesWhatIsEmptyOrTooLarge) {
+TEST(Rasterise, RejectsEmptyOrTooLargePlans) {
   EXPECT_FALSE(rasterise({}, {}, ""));
   StreetPlan plan = one_street();
   plan.strips[0].points[1].x() = 3e6;
@@ -148,7 +148,7 @@ TEST(StreetPlan, FindsRingsThatCrossThemselves) {
   EXPECT_TRUE(crosses_itself({{0, 0}, {4, 0}, {4, 4}, {2, -1}, {0, 4}}));
 }
 
-TEST(MapPicture, IsNorthUp) {
+TEST(MapImage, IsNorthUp) {
   const Drawn drawn = draw(one_street(), 0.2);
   const CameraFrame image = draw_map(drawn.map);
   ASSERT_EQ(image.width, drawn.map.columns());

@@ -13,7 +13,7 @@ namespace {
 constexpr int kTileSize = SegmentMap::kTileSize;
 using Tile = std::array<uint32_t, kTileSize * kTileSize>;
 
-/// Tiles of one, some, many and very many ids: every number of bits a cell.
+/// Tiles of one, several, many and very many ids: every number of bits per cell.
 std::vector<Tile> make_tiles() {
   std::mt19937 random(7);
   std::vector<Tile> tiles;
@@ -43,7 +43,7 @@ std::vector<std::byte> make_file(const std::vector<Tile>& tiles) {
   return bytes.value_or(std::vector<std::byte>());
 }
 
-/// Puts a number into a file and mends its checksum, as somebody with bad intent could.
+/// Writes a number into a file and corrects its checksum, as an attacker could.
 template <class T>
 std::vector<std::byte> forge(std::vector<std::byte> bytes, size_t offset, T value) {
   std::memcpy(bytes.data() + offset, &value, sizeof value);
@@ -55,7 +55,7 @@ std::vector<std::byte> forge(std::vector<std::byte> bytes, size_t offset, T valu
   return bytes;
 }
 
-TEST(SegmentMap, GivesBackEveryCell) {
+TEST(SegmentMap, ReturnsEveryCell) {
   const auto tiles = make_tiles();
   const auto bytes = make_file(tiles);
   const auto map = SegmentMap::open(bytes, "x.map");
@@ -93,7 +93,7 @@ TEST(SegmentMap, IsOpenLandOutsideAndForUnknownIds) {
   EXPECT_EQ(SegmentMap().id_at(0, 0), 0U);
 }
 
-TEST(SegmentMap, RefusesWhatIsCutOffOrLonger) {
+TEST(SegmentMap, RejectsTruncatedAndLongerFiles) {
   auto bytes = make_file(make_tiles());
   for (size_t length = 0; length < bytes.size(); length += length < 200 ? 1 : 997) {
     EXPECT_FALSE(SegmentMap::open(std::span(bytes).first(length), "x.map")) << length;
@@ -102,7 +102,7 @@ TEST(SegmentMap, RefusesWhatIsCutOffOrLonger) {
   const auto longer = SegmentMap::open(bytes, "x.map");
   ASSERT_FALSE(longer);
   EXPECT_EQ(longer.error().message(),
-            "x.map: has bytes after its end (make it anew with infuse streetmap)");
+            "x.map: has bytes after its end (regenerate it with infuse streetmap)");
 }
 
 TEST(SegmentMap, FindsAChangedBit) {
@@ -120,18 +120,19 @@ TEST(SegmentMap, SurvivesForgedTables) {
   const auto bytes = make_file(make_tiles());
   const size_t tiles = 88 + 300 * 16;
   const auto second = tiles + 8;
-  EXPECT_TRUE(SegmentMap::open(forge(bytes, 80, uint64_t{0}), "x"));  // only the checksum mended
-  EXPECT_FALSE(SegmentMap::open(forge(bytes, second, uint32_t{0xFFFFFFF0}), "x"));  // place
+  EXPECT_TRUE(
+      SegmentMap::open(forge(bytes, 80, uint64_t{0}), "x"));  // only the checksum is corrected
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, second, uint32_t{0xFFFFFFF0}), "x"));  // offset
   EXPECT_FALSE(SegmentMap::open(forge(bytes, second + 4, uint16_t{60000}), "x"));   // palette
   EXPECT_FALSE(SegmentMap::open(forge(bytes, second + 6, uint16_t{16}), "x"));      // bits
   EXPECT_FALSE(SegmentMap::open(forge(bytes, second + 6, uint16_t{5}), "x"));
-  EXPECT_FALSE(SegmentMap::open(forge(bytes, tiles, uint32_t{300}), "x"));  // uniform tile's id
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, tiles, uint32_t{300}), "x"));  // id of a uniform tile
   const size_t data = tiles + 6 * 8;
-  EXPECT_FALSE(SegmentMap::open(forge(bytes, data, uint32_t{300}), "x"));       // palette's id
+  EXPECT_FALSE(SegmentMap::open(forge(bytes, data, uint32_t{300}), "x"));       // id in a palette
   EXPECT_FALSE(SegmentMap::open(forge(bytes, 56, uint32_t{0x7FFFFFFF}), "x"));  // tile columns
   EXPECT_FALSE(SegmentMap::open(forge(bytes, 64, uint32_t{0}), "x"));           // segments
   EXPECT_FALSE(SegmentMap::open(forge(bytes, 32, double(NAN)), "x"));           // cell
-  // A cell that points beyond its tile's palette of two: open land, not another tile's memory.
+  // A cell beyond the palette of two of its tile is open land, not the memory of another tile.
   const auto beyond = forge(bytes, data + 8, uint8_t{0xFF});
   const auto map = SegmentMap::open(beyond, "x");
   ASSERT_TRUE(map);
@@ -146,7 +147,7 @@ TEST(SegmentMap, UnknownKindsAreOpenLand) {
   EXPECT_EQ(map->segment(1).kind, SegmentKind::kOpenLand);
 }
 
-TEST(SegmentMapWriter, RefusesWhatDoesNotFit) {
+TEST(SegmentMapWriter, RejectsInvalidTiles) {
   SegmentMapWriter missing(kFrame, 3, 2);
   EXPECT_FALSE(missing.finish(segments(), ""));
   SegmentMapWriter unknown(kFrame, 1, 1);

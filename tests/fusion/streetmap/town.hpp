@@ -8,10 +8,10 @@
 #include "fusion/streetmap/local_grid.hpp"
 #include "fusion/streetmap/rasterise.hpp"
 
-/// A small town on a map, and what a vehicle sees of it: features drawn by the kind of ground.
+/// A small town on a map, and views of it: features drawn by the kind of ground.
 namespace infuse::streetmap::town {
 
-/// A map and the bytes that it reads.
+/// A map and its bytes.
 struct Town {
   std::vector<std::byte> bytes;
   SegmentMap map;
@@ -51,8 +51,8 @@ inline Town build(const StreetPlan& plan) {
   return town;
 }
 
-/// What is seen at `pose`: places within 18 m, each with features of its kind of ground and noise;
-/// the insides of houses are not seen. `blind`: features that have nothing to do with the ground.
+/// Samples a view at `pose`: points within 18 m outside houses, each with features of its kind of
+/// ground and noise. `blind`: features independent of the ground.
 inline GridSamples sample_view(const SegmentMap& map, const PlanarPose& pose, uint64_t seed,
                                bool unrelated = false) {
   std::mt19937_64 random(seed);

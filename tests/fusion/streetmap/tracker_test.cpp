@@ -23,8 +23,8 @@ TrackerOptions fast_options() {
   options.fit.centres = 25;
   options.fit.sigmas = {1.0, 2.0};
   options.fit.lambdas = {1e-3, 1e-1};
-  options.novelty_distance = 0.5;        // each view of the town is drawn anew
-  options.particles.scale_sigma = 0.02;  // its odometry is that long, and turns
+  options.novelty_distance = 0.5;        // each view of the town is independent
+  options.particles.scale_sigma = 0.02;  // matches the error of the odometry
   options.particles.distance_noise = 0.03;
   options.particles.yaw_noise = 0.0015;
   options.particles.min_count = 60;
@@ -36,7 +36,7 @@ Eigen::Matrix3d covariance(double metres, double yaw) {
   return Eigen::Vector3d(metres * metres, metres * metres, yaw * yaw).asDiagonal();
 }
 
-/// What became of a drive along the first street and into the second.
+/// Result of a drive along the first street and into the second.
 struct DriveResult {
   double rms = 0;      ///< m, after the first ten updates
   double yaw_rms = 0;  ///< rad
@@ -45,7 +45,8 @@ struct DriveResult {
   TrackState state = TrackState::kLost;
 };
 
-/// 60 updates: 2 m each, a bend at the crossing. The odometry is 2 % long and turns 0.1° an update.
+/// 60 updates of 2 m with a turn at the crossing. The odometry has a scale error of 2 % and a yaw
+/// bias of 0.1° per update.
 DriveResult drive(Tracker& tracker, const PlanarPose& start_error, double sigma, uint64_t seed,
                   int updates = 60) {
   DriveResult driven;
@@ -89,7 +90,7 @@ TEST(Tracker, FollowsADriveRoundACorner) {
     options.seed = seed;
     Tracker tracker(shared_town().map, options);
     const DriveResult driven = drive(tracker, {0.8, -0.6, 0.03}, 1, seed);
-    EXPECT_LT(driven.rms, 0.8) << seed;  // dead reckoning: some metres
+    EXPECT_LT(driven.rms, 0.8) << seed;  // dead reckoning: several metres
     EXPECT_LT(driven.yaw_rms, 0.03) << seed;
     EXPECT_GT(driven.tracking, driven.updates * 3 / 4) << seed;
     EXPECT_GE(driven.within, driven.tracking * 97 / 100) << seed;
@@ -108,7 +109,7 @@ TEST(Tracker, ConvergesFromFourMetresAway) {
     const double a = 1.3 * static_cast<double>(seed);
     const DriveResult driven =
         drive(tracker, {4 * std::cos(a), 4 * std::sin(a), 0.05}, 4, seed, 36);
-    // Along the street the odometry, 2 % long, pulls by 1.4 m.
+    // The scale error of 2 % amounts to 1.4 m along the street.
     found += std::abs(driven.last.x - driven.truth.x) < 1.6 &&
              std::abs(driven.last.y - driven.truth.y) < 0.7;
   }
@@ -127,7 +128,7 @@ TEST(Tracker, TheSameSeedGivesTheSamePoses) {
   EXPECT_NE(poses[0], poses[2]);
 }
 
-TEST(Tracker, SaysLostWhenNothingFits) {
+TEST(Tracker, IsLostWhenNothingMatches) {
   Tracker tracker(shared_town().map, fast_options());
   const PlanarPose pose{-60, 0, 0};
   tracker.start(pose, covariance(1, 0.05));
@@ -144,12 +145,12 @@ TEST(Tracker, SaysLostWhenNothingFits) {
   EXPECT_STRNE(tracker.estimate().reason, "");
 }
 
-TEST(Tracker, FindsItselfAfterItWasCarriedAway) {
+TEST(Tracker, RecoversAfterAJump) {
   TrackerOptions options = fast_options();
   options.particles.max_count = 600;
   Tracker tracker(shared_town().map, options);
   drive(tracker, {0, 0, 0}, 0.5, 1, 20);
-  // Carried 7 m back and to the side: the odometry does not see it.
+  // Displaced 7 m backwards and sideways, unnoticed by the odometry.
   PlanarPose truth = tracker.estimate().pose.compose({-6, 1.5, 0});
   double worst = 0;
   bool doubted = false;
@@ -168,9 +169,8 @@ TEST(Tracker, FindsItselfAfterItWasCarriedAway) {
   EXPECT_EQ(tracker.estimate().state, TrackState::kTracking);
 }
 
-// Lost, with nothing but a place within the search radius: until it has found itself it says so,
-// and what it then says holds.
-TEST(Tracker, FindsItselfWithinTheSearchRadius) {
+// Lost within the search radius: the state is LOST until the pose is found, and correct afterwards.
+TEST(Tracker, RecoversWithinTheSearchRadius) {
   int found = 0;
   for (const uint64_t seed : {1U, 2U, 3U, 4U}) {
     TrackerOptions options = fast_options();
@@ -216,7 +216,7 @@ TEST(Tracker, StandingStillIsNoEvidence) {
               0, 0.02);
 }
 
-TEST(Tracker, OutsideTheMapItIsLost) {
+TEST(Tracker, IsLostOutsideTheMap) {
   Tracker tracker(shared_town().map, fast_options());
   tracker.start({5000, 5000, 0}, covariance(1, 0.05));
   tracker.update(sample_view(shared_town().map, {0, 0, 0}, 1));
@@ -224,7 +224,7 @@ TEST(Tracker, OutsideTheMapItIsLost) {
   EXPECT_STREQ(tracker.estimate().reason, "the vehicle is outside the map");
 }
 
-TEST(Tracker, BeforeItsStartItIsLost) {
+TEST(Tracker, IsLostBeforeItsStart) {
   Tracker tracker(shared_town().map, fast_options());
   tracker.update(sample_view(shared_town().map, {0, 0, 0}, 1));
   EXPECT_FALSE(tracker.estimate().usable());
@@ -240,7 +240,7 @@ TEST(Tracker, TooFewSamplesChangeNothing) {
 }
 
 TEST(TrackerEstimate, CovarianceIsALeftPerturbation) {
-  // Poses drawn from the planar covariance against exp(xi) · T with xi from ours.
+  // Compares poses drawn from the planar covariance with exp(xi) · T, xi from the 6 × 6 covariance.
   TrackerEstimate estimate;
   estimate.pose = {30, -20, 0.7};
   estimate.covariance << 0.09, 0.02, 0.001, 0.02, 0.16, -0.002, 0.001, -0.002, 0.0004;
@@ -265,7 +265,7 @@ TEST(TrackerEstimate, CovarianceIsALeftPerturbation) {
   }
 }
 
-TEST(TrackerOptions, SaysWhatIsWrong) {
+TEST(TrackerOptions, ReportsInvalidValues) {
   EXPECT_FALSE(TrackerOptions().invalid());
   EXPECT_TRUE(TrackerOptions{.skipped_validation_share = 1.5}.invalid());
   EXPECT_TRUE(TrackerOptions{.sharpness = 0}.invalid());

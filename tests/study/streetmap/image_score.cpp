@@ -23,8 +23,8 @@ void standardise(Eigen::MatrixXd& features) {
   }
 }
 
-/// One of the least-squares measures over all pixels. Its hyper-parameters are chosen at the first
-/// question and kept: scores of different ones are not to be compared.
+/// A least-squares measure over all pixels. Hyper-parameters are chosen at the first evaluation and
+/// kept, because scores with different hyper-parameters are not comparable.
 LabelScore make_least_squares_score(FitMeasure measure, const Eigen::MatrixXd& features,
                                     const dependence::FitOptions& fit) {
   const auto prepared = std::make_shared<PreparedDependence>(measure, features, fit);
@@ -38,7 +38,7 @@ LabelScore make_least_squares_score(FitMeasure measure, const Eigen::MatrixXd& f
   };
 }
 
-/// The mean of LSMI over bags, I(2.9): each every k-th pixel, from another one on.
+/// Mean of LSMI over bags, I(2.9). Bag b holds every k-th pixel from pixel b on.
 LabelScore make_bagged_score(const Eigen::MatrixXd& features, const SingleImageOptions& options) {
   const Index bags = options.bag_count, size = features.rows() / bags;
   std::vector<LabelScore> parts;
@@ -77,7 +77,7 @@ LabelScore make_correlation_score(const Eigen::MatrixXd& features) {
   };
 }
 
-// I(3.7) with the gradient as the likeness to a boundary: a picture has no discontinuity.
+// I(3.7) with the gradient as boundary strength: an image has no range discontinuity.
 LabelScore make_boundary_score(const GroundPixels& pixels, const std::vector<bool>& boundary) {
   double squares = 0;
   for (const float gradient : pixels.gradients) squares += gradient * gradient;
@@ -118,7 +118,7 @@ GroundPixels find_ground_pixels(const ImageFeatures& features, const geometry::C
       seen.push_back(&features.at(u, v));
     }
   }
-  // Every k-th pixel along rows that follow each other: even over the picture.
+  // Every k-th pixel in row order: evenly spread over the image.
   const size_t n = std::min(seen.size(), static_cast<size_t>(options.max_samples));
   GroundPixels pixels;
   pixels.features.resize(static_cast<Index>(n), 6);

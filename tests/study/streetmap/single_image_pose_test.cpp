@@ -12,7 +12,7 @@ namespace {
 constexpr double kCameraHeight = 1.5, kFocalLength = 60;  // m, pixels
 constexpr int kImageWidth = 120, kImageHeight = 60;
 
-/// The camera looks ahead from 1.5 m above the vehicle's origin.
+/// The camera looks ahead, 1.5 m above the vehicle origin.
 Eigen::Isometry3d camera_mount() {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
@@ -30,8 +30,8 @@ geometry::CameraModel camera() {
   return geometry::CameraModel(intrinsics);
 }
 
-/// A picture of flat ground whose colour tells its kind, and bright kerbs and walls; by hand: the
-/// pixel (u, v) sees the ground at depth f·h/(v − c_v) ahead.
+/// Image of flat ground with a colour per kind and bright kerbs and walls. Pixel (u, v) shows the
+/// ground at depth f·h/(v − c_v).
 ImageFeatures render_features(const SegmentMap& map, const PlanarPose& pose, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<float> noise(0, 0.05F);
@@ -75,7 +75,7 @@ SingleImageOptions fast_options(ImageMeasure measure) {
 
 class SingleImage : public testing::TestWithParam<ImageMeasure> {};
 
-TEST_P(SingleImage, FindsPlaceAndHeading) {
+TEST_P(SingleImage, FindsLateralOffsetAndHeading) {
   int found = 0;
   for (const double across : {-1.2, 0.0, 0.8}) {
     const PlanarPose prior{-70, -1, 0};
@@ -97,8 +97,8 @@ INSTANTIATE_TEST_SUITE_P(Measures, SingleImage,
                                          ImageMeasure::kBoundaries),
                          [](const auto& instance) { return name(instance.param); });
 
-// LSCE is high where all is one label, and MLMI has spikes, I 3.4.2.3: little is asked of them.
-TEST(SingleImageMeasures, TheSensitiveOnesAreFiniteAndDependOnThePose) {
+// LSCE is high if all samples share one label, and MLMI has spikes, I 3.4.2.3: weaker requirements.
+TEST(SingleImageMeasures, LsceAndMlmiAreFiniteAndDependOnThePose) {
   const PlanarPose truth{-70, -1, 0};
   for (const ImageMeasure measure : {ImageMeasure::kSce, ImageMeasure::kMi}) {
     SingleImageOptions options = fast_options(measure);
@@ -115,7 +115,7 @@ TEST(SingleImageMeasures, TheSensitiveOnesAreFiniteAndDependOnThePose) {
   }
 }
 
-TEST(SingleImageReasons, SayWhyThereIsNoPose) {
+TEST(SingleImageReasons, ReportWhyThereIsNoPose) {
   const ImageFeatures seen = render_features(shared_town().map, {-70, -1, 0}, 1);
   EXPECT_STREQ(locate_from_image(shared_town().map, seen, camera(), camera_mount(), {5000, 0, 0},
                                  fast_options(ImageMeasure::kLsmi))

@@ -66,7 +66,7 @@ SingleImagePose locate_from_image(const SegmentMap& map, const ImageFeatures& fe
   }
   const GroundPixels pixels = find_ground_pixels(features, camera, T_camera_vehicle, options);
   if (pixels.size() < kMinPixels) {
-    result.reason = "too few pixels see the ground";
+    result.reason = "too few pixels show the ground";
     return result;
   }
   LabelWindow window;
@@ -78,7 +78,7 @@ SingleImagePose locate_from_image(const SegmentMap& map, const ImageFeatures& fe
   }
   const LabelScore score = make_label_score(pixels, options, boundary);
   if (!score) {
-    result.reason = "the picture says nothing of the ground";
+    result.reason = "the image of the ground has no texture";
     return result;
   }
   std::vector<int32_t> labels(pixels.size());
