@@ -35,8 +35,8 @@ void Session::start(Line greeting) {
   read();
 }
 
-// One read at a time, and none while many answers wait: a client that asks without reading is
-// heard no further, and costs nothing.
+// One read at a time, and none while the queue is full: requests of a client that does not read its
+// answers stay in the kernel.
 void Session::read() {
   if (reading_ || finishing_ || closed() || output_.size() >= options_.queue_reports) return;
   reading_ = true;
@@ -81,7 +81,7 @@ void Session::answer(std::string_view line) {
     for (const LastValues::Entry& entry : last_values_.entries()) {
       if (entry.report_class == ReportClass::kDevices) return queue(entry.line);
     }
-    return queue(to_line(error_message("devices", "no device is known yet", "ask again later")));
+    return queue(to_line(error_message("devices", "no device is known yet", "retry later")));
   }
   watched_ = request->classes;
   queue(to_line(ack_message("watch")));
@@ -96,8 +96,8 @@ void Session::answer_control(const Request& request) {
   const char* op = name_of(request.op);
   if (!is_owner_) {
     return queue(
-        to_line(error_message(op, "only the daemon's owner may do that",
-                              "ask as the daemon's user, or as root, on its Unix socket")));
+        to_line(error_message(op, "permission denied",
+                              "run as the daemon's user or as root, on its Unix socket")));
   }
   const Result<void> done = control_(request);
   if (done) return queue(to_line(ack_message(op)));
@@ -109,7 +109,7 @@ void Session::refuse(std::string_view what, std::string_view hint) {
   finish();
 }
 
-// A bucket of tokens that fills at the permitted rate and holds one second's worth.
+// Token bucket, filled at the permitted rate, that holds the tokens of one second.
 bool Session::within_rate() {
   const auto now = Clock::now();
   const double seconds = std::chrono::duration<double>(now - last_request_).count();
@@ -121,8 +121,8 @@ bool Session::within_rate() {
   return true;
 }
 
-// A client that has lost reports gets none until half of its queue is free, so that it is told of
-// long gaps now and then instead of short ones all the time.
+// A client that has lost reports receives none until half of its queue is free: few long gaps
+// instead of many short ones.
 void Session::report(ReportClass report_class, Stamp stamp, const Line& line) {
   if (!watched_.has(report_class) || finishing_ || closed()) return;
   const size_t limit = lost_ == 0 ? options_.queue_reports : options_.queue_reports / 2;
