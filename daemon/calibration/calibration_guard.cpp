@@ -29,8 +29,9 @@ CalibrationGuard::CalibrationGuard(const CameraMount& mount, const CalibrationSe
   report_.state = monitoring::to_string(supervisor_.state());
 }
 
-bool CalibrationGuard::process(const CameraFrame& grey, const monitoring::SweepView& sweep,
-                               const monitoring::Motion& motion) {
+const CalibrationReport* CalibrationGuard::process(const CameraFrame& grey,
+                                                   const monitoring::SweepView& sweep,
+                                                   const monitoring::Motion& motion) {
   const Stamp now = grey.stamp;
   if (background_.consume_result(now)) {
     last_result_ = result_;
@@ -38,7 +39,7 @@ bool CalibrationGuard::process(const CameraFrame& grey, const monitoring::SweepV
   }
   const monitoring::MonitorReport monitor_report = monitor_.process(grey, sweep, motion);
   evaluations_ += monitor_report.evaluated ? 1 : 0;
-  // None to start with while one that was cancelled has not ended.
+  // No scenes for a new re-estimation while a cancelled one still runs.
   const size_t scenes = supervisor_.reestimating() || !background_.busy()
                             ? monitor_.scenes().count_since(monitor_report.since)
                             : 0;
@@ -48,12 +49,13 @@ bool CalibrationGuard::process(const CameraFrame& grey, const monitoring::SweepV
   if (actions.alternative_changed) monitor_.set_alternative(supervisor_.alternative());
   if (actions.start_reestimation) start_reestimation(actions, now);
   const bool changed = actions.state_changed || actions.calibration_changed;
-  if (!changed && reported_at_ && now - *reported_at_ < kReportInterval && now >= *reported_at_)
-    return false;
+  if (!changed && reported_at_ && now - *reported_at_ < kReportInterval && now >= *reported_at_) {
+    return nullptr;
+  }
   if (changed || !reported_at_) report_.since = now;
   reported_at_ = now;
   fill_report(monitor_report);
-  return true;
+  return &report_;
 }
 
 void CalibrationGuard::start_reestimation(const monitoring::SupervisorActions& actions, Stamp now) {

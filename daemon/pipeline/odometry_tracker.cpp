@@ -30,11 +30,11 @@ PoseReport OdometryTracker::pose_at(Stamp stamp) const {
   return report;
 }
 
-// The filter's time is that of its samples: it cannot know that none has come for long.
+// The filter's time is that of its samples: it cannot detect their absence.
 const char* OdometryTracker::reason_at(Stamp now) const {
   if (!filter_.usable() || trajectory().empty()) return filter_.reason();
   const Stamp last = trajectory()[trajectory().size() - 1].stamp;
-  return now - last > max_silence_ ? "the vehicle's own sensors are silent" : "";
+  return now - last > max_silence_ ? "vehicle sensors silent" : "";
 }
 
 OdometryStatus OdometryTracker::status(Stamp now) const {
