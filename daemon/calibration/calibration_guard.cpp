@@ -1,21 +1,6 @@
 #include "daemon/calibration/calibration_guard.hpp"
 
 namespace infuse::daemon {
-namespace {
-
-const char* name_of(monitoring::UpdatePolicy policy) {
-  switch (policy) {
-    case monitoring::UpdatePolicy::kAlertOnly:
-      return "alert-only";
-    case monitoring::UpdatePolicy::kApply:
-      return "apply";
-    case monitoring::UpdatePolicy::kApplyWithin:
-      return "apply-within";
-  }
-  return "";
-}
-
-}  // namespace
 
 CalibrationGuard::CalibrationGuard(const CameraMount& mount, const CalibrationSettings& settings,
                                    bool blocking)
@@ -25,8 +10,8 @@ CalibrationGuard::CalibrationGuard(const CameraMount& mount, const CalibrationSe
       supervisor_(mount.T_camera_lidar, settings.supervisor),
       background_(blocking) {
   report_.camera = mount.name;
-  report_.policy = name_of(settings.supervisor.policy);
-  report_.state = monitoring::to_string(supervisor_.state());
+  report_.policy = settings.supervisor.policy;
+  report_.state = supervisor_.state();
 }
 
 const CalibrationReport* CalibrationGuard::process(const CameraFrame& grey,
@@ -76,36 +61,28 @@ void CalibrationGuard::handle_request(const Request& request) {
 
 void CalibrationGuard::fill_report(const monitoring::MonitorReport& monitor_report) {
   report_.stamp = monitor_report.stamp;
-  report_.state = monitoring::to_string(supervisor_.state());
+  report_.state = supervisor_.state();
   report_.frozen = supervisor_.frozen();
   report_.T_camera_lidar = supervisor_.current();
   report_.evaluations = evaluations_;
   report_.scenes = monitor_.scenes().size();
-  report_.axis = evaluations_ > 0 ? monitoring::to_string(monitor_report.axis) : "";
-  report_.evidence = monitor_report.evidence;
-  report_.evidence_threshold = settings_.monitor.detector.confirmation_threshold();
+  if (evaluations_ > 0) {
+    report_.evidence = {monitor_report.axis, monitor_report.evidence,
+                        settings_.monitor.detector.confirmation_threshold()};
+  }
   report_.offset = monitor_report.offset;
   report_.offset_sigma = monitor_report.sigma;
   report_.delay = monitor_report.delay;
-  report_.delay_ambiguous_axis = monitor_report.delay_ambiguous_axis
-                                     ? monitoring::to_string(*monitor_report.delay_ambiguous_axis)
-                                     : "";
+  report_.delay_ambiguous_axis = monitor_report.delay_ambiguous_axis;
   if (monitor_report.evaluated) report_.dependence = monitor_report.dependence;
-  report_.fault = monitor_report.fault == monitoring::CameraFault::kNone
-                      ? ""
-                      : monitoring::to_string(monitor_report.fault);
-  report_.has_estimate = last_result_.has_value();
+  report_.fault = monitor_report.fault;
   if (last_result_) {
-    report_.T_camera_lidar_estimate = last_result_->T_camera_lidar;
-    report_.covariance = last_result_->covariance;
-    report_.mahalanobis_distance = last_result_->moved;
-    report_.estimate_scenes = last_result_->scenes;
-    report_.estimate_reason = last_result_->reason;
+    report_.estimate = {last_result_->T_camera_lidar, last_result_->covariance, last_result_->moved,
+                        last_result_->scenes, last_result_->reason};
   }
   report_.history.clear();
   for (const monitoring::HistoryEntry& entry : supervisor_.history()) {
-    report_.history.push_back(
-        {entry.stamp, monitoring::to_string(entry.state), entry.what, entry.T_camera_lidar});
+    report_.history.push_back({entry.stamp, entry.state, entry.what, entry.T_camera_lidar});
   }
 }
 

@@ -11,8 +11,8 @@
 namespace infuse::daemon {
 
 /// Keeps the calibration of one camera valid: monitors it on the fusion thread, re-estimates it in
-/// the background, and carries out the supervisor's decisions. All in drive time: if `blocking`, the
-/// same drive gives the same reports at any rate.
+/// the background, and carries out the supervisor's decisions. All in drive time: if `blocking`,
+/// the same drive gives the same reports at any rate.
 class CalibrationGuard {
  public:
   /// Interval of reports without a change.
@@ -21,8 +21,8 @@ class CalibrationGuard {
   /// `settings.invalid()` must be empty. `blocking`: waits for background work (replay).
   CalibrationGuard(const CameraMount& mount, const CalibrationSettings& settings, bool blocking);
 
-  /// Processes an image (kGrey8) and the returns of its sweep as of its exposure. Returns the report
-  /// if one is due, valid until the next call, else null.
+  /// Processes an image (kGrey8) and the returns of its sweep as of its exposure. Returns the
+  /// report if one is due, valid until the next call, else null.
   const CalibrationReport* process(const CameraFrame& grey, const monitoring::SweepView& sweep,
                                    const monitoring::Motion& motion);
 

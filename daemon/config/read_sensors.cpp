@@ -49,8 +49,7 @@ std::optional<Error> read_camera(TomlTable& table, const std::string&, CameraOpt
   table.read("stamp_delay_ms", delay_ms);
   if (exposure_ms) stream.exposure = from_seconds(*exposure_ms * 1e-3);
   if (delay_ms) stream.stamp_delay = from_seconds(*delay_ms * 1e-3);
-  if (gain && !(*gain >= -2e9 && *gain <= 2e9))
-    table.report_error("gain", "gain is out of range");
+  if (gain && !(*gain >= -2e9 && *gain <= 2e9)) table.report_error("gain", "gain is out of range");
   if (gain) stream.gain = static_cast<int>(std::clamp(*gain, -2e9, 2e9));
   return std::nullopt;
 }

@@ -15,7 +15,7 @@ struct RecordSettings {
   Duration flight_recorder{0};           ///< span written from before an alert; 0: alerts are not
                                          ///< recorded
   Duration after_alert{5'000'000'000};   ///< span written from after an alert
-  uint32_t keep_alerts = 10;  ///< maximum number of alert drives; older ones are removed
+  uint32_t keep_alerts = 10;             ///< maximum number of alert drives; older ones are removed
   Duration max_duration{3'600'000'000'000};  ///< maximum duration of one recording
   uint64_t max_bytes = uint64_t{16} << 30;   ///< maximum size of one recording, all its drives
   Duration split{0};                         ///< duration at which a new drive begins; 0: none

@@ -18,9 +18,9 @@ struct InitialPose {
 struct StreetMapSettings {
   std::string map;                            ///< file of `infuse streetmap`; empty: no tracking
   std::optional<InitialPose> initial_pose{};  ///< nothing: initialised by a GNSS fix
-  double initial_sigma = 2;         ///< m, standard deviation of the initial position
-  double initial_yaw_sigma = 0.09;  ///< rad, standard deviation of the initial yaw
-  double update_hz = 2;             ///< rate of particle weighting, in drive time
+  double initial_sigma = 2;                   ///< m, standard deviation of the initial position
+  double initial_yaw_sigma = 0.09;            ///< rad, standard deviation of the initial yaw
+  double update_hz = 2;                       ///< rate of particle weighting, in drive time
   streetmap::TrackerOptions tracker;
 
   /// Returns what is wrong with the settings, or nothing.

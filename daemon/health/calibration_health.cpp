@@ -2,14 +2,26 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <numbers>
+
 namespace infuse::daemon {
 namespace {
 
+using monitoring::Axis;
+using monitoring::CalibrationState;
+
 /// Returns "rotation about y, by +0.52 ± 0.03 ° (evidence 20 of 17 nats)".
 std::string describe_drift(const CalibrationStatus& status) {
-  return fmt::format("{}, by {:+.2f} ± {:.2f} {} (evidence {:.1f} of {:.1f} nats)", status.axis,
-                     status.offset, status.offset_sigma, status.unit, status.evidence,
-                     status.evidence_threshold);
+  const Axis axis = monitoring::base_axis(status.axis);
+  std::string offset;
+  if (axis != Axis::kTime) {
+    const bool rotation = axis <= Axis::kRotationZ;
+    const double factor = rotation ? 180 / std::numbers::pi : 100;
+    offset = fmt::format(", by {:+.2f} ± {:.2f} {}", status.offset * factor,
+                         status.offset_sigma * factor, rotation ? "°" : "cm");
+  }
+  return fmt::format("{}{} (evidence {:.1f} of {:.1f} nats)", monitoring::to_string(axis), offset,
+                     status.evidence, status.evidence_threshold);
 }
 
 }  // namespace
@@ -23,22 +35,23 @@ CalibrationHealth::CalibrationHealth()
 
 const Conditions& CalibrationHealth::update(Stamp now, const CalibrationStatus& status) {
   CheckResult unusable, confirmed, fault, suspected, changed;
-  if (!status.fault.empty()) {
-    fault = {true, "camera fault: " + status.fault,
+  if (status.fault != monitoring::CameraFault::kNone) {
+    fault = {true, std::string("camera fault: ") + monitoring::to_string(status.fault),
              "check the camera, its lens and its cable; the calibration is left unchanged"};
-  } else if (status.state == "UNUSABLE") {
+  } else if (status.state == CalibrationState::kUnusable) {
     unusable = {true, "calibration not usable: " + status.reason,
                 "check the camera mount; recalibrate with infuse calibrate"};
   }
-  if (status.state == "CONFIRMED" || status.state == "RECALIBRATING") {
+  if (status.state == CalibrationState::kConfirmed ||
+      status.state == CalibrationState::kRecalibrating) {
     confirmed = {true, "calibration drift confirmed: " + describe_drift(status),
                  "check the camera mount; see infuse calibration, then infuse apply"};
   }
-  if (status.state == "SUSPECTED") {
+  if (status.state == CalibrationState::kSuspected) {
     suspected = {true, "calibration drift suspected: " + describe_drift(status),
                  "drive through textured surroundings; see infuse calibration"};
   }
-  if (status.state == "RECALIBRATED") {
+  if (status.state == CalibrationState::kRecalibrated) {
     changed = {true, "new calibration in use, on probation",
                "see infuse calibration; infuse rollback reverts it"};
   }

@@ -17,10 +17,9 @@ const Conditions& OdometryHealth::update(Stamp now, const OdometryStatus& status
                  "check wheel speeds and yaw rate on the bus, and the inertial unit"};
   }
   if (not_deskewed > 0) {
-    not_deskewed_check = {
-        true,
-        fmt::format("{} sweeps not deskewed in the last second", not_deskewed),
-        "see deskew_reason in the SWEEP reports"};
+    not_deskewed_check = {true,
+                          fmt::format("{} sweeps not deskewed in the last second", not_deskewed),
+                          "see deskew_reason in the SWEEP reports"};
   }
   conditions_.update({untrusted, not_deskewed_check}, now);
   return conditions_;

@@ -34,7 +34,7 @@ class OdometryHealth {
   explicit OdometryHealth(const HealthOptions& options);
 
   /// Updates the findings; called about once a second. The result is valid until the next call.
-  const Conditions& update(Stamp now, const OdometryStatus& figures);
+  const Conditions& update(Stamp now, const OdometryStatus& status);
 
  private:
   uint64_t not_deskewed_ = 0;

@@ -95,8 +95,7 @@ CheckResult SensorHealth::check_silence(Stamp now, const SensorCounters& counter
   packets_seen_ = counters.packets;
   const Duration silence = now - last_packet_;
   if (silence < options_.stale_after) return {};
-  std::string what =
-      fmt::format("no data on {} for {:.1f} s", endpoint_, to_seconds(silence));
+  std::string what = fmt::format("no data on {} for {:.1f} s", endpoint_, to_seconds(silence));
   if (counters.rejected() == 0) {
     return {true, std::move(what), "check the sensor's power, cable and destination address"};
   }
@@ -111,11 +110,11 @@ CheckResult SensorHealth::check_decoding(const SensorCounters& now,
   const uint64_t bad = increase(now.malformed, before.malformed);
   const uint64_t good = increase(now.packets, before.packets);
   if (bad == 0 || bad <= good) return {};
-  return {true,
-          fmt::format("{} on {} not decodable, the last of {} bytes from {}",
-                      plural(bad, "datagram"), endpoint_, now.unexpected_size,
-                      address_text(now.unexpected_sender)),
-          "check the configured model, and that nothing else sends to this port"};
+  return {
+      true,
+      fmt::format("{} on {} not decodable, the last of {} bytes from {}", plural(bad, "datagram"),
+                  endpoint_, now.unexpected_size, address_text(now.unexpected_sender)),
+      "check the configured model, and that nothing else sends to this port"};
 }
 
 CheckResult SensorHealth::check_sweeps(Stamp now, const SensorCounters& counters) {
@@ -165,11 +164,10 @@ CheckResult SensorHealth::check_clock(Stamp now, const SensorCounters& counters)
   if (counters.packets == 0) return {};
   if (!first_seen_) first_seen_ = now;
   if (counters.clock.trusted || now - *first_seen_ < options_.clock_grace) return {};
-  return {
-      true,
-      fmt::format("device clock not trusted: {}",
-                  *counters.clock.reason == '\0' ? "unknown reason" : counters.clock.reason),
-      "connect a GNSS receiver with PPS to the sensor, and keep the host clock steady"};
+  return {true,
+          fmt::format("device clock not trusted: {}",
+                      *counters.clock.reason == '\0' ? "unknown reason" : counters.clock.reason),
+          "connect a GNSS receiver with PPS to the sensor, and keep the host clock steady"};
 }
 
 }  // namespace infuse::daemon

@@ -2,8 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <string_view>
-
 namespace infuse::daemon {
 
 StreetMapHealth::StreetMapHealth(const HealthOptions& options)
@@ -14,7 +12,7 @@ const Conditions& StreetMapHealth::update(Stamp now, const StreetMapStatus& stat
   CheckResult lost, mismatch;
   const std::string place =
       fmt::format("near {:.0f} m east, {:.0f} m north of the map origin", status.x, status.y);
-  if (std::string_view(status.state) == "LOST") {
+  if (status.state == streetmap::TrackState::kLost) {
     lost = {true, fmt::format("position on the street map lost {}: {}", place, status.reason),
             "set an initial pose in [streetmap], or connect a GNSS receiver"};
   }

@@ -3,22 +3,21 @@
 #include "daemon/health/conditions.hpp"
 #include "daemon/health/health_options.hpp"
 #include "drivers/measurement/stamp.hpp"
+#include "fusion/streetmap/tracker.hpp"
 
 namespace infuse::daemon {
 
 /// Status of the street-map tracker at one moment of drive time. Plain data.
 struct StreetMapStatus {
-  const char* state = "";   ///< "TRACKING", "UNSURE" or "LOST"; empty: there is no map
+  streetmap::TrackState state = streetmap::TrackState::kLost;
   const char* reason = "";  ///< static text: why it is not TRACKING; empty if it is
   bool mismatch = false;    ///< observations do not match the map
   double x = 0;             ///< m, map frame
   double y = 0;             ///< m
   double p_value = 1;       ///< probability of a match as good by chance
   double entropy = 1;       ///< normalised entropy of the particle weights, 0 … 1
-  int particles = 0;
-  uint64_t updates = 0;
-
-  bool present() const { return *state != '\0'; }
+  uint32_t particles = 0;
+  uint64_t updates = 0;  ///< of the particle weights
 };
 
 /// Checks the pose on the map, and the map itself. Pure.
@@ -27,7 +26,7 @@ class StreetMapHealth {
   explicit StreetMapHealth(const HealthOptions& options);
 
   /// Updates the findings; called about once a second. The result is valid until the next call.
-  const Conditions& update(Stamp now, const StreetMapStatus& figures);
+  const Conditions& update(Stamp now, const StreetMapStatus& status);
 
  private:
   Conditions conditions_;

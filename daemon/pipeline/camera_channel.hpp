@@ -16,8 +16,8 @@ namespace infuse::daemon {
 /// calibration with them.
 class CameraChannel {
  public:
-  /// `mount.invalid()` must be empty; `lidar` is the one that the mount refers to. `blocking`: waits
-  /// for background work (replay).
+  /// `mount.invalid()` must be empty; `lidar` is the one that the mount refers to. `blocking`:
+  /// waits for background work (replay).
   CameraChannel(const CameraMount& mount, LidarIndex lidar,
                 const Eigen::Isometry3d& T_vehicle_lidar, const CalibrationSettings& calibration,
                 bool blocking);

@@ -5,9 +5,9 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr Duration kImageTimeout{50'000'000};           // live
-constexpr Duration kPoseInterval{100'000'000};          // without a lidar
-constexpr Duration kMaxClockStepBack{1'000'000'000};    // beyond it, drive time begins anew
+constexpr Duration kImageTimeout{50'000'000};         // live
+constexpr Duration kPoseInterval{100'000'000};        // without a lidar
+constexpr Duration kMaxClockStepBack{1'000'000'000};  // beyond it, drive time begins anew
 
 /// Adds the host time of a scope to a histogram.
 class ScopedLatency {
@@ -54,8 +54,8 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
   }
   for (const CameraMount& camera : setup.rig.cameras) {
     const LidarIndex lidar = index_of_lidar(setup.rig, camera.lidar);
-    cameras_.emplace_back(camera, lidar, setup.rig.lidars[lidar].T_vehicle_lidar,
-                          setup.calibration, setup.delivery == Delivery::kWait);
+    cameras_.emplace_back(camera, lidar, setup.rig.lidars[lidar].T_vehicle_lidar, setup.calibration,
+                          setup.delivery == Delivery::kWait);
   }
 }
 
@@ -112,7 +112,8 @@ void FusionThread::process_due_sweeps() {
   while (sweeps_.has_due(odometry_.trajectory(), now_)) process_sweep(*sweeps_.pop());
 }
 
-// The images are those that were exposed before the sweep's end and not matched with an earlier one.
+// The images are those that were exposed before the sweep's end and not matched with an earlier
+// one.
 void FusionThread::process_sweep(const StreamItem& item) {
   const SweepSnapshot snapshot = deskew(item);
   report_sweep(snapshot);
@@ -137,7 +138,7 @@ SweepSnapshot FusionThread::deskew(const StreamItem& item) {
 void FusionThread::report_sweep(const SweepSnapshot& snapshot) {
   const motion::DeskewedSweep& deskewed = snapshot.deskewed;
   SweepReport& report = begin_report(ReportItem::Kind::kSweep, snapshot.sweep.stamp).sweep;
-  report = summarise(snapshot.sweep, snapshot.lidar);
+  report = summarise(snapshot.sweep, setup_.rig.lidars[snapshot.lidar].name);
   report.deskew_reason = setup_.has_odometry ? deskewed.reason : "no odometry";
   report.travelled = deskewed.motion.T_from_to.translation().norm();
   report.turned = Eigen::AngleAxisd(deskewed.motion.T_from_to.linear()).angle();
@@ -168,7 +169,8 @@ void FusionThread::process_image(const CameraImage& image, const Sweep& sweep) {
     return cameras_[image.camera].project(image, sweep, odometry_.trajectory());
   };
   const ImageMatch match = project();
-  begin_report(ReportItem::Kind::kFrame, image.stamp).frame = summarise(match);
+  begin_report(ReportItem::Kind::kFrame, image.stamp).frame =
+      summarise(match, cameras_[image.camera].name());
   send_report();
   if (!match.usable()) return;
   if (map_tracker_) {

@@ -29,15 +29,15 @@ void measure_brightness(const CameraFrame& frame, FrameReport& report) {
 
 }  // namespace
 
-FrameReport summarise(const ImageMatch& match) {
+FrameReport summarise(const ImageMatch& match, std::string_view device) {
   const CameraImage& image = match.image;
   const Sweep& sweep = match.snapshot.sweep;
   FrameReport report;
-  report.camera = static_cast<uint32_t>(image.camera);
+  report.device = device;
   report.stamp = image.stamp;
   report.sequence = image.frame.sequence;
-  report.width = image.frame.width;
-  report.height = image.frame.height;
+  report.width = static_cast<uint32_t>(image.frame.width);
+  report.height = static_cast<uint32_t>(image.frame.height);
   measure_brightness(image.frame, report);
   report.sweep = sweep.sequence;
   report.sweep_offset = image.stamp - sweep.stamp;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "daemon/pipeline/image_thread.hpp"
 #include "daemon/pipeline/sensor_index.hpp"
@@ -28,7 +29,7 @@ struct ImageMatch {
   bool usable() const { return *reason == '\0'; }
 };
 
-/// Returns the FRAME report of a match.
-FrameReport summarise(const ImageMatch& match);
+/// Returns the FRAME report of a match. `device`: name of the camera, which outlives the report.
+FrameReport summarise(const ImageMatch& match, std::string_view device);
 
 }  // namespace infuse::daemon

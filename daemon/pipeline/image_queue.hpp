@@ -19,8 +19,8 @@ class ImageQueue {
   /// `images`. `timeout`: maximum wait for the decoder.
   ImageQueue(SlotRing<CameraImage>& images, size_t capacity, Duration timeout);
 
-  /// Adds an image that the decoder receives too. If the queue is full, drops the oldest and returns
-  /// its camera.
+  /// Adds an image that the decoder receives too. If the queue is full, drops the oldest and
+  /// returns its camera.
   std::optional<CameraIndex> push(const StreamItem& item);
 
   /// Calls `use(const CameraImage&)` for every waiting image with `due(CameraIndex, Stamp)`, in

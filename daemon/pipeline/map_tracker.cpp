@@ -89,8 +89,7 @@ void MapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory)
 }
 
 PoseReport MapTracker::process(const SweepSnapshot& snapshot,
-                               const geometry::Trajectory& trajectory,
-                               const PoseReport& odometry) {
+                               const geometry::Trajectory& trajectory, const PoseReport& odometry) {
   predict_to(snapshot.deskewed.reference, trajectory);
   if (snapshot.deskewed.usable()) {
     tracker_.add_sweep(view(snapshot), nullptr);
@@ -123,12 +122,10 @@ streetmap::DeskewedView MapTracker::view(const SweepSnapshot& snapshot) const {
 PoseReport MapTracker::pose(const PoseReport& odometry) const {
   const streetmap::TrackerEstimate estimate = tracker_.estimate();
   PoseReport report = odometry;
-  report.frame = "map";
+  report.frame = PoseFrame::kMap;
   report.T_frame_vehicle = estimate.T_map_vehicle();
   report.covariance = estimate.pose_covariance();
-  report.state = streetmap::name(estimate.state);
-  report.p_value = estimate.p_value;
-  report.entropy = estimate.entropy;
+  report.map = {estimate.state, estimate.p_value, estimate.entropy};
   report.reason = "";
   if (!estimate.usable()) {
     report.reason = *estimate.reason != '\0' ? estimate.reason : "lost";
@@ -138,20 +135,20 @@ PoseReport MapTracker::pose(const PoseReport& odometry) const {
 
 StreetMapStatus MapTracker::status() const {
   const streetmap::TrackerEstimate estimate = tracker_.estimate();
-  StreetMapStatus figures;
-  figures.state = streetmap::name(estimate.state);
-  figures.reason = estimate.reason;
-  figures.x = estimate.pose.x;
-  figures.y = estimate.pose.y;
-  figures.p_value = estimate.p_value;
-  figures.entropy = estimate.entropy;
-  figures.particles = estimate.particles;
-  figures.updates = updates_;
+  StreetMapStatus status;
+  status.state = estimate.state;
+  status.reason = estimate.reason;
+  status.x = estimate.pose.x;
+  status.y = estimate.pose.y;
+  status.p_value = estimate.p_value;
+  status.entropy = estimate.entropy;
+  status.particles = static_cast<uint32_t>(estimate.particles);
+  status.updates = updates_;
   // A mismatch needs a settled null distribution.
-  figures.mismatch = initialised_ &&
-                     updates_ >= static_cast<uint64_t>(settings_.tracker.confidence.window) &&
-                     estimate.p_value > settings_.tracker.confidence.max_tracking_p_value;
-  return figures;
+  status.mismatch = initialised_ &&
+                    updates_ >= static_cast<uint64_t>(settings_.tracker.confidence.window) &&
+                    estimate.p_value > settings_.tracker.confidence.max_tracking_p_value;
+  return status;
 }
 
 }  // namespace infuse::daemon

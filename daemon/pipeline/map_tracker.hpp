@@ -19,8 +19,8 @@ namespace infuse::daemon {
 
 /// Tracking of the vehicle on the street map, on the fusion thread: particles move with odometry at
 /// every sweep, sweeps and images fill the local grid, and `update_hz` times a second of drive time
-/// the particles are weighted. Initialised by the configured pose, else by the first GNSS fix with a
-/// course.
+/// the particles are weighted. Initialised by the configured pose, else by the first GNSS fix with
+/// a course.
 class MapTracker {
  public:
   /// `settings.invalid()` must be empty. The map outlives this.

@@ -18,7 +18,8 @@ struct PipelineOptions {
   HealthOptions health;
   OdometrySettings odometry;
   StreetMapSettings streetmap;
-  const streetmap::SegmentMap* map = nullptr;  ///< outlives the pipeline; null or empty: no tracking
+  const streetmap::SegmentMap* map =
+      nullptr;  ///< outlives the pipeline; null or empty: no tracking
   CalibrationSettings calibration;
 };
 

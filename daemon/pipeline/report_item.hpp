@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "daemon/health/odometry_health.hpp"
@@ -49,7 +50,7 @@ struct ReportItem {
   std::vector<SensorCounters> counters;  ///< by LidarIndex
   std::vector<StreamCounters> streams;   ///< by stream
   OdometryStatus odometry;
-  StreetMapStatus streetmap;
+  std::optional<StreetMapStatus> streetmap;  ///< nothing: no map
   std::array<LatencyStats, static_cast<size_t>(Stage::kCount)> stages{};
   uint64_t deadline_misses = 0;  ///< number of sweeps whose `kTotal` exceeded the budget
   QueueStats items_waiting;      ///< queue from the io thread to fusion

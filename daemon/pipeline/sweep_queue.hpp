@@ -16,8 +16,8 @@ class SweepQueue {
 
   void push(Pin<StreamItem> sweep) { waiting_.push_back(std::move(sweep)); }
 
-  /// Returns true if the oldest sweep waits no longer: the trajectory covers it or never will, or it
-  /// has waited `max_wait` at the drive time `now`, or the queue is full.
+  /// Returns true if the oldest sweep waits no longer: the trajectory covers it or never will, or
+  /// it has waited `max_wait` at the drive time `now`, or the queue is full.
   bool has_due(const geometry::Trajectory& trajectory, Stamp now) const;
 
   bool empty() const { return waiting_.empty(); }

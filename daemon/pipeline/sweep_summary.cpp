@@ -45,9 +45,9 @@ double width_of(const AzimuthGap& gap) {
 
 }  // namespace
 
-SweepReport summarise(const Sweep& sweep, LidarIndex lidar) {
+SweepReport summarise(const Sweep& sweep, std::string_view device) {
   SweepReport report;
-  report.device = static_cast<uint32_t>(lidar);
+  report.device = device;
   report.stamp = sweep.stamp;
   report.span = sweep.span;
   report.sequence = sweep.sequence;

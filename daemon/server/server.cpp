@@ -24,8 +24,8 @@ Server::Server(asio::io_context& io, const ServerOptions& options, std::string_v
                std::string_view session)
     : io_(io),
       options_(options),
-      greeting_(
-          std::make_shared<const std::string>(version_message(release, session).append("\n"))),
+      greeting_(std::make_shared<const std::string>(
+          message(VersionReport{std::string(release), std::string(session)}) + '\n')),
       local_(io),
       tcp_(io),
       timer_(io) {
@@ -85,13 +85,11 @@ void Server::open_session(Session::Socket socket) {
 
 void Server::reject(Session::Socket socket) {
   spdlog::warn("client rejected: {} are connected", sessions_.size());
-  const std::string message =
-      error_message("", "too many clients: " + std::to_string(sessions_.size()),
-                    "close another client, or raise socket.max_clients") +
-      "\n";
+  const ErrorReply reply{"", "too many clients: " + std::to_string(sessions_.size()),
+                         "close another client, or raise socket.max_clients"};
   ErrorCode ignored;
-  socket.non_blocking(true, ignored);  // a fresh socket's buffer has room for one line
-  asio::write(socket, asio::buffer(message), ignored);
+  socket.non_blocking(true, ignored);  // the buffer of a new socket has room for one line
+  asio::write(socket, asio::buffer(message(reply) + '\n'), ignored);
 }
 
 void Server::publish(ReportClass report_class, const std::string& device, Stamp stamp,

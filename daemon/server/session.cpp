@@ -12,12 +12,12 @@ namespace {
 namespace asio = boost::asio;
 using ErrorCode = boost::system::error_code;
 
-Line to_line(std::string message) {
-  message += '\n';
-  return std::make_shared<const std::string>(std::move(message));
-}
-
 }  // namespace
+
+template <class Reply>
+void Session::reply(const Reply& reply) {
+  queue(std::make_shared<const std::string>(message(reply) + '\n'));
+}
 
 Session::Session(Socket socket, const ServerOptions& options, const LastValues& last_values,
                  const Control& control, bool is_owner)
@@ -73,7 +73,7 @@ void Session::answer(std::string_view line) {
   const Result<Request> request = parse_request(line);
   if (!request) {
     const Error& error = request.error();
-    return queue(to_line(error_message(error.where, error.what, error.hint)));
+    return reply(ErrorReply{error.where, error.what, error.hint});
   }
   if (request->is_control()) return answer_control(*request);
   if (request->op == Request::Op::kPoll) return answer_poll();
@@ -81,31 +81,30 @@ void Session::answer(std::string_view line) {
     for (const LastValues::Entry& entry : last_values_.entries()) {
       if (entry.report_class == ReportClass::kDevices) return queue(entry.line);
     }
-    return queue(to_line(error_message("devices", "no device is known yet", "retry later")));
+    return reply(ErrorReply{"devices", "no device is known yet", "retry later"});
   }
   watched_ = request->classes;
-  queue(to_line(ack_message("watch")));
+  reply(AckReply{"watch"});
 }
 
 void Session::answer_poll() {
   for (const LastValues::Entry& entry : last_values_.entries()) queue(entry.line);
-  queue(to_line(ack_message("poll")));
+  reply(AckReply{"poll"});
 }
 
 void Session::answer_control(const Request& request) {
   const char* op = name_of(request.op);
   if (!is_owner_) {
-    return queue(
-        to_line(error_message(op, "permission denied",
-                              "run as the daemon's user or as root, on its Unix socket")));
+    return reply(ErrorReply{op, "permission denied",
+                            "run as the daemon's user or as root, on its Unix socket"});
   }
   const Result<void> done = control_(request);
-  if (done) return queue(to_line(ack_message(op)));
-  queue(to_line(error_message(op, done.error().what, done.error().hint)));
+  if (done) return reply(AckReply{op});
+  reply(ErrorReply{op, done.error().what, done.error().hint});
 }
 
-void Session::refuse(std::string_view what, std::string_view hint) {
-  queue(to_line(error_message("", what, hint)));
+void Session::refuse(std::string what, std::string hint) {
+  reply(ErrorReply{"", std::move(what), std::move(hint)});
   finish();
 }
 
@@ -131,7 +130,7 @@ void Session::report(ReportClass report_class, Stamp stamp, const Line& line) {
     return;
   }
   if (lost_ > 0) {
-    queue(to_line(lost_message(stamp, lost_)));
+    reply(LostReport{stamp, lost_});
     lost_ = 0;
   }
   queue(line);

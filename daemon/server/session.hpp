@@ -52,7 +52,9 @@ class Session : public std::enable_shared_from_this<Session> {
   void read();
   void process_input(size_t bytes);
   void answer(std::string_view line);
-  void refuse(std::string_view what, std::string_view hint);
+  template <class Reply>
+  void reply(const Reply& reply);
+  void refuse(std::string what, std::string hint);
   void answer_poll();
   void answer_control(const Request& request);
   void queue(Line line);

@@ -1,4 +1,4 @@
-// After warm-up the threads that stream allocate nothing: a replay of 12 s allocates on them as
+// The io and fusion threads do not allocate after warm-up: a replay of 12 s allocates on them as
 // often as one of 4 s.
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 std::atomic<uint64_t> streaming_allocations{0};
 
-/// Whether this is the io or the fusion thread, by its name.
+/// Returns true on the io thread and the fusion thread.
 bool is_streaming_thread() {
   thread_local bool known = false;
   if (known) return true;
@@ -75,7 +75,7 @@ uint64_t count_allocations(velodyne::Model model, double seconds) {
 TEST(Allocation, NoneOnTheStreamingPathAfterWarmUp) {
   for (const auto model : {velodyne::Model::kHdl32e, velodyne::Model::kVlp16}) {
     const uint64_t brief = count_allocations(model, 4);
-    EXPECT_GT(brief, 0U);  // the count works: warm-up does allocate
+    EXPECT_GT(brief, 0U);  // warm-up allocates, and is counted
     EXPECT_EQ(count_allocations(model, 12), brief);
   }
 }
