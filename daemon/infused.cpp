@@ -173,7 +173,8 @@ int run_replay(const Arguments& arguments, const Config& config) {
   std::vector<recording::TrajectoryPose> poses;
   if (!arguments.trajectory.empty()) {
     replay.publisher().on_pose([&](const PoseReport& pose) {
-      const bool right_frame = std::string_view(pose.frame) == (map->map.empty() ? "odom" : "map");
+      const bool right_frame =
+          pose.frame == (map->map.empty() ? PoseFrame::kOdom : PoseFrame::kMap);
       if (right_frame && pose.usable()) poses.push_back({pose.stamp, pose.T_frame_vehicle});
     });
   }

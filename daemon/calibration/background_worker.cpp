@@ -14,7 +14,7 @@ BackgroundWorker::~BackgroundWorker() { shut_down(); }
 
 void BackgroundWorker::run() {
   pthread_setname_np(pthread_self(), "background");
-  if (!blocking_) {  // who waits for it must not wait for others
+  if (!blocking_) {  // a blocking caller must not wait for other processes
     const sched_param none{};
     pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);
   }

@@ -1,21 +1,6 @@
 #include "daemon/calibration/calibration_guard.hpp"
 
 namespace infuse::daemon {
-namespace {
-
-const char* name_of(monitoring::UpdatePolicy policy) {
-  switch (policy) {
-    case monitoring::UpdatePolicy::kAlertOnly:
-      return "alert-only";
-    case monitoring::UpdatePolicy::kApply:
-      return "apply";
-    case monitoring::UpdatePolicy::kApplyWithin:
-      return "apply-within";
-  }
-  return "";
-}
-
-}  // namespace
 
 CalibrationGuard::CalibrationGuard(const CameraMount& mount, const CalibrationSettings& settings,
                                    bool blocking)
@@ -25,12 +10,13 @@ CalibrationGuard::CalibrationGuard(const CameraMount& mount, const CalibrationSe
       supervisor_(mount.T_camera_lidar, settings.supervisor),
       background_(blocking) {
   report_.camera = mount.name;
-  report_.policy = name_of(settings.supervisor.policy);
-  report_.state = monitoring::to_string(supervisor_.state());
+  report_.policy = settings.supervisor.policy;
+  report_.state = supervisor_.state();
 }
 
-bool CalibrationGuard::process(const CameraFrame& grey, const monitoring::SweepView& sweep,
-                               const monitoring::Motion& motion) {
+const CalibrationReport* CalibrationGuard::process(const CameraFrame& grey,
+                                                   const monitoring::SweepView& sweep,
+                                                   const monitoring::Motion& motion) {
   const Stamp now = grey.stamp;
   if (background_.consume_result(now)) {
     last_result_ = result_;
@@ -38,7 +24,7 @@ bool CalibrationGuard::process(const CameraFrame& grey, const monitoring::SweepV
   }
   const monitoring::MonitorReport monitor_report = monitor_.process(grey, sweep, motion);
   evaluations_ += monitor_report.evaluated ? 1 : 0;
-  // None to start with while one that was cancelled has not ended.
+  // No scenes for a new re-estimation while a cancelled one still runs.
   const size_t scenes = supervisor_.reestimating() || !background_.busy()
                             ? monitor_.scenes().count_since(monitor_report.since)
                             : 0;
@@ -48,12 +34,13 @@ bool CalibrationGuard::process(const CameraFrame& grey, const monitoring::SweepV
   if (actions.alternative_changed) monitor_.set_alternative(supervisor_.alternative());
   if (actions.start_reestimation) start_reestimation(actions, now);
   const bool changed = actions.state_changed || actions.calibration_changed;
-  if (!changed && reported_at_ && now - *reported_at_ < kReportInterval && now >= *reported_at_)
-    return false;
+  if (!changed && reported_at_ && now - *reported_at_ < kReportInterval && now >= *reported_at_) {
+    return nullptr;
+  }
   if (changed || !reported_at_) report_.since = now;
   reported_at_ = now;
   fill_report(monitor_report);
-  return true;
+  return &report_;
 }
 
 void CalibrationGuard::start_reestimation(const monitoring::SupervisorActions& actions, Stamp now) {
@@ -74,36 +61,28 @@ void CalibrationGuard::handle_request(const Request& request) {
 
 void CalibrationGuard::fill_report(const monitoring::MonitorReport& monitor_report) {
   report_.stamp = monitor_report.stamp;
-  report_.state = monitoring::to_string(supervisor_.state());
+  report_.state = supervisor_.state();
   report_.frozen = supervisor_.frozen();
   report_.T_camera_lidar = supervisor_.current();
   report_.evaluations = evaluations_;
   report_.scenes = monitor_.scenes().size();
-  report_.axis = evaluations_ > 0 ? monitoring::to_string(monitor_report.axis) : "";
-  report_.evidence = monitor_report.evidence;
-  report_.evidence_threshold = settings_.monitor.detector.confirmation_threshold();
+  if (evaluations_ > 0) {
+    report_.evidence = {monitor_report.axis, monitor_report.evidence,
+                        settings_.monitor.detector.confirmation_threshold()};
+  }
   report_.offset = monitor_report.offset;
   report_.offset_sigma = monitor_report.sigma;
   report_.delay = monitor_report.delay;
-  report_.delay_ambiguous_axis = monitor_report.delay_ambiguous_axis
-                                     ? monitoring::to_string(*monitor_report.delay_ambiguous_axis)
-                                     : "";
+  report_.delay_ambiguous_axis = monitor_report.delay_ambiguous_axis;
   if (monitor_report.evaluated) report_.dependence = monitor_report.dependence;
-  report_.fault = monitor_report.fault == monitoring::CameraFault::kNone
-                      ? ""
-                      : monitoring::to_string(monitor_report.fault);
-  report_.has_estimate = last_result_.has_value();
+  report_.fault = monitor_report.fault;
   if (last_result_) {
-    report_.T_camera_lidar_estimate = last_result_->T_camera_lidar;
-    report_.covariance = last_result_->covariance;
-    report_.mahalanobis_distance = last_result_->moved;
-    report_.estimate_scenes = last_result_->scenes;
-    report_.estimate_reason = last_result_->reason;
+    report_.estimate = {last_result_->T_camera_lidar, last_result_->covariance, last_result_->moved,
+                        last_result_->scenes, last_result_->reason};
   }
   report_.history.clear();
   for (const monitoring::HistoryEntry& entry : supervisor_.history()) {
-    report_.history.push_back(
-        {entry.stamp, monitoring::to_string(entry.state), entry.what, entry.T_camera_lidar});
+    report_.history.push_back({entry.stamp, entry.state, entry.what, entry.T_camera_lidar});
   }
 }
 

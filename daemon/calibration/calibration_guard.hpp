@@ -10,33 +10,30 @@
 
 namespace infuse::daemon {
 
-/// Keeps the calibration of one camera true: watches it on the fusion thread, has it estimated anew
-/// in the background, and does what is decided. In drive time: where `waits`, the same drive gives
-/// the same at any rate.
+/// Keeps the calibration of one camera valid: monitors it on the fusion thread, re-estimates it in
+/// the background, and carries out the supervisor's decisions. All in drive time: if `blocking`,
+/// the same drive gives the same reports at any rate.
 class CalibrationGuard {
  public:
-  /// How often the calibration is told without a change.
+  /// Interval of reports without a change.
   static constexpr Duration kReportInterval{10'000'000'000};
 
-  /// `settings.invalid()` must be empty.
+  /// `settings.invalid()` must be empty. `blocking`: waits for background work (replay).
   CalibrationGuard(const CameraMount& mount, const CalibrationSettings& settings, bool blocking);
 
-  /// Takes a picture (kGrey8) and the returns of its sweep as of its exposure. True where
-  /// `report()` is to be told.
-  bool process(const CameraFrame& grey, const monitoring::SweepView& sweep,
-               const monitoring::Motion& motion);
+  /// Processes an image (kGrey8) and the returns of its sweep as of its exposure. Returns the
+  /// report if one is due, valid until the next call, else null.
+  const CalibrationReport* process(const CameraFrame& grey, const monitoring::SweepView& sweep,
+                                   const monitoring::Motion& motion);
 
-  /// What the owner asks for; comes into effect with the next picture.
+  /// Carries out a request of the owner with the next image.
   void handle_request(const Request& request);
 
-  /// No re-estimation goes on or begins from now on; from any thread.
+  /// Stops re-estimation, and starts none from now on; from any thread.
   void shut_down() { background_.shut_down(); }
 
   /// The calibration in use.
   const Eigen::Isometry3d& T_camera_lidar() const { return supervisor_.current(); }
-
-  /// How it stood after the last picture.
-  const CalibrationReport& report() const { return report_; }
 
  private:
   void start_reestimation(const monitoring::SupervisorActions& actions, Stamp now);
@@ -46,13 +43,13 @@ class CalibrationGuard {
   CalibrationSettings settings_;
   monitoring::CalibrationMonitor monitor_;
   monitoring::CalibrationSupervisor supervisor_;
-  std::vector<monitoring::StoredScene> scenes_;        // of the background's work
-  monitoring::Reestimate result_;                      // the same
-  std::optional<monitoring::Reestimate> last_result_;  // the last result
+  std::vector<monitoring::StoredScene> scenes_;  // used by the background work while it runs
+  monitoring::Reestimate result_;                // written by the background work
+  std::optional<monitoring::Reestimate> last_result_;
   uint64_t evaluations_ = 0;
   std::optional<Stamp> reported_at_;
   CalibrationReport report_;
-  BackgroundWorker background_;  // the last: its work uses the others
+  BackgroundWorker background_;  // last member: its work uses the others
 };
 
 }  // namespace infuse::daemon

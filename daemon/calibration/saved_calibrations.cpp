@@ -43,13 +43,13 @@ std::optional<SavedCalibration> read_calibration(const Json& object) {
       !since->is_number_integer() || !configured || !used) {
     return std::nullopt;
   }
-  const auto frozen = object.find("frozen");  // files of before have none
+  const auto frozen = object.find("frozen");  // absent in older files
   if (frozen != object.end() && !frozen->is_boolean()) return std::nullopt;
   return SavedCalibration{camera->get<std::string>(), Stamp::from_ns(since->get<int64_t>()),
                           frozen != object.end() && frozen->get<bool>(), *configured, *used};
 }
 
-/// As far apart as printing and reading back can bring them.
+/// Returns whether the two differ by no more than printing and parsing can cause.
 bool nearly_equal(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff() < 1e-9;
 }
@@ -74,12 +74,12 @@ Result<std::vector<SavedCalibration>> parse_calibrations(std::string_view text) 
   if (!json.is_object() || !json.contains("form") || json["form"] != kFormatVersion ||
       !json.contains("cameras") || !json["cameras"].is_array() ||
       json["cameras"].size() > kMaxCameras) {
-    return fail("are no calibrations of this release");
+    return fail("not a calibration file of this release");
   }
   std::vector<SavedCalibration> calibrations;
   for (const Json& object : json["cameras"]) {
     const auto calibration = read_calibration(object);
-    if (!calibration) return fail("are damaged calibrations");
+    if (!calibration) return fail("damaged calibration file");
     calibrations.push_back(*calibration);
   }
   return calibrations;
@@ -97,7 +97,7 @@ std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
       saved = *read;
     } else {
       lines.push_back(path_.string() + ": " + read.error().what +
-                      "; the configured calibrations are used");
+                      "; using the configured calibrations");
     }
   }
   calibrations_.clear();
@@ -108,15 +108,15 @@ std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
     });
     if (found == saved.end()) continue;
     calibrations_.back().frozen = found->frozen;
-    if (found->frozen) lines.push_back(camera.name + ": the calibration is frozen");
+    if (found->frozen) lines.push_back(camera.name + ": calibration frozen");
     if (nearly_equal(found->T_camera_lidar, camera.T_camera_lidar)) continue;
     if (!nearly_equal(found->T_camera_lidar_configured, camera.T_camera_lidar)) {
-      lines.push_back(camera.name + ": another calibration was configured since; it is used");
+      lines.push_back(camera.name + ": using the configured calibration, which has changed");
       continue;
     }
     camera.T_camera_lidar = found->T_camera_lidar;
     calibrations_.back() = *found;
-    lines.push_back(camera.name + ": the calibration that was in use last is used");
+    lines.push_back(camera.name + ": using the saved calibration");
   }
   return lines;
 }
@@ -139,7 +139,7 @@ Result<void> SavedCalibrations::save(const CalibrationReport& report) {
     calibration.T_camera_lidar = report.T_camera_lidar;
     if (moved) calibration.since = report.stamp;
     if (path_.empty()) return {};
-    std::error_code ignored;  // the writing says what is wrong
+    std::error_code ignored;  // write_atomically reports the error
     std::filesystem::create_directories(path_.parent_path(), ignored);
     return write_atomically(path_, format_calibrations(calibrations_));
   }

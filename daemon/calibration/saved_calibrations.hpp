@@ -10,41 +10,42 @@
 
 namespace infuse::daemon {
 
-/// The file's name in the daemon's state folder.
+/// Name of the file in the daemon's state folder.
 inline constexpr const char* kCalibrationsFile = "calibrations.json";
 
-/// The calibration in use of one camera, and the one that was configured when it was found.
+/// Calibration in use of one camera, and the configured one when it was saved.
 struct SavedCalibration {
   std::string camera;
-  Stamp since;          ///< of its use
-  bool frozen = false;  ///< the owner wants nothing changed
+  Stamp since;          ///< begin of its use
+  bool frozen = false;  ///< no automatic changes
   Eigen::Isometry3d T_camera_lidar_configured = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
 };
 
-/// The text of some, and back. What is of another form, or no rigid motion, is an error.
+/// Returns the text of the file.
 std::string format_calibrations(const std::vector<SavedCalibration>& calibrations);
+/// Parses the text of the file. Errors: another format, or a matrix that is not a rigid motion.
 Result<std::vector<SavedCalibration>> parse_calibrations(std::string_view text);
 
-/// Keeps the calibrations in use over a restart, in a file that a power cut leaves whole.
+/// Keeps the calibrations in use across restarts, in a file that survives a power cut.
 class SavedCalibrations {
  public:
-  /// `path` empty: nothing is kept.
+  /// `path` empty: nothing is saved.
   explicit SavedCalibrations(std::filesystem::path path) : path_(std::move(path)) {}
 
-  /// Reads the file and puts what was in use into the rig, camera by camera; where the owner has
-  /// configured another calibration since, that one counts. What is to be told of it, a line each.
+  /// Reads the file and sets the saved calibrations in the rig, camera by camera. A configured
+  /// calibration that has changed since takes precedence. Returns lines for the log.
   std::vector<std::string> restore(Rig& rig);
 
-  /// The cameras whose calibrations the owner had frozen.
+  /// Returns the cameras with a frozen calibration.
   std::vector<std::string> frozen_cameras() const;
 
-  /// Writes the file where a calibration in use has changed, or was frozen or let go.
+  /// Writes the file if the calibration in use or its frozen state has changed.
   Result<void> save(const CalibrationReport& report);
 
  private:
   std::filesystem::path path_;
-  std::vector<SavedCalibration> calibrations_;  // a camera each
+  std::vector<SavedCalibration> calibrations_;  // one per camera
 };
 
 }  // namespace infuse::daemon

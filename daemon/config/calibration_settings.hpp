@@ -8,15 +8,14 @@
 
 namespace infuse::daemon {
 
-/// What the owner wants of the cameras' calibrations. The `[calibration]` table of the
-/// configuration.
+/// Settings of the cameras' calibrations: the `[calibration]` table of the configuration.
 struct CalibrationSettings {
-  bool monitored = true;                     ///< false: calibrations are taken as they are
-  monitoring::MonitorOptions monitor;        ///< how they are watched
-  monitoring::SupervisorOptions supervisor;  ///< what is done about them: policy, limits
+  bool monitored = true;                     ///< false: calibrations are used unchecked
+  monitoring::MonitorOptions monitor;        ///< drift detection
+  monitoring::SupervisorOptions supervisor;  ///< policy, limits
   monitoring::ReestimateOptions reestimate;
 
-  /// What is wrong with the settings, or nothing.
+  /// Returns what is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 

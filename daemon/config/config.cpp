@@ -71,7 +71,7 @@ void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
   std::optional<double> x, y;
   table.read("x", x);
   table.read("y", y);
-  if (x.has_value() != y.has_value()) table.report_table_error("x and y belong together");
+  if (x.has_value() != y.has_value()) table.report_table_error("x and y must be given together");
   if (x && y)
     settings.initial_pose =
         InitialPose{*x, *y, settings.initial_pose ? settings.initial_pose->yaw : 0};
@@ -128,7 +128,7 @@ void read_metrics(TomlTable& table, MetricsSettings& settings) {
   read_integer(table, "port", settings.port);
 }
 
-/// Reads one table into options and checks them as a whole.
+/// Reads one table into options and validates them.
 template <class Options>
 std::optional<Error> read_table(const toml::table* toml, const std::string& file,
                                 const std::string& name, void (*read)(TomlTable&, Options&),
@@ -168,7 +168,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   return read_table(calibration, file, "calibration", read_calibration, config.calibration);
 }
 
-/// Reads one file more into a configuration.
+/// Reads another file into a configuration.
 std::optional<Error> add_text(std::string_view text, const std::string& file, Config& config) {
   const auto table = recording::parse_toml(text, file);
   if (!table) return table.error();
@@ -187,7 +187,7 @@ std::optional<Error> add_file(const std::filesystem::path& path, Config& config)
   return add_text(*text, path.string(), config);
 }
 
-/// The files `path`.d/*.toml by name; none where there is no such folder.
+/// Returns the files `path`.d/*.toml in order of their names; none without that folder.
 std::vector<std::filesystem::path> drop_ins(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files;
   std::error_code error;

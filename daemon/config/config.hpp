@@ -18,10 +18,10 @@
 
 namespace infuse::daemon {
 
-/// Everything that the owner can set.
+/// The configuration.
 struct Config {
   std::string log_level = "info";      ///< trace, debug, info, warning, error, off
-  std::string rig;                     ///< rig.toml: where the sensors are mounted; empty: not told
+  std::string rig;                     ///< path of rig.toml, the sensors' mounts; empty: none
   ServerOptions socket;                ///< [socket]
   HealthOptions health;                ///< [health]
   OdometrySettings odometry;           ///< [odometry]
@@ -34,25 +34,25 @@ struct Config {
   std::vector<BusOptions> buses;       ///< [[can]], live
   GnssOptions gnss;                    ///< [gnss], live
 
-  /// By key of the root, what the files say of it. By this two configurations are compared.
+  /// Source text by key of the root table, for comparing configurations.
   std::map<std::string, std::string> source_text;
 
-  /// Of the file; what it names is looked for there.
+  /// Folder of the file; relative paths in it start there.
   std::filesystem::path folder;
 
-  /// A path that the configuration names.
+  /// Returns a path of the configuration, relative to its folder.
   std::filesystem::path resolve(const std::string& path) const { return folder / path; }
 };
 
-/// The configuration that `text` states; `file` is for messages.
+/// Parses a configuration; `file` is for messages.
 Result<Config> parse_config(std::string_view text, const std::string& file);
 
-/// The keys of the root of which the two say different things: "lidar", "health", ...
+/// Returns the keys of the root table that differ: "lidar", "health", ...
 std::vector<std::string> changed_keys(const Config& a, const Config& b);
 
-/// The same from a file of at most 1 MiB, and then from the files `path`.d/*.toml, in order of
-/// their names: a later key overrides an earlier one, and a sensor of a name that an earlier file
-/// has is changed in what the later file says of it.
+/// Loads a file of at most 1 MiB, then the files `path`.d/*.toml in order of their names. A later
+/// key overrides an earlier one; a later sensor table changes the keys it states of an earlier
+/// sensor with the same name.
 Result<Config> load_config(const std::filesystem::path& path);
 
 }  // namespace infuse::daemon

@@ -6,15 +6,15 @@
 
 namespace infuse::daemon {
 
-/// Where Prometheus may look. The `[metrics]` table of the configuration.
+/// Endpoint for Prometheus: the `[metrics]` table of the configuration.
 struct MetricsSettings {
   std::string path;   ///< Unix stream socket; empty: none
-  uint16_t port = 0;  ///< on the loopback; 0: none
+  uint16_t port = 0;  ///< port on the loopback; 0: none
 
-  /// Somebody may look.
+  /// True if metrics are served.
   bool enabled() const { return !path.empty() || port != 0; }
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const {
     if (!path.empty() && path.front() != '/') return "path must begin with /";
     return std::nullopt;

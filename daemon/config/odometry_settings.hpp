@@ -7,13 +7,13 @@
 
 namespace infuse::daemon {
 
-/// What the owner can say of the vehicle. The `[odometry]` table of the configuration.
+/// Settings of odometry: the `[odometry]` table of the configuration.
 struct OdometrySettings {
   motion::OdometryOptions filter;
-  bool use_gnss_speed = true;      ///< a receiver's speed tells the wheels' scale
-  Duration max_wait{200'000'000};  ///< ns of drive time that a sweep waits for odometry
+  bool use_gnss_speed = true;      ///< GNSS speed calibrates the wheel scale
+  Duration max_wait{200'000'000};  ///< maximum drive time that a sweep waits for odometry, ns
 
-  /// What is wrong with the numbers, or nothing.
+  /// Returns what is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 using recording::TomlTable;
 
-constexpr size_t kMaxSensors = 16;  // of a kind
+constexpr size_t kMaxSensors = 16;  // of one kind
 
 std::optional<Error> read_lidar(TomlTable& table, const std::string&, LidarOptions& options) {
   table.read("model", options.model);
@@ -49,8 +49,7 @@ std::optional<Error> read_camera(TomlTable& table, const std::string&, CameraOpt
   table.read("stamp_delay_ms", delay_ms);
   if (exposure_ms) stream.exposure = from_seconds(*exposure_ms * 1e-3);
   if (delay_ms) stream.stamp_delay = from_seconds(*delay_ms * 1e-3);
-  if (gain && !(*gain >= -2e9 && *gain <= 2e9))
-    table.report_error("gain", "no camera has such a gain");
+  if (gain && !(*gain >= -2e9 && *gain <= 2e9)) table.report_error("gain", "gain is out of range");
   if (gain) stream.gain = static_cast<int>(std::clamp(*gain, -2e9, 2e9));
   return std::nullopt;
 }
@@ -65,7 +64,7 @@ std::optional<Error> read_bus(TomlTable& table, const std::string& file, BusOpti
   return recording::read_can_signals(*signals, file, options.signals);
 }
 
-/// `earlier`: how many of them earlier files have named.
+/// Returns the options of that name. `earlier`: number of sensors read from earlier files.
 template <class Options>
 Options& find_or_add(std::vector<Options>& sensors, size_t earlier, const std::string& name) {
   const auto end = sensors.begin() + static_cast<std::ptrdiff_t>(earlier);
@@ -90,11 +89,11 @@ std::optional<Error> read_kind(TomlTable& root, const std::string& file, const c
     if (std::find(names.begin(), names.end(), name) != names.end()) {
       return Error{std::string("two ") + kind + "s are named '" + name + "'",
                    file + ":" + std::to_string(source->source().begin.line),
-                   "give each a name of its own"};
+                   "give each a unique name"};
     }
     names.push_back(name);
     if (names.size() + earlier > kMaxSensors) {
-      table.report_table_error(std::string("there are too many ") + kind + "s");
+      table.report_table_error(std::string("more than 16 ") + kind + "s");
     }
     Options& options = find_or_add(sensors, earlier, name);
     if (auto error = read(table, file, options)) return error;
@@ -117,7 +116,7 @@ std::optional<Error> read_sensors(TomlTable& root, const std::string& file, Conf
     table.read("device", config.gnss.device);
     table.read("lidar", config.gnss.lidar);
     read_integer(table, "baud", config.gnss.baud);
-    if (const auto wrong = config.gnss.invalid()) table.report_table_error("gps: " + *wrong);
+    if (const auto wrong = config.gnss.invalid()) table.report_table_error("gnss: " + *wrong);
     return table.finish();
   }
   return std::nullopt;

@@ -12,11 +12,12 @@
 namespace infuse::daemon {
 
 /// Reads the tables [[lidar]], [[camera]], [[can]] and [gnss] into a configuration that may have
-/// sensors already: one of the same name is changed, others are added. What is wrong, or nothing.
+/// sensors already: one of the same name is changed, others are added. Returns what is wrong, or
+/// nothing.
 std::optional<Error> read_sensors(recording::TomlTable& root, const std::string& file,
                                   Config& config);
 
-/// An integer that `Integer` can hold.
+/// Reads a non-negative integer within the range of `Integer`.
 template <class Integer>
 void read_integer(recording::TomlTable& table, std::string_view key, Integer& value) {
   int64_t wide = static_cast<int64_t>(value);

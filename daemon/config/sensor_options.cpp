@@ -12,7 +12,7 @@ std::optional<std::string> LidarOptions::invalid() const {
   if (port == 0) return "port must lie in 1 ... 65535";
   if (position_port == 0) return "position_port must lie in 1 ... 65535";
   if (!model.empty() && !velodyne::find_model(model)) return "unknown model '" + model + "'";
-  if (!sender.empty() && !parse_address(sender)) return "'" + sender + "' is no IPv4 address";
+  if (!sender.empty() && !parse_address(sender)) return "'" + sender + "' is not an IPv4 address";
   if (!(cut_azimuth_deg >= 0 && cut_azimuth_deg < 360)) {
     return "cut_azimuth_deg must lie in 0 ... 360";
   }
@@ -26,13 +26,13 @@ std::optional<std::string> CameraOptions::invalid() const {
 
 std::optional<std::string> BusOptions::invalid() const {
   if (name.empty()) return "name is empty";
-  if (!signals.empty() && dbc.empty()) return "signals are named, but no dbc that has them";
+  if (!signals.empty() && dbc.empty()) return "signals need a dbc";
   return vehicle::SocketCanOptions{.interface = interface, .identifiers = {}}.invalid();
 }
 
 std::optional<std::string> GnssOptions::invalid() const {
   if (device.empty()) return std::nullopt;
-  if (!lidar.empty()) return "it is connected to a serial device or to a lidar";
+  if (!lidar.empty()) return "device and lidar exclude each other";
   return vehicle::SerialOptions{device, baud}.invalid();
 }
 

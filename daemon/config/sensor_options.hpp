@@ -11,26 +11,26 @@
 
 namespace infuse::daemon {
 
-/// A lidar that the daemon listens to: one `[[lidar]]` table.
+/// A lidar: one `[[lidar]]` table.
 struct LidarOptions {
   std::string name = "lidar";
   std::string model;              ///< "HDL-32E", ...; empty: inferred, in a replay only
   uint16_t port = 2368;           ///< UDP port of its data packets
-  uint16_t position_port = 8308;  ///< and of its position packets
-  std::string sender;             ///< IPv4 address it sends from; empty: any
-  std::string address;            ///< of this host, that it is listened to on; empty: any
-  std::string multicast;          ///< group that it sends to; empty: none
-  std::string interface;          ///< on which that group is joined; empty: the kernel chooses
+  uint16_t position_port = 8308;  ///< UDP port of its position packets
+  std::string sender;             ///< IPv4 source address; empty: any
+  std::string address;            ///< local IPv4 address; empty: any
+  std::string multicast;          ///< multicast group; empty: none
+  std::string interface;          ///< interface that joins the group; empty: chosen by the kernel
   size_t receive_buffer = velodyne::UdpOptions{}.receive_buffer;  ///< bytes
-  std::string calibration;       ///< file of this unit; empty: the model's own table
-  double cut_azimuth_deg = 180;  ///< where a sweep ends, clockwise from the front
+  std::string calibration;       ///< calibration file of this unit; empty: the model's table
+  double cut_azimuth_deg = 180;  ///< azimuth at which a sweep ends, clockwise from the front
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
 
   bool operator==(const LidarOptions&) const = default;
 
-  /// How one of its ports is listened to.
+  /// Returns the options of the socket for one of its ports.
   velodyne::UdpOptions udp(uint16_t at_port) const {
     return {address, at_port, multicast, interface, receive_buffer};
   }
@@ -41,7 +41,7 @@ struct CameraOptions {
   std::string name = "camera";
   camera::V4l2Options stream;
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
 
   bool operator==(const CameraOptions&) const = default;
@@ -51,24 +51,24 @@ struct CameraOptions {
 struct BusOptions {
   std::string name = "can";
   std::string interface = "can0";
-  std::string dbc;                            ///< names its signals; empty: frames are only counted
-  std::optional<double> reverse_gear;         ///< value of `gear` in which wheel speeds count
-                                              ///< backward; nothing: they carry their sign
+  std::string dbc;                     ///< DBC file of its signals; empty: frames are only counted
+  std::optional<double> reverse_gear;  ///< value of `gear` with which wheel speeds are negative;
+                                       ///< nothing: wheel speeds are signed
   std::vector<recording::CanSignal> signals;  ///< each quantity at most once
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
 
   bool operator==(const BusOptions&) const = default;
 };
 
-/// A satellite receiver that sends NMEA sentences: the `[gnss]` table.
+/// A GNSS receiver that sends NMEA sentences: the `[gnss]` table.
 struct GnssOptions {
-  std::string device;    ///< serial; empty: none
-  std::string lidar;     ///< or the lidar that it is connected to, whose position packets repeat it
-  uint32_t baud = 9600;  ///< bits a second
+  std::string device;    ///< serial device; empty: none
+  std::string lidar;     ///< lidar whose position packets carry the sentences; empty: none
+  uint32_t baud = 9600;  ///< bit/s
 
-  /// What is wrong, or nothing.
+  /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
 
   bool operator==(const GnssOptions&) const = default;

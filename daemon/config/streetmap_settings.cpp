@@ -12,7 +12,7 @@ std::optional<std::string> StreetMapSettings::invalid() const {
     return "yaw_sigma_deg must lie in 0 ... 229";
   }
   if (initial_pose && !(std::abs(initial_pose->x) < 1e7 && std::abs(initial_pose->y) < 1e7)) {
-    return "the start lies more than 10000 km from the map's origin";
+    return "x, y lies more than 10000 km from the map origin";
   }
   return std::nullopt;
 }

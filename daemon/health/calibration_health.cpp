@@ -2,14 +2,26 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::daemon {
 namespace {
 
-/// "seems to have turned: rotation about y, +0.52 ± 0.03 ° (evidence 20 of 17 nats)".
+using monitoring::Axis;
+using monitoring::CalibrationState;
+
+/// Returns "rotation about y, by +0.52 ± 0.03 ° (evidence 20 of 17 nats)".
 std::string describe_drift(const CalibrationStatus& status) {
-  return fmt::format("{}, by {:+.2f} ± {:.2f} {} (evidence {:.1f} of {:.1f} nats)", status.axis,
-                     status.offset, status.offset_sigma, status.unit, status.evidence,
-                     status.evidence_threshold);
+  const Axis axis = monitoring::base_axis(status.axis);
+  std::string offset;
+  if (axis != Axis::kTime) {
+    const bool rotation = axis <= Axis::kRotationZ;
+    const double factor = rotation ? 1 / kDegree : 100;
+    offset = fmt::format(", by {:+.2f} ± {:.2f} {}", status.offset * factor,
+                         status.offset_sigma * factor, rotation ? "°" : "cm");
+  }
+  return fmt::format("{}{} (evidence {:.1f} of {:.1f} nats)", monitoring::to_string(axis), offset,
+                     status.evidence, status.evidence_threshold);
 }
 
 }  // namespace
@@ -23,24 +35,25 @@ CalibrationHealth::CalibrationHealth()
 
 const Conditions& CalibrationHealth::update(Stamp now, const CalibrationStatus& status) {
   CheckResult unusable, confirmed, fault, suspected, changed;
-  if (!status.fault.empty()) {
-    fault = {true, "the camera is at fault: " + status.fault,
-             "look at the camera, its lens and its cable; its calibration is left alone meanwhile"};
-  } else if (status.state == "UNUSABLE") {
-    unusable = {true, "the calibration must not be used: " + status.reason,
-                "look at the camera's mount; calibrate anew with infuse calibrate"};
+  if (status.fault != monitoring::CameraFault::kNone) {
+    fault = {true, std::string("camera fault: ") + monitoring::to_string(status.fault),
+             "check the camera, its lens and its cable; the calibration is left unchanged"};
+  } else if (status.state == CalibrationState::kUnusable) {
+    unusable = {true, "calibration not usable: " + status.reason,
+                "check the camera mount; recalibrate with infuse calibrate"};
   }
-  if (status.state == "CONFIRMED" || status.state == "RECALIBRATING") {
-    confirmed = {true, "the calibration has drift confirmed: " + describe_drift(status),
-                 "look at the camera's mount; see infuse calibration, then infuse apply"};
+  if (status.state == CalibrationState::kConfirmed ||
+      status.state == CalibrationState::kRecalibrating) {
+    confirmed = {true, "calibration drift confirmed: " + describe_drift(status),
+                 "check the camera mount; see infuse calibration, then infuse apply"};
   }
-  if (status.state == "SUSPECTED") {
-    suspected = {true, "the calibration may have drift confirmed: " + describe_drift(status),
-                 "drive on through places with texture; see infuse calibration"};
+  if (status.state == CalibrationState::kSuspected) {
+    suspected = {true, "calibration drift suspected: " + describe_drift(status),
+                 "drive through textured surroundings; see infuse calibration"};
   }
-  if (status.state == "RECALIBRATED") {
-    changed = {true, "a new calibration is in use, on probation",
-               "see infuse calibration; infuse rollback takes it back"};
+  if (status.state == CalibrationState::kRecalibrated) {
+    changed = {true, "new calibration in use, on probation",
+               "see infuse calibration; infuse rollback reverts it"};
   }
   conditions_.update({unusable, confirmed, fault, suspected, changed}, now);
   return conditions_;

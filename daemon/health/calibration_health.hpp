@@ -3,30 +3,30 @@
 #include <string>
 
 #include "daemon/health/conditions.hpp"
+#include "fusion/monitoring/calibration_supervisor.hpp"
 
 namespace infuse::daemon {
 
-/// What is judged of a camera's calibration.
+/// Status of a camera's calibration, for health checks.
 struct CalibrationStatus {
-  std::string state;        ///< as CALIBRATION tells it
-  std::string axis;         ///< along which it seems to have moved
-  double offset = 0;        ///< by how much, in `unit`
-  double offset_sigma = 0;  ///< standard deviation of that
-  const char* unit = "";    ///< "°" or "cm"
-  double evidence = 0;      ///< nats
-  double evidence_threshold = 0;
-  std::string fault;   ///< of the camera itself; empty: none
-  std::string reason;  ///< why the last estimate cannot be used
+  monitoring::CalibrationState state = monitoring::CalibrationState::kMonitoring;
+  monitoring::Axis axis = monitoring::Axis::kRotationX;  ///< with the most evidence for a drift
+  double offset = 0;                                     ///< along the axis, rad or m
+  double offset_sigma = 0;                               ///< its standard deviation
+  double evidence = 0;                                   ///< nats
+  double evidence_threshold = 0;                         ///< nats
+  monitoring::CameraFault fault = monitoring::CameraFault::kNone;
+  std::string reason;  ///< why the last estimate is not usable; empty: none, or it is
 };
 
-/// Turns the state of one camera's calibration into findings. Pure; the states have their own
-/// hysteresis.
+/// Checks the calibration of one camera. Pure; its states have their own hysteresis.
 class CalibrationHealth {
  public:
   CalibrationHealth();
 
-  /// After every CALIBRATION report. The answer is valid until the next call.
-  const Conditions& update(Stamp now, const CalibrationStatus& figures);
+  /// Updates the findings; called with every CALIBRATION report. The result is valid until the next
+  /// call.
+  const Conditions& update(Stamp now, const CalibrationStatus& status);
 
  private:
   Conditions conditions_;

@@ -11,29 +11,29 @@
 
 namespace infuse::daemon {
 
-/// One thing that is wrong.
+/// A problem of a sensor or a task.
 struct Finding {
   const char* id = "";  ///< "silent", "undecodable", "no_sweeps", "loss", "clock", ...
   Level level = Level::kOk;
   Stamp since;         ///< when it was raised
-  std::string what;    ///< a sentence
-  std::string advice;  ///< what to do
+  std::string what;    ///< description
+  std::string advice;  ///< remedy
 };
 
-/// A finding that appeared or went away at one tick.
+/// A finding that was raised or cleared at one tick.
 struct Transition {
   bool raised = false;
   Finding finding;
 };
 
-/// Whether one condition holds at one tick, and the words for it.
+/// Result of one check at one tick.
 struct CheckResult {
   bool holds = false;
   std::string what = {};
   std::string advice = {};
 };
 
-/// A condition that can be judged.
+/// Definition of a condition: its id, level and hysteresis.
 struct ConditionDefinition {
   const char* id;
   Level level;
@@ -41,20 +41,20 @@ struct ConditionDefinition {
   Duration clear_after;
 };
 
-/// The conditions of one sensor or one task: verdicts in, findings and transitions out.
+/// Conditions of one sensor or task: turns check results into findings and transitions.
 class Conditions {
  public:
-  /// The worst first.
+  /// `definitions` are ordered by level, the worst first.
   Conditions(std::initializer_list<ConditionDefinition> definitions);
 
-  /// Takes a verdict for each condition, in the order of the definitions.
+  /// Updates each condition from its result; `results` is in the order of the definitions.
   void update(std::initializer_list<CheckResult> results, Stamp now);
 
-  /// What is wrong now, in the order of the definitions.
+  /// Findings raised at present, in the order of the definitions.
   const std::vector<Finding>& findings() const { return findings_; }
-  /// What the last `judge` changed.
+  /// Changes made by the last `update`.
   const std::vector<Transition>& transitions() const { return transitions_; }
-  /// Of the first finding.
+  /// Level of the worst finding; kOk without one.
   Level level() const { return findings_.empty() ? Level::kOk : findings_.front().level; }
 
  private:

@@ -7,16 +7,16 @@
 
 namespace infuse::daemon {
 
-/// When a sensor is called unwell. The `[health]` table of the configuration.
+/// Thresholds of the health checks: the `[health]` table of the configuration.
 struct HealthOptions {
   Duration stale_after{3'000'000'000};   ///< silence after which a sensor is STALE, ns
-  Duration raise_after{2'000'000'000};   ///< how long another condition holds before it is told, ns
-  Duration clear_after{3'000'000'000};   ///< how long it is absent before it is taken back, ns
-  Duration clock_grace{10'000'000'000};  ///< after the first packet, until a clock must be followed
-  double warn_loss = 0.001;              ///< fraction of packets lost over 10 s that is a WARN
-  double error_loss = 0.05;              ///< and that is an ERROR
+  Duration raise_after{2'000'000'000};   ///< delay before another condition is raised, ns
+  Duration clear_after{3'000'000'000};   ///< delay before a finding is cleared, ns
+  Duration clock_grace{10'000'000'000};  ///< time for a clock to settle after the first packet, ns
+  double warn_loss = 0.001;              ///< fraction of packets lost over 10 s that gives WARN
+  double error_loss = 0.05;              ///< fraction of packets lost over 10 s that gives ERROR
 
-  /// What is wrong with the numbers, or nothing.
+  /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
 };
 

@@ -11,8 +11,8 @@ class Hysteresis {
   Hysteresis(Duration raise_after, Duration clear_after)
       : raise_after_(raise_after), clear_after_(clear_after) {}
 
-  /// Tells whether the condition is raised at `now`, given whether it holds at `now`. Calls go
-  /// forward in time.
+  /// Returns whether the condition is raised at `now`, given whether it holds at `now`. Calls are
+  /// in order of time.
   bool update(bool holds, Stamp now) {
     if (holds == raised_) {
       changing_ = false;
@@ -32,7 +32,7 @@ class Hysteresis {
 
   bool raised() const { return raised_; }
 
-  /// When it was raised last; meaningful while `raised()`.
+  /// Time at which it was last raised; valid while `raised()`.
   Stamp raised_since() const { return raised_since_; }
 
  private:

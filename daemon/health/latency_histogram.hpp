@@ -7,7 +7,7 @@
 
 namespace infuse::daemon {
 
-/// What a histogram of latencies says, in host time.
+/// Statistics of a latency histogram, in host time.
 struct LatencyStats {
   uint64_t count = 0;
   Duration p50{0};
@@ -15,15 +15,15 @@ struct LatencyStats {
   Duration max{0};
 };
 
-/// Latencies of one stage in a fixed number of bins: exact below 16 ns, above that bins of 1/16 of
-/// their octave, so that a quantile is at most 6.25 % too large. Allocates nothing.
+/// Histogram of one stage's latencies: exact below 16 ns, above that with bins of 1/16 octave, so
+/// that a quantile is at most 6.25 % too large. Does not allocate.
 class LatencyHistogram {
  public:
-  /// A negative latency counts as 0.
+  /// Adds a latency; a negative one counts as 0.
   void add(Duration latency);
 
-  /// The smallest bin edge that at least the fraction `q` (0 … 1) of all latencies do not exceed,
-  /// never more than the largest latency; 0 where nothing was added.
+  /// Returns the smallest bin edge that at least the fraction `q` (0 … 1) of the latencies do not
+  /// exceed, at most the maximum latency; 0 if nothing was added.
   Duration quantile(double q) const;
 
   LatencyStats stats() const;

@@ -4,10 +4,10 @@
 
 namespace infuse::daemon {
 
-/// How a sensor or a task is, in growing badness.
+/// Health of a sensor or a task, in increasing severity.
 enum class Level : uint8_t { kOk, kWarn, kError, kStale };
 
-/// "OK", "WARN", "ERROR", "STALE".
+/// Returns "OK", "WARN", "ERROR" or "STALE".
 constexpr const char* name_of(Level level) {
   switch (level) {
     case Level::kOk:

@@ -13,14 +13,13 @@ const Conditions& OdometryHealth::update(Stamp now, const OdometryStatus& status
   not_deskewed_ = status.not_deskewed;
   CheckResult untrusted, not_deskewed_check;
   if (!status.usable()) {
-    untrusted = {true, fmt::format("odometry cannot be trusted: {}", status.reason),
+    untrusted = {true, fmt::format("odometry not usable: {}", status.reason),
                  "check wheel speeds and yaw rate on the bus, and the inertial unit"};
   }
   if (not_deskewed > 0) {
-    not_deskewed_check = {
-        true,
-        fmt::format("{} sweeps of the last second were not corrected for motion", not_deskewed),
-        "see each SWEEP's deskew_reason"};
+    not_deskewed_check = {true,
+                          fmt::format("{} sweeps not deskewed in the last second", not_deskewed),
+                          "see deskew_reason in the SWEEP reports"};
   }
   conditions_.update({untrusted, not_deskewed_check}, now);
   return conditions_;

@@ -24,7 +24,7 @@ double lost_fraction(uint64_t lost, uint64_t received) {
   return all == 0 ? 0 : static_cast<double>(lost) / static_cast<double>(all);
 }
 
-/// How much a counter grew; a counter may step back by a few when a late packet arrives after all.
+/// Growth of a counter; it may step back by a few when a late packet arrives after all.
 uint64_t increase(uint64_t now, uint64_t before) { return now > before ? now - before : 0; }
 
 }  // namespace
@@ -36,7 +36,7 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
       last_sweep_(start),
       previous_tick_(start),
       window_(start),
-      // Silence is a time of its own, so it needs no further delay to be raised.
+      // Silence has its own timeout: no further delay.
       conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
                   {"unavailable", Level::kError, Duration::zero(), Duration::zero()},
                   {"undecodable", Level::kError, options.raise_after, options.clear_after},
@@ -69,7 +69,7 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
   return status_;
 }
 
-// Drive time stepped back: what was measured against the old time means nothing in the new one.
+// Drive time stepped back: older measurements are not comparable.
 void SensorHealth::restart_at(Stamp now) {
   window_.restart_at(now, status_.counters);
   last_packet_ = last_sweep_ = now;
@@ -95,13 +95,13 @@ CheckResult SensorHealth::check_silence(Stamp now, const SensorCounters& counter
   packets_seen_ = counters.packets;
   const Duration silence = now - last_packet_;
   if (silence < options_.stale_after) return {};
-  std::string what =
-      fmt::format("nothing received on {} for {:.1f} s", endpoint_, to_seconds(silence));
+  std::string what = fmt::format("no data on {} for {:.1f} s", endpoint_, to_seconds(silence));
   if (counters.rejected() == 0) {
     return {true, std::move(what), "check the sensor's power, cable and destination address"};
   }
-  what += fmt::format("; {} of {} bytes came from {}", plural(counters.rejected(), "datagram"),
-                      counters.unexpected_size, address_text(counters.unexpected_sender));
+  what += fmt::format("; {} rejected, the last of {} bytes from {}",
+                      plural(counters.rejected(), "datagram"), counters.unexpected_size,
+                      address_text(counters.unexpected_sender));
   return {true, std::move(what), "check the configured sender, port and model"};
 }
 
@@ -110,11 +110,11 @@ CheckResult SensorHealth::check_decoding(const SensorCounters& now,
   const uint64_t bad = increase(now.malformed, before.malformed);
   const uint64_t good = increase(now.packets, before.packets);
   if (bad == 0 || bad <= good) return {};
-  return {true,
-          fmt::format("{} on {} could not be decoded, the last of {} bytes from {}",
-                      plural(bad, "datagram"), endpoint_, now.unexpected_size,
-                      address_text(now.unexpected_sender)),
-          "check the configured model and that nothing else sends to this port"};
+  return {
+      true,
+      fmt::format("{} on {} not decodable, the last of {} bytes from {}", plural(bad, "datagram"),
+                  endpoint_, now.unexpected_size, address_text(now.unexpected_sender)),
+      "check the configured model, and that nothing else sends to this port"};
 }
 
 CheckResult SensorHealth::check_sweeps(Stamp now, const SensorCounters& counters) {
@@ -123,9 +123,9 @@ CheckResult SensorHealth::check_sweeps(Stamp now, const SensorCounters& counters
   const Duration without = now - last_sweep_;
   if (without < options_.stale_after || now - last_packet_ >= options_.stale_after) return {};
   return {true,
-          fmt::format("packets arrive on {} but no sweep was completed for {:.1f} s", endpoint_,
+          fmt::format("packets on {} but no complete sweep for {:.1f} s", endpoint_,
                       to_seconds(without)),
-          "check that the sensor turns"};
+          "check that the sensor rotates"};
 }
 
 CheckResult SensorHealth::check_loss(const SensorCounters& now, const SensorCounters& before,
@@ -136,11 +136,10 @@ CheckResult SensorHealth::check_loss(const SensorCounters& now, const SensorCoun
   const double loss = lost_fraction(network + kernel, received);
   if (network + kernel == 0 || loss < min_loss || loss >= max_loss) return {};
   return {true,
-          fmt::format("{:.2f} % of the packets were lost ({} of {}: {} in the network, {} in the "
-                      "kernel)",
+          fmt::format("{:.2f} % packet loss ({} of {}: {} in the network, {} in the kernel)",
                       100 * loss, network + kernel, network + kernel + received, network, kernel),
-          network >= kernel ? "check the cable, the switch and what else uses the link"
-                            : "raise net.core.rmem_max, or free processor time"};
+          network >= kernel ? "check the cable, the switch and other traffic on the link"
+                            : "raise net.core.rmem_max, or reduce the processor load"};
 }
 
 CheckResult SensorHealth::check_sender(const SensorCounters& now,
@@ -148,28 +147,27 @@ CheckResult SensorHealth::check_sender(const SensorCounters& now,
   const uint64_t unexpected = increase(now.wrong_sender, before.wrong_sender);
   if (unexpected == 0) return {};
   return {true,
-          fmt::format("{} on {} came from another sender ({})", plural(unexpected, "datagram"),
+          fmt::format("{} on {} from an unexpected sender ({})", plural(unexpected, "datagram"),
                       endpoint_, address_text(now.unexpected_sender)),
-          "check the configured sender, or give the other sensor a port of its own"};
+          "check the configured sender, or use another port for the other sensor"};
 }
 
 CheckResult SensorHealth::check_model(const SensorCounters& now,
                                       const SensorCounters& before) const {
   const uint64_t wrong = increase(now.wrong_model, before.wrong_model);
   if (wrong == 0) return {};
-  return {true, fmt::format("{} on {} named another model", plural(wrong, "packet"), endpoint_),
-          "check the configured model; early VLP-16 firmware calls itself HDL-32E"};
+  return {true, fmt::format("{} on {} from another model", plural(wrong, "packet"), endpoint_),
+          "check the configured model; early VLP-16 firmware reports HDL-32E"};
 }
 
 CheckResult SensorHealth::check_clock(Stamp now, const SensorCounters& counters) {
   if (counters.packets == 0) return {};
   if (!first_seen_) first_seen_ = now;
   if (counters.clock.trusted || now - *first_seen_ < options_.clock_grace) return {};
-  return {
-      true,
-      fmt::format("the device's clock cannot be trusted: {}",
-                  *counters.clock.reason == '\0' ? "no reason is known" : counters.clock.reason),
-      "connect GPS or PPS to the sensor, and keep the host's own clock steady"};
+  return {true,
+          fmt::format("device clock not trusted: {}",
+                      *counters.clock.reason == '\0' ? "unknown reason" : counters.clock.reason),
+          "connect a GNSS receiver with PPS to the sensor, and keep the host clock steady"};
 }
 
 }  // namespace infuse::daemon

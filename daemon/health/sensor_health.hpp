@@ -13,30 +13,30 @@
 
 namespace infuse::daemon {
 
-/// How a sensor is at one moment.
+/// Health of a lidar at one tick.
 struct SensorStatus {
   Level level = Level::kOk;
   double packets_hz = 0;  ///< over the window, at most the last 10 s
   double sweeps_hz = 0;
   double returns_hz = 0;
-  double loss = 0;  ///< fraction of the window's packets that was lost
+  double loss = 0;  ///< fraction of the window's packets that were lost
   SensorCounters counters;
-  std::vector<Finding> findings;        ///< what is wrong now, the worst first
-  std::vector<Transition> transitions;  ///< what changed at this tick
+  std::vector<Finding> findings;        ///< raised at present, the worst first
+  std::vector<Transition> transitions;  ///< changes at this tick
 };
 
-/// Judges one lidar by its counters. A pure state machine over snapshots and drive time.
+/// Checks one lidar by its counters. A pure state machine over snapshots and drive time.
 class SensorHealth {
  public:
-  /// `endpoint` says where the sensor is listened to, for sentences: "0.0.0.0:2368". `start` is
-  /// when listening began.
+  /// `endpoint`: where its data is received, for messages: "0.0.0.0:2368". `start`: when reception
+  /// began.
   SensorHealth(std::string endpoint, const HealthOptions& options, Stamp start);
 
-  /// Takes the counters as they are at `now` and says how the sensor is. About one call a
-  /// second; time that steps back begins anew. The answer is valid until the next call.
+  /// Returns the health at `now`, given the counters at `now`; called about once a second. A step
+  /// back in time restarts all measurements. The result is valid until the next call.
   const SensorStatus& update(Stamp now, const SensorCounters& counters);
 
-  /// Judges by these thresholds from now on; how long conditions hold before they are told stays.
+  /// Replaces the thresholds; the delays of raising and clearing stay.
   void set_options(const HealthOptions& options) { options_ = options; }
 
  private:
@@ -55,9 +55,9 @@ class SensorHealth {
 
   std::string endpoint_;
   HealthOptions options_;
-  Stamp last_packet_;  // or the start, while there is none
+  Stamp last_packet_;  // the start, while there is none
   Stamp last_sweep_;
-  Stamp previous_tick_;              // tick
+  Stamp previous_tick_;
   std::optional<Stamp> first_seen_;  // tick of the first packet
   uint64_t packets_seen_ = 0;
   uint64_t sweeps_seen_ = 0;

@@ -7,7 +7,7 @@
 
 namespace infuse::daemon {
 
-/// The counters of the last ticks, against which rates and losses are taken.
+/// Counters of the last ticks, the reference for rates and losses.
 template <class Counters>
 class SnapshotWindow {
  public:
@@ -17,16 +17,16 @@ class SnapshotWindow {
     Counters counters;
   };
 
-  /// Begins with counters of nothing.
+  /// Begins with zero counters at `start`.
   explicit SnapshotWindow(Stamp start) { restart_at(start, {}); }
 
-  /// Forgets everything before `now`.
+  /// Discards everything before `now`.
   void restart_at(Stamp now, const Counters& counters) {
     count_ = 1;
     snapshots_[0] = {now, counters};
   }
 
-  /// Takes the counters at `now` and gives the oldest, of at most `kMaxTicks` before.
+  /// Adds the counters at `now` and returns the oldest, at most `kMaxTicks` ticks before.
   Snapshot push(Stamp now, const Counters& counters) {
     const Snapshot oldest =
         snapshots_[count_ > kMaxTicks ? (count_ - kMaxTicks) % snapshots_.size() : 0];

@@ -10,7 +10,7 @@ StreamHealth::StreamHealth(std::string endpoint, const HealthOptions& options, S
       last_received_(start),
       previous_tick_(start),
       window_(start),
-      // Silence is a time of its own, so it needs no further delay to be raised.
+      // Silence has its own timeout: no further delay.
       conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
                   {"unavailable", Level::kError, Duration::zero(), Duration::zero()},
                   {"bus_off", Level::kError, Duration::zero(), Duration::zero()},
@@ -21,7 +21,7 @@ StreamHealth::StreamHealth(std::string endpoint, const HealthOptions& options, S
                   {"out_of_order", Level::kWarn, Duration::zero(), options.clear_after}} {}
 
 const StreamStatus& StreamHealth::update(Stamp now, const StreamCounters& counters) {
-  if (now < previous_tick_) {  // drive time stepped back: nothing old can be compared with it
+  if (now < previous_tick_) {  // drive time stepped back: older counters are not comparable
     window_.restart_at(now, status_.counters);
     last_received_ = now;
   }
@@ -47,8 +47,8 @@ CheckResult StreamHealth::check_silence(Stamp now, const StreamCounters& counter
   received_ = counters.received;
   const Duration silence = now - last_received_;
   if (silence < options_.stale_after) return {};
-  return {true, fmt::format("nothing came from {} for {:.1f} s", endpoint_, to_seconds(silence)),
-          "check that it has power and is connected"};
+  return {true, fmt::format("no data from {} for {:.1f} s", endpoint_, to_seconds(silence)),
+          "check power and connection"};
 }
 
 CheckResult StreamHealth::check_readability(const StreamCounters& now,
@@ -56,19 +56,19 @@ CheckResult StreamHealth::check_readability(const StreamCounters& now,
   const uint64_t refused = now.refused - before.refused;
   if (refused == 0) return {};
   return {true,
-          fmt::format("{} of {} from {} could not be read", refused, now.received - before.received,
+          fmt::format("{} of {} from {} not readable", refused, now.received - before.received,
                       endpoint_),
-          "look at what the sensor or the recording delivers"};
+          "check the data of the sensor or the recording"};
 }
 
-// A bus that carries frames, but none of the signals that are mapped.
+// A bus that carries frames, but none of the mapped signals.
 CheckResult StreamHealth::check_use(const StreamCounters& now, const StreamCounters& before) const {
   if (!now.source.used || now.received == before.received || now.used > before.used ||
       now.refused - before.refused >= now.received - before.received) {
     return {};
   }
-  return {true, fmt::format("nothing of what came from {} could be used", endpoint_),
-          "check the DBC file, the interface and the names of the signals"};
+  return {true, fmt::format("no usable data from {}", endpoint_),
+          "check the DBC file, the interface and the signal names"};
 }
 
 CheckResult StreamHealth::check_loss(const StreamCounters& now,
@@ -76,17 +76,17 @@ CheckResult StreamHealth::check_loss(const StreamCounters& now,
   const uint64_t lost = now.lost - before.lost;
   if (lost == 0) return {};
   return {true,
-          fmt::format("{} of {} are missing from {}", lost, lost + now.received - before.received,
+          fmt::format("{} of {} missing from {}", lost, lost + now.received - before.received,
                       endpoint_),
-          "free processor time, or bandwidth of the link"};
+          "reduce the load of the processor or of the link"};
 }
 
 CheckResult StreamHealth::check_order(const StreamCounters& now,
                                       const StreamCounters& before) const {
   const uint64_t out_of_order = now.out_of_order - before.out_of_order;
   if (out_of_order == 0) return {};
-  return {true, fmt::format("{} stamps of {} lay before the one above", out_of_order, endpoint_),
-          "check the clock that stamps it"};
+  return {true, fmt::format("{} timestamps of {} out of order", out_of_order, endpoint_),
+          "check the clock that stamps the data"};
 }
 
 }  // namespace infuse::daemon

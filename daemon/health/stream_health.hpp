@@ -10,25 +10,25 @@
 
 namespace infuse::daemon {
 
-/// How a camera or one of the vehicle's own sensors is at one moment.
+/// Health of a camera or a vehicle sensor at one tick.
 struct StreamStatus {
   Level level = Level::kOk;
   double received_hz = 0;  ///< over the window, at most the last 10 s
   StreamCounters counters;
-  std::vector<Finding> findings;        ///< what is wrong now, the worst first
-  std::vector<Transition> transitions;  ///< what changed at this tick
+  std::vector<Finding> findings;        ///< raised at present, the worst first
+  std::vector<Transition> transitions;  ///< changes at this tick
 };
 
-/// Judges one such stream by its counters. A pure state machine over snapshots and drive time.
+/// Checks one such stream by its counters. A pure state machine over snapshots and drive time.
 class StreamHealth {
  public:
-  /// `endpoint` says where it comes from, for sentences; `start` is when listening began.
+  /// `endpoint`: where its data comes from, for messages. `start`: when reception began.
   StreamHealth(std::string endpoint, const HealthOptions& options, Stamp start);
 
-  /// As SensorHealth's.
+  /// As SensorHealth::update.
   const StreamStatus& update(Stamp now, const StreamCounters& counters);
 
-  /// Judges by these thresholds from now on; how long conditions hold before they are told stays.
+  /// Replaces the thresholds; the delays of raising and clearing stay.
   void set_options(const HealthOptions& options) { options_ = options; }
 
  private:
@@ -42,8 +42,8 @@ class StreamHealth {
 
   std::string endpoint_;
   HealthOptions options_;
-  Stamp last_received_;  // or the start, while there is none
-  Stamp previous_tick_;  // tick
+  Stamp last_received_;  // the start, while there is none
+  Stamp previous_tick_;
   uint64_t received_ = 0;
   Window window_;
   Conditions conditions_;

@@ -2,8 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <string_view>
-
 namespace infuse::daemon {
 
 StreetMapHealth::StreetMapHealth(const HealthOptions& options)
@@ -13,14 +11,14 @@ StreetMapHealth::StreetMapHealth(const HealthOptions& options)
 const Conditions& StreetMapHealth::update(Stamp now, const StreetMapStatus& status) {
   CheckResult lost, mismatch;
   const std::string place =
-      fmt::format("near {:.0f} m east, {:.0f} m north of the map's origin", status.x, status.y);
-  if (std::string_view(status.state) == "LOST") {
-    lost = {true, fmt::format("lost on the street map {}: {}", place, status.reason),
-            "it looks for its place; give a start in [streetmap] or a satellite receiver"};
+      fmt::format("near {:.0f} m east, {:.0f} m north of the map origin", status.x, status.y);
+  if (status.state == streetmap::TrackState::kLost) {
+    lost = {true, fmt::format("position on the street map lost {}: {}", place, status.reason),
+            "set an initial pose in [streetmap], or connect a GNSS receiver"};
   }
   if (status.mismatch) {
-    mismatch = {true, fmt::format("what is seen does not fit the street map {}", place),
-                "is the map up to date there? make it anew with infuse streetmap"};
+    mismatch = {true, fmt::format("observations do not match the street map {}", place),
+                "check that the map is up to date; rebuild it with infuse streetmap"};
   }
   conditions_.update({lost, mismatch}, now);
   return conditions_;

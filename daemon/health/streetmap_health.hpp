@@ -3,31 +3,30 @@
 #include "daemon/health/conditions.hpp"
 #include "daemon/health/health_options.hpp"
 #include "drivers/measurement/stamp.hpp"
+#include "fusion/streetmap/tracker.hpp"
 
 namespace infuse::daemon {
 
-/// What the street-map tracker says of itself, at one moment of drive time. Plain data.
+/// Status of the street-map tracker at one moment of drive time. Plain data.
 struct StreetMapStatus {
-  const char* state = "";   ///< "TRACKING", "UNSURE" or "LOST"; empty: there is no map
-  const char* reason = "";  ///< static text: why it is not sure; empty where it is
-  bool mismatch = false;    ///< what is seen does not fit the map
+  streetmap::TrackState state = streetmap::TrackState::kLost;
+  const char* reason = "";  ///< static text: why it is not TRACKING; empty if it is
+  bool mismatch = false;    ///< observations do not match the map
   double x = 0;             ///< m, map frame
   double y = 0;             ///< m
-  double p_value = 1;       ///< chance that the fit is chance
-  double entropy = 1;       ///< of the particles' weights, 0 … 1
-  int particles = 0;
-  uint64_t updates = 0;
-
-  bool present() const { return *state != '\0'; }
+  double p_value = 1;       ///< probability of a match as good by chance
+  double entropy = 1;       ///< normalised entropy of the particle weights, 0 … 1
+  uint32_t particles = 0;
+  uint64_t updates = 0;  ///< of the particle weights
 };
 
-/// Judges whether the vehicle knows its place on the map, and whether the map is right. Pure.
+/// Checks the pose on the map, and the map itself. Pure.
 class StreetMapHealth {
  public:
   explicit StreetMapHealth(const HealthOptions& options);
 
-  /// About one call a second. The answer is valid until the next call.
-  const Conditions& update(Stamp now, const StreetMapStatus& figures);
+  /// Updates the findings; called about once a second. The result is valid until the next call.
+  const Conditions& update(Stamp now, const StreetMapStatus& status);
 
  private:
   Conditions conditions_;

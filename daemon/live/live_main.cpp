@@ -146,12 +146,12 @@ Result<void> listen_for_metrics(MetricsServer& metrics, const MetricsSettings& s
 
 /// Keeps what it finds there up to date, each second.
 void publish_metrics(MetricsServer& metrics, const std::string& release, Publisher& publisher) {
-  publisher.on_health([&metrics, release, &publisher](const std::string& message) {
+  publisher.on_health([&metrics, release, &publisher](const HealthReport& health) {
     ProcessStats process;
     process.release = release;
     process.alerts = publisher.totals().alerts;
     measure_process(process);
-    metrics.set_text(metrics_text(Json::parse(message), process));
+    metrics.set_text(metrics_text(health, process));
   });
 }
 

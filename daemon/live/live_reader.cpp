@@ -136,7 +136,8 @@ void LiveReader::count_dropped(Port& port) {
   const uint64_t dropped = port.source.get()->dropped();
   if (dropped <= port.reported_dropped) return;
   const PortSetup::Sender& sender = port.setup.senders.front();
-  intake_.add_kernel_dropped(sender.lidar, dropped - port.reported_dropped, sender.data);
+  intake_.add_kernel_dropped(LidarIndex(sender.lidar), dropped - port.reported_dropped,
+                             sender.data);
   port.reported_dropped = dropped;
 }
 
@@ -146,7 +147,7 @@ void LiveReader::read_port(Port& port) {
     const auto count = source->read(datagrams_, [&](const Datagram& datagram) {
       // The kernel's count first: what it dropped is not missing in the network too.
       count_dropped(port);
-      intake_.add_datagram(port.setup.lidar_of(datagram.sender), datagram);
+      intake_.add_datagram(LidarIndex(port.setup.lidar_of(datagram.sender)), datagram);
       if (gnss_lidar_ && port.setup.is_from_lidar(*gnss_lidar_, datagram.sender)) {
         add_position_packet(datagram);
       }
@@ -165,7 +166,7 @@ void LiveReader::read_camera(size_t index) {
     camera::StreamedImage counted = image;
     counted.sequence += camera.sequence_offset;
     camera.next_sequence = counted.sequence + 1;
-    intake_.add_streamed_image(index, counted);
+    intake_.add_streamed_image(CameraIndex(index), counted);
     if (tap_ != nullptr && used_[index]) tap_->add_image(index, counted);
   });
   if (read) return;
@@ -178,7 +179,7 @@ void LiveReader::read_bus(size_t index) {
   vehicle::SocketCanSource* source = bus.source.get();
   for (int batch = 0; batch < kMaxBatchesPerRead; ++batch) {
     const auto count = source->read(frames_, [&](const vehicle::CanFrame& frame) {
-      intake_.add_can_frame(index, frame);
+      intake_.add_can_frame(BusIndex(index), frame);
       if (tap_ != nullptr) tap_->add_can_frame(frame);
     });
     if (!count) {

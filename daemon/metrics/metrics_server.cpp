@@ -19,12 +19,11 @@ namespace http = boost::beast::http;
 using ErrorCode = boost::system::error_code;
 using Socket = asio::generic::stream_protocol::socket;
 
-constexpr std::chrono::seconds kConnectionTimeout{
-    1};  // with a whole connection; a stop waits for it too
+constexpr std::chrono::seconds kConnectionTimeout{1};  // of a connection from open to close
 constexpr std::chrono::milliseconds kAcceptRetryDelay{200};
 constexpr size_t kMaxHeaderBytes = 4096;  // bytes
 
-/// One request and its answer. Lives as long as an operation is under way.
+/// Connection with one request and its response. Lives as long as an operation is pending.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Socket socket, std::shared_ptr<const std::string> text, std::shared_ptr<int> count)
@@ -52,12 +51,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
  private:
   void refuse(ErrorCode error) {
     if (error == http::error::header_limit || error == http::error::buffer_overflow) {
-      return send(http::status::request_header_fields_too_large, "the request is too long\n");
+      return send(http::status::request_header_fields_too_large, "request too long\n");
     }
-    // What is no HTTP gets an answer; who has gone away does not.
+    // Malformed HTTP is answered; a closed connection is not.
     if (error.category() == http::make_error_code(http::error::bad_version).category() &&
         error != http::error::end_of_stream && error != http::error::partial_message) {
-      return send(http::status::bad_request, "this is no request: " + error.message() + "\n");
+      return send(http::status::bad_request, "invalid request: " + error.message() + "\n");
     }
     close();
   }
@@ -69,7 +68,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return send(http::status::method_not_allowed, "GET or HEAD\n");
     }
     const auto target = request.target().substr(0, request.target().find('?'));
-    if (target != "/metrics") return send(http::status::not_found, "look at /metrics\n");
+    if (target != "/metrics") return send(http::status::not_found, "not found; see /metrics\n");
     send(http::status::ok, *text_, head);
   }
 
@@ -131,8 +130,7 @@ void MetricsServer::finish() {
   tcp_.close(ignored);
 }
 
-// Who comes while too many are served is let go at once. Where no descriptor is free the next are
-// accepted after a pause.
+// Connections beyond the maximum are closed at once. Without a free descriptor, accepting pauses.
 template <class Acceptor>
 void MetricsServer::accept(Acceptor& acceptor) {
   acceptor.async_accept([this, &acceptor](ErrorCode error, auto socket) {

@@ -12,9 +12,9 @@
 
 namespace infuse::daemon {
 
-/// Answers GET /metrics over HTTP, on a Unix socket or the loopback. Each connection gets one
-/// answer; few are served at a time, for a short time, and what they ask is bounded. Used on the
-/// one thread that runs the `io_context`, which outlives it.
+/// Serves GET /metrics over HTTP, on a Unix socket or the loopback. One response per connection;
+/// number, duration and request size of connections are bounded. Used on the one thread that runs
+/// the `io_context`, which outlives it.
 class MetricsServer {
  public:
   explicit MetricsServer(boost::asio::io_context& io);
@@ -22,16 +22,16 @@ class MetricsServer {
   MetricsServer(const MetricsServer&) = delete;
   MetricsServer& operator=(const MetricsServer&) = delete;
 
-  /// Listens on a Unix stream socket that its group may use.
+  /// Listens on a Unix stream socket with access for its group.
   Result<void> listen(const std::filesystem::path& path);
 
-  /// Listens on the IPv4 loopback; `port` 0 takes a free one. Gives the port.
+  /// Listens on the IPv4 loopback and returns the port; `port` 0 selects a free one.
   Result<uint16_t> listen_tcp(uint16_t port);
 
-  /// What is answered from now on.
+  /// Sets the body of the response.
   void set_text(std::string text) { *text_ = std::move(text); }
 
-  /// Accepts nobody any more; who is connected is still answered.
+  /// Stops accepting; open connections are still served.
   void finish();
 
  private:
@@ -43,8 +43,8 @@ class MetricsServer {
   boost::asio::local::stream_protocol::acceptor local_;
   boost::asio::ip::tcp::acceptor tcp_;
   boost::asio::io_context& io_;
-  std::filesystem::path path_;  // of the socket, while it is ours to remove
-  // Shared with connections, which may outlive this.
+  std::filesystem::path path_;  // of the socket, if it is removed at the end
+  // Shared with connections, which may outlive this object.
   std::shared_ptr<std::string> text_ = std::make_shared<std::string>();
   std::shared_ptr<int> connections_ = std::make_shared<int>(0);
 };

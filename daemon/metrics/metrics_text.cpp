@@ -9,12 +9,12 @@
 #include <optional>
 #include <vector>
 
-#include "daemon/metrics/metric_definitions.hpp"
+#include "daemon/protocol/descriptions.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-/// Collects samples, so that those of one metric stand together as the format wants.
+/// Collects samples by metric: the format requires those of one metric in one block.
 class Families {
  public:
   void add(const char* name, const char* type, const char* help, const std::string& labels,
@@ -44,8 +44,8 @@ class Families {
   std::vector<Family> families_;  // a few dozen
 };
 
-/// `key="value"`, escaped.
-std::string label(const char* key, const std::string& value) {
+/// Returns `key="value"`, escaped.
+std::string label(const char* key, std::string_view value) {
   std::string escaped;
   for (const char c : value) {
     if (c == '\n') {
@@ -58,88 +58,120 @@ std::string label(const char* key, const std::string& value) {
   return fmt::format("{}=\"{}\"", key, escaped);
 }
 
-std::string text_of(const Json& table, const char* key) {
-  const auto at = table.find(key);
-  return at != table.end() && at->is_string() ? at->get<std::string>() : "";
-}
+/// Visitor of a description that adds the fields with a metric, and those of nested objects.
+class MetricCollector {
+ public:
+  MetricCollector(Families& families, std::string labels)
+      : families_(families), labels_(std::move(labels)) {}
 
-std::optional<double> number_at(const Json& table, const char* path) {
-  const Json::json_pointer pointer(path);
-  if (!table.contains(pointer)) return std::nullopt;
-  const Json& value = table[pointer];
-  if (value.is_boolean()) return value.get<bool>() ? 1 : 0;
-  if (!value.is_number()) return std::nullopt;
-  return value.get<double>();
-}
+  void message(const char*, const char*) {}
 
-void add_metrics(const Json& table, std::span<const MetricDefinition> metrics,
-                 const std::string& labels, Families& families) {
-  for (const MetricDefinition& metric : metrics) {
-    const auto value = number_at(table, metric.path);
-    if (!value) continue;
-    const bool both = !labels.empty() && *metric.label != '\0';
-    families.add(metric.name, metric.type, metric.help, labels + (both ? "," : "") + metric.label,
-                 *value * metric.scale);
+  template <class T>
+  void field(const char*, const std::optional<T>& value, const char* text = "",
+             const Metric& metric = {}) {
+    if (value) field("", *value, text, metric);
   }
+
+  template <class T>
+  void field(const char*, const T& value, const char* text = "", const Metric& metric = {}) {
+    if constexpr (std::is_same_v<T, Stamp>) {
+      add(static_cast<double>(value.ns()), text, metric);
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      add(static_cast<double>(value), text, metric);
+    } else if constexpr (requires { static_cast<double>(value.value); }) {
+      add(static_cast<double>(value.value), text, metric);
+    } else if constexpr (kIsObject<T>) {
+      describe(*this, value);
+    }
+  }
+
+ private:
+  /// Objects that belong to the one that has them; others have labels of their own.
+  template <class T>
+  static constexpr bool kIsObject =
+      std::is_same_v<T, PacketLosses> || std::is_same_v<T, ClockState> ||
+      std::is_same_v<T, LatencyStats>;
+
+  void add(double value, const char* text, const Metric& metric) {
+    if (metric.name == nullptr) return;
+    const bool both = !labels_.empty() && *metric.label != '\0';
+    families_.add(metric.name, metric.type, metric.help != nullptr ? metric.help : text,
+                  labels_ + (both ? "," : "") + metric.label, value * metric.scale);
+  }
+
+  Families& families_;
+  std::string labels_;
+};
+
+template <class Report>
+void add_metrics(const Report& report, const std::string& labels, Families& families) {
+  MetricCollector collector(families, labels);
+  describe(collector, report);
 }
 
-/// How something is, and what is wrong with it.
-void add_level(const Json& table, const std::string& labels, Families& families) {
-  constexpr std::array kLevels = {"OK", "WARN", "ERROR", "STALE"};
-  const auto level = std::find(kLevels.begin(), kLevels.end(), text_of(table, "level"));
+/// Adds the level of a device or task, and its findings.
+void add_level(Level level, const std::vector<Finding>& findings, const std::string& labels,
+               Families& families) {
   families.add("infuse_level", "gauge", "0 OK, 1 WARN, 2 ERROR, 3 STALE.", labels,
-               static_cast<double>(level - kLevels.begin()));
-  for (const Json& finding : table.value("findings", Json::array())) {
-    families.add("infuse_finding", "gauge", "1 while something is wrong.",
-                 labels + "," + label("id", text_of(finding, "id")) + "," +
-                     label("severity", text_of(finding, "level")),
-                 1);
+               static_cast<double>(level));
+  for (const Finding& finding : findings) {
+    families.add(
+        "infuse_finding", "gauge", "1 while a problem exists.",
+        labels + "," + label("id", finding.id) + "," + label("severity", name_of(finding.level)),
+        1);
   }
 }
 
-void add_devices(const Json& health, Families& families) {
-  for (const Json& lidar : health.value("sensors", Json::array())) {
-    const std::string device = label("device", text_of(lidar, "device"));
-    add_level(lidar, device + ",kind=\"lidar\"", families);
-    add_metrics(lidar, lidar_metrics(), device, families);
+void add_devices(const HealthReport& health, Families& families) {
+  for (const auto& lidar : health.sensors) {
+    const std::string device = label("device", lidar.device);
+    add_level(lidar.status.level, lidar.status.findings, device + ",kind=\"lidar\"", families);
+    add_metrics(lidar, device, families);
   }
-  for (const Json& stream : health.value("streams", Json::array())) {
-    const std::string labels =
-        label("device", text_of(stream, "device")) + "," + label("kind", text_of(stream, "kind"));
-    add_level(stream, labels, families);
-    add_metrics(stream, stream_metrics(), labels, families);
+  for (const auto& stream : health.streams) {
+    const std::string labels = label("device", stream.device) + "," + label("kind", stream.kind);
+    add_level(stream.status.level, stream.status.findings, labels, families);
+    add_metrics(stream, labels, families);
   }
 }
 
-void add_stages(const Json& health, Families& families) {
-  const Json host = health.value("host", Json::object());
-  for (const Json& stage : host.value("stages", Json::array())) {
-    add_metrics(stage, stage_metrics(), label("stage", text_of(stage, "stage")), families);
+template <class Status>
+void add_task(const std::optional<TaskHealth<Status>>& task, const char* name, Families& families) {
+  if (!task) return;
+  add_level(task->level, task->findings, label("device", name) + "," + label("kind", name),
+            families);
+  add_metrics(*task, "", families);
+}
+
+void add_host(const HostStats& host, Families& families) {
+  add_metrics(host, "", families);
+  for (const StageStats& stage : host.stages) {
+    add_metrics(stage, label("stage", stage.name), families);
   }
-  for (const Json& queue : host.value("queues", Json::array())) {
-    add_metrics(queue, queue_metrics(), label("queue", text_of(queue, "queue")), families);
+  for (const QueueStats& queue : host.queues) {
+    add_metrics(queue, label("queue", queue.name), families);
   }
 }
 
 }  // namespace
 
-void measure_process(ProcessStats& metrics) {
+void measure_process(ProcessStats& process) {
   std::ifstream pages("/proc/self/statm");
   uint64_t all = 0, resident = 0;
   if (pages >> all >> resident) {
-    metrics.resident_bytes = resident * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+    process.resident_bytes = resident * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
   }
   std::error_code error;
   std::filesystem::directory_iterator entry("/proc/self/fd", error), end;
-  metrics.descriptors = 0;
-  for (; !error && entry != end; entry.increment(error)) ++metrics.descriptors;
+  process.descriptors = 0;
+  for (; !error && entry != end; entry.increment(error)) ++process.descriptors;
 }
 
-std::string metrics_text(const Json& health, const ProcessStats& process) {
+std::string metrics_text(const HealthReport& health, const ProcessStats& process) {
   Families families;
-  families.add("infuse_build_info", "gauge", "The release that runs.",
+  families.add("infuse_build_info", "gauge", "Release of the program.",
                label("release", process.release), 1);
-  add_metrics(health, report_metrics(), "", families);
+  add_metrics(health, "", families);
   families.add("infuse_alerts_total", "counter", "Alerts raised since the start.", "",
                static_cast<double>(process.alerts));
   if (process.resident_bytes != 0) {
@@ -151,15 +183,9 @@ std::string metrics_text(const Json& health, const ProcessStats& process) {
                  static_cast<double>(process.descriptors));
   }
   add_devices(health, families);
-  if (const auto odometry = health.find("odometry"); odometry != health.end()) {
-    add_level(*odometry, "device=\"odometry\",kind=\"odometry\"", families);
-    add_metrics(*odometry, odometry_metrics(), "", families);
-  }
-  if (const auto map = health.find("streetmap"); map != health.end()) {
-    add_level(*map, "device=\"streetmap\",kind=\"streetmap\"", families);
-    add_metrics(*map, streetmap_metrics(), "", families);
-  }
-  add_stages(health, families);
+  add_task(health.odometry, "odometry", families);
+  add_task(health.streetmap, "streetmap", families);
+  if (health.host) add_host(*health.host, families);
   return families.text();
 }
 

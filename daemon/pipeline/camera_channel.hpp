@@ -2,63 +2,65 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
+#include <string>
 
 #include "daemon/calibration/calibration_guard.hpp"
-#include "daemon/pipeline/image_thread.hpp"
-#include "daemon/protocol/reports.hpp"
+#include "daemon/pipeline/image_match.hpp"
 #include "drivers/measurement/rig.hpp"
 #include "fusion/geometry/camera_model.hpp"
 #include "fusion/motion/deskew.hpp"
 
 namespace infuse::daemon {
 
-/// One camera on the fusion thread: the returns of the sweep during which a picture was exposed, as
-/// they were at that moment, projected into it.
+/// Processing of one camera on the fusion thread: projects sweeps into its images, and monitors its
+/// calibration with them.
 class CameraChannel {
  public:
-  /// `mount.invalid()` must be empty; `T_vehicle_lidar` is that of the lidar it refers to.
-  /// `waits`: as a replay does for background work.
-  CameraChannel(const CameraMount& mount, const Eigen::Isometry3d& T_vehicle_lidar,
-                const CalibrationSettings& calibration, bool blocking);
+  /// `mount.invalid()` must be empty; `lidar` is the one that the mount refers to. `blocking`:
+  /// waits for background work (replay).
+  CameraChannel(const CameraMount& mount, LidarIndex lidar,
+                const Eigen::Isometry3d& T_vehicle_lidar, const CalibrationSettings& calibration,
+                bool blocking);
 
-  /// Makes the sweep straight as of the exposure, projects it, and says what came of it. `picture`
-  /// is readable.
-  FrameReport project(const CameraImage& image, const Sweep& sweep,
-                      const geometry::Trajectory& trajectory);
+  /// Deskews the sweep as of the exposure and projects it into the image, which is readable. The
+  /// result is valid until the next call.
+  ImageMatch project(const CameraImage& image, const Sweep& sweep,
+                     const geometry::Trajectory& trajectory);
 
-  /// The sweep as of the last picture's exposure.
-  const motion::DeskewedSweep& deskewed() const { return deskewed_; }
+  /// Monitors the calibration with a usable match. Returns the report if one is due, else null.
+  const CalibrationReport* monitor(const ImageMatch& match, const geometry::Trajectory& trajectory);
 
-  /// Watches the calibration with the picture and the sweep that were looked at last. What is to be
-  /// told of it, or null.
-  const CalibrationReport* monitor(const CameraImage& image, const Sweep& sweep,
-                                   const geometry::Trajectory& trajectory);
-
-  /// What the owner asks of the calibration.
+  /// Carries out a request of the owner.
   void handle_request(const Request& request) {
     if (guard_) guard_->handle_request(request);
   }
 
-  /// No re-estimation goes on or begins from now on; from any thread.
+  /// Stops re-estimation, and starts none from now on; from any thread.
   void shut_down() {
     if (guard_) guard_->shut_down();
   }
 
   const std::string& name() const { return mount_.name; }
+  /// Lidar that the calibration refers to.
+  LidarIndex lidar() const { return lidar_; }
 
  private:
-  uint32_t count_points_in_view();
+  const Eigen::Isometry3d& T_camera_lidar() const {
+    return guard_ ? guard_->T_camera_lidar() : mount_.T_camera_lidar;
+  }
+  const char* mismatch(const CameraImage& image, const Sweep& sweep) const;
+  uint32_t count_points_in_view(const motion::DeskewedSweep& deskewed);
   monitoring::Motion motion_at(Stamp exposure, const geometry::Trajectory& trajectory) const;
 
   CameraMount mount_;
+  LidarIndex lidar_;
   Eigen::Isometry3d T_vehicle_lidar_;
   geometry::CameraModel model_;
   motion::Deskewer deskewer_;
-  motion::DeskewedSweep deskewed_;
-  bool projected_ = false;  // the picture and the sweep that were looked at last
-  CameraFrame grey_;
   std::optional<CalibrationGuard> guard_;
+  // Memory that is used again:
+  motion::DeskewedSweep deskewed_;
+  CameraFrame grey_;
   FieldVector<float> u_, v_, depth_;
 };
 

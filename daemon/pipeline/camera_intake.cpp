@@ -7,8 +7,7 @@
 namespace infuse::daemon {
 namespace {
 
-/// Reads a file of a size known to the file system, without allocating once `bytes` has been as
-/// large.
+/// Reads a regular file of at most `max_bytes`; does not allocate once `bytes` has been as large.
 bool read_file(const char* path, size_t max_bytes, std::vector<uint8_t>& bytes) {
   const int file = ::open(path, O_RDONLY | O_CLOEXEC);
   if (file < 0) return false;

@@ -8,17 +8,17 @@
 
 namespace infuse::daemon {
 
-/// What the owner asks for, on its way from the server's thread to the fusion thread.
+/// Queue of the owner's requests, from the server's thread to the fusion thread.
 class ControlQueue {
  public:
-  /// From any thread.
+  /// Adds a request; from any thread.
   void push(const Request& request) {
     const std::lock_guard lock(mutex_);
     waiting_.push_back(request);
     has_pending_.store(true);
   }
 
-  /// The fusion thread's: calls `obey(const Request&)` for what was asked since.
+  /// Calls `handle(const Request&)` for every queued request; from the fusion thread.
   template <class Handle>
   void drain(Handle handle) {
     if (!has_pending_.load(std::memory_order_relaxed)) return;

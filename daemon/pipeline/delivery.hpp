@@ -4,13 +4,13 @@
 
 namespace infuse::daemon {
 
-/// What a stage does where the next one has not kept up.
+/// Behaviour of a producer whose consumer has not kept up.
 enum class Delivery : uint8_t {
-  kWait,       ///< a replay: waits, so that nothing is lost
-  kOverwrite,  ///< live: goes on; the oldest is lost, and whoever was too slow knows it
+  kWait,       ///< replay: waits, so that nothing is lost
+  kOverwrite,  ///< live: overwrites the oldest entry, which the consumer counts as lost
 };
 
-/// Publishes what is in hand.
+/// Publishes the slot in hand.
 template <class Ring>
 void deliver(Ring& ring, Delivery delivery) {
   if (delivery == Delivery::kWait) ring.wait_for_room();

@@ -25,9 +25,9 @@ void DriveReader::process(const recording::DriveEvent& event) {
   if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
     process_datagram(*datagram);
   } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-    intake_.add_sweep(sweep->lidar, *sweep->sweep);
+    intake_.add_sweep(LidarIndex(sweep->lidar), *sweep->sweep);
   } else if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
-    intake_.add_image_file(image->camera, event.stamp, image->sequence, *image->path);
+    intake_.add_image_file(CameraIndex(image->camera), event.stamp, image->sequence, *image->path);
   } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
     intake_.add_can_line(bus->line, event.stamp);
   } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
@@ -41,7 +41,7 @@ void DriveReader::process_datagram(const recording::DatagramEvent& event) {
   const Datagram& datagram = event.datagram;
   capture_bytes_.fetch_add(datagram.payload.size() + kCaptureOverhead, std::memory_order_relaxed);
   if (event.lidar == recording::kNoLidar) return intake_.add_unclaimed_datagram(datagram);
-  intake_.add_datagram(event.lidar, datagram);
+  intake_.add_datagram(LidarIndex(event.lidar), datagram);
 }
 
 }  // namespace infuse::daemon

@@ -6,18 +6,17 @@
 
 namespace infuse::daemon {
 
-/// Finds the whole seconds of drive time as the stamps of a drive go by. Depends on the stamps
-/// alone.
+/// Generates a tick for each second of drive time. Depends on the stamps alone.
 class DriveTicker {
  public:
   static constexpr Duration kPeriod{1'000'000'000};
-  /// Of a long pause only so many ticks are given, then one at its end: stamps come from files, and
-  /// a clock that jumped by a year must not keep anyone busy.
+  /// Maximum number of ticks in a pause; one more follows at its end. A clock that jumps by a year
+  /// must not cause a year of ticks.
   static constexpr int kMaxTicks = 30;
-  /// A step back by more than this begins drive time anew; less is disorder between streams.
+  /// Step back beyond which drive time begins anew; less is disorder between streams.
   static constexpr Duration kMaxDisorder{1'000'000'000};
 
-  /// Takes the stamp of the next event and calls `tick(Stamp)` for every second that has passed.
+  /// Calls `tick(Stamp)` for every second that has passed at the next event's stamp.
   template <class Tick>
   void advance(Stamp stamp, Tick tick) {
     if (!next_ || stamp + kMaxDisorder < *next_ - kPeriod) {

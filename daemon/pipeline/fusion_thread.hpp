@@ -22,60 +22,67 @@
 
 namespace infuse::daemon {
 
-/// What the fusion thread works with.
+/// Settings of the fusion thread.
 struct FusionSetup {
   Rig rig;
-  bool has_odometry = false;  ///< something says how the vehicle moves
+  bool has_odometry = false;  ///< a vehicle sensor measures the motion
   OdometrySettings odometry;
   CalibrationSettings calibration;
   Delivery delivery = Delivery::kWait;
   StreetMapSettings streetmap;
-  const streetmap::SegmentMap* map = nullptr;  ///< null or empty: the vehicle is not tracked
+  const streetmap::SegmentMap* map = nullptr;  ///< null or empty: no tracking on a map
 };
 
-/// The fusion thread: takes what the io thread hands over, in order, and makes reports of it. A
-/// sweep waits until odometry covers its time, is made straight, and told; the pictures that were
-/// exposed meanwhile meet it as it was at their moment. In a replay it waits for whoever tells the
-/// reports, and drops none.
+/// The fusion thread: processes the items of the io thread in order and publishes reports. A sweep
+/// waits until odometry covers its time. `process_sweep` is the whole processing of a sweep and its
+/// images.
 class FusionThread {
  public:
-  /// From the reading of the packet that completed a sweep to its report, at most, host time.
+  /// Maximum host time from the reading of the packet that completes a sweep to its last report.
   static constexpr Duration kLatencyBudget{100'000'000};
-  /// Pins that the stage holds at most on the ring of items; the ring has more room than this.
+  /// Maximum number of pins held on the ring of items, which must have more room.
   static size_t max_pins(size_t lidars) { return 2 * lidars + 2; }
 
-  /// Registers as a reader of `in` and of `pictures`. The rings and the bell outlive this.
+  /// Registers as a reader of `in` and `images`. The rings and the notifier outlive this.
   FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in, SlotRing<CameraImage>& images,
-               SlotRing<ReportItem>& out, Notifier& bell);
+               SlotRing<ReportItem>& out, Notifier& notifier);
 
-  /// Until the item kEnd has been passed on.
+  /// Runs until the item kEnd has been passed on, or `in` is closed.
   void run();
 
-  /// What the owner asks of the cameras' calibrations; from any thread.
+  /// Queues a request of the owner that concerns calibrations; from any thread.
   void post_request(const Request& request) { requests_.push(request); }
 
-  /// Nothing is waited for that only the background can bring, from now on; from any thread.
+  /// Stops waiting for background work; from any thread.
   void shut_down() {
     for (CameraChannel& camera : cameras_) camera.shut_down();
   }
 
  private:
   void process(Pin<StreamItem> item);
+  void process_samples(const StreamItem& item);
   void process_due_sweeps();
   void process_sweep(const StreamItem& item);
-  void report_sweep(const StreamItem& item);
-  void report_pose(Stamp stamp);
-  void track_sweep(const StreamItem& item);
-  void track_image(const CameraImage& image, const Sweep& sweep);
+  SweepSnapshot deskew(const StreamItem& item);
+  void report_sweep(const SweepSnapshot& snapshot);
+  void localise(const SweepSnapshot& snapshot);
+  void process_image(const CameraImage& image, const Sweep& sweep);
+  void monitor_calibration(const ImageMatch& match);
   void report_latest_pose();
-  void process_images(const StreamItem& item);
-  void report_frame(const CameraImage& image, const Sweep& sweep);
-  void monitor_calibration(const CameraImage& image, const Sweep& sweep);
-  void handle_request(const Request& request);
   void report_tick(const StreamItem& item);
+  void handle_request(const Request& request);
+
   ReportItem& begin_report(ReportItem::Kind kind, Stamp stamp);
   void send_report();
+  void report(const PoseReport& pose);
   LatencyHistogram& latency(Stage stage) { return latencies_[static_cast<size_t>(stage)]; }
+
+  /// Counters of one camera's images.
+  struct ImageCounters {
+    uint64_t used = 0;
+    uint64_t unreadable = 0;
+    uint64_t dropped = 0;  ///< without a sweep
+  };
 
   FusionSetup setup_;
   SlotRing<StreamItem>& stream_;
@@ -87,18 +94,15 @@ class FusionThread {
   SweepQueue sweeps_;
   ImageQueue images_;
   std::optional<MapTracker> map_tracker_;
-  std::deque<motion::Deskewer> deskewers_;  // by lidar
-  std::deque<CameraChannel> cameras_;       // by camera
-  std::vector<size_t> lidar_of_camera_;
-  motion::DeskewedSweep deskewed_;
+  std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
+  std::deque<CameraChannel> cameras_;       // by CameraIndex
   ControlQueue requests_;
+  motion::DeskewedSweep deskewed_;  // memory that is used again
 
   Stamp now_ = Stamp::earliest();        // drive time
-  Stamp last_pose_ = Stamp::earliest();  // told without a sweep
+  Stamp last_pose_ = Stamp::earliest();  // of the last pose without a sweep
   uint64_t not_deskewed_ = 0;
-  std::vector<uint64_t> unreadable_images_;  // pictures, by camera
-  std::vector<uint64_t> dropped_images_;     // pictures that no sweep came for, by camera
-  std::vector<uint64_t> used_images_;        // pictures, by camera
+  std::vector<ImageCounters> image_counters_;  // by CameraIndex
   std::array<LatencyHistogram, static_cast<size_t>(Stage::kCount)> latencies_;
   uint64_t deadline_misses_ = 0;
 };

@@ -7,8 +7,8 @@ ImageQueue::ImageQueue(SlotRing<CameraImage>& images, size_t capacity, Duration 
   waiting_.reserve(capacity);
 }
 
-std::optional<uint32_t> ImageQueue::push(const StreamItem& item) {
-  std::optional<uint32_t> dropped_camera;
+std::optional<CameraIndex> ImageQueue::push(const StreamItem& item) {
+  std::optional<CameraIndex> dropped_camera;
   if (waiting_.size() == capacity_) {
     fetch_up_to(0);
     dropped_camera = waiting_.front().camera;
@@ -18,7 +18,7 @@ std::optional<uint32_t> ImageQueue::push(const StreamItem& item) {
   return dropped_camera;
 }
 
-// The ring is read in order: who wants a picture takes those before it too.
+// The ring is read in order: fetching an image fetches those before it.
 void ImageQueue::fetch_up_to(size_t last) {
   for (size_t i = 0; i <= last; ++i) {
     if (waiting_[i].fetched) continue;

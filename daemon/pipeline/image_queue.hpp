@@ -9,22 +9,22 @@
 
 namespace infuse::daemon {
 
-/// The pictures that wait for the sweep during which they were exposed. Of the fusion thread.
+/// Images that wait for the sweep during which they were exposed. Used on the fusion thread.
 ///
-/// Which picture is taken when depends on the order of the stream alone: a picture that the decoder
-/// has not finished is waited for when it is needed, not before.
+/// The order of images depends on the order of the stream alone: an image that is not decoded yet
+/// is waited for when it is needed.
 class ImageQueue {
  public:
-  /// Holds at most `capacity` pictures, the ring's or fewer. Registers as a reader of `pictures`.
-  /// A picture that the decoder has not finished is waited for as long as `patience`.
+  /// Holds at most `capacity` images, the ring's capacity or less. Registers as a reader of
+  /// `images`. `timeout`: maximum wait for the decoder.
   ImageQueue(SlotRing<CameraImage>& images, size_t capacity, Duration timeout);
 
-  /// A picture was handed over; the decoder has it. Where the queue is full, the oldest is given
-  /// up: then its camera is returned.
-  std::optional<uint32_t> push(const StreamItem& item);
+  /// Adds an image that the decoder receives too. If the queue is full, drops the oldest and
+  /// returns its camera.
+  std::optional<CameraIndex> push(const StreamItem& item);
 
-  /// Calls `use(const Picture&)` for every waiting picture that `due(camera, stamp)`, in order, and
-  /// lets it go.
+  /// Calls `use(const CameraImage&)` for every waiting image with `due(CameraIndex, Stamp)`, in
+  /// order, and removes it.
   template <class Due, class Use>
   void pop_due(Due due, Use use) {
     size_t kept = 0;
@@ -43,7 +43,7 @@ class ImageQueue {
 
  private:
   struct Entry {
-    uint32_t camera = 0;
+    CameraIndex camera;
     Stamp stamp;
     uint64_t number = 0;
     bool fetched = false;
@@ -57,7 +57,7 @@ class ImageQueue {
   size_t capacity_;
   Duration timeout_;
   std::vector<Entry> waiting_;
-  Pin<CameraImage> ahead_;  // read from the ring, but of a later number than was requested
+  Pin<CameraImage> ahead_;  // read from the ring, with a later number than requested
 };
 
 }  // namespace infuse::daemon

@@ -18,7 +18,7 @@ void ImageThread::run() {
   }
 }
 
-// Of a live camera the estimators need no colour.
+// Live images are unpacked to grey: fusion needs no colour.
 Result<void> ImageThread::unpack(const StreamItem& item, CameraFrame& frame) const {
   if (!item.raw) return camera::decode_image(item.encoded, options_[item.camera], frame);
   camera::RawImage raw = item.raw->raw;

@@ -12,25 +12,24 @@
 
 namespace infuse::daemon {
 
-/// A picture as fusion gets it.
+/// A decoded image.
 struct CameraImage {
   Stamp stamp;              ///< middle of the exposure
-  uint32_t camera = 0;      ///< index in the rig
-  uint64_t number = 0;      ///< the item's
-  bool readable = false;    ///< false: the file is damaged, and `frame` means nothing
+  CameraIndex camera;       ///< index in the rig
+  uint64_t number = 0;      ///< number of its StreamItem
+  bool readable = false;    ///< false: damaged, `frame` is invalid
   CameraFrame frame;        ///< decoded
-  Duration decode_time{0};  ///< host time that decoding took
+  Duration decode_time{0};  ///< host time of decoding
 };
 
-/// Decodes pictures on a thread of its own, neither the io thread's nor the fusion thread's. Every
-/// item of kind kImage becomes one `Picture`, in order.
+/// The image thread: decodes images. Every item of kind kImage becomes one `CameraImage`, in order.
 class ImageThread {
  public:
-  /// Registers as a reader of `in`. `options`: by camera. The rings outlive this.
+  /// Registers as a reader of `in`. `options`: by CameraIndex. The rings outlive this.
   ImageThread(SlotRing<StreamItem>& in, SlotRing<CameraImage>& out,
               std::vector<camera::ImageOptions> options, Delivery delivery);
 
-  /// Until the item kEnd.
+  /// Runs until the item kEnd, or `in` is closed.
   void run();
 
  private:

@@ -21,7 +21,7 @@ void Intake::advance(Stamp stamp) {
 
 void Intake::end(Stamp stamp, bool started) {
   for (size_t i = 0; i < lidars_.size(); ++i) {
-    lidars_[i].finish([&](Sweep& sweep) { push_sweep(i, sweep); });
+    lidars_[i].finish([&](Sweep& sweep) { push_sweep(LidarIndex(i), sweep); });
   }
   if (started) {
     push_samples();
@@ -31,7 +31,7 @@ void Intake::end(Stamp stamp, bool started) {
   push_item(StreamItem::Kind::kEnd, stamp);
 }
 
-void Intake::add_datagram(size_t lidar, const Datagram& datagram) {
+void Intake::add_datagram(LidarIndex lidar, const Datagram& datagram) {
   lidars_[lidar].add_datagram(datagram, [&](Sweep& sweep) { push_sweep(lidar, sweep); });
 }
 
@@ -41,11 +41,11 @@ void Intake::add_unclaimed_datagram(const Datagram& datagram) {
   unexpected_size_ = static_cast<uint32_t>(datagram.payload.size());
 }
 
-void Intake::add_sweep(size_t lidar, const Sweep& sweep) {
+void Intake::add_sweep(LidarIndex lidar, const Sweep& sweep) {
   lidars_[lidar].add_sweep(sweep, [&](Sweep& done) { push_sweep(lidar, done); });
 }
 
-void Intake::add_image_file(size_t camera, Stamp stamp, uint64_t sequence,
+void Intake::add_image_file(CameraIndex camera, Stamp stamp, uint64_t sequence,
                             const std::filesystem::path& path) {
   push_samples();
   StreamItem& item = out_.slot();
@@ -54,7 +54,7 @@ void Intake::add_image_file(size_t camera, Stamp stamp, uint64_t sequence,
   push_image(camera, stamp, sequence);
 }
 
-void Intake::add_streamed_image(size_t camera, const camera::StreamedImage& image) {
+void Intake::add_streamed_image(CameraIndex camera, const camera::StreamedImage& image) {
   cameras_[camera].count(image.stamp, image.sequence);
   if (camera >= mounted_cameras_) return;
   push_samples();
@@ -70,7 +70,7 @@ void Intake::add_can_line(std::string_view line, Stamp stamp) {
                         [&](const VehicleSample& sample) { add_vehicle_sample(sample, stamp); });
 }
 
-void Intake::add_can_frame(size_t bus, const vehicle::CanFrame& frame) {
+void Intake::add_can_frame(BusIndex bus, const vehicle::CanFrame& frame) {
   vehicle_.add_can_frame(
       bus, frame, [&](const VehicleSample& sample) { add_vehicle_sample(sample, frame.stamp); });
 }
@@ -105,18 +105,18 @@ void Intake::push_samples() {
 }
 
 // The item in hand gets the full arrays and gives its own: nothing is copied.
-void Intake::push_sweep(size_t device, Sweep& sweep) {
+void Intake::push_sweep(LidarIndex lidar, Sweep& sweep) {
   push_samples();
   StreamItem& item = out_.slot();
-  item.device = static_cast<uint32_t>(device);
+  item.lidar = lidar;
   std::swap(item.sweep, sweep);
   latency_.add(HostClock::now() - read_at_);
   push_item(StreamItem::Kind::kSweep, item.sweep.stamp);
 }
 
-void Intake::push_image(size_t camera, Stamp stamp, uint64_t sequence) {
+void Intake::push_image(CameraIndex camera, Stamp stamp, uint64_t sequence) {
   StreamItem& item = out_.slot();
-  item.camera = static_cast<uint32_t>(camera);
+  item.camera = camera;
   item.number = image_count_++;
   item.sequence = sequence;
   latency_.add(HostClock::now() - read_at_);

@@ -40,15 +40,15 @@ class Intake {
 
   // --- events, of sensors by their index ---
 
-  void add_datagram(size_t lidar, const Datagram& datagram);
+  void add_datagram(LidarIndex lidar, const Datagram& datagram);
   /// A datagram that came to no lidar's port.
   void add_unclaimed_datagram(const Datagram& datagram);
-  void add_sweep(size_t lidar, const Sweep& sweep);
-  void add_image_file(size_t camera, Stamp stamp, uint64_t sequence,
+  void add_sweep(LidarIndex lidar, const Sweep& sweep);
+  void add_image_file(CameraIndex camera, Stamp stamp, uint64_t sequence,
                       const std::filesystem::path& path);
-  void add_streamed_image(size_t camera, const camera::StreamedImage& image);
+  void add_streamed_image(CameraIndex camera, const camera::StreamedImage& image);
   void add_can_line(std::string_view line, Stamp stamp);
-  void add_can_frame(size_t bus, const vehicle::CanFrame& frame);
+  void add_can_frame(BusIndex bus, const vehicle::CanFrame& frame);
   void add_imu(const ImuSample& sample, Stamp stamp);
   void add_gnss(const GnssFix& fix, Stamp stamp);
 
@@ -56,7 +56,7 @@ class Intake {
   void push_due_samples(Stamp now);
 
   /// Datagrams that the kernel dropped for want of buffer, `data`: at a port of data packets.
-  void add_kernel_dropped(size_t lidar, uint64_t datagrams, bool data) {
+  void add_kernel_dropped(LidarIndex lidar, uint64_t datagrams, bool data) {
     lidars_[lidar].add_kernel_dropped(datagrams, data);
   }
 
@@ -69,15 +69,15 @@ class Intake {
  private:
   void add_vehicle_sample(const VehicleSample& sample, Stamp stamp);
   void push_samples();
-  void push_sweep(size_t device, Sweep& sweep);
-  void push_image(size_t camera, Stamp stamp, uint64_t sequence);
+  void push_sweep(LidarIndex lidar, Sweep& sweep);
+  void push_image(CameraIndex camera, Stamp stamp, uint64_t sequence);
   void push_tick(Stamp stamp);
   void push_item(StreamItem::Kind kind, Stamp stamp);
 
   Delivery delivery_;
   std::deque<LidarIntake> lidars_;  // they do not move
   std::vector<CameraIntake> cameras_;
-  size_t mounted_cameras_;  // the others' pictures are only counted
+  size_t mounted_cameras_;  // images of further cameras are only counted
   VehicleIntake vehicle_;
   SourceStates sources_;
   std::vector<VehicleSample> samples_;  // not handed over yet

@@ -8,24 +8,24 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr int kImageStep = 2;             // pixels that become one of the features
-constexpr double kMinCourseSpeed = 2.0;   // m/s from which on a receiver's course is the heading
-constexpr double kFixSigma = 3.0;         // m
-constexpr double kCourseSigma = 0.1;      // rad
-constexpr double kScaleSigma = 0.006;     // m a metre, odometry's scale
-constexpr double kRestSigma = 0.005;      // m
-constexpr double kYawRateSigma = 0.002;   // rad/s, odometry's bias
-constexpr double kNoOdometrySigma = 3.0;  // m that the vehicle may go where odometry says nothing
+constexpr int kImageStep = 2;                // pixels of the image for one of the features
+constexpr double kMinCourseSpeed = 2.0;      // m/s above which the GNSS course is the heading
+constexpr double kFixSigma = 3.0;            // m
+constexpr double kCourseSigma = 0.1;         // rad
+constexpr double kScaleSigma = 0.006;        // m/m, scale of odometry
+constexpr double kRestSigma = 0.005;         // m
+constexpr double kYawRateSigma = 0.002;      // rad/s, bias of odometry
+constexpr double kNoOdometrySigma = 3.0;     // m, motion of a step without odometry
 constexpr double kNoOdometryYawSigma = 0.2;  // rad, the same
 
 streetmap::PlanarPose planar(const Eigen::Isometry3d& T) {
   return {T.translation().x(), T.translation().y(), std::atan2(T(1, 0), T(0, 0))};
 }
 
-/// Noise of one step, of x, y and yaw. The covariance of a motion is how much that of the pose grew
-/// (Trajectory::between); with errors that last, a scale or a bias, it grows ever faster, and to
-/// draw it anew at each step would count them many times: the particles carry those. Within one
-/// step errors do no more than a wrong scale and a wrong rate can: deviations are held to that.
+/// Noise of one step: covariance of x, y and yaw. The covariance of a motion is the growth of the
+/// pose's covariance (Trajectory::between). Lasting errors (scale, bias) make it grow ever faster,
+/// and drawing it at each step would count them many times; the particles carry those. The standard
+/// deviations are therefore limited to what a wrong scale and a wrong rate cause within one step.
 Eigen::Matrix3d step_noise(const geometry::MotionBetween& motion, Duration step) {
   constexpr int kOrder[3] = {3, 4, 2};
   const double distance = motion.T_from_to.translation().norm();
@@ -62,8 +62,8 @@ MapTracker::MapTracker(const StreetMapSettings& settings, const streetmap::Segme
 
 void MapTracker::initialise() {
   if (!settings_.initial_pose) return;
-  const InitialPose& start = *settings_.initial_pose;
-  tracker_.start({start.x, start.y, start.yaw},
+  const InitialPose& initial = *settings_.initial_pose;
+  tracker_.start({initial.x, initial.y, initial.yaw},
                  diagonal(settings_.initial_sigma, settings_.initial_yaw_sigma));
   initialised_ = true;
 }
@@ -72,9 +72,9 @@ void MapTracker::add_gnss(const GnssFix& fix) {
   const bool known = fix.valid && std::isfinite(fix.latitude) && std::isfinite(fix.longitude) &&
                      std::isfinite(fix.course) && fix.speed >= kMinCourseSpeed;
   if (initialised_ || !frame_ || !known) return;
-  const Eigen::Vector3d place = frame_->to_local(fix.latitude, fix.longitude);
-  tracker_.start({place.x(), place.y(), wrap_angle(std::numbers::pi / 2 - fix.course)},
-                 diagonal(kFixSigma, kCourseSigma));
+  const Eigen::Vector3d position = frame_->to_local(fix.latitude, fix.longitude);
+  const double yaw = wrap_angle(std::numbers::pi / 2 - fix.course);
+  tracker_.start({position.x(), position.y(), yaw}, diagonal(kFixSigma, kCourseSigma));
   initialised_ = true;
 }
 
@@ -90,40 +90,44 @@ void MapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory)
   now_ = stamp;
 }
 
-void MapTracker::add_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed, size_t lidar,
-                           const geometry::Trajectory& trajectory) {
-  predict_to(deskewed.reference, trajectory);
-  if (!deskewed.usable()) return;
-  tracker_.add_sweep(
-      {sweep, deskewed.x, deskewed.y, deskewed.z, rig_.lidars[lidar].T_vehicle_lidar}, nullptr);
+PoseReport MapTracker::process(const SweepSnapshot& snapshot,
+                               const geometry::Trajectory& trajectory, const PoseReport& odometry) {
+  predict_to(snapshot.deskewed.reference, trajectory);
+  if (snapshot.deskewed.usable()) {
+    tracker_.add_sweep(view(snapshot), nullptr);
+    update_if_due();
+  }
+  return pose(odometry);
+}
+
+void MapTracker::update_if_due() {
   if (now_ < next_update_ && next_update_ - now_ < Duration(5'000'000'000)) return;
   tracker_.update();
   ++updates_;
   next_update_ = now_ + from_seconds(1 / settings_.update_hz);
 }
 
-void MapTracker::add_image(const CameraFrame& frame, Stamp exposure, size_t camera, size_t lidar,
-                           const Sweep& sweep, const motion::DeskewedSweep& deskewed,
-                           const geometry::Trajectory& trajectory) {
-  const geometry::MotionBetween back = trajectory.between(now_, exposure);
-  if (!deskewed.usable() || !back.usable()) return;
-  if (!streetmap::extract_features(frame, kImageStep, features_)) return;
-  const streetmap::ImageView image{features_, cameras_[camera],
-                                   rig_.cameras[camera].T_camera_lidar};
-  tracker_.add_sweep(
-      {sweep, deskewed.x, deskewed.y, deskewed.z, rig_.lidars[lidar].T_vehicle_lidar}, &image,
-      planar(back.T_from_to));
+void MapTracker::add_image(const ImageMatch& match, const geometry::Trajectory& trajectory) {
+  const geometry::MotionBetween back = trajectory.between(now_, match.image.stamp);
+  if (!match.snapshot.deskewed.usable() || !back.usable()) return;
+  if (!streetmap::extract_features(match.image.frame, kImageStep, features_)) return;
+  const streetmap::ImageView image{features_, cameras_[match.image.camera], match.T_camera_lidar};
+  tracker_.add_sweep(view(match.snapshot), &image, planar(back.T_from_to));
+}
+
+streetmap::DeskewedView MapTracker::view(const SweepSnapshot& snapshot) const {
+  const motion::DeskewedSweep& deskewed = snapshot.deskewed;
+  return {snapshot.sweep, deskewed.x, deskewed.y, deskewed.z,
+          rig_.lidars[snapshot.lidar].T_vehicle_lidar};
 }
 
 PoseReport MapTracker::pose(const PoseReport& odometry) const {
   const streetmap::TrackerEstimate estimate = tracker_.estimate();
   PoseReport report = odometry;
-  report.frame = "map";
+  report.frame = PoseFrame::kMap;
   report.T_frame_vehicle = estimate.T_map_vehicle();
   report.covariance = estimate.pose_covariance();
-  report.state = streetmap::name(estimate.state);
-  report.p_value = estimate.p_value;
-  report.entropy = estimate.entropy;
+  report.map = {estimate.state, estimate.p_value, estimate.entropy};
   report.reason = "";
   if (!estimate.usable()) {
     report.reason = *estimate.reason != '\0' ? estimate.reason : "lost";
@@ -133,20 +137,20 @@ PoseReport MapTracker::pose(const PoseReport& odometry) const {
 
 StreetMapStatus MapTracker::status() const {
   const streetmap::TrackerEstimate estimate = tracker_.estimate();
-  StreetMapStatus figures;
-  figures.state = streetmap::name(estimate.state);
-  figures.reason = estimate.reason;
-  figures.x = estimate.pose.x;
-  figures.y = estimate.pose.y;
-  figures.p_value = estimate.p_value;
-  figures.entropy = estimate.entropy;
-  figures.particles = estimate.particles;
-  figures.updates = updates_;
-  // Before the null distribution has settled nothing can be said of the map.
-  figures.mismatch = initialised_ &&
-                     updates_ >= static_cast<uint64_t>(settings_.tracker.confidence.window) &&
-                     estimate.p_value > settings_.tracker.confidence.max_tracking_p_value;
-  return figures;
+  StreetMapStatus status;
+  status.state = estimate.state;
+  status.reason = estimate.reason;
+  status.x = estimate.pose.x;
+  status.y = estimate.pose.y;
+  status.p_value = estimate.p_value;
+  status.entropy = estimate.entropy;
+  status.particles = static_cast<uint32_t>(estimate.particles);
+  status.updates = updates_;
+  // A mismatch needs a settled null distribution.
+  status.mismatch = initialised_ &&
+                    updates_ >= static_cast<uint64_t>(settings_.tracker.confidence.window) &&
+                    estimate.p_value > settings_.tracker.confidence.max_tracking_p_value;
+  return status;
 }
 
 }  // namespace infuse::daemon

@@ -17,46 +17,48 @@
 
 namespace infuse::daemon {
 
-/// The vehicle on the street map, on the fusion thread: particles move with odometry at every
-/// sweep, sweeps and pictures fill the local grid, and some times a second of drive time the
-/// particles are weighed. It begins where the configuration says, else at the first fix of a
-/// satellite receiver that also tells the course.
+/// Tracking of the vehicle on the street map, on the fusion thread: particles move with odometry at
+/// every sweep, sweeps and images fill the local grid, and `update_hz` times a second of drive time
+/// the particles are weighted. Initialised by the configured pose, else by the first GNSS fix with
+/// a course.
 class MapTracker {
  public:
   /// `settings.invalid()` must be empty. The map outlives this.
   MapTracker(const StreetMapSettings& settings, const streetmap::SegmentMap& map, const Rig& rig);
 
-  /// A receiver's fix, where nothing else said where the vehicle begins.
+  /// Initialises the pose from a fix that states a course, unless it is initialised.
   void add_gnss(const GnssFix& fix);
 
-  /// A sweep, straight as of its end. Moves the particles to that moment first.
-  void add_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed, size_t lidar,
-                 const geometry::Trajectory& trajectory);
+  /// Moves the particles to the time of the snapshot, adds its returns and, when due, weights the
+  /// particles. Returns the pose on the map as of the snapshot; stamp, speed and yaw rate are those
+  /// of `odometry`.
+  PoseReport process(const SweepSnapshot& snapshot, const geometry::Trajectory& trajectory,
+                     const PoseReport& odometry);
 
-  /// A picture, and the sweep straight as of its exposure; after that sweep's `take_sweep`.
-  void add_image(const CameraFrame& frame, Stamp exposure, size_t camera, size_t lidar,
-                 const Sweep& sweep, const motion::DeskewedSweep& deskewed,
-                 const geometry::Trajectory& trajectory);
+  /// Adds an image and the sweep as of its exposure. Ignored where the trajectory does not connect
+  /// the exposure with the time of the last snapshot.
+  void add_image(const ImageMatch& match, const geometry::Trajectory& trajectory);
 
-  /// Where the vehicle is on the map, as of the last sweep's end; speed and yaw rate are those of
-  /// `odometry`.
+  /// Returns the pose on the map as of the last snapshot; the rest is that of `odometry`.
   PoseReport pose(const PoseReport& odometry) const;
 
-  /// What is told of it once a second.
+  /// Returns the status for HEALTH.
   StreetMapStatus status() const;
 
  private:
-  void predict_to(Stamp stamp, const geometry::Trajectory& trajectory);
   void initialise();
+  void predict_to(Stamp stamp, const geometry::Trajectory& trajectory);
+  void update_if_due();
+  streetmap::DeskewedView view(const SweepSnapshot& snapshot) const;
 
   StreetMapSettings settings_;
   Rig rig_;
   std::vector<geometry::CameraModel> cameras_;
-  std::optional<recording::LocalFrame> frame_;  // nothing: the map has no latitude and longitude
+  std::optional<recording::LocalFrame> frame_;  // nothing: the map is not georeferenced
   streetmap::Tracker tracker_;
   streetmap::ImageFeatures features_;
   bool initialised_ = false;
-  Stamp now_ = Stamp::earliest();
+  Stamp now_ = Stamp::earliest();  // of the particles
   Stamp next_update_ = Stamp::earliest();
   uint64_t updates_ = 0;
 };

@@ -14,7 +14,7 @@ Notifier::Notifier(boost::asio::io_context& io, std::function<void()> callback)
 
 void Notifier::notify() {
   const uint64_t one = 1;
-  // It fails only when it has been rung 2^64 times and not been answered.
+  // Fails only after 2^64 notifications without a call.
   [[maybe_unused]] const auto written = ::write(event_.native_handle(), &one, sizeof(one));
 }
 

@@ -6,17 +6,16 @@
 
 namespace infuse::daemon {
 
-/// Lets a thread wake an `io_context` without allocating (an eventfd).
+/// Wakes an `io_context` from another thread without allocating (an eventfd).
 class Notifier {
  public:
-  /// `answer` is called on the thread of `io` some time after each `ring`; several may be answered
-  /// once.
+  /// `callback` is called on the thread of `io` after each `notify`; several may cause one call.
   Notifier(boost::asio::io_context& io, std::function<void()> callback);
 
-  /// From any thread.
+  /// Causes a call; from any thread.
   void notify();
 
-  /// Answers no more.
+  /// Ends the calls.
   void close();
 
  private:

@@ -21,7 +21,7 @@ PoseReport OdometryTracker::pose_at(Stamp stamp) const {
   const motion::OdometryReport odometry = filter_.report();
   PoseReport report;
   report.stamp = stamp;
-  report.frame = "odom";
+  report.frame = PoseFrame::kOdom;
   report.T_frame_vehicle = pose.T_odom_vehicle;
   report.covariance = pose.covariance;
   report.speed = odometry.speed;
@@ -30,30 +30,30 @@ PoseReport OdometryTracker::pose_at(Stamp stamp) const {
   return report;
 }
 
-// The filter's time is that of its samples: it cannot know that none has come for long.
+// The filter's time is that of its samples: it cannot detect their absence.
 const char* OdometryTracker::reason_at(Stamp now) const {
   if (!filter_.usable() || trajectory().empty()) return filter_.reason();
   const Stamp last = trajectory()[trajectory().size() - 1].stamp;
-  return now - last > max_silence_ ? "the vehicle's own sensors are silent" : "";
+  return now - last > max_silence_ ? "vehicle sensors silent" : "";
 }
 
 OdometryStatus OdometryTracker::status(Stamp now) const {
   const motion::OdometryReport report = filter_.report();
-  OdometryStatus figures;
-  figures.reason = reason_at(now);
-  figures.speed = report.speed;
-  figures.yaw_rate = report.angular_velocity.z();
-  figures.standing = report.standing;
-  figures.wheel_scale = report.wheel_scale.value;
-  figures.wheel_scale_sigma = report.wheel_scale.sigma;
-  figures.yaw_rate_bias = report.yaw_rate_bias.value;
-  figures.yaw_rate_bias_sigma = report.yaw_rate_bias.sigma;
-  figures.gyro_bias = report.gyro_bias[2].value;
-  figures.gyro_bias_sigma = report.gyro_bias[2].sigma;
-  figures.late = report.late;
-  figures.outliers = report.outliers;
-  figures.invalid_samples = report.invalid_samples;
-  return figures;
+  OdometryStatus status;
+  status.reason = reason_at(now);
+  status.speed = report.speed;
+  status.yaw_rate = report.angular_velocity.z();
+  status.standing = report.standing;
+  status.wheel_scale = report.wheel_scale.value;
+  status.wheel_scale_sigma = report.wheel_scale.sigma;
+  status.yaw_rate_bias = report.yaw_rate_bias.value;
+  status.yaw_rate_bias_sigma = report.yaw_rate_bias.sigma;
+  status.gyro_bias = report.gyro_bias[2].value;
+  status.gyro_bias_sigma = report.gyro_bias[2].sigma;
+  status.late = report.late;
+  status.outliers = report.outliers;
+  status.invalid_samples = report.invalid_samples;
+  return status;
 }
 
 }  // namespace infuse::daemon

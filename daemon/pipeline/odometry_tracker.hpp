@@ -8,8 +8,8 @@
 
 namespace infuse::daemon {
 
-/// Dead reckoning on the fusion thread, in a frame of its own that begins where the drive does: x
-/// ahead, no jumps. A receiver's course is not used, as it would turn that frame while driving.
+/// Dead reckoning on the fusion thread, in the frame `odom`: origin at the start of the drive, x
+/// ahead, no jumps. The GNSS course is not used, as it would rotate that frame while driving.
 class OdometryTracker {
  public:
   explicit OdometryTracker(const OdometrySettings& settings)
@@ -17,17 +17,19 @@ class OdometryTracker {
         use_gnss_speed_(settings.use_gnss_speed),
         max_silence_(settings.filter.max_silence) {}
 
+  /// Adds a sample; samples of different sensors may be out of order by the reordering time.
   void add(const VehicleSample& sample);
 
-  /// Nothing more comes: works off what still waits.
+  /// Processes the samples that still wait for earlier ones.
   void finish() { filter_.flush(); }
 
+  /// Poses of the vehicle in the frame `odom`.
   const geometry::Trajectory& trajectory() const { return filter_.trajectory(); }
 
-  /// Where the vehicle was, in the frame of odometry.
+  /// Returns the pose at `stamp` in the frame `odom`.
   PoseReport pose_at(Stamp stamp) const;
 
-  /// What is told of it at the drive time `now`.
+  /// Returns the status for HEALTH at the drive time `now`.
   OdometryStatus status(Stamp now) const;
 
  private:

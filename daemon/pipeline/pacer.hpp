@@ -10,14 +10,14 @@
 
 namespace infuse::daemon {
 
-/// Holds a replay back to a multiple of real time.
+/// Paces a replay at a multiple of real time.
 class Pacer {
  public:
-  /// `rate` 2 is twice as fast as it was recorded; nothing: as fast as it goes.
+  /// `rate`: 1 is real time; nothing: as fast as possible.
   explicit Pacer(std::optional<double> rate) : rate_(rate) {}
 
-  /// Returns when it is time for the event of this stamp, or when a stop is requested. A pause of
-  /// more than 10 s of drive time, or a step back, is not waited for.
+  /// Returns when the event of this stamp is due, or a stop is requested. A pause of more than 10 s
+  /// of drive time, or a step back, is skipped.
   void wait_until(Stamp stamp, std::stop_token stop);
 
  private:

@@ -8,8 +8,8 @@ namespace {
 constexpr int kIoCore = 0;
 constexpr int kFusionCore = 1;
 
-/// Items beside those that fusion holds. Live they are what fusion may be behind: 0.2 s of a bus,
-/// two cameras and a lidar.
+/// Items besides those that fusion pins. Live, the allowed backlog of fusion: 0.2 s of a bus, two
+/// cameras and a lidar.
 size_t items_in_flight(Delivery delivery) { return delivery == Delivery::kWait ? 4 : 32; }
 
 StreamItem stream_item(const PipelineSetup& setup) {
@@ -52,7 +52,7 @@ Pipeline::Pipeline(boost::asio::io_context& io, const PipelineSetup& setup,
       decoder_(items_, images_, setup.cameras, setup.delivery),
       intake_(setup, items_) {}
 
-// Closed rings let every stage go on to its end without waiting for the next.
+// Closed rings let every thread end without waiting for the next.
 Pipeline::~Pipeline() {
   stop();
   items_.close();
@@ -76,9 +76,9 @@ void Pipeline::start(std::function<void(std::stop_token)> read) {
 }
 
 Result<void> Pipeline::handle_request(const Request& request) {
-  if (request.op == Request::Op::kRecord) return fail("a replay is not recorded");
+  if (request.op == Request::Op::kRecord) return fail("a replay cannot be recorded");
   if (!calibrations_monitored_) {
-    return fail("calibrations are not watched", "", "watch = true in [calibration]");
+    return fail("calibrations are not monitored", "", "set monitor = true in [calibration]");
   }
   std::string names;
   bool known = request.device.empty() && !setup_.rig.cameras.empty();
@@ -86,7 +86,7 @@ Result<void> Pipeline::handle_request(const Request& request) {
     known = known || camera.name == request.device;
     names += " " + camera.name;
   }
-  if (!known) return fail("there is no camera '" + request.device + "'", "", "there are:" + names);
+  if (!known) return fail("unknown camera '" + request.device + "'", "", "known:" + names);
   fusion_.post_request(request);
   return {};
 }

@@ -13,44 +13,45 @@
 
 namespace infuse::daemon {
 
-/// What the owner can set of the stages.
+/// Configured options of the pipeline.
 struct PipelineOptions {
   HealthOptions health;
   OdometrySettings odometry;
   StreetMapSettings streetmap;
-  const streetmap::SegmentMap* map = nullptr;  ///< outlives the stages; null or empty: no tracking
+  const streetmap::SegmentMap* map =
+      nullptr;  ///< outlives the pipeline; null or empty: no tracking
   CalibrationSettings calibration;
 };
 
-/// The stages and the rings between them, whatever reads the sensors:
+/// The threads and the rings between them, live and in a replay:
 ///
 ///     reader -> Intake -> ring of items -> FusionThread -> ring of reports -> Publisher -> Server
-///     io thread              |           fusion thread                     the thread of io
-///                            -> ImageThread -> ring of pictures -> (FusionThread)
+///     io thread              |             fusion thread                      thread of `io`
+///                            -> ImageThread -> ring of images -> (FusionThread)
 class Pipeline {
  public:
   /// `setup`, `io`, `server` and `file` (which may be null) outlive this. `on_end` is called on the
-  /// thread of `io` when everything was told and the threads have ended.
+  /// thread of `io` when all was published and the threads have ended.
   Pipeline(boost::asio::io_context& io, const PipelineSetup& setup, const PipelineOptions& options,
            Server& server, ReportsFile* file, std::function<void()> on_end);
   ~Pipeline();
 
-  /// Where the reader's events go.
+  /// The intake, for the reader's events.
   Intake& intake() { return intake_; }
   const Intake& intake() const { return intake_; }
 
-  /// Starts the threads; `read` runs on the io thread until it is asked to stop or comes to an end
-  /// of its own, and ends with `Intake::end`.
+  /// Starts the threads; `read` runs on the io thread until its end or a requested stop, and calls
+  /// `Intake::end` last.
   void start(std::function<void(std::stop_token)> read);
 
-  /// Asks the reader for an end, and gives up what goes on in the background; `on_end` still comes.
+  /// Requests the reader's end and cancels background work; `on_end` is still called.
   void stop() {
     fusion_.shut_down();
     io_thread_.request_stop();
   }
 
-  /// Carries out what the owner asks of the cameras' calibrations. An error where there is no such
-  /// camera, or its calibration is not watched.
+  /// Carries out a control request for calibrations. Errors: unknown camera, calibrations not
+  /// monitored.
   Result<void> handle_request(const Request& request);
 
   Publisher& publisher() { return publisher_; }

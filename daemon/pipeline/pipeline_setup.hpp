@@ -11,17 +11,17 @@
 
 namespace infuse::daemon {
 
-/// What the pipeline is told of the sensors, wherever their data come from.
+/// Sensors of the pipeline, live or in a replay.
 struct PipelineSetup {
   Delivery delivery = Delivery::kWait;
-  std::vector<LidarSetup> lidars;             ///< as in the rig
-  std::vector<camera::ImageOptions> cameras;  ///< how each one's picture files are read; those
-                                              ///< of the rig, then cameras without a place in it
+  std::vector<LidarSetup> lidars;             ///< in the order of the rig
+  std::vector<camera::ImageOptions> cameras;  ///< decoding options: cameras of the rig, then those
+                                              ///< without a mount
   VehicleSetup vehicle;
-  Rig rig;                      ///< where the sensors are
-  std::vector<Device> devices;  ///< lidars, cameras, then buses, inertial unit and receiver
+  Rig rig;                      ///< mounts of the sensors
+  std::vector<Device> devices;  ///< lidars, cameras, buses, inertial unit, GNSS receiver
 
-  /// Devices that are no lidars.
+  /// Number of devices that are not lidars.
   size_t stream_count() const { return devices.size() - lidars.size(); }
 };
 

@@ -1,37 +1,36 @@
 #include "daemon/pipeline/publisher.hpp"
 
-#include <array>
 #include <ctime>
 
 #include "daemon/protocol/messages.hpp"
-#include "drivers/measurement/angles.hpp"
+#include "daemon/protocol/names.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 constexpr size_t kMaxFirstAlerts = 20;
 
-/// What is to be said of a drift, along the axis that has most evidence.
+/// Returns what the health check needs of a report.
 CalibrationStatus calibration_status(const CalibrationReport& report) {
-  CalibrationStatus status;
-  status.state = report.state;
-  status.axis = report.axis;
-  status.evidence = report.evidence;
-  status.evidence_threshold = report.evidence_threshold;
-  status.fault = report.fault;
-  status.reason = report.estimate_reason;
-  constexpr std::array kAxes = {"rotation about x",    "rotation about y",
-                                "rotation about z",    "translation along x",
-                                "translation along y", "translation along z"};
-  for (size_t i = 0; i < kAxes.size(); ++i) {
-    if (status.axis != kAxes[i]) continue;
-    const auto axis = static_cast<Eigen::Index>(i);
-    const double factor = i < 3 ? 1 / kDegree : 100;
-    status.offset = report.offset[axis] * factor;
-    status.offset_sigma = report.offset_sigma[axis] * factor;
-    status.unit = i < 3 ? "°" : "cm";
+  const DriftEvidence evidence = report.evidence.value_or(DriftEvidence{});
+  CalibrationStatus status{.state = report.state,
+                           .axis = evidence.axis,
+                           .evidence = evidence.nats,
+                           .evidence_threshold = evidence.threshold_nats,
+                           .fault = report.fault,
+                           .reason = report.estimate ? report.estimate->reason : ""};
+  const auto axis = static_cast<Eigen::Index>(monitoring::base_axis(evidence.axis));
+  if (axis < report.offset.size()) {
+    status.offset = report.offset[axis];
+    status.offset_sigma = report.offset_sigma[axis];
   }
   return status;
+}
+
+/// Returns the health of a task after `conditions` were updated.
+template <class Status>
+TaskHealth<Status> task_health(const Status& status, const Conditions& conditions) {
+  return {status, conditions.level(), conditions.findings()};
 }
 
 }  // namespace
@@ -55,8 +54,17 @@ Publisher::Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup,
       server_(server),
       file_(file) {}
 
+template <class Report>
+void Publisher::publish(const Report& report, const std::string& device) {
+  std::string line = message(report);
+  if (file_ != nullptr) file_->write(line);
+  server_.publish(Report::kClass, device, report.stamp, std::move(line));
+}
+
+void Publisher::publish_record(const RecordReport& report) { publish(report, ""); }
+
 bool Publisher::drain() {
-  constexpr int kMaxItemsPerDrain = 64;  // then the clients have their turn
+  constexpr int kMaxItemsPerDrain = 64;  // then the server handles its clients
   for (int items = 0; items < kMaxItemsPerDrain; ++items) {
     const Pin<ReportItem> item = in_.next();
     if (!item) return false;
@@ -71,11 +79,12 @@ void Publisher::process(const ReportItem& item) {
       start(item.stamp);
       return on_progress_();
     case ReportItem::Kind::kSweep:
-      return publish_sweep(item);
+      return publish(item.sweep, std::string(item.sweep.device));
     case ReportItem::Kind::kPose:
-      return publish_pose(item);
+      on_pose_(item.pose);
+      return publish(item.pose, name_of(item.pose.frame));
     case ReportItem::Kind::kFrame:
-      return publish_frame(item);
+      return publish(item.frame, std::string(item.frame.device));
     case ReportItem::Kind::kCalibration:
       return publish_calibration(item.calibration);
     case ReportItem::Kind::kTick:
@@ -100,29 +109,13 @@ void Publisher::start(Stamp stamp) {
       stream_health_.emplace_back(devices_[i].endpoint, health_options_, stamp);
     }
   }
-  publish_devices(stamp);
-}
-
-void Publisher::publish_sweep(const ReportItem& item) {
-  publish(ReportClass::kSweep, devices_[item.sweep.device].name, item.stamp,
-          sweep_message(item.sweep, devices_));
-}
-
-void Publisher::publish_frame(const ReportItem& item) {
-  const std::span<const Device> cameras = std::span(devices_).subspan(lidar_count_);
-  publish(ReportClass::kFrame, cameras[item.frame.camera].name, item.stamp,
-          frame_message(item.frame, cameras));
-}
-
-void Publisher::publish_pose(const ReportItem& item) {
-  on_pose_(item.pose);
-  publish(ReportClass::kPose, item.pose.frame, item.stamp, pose_message(item.pose));
+  publish(DevicesReport{stamp, devices_}, "");
 }
 
 void Publisher::publish_calibration(const CalibrationReport& report) {
   totals_.calibrations[report.camera] = report;
   on_calibration_(report);
-  publish(ReportClass::kCalibration, report.camera, report.stamp, calibration_message(report));
+  publish(report, report.camera);
   const Conditions& conditions =
       calibration_health_[report.camera].update(report.stamp, calibration_status(report));
   publish_transitions(report.stamp, report.camera, conditions.transitions());
@@ -134,49 +127,40 @@ void Publisher::publish_health(const ReportItem& item) {
   totals_.streams = item.streams;
   totals_.odometry = item.odometry;
   totals_.host = host_stats(item);
+  if (mark_activated_devices(item)) publish(DevicesReport{item.stamp, devices_}, "");
   HealthReport report{.stamp = item.stamp, .drive = item.stamp - totals_.start};
-  update_lidar_health(item, report);
-  update_stream_health(item, report);
+  update_devices(item, report);
   if (has_odometry_) {
-    report.odometry = &item.odometry;
-    report.odometry_conditions = &odometry_health_.update(item.stamp, item.odometry);
+    const Conditions& conditions = odometry_health_.update(item.stamp, item.odometry);
+    report.odometry = task_health(item.odometry, conditions);
+    publish_transitions(item.stamp, "odometry", conditions.transitions());
   }
-  if (item.streetmap.present()) {
-    report.streetmap = &item.streetmap;
-    report.streetmap_conditions = &streetmap_health_.update(item.stamp, item.streetmap);
+  if (item.streetmap) {
+    const Conditions& conditions = streetmap_health_.update(item.stamp, *item.streetmap);
+    report.streetmap = task_health(*item.streetmap, conditions);
+    publish_transitions(item.stamp, "streetmap", conditions.transitions());
   }
-  if (mark_activated_devices(item)) publish_devices(item.stamp);
-  for (size_t i = 0; i < report.sensors.size(); ++i) {
-    publish_transitions(item.stamp, devices_[i].name, report.sensors[i]->transitions);
-  }
-  for (size_t i = 0; i < report.streams.size(); ++i) {
-    publish_transitions(item.stamp, devices_[lidar_count_ + i].name,
-                        report.streams[i]->transitions);
-  }
-  if (has_odometry_) {
-    publish_transitions(item.stamp, "odom", report.odometry_conditions->transitions());
-  }
-  if (report.streetmap != nullptr) {
-    publish_transitions(item.stamp, "streetmap", report.streetmap_conditions->transitions());
-  }
-  if (file_ != nullptr) file_->write(health_message(report, devices_, nullptr));
-  std::string message = health_message(report, devices_, &totals_.host);
-  on_health_(message);
-  server_.publish(ReportClass::kHealth, "", item.stamp, std::move(message));
+  if (file_ != nullptr) file_->write(message(report));  // without host figures
+  report.host = totals_.host;
+  on_health_(report);
+  server_.publish(ReportClass::kHealth, "", item.stamp, message(report));
 }
 
-void Publisher::update_lidar_health(const ReportItem& item, HealthReport& report) {
-  for (size_t i = 0; i < lidar_count_; ++i) {
-    const SensorCounters& counters = item.counters[i];
-    report.sensors.push_back(&lidar_health_[i].update(item.stamp, counters));
-    totals_.levels[i] = report.sensors[i]->level;
-  }
-}
-
-void Publisher::update_stream_health(const ReportItem& item, HealthReport& report) {
-  for (size_t i = 0; i < stream_health_.size(); ++i) {
-    report.streams.push_back(&stream_health_[i].update(item.stamp, item.streams[i]));
-    totals_.levels[lidar_count_ + i] = report.streams[i]->level;
+void Publisher::update_devices(const ReportItem& item, HealthReport& report) {
+  for (size_t i = 0; i < devices_.size(); ++i) {
+    const Device& device = devices_[i];
+    if (i < lidar_count_) {
+      const SensorStatus& status = lidar_health_[i].update(item.stamp, item.counters[i]);
+      report.sensors.push_back({device.name, device.kind, status});
+      totals_.levels[i] = status.level;
+      publish_transitions(item.stamp, device.name, status.transitions);
+    } else {
+      const size_t stream = i - lidar_count_;
+      const StreamStatus& status = stream_health_[stream].update(item.stamp, item.streams[stream]);
+      report.streams.push_back({device.name, device.kind, status});
+      totals_.levels[i] = status.level;
+      publish_transitions(item.stamp, device.name, status.transitions);
+    }
   }
 }
 
@@ -193,10 +177,6 @@ bool Publisher::mark_activated_devices(const ReportItem& item) {
   return any;
 }
 
-void Publisher::publish_devices(Stamp stamp) {
-  publish(ReportClass::kDevices, "", stamp, devices_message(stamp, devices_));
-}
-
 void Publisher::publish_transitions(Stamp stamp, const std::string& device,
                                     std::span<const Transition> transitions) {
   for (const Transition& transition : transitions) {
@@ -205,8 +185,7 @@ void Publisher::publish_transitions(Stamp stamp, const std::string& device,
 }
 
 void Publisher::publish_alert(const AlertReport& alert) {
-  publish(ReportClass::kAlert, alert.device + "." + alert.finding.id, alert.stamp,
-          alert_message(alert));
+  publish(alert, alert.id());
   on_alert_(alert);
   if (!alert.raised) return;
   ++totals_.alerts;
@@ -217,16 +196,6 @@ void Publisher::set_health_options(const HealthOptions& health) {
   health_options_ = health;
   for (SensorHealth& lidar : lidar_health_) lidar.set_options(health);
   for (StreamHealth& stream : stream_health_) stream.set_options(health);
-}
-
-void Publisher::publish_record(const RecordReport& report) {
-  publish(ReportClass::kRecord, "", report.stamp, record_message(report));
-}
-
-void Publisher::publish(ReportClass report_class, const std::string& device, Stamp stamp,
-                        std::string message) {
-  if (file_ != nullptr) file_->write(message);
-  server_.publish(report_class, device, stamp, std::move(message));
 }
 
 HostStats Publisher::host_stats(const ReportItem& item) const {

@@ -19,14 +19,14 @@
 
 namespace infuse::daemon {
 
-/// What a drive came to.
+/// Totals of a drive.
 struct Totals {
   bool started = false;  ///< false: the drive was empty
   bool ended = false;
   Stamp start, now;                                       ///< drive time
-  uint64_t alerts = 0;                                    ///< findings that were raised
+  uint64_t alerts = 0;                                    ///< number of raised alerts
   std::vector<AlertReport> first_alerts;                  ///< the first of these
-  std::vector<SensorCounters> counters;                   ///< by lidar
+  std::vector<SensorCounters> counters;                   ///< by LidarIndex
   std::vector<StreamCounters> streams;                    ///< by device that follows the lidars
   OdometryStatus odometry;                                ///< at the last tick
   std::map<std::string, CalibrationReport> calibrations;  ///< the last of each camera
@@ -34,46 +34,46 @@ struct Totals {
   HostStats host;
 };
 
-/// Turns the items of the fusion thread into messages: judges health, keeps the totals, tells the
-/// server and writes the reports file. On the thread of the `io_context`.
+/// Turns the items of the fusion thread into messages: checks health, keeps the totals, publishes
+/// to the server and writes the reports file. Runs on the thread of the `io_context`.
 class Publisher {
  public:
   /// Registers as a reader of `in`, which outlives this. `file` may be null.
   Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup, const HealthOptions& health,
             Server& server, ReportsFile* file);
 
-  /// Calls `listener(const PoseReport&)` for every pose that is told.
+  /// Sets the listener of every pose.
   void on_pose(std::function<void(const PoseReport&)> listener) { on_pose_ = std::move(listener); }
 
-  /// Calls `listener(const CalibrationReport&)` for every one that is told.
+  /// Sets the listener of every CALIBRATION report.
   void on_calibration(std::function<void(const CalibrationReport&)> listener) {
     on_calibration_ = std::move(listener);
   }
 
-  /// Calls `listener()` when the start, and each second of drive time, has come through the whole
-  /// pipeline and was told.
+  /// Sets the listener of the start, and of each second of drive time, called when its reports were
+  /// published.
   void on_progress(std::function<void()> listener) { on_progress_ = std::move(listener); }
 
-  /// Calls `listener(message)` for every HEALTH that is told.
-  void on_health(std::function<void(const std::string&)> listener) {
+  /// Sets the listener of every HEALTH report, with host figures.
+  void on_health(std::function<void(const HealthReport&)> listener) {
     on_health_ = std::move(listener);
   }
 
-  /// Calls `listener(const AlertReport&)` for every one that is told.
+  /// Sets the listener of every ALERT report.
   void on_alert(std::function<void(const AlertReport&)> listener) {
     on_alert_ = std::move(listener);
   }
 
-  /// Judges health by these thresholds from now on.
+  /// Replaces the thresholds of the health checks.
   void set_health_options(const HealthOptions& health);
 
-  /// Tells how a recording stands.
+  /// Publishes the state of a recording.
   void publish_record(const RecordReport& report);
 
-  /// Tells that something about the daemon itself is raised or cleared.
+  /// Publishes an alert about the daemon itself.
   void publish_alert(const AlertReport& alert);
 
-  /// Takes what has come, but not for long. True where more waits.
+  /// Processes a bounded number of items. Returns true if more are waiting.
   bool drain();
 
   const Totals& totals() const { return totals_; }
@@ -81,35 +81,30 @@ class Publisher {
  private:
   void process(const ReportItem& item);
   void start(Stamp stamp);
-  void publish_sweep(const ReportItem& item);
-  void publish_frame(const ReportItem& item);
-  void publish_pose(const ReportItem& item);
   void publish_calibration(const CalibrationReport& report);
   void publish_health(const ReportItem& item);
-  void update_lidar_health(const ReportItem& item, HealthReport& report);
-  void update_stream_health(const ReportItem& item, HealthReport& report);
+  void update_devices(const ReportItem& item, HealthReport& report);
   bool mark_activated_devices(const ReportItem& item);
-  void publish_devices(Stamp stamp);
   void publish_transitions(Stamp stamp, const std::string& device,
                            std::span<const Transition> transitions);
-  void publish(ReportClass report_class, const std::string& device, Stamp stamp,
-               std::string message);
+  template <class Report>
+  void publish(const Report& report, const std::string& device);
   HostStats host_stats(const ReportItem& item) const;
 
   SlotRing<ReportItem>& ring_;
   SlotRing<ReportItem>::Reader in_;
   std::vector<Device> devices_;
-  size_t lidar_count_;  // the first of the devices
+  size_t lidar_count_;  // lidars come first in `devices_`
   bool has_odometry_;
   HealthOptions health_options_;
-  std::vector<SensorHealth> lidar_health_;   // of the lidars
-  std::vector<StreamHealth> stream_health_;  // of the rest
+  std::vector<SensorHealth> lidar_health_;
+  std::vector<StreamHealth> stream_health_;  // of the other devices
   OdometryHealth odometry_health_;
   StreetMapHealth streetmap_health_;
   std::map<std::string, CalibrationHealth> calibration_health_;  // by camera
   std::function<void()> on_progress_ = [] {};
   std::function<void(const CalibrationReport&)> on_calibration_ = [](const CalibrationReport&) {};
-  std::function<void(const std::string&)> on_health_ = [](const std::string&) {};
+  std::function<void(const HealthReport&)> on_health_ = [](const HealthReport&) {};
   std::function<void(const AlertReport&)> on_alert_ = [](const AlertReport&) {};
   std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
   Server& server_;
@@ -117,7 +112,7 @@ class Publisher {
   Totals totals_;
 };
 
-/// Processor time of this process so far, s.
+/// Returns the processor time of this process, s.
 double process_cpu_s();
 
 }  // namespace infuse::daemon

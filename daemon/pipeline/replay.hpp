@@ -10,17 +10,17 @@
 
 namespace infuse::daemon {
 
-/// How a drive is replayed.
+/// Options of a replay.
 struct ReplayOptions {
-  std::optional<double> rate;  ///< 1: as it was recorded; nothing: as fast as it goes
+  std::optional<double> rate;  ///< 1: real time; nothing: as fast as possible
   PipelineOptions pipeline;
 };
 
-/// A drive run through the pipeline, in drive time: each stage waits for the next one, nothing is
-/// dropped, and the reports are a function of the drive alone.
+/// Runs a drive through the pipeline, in drive time: each thread waits for the next one, nothing is
+/// dropped, and the reports depend on the drive alone.
 class Replay {
  public:
-  /// `on_end` is called on the thread of `io` when everything was told and the threads have ended.
+  /// `on_end` is called on the thread of `io` when all was published and the threads have ended.
   /// `io`, `server` and `file` (which may be null) outlive this.
   Replay(boost::asio::io_context& io, DriveSetup setup, const ReplayOptions& options,
          Server& server, ReportsFile* file, std::function<void()> on_end);
@@ -28,27 +28,27 @@ class Replay {
   /// Starts the threads.
   void start();
 
-  /// Asks for an end before the drive's; `on_end` still comes.
+  /// Ends the replay early; `on_end` is still called.
   void stop() { pipeline_.stop(); }
 
-  /// Carries out what the owner asks for.
+  /// Carries out a control request.
   Result<void> handle_request(const Request& request) { return pipeline_.handle_request(request); }
 
-  /// For whoever keeps the poses; before `start`.
+  /// The publisher, for registering listeners before `start`.
   Publisher& publisher() { return pipeline_.publisher(); }
 
   const Totals& totals() const { return pipeline_.publisher().totals(); }
   const DriveSetup& setup() const { return setup_; }
 
-  /// What was wrong with the files; after the end.
+  /// Returns the problems of the files; after the end.
   std::vector<Error> notes() const;
 
-  /// How much of the captures has been read, 0 … 1; nothing where the drive has none.
+  /// Returns the fraction of the captures read, 0 … 1; nothing without captures.
   std::optional<double> progress() const;
 
  private:
   DriveSetup setup_;
-  std::optional<DriveReader> reader_;  // outlives the thread that runs it
+  std::optional<DriveReader> reader_;  // outlives its thread
   Pipeline pipeline_;
 };
 

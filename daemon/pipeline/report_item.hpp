@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "daemon/health/odometry_health.hpp"
@@ -14,31 +15,31 @@
 
 namespace infuse::daemon {
 
-/// The stages whose latency is measured.
+/// The stages: steps of the pipeline whose latency is measured.
 enum class Stage : uint8_t {
-  kIntake,   ///< an event read to its sweep or picture handed over
-  kDecode,   ///< one picture decoded
-  kDeskew,   ///< one sweep made straight and summarised
-  kProject,  ///< one picture and its sweep brought together
-  kTrack,    ///< one sweep or picture taken by the street-map tracker
-  kMonitor,  ///< the calibration watched with them
-  kTotal,    ///< the event that completed a sweep read to the sweep's report
+  kIntake,   ///< reading of an event to publishing of its sweep or image
+  kDecode,   ///< decoding of an image
+  kDeskew,   ///< deskewing of a sweep
+  kProject,  ///< projection of a sweep into an image
+  kTrack,    ///< update of the street-map tracker with a sweep or an image
+  kMonitor,  ///< monitoring of a calibration with an image
+  kTotal,    ///< reading of the event that completed a sweep to the sweep's last report
   kCount,
 };
 
 inline constexpr std::array<const char*, static_cast<size_t>(Stage::kCount)> kStageNames = {
-    "intake", "decode", "straight", "project", "track", "watch", "whole"};
+    "intake", "decode", "deskew", "project", "track", "monitor", "total"};
 
-/// What the fusion thread hands to the thread that tells: values of fixed size, not yet text.
+/// An item from the fusion thread to the publisher: values of fixed size, not yet text.
 struct ReportItem {
   enum class Kind : uint8_t {
-    kStart,        ///< of the drive
+    kStart,        ///< start of the drive
     kSweep,        ///< `sweep`
     kPose,         ///< `pose`
     kFrame,        ///< `frame`
     kCalibration,  ///< `calibration`
     kTick,         ///< the rest
-    kEnd,          ///< of the drive; nothing follows
+    kEnd,          ///< end of the drive; nothing follows
   };
   Kind kind = Kind::kStart;
   Stamp stamp;
@@ -46,13 +47,13 @@ struct ReportItem {
   PoseReport pose;
   FrameReport frame;
   CalibrationReport calibration;
-  std::vector<SensorCounters> counters;  ///< by lidar
+  std::vector<SensorCounters> counters;  ///< by LidarIndex
   std::vector<StreamCounters> streams;   ///< by stream
   OdometryStatus odometry;
-  StreetMapStatus streetmap;
+  std::optional<StreetMapStatus> streetmap;  ///< nothing: no map
   std::array<LatencyStats, static_cast<size_t>(Stage::kCount)> stages{};
-  uint64_t deadline_misses = 0;  ///< sweeps whose `kTotal` was above the budget
-  QueueStats items_waiting;      ///< between the io thread and fusion
+  uint64_t deadline_misses = 0;  ///< number of sweeps whose `kTotal` exceeded the budget
+  QueueStats items_waiting;      ///< queue from the io thread to fusion
 };
 
 }  // namespace infuse::daemon

@@ -8,8 +8,8 @@ namespace infuse::daemon {
 Result<ReportsFile> ReportsFile::create(const std::filesystem::path& path) {
   std::FILE* file = std::fopen(path.c_str(), "we");
   if (file == nullptr) {
-    return fail(std::string("the reports cannot be written: ") + std::strerror(errno),
-                path.string(), "name a file in a folder that exists");
+    return fail(std::string("cannot create the reports file: ") + std::strerror(errno),
+                path.string(), "choose a file in an existing folder");
   }
   return ReportsFile(file, path);
 }
@@ -20,8 +20,8 @@ void ReportsFile::write(std::string_view message) {
       std::fputc('\n', file_.get()) != EOF) {
     return;
   }
-  error_ = Error{std::string("the reports could not be written: ") + std::strerror(errno),
-                 path_.string(), "is the disk full?"};
+  error_ = Error{std::string("cannot write the reports file: ") + std::strerror(errno),
+                 path_.string(), "check the free disk space"};
 }
 
 Result<void> ReportsFile::close() {

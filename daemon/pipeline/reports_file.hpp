@@ -10,16 +10,16 @@
 
 namespace infuse::daemon {
 
-/// The file that `--reports` writes: a line a report. The first failure is kept and told at the
-/// end.
+/// The file written by `--reports`: one line per report. The first failure is returned by `close`.
 class ReportsFile {
  public:
+  /// Creates or truncates the file.
   static Result<ReportsFile> create(const std::filesystem::path& path);
 
   /// Appends one line; `message` is without its line feed.
   void write(std::string_view message);
 
-  /// Flushes. Fails where anything could not be written.
+  /// Flushes. Fails if anything could not be written.
   Result<void> close();
 
  private:

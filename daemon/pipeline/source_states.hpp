@@ -7,13 +7,13 @@
 
 namespace infuse::daemon {
 
-/// How the live sources are, by device. Of the io thread; empty in a replay.
+/// States of the live sources. Used on the io thread; empty in a replay.
 struct SourceStates {
-  std::vector<SourceState> lidars;
-  std::vector<SourceState> streams;  ///< as PipelineSetup::devices has them after the lidars
-  std::vector<uint64_t> dropped;     ///< by the kernel, by stream
+  std::vector<SourceState> lidars;   ///< by LidarIndex
+  std::vector<SourceState> streams;  ///< in the order of PipelineSetup::devices after the lidars
+  std::vector<uint64_t> dropped;     ///< number of items dropped by the kernel, by stream
 
-  /// Writes them into the counters that health is judged by.
+  /// Writes them into the counters for health checks.
   void write(std::vector<SensorCounters>& sensor, std::vector<StreamCounters>& stream) const {
     for (size_t i = 0; i < lidars.size(); ++i) sensor[i].source = lidars[i];
     for (size_t i = 0; i < streams.size(); ++i) {

@@ -8,6 +8,7 @@
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/health/sensor_counters.hpp"
 #include "daemon/health/stream_counters.hpp"
+#include "daemon/pipeline/sensor_index.hpp"
 #include "daemon/pipeline/vehicle_sample.hpp"
 #include "drivers/camera/raw_image.hpp"
 #include "drivers/measurement/stamp.hpp"
@@ -15,40 +16,39 @@
 
 namespace infuse::daemon {
 
-/// The host's clock for latencies; never in a report that a replay must repeat.
+/// Clock of the host for latencies; not used in the reports of a replay.
 using HostClock = std::chrono::steady_clock;
 
-/// What the io thread hands to the other threads, in the order in which the drive has it. One ring
-/// carries all of it, so that what fusion reports is in one order, whatever the threads do.
+/// An item from the io thread to the other threads, in the order of the drive. One ring carries all
+/// items, so that the order of reports does not depend on the timing of threads.
 struct StreamItem {
   enum class Kind : uint8_t {
-    kStart,    ///< of the drive; stamp: its first event
-    kSamples,  ///< `samples` of the vehicle; stamp: the last one's
+    kStart,    ///< start of the drive; stamp: its first event
+    kSamples,  ///< `samples`; stamp: of the last one
     kImage,    ///< `camera`, `number`, `sequence` and `encoded`; stamp: middle of the exposure
-    kSweep,    ///< `device` and `sweep`
+    kSweep,    ///< `lidar` and `sweep`
     kTick,     ///< a second of drive time has passed: `counters` and `streams`
-    kFlush,    ///< no more samples, pictures and sweeps: those that wait are worked off
-    kEnd,      ///< of the drive; nothing follows
+    kFlush,    ///< no more samples, images and sweeps: waiting ones are processed
+    kEnd,      ///< end of the drive; nothing follows
   };
   Kind kind = Kind::kStart;
   Stamp stamp;
-  HostClock::time_point read_at;  ///< when the event that completed it was read
+  HostClock::time_point read_at;  ///< time at which the event that completed it was read
 
   std::vector<VehicleSample> samples;
 
-  uint32_t camera = 0;                       ///< index in the rig
-  uint64_t number = 0;                       ///< counts the pictures of all cameras from 0
-  uint64_t sequence = 0;                     ///< the camera's own count
-  std::vector<uint8_t> encoded;              ///< the picture as its file or its camera has it
-  std::optional<camera::StreamedImage> raw;  ///< how the camera lays it out, without the bytes;
-                                             ///< nothing: a file
+  CameraIndex camera;                        ///< of the image
+  uint64_t number = 0;                       ///< number of the image among all cameras, from 0
+  uint64_t sequence = 0;                     ///< sequence number of the image in its camera
+  std::vector<uint8_t> encoded;              ///< bytes of the image file or of the camera
+  std::optional<camera::StreamedImage> raw;  ///< layout of a camera's bytes; nothing: a file
 
-  uint32_t device = 0;  ///< lidar, index in the rig
+  LidarIndex lidar;  ///< of the sweep
   Sweep sweep;
 
-  std::vector<SensorCounters> counters;  ///< by lidar
-  std::vector<StreamCounters> streams;   ///< by stream: cameras, then the vehicle's sensors
-  LatencyStats intake;                   ///< of the io thread
+  std::vector<SensorCounters> counters;  ///< by LidarIndex
+  std::vector<StreamCounters> streams;   ///< cameras, then vehicle sensors
+  LatencyStats intake;                   ///< latency of the io thread
 };
 
 }  // namespace infuse::daemon

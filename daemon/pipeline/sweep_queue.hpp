@@ -8,21 +8,21 @@
 
 namespace infuse::daemon {
 
-/// The sweeps that wait until odometry covers their time. Of the fusion thread.
+/// Sweeps that wait until odometry covers their time. Used on the fusion thread.
 class SweepQueue {
  public:
-  /// Holds at most `capacity` sweeps, each no longer than `max_wait` of drive time.
+  /// Holds at most `capacity` sweeps, each for at most `max_wait` of drive time.
   SweepQueue(size_t capacity, Duration max_wait);
 
   void push(Pin<StreamItem> sweep) { waiting_.push_back(std::move(sweep)); }
 
-  /// Whether the oldest sweep waits no longer: the trajectory covers it or never will, or it has
-  /// waited long enough at the drive time `now`, or the queue is full.
+  /// Returns true if the oldest sweep waits no longer: the trajectory covers it or never will, or
+  /// it has waited `max_wait` at the drive time `now`, or the queue is full.
   bool has_due(const geometry::Trajectory& trajectory, Stamp now) const;
 
   bool empty() const { return waiting_.empty(); }
 
-  /// Takes the oldest.
+  /// Removes and returns the oldest sweep.
   Pin<StreamItem> pop();
 
  private:

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// The sum in eight lanes, added up in a fixed order: the same on every processor, and quick.
+/// Sums in eight lanes, added in a fixed order: fast, and the same on every processor.
 double sum_of(const FieldVector<float>& values) {
   constexpr size_t kLanes = 8;
   std::array<double, kLanes> sums{};
@@ -37,7 +37,7 @@ double max_of(const FieldVector<float>& values) {
   return values.empty() ? kNan : static_cast<double>(max);
 }
 
-/// How far a gap reaches, 0 … 2π.
+/// Returns the width of a gap, 0 … 2π rad.
 double width_of(const AzimuthGap& gap) {
   constexpr double kTurn = 2 * std::numbers::pi;
   return std::min(std::abs(gap.to - gap.from), kTurn);
@@ -45,7 +45,7 @@ double width_of(const AzimuthGap& gap) {
 
 }  // namespace
 
-SweepReport summarise(const Sweep& sweep, uint32_t device) {
+SweepReport summarise(const Sweep& sweep, std::string_view device) {
   SweepReport report;
   report.device = device;
   report.stamp = sweep.stamp;

@@ -2,14 +2,14 @@
 
 namespace infuse::daemon {
 
-/// Names the calling thread and keeps it on a core, if this process may use that core and another
-/// one besides. Otherwise it stays where the kernel puts it.
+/// Names the calling thread, and pins it to a core if the process may use that core and at least
+/// one other.
 void name_and_pin(const char* name, int core);
 
-/// Gives the calling thread real-time priority (SCHED_FIFO); false where that is not permitted.
+/// Gives the calling thread real-time priority (SCHED_FIFO). Returns false without permission.
 bool make_real_time(int priority);
 
-/// Keeps this process's memory from being swapped out; false where that is not permitted.
+/// Locks the memory of the process (mlockall). Returns false without permission.
 bool lock_memory();
 
 }  // namespace infuse::daemon

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "daemon/health/stream_counters.hpp"
+#include "daemon/pipeline/sensor_index.hpp"
 #include "daemon/pipeline/vehicle_sample.hpp"
 #include "daemon/pipeline/vehicle_setup.hpp"
 #include "drivers/vehicle/candump.hpp"
@@ -28,7 +29,7 @@ class VehicleIntake {
 
   /// The same with a frame as it came from a bus.
   template <class OnSample>
-  void add_can_frame(size_t bus, const vehicle::CanFrame& frame, OnSample on_sample) {
+  void add_can_frame(BusIndex bus, const vehicle::CanFrame& frame, OnSample on_sample) {
     buses_[bus].counters.count(frame.stamp);
     if (!frame.error) decode(buses_[bus], frame, on_sample);
   }

@@ -6,7 +6,7 @@
 
 namespace infuse::daemon {
 
-/// Anything that the vehicle's own sensors say of its motion.
+/// A measurement of the vehicle's motion.
 using VehicleSample = std::variant<WheelOdometry, ImuSample, GnssFix>;
 
 }  // namespace infuse::daemon

@@ -1,23 +1,22 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/health/sensor_counters.hpp"
+#include "daemon/protocol/field.hpp"
 #include "drivers/measurement/sweep.hpp"
 
 namespace infuse::daemon {
 
-/// Objects keep the order in which their keys were set.
+/// JSON whose objects keep the order in which their keys were set.
 using Json = nlohmann::ordered_json;
 
-/// Three decimals: enough for rates and milliseconds, and good to read.
-double rounded(double value);
+// Parts of HEALTH that summaries contain too.
 
 /// source, trusted, offset_ns, jitter_ns, and where known skew_ppm and reason.
 Json to_json(const ClockState& clock);
 
-/// Datagrams lost or refused, by cause.
+/// Datagrams lost or rejected, by cause.
 Json losses_json(const SensorCounters& counters);
 
 /// p50, p99, max, milliseconds.

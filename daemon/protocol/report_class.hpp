@@ -1,13 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
 
 namespace infuse::daemon {
 
-/// The reports that a client can watch.
+/// Classes of reports that a client can watch.
 enum class ReportClass : uint8_t {
   kDevices,
   kSweep,
@@ -19,7 +20,7 @@ enum class ReportClass : uint8_t {
   kRecord
 };
 
-/// Every watchable class and its name on the wire.
+/// Watchable classes and their names on the wire.
 inline constexpr std::array<std::pair<ReportClass, const char*>, 8> kReportClasses = {
     {{ReportClass::kDevices, "DEVICES"},
      {ReportClass::kSweep, "SWEEP"},
@@ -30,12 +31,17 @@ inline constexpr std::array<std::pair<ReportClass, const char*>, 8> kReportClass
      {ReportClass::kAlert, "ALERT"},
      {ReportClass::kRecord, "RECORD"}}};
 
-/// The class of that name; nothing where there is none. Upper case only.
+/// Returns the class of that name (upper case), or nothing.
 constexpr std::optional<ReportClass> report_class(std::string_view name) {
   for (const auto& [value, its_name] : kReportClasses) {
     if (name == its_name) return value;
   }
   return std::nullopt;
+}
+
+/// Returns the name of a class on the wire.
+constexpr const char* name_of(ReportClass report_class) {
+  return kReportClasses[static_cast<size_t>(report_class)].second;
 }
 
 /// A set of classes.

@@ -26,7 +26,7 @@ std::string known_classes() {
   return names;
 }
 
-/// Names that go back to the client, shortened so that a reply stays small.
+/// Returns a name in quotes, shortened so that a reply stays small.
 std::string quoted(const std::string& name) {
   constexpr size_t kMaxNameLength = 40;
   return "'" + (name.size() > kMaxNameLength ? name.substr(0, kMaxNameLength) + "..." : name) + "'";
@@ -76,7 +76,7 @@ Result<Request> parse_control(const Json& json, Request request) {
     request.device = device->get<std::string>();
   }
   if (const auto on = json.find("on"); on != json.end()) {
-    if (!on->is_boolean()) return fail("on is neither true nor false", op);
+    if (!on->is_boolean()) return fail("on is not a boolean", op);
     request.on = on->get<bool>();
   }
   return request.op == Request::Op::kRecord ? parse_record(json, std::move(request)) : request;

@@ -8,26 +8,26 @@
 
 namespace infuse::daemon {
 
-/// One line of JSON with its line feed, shared by all clients that it goes to.
+/// A line of JSON with its line feed, shared by the clients that receive it.
 using Line = std::shared_ptr<const std::string>;
 
-/// The last report of every class and sensor.
+/// Last report of every class and device.
 class LastValues {
  public:
   struct Entry {
     ReportClass report_class;
-    std::string device;  ///< empty where the report is not of one sensor
+    std::string device;  ///< empty if the report is not of one device
     Line line;
   };
 
-  /// Replaces the last of this class and device.
+  /// Replaces the last report of this class and device.
   void set(ReportClass report_class, const std::string& device, Line line);
 
-  /// In the order in which the pairs first appeared.
+  /// Entries in the order in which their class and device first appeared.
   const std::vector<Entry>& entries() const { return entries_; }
 
  private:
-  std::vector<Entry> entries_;  // a few: sensors times classes
+  std::vector<Entry> entries_;  // few: devices times classes
 };
 
 }  // namespace infuse::daemon

@@ -6,13 +6,13 @@
 
 namespace infuse::daemon {
 
-/// Who is at the other end of a Unix socket, as the kernel says.
+/// Process and user at the other end of a Unix socket, as reported by the kernel.
 struct Peer {
   pid_t process = 0;
   uid_t user = 0;
 };
 
-/// SO_PEERCRED of a connected socket; nothing where it has none (TCP).
+/// Returns SO_PEERCRED of a connected socket, or nothing (TCP).
 std::optional<Peer> peer_of(int socket);
 
 }  // namespace infuse::daemon

@@ -24,8 +24,8 @@ Server::Server(asio::io_context& io, const ServerOptions& options, std::string_v
                std::string_view session)
     : io_(io),
       options_(options),
-      greeting_(
-          std::make_shared<const std::string>(version_message(release, session).append("\n"))),
+      greeting_(std::make_shared<const std::string>(
+          message(VersionReport{std::string(release), std::string(session)}) + '\n')),
       local_(io),
       tcp_(io),
       timer_(io) {
@@ -47,7 +47,7 @@ Result<void> Server::listen(const std::filesystem::path& path) {
 Result<void> Server::adopt(int listening_socket) {
   ErrorCode error;
   local_.assign(Local(), listening_socket, error);
-  if (error) return fail("the socket cannot be taken over: " + error.message());
+  if (error) return fail("cannot use the socket passed by systemd: " + error.message());
   accept(local_);
   return {};
 }
@@ -84,14 +84,12 @@ void Server::open_session(Session::Socket socket) {
 }
 
 void Server::reject(Session::Socket socket) {
-  spdlog::warn("a client was turned away: {} are connected", sessions_.size());
-  const std::string message =
-      error_message("", "too many clients: " + std::to_string(sessions_.size()),
-                    "close another, or raise socket.max_clients") +
-      "\n";
+  spdlog::warn("client rejected: {} are connected", sessions_.size());
+  const ErrorReply reply{"", "too many clients: " + std::to_string(sessions_.size()),
+                         "close another client, or raise socket.max_clients"};
   ErrorCode ignored;
-  socket.non_blocking(true, ignored);  // a fresh socket's buffer has room for one line
-  asio::write(socket, asio::buffer(message), ignored);
+  socket.non_blocking(true, ignored);  // the buffer of a new socket has room for one line
+  asio::write(socket, asio::buffer(message(reply) + '\n'), ignored);
 }
 
 void Server::publish(ReportClass report_class, const std::string& device, Stamp stamp,
@@ -115,7 +113,7 @@ void Server::remove_closed() {
   std::erase_if(sessions_, [](const auto& session) { return session->closed(); });
 }
 
-// Lets go of clients that were silent for too long, and ends finish().
+// Closes idle sessions, and all of them at the deadline of finish(); retries stalled accepts.
 void Server::check_sessions() {
   const auto now = Session::Clock::now();
   for (const auto& session : sessions_) {

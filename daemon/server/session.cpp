@@ -12,12 +12,12 @@ namespace {
 namespace asio = boost::asio;
 using ErrorCode = boost::system::error_code;
 
-Line to_line(std::string message) {
-  message += '\n';
-  return std::make_shared<const std::string>(std::move(message));
-}
-
 }  // namespace
+
+template <class Reply>
+void Session::reply(const Reply& reply) {
+  queue(std::make_shared<const std::string>(message(reply) + '\n'));
+}
 
 Session::Session(Socket socket, const ServerOptions& options, const LastValues& last_values,
                  const Control& control, bool is_owner)
@@ -35,8 +35,8 @@ void Session::start(Line greeting) {
   read();
 }
 
-// One read at a time, and none while many answers wait: a client that asks without reading is
-// heard no further, and costs nothing.
+// One read at a time, and none while the queue is full: requests of a client that does not read its
+// answers stay in the kernel.
 void Session::read() {
   if (reading_ || finishing_ || closed() || output_.size() >= options_.queue_reports) return;
   reading_ = true;
@@ -73,7 +73,7 @@ void Session::answer(std::string_view line) {
   const Result<Request> request = parse_request(line);
   if (!request) {
     const Error& error = request.error();
-    return queue(to_line(error_message(error.where, error.what, error.hint)));
+    return reply(ErrorReply{error.where, error.what, error.hint});
   }
   if (request->is_control()) return answer_control(*request);
   if (request->op == Request::Op::kPoll) return answer_poll();
@@ -81,35 +81,34 @@ void Session::answer(std::string_view line) {
     for (const LastValues::Entry& entry : last_values_.entries()) {
       if (entry.report_class == ReportClass::kDevices) return queue(entry.line);
     }
-    return queue(to_line(error_message("devices", "no device is known yet", "ask again later")));
+    return reply(ErrorReply{"devices", "no device is known yet", "retry later"});
   }
   watched_ = request->classes;
-  queue(to_line(ack_message("watch")));
+  reply(AckReply{"watch"});
 }
 
 void Session::answer_poll() {
   for (const LastValues::Entry& entry : last_values_.entries()) queue(entry.line);
-  queue(to_line(ack_message("poll")));
+  reply(AckReply{"poll"});
 }
 
 void Session::answer_control(const Request& request) {
   const char* op = name_of(request.op);
   if (!is_owner_) {
-    return queue(
-        to_line(error_message(op, "only the daemon's owner may do that",
-                              "ask as the daemon's user, or as root, on its Unix socket")));
+    return reply(ErrorReply{op, "permission denied",
+                            "run as the daemon's user or as root, on its Unix socket"});
   }
   const Result<void> done = control_(request);
-  if (done) return queue(to_line(ack_message(op)));
-  queue(to_line(error_message(op, done.error().what, done.error().hint)));
+  if (done) return reply(AckReply{op});
+  reply(ErrorReply{op, done.error().what, done.error().hint});
 }
 
-void Session::refuse(std::string_view what, std::string_view hint) {
-  queue(to_line(error_message("", what, hint)));
+void Session::refuse(std::string what, std::string hint) {
+  reply(ErrorReply{"", std::move(what), std::move(hint)});
   finish();
 }
 
-// A bucket of tokens that fills at the permitted rate and holds one second's worth.
+// Token bucket, filled at the permitted rate, that holds the tokens of one second.
 bool Session::within_rate() {
   const auto now = Clock::now();
   const double seconds = std::chrono::duration<double>(now - last_request_).count();
@@ -121,8 +120,8 @@ bool Session::within_rate() {
   return true;
 }
 
-// A client that has lost reports gets none until half of its queue is free, so that it is told of
-// long gaps now and then instead of short ones all the time.
+// A client that has lost reports receives none until half of its queue is free: few long gaps
+// instead of many short ones.
 void Session::report(ReportClass report_class, Stamp stamp, const Line& line) {
   if (!watched_.has(report_class) || finishing_ || closed()) return;
   const size_t limit = lost_ == 0 ? options_.queue_reports : options_.queue_reports / 2;
@@ -131,7 +130,7 @@ void Session::report(ReportClass report_class, Stamp stamp, const Line& line) {
     return;
   }
   if (lost_ > 0) {
-    queue(to_line(lost_message(stamp, lost_)));
+    reply(LostReport{stamp, lost_});
     lost_ = 0;
   }
   queue(line);

@@ -16,42 +16,45 @@
 
 namespace infuse::daemon {
 
-/// One client: reads its requests, writes what it requested. Lives as long as an operation of its
-/// socket is under way; used on one thread.
+/// Session of one client: reads its requests, writes replies and reports. Lives as long as an
+/// operation of its socket is pending. Single-threaded.
 class Session : public std::enable_shared_from_this<Session> {
  public:
   using Socket = boost::asio::generic::stream_protocol::socket;
   using Clock = std::chrono::steady_clock;
 
-  /// Carries out what a client may ask to be changed; the error is told to it.
+  /// Handler of a control request; its error is sent to the client.
   using Control = std::function<Result<void>(const Request&)>;
 
-  /// `last_values` and `control` outlive the session. `is_owner`: the client may change the daemon.
+  /// `last_values` and `control` outlive the session. `is_owner`: true if the client may send
+  /// control requests.
   Session(Socket socket, const ServerOptions& options, const LastValues& last_values,
           const Control& control, bool is_owner);
 
-  /// Sends the greeting and begins to read.
+  /// Sends the greeting and starts reading.
   void start(Line greeting);
 
-  /// Queues the report if the client watches its class; counts it as lost if the queue is full.
+  /// Queues the report if the client watches its class; counts it as lost if its queue is full.
   void report(ReportClass report_class, Stamp stamp, const Line& line);
 
-  /// Ends the connection when everything queued was sent.
+  /// Closes the connection when its queue was sent.
   void finish();
 
-  /// Ends the connection at once.
+  /// Closes the connection at once.
   void close();
 
   bool closed() const { return !socket_.is_open(); }
 
-  /// When something was last read from or written to the client.
+  /// Time of the last read from or write to the client.
   Clock::time_point last_activity() const { return last_activity_; }
 
  private:
   void read();
   void process_input(size_t bytes);
   void answer(std::string_view line);
-  void refuse(std::string_view what, std::string_view hint);
+  template <class Reply>
+  void reply(const Reply& reply);
+  void refuse(std::string what, std::string hint);
   void answer_poll();
   void answer_control(const Request& request);
   void queue(Line line);

@@ -17,7 +17,7 @@
 
 namespace infuse::daemon {
 
-/// daemon/protocol/<name>.schema.json, read once; null where there is none.
+/// Returns daemon/protocol/<name>.schema.json, read once; null if there is none.
 inline const valijson::Schema* load_schema(const std::string& name) {
   static std::map<std::string, std::unique_ptr<valijson::Schema>> read;
   const auto known = read.find(name);
@@ -32,7 +32,7 @@ inline const valijson::Schema* load_schema(const std::string& name) {
   return (read[name] = std::move(schema)).get();
 }
 
-/// Whether `value` is as the schema of that name says; else why not.
+/// Validates `value` by the schema of that name.
 inline testing::AssertionResult matches_schema(const nlohmann::json& value,
                                                const std::string& name) {
   const valijson::Schema* schema = load_schema(name);
@@ -52,7 +52,7 @@ inline testing::AssertionResult matches_schema(const nlohmann::json& value,
   return failure;
 }
 
-/// Whether a line from the daemon is a message as the schema of its class says.
+/// Validates a message by the schema of its class.
 inline testing::AssertionResult is_valid_message(const std::string& line) {
   const auto json = nlohmann::json::parse(line, nullptr, false);
   if (!json.is_object() || !json.contains("class")) {

@@ -10,7 +10,7 @@ namespace {
 Stamp at(int64_t seconds) { return Stamp::from_ns(seconds * 1'000'000'000); }
 constexpr Duration kTenSeconds{10'000'000'000};
 
-TEST(Background, AResultIsVisibleAtItsStatedTimeHoweverQuickOrSlow) {
+TEST(Background, AResultIsVisibleAtItsStatedTimeWhateverItsDuration) {
   for (const int milliseconds : {0, 200}) {
     BackgroundWorker background(true);
     std::atomic<int> result = 0;
@@ -22,7 +22,7 @@ TEST(Background, AResultIsVisibleAtItsStatedTimeHoweverQuickOrSlow) {
     EXPECT_TRUE(background.busy());
     EXPECT_FALSE(background.consume_result(at(100)));
     EXPECT_FALSE(background.consume_result(at(109)));
-    EXPECT_TRUE(background.consume_result(at(110)));  // waited for
+    EXPECT_TRUE(background.consume_result(at(110)));  // waits
     EXPECT_EQ(result, 7);
     EXPECT_FALSE(background.busy());
     EXPECT_FALSE(background.consume_result(at(120)));
@@ -42,7 +42,7 @@ TEST(Background, LiveDoesNotBlock) {
   EXPECT_FALSE(background.busy());
 }
 
-TEST(Background, DoesOnePieceOfWorkAfterTheOther) {
+TEST(Background, RunsOneWorkAfterTheOther) {
   BackgroundWorker background(true);
   int sum = 0;
   for (int i = 1; i <= 50; ++i) {
@@ -52,15 +52,15 @@ TEST(Background, DoesOnePieceOfWorkAfterTheOther) {
   EXPECT_EQ(sum, 50 * 51 / 2);
 }
 
-/// Goes on until it is asked to stop.
+/// Runs until a stop is requested.
 void endless(const std::stop_token& stop) {
   while (!stop.stop_requested()) std::this_thread::yield();
 }
 
-TEST(Background, WhatIsCancelledEndsAndIsNeverVisible) {
+TEST(Background, CancelledWorkEndsAndIsNeverVisible) {
   BackgroundWorker replay(true);
   replay.start(at(0), kTenSeconds, endless);
-  replay.cancel();  // waited for
+  replay.cancel();  // waits
   EXPECT_FALSE(replay.busy());
   EXPECT_FALSE(replay.consume_result(at(60)));
   int done = 0;
@@ -85,7 +85,7 @@ TEST(Background, ShutDownFromAnotherThreadUnblocks) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     background.shut_down();
   });
-  EXPECT_FALSE(background.consume_result(at(1)));  // would wait for ever
+  EXPECT_FALSE(background.consume_result(at(1)));  // would block forever
   bool began = false;
   background.start(at(2), Duration::zero(), [&](const std::stop_token&) { began = true; });
   EXPECT_FALSE(background.consume_result(at(3)));

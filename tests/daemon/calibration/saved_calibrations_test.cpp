@@ -39,7 +39,7 @@ class SavedCalibrationsTest : public testing::Test {
   std::filesystem::path path_ = folder_ / "calibrations.json";
 };
 
-TEST_F(SavedCalibrationsTest, WhatWasAppliedIsInUseAfterARestart) {
+TEST_F(SavedCalibrationsTest, AnAppliedCalibrationIsInUseAfterARestart) {
   Rig first = rig(0.1);
   SavedCalibrations saved(path_);
   EXPECT_TRUE(saved.restore(first).empty());
@@ -54,7 +54,7 @@ TEST_F(SavedCalibrationsTest, WhatWasAppliedIsInUseAfterARestart) {
   EXPECT_EQ(second.cameras[0].T_camera_lidar.translation().x(), 0.15);
   EXPECT_EQ(second.cameras[1].T_camera_lidar.translation().x(), 0);
 
-  // A roll-back to what is configured is kept too.
+  // A rollback to the configured calibration is saved too.
   SavedCalibrations again(path_);
   Rig third = rig(0.1);
   again.restore(third);
@@ -64,7 +64,7 @@ TEST_F(SavedCalibrationsTest, WhatWasAppliedIsInUseAfterARestart) {
   EXPECT_EQ(fourth.cameras[0].T_camera_lidar.translation().x(), 0.1);
 }
 
-TEST_F(SavedCalibrationsTest, WhatWasFrozenIsFrozenAfterARestart) {
+TEST_F(SavedCalibrationsTest, AFrozenCalibrationIsFrozenAfterARestart) {
   Rig first = rig(0.1);
   SavedCalibrations saved(path_);
   saved.restore(first);
@@ -76,7 +76,7 @@ TEST_F(SavedCalibrationsTest, WhatWasFrozenIsFrozenAfterARestart) {
   SavedCalibrations again(path_);
   EXPECT_THAT(again.restore(second), ElementsAre(HasSubstr("frozen")));
   EXPECT_THAT(again.frozen_cameras(), ElementsAre("front"));
-  ASSERT_TRUE(again.save(report(0.1)));  // let go
+  ASSERT_TRUE(again.save(report(0.1)));  // no longer frozen
 
   Rig third = rig(0.1);
   SavedCalibrations last(path_);
@@ -84,7 +84,7 @@ TEST_F(SavedCalibrationsTest, WhatWasFrozenIsFrozenAfterARestart) {
   EXPECT_TRUE(last.frozen_cameras().empty());
 }
 
-TEST_F(SavedCalibrationsTest, AFileFromBeforeThereWasFreezingIsRead) {
+TEST_F(SavedCalibrationsTest, AFileWithoutFrozenIsRead) {
   std::string text = format_calibrations({{.camera = "front", .frozen = true}});
   const size_t line = text.find("      \"frozen\"");
   ASSERT_NE(line, std::string::npos);
@@ -95,13 +95,14 @@ TEST_F(SavedCalibrationsTest, AFileFromBeforeThereWasFreezingIsRead) {
   EXPECT_FALSE(read->at(0).frozen);
 }
 
-TEST_F(SavedCalibrationsTest, ANewConfigurationCountsMore) {
+TEST_F(SavedCalibrationsTest, AChangedConfigurationTakesPrecedence) {
   Rig first = rig(0.1);
   SavedCalibrations saved(path_);
   saved.restore(first);
   ASSERT_TRUE(saved.save(report(0.15)));
   Rig other = rig(0.3);
-  EXPECT_THAT(SavedCalibrations(path_).restore(other).at(0), HasSubstr("configured since"));
+  EXPECT_THAT(SavedCalibrations(path_).restore(other).at(0),
+              HasSubstr("configured calibration, which has changed"));
   EXPECT_EQ(other.cameras[0].T_camera_lidar.translation().x(), 0.3);
 }
 

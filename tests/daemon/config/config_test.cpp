@@ -39,7 +39,7 @@ port = 2370
 sender = "192.168.1.201"
 )";
 
-TEST(Config, AnEmptyFileIsTheDefaults) {
+TEST(Config, AnEmptyFileGivesTheDefaults) {
   const auto config = parse_config("", "x.toml");
   ASSERT_TRUE(config);
   EXPECT_EQ(config->socket.max_clients, 64U);
@@ -113,7 +113,7 @@ TEST(Config, LiveSensorsAreRead) {
   EXPECT_EQ(config->gnss.baud, 115200U);
 }
 
-TEST(Config, ALiveSensorThatCannotBeIsRefusedWithItsLine) {
+TEST(Config, AnInvalidLiveSensorIsAnErrorWithItsLine) {
   for (const char* text :
        {"[[camera]]\ndevice = \"video0\"", "[[camera]]\nwidth = 640",
         "[[camera]]\nformat = \"H264\"", "[[camera]]\nexposure_ms = 0", "[[can]]\ninterface = \"\"",
@@ -127,7 +127,7 @@ TEST(Config, ALiveSensorThatCannotBeIsRefusedWithItsLine) {
   }
 }
 
-/// A configuration and its drop-ins in a folder of their own.
+/// A configuration and its drop-ins in a temporary folder.
 struct ConfigFolder {
   std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / ("infuse-config-" + std::to_string(getpid()));
@@ -162,7 +162,7 @@ TEST(Config, DropInsChangeAndAddInOrderOfTheirNames) {
   EXPECT_EQ(config->resolve("rig.toml"), folder.folder / "rig.toml");
 }
 
-TEST(Config, AWrongDropInIsNamed) {
+TEST(Config, AnErrorNamesItsDropIn) {
   const ConfigFolder folder;
   folder.write("infused.toml", "");
   folder.write("infused.toml.d/x.toml", "\n\nportt = 1\n");
@@ -291,7 +291,7 @@ TEST(Config, ListsTheKeysThatDiffer) {
   EXPECT_THAT(changed_keys(read(""), read("rig = \"r\"\n")), testing::ElementsAre("rig"));
 }
 
-TEST(Config, ErrorsSayWhereAndWhat) {
+TEST(Config, ErrorsNameTheLineAndTheProblem) {
   const Wrong cases[] = {
       {"\n[health]\nstale_after = 3\n", "x.toml:3: unknown key 'stale_after'"},
       {"\n[health]\nstale_after = 3\n", "known keys: stale_after_s, raise_after_s"},
@@ -315,7 +315,7 @@ TEST(Config, ErrorsSayWhereAndWhat) {
   }
 }
 
-TEST(Config, AFileThatIsNotThereIsAnError) {
+TEST(Config, AMissingFileIsAnError) {
   const auto config = load_config("/nonexistent/infused.toml");
   ASSERT_FALSE(config);
   EXPECT_EQ(config.error().where, "/nonexistent/infused.toml");

@@ -103,10 +103,11 @@ TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
   });
   std::optional<HostClock::time_point> stopped;
   replay.publisher().on_calibration([&](const CalibrationReport& report) {
-    if (report.evaluations >= 12 && std::string_view(report.state) != "RECALIBRATING" && !stopped) {
+    const bool recalibrating = report.state == monitoring::CalibrationState::kRecalibrating;
+    if (report.evaluations >= 12 && !recalibrating && !stopped) {
       ASSERT_TRUE(replay.handle_request({.op = Request::Op::kRecalibrate}));
     }
-    if (std::string_view(report.state) != "RECALIBRATING" || stopped) return;
+    if (!recalibrating || stopped) return;
     stopped = HostClock::now();
     replay.stop();
   });

@@ -12,7 +12,7 @@ Stamp at(double seconds) {
   return Stamp::from_ns(1'700'000'000'000'000'000) + from_seconds(seconds);
 }
 
-/// A lidar of 1808 packets and 10 sweeps a second, seen once a second.
+/// A lidar with 1808 packets and 10 sweeps per second, checked once per second.
 class SensorHealthTest : public testing::Test {
  protected:
   void deliver(uint64_t packets = 1808, uint64_t sweeps = 10) {
@@ -27,7 +27,7 @@ class SensorHealthTest : public testing::Test {
     return health_.update(at(second_), counters_);
   }
 
-  /// Ten good seconds.
+  /// Ten seconds without a problem.
   void settle() {
     counters_.clock.trusted = true;
     for (int i = 0; i < 10; ++i) {
@@ -50,14 +50,14 @@ TEST_F(SensorHealthTest, RatesAreThoseOfTheLastTenSeconds) {
   EXPECT_TRUE(status.findings.empty());
 }
 
-TEST_F(SensorHealthTest, SilenceIsStaleAfterThreeSecondsAndSaysSo) {
+TEST_F(SensorHealthTest, SilenceIsStaleAfterThreeSeconds) {
   settle();
   EXPECT_EQ(tick(false).level, Level::kOk);
   EXPECT_EQ(tick(false).level, Level::kOk);
   const SensorStatus& status = tick(false);
   EXPECT_EQ(status.level, Level::kStale);
   ASSERT_EQ(status.findings.size(), 1U);
-  EXPECT_EQ(status.findings[0].what, "nothing received on 0.0.0.0:2368 for 3.0 s");
+  EXPECT_EQ(status.findings[0].what, "no data on 0.0.0.0:2368 for 3.0 s");
   EXPECT_EQ(status.findings[0].since, at(second_));
   ASSERT_EQ(status.transitions.size(), 1U);
   EXPECT_TRUE(status.transitions[0].raised);
@@ -70,7 +70,7 @@ TEST_F(SensorHealthTest, SilenceIsStaleAfterThreeSecondsAndSaysSo) {
   EXPECT_FALSE(back.transitions[0].raised);
 }
 
-TEST_F(SensorHealthTest, SilenceNamesWhoElseSends) {
+TEST_F(SensorHealthTest, SilenceNamesAnUnexpectedSender) {
   counters_.malformed = 12;
   counters_.unexpected_sender = 10U << 24 | 7;
   counters_.unexpected_size = 512;
@@ -79,11 +79,11 @@ TEST_F(SensorHealthTest, SilenceNamesWhoElseSends) {
   const SensorStatus& status = tick(false);
   EXPECT_EQ(status.level, Level::kStale);
   EXPECT_EQ(status.findings.at(0).what,
-            "nothing received on 0.0.0.0:2368 for 3.0 s; 12 datagrams of 512 bytes came from "
+            "no data on 0.0.0.0:2368 for 3.0 s; 12 datagrams rejected, the last of 512 bytes from "
             "10.0.0.7");
 }
 
-TEST_F(SensorHealthTest, LossIsRaisedOnlyWhenItLastsAndClearedOnlyWhenItStaysAway) {
+TEST_F(SensorHealthTest, LossIsRaisedAndClearedWithHysteresis) {
   settle();
   const auto tick_with_loss = [&](uint64_t packets) {
     deliver();
@@ -127,7 +127,7 @@ TEST_F(SensorHealthTest, PacketsWithoutSweepsAreAnError) {
   EXPECT_STREQ(status.findings.at(0).id, "no_sweeps");
 }
 
-TEST_F(SensorHealthTest, DatagramsThatAreNoPacketsAreAnError) {
+TEST_F(SensorHealthTest, DatagramsThatAreNotPacketsAreAnError) {
   settle();
   for (int i = 0; i < 8; ++i) {
     counters_.malformed += 4000;
@@ -137,7 +137,7 @@ TEST_F(SensorHealthTest, DatagramsThatAreNoPacketsAreAnError) {
   EXPECT_STREQ(tick().findings.at(0).id, "undecodable");
 }
 
-TEST_F(SensorHealthTest, AClockMayTakeTenSecondsToBeFollowed) {
+TEST_F(SensorHealthTest, AClockHasTenSecondsToSettle) {
   counters_.clock.reason = "too few samples";
   Stamp raised;
   for (int i = 0; i < 20 && raised == Stamp(); ++i) {
@@ -181,7 +181,7 @@ TEST_F(SensorHealthTest, CountersThatStepBackDoNotWrapRound) {
   }
 }
 
-TEST(HealthOptions, NamesWhatIsWrong) {
+TEST(HealthOptions, InvalidOptionsNameTheKey) {
   HealthOptions options;
   EXPECT_FALSE(options.invalid());
   options.error_loss = 0.0001;

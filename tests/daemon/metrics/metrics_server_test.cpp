@@ -29,7 +29,7 @@ class MetricsServerTest : public testing::Test {
     thread_.join();
   }
 
-  /// All that is answered until the server hangs up.
+  /// The response, up to the end of the connection.
   static std::string read_response(SocketClient& client) {
     std::string all;
     while (const auto line = client.read_line()) all += *line + "\n";
@@ -75,7 +75,7 @@ TEST_F(MetricsServerTest, RefusesEverythingElse) {
   EXPECT_THAT(send_request("GET /metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 200 OK"));
 }
 
-TEST_F(MetricsServerTest, ARequestThatNeverEndsIsCutOff) {
+TEST_F(MetricsServerTest, ARequestWithoutEndTimesOut) {
   SocketClient silent(path_);
   SocketClient begun(path_);
   begun.send("GET /metrics HTTP/1.1\r\nX: y");
@@ -84,7 +84,7 @@ TEST_F(MetricsServerTest, ARequestThatNeverEndsIsCutOff) {
   EXPECT_THAT(send_request("GET /metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 200 OK"));
 }
 
-TEST_F(MetricsServerTest, AThousandConnectionsLeaveItAsItWas) {
+TEST_F(MetricsServerTest, AThousandConnectionsLeaveNoTrace) {
   {
     std::deque<SocketClient> clients;
     int connected = 0;

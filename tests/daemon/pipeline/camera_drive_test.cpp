@@ -1,5 +1,5 @@
-// Pictures and the bus beside a lidar, on threads of their own; what the drive says is synthetic,
-// its motion is known: it stands still.
+// Cameras, a bus and an inertial unit beside a lidar, in a synthetic drive of a vehicle that stands
+// still.
 
 #include <gmock/gmock.h>
 #include <png.h>
@@ -27,8 +27,7 @@ void write_image(const std::filesystem::path& path, uint8_t grey) {
   ASSERT_EQ(png_image_write_to_file(&image, path.c_str(), 0, pixels.data(), 0, nullptr), 1);
 }
 
-/// Three seconds: pictures of `cameras` cameras at 10 Hz, an inertial unit and a bus that say that
-/// nothing moves.
+/// Makes a drive of three seconds with `cameras` cameras at 10 Hz, an inertial unit and a bus.
 void make_drive(const std::filesystem::path& folder, int cameras) {
   std::filesystem::create_directories(folder);
   fixtures::CaptureOptions capture;

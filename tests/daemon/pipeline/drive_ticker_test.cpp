@@ -21,7 +21,7 @@ class DriveTickerTest : public testing::Test {
   DriveTicker ticker_;
 };
 
-TEST_F(DriveTickerTest, EverySecondSinceTheFirstStamp) {
+TEST_F(DriveTickerTest, TicksEverySecondSinceTheFirstStamp) {
   EXPECT_TRUE(ticks(at(0)).empty());
   EXPECT_TRUE(ticks(at(0.999)).empty());
   EXPECT_EQ(ticks(at(1)), std::vector{at(1)});
@@ -29,7 +29,7 @@ TEST_F(DriveTickerTest, EverySecondSinceTheFirstStamp) {
   EXPECT_EQ(ticks(at(4.2)), (std::vector{at(2), at(3), at(4)}));
 }
 
-TEST_F(DriveTickerTest, DisorderIsNoStepBack) {
+TEST_F(DriveTickerTest, DisorderIsNotAStepBack) {
   ticks(at(0));
   EXPECT_EQ(ticks(at(1)), std::vector{at(1)});
   EXPECT_TRUE(ticks(at(0.5)).empty());
@@ -42,7 +42,7 @@ TEST_F(DriveTickerTest, AStepBackBeginsAnew) {
   EXPECT_EQ(ticks(at(1)), std::vector{at(1)});
 }
 
-TEST_F(DriveTickerTest, AYearIsNotTickedThrough) {
+TEST_F(DriveTickerTest, AJumpByAYearGivesFewTicks) {
   ticks(at(0));
   const auto all = ticks(at(365.0 * 86'400));
   EXPECT_EQ(all.size(), static_cast<size_t>(DriveTicker::kMaxTicks) + 1);
@@ -50,7 +50,7 @@ TEST_F(DriveTickerTest, AYearIsNotTickedThrough) {
   EXPECT_EQ(ticks(at(365.0 * 86'400 + 1)).size(), 1U);
 }
 
-TEST_F(DriveTickerTest, TheEndOfTimeEnds) {
+TEST_F(DriveTickerTest, TicksEndAtTheEndOfTime) {
   ticks(at(0));
   EXPECT_LE(ticks(Stamp::latest()).size(), 31U);
   EXPECT_LE(ticks(Stamp::latest()).size(), 31U);

@@ -13,6 +13,7 @@ namespace {
 
 using streetmap::PlanarPose;
 using streetmap::SegmentKind;
+using streetmap::TrackState;
 
 /// A town, a drive along its street with exact odometry, and sweeps of the ground around.
 class MapTrackerTest : public testing::Test {
@@ -29,7 +30,7 @@ class MapTrackerTest : public testing::Test {
   MapTrackerTest() {
     rig_.lidars.push_back({"top", "", Eigen::Isometry3d::Identity()});
     rig_.lidars[0].T_vehicle_lidar.translation().z() = 1.7;
-    // Odometry's frame begins where the drive does: not the map's.
+    // The frame odom begins at the start of the drive.
     const Eigen::Isometry3d T_odom_map = pose_at(start_).inverse();
     for (int i = 0; i <= 1200; ++i) {
       const Stamp stamp = start_ + i * Duration(20'000'000);
@@ -40,7 +41,7 @@ class MapTrackerTest : public testing::Test {
     settings_.tracker.grid.extent = 30;
   }
 
-  /// What lies around: how bright and how high tells the kind of ground.
+  /// Makes a sweep of the surroundings: reflectivity and height depend on the kind of ground.
   void scan(Stamp stamp, uint64_t seed) {
     sweep_.clear();
     sweep_.rings = 1;
@@ -73,12 +74,14 @@ class MapTrackerTest : public testing::Test {
     deskewed_.z = sweep_.z;
   }
 
-  void drive(MapTracker& tracker, int sweeps) {
+  PoseReport drive(MapTracker& tracker, int sweeps, const PoseReport& odometry = {}) {
+    PoseReport pose;
     for (int i = 0; i < sweeps; ++i) {
       now_ = start_ + i * kStep;
       scan(now_, static_cast<uint64_t>(i));
-      tracker.add_sweep(sweep_, deskewed_, 0, trajectory_);
+      pose = tracker.process({LidarIndex(0), sweep_, deskewed_}, trajectory_, odometry);
     }
+    return pose;
   }
 
   double error(const PoseReport& report) const {
@@ -98,20 +101,18 @@ class MapTrackerTest : public testing::Test {
 TEST_F(MapTrackerTest, ReportsThePoseOnTheMap) {
   settings_.initial_pose = InitialPose{-89, -2.5, 0.03};
   MapTracker tracker(settings_, town_.map, rig_);
-  drive(tracker, 60);
   PoseReport odometry;
-  odometry.stamp = now_;
-  odometry.frame = "odometry";
   odometry.speed = 5;
-  const PoseReport pose = tracker.pose(odometry);
-  EXPECT_STREQ(pose.frame, "map");
-  EXPECT_STREQ(pose.state, "TRACKING");
+  const PoseReport pose = drive(tracker, 60, odometry);
+  EXPECT_EQ(pose.frame, PoseFrame::kMap);
+  ASSERT_TRUE(pose.map);
+  EXPECT_EQ(pose.map->state, TrackState::kTracking);
   EXPECT_TRUE(pose.usable());
   EXPECT_LT(error(pose), 0.6);
   EXPECT_EQ(pose.speed, 5);
-  EXPECT_TRUE(is_valid_message(pose_message(pose)));
+  EXPECT_TRUE(is_valid_message(message(pose)));
   const StreetMapStatus status = tracker.status();
-  EXPECT_STREQ(status.state, "TRACKING");
+  EXPECT_EQ(status.state, TrackState::kTracking);
   EXPECT_FALSE(status.mismatch);
   EXPECT_NEAR(status.x, pose.T_frame_vehicle.translation().x(), 1e-9);
   // 60 sweeps in 14.75 s at two a second.
@@ -124,7 +125,7 @@ TEST_F(MapTrackerTest, InitialisesFromAGnssFix) {
   PoseReport odometry;
   EXPECT_FALSE(tracker.pose(odometry).usable());
   EXPECT_STREQ(tracker.pose(odometry).reason, "no initial pose");
-  EXPECT_TRUE(is_valid_message(pose_message(tracker.pose(odometry))));
+  EXPECT_TRUE(is_valid_message(message(tracker.pose(odometry))));
   const auto& frame = town_.map.frame();
   const Eigen::Vector3d place =
       recording::LocalFrame(frame.latitude, frame.longitude).to_geodetic({-89, -2, 0});
@@ -149,20 +150,18 @@ TEST_F(MapTrackerTest, AGapInOdometryWidensTheParticles) {
   settings_.initial_pose = InitialPose{-90, -1.3, 0};
   settings_.initial_sigma = 0.1;
   MapTracker tracker(settings_, town_.map, rig_);
-  scan(start_, 1);
-  tracker.add_sweep(sweep_, deskewed_, 0, trajectory_);
-  geometry::Trajectory nothing;
+  drive(tracker, 1);
+  const geometry::Trajectory empty;
   deskewed_.reference = start_ + kStep;
   deskewed_.reason = "the trajectory has a gap";
-  tracker.add_sweep(sweep_, deskewed_, 0, nothing);
-  const PoseReport pose = tracker.pose({});
-  // Of x itself: a left perturbation turns about the map's origin.
+  const PoseReport pose = tracker.process({LidarIndex(0), sweep_, deskewed_}, empty, {});
+  // Variance of x itself: a left perturbation rotates about the map origin.
   const auto& C = pose.covariance;
   const double y = pose.T_frame_vehicle(1, 3);
   EXPECT_GT(C(3, 3) - 2 * y * C(2, 3) + y * y * C(2, 2), 4);
 }
 
-TEST(StreetMapSettings, SaysWhatIsWrong) {
+TEST(StreetMapSettings, InvalidSettingsAreErrors) {
   EXPECT_FALSE(StreetMapSettings().invalid());
   EXPECT_TRUE((StreetMapSettings{.initial_pose = InitialPose{1e9, 0, 0}}).invalid());
   EXPECT_TRUE(StreetMapSettings{.initial_sigma = 0}.invalid());
@@ -173,13 +172,14 @@ TEST(StreetMapHealth, RaisesFindingsWithThePosition) {
   HealthOptions options;
   options.raise_after = options.clear_after = Duration::zero();
   StreetMapHealth health(options);
-  StreetMapStatus status{.state = "LOST", .reason = "x", .mismatch = true, .x = 120.4, .y = -33};
+  StreetMapStatus status{
+      .state = TrackState::kLost, .reason = "x", .mismatch = true, .x = 120.4, .y = -33};
   const Conditions& conditions = health.update(Stamp::from_ns(1), status);
   ASSERT_EQ(conditions.findings().size(), 2U);
   EXPECT_STREQ(conditions.findings()[0].id, "lost");
   EXPECT_STREQ(conditions.findings()[1].id, "map_mismatch");
   EXPECT_NE(conditions.findings()[1].what.find("120 m east, -33 m north"), std::string::npos);
-  status = {.state = "TRACKING"};
+  status = {.state = TrackState::kTracking};
   health.update(Stamp::from_ns(2), status);
   EXPECT_TRUE(conditions.findings().empty());
 }

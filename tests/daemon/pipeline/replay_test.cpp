@@ -33,7 +33,7 @@ class ReplayTest : public testing::Test {
     return *truth;
   }
 
-  /// The capture without what `leave_out` names, as another file.
+  /// Writes the capture without the datagrams of `leave_out` to another file.
   template <class LeaveOut>
   std::filesystem::path without(LeaveOut leave_out) {
     const auto path = folder_ / "without.pcap";
@@ -55,7 +55,7 @@ class ReplayTest : public testing::Test {
   std::filesystem::path path_ = folder_ / "street.pcap";
 };
 
-TEST_F(ReplayTest, EveryPacketAndReturnOfAGeneratedCaptureComesThrough) {
+TEST_F(ReplayTest, CountsEveryPacketAndReturnOfAGeneratedCapture) {
   const auto truth = make(3.05, 0, velodyne::Model::kHdl32e);
   const auto result = run_replay(path_);
   ASSERT_TRUE(result) << result.error().message();
@@ -64,7 +64,7 @@ TEST_F(ReplayTest, EveryPacketAndReturnOfAGeneratedCaptureComesThrough) {
   EXPECT_EQ(counters.position_packets, truth.position_packets);
   EXPECT_EQ(counters.returns, truth.returns);
   EXPECT_EQ(counters.lost_network, 0U);
-  EXPECT_EQ(counters.sweeps, 31U);  // cut behind: half a turn, then 30 turns, 3.05 s at 10 Hz
+  EXPECT_EQ(counters.sweeps, 31U);  // cut at the rear: half a turn, then 30 turns, 3.05 s at 10 Hz
   EXPECT_EQ(result->devices.at(0).model, "HDL-32E");
   EXPECT_EQ(result->totals.alerts, 0U);
 
@@ -96,7 +96,7 @@ TEST_F(ReplayTest, LostPacketsAreCountedAndReported) {
   EXPECT_THAT(result->totals.first_alerts[0].finding.what, HasSubstr("in the network"));
 }
 
-TEST_F(ReplayTest, TheSameBytesAtEveryRateAndWithASlowClient) {
+TEST_F(ReplayTest, GivesTheSameBytesAtEveryRateAndWithASlowClient) {
   make(1.5, 0.01);
   const auto fastest = run_replay(path_);
   ASSERT_TRUE(fastest);
@@ -124,7 +124,7 @@ TEST_F(ReplayTest, TheSameBytesAtEveryRateAndWithASlowClient) {
   EXPECT_EQ(watched->reports, fastest->reports);
 }
 
-TEST_F(ReplayTest, AWatcherSeesEveryReportWithHostFigures) {
+TEST_F(ReplayTest, AClientReceivesEveryReportWithHostFigures) {
   make(2.2);
   std::vector<std::string> seen;
   std::thread watcher([&] {
@@ -168,12 +168,12 @@ TEST_F(ReplayTest, SilenceRaisesAnAlertThatIsClearedWhenPacketsComeBack) {
   }
   ASSERT_EQ(alerts.size(), 2U);
   EXPECT_EQ(alerts[0]["state"], "raised");
-  EXPECT_THAT(alerts[0]["what"].get<std::string>(), HasSubstr("nothing received on port 2368"));
+  EXPECT_THAT(alerts[0]["what"].get<std::string>(), HasSubstr("no data on port 2368"));
   EXPECT_EQ(alerts[1]["state"], "cleared");
   EXPECT_EQ(alerts[1]["since"], alerts[0]["stamp"]);
 }
 
-TEST_F(ReplayTest, AStopComesSoonAndTheReportsAreTheBeginningOfAll) {
+TEST_F(ReplayTest, AStoppedReplayGivesTheFirstReports) {
   make(20);
   const auto whole = run_replay(path_);
   const auto part = run_replay(path_, {.rate = 1, .stop_after = std::chrono::milliseconds(300)});
@@ -187,7 +187,7 @@ TEST_F(ReplayTest, AStopComesSoonAndTheReportsAreTheBeginningOfAll) {
   for (size_t i = 0; i + 3 < some.size(); ++i) EXPECT_EQ(some[i], all[i]);
 }
 
-TEST_F(ReplayTest, ATruncatedCaptureGivesWhatIsWholeAndSaysWhereItEnds) {
+TEST_F(ReplayTest, ATruncatedCaptureIsReadUpToItsEndAndNoted) {
   make(2);
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2 + 7);
   const auto result = run_replay(path_);
@@ -196,7 +196,7 @@ TEST_F(ReplayTest, ATruncatedCaptureGivesWhatIsWholeAndSaysWhereItEnds) {
   EXPECT_FALSE(result->notes.empty());
 }
 
-TEST_F(ReplayTest, WhatIsNoDriveIsAnErrorThatSaysWhy) {
+TEST_F(ReplayTest, AnInputThatIsNotADriveIsAnErrorWithAReason) {
   const auto absent = run_replay(folder_ / "absent.pcap");
   ASSERT_FALSE(absent);
   EXPECT_THAT(absent.error().message(), HasSubstr("absent.pcap"));
@@ -245,8 +245,8 @@ struct RealCapture {
 
 class RealReplay : public testing::TestWithParam<RealCapture> {};
 
-// Packet counts are those of the captures' own index, read from the bytes.
-TEST_P(RealReplay, ComesThroughWhole) {
+// Packet counts are from an index of the captures.
+TEST_P(RealReplay, CountsEveryPacket) {
   INFUSE_REAL_DATA_OR_SKIP(path, std::string("velodyne/") + GetParam().file);
   const auto result = run_replay(path);
   ASSERT_TRUE(result) << result.error().message();

@@ -13,7 +13,7 @@
 
 namespace infuse::daemon {
 
-/// A folder of this test program's own, removed at its end.
+/// A temporary folder, removed at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -32,14 +32,14 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// What a replay left behind.
+/// Result of a replay.
 struct ReplayResult {
   Totals totals;
   std::vector<Device> devices;
   std::vector<Error> notes;
-  std::string reports;  ///< the bytes of the reports file
+  std::string reports;  ///< bytes of the reports file
 
-  /// The reports, a line each.
+  /// The reports, one line each.
   std::vector<std::string> lines() const {
     std::vector<std::string> lines;
     std::istringstream stream(reports);
@@ -48,10 +48,10 @@ struct ReplayResult {
   }
 };
 
-/// What else happens during a replay.
+/// Options of `run_replay`.
 struct RunReplayOptions {
   std::optional<double> rate = {};
-  std::filesystem::path socket = {};                         ///< empty: nobody can listen
+  std::filesystem::path socket = {};                         ///< empty: no socket
   std::optional<std::chrono::milliseconds> stop_after = {};  ///< host time
   PipelineOptions pipeline = {};
 };

@@ -18,8 +18,8 @@ TEST(SweepSummary, MeansAreThoseOfTheReturns) {
   }
   sweep.gaps = {{0.5, 1.0}, {-1.0, -3.0}};
   sweep.lost_packets = 4;
-  const SweepReport report = summarise(sweep, 3);
-  EXPECT_EQ(report.device, 3U);
+  const SweepReport report = summarise(sweep, "top");
+  EXPECT_EQ(report.device, "top");
   EXPECT_EQ(report.returns, 1003U);
   EXPECT_DOUBLE_EQ(report.mean_range, range_sum / 1003);  // exact in double
   EXPECT_EQ(report.max_range, 250.5);
@@ -30,7 +30,7 @@ TEST(SweepSummary, MeansAreThoseOfTheReturns) {
 }
 
 TEST(SweepSummary, AnEmptySweepHasNoMeans) {
-  const SweepReport report = summarise(Sweep(), 0);
+  const SweepReport report = summarise(Sweep(), "top");
   EXPECT_EQ(report.returns, 0U);
   EXPECT_TRUE(std::isnan(report.mean_range));
   EXPECT_TRUE(std::isnan(report.max_range));

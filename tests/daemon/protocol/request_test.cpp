@@ -29,7 +29,7 @@ TEST(Request, WatchWithoutClassesIsAllAndAnEmptyListIsNone) {
   EXPECT_EQ(parse_request(R"({"op":"watch","classes":[]})")->classes, ReportClasses());
 }
 
-TEST(Request, WhatChangesTheDaemonNamesACameraOrNone) {
+TEST(Request, ControlRequestsNameACameraOrNone) {
   const auto freeze = parse_request(R"({"op":"freeze","device":"front","on":false})");
   ASSERT_TRUE(freeze);
   EXPECT_TRUE(freeze->is_control());
@@ -54,7 +54,7 @@ TEST(Request, ARecordingHasANameAndBounds) {
   EXPECT_FALSE(parse_request(R"({"op":"record","on":false})")->on);
 }
 
-TEST(Request, SaysWhatIsWrong) {
+TEST(Request, InvalidRequestsAreErrorsWithAReason) {
   EXPECT_THAT(parse_request("").error().what, HasSubstr("not a JSON object"));
   EXPECT_THAT(parse_request("[1]").error().what, HasSubstr("not a JSON object"));
   EXPECT_THAT(parse_request("{}").error().what, HasSubstr("no op"));

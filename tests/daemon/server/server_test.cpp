@@ -46,7 +46,7 @@ class ServerTest : public testing::Test {
     std::filesystem::remove_all(path_.parent_path());
   }
 
-  /// Runs it on the server's thread and waits for it.
+  /// Runs an action on the server's thread and waits for its end.
   template <class Action>
   void on_server(Action action) {
     std::promise<void> done;
@@ -61,24 +61,24 @@ class ServerTest : public testing::Test {
     on_server([&] {
       for (int i = 0; i < count; ++i) {
         SweepReport report;
+        report.device = "front";
         report.stamp = Stamp::from_ns(++stamp_);
         report.sequence = static_cast<uint64_t>(stamp_);
-        server_->publish(ReportClass::kSweep, "front", report.stamp,
-                         sweep_message(report, kDevices));
+        server_->publish(ReportClass::kSweep, "front", report.stamp, message(report));
       }
     });
   }
 
   json next(SocketClient& client) {
     const auto line = client.read_line();
-    if (!line) return json{{"class", "nothing came"}};
+    if (!line) return json{{"class", "none"}};
     EXPECT_TRUE(is_valid_message(*line));
     return json::parse(*line);
   }
 
   boost::asio::io_context io_;
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_{
-      io_.get_executor()};  // run() goes on until it is let go
+      io_.get_executor()};  // keeps run() running until it is reset
   std::optional<Server> server_;
   std::thread thread_;
   std::filesystem::path path_;
@@ -93,7 +93,7 @@ TEST_F(ServerTest, GreetsAndAnswersEveryOp) {
   EXPECT_EQ(next(client)["class"], "ERROR");  // none known yet
   on_server([&] {
     server_->publish(ReportClass::kDevices, "", Stamp::from_ns(1),
-                     devices_message(Stamp::from_ns(1), kDevices));
+                     message(DevicesReport{Stamp::from_ns(1), kDevices}));
   });
   client.send("{\"op\":\"devices\"}\n");
   EXPECT_EQ(next(client)["devices"][0]["device"], "front");
@@ -104,7 +104,7 @@ TEST_F(ServerTest, GreetsAndAnswersEveryOp) {
   EXPECT_EQ(next(client), json({{"class", "ACK"}, {"op", "poll"}}));
 }
 
-TEST_F(ServerTest, AClientGetsWhatItWatchesAndNothingElse) {
+TEST_F(ServerTest, AClientReceivesTheClassesItWatchesOnly) {
   start({});
   SocketClient sweeps(path_);
   SocketClient health(path_);
@@ -121,7 +121,7 @@ TEST_F(ServerTest, AClientGetsWhatItWatchesAndNothingElse) {
   EXPECT_FALSE(silent.read_line(50));
 }
 
-TEST_F(ServerTest, RequestsThatCannotBeCarriedOutAreRefusedWithAReason) {
+TEST_F(ServerTest, InvalidRequestsAreRefusedWithAReason) {
   start({});
   SocketClient client(path_);
   next(client);
@@ -147,7 +147,7 @@ TEST_F(ServerTest, ControlRequestsAreAcceptedFromTheOwnerOnly) {
     port = *server_->listen_tcp(0);
     server_->on_control([&](const Request& request) -> Result<void> {
       requests.push_back(std::string(name_of(request.op)) + " " + request.device);
-      if (request.device == "none") return fail("there is no camera 'none'", "", "ask status");
+      if (request.device == "none") return fail("unknown camera 'none'", "", "ask status");
       return {};
     });
   });
@@ -161,7 +161,7 @@ TEST_F(ServerTest, ControlRequestsAreAcceptedFromTheOwnerOnly) {
   answer = next(owner);
   EXPECT_EQ(answer["class"], "ERROR");
   EXPECT_EQ(answer["op"], "rollback");
-  EXPECT_EQ(answer["what"], "there is no camera 'none'");
+  EXPECT_EQ(answer["what"], "unknown camera 'none'");
 
   boost::asio::ip::tcp::iostream tcp_client("127.0.0.1", std::to_string(port));
   tcp_client << "{\"op\":\"apply\"}\n" << std::flush;
@@ -171,7 +171,7 @@ TEST_F(ServerTest, ControlRequestsAreAcceptedFromTheOwnerOnly) {
   answer = json::parse(line);
   EXPECT_TRUE(is_valid_message(line));
   EXPECT_EQ(answer["class"], "ERROR");
-  EXPECT_THAT(answer["what"].get<std::string>(), HasSubstr("only the daemon's owner"));
+  EXPECT_THAT(answer["what"].get<std::string>(), HasSubstr("permission denied"));
   on_server([&] {
     EXPECT_EQ(requests, (std::vector<std::string>{"recalibrate front", "rollback none"}));
   });
@@ -217,7 +217,7 @@ TEST_F(ServerTest, ASlowClientLosesReportsAndGetsTheirNumber) {
 
   constexpr uint64_t kRounds = 400, kBatch = 10;
   uint64_t quick_received = 0;
-  for (uint64_t round = 0; round < kRounds; ++round) {  // more than a socket's buffers hold
+  for (uint64_t round = 0; round < kRounds; ++round) {  // more than the buffers of a socket hold
     publish_sweeps(kBatch);
     for (uint64_t i = 0; i < kBatch; ++i) quick_received += next(quick)["class"] == "SWEEP";
   }
@@ -280,7 +280,7 @@ TEST_F(ServerTest, AnIdleClientIsDisconnected) {
   EXPECT_EQ(clients, 0U);
 }
 
-TEST_F(ServerTest, OnlyOwnerAndGroupMayConnectAndASecondServerKeepsOff) {
+TEST_F(ServerTest, OnlyOwnerAndGroupMayConnectAndASecondServerFails) {
   start({});
   struct stat status {};
   ASSERT_EQ(::stat(path_.c_str(), &status), 0);
@@ -292,7 +292,7 @@ TEST_F(ServerTest, OnlyOwnerAndGroupMayConnectAndASecondServerKeepsOff) {
   EXPECT_THAT(listening.error().what, HasSubstr("another infused"));
 }
 
-TEST_F(ServerTest, ASocketLeftBehindIsTakenOverAndAFileIsNot) {
+TEST_F(ServerTest, AStaleSocketIsReplacedAndAFileIsNot) {
   start({});
   const auto left = path_.parent_path() / "left.sock";
   {
@@ -322,7 +322,7 @@ TEST_F(ServerTest, FinishingSendsWhatIsQueued) {
   EXPECT_FALSE(client.read_line());
 }
 
-TEST_F(ServerTest, TcpIsServedOnTheLoopbackWhenAsked) {
+TEST_F(ServerTest, TcpIsServedOnTheLoopbackIfConfigured) {
   start({});
   Result<uint16_t> port = fail("");
   on_server([&] { port = server_->listen_tcp(0); });
@@ -360,7 +360,7 @@ TEST_F(ServerTest, TenThousandMutatedRequestsAreEachAnswered) {
   }
 }
 
-TEST(ServerOptions, NamesWhatIsWrong) {
+TEST(ServerOptions, InvalidOptionsNameTheKey) {
   ServerOptions options;
   EXPECT_FALSE(options.invalid());
   options.path = std::string(200, 'x');

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "daemon/health/level.hpp"
+#include "daemon/protocol/reports.hpp"
+#include "drivers/measurement/clock_state.hpp"
+
+namespace infuse::daemon {
+
+// Names of enumerators on the wire. `kRange<E>`: the first and the last one that occur there.
+
+/// First and last enumerator on the wire.
+template <class E>
+inline constexpr std::array<E, 2> kRange{};
+
+/// Kinds of devices.
+inline constexpr std::array<std::string_view, 5> kDeviceKinds = {"lidar", "camera", "can", "imu",
+                                                                 "gnss"};
+/// Kinds of devices that are not lidars.
+inline constexpr std::array<std::string_view, 4> kStreamKinds = {"camera", "can", "imu", "gnss"};
+/// Sources of the stamps of a live CAN bus.
+inline constexpr std::array<std::string_view, 2> kStampSources = {"hardware", "kernel"};
+
+/// States of an alert.
+enum class AlertState : uint8_t { kRaised, kCleared };
+/// States of a recording.
+enum class RecordState : uint8_t { kRecording, kEnded, kFailed };
+
+template <>
+inline constexpr std::array<Level, 2> kRange<Level> = {Level::kOk, Level::kStale};
+template <>
+inline constexpr std::array<AlertState, 2> kRange<AlertState> = {AlertState::kRaised,
+                                                                 AlertState::kCleared};
+template <>
+inline constexpr std::array<RecordState, 2> kRange<RecordState> = {RecordState::kRecording,
+                                                                   RecordState::kFailed};
+template <>
+inline constexpr std::array<PoseFrame, 2> kRange<PoseFrame> = {PoseFrame::kOdom, PoseFrame::kMap};
+template <>
+inline constexpr std::array<ClockState::Source, 2> kRange<ClockState::Source> = {
+    ClockState::Source::kNone, ClockState::Source::kTopOfHour};
+template <>
+inline constexpr std::array<streetmap::TrackState, 2> kRange<streetmap::TrackState> = {
+    streetmap::TrackState::kUnsure, streetmap::TrackState::kLost};
+template <>
+inline constexpr std::array<monitoring::CalibrationState, 2> kRange<monitoring::CalibrationState> =
+    {monitoring::CalibrationState::kOk, monitoring::CalibrationState::kUnusable};
+template <>
+inline constexpr std::array<monitoring::UpdatePolicy, 2> kRange<monitoring::UpdatePolicy> = {
+    monitoring::UpdatePolicy::kAlertOnly, monitoring::UpdatePolicy::kApplyWithin};
+template <>
+inline constexpr std::array<monitoring::CameraFault, 2> kRange<monitoring::CameraFault> = {
+    monitoring::CameraFault::kBlack, monitoring::CameraFault::kLate};
+
+/// Returns "raised" or "cleared".
+constexpr const char* name_of(AlertState state) {
+  return state == AlertState::kRaised ? "raised" : "cleared";
+}
+/// Returns "recording", "ended" or "failed".
+constexpr const char* name_of(RecordState state) {
+  return std::array{"recording", "ended", "failed"}[static_cast<size_t>(state)];
+}
+/// Returns "odom" or "map".
+constexpr const char* name_of(PoseFrame frame) {
+  return frame == PoseFrame::kOdom ? "odom" : "map";
+}
+/// Returns "none", "host", "power_up" or "top_of_hour".
+constexpr const char* name_of(ClockState::Source source) {
+  return std::array{"none", "host", "power_up", "top_of_hour"}[static_cast<size_t>(source)];
+}
+/// Returns "alert-only", "apply" or "apply-within".
+constexpr const char* name_of(monitoring::UpdatePolicy policy) {
+  return std::array{"alert-only", "apply", "apply-within"}[static_cast<size_t>(policy)];
+}
+/// Returns "OK", "MONITORING", ...
+inline const char* name_of(monitoring::CalibrationState state) {
+  return monitoring::to_string(state);
+}
+/// Returns "black", "frozen", ...
+inline const char* name_of(monitoring::CameraFault fault) { return monitoring::to_string(fault); }
+/// Returns "TRACKING", "UNSURE" or "LOST".
+inline const char* name_of(streetmap::TrackState state) { return streetmap::name(state); }
+
+}  // namespace infuse::daemon
