@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "daemon/pipeline/delivery.hpp"
@@ -18,6 +19,9 @@ struct PipelineSetup {
   std::vector<camera::ImageOptions> cameras;  ///< how each one's picture files are read; those
                                               ///< of the rig, then cameras without a place in it
   VehicleSetup vehicle;
+  /// Lidar whose position packets carry the NMEA sentences of the GNSS receiver, if it has no
+  /// stream of its own. `vehicle.has_gnss` is true then.
+  std::optional<size_t> gnss_lidar;
   Rig rig;                      ///< where the sensors are
   std::vector<Device> devices;  ///< lidars, cameras, then buses, inertial unit and receiver
 

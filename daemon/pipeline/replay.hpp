@@ -31,10 +31,7 @@ class Replay {
   /// Asks for an end before the drive's; `on_end` still comes.
   void stop() { pipeline_.stop(); }
 
-  /// Carries out what the owner asks for.
-  Result<void> handle_request(const Request& request) { return pipeline_.handle_request(request); }
-
-  /// For whoever keeps the poses; before `start`.
+  Pipeline& pipeline() { return pipeline_; }
   Publisher& publisher() { return pipeline_.publisher(); }
 
   const Totals& totals() const { return pipeline_.publisher().totals(); }

@@ -1,4 +1,4 @@
-// On a kernel that has CAN, with a virtual bus vcan0 that may be taken down: ./dev vm.
+// Needs a kernel with CAN and a virtual bus vcan0 that may be taken down: ./dev vm.
 
 #include <gtest/gtest.h>
 #include <linux/can.h>
@@ -28,8 +28,8 @@ class VirtualBus : public testing::Test {
     if (sender_) set_interface_up(true);
   }
 
-  static Descriptor open_sender(const char* interface) {
-    Descriptor sender(socket(PF_CAN, SOCK_RAW, CAN_RAW));
+  static FileDescriptor open_sender(const char* interface) {
+    FileDescriptor sender(socket(PF_CAN, SOCK_RAW, CAN_RAW));
     const int on = 1;
     setsockopt(sender.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof(on));
     sockaddr_can bus{};
@@ -54,7 +54,7 @@ class VirtualBus : public testing::Test {
   void send(canid_t id, uint8_t length, uint8_t first, size_t size = CAN_MTU) const {
     send(sender_, id, length, first, size);
   }
-  static void send(const Descriptor& sender, canid_t id, uint8_t length, uint8_t first,
+  static void send(const FileDescriptor& sender, canid_t id, uint8_t length, uint8_t first,
                    size_t size = CAN_MTU) {
     canfd_frame frame{};
     frame.can_id = id;
@@ -81,7 +81,7 @@ class VirtualBus : public testing::Test {
 
   receive::TimeBase time_base_;
   receive::MessageBatch batch_ = make_can_batch();
-  Descriptor sender_;
+  FileDescriptor sender_;
 };
 
 TEST_F(VirtualBus, GivesClassicAndFdFramesInOrderWithTheKernelsStamps) {
@@ -134,7 +134,7 @@ TEST_F(VirtualBus, SurvivesTheInterfaceGoingDownAndUp) {
   SocketCanSource source = open({.interface = "vcan0"});
   set_interface_up(false);
   pollfd waiting{source.descriptor(), POLLIN, 0};
-  EXPECT_EQ(poll(&waiting, 1, 1000), 1);  // the kernel tells it
+  EXPECT_EQ(poll(&waiting, 1, 1000), 1);  // the kernel reports it
   EXPECT_EQ(read_all(source).size(), 0U);
   EXPECT_FALSE(source.up());
   set_interface_up(true);
@@ -147,7 +147,7 @@ TEST_F(VirtualBus, SurvivesTheInterfaceGoingDownAndUp) {
 
 TEST_F(VirtualBus, TwoBusesAreReceivedSeparatelyAndOneGoesDownAlone) {
   ASSERT_NE(if_nametoindex("vcan1"), 0U);
-  const Descriptor other = open_sender("vcan1");
+  const FileDescriptor other = open_sender("vcan1");
   SocketCanSource first = open({.interface = "vcan0"});
   SocketCanSource second = open({.interface = "vcan1"});
   send(0x10, 1, 1);
