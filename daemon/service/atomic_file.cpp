@@ -40,7 +40,8 @@ Result<void> write_atomically(const std::filesystem::path& path, std::string_vie
     return receive::fail_errno("cannot be written", path.string(), "", number);
   }
   // Sync the folder's entry too; if that fails, the file is still complete.
-  const FileDescriptor folder(::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const FileDescriptor folder(
+      ::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder) fsync(folder.get());
   return {};
 }
