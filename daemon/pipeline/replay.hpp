@@ -31,10 +31,7 @@ class Replay {
   /// Ends the replay early; `on_end` is still called.
   void stop() { pipeline_.stop(); }
 
-  /// Carries out a control request.
-  Result<void> handle_request(const Request& request) { return pipeline_.handle_request(request); }
-
-  /// The publisher, for registering listeners before `start`.
+  Pipeline& pipeline() { return pipeline_; }
   Publisher& publisher() { return pipeline_.publisher(); }
 
   const Totals& totals() const { return pipeline_.publisher().totals(); }
