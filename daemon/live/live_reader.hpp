@@ -72,7 +72,7 @@ class LiveReader {
   std::optional<ReopeningSource<vehicle::SerialLineSource>> gnss_;
   std::optional<receive::DeviceWatch> devices_;
   size_t lidars_;
-  std::optional<size_t> gnss_lidar_;
+  std::optional<LidarIndex> gnss_lidar_;
   std::vector<bool> used_;  // by stream index
   receive::MessageBatch datagrams_{64, velodyne::UdpSource::kMaxDatagramBytes};
   receive::MessageBatch frames_ = vehicle::make_can_batch();

@@ -143,7 +143,7 @@ Result<void> set_up_gnss(const Config& config, LiveSetup& setup) {
     if (lidar == config.lidars.end()) {
       return fail("[gnss] refers to lidar '" + gnss.lidar + "', which is not configured");
     }
-    setup.gnss_lidar = static_cast<size_t>(lidar - config.lidars.begin());
+    setup.gnss_lidar = LidarIndex(static_cast<size_t>(lidar - config.lidars.begin()));
     endpoint = "position packets of " + gnss.lidar;
   } else {
     setup.gnss = vehicle::SerialOptions{gnss.device, gnss.baud};

@@ -152,7 +152,7 @@ Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
     const auto lidar =
         std::find_if(setup.lidars.begin(), setup.lidars.end(),
                      [&](const LidarSetup& known) { return known.name == description.gnss_lidar; });
-    setup.gnss_lidar = static_cast<size_t>(lidar - setup.lidars.begin());
+    setup.gnss_lidar = LidarIndex(static_cast<size_t>(lidar - setup.lidars.begin()));
     setup.vehicle.has_gnss = true;
     setup.devices.push_back({"gnss", "gnss", "NMEA", "position packets carry NMEA sentences",
                              "position packets of " + setup.lidars[*setup.gnss_lidar].name,

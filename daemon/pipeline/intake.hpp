@@ -81,7 +81,7 @@ class Intake {
   std::vector<CameraIntake> cameras_;
   size_t mounted_cameras_;  // images of further cameras are only counted
   VehicleIntake vehicle_;
-  std::optional<size_t> gnss_lidar_;  // whose position packets carry the GNSS fixes
+  std::optional<LidarIndex> gnss_lidar_;  // whose position packets carry the GNSS fixes
   SourceStates sources_;
   std::vector<VehicleSample> samples_;  // not passed on yet
   Stamp first_sample_, last_sample_;    // drive time of the first and the last of these

@@ -21,7 +21,7 @@ struct PipelineSetup {
   VehicleSetup vehicle;
   /// Lidar whose position packets carry the NMEA sentences of the GNSS receiver, if it has no
   /// stream of its own. `vehicle.has_gnss` is true then.
-  std::optional<size_t> gnss_lidar;
+  std::optional<LidarIndex> gnss_lidar;
   Rig rig;                      ///< mounts of the sensors
   std::vector<Device> devices;  ///< lidars, cameras, buses, inertial unit, GNSS receiver
 

@@ -32,6 +32,8 @@ class Replay {
   void stop() { pipeline_.stop(); }
 
   Pipeline& pipeline() { return pipeline_; }
+
+  /// The publisher, for registering listeners before `start`.
   Publisher& publisher() { return pipeline_.publisher(); }
 
   const Totals& totals() const { return pipeline_.publisher().totals(); }

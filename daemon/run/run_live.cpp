@@ -33,12 +33,12 @@ Result<void> listen_for_metrics(MetricsServer& metrics, const MetricsSettings& s
 
 /// Updates the metrics with every HEALTH report.
 void publish_metrics(MetricsServer& metrics, Publisher& publisher) {
-  publisher.on_health([&metrics, &publisher](const std::string& message) {
+  publisher.on_health([&metrics, &publisher](const HealthReport& health) {
     ProcessStats process;
     process.release = INFUSE_VERSION;
     process.alerts = publisher.totals().alerts;
     measure_process(process);
-    metrics.set_text(metrics_text(Json::parse(message), process));
+    metrics.set_text(metrics_text(health, process));
   });
 }
 

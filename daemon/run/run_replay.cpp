@@ -38,7 +38,7 @@ void show_progress(ProgressLine& line, boost::asio::steady_timer& timer, const R
 void collect_poses(Publisher& publisher, bool has_map,
                    std::vector<recording::TrajectoryPose>& poses) {
   publisher.on_pose([&poses, has_map](const PoseReport& pose) {
-    const bool right_frame = std::string_view(pose.frame) == (has_map ? "map" : "odom");
+    const bool right_frame = pose.frame == (has_map ? PoseFrame::kMap : PoseFrame::kOdom);
     if (right_frame && pose.usable()) poses.push_back({pose.stamp, pose.T_frame_vehicle});
   });
 }
