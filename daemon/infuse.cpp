@@ -1,4 +1,4 @@
-// infuse: the command that people type. Each sub-command is a file in daemon/commands.
+// infuse: the command-line tool. Each sub-command is a file in daemon/commands.
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -13,10 +13,9 @@ namespace {
 
 int run(int argc, char** argv) {
   CLI::App app(
-      "infuse: looks into recordings of lidars, and asks the running daemon (infused).\n\n"
-      "  infuse inspect drive.pcap           what is in this capture or drive\n"
-      "  infuse decode drive.pcap -o x.pcd   its sweeps as point clouds\n"
-      "  infuse status                       how the sensors of the running daemon are");
+      "infuse: queries and controls the running daemon (infused), and works on recordings and "
+      "calibrations.");
+  set_examples(app, {"infuse status", "infuse inspect drive.pcap"});
   app.set_version_flag("--version", INFUSE_VERSION);
   app.require_subcommand(1);
   const std::vector<Command> commands = {

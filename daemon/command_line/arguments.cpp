@@ -14,6 +14,15 @@ std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
   return std::nullopt;
 }
 
+void set_examples(CLI::App& app, std::initializer_list<const char*> examples) {
+  std::string text = "Examples:";
+  for (const char* example : examples)
+    text += std::string(
+                "\
+  ") + example;
+  app.footer(text);
+}
+
 int print_error(const std::string& program, const Error& error, ExitCode code) {
   std::fprintf(stderr, "%s: %s\n", program.c_str(), error.message().c_str());
   return code;
@@ -24,8 +33,8 @@ Result<std::optional<double>> parse_rate(const std::string& text) {
   char* end = nullptr;
   const double rate = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != '\0' || !(rate >= 0.01 && rate <= 1000)) {
-    return fail("'" + text + "' is no rate", "--rate",
-                "1 is real time, 0.01 ... 1000, or max for as fast as it goes");
+    return fail("'" + text + "' is not a rate", "--rate",
+                "give 0.01 ... 1000 (1 is real time), or max");
   }
   return std::optional<double>(rate);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <initializer_list>
 #include <optional>
 #include <string>
 
@@ -9,14 +10,17 @@
 
 namespace infuse::daemon {
 
-/// Parses the command line. Gives the exit code where the program is to end at once: help was
-/// requested, or the usage was wrong; both have been printed then.
+/// Parses the command line. Returns the exit code if the program is to end at once: help was
+/// requested or the usage is wrong, and the text has been printed.
 std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv);
 
-/// Prints "program: message" to standard error and gives `code` back.
+/// Appends examples to the help text of a program or sub-command, one per line.
+void set_examples(CLI::App& app, std::initializer_list<const char*> examples);
+
+/// Prints "program: message" to standard error and returns `code`.
 int print_error(const std::string& program, const Error& error, ExitCode code);
 
-/// A replay's `--rate`: nothing for "max", else the number, 0.01 ... 1000.
+/// Parses a replay's `--rate`: nothing for "max", otherwise the factor, 0.01 … 1000.
 Result<std::optional<double>> parse_rate(const std::string& text);
 
 }  // namespace infuse::daemon

@@ -2,12 +2,12 @@
 
 namespace infuse::daemon {
 
-/// What every program of infuse ends with.
+/// Exit codes of all programs of infuse.
 enum ExitCode : int {
   kDone = 0,
   kFailure = 1,     ///< the answer is "no", or a check failed
   kUsage = 2,       ///< wrong usage or configuration
-  kUnreadable = 3,  ///< input that cannot be read
+  kUnreadable = 3,  ///< input cannot be read
 };
 
 }  // namespace infuse::daemon

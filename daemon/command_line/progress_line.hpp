@@ -5,8 +5,8 @@
 
 namespace infuse::daemon {
 
-/// One line on standard error that is overwritten again and again; nothing where that is not a
-/// terminal.
+/// One line on standard error that is overwritten at every update; nothing if standard error is not
+/// a terminal.
 class ProgressLine {
  public:
   ProgressLine();
@@ -14,13 +14,13 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Whether anyone sees it.
+  /// True if standard error is a terminal.
   bool visible() const { return visible_; }
 
-  /// A bar for `fraction` (0 … 1; none where it is not known), then the text.
+  /// Shows a bar for `fraction` (0 … 1; no bar if unknown), followed by the text.
   void show(std::optional<double> fraction, const std::string& text);
 
-  /// Takes the line away.
+  /// Removes the line.
   void clear();
 
  private:

@@ -8,12 +8,12 @@
 namespace infuse::daemon {
 namespace {
 
-/// A number of things over a stretch of drive time.
+/// Events per second of drive time.
 double rate(uint64_t count, Duration span) {
   return span > Duration::zero() ? static_cast<double>(count) / to_seconds(span) : 0;
 }
 
-/// From the first packet to the last.
+/// Time from the first packet to the last.
 Duration active_duration(const SensorCounters& counters) {
   return counters.packets == 0 ? Duration::zero() : counters.last_packet - counters.first_packet;
 }
@@ -36,7 +36,7 @@ double realtime_factor(const Summary& summary) {
   return summary.host_s > 0 ? drive_s(summary) / summary.host_s : 0;
 }
 
-/// The stage that spans the whole way of a sweep.
+/// The stage that covers the whole path of a sweep; null if there is none.
 const StageStats* total_stage(const Summary& summary) {
   return summary.totals.host.stages.empty() ? nullptr : &summary.totals.host.stages.back();
 }
@@ -78,19 +78,19 @@ Json odometry_json(const OdometryStatus& odometry) {
   return json;
 }
 
-/// ", 3 malformed" for each cause that there was.
+/// ", 3 malformed" for each cause that occurred.
 std::string causes_text(const SensorCounters& c) {
   std::string text;
   const auto add = [&](uint64_t count, const char* cause) {
     if (count > 0) text += fmt::format(", {} {}", count, cause);
   };
-  add(c.lost_kernel, "of them in the kernel");
+  add(c.lost_kernel, "of these in the kernel");
   add(c.malformed, "malformed");
-  add(c.wrong_sender, "from another sender");
-  add(c.duplicates, "twice");
+  add(c.wrong_sender, "from an unexpected sender");
+  add(c.duplicates, "duplicated");
   add(c.too_late, "too late");
-  add(c.out_of_order, "put back in order");
-  add(c.wrong_model, "that name another model");
+  add(c.out_of_order, "reordered");
+  add(c.wrong_model, "with another model's product byte");
   return text;
 }
 
@@ -169,7 +169,7 @@ std::string device_text(const Device& device, const SensorCounters& c, Level lev
   text += fmt::format("    {} packets ({:.1f}/s), {} lost{}\n", c.packets,
                       rate(c.packets, active_duration(c)), count_lost(c), causes_text(c));
   text += fmt::format(
-      "    {} sweeps ({:.2f}/s), {} returns ({:.0f} a sweep)\n", c.sweeps,
+      "    {} sweeps ({:.2f}/s), {} returns ({:.0f} per sweep)\n", c.sweeps,
       rate(c.sweeps, active_duration(c)), c.returns,
       c.sweeps == 0 ? 0.0 : static_cast<double>(c.returns) / static_cast<double>(c.sweeps));
   if (c.position_packets > 0) text += fmt::format("    {} position packets\n", c.position_packets);
@@ -180,25 +180,26 @@ std::string stream_text(const Device& device, const StreamCounters& c, Level lev
   std::string text = fmt::format("  {}: {} {}, {}\n    {} received ({:.1f}/s), {} used",
                                  device.name, device.kind, device.model, name_of(level), c.received,
                                  rate(c.received, c.last - c.first), c.used);
-  if (c.refused > 0) text += fmt::format(", {} that could not be read", c.refused);
+  if (c.refused > 0) text += fmt::format(", {} rejected", c.refused);
   if (c.lost > 0) text += fmt::format(", {} missing", c.lost);
-  if (c.out_of_order > 0) text += fmt::format(", {} with a stamp that goes back", c.out_of_order);
+  if (c.out_of_order > 0)
+    text += fmt::format(", {} with a stamp before the previous one", c.out_of_order);
   return text + "\n";
 }
 
 std::string odometry_text(const OdometryStatus& odometry) {
   std::string text = "  odometry: ";
   text += odometry.usable() ? "trusted" : fmt::format("not trusted: {}", odometry.reason);
-  text += fmt::format("; wheels' scale {:.4f} ± {:.4f}, yaw-rate bias {:.3f} ± {:.3f} °/s\n",
+  text += fmt::format("; wheel scale {:.4f} ± {:.4f}, yaw-rate bias {:.3f} ± {:.3f} °/s\n",
                       odometry.wheel_scale, odometry.wheel_scale_sigma,
                       odometry.yaw_rate_bias / kDegree, odometry.yaw_rate_bias_sigma / kDegree);
   if (odometry.not_deskewed > 0) {
-    text += fmt::format("    {} sweeps were not corrected for motion\n", odometry.not_deskewed);
+    text += fmt::format("    {} sweeps were not deskewed\n", odometry.not_deskewed);
   }
   return text;
 }
 
-/// "straight 1.20 ms p50, 2.00 ms p99, 3.10 ms max".
+/// "deskew 1.20 ms p50, 2.00 ms p99, 3.10 ms max".
 std::string stage_text(const StageStats& stage) {
   const LatencyStats& latency = stage.latency;
   return fmt::format("    {:<9} {:6.2f} ms p50, {:6.2f} ms p99, {:6.2f} ms max ({} times)\n",
@@ -211,7 +212,7 @@ std::string to_text(const Summary& summary) {
   std::string text =
       fmt::format("{}: {:.1f} s of drive in {:.2f} s ({:.1f} × real time){}\n",
                   summary.path.string(), drive_s(summary), summary.host_s, realtime_factor(summary),
-                  summary.stopped ? ", stopped before its end" : "");
+                  summary.stopped ? ", stopped early" : "");
   const size_t lidars = totals.counters.size();
   for (size_t i = 0; i < lidars; ++i) {
     text += device_text(summary.devices[i], totals.counters[i], totals.levels[i]);
@@ -225,10 +226,9 @@ std::string to_text(const Summary& summary) {
     for (const StageStats& stage : totals.host.stages) {
       if (stage.latency.count > 0) text += stage_text(stage);
     }
-    text +=
-        fmt::format("  {} sweeps were told later than their deadline\n", total->deadline_misses);
+    text += fmt::format("  {} sweeps missed their deadline\n", total->deadline_misses);
   }
-  text += fmt::format("  {} alerts; {:.2f} s of processor time, {:.0f} MB of memory at most\n",
+  text += fmt::format("  {} alerts; {:.2f} s of processor time, {:.0f} MB peak memory\n",
                       totals.alerts, process_cpu_s(), peak_memory_mb());
   for (const AlertReport& alert : totals.first_alerts) {
     text +=

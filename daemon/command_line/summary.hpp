@@ -11,36 +11,36 @@
 
 namespace infuse::daemon {
 
-/// What a replay came to.
+/// Result of a replay.
 struct Summary {
   std::filesystem::path path;
   std::vector<Device> devices;
   Totals totals;
-  bool has_odometry = false;  ///< something says how the vehicle moves
-  std::vector<Error> notes;   ///< what was wrong with the files
-  double host_s = 0;          ///< how long it took
-  bool stopped = false;       ///< by a signal, before the drive's end
+  bool has_odometry = false;  ///< true if the drive has a source of odometry
+  std::vector<Error> notes;   ///< problems of the files
+  double host_s = 0;          ///< duration of the replay by the host's clock, s
+  bool stopped = false;       ///< true if a signal ended the replay before the drive's end
 };
 
 /// Largest resident size of this process so far, MB.
 double peak_memory_mb();
 
-/// For machines: one object, keys in snake_case with their units.
+/// Formats the summary as one JSON object; keys in snake_case with units.
 Json to_json(const Summary& summary);
 
-/// For people: several lines.
+/// Formats the summary as several lines of text.
 std::string to_text(const Summary& summary);
 
-/// What a replay came to, as far as it knows by itself.
+/// Collects the summary of a finished replay; `host_s` and `stopped` are left to the caller.
 Summary summarise(const Replay& replay);
 
-/// What is known of one lidar, for people: several lines.
+/// Formats the counters of one lidar as several lines of text.
 std::string device_text(const Device& device, const SensorCounters& counters, Level level);
 
-/// The same of a camera, a bus, an inertial unit or a receiver.
+/// Formats the counters of a camera, a CAN bus, an IMU or a GNSS receiver.
 std::string stream_text(const Device& device, const StreamCounters& counters, Level level);
 
-/// What odometry has learned and done, for people: a line or two.
+/// Formats the state of odometry, one or two lines.
 std::string odometry_text(const OdometryStatus& odometry);
 
 }  // namespace infuse::daemon

@@ -52,12 +52,12 @@ std::optional<std::string> find_usage_error(const Arguments& arguments) {
   }
   for (const std::string& name : arguments.measures) {
     if (calibration::find_measure(name) != nullptr) continue;
-    return "there is no measure '" + name + "'; choose of " + measure_names();
+    return "unknown measure '" + name + "'; known: " + measure_names();
   }
   return std::nullopt;
 }
 
-/// T_camera_lidar from 16 numbers or a rig.toml; the drive's own where nothing is given.
+/// T_camera_lidar from 16 numbers or a rig.toml; the drive's extrinsics by default.
 Result<Eigen::Isometry3d> read_initial_pose(const Arguments& arguments, const ScenePairs& pairs) {
   if (arguments.initial_pose.empty()) return pairs.cameras.front().T_camera_lidar;
   std::string text = arguments.initial_pose;
@@ -66,7 +66,7 @@ Result<Eigen::Isometry3d> read_initial_pose(const Arguments& arguments, const Sc
     Eigen::Matrix4d matrix;
     for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = (*numbers)[static_cast<size_t>(i)];
     const auto rigid = recording::to_rigid(matrix);
-    if (!rigid) return fail("the 16 numbers are no rigid motion", "--start");
+    if (!rigid) return fail("the 16 numbers are not a rigid transform", "--start");
     return *rigid;
   }
   const auto rig = recording::read_rig(arguments.initial_pose);
@@ -78,7 +78,7 @@ Result<Eigen::Isometry3d> read_initial_pose(const Arguments& arguments, const Sc
 }
 
 int report_no_pairs(const Arguments& arguments, const ScenePairs& pairs) {
-  const std::string reason = "no picture has a sweep near it in time";
+  const std::string reason = "no image has a sweep close to it in time";
   if (arguments.json) {
     std::cout << Json{{"camera", pairs.cameras.front().name},
                       {"lidar", pairs.lidar},
@@ -107,7 +107,7 @@ Result<void> write_rig(const Arguments& arguments, const ScenePairs& pairs,
   return recording::write_rig(arguments.output, rig);
 }
 
-/// One object: the first measure's, and the others under `measures`.
+/// Prints one object: the first measure's result, with the others under `measures`.
 void print(const Arguments& arguments, const ScenePairs& pairs,
            const std::vector<CalibrationRun>& runs) {
   if (!arguments.json) {
@@ -147,7 +147,7 @@ int run(const Arguments& arguments) {
   for (size_t k = 0; k < arguments.measures.size(); ++k) {
     line.show(0.5 + 0.5 * static_cast<double>(k) / static_cast<double>(arguments.measures.size()),
               fmt::format("{} scenes, {}", pairs->pairs.size(), arguments.measures[k]));
-    std::mt19937_64 random(arguments.seed);  // every measure from the same start
+    std::mt19937_64 random(arguments.seed);  // the same initial pose for every measure
     auto calibrated = run_calibration(
         *pairs, *calibration::find_measure(arguments.measures[k]),
         perturb(*initial_pose, arguments.perturb[0] * kDegree, arguments.perturb[1], random),
@@ -173,7 +173,7 @@ int run(const Arguments& arguments) {
       return print_error(kProgram, written.error(), kUnreadable);
     }
   } else if (!arguments.output.empty()) {
-    std::cerr << kProgram << ": " << arguments.output << " is not written: not usable\n";
+    std::cerr << kProgram << ": " << arguments.output << " not written: the result is not usable\n";
   }
   return usable ? kDone : kFailure;
 }
@@ -182,41 +182,49 @@ int run(const Arguments& arguments) {
 
 Command declare_calibrate(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
-      "calibrate", "where a camera is, seen from the lidar: from drives, without targets");
+      "calibrate",
+      "estimate the pose of a camera relative to the lidar from drives, without targets");
   const auto arguments = std::make_shared<Arguments>();
   app->add_option("DRIVE", arguments->request.drives, "drive folders of one rig")->required();
   app->add_option(
          "--camera", arguments->request.cameras,
-         "which, where there are several; of several, by commas, the first is the head, and "
-         "the rig tells where the others stand relative to it")
+         "camera, if the rig has several; for a rig of cameras, names separated by commas: "
+         "the first is the reference camera, the others keep their pose relative to it")
       ->delimiter(',')
       ->type_name("NAME");
-  app->add_option("--lidar", arguments->request.lidar, "which; default: the camera's")
+  app->add_option("--lidar", arguments->request.lidar,
+                  "lidar (default: the one that the camera's extrinsics refer to)")
       ->type_name("NAME");
   app->add_option("--measure", arguments->measures,
-                  "what is maximised (joint), of " + measure_names() +
-                      "; several are compared, the first one counts")
+                  "measure of dependence to maximise (joint), one of " + measure_names() +
+                      "; several are compared, the first one gives the result")
       ->type_name("NAME");
   app->add_option("--scenes", arguments->request.max_scenes,
-                  "pictures of each camera that take part at most (20)")
+                  "maximum number of images of each camera (20)")
       ->type_name("N");
   app->add_option("--start", arguments->initial_pose,
-                  "T_camera_lidar to start from: 16 numbers by row, or a rig.toml (the drive's)")
+                  "initial guess of T_camera_lidar: 16 numbers by row, or a rig.toml (default: the "
+                  "drive's extrinsics)")
       ->type_name("MATRIX|RIG");
   app->add_option("--within", arguments->within_deg,
-                  "how far off the start's rotation may be, about each axis (3.5)")
+                  "maximum rotation error of the initial guess about each axis (3.5)")
       ->type_name("DEG");
-  app->add_option("--perturb", arguments->perturb,
-                  "moves the start at random, to see whether it comes home: degrees and metres")
+  app->add_option(
+         "--perturb", arguments->perturb,
+         "perturb the initial guess at random by up to so many degrees and metres, to test "
+         "the convergence")
       ->expected(2)
       ->delimiter(',')
       ->type_name("DEG,M");
-  app->add_option("--seed", arguments->seed, "of all that is random (1)")->type_name("N");
-  app->add_option("--report", arguments->report, "writes index.html with pictures there")
+  app->add_option("--seed", arguments->seed, "seed of the random numbers (1)")->type_name("N");
+  app->add_option("--report", arguments->report, "write a report with images: DIR/index.html")
       ->type_name("DIR");
-  app->add_option("-o,--output", arguments->output, "writes the rig with the result, where usable")
+  app->add_option("-o,--output", arguments->output,
+                  "write the rig with the result, if the result is usable")
       ->type_name("rig.toml");
-  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  set_examples(*app, {"infuse calibrate drive/ --camera front -o rig.toml",
+                      "infuse calibrate monday/ tuesday/ --scenes 40 --report report/"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

@@ -29,7 +29,7 @@ struct Arguments {
   bool json = false;
 };
 
-/// Against the truth, where every drive has it.
+/// Error relative to the ground truth of the drives.
 struct TargetError {
   double rotation_deg;
   double translation_m;
@@ -89,12 +89,12 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
     const target::ViewResidual& view = result.views[i];
     text += fmt::format("  {:<28} ", views.names[i]);
     text += calibration.reasons[i].empty()
-                ? fmt::format("{:5} returns, {:6.1f} mm and {:5.2f} deg off{}\n",
+                ? fmt::format("{:5} returns, {:6.1f} mm and {:5.2f} deg residual{}\n",
                               calibration.return_counts[i], 1e3 * view.offset, view.tilt / kDegree,
-                              view.used ? "" : ": an outlier, left out")
+                              view.used ? "" : ": outlier, not used")
                 : calibration.reasons[i] + "\n";
   }
-  for (const std::string& note : views.skipped) text += "  passed over: " + note + "\n";
+  for (const std::string& note : views.skipped) text += "  skipped: " + note + "\n";
   const Eigen::Matrix4d& T = result.T_refcam_lidar.matrix();
   text += "T_camera_lidar\n";
   for (int row = 0; row < 3; ++row) {
@@ -103,12 +103,12 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
   }
   const auto sigma = result.covariance.diagonal().cwiseSqrt();
   text += fmt::format(
-      "one standard deviation: {:.3f} {:.3f} {:.3f} deg about, {:.1f} {:.1f} {:.1f} mm along the "
+      "standard deviation: {:.3f} {:.3f} {:.3f} deg about, {:.1f} {:.1f} {:.1f} mm along the "
       "camera's axes\n",
       sigma(0) / kDegree, sigma(1) / kDegree, sigma(2) / kDegree, 1e3 * sigma(3), 1e3 * sigma(4),
       1e3 * sigma(5));
   if (const auto error = error_to_truth(views, result.T_refcam_lidar)) {
-    text += fmt::format("error to the truth: {:.3f} deg, {:.1f} mm\n", error->rotation_deg,
+    text += fmt::format("error relative to the truth: {:.3f} deg, {:.1f} mm\n", error->rotation_deg,
                         1e3 * error->translation_m);
   }
   text += result.usable() ? fmt::format("usable, from {} views\n", result.used)
@@ -116,7 +116,7 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
   return text;
 }
 
-/// "7x5" into the board.
+/// Parses "7x5" into the board; false if the text is malformed.
 bool parse_board(const std::string& text, target::Board& board) {
   int end = 0;
   return std::sscanf(text.c_str(), "%dx%d%n", &board.columns, &board.rows, &end) == 2 &&
@@ -136,7 +136,8 @@ Result<void> write_result(const Arguments& arguments, const TargetViews& views,
 int run(Arguments& arguments) {
   target::Board& board = arguments.size;
   if (!parse_board(arguments.board, board)) {
-    return print_error(kProgram, {"'" + arguments.board + "' is no COLSxROWS", "--board", "as 7x5"},
+    return print_error(kProgram,
+                       {"'" + arguments.board + "' is not COLSxROWS", "--board", "for example 7x5"},
                        kUsage);
   }
   for (const auto& wrong :
@@ -168,28 +169,32 @@ int run(Arguments& arguments) {
 
 Command declare_calibrate_target(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
-      "calibrate-target",
-      "where a camera is, seen from the lidar, by checkerboards held up to both");
+      "calibrate-target", "estimate the pose of a camera relative to the lidar from checkerboards");
   const auto arguments = std::make_shared<Arguments>();
-  app->add_option("DRIVE", arguments->drives, "drive folders of one rig, standing still")
+  app->add_option("DRIVE", arguments->drives, "drive folders of one rig, recorded standing still")
       ->required();
-  app->add_option("--camera", arguments->camera, "which camera; the only one if not said")
+  app->add_option("--camera", arguments->camera, "camera, if the rig has several")
       ->type_name("NAME");
-  app->add_option("--board", arguments->board, "inner corners of the board, as 7x5")
+  app->add_option("--board", arguments->board, "inner corners of the board, e.g. 7x5")
       ->required()
       ->type_name("COLSxROWS");
-  app->add_option("--square", arguments->size.square_size, "side of its squares")
+  app->add_option("--square", arguments->size.square_size, "side length of a square")
       ->required()
       ->type_name("M");
   app->add_option("--range-noise", arguments->solve.range_noise,
-                  "of the lidar, one standard deviation (0.02)")
+                  "range noise of the lidar, one standard deviation (0.02)")
       ->type_name("M");
   app->add_option("--margin", arguments->views.returns.margin,
-                  "how far the drive's extrinsics may put a board off its place (0.25)")
+                  "search margin around a board's position as predicted by the drive's extrinsics "
+                  "(0.25)")
       ->type_name("M");
-  app->add_option("-o,--output", arguments->output, "rig.toml to write, if the result is usable")
-      ->type_name("FILE");
-  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  app->add_option("-o,--output", arguments->output,
+                  "write the rig with the result, if the result is usable")
+      ->type_name("rig.toml");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  set_examples(*app,
+               {"infuse calibrate-target boards/ --board 7x5 --square 0.1 -o rig.toml",
+                "infuse calibrate-target a/ b/ --camera left --board 9x6 --square 0.08 --json"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

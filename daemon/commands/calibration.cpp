@@ -43,7 +43,7 @@ std::string matrix_text(const Json& numbers) {
   return lines;
 }
 
-/// "(+0.01 ± 0.02, ...)", degrees for the first three numbers, centimetres for the others.
+/// "+0.01 ± 0.02, …" of three axes from index `from` on; `factor` converts to the printed unit.
 std::string offset_text(const Json& offset, const Json& sigma, size_t from, double factor) {
   std::string list;
   for (size_t i = from; i < from + 3; ++i) {
@@ -64,22 +64,21 @@ std::string calibration_text(const Json& report) {
   lines += fmt::format("  in use: T_camera_lidar\n{}",
                        matrix_text(report.value("T_camera_lidar", Json::array())));
   if (report.contains("camera_fault")) {
-    lines += fmt::format("  the camera is {}\n", text(report, "camera_fault"));
+    lines += fmt::format("  camera fault: {}\n", text(report, "camera_fault"));
   }
   if (report.contains("evidence")) {
     const Json& evidence = report["evidence"];
-    lines +=
-        fmt::format("  {} pictures looked at; evidence for a drift {:.1f} of {:.1f} nats ({})\n",
-                    report.value("evaluations", uint64_t{0}), evidence.value("nats", 0.0),
-                    evidence.value("threshold_nats", 0.0), text(evidence, "axis"));
-    lines += fmt::format("  seems off by ({})°, ({}) cm\n",
+    lines += fmt::format("  {} images evaluated; evidence of drift {:.1f} of {:.1f} nats ({})\n",
+                         report.value("evaluations", uint64_t{0}), evidence.value("nats", 0.0),
+                         evidence.value("threshold_nats", 0.0), text(evidence, "axis"));
+    lines += fmt::format("  estimated offset ({})°, ({}) cm\n",
                          offset_text(report["offset"], report["offset_sigma"], 0, 1 / kDegree),
                          offset_text(report["offset"], report["offset_sigma"], 3, 100));
   }
   if (report.contains("estimate")) {
     const Json& estimate = report["estimate"];
     lines += fmt::format(
-        "  last estimate, of {} scenes, {}\n{}", estimate.value("scenes", 0),
+        "  last estimate, from {} scenes, {}\n{}", estimate.value("scenes", 0),
         estimate.value("usable", false) ? "usable" : "not usable: " + text(estimate, "reason"),
         matrix_text(estimate["T_camera_lidar"]));
   }
@@ -102,7 +101,7 @@ int print_calibrations(const Arguments& arguments) {
   while (true) {
     const auto message = client->next(std::chrono::seconds(5));
     if (!message) return print_error(kProgram, message.error(), kFailure);
-    if (!*message) return print_error(kProgram, {"the daemon has ended", "", ""}, kFailure);
+    if (!*message) return print_error(kProgram, {"the daemon ended", "", ""}, kFailure);
     const Json& report = **message;
     if (text(report, "class") == "ACK") break;
     if (text(report, "class") != "CALIBRATION") continue;
@@ -112,13 +111,13 @@ int print_calibrations(const Arguments& arguments) {
   }
   if (shown > 0) return kDone;
   return print_error(kProgram,
-                     {"no calibration is known" +
+                     {"no calibration report yet" +
                           (arguments.camera.empty() ? "" : " of '" + arguments.camera + "'"),
-                      "", "the first is told when a camera's first picture met its sweep"},
+                      "", "the first report follows a camera's first image with a sweep"},
                      kFailure);
 }
 
-/// Asks the daemon to do `op`, and tells what it says.
+/// Sends the request `op` and prints the daemon's answer if it is an error.
 int send_request(const char* op, const Arguments& arguments) {
   const std::string program = std::string("infuse ") + op;
   auto client = Client::connect(arguments.socket);
@@ -129,23 +128,26 @@ int send_request(const char* op, const Arguments& arguments) {
   if (auto sent = client->send(request); !sent) return print_error(program, sent.error(), kFailure);
   const auto message = client->next(std::chrono::seconds(5));
   if (!message) return print_error(program, message.error(), kFailure);
-  if (!*message) return print_error(program, {"the daemon has ended", "", ""}, kFailure);
+  if (!*message) return print_error(program, {"the daemon ended", "", ""}, kFailure);
   if (text(**message, "class") == "ACK") return kDone;
   return print_error(program, {text(**message, "what"), "", text(**message, "hint")}, kFailure);
 }
 
-CLI::App* declare(CLI::App& infuse, const char* name, const char* description,
+using Examples = std::initializer_list<const char*>;
+
+CLI::App* declare(CLI::App& infuse, const char* name, const char* description, Examples examples,
                   const std::shared_ptr<Arguments>& arguments) {
   CLI::App* app = infuse.add_subcommand(name, description);
-  app->add_option("--camera", arguments->camera, "which; all where it is not given")
-      ->type_name("NAME");
-  app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
+  app->add_option("--camera", arguments->camera, "camera (default: all)")->type_name("NAME");
+  app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
+  set_examples(*app, examples);
   return app;
 }
 
-Command declare_request(CLI::App& infuse, const char* op, const char* description) {
+Command declare_request(CLI::App& infuse, const char* op, const char* description,
+                        Examples examples) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* app = declare(infuse, op, description, arguments);
+  CLI::App* app = declare(infuse, op, description, examples, arguments);
   return {app, [op, arguments] { return send_request(op, *arguments); }};
 }
 
@@ -153,30 +155,34 @@ Command declare_request(CLI::App& infuse, const char* op, const char* descriptio
 
 Command declare_calibration(CLI::App& infuse) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* app = declare(infuse, "calibration",
-                          "how the daemon's calibrations stand, and their history", arguments);
-  app->add_flag("--json", arguments->json, "the CALIBRATION reports, a line each");
+  CLI::App* app =
+      declare(infuse, "calibration",
+              "print the running daemon's calibrations, their monitoring state and history",
+              {"infuse calibration", "infuse calibration --camera front --json"}, arguments);
+  app->add_flag("--json", arguments->json, "print the CALIBRATION reports, one per line");
   return {app, [arguments] { return print_calibrations(*arguments); }};
 }
 
 Command declare_recalibrate(CLI::App& infuse) {
-  return declare_request(infuse, "recalibrate",
-                         "let the daemon estimate a camera's place anew now");
+  return declare_request(infuse, "recalibrate", "request a new estimate of a camera's extrinsics",
+                         {"infuse recalibrate", "infuse recalibrate --camera front"});
 }
 
 Command declare_apply(CLI::App& infuse) {
-  return declare_request(infuse, "apply", "let the daemon use what it estimated last");
+  return declare_request(infuse, "apply", "put the last estimate of the extrinsics into use",
+                         {"infuse apply", "infuse apply --camera front"});
 }
 
 Command declare_rollback(CLI::App& infuse) {
-  return declare_request(infuse, "rollback", "let the daemon go back to what it used before");
+  return declare_request(infuse, "rollback", "return to the previous extrinsics",
+                         {"infuse rollback", "infuse rollback --camera front"});
 }
 
 Command declare_freeze(CLI::App& infuse) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* app = declare(infuse, "freeze",
-                          "let the daemon change no calibration by itself any more", arguments);
-  app->add_flag("--off", arguments->off, "let it do so again");
+  CLI::App* app = declare(infuse, "freeze", "keep the daemon from changing calibrations on its own",
+                          {"infuse freeze --camera front", "infuse freeze --off"}, arguments);
+  app->add_flag("--off", arguments->off, "allow changes again");
   return {app, [arguments] { return send_request("freeze", *arguments); }};
 }
 

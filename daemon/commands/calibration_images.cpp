@@ -13,7 +13,7 @@ namespace {
 
 using Colour = std::array<uint8_t, 3>;  // blue, green, red
 
-/// Along red, yellow, green, cyan, blue; part 0 … 1.
+/// Colour on the scale red, yellow, green, cyan, blue; `part` is 0 … 1.
 Colour rainbow_colour(double part) {
   constexpr std::array<std::array<double, 3>, 5> kStops{
       {{0, 0, 255}, {0, 220, 255}, {0, 220, 0}, {255, 220, 0}, {255, 60, 0}}};
@@ -27,7 +27,7 @@ Colour rainbow_colour(double part) {
   return colour;
 }
 
-/// The picture in colour, darkened, so that what is drawn over it stands out.
+/// The image in colour, darkened so that the overlay stands out.
 CameraFrame darkened_image(const CameraFrame& frame) {
   CameraFrame out;
   out.width = frame.width;

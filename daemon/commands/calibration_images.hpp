@@ -7,16 +7,16 @@
 
 namespace infuse::daemon {
 
-/// The lidar's returns over the picture, by distance from red (3 m) to blue (60 m); hidden returns
-/// are left out.
+/// Draws the lidar's returns over the image, coloured by distance from red (3 m) to blue (60 m).
+/// Occluded returns are left out.
 CameraFrame draw_overlay(const ScenePair& pair, const CameraIntrinsics& intrinsics,
                          const Eigen::Isometry3d& T_camera_lidar);
 
-/// A table of numbers as a picture, a pixel a number, from the least (dark) to the greatest
-/// (bright); row 0 is drawn at the bottom.
+/// Draws a table of numbers as a grey image, one pixel per number, from the minimum (dark) to the
+/// maximum (bright); row 0 is at the bottom.
 CameraFrame draw_map(std::span<const double> values, int columns);
 
-/// A PNG file as a data: URL for an <img>.
+/// Returns the frame as a PNG data: URL for an <img> element; empty if it cannot be encoded.
 std::string data_url(const CameraFrame& frame);
 
 }  // namespace infuse::daemon

@@ -32,7 +32,7 @@ td:first-child{text-align:left}.bar{background:#4a7;height:10px;display:inline-b
 .yes{color:#175}.no{color:#b22}svg{background:#fafaf8;border:1px solid #ccc}</style>
 )";
 
-/// What a person's text may hold, as HTML.
+/// Escapes text for HTML.
 std::string escape_html(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -61,8 +61,8 @@ std::string result_html(const ScenePairs& pairs, const std::vector<CalibrationRu
 
 std::string overlays_html(const ScenePairs& pairs, const CalibrationRun& run) {
   std::string html =
-      "<h2>Lidar over picture</h2><p class=note>Returns by distance, red near, blue far. Edges of "
-      "colour should lie on edges of the picture.</p>";
+      "<h2>Lidar over image</h2><p class=note>Returns by distance, red near, blue far. Colour "
+      "edges should coincide with image edges.</p>";
   const size_t count = std::min<size_t>(3, pairs.pairs.size());
   for (size_t k = 0; k < count; ++k) {
     const ScenePair& pair = pairs.pairs[(2 * k + 1) * pairs.pairs.size() / (2 * count)];
@@ -77,7 +77,7 @@ std::string overlays_html(const ScenePairs& pairs, const CalibrationRun& run) {
   return html;
 }
 
-/// A curve over −reach … reach in a frame of its own.
+/// Plots a curve over −max_offset … max_offset.
 std::string curve_html(const std::array<double, calibration::Landscape::kSamplesPerAxis>& values,
                        const std::string& title, double max_offset, const char* unit) {
   constexpr double kWidth = 380;
@@ -109,8 +109,8 @@ std::string objective_html(const CalibrationRun& run, calibration::CoarseToFine&
       calibration::sample_landscape(fine, coarse, T, kMaxPlotRotation, kMaxPlotTranslation);
   std::string html =
       "<h2>The measure around the result</h2><p class=note>Camera axes: x right, y down, z ahead. "
-      "The result is in the middle; a peak there, and nowhere as high, is what one wants to see.";
-  if (!run.options.search_terms.empty()) html += " Drawn for the measure that led there.";
+      "The result is in the middle. A good result is a single, highest peak there.";
+  if (!run.options.search_terms.empty()) html += " Drawn for the search measure.";
   html += "</p><div class=row>";
   for (size_t axis = 0; axis < 6; ++axis) {
     html +=
@@ -128,7 +128,8 @@ std::string objective_html(const CalibrationRun& run, calibration::CoarseToFine&
   return html + "</div>";
 }
 
-/// Counts of lidar value against image value, by their roots, so that what is rare is seen.
+/// Joint histogram of lidar and image values; square roots of the counts, so that rare pairs are
+/// visible.
 std::string histogram_html(const calibration::Objective::Samples& samples,
                            const std::string& caption) {
   constexpr int kBins = 32;
@@ -147,14 +148,14 @@ std::string histogram_html(const calibration::Objective::Samples& samples,
                      data_url(draw_map(counts, kBins)), caption);
 }
 
-/// The terms that pictures show: of measures that take long those that lead there.
+/// The terms that are drawn: of slow measures, those of the search.
 const std::vector<calibration::TermOptions>& drawn_terms(const CalibrationRun& run) {
   return run.options.search_terms.empty() ? run.options.terms : run.options.search_terms;
 }
 
 std::string histograms_html(const CalibrationRun& run, calibration::CoarseToFine& search) {
   std::string html =
-      "<h2>Joint histograms</h2><p class=note>Lidar feature to the right, picture feature up. "
+      "<h2>Joint histograms</h2><p class=note>Lidar feature to the right, image feature up. "
       "Dependence is structure beyond rows and columns.</p><div class=row>";
   for (const auto& [T, when] :
        {std::pair(run.initial_pose, "before"), std::pair(run.result.T_refcam_lidar, "after")}) {
@@ -171,8 +172,8 @@ std::string histograms_html(const CalibrationRun& run, calibration::CoarseToFine
 std::string scenes_html(const ScenePairs& pairs, const CalibrationRun& run) {
   std::string html =
       "<h2>Scenes</h2><p class=note>Support: share of 12 wrong rotations (&plusmn;1&deg;, "
-      "&plusmn;2&deg;) at which the scene by itself fits worse; about one half where picture and "
-      "scan do not belong together. Pull: by how many standard deviations the scene alone would "
+      "&plusmn;2&deg;) at which the scene alone fits worse; about one half if image and "
+      "sweep do not belong together. Pull: by how many standard deviations the scene alone would "
       "move the result.</p><table><tr><th>scene<th>points<th>measure<th>support<th><th>pull"
       "<th>gap, ms<th>motion";
   for (size_t s = 0; s < pairs.pairs.size(); ++s) {

@@ -7,9 +7,9 @@
 
 namespace infuse::daemon {
 
-/// Writes `folder`/index.html, one page with everything in it: the answer, lidar over picture
-/// before and after, the measure along and over pairs of the six axes (P fig. 3.15), joint
-/// histograms, what each scene says. The runs are of the same pairs; the first one is drawn.
+/// Writes `folder`/index.html, one self-contained page: the result, lidar over image before and
+/// after, the measure along and over pairs of the six axes (P fig. 3.15), joint histograms, and the
+/// scenes' contributions. All runs use the same pairs; the first one is drawn.
 Result<void> write_report(const std::filesystem::path& folder, const ScenePairs& pairs,
                           const std::vector<CalibrationRun>& runs);
 

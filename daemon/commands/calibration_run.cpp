@@ -25,7 +25,7 @@ Json matrix_json(const Eigen::Isometry3d& T) {
   return numbers;
 }
 
-/// A list of six lists.
+/// Six rows of six numbers.
 Json matrix_json(const geometry::Matrix6& matrix) {
   Json rows = Json::array();
   for (int row = 0; row < 6; ++row) {
@@ -64,7 +64,7 @@ Json scenes_json(const CalibrationRun& run, const ScenePairs& pairs) {
   return list;
 }
 
-/// What the scenes say of what was taken for known.
+/// Checks of the assumed parameters against the scenes.
 Json model_checks_json(const std::vector<calibration::ModelMismatch>& checks) {
   Json list = Json::array();
   for (const calibration::ModelMismatch& check : checks) {
@@ -83,11 +83,11 @@ std::string model_check_text(const calibration::ModelMismatch& check) {
   const std::string by =
       check.sigma > 0 ? fmt::format(" ({:+.2f} {} +- {:.2f})", check.value, check.unit, check.sigma)
                       : "";
-  return fmt::format("another {}{} would fit better, {:.1f} sigma", check.parameter, by,
+  return fmt::format("a different {}{} would fit better, {:.1f} sigma", check.parameter, by,
                      std::abs(check.significance));
 }
 
-/// Degrees and centimetres of a covariance's diagonal.
+/// Standard deviations of a covariance's diagonal, in degrees and centimetres.
 std::string sigma_text(const geometry::Matrix6& covariance) {
   const geometry::Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
   return fmt::format("{:.3f} {:.3f} {:.3f} deg, {:.1f} {:.1f} {:.1f} cm", sigma(0) / kDegree,
@@ -101,7 +101,7 @@ Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double lengt
                           std::mt19937_64& random) {
   geometry::Vector6 xi;
   for (int k = 0; k < 6; ++k) {
-    // The standard's distributions differ between libraries.
+    // Not std::uniform_real_distribution: it differs between standard libraries.
     const double uniform = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
     xi(k) = uniform * (k < 3 ? angle : length);
   }
@@ -146,9 +146,9 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   }
   run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
   if (measure.comparison_only && run.result.usable()) {
-    run.result.reason =
-        fmt::format("'{}' is there to be compared: it has been as sure of results that were wrong",
-                    measure.name);
+    run.result.reason = fmt::format(
+        "'{}' is for comparison only: its confidence does not separate right from wrong results",
+        measure.name);
   }
   run.cpu_s = cpu_seconds() - began;
   return run;
@@ -205,9 +205,9 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                                  camera_names(pairs), pairs.lidar,
                                  result.usable() ? "usable" : "NOT USABLE: " + result.reason,
                                  run.measure, run.scenes.size(), result.points, run.cpu_s);
-  text += fmt::format("  {:.3f} deg, {:.1f} cm from the start; measure {:.5f}, there {:.5f}\n",
-                      moved.rotation / kDegree, 100 * moved.translation, result.value,
-                      result.initial_value);
+  text += fmt::format(
+      "  {:.3f} deg, {:.1f} cm from the initial guess; measure {:.5f}, there {:.5f}\n",
+      moved.rotation / kDegree, 100 * moved.translation, result.value, result.initial_value);
   const Eigen::Matrix4d& T = result.T_refcam_lidar.matrix();
   text += fmt::format("  T_camera_lidar{} =\n",
                       pairs.cameras.size() > 1 ? " of " + pairs.cameras.front().name : "");
@@ -216,7 +216,7 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                         T(row, 2), T(row, 3));
   }
   if (result.uncertainty.usable()) {
-    text += "  standard deviation (rx ry rz, tx ty tz), from how scenes disagree: " +
+    text += "  standard deviation (rx ry rz, tx ty tz), from the scatter between scenes: " +
             sigma_text(result.uncertainty.covariance) + "\n";
   }
   if (result.split_half) {
@@ -225,19 +225,22 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
   if (result.uncertainty.usable()) {
     text += "    Cramer-Rao bound: " + sigma_text(result.uncertainty.cramer_rao_bound) + "\n";
   }
-  text += fmt::format("  {:.0f} % of small wrong rotations fit worse; {} of {} restarts led back\n",
-                      100 * result.support, result.returned, result.restarts);
+  text +=
+      fmt::format("  {:.0f} % of small wrong rotations fit worse; {} of {} restarts converged\n",
+                  100 * result.support, result.returned, result.restarts);
   if (pairs.truth) {
     const auto error = geometry::extrinsic_error(result.T_refcam_lidar, *pairs.truth, model);
-    text += fmt::format("  against the drive's truth: {:.3f} deg, {:.1f} cm, {:.1f} pixels\n",
-                        error.rotation / kDegree, 100 * error.translation, error.pixels);
+    text +=
+        fmt::format("  error relative to the drive's truth: {:.3f} deg, {:.1f} cm, {:.1f} pixels\n",
+                    error.rotation / kDegree, 100 * error.translation, error.pixels);
   }
   for (const calibration::ModelMismatch& check : result.model_mismatches) {
-    if (check.significant) text += "  doubt: " + model_check_text(check) + "\n";
+    if (check.significant) text += "  suspected: " + model_check_text(check) + "\n";
     if (check.unit == std::string("ms")) {
-      text += fmt::format("  pictures stamped 10 ms late would move it by {:.3f} deg, {:.1f} cm\n",
-                          10 * check.pose_sensitivity.head<3>().norm() / kDegree,
-                          10 * 100 * check.pose_sensitivity.tail<3>().norm());
+      text +=
+          fmt::format("  image stamps 10 ms late would shift the result by {:.3f} deg, {:.1f} cm\n",
+                      10 * check.pose_sensitivity.head<3>().norm() / kDegree,
+                      10 * 100 * check.pose_sensitivity.tail<3>().norm());
     }
   }
   for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";

@@ -12,31 +12,34 @@
 
 namespace infuse::daemon {
 
-/// A calibration with one measure, and what it was made of.
+/// A calibration with one measure, and its input.
 struct CalibrationRun {
   std::string measure;
   std::vector<calibration::Scene> scenes;
-  std::vector<calibration::RigCamera> cameras;                     ///< one
+  std::vector<calibration::RigCamera>
+      cameras;  ///< the cameras of the rig, the reference camera first
   Eigen::Isometry3d initial_pose = Eigen::Isometry3d::Identity();  ///< T_camera_lidar
   calibration::CalibrateOptions options;
   calibration::CalibrationResult result;
   double cpu_s = 0;
 };
 
-/// Moved at random, evenly within ± `angle` (rad) about and ± `length` (m) along each axis.
+/// Returns `T` perturbed at random, uniformly within ±`angle` (rad) about and ±`length` (m) along
+/// each axis.
 Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double length,
                           std::mt19937_64& random);
 
-/// Calibrates with a named measure. Errors: a pair of which no scene can be made.
+/// Calibrates with a named measure. Errors: a pair from which no scene can be made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& start,
                                        const calibration::CalibrateOptions& options);
 
-/// For machines: `T_camera_lidar`, `covariance`, `usable`, `reason` and what speaks for them.
+/// Formats the result as JSON: `T_camera_lidar`, `covariance`, `usable`, `reason` and the evidence
+/// for them.
 Json to_json(const CalibrationRun& run, const ScenePairs& pairs);
 
-/// For people: several lines.
+/// Formats the result as several lines of text.
 std::string to_text(const CalibrationRun& run, const ScenePairs& pairs);
 
 }  // namespace infuse::daemon

@@ -17,13 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A drive and the place of the two sensors in its lists.
+/// An open drive and the indices of the two sensors in it.
 struct OpenDrive {
   recording::Drive drive;
   DriveSetup setup;
   size_t camera = 0;
   size_t lidar = 0;
-  std::vector<recording::SequenceEntry> images;  ///< stamps are those of the exposure
+  std::vector<recording::SequenceEntry> images;  ///< stamps are those of the exposures
 };
 
 template <class Mounts>
@@ -54,7 +54,7 @@ Result<OpenDrive> open_sensors(const std::string& path, const std::string& name,
   if (mount.lidar != rig.lidars[*lidar].name) {
     return fail(
         fmt::format("the extrinsics of camera '{}' refer to lidar '{}'", mount.name, mount.lidar),
-        path, "calibrate against that one");
+        path, "choose that lidar");
   }
   auto images = recording::index_images(drive->resolve(drive->description.cameras[*camera].images));
   if (!images) return tl::unexpected(images.error());
@@ -81,14 +81,14 @@ Result<CameraFrame> decode_image_file(const fs::path& path, const camera::ImageO
   if (!stream.good() && bytes.empty()) return fail("cannot be read", path.string());
   CameraFrame frame;
   camera::ImageOptions grey = options;
-  grey.bayer.reset();  // a mosaic's values are grey enough once they are smoothed
+  grey.bayer.reset();  // the mosaic serves as grey values once it is smoothed
   if (auto decoded = camera::decode_image(bytes, grey, frame); !decoded) {
     return fail(decoded.error().what, path.string(), decoded.error().hint);
   }
   return frame;
 }
 
-/// Plays the drive and finds each picture its sweep.
+/// Plays the drive and finds the sweep of each image.
 std::vector<PairedSweep> pair_sweeps(OpenDrive& open_sensors,
                                      const std::vector<recording::SequenceEntry>& images,
                                      const std::function<void(double)>& progress) {
@@ -111,7 +111,7 @@ std::vector<PairedSweep> pair_sweeps(OpenDrive& open_sensors,
   return pairing.finish();
 }
 
-/// Adds a drive's pairs of a camera; what is left out is noted.
+/// Adds a drive's pairs of one camera; notes what is left out.
 Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
                        const SceneRequest& request, const std::function<void(double)>& progress,
                        ScenePairs& out) {
@@ -131,9 +131,9 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
     if (!frame) return tl::unexpected(frame.error());
     const CameraIntrinsics& intrinsics = mount.intrinsics;
     if (frame->width != intrinsics.width || frame->height != intrinsics.height) {
-      return fail(fmt::format("the picture has {} x {} pixels, the rig says {} x {}", frame->width,
+      return fail(fmt::format("the image has {} x {} pixels, the rig states {} x {}", frame->width,
                               frame->height, intrinsics.width, intrinsics.height),
-                  images[k].path.string(), "intrinsics hold for one size of picture only");
+                  images[k].path.string(), "intrinsics are valid for one image size only");
     }
     if (!sweeps[k].deskew_reason.empty()) ++not_deskewed[sweeps[k].deskew_reason];
     out.pairs.push_back({.name = fmt::format("{}/{:06}", drive, images[k].number),
@@ -147,13 +147,12 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
   }
   if (unpaired > 0) {
     out.notes.push_back(fmt::format(
-        "{}: {} of {} pictures have no sweep within {:.0f} ms: do the stamps of camera and lidar "
-        "belong to one clock?",
+        "{}: {} of {} images have no sweep within {:.0f} ms; check that camera and lidar are "
+        "stamped by one clock",
         drive, unpaired, images.size(), 1e3 * to_seconds(request.max_gap)));
   }
   for (const auto& [reason, times] : not_deskewed) {
-    out.notes.push_back(
-        fmt::format("{}: {} sweeps not corrected for motion: {}", drive, times, reason));
+    out.notes.push_back(fmt::format("{}: {} sweeps not deskewed: {}", drive, times, reason));
   }
   return {};
 }
@@ -210,9 +209,9 @@ Result<ScenePairs> read_scene_pairs(const SceneRequest& request,
         }
       } else if (!same_intrinsics(camera.intrinsics, out.cameras[c].intrinsics)) {
         return fail("the camera's intrinsics differ from the first drive's", request.drives[d],
-                    "drives of one rig only can be calibrated together");
+                    "calibrate drives of one rig together");
       }
-      // What earlier drives did not give is left to those that follow.
+      // Images that earlier drives lack are taken from the following drives.
       const size_t missing = static_cast<size_t>(request.max_scenes) - (out.pairs.size() - before);
       const auto part = [&](double share) {
         progress((static_cast<double>(c * drives + d) + share) /

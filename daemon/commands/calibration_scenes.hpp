@@ -13,49 +13,49 @@
 
 namespace infuse::daemon {
 
-/// Which pairs of a sweep and a picture are taken from drives.
+/// Which pairs of a sweep and an image are read from drives.
 struct SceneRequest {
   std::vector<std::string> drives;
-  std::vector<std::string> cameras;  ///< names, the head first; empty: the only one
-  std::string lidar;                 ///< name; empty: the one that the head's extrinsics refer to
-  int max_scenes =
-      20;  ///< of each camera at most, all drives together, spread evenly over their time
+  std::vector<std::string> cameras;  ///< names, the reference camera first; empty: the only camera
+  std::string lidar;    ///< name; empty: the lidar that the reference camera's extrinsics refer to
+  int max_scenes = 20;  ///< maximum number of images of each camera, over all drives together,
+                        ///< spread evenly over their time
   Duration max_gap{75'000'000};  ///< between the exposure and the middle of the sweep
 };
 
-/// A picture and the sweep nearest to its exposure.
+/// An image and the sweep nearest to its exposure.
 struct ScenePair {
-  std::string name;   ///< drive and number of the picture; of several cameras also the camera's
-  size_t camera = 0;  ///< which of ScenePairs::cameras took the picture
+  std::string name;  ///< drive and number of the image; with several cameras also the camera's name
+  size_t camera = 0;  ///< index in ScenePairs::cameras
   Stamp stamp;        ///< of the exposure
   Duration gap{0};    ///< to the middle of the sweep
   CameraFrame frame;
-  Sweep sweep;                ///< as of the exposure, where `uncompensated` is empty
-  std::string deskew_reason;  ///< why the sweep is as it was measured; empty where it is straight
+  Sweep sweep;                             ///< deskewed to the exposure if `deskew_reason` is empty
+  std::string deskew_reason;               ///< why the sweep is not deskewed; empty if it is
   std::optional<geometry::Vector6> twist;  ///< PairedSweep::twist
 };
 
-/// What the drives hold for a calibration.
+/// The data for a calibration.
 struct ScenePairs {
-  /// As the first drive states them; the first is the head. What the rig says of them relative to
-  /// each other is taken for known (P 3.4.1).
+  /// As stated by the first drive; the first is the reference camera. Their poses relative to each
+  /// other are taken from the rig as known (P 3.4.1).
   std::vector<CameraMount> cameras;
   std::string lidar;
   Rig rig;                                 ///< of the first drive
-  std::optional<Eigen::Isometry3d> truth;  ///< T_head_lidar, where the first drive has a true rig
+  std::optional<Eigen::Isometry3d> truth;  ///< T_refcam_lidar, if the first drive has a true rig
   std::vector<ScenePair> pairs;
-  std::vector<std::string> notes;  ///< what was left out, and why
+  std::vector<std::string> notes;  ///< what was left out and why
 };
 
-/// Where a camera stands relative to the head, as the rig says.
+/// Pose of a camera relative to the reference camera, as stated by the rig.
 Eigen::Isometry3d T_camera_refcam(const ScenePairs& pairs, size_t camera);
 
-/// "front", or "front, left and right" of several.
+/// Names of the cameras: "front", or "front, left and right".
 std::string camera_names(const ScenePairs& pairs);
 
-/// Reads the pairs. Sweeps are corrected for the vehicle's motion to the picture's exposure where
-/// odometry says what it was. Errors: a drive that cannot be read, a sensor that is not there,
-/// drives whose cameras differ. `progress` is told the share that has been read.
+/// Reads the pairs. Sweeps are deskewed to the image's exposure if odometry covers it. Errors: a
+/// drive that cannot be read, a missing sensor, drives whose cameras differ. `progress` receives
+/// the fraction that has been read.
 Result<ScenePairs> read_scene_pairs(const SceneRequest& request,
                                     const std::function<void(double)>& progress);
 

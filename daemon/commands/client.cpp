@@ -21,19 +21,19 @@ Result<Client> Client::connect(const std::filesystem::path& path) {
     auto greeting = client.next(kReplyTimeout);
     if (!greeting) return tl::unexpected(greeting.error());
     if (!*greeting || (*greeting)->value("class", "") != "VERSION") {
-      return fail(*greeting ? (*greeting)->value("what", "it does not greet as infused does")
-                            : "it hung up at once",
+      return fail(*greeting ? (*greeting)->value("what", "no greeting of infused")
+                            : "the daemon closed the connection",
                   candidate.string());
     }
     client.version_ = **greeting;
     return client;
   }
-  return fail("nobody answers", tried, "is infused running? name its socket with --socket");
+  return fail("no daemon answers", tried, "is infused running? give its socket with --socket");
 }
 
 Result<void> Client::send(const Json& request) {
   *stream_ << request.dump() << '\n' << std::flush;
-  if (!*stream_) return fail("the daemon has hung up", path_);
+  if (!*stream_) return fail("the daemon closed the connection", path_);
   return {};
 }
 
@@ -51,7 +51,7 @@ Result<std::optional<Json>> Client::next(std::optional<std::chrono::seconds> tim
     return std::optional<Json>();
   }
   Json message = Json::parse(line, nullptr, false);
-  if (!message.is_object()) return fail("it does not speak as infused does: " + line, path_);
+  if (!message.is_object()) return fail("not a message of infused: " + line, path_);
   return std::optional<Json>(std::move(message));
 }
 

@@ -12,21 +12,21 @@
 
 namespace infuse::daemon {
 
-/// The other end of the daemon's socket.
+/// A client of the daemon's socket.
 class Client {
  public:
-  /// Connects at `path`, or where it is empty, at the first default place where somebody answers,
-  /// and takes the greeting.
+  /// Connects to `path`, or if it is empty, to the first default path that answers, and reads the
+  /// greeting.
   static Result<Client> connect(const std::filesystem::path& path);
 
-  /// What the daemon said of itself.
+  /// The daemon's greeting.
   const Json& version() const { return version_; }
 
   /// Sends a request: `{"op":"poll"}`.
   Result<void> send(const Json& request);
 
-  /// The next message; nothing when the daemon has ended. Waits for `patience` at most, or for
-  /// ever.
+  /// Returns the next message; nothing when the daemon has ended. Waits at most for `timeout`, or
+  /// without limit.
   Result<std::optional<Json>> next(std::optional<std::chrono::seconds> timeout);
 
  private:

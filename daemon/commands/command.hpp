@@ -7,11 +7,12 @@ namespace infuse::daemon {
 
 /// A sub-command of `infuse`.
 struct Command {
-  CLI::App* app;             ///< says whether it was requested
-  std::function<int()> run;  ///< does the work after the arguments were parsed; the exit code
+  CLI::App* app;  ///< its `parsed()` is true if the sub-command was given
+  std::function<int()>
+      run;  ///< runs the command after the arguments have been parsed; returns the exit code
 };
 
-/// Each declares one sub-command and what it takes.
+/// Each declares one sub-command, its arguments and its examples.
 Command declare_status(CLI::App& infuse);
 Command declare_watch(CLI::App& infuse);
 Command declare_wait_ready(CLI::App& infuse);

@@ -31,18 +31,18 @@ struct Arguments {
   bool writes_image() const { return std::filesystem::path(output).extension() == ".png"; }
 };
 
-/// Writes the sweeps that were requested, each to a file of its own.
+/// Writes the requested sweeps, each to a file of its own.
 class Writer {
  public:
   explicit Writer(const Arguments& arguments) : arguments_(arguments) {}
 
-  /// As it was measured.
+  /// Writes a sweep as measured.
   void write(const Sweep& sweep) {
     if (!is_selected(sweep)) return;
     count_written(sweep, recording::export_sweep(sweep, file_path(sweep.sequence), format()));
   }
 
-  /// Corrected for motion.
+  /// Writes a deskewed sweep.
   void write_deskewed(const Sweep& sweep, const motion::DeskewedSweep& deskewed) {
     if (!is_selected(sweep)) return;
     if (!deskewed.usable()) {
@@ -64,7 +64,7 @@ class Writer {
     count_written(sweep, recording::export_sweep(moved, file_path(sweep.sequence), format()));
   }
 
-  /// Whether everything that was requested is there, or cannot be.
+  /// True if everything requested has been written, or writing has failed.
   bool done() const { return error_ || (arguments_.sweep && files_ > 0); }
 
   void finish() { line_.clear(); }
@@ -90,7 +90,7 @@ class Writer {
     line_.show(std::nullopt, fmt::format("{} sweeps written", files_));
   }
 
-  /// "x.pcd" becomes "x-000017.pcd", unless only one sweep was requested.
+  /// "x.pcd" becomes "x-000017.pcd", unless a single sweep was requested.
   std::filesystem::path file_path(uint64_t sequence) const {
     const std::filesystem::path path = arguments_.output;
     if (arguments_.sweep) return path;
@@ -102,8 +102,8 @@ class Writer {
   ProgressLine line_;
   uint64_t files_ = 0;
   uint64_t returns_ = 0;
-  uint64_t not_deskewed_ = 0;       // sweeps that could not be corrected
-  const char* deskew_reason_ = "";  // why the last of them was not
+  uint64_t not_deskewed_ = 0;       // sweeps that could not be deskewed
+  const char* deskew_reason_ = "";  // why the last of these was not
   std::optional<Error> error_;
 };
 
@@ -119,7 +119,7 @@ Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name) {
               setup.path.string(), "choose one with --lidar: " + names);
 }
 
-/// Reads the drive until the writer has what it wants.
+/// Reads the drive until the writer is done.
 void decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writer) {
   DeskewedSweeps sweeps(setup.rig.lidars[lidar].T_vehicle_lidar, {});
   const auto on_sweep = [&](Sweep& sweep) {
@@ -140,8 +140,8 @@ int run(const Arguments& arguments) {
   constexpr const char* kProgram = "infuse decode";
   if (!arguments.writes_image() && !recording::detect_sweep_format(arguments.output)) {
     return print_error(kProgram,
-                       {"the format of '" + arguments.output + "' is not known", "--output",
-                        "end its name in .pcd, .ply, .csv, .bin or .png"},
+                       {"unknown format of '" + arguments.output + "'", "--output",
+                        "use the extension .pcd, .ply, .csv, .bin or .png"},
                        kUsage);
   }
   LidarOptions options;
@@ -169,11 +169,11 @@ int run(const Arguments& arguments) {
     std::cerr << kProgram << ": note: " << note.message() << "\n";
   }
   if (writer.not_deskewed() > 0) {
-    std::cerr << fmt::format("{}: note: {} sweep(s) not corrected for motion: {}\n", kProgram,
+    std::cerr << fmt::format("{}: note: {} sweep(s) not deskewed: {}\n", kProgram,
                              writer.not_deskewed(), writer.deskew_reason());
   }
   if (writer.files() == 0) {
-    return print_error(kProgram, {"there is no such sweep", arguments.path, ""}, kFailure);
+    return print_error(kProgram, {"no such sweep", arguments.path, ""}, kFailure);
   }
   if (arguments.json) {
     std::cout << Json{{"sweeps", writer.files()},
@@ -192,24 +192,28 @@ int run(const Arguments& arguments) {
 
 Command declare_decode(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
-      "decode", "sweeps to files: x.pcd becomes x-000000.pcd, x-000001.pcd, ...");
+      "decode", "write sweeps to files: x.pcd becomes x-000000.pcd, x-000001.pcd, ...");
   const auto arguments = std::make_shared<Arguments>();
-  app->add_option("PATH", arguments->path, "a pcap, or a drive folder")->required();
-  app->add_option("-o,--output", arguments->output, "where to; the ending tells the format")
+  app->add_option("PATH", arguments->path, "a pcap or pcapng file, or a drive folder")->required();
+  app->add_option("-o,--output", arguments->output,
+                  "file to write; its extension selects the format")
       ->required()
       ->type_name("FILE.{pcd,ply,csv,bin,png}");
-  app->add_flag("--deskew", arguments->deskew,
-                "corrected for the vehicle's motion, as of the sweep's end; a .png shows it from "
-                "above, before (left) and after");
-  app->add_option("--sweep", arguments->sweep, "only this one, counted from 0, to FILE itself")
+  app->add_flag(
+      "--deskew", arguments->deskew,
+      "deskew to the end of the sweep; a .png always shows both, from above: before (left) "
+      "and after");
+  app->add_option("--sweep", arguments->sweep, "only this sweep, counted from 0, to FILE itself")
       ->type_name("N");
-  app->add_option("--lidar", arguments->lidar, "which, where there are several")->type_name("NAME");
-  app->add_option("--model", arguments->model, "of the lidar, where it cannot be inferred")
+  app->add_option("--lidar", arguments->lidar, "lidar, if there are several")->type_name("NAME");
+  app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
   app->add_option("--cut", arguments->cut_deg,
                   "azimuth at which a sweep ends, clockwise from the front (180)")
       ->type_name("DEG");
-  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  set_examples(*app, {"infuse decode drive.pcap -o cloud.pcd",
+                      "infuse decode drive/ --sweep 121 --deskew -o sweep.png"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

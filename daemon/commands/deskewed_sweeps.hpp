@@ -8,8 +8,8 @@
 
 namespace infuse::daemon {
 
-/// Makes the sweeps of one lidar of a recording straight, as the daemon does: each waits until
-/// odometry covers its time.
+/// Deskews the sweeps of one lidar of a recording as the daemon does: each sweep waits until
+/// odometry covers its time span.
 class DeskewedSweeps {
  public:
   DeskewedSweeps(const Eigen::Isometry3d& T_vehicle_lidar, const OdometrySettings& settings)
@@ -18,8 +18,8 @@ class DeskewedSweeps {
   void add_sample(const VehicleSample& sample) { odometry_.add(sample); }
   void add_sweep(const Sweep& sweep) { waiting_.push_back(sweep); }
 
-  /// Calls `use(const Sweep&, const DeskewedSweep&)` for every sweep that waits no longer at the
-  /// drive time `now`; x, y and z are as of the sweep's end.
+  /// Calls `on_sweep(const Sweep&, const DeskewedSweep&)` for every sweep that is due at the drive
+  /// time `now`; x, y and z are deskewed to the sweep's end.
   template <class OnSweep>
   void process_due(Stamp now, OnSweep on_sweep) {
     while (!waiting_.empty() && is_due(waiting_.front(), now)) {
@@ -30,7 +30,7 @@ class DeskewedSweeps {
     }
   }
 
-  /// The recording has ended: the same for all.
+  /// Does the same for all remaining sweeps at the end of the recording.
   template <class OnSweep>
   void finish(OnSweep on_sweep) {
     odometry_.finish();

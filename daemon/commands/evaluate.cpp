@@ -19,7 +19,7 @@ struct Arguments {
   bool json = false;
 };
 
-/// A rig or a calibration, and not a trajectory.
+/// True if the result is a rig or a calibration, not a trajectory.
 bool is_calibration(const std::filesystem::path& result) {
   std::error_code ignored;
   return result.extension() == ".toml" || result.extension() == ".json" ||
@@ -54,20 +54,24 @@ Command declare_evaluate(CLI::App& infuse) {
       {"first", motion::Alignment::kFirstPose},
       {"rigid", motion::Alignment::kRigid},
       {"similar", motion::Alignment::kSimilarity}};
-  CLI::App* app = infuse.add_subcommand("evaluate", "scores a trajectory or a calibration");
+  CLI::App* app = infuse.add_subcommand("evaluate", "score a trajectory or a calibration");
   const auto arguments = std::make_shared<Arguments>();
   app->add_option("RESULT", arguments->result,
                   "a trajectory (TUM or KITTI), or a calibration: a rig.toml, a drive, or the JSON "
                   "of infuse calibrate")
       ->required();
-  app->add_option("TRUTH", arguments->truth, "the same, or a drive with its truth")->required();
-  app->add_option("--align", arguments->alignment,
-                  "what a trajectory is moved by first: none, first (pose on pose), rigid (least "
-                  "squares; the default) or similar (with a scale)")
+  app->add_option("TRUTH", arguments->truth, "the same, or a drive with ground truth")->required();
+  app->add_option(
+         "--align", arguments->alignment,
+         "alignment of a trajectory before scoring: none, first (first pose on first pose), "
+         "rigid (least squares; the default) or similar (least squares with scale)")
       ->transform(CLI::CheckedTransformer(alignments))
       ->type_name("HOW");
-  app->add_option("--span", arguments->span_s, "of the relative error (1)")->type_name("SECONDS");
-  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  app->add_option("--span", arguments->span_s, "time span of the relative error (1)")
+      ->type_name("SECONDS");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  set_examples(*app, {"infuse evaluate track.tum drive/ --align first",
+                      "infuse evaluate rig.toml drive/ --json"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

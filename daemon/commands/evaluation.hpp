@@ -12,32 +12,32 @@
 
 namespace infuse::daemon {
 
-/// How a trajectory compares with the truth.
+/// Errors of a trajectory relative to the ground truth.
 struct TrajectoryScore {
-  size_t poses = 0;  ///< of the result
+  size_t poses = 0;  ///< number of poses of the result
   size_t truth_poses = 0;
-  size_t paired = 0;     ///< poses with a truth at their time
-  bool by_line = false;  ///< neither file has times (KITTI): paired line by line
+  size_t paired = 0;     ///< poses with a true pose at their time
+  bool by_line = false;  ///< a file has no times (KITTI): paired line by line
   motion::Alignment alignment = motion::Alignment::kRigid;
   motion::AbsoluteError absolute;
-  Duration span{1'000'000'000};  ///< of `relative`
+  Duration span{1'000'000'000};  ///< time span of `relative`
   motion::RelativeError relative;
   motion::KittiError kitti;
 };
 
-/// Scores a TUM or KITTI file against another, or against a drive's truth.
+/// Scores a TUM or KITTI file against another one, or against a drive's true poses.
 Result<TrajectoryScore> score_trajectory(const std::filesystem::path& result,
                                          const std::filesystem::path& truth,
                                          motion::Alignment alignment, Duration span);
 
-/// How one camera's extrinsics compare with the truth.
+/// Error of one camera's extrinsics relative to the ground truth.
 struct CameraScore {
   std::string camera;
   geometry::ExtrinsicError error;
 };
 
-/// Scores the cameras that a rig (a rig.toml, a drive, or the JSON of a calibration) and the truth
-/// (a rig.toml, or a drive that has a true rig) have in common.
+/// Scores the cameras that the result (a rig.toml, a drive, or the JSON of a calibration) and the
+/// truth (a rig.toml, or a drive with a true rig) have in common.
 Result<std::vector<CameraScore>> score_rig(const std::filesystem::path& result,
                                            const std::filesystem::path& truth);
 

@@ -53,27 +53,34 @@ int run_opencalib(const Arguments& arguments) {
   return kDone;
 }
 
-/// Declares where from and where to.
+/// Declares the arguments that all sources share.
 std::shared_ptr<Arguments> declare(CLI::App* app, const char* source, const char* description) {
   const auto arguments = std::make_shared<Arguments>();
   app->add_option(source, arguments->source, description)->required();
-  app->add_option("-o,--output", arguments->drive, "drive folder to be made")
+  app->add_option("-o,--output", arguments->drive, "drive folder to create")
       ->required()
       ->type_name("DRIVE");
-  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
   return arguments;
 }
 
 }  // namespace
 
 Command declare_import(CLI::App& infuse) {
-  CLI::App* app = infuse.add_subcommand("import", "makes a drive of a public data set");
+  CLI::App* app = infuse.add_subcommand("import", "convert a public data set to a drive");
   app->require_subcommand(1);
   CLI::App* kitti = app->add_subcommand("kitti", "KITTI's raw, odometry and object layouts");
-  CLI::App* opencalib = app->add_subcommand("opencalib", "a scene of OpenCalib's lidar to camera");
+  CLI::App* opencalib =
+      app->add_subcommand("opencalib", "one scene of OpenCalib's lidar-to-camera data");
   const auto from_kitti = declare(kitti, "DIR", "folder of the data set");
   const auto from_opencalib =
-      declare(opencalib, "FILE", "NAME.calib.txt; NAME.pcd and NAME.png or .jpg lie beside it");
+      declare(opencalib, "FILE", "NAME.calib.txt; NAME.pcd and NAME.png or .jpg are next to it");
+  set_examples(*app, {"infuse import kitti 2011_09_26/2011_09_26_drive_0005_sync -o drive/",
+                      "infuse import opencalib scene/0.calib.txt -o drive/"});
+  set_examples(*kitti, {"infuse import kitti 2011_09_26/2011_09_26_drive_0005_sync -o drive/",
+                        "infuse import kitti dataset/sequences/07 -o drive/ --json"});
+  set_examples(*opencalib, {"infuse import opencalib scene/0.calib.txt -o drive/",
+                            "infuse import opencalib scene/0.calib.txt -o drive/ --json"});
   return {app, [=] {
             return kitti->parsed() ? run_kitti(*from_kitti) : run_opencalib(*from_opencalib);
           }};

@@ -22,7 +22,7 @@ struct Arguments {
   bool json = false;
 };
 
-/// What is in the files, before anything is decoded.
+/// Contents of the files before decoding.
 struct Contents {
   CaptureSurvey survey;
   std::map<std::string, Arrivals> other_streams;  ///< "camera 0", "CAN frames", ...
@@ -68,7 +68,7 @@ Result<Contents> survey_drive(const std::filesystem::path& path) {
   return contents;
 }
 
-/// The drive run through the pipeline, unheard.
+/// Runs the drive through the pipeline without clients.
 Summary replay(DriveSetup setup) {
   boost::asio::io_context io(1);
   Server server(io, {}, "", "");
@@ -79,15 +79,15 @@ Summary replay(DriveSetup setup) {
   return summarise(replay);
 }
 
-/// What a person should look at.
+/// Problems that need attention.
 std::vector<std::string> list_problems(const Contents& contents, const Result<Summary>& summary) {
   std::vector<std::string> list;
-  // The replay read the same files, and looked into their lines too.
+  // The replay read the same files, and parsed their lines too.
   const std::vector<Error>& notes = summary ? summary->notes : contents.notes;
   for (const Error& note : notes) list.push_back(note.message());
   for (const Stream& stream : contents.survey.streams()) {
     if (stream.arrivals.backward > 0) {
-      list.push_back(fmt::format("{} datagrams to port {} have stamps that go back",
+      list.push_back(fmt::format("{} datagrams to port {} have stamps before the previous one",
                                  stream.arrivals.backward, stream.port));
     }
   }
@@ -103,11 +103,11 @@ std::vector<std::string> list_problems(const Contents& contents, const Result<Su
   for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
     const SensorCounters& counters = summary->totals.counters[i];
     if (counters.lost_network > 0) {
-      list.push_back(fmt::format("{}: {} packets are missing", summary->devices[i].name,
-                                 counters.lost_network));
+      list.push_back(
+          fmt::format("{}: {} packets lost", summary->devices[i].name, counters.lost_network));
     }
     if (counters.wrong_model > 0) {
-      list.push_back(fmt::format("{}: the product byte of {} packets names another model",
+      list.push_back(fmt::format("{}: {} packets with another model's product byte",
                                  summary->devices[i].name, counters.wrong_model));
     }
   }
@@ -223,12 +223,13 @@ int run(const Arguments& arguments) {
 
 Command declare_inspect(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
-      "inspect", "what is in a capture or a drive: sensors, rates, gaps, clocks, problems");
+      "inspect", "list the contents of a capture or drive: sensors, rates, gaps, clocks, problems");
   const auto arguments = std::make_shared<Arguments>();
-  app->add_option("PATH", arguments->path, "a drive folder, or a pcap or pcapng")->required();
-  app->add_option("--model", arguments->model, "of the lidar, where it cannot be inferred")
+  app->add_option("PATH", arguments->path, "a drive folder, or a pcap or pcapng file")->required();
+  app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
-  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  set_examples(*app, {"infuse inspect drive.pcap", "infuse inspect drive/ --json"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

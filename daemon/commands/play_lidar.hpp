@@ -8,19 +8,22 @@
 
 namespace infuse::daemon {
 
-/// Plays a drive for one of its lidars and the vehicle's odometry: `on_sweep(Sweep&)`,
+/// Plays a drive for one of its lidars and the vehicle's odometry. Calls `on_sweep(Sweep&)`,
 /// `on_sample(const VehicleSample&)`, and after every event of the drive `on_event(const
-/// DriveEvent&)`, false of which ends it early. At the drive's end the sweep that was being
-/// assembled is given as well.
+/// DriveEvent&)`, which returns false to end early. At the drive's end the sweep being assembled is
+/// passed on too.
 template <class OnSweep, class OnSample, class OnEvent>
 void play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample,
                 OnEvent on_event) {
   LidarIntake intake(setup.lidars[lidar]);
   VehicleIntake vehicle(setup.vehicle);
+  const auto on_fix = [&](const GnssFix& fix) {
+    if (setup.gnss_lidar == lidar) on_sample(fix);
+  };
   recording::DriveEvent event;
   while (setup.source.next(event)) {
     if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
-      if (datagram->lidar == lidar) intake.add_datagram(datagram->datagram, on_sweep);
+      if (datagram->lidar == lidar) intake.add_datagram(datagram->datagram, on_sweep, on_fix);
     } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
       if (sweep->lidar == lidar) intake.add_sweep(*sweep->sweep, on_sweep);
     } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {

@@ -13,7 +13,7 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kProgram = "infuse record";
-constexpr std::chrono::seconds kReportTimeout{10};  // a report comes each second
+constexpr std::chrono::seconds kReportTimeout{10};  // the daemon sends a report every second
 
 struct Arguments {
   std::string socket;
@@ -25,7 +25,7 @@ struct Arguments {
   bool json = false;
 };
 
-/// What ends the recording, from here on; it would else end this program in the middle of a report.
+/// Blocks the signals that would end this program, so that they end the recording instead.
 void block_interrupts(bool block) {
   sigset_t signals;
   sigemptyset(&signals);
@@ -42,12 +42,12 @@ bool interrupted() {
          (sigismember(&pending, SIGINT) == 1 || sigismember(&pending, SIGTERM) == 1);
 }
 
-/// The next message of one of these classes.
+/// Waits for the next message of one of these classes.
 Result<Json> wait_for_message(Client& client, const std::vector<std::string>& classes) {
   while (true) {
     auto message = client.next(kReportTimeout);
     if (!message) return tl::unexpected(message.error());
-    if (!*message) return fail("the daemon has ended");
+    if (!*message) return fail("the daemon ended");
     const std::string name = (*message)->value("class", "");
     for (const std::string& wanted : classes) {
       if (name == wanted) return **std::move(message);
@@ -55,7 +55,7 @@ Result<Json> wait_for_message(Client& client, const std::vector<std::string>& cl
   }
 }
 
-/// Sends a request and waits until it was carried out.
+/// Sends a request and waits for its answer.
 Result<void> send_request(Client& client, const Json& request) {
   if (auto sent = client.send(request); !sent) return sent;
   return wait_for_message(client, {"ACK", "ERROR"})
@@ -74,7 +74,7 @@ Json make_request(const Arguments& arguments) {
   return request;
 }
 
-/// Shows how the recording goes until it ends; an interrupt ends it. Gives the last report.
+/// Shows the recording's progress until it ends; an interrupt ends it. Returns the last report.
 Result<Json> follow(Client& client) {
   ProgressLine line;
   block_interrupts(true);
@@ -83,7 +83,7 @@ Result<Json> follow(Client& client) {
     if (!report || report->value("state", "") != "recording") return report;
     line.show(std::nullopt, record_text(*report));
     if (!interrupted()) continue;
-    block_interrupts(false);  // a second one ends at once
+    block_interrupts(false);  // a second interrupt ends this program at once
     if (auto sent = client.send({{"op", "record"}, {"on", false}}); !sent) {
       return tl::unexpected(sent.error());
     }
@@ -112,25 +112,25 @@ int run(const Arguments& arguments) {
 Command declare_record(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "record",
-      "let the daemon record what its sensors say, as a drive that infused --replay takes,\n"
-      "until --for, --max-size, an interrupt, or the bounds of its configuration");
+      "let the running daemon record its sensors as a drive, until --for, --max-size, Ctrl-C, or\n"
+      "the limits of its configuration; replay the drive with infused --replay");
   const auto arguments = std::make_shared<Arguments>();
   app->add_option("-o,--output,name", arguments->name,
-                  "of the drive, in the daemon's folder of recordings; the time where it is not "
-                  "given")
+                  "name of the drive in the daemon's recording folder (default: the time)")
       ->type_name("NAME");
   const std::map<std::string, double> units = {{"s", 1}, {"min", 60}, {"m", 60}, {"h", 3600}};
-  app->add_option("--for", arguments->seconds, "how long: 90, 90s, 5m, 1h")
+  app->add_option("--for", arguments->seconds, "maximum duration: 90, 90s, 5m, 1h")
       ->transform(CLI::AsNumberWithUnit(units))
       ->check(CLI::PositiveNumber)
       ->type_name("TIME");
-  app->add_option("--max-size", arguments->bytes, "how much: 500M, 2G")
+  app->add_option("--max-size", arguments->bytes, "maximum size: 500M, 2G")
       ->transform(CLI::AsSizeValue(false))
       ->type_name("SIZE");
-  app->add_flag("--stop", arguments->stop, "end the recording that is being made");
-  app->add_flag("--no-wait", arguments->no_wait, "return when it has begun");
-  app->add_flag("--json", arguments->json, "the last RECORD report");
-  app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
+  app->add_flag("--stop", arguments->stop, "end the running recording");
+  app->add_flag("--no-wait", arguments->no_wait, "return as soon as the recording has started");
+  app->add_flag("--json", arguments->json, "print the last RECORD report as JSON");
+  app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
+  set_examples(*app, {"infuse record commute --for 10m", "infuse record --stop"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

@@ -62,12 +62,12 @@ std::string health_text(const Json& health) {
 }
 
 std::string record_text(const Json& record) {
-  std::string line =
-      fmt::format("{} {}: {:.1f} s, {:.1f} MB; {} datagrams, {} frames, {} pictures, {} fixes",
-                  text(record, "name"), text(record, "state"), record.value("duration_s", 0.0),
-                  record.value("bytes", 0.0) * 1e-6, record.value("datagrams", uint64_t{0}),
-                  record.value("frames", uint64_t{0}), record.value("images", uint64_t{0}),
-                  record.value("fixes", uint64_t{0}));
+  std::string line = fmt::format(
+      "{} {}: {:.1f} s, {:.1f} MB; {} datagrams, {} CAN frames, {} images, {} GNSS fixes",
+      text(record, "name"), text(record, "state"), record.value("duration_s", 0.0),
+      record.value("bytes", 0.0) * 1e-6, record.value("datagrams", uint64_t{0}),
+      record.value("frames", uint64_t{0}), record.value("images", uint64_t{0}),
+      record.value("fixes", uint64_t{0}));
   if (const auto lost = record.value("lost", uint64_t{0}); lost > 0) {
     line += fmt::format("; {} lost: the disk or the processor is too slow", lost);
   }
@@ -84,9 +84,9 @@ std::string report_text(const Json& message) {
         message.value("returns", uint64_t{0}), message.value("span_s", 0.0) * 1e3,
         message.value("mean_range", 0.0), message.value("lost_packets", uint64_t{0}),
         message.value("deskewed", false)
-            ? fmt::format("straight ({:.2f} m, {:.1f}°)", message.value("travelled", 0.0),
+            ? fmt::format("deskewed ({:.2f} m, {:.1f}°)", message.value("travelled", 0.0),
                           message.value("turned_deg", 0.0))
-            : "not straight: " + text(message, "deskew_reason"));
+            : "not deskewed: " + text(message, "deskew_reason"));
   }
   if (name == "FRAME") {
     return fmt::format(
@@ -103,12 +103,11 @@ std::string report_text(const Json& message) {
     return fmt::format("{} POSE in {}: ({:.2f}, {:.2f}) m, heading {:.1f}°, {:.1f} m/s{}\n",
                        time_text(message), text(message, "frame"), T[3], T[7],
                        std::atan2(T[4], T[0]) / kDegree, message.value("speed", 0.0),
-                       message.value("usable", false)
-                           ? std::string()
-                           : ", not to be used: " + text(message, "reason"));
+                       message.value("usable", false) ? std::string()
+                                                      : ", not usable: " + text(message, "reason"));
   }
   if (name == "CALIBRATION") {
-    return fmt::format("{} CALIBRATION {} {} ({} looks, {} scenes)\n", time_text(message),
+    return fmt::format("{} CALIBRATION {} {} ({} evaluations, {} scenes)\n", time_text(message),
                        text(message, "device"), text(message, "state"),
                        message.value("evaluations", uint64_t{0}),
                        message.value("scenes", uint64_t{0}));

@@ -6,14 +6,14 @@
 
 namespace infuse::daemon {
 
-/// A message of the daemon, for people: one line, or of HEALTH a line a sensor and a finding. What
-/// it does not know it gives as JSON.
+/// Formats a message of the daemon as text: one line, or for HEALTH one line per sensor and
+/// finding. Unknown classes are printed as JSON.
 std::string report_text(const Json& message);
 
-/// Of a RECORD message, what the recording has come to.
+/// Formats the progress of a RECORD message.
 std::string record_text(const Json& record);
 
-/// Of a HEALTH message, how every sensor is.
+/// Formats the sensors of a HEALTH message.
 std::string health_text(const Json& health);
 
 }  // namespace infuse::daemon

@@ -22,14 +22,15 @@ Result<Rig> true_rig(const std::filesystem::path& truth) {
   const auto drive = recording::Drive::open(truth);
   if (!drive) return tl::unexpected(drive.error());
   if (drive->description.truth_rig.empty()) {
-    return fail("the drive has no true rig", truth.string(), "[truth] rig in drive.toml");
+    return fail("the drive has no ground-truth rig", truth.string(),
+                "add rig to [truth] in drive.toml");
   }
   return recording::read_rig(drive->resolve(drive->description.truth_rig));
 }
 
-/// Extrinsics by camera; of a calibration's JSON, its one.
+/// Extrinsics of one camera.
 struct Extrinsics {
-  std::string camera;  ///< empty: the truth's only one
+  std::string camera;  ///< empty: the truth's only camera
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
 };
 
@@ -40,13 +41,13 @@ Result<std::vector<Extrinsics>> read_json(const std::filesystem::path& path) {
   const auto numbers = json.is_object() ? json.find("T_camera_lidar") : json.end();
   if (!json.is_object() || numbers == json.end() || !numbers->is_array() || numbers->size() != 16 ||
       !std::all_of(numbers->begin(), numbers->end(), [](const Json& n) { return n.is_number(); })) {
-    return fail("there is no T_camera_lidar of 16 numbers", path.string(),
-                "give what infuse calibrate --json prints, or a rig.toml");
+    return fail("no T_camera_lidar of 16 numbers", path.string(),
+                "give the output of infuse calibrate --json, or a rig.toml");
   }
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = (*numbers)[static_cast<size_t>(i)];
   const auto rigid = recording::to_rigid(matrix);
-  if (!rigid) return fail("T_camera_lidar is not a rigid motion", path.string());
+  if (!rigid) return fail("T_camera_lidar is not a rigid transform", path.string());
   const bool named = json.contains("camera") && json["camera"].is_string();
   return std::vector<Extrinsics>{
       {named ? json["camera"].get<std::string>() : std::string(), *rigid}};
@@ -93,7 +94,7 @@ Result<std::vector<CameraScore>> score_rig(const std::filesystem::path& result,
                                                  geometry::CameraModel(camera->intrinsics))});
   }
   if (scores.empty()) {
-    return fail("the two have no camera in common", result.string(),
+    return fail("the result and the truth have no camera in common", result.string(),
                 "cameras are compared by their names");
   }
   return scores;

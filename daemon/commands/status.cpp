@@ -16,14 +16,14 @@ struct Arguments {
   bool json = false;
 };
 
-/// The last report of every class, as the daemon gives them to a poll.
+/// Requests the last report of every class.
 Result<std::vector<Json>> poll(Client& client) {
   if (auto sent = client.send({{"op", "poll"}}); !sent) return tl::unexpected(sent.error());
   std::vector<Json> reports;
   while (true) {
     auto message = client.next(std::chrono::seconds(5));
     if (!message) return tl::unexpected(message.error());
-    if (!*message) return fail("the daemon has ended");
+    if (!*message) return fail("the daemon ended");
     if ((*message)->value("class", "") == "ACK") return reports;
     reports.push_back(**std::move(message));
   }
@@ -48,7 +48,7 @@ int run(const Arguments& arguments) {
     level = report.value("level", "");
     if (!arguments.json) std::cout << report_text(report);
   }
-  if (level.empty() && !arguments.json) std::cout << "no second of the drive has passed yet\n";
+  if (level.empty() && !arguments.json) std::cout << "no health report yet\n";
   return level == "ERROR" || level == "STALE" ? kFailure : kDone;
 }
 
@@ -56,10 +56,11 @@ int run(const Arguments& arguments) {
 
 Command declare_status(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
-      "status", "how the sensors of the running daemon are (exit code 1: not well)");
+      "status", "print the state of the running daemon's sensors (exit code 1: ERROR or STALE)");
   const auto arguments = std::make_shared<Arguments>();
-  app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
-  app->add_flag("--json", arguments->json, "the last report of every class, a line each");
+  app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
+  app->add_flag("--json", arguments->json, "print the last report of every class, one per line");
+  set_examples(*app, {"infuse status", "infuse status --json --socket /tmp/infused.sock"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

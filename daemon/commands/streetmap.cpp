@@ -34,7 +34,7 @@ Result<void> write_image(const streetmap::SegmentMap& map, const std::string& pa
   return recording::write_file_atomically(path, std::as_bytes(std::span(*png)));
 }
 
-/// Segments by kind, as the map has them.
+/// Number of segments of each kind.
 std::array<uint64_t, streetmap::kSegmentKindCount> count_kinds(const streetmap::SegmentMap& map) {
   std::array<uint64_t, streetmap::kSegmentKindCount> counts{};
   for (uint32_t id = 1; id < map.segment_count(); ++id) {
@@ -90,10 +90,10 @@ int run(const Arguments& arguments) {
   StreetMapOptions options;
   if (is_image_file(arguments.input)) {
     if (!arguments.scale) {
-      return print_error(kProgram,
-                         {"a picture has no scale of its own", arguments.input,
-                          "say how much of the ground a pixel shows: --scale METRES"},
-                         kUsage);
+      return print_error(
+          kProgram,
+          {"an image needs a scale", arguments.input, "give the metres per pixel: --scale METRES"},
+          kUsage);
     }
     options.image = {.metres_per_pixel = *arguments.scale, .edge_threshold = arguments.edge};
     if (const auto wrong = options.image->invalid()) {
@@ -111,7 +111,7 @@ int run(const Arguments& arguments) {
       !written) {
     return print_error(kProgram, written.error(), kFailure);
   }
-  // What is there now is what the daemon will open.
+  // Open the written file, as the daemon will.
   const auto opened = open_street_map_file(arguments.output);
   if (!opened) return print_error(kProgram, opened.error(), kFailure);
   if (!arguments.image.empty()) {
@@ -132,19 +132,24 @@ int run(const Arguments& arguments) {
 
 Command declare_streetmap(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
-      "streetmap", "street map from OpenStreetMap XML (.osm, .osm.bz2, .osm.gz) or from a picture");
+      "streetmap",
+      "make a street map from OpenStreetMap XML (.osm, .osm.bz2, .osm.gz) or from an image");
   const auto arguments = std::make_shared<Arguments>();
-  app->add_option("INPUT", arguments->input, "a .osm file, or a .png or .jpg of a map, north up")
+  app->add_option("INPUT", arguments->input,
+                  "an .osm file, or a .png or .jpg image of a map, north up")
       ->required();
-  app->add_option("-o,--output", arguments->output, "the map to write")
+  app->add_option("-o,--output", arguments->output, "street map to write")
       ->required()
       ->type_name("MAP");
-  app->add_option("--image", arguments->image, "also a picture of it, ids in colour")
+  app->add_option("--image", arguments->image, "write an image of the map too, ids in colour")
       ->type_name("FILE.png");
-  app->add_option("--cell", arguments->cell, "edge of a cell of the raster (0.2)")->type_name("M");
-  app->add_option("--scale", arguments->scale, "of a picture: metres a pixel")->type_name("M");
-  app->add_option("--edge", arguments->edge, "of a picture: Sobel magnitude of a line (60)");
-  app->add_flag("--json", arguments->json, "the result as one JSON object");
+  app->add_option("--cell", arguments->cell, "edge length of a raster cell (0.2)")->type_name("M");
+  app->add_option("--scale", arguments->scale, "for an image: metres per pixel")->type_name("M");
+  app->add_option("--edge", arguments->edge,
+                  "for an image: minimum Sobel magnitude of a line (60)");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  set_examples(*app, {"infuse streetmap town.osm -o town.map --image town.png",
+                      "infuse streetmap plan.png --scale 0.2 -o plan.map"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

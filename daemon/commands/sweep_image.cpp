@@ -20,7 +20,7 @@ void set_pixel(CameraFrame& image, int column, int row, const Colour& colour) {
   std::copy(colour.begin(), colour.end(), pixel);
 }
 
-/// From blue over green to red.
+/// Colour from blue over green to red.
 Colour colour_of(float fraction) {
   const auto bump = [fraction](float centre) {
     const float value = std::clamp(1.5F - 3 * std::abs(fraction - centre), 0.0F, 1.0F);
@@ -34,7 +34,7 @@ void draw_view(CameraFrame& image, int left, const Sweep& sweep, const FieldVect
   const float span = std::max(1.0F, static_cast<float>(sweep.span.count()));
   constexpr float kScale = kViewSize / (2 * kMaxDistance);
   for (size_t i = 0; i < x.size(); ++i) {
-    // What is not a number is not inside.
+    // Written so that NaN is outside.
     if (!(std::abs(x[i]) < kMaxDistance && std::abs(y[i]) < kMaxDistance && z[i] > kMinHeight))
       continue;
     const int column = std::min(kViewSize - 1, static_cast<int>((kMaxDistance - y[i]) * kScale));

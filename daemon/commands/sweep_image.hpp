@@ -6,9 +6,9 @@
 
 namespace infuse::daemon {
 
-/// A sweep from above, twice: on the left as it was measured, on the right corrected for motion.
-/// 40 m to each side, x up, the ground left out; returns are blue at the beginning of the sweep and
-/// red at its end, so that the seam shows what the motion did.
+/// Draws a sweep from above, twice: as measured on the left, deskewed on the right. 40 m to each
+/// side, x up, without the ground. Colours run from blue at the beginning of the sweep to red at
+/// its end, so that the seam shows the effect of the motion.
 CameraFrame draw_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed);
 
 }  // namespace infuse::daemon

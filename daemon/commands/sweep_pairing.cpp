@@ -5,8 +5,8 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr Duration kMaxWait{1'000'000'000};   // until the next sweep and its odometry have come
-constexpr Duration kTwistWindow{40'000'000};  // over which a speed is taken
+constexpr Duration kMaxWait{1'000'000'000};   // until the next sweep and its odometry have arrived
+constexpr Duration kTwistWindow{40'000'000};  // over which the twist is averaged
 
 Stamp middle(const Sweep& sweep) { return sweep.stamp + sweep.span / 2; }
 

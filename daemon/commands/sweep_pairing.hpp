@@ -13,33 +13,33 @@ namespace infuse::daemon {
 /// The sweep nearest to an exposure.
 struct PairedSweep {
   bool found = false;
-  Duration gap{0};  ///< from the exposure to the middle of the sweep
-  Sweep sweep;      ///< x, y, z and range as of the exposure, where `uncompensated` is empty
-  std::string deskew_reason;  ///< why they are as they were measured
-  /// The lidar's motion in its own frame at the exposure, rad/s and m/s, where odometry tells it.
+  Duration gap{0};            ///< time from the exposure to the middle of the sweep
+  Sweep sweep;                ///< deskewed to the exposure if `deskew_reason` is empty
+  std::string deskew_reason;  ///< why the sweep is not deskewed
+  /// Twist of the lidar in its own frame at the exposure, rad/s and m/s, if odometry covers it.
   std::optional<geometry::Vector6> twist;
 };
 
-/// Finds each of some exposures the sweep of a recording that is nearest in time, and corrects it
-/// for the vehicle's motion to the exposure's time. Keeps one sweep an exposure.
+/// Finds the sweep of a recording that is nearest in time to each exposure, and deskews it to the
+/// exposure's time. Keeps one sweep per exposure.
 class SweepPairing {
  public:
-  /// Without odometry nothing is corrected.
+  /// Without odometry no sweep is deskewed.
   SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry);
 
-  /// An exposure; in order of time, before anything is taken.
+  /// Adds an exposure; in order of time, before any sweep or sample.
   void add_exposure(Stamp exposure);
 
   void add_sweep(const Sweep& sweep);
   void add_sample(const VehicleSample& sample);
 
-  /// The recording has come to `now`: corrects what waits no longer.
+  /// Deskews the sweeps that are due at the drive time `now`.
   void advance(Stamp now);
 
-  /// All exposures have their sweep.
+  /// True if all exposures are settled.
   bool done() const { return next_ == exposures_.size(); }
 
-  /// The recording has ended. One entry an exposure, in the order in which they were wanted.
+  /// Ends the recording. Returns one entry per exposure, in the order in which they were added.
   std::vector<PairedSweep> finish();
 
  private:
@@ -54,7 +54,7 @@ class SweepPairing {
   motion::DeskewedSweep deskewed_;
   std::vector<Stamp> exposures_;
   std::vector<PairedSweep> pairs_;
-  size_t next_ = 0;  ///< the first exposure that is not settled
+  size_t next_ = 0;  ///< first exposure that is not settled
 };
 
 }  // namespace infuse::daemon

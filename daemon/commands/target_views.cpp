@@ -19,9 +19,9 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr Duration kMaxTimeGap = std::chrono::milliseconds(500);  // a picture from its sweep
+constexpr Duration kMaxTimeGap = std::chrono::milliseconds(500);  // between an image and its sweep
 
-/// A picture on disk, and when it was taken.
+/// An image file and its stamp.
 struct StampedImageFile {
   std::filesystem::path path;
   Stamp stamp;
@@ -34,9 +34,8 @@ Result<size_t> find_camera(const Rig& rig, const std::string& name, const std::s
     if (rig.cameras[i].name == name || (name.empty() && rig.cameras.size() == 1)) return i;
     names += (i == 0 ? "" : ", ") + rig.cameras[i].name;
   }
-  return fail(
-      name.empty() ? "there is not exactly one camera" : "there is no camera '" + name + "'", drive,
-      "choose one with --camera: " + names);
+  return fail(name.empty() ? "there are several cameras" : "there is no camera '" + name + "'",
+              drive, "choose one with --camera: " + names);
 }
 
 Result<CameraFrame> read_grey(const StampedImageFile& image, const recording::CameraFiles& files) {
@@ -54,7 +53,7 @@ Result<CameraFrame> read_grey(const StampedImageFile& image, const recording::Ca
   return grey;
 }
 
-/// What stays the same for all pictures of a drive.
+/// Finds boards in the images of one drive.
 class BoardFinder {
  public:
   BoardFinder(const CameraMount& camera, const recording::CameraFiles& files,
@@ -73,11 +72,11 @@ class BoardFinder {
     const auto grey = read_grey(image, files_);
     if (!grey) return skip(grey.error().message());
     if (grey->width != camera_.intrinsics.width || grey->height != camera_.intrinsics.height) {
-      return skip(fmt::format("{}: {} × {} pixels, the rig says {} × {}", name, grey->width,
+      return skip(fmt::format("{}: {} × {} pixels, the rig states {} × {}", name, grey->width,
                               grey->height, camera_.intrinsics.width, camera_.intrinsics.height));
     }
     const auto boards = target::find_boards(*grey, board_, options_.max_boards);
-    if (boards.empty()) return skip(name + ": no board in the picture");
+    if (boards.empty()) return skip(name + ": no board in the image");
     for (size_t k = 0; k < boards.size(); ++k) {
       add_board(fmt::format("{} board {}", name, k + 1), boards[k], sweep);
     }
@@ -88,20 +87,20 @@ class BoardFinder {
 
   void add_board(const std::string& name, const target::Corners& corners, const Sweep& sweep) {
     const auto pose = target::estimate_board_pose(model_, board_, corners, options_.corner_noise);
-    if (!pose) return skip(name + ": no pose fits its corners");
+    if (!pose) return skip(name + ": no board pose fits the corners");
     const Eigen::Vector3d middle = pose->T_camera_board * board_.middle();
     for (size_t i = 0; i < centres_.size(); ++i) {
       const double turned = std::acos(
           std::clamp(std::abs(normals_[i].dot(pose->T_camera_board.linear().col(2))), 0.0, 1.0));
       if ((centres_[i] - middle).norm() < options_.min_motion && turned < options_.min_motion) {
-        return;  // it still stands where an earlier picture saw it
+        return;  // an earlier image has this view already
       }
     }
     auto near =
         target::crop_to_board(sweep, camera_.T_camera_lidar.inverse() * pose->T_camera_board,
                               board_, options_.returns.margin);
     if (near.size() < static_cast<size_t>(options_.returns.min_returns)) {
-      return skip(fmt::format("{}: {} returns there", name, near.size()));
+      return skip(fmt::format("{}: only {} returns on the board", name, near.size()));
     }
     centres_.push_back(middle);
     normals_.push_back(pose->T_camera_board.linear().col(2));
@@ -115,10 +114,10 @@ class BoardFinder {
   target::Board board_;
   const TargetViewOptions& options_;
   TargetViews& out_;
-  std::vector<Eigen::Vector3d> centres_, normals_;  // of boards that were seen
+  std::vector<Eigen::Vector3d> centres_, normals_;  // of the boards found so far
 };
 
-/// Pairs pictures with sweeps: a picture waits until the sweep after it is there.
+/// Pairs images with sweeps: an image waits for the sweep after it.
 class ImageSweepPairing {
  public:
   ImageSweepPairing(BoardFinder& finder) : finder_(finder) {}
@@ -187,8 +186,8 @@ std::optional<Eigen::Isometry3d> true_extrinsics(const recording::Drive& drive,
 std::optional<std::string> TargetViewOptions::invalid() const {
   if (auto wrong = returns.invalid()) return wrong;
   if (!(corner_noise > 0)) return "corner_noise must be positive";
-  if (max_boards < 1) return "most_boards must be at least 1";
-  if (!(min_motion >= 0)) return "same_place must not be negative";
+  if (max_boards < 1) return "max_boards must be at least 1";
+  if (!(min_motion >= 0)) return "min_motion must not be negative";
   return std::nullopt;
 }
 
@@ -205,7 +204,8 @@ Result<void> add_target_views(const std::filesystem::path& folder, const std::st
   const CameraMount& mount = rig.cameras[*index];
   const auto lidar = std::find_if(rig.lidars.begin(), rig.lidars.end(),
                                   [&](const LidarMount& l) { return l.name == mount.lidar; });
-  if (lidar == rig.lidars.end()) return fail("the camera's lidar is not there", folder.string());
+  if (lidar == rig.lidars.end())
+    return fail("the drive does not have the camera's lidar", folder.string());
 
   if (views.camera.empty()) {
     views.camera = mount.name;

@@ -12,31 +12,32 @@
 
 namespace infuse::daemon {
 
-/// How views of boards are taken from a drive.
+/// Options of extracting views of boards from a drive.
 struct TargetViewOptions {
   target::BoardReturnsOptions returns;
-  double corner_noise = 0.1;  ///< px an axis, one standard deviation
-  int max_boards = 8;         ///< in one picture
-  double min_motion = 0.02;   ///< m, rad; a board that has not moved farther is no new view
+  double corner_noise = 0.1;  ///< standard deviation per axis, px
+  int max_boards = 8;         ///< maximum number of boards in one image
+  double min_motion = 0.02;   ///< m and rad; a board that has moved less gives no new view
 
-  /// What is wrong with the settings, or nothing.
+  /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// What was found in one or several drives of one rig.
+/// Views of boards from one or several drives of one rig.
 struct TargetViews {
   std::vector<target::BoardObservation> observations;
-  std::vector<std::string> names;    ///< "DRIVE front/000003 board 1", an entry a sighting
-  std::vector<std::string> skipped;  ///< pictures and boards that gave none, and why
-  std::string camera;                ///< its name
+  std::vector<std::string> names;    ///< "DRIVE/front/000003 board 1", one per observation
+  std::vector<std::string> skipped;  ///< images and boards without a view, and why
+  std::string camera;                ///< name of the camera
   Rig rig;                           ///< of the first drive
-  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< as that drive states it
-  std::optional<Eigen::Isometry3d> truth;                            ///< the same, where known
+  Eigen::Isometry3d T_camera_lidar =
+      Eigen::Isometry3d::Identity();       ///< as stated by the first drive
+  std::optional<Eigen::Isometry3d> truth;  ///< ground truth, if known
 };
 
-/// Adds the views of one drive: in every picture of the camera the boards, in the lidar's sweep
-/// nearest in time their returns. The vehicle and the boards should stand still meanwhile. Errors:
-/// the drive cannot be read, there is no such camera.
+/// Adds the views of one drive: the boards in every image of the camera, with their returns in the
+/// lidar's sweep nearest in time. The vehicle and the boards should stand still. Errors: the drive
+/// cannot be read, no such camera.
 Result<void> add_target_views(const std::filesystem::path& drive, const std::string& camera,
                               const target::Board& board, const TargetViewOptions& options,
                               TargetViews& views);

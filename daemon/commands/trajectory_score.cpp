@@ -12,19 +12,20 @@ namespace {
 
 using motion::ErrorStatistics;
 
-/// A drive's true poses, or the file itself.
+/// The file of a drive's true poses, or the file itself.
 Result<std::filesystem::path> truth_file(const std::filesystem::path& truth) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(truth, ignored)) return truth;
   const auto drive = recording::Drive::open(truth);
   if (!drive) return tl::unexpected(drive.error());
   if (drive->description.truth_poses.empty()) {
-    return fail("the drive has no true poses", truth.string(), "[truth] poses in drive.toml");
+    return fail("the drive has no ground-truth poses", truth.string(),
+                "add poses to [truth] in drive.toml");
   }
   return drive->resolve(drive->description.truth_poses);
 }
 
-/// Whether the stamps are line numbers, as a format without times has them.
+/// True if the stamps are line numbers, as in formats without times.
 bool has_line_numbers(const std::vector<recording::TrajectoryPose>& poses) {
   for (size_t i = 0; i < poses.size(); ++i) {
     if (std::abs(poses[i].stamp.ns() - static_cast<int64_t>(i)) > 1) return false;
@@ -38,7 +39,7 @@ std::vector<geometry::StampedPose> stamped(const std::vector<recording::Trajecto
   return stamped;
 }
 
-/// Line by line, a tenth of a second each: what KITTI's files mean.
+/// Pairs poses line by line, 0.1 s apart, as in KITTI's files.
 std::vector<motion::PosePair> pair_by_line(const std::vector<recording::TrajectoryPose>& result,
                                            const std::vector<recording::TrajectoryPose>& truth) {
   std::vector<motion::PosePair> pairs;
@@ -72,7 +73,7 @@ const char* name_of(motion::Alignment alignment) {
 
 std::string statistics_text(const char* what, const ErrorStatistics& s, double factor,
                             const char* unit) {
-  return fmt::format("  {:<22} rms {:.3f}, mean {:.3f}, median {:.3f}, largest {:.3f} {}\n", what,
+  return fmt::format("  {:<22} rms {:.3f}, mean {:.3f}, median {:.3f}, max {:.3f} {}\n", what,
                      s.rms * factor, s.mean * factor, s.median * factor, s.max * factor, unit);
 }
 
@@ -98,7 +99,8 @@ Result<TrajectoryScore> score_trajectory(const std::filesystem::path& result,
     return fail(fmt::format("a file without times has {} poses, the other {}",
                             std::min(score.poses, score.truth_poses),
                             std::max(score.poses, score.truth_poses)),
-                result.string(), "lines are compared one by one: give files of one length, or TUM");
+                result.string(),
+                "lines are compared one by one: give files of equal length, or TUM files");
   }
   const auto pairs = score.by_line ? pair_by_line(*estimate, *true_poses)
                                    : motion::pair_by_time(stamped(*estimate), stamped(*true_poses));
@@ -147,8 +149,8 @@ Json to_json(const TrajectoryScore& score) {
 }
 
 std::string to_text(const TrajectoryScore& score) {
-  std::string text = fmt::format("{} poses, {} of them with a truth at their {}\n", score.poses,
-                                 score.paired, score.by_line ? "line" : "time");
+  std::string text = fmt::format("{} poses, {} of them with a true pose at the same {}\n",
+                                 score.poses, score.paired, score.by_line ? "line" : "time");
   if (!score.absolute.usable()) return text + "  no score: " + score.absolute.reason + "\n";
   text += fmt::format("absolute, alignment: {}\n", name_of(score.alignment));
   text += statistics_text("position", score.absolute.translation, 1, "m");
@@ -159,9 +161,9 @@ std::string to_text(const TrajectoryScore& score) {
     text += statistics_text("orientation", score.relative.rotation, 1 / kDegree, "°");
   }
   if (!score.kitti.usable()) {
-    return text + "KITTI's score: none, " + score.kitti.reason + "\n";
+    return text + "KITTI score: none,  " + score.kitti.reason + "\n";
   }
-  return text + fmt::format("KITTI's score: {:.3f} %, {:.4f} ° / 100 m over {} parts\n",
+  return text + fmt::format("KITTI score: {:.3f} %, {:.4f} ° / 100 m over {} segments\n",
                             100 * score.kitti.translation, 100 / kDegree * score.kitti.rotation,
                             score.kitti.count);
 }

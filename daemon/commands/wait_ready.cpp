@@ -19,10 +19,10 @@ struct Arguments {
   double timeout_s = 30;
 };
 
-/// What of a daemon's reports decides whether it is ready.
+/// Readiness of a daemon by its reports.
 struct Readiness {
   std::string waiting_for = "the daemon";
-  bool delivering = false;  // every device has delivered something
+  bool delivering = false;  // every device has delivered data
   bool healthy = false;
 
   void update(const Json& report) {
@@ -31,7 +31,7 @@ struct Readiness {
     if (name == "HEALTH") {
       const std::string level = report.value("level", "");
       healthy = level == "OK" || level == "WARN";
-      if (delivering && !healthy) waiting_for = "the sensors to be well: " + level;
+      if (delivering && !healthy) waiting_for = "the sensors, level " + level;
     }
   }
   void update_devices(const Json& report) {
@@ -45,7 +45,7 @@ struct Readiness {
   }
 };
 
-/// Watches one connection until the daemon is ready, it ends, or the time is over.
+/// Reads one connection until the daemon is ready, it ends, or the time is over.
 bool wait_until_ready(Client& client, Clock::time_point deadline, Readiness& readiness) {
   if (!client.send({{"op", "watch"}, {"classes", {"DEVICES", "HEALTH"}}})) return false;
   if (!client.send({{"op", "poll"}})) return false;
@@ -79,12 +79,14 @@ int run(const Arguments& arguments) {
 
 Command declare_wait_ready(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
-      "wait-ready", "wait until every sensor of the running daemon delivers (exit code 1: no)");
+      "wait-ready",
+      "wait until every sensor of the running daemon delivers data (exit code 1: timeout)");
   const auto arguments = std::make_shared<Arguments>();
-  app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
-  app->add_option("--timeout", arguments->timeout_s, "how long to wait (30)")
+  app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
+  app->add_option("--timeout", arguments->timeout_s, "maximum time to wait, s (30)")
       ->type_name("S")
       ->check(CLI::Range(0.0, 86400.0));
+  set_examples(*app, {"infuse wait-ready", "infuse wait-ready --timeout 5 && start-planner"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

@@ -26,7 +26,7 @@ int run(const Arguments& arguments) {
   while (std::cout) {
     const auto message = client->next(std::nullopt);
     if (!message) return print_error("infuse watch", message.error(), kFailure);
-    if (!*message) return kDone;  // the daemon has ended
+    if (!*message) return kDone;  // the daemon ended
     const std::string name = (*message)->value("class", "");
     if (name == "ERROR") {
       return print_error("infuse watch",
@@ -43,12 +43,14 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Command declare_watch(CLI::App& infuse) {
-  CLI::App* app =
-      infuse.add_subcommand("watch", "what the running daemon reports, as it comes, until it ends");
+  CLI::App* app = infuse.add_subcommand(
+      "watch", "print the reports of the running daemon as they arrive, until it ends");
   const auto arguments = std::make_shared<Arguments>();
-  app->add_option("CLASS", arguments->classes, "DEVICES, SWEEP, HEALTH, ALERT; all by default");
-  app->add_option("--socket", arguments->socket, "of the daemon")->type_name("PATH");
-  app->add_flag("--json", arguments->json, "the reports as they are, a line each");
+  app->add_option("CLASS", arguments->classes,
+                  "DEVICES, SWEEP, FRAME, POSE, CALIBRATION, HEALTH, ALERT, RECORD (default: all)");
+  app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
+  app->add_flag("--json", arguments->json, "print the reports as JSON, one per line");
+  set_examples(*app, {"infuse watch HEALTH ALERT", "infuse watch POSE --json"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

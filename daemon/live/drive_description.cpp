@@ -31,17 +31,17 @@ void describe_cameras(const LiveSetup& setup, DescribedDrive& drive) {
   }
   for (size_t i = setup.rig.cameras.size(); i < setup.cameras.size(); ++i) {
     drive.not_recorded.push_back("camera " + setup.camera_streams[i].device +
-                                 ": the rig does not have it");
+                                 ": it is not in the rig");
   }
 }
 
 void describe_buses(const Config& config, DescribedDrive& drive) {
   for (const BusOptions& options : config.buses) {
     if (options.dbc.empty() || drive.description.can) {
-      drive.not_recorded.push_back("the signals of CAN bus " + options.interface +
-                                   (options.dbc.empty() ? ": no dbc names them"
-                                                        : ": a drive has those "
-                                                          "of one bus") +
+      drive.not_recorded.push_back("signals of CAN bus " + options.interface +
+                                   (options.dbc.empty() ? ": no DBC file is configured"
+                                                        : ": a drive holds the "
+                                                          "signals of one bus only") +
                                    (drive.description.can ? "; its frames are in can.log" : ""));
       continue;
     }
@@ -67,7 +67,11 @@ DescribedDrive describe_drive(const Config& config, const LiveSetup& setup) {
   }
   describe_cameras(setup, drive);
   describe_buses(config, drive);
-  if (setup.vehicle.has_gnss) drive.description.gnss = "gnss.csv";
+  if (setup.gnss_lidar) {
+    drive.description.gnss_lidar = setup.rig.lidars[*setup.gnss_lidar].name;
+  } else if (setup.vehicle.has_gnss) {
+    drive.description.gnss = "gnss.csv";
+  }
   return drive;
 }
 

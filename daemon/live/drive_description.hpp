@@ -7,15 +7,18 @@
 
 namespace infuse::daemon {
 
-/// What a drive of this host's sensors says of them, and what belongs into its folder besides.
+/// The `drive.toml` of a recording of this host's sensors, and the other files that belong in its
+/// folder.
 struct DescribedDrive {
   recording::DriveDescription description;
   std::vector<recording::DriveWriter::CopiedFile> copies;
-  std::vector<std::string> not_recorded;  ///< what a drive cannot say, for a person
+  std::vector<std::string>
+      not_recorded;  ///< sensors that a drive cannot hold, as sentences for the log
 };
 
-/// The drive that a recording of these sensors makes: all lidars in one capture, the cameras of the
-/// rig, the frames of all buses with the signals of the first that has any, and the receiver.
+/// Describes the drive that a recording of these sensors produces: all lidars in one capture, the
+/// cameras of the rig, the frames of all CAN buses with the signals of the first bus that has a
+/// DBC, and the GNSS receiver.
 DescribedDrive describe_drive(const Config& config, const LiveSetup& setup);
 
 }  // namespace infuse::daemon

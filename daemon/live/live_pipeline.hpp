@@ -10,12 +10,12 @@
 
 namespace infuse::daemon {
 
-/// The sensors of this host run through the pipeline. Nothing waits for anything: what a stage does
-/// not take in time is overwritten, and counted.
+/// The pipeline, fed by the sensors of this host. No stage waits for another: data that a stage
+/// does not process in time is overwritten and counted.
 class LivePipeline {
  public:
-  /// `on_end` is called on the thread of `io` when everything was told and the threads have ended.
-  /// `io`, `server` and `tap`, which may be null, outlive this.
+  /// `on_end` is called on the thread of `io` when every report has been published and the threads
+  /// have ended. `io`, `server` and `tap`, which may be null, must outlive this object.
   LivePipeline(boost::asio::io_context& io, LiveSetup setup, const PipelineOptions& options,
                Server& server, std::function<void()> on_end,
                const receive::TimeBase& base = receive::TimeBase(), RecordTap* tap = nullptr);
@@ -23,18 +23,16 @@ class LivePipeline {
   /// Starts the threads.
   void start();
 
-  /// Asks for the end; `on_end` still comes.
+  /// Requests the end; `on_end` is still called.
   void stop() { pipeline_.stop(); }
 
-  /// Carries out what the owner asks for.
-  Result<void> handle_request(const Request& request) { return pipeline_.handle_request(request); }
-
+  Pipeline& pipeline() { return pipeline_; }
   Publisher& publisher() { return pipeline_.publisher(); }
   const LiveSetup& setup() const { return setup_; }
 
  private:
   LiveSetup setup_;
-  std::optional<LiveReader> reader_;  // outlives the thread that runs it
+  std::optional<LiveReader> reader_;  // must outlive the thread that runs it
   Pipeline pipeline_;
 };
 

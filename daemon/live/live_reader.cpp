@@ -1,13 +1,11 @@
 #include "daemon/live/live_reader.hpp"
 
-#include "drivers/velodyne/position_packet.hpp"
-
 namespace infuse::daemon {
 namespace {
 
-constexpr int kPollTimeoutMs = 10;  // until ticks, stops and samples that wait are looked after
+constexpr int kPollTimeoutMs = 10;  // upper bound of the delay of ticks, stops and due samples
 constexpr Duration kMaintenancePeriod{100'000'000};
-constexpr int kMaxBatchesPerRead = 4;  // of one socket, then the others have their turn
+constexpr int kMaxBatchesPerRead = 4;  // from one socket, before the others are read
 
 }  // namespace
 
@@ -36,7 +34,7 @@ LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::Ti
     used_.push_back(setup.vehicle.buses[i].has_value());
   }
   if (setup.gnss) {
-    gnss_.emplace("receiver " + setup.gnss->device, [this, serial = *setup.gnss] {
+    gnss_.emplace("GNSS receiver " + setup.gnss->device, [this, serial = *setup.gnss] {
       return vehicle::SerialLineSource::open(serial, base_);
     });
   }
@@ -76,7 +74,7 @@ void LiveReader::run(std::stop_token stop) {
 void LiveReader::reopen_sources(Stamp now) {
   for (Port& port : ports_) {
     if (port.source.reopen_if_due(now)) port.reported_dropped = 0;
-    // A group is left by an interface that was made anew.
+    // An interface that was recreated is no longer a member of the multicast group.
     if (port.source.get() != nullptr && port.datagrams == port.datagrams_before) {
       port.source.get()->rejoin();
     }
@@ -89,7 +87,7 @@ void LiveReader::reopen_sources(Stamp now) {
   if (gnss_) gnss_->reopen_if_due(now);
 }
 
-/// What is gone has the descriptor −1, which poll passes over.
+/// A closed source has the descriptor −1, which poll() ignores.
 void LiveReader::rebuild_poll_set() {
   poll_set_.clear();
   const auto add_to_poll_set = [&](auto* source) {
@@ -102,7 +100,7 @@ void LiveReader::rebuild_poll_set() {
   poll_set_.push_back({devices_->descriptor(), POLLIN, 0});
 }
 
-// In the order of `rebuild_poll_set`; what is gone is never ready.
+// In the order of `rebuild_poll_set`; a closed source is never ready.
 void LiveReader::read_ready_sources() {
   size_t at = 0;
   const auto ready = [&] { return poll_set_[at++].revents != 0; };
@@ -119,7 +117,7 @@ void LiveReader::read_ready_sources() {
   if (ready() && devices_->consume_changes()) retry_now();
 }
 
-// A device may have come: it is tried before its pause is over.
+// A device may have appeared: retry it before its delay is over.
 void LiveReader::retry_now() {
   for (Camera& camera : cameras_) camera.source.retry_now();
   if (gnss_) gnss_->retry_now();
@@ -129,7 +127,7 @@ void LiveReader::retry_now() {
 template <class Source>
 void LiveReader::close_source(ReopeningSource<Source>& source, const Error& error) {
   source.close(error, base_.now());
-  rebuild_poll_set();  // its descriptor may soon be another's
+  rebuild_poll_set();  // the descriptor number may be reused
 }
 
 void LiveReader::count_dropped(Port& port) {
@@ -145,12 +143,9 @@ void LiveReader::read_port(Port& port) {
   velodyne::UdpSource* source = port.source.get();
   for (int batch = 0; batch < kMaxBatchesPerRead; ++batch) {
     const auto count = source->read(datagrams_, [&](const Datagram& datagram) {
-      // The kernel's count first: what it dropped is not missing in the network too.
+      // Count the kernel's drops first: they must not be counted as network losses too.
       count_dropped(port);
       intake_.add_datagram(LidarIndex(port.setup.lidar_of(datagram.sender)), datagram);
-      if (gnss_lidar_ && port.setup.is_from_lidar(*gnss_lidar_, datagram.sender)) {
-        add_position_packet(datagram);
-      }
       if (tap_ != nullptr) tap_->add_datagram(datagram);
     });
     if (!count) return close_source(port.source, count.error());
@@ -192,27 +187,14 @@ void LiveReader::read_bus(size_t index) {
 
 void LiveReader::read_gnss() {
   const auto read = gnss_->get()->read([&](Stamp stamp, std::string_view line) {
-    // Others than these two are passed over.
-    if (const auto sentence = velodyne::parse_nmea(line)) add_nmea_sentence(stamp, *sentence);
+    // Sentences other than RMC and GGA are ignored.
+    const auto sentence = velodyne::parse_nmea(line);
+    if (!sentence) return;
+    const GnssFix fix = velodyne::stamped_fix(*sentence, stamp);
+    intake_.add_gnss(fix, stamp);
+    if (tap_ != nullptr) tap_->add_gnss(fix);
   });
   if (!read) close_source(*gnss_, read.error());
-}
-
-// An RMC has date, speed and course, a GGA has the height; each is a fix of its own.
-void LiveReader::add_nmea_sentence(Stamp stamp, const velodyne::NmeaFix& sentence) {
-  GnssFix fix = sentence.fix;
-  fix.stamp = stamp;
-  if (!sentence.has_date) fix.utc_ns = 0;
-  intake_.add_gnss(fix, stamp);
-  if (tap_ != nullptr) tap_->add_gnss(fix);
-}
-
-// The packets repeat a sentence until the receiver says the next.
-void LiveReader::add_position_packet(const Datagram& datagram) {
-  const auto packet = velodyne::parse_position_packet(datagram.payload);
-  if (!packet || !packet->sentence || packet->sentence->fix.utc_ns == last_sentence_ns_) return;
-  last_sentence_ns_ = packet->sentence->fix.utc_ns;
-  add_nmea_sentence(datagram.stamp, *packet->sentence);
 }
 
 void LiveReader::update_source_states() {

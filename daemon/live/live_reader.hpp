@@ -20,31 +20,32 @@
 
 namespace infuse::daemon {
 
-/// The io thread live: waits for the sensors of this host and gives what they say to the intake.
+/// The io thread of a live run: waits for the sensors of this host and passes their data to the
+/// intake.
 class LiveReader {
  public:
-  /// `intake` and `tap` outlive this; `tap` may be null.
+  /// `intake` and `tap` must outlive this object; `tap` may be null.
   LiveReader(const LiveSetup& setup, Intake& intake, const receive::TimeBase& base, RecordTap* tap);
 
-  /// Until it is asked to stop. The last item is always a kEnd.
+  /// Runs until a stop is requested. The last item passed on is always a kEnd.
   void run(std::stop_token stop);
 
  private:
   struct Port {
     PortSetup setup;
     ReopeningSource<velodyne::UdpSource> source;
-    uint64_t reported_dropped = 0;  // told to the intake
+    uint64_t reported_dropped = 0;  // already counted by the intake
     uint64_t datagrams = 0;
-    uint64_t datagrams_before = 0;  // at the last look
+    uint64_t datagrams_before = 0;  // at the last maintenance
   };
   struct Bus {
     ReopeningSource<vehicle::SocketCanSource> source;
-    uint64_t dropped_before = 0;  // at sockets that were closed
+    uint64_t dropped_before = 0;  // by sockets that have been closed
     uint64_t frames = 0;
   };
   struct Camera {
     ReopeningSource<camera::V4l2Source> source;
-    uint64_t sequence_offset = 0;  // so that a camera that is opened again counts on
+    uint64_t sequence_offset = 0;  // keeps sequence numbers increasing when a camera is reopened
     uint64_t next_sequence = 0;
     uint64_t damaged_before = 0;
   };
@@ -60,8 +61,6 @@ class LiveReader {
   void read_gnss();
   template <class Source>
   void close_source(ReopeningSource<Source>& source, const Error& error);
-  void add_position_packet(const Datagram& datagram);
-  void add_nmea_sentence(Stamp stamp, const velodyne::NmeaFix& sentence);
   void update_source_states();
 
   const receive::TimeBase base_;
@@ -73,9 +72,8 @@ class LiveReader {
   std::optional<ReopeningSource<vehicle::SerialLineSource>> gnss_;
   std::optional<receive::DeviceWatch> devices_;
   size_t lidars_;
-  std::optional<size_t> gnss_lidar_;
-  int64_t last_sentence_ns_ = 0;  // the time in it
-  std::vector<bool> used_;        // by stream
+  std::optional<LidarIndex> gnss_lidar_;
+  std::vector<bool> used_;  // by stream index
   receive::MessageBatch datagrams_{64, velodyne::UdpSource::kMaxDatagramBytes};
   receive::MessageBatch frames_ = vehicle::make_can_batch();
   std::vector<pollfd> poll_set_;

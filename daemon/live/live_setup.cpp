@@ -52,7 +52,8 @@ Result<void> set_up_lidar(const Config& config, const LidarOptions& options, con
     auto loaded = velodyne::load_db_xml(config.resolve(options.calibration));
     if (!loaded) return tl::unexpected(loaded.error());
     if (auto wrong = loaded->invalid(velodyne::model_info(*model))) {
-      return fail(*wrong, config.resolve(options.calibration).string(), "is it this model's?");
+      return fail(*wrong, config.resolve(options.calibration).string(),
+                  "check that the file belongs to this model");
     }
     lidar.assembler.calibration = *loaded;
   }
@@ -79,7 +80,7 @@ Result<void> add_camera(const CameraOptions& options, const CameraMount* mount, 
       stream.width = intrinsics.width;
       stream.height = intrinsics.height;
     } else if (stream.width != intrinsics.width || stream.height != intrinsics.height) {
-      return fail(fmt::format("camera '{}' is to give {}x{}, but the rig has it as {}x{}",
+      return fail(fmt::format("camera '{}' is configured as {}x{}, but the rig states {}x{}",
                               options.name, stream.width, stream.height, intrinsics.width,
                               intrinsics.height));
     }
@@ -96,7 +97,7 @@ Result<void> add_camera(const CameraOptions& options, const CameraMount* mount, 
   return {};
 }
 
-/// Those of the rig first: it is by these that the pipeline counts.
+/// Cameras of the rig come first: the pipeline uses their indices.
 Result<void> set_up_cameras(const Config& config, const Rig& rig, LiveSetup& setup) {
   for (const bool mounted : {true, false}) {
     for (const CameraOptions& options : config.cameras) {
@@ -140,9 +141,9 @@ Result<void> set_up_gnss(const Config& config, LiveSetup& setup) {
     const auto lidar = std::find_if(config.lidars.begin(), config.lidars.end(),
                                     [&](const LidarOptions& l) { return l.name == gnss.lidar; });
     if (lidar == config.lidars.end()) {
-      return fail("gps refers to lidar '" + gnss.lidar + "', which is not configured");
+      return fail("[gnss] refers to lidar '" + gnss.lidar + "', which is not configured");
     }
-    setup.gnss_lidar = static_cast<size_t>(lidar - config.lidars.begin());
+    setup.gnss_lidar = LidarIndex(static_cast<size_t>(lidar - config.lidars.begin()));
     endpoint = "position packets of " + gnss.lidar;
   } else {
     setup.gnss = vehicle::SerialOptions{gnss.device, gnss.baud};
@@ -161,12 +162,6 @@ size_t PortSetup::lidar_of(uint32_t sender) const {
     if (known.address == 0) any = &known;
   }
   return any != nullptr ? any->lidar : senders.front().lidar;
-}
-
-bool PortSetup::is_from_lidar(size_t lidar, uint32_t sender) const {
-  return std::any_of(senders.begin(), senders.end(), [&](const Sender& known) {
-    return known.lidar == lidar && (known.address == 0 || known.address == sender);
-  });
 }
 
 Result<LiveSetup> set_up_live(const Config& config) {

@@ -12,35 +12,34 @@
 
 namespace infuse::daemon {
 
-/// A UDP port, and the lidars that send to it.
+/// A UDP port and the lidars that send to it.
 struct PortSetup {
   struct Sender {
     uint32_t address = 0;  ///< IPv4, host byte order; 0: any
     size_t lidar = 0;
-    bool data = true;  ///< false: its position packets come here
+    bool data = true;  ///< false: this port receives the lidar's position packets
   };
   velodyne::UdpOptions udp;
   std::vector<Sender> senders;
 
-  /// Whose a datagram is: the lidar's that sends from there, else that of one that may send from
-  /// anywhere, else the first's, which refuses it and counts it.
+  /// Returns the lidar to which a datagram belongs: the one with this sender address, else one
+  /// without a configured sender, else the first one, which rejects and counts the datagram as
+  /// coming from an unexpected sender.
   size_t lidar_of(uint32_t sender) const;
-  /// Whether what comes from there is that lidar's.
-  bool is_from_lidar(size_t lidar, uint32_t sender) const;
 };
 
-/// What is read live, and what the pipeline is told of it. Indices are those of the devices.
+/// Configuration of the live sources, in addition to what the pipeline needs. Indices are those of
+/// the devices.
 struct LiveSetup : PipelineSetup {
   std::vector<PortSetup> ports;
   std::vector<camera::V4l2Options> camera_streams;
-  std::vector<vehicle::SocketCanOptions> interfaces;  ///< of the buses
+  std::vector<vehicle::SocketCanOptions> interfaces;  ///< of the CAN buses
   std::optional<vehicle::SerialOptions> gnss;
-  std::optional<size_t> gnss_lidar;  ///< whose position packets have the receiver's sentences
 };
 
-/// Sets up what the configuration names. Sensors that the rig does not have are mounted at the
-/// vehicle's origin (lidars) or only counted (cameras). Errors: no model of a lidar, a rig or DBC
-/// that cannot be read, a picture size that is not the rig's.
+/// Sets up the sensors of the configuration. Lidars that are not in the rig are mounted at the
+/// vehicle's origin; cameras that are not in the rig are only counted. Errors: a lidar without a
+/// model, a rig or DBC file that cannot be read, an image size that differs from the rig's.
 Result<LiveSetup> set_up_live(const Config& config);
 
 }  // namespace infuse::daemon

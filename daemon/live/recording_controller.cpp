@@ -60,7 +60,7 @@ RecordingController::RecordingController(const Config& config, const LiveSetup& 
   if (directory_.empty()) return;
   recorder_.emplace(settings_, directory_, base_);
   if (settings_.flight_recorder > Duration::zero()) {
-    spdlog::info("what was heard in the last {:.0f} s is recorded when an alert is raised",
+    spdlog::info("flight recorder: the last {:.0f} s are recorded when an alert is raised",
                  to_seconds(settings_.flight_recorder));
   }
 }
@@ -74,11 +74,11 @@ void RecordingController::set_publisher(Publisher& publisher) {
 
 Result<void> RecordingController::handle_request(const Request& request) {
   if (!recorder_) {
-    return fail("there is no place for recordings", "", "name a directory in [record]");
+    return fail("recording is disabled", "", "set directory in [record] of the configuration");
   }
   const Stamp now = base_.now();
   if (!request.on) {
-    if (!recorder_->is_recording()) return fail("nothing is being recorded");
+    if (!recorder_->is_recording()) return fail("no recording is running");
     recorder_->end_at(now);
     return {};
   }
@@ -86,12 +86,13 @@ Result<void> RecordingController::handle_request(const Request& request) {
   plan.cause = kRequestedCause;
   plan.name = request.name.empty() ? time_name(now) : request.name;
   if (!is_recording_name(plan.name)) {
-    return fail("a recording cannot be called that", "",
-                "letters, digits, - and _; it lies in " + directory_.string());
+    return fail("invalid name of a recording", "",
+                "use letters, digits, - and _; the folder is " + directory_.string());
   }
   if (const auto last = recorder_->report();
       last && !last->ended && last->cause == kRequestedCause) {
-    return fail("'" + last->name + "' is being recorded", "", "end it first: infuse record --stop");
+    return fail("'" + last->name + "' is still being recorded", "",
+                "end it first: infuse record --stop");
   }
   if (request.max_duration != Duration::zero())
     plan.max_duration = std::min(plan.max_duration, request.max_duration);
@@ -112,7 +113,7 @@ RecordingPlan RecordingController::make_plan(Stamp now) const {
   plan.description = drive_.description;
   plan.description.name = "recorded live";
   plan.copies = drive_.copies;
-  // As they are by now.
+  // The calibrations in use now.
   for (CameraMount& camera : plan.description.rig.cameras) {
     const auto& calibrations = publisher_->totals().calibrations;
     const auto in_use = calibrations.find(camera.name);
@@ -122,10 +123,10 @@ RecordingPlan RecordingController::make_plan(Stamp now) const {
 }
 
 Result<void> RecordingController::begin(RecordingPlan plan, Stamp now) {
-  publish_updates();  // the end of the one before
+  publish_updates();  // the end of the previous recording
   std::error_code failed;
   std::filesystem::create_directories(directory_, failed);
-  if (failed) return fail("cannot be made: " + failed.message(), directory_.string());
+  if (failed) return fail("cannot be created: " + failed.message(), directory_.string());
   auto recording = Recording::begin(std::move(plan), now);
   if (!recording) return tl::unexpected(recording.error());
   const RecordReport report = recording->report();
@@ -140,7 +141,7 @@ Result<void> RecordingController::begin(RecordingPlan plan, Stamp now) {
   return {};
 }
 
-// An alert during a recording is in it.
+// A running recording covers the alert already.
 void RecordingController::on_alert(const AlertReport& alert) {
   if (!alert.raised || alert.device == kDevice || recorder_->is_recording()) return;
   const Stamp now = base_.now();
@@ -150,7 +151,7 @@ void RecordingController::on_alert(const AlertReport& alert) {
   plan.from = now - settings_.flight_recorder;
   plan.until = now + settings_.after_alert;
   if (const auto begun = begin(std::move(plan), now); !begun) {
-    spdlog::error("the alert was not recorded: {}", begun.error().message());
+    spdlog::error("cannot record the alert: {}", begun.error().message());
   }
 }
 
@@ -180,8 +181,8 @@ void RecordingController::publish_report(const RecordReport& report) {
 
 void RecordingController::raise_failure_alert(const RecordReport& report) {
   raised_failure_ = Finding{"record", Level::kWarn, report.stamp,
-                            "a recording ended before it should have: " + report.reason,
-                            "make room on the disk of " + directory_.string()};
+                            "a recording ended prematurely: " + report.reason,
+                            "free space on the disk of " + directory_.string()};
   publisher_->publish_alert({report.stamp, kDevice, true, *raised_failure_});
 }
 

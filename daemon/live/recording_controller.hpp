@@ -10,34 +10,36 @@
 
 namespace infuse::daemon {
 
-/// Takes orders for recordings, begins one where an alert is raised, and tells how they stand. On
-/// the thread of the `io_context`.
+/// Handles recording requests, starts a recording when an alert is raised, and reports the state of
+/// recordings. Runs on the thread of the `io_context`.
 class RecordingController {
  public:
-  /// Records into the configured folder, or into `drives` in that of the service manager
-  /// ($STATE_DIRECTORY); nothing where there is neither.
+  /// Records into the configured folder, or into `drives` in the service manager's state directory
+  /// ($STATE_DIRECTORY). Recording is disabled if there is neither.
   RecordingController(const Config& config, const LiveSetup& setup, const receive::TimeBase& base);
 
-  /// For the io thread; null where nothing can be recorded.
+  /// The recorder's input, for the io thread; null if recording is disabled.
   RecordTap* tap() { return recorder_ ? &recorder_->tap() : nullptr; }
 
-  /// Where it is told, and whose alerts it looks at; outlives the last call of another function.
+  /// Sets the publisher that reports recordings and raises alerts. It must outlive every later
+  /// call.
   void set_publisher(Publisher& publisher);
 
-  /// Begins or ends a recording, as a client requested.
+  /// Starts or ends a recording at a client's request. Errors: recording is disabled, an invalid
+  /// name, a requested recording is already running, no disk space.
   Result<void> handle_request(const Request& request);
 
-  /// The next recordings have these bounds. The folder, the memory, and whether there is a flight
-  /// recorder stay as they are.
+  /// Applies new limits to the next recordings. The folder, the memory, and whether the flight
+  /// recorder is on do not change.
   void apply_settings(const RecordSettings& settings);
 
-  /// Tells what is new.
+  /// Publishes the recorder's state if it has changed.
   void publish_updates();
 
-  /// One is being made.
+  /// True while a recording is being written.
   bool is_recording() const { return recorder_ && recorder_->is_recording(); }
 
-  /// The io thread has ended: what was recorded is brought to its end.
+  /// Completes the recording; called after the io thread has ended.
   void finish();
 
  private:
@@ -54,11 +56,11 @@ class RecordingController {
   std::optional<Recorder> recorder_;
   Publisher* publisher_ = nullptr;
   bool end_published_ = true;
-  std::optional<Finding> raised_failure_;  // raised
+  std::optional<Finding> raised_failure_;  // set while the alert is raised
 };
 
-/// Whether a recording may be called that: letters, digits, - and _, at most 64, no - in front, and
-/// not as those of alerts are.
+/// True if `name` is a valid name of a recording: letters, digits, - and _, at most 64 characters,
+/// not starting with - or with the prefix of alert recordings.
 bool is_recording_name(const std::string& name);
 
 }  // namespace infuse::daemon

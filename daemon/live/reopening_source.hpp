@@ -12,24 +12,26 @@
 
 namespace infuse::daemon {
 
-/// A source that is opened again whenever it is gone, ever less often. Of the io thread.
+/// A source that is reopened whenever it is lost, with increasing delays. Used by the io thread
+/// only.
 template <class Source>
 class ReopeningSource {
  public:
   static constexpr Duration kMinRetryDelay{100'000'000};
   static constexpr Duration kMaxRetryDelay{2'000'000'000};
 
-  /// `name` is for the log.
+  /// `name` identifies the source in the log.
   ReopeningSource(std::string name, std::function<Result<Source>()> open)
       : name_(std::move(name)), open_(std::move(open)) {
     state_.open = false;
     state_.set_problem("not opened yet");
   }
 
-  /// Null while it is gone.
+  /// Returns the source, or null while it is closed.
   Source* get() { return source_ ? &*source_ : nullptr; }
 
-  /// Opens it if it is gone and the pause is over. True where it has just been opened.
+  /// Opens the source if it is closed and the delay is over. Returns true if it has just been
+  /// opened.
   bool reopen_if_due(Stamp now) {
     if (source_ || now < next_attempt_) return false;
     auto opened = open_();
@@ -50,10 +52,10 @@ class ReopeningSource {
     return true;
   }
 
-  /// It may be there again: the pause is over.
+  /// Ends the delay: the source may be available again.
   void retry_now() { next_attempt_ = Stamp::earliest(); }
 
-  /// It is gone.
+  /// Closes the source after an error.
   void close(const Error& error, Stamp now) {
     spdlog::warn("{}: {}", name_, error.message());
     source_.reset();

@@ -38,16 +38,16 @@ std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
   const bool aborted = consume_abort_marker(marker);
   install_abort_handler(marker);
   if (!unclean) return std::nullopt;
-  const char* what = aborted ? "the watchdog ended the run before, which was stuck"
-                             : "the run before did not end by itself";
+  const char* what = aborted ? "the watchdog ended the previous run, which was stuck"
+                             : "the previous run did not end by itself";
   spdlog::warn("{}", what);
   return AlertReport{now,
                      kDevice,
                      true,
                      {"restarted", Level::kWarn, now,
-                      fmt::format("{}; it was last seen {:.0f} s ago, and this is the {}. time",
+                      fmt::format("{}; it was last seen {:.0f} s ago; unclean exits so far: {}",
                                   what, to_seconds(now - last_seen), state_.unclean_exits),
-                      "look at: journalctl -u infused"}};
+                      "see journalctl -u infused"}};
 }
 
 std::optional<AlertReport> RunTracker::save_if_due(Stamp now) {
@@ -55,13 +55,14 @@ std::optional<AlertReport> RunTracker::save_if_due(Stamp now) {
   const auto written = write(now);
   if (written.has_value() != failing_) return std::nullopt;
   failing_ = !written.has_value();
-  const std::string what = failing_ ? written.error().message() : "the state can be written again";
+  const std::string what =
+      failing_ ? written.error().message() : "the state file can be written again";
   spdlog::warn("{}", what);
   return AlertReport{
       now,
       kDevice,
       failing_,
-      {"state", Level::kWarn, now, what, "make room on the disk of the state directory"}};
+      {"state", Level::kWarn, now, what, "free space on the disk of the state directory"}};
 }
 
 void RunTracker::end_run(Stamp now) {

@@ -8,23 +8,24 @@
 
 namespace infuse::daemon {
 
-/// Keeps the state that outlives a restart in the state directory, and tells what it says of the
-/// run before.
+/// Saves the state that outlives a restart in the state directory, and reports how the previous run
+/// ended.
 class RunTracker {
  public:
-  /// In the folder that the service manager made ($STATE_DIRECTORY); nothing is kept without one.
+  /// Uses the service manager's state directory ($STATE_DIRECTORY); nothing is saved if it is not
+  /// set.
   static RunTracker from_environment();
   explicit RunTracker(std::filesystem::path file) : file_(std::move(file)) {}
 
-  /// A run begins. An alert where the one before did not end by itself, which says so where it was
-  /// the watchdog that ended it.
+  /// Records the start of a run. Returns an alert if the previous run did not end by itself; the
+  /// text states if the watchdog ended it.
   std::optional<AlertReport> begin_run(Stamp now);
 
-  /// Writes the state, at most every 10 s. An alert where that can no longer be done, and where it
-  /// can again.
+  /// Writes the state, at most every 10 s. Returns an alert when writing starts to fail (raised)
+  /// and when it works again (cleared).
   std::optional<AlertReport> save_if_due(Stamp now);
 
-  /// The run ends by itself.
+  /// Records that the run ended by itself.
   void end_run(Stamp now);
 
   const SavedState& state() const { return state_; }
@@ -34,7 +35,7 @@ class RunTracker {
 
   Result<void> write(Stamp now);
 
-  std::filesystem::path file_;  // empty: nothing is kept
+  std::filesystem::path file_;  // empty: nothing is saved
   SavedState state_;
   Stamp last_saved_;
   bool failing_ = false;

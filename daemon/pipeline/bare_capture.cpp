@@ -2,13 +2,16 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+
 #include "drivers/recording/pcap_reader.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 constexpr size_t kMaxSurveyDatagrams = 20'000;
-constexpr uint64_t kMinPackets = 10;  // a stream of fewer is noise beside another one
+constexpr uint64_t kMinPackets =
+    10;  // a stream of fewer packets is noise if there is another stream
 
 recording::LidarFiles files_of(const std::filesystem::path& path, const LidarOptions& options) {
   recording::LidarFiles files;
@@ -29,7 +32,7 @@ recording::LidarFiles files_of(const std::filesystem::path& path, const Stream& 
 
 void add_lidar(recording::DriveDescription& description, const std::string& name,
                const std::string& model, recording::LidarFiles files) {
-  // Two sensors behind one address cannot share its position packets; the first has them.
+  // Two sensors behind one address cannot share its position packets; the first one gets them.
   for (const recording::LidarFiles& other : description.lidars) {
     if (other.sender == files.sender && other.position_port == files.position_port) {
       files.position_port = files.port ^ 0x8000;
@@ -40,6 +43,18 @@ void add_lidar(recording::DriveDescription& description, const std::string& name
   mount.model = model;
   description.rig.lidars.push_back(mount);
   description.lidars.push_back(std::move(files));
+}
+
+/// True if a stream comes from the lidar's address to this port.
+bool is_from(const recording::LidarFiles& files, const Stream& stream, uint16_t port) {
+  return stream.port == port && (!files.sender || *files.sender == stream.sender);
+}
+
+/// True if the lidar's position packets carry RMC or GGA sentences of a GNSS receiver.
+bool has_nmea_sentences(const CaptureSurvey& survey, const recording::LidarFiles& files) {
+  return std::any_of(survey.streams().begin(), survey.streams().end(), [&](const Stream& stream) {
+    return stream.nmea_sentences > 0 && is_from(files, stream, files.position_port);
+  });
 }
 
 std::string describe_contents(const CaptureSurvey& survey) {
@@ -80,7 +95,11 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& path,
               files_of(path, stream));
   }
   if (description.lidars.empty()) {
-    return fail("no lidar packets are in this capture", path.string(), describe_contents(survey));
+    return fail("no lidar packets in this capture", path.string(), describe_contents(survey));
+  }
+  for (size_t i = 0; i < description.lidars.size() && description.gnss_lidar.empty(); ++i) {
+    if (!has_nmea_sentences(survey, description.lidars[i])) continue;
+    description.gnss_lidar = description.rig.lidars[i].name;
   }
   if (const auto wrong = description.invalid()) return fail(*wrong, path.string());
   return drive;
@@ -89,8 +108,7 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& path,
 std::optional<velodyne::InferredModel> infer_model(const CaptureSurvey& survey,
                                                    const recording::LidarFiles& files) {
   for (const Stream& stream : survey.streams()) {
-    const bool its_sender = !files.sender || *files.sender == stream.sender;
-    if (stream.kind == StreamKind::kData && stream.port == files.port && its_sender) {
+    if (stream.kind == StreamKind::kData && is_from(files, stream, files.port)) {
       return stream.inference.infer();
     }
   }

@@ -12,17 +12,16 @@
 
 namespace infuse::daemon {
 
-/// The beginning of a capture: enough to tell which sensors are in it.
+/// Surveys the beginning of a capture, enough to identify its sensors.
 Result<CaptureSurvey> survey_beginning(const std::filesystem::path& path);
 
-/// The drive that a bare capture would be: a lidar for each of `lidars`, or where there is none,
-/// for each stream of lidar packets in the survey. An error where that gives no lidar.
+/// Describes a bare capture as a drive: one lidar for each of `lidars`, or if that is empty, one
+/// for each stream of data packets in the survey. Errors: no lidar.
 Result<recording::Drive> describe_capture(const std::filesystem::path& path,
                                           const CaptureSurvey& survey,
                                           const std::vector<LidarOptions>& lidars);
 
-/// The model of the stream that a lidar's files name, as its packets show it; nothing where they
-/// show none.
+/// Infers the model of a lidar from its data packets; nothing if they do not show it.
 std::optional<velodyne::InferredModel> infer_model(const CaptureSurvey& survey,
                                                    const recording::LidarFiles& files);
 

@@ -11,18 +11,17 @@
 
 namespace infuse::daemon {
 
-/// The io thread of a replay: reads a drive and gives its events to the intake in drive time.
+/// The io thread of a replay: reads a drive and passes its events to the intake in drive time.
 class DriveReader {
  public:
-  /// `source` and `intake` outlive this.
+  /// `source` and `intake` must outlive this object.
   DriveReader(recording::DriveSource& source, std::optional<double> rate, Intake& intake)
       : source_(source), intake_(intake), pacer_(rate) {}
 
-  /// Until the drive or the patience ends. The last item is always a kEnd.
+  /// Runs until the drive ends or a stop is requested. The last item passed on is always a kEnd.
   void run(std::stop_token stop);
 
-  /// Bytes of the capture that the datagrams read so far take up; for a progress bar, from any
-  /// thread.
+  /// Bytes of the capture read so far, for a progress bar. Thread-safe.
   uint64_t capture_bytes() const { return capture_bytes_.load(std::memory_order_relaxed); }
 
  private:

@@ -10,7 +10,7 @@
 namespace infuse::daemon {
 namespace {
 
-/// A model and why it is that one.
+/// A model and the reason for it.
 struct ChosenModel {
   velodyne::Model model;
   std::string reason;
@@ -35,13 +35,13 @@ Result<ChosenModel> choose_model(const std::string& configured, const CaptureSur
   }
   const auto guess = infer_model(survey, files);
   if (!guess) {
-    return fail("the model cannot be told from the packets at the beginning", where,
-                "name it with --model; " + known_models());
+    return fail("the model cannot be inferred from the first packets", where,
+                "give it with --model; " + known_models());
   }
   return ChosenModel{guess->model, "inferred: " + guess->reason};
 }
 
-/// The options of the configured lidar of that name; the defaults where there is none.
+/// Options of the configured lidar of that name; the defaults if there is none.
 LidarOptions find_options(const std::string& name, const std::vector<LidarOptions>& lidars) {
   for (const LidarOptions& options : lidars) {
     if (options.name == name) return options;
@@ -55,7 +55,7 @@ std::string endpoint_of(const recording::LidarFiles& files) {
                      files.sender ? ", from " + address_text(*files.sender) : "");
 }
 
-/// Sets up one lidar of a drive whose data are packets.
+/// Sets up one lidar whose data are packets.
 Result<void> set_up_packets(const recording::Drive& drive, const recording::LidarFiles& files,
                             const std::string& configured, const LidarOptions& options,
                             std::optional<velodyne::Model> requested_model, LidarSetup& lidar,
@@ -75,7 +75,7 @@ Result<void> set_up_packets(const recording::Drive& drive, const recording::Lida
   auto loaded = velodyne::load_db_xml(calibration);
   if (!loaded) return tl::unexpected(loaded.error());
   if (auto wrong = loaded->invalid(velodyne::model_info(chosen->model))) {
-    return fail(*wrong, calibration.string(), "is it this model's?");
+    return fail(*wrong, calibration.string(), "check that the file belongs to this model");
   }
   lidar.assembler.calibration = *loaded;
   return {};
@@ -96,7 +96,7 @@ uint64_t size_of(const std::filesystem::path& file) {
   return error ? 0 : size;
 }
 
-/// Sets up the lidars of a drive and says what they are.
+/// Sets up the lidars of a drive and their devices.
 Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<LidarOptions>& lidars,
                            std::optional<velodyne::Model> model, DriveSetup& setup) {
   const recording::DriveDescription& description = drive.description;
@@ -126,7 +126,7 @@ Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<Lida
   return {};
 }
 
-/// The same for everything else that the drive has.
+/// Sets up the other sensors of a drive and their devices.
 Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
   const recording::DriveDescription& description = drive.description;
   for (size_t i = 0; i < description.cameras.size(); ++i) {
@@ -148,6 +148,16 @@ Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
   if (description.can) add("can", description.can->log);
   if (setup.vehicle.has_imu) add("imu", description.imu);
   if (setup.vehicle.has_gnss) add("gnss", description.gnss);
+  if (!description.gnss_lidar.empty()) {
+    const auto lidar =
+        std::find_if(setup.lidars.begin(), setup.lidars.end(),
+                     [&](const LidarSetup& known) { return known.name == description.gnss_lidar; });
+    setup.gnss_lidar = LidarIndex(static_cast<size_t>(lidar - setup.lidars.begin()));
+    setup.vehicle.has_gnss = true;
+    setup.devices.push_back({"gnss", "gnss", "NMEA", "position packets carry NMEA sentences",
+                             "position packets of " + setup.lidars[*setup.gnss_lidar].name,
+                             std::nullopt});
+  }
   return {};
 }
 

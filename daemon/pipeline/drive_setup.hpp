@@ -13,18 +13,17 @@
 
 namespace infuse::daemon {
 
-/// A drive or a bare capture, ready to be read. Sensors have the index that they have in the
-/// source's events.
+/// A drive or a bare capture, ready to be read. Sensors have the indices of the source's events.
 struct DriveSetup : PipelineSetup {
   std::filesystem::path path;
   recording::DriveSource source;
-  uint64_t capture_bytes = 0;  ///< of all captures; 0 where there is none
+  uint64_t capture_bytes = 0;  ///< of all captures; 0 if there are none
 };
 
-/// Opens a drive folder or a bare pcap. Of a drive, drive.toml says which lidars there are; of a
-/// bare capture, `lidars` of the configuration, or where it names none, every stream of lidar
-/// packets at the beginning of the capture. The model is `model` where given, else the one that is
-/// configured, else the one that the packets show.
+/// Opens a drive folder or a bare capture. In a drive, drive.toml names the lidars; in a bare
+/// capture, `lidars` of the configuration does, or if it is empty, every stream of data packets at
+/// the beginning of the capture is a lidar. The model is `model` if given, else the configured one,
+/// else the one inferred from the packets.
 Result<DriveSetup> open_drive(const std::filesystem::path& path,
                               const std::vector<LidarOptions>& lidars,
                               std::optional<velodyne::Model> model);

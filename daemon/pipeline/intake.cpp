@@ -7,6 +7,7 @@ Intake::Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out)
       cameras_(setup.cameras.size()),
       mounted_cameras_(setup.rig.cameras.size()),
       vehicle_(setup.vehicle),
+      gnss_lidar_(setup.gnss_lidar),
       out_(out) {
   for (const LidarSetup& lidar : setup.lidars) lidars_.emplace_back(lidar);
   samples_.reserve(kMaxSampleBatch);
@@ -32,7 +33,11 @@ void Intake::end(Stamp stamp, bool started) {
 }
 
 void Intake::add_datagram(LidarIndex lidar, const Datagram& datagram) {
-  lidars_[lidar].add_datagram(datagram, [&](Sweep& sweep) { push_sweep(lidar, sweep); });
+  lidars_[lidar].add_datagram(
+      datagram, [&](Sweep& sweep) { push_sweep(lidar, sweep); },
+      [&](const GnssFix& fix) {
+        if (gnss_lidar_ == lidar) add_gnss(fix, datagram.stamp);
+      });
 }
 
 void Intake::add_unclaimed_datagram(const Datagram& datagram) {
@@ -96,7 +101,8 @@ void Intake::add_vehicle_sample(const VehicleSample& sample, Stamp stamp) {
   if (samples_.size() == kMaxSampleBatch) push_samples();
 }
 
-// Many small samples would wake the fusion thread for each; they come before whatever follows them.
+// Samples are batched, so that they do not wake the fusion thread one by one. They precede the item
+// that follows them.
 void Intake::push_samples() {
   if (samples_.empty()) return;
   std::swap(out_.slot().samples, samples_);
@@ -104,7 +110,7 @@ void Intake::push_samples() {
   push_item(StreamItem::Kind::kSamples, last_sample_);
 }
 
-// The item in hand gets the full arrays and gives its own: nothing is copied.
+// Swaps arrays with the item: nothing is copied.
 void Intake::push_sweep(LidarIndex lidar, Sweep& sweep) {
   push_samples();
   StreamItem& item = out_.slot();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -17,31 +18,31 @@
 
 namespace infuse::daemon {
 
-/// Where all that the sensors say enters the pipeline, of a drive (`DriveReader`) or live
-/// (`LiveReader`): decodes packets and frames of the buses, assembles sweeps, and hands all of it
-/// over. Of the io thread.
+/// The entry of all sensor data into the pipeline, from a drive (`DriveReader`) or live
+/// (`LiveReader`): decodes packets and CAN frames, assembles sweeps, and passes everything on in
+/// one order. Used by the io thread.
 class Intake {
  public:
-  /// The vehicle's samples are handed over together, so many at most, ...
+  /// Maximum number of vehicle samples that are passed on together.
   static constexpr size_t kMaxSampleBatch = 64;
-  /// ... and within so much drive time.
+  /// Maximum drive time that a vehicle sample waits.
   static constexpr Duration kMaxSampleDelay{10'000'000};
 
-  /// The ring has its readers already and outlives this.
+  /// The readers of `out` must be registered already; `out` must outlive this object.
   Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out);
 
-  /// Begins, in drive time.
+  /// Starts the drive at `stamp`.
   void start(Stamp stamp);
-  /// Drive time has come to the next event, which is taken next: ticks, and notes the host's time.
+  /// Advances drive time to the event that follows: passes on ticks and notes the host's time.
   void advance(Stamp stamp);
-  /// Finishes what is begun, ticks once more when that is worked off, and hands over kEnd, after
-  /// which nothing follows. `started` false: there was nothing.
+  /// Ends the drive: passes on unfinished sweeps and samples, a last tick, and kEnd, after which
+  /// nothing follows. `started`: false if there was no event.
   void end(Stamp stamp, bool started = true);
 
-  // --- events, of sensors by their index ---
+  // --- events, by index of the sensor ---
 
   void add_datagram(LidarIndex lidar, const Datagram& datagram);
-  /// A datagram that came to no lidar's port.
+  /// Counts a datagram to a port that no lidar uses.
   void add_unclaimed_datagram(const Datagram& datagram);
   void add_sweep(LidarIndex lidar, const Sweep& sweep);
   void add_image_file(CameraIndex camera, Stamp stamp, uint64_t sequence,
@@ -52,18 +53,19 @@ class Intake {
   void add_imu(const ImuSample& sample, Stamp stamp);
   void add_gnss(const GnssFix& fix, Stamp stamp);
 
-  /// Hands over the vehicle's samples that have waited long enough at `now`.
+  /// Passes on the vehicle samples that are due at `now`.
   void push_due_samples(Stamp now);
 
-  /// Datagrams that the kernel dropped for want of buffer, `data`: at a port of data packets.
+  /// Counts datagrams that the kernel dropped because the receive buffer was full. `data`: at a
+  /// port of data packets, otherwise of position packets.
   void add_kernel_dropped(LidarIndex lidar, uint64_t datagrams, bool data) {
     lidars_[lidar].add_kernel_dropped(datagrams, data);
   }
 
-  /// How the live sources are; the reader keeps it up to date. Empty in a replay.
+  /// State of the live sources, updated by the reader. Empty in a replay.
   SourceStates& sources() { return sources_; }
 
-  /// What was wrong with the bus's log; after the end.
+  /// Problems of the CAN log; valid after the end.
   const vehicle::ProblemLog& bus_problems() const { return vehicle_.problems(); }
 
  private:
@@ -75,21 +77,22 @@ class Intake {
   void push_item(StreamItem::Kind kind, Stamp stamp);
 
   Delivery delivery_;
-  std::deque<LidarIntake> lidars_;  // they do not move
+  std::deque<LidarIntake> lidars_;  // a deque: elements do not move
   std::vector<CameraIntake> cameras_;
   size_t mounted_cameras_;  // images of further cameras are only counted
   VehicleIntake vehicle_;
+  std::optional<LidarIndex> gnss_lidar_;  // whose position packets carry the GNSS fixes
   SourceStates sources_;
-  std::vector<VehicleSample> samples_;  // not handed over yet
-  Stamp first_sample_, last_sample_;    // when the drive came to them
+  std::vector<VehicleSample> samples_;  // not passed on yet
+  Stamp first_sample_, last_sample_;    // drive time of the first and the last of these
   uint64_t image_count_ = 0;
   SlotRing<StreamItem>& out_;
   DriveTicker ticker_;
   HostClock::time_point read_at_;
   LatencyHistogram latency_;
-  uint64_t unclaimed_ = 0;          // datagrams that came to no lidar's port
-  uint32_t unexpected_sender_ = 0;  // the last one's sender
-  uint32_t unexpected_size_ = 0;    // and payload, bytes
+  uint64_t unclaimed_ = 0;          // datagrams to a port that no lidar uses
+  uint32_t unexpected_sender_ = 0;  // sender of the last one
+  uint32_t unexpected_size_ = 0;    // payload size of the last one, bytes
 };
 
 }  // namespace infuse::daemon

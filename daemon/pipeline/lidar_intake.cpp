@@ -4,7 +4,8 @@
 
 namespace infuse::daemon {
 
-LidarIntake::LidarIntake(const LidarSetup& setup) : assembler_(setup.assembler) {}
+LidarIntake::LidarIntake(const LidarSetup& setup)
+    : sender_(setup.assembler.sender), assembler_(setup.assembler) {}
 
 void LidarIntake::push(const Datagram& datagram) {
   assembler_.push(datagram);
@@ -12,7 +13,8 @@ void LidarIntake::push(const Datagram& datagram) {
   if (c.packets > counters_.packets) note_packet(datagram.stamp);
   const uint64_t refused_before = counters_.malformed + counters_.wrong_sender;
   counters_.packets = c.packets;
-  // By the device's counter all are missing; those that the kernel dropped were not lost before it.
+  // The device's counter includes packets that the kernel dropped; these were not lost in the
+  // network.
   const uint64_t before_kernel = c.network_lost - std::min(c.network_lost, c.kernel_dropped);
   counters_.lost_network = std::max(counters_.lost_network, before_kernel);
   counters_.malformed = c.total_malformed() + refused_positions_;
@@ -27,14 +29,24 @@ void LidarIntake::push(const Datagram& datagram) {
     note_unexpected_sender(datagram);
 }
 
-void LidarIntake::add_position_packet(const Datagram& datagram) {
-  if (velodyne::parse_position_packet(datagram.payload)) {
+std::optional<GnssFix> LidarIntake::add_position_packet(const Datagram& datagram) {
+  if (const auto packet = velodyne::parse_position_packet(datagram.payload)) {
     ++counters_.position_packets;
-    return;
+    return new_fix(datagram, *packet);
   }
   ++refused_positions_;
   ++counters_.malformed;
   note_unexpected_sender(datagram);
+  return std::nullopt;
+}
+
+// Position packets repeat a sentence until the receiver sends the next one.
+std::optional<GnssFix> LidarIntake::new_fix(const Datagram& datagram,
+                                            const velodyne::PositionPacket& packet) {
+  if (sender_ != 0 && datagram.sender != sender_) return std::nullopt;
+  if (!packet.sentence || packet.sentence->fix.utc_ns == last_sentence_ns_) return std::nullopt;
+  last_sentence_ns_ = packet.sentence->fix.utc_ns;
+  return velodyne::stamped_fix(*packet.sentence, datagram.stamp);
 }
 
 void LidarIntake::note_packet(Stamp stamp) {

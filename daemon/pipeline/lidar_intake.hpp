@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "daemon/health/sensor_counters.hpp"
@@ -11,29 +12,38 @@
 
 namespace infuse::daemon {
 
-/// How the data of one lidar becomes sweeps.
+/// Options of assembling the sweeps of one lidar.
 struct LidarSetup {
   std::string name;
   bool has_packets = true;  ///< false: the drive has decoded sweeps
   velodyne::SweepAssemblerOptions assembler;
 };
 
-/// One lidar: datagrams in, sweeps out, everything counted. Of the io thread.
+/// One lidar: datagrams in, sweeps and GNSS fixes out, everything counted. Used by the io thread.
 class LidarIntake {
  public:
   explicit LidarIntake(const LidarSetup& setup);
 
-  /// Takes a datagram of one of the lidar's ports and calls `on_sweep(Sweep&)` for every sweep that
-  /// it completes. The callee may swap the sweep's arrays for others.
-  template <class OnSweep>
-  void add_datagram(const Datagram& datagram, OnSweep on_sweep) {
-    if (datagram.payload.size() == velodyne::kPositionPacketSize)
-      return add_position_packet(datagram);
+  /// Processes a datagram of one of the lidar's ports. Calls `on_sweep(Sweep&)` for every sweep
+  /// that it completes; the callee may swap the sweep's arrays for others. Calls `on_fix(const
+  /// GnssFix&)` for a position packet with a new NMEA sentence; the fix has the datagram's stamp.
+  template <class OnSweep, class OnFix>
+  void add_datagram(const Datagram& datagram, OnSweep on_sweep, OnFix on_fix) {
+    if (datagram.payload.size() == velodyne::kPositionPacketSize) {
+      if (const auto fix = add_position_packet(datagram)) on_fix(*fix);
+      return;
+    }
     push(datagram);
     pull(on_sweep);
   }
 
-  /// Takes a sweep that was decoded before.
+  /// The same without fixes.
+  template <class OnSweep>
+  void add_datagram(const Datagram& datagram, OnSweep on_sweep) {
+    add_datagram(datagram, on_sweep, [](const GnssFix&) {});
+  }
+
+  /// Processes a decoded sweep.
   template <class OnSweep>
   void add_sweep(const Sweep& sweep, OnSweep on_sweep) {
     sweep_ = sweep;
@@ -43,21 +53,21 @@ class LidarIntake {
     complete(on_sweep);
   }
 
-  /// The stream has ended: calls `on_sweep` for what is left.
+  /// Ends the stream: calls `on_sweep` for the sweep being assembled.
   template <class OnSweep>
   void finish(OnSweep on_sweep) {
     assembler_.finish();
     pull(on_sweep);
   }
 
-  /// Counts datagrams that the kernel dropped for want of buffer, at a port of data packets or of
-  /// position packets.
+  /// Counts datagrams that the kernel dropped because the receive buffer was full. `data`: at a
+  /// port of data packets, otherwise of position packets.
   void add_kernel_dropped(uint64_t datagrams, bool data) {
     if (data) assembler_.add_kernel_dropped(datagrams);
     counters_.lost_kernel += datagrams;
   }
 
-  /// Up to date after each call.
+  /// Counters, up to date after each call.
   const SensorCounters& counters() const { return counters_; }
 
  private:
@@ -75,14 +85,17 @@ class LidarIntake {
   }
 
   void push(const Datagram& datagram);
-  void add_position_packet(const Datagram& datagram);
+  std::optional<GnssFix> add_position_packet(const Datagram& datagram);
+  std::optional<GnssFix> new_fix(const Datagram& datagram, const velodyne::PositionPacket& packet);
   void note_packet(Stamp stamp);
   void note_unexpected_sender(const Datagram& datagram);
 
+  uint32_t sender_;  // whose fixes are used; 0: any
   velodyne::SweepAssembler assembler_;
-  Sweep sweep_;  // being filled
+  Sweep sweep_;  // being assembled
   SensorCounters counters_;
   uint64_t refused_positions_ = 0;
+  int64_t last_sentence_ns_ = 0;  // UTC of the last NMEA sentence
 };
 
 }  // namespace infuse::daemon

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "daemon/pipeline/delivery.hpp"
@@ -18,6 +19,9 @@ struct PipelineSetup {
   std::vector<camera::ImageOptions> cameras;  ///< decoding options: cameras of the rig, then those
                                               ///< without a mount
   VehicleSetup vehicle;
+  /// Lidar whose position packets carry the NMEA sentences of the GNSS receiver, if it has no
+  /// stream of its own. `vehicle.has_gnss` is true then.
+  std::optional<LidarIndex> gnss_lidar;
   Rig rig;                      ///< mounts of the sensors
   std::vector<Device> devices;  ///< lidars, cameras, buses, inertial unit, GNSS receiver
 

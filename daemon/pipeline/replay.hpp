@@ -31,8 +31,7 @@ class Replay {
   /// Ends the replay early; `on_end` is still called.
   void stop() { pipeline_.stop(); }
 
-  /// Carries out a control request.
-  Result<void> handle_request(const Request& request) { return pipeline_.handle_request(request); }
+  Pipeline& pipeline() { return pipeline_; }
 
   /// The publisher, for registering listeners before `start`.
   Publisher& publisher() { return pipeline_.publisher(); }

@@ -12,14 +12,13 @@
 
 namespace infuse::daemon {
 
-/// The vehicle's own sensors: frames of its buses, samples and fixes in, samples for fusion out,
-/// everything counted. Of the io thread.
+/// The vehicle's own sensors: CAN frames, IMU samples and GNSS fixes in, samples for fusion out,
+/// everything counted. Used by the io thread.
 class VehicleIntake {
  public:
   explicit VehicleIntake(const VehicleSetup& setup);
 
-  /// Takes a line of the log of the first bus and calls `on_sample(VehicleSample)` for what it
-  /// says.
+  /// Processes a line of the first bus's log and calls `on_sample(VehicleSample)` for its samples.
   template <class OnSample>
   void add_can_line(std::string_view line, Stamp stamp, OnSample on_sample) {
     if (buses_.empty()) return;
@@ -27,7 +26,7 @@ class VehicleIntake {
     if (const auto frame = read(line)) decode(buses_[0], *frame, on_sample);
   }
 
-  /// The same with a frame as it came from a bus.
+  /// Processes a frame of a bus in the same way.
   template <class OnSample>
   void add_can_frame(BusIndex bus, const vehicle::CanFrame& frame, OnSample on_sample) {
     buses_[bus].counters.count(frame.stamp);
@@ -37,13 +36,13 @@ class VehicleIntake {
   void count(const ImuSample& sample) { count(imu_, sample.stamp); }
   void count(const GnssFix& fix) { count(gnss_, fix.stamp); }
 
-  /// What was wrong with the bus's log.
+  /// Problems of the CAN log.
   const vehicle::ProblemLog& problems() const { return reader_.problems(); }
 
-  /// Of all of them, in the order of PipelineSetup::devices, from `first` on.
+  /// Writes the counters of all streams, in the order of PipelineSetup::devices, from `first` on.
   void write_counters(StreamCounters* first) const;
 
-  /// How many counters that are.
+  /// Number of these streams.
   size_t stream_count() const { return buses_.size() + (has_imu_ ? 1 : 0) + (has_gnss_ ? 1 : 0); }
 
  private:

@@ -9,7 +9,7 @@ namespace {
 using vehicle::SignalMap;
 using vehicle::SignalSource;
 
-/// Where the map keeps a quantity of `recording::can_quantities()`.
+/// The entry of a quantity of `recording::can_quantities()`; null if it is unknown.
 SignalSource* find_source(SignalMap& map, std::string_view quantity) {
   const std::pair<std::string_view, SignalSource*> sources[] = {
       {"wheel_speed_front_left", &map.wheel_speed[0]},

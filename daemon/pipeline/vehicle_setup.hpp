@@ -12,30 +12,30 @@
 
 namespace infuse::daemon {
 
-/// Which of the vehicle's own sensors a drive has, and how its bus is read.
+/// The vehicle's own sensors, and the decoders of its CAN buses.
 struct VehicleSetup {
-  /// By bus; nothing where its frames are only counted.
+  /// By bus; nothing if its frames are only counted.
   std::vector<std::optional<vehicle::VehicleDecoder>> buses;
-  bool has_imu = false;      ///< an inertial unit beside the buses
-  bool has_gnss = false;     ///< a receiver beside the buses
-  std::vector<Error> notes;  ///< what the DBC file has that was left out
+  bool has_imu = false;      ///< an IMU in addition to the buses
+  bool has_gnss = false;     ///< a GNSS receiver in addition to the buses
+  std::vector<Error> notes;  ///< entries of the DBC file that were ignored
 
-  /// Something says how the vehicle moves.
+  /// True if there is a source of odometry.
   bool has_odometry() const {
     return has_imu ||
            std::any_of(buses.begin(), buses.end(), [](const auto& bus) { return bus.has_value(); });
   }
 };
 
-/// A bus by the files and signals that are named for it, whose paths are relative to `folder`:
-/// nothing where no signals are. `where` is for messages; what the DBC file has that was left out
-/// is added to `notes`. Fails where the DBC cannot be read, or has no such signal.
+/// Sets up the decoder of a CAN bus; nothing if no signals are configured. Paths are relative to
+/// `folder`; `where` is for messages; ignored entries of the DBC file are added to `notes`. Errors:
+/// the DBC file cannot be read, or lacks a signal.
 Result<std::optional<vehicle::VehicleDecoder>> set_up_bus(const recording::CanFiles& can,
                                                           const std::filesystem::path& folder,
                                                           const std::string& where,
                                                           std::vector<Error>& notes);
 
-/// Reads what drive.toml names. Fails where the DBC cannot be read, or has no such signal.
+/// Sets up the sensors that drive.toml names. Errors: as `set_up_bus`.
 Result<VehicleSetup> set_up_vehicle(const recording::Drive& drive);
 
 }  // namespace infuse::daemon

@@ -7,16 +7,16 @@
 
 namespace infuse::daemon {
 
-/// A picture as a drive keeps it.
+/// An image file of a drive.
 struct ImageFile {
   std::vector<uint8_t> bytes;
   const char* extension = ".png";
-  std::optional<PixelFormat> mosaic;  ///< set where it is a grey file of a Bayer sensor
-  bool grey = false;                  ///< the pipeline leaves out the colour that the file has
+  std::optional<PixelFormat> mosaic;  ///< set if the file is grey and holds a Bayer mosaic
+  bool grey = false;                  ///< true if the pipeline ignores the file's colours
 };
 
-/// Makes the file that is decoded to what the live pipeline unpacks: MJPEG as it came, else PNG of
-/// the luma, of the colours, or of a Bayer sensor's values. Errors: as `camera::unpack`.
+/// Returns the file that decodes to the image that the live pipeline unpacks: MJPEG unchanged,
+/// otherwise PNG of the luma, of the colours, or of the Bayer mosaic. Errors: as `camera::unpack`.
 Result<ImageFile> encode_image_file(const camera::RawImage& raw);
 
 }  // namespace infuse::daemon

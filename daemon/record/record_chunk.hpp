@@ -11,25 +11,25 @@
 
 namespace infuse::daemon {
 
-/// What a record is of.
+/// Kind of a record.
 enum class RecordKind : uint32_t { kDatagram, kCanFrame, kImage, kGnssFix };
 
-/// Before every record's body, `bytes` long.
+/// Header of every record, followed by a body of `bytes` bytes.
 struct RecordHeader {
   int64_t stamp_ns = 0;
   RecordKind kind = RecordKind::kDatagram;
-  uint32_t source = 0;  ///< the camera, of a picture
+  uint32_t source = 0;  ///< camera index of an image, otherwise 0
   uint64_t bytes = 0;
 };
 
-/// Before a datagram's payload.
+/// Header of a datagram's payload.
 struct DatagramHeader {
   uint32_t sender = 0;
   uint16_t sender_port = 0;
   uint16_t destination_port = 0;
 };
 
-/// Before a picture's bytes.
+/// Header of an image's bytes.
 struct ImageHeader {
   uint64_t sequence = 0;
   uint64_t row_bytes = 0;
@@ -38,20 +38,20 @@ struct ImageHeader {
   camera::RawFormat format = camera::RawFormat::kGrey;
 };
 
-/// A stretch of the stream of records. Records follow each other without a gap, and go on in the
-/// next chunk where they do not fit.
+/// A section of the record stream. Records follow each other without a gap and continue in the next
+/// chunk if they do not fit.
 struct RecordChunk {
   static constexpr size_t kMaxBytes = 256 << 10;
   static constexpr size_t kNoRecord = std::numeric_limits<size_t>::max();
 
-  Stamp stamp;                      ///< of the last record that begins here or before
-  uint64_t number = 0;              ///< of the chunk; one that is missing was overwritten
-  uint64_t records_before = 0;      ///< that began in earlier chunks
-  size_t first_record = kNoRecord;  ///< where the first record that begins here does
+  Stamp stamp;                      ///< of the last record that begins in this chunk or before it
+  uint64_t number = 0;              ///< of the chunk, consecutive; a missing number was overwritten
+  uint64_t records_before = 0;      ///< number of records that began in earlier chunks
+  size_t first_record = kNoRecord;  ///< offset of the first record that begins in this chunk
   std::vector<uint8_t> bytes;       ///< at most kMaxBytes
 };
 
-/// The last chunks of the stream, from the io thread to the recorder's.
+/// The last chunks of the record stream, passed from the io thread to the recorder's thread.
 using RecordRing = SlotRing<RecordChunk>;
 
 }  // namespace infuse::daemon

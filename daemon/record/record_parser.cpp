@@ -2,7 +2,8 @@
 
 namespace infuse::daemon {
 
-// After a gap what was begun is given up, and the next record that begins in a chunk is the first.
+// After a gap, drop the incomplete record and resume with the first record that begins in this
+// chunk.
 bool RecordParser::append_chunk(const RecordChunk& chunk) {
   auto from = chunk.bytes.begin();
   if (!in_sync_ || chunk.number != next_chunk_) {

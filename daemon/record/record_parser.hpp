@@ -8,7 +8,7 @@
 
 namespace infuse::daemon {
 
-/// A record as it was taken. Its body is valid until the next chunk is taken.
+/// One record. Its body is valid until the next chunk is parsed.
 struct Record {
   RecordHeader header;
   std::span<const uint8_t> body;
@@ -16,7 +16,7 @@ struct Record {
   Stamp stamp() const { return Stamp::from_ns(header.stamp_ns); }
 };
 
-/// Puts records together again from the chunks that are left of their stream.
+/// Reassembles records from the chunks that remain of their stream.
 class RecordParser {
  public:
   /// Calls `on(const Record&)` for every record that ends in this chunk.
@@ -36,14 +36,14 @@ class RecordParser {
     pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(at));
   }
 
-  /// Records that were overwritten, between the first and the last that were read.
+  /// Number of records that were overwritten between the first and the last parsed record.
   uint64_t lost() const { return lost_; }
 
  private:
   bool append_chunk(const RecordChunk& chunk);
 
-  std::vector<uint8_t> pending_;  // what is not a whole record yet
-  bool in_sync_ = false;          // to the chunk before
+  std::vector<uint8_t> pending_;  // incomplete record
+  bool in_sync_ = false;          // true if the previous chunk was parsed
   uint64_t next_chunk_ = 0, next_record_ = 0;
   uint64_t lost_ = 0;
 };

@@ -71,7 +71,8 @@ void RecordTap::append_record(RecordKind kind, uint32_t source, Stamp stamp,
   append_bytes(body);
 }
 
-// A chunk is handed over when it is full, so that the one in hand has room for a byte at least.
+// A full chunk is handed over at once, so that the current one always has room for at least one
+// byte.
 void RecordTap::append_bytes(std::span<const uint8_t> bytes) {
   while (!bytes.empty()) {
     std::vector<uint8_t>& chunk = ring_.slot().bytes;

@@ -10,14 +10,14 @@
 
 namespace infuse::daemon {
 
-/// Copies what the sensors say into the ring of chunks while somebody wants it. Of the io thread;
-/// waits for nobody and allocates nothing.
+/// Copies sensor data into the ring of chunks while recording or the flight recorder is on. Used by
+/// the io thread; never blocks and never allocates.
 class RecordTap {
  public:
-  /// How long a chunk is filled at most.
+  /// Maximum age of a chunk before it is handed over.
   static constexpr Duration kMaxChunkAge{250'000'000};
 
-  /// `ring` outlives this.
+  /// `ring` must outlive this object.
   explicit RecordTap(RecordRing& ring) : ring_(ring) { begin_chunk(); }
 
   void add_datagram(const Datagram& datagram);
@@ -25,15 +25,15 @@ class RecordTap {
   void add_image(size_t camera, const camera::StreamedImage& image);
   void add_gnss(const GnssFix& fix);
 
-  /// Hands over what has waited long enough at `now`.
+  /// Hands over the current chunk if it is old enough at `now`.
   void flush_if_due(Stamp now);
 
-  /// Hands over what has been taken: no more comes.
+  /// Hands over the current chunk. Nothing may be added afterwards.
   void finish() {
     if (!ring_.slot().bytes.empty()) push_chunk();
   }
 
-  /// From any thread: whether what is taken is kept.
+  /// Turns the tap on or off. Thread-safe.
   void set_enabled(bool enabled) { enabled_.store(enabled, std::memory_order_relaxed); }
 
  private:
@@ -46,10 +46,10 @@ class RecordTap {
 
   RecordRing& ring_;
   std::atomic<bool> enabled_{false};
-  uint64_t chunk_number_ = 0;  // of the chunk in hand
-  uint64_t record_count_ = 0;  // begun so far
-  Stamp last_stamp_;           // of them
-  Stamp chunk_begun_;          // when the chunk in hand had its first byte, by look_after
+  uint64_t chunk_number_ = 0;  // of the current chunk
+  uint64_t record_count_ = 0;  // records begun so far
+  Stamp last_stamp_;           // of the last record
+  Stamp chunk_begun_;  // when the current chunk received its first byte, as seen by `flush_if_due`
 };
 
 }  // namespace infuse::daemon

@@ -9,7 +9,7 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr int kCore = 0;  // fusion has the other to itself
+constexpr int kCore = 0;  // the other core is reserved for the fusion thread
 constexpr Duration kWritePeriod{100'000'000};
 constexpr Duration kDrainTimeout{1'000'000'000};
 
@@ -75,16 +75,16 @@ void Recorder::run(std::stop_token stop) {
   }
   if (!recording_) return;
   write_chunks(kDrainTimeout);
-  recording_->end("the daemon has ended");
+  recording_->end("the daemon ended");
   update_report();
 }
 
-// Sleeps while there is nothing to record. False where this is the end.
+// Sleeps while there is nothing to record. Returns false when the thread is to end.
 bool Recorder::process_requests(std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   if (!recording_) requested_.wait(lock, stop, [this] { return next_.has_value(); });
   if (next_) {
-    if (recording_) recording_->end("another was begun");
+    if (recording_) recording_->end("another recording was started");
     recording_ = std::exchange(next_, std::nullopt);
     parser_ = {};
   }
@@ -115,7 +115,7 @@ void Recorder::update_report() {
   remove_old_alerts(directory_, settings_.keep_alerts);
 }
 
-// Names of alerts have their time in front, and so sort by age.
+// Names of alert recordings begin with their time and so sort by age.
 void remove_old_alerts(const std::filesystem::path& directory, size_t keep) {
   std::map<std::string, std::vector<std::filesystem::path>> recordings;
   std::error_code error;
@@ -128,7 +128,7 @@ void remove_old_alerts(const std::filesystem::path& directory, size_t keep) {
   for (auto oldest = recordings.begin(); recordings.size() > keep;
        oldest = recordings.erase(oldest)) {
     for (const std::filesystem::path& drive : oldest->second) {
-      spdlog::info("{}: removed, newer alerts were recorded", drive.string());
+      spdlog::info("{}: removed, newer alert recordings replace it", drive.string());
       std::filesystem::remove_all(drive, error);
     }
   }

@@ -12,33 +12,33 @@
 
 namespace infuse::daemon {
 
-/// Writes recordings, one at a time, on a thread of its own. What was heard last waits for it in
-/// memory, so that a recording can begin in the past; where it does not keep up, the oldest of that
-/// is lost, and counted.
+/// Writes recordings, one at a time, on a thread of its own. The latest sensor data is kept in
+/// memory, so that a recording can begin in the past; if the thread falls behind, the oldest data
+/// is lost and counted.
 class Recorder {
  public:
   Recorder(const RecordSettings& settings, std::filesystem::path directory,
            const receive::TimeBase& base);
   ~Recorder() { finish(); }
 
-  /// Where the io thread puts what it reads.
+  /// Input of the io thread.
   RecordTap& tap() { return tap_; }
 
-  // --- of any other thread ---
+  // --- for any other thread ---
 
-  /// Writes this recording from now on, and ends the one before.
+  /// Starts this recording and ends the previous one.
   void begin(Recording recording);
 
-  /// Ends the recording with the records of this moment; nothing where there is none.
+  /// Ends the recording at stamp `until`; does nothing if none is running.
   void end_at(Stamp until);
 
-  /// How the last recording stands; nothing where there was none.
+  /// State of the last recording; nothing if there was none.
   std::optional<RecordReport> report() const;
 
-  /// A recording is being made.
+  /// True while a recording is being written.
   bool is_recording() const;
 
-  /// Writes what has come, and ends. The io thread has ended already.
+  /// Writes the remaining data and ends the thread. The io thread must have ended before.
   void finish();
 
  private:
@@ -54,11 +54,11 @@ class Recorder {
   RecordRing::Reader reader_;
   RecordTap tap_;
 
-  // Of the thread:
+  // Used by the recorder's thread only:
   std::optional<Recording> recording_;
   RecordParser parser_;
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::condition_variable_any requested_;
   std::optional<Recording> next_;
   std::optional<Stamp> until_;
@@ -67,11 +67,11 @@ class Recorder {
   std::jthread thread_;
 };
 
-/// Removes the oldest drives of alerts in a folder beyond the newest `keep`; drives of one
-/// recording count as one.
+/// Removes the oldest alert recordings in a folder beyond the newest `keep`; the drives of one
+/// split recording count as one.
 void remove_old_alerts(const std::filesystem::path& directory, size_t keep);
 
-/// What the names of drives of alerts begin with.
+/// Prefix of the names of alert recordings.
 inline constexpr const char* kAlertPrefix = "alert-";
 
 }  // namespace infuse::daemon

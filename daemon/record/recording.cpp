@@ -31,9 +31,9 @@ std::optional<uint64_t> free_bytes(const std::filesystem::path& folder) {
 Result<Recording> Recording::begin(RecordingPlan plan, Stamp now) {
   const auto free = free_bytes(plan.directory);
   if (free && *free < plan.min_free_bytes) {
-    return fail(fmt::format("only {} are free, and {} are to stay free", size_text(*free),
-                            size_text(plan.min_free_bytes)),
-                plan.directory.string(), "make room, or lower min_free_mb in [record]");
+    return fail(
+        fmt::format("only {} free, {} required", size_text(*free), size_text(plan.min_free_bytes)),
+        plan.directory.string(), "free some space, or lower min_free_mb in [record]");
   }
   auto drive =
       recording::DriveWriter::create(plan.directory / plan.name, plan.description, plan.copies);
@@ -54,12 +54,12 @@ void Recording::add(const Record& record) {
   if (stamp - plan_.until > kMaxRecordDelay) return end("");
   if (stamp > plan_.until) return;
   if (!first_stamp_) first_stamp_ = drive_begin_ = stamp;
-  if (stamp - *first_stamp_ > plan_.max_duration) return end("it is as long as it may be");
+  if (stamp - *first_stamp_ > plan_.max_duration) return end("maximum duration reached");
   report_.duration = std::max(report_.duration, stamp - *first_stamp_);
   const auto written = split_if_due(stamp).and_then([&] { return write(record); });
   if (!written) return end(written.error().message(), true);
   report_.bytes = bytes_before_ + drive_.bytes();
-  if (report_.bytes >= plan_.max_bytes) end("it is as large as it may be");
+  if (report_.bytes >= plan_.max_bytes) end("maximum size reached");
 }
 
 Result<void> Recording::write(const Record& record) {
@@ -85,8 +85,8 @@ Result<void> Recording::write(const Record& record) {
   return {};
 }
 
-// A picture that its camera damaged is a lost frame. The drive's stamps carry the camera's delay,
-// which its reader subtracts.
+// An image that the camera damaged counts as a lost frame. The drive's stamps include the camera's
+// delay, which the reader subtracts.
 Result<void> Recording::write_image(const Record& record) {
   std::span<const uint8_t> body = record.body;
   const auto header = read_header<ImageHeader>(body);
@@ -138,12 +138,12 @@ void Recording::flush(Stamp now) {
 void Recording::check_bounds(Stamp now, bool caught_up) {
   if (caught_up && now - plan_.until > kMaxRecordDelay) return end("");
   if (caught_up && !first_stamp_ && now - plan_.from > plan_.max_duration + kMaxRecordDelay) {
-    return end("no sensor said anything");
+    return end("no sensor data arrived");
   }
   const auto free = free_bytes(drive_.folder());
   if (!free || *free >= plan_.min_free_bytes) return;
-  end(fmt::format("{}: only {} are free, and {} are to stay free", drive_.folder().string(),
-                  size_text(*free), size_text(plan_.min_free_bytes)),
+  end(fmt::format("{}: only {} free, {} required", drive_.folder().string(), size_text(*free),
+                  size_text(plan_.min_free_bytes)),
       true);
 }
 

@@ -11,7 +11,8 @@ namespace {
 
 std::array<char, 4096> marker_path{};  // a signal handler may not allocate
 
-// Only what is safe in a signal handler. The action was reset: the second signal ends the process.
+// Async-signal-safe calls only. SA_RESETHAND restored the default action: the second signal ends
+// the process.
 void on_abort(int signal, siginfo_t* about, void* /*context*/) {
   constexpr mode_t kMode = 0640;
   if (about->si_code == SI_USER) {  // abort() of this process itself has another code

@@ -4,12 +4,12 @@
 
 namespace infuse::daemon {
 
-/// From now on a process that is aborted from outside (SIGABRT of another process), as the service
-/// manager's watchdog does with one that is stuck, leaves an empty file behind before it ends.
-/// Replaces what was requested before; a path that is too long (4096 bytes) is passed over.
+/// Installs a handler that leaves an empty file behind when another process aborts this one
+/// (SIGABRT), as the service manager's watchdog does with a stuck daemon. Replaces an earlier
+/// handler; a path longer than 4095 bytes is ignored.
 void install_abort_handler(const std::filesystem::path& file);
 
-/// Whether there is such a note. It is gone afterwards.
+/// Removes the marker file. Returns true if there was one.
 bool consume_abort_marker(const std::filesystem::path& file);
 
 }  // namespace infuse::daemon

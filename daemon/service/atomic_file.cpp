@@ -39,8 +39,9 @@ Result<void> write_atomically(const std::filesystem::path& path, std::string_vie
     ::unlink(beside.c_str());
     return receive::fail_errno("cannot be written", path.string(), "", number);
   }
-  // The folder's own entry, too; where that cannot be, the file is still whole.
-  const FileDescriptor folder(::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Sync the folder's entry too; if that fails, the file is still complete.
+  const FileDescriptor folder(
+      ::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder) fsync(folder.get());
   return {};
 }

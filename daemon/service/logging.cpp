@@ -11,7 +11,7 @@
 namespace infuse::daemon {
 namespace {
 
-/// systemd names the device and inode of what it made standard error.
+/// True if standard error is the journal: systemd puts its device and inode into $JOURNAL_STREAM.
 bool logs_to_journal() {
   const char* stream = std::getenv("JOURNAL_STREAM");
   struct stat about {};

@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 constexpr int kFormatVersion = 1;
 constexpr size_t kMaxBytes = 64 << 10;
 
-/// A whole number that is not negative.
+/// Reads a non-negative integer; false if it is missing or out of range.
 bool read(const Json& json, const char* key, uint64_t& value) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_number_unsigned()) return false;
@@ -35,13 +35,13 @@ Result<SavedState> parse_state(std::string_view text) {
   SavedState state;
   uint64_t form = 0, saved = 0, running_for = 0;
   if (!json.is_object() || !read(json, "form", form) || form != kFormatVersion) {
-    return fail("is no state of this release");
+    return fail("not a state file of this release");
   }
   const auto running = json.find("running");
   if (!read(json, "starts", state.starts) || !read(json, "unclean", state.unclean_exits) ||
       !read(json, "saved_ns", saved) || !read(json, "running_for_ns", running_for) ||
       running == json.end() || !running->is_boolean()) {
-    return fail("is a damaged state");
+    return fail("damaged state file");
   }
   state.running = running->get<bool>();
   state.saved_at = Stamp::from_ns(static_cast<int64_t>(saved));
@@ -55,7 +55,7 @@ Result<std::optional<SavedState>> read_state(const std::filesystem::path& path) 
   const auto text = recording::read_text(path, kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   auto state = parse_state(*text);
-  if (!state) return fail(state.error().what, path.string(), "it is begun anew");
+  if (!state) return fail(state.error().what, path.string(), "a new one is started");
   return std::optional<SavedState>(*state);
 }
 

@@ -32,7 +32,8 @@ std::optional<Duration> watchdog_timeout() {
 
 std::vector<receive::FileDescriptor> inherited_sockets() {
   std::vector<receive::FileDescriptor> sockets;
-  const int count = sd_listen_fds(1);  // and forgets it, so that no child takes them too
+  const int count =
+      sd_listen_fds(1);  // 1: unset the environment, so that child processes do not inherit it
   for (int i = 0; i < count; ++i) {
     receive::FileDescriptor socket(SD_LISTEN_FDS_START + i);
     if (sd_is_socket(socket.get(), AF_UNIX, SOCK_STREAM, 1) > 0) {

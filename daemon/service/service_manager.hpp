@@ -7,23 +7,26 @@
 #include "drivers/measurement/stamp.hpp"
 #include "drivers/receive/file_descriptor.hpp"
 
-/// What is said to systemd (sd_notify(3)). Each is nothing where no service manager listens.
+/// Notifications to systemd (sd_notify(3)) and its socket activation. Without a service manager
+/// every notification is a no-op.
 namespace infuse::daemon::service_manager {
 
-/// The daemon can be asked.
+/// Reports that the daemon is ready, with a status line.
 void notify_ready(const std::string& status);
-/// A line for `systemctl status`.
+/// Sets the status line of `systemctl status`.
 void notify_status(const std::string& status);
-/// The pipeline has made progress: feeds the watchdog.
+/// Feeds the watchdog; called when the pipeline has made progress.
 void notify_watchdog();
-/// The configuration is read again; `ready` ends it.
+/// Reports that the configuration is being reloaded; `notify_ready` ends it.
 void notify_reloading();
+/// Reports that the daemon is stopping.
 void notify_stopping();
 
-/// How long it waits for `alive` before it restarts the daemon; nothing: it does not.
+/// Watchdog timeout: the daemon is restarted if `notify_watchdog` is not called within it; nothing
+/// if the watchdog is off.
 std::optional<Duration> watchdog_timeout();
 
-/// The Unix stream sockets that it listens to for the daemon, handed over once.
+/// Listening Unix stream sockets inherited from the service manager. A second call returns none.
 std::vector<receive::FileDescriptor> inherited_sockets();
 
 }  // namespace infuse::daemon::service_manager

@@ -6,13 +6,13 @@
 
 namespace infuse::daemon {
 
-/// When the messages of one kind came.
+/// Arrival statistics of the messages of one kind.
 struct Arrivals {
   uint64_t count = 0;
-  Stamp first, last;        ///< meaningful when count > 0
-  Duration longest_gap{0};  ///< between two in a row
-  Stamp longest_gap_at;     ///< when it began
-  uint64_t backward = 0;    ///< came with a stamp before that of the one before
+  Stamp first, last;        ///< valid if count > 0
+  Duration longest_gap{0};  ///< between two consecutive messages
+  Stamp longest_gap_at;     ///< start of the longest gap
+  uint64_t backward = 0;    ///< number of messages with a stamp before that of the previous one
 
   void add(Stamp stamp) {
     if (count++ == 0) first = last = stamp;
@@ -28,10 +28,10 @@ struct Arrivals {
     }
   }
 
-  /// First to last.
+  /// Time from the first message to the last.
   Duration span() const { return last - first; }
 
-  /// Messages a second; 0 where there are fewer than two.
+  /// Messages per second; 0 if there are fewer than two.
   double rate_hz() const {
     const double seconds = to_seconds(span());
     return count < 2 || seconds <= 0 ? 0 : static_cast<double>(count - 1) / seconds;

@@ -16,6 +16,11 @@ StreamKind kind_of(const Datagram& datagram) {
   return StreamKind::kOther;
 }
 
+bool has_nmea_sentence(const Datagram& datagram) {
+  const auto packet = velodyne::parse_position_packet(datagram.payload);
+  return packet && packet->sentence.has_value();
+}
+
 }  // namespace
 
 Stream* CaptureSurvey::stream_of(const Datagram& datagram) {
@@ -43,6 +48,9 @@ void CaptureSurvey::add(const Datagram& datagram) {
   stream->bytes += datagram.payload.size();
   stream->last_size = static_cast<uint32_t>(datagram.payload.size());
   if (stream->kind == StreamKind::kData) stream->inference.add(datagram.payload);
+  if (stream->kind == StreamKind::kPosition && has_nmea_sentence(datagram)) {
+    ++stream->nmea_sentences;
+  }
 }
 
 std::string address_text(uint32_t address) {

@@ -11,10 +11,10 @@
 
 namespace infuse::daemon {
 
-/// What a stream's datagrams look like.
+/// Kind of a stream, by the size of its datagrams.
 enum class StreamKind : uint8_t {
-  kData,      ///< 1206 bytes: a Velodyne's returns
-  kPosition,  ///< 512 bytes: its clock, PPS and NMEA
+  kData,      ///< 1206 bytes: data packets of a Velodyne
+  kPosition,  ///< 512 bytes: position packets (clock, PPS, NMEA)
   kOther,
 };
 
@@ -24,22 +24,23 @@ struct Stream {
   uint16_t port = 0;    ///< UDP destination port
   StreamKind kind = StreamKind::kOther;
   Arrivals arrivals;
-  uint64_t bytes = 0;                  ///< of payload
-  uint32_t last_size = 0;              ///< payload of the last one, bytes
-  velodyne::ModelInference inference;  ///< of kData
+  uint64_t bytes = 0;                  ///< of payload, total
+  uint64_t nmea_sentences = 0;         ///< kPosition: packets with an RMC or GGA sentence
+  uint32_t last_size = 0;              ///< payload of the last datagram, bytes
+  velodyne::ModelInference inference;  ///< for kData streams
 };
 
-/// Sorts the datagrams of a capture into streams.
+/// Sorts the datagrams of a capture into streams by sender, port and size.
 class CaptureSurvey {
  public:
   static constexpr size_t kMaxStreams = 64;
 
   void add(const Datagram& datagram);
 
-  /// In order of appearance.
+  /// Streams in order of appearance.
   const std::vector<Stream>& streams() const { return streams_; }
 
-  /// Datagrams of streams beyond kMaxStreams.
+  /// Number of datagrams of streams beyond kMaxStreams.
   uint64_t excess_datagrams() const { return excess_datagrams_; }
 
  private:
@@ -49,10 +50,10 @@ class CaptureSurvey {
   uint64_t excess_datagrams_ = 0;
 };
 
-/// "10.0.0.7".
+/// Formats an IPv4 address in host byte order, as "10.0.0.7".
 std::string address_text(uint32_t address);
 
-/// Four numbers and three points, to host byte order; nothing where it is anything else.
+/// Parses a dotted IPv4 address to host byte order; nothing if `text` is not one.
 std::optional<uint32_t> parse_address(const std::string& text);
 
 }  // namespace infuse::daemon

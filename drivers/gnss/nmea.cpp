@@ -161,6 +161,13 @@ const char* describe(NmeaFault fault) {
   return "";
 }
 
+GnssFix stamped_fix(const NmeaFix& sentence, Stamp stamp) {
+  GnssFix fix = sentence.fix;
+  fix.stamp = stamp;
+  if (!sentence.has_date) fix.utc_ns = 0;
+  return fix;
+}
+
 tl::expected<NmeaFix, NmeaFault> parse_nmea(std::string_view text) {
   text = text.substr(0, text.find_first_of(std::string_view("\0\r\n", 3)));
   const size_t begin = text.find('$');

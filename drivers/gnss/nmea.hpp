@@ -24,6 +24,10 @@ struct NmeaFix {
   bool has_date = false;  ///< a GGA has none: its `fix.utc_ns` is the time since midnight
 };
 
+/// Returns the fix of a sentence that was received at `stamp`. RMC carries date, speed and course,
+/// GGA the height; each is a fix of its own. `utc_ns` is 0 if the sentence has no date.
+GnssFix stamped_fix(const NmeaFix& sentence, Stamp stamp);
+
 /// Reads the first sentence in `text`: RMC or GGA of any talker, ended by NUL, CR, LF or the end;
 /// the checksum must be there and fit. What the sentence does not say is NaN or 0, as `GnssFix`
 /// says.

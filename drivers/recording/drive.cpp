@@ -132,6 +132,10 @@ std::optional<std::string> DriveDescription::invalid() const {
   }
   if (auto wrong = check_path("imu: file", imu)) return wrong;
   if (auto wrong = check_path("gnss: file", gnss)) return wrong;
+  if (!gnss_lidar.empty() && !gnss.empty()) return "gnss: give either file or lidar";
+  if (!gnss_lidar.empty() && rig.find_lidar(gnss_lidar) == nullptr) {
+    return "gnss: there is no lidar '" + gnss_lidar + "'";
+  }
   if (auto wrong = check_path("map: file", map)) return wrong;
   if (auto wrong = check_path("truth: poses", truth_poses)) return wrong;
   return check_path("truth: rig", truth_rig);

@@ -63,7 +63,8 @@ struct DriveDescription {
   std::vector<CameraFiles> cameras;  ///< an entry for each of `rig.cameras`
   std::optional<CanFiles> can;
   std::string imu;          ///< imu.csv; empty: none
-  std::string gnss;         ///< gps.csv; empty: none
+  std::string gnss;         ///< gnss.csv; empty: none
+  std::string gnss_lidar;   ///< lidar whose position packets carry the fixes instead; empty: none
   std::string map;          ///< OpenStreetMap XML; empty: none
   std::string truth_poses;  ///< T_map_vehicle, TUM format; used to score, never to estimate
   std::string truth_rig;    ///< the true rig; used to score, never to estimate

@@ -156,6 +156,10 @@ std::string format_drive(const DriveDescription& drive) {
   if (drive.can) add_can(text, *drive.can);
   add_path_table(text, "imu", drive.imu);
   add_path_table(text, "gnss", drive.gnss);
+  if (!drive.gnss_lidar.empty()) {
+    text += "\n[gnss]\n";
+    add_text(text, "lidar", drive.gnss_lidar);
+  }
   add_path_table(text, "map", drive.map);
   if (!drive.truth_poses.empty() || !drive.truth_rig.empty()) {
     text += "\n[truth]\n";

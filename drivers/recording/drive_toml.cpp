@@ -119,7 +119,7 @@ std::optional<Error> read_can(const toml::table& source, const std::string& file
   return read_can_signals(*signals, file, can.signals);
 }
 
-// The tables [imu], [gnss], [map], [truth] hold nothing but paths.
+// The tables [imu], [gnss], [map], [truth] contain strings only.
 std::optional<Error> read_paths(TomlTable& root, const std::string& file, std::string_view name,
                                 std::initializer_list<std::pair<const char*, std::string*>> keys) {
   const toml::table* source = root.table(name);
@@ -161,7 +161,9 @@ std::optional<Error> read_drive(const toml::table& source, const std::string& fi
     if (auto wrong = read_can(*can, file, drive.can.emplace())) return wrong;
   }
   if (auto wrong = read_paths(root, file, "imu", {{"file", &drive.imu}})) return wrong;
-  if (auto wrong = read_paths(root, file, "gnss", {{"file", &drive.gnss}})) return wrong;
+  if (auto wrong =
+          read_paths(root, file, "gnss", {{"file", &drive.gnss}, {"lidar", &drive.gnss_lidar}}))
+    return wrong;
   if (auto wrong = read_paths(root, file, "map", {{"file", &drive.map}})) return wrong;
   if (auto wrong = read_paths(root, file, "truth",
                               {{"poses", &drive.truth_poses}, {"rig", &drive.truth_rig}}))

@@ -1,12 +1,13 @@
-// Clients of the daemon that do what they should not, and a receiver for it.
+// Misbehaving clients of the daemon, and a simulated GNSS receiver.
 //
-//   vm-clients hold SOCKET SECONDS     watches everything and never reads
-//   vm-clients crowd SOCKET COUNT      connects so often at once, then lets go
-//   vm-clients refused SOCKET          asks for what is not for this user; 0: all of it was refused
-//   vm-clients kill PID SOCKET FILE    kills the daemon and asks the next; tells both moments, ms
-//                                      of the monotonic clock, and how long the machine stood
-//                                      still between them, by FILE of its host
-//   vm-clients receiver LINK           a GPS receiver on a serial line, where LINK leads to
+//   vm-clients never-read SOCKET SECONDS   watches everything and never reads
+//   vm-clients connect-many SOCKET COUNT   opens COUNT connections at once, then closes them
+//   vm-clients refused SOCKET              sends requests that this user must not send; 0: all were
+//                                          refused
+//   vm-clients kill PID SOCKET FILE        kills the daemon and queries the next one; prints both
+//                                          times (ms, monotonic clock) and how long the virtual
+//                                          machine was stalled between them, by its host's FILE
+//   vm-clients gnss-receiver LINK          simulates a GNSS receiver on a serial line at LINK
 
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -52,7 +53,8 @@ long now_ms() {
   return time.tv_sec * 1000 + time.tv_nsec / 1'000'000;
 }
 
-/// The daemon's socket is systemd's: who connects while there is no daemon waits for the next.
+/// True if the daemon answers. systemd holds the socket: a client that connects while there is no
+/// daemon waits for the next one.
 bool is_answering(const char* socket) {
   SocketClient client(socket);
   if (!client.read_line(20'000) || !client.send("{\"op\":\"devices\"}\n")) return false;
@@ -60,10 +62,11 @@ bool is_answering(const char* socket) {
   return answer && answer->find("\"class\":\"DEVICES\"") != std::string::npos;
 }
 
-/// For how long each of two processors has waited for one of the host's, ns, as the host writes it.
+/// Time that each of the two virtual processors has waited for a host processor, ns, as written by
+/// the host.
 std::array<long, 2> read_cpu_waits(const char* file) {
   std::array<long, 2> waits{};
-  for (int tries = 0; tries < 1000; ++tries) {  // it may be about to be written
+  for (int tries = 0; tries < 1000; ++tries) {  // the file may be in the middle of an update
     std::FILE* const stream = std::fopen(file, "r");
     if (stream == nullptr) break;
     const int numbers = std::fscanf(stream, "%ld %ld", &waits[0], &waits[1]);
@@ -82,13 +85,13 @@ int kill_daemon(pid_t daemon, const char* socket, const char* file) {
   }
   const long answered = now_ms();
   const auto after = read_cpu_waits(file);
-  // By the processor that waited less.
+  // Of the processor that waited less.
   const long stalled_ms = std::min(after[0] - before[0], after[1] - before[1]) / 1'000'000;
   std::printf("%ld %ld %ld\n", killed, answered, stalled_ms);
   return 0;
 }
 
-/// A pseudo-terminal: who opens LINK cannot tell it from a serial device.
+/// Simulates a receiver on a pseudo-terminal, which behaves like a serial device.
 int simulate_gnss_receiver(const char* link) {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
   if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0) return 1;
@@ -102,7 +105,7 @@ int simulate_gnss_receiver(const char* link) {
                   seconds, fifths % 5 * 2);
     unsigned sum = 0;
     for (const char* c = body; *c != 0; ++c) sum ^= static_cast<unsigned char>(*c);
-    dprintf(terminal, "$%s*%02X\r\n", body, sum);  // lost where nobody reads
+    dprintf(terminal, "$%s*%02X\r\n", body, sum);  // lost if nobody reads
     char echo[256];
     while (read(terminal, echo, sizeof(echo)) > 0) {
     }
@@ -110,7 +113,7 @@ int simulate_gnss_receiver(const char* link) {
   }
 }
 
-/// What nobody but its owner may ask of the daemon, and what nobody may.
+/// Requests that only the daemon's owner may send, and invalid requests.
 const struct {
   const char* what;
   std::string line;
@@ -124,21 +127,21 @@ const struct {
     {"record elsewhere", R"({"op":"record","name":"../../../etc/x"})"},
     {"record to an absolute name", R"({"op":"record","name":"/etc/x"})"},
     {"end a recording", R"({"op":"record","on":false})"},
-    {"an op that is none", R"({"op":"shutdown"})"},
+    {"an unknown op", R"({"op":"shutdown"})"},
     {"no op", "{}"},
-    {"an op that is no string", R"({"op":["poll"]})"},
-    {"no object", "[1,2,3]"},
-    {"no JSON", "GET / HTTP/1.1"},
+    {"an op that is not a string", R"({"op":["poll"]})"},
+    {"not an object", "[1,2,3]"},
+    {"not JSON", "GET / HTTP/1.1"},
     {"zeros", std::string(100, '\0')},
-    {"no UTF-8", "{\"op\":\"\xff\xfe\"}"},
+    {"not UTF-8", "{\"op\":\"\xff\xfe\"}"},
     {"a key twice", R"({"op":"devices","op":"freeze"})"},
     {"deep nesting", R"({"op":"poll","x":)" + std::string(1500, '[')},
-    {"a line too long", std::string(5000, 'x')},
-    {"a class that is none", R"({"op":"watch","classes":["SECRETS"]})"},
-    {"a class that is no string", R"({"op":"watch","classes":[{}]})"},
+    {"an overlong line", std::string(5000, 'x')},
+    {"an unknown class", R"({"op":"watch","classes":["SECRETS"]})"},
+    {"a class that is not a string", R"({"op":"watch","classes":[{}]})"},
 };
 
-/// The answer is an error, or the connection is closed, or there is none.
+/// True if the answer is an error, or the connection is closed or impossible.
 bool is_refused(const char* socket, const std::string& line) {
   SocketClient client(socket);
   if (!client.connected()) return true;
@@ -148,7 +151,7 @@ bool is_refused(const char* socket, const std::string& line) {
   return !answer || answer->find("\"class\":\"ERROR\"") != std::string::npos;
 }
 
-/// Of many requests at once some are refused.
+/// True if some of many requests at once are refused.
 bool flood_is_limited(const char* socket) {
   SocketClient client(socket);
   if (!client.connected()) return true;

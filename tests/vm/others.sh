@@ -1,11 +1,11 @@
-# In the guest: what other users may not. Sourced by service.sh.
+# In the guest: what other users must not be able to do. Sourced by service.sh.
 outside() { setpriv --reuid=65534 --regid=65534 --clear-groups "$@"; }
 inside() { setpriv --reuid=65534 --regid=infuse --clear-groups "$@"; }
 daemon=$(systemctl show -P MainPID infused)
-check "another user cannot ask" sh -c '! setpriv --reuid=65534 --regid=65534 --clear-groups infuse status'
+check "another user cannot connect" sh -c '! setpriv --reuid=65534 --regid=65534 --clear-groups infuse status'
 # A table: each must fail.
 while IFS= read -r attempt; do
-  if outside sh -c "$attempt" >/dev/null 2>&1 </dev/null; then miss "another user: $attempt"; else pass "nor: $attempt"; fi
+  if outside sh -c "$attempt" >/dev/null 2>&1 </dev/null; then miss "another user: $attempt"; else pass "another user cannot: $attempt"; fi
 done <<ATTEMPTS
 cat /var/lib/infuse/state.json
 ls /var/lib/infuse/drives
@@ -29,8 +29,8 @@ infuse recalibrate front
 infuse wait-ready --timeout 1
 ATTEMPTS
 if outside /proof/vm-clients refused /run/infuse/infused.sock >/tmp/outside.log; then pass "another user: $(sed -n '$s/^ *//p' /tmp/outside.log)"; else miss "another user"; cat /tmp/outside.log; fi
-check "the group infuse can ask" sh -c 'setpriv --reuid=65534 --regid=infuse --clear-groups infuse status --json | grep -q DEVICES'
-if inside /proof/vm-clients refused /run/infuse/infused.sock; then pass "but change nothing"; else miss "but change nothing"; fi
+check "the group infuse can query" sh -c 'setpriv --reuid=65534 --regid=infuse --clear-groups infuse status --json | grep -q DEVICES'
+if inside /proof/vm-clients refused /run/infuse/infused.sock; then pass "but not control"; else miss "but not control"; fi
 check "by the same process" test "$daemon" = "$(systemctl show -P MainPID infused)"
-check "nothing listens on a network but the lidar's ports" sh -c '! ss -Hltn | grep -q . && ss -Hlun | awk "{print \$4}" | grep -qx "0.0.0.0:2368"'
+check "no network port is open except the lidar's" sh -c '! ss -Hltn | grep -q . && ss -Hlun | awk "{print \$4}" | grep -qx "0.0.0.0:2368"'
 check "all are OK" within 8 all_ok

@@ -39,18 +39,18 @@ memory_mb = 32
 after_alert_s = 1
 TOML
 drives=/var/lib/infuse/drives
-check "the configuration with a rig is right" infused --check-config --config /etc/infuse/infused.toml
+check "the configuration with a rig is valid" infused --check-config --config /etc/infuse/infused.toml
 systemctl restart infused.service
 within 10 infuse wait-ready --timeout 5
 check "a recording of 4 s" infuse record -o whole --for 4s
 infuse status | sed -n '/RECORD/s/^/        /p'
-check "has the lidar, the bus and the camera" sh -c "test \$(stat -c %s $drives/whole/lidar.pcap) -gt 1000000 &&
+check "it has the lidar, the bus and the camera" sh -c "test \$(stat -c %s $drives/whole/lidar.pcap) -gt 1000000 &&
   test \$(grep -c ' vcan0 10[01]#' $drives/whole/can.log) -gt 40 && test \$(ls $drives/whole/camera_0 | grep -c png) -gt 20"
-check "is for the group, not for others" sh -c "test \$(stat -c %a $drives/whole) = 750 && test \$(stat -c %a $drives/whole/lidar.pcap) = 640"
-check "replays" sh -c "infused --replay $drives/whole --socket /tmp/replay.sock --json >/tmp/replay.json && grep -q '\"sweeps\":3[0-9]\|\"sweeps\":4' /tmp/replay.json"
+check "it is readable for the group, not for others" sh -c "test \$(stat -c %a $drives/whole) = 750 && test \$(stat -c %a $drives/whole/lidar.pcap) = 640"
+check "it replays" sh -c "infused --replay $drives/whole --socket /tmp/replay.sock --json >/tmp/replay.json && grep -q '\"sweeps\":3[0-9]\|\"sweeps\":4' /tmp/replay.json"
 grep -o '"\(packets\|sweeps\|packets_lost\)":[0-9]*' /tmp/replay.json | tr '\n' ' ' | sed 's/^/        /'; echo
-check "a second of that name is refused" sh -c '! infuse record -o whole --for 1s'
-# The flight recorder: an alert is written with what was before it.
+check "a second recording of that name is refused" sh -c '! infuse record -o whole --for 1s'
+# The flight recorder: an alert is recorded with the data before it.
 ip link set vcan0 down
 recorded() { journalctl -u infused -o cat | grep -q 'alert-.*bus_unavailable: .* s, .* MB'; }
 check "an alert is recorded" within 15 recorded || journalctl -u infused -o short-monotonic --no-pager | tail -n 25
@@ -58,14 +58,14 @@ ip link set vcan0 up
 hush_bus; play_bus
 flight=$(ls -d $drives/alert-*bus_unavailable)
 first=$(sed -n '1s/^(\([0-9]*\).*/\1/p' "$flight/can.log") last=$(sed -n '$s/^(\([0-9]*\).*/\1/p' "$flight/can.log")
-check "with the bus of $((last - first)) s before it" test $((last - first)) -ge 2
+check "with $((last - first)) s of CAN frames" test $((last - first)) -ge 2
 check "and it replays" sh -c "infused --replay $flight --socket /tmp/replay.sock --json >/tmp/replay.json && grep -q '\"sweeps\":[1-9][0-9]' /tmp/replay.json"
 mount -t tmpfs -o size=2m,uid=infuse,gid=infuse,mode=750 none $drives
-systemctl restart infused.service  # it sees what was mounted before it started
+systemctl restart infused.service  # it sees mounts made before its start only
 within 10 infuse wait-ready --timeout 5
 check "a full disk ends a recording" sh -c '! infuse record -o full --for 30s'
-check "and an alert says so" within 3 alert "No space left"
-check "what is there is a drive" infused --replay $drives/full --socket /tmp/replay.sock
+check "an alert is raised" within 3 alert "No space left"
+check "the partial recording is a valid drive" infused --replay $drives/full --socket /tmp/replay.sock
 systemctl stop infused.service
 umount $drives
 rm /etc/infuse/infused.toml.d/whole.toml /etc/infuse/rig.toml /etc/infuse/test.dbc

@@ -1,14 +1,14 @@
 #!/bin/bash
-# In the guest: the installed package, live sensors, watchdog; with "faults" also what can go wrong. /proof
-# holds the package, a capture to send, and the programs that send and wedge.
+# In the guest: tests the installed package, live sensors and the watchdog; with "faults" also failures. /proof
+# holds the package, captures, and the helper programs.
 . /proof/guest_lib.sh
-# The quick part is run on busy hosts too: there the figures are only told.
-[[ ${1-} == faults ]] || patience=10
+# The quick part also runs on busy hosts, with ten times the timeouts.
+[[ ${1-} == faults ]] || timeout_factor=10
 export DEBIAN_FRONTEND=noninteractive
 
-# The host's manuals are none of this test's business, and indexing them takes minutes here.
+# Indexing the host's manual pages would take minutes.
 rm -f /var/lib/man-db/auto-update
-# A host that is a container itself may forbid packages to start services.
+# A host that is a container may forbid packages to start services.
 rm -f /usr/sbin/policy-rc.d
 check "package installs" dpkg -i /proof/infuse.deb
 check "the service is enabled" systemctl is-enabled infused.service infused.socket
@@ -31,13 +31,13 @@ format = "GREY"
 name = "bus"
 interface = "vcan0"
 [record]
-memory_mb = 8  # so that all of it has been used soon
+memory_mb = 8  # small, so that all of it is used soon
 TOML
 }
 use_three_sensors
-check "the configuration is right" infused --check-config --config /etc/infuse/infused.toml
+check "the configuration is valid" infused --check-config --config /etc/infuse/infused.toml
 
-# The lidar is in a network namespace of its own, at the other end of a cable.
+# The lidar is in its own network namespace, at the other end of a veth pair.
 ip netns add car
 lay_cable() {
   ip link add lidar0 type veth peer name car0 netns car
@@ -49,13 +49,13 @@ play_bus() { canplayer -l i -I /proof/can.log vcan0=vcan0 >/tmp/canplayer.log 2>
 send_lidar() { setsid ip netns exec car bash -c 'while /proof/infuse-send-capture /proof/street.pcap --to 10.77.0.2; do :; done' >/tmp/sender.log 2>&1 & sender=$!; }
 hush_bus() { kill $player; wait $player; } 2>/dev/null
 hush() { hush_bus; kill -- -$sender; wait $sender; } 2>/dev/null
-# The senders read their files before the clock is watched: a file of the host is slow the first time.
+# The senders start before the clock: the first read of a host file is slow.
 send_lidar
 play_bus
 sleep 1
 started=$(date +%s%N)
 systemctl restart infused.service
-check "all three deliver within $((5 * patience)) s of start" infuse wait-ready --timeout $((5 * patience))
+check "all three deliver within $((5 * timeout_factor)) s of start" infuse wait-ready --timeout $((5 * timeout_factor))
 echo "        after $((($(date +%s%N) - started) / 1000000)) ms"
 check "and are OK" within 5 all_ok
 infuse status
@@ -63,21 +63,21 @@ systemctl status infused --no-pager -n 0 | sed -n 's/^ *Status/        status/p'
 check "it runs without root" sh -c 'test "$(ps -o user= -p "$(systemctl show -P MainPID infused)")" = infuse'
 check "it has no capability" sh -c 'grep -q "^CapEff:\s*0*$" /proc/$(systemctl show -P MainPID infused)/status'
 check "the io thread has real-time priority" sh -c 'chrt -p $(ps -L -o tid=,comm= -p $(systemctl show -P MainPID infused) | awk "\$2 == \"io\" {print \$1}") | grep -q FIFO'
-check "io and fusion have a core each, and nothing is swapped out" sh -c 'cd /proc/$(systemctl show -P MainPID infused) &&
+check "io and fusion have a core each, and memory is locked" sh -c 'cd /proc/$(systemctl show -P MainPID infused) &&
   core() { grep -l "^$1\$" task/*/comm | xargs dirname | xargs -I{} sed -n "s/^Cpus_allowed_list:\s*//p" {}/status; }
   test "$(core io)" = 0 && test "$(core fusion)" = 1 && awk "/^VmLck/ {exit !(\$2 > 1000)}" status'
 check "security: at most 1.9" systemd-analyze security --threshold=19 --no-pager infused.service
 check "a reload keeps the process" sh -c 'p=$(systemctl show -P MainPID infused); systemctl reload infused && sleep 1 && test "$p" = "$(systemctl show -P MainPID infused)"'
 check "and the sensors" within 3 all_ok
 
-# Things that go wrong, and the same process goes on.
+# Failures that the same process must survive.
 if [[ ${1-} == faults ]]; then . /proof/faults.sh; fi
 
 # --- restarts ---
 kill_daemon
-check "SIGKILL: back within $((3 * patience)) s" test $((answered - killed - still)) -lt $((3000 * patience))
-echo "        after $((answered - killed)) ms; the machine stood still for $still ms"
-check "and says so" within 5 alert "did not end by itself"
+check "SIGKILL: back within $((3 * timeout_factor)) s" test $((answered - killed - stalled)) -lt $((3000 * timeout_factor))
+echo "        after $((answered - killed)) ms; the machine was stalled for $stalled ms"
+check "an alert is raised" within 5 alert "did not end by itself"
 check "and all are OK" within 6 all_ok
 if [[ ${1-} == faults ]]; then
 . /proof/kills.sh
@@ -87,7 +87,7 @@ if [[ ${1-} == faults ]]; then
 mount -t tmpfs -o size=16k,uid=infuse,gid=infuse,mode=750 none /var/lib/infuse
 systemctl restart infused.service
 head -c 16k /dev/zero >/var/lib/infuse/fill 2>/dev/null
-check "disk full: it says so, and goes on" within 25 sh -c 'journalctl -u infused -o cat | grep -q "No space left" && systemctl is-active infused'
+check "disk full: it is logged, and the daemon continues" within 25 sh -c 'journalctl -u infused -o cat | grep -q "No space left" && systemctl is-active infused'
 systemctl stop infused.service; umount /var/lib/infuse; systemctl start infused.service
 within 10 back
 . /proof/others.sh
@@ -101,16 +101,16 @@ starts_before=$(starts)
 /proof/vm-wedge "$tid" 20 & wedge=$!
 check "fusion thread wedged: the watchdog restarts it" within 15 sh -c "test \$(systemctl show -P NRestarts infused) -gt $before"
 kill $wedge 2>/dev/null
-check "an alert says so" within 10 sh -c 'infuse status --json | grep "\"class\":\"ALERT\"" | grep -q "the watchdog ended the run before"'
-check "and it goes on from the saved state" test "$(starts)" = $((starts_before + 1))
+check "an alert is raised" within 10 sh -c 'infuse status --json | grep "\"class\":\"ALERT\"" | grep -q "the watchdog ended the previous run"'
+check "it continues from the saved state" test "$(starts)" = $((starts_before + 1))
 check "and all are OK" within 8 all_ok
 check "a clean stop" systemctl stop infused.service
 took=$(($(moment InactiveEnter) - $(moment ActiveExit)))
-check "within $((2 * patience)) s ($took ms)" test $took -lt $((2000 * patience))
-check "its state says that it ended by itself" grep -q '"running": false' /var/lib/infuse/state.json
+check "within $((2 * timeout_factor)) s ($took ms)" test $took -lt $((2000 * timeout_factor))
+check "the saved state records a clean exit" grep -q '"running": false' /var/lib/infuse/state.json
 
 # --- package ---
-check "a client starts it through the socket" within 5 sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'
+check "a client starts the daemon through the socket" within 5 sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'
 check "upgrade keeps it running" sh -c 'dpkg -i /proof/infuse.deb && systemctl is-active infused'
 check "remove stops it" sh -c 'dpkg -r infuse && ! systemctl is-active infused && ! test -e /usr/bin/infused'
 check "and keeps the configuration" test -e /etc/infuse/infused.toml

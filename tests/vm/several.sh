@@ -1,5 +1,5 @@
-# In the guest: several lidars, one of them by multicast, and two buses, and a receiver on a
-# serial line. Sourced by service.sh.
+# In the guest: three lidars, one of them by multicast, two CAN buses, and a GNSS receiver on a serial line.
+# Sourced by service.sh.
 cat >/etc/infuse/infused.toml.d/test.toml <<'TOML'
 [[lidar]]
 name = "left"
@@ -25,11 +25,11 @@ yaw_rate = "MOTION.YAW_RATE"
 [[can]]
 name = "second"
 interface = "vcan1"
-[gps]
+[gnss]
 device = "/dev/receiver"
 TOML
 printf 'VERSION ""\nBO_ 256 MOTION: 8 X\n SG_ YAW_RATE : 0|16@1- (0.0001,0) [0|0] "rad/s" X\n' >/etc/infuse/test.dbc
-# The second lidar has an address of its own, from which it sends to another of this host; the third a group.
+# The second lidar has its own address and sends to a second address of this host; the third sends to a group.
 lay_more_cable() {
   ip addr add 10.77.0.4/24 dev lidar0
   ip -n car addr add 10.77.0.3/24 dev car0
@@ -47,20 +47,20 @@ also_send --to 239.77.0.1 --port 2370
 canplayer -l i -I /proof/can.log vcan1=vcan0 >/dev/null 2>&1 & second=$!
 # Readable for the group dialout, as serial devices are.
 plug_receiver() {
-  /proof/vm-clients receiver /dev/receiver & receiver=$!
+  /proof/vm-clients gnss-receiver /dev/receiver & receiver=$!
   within 2 test -c /dev/receiver
   chown root:dialout /dev/receiver && chmod 660 /dev/receiver
 }
 plug_receiver
 systemctl restart infused.service
 pid=$(systemctl show -P MainPID infused)
-all_six() { well left right roof bus second gps; }
-check "three lidars, one of them by multicast, two buses and a receiver deliver" within 15 all_six
+all_six() { well left right roof bus second gnss; }
+check "three lidars, one of them by multicast, two buses and a GNSS receiver deliver" within 15 all_six
 infuse status | sed 's/^/      /'
 { kill $receiver; wait $receiver; } 2>/dev/null
-check "the receiver is unplugged: unavailable" within 5 sh -c 'infuse status | grep -qE "(ERROR|STALE) +gps"'
+check "the receiver is unplugged: unavailable" within 5 sh -c 'infuse status | grep -qE "(ERROR|STALE) +gnss"'
 plug_receiver
-check "plugged in: it delivers, without a restart" within 8 well gps
+check "plugged in: it delivers, without a restart" within 8 well gnss
 ip link set vcan1 down
 check "one bus down: unavailable" within 5 sh -c 'infuse status | grep -q "vcan1: the interface is down"'
 check "and the other delivers" well bus
@@ -68,12 +68,12 @@ ip link set vcan1 up
 { kill $second; wait $second; } 2>/dev/null
 canplayer -l i -I /proof/can.log vcan1=vcan0 >/dev/null 2>&1 & second=$!
 ip link del lidar0
-check "the lidars' interface is gone: nothing comes" within 8 sh -c 'infuse status | grep -qE "(ERROR|STALE) +roof" && infuse status | grep -qE "(ERROR|STALE) +left"'
+check "the lidars' interface is deleted: ERROR or STALE" within 8 sh -c 'infuse status | grep -qE "(ERROR|STALE) +roof" && infuse status | grep -qE "(ERROR|STALE) +left"'
 lay_cable; lay_more_cable
-check "made anew: all deliver, the group too, without a restart" within 15 all_six || infuse status
+check "recreated: all deliver, the group too, without a restart" within 15 all_six || infuse status
 check "by the same process" test "$pid" = "$(systemctl show -P MainPID infused)"
 check "a recording of 2 s" infuse record -o several --for 2s
-check "has the frames of both buses and the packets of the group" sh -c "cd /var/lib/infuse/drives/several &&
+check "it has the frames of both buses and the packets of the group" sh -c "cd /var/lib/infuse/drives/several &&
   test \$(grep -c ' vcan0 ' can.log) -gt 10 && test \$(grep -c ' vcan1 ' can.log) -gt 20 && infuse inspect . | grep -q 2370"
 { for one in "${more[@]}"; do kill -- -"$one"; done; kill $second $receiver; wait $second $receiver "${more[@]}"; } 2>/dev/null
 ip addr del 10.77.0.4/24 dev lidar0

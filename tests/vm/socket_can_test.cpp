@@ -1,4 +1,4 @@
-// On a kernel that has CAN, with a virtual bus vcan0 that may be taken down: ./dev vm.
+// Needs a kernel with CAN and a virtual bus vcan0 that may be taken down: ./dev vm.
 
 #include <gtest/gtest.h>
 #include <linux/can.h>
@@ -134,7 +134,7 @@ TEST_F(VirtualBus, SurvivesTheInterfaceGoingDownAndUp) {
   SocketCanSource source = open({.interface = "vcan0"});
   set_interface_up(false);
   pollfd waiting{source.descriptor(), POLLIN, 0};
-  EXPECT_EQ(poll(&waiting, 1, 1000), 1);  // the kernel tells it
+  EXPECT_EQ(poll(&waiting, 1, 1000), 1);  // the kernel reports it
   EXPECT_EQ(read_all(source).size(), 0U);
   EXPECT_FALSE(source.up());
   set_interface_up(true);

@@ -1,4 +1,4 @@
-// On a kernel that has the virtual camera driver vivid, at /dev/video0: ./dev vm.
+// Needs a kernel with the virtual camera driver vivid at /dev/video0: ./dev vm.
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -23,12 +23,12 @@ class VirtualCamera : public testing::Test {
     return *std::move(source);
   }
 
-  /// Waits for so many pictures and calls `on` with each.
+  /// Waits for `images` images and calls `on` with each.
   template <class OnImage>
   void stream(V4l2Source& source, int images, OnImage on) {
     for (int left = images; left > 0;) {
       pollfd waiting{source.descriptor(), POLLIN, 0};
-      ASSERT_EQ(poll(&waiting, 1, 10'000), 1) << "no picture came";
+      ASSERT_EQ(poll(&waiting, 1, 10'000), 1) << "no image arrived";
       const auto read = source.read([&](const StreamedImage& image) {
         on(image);
         --left;
@@ -49,7 +49,7 @@ TEST_F(VirtualCamera, StreamsWithRisingSequenceAndStampsBeforeNow) {
     EXPECT_GT(image.stamp, last);
     EXPECT_LT(image.stamp, time_base_.now() + Duration(50'000'000));  // half of the exposure ahead
     EXPECT_GT(image.stamp, time_base_.now() - Duration(10'000'000'000));
-    EXPECT_GE(image.sequence + 1, next);  // vivid may count its first picture twice
+    EXPECT_GE(image.sequence + 1, next);  // vivid may count its first image twice
     next = image.sequence + 1;
     last = image.stamp;
   });
@@ -98,7 +98,7 @@ TEST_F(VirtualCamera, SetsTheGainAndReadsItBack) {
   EXPECT_EQ(gain, 77);
 }
 
-TEST_F(VirtualCamera, TwoCannotStreamFromOne) {
+TEST_F(VirtualCamera, ASecondReaderOfOneCameraIsRefused) {
   const V4l2Source first = open({.device = "/dev/video0"});
   const auto second = V4l2Source::open({.device = "/dev/video0"}, time_base_);
   ASSERT_FALSE(second.has_value());

@@ -1,4 +1,4 @@
-// vm-wedge TID SECONDS: holds one thread of another process still (ptrace), as if it were stuck.
+// vm-wedge TID SECONDS: suspends one thread of another process (ptrace), as if it were stuck.
 
 #include <sys/ptrace.h>
 #include <sys/wait.h>
@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   waitpid(thread, nullptr, __WALL);
-  // A thread that is killed is gone only when its tracer has taken note.
+  // A killed thread disappears only after its tracer has waited for it.
   for (int tenths = 10 * std::atoi(argv[2]); tenths > 0; --tenths) {
     if (waitpid(thread, nullptr, __WALL | WNOHANG) != 0) return 0;
     usleep(100'000);

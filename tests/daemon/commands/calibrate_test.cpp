@@ -79,7 +79,7 @@ TEST(CalibrateCommand, RealKittiTwoScansAreNotUsable) {
 
 // A pair says nothing of how far pairs disagree, so it is refused; what it says is right all the
 // same.
-TEST(CalibrateCommand, RealOpenCalibScenesAreRefusedAndWithinADegree) {
+TEST(CalibrateCommand, RealOpenCalibScenesAreNotUsableAndWithinADegree) {
   INFUSE_REAL_DATA_OR_SKIP(scenes, "calibration/opencalib");
   TemporaryFolder folder;
   for (const std::string scene : {"scene2", "scene3"}) {

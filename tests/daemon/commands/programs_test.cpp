@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// `output`: standard output and standard error.
+/// Runs a program; `output` holds standard output and standard error.
 ProgramResult run(const std::string& command) {
   return run_shell_command("{ " + std::string(INFUSE_BINARIES) + "/" + command + "; } 2>&1");
 }
@@ -132,7 +132,7 @@ TEST_F(ProgramsTest, DecodeWritesASweepToAFile) {
   std::ifstream stream(file);
   int lines = 0;
   for (std::string line; std::getline(stream, line);) ++lines;
-  EXPECT_GT(lines, 20'000);  // a turn of a VLP-16 in a street
+  EXPECT_GT(lines, 20'000);  // one revolution of a VLP-16 in a street
   EXPECT_EQ(run("infuse decode " + path() + " --sweep 99 -o " + file.string()).code, 1);
   const ProgramResult all =
       run("infuse decode --json " + path() + " -o " + (folder_ / "x.pcd").string());
@@ -154,7 +154,8 @@ TEST_F(ProgramsTest, StatusAndWatchQueryARunningReplay) {
   EXPECT_THAT(status.output, HasSubstr("HEALTH OK"));
   EXPECT_THAT(status.output, HasSubstr("lidar: "));
   EXPECT_EQ(run("infuse watch NONSENSE" + socket()).code, 2);
-  const ProgramResult watched = run("infuse watch --json" + socket());  // until the daemon ends
+  const ProgramResult watched =
+      run("infuse watch --json" + socket());  // returns when the daemon ends
   thread.join();
   EXPECT_EQ(watched.code, 0);
   EXPECT_EQ(daemon.code, 0);
@@ -185,7 +186,7 @@ TEST_F(ProgramsTest, StreetMapsAreMadeAndRefused) {
   EXPECT_EQ(report["kinds"]["building"], 115);
   EXPECT_EQ(report["bytes"], std::filesystem::file_size(folder_ / "x.map"));
   EXPECT_GT(std::filesystem::file_size(image), 1000U);
-  // Its picture is a map again, once its scale is given.
+  // The image converts to a map again if its scale is given.
   EXPECT_EQ(run("infuse streetmap " + image + map).code, 2);
   EXPECT_EQ(run("infuse streetmap --scale 0.2 " + image + map).code, 0);
   EXPECT_EQ(run("infuse streetmap --cell 0 " + altfeld + map).code, 2);
@@ -195,7 +196,7 @@ TEST_F(ProgramsTest, StreetMapsAreMadeAndRefused) {
 
 TEST_F(ProgramsTest, EvaluateScoresATrajectoryByHandMadeErrors) {
   std::string truth, result;
-  for (int i = 0; i < 200; ++i) {  // 2 m a second along x; the estimate is 1 % short
+  for (int i = 0; i < 200; ++i) {  // 2 m/s along x; the estimate is 1 % short
     truth += fmt::format("{}.0 {} 0 0 0 0 0 1\n", i, 2.0 * i);
     result += fmt::format("{}.0 {} 0 0 0 0 0 1\n", i, 2.0 * i * 0.99);
   }
@@ -210,7 +211,7 @@ TEST_F(ProgramsTest, EvaluateScoresATrajectoryByHandMadeErrors) {
   EXPECT_NEAR(score["absolute"]["translation_m"]["max"].get<double>(), 0.01 * 398, 1e-6);
   EXPECT_NEAR(score["relative"]["translation_m"]["mean"].get<double>(), 0.02, 1e-6);
   EXPECT_NEAR(score["kitti"]["translation_percent"].get<double>(), 1, 0.02);
-  EXPECT_THAT(run("infuse evaluate " + files).output, HasSubstr("KITTI's score: 1.0"));
+  EXPECT_THAT(run("infuse evaluate " + files).output, HasSubstr("KITTI score: 1.0"));
   EXPECT_EQ(run("infuse evaluate " + files + " --align sideways").code, 2);
   EXPECT_EQ(run("infuse evaluate nothing.tum " + files).code, 2);
   EXPECT_EQ(run("infuse evaluate nothing.tum " + (folder_ / "truth.tum").string()).code, 3);

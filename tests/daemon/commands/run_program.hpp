@@ -8,14 +8,13 @@
 
 namespace infuse::daemon {
 
-/// What a program left behind.
+/// Result of a program.
 struct ProgramResult {
   std::string output;
-  int code = -1;  ///< −1: it could not be run, or did not exit by itself
+  int code = -1;  ///< −1: the program could not be run, or did not exit by itself
 };
 
-/// Runs a shell line of the programs that were built with these tests; `output` is what the line
-/// writes to standard output.
+/// Runs a shell command line; `output` is its standard output.
 inline ProgramResult run_shell_command(const std::string& line) {
   ProgramResult result;
   std::FILE* pipe = ::popen(line.c_str(), "r");

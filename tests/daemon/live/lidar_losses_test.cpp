@@ -10,8 +10,8 @@
 namespace infuse::daemon {
 namespace {
 
-/// A second of a VLP-16 into an intake, without the packets `from` ... `to` − 1, of which the
-/// kernel says that it dropped `by_kernel`; and so many position packets.
+/// Counters after one second of a VLP-16 without the packets `from` … `to` − 1, of which the kernel
+/// reports `by_kernel` as dropped, in addition to `positions` position packets.
 SensorCounters counters_with_loss(uint64_t from, uint64_t to, uint64_t by_kernel,
                                   uint64_t positions = 0) {
   const auto path =
@@ -46,7 +46,7 @@ TEST(LidarLosses, KernelDropsAreNotCountedAsNetworkLoss) {
   EXPECT_EQ(counters.lost_network, 0U);
 }
 
-TEST(LidarLosses, TheRestOfAGapIsNetworkLoss) {
+TEST(LidarLosses, TheRemainderOfAGapIsNetworkLoss) {
   const SensorCounters counters = counters_with_loss(300, 350, 30);
   EXPECT_EQ(counters.lost_kernel, 30U);
   EXPECT_EQ(counters.lost_network, 20U);

@@ -12,7 +12,7 @@
 namespace infuse::daemon {
 namespace {
 
-/// A lidar on the loopback, a camera and a bus that are not there.
+/// A lidar on the loopback, and a missing camera and CAN bus.
 LiveSetup loopback_setup() {
   Config config = loopback_config();
   config.cameras.emplace_back().stream.device = "/dev/no-such-camera";
@@ -23,7 +23,7 @@ LiveSetup loopback_setup() {
   return *std::move(setup);
 }
 
-TEST(LivePipeline, ProcessesWhatIsSentAndReportsMissingSources) {
+TEST(LivePipeline, ProcessesALidarAndReportsMissingSources) {
   boost::asio::io_context io(1);
   Server server(io, {}, "0.1.0", "0123456789abcdef");
   bool ended = false;
@@ -32,7 +32,7 @@ TEST(LivePipeline, ProcessesWhatIsSentAndReportsMissingSources) {
     server.finish(std::chrono::milliseconds(0));
   });
   int ticks = 0;
-  std::atomic<uint64_t> sent = 0;  // 0: not yet
+  std::atomic<uint64_t> sent = 0;  // 0: not sent yet
   std::thread sender;
   live.publisher().on_progress([&] {
     if (ticks++ == 0) sender = std::thread([&] { sent = send_capture(test_port(0)); });
@@ -54,7 +54,7 @@ TEST(LivePipeline, ProcessesWhatIsSentAndReportsMissingSources) {
     EXPECT_FALSE(totals.streams[gone].source.open);
     EXPECT_NE(totals.streams[gone].source.problem[0], '\0');
   }
-  // Sentences in position packets, each once.
+  // Every sentence of the position packets gives one fix.
   EXPECT_TRUE(totals.streams[2].source.open);
   EXPECT_GT(totals.streams[2].received, 0U);
   EXPECT_LE(totals.streams[2].received, lidar.position_packets);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <regex>
 
+#include "daemon/live/drive_description.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
@@ -32,7 +33,7 @@ stamp_delay_ms = 4
 T_camera_lidar = [0,-1,0,0, 0,0,-1,0, 1,0,0,0, 0,0,0,1]
 )";
 
-/// A folder with rig.toml, as a configuration names it.
+/// A configuration folder with rig.toml and a DBC file.
 class LiveSetupTest : public testing::Test {
  protected:
   LiveSetupTest() {
@@ -66,7 +67,7 @@ TEST_F(LiveSetupTest, SensorsAreMountedAsTheRigHasThem) {
   EXPECT_EQ(setup->delivery, Delivery::kOverwrite);
   ASSERT_EQ(setup->rig.lidars.size(), 1U);
   EXPECT_EQ(setup->rig.lidars[0].T_vehicle_lidar.translation().z(), 1.8);
-  // The camera of the rig comes first; its size and delay are the rig's.
+  // The camera of the rig comes first, with the size and delay of the rig.
   ASSERT_EQ(setup->rig.cameras.size(), 1U);
   ASSERT_EQ(setup->camera_streams.size(), 2U);
   EXPECT_EQ(setup->camera_streams[0].device, "/dev/video0");
@@ -75,9 +76,9 @@ TEST_F(LiveSetupTest, SensorsAreMountedAsTheRigHasThem) {
   std::vector<std::string> kinds;
   for (const Device& device : setup->devices) kinds.push_back(device.kind + " " + device.name);
   EXPECT_THAT(kinds, testing::ElementsAre("lidar top", "camera front", "camera rear", "can bus",
-                                          "gps gps"));
+                                          "gnss gnss"));
   EXPECT_EQ(setup->stream_count(), 4U);
-  // The kernel passes only what the DBC's signals need.
+  // The kernel passes only the identifiers that the signals need.
   ASSERT_EQ(setup->interfaces.size(), 1U);
   EXPECT_EQ(setup->interfaces[0].identifiers, (std::vector<vehicle::CanIdentifier>{{291, false}}));
   EXPECT_TRUE(setup->vehicle.has_odometry());
@@ -92,9 +93,22 @@ TEST_F(LiveSetupTest, AGnssReceiverMayBeConnectedToALidar) {
   EXPECT_EQ(setup->gnss_lidar, 1U);
   EXPECT_FALSE(setup->gnss.has_value());
   EXPECT_EQ(setup->devices.back().kind, "gnss");
-  EXPECT_TRUE(setup->ports[1].is_from_lidar(1, 0x0A000002));
-  EXPECT_FALSE(setup->ports[1].is_from_lidar(1, 0x0A000001));
   EXPECT_FALSE(set_up(lidars + "[gnss]\nlidar = \"c\"\n").has_value());
+}
+
+TEST_F(LiveSetupTest, ARecordingNamesTheSourceOfItsFixes) {
+  const std::string lidar = "[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\n";
+  const auto describe = [&](const std::string& text) {
+    auto config = parse_config(lidar + text, "x.toml");
+    EXPECT_TRUE(config.has_value());
+    return describe_drive(*config, *set_up_live(*config)).description;
+  };
+  EXPECT_EQ(describe("").gnss, "");
+  EXPECT_EQ(describe("[gnss]\ndevice = \"/dev/ttyUSB0\"\n").gnss, "gnss.csv");
+  // Fixes in position packets are in lidar.pcap already.
+  const auto from_packets = describe("[gnss]\nlidar = \"a\"\n");
+  EXPECT_EQ(from_packets.gnss, "");
+  EXPECT_EQ(from_packets.gnss_lidar, "a");
 }
 
 TEST_F(LiveSetupTest, LidarsThatShareAPortAreDistinguishedBySender) {
@@ -106,7 +120,7 @@ TEST_F(LiveSetupTest, LidarsThatShareAPortAreDistinguishedBySender) {
   ASSERT_EQ(setup->ports.size(), 4U);  // 2368, 8308, 2369, 8309
   EXPECT_EQ(setup->ports[0].lidar_of(0x0A000001), 0U);
   EXPECT_EQ(setup->ports[0].lidar_of(0x0A000002), 1U);
-  EXPECT_EQ(setup->ports[0].lidar_of(0x0A000003), 0U);  // which refuses and counts it
+  EXPECT_EQ(setup->ports[0].lidar_of(0x0A000003), 0U);  // rejects and counts it
   EXPECT_EQ(setup->ports[2].lidar_of(0x0A000003), 2U);
 }
 

@@ -16,12 +16,12 @@
 
 namespace infuse::daemon {
 
-/// A port that is not this process's in another run of the tests.
+/// A UDP port that depends on the process, so that concurrent test runs do not collide.
 inline uint16_t test_port(int which) {
   return static_cast<uint16_t>(20'000 + getpid() % 10'000 * 2 + which);
 }
 
-/// A lidar on the loopback.
+/// Configuration of one lidar on the loopback.
 inline Config loopback_config() {
   Config config;
   LidarOptions& lidar = config.lidars.emplace_back();
@@ -32,7 +32,7 @@ inline Config loopback_config() {
   return config;
 }
 
-/// Sends a second of a street to the lidar's port; the data packets that were sent.
+/// Sends one second of a street scene to the lidar's ports. Returns the number of data packets.
 inline uint64_t send_capture(uint16_t port) {
   const auto path =
       std::filesystem::path(testing::TempDir()) / ("infuse-live-" + std::to_string(getpid()));

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The reports of sweeps by their stamp, without their running number.
+/// SWEEP reports by stamp, without their sequence number.
 std::map<int64_t, json> parse_sweeps(const std::vector<std::string>& lines) {
   std::map<int64_t, json> sweeps;
   for (const std::string& line : lines) {
@@ -41,8 +41,8 @@ class RecordingControllerTest : public testing::Test {
     config_.health.clock_grace = from_seconds(1e6);
   }
 
-  /// Runs the daemon while a capture is sent to it. `begin` is called at the first tick, `done` at
-  /// every tick after the last packet, and ends it all where it gives true.
+  /// Runs the daemon while a capture is sent to it. Calls `begin` at the first tick and `done` at
+  /// every tick after the last packet, until it returns true.
   void run(const std::function<void(RecordingController&)>& begin,
            const std::function<bool(RecordingController&)>& done) {
     boost::asio::io_context io(1);
@@ -100,7 +100,7 @@ class RecordingControllerTest : public testing::Test {
   std::vector<std::string> lines_;
 };
 
-TEST_F(RecordingControllerTest, WhatIsRecordedLiveReplaysToTheSameSweeps) {
+TEST_F(RecordingControllerTest, ARecordingReplaysToTheSameSweeps) {
   run(
       [](RecordingController& controller) {
         EXPECT_TRUE(controller.handle_request({.op = Request::Op::kRecord, .name = "street"}));
@@ -122,7 +122,7 @@ TEST_F(RecordingControllerTest, WhatIsRecordedLiveReplaysToTheSameSweeps) {
   EXPECT_EQ(live, replay);
 }
 
-TEST_F(RecordingControllerTest, TheEndOfOneIsToldBeforeTheNextBegins) {
+TEST_F(RecordingControllerTest, TheEndOfARecordingIsReportedBeforeTheNextBegins) {
   run(
       [](RecordingController& controller) {
         EXPECT_TRUE(controller.handle_request(
@@ -143,10 +143,10 @@ TEST_F(RecordingControllerTest, TheEndOfOneIsToldBeforeTheNextBegins) {
   EXPECT_EQ(last_record()["name"], "two");
 }
 
-TEST_F(RecordingControllerTest, AnAlertIsRecordedWithWhatWasBeforeIt) {
+TEST_F(RecordingControllerTest, AnAlertIsRecordedWithTheDataBeforeIt) {
   config_.record.flight_recorder = from_seconds(60);
   config_.record.after_alert = from_seconds(1);
-  // The lidar falls silent after its capture: that is the alert.
+  // The lidar goes silent after the capture, which raises an alert.
   run([](RecordingController&) {},
       [begun = false, ticks = 0](RecordingController& controller) mutable {
         begun = begun || controller.is_recording();

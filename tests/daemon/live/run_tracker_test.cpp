@@ -20,7 +20,7 @@ class RunTrackerTest : public testing::Test {
   const std::filesystem::path file_ = folder_ / "state.json";
 };
 
-TEST_F(RunTrackerTest, SaysNothingOfARunThatEndedByItself) {
+TEST_F(RunTrackerTest, RaisesNoAlertAfterACleanExit) {
   RunTracker first(file_);
   EXPECT_FALSE(first.begin_run(at_s(0)).has_value());
   first.end_run(at_s(5));
@@ -30,31 +30,31 @@ TEST_F(RunTrackerTest, SaysNothingOfARunThatEndedByItself) {
   EXPECT_EQ(second.state().unclean_exits, 0U);
 }
 
-TEST_F(RunTrackerTest, SaysThatTheRunBeforeDidNotEndByItself) {
+TEST_F(RunTrackerTest, RaisesAnAlertAfterAnUncleanExit) {
   RunTracker(file_).begin_run(at_s(0));
   RunTracker next(file_);
   const auto alert = next.begin_run(at_s(7));
   ASSERT_TRUE(alert.has_value());
   EXPECT_TRUE(alert->raised);
   EXPECT_EQ(alert->device, "infused");
-  EXPECT_EQ(alert->finding.what,
-            "the run before did not end by itself; it was last seen 7 s ago, and this is the 1. "
-            "time");
+  EXPECT_EQ(
+      alert->finding.what,
+      "the previous run did not end by itself; it was last seen 7 s ago; unclean exits so far: 1");
   EXPECT_EQ(next.state().unclean_exits, 1U);
 }
 
-TEST_F(RunTrackerTest, SaysThatTheWatchdogEndedIt) {
+TEST_F(RunTrackerTest, TheAlertNamesTheWatchdog) {
   RunTracker(file_).begin_run(at_s(0));
   folder_.write("abort_marker", "");
   const auto alert = RunTracker(file_).begin_run(at_s(3));
   ASSERT_TRUE(alert.has_value());
-  EXPECT_EQ(alert->finding.what.find("the watchdog ended the run before, which was stuck"), 0U);
-  const auto next = RunTracker(file_).begin_run(at_s(4));  // the note is told of once
+  EXPECT_EQ(alert->finding.what.find("the watchdog ended the previous run, which was stuck"), 0U);
+  const auto next = RunTracker(file_).begin_run(at_s(4));  // the marker is reported once
   ASSERT_TRUE(next.has_value());
-  EXPECT_EQ(next->finding.what.find("the run before did not end by itself"), 0U);
+  EXPECT_EQ(next->finding.what.find("the previous run did not end by itself"), 0U);
 }
 
-TEST_F(RunTrackerTest, AnAbortFromOutsideIsNoted) {
+TEST_F(RunTrackerTest, AnAbortByAnotherProcessLeavesAMarker) {
   EXPECT_EXIT(
       {
         RunTracker(file_).begin_run(at_s(0));
@@ -65,16 +65,16 @@ TEST_F(RunTrackerTest, AnAbortFromOutsideIsNoted) {
   EXPECT_TRUE(exists(folder_ / "abort_marker"));
 }
 
-TEST_F(RunTrackerTest, AStateThatCannotBeWrittenIsAnAlertUntilItCan) {
-  RunTracker record(file_);
-  record.begin_run(at_s(0));
+TEST_F(RunTrackerTest, AnUnwritableStateRaisesAnAlertThatIsClearedLater) {
+  RunTracker tracker(file_);
+  tracker.begin_run(at_s(0));
   std::filesystem::remove_all(folder_.path());
-  const auto raised = record.save_if_due(at_s(11));
+  const auto raised = tracker.save_if_due(at_s(11));
   ASSERT_TRUE(raised.has_value());
   EXPECT_TRUE(raised->raised);
-  EXPECT_FALSE(record.save_if_due(at_s(22)).has_value());  // it is known
+  EXPECT_FALSE(tracker.save_if_due(at_s(22)).has_value());  // reported already
   std::filesystem::create_directories(folder_.path());
-  const auto cleared = record.save_if_due(at_s(33));
+  const auto cleared = tracker.save_if_due(at_s(33));
   ASSERT_TRUE(cleared.has_value());
   EXPECT_FALSE(cleared->raised);
 }

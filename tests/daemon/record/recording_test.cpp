@@ -29,7 +29,7 @@ std::vector<uint8_t> body_of(const Header& header, std::span<const uint8_t> rest
   return body;
 }
 
-/// The drive of a lidar, two cameras of 8 × 6, a bus and a receiver, in a folder of its own.
+/// A recording of a lidar, two cameras of 8 × 6 pixels, a CAN bus and a GNSS receiver.
 class RecordingTest : public testing::Test {
  protected:
   RecordingTest() {
@@ -74,7 +74,7 @@ class RecordingTest : public testing::Test {
     recording.add({{kStart + offset_ns, kind, source, body.size()}, body});
   }
 
-  /// A datagram whose payload tells its number.
+  /// Adds a datagram with its number in the payload.
   static void add_datagram(Recording& recording, uint32_t number, int64_t offset_ns) {
     std::vector<uint8_t> payload(1206, static_cast<uint8_t>(number));
     std::memcpy(payload.data(), &number, sizeof(number));
@@ -89,7 +89,7 @@ class RecordingTest : public testing::Test {
         body_of(ImageHeader{sequence, row_bytes, 8, 6, format}, pixels), camera);
   }
 
-  /// Every event of a drive.
+  /// Reads every event of a drive.
   std::vector<recording::DriveEvent> events(const std::string& name) {
     auto drive = recording::Drive::open(plan_.directory / name);
     EXPECT_TRUE(drive.has_value()) << drive.error().message();
@@ -118,9 +118,9 @@ class RecordingTest : public testing::Test {
 
   TemporaryFolder folder_;
   RecordingPlan plan_;
-  std::vector<std::string> lines_;            // of the bus, of the last drive read
-  std::vector<std::filesystem::path> files_;  // pictures
-  std::vector<uint32_t> numbers_;             // of datagrams
+  std::vector<std::string> lines_;            // CAN lines of the last drive read
+  std::vector<std::filesystem::path> files_;  // images
+  std::vector<uint32_t> numbers_;             // numbers of the datagrams
   std::vector<Error> notes_;
 };
 
@@ -162,7 +162,7 @@ TEST_F(RecordingTest, AllKindsOfRecordsReadBackUnchanged) {
   EXPECT_EQ(numbers_, std::vector<uint32_t>{7});
   EXPECT_EQ(lines_, std::vector<std::string>{"(1700000000.002000) can1 123#ABCD"});
   EXPECT_NEAR(std::get<GnssFix>(all[2].content).latitude, 0.9, 1e-15);
-  // The stamp is that of the exposure, whatever the camera's delay; a frame between was lost.
+  // Stamps are those of the exposures, independent of the camera's delay; one frame was lost.
   EXPECT_EQ(all[3].stamp.ns(), kStart + 4'000'000);
   EXPECT_EQ(std::get<recording::ImageEvent>(all[3].content).sequence, 0U);
   EXPECT_EQ(std::get<recording::ImageEvent>(all[4].content).sequence, 2U);
@@ -217,13 +217,13 @@ TEST_F(RecordingTest, MotionJpegIsStoredUnchanged) {
   EXPECT_TRUE(recording::Drive::open(plan_.directory / "d")->description.cameras[0].grey);
 }
 
-TEST_F(RecordingTest, EndsAtItsBounds) {
+TEST_F(RecordingTest, EndsAtItsLimits) {
   plan_.max_duration = std::chrono::milliseconds(10);
   Recording by_time = begin();
   for (uint32_t i = 0; i < 20; ++i) add_datagram(by_time, i, i * 1'000'000);
   EXPECT_TRUE(by_time.report().ended);
   EXPECT_FALSE(by_time.report().failed);
-  EXPECT_THAT(by_time.report().reason, HasSubstr("long"));
+  EXPECT_THAT(by_time.report().reason, HasSubstr("duration"));
   events("d");
   EXPECT_EQ(numbers_.size(), 11U);
 
@@ -233,7 +233,7 @@ TEST_F(RecordingTest, EndsAtItsBounds) {
   Recording by_size = begin();
   for (uint32_t i = 0; i < 200; ++i) add_datagram(by_size, i, i * 1'000);
   EXPECT_TRUE(by_size.report().ended);
-  EXPECT_THAT(by_size.report().reason, HasSubstr("large"));
+  EXPECT_THAT(by_size.report().reason, HasSubstr("size"));
   EXPECT_LT(by_size.report().bytes, 102'000U);
   EXPECT_EQ(std::filesystem::file_size(plan_.directory / "e" / "lidar.pcap") +
                 std::filesystem::file_size(plan_.directory / "e" / "vehicle.dbc") +
@@ -243,7 +243,7 @@ TEST_F(RecordingTest, EndsAtItsBounds) {
             by_size.report().bytes);
 }
 
-TEST_F(RecordingTest, IgnoresRecordsOutsideItsTime) {
+TEST_F(RecordingTest, IgnoresRecordsOutsideItsTimeSpan) {
   plan_.until = Stamp::from_ns(kStart + 5'000);
   Recording recording = begin();
   for (int64_t offset = -3; offset < 10; ++offset) {
@@ -264,7 +264,7 @@ TEST_F(RecordingTest, ALateWriterStillGetsAllItsRecords) {
   recording.flush_and_check(Stamp::from_ns(kStart) + from_seconds(3), 0, false);
   EXPECT_FALSE(recording.report().ended);
   add_datagram(recording, 2, 2'000);
-  // What comes now is so late that nothing can be missing any more.
+  // This record is late enough that no earlier one can be missing.
   add_datagram(recording, 3, 2'000'000'000);
   EXPECT_TRUE(recording.report().ended);
   EXPECT_EQ(recording.report().reason, "");
@@ -272,7 +272,7 @@ TEST_F(RecordingTest, ALateWriterStillGetsAllItsRecords) {
   EXPECT_EQ(numbers_, (std::vector<uint32_t>{1, 2}));
 }
 
-TEST_F(RecordingTest, SplitsIntoDrivesThatLoseNothing) {
+TEST_F(RecordingTest, SplittingLosesNoRecord) {
   plan_.split_bytes = 30'000;
   Recording recording = begin();
   for (uint32_t i = 0; i < 100; ++i) add_datagram(recording, i, i * 1'000);
@@ -292,7 +292,7 @@ TEST_F(RecordingTest, SplitsIntoDrivesThatLoseNothing) {
   EXPECT_EQ(by_time.report().drives, 3U);
 }
 
-TEST_F(RecordingTest, NeverOverwritesAnother) {
+TEST_F(RecordingTest, NeverOverwritesAnExistingDrive) {
   Recording first = begin();
   const auto second = Recording::begin(plan_, Stamp::from_ns(kStart));
   ASSERT_FALSE(second.has_value());
@@ -303,11 +303,11 @@ TEST_F(RecordingTest, KeepsTheMinimumFreeSpace) {
   plan_.min_free_bytes = uint64_t{1} << 62;
   const auto refused = Recording::begin(plan_, Stamp::from_ns(kStart));
   ASSERT_FALSE(refused.has_value());
-  EXPECT_THAT(refused.error().message(), HasSubstr("are to stay free"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("required"));
   EXPECT_FALSE(std::filesystem::exists(plan_.directory / "d"));
 }
 
-/// No file of this process may be longer: like a full disk, in the middle of a record.
+/// Limits the file size of this process, to simulate a disk that fills in the middle of a record.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) {
@@ -322,7 +322,7 @@ class FileLimit {
   rlimit before_{};
 };
 
-TEST_F(RecordingTest, AFullDiskEndsItAndLeavesAValidDrive) {
+TEST_F(RecordingTest, AFullDiskEndsTheRecordingAndLeavesAValidDrive) {
   Recording recording = begin();
   {
     const FileLimit limit(50'123);
@@ -340,7 +340,7 @@ TEST_F(RecordingTest, AFullDiskEndsItAndLeavesAValidDrive) {
   for (uint32_t i = 0; i < numbers_.size(); ++i) EXPECT_EQ(numbers_[i], i);
 }
 
-TEST_F(RecordingTest, AFullDiskCutsNoLineOfTheBus) {
+TEST_F(RecordingTest, AFullDiskLeavesNoPartialCanLine) {
   Recording recording = begin();
   {
     const FileLimit limit(3'333);
@@ -389,7 +389,7 @@ TEST_F(RecordingTest, ADriveIsValidWheneverTheProcessIsKilled) {
   }
 }
 
-TEST(Recorder, KeepsTheNewestAlerts) {
+TEST(Recorder, KeepsTheNewestAlertRecordings) {
   TemporaryFolder folder;
   for (const char* name :
        {"alert-20260101-a", "alert-20260102-b", "alert-20260102-b.2", "alert-20260103-c", "mine"}) {

@@ -14,7 +14,7 @@ RecordChunk new_chunk() {
   return chunk;
 }
 
-/// A datagram whose payload follows from its number.
+/// A datagram whose payload is a function of its number.
 std::vector<uint8_t> payload_of(uint64_t number) {
   std::mt19937_64 random(number);
   std::vector<uint8_t> payload(random() % 2000);
@@ -61,7 +61,7 @@ TEST(RecordStream, AllRecordsComeBackInOrder) {
   EXPECT_EQ(parser.lost(), 0U);
 }
 
-TEST(RecordStream, WhatWasOverwrittenIsCountedAndTheRestIsWhole) {
+TEST(RecordStream, OverwrittenRecordsAreCountedAndTheOthersAreComplete) {
   RecordRing ring(8, new_chunk);
   auto reader = ring.make_reader();
   RecordTap tap(ring);
@@ -83,7 +83,7 @@ TEST(RecordStream, WhatWasOverwrittenIsCountedAndTheRestIsWhole) {
   };
   std::mt19937_64 random(7);
   uint64_t put_so_far = 0;
-  for (int round = 0; round < 30; ++round) {  // up to 16 chunks between looks, the ring holds 8
+  for (int round = 0; round < 30; ++round) {  // up to 16 chunks between reads; the ring holds 8
     for (uint64_t n = random() % 4000; n > 0; --n) add_datagram(tap, put_so_far++);
     read_some(3);
   }
@@ -94,7 +94,7 @@ TEST(RecordStream, WhatWasOverwrittenIsCountedAndTheRestIsWhole) {
   EXPECT_EQ(read + parser.lost(), last - first + 1);
 }
 
-TEST(RecordStream, ARecordLargerThanAChunkGoesOnInTheNext) {
+TEST(RecordStream, ARecordLargerThanAChunkContinuesInTheNext) {
   RecordRing ring(64, new_chunk);
   auto reader = ring.make_reader();
   RecordTap tap(ring);

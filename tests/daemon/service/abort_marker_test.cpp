@@ -16,7 +16,7 @@ class AbortMarker : public testing::Test {
   void SetUp() override { unlink(file_.c_str()); }
   void TearDown() override { unlink(file_.c_str()); }
 
-  /// A process that would leave a note. How it ended.
+  /// Runs a process with the abort handler installed. Returns how it ended.
   int exit_status_of(const std::function<void()>& what_it_does) const {
     const pid_t child = fork();
     if (child == 0) {
@@ -33,32 +33,32 @@ class AbortMarker : public testing::Test {
       testing::TempDir() + "infuse-abort-note-" + std::to_string(getpid());
 };
 
-TEST_F(AbortMarker, IsLeftByAProcessThatIsAbortedFromOutside) {
+TEST_F(AbortMarker, IsLeftByAProcessAbortedByAnother) {
   const int status = exit_status_of([] {
-    kill(getpid(), SIGABRT);  // as another process would
+    kill(getpid(), SIGABRT);  // as from another process
     pause();
   });
   EXPECT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(WTERMSIG(status), SIGABRT);
   EXPECT_TRUE(consume_abort_marker(file_));
-  EXPECT_FALSE(consume_abort_marker(file_));  // it is gone
+  EXPECT_FALSE(consume_abort_marker(file_));  // consumed
 }
 
-TEST_F(AbortMarker, IsNotLeftByOneThatAbortsByItself) {
+TEST_F(AbortMarker, IsNotLeftByAProcessThatAbortsItself) {
   const int status = exit_status_of([] { abort(); });
   EXPECT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(WTERMSIG(status), SIGABRT);
   EXPECT_FALSE(consume_abort_marker(file_));
 }
 
-TEST_F(AbortMarker, IsNotLeftByOneThatEndsOrIsKilled) {
+TEST_F(AbortMarker, IsNotLeftByAProcessThatExitsOrIsKilled) {
   EXPECT_EQ(exit_status_of([] {}), 0);
   EXPECT_FALSE(consume_abort_marker(file_));
   EXPECT_TRUE(WIFSIGNALED(exit_status_of([] { raise(SIGKILL); })));
   EXPECT_FALSE(consume_abort_marker(file_));
 }
 
-TEST_F(AbortMarker, FollowsNoLink) {
+TEST_F(AbortMarker, DoesNotFollowSymbolicLinks) {
   const std::string elsewhere = file_.string() + "-elsewhere";
   ASSERT_EQ(symlink(elsewhere.c_str(), file_.c_str()), 0);
   EXPECT_TRUE(WIFSIGNALED(exit_status_of([] { kill(getpid(), SIGABRT); })));

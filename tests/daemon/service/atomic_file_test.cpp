@@ -27,7 +27,7 @@ std::string content(const std::filesystem::path& path) {
   return text.str();
 }
 
-TEST(AtomicFile, ReplacesTheFileAndLeavesNothingBeside) {
+TEST(AtomicFile, ReplacesTheFileAndLeavesNoTemporaryFile) {
   const Folder folder;
   const auto path = folder.path / "state.json";
   ASSERT_TRUE(write_atomically(path, "old"));
@@ -36,18 +36,19 @@ TEST(AtomicFile, ReplacesTheFileAndLeavesNothingBeside) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), 1);
 }
 
-TEST(AtomicFile, WhatCannotBeWrittenLeavesTheOldFile) {
+TEST(AtomicFile, AFailedWriteLeavesTheOldFile) {
   const Folder folder;
   const auto path = folder.path / "state.json";
   ASSERT_TRUE(write_atomically(path, "old"));
   std::filesystem::create_symlink(folder.path / "elsewhere", path.string() + ".new");
   EXPECT_FALSE(write_atomically(path, "new"));
   EXPECT_EQ(content(path), "old");
-  EXPECT_FALSE(std::filesystem::exists(folder.path / "elsewhere"));  // no link is followed
+  EXPECT_FALSE(
+      std::filesystem::exists(folder.path / "elsewhere"));  // symbolic links are not followed
   EXPECT_FALSE(write_atomically(folder.path / "none" / "state.json", "new"));
 }
 
-TEST(AtomicFile, AKillAtAnyMomentLeavesAWholeFile) {
+TEST(AtomicFile, AKillAtAnyMomentLeavesACompleteFile) {
   const Folder folder;
   const auto path = folder.path / "state.json";
   std::mt19937 random(1);

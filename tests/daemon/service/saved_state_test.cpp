@@ -34,7 +34,7 @@ TEST(SavedState, InvalidTextIsAnError) {
   EXPECT_FALSE(parse_state(R"({"form":1,"starts":-1})").has_value());
 }
 
-TEST(SavedState, AMissingFileIsNoErrorAndADamagedOneIs) {
+TEST(SavedState, AMissingFileIsNotAnErrorButADamagedOneIs) {
   const auto path =
       std::filesystem::path(testing::TempDir()) / ("infuse-state-" + std::to_string(getpid()));
   const auto none = read_state(path);

@@ -11,14 +11,14 @@
 namespace infuse::daemon {
 namespace {
 
-/// A service manager's end of NOTIFY_SOCKET.
+/// The service manager's end of $NOTIFY_SOCKET.
 class FakeServiceManager {
  public:
   FakeServiceManager() {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     const std::string name = "infuse-notify-" + std::to_string(getpid());
-    name.copy(address.sun_path + 1, sizeof(address.sun_path) - 2);  // an abstract name
+    name.copy(address.sun_path + 1, sizeof(address.sun_path) - 2);  // abstract socket name
     const auto size = static_cast<socklen_t>(sizeof(sa_family_t) + 1 + name.size());
     EXPECT_EQ(bind(socket_.get(), reinterpret_cast<sockaddr*>(&address), size), 0);
     setenv("NOTIFY_SOCKET", ("@" + name).c_str(), 1);

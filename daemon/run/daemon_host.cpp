@@ -1,0 +1,94 @@
+#include "daemon/run/daemon_host.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <random>
+
+#include "daemon/server/socket_path.hpp"
+#include "daemon/service/service_manager.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+/// A different number at every start, so that a client can distinguish a restart from a reconnect.
+std::string make_session_id() {
+  std::random_device device;
+  const uint64_t number = uint64_t{device()} << 32 | device();
+  return fmt::format("{:016x}", number);
+}
+
+std::filesystem::path calibrations_file(const std::filesystem::path& state_folder) {
+  return state_folder.empty() ? std::filesystem::path() : state_folder / kCalibrationsFile;
+}
+
+}  // namespace
+
+DaemonHost::DaemonHost(const Config& config, const std::filesystem::path& state_folder)
+    : config_(config),
+      server_(io_, config.socket, INFUSE_VERSION, make_session_id()),
+      calibrations_(calibrations_file(state_folder)) {}
+
+tl::expected<void, StartError> DaemonHost::open(Rig& rig, const std::string& socket) {
+  for (const std::string& note : calibrations_.restore(rig)) spdlog::info("{}", note);
+  auto map = open_optional_street_map_file(config_.folder, config_.streetmap.map);
+  if (!map) return tl::unexpected(StartError{map.error(), kUnreadable});
+  map_ = *std::move(map);
+  if (const auto listening = listen_for_clients(server_, socket, config_.socket); !listening) {
+    return tl::unexpected(StartError{listening.error(), kUsage});
+  }
+  return {};
+}
+
+PipelineOptions DaemonHost::pipeline_options() const {
+  return {config_.health, config_.odometry, config_.streetmap, &map_.map, config_.calibration};
+}
+
+void DaemonHost::connect(Pipeline& pipeline, RequestHandler on_record) {
+  for (const std::string& camera : calibrations_.frozen_cameras()) {
+    static_cast<void>(pipeline.handle_request({.op = Request::Op::kFreeze, .device = camera}));
+  }
+  pipeline.publisher().on_calibration([this](const CalibrationReport& report) {
+    if (const auto saved = calibrations_.save(report); !saved) {
+      spdlog::error("{}", saved.error().message());
+    }
+  });
+  server_.on_control([&pipeline, on_record = std::move(on_record)](const Request& request) {
+    return request.op == Request::Op::kRecord && on_record ? on_record(request)
+                                                           : pipeline.handle_request(request);
+  });
+}
+
+void DaemonHost::run(std::function<void()> on_stop) {
+  stop_signals_.async_wait(
+      [this, on_stop = std::move(on_stop)](boost::system::error_code error, int) {
+        if (error) return;
+        stop_signals_.clear();
+        on_stop();
+      });
+  io_.run();
+}
+
+void DaemonHost::finish(std::chrono::milliseconds client_timeout) {
+  stop_signals_.cancel();
+  server_.finish(client_timeout);
+}
+
+Result<void> listen_for_clients(Server& server, const std::string& socket,
+                                const ServerOptions& options) {
+  if (options.tcp_port != 0) {
+    if (auto port = server.listen_tcp(options.tcp_port); !port) {
+      return tl::unexpected(port.error());
+    }
+  }
+  auto sockets = service_manager::inherited_sockets();
+  if (!sockets.empty()) return server.adopt(sockets.front().release());
+  const std::string& path = socket.empty() ? options.path : socket;
+  if (!path.empty()) return server.listen(path);
+  const std::filesystem::path default_path = default_socket_paths().front();
+  if (const auto listening = server.listen(default_path); !listening) {
+    spdlog::warn("no socket for clients: {}", listening.error().message());
+  }
+  return {};
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+
+#include "daemon/calibration/saved_calibrations.hpp"
+#include "daemon/command_line/exit_code.hpp"
+#include "daemon/config/config.hpp"
+#include "daemon/pipeline/pipeline.hpp"
+#include "daemon/server/server.hpp"
+#include "daemon/streetmap/street_map_file.hpp"
+
+namespace infuse::daemon {
+
+/// Why the daemon cannot start, and its exit code.
+struct StartError {
+  Error error;
+  ExitCode code = kUsage;
+};
+
+/// Everything around the pipeline that a live run and a replay share: the event loop, the server,
+/// the saved calibrations, the street map, control requests and signals. The composition root of
+/// `infused`: open(), build the pipeline from pipeline_options(), connect(), run().
+///
+/// Single-threaded: all calls are made on the thread that calls run().
+class DaemonHost {
+ public:
+  /// Executes a control request; an error says why it is rejected.
+  using RequestHandler = std::function<Result<void>(const Request&)>;
+
+  /// `config` must outlive this object. Calibrations in use are kept in `state_folder`; an empty
+  /// path disables that.
+  DaemonHost(const Config& config, const std::filesystem::path& state_folder);
+
+  /// Puts the saved calibrations into `rig`, opens the street map and starts to listen at `socket`
+  /// (see `listen_for_clients`). Errors: the street map cannot be read (kUnreadable), the socket
+  /// cannot be opened (kUsage).
+  tl::expected<void, StartError> open(Rig& rig, const std::string& socket);
+
+  /// Options for the pipeline, from the configuration and the opened street map.
+  PipelineOptions pipeline_options() const;
+
+  /// Connects the pipeline: saves its calibrations, restores frozen ones, and forwards control
+  /// requests. `on_record` handles recording requests; without it the pipeline rejects them.
+  void connect(Pipeline& pipeline, RequestHandler on_record = nullptr);
+
+  /// Runs the event loop until finish() has been called and all clients are gone. `on_stop` is
+  /// called at the first SIGINT or SIGTERM; a second one ends the process.
+  void run(std::function<void()> on_stop);
+
+  /// Lets the event loop end: closes the server after at most `client_timeout`, in which clients
+  /// read what is queued for them. Called when the pipeline has ended.
+  void finish(std::chrono::milliseconds client_timeout);
+
+  boost::asio::io_context& io() { return io_; }
+  Server& server() { return server_; }
+
+ private:
+  const Config& config_;
+  boost::asio::io_context io_{1};
+  boost::asio::signal_set stop_signals_{io_, SIGINT, SIGTERM};
+  Server server_;
+  SavedCalibrations calibrations_;
+  StreetMapFile map_;
+};
+
+/// Opens the sockets for clients: the service manager's, or else `socket`, the configured path, or
+/// the default path, which is optional: the daemon runs without it if it cannot be created. In
+/// addition TCP on the loopback if it is configured.
+Result<void> listen_for_clients(Server& server, const std::string& socket,
+                                const ServerOptions& options);
+
+}  // namespace infuse::daemon

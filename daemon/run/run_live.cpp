@@ -1,0 +1,87 @@
+#include "daemon/run/run_live.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/metrics/metrics_server.hpp"
+#include "daemon/metrics/metrics_text.hpp"
+#include "daemon/run/daemon_host.hpp"
+#include "daemon/run/service_lifecycle.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infused";
+constexpr std::chrono::milliseconds kClientTimeout{500};
+
+/// The service manager's state folder; empty if there is none.
+std::filesystem::path state_folder() {
+  const char* folder = std::getenv("STATE_DIRECTORY");
+  return folder == nullptr || *folder != '/' ? "" : folder;
+}
+
+/// Opens the configured sockets for Prometheus.
+Result<void> listen_for_metrics(MetricsServer& metrics, const MetricsSettings& settings) {
+  if (!settings.path.empty()) {
+    if (auto listening = metrics.listen(settings.path); !listening) return listening;
+  }
+  if (settings.port == 0) return {};
+  return metrics.listen_tcp(settings.port).map([](uint16_t) {});
+}
+
+/// Updates the metrics with every HEALTH report.
+void publish_metrics(MetricsServer& metrics, Publisher& publisher) {
+  publisher.on_health([&metrics, &publisher](const HealthReport& health) {
+    ProcessStats process;
+    process.release = INFUSE_VERSION;
+    process.alerts = publisher.totals().alerts;
+    measure_process(process);
+    metrics.set_text(metrics_text(health, process));
+  });
+}
+
+}  // namespace
+
+int run_live(const RunOptions& options, const Config& config) {
+  auto setup = set_up_live(config);
+  if (!setup) return print_error(kProgram, setup.error(), kUsage);
+  for (const Error& note : setup->vehicle.notes) spdlog::warn("{}", note.message());
+  for (const Device& device : setup->devices) {
+    spdlog::info("{}: {} {} on {}", device.name, device.kind, device.model, device.endpoint);
+  }
+  if (setup->devices.empty()) spdlog::warn("{}: no sensor is configured", options.config);
+
+  DaemonHost host(config, state_folder());
+  if (const auto opened = host.open(setup->rig, options.socket); !opened) {
+    return print_error(kProgram, opened.error().error, opened.error().code);
+  }
+  MetricsServer metrics(host.io());
+  if (const auto listening = listen_for_metrics(metrics, config.metrics); !listening) {
+    return print_error(kProgram, listening.error(), kUsage);
+  }
+  const receive::TimeBase base;
+  RecordingController recordings(config, *setup, base);
+  std::function<void()> on_end;
+  LivePipeline live(
+      host.io(), *std::move(setup), host.pipeline_options(), host.server(), [&] { on_end(); }, base,
+      recordings.tap());
+  recordings.set_publisher(live.publisher());
+  if (config.metrics.enabled()) publish_metrics(metrics, live.publisher());
+  host.connect(live.pipeline(),
+               [&](const Request& request) { return recordings.handle_request(request); });
+  ServiceLifecycle lifecycle(host.io(), options.config, config, live, recordings, host.server(),
+                             base);
+  on_end = [&] {
+    recordings.finish();
+    lifecycle.finish();
+    host.finish(kClientTimeout);
+    metrics.finish();
+  };
+  live.start();
+  host.run([&] { lifecycle.stop(); });
+  return kDone;
+}
+
+}  // namespace infuse::daemon

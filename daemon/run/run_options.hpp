@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+namespace infuse::daemon {
+
+/// Command-line arguments of `infused` for a run, live or a replay. An empty string means: not
+/// given.
+struct RunOptions {
+  std::string config;  ///< configuration file; read again on SIGHUP
+  std::string socket;  ///< where clients connect
+
+  std::string replay;        ///< drive folder or capture; empty: the sensors of this host
+  std::string rate = "max";  ///< factor of real time, or "max"
+  std::string reports;       ///< file for every report
+  std::string trajectory;    ///< file for the poses
+  std::string state;         ///< folder of the saved calibrations of a replay
+  std::string model;         ///< model of the lidar
+  bool json = false;         ///< print the summary as JSON
+};
+
+}  // namespace infuse::daemon

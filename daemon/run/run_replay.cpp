@@ -1,0 +1,129 @@
+#include "daemon/run/run_replay.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/steady_timer.hpp>
+#include <iostream>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/progress_line.hpp"
+#include "daemon/command_line/summary.hpp"
+#include "daemon/pipeline/replay.hpp"
+#include "daemon/run/daemon_host.hpp"
+#include "drivers/recording/trajectory_file.hpp"
+#include "drivers/text/text_file.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infused";
+constexpr std::chrono::seconds kClientTimeout{2};
+constexpr std::chrono::milliseconds kProgressPeriod{100};
+
+/// Shows the progress of the replay at regular intervals.
+void show_progress(ProgressLine& line, boost::asio::steady_timer& timer, const Replay& replay,
+                   HostClock::time_point begin) {
+  const Totals& totals = replay.totals();
+  const double host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
+  const double drive_s = to_seconds(totals.now - totals.start);
+  line.show(replay.progress(),
+            fmt::format("{:.0f} s of drive, {:.1f} × real time", drive_s, drive_s / host_s));
+  timer.expires_after(kProgressPeriod);
+  timer.async_wait([&line, &timer, &replay, begin](boost::system::error_code error) {
+    if (!error) show_progress(line, timer, replay, begin);
+  });
+}
+
+/// Collects usable poses in the map frame if there is a map, otherwise in the odometry frame.
+void collect_poses(Publisher& publisher, bool has_map,
+                   std::vector<recording::TrajectoryPose>& poses) {
+  publisher.on_pose([&poses, has_map](const PoseReport& pose) {
+    const bool right_frame = pose.frame == (has_map ? PoseFrame::kMap : PoseFrame::kOdom);
+    if (right_frame && pose.usable()) poses.push_back({pose.stamp, pose.T_frame_vehicle});
+  });
+}
+
+/// Writes poses in the format that the file's extension selects.
+Result<void> write_trajectory(const std::filesystem::path& path,
+                              const std::vector<recording::TrajectoryPose>& poses) {
+  const bool kitti = path.extension() == ".kitti";
+  return recording::write_text(
+      path, kitti ? recording::format_kitti(poses) : recording::format_tum(poses));
+}
+
+Result<std::optional<velodyne::Model>> parse_model(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  const auto model = velodyne::find_model(name);
+  if (!model) return fail("unknown model '" + name + "'", "--model");
+  return model;
+}
+
+Result<std::optional<ReportsFile>> create_reports_file(const std::string& path) {
+  if (path.empty()) return std::nullopt;
+  return ReportsFile::create(path).map(
+      [](ReportsFile file) { return std::optional<ReportsFile>(std::move(file)); });
+}
+
+}  // namespace
+
+int run_replay(const RunOptions& options, const Config& config) {
+  const auto rate = parse_rate(options.rate);
+  if (!rate) return print_error(kProgram, rate.error(), kUsage);
+  const auto model = parse_model(options.model);
+  if (!model) return print_error(kProgram, model.error(), kUsage);
+  auto setup = open_drive(options.replay, config.lidars, *model);
+  if (!setup) return print_error(kProgram, setup.error(), kUnreadable);
+  for (const Device& device : setup->devices) {
+    spdlog::info("{}: {} ({}), on {}", device.name, device.model, device.model_reason,
+                 device.endpoint);
+  }
+  auto file = create_reports_file(options.reports);
+  if (!file) return print_error(kProgram, file.error(), kUsage);
+
+  DaemonHost host(config, options.state);
+  if (const auto opened = host.open(setup->rig, options.socket); !opened) {
+    return print_error(kProgram, opened.error().error, opened.error().code);
+  }
+  const PipelineOptions pipeline_options = host.pipeline_options();
+  boost::asio::steady_timer timer(host.io());
+  ProgressLine line;
+  double host_s = 0;
+  bool stopped = false;
+  const HostClock::time_point begin = HostClock::now();
+  Replay replay(host.io(), *std::move(setup), {*rate, pipeline_options}, host.server(),
+                *file ? &**file : nullptr, [&] {
+                  host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
+                  timer.cancel();
+                  host.finish(kClientTimeout);
+                });
+  host.connect(replay.pipeline());
+  std::vector<recording::TrajectoryPose> poses;
+  if (!options.trajectory.empty()) {
+    collect_poses(replay.publisher(), !pipeline_options.map->empty(), poses);
+  }
+  replay.start();
+  if (line.visible() && !options.json) show_progress(line, timer, replay, begin);
+  host.run([&] {
+    stopped = true;
+    replay.stop();
+  });
+  line.clear();
+
+  Summary summary = summarise(replay);
+  summary.host_s = host_s;
+  summary.stopped = stopped;
+  std::cout << (options.json ? to_json(summary).dump() + "\n" : to_text(summary)) << std::flush;
+  if (!options.trajectory.empty()) {
+    if (const auto written = write_trajectory(options.trajectory, poses); !written) {
+      return print_error(kProgram, written.error(), kFailure);
+    }
+  }
+  if (*file) {
+    if (const auto closed = (*file)->close(); !closed) {
+      return print_error(kProgram, closed.error(), kFailure);
+    }
+  }
+  return kDone;
+}
+
+}  // namespace infuse::daemon

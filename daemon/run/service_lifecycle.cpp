@@ -1,0 +1,102 @@
+#include "daemon/run/service_lifecycle.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+
+#include "daemon/service/service_manager.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+// Keys of the configuration that a reload applies; see SIGNALS in infused(8).
+constexpr std::array kReloadableKeys = {"log_level", "socket", "health", "record"};
+
+std::string status_text(const Publisher& publisher, size_t devices) {
+  const Totals& totals = publisher.totals();
+  const auto ok_sensors = std::count(totals.levels.begin(), totals.levels.end(), Level::kOk);
+  return fmt::format("{} of {} sensors are OK, {} alerts since the start", ok_sensors, devices,
+                     totals.alerts);
+}
+
+}  // namespace
+
+ServiceLifecycle::ServiceLifecycle(boost::asio::io_context& io, const std::string& config_file,
+                                   const Config& config, LivePipeline& live,
+                                   RecordingController& recordings, Server& server,
+                                   const receive::TimeBase& base)
+    : config_file_(config_file),
+      config_(config),
+      live_(live),
+      recordings_(recordings),
+      server_(server),
+      base_(base),
+      run_tracker_(RunTracker::from_environment()),
+      reload_signal_(io, SIGHUP) {
+  live_.publisher().on_progress([this] { on_progress(); });
+  wait_for_reload();
+}
+
+void ServiceLifecycle::stop() {
+  service_manager::notify_stopping();
+  live_.stop();
+}
+
+void ServiceLifecycle::finish() {
+  reload_signal_.cancel();
+  run_tracker_.end_run(base_.now());
+}
+
+// A tick has passed through every thread; this feeds the watchdog.
+void ServiceLifecycle::on_progress() {
+  recordings_.publish_updates();
+  const std::string status = status_text(live_.publisher(), live_.setup().devices.size());
+  if (!std::exchange(ready_, true)) {
+    service_manager::notify_ready(status);
+    if (auto alert = run_tracker_.begin_run(base_.now())) live_.publisher().publish_alert(*alert);
+    return;
+  }
+  service_manager::notify_watchdog();
+  service_manager::notify_status(status);
+  if (auto alert = run_tracker_.save_if_due(base_.now())) live_.publisher().publish_alert(*alert);
+}
+
+void ServiceLifecycle::wait_for_reload() {
+  reload_signal_.async_wait([this](boost::system::error_code error, int) {
+    if (error) return;
+    reload_config();
+    wait_for_reload();
+  });
+}
+
+// The pipeline continues; tracks and calibrations are kept.
+void ServiceLifecycle::reload_config() {
+  service_manager::notify_reloading();
+  const auto loaded = load_config(config_file_);
+  if (!loaded) {
+    spdlog::error("reload failed, the running configuration is kept: {}", loaded.error().message());
+  } else {
+    apply_config(*loaded);
+  }
+  service_manager::notify_ready(status_text(live_.publisher(), live_.setup().devices.size()));
+}
+
+void ServiceLifecycle::apply_config(const Config& loaded) {
+  spdlog::set_level(spdlog::level::from_str(loaded.log_level));
+  server_.set_limits(loaded.socket);
+  live_.publisher().set_health_options(loaded.health);
+  recordings_.apply_settings(loaded.record);
+  std::string applied, needs_restart;
+  for (const std::string& key : changed_keys(config_, loaded)) {
+    const bool reloadable =
+        std::find(kReloadableKeys.begin(), kReloadableKeys.end(), key) != kReloadableKeys.end();
+    (reloadable ? applied : needs_restart) += " " + key;
+  }
+  spdlog::info("configuration reloaded; applied:{}", applied.empty() ? " no changes" : applied);
+  if (needs_restart.empty()) return;
+  spdlog::warn("changes that need a restart:{} (systemctl restart infused)", needs_restart);
+}
+
+}  // namespace infuse::daemon
