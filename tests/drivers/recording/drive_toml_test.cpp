@@ -124,6 +124,16 @@ TEST(DriveToml, EveryKeyReachesItsField) {
   EXPECT_EQ(drive->truth_rig, "truth/rig.toml");
 }
 
+TEST(DriveToml, PositionPacketsOfALidarMayCarryTheFixes) {
+  const std::string lidar = "[[lidar]]\nname = \"top\"\npackets = \"lidar.pcap\"\n";
+  const auto drive = parse_drive(lidar + "[gnss]\nlidar = \"top\"\n");
+  ASSERT_TRUE(drive) << drive.error().message();
+  EXPECT_EQ(drive->gnss_lidar, "top");
+  EXPECT_EQ(parse_drive(format_drive(*drive))->gnss_lidar, "top");
+  EXPECT_FALSE(parse_drive(lidar + "[gnss]\nlidar = \"rear\"\n"));
+  EXPECT_FALSE(parse_drive(lidar + "[gnss]\nlidar = \"top\"\nfile = \"gnss.csv\"\n"));
+}
+
 void expect_equal(const DriveDescription& a, const DriveDescription& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.times_trusted, b.times_trusted);
