@@ -125,7 +125,9 @@ TEST(DriveToml, EveryKeyReachesItsField) {
 }
 
 TEST(DriveToml, PositionPacketsOfALidarMayCarryTheFixes) {
-  const std::string lidar = "[[lidar]]\nname = \"top\"\npackets = \"lidar.pcap\"\n";
+  const std::string lidar =
+      "[[lidar]]\nname = \"top\"\npackets = \"lidar.pcap\"\n"
+      "T_vehicle_lidar = [1,0,0,0, 0,1,0,0, 0,0,1,2, 0,0,0,1]\n";
   const auto drive = parse_drive(lidar + "[gnss]\nlidar = \"top\"\n");
   ASSERT_TRUE(drive) << drive.error().message();
   EXPECT_EQ(drive->gnss_lidar, "top");
