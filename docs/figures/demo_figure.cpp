@@ -28,9 +28,13 @@ constexpr int kHeight = 720;        // pixels of the figure
 constexpr int kMapWidth = 720;      // pixels
 constexpr int kMaxMapCells = 8000;  // so that a map's cell is a pixel
 constexpr double kMargin = 25;      // m around the path
+// The part of the image that is drawn, as fractions of its size.
+constexpr double kPartLeft = 0.4;
+constexpr double kPartTop = 0.14;
+constexpr double kPartSize = 0.5;
 constexpr int kJpegQuality = 82;
-const cv::Scalar kTruthColour(60, 60, 60);  // blue, green, red
-const cv::Scalar kTrackColour(220, 60, 20);
+const cv::Scalar kTruthColour(255, 255, 255);  // blue, green, red
+const cv::Scalar kTrackColour(30, 30, 230);
 
 struct Arguments {
   std::string drive, reports, track, map, output;
@@ -70,9 +74,12 @@ Result<Eigen::Isometry3d> read_last_calibration(const std::string& reports,
 cv::Mat overlay_panel(const daemon::ScenePair& pair, const CameraIntrinsics& intrinsics,
                       const Eigen::Isometry3d& T_camera_lidar, const std::string& caption) {
   CameraFrame frame = daemon::draw_overlay(pair, intrinsics, T_camera_lidar);
+  const cv::Rect part(
+      static_cast<int>(kPartLeft * frame.width), static_cast<int>(kPartTop * frame.height),
+      static_cast<int>(kPartSize * frame.width), static_cast<int>(kPartSize * frame.height));
   cv::Mat panel;
-  const double scale = kHeight / 2.0 / frame.height;
-  cv::resize(to_mat(frame), panel, {}, scale, scale, cv::INTER_AREA);
+  const double scale = kHeight / 2.0 / part.height;
+  cv::resize(to_mat(frame)(part), panel, {}, scale, scale, cv::INTER_LINEAR);
   write_caption(panel, caption);
   return panel;
 }
@@ -106,7 +113,7 @@ cv::Mat map_panel(const streetmap::SegmentMap& map,
   image(inside).copyTo(cropped(inside - square.tl()));
   cv::Mat panel;
   cv::resize(cropped, panel, {kMapWidth, kHeight}, 0, 0, cv::INTER_AREA);
-  write_caption(panel, "track on the street map (blue), true path (grey)");
+  write_caption(panel, "track on the street map (red), true path (white)");
   return panel;
 }
 
