@@ -38,10 +38,11 @@ function(infuse_precompiled name)
 endfunction()
 infuse_precompiled(infuse_pch)
 
-# infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder, as infuse::drivers_velodyne.
+# infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder but tests, as infuse::drivers_velodyne.
 function(infuse_library folder)
   string(REPLACE "/" "_" name ${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
   add_library(infuse_${name} STATIC ${sources})
   add_library(infuse::${name} ALIAS infuse_${name})
   target_link_libraries(infuse_${name} PUBLIC infuse::flags ${ARGN})

@@ -105,24 +105,6 @@ AscentResult<10> ascend_bfgs_10d(const ObjectiveFunction<10>& function,
   return bfgs<10>(function, options);
 }
 
-PoseAscentResult ascend_barzilai_borwein(const PoseFunction& function,
-                                         const AscentOptions& options) {
-  Iterate<6> at = evaluate<6>(function, Vector6::Zero());
-  Iterate<6> best = at;
-  double rate = kInitialStep / std::max(at.slope.norm(), 1e-12);
-  for (int i = 0; i < options.max_iterations; ++i) {
-    Vector6 step = rate * at.slope;
-    if (step.norm() > options.max_step) step *= options.max_step / step.norm();
-    if (step.norm() < options.tolerance) return {best.d, best.value, true};
-    const Iterate<6> next = evaluate<6>(function, at.d + step);
-    const double curvature = std::abs(step.dot(next.slope - at.slope));
-    if (curvature > 0) rate = step.squaredNorm() / curvature;
-    at = next;
-    if (at.value > best.value) best = at;
-  }
-  return {best.d, best.value, false};
-}
-
 PoseAscentResult ascend_simplex(const PoseFunction& function, const AscentOptions& options) {
   struct Vertex {
     Vector6 d;

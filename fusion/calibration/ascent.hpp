@@ -38,10 +38,6 @@ PoseAscentResult ascend_bfgs(const PoseFunction& function, const AscentOptions& 
 AscentResult<10> ascend_bfgs_10d(const ObjectiveFunction<10>& function,
                                  const AscentOptions& options);
 
-/// Gradient ascent from 0 with Barzilai–Borwein steps, P 3.3.2: d ← d + γ g, γ = |Δd|² / |Δd·Δg|.
-PoseAscentResult ascend_barzilai_borwein(const PoseFunction& function,
-                                         const AscentOptions& options);
-
 /// Nelder and Mead's simplex from 0 with the usual coefficients (1, 2, ½, ½); asks for no gradient.
 PoseAscentResult ascend_simplex(const PoseFunction& function, const AscentOptions& options);
 

@@ -109,7 +109,7 @@ class Calibration {
   /// The end of the coarse climbs that scores best; `held` multiplies the levels' anchors.
   Eigen::Isometry3d find_basin(double held) {
     VisibilityOptions open = options_.visibility;
-    open.occlusion_cell = 0;
+    open.occlusion.reset();
     PoseScore screening_score(
         screening_scenes_, cameras_, search_terms_, open, images_, options_.screen_sigma,
         options_.screen.half_width > kMinBaselineHalfWidth, options_.maximize.stop);

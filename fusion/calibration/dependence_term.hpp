@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,24 +20,8 @@ enum class MeasureKind {
   kNormalisedMutualInformation,   ///< I(4.2)
   kChiSquared,                    ///< P(3.25)
   kSquaredLossMutualInformation,  ///< discretised SMI, I(4.3)
-  kCorrelation,                   ///< mean product, I(4.4): the batch form of P(3.23)
   kLsmi,                          ///< LSMI, I(2.7–2.8), of features together
   kBlsmi,                         ///< bagged LSMI, I(2.9), of features together
-};
-
-/// One summand of an objective: a measure between one lidar feature and one image feature; of the
-/// measures that can, between several features each, taken together.
-struct TermOptions {
-  MeasureKind measure = MeasureKind::kMutualInformation;
-  std::vector<LidarFeature> lidar{LidarFeature::kRelativeReflectivity};
-  std::vector<ImageFeature> image{ImageFeature::kLocalGrey};
-  double weight = 1;     ///< of the measure in the sum
-  int bins = 16;         ///< a side, of the joint histogram
-  bool equalize = true;  ///< the lidar feature by rank among all points in view
-  int bags = 100;        ///< of kBlsmi
-
-  /// What is wrong with the settings, or nothing.
-  std::optional<std::string> invalid() const;
 };
 
 /// A measure prepared with the lidar's side, and asked with the image's at every hypothesis.
@@ -52,6 +37,23 @@ class DependenceTerm {
 
   /// How many points take part.
   virtual size_t sample_count() const = 0;
+};
+
+/// One summand of an objective: a measure between one lidar feature and one image feature; of the
+/// measures that can, between several features each, taken together.
+struct TermOptions {
+  MeasureKind measure = MeasureKind::kMutualInformation;
+  std::vector<LidarFeature> lidar{LidarFeature::kRelativeReflectivity};
+  std::vector<ImageFeature> image{ImageFeature::kLocalGrey};
+  double weight = 1;     ///< of the measure in the sum
+  int bins = 16;         ///< a side, of the joint histogram
+  bool equalize = true;  ///< the lidar feature by rank among all points in view
+  int bags = 100;        ///< of kBlsmi
+  /// Makes the term in place of `measure`, for measures that are not among those.
+  std::function<std::unique_ptr<DependenceTerm>(const TermOptions&, const VisiblePoints&)> make;
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
 };
 
 /// Indices of the points that take part in a term. A return without a depth edge near it is none to

@@ -15,9 +15,8 @@ enum class LidarFeature : uint8_t {
   kNormalX,                ///< surface normal, lidar frame, turned towards the sensor, I 4.3.1.3
   kNormalY,
   kNormalZ,
-  kTaylorNormal,  ///< Taylor and Nieto's normal feature, I 4.3.2
 };
-inline constexpr size_t kLidarFeatures = 8;
+inline constexpr size_t kLidarFeatures = 7;
 
 /// What a picture tells at a pixel.
 enum class ImageFeature : uint8_t {

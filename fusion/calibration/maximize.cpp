@@ -61,15 +61,7 @@ class LocalProblem {
 
 PoseAscentResult ascend(const PoseFunction& function, const MaximizeOptions& options) {
   AscentOptions ascent{.max_iterations = options.max_iterations, .tolerance = options.tolerance};
-  switch (options.optimizer) {
-    case Optimizer::kBfgs:
-      return ascend_bfgs(function, ascent);
-    case Optimizer::kBarzilaiBorwein:
-      ascent.max_iterations *= 3;
-      return ascend_barzilai_borwein(function, ascent);
-    case Optimizer::kSimplex:
-      break;
-  }
+  if (options.optimizer == Optimizer::kBfgs) return ascend_bfgs(function, ascent);
   ascent.max_iterations *= 10;
   return ascend_simplex(function, ascent);
 }

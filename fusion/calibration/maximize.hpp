@@ -11,9 +11,8 @@ namespace infuse::calibration {
 
 /// How a maximum is looked for.
 enum class Optimizer {
-  kBfgs,             ///< quasi-Newton on analytic gradients, I 4.2.3
-  kBarzilaiBorwein,  ///< gradient ascent with Barzilai–Borwein steps, P 3.3.2
-  kSimplex,          ///< Nelder–Mead: needs no gradient
+  kBfgs,     ///< quasi-Newton on analytic gradients, I 4.2.3
+  kSimplex,  ///< Nelder–Mead, without gradients
 };
 
 /// Holds the head near where it is known to stand: ½ weight |c − centre|² is taken off the measure,
@@ -30,7 +29,7 @@ inline constexpr const char* kCancelled = "cancelled";
 /// Settings of a search.
 struct MaximizeOptions {
   Optimizer optimizer = Optimizer::kBfgs;
-  int max_iterations = 60;         ///< of BFGS; three times as many of P, ten of the simplex
+  int max_iterations = 60;         ///< of BFGS; the simplex has ten times as many
   double rotation_scale = 0.01;    ///< rad; a step of this and
   double translation_scale = 0.1;  ///< m; a step of this are taken to matter alike, and are the
                                    ///< longest; 0: translation stays as it is

@@ -46,9 +46,6 @@ std::vector<NamedMeasure> make_named_measures() {
   TermOptions downweighted_edges = edges;
   downweighted_edges.weight = 0.3;
   const std::vector<TermOptions> leading{TermOptions{}, edges};
-  TermOptions taylor =
-      make_term_options(kNormalisedMutualInformation, kTaylorNormal, ImageFeature::kGrey);
-  taylor.equalize = true;
   return {
       {.name = "joint",
        .description = "MI of relative reflectivity and local grey + MI of depth edges and image "
@@ -71,16 +68,6 @@ std::vector<NamedMeasure> make_named_measures() {
        .description = "mutual information, P(3.17), Gaussian KDE on 256 bins",
        .terms = {{.measure = kMutualInformationKde, .bins = 256, .equalize = false}},
        .has_gradient = false},
-      {.name = "nmi",
-       .description = "normalised mutual information, I(4.2)",
-       .terms = relative_terms(kNormalisedMutualInformation),
-       .comparison_only = true},
-      {.name = "nmi-raw",
-       .description = "the same of reflectivity and grey as the sensors state them",
-       .terms = raw_terms(kNormalisedMutualInformation)},
-      {.name = "nmi-taylor",
-       .description = "the same of Taylor and Nieto's normal feature and grey, I 4.3.2",
-       .terms = {taylor}},
       {.name = "chi2", .description = "chi-squared, P(3.25)", .terms = relative_terms(kChiSquared)},
       {.name = "smi",
        .description = "discretised squared-loss mutual information, I(4.3)",
@@ -101,10 +88,6 @@ std::vector<NamedMeasure> make_named_measures() {
        .terms = {joint_term_with_normals(kBlsmi)},
        .search_terms = leading,
        .equalize_image = true},
-      {.name = "levinson-thrun",
-       .description = "depth edges times image edges, P(3.23), I(4.4)",
-       .terms = {make_term_options(kCorrelation, kDiscontinuity, ImageFeature::kEdge)},
-       .comparison_only = true},
   };
 }
 

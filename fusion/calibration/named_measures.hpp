@@ -16,8 +16,6 @@ struct NamedMeasure {
   std::vector<TermOptions> search_terms;  ///< CalibrateOptions::leading; empty: `terms`
   bool equalize_image = false;            ///< SceneOptions::equalize
   bool has_gradient = true;
-  /// To be compared with others only: on simulated drives it was sure of results that were wrong.
-  bool comparison_only = false;
 };
 
 /// All of them, the default first.

@@ -5,8 +5,9 @@
 #include <cstring>
 
 #include "drivers/measurement/simd.hpp"
-#include "fusion/calibration/lidar_features.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
+#include "fusion/features/local_contrast.hpp"
+#include "fusion/features/ranks.hpp"
 #include "fusion/geometry/pose_gradient.hpp"
 
 namespace infuse::calibration {
@@ -111,9 +112,9 @@ BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const Term
   for (size_t s = 0; s < scenes.size(); ++s) {
     for (const TermOptions& term : terms) {
       for (const ImageFeature feature : term.image) {
-        Plane& plane = blurred_[s][index(feature)];
+        features::Plane& plane = blurred_[s][index(feature)];
         if (plane.values.empty()) {
-          plane = blurred(scenes[s].image[index(feature)], sigma, sample_step(sigma));
+          plane = features::blurred(scenes[s].image[index(feature)], sigma, sample_step(sigma));
         }
       }
     }
@@ -126,8 +127,8 @@ BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
   const double rest = std::sqrt(std::max(0.0, sigma * sigma - finer.sigma_ * finer.sigma_));
   for (size_t s = 0; s < blurred_.size(); ++s) {
     for (size_t f = 0; f < kImageFeatures; ++f) {
-      const Plane& plane = finer.blurred_[s][f];
-      blurred_[s][f] = blurred(plane, rest, std::max(plane.step, sample_step(sigma)));
+      const features::Plane& plane = finer.blurred_[s][f];
+      blurred_[s][f] = features::blurred(plane, rest, std::max(plane.step, sample_step(sigma)));
     }
   }
   make_local_grey();
@@ -136,8 +137,8 @@ BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
 void BlurredImages::make_local_grey() {
   const double width = std::max(kMinContrastWidth, kContrastWidthPerSigma * sigma_);
   for (size_t s = 0; s < blurred_.size(); ++s) {
-    const Plane& grey = blurred_[s][index(ImageFeature::kLocalGrey)];
-    if (!grey.values.empty()) local_grey_[s] = normalize_local_contrast(grey, width, kNoiseSigma);
+    const features::Plane& grey = blurred_[s][index(ImageFeature::kLocalGrey)];
+    if (!grey.values.empty()) local_grey_[s] = features::normalize_local_contrast(grey, width, kNoiseSigma);
   }
 }
 
@@ -181,7 +182,7 @@ void Objective::look_up(const TermOptions& term) {
       term.lidar.size() == 1 ? points_.lidar[index(term.lidar.front())] : points_.x;
   for (size_t f = 0; f < term.image.size(); ++f) {
     for (const VisiblePoints::Block& block : points_.blocks) {
-      const Plane& plane = images_->plane(block.scene, term.image[f]);
+      const features::Plane& plane = images_->plane(block.scene, term.image[f]);
       const size_t from = block.begin;
       const size_t to = f * points_.size() + block.begin;
       look_up_block({.values = plane.values.data(),
@@ -298,7 +299,7 @@ Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, siz
     samples.lidar.push_back(lidar[i]);
     samples.image.push_back(value_[i]);
   }
-  if (options.equalize) equalize(samples.lidar);
+  if (options.equalize) features::equalize(samples.lidar);
   return samples;
 }
 

@@ -22,7 +22,7 @@ class BlurredImages {
   /// The same from images that are blurred less: cheaper.
   BlurredImages(const BlurredImages& finer, double sigma);
 
-  const Plane& plane(size_t scene, ImageFeature feature) const {
+  const features::Plane& plane(size_t scene, ImageFeature feature) const {
     return feature == ImageFeature::kLocalGrey ? local_grey_[scene]
                                                : blurred_[scene][index(feature)];
   }
@@ -36,8 +36,8 @@ class BlurredImages {
   /// Local grey from the blurred grey.
   void make_local_grey();
 
-  std::vector<PerImageFeature<Plane>> blurred_;  ///< from which more blurred ones are made
-  std::vector<Plane> local_grey_;                ///< a scene each, where a term asks for it
+  std::vector<PerImageFeature<features::Plane>> blurred_;  ///< from which more blurred ones are made
+  std::vector<features::Plane> local_grey_;                ///< a scene each, where a term asks for it
   double sigma_ = 0;
 };
 

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <nanoflann.hpp>
-#include <numeric>
 
-#include "fusion/calibration/lidar_features.hpp"
+#include "fusion/features/discontinuity.hpp"
 
 namespace infuse::calibration {
 namespace {
@@ -56,7 +55,7 @@ std::optional<std::string> NormalOptions::invalid() const {
 std::array<std::vector<float>, 3> surface_normals(const Sweep& sweep,
                                                   const NormalOptions& options) {
   std::array<std::vector<float>, 3> normals;
-  for (auto& axis : normals) axis.assign(sweep.size(), kNotCompared);
+  for (auto& axis : normals) axis.assign(sweep.size(), features::kNotCompared);
   const auto neighbours = static_cast<size_t>(options.neighbours);
   if (sweep.size() < neighbours) return normals;
   const Cloud cloud{sweep};
@@ -79,31 +78,6 @@ std::array<std::vector<float>, 3> surface_normals(const Sweep& sweep,
     }
   }
   return normals;
-}
-
-std::vector<float> taylor_normal(const Sweep& sweep) {
-  std::vector<float> feature(sweep.size(), kNotCompared);
-  std::vector<size_t> order(sweep.size());
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    return std::pair(sweep.column[a], sweep.ring[a]) < std::pair(sweep.column[b], sweep.ring[b]);
-  });
-  for (size_t k = 0; k + 1 < order.size(); ++k) {
-    const size_t i = order[k];
-    // Dual returns: the next ring's first.
-    size_t next = k + 1;
-    while (next < order.size() && sweep.column[order[next]] == sweep.column[i] &&
-           sweep.ring[order[next]] == sweep.ring[i]) {
-      ++next;
-    }
-    if (next == order.size()) break;
-    const size_t j = order[next];
-    if (sweep.column[j] != sweep.column[i] || sweep.ring[j] != sweep.ring[i] + 1) continue;
-    const float up = sweep.z[i] - sweep.z[j];
-    const float along = std::hypot(sweep.x[i] - sweep.x[j], sweep.y[i] - sweep.y[j]);
-    if (along > 0) feature[i] = up * up / along;
-  }
-  return feature;
 }
 
 }  // namespace infuse::calibration

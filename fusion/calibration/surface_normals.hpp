@@ -26,10 +26,4 @@ struct NormalOptions {
 /// `kNotCompared` where there is none.
 std::array<std::vector<float>, 3> surface_normals(const Sweep& sweep, const NormalOptions& options);
 
-/// Taylor and Nieto's normal feature, I 4.3.2: Δ_y² / √(Δ_x² + Δ_z²) between a return and the next
-/// of one planar scan, whose y axis lies in it. A spinning lidar's planar scan is a firing's column
-/// of rings, upright: y is the lidar's z, and x and z its x and y. m, never negative;
-/// `kNotCompared` where the next ring has no return in the column.
-std::vector<float> taylor_normal(const Sweep& sweep);
-
 }  // namespace infuse::calibration

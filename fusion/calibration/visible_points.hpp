@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fusion/calibration/scene.hpp"
+#include "fusion/features/occlusion_buffer.hpp"
 #include "fusion/geometry/camera_model.hpp"
 
 namespace infuse::calibration {
@@ -21,10 +22,9 @@ struct RigCamera {
 /// Which points take part.
 struct VisibilityOptions {
   double min_depth = 1.0;        ///< m along the optical axis
-  double occlusion_cell = 5;     ///< px; side of a z-buffer cell; 0: no occlusion culling
-  double occlusion_ratio = 1.1;  ///< a point is hidden where one in its cell or the eight around it
-  double occlusion_step = 0.3;   ///< is nearer than (depth − step) ÷ ratio; m
-  size_t max_points = 0;         ///< thinned evenly to at most so many, all scenes together; 0: all
+  std::optional<features::OcclusionOptions> occlusion = features::OcclusionOptions{};  ///< none: no
+                                                                                       ///< point is hidden
+  size_t max_points = 0;  ///< maximum number, of all scenes together, thinned evenly; 0: all
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

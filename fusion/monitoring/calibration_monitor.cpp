@@ -51,10 +51,13 @@ CalibrationMonitor::CalibrationMonitor(const CameraIntrinsics& camera,
       dependence_(options.weights),
       detector_(options.detector),
       camera_check_(options.camera_check),
-      scene_store_(options.scene_store) {}
+      scene_store_(options.scene_store) {
+  features::find_ring_directions(camera_, T_camera_lidar, step_, rings_);
+}
 
 void CalibrationMonitor::set_calibration(const Eigen::Isometry3d& T_camera_lidar) {
   T_camera_lidar_ = T_camera_lidar;
+  features::find_ring_directions(camera_, T_camera_lidar, step_, rings_);
   detector_.restart();
   last_without_evidence_ = last_stamp_.value_or(Stamp::earliest());
 }
@@ -169,7 +172,7 @@ MonitorReport CalibrationMonitor::process(const CameraFrame& grey, const SweepVi
   MonitorReport report{.stamp = grey.stamp};
   report.reason = reason_to_skip(grey, motion);
   if (*report.reason == '\0') {
-    image_.build(grey, step_);
+    image_.build(grey, step_, rings_);
     points_.select(sweep, camera_, T_camera_lidar_, options_.max_points);
     if (points_.size() < options_.min_points) {
       report.reason = "too few returns in view";

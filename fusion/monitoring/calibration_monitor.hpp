@@ -112,6 +112,7 @@ class CalibrationMonitor {
   int step_;
   Eigen::Isometry3d T_camera_lidar_;
   std::optional<Eigen::Isometry3d> alternative_;
+  features::RingDirections rings_;
   MonitorImage image_;
   MonitorPoints points_;
   MonitorDependence dependence_;

@@ -29,7 +29,7 @@ calibration::Scene to_scene(const StoredScene& stored, const calibration::SceneO
   calibration::Scene scene{.x = stored.x, .y = stored.y, .z = stored.z};
   scene.lidar[calibration::index(LidarFeature::kRelativeReflectivity)] = stored.reflectivity;
   scene.lidar[calibration::index(LidarFeature::kRelativeDiscontinuity)] =
-      calibration::relative_discontinuity(stored.ring, stored.discontinuity);
+      features::relative_discontinuity(stored.ring, stored.discontinuity);
   scene.image = calibration::compute_image_features(stored.grey, options);
   return scene;
 }
@@ -117,7 +117,7 @@ Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsic
   std::vector<calibration::Scene> own;
   const std::vector<calibration::RigCamera> cameras = {{geometry::CameraModel(camera)}};
   const calibration::SceneOptions scene_options{
-      .rings = calibration::ring_directions(cameras.front().model, present)};
+      .rings = features::ring_directions(cameras.front().model, present)};
   for (const StoredScene& scene : scenes) {
     if (!stop.stop_requested()) own.push_back(to_scene(scene, scene_options));
   }

@@ -15,7 +15,7 @@ struct StoredScene {
   double information = 0;  ///< information that its look brought, 0 … 1
   CameraFrame grey;
   std::vector<float> x, y, z;        ///< m, lidar frame at the exposure
-  std::vector<float> reflectivity;   ///< relative, `calibration::RelativeReflectivity`
+  std::vector<float> reflectivity;   ///< relative, `features::RelativeReflectivity`
   std::vector<float> discontinuity;  ///< √m, or not compared
   std::vector<uint16_t> ring;
 };

@@ -76,7 +76,7 @@ TEST(Calibrate, TheSameSeedGivesTheSameBytes) {
 TEST(Calibrate, ImagesOfOtherPlacesAreRejected) {
   Drive drive = eight_scene_drive();
   std::rotate(drive.scenes.begin(), drive.scenes.begin() + 3, drive.scenes.end());
-  std::vector<PerImageFeature<Plane>> images;
+  std::vector<PerImageFeature<features::Plane>> images;
   for (const Scene& scene : drive.scenes) images.push_back(scene.image);
   for (size_t s = 0; s < images.size(); ++s)
     drive.scenes[s].image = images[(s + 3) % images.size()];
@@ -88,7 +88,7 @@ TEST(Calibrate, ImagesOfOtherPlacesAreRejected) {
 TEST(Calibrate, ConstantImagesAreRejected) {
   Drive drive = eight_scene_drive();
   for (Scene& scene : drive.scenes) {
-    for (Plane& plane : scene.image) std::fill(plane.values.begin(), plane.values.end(), 0.5F);
+    for (features::Plane& plane : scene.image) std::fill(plane.values.begin(), plane.values.end(), 0.5F);
   }
   const auto result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
   EXPECT_FALSE(result.usable());

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "fusion/calibration/lidar_features.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
 
@@ -93,8 +92,8 @@ TEST(LeastSquaresTerm, PointsOutsideTheCameraModelAreIgnored) {
 
 TEST(SelectTermPoints, NoEdgeIsNothingToCompareUnlessOneOfSeveral) {
   VisiblePoints points = two_features(4, 7);
-  points.lidar[index(kDiscontinuity)] = {1.0F, kNotCompared, 0.0F, kNotCompared};
-  points.lidar[index(kNormalX)][0] = kNotCompared;
+  points.lidar[index(kDiscontinuity)] = {1.0F, features::kNotCompared, 0.0F, features::kNotCompared};
+  points.lidar[index(kNormalX)][0] = features::kNotCompared;
   EXPECT_EQ(select_term_points({.lidar = {kDiscontinuity}}, points), (std::vector<uint32_t>{0, 2}));
   EXPECT_EQ(select_term_points({.lidar = {kRelativeReflectivity, kDiscontinuity}}, points),
             (std::vector<uint32_t>{0, 1, 2, 3}));

@@ -49,7 +49,7 @@ inline Result<Pairs> read_pairs(const std::filesystem::path& folder, SceneOption
       pairs.T_camera_lidar = calibration->T_camera_lidar(2);
       pairs.cameras.push_back(
           {geometry::CameraModel(calibration->intrinsics(2, frame.width, frame.height))});
-      options.rings = ring_directions(pairs.cameras.front().model, pairs.T_camera_lidar);
+      options.rings = features::ring_directions(pairs.cameras.front().model, pairs.T_camera_lidar);
     }
     auto scene = make_scene(sweep, frame, options);
     if (!scene) return tl::unexpected(scene.error());

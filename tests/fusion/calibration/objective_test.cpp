@@ -32,7 +32,7 @@ Scene smooth_scene(size_t camera, uint64_t seed) {
   Scene scene;
   scene.camera = camera;
   for (const ImageFeature feature : {ImageFeature::kLocalGrey, ImageFeature::kEdge}) {
-    Plane& plane = scene.image[index(feature)];
+    features::Plane& plane = scene.image[index(feature)];
     plane.width = 200;
     plane.height = 150;
     const double phase = feature == ImageFeature::kLocalGrey ? 0.3 : 1.4;
@@ -89,7 +89,7 @@ Rig make_rig(const std::vector<CameraIntrinsics>& intrinsics,
 /// The analytic gradient beside central differences; the points are those in view at `rig.T`.
 void expect_gradient_matches(const Rig& rig, double tolerance) {
   const VisiblePoints points =
-      select_visible(rig.scenes, rig.cameras, rig.T, {.occlusion_cell = 0});
+      select_visible(rig.scenes, rig.cameras, rig.T, {.occlusion = {}});
   const BlurredImages images(rig.scenes, rig.terms, 2);
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
   const Evaluation at = objective.evaluate(rig.T, true);
@@ -223,7 +223,7 @@ TEST(Objective, PointsThatAreNotComparedTakeNoPart) {
   Rig rig = make_rig({pinhole()}, kTwoTerms);
   Scene& scene = rig.scenes.front();
   std::vector<float>& edge = scene.lidar[index(LidarFeature::kDiscontinuity)];
-  for (size_t i = 0; i < edge.size(); i += 3) edge[i] = kNotCompared;
+  for (size_t i = 0; i < edge.size(); i += 3) edge[i] = features::kNotCompared;
   Rig few = rig;
   Scene& thin = few.scenes.front();
   size_t n = 0;
@@ -240,7 +240,7 @@ TEST(Objective, PointsThatAreNotComparedTakeNoPart) {
     all->resize(n);
   }
   const std::vector<TermOptions> edges{kTwoTerms.back()};
-  const VisibilityOptions all_of_them{.occlusion_cell = 0};
+  const VisibilityOptions all_of_them{.occlusion = {}};
   const BlurredImages images(rig.scenes, edges, 2);
   const VisiblePoints with_intrinsic_offset =
       select_visible(rig.scenes, rig.cameras, rig.T, all_of_them);
@@ -269,9 +269,9 @@ TEST(BlurredImages, AreTheSameFromFinerImagesOrFromScenes) {
   const Rig rig = make_rig({pinhole()}, {{}});
   const BlurredImages fine(rig.scenes, rig.terms, 2);
   const BlurredImages coarse(rig.scenes, rig.terms, 8);
-  const Plane& direct = coarse.plane(0, ImageFeature::kLocalGrey);
+  const features::Plane& direct = coarse.plane(0, ImageFeature::kLocalGrey);
   const BlurredImages chain(fine, 8);
-  const Plane& chained = chain.plane(0, ImageFeature::kLocalGrey);
+  const features::Plane& chained = chain.plane(0, ImageFeature::kLocalGrey);
   ASSERT_EQ(chained.step, direct.step);
   ASSERT_EQ(chained.values.size(), direct.values.size());
   for (size_t i = 0; i < direct.values.size(); ++i)

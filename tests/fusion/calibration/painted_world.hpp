@@ -184,7 +184,7 @@ inline Drive make_drive(int scenes, double scale = 1, const Scanner& scanner = {
   for (int s = 0; s < scenes; ++s) {
     const World world = make_world(static_cast<uint64_t>(s) + 1, scale);
     SceneOptions options{.rings =
-                             ring_directions(drive.cameras.front().model, drive.T_camera_lidar)};
+                             features::ring_directions(drive.cameras.front().model, drive.T_camera_lidar)};
     options.max_range = 1e4;
     options.min_range = std::min(options.min_range, scale);
     auto scene = make_scene(scan(world, 100 + static_cast<uint64_t>(s), scanner),

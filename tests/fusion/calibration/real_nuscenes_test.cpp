@@ -78,7 +78,7 @@ Rig read_rig(const std::filesystem::path& folder) {
     const Eigen::Isometry3d T_camera_lidar = matrix(image.at("lidar2cam"));
     if (rig.cameras.empty()) rig.T_head_lidar = T_camera_lidar;
     const geometry::CameraModel model(intrinsics);
-    auto scene = make_scene(sweep, frame, {.rings = ring_directions(model, T_camera_lidar)});
+    auto scene = make_scene(sweep, frame, {.rings = features::ring_directions(model, T_camera_lidar)});
     EXPECT_TRUE(scene) << name;
     scene->camera = rig.cameras.size();
     scene->name = name;

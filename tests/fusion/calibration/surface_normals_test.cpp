@@ -94,20 +94,5 @@ TEST(SurfaceNormals, SayWhatIsWrongWithTheirOptions) {
   EXPECT_TRUE((NormalOptions{.max_neighbour_distance = 0}.invalid()));
 }
 
-TEST(TaylorNormal, IsRiseSquaredOverTheWayAlong) {
-  Sweep sweep;
-  add(sweep, {10, 0, -1}, 0, 5);
-  add(sweep, {9, 0, 1}, 1, 5);    // rises 2 m over 1 m
-  add(sweep, {9, 3, 1}, 2, 5);    // level
-  add(sweep, {9, 3, 4}, 4, 5);    // ring 3 has no return
-  add(sweep, {10, 0, -1}, 0, 6);  // alone in its column
-  const std::vector<float> feature = taylor_normal(sweep);
-  EXPECT_FLOAT_EQ(feature[0], 4);
-  EXPECT_FLOAT_EQ(feature[1], 0);
-  EXPECT_TRUE(std::isnan(feature[2]));
-  EXPECT_TRUE(std::isnan(feature[3]));
-  EXPECT_TRUE(std::isnan(feature[4]));
-}
-
 }  // namespace
 }  // namespace infuse::calibration

@@ -1,4 +1,4 @@
-#include "fusion/calibration/relative_reflectivity.hpp"
+#include "fusion/features/relative_reflectivity.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace infuse::calibration {
+namespace infuse::features {
 namespace {
 
 struct Returns {
@@ -92,4 +92,4 @@ TEST(RelativeReflectivity, NonFiniteValuesAreHarmless) {
 }
 
 }  // namespace
-}  // namespace infuse::calibration
+}  // namespace infuse::features

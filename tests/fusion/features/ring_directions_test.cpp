@@ -1,10 +1,10 @@
-#include "fusion/calibration/ring_directions.hpp"
+#include "fusion/features/ring_directions.hpp"
 
 #include <gtest/gtest.h>
 
 #include "fusion/geometry/rigid_motion.hpp"
 
-namespace infuse::calibration {
+namespace infuse::features {
 namespace {
 
 /// Looks along x of the lidar, upright, then turned by ξ.
@@ -87,4 +87,4 @@ TEST(RingDirections, AreNoneAlongTheAxis) {
 }
 
 }  // namespace
-}  // namespace infuse::calibration
+}  // namespace infuse::features

@@ -1,4 +1,4 @@
-#include "fusion/calibration/image_features.hpp"
+#include "fusion/features/image_edges.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,9 @@
 #include <cmath>
 #include <random>
 
-namespace infuse::calibration {
+#include "fusion/features/local_contrast.hpp"
+
+namespace infuse::features {
 namespace {
 
 Plane noise(int width, int height, int levels, uint64_t seed) {
@@ -36,6 +38,19 @@ TEST(GreyPlane, WeighsTheColours) {
   frame.format = PixelFormat::kGrey8;
   frame.pixels = {0, 7, 200, 255};
   EXPECT_THAT(grey_plane(frame).values, testing::ElementsAre(0, 7, 200, 255));
+}
+
+TEST(ReduceByMeans, DropsWhatIsLeftOver) {
+  CameraFrame frame;
+  frame.width = 5;
+  frame.height = 3;
+  frame.format = PixelFormat::kGrey8;
+  frame.pixels = {1, 2, 3, 4, 99, 5, 6, 7, 12, 99, 99, 99, 99, 99, 99};
+  Plane plane;
+  reduce_by_means(frame, 2, plane);
+  EXPECT_EQ(plane.width, 2);
+  EXPECT_EQ(plane.height, 1);
+  EXPECT_THAT(plane.values, testing::ElementsAre(3.5F, 6.5F));
 }
 
 TEST(EdgeStrength, IsTheLargestStepToANeighbour) {
@@ -172,20 +187,6 @@ TEST(NormalizeLocalContrast, ASmoothSurfaceIsInTheMiddle) {
   }
 }
 
-TEST(Equalized, RanksBesideABruteForceCount) {
-  const Plane plane = noise(19, 13, 40, 2);
-  const Plane ranks = equalized(plane);
-  const auto n = static_cast<double>(plane.values.size());
-  for (size_t i = 0; i < plane.values.size(); ++i) {
-    const float value = plane.values[i];
-    const auto below =
-        std::count_if(plane.values.begin(), plane.values.end(), [&](float w) { return w < value; });
-    const auto equal = std::count(plane.values.begin(), plane.values.end(), value);
-    EXPECT_NEAR(ranks.values[i],
-                (static_cast<double>(below) + 0.5 * static_cast<double>(equal - 1)) / n, 1e-6);
-  }
-}
-
 /// The definition: a sum over the whole plane's neighbourhood, borders replicated.
 double gaussian_at(const Plane& plane, int u, int v, double sigma) {
   const int reach = static_cast<int>(std::ceil(3 * sigma));
@@ -242,4 +243,4 @@ TEST(Blurred, NoBlurChangesNothing) {
 }
 
 }  // namespace
-}  // namespace infuse::calibration
+}  // namespace infuse::features
