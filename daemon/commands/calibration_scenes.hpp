@@ -42,7 +42,7 @@ struct ScenePairs {
   std::vector<CameraMount> cameras;
   std::string lidar;
   Rig rig;                                 ///< of the first drive
-  std::optional<Eigen::Isometry3d> truth;  ///< T_head_lidar, where the first drive has a true rig
+  std::optional<Eigen::Isometry3d> truth;  ///< T_refcam_lidar, where the first drive has a true rig
   std::vector<ScenePair> pairs;
   std::vector<std::string> notes;  ///< what was left out, and why
 };

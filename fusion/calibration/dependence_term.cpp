@@ -13,10 +13,10 @@ namespace {
 using dependence::Estimate;
 using dependence::Measure;
 
-/// A measure of the joint histogram of both sides.
+/// Measure of the joint histogram of lidar and image.
 class HistogramTerm : public DependenceTerm {
  public:
-  /// `chosen`: which points take part; `lidar`: their values.
+  /// `chosen`: indices of the points that are compared; `lidar`: their values.
   HistogramTerm(Measure measure, dependence::Window window, int bins, std::vector<uint32_t> chosen,
                 std::span<const float> lidar)
       : measure_(measure),
@@ -61,10 +61,11 @@ std::optional<std::string> TermOptions::invalid() const {
   if (!(weight > 0) || !std::isfinite(weight)) return "weight must be positive";
   if (bins < 4 || bins > 1024) return "bins must lie in 4 … 1024";
   if (bags < 1 || bags > 100'000) return "bags must lie in 1 … 100000";
-  if (lidar.empty() || image.empty()) return "a lidar and an image feature must be named";
+  if (lidar.empty() || image.empty())
+    return "at least one lidar and one image feature must be given";
   const bool several = measure == MeasureKind::kLsmi || measure == MeasureKind::kBlsmi;
   if (!several && (lidar.size() > 1 || image.size() > 1)) {
-    return "only lsmi and blsmi take several features together";
+    return "only lsmi and blsmi accept several features";
   }
   return std::nullopt;
 }

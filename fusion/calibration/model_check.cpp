@@ -9,17 +9,17 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr size_t kMinScenes = 10;           // scenes
+constexpr size_t kMinScenes = 10;           // number of scenes
 constexpr double kSignificantSigmas = 3.5;  // standard deviations
 constexpr double kSeriousSigmas = 7;
 
-/// One of a camera's numbers.
+/// Intrinsic parameter of a camera.
 struct Intrinsic {
   const char* name;
   const char* unit;
-  double display_scale;  // units a unit of the derivative
-  double step;           // of the differences
-  double tolerance;      // what a good calibration of the camera leaves, in `unit`
+  double display_scale;  // displayed units per unit of the derivative
+  double step;           // of the numeric differences
+  double tolerance;      // error that a good calibration of the camera leaves, in `unit`
 };
 
 constexpr Intrinsic kIntrinsics[] = {{"focal length", "%", 100, 2e-3, 0.3},
@@ -46,7 +46,7 @@ CameraIntrinsics with_offset(CameraIntrinsics camera, size_t which, double step)
   return camera;
 }
 
-/// What the scenes say of a further parameter: an entry a scene, and minus the second derivatives.
+/// Derivatives by a further parameter: one entry per scene, and minus the second derivatives.
 struct ParameterScore {
   std::vector<double> scene_scores;
   Vector6 pose_coupling = Vector6::Zero();
@@ -106,7 +106,7 @@ ParameterScore score_intrinsic(Objective& objective, const Eigen::Isometry3d& T,
   return out;
 }
 
-/// A picture that was taken dt later saw p from exp(ξ dt) further on: T exp(−ξ dt) p.
+/// An image taken dt later sees p from exp(ξ dt) further on: T exp(−ξ dt) p.
 ParameterScore score_delay(const Eigen::Isometry3d& T, std::span<const Scene> scenes,
                            const Uncertainty& uncertainty) {
   const Matrix6 adjoint = geometry::adjoint(T);
@@ -132,7 +132,8 @@ ModelMismatch make_intrinsic_mismatch(size_t score_intrinsic, double off, size_t
           .value = of.display_scale * off};
 }
 
-std::vector<ModelMismatch> check_model(Objective& objective, const Eigen::Isometry3d& T_head_lidar,
+std::vector<ModelMismatch> check_model(Objective& objective,
+                                       const Eigen::Isometry3d& T_refcam_lidar,
                                        std::span<const RigCamera> cameras,
                                        std::span<const Scene> scenes,
                                        const Uncertainty& uncertainty) {
@@ -159,14 +160,14 @@ std::vector<ModelMismatch> check_model(Objective& objective, const Eigen::Isomet
   for (size_t c = 0; c < cameras.size(); ++c) {
     for (size_t which = 0; which < std::size(kIntrinsics); ++which) {
       const Intrinsic& of = kIntrinsics[which];
-      add(score_intrinsic(objective, T_head_lidar, cameras, scenes, c, which, scene_gradients),
+      add(score_intrinsic(objective, T_refcam_lidar, cameras, scenes, c, which, scene_gradients),
           make_intrinsic_mismatch(which, 0, c, cameras.size()), of.display_scale, of.tolerance);
     }
   }
   const bool moving = std::all_of(scenes.begin(), scenes.end(),
                                   [](const Scene& scene) { return scene.twist.has_value(); });
   if (moving) {
-    add(score_delay(T_head_lidar, scenes, uncertainty),
+    add(score_delay(T_refcam_lidar, scenes, uncertainty),
         {.parameter = "image time offset", .unit = "ms"}, 1e3, kTimeTolerance);
   }
   return doubts;

@@ -22,7 +22,7 @@ Plane scaled(Plane plane, float factor) {
   return plane;
 }
 
-/// One channel of a kBgr8 frame (grey frames have three equal ones), 0 … 1.
+/// Returns one channel of a kBgr8 frame (grey frames have three equal ones), 0 … 1.
 Plane colour_plane(const CameraFrame& frame, size_t channel) {
   Plane plane{.width = frame.width, .height = frame.height, .values = {}};
   const auto step = static_cast<size_t>(channels(frame.format));
@@ -34,7 +34,7 @@ Plane colour_plane(const CameraFrame& frame, size_t channel) {
   return plane;
 }
 
-/// The wanted features of all returns; the other arrays stay empty.
+/// Computes the wanted features of all returns; the other arrays stay empty.
 PerLidarFeature<std::vector<float>> compute_lidar_features(const Sweep& sweep,
                                                            const SceneOptions& options) {
   using enum LidarFeature;
@@ -49,8 +49,8 @@ PerLidarFeature<std::vector<float>> compute_lidar_features(const Sweep& sweep,
     at(kRelativeReflectivity) = ranks.compute(sweep.ring, sweep.range, sweep.reflectivity);
   }
   if (wanted(kDiscontinuity) || wanted(kRelativeDiscontinuity)) {
-    std::vector<float> edges = features::Discontinuity(options.discontinuity)
-                                   .compute(features::make_sweep_view(sweep));
+    std::vector<float> edges =
+        features::Discontinuity(options.discontinuity).compute(features::make_sweep_view(sweep));
     if (wanted(kRelativeDiscontinuity)) {
       at(kRelativeDiscontinuity) = features::relative_discontinuity(sweep.ring, edges);
     }
@@ -75,7 +75,7 @@ std::optional<std::string> SceneOptions::invalid() const {
 }
 
 PerImageFeature<features::Plane> compute_image_features(const CameraFrame& frame,
-                                              const SceneOptions& options) {
+                                                        const SceneOptions& options) {
   const auto shown = [&](ImageFeature feature) { return options.image[index(feature)]; };
   PerImageFeature<Plane> image;
   Plane grey = features::grey_plane(frame);
@@ -85,7 +85,8 @@ PerImageFeature<features::Plane> compute_image_features(const CameraFrame& frame
   if (shown(ImageFeature::kRingEdge)) {
     image[index(ImageFeature::kRingEdge)] = finish(features::ring_edge(grey, options.rings));
   }
-  if (shown(ImageFeature::kEdge)) image[index(ImageFeature::kEdge)] = finish(features::edge_strength(grey));
+  if (shown(ImageFeature::kEdge))
+    image[index(ImageFeature::kEdge)] = finish(features::edge_strength(grey));
   if (shown(ImageFeature::kGrey)) image[index(ImageFeature::kGrey)] = finish(grey);
   if (shown(ImageFeature::kLocalGrey)) {
     image[index(ImageFeature::kLocalGrey)] = scaled(std::move(grey), 1.0F / 255.0F);
@@ -105,7 +106,7 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
   }
   if (frame.width < 3 || frame.height < 3 ||
       frame.pixels.size() != frame.row_bytes() * static_cast<size_t>(frame.height)) {
-    return fail("the picture is empty");
+    return fail("the image is empty or truncated");
   }
 
   Scene scene;

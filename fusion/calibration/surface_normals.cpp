@@ -10,7 +10,7 @@
 namespace infuse::calibration {
 namespace {
 
-/// A sweep's points as nanoflann asks for them.
+/// Adaptor of a sweep's points for nanoflann.
 struct Cloud {
   const Sweep& sweep;
 
@@ -26,7 +26,7 @@ struct Cloud {
 using Tree =
     nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
 
-/// The direction in which the points spread least, turned towards the origin.
+/// Returns the direction in which the points spread least, facing the origin.
 Eigen::Vector3f plane_normal(const Sweep& sweep, const std::vector<uint32_t>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
@@ -48,7 +48,7 @@ Eigen::Vector3f plane_normal(const Sweep& sweep, const std::vector<uint32_t>& po
 
 std::optional<std::string> NormalOptions::invalid() const {
   if (neighbours < 3 || neighbours > 10'000) return "neighbours must lie in 3 … 10000";
-  if (!(max_neighbour_distance > 0)) return "farthest must be positive";
+  if (!(max_neighbour_distance > 0)) return "max_neighbour_distance must be positive";
   return std::nullopt;
 }
 

@@ -15,10 +15,11 @@ struct Pixels {
   std::vector<float> u, v, depth;
 };
 
-Pixels project(const Scene& scene, const RigCamera& camera, const Eigen::Isometry3d& T_head_lidar) {
+Pixels project(const Scene& scene, const RigCamera& camera,
+               const Eigen::Isometry3d& T_refcam_lidar) {
   const size_t n = scene.size();
   Pixels pixels{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n)};
-  geometry::project_points(camera.model, camera.T_camera_refcam * T_head_lidar,
+  geometry::project_points(camera.model, camera.T_camera_refcam * T_refcam_lidar,
                            {scene.x, scene.y, scene.z}, {pixels.u, pixels.v, pixels.depth});
   return pixels;
 }
@@ -29,7 +30,7 @@ std::vector<size_t> indices_in_image(const Pixels& pixels, const CameraIntrinsic
   const auto bottom = static_cast<float>(image.height - 1);
   std::vector<size_t> view;
   for (size_t i = 0; i < pixels.u.size(); ++i) {
-    // NaN where the model does not see the point: no comparison holds.
+    // NaN where the model does not see the point: all comparisons are false.
     if (pixels.u[i] >= 0 && pixels.u[i] <= right && pixels.v[i] >= 0 && pixels.v[i] <= bottom &&
         pixels.depth[i] >= static_cast<float>(min_depth)) {
       view.push_back(i);
@@ -43,9 +44,8 @@ void remove_occluded(std::vector<size_t>& view, const Pixels& pixels,
                      features::OcclusionBuffer& buffer) {
   for (const size_t i : view) buffer.add(pixels.u[i], pixels.v[i], pixels.depth[i]);
   const std::vector<size_t> added = view;
-  std::erase_if(view, [&](size_t i) {
-    return buffer.hides(pixels.u[i], pixels.v[i], pixels.depth[i]);
-  });
+  std::erase_if(view,
+                [&](size_t i) { return buffer.hides(pixels.u[i], pixels.v[i], pixels.depth[i]); });
   for (const size_t i : added) buffer.clear_cell(pixels.u[i], pixels.v[i]);
 }
 
@@ -91,8 +91,8 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
   }
   size_t all = 0;
   for (const Scene& scene : scenes) {
-    views.push_back(visible_indices(scene, cameras[scene.camera], poses, options,
-                                    buffers[scene.camera]));
+    views.push_back(
+        visible_indices(scene, cameras[scene.camera], poses, options, buffers[scene.camera]));
     all += views.back().size();
   }
   const size_t stride =
@@ -116,9 +116,9 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
 }
 
 VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
-                             const Eigen::Isometry3d& T_head_lidar,
+                             const Eigen::Isometry3d& T_refcam_lidar,
                              const VisibilityOptions& options) {
-  return select_visible(scenes, cameras, std::span(&T_head_lidar, 1), options);
+  return select_visible(scenes, cameras, std::span(&T_refcam_lidar, 1), options);
 }
 
 VisiblePoints select_blocks(const VisiblePoints& points,

@@ -7,16 +7,16 @@
 namespace infuse::monitoring {
 namespace {
 
-constexpr int kBlockSize = 4;                // looks whose mean is compared with the next four's
-constexpr double kFadeRate = 1.0 / 30;       // looks after which the mean offset fades
-constexpr double kNoiseFadeRate = 1.0 / 60;  // blocks
-constexpr double kPriorBlocks = 2;           // what is taken for granted counts as so many
-constexpr double kPriorNoise = 0.006;        // κ: from simulated streets, with a third to spare
-constexpr double kMaxNoiseRatio = 9;  // a block's κ counts at most so many times the mean so far
-/// What a look counts: the looks of one street share what misleads them, for longer than a block.
+constexpr int kBlockSize = 4;           // evaluations whose mean is compared with the next block's
+constexpr double kFadeRate = 1.0 / 30;  // fading of the mean offset per evaluation
+constexpr double kNoiseFadeRate = 1.0 / 60;  // fading of the noise per block
+constexpr double kPriorBlocks = 2;           // weight of the prior noise
+constexpr double kPriorNoise = 0.006;        // κ on simulated streets, and a third more
+constexpr double kMaxNoiseRatio = 9;         // maximum of a block's κ, times the mean so far
+/// Weight of an evaluation: those of one street share a bias for longer than a block.
 constexpr double kEvaluationWeight = 0.7;
 
-/// Looked at with steps that stay on the top's flanks.
+/// True for axes whose steps stay on the flanks of the peak.
 bool has_reliable_curvature(size_t axis) {
   return axis <= static_cast<size_t>(Axis::kTranslationY);
 }
@@ -32,7 +32,7 @@ std::optional<std::string> DriftDetectorOptions::invalid() const {
     return "false_alarm_hours and evaluations_per_second must be positive";
   }
   if (!(suspicion_threshold > 0) || suspicion_threshold >= confirmation_threshold())
-    return "suspect must be less than what is certain";
+    return "suspicion_threshold must be positive and below the confirmation threshold";
   if (!(max_evidence_per_evaluation > 0)) return "max_evidence_per_evaluation must be positive";
   if (warm_up < 2 * kBlockSize) return "warm_up must be at least 8";
   return std::nullopt;

@@ -11,7 +11,7 @@ constexpr double kEarlyPassTolerance =
     0.15;  // m and rad; what else is near a board may put it so far off
 
 TargetCalibration run_pass(std::span<const BoardObservation> observations, const Board& board,
-                           double grow, const Eigen::Isometry3d& T_head_lidar,
+                           double grow, const Eigen::Isometry3d& T_refcam_lidar,
                            const BoardReturnsOptions& returns_options,
                            const SolveTargetOptions& solve_options) {
   TargetCalibration out;
@@ -22,7 +22,7 @@ TargetCalibration run_pass(std::span<const BoardObservation> observations, const
   for (size_t i = 0; i < observations.size(); ++i) {
     const BoardObservation& observation = observations[i];
     auto on_board = find_board_returns(observation.nearby_returns,
-                                       T_head_lidar.inverse() * observation.T_refcam_board, board,
+                                       T_refcam_lidar.inverse() * observation.T_refcam_board, board,
                                        grow, returns_options);
     if (!on_board) {
       out.reasons[i] = on_board.error().what;
@@ -33,7 +33,7 @@ TargetCalibration run_pass(std::span<const BoardObservation> observations, const
         {observation.T_refcam_board, observation.board_covariance, *std::move(on_board)});
     observation_index.push_back(i);
   }
-  out.result = solve_target(views, T_head_lidar, solve_options);
+  out.result = solve_target(views, T_refcam_lidar, solve_options);
   std::vector<ViewResidual> residuals(observations.size(), {.used = false});
   for (size_t k = 0; k < observation_index.size(); ++k)
     residuals[observation_index[k]] = out.result.views[k];

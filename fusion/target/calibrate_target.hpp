@@ -16,7 +16,7 @@ struct BoardObservation {
   std::vector<Eigen::Vector3d> nearby_returns;  ///< `crop_to_board`, m, lidar frame
 };
 
-/// What the sightings say of T_head_lidar.
+/// What the sightings say of T_refcam_lidar.
 struct TargetCalibration {
   TargetResult result;                ///< an entry a sighting in its `views`
   std::vector<size_t> return_counts;  ///< on each sighting's board

@@ -35,10 +35,10 @@ struct ViewResidual {
   bool used = true;        ///< false: an outlier, the solution does without it
 };
 
-/// What the views say of T_head_lidar.
+/// What the views say of T_refcam_lidar.
 struct TargetResult {
   Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();
-  /// (rx, ry, rz, tx, ty, tz), rad and m, of a left perturbation of T_head_lidar.
+  /// (rx, ry, rz, tx, ty, tz), rad and m, of a left perturbation of T_refcam_lidar.
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();
   std::vector<ViewResidual> views;  ///< an entry a view
   int used = 0;                     ///< views that are no outliers
@@ -49,10 +49,10 @@ struct TargetResult {
   bool usable() const { return reason.empty(); }
 };
 
-/// Finds T_head_lidar from views of boards: P(3.10) minimised by Levenberg–Marquardt (Ceres), every
-/// view weighted by what its corners and its returns are worth, from where most views agree, or
-/// from `T_initial` where three views do not determine it. Views that lie too far off are left out
-/// and the rest is solved again until nothing changes. Covariance after P(3.12) and appendix B,
+/// Finds T_refcam_lidar from views of boards: P(3.10) minimised by Levenberg–Marquardt (Ceres),
+/// every view weighted by what its corners and its returns are worth, from where most views agree,
+/// or from `T_initial` where three views do not determine it. Views that lie too far off are left
+/// out and the rest is solved again until nothing changes. Covariance after P(3.12) and appendix B,
 /// with the boards' poses and the ranges as measurements.
 ///
 /// Not usable, with the direction named: normals that all lie in one plane or are all parallel

@@ -57,10 +57,10 @@ double median_distance(std::span<const TargetView> views, std::span<const Return
 }  // namespace
 
 double rms_board_distance(const TargetView& view, const ReturnsPlane& plane,
-                          const Eigen::Isometry3d& T_head_lidar) {
+                          const Eigen::Isometry3d& T_refcam_lidar) {
   double squares = 0;
   for (int k = 0; k < 4; ++k) {
-    const double off = view.normal().dot(T_head_lidar * plane.points.col(k)) - view.distance();
+    const double off = view.normal().dot(T_refcam_lidar * plane.points.col(k)) - view.distance();
     squares += off * off / 4;
   }
   return std::sqrt(squares);

@@ -88,7 +88,8 @@ TEST(Calibrate, ImagesOfOtherPlacesAreRejected) {
 TEST(Calibrate, ConstantImagesAreRejected) {
   Drive drive = eight_scene_drive();
   for (Scene& scene : drive.scenes) {
-    for (features::Plane& plane : scene.image) std::fill(plane.values.begin(), plane.values.end(), 0.5F);
+    for (features::Plane& plane : scene.image)
+      std::fill(plane.values.begin(), plane.values.end(), 0.5F);
   }
   const auto result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
   EXPECT_FALSE(result.usable());

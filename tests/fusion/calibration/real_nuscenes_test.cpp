@@ -43,7 +43,7 @@ Sweep read_sweep(const std::filesystem::path& path) {
 struct Rig {
   std::vector<Scene> scenes;  ///< one a camera
   std::vector<RigCamera> cameras;
-  Eigen::Isometry3d T_head_lidar = Eigen::Isometry3d::Identity();  ///< as published
+  Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();  ///< as published
 };
 
 Eigen::Isometry3d matrix(const json& rows) {
@@ -76,13 +76,14 @@ Rig read_rig(const std::filesystem::path& folder) {
                                       .cx = K[0][2].get<double>(),
                                       .cy = K[1][2].get<double>()};
     const Eigen::Isometry3d T_camera_lidar = matrix(image.at("lidar2cam"));
-    if (rig.cameras.empty()) rig.T_head_lidar = T_camera_lidar;
+    if (rig.cameras.empty()) rig.T_refcam_lidar = T_camera_lidar;
     const geometry::CameraModel model(intrinsics);
-    auto scene = make_scene(sweep, frame, {.rings = features::ring_directions(model, T_camera_lidar)});
+    auto scene =
+        make_scene(sweep, frame, {.rings = features::ring_directions(model, T_camera_lidar)});
     EXPECT_TRUE(scene) << name;
     scene->camera = rig.cameras.size();
     scene->name = name;
-    rig.cameras.push_back({model, T_camera_lidar * rig.T_head_lidar.inverse()});
+    rig.cameras.push_back({model, T_camera_lidar * rig.T_refcam_lidar.inverse()});
     rig.scenes.push_back(std::move(*scene));
   }
   return rig;
@@ -91,7 +92,7 @@ Rig read_rig(const std::filesystem::path& folder) {
 /// Within a degree of the published extrinsics, or refused.
 void expect_never_confidently_wrong(const CalibrationResult& result, const Rig& rig) {
   if (!result.usable()) return;
-  const geometry::Vector6 off = geometry::log(result.T_refcam_lidar * rig.T_head_lidar.inverse());
+  const geometry::Vector6 off = geometry::log(result.T_refcam_lidar * rig.T_refcam_lidar.inverse());
   EXPECT_LT(off.head<3>().norm(), 1 * kDegree);
   EXPECT_LT(off.tail<3>().norm(), 0.2);
 }
@@ -100,17 +101,17 @@ TEST(RealNuscenes, SixCamerasAndOneSweepTogether) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/nuscenes");
   const Rig rig = read_rig(folder);
   ASSERT_EQ(rig.cameras.size(), 6U);
-  for (const auto& start : kitti::draw_initial_poses(rig.T_head_lidar, 1 * kDegree, 0.05, 2, 3)) {
+  for (const auto& start : kitti::draw_initial_poses(rig.T_refcam_lidar, 1 * kDegree, 0.05, 2, 3)) {
     expect_never_confidently_wrong(calibrate(rig.scenes, rig.cameras, start, {}), rig);
   }
-  expect_never_confidently_wrong(calibrate(rig.scenes, rig.cameras, rig.T_head_lidar, {}), rig);
+  expect_never_confidently_wrong(calibrate(rig.scenes, rig.cameras, rig.T_refcam_lidar, {}), rig);
 }
 
 TEST(RealNuscenes, OneCameraAndOneSweepAreRefused) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/nuscenes");
   Rig rig = read_rig(folder);
   rig.scenes.resize(1);
-  const CalibrationResult result = calibrate(rig.scenes, rig.cameras, rig.T_head_lidar, {});
+  const CalibrationResult result = calibrate(rig.scenes, rig.cameras, rig.T_refcam_lidar, {});
   EXPECT_FALSE(result.usable());
   EXPECT_THAT(result.reason, testing::HasSubstr("at least 3"));
 }
