@@ -134,8 +134,7 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
     run.cameras.push_back(
         {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_refcam(pairs, c)});
     const calibration::RigCamera& camera = run.cameras.back();
-    rings.push_back(
-        features::ring_directions(camera.model, camera.T_camera_refcam * initial_pose));
+    rings.push_back(features::ring_directions(camera.model, camera.T_camera_refcam * initial_pose));
   }
   for (const ScenePair& pair : pairs.pairs) {
     scene_options.rings = rings[pair.camera];

@@ -37,7 +37,8 @@ Discontinuity::Discontinuity(const DiscontinuityOptions& options)
 /// Step from return `i` to its neighbour, which may be missing.
 void Discontinuity::update_step(const SweepView& sweep, uint32_t i, uint32_t neighbour) {
   const auto is_near = [&] {
-    const int columns = neighbour == kNone ? 0 : std::abs(sweep.column[neighbour] - sweep.column[i]);
+    const int columns =
+        neighbour == kNone ? 0 : std::abs(sweep.column[neighbour] - sweep.column[i]);
     if (options_.max_column_gap > 0 && columns > options_.max_column_gap) return false;
     return within_azimuth(sweep, i, neighbour, gap_tangent_);
   };

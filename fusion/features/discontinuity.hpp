@@ -16,11 +16,11 @@ inline constexpr float kNotCompared = std::numeric_limits<float>::quiet_NaN();
 
 /// Settings of the scan discontinuity.
 struct DiscontinuityOptions {
-  double gamma = 0.5;          ///< exponent, I 4.3.1.2
-  double max_gap = 0.02;       ///< rad of azimuth between neighbours; four firings of a slow HDL-32E
-  int max_column_gap = 0;      ///< columns between neighbours; 0: no limit
-  double no_return_step = 0;   ///< m; step towards a neighbour that is missing; 0: none
-  double max_step = 1e3;       ///< m; larger steps count as this
+  double gamma = 0.5;         ///< exponent, I 4.3.1.2
+  double max_gap = 0.02;      ///< rad of azimuth between neighbours; four firings of a slow HDL-32E
+  int max_column_gap = 0;     ///< columns between neighbours; 0: no limit
+  double no_return_step = 0;  ///< m; step towards a neighbour that is missing; 0: none
+  double max_step = 1e3;      ///< m; larger steps count as this
   double max_edge_azimuth = 0.03;  ///< rad of azimuth to the nearest edge on the ring; returns
                                    ///< farther away become `kNotCompared`; 0: all are compared
   double min_edge_step = 0.5;      ///< m; smallest step of an edge, for `max_edge_azimuth`
@@ -78,8 +78,8 @@ class Discontinuity {
 /// both arguments.
 ///
 /// Crowns stand above trunks, fences below windows: the size of steps depends on their height in
-/// the image, and so does the strength of image edges. Compared over all rings, the measure rises as
-/// one is moved along the other, by a degree before a wood.
+/// the image, and so does the strength of image edges. Compared over all rings, the measure rises
+/// as one is moved along the other, by a degree before a wood.
 std::vector<float> relative_discontinuity(std::span<const uint16_t> ring,
                                           std::span<const float> discontinuity);
 

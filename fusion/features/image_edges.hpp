@@ -27,7 +27,7 @@ class RingEdge {
   void compute(const Plane& grey, const RingDirections& rings, Plane& out);
 
  private:
-  std::vector<float> right_, down_;         // the ring's direction by sample of a row
+  std::vector<float> right_, down_;          // the ring's direction by sample of a row
   std::vector<float> above_, here_, below_;  // rows with their first and last sample once more
 };
 

@@ -12,10 +12,10 @@ namespace infuse::features {
 /// the same place. A point is hidden if depth > nearest · ratio + step, nearest the smallest depth
 /// in its cell of the image (and around it).
 struct OcclusionOptions {
-  double cell_size = 5;        ///< px, side of a cell
-  double ratio = 1.1;          ///< at least 1
-  double step = 0.3;           ///< m
-  bool with_neighbours = true; ///< nearest of the cell and the eight around it; false: of the cell
+  double cell_size = 5;         ///< px, side of a cell
+  double ratio = 1.1;           ///< at least 1
+  double step = 0.3;            ///< m
+  bool with_neighbours = true;  ///< nearest of the cell and the eight around it; false: of the cell
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -37,9 +37,7 @@ class OcclusionBuffer {
   }
 
   /// True if the point is hidden behind those that were added.
-  bool hides(float u, float v, float depth) const {
-    return depth > nearest(u, v) * ratio_ + step_;
-  }
+  bool hides(float u, float v, float depth) const { return depth > nearest(u, v) * ratio_ + step_; }
 
   /// Empties the cell of a point: cheaper than `reset` where points are few.
   void clear_cell(float u, float v) { nearest_[cell(u, v)] = kEmpty; }

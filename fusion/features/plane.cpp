@@ -91,8 +91,8 @@ void reduce_by_means(const CameraFrame& grey, int step, Plane& plane) {
   for (int v = 0; v < plane.height; ++v) {
     float* out = plane.row(v);
     for (int dv = 0; dv < step; ++dv) {
-      const uint8_t* pixel = grey.pixels.data() +
-                             static_cast<size_t>(v * step + dv) * static_cast<size_t>(grey.width);
+      const uint8_t* pixel =
+          grey.pixels.data() + static_cast<size_t>(v * step + dv) * static_cast<size_t>(grey.width);
       for (int u = 0; u < plane.width; ++u) {
         int sum = 0;
         for (int du = 0; du < step; ++du) sum += *pixel++;

@@ -10,12 +10,12 @@ namespace infuse::features {
 /// quarter of an octave), 0 … 1; equal values share the mean of their ranks.
 ///
 /// Reflectivity as a sensor states it differs by beam, and falls with range and with the angle at
-/// which the road is met. The rows of an image go with range as well, so the fall is dependence too,
-/// but one that shifts the maximum: on simulated streets, where the truth is known, mutual
-/// information of plain reflectivity has no maximum at the truth at all. A rank removes any monotone
-/// response, and so does the work of a cross-beam calibration (Levinson and Thrun's, unsupervised:
-/// all beams see the same world) and of a fitted range response (I 4.3.1.1) without a model of
-/// either.
+/// which the road is met. The rows of an image go with range as well, so the fall is dependence
+/// too, but one that shifts the maximum: on simulated streets, where the truth is known, mutual
+/// information of plain reflectivity has no maximum at the truth at all. A rank removes any
+/// monotone response, and so does the work of a cross-beam calibration (Levinson and Thrun's,
+/// unsupervised: all beams see the same world) and of a fitted range response (I 4.3.1.1) without a
+/// model of either.
 ///
 /// Allocates nothing after its first sweep of a size.
 class RelativeReflectivity {

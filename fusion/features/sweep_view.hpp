@@ -8,9 +8,9 @@
 
 namespace infuse::features {
 
-/// Returns of a deskewed sweep as spans, one entry a return in each: points in the lidar frame as of
-/// one moment, and the quantities that deskewing does not change. Returns of one ring follow each
-/// other as they were fired.
+/// Returns of a deskewed sweep as spans, one entry a return in each: points in the lidar frame as
+/// of one moment, and the quantities that deskewing does not change. Returns of one ring follow
+/// each other as they were fired.
 struct SweepView {
   geometry::PointsView points;             ///< m
   std::span<const float> range;            ///< m

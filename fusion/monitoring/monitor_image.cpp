@@ -12,8 +12,7 @@ constexpr double kBlurSigma = 1;      // samples
 
 }  // namespace
 
-void MonitorImage::build(const CameraFrame& grey, int step,
-                         const features::RingDirections& rings) {
+void MonitorImage::build(const CameraFrame& grey, int step, const features::RingDirections& rings) {
   step_ = std::max(1, step);
   features::reduce_by_means(grey, step_, reduced_);
   ring_edge_.compute(reduced_, rings, raw_);

@@ -23,8 +23,8 @@ using features::SweepView;
 /// wide, blurred a little. Allocates nothing after its first image of a size.
 class MonitorImage {
  public:
-  /// Reduces a kGrey8 frame by means of `step` × `step` pixels. `rings`: the lidar's rings in images
-  /// reduced so.
+  /// Reduces a kGrey8 frame by means of `step` × `step` pixels. `rings`: the lidar's rings in
+  /// images reduced so.
   void build(const CameraFrame& grey, int step, const features::RingDirections& rings);
 
   int width() const { return grey_.width; }

@@ -27,7 +27,7 @@ double quadratic(const Vector6& d, Vector6* gradient) {
   return 3 - 0.5 * off.dot(A * off);
 }
 
-/// Two hills along the first axis: a small one at 0.6, a great one at 6.
+/// Two hills along the first axis: a small one at 0.6, a large one at 6.
 double two_peaks(const Vector6& d, Vector6* gradient) {
   Vector6 low = Vector6::Zero();
   Vector6 high = Vector6::Zero();
@@ -47,7 +47,7 @@ TEST(Ascent, BfgsFindsTheMaximum) {
 }
 
 TEST(Ascent, BfgsFindsTheMaximumInTenDimensions) {
-  // A ridge: what holds the first and the last together is fifty times what holds either.
+  // A ridge: the coupling of the first and the last parameter is fifty times their own curvature.
   const auto ridge = [](const Parameters<10>& d, Parameters<10>* gradient) {
     Eigen::Matrix<double, 10, 10> A = Eigen::Matrix<double, 10, 10>::Identity();
     A(0, 0) = A(9, 9) = 51;
@@ -98,7 +98,7 @@ TEST(Ascent, ReportsThatIterationsWereUsedUp) {
 
 TEST(Ascent, NeverEndsBelowTheInitialValue) {
   const auto valley = [](const Vector6& d, Vector6* gradient) {
-    if (gradient != nullptr) *gradient = -d + Vector6::Constant(1e-9);  // a gradient that lies
+    if (gradient != nullptr) *gradient = -d + Vector6::Constant(1e-9);  // a wrong gradient
     return -d.lpNorm<1>();
   };
   for (const auto& ascend : {ascend_bfgs, ascend_simplex}) {

@@ -13,7 +13,7 @@ namespace {
 
 using geometry::Vector6;
 
-/// What the scenes say at the maximum next to the true pose, seen through `cameras`.
+/// Checks the model at the maximum next to the true pose, with `cameras`.
 std::vector<ModelMismatch> mismatches_of(const std::vector<Scene>& scenes,
                                          const std::vector<RigCamera>& cameras,
                                          const Eigen::Isometry3d& T) {
@@ -28,7 +28,7 @@ std::vector<ModelMismatch> mismatches_of(const std::vector<Scene>& scenes,
 TEST(CheckModel, FindsNothingWhereTheModelIsRight) {
   const painted::Drive& drive = painted::twelve_scene_drive();
   const auto doubts = mismatches_of(drive.scenes, drive.cameras, drive.T_camera_lidar);
-  ASSERT_EQ(doubts.size(), 4U);  // the scenes do not know their motion
+  ASSERT_EQ(doubts.size(), 4U);  // the scenes have no twist
   for (const ModelMismatch& doubt : doubts) {
     EXPECT_FALSE(doubt.serious) << doubt.parameter << " " << doubt.value << " "
                                 << doubt.significance;
@@ -58,8 +58,8 @@ TEST(CheckModel, FindsAnImageDelayWhereTheMotionVaries) {
     Vector6 twist;
     twist << 0, 0, 0.4 * draw(), 6 * draw(), 0, 0;
     scene.twist = twist;
-    // The sweep was corrected to a moment before the picture's: the picture shows points as they
-    // are seen from further on.
+    // The sweep is deskewed to a moment before the exposure: the image shows points as seen from
+    // further on.
     const Eigen::Isometry3d there = geometry::exp(kDelay * twist);
     for (size_t i = 0; i < scene.size(); ++i) {
       const Eigen::Vector3d p = there * Eigen::Vector3d(scene.x[i], scene.y[i], scene.z[i]);

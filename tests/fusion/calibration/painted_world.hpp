@@ -20,7 +20,7 @@
 /// every pixel).
 namespace infuse::calibration::painted {
 
-/// Rectangle centre ± a ± b with a paint of its own.
+/// Rectangle centre ± a ± b with its own pattern.
 struct Face {
   Eigen::Vector3d centre, a, b;
   double base = 0.5;               ///< albedo
@@ -102,8 +102,8 @@ inline CameraIntrinsics small_camera() {
   return {.width = 480, .height = 320, .fx = 330, .fy = 330, .cx = 241, .cy = 158};
 }
 
-/// What casts the rays: rings from `low` to `high` degrees, columns over ± `half_width` degrees.
-/// Reflectivity is a bent function of the albedo, with noise; so is range.
+/// Lidar: rings from `low` to `high` degrees, columns over ± `half_width` degrees.
+/// Reflectivity is a nonlinear function of the albedo, with noise; so is range.
 struct Scanner {
   uint16_t rings = 48;
   double low = -20, high = 14;
@@ -149,7 +149,7 @@ inline Sweep scan(const World& world, uint64_t seed, const Scanner& scanner = {}
   return sweep;
 }
 
-/// The picture, its light falling off towards the left, what is beyond the walls white.
+/// Renders the image; the light falls off towards the left, and all beyond the walls is white.
 inline CameraFrame render_image(const World& world, const CameraIntrinsics& intrinsics,
                                 const Eigen::Isometry3d& T_camera_lidar) {
   const geometry::CameraModel model(intrinsics);
@@ -170,7 +170,7 @@ inline CameraFrame render_image(const World& world, const CameraIntrinsics& intr
   return frame;
 }
 
-/// Scenes of different places and the camera that took them.
+/// Scenes of different places and their camera.
 struct Drive {
   std::vector<Scene> scenes;
   std::vector<RigCamera> cameras;
@@ -183,8 +183,8 @@ inline Drive make_drive(int scenes, double scale = 1, const Scanner& scanner = {
               .T_camera_lidar = T_camera_lidar};
   for (int s = 0; s < scenes; ++s) {
     const World world = make_world(static_cast<uint64_t>(s) + 1, scale);
-    SceneOptions options{.rings =
-                             features::ring_directions(drive.cameras.front().model, drive.T_camera_lidar)};
+    SceneOptions options{
+        .rings = features::ring_directions(drive.cameras.front().model, drive.T_camera_lidar)};
     options.max_range = 1e4;
     options.min_range = std::min(options.min_range, scale);
     auto scene = make_scene(scan(world, 100 + static_cast<uint64_t>(s), scanner),
@@ -203,7 +203,7 @@ inline double metres_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d
   return geometry::log(a * b.inverse()).tail<3>().norm();
 }
 
-/// Twelve scenes, made once.
+/// Twelve scenes, rendered once.
 inline const Drive& twelve_scene_drive() {
   static const Drive drive = make_drive(12);
   return drive;

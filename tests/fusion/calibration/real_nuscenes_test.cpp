@@ -41,7 +41,7 @@ Sweep read_sweep(const std::filesystem::path& path) {
 }
 
 struct Rig {
-  std::vector<Scene> scenes;  ///< one a camera
+  std::vector<Scene> scenes;  ///< one per camera
   std::vector<RigCamera> cameras;
   Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();  ///< as published
 };

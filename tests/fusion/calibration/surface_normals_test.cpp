@@ -28,7 +28,7 @@ Eigen::Vector3d normal_of(const std::array<std::vector<float>, 3>& normals, size
   return {normals[0][i], normals[1][i], normals[2][i]};
 }
 
-TEST(SurfaceNormals, OfRoadAndWallTurnedTowardsTheSensor) {
+TEST(SurfaceNormals, OfRoadAndWallFaceTheSensor) {
   Sweep sweep;
   std::mt19937_64 random(1);
   for (int i = 0; i < 2000; ++i) {
@@ -42,7 +42,7 @@ TEST(SurfaceNormals, OfRoadAndWallTurnedTowardsTheSensor) {
   }
 }
 
-TEST(SurfaceNormals, BesideNeighboursFoundOneByOne) {
+TEST(SurfaceNormals, MatchABruteForceSearch) {
   Sweep sweep;
   std::mt19937_64 random(2);
   for (int i = 0; i < 300; ++i) {
@@ -80,7 +80,7 @@ TEST(SurfaceNormals, NoneWhereReturnsAreFewOrFar) {
   for (const float x : few[0]) EXPECT_TRUE(std::isnan(x));
 }
 
-TEST(SurfaceNormals, AreSpreadEvenlyWhereNotAllAreAskedFor) {
+TEST(SurfaceNormals, AreSpreadEvenlyIfLimitedInNumber) {
   Sweep sweep;
   std::mt19937_64 random(4);
   for (int i = 0; i < 1000; ++i) add(sweep, {draw(random, 3, 5), draw(random, -1, 1), -1.8});

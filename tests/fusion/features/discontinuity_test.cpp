@@ -79,7 +79,7 @@ TEST(Discontinuity, AFarNeighbourCountsAsTheNoReturnStep) {
               ElementsAre(FloatNear(4, 1e-6F), 0));
 }
 
-TEST(Discontinuity, TwoEchoesOfOneFiringAreNoNeighbours) {
+TEST(Discontinuity, ReturnsOfOneFiringAreNotNeighbours) {
   Sweep sweep = make_sweep({{5, 5, 5}});
   const size_t i = sweep.size();
   sweep.resize(i + 1);
@@ -88,11 +88,11 @@ TEST(Discontinuity, TwoEchoesOfOneFiringAreNoNeighbours) {
   sweep.ring[i] = 0;
   sweep.column[i] = sweep.column[i - 1];
   const auto edge = discontinuity(sweep, {.gamma = 1, .max_edge_azimuth = 0});
-  EXPECT_FLOAT_EQ(edge[2], 0);  // beside it in its own firing stands 10 m, before it 5 m
+  EXPECT_FLOAT_EQ(edge[2], 0);  // 10 m in its own firing, 5 m in the one before
   EXPECT_FLOAT_EQ(edge[3], 0);
 }
 
-TEST(Discontinuity, OnlyWhatLiesBesideAnEdgeIsCompared) {
+TEST(Discontinuity, OnlyReturnsNearAnEdgeAreCompared) {
   const Sweep sweep = make_sweep({{5, 5, 5, 5, 9, 9, 9, 9}, {7, 7, 7, 7, 7, 7, 7, 7.3F}});
   const auto edge =
       discontinuity(sweep, {.gamma = 1, .max_edge_azimuth = 0.021, .min_edge_step = 1});

@@ -16,7 +16,7 @@ TEST(OcclusionBuffer, HidesPointsBehindOthers) {
   EXPECT_FALSE(buffer.hides(62, 33, 20)) << "two cells away";
 }
 
-TEST(OcclusionBuffer, LooksIntoThePointsOwnCellAloneIfToldSo) {
+TEST(OcclusionBuffer, ComparesWithinTheCellAloneWithoutNeighbours) {
   OcclusionBuffer buffer({.cell_size = 8, .with_neighbours = false});
   buffer.reset(100, 60);
   buffer.add(15.9F, 7, 10);
@@ -24,7 +24,7 @@ TEST(OcclusionBuffer, LooksIntoThePointsOwnCellAloneIfToldSo) {
   EXPECT_FALSE(buffer.hides(16, 7, 20));
 }
 
-TEST(OcclusionBuffer, ForgetsClearedCellsAndFormerImages) {
+TEST(OcclusionBuffer, IsEmptyAfterClearAndReset) {
   OcclusionBuffer buffer({});
   buffer.reset(100, 60);
   buffer.add(0, 0, 3);

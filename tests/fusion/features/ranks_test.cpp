@@ -14,7 +14,7 @@ namespace {
 
 using testing::ElementsAre;
 
-TEST(Equalize, RanksBesideABruteForceCount) {
+TEST(Equalize, MatchesABruteForceCount) {
   std::mt19937_64 random(3);
   std::vector<float> values;
   for (int i = 0; i < 500; ++i) {
@@ -44,13 +44,13 @@ TEST(EqualizeByLevel, RanksWholeNumbersAsEqualizeDoes) {
   EXPECT_EQ(ranks, exact);
 }
 
-TEST(EqualizeByLevel, LeavesOutWhatIsNotCompared) {
+TEST(EqualizeByLevel, KeepsNaN) {
   std::vector<float> values{0.5F, kNotCompared, 7, 0.25F, 7};
   equalize_by_level(values, 1);
   EXPECT_THAT(values, ElementsAre(0.25F, testing::IsNan(), 0.625F, 0, 0.625F));
 }
 
-TEST(Equalize, NothingAndOne) {
+TEST(Equalize, AcceptsNoneAndOneValue) {
   std::vector<float> none;
   equalize(none);
   EXPECT_TRUE(none.empty());

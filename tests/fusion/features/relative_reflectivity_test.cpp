@@ -37,7 +37,7 @@ Returns random_returns() {
   return out;
 }
 
-TEST(RelativeReflectivity, RanksBesideABruteForceCount) {
+TEST(RelativeReflectivity, MatchesABruteForceCount) {
   const Returns returns = random_returns();
   const std::vector<float> relative = returns.relative();
   const auto same_group = [&](size_t a, size_t b) {

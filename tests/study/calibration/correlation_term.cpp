@@ -36,8 +36,7 @@ class CorrelationTerm : public calibration::DependenceTerm {
 
 std::unique_ptr<calibration::DependenceTerm> make_correlation_term(
     const calibration::TermOptions& options, const calibration::VisiblePoints& points) {
-  return std::make_unique<CorrelationTerm>(
-      points.lidar[calibration::index(options.lidar.front())]);
+  return std::make_unique<CorrelationTerm>(points.lidar[calibration::index(options.lidar.front())]);
 }
 
 }  // namespace infuse::study
