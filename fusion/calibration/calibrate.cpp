@@ -78,17 +78,19 @@ std::vector<TermOptions> concatenate(std::vector<TermOptions> terms,
 class Calibration {
  public:
   Calibration(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
-              const Eigen::Isometry3d& start, const CalibrateOptions& options)
+              const Eigen::Isometry3d& initial_pose, const CalibrateOptions& options)
       : cameras_(cameras),
-        initial_pose_(start),
+        initial_pose_(initial_pose),
         options_(options),
         terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
         search_terms_(search_terms_of(options)),
         images_(scenes, concatenate(terms_, search_terms_), all_sigmas(options)),
         margin_(options.screen.half_width * std::sqrt(3.0)),
-        screening_scenes_(thin_scenes(scenes, cameras, start, margin_, options.screen_points)),
-        coarse_scenes_(thin_scenes(scenes, cameras, start, margin_, options.coarse_points)),
-        fine_scenes_(thin_scenes(scenes, cameras, start, margin_, options.fine_points, true)),
+        screening_scenes_(
+            thin_scenes(scenes, cameras, initial_pose, margin_, options.screen_points)),
+        coarse_scenes_(thin_scenes(scenes, cameras, initial_pose, margin_, options.coarse_points)),
+        fine_scenes_(
+            thin_scenes(scenes, cameras, initial_pose, margin_, options.fine_points, true)),
         final_search_(fine_scenes_, cameras, terms_, images_, options.visibility, options.maximize,
                       prior_position(), options.initial_translation_sigma),
         fine_search_(fine_scenes_, cameras, search_terms_, images_, options.visibility,
@@ -136,9 +138,9 @@ class Calibration {
       restart_result.returned = 0;
       restart_result.best_of_restarts = false;
       std::optional<Eigen::Isometry3d> better;
-      for (const Eigen::Isometry3d& start : draw_around(restart_result.T, random)) {
+      for (const Eigen::Isometry3d& drawn : draw_around(restart_result.T, random)) {
         if (better) break;
-        const Eigen::Isometry3d end = coarse_search_.ascend(start, restart_levels()).T_refcam_lidar;
+        const Eigen::Isometry3d end = coarse_search_.ascend(drawn, restart_levels()).T_refcam_lidar;
         if (is_same_maximum(end, restart_result.T)) {
           ++restart_result.returned;
         } else if (score(end) > score) {
@@ -354,7 +356,7 @@ CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d&
   result.support = mean_support(result.scenes);
   result.evaluations = finest.evaluations();
   const double moved =
-      (result.T_refcam_lidar.inverse().translation() - start.inverse().translation()).norm();
+      (result.T_refcam_lidar.inverse().translation() - initial_pose.inverse().translation()).norm();
   result.reason = rejection_reason(result, maximum, moved, options);
   return result;
 }

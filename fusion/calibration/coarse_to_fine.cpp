@@ -37,25 +37,26 @@ Objective CoarseToFine::make_objective(const VisiblePoints& points, double sigma
   return {points, images_.at(sigma), cameras_, scenes_, terms_};
 }
 
-Maximum CoarseToFine::ascend_once(const Eigen::Isometry3d& start, const Level& level) {
-  if (maximize_.stop.stop_requested()) return {.T_refcam_lidar = start, .reason = kCancelled};
-  const VisiblePoints points = visible_points(start, level.points);
+Maximum CoarseToFine::ascend_once(const Eigen::Isometry3d& initial_pose, const Level& level) {
+  if (maximize_.stop.stop_requested())
+    return {.T_refcam_lidar = initial_pose, .reason = kCancelled};
+  const VisiblePoints points = visible_points(initial_pose, level.points);
   Objective measure = make_objective(points, level.sigma);
   MaximizeOptions options = maximize_;
   options.tolerance = level.tolerance;
   if (level.prior_weight > 0) {
-    const double value = measure.evaluate(start, false).estimate.value;
+    const double value = measure.evaluate(initial_pose, false).estimate.value;
     options.position_prior = {.centre = prior_position_,
                               .weight = 2 * level.prior_weight * std::max(value, 0.0) /
                                         (prior_position_sigma_ * prior_position_sigma_)};
   }
-  const Maximum maximum = maximize(measure, start, options);
+  const Maximum maximum = maximize(measure, initial_pose, options);
   evaluations_ += measure.evaluations();
   return maximum;
 }
 
-Maximum CoarseToFine::ascend(const Eigen::Isometry3d& start, std::span<const Level> levels) {
-  Maximum at{.T_refcam_lidar = start};
+Maximum CoarseToFine::ascend(const Eigen::Isometry3d& initial_pose, std::span<const Level> levels) {
+  Maximum at{.T_refcam_lidar = initial_pose};
   for (const Level& level : levels) {
     for (int pass = 0; pass < level.passes; ++pass) at = ascend_once(at.T_refcam_lidar, level);
   }

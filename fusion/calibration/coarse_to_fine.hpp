@@ -37,7 +37,7 @@ class CoarseToFine {
                const Eigen::Vector3d& prior_position, double prior_position_sigma);
 
   /// Ascends through all levels in order; returns early once a stop is requested.
-  Maximum ascend(const Eigen::Isometry3d& start, std::span<const Level> levels);
+  Maximum ascend(const Eigen::Isometry3d& initial_pose, std::span<const Level> levels);
 
   /// Returns the points of a level: in view under a pose.
   VisiblePoints visible_points(const Eigen::Isometry3d& T_refcam_lidar, size_t max_points) const;
@@ -49,7 +49,7 @@ class CoarseToFine {
   int evaluations() const { return evaluations_; }
 
  private:
-  Maximum ascend_once(const Eigen::Isometry3d& start, const Level& level);
+  Maximum ascend_once(const Eigen::Isometry3d& initial_pose, const Level& level);
 
   std::span<const Scene> scenes_;
   std::span<const RigCamera> cameras_;

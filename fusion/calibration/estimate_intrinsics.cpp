@@ -174,11 +174,11 @@ std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& fre
   Eigen::Index which = 0;
   const double times = freed.correction.cwiseAbs().cwiseQuotient(gross).maxCoeff(&which);
   if (!(times > 1) || !(freed.significance > kMinSignificance)) return std::nullopt;
-  ModelMismatch doubt = make_intrinsic_mismatch(static_cast<size_t>(which), freed.correction(which),
-                                                camera, cameras.size());
-  doubt.significance = freed.significance;
-  doubt.significant = doubt.serious = doubt.gross = true;
-  return doubt;
+  ModelMismatch mismatch = make_intrinsic_mismatch(static_cast<size_t>(which),
+                                                   freed.correction(which), camera, cameras.size());
+  mismatch.significance = freed.significance;
+  mismatch.significant = mismatch.serious = mismatch.gross = true;
+  return mismatch;
 }
 
 }  // namespace infuse::calibration

@@ -70,15 +70,15 @@ ModelMismatch test_score(const ParameterScore& further,
   for (const double score : scores) squares += (score - sum / n) * (score - sum / n);
   const double sigma = std::sqrt(n / (n - 7) * squares);
   const double remaining_curvature = further.curvature - further.pose_coupling.dot(weight);
-  ModelMismatch doubt;
-  doubt.pose_sensitivity = -weight;
-  if (!(sigma > 0)) return doubt;
-  doubt.significance = sum / sigma;
+  ModelMismatch mismatch;
+  mismatch.pose_sensitivity = -weight;
+  if (!(sigma > 0)) return mismatch;
+  mismatch.significance = sum / sigma;
   if (remaining_curvature > 0) {
-    doubt.value = sum / remaining_curvature;
-    doubt.sigma = sigma / remaining_curvature;
+    mismatch.value = sum / remaining_curvature;
+    mismatch.sigma = sigma / remaining_curvature;
   }
-  return doubt;
+  return mismatch;
 }
 
 ParameterScore score_intrinsic(Objective& objective, const Eigen::Isometry3d& T,
@@ -141,21 +141,22 @@ std::vector<ModelMismatch> check_model(Objective& objective,
   const auto seen =
       std::count_if(scene_gradients.begin(), scene_gradients.end(),
                     [](const SceneGradient& p) { return p.head<6>() != Vector6::Zero(); });
-  std::vector<ModelMismatch> doubts;
-  if (!uncertainty.usable() || static_cast<size_t>(seen) < kMinScenes) return doubts;
+  std::vector<ModelMismatch> mismatches;
+  if (!uncertainty.usable() || static_cast<size_t>(seen) < kMinScenes) return mismatches;
   const Matrix6 inverse = uncertainty.curvature.inverse();
   const auto add = [&](const ParameterScore& further, const ModelMismatch& about,
                        double display_scale, double tolerance) {
-    ModelMismatch doubt = test_score(further, scene_gradients, inverse);
-    doubt.parameter = about.parameter;
-    doubt.unit = about.unit;
-    doubt.value *= display_scale;
-    doubt.sigma *= display_scale;
-    doubt.pose_sensitivity /= display_scale;
-    const bool exceeds_tolerance = doubt.value == 0 || std::abs(doubt.value) > tolerance;
-    doubt.significant = exceeds_tolerance && std::abs(doubt.significance) > kSignificantSigmas;
-    doubt.serious = exceeds_tolerance && std::abs(doubt.significance) > kSeriousSigmas;
-    doubts.push_back(doubt);
+    ModelMismatch mismatch = test_score(further, scene_gradients, inverse);
+    mismatch.parameter = about.parameter;
+    mismatch.unit = about.unit;
+    mismatch.value *= display_scale;
+    mismatch.sigma *= display_scale;
+    mismatch.pose_sensitivity /= display_scale;
+    const bool exceeds_tolerance = mismatch.value == 0 || std::abs(mismatch.value) > tolerance;
+    mismatch.significant =
+        exceeds_tolerance && std::abs(mismatch.significance) > kSignificantSigmas;
+    mismatch.serious = exceeds_tolerance && std::abs(mismatch.significance) > kSeriousSigmas;
+    mismatches.push_back(mismatch);
   };
   for (size_t c = 0; c < cameras.size(); ++c) {
     for (size_t which = 0; which < std::size(kIntrinsics); ++which) {
@@ -170,7 +171,7 @@ std::vector<ModelMismatch> check_model(Objective& objective,
     add(score_delay(T_refcam_lidar, scenes, uncertainty),
         {.parameter = "image time offset", .unit = "ms"}, 1e3, kTimeTolerance);
   }
-  return doubts;
+  return mismatches;
 }
 
 }  // namespace infuse::calibration

@@ -30,9 +30,9 @@ Eigen::Vector3d low_discrepancy_point(int k) {
 
 class RotationScreening {
  public:
-  RotationScreening(const Eigen::Isometry3d& start, const ScreenOptions& options,
+  RotationScreening(const Eigen::Isometry3d& initial_pose, const ScreenOptions& options,
                     const std::function<double(const Eigen::Isometry3d&)>& score)
-      : initial_pose_(start), options_(options), score_(score) {}
+      : initial_pose_(initial_pose), options_(options), score_(score) {}
 
   std::vector<Eigen::Isometry3d> run() {
     const double poses_per_axis = 2 * options_.half_width / options_.spacing;

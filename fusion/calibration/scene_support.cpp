@@ -11,15 +11,15 @@ constexpr size_t kMinPointsPerGroup = 2'000;  // with fewer the measure is mostl
 
 double share_of_worse_rotations(Objective& measure, const Eigen::Isometry3d& T, double value) {
   int worse = 0;
-  int asked = 0;
+  int compared = 0;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double angle : {-2 * kDegree, -kDegree, kDegree, 2 * kDegree}) {
       const Eigen::Isometry3d wrong = geometry::exp(angle * geometry::Vector6::Unit(axis)) * T;
       worse += measure.evaluate(wrong, false).estimate.value < value ? 1 : 0;
-      ++asked;
+      ++compared;
     }
   }
-  return static_cast<double>(worse) / asked;
+  return static_cast<double>(worse) / compared;
 }
 
 /// Groups of consecutive blocks with enough points; remaining blocks join the last group.

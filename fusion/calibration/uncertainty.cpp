@@ -110,7 +110,7 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   out.scene_influence.assign(out.scene_gradients.size(), 0.0);
   if (seen.size() < 3) {
     out.reason = std::to_string(seen.size()) +
-                 " scenes say nothing of how far scenes disagree: at least 3 are needed";
+                 " scenes do not show how far scenes disagree: at least 3 are needed";
     return out;
   }
   const Matrix6 scatter = gradient_scatter(seen);

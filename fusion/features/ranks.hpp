@@ -14,7 +14,7 @@ void equalize(std::span<float> values);
 /// NaN and is not counted. One entry a value in `group`.
 void equalize_within_groups(std::span<const uint16_t> group, std::span<float> values);
 
-/// The same over all values of 0 … `max_value`, which are told apart in 1024 equal levels (larger
+/// The same over all values of 0 … `max_value`, which are divided into 1024 equal levels (larger
 /// ones share the last). NaN stays NaN. Allocates nothing.
 void equalize_by_level(std::span<float> values, float max_value);
 

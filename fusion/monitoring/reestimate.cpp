@@ -85,7 +85,7 @@ double mahalanobis(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
 /// Estimates from every second scene, starting at the result of all scenes.
 Eigen::Isometry3d estimate_from_half(const std::vector<calibration::Scene>& scenes, size_t first,
                                      std::span<const calibration::RigCamera> cameras,
-                                     const Eigen::Isometry3d& start,
+                                     const Eigen::Isometry3d& initial_pose,
                                      const ReestimateOptions& options,
                                      const std::stop_token& stop) {
   std::vector<calibration::Scene> own;
@@ -95,7 +95,7 @@ Eigen::Isometry3d estimate_from_half(const std::vector<calibration::Scene>& scen
   only_fine.screen.survivors = 0;
   only_fine.restarts = 0;
   only_fine.fine = {{.sigma = 2, .points = options.points / 2}};
-  return calibration::calibrate(own, cameras, start, only_fine).T_refcam_lidar;
+  return calibration::calibrate(own, cameras, initial_pose, only_fine).T_refcam_lidar;
 }
 
 }  // namespace

@@ -92,8 +92,8 @@ TEST(Ascent, NoStepIsLongerThanAllowed) {
 }
 
 TEST(Ascent, ReportsThatIterationsWereUsedUp) {
-  EXPECT_FALSE(ascend_bfgs(hill, {.max_iterations = 2}).converged);
-  EXPECT_FALSE(ascend_simplex(hill, {.max_iterations = 2}).converged);
+  EXPECT_FALSE(ascend_bfgs(quadratic, {.max_iterations = 2}).converged);
+  EXPECT_FALSE(ascend_simplex(quadratic, {.max_iterations = 2}).converged);
 }
 
 TEST(Ascent, NeverEndsBelowTheInitialValue) {

@@ -88,7 +88,7 @@ inline World make_world(uint64_t seed, double scale = 1) {
   return world;
 }
 
-/// The camera looks along x of the lidar, 0.3 m before and 0.2 m beside it.
+/// Camera along x of the lidar, 0.3 m in front of and 0.2 m beside it.
 inline Eigen::Isometry3d true_T_camera_lidar() {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;

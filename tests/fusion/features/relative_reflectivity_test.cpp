@@ -74,11 +74,11 @@ TEST(RelativeReflectivity, EqualReturnsGetTheMiddleRank) {
 }
 
 TEST(RelativeReflectivity, MemoryOfTheLastSweepChangesNothing) {
-  RelativeReflectivity kept;
+  RelativeReflectivity reused;
   const Returns returns = random_returns();
-  kept.compute(returns.ring, returns.range, returns.reflectivity);
+  reused.compute(returns.ring, returns.range, returns.reflectivity);
   const Returns same{.ring = {3, 3}, .range = {9, 9}, .reflectivity = {0.2F, 0.4F}};
-  EXPECT_THAT(kept.compute(same.ring, same.range, same.reflectivity),
+  EXPECT_THAT(reused.compute(same.ring, same.range, same.reflectivity),
               testing::ElementsAre(0.25F, 0.75F));
 }
 

@@ -17,16 +17,16 @@ class EvaluationGenerator {
   explicit EvaluationGenerator(uint64_t seed) : random_(seed) {}
 
   AxisEvaluation next(const PerAxis& drift, double noise, double correlation = 0) {
-    AxisEvaluation look;
+    AxisEvaluation evaluation;
     for (size_t k = 0; k < kAxes; ++k) {
       // Standard deviations of an evaluation: 0.17 degrees, 3 cm, 50 ms.
       const double unit = k < 3 ? 3e-3 : k < 6 ? 0.03 : k < 7 ? 0.05 : k < 10 ? 0.01 : 0.1;
-      look.step[k] = 10 * unit;
-      look.curvature[k] = noise / (unit * unit);
+      evaluation.step[k] = 10 * unit;
+      evaluation.curvature[k] = noise / (unit * unit);
       last_[k] = correlation * last_[k] + std::sqrt(1 - correlation * correlation) * normal();
-      look.slope[k] = look.curvature[k] * (drift[k] + unit * last_[k]);
+      evaluation.slope[k] = evaluation.curvature[k] * (drift[k] + unit * last_[k]);
     }
-    return look;
+    return evaluation;
   }
 
  private:
@@ -113,8 +113,8 @@ TEST(DriftDetector, NoisierEvaluationsCountLess) {
   EvaluationGenerator noisier(5);
   int alarms = 0;
   for (int k = 0; k < 20'000; ++k) {
-    AxisEvaluation look = noisier.next({}, 0.06);
-    overconfident.add(look);
+    AxisEvaluation evaluation = noisier.next({}, 0.06);
+    overconfident.add(evaluation);
     alarms += overconfident.confirmed() ? 1 : 0;
   }
   EXPECT_EQ(alarms, 0);
@@ -139,7 +139,7 @@ TEST(DriftDetectorOptions, SaysWhatIsWrong) {
   EXPECT_FALSE(DriftDetectorOptions{}.invalid());
   DriftDetectorOptions options;
   options.drift_offset[2] = 0;
-  EXPECT_THAT(*options.invalid(), HasSubstr("drifted"));
+  EXPECT_THAT(*options.invalid(), HasSubstr("drift_offset"));
   EXPECT_THAT(*(DriftDetectorOptions{.suspicion_threshold = 40}.invalid()), HasSubstr("suspect"));
   EXPECT_THAT(*(DriftDetectorOptions{.warm_up = 2}.invalid()), HasSubstr("warm_up"));
   // e^h evaluations per alarm, for two parallel tests per axis.
