@@ -38,7 +38,7 @@ function(infuse_precompiled name)
 endfunction()
 infuse_precompiled(infuse_pch)
 
-# infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder, as infuse::drivers_velodyne.
+# infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder but tests, as infuse::drivers_velodyne.
 function(infuse_library folder)
   string(REPLACE "/" "_" name ${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)

@@ -127,13 +127,12 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
       for (const auto feature : term.image) scene_options.image[calibration::index(feature)] = true;
     }
   }
-  std::vector<calibration::RingDirections> rings;
+  std::vector<features::RingDirections> rings;
   for (size_t c = 0; c < pairs.cameras.size(); ++c) {
     run.cameras.push_back(
         {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_refcam(pairs, c)});
     const calibration::RigCamera& camera = run.cameras.back();
-    rings.push_back(
-        calibration::ring_directions(camera.model, camera.T_camera_refcam * initial_pose));
+    rings.push_back(features::ring_directions(camera.model, camera.T_camera_refcam * initial_pose));
   }
   for (const ScenePair& pair : pairs.pairs) {
     scene_options.rings = rings[pair.camera];
@@ -145,11 +144,6 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
     run.scenes.push_back(std::move(*scene));
   }
   run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
-  if (measure.comparison_only && run.result.usable()) {
-    run.result.reason = fmt::format(
-        "'{}' is for comparison only: its confidence does not separate right from wrong results",
-        measure.name);
-  }
   run.cpu_s = cpu_seconds() - began;
   return run;
 }

@@ -8,15 +8,16 @@ namespace {
 
 using geometry::Vector6;
 
-constexpr double kInitialStep = 0.3;      // of the first step, before the curvature is known
-constexpr double kBacktrackFactor = 0.4;  // of the step, where the function does not rise enough
+constexpr double kInitialStep = 0.3;  // length of the first step, before the curvature is known
+constexpr double kBacktrackFactor =
+    0.4;  // applied to a step that does not raise the function enough
 constexpr int kMaxBacktracks = 12;
-constexpr double kArmijoFraction = 1e-4;  // of the rise that the slope promises (Armijo)
+constexpr double kArmijoFraction = 1e-4;  // share of the linearly predicted rise (Armijo)
 
 template <int N>
 using Square = Eigen::Matrix<double, N, N>;
 
-/// A place, its value and its slope.
+/// Parameters, the function's value and its gradient there.
 template <int N>
 struct Iterate {
   Parameters<N> d = Parameters<N>::Zero();
@@ -31,7 +32,7 @@ Iterate<N> evaluate(const ObjectiveFunction<N>& function, const Parameters<N>& d
   return iterate;
 }
 
-/// Backtracks along `step` until the function has risen enough; false where it never does.
+/// Backtracks along `step` until the function has risen enough; false if it never does.
 template <int N>
 bool line_search(const ObjectiveFunction<N>& function, const Iterate<N>& from, Parameters<N> step,
                  Iterate<N>& to) {
@@ -43,7 +44,7 @@ bool line_search(const ObjectiveFunction<N>& function, const Iterate<N>& from, P
   return false;
 }
 
-/// The inverse of minus the second derivative, as the steps so far show it.
+/// Inverse of minus the second derivative, estimated from the steps so far.
 template <int N>
 class InverseCurvature {
  public:
@@ -60,7 +61,7 @@ class InverseCurvature {
     const Parameters<N> s = to.d - from.d;
     const Parameters<N> y = from.slope - to.slope;
     const double sy = s.dot(y);
-    if (!(sy > 1e-9 * s.norm() * y.norm())) return;  // convex here: nothing to learn of a maximum
+    if (!(sy > 1e-9 * s.norm() * y.norm())) return;  // convex here: no information about a maximum
     if (fresh_) inverse_ = Square<N>::Identity() * (sy / y.squaredNorm());
     const Square<N> A = Square<N>::Identity() - s * y.transpose() / sy;
     inverse_ = A * inverse_ * A.transpose() + s * s.transpose() / sy;
@@ -86,7 +87,7 @@ AscentResult<N> bfgs(const ObjectiveFunction<N>& function, const AscentOptions& 
       curvature.update(at, next);
       at = next;
     } else {
-      // Not even the slope's own direction leads up: a maximum, as far as the numbers can tell.
+      // The gradient's own direction does not lead up: a maximum within rounding.
       if (curvature.fresh() || at.slope.norm() == 0) return {at.d, at.value, true};
       curvature.restart(at.slope);
     }
@@ -103,24 +104,6 @@ PoseAscentResult ascend_bfgs(const PoseFunction& function, const AscentOptions& 
 AscentResult<10> ascend_bfgs_10d(const ObjectiveFunction<10>& function,
                                  const AscentOptions& options) {
   return bfgs<10>(function, options);
-}
-
-PoseAscentResult ascend_barzilai_borwein(const PoseFunction& function,
-                                         const AscentOptions& options) {
-  Iterate<6> at = evaluate<6>(function, Vector6::Zero());
-  Iterate<6> best = at;
-  double rate = kInitialStep / std::max(at.slope.norm(), 1e-12);
-  for (int i = 0; i < options.max_iterations; ++i) {
-    Vector6 step = rate * at.slope;
-    if (step.norm() > options.max_step) step *= options.max_step / step.norm();
-    if (step.norm() < options.tolerance) return {best.d, best.value, true};
-    const Iterate<6> next = evaluate<6>(function, at.d + step);
-    const double curvature = std::abs(step.dot(next.slope - at.slope));
-    if (curvature > 0) rate = step.squaredNorm() / curvature;
-    at = next;
-    if (at.value > best.value) best = at;
-  }
-  return {best.d, best.value, false};
 }
 
 PoseAscentResult ascend_simplex(const PoseFunction& function, const AscentOptions& options) {

@@ -9,40 +9,36 @@ namespace infuse::calibration {
 template <int N>
 using Parameters = Eigen::Matrix<double, N, 1>;
 
-/// A function of N scaled parameters to be maximised. With a `gradient` it also fills that.
+/// Function of N scaled parameters that is maximised. Fills in `gradient` where that is not null.
 template <int N>
 using ObjectiveFunction = std::function<double(const Parameters<N>& d, Parameters<N>* gradient)>;
 using PoseFunction = ObjectiveFunction<6>;
 
-/// When an ascent ends.
+/// Stopping rule of an ascent.
 struct AscentOptions {
-  int max_iterations = 60;
-  double tolerance = 1e-4;  ///< a step shorter than this ends the search
-  double max_step = 1;      ///< no step is longer: a longer one may land in another basin
+  int max_iterations = 60;  ///< maximum number of iterations
+  double tolerance = 1e-4;  ///< a shorter step ends the search
+  double max_step = 1;      ///< maximum step; a longer one may leave the convergence basin
 };
 
-/// Where an ascent of N parameters ended.
+/// End of an ascent over N parameters.
 template <int N>
 struct AscentResult {
   Parameters<N> d = Parameters<N>::Zero();
   double value = 0;
-  bool converged = false;  ///< false: still moving when its iterations were used up
+  bool converged = false;  ///< false: `max_iterations` was reached before
 };
 using PoseAscentResult = AscentResult<6>;
 
 /// Quasi-Newton ascent from 0 after Broyden, Fletcher, Goldfarb and Shanno (I 4.2.3; Nocedal and
-/// Wright, 6.1), with a bounded step and backtracking. Libraries' line searches lengthen the step
-/// until the function falls, which a dependence with many maxima does only beyond the next hill.
+/// Wright, 6.1), with a bounded step and backtracking. Line searches of libraries lengthen the step
+/// until the function falls, and so pass over the nearest of many maxima.
 PoseAscentResult ascend_bfgs(const PoseFunction& function, const AscentOptions& options);
-/// The same with ten parameters: a pose, and four of a camera.
+/// The same for ten parameters: a pose and four intrinsics of a camera.
 AscentResult<10> ascend_bfgs_10d(const ObjectiveFunction<10>& function,
                                  const AscentOptions& options);
 
-/// Gradient ascent from 0 with Barzilai–Borwein steps, P 3.3.2: d ← d + γ g, γ = |Δd|² / |Δd·Δg|.
-PoseAscentResult ascend_barzilai_borwein(const PoseFunction& function,
-                                         const AscentOptions& options);
-
-/// Nelder and Mead's simplex from 0 with the usual coefficients (1, 2, ½, ½); asks for no gradient.
+/// Nelder and Mead's simplex from 0 with the usual coefficients (1, 2, ½, ½); needs no gradient.
 PoseAscentResult ascend_simplex(const PoseFunction& function, const AscentOptions& options);
 
 }  // namespace infuse::calibration

@@ -20,17 +20,17 @@ using geometry::Vector6;
 
 constexpr double kMaxSameMaximumRotation = 0.3 * kDegree;
 constexpr double kMaxSameMaximumTranslation = 0.04;
-constexpr double kMinBaselineHalfWidth =
-    0.1;                                // rad: turned further, pictures of other places fit as well
-constexpr int kDrawsPerRestart = 40;    // poses drawn for one that climbs
-constexpr int kMaxRestartRounds = 4;    // of restarts that each found a better place
-constexpr double kPriorScale = 1;       // times the anchors of the levels
-constexpr double kRetryPriorScale = 3;  // the same, where the first attempt came to nothing
-constexpr int kMaxRestartsPerReturn = 4;  // one restart in so many must lead back
-constexpr double kMaxTranslationSigmas =
-    3;  // standard deviations of the start's translation; 97 % lie nearer
+// Over wider rotations images of other places fit as well, rad.
+constexpr double kMinBaselineHalfWidth = 0.1;
+constexpr int kDrawsPerRestart = 40;      // number of poses drawn for one ascent
+constexpr int kMaxRestartRounds = 4;      // maximum number of rounds that each found a larger value
+constexpr double kPriorScale = 1;         // factor of the levels' prior weights
+constexpr double kRetryPriorScale = 3;    // the same where the first attempt is not usable
+constexpr int kMaxRestartsPerReturn = 4;  // one restart in so many must converge to the result
+// Standard deviations of the initial translation; 97 % lie nearer.
+constexpr double kMaxTranslationSigmas = 3;
 
-/// Even in [−1, 1]; the standard's distributions differ between libraries.
+/// Draws evenly from [−1, 1]; the standard's distributions differ between libraries.
 double draw_uniform(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
 }
@@ -54,7 +54,7 @@ struct Scored {
   double score;
 };
 
-/// The best `most`, best first.
+/// Returns the poses with the largest scores, best first.
 std::vector<Eigen::Isometry3d> best_poses(std::vector<Scored>& poses, size_t max_poses) {
   std::stable_sort(poses.begin(), poses.end(),
                    [](const Scored& a, const Scored& b) { return a.score > b.score; });
@@ -63,7 +63,7 @@ std::vector<Eigen::Isometry3d> best_poses(std::vector<Scored>& poses, size_t max
   return best;
 }
 
-/// Those of the default measure, of the terms that are given, or what is given.
+/// Search terms: the given ones, those of the default measure, or the given terms.
 std::vector<TermOptions> search_terms_of(const CalibrateOptions& options) {
   if (!options.search_terms.empty()) return options.search_terms;
   return options.terms.empty() ? named_measures().front().search_terms : options.terms;
@@ -75,21 +75,23 @@ std::vector<TermOptions> concatenate(std::vector<TermOptions> terms,
   return terms;
 }
 
-/// All that a calibration's steps share.
+/// State that the steps of a calibration share.
 class Calibration {
  public:
   Calibration(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
-              const Eigen::Isometry3d& start, const CalibrateOptions& options)
+              const Eigen::Isometry3d& initial_pose, const CalibrateOptions& options)
       : cameras_(cameras),
-        initial_pose_(start),
+        initial_pose_(initial_pose),
         options_(options),
         terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
         search_terms_(search_terms_of(options)),
         images_(scenes, concatenate(terms_, search_terms_), all_sigmas(options)),
         margin_(options.screen.half_width * std::sqrt(3.0)),
-        screening_scenes_(thin_scenes(scenes, cameras, start, margin_, options.screen_points)),
-        coarse_scenes_(thin_scenes(scenes, cameras, start, margin_, options.coarse_points)),
-        fine_scenes_(thin_scenes(scenes, cameras, start, margin_, options.fine_points, true)),
+        screening_scenes_(
+            thin_scenes(scenes, cameras, initial_pose, margin_, options.screen_points)),
+        coarse_scenes_(thin_scenes(scenes, cameras, initial_pose, margin_, options.coarse_points)),
+        fine_scenes_(
+            thin_scenes(scenes, cameras, initial_pose, margin_, options.fine_points, true)),
         final_search_(fine_scenes_, cameras, terms_, images_, options.visibility, options.maximize,
                       prior_position(), options.initial_translation_sigma),
         fine_search_(fine_scenes_, cameras, search_terms_, images_, options.visibility,
@@ -100,17 +102,17 @@ class Calibration {
   CoarseToFine& final_search() { return final_search_; }
   CoarseToFine& fine_search() { return fine_search_; }
 
-  /// Where climbs came to rest, and how many of the last round led back there.
+  /// Pose after the restarts, and how many of the last round converged to it.
   struct RestartResult {
     Eigen::Isometry3d T;
     int returned = 0;
-    bool best_of_restarts = true;  // the last round found nothing better
+    bool best_of_restarts = true;  // the last round found no larger value
   };
 
-  /// The end of the coarse climbs that scores best; `held` multiplies the levels' anchors.
-  Eigen::Isometry3d find_basin(double held) {
+  /// Returns the best result of the coarse levels; `prior_scale` multiplies their prior weights.
+  Eigen::Isometry3d find_basin(double prior_scale) {
     VisibilityOptions open = options_.visibility;
-    open.occlusion_cell = 0;
+    open.occlusion.reset();
     PoseScore screening_score(
         screening_scenes_, cameras_, search_terms_, open, images_, options_.screen_sigma,
         options_.screen.half_width > kMinBaselineHalfWidth, options_.maximize.stop);
@@ -118,32 +120,31 @@ class Calibration {
         screen_rotations(initial_pose_, options_.screen, std::ref(screening_score));
     evaluations_ += screening_score.evaluations();
     for (Level level : options_.coarse) {
-      level.prior_weight *= held;
+      level.prior_weight *= prior_scale;
       poses = ascend_from_all(poses, level);
     }
     return poses.front();
   }
 
-  /// Climbs again from around `T`; where that leads to a better place, from around that. Gives back
-  /// where it came to rest, and how many of the last round's climbs led back there.
+  /// Ascends from poses around `T`; repeats this around a better result, where one is found.
+  /// Returns the best pose and how many ascents of the last round converged to it.
   RestartResult run_restarts(const Eigen::Isometry3d& T) {
     if (options_.restarts == 0) return {.T = T};
     std::mt19937_64 random(options_.seed);
-    PoseScore rejection_reason(coarse_scenes_, cameras_, search_terms_, options_.visibility,
-                               images_, options_.coarse.back().sigma, false,
-                               options_.maximize.stop);
+    PoseScore score(coarse_scenes_, cameras_, search_terms_, options_.visibility, images_,
+                    options_.coarse.back().sigma, false, options_.maximize.stop);
     RestartResult restart_result{.T = T};
     for (int round = 0; round < kMaxRestartRounds; ++round) {
       const double score = rejection_reason(restart_result.T);
       restart_result.returned = 0;
       restart_result.best_of_restarts = false;
       std::optional<Eigen::Isometry3d> better;
-      for (const Eigen::Isometry3d& start : draw_around(restart_result.T, random)) {
+      for (const Eigen::Isometry3d& drawn : draw_around(restart_result.T, random)) {
         if (better) break;
-        const Eigen::Isometry3d end = coarse_search_.ascend(start, restart_levels()).T_refcam_lidar;
+        const Eigen::Isometry3d end = coarse_search_.ascend(drawn, restart_levels()).T_refcam_lidar;
         if (is_same_maximum(end, restart_result.T)) {
           ++restart_result.returned;
-        } else if (rejection_reason(end) > score) {
+        } else if (score(end) > score) {
           better = end;
         }
       }
@@ -153,11 +154,12 @@ class Calibration {
       }
       restart_result.T = *better;
     }
-    evaluations_ += rejection_reason.evaluations();
+    evaluations_ += score.evaluations();
     return restart_result;
   }
 
-  /// The scenes are halved at random; how far apart do the halves come to rest?
+  /// Covariance from random halves of the scenes: ¼ mean of the squared difference of their
+  /// results.
   std::optional<geometry::Matrix6> split_half(const Eigen::Isometry3d& T) {
     if (options_.splits == 0 || coarse_scenes_.size() < 2) return std::nullopt;
     std::mt19937_64 random(options_.seed);
@@ -175,7 +177,7 @@ class Calibration {
     return 0.25 / options_.splits * sum;
   }
 
-  /// What the scenes say of the cameras and of the clock.
+  /// Finds errors of the intrinsics and the clock that the scenes indicate.
   std::vector<ModelMismatch> find_mismatches(Objective& finest, const Eigen::Isometry3d& T,
                                              const Uncertainty& uncertainty) {
     std::vector<ModelMismatch> all = check_model(finest, T, cameras_, fine_scenes_, uncertainty);
@@ -184,8 +186,9 @@ class Calibration {
                                                 options_.visibility, T, options_.maximize.stop);
       const auto gross = estimate ? detect_gross_mismatch(*estimate, cameras_, c) : std::nullopt;
       if (!gross) continue;
-      std::erase_if(
-          all, [&](const ModelMismatch& doubt) { return doubt.parameter == gross->parameter; });
+      std::erase_if(all, [&](const ModelMismatch& mismatch) {
+        return mismatch.parameter == gross->parameter;
+      });
       all.insert(all.begin(), *gross);
     }
     return all;
@@ -197,13 +200,13 @@ class Calibration {
   }
 
  private:
-  /// The two finest of the coarse levels.
+  /// Returns the two finest of the coarse levels.
   std::span<const Level> restart_levels() const {
     const std::span<const Level> levels(options_.coarse);
     return levels.last(std::min<size_t>(2, levels.size()));
   }
 
-  /// Poses from around `T`: of many that are drawn, those that score best.
+  /// Draws many poses around `T` and returns those that score best.
   std::vector<Eigen::Isometry3d> draw_around(const Eigen::Isometry3d& T, std::mt19937_64& random) {
     PoseScore screening_score(screening_scenes_, cameras_, search_terms_, options_.visibility,
                               images_, restart_levels().front().sigma, false,
@@ -222,7 +225,7 @@ class Calibration {
     return best_poses(drawn, static_cast<size_t>(options_.restarts));
   }
 
-  /// The finest coarse levels with some of the scenes alone.
+  /// Ascends through the finest coarse levels with some of the scenes alone.
   Eigen::Isometry3d ascend_with_scenes(const Eigen::Isometry3d& T, std::span<const size_t> scenes) {
     std::vector<Scene> part(coarse_scenes_.size());
     for (size_t s = 0; s < coarse_scenes_.size(); ++s) part[s].camera = coarse_scenes_[s].camera;
@@ -234,17 +237,17 @@ class Calibration {
     return end;
   }
 
-  /// Climbs one level from each; gives back the best ends, best first.
+  /// Ascends one level from each pose; returns the best results, best first.
   std::vector<Eigen::Isometry3d> ascend_from_all(const std::vector<Eigen::Isometry3d>& from,
                                                  const Level& level) {
-    PoseScore rejection_reason(coarse_scenes_, cameras_, search_terms_, options_.visibility,
-                               images_, level.sigma, false, options_.maximize.stop);
+    PoseScore score(coarse_scenes_, cameras_, search_terms_, options_.visibility, images_,
+                    level.sigma, false, options_.maximize.stop);
     std::vector<Scored> ends;
     for (const Eigen::Isometry3d& T : from) {
       const Eigen::Isometry3d end = coarse_search_.ascend(T, std::span(&level, 1)).T_refcam_lidar;
-      ends.push_back({end, rejection_reason(end)});
+      ends.push_back({end, score(end)});
     }
-    evaluations_ += rejection_reason.evaluations();
+    evaluations_ += score.evaluations();
     return best_poses(ends, static_cast<size_t>(level.survivors));
   }
 
@@ -279,58 +282,60 @@ std::string format_text(const char* format, Values... values) {
   return text.data();
 }
 
-std::string mismatch_text(const ModelMismatch& doubt) {
-  const std::string by = doubt.value == 0 ? ""
-                                          : format_text("%+.2g%s%s, ", doubt.value,
-                                                        *doubt.unit == '\0' ? "" : " ", doubt.unit);
-  return format_text("lidar and pictures would fit better with another %s (%s%.0f sigma)",
-                     doubt.parameter.c_str(), by.c_str(), std::abs(doubt.significance));
+std::string mismatch_text(const ModelMismatch& mismatch) {
+  const std::string by = mismatch.value == 0
+                             ? ""
+                             : format_text("%+.2g%s%s, ", mismatch.value,
+                                           *mismatch.unit == '\0' ? "" : " ", mismatch.unit);
+  return format_text("lidar and images would fit better with another %s (%s%.0f sigma)",
+                     mismatch.parameter.c_str(), by.c_str(), std::abs(mismatch.significance));
 }
 
-/// Why the result cannot be used, or an empty text.
+/// Returns why the result cannot be used, or an empty text.
 std::string rejection_reason(const CalibrationResult& result, const Maximum& maximum, double moved,
                              const CalibrateOptions& options) {
   if (!maximum.usable()) return maximum.reason;
   if (!result.uncertainty.usable()) return result.uncertainty.reason;
-  for (const ModelMismatch& doubt : result.model_mismatches) {
-    if (doubt.gross) return mismatch_text(doubt);  // what follows may come of it
+  for (const ModelMismatch& mismatch : result.model_mismatches) {
+    if (mismatch.gross) return mismatch_text(mismatch);  // later checks may fail because of it
   }
   if (result.support < options.min_support) {
     return format_text(
         "the scenes do not support it: only %.0f %% of small wrong rotations make them fit worse "
-        "(%.0f %% expected); do pictures and sweeps belong together?",
+        "(%.0f %% expected); check that images and sweeps belong together",
         100 * result.support, 100 * options.min_support);
   }
   if (!result.best_of_restarts) {
-    return "restarts from around it kept finding better places";
+    return "restarts from around the result kept finding larger values";
   }
   if (kMaxRestartsPerReturn * result.returned < result.restarts) {
-    return format_text("only %d of %d restarts from around it led back", result.returned,
+    return format_text("only %d of %d restarts converged to the result", result.returned,
                        result.restarts);
   }
-  for (const ModelMismatch& doubt : result.model_mismatches) {
-    if (doubt.serious) return mismatch_text(doubt);
+  for (const ModelMismatch& mismatch : result.model_mismatches) {
+    if (mismatch.serious) return mismatch_text(mismatch);
   }
   if (moved > kMaxTranslationSigmas * options.initial_translation_sigma) {
-    return format_text("it moved %.2f m from the start, whose translation is known to %.2f m",
-                       moved, options.initial_translation_sigma);
+    return format_text(
+        "the result lies %.2f m from the initial position, whose standard deviation is %.2f m",
+        moved, options.initial_translation_sigma);
   }
   return {};
 }
 
-/// Finds a calibration with the levels' anchors multiplied by `held`, and judges it.
-CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d& start,
-                              size_t scenes, const CalibrateOptions& options, double held) {
+/// Calibrates with the levels' prior weights multiplied by `prior_scale`, and checks the result.
+CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d& initial_pose,
+                              size_t scenes, const CalibrateOptions& options, double prior_scale) {
   CalibrationResult result;
   CoarseToFine& search = calibration.final_search();
   const Calibration::RestartResult restart_result =
-      calibration.run_restarts(calibration.find_basin(held));
+      calibration.run_restarts(calibration.find_basin(prior_scale));
   const std::span<const Level> fine(options.fine);
   const Maximum fine_maximum =
       calibration.fine_search().ascend(restart_result.T, fine.first(fine.size() - 1));
   const Maximum maximum = search.ascend(fine_maximum.T_refcam_lidar, fine.last(1));
   if (options.maximize.stop.stop_requested()) {
-    result.T_refcam_lidar = start;
+    result.T_refcam_lidar = initial_pose;
     result.reason = maximum.reason;
     return result;
   }
@@ -343,7 +348,7 @@ CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d&
   Objective finest = search.make_objective(points, options.fine.back().sigma);
   result.points = points.size();
   result.value = finest.evaluate(result.T_refcam_lidar, false).estimate.value;
-  result.initial_value = finest.evaluate(start, false).estimate.value;
+  result.initial_value = finest.evaluate(initial_pose, false).estimate.value;
   result.uncertainty = estimate_uncertainty(finest, result.T_refcam_lidar);
   result.model_mismatches =
       calibration.find_mismatches(finest, result.T_refcam_lidar, result.uncertainty);
@@ -352,7 +357,7 @@ CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d&
   result.support = mean_support(result.scenes);
   result.evaluations = finest.evaluations();
   const double moved =
-      (result.T_refcam_lidar.inverse().translation() - start.inverse().translation()).norm();
+      (result.T_refcam_lidar.inverse().translation() - initial_pose.inverse().translation()).norm();
   result.reason = rejection_reason(result, maximum, moved, options);
   return result;
 }
@@ -391,16 +396,16 @@ std::optional<std::string> CalibrateOptions::invalid() const {
 }
 
 CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
-                            const Eigen::Isometry3d& T_head_lidar_start,
+                            const Eigen::Isometry3d& T_refcam_lidar_start,
                             const CalibrateOptions& options) {
-  Calibration calibration(scenes, cameras, T_head_lidar_start, options);
+  Calibration calibration(scenes, cameras, T_refcam_lidar_start, options);
   CalibrationResult result =
-      run_attempt(calibration, T_head_lidar_start, scenes.size(), options, kPriorScale);
+      run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kPriorScale);
   const bool gross = std::any_of(result.model_mismatches.begin(), result.model_mismatches.end(),
-                                 [](const ModelMismatch& doubt) { return doubt.gross; });
+                                 [](const ModelMismatch& mismatch) { return mismatch.gross; });
   if (!result.usable() && options.restarts > 0 && result.points > 0) {
     const CalibrationResult held =
-        run_attempt(calibration, T_head_lidar_start, scenes.size(), options, kRetryPriorScale);
+        run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kRetryPriorScale);
     // At the same place the same camera is as wrong as before.
     const bool there = is_same_maximum(held.T_refcam_lidar, result.T_refcam_lidar);
     if (held.usable() && !(gross && there)) result = held;

@@ -11,44 +11,45 @@
 
 namespace infuse::calibration {
 
-/// One step of the coarse-to-fine search.
+/// Level of the coarse-to-fine search.
 struct Level {
   double sigma = 1.5;  ///< px, blur of the image features
-  size_t points = 0;   ///< how many points take part at most; 0: all in view
-  int passes = 1;      ///< searches, each with the points chosen anew from where the last ended
+  size_t points = 0;   ///< maximum number of points; 0: all in view
+  int passes = 1;      ///< number of ascents, each with the points in view where the last one ended
   double tolerance = 2e-3;  ///< MaximizeOptions::tolerance
-  double prior_weight = 0;  ///< share of the measure that is taken off where the head stands one
-                            ///< standard deviation from where it is known to; 0: none
-  int survivors = 1;        ///< of coarse levels: how many climbs go on to the next
+  double prior_weight = 0;  ///< share of the measure that is subtracted at one standard deviation
+                            ///< from the prior position; 0: no prior
+  int survivors = 1;        ///< of coarse levels: number of results that go on to the next
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// The search for a calibration through levels of blur, and what its starts share.
+/// Search for a pose through levels of blur; shared by all initial poses.
 class CoarseToFine {
  public:
-  /// All arguments but the options must outlive this. `known` is where the head stands in the lidar
-  /// frame, within `known_to` metres (one standard deviation): levels with an anchor stay near it.
+  /// All arguments but the options must outlive this. `prior_position` is the position of the
+  /// reference camera in the lidar frame, with a standard deviation of `prior_position_sigma`
+  /// metres: levels with a `prior_weight` stay near it.
   CoarseToFine(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                std::span<const TermOptions> terms, ImagePyramid& images,
                const VisibilityOptions& visibility, const MaximizeOptions& maximize,
                const Eigen::Vector3d& prior_position, double prior_position_sigma);
 
-  /// Up all levels, in order; no further once a stop is requested.
-  Maximum ascend(const Eigen::Isometry3d& start, std::span<const Level> levels);
+  /// Ascends through all levels in order; returns early once a stop is requested.
+  Maximum ascend(const Eigen::Isometry3d& initial_pose, std::span<const Level> levels);
 
-  /// The points of a level, in view under a pose.
-  VisiblePoints visible_points(const Eigen::Isometry3d& T_head_lidar, size_t max_points) const;
+  /// Returns the points of a level: in view under a pose.
+  VisiblePoints visible_points(const Eigen::Isometry3d& T_refcam_lidar, size_t max_points) const;
 
-  /// The measure over `points`, which must outlive it, with images blurred by `sigma` pixels.
+  /// Returns the objective over `points`, which must outlive it, with images blurred by `sigma` px.
   Objective make_objective(const VisiblePoints& points, double sigma);
 
-  /// Evaluations of the measure so far.
+  /// Number of evaluations of the objective so far.
   int evaluations() const { return evaluations_; }
 
  private:
-  Maximum ascend_once(const Eigen::Isometry3d& start, const Level& level);
+  Maximum ascend_once(const Eigen::Isometry3d& initial_pose, const Level& level);
 
   std::span<const Scene> scenes_;
   std::span<const RigCamera> cameras_;

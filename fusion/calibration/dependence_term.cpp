@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "fusion/calibration/least_squares_term.hpp"
-#include "fusion/calibration/lidar_features.hpp"
 #include "fusion/dependence/prepared_histogram.hpp"
+#include "fusion/features/ranks.hpp"
 
 namespace infuse::calibration {
 namespace {
@@ -13,10 +13,10 @@ namespace {
 using dependence::Estimate;
 using dependence::Measure;
 
-/// A measure of the joint histogram of both sides.
+/// Measure of the joint histogram of lidar and image.
 class HistogramTerm : public DependenceTerm {
  public:
-  /// `chosen`: which points take part; `lidar`: their values.
+  /// `chosen`: indices of the points that are compared; `lidar`: their values.
   HistogramTerm(Measure measure, dependence::Window window, int bins, std::vector<uint32_t> chosen,
                 std::span<const float> lidar)
       : measure_(measure),
@@ -55,42 +55,17 @@ class HistogramTerm : public DependenceTerm {
   dependence::PreparedHistogram histogram_;
 };
 
-/// I(4.4): mean of lidar value times image value.
-class CorrelationTerm : public DependenceTerm {
- public:
-  explicit CorrelationTerm(std::vector<float> lidar) : lidar_(std::move(lidar)) {
-    for (float& value : lidar_) {
-      if (std::isnan(value)) value = 0;
-    }
-  }
-
-  Estimate evaluate(std::span<const float> image, std::span<float> gradient) override {
-    if (lidar_.empty()) return {.value = 0, .reason = "no points in view"};
-    const auto n = static_cast<double>(lidar_.size());
-    double sum = 0;
-    for (size_t i = 0; i < lidar_.size(); ++i) {
-      if (std::isfinite(image[i])) sum += double{lidar_[i]} * double{image[i]};
-    }
-    for (size_t i = 0; i < gradient.size(); ++i) gradient[i] = static_cast<float>(lidar_[i] / n);
-    return {.value = sum / n};
-  }
-
-  size_t sample_count() const override { return lidar_.size(); }
-
- private:
-  std::vector<float> lidar_;
-};
-
 }  // namespace
 
 std::optional<std::string> TermOptions::invalid() const {
   if (!(weight > 0) || !std::isfinite(weight)) return "weight must be positive";
   if (bins < 4 || bins > 1024) return "bins must lie in 4 … 1024";
   if (bags < 1 || bags > 100'000) return "bags must lie in 1 … 100000";
-  if (lidar.empty() || image.empty()) return "a lidar and an image feature must be named";
+  if (lidar.empty() || image.empty())
+    return "at least one lidar and one image feature must be given";
   const bool several = measure == MeasureKind::kLsmi || measure == MeasureKind::kBlsmi;
   if (!several && (lidar.size() > 1 || image.size() > 1)) {
-    return "only lsmi and blsmi take several features together";
+    return "only lsmi and blsmi accept several features";
   }
   return std::nullopt;
 }
@@ -109,16 +84,14 @@ std::vector<uint32_t> select_term_points(const TermOptions& options, const Visib
 }
 
 std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const VisiblePoints& points) {
-  if (options.measure == MeasureKind::kCorrelation) {
-    return std::make_unique<CorrelationTerm>(points.lidar[index(options.lidar.front())]);
-  }
+  if (options.make) return options.make(options, points);
   std::vector<uint32_t> chosen = select_term_points(options, points);
   std::vector<std::vector<float>> lidar;
   for (const LidarFeature feature : options.lidar) {
     const std::vector<float>& all = points.lidar[index(feature)];
     std::vector<float>& column = lidar.emplace_back();
     for (const uint32_t i : chosen) column.push_back(std::isnan(all[i]) ? 0.0F : all[i]);
-    if (options.equalize) equalize(column);
+    if (options.equalize) features::equalize(column);
   }
   const auto histogram = [&](Measure measure, dependence::Window window) {
     return std::make_unique<HistogramTerm>(measure, window, options.bins, std::move(chosen),
@@ -138,7 +111,6 @@ std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const Visi
     case MeasureKind::kBlsmi:
       return make_least_squares_term(options, std::move(chosen), lidar);
     case MeasureKind::kSquaredLossMutualInformation:
-    case MeasureKind::kCorrelation:  // dealt with above
       break;
   }
   return histogram(Measure::kSquaredLossMutualInformation, Window::kBSpline);

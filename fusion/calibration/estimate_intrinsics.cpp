@@ -13,28 +13,28 @@ using Vector10 = Parameters<10>;
 
 struct IntrinsicsLevel {
   double sigma;   // px
-  size_t points;  // at most
+  size_t points;  // maximum number
 };
 constexpr IntrinsicsLevel kLevels[] = {{8, 15'000}, {4, 30'000}, {2, 60'000}, {1, 60'000}};
 constexpr AscentOptions kAscent{.max_iterations = 50, .tolerance = 1e-2};
-constexpr double kRotationScale = 0.01;         // rad; steps of this,
-constexpr double kTranslationScale = 0.1;       // m, of this,
-constexpr double kFocalScale = 0.02;            // of this in the logarithm of the focal lengths,
-constexpr double kPrincipalPointScale = 0.015;  // of this many focal lengths of the principal point
-constexpr double kRadialScale = 0.03;           // and of this in k1 are taken to matter alike
-constexpr double kPriorShare = 0.02;            // share of the measure that is taken off …
-constexpr double kPriorSteps = 5;  // … where an intrinsic is so many of these steps off
+constexpr double kRotationScale = 0.01;         // rad; steps of these sizes
+constexpr double kTranslationScale = 0.1;       // m; have effects of like size
+constexpr double kFocalScale = 0.02;            // of the logarithm of the focal lengths
+constexpr double kPrincipalPointScale = 0.015;  // focal lengths, of the principal point
+constexpr double kRadialScale = 0.03;           // of k1
+constexpr double kPriorShare = 0.02;            // share of the measure that is subtracted …
+constexpr double kPriorSteps = 5;  // … at so many of these steps from the given value
 
-constexpr int kMinScenes = 8;               // scenes
-constexpr size_t kMinPointsPerScene = 200;  // of a scene
+constexpr int kMinScenes = 8;               // number of scenes
+constexpr size_t kMinPointsPerScene = 200;  // number of points in view
 constexpr double kMinSignificance = 4;      // standard errors
 constexpr double kGrossFocalError = 0.02;
 constexpr double kGrossPrincipalPointError = 0.015;  // focal lengths
 constexpr double kGrossRadialError = 0.04;
 
-/// A pose and a camera's intrinsics in ten scaled numbers, 0 where they started. The principal
-/// point takes along the rotation that keeps the picture's middle where it is: alone it would lead
-/// along a narrow ridge.
+/// Pose and a camera's intrinsics as ten scaled parameters, 0 at the initial values. The parameters
+/// of the principal point include the rotation that keeps the image's middle in place: without it
+/// they would lead along a narrow ridge.
 class IntrinsicsProblem {
  public:
   IntrinsicsProblem(std::span<const RigCamera> cameras, size_t camera, const Eigen::Isometry3d& T)
@@ -66,7 +66,7 @@ class IntrinsicsProblem {
     return out;
   }
 
-  /// The sum of what scenes of this camera or of others pull, in these numbers.
+  /// Sum of the scenes' gradients, of this camera and of others, by these parameters.
   Vector10 gradient(const Vector10& d, std::span<const SceneGradient> pulls,
                     std::span<const Scene> scenes) const {
     Vector10 sum = Vector10::Zero();
@@ -93,7 +93,7 @@ class IntrinsicsProblem {
   Vector6 rotation_by_cx_, rotation_by_cy_;
 };
 
-/// How much better each of the camera's scenes fits, on points chosen as given.
+/// Gain of each of the camera's scenes, on the points in view with the given intrinsics.
 std::vector<double> scene_gains(const VisiblePoints& points, const BlurredImages& images,
                                 std::span<const Scene> scenes, std::span<const RigCamera> given,
                                 const Eigen::Isometry3d& T_given, std::span<const RigCamera> found,
@@ -117,12 +117,12 @@ std::vector<double> scene_gains(const VisiblePoints& points, const BlurredImages
 std::optional<IntrinsicsEstimate> estimate_intrinsics(
     std::span<const Scene> scenes, std::span<const RigCamera> cameras, size_t camera,
     std::span<const TermOptions> terms, ImagePyramid& images, const VisibilityOptions& visibility,
-    const Eigen::Isometry3d& T_head_lidar, const std::stop_token& stop) {
+    const Eigen::Isometry3d& T_refcam_lidar, const std::stop_token& stop) {
   if (std::count_if(scenes.begin(), scenes.end(),
                     [&](const Scene& scene) { return scene.camera == camera; }) < kMinScenes) {
     return std::nullopt;
   }
-  const IntrinsicsProblem freed(cameras, camera, T_head_lidar);
+  const IntrinsicsProblem freed(cameras, camera, T_refcam_lidar);
   Vector10 at = Vector10::Zero();
   VisibilityOptions thinned = visibility;
   for (const IntrinsicsLevel& level : kLevels) {
@@ -149,8 +149,8 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   }
   IntrinsicsEstimate out{.T_refcam_lidar = freed.pose(at), .correction = freed.correction(at)};
   const std::vector<double> gain =
-      scene_gains(select_visible(scenes, cameras, T_head_lidar, thinned),
-                  images.at(std::end(kLevels)[-1].sigma), scenes, cameras, T_head_lidar,
+      scene_gains(select_visible(scenes, cameras, T_refcam_lidar, thinned),
+                  images.at(std::end(kLevels)[-1].sigma), scenes, cameras, T_refcam_lidar,
                   freed.cameras(at), out.T_refcam_lidar, camera, terms);
   out.scenes = static_cast<int>(gain.size());
   if (out.scenes < kMinScenes) return std::nullopt;
@@ -174,11 +174,11 @@ std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& fre
   Eigen::Index which = 0;
   const double times = freed.correction.cwiseAbs().cwiseQuotient(gross).maxCoeff(&which);
   if (!(times > 1) || !(freed.significance > kMinSignificance)) return std::nullopt;
-  ModelMismatch doubt = make_intrinsic_mismatch(static_cast<size_t>(which), freed.correction(which),
-                                                camera, cameras.size());
-  doubt.significance = freed.significance;
-  doubt.significant = doubt.serious = doubt.gross = true;
-  return doubt;
+  ModelMismatch mismatch = make_intrinsic_mismatch(static_cast<size_t>(which),
+                                                   freed.correction(which), camera, cameras.size());
+  mismatch.significance = freed.significance;
+  mismatch.significant = mismatch.serious = mismatch.gross = true;
+  return mismatch;
 }
 
 }  // namespace infuse::calibration

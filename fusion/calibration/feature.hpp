@@ -6,24 +6,23 @@
 
 namespace infuse::calibration {
 
-/// What a return tells of the surface it came from.
+/// Feature of a return.
 enum class LidarFeature : uint8_t {
   kReflectivity,           ///< as the sensor states it, 0 … 1
-  kRelativeReflectivity,   ///< by rank among the returns of its beam at like range
-  kDiscontinuity,          ///< scan discontinuity, I(3.6)
-  kRelativeDiscontinuity,  ///< the same by rank within its ring
-  kNormalX,                ///< surface normal, lidar frame, turned towards the sensor, I 4.3.1.3
+  kRelativeReflectivity,   ///< `features::RelativeReflectivity`
+  kDiscontinuity,          ///< scan discontinuity, I(3.6), `features::Discontinuity`
+  kRelativeDiscontinuity,  ///< the same by rank within the ring
+  kNormalX,                ///< surface normal, lidar frame, facing the sensor, I 4.3.1.3
   kNormalY,
   kNormalZ,
-  kTaylorNormal,  ///< Taylor and Nieto's normal feature, I 4.3.2
 };
-inline constexpr size_t kLidarFeatures = 8;
+inline constexpr size_t kLidarFeatures = 7;
 
-/// What a picture tells at a pixel.
+/// Feature of a pixel.
 enum class ImageFeature : uint8_t {
   kGrey,
-  kLocalGrey,  ///< grey against its surroundings
-  kRingEdge,   ///< change of grey along the lidar's rings
+  kLocalGrey,  ///< grey relative to its surroundings, `features::LocalContrast`
+  kRingEdge,   ///< change of grey along the lidar's rings, `features::RingEdge`
   kEdge,       ///< edge strength, I 4.3.1.4
   kRed,
   kGreen,
@@ -31,14 +30,14 @@ enum class ImageFeature : uint8_t {
 };
 inline constexpr size_t kImageFeatures = 7;
 
-/// One entry a lidar feature.
+/// One entry per lidar feature.
 template <class T>
 using PerLidarFeature = std::array<T, kLidarFeatures>;
-/// One entry an image feature.
+/// One entry per image feature.
 template <class T>
 using PerImageFeature = std::array<T, kImageFeatures>;
 
-/// Of depth edges: only returns that have one beside them can be compared by it.
+/// True for features of depth edges: only returns near an edge can be compared by them.
 constexpr bool is_edge(LidarFeature feature) {
   return feature == LidarFeature::kDiscontinuity || feature == LidarFeature::kRelativeDiscontinuity;
 }

@@ -15,7 +15,7 @@ ImagePyramid::ImagePyramid(std::span<const Scene> scenes, std::span<const TermOp
 }
 
 const BlurredImages& ImagePyramid::at(double sigma) {
-  // The most blurred of those that are blurred less, if any: they need the least work.
+  // From the next less blurred images, if any: that is cheapest.
   const auto next = images_.lower_bound(sigma);
   if (next != images_.end() && next->first == sigma) return next->second;
   if (next == images_.begin())

@@ -8,14 +8,15 @@
 
 namespace infuse::calibration {
 
-/// The scenes' image features at every blur that a search asks for, each made once.
+/// Image features of the scenes at every blur that a search uses, each computed once.
 class ImagePyramid {
  public:
-  /// Scenes must outlive this. `sigmas` (pixels) are made at once, each from the next finer one.
+  /// Scenes must outlive this. `sigmas` (pixels) are computed at once, each from the next finer
+  /// one.
   ImagePyramid(std::span<const Scene> scenes, std::span<const TermOptions> terms,
                std::span<const double> sigmas);
 
-  /// Blurred by `sigma` pixels.
+  /// Returns the features blurred by `sigma` pixels; computes them where that is new.
   const BlurredImages& at(double sigma);
 
  private:

@@ -2,16 +2,16 @@
 
 namespace infuse::calibration {
 
-Landscape sample_landscape(Objective& fine, Objective& few, const Eigen::Isometry3d& T_head_lidar,
+Landscape sample_landscape(Objective& fine, Objective& few, const Eigen::Isometry3d& T_refcam_lidar,
                            double rotation, double translation) {
   Landscape out{.rotation = rotation, .translation = translation};
-  // `part` of the reach along an axis, −1 … 1.
+  // `part` of the half width along an axis, −1 … 1.
   const auto step = [&](int axis, double part) -> geometry::Vector6 {
     return part * (axis < 3 ? rotation : translation) * geometry::Vector6::Unit(axis);
   };
   const auto part_of = [](int k, int count) { return 2.0 * k / (count - 1) - 1; };
   const auto value = [&](Objective& measure, const geometry::Vector6& xi) {
-    return measure.evaluate(geometry::exp(xi) * T_head_lidar, false).estimate.value;
+    return measure.evaluate(geometry::exp(xi) * T_refcam_lidar, false).estimate.value;
   };
   for (int axis = 0; axis < 6; ++axis) {
     for (int k = 0; k < Landscape::kSamplesPerAxis; ++k) {

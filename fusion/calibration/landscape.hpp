@@ -8,19 +8,19 @@
 
 namespace infuse::calibration {
 
-/// The measure around a pose, for a person to look at (P fig. 3.15). Axes are 0 … 5: about and
-/// along the head's x, y, z.
+/// Objective around a pose, for plots (P fig. 3.15). Axes are 0 … 5: rotation about and translation
+/// along x, y, z of the reference camera.
 struct Landscape {
   static constexpr int kSamplesPerAxis =
-      41;                              ///< values along an axis, the pose itself in the middle
-  static constexpr int kMapSize = 15;  ///< values along each side of a map
+      41;  ///< number of values along an axis, the pose itself in the middle
+  static constexpr int kMapSize = 15;  ///< number of values along each side of a map
 
-  double rotation = 0;     ///< rad, how far the axes reach to either side
-  double translation = 0;  ///< m
+  double rotation = 0;     ///< rad, half width of the axes
+  double translation = 0;  ///< m, half width of the axes
 
   std::array<std::array<double, kSamplesPerAxis>, 6> axis_profiles{};
 
-  /// A map over two axes: value [row · kAcross + column], rows along `second`.
+  /// Map over two axes: value [row · kMapSize + column], rows along `second`.
   struct Map {
     int first = 0, second = 0;
     std::array<double, size_t{kMapSize} * kMapSize> values{};
@@ -28,10 +28,10 @@ struct Landscape {
   std::vector<Map> maps;  ///< all 15 pairs
 };
 
-/// Asks `fine` along the axes and `few`, of fewer points, over the pairs of them: 246 and 3375
-/// evaluations.
+/// Evaluates `fine` along the axes and `coarse`, of fewer points, over the pairs of axes: 246 and
+/// 3375 evaluations.
 Landscape sample_landscape(Objective& fine, Objective& coarse,
-                           const Eigen::Isometry3d& T_head_lidar, double rotation,
+                           const Eigen::Isometry3d& T_refcam_lidar, double rotation,
                            double translation);
 
 }  // namespace infuse::calibration

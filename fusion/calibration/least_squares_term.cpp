@@ -12,10 +12,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr int kBagSize = 2000;           // I 4.3.2: a hundredth of 20 scans' points
-constexpr int kMaxLsmiSamples = 20'000;  // samples of LSMI
+constexpr int kBagSize = 2000;           // samples; I 4.3.2: a hundredth of 20 scans' points
+constexpr int kMaxLsmiSamples = 20'000;  // of LSMI
 
-/// What makes a feature's variance one.
+/// Factor that makes a feature's variance one.
 struct Scale {
   double mean = 0;
   double factor = 1;
@@ -61,8 +61,9 @@ class LeastSquaresTerm : public DependenceTerm {
   size_t sample_count() const override { return chosen_.size(); }
 
  private:
-  /// Column `f` of the samples, scaled as at the first question: a scale that followed the pose
-  /// would be a part of its derivative. Points that the camera does not see count as average.
+  /// Returns column `f` of the samples. The scale is that of the first evaluation: one that
+  /// followed the pose would contribute to the derivative. Points that the camera does not see have
+  /// the mean.
   void fill_column(std::span<const float> image, size_t f) {
     const auto column = static_cast<Index>(f);
     double seen = 0, sum = 0;

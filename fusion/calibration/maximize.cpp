@@ -9,14 +9,15 @@ namespace {
 
 using geometry::Vector6;
 
-constexpr const char* kNotConverged = "the search was still moving when its steps were used up";
+constexpr const char* kNotConverged = "the optimisation did not converge within its iterations";
 
-/// The objective around a start, in scaled coordinates: T(d) = exp(scale ∘ d) T_initial.
+/// Objective around an initial pose, in scaled coordinates: T(d) = exp(scale ∘ d) T_initial.
 class LocalProblem {
  public:
-  LocalProblem(Objective& objective, const Eigen::Isometry3d& start, const MaximizeOptions& options)
+  LocalProblem(Objective& objective, const Eigen::Isometry3d& initial_pose,
+               const MaximizeOptions& options)
       : objective_(objective),
-        initial_pose_(start),
+        initial_pose_(initial_pose),
         prior_(options.position_prior),
         stop_(options.stop) {
     scale_ << Eigen::Vector3d::Constant(options.rotation_scale),
@@ -27,9 +28,10 @@ class LocalProblem {
     return geometry::exp(scale_.cwiseProduct(d)) * initial_pose_;
   }
 
-  /// The value, and the gradient by d where asked: the left Jacobian takes the step from ξ to d.
+  /// Returns the value, and fills in the gradient by d where that is not null: the left Jacobian
+  /// converts the derivative by ξ.
   dependence::Estimate evaluate(const Vector6& d, Vector6* gradient) const {
-    if (stop_.stop_requested()) {  // no way leads up from here
+    if (stop_.stop_requested()) {  // no step leads up from here
       if (gradient != nullptr) gradient->setZero();
       return {.value = -std::numeric_limits<double>::infinity(), .reason = kCancelled};
     }
@@ -44,11 +46,11 @@ class LocalProblem {
   }
 
  private:
-  /// Takes the anchor's penalty off the value, and its derivative off the gradient.
+  /// Subtracts the prior's penalty from the value, and its derivative from the gradient.
   void apply_prior(const Eigen::Isometry3d& T, Evaluation& at) const {
     const Eigen::Vector3d off = T.inverse().translation() - prior_.centre;
     at.estimate.value -= 0.5 * prior_.weight * off.squaredNorm();
-    // exp(ω, ρ) T moves the head's origin by −Rᵀρ in the lidar frame, whatever ω is.
+    // exp(ω, ρ) T moves the camera's origin by −Rᵀρ in the lidar frame, whatever ω is.
     at.gradient.tail<3>() += prior_.weight * (T.linear() * off);
   }
 
@@ -61,15 +63,7 @@ class LocalProblem {
 
 PoseAscentResult ascend(const PoseFunction& function, const MaximizeOptions& options) {
   AscentOptions ascent{.max_iterations = options.max_iterations, .tolerance = options.tolerance};
-  switch (options.optimizer) {
-    case Optimizer::kBfgs:
-      return ascend_bfgs(function, ascent);
-    case Optimizer::kBarzilaiBorwein:
-      ascent.max_iterations *= 3;
-      return ascend_barzilai_borwein(function, ascent);
-    case Optimizer::kSimplex:
-      break;
-  }
+  if (options.optimizer == Optimizer::kBfgs) return ascend_bfgs(function, ascent);
   ascent.max_iterations *= 10;
   return ascend_simplex(function, ascent);
 }
@@ -84,13 +78,13 @@ std::optional<std::string> MaximizeOptions::invalid() const {
   return std::nullopt;
 }
 
-Maximum maximize(Objective& objective, const Eigen::Isometry3d& start,
+Maximum maximize(Objective& objective, const Eigen::Isometry3d& initial_pose,
                  const MaximizeOptions& options) {
-  const LocalProblem problem(objective, start, options);
+  const LocalProblem problem(objective, initial_pose, options);
   Vector6 slope = Vector6::Zero();
   const dependence::Estimate first = problem.evaluate(
       Vector6::Zero(), options.optimizer == Optimizer::kSimplex ? nullptr : &slope);
-  Maximum maximum{.T_refcam_lidar = start, .value = first.value, .reason = first.reason};
+  Maximum maximum{.T_refcam_lidar = initial_pose, .value = first.value, .reason = first.reason};
   if (!first.usable()) return maximum;
   if (slope.norm() == 0 && options.optimizer != Optimizer::kSimplex) {
     maximum.reason = "the measure does not change with the calibration";

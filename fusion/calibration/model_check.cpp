@@ -9,17 +9,17 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr size_t kMinScenes = 10;           // scenes
+constexpr size_t kMinScenes = 10;           // number of scenes
 constexpr double kSignificantSigmas = 3.5;  // standard deviations
 constexpr double kSeriousSigmas = 7;
 
-/// One of a camera's numbers.
+/// Intrinsic parameter of a camera.
 struct Intrinsic {
   const char* name;
   const char* unit;
-  double display_scale;  // units a unit of the derivative
-  double step;           // of the differences
-  double tolerance;      // what a good calibration of the camera leaves, in `unit`
+  double display_scale;  // displayed units per unit of the derivative
+  double step;           // of the numeric differences
+  double tolerance;      // error that a good calibration of the camera leaves, in `unit`
 };
 
 constexpr Intrinsic kIntrinsics[] = {{"focal length", "%", 100, 2e-3, 0.3},
@@ -46,7 +46,7 @@ CameraIntrinsics with_offset(CameraIntrinsics camera, size_t which, double step)
   return camera;
 }
 
-/// What the scenes say of a further parameter: an entry a scene, and minus the second derivatives.
+/// Derivatives by a further parameter: one entry per scene, and minus the second derivatives.
 struct ParameterScore {
   std::vector<double> scene_scores;
   Vector6 pose_coupling = Vector6::Zero();
@@ -70,15 +70,15 @@ ModelMismatch test_score(const ParameterScore& further,
   for (const double score : scores) squares += (score - sum / n) * (score - sum / n);
   const double sigma = std::sqrt(n / (n - 7) * squares);
   const double remaining_curvature = further.curvature - further.pose_coupling.dot(weight);
-  ModelMismatch doubt;
-  doubt.pose_sensitivity = -weight;
-  if (!(sigma > 0)) return doubt;
-  doubt.significance = sum / sigma;
+  ModelMismatch mismatch;
+  mismatch.pose_sensitivity = -weight;
+  if (!(sigma > 0)) return mismatch;
+  mismatch.significance = sum / sigma;
   if (remaining_curvature > 0) {
-    doubt.value = sum / remaining_curvature;
-    doubt.sigma = sigma / remaining_curvature;
+    mismatch.value = sum / remaining_curvature;
+    mismatch.sigma = sigma / remaining_curvature;
   }
-  return doubt;
+  return mismatch;
 }
 
 ParameterScore score_intrinsic(Objective& objective, const Eigen::Isometry3d& T,
@@ -106,7 +106,7 @@ ParameterScore score_intrinsic(Objective& objective, const Eigen::Isometry3d& T,
   return out;
 }
 
-/// A picture that was taken dt later saw p from exp(ξ dt) further on: T exp(−ξ dt) p.
+/// An image taken dt later sees p from exp(ξ dt) further on: T exp(−ξ dt) p.
 ParameterScore score_delay(const Eigen::Isometry3d& T, std::span<const Scene> scenes,
                            const Uncertainty& uncertainty) {
   const Matrix6 adjoint = geometry::adjoint(T);
@@ -132,7 +132,8 @@ ModelMismatch make_intrinsic_mismatch(size_t score_intrinsic, double off, size_t
           .value = of.display_scale * off};
 }
 
-std::vector<ModelMismatch> check_model(Objective& objective, const Eigen::Isometry3d& T_head_lidar,
+std::vector<ModelMismatch> check_model(Objective& objective,
+                                       const Eigen::Isometry3d& T_refcam_lidar,
                                        std::span<const RigCamera> cameras,
                                        std::span<const Scene> scenes,
                                        const Uncertainty& uncertainty) {
@@ -140,36 +141,37 @@ std::vector<ModelMismatch> check_model(Objective& objective, const Eigen::Isomet
   const auto seen =
       std::count_if(scene_gradients.begin(), scene_gradients.end(),
                     [](const SceneGradient& p) { return p.head<6>() != Vector6::Zero(); });
-  std::vector<ModelMismatch> doubts;
-  if (!uncertainty.usable() || static_cast<size_t>(seen) < kMinScenes) return doubts;
+  std::vector<ModelMismatch> mismatches;
+  if (!uncertainty.usable() || static_cast<size_t>(seen) < kMinScenes) return mismatches;
   const Matrix6 inverse = uncertainty.curvature.inverse();
   const auto add = [&](const ParameterScore& further, const ModelMismatch& about,
                        double display_scale, double tolerance) {
-    ModelMismatch doubt = test_score(further, scene_gradients, inverse);
-    doubt.parameter = about.parameter;
-    doubt.unit = about.unit;
-    doubt.value *= display_scale;
-    doubt.sigma *= display_scale;
-    doubt.pose_sensitivity /= display_scale;
-    const bool exceeds_tolerance = doubt.value == 0 || std::abs(doubt.value) > tolerance;
-    doubt.significant = exceeds_tolerance && std::abs(doubt.significance) > kSignificantSigmas;
-    doubt.serious = exceeds_tolerance && std::abs(doubt.significance) > kSeriousSigmas;
-    doubts.push_back(doubt);
+    ModelMismatch mismatch = test_score(further, scene_gradients, inverse);
+    mismatch.parameter = about.parameter;
+    mismatch.unit = about.unit;
+    mismatch.value *= display_scale;
+    mismatch.sigma *= display_scale;
+    mismatch.pose_sensitivity /= display_scale;
+    const bool exceeds_tolerance = mismatch.value == 0 || std::abs(mismatch.value) > tolerance;
+    mismatch.significant =
+        exceeds_tolerance && std::abs(mismatch.significance) > kSignificantSigmas;
+    mismatch.serious = exceeds_tolerance && std::abs(mismatch.significance) > kSeriousSigmas;
+    mismatches.push_back(mismatch);
   };
   for (size_t c = 0; c < cameras.size(); ++c) {
     for (size_t which = 0; which < std::size(kIntrinsics); ++which) {
       const Intrinsic& of = kIntrinsics[which];
-      add(score_intrinsic(objective, T_head_lidar, cameras, scenes, c, which, scene_gradients),
+      add(score_intrinsic(objective, T_refcam_lidar, cameras, scenes, c, which, scene_gradients),
           make_intrinsic_mismatch(which, 0, c, cameras.size()), of.display_scale, of.tolerance);
     }
   }
   const bool moving = std::all_of(scenes.begin(), scenes.end(),
                                   [](const Scene& scene) { return scene.twist.has_value(); });
   if (moving) {
-    add(score_delay(T_head_lidar, scenes, uncertainty),
+    add(score_delay(T_refcam_lidar, scenes, uncertainty),
         {.parameter = "image time offset", .unit = "ms"}, 1e3, kTimeTolerance);
   }
-  return doubts;
+  return mismatches;
 }
 
 }  // namespace infuse::calibration

@@ -9,42 +9,42 @@
 
 namespace infuse::calibration {
 
-/// Something that was taken for known, and what the scenes say of it.
+/// Parameter that was assumed to be known, and its error as the scenes indicate it.
 struct ModelMismatch {
   std::string parameter;    ///< "focal length of camera 0", …
   const char* unit = "";    ///< of `value`
-  double value = 0;         ///< by which it seems to be off; 0 where the scenes cannot tell how far
+  double value = 0;         ///< estimated error; 0 where the scenes do not determine it
   double sigma = 0;         ///< standard deviation of `value`
-  double significance = 0;  ///< standard deviations from none, as the scenes disagree
-  /// How the result would move (left perturbation of T_head_lidar, rad and m) were it off by one
-  /// unit.
+  double significance = 0;  ///< error in standard deviations, from the spread of the scenes
+  /// Change of the result (left perturbation of T_refcam_lidar, rad and m) per unit of error.
   geometry::Vector6 pose_sensitivity = geometry::Vector6::Zero();
 
-  /// Worth telling: 3.5 standard deviations, and more than a careful calibration leaves.
+  /// Worth reporting: 3.5 standard deviations, and more than a careful calibration leaves.
   bool significant = false;
-  /// Beyond what chance and the lesser imperfections of real scenes do: 7 standard deviations.
+  /// More than chance and small imperfections of real scenes cause: 7 standard deviations.
   bool serious = false;
-  /// Found by freeing it (`estimate_intrinsics`): farther off than any calibration of it leaves.
+  /// Found by estimating it (`estimate_intrinsics`): larger than any calibration of it leaves.
   bool gross = false;
 };
 
-/// A doubt about one of a camera's four intrinsics (logarithm of the focal lengths, principal point
-/// across and down, k1), off by so much, of one of so many cameras.
+/// Makes the mismatch of one of a camera's four intrinsics (logarithm of the focal lengths,
+/// principal point across and down, k1): `error` of the camera with this index of `cameras`.
 ModelMismatch make_intrinsic_mismatch(size_t intrinsic, double error, size_t camera,
                                       size_t cameras);
 
-/// A camera's intrinsics and clock are taken for known when its pose is estimated; where they are
-/// wrong, the pose makes up for them as well as it can, and its covariance tells nothing of that.
-/// But then every scene goes on to pull on what is wrong. At the maximum the score of a further
-/// parameter e, cleared of what the pose can do,
+/// Checks intrinsics and clocks, which are assumed to be known while a pose is estimated. Where
+/// they are wrong, the pose compensates for them as well as it can, and its covariance does not
+/// show it; but the scenes' gradients by the wrong parameter do not vanish. At the maximum the
+/// score of a further parameter e, less what the pose can explain,
 ///   s = Σ_s (∂_e f_s − h_eᵀ H⁻¹ ∂_ξ f_s),  H = −∂²_ξ f,  h_e = −∂_ξ ∂_e f,
-/// is zero but for chance (Rao's score test, efficient scores), and the scenes' own spread tells
-/// how large chance is. s divided by its curvature is what e seems to be off by.
+/// is zero but for chance (Rao's score test, efficient scores), and the scenes' spread gives the
+/// size of chance. s divided by its curvature is the estimated error of e.
 ///
-/// Asked of every camera: focal length, principal point, first radial distortion coefficient; of
-/// scenes that know their motion also the time between sweep and picture. Needs at least 10 scenes
-/// in view; with fewer there is no answer and nothing is doubted.
-std::vector<ModelMismatch> check_model(Objective& objective, const Eigen::Isometry3d& T_head_lidar,
+/// Checks focal length, principal point and first radial distortion coefficient of every camera;
+/// with scenes of known motion also the time between sweep and image. Returns nothing with fewer
+/// than 10 scenes in view.
+std::vector<ModelMismatch> check_model(Objective& objective,
+                                       const Eigen::Isometry3d& T_refcam_lidar,
                                        std::span<const RigCamera> cameras,
                                        std::span<const Scene> scenes,
                                        const Uncertainty& uncertainty);

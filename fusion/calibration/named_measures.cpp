@@ -12,7 +12,7 @@ TermOptions make_term_options(MeasureKind measure, LidarFeature lidar, ImageFeat
   return {.measure = measure, .lidar = {lidar}, .image = {image}, .bins = 32, .equalize = false};
 }
 
-/// Relative reflectivity against local grey, both without unit: no ranks are needed.
+/// Relative reflectivity against local grey, both without unit, so that no ranks are needed.
 std::vector<TermOptions> relative_terms(MeasureKind measure) {
   return {make_term_options(measure, kRelativeReflectivity, ImageFeature::kLocalGrey)};
 }
@@ -22,7 +22,7 @@ std::vector<TermOptions> raw_terms(MeasureKind measure) {
   return {make_term_options(measure, kReflectivity, ImageFeature::kGrey)};
 }
 
-/// Features together, each against its own surroundings.
+/// Joint features, each relative to its surroundings.
 TermOptions joint_term(MeasureKind measure) {
   return {.measure = measure,
           .lidar = {kRelativeReflectivity, kDiscontinuity},
@@ -30,8 +30,8 @@ TermOptions joint_term(MeasureKind measure) {
           .equalize = false};
 }
 
-/// I table 4.1: with normals, which have no surroundings to be taken against. They go with the
-/// place in the picture as road and houses do, and pull by 0.1° on simulated streets.
+/// I table 4.1: with normals, which have no surroundings to be relative to. They depend on the
+/// place in the image as road and houses do, which causes a bias of 0.1° on simulated streets.
 TermOptions joint_term_with_normals(MeasureKind measure) {
   TermOptions term = joint_term(measure);
   term.lidar.insert(term.lidar.end(), {kNormalX, kNormalY, kNormalZ});
@@ -40,25 +40,22 @@ TermOptions joint_term_with_normals(MeasureKind measure) {
 
 std::vector<NamedMeasure> make_named_measures() {
   const TermOptions edges{.lidar = {kRelativeDiscontinuity}, .image = {ImageFeature::kRingEdge}};
-  // Edges see from farther where to go. At the end they count as many as they are (on street and
-  // garage a fifth of the returns is near one): by themselves they hardly tell turning up from
-  // standing higher, because rings seldom cross an edge that lies.
+  // Edges have the wider convergence basin. In the final measure they are weighted by about their
+  // number (on street and garage a fifth of the returns is near one): alone they hardly separate
+  // turning up from standing higher, because rings seldom cross a horizontal edge.
   TermOptions downweighted_edges = edges;
   downweighted_edges.weight = 0.3;
-  const std::vector<TermOptions> leading{TermOptions{}, edges};
-  TermOptions taylor =
-      make_term_options(kNormalisedMutualInformation, kTaylorNormal, ImageFeature::kGrey);
-  taylor.equalize = true;
+  const std::vector<TermOptions> search{TermOptions{}, edges};
   return {
       {.name = "joint",
        .description = "MI of relative reflectivity and local grey + MI of depth edges and image "
                       "edges along the rings",
        .terms = {TermOptions{}, downweighted_edges},
-       .search_terms = leading,
+       .search_terms = search,
        .equalize_image = true},
       {.name = "edges",
        .description =
-           "MI of depth edges and image edges along the rings: without reflectivity (P 6.2.1)",
+           "MI of depth edges and image edges along the rings, without reflectivity (P 6.2.1)",
        .terms = {edges},
        .equalize_image = true},
       {.name = "mi",
@@ -71,40 +68,27 @@ std::vector<NamedMeasure> make_named_measures() {
        .description = "mutual information, P(3.17), Gaussian KDE on 256 bins",
        .terms = {{.measure = kMutualInformationKde, .bins = 256, .equalize = false}},
        .has_gradient = false},
-      {.name = "nmi",
-       .description = "normalised mutual information, I(4.2)",
-       .terms = relative_terms(kNormalisedMutualInformation),
-       .comparison_only = true},
-      {.name = "nmi-raw",
-       .description = "the same of reflectivity and grey as the sensors state them",
-       .terms = raw_terms(kNormalisedMutualInformation)},
-      {.name = "nmi-taylor",
-       .description = "the same of Taylor and Nieto's normal feature and grey, I 4.3.2",
-       .terms = {taylor}},
       {.name = "chi2", .description = "chi-squared, P(3.25)", .terms = relative_terms(kChiSquared)},
       {.name = "smi",
        .description = "discretised squared-loss mutual information, I(4.3)",
        .terms = relative_terms(kSquaredLossMutualInformation)},
       {.name = "lsmi",
-       .description = "LSMI, I(2.8), of reflectivity and depth edges together with grey and image "
-                      "edges, one fit; joint leads there",
+       .description =
+           "LSMI, I(2.8), of reflectivity and depth edges jointly with grey and image edges; "
+           "started from the maximum of joint",
        .terms = {joint_term(kLsmi)},
-       .search_terms = leading,
+       .search_terms = search,
        .equalize_image = true},
       {.name = "blsmi",
        .description = "the same by bagged LSMI, I(2.9), 100 bags",
        .terms = {joint_term(kBlsmi)},
-       .search_terms = leading,
+       .search_terms = search,
        .equalize_image = true},
       {.name = "blsmi-normals",
        .description = "the same with surface normals, I table 4.1",
        .terms = {joint_term_with_normals(kBlsmi)},
-       .search_terms = leading,
+       .search_terms = search,
        .equalize_image = true},
-      {.name = "levinson-thrun",
-       .description = "depth edges times image edges, P(3.23), I(4.4)",
-       .terms = {make_term_options(kCorrelation, kDiscontinuity, ImageFeature::kEdge)},
-       .comparison_only = true},
   };
 }
 

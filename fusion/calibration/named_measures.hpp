@@ -8,22 +8,20 @@
 
 namespace infuse::calibration {
 
-/// What `infuse calibrate --measure NAME` offers: a name for a sum of terms.
+/// Named sum of terms, as `infuse calibrate --measure NAME` offers it.
 struct NamedMeasure {
   const char* name;
   const char* description;
   std::vector<TermOptions> terms;
-  std::vector<TermOptions> search_terms;  ///< CalibrateOptions::leading; empty: `terms`
+  std::vector<TermOptions> search_terms;  ///< `CalibrateOptions::search_terms`; empty: `terms`
   bool equalize_image = false;            ///< SceneOptions::equalize
   bool has_gradient = true;
-  /// To be compared with others only: on simulated drives it was sure of results that were wrong.
-  bool comparison_only = false;
 };
 
-/// All of them, the default first.
+/// All named measures, the default first.
 std::span<const NamedMeasure> named_measures();
 
-/// Null where there is none of that name.
+/// Returns the measure of that name, or null.
 const NamedMeasure* find_measure(const std::string& name);
 
 }  // namespace infuse::calibration

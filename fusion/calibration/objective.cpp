@@ -5,22 +5,23 @@
 #include <cstring>
 
 #include "drivers/measurement/simd.hpp"
-#include "fusion/calibration/lidar_features.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
+#include "fusion/features/local_contrast.hpp"
+#include "fusion/features/ranks.hpp"
 #include "fusion/geometry/pose_gradient.hpp"
 
 namespace infuse::calibration {
 namespace {
 
-/// A plane as the look-up sees it.
+/// Plane in the form that the look-up needs.
 struct Samples2d {
   const float* values;
   int width;
-  float right, bottom;  // the last place that has a sample after it
-  float scale;          // samples a pixel
+  float right, bottom;  // last position with a sample after it
+  float scale;          // samples per pixel
 };
 
-/// Neighbours in a row, read at once: half as many reads, which is what a look-up waits for.
+/// Neighbours in a row, read at once: half as many reads, which dominate a look-up's time.
 struct Neighbours {
   float left, right;
 };
@@ -32,7 +33,7 @@ Neighbours neighbours(const float* at) {
 }
 
 /// Bilinear look-up of one block of points, I 4.3.1.4, with its derivatives by the pixel. Outside
-/// the picture: the border's value, and no derivative across it. Points that the camera does not
+/// the image: the border's value, without a derivative across it. Points that the camera does not
 /// see and points whose `lidar` is not compared are absent.
 INFUSE_SIMD_CLONES void look_up_block(const Samples2d plane, const float* __restrict lidar,
                                       const float* __restrict u, const float* __restrict v,
@@ -91,12 +92,12 @@ geometry::PointsView block_points(const VisiblePoints& points, const VisiblePoin
   return {cut(points.x), cut(points.y), cut(points.z)};
 }
 
-// How far local grey looks around, in widths of the blur, and px at least.
+// Surroundings of local grey, in sigmas of the blur, and the minimum in px.
 constexpr double kContrastWidthPerSigma = 8;
 constexpr double kMinContrastWidth = 15;
-constexpr double kNoiseSigma = 2.0 / 255;  // a smooth surface's, in grey levels
+constexpr double kNoiseSigma = 2.0 / 255;  // grey levels of a smooth surface, for grey 0 … 1
 
-/// Samples lie so far apart that their Gaussian is still at least one of them wide.
+/// Largest power of two, px, that the Gaussian's sigma is not smaller than.
 int sample_step(double sigma) {
   int step = 1;
   while (2 * step <= sigma) step *= 2;
@@ -111,9 +112,9 @@ BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const Term
   for (size_t s = 0; s < scenes.size(); ++s) {
     for (const TermOptions& term : terms) {
       for (const ImageFeature feature : term.image) {
-        Plane& plane = blurred_[s][index(feature)];
+        features::Plane& plane = blurred_[s][index(feature)];
         if (plane.values.empty()) {
-          plane = blurred(scenes[s].image[index(feature)], sigma, sample_step(sigma));
+          plane = features::blurred(scenes[s].image[index(feature)], sigma, sample_step(sigma));
         }
       }
     }
@@ -126,8 +127,8 @@ BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
   const double rest = std::sqrt(std::max(0.0, sigma * sigma - finer.sigma_ * finer.sigma_));
   for (size_t s = 0; s < blurred_.size(); ++s) {
     for (size_t f = 0; f < kImageFeatures; ++f) {
-      const Plane& plane = finer.blurred_[s][f];
-      blurred_[s][f] = blurred(plane, rest, std::max(plane.step, sample_step(sigma)));
+      const features::Plane& plane = finer.blurred_[s][f];
+      blurred_[s][f] = features::blurred(plane, rest, std::max(plane.step, sample_step(sigma)));
     }
   }
   make_local_grey();
@@ -136,15 +137,16 @@ BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
 void BlurredImages::make_local_grey() {
   const double width = std::max(kMinContrastWidth, kContrastWidthPerSigma * sigma_);
   for (size_t s = 0; s < blurred_.size(); ++s) {
-    const Plane& grey = blurred_[s][index(ImageFeature::kLocalGrey)];
-    if (!grey.values.empty()) local_grey_[s] = normalize_local_contrast(grey, width, kNoiseSigma);
+    const features::Plane& grey = blurred_[s][index(ImageFeature::kLocalGrey)];
+    if (!grey.values.empty())
+      local_grey_[s] = features::normalize_local_contrast(grey, width, kNoiseSigma);
   }
 }
 
-BlurredImages BlurredImages::permuted(std::span<const size_t> from) const {
+BlurredImages BlurredImages::permuted(std::span<const size_t> source_scenes) const {
   BlurredImages other;
   other.sigma_ = sigma_;
-  for (const size_t scene : from) {
+  for (const size_t scene : source_scenes) {
     other.blurred_.push_back(blurred_[scene]);
     other.local_grey_.push_back(local_grey_[scene]);
   }
@@ -166,22 +168,22 @@ Objective::Objective(const VisiblePoints& points, const BlurredImages& images,
   }
 }
 
-void Objective::project(const Eigen::Isometry3d& T_head_lidar) {
+void Objective::project(const Eigen::Isometry3d& T_refcam_lidar) {
   for (const VisiblePoints::Block& block : points_.blocks) {
     const RigCamera& camera = cameras_[scenes_[block.scene].camera];
     geometry::project_points(
-        camera.model, camera.T_camera_refcam * T_head_lidar, block_points(points_, block),
+        camera.model, camera.T_camera_refcam * T_refcam_lidar, block_points(points_, block),
         {part<float>(u_, block), part<float>(v_, block), part<float>(depth_, block)});
   }
 }
 
 void Objective::look_up(const TermOptions& term) {
-  // Of a single lidar feature: what has nothing to compare need not be looked up.
+  // With a single lidar feature, points that are not compared need no look-up.
   const std::vector<float>& compared =
       term.lidar.size() == 1 ? points_.lidar[index(term.lidar.front())] : points_.x;
   for (size_t f = 0; f < term.image.size(); ++f) {
     for (const VisiblePoints::Block& block : points_.blocks) {
-      const Plane& plane = images_->plane(block.scene, term.image[f]);
+      const features::Plane& plane = images_->plane(block.scene, term.image[f]);
       const size_t from = block.begin;
       const size_t to = f * points_.size() + block.begin;
       look_up_block({.values = plane.values.data(),
@@ -195,12 +197,12 @@ void Objective::look_up(const TermOptions& term) {
   }
 }
 
-dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_head_lidar,
-                                                     bool with_gradient, bool of_samples) {
+dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_refcam_lidar,
+                                                     bool with_gradient, bool per_sample) {
   ++evaluations_;
   dependence::Estimate sum;
-  if (points_.size() == 0) return {.value = 0, .reason = "no lidar point falls into a picture"};
-  project(T_head_lidar);
+  if (points_.size() == 0) return {.value = 0, .reason = "no lidar point lies in an image"};
+  project(T_refcam_lidar);
   if (with_gradient) {
     std::fill(by_u_.begin(), by_u_.end(), 0.0F);
     std::fill(by_v_.begin(), by_v_.end(), 0.0F);
@@ -216,7 +218,7 @@ dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_
     if (!with_gradient) continue;
     const auto weight = static_cast<float>(
         term.options.weight *
-        (of_samples ? static_cast<double>(term.dependence->sample_count()) : 1.0));
+        (per_sample ? static_cast<double>(term.dependence->sample_count()) : 1.0));
     for (size_t first = 0; first < values; first += points_.size()) {
       for (size_t i = 0; i < by_u_.size(); ++i) {
         by_u_[i] += weight * by_value_[first + i] * value_by_u_[first + i];
@@ -228,43 +230,43 @@ dependence::Estimate Objective::differentiate_pixels(const Eigen::Isometry3d& T_
 }
 
 geometry::Vector6 Objective::block_gradient(const VisiblePoints::Block& block,
-                                            const Eigen::Isometry3d& T_head_lidar) const {
+                                            const Eigen::Isometry3d& T_refcam_lidar) const {
   const RigCamera& camera = cameras_[scenes_[block.scene].camera];
   const std::span<const float> by_u =
       std::span(by_u_).subspan(block.begin, block.end - block.begin);
   const std::span<const float> by_v =
       std::span(by_v_).subspan(block.begin, block.end - block.begin);
   const geometry::Vector6 camera_gradient =
-      geometry::pose_gradient(camera.model, camera.T_camera_refcam * T_head_lidar,
+      geometry::pose_gradient(camera.model, camera.T_camera_refcam * T_refcam_lidar,
                               block_points(points_, block), by_u, by_v);
   // T_camera_refcam exp(ξ) = exp(Ad ξ) T_camera_refcam.
   return geometry::adjoint(camera.T_camera_refcam).transpose() * camera_gradient;
 }
 
-Evaluation Objective::evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_gradient) {
-  Evaluation evaluation{.estimate = differentiate_pixels(T_head_lidar, with_gradient)};
+Evaluation Objective::evaluate(const Eigen::Isometry3d& T_refcam_lidar, bool with_gradient) {
+  Evaluation evaluation{.estimate = differentiate_pixels(T_refcam_lidar, with_gradient)};
   if (!with_gradient || points_.size() == 0) return evaluation;
   for (const VisiblePoints::Block& block : points_.blocks) {
-    evaluation.gradient += block_gradient(block, T_head_lidar);
+    evaluation.gradient += block_gradient(block, T_refcam_lidar);
   }
   return evaluation;
 }
 
 Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block,
-                                           const Eigen::Isometry3d& T_head_lidar) const {
+                                           const Eigen::Isometry3d& T_refcam_lidar) const {
   const RigCamera& rig_camera = cameras_[scenes_[block.scene].camera];
   const CameraIntrinsics& camera = rig_camera.model.intrinsics();
   const bool pinhole = camera.model == CameraIntrinsics::Model::kPinhole;
-  const Eigen::Isometry3d T = rig_camera.T_camera_refcam * T_head_lidar;
+  const Eigen::Isometry3d T = rig_camera.T_camera_refcam * T_refcam_lidar;
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
   for (size_t i = block.begin; i < block.end; ++i) {
     const double by_u = by_u_[i], by_v = by_v_[i];
     if (by_u == 0 && by_v == 0) continue;
     const double by_focal = by_u * (u_[i] - camera.cx) + by_v * (v_[i] - camera.cy);
     const Eigen::Vector3d p = T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]);
-    // Where without distortion the point would be at r · direction, k1 takes it r³ further out.
+    // Without distortion the point is at r · direction; k1 moves it outwards by r³.
     const double outwards = by_u * camera.fx * p.x() + by_v * camera.fy * p.y();
-    double r3 = 0;  // over the point's distance from the axis
+    double r3 = 0;  // divided by the point's distance from the axis
     if (pinhole) {
       r3 = (p.x() * p.x() + p.y() * p.y()) / (p.z() * p.z() * p.z());
     } else if (const double radius = std::hypot(p.x(), p.y()); radius > 0) {
@@ -276,21 +278,21 @@ Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block,
   return gradient;
 }
 
-std::vector<SceneGradient> Objective::scene_gradients(const Eigen::Isometry3d& T_head_lidar,
+std::vector<SceneGradient> Objective::scene_gradients(const Eigen::Isometry3d& T_refcam_lidar,
                                                       dependence::Estimate* estimate) {
   std::vector<SceneGradient> pulls(scenes_.size(), SceneGradient::Zero());
-  const dependence::Estimate sum = differentiate_pixels(T_head_lidar, true);
+  const dependence::Estimate sum = differentiate_pixels(T_refcam_lidar, true);
   if (estimate != nullptr) *estimate = sum;
   for (const VisiblePoints::Block& block : points_.blocks) {
-    pulls[block.scene].head<6>() += block_gradient(block, T_head_lidar);
-    pulls[block.scene].tail<4>() += camera_gradient(block, T_head_lidar);
+    pulls[block.scene].head<6>() += block_gradient(block, T_refcam_lidar);
+    pulls[block.scene].tail<4>() += camera_gradient(block, T_refcam_lidar);
   }
   return pulls;
 }
 
-Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, size_t term) {
+Objective::Samples Objective::samples(const Eigen::Isometry3d& T_refcam_lidar, size_t term) {
   const TermOptions& options = terms_[term].options;
-  project(T_head_lidar);
+  project(T_refcam_lidar);
   look_up(options);
   const std::vector<float>& lidar = points_.lidar[index(options.lidar.front())];
   Samples samples;
@@ -298,7 +300,7 @@ Objective::Samples Objective::samples(const Eigen::Isometry3d& T_head_lidar, siz
     samples.lidar.push_back(lidar[i]);
     samples.image.push_back(value_[i]);
   }
-  if (options.equalize) equalize(samples.lidar);
+  if (options.equalize) features::equalize(samples.lidar);
   return samples;
 }
 
@@ -313,12 +315,12 @@ double Objective::median_range() const {
   return *middle;
 }
 
-geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_head_lidar) {
+geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_refcam_lidar) {
   geometry::Matrix6 sum = geometry::Matrix6::Zero();
-  differentiate_pixels(T_head_lidar, true, true);
+  differentiate_pixels(T_refcam_lidar, true, true);
   for (const VisiblePoints::Block& block : points_.blocks) {
     const RigCamera& camera = cameras_[scenes_[block.scene].camera];
-    const Eigen::Isometry3d T = camera.T_camera_refcam * T_head_lidar;
+    const Eigen::Isometry3d T = camera.T_camera_refcam * T_refcam_lidar;
     geometry::Matrix6 part = geometry::Matrix6::Zero();
     for (size_t i = block.begin; i < block.end; ++i) {
       if (by_u_[i] == 0 && by_v_[i] == 0) continue;

@@ -12,52 +12,53 @@
 
 namespace infuse::calibration {
 
-/// The image features of all scenes, blurred alike and thinned as the blur allows: made once a
-/// level of a coarse-to-fine search, shared by all its hypotheses.
+/// Image features of all scenes, blurred alike and thinned as the blur allows: computed once per
+/// level of a coarse-to-fine search, shared by all poses.
 class BlurredImages {
  public:
-  /// `sigma`: of the Gaussian, pixels.
+  /// `sigma`: standard deviation of the Gaussian, pixels.
   BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms, double sigma);
 
-  /// The same from images that are blurred less: cheaper.
+  /// The same from images that are blurred less, which is cheaper.
   BlurredImages(const BlurredImages& finer, double sigma);
 
-  const Plane& plane(size_t scene, ImageFeature feature) const {
+  const features::Plane& plane(size_t scene, ImageFeature feature) const {
     return feature == ImageFeature::kLocalGrey ? local_grey_[scene]
                                                : blurred_[scene][index(feature)];
   }
 
-  /// The same pictures dealt out to other scenes: scene s gets that of scene `from[s]`.
+  /// Returns the same images assigned to other scenes: scene s has that of `source_scenes[s]`.
   BlurredImages permuted(std::span<const size_t> source_scenes) const;
 
  private:
   BlurredImages() = default;
 
-  /// Local grey from the blurred grey.
+  /// Computes local grey from the blurred grey.
   void make_local_grey();
 
-  std::vector<PerImageFeature<Plane>> blurred_;  ///< from which more blurred ones are made
-  std::vector<Plane> local_grey_;                ///< a scene each, where a term asks for it
+  std::vector<PerImageFeature<features::Plane>> blurred_;  ///< source of more blurred ones
+  std::vector<features::Plane> local_grey_;                ///< one per scene, where a term needs it
   double sigma_ = 0;
 };
 
-/// The measure at one hypothesis.
+/// Objective at one pose.
 struct Evaluation {
   dependence::Estimate estimate;
-  /// ∂value/∂ξ, ξ a left perturbation of T_head_lidar (rx, ry, rz, tx, ty, tz; rad, m).
+  /// ∂value/∂ξ, ξ a left perturbation of T_refcam_lidar (rx, ry, rz, tx, ty, tz; rad, m).
   geometry::Vector6 gradient = geometry::Vector6::Zero();
 };
 
-/// How a scene's part of the objective changes with the pose (six entries, as Evaluation::gradient)
-/// and with its camera's model: with the logarithm of the focal lengths, the principal point (u, v,
-/// px) and the first radial distortion coefficient.
+/// Gradient of a scene's part of the objective by the pose (six entries, as Evaluation::gradient)
+/// and by its camera's model: by the logarithm of the focal lengths, the principal point (u, v, px)
+/// and the first radial distortion coefficient.
 using SceneGradient = Eigen::Matrix<double, 10, 1>;
 
-/// The dependence of lidar and camera as a function of T_head_lidar, over a fixed set of points.
+/// Dependence between lidar and cameras as a function of T_refcam_lidar, over a fixed set of
+/// points.
 ///
-/// Overlap guard: a point that the hypothesis moves out of the picture keeps the value at the
-/// border that it crossed, without a derivative. It cannot raise the measure by vanishing, which is
-/// how the plug-in estimate otherwise finds its degenerate maximum (few points in view).
+/// Overlap guard: a point that the pose moves out of the image keeps the value at the border that
+/// it crossed, without a derivative. Otherwise the plug-in estimate rises as points leave the
+/// image, up to a degenerate maximum with few points in view.
 class Objective {
  public:
   /// All arguments but `terms` must outlive the objective.
@@ -65,38 +66,37 @@ class Objective {
             std::span<const RigCamera> cameras, std::span<const Scene> scenes,
             std::span<const TermOptions> terms);
 
-  /// The weighted sum of the terms.
-  Evaluation evaluate(const Eigen::Isometry3d& T_head_lidar, bool with_gradient);
+  /// Evaluates the weighted sum of the terms.
+  Evaluation evaluate(const Eigen::Isometry3d& T_refcam_lidar, bool with_gradient);
 
-  /// Has the points look at other pictures from now on, of the same sizes; they must outlive this.
+  /// Replaces the images by others of the same sizes, which must outlive this.
   void set_images(const BlurredImages& images) { images_ = &images; }
 
-  /// Has the points seen by other cameras from now on; they must outlive this.
+  /// Replaces the cameras, which must outlive this.
   void set_cameras(std::span<const RigCamera> cameras) { cameras_ = cameras; }
 
-  /// The gradient of each scene's part of the sum, an entry a scene; they add up to `gradient`.
-  /// For the terms with a gradient: how the scenes pull, whose spread tells the uncertainty.
-  /// The sum itself goes to `estimate`, where that is given.
-  std::vector<SceneGradient> scene_gradients(const Eigen::Isometry3d& T_head_lidar,
+  /// Returns the gradient of each scene's part of the sum, one entry per scene; they add up to
+  /// `Evaluation::gradient`. Their spread gives the uncertainty. Of the terms with a gradient. The
+  /// sum itself goes to `estimate`, where that is not null.
+  std::vector<SceneGradient> scene_gradients(const Eigen::Isometry3d& T_refcam_lidar,
                                              dependence::Estimate* estimate = nullptr);
 
-  /// The samples of one term at a pose that take part: what its measure is asked about. Of several
-  /// features the first.
+  /// Samples that one term compares at a pose; of several features the first.
   struct Samples {
-    std::vector<float> lidar;  ///< by rank where the term says so
+    std::vector<float> lidar;  ///< by rank if the term has `equalize`
     std::vector<float> image;  ///< 0 … 1; NaN where the camera's model does not see the point
   };
-  Samples samples(const Eigen::Isometry3d& T_head_lidar, size_t term);
+  Samples samples(const Eigen::Isometry3d& T_refcam_lidar, size_t term);
 
-  /// Fisher's information P(3.19) of the sum at a pose, Σᵢ sᵢ sᵢᵀ over the points: sᵢ is the
-  /// derivative by the pose of point i's part of each term times the term's samples, for mutual
-  /// information that of log p(x, y) / (p(x) p(y)). For the terms with a gradient.
-  geometry::Matrix6 information(const Eigen::Isometry3d& T_head_lidar);
+  /// Returns Fisher's information P(3.19) of the sum at a pose, Σᵢ sᵢ sᵢᵀ over the points: sᵢ is
+  /// the derivative by the pose of point i's part of each term times the term's samples, for mutual
+  /// information that of log p(x, y) / (p(x) p(y)). Of the terms with a gradient.
+  geometry::Matrix6 information(const Eigen::Isometry3d& T_refcam_lidar);
 
   size_t point_count() const { return points_.size(); }
-  /// Of the points, m: so far a translation goes that moves them as an angle of one does.
+  /// Median range of the points, m: a rotation by one radian moves them by about so much.
   double median_range() const;
-  /// Evaluations so far.
+  /// Number of evaluations so far.
   int evaluations() const { return evaluations_; }
 
  private:
@@ -104,15 +104,16 @@ class Objective {
     TermOptions options;
     std::unique_ptr<DependenceTerm> dependence;
   };
-  void project(const Eigen::Isometry3d& T_head_lidar);
+  void project(const Eigen::Isometry3d& T_refcam_lidar);
   void look_up(const TermOptions& term);
-  /// `of_samples`: what each sample adds to n times a term, in place of what it adds to the term.
-  dependence::Estimate differentiate_pixels(const Eigen::Isometry3d& T_head_lidar,
+  /// `per_sample`: derivative of each sample's contribution to n times a term, instead of to the
+  /// term.
+  dependence::Estimate differentiate_pixels(const Eigen::Isometry3d& T_refcam_lidar,
                                             bool with_gradient, bool per_sample = false);
   geometry::Vector6 block_gradient(const VisiblePoints::Block& block,
-                                   const Eigen::Isometry3d& T_head_lidar) const;
+                                   const Eigen::Isometry3d& T_refcam_lidar) const;
   Eigen::Vector4d camera_gradient(const VisiblePoints::Block& block,
-                                  const Eigen::Isometry3d& T_head_lidar) const;
+                                  const Eigen::Isometry3d& T_refcam_lidar) const;
 
   const VisiblePoints& points_;
   const BlurredImages* images_;
@@ -121,9 +122,9 @@ class Objective {
   std::vector<Term> terms_;
   int evaluations_ = 0;
 
-  // Scratch, one entry a point; of values one a point and image feature.
+  // Scratch, one entry per point; of values one per point and image feature.
   std::vector<float> u_, v_, depth_;
-  std::vector<float> value_, value_by_u_, value_by_v_;  ///< of the image feature looked up last
+  std::vector<float> value_, value_by_u_, value_by_v_;  ///< of the image features looked up last
   std::vector<float> by_value_;                         ///< ∂term/∂value
   std::vector<float> by_u_, by_v_;                      ///< ∂sum/∂pixel
 };

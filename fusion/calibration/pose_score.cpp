@@ -5,8 +5,8 @@
 namespace infuse::calibration {
 namespace {
 
-/// For each scene another of the same camera, as far away in the list as can be; nothing where a
-/// camera has too few pictures.
+/// Assigns to each scene another one of the same camera, half the list away; nothing if a camera
+/// has too few images.
 std::optional<std::vector<size_t>> other_scene_indices(std::span<const Scene> scenes,
                                                        size_t cameras) {
   std::vector<size_t> other(scenes.size());
@@ -26,31 +26,32 @@ std::optional<std::vector<size_t>> other_scene_indices(std::span<const Scene> sc
 
 }  // namespace
 
-PoseScore::PoseScore(std::span<const Scene> thin, std::span<const RigCamera> cameras,
+PoseScore::PoseScore(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                      std::span<const TermOptions> terms, const VisibilityOptions& visibility,
-                     ImagePyramid& images, double sigma, bool subtract_others, std::stop_token stop)
-    : scenes_(thin),
+                     ImagePyramid& images, double sigma, bool subtract_baseline,
+                     std::stop_token stop)
+    : scenes_(scenes),
       cameras_(cameras),
       terms_(terms),
       visibility_(visibility),
       images_(images.at(sigma)),
       stop_(std::move(stop)) {
   visibility_.max_points = 0;
-  if (!subtract_others) return;
-  if (const auto others = other_scene_indices(thin, cameras.size()))
+  if (!subtract_baseline) return;
+  if (const auto others = other_scene_indices(scenes, cameras.size()))
     baseline_images_ = images_.permuted(*others);
 }
 
-double PoseScore::operator()(const Eigen::Isometry3d& T_head_lidar) {
+double PoseScore::operator()(const Eigen::Isometry3d& T_refcam_lidar) {
   if (stop_.stop_requested()) return 0;
-  const VisiblePoints points = select_visible(scenes_, cameras_, T_head_lidar, visibility_);
+  const VisiblePoints points = select_visible(scenes_, cameras_, T_refcam_lidar, visibility_);
   if (points.size() == 0) return 0;
   Objective measure(points, images_, cameras_, scenes_, terms_);
-  const dependence::Estimate own = measure.evaluate(T_head_lidar, false).estimate;
+  const dependence::Estimate own = measure.evaluate(T_refcam_lidar, false).estimate;
   double value = own.usable() ? own.value : 0;
   if (baseline_images_) {
     measure.set_images(*baseline_images_);
-    const dependence::Estimate shared = measure.evaluate(T_head_lidar, false).estimate;
+    const dependence::Estimate shared = measure.evaluate(T_refcam_lidar, false).estimate;
     value -= shared.usable() ? shared.value : 0;
   }
   evaluations_ += measure.evaluations();

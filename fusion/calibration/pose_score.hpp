@@ -10,28 +10,29 @@
 
 namespace infuse::calibration {
 
-/// Compares poses that do not share their view: n times the measure, over the n points in view at
-/// each. For mutual information that is the logarithm of a likelihood ratio, of which the plug-in
-/// estimate's bias is a constant whatever n is: neither few points nor many are of advantage.
+/// Score for comparing poses with different points in view: n times the measure, over the n points
+/// in view at each pose. For mutual information that is the logarithm of a likelihood ratio, and
+/// the bias of the plug-in estimate is a constant whatever n is: neither few nor many points have
+/// an advantage.
 ///
-/// Over wide turns that is not enough. Streets are alike: sky above, road below. Turned down by
-/// 20°, a lidar's rings fall in with a picture's rows better than at the true pose, and so they do
-/// with every other picture. `subtract_others` takes off what the scans share with pictures of
-/// other scenes at the same pose, where each camera has at least `kMinImages`.
+/// Over wide rotations that is not enough. Streets are alike: sky above, road below. Rotated down
+/// by 20°, the rings of a lidar match the rows of an image better than at the true pose, and so
+/// they match every other image. `subtract_baseline` subtracts the score with the images of other
+/// scenes at the same pose, if each camera has at least `kMinImages`.
 class PoseScore {
  public:
   static constexpr size_t kMinImages = 4;
 
-  /// The points are those of `thin` (`thin_scenes`), the images those of `images` at `sigma`
+  /// The points are those of `scenes` (`thin_scenes`), the images those of `images` at `sigma`
   /// pixels. All must outlive this.
   PoseScore(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
             std::span<const TermOptions> terms, const VisibilityOptions& visibility,
             ImagePyramid& images, double sigma, bool subtract_baseline, std::stop_token stop);
 
-  /// Larger is better; 0 where no point is in view, and at once where a stop was requested.
-  double operator()(const Eigen::Isometry3d& T_head_lidar);
+  /// Returns the score, larger is better; 0 if no point is in view or a stop was requested.
+  double operator()(const Eigen::Isometry3d& T_refcam_lidar);
 
-  /// Evaluations of the measure so far.
+  /// Number of evaluations of the measure so far.
   int evaluations() const { return evaluations_; }
 
  private:

@@ -14,8 +14,8 @@ struct Scored {
   double score;
 };
 
-/// Point k of a sequence that fills the cube [−1, 1]³ evenly: multiples of the powers of 1/g, g the
-/// real root of x⁴ = x + 1, each modulo 1.
+/// Returns point k of a sequence that fills the cube [−1, 1]³ evenly: multiples of the powers of
+/// 1/g, g the real root of x⁴ = x + 1, each modulo 1.
 Eigen::Vector3d low_discrepancy_point(int k) {
   constexpr double kRoot = 1.2207440846057596;
   Eigen::Vector3d point;
@@ -30,9 +30,9 @@ Eigen::Vector3d low_discrepancy_point(int k) {
 
 class RotationScreening {
  public:
-  RotationScreening(const Eigen::Isometry3d& start, const ScreenOptions& options,
+  RotationScreening(const Eigen::Isometry3d& initial_pose, const ScreenOptions& options,
                     const std::function<double(const Eigen::Isometry3d&)>& score)
-      : initial_pose_(start), options_(options), score_(score) {}
+      : initial_pose_(initial_pose), options_(options), score_(score) {}
 
   std::vector<Eigen::Isometry3d> run() {
     const double poses_per_axis = 2 * options_.half_width / options_.spacing;
@@ -62,7 +62,7 @@ class RotationScreening {
                      [](const Scored& a, const Scored& b) { return a.score > b.score; });
   }
 
-  /// Around the best of a round whose poses lie `apart`.
+  /// Scores poses around the best of a round whose spacing is `apart`.
   void refine(double apart) {
     constexpr size_t kMaxRefinedPoses = 24;
     sort_by_score();
@@ -101,16 +101,16 @@ class RotationScreening {
 std::optional<std::string> ScreenOptions::invalid() const {
   if (!(half_width >= 0 && half_width <= M_PI)) return "half_width must lie in 0 … pi";
   if (!(spacing > 0)) return "spacing must be positive";
-  if (max_poses < 1 || max_poses > 1'000'000) return "most must lie in 1 … 1000000";
-  if (survivors < 0) return "kept must not be negative";
+  if (max_poses < 1 || max_poses > 1'000'000) return "max_poses must lie in 1 … 1000000";
+  if (survivors < 0) return "survivors must not be negative";
   return std::nullopt;
 }
 
 std::vector<Eigen::Isometry3d> screen_rotations(
-    const Eigen::Isometry3d& start, const ScreenOptions& options,
+    const Eigen::Isometry3d& initial_pose, const ScreenOptions& options,
     const std::function<double(const Eigen::Isometry3d&)>& score) {
-  if (options.half_width == 0 || options.survivors == 0) return {start};
-  return RotationScreening(start, options, score).run();
+  if (options.half_width == 0 || options.survivors == 0) return {initial_pose};
+  return RotationScreening(initial_pose, options, score).run();
 }
 
 }  // namespace infuse::calibration

@@ -3,17 +3,26 @@
 #include <cmath>
 #include <utility>
 
-#include "fusion/calibration/relative_reflectivity.hpp"
+#include "fusion/features/image_edges.hpp"
+#include "fusion/features/ranks.hpp"
+#include "fusion/features/relative_reflectivity.hpp"
 
 namespace infuse::calibration {
 namespace {
+
+using features::Plane;
+
+Plane equalized(Plane plane) {
+  features::equalize_by_level(plane.values, 256);
+  return plane;
+}
 
 Plane scaled(Plane plane, float factor) {
   for (float& value : plane.values) value *= factor;
   return plane;
 }
 
-/// One channel of a kBgr8 frame (grey frames have three equal ones), 0 … 1.
+/// Returns one channel of a kBgr8 frame (grey frames have three equal ones), 0 … 1.
 Plane colour_plane(const CameraFrame& frame, size_t channel) {
   Plane plane{.width = frame.width, .height = frame.height, .values = {}};
   const auto step = static_cast<size_t>(channels(frame.format));
@@ -25,24 +34,25 @@ Plane colour_plane(const CameraFrame& frame, size_t channel) {
   return plane;
 }
 
-/// The wanted features of all returns; the other arrays stay empty.
+/// Computes the wanted features of all returns; the other arrays stay empty.
 PerLidarFeature<std::vector<float>> compute_lidar_features(const Sweep& sweep,
                                                            const SceneOptions& options) {
   using enum LidarFeature;
   const auto wanted = [&](LidarFeature feature) { return options.lidar[index(feature)]; };
-  PerLidarFeature<std::vector<float>> features;
-  const auto at = [&](LidarFeature feature) -> auto& { return features[index(feature)]; };
+  PerLidarFeature<std::vector<float>> lidar;
+  const auto at = [&](LidarFeature feature) -> auto& { return lidar[index(feature)]; };
   if (wanted(kReflectivity)) {
     at(kReflectivity).assign(sweep.reflectivity.begin(), sweep.reflectivity.end());
   }
   if (wanted(kRelativeReflectivity)) {
-    RelativeReflectivity ranks;
+    features::RelativeReflectivity ranks;
     at(kRelativeReflectivity) = ranks.compute(sweep.ring, sweep.range, sweep.reflectivity);
   }
   if (wanted(kDiscontinuity) || wanted(kRelativeDiscontinuity)) {
-    std::vector<float> edges = discontinuity(sweep, options.discontinuity);
+    std::vector<float> edges =
+        features::Discontinuity(options.discontinuity).compute(features::make_sweep_view(sweep));
     if (wanted(kRelativeDiscontinuity)) {
-      at(kRelativeDiscontinuity) = relative_discontinuity(sweep.ring, edges);
+      at(kRelativeDiscontinuity) = features::relative_discontinuity(sweep.ring, edges);
     }
     if (wanted(kDiscontinuity)) at(kDiscontinuity) = std::move(edges);
   }
@@ -52,8 +62,7 @@ PerLidarFeature<std::vector<float>> compute_lidar_features(const Sweep& sweep,
     at(kNormalY) = std::move(normals[1]);
     at(kNormalZ) = std::move(normals[2]);
   }
-  if (wanted(kTaylorNormal)) at(kTaylorNormal) = taylor_normal(sweep);
-  return features;
+  return lidar;
 }
 
 }  // namespace
@@ -65,18 +74,19 @@ std::optional<std::string> SceneOptions::invalid() const {
   return std::nullopt;
 }
 
-PerImageFeature<Plane> compute_image_features(const CameraFrame& frame,
-                                              const SceneOptions& options) {
+PerImageFeature<features::Plane> compute_image_features(const CameraFrame& frame,
+                                                        const SceneOptions& options) {
   const auto shown = [&](ImageFeature feature) { return options.image[index(feature)]; };
   PerImageFeature<Plane> image;
-  Plane grey = grey_plane(frame);
+  Plane grey = features::grey_plane(frame);
   const auto finish = [&](Plane plane) {
     return options.equalize ? equalized(std::move(plane)) : scaled(std::move(plane), 1.0F / 255.0F);
   };
   if (shown(ImageFeature::kRingEdge)) {
-    image[index(ImageFeature::kRingEdge)] = finish(ring_edge(grey, options.rings));
+    image[index(ImageFeature::kRingEdge)] = finish(features::ring_edge(grey, options.rings));
   }
-  if (shown(ImageFeature::kEdge)) image[index(ImageFeature::kEdge)] = finish(edge_strength(grey));
+  if (shown(ImageFeature::kEdge))
+    image[index(ImageFeature::kEdge)] = finish(features::edge_strength(grey));
   if (shown(ImageFeature::kGrey)) image[index(ImageFeature::kGrey)] = finish(grey);
   if (shown(ImageFeature::kLocalGrey)) {
     image[index(ImageFeature::kLocalGrey)] = scaled(std::move(grey), 1.0F / 255.0F);
@@ -96,18 +106,18 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
   }
   if (frame.width < 3 || frame.height < 3 ||
       frame.pixels.size() != frame.row_bytes() * static_cast<size_t>(frame.height)) {
-    return fail("the picture is empty");
+    return fail("the image is empty or truncated");
   }
 
   Scene scene;
-  const PerLidarFeature<std::vector<float>> features = compute_lidar_features(sweep, options);
+  const PerLidarFeature<std::vector<float>> lidar = compute_lidar_features(sweep, options);
   for (size_t i = 0; i < sweep.size(); ++i) {
     if (!(sweep.range[i] >= options.min_range && sweep.range[i] <= options.max_range)) continue;
     scene.x.push_back(sweep.x[i]);
     scene.y.push_back(sweep.y[i]);
     scene.z.push_back(sweep.z[i]);
     for (size_t f = 0; f < kLidarFeatures; ++f) {
-      if (!features[f].empty()) scene.lidar[f].push_back(features[f][i]);
+      if (!lidar[f].empty()) scene.lidar[f].push_back(lidar[f][i]);
     }
   }
   if (scene.size() == 0) return fail("the sweep has no return between min_range and max_range");

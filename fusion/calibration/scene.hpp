@@ -8,51 +8,52 @@
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "fusion/calibration/feature.hpp"
-#include "fusion/calibration/image_features.hpp"
-#include "fusion/calibration/lidar_features.hpp"
 #include "fusion/calibration/surface_normals.hpp"
+#include "fusion/features/discontinuity.hpp"
+#include "fusion/features/plane.hpp"
+#include "fusion/features/ring_directions.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 
 namespace infuse::calibration {
 
-/// What is taken from a sweep and a picture.
+/// Features that are computed of a sweep and an image.
 struct SceneOptions {
   /// Features to compute: relative reflectivity and discontinuity.
   PerLidarFeature<bool> lidar{false, true, false, true};
   PerImageFeature<bool> image{false, true, true};  ///< features to compute: local grey, ring edge
-  RingDirections rings;                            ///< in this camera's pictures, for the ring edge
-  DiscontinuityOptions discontinuity;
+  features::RingDirections rings;                  ///< of this camera's images, for the ring edge
+  features::DiscontinuityOptions discontinuity;
   NormalOptions normals;
-  /// Grey and edges by rank within the picture, so that exposure does not matter. False: as
-  /// they are, divided by 255.
+  /// Grey and edges by rank within the image, so that exposure does not matter. False: values
+  /// divided by 255.
   bool equalize = true;
-  double min_range = 1.5;  ///< m; nearer returns (the vehicle itself) are left out
+  double min_range = 1.5;  ///< m; nearer returns (the vehicle itself) are dropped
   double max_range = 100;  ///< m
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// A sweep and the picture that was taken with it, as features: what calibration compares.
+/// Features of a sweep and of the image taken with it, which calibration compares.
 struct Scene {
-  std::string name;                           ///< for reports
-  size_t camera = 0;                          ///< which camera of the rig took the picture
-  std::vector<float> x, y, z;                 ///< m, lidar frame
-  PerLidarFeature<std::vector<float>> lidar;  ///< a value a point; empty where not computed
-  PerImageFeature<Plane> image;               ///< 0 … 1; empty where not computed
+  std::string name;            ///< for reports
+  size_t camera = 0;           ///< index of the camera of the rig that took the image
+  std::vector<float> x, y, z;  ///< m, lidar frame
+  PerLidarFeature<std::vector<float>> lidar;  ///< one value per point; empty where not computed
+  PerImageFeature<features::Plane> image;     ///< 0 … 1; empty where not computed
   std::optional<geometry::Vector6> twist;     ///< rad/s, m/s: the lidar's motion in its own frame
-                                              ///< when the picture was taken, where it is known
+                                              ///< when the image was taken, where known
 
   size_t size() const { return x.size(); }
 };
 
-/// The features of a kGrey8 or kBgr8 picture that `options` name, grey and edges by rank where they
-/// say so; the other planes stay empty.
-PerImageFeature<Plane> compute_image_features(const CameraFrame& frame,
-                                              const SceneOptions& options);
+/// Computes the features of a kGrey8 or kBgr8 image that `options` name; the other planes stay
+/// empty.
+PerImageFeature<features::Plane> compute_image_features(const CameraFrame& frame,
+                                                        const SceneOptions& options);
 
-/// Computes the features. The sweep should be corrected for motion to the picture's exposure.
-/// Errors: a picture or a sweep with nothing in it, a Bayer mosaic.
+/// Computes the features of a sweep, deskewed to the image's exposure, and of the image. Errors: an
+/// empty image or sweep, a Bayer mosaic.
 Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame, const SceneOptions& options);
 
 }  // namespace infuse::calibration

@@ -7,24 +7,23 @@
 namespace infuse::calibration {
 namespace {
 
-constexpr size_t kMaxPointsPerScene = 8'000;  // points a scene, on the whole
-constexpr size_t kMinPointsPerGroup = 2'000;  // points: with fewer the measure is mostly noise
+constexpr size_t kMaxPointsPerScene = 8'000;  // maximum, mean over the scenes
+constexpr size_t kMinPointsPerGroup = 2'000;  // with fewer the measure is mostly noise
 
 double share_of_worse_rotations(Objective& measure, const Eigen::Isometry3d& T, double value) {
   int worse = 0;
-  int asked = 0;
+  int compared = 0;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double angle : {-2 * kDegree, -kDegree, kDegree, 2 * kDegree}) {
       const Eigen::Isometry3d wrong = geometry::exp(angle * geometry::Vector6::Unit(axis)) * T;
       worse += measure.evaluate(wrong, false).estimate.value < value ? 1 : 0;
-      ++asked;
+      ++compared;
     }
   }
-  return static_cast<double>(worse) / asked;
+  return static_cast<double>(worse) / compared;
 }
 
-/// Blocks that follow one another, so many together that they have enough points; what is left
-/// over goes with the last.
+/// Groups of consecutive blocks with enough points; remaining blocks join the last group.
 std::vector<std::span<const VisiblePoints::Block>> group_blocks(
     std::span<const VisiblePoints::Block> blocks) {
   std::vector<std::span<const VisiblePoints::Block>> out;
@@ -43,19 +42,20 @@ std::vector<std::span<const VisiblePoints::Block>> group_blocks(
 
 }  // namespace
 
-std::vector<SceneSupport> scene_support(CoarseToFine& search, const Eigen::Isometry3d& T_head_lidar,
-                                        size_t scenes, double sigma) {
+std::vector<SceneSupport> scene_support(CoarseToFine& search,
+                                        const Eigen::Isometry3d& T_refcam_lidar, size_t scenes,
+                                        double sigma) {
   std::vector<SceneSupport> all(scenes);
-  const VisiblePoints points = search.visible_points(T_head_lidar, scenes * kMaxPointsPerScene);
+  const VisiblePoints points = search.visible_points(T_refcam_lidar, scenes * kMaxPointsPerScene);
   for (const auto& together : group_blocks(points.blocks)) {
     const VisiblePoints own = select_blocks(points, together);
     SceneSupport shared;
     if (own.size() > 0) {
       Objective measure = search.make_objective(own, sigma);
-      const dependence::Estimate estimate = measure.evaluate(T_head_lidar, false).estimate;
+      const dependence::Estimate estimate = measure.evaluate(T_refcam_lidar, false).estimate;
       shared.value = estimate.value;
       if (estimate.usable())
-        shared.support = share_of_worse_rotations(measure, T_head_lidar, estimate.value);
+        shared.support = share_of_worse_rotations(measure, T_refcam_lidar, estimate.value);
     }
     for (const VisiblePoints::Block& block : together) {
       all[block.scene] = shared;

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <nanoflann.hpp>
-#include <numeric>
 
-#include "fusion/calibration/lidar_features.hpp"
+#include "fusion/features/discontinuity.hpp"
 
 namespace infuse::calibration {
 namespace {
 
-/// A sweep's points as nanoflann asks for them.
+/// Adaptor of a sweep's points for nanoflann.
 struct Cloud {
   const Sweep& sweep;
 
@@ -27,7 +26,7 @@ struct Cloud {
 using Tree =
     nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
 
-/// The direction in which the points spread least, turned towards the origin.
+/// Returns the direction in which the points spread least, facing the origin.
 Eigen::Vector3f plane_normal(const Sweep& sweep, const std::vector<uint32_t>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
@@ -49,14 +48,14 @@ Eigen::Vector3f plane_normal(const Sweep& sweep, const std::vector<uint32_t>& po
 
 std::optional<std::string> NormalOptions::invalid() const {
   if (neighbours < 3 || neighbours > 10'000) return "neighbours must lie in 3 … 10000";
-  if (!(max_neighbour_distance > 0)) return "farthest must be positive";
+  if (!(max_neighbour_distance > 0)) return "max_neighbour_distance must be positive";
   return std::nullopt;
 }
 
 std::array<std::vector<float>, 3> surface_normals(const Sweep& sweep,
                                                   const NormalOptions& options) {
   std::array<std::vector<float>, 3> normals;
-  for (auto& axis : normals) axis.assign(sweep.size(), kNotCompared);
+  for (auto& axis : normals) axis.assign(sweep.size(), features::kNotCompared);
   const auto neighbours = static_cast<size_t>(options.neighbours);
   if (sweep.size() < neighbours) return normals;
   const Cloud cloud{sweep};
@@ -79,31 +78,6 @@ std::array<std::vector<float>, 3> surface_normals(const Sweep& sweep,
     }
   }
   return normals;
-}
-
-std::vector<float> taylor_normal(const Sweep& sweep) {
-  std::vector<float> feature(sweep.size(), kNotCompared);
-  std::vector<size_t> order(sweep.size());
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    return std::pair(sweep.column[a], sweep.ring[a]) < std::pair(sweep.column[b], sweep.ring[b]);
-  });
-  for (size_t k = 0; k + 1 < order.size(); ++k) {
-    const size_t i = order[k];
-    // Dual returns: the next ring's first.
-    size_t next = k + 1;
-    while (next < order.size() && sweep.column[order[next]] == sweep.column[i] &&
-           sweep.ring[order[next]] == sweep.ring[i]) {
-      ++next;
-    }
-    if (next == order.size()) break;
-    const size_t j = order[next];
-    if (sweep.column[j] != sweep.column[i] || sweep.ring[j] != sweep.ring[i] + 1) continue;
-    const float up = sweep.z[i] - sweep.z[j];
-    const float along = std::hypot(sweep.x[i] - sweep.x[j], sweep.y[i] - sweep.y[j]);
-    if (along > 0) feature[i] = up * up / along;
-  }
-  return feature;
 }
 
 }  // namespace infuse::calibration

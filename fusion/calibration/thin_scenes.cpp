@@ -11,7 +11,7 @@
 namespace infuse::calibration {
 namespace {
 
-/// The largest angle from the optical axis that the picture shows, seen along its border.
+/// Returns the largest angle between the optical axis and the image's border.
 double half_field_of_view(const geometry::CameraModel& model) {
   constexpr int kBorderSteps = 8;
   const double right = model.intrinsics().width - 1;
@@ -22,7 +22,7 @@ double half_field_of_view(const geometry::CameraModel& model) {
     for (const Eigen::Vector2d& pixel :
          {Eigen::Vector2d(part * right, 0), Eigen::Vector2d(part * right, bottom),
           Eigen::Vector2d(0, part * bottom), Eigen::Vector2d(right, part * bottom)}) {
-      // A border that the model cannot reach: everything before the camera may be in view.
+      // The model does not reach the border: all points in front of the camera may be in view.
       const auto along = model.unproject(pixel);
       widest = std::max(widest, along ? std::acos(std::clamp(along->z(), -1.0, 1.0)) : M_PI / 2);
     }
@@ -30,7 +30,7 @@ double half_field_of_view(const geometry::CameraModel& model) {
   return widest;
 }
 
-constexpr double kNearEdgeWeight = 4;  // what a point near a depth edge is worth, of others
+constexpr double kNearEdgeWeight = 4;  // of a point near a depth edge; other points have 1
 
 bool near_edge(const Scene& scene, size_t i) {
   for (const auto feature : {LidarFeature::kDiscontinuity, LidarFeature::kRelativeDiscontinuity}) {
@@ -40,8 +40,8 @@ bool near_edge(const Scene& scene, size_t i) {
   return false;
 }
 
-/// Indices of the points before the camera within `angle` of its axis, and how many of those within
-/// `inner` are near depth edges, and are not.
+/// Indices of the points within `angle` of the camera's axis, and the numbers of those within
+/// `inner` that are near depth edges and that are not.
 struct Cone {
   std::vector<size_t> points;
   size_t near_edge_count = 0, other_count = 0;
@@ -62,14 +62,15 @@ Cone points_in_cone(const Scene& scene, const Eigen::Isometry3d& T, double angle
   return cone;
 }
 
-/// One of the points for every `step` of worth; where those near edges stay, of the others.
-std::vector<size_t> thin_points(double step, bool edges_stay, const Scene& scene,
+/// Keeps one point per `step` of weight; with `keep_edges` all those near edges, and one per `step`
+/// of the others.
+std::vector<size_t> thin_points(double step, bool keep_edges, const Scene& scene,
                                 const std::vector<size_t>& points) {
   std::vector<size_t> kept;
   double due = step / 2;
   for (const size_t i : points) {
     const bool near = near_edge(scene, i);
-    if (!(near && edges_stay)) {
+    if (!(near && keep_edges)) {
       due += near ? kNearEdgeWeight : 1;
       if (due < step) continue;
       due = std::min(due - step, step);
@@ -79,7 +80,7 @@ std::vector<size_t> thin_points(double step, bool edges_stay, const Scene& scene
   return kept;
 }
 
-/// Some of a scene's points, in that order.
+/// Returns the given points of a scene, in that order.
 Scene select_points(const Scene& scene, const std::vector<size_t>& points) {
   Scene part{.name = scene.name, .camera = scene.camera, .twist = scene.twist};
   const auto copy_values = [&](const std::vector<float>& from, std::vector<float>& to) {
@@ -94,8 +95,8 @@ Scene select_points(const Scene& scene, const std::vector<size_t>& points) {
   return part;
 }
 
-/// The scene's points from the top of the picture to its bottom, a strip after the other: points
-/// that are looked up one after the other then find each other's pixels in the processor's cache.
+/// Sorts the scene's points by strips of the image, from its top to its bottom: consecutive
+/// look-ups then hit the processor's cache.
 Scene sort_by_strips(const Scene& scene, const geometry::CameraModel& model,
                      const Eigen::Isometry3d& T_camera_lidar) {
   constexpr float kStripHeight = 8;  // px
@@ -119,17 +120,17 @@ Scene sort_by_strips(const Scene& scene, const geometry::CameraModel& model,
 }  // namespace
 
 std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
-                               const Eigen::Isometry3d& T_head_lidar, double margin, size_t points,
-                               bool edges_stay) {
+                               const Eigen::Isometry3d& T_refcam_lidar, double margin,
+                               size_t points, bool keep_edges) {
   std::vector<Cone> cones;
   double in_view = 0;
   for (const Scene& scene : scenes) {
     const RigCamera& camera = cameras[scene.camera];
     const double half = half_field_of_view(camera.model);
     cones.push_back(
-        points_in_cone(scene, camera.T_camera_refcam * T_head_lidar, half + margin, half));
+        points_in_cone(scene, camera.T_camera_refcam * T_refcam_lidar, half + margin, half));
     const double near =
-        edges_stay ? 0 : kNearEdgeWeight * static_cast<double>(cones.back().near_edge_count);
+        keep_edges ? 0 : kNearEdgeWeight * static_cast<double>(cones.back().near_edge_count);
     in_view += near + static_cast<double>(cones.back().other_count);
   }
   const double step = std::max(1.0, in_view / static_cast<double>(std::max<size_t>(points, 1)));
@@ -137,8 +138,8 @@ std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const Ri
   for (size_t s = 0; s < scenes.size(); ++s) {
     const RigCamera& camera = cameras[scenes[s].camera];
     const Scene part =
-        select_points(scenes[s], thin_points(step, edges_stay, scenes[s], cones[s].points));
-    thin.push_back(sort_by_strips(part, camera.model, camera.T_camera_refcam * T_head_lidar));
+        select_points(scenes[s], thin_points(step, keep_edges, scenes[s], cones[s].points));
+    thin.push_back(sort_by_strips(part, camera.model, camera.T_camera_refcam * T_refcam_lidar));
   }
   return thin;
 }

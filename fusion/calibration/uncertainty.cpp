@@ -13,18 +13,18 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-// Differences are taken about as widely as the result is uncertain, where that is wider than the
-// narrowest: narrower ones see how the rings of the lidar cross the picture's edges instead of the
-// shape of the maximum, wider ones its flanks.
-constexpr double kMaxStep = 4e-3;  // rad, and as much of the points' range
-constexpr double kMinStep = 1e-3;  // the same
+// Steps of numeric differences: about the standard deviation of the result, within these limits.
+// Smaller steps measure how rings cross image edges instead of the shape of the maximum, larger
+// ones its flanks.
+constexpr double kMaxStep = 4e-3;  // rad; for translations times the median range of the points
+constexpr double kMinStep = 1e-3;  // likewise
 constexpr double kMaxRotationSigma = 5 * kDegree;
 constexpr double kMaxTranslationSigma = 0.5;
 
 using SceneCurvature = std::vector<Eigen::Matrix<double, 10, 6>>;
 
-/// Minus the derivatives of the scenes' pulls, from those at both ends of `angle`, and of the
-/// translation that moves points at `range` as far.
+/// Minus the derivatives of the scene gradients, by differences of `angle`, and of the translation
+/// that moves points at `range` as far.
 SceneCurvature scene_curvature(Objective& objective, const Eigen::Isometry3d& T, double angle,
                                double range) {
   SceneCurvature all;
@@ -39,14 +39,14 @@ SceneCurvature scene_curvature(Objective& objective, const Eigen::Isometry3d& T,
   return all;
 }
 
-/// That of the sum by the pose.
+/// Curvature of the sum by the pose.
 Matrix6 curvature(const SceneCurvature& scenes) {
   Matrix6 H = Matrix6::Zero();
   for (const auto& scene : scenes) H += scene.topRows<6>();
   return 0.5 * (H + H.transpose());
 }
 
-/// "rotation about (1.0, 0.0, 0.0)" or "translation along …", in camera axes.
+/// Returns "rotation about (1.0, 0.0, 0.0)" or "translation along …", in camera axes.
 std::string describe_direction(const Vector6& scaled) {
   const bool rotation = scaled.head<3>().norm() > scaled.tail<3>().norm();
   Eigen::Vector3d axis = rotation ? scaled.head<3>() : scaled.tail<3>();
@@ -57,7 +57,7 @@ std::string describe_direction(const Vector6& scaled) {
   return text;
 }
 
-/// In units of the limits: a direction's standard deviation of 1 is the most that is accepted.
+/// Scales a covariance by the limits: the maximum accepted standard deviation of a direction is 1.
 Vector6 sigma_limits() {
   Vector6 unit;
   unit << Eigen::Vector3d::Constant(kMaxRotationSigma),
@@ -65,7 +65,7 @@ Vector6 sigma_limits() {
   return unit;
 }
 
-/// How far the scenes' pulls at the result spread, for the sum of all.
+/// Covariance of the sum of the scene gradients, from their spread at the result.
 Matrix6 gradient_scatter(const std::vector<Vector6>& pulls) {
   const auto n = static_cast<double>(pulls.size());
   const Vector6 mean = std::accumulate(pulls.begin(), pulls.end(), Vector6::Zero().eval()) / n;
@@ -74,7 +74,7 @@ Matrix6 gradient_scatter(const std::vector<Vector6>& pulls) {
   return n / std::max(n - 6, 1.0) * scatter;
 }
 
-/// H⁻¹ J H⁻¹, or why there is none.
+/// H⁻¹ J H⁻¹, or why it does not exist.
 struct Sandwich {
   Matrix6 covariance = Matrix6::Zero();
   std::string reason;
@@ -94,7 +94,7 @@ Sandwich sandwich(const Matrix6& curvature, const Matrix6& scatter) {
   return {.covariance = 0.5 * (covariance + covariance.transpose())};
 }
 
-/// The widest axis' standard deviation, as an angle.
+/// Largest standard deviation of an axis, as an angle.
 double max_angular_sigma(const Matrix6& covariance, double range) {
   const Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
   return std::max(sigma.head<3>().maxCoeff(), sigma.tail<3>().maxCoeff() / range);
@@ -102,9 +102,9 @@ double max_angular_sigma(const Matrix6& covariance, double range) {
 
 }  // namespace
 
-Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_head_lidar) {
+Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar) {
   Uncertainty out;
-  out.scene_gradients = objective.scene_gradients(T_head_lidar);
+  out.scene_gradients = objective.scene_gradients(T_refcam_lidar);
   std::vector<Vector6> seen;
   for (const SceneGradient& pull : out.scene_gradients) {
     if (pull.head<6>() != Vector6::Zero()) seen.push_back(pull.head<6>());
@@ -112,14 +112,14 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   out.scene_influence.assign(out.scene_gradients.size(), 0.0);
   if (seen.size() < 3) {
     out.reason = std::to_string(seen.size()) +
-                 " scenes say nothing of how far scenes disagree: at least 3 are needed";
+                 " scenes do not show how far scenes disagree: at least 3 are needed";
     return out;
   }
   const Matrix6 scatter = gradient_scatter(seen);
   const double range = objective.median_range();
-  Sandwich found{.reason = "not looked at"};
+  Sandwich found{.reason = "not evaluated"};
   for (double angle = kMinStep; angle <= kMaxStep; angle *= 2) {
-    SceneCurvature curvatures = scene_curvature(objective, T_head_lidar, angle, range);
+    SceneCurvature curvatures = scene_curvature(objective, T_refcam_lidar, angle, range);
     const Sandwich next = sandwich(curvature(curvatures), scatter);
     if (next.reason.empty() || !found.reason.empty()) {
       found = next;
@@ -132,7 +132,7 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   if (!out.usable()) return out;
   out.covariance = found.covariance;
 
-  out.cramer_rao_bound = objective.information(T_head_lidar).inverse();
+  out.cramer_rao_bound = objective.information(T_refcam_lidar).inverse();
   const Vector6 unit = sigma_limits();
   const Matrix6 scaled =
       unit.cwiseInverse().asDiagonal() * out.covariance * unit.cwiseInverse().asDiagonal();

@@ -11,55 +11,15 @@
 namespace infuse::calibration {
 namespace {
 
-/// Smallest depth by cell, with a border of one cell around the picture.
-class DepthBuffer {
- public:
-  explicit DepthBuffer(double cell) : cell_(static_cast<float>(cell)) {}
-
-  /// Empty, for pictures of this size.
-  void resize(int width, int height) {
-    columns_ = static_cast<int>(static_cast<float>(width) / cell_) + 3;
-    rows_ = static_cast<int>(static_cast<float>(height) / cell_) + 3;
-    nearest_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kEmpty);
-  }
-  void add(float u, float v, float depth) {
-    float& cell = nearest_[at(column(u), row(v))];
-    cell = std::min(cell, depth);
-  }
-  /// Empties the cell: far cheaper than all of them, where points are few.
-  void clear_cell(float u, float v) { nearest_[at(column(u), row(v))] = kEmpty; }
-
-  float nearest_around(float u, float v) const {
-    const int left = column(u) - 1;
-    const int top = row(v) - 1;
-    float nearest = kEmpty;
-    for (int dy = 0; dy < 3; ++dy) {
-      const float* cells = &nearest_[at(left, top + dy)];
-      nearest = std::min({nearest, cells[0], cells[1], cells[2]});
-    }
-    return nearest;
-  }
-
- private:
-  static constexpr float kEmpty = std::numeric_limits<float>::infinity();
-
-  int column(float u) const { return std::clamp(static_cast<int>(u / cell_) + 1, 1, columns_ - 2); }
-  int row(float v) const { return std::clamp(static_cast<int>(v / cell_) + 1, 1, rows_ - 2); }
-  size_t at(int column, int row) const { return static_cast<size_t>(row * columns_ + column); }
-
-  float cell_;
-  int columns_ = 0, rows_ = 0;
-  std::vector<float> nearest_;
-};
-
 struct Pixels {
   std::vector<float> u, v, depth;
 };
 
-Pixels project(const Scene& scene, const RigCamera& camera, const Eigen::Isometry3d& T_head_lidar) {
+Pixels project(const Scene& scene, const RigCamera& camera,
+               const Eigen::Isometry3d& T_refcam_lidar) {
   const size_t n = scene.size();
   Pixels pixels{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n)};
-  geometry::project_points(camera.model, camera.T_camera_refcam * T_head_lidar,
+  geometry::project_points(camera.model, camera.T_camera_refcam * T_refcam_lidar,
                            {scene.x, scene.y, scene.z}, {pixels.u, pixels.v, pixels.depth});
   return pixels;
 }
@@ -70,7 +30,7 @@ std::vector<size_t> indices_in_image(const Pixels& pixels, const CameraIntrinsic
   const auto bottom = static_cast<float>(image.height - 1);
   std::vector<size_t> view;
   for (size_t i = 0; i < pixels.u.size(); ++i) {
-    // NaN where the model does not see the point: no comparison holds.
+    // NaN where the model does not see the point: all comparisons are false.
     if (pixels.u[i] >= 0 && pixels.u[i] <= right && pixels.v[i] >= 0 && pixels.v[i] <= bottom &&
         pixels.depth[i] >= static_cast<float>(min_depth)) {
       view.push_back(i);
@@ -79,30 +39,27 @@ std::vector<size_t> indices_in_image(const Pixels& pixels, const CameraIntrinsic
   return view;
 }
 
-/// `buffer`: empty before and after.
-void remove_occluded(std::vector<size_t>& view, const Pixels& pixels, const CameraIntrinsics& image,
-                     const VisibilityOptions& options, DepthBuffer& buffer) {
-  buffer.resize(image.width, image.height);
+/// Removes the points that others hide. `buffer` is empty before and after.
+void remove_occluded(std::vector<size_t>& view, const Pixels& pixels,
+                     features::OcclusionBuffer& buffer) {
   for (const size_t i : view) buffer.add(pixels.u[i], pixels.v[i], pixels.depth[i]);
   const std::vector<size_t> added = view;
-  const auto ratio = static_cast<float>(options.occlusion_ratio);
-  const auto step = static_cast<float>(options.occlusion_step);
-  std::erase_if(view, [&](size_t i) {
-    return pixels.depth[i] > buffer.nearest_around(pixels.u[i], pixels.v[i]) * ratio + step;
-  });
+  std::erase_if(view,
+                [&](size_t i) { return buffer.hides(pixels.u[i], pixels.v[i], pixels.depth[i]); });
   for (const size_t i : added) buffer.clear_cell(pixels.u[i], pixels.v[i]);
 }
 
 /// Indices of the scene's points that are in view under every pose.
 std::vector<size_t> visible_indices(const Scene& scene, const RigCamera& camera,
                                     std::span<const Eigen::Isometry3d> poses,
-                                    const VisibilityOptions& options, DepthBuffer& buffer) {
+                                    const VisibilityOptions& options,
+                                    std::optional<features::OcclusionBuffer>& buffer) {
   const CameraIntrinsics& image = camera.model.intrinsics();
   std::vector<size_t> common;
   for (size_t k = 0; k < poses.size(); ++k) {
     const Pixels pixels = project(scene, camera, poses[k]);
     std::vector<size_t> view = indices_in_image(pixels, image, options.min_depth);
-    if (options.occlusion_cell > 0) remove_occluded(view, pixels, image, options, buffer);
+    if (buffer) remove_occluded(view, pixels, *buffer);
     if (k == 0) {
       common = std::move(view);
     } else {
@@ -119,10 +76,7 @@ std::vector<size_t> visible_indices(const Scene& scene, const RigCamera& camera,
 
 std::optional<std::string> VisibilityOptions::invalid() const {
   if (!(min_depth > 0)) return "min_depth must be positive";
-  if (!(occlusion_cell == 0 || occlusion_cell >= 1))
-    return "occlusion_cell must be 0 or at least 1";
-  if (!(occlusion_ratio >= 1)) return "occlusion_ratio must be at least 1";
-  if (!(occlusion_step >= 0)) return "occlusion_step must not be negative";
+  if (occlusion) return occlusion->invalid();
   return std::nullopt;
 }
 
@@ -130,10 +84,15 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
                              std::span<const Eigen::Isometry3d> poses,
                              const VisibilityOptions& options) {
   std::vector<std::vector<size_t>> views;
-  DepthBuffer buffer(options.occlusion_cell);
+  std::vector<std::optional<features::OcclusionBuffer>> buffers(cameras.size());
+  for (size_t c = 0; options.occlusion && c < cameras.size(); ++c) {
+    const CameraIntrinsics& image = cameras[c].model.intrinsics();
+    buffers[c].emplace(*options.occlusion).reset(image.width, image.height);
+  }
   size_t all = 0;
   for (const Scene& scene : scenes) {
-    views.push_back(visible_indices(scene, cameras[scene.camera], poses, options, buffer));
+    views.push_back(
+        visible_indices(scene, cameras[scene.camera], poses, options, buffers[scene.camera]));
     all += views.back().size();
   }
   const size_t stride =
@@ -157,9 +116,9 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
 }
 
 VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
-                             const Eigen::Isometry3d& T_head_lidar,
+                             const Eigen::Isometry3d& T_refcam_lidar,
                              const VisibilityOptions& options) {
-  return select_visible(scenes, cameras, std::span(&T_head_lidar, 1), options);
+  return select_visible(scenes, cameras, std::span(&T_refcam_lidar, 1), options);
 }
 
 VisiblePoints select_blocks(const VisiblePoints& points,

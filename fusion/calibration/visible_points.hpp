@@ -7,57 +7,57 @@
 #include <vector>
 
 #include "fusion/calibration/scene.hpp"
+#include "fusion/features/occlusion_buffer.hpp"
 #include "fusion/geometry/camera_model.hpp"
 
 namespace infuse::calibration {
 
-/// A camera of a rig whose cameras are known relative to each other (P 3.4.1); what is estimated is
-/// T_head_lidar. A camera alone is its own head.
+/// Camera of a rig whose cameras are calibrated relative to each other (P 3.4.1); the estimate is
+/// T_refcam_lidar. A single camera is its own reference camera.
 struct RigCamera {
   geometry::CameraModel model;
   Eigen::Isometry3d T_camera_refcam = Eigen::Isometry3d::Identity();
 };
 
-/// Which points take part.
+/// Settings of the choice of points.
 struct VisibilityOptions {
-  double min_depth = 1.0;        ///< m along the optical axis
-  double occlusion_cell = 5;     ///< px; side of a z-buffer cell; 0: no occlusion culling
-  double occlusion_ratio = 1.1;  ///< a point is hidden where one in its cell or the eight around it
-  double occlusion_step = 0.3;   ///< is nearer than (depth − step) ÷ ratio; m
-  size_t max_points = 0;         ///< thinned evenly to at most so many, all scenes together; 0: all
+  double min_depth = 1.0;  ///< m along the optical axis
+  /// Occlusion culling; empty: no point is hidden.
+  std::optional<features::OcclusionOptions> occlusion = features::OcclusionOptions{};
+  size_t max_points = 0;  ///< maximum number, of all scenes together, thinned evenly; 0: all
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// The points in view of all scenes, pooled, scene after scene.
+/// Points in view of all scenes, scene after scene.
 struct VisiblePoints {
-  /// A scene's part of the arrays: [begin, end).
+  /// Part of the arrays that belongs to a scene: [begin, end).
   struct Block {
     size_t scene = 0;
     size_t begin = 0, end = 0;
   };
-  std::vector<Block> blocks;   ///< a scene without a point in view has an empty one
+  std::vector<Block> blocks;   ///< one per scene; empty for a scene without a point in view
   std::vector<float> x, y, z;  ///< m, lidar frame
   PerLidarFeature<std::vector<float>> lidar;
 
   size_t size() const { return x.size(); }
 };
 
-/// The points that lie in the picture and are not hidden under every one of the poses T_head_lidar.
-/// Chosen once a start, so that the set that a measure is asked about does not change while it is
-/// maximised: the plug-in estimate rises when points leave the picture, and an optimiser finds that
-/// out. Of several poses: the set on which they can be compared.
+/// Selects the points that are in the image and not hidden under every one of the poses
+/// T_refcam_lidar. Selected once per ascent, so that the set does not change while a measure is
+/// maximised: the plug-in estimate rises as points leave the image. Several poses give the set on
+/// which they can be compared.
 VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                              std::span<const Eigen::Isometry3d> poses,
                              const VisibilityOptions& options);
 
 /// The same under one pose.
 VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
-                             const Eigen::Isometry3d& T_head_lidar,
+                             const Eigen::Isometry3d& T_refcam_lidar,
                              const VisibilityOptions& options);
 
-/// The points of blocks that follow one another alone; at least one block.
+/// Returns the points of consecutive blocks alone; at least one block.
 VisiblePoints select_blocks(const VisiblePoints& points,
                             std::span<const VisiblePoints::Block> blocks);
 

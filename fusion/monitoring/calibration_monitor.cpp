@@ -8,16 +8,16 @@ namespace {
 
 using geometry::Vector6;
 
-constexpr double kMaxGap = 2;                 // s; what was driven in a longer one is not known
+constexpr double kMaxGap = 2;                 // s; the motion during a longer gap is unknown
 constexpr double kNegligibleEvidence = 0.5;   // nats
-constexpr double kHalfInformationPeak = 0.1;  // nats; a picture with such a peak is worth a half
+constexpr double kHalfInformationPeak = 0.1;  // nats; a peak of this height has information ½
 
-/// The parabola through three values a step apart.
-void fit_parabola(AxisEvaluation& look, size_t axis, double below, double centre, double above,
-                  double step) {
-  look.slope[axis] = (above - below) / (2 * step);
-  look.curvature[axis] = (2 * centre - above - below) / (step * step);
-  look.step[axis] = step;
+/// Fits the parabola through three values one step apart.
+void fit_parabola(AxisEvaluation& evaluation, size_t axis, double below, double centre,
+                  double above, double step) {
+  evaluation.slope[axis] = (above - below) / (2 * step);
+  evaluation.curvature[axis] = (2 * centre - above - below) / (step * step);
+  evaluation.step[axis] = step;
 }
 
 }  // namespace
@@ -25,14 +25,14 @@ void fit_parabola(AxisEvaluation& look, size_t axis, double below, double centre
 std::optional<std::string> MonitorOptions::invalid() const {
   if (!(rotation_step > 0) || !(wide_rotation_step > rotation_step) || !(translation_step > 0) ||
       !(time_step > 0) || !(wide_time_step > time_step)) {
-    return "steps must be positive, the far ones more than the near ones";
+    return "steps must be positive, and wide steps larger than narrow ones";
   }
   if (!(reduced_focal_length >= 20)) return "reduced_focal_length must be at least 20";
   if (max_points < min_points || min_points < 100) {
     return "100 <= min_points <= max_points must hold";
   }
   if (!(min_interval >= 0) || !(min_distance >= 0) || !(min_rotation > 0)) {
-    return "min_interval, min_distance and min_rotation must not be negative";
+    return "min_interval and min_distance must not be negative, min_rotation must be positive";
   }
   if (!(min_peak >= 0)) return "min_peak must not be negative";
   if (auto wrong = detector.invalid()) return "detector: " + *wrong;
@@ -51,10 +51,13 @@ CalibrationMonitor::CalibrationMonitor(const CameraIntrinsics& camera,
       dependence_(options.weights),
       detector_(options.detector),
       camera_check_(options.camera_check),
-      scene_store_(options.scene_store) {}
+      scene_store_(options.scene_store) {
+  features::find_ring_directions(camera_, T_camera_lidar, step_, rings_);
+}
 
 void CalibrationMonitor::set_calibration(const Eigen::Isometry3d& T_camera_lidar) {
   T_camera_lidar_ = T_camera_lidar;
+  features::find_ring_directions(camera_, T_camera_lidar, step_, rings_);
   detector_.restart();
   last_without_evidence_ = last_stamp_.value_or(Stamp::earliest());
 }
@@ -72,17 +75,17 @@ void CalibrationMonitor::accumulate_motion(Stamp stamp, const Motion& motion) {
   last_stamp_ = stamp;
 }
 
-/// Why a picture is not put to the test, or an empty text.
+/// Returns why an image is not evaluated, or an empty text.
 const char* CalibrationMonitor::reason_to_skip(const CameraFrame& grey, const Motion& motion) {
   const CameraIntrinsics& camera = camera_.intrinsics();
   if (grey.format != PixelFormat::kGrey8 || grey.width != camera.width ||
       grey.height != camera.height ||
       grey.pixels.size() != grey.row_bytes() * static_cast<size_t>(grey.height)) {
-    return "the picture is not as the intrinsics say";
+    return "the image does not match the intrinsics";
   }
   accumulate_motion(grey.stamp, motion);
   camera_check_.process(grey, travelled_);
-  if (camera_check_.fault() != CameraFault::kNone) return "the camera is at fault";
+  if (camera_check_.fault() != CameraFault::kNone) return "the camera has a fault";
   if (last_evaluation_ && grey.stamp - *last_evaluation_ < from_seconds(options_.min_interval)) {
     return "too soon after the last evaluation";
   }
@@ -107,7 +110,7 @@ AxisEvaluation CalibrationMonitor::evaluate_axes(const Motion& motion, MonitorRe
     report.gain = centre - dependence_.evaluate(*alternative_, image_, points_, camera_);
     report.has_gain = true;
   }
-  AxisEvaluation look;
+  AxisEvaluation evaluation;
   double lowest = centre;
   double highest = centre;
   for (size_t k = 0; k < kAxes; ++k) {
@@ -115,8 +118,8 @@ AxisEvaluation CalibrationMonitor::evaluate_axes(const Motion& motion, MonitorRe
     const double step = step_for(axis);
     Vector6 direction = Vector6::Zero();
     if (base_axis(axis) == Axis::kTime) {
-      // A camera that is late by τ saw the world from where it was τ ago: its frame is moved by −τ
-      // times the twist, and lidar points in it the other way.
+      // A camera that is late by τ sees the world from its pose τ ago: its frame moves by −τ times
+      // the twist, and lidar points in it the other way.
       direction << motion.angular_rate, motion.velocity;
     } else {
       direction(static_cast<Eigen::Index>(base_axis(axis))) = 1;
@@ -127,16 +130,16 @@ AxisEvaluation CalibrationMonitor::evaluate_axes(const Motion& motion, MonitorRe
     };
     const double above = evaluate_at(step);
     const double below = evaluate_at(-step);
-    fit_parabola(look, k, below, centre, above, step);
+    fit_parabola(evaluation, k, below, centre, above, step);
     lowest = std::min({lowest, above, below});
     highest = std::max({highest, above, below});
   }
   if (highest - lowest < options_.min_peak) {
-    report.reason = "nothing to be learned here";
-    look = {};
+    report.reason = "no information in this scene";
+    evaluation = {};
   }
   report.evaluated = *report.reason == '\0';
-  return look;
+  return evaluation;
 }
 
 void CalibrationMonitor::fill_report(MonitorReport& report) {
@@ -150,10 +153,10 @@ void CalibrationMonitor::fill_report(MonitorReport& report) {
   const bool moved = report.drift == Drift::kSuspected || report.drift == Drift::kConfirmed;
   report.since = moved ? last_without_evidence_ : Stamp::earliest();
   for (int k = 0; k < 6; ++k) {
-    // The top lies at +d: the present calibration is off by −d.
-    const Axis look = detector_.strongest_variant(static_cast<Axis>(k));
-    report.offset(k) = -detector_.offset(look);
-    report.sigma(k) = detector_.sigma(look);
+    // The maximum lies at +d: the present calibration is off by −d.
+    const Axis variant = detector_.strongest_variant(static_cast<Axis>(k));
+    report.offset(k) = -detector_.offset(variant);
+    report.sigma(k) = detector_.sigma(variant);
   }
   report.delay = detector_.offset(detector_.strongest_variant(Axis::kTime));
   report.delay_ambiguous_axis = ambiguity_.axis();
@@ -169,7 +172,7 @@ MonitorReport CalibrationMonitor::process(const CameraFrame& grey, const SweepVi
   MonitorReport report{.stamp = grey.stamp};
   report.reason = reason_to_skip(grey, motion);
   if (*report.reason == '\0') {
-    image_.build(grey, step_);
+    image_.build(grey, step_, rings_);
     points_.select(sweep, camera_, T_camera_lidar_, options_.max_points);
     if (points_.size() < options_.min_points) {
       report.reason = "too few returns in view";
@@ -190,8 +193,8 @@ MonitorReport CalibrationMonitor::process(const CameraFrame& grey, const SweepVi
     }
   }
   fill_report(report);
-  // Scenes of the calibration that was look better than those of the one that is, and would keep
-  // their places from them.
+  // Scenes from before the drift score higher under the present calibration and would keep later
+  // ones out of the store.
   if (report.drift == Drift::kConfirmed) scene_store_.remove_before(report.since);
   return report;
 }

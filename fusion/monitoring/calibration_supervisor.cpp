@@ -17,11 +17,11 @@ std::string format_text(const char* format, Values... values) {
   return text.data();
 }
 
-/// "rotation about y, -0.52 degrees"
+/// Returns "rotation about y, -0.52 degrees".
 std::string describe_drift(const MonitorReport& report) {
   if (report.axis == Axis::kTime) {
     return format_text("stamps, %.0f ms late", 1e3 * report.delay) +
-           (report.delay_ambiguous_axis ? format_text(" (or %s: not to be told apart as it drove)",
+           (report.delay_ambiguous_axis ? format_text(" (or %s: not separable for this motion)",
                                                       to_string(*report.delay_ambiguous_axis))
                                         : "");
   }
@@ -30,7 +30,7 @@ std::string describe_drift(const MonitorReport& report) {
       k < 3 ? format_text("%s, %.2f degrees", to_string(report.axis), report.offset(k) / kDegree)
             : format_text("%s, %.1f cm", to_string(report.axis), 100 * report.offset(k));
   return moved + (report.delay_ambiguous_axis == report.axis
-                      ? " (or late stamps: not to be told apart as it drove)"
+                      ? " (or late stamps: not separable for this motion)"
                       : "");
 }
 
@@ -45,14 +45,14 @@ const char* to_string(CalibrationState state) {
 std::optional<std::string> SupervisorOptions::invalid() const {
   if (!(limit_rotation > 0) || !(limit_translation > 0)) return "limits must be positive";
   if (min_scenes_after_timeout < 3 || min_scenes < min_scenes_after_timeout)
-    return "3 <= min_scenes_after_timeout <= scenes must hold";
+    return "3 <= min_scenes_after_timeout <= min_scenes must hold";
   if (!(result_delay >= 0) || !(retry_interval >= 0) || !(scene_timeout >= 0)) {
-    return "budget, retry and patience must not be negative";
+    return "result_delay, retry_interval and scene_timeout must not be negative";
   }
   if (!(min_moved >= 0)) return "min_moved must not be negative";
   if (probation_evaluations < 1 || max_failures < 1)
-    return "probation and failures must be at least 1";
-  if (max_history < 1) return "history must be at least 1";
+    return "probation_evaluations and max_failures must be at least 1";
+  if (max_history < 1) return "max_history must be at least 1";
   return std::nullopt;
 }
 
@@ -96,7 +96,7 @@ void CalibrationSupervisor::revert_to_previous(Stamp stamp, const std::string& c
   next_retry_ = stamp + from_seconds(options_.retry_interval);
 }
 
-/// The re-estimation that runs, if one does.
+/// Cancels the running re-estimation, if any.
 void CalibrationSupervisor::cancel_reestimation(SupervisorActions& actions) {
   if (!std::exchange(reestimating_, false)) return;
   result_.reset();
@@ -104,7 +104,7 @@ void CalibrationSupervisor::cancel_reestimation(SupervisorActions& actions) {
   if (state_ == CalibrationState::kRecalibrating) state_ = CalibrationState::kConfirmed;
 }
 
-/// What the owner requested.
+/// Applies the owner's requests.
 void CalibrationSupervisor::apply_requests(const MonitorReport& report,
                                            SupervisorActions& actions) {
   if (frozen_requested_) {
@@ -147,7 +147,7 @@ void CalibrationSupervisor::update_state(const MonitorReport& report, Supervisor
       } else if (report.drift == Drift::kConfirmed) {
         state_ = CalibrationState::kConfirmed;
       } else if (report.drift == Drift::kSuspected) {
-        // What was certain stays so until the evidence is gone.
+        // A confirmed drift stays confirmed until the evidence is gone.
         if (state_ != CalibrationState::kConfirmed) state_ = CalibrationState::kSuspected;
       } else if (report.drift == Drift::kHolds) {
         if (report.evidence < 1 || state_ == CalibrationState::kMonitoring) {
@@ -164,7 +164,7 @@ void CalibrationSupervisor::update_state(const MonitorReport& report, Supervisor
   }
   if (state_ == CalibrationState::kUnusable) {
     add_history(report.stamp,
-                std::string("the camera is at fault: ") + to_string(report.fault) +
+                std::string("the camera has a fault: ") + to_string(report.fault) +
                     (report.fault == CameraFault::kLate ? ": " + describe_drift(report) : ""));
   }
 }
@@ -204,9 +204,9 @@ void CalibrationSupervisor::use_result_if_due(const MonitorReport& report,
   } else if (result.moved < options_.min_moved) {
     failures_ = 0;
     state_ = CalibrationState::kOk;
-    actions.calibration_changed = true;  // evidence starts anew
+    actions.calibration_changed = true;  // restarts the evidence
     add_history(report.stamp,
-                format_text("re-estimated: it has not moved (%.1f deviations)", result.moved));
+                format_text("re-estimated: not moved significantly (%.1f sigma)", result.moved));
   } else if (policy_allows(result)) {
     failures_ = 0;
     state_ = CalibrationState::kRecalibrated;
@@ -216,7 +216,7 @@ void CalibrationSupervisor::use_result_if_due(const MonitorReport& report,
     gain_sum_ = gain_count_ = 0;
     set_current(
         result.T_camera_lidar, report.stamp,
-        format_text("applied: moved by %.1f deviations, %zu scenes", result.moved, result.scenes),
+        format_text("applied: moved by %.1f sigma, %zu scenes", result.moved, result.scenes),
         actions);
   } else {
     failures_ = 0;
@@ -247,7 +247,7 @@ SupervisorActions CalibrationSupervisor::process(const MonitorReport& report, si
   const CalibrationState before = state_;
   apply_requests(report, actions);
   check_probation(report, actions);
-  // A report made before the calibration changed says nothing of the new one.
+  // A report from before the change does not apply to the new calibration.
   if (!actions.calibration_changed) {
     use_result_if_due(report, actions);
     if (!actions.calibration_changed) {

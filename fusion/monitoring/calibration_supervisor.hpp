@@ -9,48 +9,50 @@
 
 namespace infuse::monitoring {
 
-/// How a calibration stands.
+/// State of a calibration.
 enum class CalibrationState : uint8_t {
   kOk,
-  kMonitoring,     ///< too little seen yet to say anything
-  kSuspected,      ///< evidence for a drift, not enough to be certain
-  kConfirmed,      ///< certain; a re-estimation waits for scenes, or its result for the owner
+  kMonitoring,     ///< too few evaluations so far
+  kSuspected,      ///< evidence for a drift, below the confirmation threshold
+  kConfirmed,      ///< drift; a re-estimation waits for scenes, or its result for the owner
   kRecalibrating,  ///< a re-estimation runs
   kRecalibrated,   ///< a new calibration is in use and on probation
-  kUnusable,       ///< the camera is at fault, or re-estimations keep failing: do not use it
+  kUnusable,       ///< the camera has a fault, or re-estimations keep failing: do not use it
 };
 
 /// "OK", "MONITORING" …
 const char* to_string(CalibrationState state);
 
-/// What may be done with a re-estimated calibration.
+/// Use of a re-estimated calibration.
 enum class UpdatePolicy : uint8_t {
-  kAlertOnly,    ///< it is proposed; the owner applies it
-  kApply,        ///< it is applied
-  kApplyWithin,  ///< it is applied where it moved less than the limits, else proposed
+  kAlertOnly,    ///< proposed; the owner applies it
+  kApply,        ///< applied
+  kApplyWithin,  ///< applied if it moved by less than the limits, otherwise proposed
 };
 
-/// Settings of the decisions.
+/// Settings of the supervisor.
 struct SupervisorOptions {
   UpdatePolicy policy = UpdatePolicy::kAlertOnly;
   double limit_rotation = 0.05;    ///< rad, of kApplyWithin
   double limit_translation = 0.1;  ///< m, of kApplyWithin
-  size_t min_scenes = 30;          ///< kept since the drift began, before a re-estimation starts
-  size_t min_scenes_after_timeout = 15;  ///< the same, where it has been certain for `patience`
-  double scene_timeout = 40;             ///< s
-  double result_delay = 10;        ///< s of drive after its start at which a result becomes visible
-  double min_moved = 3.5;          ///< Mahalanobis distance (6 degrees of freedom) below which the
-                                   ///< present calibration is kept after all
-  int probation_evaluations = 15;  ///< looks that a new calibration is compared with the old one
-  int max_failures = 3;            ///< re-estimations without a usable result: unusable
-  double retry_interval = 20;      ///< s between re-estimations
-  size_t max_history = 64;         ///< entries kept
+  size_t min_scenes = 30;          ///< scenes since the drift began that a re-estimation needs
+  size_t min_scenes_after_timeout = 15;  ///< the same after `scene_timeout`
+  double scene_timeout = 40;             ///< s since the confirmation
+  double result_delay =
+      10;  ///< s of drive time from the start of a re-estimation to the use of its result
+  double min_moved = 3.5;  ///< Mahalanobis distance (6 degrees of freedom) below which the
+                           ///< present calibration is kept
+  int probation_evaluations =
+      15;                ///< evaluations over which a new calibration is compared with the old one
+  int max_failures = 3;  ///< consecutive re-estimations without a usable result, then unusable
+  double retry_interval = 20;  ///< s between re-estimations
+  size_t max_history = 64;     ///< maximum number of entries
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// One thing that happened to a calibration.
+/// Event in the history of a calibration.
 struct HistoryEntry {
   Stamp stamp;
   CalibrationState state = CalibrationState::kOk;                    ///< after it
@@ -59,88 +61,89 @@ struct HistoryEntry {
       what;  ///< "drift confirmed: rotation about y, 0.52 degrees", "applied", "rolled back: …"
 };
 
-/// What is to be done now.
+/// Actions that the caller has to perform.
 struct SupervisorActions {
   CalibrationState state = CalibrationState::kMonitoring;
-  bool state_changed = false;       ///< the state is another than before
-  bool start_reestimation = false;  ///< start a re-estimation from the scenes kept since `since`
-  Stamp scenes_since;               ///< of `start`
+  bool state_changed = false;       ///< the state differs from the one before
+  bool start_reestimation = false;  ///< start a re-estimation from the scenes since `scenes_since`
+  Stamp scenes_since;               ///< for `start_reestimation`
   bool cancel_reestimation =
-      false;  ///< the re-estimation that runs is of no use any more: `finish` must not come
+      false;  ///< stop the running re-estimation; do not call `finish_reestimation` for it
   bool calibration_changed =
-      false;  ///< `Decision::present()` is another: tell the watch and everyone
-  bool alternative_changed = false;  ///< `Decision::alternative()` is another: tell the watch
+      false;  ///< `current()` changed: pass it on to the monitor and publish it
+  bool alternative_changed = false;  ///< `alternative()` changed: pass it on to the monitor
 };
 
-/// Decides over one camera's calibration: a state machine in drive time, deterministic. It is told
-/// of looks and of results, and says what to do; it does nothing itself.
+/// State machine of one camera's calibration, in drive time, deterministic. Consumes reports and
+/// results of re-estimations and returns the actions to perform; has no side effects.
 ///
-/// OK ⇄ SUSPECTED ⇄ CONFIRMED by the watch's evidence; CONFIRMED → RECALIBRATING once enough scenes
-/// were kept since the drift can have begun; a usable result is proposed or applied (policy). After
-/// it was applied the old calibration stays as the alternative that every look is compared with:
-/// where the dependence on following scenes is not higher than with the old one, it is rolled back.
-/// A camera at fault is UNUSABLE and nothing is re-estimated.
+/// OK ⇄ SUSPECTED ⇄ CONFIRMED by the monitor's evidence; CONFIRMED → RECALIBRATING once enough
+/// scenes are stored since the earliest begin of the drift; a usable result is proposed or applied
+/// (policy). On probation after that, the old calibration is the alternative that every evaluation
+/// is compared with: if the dependence on following scenes is not higher than with the old one, the
+/// new one is rolled back. With a camera fault the state is UNUSABLE and nothing is re-estimated.
 class CalibrationSupervisor {
  public:
   /// `options.invalid()` must be empty.
   CalibrationSupervisor(const Eigen::Isometry3d& T_camera_lidar, const SupervisorOptions& options);
 
-  /// After every picture. `scenes`: how many the store holds since `report.since`.
+  /// Processes the report of an image. `scenes`: number of stored scenes since `report.since`.
   SupervisorActions process(const MonitorReport& report, size_t scenes);
 
-  /// The result of the re-estimation that `start` requested; it becomes visible to the first `take`
-  /// at or after the start plus the budget.
+  /// Hands over the result of the re-estimation that was started; the first `process` at least
+  /// `result_delay` after the start uses it.
   void finish_reestimation(const Reestimate& result);
 
-  /// What the owner may do; each comes into effect with the next `take`.
+  /// Requests a re-estimation. Requests of the owner take effect with the next `process`.
   void request_recalibration() { recalibration_requested_ = true; }
-  /// Applies the proposal, if there is one.
+  /// Requests that the proposal is applied, if there is one.
   void request_apply() { apply_requested_ = true; }
-  /// Back to the calibration before the last.
+  /// Requests the previous calibration.
   void request_roll_back() { roll_back_requested_ = true; }
-  /// Frozen: nothing is applied or re-estimated, and what is being re-estimated is given up; the
-  /// watch goes on. The owner may still ask for a re-estimation, which is then proposed.
+  /// Freezes the calibration: nothing is applied or re-estimated, and a running re-estimation is
+  /// cancelled; monitoring goes on. The owner can still request a re-estimation, which is then
+  /// proposed.
   void set_frozen(bool frozen) { frozen_requested_ = frozen; }
 
   CalibrationState state() const { return state_; }
   const Eigen::Isometry3d& current() const { return current_; }
   const std::optional<Eigen::Isometry3d>& alternative() const { return alternative_; }
-  /// Found and not applied.
+  /// Usable result that is not applied.
   const std::optional<Reestimate>& proposal() const { return proposal_; }
-  /// Of the present calibration, where it was re-estimated.
+  /// Covariance of the current calibration, if it was re-estimated.
   const std::optional<geometry::Matrix6>& covariance() const { return covariance_; }
   bool frozen() const { return frozen_; }
-  /// A re-estimation was started and its result is not visible yet.
+  /// True if a re-estimation was started and its result is not used yet.
   bool reestimating() const { return reestimating_; }
-  /// Oldest first.
+  /// Events, oldest first.
   const std::vector<HistoryEntry>& history() const { return history_; }
 
  private:
-  void apply_requests(const MonitorReport& report, SupervisorActions& decided);
-  void update_state(const MonitorReport& report, SupervisorActions& decided);
+  void apply_requests(const MonitorReport& report, SupervisorActions& actions);
+  void update_state(const MonitorReport& report, SupervisorActions& actions);
   void start_reestimation_if_due(const MonitorReport& report, size_t scenes,
-                                 SupervisorActions& decided);
-  void use_result_if_due(const MonitorReport& report, SupervisorActions& decided);
-  void check_probation(const MonitorReport& report, SupervisorActions& decided);
+                                 SupervisorActions& actions);
+  void use_result_if_due(const MonitorReport& report, SupervisorActions& actions);
+  void check_probation(const MonitorReport& report, SupervisorActions& actions);
   void set_current(const Eigen::Isometry3d& T, Stamp stamp, const std::string& what,
-                   SupervisorActions& decided);
-  void cancel_reestimation(SupervisorActions& decided);
-  void revert_to_previous(Stamp stamp, const std::string& why, SupervisorActions& decided);
+                   SupervisorActions& actions);
+  void cancel_reestimation(SupervisorActions& actions);
+  void revert_to_previous(Stamp stamp, const std::string& cause, SupervisorActions& actions);
   bool policy_allows(const Reestimate& result) const;
   void add_history(Stamp stamp, std::string what);
 
   SupervisorOptions options_;
   CalibrationState state_ = CalibrationState::kMonitoring;
   Eigen::Isometry3d current_;
-  std::optional<Eigen::Isometry3d> alternative_;  // the one before, while on probation
-  std::optional<Eigen::Isometry3d> previous_;     // the one before, for the owner
+  std::optional<Eigen::Isometry3d> alternative_;  // previous calibration, on probation
+  std::optional<Eigen::Isometry3d> previous_;     // previous calibration, for the owner
   std::optional<geometry::Matrix6> covariance_;
   std::optional<Reestimate> proposal_;
-  std::optional<Reestimate> result_;  // not visible yet
+  std::optional<Reestimate> result_;  // not used yet
   bool reestimating_ = false;
   Stamp reestimation_started_;
   Stamp next_retry_ = Stamp::earliest();
-  Stamp confirmed_since_;  // since when that is certain
+  Stamp confirmed_since_;  // stamp of the confirmation
   int failures_ = 0;
   double gain_sum_ = 0;
   int gain_count_ = 0;

@@ -8,12 +8,11 @@ namespace infuse::monitoring {
 namespace {
 
 constexpr int kCoarseDistance = 8;      // px between the pixels whose difference is coarse detail
-constexpr float kBaselineRate = 0.03F;  // how fast the usual is learned
-constexpr float kMinBaselineDetail =
-    1.5F;  // grey levels; a cell with less usual detail tells nothing
-constexpr double kMinBaselineDistance = 0.1;  // m between two pictures that are learned from
-constexpr int kDirtChecks = 12;               // on `dirty_distance`
-constexpr int kNeighbourBlocks = 5;           // blocks to each side that one is compared with
+constexpr float kBaselineRate = 0.03F;  // share of a new image in the baseline
+constexpr float kMinBaselineDetail = 1.5F;    // grey levels; cells with less are not compared
+constexpr double kMinBaselineDistance = 0.1;  // m between two images for the baseline
+constexpr int kDirtChecks = 12;               // number of checks over `dirty_distance`
+constexpr int kNeighbourBlocks = 5;           // blocks to each side of the surroundings
 
 uint64_t hash_of(const std::vector<uint8_t>& pixels) {
   uint64_t hash = 0xcbf29ce484222325U;
@@ -112,8 +111,8 @@ CameraFault CameraCheck::classify(const Detail& detail) const {
   return dirty_ ? CameraFault::kDirty : CameraFault::kNone;
 }
 
-/// Looks in a row of every cell without the detail that is usual there. The whole picture's
-/// contrast is taken out: dusk is no dirt.
+/// Counts consecutive checks of every cell without its usual detail. The contrast of the whole
+/// image is divided out: dusk is not dirt.
 void CameraCheck::count_cells_without_detail(const Detail& detail) {
   const float contrast = detail.coarse / std::max(baseline_.coarse, 1e-3F);
   const float limit = static_cast<float>(options_.min_detail_ratio) * std::min(1.0F, contrast);
@@ -125,7 +124,7 @@ void CameraCheck::count_cells_without_detail(const Detail& detail) {
   }
 }
 
-/// Looks in a row in which every block was on the same side of the mean around it.
+/// Counts consecutive checks in which a block stays on the same side of the mean around it.
 void CameraCheck::count_static_blocks(const CameraFrame& grey) {
   const int width = grey.width / kBlockColumns;
   const int height = grey.height / kBlockRows;
@@ -171,13 +170,13 @@ void CameraCheck::check_for_dirt(const CameraFrame& grey, const Detail& detail) 
     comparable += baseline_.cells[k] >= kMinBaselineDetail ? 1 : 0;
     blind += checks_without_detail_[k] >= kDirtChecks ? 1 : 0;
   }
-  // What was taken for dirt stays so until half of it is gone.
+  // Dirt stays reported until half of it is gone.
   const double hysteresis = dirty_ ? 0.5 : 1;
   dirty_ = comparable > 0 && blind >= hysteresis * options_.dirty_share * comparable;
   for (int times = 1; times <= 3; ++times) {
     const auto static_blocks =
         std::count_if(checks_on_same_side_.begin(), checks_on_same_side_.end(),
-                      [&](uint8_t looks) { return looks >= times * kDirtChecks; });
+                      [&](uint8_t checks) { return checks >= times * kDirtChecks; });
     const double share =
         static_cast<double>(static_blocks) / static_cast<double>(checks_on_same_side_.size());
     dirty_ = dirty_ || share >= hysteresis * options_.static_share / times;
@@ -211,7 +210,7 @@ CameraFault CameraCheck::process(const CameraFrame& grey, double travelled) {
   }
   candidate_images_ = observed == candidate_fault_ ? candidate_images_ + 1 : 1;
   candidate_fault_ = observed;
-  // What a single picture shows for certain, and what many together do, needs no second.
+  // Frozen and dirty images already are the result of many images.
   const bool immediate = observed == CameraFault::kFrozen || observed == CameraFault::kDirty;
   if (candidate_images_ >= options_.confirmation_images || immediate) fault_ = observed;
   return fault_;

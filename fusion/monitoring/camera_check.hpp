@@ -11,52 +11,52 @@
 
 namespace infuse::monitoring {
 
-/// What is wrong with a camera by itself, its place aside.
+/// Fault of a camera, apart from its pose.
 enum class CameraFault : uint8_t {
   kNone,
-  kBlack,       ///< nothing to be seen
-  kFrozen,      ///< the same picture again and again, byte for byte
-  kDirty,       ///< a part of the picture shows no detail any more
-  kOutOfFocus,  ///< no fine detail anywhere, coarse detail as before
-  kLate,        ///< its stamps are later than its exposures (`MonitorReport` says by how much)
+  kBlack,       ///< the image is dark everywhere
+  kFrozen,      ///< the same image repeats, byte for byte
+  kDirty,       ///< a part of the image has lost its detail
+  kOutOfFocus,  ///< fine detail is lost everywhere, coarse detail is not
+  kLate,        ///< stamps are later than exposures, by `MonitorReport::delay`
 };
 
-/// "black", "frozen" …
+/// Returns "black", "frozen" …
 const char* to_string(CameraFault fault);
 
-/// Settings of the check.
+/// Settings of the camera check.
 struct CameraCheckOptions {
-  double black_level = 12;         ///< mean grey level below which, with
-  double black_sigma = 6;          ///< standard deviation below which, a picture shows nothing
-  int frozen_images = 3;           ///< equal ones in a row
-  double min_detail_ratio = 0.35;  ///< of what was usual: a cell with less shows nothing
+  double black_level = 12;         ///< mean grey level of a black image: below this, and
+  double black_sigma = 6;          ///< standard deviation below this
+  int frozen_images = 3;           ///< consecutive equal images of a frozen camera
+  double min_detail_ratio = 0.35;  ///< share of the usual detail below which a cell has lost it
   double dirty_share =
-      0.15;  ///< of the cells without detail for `dirty_distance`: the lens is dirty
-  double dirty_distance = 48;  ///< m; what stays in its place for so long is on the lens
-  double static_share = 0.28;  ///< of the picture, in which a pattern stood still on
-                               ///< `dirty_distance`: the lens is dirty; on twice and three times of
-                               ///< it, a half and a third are enough
-  double min_focus_ratio = 0.6;  ///< of the usual share of fine detail: out of focus
-  int warm_up = 10;              ///< pictures from which the usual is learned
-  int confirmation_images = 4;   ///< pictures in a row that must say the same
+      0.15;  ///< share of the cells without detail over `dirty_distance`: dirty lens
+  double dirty_distance = 48;    ///< m; a pattern that stays in place for so long is on the lens
+  double static_share = 0.28;    ///< share of the image in which a pattern stays in place over
+                                 ///< `dirty_distance`: dirty lens; over twice and three times this
+                                 ///< distance, a half and a third suffice
+  double min_focus_ratio = 0.6;  ///< share of the usual fine detail below which focus is lost
+  int warm_up = 10;              ///< images before anything is reported: the baseline is learned
+  int confirmation_images = 4;   ///< consecutive images with the same fault before it is reported
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// Tells faults of a camera by its pictures alone, from one picture to the next: detail a cell of a
-/// 16 × 12 grid against what was usual there.
+/// Detects faults of a camera from its images alone: compares the detail in each cell of a 16 × 12
+/// grid with its baseline.
 ///
-/// Dirt is what does not move while the vehicle does, told from a wall or a plain sky by the way
-/// driven. Two signs of it, looked at every few metres: cells that show no detail, and blocks of a
-/// 64 × 48 grid that stay brighter, or darker, than what is around them. Scenery changes sides
-/// again and again; blots do not. Allocates nothing.
+/// Dirt does not move while the vehicle does, which separates it from a wall or a plain sky over
+/// the driven distance. It is checked every few metres by two signs: cells without detail, and
+/// blocks of a 64 × 48 grid that stay brighter, or darker, than their surroundings. Scenery
+/// alternates; blots do not. Allocates nothing.
 class CameraCheck {
  public:
   /// `options.invalid()` must be empty.
   explicit CameraCheck(const CameraCheckOptions& options);
 
-  /// Takes the next picture (kGrey8). `travelled`: m driven since the beginning.
+  /// Processes the next image (kGrey8). `travelled`: m driven since the beginning.
   CameraFault process(const CameraFrame& grey, double travelled);
 
   CameraFault fault() const { return fault_; }
@@ -85,16 +85,17 @@ class CameraCheck {
   CameraCheckOptions options_;
   Detail baseline_;
   int baseline_images_ = 0;
-  double baseline_updated_at_ = -1e9, dirt_checked_at_ = -1e9;  // m driven, at the last time
-  PerCell<uint8_t> checks_without_detail_{};  // looks in a row without detail, by cell
-  PerBlock<uint8_t> checks_on_same_side_{};   // looks in a row on the same side, by block
-  PerBlock<int8_t> side_{};                   // of its surroundings: brighter or darker
+  double baseline_updated_at_ = -1e9,
+         dirt_checked_at_ = -1e9;             // m driven, at the last update and check
+  PerCell<uint8_t> checks_without_detail_{};  // consecutive checks without detail
+  PerBlock<uint8_t> checks_on_same_side_{};   // consecutive checks on the same side
+  PerBlock<int8_t> side_{};                   // brighter or darker than its surroundings
   PerBlock<float> level_{};                   // scratch
   bool dirty_ = false;
   uint64_t hash_ = 0;
   int equal_images_ = 0;
-  CameraFault candidate_fault_ = CameraFault::kNone;  // by the last picture
-  int candidate_images_ = 0;                          // in a row
+  CameraFault candidate_fault_ = CameraFault::kNone;  // of the last image
+  int candidate_images_ = 0;                          // consecutive images with it
   CameraFault fault_ = CameraFault::kNone;
 };
 

@@ -4,9 +4,8 @@ namespace infuse::monitoring {
 namespace {
 
 constexpr double kFadeRate = 1.0 / 30;
-constexpr double kMaxSteadyVariation =
-    0.05;                          // share of the twist that changes, below which it is the same
-constexpr double kMinTwist = 0.1;  // of a twist, by what matters in a second: nothing moves
+constexpr double kMaxSteadyVariation = 0.05;  // share of the variance in a constant twist's square
+constexpr double kMinTwist = 0.1;             // `drift_offset` per s; less is no motion
 
 }  // namespace
 

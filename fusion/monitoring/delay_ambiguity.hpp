@@ -6,27 +6,27 @@
 
 namespace infuse::monitoring {
 
-/// How the vehicle moved while a picture was taken: a twist in camera axes.
+/// Motion of the vehicle during an exposure: a twist in camera axes.
 struct Motion {
   Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  ///< rad/s
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s
 };
 
-/// Whether late stamps can be told from a camera that moved. A camera that is late by τ sees the
-/// world as one that is off by τ times the vehicle's twist: while the twist stays the same, so does
-/// that, and a steady turn makes a delay look like a yaw, a steady speed like a shift ahead. Only
-/// where the twist changes from look to look does a delay tell itself.
+/// Check whether late stamps can be separated from a displaced camera. A camera that is late by τ
+/// sees the world as one displaced by τ times the vehicle's twist. While the twist is constant both
+/// look the same: in a steady turn a delay equals a yaw, at a steady speed a shift ahead. Only a
+/// twist that changes between evaluations separates them.
 class DelayAmbiguity {
  public:
-  /// The motion at a look. Late looks count, fading by 1/30 a look.
+  /// Adds the motion at an evaluation; older ones fade by 1/30 per evaluation.
   void add(const Motion& motion);
 
-  /// The axis along which a delay looks alike; none where the two can be told apart.
+  /// Returns the axis along which a delay has the same effect; none if both can be separated.
   std::optional<Axis> axis() const;
 
  private:
-  geometry::Vector6 mean_ = geometry::Vector6::Zero();  // of twists, by what matters along an axis
-  double mean_square_ = 0;                              // of their lengths
+  geometry::Vector6 mean_ = geometry::Vector6::Zero();  // of twists, in units of `drift_offset`
+  double mean_square_ = 0;                              // of their squared norms
   double weight_ = 0;
 };
 

@@ -7,16 +7,16 @@
 namespace infuse::monitoring {
 namespace {
 
-constexpr int kBlockSize = 4;                // looks whose mean is compared with the next four's
-constexpr double kFadeRate = 1.0 / 30;       // looks after which the mean offset fades
-constexpr double kNoiseFadeRate = 1.0 / 60;  // blocks
-constexpr double kPriorBlocks = 2;           // what is taken for granted counts as so many
-constexpr double kPriorNoise = 0.006;        // κ: from simulated streets, with a third to spare
-constexpr double kMaxNoiseRatio = 9;  // a block's κ counts at most so many times the mean so far
-/// What a look counts: the looks of one street share what misleads them, for longer than a block.
+constexpr int kBlockSize = 4;           // evaluations whose mean is compared with the next block's
+constexpr double kFadeRate = 1.0 / 30;  // fading of the mean offset per evaluation
+constexpr double kNoiseFadeRate = 1.0 / 60;  // fading of the noise per block
+constexpr double kPriorBlocks = 2;           // weight of the prior noise
+constexpr double kPriorNoise = 0.006;        // κ on simulated streets, and a third more
+constexpr double kMaxNoiseRatio = 9;         // maximum of a block's κ, times the mean so far
+/// Weight of an evaluation: those of one street share a bias for longer than a block.
 constexpr double kEvaluationWeight = 0.7;
 
-/// Looked at with steps that stay on the top's flanks.
+/// True for axes whose steps stay on the flanks of the peak.
 bool has_reliable_curvature(size_t axis) {
   return axis <= static_cast<size_t>(Axis::kTranslationY);
 }
@@ -26,13 +26,13 @@ bool has_reliable_curvature(size_t axis) {
 std::optional<std::string> DriftDetectorOptions::invalid() const {
   for (size_t k = 0; k < kAxes; ++k) {
     if (!(tolerated_offset[k] >= 0) || !(drift_offset[k] > tolerated_offset[k]))
-      return "0 <= kept < drifted must hold";
+      return "0 <= tolerated_offset < drift_offset must hold";
   }
   if (!(false_alarm_hours > 0) || !(evaluations_per_second > 0)) {
     return "false_alarm_hours and evaluations_per_second must be positive";
   }
   if (!(suspicion_threshold > 0) || suspicion_threshold >= confirmation_threshold())
-    return "suspect must be less than what is certain";
+    return "suspicion_threshold must be positive and below the confirmation threshold";
   if (!(max_evidence_per_evaluation > 0)) return "max_evidence_per_evaluation must be positive";
   if (warm_up < 2 * kBlockSize) return "warm_up must be at least 8";
   return std::nullopt;
@@ -55,26 +55,26 @@ double DriftDetectorOptions::confirmation_threshold() const {
 DriftDetector::DriftDetector(const DriftDetectorOptions& options)
     : options_(options), confirmation_threshold_(options.confirmation_threshold()) {}
 
-double DriftDetector::noise_variance(const AxisState& track) const {
-  return (track.noise + kPriorBlocks * kPriorNoise) / (track.noise_weight + kPriorBlocks);
+double DriftDetector::noise_variance(const AxisState& state) const {
+  return (state.noise + kPriorBlocks * kPriorNoise) / (state.noise_weight + kPriorBlocks);
 }
 
-void DriftDetector::update_noise(AxisState& track, double offset, double information) {
-  track.block += information * offset;
-  track.block_weight += information;
+void DriftDetector::update_noise(AxisState& state, double offset, double information) {
+  state.block += information * offset;
+  state.block_weight += information;
   if ((evaluations_ + 1) % kBlockSize != 0) return;
-  if (track.previous_block_weight > 0 && track.block_weight > 0) {
+  if (state.previous_block_weight > 0 && state.block_weight > 0) {
     // Var(a − b) = κ (1/wa + 1/wb), of blocks that are nearly independent.
     const double apart =
-        track.block / track.block_weight - track.previous_block / track.previous_block_weight;
-    const double shared = 1 / track.block_weight + 1 / track.previous_block_weight;
-    const double noise = std::min(apart * apart / shared, kMaxNoiseRatio * noise_variance(track));
-    track.noise += noise - kNoiseFadeRate * track.noise;
-    track.noise_weight += 1 - kNoiseFadeRate * track.noise_weight;
+        state.block / state.block_weight - state.previous_block / state.previous_block_weight;
+    const double shared = 1 / state.block_weight + 1 / state.previous_block_weight;
+    const double noise = std::min(apart * apart / shared, kMaxNoiseRatio * noise_variance(state));
+    state.noise += noise - kNoiseFadeRate * state.noise;
+    state.noise_weight += 1 - kNoiseFadeRate * state.noise_weight;
   }
-  track.previous_block = track.block;
-  track.previous_block_weight = track.block_weight;
-  track.block = track.block_weight = 0;
+  state.previous_block = state.block;
+  state.previous_block_weight = state.block_weight;
+  state.block = state.block_weight = 0;
 }
 
 void DriftDetector::Mean::add(double slope, double information) {
@@ -82,40 +82,40 @@ void DriftDetector::Mean::add(double slope, double information) {
   weight += information - kFadeRate * weight;
 }
 
-void DriftDetector::add(const AxisEvaluation& look) {
+void DriftDetector::add(const AxisEvaluation& evaluation) {
   for (size_t k = 0; k < kAxes; ++k) {
-    AxisState& track = axes_[k];
-    const double w = look.information(k);
-    update_noise(track, look.offset(k), w);
-    track.overall.add(look.slope[k], w);
+    AxisState& state = axes_[k];
+    const double w = evaluation.information(k);
+    update_noise(state, evaluation.offset(k), w);
+    state.overall.add(evaluation.slope[k], w);
     const double offset_difference = options_.drift_offset[k] - options_.tolerated_offset[k];
     const double middle = 0.5 * (options_.drift_offset[k] + options_.tolerated_offset[k]);
-    const double scale = kEvaluationWeight * offset_difference / noise_variance(track);
-    const double curvature = has_reliable_curvature(k) ? look.curvature[k] : w;
+    const double scale = kEvaluationWeight * offset_difference / noise_variance(state);
+    const double curvature = has_reliable_curvature(k) ? evaluation.curvature[k] : w;
     const auto step = [&](Cusum& run, double sign) {
-      const double ratio = scale * (sign * look.slope[k] - middle * curvature);
+      const double ratio = scale * (sign * evaluation.slope[k] - middle * curvature);
       run.evidence += std::clamp(ratio, -options_.max_evidence_per_evaluation,
                                  options_.max_evidence_per_evaluation);
-      run.mean.add(look.slope[k], w);
+      run.mean.add(evaluation.slope[k], w);
       if (run.evidence <= 0) run = {};
     };
-    step(track.positive, 1);
-    step(track.negative, -1);
+    step(state.positive, 1);
+    step(state.negative, -1);
   }
   ++evaluations_;
 }
 
 void DriftDetector::restart() {
-  for (AxisState& track : axes_) {
-    track.positive = track.negative = {};
-    track.overall = {};
-    track.block = track.block_weight = track.previous_block = track.previous_block_weight = 0;
+  for (AxisState& state : axes_) {
+    state.positive = state.negative = {};
+    state.overall = {};
+    state.block = state.block_weight = state.previous_block = state.previous_block_weight = 0;
   }
 }
 
 double DriftDetector::evidence(Axis axis) const {
-  const AxisState& track = axes_[static_cast<size_t>(axis)];
-  return std::max(track.positive.evidence, track.negative.evidence);
+  const AxisState& state = axes_[static_cast<size_t>(axis)];
+  return std::max(state.positive.evidence, state.negative.evidence);
 }
 
 Axis DriftDetector::strongest_axis() const {
@@ -135,10 +135,10 @@ Axis DriftDetector::strongest_variant(Axis axis) const {
   return best;
 }
 
-const DriftDetector::Mean& DriftDetector::reported_mean(const AxisState& track) const {
+const DriftDetector::Mean& DriftDetector::reported_mean(const AxisState& state) const {
   const Cusum& stronger =
-      track.positive.evidence > track.negative.evidence ? track.positive : track.negative;
-  return stronger.evidence >= options_.suspicion_threshold ? stronger.mean : track.overall;
+      state.positive.evidence > state.negative.evidence ? state.positive : state.negative;
+  return stronger.evidence >= options_.suspicion_threshold ? stronger.mean : state.overall;
 }
 
 double DriftDetector::offset(Axis axis) const {
@@ -147,9 +147,9 @@ double DriftDetector::offset(Axis axis) const {
 }
 
 double DriftDetector::sigma(Axis axis) const {
-  const AxisState& track = axes_[static_cast<size_t>(axis)];
-  const Mean& mean = reported_mean(track);
-  return mean.weight > 0 ? std::sqrt(noise_variance(track) / mean.weight)
+  const AxisState& state = axes_[static_cast<size_t>(axis)];
+  const Mean& mean = reported_mean(state);
+  return mean.weight > 0 ? std::sqrt(noise_variance(state) / mean.weight)
                          : std::numeric_limits<double>::infinity();
 }
 

@@ -19,7 +19,7 @@ float look_up(const std::vector<float>& plane, size_t width, size_t at, float a,
   return upper + b * (lower - upper);
 }
 
-/// Spreads one sample over the two bins on whose centres its value lies between.
+/// Spreads one sample over the two bins between whose centres its value lies.
 void add_sample(Histogram& table, uint8_t row, float value) {
   const float at = std::clamp(value * kBins - 0.5F, 0.0F, static_cast<float>(kBins - 1) - 1e-3F);
   const int bin = static_cast<int>(at);
@@ -29,7 +29,7 @@ void add_sample(Histogram& table, uint8_t row, float value) {
   cell[1] += part;
 }
 
-/// A table's weights, and their plug-in mutual information, nats.
+/// Sum of a table's weights, and their plug-in mutual information, nats.
 struct MutualInformation {
   double weight = 0;
   double nats = 0;
@@ -66,7 +66,7 @@ double MonitorDependence::evaluate(const Eigen::Isometry3d& T_camera_lidar,
   const auto right = static_cast<float>(image.width() - 1) - 1e-3F;
   const auto bottom = static_cast<float>(image.height() - 1) - 1e-3F;
   const auto scale = 1.0F / static_cast<float>(image.step());
-  const float shift = 0.5F * scale - 0.5F;  // a block's mean stands at its middle
+  const float shift = 0.5F * scale - 0.5F;  // a mean belongs to the middle of its pixels
   Histogram reflectivity{}, edge{};
   for (size_t i = 0; i < points.size(); ++i) {
     if (!(u_[i] == u_[i])) continue;

@@ -7,14 +7,15 @@
 
 namespace infuse::monitoring {
 
-/// The dependence between a picture and a sweep at a pose, in nats a return: mutual information
+/// Dependence between an image and a sweep at a pose, in nats per return: mutual information
 /// P(3.17) of relative reflectivity and local grey plus that of depth edges and image edges, each
-/// by the number of its returns, as n times it is a log-likelihood ratio; the picture's side spread
-/// linearly over two of 16 bins. What `calibration::Objective` measures, made cheap: of
-/// the order of 10 ns a point. Keeps its memory.
+/// weighted by the number of its returns (n times the mutual information is a log-likelihood
+/// ratio); image values are spread linearly over two of 16 bins. A cheap version of
+/// `calibration::Objective`, of the order of 10 ns per point. Allocates nothing after the first
+/// sweep of a size.
 class MonitorDependence {
  public:
-  /// What each part counts; a lidar without reflectivity has depth edges alone (P 6.2.1).
+  /// Weights of the two parts; a lidar without reflectivity has depth edges alone (P 6.2.1).
   struct Weights {
     double reflectivity = 1;
     double edges = 1;
@@ -22,8 +23,8 @@ class MonitorDependence {
 
   explicit MonitorDependence(const Weights& weights) : weights_(weights) {}
 
-  /// At a pose near to the one with which the points were picked; a point that leaves the picture
-  /// keeps the border's value, so that it cannot raise the measure by vanishing.
+  /// Evaluates a pose near the one with which the points were selected. A point that leaves the
+  /// image keeps the border's value, so that the measure cannot rise as points vanish.
   double evaluate(const Eigen::Isometry3d& T_camera_lidar, const MonitorImage& image,
                   const MonitorPoints& points, const geometry::CameraModel& camera);
 

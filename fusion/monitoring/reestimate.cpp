@@ -16,12 +16,11 @@ namespace {
 using calibration::kCancelled;
 using calibration::LidarFeature;
 
-/// What no number of scenes of one drive takes away: the measure's own bias there. Told in the
-/// covariance.
+/// Bias of the measure that no number of scenes of one drive reduces; added to the covariance.
 constexpr double kMinRotationSigma = 0.3e-3;    // rad
 constexpr double kMinTranslationSigma = 0.003;  // m
 
-/// What halves of the scenes may differ by because they show different things.
+/// Difference between halves of the scenes because they show different things.
 constexpr double kHalfBiasRotation = 1e-3;     // rad
 constexpr double kHalfBiasTranslation = 0.01;  // m
 
@@ -29,7 +28,7 @@ calibration::Scene to_scene(const StoredScene& stored, const calibration::SceneO
   calibration::Scene scene{.x = stored.x, .y = stored.y, .z = stored.z};
   scene.lidar[calibration::index(LidarFeature::kRelativeReflectivity)] = stored.reflectivity;
   scene.lidar[calibration::index(LidarFeature::kRelativeDiscontinuity)] =
-      calibration::relative_discontinuity(stored.ring, stored.discontinuity);
+      features::relative_discontinuity(stored.ring, stored.discontinuity);
   scene.image = calibration::compute_image_features(stored.grey, options);
   return scene;
 }
@@ -37,8 +36,8 @@ calibration::Scene to_scene(const StoredScene& stored, const calibration::SceneO
 calibration::CalibrateOptions calibrate_options(const ReestimateOptions& options,
                                                 std::stop_token stop) {
   calibration::CalibrateOptions out;
-  // Edges in full to the end: on real drives the default measure's third of them left one fault in
-  // nine unusable.
+  // Edges with full weight to the end: on real drives the default measure, with a third of it, left
+  // one fault in nine without a usable result.
   out.terms = calibration::named_measures().front().search_terms;
   out.coarse_points = options.points / 3;
   out.coarse = {{.sigma = 4,
@@ -46,25 +45,26 @@ calibration::CalibrateOptions calibrate_options(const ReestimateOptions& options
                  .prior_weight = 0.3,
                  .survivors = std::max(options.searches, 2) / 2},
                 {.sigma = 2, .tolerance = 5e-3, .prior_weight = 0.05}};
-  out.fine_points = std::numeric_limits<size_t>::max();  // stored scenes are thin already
+  out.fine_points = std::numeric_limits<size_t>::max();  // stored scenes are thinned already
   out.fine = {{.sigma = 2, .points = options.points},
               {.sigma = 1, .points = options.points, .passes = 2}};
   out.screen.half_width = options.screen_half_width;
   out.screen.survivors = options.searches - 1;
   out.restarts = options.searches;
   out.initial_translation_sigma = options.initial_translation_sigma;
-  // Of a calibration that goes on being watched less is asked of every scene by itself.
+  // A calibration that is monitored further needs less support by every scene alone.
   out.min_support = 0.75;
-  out.check_intrinsics = false;  // a camera that was knocked still has its lens
+  out.check_intrinsics = false;  // a knocked camera still has its lens
   out.seed = options.seed;
   out.maximize.stop = std::move(stop);
   return out;
 }
 
-/// How well the result is known. The sandwich's spread of some 30 scenes' pulls has 21 numbers and
-/// is inverted: too noisy, and 2 to 4 times too sure along whatever direction they happen to agree
-/// in. So it meets half-way c H⁻¹, which has the curvature's shape and only its scale from the
-/// pulls: c the mean of H times the sandwich (quasi-likelihood's dispersion; Wedderburn 1974).
+/// Covariance of the result: mean of the sandwich estimate and c H⁻¹. The sandwich has 21 entries
+/// from the spread of some 30 scene gradients: it is noisy, and 2 to 4 times too small along
+/// directions in which the gradients agree by chance. c H⁻¹ has the curvature's shape and takes
+/// only its scale from the gradients: c is the mean of H times the sandwich (dispersion of
+/// quasi-likelihood; Wedderburn 1974).
 geometry::Matrix6 covariance_of(const calibration::Uncertainty& uncertainty, size_t scenes) {
   const auto n = static_cast<double>(scenes);
   const double scale = (uncertainty.curvature * uncertainty.covariance).trace() / 6 *
@@ -82,10 +82,10 @@ double mahalanobis(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
   return std::sqrt(std::max(0.0, apart.dot(covariance.inverse() * apart)));
 }
 
-/// The same from every second scene, from where the whole ended.
+/// Estimates from every second scene, starting at the result of all scenes.
 Eigen::Isometry3d estimate_from_half(const std::vector<calibration::Scene>& scenes, size_t first,
                                      std::span<const calibration::RigCamera> cameras,
-                                     const Eigen::Isometry3d& start,
+                                     const Eigen::Isometry3d& initial_pose,
                                      const ReestimateOptions& options,
                                      const std::stop_token& stop) {
   std::vector<calibration::Scene> own;
@@ -95,7 +95,7 @@ Eigen::Isometry3d estimate_from_half(const std::vector<calibration::Scene>& scen
   only_fine.screen.survivors = 0;
   only_fine.restarts = 0;
   only_fine.fine = {{.sigma = 2, .points = options.points / 2}};
-  return calibration::calibrate(own, cameras, start, only_fine).T_refcam_lidar;
+  return calibration::calibrate(own, cameras, initial_pose, only_fine).T_refcam_lidar;
 }
 
 }  // namespace
@@ -110,27 +110,27 @@ std::optional<std::string> ReestimateOptions::invalid() const {
 }
 
 Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
-                      const Eigen::Isometry3d& present, const ReestimateOptions& options,
+                      const Eigen::Isometry3d& current, const ReestimateOptions& options,
                       std::stop_token stop) {
-  Reestimate out{.T_camera_lidar = present};
+  Reestimate out{.T_camera_lidar = current};
   out.scenes = scenes.size();
   std::vector<calibration::Scene> own;
   const std::vector<calibration::RigCamera> cameras = {{geometry::CameraModel(camera)}};
   const calibration::SceneOptions scene_options{
-      .rings = calibration::ring_directions(cameras.front().model, present)};
+      .rings = features::ring_directions(cameras.front().model, current)};
   for (const StoredScene& scene : scenes) {
     if (!stop.stop_requested()) own.push_back(to_scene(scene, scene_options));
   }
   const calibration::CalibrationResult result =
-      calibration::calibrate(own, cameras, present, calibrate_options(options, stop));
+      calibration::calibrate(own, cameras, current, calibrate_options(options, stop));
   out.reason = stop.stop_requested() ? kCancelled : result.reason;
   out.support = result.support;
   if (!out.usable()) return out;
   out.T_camera_lidar = result.T_refcam_lidar;
   out.covariance = covariance_of(result.uncertainty, scenes.size());
-  out.moved = mahalanobis(out.T_camera_lidar, present, out.covariance);
+  out.moved = mahalanobis(out.T_camera_lidar, current, out.covariance);
   if (scenes.size() >= 8) {
-    // Each half has twice the variance, their difference four times that of the whole.
+    // Each half has twice the variance of the whole, and their difference four times.
     geometry::Vector6 bias;
     bias << Eigen::Vector3d::Constant(kHalfBiasRotation),
         Eigen::Vector3d::Constant(kHalfBiasTranslation);

@@ -13,36 +13,36 @@ namespace infuse::monitoring {
 
 /// Settings of the re-estimation.
 struct ReestimateOptions {
-  int searches = 3;                 ///< searches: from the present calibration and from around it
-  double screen_half_width = 0.02;  ///< rad, half width of the rotations screened around it
-  double initial_translation_sigma = 0.1;  ///< m, standard deviation of what may have moved
-  size_t points = 160'000;                 ///< that take part, all scenes together
+  int searches = 3;  ///< number of ascents: from the current calibration and from around it
+  double screen_half_width = 0.02;         ///< rad, half width of the rotations screened around it
+  double initial_translation_sigma = 0.1;  ///< m, standard deviation of the camera's displacement
+  size_t points = 160'000;                 ///< maximum number, of all scenes together
   double max_split_half_distance =
-      4;  ///< standard deviations by which the halves of the scenes may differ
-  uint64_t seed = 1;
+      4;              ///< standard deviations by which the halves of the scenes may differ
+  uint64_t seed = 1;  ///< of the restarts
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
 
-/// What kept scenes say of a calibration.
+/// Result of a re-estimation from stored scenes.
 struct Reestimate {
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
-  /// Of a left perturbation (rx, ry, rz, tx, ty, tz), rad and m.
+  /// Covariance of a left perturbation (rx, ry, rz, tx, ty, tz), rad and m.
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();
-  double moved = 0;  ///< Mahalanobis distance from the present calibration
+  double moved = 0;  ///< Mahalanobis distance from the current calibration
   double split_half_distance =
-      0;               ///< the same between the estimates of two halves of the scenes, over √6
-  size_t scenes = 0;   ///< that took part
+      0;  ///< Mahalanobis distance between the estimates of two halves of the scenes, over √6
+  size_t scenes = 0;   ///< number of scenes used
   double support = 0;  ///< share of small wrong rotations that fit worse
-  std::string reason;  ///< why it cannot be used; empty when it can
+  std::string reason;  ///< why the result cannot be used; empty if it can
 
   bool usable() const { return reason.empty(); }
 };
 
-/// Estimates T_camera_lidar anew from kept scenes: `calibration::calibrate` from the present
-/// calibration, and from each half of the scenes alone as a check. Pure: runs on any thread. Comes
-/// to an end soon after `stop`, without a usable result. Options must be valid.
+/// Re-estimates T_camera_lidar from stored scenes: `calibration::calibrate` from the current
+/// calibration, and from each half of the scenes alone as a check. Pure: runs on any thread. Ends
+/// soon after `stop`, without a usable result. Options must be valid.
 Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
                       const Eigen::Isometry3d& current, const ReestimateOptions& options,
                       std::stop_token stop = {});

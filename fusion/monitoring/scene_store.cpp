@@ -13,7 +13,7 @@ double mean_grey(const CameraFrame& grey) {
   return count == 0 ? 0 : static_cast<double>(sum) / static_cast<double>(count);
 }
 
-/// Copies what lies in the picture or just outside of it, thinned evenly.
+/// Copies the returns in the image or just outside of it, thinned evenly.
 void copy_points(const SweepView& sweep, const MonitorPoints& points, size_t max_points,
                  StoredScene& scene) {
   const std::vector<uint32_t>& candidates = points.near_image();
@@ -38,7 +38,7 @@ void copy_points(const SweepView& sweep, const MonitorPoints& points, size_t max
 std::optional<std::string> SceneStoreOptions::invalid() const {
   if (capacity < 3 || capacity > 200) return "capacity must lie in 3 … 200";
   if (max_points < 100) return "max_points must be at least 100";
-  if (!(min_distance >= 0)) return "spacing must not be negative";
+  if (!(min_distance >= 0)) return "min_distance must not be negative";
   if (!(max_angular_rate > 0)) return "max_angular_rate must be positive";
   if (!(min_mean_grey >= 0) || !(max_mean_grey > min_mean_grey))
     return "0 <= min_mean_grey < max_mean_grey must hold";
@@ -55,29 +55,29 @@ double SceneStore::decayed_information(const StoredScene& scene, Stamp now) cons
   return scene.information * std::exp2(-to_seconds(now - scene.stamp) / options_.half_life);
 }
 
-StoredScene* SceneStore::slot_for(double worth, Stamp now) {
+StoredScene* SceneStore::slot_for(double information, Stamp now) {
   if (used_ < slots_.size()) return &slots_[used_++];
   const auto least_informative =
       std::min_element(slots_.begin(), slots_.end(), [&](const auto& a, const auto& b) {
         return decayed_information(a, now) < decayed_information(b, now);
       });
-  return decayed_information(*least_informative, now) < worth ? &*least_informative : nullptr;
+  return decayed_information(*least_informative, now) < information ? &*least_informative : nullptr;
 }
 
 bool SceneStore::offer(const CameraFrame& grey, const SweepView& sweep, const MonitorPoints& points,
-                       double worth, double travelled, double angular_rate) {
+                       double information, double travelled, double angular_rate) {
   remove_before(grey.stamp - from_seconds(options_.max_age));
-  if (!(worth > 0) || travelled - last_travelled_ < options_.min_distance ||
+  if (!(information > 0) || travelled - last_travelled_ < options_.min_distance ||
       angular_rate > options_.max_angular_rate ||
       grey.pixels.size() > static_cast<size_t>(options_.max_pixels)) {
     return false;
   }
   const double level = mean_grey(grey);
   if (level < options_.min_mean_grey || level > options_.max_mean_grey) return false;
-  StoredScene* scene = slot_for(worth, grey.stamp);
+  StoredScene* scene = slot_for(information, grey.stamp);
   if (scene == nullptr) return false;
   scene->stamp = grey.stamp;
-  scene->information = worth;
+  scene->information = information;
   scene->grey = grey;
   copy_points(sweep, points, options_.max_points, *scene);
   last_travelled_ = travelled;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "fusion/geometry/project_points.hpp"
@@ -10,11 +9,14 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr uint32_t kNoIndex = UINT32_MAX;
-constexpr int kOcclusionTileSize = 8;        // pixels of the feature image
-constexpr float kOcclusionTolerance = 0.5F;  // m, in addition to the share of the depth
-constexpr float kOcclusionDepthRatio =
-    0.25F;  // share of the depth that a tile spans on flat ground
+/// Steps between adjacent columns, of all returns.
+constexpr features::DiscontinuityOptions kDiscontinuityOptions{
+    .max_gap = 0.1, .max_column_gap = 1, .max_step = 25, .max_edge_azimuth = 0};
+
+/// Cells are pixels of the features' image; on flat ground one spans a quarter of the depth: hidden
+/// is what lies more than 0.5 m and that quarter behind the nearest.
+constexpr features::OcclusionOptions kOcclusionOptions{
+    .cell_size = 8, .ratio = 1 / 0.75, .step = 0.5 / 0.75, .with_neighbours = false};
 
 float signed_sqrt(float height) { return std::copysign(std::sqrt(std::abs(height)), height); }
 
@@ -36,7 +38,9 @@ std::optional<std::string> LocalGridOptions::invalid() const {
 
 LocalGrid::LocalGrid(const LocalGridOptions& options)
     : options_(options),
-      cells_per_edge_(static_cast<int>(std::ceil(options.extent / options.cell_size))) {
+      cells_per_edge_(static_cast<int>(std::ceil(options.extent / options.cell_size))),
+      discontinuities_(kDiscontinuityOptions),
+      occlusion_(kOcclusionOptions) {
   grid_.resize(static_cast<size_t>(cells_per_edge_) * static_cast<size_t>(cells_per_edge_));
   const auto blocks = static_cast<size_t>(cells_per_edge_ / options.block_size + 2);
   blocks_.reserve(blocks * blocks);
@@ -52,25 +56,6 @@ LocalGrid::Cell& LocalGrid::cell_at(int32_t column, int32_t row) {
   return grid_[wrap(row) * static_cast<size_t>(cells_per_edge_) + wrap(column)];
 }
 
-// I(3.6): range by which the neighbouring beams of the same ring exceed this one.
-void LocalGrid::find_discontinuities(const Sweep& sweep) {
-  discontinuity_.assign(sweep.size(), 0.0F);
-  last_of_ring_.assign(sweep.rings, kNoIndex);
-  for (uint32_t i = 0; i < sweep.size(); ++i) {
-    if (sweep.ring[i] >= sweep.rings) continue;
-    uint32_t& last = last_of_ring_[sweep.ring[i]];
-    if (last != kNoIndex && sweep.column[i] - sweep.column[last] == 1) {
-      const float step = sweep.range[last] - sweep.range[i];
-      float& own = discontinuity_[i];
-      float& other = discontinuity_[last];
-      own = std::max(own, step);
-      other = std::max(other, -step);
-    }
-    last = i;
-  }
-  for (float& value : discontinuity_) value = std::sqrt(std::min(value, 25.0F));
-}
-
 void LocalGrid::project(const DeskewedView& deskewed, const ImageView& image) {
   const size_t n = deskewed.x.size();
   u_.resize(n);
@@ -83,10 +68,7 @@ void LocalGrid::project(const DeskewedView& deskewed, const ImageView& image) {
                    static_cast<float>(image.camera.intrinsics().width);
   const float fy = static_cast<float>(image.features.height) /
                    static_cast<float>(image.camera.intrinsics().height);
-  nearest_columns_ = image.features.width / kOcclusionTileSize + 1;
-  nearest_rows_ = image.features.height / kOcclusionTileSize + 1;
-  nearest_.assign(static_cast<size_t>(nearest_columns_) * static_cast<size_t>(nearest_rows_),
-                  std::numeric_limits<float>::max());
+  occlusion_.reset(image.features.width, image.features.height);
   for (size_t i = 0; i < n; ++i) {
     const float u = (u_[i] + 0.5F) * fx, v = (v_[i] + 0.5F) * fy;
     const bool inside = depth_[i] > 0.1F && u >= 0 && v >= 0 &&
@@ -98,26 +80,23 @@ void LocalGrid::project(const DeskewedView& deskewed, const ImageView& image) {
     }
     u_[i] = u;
     v_[i] = v;
-    float& nearest = nearest_[static_cast<size_t>(v) / kOcclusionTileSize *
-                                  static_cast<size_t>(nearest_columns_) +
-                              static_cast<size_t>(u) / kOcclusionTileSize];
-    nearest = std::min(nearest, depth_[i]);
+    occlusion_.add(u, v, depth_[i]);
   }
 }
 
-// A return is occluded if another return in the same tile of the image is far nearer: lidar and
-// camera see the scene from different positions.
 bool LocalGrid::visible(size_t i) const {
-  if (depth_[i] < 0) return false;
-  const auto column = static_cast<size_t>(u_[i]) / kOcclusionTileSize;
-  const auto row = static_cast<size_t>(v_[i]) / kOcclusionTileSize;
-  const float nearest = nearest_[row * static_cast<size_t>(nearest_columns_) + column];
-  return depth_[i] - nearest < kOcclusionTolerance + kOcclusionDepthRatio * depth_[i];
+  return depth_[i] >= 0 && !occlusion_.hides(u_[i], v_[i], depth_[i]);
 }
 
 void LocalGrid::add(const DeskewedView& deskewed, const ImageView* image, const PlanarPose& pose) {
   const size_t n = deskewed.x.size();
-  find_discontinuities(deskewed.sweep);
+  const Sweep& sweep = deskewed.sweep;
+  const std::vector<float>& discontinuity =
+      discontinuities_.compute({{deskewed.x, deskewed.y, deskewed.z},
+                                sweep.range,
+                                sweep.reflectivity,
+                                sweep.ring,
+                                sweep.column});
   if (image != nullptr) project(deskewed, *image);
   const Eigen::Matrix3f R = deskewed.T_vehicle_lidar.linear().cast<float>();
   const Eigen::Vector3f t = deskewed.T_vehicle_lidar.translation().cast<float>();
@@ -130,7 +109,7 @@ void LocalGrid::add(const DeskewedView& deskewed, const ImageView* image, const 
   for (size_t i = 0; i < n; ++i) {
     const Eigen::Vector3f p = R * Eigen::Vector3f(deskewed.x[i], deskewed.y[i], deskewed.z[i]) + t;
     const bool in_range = p.z() > low && p.z() < high && std::abs(p.x()) < half &&
-                          std::abs(p.y()) < half && deskewed.sweep.range[i] > near;
+                          std::abs(p.y()) < half && sweep.range[i] > near;
     if (!in_range) continue;
     const double x = pose.x + c * p.x() - s * p.y(), y = pose.y + s * p.x() + c * p.y();
     const auto column = static_cast<int32_t>(std::floor(x / options_.cell_size));
@@ -144,8 +123,8 @@ void LocalGrid::add(const DeskewedView& deskewed, const ImageView* image, const 
     cell.lidar_count = std::min(cell.lidar_count + 1, max_count);
     const float share = 1 / cell.lidar_count;
     cell.mean[kHeight] += share * (signed_sqrt(p.z()) - cell.mean[kHeight]);
-    cell.mean[kDiscontinuity] += share * (discontinuity_[i] - cell.mean[kDiscontinuity]);
-    cell.mean[kReflectivity] += share * (deskewed.sweep.reflectivity[i] - cell.mean[kReflectivity]);
+    cell.mean[kDiscontinuity] += share * (discontinuity[i] - cell.mean[kDiscontinuity]);
+    cell.mean[kReflectivity] += share * (sweep.reflectivity[i] - cell.mean[kReflectivity]);
     if (image == nullptr || !visible(i)) continue;
     const auto& pixel = image->features.at(static_cast<int>(u_[i]), static_cast<int>(v_[i]));
     cell.colour_count = std::min(cell.colour_count + 1, max_count);

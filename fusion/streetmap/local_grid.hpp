@@ -8,6 +8,8 @@
 
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/sweep.hpp"
+#include "fusion/features/discontinuity.hpp"
+#include "fusion/features/occlusion_buffer.hpp"
 #include "fusion/geometry/camera_model.hpp"
 #include "fusion/streetmap/image_features.hpp"
 #include "fusion/streetmap/planar_pose.hpp"
@@ -131,7 +133,6 @@ class LocalGrid {
   };
 
   Cell& cell_at(int32_t column, int32_t row);
-  void find_discontinuities(const Sweep& sweep);
   void project(const DeskewedView& deskewed, const ImageView& image);
   bool visible(size_t i) const;
   void gather_blocks(const PlanarPose& pose);
@@ -143,10 +144,9 @@ class LocalGrid {
   uint64_t draws_ = 0;
 
   // Scratch.
-  std::vector<float> discontinuity_, u_, v_, depth_;
-  std::vector<float> nearest_;  // depth by tile of the image, for occlusion
-  int nearest_columns_ = 0, nearest_rows_ = 0;
-  std::vector<uint32_t> last_of_ring_;
+  std::vector<float> u_, v_, depth_;
+  features::Discontinuity discontinuities_;
+  features::OcclusionBuffer occlusion_;
   std::vector<Block> blocks_;
 };
 

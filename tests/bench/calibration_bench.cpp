@@ -24,9 +24,9 @@
 
 #include "daemon/commands/calibration_run.hpp"
 #include "drivers/measurement/angles.hpp"
-#include "fusion/calibration/named_measures.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 #include "tests/bench/rendered_drive.hpp"
+#include "tests/study/calibration/compared_measures.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -75,7 +75,7 @@ struct Outcome {
 
 using calibration::NamedMeasure;
 
-const NamedMeasure& measure_named(const char* name) { return *calibration::find_measure(name); }
+const NamedMeasure& measure_named(const char* name) { return study::find_any_measure(name); }
 
 Outcome run(const ScenePairs& pairs, const NamedMeasure& measure, const Eigen::Isometry3d& start,
             const calibration::CalibrateOptions& options) {
@@ -279,10 +279,12 @@ int register_benchmarks() {
     const std::string where = std::string(scenario).substr(12);
     add("calibration/convergence/" + where,
         [scenario](benchmark::State& state) { convergence(state, scenario); });
-    for (const NamedMeasure& measure : calibration::named_measures()) {
-      if (!measure.has_gradient) continue;  // minutes each
-      add("calibration/measure/" + where + "/" + measure.name,
-          [=](benchmark::State& state) { accuracy(state, load_pairs(scenario), measure); });
+    for (const auto measures : {calibration::named_measures(), study::compared_measures()}) {
+      for (const NamedMeasure& measure : measures) {
+        if (!measure.has_gradient) continue;  // minutes each
+        add("calibration/measure/" + where + "/" + measure.name,
+            [=](benchmark::State& state) { accuracy(state, load_pairs(scenario), measure); });
+      }
     }
     for (const char* features : {"r", "d", "n", "rd", "rn", "dn", "rdn"}) {
       add("calibration/features/" + where + "/" + features, [=](benchmark::State& state) {

@@ -27,7 +27,7 @@ double quadratic(const Vector6& d, Vector6* gradient) {
   return 3 - 0.5 * off.dot(A * off);
 }
 
-/// Two hills along the first axis: a small one at 0.6, a great one at 6.
+/// Two hills along the first axis: a small one at 0.6, a large one at 6.
 double two_peaks(const Vector6& d, Vector6* gradient) {
   Vector6 low = Vector6::Zero();
   Vector6 high = Vector6::Zero();
@@ -47,7 +47,7 @@ TEST(Ascent, BfgsFindsTheMaximum) {
 }
 
 TEST(Ascent, BfgsFindsTheMaximumInTenDimensions) {
-  // A ridge: what holds the first and the last together is fifty times what holds either.
+  // A ridge: the coupling of the first and the last parameter is fifty times their own curvature.
   const auto ridge = [](const Parameters<10>& d, Parameters<10>* gradient) {
     Eigen::Matrix<double, 10, 10> A = Eigen::Matrix<double, 10, 10>::Identity();
     A(0, 0) = A(9, 9) = 51;
@@ -62,13 +62,6 @@ TEST(Ascent, BfgsFindsTheMaximumInTenDimensions) {
   EXPECT_NEAR(ascent.value, 7, 1e-8);
 }
 
-TEST(Ascent, BarzilaiBorweinFindsTheMaximum) {
-  const PoseAscentResult ascent =
-      ascend_barzilai_borwein(quadratic, {.max_iterations = 500, .tolerance = 1e-6});
-  EXPECT_TRUE(ascent.converged);
-  EXPECT_NEAR((ascent.d - peak()).norm(), 0, 1e-4);
-}
-
 TEST(Ascent, SimplexFindsTheMaximumWithoutGradients) {
   const auto without_gradient = [](const Vector6& d, Vector6* gradient) {
     EXPECT_EQ(gradient, nullptr);
@@ -81,12 +74,10 @@ TEST(Ascent, SimplexFindsTheMaximumWithoutGradients) {
 }
 
 TEST(Ascent, ABoundedStepStaysAtTheNearestMaximum) {
-  for (const auto& ascend : {ascend_bfgs, ascend_barzilai_borwein}) {
-    const PoseAscentResult ascent =
-        ascend(two_peaks, {.max_iterations = 200, .tolerance = 1e-6, .max_step = 0.5});
-    EXPECT_TRUE(ascent.converged);
-    EXPECT_NEAR(ascent.d(0), 0.6, 1e-3);
-  }
+  const PoseAscentResult ascent =
+      ascend_bfgs(two_peaks, {.max_iterations = 200, .tolerance = 1e-6, .max_step = 0.5});
+  EXPECT_TRUE(ascent.converged);
+  EXPECT_NEAR(ascent.d(0), 0.6, 1e-3);
 }
 
 TEST(Ascent, NoStepIsLongerThanAllowed) {
@@ -102,16 +93,15 @@ TEST(Ascent, NoStepIsLongerThanAllowed) {
 
 TEST(Ascent, ReportsThatIterationsWereUsedUp) {
   EXPECT_FALSE(ascend_bfgs(quadratic, {.max_iterations = 2}).converged);
-  EXPECT_FALSE(ascend_barzilai_borwein(quadratic, {.max_iterations = 2}).converged);
   EXPECT_FALSE(ascend_simplex(quadratic, {.max_iterations = 2}).converged);
 }
 
 TEST(Ascent, NeverEndsBelowTheInitialValue) {
   const auto valley = [](const Vector6& d, Vector6* gradient) {
-    if (gradient != nullptr) *gradient = -d + Vector6::Constant(1e-9);  // a gradient that lies
+    if (gradient != nullptr) *gradient = -d + Vector6::Constant(1e-9);  // a wrong gradient
     return -d.lpNorm<1>();
   };
-  for (const auto& ascend : {ascend_bfgs, ascend_barzilai_borwein, ascend_simplex}) {
+  for (const auto& ascend : {ascend_bfgs, ascend_simplex}) {
     EXPECT_GE(ascend(valley, {.max_iterations = 30}).value, 0.0);
   }
 }

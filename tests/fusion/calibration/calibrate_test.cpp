@@ -77,7 +77,7 @@ TEST(Calibrate, TheSameSeedGivesTheSameBytes) {
 TEST(Calibrate, ImagesOfOtherPlacesAreRejected) {
   Drive drive = eight_scene_drive();
   std::rotate(drive.scenes.begin(), drive.scenes.begin() + 3, drive.scenes.end());
-  std::vector<PerImageFeature<Plane>> images;
+  std::vector<PerImageFeature<features::Plane>> images;
   for (const Scene& scene : drive.scenes) images.push_back(scene.image);
   for (size_t s = 0; s < images.size(); ++s)
     drive.scenes[s].image = images[(s + 3) % images.size()];
@@ -89,7 +89,8 @@ TEST(Calibrate, ImagesOfOtherPlacesAreRejected) {
 TEST(Calibrate, ConstantImagesAreRejected) {
   Drive drive = eight_scene_drive();
   for (Scene& scene : drive.scenes) {
-    for (Plane& plane : scene.image) std::fill(plane.values.begin(), plane.values.end(), 0.5F);
+    for (features::Plane& plane : scene.image)
+      std::fill(plane.values.begin(), plane.values.end(), 0.5F);
   }
   const auto result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
   EXPECT_FALSE(result.usable());
@@ -114,7 +115,7 @@ TEST(Calibrate, NothingInViewIsRefused) {
 }
 
 TEST(Calibrate, FarFieldAloneLeavesTheTranslationUnobservable) {
-  const Drive drive = painted::make_drive(8, 160);  // everything 640 m away or more
+  const Drive drive = painted::make_drive(8, 160);  // all 640 m away or more
   const auto result = calibrate(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
   EXPECT_FALSE(result.usable());
   EXPECT_THAT(result.reason, HasSubstr("translation"));
@@ -132,7 +133,7 @@ TEST(Calibrate, ConvergesFromAWideRotation) {
   EXPECT_LT(metres_between(result.T_refcam_lidar, drive.T_camera_lidar), 0.02);
 }
 
-/// Its rings run down the picture. By depth edges alone, P 6.2.1.
+/// Rings run down the image. By depth edges alone, P 6.2.1.
 TEST(Calibrate, ConvergesForACameraRolledBy90Degrees) {
   const Eigen::Isometry3d T =
       Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()) * painted::true_T_camera_lidar();
@@ -158,7 +159,7 @@ TEST(Calibrate, StopsWhateverTheNumberOfInitialPoses) {
   const auto result = calibrate(drive.scenes, drive.cameras, start, options);
   EXPECT_EQ(result.reason, kCancelled);
   EXPECT_EQ(result.T_refcam_lidar.matrix(), start.matrix());
-  // One that had gone on would need at least one evaluation for every start.
+  // Without the stop it would need at least one evaluation per initial pose.
   EXPECT_LT(result.evaluations, many);
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "fusion/calibration/lidar_features.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
 
@@ -41,7 +40,7 @@ TermOptions both_features(MeasureKind measure) {
           .bags = 10};
 }
 
-TEST(LeastSquaresTerm, OfNormalVariablesBesideTheClosedForm) {
+TEST(LeastSquaresTerm, MatchesTheClosedFormOfNormalVariables) {
   // SMI of a normal pair of correlation r is ½ r²/(1 − r²); pairs that are independent of each
   // other multiply 2 SMI + 1.
   const VisiblePoints points = two_features(4000, 1);
@@ -91,10 +90,11 @@ TEST(LeastSquaresTerm, PointsOutsideTheCameraModelAreIgnored) {
   for (const float slope : gradient) EXPECT_TRUE(std::isfinite(slope));
 }
 
-TEST(SelectTermPoints, NoEdgeIsNothingToCompareUnlessOneOfSeveral) {
+TEST(SelectTermPoints, PointsWithoutAnEdgeAreLeftOutUnlessItIsOneOfSeveralFeatures) {
   VisiblePoints points = two_features(4, 7);
-  points.lidar[index(kDiscontinuity)] = {1.0F, kNotCompared, 0.0F, kNotCompared};
-  points.lidar[index(kNormalX)][0] = kNotCompared;
+  points.lidar[index(kDiscontinuity)] = {1.0F, features::kNotCompared, 0.0F,
+                                         features::kNotCompared};
+  points.lidar[index(kNormalX)][0] = features::kNotCompared;
   EXPECT_EQ(select_term_points({.lidar = {kDiscontinuity}}, points), (std::vector<uint32_t>{0, 2}));
   EXPECT_EQ(select_term_points({.lidar = {kRelativeReflectivity, kDiscontinuity}}, points),
             (std::vector<uint32_t>{0, 1, 2, 3}));

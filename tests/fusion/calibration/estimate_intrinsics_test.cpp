@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What the camera would rather be, from the pose that a climb with what is given leads to.
+/// Estimates the intrinsics, from the pose that an ascent with the given ones converges to.
 std::optional<IntrinsicsEstimate> estimate_for(const std::vector<Scene>& scenes,
                                                const CameraIntrinsics& given,
                                                const std::stop_token& stop = {}) {
@@ -32,7 +32,7 @@ std::optional<ModelMismatch> gross_mismatch(const std::optional<IntrinsicsEstima
   return detect_gross_mismatch(*found, cameras, 0);
 }
 
-TEST(EstimateIntrinsics, StayWhereTheyAreRight) {
+TEST(EstimateIntrinsics, StayIfTheyAreRight) {
   const auto found = estimate_for(painted::twelve_scene_drive().scenes, painted::small_camera());
   ASSERT_TRUE(found);
   EXPECT_EQ(found->scenes, 12);
@@ -44,7 +44,7 @@ TEST(EstimateIntrinsics, StayWhereTheyAreRight) {
   EXPECT_FALSE(gross_mismatch(found, painted::small_camera()));
 }
 
-TEST(EstimateIntrinsics, FindAPrincipalPointThatIsFarOff) {
+TEST(EstimateIntrinsics, FindAGrossErrorOfThePrincipalPoint) {
   for (const double off : {-25.0, 25.0}) {
     CameraIntrinsics wrong = painted::small_camera();
     wrong.cx += off;
@@ -59,8 +59,8 @@ TEST(EstimateIntrinsics, FindAPrincipalPointThatIsFarOff) {
   }
 }
 
-TEST(EstimateIntrinsics, FindADistortionLeftOut) {
-  // The pictures of a camera without one, seen as through one that bends: as good as the converse.
+TEST(EstimateIntrinsics, FindAMissingDistortion) {
+  // Images of a camera without distortion, with intrinsics that have one: equivalent to the converse.
   CameraIntrinsics wrong = painted::small_camera();
   wrong.distortion[0] = 0.15;
   const auto found = estimate_for(painted::twelve_scene_drive().scenes, wrong);

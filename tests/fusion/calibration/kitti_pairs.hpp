@@ -17,7 +17,7 @@
 #include "fusion/calibration/visible_points.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 
-/// Real pairs of a sweep and a picture in KITTI's object layout, with the published extrinsics.
+/// Recorded pairs of a sweep and an image in KITTI's object layout, with the published extrinsics.
 namespace infuse::calibration::kitti {
 
 struct Pairs {
@@ -49,7 +49,7 @@ inline Result<Pairs> read_pairs(const std::filesystem::path& folder, SceneOption
       pairs.T_camera_lidar = calibration->T_camera_lidar(2);
       pairs.cameras.push_back(
           {geometry::CameraModel(calibration->intrinsics(2, frame.width, frame.height))});
-      options.rings = ring_directions(pairs.cameras.front().model, pairs.T_camera_lidar);
+      options.rings = features::ring_directions(pairs.cameras.front().model, pairs.T_camera_lidar);
     }
     auto scene = make_scene(sweep, frame, options);
     if (!scene) return tl::unexpected(scene.error());
@@ -59,7 +59,7 @@ inline Result<Pairs> read_pairs(const std::filesystem::path& folder, SceneOption
   return pairs;
 }
 
-/// Starts uniform within ± `radians` about each axis and ± `metres` along each.
+/// Draws poses uniformly within ± `radians` about each axis and ± `metres` along each.
 inline std::vector<Eigen::Isometry3d> draw_initial_poses(const Eigen::Isometry3d& T, double radians,
                                                          double metres, int count, uint64_t seed) {
   std::mt19937_64 random(seed);

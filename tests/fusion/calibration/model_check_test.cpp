@@ -13,7 +13,7 @@ namespace {
 
 using geometry::Vector6;
 
-/// What the scenes say at the maximum next to the true pose, seen through `cameras`.
+/// Checks the model at the maximum next to the true pose, with `cameras`.
 std::vector<ModelMismatch> mismatches_of(const std::vector<Scene>& scenes,
                                          const std::vector<RigCamera>& cameras,
                                          const Eigen::Isometry3d& T) {
@@ -27,11 +27,11 @@ std::vector<ModelMismatch> mismatches_of(const std::vector<Scene>& scenes,
 
 TEST(CheckModel, FindsNothingWhereTheModelIsRight) {
   const painted::Drive& drive = painted::twelve_scene_drive();
-  const auto doubts = mismatches_of(drive.scenes, drive.cameras, drive.T_camera_lidar);
-  ASSERT_EQ(doubts.size(), 4U);  // the scenes do not know their motion
-  for (const ModelMismatch& doubt : doubts) {
-    EXPECT_FALSE(doubt.serious) << doubt.parameter << " " << doubt.value << " "
-                                << doubt.significance;
+  const auto mismatches = mismatches_of(drive.scenes, drive.cameras, drive.T_camera_lidar);
+  ASSERT_EQ(mismatches.size(), 4U);  // the scenes have no twist
+  for (const ModelMismatch& mismatch : mismatches) {
+    EXPECT_FALSE(mismatch.serious)
+        << mismatch.parameter << " " << mismatch.value << " " << mismatch.significance;
   }
 }
 
@@ -40,12 +40,12 @@ TEST(CheckModel, FindsAWrongFocalLength) {
   CameraIntrinsics wrong = drive.cameras[0].model.intrinsics();
   wrong.fx *= 1.01;
   wrong.fy *= 1.01;
-  const auto doubts =
+  const auto mismatches =
       mismatches_of(drive.scenes, {RigCamera{geometry::CameraModel(wrong)}}, drive.T_camera_lidar);
-  ASSERT_FALSE(doubts.empty());
-  EXPECT_EQ(doubts[0].parameter, "focal length");
-  EXPECT_TRUE(doubts[0].significant);
-  EXPECT_LT(doubts[0].significance, -3.5);  // it ought to be smaller
+  ASSERT_FALSE(mismatches.empty());
+  EXPECT_EQ(mismatches[0].parameter, "focal length");
+  EXPECT_TRUE(mismatches[0].significant);
+  EXPECT_LT(mismatches[0].significance, -3.5);  // negative: the given one is too large
 }
 
 TEST(CheckModel, FindsAnImageDelayWhereTheMotionVaries) {
@@ -58,8 +58,8 @@ TEST(CheckModel, FindsAnImageDelayWhereTheMotionVaries) {
     Vector6 twist;
     twist << 0, 0, 0.4 * draw(), 6 * draw(), 0, 0;
     scene.twist = twist;
-    // The sweep was corrected to a moment before the picture's: the picture shows points as they
-    // are seen from further on.
+    // The sweep is deskewed to a moment before the exposure: the image shows points as seen from
+    // further on.
     const Eigen::Isometry3d there = geometry::exp(kDelay * twist);
     for (size_t i = 0; i < scene.size(); ++i) {
       const Eigen::Vector3d p = there * Eigen::Vector3d(scene.x[i], scene.y[i], scene.z[i]);
@@ -68,12 +68,12 @@ TEST(CheckModel, FindsAnImageDelayWhereTheMotionVaries) {
       scene.z[i] = static_cast<float>(p.z());
     }
   }
-  const auto doubts = mismatches_of(scenes, drive.cameras, drive.T_camera_lidar);
-  ASSERT_EQ(doubts.size(), 5U);
-  EXPECT_EQ(doubts[4].parameter, "image time offset");
-  EXPECT_TRUE(doubts[4].significant);
-  EXPECT_GT(doubts[4].significance, 3.5);
-  EXPECT_NEAR(doubts[4].value, 1e3 * kDelay, 3);
+  const auto mismatches = mismatches_of(scenes, drive.cameras, drive.T_camera_lidar);
+  ASSERT_EQ(mismatches.size(), 5U);
+  EXPECT_EQ(mismatches[4].parameter, "image time offset");
+  EXPECT_TRUE(mismatches[4].significant);
+  EXPECT_GT(mismatches[4].significance, 3.5);
+  EXPECT_NEAR(mismatches[4].value, 1e3 * kDelay, 3);
 }
 
 TEST(CheckModel, TooFewScenesGiveNoAnswer) {

@@ -27,12 +27,12 @@ CameraIntrinsics fisheye() {
   return out;
 }
 
-/// A smooth picture and points scattered in front of it, whose features follow what they see.
+/// Smooth image and points scattered in front of it, whose features follow the image.
 Scene smooth_scene(size_t camera, uint64_t seed) {
   Scene scene;
   scene.camera = camera;
   for (const ImageFeature feature : {ImageFeature::kLocalGrey, ImageFeature::kEdge}) {
-    Plane& plane = scene.image[index(feature)];
+    features::Plane& plane = scene.image[index(feature)];
     plane.width = 200;
     plane.height = 150;
     const double phase = feature == ImageFeature::kLocalGrey ? 0.3 : 1.4;
@@ -86,10 +86,9 @@ Rig make_rig(const std::vector<CameraIntrinsics>& intrinsics,
   return rig;
 }
 
-/// The analytic gradient beside central differences; the points are those in view at `rig.T`.
+/// Compares the analytic gradient with central differences; the points are those in view at `rig.T`.
 void expect_gradient_matches(const Rig& rig, double tolerance) {
-  const VisiblePoints points =
-      select_visible(rig.scenes, rig.cameras, rig.T, {.occlusion_cell = 0});
+  const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {.occlusion = {}});
   const BlurredImages images(rig.scenes, rig.terms, 2);
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
   const Evaluation at = objective.evaluate(rig.T, true);
@@ -167,7 +166,7 @@ TEST(Objective, ScenesAddUpToTheWhole) {
   EXPECT_LT((whole - sum).norm(), 1e-9 * whole.norm());
 }
 
-/// One of a camera's four further numbers moved by a step.
+/// Changes one of a camera's four intrinsics by a step.
 RigCamera with_intrinsic_offset(const RigCamera& camera, int which, double step) {
   CameraIntrinsics model = camera.model.intrinsics();
   model.fx *= which == 0 ? std::exp(step) : 1;
@@ -210,7 +209,7 @@ TEST(Objective, PointsThatLeaveTheImageKeepTheBorderValue) {
   const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});
   const BlurredImages images(rig.scenes, rig.terms, 2);
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
-  // Turned by 60°, all points lie beyond one border: what they see is its column, which tells less.
+  // Rotated by 60°, all points lie beyond one border: they all have values of its column.
   const Eigen::Isometry3d away = geometry::exp(1.05 * Vector6::Unit(1)) * rig.T;
   const Evaluation there = objective.evaluate(away, true);
   EXPECT_EQ(objective.point_count(), points.size());
@@ -218,12 +217,12 @@ TEST(Objective, PointsThatLeaveTheImageKeepTheBorderValue) {
   EXPECT_TRUE(there.gradient.allFinite());
 }
 
-TEST(Objective, PointsThatAreNotComparedTakeNoPart) {
-  // The same samples whether such points lie among them or are not there at all.
+TEST(Objective, PointsThatAreNotComparedHaveNoEffect) {
+  // The samples are the same with and without such points.
   Rig rig = make_rig({pinhole()}, kTwoTerms);
   Scene& scene = rig.scenes.front();
   std::vector<float>& edge = scene.lidar[index(LidarFeature::kDiscontinuity)];
-  for (size_t i = 0; i < edge.size(); i += 3) edge[i] = kNotCompared;
+  for (size_t i = 0; i < edge.size(); i += 3) edge[i] = features::kNotCompared;
   Rig few = rig;
   Scene& thin = few.scenes.front();
   size_t n = 0;
@@ -240,7 +239,7 @@ TEST(Objective, PointsThatAreNotComparedTakeNoPart) {
     all->resize(n);
   }
   const std::vector<TermOptions> edges{kTwoTerms.back()};
-  const VisibilityOptions all_of_them{.occlusion_cell = 0};
+  const VisibilityOptions all_of_them{.occlusion = {}};
   const BlurredImages images(rig.scenes, edges, 2);
   const VisiblePoints with_intrinsic_offset =
       select_visible(rig.scenes, rig.cameras, rig.T, all_of_them);
@@ -269,9 +268,9 @@ TEST(BlurredImages, AreTheSameFromFinerImagesOrFromScenes) {
   const Rig rig = make_rig({pinhole()}, {{}});
   const BlurredImages fine(rig.scenes, rig.terms, 2);
   const BlurredImages coarse(rig.scenes, rig.terms, 8);
-  const Plane& direct = coarse.plane(0, ImageFeature::kLocalGrey);
+  const features::Plane& direct = coarse.plane(0, ImageFeature::kLocalGrey);
   const BlurredImages chain(fine, 8);
-  const Plane& chained = chain.plane(0, ImageFeature::kLocalGrey);
+  const features::Plane& chained = chain.plane(0, ImageFeature::kLocalGrey);
   ASSERT_EQ(chained.step, direct.step);
   ASSERT_EQ(chained.values.size(), direct.values.size());
   for (size_t i = 0; i < direct.values.size(); ++i)

@@ -21,7 +21,7 @@
 /// every pixel).
 namespace infuse::calibration::painted {
 
-/// Rectangle centre ± a ± b with a paint of its own.
+/// Rectangle centre ± a ± b with its own pattern.
 struct Face {
   Eigen::Vector3d centre, a, b;
   double base = 0.5;               ///< albedo
@@ -89,7 +89,7 @@ inline World make_world(uint64_t seed, double scale = 1) {
   return world;
 }
 
-/// The camera looks along x of the lidar, 0.3 m before and 0.2 m beside it.
+/// Camera along x of the lidar, 0.3 m in front of and 0.2 m beside it.
 inline Eigen::Isometry3d true_T_camera_lidar() {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
@@ -103,8 +103,8 @@ inline CameraIntrinsics small_camera() {
   return {.width = 480, .height = 320, .fx = 330, .fy = 330, .cx = 241, .cy = 158};
 }
 
-/// What casts the rays: rings from `low` to `high` degrees, columns over ± `half_width` degrees.
-/// Reflectivity is a bent function of the albedo, with noise; so is range.
+/// Lidar: rings from `low` to `high` degrees, columns over ± `half_width` degrees.
+/// Reflectivity is a nonlinear function of the albedo, with noise; so is range.
 struct Scanner {
   uint16_t rings = 48;
   double low = -20, high = 14;
@@ -150,7 +150,7 @@ inline Sweep scan(const World& world, uint64_t seed, const Scanner& scanner = {}
   return sweep;
 }
 
-/// The picture, its light falling off towards the left, what is beyond the walls white.
+/// Renders the image; the light falls off towards the left, and all beyond the walls is white.
 inline CameraFrame render_image(const World& world, const CameraIntrinsics& intrinsics,
                                 const Eigen::Isometry3d& T_camera_lidar) {
   const geometry::CameraModel model(intrinsics);
@@ -171,7 +171,7 @@ inline CameraFrame render_image(const World& world, const CameraIntrinsics& intr
   return frame;
 }
 
-/// Scenes of different places and the camera that took them.
+/// Scenes of different places and their camera.
 struct Drive {
   std::vector<Scene> scenes;
   std::vector<RigCamera> cameras;
@@ -184,8 +184,8 @@ inline Drive make_drive(int scenes, double scale = 1, const Scanner& scanner = {
               .T_camera_lidar = T_camera_lidar};
   for (int s = 0; s < scenes; ++s) {
     const World world = make_world(static_cast<uint64_t>(s) + 1, scale);
-    SceneOptions options{.rings =
-                             ring_directions(drive.cameras.front().model, drive.T_camera_lidar)};
+    SceneOptions options{
+        .rings = features::ring_directions(drive.cameras.front().model, drive.T_camera_lidar)};
     options.max_range = 1e4;
     options.min_range = std::min(options.min_range, scale);
     auto scene = make_scene(scan(world, 100 + static_cast<uint64_t>(s), scanner),
@@ -204,7 +204,7 @@ inline double metres_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d
   return geometry::log(a * b.inverse()).tail<3>().norm();
 }
 
-/// Twelve scenes, made once.
+/// Twelve scenes, rendered once.
 inline const Drive& twelve_scene_drive() {
   static const Drive drive = make_drive(12);
   return drive;

@@ -40,7 +40,7 @@ Sweep read_sweep(const std::filesystem::path& path) {
 }
 
 struct Rig {
-  std::vector<Scene> scenes;  ///< one a camera
+  std::vector<Scene> scenes;  ///< one per camera
   std::vector<RigCamera> cameras;
   Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();  ///< as published
 };
@@ -77,7 +77,8 @@ Rig read_rig(const std::filesystem::path& folder) {
     const Eigen::Isometry3d T_camera_lidar = matrix(entry.at("lidar2cam"));
     if (rig.cameras.empty()) rig.T_refcam_lidar = T_camera_lidar;
     const geometry::CameraModel model(intrinsics);
-    auto scene = make_scene(sweep, frame, {.rings = ring_directions(model, T_camera_lidar)});
+    auto scene =
+        make_scene(sweep, frame, {.rings = features::ring_directions(model, T_camera_lidar)});
     EXPECT_TRUE(scene) << name;
     scene->camera = rig.cameras.size();
     scene->name = name;

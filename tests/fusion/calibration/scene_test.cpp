@@ -38,7 +38,7 @@ TEST(MakeScene, KeepsReturnsWithinRange) {
   EXPECT_FLOAT_EQ(scene->x[0], 51);
   EXPECT_FLOAT_EQ(scene->lidar[index(LidarFeature::kReflectivity)][0], 0.1F);
   EXPECT_FLOAT_EQ(scene->lidar[index(LidarFeature::kRelativeReflectivity)][0], 0.5F);
-  // Its neighbour on the ring is 50 m farther, though that one is out of range itself.
+  // Its neighbour on the ring is 50 m farther, although that one is out of range.
   EXPECT_NEAR(scene->lidar[index(LidarFeature::kDiscontinuity)][0], std::sqrt(50.0), 1e-4);
 }
 

@@ -28,7 +28,7 @@ Eigen::Vector3d normal_of(const std::array<std::vector<float>, 3>& normals, size
   return {normals[0][i], normals[1][i], normals[2][i]};
 }
 
-TEST(SurfaceNormals, OfRoadAndWallTurnedTowardsTheSensor) {
+TEST(SurfaceNormals, OfRoadAndWallFaceTheSensor) {
   Sweep sweep;
   std::mt19937_64 random(1);
   for (int i = 0; i < 2000; ++i) {
@@ -42,7 +42,7 @@ TEST(SurfaceNormals, OfRoadAndWallTurnedTowardsTheSensor) {
   }
 }
 
-TEST(SurfaceNormals, BesideNeighboursFoundOneByOne) {
+TEST(SurfaceNormals, MatchABruteForceSearch) {
   Sweep sweep;
   std::mt19937_64 random(2);
   for (int i = 0; i < 300; ++i) {
@@ -80,7 +80,7 @@ TEST(SurfaceNormals, NoneWhereReturnsAreFewOrFar) {
   for (const float x : few[0]) EXPECT_TRUE(std::isnan(x));
 }
 
-TEST(SurfaceNormals, AreSpreadEvenlyWhereNotAllAreAskedFor) {
+TEST(SurfaceNormals, AreSpreadEvenlyIfLimitedInNumber) {
   Sweep sweep;
   std::mt19937_64 random(4);
   for (int i = 0; i < 1000; ++i) add(sweep, {draw(random, 3, 5), draw(random, -1, 1), -1.8});
@@ -92,21 +92,6 @@ TEST(SurfaceNormals, SayWhatIsWrongWithTheirOptions) {
   EXPECT_FALSE(NormalOptions{}.invalid());
   EXPECT_TRUE((NormalOptions{.neighbours = 2}.invalid()));
   EXPECT_TRUE((NormalOptions{.max_neighbour_distance = 0}.invalid()));
-}
-
-TEST(TaylorNormal, IsRiseSquaredOverTheWayAlong) {
-  Sweep sweep;
-  add(sweep, {10, 0, -1}, 0, 5);
-  add(sweep, {9, 0, 1}, 1, 5);    // rises 2 m over 1 m
-  add(sweep, {9, 3, 1}, 2, 5);    // level
-  add(sweep, {9, 3, 4}, 4, 5);    // ring 3 has no return
-  add(sweep, {10, 0, -1}, 0, 6);  // alone in its column
-  const std::vector<float> feature = taylor_normal(sweep);
-  EXPECT_FLOAT_EQ(feature[0], 4);
-  EXPECT_FLOAT_EQ(feature[1], 0);
-  EXPECT_TRUE(std::isnan(feature[2]));
-  EXPECT_TRUE(std::isnan(feature[3]));
-  EXPECT_TRUE(std::isnan(feature[4]));
 }
 
 }  // namespace

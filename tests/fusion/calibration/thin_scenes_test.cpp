@@ -14,7 +14,7 @@ const std::vector<RigCamera> kCameras{{geometry::CameraModel(
 
 constexpr size_t kWallColumns = 50, kWallRows = 40;
 
-/// A wall 10 m before the camera, a point every two pixels, every eighth of them near a depth edge;
+/// Wall 10 m in front of the camera, a point every two pixels, every eighth of them near a depth edge;
 /// and one point behind the camera. The reflectivity counts them.
 Scene wall() {
   Scene scene;
@@ -55,14 +55,14 @@ Count count(const Scene& scene) {
   return all;
 }
 
-TEST(ThinScenesTest, WithPointsEnoughAllInViewStayOnce) {
+TEST(ThinScenes, KeepsEveryPointInViewOnceIfTheLimitAllows) {
   const Scene scene = thin(1'000'000, false);
   const auto& number = scene.lidar[index(LidarFeature::kReflectivity)];
   EXPECT_EQ(scene.size(), kWallColumns * kWallRows) << "all but the one behind";
   EXPECT_EQ(std::set<float>(number.begin(), number.end()).size(), scene.size());
 }
 
-TEST(ThinScenesTest, EdgesAreKeptFourTimesAsOften) {
+TEST(ThinScenes, EdgesAreKeptFourTimesAsOften) {
   const Count before = count(thin(1'000'000, false));
   const Count after = count(thin(300, false));
   const double near = static_cast<double>(after.near) / static_cast<double>(before.near);
@@ -71,14 +71,14 @@ TEST(ThinScenesTest, EdgesAreKeptFourTimesAsOften) {
   EXPECT_NEAR(near / others, 4, 1);
 }
 
-TEST(ThinScenesTest, WhereEdgesStayTheOthersAreThinnedToSoMany) {
+TEST(ThinScenes, TheLimitCountsOtherPointsIfAllEdgesAreKept) {
   const Count before = count(thin(1'000'000, true));
   const Count after = count(thin(500, true));
   EXPECT_EQ(after.near, before.near);
   EXPECT_NEAR(static_cast<double>(after.others), 500, 5);
 }
 
-TEST(ThinScenesTest, PointsComeStripByStripFromTheTop) {
+TEST(ThinScenes, PointsComeStripByStripFromTheTop) {
   const Scene scene = thin(700, true);
   // A strip is 8 pixels high, 0.8 m on the wall.
   for (size_t i = 1; i < scene.size(); ++i) {

@@ -9,7 +9,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr VisibilityOptions kNoOcclusion{.occlusion_cell = 0};
+constexpr VisibilityOptions kNoOcclusion{.occlusion = {}};
 
 /// 100 × 80 pixels, 100 pixels focal length, looking along z of the lidar.
 RigCamera camera() {
@@ -119,9 +119,9 @@ TEST(SelectVisible, ASceneOutOfViewHasAnEmptyBlock) {
 TEST(VisibilityOptions, SaysWhatIsWrong) {
   EXPECT_FALSE(VisibilityOptions{}.invalid());
   EXPECT_TRUE((VisibilityOptions{.min_depth = 0}.invalid()));
-  EXPECT_TRUE((VisibilityOptions{.occlusion_cell = 0.5}.invalid()));
-  EXPECT_TRUE((VisibilityOptions{.occlusion_ratio = 0.5}.invalid()));
-  EXPECT_TRUE((VisibilityOptions{.occlusion_step = -1}.invalid()));
+  EXPECT_TRUE((VisibilityOptions{.occlusion = {{.cell_size = 0.5}}}.invalid()));
+  EXPECT_TRUE((VisibilityOptions{.occlusion = {{.ratio = 0.5}}}.invalid()));
+  EXPECT_TRUE((VisibilityOptions{.occlusion = {{.step = -1}}}.invalid()));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using calibration::painted::metres_between;
 using calibration::painted::small_camera;
 using calibration::painted::true_T_camera_lidar;
 
-/// What a vehicle sees at ten places.
+/// Images and sweeps of ten places.
 struct Snapshot {
   CameraFrame grey;
   Sweep sweep;
@@ -45,18 +45,18 @@ Eigen::Isometry3d turned(double degrees, int axis) {
 /// Drives past the places again and again, twice a second.
 class Driver {
  public:
-  MonitorReport drive(CalibrationMonitor& watch, const Motion& motion = kDrivingMotion) {
+  MonitorReport drive(CalibrationMonitor& monitor, const Motion& motion = kDrivingMotion) {
     const Snapshot& place = snapshots()[static_cast<size_t>(next_) % snapshots().size()];
     CameraFrame grey = place.grey;
-    // No two pictures are equal.
+    // No two images are equal.
     grey.pixels[0] = static_cast<uint8_t>(next_);
     grey.pixels[1] = static_cast<uint8_t>(next_ / 256);
     grey.stamp = Stamp::from_ns(500'000'000LL * next_++);
-    return watch.process(grey, make_sweep_view(place.sweep), motion);
+    return monitor.process(grey, make_sweep_view(place.sweep), motion);
   }
-  MonitorReport drive(CalibrationMonitor& watch, int images) {
+  MonitorReport drive(CalibrationMonitor& monitor, int images) {
     MonitorReport report;
-    for (int k = 0; k < images; ++k) report = drive(watch);
+    for (int k = 0; k < images; ++k) report = drive(monitor);
     return report;
   }
 
@@ -64,83 +64,83 @@ class Driver {
   int next_ = 1;
 };
 
-TEST(Watch, AnUnchangedCalibrationHolds) {
-  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
+TEST(CalibrationMonitor, AnUnchangedCalibrationHolds) {
+  CalibrationMonitor monitor(small_camera(), true_T_camera_lidar(), {});
   Driver driver;
-  const MonitorReport report = driver.drive(watch, 200);
+  const MonitorReport report = driver.drive(monitor, 200);
   EXPECT_EQ(report.drift, Drift::kHolds) << report.evidence << " " << to_string(report.axis);
   EXPECT_EQ(report.fault, CameraFault::kNone);
   EXPECT_LT(report.offset.head<3>().norm(), 0.2 * kDegree);
 }
 
-TEST(Watch, ARotatedCameraIsDetectedWithItsAxis) {
+TEST(CalibrationMonitor, ARotatedCameraIsDetectedWithItsAxis) {
   for (int axis = 0; axis < 3; ++axis) {
-    CalibrationMonitor watch(small_camera(), turned(1, axis), {});
+    CalibrationMonitor monitor(small_camera(), turned(1, axis), {});
     Driver driver;
-    const MonitorReport report = driver.drive(watch, 60);
+    const MonitorReport report = driver.drive(monitor, 60);
     EXPECT_EQ(report.drift, Drift::kConfirmed) << axis;
     EXPECT_GT(report.offset(axis), 0.2 * kDegree) << axis;
   }
 }
 
-TEST(Watch, ANewCalibrationResetsTheEvidence) {
-  CalibrationMonitor watch(small_camera(), turned(1, 1), {});
+TEST(CalibrationMonitor, ANewCalibrationResetsTheEvidence) {
+  CalibrationMonitor monitor(small_camera(), turned(1, 1), {});
   Driver driver;
-  EXPECT_EQ(driver.drive(watch, 60).drift, Drift::kConfirmed);
-  watch.set_calibration(true_T_camera_lidar());
-  EXPECT_NE(driver.drive(watch, 1).drift, Drift::kConfirmed);
-  EXPECT_EQ(driver.drive(watch, 60).drift, Drift::kHolds);
+  EXPECT_EQ(driver.drive(monitor, 60).drift, Drift::kConfirmed);
+  monitor.set_calibration(true_T_camera_lidar());
+  EXPECT_NE(driver.drive(monitor, 1).drift, Drift::kConfirmed);
+  EXPECT_EQ(driver.drive(monitor, 60).drift, Drift::kHolds);
 }
 
-TEST(Watch, TheAlternativeIsComparedWithTheCurrent) {
-  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
-  watch.set_alternative(turned(1, 0));
+TEST(CalibrationMonitor, TheAlternativeIsComparedWithTheCurrent) {
+  CalibrationMonitor monitor(small_camera(), true_T_camera_lidar(), {});
+  monitor.set_alternative(turned(1, 0));
   Driver driver;
   double gain = 0;
   for (int k = 0; k < 10; ++k) {
-    const MonitorReport report = driver.drive(watch);
+    const MonitorReport report = driver.drive(monitor);
     ASSERT_TRUE(report.has_gain);
     gain += report.gain;
   }
   EXPECT_GT(gain, 0);
 }
 
-TEST(Watch, AStandingVehicleIsEvaluatedOnce) {
-  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
+TEST(CalibrationMonitor, AStandingVehicleIsEvaluatedOnce) {
+  CalibrationMonitor monitor(small_camera(), true_T_camera_lidar(), {});
   Driver driver;
-  EXPECT_TRUE(driver.drive(watch, Motion{}).evaluated);
+  EXPECT_TRUE(driver.drive(monitor, Motion{}).evaluated);
   for (int k = 0; k < 20; ++k) {
-    const MonitorReport report = driver.drive(watch, Motion{});
+    const MonitorReport report = driver.drive(monitor, Motion{});
     EXPECT_FALSE(report.evaluated);
     EXPECT_THAT(report.reason, testing::HasSubstr("same place"));
   }
 }
 
-TEST(Watch, WrongImagesAndEmptySweepsAreSkipped) {
-  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
-  EXPECT_FALSE(watch.process(CameraFrame{}, make_sweep_view(Sweep{}), kDrivingMotion).evaluated);
+TEST(CalibrationMonitor, WrongImagesAndEmptySweepsAreSkipped) {
+  CalibrationMonitor monitor(small_camera(), true_T_camera_lidar(), {});
+  EXPECT_FALSE(monitor.process(CameraFrame{}, make_sweep_view(Sweep{}), kDrivingMotion).evaluated);
   CameraFrame grey = snapshots()[0].grey;
-  EXPECT_THAT(watch.process(grey, make_sweep_view(Sweep{}), kDrivingMotion).reason,
+  EXPECT_THAT(monitor.process(grey, make_sweep_view(Sweep{}), kDrivingMotion).reason,
               testing::HasSubstr("too few"));
 }
 
-TEST(Watch, AllocatesNothingOnceWarm) {
+TEST(CalibrationMonitor, AllocatesNothingOnceWarm) {
   MonitorOptions options;
   options.scene_store.capacity = 4;
-  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), options);
+  CalibrationMonitor monitor(small_camera(), true_T_camera_lidar(), options);
   Driver driver;
-  driver.drive(watch, 30);
+  driver.drive(monitor, 30);
   const Snapshot& place = snapshots()[3];
   CameraFrame grey = place.grey;
   grey.stamp = Stamp::from_ns(100'000'000'000);
   const size_t before = allocation_count();
-  const MonitorReport report = watch.process(grey, make_sweep_view(place.sweep), kDrivingMotion);
+  const MonitorReport report = monitor.process(grey, make_sweep_view(place.sweep), kDrivingMotion);
   const size_t after = allocation_count();
   EXPECT_TRUE(report.evaluated);
   EXPECT_EQ(after, before);
 }
 
-TEST(Watch, SameInSameOut) {
+TEST(CalibrationMonitor, TheSameInputGivesTheSameReports) {
   CalibrationMonitor a(small_camera(), turned(0.4, 2), {});
   CalibrationMonitor b(small_camera(), turned(0.4, 2), {});
   Driver first, second;
@@ -156,30 +156,30 @@ TEST(Watch, SameInSameOut) {
 TEST(Reestimate, CorrectsARotatedCamera) {
   MonitorOptions options;
   options.scene_store.capacity = 10;
-  CalibrationMonitor watch(small_camera(), turned(1, 1), options);
+  CalibrationMonitor monitor(small_camera(), turned(1, 1), options);
   Driver driver;
-  driver.drive(watch, 30);
+  driver.drive(monitor, 30);
   std::vector<StoredScene> scenes;
-  watch.scenes().copy(Stamp::earliest(), scenes);
+  monitor.scenes().copy(Stamp::earliest(), scenes);
   ASSERT_EQ(scenes.size(), 10U);
-  const Reestimate result = reestimate(scenes, small_camera(), watch.T_camera_lidar(), {});
+  const Reestimate result = reestimate(scenes, small_camera(), monitor.T_camera_lidar(), {});
   EXPECT_TRUE(result.usable()) << result.reason << ", " << result.split_half_distance;
   EXPECT_LT(degrees_between(result.T_camera_lidar, true_T_camera_lidar()), 0.15);
   EXPECT_LT(metres_between(result.T_camera_lidar, true_T_camera_lidar()), 0.03);
   EXPECT_GT(result.moved, 3.5);
-  const Reestimate again = reestimate(scenes, small_camera(), watch.T_camera_lidar(), {});
+  const Reestimate again = reestimate(scenes, small_camera(), monitor.T_camera_lidar(), {});
   EXPECT_EQ(again.T_camera_lidar.matrix(), result.T_camera_lidar.matrix());
 }
 
 TEST(Reestimate, TwoScenesAreRejected) {
-  CalibrationMonitor watch(small_camera(), true_T_camera_lidar(), {});
+  CalibrationMonitor monitor(small_camera(), true_T_camera_lidar(), {});
   Driver driver;
-  driver.drive(watch, 2);
+  driver.drive(monitor, 2);
   std::vector<StoredScene> scenes;
-  watch.scenes().copy(Stamp::earliest(), scenes);
-  const Reestimate result = reestimate(scenes, small_camera(), watch.T_camera_lidar(), {});
+  monitor.scenes().copy(Stamp::earliest(), scenes);
+  const Reestimate result = reestimate(scenes, small_camera(), monitor.T_camera_lidar(), {});
   EXPECT_FALSE(result.usable());
-  EXPECT_EQ(result.T_camera_lidar.matrix(), watch.T_camera_lidar().matrix());
+  EXPECT_EQ(result.T_camera_lidar.matrix(), monitor.T_camera_lidar().matrix());
 }
 
 TEST(MonitorOptions, SaysWhatIsWrong) {

@@ -14,7 +14,7 @@ Eigen::Isometry3d turned(double degrees) {
   return geometry::exp(degrees * kDegree * geometry::Vector6::Unit(1));
 }
 
-/// A drive of half a second a step, in which the test chooses what the watch says.
+/// Drive with steps of half a second and reports chosen by the test.
 class Drive {
  public:
   explicit Drive(const SupervisorOptions& options) : supervisor(turned(0), options) {}
@@ -33,7 +33,7 @@ class Drive {
   void steps(int count, Drift drift, double gain = 0) {
     for (int k = 0; k < count; ++k) step(drift, gain);
   }
-  /// Drifts, starts and delivers `degrees`.
+  /// Confirms a drift, starts a re-estimation and finishes it with a result of `degrees`.
   void drift_and_reestimate(double degrees) {
     steps(5, Drift::kHolds);
     EXPECT_TRUE(step(Drift::kConfirmed).start_reestimation);
@@ -55,7 +55,7 @@ class Drive {
   int next_ = 1;
 };
 
-TEST(Decision, FollowsTheEvidenceWithHysteresis) {
+TEST(CalibrationSupervisor, FollowsTheEvidenceWithHysteresis) {
   Drive drive({.min_scenes = 100, .scene_timeout = 1000});
   EXPECT_EQ(drive.step(Drift::kLearning).state, kMonitoring);
   EXPECT_EQ(drive.step(Drift::kHolds).state, kOk);
@@ -69,7 +69,7 @@ TEST(Decision, FollowsTheEvidenceWithHysteresis) {
   EXPECT_THAT(drive.supervisor.history().back().what, HasSubstr("rotation about y, 0.50 degrees"));
 }
 
-TEST(Decision, AlertOnlyProposesAndTheOwnerApplies) {
+TEST(CalibrationSupervisor, AlertOnlyProposesAndTheOwnerApplies) {
   Drive drive({});
   drive.drift_and_reestimate(0.5);
   EXPECT_EQ(drive.supervisor.state(), kConfirmed);
@@ -85,7 +85,7 @@ TEST(Decision, AlertOnlyProposesAndTheOwnerApplies) {
   EXPECT_THAT(drive.supervisor.history().back().what, HasSubstr("confirmed"));
 }
 
-TEST(Decision, AResultBecomesVisibleAfterItsBudget) {
+TEST(CalibrationSupervisor, AResultIsUsedAfterItsDelay) {
   Drive drive({.policy = UpdatePolicy::kApply, .result_delay = 3});
   drive.steps(5, Drift::kHolds);
   EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
@@ -99,7 +99,7 @@ TEST(Decision, AResultBecomesVisibleAfterItsBudget) {
   ASSERT_TRUE(drive.supervisor.covariance());
 }
 
-TEST(Decision, RollsBackAWorseCalibration) {
+TEST(CalibrationSupervisor, RollsBackAWorseCalibration) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.drift_and_reestimate(2);
   EXPECT_EQ(drive.supervisor.state(), kRecalibrated);
@@ -110,7 +110,7 @@ TEST(Decision, RollsBackAWorseCalibration) {
   EXPECT_FALSE(drive.supervisor.alternative());
 }
 
-TEST(Decision, AppliesWithinItsLimitsOnly) {
+TEST(CalibrationSupervisor, AppliesWithinItsLimitsOnly) {
   Drive near({.policy = UpdatePolicy::kApplyWithin, .limit_rotation = 0.02});
   near.drift_and_reestimate(1);
   EXPECT_EQ(near.supervisor.state(), kRecalibrated);
@@ -120,7 +120,7 @@ TEST(Decision, AppliesWithinItsLimitsOnly) {
   EXPECT_TRUE(far.supervisor.proposal());
 }
 
-TEST(Decision, KeepsACalibrationThatHasNotMoved) {
+TEST(CalibrationSupervisor, KeepsACalibrationThatHasNotMoved) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
   drive.step(Drift::kConfirmed);
@@ -130,7 +130,7 @@ TEST(Decision, KeepsACalibrationThatHasNotMoved) {
   EXPECT_EQ(drive.supervisor.current().matrix(), turned(0).matrix());
 }
 
-TEST(Decision, ACameraAtFaultIsNotRecalibrated) {
+TEST(CalibrationSupervisor, ACameraWithAFaultIsNotRecalibrated) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
   for (int k = 0; k < 30; ++k) {
@@ -143,7 +143,7 @@ TEST(Decision, ACameraAtFaultIsNotRecalibrated) {
   EXPECT_EQ(drive.supervisor.state(), kOk);
 }
 
-TEST(Decision, FailuresMakeItUnusable) {
+TEST(CalibrationSupervisor, FailuresMakeItUnusable) {
   Drive drive({.policy = UpdatePolicy::kApply, .max_failures = 2, .retry_interval = 1});
   drive.steps(5, Drift::kHolds);
   int started = 0;
@@ -158,7 +158,7 @@ TEST(Decision, FailuresMakeItUnusable) {
   EXPECT_EQ(drive.supervisor.state(), kUnusable);
 }
 
-TEST(Decision, FrozenByTheOwnerNothingIsStarted) {
+TEST(CalibrationSupervisor, FrozenByTheOwnerNothingIsStarted) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.supervisor.set_frozen(true);
   drive.steps(5, Drift::kHolds);
@@ -166,7 +166,7 @@ TEST(Decision, FrozenByTheOwnerNothingIsStarted) {
   EXPECT_EQ(drive.supervisor.state(), kConfirmed);
 }
 
-TEST(Decision, FewerScenesAreEnoughAfterTheTimeout) {
+TEST(CalibrationSupervisor, FewerScenesAreEnoughAfterTheTimeout) {
   Drive drive({.min_scenes = 30, .min_scenes_after_timeout = 15, .scene_timeout = 40});
   drive.scenes = 20;
   drive.steps(5, Drift::kHolds);
@@ -174,7 +174,7 @@ TEST(Decision, FewerScenesAreEnoughAfterTheTimeout) {
   EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
 }
 
-TEST(Decision, FreezingCancelsTheReestimation) {
+TEST(CalibrationSupervisor, FreezingCancelsTheReestimation) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
   EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
@@ -188,7 +188,7 @@ TEST(Decision, FreezingCancelsTheReestimation) {
   EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
 }
 
-TEST(Decision, ACameraFaultCancelsTheReestimation) {
+TEST(CalibrationSupervisor, ACameraFaultCancelsTheReestimation) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
   EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
@@ -201,7 +201,7 @@ TEST(Decision, ACameraFaultCancelsTheReestimation) {
   EXPECT_EQ(drive.supervisor.state(), kOk);
 }
 
-TEST(Decision, RollingBackCancelsTheReestimation) {
+TEST(CalibrationSupervisor, RollingBackCancelsTheReestimation) {
   Drive drive({.policy = UpdatePolicy::kApply, .retry_interval = 0});
   drive.drift_and_reestimate(0.5);
   drive.supervisor.request_recalibration();
@@ -212,7 +212,7 @@ TEST(Decision, RollingBackCancelsTheReestimation) {
   EXPECT_TRUE(back.calibration_changed);
 }
 
-TEST(Decision, TheOwnerMayAskAndRollBack) {
+TEST(CalibrationSupervisor, TheOwnerMayRequestAndRollBack) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
   drive.supervisor.request_recalibration();
@@ -225,7 +225,7 @@ TEST(Decision, TheOwnerMayAskAndRollBack) {
   EXPECT_EQ(drive.supervisor.current().matrix(), turned(0).matrix());
 }
 
-TEST(Decision, HistoryIsBounded) {
+TEST(CalibrationSupervisor, HistoryIsBounded) {
   Drive drive({.min_scenes = 100, .scene_timeout = 1000, .max_history = 5});
   for (int k = 0; k < 20; ++k) {
     drive.step(Drift::kConfirmed);

@@ -11,13 +11,13 @@ namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
 
-/// What is wrong with a picture.
+/// Degradation of an image.
 struct ImageDefects {
   double light = 1;
   bool blurred = false, patch = false, blots = false, plain_wall = false;
 };
 
-/// A scene that passes by: patterns of several scales, shifted by `at`, with a little noise.
+/// Scene that passes by: patterns of several scales, shifted by `at`, with a little noise.
 CameraFrame make_image(int at, const ImageDefects& wrong = {}) {
   std::mt19937_64 random(static_cast<uint64_t>(at) + 1);
   CameraFrame frame;
@@ -41,9 +41,9 @@ CameraFrame make_image(int at, const ImageDefects& wrong = {}) {
   return frame;
 }
 
-constexpr double kImageDistance = 4;  // m between two pictures
+constexpr double kImageDistance = 4;  // m between two images
 
-/// A camera that has seen 20 good pictures.
+/// Check after 20 good images.
 CameraCheck make_trained_check() {
   CameraCheck check({});
   for (int k = 0; k < 20; ++k) {

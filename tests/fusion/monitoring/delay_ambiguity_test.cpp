@@ -5,9 +5,9 @@
 namespace infuse::monitoring {
 namespace {
 
-std::optional<Axis> axis_after(int looks, const auto& motion) {
+std::optional<Axis> axis_after(int evaluations, const auto& motion) {
   DelayAmbiguity ambiguity;
-  for (int k = 0; k < looks; ++k) ambiguity.add(motion(k));
+  for (int k = 0; k < evaluations; ++k) ambiguity.add(motion(k));
   return ambiguity.axis();
 }
 

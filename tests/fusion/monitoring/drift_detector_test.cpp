@@ -11,22 +11,22 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Looks whose offsets are Gaussian around a drift; variance noise ÷ information.
+/// Evaluations whose offsets are Gaussian around a drift; variance noise ÷ information.
 class EvaluationGenerator {
  public:
   explicit EvaluationGenerator(uint64_t seed) : random_(seed) {}
 
   AxisEvaluation next(const PerAxis& drift, double noise, double correlation = 0) {
-    AxisEvaluation look;
+    AxisEvaluation evaluation;
     for (size_t k = 0; k < kAxes; ++k) {
-      // One look tells a rotation to 0.17 degrees, a translation to 3 cm, a time to 50 ms.
+      // Standard deviations of an evaluation: 0.17 degrees, 3 cm, 50 ms.
       const double unit = k < 3 ? 3e-3 : k < 6 ? 0.03 : k < 7 ? 0.05 : k < 10 ? 0.01 : 0.1;
-      look.step[k] = 10 * unit;
-      look.curvature[k] = noise / (unit * unit);
+      evaluation.step[k] = 10 * unit;
+      evaluation.curvature[k] = noise / (unit * unit);
       last_[k] = correlation * last_[k] + std::sqrt(1 - correlation * correlation) * normal();
-      look.slope[k] = look.curvature[k] * (drift[k] + unit * last_[k]);
+      evaluation.slope[k] = evaluation.curvature[k] * (drift[k] + unit * last_[k]);
     }
-    return look;
+    return evaluation;
   }
 
  private:
@@ -36,7 +36,7 @@ class EvaluationGenerator {
   PerAxis last_{};
 };
 
-/// Looks until the test is certain; `most` where it never is.
+/// Returns the number of evaluations until the drift is confirmed; the maximum if it never is.
 int evaluations_until_confirmed(DriftDetector& test, EvaluationGenerator& generator,
                                 const PerAxis& drift, int max_evaluations, double correlation = 0) {
   for (int k = 0; k < max_evaluations; ++k) {
@@ -47,7 +47,7 @@ int evaluations_until_confirmed(DriftDetector& test, EvaluationGenerator& genera
 }
 
 TEST(DriftDetector, NoFalseAlarmInManyHours) {
-  // 14 hours at 2 looks a second, then with looks that depend on each other.
+  // 14 hours at 2 evaluations a second, then with correlated evaluations.
   for (const double correlation : {0.0, 0.4}) {
     DriftDetector test({});
     EvaluationGenerator generator(7);
@@ -56,8 +56,7 @@ TEST(DriftDetector, NoFalseAlarmInManyHours) {
 }
 
 TEST(DriftDetector, TheBoundOnFalseAlarmsHolds) {
-  // At a threshold that alarms often enough to be counted: one alarm an hour at most, with the
-  // offset at the edge of what counts as kept.
+  // At a threshold with countable alarms: at most one an hour, with the offset at its tolerance.
   DriftDetectorOptions options;
   options.false_alarm_hours = 1;
   options.suspicion_threshold = 1;
@@ -87,7 +86,7 @@ TEST(DriftDetector, FindsADriftOfEachAxisAndSign) {
       EXPECT_LT(evaluations_until_confirmed(test, generator, drift, 100), 60) << axis;
       EXPECT_EQ(test.strongest_axis(), static_cast<Axis>(axis));
       EXPECT_TRUE(test.suspected());
-      // Of the looks since, whatever was seen during the hundred seconds before.
+      // Mean since the drift, without the hundred seconds before.
       EXPECT_NEAR(test.offset(static_cast<Axis>(axis)), drift[axis],
                   4 * test.sigma(static_cast<Axis>(axis)));
       EXPECT_LT(test.sigma(static_cast<Axis>(axis)), 0.3 * std::abs(drift[axis]));
@@ -106,7 +105,7 @@ TEST(DriftDetector, NoAlarmBeforeTheNoiseIsLearned) {
 }
 
 TEST(DriftDetector, NoisierEvaluationsCountLess) {
-  // Looks claim to be worth ten times what they are.
+  // Evaluations state ten times their information.
   DriftDetector test({});
   EvaluationGenerator generator(5);
   EXPECT_EQ(evaluations_until_confirmed(test, generator, {}, 400), 400);
@@ -114,8 +113,8 @@ TEST(DriftDetector, NoisierEvaluationsCountLess) {
   EvaluationGenerator noisier(5);
   int alarms = 0;
   for (int k = 0; k < 20'000; ++k) {
-    AxisEvaluation look = noisier.next({}, 0.06);
-    overconfident.add(look);
+    AxisEvaluation evaluation = noisier.next({}, 0.06);
+    overconfident.add(evaluation);
     alarms += overconfident.confirmed() ? 1 : 0;
   }
   EXPECT_EQ(alarms, 0);
@@ -140,10 +139,10 @@ TEST(DriftDetectorOptions, SaysWhatIsWrong) {
   EXPECT_FALSE(DriftDetectorOptions{}.invalid());
   DriftDetectorOptions options;
   options.drift_offset[2] = 0;
-  EXPECT_THAT(*options.invalid(), HasSubstr("drifted"));
+  EXPECT_THAT(*options.invalid(), HasSubstr("drift_offset"));
   EXPECT_THAT(*(DriftDetectorOptions{.suspicion_threshold = 40}.invalid()), HasSubstr("suspect"));
   EXPECT_THAT(*(DriftDetectorOptions{.warm_up = 2}.invalid()), HasSubstr("warm_up"));
-  // e^h looks an alarm, for two tests an axis side by side.
+  // e^h evaluations per alarm, for two parallel tests per axis.
   EXPECT_NEAR(std::exp(DriftDetectorOptions{}.confirmation_threshold()) / (2 * kAxes) / 2.5 / 3600,
               1000, 1e-6);
 }

@@ -12,7 +12,7 @@
 #include "fusion/monitoring/calibration_monitor.hpp"
 #include "fusion/monitoring/reestimate.hpp"
 
-/// KITTI's pairs of a sweep and a picture, one after the other as if they were one drive.
+/// KITTI's pairs of a sweep and an image, one after the other as if they were one drive.
 namespace infuse::monitoring::kitti {
 
 /// The pairs of camera 2, and the published extrinsics.
@@ -39,7 +39,7 @@ inline Stream read_stream(const std::filesystem::path& folder) {
       return {};
     }
     camera::to_grey(frame, grey);
-    stream.camera = calibration->intrinsics(2, grey.width, grey.height);  // all are of one camera
+    stream.camera = calibration->intrinsics(2, grey.width, grey.height);  // one camera for all
     stream.T_camera_lidar = calibration->T_camera_lidar(2);
     stream.images.push_back(std::move(grey));
     stream.sweeps.push_back(std::move(sweep));
@@ -47,16 +47,15 @@ inline Stream read_stream(const std::filesystem::path& folder) {
   return stream;
 }
 
-/// Drives past all pairs again and again, twice a second, until a drift is certain or `rounds` are
-/// over.
-inline MonitorReport drive(CalibrationMonitor& watch, const Stream& stream, int rounds) {
+/// Processes all pairs `rounds` times, two a second; stops at a confirmed drift.
+inline MonitorReport drive(CalibrationMonitor& monitor, const Stream& stream, int rounds) {
   MonitorReport report;
   int next = 0;
   for (int round = 0; round < rounds; ++round) {
     for (size_t i = 0; i < stream.images.size(); ++i) {
       CameraFrame grey = stream.images[i];
       grey.stamp = Stamp::from_ns(500'000'000LL * ++next);
-      report = watch.process(grey, make_sweep_view(stream.sweeps[i]),
+      report = monitor.process(grey, make_sweep_view(stream.sweeps[i]),
                              {.velocity = Eigen::Vector3d(0, 0, 16 + next % 3)});
       if (report.drift == Drift::kConfirmed) return report;
     }
@@ -64,14 +63,14 @@ inline MonitorReport drive(CalibrationMonitor& watch, const Stream& stream, int 
   return report;
 }
 
-/// Estimates anew from every pair, as kept under a wrong calibration.
+/// Re-estimates from every pair, as stored under a wrong calibration.
 inline Reestimate estimate(const Stream& stream, const Eigen::Isometry3d& wrong) {
   MonitorOptions options;
   options.scene_store.capacity = stream.images.size();
-  CalibrationMonitor watch(stream.camera, wrong, options);
-  drive(watch, stream, 1);
+  CalibrationMonitor monitor(stream.camera, wrong, options);
+  drive(monitor, stream, 1);
   std::vector<StoredScene> scenes;
-  watch.scenes().copy(Stamp::earliest(), scenes);
+  monitor.scenes().copy(Stamp::earliest(), scenes);
   return reestimate(scenes, stream.camera, wrong, {});
 }
 

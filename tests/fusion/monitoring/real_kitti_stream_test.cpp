@@ -21,8 +21,8 @@ TEST(RealKittiStream, ThePublishedExtrinsicsHold) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/kitti");
   const kitti::Stream& stream = stream_of(folder);
   ASSERT_EQ(stream.images.size(), 17U);
-  CalibrationMonitor watch(stream.camera, stream.T_camera_lidar, {});
-  const MonitorReport report = kitti::drive(watch, stream, 4);
+  CalibrationMonitor monitor(stream.camera, stream.T_camera_lidar, {});
+  const MonitorReport report = kitti::drive(monitor, stream, 4);
   EXPECT_EQ(report.drift, Drift::kHolds) << to_string(report.axis) << " " << report.evidence;
   EXPECT_EQ(report.fault, CameraFault::kNone);
 }
@@ -32,8 +32,8 @@ TEST(RealKittiStream, ARotationIsDetected) {
   const kitti::Stream& stream = stream_of(folder);
   for (const double degrees : {0.5, 1.0, -2.0}) {
     for (int axis = 0; axis < 3; ++axis) {
-      CalibrationMonitor watch(stream.camera, turned(stream, degrees, axis), {});
-      EXPECT_EQ(kitti::drive(watch, stream, 6).drift, Drift::kConfirmed) << degrees << " " << axis;
+      CalibrationMonitor monitor(stream.camera, turned(stream, degrees, axis), {});
+      EXPECT_EQ(kitti::drive(monitor, stream, 6).drift, Drift::kConfirmed) << degrees << " " << axis;
     }
   }
 }

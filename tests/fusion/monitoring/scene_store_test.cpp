@@ -5,7 +5,7 @@
 namespace infuse::monitoring {
 namespace {
 
-/// A grey picture and three returns of which two lie around the view.
+/// Grey image and three returns of which two lie in or around the view.
 struct TestScene {
   CameraFrame grey;
   Sweep sweep;
@@ -58,10 +58,10 @@ TEST(SceneStore, KeepsTheMostInformativeAndRemovesTheOld) {
   EXPECT_TRUE(offer(store, 1, 0.5));
   EXPECT_TRUE(offer(store, 2, 0.9));
   EXPECT_TRUE(offer(store, 3, 0.6));
-  EXPECT_FALSE(offer(store, 4, 0.1));  // worth less than any
-  EXPECT_TRUE(offer(store, 5, 0.55));  // takes the place of the first
+  EXPECT_FALSE(offer(store, 4, 0.1));  // less informative than any
+  EXPECT_TRUE(offer(store, 5, 0.55));  // replaces the first
   EXPECT_EQ(stored_seconds(store), (std::vector<double>{2, 3, 5}));
-  EXPECT_TRUE(offer(store, 50, 0.1));  // what is old is worth little
+  EXPECT_TRUE(offer(store, 50, 0.1));  // old scenes count little
   EXPECT_EQ(store.size(), 3U);
   EXPECT_EQ(store.count_since(Stamp::from_ns(6'000'000'000)), 1U);
   EXPECT_TRUE(offer(store, 300, 0.1));
@@ -86,7 +86,7 @@ TEST(SceneStore, KeepsPointsAroundTheImage) {
   store.copy(Stamp::earliest(), scenes);
   ASSERT_EQ(scenes.size(), 1U);
   EXPECT_EQ(scenes[0].x, (std::vector<float>{5, 10}));
-  EXPECT_EQ(scenes[0].reflectivity, (std::vector<float>{0.5F, 0.5F}));  // each alone of its like
+  EXPECT_EQ(scenes[0].reflectivity, (std::vector<float>{0.5F, 0.5F}));  // each alone in its group
   EXPECT_EQ(scenes[0].grey.pixels.size(), 64U * 48U);
 }
 

@@ -1,13 +1,13 @@
-#include "fusion/calibration/ring_directions.hpp"
+#include "fusion/features/ring_directions.hpp"
 
 #include <gtest/gtest.h>
 
 #include "fusion/geometry/rigid_motion.hpp"
 
-namespace infuse::calibration {
+namespace infuse::features {
 namespace {
 
-/// Looks along x of the lidar, upright, then turned by ξ.
+/// Camera along x of the lidar, upright, then rotated by ξ.
 Eigen::Isometry3d rotated_camera(double rx, double ry, double rz) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
@@ -29,7 +29,7 @@ CameraIntrinsics fisheye() {
   return camera;
 }
 
-/// Where a point a kilometre away, seen in the middle of a square, goes when the lidar turns on.
+/// Direction in which a point a kilometre away, in the middle of a cell, moves as the lidar rotates.
 void expect_matches_rotated_points(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d& T) {
   const geometry::CameraModel camera(intrinsics);
   const RingDirections rings = ring_directions(camera, T);
@@ -55,7 +55,7 @@ void expect_matches_rotated_points(const CameraIntrinsics& intrinsics, const Eig
   EXPECT_GT(seen, rings.columns * rings.rows / 2);
 }
 
-TEST(RingDirections, AreWhereTurnedPointsGo) {
+TEST(RingDirections, FollowRotatedPoints) {
   for (const auto& intrinsics : {pinhole(), fisheye()}) {
     expect_matches_rotated_points(intrinsics, rotated_camera(0, 0, 0));
     expect_matches_rotated_points(intrinsics, rotated_camera(0, 0, M_PI / 2));
@@ -64,7 +64,7 @@ TEST(RingDirections, AreWhereTurnedPointsGo) {
   }
 }
 
-TEST(RingDirections, AreRowsBeforeAnUprightCamera) {
+TEST(RingDirections, AreRowsForAnUprightCamera) {
   const RingDirections rings =
       ring_directions(geometry::CameraModel(pinhole()), rotated_camera(0, 0, 0));
   EXPECT_EQ(rings.columns, 21);
@@ -76,15 +76,15 @@ TEST(RingDirections, AreRowsBeforeAnUprightCamera) {
 
 TEST(RingDirections, AreNoneAlongTheAxis) {
   CameraIntrinsics up = fisheye();
-  up.width = up.height = 336;  // 21 squares: one in the middle, around pixel (167.5, 167.5)
+  up.width = up.height = 336;  // 21 cells: one in the middle, around pixel (167.5, 167.5)
   up.cx = up.cy = 167.5;
   const RingDirections rings =
       ring_directions(geometry::CameraModel(up), Eigen::Isometry3d::Identity());
   const auto middle = static_cast<size_t>(10 * rings.columns + 10);
   EXPECT_EQ(rings.right[middle], 0);
   EXPECT_EQ(rings.down[middle], 0);
-  EXPECT_NEAR(std::abs(rings.down[middle + 5]), 1, 1e-3);  // beside it they run around it
+  EXPECT_NEAR(std::abs(rings.down[middle + 5]), 1, 1e-3);  // around the axis
 }
 
 }  // namespace
-}  // namespace infuse::calibration
+}  // namespace infuse::features

@@ -1,14 +1,14 @@
-#include "fusion/calibration/relative_reflectivity.hpp"
+#include "fusion/features/relative_reflectivity.hpp"
 
 #include <algorithm>
 #include <bit>
 
-namespace infuse::calibration {
+namespace infuse::features {
 namespace {
 
 constexpr uint32_t kLevels = 256;
 constexpr uint32_t kRanges = 32;  // quarters of the eight octaves from 1 m on
-constexpr uint32_t kRings = 256;  // no lidar has more; others share
+constexpr uint32_t kRings = 256;  // no lidar has more; further ones share groups
 
 /// Two bits of a float's mantissa follow its exponent: together they count quarters of octaves.
 uint32_t range_group(float range) {
@@ -55,4 +55,4 @@ const std::vector<float>& RelativeReflectivity::compute(std::span<const uint16_t
   return relative_;
 }
 
-}  // namespace infuse::calibration
+}  // namespace infuse::features

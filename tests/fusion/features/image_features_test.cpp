@@ -1,4 +1,4 @@
-#include "fusion/calibration/image_features.hpp"
+#include "fusion/features/image_edges.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,9 @@
 #include <cmath>
 #include <random>
 
-namespace infuse::calibration {
+#include "fusion/features/local_contrast.hpp"
+
+namespace infuse::features {
 namespace {
 
 Plane noise(int width, int height, int levels, uint64_t seed) {
@@ -36,6 +38,19 @@ TEST(GreyPlane, WeighsTheColours) {
   frame.format = PixelFormat::kGrey8;
   frame.pixels = {0, 7, 200, 255};
   EXPECT_THAT(grey_plane(frame).values, testing::ElementsAre(0, 7, 200, 255));
+}
+
+TEST(ReduceByMeans, DropsWhatIsLeftOver) {
+  CameraFrame frame;
+  frame.width = 5;
+  frame.height = 3;
+  frame.format = PixelFormat::kGrey8;
+  frame.pixels = {1, 2, 3, 4, 99, 5, 6, 7, 12, 99, 99, 99, 99, 99, 99};
+  Plane plane;
+  reduce_by_means(frame, 2, plane);
+  EXPECT_EQ(plane.width, 2);
+  EXPECT_EQ(plane.height, 1);
+  EXPECT_THAT(plane.values, testing::ElementsAre(3.5F, 6.5F));
 }
 
 TEST(EdgeStrength, IsTheLargestStepToANeighbour) {
@@ -67,7 +82,7 @@ float expected_ring_edge(const Plane& grey, int u, int v, float right, float dow
 }
 
 TEST(RingEdge, IsTheChangeAlongTheRing) {
-  const Plane grey = noise(37, 21, 256, 5);  // 3 × 2 squares
+  const Plane grey = noise(37, 21, 256, 5);  // 3 × 2 cells
   const RingDirections rings{.columns = 3,
                              .rows = 2,
                              .right = {1, 0.6F, 0, 0.8F, 0, -0.6F},
@@ -76,8 +91,8 @@ TEST(RingEdge, IsTheChangeAlongTheRing) {
   const Plane along_rows = ring_edge(grey, {});
   for (int v = 0; v < grey.height; ++v) {
     for (int u = 0; u < grey.width; ++u) {
-      const auto square = static_cast<size_t>(v / 16 * 3 + u / 16);
-      const float by_hand = expected_ring_edge(grey, u, v, rings.right[square], rings.down[square]);
+      const auto cell = static_cast<size_t>(v / 16 * 3 + u / 16);
+      const float by_hand = expected_ring_edge(grey, u, v, rings.right[cell], rings.down[cell]);
       EXPECT_NEAR(at(edge, u, v), by_hand, 1e-3) << u << ", " << v;
       EXPECT_NEAR(at(along_rows, u, v), expected_ring_edge(grey, u, v, 1, 0), 1e-3);
     }
@@ -103,27 +118,27 @@ TEST(RingEdge, AcceptsAnImageLargerThanTheIntrinsics) {
   EXPECT_NEAR(at(edge, 35, 38), expected_ring_edge(grey, 35, 38, 0, 1), 1e-3);
 }
 
-/// Mean and deviation under the Gaussian from their definition, the borders replicated.
+/// From the definition: mean and standard deviation under the Gaussian, borders replicated.
 float expected_local_contrast(const Plane& plane, int u, int v, double width, double floor) {
   const int reach = static_cast<int>(std::ceil(3 * width));
-  double weights = 0, sum = 0, squares = 0;
+  double weights = 0, sum = 0, cells = 0;
   for (int dv = -reach; dv <= reach; ++dv) {
     for (int du = -reach; du <= reach; ++du) {
       const double w = std::exp(-0.5 * (du * du + dv * dv) / (width * width));
       const double g = at(plane, u + du, v + dv);
       weights += w;
       sum += w * g;
-      squares += w * g * g;
+      cells += w * g * g;
     }
   }
   const double mean = sum / weights;
-  const double variance = squares / weights - mean * mean;
+  const double variance = cells / weights - mean * mean;
   const double z = (at(plane, u, v) - mean) / std::sqrt(variance + floor * floor);
   return static_cast<float>(0.5 + 0.5 * z / std::sqrt(1 + z * z));
 }
 
-TEST(NormalizeLocalContrast, BesideItsDefinition) {
-  // Up to seven pixels no sample of the means is left out, and both agree but for rounding.
+TEST(NormalizeLocalContrast, MatchesItsDefinition) {
+  // Up to seven pixels the means are not thinned, and both agree but for rounding.
   const Plane plane = noise(40, 31, 200, 4);
   const Plane local = normalize_local_contrast(plane, 5, 3);
   ASSERT_EQ(local.values.size(), plane.values.size());
@@ -135,9 +150,9 @@ TEST(NormalizeLocalContrast, BesideItsDefinition) {
   }
 }
 
-TEST(NormalizeLocalContrast, WideOnesAreNearTheirDefinition) {
-  // Wider, means are interpolated between samples a quarter of a width apart; at the border those
-  // stand for what lies outside, and the definition's noisy pixels do not.
+TEST(NormalizeLocalContrast, IsNearItsDefinitionForLargeWidths) {
+  // For larger widths means are interpolated between samples a quarter of a width apart. Near the
+  // border both replicate different values.
   const Plane plane = noise(130, 110, 200, 4);
   const Plane local = normalize_local_contrast(plane, 12, 3);
   for (int v = 36; v < plane.height - 36; v += 5) {
@@ -148,7 +163,7 @@ TEST(NormalizeLocalContrast, WideOnesAreNearTheirDefinition) {
   }
 }
 
-TEST(NormalizeLocalContrast, LightThatChangesSlowlyDoesNotMatter) {
+TEST(NormalizeLocalContrast, SlowlyChangingLightHasNoEffect) {
   Plane plane = noise(200, 150, 50, 5);
   const Plane even = normalize_local_contrast(plane, 6, 1);
   for (int v = 0; v < plane.height; ++v) {
@@ -172,21 +187,7 @@ TEST(NormalizeLocalContrast, ASmoothSurfaceIsInTheMiddle) {
   }
 }
 
-TEST(Equalized, RanksBesideABruteForceCount) {
-  const Plane plane = noise(19, 13, 40, 2);
-  const Plane ranks = equalized(plane);
-  const auto n = static_cast<double>(plane.values.size());
-  for (size_t i = 0; i < plane.values.size(); ++i) {
-    const float value = plane.values[i];
-    const auto below =
-        std::count_if(plane.values.begin(), plane.values.end(), [&](float w) { return w < value; });
-    const auto equal = std::count(plane.values.begin(), plane.values.end(), value);
-    EXPECT_NEAR(ranks.values[i],
-                (static_cast<double>(below) + 0.5 * static_cast<double>(equal - 1)) / n, 1e-6);
-  }
-}
-
-/// The definition: a sum over the whole plane's neighbourhood, borders replicated.
+/// From the definition: a sum over the whole plane's neighbourhood, borders replicated.
 double gaussian_at(const Plane& plane, int u, int v, double sigma) {
   const int reach = static_cast<int>(std::ceil(3 * sigma));
   double sum = 0;
@@ -242,4 +243,4 @@ TEST(Blurred, NoBlurChangesNothing) {
 }
 
 }  // namespace
-}  // namespace infuse::calibration
+}  // namespace infuse::features

@@ -1,4 +1,4 @@
-#include "fusion/calibration/lidar_features.hpp"
+#include "fusion/features/discontinuity.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,11 +7,15 @@
 #include <cmath>
 #include <random>
 
-namespace infuse::calibration {
+namespace infuse::features {
 namespace {
 
 using testing::ElementsAre;
 using testing::FloatNear;
+
+std::vector<float> discontinuity(const Sweep& sweep, const DiscontinuityOptions& options) {
+  return Discontinuity(options).compute(make_sweep_view(sweep));
+}
 
 /// Returns of the given rings at a spacing of 0.01 rad of azimuth; a range of 0 is no return.
 Sweep make_sweep(const std::vector<std::vector<float>>& ranges, bool column_by_column = false) {
@@ -75,7 +79,7 @@ TEST(Discontinuity, AFarNeighbourCountsAsTheNoReturnStep) {
               ElementsAre(FloatNear(4, 1e-6F), 0));
 }
 
-TEST(Discontinuity, TwoEchoesOfOneFiringAreNoNeighbours) {
+TEST(Discontinuity, ReturnsOfOneFiringAreNotNeighbours) {
   Sweep sweep = make_sweep({{5, 5, 5}});
   const size_t i = sweep.size();
   sweep.resize(i + 1);
@@ -84,17 +88,38 @@ TEST(Discontinuity, TwoEchoesOfOneFiringAreNoNeighbours) {
   sweep.ring[i] = 0;
   sweep.column[i] = sweep.column[i - 1];
   const auto edge = discontinuity(sweep, {.gamma = 1, .max_edge_azimuth = 0});
-  EXPECT_FLOAT_EQ(edge[2], 0);  // beside it in its own firing stands 10 m, before it 5 m
+  EXPECT_FLOAT_EQ(edge[2], 0);  // 10 m in its own firing, 5 m in the one before
   EXPECT_FLOAT_EQ(edge[3], 0);
 }
 
-TEST(Discontinuity, OnlyWhatLiesBesideAnEdgeIsCompared) {
+TEST(Discontinuity, OnlyReturnsNearAnEdgeAreCompared) {
   const Sweep sweep = make_sweep({{5, 5, 5, 5, 9, 9, 9, 9}, {7, 7, 7, 7, 7, 7, 7, 7.3F}});
   const auto edge =
       discontinuity(sweep, {.gamma = 1, .max_edge_azimuth = 0.021, .min_edge_step = 1});
   for (const size_t i : {1U, 2U, 3U, 4U, 5U}) EXPECT_EQ(edge[i], i == 3 ? 4 : 0) << i;
   // Farther than two columns from the edge, and on a ring whose only step is too small for one.
   for (const size_t i : {0U, 6U, 7U, 8U, 14U, 15U}) EXPECT_TRUE(std::isnan(edge[i])) << i;
+}
+
+TEST(Discontinuity, NeighboursLieWithinTheColumnGap) {
+  const Sweep sweep = make_sweep({{5, 0, 9}});
+  const DiscontinuityOptions options{.gamma = 1, .max_gap = 0.05, .max_edge_azimuth = 0};
+  EXPECT_THAT(discontinuity(sweep, options), ElementsAre(FloatNear(4, 1e-6F), 0));
+  DiscontinuityOptions adjacent = options;
+  adjacent.max_column_gap = 1;
+  EXPECT_THAT(discontinuity(sweep, adjacent), ElementsAre(0, 0));
+}
+
+TEST(Discontinuity, LargeStepsCountAsTheMaximum) {
+  const Sweep sweep = make_sweep({{5, 60, 5}});
+  EXPECT_THAT(discontinuity(sweep, {.max_step = 25, .max_edge_azimuth = 0}), ElementsAre(5, 0, 5));
+}
+
+TEST(Discontinuity, ASecondSweepDoesNotSeeTheFirst) {
+  const Sweep first = make_sweep({{5, 9, 5, 9}, {7, 3, 7, 3}}), second = make_sweep({{4, 4, 4}});
+  Discontinuity both({.max_edge_azimuth = 0});
+  both.compute(make_sweep_view(first));
+  EXPECT_THAT(both.compute(make_sweep_view(second)), ElementsAre(0, 0, 0));
 }
 
 TEST(Discontinuity, EmptySweep) { EXPECT_TRUE(discontinuity(Sweep{}, {}).empty()); }
@@ -130,39 +155,12 @@ TEST(DiscontinuityOptions, SaysWhatIsWrong) {
   EXPECT_FALSE(DiscontinuityOptions{}.invalid());
   EXPECT_TRUE((DiscontinuityOptions{.gamma = 0}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.max_gap = 0}.invalid()));
+  EXPECT_TRUE((DiscontinuityOptions{.max_column_gap = -1}.invalid()));
+  EXPECT_TRUE((DiscontinuityOptions{.max_step = 0}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.no_return_step = -1}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.max_edge_azimuth = -1}.invalid()));
   EXPECT_TRUE((DiscontinuityOptions{.min_edge_step = 0}.invalid()));
 }
 
-TEST(Equalize, RanksBesideABruteForceCount) {
-  std::mt19937_64 random(3);
-  std::vector<float> values;
-  for (int i = 0; i < 500; ++i) {
-    values.push_back(static_cast<float>(static_cast<int>(random() % 90)) * 0.37F - 12.0F);
-  }
-  values.push_back(-0.0F);
-  values.push_back(0.0F);
-  std::vector<float> ranks = values;
-  equalize(ranks);
-  for (size_t i = 0; i < values.size(); ++i) {
-    const auto below =
-        std::count_if(values.begin(), values.end(), [&](float v) { return v < values[i]; });
-    const auto equal = std::count(values.begin(), values.end(), values[i]);
-    const double rank = (static_cast<double>(below) + 0.5 * static_cast<double>(equal - 1)) /
-                        static_cast<double>(values.size());
-    EXPECT_NEAR(ranks[i], rank, 1e-6);
-  }
-}
-
-TEST(Equalize, NothingAndOne) {
-  std::vector<float> none;
-  equalize(none);
-  EXPECT_TRUE(none.empty());
-  std::vector<float> one{7};
-  equalize(one);
-  EXPECT_THAT(one, ElementsAre(0));
-}
-
 }  // namespace
-}  // namespace infuse::calibration
+}  // namespace infuse::features

@@ -1,4 +1,4 @@
-#include "fusion/calibration/relative_reflectivity.hpp"
+#include "fusion/features/relative_reflectivity.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace infuse::calibration {
+namespace infuse::features {
 namespace {
 
 struct Returns {
@@ -37,7 +37,7 @@ Returns random_returns() {
   return out;
 }
 
-TEST(RelativeReflectivity, RanksBesideABruteForceCount) {
+TEST(RelativeReflectivity, MatchesABruteForceCount) {
   const Returns returns = random_returns();
   const std::vector<float> relative = returns.relative();
   const auto same_group = [&](size_t a, size_t b) {
@@ -74,11 +74,11 @@ TEST(RelativeReflectivity, EqualReturnsGetTheMiddleRank) {
 }
 
 TEST(RelativeReflectivity, MemoryOfTheLastSweepChangesNothing) {
-  RelativeReflectivity kept;
+  RelativeReflectivity reused;
   const Returns returns = random_returns();
-  kept.compute(returns.ring, returns.range, returns.reflectivity);
+  reused.compute(returns.ring, returns.range, returns.reflectivity);
   const Returns same{.ring = {3, 3}, .range = {9, 9}, .reflectivity = {0.2F, 0.4F}};
-  EXPECT_THAT(kept.compute(same.ring, same.range, same.reflectivity),
+  EXPECT_THAT(reused.compute(same.ring, same.range, same.reflectivity),
               testing::ElementsAre(0.25F, 0.75F));
 }
 
@@ -92,4 +92,4 @@ TEST(RelativeReflectivity, NonFiniteValuesAreHarmless) {
 }
 
 }  // namespace
-}  // namespace infuse::calibration
+}  // namespace infuse::features

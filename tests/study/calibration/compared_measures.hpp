@@ -1,0 +1,16 @@
+#pragma once
+
+#include <span>
+
+#include "fusion/calibration/named_measures.hpp"
+
+namespace infuse::study {
+
+/// Measures that benchmarks compare with those of `infuse calibrate --measure`. The program does
+/// not offer them: on simulated drives their results were wrong, at times with a small uncertainty.
+std::span<const calibration::NamedMeasure> compared_measures();
+
+/// Returns the measure of that name, of these or of `calibration::named_measures`; it must exist.
+const calibration::NamedMeasure& find_any_measure(const char* name);
+
+}  // namespace infuse::study
