@@ -34,7 +34,7 @@ Result<Eigen::Matrix4d> CalibrationText::matrix(std::initializer_list<const char
   const std::vector<double>* numbers = find(keys);
   if (numbers == nullptr) {
     return fail(std::string("has no ") + *keys.begin(), name_,
-                "lines as 'P2: 7.2e+02 …' are expected");
+                "expected lines such as 'P2: 7.2e+02 …'");
   }
   if (numbers->size() != static_cast<size_t>(rows * columns)) {
     return fail(std::string(*keys.begin()) + " must be " + std::to_string(rows * columns) +

@@ -9,16 +9,16 @@ namespace fs = std::filesystem;
 Result<void> make_empty_folder(const fs::path& drive) {
   std::error_code failed;
   if (fs::exists(drive, failed) && !fs::is_empty(drive, failed))
-    return fail("exists and is not empty", drive.string(), "name a new folder");
+    return fail("exists and is not empty", drive.string(), "choose a new folder");
   fs::create_directories(drive, failed);
-  if (failed) return fail("cannot be made: " + failed.message(), drive.string());
+  if (failed) return fail("cannot be created: " + failed.message(), drive.string());
   return {};
 }
 
 Result<void> link_sequence(const std::vector<StampedFile>& files, const fs::path& folder) {
   std::error_code failed;
   fs::create_directories(folder, failed);
-  if (failed) return fail("cannot be made: " + failed.message(), folder.string());
+  if (failed) return fail("cannot be created: " + failed.message(), folder.string());
   std::vector<Stamp> stamps;
   std::vector<std::string> sources;
   for (const StampedFile& file : files) {

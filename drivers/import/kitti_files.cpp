@@ -65,8 +65,8 @@ Result<std::vector<Stamp>> read_kitti_times(const fs::path& path) {
     auto stamp = parse_seconds(line);
     if (!stamp) stamp = parse_date(line);
     if (!stamp || times.size() == kMaxLines) {
-      return fail("is no time", path.string() + ":" + std::to_string(lines->line_number()),
-                  "seconds, or 2011-09-26 13:02:25.964389445");
+      return fail("is not a time", path.string() + ":" + std::to_string(lines->line_number()),
+                  "expected seconds or 2011-09-26 13:02:25.964389445");
     }
     times.push_back(*stamp);
   }
@@ -81,11 +81,11 @@ std::vector<StampedFile> assign_times(const std::map<size_t, fs::path>& files,
     if (number < times.size()) {
       result.push_back({times[number], path});
     } else if (without_time++ == 0) {
-      notes.push_back({"has no time", path.string(), {}});
+      notes.push_back({"has no stamp", path.string(), {}});
     }
   }
   if (without_time > 0)
-    notes.back().hint = std::to_string(without_time) + " such files are left out";
+    notes.back().hint = std::to_string(without_time) + " such files are skipped";
   return result;
 }
 

@@ -26,7 +26,7 @@ Result<KittiRecording> read_layout(KittiLayout layout, const fs::path& folder) {
   return fail("unknown layout", folder.string());
 }
 
-// Keeps the pictures of one size, that of the first.
+// Removes the images whose size differs from that of the first.
 ImageSize keep_same_size(std::vector<StampedFile>& images, std::vector<Error>& notes) {
   ImageSize size;
   std::erase_if(images, [&](const StampedFile& image) {
@@ -34,9 +34,8 @@ ImageSize keep_same_size(std::vector<StampedFile>& images, std::vector<Error>& n
     if (this_size && size.width == 0) size = *this_size;
     if (this_size && *this_size == size) return false;
     notes.push_back(
-        {this_size ? "is of another size than the first: left out" : "is no picture: left out",
-         image.path.string(),
-         {}});
+        {this_size ? "has a different size from the first image" : "is not a PNG or JPEG image",
+         image.path.string(), "this image is skipped"});
     return true;
   });
   return size;
@@ -102,7 +101,7 @@ const char* to_string(KittiLayout layout) {
 
 Result<KittiLayout> detect_kitti_layout(const fs::path& folder) {
   std::error_code ignored;
-  if (!fs::is_directory(folder, ignored)) return fail("is no folder", folder.string());
+  if (!fs::is_directory(folder, ignored)) return fail("is not a folder", folder.string());
   if (fs::is_directory(folder / "velodyne_points", ignored)) return KittiLayout::kRaw;
   if (fs::is_directory(folder / "velodyne", ignored)) {
     if (fs::is_directory(folder / "calib", ignored)) return KittiLayout::kObject;
@@ -110,7 +109,7 @@ Result<KittiLayout> detect_kitti_layout(const fs::path& folder) {
       return KittiLayout::kOdometry;
   }
   return fail(
-      "is none of KITTI's layouts", folder.string(),
+      "has none of KITTI's layouts", folder.string(),
       "raw has velodyne_points/, object has velodyne/ and calib/, odometry has velodyne/ and "
       "times.txt");
 }
@@ -120,7 +119,7 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
   if (!layout) return tl::unexpected(layout.error());
   auto recording = read_layout(*layout, folder);
   if (!recording) return tl::unexpected(recording.error());
-  if (recording->sweeps.empty()) return fail("holds no sweep that could be used", folder.string());
+  if (recording->sweeps.empty()) return fail("contains no usable sweep", folder.string());
   if (auto made = make_empty_folder(drive); !made) return tl::unexpected(made.error());
 
   KittiImportSummary result;
@@ -141,7 +140,7 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
     if (!recording->calibration.projection[camera]) {
       recording->notes.push_back({"the calibration has no P" + std::to_string(camera),
                                   images.front().path.parent_path().string(),
-                                  "this camera is left out"});
+                                  "this camera is skipped"});
       continue;
     }
     const ImageSize size = keep_same_size(images, recording->notes);

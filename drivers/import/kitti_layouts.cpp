@@ -16,13 +16,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Duration kSyntheticFramePeriod{100'000'000};
-constexpr size_t kMaxFrames = 1'000'000;  // of a recording without times
+constexpr size_t kMaxFrames = 1'000'000;  // of a recording without stamps
 
 using Files = std::map<size_t, fs::path>;
 
 std::string camera_folder(size_t camera) { return "image_" + std::to_string(camera); }
 
-// index · 0.1 s for every frame that has a sweep or a picture.
+// Assigns index · 0.1 s to every frame that has a sweep or an image.
 std::map<size_t, Stamp> synthesize_times(const Files& sweeps, const std::array<Files, 4>& images) {
   std::map<size_t, Stamp> times;
   for (const auto& [number, path] : sweeps) times[number] = Stamp();
@@ -43,7 +43,7 @@ std::vector<StampedFile> stamp_files(const Files& files, const std::map<size_t, 
   return result;
 }
 
-// The calibration that most frames share, and those frames.
+// A calibration, and the frames that have it.
 struct SharedCalibration {
   KittiCalibration calibration;
   std::set<size_t> frames;
@@ -69,13 +69,13 @@ Result<SharedCalibration> find_most_frequent_calibration(const Files& files,
                                        return a.frames.size() < b.frames.size();
                                      });
   if (best == groups.end()) {
-    return notes.empty() ? fail("holds no calibration")
+    return notes.empty() ? fail("contains no calibration")
                          : Result<SharedCalibration>(tl::unexpected(notes.front()));
   }
   if (groups.size() > 1) {
     notes.push_back({std::to_string(groups.size()) + " calibrations", "calib/",
                      "only the " + std::to_string(best->frames.size()) +
-                         " frames of the most frequent one are taken: a drive has one rig"});
+                         " frames with the most frequent one are imported: a drive has one rig"});
   }
   return std::move(*best);
 }
@@ -108,7 +108,8 @@ std::optional<fs::path> find_odometry_poses(const fs::path& folder) {
   return std::nullopt;
 }
 
-// Poses of rectified camera 0 against its first, as poses of the vehicle against its first.
+// Reads poses of rectified camera 0 relative to its first pose, and converts them to poses of the
+// vehicle relative to its first pose.
 Result<std::vector<TrajectoryPose>> read_odometry_poses(const fs::path& path,
                                                         const std::vector<Stamp>& times,
                                                         const KittiCalibration& calibration) {
@@ -123,7 +124,7 @@ Result<std::vector<TrajectoryPose>> read_odometry_poses(const fs::path& path,
         Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>((*rows)[i].data());
     const auto T_first_camera = to_rigid(matrix);
     if (!T_first_camera) {
-      return fail("is no rigid motion", path.string() + ":" + std::to_string(i + 1));
+      return fail("is not a rigid motion", path.string() + ":" + std::to_string(i + 1));
     }
     poses.push_back({times[i], T_vehicle_camera * *T_first_camera * T_vehicle_camera.inverse()});
   }
@@ -131,7 +132,7 @@ Result<std::vector<TrajectoryPose>> read_odometry_poses(const fs::path& path,
 }
 
 // Columns of an oxts file: 0–2 latitude, longitude (°), altitude; 3–5 roll, pitch, yaw (rad, east
-// is 0); 6, 7 speed north, east; 11–13 acceleration, 17–19 angular velocity in the car's axes.
+// is 0); 6, 7 speed north, east; 11–13 acceleration, 17–19 angular velocity in vehicle axes.
 void add_oxts(const std::vector<double>& row, Stamp stamp, const LocalFrame& map,
               const Eigen::Isometry3d& T_imu_vehicle, KittiRecording& recording) {
   GnssFix fix;
@@ -166,7 +167,7 @@ Result<void> read_oxts(const fs::path& folder, KittiRecording& recording) {
   for (const StampedFile& file : files) {
     const auto rows = read_number_lines(file.path, 30);
     if (!rows) return tl::unexpected(rows.error());
-    if (rows->size() != 1) return fail("must hold one line", file.path.string());
+    if (rows->size() != 1) return fail("must contain one line", file.path.string());
     const std::vector<double>& row = rows->front();
     if (!map) map.emplace(row[0] * kDegree, row[1] * kDegree, row[2]);
     add_oxts(row, file.stamp, *map, T_imu_vehicle, recording);
@@ -200,7 +201,7 @@ Result<KittiRecording> read_kitti_object(const fs::path& folder) {
   }
   if (left_out > 0) {
     recording.notes.push_back(
-        {std::to_string(left_out) + " files of frames without that calibration are left out",
+        {std::to_string(left_out) + " files of frames with another calibration are skipped",
          folder.string(),
          {}});
   }

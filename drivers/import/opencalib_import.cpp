@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kCalibrationSuffix = ".calib.txt";
 
-// The scene's files; empty paths where they are not there.
+// Files of a scene; empty paths for missing files.
 struct SceneFiles {
   std::string name;
   fs::path sweep, image;
@@ -49,7 +49,7 @@ Result<CameraIntrinsics> read_intrinsics(const CalibrationText& text, const Imag
                               .cy = (*K)(1, 2)};
   if (const std::vector<double>* distortion = text.find({"D"})) {
     if (distortion->size() > intrinsics.distortion.size()) {
-      return fail("D must be at most 5 numbers", text.name(), "k1 k2 p1 p2 k3 is expected");
+      return fail("D must be at most 5 numbers", text.name(), "expected k1 k2 p1 p2 k3");
     }
     std::copy(distortion->begin(), distortion->end(), intrinsics.distortion.begin());
   }
@@ -59,7 +59,7 @@ Result<CameraIntrinsics> read_intrinsics(const CalibrationText& text, const Imag
 
 Result<DriveDescription> make_description(const CalibrationText& text, const SceneFiles& files) {
   const auto size = read_image_size(files.image);
-  if (!size) return fail("is no picture", files.image.string());
+  if (!size) return fail("is not a PNG or JPEG image", files.image.string());
   const auto intrinsics = read_intrinsics(text, *size);
   if (!intrinsics) return tl::unexpected(intrinsics.error());
   const auto T_camera_lidar = text.rigid({"T"}, 4);
@@ -85,8 +85,9 @@ Result<void> import_opencalib(const fs::path& calibration, const fs::path& drive
   if (!text) return tl::unexpected(text.error());
   const SceneFiles files = find_scene_files(calibration);
   if (files.sweep.empty() || files.image.empty()) {
-    return fail(std::string("has no ") + (files.sweep.empty() ? "sweep" : "picture") + " beside it",
-                calibration.string(), files.name + ".pcd and .png or .jpg are expected");
+    return fail(
+        std::string("has no ") + (files.sweep.empty() ? "sweep" : "image") + " in the same folder",
+        calibration.string(), "expected " + files.name + ".pcd and .png or .jpg");
   }
   const auto description = make_description(*text, files);
   if (!description) return tl::unexpected(description.error());

@@ -6,8 +6,8 @@
 
 namespace infuse::recording {
 
-/// Joins ways end to end into closed rings (first point repeated at the end), turning ways round
-/// where needed. Gives the number of rings that do not close; these are left out.
+/// Joins ways end to end into closed rings (the first point is repeated at the end), reversing ways
+/// if needed. Returns the number of rings that do not close; these are ignored.
 size_t join_rings(const std::vector<const OsmWay*>& ways,
                   std::vector<std::vector<OsmPoint>>& rings);
 

@@ -17,8 +17,9 @@ constexpr mode_t kFileMode = 0640;
 
 Result<AppendFile> AppendFile::create(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode);
-  if (file < 0) return fail(std::string("cannot be made: ") + std::strerror(errno), path.string());
-  ::fchmod(file, kFileMode);  // whatever the umask
+  if (file < 0)
+    return fail(std::string("cannot be created: ") + std::strerror(errno), path.string());
+  ::fchmod(file, kFileMode);  // independent of the umask
   return AppendFile(path, file);
 }
 
@@ -50,7 +51,7 @@ Result<void> AppendFile::flush() {
     if (written <= 0) {
       const int reason = errno;
       buffer_.clear();
-      // Appending goes on from the new end.
+      // Later appends continue from the new end.
       if (::ftruncate(file_, static_cast<off_t>(written_)) == 0) {
         ::lseek(file_, static_cast<off_t>(written_), SEEK_SET);
       }

@@ -21,7 +21,7 @@ constexpr fs::perms kFolderPermissions =
 constexpr fs::perms kFilePermissions =
     fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read;
 
-/// Readable by the group, whatever the umask.
+/// Sets permissions independently of the umask.
 void set_permissions(const fs::path& path, fs::perms permissions) {
   std::error_code ignored;
   fs::permissions(path, permissions, ignored);
@@ -30,7 +30,8 @@ void set_permissions(const fs::path& path, fs::perms permissions) {
 Result<void> create_folder(const fs::path& path) {
   std::error_code failed;
   if (!fs::create_directory(path, failed)) {
-    return fail(failed ? "cannot be made: " + failed.message() : "is there already", path.string());
+    return fail(failed ? "cannot be created: " + failed.message() : "already exists",
+                path.string());
   }
   set_permissions(path, kFolderPermissions);
   return {};
@@ -130,7 +131,7 @@ void DriveWriter::write_gnss(const GnssFix& fix) {
   if (gnss_log_) gnss_log_->add(format_gnss_row(fix));
 }
 
-// The row follows the file: where the first is missing, the second is passed over by a reader.
+// The row is written after the file, because a reader ignores a file without a row.
 Result<void> DriveWriter::write_image(size_t camera, Stamp stamp, uint64_t number,
                                       std::span<const uint8_t> file, const char* extension) {
   ImageFolder& image_folder = cameras_[camera];
@@ -149,7 +150,7 @@ Result<void> DriveWriter::write_image(size_t camera, Stamp stamp, uint64_t numbe
     return written ? fail("cannot be written: " + failed.message(), path.string()) : written;
   }
   image_bytes_ += file.size();
-  // A lost frame's row has no file, and its time says nothing.
+  // Rows of lost frames have no file; their stamp is meaningless.
   const std::string row = std::to_string(stamp.ns()) + '\n';
   for (; image_folder.rows <= number; ++image_folder.rows) image_folder.times.add(row);
   return {};

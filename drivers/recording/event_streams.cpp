@@ -58,7 +58,7 @@ class SweepStream : public EventStream {
       const uintmax_t size = std::filesystem::file_size(entry.path, failed);
       if (!failed) largest = std::max(largest, size);
     }
-    constexpr uintmax_t kMaxPoints = (64 << 20) / 16;  // larger ones are refused
+    constexpr uintmax_t kMaxPoints = (64 << 20) / 16;  // maximum of SweepReader
     reader_.reserve(static_cast<size_t>(std::min(largest / 16, kMaxPoints)), sweep_);
   }
 
@@ -84,7 +84,7 @@ class SweepStream : public EventStream {
     append(notes, files_.notes);
     if (unreadable_ > 0) {
       notes.push_back(first_error_);
-      notes.back().hint = std::to_string(unreadable_) + " such sweeps were left out";
+      notes.back().hint = std::to_string(unreadable_) + " such sweeps were skipped";
     }
   }
 
@@ -144,13 +144,13 @@ class CanStream : public EventStream {
 
   void append_notes(std::vector<Error>& notes) const override {
     if (malformed_lines_ > 0) {
-      notes.push_back({"does not begin with a time as '(1436509052.249713)'",
+      notes.push_back({"does not begin with a time such as '(1436509052.249713)'",
                        file_ + ":" + std::to_string(first_malformed_line_),
-                       std::to_string(malformed_lines_) + " such lines were left out"});
+                       std::to_string(malformed_lines_) + " such lines were skipped"});
     }
     if (lines_.too_long_lines() > 0) {
       notes.push_back(
-          {std::to_string(lines_.too_long_lines()) + " overlong lines were left out", file_, {}});
+          {std::to_string(lines_.too_long_lines()) + " overlong lines were skipped", file_, {}});
     }
   }
 
@@ -161,7 +161,7 @@ class CanStream : public EventStream {
   uint64_t first_malformed_line_ = 0;
 };
 
-// `Csv` is ImuCsv or GnssCsv, `Sample` what it reads.
+// `Csv` is ImuCsv or GnssCsv, `Sample` the type that it reads.
 template <class Csv, class Sample>
 class SampleStream : public EventStream {
  public:

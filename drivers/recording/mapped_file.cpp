@@ -47,13 +47,13 @@ MappedFile::~MappedFile() {
 }
 
 Result<MappedFile> MappedFile::open(const std::filesystem::path& path) {
-  // O_NONBLOCK: a pipe must not keep us waiting, it is refused below.
+  // O_NONBLOCK: opening a pipe must not block; it is rejected below.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.number() < 0) return fail(errno_message("cannot be opened"), path.string());
   struct stat status {};
   if (::fstat(file.number(), &status) != 0)
     return fail(errno_message("cannot be read"), path.string());
-  if (!S_ISREG(status.st_mode)) return fail("is no file", path.string());
+  if (!S_ISREG(status.st_mode)) return fail("is not a regular file", path.string());
   if (status.st_size <= 0) return fail("is empty", path.string());
   const auto size = static_cast<size_t>(status.st_size);
   void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
@@ -69,7 +69,7 @@ Result<void> write_file_atomically(const std::filesystem::path& path,
   const Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
   if (file.number() < 0) {
     return fail(errno_message("cannot be written"), path.string(),
-                "is the folder there and writable?");
+                "does the folder exist, and is it writable?");
   }
   const bool succeeded = ::fchmod(file.number(), 0644) == 0 && write_all(file.number(), bytes) &&
                          ::fsync(file.number()) == 0 &&

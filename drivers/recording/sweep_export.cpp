@@ -12,7 +12,7 @@
 namespace infuse::recording {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "records are written as they lie");
+static_assert(std::endian::native == std::endian::little, "records are written in memory order");
 
 template <class Value>
 void add_binary(std::string& bytes, Value value) {
@@ -21,7 +21,7 @@ void add_binary(std::string& bytes, Value value) {
   bytes.append(raw.data(), raw.size());
 }
 
-// One packed record a return, the same in PCD and PLY.
+// One packed record per return, identical in PCD and PLY.
 void add_records(std::string& bytes, const Sweep& sweep) {
   constexpr size_t kRecordBytes = 5 * 4 + 2 * 2 + 4 + 1;
   bytes.reserve(bytes.size() + kRecordBytes * sweep.size());

@@ -58,12 +58,12 @@ Result<void> SweepReader::load(const std::filesystem::path& path) {
   if (file.get() < 0 || ::fstat(file.get(), &status) != 0) {
     return tl::unexpected(system_error(path));
   }
-  if (!S_ISREG(status.st_mode)) return fail("is no file", path.string());
+  if (!S_ISREG(status.st_mode)) return fail("is not a regular file", path.string());
   const auto length = static_cast<size_t>(status.st_size);
   if (length > kMaxBytes) return fail("is longer than 64 MiB", path.string());
   if (length % kPointBytes != 0) {
-    return fail("is " + std::to_string(length) + " bytes long, which is no multiple of 16",
-                path.string(), "float32 x y z reflectance are expected");
+    return fail("is " + std::to_string(length) + " bytes long, which is not a multiple of 16",
+                path.string(), "expected float32 x y z reflectance");
   }
   points_.resize(length / kPointBytes);
   auto* bytes = reinterpret_cast<char*>(points_.data());
@@ -71,7 +71,7 @@ Result<void> SweepReader::load(const std::filesystem::path& path) {
     const ssize_t bytes_read = ::read(file.get(), bytes + done, length - done);
     if (bytes_read < 0 && errno == EINTR) continue;
     if (bytes_read < 0) return tl::unexpected(system_error(path));
-    if (bytes_read == 0) return fail("grew shorter while being read", path.string());
+    if (bytes_read == 0) return fail("was truncated while being read", path.string());
     done += static_cast<size_t>(bytes_read);
   }
   return {};

@@ -34,7 +34,7 @@ Result<std::map<size_t, fs::path>> list_numbered_files(const fs::path& folder,
     if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
     const auto number = parse_sequence_number(path);
     if (!number) continue;
-    // Where a number has two files, which one is met first must not decide.
+    // If two files have the same number, the choice must not depend on the directory order.
     fs::path& chosen = files[*number];
     if (chosen.empty() || path < chosen) chosen = path;
   }
@@ -62,8 +62,8 @@ Result<std::vector<Stamp>> read_times(const fs::path& path) {
   std::array<std::string_view, 1> fields;
   while (csv->next(fields)) {
     const auto ns = parse_integer(fields[0]);
-    // A row that is left out would shift all that follow; the last may be one that a power cut has
-    // left in part.
+    // Skipping a row would shift all that follow. Only the last one may be invalid, if it was
+    // truncated by a power cut.
     if (!ns) {
       const std::string where = csv->where();
       if (!ends_with_newline(path) && !csv->next(fields)) break;
@@ -108,16 +108,16 @@ Result<FileSequence> index_sequence(const fs::path& folder,
   if (without_time > 0) {
     sequence.notes.push_back(
         {format_count(without_time, "file") + " beyond the last row of times.csv", folder.string(),
-         "they are left out"});
+         "they are ignored"});
   }
   if (sequence.entries.size() < times->size()) {
     sequence.notes.push_back({format_count(times->size() - sequence.entries.size(), "row") +
                                   " of times.csv without a file",
-                              folder.string(), "taken as lost frames"});
+                              folder.string(), "treated as lost frames"});
   }
   if (backward > 0) {
     sequence.notes.push_back(
-        {"the times go back " + format_count(backward, "time"), times_path.string(), {}});
+        {"the stamps decrease " + format_count(backward, "time"), times_path.string(), {}});
   }
   return sequence;
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr size_t kMaxFields = 13;
 constexpr double kTolerance = 0.01;
 
-/// The fields of a line, cut at spaces, tabs and commas; more than `kMaxFields` are not kept.
+/// Fields of a line, separated by spaces, tabs or commas; at most `kMaxFields`.
 struct Fields {
   std::array<std::string_view, kMaxFields> text;
   size_t count = 0;
@@ -75,7 +75,7 @@ Result<std::vector<TrajectoryPose>> parse_lines(std::string_view text, const std
     if (fields.count == 0 || fields.text[0].starts_with('#')) continue;
     auto pose = parse_line(fields, poses.size());
     if (pose && !poses.empty() && pose->stamp <= poses.back().stamp) {
-      pose = fail("time does not rise");
+      pose = fail("stamps must increase");
     }
     if (!pose) {
       Error error = pose.error();
@@ -96,12 +96,12 @@ Result<TrajectoryPose> parse_tum_line(const Fields& fields, size_t) {
   std::array<double, 7> v{};
   for (size_t i = 0; i < 7; ++i) {
     const auto value = parse_number(fields.text[i + 1]);
-    if (!value || !stamp) return fail("not a number, or no time", "", kHint);
+    if (!value || !stamp) return fail("not a number, or not a time", "", kHint);
     v[i] = *value;
   }
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
   if (std::abs(q.norm() - 1) > kTolerance)
-    return fail("the quaternion is not of length 1", "", kHint);
+    return fail("the norm of the quaternion is not 1", "", kHint);
   TrajectoryPose pose;
   pose.stamp = *stamp;
   pose.T_frame_body.linear() = q.normalized().toRotationMatrix();

@@ -77,11 +77,11 @@ void CsvReader::reject(const std::string& why) {
 void CsvReader::append_notes(std::vector<Error>& notes) const {
   if (rejected_rows_ > 0) {
     notes.push_back(first_rejection_);
-    notes.back().hint = std::to_string(rejected_rows_) + " such lines were left out";
+    notes.back().hint = std::to_string(rejected_rows_) + " such lines were skipped";
   }
   if (lines_.too_long_lines() > 0) {
     notes.push_back(
-        {std::to_string(lines_.too_long_lines()) + " overlong lines were left out", file_, {}});
+        {std::to_string(lines_.too_long_lines()) + " overlong lines were skipped", file_, {}});
   }
 }
 

@@ -8,10 +8,10 @@
 
 namespace infuse::recording {
 
-/// The whole of a file of at most `max_bytes`; larger ones are an error, as are folders.
+/// Reads a whole file of at most `max_bytes`. Larger files and folders are errors.
 Result<std::string> read_text(const std::filesystem::path& path, size_t max_bytes);
 
-/// Creates or overwrites a file; fails where not all of it could be written.
+/// Creates or overwrites a file. Fails if not all of it could be written.
 Result<void> write_text(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace infuse::recording

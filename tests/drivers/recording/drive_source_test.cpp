@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 
 std::string to_text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 
-// A stream of given stamps; each event is an IMU sample that carries the stream's name.
+// A stream with given stamps; each event is an IMU sample that contains the stream's number.
 class ListStream : public EventStream {
  public:
   ListStream(double name, std::vector<int64_t> stamps) : name_(name), stamps_(std::move(stamps)) {}
@@ -41,7 +41,7 @@ class ListStream : public EventStream {
   size_t next_index_ = 0;
 };
 
-TEST(DriveSource, MergesAsAStableSortWould) {
+TEST(DriveSource, MergesLikeAStableSort) {
   std::mt19937 random(5);
   for (int round = 0; round < 100; ++round) {
     DriveSource source;
@@ -68,7 +68,7 @@ TEST(DriveSource, MergesAsAStableSortWould) {
   }
 }
 
-TEST(DriveSource, AClockThatJumpsBackLosesNothing) {
+TEST(DriveSource, ClockStepsBackwardLoseNoEvents) {
   DriveSource source;
   source.add(std::make_unique<ListStream>(0, std::vector<int64_t>{10, 20, 5, 30}));
   source.add(std::make_unique<ListStream>(1, std::vector<int64_t>{15, 25}));
@@ -79,7 +79,7 @@ TEST(DriveSource, AClockThatJumpsBackLosesNothing) {
   EXPECT_EQ(source.out_of_order_count(), 1u);
 }
 
-// A drive with two lidars in one capture, sweeps, pictures, CAN, IMU and GPS, interleaved.
+// A drive with two lidars in one capture, sweeps, images, CAN, IMU and GNSS, interleaved.
 class WholeDrive : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -103,7 +103,7 @@ class WholeDrive : public ::testing::Test {
                   "(0.000000040) can0 123#00\nrubbish\n(0.000000050) can0 124#\n(x) can0 1#\n");
     folder_.write("vehicle.dbc", "");
     folder_.write("imu.csv", "stamp_ns,wx,wy,wz,ax,ay,az\n45,1,2,3,4,5,6\n46,1,2,,4,5,6\n");
-    folder_.write("gps.csv", "stamp_ns,latitude_deg,longitude_deg,valid\n55,45,90,1\n56,91,0,1\n");
+    folder_.write("gnss.csv", "stamp_ns,latitude_deg,longitude_deg,valid\n55,45,90,1\n56,91,0,1\n");
     folder_.write("drive.toml", R"(
 [[lidar]]
 name = "a"
@@ -136,8 +136,8 @@ log = "can.log"
 dbc = "vehicle.dbc"
 [imu]
 file = "imu.csv"
-[gps]
-file = "gps.csv"
+[gnss]
+file = "gnss.csv"
 )");
   }
 
@@ -182,7 +182,7 @@ file = "gps.csv"
   std::string notes_;
 };
 
-TEST_F(WholeDrive, ComesInTheOrderOfItsStamps) {
+TEST_F(WholeDrive, IsReadInStampOrder) {
   EXPECT_THAT(read(),
               ElementsAre("10 lidar 0 port 2368", "20 sweep 2 number 0 of 2",
                           "30 image 0 000000.png", "40 can (0.000000040) can0 123#00", "45 imu 6",
@@ -192,12 +192,12 @@ TEST_F(WholeDrive, ComesInTheOrderOfItsStamps) {
   EXPECT_THAT(notes_, HasSubstr("lidar.pcap, packet 6, byte "));
   EXPECT_THAT(notes_, HasSubstr("000001.bin: is 8 bytes long"));
   EXPECT_THAT(notes_, HasSubstr("can.log:2: does not begin with a time"));
-  EXPECT_THAT(notes_, HasSubstr("2 such lines were left out"));
+  EXPECT_THAT(notes_, HasSubstr("2 such lines were skipped"));
   EXPECT_THAT(notes_, HasSubstr("imu.csv:3: "));
-  EXPECT_THAT(notes_, HasSubstr("gps.csv:3: "));
+  EXPECT_THAT(notes_, HasSubstr("gnss.csv:3: "));
 }
 
-TEST_F(WholeDrive, FailsWithTheFileThatIsOfNoUse) {
+TEST_F(WholeDrive, ErrorsNameTheInvalidFile) {
   folder_.write("sweeps/times.csv", "stamp\n1\n");
   EXPECT_THAT(read(), ElementsAre(HasSubstr("sweeps/times.csv:1: has no column 'stamp_ns'")));
 }
@@ -213,7 +213,7 @@ TEST(CandumpStamp, ReadsSecondsAndTheirFraction) {
   }
 }
 
-TEST(SamplesCsv, WhatIsWrittenIsRead) {
+TEST(SamplesCsv, WriteAndReadRoundTrip) {
   const ScratchFolder folder;
   const ImuSample imu{Stamp::from_ns(5), {0.1, -0.2, 1e-9}, {1.0 / 3, 0, 9.81}};
   ASSERT_TRUE(write_imu_csv(folder / "imu.csv", {imu}));
@@ -236,8 +236,8 @@ TEST(SamplesCsv, WhatIsWrittenIsRead) {
   fix.hdop = std::nan("");
   fix.utc_ns = 77;
   fix.valid = false;
-  ASSERT_TRUE(write_gnss_csv(folder / "gps.csv", {fix}));
-  auto gnss_csv = GnssCsv::open(folder / "gps.csv");
+  ASSERT_TRUE(write_gnss_csv(folder / "gnss.csv", {fix}));
+  auto gnss_csv = GnssCsv::open(folder / "gnss.csv");
   ASSERT_TRUE(gnss_csv);
   GnssFix read_fix;
   ASSERT_TRUE(gnss_csv->next(read_fix));
@@ -252,7 +252,7 @@ TEST(SamplesCsv, WhatIsWrittenIsRead) {
   EXPECT_FALSE(read_fix.valid);
 }
 
-TEST(DriveSource, RealCaptureIsOneStream) {
+TEST(DriveSource, ReadsARealCaptureAsOneStream) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
   auto source = DriveSource::open_capture(path);
   ASSERT_TRUE(source);
