@@ -101,8 +101,8 @@ void show_progress(ProgressLine& line, boost::asio::steady_timer& timer, const R
 Result<void> write_trajectory(const std::filesystem::path& path,
                               const std::vector<recording::TrajectoryPose>& poses) {
   const bool kitti = path.extension() == ".kitti";
-  return recording::write_text(
-      path, kitti ? recording::format_kitti(poses) : recording::format_tum(poses));
+  return text::write_text(path,
+                          kitti ? recording::format_kitti(poses) : recording::format_tum(poses));
 }
 
 int run_replay(const Arguments& arguments, const Config& config) {

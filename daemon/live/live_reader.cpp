@@ -192,13 +192,13 @@ void LiveReader::read_bus(size_t index) {
 void LiveReader::read_gnss() {
   const auto read = gnss_->get()->read([&](Stamp stamp, std::string_view line) {
     // Others than these two are passed over.
-    if (const auto sentence = velodyne::parse_nmea(line)) add_nmea_sentence(stamp, *sentence);
+    if (const auto sentence = gnss::parse_nmea(line)) add_nmea_sentence(stamp, *sentence);
   });
   if (!read) close_source(*gnss_, read.error());
 }
 
 // An RMC has date, speed and course, a GGA has the height; each is a fix of its own.
-void LiveReader::add_nmea_sentence(Stamp stamp, const velodyne::NmeaFix& sentence) {
+void LiveReader::add_nmea_sentence(Stamp stamp, const gnss::NmeaFix& sentence) {
   GnssFix fix = sentence.fix;
   fix.stamp = stamp;
   if (!sentence.has_date) fix.utc_ns = 0;

@@ -61,7 +61,7 @@ class LiveReader {
   template <class Source>
   void close_source(ReopeningSource<Source>& source, const Error& error);
   void add_position_packet(const Datagram& datagram);
-  void add_nmea_sentence(Stamp stamp, const velodyne::NmeaFix& sentence);
+  void add_nmea_sentence(Stamp stamp, const gnss::NmeaFix& sentence);
   void update_source_states();
 
   const receive::TimeBase base_;

@@ -8,8 +8,9 @@
 #include <optional>
 
 #include "drivers/measurement/angles.hpp"
+#include "drivers/text/numbers.hpp"
 
-namespace infuse::velodyne {
+namespace infuse::gnss {
 namespace {
 
 constexpr double kKnot = 1852.0 / 3600.0;  // m/s
@@ -35,26 +36,10 @@ Fields split(std::string_view body) {
   return fields;
 }
 
-/// Parses the whole text as a finite number.
-template <class Number>
-std::optional<Number> parse_number(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  if constexpr (std::is_floating_point_v<Number>) {
-    if (!std::isfinite(value)) return std::nullopt;
-  }
-  return value;
-}
-
-double parse_number_or_nan(std::string_view text) {
-  return parse_number<double>(text).value_or(kNaN);
-}
-
 /// Parses "ddmm.mmm" and its hemisphere. Returns radians.
 std::optional<double> parse_angle(std::string_view text, std::string_view hemisphere,
                                   double limit) {
-  const auto value = parse_number<double>(text);
+  const auto value = text::parse_number(text);
   if (!value || *value < 0 || hemisphere.size() != 1) return std::nullopt;
   const double degrees = std::floor(*value / 100);
   const double minutes = *value - degrees * 100;
@@ -75,9 +60,9 @@ std::optional<double> parse_angle(std::string_view text, std::string_view hemisp
 /// Parses "hhmmss[.sss]". Returns nanoseconds since midnight.
 std::optional<int64_t> parse_time_of_day(std::string_view text) {
   if (text.size() < 6) return std::nullopt;
-  const auto hours = parse_number<unsigned>(text.substr(0, 2));
-  const auto minutes = parse_number<unsigned>(text.substr(2, 2));
-  const auto seconds = parse_number<double>(text.substr(4));
+  const auto hours = text::parse_as<unsigned>(text.substr(0, 2));
+  const auto minutes = text::parse_as<unsigned>(text.substr(2, 2));
+  const auto seconds = text::parse_number(text.substr(4));
   if (!hours || !minutes || !seconds) return std::nullopt;
   if (*hours > 23 || *minutes > 59 || *seconds < 0 || *seconds >= 61) return std::nullopt;
   return static_cast<int64_t>(*hours * 60 + *minutes) * 60'000'000'000 +
@@ -87,9 +72,9 @@ std::optional<int64_t> parse_time_of_day(std::string_view text) {
 /// Parses "ddmmyy" of the years 2000 … 2099. Returns days since the Unix epoch.
 std::optional<std::chrono::sys_days> parse_date(std::string_view text) {
   if (text.size() != 6) return std::nullopt;
-  const auto day = parse_number<unsigned>(text.substr(0, 2));
-  const auto month = parse_number<unsigned>(text.substr(2, 2));
-  const auto year = parse_number<int>(text.substr(4, 2));
+  const auto day = text::parse_as<unsigned>(text.substr(0, 2));
+  const auto month = text::parse_as<unsigned>(text.substr(2, 2));
+  const auto year = text::parse_as<int>(text.substr(4, 2));
   if (!day || !month || !year || *year < 0) return std::nullopt;
   const std::chrono::year_month_day date(std::chrono::year(2000 + *year),
                                          std::chrono::month(*month), std::chrono::day(*day));
@@ -117,22 +102,22 @@ tl::expected<NmeaFix, NmeaFault> read_rmc(const Fields& fields, NmeaFix result) 
   if (!read_position(fields, 3, result.fix) && result.fix.valid) {
     return tl::unexpected(NmeaFault::kField);
   }
-  result.fix.speed = parse_number_or_nan(fields[7]) * kKnot;
-  result.fix.course = parse_number_or_nan(fields[8]) * kDegree;
+  result.fix.speed = text::parse_number_or_nan(fields[7]) * kKnot;
+  result.fix.course = text::parse_number_or_nan(fields[8]) * kDegree;
   return result;
 }
 
 tl::expected<NmeaFix, NmeaFault> read_gga(const Fields& fields, NmeaFix result) {
   const auto time = parse_time_of_day(fields[1]);
-  const auto quality = parse_number<unsigned>(fields[6]);
+  const auto quality = text::parse_as<unsigned>(fields[6]);
   if (!time || !quality) return tl::unexpected(NmeaFault::kField);
   result.fix.utc_ns = *time;
   result.fix.valid = *quality > 0;
   if (!read_position(fields, 2, result.fix) && result.fix.valid) {
     return tl::unexpected(NmeaFault::kField);
   }
-  result.fix.hdop = parse_number_or_nan(fields[8]);
-  result.fix.altitude = parse_number_or_nan(fields[9]);
+  result.fix.hdop = text::parse_number_or_nan(fields[8]);
+  result.fix.altitude = text::parse_number_or_nan(fields[9]);
   return result;
 }
 
@@ -185,4 +170,4 @@ tl::expected<NmeaFix, NmeaFault> parse_nmea(std::string_view text) {
   return tl::unexpected(NmeaFault::kType);
 }
 
-}  // namespace infuse::velodyne
+}  // namespace infuse::gnss

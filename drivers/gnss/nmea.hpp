@@ -5,7 +5,7 @@
 
 #include "drivers/measurement/vehicle_samples.hpp"
 
-namespace infuse::velodyne {
+namespace infuse::gnss {
 
 /// Reason why a sentence cannot be parsed.
 enum class NmeaFault : uint8_t {
@@ -29,4 +29,4 @@ struct NmeaFix {
 /// contain are NaN or 0, as documented in `GnssFix`.
 tl::expected<NmeaFix, NmeaFault> parse_nmea(std::string_view text);
 
-}  // namespace infuse::velodyne
+}  // namespace infuse::gnss

@@ -9,7 +9,7 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 /// A calibration file of a public data set: lines "KEY: numbers". Lines whose value is not a list
 /// of numbers (calib_time) are skipped.
@@ -36,4 +36,4 @@ class CalibrationText {
   std::map<std::string, std::vector<double>> values_;
 };
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -6,8 +6,11 @@
 
 #include "drivers/recording/big_endian.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
+
+using recording::read_u16;
+using recording::read_u32;
 
 constexpr int kMaxSegments = 1000;  // maximum before the first frame of a JPEG file
 
@@ -61,4 +64,4 @@ std::optional<ImageSize> read_image_size(const std::filesystem::path& path) {
   return read_jpeg_size(in);
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

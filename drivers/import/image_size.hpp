@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <optional>
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 /// Width and height of an image in pixels.
 struct ImageSize {
@@ -15,4 +15,4 @@ struct ImageSize {
 /// Reads the size of a PNG or JPEG file from its header. Returns nothing for other files.
 std::optional<ImageSize> read_image_size(const std::filesystem::path& path);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

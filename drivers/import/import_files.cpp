@@ -1,8 +1,9 @@
 #include "drivers/import/import_files.hpp"
 
+#include "drivers/recording/numbered_files.hpp"
 #include "drivers/recording/times_csv.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 namespace fs = std::filesystem;
 
@@ -22,16 +23,15 @@ Result<void> link_sequence(const std::vector<StampedFile>& files, const fs::path
   std::vector<Stamp> stamps;
   std::vector<std::string> sources;
   for (const StampedFile& file : files) {
-    std::string name = std::to_string(stamps.size());
-    name.insert(0, name.size() < 6 ? 6 - name.size() : 0, '0');
-    const fs::path target = folder / (name + file.path.extension().string());
+    const fs::path target =
+        folder / recording::numbered_file_name(stamps.size(), file.path.extension().string());
     fs::create_hard_link(file.path, target, failed);
     if (failed) fs::copy_file(file.path, target, failed);
     if (failed) return fail("cannot be copied: " + failed.message(), file.path.string());
     stamps.push_back(file.stamp);
     sources.push_back(file.path.filename().string());
   }
-  return write_times(folder / "times.csv", stamps, sources);
+  return recording::write_times(folder / "times.csv", stamps, sources);
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

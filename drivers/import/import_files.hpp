@@ -7,7 +7,7 @@
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/stamp.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 /// A sweep or image file and its stamp.
 struct StampedFile {
@@ -23,4 +23,4 @@ Result<void> make_empty_folder(const std::filesystem::path& drive);
 Result<void> link_sequence(const std::vector<StampedFile>& files,
                            const std::filesystem::path& folder);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -4,7 +4,7 @@
 
 #include "drivers/import/calibration_text.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,4 +132,4 @@ Result<KittiCalibration> read_kitti_raw_calibration(const fs::path& folder) {
   return calibration;
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -8,7 +8,7 @@
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 /// KITTI's published calibration of a rig.
 struct KittiCalibration {
@@ -42,4 +42,4 @@ Result<KittiCalibration> read_kitti_calibration(const std::filesystem::path& fil
 /// calib_velo_to_cam.txt and, optionally, calib_imu_to_velo.txt.
 Result<KittiCalibration> read_kitti_raw_calibration(const std::filesystem::path& folder);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -1,5 +1,6 @@
 #include "drivers/import/kitti_import.hpp"
 
+#include "drivers/gnss/gnss_csv.hpp"
 #include "drivers/import/image_size.hpp"
 #include "drivers/import/import_files.hpp"
 #include "drivers/import/kitti_layouts.hpp"
@@ -9,7 +10,7 @@
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,7 +42,7 @@ ImageSize keep_same_size(std::vector<StampedFile>& images, std::vector<Error>& n
   return size;
 }
 
-void add_lidar(const KittiCalibration& calibration, DriveDescription& description) {
+void add_lidar(const KittiCalibration& calibration, recording::DriveDescription& description) {
   LidarMount mount;
   mount.name = "velodyne";
   mount.T_vehicle_lidar = calibration.T_vehicle_lidar();
@@ -50,7 +51,7 @@ void add_lidar(const KittiCalibration& calibration, DriveDescription& descriptio
 }
 
 void add_camera(const KittiCalibration& calibration, size_t camera, const ImageSize& size,
-                DriveDescription& description) {
+                recording::DriveDescription& description) {
   CameraMount mount;
   mount.name = "image_" + std::to_string(camera);
   mount.lidar = "velodyne";
@@ -61,26 +62,28 @@ void add_camera(const KittiCalibration& calibration, size_t camera, const ImageS
 }
 
 Result<void> write_truth(const KittiRecording& recording, const fs::path& drive,
-                         DriveDescription& description) {
+                         recording::DriveDescription& description) {
   std::error_code failed;
   fs::create_directories(drive / "truth", failed);
   description.truth_rig = "truth/rig.toml";
-  if (auto written = write_rig(drive / description.truth_rig, description.rig); !written)
+  if (auto written = recording::write_rig(drive / description.truth_rig, description.rig); !written)
     return written;
   if (recording.poses.empty()) return {};
   description.truth_poses = "truth/poses.tum";
-  return write_text(drive / description.truth_poses, format_tum(recording.poses));
+  return text::write_text(drive / description.truth_poses, recording::format_tum(recording.poses));
 }
 
 Result<void> write_samples(const KittiRecording& recording, const fs::path& drive,
-                           DriveDescription& description) {
+                           recording::DriveDescription& description) {
   if (!recording.imu.empty()) {
     description.imu = "imu.csv";
-    if (auto written = write_imu_csv(drive / "imu.csv", recording.imu); !written) return written;
+    if (auto written = recording::write_imu_csv(drive / "imu.csv", recording.imu); !written)
+      return written;
   }
   if (!recording.gnss.empty()) {
     description.gnss = "gnss.csv";
-    if (auto written = write_gnss_csv(drive / "gnss.csv", recording.gnss); !written) return written;
+    if (auto written = gnss::write_gnss_csv(drive / "gnss.csv", recording.gnss); !written)
+      return written;
   }
   return {};
 }
@@ -127,7 +130,7 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
   result.sweeps = recording->sweeps.size();
   result.poses = recording->poses.size();
   result.times_trusted = recording->times_trusted;
-  DriveDescription description;
+  recording::DriveDescription description;
   description.name = "KITTI, " + std::string(to_string(*layout)) + " layout";
   description.times_trusted = recording->times_trusted;
 
@@ -154,10 +157,10 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
     return tl::unexpected(written.error());
   if (auto written = write_samples(*recording, drive, description); !written)
     return tl::unexpected(written.error());
-  if (auto written = write_drive_toml(drive, description); !written)
+  if (auto written = recording::write_drive_toml(drive, description); !written)
     return tl::unexpected(written.error());
   result.notes = std::move(recording->notes);
   return result;
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

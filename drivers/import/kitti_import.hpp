@@ -7,7 +7,7 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 /// Layout of a KITTI folder.
 enum class KittiLayout {
@@ -42,4 +42,4 @@ Result<KittiImportSummary> import_kitti(const std::filesystem::path& folder,
 /// Name of a layout: "raw", "odometry", "object".
 const char* to_string(KittiLayout layout);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -11,7 +11,7 @@
 #include "drivers/measurement/vehicle_samples.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 /// Content of a KITTI folder of any layout.
 struct KittiRecording {
@@ -19,7 +19,7 @@ struct KittiRecording {
   bool times_trusted = false;  ///< false: stamps are index · 0.1 s
   std::vector<StampedFile> sweeps;
   std::array<std::vector<StampedFile>, 4> images;  ///< by KITTI's camera number
-  std::vector<TrajectoryPose> poses;               ///< T_map_vehicle
+  std::vector<recording::TrajectoryPose> poses;    ///< T_map_vehicle
   std::vector<ImuSample> imu;
   std::vector<GnssFix> gnss;
   std::vector<Error> notes;  ///< skipped files, and the reason
@@ -39,4 +39,4 @@ Result<KittiRecording> read_kitti_odometry(const std::filesystem::path& folder);
 /// is east-north-up at the first fix; poses, imu and gnss are from the inertial navigation system.
 Result<KittiRecording> read_kitti_raw(const std::filesystem::path& folder);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

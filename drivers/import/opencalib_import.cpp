@@ -10,7 +10,7 @@
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,12 +28,13 @@ SceneFiles find_scene_files(const fs::path& calibration) {
   std::string name = calibration.filename().string();
   if (name.ends_with(kCalibrationSuffix)) name.resize(name.size() - kCalibrationSuffix.size());
   SceneFiles files{.name = name, .sweep = {}, .image = {}};
-  const auto beside = [&](const char* extension) {
+  const auto in_same_folder = [&](const char* extension) {
     return calibration.parent_path() / (name + extension);
   };
-  if (fs::is_regular_file(beside(".pcd"), ignored)) files.sweep = beside(".pcd");
+  if (fs::is_regular_file(in_same_folder(".pcd"), ignored)) files.sweep = in_same_folder(".pcd");
   for (const char* extension : {".jpg", ".png"}) {
-    if (fs::is_regular_file(beside(extension), ignored)) files.image = beside(extension);
+    if (fs::is_regular_file(in_same_folder(extension), ignored))
+      files.image = in_same_folder(extension);
   }
   return files;
 }
@@ -57,14 +58,15 @@ Result<CameraIntrinsics> read_intrinsics(const CalibrationText& text, const Imag
   return intrinsics;
 }
 
-Result<DriveDescription> make_description(const CalibrationText& text, const SceneFiles& files) {
+Result<recording::DriveDescription> make_description(const CalibrationText& text,
+                                                     const SceneFiles& files) {
   const auto size = read_image_size(files.image);
   if (!size) return fail("is not a PNG or JPEG image", files.image.string());
   const auto intrinsics = read_intrinsics(text, *size);
   if (!intrinsics) return tl::unexpected(intrinsics.error());
   const auto T_camera_lidar = text.rigid({"T"}, 4);
   if (!T_camera_lidar) return tl::unexpected(T_camera_lidar.error());
-  DriveDescription description;
+  recording::DriveDescription description;
   description.name = "OpenCalib, " + files.name;
   description.times_trusted = false;
   description.rig.lidars.emplace_back().name = "lidar";
@@ -98,9 +100,10 @@ Result<void> import_opencalib(const fs::path& calibration, const fs::path& drive
     return linked;
   std::error_code failed;
   fs::create_directories(drive / "truth", failed);
-  if (auto written = write_rig(drive / description->truth_rig, description->rig); !written)
+  if (auto written = recording::write_rig(drive / description->truth_rig, description->rig);
+      !written)
     return written;
-  return write_drive_toml(drive, *description);
+  return recording::write_drive_toml(drive, *description);
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

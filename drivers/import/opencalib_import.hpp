@@ -4,7 +4,7 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 /// Converts one scene of OpenCalib (SensorsCalibration, lidar to camera) to a drive: NAME.calib.txt
 /// (K, D, T as 3 × 4: T_camera_lidar) and, in the same folder, NAME.pcd and NAME.png or NAME.jpg.
@@ -13,4 +13,4 @@ namespace infuse::recording {
 Result<void> import_opencalib(const std::filesystem::path& calibration,
                               const std::filesystem::path& drive);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

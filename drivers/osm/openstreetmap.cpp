@@ -14,7 +14,7 @@
 #include "drivers/measurement/angles.hpp"
 #include "drivers/osm/osm_rings.hpp"
 
-namespace infuse::recording {
+namespace infuse::osm {
 namespace {
 
 constexpr size_t kMaxWarnings = 1000;
@@ -218,4 +218,4 @@ Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
   }
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::osm

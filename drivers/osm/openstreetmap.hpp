@@ -8,7 +8,7 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::osm {
 
 /// A tag of an OpenStreetMap element.
 struct OsmTag {
@@ -74,4 +74,4 @@ struct OpenStreetMapOptions {
 Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
                                          const OpenStreetMapOptions& options = {});
 
-}  // namespace infuse::recording
+}  // namespace infuse::osm

@@ -2,7 +2,7 @@
 
 #include <unordered_map>
 
-namespace infuse::recording {
+namespace infuse::osm {
 namespace {
 
 // Index of ways by their end nodes, including ways already used.
@@ -56,4 +56,4 @@ size_t join_rings(const std::vector<const OsmWay*>& ways,
   return open;
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::osm

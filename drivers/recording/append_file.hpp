@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "drivers/measurement/error.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 
 namespace infuse::recording {
 
@@ -16,9 +17,9 @@ class AppendFile {
   /// Creates the file with mode 0640. Fails if it already exists.
   static Result<AppendFile> create(const std::filesystem::path& path);
 
-  AppendFile(AppendFile&& other) noexcept;
+  AppendFile(AppendFile&& other) noexcept = default;
   AppendFile& operator=(AppendFile&& other) noexcept;
-  /// Writes buffered lines; errors are ignored.
+  /// Writes the buffered lines; errors are ignored.
   ~AppendFile();
 
   /// Appends a line, with its end, to the buffer.
@@ -31,10 +32,11 @@ class AppendFile {
   uint64_t bytes() const { return written_ + buffer_.size(); }
 
  private:
-  AppendFile(std::filesystem::path path, int file) : path_(std::move(path)), file_(file) {}
+  AppendFile(std::filesystem::path path, receive::FileDescriptor file)
+      : path_(std::move(path)), file_(std::move(file)) {}
 
   std::filesystem::path path_;
-  int file_ = -1;
+  receive::FileDescriptor file_;
   std::string buffer_;
   uint64_t written_ = 0;
 };

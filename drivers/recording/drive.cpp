@@ -141,7 +141,7 @@ std::optional<std::string> DriveDescription::invalid() const {
 
 Result<Drive> Drive::open(const fs::path& folder) {
   const fs::path file = folder / "drive.toml";
-  const auto text = read_text(file, kMaxTextBytes);
+  const auto text = text::read_text(file, kMaxTextBytes);
   if (!text) return tl::unexpected(text.error());
   auto description = parse_drive(*text, file.string());
   if (!description) return tl::unexpected(description.error());
@@ -172,7 +172,7 @@ Result<void> write_drive_toml(const fs::path& folder, const DriveDescription& de
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) return fail("cannot be created: " + failed.message(), folder.string());
-  return write_text(file, text);
+  return text::write_text(file, text);
 }
 
 }  // namespace infuse::recording

@@ -27,7 +27,7 @@ struct DatagramEvent {
   Datagram datagram;
 };
 
-/// A sweep of a lidar whose files hold decoded sweeps. `lidar` is an index into `Rig::lidars`.
+/// A sweep of a lidar whose files contain decoded sweeps. `lidar` is an index into `Rig::lidars`.
 struct SweepEvent {
   size_t lidar = 0;
   const Sweep* sweep = nullptr;

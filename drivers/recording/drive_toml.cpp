@@ -163,7 +163,9 @@ std::optional<Error> read_drive(const toml::table& source, const std::string& fi
     if (auto wrong = read_can(*can, file, drive.can.emplace())) return wrong;
   }
   if (auto wrong = read_paths(root, file, "imu", {{"file", &drive.imu}})) return wrong;
-  if (auto wrong = read_paths(root, file, "gnss", {{"file", &drive.gnss}})) return wrong;
+  for (const char* name : {"gps", "gnss"}) {  // gps: drives of earlier versions
+    if (auto wrong = read_paths(root, file, name, {{"file", &drive.gnss}})) return wrong;
+  }
   if (auto wrong = read_paths(root, file, "map", {{"file", &drive.map}})) return wrong;
   if (auto wrong = read_paths(root, file, "truth",
                               {{"poses", &drive.truth_poses}, {"rig", &drive.truth_rig}}))
@@ -204,14 +206,14 @@ Result<Rig> parse_rig(std::string_view text, const std::string& file) {
 }
 
 Result<Rig> read_rig(const std::filesystem::path& path) {
-  const auto text = read_text(path, kMaxTextBytes);
+  const auto text = text::read_text(path, kMaxTextBytes);
   if (!text) return tl::unexpected(text.error());
   return parse_rig(*text, path.string());
 }
 
 Result<void> write_rig(const std::filesystem::path& path, const Rig& rig) {
   if (const auto wrong = rig.invalid()) return fail(*wrong, path.string());
-  return write_text(path, format_rig(rig));
+  return text::write_text(path, format_rig(rig));
 }
 
 }  // namespace infuse::recording

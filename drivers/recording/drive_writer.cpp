@@ -3,11 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <cstring>
-
+#include "drivers/gnss/gnss_csv.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/recording/imu_csv.hpp"
 #include "drivers/recording/mapped_file.hpp"
+#include "drivers/recording/numbered_files.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
@@ -39,7 +39,7 @@ Result<void> create_folder(const fs::path& path) {
 
 Result<void> write_file(const fs::path& path, std::span<const uint8_t> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (auto written = write_text(path, text); !written) return written;
+  if (auto written = text::write_text(path, text); !written) return written;
   set_permissions(path, kFilePermissions);
   return {};
 }
@@ -94,7 +94,7 @@ Result<void> DriveWriter::create_files() {
     can_log_ = *std::move(can_log);
   }
   if (!description_.gnss.empty()) {
-    auto gnss_log = append(description_.gnss, kGnssCsvHeader);
+    auto gnss_log = append(description_.gnss, gnss::kGnssCsvHeader);
     if (!gnss_log) return tl::unexpected(gnss_log.error());
     gnss_log_ = *std::move(gnss_log);
   }
@@ -102,7 +102,7 @@ Result<void> DriveWriter::create_files() {
 }
 
 Result<void> DriveWriter::copy_file(const CopiedFile& file) {
-  const auto text = read_text(file.from, kMaxCopyBytes);
+  const auto text = text::read_text(file.from, kMaxCopyBytes);
   if (!text) return tl::unexpected(text.error());
   image_bytes_ += text->size();
   return write_file(folder_ / file.to,
@@ -128,7 +128,7 @@ void DriveWriter::write_can_line(std::string_view line) {
 }
 
 void DriveWriter::write_gnss(const GnssFix& fix) {
-  if (gnss_log_) gnss_log_->add(format_gnss_row(fix));
+  if (gnss_log_) gnss_log_->add(gnss::format_gnss_row(fix));
 }
 
 // The row is written after the file, because a reader ignores a file without a row.
@@ -137,9 +137,7 @@ Result<void> DriveWriter::write_image(size_t camera, Stamp stamp, uint64_t numbe
   ImageFolder& image_folder = cameras_[camera];
   if (number < image_folder.rows || number - image_folder.rows > kMaxLostFrames)
     number = image_folder.rows;
-  char name[32];
-  std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(number));
-  const fs::path path = image_folder.folder / (std::string(name) + extension);
+  const fs::path path = image_folder.folder / numbered_file_name(number, extension);
   const fs::path temporary = path.string() + ".part";
   auto written = write_file(temporary, file);
   std::error_code failed;
@@ -182,10 +180,8 @@ Result<void> DriveWriter::flush() {
 }
 
 void DriveWriter::sync() {
-  const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return;
-  ::syncfs(folder);
-  ::close(folder);
+  const receive::FileDescriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder) ::syncfs(folder.get());
 }
 
 uint64_t DriveWriter::bytes() const {

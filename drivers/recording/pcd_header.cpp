@@ -1,9 +1,9 @@
 #include "drivers/recording/pcd_header.hpp"
 
-#include <algorithm>
-#include <charconv>
 #include <optional>
 #include <span>
+
+#include "drivers/text/numbers.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -15,25 +15,14 @@ constexpr size_t kMaxHeaderLines = 100;
 constexpr size_t kMaxLineBytes = 4096;
 
 std::vector<std::string_view> split_words(std::string_view line) {
-  constexpr std::string_view kBlanks = " \t\r";
   std::vector<std::string_view> words;
-  for (;;) {
-    const size_t begin = line.find_first_not_of(kBlanks);
-    if (begin == std::string_view::npos) return words;
-    line.remove_prefix(begin);
-    const size_t length = std::min(line.find_first_of(kBlanks), line.size());
-    words.push_back(line.substr(0, length));
-    line.remove_prefix(length);
-  }
+  for (std::string_view word; !(word = text::next_word(line)).empty();) words.push_back(word);
+  return words;
 }
 
 std::optional<size_t> parse_unsigned(std::string_view word, size_t max_value) {
-  size_t value = 0;
-  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (failed != std::errc() || end != word.data() + word.size() || value > max_value) {
-    return std::nullopt;
-  }
-  return value;
+  const auto value = text::parse_as<size_t>(word);
+  return value && *value <= max_value ? value : std::nullopt;
 }
 
 std::optional<PcdData> parse_data(std::string_view word) {

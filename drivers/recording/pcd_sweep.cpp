@@ -15,6 +15,7 @@
 #include "drivers/recording/lzf.hpp"
 #include "drivers/recording/pcd_header.hpp"
 #include "drivers/recording/sweep_files.hpp"
+#include "drivers/text/numbers.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -105,15 +106,6 @@ Result<void> read_compressed(std::string_view points, const PcdHeader& header,
   return {};
 }
 
-/// Removes and returns the next word; empty at the end of the line.
-std::string_view consume_word(std::string_view& line) {
-  constexpr std::string_view kBlanks = " \t\r";
-  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
-  const std::string_view word = line.substr(0, std::min(line.find_first_of(kBlanks), line.size()));
-  line.remove_prefix(word.size());
-  return word;
-}
-
 /// Parses a number (NaN if out of range). Returns false if the word is not a number.
 bool parse_value(std::string_view word, double& value) {
   const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -134,7 +126,7 @@ Result<void> read_ascii(std::string_view text, const PcdHeader& header,
     for (size_t f = 0; f < header.fields.size(); ++f) {
       for (size_t k = 0; k < header.fields[f].count; ++k) {
         double value = 0;
-        if (!parse_value(consume_word(line), value)) {
+        if (!parse_value(text::next_word(line), value)) {
           return fail("point " + std::to_string(i) + " has no number for " + header.fields[f].name);
         }
         for (size_t c = 0; c < field_indices.size(); ++c) {

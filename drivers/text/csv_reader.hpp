@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,7 +9,7 @@
 #include "drivers/measurement/error.hpp"
 #include "drivers/text/line_reader.hpp"
 
-namespace infuse::recording {
+namespace infuse::text {
 
 /// A column of a CSV file, identified by its name in the header line.
 struct CsvColumn {
@@ -51,8 +50,4 @@ class CsvReader {
   Error first_rejection_;
 };
 
-/// The whole field as a number; nothing where it is not one, or not finite.
-std::optional<double> parse_number(std::string_view field);
-std::optional<int64_t> parse_integer(std::string_view field);
-
-}  // namespace infuse::recording
+}  // namespace infuse::text

@@ -9,7 +9,7 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::text {
 
 /// Reads a text file line by line in fixed memory. Allocates nothing after `open`.
 class LineReader {
@@ -43,4 +43,4 @@ class LineReader {
   uint64_t too_long_lines_ = 0;
 };
 
-}  // namespace infuse::recording
+}  // namespace infuse::text

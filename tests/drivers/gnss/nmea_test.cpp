@@ -8,7 +8,7 @@
 
 #include "fixtures/velodyne/position_encoder.hpp"
 
-namespace infuse::velodyne {
+namespace infuse::gnss {
 namespace {
 
 // Sentences from an HDL-32E of 2012 and a VLP-16 of 2016.
@@ -108,4 +108,4 @@ TEST(Nmea, ReportsFaults) {
 }
 
 }  // namespace
-}  // namespace infuse::velodyne
+}  // namespace infuse::gnss

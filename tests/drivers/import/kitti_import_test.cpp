@@ -15,11 +15,10 @@
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
 // Reads the numbers after "KEY:" in a calibration file, independently of the code under test.
 std::vector<double> numbers_after(const std::filesystem::path& file, const std::string& key) {
@@ -75,7 +74,7 @@ TEST(KittiImportSummary, ImportsTheRealObjectLayout) {
   EXPECT_FALSE(result->times_trusted);
   EXPECT_TRUE(result->notes.empty());
 
-  const auto drive = Drive::open(folder / "drive");
+  const auto drive = recording::Drive::open(folder / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
   EXPECT_FALSE(drive->description.times_trusted);
   ASSERT_EQ(drive->description.rig.cameras.size(), 1u);
@@ -102,24 +101,24 @@ TEST(KittiImportSummary, ImportsTheRealObjectLayout) {
                   T[static_cast<size_t>(i)][static_cast<size_t>(j)], 2e-7);
     }
   }
-  const auto truth = read_rig(drive->resolve(drive->description.truth_rig));
+  const auto truth = recording::read_rig(drive->resolve(drive->description.truth_rig));
   ASSERT_TRUE(truth);
   EXPECT_EQ(truth->cameras[0].T_camera_lidar.matrix(), camera.T_camera_lidar.matrix());
 
   // Sweeps are 0.1 s apart and have the stamps of their images. Points are projected to the same
   // pixels as by KITTI's formula, and a forward camera of 81° covers about a sixth of a turn.
   const Matrix chain = multiply(to_matrix(P, 4), multiply(R0, Tr));
-  auto source = DriveSource::open(*drive);
+  auto source = recording::DriveSource::open(*drive);
   ASSERT_TRUE(source) << source.error().message();
-  DriveEvent event;
+  recording::DriveEvent event;
   int64_t sweeps = 0, images = 0;
   while (source->next(event)) {
-    if (std::holds_alternative<ImageEvent>(event.content)) {
+    if (std::holds_alternative<recording::ImageEvent>(event.content)) {
       EXPECT_EQ(event.stamp.ns(), 100'000'000 * images++);
       continue;
     }
     EXPECT_EQ(event.stamp.ns(), 100'000'000 * sweeps++);
-    const Sweep& sweep = *std::get<SweepEvent>(event.content).sweep;
+    const Sweep& sweep = *std::get<recording::SweepEvent>(event.content).sweep;
     EXPECT_FALSE(sweep.clock.trusted);
     size_t in_view = 0, compared = 0;
     for (size_t i = 0; i < sweep.size(); i += 7) {
@@ -158,14 +157,14 @@ TEST(KittiImportSummary, ImportsTheRealOdometryLayout) {
   EXPECT_EQ(result->poses, 4541u);
   EXPECT_TRUE(result->times_trusted);
 
-  const auto drive = Drive::open(folder / "drive");
+  const auto drive = recording::Drive::open(folder / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
-  const auto sweeps = index_sweeps(drive->resolve("sweeps"));
+  const auto sweeps = recording::index_sweeps(drive->resolve("sweeps"));
   ASSERT_TRUE(sweeps);
   ASSERT_EQ(sweeps->entries.size(), 4u);
   EXPECT_EQ(sweeps->entries[1].stamp.ns(), 103'735'900);  // 1.037359e-01
 
-  const auto poses = read_trajectory(drive->resolve(drive->description.truth_poses));
+  const auto poses = recording::read_trajectory(drive->resolve(drive->description.truth_poses));
   ASSERT_TRUE(poses);
   ASSERT_EQ(poses->size(), 4541u);
   const Eigen::Isometry3d first = poses->front().T_frame_body;
@@ -262,19 +261,20 @@ TEST_F(RawLayout, IsImportedWithItsStamps) {
   EXPECT_EQ(result->sweeps, 1u);
   EXPECT_EQ(result->images, 2u);
   EXPECT_EQ(result->poses, 2u);
-  const auto drive = Drive::open(folder_ / "drive");
+  const auto drive = recording::Drive::open(folder_ / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
 
   // The lidar's only sweep is frame 1, at 13:02:25.964389445 UTC (1317042145 s).
-  const auto sweeps = index_sweeps(drive->resolve("sweeps"));
+  const auto sweeps = recording::index_sweeps(drive->resolve("sweeps"));
   ASSERT_TRUE(sweeps);
   EXPECT_EQ(sweeps->entries.at(0).stamp.ns(), 1'317'042'145'964'389'445);
-  // Camera 3 is half a metre to the right of camera 0: coordinates in its frame are shifted by −0.5 m.
+  // Camera 3 is half a metre to the right of camera 0: coordinates in its frame are shifted by −0.5
+  // m.
   const Eigen::Vector3d ahead =
       drive->description.rig.cameras.at(0).T_camera_lidar * Eigen::Vector3d(10, 1, 0.5);
   EXPECT_LT((ahead - Eigen::Vector3d(-1 - 0.5, -0.5 - 0.08, 10 - 0.27)).norm(), 1e-12);
 
-  const auto poses = read_trajectory(drive->resolve(drive->description.truth_poses));
+  const auto poses = recording::read_trajectory(drive->resolve(drive->description.truth_poses));
   ASSERT_TRUE(poses);
   const Eigen::Isometry3d moved = poses->at(0).T_frame_body.inverse() * poses->at(1).T_frame_body;
   EXPECT_NEAR(moved.translation().x(), 11.12, 0.01);  // 0.0001° of latitude, straight ahead
@@ -283,13 +283,13 @@ TEST_F(RawLayout, IsImportedWithItsStamps) {
   EXPECT_NEAR(poses->at(0).T_frame_body.linear()(1, 0), 1, 1e-9);
   EXPECT_NEAR(poses->at(0).T_frame_body.translation().z(), -0.93, 1e-9);
 
-  auto imu = ImuCsv::open(drive->resolve("imu.csv"));
+  auto imu = recording::ImuCsv::open(drive->resolve("imu.csv"));
   ASSERT_TRUE(imu);
   ImuSample sample;
   ASSERT_TRUE(imu->next(sample));
   EXPECT_EQ(sample.angular_velocity, (std::array<double, 3>{0.01, 0.02, 0.03}));
   EXPECT_EQ(sample.linear_acceleration, (std::array<double, 3>{0.1, 0.2, 9.8}));
-  auto gnss = GnssCsv::open(drive->resolve("gnss.csv"));
+  auto gnss = gnss::GnssCsv::open(drive->resolve("gnss.csv"));
   ASSERT_TRUE(gnss);
   GnssFix fix;
   ASSERT_TRUE(gnss->next(fix));
@@ -344,4 +344,4 @@ TEST(KittiImportSummary, SkipsAndNotesFramesWithAnotherCalibration) {
 }
 
 }  // namespace
-}  // namespace infuse::recording
+}  // namespace infuse::importers

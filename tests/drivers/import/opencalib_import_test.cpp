@@ -8,11 +8,10 @@
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 using namespace std::string_literals;
 
 // The header of a PNG of 64 × 48 pixels; the import reads nothing else.
@@ -32,7 +31,7 @@ TEST(OpencalibImport, ImportsAScene) {
   folder.write("in/a.png", make_png());
   const auto imported = import_opencalib(folder / "in/a.calib.txt", folder / "drive");
   ASSERT_TRUE(imported) << imported.error().message();
-  const auto drive = Drive::open(folder / "drive");
+  const auto drive = recording::Drive::open(folder / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
   EXPECT_FALSE(drive->description.times_trusted);
   ASSERT_EQ(drive->description.rig.cameras.size(), 1U);
@@ -45,13 +44,14 @@ TEST(OpencalibImport, ImportsAScene) {
   // A point 5 m ahead has a depth of 4.7 m and lies 0.1 m to the right, 0.2 m up.
   const Eigen::Vector3d seen = camera.T_camera_lidar * Eigen::Vector3d(5, 0, 0);
   EXPECT_LT((seen - Eigen::Vector3d(0.1, -0.2, 4.7)).norm(), 1e-12);
-  auto source = DriveSource::open(*drive);
+  auto source = recording::DriveSource::open(*drive);
   ASSERT_TRUE(source);
-  DriveEvent event;
+  recording::DriveEvent event;
   size_t returns = 0, images = 0;
   while (source->next(event)) {
-    if (const auto* sweep = std::get_if<SweepEvent>(&event.content)) returns = sweep->sweep->size();
-    if (std::holds_alternative<ImageEvent>(event.content)) ++images;
+    if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content))
+      returns = sweep->sweep->size();
+    if (std::holds_alternative<recording::ImageEvent>(event.content)) ++images;
   }
   EXPECT_EQ(returns, 2U);
   EXPECT_EQ(images, 1U);
@@ -103,4 +103,4 @@ TEST(ImageSize, ReadsRealImages) {
 }
 
 }  // namespace
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -9,16 +9,15 @@
 #include <fstream>
 #include <memory>
 
-#include "drivers/recording/local_frame.hpp"
+#include "drivers/gnss/local_frame.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace infuse::recording {
+namespace infuse::osm {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
 // A road, a footway with a missing node, a tree, and a building with a courtyard whose outer ring
 // consists of two ways of opposite direction. The ways precede the nodes.
@@ -200,14 +199,14 @@ TEST(OpenStreetMap, RealKarlsruheMapsMatchTheirText) {
     // All points are within a few kilometres of the centre, in Karlsruhe.
     EXPECT_NEAR(map->centre_latitude / kDegree, 49, 0.1);
     EXPECT_NEAR(map->centre_longitude / kDegree, 8.4, 0.1);
-    const LocalFrame frame(map->centre_latitude, map->centre_longitude);
+    const auto frame = gnss::make_local_frame(map->centre_latitude, map->centre_longitude);
     for (const OsmWay& way : map->ways) {
       for (const OsmPoint& point : way.points) {
-        ASSERT_LT(frame.to_local(point.latitude, point.longitude).norm(), 20'000);
+        ASSERT_LT(gnss::to_local(frame, point.latitude, point.longitude).norm(), 20'000);
       }
     }
   }
 }
 
 }  // namespace
-}  // namespace infuse::recording
+}  // namespace infuse::osm

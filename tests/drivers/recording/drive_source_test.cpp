@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <random>
 
-#include "drivers/recording/candump_stamp.hpp"
-#include "drivers/recording/imu_csv.hpp"
 #include "tests/drivers/recording/capture_bytes.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
@@ -200,56 +198,6 @@ TEST_F(WholeDrive, IsReadInStampOrder) {
 TEST_F(WholeDrive, ErrorsNameTheInvalidFile) {
   folder_.write("sweeps/times.csv", "stamp\n1\n");
   EXPECT_THAT(read(), ElementsAre(HasSubstr("sweeps/times.csv:1: has no column 'stamp_ns'")));
-}
-
-TEST(CandumpStamp, ReadsSecondsAndTheirFraction) {
-  EXPECT_EQ(parse_candump_stamp("(1436509052.249713) can0 044#2A366C2BBA")->ns(),
-            1'436'509'052'249'713'000);
-  EXPECT_EQ(parse_candump_stamp("(0.5)")->ns(), 500'000'000);
-  EXPECT_EQ(parse_candump_stamp("(7) x")->ns(), 7'000'000'000);
-  for (const char* bad : {"", "(", "()", "(1", "(1.", "(1.)", "1.5)", "(-1.5)", "(1.0000000001)",
-                          "(99999999999.0)", "( 1.5)"}) {
-    EXPECT_FALSE(parse_candump_stamp(bad)) << bad;
-  }
-}
-
-TEST(SamplesCsv, WriteAndReadRoundTrip) {
-  const ScratchFolder folder;
-  const ImuSample imu{Stamp::from_ns(5), {0.1, -0.2, 1e-9}, {1.0 / 3, 0, 9.81}};
-  ASSERT_TRUE(write_imu_csv(folder / "imu.csv", {imu}));
-  auto imu_csv = ImuCsv::open(folder / "imu.csv");
-  ASSERT_TRUE(imu_csv);
-  ImuSample imu_back;
-  ASSERT_TRUE(imu_csv->next(imu_back));
-  EXPECT_EQ(imu_back.stamp, imu.stamp);
-  EXPECT_EQ(imu_back.angular_velocity, imu.angular_velocity);
-  EXPECT_EQ(imu_back.linear_acceleration, imu.linear_acceleration);
-  EXPECT_FALSE(imu_csv->next(imu_back));
-
-  GnssFix fix;
-  fix.stamp = Stamp::from_ns(6);
-  fix.latitude = 0.85;
-  fix.longitude = -2.5;
-  fix.altitude = std::nan("");
-  fix.speed = 12.5;
-  fix.course = 6.28;
-  fix.hdop = std::nan("");
-  fix.utc_ns = 77;
-  fix.valid = false;
-  ASSERT_TRUE(write_gnss_csv(folder / "gnss.csv", {fix}));
-  auto gnss_csv = GnssCsv::open(folder / "gnss.csv");
-  ASSERT_TRUE(gnss_csv);
-  GnssFix read_fix;
-  ASSERT_TRUE(gnss_csv->next(read_fix));
-  EXPECT_EQ(read_fix.stamp, fix.stamp);
-  EXPECT_DOUBLE_EQ(read_fix.latitude, fix.latitude);
-  EXPECT_DOUBLE_EQ(read_fix.longitude, fix.longitude);
-  EXPECT_TRUE(std::isnan(read_fix.altitude));
-  EXPECT_EQ(read_fix.speed, fix.speed);
-  EXPECT_DOUBLE_EQ(read_fix.course, fix.course);
-  EXPECT_TRUE(std::isnan(read_fix.hdop));
-  EXPECT_EQ(read_fix.utc_ns, 77);
-  EXPECT_FALSE(read_fix.valid);
 }
 
 TEST(DriveSource, ReadsARealCaptureAsOneStream) {

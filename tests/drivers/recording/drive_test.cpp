@@ -9,7 +9,6 @@ namespace infuse::recording {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
 DriveDescription one_lidar() {
   DriveDescription description;

@@ -10,8 +10,6 @@
 namespace infuse::recording {
 namespace {
 
-using testing::ScratchFolder;
-
 TEST(MappedFile, ReadsAtomicallyWrittenFiles) {
   const ScratchFolder folder;
   const std::vector<std::byte> first(100'000, std::byte{7}), second(10, std::byte{9});

@@ -18,7 +18,6 @@ namespace infuse::recording {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
 template <class Value>
 std::string to_bytes(Value value) {
@@ -54,7 +53,8 @@ std::string compress(const std::string& bytes) {
          to_bytes(static_cast<uint32_t>(bytes.size())) + out;
 }
 
-// Returns of four beams in firing order (clockwise, all beams at once). Beams are numbered as wired.
+// Returns of four beams in firing order (clockwise, all beams at once). Beams are numbered as
+// wired.
 struct SyntheticReturn {
   double x, y, z;
   int ring_number;  // in the file

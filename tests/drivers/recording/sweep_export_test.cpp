@@ -11,7 +11,6 @@ namespace infuse::recording {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 using ::testing::StartsWith;
 
 Sweep two_returns() {

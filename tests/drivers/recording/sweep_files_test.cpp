@@ -18,7 +18,6 @@ namespace infuse::recording {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
@@ -28,7 +27,8 @@ std::string to_bin(const std::vector<std::array<float, 4>>& points) {
   return bytes;
 }
 
-// A turn of `rings` rings from the top with `columns` steps, a fifth of the directions without a return.
+// A turn of `rings` rings from the top with `columns` steps, a fifth of the directions without a
+// return.
 struct SyntheticSweep {
   std::vector<std::array<float, 4>> points;
   std::vector<int> ring, column;

@@ -10,7 +10,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
 TEST(TimesCsv, ReadsTheColumnAtAnyPosition) {
   const ScratchFolder folder;
