@@ -8,9 +8,9 @@
 #include <iterator>
 #include <string>
 
-namespace infuse::recording::testing {
+namespace infuse {
 
-// A folder of this test's own, removed with all that is in it.
+/// A temporary folder of a test, removed with its content at the end.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -27,11 +27,12 @@ class ScratchFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::filesystem::path& name) const { return path_ / name; }
 
-  // Writes a file, making its folders.
+  /// Writes a file; creates its folders.
   void write(const std::filesystem::path& name, const std::string& text) const {
     std::filesystem::create_directories((path_ / name).parent_path());
     std::ofstream(path_ / name, std::ios::binary) << text;
   }
+  /// Reads a whole file.
   std::string read(const std::filesystem::path& name) const {
     std::ifstream in(path_ / name, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(in), {});
@@ -41,4 +42,4 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace infuse::recording::testing
+}  // namespace infuse

@@ -90,7 +90,7 @@ std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
   std::error_code ignored;
   std::vector<SavedCalibration> saved;
   if (!path_.empty() && std::filesystem::exists(path_, ignored)) {
-    const auto text = recording::read_text(path_, kMaxBytes);
+    const auto text = text::read_text(path_, kMaxBytes);
     const auto read = text ? parse_calibrations(*text)
                            : Result<std::vector<SavedCalibration>>(tl::unexpected(text.error()));
     if (read) {

@@ -11,8 +11,8 @@
 #include "daemon/commands/command.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/recording/number_list.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
+#include "drivers/text/numbers.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -62,7 +62,7 @@ Result<Eigen::Isometry3d> read_initial_pose(const Arguments& arguments, const Sc
   if (arguments.initial_pose.empty()) return pairs.cameras.front().T_camera_lidar;
   std::string text = arguments.initial_pose;
   std::replace(text.begin(), text.end(), ',', ' ');
-  if (const auto numbers = recording::parse_numbers(text); numbers && numbers->size() == 16) {
+  if (const auto numbers = text::parse_numbers(text); numbers && numbers->size() == 16) {
     Eigen::Matrix4d matrix;
     for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = (*numbers)[static_cast<size_t>(i)];
     const auto rigid = recording::to_rigid(matrix);

@@ -206,7 +206,7 @@ Result<void> write_report(const std::filesystem::path& folder, const ScenePairs&
                            scenes_html(pairs, run);
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
-  return recording::write_text(folder / "index.html", page + "</html>\n");
+  return text::write_text(folder / "index.html", page + "</html>\n");
 }
 
 }  // namespace infuse::daemon

@@ -52,8 +52,8 @@ class Writer {
     if (arguments_.writes_image()) {
       count_written(
           sweep, camera::encode_png(draw_sweep(sweep, deskewed)).and_then([&](const auto& png) {
-            return recording::write_text(file_path(sweep.sequence),
-                                         {reinterpret_cast<const char*>(png.data()), png.size()});
+            return text::write_text(file_path(sweep.sequence),
+                                    {reinterpret_cast<const char*>(png.data()), png.size()});
           }));
       return;
     }

@@ -19,10 +19,10 @@ struct Arguments {
 };
 
 int run_kitti(const Arguments& arguments) {
-  const auto imported = recording::import_kitti(arguments.source, arguments.drive);
+  const auto imported = importers::import_kitti(arguments.source, arguments.drive);
   if (!imported) return print_error("infuse import kitti", imported.error(), kUnreadable);
   if (arguments.json) {
-    Json json = {{"layout", recording::to_string(imported->layout)},
+    Json json = {{"layout", importers::to_string(imported->layout)},
                  {"drive", arguments.drive},
                  {"sweeps", imported->sweeps},
                  {"images", imported->images},
@@ -35,14 +35,14 @@ int run_kitti(const Arguments& arguments) {
   }
   std::cout << fmt::format("{}: {} sweeps, {} images, {} poses from KITTI's {} layout{}\n",
                            arguments.drive, imported->sweeps, imported->images, imported->poses,
-                           recording::to_string(imported->layout),
+                           importers::to_string(imported->layout),
                            imported->times_trusted ? "" : "; it has no times, they are synthetic");
   for (const Error& note : imported->notes) std::cout << "  note: " << note.message() << "\n";
   return kDone;
 }
 
 int run_opencalib(const Arguments& arguments) {
-  const auto imported = recording::import_opencalib(arguments.source, arguments.drive);
+  const auto imported = importers::import_opencalib(arguments.source, arguments.drive);
   if (!imported) return print_error("infuse import opencalib", imported.error(), kUnreadable);
   if (arguments.json) {
     std::cout << Json{{"drive", arguments.drive}, {"sweeps", 1}, {"images", 1}}.dump() << "\n";

@@ -35,7 +35,7 @@ struct Extrinsics {
 };
 
 Result<std::vector<Extrinsics>> read_json(const std::filesystem::path& path) {
-  const auto text = recording::read_text(path, kMaxJsonBytes);
+  const auto text = text::read_text(path, kMaxJsonBytes);
   if (!text) return tl::unexpected(text.error());
   const Json json = Json::parse(*text, nullptr, false);
   const auto numbers = json.is_object() ? json.find("T_camera_lidar") : json.end();

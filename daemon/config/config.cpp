@@ -182,7 +182,7 @@ std::optional<Error> add_text(std::string_view text, const std::string& file, Co
 }
 
 std::optional<Error> add_file(const std::filesystem::path& path, Config& config) {
-  const auto text = recording::read_text(path, kMaxConfigBytes);
+  const auto text = text::read_text(path, kMaxConfigBytes);
   if (!text) return text.error();
   return add_text(*text, path.string(), config);
 }

@@ -188,9 +188,9 @@ void LiveReader::read_bus(size_t index) {
 void LiveReader::read_gnss() {
   const auto read = gnss_->get()->read([&](Stamp stamp, std::string_view line) {
     // Sentences other than RMC and GGA are ignored.
-    const auto sentence = velodyne::parse_nmea(line);
+    const auto sentence = gnss::parse_nmea(line);
     if (!sentence) return;
-    const GnssFix fix = velodyne::stamped_fix(*sentence, stamp);
+    const GnssFix fix = gnss::stamped_fix(*sentence, stamp);
     intake_.add_gnss(fix, stamp);
     if (tap_ != nullptr) tap_->add_gnss(fix);
   });

@@ -56,7 +56,7 @@ MapTracker::MapTracker(const StreetMapSettings& settings, const streetmap::Segme
     : settings_(settings), rig_(rig), tracker_(map, settings.tracker) {
   for (const CameraMount& camera : rig.cameras) cameras_.emplace_back(camera.intrinsics);
   const streetmap::MapFrame& frame = map.frame();
-  if (frame.georeferenced) frame_.emplace(frame.latitude, frame.longitude);
+  if (frame.georeferenced) frame_ = gnss::make_local_frame(frame.latitude, frame.longitude);
   initialise();
 }
 
@@ -72,7 +72,7 @@ void MapTracker::add_gnss(const GnssFix& fix) {
   const bool known = fix.valid && std::isfinite(fix.latitude) && std::isfinite(fix.longitude) &&
                      std::isfinite(fix.course) && fix.speed >= kMinCourseSpeed;
   if (initialised_ || !frame_ || !known) return;
-  const Eigen::Vector3d position = frame_->to_local(fix.latitude, fix.longitude);
+  const Eigen::Vector3d position = gnss::to_local(*frame_, fix.latitude, fix.longitude);
   const double yaw = wrap_angle(std::numbers::pi / 2 - fix.course);
   tracker_.start({position.x(), position.y(), yaw}, diagonal(kFixSigma, kCourseSigma));
   initialised_ = true;

@@ -6,10 +6,10 @@
 #include "daemon/config/streetmap_settings.hpp"
 #include "daemon/health/streetmap_health.hpp"
 #include "daemon/protocol/reports.hpp"
+#include "drivers/gnss/local_frame.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/rig.hpp"
 #include "drivers/measurement/vehicle_samples.hpp"
-#include "drivers/recording/local_frame.hpp"
 #include "fusion/geometry/camera_model.hpp"
 #include "fusion/geometry/trajectory.hpp"
 #include "fusion/motion/deskew.hpp"
@@ -54,7 +54,7 @@ class MapTracker {
   StreetMapSettings settings_;
   Rig rig_;
   std::vector<geometry::CameraModel> cameras_;
-  std::optional<recording::LocalFrame> frame_;  // nothing: the map is not georeferenced
+  std::optional<gnss::LocalFrame> frame_;  // nothing: the map has no latitude and longitude
   streetmap::Tracker tracker_;
   streetmap::ImageFeatures features_;
   bool initialised_ = false;

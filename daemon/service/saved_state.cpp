@@ -52,7 +52,7 @@ Result<SavedState> parse_state(std::string_view text) {
 Result<std::optional<SavedState>> read_state(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return std::optional<SavedState>();
-  const auto text = recording::read_text(path, kMaxBytes);
+  const auto text = text::read_text(path, kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   auto state = parse_state(*text);
   if (!state) return fail(state.error().what, path.string(), "a new one is started");

@@ -23,7 +23,7 @@ Result<GeneratedStreetMap> make_from_image(const std::filesystem::path& input,
 
 Result<GeneratedStreetMap> make_from_openstreetmap(const std::filesystem::path& input,
                                                    const streetmap::RasterOptions& options) {
-  const auto map = recording::read_openstreetmap(input);
+  const auto map = osm::read_openstreetmap(input);
   if (!map) return tl::unexpected(map.error());
   OsmStreetPlan planned = build_street_plan(*map);
   if (planned.carriageway_count == 0) {

@@ -6,14 +6,14 @@
 #include <optional>
 #include <unordered_map>
 
-#include "drivers/recording/local_frame.hpp"
+#include "drivers/gnss/local_frame.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-using recording::find_tag;
-using recording::OsmPoint;
-using recording::OsmTag;
+using osm::find_tag;
+using osm::OsmPoint;
+using osm::OsmTag;
 using streetmap::Polyline;
 using streetmap::SegmentKind;
 
@@ -102,8 +102,8 @@ std::optional<SegmentKind> area_kind(const std::vector<OsmTag>& tags) {
 
 class StreetPlanBuilder {
  public:
-  explicit StreetPlanBuilder(const recording::OpenStreetMap& map)
-      : map_(map), frame_(map.centre_latitude, map.centre_longitude) {
+  explicit StreetPlanBuilder(const osm::OpenStreetMap& map)
+      : map_(map), frame_(gnss::make_local_frame(map.centre_latitude, map.centre_longitude)) {
     set_origin();
   }
 
@@ -111,9 +111,9 @@ class StreetPlanBuilder {
     planned_.plan.latitude = latitude_;
     planned_.plan.longitude = longitude_;
     planned_.warnings = map_.warnings;
-    for (const recording::OsmWay& way : map_.ways) add_way(way);
-    for (const recording::OsmArea& area : map_.areas) add_relation(area);
-    for (const recording::OsmNode& node : map_.nodes) add_crossing(node);
+    for (const osm::OsmWay& way : map_.ways) add_way(way);
+    for (const osm::OsmArea& area : map_.areas) add_relation(area);
+    for (const osm::OsmNode& node : map_.nodes) add_crossing(node);
     return std::move(planned_);
   }
 
@@ -121,7 +121,7 @@ class StreetPlanBuilder {
   // The middle of the bounding box, or the median of the points if outliers shift the box.
   void set_origin() {
     std::vector<double> latitudes, longitudes;
-    for (const recording::OsmWay& way : map_.ways) {
+    for (const osm::OsmWay& way : map_.ways) {
       for (const OsmPoint& point : way.points) {
         latitudes.push_back(point.latitude);
         longitudes.push_back(point.longitude);
@@ -141,7 +141,7 @@ class StreetPlanBuilder {
     if (!is_beyond_limit(*south, *west) && !is_beyond_limit(*north, *east)) return;
     latitude_ = median_.x();
     longitude_ = median_.y();
-    frame_ = recording::LocalFrame(latitude_, longitude_);
+    frame_ = gnss::make_local_frame(latitude_, longitude_);
   }
 
   bool is_beyond_limit(double latitude, double longitude) const {
@@ -169,7 +169,7 @@ class StreetPlanBuilder {
   Polyline to_polyline(const std::vector<OsmPoint>& points) const {
     Polyline line;
     for (const OsmPoint& point : points) {
-      line.push_back(frame_.to_local(point.latitude, point.longitude).head<2>());
+      line.push_back(gnss::to_local(frame_, point.latitude, point.longitude).head<2>());
     }
     return line;
   }
@@ -183,7 +183,7 @@ class StreetPlanBuilder {
     return ring;
   }
 
-  void add_way(const recording::OsmWay& way) {
+  void add_way(const osm::OsmWay& way) {
     const auto kind = area_kind(way.tags);
     const std::string_view highway = find_tag(way.tags, "highway");
     if (!kind && highway.empty()) return;
@@ -196,7 +196,7 @@ class StreetPlanBuilder {
     add_ring("way", way.id, {{*kind, way.id}, {to_ring(way.points)}, wall_width(*kind)});
   }
 
-  void add_relation(const recording::OsmArea& area) {
+  void add_relation(const osm::OsmArea& area) {
     const auto kind = area_kind(area.tags);
     if (!kind) return;
     streetmap::PlanArea plan_area{{*kind, area.id}, {}, wall_width(*kind)};
@@ -221,7 +221,7 @@ class StreetPlanBuilder {
     planned_.plan.areas.push_back(std::move(area));
   }
 
-  void add_street(const recording::OsmWay& way, std::string_view highway) {
+  void add_street(const osm::OsmWay& way, std::string_view highway) {
     const WayDefaults* defaults = find_way_defaults(highway);
     const std::string_view tunnel = find_tag(way.tags, "tunnel");
     if (defaults == nullptr || (!tunnel.empty() && tunnel != "no")) return;
@@ -243,7 +243,7 @@ class StreetPlanBuilder {
   }
 
   /// Adds a crossing node of a street as a short strip of the same width.
-  void add_crossing(const recording::OsmNode& node) {
+  void add_crossing(const osm::OsmNode& node) {
     if (find_tag(node.tags, "highway") != "crossing") return;
     const auto at = streets_.find(node.id);
     if (at == streets_.end()) return;
@@ -261,8 +261,8 @@ class StreetPlanBuilder {
          kCrossingHalfLength});
   }
 
-  const recording::OpenStreetMap& map_;
-  recording::LocalFrame frame_;
+  const osm::OpenStreetMap& map_;
+  gnss::LocalFrame frame_;
   double latitude_ = 0, longitude_ = 0;
   Eigen::Vector2d median_{0, 0};
   OsmStreetPlan planned_;
@@ -271,7 +271,7 @@ class StreetPlanBuilder {
 
 }  // namespace
 
-OsmStreetPlan build_street_plan(const recording::OpenStreetMap& map) {
+OsmStreetPlan build_street_plan(const osm::OpenStreetMap& map) {
   return StreetPlanBuilder(map).run();
 }
 

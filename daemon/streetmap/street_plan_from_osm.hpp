@@ -18,6 +18,6 @@ struct OsmStreetPlan {
 /// `width` tag, else follows from its lanes, else is the usual one of its class (table in the .cpp,
 /// after the German guidelines RASt 06 and RAL). Skipped with a warning: rings that are open or
 /// cross themselves, and elements more than 50 km from the median of the map.
-OsmStreetPlan build_street_plan(const recording::OpenStreetMap& map);
+OsmStreetPlan build_street_plan(const osm::OpenStreetMap& map);
 
 }  // namespace infuse::daemon

@@ -8,15 +8,16 @@
 #include <optional>
 
 #include "drivers/measurement/angles.hpp"
+#include "drivers/text/numbers.hpp"
 
-namespace infuse::velodyne {
+namespace infuse::gnss {
 namespace {
 
 constexpr double kKnot = 1852.0 / 3600.0;  // m/s
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr size_t kMaxFields = 24;
 
-/// A sentence between '$' and '*', at its commas.
+/// Comma-separated fields of a sentence between '$' and '*'.
 struct Fields {
   std::array<std::string_view, kMaxFields> field{};
   size_t count = 0;
@@ -35,69 +36,53 @@ Fields split(std::string_view body) {
   return fields;
 }
 
-/// The whole text as a number, finite.
-template <class Number>
-std::optional<Number> parse_number(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  if constexpr (std::is_floating_point_v<Number>) {
-    if (!std::isfinite(value)) return std::nullopt;
-  }
-  return value;
-}
-
-double parse_number_or_nan(std::string_view text) {
-  return parse_number<double>(text).value_or(kNaN);
-}
-
-/// "ddmm.mmm" and its hemisphere, in radians.
+/// Parses "ddmm.mmm" and its hemisphere. Returns radians.
 std::optional<double> parse_angle(std::string_view text, std::string_view hemisphere,
                                   double limit) {
-  const auto value = parse_number<double>(text);
+  const auto value = text::parse_number(text);
   if (!value || *value < 0 || hemisphere.size() != 1) return std::nullopt;
   const double degrees = std::floor(*value / 100);
   const double minutes = *value - degrees * 100;
-  const double parse_angle = (degrees + minutes / 60) * kDegree;
-  if (minutes >= 60 || parse_angle > limit) return std::nullopt;
+  const double angle = (degrees + minutes / 60) * kDegree;
+  if (minutes >= 60 || angle > limit) return std::nullopt;
   switch (hemisphere[0]) {
     case 'N':
     case 'E':
-      return parse_angle;
+      return angle;
     case 'S':
     case 'W':
-      return -parse_angle;
+      return -angle;
     default:
       return std::nullopt;
   }
 }
 
-/// "hhmmss[.sss]" in nanoseconds since midnight.
+/// Parses "hhmmss[.sss]". Returns nanoseconds since midnight.
 std::optional<int64_t> parse_time_of_day(std::string_view text) {
   if (text.size() < 6) return std::nullopt;
-  const auto hours = parse_number<unsigned>(text.substr(0, 2));
-  const auto minutes = parse_number<unsigned>(text.substr(2, 2));
-  const auto seconds = parse_number<double>(text.substr(4));
+  const auto hours = text::parse_as<unsigned>(text.substr(0, 2));
+  const auto minutes = text::parse_as<unsigned>(text.substr(2, 2));
+  const auto seconds = text::parse_number(text.substr(4));
   if (!hours || !minutes || !seconds) return std::nullopt;
   if (*hours > 23 || *minutes > 59 || *seconds < 0 || *seconds >= 61) return std::nullopt;
   return static_cast<int64_t>(*hours * 60 + *minutes) * 60'000'000'000 +
          static_cast<int64_t>(std::llround(*seconds * 1e9));
 }
 
-/// "ddmmyy" in days since the Unix epoch; the years 2000 … 2099.
+/// Parses "ddmmyy" of the years 2000 … 2099. Returns days since the Unix epoch.
 std::optional<std::chrono::sys_days> parse_date(std::string_view text) {
   if (text.size() != 6) return std::nullopt;
-  const auto day = parse_number<unsigned>(text.substr(0, 2));
-  const auto month = parse_number<unsigned>(text.substr(2, 2));
-  const auto year = parse_number<int>(text.substr(4, 2));
+  const auto day = text::parse_as<unsigned>(text.substr(0, 2));
+  const auto month = text::parse_as<unsigned>(text.substr(2, 2));
+  const auto year = text::parse_as<int>(text.substr(4, 2));
   if (!day || !month || !year || *year < 0) return std::nullopt;
-  const std::chrono::year_month_day parse_date(std::chrono::year(2000 + *year),
-                                               std::chrono::month(*month), std::chrono::day(*day));
-  if (!parse_date.ok()) return std::nullopt;
-  return std::chrono::sys_days(parse_date);
+  const std::chrono::year_month_day date(std::chrono::year(2000 + *year),
+                                         std::chrono::month(*month), std::chrono::day(*day));
+  if (!date.ok()) return std::nullopt;
+  return std::chrono::sys_days(date);
 }
 
-/// Latitude, its hemisphere, longitude, its hemisphere from field `first` on.
+/// Reads latitude, its hemisphere, longitude and its hemisphere, starting at field `first`.
 bool read_position(const Fields& fields, size_t first, GnssFix& fix) {
   const auto latitude = parse_angle(fields[first], fields[first + 1], 90 * kDegree);
   const auto longitude = parse_angle(fields[first + 2], fields[first + 3], 180 * kDegree);
@@ -117,22 +102,22 @@ tl::expected<NmeaFix, NmeaFault> read_rmc(const Fields& fields, NmeaFix result) 
   if (!read_position(fields, 3, result.fix) && result.fix.valid) {
     return tl::unexpected(NmeaFault::kField);
   }
-  result.fix.speed = parse_number_or_nan(fields[7]) * kKnot;
-  result.fix.course = parse_number_or_nan(fields[8]) * kDegree;
+  result.fix.speed = text::parse_number_or_nan(fields[7]) * kKnot;
+  result.fix.course = text::parse_number_or_nan(fields[8]) * kDegree;
   return result;
 }
 
 tl::expected<NmeaFix, NmeaFault> read_gga(const Fields& fields, NmeaFix result) {
   const auto time = parse_time_of_day(fields[1]);
-  const auto quality = parse_number<unsigned>(fields[6]);
+  const auto quality = text::parse_as<unsigned>(fields[6]);
   if (!time || !quality) return tl::unexpected(NmeaFault::kField);
   result.fix.utc_ns = *time;
   result.fix.valid = *quality > 0;
   if (!read_position(fields, 2, result.fix) && result.fix.valid) {
     return tl::unexpected(NmeaFault::kField);
   }
-  result.fix.hdop = parse_number_or_nan(fields[8]);
-  result.fix.altitude = parse_number_or_nan(fields[9]);
+  result.fix.hdop = text::parse_number_or_nan(fields[8]);
+  result.fix.altitude = text::parse_number_or_nan(fields[9]);
   return result;
 }
 
@@ -150,13 +135,13 @@ bool checksum_matches(std::string_view body, std::string_view digits) {
 const char* describe(NmeaFault fault) {
   switch (fault) {
     case NmeaFault::kNoSentence:
-      return "no NMEA sentence";
+      return "not an NMEA sentence";
     case NmeaFault::kChecksum:
-      return "the NMEA checksum does not fit";
+      return "NMEA checksum mismatch";
     case NmeaFault::kType:
-      return "an NMEA sentence that is neither RMC nor GGA";
+      return "NMEA sentence is neither RMC nor GGA";
     case NmeaFault::kField:
-      return "an NMEA field is missing or not a number";
+      return "NMEA field is missing or not a number";
   }
   return "";
 }
@@ -192,4 +177,4 @@ tl::expected<NmeaFix, NmeaFault> parse_nmea(std::string_view text) {
   return tl::unexpected(NmeaFault::kType);
 }
 
-}  // namespace infuse::velodyne
+}  // namespace infuse::gnss

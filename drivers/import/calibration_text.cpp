@@ -1,13 +1,13 @@
 #include "drivers/import/calibration_text.hpp"
 
-#include "drivers/recording/number_list.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
 #include "drivers/text/line_reader.hpp"
+#include "drivers/text/numbers.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 Result<CalibrationText> CalibrationText::read(const std::filesystem::path& path) {
-  auto lines = LineReader::open(path);
+  auto lines = text::LineReader::open(path);
   if (!lines) return tl::unexpected(lines.error());
   CalibrationText file;
   file.name_ = path.string();
@@ -15,7 +15,7 @@ Result<CalibrationText> CalibrationText::read(const std::filesystem::path& path)
   while (lines->next(line) && file.values_.size() < 1000) {
     const size_t colon = line.find(':');
     if (colon == std::string_view::npos) continue;
-    auto numbers = parse_numbers(line.substr(colon + 1));
+    auto numbers = text::parse_numbers(line.substr(colon + 1));
     if (numbers) file.values_[std::string(line.substr(0, colon))] = std::move(*numbers);
   }
   return file;
@@ -34,7 +34,7 @@ Result<Eigen::Matrix4d> CalibrationText::matrix(std::initializer_list<const char
   const std::vector<double>* numbers = find(keys);
   if (numbers == nullptr) {
     return fail(std::string("has no ") + *keys.begin(), name_,
-                "lines as 'P2: 7.2e+02 …' are expected");
+                "expected lines such as 'P2: 7.2e+02 …'");
   }
   if (numbers->size() != static_cast<size_t>(rows * columns)) {
     return fail(std::string(*keys.begin()) + " must be " + std::to_string(rows * columns) +
@@ -52,9 +52,9 @@ Result<Eigen::Isometry3d> CalibrationText::rigid(std::initializer_list<const cha
                                                  int columns) const {
   const auto given = matrix(keys, 3, columns);
   if (!given) return tl::unexpected(given.error());
-  const auto T = to_rigid(*given);
+  const auto T = recording::to_rigid(*given);
   if (!T) return fail(std::string(*keys.begin()) + " is not a rigid motion", name_);
   return *T;
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

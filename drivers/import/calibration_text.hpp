@@ -9,25 +9,26 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
-/// A text of "KEY: numbers" a line, as data sets publish their calibration. Lines whose value is no
-/// list of numbers (calib_time) are passed over.
+/// A calibration file of a public data set: lines "KEY: numbers". Lines whose value is not a list
+/// of numbers (calib_time) are skipped.
 class CalibrationText {
  public:
+  /// Reads a file; fails if it cannot be opened.
   static Result<CalibrationText> read(const std::filesystem::path& path);
 
-  /// The numbers of the first of `keys` that the file has, or null.
+  /// Returns the numbers of the first of `keys` that the file contains, or null.
   const std::vector<double>* find(std::initializer_list<const char*> keys) const;
 
-  /// rows × columns numbers by row, in the corner of a 4 × 4 identity.
+  /// Returns rows × columns numbers, given by row, as the upper left block of a 4 × 4 identity.
   Result<Eigen::Matrix4d> matrix(std::initializer_list<const char*> keys, int rows,
                                  int columns) const;
 
-  /// 3 × columns numbers as a rigid motion (`to_rigid`).
+  /// Returns 3 × columns numbers as a rigid motion (`to_rigid`).
   Result<Eigen::Isometry3d> rigid(std::initializer_list<const char*> keys, int columns) const;
 
-  /// The file's path.
+  /// Path of the file.
   const std::string& name() const { return name_; }
 
  private:
@@ -35,4 +36,4 @@ class CalibrationText {
   std::map<std::string, std::vector<double>> values_;
 };
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -6,10 +6,13 @@
 
 #include "drivers/recording/big_endian.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
-constexpr int kMaxSegments = 1000;  // of a JPEG file before its first frame
+using recording::read_u16;
+using recording::read_u32;
+
+constexpr int kMaxSegments = 1000;  // maximum before the first frame of a JPEG file
 
 std::optional<ImageSize> make_size(uint32_t width, uint32_t height) {
   if (width == 0 || height == 0 || width > 65536 || height > 65536) return std::nullopt;
@@ -20,7 +23,7 @@ bool read_bytes(std::istream& in, std::span<uint8_t> bytes) {
   return in.read(reinterpret_cast<char*>(bytes.data()), std::ssize(bytes)).good();
 }
 
-// Signature, length and type of the IHDR chunk, width, height.
+// A PNG file begins with a signature, length and type of the IHDR chunk, width, height.
 std::optional<ImageSize> read_png_size(std::istream& in) {
   std::array<uint8_t, 24> header{};
   if (!read_bytes(in, header)) return std::nullopt;
@@ -33,7 +36,7 @@ bool is_start_of_frame(uint8_t marker) {
   return marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
 }
 
-// Segments of marker, length and content; a frame's begins with precision, height, width.
+// A segment consists of marker, length and content; a frame begins with precision, height, width.
 std::optional<ImageSize> read_jpeg_size(std::istream& in) {
   std::array<uint8_t, 2> start{};
   if (!read_bytes(in, start) || read_u16(start, 0) != 0xFFD8) return std::nullopt;
@@ -61,4 +64,4 @@ std::optional<ImageSize> read_image_size(const std::filesystem::path& path) {
   return read_jpeg_size(in);
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -3,16 +3,16 @@
 #include <filesystem>
 #include <optional>
 
-namespace infuse::recording {
+namespace infuse::importers {
 
-/// Pixels across and down.
+/// Width and height of an image in pixels.
 struct ImageSize {
   int width = 0;
   int height = 0;
   bool operator==(const ImageSize&) const = default;
 };
 
-/// The size of a PNG or JPEG file, from its head; nothing where it is neither.
+/// Reads the size of a PNG or JPEG file from its header. Returns nothing for other files.
 std::optional<ImageSize> read_image_size(const std::filesystem::path& path);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -1,37 +1,37 @@
 #include "drivers/import/import_files.hpp"
 
+#include "drivers/recording/numbered_files.hpp"
 #include "drivers/recording/times_csv.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
 namespace fs = std::filesystem;
 
 Result<void> make_empty_folder(const fs::path& drive) {
   std::error_code failed;
   if (fs::exists(drive, failed) && !fs::is_empty(drive, failed))
-    return fail("exists and is not empty", drive.string(), "name a new folder");
+    return fail("exists and is not empty", drive.string(), "choose a new folder");
   fs::create_directories(drive, failed);
-  if (failed) return fail("cannot be made: " + failed.message(), drive.string());
+  if (failed) return fail("cannot be created: " + failed.message(), drive.string());
   return {};
 }
 
 Result<void> link_sequence(const std::vector<StampedFile>& files, const fs::path& folder) {
   std::error_code failed;
   fs::create_directories(folder, failed);
-  if (failed) return fail("cannot be made: " + failed.message(), folder.string());
+  if (failed) return fail("cannot be created: " + failed.message(), folder.string());
   std::vector<Stamp> stamps;
   std::vector<std::string> sources;
   for (const StampedFile& file : files) {
-    std::string name = std::to_string(stamps.size());
-    name.insert(0, name.size() < 6 ? 6 - name.size() : 0, '0');
-    const fs::path target = folder / (name + file.path.extension().string());
+    const fs::path target =
+        folder / recording::numbered_file_name(stamps.size(), file.path.extension().string());
     fs::create_hard_link(file.path, target, failed);
     if (failed) fs::copy_file(file.path, target, failed);
     if (failed) return fail("cannot be copied: " + failed.message(), file.path.string());
     stamps.push_back(file.stamp);
     sources.push_back(file.path.filename().string());
   }
-  return write_times(folder / "times.csv", stamps, sources);
+  return recording::write_times(folder / "times.csv", stamps, sources);
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -7,20 +7,20 @@
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/stamp.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
-/// A sweep or a picture and its time.
+/// A sweep or image file and its stamp.
 struct StampedFile {
   Stamp stamp;
   std::filesystem::path path;
 };
 
-/// Makes a drive's folder; refuses one that holds something.
+/// Creates the folder of a drive. Fails if it exists and is not empty.
 Result<void> make_empty_folder(const std::filesystem::path& drive);
 
-/// Hard-links `files` into `folder` as 000000.extension …, copies them where that is not possible,
-/// and writes their times.csv.
+/// Hard-links `files` into `folder` as 000000.extension …, or copies them if linking fails, and
+/// writes times.csv.
 Result<void> link_sequence(const std::vector<StampedFile>& files,
                            const std::filesystem::path& folder);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -4,12 +4,12 @@
 
 #include "drivers/import/calibration_text.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 namespace fs = std::filesystem;
 
-// R and T of a calib_*_to_*.txt.
+// Reads R and T of a calib_*_to_*.txt.
 Result<Eigen::Isometry3d> read_transform(const CalibrationText& file) {
   auto T = file.rigid({"R"}, 3);
   if (!T) return T;
@@ -29,8 +29,8 @@ Result<void> read_projection(const CalibrationText& file, const char* key, size_
                        projection(1, 0) == 0 &&
                        projection.row(2).head<3>() == Eigen::RowVector3d(0, 0, 1);
   if (!pinhole) {
-    return fail(std::string(key) + " is no rectified projection", file.name(),
-                "fx 0 cx px  0 fy cy py  0 0 1 pz is expected");
+    return fail(std::string(key) + " is not a rectified projection", file.name(),
+                "expected fx 0 cx px  0 fy cy py  0 0 1 pz");
   }
   calibration.projection[camera] = projection;
   return {};
@@ -132,4 +132,4 @@ Result<KittiCalibration> read_kitti_raw_calibration(const fs::path& folder) {
   return calibration;
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

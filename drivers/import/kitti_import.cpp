@@ -1,5 +1,6 @@
 #include "drivers/import/kitti_import.hpp"
 
+#include "drivers/gnss/gnss_csv.hpp"
 #include "drivers/import/image_size.hpp"
 #include "drivers/import/import_files.hpp"
 #include "drivers/import/kitti_layouts.hpp"
@@ -9,7 +10,7 @@
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,7 +27,7 @@ Result<KittiRecording> read_layout(KittiLayout layout, const fs::path& folder) {
   return fail("unknown layout", folder.string());
 }
 
-// Keeps the pictures of one size, that of the first.
+// Removes the images whose size differs from that of the first.
 ImageSize keep_same_size(std::vector<StampedFile>& images, std::vector<Error>& notes) {
   ImageSize size;
   std::erase_if(images, [&](const StampedFile& image) {
@@ -34,15 +35,14 @@ ImageSize keep_same_size(std::vector<StampedFile>& images, std::vector<Error>& n
     if (this_size && size.width == 0) size = *this_size;
     if (this_size && *this_size == size) return false;
     notes.push_back(
-        {this_size ? "is of another size than the first: left out" : "is no picture: left out",
-         image.path.string(),
-         {}});
+        {this_size ? "has a different size from the first image" : "is not a PNG or JPEG image",
+         image.path.string(), "this image is skipped"});
     return true;
   });
   return size;
 }
 
-void add_lidar(const KittiCalibration& calibration, DriveDescription& description) {
+void add_lidar(const KittiCalibration& calibration, recording::DriveDescription& description) {
   LidarMount mount;
   mount.name = "velodyne";
   mount.T_vehicle_lidar = calibration.T_vehicle_lidar();
@@ -51,7 +51,7 @@ void add_lidar(const KittiCalibration& calibration, DriveDescription& descriptio
 }
 
 void add_camera(const KittiCalibration& calibration, size_t camera, const ImageSize& size,
-                DriveDescription& description) {
+                recording::DriveDescription& description) {
   CameraMount mount;
   mount.name = "image_" + std::to_string(camera);
   mount.lidar = "velodyne";
@@ -62,26 +62,28 @@ void add_camera(const KittiCalibration& calibration, size_t camera, const ImageS
 }
 
 Result<void> write_truth(const KittiRecording& recording, const fs::path& drive,
-                         DriveDescription& description) {
+                         recording::DriveDescription& description) {
   std::error_code failed;
   fs::create_directories(drive / "truth", failed);
   description.truth_rig = "truth/rig.toml";
-  if (auto written = write_rig(drive / description.truth_rig, description.rig); !written)
+  if (auto written = recording::write_rig(drive / description.truth_rig, description.rig); !written)
     return written;
   if (recording.poses.empty()) return {};
   description.truth_poses = "truth/poses.tum";
-  return write_text(drive / description.truth_poses, format_tum(recording.poses));
+  return text::write_text(drive / description.truth_poses, recording::format_tum(recording.poses));
 }
 
 Result<void> write_samples(const KittiRecording& recording, const fs::path& drive,
-                           DriveDescription& description) {
+                           recording::DriveDescription& description) {
   if (!recording.imu.empty()) {
     description.imu = "imu.csv";
-    if (auto written = write_imu_csv(drive / "imu.csv", recording.imu); !written) return written;
+    if (auto written = recording::write_imu_csv(drive / "imu.csv", recording.imu); !written)
+      return written;
   }
   if (!recording.gnss.empty()) {
     description.gnss = "gnss.csv";
-    if (auto written = write_gnss_csv(drive / "gnss.csv", recording.gnss); !written) return written;
+    if (auto written = gnss::write_gnss_csv(drive / "gnss.csv", recording.gnss); !written)
+      return written;
   }
   return {};
 }
@@ -102,7 +104,7 @@ const char* to_string(KittiLayout layout) {
 
 Result<KittiLayout> detect_kitti_layout(const fs::path& folder) {
   std::error_code ignored;
-  if (!fs::is_directory(folder, ignored)) return fail("is no folder", folder.string());
+  if (!fs::is_directory(folder, ignored)) return fail("is not a folder", folder.string());
   if (fs::is_directory(folder / "velodyne_points", ignored)) return KittiLayout::kRaw;
   if (fs::is_directory(folder / "velodyne", ignored)) {
     if (fs::is_directory(folder / "calib", ignored)) return KittiLayout::kObject;
@@ -110,7 +112,7 @@ Result<KittiLayout> detect_kitti_layout(const fs::path& folder) {
       return KittiLayout::kOdometry;
   }
   return fail(
-      "is none of KITTI's layouts", folder.string(),
+      "has none of KITTI's layouts", folder.string(),
       "raw has velodyne_points/, object has velodyne/ and calib/, odometry has velodyne/ and "
       "times.txt");
 }
@@ -120,7 +122,7 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
   if (!layout) return tl::unexpected(layout.error());
   auto recording = read_layout(*layout, folder);
   if (!recording) return tl::unexpected(recording.error());
-  if (recording->sweeps.empty()) return fail("holds no sweep that could be used", folder.string());
+  if (recording->sweeps.empty()) return fail("contains no usable sweep", folder.string());
   if (auto made = make_empty_folder(drive); !made) return tl::unexpected(made.error());
 
   KittiImportSummary result;
@@ -128,7 +130,7 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
   result.sweeps = recording->sweeps.size();
   result.poses = recording->poses.size();
   result.times_trusted = recording->times_trusted;
-  DriveDescription description;
+  recording::DriveDescription description;
   description.name = "KITTI, " + std::string(to_string(*layout)) + " layout";
   description.times_trusted = recording->times_trusted;
 
@@ -141,7 +143,7 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
     if (!recording->calibration.projection[camera]) {
       recording->notes.push_back({"the calibration has no P" + std::to_string(camera),
                                   images.front().path.parent_path().string(),
-                                  "this camera is left out"});
+                                  "this camera is skipped"});
       continue;
     }
     const ImageSize size = keep_same_size(images, recording->notes);
@@ -155,10 +157,10 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
     return tl::unexpected(written.error());
   if (auto written = write_samples(*recording, drive, description); !written)
     return tl::unexpected(written.error());
-  if (auto written = write_drive_toml(drive, description); !written)
+  if (auto written = recording::write_drive_toml(drive, description); !written)
     return tl::unexpected(written.error());
   result.notes = std::move(recording->notes);
   return result;
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -7,38 +7,39 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
-/// How a KITTI folder is laid out.
+/// Layout of a KITTI folder.
 enum class KittiLayout {
-  kRaw,  ///< …_sync with velodyne_points/, image_0N/data/, oxts/; calib_*.txt beside or above
+  kRaw,  ///< …_sync with velodyne_points/, image_0N/data/, oxts/; calib_*.txt in the folder or its
+         ///< parent
   kOdometry,  ///< velodyne/, image_N/, times.txt, one calib*.txt; poses
-  kObject,    ///< velodyne/, image_N/, calib/NNNNNN.txt: no times
+  kObject,    ///< velodyne/, image_N/, calib/NNNNNN.txt; no stamps
 };
 
-/// What an import made.
+/// Result of an import.
 struct KittiImportSummary {
   KittiLayout layout = KittiLayout::kObject;
   size_t sweeps = 0;
-  size_t images = 0;  ///< of all cameras
+  size_t images = 0;  ///< number of images of all cameras
   size_t poses = 0;
   bool times_trusted = false;
-  std::vector<Error> notes;  ///< what was left out, and why
+  std::vector<Error> notes;  ///< skipped files, and the reason
 };
 
-/// Which of the layouts a folder has; an error that says what was looked for.
+/// Detects the layout of a folder. The error states what each layout contains.
 Result<KittiLayout> detect_kitti_layout(const std::filesystem::path& folder);
 
-/// Makes a drive of a KITTI folder: sweeps and images are hard-linked, or copied where that is not
-/// possible; the published extrinsics go to drive.toml and truth/rig.toml, poses to
-/// truth/poses.tum. `drive` must not exist, or be empty.
+/// Converts a KITTI folder to a drive. Sweeps and images are hard-linked, or copied if linking
+/// fails; the published extrinsics are written to drive.toml and truth/rig.toml, poses to
+/// truth/poses.tum. `drive` must not exist or be empty.
 ///
 /// T_camera_lidar of camera i is [I | K⁻¹·p] · R0_rect · Tr_velo_to_cam with Pᵢ = [K | p]: the
-/// fourth column of Pᵢ is the camera's own offset from camera 0.
+/// fourth column of Pᵢ contains the offset of camera i from camera 0.
 Result<KittiImportSummary> import_kitti(const std::filesystem::path& folder,
                                         const std::filesystem::path& drive);
 
-/// The layout's name: "raw", "odometry", "object".
+/// Name of a layout: "raw", "odometry", "object".
 const char* to_string(KittiLayout layout);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

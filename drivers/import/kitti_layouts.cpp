@@ -5,28 +5,27 @@
 #include <limits>
 #include <set>
 
+#include "drivers/gnss/local_frame.hpp"
 #include "drivers/import/kitti_files.hpp"
 #include "drivers/measurement/angles.hpp"
-#include "drivers/recording/local_frame.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr Duration kSyntheticFramePeriod{100'000'000};
-constexpr size_t kMaxFrames = 1'000'000;  // of a recording without times
-
-using Files = std::map<size_t, fs::path>;
+constexpr size_t kMaxFrames = 1'000'000;  // of a recording without stamps
 
 std::string camera_folder(size_t camera) { return "image_" + std::to_string(camera); }
 
-// index · 0.1 s for every frame that has a sweep or a picture.
-std::map<size_t, Stamp> synthesize_times(const Files& sweeps, const std::array<Files, 4>& images) {
+// Assigns index · 0.1 s to every frame that has a sweep or an image.
+std::map<size_t, Stamp> synthesize_times(const NumberedFiles& sweeps,
+                                         const std::array<NumberedFiles, 4>& images) {
   std::map<size_t, Stamp> times;
   for (const auto& [number, path] : sweeps) times[number] = Stamp();
-  for (const Files& files : images) {
+  for (const NumberedFiles& files : images) {
     for (const auto& [number, path] : files) times[number] = Stamp();
   }
   Stamp stamp;
@@ -37,19 +36,20 @@ std::map<size_t, Stamp> synthesize_times(const Files& sweeps, const std::array<F
   return times;
 }
 
-std::vector<StampedFile> stamp_files(const Files& files, const std::map<size_t, Stamp>& times) {
+std::vector<StampedFile> stamp_files(const NumberedFiles& files,
+                                     const std::map<size_t, Stamp>& times) {
   std::vector<StampedFile> result;
   for (const auto& [number, path] : files) result.push_back({times.at(number), path});
   return result;
 }
 
-// The calibration that most frames share, and those frames.
+// A calibration, and the frames that have it.
 struct SharedCalibration {
   KittiCalibration calibration;
   std::set<size_t> frames;
 };
 
-Result<SharedCalibration> find_most_frequent_calibration(const Files& files,
+Result<SharedCalibration> find_most_frequent_calibration(const NumberedFiles& files,
                                                          std::vector<Error>& notes) {
   std::vector<SharedCalibration> groups;
   for (const auto& [number, path] : files) {
@@ -69,18 +69,18 @@ Result<SharedCalibration> find_most_frequent_calibration(const Files& files,
                                        return a.frames.size() < b.frames.size();
                                      });
   if (best == groups.end()) {
-    return notes.empty() ? fail("holds no calibration")
+    return notes.empty() ? fail("contains no calibration")
                          : Result<SharedCalibration>(tl::unexpected(notes.front()));
   }
   if (groups.size() > 1) {
     notes.push_back({std::to_string(groups.size()) + " calibrations", "calib/",
                      "only the " + std::to_string(best->frames.size()) +
-                         " frames of the most frequent one are taken: a drive has one rig"});
+                         " frames with the most frequent one are imported: a drive has one rig"});
   }
   return std::move(*best);
 }
 
-size_t keep_frames(Files& files, const std::set<size_t>& frames) {
+size_t keep_frames(NumberedFiles& files, const std::set<size_t>& frames) {
   return std::erase_if(files, [&](const auto& file) { return !frames.contains(file.first); });
 }
 
@@ -108,22 +108,22 @@ std::optional<fs::path> find_odometry_poses(const fs::path& folder) {
   return std::nullopt;
 }
 
-// Poses of rectified camera 0 against its first, as poses of the vehicle against its first.
-Result<std::vector<TrajectoryPose>> read_odometry_poses(const fs::path& path,
-                                                        const std::vector<Stamp>& times,
-                                                        const KittiCalibration& calibration) {
+// Reads poses of rectified camera 0 relative to its first pose, and converts them to poses of the
+// vehicle relative to its first pose.
+Result<std::vector<recording::TrajectoryPose>> read_odometry_poses(
+    const fs::path& path, const std::vector<Stamp>& times, const KittiCalibration& calibration) {
   const auto rows = read_number_lines(path, 12);
   if (!rows) return tl::unexpected(rows.error());
   const Eigen::Isometry3d T_vehicle_camera =
       calibration.T_vehicle_lidar() * calibration.T_rectified_lidar.inverse();
-  std::vector<TrajectoryPose> poses;
+  std::vector<recording::TrajectoryPose> poses;
   for (size_t i = 0; i < rows->size() && i < times.size(); ++i) {
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     matrix.topRows<3>() =
         Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>((*rows)[i].data());
-    const auto T_first_camera = to_rigid(matrix);
+    const auto T_first_camera = recording::to_rigid(matrix);
     if (!T_first_camera) {
-      return fail("is no rigid motion", path.string() + ":" + std::to_string(i + 1));
+      return fail("is not a rigid motion", path.string() + ":" + std::to_string(i + 1));
     }
     poses.push_back({times[i], T_vehicle_camera * *T_first_camera * T_vehicle_camera.inverse()});
   }
@@ -131,8 +131,8 @@ Result<std::vector<TrajectoryPose>> read_odometry_poses(const fs::path& path,
 }
 
 // Columns of an oxts file: 0–2 latitude, longitude (°), altitude; 3–5 roll, pitch, yaw (rad, east
-// is 0); 6, 7 speed north, east; 11–13 acceleration, 17–19 angular velocity in the car's axes.
-void add_oxts(const std::vector<double>& row, Stamp stamp, const LocalFrame& map,
+// is 0); 6, 7 speed north, east; 11–13 acceleration, 17–19 angular velocity in vehicle axes.
+void add_oxts(const std::vector<double>& row, Stamp stamp, const gnss::LocalFrame& map,
               const Eigen::Isometry3d& T_imu_vehicle, KittiRecording& recording) {
   GnssFix fix;
   fix.stamp = stamp;
@@ -146,7 +146,7 @@ void add_oxts(const std::vector<double>& row, Stamp stamp, const LocalFrame& map
   recording.gnss.push_back(fix);
   recording.imu.push_back({stamp, {row[17], row[18], row[19]}, {row[11], row[12], row[13]}});
   const Eigen::Isometry3d T_map_imu =
-      Eigen::Translation3d(map.to_local(fix.latitude, fix.longitude, fix.altitude)) *
+      Eigen::Translation3d(gnss::to_local(map, fix.latitude, fix.longitude, fix.altitude)) *
       Eigen::AngleAxisd(row[5], Eigen::Vector3d::UnitZ()) *
       Eigen::AngleAxisd(row[4], Eigen::Vector3d::UnitY()) *
       Eigen::AngleAxisd(row[3], Eigen::Vector3d::UnitX());
@@ -157,18 +157,18 @@ Result<void> read_oxts(const fs::path& folder, KittiRecording& recording) {
   const auto times = read_kitti_times(folder / "timestamps.txt");
   if (!times) return tl::unexpected(times.error());
   const std::vector<StampedFile> files =
-      assign_times(list_numbered_files(folder / "data", ".txt"), *times, recording.notes);
+      assign_times(list_files(folder / "data", ".txt"), *times, recording.notes);
   const KittiCalibration& calibration = recording.calibration;
   const Eigen::Isometry3d T_lidar_imu =
       calibration.T_lidar_imu.value_or(Eigen::Isometry3d::Identity());
   const Eigen::Isometry3d T_imu_vehicle = (calibration.T_vehicle_lidar() * T_lidar_imu).inverse();
-  std::optional<LocalFrame> map;
+  std::optional<gnss::LocalFrame> map;
   for (const StampedFile& file : files) {
     const auto rows = read_number_lines(file.path, 30);
     if (!rows) return tl::unexpected(rows.error());
-    if (rows->size() != 1) return fail("must hold one line", file.path.string());
+    if (rows->size() != 1) return fail("must contain one line", file.path.string());
     const std::vector<double>& row = rows->front();
-    if (!map) map.emplace(row[0] * kDegree, row[1] * kDegree, row[2]);
+    if (!map) map = gnss::make_local_frame(row[0] * kDegree, row[1] * kDegree, row[2]);
     add_oxts(row, file.stamp, *map, T_imu_vehicle, recording);
   }
   return {};
@@ -179,28 +179,28 @@ Result<std::vector<StampedFile>> read_raw_stream(const fs::path& folder,
                                                  std::vector<Error>& notes) {
   const auto times = read_kitti_times(folder / "timestamps.txt");
   if (!times) return tl::unexpected(times.error());
-  return assign_times(list_numbered_files(folder / "data", extension), *times, notes);
+  return assign_times(list_files(folder / "data", extension), *times, notes);
 }
 
 }  // namespace
 
 Result<KittiRecording> read_kitti_object(const fs::path& folder) {
   KittiRecording recording;
-  auto shared = find_most_frequent_calibration(list_numbered_files(folder / "calib", ".txt"),
-                                               recording.notes);
+  auto shared =
+      find_most_frequent_calibration(list_files(folder / "calib", ".txt"), recording.notes);
   if (!shared) return tl::unexpected(shared.error());
   recording.calibration = shared->calibration;
 
-  Files sweeps = list_numbered_files(folder / "velodyne", ".bin");
+  NumberedFiles sweeps = list_files(folder / "velodyne", ".bin");
   size_t left_out = keep_frames(sweeps, shared->frames);
-  std::array<Files, 4> images;
+  std::array<NumberedFiles, 4> images;
   for (size_t camera = 0; camera < images.size(); ++camera) {
-    images[camera] = list_numbered_files(folder / camera_folder(camera), ".png");
+    images[camera] = list_files(folder / camera_folder(camera), ".png");
     left_out += keep_frames(images[camera], shared->frames);
   }
   if (left_out > 0) {
     recording.notes.push_back(
-        {std::to_string(left_out) + " files of frames without that calibration are left out",
+        {std::to_string(left_out) + " files of frames with another calibration are skipped",
          folder.string(),
          {}});
   }
@@ -219,7 +219,7 @@ Result<KittiRecording> read_kitti_odometry(const fs::path& folder) {
   const auto calibration = read_kitti_calibration(*calibration_file);
   if (!calibration) return tl::unexpected(calibration.error());
   recording.calibration = *calibration;
-  const Files sweeps = list_numbered_files(folder / "velodyne", ".bin");
+  const NumberedFiles sweeps = list_files(folder / "velodyne", ".bin");
   Result<std::vector<Stamp>> times;
   recording.times_trusted = fs::exists(folder / "times.txt");
   if (recording.times_trusted) {
@@ -232,8 +232,8 @@ Result<KittiRecording> read_kitti_odometry(const fs::path& folder) {
 
   recording.sweeps = assign_times(sweeps, *times, recording.notes);
   for (size_t camera = 0; camera < recording.images.size(); ++camera) {
-    recording.images[camera] = assign_times(
-        list_numbered_files(folder / camera_folder(camera), ".png"), *times, recording.notes);
+    recording.images[camera] =
+        assign_times(list_files(folder / camera_folder(camera), ".png"), *times, recording.notes);
   }
   if (const auto path = find_odometry_poses(folder)) {
     auto poses = read_odometry_poses(*path, *times, *calibration);
@@ -269,4 +269,4 @@ Result<KittiRecording> read_kitti_raw(const fs::path& folder) {
   return recording;
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

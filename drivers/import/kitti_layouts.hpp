@@ -11,32 +11,32 @@
 #include "drivers/measurement/vehicle_samples.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 
-/// What a KITTI folder holds, whatever its layout.
+/// Content of a KITTI folder of any layout.
 struct KittiRecording {
   KittiCalibration calibration;
   bool times_trusted = false;  ///< false: stamps are index · 0.1 s
   std::vector<StampedFile> sweeps;
-  std::array<std::vector<StampedFile>, 4> images;  ///< by KITTI's number of the camera
-  std::vector<TrajectoryPose> poses;               ///< T_map_vehicle
+  std::array<std::vector<StampedFile>, 4> images;  ///< by KITTI's camera number
+  std::vector<recording::TrajectoryPose> poses;    ///< T_map_vehicle
   std::vector<ImuSample> imu;
   std::vector<GnssFix> gnss;
-  std::vector<Error> notes;  ///< what was left out, and why
+  std::vector<Error> notes;  ///< skipped files, and the reason
 };
 
-/// velodyne/, image_N/, calib/NNNNNN.txt. Where frames differ in calibration, those that share the
-/// most frequent one are taken.
+/// Reads the object layout: velodyne/, image_N/, calib/NNNNNN.txt. If frames differ in calibration,
+/// only those with the most frequent one are read.
 Result<KittiRecording> read_kitti_object(const std::filesystem::path& folder);
 
-/// velodyne/, image_N/, calib.txt (or the one calib*.txt), times.txt; poses in poses.txt,
-/// poses_gt_cam0.txt or ../../poses/NAME.txt. Without times.txt times are synthetic. The map frame
-/// is the vehicle's own at the first pose.
+/// Reads the odometry layout: velodyne/, image_N/, calib.txt (or the only calib*.txt), times.txt;
+/// poses in poses.txt, poses_gt_cam0.txt or ../../poses/NAME.txt. Without times.txt, stamps are
+/// synthetic. The map frame is the vehicle frame at the first pose.
 Result<KittiRecording> read_kitti_odometry(const std::filesystem::path& folder);
 
-/// velodyne_points/, image_0N/, oxts/, each with data/ and timestamps.txt; calib_cam_to_cam.txt and
-/// the others in the folder or the one above. The map frame is east-north-up at the first fix;
-/// poses, imu and gps are those of the inertial navigation system.
+/// Reads the raw layout: velodyne_points/, image_0N/, oxts/, each with data/ and timestamps.txt;
+/// calib_cam_to_cam.txt and the other calibration files in the folder or its parent. The map frame
+/// is east-north-up at the first fix; poses, imu and gnss are from the inertial navigation system.
 Result<KittiRecording> read_kitti_raw(const std::filesystem::path& folder);
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

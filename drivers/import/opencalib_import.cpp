@@ -10,14 +10,14 @@
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr std::string_view kCalibrationSuffix = ".calib.txt";
 
-// The scene's files; empty paths where they are not there.
+// Files of a scene; empty paths for missing files.
 struct SceneFiles {
   std::string name;
   fs::path sweep, image;
@@ -28,12 +28,13 @@ SceneFiles find_scene_files(const fs::path& calibration) {
   std::string name = calibration.filename().string();
   if (name.ends_with(kCalibrationSuffix)) name.resize(name.size() - kCalibrationSuffix.size());
   SceneFiles files{.name = name, .sweep = {}, .image = {}};
-  const auto beside = [&](const char* extension) {
+  const auto in_same_folder = [&](const char* extension) {
     return calibration.parent_path() / (name + extension);
   };
-  if (fs::is_regular_file(beside(".pcd"), ignored)) files.sweep = beside(".pcd");
+  if (fs::is_regular_file(in_same_folder(".pcd"), ignored)) files.sweep = in_same_folder(".pcd");
   for (const char* extension : {".jpg", ".png"}) {
-    if (fs::is_regular_file(beside(extension), ignored)) files.image = beside(extension);
+    if (fs::is_regular_file(in_same_folder(extension), ignored))
+      files.image = in_same_folder(extension);
   }
   return files;
 }
@@ -49,7 +50,7 @@ Result<CameraIntrinsics> read_intrinsics(const CalibrationText& text, const Imag
                               .cy = (*K)(1, 2)};
   if (const std::vector<double>* distortion = text.find({"D"})) {
     if (distortion->size() > intrinsics.distortion.size()) {
-      return fail("D must be at most 5 numbers", text.name(), "k1 k2 p1 p2 k3 is expected");
+      return fail("D must be at most 5 numbers", text.name(), "expected k1 k2 p1 p2 k3");
     }
     std::copy(distortion->begin(), distortion->end(), intrinsics.distortion.begin());
   }
@@ -57,14 +58,15 @@ Result<CameraIntrinsics> read_intrinsics(const CalibrationText& text, const Imag
   return intrinsics;
 }
 
-Result<DriveDescription> make_description(const CalibrationText& text, const SceneFiles& files) {
+Result<recording::DriveDescription> make_description(const CalibrationText& text,
+                                                     const SceneFiles& files) {
   const auto size = read_image_size(files.image);
-  if (!size) return fail("is no picture", files.image.string());
+  if (!size) return fail("is not a PNG or JPEG image", files.image.string());
   const auto intrinsics = read_intrinsics(text, *size);
   if (!intrinsics) return tl::unexpected(intrinsics.error());
   const auto T_camera_lidar = text.rigid({"T"}, 4);
   if (!T_camera_lidar) return tl::unexpected(T_camera_lidar.error());
-  DriveDescription description;
+  recording::DriveDescription description;
   description.name = "OpenCalib, " + files.name;
   description.times_trusted = false;
   description.rig.lidars.emplace_back().name = "lidar";
@@ -85,8 +87,9 @@ Result<void> import_opencalib(const fs::path& calibration, const fs::path& drive
   if (!text) return tl::unexpected(text.error());
   const SceneFiles files = find_scene_files(calibration);
   if (files.sweep.empty() || files.image.empty()) {
-    return fail(std::string("has no ") + (files.sweep.empty() ? "sweep" : "picture") + " beside it",
-                calibration.string(), files.name + ".pcd and .png or .jpg are expected");
+    return fail(
+        std::string("has no ") + (files.sweep.empty() ? "sweep" : "image") + " in the same folder",
+        calibration.string(), "expected " + files.name + ".pcd and .png or .jpg");
   }
   const auto description = make_description(*text, files);
   if (!description) return tl::unexpected(description.error());
@@ -97,9 +100,10 @@ Result<void> import_opencalib(const fs::path& calibration, const fs::path& drive
     return linked;
   std::error_code failed;
   fs::create_directories(drive / "truth", failed);
-  if (auto written = write_rig(drive / description->truth_rig, description->rig); !written)
+  if (auto written = recording::write_rig(drive / description->truth_rig, description->rig);
+      !written)
     return written;
-  return write_drive_toml(drive, *description);
+  return recording::write_drive_toml(drive, *description);
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -14,7 +14,7 @@
 #include "drivers/measurement/angles.hpp"
 #include "drivers/osm/osm_rings.hpp"
 
-namespace infuse::recording {
+namespace infuse::osm {
 namespace {
 
 constexpr size_t kMaxWarnings = 1000;
@@ -36,12 +36,12 @@ std::vector<OsmTag> copy_tags(const osmium::OSMObject& object) {
   return tags;
 }
 
-// Collects the elements of a file in any order, then ties them together.
+// Collects the elements of a file in any order, then resolves their references.
 class MapBuilder {
  public:
   explicit MapBuilder(const OpenStreetMapOptions& options) : options_(options) {}
 
-  // False where the file holds more than the options allow.
+  // Returns false if the file exceeds the limit of the options.
   bool add(const osmium::OSMEntity& entity) {
     switch (entity.type()) {
       case osmium::item_type::node:
@@ -77,7 +77,7 @@ class MapBuilder {
   void add_node(const osmium::Node& node) {
     elements_ += 1 + node.tags().size();
     if (!node.location().valid()) {
-      return warn("node", node.id(), "has no valid latitude and longitude", "it is left out");
+      return warn("node", node.id(), "has no valid latitude and longitude", "it is ignored");
     }
     const OsmPoint point{node.id(), node.location().lat() * kDegree,
                          node.location().lon() * kDegree};
@@ -86,7 +86,7 @@ class MapBuilder {
     map_.nodes.push_back({node.id(), point.latitude, point.longitude, copy_tags(node)});
   }
 
-  // The points hold nothing but node numbers until all nodes are known.
+  // Points contain only node ids until all nodes are known.
   void add_way(const osmium::Way& way) {
     elements_ += 1 + way.tags().size() + way.nodes().size();
     OsmWay& added = map_.ways.emplace_back();
@@ -117,10 +117,10 @@ class MapBuilder {
       });
       if (missing > 0) {
         warn("way", way.id, std::to_string(missing) + " of its nodes are not in the file",
-             "they are left out");
+             "they are ignored");
       }
       if (way.points.size() >= 2) return false;
-      warn("way", way.id, "has fewer than two nodes", "it is left out");
+      warn("way", way.id, "has fewer than two nodes", "it is ignored");
       return true;
     });
     for (size_t i = 0; i < map_.ways.size(); ++i) way_index_[map_.ways[i].id] = i;
@@ -143,10 +143,10 @@ class MapBuilder {
     const size_t open = join_rings(outer, area.outer) + join_rings(inner, area.inner);
     if (open > 0) {
       warn("relation", relation.id, std::to_string(open) + " of its rings do not close",
-           "they are left out");
+           "they are ignored");
     }
     if (area.outer.empty()) {
-      return warn("relation", relation.id, "has no whole outer ring", "it is left out");
+      return warn("relation", relation.id, "has no closed outer ring", "it is ignored");
     }
     map_.areas.push_back(std::move(area));
   }
@@ -197,16 +197,18 @@ std::string_view find_tag(const std::vector<OsmTag>& tags, std::string_view key)
 Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
                                          const OpenStreetMapOptions& options) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return fail("is no file", path.string());
-  // libosmium reports by exception: system errors, XML errors with line and column, compression.
+  if (!std::filesystem::is_regular_file(path, ignored))
+    return fail("is not a regular file", path.string());
+  // libosmium throws exceptions: system errors, XML errors with line and column, compression
+  // errors.
   try {
     MapBuilder builder(options);
     osmium::io::Reader reader(path.string(), osmium::osm_entity_bits::nwr);
     while (const osmium::memory::Buffer buffer = reader.read()) {
       for (const auto& entity : buffer.select<osmium::OSMEntity>()) {
         if (builder.add(entity)) continue;
-        return fail("holds more than " + std::to_string(options.max_elements) + " elements",
-                    path.string(), "cut a smaller piece, for example with osmium extract");
+        return fail("contains more than " + std::to_string(options.max_elements) + " elements",
+                    path.string(), "extract a smaller area, for example with osmium extract");
       }
     }
     reader.close();
@@ -216,4 +218,4 @@ Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
   }
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::osm

@@ -8,15 +8,15 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::osm {
 
-/// One key and value of an OpenStreetMap element.
+/// A tag of an OpenStreetMap element.
 struct OsmTag {
   std::string key;
   std::string value;
 };
 
-/// A node that stands for something by itself (a tree, a sign, a crossing): it has tags.
+/// A node with tags (a tree, a sign, a crossing).
 struct OsmNode {
   int64_t id = 0;
   double latitude = 0;   ///< rad, WGS 84
@@ -24,9 +24,9 @@ struct OsmNode {
   std::vector<OsmTag> tags;
 };
 
-/// A corner of a way.
+/// A point of a way.
 struct OsmPoint {
-  int64_t node = 0;      ///< id; two ways that share a node are joined there
+  int64_t node = 0;      ///< id; ways with a common node are connected there
   double latitude = 0;   ///< rad, WGS 84
   double longitude = 0;  ///< rad
 };
@@ -35,13 +35,13 @@ struct OsmPoint {
 struct OsmWay {
   int64_t id = 0;
   std::vector<OsmTag> tags;
-  std::vector<OsmPoint> points;  ///< at least two; those whose node the file lacks are left out
+  std::vector<OsmPoint> points;  ///< at least two; nodes that are not in the file are left out
 
-  /// Whether it ends where it begins.
+  /// True if the first and the last point are the same node.
   bool closed() const { return points.size() > 3 && points.front().node == points.back().node; }
 };
 
-/// A multipolygon relation: rings, closed, the first point repeated at the end.
+/// A multipolygon relation. Its rings are closed: the first point is repeated at the end.
 struct OsmArea {
   int64_t id = 0;
   std::vector<OsmTag> tags;
@@ -49,29 +49,29 @@ struct OsmArea {
   std::vector<std::vector<OsmPoint>> inner;  ///< holes
 };
 
-/// A street map as OpenStreetMap describes it. Elements are in the order of the file.
+/// Elements of an OpenStreetMap file, in file order.
 struct OpenStreetMap {
-  std::vector<OsmNode> nodes;  ///< such as have tags
+  std::vector<OsmNode> nodes;  ///< only those with tags
   std::vector<OsmWay> ways;
   std::vector<OsmArea> areas;
-  double centre_latitude = 0;   ///< rad; middle of the box around all points of ways
+  double centre_latitude = 0;   ///< rad; centre of the bounding box of all ways
   double centre_longitude = 0;  ///< rad
-  /// What is not as it should be, each with the element's id: missing nodes, rings that do not
-  /// close, no road at all. The first 1000; the last one then says how many more there are.
+  /// Problems with the id of the element: missing nodes, rings that do not close, a map without
+  /// roads. At most 1000, and one that states the number of further ones.
   std::vector<Error> warnings;
 };
 
-/// The value of a key, or empty.
+/// Returns the value of a key, or an empty string.
 std::string_view find_tag(const std::vector<OsmTag>& tags, std::string_view key);
 
-/// How much a map may hold.
+/// Limits for reading a map.
 struct OpenStreetMapOptions {
-  uint64_t max_elements = 20'000'000;  ///< nodes + ways + relations + references between them
+  uint64_t max_elements = 20'000'000;  ///< maximum of nodes + ways + relations + tags + references
 };
 
-/// Reads OpenStreetMap XML (.osm, .osm.bz2, .osm.gz). Fails where the file cannot be read or
-/// parsed; what is merely incomplete becomes a warning.
+/// Reads OpenStreetMap XML (.osm, .osm.bz2, .osm.gz). Fails if the file cannot be read or parsed.
+/// Incomplete elements become warnings.
 Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
                                          const OpenStreetMapOptions& options = {});
 
-}  // namespace infuse::recording
+}  // namespace infuse::osm

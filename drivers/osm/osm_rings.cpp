@@ -2,13 +2,13 @@
 
 #include <unordered_map>
 
-namespace infuse::recording {
+namespace infuse::osm {
 namespace {
 
-// Ways by the nodes at which they end, used ones left in place.
+// Index of ways by their end nodes, including ways already used.
 using WaysByEndNode = std::unordered_multimap<int64_t, size_t>;
 
-// A way that ends at `node` and is not used; or `ways.size()`.
+// Returns an unused way that ends at `node`, or `used.size()`.
 size_t find_unused(const WaysByEndNode& ends, int64_t node, const std::vector<bool>& used) {
   const auto [first, last] = ends.equal_range(node);
   for (auto at = first; at != last; ++at) {
@@ -17,7 +17,7 @@ size_t find_unused(const WaysByEndNode& ends, int64_t node, const std::vector<bo
   return used.size();
 }
 
-// Appends a way's points to a ring that ends where the way begins or ends.
+// Appends a way to a ring whose last point is an end of the way.
 void append(const std::vector<OsmPoint>& way, std::vector<OsmPoint>& ring) {
   if (way.front().node == ring.back().node) {
     ring.insert(ring.end(), way.begin() + 1, way.end());
@@ -56,4 +56,4 @@ size_t join_rings(const std::vector<const OsmWay*>& ways,
   return open;
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::osm

@@ -4,11 +4,11 @@
 
 #include "drivers/osm/openstreetmap.hpp"
 
-namespace infuse::recording {
+namespace infuse::osm {
 
-/// Joins ways end to end into closed rings (first point repeated at the end), turning ways round
-/// where needed. Gives the number of rings that do not close; these are left out.
+/// Joins ways end to end into closed rings (the first point is repeated at the end), reversing ways
+/// if needed. Returns the number of rings that do not close; these are ignored.
 size_t join_rings(const std::vector<const OsmWay*>& ways,
                   std::vector<std::vector<OsmPoint>>& rings);
 
-}  // namespace infuse::recording
+}  // namespace infuse::osm

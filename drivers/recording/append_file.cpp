@@ -5,8 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
+
+#include "drivers/receive/system_error.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -16,17 +17,12 @@ constexpr mode_t kFileMode = 0640;
 }  // namespace
 
 Result<AppendFile> AppendFile::create(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode);
-  if (file < 0) return fail(std::string("cannot be made: ") + std::strerror(errno), path.string());
-  ::fchmod(file, kFileMode);  // whatever the umask
-  return AppendFile(path, file);
+  receive::FileDescriptor file(
+      ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode));
+  if (!file) return receive::fail_errno("cannot be created", path.string());
+  ::fchmod(file.get(), kFileMode);  // independent of the umask
+  return AppendFile(path, std::move(file));
 }
-
-AppendFile::AppendFile(AppendFile&& other) noexcept
-    : path_(std::move(other.path_)),
-      file_(std::exchange(other.file_, -1)),
-      buffer_(std::move(other.buffer_)),
-      written_(other.written_) {}
 
 AppendFile& AppendFile::operator=(AppendFile&& other) noexcept {
   std::swap(path_, other.path_);
@@ -37,25 +33,22 @@ AppendFile& AppendFile::operator=(AppendFile&& other) noexcept {
 }
 
 AppendFile::~AppendFile() {
-  if (file_ < 0) return;
-  static_cast<void>(flush());
-  ::close(file_);
+  if (file_) static_cast<void>(flush());
 }
 
 Result<void> AppendFile::flush() {
   std::string_view rest = buffer_;
   while (!rest.empty()) {
-    const ssize_t written = ::write(file_, rest.data(), rest.size());
+    const ssize_t written = ::write(file_.get(), rest.data(), rest.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
       const int reason = errno;
       buffer_.clear();
-      // Appending goes on from the new end.
-      if (::ftruncate(file_, static_cast<off_t>(written_)) == 0) {
-        ::lseek(file_, static_cast<off_t>(written_), SEEK_SET);
+      // Later appends continue from the new end.
+      if (::ftruncate(file_.get(), static_cast<off_t>(written_)) == 0) {
+        ::lseek(file_.get(), static_cast<off_t>(written_), SEEK_SET);
       }
-      return fail(std::string("cannot be written: ") + std::strerror(reason), path_.string(),
-                  "is the disk full?");
+      return receive::fail_errno("cannot be written", path_.string(), "is the disk full?", reason);
     }
     rest.remove_prefix(static_cast<size_t>(written));
   }

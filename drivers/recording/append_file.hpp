@@ -6,35 +6,37 @@
 #include <string_view>
 
 #include "drivers/measurement/error.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 
 namespace infuse::recording {
 
-/// A text file that grows while something is recorded. On the disk it only ever ends behind a whole
-/// line: where a disk is full it is cut back to that.
+/// A text file that is appended to during a recording. On disk it always ends after a whole line:
+/// if a write fails, for example because the disk is full, the file is truncated to the last one.
 class AppendFile {
  public:
-  /// Creates the file, readable by the group too; fails where there is one.
+  /// Creates the file with mode 0640. Fails if it already exists.
   static Result<AppendFile> create(const std::filesystem::path& path);
 
-  AppendFile(AppendFile&& other) noexcept;
+  AppendFile(AppendFile&& other) noexcept = default;
   AppendFile& operator=(AppendFile&& other) noexcept;
-  /// Writes what waits, without a word where that fails.
+  /// Writes the buffered lines; errors are ignored.
   ~AppendFile();
 
-  /// Adds a line, with its end; it waits in memory for `flush`.
+  /// Appends a line, with its end, to the buffer.
   void add(std::string_view line) { buffer_ += line; }
 
-  /// Hands what waits to the system. Where that fails none of it is in the file.
+  /// Writes the buffered lines to the file. If that fails, none of them is in the file.
   Result<void> flush();
 
-  /// Bytes in the file and waiting.
+  /// Number of bytes in the file and the buffer.
   uint64_t bytes() const { return written_ + buffer_.size(); }
 
  private:
-  AppendFile(std::filesystem::path path, int file) : path_(std::move(path)), file_(file) {}
+  AppendFile(std::filesystem::path path, receive::FileDescriptor file)
+      : path_(std::move(path)), file_(std::move(file)) {}
 
   std::filesystem::path path_;
-  int file_ = -1;
+  receive::FileDescriptor file_;
   std::string buffer_;
   uint64_t written_ = 0;
 };

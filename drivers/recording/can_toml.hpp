@@ -10,8 +10,9 @@
 
 namespace infuse::recording {
 
-/// Reads a table that maps quantities to signals, as drive.toml's [can.signals]:
-/// `yaw_rate = "MESSAGE.SIGNAL"`, or a table of signal, scale and unit. What is wrong, or nothing.
+/// Reads a table that maps quantities to CAN signals, such as drive.toml's [can.signals]. Each
+/// entry is `yaw_rate = "MESSAGE.SIGNAL"` or a table with the keys signal, scale and unit. Returns
+/// an error if the table is invalid.
 std::optional<Error> read_can_signals(const toml::table& source, const std::string& file,
                                       std::vector<CanSignal>& signals);
 

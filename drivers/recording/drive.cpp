@@ -15,7 +15,8 @@ constexpr size_t kMaxTextBytes = 1 << 20;
 std::optional<std::string> check_path(const std::string& what, const std::string& path) {
   if (path.empty()) return std::nullopt;
   const std::string quoted = what + " '" + path + "'";
-  if (path.size() > 4096 || path.find('\0') != std::string::npos) return what + " is no path";
+  if (path.size() > 4096 || path.find('\0') != std::string::npos)
+    return what + " is not a valid path";
   const fs::path parts(path);
   if (parts.is_absolute()) return quoted + " must be relative to the drive's folder";
   if (std::find(parts.begin(), parts.end(), "..") != parts.end())
@@ -34,7 +35,7 @@ std::optional<std::string> check_lidar(const LidarMount& mount, const LidarFiles
   return check_path(prefix + "calibration", files.calibration);
 }
 
-// Two lidars in one capture must differ in ports or in sender.
+// True if two lidars share a capture and differ neither in ports nor in sender.
 bool overlap(const LidarFiles& a, const LidarFiles& b) {
   const bool same_sender = !a.sender || !b.sender || *a.sender == *b.sender;
   const bool shared_port = a.port == b.port || a.port == b.position_port ||
@@ -50,7 +51,7 @@ std::optional<std::string> check_can(const CanFiles& can) {
   for (size_t i = 0; i < can.signals.size(); ++i) {
     const std::string& quantity = can.signals[i].quantity;
     if (std::find(known.begin(), known.end(), quantity) == known.end())
-      return "can: no quantity is called '" + quantity + "'";
+      return "can: unknown quantity '" + quantity + "'";
     for (size_t j = 0; j < i; ++j) {
       if (can.signals[j].quantity == quantity) return "can: two signals for " + quantity;
     }
@@ -58,7 +59,7 @@ std::optional<std::string> check_can(const CanFiles& can) {
   return std::nullopt;
 }
 
-// A file or folder that drive.toml names, and must exist.
+// A file or folder named in drive.toml.
 struct ReferencedFile {
   std::string what;
   std::string path;
@@ -118,7 +119,8 @@ std::optional<std::string> DriveDescription::invalid() const {
     for (size_t j = 0; j < i; ++j) {
       if (overlap(lidars[j], lidars[i])) {
         return "lidars '" + rig.lidars[j].name + "' and '" + rig.lidars[i].name +
-               "' cannot be told apart in '" + lidars[i].packets + "': give senders or ports";
+               "' cannot be distinguished in '" + lidars[i].packets +
+               "': set different ports or senders";
       }
     }
   }
@@ -143,7 +145,7 @@ std::optional<std::string> DriveDescription::invalid() const {
 
 Result<Drive> Drive::open(const fs::path& folder) {
   const fs::path file = folder / "drive.toml";
-  const auto text = read_text(file, kMaxTextBytes);
+  const auto text = text::read_text(file, kMaxTextBytes);
   if (!text) return tl::unexpected(text.error());
   auto description = parse_drive(*text, file.string());
   if (!description) return tl::unexpected(description.error());
@@ -168,13 +170,13 @@ Result<void> write_drive_toml(const fs::path& folder, const DriveDescription& de
   const fs::path file = folder / "drive.toml";
   if (const auto wrong = description.invalid()) return fail(*wrong, file.string());
   const std::string text = format_drive(description);
-  // What TOML cannot hold (a name that is not UTF-8) shows here, not when the drive is opened.
+  // Detects text that TOML cannot represent, such as a name that is not UTF-8.
   if (const auto reparsed = parse_drive(text, file.string()); !reparsed)
     return tl::unexpected(reparsed.error());
   std::error_code failed;
   fs::create_directories(folder, failed);
-  if (failed) return fail("cannot be made: " + failed.message(), folder.string());
-  return write_text(file, text);
+  if (failed) return fail("cannot be created: " + failed.message(), folder.string());
+  return text::write_text(file, text);
 }
 
 }  // namespace infuse::recording

@@ -12,39 +12,40 @@
 
 namespace infuse::recording {
 
-/// Where a lidar's data lies: packets or decoded sweeps. Paths are relative to the drive.
+/// Files of one lidar: packets or decoded sweeps. Paths are relative to the drive.
 struct LidarFiles {
-  std::string packets;             ///< capture; several lidars may share one. Empty: none
-  std::string sweeps;              ///< folder of NNNNNN.bin or .pcd and times.csv. Empty: none
-  uint16_t port = 2368;            ///< UDP destination port of its data packets
-  uint16_t position_port = 8308;   ///< of its position packets
+  std::string packets;             ///< capture, may be shared by several lidars; empty: none
+  std::string sweeps;              ///< folder of NNNNNN.bin or .pcd and times.csv; empty: none
+  uint16_t port = 2368;            ///< UDP destination port of data packets
+  uint16_t position_port = 8308;   ///< UDP destination port of position packets
   std::optional<uint32_t> sender;  ///< IPv4 address, host byte order; absent: any
-  std::string calibration;         ///< the unit's own beam table; empty: the model's
+  std::string calibration;         ///< beam table of this unit; empty: the model's default
 };
 
-/// Where a camera's pictures lie.
+/// Files of one camera.
 struct CameraFiles {
-  std::string images;                 ///< folder of NNNNNN.png or .jpg and times.csv
-  std::optional<PixelFormat> mosaic;  ///< the pictures are grey files of a Bayer sensor
-  bool grey = false;                  ///< the files' colour is left out when they are read
+  std::string images;  ///< folder of NNNNNN.png or .jpg and times.csv
+  std::optional<PixelFormat>
+      mosaic;         ///< Bayer pattern, if the files are raw Bayer data stored as grey
+  bool grey = false;  ///< decode the files as grey images
 };
 
-/// Which CAN signal tells a quantity of the vehicle.
+/// Mapping of a vehicle quantity to the CAN signal that carries it.
 struct CanSignal {
   std::string quantity;  ///< one of `can_quantities()`
   std::string signal;    ///< "MESSAGE.SIGNAL", as the DBC file names them
-  double scale = 1;      ///< multiplies the SI value; −1 where the bus counts the other way
-  std::string unit;      ///< where the DBC's is missing or wrong; empty: the DBC's
+  double scale = 1;      ///< multiplies the SI value; −1 for a signal of opposite sign
+  std::string unit;      ///< replaces the unit in the DBC file; empty: the DBC file's
 
   bool operator==(const CanSignal&) const = default;
 };
 
-/// The vehicle's bus.
+/// Files of the vehicle's CAN bus.
 struct CanFiles {
-  std::string log;                     ///< as `candump -L` writes it
-  std::string dbc;                     ///< names its signals
-  std::string interface;               ///< frames of others are passed over; empty: all
-  std::optional<double> reverse_gear;  ///< value of `gear` in which wheel speeds count backward
+  std::string log;                     ///< candump log, as written by `candump -L`
+  std::string dbc;                     ///< DBC file that defines the signals
+  std::string interface;               ///< only frames of this interface are used; empty: all
+  std::optional<double> reverse_gear;  ///< value of `gear` for which wheel speeds are negated
   std::vector<CanSignal> signals;      ///< each quantity at most once
 };
 
@@ -53,14 +54,14 @@ struct CanFiles {
 /// acceleration_forward, …_left, …_up, angular_velocity_forward, …_left, …_up, gear.
 const std::vector<std::string>& can_quantities();
 
-/// What drive.toml says: the rig, and which file holds what. drivers/recording/DRIVE.md is its
-/// manual.
+/// Content of a drive.toml: the rig and the files of the drive. The format is documented in
+/// drivers/recording/DRIVE.md.
 struct DriveDescription {
   std::string name;           ///< free text
   bool times_trusted = true;  ///< false: the stamps are synthetic (`times = "synthetic"`)
   Rig rig;
-  std::vector<LidarFiles> lidars;    ///< an entry for each of `rig.lidars`
-  std::vector<CameraFiles> cameras;  ///< an entry for each of `rig.cameras`
+  std::vector<LidarFiles> lidars;    ///< one per entry of `rig.lidars`
+  std::vector<CameraFiles> cameras;  ///< one per entry of `rig.cameras`
   std::optional<CanFiles> can;
   std::string imu;          ///< imu.csv; empty: none
   std::string gnss;         ///< gnss.csv; empty: none
@@ -69,8 +70,8 @@ struct DriveDescription {
   std::string truth_poses;  ///< T_map_vehicle, TUM format; used to score, never to estimate
   std::string truth_rig;    ///< the true rig; used to score, never to estimate
 
-  /// What is wrong, or nothing: the rig, a path that leaves the drive, a lidar without data, two
-  /// lidars that cannot be told apart.
+  /// Returns what is invalid, if anything: the rig, a path outside the drive, a lidar without data,
+  /// two lidars whose packets cannot be distinguished.
   std::optional<std::string> invalid() const;
 };
 
@@ -79,14 +80,14 @@ struct Drive {
   std::filesystem::path folder;
   DriveDescription description;
 
-  /// Reads `folder`/drive.toml and looks whether every file that it names exists.
+  /// Reads `folder`/drive.toml and checks that every file it names exists.
   static Result<Drive> open(const std::filesystem::path& folder);
 
-  /// A path of the description, made usable from outside the drive.
+  /// Returns a path of the description relative to the working directory instead of the drive.
   std::filesystem::path resolve(const std::string& relative) const { return folder / relative; }
 };
 
-/// Writes `folder`/drive.toml, making the folder where it is missing.
+/// Writes `folder`/drive.toml. Creates the folder if it does not exist.
 Result<void> write_drive_toml(const std::filesystem::path& folder,
                               const DriveDescription& description);
 

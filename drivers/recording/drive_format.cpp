@@ -1,9 +1,9 @@
-#include <charconv>
 #include <cstdio>
 #include <span>
 
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/toml_names.hpp"
+#include "drivers/text/numbers.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -24,11 +24,10 @@ std::string format_string(std::string_view text) {
   return result + '"';
 }
 
-// The shortest digits that read back to the same number.
 std::string format_number(double value) {
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  return {digits.data(), end};
+  std::string digits;
+  text::append_number(digits, value);
+  return digits;
 }
 
 std::string format_numbers(std::span<const double> values) {

@@ -9,7 +9,7 @@ namespace {
 
 using Stream = Result<std::unique_ptr<EventStream>>;
 
-// The lidars of a drive that share the capture of lidar `first`; empty where an earlier one does.
+// Returns the lidars that share the capture of lidar `first`; empty if an earlier lidar does.
 std::vector<LidarRoute> find_routes(const DriveDescription& description, size_t first) {
   const std::string& packets = description.lidars[first].packets;
   std::vector<LidarRoute> routes;
@@ -22,7 +22,7 @@ std::vector<LidarRoute> find_routes(const DriveDescription& description, size_t 
   return routes;
 }
 
-// All streams of a drive, in the order in which equal stamps are handed out.
+// Opens all streams of a drive, in the order that applies to events with equal stamps.
 std::vector<Stream> open_streams(const Drive& drive) {
   const DriveDescription& description = drive.description;
   std::vector<Stream> streams;

@@ -18,76 +18,78 @@
 
 namespace infuse::recording {
 
-/// Stands for "no lidar of the rig sent this".
+/// Index of a datagram that no lidar of the rig has sent.
 inline constexpr size_t kNoLidar = std::numeric_limits<size_t>::max();
 
-/// A UDP datagram of a capture. `lidar` is an index into the rig, or `kNoLidar`.
+/// A UDP datagram of a capture. `lidar` is an index into `Rig::lidars`, or `kNoLidar`.
 struct DatagramEvent {
   size_t lidar = kNoLidar;
   Datagram datagram;
 };
 
-/// A decoded sweep of a source that has no packets. `lidar` is an index into the rig.
+/// A sweep of a lidar whose files contain decoded sweeps. `lidar` is an index into `Rig::lidars`.
 struct SweepEvent {
   size_t lidar = 0;
   const Sweep* sweep = nullptr;
 };
 
-/// A picture, not decoded yet. `camera` is an index into the rig; the event's stamp is the middle
-/// of the exposure (`stamp_delay` is subtracted).
+/// An image file, not decoded yet. `camera` is an index into `Rig::cameras`. The event's stamp is
+/// the middle of the exposure (`stamp_delay` is subtracted).
 struct ImageEvent {
   size_t camera = 0;
-  size_t sequence = 0;  ///< NNNNNN; gaps are lost frames
+  size_t sequence = 0;  ///< number of the file; gaps are lost frames
   const std::filesystem::path* path = nullptr;
 };
 
-/// A line of a candump log, as written, without its line end.
+/// A line of a candump log, without its line end.
 struct CanLineEvent {
   std::string_view line;
 };
 
-/// One thing that happened during a drive. What it points to is valid until the next event is asked
-/// for.
+/// One recorded measurement with its stamp. Pointers and spans are valid until the next event is
+/// read.
 struct DriveEvent {
   Stamp stamp;
   std::variant<DatagramEvent, SweepEvent, ImageEvent, CanLineEvent, ImuSample, GnssFix> content;
 };
 
-/// One recorded stream, in the order of its file.
+/// One recorded stream, in file order.
 class EventStream {
  public:
   virtual ~EventStream() = default;
 
-  /// The next event, or false at the end. What the event points to is valid until the next call.
+  /// Reads the next event; pointers and spans in it are valid until the next call. Returns false at
+  /// the end.
   virtual bool next(DriveEvent& event) = 0;
 
-  /// Appends what was wrong so far: where a file ends early, which lines were skipped.
+  /// Appends the problems found so far, such as a truncated file or skipped lines.
   virtual void append_notes(std::vector<Error>& notes) const = 0;
 };
 
-/// A drive, or a bare capture, as one stream in stamp order: the merge of its files. Streams whose
-/// stamps are equal come in the order in which they were added; an event whose stamp lies before
-/// the one handed out last (a clock that jumped) comes as soon as it is reached, and is counted.
-/// Allocates nothing per event once the largest sweep has been seen.
+/// Merges the files of a drive, or a bare capture, into one stream in stamp order. Events with
+/// equal stamps are ordered by their streams, in the order in which these were added. An event
+/// whose stamp is earlier than that of the previous event (after a clock step) is returned as soon
+/// as it is reached, and counted. Allocates nothing per event after the largest sweep has been
+/// read.
 class DriveSource {
  public:
-  /// All streams of a drive: captures, sweeps, images, CAN, IMU, GPS.
+  /// Opens all streams of a drive: captures, sweeps, images, CAN, IMU, GNSS.
   static Result<DriveSource> open(const Drive& drive);
 
-  /// A bare capture; every datagram that passes the options is lidar 0's.
+  /// Opens a bare capture; every datagram that passes the filter belongs to lidar 0.
   static Result<DriveSource> open_capture(const std::filesystem::path& path,
                                           const PcapOptions& options = {});
 
   /// Adds a stream. Call before the first `next`.
   void add(std::unique_ptr<EventStream> stream);
 
-  /// The next event in stamp order, or false at the end.
+  /// Reads the next event in stamp order. Returns false at the end.
   bool next(DriveEvent& event);
 
-  /// What was wrong so far in the files, to be shown to a person.
+  /// Returns the problems found so far in the files, for display.
   std::vector<Error> notes() const;
 
-  /// Events handed out whose stamp lay before the one handed out earlier.
+  /// Number of events whose stamp was earlier than that of the previous event.
   uint64_t out_of_order_count() const { return out_of_order_count_; }
 
  private:
@@ -99,7 +101,7 @@ class DriveSource {
   void advance(Input& input) { input.has_pending = input.stream->next(input.pending); }
 
   std::vector<Input> inputs_;
-  size_t current_input_ = kNoInput;  ///< whose pending event the caller holds
+  size_t current_input_ = kNoInput;  ///< input whose pending event was returned last
   Stamp last_stamp_ = Stamp::earliest();
   uint64_t out_of_order_count_ = 0;
   bool started_ = false;

@@ -45,7 +45,8 @@ void read_sender(TomlTable& table, std::optional<uint32_t>& sender) {
   if (table.node("sender") == nullptr) return;
   in_addr address{};
   if (inet_pton(AF_INET, text.c_str(), &address) != 1)
-    return table.report_error("sender", "sender must be an IPv4 address", "as \"192.168.1.201\"");
+    return table.report_error("sender", "sender must be an IPv4 address",
+                              "for example \"192.168.1.201\"");
   sender = ntohl(address.s_addr);
 }
 
@@ -119,7 +120,7 @@ std::optional<Error> read_can(const toml::table& source, const std::string& file
   return read_can_signals(*signals, file, can.signals);
 }
 
-// The tables [imu], [gnss], [map], [truth] contain strings only.
+// Reads one of the tables [imu], [gnss], [map], [truth], which contain only paths.
 std::optional<Error> read_paths(TomlTable& root, const std::string& file, std::string_view name,
                                 std::initializer_list<std::pair<const char*, std::string*>> keys) {
   const toml::table* source = root.table(name);
@@ -129,8 +130,9 @@ std::optional<Error> read_paths(TomlTable& root, const std::string& file, std::s
   return table.finish();
 }
 
-// `Files` is LidarFiles, CameraFiles, or nothing in a rig.toml. After each sensor `check` looks at
-// all that was read so far, so that a complaint carries this sensor's line.
+// Reads all sensors of one kind. `files` is a vector of LidarFiles or CameraFiles, or null in a
+// rig.toml. `check` validates everything read so far after each sensor, so that its error carries
+// that sensor's line.
 template <class Mount, class Check>
 std::optional<Error> read_sensors(TomlTable& root, const std::string& file, const char* key,
                                   std::vector<Mount>& mounts, auto* files, const Check& check) {
@@ -161,9 +163,12 @@ std::optional<Error> read_drive(const toml::table& source, const std::string& fi
     if (auto wrong = read_can(*can, file, drive.can.emplace())) return wrong;
   }
   if (auto wrong = read_paths(root, file, "imu", {{"file", &drive.imu}})) return wrong;
-  if (auto wrong =
-          read_paths(root, file, "gnss", {{"file", &drive.gnss}, {"lidar", &drive.gnss_lidar}}))
-    return wrong;
+  for (const char* name : {"gps", "gnss"}) {  // gps: drives of earlier versions
+    if (auto wrong =
+            read_paths(root, file, name, {{"file", &drive.gnss}, {"lidar", &drive.gnss_lidar}})) {
+      return wrong;
+    }
+  }
   if (auto wrong = read_paths(root, file, "map", {{"file", &drive.map}})) return wrong;
   if (auto wrong = read_paths(root, file, "truth",
                               {{"poses", &drive.truth_poses}, {"rig", &drive.truth_rig}}))
@@ -204,14 +209,14 @@ Result<Rig> parse_rig(std::string_view text, const std::string& file) {
 }
 
 Result<Rig> read_rig(const std::filesystem::path& path) {
-  const auto text = read_text(path, kMaxTextBytes);
+  const auto text = text::read_text(path, kMaxTextBytes);
   if (!text) return tl::unexpected(text.error());
   return parse_rig(*text, path.string());
 }
 
 Result<void> write_rig(const std::filesystem::path& path, const Rig& rig) {
   if (const auto wrong = rig.invalid()) return fail(*wrong, path.string());
-  return write_text(path, format_rig(rig));
+  return text::write_text(path, format_rig(rig));
 }
 
 }  // namespace infuse::recording

@@ -10,22 +10,22 @@
 
 namespace infuse::recording {
 
-/// Reads the text of a drive.toml. Errors carry file name and line: "drive.toml:12: unknown key
-/// 'modle' (known keys: …)". Text longer than 1 MiB is refused.
+/// Parses a drive.toml. Errors contain the file name and the line: "drive.toml:12: unknown key
+/// 'modle' (known keys: …)". Text longer than 1 MiB is an error.
 Result<DriveDescription> parse_drive(std::string_view text, const std::string& file = "drive.toml");
 
-/// The text that `parse_drive` reads back to an equal description.
+/// Formats a description so that `parse_drive` returns an equal one.
 std::string format_drive(const DriveDescription& description);
 
-/// Reads the text of a rig.toml: the [[lidar]] and [[camera]] tables of a drive.toml, without
-/// files.
+/// Parses a rig.toml: the [[lidar]] and [[camera]] tables of a drive.toml, without files.
 Result<Rig> parse_rig(std::string_view text, const std::string& file = "rig.toml");
 
-/// The text that `parse_rig` reads back to an equal rig.
+/// Formats a rig so that `parse_rig` returns an equal one.
 std::string format_rig(const Rig& rig);
 
-/// A rig.toml on disk.
+/// Reads a rig.toml from disk.
 Result<Rig> read_rig(const std::filesystem::path& path);
+/// Writes a rig.toml. Fails if the rig is invalid or the file cannot be written.
 Result<void> write_rig(const std::filesystem::path& path, const Rig& rig);
 
 }  // namespace infuse::recording

@@ -3,11 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <cstring>
-
+#include "drivers/gnss/gnss_csv.hpp"
+#include "drivers/receive/file_descriptor.hpp"
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/recording/imu_csv.hpp"
 #include "drivers/recording/mapped_file.hpp"
+#include "drivers/recording/numbered_files.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
@@ -21,7 +21,7 @@ constexpr fs::perms kFolderPermissions =
 constexpr fs::perms kFilePermissions =
     fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read;
 
-/// Readable by the group, whatever the umask.
+/// Sets permissions independently of the umask.
 void set_permissions(const fs::path& path, fs::perms permissions) {
   std::error_code ignored;
   fs::permissions(path, permissions, ignored);
@@ -30,7 +30,8 @@ void set_permissions(const fs::path& path, fs::perms permissions) {
 Result<void> create_folder(const fs::path& path) {
   std::error_code failed;
   if (!fs::create_directory(path, failed)) {
-    return fail(failed ? "cannot be made: " + failed.message() : "is there already", path.string());
+    return fail(failed ? "cannot be created: " + failed.message() : "already exists",
+                path.string());
   }
   set_permissions(path, kFolderPermissions);
   return {};
@@ -38,7 +39,7 @@ Result<void> create_folder(const fs::path& path) {
 
 Result<void> write_file(const fs::path& path, std::span<const uint8_t> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (auto written = write_text(path, text); !written) return written;
+  if (auto written = text::write_text(path, text); !written) return written;
   set_permissions(path, kFilePermissions);
   return {};
 }
@@ -93,7 +94,7 @@ Result<void> DriveWriter::create_files() {
     can_log_ = *std::move(can_log);
   }
   if (!description_.gnss.empty()) {
-    auto gnss_log = append(description_.gnss, kGnssCsvHeader);
+    auto gnss_log = append(description_.gnss, gnss::kGnssCsvHeader);
     if (!gnss_log) return tl::unexpected(gnss_log.error());
     gnss_log_ = *std::move(gnss_log);
   }
@@ -101,7 +102,7 @@ Result<void> DriveWriter::create_files() {
 }
 
 Result<void> DriveWriter::copy_file(const CopiedFile& file) {
-  const auto text = read_text(file.from, kMaxCopyBytes);
+  const auto text = text::read_text(file.from, kMaxCopyBytes);
   if (!text) return tl::unexpected(text.error());
   image_bytes_ += text->size();
   return write_file(folder_ / file.to,
@@ -127,18 +128,16 @@ void DriveWriter::write_can_line(std::string_view line) {
 }
 
 void DriveWriter::write_gnss(const GnssFix& fix) {
-  if (gnss_log_) gnss_log_->add(format_gnss_row(fix));
+  if (gnss_log_) gnss_log_->add(gnss::format_gnss_row(fix));
 }
 
-// The row follows the file: where the first is missing, the second is passed over by a reader.
+// The row is written after the file, because a reader ignores a file without a row.
 Result<void> DriveWriter::write_image(size_t camera, Stamp stamp, uint64_t number,
                                       std::span<const uint8_t> file, const char* extension) {
   ImageFolder& image_folder = cameras_[camera];
   if (number < image_folder.rows || number - image_folder.rows > kMaxLostFrames)
     number = image_folder.rows;
-  char name[32];
-  std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(number));
-  const fs::path path = image_folder.folder / (std::string(name) + extension);
+  const fs::path path = image_folder.folder / numbered_file_name(number, extension);
   const fs::path temporary = path.string() + ".part";
   auto written = write_file(temporary, file);
   std::error_code failed;
@@ -149,7 +148,7 @@ Result<void> DriveWriter::write_image(size_t camera, Stamp stamp, uint64_t numbe
     return written ? fail("cannot be written: " + failed.message(), path.string()) : written;
   }
   image_bytes_ += file.size();
-  // A lost frame's row has no file, and its time says nothing.
+  // Rows of lost frames have no file; their stamp is meaningless.
   const std::string row = std::to_string(stamp.ns()) + '\n';
   for (; image_folder.rows <= number; ++image_folder.rows) image_folder.times.add(row);
   return {};
@@ -181,10 +180,8 @@ Result<void> DriveWriter::flush() {
 }
 
 void DriveWriter::sync() {
-  const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return;
-  ::syncfs(folder);
-  ::close(folder);
+  const receive::FileDescriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder) ::syncfs(folder.get());
 }
 
 uint64_t DriveWriter::bytes() const {

@@ -17,54 +17,55 @@
 
 namespace infuse::recording {
 
-/// Writes a drive while it happens. At every moment what is in the folder is a drive: files end
-/// behind a whole record, pictures are there whole or not at all. Errors leave it so; what was
-/// written since the last `flush` may then be missing.
+/// Writes a drive during recording. The folder is a valid drive at any time, also after an error:
+/// files end after a whole record and images are complete. After an error, data written since the
+/// last `flush` may be missing.
 class DriveWriter {
  public:
-  /// A file that belongs to the drive: what names the signals of the bus, a lidar's beam table.
+  /// A file to copy into the drive, such as a DBC file or a beam table.
   struct CopiedFile {
     std::filesystem::path from;
-    std::string to;  ///< in the drive
+    std::string to;  ///< relative to the drive
   };
 
-  /// Makes the folder, which must not be there, and in it the files that the description names:
-  /// one capture of all lidars, a folder for each camera, the bus's log and gps.csv.
+  /// Creates the folder, which must not exist, and the files that the description names: one
+  /// capture for all lidars, a folder for each camera, the CAN log and gnss.csv.
   static Result<DriveWriter> create(const std::filesystem::path& folder,
                                     const DriveDescription& description,
                                     const std::vector<CopiedFile>& copies);
 
-  /// A datagram of any lidar.
+  /// Writes a datagram of any lidar.
   Result<void> write_datagram(const Datagram& datagram);
 
-  /// A line of the bus's log, without its end; nothing where the drive has no bus.
+  /// Writes a line of the CAN log, given without its end. Does nothing if the drive has no CAN log.
   void write_can_line(std::string_view line);
 
-  /// A fix of the receiver; nothing where the drive has none.
+  /// Writes a GNSS fix. Does nothing if the drive has no GNSS file.
   void write_gnss(const GnssFix& fix);
 
-  /// A picture file. `number` is where it stands among this camera's, and grows: numbers left out
-  /// are lost frames. `extension` with its dot: ".png" or ".jpg".
+  /// Writes an image file. `number` is the frame number of this camera and increases; skipped
+  /// numbers are lost frames. `extension` includes the dot: ".png" or ".jpg".
   Result<void> write_image(size_t camera, Stamp stamp, uint64_t number,
                            std::span<const uint8_t> file, const char* extension);
 
-  /// How this camera's pictures are to be read, see `CameraFiles`. Rewrites drive.toml where that
-  /// is new.
+  /// Sets `CameraFiles::mosaic` and `CameraFiles::grey` of a camera. Rewrites drive.toml if they
+  /// change.
   Result<void> set_pixel_format(size_t camera, std::optional<PixelFormat> mosaic, bool grey);
 
-  /// Hands everything to the system, so that the end of this process costs nothing of it.
+  /// Writes all buffered data to the files, so that it survives the end of this process.
   Result<void> flush();
 
-  /// Brings everything to the disk, so that a power cut costs nothing of it. Takes its time.
+  /// Writes all files to the disk (syncfs), so that they survive a power cut. Blocks.
   void sync();
 
-  /// Of all files so far.
+  /// Number of bytes in all files.
   uint64_t bytes() const;
 
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
-  static constexpr uint64_t kMaxLostFrames = 10'000;  // frames in a row; more is another count
+  static constexpr uint64_t kMaxLostFrames =
+      10'000;  // larger gaps mean that the numbering restarted
 
   struct ImageFolder {
     std::filesystem::path folder;
@@ -84,7 +85,7 @@ class DriveWriter {
   std::optional<PcapWriter> packets_;
   std::vector<ImageFolder> cameras_;
   std::optional<AppendFile> can_log_, gnss_log_;
-  uint64_t image_bytes_ = 0;  // and of copies
+  uint64_t image_bytes_ = 0;  // of images and copied files
 };
 
 }  // namespace infuse::recording

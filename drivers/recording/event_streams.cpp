@@ -2,17 +2,26 @@
 
 #include <algorithm>
 
-#include "drivers/recording/candump_stamp.hpp"
+#include "drivers/gnss/gnss_csv.hpp"
 #include "drivers/recording/imu_csv.hpp"
 #include "drivers/recording/sweep_files.hpp"
 #include "drivers/recording/times_csv.hpp"
 #include "drivers/text/line_reader.hpp"
+#include "drivers/text/stamp_text.hpp"
 
 namespace infuse::recording {
 namespace {
 
 void append(std::vector<Error>& notes, const std::vector<Error>& more) {
   notes.insert(notes.end(), more.begin(), more.end());
+}
+
+// Stamp at the beginning of a candump line: "(1436509052.249713) …".
+std::optional<Stamp> parse_candump_stamp(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
+  const size_t end = line.find(')');
+  if (!line.starts_with('(') || end == std::string_view::npos) return std::nullopt;
+  return text::parse_stamp(line.substr(1, end - 1));
 }
 
 class CaptureStream : public EventStream {
@@ -58,7 +67,7 @@ class SweepStream : public EventStream {
       const uintmax_t size = std::filesystem::file_size(entry.path, failed);
       if (!failed) largest = std::max(largest, size);
     }
-    constexpr uintmax_t kMaxPoints = (64 << 20) / 16;  // larger ones are refused
+    constexpr uintmax_t kMaxPoints = (64 << 20) / 16;  // maximum of SweepReader
     reader_.reserve(static_cast<size_t>(std::min(largest / 16, kMaxPoints)), sweep_);
   }
 
@@ -84,7 +93,7 @@ class SweepStream : public EventStream {
     append(notes, files_.notes);
     if (unreadable_ > 0) {
       notes.push_back(first_error_);
-      notes.back().hint = std::to_string(unreadable_) + " such sweeps were left out";
+      notes.back().hint = std::to_string(unreadable_) + " such sweeps were skipped";
     }
   }
 
@@ -123,7 +132,7 @@ class ImageStream : public EventStream {
 
 class CanStream : public EventStream {
  public:
-  CanStream(LineReader lines, std::string file)
+  CanStream(text::LineReader lines, std::string file)
       : lines_(std::move(lines)), file_(std::move(file)) {}
 
   bool next(DriveEvent& event) override {
@@ -144,24 +153,24 @@ class CanStream : public EventStream {
 
   void append_notes(std::vector<Error>& notes) const override {
     if (malformed_lines_ > 0) {
-      notes.push_back({"does not begin with a time as '(1436509052.249713)'",
+      notes.push_back({"does not begin with a time such as '(1436509052.249713)'",
                        file_ + ":" + std::to_string(first_malformed_line_),
-                       std::to_string(malformed_lines_) + " such lines were left out"});
+                       std::to_string(malformed_lines_) + " such lines were skipped"});
     }
     if (lines_.too_long_lines() > 0) {
       notes.push_back(
-          {std::to_string(lines_.too_long_lines()) + " overlong lines were left out", file_, {}});
+          {std::to_string(lines_.too_long_lines()) + " overlong lines were skipped", file_, {}});
     }
   }
 
  private:
-  LineReader lines_;
+  text::LineReader lines_;
   std::string file_;
   uint64_t malformed_lines_ = 0;
   uint64_t first_malformed_line_ = 0;
 };
 
-// `Csv` is ImuCsv or GnssCsv, `Sample` what it reads.
+// `Csv` is ImuCsv or gnss::GnssCsv, `Sample` the type that it reads.
 template <class Csv, class Sample>
 class SampleStream : public EventStream {
  public:
@@ -206,7 +215,7 @@ Result<std::unique_ptr<EventStream>> open_image_stream(const std::filesystem::pa
 }
 
 Result<std::unique_ptr<EventStream>> open_can_stream(const std::filesystem::path& path) {
-  auto lines = LineReader::open(path);
+  auto lines = text::LineReader::open(path);
   if (!lines) return tl::unexpected(lines.error());
   return std::make_unique<CanStream>(std::move(*lines), path.string());
 }
@@ -218,9 +227,9 @@ Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path
 }
 
 Result<std::unique_ptr<EventStream>> open_gnss_stream(const std::filesystem::path& path) {
-  auto csv = GnssCsv::open(path);
+  auto csv = gnss::GnssCsv::open(path);
   if (!csv) return tl::unexpected(csv.error());
-  return std::make_unique<SampleStream<GnssCsv, GnssFix>>(std::move(*csv));
+  return std::make_unique<SampleStream<gnss::GnssCsv, GnssFix>>(std::move(*csv));
 }
 
 }  // namespace infuse::recording

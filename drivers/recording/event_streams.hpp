@@ -9,7 +9,7 @@
 
 namespace infuse::recording {
 
-/// Which lidar of the rig a datagram belongs to.
+/// Rule that assigns datagrams to a lidar of the rig.
 struct LidarRoute {
   size_t lidar = 0;
   uint16_t port = 0;
@@ -17,23 +17,26 @@ struct LidarRoute {
   std::optional<uint32_t> sender;  ///< absent: any
 };
 
-/// The datagrams of a capture; `routes` empty: all are lidar 0's.
+/// Opens the datagrams of a capture. If `routes` is empty, all belong to lidar 0.
 Result<std::unique_ptr<EventStream>> open_capture_stream(const std::filesystem::path& path,
                                                          const PcapOptions& options,
                                                          std::vector<LidarRoute> routes);
 
-/// Decoded sweeps of lidar `lidar`. `times_trusted` goes into their clock state.
+/// Opens the decoded sweeps of lidar `lidar`. `times_trusted` is copied to their clock state.
 Result<std::unique_ptr<EventStream>> open_sweep_stream(const std::filesystem::path& folder,
                                                        size_t lidar, bool times_trusted);
 
-/// Pictures of camera `camera`; `stamp_delay` is subtracted from their stamps.
+/// Opens the images of camera `camera`; `stamp_delay` is subtracted from their stamps.
 Result<std::unique_ptr<EventStream>> open_image_stream(const std::filesystem::path& folder,
                                                        size_t camera, Duration stamp_delay);
 
-/// Lines of a candump log: "(seconds.fraction) …"; others are left out and noted.
+/// Opens the lines of a candump log: "(seconds.fraction) …". Other lines are skipped and noted.
 Result<std::unique_ptr<EventStream>> open_can_stream(const std::filesystem::path& path);
 
+/// Opens an imu.csv.
 Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path& path);
+
+/// Opens a gnss.csv.
 Result<std::unique_ptr<EventStream>> open_gnss_stream(const std::filesystem::path& path);
 
 }  // namespace infuse::recording

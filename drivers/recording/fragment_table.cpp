@@ -4,7 +4,7 @@
 
 namespace infuse::recording {
 
-FragmentTable::FragmentTable(size_t slots, Duration age) : slots_(slots), timeout_(age) {
+FragmentTable::FragmentTable(size_t slots, Duration timeout) : slots_(slots), timeout_(timeout) {
   for (Slot& slot : slots_) slot.bytes = std::make_unique_for_overwrite<uint8_t[]>(kMaxBytes);
 }
 
@@ -61,7 +61,7 @@ FragmentTable::Slot* FragmentTable::find(const Ipv4Fragment& fragment) {
 }
 
 FragmentTable::Slot& FragmentTable::allocate_slot(const Ipv4Fragment& fragment) {
-  // A free slot, or else the oldest.
+  // A free slot, otherwise the oldest.
   Slot& slot = *std::min_element(slots_.begin(), slots_.end(), [](const Slot& a, const Slot& b) {
     return a.used != b.used ? !a.used : a.first_stamp < b.first_stamp;
   });
@@ -86,7 +86,7 @@ void FragmentTable::drop(Slot& slot) {
 
 void FragmentTable::drop_expired(Stamp now) {
   for (Slot& slot : slots_) {
-    // Either way: a clock that jumps back must not keep a slot for ever.
+    // In both directions: after a clock step backward a slot must not stay in use forever.
     if (slot.used && (now - slot.first_stamp > timeout_ || slot.first_stamp - now > timeout_))
       drop(slot);
   }

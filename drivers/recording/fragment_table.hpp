@@ -18,24 +18,25 @@ struct Ipv4Fragment {
   uint32_t destination = 0;
   uint16_t identification = 0;
   size_t offset = 0;            ///< bytes into the packet's payload, a multiple of 8
-  bool more_fragments = false;  ///< others follow
+  bool more_fragments = false;  ///< false for the last fragment of a packet
   std::span<const uint8_t> bytes;
 };
 
-/// Puts IPv4 fragments together, in fixed memory: when all slots are taken the oldest packet goes,
-/// and so does one that is not whole after `age`. Where fragments overlap, the later one counts.
+/// Reassembles IPv4 fragments in fixed memory. A packet is dropped if it is incomplete after
+/// `timeout`, or if it is the oldest and all slots are in use. If fragments overlap, the later one
+/// wins.
 class FragmentTable {
  public:
-  FragmentTable(size_t slots, Duration age);
+  FragmentTable(size_t slots, Duration timeout);
 
-  /// Takes a fragment. Gives the payload of the packet that it completes, valid until the next
-  /// call, otherwise nothing.
+  /// Adds a fragment. Returns the payload of the packet that it completes, valid until the next
+  /// call; otherwise an empty span.
   std::span<const uint8_t> add(const Ipv4Fragment& fragment);
 
-  /// Fragments that were given up: too old, pushed out, contradictory, beyond 65 535 bytes.
+  /// Number of fragments dropped: timed out, evicted, contradictory, or beyond 65 535 bytes.
   uint64_t dropped() const { return dropped_; }
 
-  /// Gives up what is not whole. Call at the end of the stream.
+  /// Drops all incomplete packets. Call at the end of the stream.
   void drop_all();
 
  private:
@@ -47,9 +48,9 @@ class FragmentTable {
     uint32_t source = 0, destination = 0;
     uint16_t identification = 0;
     uint64_t fragments = 0;
-    size_t total_bytes = 0;  // bytes; 0 until the last fragment has come
+    size_t total_bytes = 0;  // 0 until the last fragment has arrived
     size_t units_present = 0;
-    size_t max_end = 0;  // end of the furthest fragment, bytes
+    size_t max_end = 0;  // largest end of a fragment, bytes
     std::bitset<kMaxUnits> present;
     std::unique_ptr<uint8_t[]> bytes;
   };

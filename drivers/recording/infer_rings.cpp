@@ -9,18 +9,18 @@ namespace infuse::recording {
 namespace {
 
 constexpr size_t kMaxRings = 128;
-constexpr size_t kHistogramBins = 4096;   // of the histogram of azimuth steps
-constexpr double kBinsPerTurn = 1 << 18;  // the widest step that is counted is a 64th of a turn
+constexpr size_t kHistogramBins = 4096;   // histogram of azimuth steps
+constexpr double kBinsPerTurn = 1 << 18;  // the largest step in the histogram is 1/64 turn
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-// Where the rings begin: ring k is points starts[k] … starts[k + 1] − 1.
+// First point of each ring: ring k consists of the points starts[k] … starts[k + 1] − 1.
 struct RingStarts {
   std::array<size_t, kMaxRings + 1> starts{};
-  size_t count = 0;  // 0 where there are too many
+  size_t count = 0;  // 0 if there are too many
 };
 
-// Whether the azimuth (0 … 2π) falls by more than π from point i − 1 to i: from the right half
-// plane to the left one, by less than half a turn counter-clockwise. Exact: no trigonometry.
+// True if the azimuth (0 … 2π) decreases by more than π from point i − 1 to point i, that is, the
+// sweep crosses the positive x axis from right to left. Exact, without trigonometry.
 bool azimuth_wraps(const Sweep& sweep, size_t i) {
   const float x0 = sweep.x[i - 1], y0 = sweep.y[i - 1], x1 = sweep.x[i], y1 = sweep.y[i];
   return y0 < 0 && y1 >= 0 &&
@@ -62,7 +62,7 @@ double compute_azimuth(const Sweep& sweep, size_t i) {
   return angle < 0 ? angle + kTwoPi : angle;
 }
 
-// Calls `use` with each step of azimuth to the next point of the same ring, in turns.
+// Calls `use` with each azimuth step to the next point of the same ring, in turns.
 template <class Use>
 void for_each_step(const Sweep& sweep, const RingStarts& rings, const Use& use) {
   for (size_t k = 0; k < rings.count; ++k) {
@@ -75,7 +75,8 @@ void for_each_step(const Sweep& sweep, const RingStarts& rings, const Use& use) 
   }
 }
 
-// Steps a turn: the median step by a histogram, then the mean of those near it. 0 where unknown.
+// Returns the number of steps per turn: the mean of the steps near the median, which is found with
+// a histogram. 0 if unknown.
 uint32_t count_columns(const Sweep& sweep, const RingStarts& rings) {
   std::array<uint32_t, kHistogramBins> histogram{};
   uint64_t steps = 0;
@@ -108,8 +109,8 @@ void clear_rings(Sweep& sweep) {
   sweep.columns = 0;
 }
 
-// Fills `ring`, `column`, `rings`, `columns`; false, and nothing, where the columns' width is not
-// to be found.
+// Fills `ring`, `column`, `rings`, `columns`. Returns false and changes nothing if the column width
+// cannot be determined.
 bool assign_rings_and_columns(Sweep& sweep, const RingStarts& rings) {
   const uint32_t columns = count_columns(sweep, rings);
   if (columns == 0) return false;

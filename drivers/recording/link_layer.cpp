@@ -13,7 +13,7 @@ bool is_vlan_tag(uint16_t ether_type) {
   return ether_type == 0x8100 || ether_type == 0x88A8 || ether_type == 0x9100;
 }
 
-// `header` bytes, of which the EtherType stands at `type_at`; VLAN tags may follow the header.
+// Parses a header of `header` bytes with the EtherType at offset `type_at`, and VLAN tags after it.
 LinkPayload parse_ether_type(std::span<const uint8_t> frame, size_t type_at, size_t header) {
   if (frame.size() < header) return {LinkPayload::Kind::kTooShort, {}};
   uint16_t type = read_u16(frame, type_at);
@@ -32,7 +32,7 @@ LinkPayload parse_raw_ip(std::span<const uint8_t> frame) {
   return {LinkPayload::Kind::kIpv4, frame};
 }
 
-// The address family stands in four bytes of either order; AF_INET is 2 everywhere.
+// The address family has four bytes in either byte order; AF_INET is 2 on all systems.
 LinkPayload parse_bsd_loopback(std::span<const uint8_t> frame) {
   if (frame.size() < 4) return {LinkPayload::Kind::kTooShort, {}};
   const uint32_t family = read_u32(frame, 0);

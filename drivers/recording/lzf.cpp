@@ -26,7 +26,7 @@ bool decompress_lzf(std::span<const uint8_t> compressed, std::span<uint8_t> out)
     if (from == compressed.size()) return false;
     const size_t distance = ((control & 31) << 8) + compressed[from++] + 1;
     if (distance > to || length > out.size() - to) return false;
-    // Byte by byte: what is copied may reach into what it has made.
+    // Byte by byte, because source and destination may overlap.
     for (const size_t end = to + length; to < end; ++to) out[to] = out[to - distance];
   }
   return to == out.size();

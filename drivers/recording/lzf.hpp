@@ -5,9 +5,9 @@
 
 namespace infuse::recording {
 
-/// Unpacks what Marc Lehmann's LZF has packed: a byte below 32 is followed by that many and one
-/// bytes as they are, any other refers back to at most 8 KiB before. False where the packed bytes
-/// do not give exactly `out`; its content is then of no use.
-bool decompress_lzf(std::span<const uint8_t> packed, std::span<uint8_t> out);
+/// Decompresses LZF data (Marc Lehmann's liblzf): a control byte n below 32 precedes n + 1 literal
+/// bytes; any other refers back by at most 8 KiB. Returns false if the data does not decompress to
+/// exactly `out.size()` bytes; the content of `out` is then undefined.
+bool decompress_lzf(std::span<const uint8_t> compressed, std::span<uint8_t> out);
 
 }  // namespace infuse::recording

@@ -6,29 +6,16 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <string>
+
+#include "drivers/receive/file_descriptor.hpp"
+#include "drivers/receive/system_error.hpp"
 
 namespace infuse::recording {
 namespace {
 
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
-
-std::string errno_message(const char* what) {
-  return std::string(what) + ": " + std::strerror(errno);
-}
+using receive::fail_errno;
+using receive::FileDescriptor;
 
 bool write_all(int file, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
@@ -47,17 +34,16 @@ MappedFile::~MappedFile() {
 }
 
 Result<MappedFile> MappedFile::open(const std::filesystem::path& path) {
-  // O_NONBLOCK: a pipe must not keep us waiting, it is refused below.
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (file.number() < 0) return fail(errno_message("cannot be opened"), path.string());
+  // O_NONBLOCK: opening a pipe must not block; it is rejected below.
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file) return fail_errno("cannot be opened", path.string());
   struct stat status {};
-  if (::fstat(file.number(), &status) != 0)
-    return fail(errno_message("cannot be read"), path.string());
-  if (!S_ISREG(status.st_mode)) return fail("is no file", path.string());
+  if (::fstat(file.get(), &status) != 0) return fail_errno("cannot be read", path.string());
+  if (!S_ISREG(status.st_mode)) return fail("is not a regular file", path.string());
   if (status.st_size <= 0) return fail("is empty", path.string());
   const auto size = static_cast<size_t>(status.st_size);
-  void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
-  if (memory == MAP_FAILED) return fail(errno_message("cannot be mapped"), path.string());
+  void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
+  if (memory == MAP_FAILED) return fail_errno("cannot be mapped", path.string());
   MappedFile mapped;
   mapped.bytes_ = {static_cast<const std::byte*>(memory), size};
   return mapped;
@@ -66,18 +52,17 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path) {
 Result<void> write_file_atomically(const std::filesystem::path& path,
                                    std::span<const std::byte> bytes) {
   std::string temporary = path.string() + ".XXXXXX";
-  const Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
-  if (file.number() < 0) {
-    return fail(errno_message("cannot be written"), path.string(),
-                "is the folder there and writable?");
+  const FileDescriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
+  if (!file) {
+    return fail_errno("cannot be written", path.string(),
+                      "does the folder exist, and is it writable?");
   }
-  const bool succeeded = ::fchmod(file.number(), 0644) == 0 && write_all(file.number(), bytes) &&
-                         ::fsync(file.number()) == 0 &&
-                         ::rename(temporary.c_str(), path.c_str()) == 0;
+  const bool succeeded = ::fchmod(file.get(), 0644) == 0 && write_all(file.get(), bytes) &&
+                         ::fsync(file.get()) == 0 && ::rename(temporary.c_str(), path.c_str()) == 0;
   if (succeeded) return {};
-  const std::string message = errno_message("cannot be written");
+  const int reason = errno;
   ::unlink(temporary.c_str());
-  return fail(message, path.string(), "is the disk full?");
+  return fail_errno("cannot be written", path.string(), "is the disk full?", reason);
 }
 
 }  // namespace infuse::recording

@@ -9,11 +9,11 @@
 
 namespace infuse::recording {
 
-/// A file in memory, read when it is touched. It must not be cut while it is mapped; files that are
-/// replaced whole (`write_file_atomically`) may be.
+/// A file mapped into memory for reading. The file must not be truncated while it is mapped; it may
+/// be replaced (`write_file_atomically`).
 class MappedFile {
  public:
-  /// Nothing mapped.
+  /// An empty mapping.
   MappedFile() = default;
   ~MappedFile();
   MappedFile(MappedFile&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
@@ -22,17 +22,18 @@ class MappedFile {
     return *this;
   }
 
-  /// Maps a file for reading; fails where it is not there, is no regular file, or is empty.
+  /// Maps a file. Fails if it does not exist, is not a regular file, or is empty.
   static Result<MappedFile> open(const std::filesystem::path& path);
 
+  /// Content of the file.
   std::span<const std::byte> bytes() const { return bytes_; }
 
  private:
   std::span<const std::byte> bytes_;
 };
 
-/// Writes a file beside `path`, flushes it to the disk and renames it into place: whoever reads
-/// `path` finds the old file or the new one, whole.
+/// Writes a temporary file beside `path`, flushes it to the disk and renames it to `path`. Readers
+/// see either the old or the new file, both complete.
 Result<void> write_file_atomically(const std::filesystem::path& path,
                                    std::span<const std::byte> bytes);
 

@@ -16,13 +16,13 @@ namespace {
 
 constexpr size_t kFileBufferBytes = 1 << 18;
 
-// Both saturate: the seconds of a damaged file can be anything.
+// Saturates: the seconds of a damaged file can have any value.
 Stamp to_stamp(const timeval& time) {
   int64_t ns = 0;
   if (__builtin_mul_overflow(static_cast<int64_t>(time.tv_sec), int64_t{1'000'000'000}, &ns)) {
     return time.tv_sec > 0 ? Stamp::latest() : Stamp::earliest();
   }
-  return Stamp::from_ns(ns) + Duration(time.tv_usec);  // nanoseconds, as requested at opening
+  return Stamp::from_ns(ns) + Duration(time.tv_usec);  // nanoseconds, as requested when opening
 }
 
 bool passes(const std::vector<uint16_t>& ports, uint16_t port) {
@@ -65,7 +65,7 @@ struct PcapReader::State {
   UdpDecoder decoder;
   PcapCounters counters;
   bool ended = false;
-  int64_t offset = 0;  // where the packet that is read next begins
+  int64_t offset = 0;  // of the next packet
   std::optional<Error> damage;
 };
 
@@ -79,7 +79,7 @@ Result<PcapReader> PcapReader::State::make(FILE* file, const std::string& name,
   if (pcap == nullptr) {
     std::fclose(file);
     return fail("cannot be read as pcap or pcapng: " + std::string(reason.data()), name,
-                "a capture as tcpdump or Wireshark writes it is expected");
+                "expected a capture as written by tcpdump or Wireshark");
   }
   auto state = std::make_unique<State>(name, options, pcap, std::move(buffer));
   const int link_type = pcap_datalink(pcap);
@@ -87,7 +87,7 @@ Result<PcapReader> PcapReader::State::make(FILE* file, const std::string& name,
     const char* link_name = pcap_datalink_val_to_name(link_type);
     return fail("link type " + std::to_string(link_type) + " (" +
                     (link_name != nullptr ? link_name : "unknown") + ") is not supported",
-                name, "Ethernet, Linux cooked, raw IP and BSD loopback are");
+                name, "supported: Ethernet, Linux cooked, raw IP, BSD loopback");
   }
   state->offset = ftello(file);
   return PcapReader(std::move(state));
@@ -98,12 +98,12 @@ void PcapReader::State::stop_reading(int status) {
   decoder.finish();
   if (status == PCAP_ERROR_BREAK) return;  // the end of the file
   const uint64_t number = counters.packets + 1;
-  damage =
-      Error{"the capture cannot be read beyond packet " + std::to_string(counters.packets) + ": " +
-                pcap_geterr(pcap),
-            name + ", packet " + std::to_string(number) +
-                (offset >= 0 ? ", byte " + std::to_string(offset) : std::string()),
-            "what comes before was read; it was probably cut off while being written or copied"};
+  damage = Error{
+      "the capture cannot be read beyond packet " + std::to_string(counters.packets) + ": " +
+          pcap_geterr(pcap),
+      name + ", packet " + std::to_string(number) +
+          (offset >= 0 ? ", byte " + std::to_string(offset) : std::string()),
+      "earlier packets were read; the file was probably truncated while being written or copied"};
 }
 
 void PcapReader::State::count_outcome(FrameOutcome outcome) {
@@ -138,7 +138,7 @@ Result<PcapReader> PcapReader::from_bytes(std::span<const uint8_t> bytes, const 
                                           const PcapOptions& options) {
   if (const auto wrong = options.invalid()) return fail(*wrong, "PcapOptions");
   if (bytes.empty()) return fail("is empty", name);
-  // Opened for reading, so that fmemopen does not write.
+  // Mode "r": fmemopen does not write.
   FILE* file = fmemopen(const_cast<uint8_t*>(bytes.data()), bytes.size(), "rb");
   if (file == nullptr) return fail(std::string("cannot be opened: ") + std::strerror(errno), name);
   return State::make(file, name, options);

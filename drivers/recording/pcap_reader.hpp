@@ -13,41 +13,40 @@
 
 namespace infuse::recording {
 
-/// Which datagrams of a capture are handed out, and how much may wait for missing fragments.
+/// Filter of a capture's datagrams, and limits of fragment reassembly.
 struct PcapOptions {
-  std::vector<uint16_t> ports;           ///< UDP destination ports; empty: all
-  std::vector<uint32_t> senders;         ///< IPv4 addresses, host byte order; empty: all
-  size_t max_fragmented_datagrams = 16;  ///< put together at the same time, 64 KiB each
-  Duration fragment_timeout{
-      30'000'000'000};  ///< ns; a datagram that is not whole by then is dropped
+  std::vector<uint16_t> ports;                ///< UDP destination ports; empty: all
+  std::vector<uint32_t> senders;              ///< IPv4 addresses, host byte order; empty: all
+  size_t max_fragmented_datagrams = 16;       ///< reassembled at the same time, 64 KiB each
+  Duration fragment_timeout{30'000'000'000};  ///< incomplete datagrams older than this are dropped
 
-  /// What is wrong with the options, or nothing.
+  /// Returns what is invalid, if anything.
   std::optional<std::string> invalid() const;
 };
 
-/// What became of the packets of a capture. Checksums are not verified: a capture on the sending
-/// host holds unfinished ones.
+/// Packet counters of a capture. Checksums are not verified, because captures made on the sending
+/// host contain incomplete ones.
 struct PcapCounters {
-  uint64_t packets = 0;    ///< read from the file
-  uint64_t datagrams = 0;  ///< handed out
-  uint64_t filtered = 0;   ///< whole UDP datagrams that the options leave out
-  uint64_t not_udp = 0;    ///< ARP, TCP, IPv6 …
-  uint64_t truncated = 0;  ///< captured short (tcpdump -s): the rest of the datagram is lost
-  uint64_t malformed = 0;  ///< lengths that contradict each other
-  uint64_t fragments = 0;  ///< IPv4 fragments seen
-  uint64_t fragments_dropped = 0;  ///< of these, such as never became whole
+  uint64_t packets = 0;            ///< read from the file
+  uint64_t datagrams = 0;          ///< returned
+  uint64_t filtered = 0;           ///< complete UDP datagrams excluded by the options
+  uint64_t not_udp = 0;            ///< ARP, TCP, IPv6 …
+  uint64_t truncated = 0;          ///< captured with a short snapshot length (tcpdump -s)
+  uint64_t malformed = 0;          ///< with contradictory lengths
+  uint64_t fragments = 0;          ///< IPv4 fragments seen
+  uint64_t fragments_dropped = 0;  ///< IPv4 fragments of datagrams that were never complete
 };
 
 /// Reads the UDP datagrams of a pcap or pcapng file (micro- or nanoseconds, either byte order):
 /// Ethernet with or without VLAN tags (802.1Q, QinQ), Linux cooked v1 and v2, raw IP, BSD loopback;
-/// IPv4 fragments are put together. Allocates nothing after `open`.
+/// IPv4 fragments are reassembled. Allocates nothing after `open`.
 class PcapReader {
  public:
-  /// Fails where the file cannot be read, is no capture, or has a link type other than those.
+  /// Opens a capture. Fails if the file cannot be read, is not a capture, or has another link type.
   static Result<PcapReader> open(const std::filesystem::path& path,
                                  const PcapOptions& options = {});
 
-  /// The same from memory, which must outlive the reader; `name` stands for the path in errors.
+  /// Opens a capture in memory, which must outlive the reader. `name` replaces the path in errors.
   static Result<PcapReader> from_bytes(std::span<const uint8_t> bytes, const std::string& name,
                                        const PcapOptions& options = {});
 
@@ -55,14 +54,14 @@ class PcapReader {
   PcapReader& operator=(PcapReader&&) noexcept;
   ~PcapReader();
 
-  /// The next datagram that passes the filter; its payload is valid until the next call. False at
-  /// the end: of the file, or of what can be read of it (then `damage` says so).
+  /// Reads the next datagram that passes the filter; its payload is valid until the next call.
+  /// Returns false at the end of the file, or where it is damaged (see `damage`).
   bool next(Datagram& datagram);
 
-  /// Why reading ended before the file did: packet number and byte offset. Empty while the file is
-  /// sound.
+  /// Damage that ended reading early, with packet number and byte offset. Empty if there is none.
   const std::optional<Error>& damage() const;
 
+  /// Counters of the packets read so far.
   const PcapCounters& counters() const;
 
  private:

@@ -29,7 +29,7 @@ void put_u32(std::vector<uint8_t>& frame, size_t at, uint32_t value) {
   put_u16(frame, at + 2, value & 0xFFFF);
 }
 
-// RFC 1071 over the 20 bytes of an IPv4 header whose checksum field is 0.
+// RFC 1071 checksum of a 20-byte IPv4 header whose checksum field is 0.
 uint16_t header_checksum(const std::vector<uint8_t>& frame) {
   uint32_t sum = 0;
   for (size_t at = 14; at < 34; at += 2) {
@@ -61,11 +61,11 @@ struct PcapWriter::State {
   pcap_dumper_t* dumper;
   uint16_t identification = 0;
   uint64_t bytes = kFileHeaderBytes;
-  uint64_t flushed_bytes = 0;  // bytes that the system has taken
+  uint64_t flushed_bytes = 0;  // size of the file after the last flush
   std::vector<uint8_t> frame;
 };
 
-// What libpcap still holds may reach the file in part: it is closed first, and then cut.
+// libpcap may write part of its buffer when it closes the file: truncate afterwards.
 tl::unexpected<Error> PcapWriter::State::close_and_truncate(int reason) {
   pcap_dump_close(std::exchange(dumper, nullptr));
   std::error_code ignored;
@@ -77,11 +77,11 @@ tl::unexpected<Error> PcapWriter::State::close_and_truncate(int reason) {
 void PcapWriter::State::build_frame(const Datagram& datagram, uint32_t receiver) {
   const size_t payload = datagram.payload.size();
   frame.assign(kHeaderBytes, 0);
-  std::fill_n(frame.begin(), 6, uint8_t{0xFF});              // to everyone
+  std::fill_n(frame.begin(), 6, uint8_t{0xFF});              // broadcast
   const std::array<uint8_t, 3> vendor = {0x60, 0x76, 0x88};  // Velodyne's
   std::copy(vendor.begin(), vendor.end(), frame.begin() + 6);
   put_u16(frame, 12, 0x0800);
-  frame[14] = 0x45;  // IPv4, header of 20 bytes
+  frame[14] = 0x45;  // IPv4, 20-byte header
   put_u16(frame, 16, 20 + 8 + payload);
   put_u16(frame, 18, identification++);
   put_u16(frame, 20, 0x4000);  // do not fragment
@@ -92,7 +92,7 @@ void PcapWriter::State::build_frame(const Datagram& datagram, uint32_t receiver)
   put_u16(frame, 24, header_checksum(frame));
   put_u16(frame, 34, datagram.sender_port);
   put_u16(frame, 36, datagram.destination_port);
-  put_u16(frame, 38, 8 + payload);  // its checksum stays 0: not used
+  put_u16(frame, 38, 8 + payload);  // UDP checksum 0: not used
   frame.insert(frame.end(), datagram.payload.begin(), datagram.payload.end());
 }
 
@@ -116,7 +116,7 @@ PcapWriter::~PcapWriter() = default;
 
 Result<void> PcapWriter::write(const Datagram& datagram, uint32_t receiver) {
   State& s = *state_;
-  if (s.dumper == nullptr) return fail("is closed already", s.path);
+  if (s.dumper == nullptr) return fail("is already closed", s.path);
   if (datagram.payload.size() > kMaxPayloadBytes) {
     return fail("a payload of " + std::to_string(datagram.payload.size()) +
                     " bytes does not fit a UDP datagram",
@@ -141,7 +141,7 @@ uint64_t PcapWriter::bytes() const { return state_->bytes; }
 
 Result<void> PcapWriter::flush() {
   State& s = *state_;
-  if (s.dumper == nullptr) return fail("is closed already", s.path);
+  if (s.dumper == nullptr) return fail("is already closed", s.path);
   if (pcap_dump_flush(s.dumper) != 0) return s.close_and_truncate(errno);
   s.flushed_bytes = s.bytes;
   return {};

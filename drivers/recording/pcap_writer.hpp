@@ -9,8 +9,8 @@
 
 namespace infuse::recording {
 
-/// Writes datagrams as Ethernet, IPv4, UDP into a pcap file with nanosecond stamps, as tcpdump
-/// would have. Allocates nothing after `create`.
+/// Writes datagrams as Ethernet, IPv4 and UDP to a pcap file with nanosecond stamps, as tcpdump
+/// does. Allocates nothing after `create`.
 class PcapWriter {
  public:
   /// Creates or overwrites the file.
@@ -18,21 +18,21 @@ class PcapWriter {
 
   PcapWriter(PcapWriter&&) noexcept;
   PcapWriter& operator=(PcapWriter&&) noexcept;
-  /// Closes without a word; call `close` to know whether all of it reached the disk.
+  /// Closes the file; errors are ignored. Call `close` to detect them.
   ~PcapWriter();
 
-  /// Appends one datagram, addressed to `receiver` (IPv4, host byte order). Fails where the payload
-  /// is longer than 65507 bytes, the stamp lies outside 1970 … 2106, or the disk is full.
+  /// Appends one datagram, addressed to `receiver` (IPv4, host byte order). Fails if the payload is
+  /// longer than 65507 bytes, the stamp is outside 1970 … 2106, or the disk is full.
   Result<void> write(const Datagram& datagram, uint32_t receiver = 0xFFFF'FFFF);
 
-  /// Bytes written so far, headers included.
+  /// Number of bytes written, including headers.
   uint64_t bytes() const;
 
-  /// Hands all that was written to the system. Where that fails the file is cut back to what was
-  /// whole at the last flush, and closed.
+  /// Writes buffered packets to the file. If that fails, the file is truncated to its size after
+  /// the last flush and closed.
   Result<void> flush();
 
-  /// Flushes and closes. The writer accepts nothing afterwards.
+  /// Flushes and closes the file. Later writes fail.
   Result<void> close();
 
  private:

@@ -1,39 +1,28 @@
 #include "drivers/recording/pcd_header.hpp"
 
-#include <algorithm>
-#include <charconv>
 #include <optional>
 #include <span>
+
+#include "drivers/text/numbers.hpp"
 
 namespace infuse::recording {
 namespace {
 
 constexpr size_t kMaxFields = 64;
-constexpr size_t kMaxValuesPerPoint = 1024;  // a point
+constexpr size_t kMaxValuesPerPoint = 1024;
 constexpr size_t kMaxPoints = 4'000'000;
 constexpr size_t kMaxHeaderLines = 100;
 constexpr size_t kMaxLineBytes = 4096;
 
 std::vector<std::string_view> split_words(std::string_view line) {
-  constexpr std::string_view kBlanks = " \t\r";
   std::vector<std::string_view> words;
-  for (;;) {
-    const size_t begin = line.find_first_not_of(kBlanks);
-    if (begin == std::string_view::npos) return words;
-    line.remove_prefix(begin);
-    const size_t length = std::min(line.find_first_of(kBlanks), line.size());
-    words.push_back(line.substr(0, length));
-    line.remove_prefix(length);
-  }
+  for (std::string_view word; !(word = text::next_word(line)).empty();) words.push_back(word);
+  return words;
 }
 
 std::optional<size_t> parse_unsigned(std::string_view word, size_t max_value) {
-  size_t value = 0;
-  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (failed != std::errc() || end != word.data() + word.size() || value > max_value) {
-    return std::nullopt;
-  }
-  return value;
+  const auto value = text::parse_as<size_t>(word);
+  return value && *value <= max_value ? value : std::nullopt;
 }
 
 std::optional<PcdData> parse_data(std::string_view word) {
@@ -43,10 +32,10 @@ std::optional<PcdData> parse_data(std::string_view word) {
   return std::nullopt;
 }
 
-/// The head, line by line.
+/// Parses a header line by line.
 class HeaderReader {
  public:
-  /// What is wrong with a line, or an empty text.
+  /// Parses one line. Returns what is invalid, or an empty string.
   std::string read_line(std::span<const std::string_view> words) {
     const std::string_view key = words.front();
     const auto values = words.subspan(1);
@@ -66,7 +55,7 @@ class HeaderReader {
       return finish();
     }
     if (key == "VERSION" || key == "VIEWPOINT") return {};
-    return "is no key of a PCD file's head";
+    return "is not a key of a PCD header";
   }
 
   const PcdHeader& header() const { return header_; }
@@ -82,16 +71,16 @@ class HeaderReader {
   }
 
   std::string read_each(std::string_view key, std::span<const std::string_view> words) {
-    if (words.size() != header_.fields.size()) return "must have one entry a field";
+    if (words.size() != header_.fields.size()) return "must have one entry per field";
     for (size_t i = 0; i < words.size(); ++i) {
       PcdField& field = header_.fields[i];
       if (key == "TYPE") {
-        if (words[i] != "F" && words[i] != "I" && words[i] != "U") return "must be of F, I, U";
+        if (words[i] != "F" && words[i] != "I" && words[i] != "U") return "must be F, I or U";
         field.type = words[i][0];
         continue;
       }
       const auto number = parse_unsigned(words[i], kMaxValuesPerPoint);
-      if (!number || *number == 0) return "must be numbers from 1";
+      if (!number || *number == 0) return "must be positive integers";
       (key == "SIZE" ? field.size : field.count) = *number;
     }
     return {};
@@ -103,15 +92,15 @@ class HeaderReader {
     for (const PcdField& field : header_.fields) {
       const bool whole = field.size == 1 || field.size == 2 || field.size == 4 || field.size == 8;
       if (!whole || (field.type == 'F' && field.size < 4)) {
-        return "follows a field '" + field.name + "' of a size that its type does not have";
+        return "follows a field '" + field.name + "' whose size does not fit its type";
       }
       values += field.count;
     }
-    if (values > kMaxValuesPerPoint) return "follows fields of more than 1024 values a point";
+    if (values > kMaxValuesPerPoint) return "follows fields with more than 1024 values per point";
     if (!points_ && !width_) return "comes before POINTS";
     header_.points = points_ ? *points_ : *width_;
     const size_t shape = width_ ? *width_ * height_.value_or(1) : header_.points;
-    if (shape != header_.points) return "follows a WIDTH and HEIGHT that do not give POINTS";
+    if (shape != header_.points) return "follows a WIDTH and HEIGHT that contradict POINTS";
     return {};
   }
 
@@ -143,7 +132,7 @@ Result<PcdHeader> parse_pcd_header(std::string_view bytes) {
     const size_t length = bytes.substr(at, kMaxLineBytes).find('\n');
     const std::string where = "line " + std::to_string(number);
     if (length == std::string_view::npos) {
-      return fail("the head has no DATA line", where, "a PCD file is expected");
+      return fail("the header has no DATA line", where, "expected a PCD file");
     }
     const auto words = split_words(bytes.substr(at, length));
     at += length + 1;
@@ -156,7 +145,7 @@ Result<PcdHeader> parse_pcd_header(std::string_view bytes) {
     header.data_offset = at;
     return header;
   }
-  return fail("the head has more than 100 lines", {}, "a PCD file is expected");
+  return fail("the header has more than 100 lines", {}, "expected a PCD file");
 }
 
 }  // namespace infuse::recording

@@ -15,17 +15,18 @@
 #include "drivers/recording/lzf.hpp"
 #include "drivers/recording/pcd_header.hpp"
 #include "drivers/recording/sweep_files.hpp"
+#include "drivers/text/numbers.hpp"
 
 namespace infuse::recording {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "PCD files are little-endian");
 
-constexpr size_t kMaxBytes = 256 << 20;  // unpacked
+constexpr size_t kMaxBytes = 256 << 20;  // decompressed
 constexpr size_t kMaxRings = 128;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// The fields of interest, each a point's x, y, z, intensity, ring; empty where there is none.
+/// Values of x, y, z, intensity, ring of all points; empty if the file has no such field.
 using Columns = std::array<std::vector<double>, 5>;
 
 template <class Value>
@@ -50,10 +51,10 @@ double read_value(const char* at, const PcdField& field) {
   }
 }
 
-/// Which fields of the file are the columns; −1: none.
+/// Field of the file for each column; −1: none.
 using FieldIndices = std::array<int, 5>;
 
-/// Values of a block of points: field f of point i lies at begin[f] + i · step[f].
+/// Reads a block of binary points. `field_after_field`: all values of a field are contiguous.
 void read_columns(const char* bytes, const PcdHeader& header, const FieldIndices& field_indices,
                   bool field_after_field, Columns& columns) {
   size_t begin = 0;
@@ -84,37 +85,28 @@ Result<void> read_binary(std::string_view points, const PcdHeader& header,
 
 Result<void> read_compressed(std::string_view points, const PcdHeader& header,
                              const FieldIndices& field_indices, Columns& columns) {
-  if (points.size() < 8) return fail("ends before its packed points");
+  if (points.size() < 8) return fail("ends before its compressed points");
   std::array<uint32_t, 2> sizes{};
   std::memcpy(sizes.data(), points.data(), 8);
   points.remove_prefix(8);
   const size_t length = header.points * header.point_bytes();
   if (sizes[1] != length) {
-    return fail("unpacks to " + std::to_string(sizes[1]) + " bytes of points where " +
+    return fail("decompresses to " + std::to_string(sizes[1]) + " bytes of points where " +
                 std::to_string(length) + " are expected");
   }
-  if (sizes[0] > points.size()) return fail("ends within its packed points");
-  // Three bytes give at most 264: what cannot come out is not made room for.
-  if (length / 88 > sizes[0]) return fail("has packed points that do not unpack");
+  if (sizes[0] > points.size()) return fail("ends within its compressed points");
+  // Three compressed bytes give at most 264: reject impossible lengths before allocating memory.
+  if (length / 88 > sizes[0]) return fail("has compressed points that cannot be decompressed");
   std::vector<uint8_t> decompressed(length);
   if (!decompress_lzf({reinterpret_cast<const uint8_t*>(points.data()), sizes[0]}, decompressed)) {
-    return fail("has packed points that do not unpack");
+    return fail("has compressed points that cannot be decompressed");
   }
   read_columns(reinterpret_cast<const char*>(decompressed.data()), header, field_indices, true,
                columns);
   return {};
 }
 
-/// Takes the next word, or gives an empty one at the end of the line.
-std::string_view consume_word(std::string_view& line) {
-  constexpr std::string_view kBlanks = " \t\r";
-  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
-  const std::string_view word = line.substr(0, std::min(line.find_first_of(kBlanks), line.size()));
-  line.remove_prefix(word.size());
-  return word;
-}
-
-/// The number, or nothing where it is none.
+/// Parses a number (NaN if out of range). Returns false if the word is not a number.
 bool parse_value(std::string_view word, double& value) {
   const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (failed == std::errc::result_out_of_range) value = kNan;
@@ -134,7 +126,7 @@ Result<void> read_ascii(std::string_view text, const PcdHeader& header,
     for (size_t f = 0; f < header.fields.size(); ++f) {
       for (size_t k = 0; k < header.fields[f].count; ++k) {
         double value = 0;
-        if (!parse_value(consume_word(line), value)) {
+        if (!parse_value(text::next_word(line), value)) {
           return fail("point " + std::to_string(i) + " has no number for " + header.fields[f].name);
         }
         for (size_t c = 0; c < field_indices.size(); ++c) {
@@ -146,7 +138,7 @@ Result<void> read_ascii(std::string_view text, const PcdHeader& header,
   return {};
 }
 
-/// What intensities are to be divided by.
+/// Divisor that scales intensities to 0 … 1.
 double find_intensity_scale(const std::vector<double>& intensity) {
   double max_intensity = 0;
   for (const double value : intensity)
@@ -154,7 +146,7 @@ double find_intensity_scale(const std::vector<double>& intensity) {
   return max_intensity <= 1 ? 1 : max_intensity <= 255 ? 255 : 65535;
 }
 
-/// The points that are returns, in the order given.
+/// Copies the points with the indices `order` to the sweep.
 void fill_sweep(const Columns& columns, std::span<const uint32_t> order, Sweep& sweep) {
   sweep.clear();
   sweep.has_times = false;
@@ -186,8 +178,9 @@ bool is_return(const Columns& columns, size_t i) {
   return std::isfinite(squared) && squared > 0;
 }
 
-/// Indices of the returns ring after ring from the top, each counter-clockwise from straight ahead,
-/// and where each ring begins; empty where the ring field tells of none or of too many.
+/// Sorts the indices of the returns by ring from the top, and counter-clockwise from straight ahead
+/// within a ring. Returns the start of each ring; empty if a ring number is not finite or there are
+/// too many rings.
 std::vector<size_t> sort_by_ring(const Columns& columns, std::vector<uint32_t>& order) {
   struct Ring {
     double sine = 0;  // of the elevation, summed

@@ -7,17 +7,17 @@
 
 namespace infuse::recording {
 
-/// Reads a sweep from the bytes of a PCD file (Point Cloud Library; ascii, binary or
-/// binary_compressed; at most 4 million points of together 256 MiB) with the fields x, y, z (m,
-/// lidar frame) and, where they are there, intensity (or reflectivity, reflectance, i) and ring (or
-/// channel, laser, beam). Reflectivity is 0 … 1: of intensities of which one exceeds 1 the 255th
-/// part, of which one exceeds 255 the 65535th, 1 at most.
+/// Parses the bytes of a PCD file (Point Cloud Library; ascii, binary or binary_compressed; at most
+/// 4 million points and 256 MiB) into a sweep. Fields: x, y, z (m, lidar frame); optionally
+/// intensity (or reflectivity, reflectance, i) and ring (or channel, laser, beam). Reflectivity is
+/// 0 … 1: intensities are divided by 255 if one exceeds 1, by 65535 if one exceeds 255, and clamped
+/// to 1.
 ///
-/// Points that are not finite or lie at the origin (directions without a return) are left out.
-/// Rings are counted anew by elevation from below, and the returns sorted by ring from the top and
-/// counter-clockwise from straight ahead within it, as KITTI writes its sweeps; without a ring
-/// field, or with more than 128 rings, they stay in their order and rings are inferred
-/// (`infer_rings`). `has_times` is false. Stamp, sequence and clock are the caller's.
+/// Points that are not finite or lie at the origin (directions without a return) are skipped. Rings
+/// are renumbered by elevation from below. Returns are sorted by ring from the top, and
+/// counter-clockwise from straight ahead within a ring, as KITTI writes its sweeps. Without a ring
+/// field, or with more than 128 rings, returns keep their order and rings are inferred
+/// (`infer_rings`). `has_times` is false. Stamp, sequence and clock are left to the caller.
 Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep);
 
 }  // namespace infuse::recording

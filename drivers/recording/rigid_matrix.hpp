@@ -5,9 +5,9 @@
 
 namespace infuse::recording {
 
-/// The rigid motion that a published 4 × 4 matrix means. Its rotation may be off by the digits it
-/// was printed with (up to 1e-3): the nearest rotation is taken. A rotation that is exact to 1e-12
-/// is kept bit by bit. Nothing where the matrix is no rigid motion.
+/// Converts a 4 × 4 matrix to a rigid motion. If the rotation deviates from orthonormality by at
+/// most 1e-3 (printed digits), the nearest rotation is used; if by at most 1e-12, it is kept
+/// unchanged. Returns nothing if the matrix is not a rigid motion.
 std::optional<Eigen::Isometry3d> to_rigid(const Eigen::Matrix4d& matrix);
 
 }  // namespace infuse::recording

@@ -2,17 +2,17 @@
 
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <string>
 
 #include "drivers/recording/sweep_files.hpp"
+#include "drivers/text/numbers.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "records are written as they lie");
+static_assert(std::endian::native == std::endian::little, "records are written in memory order");
 
 template <class Value>
 void add_binary(std::string& bytes, Value value) {
@@ -21,7 +21,7 @@ void add_binary(std::string& bytes, Value value) {
   bytes.append(raw.data(), raw.size());
 }
 
-// One packed record a return, the same in PCD and PLY.
+// One packed record per return, identical in PCD and PLY.
 void add_records(std::string& bytes, const Sweep& sweep) {
   constexpr size_t kRecordBytes = 5 * 4 + 2 * 2 + 4 + 1;
   bytes.reserve(bytes.size() + kRecordBytes * sweep.size());
@@ -67,9 +67,7 @@ std::string to_ply(const Sweep& sweep) {
 
 template <class Value>
 void add_field(std::string& text, Value value, char end) {
-  std::array<char, 32> digits{};
-  text.append(digits.data(),
-              std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
+  text::append_number(text, value);
   text += end;
 }
 
@@ -104,11 +102,11 @@ Result<void> export_sweep(const Sweep& sweep, const std::filesystem::path& path,
                           SweepFormat format) {
   switch (format) {
     case SweepFormat::kPcd:
-      return write_text(path, to_pcd(sweep));
+      return text::write_text(path, to_pcd(sweep));
     case SweepFormat::kPly:
-      return write_text(path, to_ply(sweep));
+      return text::write_text(path, to_ply(sweep));
     case SweepFormat::kCsv:
-      return write_text(path, to_csv(sweep));
+      return text::write_text(path, to_csv(sweep));
     case SweepFormat::kBin:
       return write_sweep_bin(path, sweep);
   }

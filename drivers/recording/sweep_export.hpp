@@ -8,7 +8,7 @@
 
 namespace infuse::recording {
 
-/// Formats that a sweep can be exported to.
+/// File formats of exported sweeps.
 enum class SweepFormat {
   kPcd,  ///< Point Cloud Library, binary: all fields
   kPly,  ///< Stanford polygon, binary little-endian: all fields
@@ -16,12 +16,12 @@ enum class SweepFormat {
   kBin,  ///< KITTI: float32 x y z reflectance
 };
 
-/// By extension (.pcd, .ply, .csv, .bin), or nothing.
+/// Returns the format for the extension of `path` (.pcd, .ply, .csv, .bin), or nothing.
 std::optional<SweepFormat> detect_sweep_format(const std::filesystem::path& path);
 
-/// Writes a sweep: x, y, z, range (m), reflectivity (0 … 1; "intensity" in PCD and PLY, the name
-/// that viewers know), ring, column, time_offset_ns, return_kind (0 strongest, 1 last, 2 both). The
-/// sweep's stamp stands in a comment of PCD and PLY.
+/// Writes a sweep with the fields x, y, z, range (m), reflectivity (0 … 1; named "intensity" in PCD
+/// and PLY, as viewers expect), ring, column, time_offset_ns, return_kind (0 strongest, 1 last, 2
+/// both). PCD and PLY files contain the sweep's stamp in a comment.
 Result<void> export_sweep(const Sweep& sweep, const std::filesystem::path& path,
                           SweepFormat format);
 

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <string>
 
+#include "drivers/receive/file_descriptor.hpp"
+#include "drivers/receive/system_error.hpp"
 #include "drivers/recording/pcd_sweep.hpp"
 #include "drivers/text/text_file.hpp"
 
@@ -21,27 +23,8 @@ static_assert(std::endian::native == std::endian::little, "sweep files are littl
 constexpr size_t kPointBytes = 16;
 constexpr size_t kMaxBytes = 64 << 20;
 
-// Closes a file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
-
-Error system_error(const std::filesystem::path& path) {
-  return {std::string("cannot be read: ") + std::strerror(errno), path.string(), {}};
-}
-
 Result<void> read_pcd(const std::filesystem::path& path, Sweep& sweep) {
-  const auto bytes = read_text(path, kMaxBytes);
+  const auto bytes = text::read_text(path, kMaxBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   auto parsed = parse_pcd_sweep(*bytes, sweep);
   if (parsed) return parsed;
@@ -53,25 +36,25 @@ Result<void> read_pcd(const std::filesystem::path& path, Sweep& sweep) {
 }  // namespace
 
 Result<void> SweepReader::load(const std::filesystem::path& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const receive::FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};
-  if (file.get() < 0 || ::fstat(file.get(), &status) != 0) {
-    return tl::unexpected(system_error(path));
+  if (!file || ::fstat(file.get(), &status) != 0) {
+    return receive::fail_errno("cannot be read", path.string());
   }
-  if (!S_ISREG(status.st_mode)) return fail("is no file", path.string());
+  if (!S_ISREG(status.st_mode)) return fail("is not a regular file", path.string());
   const auto length = static_cast<size_t>(status.st_size);
   if (length > kMaxBytes) return fail("is longer than 64 MiB", path.string());
   if (length % kPointBytes != 0) {
-    return fail("is " + std::to_string(length) + " bytes long, which is no multiple of 16",
-                path.string(), "float32 x y z reflectance are expected");
+    return fail("is " + std::to_string(length) + " bytes long, which is not a multiple of 16",
+                path.string(), "expected float32 x y z reflectance");
   }
   points_.resize(length / kPointBytes);
   auto* bytes = reinterpret_cast<char*>(points_.data());
   for (size_t done = 0; done < length;) {
     const ssize_t bytes_read = ::read(file.get(), bytes + done, length - done);
     if (bytes_read < 0 && errno == EINTR) continue;
-    if (bytes_read < 0) return tl::unexpected(system_error(path));
-    if (bytes_read == 0) return fail("grew shorter while being read", path.string());
+    if (bytes_read < 0) return receive::fail_errno("cannot be read", path.string());
+    if (bytes_read == 0) return fail("was truncated while being read", path.string());
     done += static_cast<size_t>(bytes_read);
   }
   return {};
@@ -116,7 +99,7 @@ Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& swe
     const std::array<float, 4> point = {sweep.x[i], sweep.y[i], sweep.z[i], sweep.reflectivity[i]};
     std::memcpy(&bytes[i * kPointBytes], point.data(), kPointBytes);
   }
-  return write_text(path, bytes);
+  return text::write_text(path, bytes);
 }
 
 Result<FileSequence> index_sweeps(const std::filesystem::path& folder) {

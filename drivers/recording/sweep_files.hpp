@@ -11,16 +11,17 @@
 
 namespace infuse::recording {
 
-/// Reads decoded sweeps: float32 x y z reflectance, little-endian, as KITTI; or PCD files
-/// (`parse_pcd_sweep`), by their extension. Keeps its memory for the former.
+/// Reads decoded sweeps: PCD files (`parse_pcd_sweep`), or KITTI's .bin files (float32 x y z
+/// reflectance, little-endian). Reuses its memory for .bin files.
 class SweepReader {
  public:
-  /// Fills `sweep` from a .pcd as `parse_pcd_sweep`, from any other as KITTI's: range is computed,
-  /// rings are inferred (`infer_rings`), `has_times` is false. Points that are not finite are left
-  /// out; a file longer than 64 MiB is refused. Stamp, sequence and clock are the caller's.
+  /// Fills `sweep` from a .pcd file with `parse_pcd_sweep`, from any other file as KITTI's .bin:
+  /// range is computed, rings are inferred (`infer_rings`), `has_times` is false, points that are
+  /// not finite are skipped. Files longer than 64 MiB are errors. Stamp, sequence and clock are
+  /// left to the caller.
   Result<void> read(const std::filesystem::path& path, Sweep& sweep);
 
-  /// Makes room, so that reading up to `points` allocates nothing.
+  /// Reserves memory, so that reading up to `points` points allocates nothing.
   void reserve(size_t points, Sweep& sweep);
 
  private:
@@ -28,26 +29,26 @@ class SweepReader {
   std::vector<std::array<float, 4>> points_;
 };
 
-/// The same for a single sweep.
+/// Reads a single sweep as `SweepReader::read`.
 Result<void> read_sweep_file(const std::filesystem::path& path, Sweep& sweep);
 
-/// Writes x, y, z, reflectivity as `read_sweep_file` reads them.
+/// Writes x, y, z and reflectivity as a KITTI .bin file.
 Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& sweep);
 
-/// Fills `ring`, `column`, `rings`, `columns` of a sweep whose points come ring after ring from the
-/// top, each counter-clockwise from straight ahead, as KITTI writes its HDL-64E: a new ring begins
-/// where the azimuth falls by more than half a turn. Believed when that gives 2 … 128 rings whose
-/// mean elevations fall from ring to ring (one in ten may not). A column is then a step of azimuth,
-/// counted counter-clockwise from straight ahead, as wide as neighbours on a ring are usually
-/// apart. Otherwise all four are 0 and the answer is false.
+/// Fills `ring`, `column`, `rings`, `columns` of a sweep whose points are ordered ring by ring from
+/// the top, and counter-clockwise from straight ahead within a ring, as in KITTI's HDL-64E sweeps.
+/// A new ring begins where the azimuth decreases by more than half a turn. The result is accepted
+/// if there are 2 … 128 rings and mean elevations decrease from ring to ring (with one exception in
+/// ten). Columns are azimuth steps of the usual distance between neighbours on a ring, counted
+/// counter-clockwise from straight ahead. Otherwise sets all four to 0 and returns false.
 bool infer_rings(Sweep& sweep);
 
-/// The same for a sweep whose rings are known: ring k from the top is points starts[k] …
-/// starts[k + 1] − 1, counter-clockwise from straight ahead. False, and nothing, where there are
-/// more than 128 or no two neighbours tell how wide a column is.
+/// As `infer_rings`, for known rings: ring k from the top consists of the points starts[k] …
+/// starts[k + 1] − 1, counter-clockwise from straight ahead. Returns false if there are more than
+/// 128 rings or the column width cannot be determined.
 bool assign_rings(Sweep& sweep, std::span<const size_t> starts);
 
-/// The decoded sweeps of a drive: a folder of NNNNNN.bin or NNNNNN.pcd and times.csv.
+/// Lists a folder of decoded sweeps: NNNNNN.bin or NNNNNN.pcd, and times.csv.
 Result<FileSequence> index_sweeps(const std::filesystem::path& folder);
 
 }  // namespace infuse::recording

@@ -1,11 +1,11 @@
 #include "drivers/recording/times_csv.hpp"
 
-#include <algorithm>
 #include <array>
 #include <fstream>
-#include <map>
 
+#include "drivers/recording/numbered_files.hpp"
 #include "drivers/text/csv_reader.hpp"
+#include "drivers/text/numbers.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
@@ -14,33 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kMaxRows = 10'000'000;
-
-// NNNNNN: one to nine digits.
-std::optional<size_t> parse_sequence_number(const fs::path& file) {
-  const std::string stem = file.stem().string();
-  if (stem.empty() || stem.size() > 9) return std::nullopt;
-  const auto number = parse_integer(stem);
-  return number && *number >= 0 ? std::optional(static_cast<size_t>(*number)) : std::nullopt;
-}
-
-Result<std::map<size_t, fs::path>> list_numbered_files(const fs::path& folder,
-                                                       const std::vector<std::string>& extensions) {
-  std::map<size_t, fs::path> files;
-  std::error_code failed;
-  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
-       entry.increment(failed)) {
-    const fs::path& path = entry->path();
-    const std::string extension = path.extension().string();
-    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
-    const auto number = parse_sequence_number(path);
-    if (!number) continue;
-    // Where a number has two files, which one is met first must not decide.
-    fs::path& chosen = files[*number];
-    if (chosen.empty() || path < chosen) chosen = path;
-  }
-  if (failed) return fail("cannot be listed: " + failed.message(), folder.string());
-  return files;
-}
 
 bool ends_with_newline(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -55,15 +28,15 @@ std::string format_count(size_t count, const std::string& what) {
 }  // namespace
 
 Result<std::vector<Stamp>> read_times(const fs::path& path) {
-  static constexpr std::array<CsvColumn, 1> kColumns = {{{"stamp_ns"}}};
-  auto csv = CsvReader::open(path, kColumns);
+  static constexpr std::array<text::CsvColumn, 1> kColumns = {{{"stamp_ns"}}};
+  auto csv = text::CsvReader::open(path, kColumns);
   if (!csv) return tl::unexpected(csv.error());
   std::vector<Stamp> stamps;
   std::array<std::string_view, 1> fields;
   while (csv->next(fields)) {
-    const auto ns = parse_integer(fields[0]);
-    // A row that is left out would shift all that follow; the last may be one that a power cut has
-    // left in part.
+    const auto ns = text::parse_integer(fields[0]);
+    // Skipping a row would shift all that follow. Only the last one may be invalid, if it was
+    // truncated by a power cut.
     if (!ns) {
       const std::string where = csv->where();
       if (!ends_with_newline(path) && !csv->next(fields)) break;
@@ -83,7 +56,7 @@ Result<void> write_times(const fs::path& path, const std::vector<Stamp>& stamps,
     if (i < sources.size()) text.append(",").append(sources[i]);
     text += '\n';
   }
-  return write_text(path, text);
+  return text::write_text(path, text);
 }
 
 Result<FileSequence> index_sequence(const fs::path& folder,
@@ -108,16 +81,16 @@ Result<FileSequence> index_sequence(const fs::path& folder,
   if (without_time > 0) {
     sequence.notes.push_back(
         {format_count(without_time, "file") + " beyond the last row of times.csv", folder.string(),
-         "they are left out"});
+         "they are ignored"});
   }
   if (sequence.entries.size() < times->size()) {
     sequence.notes.push_back({format_count(times->size() - sequence.entries.size(), "row") +
                                   " of times.csv without a file",
-                              folder.string(), "taken as lost frames"});
+                              folder.string(), "treated as lost frames"});
   }
   if (backward > 0) {
     sequence.notes.push_back(
-        {"the times go back " + format_count(backward, "time"), times_path.string(), {}});
+        {"the stamps decrease " + format_count(backward, "time"), times_path.string(), {}});
   }
   return sequence;
 }

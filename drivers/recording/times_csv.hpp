@@ -13,30 +13,30 @@ namespace infuse::recording {
 /// One file of a numbered sequence.
 struct SequenceEntry {
   Stamp stamp;
-  size_t number = 0;  ///< NNNNNN
+  size_t number = 0;  ///< number in the file name
   std::filesystem::path path;
 };
 
-/// A folder of files NNNNNN.<extension> with their times.
+/// Files NNNNNN.<extension> of a folder with their stamps.
 struct FileSequence {
-  std::vector<SequenceEntry> entries;  ///< by number; numbers that have no file are left out
-  std::vector<Error> notes;            ///< missing files, files without a time, times going back
+  std::vector<SequenceEntry> entries;  ///< by number, without the numbers that have no file
+  std::vector<Error> notes;  ///< missing files, files without a stamp, stamps that decrease
 };
 
-/// Reads a times.csv: a header line that names the columns, one of them `stamp_ns` (integers); row
-/// k (from 0) belongs to file number k. At most ten million rows. A last row that is no number and
-/// has no end is left out: a power cut has ended it.
+/// Reads a times.csv: a header line that names the columns, one of them `stamp_ns` (integers). Row
+/// k (from 0) belongs to file number k. At most ten million rows. A last row that is not a number
+/// and has no line end is ignored: it was truncated by a power cut.
 Result<std::vector<Stamp>> read_times(const std::filesystem::path& path);
 
-/// Writes a times.csv; where `sources` is not empty, a second column tells where each came from.
+/// Writes a times.csv. If `sources` is not empty, a second column `source` contains it.
 Result<void> write_times(const std::filesystem::path& path, const std::vector<Stamp>& stamps,
                          const std::vector<std::string>& sources = {});
 
-/// Lists a folder of NNNNNN.<one of `extensions`> against its times.csv.
+/// Lists the files NNNNNN.<one of `extensions`> of a folder with the stamps of its times.csv.
 Result<FileSequence> index_sequence(const std::filesystem::path& folder,
                                     const std::vector<std::string>& extensions);
 
-/// The pictures of a camera: NNNNNN.png or NNNNNN.jpg.
+/// Lists a folder of images: NNNNNN.png or NNNNNN.jpg, and times.csv.
 Result<FileSequence> index_images(const std::filesystem::path& folder);
 
 }  // namespace infuse::recording

@@ -1,15 +1,15 @@
 #pragma once
 
-// toml++, without exceptions. Version 3.3 runs into __builtin_unreachable where a letter such as
-// 'λ' stands in place of white space (is_non_ascii_horizontal_whitespace has no answer for U+00A1
-// to U+0499 and two other ranges). That header is read first, with "no white space" as the answer.
+// toml++ without exceptions. Version 3.3 executes __builtin_unreachable if a letter such as 'λ'
+// appears in place of white space (is_non_ascii_horizontal_whitespace does not handle U+00A1 to
+// U+0499 and two other ranges). That header is included first, with `return false` instead.
 #define TOML_EXCEPTIONS 0
-// What it asserts of its parser's state does not hold for every damaged file; where assertions are
-// off it goes on to report an error, as it must in every build.
+// Some assertions of its parser fail for damaged files. Without assertions it reports an error, as it
+// must in every build.
 #define TOML_ASSERT(condition) static_cast<void>(0)
 // clang-format off
 #include <toml++/impl/preprocessor.h>
-// Nor may the compiler assume it: under clang without assertions this is __builtin_assume.
+// The compiler must not assume them either: clang without assertions uses __builtin_assume here.
 #undef TOML_ASSERT_ASSUME
 #define TOML_ASSERT_ASSUME(condition) static_cast<void>(0)
 #pragma push_macro("TOML_UNREACHABLE")

@@ -9,18 +9,19 @@
 
 namespace infuse::recording {
 
-/// Words of drive.toml that stand for a value, both ways.
+/// Names of camera models in drive.toml.
 inline constexpr std::array<std::pair<std::string_view, CameraIntrinsics::Model>, 2> kCameraModels =
     {{{"pinhole", CameraIntrinsics::Model::kPinhole},
       {"fisheye", CameraIntrinsics::Model::kFisheye}}};
 
+/// Names of Bayer patterns in drive.toml.
 inline constexpr std::array<std::pair<std::string_view, PixelFormat>, 4> kMosaics = {
     {{"rggb", PixelFormat::kBayerRggb8},
      {"bggr", PixelFormat::kBayerBggr8},
      {"gbrg", PixelFormat::kBayerGbrg8},
      {"grbg", PixelFormat::kBayerGrbg8}}};
 
-/// `times`: whether the stamps can be trusted.
+/// Values of `times` in drive.toml; true: the stamps can be trusted.
 inline constexpr std::array<std::pair<std::string_view, bool>, 2> kTimes = {
     {{"recorded", true}, {"synthetic", false}}};
 

@@ -29,7 +29,7 @@ void TomlTable::read(std::string_view key, std::string& value) {
   const toml::node* found = node(key);
   if (found == nullptr) return;
   const auto* text = found->as_string();
-  if (text == nullptr) return report_wrong_type(key, "text in quotes");
+  if (text == nullptr) return report_wrong_type(key, "a string in quotes");
   value = text->get();
 }
 

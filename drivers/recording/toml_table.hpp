@@ -12,45 +12,46 @@
 
 namespace infuse::recording {
 
-/// Parses TOML text of at most 1 MiB; errors carry file and line.
+/// Parses TOML text of at most 1 MiB. Errors contain file and line.
 Result<toml::table> parse_toml(std::string_view text, const std::string& file);
 
-/// Reads a TOML table key by key and keeps the first thing that was wrong, with its line. Every key
-/// that is requested becomes a known one; `finish` complains about the others.
+/// Reads a TOML table key by key and keeps the first error, with its line. Every requested key
+/// becomes a known key; `finish` reports unknown ones.
 class TomlTable {
  public:
-  /// `name` is for messages: "lidar".
+  /// `name` is used in messages, for example "lidar".
   TomlTable(const toml::table& table, std::string file, std::string name)
       : table_(table), file_(std::move(file)), name_(std::move(name)) {}
 
-  /// Each leaves `value` as it is where the key is absent.
+  /// Reads a value; leaves it unchanged if the key is absent.
   void read(std::string_view key, std::string& value);
   void read(std::string_view key, bool& value);
   void read(std::string_view key, double& value);
   void read(std::string_view key, std::optional<double>& value);
-  /// An integer from `lowest` to `highest`.
-  void read(std::string_view key, int64_t lowest, int64_t highest, int64_t& value);
-  /// At most `most` numbers.
-  void read(std::string_view key, size_t most, std::vector<double>& values);
-  /// 16 numbers by row that are a rigid motion.
+  /// Reads an integer from `min_value` to `max_value`.
+  void read(std::string_view key, int64_t min_value, int64_t max_value, int64_t& value);
+  /// Reads a list of at most `max_count` numbers.
+  void read(std::string_view key, size_t max_count, std::vector<double>& values);
+  /// Reads a rigid motion: 16 numbers by row.
   void read(std::string_view key, Eigen::Isometry3d& T);
 
-  /// Sub-tables: one (null where absent), or an array of them (at most `most`).
+  /// Returns a sub-table, or null if absent.
   const toml::table* table(std::string_view key);
-  std::vector<const toml::table*> tables(std::string_view key, size_t most);
+  /// Returns an array of at most `max_count` sub-tables.
+  std::vector<const toml::table*> tables(std::string_view key, size_t max_count);
 
-  /// The value itself; null where absent.
+  /// Returns a value of any type, or null if absent.
   const toml::node* node(std::string_view key);
 
-  /// Complains where the key is absent.
+  /// Reports an error if the key is absent.
   void require(std::string_view key);
 
-  /// Complains at a value of this table, or at the table itself where the key is absent.
+  /// Reports an error at the line of a key, or of the table if the key is absent.
   void report_error(std::string_view key, const std::string& what, std::string hint = {});
-  /// Complains at the table itself.
+  /// Reports an error at the line of the table.
   void report_table_error(const std::string& what, std::string hint = {});
 
-  /// Complains about unknown keys; gives what was wrong first, if anything.
+  /// Checks for unknown keys. Returns the first error, if any.
   std::optional<Error> finish();
 
  private:

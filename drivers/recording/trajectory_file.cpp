@@ -1,12 +1,13 @@
 #include "drivers/recording/trajectory_file.hpp"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <optional>
-#include <sstream>
+
+#include "drivers/text/numbers.hpp"
+#include "drivers/text/stamp_text.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 constexpr size_t kMaxFields = 13;
 constexpr double kTolerance = 0.01;
 
-/// The fields of a line, cut at spaces, tabs and commas; more than `kMaxFields` are not kept.
+/// Fields of a line, separated by spaces, tabs or commas; at most `kMaxFields`.
 struct Fields {
   std::array<std::string_view, kMaxFields> text;
   size_t count = 0;
@@ -30,34 +31,10 @@ struct Fields {
   }
 };
 
+/// Parses a number that may have a plus sign.
 std::optional<double> parse_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
-}
-
-/// "1533226488.230547", exact to the nanosecond where it has a point and no exponent.
-std::optional<Stamp> parse_stamp(std::string_view text) {
-  const size_t point = text.find('.');
-  const std::string_view whole = text.substr(0, point);
-  std::string_view part = point == std::string_view::npos ? "" : text.substr(point + 1);
-  int64_t seconds = 0, ns = 0;
-  const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
-  const bool plain = error == std::errc() && end == whole.data() + whole.size() &&
-                     part.find_first_not_of("0123456789") == std::string_view::npos;
-  if (!plain) {
-    const auto value = parse_number(text);
-    return value ? std::optional(Stamp() + from_seconds(*value)) : std::nullopt;
-  }
-  for (size_t i = 0; i < 9; ++i) ns = 10 * ns + (i < part.size() ? part[i] - '0' : 0);
-  if (text.starts_with('-')) ns = -ns;
-  int64_t total = 0;
-  if (__builtin_mul_overflow(seconds, int64_t{1'000'000'000}, &total)) return std::nullopt;
-  return Stamp::from_ns(total) + Duration(ns);
+  return text::parse_number(text);
 }
 
 using LineParser = Result<TrajectoryPose> (*)(const Fields&, size_t index);
@@ -75,7 +52,7 @@ Result<std::vector<TrajectoryPose>> parse_lines(std::string_view text, const std
     if (fields.count == 0 || fields.text[0].starts_with('#')) continue;
     auto pose = parse_line(fields, poses.size());
     if (pose && !poses.empty() && pose->stamp <= poses.back().stamp) {
-      pose = fail("time does not rise");
+      pose = fail("stamps must increase");
     }
     if (!pose) {
       Error error = pose.error();
@@ -92,16 +69,16 @@ Result<std::vector<TrajectoryPose>> parse_lines(std::string_view text, const std
 Result<TrajectoryPose> parse_tum_line(const Fields& fields, size_t) {
   constexpr const char* kHint = "a TUM line is: seconds x y z qx qy qz qw";
   if (fields.count != 8) return fail(std::to_string(fields.count) + " numbers", "", kHint);
-  const auto stamp = parse_stamp(fields.text[0]);
+  const auto stamp = text::parse_stamp(fields.text[0]);
   std::array<double, 7> v{};
   for (size_t i = 0; i < 7; ++i) {
     const auto value = parse_number(fields.text[i + 1]);
-    if (!value || !stamp) return fail("not a number, or no time", "", kHint);
+    if (!value || !stamp) return fail("not a number, or not a time", "", kHint);
     v[i] = *value;
   }
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
   if (std::abs(q.norm() - 1) > kTolerance)
-    return fail("the quaternion is not of length 1", "", kHint);
+    return fail("the norm of the quaternion is not 1", "", kHint);
   TrajectoryPose pose;
   pose.stamp = *stamp;
   pose.T_frame_body.linear() = q.normalized().toRotationMatrix();
@@ -140,23 +117,16 @@ Result<std::vector<TrajectoryPose>> parse_kitti(std::string_view text, const std
 }
 
 Result<std::vector<TrajectoryPose>> read_trajectory(const std::filesystem::path& file) {
-  constexpr uintmax_t kMaxBytes = uintmax_t{1} << 30;
-  std::error_code error;
-  const uintmax_t bytes = std::filesystem::file_size(file, error);
-  if (error)
-    return fail(error.message(), file.string(), "name a trajectory in TUM or KITTI format");
-  if (bytes > kMaxBytes) return fail("larger than 1 GiB", file.string());
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream buffer;
-  buffer << stream.rdbuf();
-  if (!stream) return fail("cannot be read", file.string());
-  const std::string text = std::move(buffer).str();
-  std::string_view rest = text;
+  constexpr size_t kMaxBytes = size_t{1} << 30;
+  const auto content = text::read_text(file, kMaxBytes);
+  if (!content) return tl::unexpected(content.error());
+  std::string_view rest = *content;
   while (!rest.empty()) {
     const size_t end = rest.find('\n');
     const Fields fields(rest.substr(0, end));
     if (fields.count > 0 && !fields.text[0].starts_with('#')) {
-      return fields.count == 12 ? parse_kitti(text, file.string()) : parse_tum(text, file.string());
+      return fields.count == 12 ? parse_kitti(*content, file.string())
+                                : parse_tum(*content, file.string());
     }
     rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
   }

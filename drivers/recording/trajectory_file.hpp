@@ -13,27 +13,28 @@ namespace infuse::recording {
 
 /// One line of a trajectory file.
 struct TrajectoryPose {
-  Stamp stamp;  ///< the line's number in nanoseconds where the format has no times (KITTI)
+  Stamp stamp;  ///< index of the pose in nanoseconds if the format has no stamps (KITTI)
   Eigen::Isometry3d T_frame_body = Eigen::Isometry3d::Identity();
 };
 
-/// Reads "seconds x y z qx qy qz qw" a line, as the TUM benchmark writes trajectories; lines that
-/// begin with # and empty ones are passed over. Fails with the line's number where one is not eight
-/// finite numbers, the quaternion is not of length 1 (within 1 %) or time does not rise.
+/// Parses a trajectory in TUM format: "seconds x y z qx qy qz qw" per line. Empty lines and lines
+/// that begin with # are skipped. Fails with the line number if a line is not eight finite numbers,
+/// the norm of the quaternion is not 1 (within 1 %), or stamps do not increase.
 Result<std::vector<TrajectoryPose>> parse_tum(std::string_view text, const std::string& name);
 
-/// Reads twelve numbers a line, the upper three rows of a 4 × 4 pose by row, as KITTI odometry
-/// does. Fails with the line's number where one is not twelve finite numbers, or not a rigid motion
-/// (within 1 %; rounding is mended).
+/// Parses a trajectory in KITTI odometry format: twelve numbers per line, the upper three rows of a
+/// 4 × 4 pose by row. Fails with the line number if a line is not twelve finite numbers or not a
+/// rigid motion (within 1 %; the rotation is normalised).
 Result<std::vector<TrajectoryPose>> parse_kitti(std::string_view text, const std::string& name);
 
-/// Reads a file of at most 1 GiB, as TUM or KITTI by how many numbers its first line holds.
+/// Reads a file of at most 1 GiB in TUM or KITTI format, detected by the count of numbers in its
+/// first line.
 Result<std::vector<TrajectoryPose>> read_trajectory(const std::filesystem::path& file);
 
-/// The text `parse_tum` reads: time to the nanosecond, metres to the micrometre.
+/// Formats a trajectory in TUM format: stamps in nanosecond, positions in micrometre resolution.
 std::string format_tum(const std::vector<TrajectoryPose>& poses);
 
-/// The text `parse_kitti` reads; the stamps are lost.
+/// Formats a trajectory in KITTI odometry format, without stamps.
 std::string format_kitti(const std::vector<TrajectoryPose>& poses);
 
 }  // namespace infuse::recording

@@ -10,7 +10,7 @@ constexpr size_t kIpv4HeaderBytes = 20;
 constexpr size_t kUdpHeaderBytes = 8;
 constexpr uint8_t kProtocolUdp = 17;
 
-// `segment` is the UDP header and what follows it.
+// `segment` begins with the UDP header.
 FrameOutcome decode_udp(std::span<const uint8_t> segment, Datagram& datagram) {
   if (segment.size() < kUdpHeaderBytes) return FrameOutcome::kMalformed;
   const size_t length = read_u16(segment, 4);

@@ -8,33 +8,34 @@
 
 namespace infuse::recording {
 
-/// What became of one captured frame.
+/// Result of decoding one captured frame.
 enum class FrameOutcome {
-  kDatagram,   ///< a whole UDP datagram
-  kFragment,   ///< a fragment of one that is not whole yet, or never will be
+  kDatagram,   ///< a complete UDP datagram
+  kFragment,   ///< a fragment of an incomplete datagram
   kNotUdp,     ///< ARP, TCP, IPv6 …
-  kTruncated,  ///< captured short
-  kMalformed,  ///< lengths that contradict each other
+  kTruncated,  ///< captured with a short snapshot length
+  kMalformed,  ///< contradictory lengths
 };
 
-/// Takes captured frames apart: link layer, IPv4 (fragments put together), UDP. Checksums are not
+/// Decodes captured frames: link layer, IPv4 (with reassembly of fragments), UDP. Checksums are not
 /// verified.
 class UdpDecoder {
  public:
   /// `link_type` is libpcap's DLT_ number.
-  UdpDecoder(int link_type, size_t fragmented_datagrams, Duration fragment_age)
-      : link_type_(link_type), table_(fragmented_datagrams, fragment_age) {}
+  UdpDecoder(int link_type, size_t fragmented_datagrams, Duration fragment_timeout)
+      : link_type_(link_type), table_(fragmented_datagrams, fragment_timeout) {}
 
   /// Decodes a frame that was `wire_length` bytes long on the wire. On `kDatagram`, `datagram` is
   /// filled, its payload valid until the next call and as long as `frame`.
   FrameOutcome decode(Stamp stamp, std::span<const uint8_t> frame, size_t wire_length,
                       Datagram& datagram);
 
-  /// Fragments seen, and of these such as never became whole.
+  /// Number of fragments seen.
   uint64_t fragments() const { return fragments_; }
+  /// Number of fragments of datagrams that were never complete.
   uint64_t fragments_dropped() const { return table_.dropped(); }
 
-  /// Gives up incomplete datagrams. Call at the end of the stream.
+  /// Drops incomplete datagrams. Call at the end of the stream.
   void finish() { table_.drop_all(); }
 
  private:

@@ -1,10 +1,8 @@
 #include "drivers/text/csv_reader.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
-namespace infuse::recording {
+namespace infuse::text {
 namespace {
 
 std::string_view trimmed(std::string_view text) {
@@ -22,14 +20,6 @@ void for_each_field(std::string_view row, const Use& use) {
     if (comma == std::string_view::npos) return;
     row.remove_prefix(comma + 1);
   }
-}
-
-template <class Number>
-std::optional<Number> parse_field(std::string_view field) {
-  Number value{};
-  const auto [end, failed] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (failed != std::errc() || end != field.data() + field.size()) return std::nullopt;
-  return value;
 }
 
 }  // namespace
@@ -77,21 +67,14 @@ void CsvReader::reject(const std::string& why) {
 void CsvReader::append_notes(std::vector<Error>& notes) const {
   if (rejected_rows_ > 0) {
     notes.push_back(first_rejection_);
-    notes.back().hint = std::to_string(rejected_rows_) + " such lines were left out";
+    notes.back().hint = std::to_string(rejected_rows_) + " such lines were skipped";
   }
   if (lines_.too_long_lines() > 0) {
     notes.push_back(
-        {std::to_string(lines_.too_long_lines()) + " overlong lines were left out", file_, {}});
+        {std::to_string(lines_.too_long_lines()) + " overlong lines were skipped", file_, {}});
   }
 }
 
 std::string CsvReader::where() const { return file_ + ":" + std::to_string(lines_.line_number()); }
 
-std::optional<double> parse_number(std::string_view field) {
-  const auto value = parse_field<double>(field);
-  return value && std::isfinite(*value) ? value : std::nullopt;
-}
-
-std::optional<int64_t> parse_integer(std::string_view field) { return parse_field<int64_t>(field); }
-
-}  // namespace infuse::recording
+}  // namespace infuse::text

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,34 +9,34 @@
 #include "drivers/measurement/error.hpp"
 #include "drivers/text/line_reader.hpp"
 
-namespace infuse::recording {
+namespace infuse::text {
 
-/// A column that is looked for in the header line of a CSV file.
+/// A column of a CSV file, identified by its name in the header line.
 struct CsvColumn {
   std::string_view name;
   bool required = true;
 };
 
-/// Reads comma-separated values (no quotes) with a header line, in fixed memory.
+/// Reads comma-separated values (without quoting) that follow a header line, in fixed memory.
 class CsvReader {
  public:
-  /// Fails where the file cannot be opened or its header lacks a required column. `columns` must
-  /// outlive the reader.
+  /// Opens a file. Fails if it cannot be opened or its header lacks a required column. `columns`
+  /// must outlive the reader.
   static Result<CsvReader> open(const std::filesystem::path& path,
                                 std::span<const CsvColumn> columns);
 
-  /// The fields of the next row, in the order of the columns; empty where the row has none. Valid
-  /// until the next call. False at the end. Empty lines and lines that begin with # are passed
-  /// over.
+  /// Reads the next row: its fields in the order of `columns`, empty where the row has none, valid
+  /// until the next call. Returns false at the end. Empty lines and lines that begin with # are
+  /// skipped.
   bool next(std::span<std::string_view> fields);
 
-  /// Remembers that the row given last is of no use, and why.
+  /// Records that the last row is invalid, and why.
   void reject(const std::string& why);
 
-  /// Says what was rejected so far, in one note; nothing where all was well.
+  /// Appends one note about the rows rejected so far and one about overlong lines, if any.
   void append_notes(std::vector<Error>& notes) const;
 
-  /// "FILE:LINE" of the row given last.
+  /// Location of the last row as "FILE:LINE".
   std::string where() const;
 
  private:
@@ -46,13 +45,9 @@ class CsvReader {
 
   LineReader lines_;
   std::string file_;
-  std::vector<size_t> positions_;  // of each column in a row; npos where there is none
+  std::vector<size_t> positions_;  // index of each column in a row; npos if absent
   uint64_t rejected_rows_ = 0;
-  Error first_rejection_;  // what was rejected first
+  Error first_rejection_;
 };
 
-/// The whole field as a number; nothing where it is not one, or not finite.
-std::optional<double> parse_number(std::string_view field);
-std::optional<int64_t> parse_integer(std::string_view field);
-
-}  // namespace infuse::recording
+}  // namespace infuse::text

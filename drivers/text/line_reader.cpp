@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string>
 
-namespace infuse::recording {
+namespace infuse::text {
 
 Result<LineReader> LineReader::open(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -54,4 +54,4 @@ bool LineReader::next(std::string_view& line) {
   }
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::text

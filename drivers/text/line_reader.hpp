@@ -9,22 +9,24 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::text {
 
-/// Reads a text file line by line in fixed memory; nothing is allocated after `open`.
+/// Reads a text file line by line in fixed memory. Allocates nothing after `open`.
 class LineReader {
  public:
-  static constexpr size_t kMaxLineBytes = 65536;  ///< bytes; longer lines are passed over
+  static constexpr size_t kMaxLineBytes = 65536;  ///< longer lines are skipped
 
+  /// Opens a file; fails if it cannot be opened or is a folder.
   static Result<LineReader> open(const std::filesystem::path& path);
 
-  /// The next line without its end (LF or CRLF), valid until the next call; false at the end.
+  /// Reads the next line without its end (LF or CRLF), valid until the next call. Returns false at
+  /// the end of the file.
   bool next(std::string_view& line);
 
-  /// Number of the line that `next` gave last, from 1.
+  /// Number of the last line read, from 1.
   uint64_t line_number() const { return line_number_; }
 
-  /// Lines that were longer than `kMaxLine`.
+  /// Number of lines longer than `kMaxLineBytes`.
   uint64_t too_long_lines() const { return too_long_lines_; }
 
  private:
@@ -36,9 +38,9 @@ class LineReader {
 
   std::unique_ptr<FILE, Close> file_;
   std::vector<char> buffer_;
-  size_t begin_ = 0, end_ = 0;  // what of the buffer is not handed out yet
+  size_t begin_ = 0, end_ = 0;  // unread part of the buffer
   uint64_t line_number_ = 0;
   uint64_t too_long_lines_ = 0;
 };
 
-}  // namespace infuse::recording
+}  // namespace infuse::text

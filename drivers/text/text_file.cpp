@@ -5,7 +5,7 @@
 #include <cstring>
 #include <memory>
 
-namespace infuse::recording {
+namespace infuse::text {
 namespace {
 
 struct Close {
@@ -47,4 +47,4 @@ Result<void> write_text(const std::filesystem::path& path, std::string_view text
   return {};
 }
 
-}  // namespace infuse::recording
+}  // namespace infuse::text

@@ -6,12 +6,12 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::recording {
+namespace infuse::text {
 
-/// The whole of a file of at most `max_bytes`; larger ones are an error, as are folders.
+/// Reads a whole file of at most `max_bytes`. Larger files and folders are errors.
 Result<std::string> read_text(const std::filesystem::path& path, size_t max_bytes);
 
-/// Creates or overwrites a file; fails where not all of it could be written.
+/// Creates or overwrites a file. Fails if not all of it could be written.
 Result<void> write_text(const std::filesystem::path& path, std::string_view text);
 
-}  // namespace infuse::recording
+}  // namespace infuse::text

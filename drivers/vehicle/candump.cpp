@@ -1,7 +1,8 @@
 #include "drivers/vehicle/candump.hpp"
 
 #include <charconv>
-#include <chrono>
+
+#include "drivers/text/stamp_text.hpp"
 
 namespace infuse::vehicle {
 namespace {
@@ -34,53 +35,6 @@ template <class Integer>
 bool read_integer(std::string_view text, Integer& value, int base = 10) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
   return !text.empty() && error == std::errc() && end == text.data() + text.size();
-}
-
-/// Reads the digits after the point ("230547") as nanoseconds.
-bool read_fraction(std::string_view digits, int64_t& ns) {
-  if (digits.empty() || digits.size() > 9 || !read_integer(digits, ns) || ns < 0) return false;
-  for (size_t i = digits.size(); i < 9; ++i) ns *= 10;
-  return true;
-}
-
-/// Converts "2018-08-02" and "16:14:48", UTC, to seconds since the epoch.
-bool read_date(std::string_view date, std::string_view time, int64_t& seconds) {
-  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
-  const bool fits = date.size() == 10 && date[4] == '-' && date[7] == '-' && time.size() == 8 &&
-                    time[2] == ':' && time[5] == ':' && read_integer(date.substr(0, 4), year) &&
-                    read_integer(date.substr(5, 2), month) &&
-                    read_integer(date.substr(8, 2), day) && read_integer(time.substr(0, 2), hour) &&
-                    read_integer(time.substr(3, 2), minute) &&
-                    read_integer(time.substr(6, 2), second);
-  const std::chrono::year_month_day ymd{std::chrono::year(year),
-                                        std::chrono::month(static_cast<unsigned>(month)),
-                                        std::chrono::day(static_cast<unsigned>(day))};
-  if (!fits || month < 0 || day < 0 || !ymd.ok() || hour < 0 || hour > 23 || minute < 0 ||
-      minute > 59 || second < 0 || second > 60) {
-    return false;
-  }
-  seconds = std::chrono::sys_days(ymd).time_since_epoch().count() * int64_t{86400} + hour * 3600 +
-            minute * 60 + second;
-  return true;
-}
-
-/// Parses the text between the brackets: "1533226488.230547" or "2018-08-02 16:14:48.230547".
-Result<Stamp> parse_stamp(std::string_view text) {
-  const size_t point = text.find('.');
-  int64_t seconds = 0, ns = 0, total = 0;
-  bool fits = point != std::string_view::npos && read_fraction(text.substr(point + 1), ns);
-  if (fits) {
-    const std::string_view whole = text.substr(0, point);
-    const size_t space = whole.find(' ');
-    fits = space == std::string_view::npos
-               ? read_integer(whole, seconds)
-               : read_date(whole.substr(0, space), whole.substr(space + 1), seconds);
-  }
-  if (!fits || seconds < 0 || __builtin_mul_overflow(seconds, int64_t{1000000000}, &total) ||
-      __builtin_add_overflow(total, ns, &total)) {
-    return parse_error(quoted(text) + " is not a time", "expected (seconds.microseconds)");
-  }
-  return Stamp::from_ns(total);
 }
 
 /// Three hexadecimal digits are a standard identifier, eight an extended one or an error frame.
@@ -191,8 +145,11 @@ Result<CanFrame> parse_candump_line(std::string_view line) {
   if (rest.starts_with('(')) {
     const size_t close = rest.find(')');
     if (close == std::string_view::npos) return parse_error("the time is not closed by ')'");
-    const auto stamp = parse_stamp(rest.substr(1, close - 1));
-    if (!stamp) return tl::unexpected(stamp.error());
+    const std::string_view time = rest.substr(1, close - 1);
+    const auto stamp = text::parse_stamp(time);
+    if (!stamp || *stamp < Stamp()) {
+      return parse_error(quoted(time) + " is not a time", "expected (seconds.microseconds)");
+    }
     frame.stamp = *stamp;
     rest.remove_prefix(close + 1);
   }

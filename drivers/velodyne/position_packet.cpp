@@ -56,7 +56,7 @@ std::optional<PositionPacket> parse_position_packet(std::span<const uint8_t> pay
   for (size_t unit = 0; unit < packet.imu.size(); ++unit) {
     packet.imu[unit] = read_unit(payload.data() + kImuOffset + 8 * unit);
   }
-  packet.sentence = parse_nmea(std::string_view(
+  packet.sentence = gnss::parse_nmea(std::string_view(
       reinterpret_cast<const char*>(payload.data()) + kSentenceOffset, kSentenceSize));
   return packet;
 }

@@ -35,7 +35,7 @@ struct PositionPacket {
   uint32_t counter_us = 0;  ///< device time: µs since the top of the hour, or since power-up
   PpsState pps = PpsState::kAbsent;
   std::array<ImuUnit, 3> imu{};  ///< HDL-32E only; zero bytes on others read as 25 °C
-  tl::expected<NmeaFix, NmeaFault>
+  tl::expected<gnss::NmeaFix, gnss::NmeaFault>
       sentence;  ///< last sentence of the GNSS receiver, up to a second old: its date and hour are
                  ///< reliable, its seconds are not
 };

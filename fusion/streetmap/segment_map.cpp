@@ -1,9 +1,9 @@
 #include "fusion/streetmap/segment_map.hpp"
 
+#include <zlib.h>
+
 #include <array>
 #include <cmath>
-
-#include "fusion/streetmap/checksum.hpp"
 
 // File layout, little-endian; sections follow each other without gaps and are padded to 8 bytes:
 //
@@ -21,7 +21,7 @@ namespace infuse::streetmap {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'I', 'N', 'F', 'U', 'S', 'E', 'M', 'P'};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 constexpr int kCellsPerTile = SegmentMap::kTileSize * SegmentMap::kTileSize;
 constexpr int kMaxTilesPerEdge = 1 << 15;
 constexpr size_t kSegmentBytes = 16;
@@ -35,7 +35,7 @@ struct Header {
   uint32_t tile_columns = 0, tile_rows = 0, segment_count = 0,
            provenance_bytes = 0;  // bytes
   uint64_t data_bytes = 0;        // bytes
-  uint64_t checksum = 0;          // of the header with a checksum of 0 and everything after it
+  uint64_t checksum = 0;          // CRC-32 of the header with a checksum of 0, and of the rest
 };
 constexpr size_t kHeaderBytes = sizeof(Header);
 static_assert(kHeaderBytes == 88);
@@ -51,8 +51,8 @@ constexpr size_t round_up_to_8(size_t bytes) { return (bytes + 7) / 8 * 8; }
 
 uint64_t checksum_of(Header header, std::span<const std::byte> rest) {
   header.checksum = 0;
-  const uint64_t first = checksum(std::as_bytes(std::span(&header, 1)), 0);
-  return checksum(rest, first);
+  const uLong first = crc32_z(0, reinterpret_cast<const Bytef*>(&header), kHeaderBytes);
+  return crc32_z(first, reinterpret_cast<const Bytef*>(rest.data()), rest.size());
 }
 
 const char* header_error(const Header& header) {

@@ -209,7 +209,7 @@ DriveMap make_map(const std::string& drive, const std::optional<StreetPlan>& pla
   if (plan) {
     made.plan = *plan;
   } else if (const auto opened = recording::Drive::open(kDrivesFolder / drive)) {
-    const auto map = recording::read_openstreetmap(kDrivesFolder / drive / opened->description.map);
+    const auto map = osm::read_openstreetmap(kDrivesFolder / drive / opened->description.map);
     if (map) made.plan = daemon::build_street_plan(*map).plan;
   }
   if (auto bytes = rasterise(made.plan, {}, drive)) made.bytes = std::move(*bytes);

@@ -8,6 +8,6 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace infuse::velodyne;
   (void)parse_position_packet({data, size});
-  (void)parse_nmea({reinterpret_cast<const char*>(data), size});
+  (void)infuse::gnss::parse_nmea({reinterpret_cast<const char*>(data), size});
   return 0;
 }

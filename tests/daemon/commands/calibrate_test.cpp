@@ -35,7 +35,7 @@ TEST(CalibrateCommand, RealKittiPairsConvergeAndWriteARig) {
   INFUSE_REAL_DATA_OR_SKIP(kitti, "calibration/kitti");
   TemporaryFolder folder;
   const auto drive = folder / "drive";
-  ASSERT_TRUE(recording::import_kitti(kitti, drive));
+  ASSERT_TRUE(importers::import_kitti(kitti, drive));
   const auto rig_file = folder / "rig.toml";
   const ProgramResult ran =
       calibrate(drive.string() + " --perturb 1,0.05 --seed 2 --json --report " +
@@ -68,7 +68,7 @@ TEST(CalibrateCommand, RealKittiTwoScansAreNotUsable) {
   INFUSE_REAL_DATA_OR_SKIP(kitti, "calibration/kitti");
   TemporaryFolder folder;
   const auto drive = folder / "drive";
-  ASSERT_TRUE(recording::import_kitti(kitti, drive));
+  ASSERT_TRUE(importers::import_kitti(kitti, drive));
   const ProgramResult ran = calibrate(drive.string() + " --scenes 2 --within 0 --json");
   EXPECT_EQ(ran.code, 1);
   const json result = json::parse(ran.output, nullptr, false);
@@ -84,7 +84,7 @@ TEST(CalibrateCommand, RealOpenCalibScenesAreNotUsableAndWithinADegree) {
   TemporaryFolder folder;
   for (const std::string scene : {"scene2", "scene3"}) {
     const auto drive = folder / scene;
-    ASSERT_TRUE(recording::import_opencalib(scenes / (scene + ".calib.txt"), drive));
+    ASSERT_TRUE(importers::import_opencalib(scenes / (scene + ".calib.txt"), drive));
     const ProgramResult ran = calibrate(drive.string() + " --perturb 1,0.05 --seed 3 --json");
     EXPECT_EQ(ran.code, 1);
     const json result = json::parse(ran.output, nullptr, false);

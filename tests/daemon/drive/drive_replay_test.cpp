@@ -177,7 +177,7 @@ TEST_F(DriveReplayTest, BadLinesAndTimesOnTheBusAreReportedAndNothingElseIsLost)
   std::string notes;
   for (const Error& note : result.notes) notes += note.message() + "\n";
   EXPECT_THAT(notes, HasSubstr("can.log"));
-  EXPECT_THAT(notes, HasSubstr("such lines were left out"));
+  EXPECT_THAT(notes, HasSubstr("such lines were skipped"));
 }
 
 TEST_F(DriveReplayTest, ASilentBusLeavesSweepsNotDeskewedAndIsReported) {

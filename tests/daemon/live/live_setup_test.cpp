@@ -142,7 +142,7 @@ TEST_F(LiveSetupTest, TheExamplesAreValid) {
       {"infused.toml", 0}, {"shuttle.toml", 3}, {"survey_car.toml", 6}, {"truck.toml", 5}};
   for (const auto& [name, devices] : examples) {
     SCOPED_TRACE(name);
-    const auto text = recording::read_text(
+    const auto text = text::read_text(
         std::filesystem::path(INFUSE_SOURCE_DIR) / "packaging/examples" / name, 1 << 20);
     ASSERT_TRUE(text.has_value());
     const auto setup =

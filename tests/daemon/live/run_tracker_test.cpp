@@ -16,7 +16,7 @@ class RunTrackerTest : public testing::Test {
 
   static Stamp at_s(int64_t s) { return Stamp::from_ns((1'700'000'000 + s) * 1'000'000'000); }
 
-  const recording::testing::ScratchFolder folder_;
+  const ScratchFolder folder_;
   const std::filesystem::path file_ = folder_ / "state.json";
 };
 

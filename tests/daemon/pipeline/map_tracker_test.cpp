@@ -128,7 +128,7 @@ TEST_F(MapTrackerTest, InitialisesFromAGnssFix) {
   EXPECT_TRUE(is_valid_message(message(tracker.pose(odometry))));
   const auto& frame = town_.map.frame();
   const Eigen::Vector3d place =
-      recording::LocalFrame(frame.latitude, frame.longitude).to_geodetic({-89, -2, 0});
+      gnss::to_geodetic(gnss::make_local_frame(frame.latitude, frame.longitude), {-89, -2, 0});
   GnssFix fix;
   fix.latitude = place.x();
   fix.longitude = place.y();

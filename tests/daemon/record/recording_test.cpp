@@ -296,7 +296,7 @@ TEST_F(RecordingTest, NeverOverwritesAnExistingDrive) {
   Recording first = begin();
   const auto second = Recording::begin(plan_, Stamp::from_ns(kStart));
   ASSERT_FALSE(second.has_value());
-  EXPECT_THAT(second.error().message(), HasSubstr("is there already"));
+  EXPECT_THAT(second.error().message(), HasSubstr("already exists"));
 }
 
 TEST_F(RecordingTest, KeepsTheMinimumFreeSpace) {

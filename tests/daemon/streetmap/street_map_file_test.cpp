@@ -8,15 +8,13 @@
 #include <sstream>
 
 #include "daemon/streetmap/street_plan_from_osm.hpp"
-#include "drivers/recording/local_frame.hpp"
+#include "drivers/gnss/local_frame.hpp"
 #include "drivers/text/text_file.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-using recording::testing::ScratchFolder;
 
 using streetmap::SegmentKind;
 using testing::Contains;
@@ -55,7 +53,7 @@ class StreetMapFileTest : public testing::Test {
  protected:
   Result<GeneratedStreetMap> make(const std::string& ways) {
     const auto path = folder_ / "map.osm";
-    EXPECT_TRUE(recording::write_text(path, map_text(ways)));
+    EXPECT_TRUE(text::write_text(path, map_text(ways)));
     return make_street_map(path, {});
   }
   std::vector<std::string> warnings(const std::string& ways) {
@@ -68,8 +66,8 @@ class StreetMapFileTest : public testing::Test {
   }
   streetmap::PlanStrip strip(const std::string& tags) {
     const auto path = folder_ / "strip.osm";
-    EXPECT_TRUE(recording::write_text(path, map_text(way(1, {1, 10}, tags))));
-    const auto map = recording::read_openstreetmap(path);
+    EXPECT_TRUE(text::write_text(path, map_text(way(1, {1, 10}, tags))));
+    const auto map = osm::read_openstreetmap(path);
     EXPECT_TRUE(map);
     const auto planned = build_street_plan(*map);
     return planned.plan.strips.empty() ? streetmap::PlanStrip{} : planned.plan.strips[0];
@@ -126,8 +124,8 @@ TEST_F(StreetMapFileTest, OpensAGeneratedMap) {
   ASSERT_TRUE(opened) << opened.error().message();
   const StreetMapFile moved = std::move(*opened);  // the map stays valid
   const auto& frame = moved.map.frame();
-  const recording::LocalFrame local(frame.latitude, frame.longitude);
-  const auto middle = local.to_local(50 * kDegree, 8.0006 * kDegree);
+  const auto local = gnss::make_local_frame(frame.latitude, frame.longitude);
+  const auto middle = gnss::to_local(local, 50 * kDegree, 8.0006 * kDegree);
   const auto segment = moved.map.segment(moved.map.id_at(middle.x(), middle.y()));
   EXPECT_EQ(segment.kind, SegmentKind::kCarriageway);
   EXPECT_EQ(segment.osm_id, 4711);
@@ -145,9 +143,9 @@ TEST_F(StreetMapFileTest, DamagedFilesAreReported) {
   EXPECT_THAT(cut.error().message(), HasSubstr("is truncated"));
   EXPECT_FALSE(open_street_map_file(folder_ / "missing.map"));
   EXPECT_FALSE(open_street_map_file("/"));
-  ASSERT_TRUE(recording::write_text(folder_ / "empty.map", ""));
+  ASSERT_TRUE(text::write_text(folder_ / "empty.map", ""));
   EXPECT_FALSE(open_street_map_file(folder_ / "empty.map"));
-  ASSERT_TRUE(recording::write_text(folder_ / "text.map", std::string(500, 'x')));
+  ASSERT_TRUE(text::write_text(folder_ / "text.map", std::string(500, 'x')));
   const auto text = open_street_map_file(folder_ / "text.map");
   ASSERT_FALSE(text);
   EXPECT_THAT(text.error().message(), HasSubstr("is not an infuse street map"));
@@ -178,13 +176,13 @@ RoadCoverage measure_road_coverage(const std::filesystem::path& osm,
   EXPECT_TRUE(made);
   const auto unpacked = testing::TempDir() + "/oxts.txt";
   EXPECT_EQ(std::system(("bzcat " + rows.string() + " > " + unpacked).c_str()), 0);
-  const auto text = recording::read_text(unpacked, 1 << 27);
+  const auto text = text::read_text(unpacked, 1 << 27);
   std::filesystem::remove(unpacked);
   const auto map = made ? streetmap::SegmentMap::open(made->bytes, "map")
                         : Result<streetmap::SegmentMap>(tl::unexpected(made.error()));
   EXPECT_TRUE(map && text);
   if (!map || !text) return result;
-  const recording::LocalFrame frame(map->frame().latitude, map->frame().longitude);
+  const auto frame = gnss::make_local_frame(map->frame().latitude, map->frame().longitude);
   const auto driven = [&](double x, double y) {
     const SegmentKind kind = map->segment(map->id_at(x, y)).kind;
     return kind == SegmentKind::kCarriageway || kind == SegmentKind::kCrossing;
@@ -195,7 +193,7 @@ RoadCoverage measure_road_coverage(const std::filesystem::path& osm,
     std::istringstream words(line);
     double latitude = 0, longitude = 0;
     words >> latitude >> longitude;
-    const Eigen::Vector3d p = frame.to_local(latitude * kDegree, longitude * kDegree);
+    const Eigen::Vector3d p = gnss::to_local(frame, latitude * kDegree, longitude * kDegree);
     if (driven(p.x(), p.y())) {
       ++on;
       continue;

@@ -8,11 +8,11 @@
 
 #include "fixtures/velodyne/position_encoder.hpp"
 
-namespace infuse::velodyne {
+namespace infuse::gnss {
 namespace {
 
-// As an HDL-32E of 2012 and a VLP-16 of 2016 sent them.
-TEST(Nmea, SentencesOfRealReceiversAreRead) {
+// Sentences from an HDL-32E of 2012 and a VLP-16 of 2016.
+TEST(Nmea, ParsesSentencesOfRealReceivers) {
   const auto old =
       parse_nmea("$GPRMC,220243,A,3708.5809,N,12139.7813,W,028.8,158.3,111212,013.8,E,D*03\r\n");
   ASSERT_TRUE(old);
@@ -33,7 +33,7 @@ TEST(Nmea, SentencesOfRealReceiversAreRead) {
   EXPECT_EQ(fractional->fix.utc_ns, 1'453'364'282'000'000'000);  // 2016-01-21 08:18:02
 }
 
-TEST(Nmea, AnyTalkerAndBothTypesRoundTrip) {
+TEST(Nmea, ParsesBothTypesOfAnyTalker) {
   for (const char* talker : {"GP", "GN", "GL", "BD", "GA"}) {
     fixtures::NmeaFields sent;
     sent.talker = talker;
@@ -61,7 +61,7 @@ TEST(Nmea, AnyTalkerAndBothTypesRoundTrip) {
   }
 }
 
-TEST(Nmea, AReceiverWithoutAFixIsNotValid) {
+TEST(Nmea, ASentenceWithoutAFixIsNotValid) {
   const auto rmc = parse_nmea(fixtures::with_checksum("$GPRMC,120000,V,,,,,,,010124,,,N"));
   ASSERT_TRUE(rmc);
   EXPECT_FALSE(rmc->fix.valid);
@@ -72,7 +72,7 @@ TEST(Nmea, AReceiverWithoutAFixIsNotValid) {
   EXPECT_TRUE(std::isnan(gga->fix.altitude));
 }
 
-TEST(Nmea, FaultsAreReported) {
+TEST(Nmea, ReportsFaults) {
   const auto fault = [](std::string text) {
     const auto fix = parse_nmea(text);
     return fix ? std::string("none") : std::string(describe(fix.error()));
@@ -108,4 +108,4 @@ TEST(Nmea, FaultsAreReported) {
 }
 
 }  // namespace
-}  // namespace infuse::velodyne
+}  // namespace infuse::gnss

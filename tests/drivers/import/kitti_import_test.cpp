@@ -15,13 +15,12 @@
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
-// The numbers after "KEY:" in a calibration file, read independently of the code under test.
+// Reads the numbers after "KEY:" in a calibration file, independently of the code under test.
 std::vector<double> numbers_after(const std::filesystem::path& file, const std::string& key) {
   std::ifstream in(file);
   std::string line;
@@ -35,7 +34,7 @@ std::vector<double> numbers_after(const std::filesystem::path& file, const std::
   return {};
 }
 
-// rows × 3 or rows × 4 numbers, filled up to 4 × 4 with the identity.
+// rows × 3 or rows × 4 numbers, extended to 4 × 4 with the identity.
 using Matrix = std::array<std::array<double, 4>, 4>;
 Matrix to_matrix(const std::vector<double>& numbers, size_t columns) {
   Matrix m{};
@@ -53,7 +52,7 @@ Matrix multiply(const Matrix& a, const Matrix& b) {
   return m;
 }
 
-// KITTI's own recipe: P · R0 · Tr · x, then division by the third coordinate.
+// KITTI's projection: P · R0 · Tr · x, divided by the third coordinate.
 struct Pixel {
   double u, v, depth;
 };
@@ -64,7 +63,7 @@ Pixel project(const Matrix& chain, double x, double y, double z) {
   return {row(0) / row(2), row(1) / row(2), row(2)};
 }
 
-TEST(KittiImportSummary, RealObjectLayoutBecomesADrive) {
+TEST(KittiImportSummary, ImportsTheRealObjectLayout) {
   INFUSE_REAL_DATA_OR_SKIP(path, "calibration/kitti");
   const ScratchFolder folder;
   const auto result = import_kitti(path, folder / "drive");
@@ -75,7 +74,7 @@ TEST(KittiImportSummary, RealObjectLayoutBecomesADrive) {
   EXPECT_FALSE(result->times_trusted);
   EXPECT_TRUE(result->notes.empty());
 
-  const auto drive = Drive::open(folder / "drive");
+  const auto drive = recording::Drive::open(folder / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
   EXPECT_FALSE(drive->description.times_trusted);
   ASSERT_EQ(drive->description.rig.cameras.size(), 1u);
@@ -102,24 +101,24 @@ TEST(KittiImportSummary, RealObjectLayoutBecomesADrive) {
                   T[static_cast<size_t>(i)][static_cast<size_t>(j)], 2e-7);
     }
   }
-  const auto truth = read_rig(drive->resolve(drive->description.truth_rig));
+  const auto truth = recording::read_rig(drive->resolve(drive->description.truth_rig));
   ASSERT_TRUE(truth);
   EXPECT_EQ(truth->cameras[0].T_camera_lidar.matrix(), camera.T_camera_lidar.matrix());
 
-  // Every sweep comes 0.1 s after the one before, together with its picture; points fall on the
-  // same pixels as with KITTI's recipe, and a forward camera of 81° sees about a sixth of a turn.
+  // Sweeps are 0.1 s apart and have the stamps of their images. Points are projected to the same
+  // pixels as by KITTI's formula, and a forward camera of 81° covers about a sixth of a turn.
   const Matrix chain = multiply(to_matrix(P, 4), multiply(R0, Tr));
-  auto source = DriveSource::open(*drive);
+  auto source = recording::DriveSource::open(*drive);
   ASSERT_TRUE(source) << source.error().message();
-  DriveEvent event;
+  recording::DriveEvent event;
   int64_t sweeps = 0, images = 0;
   while (source->next(event)) {
-    if (std::holds_alternative<ImageEvent>(event.content)) {
+    if (std::holds_alternative<recording::ImageEvent>(event.content)) {
       EXPECT_EQ(event.stamp.ns(), 100'000'000 * images++);
       continue;
     }
     EXPECT_EQ(event.stamp.ns(), 100'000'000 * sweeps++);
-    const Sweep& sweep = *std::get<SweepEvent>(event.content).sweep;
+    const Sweep& sweep = *std::get<recording::SweepEvent>(event.content).sweep;
     EXPECT_FALSE(sweep.clock.trusted);
     size_t in_view = 0, compared = 0;
     for (size_t i = 0; i < sweep.size(); i += 7) {
@@ -148,7 +147,7 @@ TEST(KittiImportSummary, RealObjectLayoutBecomesADrive) {
   EXPECT_THAT(folder.read("drive/sweeps/times.csv"), HasSubstr("400000000,100000.bin\n"));
 }
 
-TEST(KittiImportSummary, RealOdometryLayoutBecomesADrive) {
+TEST(KittiImportSummary, ImportsTheRealOdometryLayout) {
   INFUSE_REAL_DATA_OR_SKIP(path, "registration/kitti_odometry_00");
   const ScratchFolder folder;
   const auto result = import_kitti(path, folder / "drive");
@@ -158,24 +157,23 @@ TEST(KittiImportSummary, RealOdometryLayoutBecomesADrive) {
   EXPECT_EQ(result->poses, 4541u);
   EXPECT_TRUE(result->times_trusted);
 
-  const auto drive = Drive::open(folder / "drive");
+  const auto drive = recording::Drive::open(folder / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
-  const auto sweeps = index_sweeps(drive->resolve("sweeps"));
+  const auto sweeps = recording::index_sweeps(drive->resolve("sweeps"));
   ASSERT_TRUE(sweeps);
   ASSERT_EQ(sweeps->entries.size(), 4u);
   EXPECT_EQ(sweeps->entries[1].stamp.ns(), 103'735'900);  // 1.037359e-01
 
-  const auto poses = read_trajectory(drive->resolve(drive->description.truth_poses));
+  const auto poses = recording::read_trajectory(drive->resolve(drive->description.truth_poses));
   ASSERT_TRUE(poses);
   ASSERT_EQ(poses->size(), 4541u);
   const Eigen::Isometry3d first = poses->front().T_frame_body;
   EXPECT_LT((first.matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-5);
-  // The car drives forward: 0.86 m along x in the first step as the file states it.
+  // The vehicle moves forward: 0.86 m along x in the first step, as in the file.
   const Eigen::Vector3d step = poses->at(1).T_frame_body.translation();
   EXPECT_NEAR(step.x(), 0.858, 0.01);
   EXPECT_LT(std::abs(step.z()), 0.05);
-  // Distances between poses do not depend on the frame: the camera's path and the vehicle's differ
-  // by no more than the lever arm allows.
+  // Path lengths do not depend on the frame, except for the lever arm between camera and vehicle.
   double vehicle = 0;
   for (size_t i = 1; i < poses->size(); ++i) {
     vehicle +=
@@ -183,7 +181,7 @@ TEST(KittiImportSummary, RealOdometryLayoutBecomesADrive) {
             .norm();
   }
   EXPECT_NEAR(vehicle, 3724, 40);  // KITTI states 3724 m for sequence 00
-  // Sweeps 94 and 95 by the rig and the poses against cam0's own: T_95_94 of the lidar.
+  // T_95_94 of the lidar from the imported rig and poses, compared with that from cam0's poses.
   const auto lidar_motion = [&](size_t a, size_t b) {
     const Eigen::Isometry3d T_vehicle_lidar = drive->description.rig.lidars[0].T_vehicle_lidar;
     return (poses->at(b).T_frame_body * T_vehicle_lidar).inverse() * poses->at(a).T_frame_body *
@@ -215,7 +213,7 @@ TEST(KittiImportSummary, RealOdometryLayoutBecomesADrive) {
   }
 }
 
-// A raw recording of two frames, made by hand.
+// A synthetic raw recording of two frames.
 class RawLayout : public ::testing::Test {
  protected:
   static std::string png(uint32_t width, uint32_t height) {
@@ -255,7 +253,7 @@ class RawLayout : public ::testing::Test {
   std::filesystem::path raw_;
 };
 
-TEST_F(RawLayout, BecomesADriveWithItsOwnTimes) {
+TEST_F(RawLayout, IsImportedWithItsStamps) {
   const auto result = import_kitti(raw_, folder_ / "drive");
   ASSERT_TRUE(result) << result.error().message();
   EXPECT_EQ(result->layout, KittiLayout::kRaw);
@@ -263,34 +261,35 @@ TEST_F(RawLayout, BecomesADriveWithItsOwnTimes) {
   EXPECT_EQ(result->sweeps, 1u);
   EXPECT_EQ(result->images, 2u);
   EXPECT_EQ(result->poses, 2u);
-  const auto drive = Drive::open(folder_ / "drive");
+  const auto drive = recording::Drive::open(folder_ / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
 
   // The lidar's only sweep is frame 1, at 13:02:25.964389445 UTC (1317042145 s).
-  const auto sweeps = index_sweeps(drive->resolve("sweeps"));
+  const auto sweeps = recording::index_sweeps(drive->resolve("sweeps"));
   ASSERT_TRUE(sweeps);
   EXPECT_EQ(sweeps->entries.at(0).stamp.ns(), 1'317'042'145'964'389'445);
-  // Camera 3 stands half a metre to the right of camera 0: its coordinates are 0.5 m further left.
+  // Camera 3 is half a metre to the right of camera 0: coordinates in its frame are shifted by −0.5
+  // m.
   const Eigen::Vector3d ahead =
       drive->description.rig.cameras.at(0).T_camera_lidar * Eigen::Vector3d(10, 1, 0.5);
   EXPECT_LT((ahead - Eigen::Vector3d(-1 - 0.5, -0.5 - 0.08, 10 - 0.27)).norm(), 1e-12);
 
-  const auto poses = read_trajectory(drive->resolve(drive->description.truth_poses));
+  const auto poses = recording::read_trajectory(drive->resolve(drive->description.truth_poses));
   ASSERT_TRUE(poses);
   const Eigen::Isometry3d moved = poses->at(0).T_frame_body.inverse() * poses->at(1).T_frame_body;
   EXPECT_NEAR(moved.translation().x(), 11.12, 0.01);  // 0.0001° of latitude, straight ahead
   EXPECT_NEAR(moved.translation().y(), 0, 1e-3);
-  // The vehicle's x axis points north; its origin lies behind the unit and 0.93 m below.
+  // The vehicle's x axis points north; its origin is behind the unit and 0.93 m below it.
   EXPECT_NEAR(poses->at(0).T_frame_body.linear()(1, 0), 1, 1e-9);
   EXPECT_NEAR(poses->at(0).T_frame_body.translation().z(), -0.93, 1e-9);
 
-  auto imu = ImuCsv::open(drive->resolve("imu.csv"));
+  auto imu = recording::ImuCsv::open(drive->resolve("imu.csv"));
   ASSERT_TRUE(imu);
   ImuSample sample;
   ASSERT_TRUE(imu->next(sample));
   EXPECT_EQ(sample.angular_velocity, (std::array<double, 3>{0.01, 0.02, 0.03}));
   EXPECT_EQ(sample.linear_acceleration, (std::array<double, 3>{0.1, 0.2, 9.8}));
-  auto gnss = GnssCsv::open(drive->resolve("gps.csv"));
+  auto gnss = gnss::GnssCsv::open(drive->resolve("gnss.csv"));
   ASSERT_TRUE(gnss);
   GnssFix fix;
   ASSERT_TRUE(gnss->next(fix));
@@ -298,9 +297,9 @@ TEST_F(RawLayout, BecomesADriveWithItsOwnTimes) {
   EXPECT_NEAR(fix.course, 0, 1e-12);
 }
 
-TEST_F(RawLayout, SaysWhatIsMissing) {
+TEST_F(RawLayout, ErrorsNameWhatIsMissing) {
   EXPECT_THAT(import_kitti(folder_ / "day", folder_ / "drive").error().message(),
-              HasSubstr("is none of KITTI's layouts"));
+              HasSubstr("has none of KITTI's layouts"));
   EXPECT_FALSE(import_kitti(folder_ / "nowhere", folder_ / "drive"));
   folder_.write("full/file", "x");
   EXPECT_THAT(import_kitti(raw_, folder_ / "full").error().message(),
@@ -314,19 +313,19 @@ TEST_F(RawLayout, SaysWhatIsMissing) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "drive"));
 }
 
-TEST_F(RawLayout, ReportsBadTimesAndOddImages) {
+TEST_F(RawLayout, ReportsInvalidStampsAndImagesOfAnotherSize) {
   folder_.write("day/2011_09_26_drive_0001_sync/image_03/data/0000000001.png", png(640, 480));
   const auto result = import_kitti(raw_, folder_ / "drive");
   ASSERT_TRUE(result);
   EXPECT_EQ(result->images, 1u);
   ASSERT_EQ(result->notes.size(), 1u);
-  EXPECT_THAT(result->notes[0].message(), HasSubstr("another size"));
+  EXPECT_THAT(result->notes[0].message(), HasSubstr("a different size"));
   folder_.write("day/2011_09_26_drive_0001_sync/oxts/timestamps.txt", "2011-13-26 13:02:25.5\n");
   EXPECT_THAT(import_kitti(raw_, folder_ / "drive2").error().message(),
-              HasSubstr("timestamps.txt:1: is no time"));
+              HasSubstr("timestamps.txt:1: is not a time"));
 }
 
-TEST(KittiImportSummary, FramesOfAnotherCalibrationAreLeftOutAndNoted) {
+TEST(KittiImportSummary, SkipsAndNotesFramesWithAnotherCalibration) {
   const ScratchFolder folder;
   const std::string calib =
       "P2: 700 0 600 0 0 700 180 0 0 0 1 0\nTr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 ";
@@ -341,8 +340,8 @@ TEST(KittiImportSummary, FramesOfAnotherCalibrationAreLeftOutAndNoted) {
   std::string notes;
   for (const Error& note : result->notes) notes += note.message() + "\n";
   EXPECT_THAT(notes, HasSubstr("2 calibrations"));
-  EXPECT_THAT(notes, HasSubstr("2 files of frames without that calibration"));
+  EXPECT_THAT(notes, HasSubstr("2 files of frames with another calibration"));
 }
 
 }  // namespace
-}  // namespace infuse::recording
+}  // namespace infuse::importers

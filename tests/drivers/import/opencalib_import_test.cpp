@@ -8,14 +8,13 @@
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace infuse::recording {
+namespace infuse::importers {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 using namespace std::string_literals;
 
-// A PNG's head, 64 × 48; the import looks at no more.
+// The header of a PNG of 64 × 48 pixels; the import reads nothing else.
 std::string make_png() { return "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x40\0\0\0\x30\x08\0\0\0\0"s; }
 
 constexpr const char* kCalibration =
@@ -25,14 +24,14 @@ constexpr const char* kPcd =
     "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA "
     "ascii\n5 0 0\n6 1 0\n";
 
-TEST(OpencalibImport, MakesADriveOfAScene) {
+TEST(OpencalibImport, ImportsAScene) {
   const ScratchFolder folder;
   folder.write("in/a.calib.txt", kCalibration);
   folder.write("in/a.pcd", kPcd);
   folder.write("in/a.png", make_png());
   const auto imported = import_opencalib(folder / "in/a.calib.txt", folder / "drive");
   ASSERT_TRUE(imported) << imported.error().message();
-  const auto drive = Drive::open(folder / "drive");
+  const auto drive = recording::Drive::open(folder / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
   EXPECT_FALSE(drive->description.times_trusted);
   ASSERT_EQ(drive->description.rig.cameras.size(), 1U);
@@ -42,22 +41,23 @@ TEST(OpencalibImport, MakesADriveOfAScene) {
   EXPECT_EQ(camera.intrinsics.fy, 101);
   EXPECT_EQ(camera.intrinsics.cx, 31.5);
   EXPECT_EQ(camera.intrinsics.distortion, (std::array<double, 5>{-0.1, 0.2, 0.001, 0.002, 0}));
-  // A point 5 m ahead lies 4.7 m deep, 0.1 m to the right, 0.2 m up.
+  // A point 5 m ahead has a depth of 4.7 m and lies 0.1 m to the right, 0.2 m up.
   const Eigen::Vector3d seen = camera.T_camera_lidar * Eigen::Vector3d(5, 0, 0);
   EXPECT_LT((seen - Eigen::Vector3d(0.1, -0.2, 4.7)).norm(), 1e-12);
-  auto source = DriveSource::open(*drive);
+  auto source = recording::DriveSource::open(*drive);
   ASSERT_TRUE(source);
-  DriveEvent event;
+  recording::DriveEvent event;
   size_t returns = 0, images = 0;
   while (source->next(event)) {
-    if (const auto* sweep = std::get_if<SweepEvent>(&event.content)) returns = sweep->sweep->size();
-    if (std::holds_alternative<ImageEvent>(event.content)) ++images;
+    if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content))
+      returns = sweep->sweep->size();
+    if (std::holds_alternative<recording::ImageEvent>(event.content)) ++images;
   }
   EXPECT_EQ(returns, 2U);
   EXPECT_EQ(images, 1U);
 }
 
-TEST(OpencalibImport, SaysWhatIsMissing) {
+TEST(OpencalibImport, ErrorsNameWhatIsMissing) {
   const ScratchFolder folder;
   const auto import_error = [&] {
     const auto imported = import_opencalib(folder / "a.calib.txt", folder / "drive");
@@ -65,11 +65,11 @@ TEST(OpencalibImport, SaysWhatIsMissing) {
   };
   EXPECT_THAT(import_error(), HasSubstr("cannot be opened"));
   folder.write("a.calib.txt", "K: 1 0 0 0 1 0 0 0 1\n");
-  EXPECT_THAT(import_error(), HasSubstr("has no sweep beside it"));
+  EXPECT_THAT(import_error(), HasSubstr("has no sweep in the same folder"));
   folder.write("a.pcd", kPcd);
-  EXPECT_THAT(import_error(), HasSubstr("has no picture beside it"));
-  folder.write("a.png", "no picture");
-  EXPECT_THAT(import_error(), HasSubstr("is no picture"));
+  EXPECT_THAT(import_error(), HasSubstr("has no image in the same folder"));
+  folder.write("a.png", "not an image");
+  EXPECT_THAT(import_error(), HasSubstr("is not a PNG or JPEG image"));
   folder.write("a.png", make_png());
   EXPECT_THAT(import_error(), HasSubstr("has no T"));
   folder.write("a.calib.txt", "K: 1 0 0 0 1 0 0 0\nT: 1 0 0 0 0 1 0 0 0 0 1 0\n");
@@ -84,9 +84,9 @@ TEST(OpencalibImport, SaysWhatIsMissing) {
   EXPECT_THAT(import_error(), HasSubstr("not empty"));
 }
 
-TEST(ImageSize, OfJpegByItsFrame) {
+TEST(ImageSize, ReadsJpegFrameHeaders) {
   const ScratchFolder folder;
-  // An application segment of four bytes, then a progressive frame of 3 rows, 258 columns.
+  // An application segment of four bytes, then a progressive frame of 3 rows and 258 columns.
   folder.write("a.jpg", "\xFF\xD8\xFF\xE0\0\x04zz\xFF\xC2\0\x0B\x08\0\x03\x01\x02"s);
   EXPECT_EQ(read_image_size(folder / "a.jpg"), (ImageSize{258, 3}));
   folder.write("b.jpg", "\xFF\xD8\xFF\xE0\0\x04zz\xFF\xC2\0\x0B\x08\0\x03\x01"s);
@@ -96,11 +96,11 @@ TEST(ImageSize, OfJpegByItsFrame) {
   EXPECT_FALSE(read_image_size(folder / "none.jpg"));
 }
 
-TEST(ImageSize, OfRealImages) {
+TEST(ImageSize, ReadsRealImages) {
   INFUSE_REAL_DATA_OR_SKIP(data, "calibration/opencalib");
   EXPECT_EQ(read_image_size(data / "scene2.jpg"), (ImageSize{1920, 1200}));
   EXPECT_EQ(read_image_size(data / "scene3.png"), (ImageSize{1920, 1200}));
 }
 
 }  // namespace
-}  // namespace infuse::recording
+}  // namespace infuse::importers

@@ -9,19 +9,18 @@
 #include <fstream>
 #include <memory>
 
-#include "drivers/recording/local_frame.hpp"
+#include "drivers/gnss/local_frame.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace infuse::recording {
+namespace infuse::osm {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
-// A road, a footway with a node that is missing, a tree, and a building with a courtyard whose
-// outer ring is two ways of opposite direction. The ways come before the nodes.
+// A road, a footway with a missing node, a tree, and a building with a courtyard whose outer ring
+// consists of two ways of opposite direction. The ways precede the nodes.
 const char* const kMap = R"(<?xml version='1.0' encoding='UTF-8'?>
 <osm version='0.6'>
   <way id='100'>
@@ -112,11 +111,11 @@ TEST(OpenStreetMap, ReadsWaysNodesAndAreas) {
   EXPECT_THAT(warnings, HasSubstr("way 105: has fewer than two nodes"));
   EXPECT_THAT(warnings, HasSubstr("relation 201: way 999 is not in the file"));
   EXPECT_THAT(warnings, HasSubstr("relation 201: 1 of its rings do not close"));
-  EXPECT_THAT(warnings, HasSubstr("relation 201: has no whole outer ring"));
+  EXPECT_THAT(warnings, HasSubstr("relation 201: has no closed outer ring"));
   EXPECT_THAT(warnings, HasSubstr("node 6: has no valid latitude"));
 }
 
-TEST(OpenStreetMap, BadFilesAreErrorsAndEmptyOnesWarned) {
+TEST(OpenStreetMap, RejectsInvalidFilesAndWarnsAboutEmptyMaps) {
   const ScratchFolder folder;
   EXPECT_FALSE(read_openstreetmap(folder / "missing.osm"));
   EXPECT_FALSE(read_openstreetmap(folder.path()));
@@ -149,7 +148,7 @@ TEST(OpenStreetMap, WarningsAreBounded) {
   const auto map = read_openstreetmap(folder / "map.osm");
   ASSERT_TRUE(map);
   ASSERT_EQ(map->warnings.size(), 1001u);
-  // Two a way and that there is no road.
+  // Two per way, and one because there is no road.
   EXPECT_EQ(map->warnings.back().what, "9001 more warnings");
 }
 
@@ -157,7 +156,7 @@ struct ClosePipe {
   void operator()(FILE* pipe) const { pclose(pipe); }
 };
 
-// Counts elements by their tags in the text, without an XML parser.
+// Counts elements by text search, without an XML parser.
 struct ElementCounts {
   size_t ways = 0, roads = 0;
 };
@@ -179,7 +178,7 @@ ElementCounts count_by_text(const std::filesystem::path& path) {
   return counted;
 }
 
-TEST(OpenStreetMap, RealKarlsruheMapsHoldWhatTheirTextHolds) {
+TEST(OpenStreetMap, RealKarlsruheMapsMatchTheirText) {
   INFUSE_REAL_DATA_OR_SKIP(path, "street");
   for (const char* name : {"00.osm.bz2", "05.osm.bz2", "07.osm.bz2"}) {
     SCOPED_TRACE(name);
@@ -197,17 +196,17 @@ TEST(OpenStreetMap, RealKarlsruheMapsHoldWhatTheirTextHolds) {
     EXPECT_NEAR(static_cast<double>(roads), static_cast<double>(counted.roads),
                 static_cast<double>(left_out));
     EXPECT_GT(roads, 50u);
-    // All of it lies within a few kilometres of its middle, in Karlsruhe.
+    // All points are within a few kilometres of the centre, in Karlsruhe.
     EXPECT_NEAR(map->centre_latitude / kDegree, 49, 0.1);
     EXPECT_NEAR(map->centre_longitude / kDegree, 8.4, 0.1);
-    const LocalFrame frame(map->centre_latitude, map->centre_longitude);
+    const auto frame = gnss::make_local_frame(map->centre_latitude, map->centre_longitude);
     for (const OsmWay& way : map->ways) {
       for (const OsmPoint& point : way.points) {
-        ASSERT_LT(frame.to_local(point.latitude, point.longitude).norm(), 20'000);
+        ASSERT_LT(gnss::to_local(frame, point.latitude, point.longitude).norm(), 20'000);
       }
     }
   }
 }
 
 }  // namespace
-}  // namespace infuse::recording
+}  // namespace infuse::osm

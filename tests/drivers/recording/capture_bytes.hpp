@@ -9,8 +9,8 @@ namespace infuse::recording::testing {
 
 using Bytes = std::vector<uint8_t>;
 
-// Builders of captures, byte by byte after RFC 768, RFC 791, IEEE 802.1Q, the pcap and pcapng
-// drafts and tcpdump.org's list of link types: independent of the code under test.
+// Builds captures byte by byte according to RFC 768, RFC 791, IEEE 802.1Q, the pcap and pcapng
+// drafts and tcpdump.org's list of link types, independently of the code under test.
 
 inline void add_be16(Bytes& bytes, uint32_t value) {
   bytes.push_back(static_cast<uint8_t>(value >> 8));
@@ -124,7 +124,7 @@ struct Record {
   uint32_t seconds = 0;
   uint32_t fraction = 0;  // microseconds or nanoseconds
   Bytes frame;
-  uint32_t truncated_bytes = 0;  // bytes that the capture left out at the end
+  uint32_t truncated_bytes = 0;  // bytes missing at the end (snapshot length)
 };
 
 inline Bytes pcap_header(uint32_t link_type, bool nanoseconds) {

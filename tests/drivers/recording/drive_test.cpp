@@ -9,7 +9,6 @@ namespace infuse::recording {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
 DriveDescription one_lidar() {
   DriveDescription description;
@@ -20,7 +19,7 @@ DriveDescription one_lidar() {
   return description;
 }
 
-TEST(Drive, IsWrittenAndOpened) {
+TEST(Drive, WriteAndOpenRoundTrip) {
   const ScratchFolder folder;
   DriveDescription description = one_lidar();
   description.truth_rig = "truth/rig.toml";
@@ -33,7 +32,7 @@ TEST(Drive, IsWrittenAndOpened) {
   EXPECT_EQ(drive->resolve("lidar.pcap"), folder / "drive" / "lidar.pcap");
 }
 
-TEST(Drive, FilesThatAreMissingAreNamed) {
+TEST(Drive, ErrorsNameMissingFiles) {
   const ScratchFolder folder;
   EXPECT_THAT(Drive::open(folder.path()).error().message(),
               HasSubstr("drive.toml: cannot be opened"));
@@ -46,7 +45,7 @@ TEST(Drive, FilesThatAreMissingAreNamed) {
               HasSubstr("lidar 'top': packets 'lidar.pcap' must be a file"));
 }
 
-TEST(Drive, WritingRefusesWhatCouldNotBeRead) {
+TEST(Drive, WriteRejectsInvalidDescriptions) {
   const ScratchFolder folder;
   DriveDescription description = one_lidar();
   description.name = "\xFF\xFE";

@@ -64,8 +64,8 @@ wheel_speed_front_left = { signal = "WHEELS.FL", scale = -1, unit = "km/h" }
 [imu]
 file = "imu.csv"
 
-[gps]
-file = "gps.csv"
+[gnss]
+file = "gnss.csv"
 
 [map]
 file = "map.osm"
@@ -75,7 +75,7 @@ poses = "truth/poses.tum"
 rig = "truth/rig.toml"
 )";
 
-TEST(DriveToml, EveryKeyReachesItsField) {
+TEST(DriveToml, ReadsEveryKey) {
   const auto drive = parse_drive(kDrive);
   ASSERT_TRUE(drive) << drive.error().message();
   EXPECT_EQ(drive->name, "around the block");
@@ -85,7 +85,7 @@ TEST(DriveToml, EveryKeyReachesItsField) {
   ASSERT_EQ(drive->rig.lidars.size(), 2u);
   EXPECT_EQ(drive->rig.lidars[0].name, "top");
   EXPECT_EQ(drive->rig.lidars[0].model, "HDL-32E");
-  // By row: x of the lidar points along y of the vehicle.
+  // By row: the lidar's x axis points along the vehicle's y axis.
   const Eigen::Vector3d moved = drive->rig.lidars[0].T_vehicle_lidar * Eigen::Vector3d(2, 0, 0);
   EXPECT_LT((moved - Eigen::Vector3d(0.5, 1.75, 1.75)).norm(), 1e-15);
   EXPECT_EQ(drive->lidars[0].packets, "lidar.pcap");
@@ -175,7 +175,7 @@ void expect_equal(const DriveDescription& a, const DriveDescription& b) {
   }
 }
 
-TEST(DriveToml, WhatIsWrittenReadsBackEqualToTheLastBit) {
+TEST(DriveToml, FormatAndParseRoundTripExactly) {
   auto drive = parse_drive(kDrive);
   ASSERT_TRUE(drive);
   drive->name = "quotes \" and \\ and \n lines \x7F";
@@ -199,7 +199,7 @@ TEST(DriveToml, WhatIsWrittenReadsBackEqualToTheLastBit) {
   }
 }
 
-// Replaces the first `from` in the drive above.
+// Replaces the first `from` in the drive.toml above.
 std::string replace_in_drive(const std::string& from, const std::string& to) {
   std::string text = kDrive;
   const size_t at = text.find(from);
@@ -212,7 +212,7 @@ std::string parse_message(const std::string& text) {
   return drive ? "accepted" : drive.error().message();
 }
 
-TEST(DriveToml, ErrorsNameTheLineAndTheCure) {
+TEST(DriveToml, ErrorsStateTheLineAndTheRemedy) {
   EXPECT_THAT(parse_message(replace_in_drive("model = \"HDL-32E\"", "modle = \"HDL-32E\"")),
               HasSubstr("drive.toml:6: unknown key 'modle' (known keys: name, T_vehicle_lidar"));
   EXPECT_THAT(parse_message(replace_in_drive("port = 2368", "port = 70000")),
@@ -244,16 +244,16 @@ TEST(DriveToml, ErrorsNameTheLineAndTheCure) {
   EXPECT_THAT(parse_message(replace_in_drive("\"rear\"\nsweeps", "\"top\"\nsweeps")),
               HasSubstr("drive.toml:17: two sensors are named 'top'"));
   EXPECT_THAT(parse_message(replace_in_drive("sweeps = \"rear\"", "packets = \"lidar.pcap\"")),
-              HasSubstr("drive.toml:17: lidars 'top' and 'rear' cannot be told apart"));
+              HasSubstr("drive.toml:17: lidars 'top' and 'rear' cannot be distinguished"));
   EXPECT_THAT(parse_message(replace_in_drive("[imu]", "[imu")), HasSubstr("drive.toml:"));
   EXPECT_THAT(parse_message("x = 1"), HasSubstr("drive.toml:1: unknown key 'x'"));
   EXPECT_THAT(parse_message("lidar = 3"), HasSubstr("drive.toml:1: lidar must be"));
   EXPECT_THAT(parse_message(std::string(2 << 20, '#')), HasSubstr("is longer than"));
-  EXPECT_EQ(parse_message(""), "accepted");  // a drive without sensors is useless, not wrong
+  EXPECT_EQ(parse_message(""), "accepted");  // a drive without sensors is useless but valid
 }
 
-// toml++ 3.3 by itself runs into undefined behaviour on the refused ones (drive_toml_fuzz).
-TEST(DriveToml, LettersBeyondAsciiStandInStringsAndCommentsOnly) {
+// Unpatched toml++ 3.3 has undefined behaviour on the rejected ones (drive_toml_fuzz).
+TEST(DriveToml, NonAsciiLettersAreValidOnlyInStringsAndComments) {
   for (const char* good : {"name = \"Süd λ\"", "name = 'λ'  # λ", "\xEF\xBB\xBFname = \"λ\"",
                            "name = \"\"\"a \\\n  λ\"\"\""}) {
     EXPECT_EQ(parse_message(good), "accepted") << good;
@@ -264,7 +264,7 @@ TEST(DriveToml, LettersBeyondAsciiStandInStringsAndCommentsOnly) {
   }
 }
 
-TEST(DriveToml, PathsStayInsideTheDrive) {
+TEST(DriveToml, RejectsPathsOutsideTheDrive) {
   for (const std::string path : {"/etc/passwd", "../lidar.pcap", "a/../../b", "a/.."}) {
     const std::string quoted = std::string("\"").append(path).append("\"");
     EXPECT_THAT(parse_message(replace_in_drive("\"lidar.pcap\"", quoted)),
@@ -274,7 +274,7 @@ TEST(DriveToml, PathsStayInsideTheDrive) {
   EXPECT_EQ(parse_message(replace_in_drive("\"lidar.pcap\"", "\"a/..b/c..pcap\"")), "accepted");
 }
 
-TEST(DriveToml, APrintedRotationIsMadeARotation) {
+TEST(DriveToml, RoundedRotationsAreOrthonormalised) {
   const auto drive = parse_drive(
       "[[lidar]]\nname = \"a\"\npackets = \"a.pcap\"\nT_vehicle_lidar = [0.8775826, -0.4794255, 0, "
       "1,"
@@ -285,7 +285,7 @@ TEST(DriveToml, APrintedRotationIsMadeARotation) {
   EXPECT_NEAR(std::atan2(R(1, 0), R(0, 0)), 0.5, 1e-7);
 }
 
-TEST(DriveToml, RigFilesHaveNoFiles) {
+TEST(DriveToml, RigFilesRejectFileKeys) {
   const std::string head = std::string("[[lidar]]\nname = \"a\"\nT_vehicle_lidar = ") + kIdentity;
   EXPECT_TRUE(parse_rig(head));
   const auto rig = parse_rig(head + "\npackets = \"a.pcap\"");
@@ -293,7 +293,7 @@ TEST(DriveToml, RigFilesHaveNoFiles) {
   EXPECT_THAT(rig.error().message(), HasSubstr("rig.toml:4: unknown key 'packets'"));
 }
 
-TEST(DriveToml, TenThousandMutatedFilesAreAcceptedOrRefusedWithAPlace) {
+TEST(DriveToml, MutatedFilesAreAcceptedOrRejectedWithALocation) {
   std::mt19937 random(11);
   const std::string original = kDrive;
   size_t accepted = 0, refused = 0;

@@ -17,19 +17,19 @@ std::string decompress(const Bytes& packed, size_t length) {
   return whole ? out : "refused";
 }
 
-TEST(Lzf, CopiesRunsAndWhatLiesBefore) {
-  // "abc" as it is, six bytes from three before (which the copy itself makes), "X" as it is.
+TEST(Lzf, CopiesLiteralsAndBackReferences) {
+  // Literal "abc", six bytes from distance three (overlapping itself), literal "X".
   const Bytes packed{2, 'a', 'b', 'c', 4 << 5, 2, 0, 'X'};
   EXPECT_EQ(decompress(packed, 10), "abcabcabcX");
 }
 
-TEST(Lzf, ALongCopyHasItsLengthInAByte) {
-  // "z", then 7 + 2 + 200 bytes from one before.
+TEST(Lzf, LongBackReferencesHaveALengthByte) {
+  // "z", then 7 + 2 + 200 bytes from distance one.
   const Bytes packed{0, 'z', 7 << 5, 200, 0};
   EXPECT_EQ(decompress(packed, 210), std::string(210, 'z'));
 }
 
-TEST(Lzf, ReachesBackEightKibibytes) {
+TEST(Lzf, BackReferencesReachEightKibibytes) {
   Bytes packed;
   std::string expected;
   for (int k = 0; k < 8192; k += 32) {
@@ -40,19 +40,19 @@ TEST(Lzf, ReachesBackEightKibibytes) {
       expected.push_back(static_cast<char>(byte));
     }
   }
-  packed.insert(packed.end(), {1 << 5 | 31, 255});  // three bytes from 8192 before
+  packed.insert(packed.end(), {1 << 5 | 31, 255});  // three bytes from distance 8192
   expected += expected.substr(0, 3);
   EXPECT_EQ(decompress(packed, expected.size()), expected);
 }
 
-TEST(Lzf, RefusesWhatIsNotWhole) {
-  EXPECT_EQ(decompress({2, 'a', 'b'}, 3), "refused");        // the run ends early
-  EXPECT_EQ(decompress({0, 'a', 4 << 5}, 7), "refused");     // a copy from nowhere
-  EXPECT_EQ(decompress({0, 'a', 7 << 5}, 10), "refused");    // a copy without its length
-  EXPECT_EQ(decompress({0, 'a', 4 << 5, 1}, 7), "refused");  // from before the beginning
-  EXPECT_EQ(decompress({2, 'a', 'b', 'c'}, 2), "refused");   // more than there is room for
-  EXPECT_EQ(decompress({0, 'a', 4 << 5, 0}, 6), "refused");  // the same of a copy
-  EXPECT_EQ(decompress({2, 'a', 'b', 'c'}, 4), "refused");   // less than was said
+TEST(Lzf, RejectsInvalidData) {
+  EXPECT_EQ(decompress({2, 'a', 'b'}, 3), "refused");        // literal run too short
+  EXPECT_EQ(decompress({0, 'a', 4 << 5}, 7), "refused");     // missing distance byte
+  EXPECT_EQ(decompress({0, 'a', 7 << 5}, 10), "refused");    // missing length byte
+  EXPECT_EQ(decompress({0, 'a', 4 << 5, 1}, 7), "refused");  // distance before the beginning
+  EXPECT_EQ(decompress({2, 'a', 'b', 'c'}, 2), "refused");   // literal run too long for the output
+  EXPECT_EQ(decompress({0, 'a', 4 << 5, 0}, 6), "refused");  // back reference too long for the output
+  EXPECT_EQ(decompress({2, 'a', 'b', 'c'}, 4), "refused");   // output not filled
   EXPECT_EQ(decompress({0, 'a', 4 << 5, 0}, 7), "aaaaaaa");
 }
 

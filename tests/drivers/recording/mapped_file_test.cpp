@@ -10,27 +10,25 @@
 namespace infuse::recording {
 namespace {
 
-using testing::ScratchFolder;
-
-TEST(MappedFile, ReadsWhatWasWrittenWhole) {
+TEST(MappedFile, ReadsAtomicallyWrittenFiles) {
   const ScratchFolder folder;
   const std::vector<std::byte> first(100'000, std::byte{7}), second(10, std::byte{9});
   ASSERT_TRUE(write_file_atomically(folder / "x", first));
   const auto mapped = MappedFile::open(folder / "x");
   ASSERT_TRUE(mapped);
   EXPECT_TRUE(std::ranges::equal(mapped->bytes(), first));
-  // Who reads the old file keeps it.
+  // An existing mapping keeps the old content.
   ASSERT_TRUE(write_file_atomically(folder / "x", second));
   EXPECT_TRUE(std::ranges::equal(mapped->bytes(), first));
   const auto again = MappedFile::open(folder / "x");
   ASSERT_TRUE(again);
   EXPECT_TRUE(std::ranges::equal(again->bytes(), second));
-  // Nothing is left beside it.
+  // No temporary file remains.
   const std::filesystem::path parent = (folder / "x").parent_path();
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(parent), {}), 1);
 }
 
-TEST(MappedFile, FailsForWhatIsNoFile) {
+TEST(MappedFile, RejectsMissingFoldersAndEmptyFiles) {
   const ScratchFolder folder;
   EXPECT_FALSE(MappedFile::open(folder / "missing"));
   EXPECT_FALSE(MappedFile::open((folder / "x").parent_path()));
@@ -39,7 +37,7 @@ TEST(MappedFile, FailsForWhatIsNoFile) {
   EXPECT_FALSE(write_file_atomically(folder / "no" / "such" / "folder", {}));
 }
 
-TEST(MappedFile, MovesTheMapping) {
+TEST(MappedFile, IsMovable) {
   const ScratchFolder folder;
   const std::vector<std::byte> bytes(5000, std::byte{1});
   ASSERT_TRUE(write_file_atomically(folder / "x", bytes));

@@ -11,9 +11,9 @@ namespace {
 
 using namespace testing;
 
-// A drive of packets (some in fragments), decoded sweeps, CAN lines and IMU rows: after the first
-// tenth of it nothing is allocated.
-TEST(NoAllocation, ReadingADriveAllocatesNothingAnEvent) {
+// A drive of packets (some fragmented), decoded sweeps, CAN lines and IMU rows: after the first
+// tenth, nothing is allocated.
+TEST(NoAllocation, ReadingADriveDoesNotAllocatePerEvent) {
   const ScratchFolder folder;
   std::vector<Record> records;
   std::string can, imu = "stamp_ns,wx,wy,wz,ax,ay,az\n", times = "stamp_ns\n";
@@ -70,7 +70,7 @@ TEST(NoAllocation, ReadingADriveAllocatesNothingAnEvent) {
   }
 }
 
-TEST(NoAllocation, WritingACaptureAllocatesNothingADatagram) {
+TEST(NoAllocation, WritingACaptureDoesNotAllocatePerDatagram) {
   const ScratchFolder folder;
   auto writer = PcapWriter::create(folder / "a.pcap");
   ASSERT_TRUE(writer);

@@ -35,7 +35,7 @@ Outcome read_all(PcapReader reader) {
     outcome.datagrams.push_back({datagram.stamp.ns(), datagram.sender, datagram.destination_port,
                                  Bytes(datagram.payload.begin(), datagram.payload.end())});
   }
-  EXPECT_FALSE(reader.next(datagram)) << "the end stays the end";
+  EXPECT_FALSE(reader.next(datagram)) << "next() must keep returning false at the end";
   outcome.counters = reader.counters();
   outcome.damage = reader.damage();
   return outcome;
@@ -50,7 +50,7 @@ Outcome read_all(const Bytes& file, const PcapOptions& options = {}) {
   return read_all(std::move(*reader));
 }
 
-TEST(PcapReader, EveryLinkTypeGivesTheSamePayload) {
+TEST(PcapReader, AllLinkTypesGiveTheSamePayload) {
   const Bytes payload = make_payload(1206);
   const Bytes packet = ipv4(udp(payload, 2368, 40000));
   Bytes null_frame = {2, 0, 0, 0}, loop_frame = {0, 0, 0, 2};
@@ -83,7 +83,7 @@ TEST(PcapReader, EveryLinkTypeGivesTheSamePayload) {
   }
 }
 
-TEST(PcapReader, MicrosecondFilesAndBigEndianFiles) {
+TEST(PcapReader, ReadsMicrosecondAndBigEndianFiles) {
   const Bytes frame = ethernet(ipv4(udp(make_payload(10))));
   const Outcome little = read_all(pcap(kEthernet, {{100, 999'999, frame}}, false));
   ASSERT_EQ(little.datagrams.size(), 1u);
@@ -128,10 +128,10 @@ TEST(PcapReader, FiltersByPortAndSender) {
   EXPECT_EQ(both.datagrams[0].port, 2369);
 }
 
-TEST(PcapReader, CountsWhatItLeavesOut) {
+TEST(PcapReader, CountsSkippedPackets) {
   const Bytes packet = ipv4(udp(make_payload(100)));
   Bytes long_udp = udp(make_payload(10));
-  long_udp[5] = 200;  // a length beyond the packet
+  long_udp[5] = 200;  // a length that exceeds the packet
   Bytes tiny_udp = udp(make_payload(10));
   tiny_udp[5] = 7;
   Bytes long_ip = packet;
@@ -176,11 +176,11 @@ std::vector<Bytes> make_fragments(const Bytes& datagram, size_t size, uint16_t i
   return result;
 }
 
-TEST(PcapReader, PutsFragmentsTogetherInAnyOrder) {
+TEST(PcapReader, ReassemblesFragmentsInAnyOrder) {
   const Bytes a = make_payload(5000, 1), b = make_payload(3001, 2);
   std::vector<Bytes> frames = make_fragments(udp(a), 1480, 77);
   for (const Bytes& frame : make_fragments(udp(b), 1480, 78)) frames.push_back(frame);
-  frames.push_back(frames.front());  // one comes twice, after its datagram is whole or before
+  frames.push_back(frames.front());  // a duplicate, before or after its datagram is complete
   std::mt19937 random(4);
   for (int round = 0; round < 50; ++round) {
     std::shuffle(frames.begin(), frames.end(), random);
@@ -208,7 +208,7 @@ TEST(PcapReader, FragmentsOfTwoSendersAreNotMixed) {
   EXPECT_EQ(outcome.datagrams[1].sender, 1u);
 }
 
-TEST(PcapReader, IncompleteFragmentsAreDroppedByAgeByNumberAndAtTheEnd) {
+TEST(PcapReader, DropsIncompleteFragmentsOnTimeoutOnEvictionAndAtTheEnd) {
   const auto cut = make_fragments(udp(make_payload(2000)), 1480, 5);
   const Outcome late = read_all(pcap(kEthernet, {{1, 0, cut[0]}, {40, 0, cut[1]}}));
   EXPECT_TRUE(late.datagrams.empty());
@@ -219,9 +219,10 @@ TEST(PcapReader, IncompleteFragmentsAreDroppedByAgeByNumberAndAtTheEnd) {
     records.push_back({1, id, make_fragments(udp(make_payload(2000)), 1480, id)[0]});
   }
   records.push_back(
-      {2, 0, make_fragments(udp(make_payload(2000)), 1480, 99)[1]});  // the last one lives
+      {2, 0,
+       make_fragments(udp(make_payload(2000)), 1480, 99)[1]});  // completes the latest datagram
   records.push_back(
-      {2, 0, make_fragments(udp(make_payload(2000)), 1480, 3)[1]});  // pushed out long ago
+      {2, 0, make_fragments(udp(make_payload(2000)), 1480, 3)[1]});  // its datagram was evicted
   PcapOptions options;
   options.max_fragmented_datagrams = 4;
   const Outcome full = read_all(pcap(kEthernet, records), options);
@@ -248,7 +249,7 @@ TEST(PcapReader, ContradictoryFragmentsAreDropped) {
   EXPECT_EQ(outcome.counters.fragments_dropped, 5u);
 }
 
-TEST(PcapReader, TruncatedAtEveryByteGivesWhatIsWholeAndSaysWhereItEnds) {
+TEST(PcapReader, TruncationAtAnyByteKeepsCompletePacketsAndReportsTheEnd) {
   std::vector<Record> records;
   for (uint32_t i = 0; i < 5; ++i)
     records.push_back({i, 0, ethernet(ipv4(udp(make_payload(20 + i))))});
@@ -278,7 +279,7 @@ TEST(PcapReader, TruncatedAtEveryByteGivesWhatIsWholeAndSaysWhereItEnds) {
   }
 }
 
-TEST(PcapReader, DamageInTheMiddleEndsTheCaptureThere) {
+TEST(PcapReader, ReadingEndsAtDamageInTheMiddle) {
   const Bytes frame = ethernet(ipv4(udp(make_payload(100))));
   Bytes file = pcap(kEthernet, std::vector<Record>(10, {1, 0, frame}));
   const size_t third = 24 + 2 * (16 + frame.size());
@@ -289,7 +290,7 @@ TEST(PcapReader, DamageInTheMiddleEndsTheCaptureThere) {
   EXPECT_THAT(outcome.damage->message(), HasSubstr("packet 3, byte " + std::to_string(third)));
 }
 
-TEST(PcapReader, RefusesWhatIsNoCapture) {
+TEST(PcapReader, RejectsFilesThatAreNotCaptures) {
   const Bytes text = {'h', 'e', 'l', 'l', 'o', ' ', 't', 'h', 'e', 'r', 'e', '.', '.', '.',
                       '.', '.', '.', '.', '.', '.', '.', '.', '.', '.', '.', '.', '.'};
   EXPECT_FALSE(PcapReader::from_bytes(text, "hello.txt"));
@@ -304,7 +305,7 @@ TEST(PcapReader, RefusesWhatIsNoCapture) {
   EXPECT_FALSE(PcapReader::from_bytes(pcap_header(1, true), "x", options));
 }
 
-TEST(PcapReader, TenThousandMutatedCapturesAreReadToTheirEnd) {
+TEST(PcapReader, MutatedCapturesAreReadToTheEnd) {
   std::vector<Record> records;
   for (const Bytes& frame : make_fragments(udp(make_payload(3000)), 1480, 9))
     records.push_back({1, 0, frame});
@@ -320,7 +321,7 @@ TEST(PcapReader, TenThousandMutatedCapturesAreReadToTheirEnd) {
     Bytes file = originals[static_cast<size_t>(round) % originals.size()];
     const size_t changes = 1 + random() % 8;
     for (size_t i = 0; i < changes; ++i) {
-      // Headers are hit more often than payload.
+      // Mutates headers more often than payload.
       const size_t range = random() % 2 == 0 ? std::min<size_t>(file.size(), 100) : file.size();
       file[random() % range] = static_cast<uint8_t>(random());
     }
@@ -339,10 +340,9 @@ TEST(PcapReader, TenThousandMutatedCapturesAreReadToTheirEnd) {
   EXPECT_GT(packets, 10'000u);
 }
 
-// Packet counts and spans as data/INDEX.md states them; for the VLP-32C it states the span of the
-// device's clock (0.450 s), which lacks the half turn before the last packets came: the receive
-// stamps, read with a hex editor, span 0.499 s.
-TEST(PcapReader, RealVelodyneCapturesHoldWhatTheirIndexSays) {
+// Packet counts and durations from data/INDEX.md. For the VLP-32C it states the duration by the
+// device's clock (0.450 s); the receive stamps, read with a hex editor, span 0.499 s.
+TEST(PcapReader, RealVelodyneCapturesMatchTheirIndex) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne");
   struct Expected {
     const char* file;

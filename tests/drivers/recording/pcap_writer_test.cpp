@@ -29,7 +29,7 @@ Datagram make_datagram(int64_t ns, const Bytes& payload) {
   return datagram;
 }
 
-TEST(PcapWriter, WritesTheBytesThatTheStandardsAskFor) {
+TEST(PcapWriter, WritesHeadersAsTheStandardsRequire) {
   const ScratchFolder folder;
   const Bytes payload = make_payload(3);
   auto writer = PcapWriter::create(folder / "a.pcap");
@@ -48,7 +48,7 @@ TEST(PcapWriter, WritesTheBytesThatTheStandardsAskFor) {
   add_le32(expected_stamp, 294'967'297);
   EXPECT_EQ(stamp, expected_stamp);
 
-  // RFC 1071: the sum over a header with a right checksum is 0xFFFF.
+  // RFC 1071: the sum over a header with a correct checksum is 0xFFFF.
   uint32_t sum = 0;
   for (size_t i = 54; i < 74; i += 2) sum += static_cast<uint32_t>(file[i] << 8 | file[i + 1]);
   while (sum >> 16 != 0) sum = (sum & 0xFFFF) + (sum >> 16);
@@ -58,7 +58,7 @@ TEST(PcapWriter, WritesTheBytesThatTheStandardsAskFor) {
   EXPECT_EQ(udp_bytes, udp(payload, 2368, 443));
 }
 
-TEST(PcapWriter, WhatIsWrittenIsRead) {
+TEST(PcapWriter, WriteAndReadRoundTrip) {
   const ScratchFolder folder;
   auto writer = PcapWriter::create(folder / "a.pcap");
   ASSERT_TRUE(writer);
@@ -86,7 +86,7 @@ TEST(PcapWriter, WhatIsWrittenIsRead) {
   EXPECT_FALSE(reader->damage());
 }
 
-TEST(PcapWriter, RefusesWhatTheFormatCannotHold) {
+TEST(PcapWriter, RejectsWhatTheFormatCannotRepresent) {
   const ScratchFolder folder;
   EXPECT_FALSE(PcapWriter::create(folder / "missing" / "a.pcap"));
   auto writer = PcapWriter::create(folder / "a.pcap");
@@ -99,7 +99,7 @@ TEST(PcapWriter, RefusesWhatTheFormatCannotHold) {
   EXPECT_TRUE(writer->close());
 }
 
-TEST(PcapWriter, AFullDiskIsAnError) {
+TEST(PcapWriter, ReportsAFullDisk) {
   auto writer = PcapWriter::create("/dev/full");
   if (!writer) GTEST_SKIP() << "no /dev/full";
   const Bytes payload = make_payload(1206);

@@ -18,7 +18,6 @@ namespace infuse::recording {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
 template <class Value>
 std::string to_bytes(Value value) {
@@ -36,14 +35,14 @@ std::string make_header(const std::string& fields, size_t points, const std::str
 constexpr const char* kXyziFields =
     "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n";
 
-// What a file of these bytes is refused for, or an empty text.
+// The error for a file of these bytes, or an empty string.
 std::string parse_error(const std::string& bytes) {
   Sweep sweep;
   const auto parsed = parse_pcd_sweep(bytes, sweep);
   return parsed ? "" : parsed.error().message();
 }
 
-// As they are, in runs of at most 32.
+// Compresses without back references: literal runs of at most 32 bytes.
 std::string compress(const std::string& bytes) {
   std::string out;
   for (size_t at = 0; at < bytes.size(); at += 32) {
@@ -54,11 +53,11 @@ std::string compress(const std::string& bytes) {
          to_bytes(static_cast<uint32_t>(bytes.size())) + out;
 }
 
-// Returns of four beams, in the order of firing (clockwise, all beams at a time), as a file tells
-// of them: beams are numbered as they are wired.
+// Returns of four beams in firing order (clockwise, all beams at once). Beams are numbered as
+// wired.
 struct SyntheticReturn {
   double x, y, z;
-  int ring_number;  // as numbered
+  int ring_number;  // in the file
   int from_below;   // by elevation
   int intensity;    // 0 … 255
 };
@@ -107,7 +106,7 @@ constexpr const char* kXyziRingFields =
     "FIELDS x y z intensity ring timestamp\nSIZE 4 4 4 1 2 8\nTYPE F F F U U F\n"
     "COUNT 1 1 1 1 1 1\n";
 
-TEST(PcdSweep, ReadsBinaryPointAfterPoint) {
+TEST(PcdSweep, ReadsBinary) {
   const std::vector<SyntheticReturn> made = make_returns();
   std::string bytes = make_header(kXyziRingFields, made.size(), "binary");
   for (const SyntheticReturn& one : made) {
@@ -120,7 +119,7 @@ TEST(PcdSweep, ReadsBinaryPointAfterPoint) {
   expect_synthetic_returns(sweep);
 }
 
-TEST(PcdSweep, ReadsPackedFieldAfterField) {
+TEST(PcdSweep, ReadsBinaryCompressed) {
   const std::vector<SyntheticReturn> made = make_returns();
   std::string x, y, z, intensity, ring, time;
   for (const SyntheticReturn& one : made) {
@@ -138,7 +137,7 @@ TEST(PcdSweep, ReadsPackedFieldAfterField) {
   expect_synthetic_returns(sweep);
 }
 
-TEST(PcdSweep, ReadsTextAndPassesOverWhatItDoesNotKnow) {
+TEST(PcdSweep, ReadsAsciiAndIgnoresUnknownFields) {
   const std::string fields =
       "FIELDS normal intensity z y x _ laser\nSIZE 4 4 8 8 8 1 4\nTYPE F F F F F U I\n"
       "COUNT 3 1 1 1 1 2 1\n";
@@ -155,7 +154,7 @@ TEST(PcdSweep, ReadsTextAndPassesOverWhatItDoesNotKnow) {
   expect_synthetic_returns(sweep);
 }
 
-TEST(PcdSweep, LeavesOutDirectionsWithoutAReturn) {
+TEST(PcdSweep, SkipsDirectionsWithoutAReturn) {
   Sweep sweep;
   ASSERT_TRUE(parse_pcd_sweep(make_header(kXyziFields, 5, "ascii") +
                                   "1 2 2 0.5\nnan nan nan 1\n0 0 0 0.25\n1e99 0 0 0\n0 3 0 nan\n",
@@ -176,9 +175,9 @@ TEST(PcdSweep, AnEmptyCloudIsAnEmptySweep) {
   }
 }
 
-TEST(PcdSweep, SaysWhatIsWrong) {
+TEST(PcdSweep, ErrorsDescribeTheProblem) {
   EXPECT_THAT(parse_error(""), HasSubstr("no DATA line"));
-  EXPECT_THAT(parse_error("JUNK 1\n"), HasSubstr("line 1: JUNK is no key"));
+  EXPECT_THAT(parse_error("JUNK 1\n"), HasSubstr("line 1: JUNK is not a key"));
   EXPECT_THAT(parse_error("FIELDS x y\nSIZE 4\n"), HasSubstr("line 2: SIZE must have one entry"));
   EXPECT_THAT(parse_error("FIELDS x\nPOINTS 99999999999999999999\n"),
               HasSubstr("must be one number"));
@@ -193,19 +192,19 @@ TEST(PcdSweep, SaysWhatIsWrong) {
               HasSubstr("ends after 31 of 32 bytes"));
   const std::string four = to_bytes(1.F) + to_bytes(1.F) + to_bytes(1.F) + to_bytes(1.F);
   EXPECT_THAT(parse_error(make_header(kXyziFields, 2, "binary_compressed") + compress(four)),
-              HasSubstr("unpacks to 16"));
+              HasSubstr("decompresses to 16"));
   const std::string whole = make_header(kXyziFields, 1, "binary_compressed") + compress(four);
   EXPECT_EQ(parse_error(whole), "");
   EXPECT_THAT(parse_error(whole.substr(0, whole.size() - 1)), HasSubstr("ends within"));
   EXPECT_THAT(parse_error(make_header(kXyziFields, 1, "binary_compressed") + to_bytes(2U) +
                           to_bytes(16U) + "\x05\x05"),
-              HasSubstr("do not unpack"));
+              HasSubstr("cannot be decompressed"));
   EXPECT_THAT(parse_error(make_header(kXyziFields, 4'000'000, "binary_compressed") + to_bytes(2U) +
                           to_bytes(64'000'000U) + "aa"),
-              HasSubstr("do not unpack"));
+              HasSubstr("cannot be decompressed"));
 }
 
-TEST(PcdSweep, DamagedFilesAreReadOrRefused) {
+TEST(PcdSweep, DamagedFilesAreReadOrRejected) {
   const std::vector<SyntheticReturn> made = make_returns();
   std::string points;
   for (const SyntheticReturn& one : made) points += to_bytes(static_cast<float>(one.x));
@@ -228,7 +227,7 @@ TEST(PcdSweep, DamagedFilesAreReadOrRefused) {
   EXPECT_GT(refused, 1000);
 }
 
-TEST(PcdSweep, WhatWasExportedIsReadAgain) {
+TEST(PcdSweep, ReadsExportedSweeps) {
   const ScratchFolder folder;
   Sweep sweep, again;
   std::string bytes = make_header(kXyziRingFields, make_returns().size(), "ascii");
@@ -247,9 +246,9 @@ TEST(PcdSweep, WhatWasExportedIsReadAgain) {
   }
 }
 
-// Counted beforehand with a decoder of another hand, from the fields as they lie in the files: a
-// Pandar64 of 0.2° steps whose beams are numbered from below.
-TEST(PcdSweep, RealOpenCalibScenes) {
+// Expected values counted with an independent decoder: a Pandar64 with 0.2° steps whose beams are
+// numbered from below.
+TEST(PcdSweep, ReadsRealOpenCalibScenes) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/opencalib");
   struct Expected {
     const char* file;

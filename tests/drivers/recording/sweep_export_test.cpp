@@ -11,7 +11,6 @@ namespace infuse::recording {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 using ::testing::StartsWith;
 
 Sweep two_returns() {
@@ -40,7 +39,7 @@ Value read_at(const std::string& bytes, size_t offset) {
   return value;
 }
 
-// The packed record of 29 bytes after the header.
+// A packed record of 29 bytes after the header.
 void expect_records(const std::string& bytes, const std::string& end_of_header) {
   const size_t header = bytes.find(end_of_header) + end_of_header.size();
   ASSERT_EQ(bytes.size() - header, 2 * 29u);
@@ -58,7 +57,7 @@ void expect_records(const std::string& bytes, const std::string& end_of_header) 
   }
 }
 
-TEST(SweepExport, EveryFormatHoldsEveryField) {
+TEST(SweepExport, EveryFormatContainsEveryField) {
   const ScratchFolder folder;
   const Sweep sweep = two_returns();
   ASSERT_TRUE(export_sweep(sweep, folder / "a.pcd", SweepFormat::kPcd));
@@ -84,7 +83,7 @@ TEST(SweepExport, EveryFormatHoldsEveryField) {
   EXPECT_EQ(read_at<float>(bin, 28), 0.5f);
 }
 
-TEST(SweepExport, FormatsGoByExtension) {
+TEST(SweepExport, FormatsAreDetectedByExtension) {
   EXPECT_EQ(detect_sweep_format("a/b.pcd"), SweepFormat::kPcd);
   EXPECT_EQ(detect_sweep_format("b.ply"), SweepFormat::kPly);
   EXPECT_EQ(detect_sweep_format("b.csv"), SweepFormat::kCsv);

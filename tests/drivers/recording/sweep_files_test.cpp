@@ -18,7 +18,6 @@ namespace infuse::recording {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
@@ -28,7 +27,8 @@ std::string to_bin(const std::vector<std::array<float, 4>>& points) {
   return bytes;
 }
 
-// `rings` rings from the top, `columns` steps a turn, a fifth of the directions without a return.
+// A turn of `rings` rings from the top with `columns` steps, a fifth of the directions without a
+// return.
 struct SyntheticSweep {
   std::vector<std::array<float, 4>> points;
   std::vector<int> ring, column;
@@ -51,7 +51,7 @@ SyntheticSweep make_synthetic_sweep(int rings, int columns) {
   return turn;
 }
 
-TEST(SweepFiles, RingsAndColumnsOfAMadeTurnAreFound) {
+TEST(SweepFiles, InfersRingsAndColumnsOfASyntheticTurn) {
   for (const int rings : {2, 16, 64, 128}) {
     for (const int columns : {360, 2083}) {
       const SyntheticSweep turn = make_synthetic_sweep(rings, columns);
@@ -73,7 +73,7 @@ TEST(SweepFiles, RingsAndColumnsOfAMadeTurnAreFound) {
   }
 }
 
-TEST(SweepFiles, NoRingsWhereTheOrderIsAnother) {
+TEST(SweepFiles, InfersNoRingsFromAnotherOrder) {
   SyntheticSweep turn = make_synthetic_sweep(16, 360);
   std::reverse(turn.points.begin(), turn.points.end());  // clockwise, from below
   const ScratchFolder folder;
@@ -88,7 +88,7 @@ TEST(SweepFiles, NoRingsWhereTheOrderIsAnother) {
   EXPECT_EQ(sweep.size(), 0u);
 }
 
-TEST(SweepFiles, PointsThatAreNotFiniteAreLeftOutAndBadFilesRefused) {
+TEST(SweepFiles, SkipsPointsThatAreNotFiniteAndRejectsInvalidFiles) {
   const ScratchFolder folder;
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float huge = std::numeric_limits<float>::max();
@@ -106,7 +106,7 @@ TEST(SweepFiles, PointsThatAreNotFiniteAreLeftOutAndBadFilesRefused) {
   EXPECT_FALSE(read_sweep_file(folder.path(), sweep));
 }
 
-TEST(SweepFiles, WhatIsWrittenIsRead) {
+TEST(SweepFiles, WriteAndReadRoundTrip) {
   const ScratchFolder folder;
   const SyntheticSweep turn = make_synthetic_sweep(4, 100);
   folder.write("a.bin", to_bin(turn.points));
@@ -116,16 +116,16 @@ TEST(SweepFiles, WhatIsWrittenIsRead) {
   EXPECT_EQ(folder.read("b.bin"), folder.read("a.bin"));
 }
 
-TEST(SweepFiles, RealKittiSweepsHaveTheirScannersSixtyFourRings) {
+TEST(SweepFiles, RealKittiSweepsHaveSixtyFourRings) {
   INFUSE_REAL_DATA_OR_SKIP(path, "calibration/kitti/velodyne");
   for (const auto& entry : std::filesystem::directory_iterator(path)) {
     SCOPED_TRACE(entry.path().string());
     Sweep sweep;
     ASSERT_TRUE(read_sweep_file(entry.path(), sweep));
     EXPECT_EQ(sweep.rings, 64);
-    // 10 turns a second, a firing every 48 µs: 2083 a turn.
+    // 10 turns per second, one firing every 48 µs: 2083 per turn.
     EXPECT_NEAR(sweep.columns, 2083, 100);
-    // The scanner's lowest beam looks 24.8° down, its highest 2° up.
+    // The lowest beam points 24.8° down, the highest 2° up.
     std::array<std::pair<double, int>, 64> elevation{};
     for (size_t i = 0; i < sweep.size(); ++i) {
       auto& [sum, count] = elevation[sweep.ring[i]];
@@ -134,7 +134,7 @@ TEST(SweepFiles, RealKittiSweepsHaveTheirScannersSixtyFourRings) {
     }
     EXPECT_NEAR(elevation[0].first / elevation[0].second * 360 / kTwoPi, -24, 2);
     EXPECT_GT(elevation[63].first / elevation[63].second * 360 / kTwoPi, 0);
-    // A direction holds one return, but where two beams' corrections move them together.
+    // One return per direction, except where the corrections of two beams coincide.
     std::set<std::pair<int, int>> cells;
     for (size_t i = 0; i < sweep.size(); ++i) cells.insert({sweep.ring[i], sweep.column[i]});
     EXPECT_GT(static_cast<double>(cells.size()), 0.8 * static_cast<double>(sweep.size()));

@@ -10,9 +10,8 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::ScratchFolder;
 
-TEST(TimesCsv, ReadsTheColumnWhereverItStands) {
+TEST(TimesCsv, ReadsTheColumnAtAnyPosition) {
   const ScratchFolder folder;
   folder.write("times.csv", "# not the header: names come first\n");
   EXPECT_FALSE(read_times(folder / "times.csv"));
@@ -22,7 +21,7 @@ TEST(TimesCsv, ReadsTheColumnWhereverItStands) {
   EXPECT_THAT(*times, ElementsAre(Stamp::from_ns(10), Stamp::from_ns(-20)));
 }
 
-TEST(TimesCsv, ABadRowIsAnErrorWithItsLine) {
+TEST(TimesCsv, ReportsTheLineOfAnInvalidRow) {
   const ScratchFolder folder;
   folder.write("times.csv", "stamp_ns\n1\n2.5\n");
   EXPECT_THAT(read_times(folder / "times.csv").error().message(), HasSubstr("times.csv:3: "));
@@ -34,7 +33,7 @@ TEST(TimesCsv, ABadRowIsAnErrorWithItsLine) {
   EXPECT_FALSE(read_times(folder / "missing.csv"));
 }
 
-TEST(TimesCsv, ALastRowThatAPowerCutLeftIsPassedOver) {
+TEST(TimesCsv, IgnoresATruncatedLastRow) {
   const ScratchFolder folder;
   for (const std::string& rest : {std::string("-"), std::string(7, '\0')}) {
     folder.write("times.csv", "stamp_ns\n1\n2\n" + rest);
@@ -46,7 +45,7 @@ TEST(TimesCsv, ALastRowThatAPowerCutLeftIsPassedOver) {
   EXPECT_THAT(read_times(folder / "times.csv").error().message(), HasSubstr("times.csv:3: "));
 }
 
-TEST(TimesCsv, WhatIsWrittenIsRead) {
+TEST(TimesCsv, WriteAndReadRoundTrip) {
   const ScratchFolder folder;
   const std::vector<Stamp> stamps = {Stamp::from_ns(1'700'000'000'123'456'789), Stamp::earliest()};
   ASSERT_TRUE(write_times(folder / "a.csv", stamps));
@@ -57,7 +56,7 @@ TEST(TimesCsv, WhatIsWrittenIsRead) {
   EXPECT_EQ(*read_times(folder / "b.csv"), stamps);
 }
 
-TEST(TimesCsv, ASequenceIsFilesWithTheirRows) {
+TEST(TimesCsv, MatchesNumberedFilesWithRows) {
   const ScratchFolder folder;
   folder.write("times.csv", "stamp_ns\n0\n100\n50\n300\n");
   for (const char* name : {"000000.png", "000001.jpg", "000002.png", "000002.jpg", "000009.png",
@@ -76,7 +75,7 @@ TEST(TimesCsv, ASequenceIsFilesWithTheirRows) {
   for (const Error& note : sequence->notes) notes += note.message() + "\n";
   EXPECT_THAT(notes, HasSubstr("1 file beyond the last row"));
   EXPECT_THAT(notes, HasSubstr("1 row of times.csv without a file"));
-  EXPECT_THAT(notes, HasSubstr("the times go back 1 time"));
+  EXPECT_THAT(notes, HasSubstr("the stamps decrease 1 time"));
 }
 
 }  // namespace

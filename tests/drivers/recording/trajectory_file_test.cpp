@@ -24,7 +24,7 @@ TEST(TrajectoryFile, ReadsTum) {
   EXPECT_EQ((*poses)[0].stamp.ns(), 1533226488'230547123);
   EXPECT_EQ((*poses)[1].stamp.ns(), 1533226489'000000000);
   const Eigen::Vector3d turned = (*poses)[0].T_frame_body * Eigen::Vector3d(1, 0, 0);
-  EXPECT_LT((turned - Eigen::Vector3d(1, 3, 3)).norm(), 1e-6) << "a quarter turn to the left";
+  EXPECT_LT((turned - Eigen::Vector3d(1, 3, 3)).norm(), 1e-6) << "rotation by 90° to the left";
 }
 
 TEST(TrajectoryFile, ReadsKitti) {
@@ -37,15 +37,15 @@ TEST(TrajectoryFile, ReadsKitti) {
   EXPECT_LT((ahead - Eigen::Vector3d(6, -6, 7)).norm(), 1e-12);
 }
 
-TEST(TrajectoryFile, SaysWhichLineIsWrong) {
+TEST(TrajectoryFile, ReportsTheInvalidLine) {
   const auto tum = [](const char* text) { return parse_tum(text, "t").error().message(); };
   const auto kitti = [](const char* text) { return parse_kitti(text, "k").error().message(); };
   EXPECT_THAT(tum("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n"), HasSubstr("t:2: 7 numbers"));
-  EXPECT_THAT(tum("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1"), HasSubstr("t:2: time does not rise"));
+  EXPECT_THAT(tum("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1"), HasSubstr("t:2: stamps must increase"));
   EXPECT_THAT(tum("1 0 0 0 0 0 0 0.5"), HasSubstr("t:1: the quaternion"));
   EXPECT_THAT(tum("1 0 0 zero 0 0 0 1"), HasSubstr("t:1: not a number"));
   EXPECT_THAT(tum("1 0 0 nan 0 0 0 1"), HasSubstr("t:1: not a number"));
-  EXPECT_THAT(tum("99999999999 0 0 0 0 0 0 1"), HasSubstr("no time"));
+  EXPECT_THAT(tum("99999999999 0 0 0 0 0 0 1"), HasSubstr("not a time"));
   EXPECT_THAT(tum("# nothing\n"), HasSubstr("no pose"));
   EXPECT_THAT(kitti("1 0 0 0 0 1 0 0 0 0 1"), HasSubstr("k:1: 11 numbers"));
   EXPECT_THAT(kitti("1 0 0 0 0 2 0 0 0 0 1 0"), HasSubstr("k:1: not a rigid motion"));
@@ -54,7 +54,7 @@ TEST(TrajectoryFile, SaysWhichLineIsWrong) {
               HasSubstr("/nonexistent/x.tum"));
 }
 
-TEST(TrajectoryFile, ReadsWhatItWrites) {
+TEST(TrajectoryFile, FormatAndParseRoundTrip) {
   std::vector<TrajectoryPose> poses(3);
   for (int i = 0; i < 3; ++i) {
     TrajectoryPose& pose = poses[static_cast<size_t>(i)];
@@ -84,7 +84,7 @@ TEST(TrajectoryFile, ReadsWhatItWrites) {
   std::filesystem::remove(file);
 }
 
-TEST(TrajectoryFile, RealKitti00IsReadWhole) {
+TEST(TrajectoryFile, ReadsTheRealPosesOfKitti00) {
   INFUSE_REAL_DATA_OR_SKIP(path, "registration/kitti_odometry_00");
   for (const auto& entry : std::filesystem::recursive_directory_iterator(path)) {
     if (entry.path().extension() != ".txt") continue;
@@ -96,7 +96,7 @@ TEST(TrajectoryFile, RealKitti00IsReadWhole) {
           ((*poses)[i].T_frame_body.translation() - (*poses)[i - 1].T_frame_body.translation())
               .norm();
     }
-    EXPECT_NEAR(length, 3724, 1);  // as the benchmark's page has it
+    EXPECT_NEAR(length, 3724, 1);  // as published by the benchmark
     return;
   }
   ADD_FAILURE() << "no file of 4541 poses";

@@ -36,7 +36,7 @@ TEST(PositionPacket, ReadsInertialValuesAsSigned12Bits) {
   EXPECT_NEAR(packet->imu[1].temperature, 25 - 14.53, 1e-9);
   EXPECT_NEAR(packet->imu[1].linear_acceleration[0], 9.80665, 0.01);
   ASSERT_FALSE(packet->sentence);
-  EXPECT_EQ(packet->sentence.error(), NmeaFault::kNoSentence);
+  EXPECT_EQ(packet->sentence.error(), gnss::NmeaFault::kNoSentence);
 }
 
 TEST(PositionPacket, RefusesOtherBytes) {

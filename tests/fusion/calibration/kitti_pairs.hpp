@@ -36,7 +36,7 @@ inline Result<Pairs> read_pairs(const std::filesystem::path& folder, SceneOption
   Pairs pairs;
   for (const auto& [number, path] : recording::list_numbered_files(folder / "velodyne", ".bin")) {
     const std::string stem = path.stem().string();
-    const auto calibration = recording::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
+    const auto calibration = importers::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
     if (!calibration) return tl::unexpected(calibration.error());
     Sweep sweep;
     if (auto read = recording::read_sweep_file(path, sweep); !read)

@@ -28,7 +28,7 @@ inline Stream read_stream(const std::filesystem::path& folder) {
   Stream stream;
   for (const auto& [number, path] : recording::list_numbered_files(folder / "velodyne", ".bin")) {
     const std::string stem = path.stem().string();
-    const auto calibration = recording::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
+    const auto calibration = importers::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
     Sweep sweep;
     if (!calibration || !recording::read_sweep_file(path, sweep)) return {};
     std::ifstream file(folder / "image_2" / (stem + ".png"), std::ios::binary);
