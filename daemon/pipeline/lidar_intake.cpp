@@ -46,7 +46,7 @@ std::optional<GnssFix> LidarIntake::new_fix(const Datagram& datagram,
   if (sender_ != 0 && datagram.sender != sender_) return std::nullopt;
   if (!packet.sentence || packet.sentence->fix.utc_ns == last_sentence_ns_) return std::nullopt;
   last_sentence_ns_ = packet.sentence->fix.utc_ns;
-  return velodyne::stamped_fix(*packet.sentence, datagram.stamp);
+  return gnss::stamped_fix(*packet.sentence, datagram.stamp);
 }
 
 void LidarIntake::note_packet(Stamp stamp) {

@@ -47,8 +47,8 @@ void collect_poses(Publisher& publisher, bool has_map,
 Result<void> write_trajectory(const std::filesystem::path& path,
                               const std::vector<recording::TrajectoryPose>& poses) {
   const bool kitti = path.extension() == ".kitti";
-  return recording::write_text(
-      path, kitti ? recording::format_kitti(poses) : recording::format_tum(poses));
+  return text::write_text(path,
+                          kitti ? recording::format_kitti(poses) : recording::format_tum(poses));
 }
 
 Result<std::optional<velodyne::Model>> parse_model(const std::string& name) {

@@ -135,7 +135,7 @@ class Calibration {
                     options_.coarse.back().sigma, false, options_.maximize.stop);
     RestartResult restart_result{.T = T};
     for (int round = 0; round < kMaxRestartRounds; ++round) {
-      const double score = rejection_reason(restart_result.T);
+      const double best = score(restart_result.T);
       restart_result.returned = 0;
       restart_result.best_of_restarts = false;
       std::optional<Eigen::Isometry3d> better;
@@ -144,7 +144,7 @@ class Calibration {
         const Eigen::Isometry3d end = coarse_search_.ascend(drawn, restart_levels()).T_refcam_lidar;
         if (is_same_maximum(end, restart_result.T)) {
           ++restart_result.returned;
-        } else if (score(end) > score) {
+        } else if (score(end) > best) {
           better = end;
         }
       }

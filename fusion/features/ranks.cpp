@@ -90,7 +90,7 @@ void equalize_by_level(std::span<float> values, float max_value) {
   std::array<float, kLevels> rank{};
   double below = 0;
   for (size_t i = 0; i < kLevels; ++i) {
-    rank[i] = static_cast<float>((below + 0.5 * (double{count[i]} - 1)) /
+    rank[i] = static_cast<float>((below + 0.5 * (static_cast<double>(count[i]) - 1)) /
                                  static_cast<double>(std::max<size_t>(n, 1)));
     below += count[i];
   }

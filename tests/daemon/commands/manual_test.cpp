@@ -28,8 +28,8 @@ std::string help_of(const std::string& program) {
 }
 
 std::string manual(const std::string& name) {
-  const auto text = recording::read_text(
-      std::filesystem::path(INFUSE_SOURCE_DIR) / "packaging/man" / name, 1 << 20);
+  const auto text =
+      text::read_text(std::filesystem::path(INFUSE_SOURCE_DIR) / "packaging/man" / name, 1 << 20);
   EXPECT_TRUE(text.has_value()) << name;
   return std::regex_replace(text.value_or(""), std::regex(R"(\\-)"), "-");
 }

@@ -51,8 +51,9 @@ TEST(Lzf, RejectsInvalidData) {
   EXPECT_EQ(decompress({0, 'a', 7 << 5}, 10), "refused");    // missing length byte
   EXPECT_EQ(decompress({0, 'a', 4 << 5, 1}, 7), "refused");  // distance before the beginning
   EXPECT_EQ(decompress({2, 'a', 'b', 'c'}, 2), "refused");   // literal run too long for the output
-  EXPECT_EQ(decompress({0, 'a', 4 << 5, 0}, 6), "refused");  // back reference too long for the output
-  EXPECT_EQ(decompress({2, 'a', 'b', 'c'}, 4), "refused");   // output not filled
+  EXPECT_EQ(decompress({0, 'a', 4 << 5, 0}, 6),
+            "refused");  // back reference too long for the output
+  EXPECT_EQ(decompress({2, 'a', 'b', 'c'}, 4), "refused");  // output not filled
   EXPECT_EQ(decompress({0, 'a', 4 << 5, 0}, 7), "aaaaaaa");
 }
 

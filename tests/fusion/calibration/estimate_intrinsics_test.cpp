@@ -60,7 +60,8 @@ TEST(EstimateIntrinsics, FindAGrossErrorOfThePrincipalPoint) {
 }
 
 TEST(EstimateIntrinsics, FindAMissingDistortion) {
-  // Images of a camera without distortion, with intrinsics that have one: equivalent to the converse.
+  // Images of a camera without distortion, with intrinsics that have one: equivalent to the
+  // converse.
   CameraIntrinsics wrong = painted::small_camera();
   wrong.distortion[0] = 0.15;
   const auto found = estimate_for(painted::twelve_scene_drive().scenes, wrong);

@@ -86,7 +86,8 @@ Rig make_rig(const std::vector<CameraIntrinsics>& intrinsics,
   return rig;
 }
 
-/// Compares the analytic gradient with central differences; the points are those in view at `rig.T`.
+/// Compares the analytic gradient with central differences; the points are those in view at
+/// `rig.T`.
 void expect_gradient_matches(const Rig& rig, double tolerance) {
   const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {.occlusion = {}});
   const BlurredImages images(rig.scenes, rig.terms, 2);

@@ -14,8 +14,8 @@ const std::vector<RigCamera> kCameras{{geometry::CameraModel(
 
 constexpr size_t kWallColumns = 50, kWallRows = 40;
 
-/// Wall 10 m in front of the camera, a point every two pixels, every eighth of them near a depth edge;
-/// and one point behind the camera. The reflectivity counts them.
+/// Wall 10 m in front of the camera, a point every two pixels, every eighth of them near a depth
+/// edge; and one point behind the camera. The reflectivity counts them.
 Scene wall() {
   Scene scene;
   std::vector<float>& edge = scene.lidar[index(LidarFeature::kDiscontinuity)];

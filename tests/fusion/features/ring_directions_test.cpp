@@ -29,7 +29,8 @@ CameraIntrinsics fisheye() {
   return camera;
 }
 
-/// Direction in which a point a kilometre away, in the middle of a cell, moves as the lidar rotates.
+/// Direction in which a point a kilometre away, in the middle of a cell, moves as the lidar
+/// rotates.
 void expect_matches_rotated_points(const CameraIntrinsics& intrinsics, const Eigen::Isometry3d& T) {
   const geometry::CameraModel camera(intrinsics);
   const RingDirections rings = ring_directions(camera, T);

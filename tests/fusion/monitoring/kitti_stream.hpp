@@ -56,7 +56,7 @@ inline MonitorReport drive(CalibrationMonitor& monitor, const Stream& stream, in
       CameraFrame grey = stream.images[i];
       grey.stamp = Stamp::from_ns(500'000'000LL * ++next);
       report = monitor.process(grey, make_sweep_view(stream.sweeps[i]),
-                             {.velocity = Eigen::Vector3d(0, 0, 16 + next % 3)});
+                               {.velocity = Eigen::Vector3d(0, 0, 16 + next % 3)});
       if (report.drift == Drift::kConfirmed) return report;
     }
   }
