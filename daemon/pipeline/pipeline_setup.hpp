@@ -5,6 +5,7 @@
 
 #include "daemon/pipeline/delivery.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
+#include "daemon/pipeline/sensor_index.hpp"
 #include "daemon/pipeline/vehicle_setup.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/camera/image_decoder.hpp"
