@@ -5,6 +5,7 @@
 
 #include "daemon/config/streetmap_settings.hpp"
 #include "daemon/health/streetmap_health.hpp"
+#include "daemon/pipeline/image_match.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/gnss/local_frame.hpp"
 #include "drivers/measurement/camera_frame.hpp"

@@ -52,7 +52,7 @@ class PublisherTest : public testing::Test {
     ReportItem item = make_item();
     item.kind = ReportItem::Kind::kTick;
     item.stamp = at(seconds);
-    item.counters[0].packets = packets;
+    item.counters[0].packets = item.counters[0].sweeps = packets;
     item.counters[0].first_packet = item.counters[0].last_packet = at(0.5);
     push(item);
   }
@@ -86,9 +86,9 @@ class PublisherTest : public testing::Test {
 
 TEST_F(PublisherTest, PublishesDevicesAtTheStartAndOnTheFirstPacket) {
   push_start();
-  push_tick(1, 0);
-  push_tick(2, 7);
-  push_tick(3, 14);
+  push_tick(0.5, 0);
+  push_tick(1, 7);
+  push_tick(1.5, 14);
   EXPECT_THAT(classes(), ElementsAre("DEVICES", "HEALTH", "DEVICES", "HEALTH", "HEALTH"));
   const json devices = lines()[2]["devices"];
   EXPECT_EQ(devices[0]["activated"], at(0.5).ns());
