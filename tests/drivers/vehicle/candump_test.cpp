@@ -85,7 +85,7 @@ TEST(Candump, ReportsMalformedLines) {
       {"(1533226488.230547) can0 260#0011223344556677AA", "more than 8 bytes"},
       {"(1533226488.230547) can0 26#08", "'26' is not an identifier"},
       {"(1533226488.230547) can0 FFF#08", "'FFF' is not an identifier"},
-      {"(1533226488.230547) can0 8FFFFFFF#08", "is no identifier"},
+      {"(1533226488.230547) can0 8FFFFFFF#08", "is not an identifier"},
       {"(1533226488.230547 can0 260#08", "not closed"},
       {"(15x.230547) can0 260#08", "is not a time"},
       {"(99999999999.000000) can0 260#08", "is not a time"},
