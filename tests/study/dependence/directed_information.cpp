@@ -39,7 +39,7 @@ class Words {
     while (!counts.empty() && counts.back() == 0) counts.pop_back();  // unused numbers
     CountEntropyOptions options;
     options.estimator = estimator;
-    return infuse::dependence::entropy(counts, options);
+    return infuse::study::entropy(counts, options);
   }
 
  private:

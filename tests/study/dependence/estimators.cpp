@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "fusion/dependence/bagged_lsmi.hpp"
-#include "fusion/dependence/distance_correlation.hpp"
-#include "fusion/dependence/paired_density_ratio.hpp"
 #include "fusion/dependence/prepared_dependence.hpp"
 #include "fusion/dependence/prepared_histogram.hpp"
 #include "tests/study/dependence/corrected_measures.hpp"
 #include "tests/study/dependence/directed_information.hpp"
+#include "tests/study/dependence/distance_correlation.hpp"
+#include "tests/study/dependence/paired_density_ratio.hpp"
 #include "tests/study/dependence/sample_entropy.hpp"
 
 namespace infuse::study {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "fusion/dependence/distance_correlation.hpp"
-#include "fusion/dependence/paired_density_ratio.hpp"
 #include "fusion/dependence/prepared_dependence.hpp"
+#include "tests/study/dependence/distance_correlation.hpp"
+#include "tests/study/dependence/paired_density_ratio.hpp"
 
 namespace infuse::streetmap {
 namespace {
@@ -62,7 +62,7 @@ LabelScore make_bagged_score(const Eigen::MatrixXd& features, const SingleImageO
 LabelScore make_mlmi_score(const Eigen::MatrixXd& features, const dependence::FitOptions& fit) {
   const auto options = std::make_shared<dependence::FitOptions>(fit);
   return [=](std::span<const int32_t> labels, int label_count) {
-    const auto answer = dependence::mlmi(features, labels, label_count, *options);
+    const auto answer = study::mlmi(features, labels, label_count, *options);
     if (answer.usable()) options->sigmas = {answer.hyper_parameters.sigma};
     return answer.usable() ? answer.value : 0;
   };
@@ -72,7 +72,7 @@ LabelScore make_correlation_score(const Eigen::MatrixXd& features) {
   return [=](std::span<const int32_t> labels, int label_count) {
     Eigen::MatrixXd indicators = Eigen::MatrixXd::Zero(features.rows(), label_count);
     for (size_t i = 0; i < labels.size(); ++i) indicators(static_cast<Index>(i), labels[i]) = 1;
-    const auto answer = dependence::distance_correlation(features, indicators);
+    const auto answer = study::distance_correlation(features, indicators);
     return answer.usable() ? answer.value : 0;
   };
 }

@@ -2,13 +2,14 @@
 #include <limits>
 
 #include "fusion/dependence/matrix_product.hpp"
-#include "fusion/dependence/paired_density_ratio.hpp"
 #include "fusion/dependence/sample_choice.hpp"
 #include "fusion/dependence/sylvester.hpp"
+#include "tests/study/dependence/paired_density_ratio.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
+using namespace dependence;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -102,4 +103,4 @@ FitEstimate paired_lsmi(const Samples& x, const Samples& y, const FitOptions& op
   return answer;
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

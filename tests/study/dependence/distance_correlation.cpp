@@ -1,4 +1,4 @@
-#include "fusion/dependence/distance_correlation.hpp"
+#include "tests/study/dependence/distance_correlation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,10 @@
 
 #include "fusion/dependence/sample_choice.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
+using namespace dependence;
 using Eigen::Index;
 using Eigen::VectorXd;
 
@@ -166,4 +167,4 @@ Estimate corrected_distance_correlation(const Samples& x, const Samples& y) {
   return {result.corrected_correlation, result.reason};
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

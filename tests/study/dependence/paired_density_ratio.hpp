@@ -6,7 +6,11 @@
 #include "fusion/dependence/gaussian_kernel.hpp"
 #include "fusion/dependence/least_squares.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
+
+using dependence::FitEstimate;
+using dependence::FitOptions;
+using dependence::Samples;
 
 /// LSMI with the paired model r(x, y) = Σ_l α_l G(x, x̃_l) L(y, ỹ_l), b coefficients instead of b²
 /// (Suzuki et al. 2009): (H + λI)α = h with H = mean GGᵀ ∘ mean LLᵀ, h = mean G∘L. The linear form
@@ -24,4 +28,4 @@ FitEstimate mlmi(const Samples& x, const Samples& y, const FitOptions& options);
 FitEstimate mlmi(const Samples& x, std::span<const int32_t> labels, int label_count,
                  const FitOptions& options);
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

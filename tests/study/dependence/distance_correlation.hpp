@@ -3,7 +3,10 @@
 #include "fusion/dependence/estimate.hpp"
 #include "fusion/dependence/gaussian_kernel.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
+
+using dependence::Estimate;
+using dependence::Samples;
 
 /// Distance covariance and correlation. `reason` applies to all three values; it is "" if both
 /// sides vary.
@@ -27,4 +30,4 @@ Estimate distance_correlation(const Samples& x, const Samples& y);
 /// Returns the bias-corrected dCor² alone; needs four samples.
 Estimate corrected_distance_correlation(const Samples& x, const Samples& y);
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study

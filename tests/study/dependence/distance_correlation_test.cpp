@@ -1,4 +1,4 @@
-#include "fusion/dependence/distance_correlation.hpp"
+#include "tests/study/dependence/distance_correlation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,10 @@
 
 #include "tests/fusion/dependence/random_samples.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
+using namespace dependence;
 using Eigen::Index;
 using Eigen::MatrixXd;
 
@@ -138,4 +139,4 @@ TEST(DistanceCorrelation, ReportsReasonForInvalidInput) {
 }
 
 }  // namespace
-}  // namespace infuse::dependence
+}  // namespace infuse::study

@@ -1,4 +1,4 @@
-#include "fusion/dependence/paired_density_ratio.hpp"
+#include "tests/study/dependence/paired_density_ratio.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,10 @@
 #include "tests/fusion/dependence/plain_fit.hpp"
 #include "tests/fusion/dependence/random_samples.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
+using namespace dependence;
 using Eigen::MatrixXd;
 
 TEST(PairedLsmi, ReferenceValues) {
@@ -138,4 +139,4 @@ TEST(PairedDensityRatios, ReportReasonForInvalidInput) {
 }
 
 }  // namespace
-}  // namespace infuse::dependence
+}  // namespace infuse::study

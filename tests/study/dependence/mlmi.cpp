@@ -2,12 +2,13 @@
 #include <cmath>
 #include <limits>
 
-#include "fusion/dependence/paired_density_ratio.hpp"
 #include "fusion/dependence/sample_choice.hpp"
+#include "tests/study/dependence/paired_density_ratio.hpp"
 
-namespace infuse::dependence {
+namespace infuse::study {
 namespace {
 
+using namespace dependence;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -155,4 +156,4 @@ FitEstimate mlmi(const Samples& x, std::span<const int32_t> labels, int label_co
   return mlmi_with(x, features, options);
 }
 
-}  // namespace infuse::dependence
+}  // namespace infuse::study
