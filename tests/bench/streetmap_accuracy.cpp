@@ -9,10 +9,10 @@
 #include <functional>
 
 #include "drivers/measurement/angles.hpp"
-#include "fusion/streetmap/single_image_pose.hpp"
 #include "tests/bench/section_file.hpp"
 #include "tests/bench/streetmap_runs.hpp"
 #include "tests/study/streetmap/comparison_scores.hpp"
+#include "tests/study/streetmap/single_image_pose.hpp"
 
 namespace infuse::streetmap::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "fusion/streetmap/image_score.hpp"
+#include "tests/study/streetmap/image_score.hpp"
 
 #include <cmath>
 #include <numeric>

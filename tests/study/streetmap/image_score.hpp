@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "fusion/streetmap/single_image_pose.hpp"
+#include "tests/study/streetmap/single_image_pose.hpp"
 
 namespace infuse::streetmap {
 

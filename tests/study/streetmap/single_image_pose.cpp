@@ -1,9 +1,9 @@
-#include "fusion/streetmap/single_image_pose.hpp"
+#include "tests/study/streetmap/single_image_pose.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fusion/streetmap/image_score.hpp"
+#include "tests/study/streetmap/image_score.hpp"
 
 namespace infuse::streetmap {
 namespace {

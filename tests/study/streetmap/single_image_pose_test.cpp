@@ -1,4 +1,4 @@
-#include "fusion/streetmap/single_image_pose.hpp"
+#include "tests/study/streetmap/single_image_pose.hpp"
 
 #include <gtest/gtest.h>
 
