@@ -124,8 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Objective, EveryMeasure,
                          testing::Values(MeasureKind::kMutualInformation,
                                          MeasureKind::kNormalisedMutualInformation,
                                          MeasureKind::kChiSquared,
-                                         MeasureKind::kSquaredLossMutualInformation,
-                                         MeasureKind::kCorrelation));
+                                         MeasureKind::kSquaredLossMutualInformation));
 
 const std::vector<TermOptions> kTwoTerms{
     {}, {.lidar = {LidarFeature::kDiscontinuity}, .image = {ImageFeature::kEdge}, .weight = 2}};
