@@ -21,8 +21,8 @@ inline constexpr std::array<std::pair<std::string_view, PixelFormat>, 4> kMosaic
      {"gbrg", PixelFormat::kBayerGbrg8},
      {"grbg", PixelFormat::kBayerGrbg8}}};
 
-/// Values of `times` in drive.toml; true: the stamps can be trusted.
-inline constexpr std::array<std::pair<std::string_view, bool>, 2> kTimes = {
-    {{"recorded", true}, {"synthetic", false}}};
+/// Values of `times` in drive.toml; true: the stamps can be trusted. "made up": earlier versions.
+inline constexpr std::array<std::pair<std::string_view, bool>, 3> kTimes = {
+    {{"recorded", true}, {"synthetic", false}, {"made up", false}}};
 
 }  // namespace infuse::recording

@@ -165,8 +165,7 @@ TEST_F(DriveReplayTest, BadLinesAndTimesOnTheBusAreReportedAndNothingElseIsLost)
   });
   const ReplayResult result = replay();
   const StreamCounters& bus = result.totals.streams.at(1);
-  const uint64_t refused =
-      (summary_.can_frames + 39) / 50;  // "rubbish" has no time: left out before
+  const uint64_t refused = (summary_.can_frames + 39) / 50;  // "rubbish" has no time and is skipped
   EXPECT_EQ(bus.received, sound.totals.streams.at(1).received + 1 + refused);
   EXPECT_EQ(bus.refused, refused);
   EXPECT_EQ(bus.used, sound.totals.streams.at(1).used + 1);

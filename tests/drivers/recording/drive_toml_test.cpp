@@ -118,7 +118,7 @@ TEST(DriveToml, ReadsEveryKey) {
   EXPECT_EQ(drive->can->signals[0].unit, "km/h");
   EXPECT_EQ(drive->can->signals[1].signal, "KINEMATICS.YAW_RATE");
   EXPECT_EQ(drive->imu, "imu.csv");
-  EXPECT_EQ(drive->gnss, "gps.csv");
+  EXPECT_EQ(drive->gnss, "gnss.csv");
   EXPECT_EQ(drive->map, "map.osm");
   EXPECT_EQ(drive->truth_poses, "truth/poses.tum");
   EXPECT_EQ(drive->truth_rig, "truth/rig.toml");
@@ -173,6 +173,14 @@ void expect_equal(const DriveDescription& a, const DriveDescription& b) {
       EXPECT_EQ(a.can->signals[i].unit, b.can->signals[i].unit);
     }
   }
+}
+
+TEST(DriveToml, ReadsNamesOfEarlierVersions) {
+  const auto drive = parse_drive("times = \"made up\"\n[gps]\nfile = \"gps.csv\"\n");
+  ASSERT_TRUE(drive) << drive.error().message();
+  EXPECT_FALSE(drive->times_trusted);
+  EXPECT_EQ(drive->gnss, "gps.csv");
+  EXPECT_THAT(format_drive(*drive), HasSubstr("times = \"synthetic\""));
 }
 
 TEST(DriveToml, FormatAndParseRoundTripExactly) {
