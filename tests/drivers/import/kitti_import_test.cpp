@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "drivers/gnss/gnss_csv.hpp"
 #include "drivers/recording/drive_source.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/imu_csv.hpp"
@@ -289,10 +290,10 @@ TEST_F(RawLayout, IsImportedWithItsStamps) {
   ASSERT_TRUE(imu->next(sample));
   EXPECT_EQ(sample.angular_velocity, (std::array<double, 3>{0.01, 0.02, 0.03}));
   EXPECT_EQ(sample.linear_acceleration, (std::array<double, 3>{0.1, 0.2, 9.8}));
-  auto gnss = gnss::GnssCsv::open(drive->resolve("gnss.csv"));
-  ASSERT_TRUE(gnss);
+  auto fixes = gnss::GnssCsv::open(drive->resolve("gnss.csv"));
+  ASSERT_TRUE(fixes);
   GnssFix fix;
-  ASSERT_TRUE(gnss->next(fix));
+  ASSERT_TRUE(fixes->next(fix));
   EXPECT_EQ(fix.speed, 10);
   EXPECT_NEAR(fix.course, 0, 1e-12);
 }

@@ -34,7 +34,7 @@ inline std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
 /// All pairs of camera 2 in `folder` (data/calibration/kitti).
 inline Result<Pairs> read_pairs(const std::filesystem::path& folder, SceneOptions options) {
   Pairs pairs;
-  for (const auto& [number, path] : recording::list_numbered_files(folder / "velodyne", ".bin")) {
+  for (const auto& [number, path] : importers::list_files(folder / "velodyne", ".bin")) {
     const std::string stem = path.stem().string();
     const auto calibration = importers::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
     if (!calibration) return tl::unexpected(calibration.error());

@@ -26,7 +26,7 @@ struct Stream {
 /// Reads `folder` (data/calibration/kitti); empty where something is missing.
 inline Stream read_stream(const std::filesystem::path& folder) {
   Stream stream;
-  for (const auto& [number, path] : recording::list_numbered_files(folder / "velodyne", ".bin")) {
+  for (const auto& [number, path] : importers::list_files(folder / "velodyne", ".bin")) {
     const std::string stem = path.stem().string();
     const auto calibration = importers::read_kitti_calibration(folder / "calib" / (stem + ".txt"));
     Sweep sweep;
