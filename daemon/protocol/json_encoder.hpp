@@ -52,6 +52,8 @@ Json encode(const T& value) {
     return value;
   } else if constexpr (requires { value.value; }) {  // Limited, Choice
     return value.value;
+  } else if constexpr (requires { value.linear(); }) {  // Isometry3d: its rows() is 3
+    return encode(value.matrix());
   } else if constexpr (EigenMatrix<T>) {
     Json numbers = Json::array();
     for (Eigen::Index row = 0; row < value.rows(); ++row) {

@@ -82,6 +82,7 @@ TEST(Messages, APoseIsAMatrixByRow) {
   const json pose = encoded(report);
   EXPECT_EQ(pose["frame"], "odom");
   EXPECT_FALSE(pose.contains("state"));
+  EXPECT_EQ(pose["T_frame_vehicle"].size(), 16U);
   EXPECT_EQ(pose["T_frame_vehicle"][3], 1.0);
   EXPECT_EQ(pose["T_frame_vehicle"][7], 2.0);
   EXPECT_EQ(pose["covariance"][5], 0.25);

@@ -104,6 +104,8 @@ OrderedJson schema_of(const T& value) {
     return {{"type", "string"}, {"minLength", 1}};
   } else if constexpr (requires { value.value; }) {
     return schema_of_limited(value);
+  } else if constexpr (requires { value.linear(); }) {
+    return schema_of(value.matrix());
   } else if constexpr (requires { value.rows(); }) {
     return array_schema({{"type", "number"}}, static_cast<size_t>(value.rows() * value.cols()));
   } else if constexpr (requires { std::tuple_size<T>::value; }) {
