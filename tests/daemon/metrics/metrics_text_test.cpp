@@ -74,8 +74,8 @@ class MissingMetrics {
       if (metric.name == nullptr) missing.emplace_back(name);
     } else if constexpr (requires { describe(*this, value); }) {
       describe(*this, value);
-    } else if constexpr (requires { typename T::value_type{}.latency; }) {
-      describe(*this, typename T::value_type{});
+    } else if constexpr (requires(typename T::value_type item) { item.latency; }) {
+      describe(*this, typename T::value_type());
     }
   }
 
