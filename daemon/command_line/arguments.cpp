@@ -16,10 +16,7 @@ std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
 
 void set_examples(CLI::App& app, std::initializer_list<const char*> examples) {
   std::string text = "Examples:";
-  for (const char* example : examples)
-    text += std::string(
-                "\
-  ") + example;
+  for (const char* example : examples) text += std::string("\n  ") + example;
   app.footer(text);
 }
 

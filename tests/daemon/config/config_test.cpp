@@ -210,7 +210,7 @@ reorder_ms = 150
 use_gnss_speed = false
 max_wait_ms = 50
 [calibration]
-watch = false
+monitor = false
 policy = "apply-within"
 limit_rotation_deg = 1.8
 limit_translation = 0.05
@@ -295,7 +295,7 @@ TEST(Config, ErrorsNameTheLineAndTheProblem) {
   const Wrong cases[] = {
       {"\n[health]\nstale_after = 3\n", "x.toml:3: unknown key 'stale_after'"},
       {"\n[health]\nstale_after = 3\n", "known keys: stale_after_s, raise_after_s"},
-      {"[socket]\npath = 3", "x.toml:2: path must be text"},
+      {"[socket]\npath = 3", "x.toml:2: path must be a string in quotes"},
       {"[socket]\nmax_clients = 1.5", "x.toml:2: max_clients must be an integer"},
       {"[socket]\ntcp_port = 65536", "tcp_port must be an integer from 0 to 65535"},
       {"[socket]\nmax_clients = 0", "x.toml:1: socket: max_clients must lie in"},

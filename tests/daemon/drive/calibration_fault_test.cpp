@@ -105,7 +105,7 @@ TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
   replay.publisher().on_calibration([&](const CalibrationReport& report) {
     const bool recalibrating = report.state == monitoring::CalibrationState::kRecalibrating;
     if (report.evaluations >= 12 && !recalibrating && !stopped) {
-      ASSERT_TRUE(replay.handle_request({.op = Request::Op::kRecalibrate}));
+      ASSERT_TRUE(replay.pipeline().handle_request({.op = Request::Op::kRecalibrate}));
     }
     if (!recalibrating || stopped) return;
     stopped = HostClock::now();

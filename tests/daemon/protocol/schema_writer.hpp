@@ -64,7 +64,10 @@ class SchemaWriter {
 /// Returns the schema of an array of `size` numbers; 0: any number of elements.
 inline OrderedJson array_schema(OrderedJson items, size_t size) {
   OrderedJson schema = {{"type", "array"}, {"items", std::move(items)}};
-  if (size > 0) schema["minItems"] = schema["maxItems"] = size;
+  if (size > 0) {
+    schema["minItems"] = size;
+    schema["maxItems"] = size;
+  }
   return schema;
 }
 
