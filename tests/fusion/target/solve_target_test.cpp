@@ -115,7 +115,7 @@ TEST(SolveTarget, OneOrientationIsNotEnough) {
                                    initial_guess(), {});
   EXPECT_FALSE(result.usable());
   EXPECT_THAT(result.reason, HasSubstr("all normals are parallel"));
-  EXPECT_THAT(solve_target({}, initial_guess(), {}).reason, HasSubstr("no view"));
+  EXPECT_THAT(solve_target({}, initial_guess(), {}).reason, HasSubstr("no usable view"));
 }
 
 TEST(SolveTarget, TwoViewsLeaveTheirIntersectionFree) {
