@@ -42,7 +42,7 @@ TEST(TrajectoryFile, ReportsTheInvalidLine) {
   const auto kitti = [](const char* text) { return parse_kitti(text, "k").error().message(); };
   EXPECT_THAT(tum("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n"), HasSubstr("t:2: 7 numbers"));
   EXPECT_THAT(tum("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1"), HasSubstr("t:2: stamps must increase"));
-  EXPECT_THAT(tum("1 0 0 0 0 0 0 0.5"), HasSubstr("t:1: the quaternion"));
+  EXPECT_THAT(tum("1 0 0 0 0 0 0 0.5"), HasSubstr("t:1: the norm of the quaternion"));
   EXPECT_THAT(tum("1 0 0 zero 0 0 0 1"), HasSubstr("t:1: not a number"));
   EXPECT_THAT(tum("1 0 0 nan 0 0 0 1"), HasSubstr("t:1: not a number"));
   EXPECT_THAT(tum("99999999999 0 0 0 0 0 0 1"), HasSubstr("not a time"));
