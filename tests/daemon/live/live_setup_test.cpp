@@ -160,7 +160,7 @@ TEST_F(LiveSetupTest, ReportsInvalidConfigurations) {
       {"rig = \"rig.toml\"\n[[camera]]\nname = \"front\"\n", "not configured"},
       {"rig = \"rig.toml\"\n[[lidar]]\nname = \"top\"\nmodel = \"VLP-16\"\n"
        "[[camera]]\nname = \"front\"\nwidth = 320\nheight = 240\n",
-       "the rig has it as 640x480"},
+       "the rig states 640x480"},
       {"[[can]]\ndbc = \"none.dbc\"\nsignals = { yaw_rate = \"ESP.YAW\" }\n", "none.dbc"},
       {"[[can]]\ndbc = \"car.dbc\"\nsignals = { yaw_rate = \"ESP.NONE\" }\n", "ESP.NONE"}};
   for (const auto& [text, expected] : cases) {
