@@ -55,9 +55,9 @@ set(CPACK_PACKAGE_VENDOR infuse)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "on-vehicle fusion of lidar, cameras and odometry")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
   "infused takes the raw streams of Velodyne lidars, cameras and the vehicle's
-CAN bus, keeps them on one clock, watches their health and their calibration,
-and tells what it knows over a socket. infuse is the command that asks it, and
-that looks into recordings.")
+CAN bus, keeps them on one clock, monitors their health and calibration, and
+publishes reports over a socket. infuse is the command that queries it and
+inspects recordings.")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd")

@@ -66,7 +66,7 @@ void Server::accept(Acceptor& acceptor) {
     if (!error) {
       open_session(Session::Socket(std::move(socket)));
       accept(acceptor);
-    } else {  // no free descriptor: it would fail again at once, so it waits for look_after()
+    } else {  // no free descriptor: it would fail again at once, so it waits for check_sessions()
       stalled_accepts_.emplace_back([this, &acceptor] { accept(acceptor); });
     }
   });

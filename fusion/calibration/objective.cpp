@@ -50,10 +50,10 @@ INFUSE_SIMD_CLONES void look_up_block(const Samples2d plane, const float* __rest
       const bool absent = (u[i] != u[i]) | (lidar[i] != lidar[i]);
       const float su = absent ? 0.0F : u[i] * plane.scale;
       const float sv = absent ? 0.0F : v[i] * plane.scale;
-      const float least_u = su > 0.0F ? su : 0.0F;
-      const float least_v = sv > 0.0F ? sv : 0.0F;
-      const float cu = least_u < plane.right ? least_u : plane.right;
-      const float cv = least_v < plane.bottom ? least_v : plane.bottom;
+      const float low_u = su > 0.0F ? su : 0.0F;
+      const float low_v = sv > 0.0F ? sv : 0.0F;
+      const float cu = low_u < plane.right ? low_u : plane.right;
+      const float cv = low_v < plane.bottom ? low_v : plane.bottom;
       const int iu = static_cast<int>(cu);
       const int iv = static_cast<int>(cv);
       a[k] = cu - static_cast<float>(iu);

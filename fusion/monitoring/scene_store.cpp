@@ -57,11 +57,11 @@ double SceneStore::decayed_information(const StoredScene& scene, Stamp now) cons
 
 StoredScene* SceneStore::slot_for(double information, Stamp now) {
   if (used_ < slots_.size()) return &slots_[used_++];
-  const auto least_informative =
+  const auto minimum =
       std::min_element(slots_.begin(), slots_.end(), [&](const auto& a, const auto& b) {
         return decayed_information(a, now) < decayed_information(b, now);
       });
-  return decayed_information(*least_informative, now) < information ? &*least_informative : nullptr;
+  return decayed_information(*minimum, now) < information ? &*minimum : nullptr;
 }
 
 bool SceneStore::offer(const CameraFrame& grey, const SweepView& sweep, const MonitorPoints& points,

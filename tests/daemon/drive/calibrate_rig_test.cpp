@@ -1,5 +1,5 @@
-// Calibration of a simulated rig, as `infuse calibrate` does it: two cameras together, and what is
-// wrong with a drive is told instead of believed.
+// Calibration of a simulated rig, as `infuse calibrate` does it: two cameras together;
+// wrong inputs are reported and never give a usable result.
 
 #include <gtest/gtest.h>
 
@@ -57,7 +57,7 @@ TEST(CalibrateRig, TwoCamerasConvergeAndWrongInputsAreNotUsable) {
   ASSERT_TRUE(read->truth);
   ASSERT_EQ(read->cameras.size(), 2U);
   EXPECT_EQ(camera_names(*read), "front and left");
-  // The first pictures come before the odometry knows the speed.
+  // The first images precede the first speed estimate.
   std::erase_if(read->pairs, [](const ScenePair& pair) { return !pair.deskew_reason.empty(); });
   const auto of_left = std::count_if(read->pairs.begin(), read->pairs.end(),
                                      [](const ScenePair& pair) { return pair.camera == 1; });
@@ -84,13 +84,13 @@ TEST(CalibrateRig, TwoCamerasConvergeAndWrongInputsAreNotUsable) {
     const ScenePair& next = read->pairs[(k + 1) % read->pairs.size()];
     if (next.camera == other.pairs[k].camera) other.pairs[k].frame = next.frame;
   }
-  EXPECT_FALSE(calibrate(other, initial_pose).result.usable()) << "pictures of a second later";
+  EXPECT_FALSE(calibrate(other, initial_pose).result.usable()) << "images one second late";
 
   ScenePairs blind = *read;
   for (ScenePair& pair : blind.pairs) {
     std::fill(pair.frame.pixels.begin(), pair.frame.pixels.end(), uint8_t{90});
   }
-  EXPECT_FALSE(calibrate(blind, initial_pose).result.usable()) << "pictures that show nothing";
+  EXPECT_FALSE(calibrate(blind, initial_pose).result.usable()) << "images without content";
 }
 
 }  // namespace

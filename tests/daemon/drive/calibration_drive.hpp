@@ -10,8 +10,8 @@
 
 namespace infuse::daemon {
 
-/// Two pictures a second, the lidar turning around each of them (`turn_stride` 5) or all the time
-/// (1). `more`: faults.
+/// Scenario with two images per second. The lidar scans around each of them (`turn_stride` 5) or
+/// continuously (1). `more`: faults.
 inline void make_online_drive(const std::filesystem::path& folder, double seconds, int turn_stride,
                               const std::string& more) {
   const std::string text = "duration_s = " + std::to_string(seconds) + R"(
@@ -44,11 +44,11 @@ format = "jpg"
   ASSERT_TRUE(made) << made.error().message();
 }
 
-/// What a replay told of its one camera's calibration.
+/// Calibration history of the camera of a replay.
 struct CalibrationHistory {
-  std::vector<std::string> states;           ///< one after the other
-  std::vector<std::string> faults;           ///< of the camera, the same
-  std::vector<std::string> alerts;           ///< ids of those that were raised
+  std::vector<std::string> states;           ///< in order
+  std::vector<std::string> faults;           ///< of the camera, in order
+  std::vector<std::string> alerts;           ///< ids of raised alerts
   nlohmann::json first_report, last_report;  ///< CALIBRATION reports
 };
 

@@ -1,5 +1,5 @@
-// What must not be taken for a camera that moved, and what must not last: faults of the camera are
-// named and nothing is estimated anew, a bad estimate is taken back, a stop does not wait.
+// Faults of a camera are named and start no re-estimation, a bad update is rolled back, and a stop
+// does not wait for an estimate.
 
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@ namespace {
 using testing::Contains;
 using testing::Not;
 
-/// What is told of a drive with `faults` by a daemon that may apply what it estimates.
+/// Calibration history of a drive with `faults`, with policy "apply".
 CalibrationHistory replay_with_faults(const std::string& faults, double seconds, int turn_stride) {
   const TemporaryFolder folder;
   make_online_drive(folder / "drive", seconds, turn_stride, faults);
@@ -64,8 +64,7 @@ amount = 1
   EXPECT_EQ(history.last_report["T_camera_lidar"], history.first_report["T_camera_lidar"]);
 }
 
-// The scenes are tampered with: the camera is turned for just so long that a new calibration is
-// found and applied, and then stands as before.
+// The camera is turned until a new calibration is applied, and then turned back.
 TEST(CalibrationFaults, ABadUpdateIsRolledBack) {
   const CalibrationHistory history = replay_with_faults(R"(
 [[fault]]

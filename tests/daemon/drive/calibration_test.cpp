@@ -1,5 +1,5 @@
-// A camera that is not where the rig says: noticed while driving, told, estimated anew;
-// the camera that is where it should be is left alone.
+// A camera whose pose differs from the rig's is detected while driving, reported and re-estimated;
+// a camera at its stated pose is left unchanged.
 
 #include <gmock/gmock.h>
 
@@ -38,7 +38,7 @@ TEST(CalibrationDrive, ATurnedCameraIsDetectedAndAGoodOneIsNotChanged) {
   ASSERT_TRUE(turned);
   const CalibrationHistory history = read_calibration_history(*turned);
   EXPECT_THAT(history.alerts, testing::Contains("front.drift_confirmed"));
-  // It is estimated anew and applied, and what is in use in the end is nearer to the truth.
+  // The re-estimated calibration is applied and is nearer to the truth.
   EXPECT_THAT(history.states,
               testing::IsSupersetOf({"SUSPECTED", "RECALIBRATING", "RECALIBRATED"}));
   ASSERT_TRUE(history.last_report.contains("estimate"));

@@ -1,6 +1,6 @@
-// Mutual information of ten simulated scans and their pictures has its top where the camera truly
-// stands, along each of the six axes, under an even sky and in the sun; the sun's shadows, of which
-// the lidar knows nothing, lower it.
+// The mutual information of ten simulated scans and their images peaks at the camera's true pose
+// along each of the six axes, under an overcast sky and in the sun. Shadows, which the lidar does
+// not see, lower it.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ void make_drive(const std::filesystem::path& folder, double sun) {
   ASSERT_TRUE(made) << made.error().message();
 }
 
-/// The measure at the truth, having seen that it is less everywhere along the axes.
+/// Returns the measure at the truth and checks that it is smaller everywhere else on the axes.
 double check_peak(const std::filesystem::path& folder) {
   const auto pairs =
       read_scene_pairs({.drives = {folder.string()}, .max_scenes = 11}, [](double) {});

@@ -1,5 +1,5 @@
-// Whole drives through the daemon: lidar, camera, bus, inertial unit and receiver, against what the
-// simulator knows to be true, and with files that are not as they should be.
+// Whole drives through the daemon: lidar, camera, CAN bus, inertial unit and GNSS receiver,
+// compared with the simulator's ground truth, and with damaged files.
 
 #include <gmock/gmock.h>
 
@@ -50,7 +50,7 @@ class DriveReplayTest : public testing::Test {
     return *std::move(result);
   }
 
-  /// Lines of can.log, changed.
+  /// Replaces the lines of can.log.
   template <class Change>
   void edit_can_log(Change change) const {
     std::istringstream lines(read_file(drive_ / "can.log"));
@@ -85,7 +85,8 @@ TEST_F(DriveReplayTest, EverythingIsReadAndSweepsCoveredByOdometryAreDeskewed) {
   ASSERT_GE(sweeps.size(), 30U);
   size_t deskewed = 0;
   for (const json& sweep : sweeps) deskewed += sweep["deskewed"].get<bool>() ? 1 : 0;
-  // The first begins before the first word on the bus, and of the last the end is not covered.
+  // The first sweep begins before the first CAN frame, and odometry does not cover the last one's
+  // end.
   EXPECT_GE(deskewed + 2, sweeps.size());
   EXPECT_EQ(reports_of(result, "POSE").size(), sweeps.size());
   EXPECT_EQ(reports_of(result, "FRAME").size(), summary_.images);
@@ -202,7 +203,7 @@ TEST_F(DriveReplayTest, ASilentBusLeavesSweepsNotDeskewedAndIsReported) {
 
 TEST_F(DriveReplayTest, DamagedAndMissingImagesAreCountedAndTheOthersUsed) {
   write_file(image_path(3), read_file(image_path(3)).substr(0, 400));
-  write_file(image_path(4), "no picture");
+  write_file(image_path(4), "no image");
   std::filesystem::remove(image_path(7));
   const ReplayResult result = replay();
   const StreamCounters& camera = result.totals.streams.at(0);
@@ -219,7 +220,7 @@ TEST_F(DriveReplayTest, ADbcWithoutTheSignalIsRefusedByName) {
   const auto refused = run_replay(drive_);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message(), HasSubstr("MOTION.YAW_RATE"));
-  // A statement that is wrong is told, and what stands around it is used.
+  // A malformed statement is reported; the statements around it are used.
   write_file(drive_ / "vehicle.dbc",
              dbc + "\nBO_ 77 BROKEN: x Y\n SG_ A : 0|99@1+ (1,0) [0|0] \"\" Z\n");
   const ReplayResult result = replay();

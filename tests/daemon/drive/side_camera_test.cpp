@@ -1,7 +1,6 @@
-// A camera that looks to the side, at a wood and at house fronts. Rings do not cross kerbs, eaves
-// and the horizon, and steps of depth are larger in a wood's crowns than at its trunks: depth edges
-// compared with all edges of the picture, or over all rings, come to rest a degree and two
-// decimetres off there.
+// A camera that faces sideways, towards trees and facades. Rings do not cross kerbs, eaves and the
+// horizon, and depth steps are larger in tree crowns than at trunks. Depth edges compared with all
+// image edges, or ranked over all rings, converge one degree and 20 cm off there.
 
 #include <gtest/gtest.h>
 
@@ -50,7 +49,7 @@ ScenePairs simulated_pairs() {
   return *std::move(pairs);
 }
 
-/// From half a degree and 3 cm off.
+/// Calibrates from an initial guess that is 0.5° and 3 cm off.
 CalibrationRun calibrate_perturbed(const ScenePairs& pairs,
                                    const calibration::NamedMeasure& measure) {
   std::mt19937_64 random(1);
