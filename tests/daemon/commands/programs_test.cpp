@@ -120,7 +120,7 @@ TEST_F(ProgramsTest, InspectPrintsStreamsDevicesAndProblems) {
   EXPECT_EQ(found["streams"][0]["sender"], "192.168.1.201");
   EXPECT_EQ(found["streams"][1]["count"], truth_.position_packets);
   EXPECT_EQ(found["devices"][0]["model"], "VLP-16");
-  EXPECT_THAT(found["problems"].dump(), HasSubstr("packets are missing"));
+  EXPECT_THAT(found["problems"].dump(), HasSubstr("packets lost"));
   const ProgramResult text = run("infuse inspect " + path());
   EXPECT_THAT(text.output, HasSubstr("lidar packets from 192.168.1.201 to port 2368"));
 }
