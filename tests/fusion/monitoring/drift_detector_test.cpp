@@ -140,7 +140,8 @@ TEST(DriftDetectorOptions, SaysWhatIsWrong) {
   DriftDetectorOptions options;
   options.drift_offset[2] = 0;
   EXPECT_THAT(*options.invalid(), HasSubstr("drift_offset"));
-  EXPECT_THAT(*(DriftDetectorOptions{.suspicion_threshold = 40}.invalid()), HasSubstr("suspect"));
+  EXPECT_THAT(*(DriftDetectorOptions{.suspicion_threshold = 40}.invalid()),
+              HasSubstr("suspicion_threshold"));
   EXPECT_THAT(*(DriftDetectorOptions{.warm_up = 2}.invalid()), HasSubstr("warm_up"));
   // e^h evaluations per alarm, for two parallel tests per axis.
   EXPECT_NEAR(std::exp(DriftDetectorOptions{}.confirmation_threshold()) / (2 * kAxes) / 2.5 / 3600,
