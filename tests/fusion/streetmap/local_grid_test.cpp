@@ -86,11 +86,13 @@ TEST(LocalGrid, DiscontinuityIsTheRangeStepToFartherNeighbours) {
   // One ring; ranges 4, 4, 8, 8 at neighbouring columns, then a gap.
   const double ranges[] = {4, 4, 8, 8, 4};
   for (int i = 0; i < 5; ++i) {
-    const double angle = 0.3 * i;
+    const double angle = 0.09 * i;
     scan.add({ranges[i] * std::cos(angle), ranges[i] * std::sin(angle), 1.5}, 0.5F, 1,
              static_cast<uint32_t>(i < 4 ? i : 10));
   }
-  LocalGrid grid(small());
+  LocalGridOptions options = small();
+  options.cell_size = 0.2;
+  LocalGrid grid(options);
   grid.add(scan.view(), nullptr, {});
   GridSamples samples;
   grid.draw_samples({}, samples);
