@@ -26,7 +26,7 @@ start_speed = 9
 [[lidar]]
 model = "HDL-32E"
 position = [1.0, 0.0, 1.95]
-parts = 1
+rays_per_pulse = 1
 turn_stride = )" + std::to_string(turn_stride) +
                            R"(
 [[camera]]

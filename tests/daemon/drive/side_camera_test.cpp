@@ -27,7 +27,7 @@ start_speed = 8
 model = "HDL-64E S2"
 position = [1.0, 0.0, 2.1]
 turn_stride = 10
-parts = 1
+rays_per_pulse = 1
 [[camera]]
 width = 640
 height = 480

@@ -28,14 +28,14 @@ inline Result<simulator::DriveSummary> simulate_car(const std::filesystem::path&
 [world]
 map = "altfeld.osm"
 route = [100, 104, 112]
-reach = 40
+build_radius_m = 40
 ground_resolution = 1.0
 [vehicle]
 speed = 10
 start_speed = 10
 [[lidar]]
 model = "VLP-16"
-parts = 1
+rays_per_pulse = 1
 position = [1.0, 0.0, 1.9]
 [[camera]]
 width = 96
