@@ -35,7 +35,7 @@ void make_drive(const std::filesystem::path& folder) {
       "[[lidar]]\n"
       "model = \"HDL-64E S2\"\n"
       "position = [1.0, 0.0, 1.95]\n"
-      "parts = 1\n" +
+      "rays_per_pulse = 1\n" +
       camera + "name = \"front\"\nposition = [1.5, 0.05, 1.6]\nrotation_deg = [0.4, 2.0, -0.6]\n" +
       camera + "name = \"left\"\nposition = [1.4, 0.4, 1.6]\nrotation_deg = [0.0, 2.0, 60.0]\n";
   const auto made = simulate(folder, text);

@@ -31,7 +31,7 @@ void make_drive(const std::filesystem::path& folder, double sun) {
       "model = \"HDL-64E S2\"\n"
       "position = [1.0, 0.0, 1.95]\n"
       "turn_stride = 10\n"
-      "parts = 1\n"
+      "rays_per_pulse = 1\n"
       "[[camera]]\n"
       "width = 800\n"
       "height = 600\n"

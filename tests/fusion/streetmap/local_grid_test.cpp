@@ -90,7 +90,9 @@ TEST(LocalGrid, DiscontinuityIsTheRangeStepToFartherNeighbours) {
     scan.add({ranges[i] * std::cos(angle), ranges[i] * std::sin(angle), 1.5}, 0.5F, 1,
              static_cast<uint32_t>(i < 4 ? i : 10));
   }
-  LocalGrid grid(small());
+  LocalGridOptions options = small();
+  options.cell_size = 0.2;
+  LocalGrid grid(options);
   grid.add(scan.view(), nullptr, {});
   GridSamples samples;
   grid.draw_samples({}, samples);
