@@ -28,7 +28,9 @@ endif()
 
 # Precompiled headers, one for all libraries and programs and one for all tests: every file parses the standard
 # library and Eigen otherwise, which takes longer than the file itself.
-file(WRITE ${CMAKE_BINARY_DIR}/precompiled.cpp "")
+if(NOT EXISTS ${CMAKE_BINARY_DIR}/precompiled.cpp)  # written anew, it would be compiled anew with all that includes it
+  file(WRITE ${CMAKE_BINARY_DIR}/precompiled.cpp "")
+endif()
 function(infuse_precompiled name)
   add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/precompiled.cpp)
   target_link_libraries(${name} PRIVATE infuse::flags Eigen3::Eigen tl::expected)

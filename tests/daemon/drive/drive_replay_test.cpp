@@ -173,7 +173,7 @@ TEST_F(DriveReplayTest, BadLinesAndTimesOnTheBusAreReportedAndNothingElseIsLost)
   EXPECT_EQ(bus.out_of_order, 1U);
   EXPECT_EQ(result.totals.counters.at(0).sweeps, sound.totals.counters.at(0).sweeps);
   EXPECT_TRUE(result.totals.odometry.usable());
-  EXPECT_THAT(raised_alerts(result), testing::Contains("can.order"));
+  EXPECT_THAT(raised_alerts(result), testing::Contains("can.out_of_order"));
   std::string notes;
   for (const Error& note : result.notes) notes += note.message() + "\n";
   EXPECT_THAT(notes, HasSubstr("can.log"));
