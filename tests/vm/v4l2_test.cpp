@@ -84,7 +84,8 @@ TEST_F(VirtualCamera, ReportsUnsupportedSettings) {
   V4l2Options odd{.device = "/dev/video0", .width = 641, .height = 7};
   const auto size = V4l2Source::open(odd, time_base_);
   ASSERT_FALSE(size.has_value());
-  EXPECT_NE(size.error().what.find("does not support 641x7"), std::string::npos) << size.error().what;
+  EXPECT_NE(size.error().what.find("does not support 641x7"), std::string::npos)
+      << size.error().what;
   const auto format =
       V4l2Source::open({.device = "/dev/video0", .format = RawFormat::kMjpeg}, time_base_);
   ASSERT_FALSE(format.has_value());
