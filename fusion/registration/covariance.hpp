@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "fusion/registration/neighbour_search.hpp"
+#include "fusion/registration/point_cloud.hpp"
+
+namespace infuse::registration {
+
+/// Settings of the local planes.
+struct CovarianceOptions {
+  int neighbours = 10;     ///< number of points, the point itself included, of a local plane
+  int min_neighbours = 5;  ///< fewer give no plane
+  double min_spread = 0.0;  ///< smallest ratio of the neighbours' second variance to the first, 0 …
+                            ///< 1; below it they lie on a line and give no plane
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// Estimates the local covariance of every point, P 4.2.2: of a plane of variance 1 along it and
+/// ε across, so that its normal (of either sign) says all. Sets the normals of `cloud`; `search`
+/// must have been built from it. Same bytes on every processor.
+void estimate_covariances(const NeighbourSearch& search, const CovarianceOptions& options,
+                          PointCloud& cloud);
+
+}  // namespace infuse::registration

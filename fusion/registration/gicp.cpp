@@ -1,0 +1,182 @@
+#include "fusion/registration/gicp.hpp"
+
+#include <cmath>
+
+#include "drivers/measurement/simd.hpp"
+#include "fusion/registration/uncertainty.hpp"
+
+namespace infuse::registration {
+namespace {
+
+using geometry::Vector6;
+
+constexpr double kIdentical = 1e-5;  // m; residuals of clouds that are copies of each other
+constexpr float kMargin = 0.2F;      // m; a search bounds the other points' distances up to here
+
+/// A rotation and a translation in single precision.
+struct Motion {
+  float r[9], t[3];
+};
+
+INFUSE_SIMD_CLONES void move_points(const Motion& m, const float* __restrict x,
+                                    const float* __restrict y, const float* __restrict z,
+                                    size_t size, float* __restrict ox, float* __restrict oy,
+                                    float* __restrict oz) {
+  for (size_t i = 0; i < size; ++i) {
+    ox[i] = m.r[0] * x[i] + m.r[1] * y[i] + m.r[2] * z[i] + m.t[0];
+    oy[i] = m.r[3] * x[i] + m.r[4] * y[i] + m.r[5] * z[i] + m.t[1];
+    oz[i] = m.r[6] * x[i] + m.r[7] * y[i] + m.r[8] * z[i] + m.t[2];
+  }
+}
+
+const char* missing(const PreparedCloud& target, const PointCloud& source,
+                    const Eigen::Isometry3d& guess, const GicpOptions& options) {
+  if (target.search.size() == 0) return "the target has no finite points";
+  if (source.size() == 0) return "the source has no finite points";
+  if (target.search.size() < options.min_inliers) return "the target has too few points";
+  if (source.size() < options.min_inliers) return "the source has too few points";
+  if (!guess.matrix().allFinite()) return "the guess is not finite";
+  return "";
+}
+
+}  // namespace
+
+std::optional<std::string> PrepareOptions::invalid() const {
+  if (!(voxel_size >= 0 && voxel_size < 100)) return "voxel_size must be 0 ... 100 m";
+  return covariance.invalid();
+}
+
+void CloudPreparer::prepare(const geometry::PointsView& points, const PrepareOptions& options,
+                            PreparedCloud& out) {
+  constexpr double kDistinct = 1e-3;  // m; voxels that keep all points but copies
+  downsampler_.compute(points, options.voxel_size > 0 ? options.voxel_size : kDistinct, out.cloud);
+  out.search.build(out.cloud.points());
+  estimate_covariances(out.search, options.covariance, out.cloud);
+}
+
+PreparedCloud prepare_cloud(const geometry::PointsView& points, const PrepareOptions& options) {
+  PreparedCloud out;
+  CloudPreparer().prepare(points, options, out);
+  return out;
+}
+
+std::optional<std::string> GicpOptions::invalid() const {
+  if (!(max_correspondence_distance > 0)) return "max_correspondence_distance must be above 0 m";
+  if (!(noise.plane_variance > 0 && noise.plane_variance < 1))
+    return "plane_variance must be between 0 and 1";
+  if (!(noise.robust_width >= 0)) return "robust_width must not be negative";
+  if (max_iterations < 1) return "max_iterations must be at least 1";
+  if (!(rotation_tolerance > 0 && translation_tolerance > 0)) return "tolerances must be above 0";
+  if (!(min_inlier_fraction >= 0 && min_inlier_fraction <= 1))
+    return "min_inlier_fraction must be 0 ... 1";
+  if (!(min_plane_fraction >= 0 && min_plane_fraction <= 1))
+    return "min_plane_fraction must be 0 ... 1";
+  return std::nullopt;
+}
+
+Gicp::Gicp(const GicpOptions& options) : options_(options) {}
+
+void Gicp::transform(const PointCloud& source, const Eigen::Isometry3d& T_target_source) {
+  Motion motion;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) motion.r[3 * r + c] = static_cast<float>(T_target_source(r, c));
+    motion.t[r] = static_cast<float>(T_target_source(r, 3));
+  }
+  move_points(motion, source.x.data(), source.y.data(), source.z.data(), source.size(),
+              pairs_.px.data(), pairs_.py.data(), pairs_.pz.data());
+  motion.t[0] = motion.t[1] = motion.t[2] = 0;
+  move_points(motion, source.nx.data(), source.ny.data(), source.nz.data(), source.size(),
+              pairs_.sx.data(), pairs_.sy.data(), pairs_.sz.data());
+}
+
+size_t Gicp::find_pairs(const PreparedCloud& target) {
+  const auto max_distance = static_cast<float>(options_.max_correspondence_distance);
+  size_t found = 0;
+  for (size_t i = 0; i < pairs_.size; ++i) {
+    const float p[3] = {pairs_.px[i], pairs_.py[i], pairs_.pz[i]};
+    const float mx = p[0] - searched_x_[i], my = p[1] - searched_y_[i], mz = p[2] - searched_z_[i];
+    // Another point can be nearer only after a move of half the difference of the two distances.
+    if (!(mx * mx + my * my + mz * mz < slack_[i] * slack_[i])) {
+      const Nearest nearest = target.search.nearest(p, max_distance, kMargin);
+      searched_x_[i] = p[0], searched_y_[i] = p[1], searched_z_[i] = p[2];
+      index_[i] = nearest.index;
+      if (nearest.index < 0) {
+        slack_[i] = nearest.others - max_distance;
+      } else {
+        slack_[i] = 0.5F * (nearest.others - std::sqrt(nearest.square_distance));
+        const auto j = static_cast<size_t>(nearest.index);
+        pairs_.qx[i] = target.cloud.x[j];
+        pairs_.qy[i] = target.cloud.y[j];
+        pairs_.qz[i] = target.cloud.z[j];
+        pairs_.tx[i] = target.cloud.nx[j];
+        pairs_.ty[i] = target.cloud.ny[j];
+        pairs_.tz[i] = target.cloud.nz[j];
+      }
+    }
+    const float dx = pairs_.qx[i] - p[0], dy = pairs_.qy[i] - p[1], dz = pairs_.qz[i] - p[2];
+    const bool paired =
+        index_[i] >= 0 && dx * dx + dy * dy + dz * dz <= max_distance * max_distance;
+    pairs_.weight[i] = paired ? 1.0F : 0.0F;
+    found += paired ? 1 : 0;
+  }
+  return found;
+}
+
+RegistrationResult Gicp::align(const PreparedCloud& target, const PointCloud& source,
+                               const Eigen::Isometry3d& T_target_source_guess) {
+  RegistrationResult result;
+  result.T_target_source = T_target_source_guess;
+  result.points = source.size();
+  result.reason = missing(target, source, T_target_source_guess, options_);
+  if (*result.reason != '\0') return result;
+
+  pairs_.resize(source.size());
+  for (Pairs::Field* field : {&searched_x_, &searched_y_, &searched_z_, &slack_}) {
+    field->assign(source.size(), 0.0F);
+  }
+  index_.assign(source.size(), -1);
+  for (Pairs::Field* field :
+       {&pairs_.qx, &pairs_.qy, &pairs_.qz, &pairs_.tx, &pairs_.ty, &pairs_.tz}) {
+    std::fill(field->begin(), field->end(), 0.0F);
+  }
+  PoseSystem system;
+  DeterminedDirections determined;
+  while (result.iterations < options_.max_iterations && !result.converged) {
+    transform(source, result.T_target_source);
+    result.inliers = find_pairs(target);
+    if (result.inliers < options_.min_inliers ||
+        static_cast<double>(result.inliers) <
+            options_.min_inlier_fraction * static_cast<double>(source.size())) {
+      result.reason = "the clouds do not overlap";
+      return result;
+    }
+    system = pose_system(pairs_, options_.noise);
+    determined = determined_directions(system, options_.noise, options_.min_plane_fraction);
+    const Vector6 step = determined_step(system, determined);
+    if (!step.allFinite()) {
+      result.reason = "the points do not determine a pose";
+      return result;
+    }
+    result.T_target_source = geometry::exp(step) * result.T_target_source;
+    result.converged = step.head<3>().norm() <= options_.rotation_tolerance &&
+                       step.tail<3>().norm() <= options_.translation_tolerance;
+    ++result.iterations;
+  }
+  set_uncertainty(pairs_, options_.noise, system, determined, cluster_gradients_, result);
+  if (!result.converged) {
+    result.reason = "the registration did not converge";
+  } else if (determined.count == 0) {
+    result.reason = "the planes determine no direction";
+  } else if (result.rms < kIdentical) {
+    result.reason = "the clouds are identical: they do not show the accuracy";
+  }
+  return result;
+}
+
+RegistrationResult gicp(const PreparedCloud& target, const PointCloud& source,
+                        const Eigen::Isometry3d& T_target_source_guess,
+                        const GicpOptions& options) {
+  return Gicp(options).align(target, source, T_target_source_guess);
+}
+
+}  // namespace infuse::registration

@@ -1,0 +1,136 @@
+#include "fusion/registration/uncertainty.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "fusion/registration/voxel_key.hpp"
+
+namespace infuse::registration {
+namespace {
+
+using geometry::Matrix6;
+using geometry::Vector6;
+
+constexpr double kClusterSize = 4;      // m; residuals further apart are taken as independent
+constexpr size_t kClusterSlots = 4096;  // clusters that share one are added: a larger cluster
+constexpr double kNoiseFloor = 0.005;   // m; error of a cluster that its residuals do not show
+
+/// Gradient of one pair, w Jᵀ W r, in double precision: as `pose_system` sums it. Returns the
+/// gradient per metre of plane distance too, for the noise floor.
+struct PairGradient {
+  Vector6 gradient, normal;
+  double weight;
+};
+
+PairGradient pair_gradient(const Pairs& pairs, size_t i, const PairNoise& noise) {
+  const Eigen::Vector3d p(pairs.px[i], pairs.py[i], pairs.pz[i]);
+  const Eigen::Vector3d n1(pairs.tx[i], pairs.ty[i], pairs.tz[i]);
+  const Eigen::Vector3d n2(pairs.sx[i], pairs.sy[i], pairs.sz[i]);
+  const Eigen::Vector3d r = Eigen::Vector3d(pairs.qx[i], pairs.qy[i], pairs.qz[i]) - p;
+  const double tilt = 1 - noise.plane_variance;
+  const double m1 = 2 - tilt * n1.squaredNorm(), m2 = 2 - tilt * n2.squaredNorm();
+  const double m12 = tilt * n1.dot(n2);
+  const double scale = 0.5 * tilt / (m1 * m2 - m12 * m12);
+  const double d1 = n1.dot(r), d2 = n2.dot(r);
+  const Eigen::Vector3d wr = scale * ((m2 * d1 + m12 * d2) * n1 + (m12 * d1 + m1 * d2) * n2);
+  double weight = pairs.weight[i];
+  if (noise.robust_width > 0) {
+    const double width2 = noise.robust_width * noise.robust_width / (2 * noise.plane_variance);
+    const double kernel = width2 / (width2 + r.dot(wr) + 0.5 * r.squaredNorm());
+    weight *= kernel * kernel;
+  }
+  PairGradient out;
+  out.weight = weight;
+  out.gradient << p.cross(wr), wr;
+  out.gradient *= weight;
+  const Eigen::Vector3d n = weight / (2 * noise.plane_variance) * n1;
+  out.normal << p.cross(n), n;
+  return out;
+}
+
+}  // namespace
+
+DeterminedDirections determined_directions(const PoseSystem& system, const PairNoise& noise,
+                                           double min_plane_fraction) {
+  DeterminedDirections out;
+  // exp(twist about the origin) = middle · exp(scaled twist) · middle⁻¹
+  Eigen::Isometry3d middle = Eigen::Isometry3d::Identity();
+  middle.translation() = system.mean;
+  Vector6 unit;
+  unit << Eigen::Vector3d::Constant(1 / std::max(system.radius, 1e-3)), Eigen::Vector3d::Ones();
+  out.twist_from_scaled = geometry::adjoint(middle) * unit.asDiagonal();
+  if (!(system.weight > 0)) {
+    out.count = 0;
+    return out;
+  }
+  // A plane whose normal is the direction counts 1 / 2ε.
+  const Matrix6 scaled = out.twist_from_scaled.transpose() * system.planes * out.twist_from_scaled *
+                         (2 * noise.plane_variance / system.weight);
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(scaled);
+  out.basis = eigen.eigenvectors().rowwise().reverse();
+  out.count = static_cast<int>((eigen.eigenvalues().array() >= min_plane_fraction).count());
+  return out;
+}
+
+Vector6 determined_step(const PoseSystem& system, const DeterminedDirections& determined) {
+  if (determined.count == 0) return Vector6::Zero();
+  const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> directions =
+      determined.twist_from_scaled * determined.basis.leftCols(determined.count);
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> H =
+      directions.transpose() * (system.planes + system.isotropic) * directions;
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> g =
+      directions.transpose() * system.gradient;
+  return directions * H.llt().solve(g);
+}
+
+void set_uncertainty(const Pairs& pairs, const PairNoise& noise, const PoseSystem& system,
+                     const DeterminedDirections& determined, std::vector<Vector6>& clusters,
+                     RegistrationResult& result) {
+  const int count = determined.count;
+  result.free_directions = 6 - count;
+  for (int i = count; i < 6; ++i) {
+    result.free[static_cast<size_t>(i - count)] = determined.basis.col(i);
+  }
+  result.radius = system.radius;
+  // The plane part of the residuals, summed over clusters; the squares of those sums.
+  clusters.assign(2 * kClusterSlots, Vector6::Zero());
+  double square = 0;
+  for (size_t i = 0; i < pairs.size; ++i) {
+    if (pairs.weight[i] == 0) continue;
+    const auto cell = [](float c) { return floor_to_int(std::clamp(c / kClusterSize, -1e5, 1e5)); };
+    const uint64_t key = voxel_key(cell(pairs.px[i]), cell(pairs.py[i]), cell(pairs.pz[i]));
+    const size_t slot = voxel_hash(key) % kClusterSlots;
+    const PairGradient at = pair_gradient(pairs, i, noise);
+    clusters[2 * slot] += at.gradient;
+    clusters[2 * slot + 1] += kNoiseFloor * at.normal;
+    const double distance = (pairs.qx[i] - pairs.px[i]) * pairs.tx[i] +
+                            (pairs.qy[i] - pairs.py[i]) * pairs.ty[i] +
+                            (pairs.qz[i] - pairs.pz[i]) * pairs.tz[i];
+    square += at.weight * distance * distance;
+  }
+  result.rms = std::sqrt(square / std::max(system.weight, 1e-12));
+  Matrix6 scatter = Matrix6::Zero();
+  for (const Vector6& sum : clusters) scatter += sum * sum.transpose();
+
+  const Matrix6 to_scaled = determined.twist_from_scaled;
+  const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> directions =
+      to_scaled * determined.basis.leftCols(count);
+  Matrix6 variance = Matrix6::Zero(), information = Matrix6::Zero();  // in the units of the basis
+  if (count > 0) {
+    using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+    const Small H = directions.transpose() * system.planes * directions;
+    const Small inverse = H.llt().solve(Small::Identity(count, count));
+    const Small spread = inverse * (directions.transpose() * scatter * directions) * inverse;
+    variance.topLeftCorner(count, count) = spread;
+    information.topLeftCorner(count, count) = spread.llt().solve(Small::Identity(count, count));
+  }
+  for (int i = count; i < 6; ++i) variance(i, i) = RegistrationResult::kFreeVariance;
+  const Matrix6 to_twist = to_scaled * determined.basis;
+  const Matrix6 from_twist = to_twist.inverse();
+  result.covariance = to_twist * variance * to_twist.transpose();
+  result.information = from_twist.transpose() * information * from_twist;
+}
+
+}  // namespace infuse::registration

@@ -1,0 +1,94 @@
+#include "fusion/registration/gicp.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/allocation_counter.hpp"
+#include "tests/fusion/registration/random_room.hpp"
+
+namespace infuse::registration {
+namespace {
+
+Eigen::Isometry3d small_motion(double scale) {
+  geometry::Vector6 twist;
+  twist << 0.01, -0.02, 0.05, 0.3, -0.2, 0.1;
+  return geometry::exp(scale * twist);
+}
+
+TEST(Gicp, FindsTheMotionBetweenTwoSweepsOfARoom) {
+  const Eigen::Isometry3d truth = small_motion(1);
+  const auto target =
+      prepare_cloud(random_room(1, 20'000, 0.01, Eigen::Isometry3d::Identity()).points());
+  const auto source = prepare_cloud(random_room(2, 20'000, 0.01, truth).points());
+  const RegistrationResult result = gicp(target, source.cloud, Eigen::Isometry3d::Identity());
+  ASSERT_TRUE(result.usable()) << result.reason;
+  EXPECT_EQ(result.free_directions, 0) << result.free_directions_text();
+  const geometry::Vector6 error = geometry::log(truth * result.T_target_source.inverse());
+  EXPECT_LT(error.head<3>().norm(), 1e-3);
+  EXPECT_LT(error.tail<3>().norm(), 0.01);
+  EXPECT_LT((result.information * result.covariance - geometry::Matrix6::Identity()).norm(), 1e-5);
+}
+
+TEST(Gicp, NamesTheDirectionsThatAFloorLeavesFree) {
+  PointCloud floor = random_room(1, 8000, 0.0, Eigen::Isometry3d::Identity());
+  for (float& z : floor.z) z = -1.5F;
+  PointCloud moved = floor;
+  for (float& z : moved.z) z = -1.4F;
+  for (float& x : moved.x) x += 0.013F;
+  const auto target = prepare_cloud(floor.points());
+  const auto source = prepare_cloud(moved.points());
+  const RegistrationResult result = gicp(target, source.cloud, Eigen::Isometry3d::Identity());
+  EXPECT_EQ(result.free_directions, 3);
+  const std::string text = result.free_directions_text();
+  for (const char* name : {"rotation about z", "translation along x", "translation along y"}) {
+    EXPECT_NE(text.find(name), std::string::npos) << text;
+  }
+  EXPECT_NEAR(result.T_target_source.translation().z(), -0.1, 1e-4);
+  EXPECT_NEAR(result.information.diagonal()[3], 0, 1e-6 * result.information.diagonal()[5]);
+}
+
+TEST(Gicp, GivesAReasonForBadInput) {
+  const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
+  const auto room = prepare_cloud(random_room(1, 5000, 0.01, identity).points());
+  const PreparedCloud empty = prepare_cloud(PointCloud().points());
+  PointCloud nan = random_room(1, 1000, 0.01, identity);
+  std::fill(nan.x.begin(), nan.x.end(), std::numeric_limits<float>::quiet_NaN());
+  const PreparedCloud not_finite = prepare_cloud(nan.points());
+  const PreparedCloud ten = prepare_cloud(random_room(1, 10, 0.01, identity).points());
+  PointCloud far = random_room(1, 5000, 0.01, identity);
+  for (float& x : far.x) x += 500;
+  const PreparedCloud disjoint = prepare_cloud(far.points());
+  const auto reason = [&](const PreparedCloud& target, const PreparedCloud& source) {
+    const RegistrationResult result = gicp(target, source.cloud, identity);
+    EXPECT_FALSE(result.usable());
+    EXPECT_TRUE(result.information.isZero() || result.converged);
+    return std::string(result.reason);
+  };
+  EXPECT_EQ(reason(empty, room), "the target has no finite points");
+  EXPECT_EQ(reason(room, empty), "the source has no finite points");
+  EXPECT_EQ(reason(not_finite, room), "the target has no finite points");
+  EXPECT_EQ(reason(room, ten), "the source has too few points");
+  EXPECT_EQ(reason(ten, room), "the target has too few points");
+  EXPECT_EQ(reason(room, disjoint), "the clouds do not overlap");
+  EXPECT_EQ(reason(room, room), "the clouds are identical: they do not show the accuracy");
+}
+
+TEST(Gicp, DoesNotAllocateAfterWarmUp) {
+  const PointCloud one = random_room(1, 5000, 0.01, Eigen::Isometry3d::Identity());
+  const PointCloud two = random_room(2, 5000, 0.01, small_motion(0.5));
+  CloudPreparer preparer;
+  PreparedCloud target, source;
+  Gicp gicp;
+  size_t before = 0;
+  for (int i = 0; i < 3; ++i) {
+    before = allocation_count();
+    preparer.prepare(one.points(), {}, target);
+    preparer.prepare(two.points(), {}, source);
+    EXPECT_TRUE(gicp.align(target, source.cloud, Eigen::Isometry3d::Identity()).usable());
+  }
+  EXPECT_EQ(allocation_count(), before);
+}
+
+}  // namespace
+}  // namespace infuse::registration
