@@ -8,7 +8,7 @@
 namespace infuse::camera {
 namespace {
 
-enum Channel { kBlue = 0, kGreen = 1, kRed = 2 };
+enum Channel : size_t { kBlue = 0, kGreen = 1, kRed = 2 };
 
 /// Colours of the 2 × 2 tile at the top left, by row.
 std::array<Channel, 4> bayer_tile(PixelFormat format) {
@@ -45,15 +45,15 @@ INFUSE_SIMD_CLONES void to_luminance(const uint8_t* __restrict bgr, size_t pixel
 
 /// Bilinear interpolation: a missing colour is the mean of its nearest samples in the 3 × 3
 /// neighbourhood; at the border, of those inside the image.
-std::array<int, 3> demosaic_pixel(const CameraFrame& frame, const std::array<Channel, 4>& tile,
-                                  int row, int column) {
-  std::array<int, 3> value{};
+std::array<uint32_t, 3> demosaic_pixel(const CameraFrame& frame, const std::array<Channel, 4>& tile,
+                                       int row, int column) {
+  std::array<uint32_t, 3> value{};
   std::array<int, 3> nearest{3, 3, 3};
-  std::array<int, 3> sum{};
-  std::array<int, 3> count{};
+  std::array<uint32_t, 3> sum{};
+  std::array<uint32_t, 3> count{};
   for (int r = std::max(row - 1, 0); r <= std::min(row + 1, frame.height - 1); ++r) {
     for (int c = std::max(column - 1, 0); c <= std::min(column + 1, frame.width - 1); ++c) {
-      const auto channel = static_cast<size_t>(tile[static_cast<size_t>((r % 2) * 2 + c % 2)]);
+      const Channel channel = tile[static_cast<size_t>((r % 2) * 2 + c % 2)];
       const int distance = std::abs(r - row) + std::abs(c - column);
       if (distance > nearest[channel]) continue;
       if (distance < nearest[channel]) {
@@ -75,7 +75,7 @@ void demosaic(const CameraFrame& frame, std::vector<uint8_t>& grey) {
   size_t pixel = 0;
   for (int row = 0; row < frame.height; ++row) {
     for (int column = 0; column < frame.width; ++column) {
-      const std::array<int, 3> bgr = demosaic_pixel(frame, tile, row, column);
+      const std::array<uint32_t, 3> bgr = demosaic_pixel(frame, tile, row, column);
       grey[pixel++] = luminance(bgr[kBlue], bgr[kGreen], bgr[kRed]);
     }
   }
