@@ -1,14 +1,55 @@
 #include "daemon/command_line/arguments.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace infuse::daemon {
+namespace {
+
+/// Number of letters to insert, remove or replace between two words (Levenshtein distance).
+size_t edit_distance(const std::string& from, const std::string& to) {
+  std::vector<size_t> row(to.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 0; i < from.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i + 1);
+    for (size_t j = 0; j < to.size(); ++j) {
+      const size_t replaced = diagonal + (from[i] == to[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
+}
+
+/// What is wrong with a first argument that is not a sub-command of a program that needs one.
+std::optional<Error> find_wrong_subcommand(const CLI::App& app, const std::string& word) {
+  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+  if (commands.empty() || word.starts_with('-')) return std::nullopt;
+  const auto distance = [&](const CLI::App* command) {
+    return edit_distance(word, command->get_name());
+  };
+  const CLI::App* nearest = *std::ranges::min_element(commands, {}, distance);
+  if (distance(nearest) == 0) return std::nullopt;
+  constexpr size_t kMaxTypingErrors = 2;
+  return Error{"'" + word + "' is not a command", "",
+               distance(nearest) <= kMaxTypingErrors ? "did you mean '" + nearest->get_name() + "'?"
+                                                     : "--help lists the commands"};
+}
+
+}  // namespace
 
 std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    if (const auto wrong = find_wrong_subcommand(app, argc > 1 ? argv[1] : "-")) {
+      return print_error(std::filesystem::path(argv[0]).filename().string(), *wrong, kUsage);
+    }
     return app.exit(error) == 0 ? kDone : kUsage;
   }
   return std::nullopt;

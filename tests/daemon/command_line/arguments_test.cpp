@@ -28,6 +28,25 @@ TEST(Arguments, HelpAndWrongUsageEndTheProgram) {
   EXPECT_EQ(parse(app, {"x", "--number", "seven"}), int{kUsage});
 }
 
+TEST(Arguments, AMistypedCommandIsAnsweredWithTheNearestOne) {
+  CLI::App app;
+  app.require_subcommand(1);
+  app.add_subcommand("calibrate")->add_option("FILE");
+  app.add_subcommand("inspect");
+  const auto message = [&](std::string word) {
+    std::string program = "/usr/bin/infuse";
+    std::array<char*, 2> argv = {program.data(), word.data()};
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse_arguments(app, 2, argv.data()), int{kUsage});
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(message("calibrat"),
+            "infuse: 'calibrat' is not a command (did you mean 'calibrate'?)\n");
+  EXPECT_THAT(message("inpsect"), testing::HasSubstr("did you mean 'inspect'?"));
+  EXPECT_EQ(message("x"), "infuse: 'x' is not a command (--help lists the commands)\n");
+  EXPECT_THAT(message("--nonsense"), testing::Not(testing::HasSubstr("command (")));
+}
+
 TEST(Arguments, ExamplesAreAtTheEndOfTheHelp) {
   CLI::App app;
   set_examples(app, {"x one", "x two"});
