@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "drivers/measurement/simd.hpp"
+#include "fusion/registration/move_points.hpp"
 #include "fusion/registration/uncertainty.hpp"
 
 namespace infuse::registration {
@@ -12,22 +12,6 @@ using geometry::Vector6;
 
 constexpr double kIdentical = 1e-5;  // m; residuals of clouds that are copies of each other
 constexpr float kMargin = 0.2F;      // m; a search bounds the other points' distances up to here
-
-/// A rotation and a translation in single precision.
-struct Motion {
-  float r[9], t[3];
-};
-
-INFUSE_SIMD_CLONES void move_points(const Motion& m, const float* __restrict x,
-                                    const float* __restrict y, const float* __restrict z,
-                                    size_t size, float* __restrict ox, float* __restrict oy,
-                                    float* __restrict oz) {
-  for (size_t i = 0; i < size; ++i) {
-    ox[i] = m.r[0] * x[i] + m.r[1] * y[i] + m.r[2] * z[i] + m.t[0];
-    oy[i] = m.r[3] * x[i] + m.r[4] * y[i] + m.r[5] * z[i] + m.t[1];
-    oz[i] = m.r[6] * x[i] + m.r[7] * y[i] + m.r[8] * z[i] + m.t[2];
-  }
-}
 
 const char* missing(const PreparedCloud& target, const PointCloud& source,
                     const Eigen::Isometry3d& guess, const GicpOptions& options) {
@@ -77,16 +61,10 @@ std::optional<std::string> GicpOptions::invalid() const {
 Gicp::Gicp(const GicpOptions& options) : options_(options) {}
 
 void Gicp::transform(const PointCloud& source, const Eigen::Isometry3d& T_target_source) {
-  Motion motion;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) motion.r[3 * r + c] = static_cast<float>(T_target_source(r, c));
-    motion.t[r] = static_cast<float>(T_target_source(r, 3));
-  }
-  move_points(motion, source.x.data(), source.y.data(), source.z.data(), source.size(),
-              pairs_.px.data(), pairs_.py.data(), pairs_.pz.data());
-  motion.t[0] = motion.t[1] = motion.t[2] = 0;
-  move_points(motion, source.nx.data(), source.ny.data(), source.nz.data(), source.size(),
-              pairs_.sx.data(), pairs_.sy.data(), pairs_.sz.data());
+  move_points(T_target_source, source.points(), pairs_.px, pairs_.py, pairs_.pz);
+  Eigen::Isometry3d R = T_target_source;
+  R.translation().setZero();
+  move_points(R, {source.nx, source.ny, source.nz}, pairs_.sx, pairs_.sy, pairs_.sz);
 }
 
 size_t Gicp::find_pairs(const PreparedCloud& target) {

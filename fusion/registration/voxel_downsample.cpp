@@ -8,7 +8,7 @@
 namespace infuse::registration {
 
 void VoxelDownsampler::compute(const geometry::PointsView& points, double voxel_size,
-                               PointCloud& out) {
+                               PointCloud& out, VoxelPoint which) {
   const size_t size = points.x.size();
   slots_.assign(std::bit_ceil(2 * size + 2), 0);
   cells_.clear();
@@ -30,6 +30,7 @@ void VoxelDownsampler::compute(const geometry::PointsView& points, double voxel_
       }
       last = &cells_[slots_[slot] - 1];
     }
+    if (which == VoxelPoint::kFirst && last->count > 0) continue;
     last->x += static_cast<float>(x - ix - 0.5);
     last->y += static_cast<float>(y - iy - 0.5);
     last->z += static_cast<float>(z - iz - 0.5);

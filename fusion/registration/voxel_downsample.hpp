@@ -7,14 +7,21 @@
 
 namespace infuse::registration {
 
+/// Point that stands for a voxel.
+enum class VoxelPoint {
+  kMean,   ///< mean of its points
+  kFirst,  ///< the first of its points
+};
+
 /// Downsamples clouds to one point per occupied voxel. Keeps its memory between clouds.
 class VoxelDownsampler {
  public:
-  /// Writes the mean of the points in every occupied voxel of `voxel_size` (m, > 0), in the order
-  /// in which the voxels first occur, without normals (0). Points that are not finite, or more than
+  /// Writes one point for every occupied voxel of `voxel_size` (m, > 0), in the order in which the
+  /// voxels first occur, without normals (0). Points that are not finite, or more than
   /// a million voxels from the origin, are left out. Does not allocate for clouds that are no
   /// larger than earlier ones.
-  void compute(const geometry::PointsView& points, double voxel_size, PointCloud& out);
+  void compute(const geometry::PointsView& points, double voxel_size, PointCloud& out,
+               VoxelPoint which = VoxelPoint::kMean);
 
  private:
   struct Cell {

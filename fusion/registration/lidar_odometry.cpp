@@ -1,0 +1,251 @@
+#include "fusion/registration/lidar_odometry.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fusion/registration/move_points.hpp"
+#include "fusion/registration/uncertainty.hpp"
+
+namespace infuse::registration {
+namespace {
+
+using geometry::Matrix6;
+using geometry::Vector6;
+
+constexpr float kSearchAgain = 0.03F;  // m; a point that moved less keeps its plane
+// Weight of the directions along a plane: small, so that a point may slide on it.
+constexpr double kPlaneVariance = 1e-4;
+constexpr int kStartIterations = 6;
+
+/// Rounding in products of rotations would grow exponentially from sweep to sweep.
+void orthonormalise(Eigen::Isometry3d& T) {
+  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+}
+
+/// Inverse of a covariance. Directions with a standard deviation above 1 (rad, m) are free: they
+/// have no information.
+Matrix6 information_of(const Matrix6& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(covariance);
+  Vector6 inverse;
+  for (int i = 0; i < 6; ++i) {
+    const double variance = eigen.eigenvalues()[i];
+    inverse[i] = variance > 0 && variance < 1 ? 1 / variance : 0;
+  }
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+std::optional<std::string> LidarOdometryOptions::invalid() const {
+  if (const auto wrong = map.invalid()) return wrong;
+  if (!(min_range >= 0)) return "min_range must not be negative";
+  if (!(map_voxel_size > 0 && match_voxel_size > 0)) return "voxel sizes must be above 0 m";
+  if (!(final_radius > 0 && final_radius <= radius && radius <= map.voxel_size))
+    return "radii must be above 0 m, final_radius at most radius, radius at most map.voxel_size";
+  if (!(robust_width > 0 && robust_width <= first_robust_width))
+    return "robust_width must be above 0 and at most first_robust_width";
+  if (max_iterations < 1) return "max_iterations must be at least 1";
+  if (!(rotation_tolerance > 0 && translation_tolerance > 0)) return "tolerances must be above 0";
+  if (!(max_start_speed >= 0 && max_start_speed <= 200)) return "max_start_speed must be 0 ... 200";
+  if (!(start_step > 0)) return "start_step must be above 0";
+  if (max_failures < 1) return "max_failures must be at least 1";
+  return std::nullopt;
+}
+
+LidarOdometry::LidarOdometry(const Eigen::Isometry3d& T_vehicle_lidar,
+                             const LidarOdometryOptions& options)
+    : T_vehicle_lidar_(T_vehicle_lidar), options_(options), map_(options.map) {}
+
+void LidarOdometry::reset() {
+  map_.clear();
+  sweeps_ = 0;
+  failures_ = 0;
+  T_map_vehicle_.setIdentity();
+  covariance_.setZero();
+  velocity_.setZero();
+}
+
+void LidarOdometry::select(const geometry::PointsView& points, double voxel_size, PointCloud& out) {
+  const auto near2 = static_cast<float>(options_.min_range * options_.min_range);
+  const auto far2 = static_cast<float>(options_.map.range * options_.map.range);
+  thinned_.resize(points.x.size());
+  size_t size = 0;
+  for (size_t i = 0; i < points.x.size(); ++i) {
+    const float x = points.x[i], y = points.y[i], z = points.z[i];
+    const float square = x * x + y * y + z * z;
+    if (!(square >= near2 && square <= far2)) continue;
+    thinned_.x[size] = x, thinned_.y[size] = y, thinned_.z[size] = z;
+    ++size;
+  }
+  thinned_.resize(size);
+  downsampler_.compute(thinned_.points(), voxel_size, out, VoxelPoint::kFirst);
+}
+
+Eigen::Isometry3d LidarOdometry::predict(Stamp reference) const {
+  return geometry::exp(velocity_ * to_seconds(reference - stamp_));
+}
+
+RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map_lidar_guess,
+                                                  int max_iterations, bool final) {
+  RegistrationResult result;
+  result.T_target_source = T_map_lidar_guess;
+  result.points = selected_.size();
+  const Eigen::Vector3d anchor = map_.anchor(T_map_lidar_guess.translation());
+  PoseSystem system;
+  DeterminedDirections determined;
+  PairNoise noise{.plane_variance = kPlaneVariance, .robust_width = options_.first_robust_width};
+  double radius = options_.radius;
+  pairs_.resize(selected_.size());
+  for (FieldVector<float>* field : {&searched_x_, &searched_y_, &searched_z_}) {
+    field->assign(selected_.size(), std::numeric_limits<float>::infinity());
+  }
+  while (result.iterations < max_iterations && !result.converged) {
+    Eigen::Isometry3d T_anchor_lidar = result.T_target_source;
+    T_anchor_lidar.translation() -= anchor;
+    move_points(T_anchor_lidar, selected_.points(), pairs_.px, pairs_.py, pairs_.pz);
+    which_.clear();
+    for (size_t i = 0; i < pairs_.size; ++i) {
+      const float dx = pairs_.px[i] - searched_x_[i], dy = pairs_.py[i] - searched_y_[i],
+                  dz = pairs_.pz[i] - searched_z_[i];
+      if (dx * dx + dy * dy + dz * dz < kSearchAgain * kSearchAgain) continue;
+      which_.push_back(static_cast<int32_t>(i));
+      searched_x_[i] = pairs_.px[i], searched_y_[i] = pairs_.py[i], searched_z_[i] = pairs_.pz[i];
+    }
+    map_.find_planes(anchor, radius, which_, pairs_);
+    system = pose_system(pairs_, noise);
+    determined = determined_directions(system, noise, options_.min_plane_fraction);
+    const Vector6 step = determined_step(system, determined);
+    if (!step.allFinite() || determined.count == 0) {
+      result.reason = "too few points lie on planes of the map";
+      return result;
+    }
+    T_anchor_lidar = geometry::exp(step) * T_anchor_lidar;
+    T_anchor_lidar.translation() += anchor;
+    result.T_target_source = T_anchor_lidar;
+    ++result.iterations;
+    const bool small = step.head<3>().norm() <= options_.rotation_tolerance &&
+                       step.tail<3>().norm() <= options_.translation_tolerance;
+    const bool narrow = noise.robust_width <= options_.robust_width;
+    result.converged = small && narrow;
+    noise.robust_width = std::max(0.5 * noise.robust_width, options_.robust_width);
+    if (narrow && radius > options_.final_radius) {
+      radius = options_.final_radius;
+      std::fill(searched_x_.begin(), searched_x_.end(), std::numeric_limits<float>::infinity());
+      result.converged = false;
+    }
+  }
+  result.inliers = static_cast<size_t>(
+      std::count_if(pairs_.weight.begin(), pairs_.weight.end(), [](float w) { return w > 0; }));
+  overlap_ = system.weight / static_cast<double>(std::max<size_t>(selected_.size(), 1));
+  if (!final) return result;
+  set_uncertainty(pairs_, noise, system, determined, clusters_, result);
+  // From the anchor to the lidar's position.
+  Eigen::Isometry3d T_lidar_anchor = Eigen::Isometry3d::Identity();
+  T_lidar_anchor.translation() = anchor - result.T_target_source.translation();
+  const Matrix6 move = geometry::adjoint(T_lidar_anchor);
+  const Matrix6 back = geometry::adjoint(T_lidar_anchor.inverse());
+  result.covariance = move * result.covariance * move.transpose();
+  result.information = back.transpose() * result.information * back;
+  result.reason = "";
+  if (result.inliers < options_.min_inliers) {
+    result.reason = "too few points lie on planes of the map";
+  } else if (!result.converged) {
+    result.reason = "the registration did not converge";
+  }
+  return result;
+}
+
+Eigen::Isometry3d LidarOdometry::search_start(double seconds) {
+  const Eigen::Isometry3d T_map_lidar = T_map_vehicle_ * T_vehicle_lidar_;
+  const int steps = static_cast<int>(options_.max_start_speed * seconds / options_.start_step);
+  Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
+  double best_overlap = -1;
+  for (int i = -steps; i <= steps; ++i) {
+    Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+    T_from_to.translation().x() = i * options_.start_step;
+    const Eigen::Isometry3d guess = T_map_vehicle_ * T_from_to * T_vehicle_lidar_;
+    const RegistrationResult result = register_points(guess, kStartIterations, false);
+    if (overlap_ <= best_overlap) continue;
+    best_overlap = overlap_;
+    best = T_vehicle_lidar_ * T_map_lidar.inverse() * result.T_target_source *
+           T_vehicle_lidar_.inverse();
+  }
+  return best;
+}
+
+LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Stamp reference,
+                                         const std::optional<Eigen::Isometry3d>& T_from_to_guess) {
+  LidarOdometryResult result;
+  result.stamp = reference;
+  result.motion.from = stamp_;
+  result.motion.to = reference;
+  result.T_map_vehicle = T_map_vehicle_;
+  select(points, options_.match_voxel_size, selected_);
+  if (selected_.size() < options_.min_inliers) {
+    result.reason = "the sweep has too few points";
+    return result;
+  }
+  if (map_.empty()) {
+    result.reason = "the first sweep starts the map";
+    return result;
+  }
+  const double seconds = to_seconds(reference - stamp_);
+  if (!(seconds > 0)) {
+    result.reason = "the sweep is not later than the one before";
+    return result;
+  }
+  const Eigen::Isometry3d guess = T_from_to_guess ? *T_from_to_guess
+                                  : has_moved()   ? predict(reference)
+                                                  : search_start(seconds);
+  result.registration =
+      register_points(T_map_vehicle_ * guess * T_vehicle_lidar_, options_.max_iterations, true);
+  result.overlap = overlap_;
+  result.reason = result.registration.reason;
+  result.motion.T_from_to = guess;
+  if (result.usable()) {
+    result.motion.T_from_to =
+        T_map_vehicle_.inverse() * result.registration.T_target_source * T_vehicle_lidar_.inverse();
+    // Both sweeps' errors, about the lidar's position in the map's axes, as those of the vehicle
+    // at `from`.
+    Eigen::Isometry3d T_from_lidar = T_map_vehicle_.inverse();
+    T_from_lidar.translation() =
+        T_map_vehicle_.inverse() * result.registration.T_target_source.translation();
+    result.motion.information = information_of(
+        geometry::transform_covariance(T_from_lidar, result.registration.covariance + covariance_));
+  }
+  result.T_map_vehicle = T_map_vehicle_ * result.motion.T_from_to;
+  orthonormalise(result.T_map_vehicle);
+  return result;
+}
+
+void LidarOdometry::add(const geometry::PointsView& points, const LidarOdometryResult& result) {
+  const bool first = map_.empty();
+  if (!first && !result.usable() && ++failures_ < options_.max_failures) {
+    T_map_vehicle_ = result.T_map_vehicle;
+    stamp_ = result.stamp;
+    return;
+  }
+  if (!first && !result.usable()) {
+    map_.clear();
+    sweeps_ = 0;
+  }
+  failures_ = 0;
+  if (result.usable()) {
+    velocity_ = geometry::log(result.motion.T_from_to) / to_seconds(result.stamp - stamp_);
+    covariance_ = result.registration.covariance;
+  } else {
+    velocity_.setZero();
+    covariance_.setZero();
+  }
+  T_map_vehicle_ = result.T_map_vehicle;
+  stamp_ = result.stamp;
+  const Eigen::Isometry3d T_map_lidar = T_map_vehicle_ * T_vehicle_lidar_;
+  map_.drop_far(T_map_lidar.translation());
+  select(points, options_.map_voxel_size, selected_);
+  map_.insert(selected_.points(), T_map_lidar);
+  ++sweeps_;
+}
+
+}  // namespace infuse::registration

@@ -1,0 +1,77 @@
+#include "fusion/registration/lidar_trajectory.hpp"
+
+namespace infuse::registration {
+namespace {
+
+constexpr int kStartPasses = 3;  // deskewing of the first two sweeps by their own motion
+
+Stamp middle(const Sweep& sweep) { return sweep.stamp + sweep.span / 2; }
+
+}  // namespace
+
+LidarTrajectory::LidarTrajectory(const Eigen::Isometry3d& T_vehicle_lidar,
+                                 const LidarOdometryOptions& options)
+    : deskewer_(T_vehicle_lidar),
+      odometry_(T_vehicle_lidar, options),
+      motion_({.capacity = 2, .max_gap = Duration(10'000'000'000)}) {}
+
+void LidarTrajectory::deskew(const Sweep& sweep, const geometry::Vector6& velocity) {
+  // A firing may lie a little outside the span that the sweep states.
+  const Stamp reference = middle(sweep);
+  const Duration half = sweep.span / 2 + Duration(10'000'000);
+  motion_.clear();
+  for (const Stamp stamp : {reference - half, reference + half}) {
+    motion_.append({stamp, geometry::exp(velocity * to_seconds(stamp - reference))});
+  }
+  deskewer_.deskew(sweep, motion_, reference, deskewed_);
+}
+
+void LidarTrajectory::start(const Sweep& sweep, Stamp reference) {
+  const double seconds = to_seconds(reference - middle(*first_));
+  std::optional<Eigen::Isometry3d> T_from_to;
+  velocity_.setZero();
+  for (int pass = 0; pass < kStartPasses; ++pass) {
+    odometry_.reset();
+    deskew(*first_, velocity_);
+    odometry_.add(points(), odometry_.align(points(), middle(*first_)));
+    deskew(sweep, velocity_);
+    result_ = odometry_.align(points(), reference, T_from_to);
+    if (!result_.usable()) break;
+    T_from_to = result_.motion.T_from_to;
+    velocity_ = geometry::log(*T_from_to) / seconds;
+  }
+}
+
+const LidarOdometryResult& LidarTrajectory::add(const Sweep& sweep) {
+  const Stamp reference = middle(sweep);
+  const double seconds = to_seconds(reference - last_);
+  if (!moving_ && first_) {
+    start(sweep, reference);
+  } else if (moving_) {
+    std::optional<Eigen::Isometry3d> guess = geometry::exp(velocity_ * seconds);
+    deskew(sweep, velocity_);
+    result_ = odometry_.align(points(), reference, guess);
+    if (result_.usable()) {
+      velocity_ = geometry::log(result_.motion.T_from_to) / seconds;
+      deskew(sweep, velocity_);
+      result_ = odometry_.align(points(), reference, result_.motion.T_from_to);
+    }
+  } else {
+    deskew(sweep, velocity_);
+    result_ = odometry_.align(points(), reference);
+  }
+  const bool usable = result_.usable();
+  if (usable) velocity_ = geometry::log(result_.motion.T_from_to) / seconds;
+  odometry_.add(points(), result_);
+  if (usable) {
+    first_.reset();
+    moving_ = true;
+  } else if (!moving_) {
+    // The next sweep starts with this one.
+    first_ = sweep;
+  }
+  last_ = reference;
+  return result_;
+}
+
+}  // namespace infuse::registration

@@ -1,0 +1,132 @@
+#include "fusion/registration/lidar_odometry.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fusion/registration/lidar_trajectory.hpp"
+#include "tests/allocation_counter.hpp"
+#include "tests/fusion/registration/random_room.hpp"
+
+namespace infuse::registration {
+namespace {
+
+constexpr size_t kPoints = 20'000;
+
+Eigen::Isometry3d mounting() {
+  geometry::Vector6 twist;
+  twist << 0.01, 0.02, 0.3, 0.8, 0.1, 1.7;
+  return geometry::exp(twist);
+}
+
+/// Twist of a bend at 8 m/s, and the pose of the vehicle in the room on it.
+geometry::Vector6 twist_per_second() {
+  geometry::Vector6 twist;
+  twist << 0, 0, 0.3, 8, 0, 0;
+  return twist;
+}
+Eigen::Isometry3d T_room_vehicle(double seconds) {
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
+  start.translation() << -10, -4, -2;
+  return start * geometry::exp(seconds * twist_per_second());
+}
+
+Stamp stamp(double seconds) { return Stamp::from_ns(1'000'000'000) + from_seconds(seconds); }
+
+TEST(LidarOdometry, FollowsAVehicleThatIsMovingWhenItStarts) {
+  LidarOdometry odometry(mounting());
+  for (int k = 0; k < 15; ++k) {
+    const double seconds = 0.1 * k;
+    const PointCloud sweep = random_room(static_cast<unsigned>(k + 1), kPoints, 0.02,
+                                         T_room_vehicle(seconds) * mounting());
+    const LidarOdometryResult result = odometry.align(sweep.points(), stamp(seconds));
+    odometry.add(sweep.points(), result);
+    if (k == 0) {
+      EXPECT_STREQ(result.reason, "the first sweep starts the map");
+      continue;
+    }
+    ASSERT_TRUE(result.usable()) << k << ": " << result.reason;
+    EXPECT_EQ(result.registration.free_directions, 0);
+    EXPECT_EQ(result.motion.from, stamp(seconds - 0.1));
+    const geometry::Vector6 error =
+        geometry::log(geometry::exp(0.1 * twist_per_second()) * result.motion.T_from_to.inverse());
+    EXPECT_LT(error.head<3>().norm(), 3e-3) << k;
+    EXPECT_LT(error.tail<3>().norm(), 0.03) << k;
+    const Eigen::Isometry3d T_map_vehicle = T_room_vehicle(0).inverse() * T_room_vehicle(seconds);
+    EXPECT_LT((T_map_vehicle.inverse() * result.T_map_vehicle).translation().norm(), 0.05) << k;
+    // The stated accuracy is of the size of the error.
+    EXPECT_LT(error.dot(result.motion.information * error), 60) << k;
+    EXPECT_GT(error.dot(result.motion.information * error), 0.01) << k;
+  }
+}
+
+TEST(LidarOdometry, KeepsTheGuessAndSaysWhyWhereItSeesNothing) {
+  LidarOdometry odometry(mounting());
+  const PointCloud sweep = random_room(1, kPoints, 0.02, T_room_vehicle(0) * mounting());
+  odometry.add(sweep.points(), odometry.align(sweep.points(), stamp(0)));
+  const Eigen::Isometry3d guess = geometry::exp(0.1 * twist_per_second());
+  LidarOdometryResult result = odometry.align(PointCloud().points(), stamp(0.1), guess);
+  EXPECT_STREQ(result.reason, "the sweep has too few points");
+  EXPECT_TRUE(result.motion.information.isZero());
+  odometry.add(PointCloud().points(), result);
+  EXPECT_STREQ(odometry.align(sweep.points(), stamp(0.1), guess).reason,
+               "the sweep is not later than the one before");
+  PointCloud far = sweep;
+  for (float& x : far.x) x += 60;
+  result = odometry.align(far.points(), stamp(0.2), guess);
+  EXPECT_STREQ(result.reason, "too few points lie on planes of the map");
+}
+
+TEST(LidarOdometry, DoesNotAllocateAfterWarmUp) {
+  LidarOdometry odometry(mounting());
+  const PointCloud sweep = random_room(1, kPoints, 0.02, T_room_vehicle(0) * mounting());
+  size_t before = 0;
+  for (int k = 0; k < 6; ++k) {
+    before = allocation_count();
+    odometry.add(sweep.points(),
+                 odometry.align(sweep.points(), stamp(0.1 * k), Eigen::Isometry3d::Identity()));
+  }
+  EXPECT_EQ(allocation_count(), before);
+}
+
+/// A sweep measured while the vehicle moves.
+Sweep moving_sweep(unsigned seed, double seconds) {
+  constexpr int kSlices = 50;
+  Sweep sweep;
+  sweep.resize(kPoints);
+  sweep.stamp = stamp(seconds);
+  sweep.span = from_seconds(0.1);
+  for (int slice = 0; slice < kSlices; ++slice) {
+    const double offset = 0.1 * slice / kSlices;
+    const PointCloud part =
+        random_room(1000 * seed + static_cast<unsigned>(slice), kPoints / kSlices, 0.02,
+                    T_room_vehicle(seconds + offset) * mounting());
+    for (size_t i = 0; i < part.size(); ++i) {
+      const size_t at = static_cast<size_t>(slice) * (kPoints / kSlices) + i;
+      sweep.x[at] = part.x[i];
+      sweep.y[at] = part.y[i];
+      sweep.z[at] = part.z[i];
+      sweep.time_offset_ns[at] = static_cast<int32_t>(from_seconds(offset).count());
+    }
+  }
+  return sweep;
+}
+
+TEST(LidarTrajectory, DeskewsByItsOwnMotionFromTheFirstSweepOn) {
+  LidarTrajectory trajectory(mounting());
+  Eigen::Isometry3d last;
+  for (int k = 0; k < 8; ++k) {
+    const LidarOdometryResult& result =
+        trajectory.add(moving_sweep(static_cast<unsigned>(k + 1), 0.1 * k));
+    if (k == 0) continue;
+    ASSERT_TRUE(result.usable()) << k << ": " << result.reason;
+    const geometry::Vector6 error =
+        geometry::log(geometry::exp(0.1 * twist_per_second()) * result.motion.T_from_to.inverse());
+    EXPECT_LT(error.tail<3>().norm(), 0.04) << k;
+    last = result.T_map_vehicle;
+  }
+  const Eigen::Isometry3d truth = T_room_vehicle(0.05).inverse() * T_room_vehicle(0.75);
+  EXPECT_LT((truth.inverse() * last).translation().norm(), 0.06);
+  EXPECT_TRUE(trajectory.deskewed().usable());
+}
+
+}  // namespace
+}  // namespace infuse::registration
