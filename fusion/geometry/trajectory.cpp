@@ -43,6 +43,10 @@ bool Trajectory::append(const StampedPose& pose) {
   return true;
 }
 
+void Trajectory::correct(size_t index, const StampedPose& pose) {
+  ring_[(first_ + index) % ring_.size()] = pose;
+}
+
 void Trajectory::clear() { first_ = size_ = 0; }
 
 const StampedPose& Trajectory::operator[](size_t index) const {
@@ -67,13 +71,13 @@ PoseAt Trajectory::at(Stamp stamp) const {
   const size_t after = index_at_or_after(stamp);
   if (after == size_) return extrapolate(stamp);
   const StampedPose& b = (*this)[after];
-  if (b.stamp == stamp) return {b.T_odom_vehicle, b.covariance, ""};
+  if (b.stamp == stamp) return {b.T_odom_vehicle, b.covariance, b.steps, ""};
   if (after == 0) return {.reason = kReasonBeforeFirst};
   const StampedPose& a = (*this)[after - 1];
   if (b.stamp - a.stamp > options_.max_gap) return {.reason = kReasonGap};
   const double u = to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
   return {interpolate(a.T_odom_vehicle, b.T_odom_vehicle, u),
-          (1 - u) * a.covariance + u * b.covariance, ""};
+          (1 - u) * a.covariance + u * b.covariance, (1 - u) * a.steps + u * b.steps, ""};
 }
 
 PoseAt Trajectory::extrapolate(Stamp stamp) const {
@@ -89,6 +93,7 @@ PoseAt Trajectory::extrapolate(Stamp stamp) const {
       Eigen::Vector3d::Constant(std::pow(options_.translation_growth, 2) * ahead);
   PoseAt result;
   result.T_odom_vehicle = interpolate(previous.T_odom_vehicle, last.T_odom_vehicle, u);
+  result.steps = last.steps;
   result.covariance =
       last.covariance + transform_covariance(result.T_odom_vehicle, growth.asDiagonal());
   return result;
@@ -103,9 +108,11 @@ MotionBetween Trajectory::between(Stamp from, Stamp to) const {
   if (!motion.usable()) return motion;
   const Eigen::Isometry3d T_from_odom = a.T_odom_vehicle.inverse();
   motion.T_from_to = T_from_odom * b.T_odom_vehicle;
-  const Matrix6 growth =
-      from <= to ? Matrix6(b.covariance - a.covariance) : Matrix6(a.covariance - b.covariance);
-  motion.covariance = positive_part(transform_covariance(T_from_odom, growth));
+  const double sign = from <= to ? 1 : -1;
+  const Matrix6 steps = sign * (b.steps - a.steps);
+  const Matrix6 growth = sign * (b.covariance - a.covariance);
+  motion.covariance = transform_covariance(T_from_odom, steps) +
+                      positive_part(transform_covariance(T_from_odom, growth - steps));
   return motion;
 }
 

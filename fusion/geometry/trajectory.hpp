@@ -14,6 +14,9 @@ struct StampedPose {
   Stamp stamp;
   Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
   Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, odometry frame
+  /// Sum of the covariances of the measured steps that led here, which is the least that the
+  /// covariance grows by; 0 where no steps are measured.
+  Matrix6 steps = Matrix6::Zero();
 };
 
 /// Settings of a trajectory.
@@ -33,6 +36,7 @@ struct TrajectoryOptions {
 struct PoseAt {
   Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
   Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, odometry frame
+  Matrix6 steps = Matrix6::Zero();       ///< as in `StampedPose`
   const char* reason = "";               ///< static text; empty if the pose is usable
 
   bool usable() const { return *reason == '\0'; }
@@ -58,6 +62,9 @@ class Trajectory {
   /// Appends a pose; returns false and changes nothing if it is not later than the last.
   bool append(const StampedPose& pose);
 
+  /// Replaces the pose of an index < size() by another of the same time.
+  void correct(size_t index, const StampedPose& pose);
+
   /// Removes all poses; keeps the memory.
   void clear();
 
@@ -71,7 +78,7 @@ class Trajectory {
   PoseAt at(Stamp stamp) const;
 
   /// Returns the motion from one time to another; either may be the earlier. Its covariance is the
-  /// growth between the two, without the errors common to both.
+  /// growth between the two, without the errors common to both, and at least that of the steps.
   MotionBetween between(Stamp from, Stamp to) const;
 
   /// Returns why a part of the time span is not covered, as static text; empty if all of it is

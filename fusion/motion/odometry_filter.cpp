@@ -10,6 +10,11 @@ constexpr size_t kMaxPendingSamples = 512;  // maximum number of samples waiting
 constexpr Duration kMaxPredictionStep{50'000'000};  // maximum duration of one prediction
 constexpr Duration kMaxStampJump{2'000'000'000};  // maximum gap between stamps; a single larger one
                                                   // is rejected
+constexpr Duration kPredictedPoseInterval{100'000'000};  // between poses without samples
+constexpr Duration kSlipAfter{100'000'000};    // of rejected wheels; then they are suspended
+constexpr Duration kAgreeBefore{500'000'000};  // of agreement, before they are used again
+constexpr double kWheelAgreement = 0.4;        // m/s
+constexpr uint64_t kMaxLidarRejections = 3;    // in a row without another source of speed
 constexpr Duration kMinSteeringInterval{100'000'000};  // the errors are correlated: more samples
                                                        // add no information
 
@@ -22,7 +27,7 @@ bool any_finite(const Range& values) {
 
 OdometryFilter::OdometryFilter(const OdometryOptions& options,
                                const geometry::TrajectoryOptions& trajectory)
-    : options_(options), state_(options), trajectory_(trajectory) {
+    : options_(options), state_(options), trajectory_(trajectory), sources_(options) {
   pending_.reserve(kMaxPendingSamples);
 }
 
@@ -51,12 +56,15 @@ void OdometryFilter::add(const ImuSample& sample) {
 
 void OdometryFilter::add(const GnssFix& fix) { insert(fix.stamp - options_.gnss_delay, fix); }
 
+void OdometryFilter::mark(Stamp stamp, bool clone) { insert(stamp, Mark{stamp, clone}); }
+
 void OdometryFilter::insert(Stamp stamp, const Sample& sample) {
   if (!pending_.empty() || now_ != Stamp::earliest()) {
     const auto jumps = [&](Stamp from) {
       return stamp - from > kMaxStampJump || from - stamp > kMaxStampJump;
     };
-    if (jumps(newest_stamp_)) {
+    const Stamp newest = std::max(newest_stamp_, now_);
+    if (jumps(newest)) {
       // One outlier stamp is an error; two that agree are a pause or a clock step.
       const bool confirmed = jumped_stamp_ && !jumps(*jumped_stamp_);
       jumped_stamp_ = stamp;
@@ -64,7 +72,7 @@ void OdometryFilter::insert(Stamp stamp, const Sample& sample) {
         ++invalid_samples_;
         return;
       }
-      if (stamp < newest_stamp_) reset_clock();
+      if (stamp < newest) reset_clock();
     }
     jumped_stamp_.reset();
   }
@@ -77,6 +85,7 @@ void OdometryFilter::insert(Stamp stamp, const Sample& sample) {
       pending_.begin(), pending_.end(), stamp,
       [](Stamp value, const PendingSample& pending) { return value < pending.stamp; });
   pending_.insert(at, PendingSample{stamp, sample});
+  if (std::holds_alternative<Mark>(sample)) return;  // may lie ahead of the samples
   newest_stamp_ = std::max(newest_stamp_, stamp);
   process_until(newest_stamp_ - options_.reorder);
 }
@@ -85,8 +94,9 @@ void OdometryFilter::reset_clock() {
   pending_.clear();
   trajectory_.clear();
   state_.reset_motion(to_seconds(options_.max_silence));
-  now_ = newest_stamp_ = last_speed_stamp_ = last_rotation_stamp_ = last_steering_stamp_ =
-      Stamp::earliest();
+  now_ = newest_stamp_ = last_steering_stamp_ = Stamp::earliest();
+  sources_.reset();
+  gnss_position_check_.reset();
   at_rest_since_ = Stamp::latest();
 }
 
@@ -100,34 +110,75 @@ void OdometryFilter::process_until(Stamp until) {
 
 void OdometryFilter::process(const PendingSample& pending) {
   if (now_ == Stamp::earliest()) now_ = pending.stamp;
-  Duration ahead = pending.stamp - now_;
-  if (ahead > options_.max_silence) {
-    state_.reset_motion(to_seconds(ahead));
-    last_speed_stamp_ = last_rotation_stamp_ = Stamp::earliest();
-    at_rest_since_ = Stamp::latest();
-  } else {
-    for (; ahead > kMaxPredictionStep; ahead -= kMaxPredictionStep)
-      state_.predict(to_seconds(kMaxPredictionStep));
-    state_.predict(to_seconds(ahead));
-  }
-  now_ = pending.stamp;
+  advance(pending.stamp - now_);
   std::visit([this](const auto& sample) { update(sample); }, pending.sample);
   extend_trajectory();
 }
 
-void OdometryFilter::update(const WheelOdometry& sample) {
-  detect_standstill(sample);
-  if (any_finite(sample.wheel_speed)) {
-    const int accepted = state_.update_wheels(sample);
-    handle_gate_result(accepted >= 1, last_speed_stamp_, &OdometryState::reset_speed_covariance);
+void OdometryFilter::advance(Duration ahead) {
+  const bool bridged = sources_.speed_known(now_ + ahead) && sources_.rotation_known(now_ + ahead);
+  if (ahead > options_.max_silence && !bridged) {
+    state_.reset_motion(to_seconds(ahead));
+    sources_.reset();
+    at_rest_since_ = Stamp::latest();
+    now_ = now_ + ahead;
+    return;
   }
+  for (; ahead > kMaxPredictionStep; ahead -= kMaxPredictionStep) {
+    state_.predict(to_seconds(kMaxPredictionStep));
+    now_ = now_ + kMaxPredictionStep;
+    if (!trajectory_.empty() &&
+        now_ - trajectory_[trajectory_.size() - 1].stamp >= kPredictedPoseInterval) {
+      extend_trajectory();
+    }
+  }
+  state_.predict(to_seconds(ahead));
+  now_ = now_ + ahead;
+}
+
+void OdometryFilter::update(const Mark& mark) {
+  if (mark.clone) state_.clone_pose(mark.stamp);
+}
+
+void OdometryFilter::update(const WheelOdometry& sample) {
+  if (any_finite(sample.wheel_speed)) update_wheel_speeds(sample);
   if (std::isfinite(sample.yaw_rate)) {
-    handle_gate_result(state_.update_yaw_rate(sample.yaw_rate), last_rotation_stamp_,
-                       &OdometryState::reset_rotation_covariance);
+    record(OdometrySource::kYawRate, state_.update_yaw_rate(sample.yaw_rate),
+           &OdometryState::reset_rotation_covariance);
   }
   if (std::isfinite(sample.steering_angle) && now_ - last_steering_stamp_ >= kMinSteeringInterval) {
     if (state_.update_steering(sample.steering_angle)) last_steering_stamp_ = now_;
   }
+}
+
+// Wheels slip: where another source measures the speed, they do not overrule it by persistence.
+void OdometryFilter::update_wheel_speeds(const WheelOdometry& sample) {
+  const bool checked = sources_.speed_known(now_, OdometrySource::kWheels);
+  if (wheels_suspended_ && checked && !readmit_wheels(sample)) {
+    record(OdometrySource::kWheels, false);
+    at_rest_since_ = Stamp::latest();
+    return;
+  }
+  wheels_suspended_ = false;
+  const bool at_rest =
+      std::none_of(sample.wheel_speed.begin(), sample.wheel_speed.end(),
+                   [&](double v) { return std::abs(v) > options_.standstill_speed; });
+  if (!checked) detect_standstill(at_rest);
+  const bool accepted = state_.update_wheels(sample) >= 1;
+  record(OdometrySource::kWheels, accepted,
+         checked ? nullptr : &OdometryState::reset_speed_covariance);
+  if (checked) {
+    detect_standstill(at_rest && accepted);
+    const Stamp since = sources_[OdometrySource::kWheels].rejected_since;
+    wheels_suspended_ = !accepted && now_ - since >= kSlipAfter;
+    wheels_agree_since_ = Stamp::latest();
+  }
+}
+
+bool OdometryFilter::readmit_wheels(const WheelOdometry& sample) {
+  wheels_agree_since_ = state_.agrees(sample, kWheelAgreement) ? std::min(wheels_agree_since_, now_)
+                                                               : Stamp::latest();
+  return wheels_agree_since_ != Stamp::latest() && now_ - wheels_agree_since_ >= kAgreeBefore;
 }
 
 void OdometryFilter::update(const ImuSample& sample) {
@@ -136,31 +187,79 @@ void OdometryFilter::update(const ImuSample& sample) {
                       : std::all_of(sample.angular_velocity.begin(), sample.angular_velocity.end(),
                                     [](double v) { return std::isfinite(v); });
   if (whole) {
-    handle_gate_result(state_.update_gyro(sample), last_rotation_stamp_,
-                       &OdometryState::reset_rotation_covariance);
+    record(OdometrySource::kGyro, state_.update_gyro(sample),
+           &OdometryState::reset_rotation_covariance);
   }
   if (any_finite(sample.linear_acceleration)) state_.update_gravity(sample);
 }
 
-void OdometryFilter::update(const GnssFix& fix) { state_.update_gnss(fix); }
+void OdometryFilter::update(const GnssFix& fix) {
+  constexpr double kMinCourseSpeed = 3;  // m/s
+  if (!fix.valid) return;
+  if (const auto agrees = gnss_position_check_.check(fix, state_.T_odom_vehicle().translation(),
+                                                     state_.parameter(OdometryState::kEastHeading));
+      agrees && usable()) {
+    record(OdometrySource::kGnssPosition, *agrees);
+    if (!*agrees) return;
+  }
+  if (std::isfinite(fix.speed)) {
+    const bool accepted = state_.update_gnss_speed(fix.speed);
+    record(OdometrySource::kGnssSpeed, accepted);
+    if (accepted) last_gnss_speed_ = fix.speed;
+  }
+  if (state_.speed() > kMinCourseSpeed) {
+    if (std::isfinite(fix.course)) {
+      record(OdometrySource::kGnssCourse, state_.update_gnss_course(fix.course));
+    }
+  } else if (sources_.carries(OdometrySource::kGnssSpeed, now_)) {
+    record(OdometrySource::kGnssCourse, state_.update_slow_turn());
+  }
+}
 
-void OdometryFilter::handle_gate_result(bool accepted, Stamp& last_accepted,
-                                        void (OdometryState::*reset_covariance)()) {
-  if (accepted) {
-    last_accepted = now_;
+void OdometryFilter::add(const RelativePose& pose) {
+  RelativePoseUpdate result = state_.update_relative_pose(pose);
+  if (!result.known) {
+    ++late_;
     return;
   }
+  if (!result.accepted && believe_lidar(pose, result)) {
+    wheels_suspended_ = sources_.carries(OdometrySource::kWheels, now_);
+    wheels_agree_since_ = Stamp::latest();
+    state_.release_motion(pose.from, now_);
+    result = state_.update_relative_pose(pose);
+  }
+  record(OdometrySource::kLidar, result.accepted);
+  if (result.accepted) correct_trajectory(pose, result);
+}
+
+// The motion contradicts the lidar. Wheels slip, but registration errs in rotation too: where the
+// rotation agrees, the lidar is right, unless GNSS is nearer to the speed of the others.
+bool OdometryFilter::believe_lidar(const RelativePose& pose,
+                                   const RelativePoseUpdate& update) const {
+  constexpr double kMaxRotationError = 0.01;  // rad
+  if (!sources_.speed_known(now_, OdometrySource::kLidar)) {
+    return sources_[OdometrySource::kLidar].rejected_in_a_row + 1 >= kMaxLidarRejections;
+  }
+  if (update.error.head<3>().norm() > kMaxRotationError) return false;
+  if (!sources_.carries(OdometrySource::kGnssSpeed, now_)) return true;
+  const double speed = pose.T_from_to.translation().norm() / to_seconds(pose.to - pose.from);
+  return std::abs(speed - *last_gnss_speed_) <
+         std::abs(std::abs(state_.speed()) - *last_gnss_speed_);
+}
+
+void OdometryFilter::record(OdometrySource source, bool accepted,
+                            void (OdometryState::*reset_covariance)()) {
+  const Stamp last = sources_[source].last_accepted;
+  sources_.add(source, accepted, now_);
+  if (accepted) return;
   ++outliers_;
-  if (last_accepted != Stamp::earliest() && now_ - last_accepted > options_.max_silence) {
+  if (reset_covariance != nullptr && last != Stamp::earliest() &&
+      now_ - last > options_.max_silence) {
     (state_.*reset_covariance)();
   }
 }
 
-void OdometryFilter::detect_standstill(const WheelOdometry& sample) {
-  if (!any_finite(sample.wheel_speed)) return;
-  const bool at_rest =
-      std::none_of(sample.wheel_speed.begin(), sample.wheel_speed.end(),
-                   [&](double v) { return std::abs(v) > options_.standstill_speed; });
+void OdometryFilter::detect_standstill(bool at_rest) {
   if (!at_rest) {
     at_rest_since_ = Stamp::latest();
   } else {
@@ -171,12 +270,53 @@ void OdometryFilter::detect_standstill(const WheelOdometry& sample) {
 
 const char* OdometryFilter::reason() const {
   if (now_ == Stamp::earliest()) return "no sample received yet";
-  const auto silent = [this](Stamp last) {
-    return last == Stamp::earliest() || now_ - last > options_.max_silence;
-  };
-  if (silent(last_speed_stamp_)) return "no valid wheel speed";
-  if (silent(last_rotation_stamp_)) return "no valid yaw rate";
+  if (!sources_.speed_known(now_)) return "no source of speed";
+  if (!sources_.rotation_known(now_)) return "no source of rotation";
   return "";
+}
+
+// Poses after `from` move by the change of the motion since then, in proportion to time. Poses are
+// added where the trajectory begins only now that the motion is known.
+void OdometryFilter::correct_trajectory(const RelativePose& pose,
+                                        const RelativePoseUpdate& update) {
+  using geometry::StampedPose;
+  const geometry::PoseAt before = trajectory_.at(pose.from);
+  if (before.usable()) steps_ = before.steps;
+  const StampedPose from{pose.from, *state_.cloned_pose(pose.from),
+                         state_.cloned_covariance(pose.from), steps_};
+  steps_ += update.motion_covariance;
+  const StampedPose to{pose.to, *state_.cloned_pose(pose.to), state_.cloned_covariance(pose.to),
+                       steps_};
+  const StampedPose now{now_, state_.T_odom_vehicle(), state_.pose_covariance(), steps_};
+
+  const auto share = [](const StampedPose& a, const StampedPose& b, Stamp stamp) {
+    return to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
+  };
+  const auto between = [&](const StampedPose& a, const StampedPose& b, Stamp stamp,
+                           const Eigen::Isometry3d& T_odom_vehicle) {
+    const double u = share(a, b, stamp);
+    return StampedPose{stamp, T_odom_vehicle, (1 - u) * a.covariance + u * b.covariance,
+                       (1 - u) * a.steps + u * b.steps};
+  };
+  for (size_t i = trajectory_.index_at_or_after(pose.from); i < trajectory_.size(); ++i) {
+    const StampedPose& old = trajectory_[i];
+    if (old.stamp <= from.stamp) continue;
+    const bool within = old.stamp <= to.stamp;
+    geometry::Vector6 change = share(from, to, old.stamp) * update.change_at_to;
+    if (!within) {
+      change = update.change_at_to +
+               share(to, now, old.stamp) * (update.change_at_now - update.change_at_to);
+    }
+    trajectory_.correct(i, between(within ? from : to, within ? to : now, old.stamp,
+                                   geometry::exp(change) * old.T_odom_vehicle));
+  }
+  for (Stamp stamp = from.stamp; stamp < to.stamp; stamp = stamp + kPredictedPoseInterval) {
+    const double u = to_seconds(stamp - from.stamp) / to_seconds(to.stamp - from.stamp);
+    trajectory_.append(
+        between(from, to, stamp, geometry::interpolate(from.T_odom_vehicle, to.T_odom_vehicle, u)));
+  }
+  trajectory_.append(to);
+  if (now.stamp > to.stamp) extend_trajectory();
 }
 
 void OdometryFilter::extend_trajectory() {
@@ -185,7 +325,7 @@ void OdometryFilter::extend_trajectory() {
       now_ - trajectory_[trajectory_.size() - 1].stamp < options_.pose_interval) {
     return;
   }
-  trajectory_.append({now_, state_.T_odom_vehicle(), state_.pose_covariance()});
+  trajectory_.append({now_, state_.T_odom_vehicle(), state_.pose_covariance(), steps_});
 }
 
 OdometryReport OdometryFilter::report() const {
@@ -197,6 +337,13 @@ OdometryReport OdometryFilter::report() const {
   }
   report.steering_zero = state_.parameter(OdometryState::kSteeringZero);
   report.speed = state_.speed();
+  report.speed_sigma = state_.speed_sigma();
+  report.yaw_rate_sigma = state_.yaw_rate_sigma();
+  for (size_t i = 0; i < kOdometrySources; ++i) {
+    const auto source = static_cast<OdometrySource>(i);
+    report.sources[i] = sources_[source];
+    report.carries[i] = sources_.carries(source, now_);
+  }
   report.angular_velocity = state_.angular_velocity();
   report.standing =
       at_rest_since_ != Stamp::latest() && now_ - at_rest_since_ >= options_.standstill_after;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "fusion/geometry/trajectory.hpp"
+#include "fusion/motion/gnss_position_check.hpp"
+#include "fusion/motion/odometry_sources.hpp"
 #include "fusion/motion/odometry_state.hpp"
 
 namespace infuse::motion {
@@ -17,17 +19,25 @@ struct OdometryReport {
   std::array<EstimatedParameter, 3> gyro_bias;  ///< rad/s, of `ImuSample`; planar: z only
   EstimatedParameter steering_zero;             ///< rad at the steering wheel when driving straight
   double speed = 0;                             ///< m/s along x
+  double speed_sigma = 0;                       ///< its standard deviation
+  double yaw_rate_sigma = 0;                    ///< rad/s, of the angular velocity about z
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s, vehicle frame
   bool standing = false;
+  std::array<SourceRecord, kOdometrySources> sources;
+  std::array<bool, kOdometrySources> carries{};  ///< a sample was accepted recently
   uint64_t late = 0;             ///< samples older than the filter's time on arrival
   uint64_t outliers = 0;         ///< samples rejected as inconsistent with the motion
   uint64_t invalid_samples = 0;  ///< samples without a finite quantity, or with an isolated stamp
 };
 
-/// Dead reckoning in the odometry frame from wheel speeds, yaw rate, inertial unit, steering and,
-/// where available, the speed and course of a GNSS receiver. Samples may arrive out of order by up
-/// to `reorder` and may be missing. If speed or rotation have no valid sample for `max_silence`,
-/// the filter is unusable and the trajectory has a gap.
+/// Dead reckoning in the odometry frame from what there is of wheel speeds, yaw rate, inertial
+/// unit, steering, speed and course of a GNSS receiver and relative poses of the lidar. Samples may
+/// arrive out of order by up to `reorder` and may be missing. While no source measures the speed,
+/// or none the rotation, for longer than its maximum silence, the filter is unusable and the
+/// trajectory has a gap.
+///
+/// Sources check each other: a sample that is inconsistent with the motion is rejected and counted.
+/// Wheels that contradict another source of speed (they slip) are not used until they agree again.
 class OdometryFilter {
  public:
   /// `options.invalid()` must be empty. Allocates all memory.
@@ -43,6 +53,16 @@ class OdometryFilter {
   void add(const ImuSample& sample);
   void add(const GnssFix& fix);
 
+  /// Requests a pose of the trajectory at exactly this time and, with `clone`, a clone for a later
+  /// `RelativePose`. As for samples, the time must not be before the filter's.
+  void mark(Stamp stamp, bool clone);
+
+  /// Processes samples and marks up to a time, without waiting for earlier ones.
+  void process_until(Stamp until);
+
+  /// Corrects the motion between two marks, and the trajectory from the first of them on.
+  void add(const RelativePose& pose);
+
   /// Processes the samples that wait for earlier ones, at the end of a recording.
   void flush();
 
@@ -56,7 +76,11 @@ class OdometryFilter {
   OdometryReport report() const;
 
  private:
-  using Sample = std::variant<WheelOdometry, ImuSample, GnssFix>;
+  struct Mark {
+    Stamp stamp;
+    bool clone = false;
+  };
+  using Sample = std::variant<WheelOdometry, ImuSample, GnssFix, Mark>;
   struct PendingSample {
     Stamp stamp;
     Sample sample;
@@ -64,25 +88,34 @@ class OdometryFilter {
 
   void insert(Stamp stamp, const Sample& sample);
   void reset_clock();
-  void process_until(Stamp until);
+  void advance(Duration ahead);
   void process(const PendingSample& waiting);
   void update(const WheelOdometry& sample);
   void update(const ImuSample& sample);
   void update(const GnssFix& fix);
-  void detect_standstill(const WheelOdometry& sample);
-  void handle_gate_result(bool accepted, Stamp& last_accepted,
-                          void (OdometryState::*reset_covariance)());
+  void update(const Mark& mark);
+  void update_wheel_speeds(const WheelOdometry& sample);
+  bool readmit_wheels(const WheelOdometry& sample);
+  bool believe_lidar(const RelativePose& pose, const RelativePoseUpdate& update) const;
+  void detect_standstill(bool at_rest);
+  void record(OdometrySource source, bool accepted,
+              void (OdometryState::*reset_covariance)() = nullptr);
+  void correct_trajectory(const RelativePose& pose, const RelativePoseUpdate& update);
   void extend_trajectory();
 
   OdometryOptions options_;
   OdometryState state_;
   geometry::Trajectory trajectory_;
-  std::vector<PendingSample> pending_;  // in time order
+  geometry::Matrix6 steps_ = geometry::Matrix6::Zero();  // of the last pose
+  std::vector<PendingSample> pending_;                   // in time order
   Stamp now_ = Stamp::earliest();
   Stamp newest_stamp_ = Stamp::earliest();
   std::optional<Stamp> jumped_stamp_;
-  Stamp last_speed_stamp_ = Stamp::earliest();
-  Stamp last_rotation_stamp_ = Stamp::earliest();
+  OdometrySources sources_;
+  GnssPositionCheck gnss_position_check_;
+  std::optional<double> last_gnss_speed_;  // m/s, the last accepted
+  bool wheels_suspended_ = false;
+  Stamp wheels_agree_since_ = Stamp::latest();  // while suspended
   Stamp last_steering_stamp_ = Stamp::earliest();
   Stamp at_rest_since_ = Stamp::latest();
   uint64_t late_ = 0, outliers_ = 0, invalid_samples_ = 0;

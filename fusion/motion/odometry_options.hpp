@@ -10,19 +10,22 @@ namespace infuse::motion {
 /// Vehicle and sensor parameters of the odometry filter. Sample noise is white; `…_walk` is a
 /// random walk per √s.
 struct OdometryOptions {
-  bool planar = true;      ///< roll, pitch and height stay 0; false: full 3D, needs an `ImuSample`
-  double wheelbase = 2.7;  ///< m
-  double track = 1.55;     ///< m between left and right wheels
+  bool planar = true;  ///< roll, pitch and height stay 0; false: full 3D, for a vehicle with three
+                       ///< gyros or a `RelativePose`
+  double wheelbase = 2.7;     ///< m
+  double track = 1.55;        ///< m between left and right wheels
   double steering_ratio = 0;  ///< steering wheel angle to road wheel angle; 0: steering is not used
   double characteristic_speed = 24;  ///< m/s at which understeer halves the steering response
 
-  Duration wheel_delay{0};             ///< ns from measurement to stamp, subtracted
-  Duration imu_delay{0};               ///< ns, the same
-  Duration gnss_delay{0};              ///< ns, the same; must be less than `reorder`
-  Duration reorder{20'000'000};        ///< ns that a sample waits for earlier ones
-  Duration max_silence{500'000'000};   ///< maximum ns without speed or without rotation; then the
-                                       ///< filter is unusable
-  Duration pose_interval{10'000'000};  ///< minimum ns between poses of the trajectory
+  Duration wheel_delay{0};            ///< ns from measurement to stamp, subtracted
+  Duration imu_delay{0};              ///< ns, the same
+  Duration gnss_delay{0};             ///< ns, the same; must be less than `reorder`
+  Duration reorder{20'000'000};       ///< ns that a sample waits for earlier ones
+  Duration max_silence{500'000'000};  ///< maximum ns without speed or without rotation; then the
+                                      ///< filter is unusable
+  Duration max_gnss_silence{2'500'000'000};  ///< ns, the same for what a GNSS receiver measures
+  Duration lidar_drift_time_constant{5'000'000'000};  ///< ns, of the errors that results share
+  Duration pose_interval{10'000'000};      ///< minimum ns between poses of the trajectory
   Duration standstill_after{400'000'000};  ///< ns of wheels at rest, then the vehicle stands
 
   double wheel_noise = 0.06;              ///< m/s
@@ -34,10 +37,17 @@ struct OdometryOptions {
                                           ///< above its spread, since the errors are correlated
   double gnss_speed_noise = 0.4;          ///< m/s, at 10 Hz; the errors are correlated
   double gnss_course_noise = 0.015;       ///< rad at 10 m/s and above; larger below
+  double east_heading_sigma = 0;          ///< rad, of the heading of the odometry frame's x axis;
+                                          ///< 0: it points east. 10: unknown
+  double lidar_rotation_noise = 2e-4;     ///< rad, added to what a `RelativePose` states
+  double lidar_translation_noise = 2e-3;  ///< m, the same
+  double lidar_rotation_drift = 2e-5;     ///< rad/m, errors that successive results share
+  double lidar_translation_drift = 2e-3;  ///< m/m, the same
   double standstill_speed = 0.05;         ///< m/s; a slower wheel is at rest
 
   double acceleration_walk = 2.0;      ///< m/s² per √s, random walk of the acceleration
   double angular_velocity_walk = 0.4;  ///< rad/s per √s, random walk of the angular velocity
+  double tilt_rate_walk = 0.1;         ///< rad/s per √s, of roll and pitch rate, which decay
   double translation_walk = 0.03;  ///< m per √s, translation not seen by the wheels, while moving
   double rotation_walk = 2e-4;     ///< rad per √s, rotation not seen by the gyros, while moving
 

@@ -28,18 +28,22 @@ std::optional<std::string> OdometryOptions::invalid() const {
   if (reorder < Duration::zero() || pose_interval < Duration::zero()) {
     return "reorder and pose_interval must not be negative";
   }
-  if (max_silence <= Duration::zero() || standstill_after <= Duration::zero() ||
-      steering_zero_time_constant <= Duration::zero()) {
-    return "max_silence, standstill_after and steering_zero_time_constant must be positive";
+  for (const Duration time : {max_silence, max_gnss_silence, standstill_after,
+                              steering_zero_time_constant, lidar_drift_time_constant}) {
+    if (time <= Duration::zero()) {
+      return "max_silence, standstill_after and the time constants must be positive";
+    }
   }
   for (const double noise :
        {wheel_noise, yaw_rate_noise, gyro_noise, acceleration_noise, steering_noise,
-        straight_steering_noise, gnss_speed_noise, gnss_course_noise, standstill_speed}) {
+        straight_steering_noise, gnss_speed_noise, gnss_course_noise, lidar_rotation_noise,
+        lidar_translation_noise, standstill_speed}) {
     if (!(noise > 0)) return "the noise of a sensor must be positive";
   }
   for (const double sigma :
-       {acceleration_walk, angular_velocity_walk, translation_walk, rotation_walk, yaw_bias_sigma,
-        gyro_bias_sigma, bias_walk, wheel_scale_sigma, wheel_scale_walk, steering_zero_sigma}) {
+       {acceleration_walk, angular_velocity_walk, tilt_rate_walk, translation_walk, rotation_walk,
+        yaw_bias_sigma, gyro_bias_sigma, bias_walk, wheel_scale_sigma, wheel_scale_walk,
+        steering_zero_sigma, east_heading_sigma, lidar_rotation_drift, lidar_translation_drift}) {
     if (!(sigma >= 0)) return "a standard deviation must not be negative";
   }
   return std::nullopt;
@@ -53,6 +57,11 @@ OdometryState::OdometryState(const OdometryOptions& options) : options_(options)
   }
   P_(kWheelScale, kWheelScale) = square(options.wheel_scale_sigma);
   P_(kSteeringZero, kSteeringZero) = square(options.steering_zero_sigma);
+  P_(kEastHeading, kEastHeading) = square(options.east_heading_sigma);
+  for (int i = 0; i < 6; ++i) {
+    P_(kLidarDrift + i, kLidarDrift + i) =
+        square(i < 3 ? options.lidar_rotation_drift : options.lidar_translation_drift);
+  }
   reset_speed_covariance();
   reset_rotation_covariance();
 }
@@ -64,6 +73,7 @@ void OdometryState::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
   P_.leftCols<6>().setZero();
   P_.topLeftCorner<6, 6>() = covariance;
   recent_.setZero();
+  clear_clones();
   reset_speed_covariance();
   reset_rotation_covariance();
 }
@@ -104,7 +114,7 @@ void OdometryState::reset_motion(double seconds) {
 }
 
 void OdometryState::predict(double seconds) {
-  constexpr double kAccelerationTimeConstant = 2;  // s
+  constexpr double kAccelerationTimeConstant = 2, kTiltRateTimeConstant = 0.2;  // s
   const double dt = seconds;
   geometry::Vector6 twist = geometry::Vector6::Zero();
   twist.head<3>() = x_.segment<3>(kAngularVelocity);
@@ -118,7 +128,9 @@ void OdometryState::predict(double seconds) {
   const double decay = std::exp(-dt / kAccelerationTimeConstant);
   const double steering_zero_decay =
       std::exp(-dt / to_seconds(options_.steering_zero_time_constant));
-  Matrix F = Matrix::Identity();
+  const double tilt_decay = std::exp(-dt / kTiltRateTimeConstant);
+  const double drift_decay = std::exp(-dt / to_seconds(options_.lidar_drift_time_constant));
+  MotionMatrix F = MotionMatrix::Identity();
   F.block<6, 3>(kPose, kAngularVelocity) = gain.leftCols<3>();
   F.block<6, 1>(kPose, kSpeed) = scale * gain.col(3);
   F.block<6, 1>(kPose, kAcceleration) = 0.5 * dt * scale * gain.col(3);
@@ -126,6 +138,9 @@ void OdometryState::predict(double seconds) {
   F(kSpeed, kAcceleration) = dt;
   F(kAcceleration, kAcceleration) = decay;
   F(kSteeringZero, kSteeringZero) = steering_zero_decay;
+  F(kAngularVelocity, kAngularVelocity) = F(kAngularVelocity + 1, kAngularVelocity + 1) =
+      tilt_decay;
+  F.block<6, 6>(kLidarDrift, kLidarDrift) *= drift_decay;
 
   T_odom_vehicle_ = T_odom_vehicle_ * geometry::exp(twist * dt);
   // Renormalise the rotation, which drifts over millions of steps.
@@ -133,12 +148,19 @@ void OdometryState::predict(double seconds) {
   x_[kSpeed] += dt * x_[kAcceleration];
   x_[kAcceleration] *= decay;
   x_[kSteeringZero] *= steering_zero_decay;
+  x_.segment<2>(kAngularVelocity) *= tilt_decay;
+  x_.segment<6>(kLidarDrift) *= drift_decay;
 
   // New pose error is added to the recent part, which fades.
-  const Matrix PFt = P_ * F.transpose();
+  const MotionMatrix PFt = P_.topLeftCorner<kMotionSize, kMotionSize>() * F.transpose();
   recent_ = std::exp(-dt / kRecentTimeConstant) * (recent_ * F.transpose()).eval();
-  recent_ += F.topRightCorner<6, kSize - 6>() * PFt.bottomRows<kSize - 6>();
-  P_ = F * PFt;
+  recent_ += F.topRightCorner<6, kMotionSize - 6>() * PFt.bottomRows<kMotionSize - 6>();
+  P_.topLeftCorner<kMotionSize, kMotionSize>() = F * PFt;
+  constexpr int kCloneSize = kSize - kMotionSize;
+  P_.topRightCorner<kMotionSize, kCloneSize>() =
+      (F * P_.topRightCorner<kMotionSize, kCloneSize>()).eval();
+  P_.bottomLeftCorner<kCloneSize, kMotionSize>() =
+      P_.topRightCorner<kMotionSize, kCloneSize>().transpose();
   if (is_moving()) {
     geometry::Vector6 unseen;
     const double tilt = options_.planar ? 0 : square(options_.rotation_walk);
@@ -151,12 +173,18 @@ void OdometryState::predict(double seconds) {
   P_(kAcceleration, kAcceleration) += square(options_.acceleration_walk) * dt;
   P_(kYawRateBias, kYawRateBias) += square(options_.bias_walk) * dt;
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
-    P_(kAngularVelocity + i, kAngularVelocity + i) += square(options_.angular_velocity_walk) * dt;
+    const double walk = i < 2 ? options_.tilt_rate_walk : options_.angular_velocity_walk;
+    P_(kAngularVelocity + i, kAngularVelocity + i) += square(walk) * dt;
     P_(kGyroBias + i, kGyroBias + i) += square(options_.bias_walk) * dt;
   }
   P_(kWheelScale, kWheelScale) += square(options_.wheel_scale_walk) * dt;
   P_(kSteeringZero, kSteeringZero) +=
       square(options_.steering_zero_sigma) * (1 - steering_zero_decay * steering_zero_decay);
+  for (int i = 0; i < 6; ++i) {
+    P_(kLidarDrift + i, kLidarDrift + i) +=
+        square(i < 3 ? options_.lidar_rotation_drift : options_.lidar_translation_drift) *
+        (1 - drift_decay * drift_decay);
+  }
 }
 
 bool OdometryState::update(double innovation, const Vector& derivative, double noise, double gate) {
@@ -165,38 +193,58 @@ bool OdometryState::update(double innovation, const Vector& derivative, double n
   if (!(square(innovation) <= square(gate) * variance)) return false;  // NaN too
   Vector gain = PH / variance;
   const bool full_gain = is_moving() || !derivative.head<6>().isZero(0);
-  const geometry::Vector6 recent_gain = recent_ * derivative / variance;
-  if (!full_gain) gain.head<6>() = recent_gain;
-  const Vector change = gain * innovation;
-  T_odom_vehicle_ = geometry::exp(change.head<6>()) * T_odom_vehicle_;
-  x_.tail<kSize - 6>() += change.tail<kSize - 6>();
+  const geometry::Vector6 recent_gain = recent_ * derivative.head<kMotionSize>() / variance;
+  if (!full_gain) {
+    gain.head<6>() = recent_gain;
+    gain.tail<kSize - kMotionSize>().setZero();
+  }
+  apply(gain * innovation);
   // Holds for any gain: P − KHP − PHᵀKᵀ + K(HPHᵀ + R)Kᵀ.
   const Matrix lost = gain * PH.transpose();
   P_ += variance * gain * gain.transpose() - lost - lost.transpose();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   // Only its part with the motion is used.
-  recent_.rightCols<kSize - 6>() -= recent_gain * PH.tail<kSize - 6>().transpose();
+  recent_.rightCols<kMotionSize - 6>() -= recent_gain * PH.segment<kMotionSize - 6>(6).transpose();
   return true;
+}
+
+void OdometryState::apply(const Vector& change) {
+  T_odom_vehicle_ = geometry::exp(change.head<6>()) * T_odom_vehicle_;
+  x_.segment<kMotionSize - 6>(6) += change.segment<kMotionSize - 6>(6);
+  for (size_t i = 0; i < kMaxClones; ++i) {
+    Eigen::Isometry3d& clone = clones_[i].T_odom_vehicle;
+    clone = geometry::exp(change.segment<6>(kMotionSize + 6 * static_cast<int>(i))) * clone;
+  }
+}
+
+// The centre of the rear axle moves along x. The speed of a wheel differs by the turning, which is
+// taken as known: radii and track are too uncertain to estimate rotation from the wheels, or the
+// wheel scale from rotation.
+double OdometryState::expected_wheel_speed(size_t wheel) const {
+  const double rate = x_[kAngularVelocity + 2];
+  const double side = wheel % 2 == 0 ? 0.5 * options_.track : -0.5 * options_.track;
+  const double along = x_[kSpeed] - rate * side;
+  const double across = wheel < 2 ? rate * options_.wheelbase : 0;
+  return std::copysign(std::hypot(along, across), along);
 }
 
 int OdometryState::update_wheels(const WheelOdometry& sample) {
   int accepted = 0;
-  const double rate = x_[kAngularVelocity + 2];
   for (size_t i = 0; i < 4; ++i) {
     const double measured = sample.wheel_speed[i];
     if (!std::isfinite(measured)) continue;
-    // The centre of the rear axle moves along x. The speed of a wheel differs by the turning, which
-    // is taken as known: radii and track are too uncertain to estimate rotation from the wheels, or
-    // the wheel scale from rotation.
-    const double side = i % 2 == 0 ? 0.5 * options_.track : -0.5 * options_.track;
-    const double along = x_[kSpeed] - rate * side;
-    const double across = i < 2 ? rate * options_.wheelbase : 0;
-    const double expected = std::copysign(std::hypot(along, across), along);
     Vector H = Vector::Zero();
     H[kSpeed] = 1;
-    accepted += update(measured - expected, H, options_.wheel_noise, kGateSigmas);
+    accepted += update(measured - expected_wheel_speed(i), H, options_.wheel_noise, kGateSigmas);
   }
   return accepted;
+}
+
+bool OdometryState::agrees(const WheelOdometry& sample, double tolerance) const {
+  for (size_t i = 0; i < 4; ++i) {
+    if (std::abs(sample.wheel_speed[i] - expected_wheel_speed(i)) <= tolerance) return true;
+  }
+  return false;
 }
 
 bool OdometryState::update_yaw_rate(double yaw_rate) {
@@ -272,27 +320,30 @@ bool OdometryState::update_steering(double steering_angle) {
   return true;
 }
 
-bool OdometryState::update_gnss(const GnssFix& fix) {
-  if (!fix.valid) return false;
-  bool accepted = false;
-  if (std::isfinite(fix.speed)) {
-    Vector H = Vector::Zero();
-    H[kSpeed] = std::copysign(x_[kWheelScale], x_[kSpeed]);
-    H[kWheelScale] = std::abs(x_[kSpeed]);
-    accepted = update(fix.speed - std::abs(speed()), H, options_.gnss_speed_noise, kGateSigmas);
-  }
-  constexpr double kMinCourseSpeed = 3, kFullCourseSpeed = 10;  // m/s
-  if (std::isfinite(fix.course) && speed() > kMinCourseSpeed) {
-    const Eigen::Vector3d ahead = T_odom_vehicle_.linear().col(0);
-    const double heading = std::atan2(ahead.y(), ahead.x());
-    Vector H = Vector::Zero();
-    H[kPose + 2] = 1;
-    const double noise = options_.gnss_course_noise * std::max(1.0, kFullCourseSpeed / speed());
-    accepted =
-        update(wrap_angle(std::numbers::pi / 2 - fix.course - heading), H, noise, kGateSigmas) ||
-        accepted;
-  }
-  return accepted;
+bool OdometryState::update_gnss_speed(double measured) {
+  Vector H = Vector::Zero();
+  H[kSpeed] = std::copysign(x_[kWheelScale], x_[kSpeed]);
+  H[kWheelScale] = std::abs(x_[kSpeed]);
+  return update(measured - std::abs(speed()), H, options_.gnss_speed_noise, kGateSigmas);
+}
+
+bool OdometryState::update_gnss_course(double course) {
+  constexpr double kFullCourseSpeed = 10;  // m/s
+  const Eigen::Vector3d ahead = T_odom_vehicle_.linear().col(0);
+  const double heading = std::atan2(ahead.y(), ahead.x()) + x_[kEastHeading];
+  Vector H = Vector::Zero();
+  H[kPose + 2] = H[kEastHeading] = 1;
+  const double noise =
+      options_.gnss_course_noise * std::max(1.0, kFullCourseSpeed / std::abs(speed()));
+  return update(wrap_angle(std::numbers::pi / 2 - course - heading), H, noise, kGateSigmas);
+}
+
+bool OdometryState::update_slow_turn() {
+  constexpr double kMinTurningRadius = 5;  // m
+  Vector H = Vector::Zero();
+  H[kAngularVelocity + 2] = 1;
+  const double noise = 0.01 + (std::abs(speed()) + speed_sigma()) / kMinTurningRadius;
+  return update(-x_[kAngularVelocity + 2], H, noise, kNoGateSigmas);
 }
 
 void OdometryState::update_standstill() {

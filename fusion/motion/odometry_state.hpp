@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "drivers/measurement/vehicle_samples.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/motion/odometry_options.hpp"
+#include "fusion/motion/relative_pose.hpp"
 
 namespace infuse::motion {
 
@@ -12,6 +14,17 @@ namespace infuse::motion {
 struct EstimatedParameter {
   double value = 0;
   double sigma = 0;  ///< standard deviation
+};
+
+/// What became of a `RelativePose`.
+struct RelativePoseUpdate {
+  bool known = false;                                           ///< both times have a cloned pose
+  bool accepted = false;                                        ///< consistent with the motion
+  geometry::Vector6 error = geometry::Vector6::Zero();          ///< measured minus predicted motion
+  geometry::Vector6 change_at_to = geometry::Vector6::Zero();   ///< left perturbation of the pose
+  geometry::Vector6 change_at_now = geometry::Vector6::Zero();  ///< the same of the current pose
+  /// Covariance of the corrected motion, left perturbation in the odometry frame.
+  geometry::Matrix6 motion_covariance = geometry::Matrix6::Zero();
 };
 
 /// Extended Kalman filter of the vehicle motion: pose, speed and acceleration along x, angular
@@ -23,6 +36,11 @@ struct EstimatedParameter {
 /// standstill would correct it at once, by metres: then samples correct only the last tenths of a
 /// second, so that a standing vehicle does not move. That gain is not optimal for the pose; the
 /// covariance is that of the actual pose.
+///
+/// Clones of past poses are part of the state (stochastic cloning, Roumeliotis and Burdick 2002),
+/// so that a `RelativePose` that arrives later corrects the motion between them, and by correlation
+/// speed, biases and wheel scale. It corrects only the motion since its `from`: the path before
+/// stays, and the trajectory is continuous. `cloned_poses.cpp` holds this part.
 class OdometryState {
  public:
   /// Indices of the error state.
@@ -35,11 +53,16 @@ class OdometryState {
     kGyroBias = 12,
     kWheelScale = 15,
     kSteeringZero = 16,
-    kSize = 17,
+    kEastHeading = 17,  ///< heading of the odometry frame, counter-clockwise from east
+    kLidarDrift = 18,   ///< rad/m and m/m: error that successive relative poses share
+    kMotionSize = 24,
+    kSize = 42,  ///< with the clones
   };
+  static constexpr size_t kMaxClones = (kSize - kMotionSize) / 6;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  using RecentMatrix = Eigen::Matrix<double, 6, kSize>;
+  using RecentMatrix = Eigen::Matrix<double, 6, kMotionSize>;
+  using MotionMatrix = Eigen::Matrix<double, kMotionSize, kMotionSize>;
 
   /// `options.invalid()` must be empty.
   explicit OdometryState(const OdometryOptions& options);
@@ -58,9 +81,26 @@ class OdometryState {
   bool update_gyro(const ImuSample& sample);
   bool update_gravity(const ImuSample& sample);
   bool update_steering(double steering_angle);
-  bool update_gnss(const GnssFix& fix);
+  bool update_gnss_speed(double speed);
+  bool update_gnss_course(double course);
+  /// Updates with what a slow vehicle can turn.
+  bool update_slow_turn();
   /// Updates with zero speed and rotation.
   void update_standstill();
+
+  /// Returns true if any wheel speed agrees with the motion within `tolerance` m/s.
+  bool agrees(const WheelOdometry& sample, double tolerance) const;
+
+  /// Keeps a clone of the current pose, of time `stamp`; replaces the oldest.
+  void clone_pose(Stamp stamp);
+  /// Pose of a clone; null if there is none of that time.
+  const Eigen::Isometry3d* cloned_pose(Stamp stamp) const;
+  /// Covariance of a clone, which must exist.
+  geometry::Matrix6 cloned_covariance(Stamp stamp) const;
+  /// Updates with a motion between two clones.
+  RelativePoseUpdate update_relative_pose(const RelativePose& pose);
+  /// Makes the motion since the time of a clone uncertain: a source was wrong.
+  void release_motion(Stamp since, Stamp now);
 
   /// Resets the motion after a time without samples: the pose stays with a larger covariance, the
   /// motion is unknown.
@@ -72,6 +112,10 @@ class OdometryState {
 
   const Eigen::Isometry3d& T_odom_vehicle() const { return T_odom_vehicle_; }
   geometry::Matrix6 pose_covariance() const { return P_.topLeftCorner<6, 6>(); }
+  double speed_sigma() const { return x_[kWheelScale] * std::sqrt(P_(kSpeed, kSpeed)); }
+  double yaw_rate_sigma() const {
+    return std::sqrt(P_(kAngularVelocity + 2, kAngularVelocity + 2));
+  }
   double speed() const { return x_[kWheelScale] * x_[kSpeed]; }
   Eigen::Vector3d angular_velocity() const { return x_.segment<3>(kAngularVelocity); }
   EstimatedParameter parameter(int index) const;
@@ -79,6 +123,15 @@ class OdometryState {
  private:
   bool is_moving() const { return std::abs(x_[kSpeed]) > options_.standstill_speed; }
   bool update(double innovation, const Vector& derivative, double noise, double gate);
+  double expected_wheel_speed(size_t wheel) const;
+  void apply(const Vector& change);
+  void clear_clones();
+  size_t find_clone(Stamp stamp) const;
+
+  struct Clone {
+    Stamp stamp = Stamp::earliest();  // earliest: unused
+    Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
+  };
 
   OdometryOptions options_;
   Eigen::Isometry3d T_odom_vehicle_ = Eigen::Isometry3d::Identity();
@@ -86,6 +139,7 @@ class OdometryState {
   Matrix P_ = Matrix::Zero();
   // Covariance of the recent part of the pose error (fading memory) with the whole state.
   RecentMatrix recent_ = RecentMatrix::Zero();
+  std::array<Clone, kMaxClones> clones_;
 };
 
 }  // namespace infuse::motion

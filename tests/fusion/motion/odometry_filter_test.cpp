@@ -212,10 +212,10 @@ TEST(OdometryFilter, IsUnusableWithoutSamplesAndLeavesAGap) {
     if (t > 14 && t < 15) continue;  // whole bus silent
     filter.add(sample);
     if (std::abs(t - 7.4) < 1e-6) {
-      EXPECT_STREQ(filter.reason(), "no valid yaw rate");
+      EXPECT_STREQ(filter.reason(), "no source of rotation");
     }
     if (std::abs(t - 11.4) < 1e-6) {
-      EXPECT_STREQ(filter.reason(), "no valid wheel speed");
+      EXPECT_STREQ(filter.reason(), "no source of speed");
     }
     if (std::abs(t - 5) < 1e-6 || std::abs(t - 9) < 1e-6 || std::abs(t - 18) < 1e-6) {
       EXPECT_STREQ(filter.reason(), "") << t;

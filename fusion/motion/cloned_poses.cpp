@@ -1,0 +1,180 @@
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "fusion/motion/odometry_state.hpp"
+
+namespace infuse::motion {
+namespace {
+
+using geometry::Matrix6;
+using geometry::Vector6;
+
+constexpr double kRotationScale = 10;  // m: a rotation counts as the shift it makes at this range
+constexpr double kFreeSigma = 3;       // m: a direction known worse than this is free
+
+/// Independent scalar measurements that have the information of a relative pose: rows of `A`, of
+/// unit noise after whitening.
+struct Directions {
+  Matrix6 A = Matrix6::Zero();
+  int count = 0;
+};
+
+/// Information of the planar part (rz, tx, ty), the rest being unknown.
+Matrix6 planar_part(const Matrix6& information) {
+  constexpr int kKept[] = {2, 3, 4}, kUnknown[] = {0, 1, 5};
+  Eigen::Matrix3d kept, cross, unknown;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      kept(i, j) = information(kKept[i], kKept[j]);
+      cross(i, j) = information(kKept[i], kUnknown[j]);
+      unknown(i, j) = information(kUnknown[i], kUnknown[j]);
+    }
+  }
+  const Eigen::Matrix3d rest =
+      kept - cross * unknown.completeOrthogonalDecomposition().pseudoInverse() * cross.transpose();
+  Matrix6 planar = Matrix6::Zero();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) planar(kKept[i], kKept[j]) = 0.5 * (rest(i, j) + rest(j, i));
+  }
+  return planar;
+}
+
+/// Principal directions of the information, each with the noise that the options add.
+Directions directions_of(const Matrix6& information, const OdometryOptions& options) {
+  Vector6 scale;
+  scale << Eigen::Vector3d::Constant(kRotationScale), Eigen::Vector3d::Ones();
+  const Vector6 inverse = scale.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(inverse.asDiagonal() * information *
+                                                      inverse.asDiagonal());
+  Vector6 floor;
+  floor << Eigen::Vector3d::Constant(kRotationScale * options.lidar_rotation_noise),
+      Eigen::Vector3d::Constant(options.lidar_translation_noise);
+  Directions directions;
+  for (int i = 0; i < 6; ++i) {
+    const double value = solver.eigenvalues()[i];
+    if (!(value > 1 / (kFreeSigma * kFreeSigma))) continue;
+    const Vector6 direction = solver.eigenvectors().col(i);
+    const double variance = 1 / value + direction.cwiseProduct(floor).squaredNorm();
+    directions.A.row(directions.count++) =
+        direction.cwiseProduct(scale).transpose() / std::sqrt(variance);
+  }
+  return directions;
+}
+
+}  // namespace
+
+void OdometryState::clear_clones() {
+  clones_ = {};
+  P_.bottomRows<kSize - kMotionSize>().setZero();
+  P_.rightCols<kSize - kMotionSize>().setZero();
+}
+
+size_t OdometryState::find_clone(Stamp stamp) const {
+  const auto at = std::find_if(clones_.begin(), clones_.end(),
+                               [&](const Clone& clone) { return clone.stamp == stamp; });
+  return static_cast<size_t>(at - clones_.begin());
+}
+
+void OdometryState::clone_pose(Stamp stamp) {
+  const auto oldest =
+      std::min_element(clones_.begin(), clones_.end(),
+                       [](const Clone& a, const Clone& b) { return a.stamp < b.stamp; });
+  *oldest = {stamp, T_odom_vehicle_};
+  const int at = kMotionSize + 6 * static_cast<int>(oldest - clones_.begin());
+  P_.middleRows<6>(at) = P_.topRows<6>().eval();
+  P_.middleCols<6>(at) = P_.leftCols<6>().eval();
+}
+
+const Eigen::Isometry3d* OdometryState::cloned_pose(Stamp stamp) const {
+  const size_t index = find_clone(stamp);
+  return index < kMaxClones ? &clones_[index].T_odom_vehicle : nullptr;
+}
+
+Matrix6 OdometryState::cloned_covariance(Stamp stamp) const {
+  const int at = kMotionSize + 6 * static_cast<int>(find_clone(stamp));
+  return P_.block<6, 6>(at, at);
+}
+
+// With ξ the left perturbations of the poses, the measured motion is
+// exp(Ad(T_from⁻¹)(ξ_to − ξ_from)) T̂_from_to, and the drift adds in proportion to the distance.
+RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose) {
+  RelativePoseUpdate result;
+  const size_t from = find_clone(pose.from), to = find_clone(pose.to);
+  result.known = from < kMaxClones && to < kMaxClones && pose.from < pose.to &&
+                 pose.T_from_to.matrix().allFinite() && pose.information.allFinite();
+  if (!result.known) return result;
+  const Eigen::Isometry3d T_from_odom = clones_[from].T_odom_vehicle.inverse();
+  const Eigen::Isometry3d predicted = T_from_odom * clones_[to].T_odom_vehicle;
+  const double distance = pose.T_from_to.translation().norm();
+  result.error = geometry::log(pose.T_from_to * predicted.inverse());
+  const Vector6 innovation = result.error - distance * x_.segment<6>(kLidarDrift);
+
+  const Directions directions =
+      directions_of(options_.planar ? planar_part(pose.information) : pose.information, options_);
+  if (directions.count == 0) return result;
+  const int at_from = kMotionSize + 6 * static_cast<int>(from);
+  const int at_to = kMotionSize + 6 * static_cast<int>(to);
+  const Matrix6 by_pose = directions.A * geometry::adjoint(T_from_odom);
+  Eigen::Matrix<double, 6, kSize> H = Eigen::Matrix<double, 6, kSize>::Zero();
+  H.middleCols<6>(at_to) = by_pose;
+  H.middleCols<6>(at_from) = -by_pose;
+  H.middleCols<6>(kLidarDrift) = distance * directions.A;
+  const Vector6 residual = directions.A * innovation;
+  // Rows beyond `count` are zero: with unit noise they carry nothing.
+  const Eigen::Matrix<double, kSize, 6> PHt = P_ * H.transpose();
+  const Matrix6 S = H * PHt + Matrix6::Identity();
+  const Eigen::LLT<Matrix6> solver(S);
+  const double distance_squared = residual.dot(solver.solve(residual));
+  result.accepted = distance_squared <= 16 + 2.2 * directions.count;  // four standard deviations
+  if (!result.accepted) return result;
+
+  // The gain of the motion since `from`.
+  Eigen::Matrix<double, kSize, 6> gain = solver.solve(PHt.transpose()).transpose();
+  const Matrix6 before = gain.middleRows<6>(at_from);
+  gain.topRows<6>() -= before;
+  for (size_t i = 0; i < kMaxClones; ++i) {
+    auto rows = gain.middleRows<6>(kMotionSize + 6 * static_cast<int>(i));
+    if (clones_[i].stamp > pose.from) {
+      rows -= before;
+    } else {
+      rows.setZero();
+    }
+  }
+  const Vector change = gain * residual;
+  apply(change);
+  const Matrix lost = gain * PHt.transpose();  // as in `update`, for any gain
+  P_ += gain * S * gain.transpose() - lost - lost.transpose();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  recent_.setZero();
+  result.change_at_to = change.segment<6>(at_to);
+  result.change_at_now = change.head<6>();
+  result.motion_covariance = P_.block<6, 6>(at_from, at_from) + P_.block<6, 6>(at_to, at_to) -
+                             P_.block<6, 6>(at_from, at_to) - P_.block<6, 6>(at_to, at_from);
+  return result;
+}
+
+// Speed and rotation were wrong by a constant since then: one direction of the state for each.
+void OdometryState::release_motion(Stamp since, Stamp now) {
+  constexpr double kSpeedSigma = 10, kAngularVelocitySigma = 0.3;  // m/s, rad/s
+  const Eigen::Isometry3d* T_odom_since = cloned_pose(since);
+  if (T_odom_since == nullptr) return;
+  const Matrix6 to_odom = geometry::adjoint(*T_odom_since);
+  const auto release = [&](int rate, int axis, double sigma) {
+    Vector direction = Vector::Zero();
+    direction[rate] = sigma;
+    direction.head<6>() = sigma * to_seconds(now - since) * to_odom.col(axis);
+    for (size_t i = 0; i < kMaxClones; ++i) {
+      if (clones_[i].stamp <= since) continue;
+      direction.segment<6>(kMotionSize + 6 * static_cast<int>(i)) =
+          sigma * to_seconds(clones_[i].stamp - since) * to_odom.col(axis);
+    }
+    P_ += direction * direction.transpose();
+  };
+  release(kSpeed, 3, kSpeedSigma);
+  for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
+    release(kAngularVelocity + i, i, kAngularVelocitySigma);
+  }
+}
+
+}  // namespace infuse::motion

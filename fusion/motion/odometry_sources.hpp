@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "fusion/motion/odometry_options.hpp"
+
+namespace infuse::motion {
+
+/// Sources of odometry.
+enum class OdometrySource : uint8_t {
+  kWheels,
+  kYawRate,
+  kGyro,
+  kGnssSpeed,
+  kGnssCourse,
+  kGnssPosition,  ///< checked, never used
+  kLidar,
+  kCount,
+};
+inline constexpr size_t kOdometrySources = static_cast<size_t>(OdometrySource::kCount);
+
+/// Names of the sources, in their order.
+inline constexpr std::array<const char*, kOdometrySources> kOdometrySourceNames = {
+    "wheels", "yaw rate", "gyro", "gnss speed", "gnss course", "gnss position", "lidar"};
+
+/// What became of the samples of one source.
+struct SourceRecord {
+  uint64_t accepted = 0;
+  uint64_t rejected = 0;                    ///< inconsistent with the motion
+  Stamp last_accepted = Stamp::earliest();  ///< earliest: none
+  Stamp rejected_since = Stamp::latest();   ///< latest: the last sample was accepted
+  uint64_t rejected_in_a_row = 0;
+};
+
+/// Supervision of the sources: which of them carry the odometry now.
+class OdometrySources {
+ public:
+  explicit OdometrySources(const OdometryOptions& options) : options_(options) {}
+
+  /// Records a sample of a source.
+  void add(OdometrySource source, bool accepted, Stamp now);
+
+  /// Forgets when samples came; the counters stay.
+  void reset();
+
+  const SourceRecord& operator[](OdometrySource source) const {
+    return records_[static_cast<size_t>(source)];
+  }
+
+  /// Returns true if a sample of the source was accepted recently.
+  bool carries(OdometrySource source, Stamp now) const;
+
+  /// Returns true if a source carries the speed; `except` is not asked.
+  bool speed_known(Stamp now, OdometrySource except = OdometrySource::kCount) const;
+  /// Returns true if a source carries the rotation about z.
+  bool rotation_known(Stamp now) const;
+
+ private:
+  OdometryOptions options_;
+  std::array<SourceRecord, kOdometrySources> records_;
+};
+
+}  // namespace infuse::motion

@@ -1,0 +1,197 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "drivers/measurement/angles.hpp"
+#include "tests/allocation_counter.hpp"
+#include "tests/fusion/motion/simulated_sensors.hpp"
+
+namespace infuse::motion {
+namespace {
+
+using geometry::Vector6;
+
+constexpr double kSweep = 0.1;  // s
+
+OdometryOptions full_options() {
+  OdometryOptions options;
+  options.planar = false;
+  return options;
+}
+
+/// Squared error of the motion between two times over its covariance, per degree of freedom.
+double normalised_error(const OdometryFilter& filter, const TrueDrive& drive, double from,
+                        double to) {
+  const auto motion = filter.trajectory().between(seconds(from), seconds(to));
+  EXPECT_TRUE(motion.usable()) << motion.reason;
+  const Eigen::Isometry3d truth = drive.pose(from).inverse() * drive.pose(to);
+  const Vector6 error = geometry::log(truth * motion.T_from_to.inverse());
+  return error.dot(motion.covariance.ldlt().solve(error)) / 6;
+}
+
+double position_error(const OdometryFilter& filter, const TrueDrive& drive, double t) {
+  const auto pose = filter.trajectory().at(seconds(t));
+  EXPECT_TRUE(pose.usable()) << pose.reason;
+  return (pose.T_odom_vehicle.translation() - drive.pose(t).translation()).norm();
+}
+
+TEST(RelativePose, LidarAloneCarriesTheOdometryFromAStartAtSpeed) {
+  const TrueDrive drive = town_drive(20);
+  SimulatedSensors sensors(drive, 1);
+  OdometryFilter filter(full_options());
+  add_sweep(filter, 0, nullptr);
+  EXPECT_STREQ(filter.reason(), "no source of speed");
+  for (double t = kSweep; t < 19.95; t += kSweep) {
+    const RelativePose pose = sensors.lidar(t - kSweep, t);
+    add_sweep(filter, t, &pose);
+    ASSERT_TRUE(filter.usable()) << filter.reason();
+    EXPECT_EQ(*filter.trajectory().uncovered_reason(seconds(t - kSweep), seconds(t)), '\0');
+    if (t > 2.5 * kSweep) {
+      EXPECT_NEAR(filter.report().speed, drive.twist(t)[3], 0.3) << t;
+    }
+    // Between the ends of the sweeps the corrected trajectory is right too.
+    const auto half = filter.trajectory().between(seconds(t - kSweep), seconds(t - kSweep / 2));
+    const Eigen::Isometry3d truth = drive.pose(t - kSweep).inverse() * drive.pose(t - kSweep / 2);
+    EXPECT_LT((half.T_from_to.translation() - truth.translation()).norm(), 0.05) << t;
+  }
+  EXPECT_LT(position_error(filter, drive, 19.8), 1.2);
+  EXPECT_TRUE(filter.report().carries[static_cast<size_t>(OdometrySource::kLidar)]);
+  EXPECT_EQ(filter.report().outliers, 0u);
+}
+
+// The trajectory is continuous: correcting a motion leaves the poses before it as they were.
+TEST(RelativePose, CorrectsOnlyTheMotionSinceItsBegin) {
+  const TrueDrive drive = town_drive(20);
+  SimulatedSensors sensors(drive, 2);
+  OdometryFilter filter;
+  for (double t = 0; t < 10; t += 0.02) filter.add(sensors.wheels(t, 1.02));
+  const auto before = filter.trajectory().at(seconds(9.8));
+  for (double t = 10; t < 12; t += 0.02) {
+    filter.add(sensors.wheels(t, 1.02));
+    const double end = std::round(t * 10) / 10;
+    if (std::abs(t - end) > 1e-6) continue;
+    const RelativePose pose = sensors.lidar(end - kSweep, end);
+    add_sweep(filter, end, end > 10.05 ? &pose : nullptr);
+  }
+  const auto after = filter.trajectory().at(seconds(9.8));
+  EXPECT_EQ(before.T_odom_vehicle.matrix(), after.T_odom_vehicle.matrix());
+  const auto jump = filter.trajectory().between(seconds(9.99), seconds(10.01));
+  EXPECT_NEAR(jump.T_from_to.translation().norm(), 0.02 * drive.twist(10)[3], 0.02);
+}
+
+// Many drives with errors as the options state: errors of the motion over 1 s and 10 s must match
+// their covariance.
+TEST(RelativePose, CovarianceIsHonestOverOneAndTenSeconds) {
+  for (const bool with_wheels : {false, true}) {
+    double short_error = 0, long_error = 0;
+    constexpr int kDrives = 25;
+    std::mt19937_64 random(9);
+    std::normal_distribution<double> normal;
+    for (int n = 0; n < kDrives; ++n) {
+      const TrueDrive drive = town_drive(16, 0.37 * n);
+      SimulatedSensors sensors(drive, 100 + static_cast<uint64_t>(n));
+      OdometryFilter filter(full_options());
+      const double scale = 1 + full_options().wheel_scale_sigma * normal(random);
+      const double yaw_bias = full_options().yaw_bias_sigma * normal(random);
+      for (int i = 0; i < 155; ++i) {
+        const double t = kSweep * i;
+        for (double s = t - kSweep + 0.02; with_wheels && s > 0 && s < t + 1e-9; s += 0.02) {
+          filter.add(sensors.wheels(s, scale, yaw_bias));
+        }
+        const RelativePose pose = sensors.lidar(std::max(0.0, t - kSweep), std::max(t, 1e-3));
+        add_sweep(filter, t, i > 0 ? &pose : nullptr);
+      }
+      short_error += normalised_error(filter, drive, 14, 15) / kDrives;
+      long_error += normalised_error(filter, drive, 5, 15) / kDrives;
+    }
+    std::cout << (with_wheels ? "lidar and wheels" : "lidar") << ": normalised error over 1 s "
+              << short_error << ", over 10 s " << long_error << "\n";
+    EXPECT_GT(short_error, 0.4);
+    EXPECT_LT(short_error, 2);
+    EXPECT_GT(long_error, 0.5);
+    EXPECT_LT(long_error, 2);
+  }
+}
+
+TEST(RelativePose, LearnsWheelScaleAndGyroBiases) {
+  const TrueDrive drive = town_drive(61);
+  const Eigen::Vector3d bias(0.002, -0.003, 0.004);
+  SimulatedSensors sensors(drive, 3);
+  OdometryFilter filter(full_options());
+  for (int i = 0; i < 600; ++i) {
+    const double t = kSweep * i;
+    for (double s = t - kSweep + 0.02; s > 0 && s < t + 1e-9; s += 0.02) {
+      WheelOdometry wheels = sensors.wheels(s, 0.97);  // tyres 3 % smaller
+      wheels.yaw_rate = std::nan("");
+      filter.add(wheels);
+      filter.add(sensors.gyro(s, bias));
+    }
+    const RelativePose pose = sensors.lidar(std::max(0.0, t - kSweep), std::max(t, 1e-3));
+    add_sweep(filter, t, i > 0 ? &pose : nullptr);
+  }
+  const OdometryReport report = filter.report();
+  EXPECT_NEAR(report.wheel_scale.value, 0.97, 0.005 * 0.97);
+  EXPECT_LT(std::abs(report.wheel_scale.value - 0.97), 3 * report.wheel_scale.sigma);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(report.gyro_bias[i].value, bias[static_cast<int>(i)], 5e-4);
+    EXPECT_LT(std::abs(report.gyro_bias[i].value - bias[static_cast<int>(i)]),
+              3 * report.gyro_bias[i].sigma);
+  }
+}
+
+TEST(RelativePose, WheelsCarryWhereTheLidarIsDegenerate) {
+  const TrueDrive drive = town_drive(31);
+  SimulatedSensors sensors(drive, 4);
+  OdometryFilter filter(full_options());
+  for (int i = 0; i < 300; ++i) {
+    const double t = kSweep * i;
+    for (double s = t - kSweep + 0.02; s > 0 && s < t + 1e-9; s += 0.02) {
+      filter.add(sensors.wheels(s));
+    }
+    const bool tunnel = t > 10 && t < 25;
+    const RelativePose pose = sensors.lidar(std::max(0.0, t - kSweep), std::max(t, 1e-3), tunnel);
+    add_sweep(filter, t, i > 0 ? &pose : nullptr);
+    ASSERT_TRUE(i < 2 || filter.usable()) << filter.reason();
+  }
+  const auto motion = filter.trajectory().between(seconds(10), seconds(25));
+  const Eigen::Isometry3d truth = drive.pose(10).inverse() * drive.pose(25);
+  EXPECT_LT((motion.T_from_to.translation() - truth.translation()).norm(),
+            0.01 * 15 * 12);  // 1 % of the way
+  EXPECT_EQ(filter.report().outliers, 0u);
+}
+
+TEST(RelativePose, OfUnknownTimesIsIgnored) {
+  OdometryFilter filter(full_options());
+  const TrueDrive drive = town_drive(2);
+  SimulatedSensors sensors(drive, 5);
+  add_sweep(filter, 0.5, nullptr);
+  RelativePose pose = sensors.lidar(0.2, 0.5);
+  filter.add(pose);
+  EXPECT_EQ(filter.report().late, 1u);
+  pose = sensors.lidar(0.5, 0.6);
+  pose.T_from_to.translation().x() = std::nan("");
+  add_sweep(filter, 0.6, &pose);
+  EXPECT_EQ(filter.report().late, 2u);
+  pose = sensors.lidar(0.6, 0.7);
+  pose.information.setZero();
+  add_sweep(filter, 0.7, &pose);
+  EXPECT_FALSE(filter.usable());
+}
+
+TEST(RelativePose, AllocatesNothing) {
+  if (!kAllocationsCounted) GTEST_SKIP() << "the sanitizer has its own allocator";
+  const TrueDrive drive = town_drive(3);
+  SimulatedSensors sensors(drive, 6);
+  OdometryFilter filter;
+  add_sweep(filter, 0, nullptr);
+  const size_t before = allocation_count();
+  for (double t = kSweep; t < 2; t += kSweep) {
+    const RelativePose pose = sensors.lidar(t - kSweep, t);
+    add_sweep(filter, t, &pose);
+  }
+  EXPECT_EQ(allocation_count(), before);
+}
+
+}  // namespace
+}  // namespace infuse::motion
