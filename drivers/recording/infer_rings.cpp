@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/measurement/fast_atan2.hpp"
 #include "drivers/recording/sweep_files.hpp"
 
 namespace infuse::recording {
@@ -58,20 +59,29 @@ bool elevations_decrease(const Sweep& sweep, const RingStarts& rings) {
 }
 
 double compute_azimuth(const Sweep& sweep, size_t i) {
-  const double angle = std::atan2(static_cast<double>(sweep.y[i]), static_cast<double>(sweep.x[i]));
+  const double angle = fast_atan2(static_cast<double>(sweep.y[i]), static_cast<double>(sweep.x[i]));
   return angle < 0 ? angle + kTwoPi : angle;
+}
+
+// Azimuth step from a point to the next, turns; a whole turn if it is larger than 0.1 rad. The
+// series of the arc tangent is then exact to 2e-9 turns.
+double compute_step(const Sweep& sweep, size_t i) {
+  const double x0 = static_cast<double>(sweep.x[i]);
+  const double y0 = static_cast<double>(sweep.y[i]);
+  const double x1 = static_cast<double>(sweep.x[i + 1]);
+  const double y1 = static_cast<double>(sweep.y[i + 1]);
+  const double sine = x0 * y1 - y0 * x1;
+  const double cosine = x0 * x1 + y0 * y1;
+  if (!(std::abs(sine) < 0.1 * cosine)) return 1;
+  const double t = sine / cosine;
+  return t * (1 - t * t * (1.0 / 3 - t * t / 5)) / kTwoPi;
 }
 
 // Calls `use` with each azimuth step to the next point of the same ring, in turns.
 template <class Use>
 void for_each_step(const Sweep& sweep, const RingStarts& rings, const Use& use) {
   for (size_t k = 0; k < rings.count; ++k) {
-    double last = compute_azimuth(sweep, rings.starts[k]);
-    for (size_t i = rings.starts[k] + 1; i < rings.starts[k + 1]; ++i) {
-      const double next = compute_azimuth(sweep, i);
-      use((next - last) / kTwoPi);
-      last = next;
-    }
+    for (size_t i = rings.starts[k]; i + 1 < rings.starts[k + 1]; ++i) use(compute_step(sweep, i));
   }
 }
 
