@@ -29,5 +29,6 @@ Command declare_rollback(CLI::App& infuse);
 Command declare_freeze(CLI::App& infuse);
 Command declare_streetmap(CLI::App& infuse);
 Command declare_record(CLI::App& infuse);
+Command declare_odometry(CLI::App& infuse);
 
 }  // namespace infuse::daemon

@@ -8,6 +8,7 @@
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/deskewed_sweeps.hpp"
+#include "daemon/commands/find_lidar.hpp"
 #include "daemon/commands/play_lidar.hpp"
 #include "daemon/commands/sweep_image.hpp"
 #include "daemon/protocol/counters_json.hpp"
@@ -106,18 +107,6 @@ class Writer {
   const char* deskew_reason_ = "";  // why the last of these was not
   std::optional<Error> error_;
 };
-
-/// The lidar of that name, or the only one.
-Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name) {
-  std::string names;
-  for (size_t i = 0; i < setup.lidars.size(); ++i) {
-    if (setup.lidars[i].name == name || (name.empty() && setup.lidars.size() == 1)) return i;
-    names += (i == 0 ? "" : ", ") + setup.lidars[i].name;
-  }
-  if (setup.lidars.empty()) return fail("there is no lidar", setup.path.string());
-  return fail(name.empty() ? "there are several lidars" : "there is no lidar '" + name + "'",
-              setup.path.string(), "choose one with --lidar: " + names);
-}
 
 /// Reads the drive until the writer is done.
 void decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writer) {

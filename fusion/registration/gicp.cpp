@@ -11,7 +11,10 @@ namespace {
 using geometry::Vector6;
 
 constexpr double kIdentical = 1e-5;  // m; residuals of clouds that are copies of each other
-constexpr float kMargin = 0.2F;      // m; a search bounds the other points' distances up to here
+// A search also bounds the other points' distances, by so much beyond the nearest one's: what the
+// points are expected to move in the iterations to come, in units of the last move, at most …
+constexpr double kMarginPerMove = 0.6;
+constexpr double kMaxMargin = 0.2;  // m
 
 const char* missing(const PreparedCloud& target, const PointCloud& source,
                     const Eigen::Isometry3d& guess, const GicpOptions& options) {
@@ -67,19 +70,25 @@ void Gicp::transform(const PointCloud& source, const Eigen::Isometry3d& T_target
   move_points(R, {source.nx, source.ny, source.nz}, pairs_.sx, pairs_.sy, pairs_.sz);
 }
 
-size_t Gicp::find_pairs(const PreparedCloud& target) {
+size_t Gicp::find_pairs(const PreparedCloud& target, double last_move) {
   const auto max_distance = static_cast<float>(options_.max_correspondence_distance);
+  const auto margin = static_cast<float>(std::min(kMarginPerMove * last_move, kMaxMargin));
   size_t found = 0;
   for (size_t i = 0; i < pairs_.size; ++i) {
     const float p[3] = {pairs_.px[i], pairs_.py[i], pairs_.pz[i]};
     const float mx = p[0] - searched_x_[i], my = p[1] - searched_y_[i], mz = p[2] - searched_z_[i];
     // Another point can be nearer only after a move of half the difference of the two distances.
     if (!(mx * mx + my * my + mz * mz < slack_[i] * slack_[i])) {
-      const Nearest nearest = target.search.nearest(p, max_distance, kMargin);
+      float reach = max_distance;
+      if (index_[i] >= 0) {  // the nearest one is no farther than the former one is now
+        const float x = pairs_.qx[i] - p[0], y = pairs_.qy[i] - p[1], z = pairs_.qz[i] - p[2];
+        reach = std::min(reach, 1e-4F + std::sqrt(x * x + y * y + z * z));
+      }
+      const Nearest nearest = target.search.nearest(p, reach, margin);
       searched_x_[i] = p[0], searched_y_[i] = p[1], searched_z_[i] = p[2];
       index_[i] = nearest.index;
       if (nearest.index < 0) {
-        slack_[i] = nearest.others - max_distance;
+        slack_[i] = std::max(nearest.others - max_distance, 0.0F);
       } else {
         slack_[i] = 0.5F * (nearest.others - std::sqrt(nearest.square_distance));
         const auto j = static_cast<size_t>(nearest.index);
@@ -119,9 +128,10 @@ RegistrationResult Gicp::align(const PreparedCloud& target, const PointCloud& so
   }
   PoseSystem system;
   DeterminedDirections determined;
+  double last_move = 0;  // m, of points at the radius
   while (result.iterations < options_.max_iterations && !result.converged) {
     transform(source, result.T_target_source);
-    result.inliers = find_pairs(target);
+    result.inliers = find_pairs(target, last_move);
     if (result.inliers < options_.min_inliers ||
         static_cast<double>(result.inliers) <
             options_.min_inlier_fraction * static_cast<double>(source.size())) {
@@ -136,6 +146,7 @@ RegistrationResult Gicp::align(const PreparedCloud& target, const PointCloud& so
       return result;
     }
     result.T_target_source = geometry::exp(step) * result.T_target_source;
+    last_move = step.tail<3>().norm() + system.radius * step.head<3>().norm();
     result.converged = step.head<3>().norm() <= options_.rotation_tolerance &&
                        step.tail<3>().norm() <= options_.translation_tolerance;
     ++result.iterations;

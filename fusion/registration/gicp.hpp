@@ -70,7 +70,7 @@ class Gicp {
 
  private:
   void transform(const PointCloud& source, const Eigen::Isometry3d& T_target_source);
-  size_t find_pairs(const PreparedCloud& target);
+  size_t find_pairs(const PreparedCloud& target, double last_move);
 
   GicpOptions options_;
   Pairs pairs_;

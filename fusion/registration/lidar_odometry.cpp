@@ -17,7 +17,9 @@ using geometry::Vector6;
 constexpr float kSearchAgain = 0.03F;  // m; a point that moved less keeps its plane
 // Weight of the directions along a plane: small, so that a point may slide on it.
 constexpr double kPlaneVariance = 1e-4;
+constexpr int kSearchIterations = 12;  // planes that come and go could keep it from converging
 constexpr int kStartIterations = 6;
+constexpr double kFiner = 1.5;  // step to a smaller voxel
 
 /// Rounding in products of rotations would grow exponentially from sweep to sweep.
 void orthonormalise(Eigen::Isometry3d& T) {
@@ -41,7 +43,8 @@ Matrix6 information_of(const Matrix6& covariance) {
 std::optional<std::string> LidarOdometryOptions::invalid() const {
   if (const auto wrong = map.invalid()) return wrong;
   if (!(min_range >= 0)) return "min_range must not be negative";
-  if (!(map_voxel_size > 0 && match_voxel_size > 0)) return "voxel sizes must be above 0 m";
+  if (!(map_voxel_size > 0 && match_voxel_size > 0 && min_match_voxel_size > 0))
+    return "voxel sizes must be above 0 m";
   if (!(final_radius > 0 && final_radius <= radius && radius <= map.voxel_size))
     return "radii must be above 0 m, final_radius at most radius, radius at most map.voxel_size";
   if (!(robust_width > 0 && robust_width <= first_robust_width))
@@ -67,7 +70,8 @@ void LidarOdometry::reset() {
   velocity_.setZero();
 }
 
-void LidarOdometry::select(const geometry::PointsView& points, double voxel_size, PointCloud& out) {
+void LidarOdometry::select(const geometry::PointsView& points, double voxel_size,
+                           size_t min_points) {
   const auto near2 = static_cast<float>(options_.min_range * options_.min_range);
   const auto far2 = static_cast<float>(options_.map.range * options_.map.range);
   thinned_.resize(points.x.size());
@@ -80,7 +84,13 @@ void LidarOdometry::select(const geometry::PointsView& points, double voxel_size
     ++size;
   }
   thinned_.resize(size);
-  downsampler_.compute(thinned_.points(), voxel_size, out, VoxelPoint::kFirst);
+  for (;; voxel_size /= kFiner) {
+    downsampler_.compute(thinned_.points(), voxel_size, selected_, VoxelPoint::kFirst);
+    if (selected_.size() >= std::min(min_points, size) ||
+        voxel_size < kFiner * options_.min_match_voxel_size) {
+      return;
+    }
+  }
 }
 
 Eigen::Isometry3d LidarOdometry::predict(Stamp reference) const {
@@ -106,10 +116,13 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
     T_anchor_lidar.translation() -= anchor;
     move_points(T_anchor_lidar, selected_.points(), pairs_.px, pairs_.py, pairs_.pz);
     which_.clear();
+    const bool settling = result.iterations >= kSearchIterations;
     for (size_t i = 0; i < pairs_.size; ++i) {
       const float dx = pairs_.px[i] - searched_x_[i], dy = pairs_.py[i] - searched_y_[i],
                   dz = pairs_.pz[i] - searched_z_[i];
-      if (dx * dx + dy * dy + dz * dz < kSearchAgain * kSearchAgain) continue;
+      const bool known = dx * dx + dy * dy + dz * dz < kSearchAgain * kSearchAgain ||
+                         (settling && std::isfinite(searched_x_[i]));
+      if (known) continue;
       which_.push_back(static_cast<int32_t>(i));
       searched_x_[i] = pairs_.px[i], searched_y_[i] = pairs_.py[i], searched_z_[i] = pairs_.pz[i];
     }
@@ -158,7 +171,6 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
 }
 
 Eigen::Isometry3d LidarOdometry::search_start(double seconds) {
-  const Eigen::Isometry3d T_map_lidar = T_map_vehicle_ * T_vehicle_lidar_;
   const int steps = static_cast<int>(options_.max_start_speed * seconds / options_.start_step);
   Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
   double best_overlap = -1;
@@ -169,8 +181,7 @@ Eigen::Isometry3d LidarOdometry::search_start(double seconds) {
     const RegistrationResult result = register_points(guess, kStartIterations, false);
     if (overlap_ <= best_overlap) continue;
     best_overlap = overlap_;
-    best = T_vehicle_lidar_ * T_map_lidar.inverse() * result.T_target_source *
-           T_vehicle_lidar_.inverse();
+    best = T_map_vehicle_.inverse() * result.T_target_source * T_vehicle_lidar_.inverse();
   }
   return best;
 }
@@ -182,7 +193,7 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
   result.motion.from = stamp_;
   result.motion.to = reference;
   result.T_map_vehicle = T_map_vehicle_;
-  select(points, options_.match_voxel_size, selected_);
+  select(points, options_.match_voxel_size, options_.min_match_points);
   if (selected_.size() < options_.min_inliers) {
     result.reason = "the sweep has too few points";
     return result;
@@ -243,7 +254,7 @@ void LidarOdometry::add(const geometry::PointsView& points, const LidarOdometryR
   stamp_ = result.stamp;
   const Eigen::Isometry3d T_map_lidar = T_map_vehicle_ * T_vehicle_lidar_;
   map_.drop_far(T_map_lidar.translation());
-  select(points, options_.map_voxel_size, selected_);
+  select(points, options_.map_voxel_size, 0);
   map_.insert(selected_.points(), T_map_lidar);
   ++sweeps_;
 }

@@ -15,7 +15,7 @@ using geometry::Vector6;
 
 constexpr double kClusterSize = 4;      // m; residuals further apart are taken as independent
 constexpr size_t kClusterSlots = 4096;  // clusters that share one are added: a larger cluster
-constexpr double kNoiseFloor = 0.005;   // m; error of a cluster that its residuals do not show
+constexpr double kNoiseFloor = 0.001;   // m; error of a cluster that its residuals do not show
 
 /// Gradient of one pair, w Jᵀ W r, in double precision: as `pose_system` sums it. Returns the
 /// gradient per metre of plane distance too, for the noise floor.

@@ -16,9 +16,9 @@ using Options = std::set<std::string>;
 
 /// Sub-commands of infuse, as typed.
 const std::vector<std::string> kCommands = {
-    "status",    "watch",    "wait-ready",       "record",    "calibration",     "recalibrate",
-    "apply",     "rollback", "freeze",           "inspect",   "decode",          "import kitti",
-    "calibrate", "evaluate", "calibrate-target", "streetmap", "import opencalib"};
+    "status",    "watch",    "wait-ready",       "record",    "calibration",      "recalibrate",
+    "apply",     "rollback", "freeze",           "inspect",   "decode",           "import kitti",
+    "calibrate", "evaluate", "calibrate-target", "streetmap", "import opencalib", "odometry"};
 
 std::string help_of(const std::string& program) {
   const ProgramResult result =

@@ -30,6 +30,27 @@ TEST(Gicp, FindsTheMotionBetweenTwoSweepsOfARoom) {
   EXPECT_LT((result.information * result.covariance - geometry::Matrix6::Identity()).norm(), 1e-5);
 }
 
+TEST(Gicp, StatesTheAccuracyThatItHas) {
+  constexpr int kPairs = 40;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  double sum = 0;
+  for (unsigned i = 0; i < kPairs; ++i) {
+    geometry::Vector6 twist;
+    for (int k = 0; k < 6; ++k) twist[k] = (k < 3 ? 0.02 : 0.2) * normal(random);
+    const Eigen::Isometry3d truth = geometry::exp(twist);
+    const auto target =
+        prepare_cloud(random_room(2 * i + 1, 4000, 0.03, Eigen::Isometry3d::Identity()).points());
+    const auto source = prepare_cloud(random_room(2 * i + 2, 4000, 0.03, truth).points());
+    const RegistrationResult result = gicp(target, source.cloud, Eigen::Isometry3d::Identity());
+    ASSERT_TRUE(result.usable()) << result.reason;
+    const geometry::Vector6 error = geometry::log(truth * result.T_target_source.inverse());
+    sum += error.dot(result.information * error) / 6;
+  }
+  EXPECT_GT(sum / kPairs, 0.5);
+  EXPECT_LT(sum / kPairs, 2);
+}
+
 TEST(Gicp, NamesTheDirectionsThatAFloorLeavesFree) {
   PointCloud floor = random_room(1, 8000, 0.0, Eigen::Isometry3d::Identity());
   for (float& z : floor.z) z = -1.5F;

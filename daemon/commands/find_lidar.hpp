@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "daemon/pipeline/drive_setup.hpp"
+
+namespace infuse::daemon {
+
+/// Index of the lidar of that name, or of the only one if the name is empty.
+Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name);
+
+}  // namespace infuse::daemon
