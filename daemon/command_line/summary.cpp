@@ -118,7 +118,7 @@ Summary summarise(const Replay& replay) {
   return {.path = replay.setup().path,
           .devices = replay.setup().devices,
           .totals = replay.totals(),
-          .has_odometry = replay.setup().vehicle.has_odometry(),
+          .has_odometry = replay.totals().odometry.present,
           .notes = replay.notes()};
 }
 
@@ -190,6 +190,11 @@ std::string stream_text(const Device& device, const StreamCounters& c, Level lev
 std::string odometry_text(const OdometryStatus& odometry) {
   std::string text = "  odometry: ";
   text += odometry.usable() ? "trusted" : fmt::format("not trusted: {}", odometry.reason);
+  for (const OdometrySourceStatus& source : odometry.sources) {
+    if (source.accepted + source.rejected == 0) continue;
+    text += fmt::format(", {}", source.name);
+    if (source.rejected > 0) text += fmt::format(" ({} rejected)", source.rejected);
+  }
   text += fmt::format("; wheel scale {:.4f} ± {:.4f}, yaw-rate bias {:.3f} ± {:.3f} °/s\n",
                       odometry.wheel_scale, odometry.wheel_scale_sigma,
                       odometry.yaw_rate_bias / kDegree, odometry.yaw_rate_bias_sigma / kDegree);

@@ -13,7 +13,7 @@ namespace infuse::daemon {
 class DeskewedSweeps {
  public:
   DeskewedSweeps(const Eigen::Isometry3d& T_vehicle_lidar, const OdometrySettings& settings)
-      : odometry_(settings), max_wait_(settings.max_wait), deskewer_(T_vehicle_lidar) {}
+      : odometry_(settings, false), max_wait_(settings.max_wait), deskewer_(T_vehicle_lidar) {}
 
   void add_sample(const VehicleSample& sample) { odometry_.add(sample); }
   void add_sweep(const Sweep& sweep) { waiting_.push_back(sweep); }

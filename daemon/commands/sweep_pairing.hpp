@@ -49,7 +49,7 @@ class SweepPairing {
 
   bool has_odometry_;
   Eigen::Isometry3d T_vehicle_lidar_;
-  OdometryTracker odometry_{OdometrySettings{}};
+  OdometryTracker odometry_{OdometrySettings{}, false};
   motion::Deskewer deskewer_;
   motion::DeskewedSweep deskewed_;
   std::vector<Stamp> exposures_;

@@ -48,7 +48,7 @@ void read_health(TomlTable& table, HealthOptions& options) {
 }
 
 void read_odometry(TomlTable& table, OdometrySettings& settings) {
-  table.read("planar", settings.filter.planar);
+  table.read("planar", settings.planar);
   table.read("wheelbase", settings.filter.wheelbase);
   table.read("track", settings.filter.track);
   table.read("steering_ratio", settings.filter.steering_ratio);
@@ -57,6 +57,7 @@ void read_odometry(TomlTable& table, OdometrySettings& settings) {
   read_milliseconds(table, "imu_delay_ms", settings.filter.imu_delay);
   read_milliseconds(table, "gnss_delay_ms", settings.filter.gnss_delay);
   table.read("use_gnss_speed", settings.use_gnss_speed);
+  table.read("use_lidar", settings.use_lidar);
   read_milliseconds(table, "max_wait_ms", settings.max_wait);
 }
 

@@ -1,16 +1,31 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "daemon/health/conditions.hpp"
 #include "daemon/health/health_options.hpp"
 #include "drivers/measurement/stamp.hpp"
+#include "fusion/motion/odometry_sources.hpp"
 
 namespace infuse::daemon {
 
+/// One source of odometry. Plain data.
+struct OdometrySourceStatus {
+  const char* name = "";  ///< one of `motion::kOdometrySourceNames`
+  bool carries = false;   ///< it carries the odometry now
+  uint64_t accepted = 0;  ///< samples that were used
+  uint64_t rejected = 0;  ///< samples rejected as inconsistent with the others
+};
+using OdometrySourceStatuses = std::array<OdometrySourceStatus, motion::kOdometrySources>;
+
 /// Status of the odometry filter at one moment of drive time. Plain data.
 struct OdometryStatus {
-  const char* reason = "";       ///< static text: why it is not usable; empty if it is
+  bool present = false;     ///< there is a source of odometry
+  const char* reason = "";  ///< static text: why it is not usable; empty if it is
+  OdometrySourceStatuses sources;
+  double speed_sigma = 0;        ///< m/s, standard deviation of `speed`
+  double yaw_rate_sigma = 0;     ///< rad/s, standard deviation of `yaw_rate`
   double speed = 0;              ///< m/s along x
   double yaw_rate = 0;           ///< rad/s
   bool standing = false;         ///< true if the vehicle stands still
@@ -38,6 +53,7 @@ class OdometryHealth {
 
  private:
   uint64_t not_deskewed_ = 0;
+  OdometrySourceStatuses sources_;  // at the last update
   Conditions conditions_;
 };
 

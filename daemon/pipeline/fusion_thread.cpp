@@ -30,6 +30,10 @@ LidarIndex index_of_lidar(const Rig& rig, const std::string& name) {
 
 Stamp end_of(const Sweep& sweep) { return sweep.stamp + sweep.span; }
 
+geometry::PointsView points_of(const motion::DeskewedSweep& deskewed) {
+  return {deskewed.x, deskewed.y, deskewed.z};
+}
+
 }  // namespace
 
 FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
@@ -40,15 +44,16 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       in_(in.make_reader()),
       out_(out),
       notifier_(notifier),
-      odometry_(setup.odometry),
+      odometry_(setup.odometry, setup.use_lidar),
       sweeps_(max_pins(setup.rig.lidars.size()) - 2,
-              setup.has_odometry ? setup.odometry.max_wait : Duration::zero()),
+              setup.has_motion_sensor ? setup.odometry.max_wait : Duration::zero()),
       images_(images, images.capacity(),
               setup.delivery == Delivery::kWait ? EventCount::kNoTimeout : kImageTimeout),
       image_counters_(setup.rig.cameras.size()) {
   if (setup.map != nullptr && !setup.map->empty() && setup.has_odometry) {
     map_tracker_.emplace(setup.streetmap, *setup.map, setup.rig);
   }
+  if (setup.use_lidar) lidar_odometry_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
   for (const LidarMount& lidar : setup.rig.lidars) {
     deskewers_.emplace_back(lidar.T_vehicle_lidar);
   }
@@ -84,6 +89,7 @@ void FusionThread::process(Pin<StreamItem> item) {
       return process_due_sweeps();
     case StreamItem::Kind::kSweep:
       now_ = std::max(now_, end_of(item->sweep));
+      odometry_.mark(end_of(item->sweep), measures_motion(item->lidar));
       sweeps_.push(std::move(item));
       return process_due_sweeps();
     case StreamItem::Kind::kTick:
@@ -115,7 +121,9 @@ void FusionThread::process_due_sweeps() {
 // The images are those that were exposed before the sweep's end and not matched with an earlier
 // one.
 void FusionThread::process_sweep(const StreamItem& item) {
+  odometry_.process_until(end_of(item.sweep));
   const SweepSnapshot snapshot = deskew(item);
+  if (measures_motion(item.lidar)) measure_motion(item);
   report_sweep(snapshot);
   localise(snapshot);
   images_.pop_due(
@@ -126,6 +134,29 @@ void FusionThread::process_sweep(const StreamItem& item) {
   const Duration total = HostClock::now() - item.read_at;
   latency(Stage::kTotal).add(total);
   if (total > kLatencyBudget) ++deadline_misses_;
+}
+
+// Registers the sweep, which is deskewed by prediction, to the local map. With the motion that this
+// gives it is deskewed again. A map that began before the motion was known begins anew.
+void FusionThread::measure_motion(const StreamItem& item) {
+  const ScopedLatency timer(latency(Stage::kRegister));
+  const Stamp end = deskewed_.reference;
+  const bool predicted = deskewed_.usable();
+  std::optional<Eigen::Isometry3d> guess;
+  if (const auto motion = odometry_.trajectory().between(last_registered_, end); motion.usable()) {
+    guess = motion.T_from_to;
+  }
+  last_registered_ = end;
+  const bool first = lidar_odometry_->map_voxels() == 0;
+  const registration::LidarOdometryResult result =
+      lidar_odometry_->align(points_of(deskewed_), end, guess);
+  if (result.usable() && located_) {
+    odometry_.add(result.motion);
+    deskew(item);
+  }
+  located_ = result.usable() || first;
+  if (!predicted && deskewed_.usable()) lidar_odometry_->reset();
+  lidar_odometry_->add(points_of(deskewed_), result);
 }
 
 // As of the sweep's end.
@@ -211,7 +242,7 @@ void FusionThread::report_tick(const StreamItem& item) {
     report.streams[camera].refused += counters.unreadable;
     report.streams[camera].lost += counters.dropped;
   }
-  report.odometry = odometry_.status(item.stamp);
+  report.odometry = setup_.has_odometry ? odometry_.status(item.stamp) : OdometryStatus{};
   report.odometry.not_deskewed = not_deskewed_;
   if (map_tracker_) report.streetmap = map_tracker_->status();
   for (size_t i = 0; i < latencies_.size(); ++i) report.stages[i] = latencies_[i].stats();

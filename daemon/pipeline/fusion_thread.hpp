@@ -19,13 +19,16 @@
 #include "drivers/measurement/rig.hpp"
 #include "drivers/measurement/slot_ring.hpp"
 #include "fusion/motion/deskew.hpp"
+#include "fusion/registration/lidar_odometry.hpp"
 
 namespace infuse::daemon {
 
 /// Settings of the fusion thread.
 struct FusionSetup {
   Rig rig;
-  bool has_odometry = false;  ///< a vehicle sensor measures the motion
+  bool has_odometry = false;       ///< there is a source of odometry
+  bool has_motion_sensor = false;  ///< a bus or an inertial unit: sweeps wait for its samples
+  bool use_lidar = false;          ///< the first lidar measures the motion
   OdometrySettings odometry;
   CalibrationSettings calibration;
   Delivery delivery = Delivery::kWait;
@@ -34,8 +37,9 @@ struct FusionSetup {
 };
 
 /// The fusion thread: processes the items of the io thread in order and publishes reports. A sweep
-/// waits until odometry covers its time. `process_sweep` is the whole processing of a sweep and its
-/// images.
+/// waits until the vehicle's sensors cover its time; without them its motion is predicted and, with
+/// `use_lidar`, measured by registration. `process_sweep` is the whole processing of a sweep and
+/// its images.
 class FusionThread {
  public:
   /// Maximum host time from the reading of the packet that completes a sweep to its last report.
@@ -63,6 +67,8 @@ class FusionThread {
   void process_samples(const StreamItem& item);
   void process_due_sweeps();
   void process_sweep(const StreamItem& item);
+  bool measures_motion(LidarIndex lidar) const { return lidar_odometry_ && lidar == 0; }
+  void measure_motion(const StreamItem& item);
   SweepSnapshot deskew(const StreamItem& item);
   void report_sweep(const SweepSnapshot& snapshot);
   void localise(const SweepSnapshot& snapshot);
@@ -93,14 +99,17 @@ class FusionThread {
   OdometryTracker odometry_;
   SweepQueue sweeps_;
   ImageQueue images_;
+  std::optional<registration::LidarOdometry> lidar_odometry_;
   std::optional<MapTracker> map_tracker_;
   std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
   std::deque<CameraChannel> cameras_;       // by CameraIndex
   ControlQueue requests_;
   motion::DeskewedSweep deskewed_;  // memory that is used again
 
-  Stamp now_ = Stamp::earliest();        // drive time
-  Stamp last_pose_ = Stamp::earliest();  // of the last pose without a sweep
+  Stamp now_ = Stamp::earliest();              // drive time
+  Stamp last_registered_ = Stamp::earliest();  // end of a sweep
+  bool located_ = false;                       // that sweep has a pose in the local map
+  Stamp last_pose_ = Stamp::earliest();        // of the last pose without a sweep
   uint64_t not_deskewed_ = 0;
   std::vector<ImageCounters> image_counters_;  // by CameraIndex
   std::array<LatencyHistogram, static_cast<size_t>(Stage::kCount)> latencies_;

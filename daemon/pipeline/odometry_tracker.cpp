@@ -1,8 +1,23 @@
 #include "daemon/pipeline/odometry_tracker.hpp"
 
-#include <limits>
-
 namespace infuse::daemon {
+namespace {
+
+motion::OdometryOptions filter_options(const OdometrySettings& settings, bool use_lidar) {
+  constexpr double kUnknownHeading = 10;  // rad
+  motion::OdometryOptions options = settings.filter;
+  options.planar = settings.planar.value_or(!use_lidar);
+  options.east_heading_sigma = kUnknownHeading;
+  return options;
+}
+
+}  // namespace
+
+OdometryTracker::OdometryTracker(const OdometrySettings& settings, bool use_lidar)
+    : filter_(filter_options(settings, use_lidar)),
+      use_gnss_speed_(settings.use_gnss_speed),
+      max_silence_(settings.filter.max_silence),
+      max_gnss_silence_(settings.filter.max_gnss_silence) {}
 
 void OdometryTracker::add(const VehicleSample& sample) {
   if (const auto* wheels = std::get_if<WheelOdometry>(&sample)) {
@@ -10,9 +25,7 @@ void OdometryTracker::add(const VehicleSample& sample) {
   } else if (const auto* imu = std::get_if<ImuSample>(&sample)) {
     filter_.add(*imu);
   } else if (const auto* fix = std::get_if<GnssFix>(&sample); fix != nullptr && use_gnss_speed_) {
-    GnssFix speed = *fix;
-    speed.course = std::numeric_limits<double>::quiet_NaN();
-    filter_.add(speed);
+    filter_.add(*fix);
   }
 }
 
@@ -34,13 +47,22 @@ PoseReport OdometryTracker::pose_at(Stamp stamp) const {
 const char* OdometryTracker::reason_at(Stamp now) const {
   if (!filter_.usable() || trajectory().empty()) return filter_.reason();
   const Stamp last = trajectory()[trajectory().size() - 1].stamp;
-  return now - last > max_silence_ ? "vehicle sensors silent" : "";
+  const motion::OdometryReport report = filter_.report();
+  const bool by_gnss = report.carries[static_cast<size_t>(motion::OdometrySource::kGnssSpeed)];
+  return now - last > (by_gnss ? max_gnss_silence_ : max_silence_) ? "vehicle sensors silent" : "";
 }
 
 OdometryStatus OdometryTracker::status(Stamp now) const {
   const motion::OdometryReport report = filter_.report();
   OdometryStatus status;
+  status.present = true;
   status.reason = reason_at(now);
+  for (size_t i = 0; i < status.sources.size(); ++i) {
+    status.sources[i] = {motion::kOdometrySourceNames[i], report.carries[i] && status.usable(),
+                         report.sources[i].accepted, report.sources[i].rejected};
+  }
+  status.speed_sigma = report.speed_sigma;
+  status.yaw_rate_sigma = report.yaw_rate_sigma;
   status.speed = report.speed;
   status.yaw_rate = report.angular_velocity.z();
   status.standing = report.standing;

@@ -9,16 +9,23 @@
 namespace infuse::daemon {
 
 /// Dead reckoning on the fusion thread, in the frame `odom`: origin at the start of the drive, x
-/// ahead, no jumps. The GNSS course is not used, as it would rotate that frame while driving.
+/// ahead, no jumps. The heading of that frame is unknown: a GNSS course measures its changes only.
 class OdometryTracker {
  public:
-  explicit OdometryTracker(const OdometrySettings& settings)
-      : filter_(settings.filter),
-        use_gnss_speed_(settings.use_gnss_speed),
-        max_silence_(settings.filter.max_silence) {}
+  OdometryTracker(const OdometrySettings& settings, bool use_lidar);
 
   /// Adds a sample; samples of different sensors may be out of order by the reordering time.
   void add(const VehicleSample& sample);
+
+  /// Requests a pose at the end of a sweep, from which and to which the lidar measures motion if
+  /// `clone` is true.
+  void mark(Stamp end, bool clone) { filter_.mark(end, clone); }
+
+  /// Processes samples and marks up to a time; beyond the samples the motion is predicted.
+  void process_until(Stamp end) { filter_.process_until(end); }
+
+  /// Adds the motion between two marks.
+  void add(const motion::RelativePose& pose) { filter_.add(pose); }
 
   /// Processes the samples that still wait for earlier ones.
   void finish() { filter_.flush(); }
@@ -37,7 +44,7 @@ class OdometryTracker {
 
   motion::OdometryFilter filter_;
   bool use_gnss_speed_;
-  Duration max_silence_;
+  Duration max_silence_, max_gnss_silence_;
 };
 
 }  // namespace infuse::daemon

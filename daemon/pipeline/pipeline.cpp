@@ -28,10 +28,17 @@ ReportItem report_item(const PipelineSetup& setup) {
 }
 
 FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& options) {
-  return {setup.rig,        setup.vehicle.has_odometry(),
-          options.odometry, options.calibration,
-          setup.delivery,   options.streetmap,
-          options.map};
+  const bool use_lidar = options.odometry.use_lidar.value_or(!setup.vehicle.has_motion_sensor()) &&
+                         !setup.rig.lidars.empty();
+  return {.rig = setup.rig,
+          .has_odometry = setup.vehicle.has_odometry() || use_lidar,
+          .has_motion_sensor = setup.vehicle.has_motion_sensor(),
+          .use_lidar = use_lidar,
+          .odometry = options.odometry,
+          .calibration = options.calibration,
+          .delivery = setup.delivery,
+          .streetmap = options.streetmap,
+          .map = options.map};
 }
 
 }  // namespace

@@ -47,7 +47,6 @@ Publisher::Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup,
       in_(in.make_reader()),
       devices_(setup.devices),
       lidar_count_(setup.lidars.size()),
-      has_odometry_(setup.vehicle.has_odometry()),
       health_options_(health),
       odometry_health_(health),
       streetmap_health_(health),
@@ -130,7 +129,7 @@ void Publisher::publish_health(const ReportItem& item) {
   if (mark_activated_devices(item)) publish(DevicesReport{item.stamp, devices_}, "");
   HealthReport report{.stamp = item.stamp, .drive = item.stamp - totals_.start};
   update_devices(item, report);
-  if (has_odometry_) {
+  if (item.odometry.present) {
     const Conditions& conditions = odometry_health_.update(item.stamp, item.odometry);
     report.odometry = task_health(item.odometry, conditions);
     publish_transitions(item.stamp, "odometry", conditions.transitions());

@@ -95,7 +95,6 @@ class Publisher {
   SlotRing<ReportItem>::Reader in_;
   std::vector<Device> devices_;
   size_t lidar_count_;  // lidars come first in `devices_`
-  bool has_odometry_;
   HealthOptions health_options_;
   std::vector<SensorHealth> lidar_health_;
   std::vector<StreamHealth> stream_health_;  // of the other devices

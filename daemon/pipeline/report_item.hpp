@@ -17,18 +17,19 @@ namespace infuse::daemon {
 
 /// The stages: steps of the pipeline whose latency is measured.
 enum class Stage : uint8_t {
-  kIntake,   ///< reading of an event to publishing of its sweep or image
-  kDecode,   ///< decoding of an image
-  kDeskew,   ///< deskewing of a sweep
-  kProject,  ///< projection of a sweep into an image
-  kTrack,    ///< update of the street-map tracker with a sweep or an image
-  kMonitor,  ///< monitoring of a calibration with an image
-  kTotal,    ///< reading of the event that completed a sweep to the sweep's last report
+  kIntake,    ///< reading of an event to publishing of its sweep or image
+  kDecode,    ///< decoding of an image
+  kDeskew,    ///< deskewing of a sweep
+  kRegister,  ///< lidar odometry with a sweep
+  kProject,   ///< projection of a sweep into an image
+  kTrack,     ///< update of the street-map tracker with a sweep or an image
+  kMonitor,   ///< monitoring of a calibration with an image
+  kTotal,     ///< reading of the event that completed a sweep to the sweep's last report
   kCount,
 };
 
 inline constexpr std::array<const char*, static_cast<size_t>(Stage::kCount)> kStageNames = {
-    "intake", "decode", "deskew", "project", "track", "monitor", "total"};
+    "intake", "decode", "deskew", "register", "project", "track", "monitor", "total"};
 
 /// An item from the fusion thread to the publisher: values of fixed size, not yet text.
 struct ReportItem {

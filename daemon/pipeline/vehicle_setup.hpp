@@ -20,11 +20,14 @@ struct VehicleSetup {
   bool has_gnss = false;     ///< a GNSS receiver in addition to the buses
   std::vector<Error> notes;  ///< entries of the DBC file that were ignored
 
-  /// True if there is a source of odometry.
-  bool has_odometry() const {
+  /// True if a bus or an inertial unit measures the motion, many times a second.
+  bool has_motion_sensor() const {
     return has_imu ||
            std::any_of(buses.begin(), buses.end(), [](const auto& bus) { return bus.has_value(); });
   }
+
+  /// True if there is a source of odometry.
+  bool has_odometry() const { return has_motion_sensor() || has_gnss; }
 };
 
 /// Sets up the decoder of a CAN bus; nothing if no signals are configured. Paths are relative to

@@ -147,6 +147,14 @@ void describe(Visitor& v, const DeviceHealth<StreamStatus>& stream) {
 }
 
 template <class Visitor>
+void describe(Visitor& v, const OdometrySourceStatus& source) {
+  v.field("name", source.name);
+  v.field("carries", source.carries, "it carries the odometry now");
+  v.field("accepted", source.accepted, "samples used");
+  v.field("rejected", source.rejected, "samples that contradict the others");
+}
+
+template <class Visitor>
 void describe(Visitor& v, const TaskHealth<OdometryStatus>& odometry) {
   const OdometryStatus& status = odometry.status;
   v.field("level", odometry.level);
@@ -154,8 +162,13 @@ void describe(Visitor& v, const TaskHealth<OdometryStatus>& odometry) {
           gauge("infuse_odometry_usable"));
   v.field("speed", rounded(status.speed), "Forward speed, m/s.",
           gauge("infuse_odometry_speed_meters_per_second"));
+  v.field("speed_sigma", non_negative(rounded(status.speed_sigma)), "Its standard deviation.",
+          gauge("infuse_odometry_speed_sigma_meters_per_second"));
   v.field("yaw_rate", rounded(status.yaw_rate), "Yaw rate, rad/s.",
           gauge("infuse_odometry_yaw_rate_radians_per_second"));
+  v.field("yaw_rate_sigma", non_negative(status.yaw_rate_sigma), "Its standard deviation.",
+          gauge("infuse_odometry_yaw_rate_sigma_radians_per_second"));
+  v.field("sources", status.sources, "which measurements there are, and which carry the odometry");
   v.field("standing", status.standing, "True if the vehicle stands still.",
           gauge("infuse_odometry_standing"));
   v.field("wheel_scale", status.wheel_scale, "Estimated ratio of true to measured speed.",

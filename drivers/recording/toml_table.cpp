@@ -41,6 +41,11 @@ void TomlTable::read(std::string_view key, bool& value) {
   value = boolean->get();
 }
 
+void TomlTable::read(std::string_view key, std::optional<bool>& value) {
+  if (node(key) == nullptr) return;
+  read(key, value.emplace());
+}
+
 void TomlTable::read(std::string_view key, double& value) {
   std::optional<double> number;
   read(key, number);

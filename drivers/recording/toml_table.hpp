@@ -26,6 +26,7 @@ class TomlTable {
   /// Reads a value; leaves it unchanged if the key is absent.
   void read(std::string_view key, std::string& value);
   void read(std::string_view key, bool& value);
+  void read(std::string_view key, std::optional<bool>& value);
   void read(std::string_view key, double& value);
   void read(std::string_view key, std::optional<double>& value);
   /// Reads an integer from `min_value` to `max_value`.

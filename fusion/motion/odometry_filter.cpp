@@ -11,6 +11,7 @@ constexpr Duration kMaxPredictionStep{50'000'000};  // maximum duration of one p
 constexpr Duration kMaxStampJump{2'000'000'000};  // maximum gap between stamps; a single larger one
                                                   // is rejected
 constexpr Duration kPredictedPoseInterval{100'000'000};  // between poses without samples
+constexpr Duration kTrajectoryLead{10'000'000};
 constexpr Duration kSlipAfter{100'000'000};    // of rejected wheels; then they are suspended
 constexpr Duration kAgreeBefore{500'000'000};  // of agreement, before they are used again
 constexpr double kWheelAgreement = 0.4;        // m/s
@@ -309,6 +310,14 @@ void OdometryFilter::correct_trajectory(const RelativePose& pose,
     }
     trajectory_.correct(i, between(within ? from : to, within ? to : now, old.stamp,
                                    geometry::exp(change) * old.T_odom_vehicle));
+  }
+  // Consecutive sweeps may overlap by a firing: the trajectory begins a little before.
+  if (trajectory_.empty()) {
+    const Stamp begin = from.stamp - kTrajectoryLead;
+    trajectory_.append(
+        {begin,
+         geometry::interpolate(from.T_odom_vehicle, to.T_odom_vehicle, share(from, to, begin)),
+         from.covariance, from.steps});
   }
   for (Stamp stamp = from.stamp; stamp < to.stamp; stamp = stamp + kPredictedPoseInterval) {
     const double u = to_seconds(stamp - from.stamp) / to_seconds(to.stamp - from.stamp);

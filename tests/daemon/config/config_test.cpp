@@ -208,6 +208,7 @@ steering_ratio = 16.9
 gnss_delay_ms = 120
 reorder_ms = 150
 use_gnss_speed = false
+use_lidar = true
 max_wait_ms = 50
 [calibration]
 monitor = false
@@ -217,7 +218,8 @@ limit_translation = 0.05
 )",
                                    "x.toml");
   ASSERT_TRUE(config) << config.error().message();
-  EXPECT_FALSE(config->odometry.filter.planar);
+  EXPECT_EQ(config->odometry.planar, false);
+  EXPECT_EQ(config->odometry.use_lidar, true);
   EXPECT_EQ(config->odometry.filter.wheelbase, 2.65);
   EXPECT_EQ(config->odometry.filter.gnss_delay, from_seconds(0.12));
   EXPECT_EQ(config->odometry.filter.reorder, from_seconds(0.15));

@@ -131,7 +131,7 @@ TEST_F(FusionThreadTest, WithoutOdometryASweepIsReportedAtOnceAndAsMeasured) {
 }
 
 TEST_F(FusionThreadTest, ASweepWaitsForOdometryAtMostTheConfiguredTime) {
-  setup_.has_odometry = true;
+  setup_.has_odometry = setup_.has_motion_sensor = true;
   setup_.odometry.max_wait = from_seconds(0.2);
   push(StreamItem::Kind::kStart, at(0));
   push_sweep(at(0));
@@ -147,7 +147,7 @@ TEST_F(FusionThreadTest, ASweepWaitsForOdometryAtMostTheConfiguredTime) {
 }
 
 TEST_F(FusionThreadTest, AFlushProcessesTheSweepsThatWait) {
-  setup_.has_odometry = true;
+  setup_.has_odometry = setup_.has_motion_sensor = true;
   push(StreamItem::Kind::kStart, at(0));
   push_sweep(at(0));
   EXPECT_THAT(kinds(run(at(0.1))),
@@ -189,7 +189,7 @@ TEST_F(FusionThreadTest, ImagesThatCannotBeUsedAreCountedOrReportedWithAReason) 
 
 TEST_F(FusionThreadTest, WithoutALidarPosesAreReportedTenTimesASecond) {
   setup_.rig = {};
-  setup_.has_odometry = true;
+  setup_.has_odometry = setup_.has_motion_sensor = true;
   push(StreamItem::Kind::kStart, at(0));
   for (int i = 0; i < 100; ++i) {
     StreamItem& item = slot(StreamItem::Kind::kSamples, at(0.02 * i));

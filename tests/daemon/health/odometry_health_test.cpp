@@ -1,0 +1,51 @@
+#include "daemon/health/odometry_health.hpp"
+
+#include <gtest/gtest.h>
+
+namespace infuse::daemon {
+namespace {
+
+OdometryStatus status_of(uint64_t wheels_accepted, uint64_t wheels_rejected) {
+  OdometryStatus status;
+  status.present = true;
+  for (size_t i = 0; i < status.sources.size(); ++i) {
+    status.sources[i].name = motion::kOdometrySourceNames[i];
+  }
+  status.sources[static_cast<size_t>(motion::OdometrySource::kWheels)].accepted = wheels_accepted;
+  status.sources[static_cast<size_t>(motion::OdometrySource::kWheels)].rejected = wheels_rejected;
+  status.sources[static_cast<size_t>(motion::OdometrySource::kLidar)].carries = true;
+  return status;
+}
+
+TEST(OdometryHealth, NamesTheSourceThatContradicts) {
+  OdometryHealth health{HealthOptions{}};
+  Stamp now = Stamp::from_ns(0);
+  for (uint64_t second = 1; second < 10; ++second) {
+    now = now + from_seconds(1);
+    const Conditions& conditions = health.update(now, status_of(50 * second, second));
+    EXPECT_TRUE(conditions.findings().empty()) << "single outliers";
+  }
+  for (uint64_t second = 1; second < 5; ++second) {
+    now = now + from_seconds(1);
+    health.update(now, status_of(450, 9 + 50 * second));
+  }
+  const auto& findings = health.update(now + from_seconds(1), status_of(450, 300)).findings();
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_STREQ(findings[0].id, "contradiction");
+  EXPECT_EQ(findings[0].what, "wheels contradicts the motion carried by lidar");
+}
+
+TEST(OdometryHealth, SaysWhatToAddWhenNothingSuffices) {
+  OdometryHealth health{HealthOptions{}};
+  OdometryStatus status = status_of(0, 0);
+  status.reason = "no source of speed";
+  for (int second = 1; second < 4; ++second)
+    health.update(Stamp::from_ns(second * 1'000'000'000LL), status);
+  const auto& findings = health.update(Stamp::from_ns(4'000'000'000LL), status).findings();
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].what, "odometry not usable: no source of speed");
+  EXPECT_NE(findings[0].advice.find("GNSS"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace infuse::daemon
