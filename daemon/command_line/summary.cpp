@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <sys/resource.h>
 
+#include "daemon/command_line/lidar_problems.hpp"
 #include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
@@ -11,11 +12,6 @@ namespace {
 /// Events per second of drive time.
 double rate(uint64_t count, Duration span) {
   return span > Duration::zero() ? static_cast<double>(count) / to_seconds(span) : 0;
-}
-
-/// Time from the first packet to the last.
-Duration active_duration(const SensorCounters& counters) {
-  return counters.packets == 0 ? Duration::zero() : counters.last_packet - counters.first_packet;
 }
 
 uint64_t count_lost(const SensorCounters& counters) {
@@ -52,10 +48,13 @@ Json device_json(const Device& device, const SensorCounters& c, Level level) {
           {"packets_lost", count_lost(c)},
           {"position_packets", c.position_packets},
           {"sweeps", c.sweeps},
-          {"sweeps_hz", rounded(rate(c.sweeps, active_duration(c)))},
+          {"sweeps_hz", rounded(sweep_rate(c))},
           {"returns", c.returns},
           {"losses", losses_json(c)},
           {"wrong_model", c.wrong_model},
+          {"stray_azimuths", c.stray_azimuths},
+          {"uncalibrated_sweeps", c.uncalibrated_sweeps},
+          {"two_sensors", c.two_sensors},
           {"out_of_order", c.out_of_order},
           {"clock_jumps", c.clock_jumps},
           {"clock", to_json(c.clock)}};
@@ -90,7 +89,9 @@ std::string causes_text(const SensorCounters& c) {
   add(c.duplicates, "duplicated");
   add(c.too_late, "too late");
   add(c.out_of_order, "reordered");
-  add(c.wrong_model, "with another model's product byte");
+  add(c.wrong_model, "of another model");
+  add(c.clock_jumps, "clock jumps");
+  add(c.stray_azimuths, "stray azimuths");
   return text;
 }
 
@@ -169,8 +170,8 @@ std::string device_text(const Device& device, const SensorCounters& c, Level lev
   text += fmt::format("    {} packets ({:.1f}/s), {} lost{}\n", c.packets,
                       rate(c.packets, active_duration(c)), count_lost(c), causes_text(c));
   text += fmt::format(
-      "    {} sweeps ({:.2f}/s), {} returns ({:.0f} per sweep)\n", c.sweeps,
-      rate(c.sweeps, active_duration(c)), c.returns,
+      "    {} sweeps ({:.2f}/s), {} returns ({:.0f} per sweep)\n", c.sweeps, sweep_rate(c),
+      c.returns,
       c.sweeps == 0 ? 0.0 : static_cast<double>(c.returns) / static_cast<double>(c.sweeps));
   if (c.position_packets > 0) text += fmt::format("    {} position packets\n", c.position_packets);
   return text + "    clock: " + clock_text(c.clock) + "\n";
@@ -239,6 +240,11 @@ std::string to_text(const Summary& summary) {
     text +=
         fmt::format("  alert after {:.0f} s: {}: {} ({})\n", to_seconds(alert.stamp - totals.start),
                     alert.device, alert.finding.what, alert.finding.advice);
+  }
+  for (size_t i = 0; i < lidars; ++i) {
+    for (const LidarProblem& problem : find_problems(summary.devices[i], totals.counters[i])) {
+      text += "  problem: " + problem.what + "\n";
+    }
   }
   for (const Error& note : summary.notes) text += "  note: " + note.message() + "\n";
   return text;

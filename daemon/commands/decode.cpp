@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/lidar_problems.hpp"
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/deskewed_sweeps.hpp"
@@ -15,6 +16,7 @@
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/recording/sweep_export.hpp"
 #include "drivers/text/text_file.hpp"
+#include "drivers/velodyne/beam_origins.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -24,9 +26,11 @@ struct Arguments {
   std::string output;
   std::string lidar;
   std::string model;
+  std::string calibration;
   std::optional<uint64_t> sweep;
   double cut_deg = LidarOptions().cut_azimuth_deg;
   bool deskew = false;
+  bool single_origin = false;
   bool json = false;
 
   bool writes_image() const { return std::filesystem::path(output).extension() == ".png"; }
@@ -108,8 +112,8 @@ class Writer {
   std::optional<Error> error_;
 };
 
-/// Reads the drive until the writer is done.
-void decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writer) {
+/// Reads the drive until the writer is done; returns the lidar's counters.
+SensorCounters decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writer) {
   DeskewedSweeps sweeps(setup.rig.lidars[lidar].T_vehicle_lidar, {});
   const auto on_sweep = [&](Sweep& sweep) {
     deskew ? sweeps.add_sweep(sweep) : writer.write(sweep);
@@ -118,11 +122,13 @@ void decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writer) {
   const auto on_deskewed = [&](const Sweep& sweep, const motion::DeskewedSweep& moved) {
     writer.write_deskewed(sweep, moved);
   };
-  play_lidar(setup, lidar, on_sweep, on_sample, [&](const recording::DriveEvent& event) {
-    sweeps.process_due(event.stamp, on_deskewed);
-    return !writer.done();
-  });
+  const SensorCounters counters =
+      play_lidar(setup, lidar, on_sweep, on_sample, [&](const recording::DriveEvent& event) {
+        sweeps.process_due(event.stamp, on_deskewed);
+        return !writer.done();
+      });
   if (!writer.done()) sweeps.finish(on_deskewed);
+  return counters;
 }
 
 int run(const Arguments& arguments) {
@@ -144,18 +150,26 @@ int run(const Arguments& arguments) {
                          kUsage);
     }
   }
-  auto setup = open_drive(arguments.path, {}, model);
+  auto setup = open_drive(arguments.path, {}, {model, arguments.calibration});
   if (!setup) return print_error(kProgram, setup.error(), kUnreadable);
   const auto lidar = find_lidar(*setup, arguments.lidar);
   if (!lidar) return print_error(kProgram, lidar.error(), kUsage);
-  setup->lidars[*lidar].assembler.cut_azimuth = arguments.cut_deg;
+  velodyne::SweepAssemblerOptions& assembler = setup->lidars[*lidar].assembler;
+  assembler.cut_azimuth = options.cut_azimuth_deg;
+  if (arguments.single_origin && !velodyne::model_info(assembler.model).calibrated_per_unit) {
+    assembler.calibration = velodyne::single_origin_calibration(assembler.model);
+  }
 
   Writer writer(arguments);
-  decode(*setup, *lidar, arguments.deskew || arguments.writes_image(), writer);
+  const SensorCounters counters =
+      decode(*setup, *lidar, arguments.deskew || arguments.writes_image(), writer);
   writer.finish();
   if (writer.error()) return print_error(kProgram, *writer.error(), kFailure);
   for (const Error& note : setup->source.notes()) {
     std::cerr << kProgram << ": note: " << note.message() << "\n";
+  }
+  for (const LidarProblem& problem : find_problems(setup->devices[*lidar], counters)) {
+    std::cerr << kProgram << ": note: " << problem.what << "\n";
   }
   if (writer.not_deskewed() > 0) {
     std::cerr << fmt::format("{}: note: {} sweep(s) not deskewed: {}\n", kProgram,
@@ -197,6 +211,11 @@ Command declare_decode(CLI::App& infuse) {
   app->add_option("--lidar", arguments->lidar, "lidar, if there are several")->type_name("NAME");
   app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
+  app->add_option("--calibration", arguments->calibration, "db.xml of an HDL-64E")
+      ->type_name("FILE");
+  app->add_flag("--single-origin", arguments->single_origin,
+                "all beams from one origin, as ROS drivers decode them; heights differ by up to "
+                "27 mm");
   app->add_option("--cut", arguments->cut_deg,
                   "azimuth at which a sweep ends, clockwise from the front (180)")
       ->type_name("DEG");

@@ -1,11 +1,13 @@
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <iostream>
 #include <map>
 #include <memory>
 
 #include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/lidar_problems.hpp"
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/command_line/summary.hpp"
 #include "daemon/commands/command.hpp"
@@ -19,6 +21,7 @@ namespace {
 struct Arguments {
   std::string path;
   std::string model;
+  std::string calibration;
   bool json = false;
 };
 
@@ -35,7 +38,8 @@ Result<Contents> survey_capture(const std::filesystem::path& path) {
   Contents contents;
   Datagram datagram;
   while (reader->next(datagram)) contents.survey.add(datagram);
-  if (reader->damage()) contents.notes.push_back(*reader->damage());
+  contents.survey.set_packets(reader->counters());
+  reader->append_notes(contents.notes);
   return contents;
 }
 
@@ -66,6 +70,25 @@ Result<Contents> survey_drive(const std::filesystem::path& path) {
   }
   contents.notes = source->notes();
   return contents;
+}
+
+/// Raises the level of each lidar to that of its problems: health needs seconds to judge, and a
+/// capture may be shorter.
+Summary judge_lidars(Summary summary) {
+  Totals& totals = summary.totals;
+  for (size_t i = 0; i < totals.counters.size(); ++i) {
+    totals.levels[i] =
+        worst_level(totals.levels[i], find_problems(summary.devices[i], totals.counters[i]));
+  }
+  return summary;
+}
+
+/// True if a lidar has been decoded.
+bool has_lidar(const Result<Summary>& summary) {
+  if (!summary) return false;
+  const auto& counters = summary->totals.counters;
+  return std::any_of(counters.begin(), counters.end(),
+                     [](const SensorCounters& c) { return c.packets > 0; });
 }
 
 /// Runs the drive through the pipeline without clients.
@@ -101,14 +124,9 @@ std::vector<std::string> list_problems(const Contents& contents, const Result<Su
                                alert.finding.what, alert.finding.advice));
   }
   for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
-    const SensorCounters& counters = summary->totals.counters[i];
-    if (counters.lost_network > 0) {
-      list.push_back(
-          fmt::format("{}: {} packets lost", summary->devices[i].name, counters.lost_network));
-    }
-    if (counters.wrong_model > 0) {
-      list.push_back(fmt::format("{}: {} packets with another model's product byte",
-                                 summary->devices[i].name, counters.wrong_model));
+    for (const LidarProblem& problem :
+         find_problems(summary->devices[i], summary->totals.counters[i])) {
+      list.push_back(problem.what);
     }
   }
   return list;
@@ -147,6 +165,8 @@ Json to_json(const Arguments& arguments, const Contents& contents, const Result<
   for (const auto& [what, arrivals] : contents.other_streams) {
     json["streams"].push_back(arrivals_json(what, arrivals));
   }
+  const std::string unread = contents.survey.describe_unread();
+  if (!unread.empty()) json["not_read"] = unread;
   json["devices"] = Json::array();
   if (summary) {
     const Json replayed = to_json(*summary);
@@ -173,6 +193,8 @@ std::string to_text(const Arguments& arguments, const Contents& contents,
                           stream.arrivals);
   }
   for (const auto& [what, arrivals] : contents.other_streams) text += arrivals_text(what, arrivals);
+  const std::string unread = contents.survey.describe_unread();
+  if (!unread.empty()) text += "  not read: " + unread + "\n";
   if (summary) {
     text += "lidars\n";
     for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
@@ -212,11 +234,12 @@ int run(const Arguments& arguments) {
     return print_error("infuse inspect", contents.error(), kUnreadable);
   }
   line.show(std::nullopt, "decoding " + arguments.path);
-  const Result<Summary> summary = open_drive(arguments.path, {}, model).map(replay);
+  const Result<Summary> summary =
+      open_drive(arguments.path, {}, {model, arguments.calibration}).map(replay).map(judge_lidars);
   line.clear();
   std::cout << (arguments.json ? to_json(arguments, *contents, summary).dump() + "\n"
                                : to_text(arguments, *contents, summary));
-  return kDone;
+  return has_lidar(summary) ? kDone : kFailure;
 }
 
 }  // namespace
@@ -228,6 +251,8 @@ Command declare_inspect(CLI::App& infuse) {
   app->add_option("PATH", arguments->path, "a drive folder, or a pcap or pcapng file")->required();
   app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
+  app->add_option("--calibration", arguments->calibration, "db.xml of an HDL-64E")
+      ->type_name("FILE");
   app->add_flag("--json", arguments->json, "print the result as one JSON object");
   set_examples(*app, {"infuse inspect drive.pcap", "infuse inspect drive/ --json"});
   return {app, [arguments] { return run(*arguments); }};

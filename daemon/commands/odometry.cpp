@@ -126,7 +126,7 @@ int run(const Arguments& arguments) {
                          kUsage);
     }
   }
-  auto setup = open_drive(arguments.path, {}, model);
+  auto setup = open_drive(arguments.path, {}, {model, {}});
   if (!setup) return print_error(kProgram, setup.error(), kUnreadable);
   const auto lidar = find_lidar(*setup, arguments.lidar);
   if (!lidar) return print_error(kProgram, lidar.error(), kUsage);

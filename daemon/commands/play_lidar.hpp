@@ -11,10 +11,10 @@ namespace infuse::daemon {
 /// Plays a drive for one of its lidars and the vehicle's odometry. Calls `on_sweep(Sweep&)`,
 /// `on_sample(const VehicleSample&)`, and after every event of the drive `on_event(const
 /// DriveEvent&)`, which returns false to end early. At the drive's end the sweep being assembled is
-/// passed on too.
+/// passed on too. Returns the lidar's counters.
 template <class OnSweep, class OnSample, class OnEvent>
-void play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample,
-                OnEvent on_event) {
+SensorCounters play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample,
+                          OnEvent on_event) {
   LidarIntake intake(setup.lidars[lidar]);
   VehicleIntake vehicle(setup.vehicle);
   const auto on_fix = [&](const GnssFix& fix) {
@@ -33,9 +33,10 @@ void play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_s
     } else if (const auto* fix = std::get_if<GnssFix>(&event.content)) {
       on_sample(*fix);
     }
-    if (!on_event(event)) return;
+    if (!on_event(event)) return intake.counters();
   }
   intake.finish(on_sweep);
+  return intake.counters();
 }
 
 }  // namespace infuse::daemon

@@ -199,7 +199,7 @@ Result<void> add_target_views(const std::filesystem::path& folder, const std::st
   const Rig& rig = drive->description.rig;
   const auto index = find_camera(rig, camera, folder.string());
   if (!index) return tl::unexpected(index.error());
-  auto setup = open_drive(folder, {}, std::nullopt);
+  auto setup = open_drive(folder, {}, {});
   if (!setup) return tl::unexpected(setup.error());
   const CameraMount& mount = rig.cameras[*index];
   const auto lidar = std::find_if(rig.lidars.begin(), rig.lidars.end(),

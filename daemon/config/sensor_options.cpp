@@ -13,8 +13,8 @@ std::optional<std::string> LidarOptions::invalid() const {
   if (position_port == 0) return "position_port must lie in 1 ... 65535";
   if (!model.empty() && !velodyne::find_model(model)) return "unknown model '" + model + "'";
   if (!sender.empty() && !parse_address(sender)) return "'" + sender + "' is not an IPv4 address";
-  if (!(cut_azimuth_deg >= 0 && cut_azimuth_deg < 360)) {
-    return "cut_azimuth_deg must lie in 0 ... 360";
+  if (!(cut_azimuth_deg >= -360 && cut_azimuth_deg <= 360)) {
+    return "cut_azimuth_deg must lie in -360 ... 360";
   }
   return udp(port).invalid();
 }

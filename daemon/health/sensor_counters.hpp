@@ -20,13 +20,21 @@ struct SensorCounters {
                               ///< that the kernel dropped
   uint64_t lost_kernel = 0;   ///< datagrams dropped by the kernel because its buffer was full
   uint64_t malformed = 0;     ///< datagrams on the sensor's ports that are not packets of its model
-  uint64_t wrong_sender = 0;  ///< datagrams on the sensor's ports from another address
-  uint64_t unclaimed = 0;     ///< datagrams to a port of no sensor
-  uint64_t wrong_model = 0;   ///< packets that state another model than the configured one; used
-  uint64_t duplicates = 0;    ///< repeated data packets; not used
-  uint64_t out_of_order = 0;  ///< data packets that arrived late and were reordered
-  uint64_t too_late = 0;      ///< data packets that arrived too late to be used
-  uint64_t clock_jumps = 0;   ///< jumps of the device's counter
+  const char* malformed_reason = "";  ///< static text: what is wrong with the latest of these
+  uint64_t wrong_sender = 0;          ///< datagrams on the sensor's ports from another address
+  uint64_t unclaimed = 0;             ///< datagrams to a port of no sensor
+  uint64_t wrong_model = 0;     ///< packets that are another model's than the configured one; used
+  uint64_t stray_azimuths = 0;  ///< azimuths that cannot be the sensor's; interpolated
+  uint64_t duplicates = 0;      ///< repeated data packets; not used
+  uint64_t out_of_order = 0;    ///< data packets that arrived late and were reordered
+  uint64_t too_late = 0;        ///< data packets that arrived too late to be used
+  uint64_t clock_jumps = 0;     ///< jumps of the device's counter
+
+  /// Sweeps decoded with the calibration of another unit (HDL-64E, until its own is known).
+  uint64_t uncalibrated_sweeps = 0;
+  double turns_hz = 0;          ///< turns per second, by azimuth over the device's time
+  bool turns_measured = false;  ///< `turns_hz` is known
+  bool two_sensors = false;     ///< packets of two sensors arrive from one address
 
   Stamp first_packet;  ///< host receive time of the first data packet; valid if packets > 0
   Stamp last_packet;   ///< host receive time of the last data packet; valid if packets > 0

@@ -40,6 +40,7 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
       conditions_{{"silent", Level::kStale, Duration::zero(), Duration::zero()},
                   {"unavailable", Level::kError, Duration::zero(), Duration::zero()},
                   {"undecodable", Level::kError, options.raise_after, options.clear_after},
+                  {"two_sensors", Level::kError, options.raise_after, options.clear_after},
                   {"no_sweeps", Level::kError, Duration::zero(), options.clear_after},
                   {"heavy_loss", Level::kError, options.raise_after, options.clear_after},
                   {"loss", Level::kWarn, options.raise_after, options.clear_after},
@@ -56,13 +57,14 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
   status_.counters = counters;
   measure_rates(now, oldest);
 
-  conditions_.update({check_silence(now, counters), check_availability(counters.source),
-                      check_decoding(counters, before), check_sweeps(now, counters),
-                      check_loss(counters, before, options_.error_loss, kUnlimitedLoss),
-                      check_loss(counters, before, options_.warn_loss, options_.error_loss),
-                      check_sender(counters, before), check_model(counters, before),
-                      check_receive_buffer(counters.source), check_clock(now, counters)},
-                     now);
+  conditions_.update(
+      {check_silence(now, counters), check_availability(counters.source),
+       check_decoding(counters, before), check_alternation(counters), check_sweeps(now, counters),
+       check_loss(counters, before, options_.error_loss, kUnlimitedLoss),
+       check_loss(counters, before, options_.warn_loss, options_.error_loss),
+       check_sender(counters, before), check_model(counters, before),
+       check_receive_buffer(counters.source), check_clock(now, counters)},
+      now);
   status_.findings = conditions_.findings();
   status_.transitions = conditions_.transitions();
   status_.level = conditions_.level();
@@ -117,6 +119,12 @@ CheckResult SensorHealth::check_decoding(const SensorCounters& now,
       "check the configured model, and that nothing else sends to this port"};
 }
 
+CheckResult SensorHealth::check_alternation(const SensorCounters& now) const {
+  if (!now.two_sensors) return {};
+  return {true, fmt::format("packets of two sensors alternate on {}", endpoint_),
+          "give the sensors different ports, or set the sender"};
+}
+
 CheckResult SensorHealth::check_sweeps(Stamp now, const SensorCounters& counters) {
   if (counters.sweeps != sweeps_seen_ || counters.packets == 0) last_sweep_ = now;
   sweeps_seen_ = counters.sweeps;
@@ -157,7 +165,7 @@ CheckResult SensorHealth::check_model(const SensorCounters& now,
   const uint64_t wrong = increase(now.wrong_model, before.wrong_model);
   if (wrong == 0) return {};
   return {true, fmt::format("{} on {} from another model", plural(wrong, "packet"), endpoint_),
-          "check the configured model; early VLP-16 firmware reports HDL-32E"};
+          "check the configured model"};
 }
 
 CheckResult SensorHealth::check_clock(Stamp now, const SensorCounters& counters) {

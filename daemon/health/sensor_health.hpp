@@ -45,6 +45,7 @@ class SensorHealth {
   void restart_at(Stamp now);
   CheckResult check_silence(Stamp now, const SensorCounters& counters);
   CheckResult check_decoding(const SensorCounters& now, const SensorCounters& before) const;
+  CheckResult check_alternation(const SensorCounters& now) const;
   CheckResult check_sweeps(Stamp now, const SensorCounters& now_counters);
   CheckResult check_loss(const SensorCounters& now, const SensorCounters& before, double min_loss,
                          double max_loss) const;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "drivers/recording/pcap_reader.hpp"
+#include "drivers/velodyne/sweep_assembler.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -58,7 +59,10 @@ bool has_nmea_sentences(const CaptureSurvey& survey, const recording::LidarFiles
 }
 
 std::string describe_contents(const CaptureSurvey& survey) {
-  if (survey.streams().empty()) return "it holds no UDP datagrams";
+  if (survey.streams().empty()) {
+    const std::string unread = survey.describe_unread();
+    return "it holds no complete UDP datagrams" + (unread.empty() ? "" : ", but " + unread);
+  }
   const Stream& stream = survey.streams().front();
   return fmt::format("it holds e.g. {} datagrams of {} bytes from {} to port {}",
                      stream.arrivals.count, stream.last_size, address_text(stream.sender),
@@ -73,6 +77,7 @@ Result<CaptureSurvey> survey_beginning(const std::filesystem::path& path) {
   CaptureSurvey survey;
   Datagram datagram;
   for (size_t i = 0; i < kMaxSurveyDatagrams && reader->next(datagram); ++i) survey.add(datagram);
+  survey.set_packets(reader->counters());
   return survey;
 }
 
@@ -85,10 +90,13 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& path,
   for (const LidarOptions& options : lidars) {
     add_lidar(description, options.name, options.model, files_of(path, options));
   }
-  size_t data_streams = 0;
-  for (const Stream& stream : survey.streams()) data_streams += stream.kind == StreamKind::kData;
+  uint64_t max_packets = 0;
   for (const Stream& stream : survey.streams()) {
-    const bool noise = data_streams > 1 && stream.arrivals.count < kMinPackets;
+    if (stream.kind == StreamKind::kData)
+      max_packets = std::max(max_packets, stream.arrivals.count);
+  }
+  for (const Stream& stream : survey.streams()) {
+    const bool noise = max_packets >= kMinPackets && stream.arrivals.count < kMinPackets;
     if (!lidars.empty() || stream.kind != StreamKind::kData || noise) continue;
     const size_t number = description.lidars.size() + 1;
     add_lidar(description, number == 1 ? "lidar" : fmt::format("lidar{}", number), "",
@@ -105,11 +113,28 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& path,
   return drive;
 }
 
-std::optional<velodyne::InferredModel> infer_model(const CaptureSurvey& survey,
-                                                   const recording::LidarFiles& files) {
+const Stream* find_data_stream(const CaptureSurvey& survey, const recording::LidarFiles& files) {
+  const Stream* found = nullptr;
   for (const Stream& stream : survey.streams()) {
-    if (stream.kind == StreamKind::kData && is_from(files, stream, files.port)) {
-      return stream.inference.infer();
+    if (stream.kind != StreamKind::kData || !is_from(files, stream, files.port)) continue;
+    if (found == nullptr || stream.arrivals.count > found->arrivals.count) found = &stream;
+  }
+  return found;
+}
+
+std::optional<velodyne::Calibration> find_streamed_calibration(const std::filesystem::path& path,
+                                                               const recording::LidarFiles& files,
+                                                               velodyne::Model model) {
+  auto reader = recording::PcapReader::open(path, {.ports = {files.port}});
+  if (!reader) return std::nullopt;
+  velodyne::SweepAssembler assembler({.model = model, .sender = files.sender.value_or(0)});
+  Sweep sweep;
+  Datagram datagram;
+  for (size_t i = 0; i < kMaxSurveyDatagrams && reader->next(datagram); ++i) {
+    assembler.push(datagram);
+    while (assembler.pull(sweep)) sweep.clear();
+    if (assembler.calibration_source() == velodyne::CalibrationSource::kStream) {
+      return assembler.calibration();
     }
   }
   return std::nullopt;

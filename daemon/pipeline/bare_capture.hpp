@@ -9,6 +9,7 @@
 #include "daemon/survey/capture_survey.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/recording/drive.hpp"
+#include "drivers/velodyne/calibration.hpp"
 
 namespace infuse::daemon {
 
@@ -21,8 +22,13 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& path,
                                           const CaptureSurvey& survey,
                                           const std::vector<LidarOptions>& lidars);
 
-/// Infers the model of a lidar from its data packets; nothing if they do not show it.
-std::optional<velodyne::InferredModel> infer_model(const CaptureSurvey& survey,
-                                                   const recording::LidarFiles& files);
+/// Data packets of a lidar at the beginning of its capture; null if there are none.
+const Stream* find_data_stream(const CaptureSurvey& survey, const recording::LidarFiles& files);
+
+/// Reads the calibration that an HDL-64E sends in its packets; nothing if the beginning of the
+/// capture does not hold all of it.
+std::optional<velodyne::Calibration> find_streamed_calibration(const std::filesystem::path& path,
+                                                               const recording::LidarFiles& files,
+                                                               velodyne::Model model);
 
 }  // namespace infuse::daemon

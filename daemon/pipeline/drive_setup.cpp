@@ -24,21 +24,30 @@ std::string known_models() {
   return names;
 }
 
+Result<ChosenModel> infer_model(const Stream* stream, const std::string& where) {
+  const std::string advice = "give it with --model; " + known_models();
+  if (stream == nullptr) return fail("no lidar packets at its beginning", where, advice);
+  const auto inferred = stream->inference.infer();
+  if (inferred) return ChosenModel{inferred->model, "inferred: " + inferred->reason};
+  if (stream->inference.packets() < velodyne::ModelInference::kMinPackets) {
+    return fail(
+        fmt::format("{} lidar packets are too few to infer the model", stream->inference.packets()),
+        where, advice);
+  }
+  return fail("the packets are no known model's: " + stream->inference.describe(), where, advice);
+}
+
 Result<ChosenModel> choose_model(const std::string& configured, const CaptureSurvey& survey,
                                  const recording::LidarFiles& files, const std::string& where,
                                  std::optional<velodyne::Model> requested_model) {
-  if (requested_model) return ChosenModel{*requested_model, "requested with --model"};
-  if (!configured.empty()) {
-    const auto model = velodyne::find_model(configured);
-    if (!model) return fail(fmt::format("unknown model '{}'", configured), where, known_models());
-    return ChosenModel{*model, "configured"};
-  }
-  const auto guess = infer_model(survey, files);
-  if (!guess) {
-    return fail("the model cannot be inferred from the first packets", where,
-                "give it with --model; " + known_models());
-  }
-  return ChosenModel{guess->model, "inferred: " + guess->reason};
+  const Stream* stream = find_data_stream(survey, files);
+  if (!requested_model && configured.empty()) return infer_model(stream, where);
+  const auto model = requested_model ? requested_model : velodyne::find_model(configured);
+  if (!model) return fail(fmt::format("unknown model '{}'", configured), where, known_models());
+  ChosenModel chosen{*model, requested_model ? "requested with --model" : "configured"};
+  const auto inferred = stream != nullptr ? stream->inference.infer() : std::nullopt;
+  if (inferred && inferred->model != *model) chosen.reason += "; but " + inferred->reason;
+  return chosen;
 }
 
 /// Options of the configured lidar of that name; the defaults if there is none.
@@ -58,20 +67,26 @@ std::string endpoint_of(const recording::LidarFiles& files) {
 /// Sets up one lidar whose data are packets.
 Result<void> set_up_packets(const recording::Drive& drive, const recording::LidarFiles& files,
                             const std::string& configured, const LidarOptions& options,
-                            std::optional<velodyne::Model> requested_model, LidarSetup& lidar,
-                            Device& device) {
+                            const LidarOverrides& overrides, LidarSetup& lidar, Device& device) {
   const std::filesystem::path capture = drive.resolve(files.packets);
   const auto survey = survey_beginning(capture);
   if (!survey) return tl::unexpected(survey.error());
-  const auto chosen = choose_model(configured, *survey, files, capture.string(), requested_model);
+  const auto chosen = choose_model(configured, *survey, files, capture.string(), overrides.model);
   if (!chosen) return tl::unexpected(chosen.error());
   device.model = velodyne::model_info(chosen->model).name;
   device.model_reason = chosen->reason;
   lidar.assembler.model = chosen->model;
   lidar.assembler.cut_azimuth = options.cut_azimuth_deg;
   lidar.assembler.sender = files.sender.value_or(0);
-  if (files.calibration.empty()) return {};
-  const std::filesystem::path calibration = drive.resolve(files.calibration);
+  const bool per_unit = velodyne::model_info(chosen->model).calibrated_per_unit;
+  if (files.calibration.empty() && (overrides.calibration.empty() || !per_unit)) {
+    if (per_unit) {
+      lidar.assembler.calibration = find_streamed_calibration(capture, files, chosen->model);
+    }
+    return {};
+  }
+  const std::filesystem::path calibration =
+      overrides.calibration.empty() ? drive.resolve(files.calibration) : overrides.calibration;
   auto loaded = velodyne::load_db_xml(calibration);
   if (!loaded) return tl::unexpected(loaded.error());
   if (auto wrong = loaded->invalid(velodyne::model_info(chosen->model))) {
@@ -98,7 +113,7 @@ uint64_t size_of(const std::filesystem::path& file) {
 
 /// Sets up the lidars of a drive and their devices.
 Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<LidarOptions>& lidars,
-                           std::optional<velodyne::Model> model, DriveSetup& setup) {
+                           const LidarOverrides& overrides, DriveSetup& setup) {
   const recording::DriveDescription& description = drive.description;
   std::vector<std::string> captures;
   for (size_t i = 0; i < description.lidars.size(); ++i) {
@@ -112,8 +127,8 @@ Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<Lida
                   endpoint_of(files),
                   std::nullopt};
     if (lidar.has_packets) {
-      const auto set_up = set_up_packets(drive, files, mount.model,
-                                         find_options(mount.name, lidars), model, lidar, device);
+      const auto set_up = set_up_packets(
+          drive, files, mount.model, find_options(mount.name, lidars), overrides, lidar, device);
       if (!set_up) return tl::unexpected(set_up.error());
       if (std::find(captures.begin(), captures.end(), files.packets) == captures.end()) {
         captures.push_back(files.packets);
@@ -165,7 +180,7 @@ Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
 
 Result<DriveSetup> open_drive(const std::filesystem::path& path,
                               const std::vector<LidarOptions>& lidars,
-                              std::optional<velodyne::Model> model) {
+                              const LidarOverrides& overrides) {
   const auto drive = find_drive(path, lidars);
   if (!drive) return tl::unexpected(drive.error());
   auto source = recording::DriveSource::open(*drive);
@@ -174,7 +189,7 @@ Result<DriveSetup> open_drive(const std::filesystem::path& path,
   setup.path = path;
   setup.source = *std::move(source);
   setup.rig = drive->description.rig;
-  return set_up_lidars(*drive, lidars, model, setup)
+  return set_up_lidars(*drive, lidars, overrides, setup)
       .and_then([&] { return set_up_streams(*drive, setup); })
       .map([&] { return std::move(setup); });
 }

@@ -3,23 +3,36 @@
 #include <algorithm>
 
 namespace infuse::daemon {
+namespace {
+
+constexpr uint64_t kPacketsPerJudgement = 64;
+constexpr uint64_t kMinAgreeingSentences = 3;
+
+}  // namespace
 
 LidarIntake::LidarIntake(const LidarSetup& setup)
-    : sender_(setup.assembler.sender), assembler_(setup.assembler) {}
+    : sender_(setup.assembler.sender),
+      model_(velodyne::model_info(setup.assembler.model)),
+      assembler_(setup.assembler) {}
 
 void LidarIntake::push(const Datagram& datagram) {
   assembler_.push(datagram);
   const velodyne::PacketCounters& c = assembler_.counters();
-  if (c.packets > counters_.packets) note_packet(datagram.stamp);
+  if (c.packets > counters_.packets) {
+    note_packet(datagram.stamp);
+    inference_.add(datagram.payload);
+    if (inference_.packets() >= judged_packets_ + kPacketsPerJudgement) judge_model();
+  }
   const uint64_t refused_before = counters_.malformed + counters_.wrong_sender;
   counters_.packets = c.packets;
   // The device's counter includes packets that the kernel dropped; these were not lost in the
   // network.
   const uint64_t before_kernel = c.network_lost - std::min(c.network_lost, c.kernel_dropped);
   counters_.lost_network = std::max(counters_.lost_network, before_kernel);
+  if (c.last_fault) counters_.malformed_reason = velodyne::describe(*c.last_fault);
   counters_.malformed = c.total_malformed() + refused_positions_;
   counters_.wrong_sender = c.wrong_sender;
-  counters_.wrong_model = c.wrong_model;
+  counters_.stray_azimuths = c.stray_azimuths;
   counters_.duplicates = c.duplicates;
   counters_.out_of_order = c.out_of_order;
   counters_.too_late = c.too_late;
@@ -29,13 +42,32 @@ void LidarIntake::push(const Datagram& datagram) {
     note_unexpected_sender(datagram);
 }
 
+void LidarIntake::judge_model() {
+  const auto judged = inference_.judge();
+  is_other_model_ = judged && *judged != model_.model;
+  if (is_other_model_) counters_.wrong_model += inference_.packets() - judged_packets_;
+  judged_packets_ = inference_.packets();
+  counters_.turns_hz = inference_.turns_per_second();
+  counters_.turns_measured = inference_.packets() >= kPacketsPerJudgement;
+  counters_.two_sensors = inference_.has_two_sensors();
+}
+
+bool LidarIntake::is_uncalibrated() const {
+  return model_.calibrated_per_unit &&
+         assembler_.calibration_source() == velodyne::CalibrationSource::kBuiltIn;
+}
+
 std::optional<GnssFix> LidarIntake::add_position_packet(const Datagram& datagram) {
   if (const auto packet = velodyne::parse_position_packet(datagram.payload)) {
     ++counters_.position_packets;
+    const bool agrees = velodyne::counts_from_the_hour(*packet);
+    agreeing_sentences_ = agrees ? agreeing_sentences_ + 1 : 0;
+    if (agreeing_sentences_ >= kMinAgreeingSentences) assembler_.confirm_hour();
     return new_fix(datagram, *packet);
   }
   ++refused_positions_;
   ++counters_.malformed;
+  counters_.malformed_reason = "a position packet with an impossible state of PPS";
   note_unexpected_sender(datagram);
   return std::nullopt;
 }

@@ -7,6 +7,7 @@
 #include "daemon/health/sensor_counters.hpp"
 #include "drivers/measurement/datagram.hpp"
 #include "drivers/measurement/sweep.hpp"
+#include "drivers/velodyne/model_inference.hpp"
 #include "drivers/velodyne/position_packet.hpp"
 #include "drivers/velodyne/sweep_assembler.hpp"
 
@@ -56,6 +57,7 @@ class LidarIntake {
   /// Ends the stream: calls `on_sweep` for the sweep being assembled.
   template <class OnSweep>
   void finish(OnSweep on_sweep) {
+    judge_model();
     assembler_.finish();
     pull(on_sweep);
   }
@@ -79,18 +81,26 @@ class LidarIntake {
   template <class OnSweep>
   void complete(OnSweep on_sweep) {
     ++counters_.sweeps;
+    if (is_uncalibrated()) ++counters_.uncalibrated_sweeps;
     counters_.returns += sweep_.size();
     on_sweep(sweep_);
     sweep_.clear();
   }
 
   void push(const Datagram& datagram);
+  void judge_model();
+  bool is_uncalibrated() const;
   std::optional<GnssFix> add_position_packet(const Datagram& datagram);
   std::optional<GnssFix> new_fix(const Datagram& datagram, const velodyne::PositionPacket& packet);
   void note_packet(Stamp stamp);
   void note_unexpected_sender(const Datagram& datagram);
 
   uint32_t sender_;  // whose fixes are used; 0: any
+  const velodyne::ModelInfo& model_;
+  velodyne::ModelInference inference_;
+  bool is_other_model_ = false;      // by the last judgement
+  uint64_t judged_packets_ = 0;      // at the last judgement
+  uint64_t agreeing_sentences_ = 0;  // position packets in a row whose sentence fits the counter
   velodyne::SweepAssembler assembler_;
   Sweep sweep_;  // being assembled
   SensorCounters counters_;

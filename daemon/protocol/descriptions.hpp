@@ -111,8 +111,11 @@ void describe(Visitor& v, const DeviceHealth<SensorStatus>& sensor) {
   v.field("losses", PacketLosses{c}, "datagrams lost or rejected since the start, by cause");
   v.field("out_of_order", c.out_of_order, "Packets that arrived late and were reordered.",
           counter("infuse_lidar_packets_out_of_order_total"));
-  v.field("wrong_model", c.wrong_model, "Packets that state another model than the configured one.",
+  v.field("wrong_model", c.wrong_model, "Packets that are another model's than the configured one.",
           counter("infuse_lidar_packets_wrong_model_total"));
+  v.field("stray_azimuths", c.stray_azimuths,
+          "Azimuths that cannot be the sensor's, replaced by interpolation.",
+          counter("infuse_lidar_stray_azimuths_total"));
   v.field("clock_jumps", c.clock_jumps, "Jumps of the device's counter.",
           counter("infuse_lidar_clock_jumps_total"));
   v.field("last_packet", when(c.packets > 0, c.last_packet),

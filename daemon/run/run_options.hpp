@@ -16,6 +16,7 @@ struct RunOptions {
   std::string trajectory;    ///< file for the poses
   std::string state;         ///< folder of the saved calibrations of a replay
   std::string model;         ///< model of the lidar
+  std::string calibration;   ///< db.xml of the lidar
   bool json = false;         ///< print the summary as JSON
 };
 

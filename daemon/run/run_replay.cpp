@@ -71,7 +71,7 @@ int run_replay(const RunOptions& options, const Config& config) {
   if (!rate) return print_error(kProgram, rate.error(), kUsage);
   const auto model = parse_model(options.model);
   if (!model) return print_error(kProgram, model.error(), kUsage);
-  auto setup = open_drive(options.replay, config.lidars, *model);
+  auto setup = open_drive(options.replay, config.lidars, {*model, options.calibration});
   if (!setup) return print_error(kProgram, setup.error(), kUnreadable);
   for (const Device& device : setup->devices) {
     spdlog::info("{}: {} ({}), on {}", device.name, device.model, device.model_reason,

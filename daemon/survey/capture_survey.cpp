@@ -53,6 +53,20 @@ void CaptureSurvey::add(const Datagram& datagram) {
   }
 }
 
+std::string CaptureSurvey::describe_unread() const {
+  std::string text;
+  const auto add = [&](uint64_t count, const char* what) {
+    if (count == 0) return;
+    text += (text.empty() ? "" : "; ") + std::to_string(count) + " packets " + what;
+  };
+  add(packets_.truncated, "cut short by the snapshot length (capture whole ones: tcpdump -s 0)");
+  add(packets_.ipv6, "of IPv6, which is not read");
+  add(packets_.malformed, "with contradictory lengths");
+  add(packets_.not_udp, "that are not UDP");
+  add(packets_.fragments_dropped, "that are fragments of incomplete datagrams");
+  return text;
+}
+
 std::string address_text(uint32_t address) {
   in_addr network{htonl(address)};
   char text[INET_ADDRSTRLEN];

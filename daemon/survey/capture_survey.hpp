@@ -7,6 +7,7 @@
 
 #include "daemon/survey/arrivals.hpp"
 #include "drivers/measurement/datagram.hpp"
+#include "drivers/recording/pcap_reader.hpp"
 #include "drivers/velodyne/model_inference.hpp"
 
 namespace infuse::daemon {
@@ -37,6 +38,13 @@ class CaptureSurvey {
 
   void add(const Datagram& datagram);
 
+  /// Sets the counters of the capture's packets, for `describe_unread`.
+  void set_packets(const recording::PcapCounters& packets) { packets_ = packets; }
+
+  /// What the capture holds besides UDP datagrams: "12 packets of IPv6, which is not read; 3
+  /// packets that are not UDP"; empty if there is nothing.
+  std::string describe_unread() const;
+
   /// Streams in order of appearance.
   const std::vector<Stream>& streams() const { return streams_; }
 
@@ -48,6 +56,7 @@ class CaptureSurvey {
 
   std::vector<Stream> streams_;
   uint64_t excess_datagrams_ = 0;
+  recording::PcapCounters packets_;
 };
 
 /// Formats an IPv4 address in host byte order, as "10.0.0.7".

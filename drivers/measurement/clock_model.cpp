@@ -145,6 +145,7 @@ bool ClockModel::detect_jump(Duration device, Stamp host) {
     return false;
   }
   ++state_.jumps;
+  hour_confirmed_ = false;
   const Stamp placed = unwrap(device, host);
   restart(placed, (host - placed) + (jump_candidate_.offset - offset));
   return true;
@@ -217,7 +218,8 @@ void ClockModel::update_state(bool model_holds) {
   state_.offset = offset_at(last_device_);
   state_.skew_ppm = (1 / (1 + line_.slope) - 1) * 1e6;
   const bool on_the_hour =
-      options_.modulo > kZero && std::chrono::abs(state_.offset) <= options_.hour_tolerance;
+      options_.modulo > kZero &&
+      (hour_confirmed_ || std::chrono::abs(state_.offset) <= options_.hour_tolerance);
   state_.source = on_the_hour ? ClockState::Source::kTopOfHour : ClockState::Source::kPowerUp;
   state_.reason = "";
   if (!model_holds) {

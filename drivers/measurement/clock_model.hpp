@@ -55,6 +55,10 @@ class ClockModel {
   /// first sample, returns the device time itself.
   Stamp to_host(Duration device) const;
 
+  /// States that the counter runs from the top of the hour, whatever the host's clock says: an NMEA
+  /// sentence agrees with it. A jump of the counter ends this.
+  void confirm_hour() { hour_confirmed_ = true; }
+
   /// State of the clock at the last sample.
   const ClockState& state() const { return state_; }
 
@@ -101,6 +105,7 @@ class ClockModel {
   ClockModelOptions options_;
   ClockState state_;
   bool started_ = false;
+  bool hour_confirmed_ = false;
   Line line_;
   Stamp first_device_;  ///< of the first sample since the start or the last jump
   Stamp last_device_;   ///< of the latest sample

@@ -38,9 +38,7 @@ class CaptureStream : public EventStream {
     return true;
   }
 
-  void append_notes(std::vector<Error>& notes) const override {
-    if (reader_.damage()) notes.push_back(*reader_.damage());
-  }
+  void append_notes(std::vector<Error>& notes) const override { reader_.append_notes(notes); }
 
  private:
   size_t find_lidar(const Datagram& datagram) const {

@@ -8,6 +8,7 @@ namespace infuse::recording {
 namespace {
 
 constexpr uint16_t kEtherTypeIpv4 = 0x0800;
+constexpr uint16_t kEtherTypeIpv6 = 0x86DD;
 
 bool is_vlan_tag(uint16_t ether_type) {
   return ether_type == 0x8100 || ether_type == 0x88A8 || ether_type == 0x9100;
@@ -22,12 +23,14 @@ LinkPayload parse_ether_type(std::span<const uint8_t> frame, size_t type_at, siz
     type = read_u16(frame, header + 2);
     header += 4;
   }
+  if (type == kEtherTypeIpv6) return {LinkPayload::Kind::kIpv6, {}};
   if (type != kEtherTypeIpv4) return {};
   return {LinkPayload::Kind::kIpv4, frame.subspan(header)};
 }
 
 LinkPayload parse_raw_ip(std::span<const uint8_t> frame) {
   if (frame.empty()) return {LinkPayload::Kind::kTooShort, {}};
+  if (frame[0] >> 4 == 6) return {LinkPayload::Kind::kIpv6, {}};
   if (frame[0] >> 4 != 4) return {};
   return {LinkPayload::Kind::kIpv4, frame};
 }

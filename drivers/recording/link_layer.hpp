@@ -12,8 +12,9 @@ bool is_supported_link_type(int link_type);
 /// Network-layer packet of a captured frame.
 struct LinkPayload {
   enum class Kind {
-    kIpv4,      ///< `packet` begins with an IPv4 header
-    kOther,     ///< ARP, IPv6 …
+    kIpv4,  ///< `packet` begins with an IPv4 header
+    kIpv6,
+    kOther,     ///< ARP …
     kTooShort,  ///< the frame ends within its link-layer header
   };
   Kind kind = Kind::kOther;

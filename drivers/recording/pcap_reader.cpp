@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "drivers/recording/decompress.hpp"
 #include "drivers/recording/link_layer.hpp"
 #include "drivers/recording/udp_decoder.hpp"
 
@@ -71,6 +72,8 @@ struct PcapReader::State {
 
 Result<PcapReader> PcapReader::State::make(FILE* file, const std::string& name,
                                            const PcapOptions& options) {
+  file = decompress(file);
+  if (file == nullptr) return fail("out of memory", name);
   auto buffer = std::make_unique_for_overwrite<char[]>(kFileBufferBytes);
   std::setvbuf(file, buffer.get(), _IOFBF, kFileBufferBytes);
   std::array<char, PCAP_ERRBUF_SIZE> reason{};
@@ -108,6 +111,9 @@ void PcapReader::State::stop_reading(int status) {
 
 void PcapReader::State::count_outcome(FrameOutcome outcome) {
   switch (outcome) {
+    case FrameOutcome::kIpv6:
+      ++counters.ipv6;
+      break;
     case FrameOutcome::kNotUdp:
       ++counters.not_udp;
       break;
@@ -176,6 +182,20 @@ bool PcapReader::next(Datagram& datagram) {
 }
 
 const std::optional<Error>& PcapReader::damage() const { return state_->damage; }
+
+void PcapReader::append_notes(std::vector<Error>& notes) const {
+  if (state_->damage) notes.push_back(*state_->damage);
+  const PcapCounters& c = counters();
+  const auto add = [&](uint64_t count, const char* what, const char* hint) {
+    if (count > 0) notes.push_back({std::to_string(count) + what, state_->name, hint});
+  };
+  add(c.truncated, " packets are cut short by the capture's snapshot length",
+      "capture whole packets: tcpdump -s 0");
+  add(c.malformed, " packets have contradictory lengths, and were not used",
+      "the program that wrote the capture may have changed them");
+  add(c.fragments_dropped, " IPv4 fragments belong to datagrams that are not complete",
+      "the fragments between were lost");
+}
 
 const PcapCounters& PcapReader::counters() const {
   state_->counters.fragments = state_->decoder.fragments();

@@ -30,14 +30,15 @@ struct PcapCounters {
   uint64_t packets = 0;            ///< read from the file
   uint64_t datagrams = 0;          ///< returned
   uint64_t filtered = 0;           ///< complete UDP datagrams excluded by the options
-  uint64_t not_udp = 0;            ///< ARP, TCP, IPv6 …
+  uint64_t ipv6 = 0;               ///< not read: Velodyne lidars send IPv4
+  uint64_t not_udp = 0;            ///< ARP, TCP …
   uint64_t truncated = 0;          ///< captured with a short snapshot length (tcpdump -s)
   uint64_t malformed = 0;          ///< with contradictory lengths
   uint64_t fragments = 0;          ///< IPv4 fragments seen
   uint64_t fragments_dropped = 0;  ///< IPv4 fragments of datagrams that were never complete
 };
 
-/// Reads the UDP datagrams of a pcap or pcapng file (micro- or nanoseconds, either byte order):
+/// Reads the UDP datagrams of a pcap or pcapng file, plain or compressed (gzip, zstd):
 /// Ethernet with or without VLAN tags (802.1Q, QinQ), Linux cooked v1 and v2, raw IP, BSD loopback;
 /// IPv4 fragments are reassembled. Allocates nothing after `open`.
 class PcapReader {
@@ -60,6 +61,9 @@ class PcapReader {
 
   /// Damage that ended reading early, with packet number and byte offset. Empty if there is none.
   const std::optional<Error>& damage() const;
+
+  /// Problems so far, for display: the damage, and packets that are cut short or malformed.
+  void append_notes(std::vector<Error>& notes) const;
 
   /// Counters of the packets read so far.
   const PcapCounters& counters() const;

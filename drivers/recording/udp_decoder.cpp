@@ -29,6 +29,7 @@ FrameOutcome UdpDecoder::decode(Stamp stamp, std::span<const uint8_t> frame, siz
       frame.size() < wire_length ? FrameOutcome::kTruncated : FrameOutcome::kMalformed;
   const LinkPayload link = find_ipv4(link_type_, frame);
   if (link.kind == LinkPayload::Kind::kTooShort) return too_short;
+  if (link.kind == LinkPayload::Kind::kIpv6) return FrameOutcome::kIpv6;
   if (link.kind == LinkPayload::Kind::kOther) return FrameOutcome::kNotUdp;
 
   const std::span<const uint8_t> packet = link.packet;
@@ -38,15 +39,19 @@ FrameOutcome UdpDecoder::decode(Stamp stamp, std::span<const uint8_t> frame, siz
   const size_t header = (packet[0] & 0x0Fu) * 4u;
   const size_t total = read_u16(packet, 2);
   if (header < kIpv4HeaderBytes || total < header) return FrameOutcome::kMalformed;
-  if (packet.size() < total) return too_short;
-  const std::span<const uint8_t> segment = packet.subspan(header, total - header);
-
   datagram.stamp = stamp;
   datagram.sender = read_u32(packet, 12);
   const uint16_t flags_and_offset = read_u16(packet, 6);
   const bool more = (flags_and_offset & 0x2000) != 0;
   const size_t offset = (flags_and_offset & 0x1FFFu) * 8u;
-  if (!more && offset == 0) return decode_udp(segment, datagram);
+  const bool fragment = more || offset > 0;
+  if (packet.size() < total) {
+    const bool whole = !fragment && packet.size() > header &&
+                       decode_udp(packet.subspan(header), datagram) == FrameOutcome::kDatagram;
+    return whole ? FrameOutcome::kDatagram : too_short;
+  }
+  const std::span<const uint8_t> segment = packet.subspan(header, total - header);
+  if (!fragment) return decode_udp(segment, datagram);
 
   ++fragments_;
   const std::span<const uint8_t> reassembled = table_.add(

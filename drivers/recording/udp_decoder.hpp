@@ -12,13 +12,15 @@ namespace infuse::recording {
 enum class FrameOutcome {
   kDatagram,   ///< a complete UDP datagram
   kFragment,   ///< a fragment of an incomplete datagram
-  kNotUdp,     ///< ARP, TCP, IPv6 …
+  kIpv6,       ///< not decoded: Velodyne lidars send IPv4
+  kNotUdp,     ///< ARP, TCP …
   kTruncated,  ///< captured with a short snapshot length
   kMalformed,  ///< contradictory lengths
 };
 
 /// Decodes captured frames: link layer, IPv4 (with reassembly of fragments), UDP. Checksums are not
-/// verified.
+/// verified. If IPv4's length exceeds the frame, UDP's is used where that fits: VeloView saves
+/// position packets with the IPv4 length of data packets.
 class UdpDecoder {
  public:
   /// `link_type` is libpcap's DLT_ number.

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "drivers/measurement/angles.hpp"
+#include "drivers/velodyne/beam_origins.hpp"
 #include "drivers/velodyne/calibration.hpp"
 
 // Nominal angles from the manuals, in degrees, by laser in wire order.
@@ -259,7 +260,9 @@ const Calibration& built_in_calibration(Model model) {
   static const std::array<Calibration, 7> all = [] {
     std::array<Calibration, 7> made;
     for (const ModelInfo& info : models()) {
-      made[static_cast<size_t>(info.model)] = make_built_in(info.model);
+      Calibration& calibration = made[static_cast<size_t>(info.model)];
+      calibration = make_built_in(info.model);
+      if (!info.calibrated_per_unit) add_beam_origins(calibration, info);
     }
     return made;
   }();

@@ -8,7 +8,7 @@
 namespace infuse::velodyne {
 namespace {
 
-constexpr size_t kMinPackets = 8;
+constexpr double kPeriodTolerance = 0.1;
 constexpr uint16_t kBank0 = 0xEEFF;
 constexpr uint16_t kBank1 = 0xDDFF;
 constexpr uint16_t kBank3 = 0xBBFF;
@@ -18,62 +18,140 @@ std::string hex(uint8_t byte) {
   return {'0', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
 }
 
+const uint8_t* block_at(std::span<const uint8_t> payload, size_t block) {
+  return payload.data() + block * kBlockSize;
+}
+
 /// Difference of a period from the model's, relative to the model's.
 double relative_period_error(const ModelInfo& info, int64_t period_us, bool dual) {
   const double expected = to_seconds(packet_period(info, info.cycle, dual)) * 1e6;
   return std::abs(static_cast<double>(period_us) / expected - 1);
 }
 
+bool fits(const ModelInfo& info, int64_t period_us, bool dual) {
+  return relative_period_error(info, period_us, dual) < kPeriodTolerance;
+}
+
+/// The model of one bank that a product byte names; null if there is none.
+const ModelInfo* named_model(uint8_t product_id) {
+  for (const ModelInfo& info : models()) {
+    if (info.banks == 1 && info.product_id == product_id) return &info;
+  }
+  return nullptr;
+}
+
+/// The first model of one bank with this period of packets; null if there is none.
+const ModelInfo* timed_model(int64_t period_us, bool dual) {
+  for (const ModelInfo& info : models()) {
+    if (info.banks == 1 && fits(info, period_us, dual)) return &info;
+  }
+  return nullptr;
+}
+
+const ModelInfo& hdl64e(int64_t period_us) {
+  const ModelInfo& s2 = model_info(Model::kHdl64eS2);
+  const ModelInfo& s3 = model_info(Model::kHdl64eS3);
+  const double s3_error = std::min(relative_period_error(s3, period_us, false),
+                                   relative_period_error(s3, period_us, true));
+  return relative_period_error(s2, period_us, false) < s3_error ? s2 : s3;
+}
+
 }  // namespace
 
 void ModelInference::add(std::span<const uint8_t> payload) {
   if (payload.size() != kPacketSize || read_u16(payload.data()) != kBank0) return;
-  const uint32_t counter_us = read_u32(payload.data() + 1200);
-  if (packets_ > 0 && periods_ < kMaxPeriods) {
-    const int64_t period = counter_difference_us(counter_us, last_counter_us_);
-    if (period > 0) periods_us_[periods_++] = period;
-  }
   ++packets_;
-  last_counter_us_ = counter_us;
-  product_id_ = payload[1205];
-  dual_ = payload[1204] == static_cast<uint8_t>(ReturnMode::kDual);
-  second_flag_ = read_u16(payload.data() + kBlockSize);
-  for (size_t block = 1; block < kBlocks; ++block) {
-    has_fourth_bank_ = has_fourth_bank_ || read_u16(payload.data() + block * kBlockSize) == kBank3;
+  ++layouts_[static_cast<size_t>(layout_of(payload))];
+  ++product_ids_[payload[1205]];
+  dual_mode_ += payload[1204] == static_cast<uint8_t>(ReturnMode::kDual);
+  const auto azimuth = [&](size_t block) { return read_u16(block_at(payload, block) + 2); };
+  if (azimuth(0) != azimuth(2) && azimuth(2) != azimuth(4)) {
+    ++(azimuth(0) == azimuth(1) && azimuth(2) == azimuth(3) ? repeated_ : unrepeated_);
   }
+  if (azimuth(0) > kCentidegreesPerTurn) return;
+  const PacketTracks::Step step = tracks_.add(read_u32(payload.data() + 1200), azimuth(0));
+  if (step.period_us <= 0) return;
+  periods_us_[periods_++ % kMaxPeriods] = step.period_us;
+  turned_ += step.advance;
+  turning_us_ += step.period_us;
+}
+
+ModelInference::Layout ModelInference::layout_of(std::span<const uint8_t> payload) {
+  for (size_t block = 1; block < kBlocks; ++block) {
+    if (read_u16(block_at(payload, block)) == kBank3) return Layout::kFourBanks;
+  }
+  return read_u16(block_at(payload, 1)) == kBank1 ? Layout::kTwoBanks : Layout::kOneBank;
+}
+
+ModelInference::Layout ModelInference::layout() const {
+  return static_cast<Layout>(std::max_element(layouts_.begin(), layouts_.end()) - layouts_.begin());
+}
+
+bool ModelInference::dual() const {
+  return repeated_ + unrepeated_ > 0 ? repeated_ > unrepeated_ : 2 * dual_mode_ > packets_;
+}
+
+uint8_t ModelInference::product_id() const {
+  return static_cast<uint8_t>(std::max_element(product_ids_.begin(), product_ids_.end()) -
+                              product_ids_.begin());
+}
+
+int64_t ModelInference::median_period_us() const {
+  const auto count = static_cast<ptrdiff_t>(std::min<uint64_t>(periods_, kMaxPeriods));
+  auto periods = periods_us_;
+  std::nth_element(periods.begin(), periods.begin() + count / 2, periods.begin() + count);
+  return periods[static_cast<size_t>(count / 2)];
+}
+
+std::optional<Model> ModelInference::judge() const {
+  if (packets_ < kMinPackets || periods_ == 0) return std::nullopt;
+  const int64_t period_us = median_period_us();
+  if (layout() == Layout::kFourBanks) return Model::kVls128;
+  if (layout() == Layout::kTwoBanks) return hdl64e(period_us).model;
+  const ModelInfo* named = named_model(product_id());
+  if (named == nullptr) return std::nullopt;
+  if (fits(*named, period_us, dual())) return named->model;
+  const ModelInfo* timed = timed_model(period_us, dual());
+  return timed != nullptr ? timed->model : named->model;
+}
+
+std::string ModelInference::spacing() const {
+  std::string text = "packets " + std::to_string(median_period_us()) + " us apart";
+  if (layout() == Layout::kOneBank && dual()) text += " with two returns";
+  const long hundredths = std::lround(std::abs(turns_per_second()) * 100);
+  return text + ", " + std::to_string(hundredths / 100) + (hundredths % 100 < 10 ? ".0" : ".") +
+         std::to_string(hundredths % 100) + " turns per second";
+}
+
+std::string ModelInference::describe() const {
+  if (packets_ == 0) return "no data packets";
+  const std::string product = "product byte " + hex(product_id());
+  return periods_ == 0 ? product : product + ", " + spacing();
 }
 
 std::optional<InferredModel> ModelInference::infer() const {
-  if (packets_ < kMinPackets || periods_ == 0) return std::nullopt;
-  auto periods = periods_us_;
-  auto* middle = periods.data() + periods_ / 2;
-  std::nth_element(periods.data(), middle, periods.data() + periods_);
-  const int64_t period_us = *middle;
-  const std::string spacing = "packets " + std::to_string(period_us) + " us apart";
+  const auto judged = judge();
+  if (!judged) return std::nullopt;
+  const ModelInfo& info = model_info(*judged);
+  if (info.banks == 4) return InferredModel{*judged, "blocks of lasers 96 ... 127"};
+  if (info.banks == 2) return InferredModel{*judged, "blocks of lasers 32 ... 63, " + spacing()};
+  const ModelInfo& named = *named_model(product_id());
+  const std::string claim = "product byte " + hex(product_id()) + " says " + named.name;
+  if (named.model != *judged) {
+    return InferredModel{*judged, spacing() + ": a " + info.name + "'s, though " + claim};
+  }
+  const bool fit = fits(info, median_period_us(), dual());
+  return InferredModel{*judged, claim + ", " + spacing() + (fit ? "" : " fit no model")};
+}
 
-  if (has_fourth_bank_) return InferredModel{Model::kVls128, "blocks of lasers 96 ... 127"};
-  if (second_flag_ == kBank1) {
-    const ModelInfo& s2 = model_info(Model::kHdl64eS2);
-    const ModelInfo& s3 = model_info(Model::kHdl64eS3);
-    const double s3_error = std::min(relative_period_error(s3, period_us, false),
-                                     relative_period_error(s3, period_us, true));
-    const ModelInfo& better = relative_period_error(s2, period_us, false) < s3_error ? s2 : s3;
-    return InferredModel{better.model, "blocks of lasers 32 ... 63, " + spacing};
-  }
-  for (const ModelInfo& info : models()) {
-    if (info.product_id != product_id_ || info.product_id == 0 || info.banks != 1) continue;
-    std::string reason = "product byte " + hex(product_id_) + " says " + info.name;
-    if (info.model == Model::kHdl32e && relative_period_error(info, period_us, dual_) > 0.1) {
-      const ModelInfo& puck = model_info(Model::kVlp16);
-      if (relative_period_error(puck, period_us, dual_) < 0.1) {
-        reason.append(", but ").append(spacing).append(" are a VLP-16's");
-        return InferredModel{Model::kVlp16, reason};
-      }
-    }
-    reason.append(", ").append(spacing);
-    return InferredModel{info.model, reason};
-  }
-  return std::nullopt;
+double ModelInference::turns_per_second() const {
+  if (turning_us_ == 0) return 0;
+  return static_cast<double>(turned_) / kCentidegreesPerTurn /
+         (static_cast<double>(turning_us_) * 1e-6);
+}
+
+bool ModelInference::has_two_sensors() const {
+  return tracks_.alternations() >= 20 && tracks_.alternations() * 20 >= packets_;
 }
 
 }  // namespace infuse::velodyne

@@ -47,7 +47,7 @@ const char* describe(PacketFault fault) {
     case PacketFault::kFlag:
       return "a block does not begin with a flag of this model";
     case PacketFault::kAzimuth:
-      return "a block's azimuth is above 360 degrees";
+      return "most azimuths are above 360 degrees";
     case PacketFault::kDualPair:
       return "the two returns of a pair differ in azimuth";
     case PacketFault::kReturnMode:
@@ -77,10 +77,15 @@ tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,
 
   const BlockLayout layout = block_layout(info, packet.dual());
   const size_t echoes = packet.dual() ? 2 : 1;
+  size_t impossible = 0;
   for (size_t i = 0; i < packet.sequences; ++i) {
     const uint16_t azimuth = read_u16(block_at(payload, layout.block(i, 0, 0)) + 2);
-    if (azimuth > kCentidegreesPerTurn) return tl::unexpected(PacketFault::kAzimuth);
-    packet.azimuth[i] = static_cast<uint16_t>(azimuth % kCentidegreesPerTurn);  // 360.00° occurs
+    if (azimuth > kCentidegreesPerTurn) {
+      packet.azimuth[i] = kNoAzimuth;
+      ++impossible;
+    } else {
+      packet.azimuth[i] = azimuth % kCentidegreesPerTurn;  // 360.00° occurs
+    }
     for (size_t b = 0; b < info.banks; ++b) {
       for (size_t e = 0; e < echoes; ++e) {
         const uint8_t* block = block_at(payload, layout.block(i, b, e));
@@ -89,6 +94,7 @@ tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,
       }
     }
   }
+  if (2 * impossible > packet.sequences) return tl::unexpected(PacketFault::kAzimuth);
   return packet;
 }
 

@@ -19,6 +19,9 @@ inline constexpr size_t kBlockSize = 100;
 /// A turn, in the packets' unit of azimuth (0.01°).
 inline constexpr int kCentidegreesPerTurn = 36'000;
 
+/// Stands for an azimuth above 360°, until `repair_azimuths` has replaced it.
+inline constexpr uint16_t kNoAzimuth = 0xFFFF;
+
 /// The packets' unit of azimuth, rad.
 inline constexpr double kCentidegree = std::numbers::pi / 18000;
 /// Microseconds in an hour, after which the counter wraps.
@@ -31,7 +34,7 @@ using PacketBytes = std::span<const uint8_t, kPacketSize>;
 enum class PacketFault : uint8_t {
   kSize,        ///< not 1206 bytes
   kFlag,        ///< a block does not begin with a flag of the model
-  kAzimuth,     ///< a block's azimuth is above 360°
+  kAzimuth,     ///< most azimuths are above 360°
   kDualPair,    ///< dual return, but the blocks of a pair differ in azimuth
   kReturnMode,  ///< dual return from a model that has none
 };
@@ -47,7 +50,8 @@ struct Packet {
   uint8_t product_id = 0;   ///< byte 1205; on an HDL-64E the value of `status_type`
   uint8_t status_type = 0;  ///< byte 1204; on an HDL-64E the meaning of the last byte
   uint8_t sequences = 0;    ///< number of firing sequences
-  std::array<uint16_t, kBlocks> azimuth{};  ///< of each sequence, 0.01°, 0 … 35999, clockwise
+  /// Azimuth of each sequence, 0.01°, 0 … 35999, clockwise, or `kNoAzimuth`.
+  std::array<uint16_t, kBlocks> azimuth{};
 
   bool dual() const { return mode == ReturnMode::kDual; }
 };

@@ -48,6 +48,16 @@ const char* to_string(PpsState state) {
   return "";
 }
 
+bool counts_from_the_hour(const PositionPacket& packet) {
+  constexpr int64_t kMinLeadUs = -100'000;
+  constexpr int64_t kMaxLeadUs = 2'000'000;
+  if (!packet.sentence || !packet.sentence->fix.valid) return false;
+  const int64_t in_hour_us = packet.sentence->fix.utc_ns / 1000 % kHourUs;
+  const int64_t lead_us =
+      counter_difference_us(packet.counter_us, static_cast<uint32_t>(in_hour_us));
+  return lead_us >= kMinLeadUs && lead_us <= kMaxLeadUs;
+}
+
 std::optional<PositionPacket> parse_position_packet(std::span<const uint8_t> payload) {
   if (payload.size() != kPositionPacketSize || payload[kPpsOffset] > 3) return std::nullopt;
   PositionPacket packet;

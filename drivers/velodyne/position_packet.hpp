@@ -40,6 +40,10 @@ struct PositionPacket {
                  ///< reliable, its seconds are not
 };
 
+/// True if the packet's counter runs from the top of the hour of its sentence, whose second it may
+/// lead by up to two: the receiver sends a sentence up to a second late, and it stays for another.
+bool counts_from_the_hour(const PositionPacket& packet);
+
 /// Parses a payload; nothing if it is not 512 bytes or the PPS byte is not one of the four.
 std::optional<PositionPacket> parse_position_packet(std::span<const uint8_t> payload);
 

@@ -122,7 +122,8 @@ INFUSE_INLINE Returns decode_uniform(const BeamTable& table, size_t slot,
   r.range = to_floats(raw & 0xFFFF) * table.distance_unit;
   r.x = r.range * direction.forward;
   r.y = -(r.range * direction.right);
-  r.z = r.range * load<Floats>(&table.sin_elevation[slot]);
+  r.z = r.range * load<Floats>(&table.sin_elevation[slot]) +
+        load<Floats>(&table.vertical_offset[slot]);
   r.reflectivity = to_floats(raw >> 16) / 255.0F;
   return r;
 }

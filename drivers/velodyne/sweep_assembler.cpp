@@ -5,22 +5,28 @@
 #include <stdexcept>
 #include <utility>
 
+#include "drivers/velodyne/azimuth_repair.hpp"
+
 namespace infuse::velodyne {
 namespace {
 
-/// Early VLP-16 firmware identifies itself as HDL-32E, and Pucks differ in their optics only.
-bool product_differs(const ModelInfo& info, uint8_t product) {
-  return info.product_id != 0 && product != info.product_id;
+int to_centidegrees(double degrees) {
+  return static_cast<int>(std::lround(degrees * 100) + kCentidegreesPerTurn) % kCentidegreesPerTurn;
 }
 
-int to_centidegrees(double degrees) {
-  return static_cast<int>(std::lround(degrees * 100)) % kCentidegreesPerTurn;
+/// Adds a packet's steps to the rate of rotation.
+void add_steps(const FiringPlan& plan, int64_t period_ns, RotationRate& rotation) {
+  for (size_t i = 1; i < plan.count; ++i) {
+    if (!plan.sequences[i].after_jump) rotation.add(plan.sequences[i].advance, period_ns);
+  }
 }
 
 }  // namespace
 
 std::optional<std::string> SweepAssemblerOptions::invalid() const {
-  if (!(cut_azimuth >= 0 && cut_azimuth <= 360)) return "cut_azimuth must be in 0 ... 360 degrees";
+  if (!(cut_azimuth >= -360 && cut_azimuth <= 360)) {
+    return "cut_azimuth must be in -360 ... 360 degrees";
+  }
   if (max_span < Duration(50'000'000) || max_span > Duration(2'000'000'000)) {
     return "max_span must be in 0.05 ... 2 s";
   }
@@ -49,11 +55,11 @@ void SweepAssembler::push(const Datagram& datagram) {
   if (!accept(datagram)) return;
   const auto packet = parse_packet(info_, datagram.payload);
   if (!packet) {
-    ++counters_.malformed_by(packet.error());
+    counters_.count_malformed(packet.error());
+    if (packet.error() != PacketFault::kSize) ++refused_;
     return;
   }
   if (sender_ == 0) sender_ = datagram.sender;
-  if (product_differs(info_, packet->product_id)) ++counters_.wrong_model;
   order_packet(datagram, *packet);
 }
 
@@ -71,6 +77,7 @@ void SweepAssembler::order_packet(const Datagram& datagram, const Packet& packet
   const Stamp sent = datagram.stamp - packet_period(info_, table_.cycle, packet.dual());
   following_->packet = packet;
   following_->after_clock_jump = verdict.arrival == Arrival::kClockJump;
+  following_->refused_before = 0;
   following_->device_ns = newest_device_ns_ + verdict.delay_us * 1000;
   switch (verdict.arrival) {
     case Arrival::kDuplicate:
@@ -94,7 +101,10 @@ void SweepAssembler::order_packet(const Datagram& datagram, const Packet& packet
       following_->stamp = clock_.to_host(counter);
       break;
   }
-  if (verdict.arrival != Arrival::kLate) newest_device_ns_ = following_->device_ns;
+  if (verdict.arrival != Arrival::kLate) {
+    newest_device_ns_ = following_->device_ns;
+    following_->refused_before = std::exchange(refused_, 0);
+  }
   ++counters_.packets;
   std::copy(datagram.payload.begin(), datagram.payload.end(), following_->bytes.begin());
   update_beam_table(packet, verdict);
@@ -148,27 +158,49 @@ bool SweepAssembler::pull(Sweep& sweep) {
 /// Plans the held packet's sequences and the ends of sweeps among them.
 void SweepAssembler::begin_decoding(const ReceivedPacket* following) {
   const SequenceTiming timing{sequence_period(info_, table_.cycle).count(), table_.max_step};
+  repair_held_azimuths(following, timing.period_ns);
   std::optional<FollowingPacket> next;
-  if (following != nullptr && !following->after_clock_jump) {
+  if (following != nullptr && !following->after_clock_jump &&
+      following->packet.azimuth[0] != kNoAzimuth) {
     next = FollowingPacket{following->packet.azimuth[0], following->device_ns - held_->device_ns};
   }
   plan_ = plan_firings(held_->packet, next, last_decoded_.step, timing);
   gap_from_.reset();
   lost_before_first_ = 0;
+  bool lossy_jump = false;
   if (held_->after_clock_jump || !last_decoded_.valid) {
     cutter_.restart();
   } else {
     detect_gap(plan_.sequences[0]);
+    lossy_jump = plan_.sequences[0].after_jump && lost_before_first_ > 0;
   }
   for (size_t i = 0; i < plan_.count; ++i) {
     const PlannedSequence& sequence = plan_.sequences[i];
     cut_before_[i] =
-        cutter_.process_sequence(sequence.azimuth, sequence.advance, sequence.after_jump);
+        i == 0 && lossy_jump
+            ? cutter_.process_lossy_jump(sequence.azimuth)
+            : cutter_.process_sequence(sequence.azimuth, sequence.advance, sequence.after_jump);
   }
+  if (cutter_.partial_turn()) add_steps(plan_, timing.period_ns, rotation_);
   last_decoded_ = {true, plan_.last().azimuth, plan_.last().step,
                    held_->device_ns + plan_.last().time_ns + timing.period_ns};
   next_sequence_ = 0;
   decoding_ = true;
+}
+
+/// Replaces azimuths of the held packet that cannot be the sensor's.
+void SweepAssembler::repair_held_azimuths(const ReceivedPacket* following, int64_t period_ns) {
+  const auto directly = [&](int64_t gap_ns) { return std::abs(gap_ns) <= period_ns / 2; };
+  std::optional<int> before;
+  std::optional<int> after;
+  if (last_decoded_.valid && directly(held_->device_ns - last_decoded_.end_ns)) {
+    before = last_decoded_.azimuth;
+  }
+  const int64_t end_ns = held_->device_ns + period_ns * held_->packet.sequences;
+  if (following != nullptr && directly(following->device_ns - end_ns)) {
+    after = following->packet.azimuth[0];
+  }
+  counters_.stray_azimuths += repair_azimuths(held_->packet, before, after, table_.max_step);
 }
 
 /// Classifies the gap between the last decoded packet and the held one: none, lost packets, or the
@@ -177,18 +209,23 @@ void SweepAssembler::detect_gap(PlannedSequence& first) {
   const int64_t period_ns = sequence_period(info_, table_.cycle).count();
   const int64_t gap_ns = held_->device_ns - last_decoded_.end_ns;
   const int64_t packet_ns = period_ns * held_->packet.sequences;
-  const int64_t missing = std::max<int64_t>((gap_ns + packet_ns / 2) / packet_ns, 0);
+  const int64_t pause_ns =
+      cutter_.pause_within(last_decoded_.azimuth, gap_ns, period_ns, rotation_);
+  const int64_t missing = std::max<int64_t>((gap_ns - pause_ns + packet_ns / 2) / packet_ns, 0);
   first.advance = azimuth_advance(last_decoded_.azimuth, first.azimuth);
-  first.after_jump = first.advance > table_.max_step &&
-                     (missing == 0 || cutter_.is_known_jump(last_decoded_.azimuth, first.azimuth));
+  first.after_jump =
+      first.advance > table_.max_step &&
+      (missing == 0 || pause_ns > 0 || cutter_.is_known_jump(last_decoded_.azimuth, first.azimuth));
+  lost_before_first_ = static_cast<uint32_t>(missing);
+  // A refused packet has arrived: it is counted by its fault.
+  counters_.network_lost +=
+      lost_before_first_ - std::min(lost_before_first_, held_->refused_before);
   if (first.after_jump || missing == 0) return;
 
   const int64_t turned = last_decoded_.step * (gap_ns + period_ns) / period_ns;
   const int64_t turns = (turned - first.advance + kCentidegreesPerTurn / 2) / kCentidegreesPerTurn;
   first.advance += static_cast<int32_t>(std::clamp<int64_t>(turns, 0, 1000) * kCentidegreesPerTurn);
   gap_from_ = last_decoded_.azimuth + last_decoded_.step;
-  lost_before_first_ = static_cast<uint32_t>(missing);
-  counters_.network_lost += lost_before_first_;
 }
 
 /// True when a sweep is complete; false when the held packet is.

@@ -32,8 +32,9 @@ enum class CalibrationSource : uint8_t {
 struct SweepAssemblerOptions {
   Model model = Model::kHdl32e;
   std::optional<Calibration> calibration{};  ///< of this unit; the model's own if absent
-  double cut_azimuth = 0;  ///< °, as the sensor counts it (clockwise from the vendor's y, which is
-                           ///< forward): azimuth at which a sweep ends and the next begins, 0 … 360
+  double cut_azimuth =
+      0;  ///< °, as the sensor counts it (clockwise from the vendor's y, which is
+          ///< forward): azimuth at which a sweep ends and the next begins, −360 … 360
   bool interpolate_azimuth = true;  ///< false: every return has its block's azimuth, as in simple
                                     ///< viewers; wrong by up to 0.2°
   uint32_t sender = 0;  ///< IPv4 address of the sensor, host byte order; 0: the first sender
@@ -83,10 +84,17 @@ class SweepAssembler {
   /// State of the device's clock at the last packet.
   const ClockState& clock() const { return clock_.state(); }
 
+  /// States that an NMEA sentence agrees with the device's counter: it runs from the top of the
+  /// hour, even if the host's clock says otherwise.
+  void confirm_hour() { clock_.confirm_hour(); }
+
   /// Host time of a device counter within half an hour of the last packet's: for position packets.
   Stamp to_host(uint32_t counter_us) const {
     return clock_.to_host(std::chrono::microseconds(counter_us));
   }
+
+  /// The calibration in use.
+  const Calibration& calibration() const { return calibration_; }
 
   /// Origin of the calibration in use.
   CalibrationSource calibration_source() const { return calibration_source_; }
@@ -102,6 +110,7 @@ class SweepAssembler {
     int64_t device_ns = 0;  ///< of the counter, unwrapped
     Stamp stamp;            ///< host time of the counter
     bool after_clock_jump = false;
+    uint32_t refused_before = 0;  ///< packets refused since the packet before it
   };
   /// Known data of the last decoded packet.
   struct LastDecoded {
@@ -115,6 +124,7 @@ class SweepAssembler {
   void order_packet(const Datagram& datagram, const Packet& packet);
   void update_beam_table(const Packet& packet, const ArrivalOrder::Verdict& verdict);
   void begin_decoding(const ReceivedPacket* following);
+  void repair_held_azimuths(const ReceivedPacket* following, int64_t period_ns);
   void detect_gap(PlannedSequence& first);
   bool decode(Sweep& sweep);
   void close();
@@ -130,10 +140,12 @@ class SweepAssembler {
   ClockModel clock_;
   ArrivalOrder order_;
   SweepCutter cutter_;
+  RotationRate rotation_;
   SweepWriter writer_;
   uint32_t sender_ = 0;
   uint64_t sweeps_ = 0;
   int64_t newest_device_ns_ = 0;  ///< of the newest packet, unwrapped
+  uint32_t refused_ = 0;          ///< packets refused since the newest
 
   std::array<ReceivedPacket, 2> received_;
   ReceivedPacket* held_ = &received_[0];  ///< the packet being decoded; waits for the following one

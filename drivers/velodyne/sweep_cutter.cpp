@@ -1,5 +1,6 @@
 #include "drivers/velodyne/sweep_cutter.hpp"
 
+#include <cmath>
 #include <cstdlib>
 
 namespace infuse::velodyne {
@@ -24,6 +25,26 @@ bool SweepCutter::process_sequence(int azimuth, int64_t advance, bool after_jump
   if (to_cut_ > 0) return false;
   to_cut_ = kCentidegreesPerTurn - (-to_cut_) % kCentidegreesPerTurn;
   return !partial_turn_;
+}
+
+bool SweepCutter::process_lossy_jump(int azimuth) {
+  azimuth_ = azimuth;
+  start(azimuth);
+  return true;
+}
+
+int64_t SweepCutter::pause_within(int from, int64_t gap_ns, int64_t period_ns,
+                                  const RotationRate& rotation) const {
+  constexpr double kTolerance = 200;  // 0.01°
+  if (!partial_turn_) return 0;
+  const double rate = rotation.per_ns();
+  if (rate <= 0) return 0;
+  const double turned = rate * static_cast<double>(gap_ns + period_ns);
+  const int width = (jump_to_ - jump_from_ + kCentidegreesPerTurn) % kCentidegreesPerTurn;
+  const double beyond = turned - azimuth_advance(from, jump_from_) - width + kTolerance;
+  const double passes = std::floor(beyond / kCentidegreesPerTurn) + 1;
+  if (passes < 1) return 0;
+  return static_cast<int64_t>(passes * (width / rate - static_cast<double>(period_ns)));
 }
 
 bool SweepCutter::is_known_jump(int from, int to) const {

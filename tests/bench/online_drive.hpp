@@ -59,7 +59,7 @@ inline std::optional<CameraFrame> read_grey(const std::filesystem::path& path, S
 template <class Callback>
 bool for_each_pair(const std::filesystem::path& folder, const Callback& callback) {
   const auto drive = recording::Drive::open(folder);
-  auto setup = daemon::open_drive(folder, {}, std::nullopt);
+  auto setup = daemon::open_drive(folder, {}, {});
   if (!drive || !setup) return false;
   const Rig& rig = drive->description.rig;
   Truth out;

@@ -163,7 +163,7 @@ std::vector<View> read_views(const std::string& drive) {
   const std::filesystem::path cache = kDrivesFolder / (drive + ".views");
   if (std::filesystem::exists(cache)) return read_cache(cache);
   const std::filesystem::path folder = kDrivesFolder / drive;
-  auto setup = daemon::open_drive(folder, {}, std::nullopt);
+  auto setup = daemon::open_drive(folder, {}, {});
   const auto opened = recording::Drive::open(folder);
   if (!setup || !opened) return {};
   ViewCollector collector(folder, opened->description.rig);

@@ -87,7 +87,7 @@ rotation_deg = [0, 1, 0]
 TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
   const TemporaryFolder folder;
   ASSERT_NO_FATAL_FAILURE(make_online_drive(folder / "drive", 30, 5, ""));
-  auto setup = open_drive(folder / "drive", {}, std::nullopt);
+  auto setup = open_drive(folder / "drive", {}, {});
   ASSERT_TRUE(setup) << setup.error().message();
   PipelineOptions options;
   options.calibration.supervisor.min_scenes =

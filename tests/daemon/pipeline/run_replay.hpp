@@ -60,7 +60,7 @@ struct RunReplayOptions {
 inline Result<ReplayResult> run_replay(const std::filesystem::path& path,
                                        const RunReplayOptions& options = {}) {
   const TemporaryFolder folder;
-  auto setup = open_drive(path, {}, std::nullopt);
+  auto setup = open_drive(path, {}, {});
   if (!setup) return tl::unexpected(setup.error());
   auto file = ReportsFile::create(folder / "reports");
   if (!file) return tl::unexpected(file.error());

@@ -43,6 +43,53 @@ TEST(ModelInference, RecognisesEarlyVlp16Firmware) {
   }
 }
 
+TEST(ModelInference, AMajorityDecides) {
+  Scene scene = make_scene(
+      {.model = Model::kVlp16, .turns = 0.5, .calibration = built_in_calibration(Model::kVlp16)});
+  scene.packets[5].payload[300] = 0xFF;  // the flag of lasers 96 … 127
+  scene.packets[5].payload[301] = 0xBB;
+  scene.packets.back().payload[1205] = 0x77;
+  const auto inferred = infer(scene);
+  ASSERT_TRUE(inferred);
+  EXPECT_EQ(inferred->model, Model::kVlp16) << inferred->reason;
+}
+
+TEST(ModelInference, MeasuresTheRateOfTurningWhateverTheModel) {
+  for (const double rate : {5.0, 9.99, 20.0}) {
+    ModelInference inference;
+    for (const SentPacket& packet : make_scene({.model = Model::kVlp16,
+                                    .turns_per_second = rate,
+                                    .turns = 2,
+                                    .calibration = built_in_calibration(Model::kVlp16)})
+                                        .packets) {
+      inference.add(packet.payload);
+    }
+    EXPECT_NEAR(inference.turns_per_second(), rate, 0.005 * rate);
+    EXPECT_FALSE(inference.has_two_sensors());
+  }
+}
+
+TEST(ModelInference, TwoSensorsOfOneAddressAreRecognised) {
+  const Calibration& calibration = built_in_calibration(Model::kHdl32e);
+  const Scene one = make_scene({.turns = 1, .calibration = calibration});
+  // The same clock and another azimuth; then another clock too.
+  for (const uint32_t start_us : {uint32_t{250}, uint32_t{1'234'567'890}}) {
+    const Scene other = make_scene({.start_azimuth = 77,
+                                    .turns = 1,
+                                    .start_us = start_us,
+                                    .calibration = calibration,
+                                    .seed = 2});
+    ModelInference inference;
+    for (size_t i = 0; i < one.packets.size(); ++i) {
+      inference.add(one.packets[i].payload);
+      inference.add(other.packets[i].payload);
+    }
+    EXPECT_TRUE(inference.has_two_sensors()) << start_us;
+    EXPECT_EQ(inference.judge(), Model::kHdl32e);
+    EXPECT_NEAR(inference.turns_per_second(), 10, 0.05);
+  }
+}
+
 TEST(ModelInference, GivesNoModelForTooFewPacketsOrOtherData) {
   const Scene scene = make_scene({.turns = 1, .calibration = built_in_calibration(Model::kHdl32e)});
   ModelInference inference;

@@ -172,7 +172,7 @@ inline Scene make_scene(const SceneOptions& options) {
         r.reflectivity = e.reflectivity / 255.0;
         std::array<double, 3> vendor{r.range * std::cos(c.elevation) * std::sin(theta),
                                      r.range * std::cos(c.elevation) * std::cos(theta),
-                                     r.range * std::sin(c.elevation)};
+                                     r.range * std::sin(c.elevation) + c.vertical_offset};
         if (info.calibrated_per_unit) {
           vendor = hdl64e_position(c, raw * unit, theta);
           r.reflectivity = hdl64e_reflectivity(c, raw, e.reflectivity);

@@ -40,6 +40,11 @@ TEST(Packet, ReadsThreeHundredAndSixtyDegreesAsZero) {
   ASSERT_TRUE(packet);
   EXPECT_EQ(packet->azimuth[4], 0);
   bytes[402] = 0xA1;
+  EXPECT_EQ(parse_packet(model_info(Model::kHdl32e), bytes)->azimuth[4], kNoAzimuth);
+  for (size_t block = 5; block < 11; ++block) {
+    bytes[block * 100 + 2] = 0xA1;
+    bytes[block * 100 + 3] = 0x8C;
+  }
   EXPECT_EQ(parse_packet(model_info(Model::kHdl32e), bytes).error(), PacketFault::kAzimuth);
 }
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "fixtures/velodyne/little_endian.hpp"
 #include "tests/drivers/velodyne/assemble.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
 
@@ -160,8 +161,10 @@ TEST(SweepAssembler, CountsEveryRefusalByItsCause) {
   flag[300] = 0;
   push(flag, 0x0A000007);
   std::vector<uint8_t> azimuth = good;
-  azimuth[502] = 0xA1;  // 36001
-  azimuth[503] = 0x8C;
+  for (size_t block = 0; block < 7; ++block) {
+    azimuth[block * 100 + 2] = 0xA1;  // 36001
+    azimuth[block * 100 + 3] = 0x8C;
+  }
   push(azimuth, 0x0A000007);
   std::vector<uint8_t> pair = good;
   pair[1204] = 0x39;
@@ -176,10 +179,9 @@ TEST(SweepAssembler, CountsEveryRefusalByItsCause) {
   Sweep sweep;
   EXPECT_FALSE(assembler.pull(sweep));
 
-  std::vector<uint8_t> early = good;  // early firmware: decoded, and counted
+  std::vector<uint8_t> early = good;  // early firmware
   early[1205] = 0x21;
   push(early, 0x0A000007);
-  EXPECT_EQ(counters.wrong_model, 1U);
   EXPECT_EQ(counters.packets, 1U);
   assembler.add_kernel_dropped(12);
   EXPECT_EQ(counters.kernel_dropped, 12U);
@@ -318,6 +320,42 @@ TEST(SweepAssembler, APartialTurnIsOneSweepWithExactTimes) {
   EXPECT_LE(assembler.counters().network_lost, 70U);
 }
 
+TEST(SweepAssembler, AStrayAzimuthIsInterpolatedAndCounted) {
+  const Scene scene = make_model_scene(Model::kHdl32e, {.turns = 2});
+  SweepAssembler undisturbed({.model = Model::kHdl32e});
+  const std::vector<Sweep> expected = assemble(undisturbed, scene.packets);
+  for (const size_t block : {size_t{0}, size_t{5}, size_t{11}}) {
+    for (const uint16_t azimuth : {uint16_t{12'345}, uint16_t{36'001}, uint16_t{65'000}}) {
+      Scene disturbed = scene;
+      fixtures::write_u16(&disturbed.packets[100].payload[block * 100 + 2], azimuth);
+      SweepAssembler assembler({.model = Model::kHdl32e});
+      const std::vector<Sweep> sweeps = assemble(assembler, disturbed.packets);
+      EXPECT_EQ(assembler.counters().stray_azimuths, 1U) << block << " " << azimuth;
+      EXPECT_EQ(assembler.counters().total_malformed(), 0U);
+      EXPECT_EQ(assembler.counters().network_lost, 0U);
+      ASSERT_EQ(sweeps.size(), expected.size());
+      for (size_t i = 0; i < sweeps.size(); ++i) {
+        ASSERT_EQ(sweeps[i].size(), expected[i].size());
+        for (size_t k = 0; k < sweeps[i].size(); ++k) {
+          ASSERT_NEAR(sweeps[i].x[k], expected[i].x[k], 0.02);  // 0.01° at 100 m
+          ASSERT_NEAR(sweeps[i].y[k], expected[i].y[k], 0.02);
+          ASSERT_EQ(sweeps[i].time_offset_ns[k], expected[i].time_offset_ns[k]);
+        }
+      }
+    }
+  }
+}
+
+TEST(SweepAssembler, ARefusedPacketIsNotLost) {
+  Scene scene = make_model_scene(Model::kHdl32e, {.turns = 1});
+  scene.packets[50].payload[300] = 0;
+  scene.packets.erase(scene.packets.begin() + 80, scene.packets.begin() + 83);
+  SweepAssembler assembler({.model = Model::kHdl32e});
+  assemble(assembler, scene.packets);
+  EXPECT_EQ(assembler.counters().total_malformed(), 1U);
+  EXPECT_EQ(assembler.counters().network_lost, 3U);
+}
+
 TEST(SweepAssembler, PushingWithoutPullingIsAProgrammingError) {
   const Scene scene = make_model_scene(Model::kHdl32e, {.turns = 0.1});
   SweepAssembler assembler({.model = Model::kHdl32e});
@@ -328,7 +366,8 @@ TEST(SweepAssembler, PushingWithoutPullingIsAProgrammingError) {
 
 TEST(SweepAssembler, OptionsReportWhatIsInvalid) {
   EXPECT_FALSE(SweepAssemblerOptions().invalid());
-  EXPECT_TRUE((SweepAssemblerOptions{.cut_azimuth = -1}).invalid());
+  EXPECT_FALSE((SweepAssemblerOptions{.cut_azimuth = -90}).invalid());
+  EXPECT_TRUE((SweepAssemblerOptions{.cut_azimuth = -361}).invalid());
   EXPECT_TRUE((SweepAssemblerOptions{.cut_azimuth = std::nan("")}).invalid());
   EXPECT_TRUE((SweepAssemblerOptions{.max_span = Duration(0)}).invalid());
   Calibration calibration;

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/health/level.hpp"
+#include "daemon/health/sensor_counters.hpp"
+#include "daemon/protocol/reports.hpp"
+
+namespace infuse::daemon {
+
+/// What is wrong with the recorded packets of a lidar, however short the recording is.
+struct LidarProblem {
+  Level level = Level::kWarn;
+  std::string what;  ///< "lidar: 12 packets lost"
+};
+
+/// Finds the problems of a lidar by its counters at the end of a recording.
+std::vector<LidarProblem> find_problems(const Device& device, const SensorCounters& counters);
+
+/// Level of the worst problem, and at least `level`.
+Level worst_level(Level level, const std::vector<LidarProblem>& problems);
+
+/// Time from the first packet to the last.
+Duration active_duration(const SensorCounters& counters);
+
+/// Turns per second by azimuth, if packets show them; else sweeps per second.
+double sweep_rate(const SensorCounters& counters);
+
+}  // namespace infuse::daemon

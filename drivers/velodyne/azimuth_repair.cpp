@@ -1,0 +1,92 @@
+#include "drivers/velodyne/azimuth_repair.hpp"
+
+#include "drivers/velodyne/firing_plan.hpp"
+
+namespace infuse::velodyne {
+namespace {
+
+/// The azimuths around a packet, by the index of its sequences: −1 is the one before.
+struct Neighbours {
+  const Packet& packet;
+  std::optional<int> before, after;
+
+  std::optional<int> at(int i) const {
+    if (i < 0) return i == -1 ? before : std::nullopt;
+    if (i >= packet.sequences) return i == packet.sequences ? after : std::nullopt;
+    const int azimuth = packet.azimuth[static_cast<size_t>(i)];
+    return azimuth == kNoAzimuth ? std::nullopt : std::optional<int>(azimuth);
+  }
+};
+
+uint16_t wrapped(int azimuth) {
+  return static_cast<uint16_t>((azimuth % kCentidegreesPerTurn + kCentidegreesPerTurn) %
+                               kCentidegreesPerTurn);
+}
+
+bool is_rotation(int advance, int max_advance) { return advance >= 0 && advance <= max_advance; }
+
+/// True if the sequence fits neither neighbour, but these fit each other.
+bool is_stray(const Neighbours& all, int i, int max_step) {
+  const auto before = all.at(i - 1);
+  const auto now = all.at(i);
+  const auto after = all.at(i + 1);
+  if (!before || !now || !after) return false;
+  return azimuth_advance(*before, *now) > max_step && azimuth_advance(*now, *after) > max_step &&
+         is_rotation(azimuth_advance(*before, *after), 2 * max_step);
+}
+
+/// Linear between the nearest azimuths on both sides; on one side only, with the step there.
+uint16_t interpolate(const Neighbours& all, int i, int max_step) {
+  const int count = all.packet.sequences;
+  int low = i - 1;
+  while (low >= -1 && !all.at(low)) --low;
+  int high = i + 1;
+  while (high <= count && !all.at(high)) ++high;
+  const auto from = all.at(low);
+  const auto to = all.at(high);
+  if (from && to) {
+    const int advance = azimuth_advance(*from, *to);
+    if (is_rotation(advance, (high - low) * max_step)) {
+      return wrapped(*from + advance * (i - low) / (high - low));
+    }
+  }
+  const auto step = [&](int at, int next) {
+    const auto a = all.at(at);
+    const auto b = all.at(next);
+    const int advance = a && b ? azimuth_advance(*a, *b) : 0;
+    return is_rotation(advance, max_step) ? advance : 0;
+  };
+  if (from) return wrapped(*from + step(low - 1, low) * (i - low));
+  return to ? wrapped(*to - step(high, high + 1) * (high - i)) : uint16_t{0};
+}
+
+/// True if every azimuth follows the one before it, as nearly always.
+bool is_smooth(const Packet& packet, std::optional<int> before, int max_step) {
+  bool smooth = packet.azimuth[0] != kNoAzimuth;
+  int last = before.value_or(packet.azimuth[0]);
+  for (size_t i = 0; i < packet.sequences; ++i) {
+    int advance = packet.azimuth[i] - last;
+    if (advance < 0) advance += kCentidegreesPerTurn;
+    smooth = smooth && advance <= max_step;
+    last = packet.azimuth[i];
+  }
+  return smooth;
+}
+
+}  // namespace
+
+size_t repair_azimuths(Packet& packet, std::optional<int> before, std::optional<int> after,
+                       int max_step) {
+  if (is_smooth(packet, before, max_step)) return 0;
+  if (after == kNoAzimuth) after.reset();
+  const Neighbours all{packet, before, after};
+  size_t repaired = 0;
+  for (int i = 0; i < packet.sequences; ++i) {
+    if (all.at(i) && !is_stray(all, i, max_step)) continue;
+    packet.azimuth[static_cast<size_t>(i)] = interpolate(all, i, max_step);
+    ++repaired;
+  }
+  return repaired;
+}
+
+}  // namespace infuse::velodyne
