@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/registration/refine.hpp"
 #include "fusion/registration/view_agreement.hpp"
 
 namespace infuse::registration {
@@ -92,7 +93,7 @@ bool distinct(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
 
 std::optional<std::string> GlobalGuessOptions::invalid() const {
   if (!(voxel_size > 0 && voxel_size < 100)) return "voxel_size must lie in 0 … 100 m";
-  if (min_supported < 1) return "min_supported must be positive";
+  if (!(min_overlap >= 0 && min_overlap < 1)) return "min_overlap must lie in 0 … 1";
   if (max_keypoints < 10 || max_keypoints > 20'000) return "max_keypoints must lie in 10 … 20000";
   if (!(min_agreement > 0 && min_agreement < 1)) return "min_agreement must lie between 0 and 1";
   if (!(min_lead >= 0 && min_lead < 1)) return "min_lead must lie in 0 … 1";
@@ -116,27 +117,27 @@ RegistrationResult find_global_guess(const geometry::PointsView& target,
   if (!consensus.usable()) return refuse("no pose agrees with the shapes of both scans");
 
   const ViewOfScan target_view(there), source_view(here);
-  GicpOptions coarse, fine;
-  coarse.max_correspondence_distance = 2;
-  coarse.max_iterations = 15;
   struct Scored {
     RegistrationResult result;
     ViewAgreement agreement;
   };
   std::vector<Scored> scored;
+  const char* reason = nullptr;  // why the first of the poses that are not usable is not
   for (const RigidHypothesis& hypothesis : consensus.hypotheses) {
-    const RegistrationResult rough = gicp(there, here.cloud, hypothesis.T_target_source, coarse);
-    const RegistrationResult result = gicp(there, here.cloud, rough.T_target_source, fine);
-    if (!result.usable()) continue;
+    const RegistrationResult result = refine(there, here.cloud, hypothesis.T_target_source);
+    if (!result.usable()) {
+      if (reason == nullptr) reason = result.reason;
+      continue;
+    }
     scored.push_back({result, agreement(target_view, there.cloud, source_view, here.cloud,
                                         result.T_target_source)});
   }
-  if (scored.empty()) return refuse("no pose brings the scans together");
+  if (scored.empty()) return refuse(reason);
   std::stable_sort(scored.begin(), scored.end(), [](const Scored& a, const Scored& b) {
     return a.agreement.score() > b.agreement.score();
   });
   const Scored& best = scored.front();
-  if (best.agreement.supported < options.min_supported) {
+  if (best.agreement.overlap() < options.min_overlap) {
     return refuse("the scans have too little in common");
   }
   if (best.agreement.share() < options.min_agreement) {

@@ -17,7 +17,7 @@ struct GlobalGuessOptions {
   RigidConsensusOptions consensus{.hypotheses = 12};
   double min_agreement = 0.85;  ///< share of the points that a scan can judge and supports
   double min_lead = 0.2;  ///< by which every other pose's score is lower, as a share of the best
-  size_t min_supported = 200;  ///< points of both scans
+  double min_overlap = 0.25;  ///< share of all points that are supported
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -51,6 +51,11 @@ double ViewAgreement::share() const {
   return judged == 0 ? 0 : static_cast<double>(supported) / static_cast<double>(judged);
 }
 
+double ViewAgreement::overlap() const {
+  const size_t all = supported + refuted + unseen;
+  return all == 0 ? 0 : static_cast<double>(supported) / static_cast<double>(all);
+}
+
 ViewAgreement ViewAgreement::operator+(const ViewAgreement& other) const {
   return {supported + other.supported, refuted + other.refuted, unseen + other.unseen};
 }

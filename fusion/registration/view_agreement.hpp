@@ -16,6 +16,9 @@ struct ViewAgreement {
   /// Share of supported points among those that the scan can judge; 0 if there is none.
   double share() const;
 
+  /// Share of supported points among all; 0 if there is none.
+  double overlap() const;
+
   /// Share times number of supported points: grows with the overlap, falls with what is refuted.
   double score() const { return share() * static_cast<double>(supported); }
 
