@@ -13,14 +13,13 @@
 #include <vector>
 
 #include "drivers/recording/lzf.hpp"
-#include "drivers/recording/pcd_header.hpp"
 #include "drivers/recording/sweep_files.hpp"
 #include "drivers/text/numbers.hpp"
 
 namespace infuse::recording {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "PCD files are little-endian");
+static_assert(std::endian::native == std::endian::little, "point files are little-endian");
 
 constexpr size_t kMaxBytes = 256 << 20;  // decompressed
 constexpr size_t kMaxRings = 128;
@@ -220,27 +219,24 @@ std::vector<size_t> sort_by_ring(const Columns& columns, std::vector<uint32_t>& 
 
 }  // namespace
 
-Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep) {
-  const auto header = parse_pcd_header(bytes);
-  if (!header) return tl::unexpected(header.error());
+Result<void> parse_points(const PcdHeader& header, std::string_view points, Sweep& sweep) {
   const FieldIndices field_indices = {
-      header->find({"x"}), header->find({"y"}), header->find({"z"}),
-      header->find({"intensity", "reflectivity", "reflectance", "i"}),
-      header->find({"ring", "channel", "laser", "beam"})};
+      header.find({"x"}), header.find({"y"}), header.find({"z"}),
+      header.find({"intensity", "reflectivity", "reflectance", "i"}),
+      header.find({"ring", "channel", "laser", "beam"})};
   if (field_indices[0] < 0 || field_indices[1] < 0 || field_indices[2] < 0)
     return fail("has no fields x, y and z");
-  if (header->points * header->point_bytes() > kMaxBytes) {
+  if (header.points * header.point_bytes() > kMaxBytes) {
     return fail("has more than 256 MiB of points");
   }
-  const std::string_view points = bytes.substr(header->data_offset);
   Columns columns;
   const auto read =
-      header->data == PcdData::kAscii    ? read_ascii(points, *header, field_indices, columns)
-      : header->data == PcdData::kBinary ? read_binary(points, *header, field_indices, columns)
-                                         : read_compressed(points, *header, field_indices, columns);
+      header.data == PcdData::kAscii    ? read_ascii(points, header, field_indices, columns)
+      : header.data == PcdData::kBinary ? read_binary(points, header, field_indices, columns)
+                                        : read_compressed(points, header, field_indices, columns);
   if (!read) return read;
   std::vector<uint32_t> order;
-  for (uint32_t i = 0; i < header->points; ++i) {
+  for (uint32_t i = 0; i < header.points; ++i) {
     if (is_return(columns, i)) order.push_back(i);
   }
   std::vector<size_t> rings;
@@ -248,6 +244,12 @@ Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep) {
   fill_sweep(columns, order, sweep);
   if (rings.empty() || !assign_rings(sweep, rings)) infer_rings(sweep);
   return {};
+}
+
+Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep) {
+  const auto header = parse_pcd_header(bytes);
+  if (!header) return tl::unexpected(header.error());
+  return parse_points(*header, bytes.substr(header->data_offset), sweep);
 }
 
 }  // namespace infuse::recording

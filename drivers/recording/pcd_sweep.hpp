@@ -4,6 +4,7 @@
 
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/sweep.hpp"
+#include "drivers/recording/pcd_header.hpp"
 
 namespace infuse::recording {
 
@@ -19,5 +20,8 @@ namespace infuse::recording {
 /// field, or with more than 128 rings, returns keep their order and rings are inferred
 /// (`infer_rings`). `has_times` is false. Stamp, sequence and clock are left to the caller.
 Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep);
+
+/// The same for the points that follow a header.
+Result<void> parse_points(const PcdHeader& header, std::string_view points, Sweep& sweep);
 
 }  // namespace infuse::recording

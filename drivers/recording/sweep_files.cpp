@@ -13,6 +13,7 @@
 #include "drivers/receive/file_descriptor.hpp"
 #include "drivers/receive/system_error.hpp"
 #include "drivers/recording/pcd_sweep.hpp"
+#include "drivers/recording/ply_sweep.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
@@ -23,10 +24,11 @@ static_assert(std::endian::native == std::endian::little, "sweep files are littl
 constexpr size_t kPointBytes = 16;
 constexpr size_t kMaxBytes = 64 << 20;
 
-Result<void> read_pcd(const std::filesystem::path& path, Sweep& sweep) {
+Result<void> read_points(const std::filesystem::path& path, Sweep& sweep) {
   const auto bytes = text::read_text(path, kMaxBytes);
   if (!bytes) return tl::unexpected(bytes.error());
-  auto parsed = parse_pcd_sweep(*bytes, sweep);
+  auto parsed =
+      path.extension() == ".ply" ? parse_ply_sweep(*bytes, sweep) : parse_pcd_sweep(*bytes, sweep);
   if (parsed) return parsed;
   const Error& wrong = parsed.error();
   const std::string line = wrong.where.empty() ? "" : ", " + wrong.where;
@@ -61,7 +63,7 @@ Result<void> SweepReader::load(const std::filesystem::path& path) {
 }
 
 Result<void> SweepReader::read(const std::filesystem::path& path, Sweep& sweep) {
-  if (path.extension() == ".pcd") return read_pcd(path, sweep);
+  if (path.extension() == ".pcd" || path.extension() == ".ply") return read_points(path, sweep);
   if (auto loaded = load(path); !loaded) return loaded;
   sweep.clear();
   sweep.has_times = false;

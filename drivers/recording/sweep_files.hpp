@@ -11,13 +11,13 @@
 
 namespace infuse::recording {
 
-/// Reads decoded sweeps: PCD files (`parse_pcd_sweep`), or KITTI's .bin files (float32 x y z
-/// reflectance, little-endian). Reuses its memory for .bin files.
+/// Reads decoded sweeps: PCD and PLY files (`parse_pcd_sweep`), or KITTI's .bin files (float32 x y
+/// z reflectance, little-endian). Reuses its memory for .bin files.
 class SweepReader {
  public:
-  /// Fills `sweep` from a .pcd file with `parse_pcd_sweep`, from any other file as KITTI's .bin:
-  /// range is computed, rings are inferred (`infer_rings`), `has_times` is false, points that are
-  /// not finite are skipped. Files longer than 64 MiB are errors. Stamp, sequence and clock are
+  /// Fills `sweep` from a .pcd or .ply file with `parse_pcd_sweep`, from any other file as KITTI's
+  /// .bin: range is computed, rings are inferred (`infer_rings`), `has_times` is false, points that
+  /// are not finite are skipped. Files longer than 64 MiB are errors. Stamp, sequence and clock are
   /// left to the caller.
   Result<void> read(const std::filesystem::path& path, Sweep& sweep);
 

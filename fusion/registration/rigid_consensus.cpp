@@ -189,9 +189,11 @@ RigidConsensus find_rigid_consensus(const Correspondences& correspondences,
   while (static_cast<double>(out.samples) < needed) {
     search.draw();
     ++out.samples;
-    if (options.hypotheses > 1 || search.best_count() <= best) continue;
+    if (search.best_count() <= best) continue;
     best = search.best_count();
-    const double share = static_cast<double>(best) / static_cast<double>(count);
+    // Other poses are sought down to a quarter of the best one's inliers.
+    const double share = static_cast<double>(best) / static_cast<double>(count) *
+                         (options.hypotheses > 1 ? 0.25 : 1.0);
     needed = std::min(needed, samples_needed(share, options.probability));
   }
   out.hypotheses = search.finish();

@@ -60,8 +60,8 @@ struct RigidConsensus {
 
 /// Finds rigid motions by random samples of three correspondences (RANSAC), P algorithm 2. A sample
 /// whose triangles differ in a side is left out at once; inliers are fitted by least squares.
-/// With one hypothesis it ends as soon as `probability` holds for the share of inliers found; with
-/// several it draws the samples that `min_share` needs, so that rarer poses are found too.
+/// It ends as soon as `probability` holds for the share of inliers found; with several hypotheses
+/// for a quarter of it, so that rarer poses are found too.
 RigidConsensus find_rigid_consensus(const Correspondences& correspondences,
                                     const RigidConsensusOptions& options);
 

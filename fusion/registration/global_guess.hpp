@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "fusion/features/fpfh.hpp"
+#include "fusion/registration/gicp.hpp"
+#include "fusion/registration/rigid_consensus.hpp"
+
+namespace infuse::registration {
+
+/// Settings of the global guess.
+struct GlobalGuessOptions {
+  double voxel_size = 0.5;      ///< m, grid of the points
+  features::FpfhOptions fpfh;   ///< of the features
+  size_t max_keypoints = 3000;  ///< of each scan, those whose histograms say most
+  RigidConsensusOptions consensus{.hypotheses = 12};
+  double min_agreement = 0.85;  ///< share of the points that a scan can judge and supports
+  double min_lead = 0.2;  ///< by which every other pose's score is lower, as a share of the best
+  double min_overlap = 0.25;  ///< share of all points that are supported
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// Finds the pose of one scan in another's frame without a guess: correspondences of FPFH features,
+/// poses by consensus, each refined by GICP; the pose is taken that agrees best with what either
+/// scan has seen of the other's points. Refused where that is not enough, or where another pose
+/// agrees as well. Points in m, frame of their lidar. Deterministic.
+RegistrationResult find_global_guess(const geometry::PointsView& target,
+                                     const geometry::PointsView& source,
+                                     const GlobalGuessOptions& options = {});
+
+}  // namespace infuse::registration

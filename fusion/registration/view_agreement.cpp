@@ -1,0 +1,108 @@
+#include "fusion/registration/view_agreement.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace infuse::registration {
+namespace {
+
+constexpr int kCells = 60;               // along a side of a face: 1.5° in the middle
+constexpr float kSupport = 0.6F;         // m, distance of a point that supports another
+constexpr float kClearance = 1.0F;       // m, by which a beam must go on behind a place
+constexpr float kAlongCommonest = 0.8F;  // cosine between a normal and the commonest one
+
+/// Cell of a direction: face, row and column.
+struct Cell {
+  int face, row, column;
+};
+
+Cell cell_of(const Eigen::Vector3f& p) {
+  int axis = 0;
+  const float length = p.cwiseAbs().maxCoeff(&axis);
+  const int other = (axis + 1) % 3, last = (axis + 2) % 3;
+  const auto index = [&](float value) {
+    const float place = (value / length + 1) * (kCells / 2.0F);
+    return std::clamp(static_cast<int>(place), 0, kCells - 1);
+  };
+  return {2 * axis + (p[axis] < 0 ? 1 : 0), index(p[other]), index(p[last])};
+}
+
+size_t at(const Cell& cell) {
+  return static_cast<size_t>((cell.face * kCells + cell.row) * kCells + cell.column);
+}
+
+/// Direction of which most normals have a large part.
+Eigen::Vector3f commonest_normal(const PointCloud& cloud) {
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3d n(cloud.nx[i], cloud.ny[i], cloud.nz[i]);
+    spread += n * n.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  return solver.eigenvectors().col(2).cast<float>();
+}
+
+}  // namespace
+
+double ViewAgreement::share() const {
+  const size_t judged = supported + refuted;
+  return judged == 0 ? 0 : static_cast<double>(supported) / static_cast<double>(judged);
+}
+
+double ViewAgreement::overlap() const {
+  const size_t all = supported + refuted + unseen;
+  return all == 0 ? 0 : static_cast<double>(supported) / static_cast<double>(all);
+}
+
+ViewAgreement ViewAgreement::operator+(const ViewAgreement& other) const {
+  return {supported + other.supported, refuted + other.refuted, unseen + other.unseen};
+}
+
+ViewOfScan::ViewOfScan(const PreparedCloud& scan)
+    : scan_(scan), nearest_(size_t{6} * kCells * kCells, 0) {
+  const PointCloud& cloud = scan.cloud;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f p(cloud.x[i], cloud.y[i], cloud.z[i]);
+    const float range = p.norm();
+    if (!(range > 0)) continue;
+    const Cell middle = cell_of(p);
+    for (int row = std::max(0, middle.row - 1); row <= std::min(kCells - 1, middle.row + 1);
+         ++row) {
+      for (int column = std::max(0, middle.column - 1);
+           column <= std::min(kCells - 1, middle.column + 1); ++column) {
+        float& nearest = nearest_[at({middle.face, row, column})];
+        if (nearest == 0 || range < nearest) nearest = range;
+      }
+    }
+  }
+}
+
+ViewAgreement ViewOfScan::judge(const PointCloud& other,
+                                const Eigen::Isometry3d& T_this_other) const {
+  const Eigen::Vector3f ground = commonest_normal(other);
+  const Eigen::Isometry3f T = T_this_other.cast<float>();
+  ViewAgreement out;
+  for (size_t i = 0; i < other.size(); ++i) {
+    const Eigen::Vector3f normal(other.nx[i], other.ny[i], other.nz[i]);
+    if (normal.squaredNorm() == 0 || std::abs(normal.dot(ground)) > kAlongCommonest) continue;
+    const Eigen::Vector3f p = T * Eigen::Vector3f(other.x[i], other.y[i], other.z[i]);
+    if (scan_.search.nearest(p.data(), kSupport, 0).index >= 0) {
+      ++out.supported;
+      continue;
+    }
+    const float range = p.norm(), seen = nearest_[at(cell_of(p))];
+    ++(seen > range + kClearance ? out.refuted : out.unseen);
+  }
+  return out;
+}
+
+ViewAgreement agreement(const ViewOfScan& target, const PointCloud& target_cloud,
+                        const ViewOfScan& source, const PointCloud& source_cloud,
+                        const Eigen::Isometry3d& T_target_source) {
+  return target.judge(source_cloud, T_target_source) +
+         source.judge(target_cloud, T_target_source.inverse());
+}
+
+}  // namespace infuse::registration
