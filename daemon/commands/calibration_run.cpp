@@ -144,6 +144,9 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
     run.scenes.push_back(std::move(*scene));
   }
   run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
+  run.motion = motion_uncertainty(pairs, run.result.T_refcam_lidar);
+  run.result.uncertainty.covariance += run.motion.covariance;
+  if (run.result.usable()) run.result.reason = run.motion.reason;
   run.cpu_s = cpu_seconds() - began;
   return run;
 }
@@ -171,9 +174,12 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
                {"evaluations", result.evaluations},
                {"cpu_s", rounded(run.cpu_s)},
                {"scenes", scenes_json(run, pairs)},
+               {"motion_max_shift_m", rounded(run.motion.max_shift)},
                {"notes", pairs.notes}};
+  if (!run.motion.note.empty()) json["notes"].push_back(run.motion.note);
   if (result.uncertainty.usable()) {
     json["covariance"] = matrix_json(result.uncertainty.covariance);
+    json["covariance_of_motion"] = matrix_json(run.motion.covariance);
     json["cramer_rao_bound"] = matrix_json(result.uncertainty.cramer_rao_bound);
   }
   for (size_t c = 0; c < pairs.cameras.size() && pairs.cameras.size() > 1; ++c) {
@@ -210,8 +216,13 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                         T(row, 2), T(row, 3));
   }
   if (result.uncertainty.usable()) {
-    text += "  standard deviation (rx ry rz, tx ty tz), from the scatter between scenes: " +
-            sigma_text(result.uncertainty.covariance) + "\n";
+    text +=
+        "  standard deviation (rx ry rz, tx ty tz), from the scatter between scenes and the "
+        "motion: " +
+        sigma_text(result.uncertainty.covariance) + "\n";
+    text +=
+        "    of this by motion while times are uncertain: " + sigma_text(run.motion.covariance) +
+        "\n";
   }
   if (result.split_half) {
     text += "    from halves of the scenes: " + sigma_text(*result.split_half) + "\n";
@@ -237,6 +248,7 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                       10 * 100 * check.pose_sensitivity.tail<3>().norm());
     }
   }
+  if (!run.motion.note.empty()) text += "  note: " + run.motion.note + "\n";
   for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";
   return text;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/commands/calibration_scenes.hpp"
+#include "daemon/commands/motion_uncertainty.hpp"
 #include "daemon/protocol/counters_json.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
@@ -20,7 +21,8 @@ struct CalibrationRun {
       cameras;  ///< the cameras of the rig, the reference camera first
   Eigen::Isometry3d initial_pose = Eigen::Isometry3d::Identity();  ///< T_camera_lidar
   calibration::CalibrateOptions options;
-  calibration::CalibrationResult result;
+  calibration::CalibrationResult result;  ///< its covariance includes `motion`
+  MotionUncertainty motion;
   double cpu_s = 0;
 };
 

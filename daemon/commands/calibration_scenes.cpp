@@ -56,9 +56,9 @@ Result<OpenDrive> open_sensors(const std::string& path, const std::string& name,
         fmt::format("the extrinsics of camera '{}' refer to lidar '{}'", mount.name, mount.lidar),
         path, "choose that lidar");
   }
-  auto images = recording::index_images(drive->resolve(drive->description.cameras[*camera].images));
+  auto images = recording::index_images(drive->resolve(drive->description.cameras[*camera].images),
+                                        mount.stamp_delay);
   if (!images) return tl::unexpected(images.error());
-  for (recording::SequenceEntry& entry : images->entries) entry.stamp -= mount.stamp_delay;
   auto setup = open_drive(path, {}, {});
   if (!setup) return tl::unexpected(setup.error());
   return OpenDrive{std::move(*drive), std::move(*setup), *camera, *lidar,
@@ -143,6 +143,7 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
                          .frame = std::move(*frame),
                          .sweep = std::move(sweeps[k].sweep),
                          .deskew_reason = sweeps[k].deskew_reason,
+                         .uncompensated = sweeps[k].uncompensated,
                          .twist = sweeps[k].twist});
   }
   if (unpaired > 0) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/pipeline/pairing.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
@@ -20,7 +21,7 @@ struct SceneRequest {
   std::string lidar;    ///< name; empty: the lidar that the reference camera's extrinsics refer to
   int max_scenes = 20;  ///< maximum number of images of each camera, over all drives together,
                         ///< spread evenly over their time
-  Duration max_gap{75'000'000};  ///< between the exposure and the middle of the sweep
+  Duration max_gap = kMaxPairingGap;  ///< from the exposure to the span of the sweep
 };
 
 /// An image and the sweep nearest to its exposure.
@@ -28,10 +29,11 @@ struct ScenePair {
   std::string name;  ///< drive and number of the image; with several cameras also the camera's name
   size_t camera = 0;  ///< index in ScenePairs::cameras
   Stamp stamp;        ///< of the exposure
-  Duration gap{0};    ///< to the middle of the sweep
+  Duration gap{0};    ///< to the span of the sweep
   CameraFrame frame;
   Sweep sweep;                             ///< deskewed to the exposure if `deskew_reason` is empty
   std::string deskew_reason;               ///< why the sweep is not deskewed; empty if it is
+  Duration uncompensated{0};               ///< PairedSweep::uncompensated
   std::optional<geometry::Vector6> twist;  ///< PairedSweep::twist
 };
 

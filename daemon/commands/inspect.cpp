@@ -11,6 +11,7 @@
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/command_line/summary.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/drive_uses.hpp"
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/survey/capture_survey.hpp"
 #include "drivers/recording/pcap_reader.hpp"
@@ -30,6 +31,7 @@ struct Contents {
   CaptureSurvey survey;
   std::map<std::string, Arrivals> other_streams;  ///< "camera 0", "CAN frames", ...
   std::vector<Error> notes;
+  bool has_map = false;
 };
 
 Result<Contents> survey_capture(const std::filesystem::path& path) {
@@ -51,6 +53,7 @@ std::string kind_of(const recording::DriveEvent& event) {
     return fmt::format("decoded sweeps of lidar {}", sweep->lidar);
   }
   if (std::holds_alternative<recording::CanLineEvent>(event.content)) return "CAN frames";
+  if (std::holds_alternative<WheelOdometry>(event.content)) return "speeds";
   return std::holds_alternative<GnssFix>(event.content) ? "GNSS fixes" : "IMU samples";
 }
 
@@ -69,6 +72,7 @@ Result<Contents> survey_drive(const std::filesystem::path& path) {
     }
   }
   contents.notes = source->notes();
+  contents.has_map = !drive->description.map.empty();
   return contents;
 }
 
@@ -173,6 +177,11 @@ Json to_json(const Arguments& arguments, const Contents& contents, const Result<
     json["devices"] = replayed["devices"];
     json["sensors"] = replayed["streams"];
     if (replayed.contains("odometry")) json["odometry"] = replayed["odometry"];
+    json["uses"] = Json::array();
+    for (const DriveUse& use : drive_uses(*summary, contents.has_map)) {
+      json["uses"].push_back(
+          {{"use", use.use}, {"possible", use.possible}, {"statement", use.statement}});
+    }
   }
   json["problems"] = list_problems(contents, summary);
   return json;
@@ -208,6 +217,10 @@ std::string to_text(const Arguments& arguments, const Contents& contents,
                           summary->totals.levels[lidars + i]);
     }
     if (summary->has_odometry) text += odometry_text(summary->totals.odometry);
+    text += "can be used for\n";
+    for (const DriveUse& use : drive_uses(*summary, contents.has_map)) {
+      text += fmt::format("  {}: {}; {}\n", use.use, use.possible ? "yes" : "no", use.statement);
+    }
   }
   const auto list = list_problems(contents, summary);
   text += list.empty() ? "no problems\n" : "problems\n";
@@ -246,7 +259,8 @@ int run(const Arguments& arguments) {
 
 Command declare_inspect(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
-      "inspect", "list the contents of a capture or drive: sensors, rates, gaps, clocks, problems");
+      "inspect",
+      "list the contents of a capture or drive: sensors, rates, gaps, clocks, uses, problems");
   const auto arguments = std::make_shared<Arguments>();
   app->add_option("PATH", arguments->path, "a drive folder, or a pcap or pcapng file")->required();
   app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")

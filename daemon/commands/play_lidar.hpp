@@ -28,6 +28,8 @@ SensorCounters play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnS
       if (sweep->lidar == lidar) intake.add_sweep(*sweep->sweep, on_sweep);
     } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
       vehicle.add_can_line(bus->line, event.stamp, on_sample);
+    } else if (const auto* speed = std::get_if<WheelOdometry>(&event.content)) {
+      on_sample(*speed);
     } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
       on_sample(*imu);
     } else if (const auto* fix = std::get_if<GnssFix>(&event.content)) {

@@ -1,14 +1,15 @@
 #include "daemon/commands/sweep_pairing.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "daemon/pipeline/pairing.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 constexpr Duration kMaxWait{1'000'000'000};   // until the next sweep and its odometry have arrived
 constexpr Duration kTwistWindow{40'000'000};  // over which the twist is averaged
-
-Stamp middle(const Sweep& sweep) { return sweep.stamp + sweep.span / 2; }
 
 }  // namespace
 
@@ -22,7 +23,7 @@ void SweepPairing::add_exposure(Stamp exposure) {
 
 void SweepPairing::add_sweep(const Sweep& sweep) {
   for (size_t k = next_; k < exposures_.size(); ++k) {
-    const Duration gap = distance_between(middle(sweep), exposures_[k]);
+    const Duration gap = pairing_gap(exposures_[k], sweep);
     PairedSweep& pair = pairs_[k];
     if (pair.found ? gap >= pair.gap : gap > kMaxWait) continue;
     pair.found = true;
@@ -54,20 +55,19 @@ std::optional<geometry::Vector6> SweepPairing::twist_at(Stamp exposure) const {
 void SweepPairing::deskew(size_t exposure) {
   PairedSweep& pair = pairs_[exposure];
   if (!pair.found) return;
-  if (!has_odometry_) {
-    pair.deskew_reason = "the drive has no odometry";
-    return;
-  }
+  pair.twist = twist_at(exposures_[exposure]);
   deskewer_.deskew(pair.sweep, odometry_.trajectory(), exposures_[exposure], deskewed_);
   if (!deskewed_.usable()) {
-    pair.deskew_reason = deskewed_.reason;
+    pair.deskew_reason = has_odometry_ ? deskewed_.reason : "the drive has no odometry";
+    const Stamp end = pair.sweep.stamp + pair.sweep.span;
+    pair.uncompensated = std::max(distance_between(exposures_[exposure], pair.sweep.stamp),
+                                  distance_between(exposures_[exposure], end));
     return;
   }
   Sweep& sweep = pair.sweep;
   sweep.x.swap(deskewed_.x);
   sweep.y.swap(deskewed_.y);
   sweep.z.swap(deskewed_.z);
-  pair.twist = twist_at(exposures_[exposure]);
 }
 
 }  // namespace infuse::daemon

@@ -13,9 +13,10 @@ namespace infuse::daemon {
 /// The sweep nearest to an exposure.
 struct PairedSweep {
   bool found = false;
-  Duration gap{0};            ///< time from the exposure to the middle of the sweep
+  Duration gap{0};            ///< `pairing_gap`; zero within the sweep's span
   Sweep sweep;                ///< deskewed to the exposure if `deskew_reason` is empty
   std::string deskew_reason;  ///< why the sweep is not deskewed
+  Duration uncompensated{0};  ///< maximum time from the exposure to a return that is not deskewed
   /// Twist of the lidar in its own frame at the exposure, rad/s and m/s, if odometry covers it.
   std::optional<geometry::Vector6> twist;
 };
@@ -24,7 +25,7 @@ struct PairedSweep {
 /// exposure's time. Keeps one sweep per exposure.
 class SweepPairing {
  public:
-  /// Without odometry no sweep is deskewed.
+  /// Without odometry only sweeps that their source has deskewed to the exposure are.
   SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry);
 
   /// Adds an exposure; in order of time, before any sweep or sample.

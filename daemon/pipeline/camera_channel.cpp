@@ -1,15 +1,10 @@
 #include "daemon/pipeline/camera_channel.hpp"
 
+#include "daemon/pipeline/pairing.hpp"
 #include "drivers/camera/colour.hpp"
 #include "fusion/geometry/project_points.hpp"
 
 namespace infuse::daemon {
-namespace {
-
-constexpr Duration kMaxSweepOffset{200'000'000};  // beyond the span of the sweep
-
-}  // namespace
-
 CameraChannel::CameraChannel(const CameraMount& mount, LidarIndex lidar,
                              const Eigen::Isometry3d& T_vehicle_lidar,
                              const CalibrationSettings& calibration, bool blocking)
@@ -36,9 +31,7 @@ const char* CameraChannel::mismatch(const CameraImage& image, const Sweep& sweep
       image.frame.height != mount_.intrinsics.height) {
     return "image size differs from the intrinsics";
   }
-  if (distance_between(image.stamp, sweep.stamp) > sweep.span + kMaxSweepOffset) {
-    return "no sweep near the image";
-  }
+  if (pairing_gap(image.stamp, sweep) > kMaxPairingGap) return "no sweep near the image";
   return "";
 }
 

@@ -30,6 +30,8 @@ void DriveReader::process(const recording::DriveEvent& event) {
     intake_.add_image_file(CameraIndex(image->camera), event.stamp, image->sequence, *image->path);
   } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {
     intake_.add_can_line(bus->line, event.stamp);
+  } else if (const auto* speed = std::get_if<WheelOdometry>(&event.content)) {
+    intake_.add_speed(*speed, event.stamp);
   } else if (const auto* imu = std::get_if<ImuSample>(&event.content)) {
     intake_.add_imu(*imu, event.stamp);
   } else if (const auto* fix = std::get_if<GnssFix>(&event.content)) {

@@ -161,6 +161,7 @@ Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
     setup.devices.push_back({kind, kind, file, "configured", file, std::nullopt});
   };
   if (description.can) add("can", description.can->log);
+  if (setup.vehicle.has_speed) add("speed", description.speed);
   if (setup.vehicle.has_imu) add("imu", description.imu);
   if (setup.vehicle.has_gnss) add("gnss", description.gnss);
   if (!description.gnss_lidar.empty()) {

@@ -1,5 +1,6 @@
 #include "daemon/pipeline/fusion_thread.hpp"
 
+#include "daemon/pipeline/pairing.hpp"
 #include "daemon/pipeline/sweep_summary.hpp"
 
 namespace infuse::daemon {
@@ -45,8 +46,9 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       out_(out),
       notifier_(notifier),
       odometry_(setup.odometry, setup.use_lidar),
-      sweeps_(max_pins(setup.rig.lidars.size()) - 2,
+      sweeps_(max_waiting_sweeps(setup.rig.lidars.size()),
               setup.has_motion_sensor ? setup.odometry.max_wait : Duration::zero()),
+      previous_sweeps_(setup.rig.lidars.size()),
       images_(images, images.capacity(),
               setup.delivery == Delivery::kWait ? EventCount::kNoTimeout : kImageTimeout),
       image_counters_(setup.rig.cameras.size()) {
@@ -97,8 +99,8 @@ void FusionThread::process(Pin<StreamItem> item) {
       return report_tick(*item);
     case StreamItem::Kind::kFlush:
       odometry_.finish();
-      while (!sweeps_.empty()) process_sweep(*sweeps_.pop());
-      return;
+      while (!sweeps_.empty()) process_sweep(sweeps_.pop());
+      return process_last_images();
     case StreamItem::Kind::kEnd:
       begin_report(ReportItem::Kind::kEnd, item->stamp);
       return send_report();
@@ -115,25 +117,27 @@ void FusionThread::process_samples(const StreamItem& item) {
 }
 
 void FusionThread::process_due_sweeps() {
-  while (sweeps_.has_due(odometry_.trajectory(), now_)) process_sweep(*sweeps_.pop());
+  while (sweeps_.has_due(odometry_.trajectory(), now_)) process_sweep(sweeps_.pop());
 }
 
 // The images are those that were exposed before the sweep's end and not matched with an earlier
-// one.
-void FusionThread::process_sweep(const StreamItem& item) {
-  odometry_.process_until(end_of(item.sweep));
-  const SweepSnapshot snapshot = deskew(item);
-  if (measures_motion(item.lidar)) measure_motion(item);
+// one. An image between two sweeps is matched with the nearer one.
+void FusionThread::process_sweep(Pin<StreamItem> item) {
+  odometry_.process_until(end_of(item->sweep));
+  const SweepSnapshot snapshot = deskew(*item);
+  if (measures_motion(item->lidar)) measure_motion(*item);
   report_sweep(snapshot);
   localise(snapshot);
   images_.pop_due(
       [&](CameraIndex camera, Stamp exposure) {
-        return cameras_[camera].lidar() == item.lidar && exposure <= end_of(item.sweep);
+        return cameras_[camera].lidar() == item->lidar && is_before_end(exposure, item->sweep);
       },
-      [&](const CameraImage& image) { process_image(image, item.sweep); });
-  const Duration total = HostClock::now() - item.read_at;
+      [&](const CameraImage& image) { process_image(image, nearest_sweep(image.stamp, *item)); });
+  const Duration total = HostClock::now() - item->read_at;
   latency(Stage::kTotal).add(total);
   if (total > kLatencyBudget) ++deadline_misses_;
+  const LidarIndex lidar = item->lidar;
+  previous_sweeps_[lidar] = std::move(item);
 }
 
 // Registers the sweep, which is deskewed by prediction, to the local map. With the motion that this
@@ -159,18 +163,41 @@ void FusionThread::measure_motion(const StreamItem& item) {
   lidar_odometry_->add(points_of(deskewed_), result);
 }
 
-// As of the sweep's end.
+const Sweep& FusionThread::nearest_sweep(Stamp exposure, const StreamItem& item) const {
+  const Pin<StreamItem>& previous = previous_sweeps_[item.lidar];
+  const bool earlier =
+      previous && pairing_gap(exposure, previous->sweep) < pairing_gap(exposure, item.sweep);
+  return earlier ? previous->sweep : item.sweep;
+}
+
+// No sweep follows: images after the last one are matched with it.
+void FusionThread::process_last_images() {
+  const auto last = [&](CameraIndex camera) -> const Pin<StreamItem>& {
+    return previous_sweeps_[cameras_[camera].lidar()];
+  };
+  images_.pop_due(
+      [&](CameraIndex camera, Stamp exposure) {
+        return last(camera) && pairing_gap(exposure, last(camera)->sweep) <= kMaxPairingGap;
+      },
+      [&](const CameraImage& image) { process_image(image, last(image.camera)->sweep); });
+}
+
+// As of the sweep's end; without odometry, a sweep that its source has deskewed is used as it is.
 SweepSnapshot FusionThread::deskew(const StreamItem& item) {
   const ScopedLatency timer(latency(Stage::kDeskew));
-  deskewers_[item.lidar].deskew(item.sweep, odometry_.trajectory(), end_of(item.sweep), deskewed_);
-  return {item.lidar, item.sweep, deskewed_};
+  const Sweep& sweep = item.sweep;
+  const bool as_it_is = sweep.deskewed && !setup_.has_odometry;
+  deskewers_[item.lidar].deskew(sweep, odometry_.trajectory(),
+                                as_it_is ? sweep.stamp + sweep.span / 2 : end_of(sweep), deskewed_);
+  return {item.lidar, sweep, deskewed_};
 }
 
 void FusionThread::report_sweep(const SweepSnapshot& snapshot) {
   const motion::DeskewedSweep& deskewed = snapshot.deskewed;
   SweepReport& report = begin_report(ReportItem::Kind::kSweep, snapshot.sweep.stamp).sweep;
   report = summarise(snapshot.sweep, setup_.rig.lidars[snapshot.lidar].name);
-  report.deskew_reason = setup_.has_odometry ? deskewed.reason : "no odometry";
+  const bool used = setup_.has_odometry || deskewed.usable();
+  report.deskew_reason = used ? deskewed.reason : "no odometry";
   report.travelled = deskewed.motion.T_from_to.translation().norm();
   report.turned = Eigen::AngleAxisd(deskewed.motion.T_from_to.linear()).angle();
   if (setup_.has_odometry && !deskewed.usable()) ++not_deskewed_;

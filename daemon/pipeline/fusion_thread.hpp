@@ -44,8 +44,11 @@ class FusionThread {
  public:
   /// Maximum host time from the reading of the packet that completes a sweep to its last report.
   static constexpr Duration kLatencyBudget{100'000'000};
-  /// Maximum number of pins held on the ring of items, which must have more room.
-  static size_t max_pins(size_t lidars) { return 2 * lidars + 2; }
+  /// Maximum number of sweeps that wait for odometry.
+  static size_t max_waiting_sweeps(size_t lidars) { return 2 * lidars; }
+  /// Maximum number of pins held on the ring of items, which must have more room: those sweeps, the
+  /// last sweep of each lidar, the item in hand and a sweep too many.
+  static size_t max_pins(size_t lidars) { return max_waiting_sweeps(lidars) + lidars + 2; }
 
   /// Registers as a reader of `in` and `images`. The rings and the notifier outlive this.
   FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in, SlotRing<CameraImage>& images,
@@ -66,12 +69,14 @@ class FusionThread {
   void process(Pin<StreamItem> item);
   void process_samples(const StreamItem& item);
   void process_due_sweeps();
-  void process_sweep(const StreamItem& item);
+  void process_sweep(Pin<StreamItem> item);
   bool measures_motion(LidarIndex lidar) const { return lidar_odometry_ && lidar == 0; }
   void measure_motion(const StreamItem& item);
   SweepSnapshot deskew(const StreamItem& item);
   void report_sweep(const SweepSnapshot& snapshot);
   void localise(const SweepSnapshot& snapshot);
+  const Sweep& nearest_sweep(Stamp exposure, const StreamItem& item) const;
+  void process_last_images();
   void process_image(const CameraImage& image, const Sweep& sweep);
   void monitor_calibration(const ImageMatch& match);
   void report_latest_pose();
@@ -98,6 +103,7 @@ class FusionThread {
 
   OdometryTracker odometry_;
   SweepQueue sweeps_;
+  std::vector<Pin<StreamItem>> previous_sweeps_;  // processed last, by LidarIndex
   ImageQueue images_;
   std::optional<registration::LidarOdometry> lidar_odometry_;
   std::optional<MapTracker> map_tracker_;

@@ -80,6 +80,11 @@ void Intake::add_can_frame(BusIndex bus, const vehicle::CanFrame& frame) {
       bus, frame, [&](const VehicleSample& sample) { add_vehicle_sample(sample, frame.stamp); });
 }
 
+void Intake::add_speed(const WheelOdometry& sample, Stamp stamp) {
+  vehicle_.count(sample);
+  add_vehicle_sample(sample, stamp);
+}
+
 void Intake::add_imu(const ImuSample& sample, Stamp stamp) {
   vehicle_.count(sample);
   add_vehicle_sample(sample, stamp);

@@ -50,6 +50,7 @@ class Intake {
   void add_streamed_image(CameraIndex camera, const camera::StreamedImage& image);
   void add_can_line(std::string_view line, Stamp stamp);
   void add_can_frame(BusIndex bus, const vehicle::CanFrame& frame);
+  void add_speed(const WheelOdometry& sample, Stamp stamp);
   void add_imu(const ImuSample& sample, Stamp stamp);
   void add_gnss(const GnssFix& fix, Stamp stamp);
 

@@ -78,11 +78,13 @@ void Publisher::process(const ReportItem& item) {
       start(item.stamp);
       return on_progress_();
     case ReportItem::Kind::kSweep:
+      count(item.sweep);
       return publish(item.sweep, std::string(item.sweep.device));
     case ReportItem::Kind::kPose:
       on_pose_(item.pose);
       return publish(item.pose, name_of(item.pose.frame));
     case ReportItem::Kind::kFrame:
+      count(item.frame);
       return publish(item.frame, std::string(item.frame.device));
     case ReportItem::Kind::kCalibration:
       return publish_calibration(item.calibration);
@@ -93,6 +95,20 @@ void Publisher::process(const ReportItem& item) {
       totals_.ended = true;
       return;
   }
+}
+
+void Publisher::count(const SweepReport& report) {
+  ++totals_.sweeps;
+  if (*report.deskew_reason == '\0') {
+    ++totals_.deskewed_sweeps;
+  } else {
+    totals_.deskew_reason = report.deskew_reason;
+  }
+}
+
+void Publisher::count(const FrameReport& report) {
+  ++totals_.frames;
+  totals_.matched_frames += *report.reason == '\0' ? 1 : 0;
 }
 
 void Publisher::start(Stamp stamp) {

@@ -28,6 +28,11 @@ struct Totals {
   std::vector<AlertReport> first_alerts;                  ///< the first of these
   std::vector<SensorCounters> counters;                   ///< by LidarIndex
   std::vector<StreamCounters> streams;                    ///< by device that follows the lidars
+  uint64_t sweeps = 0;                                    ///< number of SWEEP reports
+  uint64_t deskewed_sweeps = 0;                           ///< of these, deskewed
+  const char* deskew_reason = "";                         ///< why the last other one is not
+  uint64_t frames = 0;                                    ///< number of FRAME reports
+  uint64_t matched_frames = 0;                            ///< of these, matched with a sweep
   OdometryStatus odometry;                                ///< at the last tick
   std::map<std::string, CalibrationReport> calibrations;  ///< the last of each camera
   std::vector<Level> levels;                              ///< by device, at the last tick
@@ -81,6 +86,8 @@ class Publisher {
  private:
   void process(const ReportItem& item);
   void start(Stamp stamp);
+  void count(const SweepReport& report);
+  void count(const FrameReport& report);
   void publish_calibration(const CalibrationReport& report);
   void publish_health(const ReportItem& item);
   void update_devices(const ReportItem& item, HealthReport& report);

@@ -3,7 +3,7 @@
 namespace infuse::daemon {
 
 VehicleIntake::VehicleIntake(const VehicleSetup& setup)
-    : has_imu_(setup.has_imu), has_gnss_(setup.has_gnss) {
+    : has_speed_(setup.has_speed), has_imu_(setup.has_imu), has_gnss_(setup.has_gnss) {
   for (const auto& decoder : setup.buses) buses_.push_back({decoder, {}});
 }
 
@@ -21,6 +21,7 @@ void VehicleIntake::count(StreamCounters& counters, Stamp stamp) {
 
 void VehicleIntake::write_counters(StreamCounters* first) const {
   for (const Bus& bus : buses_) *first++ = bus.counters;
+  if (has_speed_) *first++ = speed_;
   if (has_imu_) *first++ = imu_;
   if (has_gnss_) *first++ = gnss_;
 }

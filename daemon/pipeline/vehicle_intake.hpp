@@ -12,8 +12,8 @@
 
 namespace infuse::daemon {
 
-/// The vehicle's own sensors: CAN frames, IMU samples and GNSS fixes in, samples for fusion out,
-/// everything counted. Used by the io thread.
+/// The vehicle's own sensors: CAN frames, speeds, IMU samples and GNSS fixes in, samples for fusion
+/// out, everything counted. Used by the io thread.
 class VehicleIntake {
  public:
   explicit VehicleIntake(const VehicleSetup& setup);
@@ -33,6 +33,7 @@ class VehicleIntake {
     if (!frame.error) decode(buses_[bus], frame, on_sample);
   }
 
+  void count(const WheelOdometry& speed) { count(speed_, speed.stamp); }
   void count(const ImuSample& sample) { count(imu_, sample.stamp); }
   void count(const GnssFix& fix) { count(gnss_, fix.stamp); }
 
@@ -43,7 +44,9 @@ class VehicleIntake {
   void write_counters(StreamCounters* first) const;
 
   /// Number of these streams.
-  size_t stream_count() const { return buses_.size() + (has_imu_ ? 1 : 0) + (has_gnss_ ? 1 : 0); }
+  size_t stream_count() const {
+    return buses_.size() + (has_speed_ ? 1 : 0) + (has_imu_ ? 1 : 0) + (has_gnss_ ? 1 : 0);
+  }
 
  private:
   struct Bus {
@@ -64,8 +67,8 @@ class VehicleIntake {
 
   vehicle::CandumpReader reader_{"can.log"};
   std::vector<Bus> buses_;
-  bool has_imu_, has_gnss_;
-  StreamCounters imu_, gnss_;
+  bool has_speed_, has_imu_, has_gnss_;
+  StreamCounters speed_, imu_, gnss_;
 };
 
 }  // namespace infuse::daemon

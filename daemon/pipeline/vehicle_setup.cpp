@@ -65,6 +65,7 @@ Result<std::optional<vehicle::VehicleDecoder>> set_up_bus(const recording::CanFi
 Result<VehicleSetup> set_up_vehicle(const recording::Drive& drive) {
   const recording::DriveDescription& description = drive.description;
   VehicleSetup setup;
+  setup.has_speed = !description.speed.empty();
   setup.has_imu = !description.imu.empty();
   setup.has_gnss = !description.gnss.empty();
   if (!description.can) return setup;

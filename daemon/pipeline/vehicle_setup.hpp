@@ -16,13 +16,14 @@ namespace infuse::daemon {
 struct VehicleSetup {
   /// By bus; nothing if its frames are only counted.
   std::vector<std::optional<vehicle::VehicleDecoder>> buses;
+  bool has_speed = false;    ///< a speed source in addition to the buses
   bool has_imu = false;      ///< an IMU in addition to the buses
   bool has_gnss = false;     ///< a GNSS receiver in addition to the buses
   std::vector<Error> notes;  ///< entries of the DBC file that were ignored
 
-  /// True if a bus or an inertial unit measures the motion, many times a second.
+  /// True if a bus, a speed sensor or an inertial unit measures the motion, many times a second.
   bool has_motion_sensor() const {
-    return has_imu ||
+    return has_speed || has_imu ||
            std::any_of(buses.begin(), buses.end(), [](const auto& bus) { return bus.has_value(); });
   }
 

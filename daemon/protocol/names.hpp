@@ -16,10 +16,11 @@ template <class E>
 inline constexpr std::array<E, 2> kRange{};
 
 /// Kinds of devices.
-inline constexpr std::array<std::string_view, 5> kDeviceKinds = {"lidar", "camera", "can", "imu",
-                                                                 "gnss"};
+inline constexpr std::array<std::string_view, 6> kDeviceKinds = {"lidar", "camera", "can",
+                                                                 "speed", "imu",    "gnss"};
 /// Kinds of devices that are not lidars.
-inline constexpr std::array<std::string_view, 4> kStreamKinds = {"camera", "can", "imu", "gnss"};
+inline constexpr std::array<std::string_view, 5> kStreamKinds = {"camera", "can", "speed", "imu",
+                                                                 "gnss"};
 /// Sources of the stamps of a live CAN bus.
 inline constexpr std::array<std::string_view, 2> kStampSources = {"hardware", "kernel"};
 

@@ -1,7 +1,6 @@
 #include "drivers/import/import_files.hpp"
 
 #include "drivers/recording/numbered_files.hpp"
-#include "drivers/recording/times_csv.hpp"
 
 namespace infuse::importers {
 
@@ -20,18 +19,18 @@ Result<void> link_sequence(const std::vector<StampedFile>& files, const fs::path
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) return fail("cannot be created: " + failed.message(), folder.string());
-  std::vector<Stamp> stamps;
+  std::vector<recording::TimesRow> rows;
   std::vector<std::string> sources;
   for (const StampedFile& file : files) {
     const fs::path target =
-        folder / recording::numbered_file_name(stamps.size(), file.path.extension().string());
+        folder / recording::numbered_file_name(rows.size(), file.path.extension().string());
     fs::create_hard_link(file.path, target, failed);
     if (failed) fs::copy_file(file.path, target, failed);
     if (failed) return fail("cannot be copied: " + failed.message(), file.path.string());
-    stamps.push_back(file.stamp);
+    rows.push_back(file.times);
     sources.push_back(file.path.filename().string());
   }
-  return recording::write_times(folder / "times.csv", stamps, sources);
+  return recording::write_times(folder / "times.csv", rows, sources);
 }
 
 }  // namespace infuse::importers

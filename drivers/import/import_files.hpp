@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "drivers/measurement/error.hpp"
-#include "drivers/measurement/stamp.hpp"
+#include "drivers/recording/times_csv.hpp"
 
 namespace infuse::importers {
 
-/// A sweep or image file and its stamp.
+/// A sweep or image file and its times.
 struct StampedFile {
-  Stamp stamp;
+  recording::TimesRow times;
   std::filesystem::path path;
+  size_t number = 0;  ///< in the data set
 };
 
 /// Creates the folder of a drive. Fails if it exists and is not empty.

@@ -1,5 +1,7 @@
 #include "drivers/import/kitti_files.hpp"
 
+#include <algorithm>
+
 #include "drivers/text/line_reader.hpp"
 #include "drivers/text/numbers.hpp"
 #include "drivers/text/stamp_text.hpp"
@@ -17,14 +19,17 @@ NumberedFiles list_files(const fs::path& folder, const std::string& extension) {
   return recording::list_numbered_files(folder, {extension}).value_or(NumberedFiles());
 }
 
-Result<std::vector<Stamp>> read_kitti_times(const fs::path& path) {
+Result<std::vector<std::optional<Stamp>>> read_kitti_times(const fs::path& path) {
   auto lines = text::LineReader::open(path);
   if (!lines) return tl::unexpected(lines.error());
-  std::vector<Stamp> times;
+  std::vector<std::optional<Stamp>> times;
   std::string_view line;
   while (lines->next(line)) {
     while (line.ends_with(' ')) line.remove_suffix(1);
-    if (line.empty()) continue;
+    if (line.empty() && times.size() < kMaxLines) {
+      times.emplace_back();
+      continue;
+    }
     const auto stamp = text::parse_stamp(line);
     if (!stamp || *stamp < Stamp() || times.size() == kMaxLines) {
       return fail("is not a time", path.string() + ":" + std::to_string(lines->line_number()),
@@ -35,13 +40,28 @@ Result<std::vector<Stamp>> read_kitti_times(const fs::path& path) {
   return times;
 }
 
-std::vector<StampedFile> assign_times(const NumberedFiles& files, const std::vector<Stamp>& times,
+Duration usual_period(const std::vector<std::optional<Stamp>>& times) {
+  constexpr Duration kMaxPeriod{1'000'000'000};
+  std::vector<Duration> steps;
+  for (size_t k = 1; k < times.size(); ++k) {
+    if (!times[k] || !times[k - 1]) continue;
+    const Duration step = *times[k] - *times[k - 1];
+    if (step > Duration::zero() && step <= kMaxPeriod) steps.push_back(step);
+  }
+  if (steps.empty()) return Duration::zero();
+  const auto middle = steps.begin() + std::ssize(steps) / 2;
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+std::vector<StampedFile> assign_times(const NumberedFiles& files,
+                                      const std::vector<std::optional<Stamp>>& times,
                                       std::vector<Error>& notes) {
   std::vector<StampedFile> result;
   size_t without_time = 0;
   for (const auto& [number, path] : files) {
-    if (number < times.size()) {
-      result.push_back({times[number], path});
+    if (number < times.size() && times[number]) {
+      result.push_back({{.stamp = *times[number]}, path, number});
     } else if (without_time++ == 0) {
       notes.push_back({"has no stamp", path.string(), {}});
     }

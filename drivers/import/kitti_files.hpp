@@ -2,10 +2,11 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "drivers/import/kitti_layouts.hpp"
+#include "drivers/import/import_files.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/stamp.hpp"
 #include "drivers/recording/numbered_files.hpp"
@@ -18,11 +19,16 @@ using recording::NumberedFiles;
 NumberedFiles list_files(const std::filesystem::path& folder, const std::string& extension);
 
 /// Reads a file with one stamp per line: seconds since the start (odometry), or
-/// "2011-09-26 13:02:25.964389445" (raw, interpreted as UTC).
-Result<std::vector<Stamp>> read_kitti_times(const std::filesystem::path& path);
+/// "2011-09-26 13:02:25.964389445" (raw, interpreted as UTC). Line k belongs to file number k; an
+/// empty line is a missing frame.
+Result<std::vector<std::optional<Stamp>>> read_kitti_times(const std::filesystem::path& path);
+
+/// Median of the time from one frame to the next, up to a second; 0 if there is none.
+Duration usual_period(const std::vector<std::optional<Stamp>>& times);
 
 /// Assigns stamps to files by number. Files without a stamp are skipped and noted.
-std::vector<StampedFile> assign_times(const NumberedFiles& files, const std::vector<Stamp>& times,
+std::vector<StampedFile> assign_times(const NumberedFiles& files,
+                                      const std::vector<std::optional<Stamp>>& times,
                                       std::vector<Error>& notes);
 
 /// Reads lines of `count` numbers each. Errors contain file and line.

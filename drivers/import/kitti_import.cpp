@@ -7,6 +7,7 @@
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/imu_csv.hpp"
+#include "drivers/recording/speed_csv.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
 
@@ -42,21 +43,25 @@ ImageSize keep_same_size(std::vector<StampedFile>& images, std::vector<Error>& n
   return size;
 }
 
-void add_lidar(const KittiCalibration& calibration, recording::DriveDescription& description) {
+void add_lidar(const KittiRecording& recording, recording::DriveDescription& description) {
   LidarMount mount;
   mount.name = "velodyne";
-  mount.T_vehicle_lidar = calibration.T_vehicle_lidar();
+  mount.T_vehicle_lidar = recording.calibration.T_vehicle_lidar();
   description.rig.lidars.push_back(mount);
-  description.lidars.emplace_back().sweeps = "sweeps";
+  description.lidars.push_back(
+      {.sweeps = "sweeps", .turn = recording.turn, .deskewed = recording.deskewed});
 }
 
-void add_camera(const KittiCalibration& calibration, size_t camera, const ImageSize& size,
+void add_camera(const KittiRecording& recording, size_t camera, const ImageSize& size,
                 recording::DriveDescription& description) {
+  const KittiCalibration& calibration = recording.calibration;
   CameraMount mount;
   mount.name = "image_" + std::to_string(camera);
   mount.lidar = "velodyne";
   mount.intrinsics = calibration.intrinsics(camera, size.width, size.height);
   mount.T_camera_lidar = calibration.T_camera_lidar(camera);
+  mount.stamp_delay = recording.stamp_delay[camera];
+  mount.stamp_delay_sigma = recording.stamp_delay_sigma[camera];
   description.rig.cameras.push_back(mount);
   description.cameras.emplace_back().images = mount.name;
 }
@@ -75,6 +80,11 @@ Result<void> write_truth(const KittiRecording& recording, const fs::path& drive,
 
 Result<void> write_samples(const KittiRecording& recording, const fs::path& drive,
                            recording::DriveDescription& description) {
+  if (!recording.speed.empty()) {
+    description.speed = "speed.csv";
+    if (auto written = recording::write_speed_csv(drive / "speed.csv", recording.speed); !written)
+      return written;
+  }
   if (!recording.imu.empty()) {
     description.imu = "imu.csv";
     if (auto written = recording::write_imu_csv(drive / "imu.csv", recording.imu); !written)
@@ -134,7 +144,7 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
   description.name = "KITTI, " + std::string(to_string(*layout)) + " layout";
   description.times_trusted = recording->times_trusted;
 
-  add_lidar(recording->calibration, description);
+  add_lidar(*recording, description);
   if (auto linked = link_sequence(recording->sweeps, drive / "sweeps"); !linked)
     return tl::unexpected(linked.error());
   for (size_t camera = 0; camera < recording->images.size(); ++camera) {
@@ -148,7 +158,7 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
     }
     const ImageSize size = keep_same_size(images, recording->notes);
     if (images.empty()) continue;
-    add_camera(recording->calibration, camera, size, description);
+    add_camera(*recording, camera, size, description);
     if (auto linked = link_sequence(images, drive / description.cameras.back().images); !linked)
       return tl::unexpected(linked.error());
     result.images += images.size();

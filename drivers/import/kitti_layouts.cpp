@@ -1,13 +1,12 @@
 #include "drivers/import/kitti_layouts.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <set>
 
-#include "drivers/gnss/local_frame.hpp"
+#include "drivers/import/kitti_exposures.hpp"
 #include "drivers/import/kitti_files.hpp"
-#include "drivers/measurement/angles.hpp"
+#include "drivers/import/kitti_oxts.hpp"
+#include "drivers/import/turn_check.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
 
 namespace infuse::importers {
@@ -39,7 +38,8 @@ std::map<size_t, Stamp> synthesize_times(const NumberedFiles& sweeps,
 std::vector<StampedFile> stamp_files(const NumberedFiles& files,
                                      const std::map<size_t, Stamp>& times) {
   std::vector<StampedFile> result;
-  for (const auto& [number, path] : files) result.push_back({times.at(number), path});
+  for (const auto& [number, path] : files)
+    result.push_back({{.stamp = times.at(number)}, path, number});
   return result;
 }
 
@@ -111,7 +111,8 @@ std::optional<fs::path> find_odometry_poses(const fs::path& folder) {
 // Reads poses of rectified camera 0 relative to its first pose, and converts them to poses of the
 // vehicle relative to its first pose.
 Result<std::vector<recording::TrajectoryPose>> read_odometry_poses(
-    const fs::path& path, const std::vector<Stamp>& times, const KittiCalibration& calibration) {
+    const fs::path& path, const std::vector<std::optional<Stamp>>& times,
+    const KittiCalibration& calibration) {
   const auto rows = read_number_lines(path, 12);
   if (!rows) return tl::unexpected(rows.error());
   const Eigen::Isometry3d T_vehicle_camera =
@@ -125,61 +126,72 @@ Result<std::vector<recording::TrajectoryPose>> read_odometry_poses(
     if (!T_first_camera) {
       return fail("is not a rigid motion", path.string() + ":" + std::to_string(i + 1));
     }
-    poses.push_back({times[i], T_vehicle_camera * *T_first_camera * T_vehicle_camera.inverse()});
+    if (!times[i]) continue;
+    poses.push_back({*times[i], T_vehicle_camera * *T_first_camera * T_vehicle_camera.inverse()});
   }
   return poses;
 }
 
-// Columns of an oxts file: 0–2 latitude, longitude (°), altitude; 3–5 roll, pitch, yaw (rad, east
-// is 0); 6, 7 speed north, east; 11–13 acceleration, 17–19 angular velocity in vehicle axes.
-void add_oxts(const std::vector<double>& row, Stamp stamp, const gnss::LocalFrame& map,
-              const Eigen::Isometry3d& T_imu_vehicle, KittiRecording& recording) {
-  GnssFix fix;
-  fix.stamp = stamp;
-  fix.latitude = row[0] * kDegree;
-  fix.longitude = row[1] * kDegree;
-  fix.altitude = row[2];
-  fix.speed = std::hypot(row[6], row[7]);
-  fix.course = std::atan2(row[7], row[6]);
-  fix.hdop = std::numeric_limits<double>::quiet_NaN();
-  fix.valid = true;
-  recording.gnss.push_back(fix);
-  recording.imu.push_back({stamp, {row[17], row[18], row[19]}, {row[11], row[12], row[13]}});
-  const Eigen::Isometry3d T_map_imu =
-      Eigen::Translation3d(gnss::to_local(map, fix.latitude, fix.longitude, fix.altitude)) *
-      Eigen::AngleAxisd(row[5], Eigen::Vector3d::UnitZ()) *
-      Eigen::AngleAxisd(row[4], Eigen::Vector3d::UnitY()) *
-      Eigen::AngleAxisd(row[3], Eigen::Vector3d::UnitX());
-  recording.poses.push_back({stamp, T_map_imu * T_imu_vehicle});
+// The stamps are those of the middles of the turns.
+void centre_turns(Duration period, std::vector<StampedFile>& sweeps) {
+  for (StampedFile& sweep : sweeps) {
+    const Stamp middle = sweep.times.stamp;
+    sweep.times = {.stamp = middle - period / 2, .end = middle + period / 2};
+  }
 }
 
-Result<void> read_oxts(const fs::path& folder, KittiRecording& recording) {
+using Turns = std::vector<std::optional<TurnTimes>>;
+
+std::vector<StampedFile> read_raw_sweeps(const fs::path& folder, const Turns& turns,
+                                         std::vector<Error>& notes) {
+  std::vector<std::optional<Stamp>> starts;
+  for (const auto& turn : turns) starts.push_back(turn ? std::optional(turn->start) : std::nullopt);
+  auto sweeps = assign_times(list_files(folder / "data", ".bin"), starts, notes);
+  for (StampedFile& sweep : sweeps) sweep.times.end = turns[sweep.number]->end;
+  return sweeps;
+}
+
+Result<void> read_raw_images(const fs::path& folder, size_t camera, const Turns& turns,
+                             KittiRecording& recording) {
   const auto times = read_kitti_times(folder / "timestamps.txt");
   if (!times) return tl::unexpected(times.error());
-  const std::vector<StampedFile> files =
-      assign_times(list_files(folder / "data", ".txt"), *times, recording.notes);
-  const KittiCalibration& calibration = recording.calibration;
-  const Eigen::Isometry3d T_lidar_imu =
-      calibration.T_lidar_imu.value_or(Eigen::Isometry3d::Identity());
-  const Eigen::Isometry3d T_imu_vehicle = (calibration.T_vehicle_lidar() * T_lidar_imu).inverse();
-  std::optional<gnss::LocalFrame> map;
-  for (const StampedFile& file : files) {
-    const auto rows = read_number_lines(file.path, 30);
-    if (!rows) return tl::unexpected(rows.error());
-    if (rows->size() != 1) return fail("must contain one line", file.path.string());
-    const std::vector<double>& row = rows->front();
-    if (!map) map = gnss::make_local_frame(row[0] * kDegree, row[1] * kDegree, row[2]);
-    add_oxts(row, file.stamp, *map, T_imu_vehicle, recording);
-  }
+  std::vector<StampedFile>& images = recording.images[camera];
+  images = assign_times(list_files(folder / "data", ".png"), *times, recording.notes);
+  if (images.empty()) return {};
+  const auto exposures = find_exposures(folder.string(), turns, images);
+  if (!exposures) return tl::unexpected(exposures.error());
+  recording.stamp_delay[camera] = exposures->delay;
+  recording.stamp_delay_sigma[camera] = exposures->sigma;
+  recording.notes.push_back(exposures->note);
   return {};
 }
 
-Result<std::vector<StampedFile>> read_raw_stream(const fs::path& folder,
-                                                 const std::string& extension,
-                                                 std::vector<Error>& notes) {
-  const auto times = read_kitti_times(folder / "timestamps.txt");
-  if (!times) return tl::unexpected(times.error());
-  return assign_times(list_files(folder / "data", extension), *times, notes);
+// KITTI's lidar turns clockwise and its sweeps are cut at the rear, whatever the readme says.
+void find_turn(const std::string& where, const std::vector<recording::TrajectoryPose>& path,
+               KittiRecording& recording) {
+  const recording::Turn turn;
+  const TurnCheck check =
+      check_turn(turn, recording.sweeps, path, recording.calibration.T_vehicle_lidar());
+  const std::string rule = "a turn clockwise, cut at the rear";
+  switch (check.verdict) {
+    case TurnCheck::Verdict::kBlurs:
+      recording.notes.push_back(
+          {"the times that follow from " + rule + " blur the sweeps (" + check.reason + ")", where,
+           "the returns have no times, so that the sweeps cannot be deskewed"});
+      return;
+    case TurnCheck::Verdict::kConfirmed:
+      recording.notes.push_back({"each return's time follows from its azimuth: " + rule +
+                                     ", as the sweeps confirm (" + check.reason + ")",
+                                 where,
+                                 {}});
+      break;
+    case TurnCheck::Verdict::kUnknown:
+      recording.notes.push_back({"each return's time follows from its azimuth: " + rule +
+                                     ", as in all of KITTI; not checked: " + check.reason,
+                                 where,
+                                 {}});
+  }
+  recording.turn = turn;
 }
 
 }  // namespace
@@ -220,7 +232,7 @@ Result<KittiRecording> read_kitti_odometry(const fs::path& folder) {
   if (!calibration) return tl::unexpected(calibration.error());
   recording.calibration = *calibration;
   const NumberedFiles sweeps = list_files(folder / "velodyne", ".bin");
-  Result<std::vector<Stamp>> times;
+  Result<std::vector<std::optional<Stamp>>> times;
   recording.times_trusted = fs::exists(folder / "times.txt");
   if (recording.times_trusted) {
     times = read_kitti_times(folder / "times.txt");
@@ -231,6 +243,10 @@ Result<KittiRecording> read_kitti_odometry(const fs::path& folder) {
   }
 
   recording.sweeps = assign_times(sweeps, *times, recording.notes);
+  recording.deskewed = true;
+  if (recording.times_trusted) centre_turns(usual_period(*times), recording.sweeps);
+  recording.notes.push_back({"the sweeps are already deskewed, to the stamp of their images",
+                             (folder / "velodyne").string(), "they are used as they are"});
   for (size_t camera = 0; camera < recording.images.size(); ++camera) {
     recording.images[camera] =
         assign_times(list_files(folder / camera_folder(camera), ".png"), *times, recording.notes);
@@ -252,20 +268,31 @@ Result<KittiRecording> read_kitti_raw(const fs::path& folder) {
   recording.calibration = *calibration;
   recording.times_trusted = true;
 
-  auto sweeps = read_raw_stream(folder / "velodyne_points", ".bin", recording.notes);
-  if (!sweeps) return tl::unexpected(sweeps.error());
-  recording.sweeps = std::move(*sweeps);
+  const fs::path sweeps_folder = folder / "velodyne_points";
+  const auto turns = read_kitti_turn_times(sweeps_folder, recording.notes);
+  if (!turns) return tl::unexpected(turns.error());
+  recording.sweeps = read_raw_sweeps(sweeps_folder, *turns, recording.notes);
   for (size_t camera = 0; camera < recording.images.size(); ++camera) {
     const fs::path images_folder = folder / ("image_0" + std::to_string(camera));
     if (!fs::exists(images_folder)) continue;
-    auto images = read_raw_stream(images_folder, ".png", recording.notes);
-    if (!images) return tl::unexpected(images.error());
-    recording.images[camera] = std::move(*images);
-  }
-  if (fs::exists(folder / "oxts")) {
-    if (auto read = read_oxts(folder / "oxts", recording); !read)
+    if (auto read = read_raw_images(images_folder, camera, *turns, recording); !read)
       return tl::unexpected(read.error());
   }
+  KittiOxts oxts;
+  if (fs::exists(folder / "oxts")) {
+    const Eigen::Isometry3d T_lidar_imu =
+        recording.calibration.T_lidar_imu.value_or(Eigen::Isometry3d::Identity());
+    auto read = read_kitti_oxts(folder / "oxts",
+                                (recording.calibration.T_vehicle_lidar() * T_lidar_imu).inverse(),
+                                *turns, recording.notes);
+    if (!read) return tl::unexpected(read.error());
+    oxts = std::move(*read);
+  }
+  find_turn(sweeps_folder.string(), oxts.path, recording);
+  recording.poses = std::move(oxts.poses);
+  recording.speed = std::move(oxts.speed);
+  recording.imu = std::move(oxts.imu);
+  recording.gnss = std::move(oxts.gnss);
   return recording;
 }
 

@@ -94,9 +94,9 @@ Result<void> import_opencalib(const fs::path& calibration, const fs::path& drive
   const auto description = make_description(*text, files);
   if (!description) return tl::unexpected(description.error());
   if (auto made = make_empty_folder(drive); !made) return made;
-  if (auto linked = link_sequence({{Stamp(), files.sweep}}, drive / "sweeps"); !linked)
+  if (auto linked = link_sequence({{.path = files.sweep}}, drive / "sweeps"); !linked)
     return linked;
-  if (auto linked = link_sequence({{Stamp(), files.image}}, drive / "camera"); !linked)
+  if (auto linked = link_sequence({{.path = files.image}}, drive / "camera"); !linked)
     return linked;
   std::error_code failed;
   fs::create_directories(drive / "truth", failed);

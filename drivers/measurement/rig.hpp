@@ -33,7 +33,8 @@ struct CameraMount {
   CameraIntrinsics intrinsics;
   std::string lidar;  ///< name of the lidar that the extrinsics refer to
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
-  Duration stamp_delay{0};  ///< stamp minus middle of the exposure; subtracted on reading
+  Duration stamp_delay{0};        ///< stamp minus middle of the exposure; subtracted on reading
+  Duration stamp_delay_sigma{0};  ///< standard deviation of the exposure's time
 };
 
 /// Mounting of a lidar.

@@ -34,6 +34,7 @@ void Sweep::clear() {
   rings = 0;
   columns = 0;
   has_times = true;
+  deskewed = false;
   clock = ClockState();
   lost_packets = 0;
   sequence = 0;

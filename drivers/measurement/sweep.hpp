@@ -55,13 +55,15 @@ struct AzimuthGap {
 /// arrays, all of length `size()`, one entry per return, in order of firing. Directions without a
 /// return have no entry; `ring` and `column` identify an entry's neighbours.
 ///
-/// Coordinates are in the lidar frame *at the moment of each return*: the sweep is not deskewed.
+/// Coordinates are in the lidar frame *at the moment of each return*: the sweep is not deskewed,
+/// unless its source has done so (`deskewed`).
 struct Sweep {
   Stamp stamp;                ///< first firing
   Duration span{0};           ///< from the first firing to the last
   uint16_t rings = 0;         ///< number of beams of the sensor
   uint32_t columns = 0;       ///< number of firings in this sweep: columns are 0 … columns − 1
-  bool has_times = true;      ///< false if the source has no time per return (KITTI)
+  bool has_times = true;      ///< false if the times of the returns are not known
+  bool deskewed = false;      ///< by the source: all returns are as of one time, their offset
   ClockState clock;           ///< state of the device's clock at the end of the sweep
   uint32_t lost_packets = 0;  ///< number of data packets missing inside this sweep
   uint64_t sequence = 0;      ///< number of the sweep, counted from 0 for each sensor

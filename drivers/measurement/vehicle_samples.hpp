@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "drivers/measurement/stamp.hpp"
 
@@ -14,6 +15,8 @@ struct WheelOdometry {
   std::array<double, 4> wheel_speed{};  ///< m/s: front left, front right, rear left, rear right
   double yaw_rate = 0;                  ///< rad/s, counter-clockwise seen from above
   double steering_angle = 0;            ///< rad at the steering wheel, left positive
+  /// m/s forward at the centre of the rear axle, from a source that is not a wheel.
+  double speed = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// One sample of an inertial measurement unit, in the vehicle's axes (x forward, y left, z up).

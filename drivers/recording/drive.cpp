@@ -1,6 +1,7 @@
 #include "drivers/recording/drive.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/text/text_file.hpp"
@@ -28,6 +29,12 @@ std::optional<std::string> check_lidar(const LidarMount& mount, const LidarFiles
   const std::string prefix = "lidar '" + mount.name + "': ";
   if (files.packets.empty() == files.sweeps.empty())
     return prefix + "either packets or sweeps must be given";
+  if (files.sweeps.empty() && (files.turn || files.deskewed))
+    return prefix + "rotation and deskewed are for sweeps; packets have their own times";
+  if (files.turn && files.deskewed)
+    return prefix + "give either rotation or deskewed: deskewed returns have one time";
+  if (files.turn && !(std::abs(files.turn->cut_deg) <= 360))
+    return prefix + "cut_deg must lie within ±360";
   if (files.port == 0 || files.position_port == 0) return prefix + "a port must be 1 to 65535";
   if (files.port == files.position_port) return prefix + "port and position_port must differ";
   if (auto wrong = check_path(prefix + "packets", files.packets)) return wrong;
@@ -82,6 +89,7 @@ std::vector<ReferencedFile> list_referenced_files(const DriveDescription& descri
     all.push_back({"can: log", description.can->log, false});
     all.push_back({"can: dbc", description.can->dbc, false});
   }
+  all.push_back({"speed: file", description.speed, false});
   all.push_back({"imu: file", description.imu, false});
   all.push_back({"gnss: file", description.gnss, false});
   all.push_back({"map: file", description.map, false});
@@ -132,6 +140,7 @@ std::optional<std::string> DriveDescription::invalid() const {
   if (can) {
     if (auto wrong = check_can(*can)) return wrong;
   }
+  if (auto wrong = check_path("speed: file", speed)) return wrong;
   if (auto wrong = check_path("imu: file", imu)) return wrong;
   if (auto wrong = check_path("gnss: file", gnss)) return wrong;
   if (!gnss_lidar.empty() && !gnss.empty()) return "gnss: give either file or lidar";

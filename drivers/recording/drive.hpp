@@ -9,6 +9,7 @@
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
+#include "drivers/recording/turn.hpp"
 
 namespace infuse::recording {
 
@@ -20,6 +21,8 @@ struct LidarFiles {
   uint16_t position_port = 8308;   ///< UDP destination port of position packets
   std::optional<uint32_t> sender;  ///< IPv4 address, host byte order; absent: any
   std::string calibration;         ///< beam table of this unit; empty: the model's default
+  std::optional<Turn> turn;        ///< of sweeps: gives the returns their times
+  bool deskewed = false;           ///< sweeps are deskewed already, to the middle of their turn
 };
 
 /// Files of one camera.
@@ -63,6 +66,7 @@ struct DriveDescription {
   std::vector<LidarFiles> lidars;    ///< one per entry of `rig.lidars`
   std::vector<CameraFiles> cameras;  ///< one per entry of `rig.cameras`
   std::optional<CanFiles> can;
+  std::string speed;        ///< speed.csv; empty: none
   std::string imu;          ///< imu.csv; empty: none
   std::string gnss;         ///< gnss.csv; empty: none
   std::string gnss_lidar;   ///< lidar whose position packets carry the fixes instead; empty: none

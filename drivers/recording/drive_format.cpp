@@ -87,6 +87,11 @@ void add_files(std::string& text, const LidarFiles& files) {
   }
   if (files.sender) add(text, "sender", format_string(format_ipv4(*files.sender)));
   add_text(text, "calibration", files.calibration);
+  if (files.turn) {
+    add(text, "rotation", format_enum(kRotations, files.turn->clockwise));
+    add(text, "cut_deg", format_number(files.turn->cut_deg));
+  }
+  if (files.deskewed) add(text, "deskewed", "true");
 }
 
 void add_mount(std::string& text, const CameraMount& mount) {
@@ -104,10 +109,12 @@ void add_mount(std::string& text, const CameraMount& mount) {
   add(text, "distortion", format_numbers(std::span(intrinsics.distortion).first(fisheye ? 4 : 5)));
   add_text(text, "lidar", mount.lidar);
   add_transform(text, "T_camera_lidar", mount.T_camera_lidar);
-  if (mount.stamp_delay != Duration::zero()) {
-    add(text, "stamp_delay_ms",
-        format_number(static_cast<double>(mount.stamp_delay.count()) / 1e6));
-  }
+  const auto add_ms = [&](const char* key, Duration value) {
+    if (value == Duration::zero()) return;
+    add(text, key, format_number(static_cast<double>(value.count()) / 1e6));
+  };
+  add_ms("stamp_delay_ms", mount.stamp_delay);
+  add_ms("stamp_delay_sigma_ms", mount.stamp_delay_sigma);
 }
 
 void add_files(std::string& text, const CameraFiles& files) {
@@ -153,6 +160,7 @@ std::string format_drive(const DriveDescription& drive) {
     add_files(text, drive.cameras[i]);
   }
   if (drive.can) add_can(text, *drive.can);
+  add_path_table(text, "speed", drive.speed);
   add_path_table(text, "imu", drive.imu);
   add_path_table(text, "gnss", drive.gnss);
   if (!drive.gnss_lidar.empty()) {

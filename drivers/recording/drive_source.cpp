@@ -30,7 +30,7 @@ std::vector<Stream> open_streams(const Drive& drive) {
     const LidarFiles& files = description.lidars[i];
     if (!files.sweeps.empty()) {
       streams.push_back(
-          open_sweep_stream(drive.resolve(files.sweeps), i, description.times_trusted));
+          open_sweep_stream(drive.resolve(files.sweeps), i, files, description.times_trusted));
     } else if (auto routes = find_routes(description, i); !routes.empty()) {
       streams.push_back(open_capture_stream(drive.resolve(files.packets), {}, std::move(routes)));
     }
@@ -40,6 +40,8 @@ std::vector<Stream> open_streams(const Drive& drive) {
                                         description.rig.cameras[i].stamp_delay));
   }
   if (description.can) streams.push_back(open_can_stream(drive.resolve(description.can->log)));
+  if (!description.speed.empty())
+    streams.push_back(open_speed_stream(drive.resolve(description.speed)));
   if (!description.imu.empty()) streams.push_back(open_imu_stream(drive.resolve(description.imu)));
   if (!description.gnss.empty())
     streams.push_back(open_gnss_stream(drive.resolve(description.gnss)));

@@ -28,6 +28,7 @@ struct DatagramEvent {
 };
 
 /// A sweep of a lidar whose files contain decoded sweeps. `lidar` is an index into `Rig::lidars`.
+/// The event's stamp is the end of the sweep.
 struct SweepEvent {
   size_t lidar = 0;
   const Sweep* sweep = nullptr;
@@ -50,7 +51,9 @@ struct CanLineEvent {
 /// read.
 struct DriveEvent {
   Stamp stamp;
-  std::variant<DatagramEvent, SweepEvent, ImageEvent, CanLineEvent, ImuSample, GnssFix> content;
+  std::variant<DatagramEvent, SweepEvent, ImageEvent, CanLineEvent, WheelOdometry, ImuSample,
+               GnssFix>
+      content;
 };
 
 /// One recorded stream, in file order.
@@ -73,7 +76,7 @@ class EventStream {
 /// read.
 class DriveSource {
  public:
-  /// Opens all streams of a drive: captures, sweeps, images, CAN, IMU, GNSS.
+  /// Opens all streams of a drive: captures, sweeps, images, CAN, speed, IMU, GNSS.
   static Result<DriveSource> open(const Drive& drive);
 
   /// Opens a bare capture; every datagram that passes the filter belongs to lidar 0.

@@ -65,6 +65,13 @@ void read_files(TomlTable& table, LidarFiles& files) {
   read_port(table, "position_port", files.position_port);
   read_sender(table, files.sender);
   table.read("calibration", files.calibration);
+  if (table.node("rotation") != nullptr) {
+    Turn turn;
+    read_enum(table, "rotation", kRotations, turn.clockwise);
+    table.read("cut_deg", turn.cut_deg);
+    files.turn = turn;
+  }
+  table.read("deskewed", files.deskewed);
 }
 
 void read_intrinsics(TomlTable& table, CameraIntrinsics& intrinsics) {
@@ -96,6 +103,11 @@ void read_mount(TomlTable& table, CameraMount& mount) {
   if (!(delay_ms >= -10'000 && delay_ms <= 10'000))
     table.report_error("stamp_delay_ms", "stamp_delay_ms must lie within ±10000");
   mount.stamp_delay = from_seconds(delay_ms * 1e-3);
+  double sigma_ms = 0;
+  table.read("stamp_delay_sigma_ms", sigma_ms);
+  if (!(sigma_ms >= 0 && sigma_ms <= 10'000))
+    table.report_error("stamp_delay_sigma_ms", "stamp_delay_sigma_ms must be 0 ... 10000");
+  mount.stamp_delay_sigma = from_seconds(sigma_ms * 1e-3);
 }
 
 void read_files(TomlTable& table, CameraFiles& files) {
@@ -162,6 +174,7 @@ std::optional<Error> read_drive(const toml::table& source, const std::string& fi
   if (const toml::table* can = root.table("can")) {
     if (auto wrong = read_can(*can, file, drive.can.emplace())) return wrong;
   }
+  if (auto wrong = read_paths(root, file, "speed", {{"file", &drive.speed}})) return wrong;
   if (auto wrong = read_paths(root, file, "imu", {{"file", &drive.imu}})) return wrong;
   for (const char* name : {"gps", "gnss"}) {  // gps: drives of earlier versions
     if (auto wrong =

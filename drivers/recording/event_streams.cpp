@@ -4,6 +4,7 @@
 
 #include "drivers/gnss/gnss_csv.hpp"
 #include "drivers/recording/imu_csv.hpp"
+#include "drivers/recording/speed_csv.hpp"
 #include "drivers/recording/sweep_files.hpp"
 #include "drivers/recording/times_csv.hpp"
 #include "drivers/text/line_reader.hpp"
@@ -57,8 +58,12 @@ class CaptureStream : public EventStream {
 
 class SweepStream : public EventStream {
  public:
-  SweepStream(FileSequence files, size_t lidar, bool times_trusted)
-      : files_(std::move(files)), lidar_(lidar), times_trusted_(times_trusted) {
+  SweepStream(FileSequence sequence, size_t lidar, const LidarFiles& files, bool times_trusted)
+      : files_(std::move(sequence)),
+        lidar_(lidar),
+        turn_(files.turn),
+        deskewed_(files.deskewed),
+        times_trusted_(times_trusted) {
     uintmax_t largest = 0;
     for (const SequenceEntry& entry : files_.entries) {
       std::error_code failed;
@@ -77,10 +82,12 @@ class SweepStream : public EventStream {
         continue;
       }
       sweep_.stamp = entry.stamp;
+      sweep_.span = times_trusted_ ? entry.span : Duration::zero();
+      assign_times();
       sweep_.sequence = entry.number;
       sweep_.clock.trusted = times_trusted_;
       sweep_.clock.reason = times_trusted_ ? "" : "the drive's times are synthetic";
-      event.stamp = entry.stamp;
+      event.stamp = sweep_.stamp + sweep_.span;
       event.content = SweepEvent{lidar_, &sweep_};
       return true;
     }
@@ -96,8 +103,18 @@ class SweepStream : public EventStream {
   }
 
  private:
+  void assign_times() {
+    if (deskewed_) {
+      assign_middle_time(sweep_);
+    } else if (turn_ && sweep_.span > Duration::zero()) {
+      assign_turn_times(*turn_, sweep_);
+    }
+  }
+
   FileSequence files_;
   size_t lidar_;
+  std::optional<Turn> turn_;
+  bool deskewed_;
   bool times_trusted_;
   size_t next_index_ = 0;
   SweepReader reader_;
@@ -108,13 +125,12 @@ class SweepStream : public EventStream {
 
 class ImageStream : public EventStream {
  public:
-  ImageStream(FileSequence files, size_t camera, Duration stamp_delay)
-      : files_(std::move(files)), camera_(camera), stamp_delay_(stamp_delay) {}
+  ImageStream(FileSequence files, size_t camera) : files_(std::move(files)), camera_(camera) {}
 
   bool next(DriveEvent& event) override {
     if (next_index_ == files_.entries.size()) return false;
     const SequenceEntry& entry = files_.entries[next_index_++];
-    event.stamp = entry.stamp - stamp_delay_;
+    event.stamp = entry.stamp;
     event.content = ImageEvent{camera_, entry.number, &entry.path};
     return true;
   }
@@ -124,7 +140,6 @@ class ImageStream : public EventStream {
  private:
   FileSequence files_;
   size_t camera_;
-  Duration stamp_delay_;
   size_t next_index_ = 0;
 };
 
@@ -168,7 +183,7 @@ class CanStream : public EventStream {
   uint64_t first_malformed_line_ = 0;
 };
 
-// `Csv` is ImuCsv or gnss::GnssCsv, `Sample` the type that it reads.
+// `Csv` is SpeedCsv, ImuCsv or gnss::GnssCsv, `Sample` the type that it reads.
 template <class Csv, class Sample>
 class SampleStream : public EventStream {
  public:
@@ -199,23 +214,30 @@ Result<std::unique_ptr<EventStream>> open_capture_stream(const std::filesystem::
 }
 
 Result<std::unique_ptr<EventStream>> open_sweep_stream(const std::filesystem::path& folder,
-                                                       size_t lidar, bool times_trusted) {
-  auto files = index_sweeps(folder);
-  if (!files) return tl::unexpected(files.error());
-  return std::make_unique<SweepStream>(std::move(*files), lidar, times_trusted);
+                                                       size_t lidar, const LidarFiles& files,
+                                                       bool times_trusted) {
+  auto sequence = index_sweeps(folder);
+  if (!sequence) return tl::unexpected(sequence.error());
+  return std::make_unique<SweepStream>(std::move(*sequence), lidar, files, times_trusted);
 }
 
 Result<std::unique_ptr<EventStream>> open_image_stream(const std::filesystem::path& folder,
                                                        size_t camera, Duration stamp_delay) {
-  auto files = index_images(folder);
+  auto files = index_images(folder, stamp_delay);
   if (!files) return tl::unexpected(files.error());
-  return std::make_unique<ImageStream>(std::move(*files), camera, stamp_delay);
+  return std::make_unique<ImageStream>(std::move(*files), camera);
 }
 
 Result<std::unique_ptr<EventStream>> open_can_stream(const std::filesystem::path& path) {
   auto lines = text::LineReader::open(path);
   if (!lines) return tl::unexpected(lines.error());
   return std::make_unique<CanStream>(std::move(*lines), path.string());
+}
+
+Result<std::unique_ptr<EventStream>> open_speed_stream(const std::filesystem::path& path) {
+  auto csv = SpeedCsv::open(path);
+  if (!csv) return tl::unexpected(csv.error());
+  return std::make_unique<SampleStream<SpeedCsv, WheelOdometry>>(std::move(*csv));
 }
 
 Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path& path) {

@@ -22,16 +22,22 @@ Result<std::unique_ptr<EventStream>> open_capture_stream(const std::filesystem::
                                                          const PcapOptions& options,
                                                          std::vector<LidarRoute> routes);
 
-/// Opens the decoded sweeps of lidar `lidar`. `times_trusted` is copied to their clock state.
+/// Opens the decoded sweeps of lidar `lidar`, whose files are `files`. The event of a sweep has the
+/// stamp of its end. `times_trusted` is copied to their clock state; if it is false, a sweep has no
+/// span, and its returns have no times unless they are deskewed.
 Result<std::unique_ptr<EventStream>> open_sweep_stream(const std::filesystem::path& folder,
-                                                       size_t lidar, bool times_trusted);
+                                                       size_t lidar, const LidarFiles& files,
+                                                       bool times_trusted);
 
-/// Opens the images of camera `camera`; `stamp_delay` is subtracted from their stamps.
+/// Opens the images of camera `camera`; `stamp_delay` as `index_images`.
 Result<std::unique_ptr<EventStream>> open_image_stream(const std::filesystem::path& folder,
                                                        size_t camera, Duration stamp_delay);
 
 /// Opens the lines of a candump log: "(seconds.fraction) …". Other lines are skipped and noted.
 Result<std::unique_ptr<EventStream>> open_can_stream(const std::filesystem::path& path);
+
+/// Opens a speed.csv.
+Result<std::unique_ptr<EventStream>> open_speed_stream(const std::filesystem::path& path);
 
 /// Opens an imu.csv.
 Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path& path);

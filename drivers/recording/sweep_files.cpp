@@ -104,8 +104,4 @@ Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& swe
   return text::write_text(path, bytes);
 }
 
-Result<FileSequence> index_sweeps(const std::filesystem::path& folder) {
-  return index_sequence(folder, {".bin", ".pcd"});
-}
-
 }  // namespace infuse::recording

@@ -7,7 +7,6 @@
 
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/sweep.hpp"
-#include "drivers/recording/times_csv.hpp"
 
 namespace infuse::recording {
 
@@ -47,8 +46,5 @@ bool infer_rings(Sweep& sweep);
 /// starts[k + 1] − 1, counter-clockwise from straight ahead. Returns false if there are more than
 /// 128 rings or the column width cannot be determined.
 bool assign_rings(Sweep& sweep, std::span<const size_t> starts);
-
-/// Lists a folder of decoded sweeps: NNNNNN.bin or NNNNNN.pcd, and times.csv.
-Result<FileSequence> index_sweeps(const std::filesystem::path& folder);
 
 }  // namespace infuse::recording

@@ -1,5 +1,6 @@
 #include "drivers/recording/times_csv.hpp"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 
@@ -25,42 +26,17 @@ std::string format_count(size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-}  // namespace
-
-Result<std::vector<Stamp>> read_times(const fs::path& path) {
-  static constexpr std::array<text::CsvColumn, 1> kColumns = {{{"stamp_ns"}}};
-  auto csv = text::CsvReader::open(path, kColumns);
-  if (!csv) return tl::unexpected(csv.error());
-  std::vector<Stamp> stamps;
-  std::array<std::string_view, 1> fields;
-  while (csv->next(fields)) {
-    const auto ns = text::parse_integer(fields[0]);
-    // Skipping a row would shift all that follow. Only the last one may be invalid, if it was
-    // truncated by a power cut.
-    if (!ns) {
-      const std::string where = csv->where();
-      if (!ends_with_newline(path) && !csv->next(fields)) break;
-      return fail("the stamp is not an integer of nanoseconds", where);
-    }
-    if (stamps.size() == kMaxRows) return fail("has more than ten million rows", path.string());
-    stamps.push_back(Stamp::from_ns(*ns));
-  }
-  return stamps;
+std::optional<Stamp> parse_optional(std::string_view field) {
+  const auto ns = text::parse_integer(field);
+  return ns ? std::optional(Stamp::from_ns(*ns)) : std::nullopt;
 }
 
-Result<void> write_times(const fs::path& path, const std::vector<Stamp>& stamps,
-                         const std::vector<std::string>& sources) {
-  std::string text = sources.empty() ? "stamp_ns\n" : "stamp_ns,source\n";
-  for (size_t i = 0; i < stamps.size(); ++i) {
-    text += std::to_string(stamps[i].ns());
-    if (i < sources.size()) text.append(",").append(sources[i]);
-    text += '\n';
-  }
-  return text::write_text(path, text);
-}
-
+// Lists the files NNNNNN.<one of `extensions`> of a folder. `interpret` returns stamp and span of a
+// row of its times.csv.
+template <class Interpret>
 Result<FileSequence> index_sequence(const fs::path& folder,
-                                    const std::vector<std::string>& extensions) {
+                                    const std::vector<std::string>& extensions,
+                                    const Interpret& interpret) {
   const fs::path times_path = folder / "times.csv";
   const auto times = read_times(times_path);
   if (!times) return tl::unexpected(times.error());
@@ -74,9 +50,9 @@ Result<FileSequence> index_sequence(const fs::path& folder,
       ++without_time;
       continue;
     }
-    const Stamp stamp = (*times)[number];
+    const auto [stamp, span] = interpret((*times)[number]);
     if (!sequence.entries.empty() && stamp < sequence.entries.back().stamp) ++backward;
-    sequence.entries.push_back({stamp, number, std::move(path)});
+    sequence.entries.push_back({stamp, span, number, std::move(path)});
   }
   if (without_time > 0) {
     sequence.notes.push_back(
@@ -95,8 +71,99 @@ Result<FileSequence> index_sequence(const fs::path& folder,
   return sequence;
 }
 
-Result<FileSequence> index_images(const fs::path& folder) {
-  return index_sequence(folder, {".png", ".jpg"});
+// Median of the time from one sweep to the next, up to `kMaxTurn`; 0 if there is none.
+Duration usual_step(const std::vector<SequenceEntry>& entries) {
+  std::vector<Duration> steps;
+  for (size_t i = 1; i < entries.size(); ++i) {
+    const Duration step = entries[i].stamp - entries[i - 1].stamp;
+    if (step > Duration::zero() && step <= kMaxTurn) steps.push_back(step);
+  }
+  if (steps.empty()) return Duration::zero();
+  const auto middle = steps.begin() + std::ssize(steps) / 2;
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+}  // namespace
+
+Result<std::vector<TimesRow>> read_times(const fs::path& path) {
+  static constexpr std::array<text::CsvColumn, 3> kColumns = {
+      {{"stamp_ns"}, {"end_ns", false}, {"exposure_ns", false}}};
+  auto csv = text::CsvReader::open(path, kColumns);
+  if (!csv) return tl::unexpected(csv.error());
+  std::vector<TimesRow> rows;
+  std::array<std::string_view, 3> fields;
+  while (csv->next(fields)) {
+    const auto ns = text::parse_integer(fields[0]);
+    // Skipping a row would shift all that follow. Only the last one may be invalid, if it was
+    // truncated by a power cut.
+    if (!ns) {
+      const std::string where = csv->where();
+      if (!ends_with_newline(path) && !csv->next(fields)) break;
+      return fail("the stamp is not an integer of nanoseconds", where);
+    }
+    if (rows.size() == kMaxRows) return fail("has more than ten million rows", path.string());
+    rows.push_back({Stamp::from_ns(*ns), parse_optional(fields[1]), parse_optional(fields[2])});
+  }
+  return rows;
+}
+
+Result<void> write_times(const fs::path& path, const std::vector<TimesRow>& rows,
+                         const std::vector<std::string>& sources) {
+  const auto any = [&](auto member) {
+    return std::any_of(rows.begin(), rows.end(),
+                       [&](const TimesRow& row) { return (row.*member).has_value(); });
+  };
+  const bool ends = any(&TimesRow::end), exposures = any(&TimesRow::exposure);
+  std::string text = "stamp_ns";
+  text += ends ? ",end_ns" : "";
+  text += exposures ? ",exposure_ns" : "";
+  text += sources.empty() ? "\n" : ",source\n";
+  const auto append = [&](const std::optional<Stamp>& stamp) {
+    text += ',';
+    if (stamp) text.append(std::to_string(stamp->ns()));
+  };
+  for (size_t i = 0; i < rows.size(); ++i) {
+    text += std::to_string(rows[i].stamp.ns());
+    if (ends) append(rows[i].end);
+    if (exposures) append(rows[i].exposure);
+    if (i < sources.size()) text.append(",").append(sources[i]);
+    text += '\n';
+  }
+  return text::write_text(path, text);
+}
+
+Result<void> write_times(const fs::path& path, const std::vector<Stamp>& stamps) {
+  std::vector<TimesRow> rows;
+  for (const Stamp stamp : stamps) rows.push_back({.stamp = stamp});
+  return write_times(path, rows);
+}
+
+Result<FileSequence> index_sweeps(const fs::path& folder) {
+  size_t implausible = 0;
+  auto sequence = index_sequence(folder, {".bin", ".pcd"}, [&](const TimesRow& row) {
+    const Duration span = row.end ? *row.end - row.stamp : Duration::zero();
+    const bool plausible = span > Duration::zero() && span <= kMaxTurn;
+    implausible += row.end && !plausible ? 1 : 0;
+    return std::pair(row.stamp, plausible ? span : Duration::zero());
+  });
+  if (!sequence) return sequence;
+  const Duration usual = usual_step(sequence->entries);
+  for (SequenceEntry& entry : sequence->entries) {
+    if (entry.span == Duration::zero()) entry.span = usual;
+  }
+  if (implausible > 0) {
+    sequence->notes.push_back(
+        {format_count(implausible, "sweep") + " whose end is not within 2 s after its stamp",
+         (folder / "times.csv").string(), "the usual time between two sweeps is used instead"});
+  }
+  return sequence;
+}
+
+Result<FileSequence> index_images(const fs::path& folder, Duration stamp_delay) {
+  return index_sequence(folder, {".png", ".jpg"}, [&](const TimesRow& row) {
+    return std::pair(row.exposure.value_or(row.stamp - stamp_delay), Duration::zero());
+  });
 }
 
 }  // namespace infuse::recording

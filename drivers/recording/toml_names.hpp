@@ -21,6 +21,10 @@ inline constexpr std::array<std::pair<std::string_view, PixelFormat>, 4> kMosaic
      {"gbrg", PixelFormat::kBayerGbrg8},
      {"grbg", PixelFormat::kBayerGrbg8}}};
 
+/// Values of `rotation` in drive.toml; true: clockwise, seen from above.
+inline constexpr std::array<std::pair<std::string_view, bool>, 2> kRotations = {
+    {{"clockwise", true}, {"counter-clockwise", false}}};
+
 /// Values of `times` in drive.toml; true: the stamps can be trusted. "made up": earlier versions.
 inline constexpr std::array<std::pair<std::string_view, bool>, 3> kTimes = {
     {{"recorded", true}, {"synthetic", false}, {"made up", false}}};

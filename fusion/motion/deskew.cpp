@@ -84,8 +84,16 @@ void Deskewer::deskew(const Sweep& sweep, const Trajectory& trajectory, Stamp re
     const TimeRange times = find_time_range(sweep.time_offset_ns.data(), sweep.size());
     const Stamp first = sweep.stamp + Duration(times.min);
     const Stamp last = sweep.stamp + Duration(times.max);
+    const bool done = sweep.deskewed && first == reference && last == reference;
     deskewed.reason =
-        trajectory.uncovered_reason(std::min(first, reference), std::max(last, reference));
+        done ? ""
+             : trajectory.uncovered_reason(std::min(first, reference), std::max(last, reference));
+    if (done) {
+      deskewed.x = sweep.x;
+      deskewed.y = sweep.y;
+      deskewed.z = sweep.z;
+      return;
+    }
     if (deskewed.usable()) {
       deskewed.motion = trajectory.between(first, last);
       const Eigen::Isometry3d T_reference_odom =

@@ -24,6 +24,10 @@ bool any_finite(const Range& values) {
   return std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
+bool measures_speed(const WheelOdometry& sample) {
+  return any_finite(sample.wheel_speed) || std::isfinite(sample.speed);
+}
+
 }  // namespace
 
 OdometryFilter::OdometryFilter(const OdometryOptions& options,
@@ -39,7 +43,7 @@ void OdometryFilter::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
 }
 
 void OdometryFilter::add(const WheelOdometry& sample) {
-  if (!any_finite(sample.wheel_speed) && !std::isfinite(sample.yaw_rate) &&
+  if (!measures_speed(sample) && !std::isfinite(sample.yaw_rate) &&
       !std::isfinite(sample.steering_angle)) {
     ++invalid_samples_;
     return;
@@ -142,7 +146,7 @@ void OdometryFilter::update(const Mark& mark) {
 }
 
 void OdometryFilter::update(const WheelOdometry& sample) {
-  if (any_finite(sample.wheel_speed)) update_wheel_speeds(sample);
+  if (measures_speed(sample)) update_wheel_speeds(sample);
   if (std::isfinite(sample.yaw_rate)) {
     record(OdometrySource::kYawRate, state_.update_yaw_rate(sample.yaw_rate),
            &OdometryState::reset_rotation_covariance);
@@ -161,9 +165,9 @@ void OdometryFilter::update_wheel_speeds(const WheelOdometry& sample) {
     return;
   }
   wheels_suspended_ = false;
-  const bool at_rest =
-      std::none_of(sample.wheel_speed.begin(), sample.wheel_speed.end(),
-                   [&](double v) { return std::abs(v) > options_.standstill_speed; });
+  const auto turns = [&](double v) { return std::abs(v) > options_.standstill_speed; };
+  const bool at_rest = std::none_of(sample.wheel_speed.begin(), sample.wheel_speed.end(), turns) &&
+                       !turns(sample.speed);
   if (!checked) detect_standstill(at_rest);
   const bool accepted = state_.update_wheels(sample) >= 1;
   record(OdometrySource::kWheels, accepted,

@@ -237,6 +237,11 @@ int OdometryState::update_wheels(const WheelOdometry& sample) {
     H[kSpeed] = 1;
     accepted += update(measured - expected_wheel_speed(i), H, options_.wheel_noise, kGateSigmas);
   }
+  if (std::isfinite(sample.speed)) {
+    Vector H = Vector::Zero();
+    H[kSpeed] = 1;
+    accepted += update(sample.speed - x_[kSpeed], H, options_.wheel_noise, kGateSigmas);
+  }
   return accepted;
 }
 
@@ -244,7 +249,7 @@ bool OdometryState::agrees(const WheelOdometry& sample, double tolerance) const 
   for (size_t i = 0; i < 4; ++i) {
     if (std::abs(sample.wheel_speed[i] - expected_wheel_speed(i)) <= tolerance) return true;
   }
-  return false;
+  return std::abs(sample.speed - x_[kSpeed]) <= tolerance;
 }
 
 bool OdometryState::update_yaw_rate(double yaw_rate) {

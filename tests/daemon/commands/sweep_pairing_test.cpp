@@ -7,31 +7,49 @@ namespace {
 
 Stamp at_ms(int64_t ms) { return Stamp::from_ns(ms * 1'000'000); }
 
-/// A sweep of 100 ms without returns.
+/// A sweep of 100 ms with one return.
 Sweep sweep_at(int64_t ms, uint64_t sequence) {
   Sweep sweep;
   sweep.stamp = at_ms(ms);
   sweep.span = from_seconds(0.1);
   sweep.sequence = sequence;
+  sweep.resize(1);
+  sweep.x[0] = 7;
+  sweep.y[0] = sweep.z[0] = 0;
+  sweep.time_offset_ns[0] = 50'000'000;
   return sweep;
 }
 
 TEST(SweepPairing, FindsTheSweepNearestToEachExposure) {
   SweepPairing pairing(Eigen::Isometry3d::Identity(), false);
-  for (const int64_t ms : {90, 260, 5000}) pairing.add_exposure(at_ms(ms));
+  for (const int64_t ms : {90, 200, 540, 5000}) pairing.add_exposure(at_ms(ms));
   for (int64_t i = 0; i < 5; ++i) {
-    pairing.add_sweep(sweep_at(100 * i, static_cast<uint64_t>(i)));  // middles 50, 150, 250, ...
+    pairing.add_sweep(sweep_at(100 * i, static_cast<uint64_t>(i)));
     pairing.advance(at_ms(100 * i + 100));
   }
   EXPECT_FALSE(pairing.done());
   const auto pairs = pairing.finish();
-  ASSERT_EQ(pairs.size(), 3U);
+  ASSERT_EQ(pairs.size(), 4U);
   EXPECT_TRUE(pairs[0].found);
   EXPECT_EQ(pairs[0].sweep.sequence, 0U);
-  EXPECT_EQ(pairs[0].gap, from_seconds(0.04));
-  EXPECT_EQ(pairs[1].sweep.sequence, 2U);
-  EXPECT_EQ(pairs[1].gap, from_seconds(0.01));
-  EXPECT_FALSE(pairs[2].found);
+  EXPECT_EQ(pairs[0].gap, Duration::zero());
+  EXPECT_EQ(pairs[1].sweep.sequence, 2U) << "the end of a sweep belongs to the next";
+  EXPECT_EQ(pairs[1].gap, Duration::zero());
+  EXPECT_EQ(pairs[2].sweep.sequence, 4U);
+  EXPECT_EQ(pairs[2].gap, from_seconds(0.04));
+  EXPECT_FALSE(pairs[3].found);
+}
+
+TEST(SweepPairing, ASweepDeskewedToTheExposureIsUsedAsItIs) {
+  SweepPairing pairing(Eigen::Isometry3d::Identity(), false);
+  for (const int64_t ms : {50, 60}) pairing.add_exposure(at_ms(ms));
+  Sweep sweep = sweep_at(0, 0);
+  sweep.deskewed = true;
+  pairing.add_sweep(sweep);
+  const auto pairs = pairing.finish();
+  EXPECT_EQ(pairs[0].deskew_reason, "");
+  EXPECT_EQ(pairs[0].sweep.x[0], 7);
+  EXPECT_EQ(pairs[1].deskew_reason, "the drive has no odometry");
 }
 
 TEST(SweepPairing, WithoutOdometryNothingIsDeskewed) {

@@ -11,7 +11,9 @@
 #include "drivers/recording/drive_source.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/imu_csv.hpp"
+#include "drivers/recording/speed_csv.hpp"
 #include "drivers/recording/sweep_files.hpp"
+#include "drivers/recording/times_csv.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
@@ -163,7 +165,11 @@ TEST(KittiImportSummary, ImportsTheRealOdometryLayout) {
   const auto sweeps = recording::index_sweeps(drive->resolve("sweeps"));
   ASSERT_TRUE(sweeps);
   ASSERT_EQ(sweeps->entries.size(), 4u);
-  EXPECT_EQ(sweeps->entries[1].stamp.ns(), 103'735'900);  // 1.037359e-01
+  // Deskewed to the stamp of the image, 1.037359e-01 s, which is the middle of the turn.
+  const recording::SequenceEntry& second = sweeps->entries[1];
+  EXPECT_NEAR(static_cast<double>((second.stamp + second.span / 2).ns()), 103'735'900, 1);
+  EXPECT_NEAR(to_seconds(second.span), 0.1037, 1e-3);
+  EXPECT_TRUE(drive->description.lidars[0].deskewed);
 
   const auto poses = recording::read_trajectory(drive->resolve(drive->description.truth_poses));
   ASSERT_TRUE(poses);
@@ -214,6 +220,63 @@ TEST(KittiImportSummary, ImportsTheRealOdometryLayout) {
   }
 }
 
+std::string text_of(const std::vector<Error>& notes) {
+  std::string text;
+  for (const Error& note : notes) text += note.message() + "\n";
+  return text;
+}
+
+TEST(KittiImport, ImportsTheRealRawDriveWithTheTimesOfItsReturns) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "drives/kitti_raw_0009/2011_09_26/2011_09_26_drive_0009_sync");
+  const ScratchFolder folder;
+  const auto result = import_kitti(path, folder / "drive");
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_EQ(result->sweeps, 51u);
+  EXPECT_EQ(result->images, 51u);
+  EXPECT_THAT(text_of(result->notes), HasSubstr("cut at the rear, as the sweeps confirm"));
+  EXPECT_THAT(text_of(result->notes), HasSubstr("exposed at the middle of their sweep"));
+
+  const auto drive = recording::Drive::open(folder / "drive");
+  ASSERT_TRUE(drive) << drive.error().message();
+  EXPECT_EQ(drive->description.lidars[0].turn, recording::Turn());
+  const CameraMount& camera = drive->description.rig.cameras[0];
+  EXPECT_NEAR(to_seconds(camera.stamp_delay), 0.0176, 0.0012);
+  EXPECT_EQ(camera.stamp_delay_sigma, Duration(3'000'000));
+
+  // Exposures are the lines of timestamps.txt; events are in the order in which they are complete.
+  std::ifstream lines(path / "velodyne_points/timestamps.txt");
+  std::string line;
+  auto source = recording::DriveSource::open(*drive);
+  ASSERT_TRUE(source) << source.error().message();
+  recording::DriveEvent event;
+  size_t speeds = 0, sweeps = 0;
+  Stamp exposure;
+  while (source->next(event)) {
+    speeds += std::holds_alternative<WheelOdometry>(event.content) ? 1 : 0;
+    if (std::holds_alternative<recording::ImageEvent>(event.content)) {
+      std::getline(lines, line);
+      exposure = event.stamp;
+      const double seconds = static_cast<double>(exposure.ns() % 60'000'000'000) * 1e-9;
+      EXPECT_NEAR(seconds, std::stod(line.substr(17)), 1e-6);
+    } else if (const auto* event_sweep = std::get_if<recording::SweepEvent>(&event.content)) {
+      const Sweep& sweep = *event_sweep->sweep;
+      ASSERT_TRUE(sweep.has_times);
+      EXPECT_NEAR(to_seconds(sweep.span), 0.1035, 0.001);
+      EXPECT_LT(sweep.stamp, exposure);
+      EXPECT_LT(exposure, sweep.stamp + sweep.span);
+      // A return ahead is measured when the lidar faces forward: near the exposure.
+      for (size_t i = 0; i < sweep.size(); i += 101) {
+        if (std::abs(sweep.y[i]) > 0.01F * sweep.x[i]) continue;
+        EXPECT_NEAR(to_seconds(sweep.stamp + Duration(sweep.time_offset_ns[i]) - exposure), 0,
+                    1e-3);
+      }
+      ++sweeps;
+    }
+  }
+  EXPECT_EQ(sweeps, 51u);
+  EXPECT_EQ(speeds, 447u);
+}
+
 // A synthetic raw recording of two frames.
 class RawLayout : public ::testing::Test {
  protected:
@@ -238,6 +301,10 @@ class RawLayout : public ::testing::Test {
     for (const char* stream : {"velodyne_points", "image_03", "oxts"}) {
       folder_.write(drive + stream + "/timestamps.txt", stamps);
     }
+    folder_.write(drive + "velodyne_points/timestamps_start.txt",
+                  "2011-09-26 13:02:25.45\n2011-09-26 13:02:25.914389445\n");
+    folder_.write(drive + "velodyne_points/timestamps_end.txt",
+                  "2011-09-26 13:02:25.55\n2011-09-26 13:02:26.014389445\n");
     folder_.write(drive + "velodyne_points/data/0000000001.bin", std::string(16, '\0'));
     folder_.write(drive + "image_03/data/0000000000.png", png(1242, 375));
     folder_.write(drive + "image_03/data/0000000001.png", png(1242, 375));
@@ -265,10 +332,12 @@ TEST_F(RawLayout, IsImportedWithItsStamps) {
   const auto drive = recording::Drive::open(folder_ / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
 
-  // The lidar's only sweep is frame 1, at 13:02:25.964389445 UTC (1317042145 s).
+  // The lidar's only sweep is frame 1, with its middle at 13:02:25.964389445 UTC (1317042145 s).
   const auto sweeps = recording::index_sweeps(drive->resolve("sweeps"));
   ASSERT_TRUE(sweeps);
-  EXPECT_EQ(sweeps->entries.at(0).stamp.ns(), 1'317'042'145'964'389'445);
+  EXPECT_EQ(sweeps->entries.at(0).stamp.ns(), 1'317'042'145'914'389'445);
+  EXPECT_EQ(sweeps->entries.at(0).span.count(), 100'000'000);
+  EXPECT_EQ(drive->description.lidars[0].turn, recording::Turn());
   // Camera 3 is half a metre to the right of camera 0: coordinates in its frame are shifted by −0.5
   // m.
   const Eigen::Vector3d ahead =
@@ -319,8 +388,7 @@ TEST_F(RawLayout, ReportsInvalidStampsAndImagesOfAnotherSize) {
   const auto result = import_kitti(raw_, folder_ / "drive");
   ASSERT_TRUE(result);
   EXPECT_EQ(result->images, 1u);
-  ASSERT_EQ(result->notes.size(), 1u);
-  EXPECT_THAT(result->notes[0].message(), HasSubstr("a different size"));
+  EXPECT_THAT(text_of(result->notes), HasSubstr("a different size"));
   folder_.write("day/2011_09_26_drive_0001_sync/oxts/timestamps.txt", "2011-13-26 13:02:25.5\n");
   EXPECT_THAT(import_kitti(raw_, folder_ / "drive2").error().message(),
               HasSubstr("timestamps.txt:1: is not a time"));

@@ -90,7 +90,7 @@ class WholeDrive : public ::testing::Test {
                                                          {0, 80, frame(3, 2368)},
                                                          {0, 90, frame(1, 9999)}})) +
                                     "cut off");
-    folder_.write("sweeps/times.csv", "stamp_ns\n20\n65\n75\n");
+    folder_.write("sweeps/times.csv", "stamp_ns,end_ns\n15,20\n60,65\n70,75\n");
     folder_.write("sweeps/000000.bin", std::string(32, '\0'));
     folder_.write("sweeps/000001.bin", "no sweep");
     folder_.write("sweeps/000002.bin", std::string(16, '\0'));
@@ -168,6 +168,9 @@ file = "gnss.csv"
       return "image " + std::to_string(e.sequence) + " " + e.path->filename().string();
     }
     std::string operator()(const CanLineEvent& e) const { return "can " + std::string(e.line); }
+    std::string operator()(const WheelOdometry& e) const {
+      return "speed " + std::to_string(static_cast<int>(e.speed));
+    }
     std::string operator()(const ImuSample& e) const {
       return "imu " + std::to_string(static_cast<int>(e.linear_acceleration[2]));
     }

@@ -55,6 +55,25 @@ TEST(OdometryFilter, FollowsAPlanarDriveWithPerfectSensors) {
   EXPECT_EQ(filter.report().outliers, 0u);
 }
 
+// As an inertial navigation system states it, at the centre of the rear axle, in bends too.
+TEST(OdometryFilter, ASpeedSourceServesAsWheels) {
+  constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+  const TrueDrive drive = winding_drive(40, 0);
+  OdometryFilter filter;
+  for (double t = 0; t < 39.9; t += 0.05) {
+    WheelOdometry sample = drive.wheels(t);
+    sample.wheel_speed.fill(kNotMeasured);
+    sample.speed = drive.twist(t)[3];
+    filter.add(sample);
+  }
+  filter.flush();
+  ASSERT_TRUE(filter.usable()) << filter.reason();
+  const auto pose = filter.trajectory().at(seconds(39.8));
+  ASSERT_TRUE(pose.usable()) << pose.reason;
+  EXPECT_LT((pose.T_odom_vehicle.translation() - drive.pose(39.8).translation()).norm(), 0.5);
+  EXPECT_EQ(filter.report().outliers, 0u);
+}
+
 TEST(OdometryFilter, LearnsBiasesAtStandstill) {
   const TrueDrive drive = winding_drive(30, 6);
   std::mt19937_64 random(1);
