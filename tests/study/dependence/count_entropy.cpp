@@ -112,13 +112,6 @@ Estimate entropy_james_stein(std::span<const double> counts, const Shrinkage& sh
   return {plug_in_entropy(shrunk.frequencies), shrunk.reason};
 }
 
-double fast_shrinkage(double correspondences, double sigma, FastShrinkage direction) {
-  if (!(correspondences >= 0) || !std::isfinite(correspondences)) return 1;
-  if (!(sigma > 0) || !std::isfinite(sigma)) return 1;
-  const double printed = 2 / (1 + std::exp(-correspondences / sigma)) - 1;
-  return direction == FastShrinkage::kAsPrinted ? printed : 1 - printed;
-}
-
 Estimate entropy_dirichlet(std::span<const double> counts, double alpha) {
   if (const char* reason = check_counts(counts); *reason) return {0, reason};
   if (!(alpha >= 0) || !std::isfinite(alpha)) return {0, "alpha is negative or not finite"};

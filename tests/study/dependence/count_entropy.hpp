@@ -44,19 +44,6 @@ ShrunkFrequencies james_stein_frequencies(std::span<const double> counts,
 /// Entropy of the James–Stein frequencies.
 Estimate entropy_james_stein(std::span<const double> counts, const Shrinkage& shrinkage = {});
 
-/// Direction of the fast shrinkage coefficient.
-enum class FastShrinkage {
-  kAsPrinted,  ///< more correspondences shrink more: 0 at none, approaches 1
-  kReversed,   ///< more correspondences shrink less: one minus the printed value
-};
-
-/// The O(1) shrinkage λ_e = 2/(1 + exp(−c/σ)) − 1, P(4.11), 0 … 1.
-/// @param correspondences c, number of matched codewords
-/// @param sigma           σ, roughly the usual number of codewords in a scan
-/// Returns 1 (the target alone) for arguments that are not finite, a negative c or a σ ≤ 0.
-double fast_shrinkage(double correspondences, double sigma,
-                      FastShrinkage direction = FastShrinkage::kReversed);
-
 /// Entropy of the frequencies (y_k + α)/(n + Kα), P(2.19). Usual α: Jeffreys ½, Laplace 1, Perks
 /// 1/K and minimax √n/K.
 Estimate entropy_dirichlet(std::span<const double> counts, double alpha);

@@ -8,8 +8,13 @@
 #include <random>
 #include <string>
 
+#include "fusion/dependence/shrunk_information.hpp"
+
 namespace infuse::study {
 namespace {
+
+using dependence::fast_shrinkage;
+using dependence::FastShrinkage;
 
 constexpr double kReferenceTolerance = 5e-13;  // the reference values have twelve decimals
 const std::vector<double> kSmallCounts = {4, 2, 3, 0, 2, 4, 0, 0, 2, 1, 1};
