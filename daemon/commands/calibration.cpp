@@ -12,7 +12,7 @@
 namespace infuse::daemon {
 namespace {
 
-struct Arguments {
+struct CalibrationArguments {
   std::string socket;
   std::string camera;
   bool off = false;
@@ -22,7 +22,7 @@ struct Arguments {
 std::string text(const Json& object, const char* key) { return object.value(key, ""); }
 
 /// "2026-11-21T03:12:55Z".
-std::string time_text(const Json& object, const char* key) {
+std::string stamp_text(const Json& object, const char* key) {
   const auto seconds = static_cast<std::time_t>(object.value(key, int64_t{0}) / 1'000'000'000);
   std::tm utc{};
   gmtime_r(&seconds, &utc);
@@ -59,7 +59,7 @@ std::string offset_text(const Json& offset, const Json& sigma, size_t from, doub
 std::string calibration_text(const Json& report) {
   std::string lines =
       fmt::format("{}: {} since {}, {}{}\n", text(report, "device"), text(report, "state"),
-                  time_text(report, "since"), text(report, "policy"),
+                  stamp_text(report, "since"), text(report, "policy"),
                   report.value("frozen", false) ? ", frozen" : "");
   lines += fmt::format("  in use: T_camera_lidar\n{}",
                        matrix_text(report.value("T_camera_lidar", Json::array())));
@@ -84,13 +84,13 @@ std::string calibration_text(const Json& report) {
   }
   lines += "  history\n";
   for (const Json& change : report.value("history", Json::array())) {
-    lines += fmt::format("    {} {}: {}\n", time_text(change, "stamp"), text(change, "state"),
+    lines += fmt::format("    {} {}: {}\n", stamp_text(change, "stamp"), text(change, "state"),
                          text(change, "what"));
   }
   return lines;
 }
 
-int print_calibrations(const Arguments& arguments) {
+int print_calibrations(const CalibrationArguments& arguments) {
   constexpr const char* kProgram = "infuse calibration";
   auto client = Client::connect(arguments.socket);
   if (!client) return print_error(kProgram, client.error(), kFailure);
@@ -118,7 +118,7 @@ int print_calibrations(const Arguments& arguments) {
 }
 
 /// Sends the request `op` and prints the daemon's answer if it is an error.
-int send_request(const char* op, const Arguments& arguments) {
+int send_request(const char* op, const CalibrationArguments& arguments) {
   const std::string program = std::string("infuse ") + op;
   auto client = Client::connect(arguments.socket);
   if (!client) return print_error(program, client.error(), kFailure);
@@ -136,7 +136,7 @@ int send_request(const char* op, const Arguments& arguments) {
 using Examples = std::initializer_list<const char*>;
 
 CLI::App* declare(CLI::App& infuse, const char* name, const char* description, Examples examples,
-                  const std::shared_ptr<Arguments>& arguments) {
+                  const std::shared_ptr<CalibrationArguments>& arguments) {
   CLI::App* app = infuse.add_subcommand(name, description);
   app->add_option("--camera", arguments->camera, "camera (default: all)")->type_name("NAME");
   app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
@@ -146,7 +146,7 @@ CLI::App* declare(CLI::App& infuse, const char* name, const char* description, E
 
 Command declare_request(CLI::App& infuse, const char* op, const char* description,
                         Examples examples) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CalibrationArguments>();
   CLI::App* app = declare(infuse, op, description, examples, arguments);
   return {app, [op, arguments] { return send_request(op, *arguments); }};
 }
@@ -154,7 +154,7 @@ Command declare_request(CLI::App& infuse, const char* op, const char* descriptio
 }  // namespace
 
 Command declare_calibration(CLI::App& infuse) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CalibrationArguments>();
   CLI::App* app =
       declare(infuse, "calibration",
               "print the running daemon's calibrations, their monitoring state and history",
@@ -179,7 +179,7 @@ Command declare_rollback(CLI::App& infuse) {
 }
 
 Command declare_freeze(CLI::App& infuse) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CalibrationArguments>();
   CLI::App* app = declare(infuse, "freeze", "keep the daemon from changing calibrations on its own",
                           {"infuse freeze --camera front", "infuse freeze --off"}, arguments);
   app->add_flag("--off", arguments->off, "allow changes again");

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "daemon/commands/calibration_scenes.hpp"
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
 

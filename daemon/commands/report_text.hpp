@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 
 namespace infuse::daemon {
 

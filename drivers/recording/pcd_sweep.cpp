@@ -22,8 +22,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "PCD files are little-endian");
 
-constexpr size_t kMaxBytes = 256 << 20;  // decompressed
-constexpr size_t kMaxRings = 128;
+constexpr size_t kMaxPointBytes = 256 << 20;  // decompressed
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Values of x, y, z, intensity, ring of all points; empty if the file has no such field.
@@ -229,7 +228,7 @@ Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep) {
       header->find({"ring", "channel", "laser", "beam"})};
   if (field_indices[0] < 0 || field_indices[1] < 0 || field_indices[2] < 0)
     return fail("has no fields x, y and z");
-  if (header->points * header->point_bytes() > kMaxBytes) {
+  if (header->points * header->point_bytes() > kMaxPointBytes) {
     return fail("has more than 256 MiB of points");
   }
   const std::string_view points = bytes.substr(header->data_offset);
