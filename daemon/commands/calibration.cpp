@@ -7,6 +7,7 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/client.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/report_text.hpp"
 #include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
@@ -18,8 +19,6 @@ struct CalibrationArguments {
   bool off = false;
   bool json = false;
 };
-
-std::string text(const Json& object, const char* key) { return object.value(key, ""); }
 
 /// "2026-11-21T03:12:55Z".
 std::string stamp_text(const Json& object, const char* key) {
@@ -58,19 +57,19 @@ std::string offset_text(const Json& offset, const Json& sigma, size_t from, doub
 
 std::string calibration_text(const Json& report) {
   std::string lines =
-      fmt::format("{}: {} since {}, {}{}\n", text(report, "device"), text(report, "state"),
-                  stamp_text(report, "since"), text(report, "policy"),
+      fmt::format("{}: {} since {}, {}{}\n", text_of(report, "device"), text_of(report, "state"),
+                  stamp_text(report, "since"), text_of(report, "policy"),
                   report.value("frozen", false) ? ", frozen" : "");
   lines += fmt::format("  in use: T_camera_lidar\n{}",
                        matrix_text(report.value("T_camera_lidar", Json::array())));
   if (report.contains("camera_fault")) {
-    lines += fmt::format("  camera fault: {}\n", text(report, "camera_fault"));
+    lines += fmt::format("  camera fault: {}\n", text_of(report, "camera_fault"));
   }
   if (report.contains("evidence")) {
     const Json& evidence = report["evidence"];
     lines += fmt::format("  {} images evaluated; evidence of drift {:.1f} of {:.1f} nats ({})\n",
                          report.value("evaluations", uint64_t{0}), evidence.value("nats", 0.0),
-                         evidence.value("threshold_nats", 0.0), text(evidence, "axis"));
+                         evidence.value("threshold_nats", 0.0), text_of(evidence, "axis"));
     lines += fmt::format("  estimated offset ({})°, ({}) cm\n",
                          offset_text(report["offset"], report["offset_sigma"], 0, 1 / kDegree),
                          offset_text(report["offset"], report["offset_sigma"], 3, 100));
@@ -79,13 +78,13 @@ std::string calibration_text(const Json& report) {
     const Json& estimate = report["estimate"];
     lines += fmt::format(
         "  last estimate, from {} scenes, {}\n{}", estimate.value("scenes", 0),
-        estimate.value("usable", false) ? "usable" : "not usable: " + text(estimate, "reason"),
+        estimate.value("usable", false) ? "usable" : "not usable: " + text_of(estimate, "reason"),
         matrix_text(estimate["T_camera_lidar"]));
   }
   lines += "  history\n";
   for (const Json& change : report.value("history", Json::array())) {
-    lines += fmt::format("    {} {}: {}\n", stamp_text(change, "stamp"), text(change, "state"),
-                         text(change, "what"));
+    lines += fmt::format("    {} {}: {}\n", stamp_text(change, "stamp"), text_of(change, "state"),
+                         text_of(change, "what"));
   }
   return lines;
 }
@@ -103,9 +102,9 @@ int print_calibrations(const CalibrationArguments& arguments) {
     if (!message) return print_error(kProgram, message.error(), kFailure);
     if (!*message) return print_error(kProgram, {"the daemon ended", "", ""}, kFailure);
     const Json& report = **message;
-    if (text(report, "class") == "ACK") break;
-    if (text(report, "class") != "CALIBRATION") continue;
-    if (!arguments.camera.empty() && text(report, "device") != arguments.camera) continue;
+    if (text_of(report, "class") == "ACK") break;
+    if (text_of(report, "class") != "CALIBRATION") continue;
+    if (!arguments.camera.empty() && text_of(report, "device") != arguments.camera) continue;
     std::cout << (arguments.json ? report.dump() + "\n" : calibration_text(report));
     ++shown;
   }
@@ -129,8 +128,9 @@ int send_request(const char* op, const CalibrationArguments& arguments) {
   const auto message = client->next(std::chrono::seconds(5));
   if (!message) return print_error(program, message.error(), kFailure);
   if (!*message) return print_error(program, {"the daemon ended", "", ""}, kFailure);
-  if (text(**message, "class") == "ACK") return kDone;
-  return print_error(program, {text(**message, "what"), "", text(**message, "hint")}, kFailure);
+  if (text_of(**message, "class") == "ACK") return kDone;
+  return print_error(program, {text_of(**message, "what"), "", text_of(**message, "hint")},
+                     kFailure);
 }
 
 using Examples = std::initializer_list<const char*>;
