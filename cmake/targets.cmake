@@ -40,6 +40,14 @@ function(infuse_precompiled name)
 endfunction()
 infuse_precompiled(infuse_pch)
 
+# Most of a file's compilation goes into headers and templates that its neighbours use too, so that compiling the files
+# of a folder together takes half the time. Where tests are built somebody works: there each file is compiled by itself,
+# and a change compiles one.
+set(INFUSE_UNITY ON)
+if(INFUSE_TESTS)
+  set(INFUSE_UNITY OFF)
+endif()
+
 # infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder but tests, as infuse::drivers_velodyne.
 function(infuse_library folder)
   string(REPLACE "/" "_" name ${folder})
@@ -49,6 +57,7 @@ function(infuse_library folder)
   add_library(infuse::${name} ALIAS infuse_${name})
   target_link_libraries(infuse_${name} PUBLIC infuse::flags ${ARGN})
   target_precompile_headers(infuse_${name} REUSE_FROM infuse_pch)
+  set_target_properties(infuse_${name} PROPERTIES UNITY_BUILD ${INFUSE_UNITY} UNITY_BUILD_BATCH_SIZE 12)
 endfunction()
 
 # infuse_program(infused daemon/infused.cpp DEPENDENCY...): one program in build/bin.

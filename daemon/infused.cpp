@@ -14,8 +14,6 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kProgram = "infused";
-
 void declare_options(CLI::App& app, RunOptions& options, bool& check_config) {
   app.description(
       "infused: processes lidars, cameras and odometry on the vehicle and publishes sensor "

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "daemon/service/atomic_file.hpp"
+#include "drivers/recording/atomic_file.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
 #include "drivers/text/text_file.hpp"
 
@@ -139,9 +139,10 @@ Result<void> SavedCalibrations::save(const CalibrationReport& report) {
     calibration.T_camera_lidar = report.T_camera_lidar;
     if (moved) calibration.since = report.stamp;
     if (path_.empty()) return {};
-    std::error_code ignored;  // write_atomically reports the error
+    std::error_code ignored;  // write_file_atomically reports the error
     std::filesystem::create_directories(path_.parent_path(), ignored);
-    return write_atomically(path_, format_calibrations(calibrations_));
+    const std::string text = format_calibrations(calibrations_);
+    return recording::write_file_atomically(path_, std::as_bytes(std::span(text)), 0640);
   }
   return {};
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "daemon/pipeline/replay.hpp"
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/measurement/error.hpp"
 

@@ -17,9 +17,9 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kProgram = "infuse calibrate";
+constexpr const char* kCalibrateProgram = "infuse calibrate";
 
-struct Arguments {
+struct CalibrateArguments {
   SceneRequest request;
   std::vector<std::string> measures{"joint"};
   std::string initial_pose;
@@ -39,7 +39,7 @@ std::string measure_names() {
   return names;
 }
 
-std::optional<std::string> find_usage_error(const Arguments& arguments) {
+std::optional<std::string> find_usage_error(const CalibrateArguments& arguments) {
   if (arguments.request.max_scenes < 1 || arguments.request.max_scenes > 1000) {
     return "--scenes must lie in 1 ... 1000";
   }
@@ -58,7 +58,8 @@ std::optional<std::string> find_usage_error(const Arguments& arguments) {
 }
 
 /// T_camera_lidar from 16 numbers or a rig.toml; the drive's extrinsics by default.
-Result<Eigen::Isometry3d> read_initial_pose(const Arguments& arguments, const ScenePairs& pairs) {
+Result<Eigen::Isometry3d> read_initial_pose(const CalibrateArguments& arguments,
+                                            const ScenePairs& pairs) {
   if (arguments.initial_pose.empty()) return pairs.cameras.front().T_camera_lidar;
   std::string text = arguments.initial_pose;
   std::replace(text.begin(), text.end(), ',', ' ');
@@ -77,7 +78,7 @@ Result<Eigen::Isometry3d> read_initial_pose(const Arguments& arguments, const Sc
   return mount->T_camera_lidar;
 }
 
-int report_no_pairs(const Arguments& arguments, const ScenePairs& pairs) {
+int report_no_pairs(const CalibrateArguments& arguments, const ScenePairs& pairs) {
   const std::string reason = "no image has a sweep close to it in time";
   if (arguments.json) {
     std::cout << Json{{"camera", pairs.cameras.front().name},
@@ -95,7 +96,7 @@ int report_no_pairs(const Arguments& arguments, const ScenePairs& pairs) {
   return kFailure;
 }
 
-Result<void> write_rig(const Arguments& arguments, const ScenePairs& pairs,
+Result<void> write_rig(const CalibrateArguments& arguments, const ScenePairs& pairs,
                        const CalibrationRun& run) {
   Rig rig = pairs.rig;
   for (size_t c = 0; c < pairs.cameras.size(); ++c) {
@@ -108,7 +109,7 @@ Result<void> write_rig(const Arguments& arguments, const ScenePairs& pairs,
 }
 
 /// Prints one object: the first measure's result, with the others under `measures`.
-void print(const Arguments& arguments, const ScenePairs& pairs,
+void print(const CalibrateArguments& arguments, const ScenePairs& pairs,
            const std::vector<CalibrationRun>& runs) {
   if (!arguments.json) {
     for (const CalibrationRun& run : runs) std::cout << to_text(run, pairs);
@@ -122,19 +123,19 @@ void print(const Arguments& arguments, const ScenePairs& pairs,
   std::cout << json.dump() << "\n";
 }
 
-int run(const Arguments& arguments) {
+int run(const CalibrateArguments& arguments) {
   if (const auto wrong = find_usage_error(arguments)) {
-    return print_error(kProgram, {*wrong, "", ""}, kUsage);
+    return print_error(kCalibrateProgram, {*wrong, "", ""}, kUsage);
   }
   ProgressLine line;
   const auto pairs =
       read_scene_pairs(arguments.request, [&](double share) { line.show(0.5 * share, "reading"); });
   if (!pairs) {
     line.clear();
-    return print_error(kProgram, pairs.error(), kUnreadable);
+    return print_error(kCalibrateProgram, pairs.error(), kUnreadable);
   }
   const auto initial_pose = read_initial_pose(arguments, *pairs);
-  if (!initial_pose) return print_error(kProgram, initial_pose.error(), kUsage);
+  if (!initial_pose) return print_error(kCalibrateProgram, initial_pose.error(), kUsage);
   if (pairs->pairs.empty()) {
     line.clear();
     return report_no_pairs(arguments, *pairs);
@@ -154,7 +155,7 @@ int run(const Arguments& arguments) {
         options);
     if (!calibrated) {
       line.clear();
-      return print_error(kProgram, calibrated.error(), kUnreadable);
+      return print_error(kCalibrateProgram, calibrated.error(), kUnreadable);
     }
     runs.push_back(std::move(*calibrated));
   }
@@ -162,7 +163,7 @@ int run(const Arguments& arguments) {
     line.show(0.99, "drawing the report");
     if (auto written = write_report(arguments.report, *pairs, runs); !written) {
       line.clear();
-      return print_error(kProgram, written.error(), kUnreadable);
+      return print_error(kCalibrateProgram, written.error(), kUnreadable);
     }
   }
   line.clear();
@@ -170,10 +171,11 @@ int run(const Arguments& arguments) {
   const bool usable = runs.front().result.usable();
   if (!arguments.output.empty() && usable) {
     if (auto written = write_rig(arguments, *pairs, runs.front()); !written) {
-      return print_error(kProgram, written.error(), kUnreadable);
+      return print_error(kCalibrateProgram, written.error(), kUnreadable);
     }
   } else if (!arguments.output.empty()) {
-    std::cerr << kProgram << ": " << arguments.output << " not written: the result is not usable\n";
+    std::cerr << kCalibrateProgram << ": " << arguments.output
+              << " not written: the result is not usable\n";
   }
   return usable ? kDone : kFailure;
 }
@@ -184,7 +186,7 @@ Command declare_calibrate(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "calibrate",
       "estimate the pose of a camera relative to the lidar from drives, without targets");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CalibrateArguments>();
   app->add_option("DRIVE", arguments->request.drives, "drive folders of one rig")->required();
   app->add_option(
          "--camera", arguments->request.cameras,

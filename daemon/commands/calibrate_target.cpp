@@ -8,7 +8,7 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/target_views.hpp"
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "fusion/target/calibrate_target.hpp"
@@ -16,9 +16,9 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kProgram = "infuse calibrate-target";
+constexpr const char* kCalibrateTargetProgram = "infuse calibrate-target";
 
-struct Arguments {
+struct CalibrateTargetArguments {
   std::vector<std::string> drives;
   std::string camera;
   std::string board;
@@ -124,7 +124,7 @@ bool parse_board(const std::string& text, target::Board& board) {
 }
 
 /// The drive's rig with the new extrinsics.
-Result<void> write_result(const Arguments& arguments, const TargetViews& views,
+Result<void> write_result(const CalibrateTargetArguments& arguments, const TargetViews& views,
                           const target::TargetResult& result) {
   Rig rig = views.rig;
   for (CameraMount& camera : rig.cameras) {
@@ -133,21 +133,21 @@ Result<void> write_result(const Arguments& arguments, const TargetViews& views,
   return recording::write_rig(arguments.output, rig);
 }
 
-int run(Arguments& arguments) {
+int run(CalibrateTargetArguments& arguments) {
   target::Board& board = arguments.size;
   if (!parse_board(arguments.board, board)) {
-    return print_error(kProgram,
+    return print_error(kCalibrateTargetProgram,
                        {"'" + arguments.board + "' is not COLSxROWS", "--board", "for example 7x5"},
                        kUsage);
   }
   for (const auto& wrong :
        {board.invalid(), arguments.views.invalid(), arguments.solve.invalid()}) {
-    if (wrong) return print_error(kProgram, {*wrong, "", ""}, kUsage);
+    if (wrong) return print_error(kCalibrateTargetProgram, {*wrong, "", ""}, kUsage);
   }
   TargetViews views;
   for (const std::string& drive : arguments.drives) {
     const auto read = add_target_views(drive, arguments.camera, board, arguments.views, views);
-    if (!read) return print_error(kProgram, read.error(), kUnreadable);
+    if (!read) return print_error(kCalibrateTargetProgram, read.error(), kUnreadable);
   }
   const target::TargetCalibration calibration = target::calibrate_target(
       views.observations, board, views.T_camera_lidar, arguments.views.returns, arguments.solve);
@@ -160,7 +160,7 @@ int run(Arguments& arguments) {
   if (!result.usable()) return kFailure;
   if (!arguments.output.empty()) {
     const auto written = write_result(arguments, views, result);
-    if (!written) return print_error(kProgram, written.error(), kFailure);
+    if (!written) return print_error(kCalibrateTargetProgram, written.error(), kFailure);
   }
   return kDone;
 }
@@ -170,7 +170,7 @@ int run(Arguments& arguments) {
 Command declare_calibrate_target(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "calibrate-target", "estimate the pose of a camera relative to the lidar from checkerboards");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CalibrateTargetArguments>();
   app->add_option("DRIVE", arguments->drives, "drive folders of one rig, recorded standing still")
       ->required();
   app->add_option("--camera", arguments->camera, "camera, if the rig has several")

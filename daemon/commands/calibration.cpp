@@ -7,22 +7,21 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/client.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/report_text.hpp"
 #include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-struct Arguments {
+struct CalibrationArguments {
   std::string socket;
   std::string camera;
   bool off = false;
   bool json = false;
 };
 
-std::string text(const Json& object, const char* key) { return object.value(key, ""); }
-
 /// "2026-11-21T03:12:55Z".
-std::string time_text(const Json& object, const char* key) {
+std::string stamp_text(const Json& object, const char* key) {
   const auto seconds = static_cast<std::time_t>(object.value(key, int64_t{0}) / 1'000'000'000);
   std::tm utc{};
   gmtime_r(&seconds, &utc);
@@ -58,19 +57,19 @@ std::string offset_text(const Json& offset, const Json& sigma, size_t from, doub
 
 std::string calibration_text(const Json& report) {
   std::string lines =
-      fmt::format("{}: {} since {}, {}{}\n", text(report, "device"), text(report, "state"),
-                  time_text(report, "since"), text(report, "policy"),
+      fmt::format("{}: {} since {}, {}{}\n", text_of(report, "device"), text_of(report, "state"),
+                  stamp_text(report, "since"), text_of(report, "policy"),
                   report.value("frozen", false) ? ", frozen" : "");
   lines += fmt::format("  in use: T_camera_lidar\n{}",
                        matrix_text(report.value("T_camera_lidar", Json::array())));
   if (report.contains("camera_fault")) {
-    lines += fmt::format("  camera fault: {}\n", text(report, "camera_fault"));
+    lines += fmt::format("  camera fault: {}\n", text_of(report, "camera_fault"));
   }
   if (report.contains("evidence")) {
     const Json& evidence = report["evidence"];
     lines += fmt::format("  {} images evaluated; evidence of drift {:.1f} of {:.1f} nats ({})\n",
                          report.value("evaluations", uint64_t{0}), evidence.value("nats", 0.0),
-                         evidence.value("threshold_nats", 0.0), text(evidence, "axis"));
+                         evidence.value("threshold_nats", 0.0), text_of(evidence, "axis"));
     lines += fmt::format("  estimated offset ({})°, ({}) cm\n",
                          offset_text(report["offset"], report["offset_sigma"], 0, 1 / kDegree),
                          offset_text(report["offset"], report["offset_sigma"], 3, 100));
@@ -79,18 +78,18 @@ std::string calibration_text(const Json& report) {
     const Json& estimate = report["estimate"];
     lines += fmt::format(
         "  last estimate, from {} scenes, {}\n{}", estimate.value("scenes", 0),
-        estimate.value("usable", false) ? "usable" : "not usable: " + text(estimate, "reason"),
+        estimate.value("usable", false) ? "usable" : "not usable: " + text_of(estimate, "reason"),
         matrix_text(estimate["T_camera_lidar"]));
   }
   lines += "  history\n";
   for (const Json& change : report.value("history", Json::array())) {
-    lines += fmt::format("    {} {}: {}\n", time_text(change, "stamp"), text(change, "state"),
-                         text(change, "what"));
+    lines += fmt::format("    {} {}: {}\n", stamp_text(change, "stamp"), text_of(change, "state"),
+                         text_of(change, "what"));
   }
   return lines;
 }
 
-int print_calibrations(const Arguments& arguments) {
+int print_calibrations(const CalibrationArguments& arguments) {
   constexpr const char* kProgram = "infuse calibration";
   auto client = Client::connect(arguments.socket);
   if (!client) return print_error(kProgram, client.error(), kFailure);
@@ -103,9 +102,9 @@ int print_calibrations(const Arguments& arguments) {
     if (!message) return print_error(kProgram, message.error(), kFailure);
     if (!*message) return print_error(kProgram, {"the daemon ended", "", ""}, kFailure);
     const Json& report = **message;
-    if (text(report, "class") == "ACK") break;
-    if (text(report, "class") != "CALIBRATION") continue;
-    if (!arguments.camera.empty() && text(report, "device") != arguments.camera) continue;
+    if (text_of(report, "class") == "ACK") break;
+    if (text_of(report, "class") != "CALIBRATION") continue;
+    if (!arguments.camera.empty() && text_of(report, "device") != arguments.camera) continue;
     std::cout << (arguments.json ? report.dump() + "\n" : calibration_text(report));
     ++shown;
   }
@@ -118,7 +117,7 @@ int print_calibrations(const Arguments& arguments) {
 }
 
 /// Sends the request `op` and prints the daemon's answer if it is an error.
-int send_request(const char* op, const Arguments& arguments) {
+int send_request(const char* op, const CalibrationArguments& arguments) {
   const std::string program = std::string("infuse ") + op;
   auto client = Client::connect(arguments.socket);
   if (!client) return print_error(program, client.error(), kFailure);
@@ -129,14 +128,15 @@ int send_request(const char* op, const Arguments& arguments) {
   const auto message = client->next(std::chrono::seconds(5));
   if (!message) return print_error(program, message.error(), kFailure);
   if (!*message) return print_error(program, {"the daemon ended", "", ""}, kFailure);
-  if (text(**message, "class") == "ACK") return kDone;
-  return print_error(program, {text(**message, "what"), "", text(**message, "hint")}, kFailure);
+  if (text_of(**message, "class") == "ACK") return kDone;
+  return print_error(program, {text_of(**message, "what"), "", text_of(**message, "hint")},
+                     kFailure);
 }
 
 using Examples = std::initializer_list<const char*>;
 
 CLI::App* declare(CLI::App& infuse, const char* name, const char* description, Examples examples,
-                  const std::shared_ptr<Arguments>& arguments) {
+                  const std::shared_ptr<CalibrationArguments>& arguments) {
   CLI::App* app = infuse.add_subcommand(name, description);
   app->add_option("--camera", arguments->camera, "camera (default: all)")->type_name("NAME");
   app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
@@ -146,7 +146,7 @@ CLI::App* declare(CLI::App& infuse, const char* name, const char* description, E
 
 Command declare_request(CLI::App& infuse, const char* op, const char* description,
                         Examples examples) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CalibrationArguments>();
   CLI::App* app = declare(infuse, op, description, examples, arguments);
   return {app, [op, arguments] { return send_request(op, *arguments); }};
 }
@@ -154,7 +154,7 @@ Command declare_request(CLI::App& infuse, const char* op, const char* descriptio
 }  // namespace
 
 Command declare_calibration(CLI::App& infuse) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CalibrationArguments>();
   CLI::App* app =
       declare(infuse, "calibration",
               "print the running daemon's calibrations, their monitoring state and history",
@@ -179,7 +179,7 @@ Command declare_rollback(CLI::App& infuse) {
 }
 
 Command declare_freeze(CLI::App& infuse) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CalibrationArguments>();
   CLI::App* app = declare(infuse, "freeze", "keep the daemon from changing calibrations on its own",
                           {"infuse freeze --camera front", "infuse freeze --off"}, arguments);
   app->add_flag("--off", arguments->off, "allow changes again");

@@ -7,7 +7,7 @@
 
 #include "daemon/commands/calibration_scenes.hpp"
 #include "daemon/commands/motion_uncertainty.hpp"
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
 

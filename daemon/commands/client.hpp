@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 #include "drivers/measurement/error.hpp"
 
 namespace infuse::daemon {

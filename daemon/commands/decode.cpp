@@ -12,7 +12,7 @@
 #include "daemon/commands/find_lidar.hpp"
 #include "daemon/commands/play_lidar.hpp"
 #include "daemon/commands/sweep_image.hpp"
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/recording/sweep_export.hpp"
 #include "drivers/text/text_file.hpp"
@@ -21,7 +21,7 @@
 namespace infuse::daemon {
 namespace {
 
-struct Arguments {
+struct DecodeArguments {
   std::string path;
   std::string output;
   std::string lidar;
@@ -39,7 +39,7 @@ struct Arguments {
 /// Writes the requested sweeps, each to a file of its own.
 class Writer {
  public:
-  explicit Writer(const Arguments& arguments) : arguments_(arguments) {}
+  explicit Writer(const DecodeArguments& arguments) : arguments_(arguments) {}
 
   /// Writes a sweep as measured.
   void write(const Sweep& sweep) {
@@ -103,7 +103,7 @@ class Writer {
            fmt::format("{}-{:06}{}", path.stem().string(), sequence, path.extension().string());
   }
 
-  const Arguments& arguments_;
+  const DecodeArguments& arguments_;
   ProgressLine line_;
   uint64_t files_ = 0;
   uint64_t returns_ = 0;
@@ -131,7 +131,7 @@ SensorCounters decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writ
   return counters;
 }
 
-int run(const Arguments& arguments) {
+int run(const DecodeArguments& arguments) {
   constexpr const char* kProgram = "infuse decode";
   if (!arguments.writes_image() && !recording::detect_sweep_format(arguments.output)) {
     return print_error(kProgram,
@@ -196,7 +196,7 @@ int run(const Arguments& arguments) {
 Command declare_decode(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "decode", "write sweeps to files: x.pcd becomes x-000000.pcd, x-000001.pcd, ...");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DecodeArguments>();
   app->add_option("PATH", arguments->path, "a pcap or pcapng file, or a drive folder")->required();
   app->add_option("-o,--output", arguments->output,
                   "file to write; its extension selects the format")

@@ -9,9 +9,9 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kProgram = "infuse evaluate";
+constexpr const char* kEvaluateProgram = "infuse evaluate";
 
-struct Arguments {
+struct EvaluateArguments {
   std::string result;
   std::string truth;
   motion::Alignment alignment = motion::Alignment::kRigid;
@@ -27,15 +27,16 @@ bool is_calibration(const std::filesystem::path& result) {
 }
 
 template <class Score>
-int print(const Arguments& arguments, const Result<Score>& score) {
-  if (!score) return print_error(kProgram, score.error(), kUnreadable);
+int print(const EvaluateArguments& arguments, const Result<Score>& score) {
+  if (!score) return print_error(kEvaluateProgram, score.error(), kUnreadable);
   std::cout << (arguments.json ? to_json(*score).dump() + "\n" : to_text(*score));
   return kDone;
 }
 
-int run(const Arguments& arguments) {
+int run(const EvaluateArguments& arguments) {
   if (!(arguments.span_s > 0 && arguments.span_s <= 1e6)) {
-    return print_error(kProgram, {"--span must be a number of seconds above 0", "", ""}, kUsage);
+    return print_error(kEvaluateProgram, {"--span must be a number of seconds above 0", "", ""},
+                       kUsage);
   }
   if (is_calibration(arguments.result)) {
     return print(arguments, score_rig(arguments.result, arguments.truth));
@@ -55,7 +56,7 @@ Command declare_evaluate(CLI::App& infuse) {
       {"rigid", motion::Alignment::kRigid},
       {"similar", motion::Alignment::kSimilarity}};
   CLI::App* app = infuse.add_subcommand("evaluate", "score a trajectory or a calibration");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<EvaluateArguments>();
   app->add_option("RESULT", arguments->result,
                   "a trajectory (TUM or KITTI), or a calibration: a rig.toml, a drive, or the JSON "
                   "of infuse calibrate")

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 #include "drivers/measurement/error.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 #include "fusion/motion/trajectory_error.hpp"

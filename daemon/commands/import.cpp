@@ -5,24 +5,24 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/command.hpp"
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 #include "drivers/import/kitti_import.hpp"
 #include "drivers/import/opencalib_import.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-struct Arguments {
+struct ImportArguments {
   std::string source;
   std::string drive;
   bool json = false;
 };
 
-int run_kitti(const Arguments& arguments) {
+int run_kitti(const ImportArguments& arguments) {
   const auto imported = importers::import_kitti(arguments.source, arguments.drive);
   if (!imported) return print_error("infuse import kitti", imported.error(), kUnreadable);
   if (arguments.json) {
-    Json json = {{"layout", importers::to_string(imported->layout)},
+    Json json = {{"layout", importers::name_of(imported->layout)},
                  {"drive", arguments.drive},
                  {"sweeps", imported->sweeps},
                  {"images", imported->images},
@@ -35,13 +35,13 @@ int run_kitti(const Arguments& arguments) {
   }
   std::cout << fmt::format("{}: {} sweeps, {} images, {} poses from KITTI's {} layout{}\n",
                            arguments.drive, imported->sweeps, imported->images, imported->poses,
-                           importers::to_string(imported->layout),
+                           importers::name_of(imported->layout),
                            imported->times_trusted ? "" : "; it has no times, they are synthetic");
   for (const Error& note : imported->notes) std::cout << "  note: " << note.message() << "\n";
   return kDone;
 }
 
-int run_opencalib(const Arguments& arguments) {
+int run_opencalib(const ImportArguments& arguments) {
   const auto imported = importers::import_opencalib(arguments.source, arguments.drive);
   if (!imported) return print_error("infuse import opencalib", imported.error(), kUnreadable);
   if (arguments.json) {
@@ -54,8 +54,9 @@ int run_opencalib(const Arguments& arguments) {
 }
 
 /// Declares the arguments that all sources share.
-std::shared_ptr<Arguments> declare(CLI::App* app, const char* source, const char* description) {
-  const auto arguments = std::make_shared<Arguments>();
+std::shared_ptr<ImportArguments> declare(CLI::App* app, const char* source,
+                                         const char* description) {
+  const auto arguments = std::make_shared<ImportArguments>();
   app->add_option(source, arguments->source, description)->required();
   app->add_option("-o,--output", arguments->drive, "drive folder to create")
       ->required()

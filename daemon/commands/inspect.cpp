@@ -19,7 +19,7 @@
 namespace infuse::daemon {
 namespace {
 
-struct Arguments {
+struct InspectArguments {
   std::string path;
   std::string model;
   std::string calibration;
@@ -157,7 +157,8 @@ Json arrivals_json(const std::string& what, const Arrivals& arrivals) {
           {"longest_gap_s", to_seconds(arrivals.longest_gap)}};
 }
 
-Json to_json(const Arguments& arguments, const Contents& contents, const Result<Summary>& summary) {
+Json to_json(const InspectArguments& arguments, const Contents& contents,
+             const Result<Summary>& summary) {
   Json json = {{"path", arguments.path}, {"streams", Json::array()}};
   for (const Stream& stream : contents.survey.streams()) {
     Json entry = arrivals_json(name_of(stream.kind), stream.arrivals);
@@ -193,7 +194,7 @@ std::string arrivals_text(const std::string& what, const Arrivals& arrivals) {
                      to_seconds(arrivals.longest_gap) * 1e3);
 }
 
-std::string to_text(const Arguments& arguments, const Contents& contents,
+std::string to_text(const InspectArguments& arguments, const Contents& contents,
                     const Result<Summary>& summary) {
   std::string text = arguments.path + "\nstreams\n";
   for (const Stream& stream : contents.survey.streams()) {
@@ -228,7 +229,7 @@ std::string to_text(const Arguments& arguments, const Contents& contents,
   return text;
 }
 
-int run(const Arguments& arguments) {
+int run(const InspectArguments& arguments) {
   std::optional<velodyne::Model> model;
   if (!arguments.model.empty()) {
     model = velodyne::find_model(arguments.model);
@@ -261,7 +262,7 @@ Command declare_inspect(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "inspect",
       "list the contents of a capture or drive: sensors, rates, gaps, clocks, uses, problems");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<InspectArguments>();
   app->add_option("PATH", arguments->path, "a drive folder, or a pcap or pcapng file")->required();
   app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")
       ->type_name("NAME");

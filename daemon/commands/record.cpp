@@ -12,10 +12,10 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kProgram = "infuse record";
+constexpr const char* kRecordProgram = "infuse record";
 constexpr std::chrono::seconds kReportTimeout{10};  // the daemon sends a report every second
 
-struct Arguments {
+struct RecordArguments {
   std::string socket;
   std::string name;
   double seconds = 0;
@@ -65,7 +65,7 @@ Result<void> send_request(Client& client, const Json& request) {
       });
 }
 
-Json make_request(const Arguments& arguments) {
+Json make_request(const RecordArguments& arguments) {
   Json request = {{"op", "record"}};
   if (arguments.stop) request["on"] = false;
   if (!arguments.name.empty()) request["name"] = arguments.name;
@@ -90,17 +90,17 @@ Result<Json> follow(Client& client) {
   }
 }
 
-int run(const Arguments& arguments) {
+int run(const RecordArguments& arguments) {
   auto client = Client::connect(arguments.socket);
-  if (!client) return print_error(kProgram, client.error(), kFailure);
+  if (!client) return print_error(kRecordProgram, client.error(), kFailure);
   const auto begun =
       send_request(*client, {{"op", "watch"}, {"classes", {"RECORD"}}}).and_then([&] {
         return send_request(*client, make_request(arguments));
       });
-  if (!begun) return print_error(kProgram, begun.error(), kFailure);
+  if (!begun) return print_error(kRecordProgram, begun.error(), kFailure);
   if (arguments.no_wait && !arguments.stop) return kDone;
   const auto report = follow(*client);
-  if (!report) return print_error(kProgram, report.error(), kFailure);
+  if (!report) return print_error(kRecordProgram, report.error(), kFailure);
   std::cout << (arguments.json ? report->dump()
                                : report->value("folder", "") + "\n" + record_text(*report))
             << "\n";
@@ -114,7 +114,7 @@ Command declare_record(CLI::App& infuse) {
       "record",
       "let the running daemon record its sensors as a drive, until --for, --max-size, Ctrl-C, or\n"
       "the limits of its configuration; replay the drive with infused --replay");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RecordArguments>();
   app->add_option("-o,--output,name", arguments->name,
                   "name of the drive in the daemon's recording folder (default: the time)")
       ->type_name("NAME");

@@ -18,44 +18,47 @@ std::string time_text(const Json& message) {
   return fmt::format("{:%H:%M:%S}.{:03}", fmt::gmtime(seconds), ns / 1'000'000 % 1000);
 }
 
-std::string text(const Json& object, const char* key) { return object.value(key, ""); }
-
 std::string device_line(const Json& device) {
-  return fmt::format("  {}: {} {} on {} ({})\n", text(device, "device"), text(device, "kind"),
-                     text(device, "model"), text(device, "endpoint"), text(device, "model_reason"));
+  return fmt::format("  {}: {} {} on {} ({})\n", text_of(device, "device"), text_of(device, "kind"),
+                     text_of(device, "model"), text_of(device, "endpoint"),
+                     text_of(device, "model_reason"));
 }
 
 std::string findings_text(const Json& sensor) {
   std::string lines;
   for (const Json& finding : sensor.value("findings", Json::array())) {
-    lines += fmt::format("        {} ({})\n", text(finding, "what"), text(finding, "advice"));
+    lines += fmt::format("        {} ({})\n", text_of(finding, "what"), text_of(finding, "advice"));
   }
   return lines;
 }
 
 }  // namespace
 
+std::string text_of(const Json& object, const char* key) { return object.value(key, ""); }
+
 std::string health_text(const Json& health) {
   std::string lines;
   for (const Json& sensor : health.value("sensors", Json::array())) {
     const Json losses = sensor.value("losses", Json::object());
     lines += fmt::format(
-        "  {:<5} {}: {:.1f} sweeps/s, {:.0f} packets/s, {} lost\n", text(sensor, "level"),
-        text(sensor, "device"), sensor.value("sweeps_hz", 0.0), sensor.value("packets_hz", 0.0),
+        "  {:<5} {}: {:.1f} sweeps/s, {:.0f} packets/s, {} lost\n", text_of(sensor, "level"),
+        text_of(sensor, "device"), sensor.value("sweeps_hz", 0.0), sensor.value("packets_hz", 0.0),
         losses.value("network", uint64_t{0}) + losses.value("kernel", uint64_t{0}));
     lines += findings_text(sensor);
   }
   for (const Json& stream : health.value("streams", Json::array())) {
-    lines += fmt::format("  {:<5} {}: {:.1f}/s, {} used, {} refused\n", text(stream, "level"),
-                         text(stream, "device"), stream.value("received_hz", 0.0),
+    lines += fmt::format("  {:<5} {}: {:.1f}/s, {} used, {} refused\n", text_of(stream, "level"),
+                         text_of(stream, "device"), stream.value("received_hz", 0.0),
                          stream.value("used", uint64_t{0}), stream.value("refused", uint64_t{0}));
     lines += findings_text(stream);
   }
   if (health.contains("odometry")) {
     const Json& odometry = health["odometry"];
-    lines += fmt::format(
-        "  {:<5} odometry: {:.1f} m/s, {}\n", text(odometry, "level"), odometry.value("speed", 0.0),
-        odometry.value("usable", false) ? "trusted" : "not trusted: " + text(odometry, "reason"));
+    lines += fmt::format("  {:<5} odometry: {:.1f} m/s, {}\n", text_of(odometry, "level"),
+                         odometry.value("speed", 0.0),
+                         odometry.value("usable", false)
+                             ? "trusted"
+                             : "not trusted: " + text_of(odometry, "reason"));
     lines += findings_text(odometry);
   }
   return lines;
@@ -64,62 +67,65 @@ std::string health_text(const Json& health) {
 std::string record_text(const Json& record) {
   std::string line = fmt::format(
       "{} {}: {:.1f} s, {:.1f} MB; {} datagrams, {} CAN frames, {} images, {} GNSS fixes",
-      text(record, "name"), text(record, "state"), record.value("duration_s", 0.0),
+      text_of(record, "name"), text_of(record, "state"), record.value("duration_s", 0.0),
       record.value("bytes", 0.0) * 1e-6, record.value("datagrams", uint64_t{0}),
       record.value("frames", uint64_t{0}), record.value("images", uint64_t{0}),
       record.value("fixes", uint64_t{0}));
   if (const auto lost = record.value("lost", uint64_t{0}); lost > 0) {
     line += fmt::format("; {} lost: the disk or the processor is too slow", lost);
   }
-  if (record.contains("reason")) line += "; " + text(record, "reason");
+  if (record.contains("reason")) line += "; " + text_of(record, "reason");
   return line;
 }
 
 std::string report_text(const Json& message) {
-  const std::string name = text(message, "class");
+  const std::string name = text_of(message, "class");
   if (name == "SWEEP") {
     return fmt::format(
         "{} SWEEP {} #{}: {} returns in {:.1f} ms, mean range {:.1f} m, {} packets lost, {}\n",
-        time_text(message), text(message, "device"), message.value("sequence", uint64_t{0}),
+        time_text(message), text_of(message, "device"), message.value("sequence", uint64_t{0}),
         message.value("returns", uint64_t{0}), message.value("span_s", 0.0) * 1e3,
         message.value("mean_range", 0.0), message.value("lost_packets", uint64_t{0}),
         message.value("deskewed", false)
             ? fmt::format("deskewed ({:.2f} m, {:.1f}°)", message.value("travelled", 0.0),
                           message.value("turned_deg", 0.0))
-            : "not deskewed: " + text(message, "deskew_reason"));
+            : "not deskewed: " + text_of(message, "deskew_reason"));
   }
   if (name == "FRAME") {
     return fmt::format(
-        "{} FRAME {} #{}: {} × {}, {}\n", time_text(message), text(message, "device"),
+        "{} FRAME {} #{}: {} × {}, {}\n", time_text(message), text_of(message, "device"),
         message.value("sequence", uint64_t{0}), message.value("width", 0),
         message.value("height", 0),
         message.contains("reason")
-            ? text(message, "reason")
+            ? text_of(message, "reason")
             : fmt::format("{} points of sweep #{} in view", message.value("points_in_view", 0),
                           message.value("sweep", uint64_t{0})));
   }
   if (name == "POSE") {
     const auto T = message.value("T_frame_vehicle", std::vector<double>(16));
     return fmt::format("{} POSE in {}: ({:.2f}, {:.2f}) m, heading {:.1f}°, {:.1f} m/s{}\n",
-                       time_text(message), text(message, "frame"), T[3], T[7],
+                       time_text(message), text_of(message, "frame"), T[3], T[7],
                        std::atan2(T[4], T[0]) / kDegree, message.value("speed", 0.0),
-                       message.value("usable", false) ? std::string()
-                                                      : ", not usable: " + text(message, "reason"));
+                       message.value("usable", false)
+                           ? std::string()
+                           : ", not usable: " + text_of(message, "reason"));
   }
   if (name == "CALIBRATION") {
     return fmt::format("{} CALIBRATION {} {} ({} evaluations, {} scenes)\n", time_text(message),
-                       text(message, "device"), text(message, "state"),
+                       text_of(message, "device"), text_of(message, "state"),
                        message.value("evaluations", uint64_t{0}),
                        message.value("scenes", uint64_t{0}));
   }
   if (name == "HEALTH") {
     return fmt::format("{} HEALTH {} after {:.0f} s\n{}", time_text(message),
-                       text(message, "level"), message.value("drive_s", 0.0), health_text(message));
+                       text_of(message, "level"), message.value("drive_s", 0.0),
+                       health_text(message));
   }
   if (name == "ALERT") {
     return fmt::format("{} ALERT {} {} {}: {} ({})\n", time_text(message),
-                       text(message, "severity"), text(message, "id"), text(message, "state"),
-                       text(message, "what"), text(message, "advice"));
+                       text_of(message, "severity"), text_of(message, "id"),
+                       text_of(message, "state"), text_of(message, "what"),
+                       text_of(message, "advice"));
   }
   if (name == "RECORD") return time_text(message) + " RECORD " + record_text(message) + "\n";
   if (name == "LOST") {

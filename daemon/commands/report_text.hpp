@@ -2,9 +2,12 @@
 
 #include <string>
 
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 
 namespace infuse::daemon {
+
+/// Returns the text of a key; empty if the key is absent.
+std::string text_of(const Json& object, const char* key);
 
 /// Formats a message of the daemon as text: one line, or for HEALTH one line per sensor and
 /// finding. Unknown classes are printed as JSON.

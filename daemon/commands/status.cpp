@@ -11,7 +11,7 @@
 namespace infuse::daemon {
 namespace {
 
-struct Arguments {
+struct StatusArguments {
   std::string socket;
   bool json = false;
 };
@@ -29,7 +29,7 @@ Result<std::vector<Json>> poll(Client& client) {
   }
 }
 
-int run(const Arguments& arguments) {
+int run(const StatusArguments& arguments) {
   auto client = Client::connect(arguments.socket);
   if (!client) return print_error("infuse status", client.error(), kFailure);
   const auto reports = poll(*client);
@@ -57,7 +57,7 @@ int run(const Arguments& arguments) {
 Command declare_status(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "status", "print the state of the running daemon's sensors (exit code 1: ERROR or STALE)");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<StatusArguments>();
   app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
   app->add_flag("--json", arguments->json, "print the last report of every class, one per line");
   set_examples(*app, {"infuse status", "infuse status --json --socket /tmp/infused.sock"});

@@ -7,18 +7,19 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/command.hpp"
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "drivers/recording/atomic_file.hpp"
 #include "fusion/streetmap/draw_map.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kProgram = "infuse streetmap";
+constexpr const char* kStreetMapProgram = "infuse streetmap";
 
-struct Arguments {
+struct StreetMapArguments {
   std::string input;
   std::string output;
   std::string image;
@@ -43,7 +44,7 @@ std::array<uint64_t, streetmap::kSegmentKindCount> count_kinds(const streetmap::
   return counts;
 }
 
-Json map_json(const Arguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
+Json map_json(const StreetMapArguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
               const std::vector<Error>& warnings) {
   const streetmap::MapFrame& frame = map.frame();
   Json json = {{"map", arguments.output},
@@ -60,16 +61,17 @@ Json map_json(const Arguments& arguments, const streetmap::SegmentMap& map, size
   const auto counts = count_kinds(map);
   for (size_t kind = 1; kind < counts.size(); ++kind) {
     if (counts[kind] == 0) continue;
-    json["kinds"][streetmap::name(static_cast<streetmap::SegmentKind>(kind))] = counts[kind];
+    json["kinds"][streetmap::name_of(static_cast<streetmap::SegmentKind>(kind))] = counts[kind];
   }
   for (const Error& warning : warnings) json["warnings"].push_back(warning.message());
   return json;
 }
 
-void print_map(const Arguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
+void print_map(const StreetMapArguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
                const std::vector<Error>& warnings) {
   const streetmap::MapFrame& frame = map.frame();
-  for (const Error& warning : warnings) std::cerr << kProgram << ": " << warning.message() << "\n";
+  for (const Error& warning : warnings)
+    std::cerr << kStreetMapProgram << ": " << warning.message() << "\n";
   std::cout << fmt::format("{}: {:.2f} km × {:.2f} km in cells of {:g} m, {} segments, {:.1f} MB\n",
                            arguments.output, map.columns() * frame.cell_size / 1000,
                            map.rows() * frame.cell_size / 1000, frame.cell_size,
@@ -78,7 +80,7 @@ void print_map(const Arguments& arguments, const streetmap::SegmentMap& map, siz
   for (size_t kind = 1; kind < counts.size(); ++kind) {
     if (counts[kind] == 0) continue;
     std::cout << fmt::format("  {:6} {}\n", counts[kind],
-                             streetmap::name(static_cast<streetmap::SegmentKind>(kind)));
+                             streetmap::name_of(static_cast<streetmap::SegmentKind>(kind)));
   }
   if (frame.georeferenced) {
     std::cout << fmt::format("  origin {:.7f}° N {:.7f}° E\n", frame.latitude / kDegree,
@@ -86,37 +88,37 @@ void print_map(const Arguments& arguments, const streetmap::SegmentMap& map, siz
   }
 }
 
-int run(const Arguments& arguments) {
+int run(const StreetMapArguments& arguments) {
   StreetMapOptions options;
   if (is_image_file(arguments.input)) {
     if (!arguments.scale) {
       return print_error(
-          kProgram,
+          kStreetMapProgram,
           {"an image needs a scale", arguments.input, "give the metres per pixel: --scale METRES"},
           kUsage);
     }
     options.image = {.metres_per_pixel = *arguments.scale, .edge_threshold = arguments.edge};
     if (const auto wrong = options.image->invalid()) {
-      return print_error(kProgram, {*wrong, "", ""}, kUsage);
+      return print_error(kStreetMapProgram, {*wrong, "", ""}, kUsage);
     }
   } else if (arguments.cell) {
     options.raster.cell_size = *arguments.cell;
   }
   if (const auto wrong = options.raster.invalid()) {
-    return print_error(kProgram, {*wrong, "--cell", ""}, kUsage);
+    return print_error(kStreetMapProgram, {*wrong, "--cell", ""}, kUsage);
   }
   const auto made = make_street_map(arguments.input, options);
-  if (!made) return print_error(kProgram, made.error(), kUnreadable);
+  if (!made) return print_error(kStreetMapProgram, made.error(), kUnreadable);
   if (const auto written = recording::write_file_atomically(arguments.output, made->bytes);
       !written) {
-    return print_error(kProgram, written.error(), kFailure);
+    return print_error(kStreetMapProgram, written.error(), kFailure);
   }
   // Open the written file, as the daemon will.
   const auto opened = open_street_map_file(arguments.output);
-  if (!opened) return print_error(kProgram, opened.error(), kFailure);
+  if (!opened) return print_error(kStreetMapProgram, opened.error(), kFailure);
   if (!arguments.image.empty()) {
     if (const auto drawn = write_image(opened->map, arguments.image); !drawn) {
-      return print_error(kProgram, drawn.error(), kFailure);
+      return print_error(kStreetMapProgram, drawn.error(), kFailure);
     }
   }
   if (arguments.json) {
@@ -134,7 +136,7 @@ Command declare_streetmap(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "streetmap",
       "make a street map from OpenStreetMap XML (.osm, .osm.bz2, .osm.gz) or from an image");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<StreetMapArguments>();
   app->add_option("INPUT", arguments->input,
                   "an .osm file, or a .png or .jpg image of a map, north up")
       ->required();

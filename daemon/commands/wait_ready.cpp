@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Arguments {
+struct WaitReadyArguments {
   std::string socket;
   double timeout_s = 30;
 };
@@ -59,7 +59,7 @@ bool wait_until_ready(Client& client, Clock::time_point deadline, Readiness& rea
   return false;
 }
 
-int run(const Arguments& arguments) {
+int run(const WaitReadyArguments& arguments) {
   const Clock::time_point deadline =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(
                          std::chrono::duration<double>(arguments.timeout_s));
@@ -81,7 +81,7 @@ Command declare_wait_ready(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "wait-ready",
       "wait until every sensor of the running daemon delivers data (exit code 1: timeout)");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WaitReadyArguments>();
   app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
   app->add_option("--timeout", arguments->timeout_s, "maximum time to wait, s (30)")
       ->type_name("S")

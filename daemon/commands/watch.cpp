@@ -9,13 +9,13 @@
 namespace infuse::daemon {
 namespace {
 
-struct Arguments {
+struct WatchArguments {
   std::vector<std::string> classes;
   std::string socket;
   bool json = false;
 };
 
-int run(const Arguments& arguments) {
+int run(const WatchArguments& arguments) {
   auto client = Client::connect(arguments.socket);
   if (!client) return print_error("infuse watch", client.error(), kFailure);
   Json request = {{"op", "watch"}};
@@ -45,7 +45,7 @@ int run(const Arguments& arguments) {
 Command declare_watch(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "watch", "print the reports of the running daemon as they arrive, until it ends");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WatchArguments>();
   app->add_option("CLASS", arguments->classes,
                   "DEVICES, SWEEP, FRAME, POSE, CALIBRATION, HEALTH, ALERT, RECORD (default: all)");
   app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");

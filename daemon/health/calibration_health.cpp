@@ -20,7 +20,7 @@ std::string describe_drift(const CalibrationStatus& status) {
     offset = fmt::format(", by {:+.2f} ± {:.2f} {}", status.offset * factor,
                          status.offset_sigma * factor, rotation ? "°" : "cm");
   }
-  return fmt::format("{}{} (evidence {:.1f} of {:.1f} nats)", monitoring::to_string(axis), offset,
+  return fmt::format("{}{} (evidence {:.1f} of {:.1f} nats)", monitoring::name_of(axis), offset,
                      status.evidence, status.evidence_threshold);
 }
 
@@ -36,7 +36,7 @@ CalibrationHealth::CalibrationHealth()
 const Conditions& CalibrationHealth::update(Stamp now, const CalibrationStatus& status) {
   CheckResult unusable, confirmed, fault, suspected, changed;
   if (status.fault != monitoring::CameraFault::kNone) {
-    fault = {true, std::string("camera fault: ") + monitoring::to_string(status.fault),
+    fault = {true, std::string("camera fault: ") + monitoring::name_of(status.fault),
              "check the camera, its lens and its cable; the calibration is left unchanged"};
   } else if (status.state == CalibrationState::kUnusable) {
     unusable = {true, "calibration not usable: " + status.reason,

@@ -8,7 +8,6 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kDevice = "infused";
 constexpr const char* kRequestedCause = "requested";
 
 std::filesystem::path directory_of(const Config& config) {
@@ -136,14 +135,14 @@ Result<void> RecordingController::begin(RecordingPlan plan, Stamp now) {
     spdlog::info("not recorded: {}", omission);
   end_published_ = false;
   publisher_->publish_record(report);
-  if (raised_failure_) publisher_->publish_alert({now, kDevice, false, *raised_failure_});
+  if (raised_failure_) publisher_->publish_alert({now, kDaemonDevice, false, *raised_failure_});
   raised_failure_.reset();
   return {};
 }
 
 // A running recording covers the alert already.
 void RecordingController::on_alert(const AlertReport& alert) {
-  if (!alert.raised || alert.device == kDevice || recorder_->is_recording()) return;
+  if (!alert.raised || alert.device == kDaemonDevice || recorder_->is_recording()) return;
   const Stamp now = base_.now();
   RecordingPlan plan = this->make_plan(now);
   plan.cause = alert.device + "." + alert.finding.id;
@@ -183,7 +182,7 @@ void RecordingController::raise_failure_alert(const RecordReport& report) {
   raised_failure_ = Finding{"record", Level::kWarn, report.stamp,
                             "a recording ended prematurely: " + report.reason,
                             "free space on the disk of " + directory_.string()};
-  publisher_->publish_alert({report.stamp, kDevice, true, *raised_failure_});
+  publisher_->publish_alert({report.stamp, kDaemonDevice, true, *raised_failure_});
 }
 
 void RecordingController::finish() {

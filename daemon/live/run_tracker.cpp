@@ -5,12 +5,11 @@
 #include <cstdlib>
 
 #include "daemon/service/abort_marker.hpp"
-#include "daemon/service/atomic_file.hpp"
+#include "drivers/recording/atomic_file.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kDevice = "infused";
 constexpr const char* kAbortMarkerFile = "abort_marker";  // beside the state
 
 }  // namespace
@@ -42,7 +41,7 @@ std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
                              : "the previous run did not end by itself";
   spdlog::warn("{}", what);
   return AlertReport{now,
-                     kDevice,
+                     kDaemonDevice,
                      true,
                      {"restarted", Level::kWarn, now,
                       fmt::format("{}; it was last seen {:.0f} s ago; unclean exits so far: {}",
@@ -60,7 +59,7 @@ std::optional<AlertReport> RunTracker::save_if_due(Stamp now) {
   spdlog::warn("{}", what);
   return AlertReport{
       now,
-      kDevice,
+      kDaemonDevice,
       failing_,
       {"state", Level::kWarn, now, what, "free space on the disk of the state directory"}};
 }
@@ -75,7 +74,8 @@ Result<void> RunTracker::write(Stamp now) {
   if (last_saved_ != Stamp() && now > last_saved_) state_.total_run_time += now - last_saved_;
   last_saved_ = now;
   state_.saved_at = now;
-  return write_atomically(file_, format_state(state_));
+  const std::string text = format_state(state_);
+  return recording::write_file_atomically(file_, std::as_bytes(std::span(text)), 0640);
 }
 
 }  // namespace infuse::daemon

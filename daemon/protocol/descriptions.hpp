@@ -259,7 +259,7 @@ void describe(Visitor& v, const HostStats& host) {
 
 template <class Visitor>
 void describe(Visitor& v, const DriftEvidence& evidence) {
-  v.field("axis", monitoring::to_string(evidence.axis));
+  v.field("axis", monitoring::name_of(evidence.axis));
   v.field("nats", non_negative(rounded(evidence.nats)));
   v.field("threshold_nats", non_negative(rounded(evidence.threshold_nats)),
           "at which drift is confirmed");
@@ -404,7 +404,7 @@ void describe(Visitor& v, const CalibrationReport& report) {
           "estimated delay of the camera's stamps after its exposures");
   v.field("delay_ambiguous_axis",
           evaluated && report.delay_ambiguous_axis
-              ? unless_empty(monitoring::to_string(*report.delay_ambiguous_axis))
+              ? unless_empty(monitoring::name_of(*report.delay_ambiguous_axis))
               : std::nullopt,
           "axis along which such a delay is indistinguishable from a moved camera at the recent "
           "motion: rotation about y in a steady turn, translation along z at a steady speed");

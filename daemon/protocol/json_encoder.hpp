@@ -4,8 +4,8 @@
 #include <ranges>
 #include <type_traits>
 
-#include "daemon/protocol/counters_json.hpp"
 #include "daemon/protocol/descriptions.hpp"
+#include "daemon/protocol/json.hpp"
 
 namespace infuse::daemon {
 

@@ -75,13 +75,5 @@ constexpr const char* name_of(ClockState::Source source) {
 constexpr const char* name_of(monitoring::UpdatePolicy policy) {
   return std::array{"alert-only", "apply", "apply-within"}[static_cast<size_t>(policy)];
 }
-/// Returns "OK", "MONITORING", ...
-inline const char* name_of(monitoring::CalibrationState state) {
-  return monitoring::to_string(state);
-}
-/// Returns "black", "frozen", ...
-inline const char* name_of(monitoring::CameraFault fault) { return monitoring::to_string(fault); }
-/// Returns "TRACKING", "UNSURE" or "LOST".
-inline const char* name_of(streetmap::TrackState state) { return streetmap::name(state); }
 
 }  // namespace infuse::daemon

@@ -157,6 +157,9 @@ struct HealthReport {
   Level level() const;
 };
 
+/// Device of alerts about the daemon itself.
+inline constexpr const char* kDaemonDevice = "infused";
+
 /// A finding that was raised or cleared.
 struct AlertReport {
   static constexpr ReportClass kClass = ReportClass::kAlert;

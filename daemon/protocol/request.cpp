@@ -5,7 +5,7 @@
 namespace infuse::daemon {
 namespace {
 
-using Json = nlohmann::json;
+using UnorderedJson = nlohmann::json;
 
 constexpr std::pair<const char*, Request::Op> kOps[] = {
     {"watch", Request::Op::kWatch},     {"poll", Request::Op::kPoll},
@@ -32,14 +32,14 @@ std::string quoted(const std::string& name) {
   return "'" + (name.size() > kMaxNameLength ? name.substr(0, kMaxNameLength) + "..." : name) + "'";
 }
 
-Result<ReportClasses> parse_classes(const Json& request) {
+Result<ReportClasses> parse_classes(const UnorderedJson& request) {
   const auto list = request.find("classes");
   if (list == request.end()) return ReportClasses::all();
   if (!list->is_array()) {
     return fail("classes is not a list", "watch", R"(e.g. "classes":["HEALTH","ALERT"])");
   }
   ReportClasses classes;
-  for (const Json& name : *list) {
+  for (const UnorderedJson& name : *list) {
     if (!name.is_string()) return fail("a class is not a string", "watch", known_classes());
     const auto& text = name.get_ref<const std::string&>();
     const auto value = report_class(text);
@@ -49,7 +49,7 @@ Result<ReportClasses> parse_classes(const Json& request) {
   return classes;
 }
 
-Result<Request> parse_record(const Json& json, Request request) {
+Result<Request> parse_record(const UnorderedJson& json, Request request) {
   if (const auto name = json.find("name"); name != json.end()) {
     if (!name->is_string()) return fail("name is not a string", "record");
     request.name = name->get<std::string>();
@@ -69,7 +69,7 @@ Result<Request> parse_record(const Json& json, Request request) {
   return request;
 }
 
-Result<Request> parse_control(const Json& json, Request request) {
+Result<Request> parse_control(const UnorderedJson& json, Request request) {
   const std::string op = name_of(request.op);
   if (const auto device = json.find("device"); device != json.end()) {
     if (!device->is_string()) return fail("device is not a string", op, "the name of a camera");
@@ -89,11 +89,11 @@ Result<Request> parse_request(std::string_view line) {
     return fail("the request is longer than " + std::to_string(kMaxRequestBytes) + " bytes");
   }
   bool too_deep = false;
-  const auto check_depth = [&](int depth, Json::parse_event_t, Json&) {
+  const auto check_depth = [&](int depth, UnorderedJson::parse_event_t, UnorderedJson&) {
     too_deep = too_deep || depth > kMaxRequestDepth;
     return !too_deep;
   };
-  const Json request = Json::parse(line.begin(), line.end(), check_depth, false);
+  const UnorderedJson request = UnorderedJson::parse(line.begin(), line.end(), check_depth, false);
   if (too_deep) {
     return fail("the request is nested deeper than " + std::to_string(kMaxRequestDepth));
   }

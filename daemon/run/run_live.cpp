@@ -13,8 +13,7 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kProgram = "infused";
-constexpr std::chrono::milliseconds kClientTimeout{500};
+constexpr std::chrono::milliseconds kLiveClientTimeout{500};
 
 /// The service manager's state folder; empty if there is none.
 std::filesystem::path state_folder() {
@@ -76,7 +75,7 @@ int run_live(const RunOptions& options, const Config& config) {
   on_end = [&] {
     recordings.finish();
     lifecycle.finish();
-    host.finish(kClientTimeout);
+    host.finish(kLiveClientTimeout);
     metrics.finish();
   };
   live.start();

@@ -4,6 +4,9 @@
 
 namespace infuse::daemon {
 
+/// Name of the program in its messages.
+inline constexpr const char* kProgram = "infused";
+
 /// Command-line arguments of `infused` for a run, live or a replay. An empty string means: not
 /// given.
 struct RunOptions {

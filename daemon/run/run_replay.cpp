@@ -16,8 +16,7 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kProgram = "infused";
-constexpr std::chrono::seconds kClientTimeout{2};
+constexpr std::chrono::seconds kReplayClientTimeout{2};
 constexpr std::chrono::milliseconds kProgressPeriod{100};
 
 /// Shows the progress of the replay at regular intervals.
@@ -94,7 +93,7 @@ int run_replay(const RunOptions& options, const Config& config) {
                 *file ? &**file : nullptr, [&] {
                   host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
                   timer.cancel();
-                  host.finish(kClientTimeout);
+                  host.finish(kReplayClientTimeout);
                 });
   host.connect(replay.pipeline());
   std::vector<recording::TrajectoryPose> poses;

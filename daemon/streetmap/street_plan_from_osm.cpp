@@ -1,7 +1,6 @@
 #include "daemon/streetmap/street_plan_from_osm.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <unordered_map>
@@ -12,8 +11,6 @@ namespace infuse::daemon {
 namespace {
 
 using osm::find_tag;
-using osm::OsmPoint;
-using osm::OsmTag;
 using streetmap::Polyline;
 using streetmap::SegmentKind;
 
@@ -53,17 +50,9 @@ const WayDefaults* find_way_defaults(std::string_view highway) {
   return nullptr;
 }
 
-/// Parses the leading number of a value; nothing if outside the limits.
-std::optional<double> parse_number(std::string_view text, double low, double high) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || !(value >= low && value <= high)) return std::nullopt;
-  return value;
-}
-
-double street_width(const std::vector<OsmTag>& tags, const WayDefaults& usual) {
-  if (const auto width = parse_number(find_tag(tags, "width"), 0.8, 60)) return *width;
-  if (const auto lanes = parse_number(find_tag(tags, "lanes"), 1, 12); lanes && usual.carriageway) {
+double street_width(const std::vector<osm::Tag>& tags, const WayDefaults& usual) {
+  if (const auto width = osm::find_number(tags, "width", 0.8, 60)) return *width;
+  if (const auto lanes = osm::find_number(tags, "lanes", 1, 12); lanes && usual.carriageway) {
     return std::max(3.5, *lanes * usual.lane_width);
   }
   const std::string_view oneway = find_tag(tags, "oneway");
@@ -74,12 +63,12 @@ double street_width(const std::vector<OsmTag>& tags, const WayDefaults& usual) {
 
 // Pavements are drawn only where the map states them: a guessed pavement that does not exist, or is
 // wider on one side, biases the lateral position.
-bool has_sidewalk(const std::vector<OsmTag>& tags) {
+bool has_sidewalk(const std::vector<osm::Tag>& tags) {
   const std::string_view sidewalk = find_tag(tags, "sidewalk");
   return sidewalk == "both" || sidewalk == "left" || sidewalk == "right" || sidewalk == "yes";
 }
 
-std::optional<SegmentKind> area_kind(const std::vector<OsmTag>& tags) {
+std::optional<SegmentKind> area_kind(const std::vector<osm::Tag>& tags) {
   const auto tag = [&](std::string_view key) { return find_tag(tags, key); };
   const auto one_of = [](std::string_view value, std::initializer_list<std::string_view> list) {
     return std::find(list.begin(), list.end(), value) != list.end();
@@ -111,9 +100,9 @@ class StreetPlanBuilder {
     planned_.plan.latitude = latitude_;
     planned_.plan.longitude = longitude_;
     planned_.warnings = map_.warnings;
-    for (const osm::OsmWay& way : map_.ways) add_way(way);
-    for (const osm::OsmArea& area : map_.areas) add_relation(area);
-    for (const osm::OsmNode& node : map_.nodes) add_crossing(node);
+    for (const osm::Way& way : map_.ways) add_way(way);
+    for (const osm::Area& area : map_.areas) add_relation(area);
+    for (const osm::Node& node : map_.nodes) add_crossing(node);
     return std::move(planned_);
   }
 
@@ -121,8 +110,8 @@ class StreetPlanBuilder {
   // The middle of the bounding box, or the median of the points if outliers shift the box.
   void set_origin() {
     std::vector<double> latitudes, longitudes;
-    for (const osm::OsmWay& way : map_.ways) {
-      for (const OsmPoint& point : way.points) {
+    for (const osm::Way& way : map_.ways) {
+      for (const osm::Point& point : way.points) {
         latitudes.push_back(point.latitude);
         longitudes.push_back(point.longitude);
       }
@@ -157,8 +146,8 @@ class StreetPlanBuilder {
     planned_.warnings.push_back({what, std::string(kind) + " " + std::to_string(id), hint});
   }
 
-  bool warn_if_far(const char* kind, int64_t id, const std::vector<OsmPoint>& points) {
-    for (const OsmPoint& point : points) {
+  bool warn_if_far(const char* kind, int64_t id, const std::vector<osm::Point>& points) {
+    for (const osm::Point& point : points) {
       if (!is_beyond_limit(point.latitude, point.longitude)) continue;
       warn(kind, id, "lies more than 50 km from the rest of the map", "it is skipped");
       return true;
@@ -166,15 +155,15 @@ class StreetPlanBuilder {
     return false;
   }
 
-  Polyline to_polyline(const std::vector<OsmPoint>& points) const {
+  Polyline to_polyline(const std::vector<osm::Point>& points) const {
     Polyline line;
-    for (const OsmPoint& point : points) {
+    for (const osm::Point& point : points) {
       line.push_back(gnss::to_local(frame_, point.latitude, point.longitude).head<2>());
     }
     return line;
   }
 
-  Polyline to_ring(const std::vector<OsmPoint>& points) const {
+  Polyline to_ring(const std::vector<osm::Point>& points) const {
     Polyline ring = to_polyline(points);
     ring.pop_back();
     std::erase_if(ring, [previous = ring.back()](const Eigen::Vector2d& point) mutable {
@@ -183,7 +172,7 @@ class StreetPlanBuilder {
     return ring;
   }
 
-  void add_way(const osm::OsmWay& way) {
+  void add_way(const osm::Way& way) {
     const auto kind = area_kind(way.tags);
     const std::string_view highway = find_tag(way.tags, "highway");
     if (!kind && highway.empty()) return;
@@ -196,7 +185,7 @@ class StreetPlanBuilder {
     add_ring("way", way.id, {{*kind, way.id}, {to_ring(way.points)}, wall_width(*kind)});
   }
 
-  void add_relation(const osm::OsmArea& area) {
+  void add_relation(const osm::Area& area) {
     const auto kind = area_kind(area.tags);
     if (!kind) return;
     streetmap::PlanArea plan_area{{*kind, area.id}, {}, wall_width(*kind)};
@@ -221,7 +210,7 @@ class StreetPlanBuilder {
     planned_.plan.areas.push_back(std::move(area));
   }
 
-  void add_street(const osm::OsmWay& way, std::string_view highway) {
+  void add_street(const osm::Way& way, std::string_view highway) {
     const WayDefaults* defaults = find_way_defaults(highway);
     const std::string_view tunnel = find_tag(way.tags, "tunnel");
     if (defaults == nullptr || (!tunnel.empty() && tunnel != "no")) return;
@@ -243,7 +232,7 @@ class StreetPlanBuilder {
   }
 
   /// Adds a crossing node of a street as a short strip of the same width.
-  void add_crossing(const osm::OsmNode& node) {
+  void add_crossing(const osm::Node& node) {
     if (find_tag(node.tags, "highway") != "crossing") return;
     const auto at = streets_.find(node.id);
     if (at == streets_.end()) return;

@@ -100,7 +100,7 @@ Result<void> write_samples(const KittiRecording& recording, const fs::path& driv
 
 }  // namespace
 
-const char* to_string(KittiLayout layout) {
+const char* name_of(KittiLayout layout) {
   switch (layout) {
     case KittiLayout::kRaw:
       return "raw";
@@ -141,7 +141,7 @@ Result<KittiImportSummary> import_kitti(const fs::path& folder, const fs::path& 
   result.poses = recording->poses.size();
   result.times_trusted = recording->times_trusted;
   recording::DriveDescription description;
-  description.name = "KITTI, " + std::string(to_string(*layout)) + " layout";
+  description.name = "KITTI, " + std::string(name_of(*layout)) + " layout";
   description.times_trusted = recording->times_trusted;
 
   add_lidar(*recording, description);

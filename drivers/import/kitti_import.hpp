@@ -40,6 +40,6 @@ Result<KittiImportSummary> import_kitti(const std::filesystem::path& folder,
                                         const std::filesystem::path& drive);
 
 /// Name of a layout: "raw", "odometry", "object".
-const char* to_string(KittiLayout layout);
+const char* name_of(KittiLayout layout);
 
 }  // namespace infuse::importers

@@ -1,6 +1,7 @@
 #include "drivers/osm/openstreetmap.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <limits>
 #include <osmium/io/bzip2_compression.hpp>
 #include <osmium/io/gzip_compression.hpp>
@@ -26,12 +27,12 @@ struct Member {
 
 struct Relation {
   int64_t id = 0;
-  std::vector<OsmTag> tags;
+  std::vector<Tag> tags;
   std::vector<Member> members;
 };
 
-std::vector<OsmTag> copy_tags(const osmium::OSMObject& object) {
-  std::vector<OsmTag> tags;
+std::vector<Tag> copy_tags(const osmium::OSMObject& object) {
+  std::vector<Tag> tags;
   for (const osmium::Tag& tag : object.tags()) tags.push_back({tag.key(), tag.value()});
   return tags;
 }
@@ -63,7 +64,7 @@ class MapBuilder {
     resolve_ways();
     for (Relation& relation : relations_) resolve_relation(relation);
     set_centre();
-    const bool roads = std::any_of(map_.ways.begin(), map_.ways.end(), [](const OsmWay& way) {
+    const bool roads = std::any_of(map_.ways.begin(), map_.ways.end(), [](const Way& way) {
       return !find_tag(way.tags, "highway").empty();
     });
     if (!roads) warn("", 0, "the map has no road", "no way has the key highway");
@@ -79,8 +80,7 @@ class MapBuilder {
     if (!node.location().valid()) {
       return warn("node", node.id(), "has no valid latitude and longitude", "it is ignored");
     }
-    const OsmPoint point{node.id(), node.location().lat() * kDegree,
-                         node.location().lon() * kDegree};
+    const Point point{node.id(), node.location().lat() * kDegree, node.location().lon() * kDegree};
     points_[node.id()] = point;
     if (node.tags().empty()) return;
     map_.nodes.push_back({node.id(), point.latitude, point.longitude, copy_tags(node)});
@@ -89,7 +89,7 @@ class MapBuilder {
   // Points contain only node ids until all nodes are known.
   void add_way(const osmium::Way& way) {
     elements_ += 1 + way.tags().size() + way.nodes().size();
-    OsmWay& added = map_.ways.emplace_back();
+    Way& added = map_.ways.emplace_back();
     added.id = way.id();
     added.tags = copy_tags(way);
     for (const osmium::NodeRef& node : way.nodes()) added.points.push_back({node.ref(), 0, 0});
@@ -108,8 +108,8 @@ class MapBuilder {
   }
 
   void resolve_ways() {
-    std::erase_if(map_.ways, [this](OsmWay& way) {
-      const size_t missing = std::erase_if(way.points, [this](OsmPoint& point) {
+    std::erase_if(map_.ways, [this](Way& way) {
+      const size_t missing = std::erase_if(way.points, [this](Point& point) {
         const auto at = points_.find(point.node);
         if (at == points_.end()) return true;
         point = at->second;
@@ -127,7 +127,7 @@ class MapBuilder {
   }
 
   void resolve_relation(Relation& relation) {
-    std::vector<const OsmWay*> outer, inner;
+    std::vector<const Way*> outer, inner;
     for (const Member& member : relation.members) {
       const auto at = way_index_.find(member.way);
       if (at == way_index_.end()) {
@@ -137,7 +137,7 @@ class MapBuilder {
       }
       (member.inner ? inner : outer).push_back(&map_.ways[at->second]);
     }
-    OsmArea area;
+    Area area;
     area.id = relation.id;
     area.tags = std::move(relation.tags);
     const size_t open = join_rings(outer, area.outer) + join_rings(inner, area.inner);
@@ -154,8 +154,8 @@ class MapBuilder {
   void set_centre() {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     double south = kInfinity, north = -kInfinity, west = kInfinity, east = -kInfinity;
-    for (const OsmWay& way : map_.ways) {
-      for (const OsmPoint& point : way.points) {
+    for (const Way& way : map_.ways) {
+      for (const Point& point : way.points) {
         south = std::min(south, point.latitude);
         north = std::max(north, point.latitude);
         west = std::min(west, point.longitude);
@@ -179,7 +179,7 @@ class MapBuilder {
 
   OpenStreetMapOptions options_;
   OpenStreetMap map_;
-  std::unordered_map<int64_t, OsmPoint> points_;
+  std::unordered_map<int64_t, Point> points_;
   std::unordered_map<int64_t, size_t> way_index_;
   std::vector<Relation> relations_;
   uint64_t elements_ = 0;
@@ -188,10 +188,19 @@ class MapBuilder {
 
 }  // namespace
 
-std::string_view find_tag(const std::vector<OsmTag>& tags, std::string_view key) {
+std::string_view find_tag(const std::vector<Tag>& tags, std::string_view key) {
   const auto at =
-      std::find_if(tags.begin(), tags.end(), [&](const OsmTag& tag) { return tag.key == key; });
+      std::find_if(tags.begin(), tags.end(), [&](const Tag& tag) { return tag.key == key; });
   return at == tags.end() ? std::string_view() : std::string_view(at->value);
+}
+
+std::optional<double> find_number(const std::vector<Tag>& tags, std::string_view key, double low,
+                                  double high) {
+  const std::string_view text = find_tag(tags, key);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || !(value >= low && value <= high)) return std::nullopt;
+  return value;
 }
 
 Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,49 +12,49 @@
 namespace infuse::osm {
 
 /// A tag of an OpenStreetMap element.
-struct OsmTag {
+struct Tag {
   std::string key;
   std::string value;
 };
 
 /// A node with tags (a tree, a sign, a crossing).
-struct OsmNode {
+struct Node {
   int64_t id = 0;
   double latitude = 0;   ///< rad, WGS 84
   double longitude = 0;  ///< rad
-  std::vector<OsmTag> tags;
+  std::vector<Tag> tags;
 };
 
 /// A point of a way.
-struct OsmPoint {
+struct Point {
   int64_t node = 0;      ///< id; ways with a common node are connected there
   double latitude = 0;   ///< rad, WGS 84
   double longitude = 0;  ///< rad
 };
 
 /// A polyline: a road, a footway, a wall, the outline of a building.
-struct OsmWay {
+struct Way {
   int64_t id = 0;
-  std::vector<OsmTag> tags;
-  std::vector<OsmPoint> points;  ///< at least two; nodes that are not in the file are left out
+  std::vector<Tag> tags;
+  std::vector<Point> points;  ///< at least two; nodes that are not in the file are left out
 
   /// True if the first and the last point are the same node.
   bool closed() const { return points.size() > 3 && points.front().node == points.back().node; }
 };
 
 /// A multipolygon relation. Its rings are closed: the first point is repeated at the end.
-struct OsmArea {
+struct Area {
   int64_t id = 0;
-  std::vector<OsmTag> tags;
-  std::vector<std::vector<OsmPoint>> outer;
-  std::vector<std::vector<OsmPoint>> inner;  ///< holes
+  std::vector<Tag> tags;
+  std::vector<std::vector<Point>> outer;
+  std::vector<std::vector<Point>> inner;  ///< holes
 };
 
 /// Elements of an OpenStreetMap file, in file order.
 struct OpenStreetMap {
-  std::vector<OsmNode> nodes;  ///< only those with tags
-  std::vector<OsmWay> ways;
-  std::vector<OsmArea> areas;
+  std::vector<Node> nodes;  ///< only those with tags
+  std::vector<Way> ways;
+  std::vector<Area> areas;
   double centre_latitude = 0;   ///< rad; centre of the bounding box of all ways
   double centre_longitude = 0;  ///< rad
   /// Problems with the id of the element: missing nodes, rings that do not close, a map without
@@ -62,7 +63,12 @@ struct OpenStreetMap {
 };
 
 /// Returns the value of a key, or an empty string.
-std::string_view find_tag(const std::vector<OsmTag>& tags, std::string_view key);
+std::string_view find_tag(const std::vector<Tag>& tags, std::string_view key);
+
+/// Returns the leading number of a key's value; nothing if there is none or it is not within the
+/// limits.
+std::optional<double> find_number(const std::vector<Tag>& tags, std::string_view key, double low,
+                                  double high);
 
 /// Limits for reading a map.
 struct OpenStreetMapOptions {

@@ -18,7 +18,7 @@ size_t find_unused(const WaysByEndNode& ends, int64_t node, const std::vector<bo
 }
 
 // Appends a way to a ring whose last point is an end of the way.
-void append(const std::vector<OsmPoint>& way, std::vector<OsmPoint>& ring) {
+void append(const std::vector<Point>& way, std::vector<Point>& ring) {
   if (way.front().node == ring.back().node) {
     ring.insert(ring.end(), way.begin() + 1, way.end());
   } else {
@@ -28,8 +28,7 @@ void append(const std::vector<OsmPoint>& way, std::vector<OsmPoint>& ring) {
 
 }  // namespace
 
-size_t join_rings(const std::vector<const OsmWay*>& ways,
-                  std::vector<std::vector<OsmPoint>>& rings) {
+size_t join_rings(const std::vector<const Way*>& ways, std::vector<std::vector<Point>>& rings) {
   WaysByEndNode ends;
   for (size_t i = 0; i < ways.size(); ++i) {
     ends.emplace(ways[i]->points.front().node, i);
@@ -40,7 +39,7 @@ size_t join_rings(const std::vector<const OsmWay*>& ways,
   for (size_t start = 0; start < ways.size(); ++start) {
     if (used[start]) continue;
     used[start] = true;
-    std::vector<OsmPoint> ring = ways[start]->points;
+    std::vector<Point> ring = ways[start]->points;
     while (ring.back().node != ring.front().node) {
       const size_t next = find_unused(ends, ring.back().node, used);
       if (next == ways.size()) break;

@@ -8,7 +8,6 @@ namespace infuse::osm {
 
 /// Joins ways end to end into closed rings (the first point is repeated at the end), reversing ways
 /// if needed. Returns the number of rings that do not close; these are ignored.
-size_t join_rings(const std::vector<const OsmWay*>& ways,
-                  std::vector<std::vector<OsmPoint>>& rings);
+size_t join_rings(const std::vector<const Way*>& ways, std::vector<std::vector<Point>>& rings);
 
 }  // namespace infuse::osm

@@ -16,7 +16,7 @@ struct ClockReading {
 };
 
 /// infuse's time base when it runs live: the monotonic clock plus an epoch offset fixed at start. A
-/// step of the wall clock changes only `utc_offset`.
+/// step of the wall clock does not change it.
 class TimeBase {
  public:
   /// Fixes the offset so that the stamp of `start` is its wall time.
@@ -30,11 +30,6 @@ class TimeBase {
 
   /// Stamp of the current time.
   Stamp now() const { return at_monotonic(ClockReading::now().monotonic_ns); }
-
-  /// Difference from a stamp to the wall clock's time at `reading`; add it to a stamp.
-  Duration utc_offset(const ClockReading& reading) const {
-    return Duration(reading.wall_ns - reading.monotonic_ns - offset_ns_);
-  }
 
  private:
   int64_t offset_ns_;

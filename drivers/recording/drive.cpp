@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "drivers/recording/drive_toml.hpp"
+#include "drivers/recording/toml_table.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr size_t kMaxTextBytes = 1 << 20;
 
 std::optional<std::string> check_path(const std::string& what, const std::string& path) {
   if (path.empty()) return std::nullopt;
@@ -154,7 +153,7 @@ std::optional<std::string> DriveDescription::invalid() const {
 
 Result<Drive> Drive::open(const fs::path& folder) {
   const fs::path file = folder / "drive.toml";
-  const auto text = text::read_text(file, kMaxTextBytes);
+  const auto text = text::read_text(file, kMaxTomlBytes);
   if (!text) return tl::unexpected(text.error());
   auto description = parse_drive(*text, file.string());
   if (!description) return tl::unexpected(description.error());

@@ -13,7 +13,6 @@
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kMaxTextBytes = 1 << 20;
 constexpr size_t kMaxSensors = 64;
 
 template <class Value, size_t size>
@@ -222,7 +221,7 @@ Result<Rig> parse_rig(std::string_view text, const std::string& file) {
 }
 
 Result<Rig> read_rig(const std::filesystem::path& path) {
-  const auto text = text::read_text(path, kMaxTextBytes);
+  const auto text = text::read_text(path, kMaxTomlBytes);
   if (!text) return tl::unexpected(text.error());
   return parse_rig(*text, path.string());
 }

@@ -5,8 +5,8 @@
 
 #include "drivers/gnss/gnss_csv.hpp"
 #include "drivers/receive/file_descriptor.hpp"
+#include "drivers/recording/atomic_file.hpp"
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/recording/mapped_file.hpp"
 #include "drivers/recording/numbered_files.hpp"
 #include "drivers/text/text_file.hpp"
 

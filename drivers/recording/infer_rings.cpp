@@ -9,7 +9,6 @@
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kMaxRings = 128;
 constexpr size_t kHistogramBins = 4096;   // histogram of azimuth steps
 constexpr double kBinsPerTurn = 1 << 18;  // the largest step in the histogram is 1/64 turn
 constexpr double kTwoPi = 2 * std::numbers::pi;

@@ -5,29 +5,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <string>
-
 #include "drivers/receive/file_descriptor.hpp"
 #include "drivers/receive/system_error.hpp"
 
 namespace infuse::recording {
-namespace {
 
 using receive::fail_errno;
 using receive::FileDescriptor;
-
-bool write_all(int file, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    bytes = bytes.subspan(static_cast<size_t>(written));
-  }
-  return true;
-}
-
-}  // namespace
 
 MappedFile::~MappedFile() {
   if (!bytes_.empty()) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
@@ -47,22 +31,6 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path) {
   MappedFile mapped;
   mapped.bytes_ = {static_cast<const std::byte*>(memory), size};
   return mapped;
-}
-
-Result<void> write_file_atomically(const std::filesystem::path& path,
-                                   std::span<const std::byte> bytes) {
-  std::string temporary = path.string() + ".XXXXXX";
-  const FileDescriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
-  if (!file) {
-    return fail_errno("cannot be written", path.string(),
-                      "does the folder exist, and is it writable?");
-  }
-  const bool succeeded = ::fchmod(file.get(), 0644) == 0 && write_all(file.get(), bytes) &&
-                         ::fsync(file.get()) == 0 && ::rename(temporary.c_str(), path.c_str()) == 0;
-  if (succeeded) return {};
-  const int reason = errno;
-  ::unlink(temporary.c_str());
-  return fail_errno("cannot be written", path.string(), "is the disk full?", reason);
 }
 
 }  // namespace infuse::recording

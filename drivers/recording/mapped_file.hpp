@@ -32,9 +32,4 @@ class MappedFile {
   std::span<const std::byte> bytes_;
 };
 
-/// Writes a temporary file beside `path`, flushes it to the disk and renames it to `path`. Readers
-/// see either the old or the new file, both complete.
-Result<void> write_file_atomically(const std::filesystem::path& path,
-                                   std::span<const std::byte> bytes);
-
 }  // namespace infuse::recording

@@ -8,7 +8,7 @@
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kMaxFields = 64;
+constexpr size_t kMaxPointFields = 64;
 constexpr size_t kMaxValuesPerPoint = 1024;
 constexpr size_t kMaxPoints = 4'000'000;
 constexpr size_t kMaxHeaderLines = 100;
@@ -62,8 +62,8 @@ class HeaderReader {
 
  private:
   std::string read_fields(std::span<const std::string_view> names) {
-    if (names.empty() || names.size() > kMaxFields) {
-      return "must name 1 to " + std::to_string(kMaxFields) + " fields";
+    if (names.empty() || names.size() > kMaxPointFields) {
+      return "must name 1 to " + std::to_string(kMaxPointFields) + " fields";
     }
     header_.fields.clear();
     for (const std::string_view name : names) header_.fields.push_back({.name = std::string(name)});

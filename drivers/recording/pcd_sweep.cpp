@@ -21,8 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "point files are little-endian");
 
-constexpr size_t kMaxBytes = 256 << 20;  // decompressed
-constexpr size_t kMaxRings = 128;
+constexpr size_t kMaxPointBytes = 256 << 20;  // decompressed
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Values of x, y, z, intensity, ring of all points; empty if the file has no such field.
@@ -226,7 +225,7 @@ Result<void> parse_points(const PcdHeader& header, std::string_view points, Swee
       header.find({"ring", "channel", "laser", "beam"})};
   if (field_indices[0] < 0 || field_indices[1] < 0 || field_indices[2] < 0)
     return fail("has no fields x, y and z");
-  if (header.points * header.point_bytes() > kMaxBytes) {
+  if (header.points * header.point_bytes() > kMaxPointBytes) {
     return fail("has more than 256 MiB of points");
   }
   Columns columns;

@@ -22,10 +22,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "sweep files are little-endian");
 
 constexpr size_t kPointBytes = 16;
-constexpr size_t kMaxBytes = 64 << 20;
+constexpr size_t kMaxSweepBytes = 64 << 20;
 
 Result<void> read_points(const std::filesystem::path& path, Sweep& sweep) {
-  const auto bytes = text::read_text(path, kMaxBytes);
+  const auto bytes = text::read_text(path, kMaxSweepBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   auto parsed =
       path.extension() == ".ply" ? parse_ply_sweep(*bytes, sweep) : parse_pcd_sweep(*bytes, sweep);
@@ -45,7 +45,7 @@ Result<void> SweepReader::load(const std::filesystem::path& path) {
   }
   if (!S_ISREG(status.st_mode)) return fail("is not a regular file", path.string());
   const auto length = static_cast<size_t>(status.st_size);
-  if (length > kMaxBytes) return fail("is longer than 64 MiB", path.string());
+  if (length > kMaxSweepBytes) return fail("is longer than 64 MiB", path.string());
   if (length % kPointBytes != 0) {
     return fail("is " + std::to_string(length) + " bytes long, which is not a multiple of 16",
                 path.string(), "expected float32 x y z reflectance");

@@ -34,17 +34,20 @@ Result<void> read_sweep_file(const std::filesystem::path& path, Sweep& sweep);
 /// Writes x, y, z and reflectivity as a KITTI .bin file.
 Result<void> write_sweep_bin(const std::filesystem::path& path, const Sweep& sweep);
 
+/// Maximum number of rings of a sweep without ring numbers.
+inline constexpr size_t kMaxRings = 128;
+
 /// Fills `ring`, `column`, `rings`, `columns` of a sweep whose points are ordered ring by ring from
 /// the top, and counter-clockwise from straight ahead within a ring, as in KITTI's HDL-64E sweeps.
 /// A new ring begins where the azimuth decreases by more than half a turn. The result is accepted
-/// if there are 2 … 128 rings and mean elevations decrease from ring to ring (with one exception in
-/// ten). Columns are azimuth steps of the usual distance between neighbours on a ring, counted
-/// counter-clockwise from straight ahead. Otherwise sets all four to 0 and returns false.
+/// if there are 2 … `kMaxRings` rings and mean elevations decrease from ring to ring (with one
+/// exception in ten). Columns are azimuth steps of the usual distance between neighbours on a ring,
+/// counted counter-clockwise from straight ahead. Otherwise sets all four to 0 and returns false.
 bool infer_rings(Sweep& sweep);
 
 /// As `infer_rings`, for known rings: ring k from the top consists of the points starts[k] …
 /// starts[k + 1] − 1, counter-clockwise from straight ahead. Returns false if there are more than
-/// 128 rings or the column width cannot be determined.
+/// `kMaxRings` rings or the column width cannot be determined.
 bool assign_rings(Sweep& sweep, std::span<const size_t> starts);
 
 }  // namespace infuse::recording

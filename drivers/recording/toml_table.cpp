@@ -7,9 +7,8 @@
 namespace infuse::recording {
 
 Result<toml::table> parse_toml(std::string_view text, const std::string& file) {
-  constexpr size_t kMaxTextBytes = 1 << 20;
-  if (text.size() > kMaxTextBytes)
-    return fail("is longer than " + std::to_string(kMaxTextBytes) + " bytes", file);
+  if (text.size() > kMaxTomlBytes)
+    return fail("is longer than " + std::to_string(kMaxTomlBytes) + " bytes", file);
   toml::parse_result parsed = toml::parse(text);
   if (!parsed) {
     std::string where = file;

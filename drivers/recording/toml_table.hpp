@@ -12,7 +12,10 @@
 
 namespace infuse::recording {
 
-/// Parses TOML text of at most 1 MiB. Errors contain file and line.
+/// Maximum size of a TOML file.
+inline constexpr size_t kMaxTomlBytes = 1 << 20;
+
+/// Parses TOML text of at most `kMaxTomlBytes`. Errors contain file and line.
 Result<toml::table> parse_toml(std::string_view text, const std::string& file);
 
 /// Reads a TOML table key by key and keeps the first error, with its line. Every requested key

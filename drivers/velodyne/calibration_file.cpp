@@ -15,7 +15,7 @@ namespace {
 using Tree = boost::property_tree::ptree;
 
 constexpr size_t kMaxFileBytes = 4 << 20;
-constexpr size_t kLasers = 64;
+constexpr size_t kMaxLasers = 64;
 constexpr const char* kHint = "expected the vendor's db.xml with <points_> of 64 lasers";
 
 /// Returns the end of the tag that begins at `at`: the position behind its ">", quotes respected.
@@ -88,7 +88,7 @@ void read_limits(const Tree& db, const char* key, Calibration& calibration,
   if (!list) return;
   size_t laser = 0;
   for (const auto& [name, item] : *list) {
-    if (name != "item" || laser >= kLasers) continue;
+    if (name != "item" || laser >= kMaxLasers) continue;
     auto& beam = calibration.beams[laser++];
     beam.*limit = item.get_value<double>(beam.*limit);
   }
@@ -98,12 +98,12 @@ Result<Calibration> read_db(const Tree& db) {
   const auto points = db.get_child_optional("points_");
   if (!points) return fail("no <points_>", {}, kHint);
   Calibration calibration;
-  std::bitset<kLasers> known;
+  std::bitset<kMaxLasers> known;
   for (const auto& [name, item] : *points) {
     const auto px = item.get_child_optional("px");
     if (name != "item" || !px) continue;
     const auto laser = px->get_optional<size_t>("id_");
-    if (!laser || *laser >= kLasers) continue;
+    if (!laser || *laser >= kMaxLasers) continue;
     if (!read_beam(*px, calibration.beams[*laser])) {
       return fail("laser " + std::to_string(*laser) + " lacks a number", {}, kHint);
     }

@@ -9,7 +9,7 @@ namespace infuse::velodyne {
 namespace {
 
 constexpr size_t kImuOffset = 14;
-constexpr size_t kCounterOffset = 0xC6;
+constexpr size_t kPositionCounterOffset = 0xC6;
 constexpr size_t kPpsOffset = 0xCA;
 constexpr size_t kSentenceOffset = 0xCE;
 constexpr size_t kSentenceSize = 128;
@@ -34,7 +34,7 @@ ImuUnit read_unit(const uint8_t* bytes) {
 
 }  // namespace
 
-const char* to_string(PpsState state) {
+const char* name_of(PpsState state) {
   switch (state) {
     case PpsState::kAbsent:
       return "absent";
@@ -61,7 +61,7 @@ bool counts_from_the_hour(const PositionPacket& packet) {
 std::optional<PositionPacket> parse_position_packet(std::span<const uint8_t> payload) {
   if (payload.size() != kPositionPacketSize || payload[kPpsOffset] > 3) return std::nullopt;
   PositionPacket packet;
-  packet.counter_us = read_u32(payload.data() + kCounterOffset);
+  packet.counter_us = read_u32(payload.data() + kPositionCounterOffset);
   packet.pps = static_cast<PpsState>(payload[kPpsOffset]);
   for (size_t unit = 0; unit < packet.imu.size(); ++unit) {
     packet.imu[unit] = read_unit(payload.data() + kImuOffset + 8 * unit);

@@ -18,7 +18,7 @@ inline constexpr size_t kPositionPacketSize = 512;
 enum class PpsState : uint8_t { kAbsent = 0, kSynchronising = 1, kLocked = 2, kError = 3 };
 
 /// Name of the state: "absent", "synchronising", "locked", "error".
-const char* to_string(PpsState state);
+const char* name_of(PpsState state);
 
 /// One of the three inertial units in an HDL-32E: a gyroscope and two axes of acceleration, in the
 /// unit's own directions. In real captures x of the first two units points up, and of the

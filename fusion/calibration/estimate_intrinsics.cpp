@@ -25,7 +25,7 @@ constexpr double kRadialScale = 0.03;           // of k1
 constexpr double kPriorShare = 0.02;            // share of the measure that is subtracted …
 constexpr double kPriorSteps = 5;  // … at so many of these steps from the given value
 
-constexpr int kMinScenes = 8;               // number of scenes
+constexpr int kMinScenesOfCamera = 8;       // number of scenes
 constexpr size_t kMinPointsPerScene = 200;  // number of points in view
 constexpr double kMinSignificance = 4;      // standard errors
 constexpr double kGrossFocalError = 0.02;
@@ -118,8 +118,9 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
     std::span<const Scene> scenes, std::span<const RigCamera> cameras, size_t camera,
     std::span<const TermOptions> terms, ImagePyramid& images, const VisibilityOptions& visibility,
     const Eigen::Isometry3d& T_refcam_lidar, const std::stop_token& stop) {
-  if (std::count_if(scenes.begin(), scenes.end(),
-                    [&](const Scene& scene) { return scene.camera == camera; }) < kMinScenes) {
+  if (std::count_if(scenes.begin(), scenes.end(), [&](const Scene& scene) {
+        return scene.camera == camera;
+      }) < kMinScenesOfCamera) {
     return std::nullopt;
   }
   const IntrinsicsProblem freed(cameras, camera, T_refcam_lidar);
@@ -153,7 +154,7 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
                   images.at(std::end(kLevels)[-1].sigma), scenes, cameras, T_refcam_lidar,
                   freed.cameras(at), out.T_refcam_lidar, camera, terms);
   out.scenes = static_cast<int>(gain.size());
-  if (out.scenes < kMinScenes) return std::nullopt;
+  if (out.scenes < kMinScenesOfCamera) return std::nullopt;
   double sum = 0, squares = 0;
   for (const double one : gain) {
     sum += one;

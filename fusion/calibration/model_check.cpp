@@ -9,7 +9,7 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr size_t kMinScenes = 10;           // number of scenes
+constexpr size_t kMinScenesOfModel = 10;    // number of scenes
 constexpr double kSignificantSigmas = 3.5;  // standard deviations
 constexpr double kSeriousSigmas = 7;
 
@@ -142,7 +142,7 @@ std::vector<ModelMismatch> check_model(Objective& objective,
       std::count_if(scene_gradients.begin(), scene_gradients.end(),
                     [](const SceneGradient& p) { return p.head<6>() != Vector6::Zero(); });
   std::vector<ModelMismatch> mismatches;
-  if (!uncertainty.usable() || static_cast<size_t>(seen) < kMinScenes) return mismatches;
+  if (!uncertainty.usable() || static_cast<size_t>(seen) < kMinScenesOfModel) return mismatches;
   const Matrix6 inverse = uncertainty.curvature.inverse();
   const auto add = [&](const ParameterScore& further, const ModelMismatch& about,
                        double display_scale, double tolerance) {

@@ -9,7 +9,7 @@
 namespace infuse::calibration {
 namespace {
 
-struct Scored {
+struct ScoredRotation {
   Eigen::Vector3d rotation;  ///< rad, of the camera
   double score;
 };
@@ -58,19 +58,20 @@ class RotationScreening {
   }
 
   void sort_by_score() {
-    std::stable_sort(scored_.begin(), scored_.end(),
-                     [](const Scored& a, const Scored& b) { return a.score > b.score; });
+    std::stable_sort(
+        scored_.begin(), scored_.end(),
+        [](const ScoredRotation& a, const ScoredRotation& b) { return a.score > b.score; });
   }
 
   /// Scores poses around the best of a round whose spacing is `apart`.
   void refine(double apart) {
     constexpr size_t kMaxRefinedPoses = 24;
     sort_by_score();
-    const std::vector<Scored> centres(
+    const std::vector<ScoredRotation> centres(
         scored_.begin(),
         scored_.begin() + static_cast<std::ptrdiff_t>(std::min(kMaxRefinedPoses, scored_.size())));
     const int each = static_cast<int>(std::ceil(std::pow(apart / options_.spacing, 3)));
-    for (const Scored& centre : centres)
+    for (const ScoredRotation& centre : centres)
       score_around(centre.rotation, apart / 2, std::min(each, 12));
   }
 
@@ -78,7 +79,7 @@ class RotationScreening {
     sort_by_score();
     std::vector<Eigen::Isometry3d> poses{initial_pose_};
     std::vector<Eigen::Vector3d> taken{Eigen::Vector3d::Zero()};
-    for (const Scored& candidate : scored_) {
+    for (const ScoredRotation& candidate : scored_) {
       if (static_cast<int>(poses.size()) > options_.survivors) break;
       const bool close = std::any_of(taken.begin(), taken.end(), [&](const auto& turn) {
         return (turn - candidate.rotation).norm() < options_.spacing / 2;
@@ -93,7 +94,7 @@ class RotationScreening {
   Eigen::Isometry3d initial_pose_;
   const ScreenOptions& options_;
   const std::function<double(const Eigen::Isometry3d&)>& score_;
-  std::vector<Scored> scored_;
+  std::vector<ScoredRotation> scored_;
 };
 
 }  // namespace

@@ -8,8 +8,6 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr size_t kMaxBins = 1024;
-
 /// Row and column sums, on the stack.
 struct Marginals {
   std::array<double, kMaxBins> x{}, y{};

@@ -9,8 +9,6 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr int kMaxBins = 1024;
-
 std::optional<std::string> invalid_axis(const Axis& axis, const std::string& name, int min_bins) {
   if (axis.bins < min_bins || axis.bins > kMaxBins) {
     return name + ".bins is " + std::to_string(axis.bins) + ", not in " + std::to_string(min_bins) +

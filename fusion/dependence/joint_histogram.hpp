@@ -9,9 +9,12 @@
 
 namespace infuse::dependence {
 
+/// Maximum number of bins of an axis.
+inline constexpr int kMaxBins = 1024;
+
 /// One axis of a joint histogram. Values outside [low, high] count as the nearer end.
 struct Axis {
-  int bins = 32;    ///< 1 … 1024; at least 4 for the cubic B-spline
+  int bins = 32;    ///< 1 … `kMaxBins`; at least 4 for the cubic B-spline
   double low = 0;   ///< lower end, in the unit of the samples
   double high = 1;  ///< upper end
 };

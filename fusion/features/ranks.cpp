@@ -9,7 +9,7 @@
 namespace infuse::features {
 namespace {
 
-constexpr size_t kLevels = 1024;
+constexpr size_t kRankLevels = 1024;
 
 /// A value and its place.
 struct Keyed {
@@ -76,20 +76,20 @@ void equalize_within_groups(std::span<const uint16_t> group, std::span<float> va
 }
 
 void equalize_by_level(std::span<float> values, float max_value) {
-  const float scale = static_cast<float>(kLevels) / max_value;
+  const float scale = static_cast<float>(kRankLevels) / max_value;
   const auto level = [&](float value) {
-    return std::min(static_cast<size_t>(std::max(value, 0.0F) * scale), kLevels - 1);
+    return std::min(static_cast<size_t>(std::max(value, 0.0F) * scale), kRankLevels - 1);
   };
-  std::array<uint32_t, kLevels> count{};
+  std::array<uint32_t, kRankLevels> count{};
   size_t n = 0;
   for (const float value : values) {
     if (std::isnan(value)) continue;
     ++count[level(value)];
     ++n;
   }
-  std::array<float, kLevels> rank{};
+  std::array<float, kRankLevels> rank{};
   double below = 0;
-  for (size_t i = 0; i < kLevels; ++i) {
+  for (size_t i = 0; i < kRankLevels; ++i) {
     rank[i] = static_cast<float>((below + 0.5 * (static_cast<double>(count[i]) - 1)) /
                                  static_cast<double>(std::max<size_t>(n, 1)));
     below += count[i];

@@ -6,7 +6,7 @@
 namespace infuse::features {
 namespace {
 
-constexpr uint32_t kLevels = 256;
+constexpr uint32_t kReflectivityLevels = 256;
 constexpr uint32_t kRanges = 32;  // quarters of the eight octaves from 1 m on
 constexpr uint32_t kRings = 256;  // no lidar has more; further ones share groups
 
@@ -20,7 +20,7 @@ uint32_t range_group(float range) {
 /// The comparisons hold for no NaN, which ends as 0.
 uint32_t level(float reflectivity) {
   const float part = std::min(1.0F, std::max(0.0F, reflectivity));
-  return static_cast<uint32_t>(part * (kLevels - 1) + 0.5F);
+  return static_cast<uint32_t>(part * (kReflectivityLevels - 1) + 0.5F);
 }
 
 }  // namespace
@@ -31,13 +31,13 @@ const std::vector<float>& RelativeReflectivity::compute(std::span<const uint16_t
   const uint32_t last = ring.empty() ? 0U : *std::max_element(ring.begin(), ring.end());
   const size_t groups = size_t{std::min(last + 1, kRings)} * kRanges;
   size_.assign(groups, 0U);
-  if (count_.size() < groups * kLevels) count_.resize(groups * kLevels, 0U);
+  if (count_.size() < groups * kReflectivityLevels) count_.resize(groups * kReflectivityLevels, 0U);
   rank_.resize(count_.size());
   cell_.resize(ring.size());
   relative_.resize(ring.size());
   for (size_t i = 0; i < ring.size(); ++i) {
     const uint32_t group = (ring[i] % kRings) * kRanges + range_group(range[i]);
-    cell_[i] = group * kLevels + level(reflectivity[i]);
+    cell_[i] = group * kReflectivityLevels + level(reflectivity[i]);
     ++count_[cell_[i]];
     ++size_[group];
   }
@@ -45,7 +45,7 @@ const std::vector<float>& RelativeReflectivity::compute(std::span<const uint16_t
     if (size_[group] == 0) continue;
     const float scale = 1.0F / static_cast<float>(size_[group]);
     uint32_t below = 0;
-    for (size_t k = group * kLevels; k < (group + 1) * kLevels; ++k) {
+    for (size_t k = group * kReflectivityLevels; k < (group + 1) * kReflectivityLevels; ++k) {
       rank_[k] = scale * (static_cast<float>(below) + 0.5F * static_cast<float>(count_[k]));
       below += count_[k];
       count_[k] = 0;

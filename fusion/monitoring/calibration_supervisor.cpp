@@ -22,13 +22,13 @@ std::string describe_drift(const MonitorReport& report) {
   if (report.axis == Axis::kTime) {
     return format_text("stamps, %.0f ms late", 1e3 * report.delay) +
            (report.delay_ambiguous_axis ? format_text(" (or %s: not separable for this motion)",
-                                                      to_string(*report.delay_ambiguous_axis))
+                                                      name_of(*report.delay_ambiguous_axis))
                                         : "");
   }
   const auto k = static_cast<Eigen::Index>(report.axis);
   const std::string moved =
-      k < 3 ? format_text("%s, %.2f degrees", to_string(report.axis), report.offset(k) / kDegree)
-            : format_text("%s, %.1f cm", to_string(report.axis), 100 * report.offset(k));
+      k < 3 ? format_text("%s, %.2f degrees", name_of(report.axis), report.offset(k) / kDegree)
+            : format_text("%s, %.1f cm", name_of(report.axis), 100 * report.offset(k));
   return moved + (report.delay_ambiguous_axis == report.axis
                       ? " (or late stamps: not separable for this motion)"
                       : "");
@@ -36,7 +36,7 @@ std::string describe_drift(const MonitorReport& report) {
 
 }  // namespace
 
-const char* to_string(CalibrationState state) {
+const char* name_of(CalibrationState state) {
   constexpr std::array<const char*, 7> kNames = {
       "OK", "MONITORING", "SUSPECTED", "CONFIRMED", "RECALIBRATING", "RECALIBRATED", "UNUSABLE"};
   return kNames[static_cast<size_t>(state)];
@@ -164,7 +164,7 @@ void CalibrationSupervisor::update_state(const MonitorReport& report, Supervisor
   }
   if (state_ == CalibrationState::kUnusable) {
     add_history(report.stamp,
-                std::string("the camera has a fault: ") + to_string(report.fault) +
+                std::string("the camera has a fault: ") + name_of(report.fault) +
                     (report.fault == CameraFault::kLate ? ": " + describe_drift(report) : ""));
   }
 }

@@ -21,7 +21,7 @@ enum class CalibrationState : uint8_t {
 };
 
 /// "OK", "MONITORING" …
-const char* to_string(CalibrationState state);
+const char* name_of(CalibrationState state);
 
 /// Use of a re-estimated calibration.
 enum class UpdatePolicy : uint8_t {

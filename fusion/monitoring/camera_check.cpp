@@ -29,7 +29,7 @@ uint64_t hash_of(const std::vector<uint8_t>& pixels) {
 
 }  // namespace
 
-const char* to_string(CameraFault fault) {
+const char* name_of(CameraFault fault) {
   switch (fault) {
     case CameraFault::kNone:
       return "none";

@@ -22,7 +22,7 @@ enum class CameraFault : uint8_t {
 };
 
 /// Returns "black", "frozen" …
-const char* to_string(CameraFault fault);
+const char* name_of(CameraFault fault);
 
 /// Settings of the camera check.
 struct CameraCheckOptions {

@@ -3,7 +3,7 @@
 namespace infuse::monitoring {
 namespace {
 
-constexpr double kFadeRate = 1.0 / 30;
+constexpr double kTwistFadeRate = 1.0 / 30;
 constexpr double kMaxSteadyVariation = 0.05;  // share of the variance in a constant twist's square
 constexpr double kMinTwist = 0.1;             // `drift_offset` per s; less is no motion
 
@@ -14,9 +14,9 @@ void DelayAmbiguity::add(const Motion& motion) {
   geometry::Vector6 twist;
   twist << motion.angular_rate, motion.velocity;
   for (int k = 0; k < 6; ++k) twist(k) /= kDefaults.drift_offset[static_cast<size_t>(k)];
-  mean_ += kFadeRate * (twist - mean_);
-  mean_square_ += kFadeRate * (twist.squaredNorm() - mean_square_);
-  weight_ += kFadeRate * (1 - weight_);
+  mean_ += kTwistFadeRate * (twist - mean_);
+  mean_square_ += kTwistFadeRate * (twist.squaredNorm() - mean_square_);
+  weight_ += kTwistFadeRate * (1 - weight_);
 }
 
 std::optional<Axis> DelayAmbiguity::axis() const {

@@ -7,12 +7,12 @@
 namespace infuse::monitoring {
 namespace {
 
-constexpr int kBlockSize = 4;           // evaluations whose mean is compared with the next block's
-constexpr double kFadeRate = 1.0 / 30;  // fading of the mean offset per evaluation
-constexpr double kNoiseFadeRate = 1.0 / 60;  // fading of the noise per block
-constexpr double kPriorBlocks = 2;           // weight of the prior noise
-constexpr double kPriorNoise = 0.006;        // κ on simulated streets, and a third more
-constexpr double kMaxNoiseRatio = 9;         // maximum of a block's κ, times the mean so far
+constexpr int kBlockSize = 4;  // evaluations whose mean is compared with the next block's
+constexpr double kOffsetFadeRate = 1.0 / 30;  // fading of the mean offset per evaluation
+constexpr double kNoiseFadeRate = 1.0 / 60;   // fading of the noise per block
+constexpr double kPriorBlocks = 2;            // weight of the prior noise
+constexpr double kPriorNoise = 0.006;         // κ on simulated streets, and a third more
+constexpr double kMaxNoiseRatio = 9;          // maximum of a block's κ, times the mean so far
 /// Weight of an evaluation: those of one street share a bias for longer than a block.
 constexpr double kEvaluationWeight = 0.7;
 
@@ -78,8 +78,8 @@ void DriftDetector::update_noise(AxisState& state, double offset, double informa
 }
 
 void DriftDetector::Mean::add(double slope, double information) {
-  sum += slope - kFadeRate * sum;
-  weight += information - kFadeRate * weight;
+  sum += slope - kOffsetFadeRate * sum;
+  weight += information - kOffsetFadeRate * weight;
 }
 
 void DriftDetector::add(const AxisEvaluation& evaluation) {
@@ -153,7 +153,7 @@ double DriftDetector::sigma(Axis axis) const {
                          : std::numeric_limits<double>::infinity();
 }
 
-const char* to_string(Axis axis) {
+const char* name_of(Axis axis) {
   constexpr std::array<const char*, 7> kNames = {"rotation about x",
                                                  "rotation about y",
                                                  "rotation about z",

@@ -149,6 +149,6 @@ class DriftDetector {
 };
 
 /// Returns "rotation about x", "translation along z", "time".
-const char* to_string(Axis axis);
+const char* name_of(Axis axis);
 
 }  // namespace infuse::monitoring

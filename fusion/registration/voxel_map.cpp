@@ -12,7 +12,6 @@
 namespace infuse::registration {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int kMoments = 10;  // weight, first and second moments
 
 /// Sum over the lanes, in one order on every processor.
@@ -104,7 +103,7 @@ VoxelMap::Voxel* VoxelMap::find_or_add(uint64_t key) {
     if (voxel.key == key) return &voxel;
   }
   if (voxels_.size() == options_.max_voxels) return nullptr;
-  const Floats unused = Floats{} + kInfinity;
+  const Floats unused = Floats{} + std::numeric_limits<float>::infinity();
   voxels_.push_back({unused, unused, unused, key, 0});
   slots_[slot] = static_cast<uint32_t>(voxels_.size());
   return &voxels_.back();

@@ -2,7 +2,7 @@
 
 namespace infuse::streetmap {
 
-const char* name(SegmentKind kind) {
+const char* name_of(SegmentKind kind) {
   switch (kind) {
     case SegmentKind::kOpenLand:
       return "open land";

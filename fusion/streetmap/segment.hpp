@@ -23,7 +23,7 @@ enum class SegmentKind : uint8_t {
 inline constexpr int kSegmentKindCount = 13;
 
 /// Returns the kind in lower case: "carriageway".
-const char* name(SegmentKind kind);
+const char* name_of(SegmentKind kind);
 
 /// Region or line of a street map with its own id, I 3.2.1.
 struct Segment {

@@ -13,7 +13,7 @@ constexpr double kMaxSpread = 20;       // m, of particles that all lie in the w
 
 }  // namespace
 
-const char* name(TrackState state) {
+const char* name_of(TrackState state) {
   switch (state) {
     case TrackState::kUnsure:
       return "UNSURE";

@@ -24,7 +24,7 @@ enum class TrackState {
 };
 
 /// Returns "UNSURE", "TRACKING" or "LOST".
-const char* name(TrackState state);
+const char* name_of(TrackState state);
 
 /// Pose of the vehicle on the map.
 struct TrackerEstimate {

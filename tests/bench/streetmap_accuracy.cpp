@@ -96,10 +96,10 @@ bool one_image(std::ostream& out, int images) {
     if (measure == ImageMeasure::kMi) options.fit.sigmas = {1.0};
     const ImageRow row = locate_all(made.map, posed_images, mount, 8, options);
     if (measure == ImageMeasure::kLsmi) unit = row.seconds.mean();
-    out << format_text("| %s | %.2f ± %.2f | %.1f ± %.1f | %.2f | %.0f |\n", name(measure),
+    out << format_text("| %s | %.2f ± %.2f | %.1f ± %.1f | %.2f | %.0f |\n", name_of(measure),
                        row.across.mean(), row.across.sigma(), row.turned.mean(), row.turned.sigma(),
                        row.seconds.mean() / unit, row.across.n);
-    std::fprintf(stderr, "%s: %.2f m\n", name(measure), row.across.mean());
+    std::fprintf(stderr, "%s: %.2f m\n", name_of(measure), row.across.mean());
   }
   out << "\nMLMI and dCor use 200 pixels, the others 1500; MLMI uses one kernel width.\n\n"
       << "| reduced by (LSMI) | lateral, m | heading, ° |\n|---|---|---|\n";

@@ -9,6 +9,7 @@
 
 #include "daemon/streetmap/street_plan_from_osm.hpp"
 #include "drivers/gnss/local_frame.hpp"
+#include "drivers/recording/atomic_file.hpp"
 #include "drivers/text/text_file.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"

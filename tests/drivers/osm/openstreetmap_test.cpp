@@ -60,9 +60,9 @@ const char* const kMap = R"(<?xml version='1.0' encoding='UTF-8'?>
 </osm>
 )";
 
-std::vector<int64_t> node_ids(const std::vector<OsmPoint>& points) {
+std::vector<int64_t> node_ids(const std::vector<Point>& points) {
   std::vector<int64_t> result;
-  for (const OsmPoint& point : points) result.push_back(point.node);
+  for (const Point& point : points) result.push_back(point.node);
   return result;
 }
 
@@ -70,6 +70,15 @@ std::string join_messages(const std::vector<Error>& warnings) {
   std::string text;
   for (const Error& warning : warnings) text += warning.message() + "\n";
   return text;
+}
+
+TEST(OpenStreetMap, ANumberOfATagIsTheLeadingOneWithinLimits) {
+  const std::vector<Tag> tags = {{"width", "6.5 m"}, {"lanes", "many"}, {"height", "1e9"}};
+  EXPECT_EQ(find_number(tags, "width", 1, 10), 6.5);
+  EXPECT_EQ(find_number(tags, "width", 7, 10), std::nullopt);
+  EXPECT_EQ(find_number(tags, "lanes", 0, 10), std::nullopt);
+  EXPECT_EQ(find_number(tags, "height", 0, 300), std::nullopt);
+  EXPECT_EQ(find_number(tags, "layer", -5, 5), std::nullopt);
 }
 
 TEST(OpenStreetMap, ReadsWaysNodesAndAreas) {
@@ -187,7 +196,7 @@ TEST(OpenStreetMap, RealKarlsruheMapsMatchTheirText) {
     const auto map = read_openstreetmap(path / name);
     ASSERT_TRUE(map) << map.error().message();
     size_t roads = 0;
-    for (const OsmWay& way : map->ways) roads += !find_tag(way.tags, "highway").empty();
+    for (const Way& way : map->ways) roads += !find_tag(way.tags, "highway").empty();
     size_t left_out = 0;
     for (const Error& warning : map->warnings) {
       left_out += warning.what == "has fewer than two nodes";
@@ -200,8 +209,8 @@ TEST(OpenStreetMap, RealKarlsruheMapsMatchTheirText) {
     EXPECT_NEAR(map->centre_latitude / kDegree, 49, 0.1);
     EXPECT_NEAR(map->centre_longitude / kDegree, 8.4, 0.1);
     const auto frame = gnss::make_local_frame(map->centre_latitude, map->centre_longitude);
-    for (const OsmWay& way : map->ways) {
-      for (const OsmPoint& point : way.points) {
+    for (const Way& way : map->ways) {
+      for (const Point& point : way.points) {
         ASSERT_LT(gnss::to_local(frame, point.latitude, point.longitude).norm(), 20'000);
       }
     }

@@ -25,12 +25,6 @@ TEST(TimeBase, IsWallTimeAtTheStartAndMonotonicAfterIt) {
             stamp_after_start(5));
 }
 
-TEST(TimeBase, ReportsTheStepOfTheWallClock) {
-  const TimeBase base(kStart);
-  EXPECT_EQ(base.utc_offset(clocks_after_start(5)), Duration(0));
-  EXPECT_EQ(base.utc_offset(clocks_after_start(5, 3600 * kSecond)), Duration(3600 * kSecond));
-}
-
 TEST(TimeBase, NowAdvancesAndIsNearTheWallClock) {
   const TimeBase base;
   const Stamp first = base.now();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "drivers/recording/atomic_file.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::recording {

@@ -68,7 +68,7 @@ TEST(CalibrationMonitor, AnUnchangedCalibrationHolds) {
   CalibrationMonitor monitor(small_camera(), true_T_camera_lidar(), {});
   Driver driver;
   const MonitorReport report = driver.drive(monitor, 200);
-  EXPECT_EQ(report.drift, Drift::kHolds) << report.evidence << " " << to_string(report.axis);
+  EXPECT_EQ(report.drift, Drift::kHolds) << report.evidence << " " << name_of(report.axis);
   EXPECT_EQ(report.fault, CameraFault::kNone);
   EXPECT_LT(report.offset.head<3>().norm(), 0.2 * kDegree);
 }

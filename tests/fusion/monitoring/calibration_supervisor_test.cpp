@@ -234,7 +234,7 @@ TEST(CalibrationSupervisor, HistoryIsBounded) {
   EXPECT_EQ(drive.supervisor.history().size(), 5U);
   EXPECT_FALSE(SupervisorOptions{}.invalid());
   EXPECT_TRUE(SupervisorOptions{.min_scenes_after_timeout = 1}.invalid());
-  EXPECT_STREQ(to_string(kRecalibrating), "RECALIBRATING");
+  EXPECT_STREQ(name_of(kRecalibrating), "RECALIBRATING");
 }
 
 }  // namespace

@@ -120,8 +120,8 @@ TEST(CameraCheck, OneImageIsNotEnoughAndFaultsClear) {
 }
 
 TEST(CameraCheck, FaultsHaveNames) {
-  EXPECT_STREQ(to_string(CameraFault::kFrozen), "frozen");
-  EXPECT_STREQ(to_string(CameraFault::kOutOfFocus), "out of focus");
+  EXPECT_STREQ(name_of(CameraFault::kFrozen), "frozen");
+  EXPECT_STREQ(name_of(CameraFault::kOutOfFocus), "out of focus");
   EXPECT_FALSE(CameraCheckOptions{}.invalid());
   EXPECT_TRUE(CameraCheckOptions{.frozen_images = 1}.invalid());
   EXPECT_TRUE(CameraCheckOptions{.min_focus_ratio = 1}.invalid());

@@ -9,10 +9,11 @@ namespace {
 
 using dependence::JointHistogram;
 using dependence::Measure;
-using Estimator = CountEntropyOptions::Estimator;
+using EntropyEstimator = CountEntropyOptions::Estimator;
 
-bool supports_few_samples(Estimator estimator) {
-  return estimator != Estimator::kMaximumLikelihood && estimator != Estimator::kMillerMadow;
+bool supports_few_samples(EntropyEstimator estimator) {
+  return estimator != EntropyEstimator::kMaximumLikelihood &&
+         estimator != EntropyEstimator::kMillerMadow;
 }
 
 /// The histogram's reason, unless the estimator lifts it.
@@ -23,7 +24,7 @@ const char* remaining_reason(const JointHistogram& histogram, const CountEntropy
 
 Estimate measure_regularised(Measure which, JointHistogram histogram,
                              const CountEntropyOptions& options) {
-  if (options.estimator == Estimator::kJamesStein) {
+  if (options.estimator == EntropyEstimator::kJamesStein) {
     ShrunkFrequencies shrunk = james_stein_frequencies(histogram.mass, options.shrinkage);
     if (!shrunk.usable()) return {0, shrunk.reason};
     histogram.mass = std::move(shrunk.frequencies);
@@ -67,10 +68,10 @@ Estimate measure_corrected(Measure which, const JointHistogram& histogram,
 
 Estimate measure(Measure which, const JointHistogram& histogram,
                  const CountEntropyOptions& options) {
-  const bool plug_in = options.estimator == Estimator::kMaximumLikelihood;
+  const bool plug_in = options.estimator == EntropyEstimator::kMaximumLikelihood;
   if (plug_in || !(histogram.total > 0)) return dependence::measure(which, histogram);
-  const bool regularised =
-      options.estimator == Estimator::kJamesStein || options.estimator == Estimator::kDirichlet;
+  const bool regularised = options.estimator == EntropyEstimator::kJamesStein ||
+                           options.estimator == EntropyEstimator::kDirichlet;
   return regularised ? measure_regularised(which, histogram, options)
                      : measure_corrected(which, histogram, options);
 }

@@ -17,7 +17,7 @@ bool is_boundary(SegmentKind kind) {
 
 }  // namespace
 
-const char* name(ImageMeasure measure) {
+const char* name_of(ImageMeasure measure) {
   switch (measure) {
     case ImageMeasure::kLsmi:
       return "LSMI";

@@ -27,7 +27,7 @@ enum class ImageMeasure {
 };
 
 /// Returns "LSMI", "BLSMI" …
-const char* name(ImageMeasure measure);
+const char* name_of(ImageMeasure measure);
 
 /// Settings of `locate_from_image`, I 3.4.2.1.
 struct SingleImageOptions {

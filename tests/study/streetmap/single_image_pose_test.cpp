@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(Measures, SingleImage,
                          testing::Values(ImageMeasure::kLsmi, ImageMeasure::kBlsmi,
                                          ImageMeasure::kQmi, ImageMeasure::kCorrelation,
                                          ImageMeasure::kBoundaries),
-                         [](const auto& instance) { return name(instance.param); });
+                         [](const auto& instance) { return name_of(instance.param); });
 
 // LSCE is high if all samples share one label, and MLMI has spikes, I 3.4.2.3: weaker requirements.
 TEST(SingleImageMeasures, LsceAndMlmiAreFiniteAndDependOnThePose) {
@@ -111,7 +111,7 @@ TEST(SingleImageMeasures, LsceAndMlmiAreFiniteAndDependOnThePose) {
     ASSERT_TRUE(pose.usable());
     const auto [min_score, max_score] = std::minmax_element(pose.scores.begin(), pose.scores.end());
     EXPECT_TRUE(std::isfinite(*min_score) && std::isfinite(*max_score));
-    EXPECT_GT(*max_score, *min_score) << name(measure);
+    EXPECT_GT(*max_score, *min_score) << name_of(measure);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "daemon/protocol/counters_json.hpp"
+#include "daemon/protocol/json.hpp"
 
 #include "daemon/protocol/json_encoder.hpp"
 

@@ -1,0 +1,53 @@
+#include "drivers/recording/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+
+#include "drivers/receive/file_descriptor.hpp"
+#include "drivers/receive/system_error.hpp"
+
+namespace infuse::recording {
+namespace {
+
+using receive::fail_errno;
+using receive::FileDescriptor;
+
+bool write_all(int file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes = bytes.subspan(static_cast<size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<void> write_file_atomically(const std::filesystem::path& path,
+                                   std::span<const std::byte> bytes, mode_t mode) {
+  std::string temporary = path.string() + ".XXXXXX";
+  const FileDescriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
+  if (!file) {
+    return fail_errno("cannot be written", path.string(),
+                      "does the folder exist, and is it writable?");
+  }
+  const bool succeeded = ::fchmod(file.get(), mode) == 0 && write_all(file.get(), bytes) &&
+                         ::fsync(file.get()) == 0 && ::rename(temporary.c_str(), path.c_str()) == 0;
+  if (!succeeded) {
+    const int reason = errno;
+    ::unlink(temporary.c_str());
+    return fail_errno("cannot be written", path.string(), "is the disk full?", reason);
+  }
+  // Sync the folder's entry too; if that fails, the file is still complete.
+  const FileDescriptor folder(
+      ::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder) ::fsync(folder.get());
+  return {};
+}
+
+}  // namespace infuse::recording

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+
+#include "drivers/measurement/error.hpp"
+
+namespace infuse::recording {
+
+/// Writes a temporary file beside `path`, flushes it to the disk and renames it to `path`: readers,
+/// a power cut or a full disk at any moment find the old or the new file, complete.
+Result<void> write_file_atomically(const std::filesystem::path& path,
+                                   std::span<const std::byte> bytes, mode_t mode = 0644);
+
+}  // namespace infuse::recording
