@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kProgram = "infuse odometry";
 
-struct Arguments {
+struct OdometryArguments {
   std::string path;
   std::string output;
   std::string lidar;
@@ -117,7 +117,7 @@ class Track {
   std::string free_text_;
 };
 
-int run(const Arguments& arguments) {
+int run(const OdometryArguments& arguments) {
   std::optional<velodyne::Model> model;
   if (!arguments.model.empty()) {
     model = velodyne::find_model(arguments.model);
@@ -158,7 +158,7 @@ Command declare_odometry(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "odometry",
       "find the motion of the vehicle from one lidar alone, and write it as a trajectory");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<OdometryArguments>();
   app->add_option("PATH", arguments->path, "a pcap or pcapng file, or a drive folder")->required();
   app->add_option(
          "-o,--output", arguments->output,

@@ -9,8 +9,8 @@
 namespace infuse::recording {
 namespace {
 
-constexpr size_t kMaxFields = 64;
-constexpr size_t kMaxPoints = 4'000'000;
+constexpr size_t kMaxPlyFields = 64;
+constexpr size_t kMaxPlyPoints = 4'000'000;
 constexpr size_t kMaxLines = 1000;
 
 struct ScalarType {
@@ -42,7 +42,7 @@ bool add_field(std::string_view line, PcdHeader& header) {
   constexpr std::string_view kPrefix = "scalar_";
   if (name.starts_with(kPrefix)) name.remove_prefix(kPrefix.size());
   for (const ScalarType& known : kTypes) {
-    if (known.name != type || name.empty() || header.fields.size() == kMaxFields) continue;
+    if (known.name != type || name.empty() || header.fields.size() == kMaxPlyFields) continue;
     header.fields.push_back({.name = std::string(name), .type = known.type, .size = known.size});
     return true;
   }
@@ -51,7 +51,7 @@ bool add_field(std::string_view line, PcdHeader& header) {
 
 bool read_count(std::string_view word, size_t& count) {
   const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), count);
-  return failed == std::errc() && end == word.data() + word.size() && count <= kMaxPoints;
+  return failed == std::errc() && end == word.data() + word.size() && count <= kMaxPlyPoints;
 }
 
 }  // namespace

@@ -9,19 +9,19 @@
 namespace infuse::recording {
 namespace {
 
-constexpr std::array<text::CsvColumn, 2> kColumns = {{{"stamp_ns"}, {"speed"}}};
+constexpr std::array<text::CsvColumn, 2> kSpeedColumns = {{{"stamp_ns"}, {"speed"}}};
 
 }  // namespace
 
 Result<SpeedCsv> SpeedCsv::open(const std::filesystem::path& path) {
-  auto csv = text::CsvReader::open(path, kColumns);
+  auto csv = text::CsvReader::open(path, kSpeedColumns);
   if (!csv) return tl::unexpected(csv.error());
   return SpeedCsv(std::move(*csv));
 }
 
 bool SpeedCsv::next(WheelOdometry& sample) {
   constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
-  std::array<std::string_view, kColumns.size()> fields;
+  std::array<std::string_view, kSpeedColumns.size()> fields;
   while (csv_.next(fields)) {
     const auto ns = text::parse_integer(fields[0]);
     const auto speed = text::parse_number(fields[1]);
