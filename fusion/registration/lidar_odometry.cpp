@@ -19,7 +19,8 @@ constexpr float kSearchAgain = 0.03F;  // m; a point that moved less keeps its p
 constexpr double kPlaneVariance = 1e-4;
 constexpr int kSearchIterations = 12;  // planes that come and go could keep it from converging
 constexpr int kStartIterations = 6;
-constexpr double kFiner = 1.5;  // step to a smaller voxel
+constexpr int kMaxStartSteps = 50;  // each way; the second sweep may come late
+constexpr double kFiner = 1.5;      // step to a smaller voxel
 
 /// Rounding in products of rotations would grow exponentially from sweep to sweep.
 void orthonormalise(Eigen::Isometry3d& T) {
@@ -171,7 +172,8 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
 }
 
 Eigen::Isometry3d LidarOdometry::search_start(double seconds) {
-  const int steps = static_cast<int>(options_.max_start_speed * seconds / options_.start_step);
+  const double reach = options_.max_start_speed * seconds / options_.start_step;
+  const int steps = static_cast<int>(std::min<double>(reach, kMaxStartSteps));
   Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
   double best_overlap = -1;
   for (int i = -steps; i <= steps; ++i) {
