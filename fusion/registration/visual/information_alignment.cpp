@@ -15,7 +15,8 @@ namespace {
 using geometry::Vector6;
 
 constexpr int kFits = 4;  // least-squares fits, each with the correspondences of the one before
-constexpr double kCluster = 4;      // m, side of the cells whose residuals are taken together
+constexpr double kNoise = 0.02;  // m, of a range: no fit is better, though both scans be the same
+constexpr double kCluster = 4;   // m, side of the cells whose residuals are taken together
 constexpr size_t kMinClusters = 8;  // fewer cells say too little about six parameters
 constexpr double kArm = 20;         // m: a rotation counts as what it moves at this distance
 
@@ -145,7 +146,7 @@ geometry::Matrix6 fit_covariance(const Correspondences& equal, const Eigen::Isom
     covariance += moved * moved.transpose();
   }
   const auto n = static_cast<double>(clusters.size());
-  return (n - 1) / n * covariance;
+  return (n - 1) / n * covariance + kNoise * kNoise * all.A.inverse();
 }
 
 }  // namespace
@@ -192,6 +193,9 @@ RegistrationResult align_by_information(const Codebook& codebook, const Codeword
   result.T_target_source = best.T;
   result.converged = best.converged;
   result.reason = best.converged ? "" : "the optimiser did not converge";
+  if (runner_up > options.max_runner_up * best.value) {
+    result.reason = "another pose explains the codewords nearly as well";
+  }
   Correspondences equal;
   for (int i = 0; i < kFits; ++i) {
     equal = aligner.equal_codewords(result.T_target_source);
@@ -211,9 +215,6 @@ RegistrationResult align_by_information(const Codebook& codebook, const Codeword
     return result;
   }
   result.information = factor.solve(geometry::Matrix6::Identity());
-  if (runner_up > options.max_runner_up * best.value) {
-    result.reason = "another pose explains the codewords nearly as well";
-  }
   return result;
 }
 

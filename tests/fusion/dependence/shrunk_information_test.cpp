@@ -20,7 +20,8 @@ Pairs draw(int n, ShrunkInformation& information) {
   Pairs pairs;
   std::mt19937 random(7);
   for (int i = 0; i < n; ++i) {
-    const uint32_t x = random() % 5, y = random() % 3 == 0 ? random() % 5 : x;
+    const auto label = [&] { return static_cast<uint32_t>(random() % 5); };
+    const uint32_t x = label(), y = random() % 3 == 0 ? label() : x;
     information.add(x, y);
     pairs.counts[x][y] += 1;
     pairs.total += 1;
