@@ -110,8 +110,10 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
   double radius = options_.radius;
   pairs_.resize(selected_.size());
   for (FieldVector<float>* field : {&searched_x_, &searched_y_, &searched_z_}) {
+    reserve_with_headroom(*field, selected_.size());
     field->assign(selected_.size(), std::numeric_limits<float>::infinity());
   }
+  reserve_with_headroom(which_, selected_.size());
   while (result.iterations < max_iterations && !result.converged) {
     Eigen::Isometry3d T_anchor_lidar = result.T_target_source;
     T_anchor_lidar.translation() -= anchor;

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "drivers/measurement/simd.hpp"
+#include "fusion/registration/point_cloud.hpp"
 
 namespace infuse::registration {
 namespace {
@@ -94,6 +95,7 @@ INFUSE_SIMD_CLONES void add_block(const Pairs& pairs, size_t from, size_t to, fl
 void Pairs::resize(size_t pairs) {
   size = pairs;
   for (Field* field : {&px, &py, &pz, &sx, &sy, &sz, &qx, &qy, &qz, &tx, &ty, &tz, &weight}) {
+    reserve_with_headroom(*field, padded());
     field->resize(padded());
     std::fill(field->begin() + static_cast<ptrdiff_t>(pairs), field->end(), 0.0F);
   }

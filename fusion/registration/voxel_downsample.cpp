@@ -12,7 +12,7 @@ void VoxelDownsampler::compute(const geometry::PointsView& points, double voxel_
   const size_t size = points.x.size();
   slots_.assign(std::bit_ceil(2 * size + 2), 0);
   cells_.clear();
-  cells_.reserve(size);
+  reserve_with_headroom(cells_, size);
   const size_t mask = slots_.size() - 1;
   const double scale = 1 / voxel_size;
   Cell* last = nullptr;
