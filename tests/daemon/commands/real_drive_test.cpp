@@ -101,15 +101,21 @@ TEST_F(RealDrive, IsDeskewedAndPairedAndRaisesNoAlert) {
   EXPECT_FALSE(any_suspected(reports));
 }
 
-TEST_F(RealDrive, ACameraTurnedByOneDegreeIsSuspected) {
+TEST_F(RealDrive, ACameraTurnedByOneDegreeAboutAnyAxisIsSuspected) {
   IMPORT_OR_SKIP();
-  edit([](recording::DriveDescription& description) {
-    geometry::Vector6 turn = geometry::Vector6::Zero();
-    turn[1] = kDegree;
-    Eigen::Isometry3d& T = description.rig.cameras[0].T_camera_lidar;
-    T = geometry::exp(turn) * T;
-  });
-  EXPECT_TRUE(any_suspected(replay()));
+  const auto drive = recording::Drive::open(drive_);
+  ASSERT_TRUE(drive) << drive.error().message();
+  const Eigen::Isometry3d published = drive->description.rig.cameras[0].T_camera_lidar;
+  for (const double degrees : {1.0, -1.0}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      geometry::Vector6 turn = geometry::Vector6::Zero();
+      turn[axis] = degrees * kDegree;
+      edit([&](recording::DriveDescription& description) {
+        description.rig.cameras[0].T_camera_lidar = geometry::exp(turn) * published;
+      });
+      EXPECT_TRUE(any_suspected(replay())) << degrees << " degrees about axis " << axis;
+    }
+  }
 }
 
 TEST_F(RealDrive, SaysWhatItCanBeUsedFor) {
