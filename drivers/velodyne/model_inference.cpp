@@ -125,8 +125,9 @@ std::string ModelInference::spacing() const {
 
 std::string ModelInference::describe() const {
   if (packets_ == 0) return "no data packets";
-  const std::string product = "product byte " + hex(product_id());
-  return periods_ == 0 ? product : product + ", " + spacing();
+  std::string text = "product byte " + hex(product_id());
+  if (periods_ > 0) text.append(", ").append(spacing());
+  return text;
 }
 
 std::optional<InferredModel> ModelInference::infer() const {
