@@ -125,7 +125,8 @@ std::string ModelInference::spacing() const {
 
 std::string ModelInference::describe() const {
   if (packets_ == 0) return "no data packets";
-  std::string text = "product byte " + hex(product_id());
+  std::string text = "product byte ";  // one by one: gcc 12 sees a bound exceeded in their sum
+  text.append(hex(product_id()));
   if (periods_ > 0) text.append(", ").append(spacing());
   return text;
 }
