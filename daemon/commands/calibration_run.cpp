@@ -95,6 +95,12 @@ std::string sigma_text(const geometry::Matrix6& covariance) {
                      100 * sigma(5));
 }
 
+std::string notes_text(const CalibrationRun& run, const ScenePairs& pairs) {
+  std::string text = run.motion.note.empty() ? "" : "  note: " + run.motion.note + "\n";
+  for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";
+  return text;
+}
+
 }  // namespace
 
 Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double length,
@@ -160,9 +166,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
                {"measure", run.measure},
                {"usable", result.usable()},
                {"reason", result.reason},
-               {"T_camera_lidar", matrix_json(result.T_refcam_lidar)},
                {"initial_T_camera_lidar", matrix_json(run.initial_pose)},
-               {"mahalanobis_distance", error_json(moved)},
                {"value", result.value},
                {"initial_value", result.initial_value},
                {"gain", result.value - result.initial_value},
@@ -177,12 +181,16 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
                {"motion_max_shift_m", rounded(run.motion.max_shift)},
                {"notes", pairs.notes}};
   if (!run.motion.note.empty()) json["notes"].push_back(run.motion.note);
+  if (result.has_pose) {
+    json["T_camera_lidar"] = matrix_json(result.T_refcam_lidar);
+    json["change_from_initial"] = error_json(moved);
+  }
   if (result.uncertainty.usable()) {
     json["covariance"] = matrix_json(result.uncertainty.covariance);
     json["covariance_of_motion"] = matrix_json(run.motion.covariance);
     json["cramer_rao_bound"] = matrix_json(result.uncertainty.cramer_rao_bound);
   }
-  for (size_t c = 0; c < pairs.cameras.size() && pairs.cameras.size() > 1; ++c) {
+  for (size_t c = 0; result.has_pose && c < pairs.cameras.size() && pairs.cameras.size() > 1; ++c) {
     json["cameras"].push_back(
         {{"name", pairs.cameras[c].name},
          {"T_camera_lidar", matrix_json(T_camera_refcam(pairs, c) * result.T_refcam_lidar)}});
@@ -190,7 +198,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
   if (!result.model_mismatches.empty())
     json["model_checks"] = model_checks_json(result.model_mismatches);
   if (result.split_half) json["split_half_covariance"] = matrix_json(*result.split_half);
-  if (pairs.truth) {
+  if (pairs.truth && result.has_pose) {
     json["error"] =
         error_json(geometry::extrinsic_error(result.T_refcam_lidar, *pairs.truth, model));
   }
@@ -205,6 +213,7 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                                  camera_names(pairs), pairs.lidar,
                                  result.usable() ? "usable" : "NOT USABLE: " + result.reason,
                                  run.measure, run.scenes.size(), result.points, run.cpu_s);
+  if (!result.has_pose) return text + notes_text(run, pairs);
   text += fmt::format(
       "  {:.3f} deg, {:.1f} cm from the initial guess; measure {:.5f}, there {:.5f}\n",
       moved.rotation / kDegree, 100 * moved.translation, result.value, result.initial_value);
@@ -248,9 +257,7 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                       10 * 100 * check.pose_sensitivity.tail<3>().norm());
     }
   }
-  if (!run.motion.note.empty()) text += "  note: " + run.motion.note + "\n";
-  for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";
-  return text;
+  return text + notes_text(run, pairs);
 }
 
 }  // namespace infuse::daemon

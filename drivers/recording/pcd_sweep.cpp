@@ -222,7 +222,7 @@ Result<void> parse_points(const PcdHeader& header, std::string_view points, Swee
   const FieldIndices field_indices = {
       header.find({"x"}), header.find({"y"}), header.find({"z"}),
       header.find({"intensity", "reflectivity", "reflectance", "i"}),
-      header.find({"ring", "channel", "laser", "beam"})};
+      header.find({"ring", "channel", "line", "laser_id", "laser", "beam"})};
   if (field_indices[0] < 0 || field_indices[1] < 0 || field_indices[2] < 0)
     return fail("has no fields x, y and z");
   if (header.points * header.point_bytes() > kMaxPointBytes) {
@@ -241,7 +241,9 @@ Result<void> parse_points(const PcdHeader& header, std::string_view points, Swee
   std::vector<size_t> rings;
   if (!columns[4].empty() && !order.empty()) rings = sort_by_ring(columns, order);
   fill_sweep(columns, order, sweep);
-  if (rings.empty() || !assign_rings(sweep, rings)) infer_rings(sweep);
+  if (rings.size() > 2 && assign_rings(sweep, rings)) return {};
+  if (infer_rings(sweep) || restore_rings(sweep)) return {};
+  if (!rings.empty()) assign_rings(sweep, rings);  // the one ring of a planar scanner
   return {};
 }
 

@@ -10,15 +10,16 @@ namespace infuse::recording {
 
 /// Parses the bytes of a PCD file (Point Cloud Library; ascii, binary or binary_compressed; at most
 /// 4 million points and 256 MiB) into a sweep. Fields: x, y, z (m, lidar frame); optionally
-/// intensity (or reflectivity, reflectance, i) and ring (or channel, laser, beam). Reflectivity is
-/// 0 … 1: intensities are divided by 255 if one exceeds 1, by 65535 if one exceeds 255, and clamped
-/// to 1.
+/// intensity (or reflectivity, reflectance, i) and ring (or channel, line, laser_id, laser, beam).
+/// Reflectivity is 0 … 1: intensities are divided by 255 if one exceeds 1, by 65535 if one exceeds
+/// 255, and clamped to 1.
 ///
 /// Points that are not finite or lie at the origin (directions without a return) are skipped. Rings
 /// are renumbered by elevation from below. Returns are sorted by ring from the top, and
 /// counter-clockwise from straight ahead within a ring, as KITTI writes its sweeps. Without a ring
-/// field, or with more than 128 rings, returns keep their order and rings are inferred
-/// (`infer_rings`). `has_times` is false. Stamp, sequence and clock are left to the caller.
+/// field, or with more than 128 rings, rings are inferred from the order of the returns
+/// (`infer_rings`) or from their elevations (`restore_rings`). `has_times` is false. Stamp,
+/// sequence and clock are left to the caller.
 Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep);
 
 /// The same for the points that follow a header.

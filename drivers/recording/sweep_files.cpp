@@ -82,7 +82,7 @@ Result<void> SweepReader::read(const std::filesystem::path& path, Sweep& sweep) 
     ++count;
   }
   sweep.resize(count);
-  infer_rings(sweep);
+  if (!infer_rings(sweep)) restore_rings(sweep);
   return {};
 }
 

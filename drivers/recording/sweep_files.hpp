@@ -15,9 +15,9 @@ namespace infuse::recording {
 class SweepReader {
  public:
   /// Fills `sweep` from a .pcd or .ply file with `parse_pcd_sweep`, from any other file as KITTI's
-  /// .bin: range is computed, rings are inferred (`infer_rings`), `has_times` is false, points that
-  /// are not finite are skipped. Files longer than 64 MiB are errors. Stamp, sequence and clock are
-  /// left to the caller.
+  /// .bin: range is computed, rings are inferred (`infer_rings`, or `restore_rings`), `has_times`
+  /// is false, points that are not finite are skipped. Files longer than 64 MiB are errors. Stamp,
+  /// sequence and clock are left to the caller.
   Result<void> read(const std::filesystem::path& path, Sweep& sweep);
 
   /// Reserves memory, so that reading up to `points` points allocates nothing.
@@ -49,5 +49,14 @@ bool infer_rings(Sweep& sweep);
 /// starts[k + 1] − 1, counter-clockwise from straight ahead. Returns false if there are more than
 /// `kMaxRings` rings or the column width cannot be determined.
 bool assign_rings(Sweep& sweep, std::span<const size_t> starts);
+
+/// Fills the same four for points in any order, and sorts the points ring by ring from the top,
+/// counter-clockwise from straight ahead within a ring. A lidar's beams keep their elevations, so
+/// the elevations of a sweep that is measured from one position form clusters: accepted are 2 …
+/// `kMaxRings` of them that hold nine returns of ten in their middle halves. Returns false and
+/// changes nothing otherwise: for a sweep in another frame than the lidar's, one that is merged or
+/// strongly deskewed, and for lidars whose beams begin at different heights (HDL-64E). Where
+/// clusters are found, but no column width, points are sorted and the four are 0.
+bool restore_rings(Sweep& sweep);
 
 }  // namespace infuse::recording

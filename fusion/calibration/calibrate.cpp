@@ -340,6 +340,7 @@ CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d&
     return result;
   }
   result.T_refcam_lidar = maximum.T_refcam_lidar;
+  result.has_pose = maximum.usable();
   result.restarts = options.restarts;
   result.returned = restart_result.returned;
   result.best_of_restarts = restart_result.best_of_restarts;

@@ -66,7 +66,9 @@ struct CalibrateOptions {
 
 /// Result of a calibration.
 struct CalibrationResult {
+  /// The estimate; without `has_pose` the initial pose.
   Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();
+  bool has_pose = false;  ///< an ascent ended at it; false where nothing could be compared
   Uncertainty uncertainty;
   std::vector<ModelMismatch>
       model_mismatches;  ///< intrinsics and clocks that seem to be off; empty where that is unknown

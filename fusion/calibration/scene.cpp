@@ -1,5 +1,6 @@
 #include "fusion/calibration/scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -32,6 +33,14 @@ Plane colour_plane(const CameraFrame& frame, size_t channel) {
         static_cast<float>(frame.pixels[step * i + (step == 3 ? channel : 0)]) / 255.0F;
   }
   return plane;
+}
+
+/// True if a wanted feature compares the returns of one ring.
+bool needs_rings(const SceneOptions& options) {
+  using enum LidarFeature;
+  const auto wanted = {kRelativeReflectivity, kDiscontinuity, kRelativeDiscontinuity};
+  return std::any_of(wanted.begin(), wanted.end(),
+                     [&](LidarFeature feature) { return options.lidar[index(feature)]; });
 }
 
 /// Computes the wanted features of all returns; the other arrays stay empty.
@@ -107,6 +116,12 @@ Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame,
   if (frame.width < 3 || frame.height < 3 ||
       frame.pixels.size() != frame.row_bytes() * static_cast<size_t>(frame.height)) {
     return fail("the image is empty or truncated");
+  }
+
+  if (sweep.rings == 0 && sweep.size() > 0 && needs_rings(options)) {
+    return fail(
+        "the rings of the sweep are not known", {},
+        "write its points with a field 'ring', or all of one turn in the lidar's own frame");
   }
 
   Scene scene;

@@ -53,7 +53,7 @@ PerImageFeature<features::Plane> compute_image_features(const CameraFrame& frame
                                                         const SceneOptions& options);
 
 /// Computes the features of a sweep, deskewed to the image's exposure, and of the image. Errors: an
-/// empty image or sweep, a Bayer mosaic.
+/// empty image or sweep, a Bayer mosaic, a sweep without rings where a feature needs them.
 Result<Scene> make_scene(const Sweep& sweep, const CameraFrame& frame, const SceneOptions& options);
 
 }  // namespace infuse::calibration

@@ -73,9 +73,10 @@ TEST(SweepFiles, InfersRingsAndColumnsOfASyntheticTurn) {
   }
 }
 
-TEST(SweepFiles, InfersNoRingsFromAnotherOrder) {
+TEST(SweepFiles, InfersNoRingsFromAnotherOrderWithoutClustersOfElevations) {
   SyntheticSweep turn = make_synthetic_sweep(16, 360);
-  std::reverse(turn.points.begin(), turn.points.end());  // clockwise, from below
+  std::reverse(turn.points.begin(), turn.points.end());             // clockwise, from below
+  for (auto& [x, y, z, reflectance] : turn.points) z += 0.01f * x;  // of a tilted frame
   const ScratchFolder folder;
   folder.write("a.bin", to_bin(turn.points));
   folder.write("empty.bin", "");

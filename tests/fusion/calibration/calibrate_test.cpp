@@ -111,6 +111,7 @@ TEST(Calibrate, NothingInViewIsRefused) {
   backwards.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()) * backwards.linear();
   const auto result = calibrate(drive.scenes, drive.cameras, backwards, {.restarts = 0});
   EXPECT_FALSE(result.usable());
+  EXPECT_FALSE(result.has_pose);
   EXPECT_EQ(result.points, 0U);
 }
 

@@ -20,6 +20,7 @@ CameraFrame grey_frame() {
 
 Sweep three_returns() {
   Sweep sweep;
+  sweep.rings = 1;
   sweep.resize(3);
   for (size_t i = 0; i < 3; ++i) {
     sweep.x[i] = sweep.range[i] = 1 + 50 * static_cast<float>(i);  // 1, 51, 101 m
@@ -87,6 +88,13 @@ TEST(MakeScene, RefusesWhatHasNoFeatures) {
   EXPECT_FALSE(make_scene(three_returns(), torn, {}));
   EXPECT_FALSE(make_scene(three_returns(), CameraFrame{}, {}));
   EXPECT_THAT(make_scene(Sweep{}, grey_frame(), {}).error().message(), HasSubstr("range"));
+}
+
+TEST(MakeScene, RefusesASweepWithoutRingsWhereAFeatureNeedsThem) {
+  Sweep sweep = three_returns();
+  sweep.rings = 0;
+  EXPECT_THAT(make_scene(sweep, grey_frame(), {}).error().message(), HasSubstr("field 'ring'"));
+  EXPECT_TRUE(make_scene(sweep, grey_frame(), {.lidar = {true}}));
 }
 
 TEST(SceneOptions, SaysWhatIsWrong) {
