@@ -197,7 +197,11 @@ Command declare_decode(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "decode", "write sweeps to files: x.pcd becomes x-000000.pcd, x-000001.pcd, ...");
   const auto arguments = std::make_shared<DecodeArguments>();
-  app->add_option("PATH", arguments->path, "a pcap or pcapng file, or a drive folder")->required();
+  app->add_option(
+         "PATH", arguments->path,
+         "a pcap or pcapng file, or a drive folder; the first part, a pattern or the folder of a "
+         "split capture")
+      ->required();
   app->add_option("-o,--output", arguments->output,
                   "file to write; its extension selects the format")
       ->required()

@@ -14,7 +14,7 @@
 #include "daemon/commands/drive_uses.hpp"
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/survey/capture_survey.hpp"
-#include "drivers/recording/pcap_reader.hpp"
+#include "drivers/recording/capture_reader.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -35,7 +35,7 @@ struct Contents {
 };
 
 Result<Contents> survey_capture(const std::filesystem::path& path) {
-  auto reader = recording::PcapReader::open(path);
+  auto reader = recording::CaptureReader::open(path);
   if (!reader) return tl::unexpected(reader.error());
   Contents contents;
   Datagram datagram;
@@ -263,7 +263,10 @@ Command declare_inspect(CLI::App& infuse) {
       "inspect",
       "list the contents of a capture or drive: sensors, rates, gaps, clocks, uses, problems");
   const auto arguments = std::make_shared<InspectArguments>();
-  app->add_option("PATH", arguments->path, "a drive folder, or a pcap or pcapng file")->required();
+  app->add_option(
+         "PATH", arguments->path,
+         "a drive folder, or a pcap or pcapng file; the first part or a pattern of a split capture")
+      ->required();
   app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
   app->add_option("--calibration", arguments->calibration, "db.xml of an HDL-64E")

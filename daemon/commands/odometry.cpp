@@ -159,7 +159,11 @@ Command declare_odometry(CLI::App& infuse) {
       "odometry",
       "find the motion of the vehicle from one lidar alone, and write it as a trajectory");
   const auto arguments = std::make_shared<OdometryArguments>();
-  app->add_option("PATH", arguments->path, "a pcap or pcapng file, or a drive folder")->required();
+  app->add_option(
+         "PATH", arguments->path,
+         "a pcap or pcapng file, or a drive folder; the first part, a pattern or the folder of a "
+         "split capture")
+      ->required();
   app->add_option(
          "-o,--output", arguments->output,
          "trajectory of the vehicle to write, in TUM format: a pose at the middle of every "

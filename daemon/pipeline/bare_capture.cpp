@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "drivers/recording/pcap_reader.hpp"
+#include "drivers/recording/capture_reader.hpp"
 #include "drivers/velodyne/sweep_assembler.hpp"
 
 namespace infuse::daemon {
@@ -13,6 +13,13 @@ namespace {
 constexpr size_t kMaxSurveyDatagrams = 20'000;
 constexpr uint64_t kMinPackets =
     10;  // a stream of fewer packets is noise if there is another stream
+
+/// The path of a capture or of a folder of captures, with the name at its end.
+std::filesystem::path named_path(const std::filesystem::path& path) {
+  const bool above = path.lexically_normal().filename() == "..";
+  const auto plain = (above ? std::filesystem::absolute(path) : path).lexically_normal();
+  return plain.has_filename() ? plain : plain.parent_path();
+}
 
 recording::LidarFiles files_of(const std::filesystem::path& path, const LidarOptions& options) {
   recording::LidarFiles files;
@@ -72,7 +79,7 @@ std::string describe_contents(const CaptureSurvey& survey) {
 }  // namespace
 
 Result<CaptureSurvey> survey_beginning(const std::filesystem::path& path) {
-  auto reader = recording::PcapReader::open(path);
+  auto reader = recording::CaptureReader::open(path);
   if (!reader) return tl::unexpected(reader.error());
   CaptureSurvey survey;
   Datagram datagram;
@@ -81,9 +88,10 @@ Result<CaptureSurvey> survey_beginning(const std::filesystem::path& path) {
   return survey;
 }
 
-Result<recording::Drive> describe_capture(const std::filesystem::path& path,
+Result<recording::Drive> describe_capture(const std::filesystem::path& capture,
                                           const CaptureSurvey& survey,
                                           const std::vector<LidarOptions>& lidars) {
+  const std::filesystem::path path = named_path(capture);
   recording::Drive drive;
   drive.folder = path.parent_path();
   recording::DriveDescription& description = drive.description;
@@ -125,7 +133,7 @@ const Stream* find_data_stream(const CaptureSurvey& survey, const recording::Lid
 std::optional<velodyne::Calibration> find_streamed_calibration(const std::filesystem::path& path,
                                                                const recording::LidarFiles& files,
                                                                velodyne::Model model) {
-  auto reader = recording::PcapReader::open(path, {.ports = {files.port}});
+  auto reader = recording::CaptureReader::open(path, {.ports = {files.port}});
   if (!reader) return std::nullopt;
   velodyne::SweepAssembler assembler({.model = model, .sender = files.sender.value_or(0)});
   Sweep sweep;

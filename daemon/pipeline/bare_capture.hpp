@@ -13,12 +13,13 @@
 
 namespace infuse::daemon {
 
-/// Surveys the beginning of a capture, enough to identify its sensors.
+/// Surveys the beginning of a capture (a path as of `find_capture_parts`), enough to identify its
+/// sensors.
 Result<CaptureSurvey> survey_beginning(const std::filesystem::path& path);
 
 /// Describes a bare capture as a drive: one lidar for each of `lidars`, or if that is empty, one
 /// for each stream of data packets in the survey. Errors: no lidar.
-Result<recording::Drive> describe_capture(const std::filesystem::path& path,
+Result<recording::Drive> describe_capture(const std::filesystem::path& capture,
                                           const CaptureSurvey& survey,
                                           const std::vector<LidarOptions>& lidars);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "daemon/pipeline/bare_capture.hpp"
+#include "drivers/recording/capture_parts.hpp"
 #include "drivers/velodyne/calibration_file.hpp"
 
 namespace infuse::daemon {
@@ -99,16 +100,24 @@ Result<void> set_up_packets(const recording::Drive& drive, const recording::Lida
 Result<recording::Drive> find_drive(const std::filesystem::path& path,
                                     const std::vector<LidarOptions>& lidars) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return recording::Drive::open(path);
+  if (std::filesystem::is_directory(path, ignored) && !recording::is_capture_folder(path)) {
+    return recording::Drive::open(path);
+  }
   const auto survey = survey_beginning(path);
   if (!survey) return tl::unexpected(survey.error());
   return describe_capture(path, *survey, lidars);
 }
 
-uint64_t size_of(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  return error ? 0 : size;
+uint64_t size_of_capture(const std::filesystem::path& path) {
+  uint64_t size = 0;
+  const auto parts = recording::find_capture_parts(path);
+  if (!parts) return 0;
+  for (const std::filesystem::path& part : *parts) {
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(part, error);
+    if (!error) size += bytes;
+  }
+  return size;
 }
 
 /// Sets up the lidars of a drive and their devices.
@@ -132,7 +141,7 @@ Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<Lida
       if (!set_up) return tl::unexpected(set_up.error());
       if (std::find(captures.begin(), captures.end(), files.packets) == captures.end()) {
         captures.push_back(files.packets);
-        setup.capture_bytes += size_of(drive.resolve(files.packets));
+        setup.capture_bytes += size_of_capture(drive.resolve(files.packets));
       }
     }
     setup.lidars.push_back(std::move(lidar));

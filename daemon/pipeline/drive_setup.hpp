@@ -26,11 +26,11 @@ struct LidarOverrides {
   std::filesystem::path calibration{};  ///< db.xml of the unit; empty: none
 };
 
-/// Opens a drive folder or a bare capture. In a drive, drive.toml names the lidars; in a bare
-/// capture, `lidars` of the configuration does, or if it is empty, every stream of data packets at
-/// the beginning of the capture is a lidar. The model is that of `overrides` if given, else the
-/// configured one, else the one inferred from the packets. The calibration of an HDL-64E is that of
-/// `overrides` if given, else the configured one, else the one in its packets.
+/// Opens a drive folder or a bare capture (`find_capture_parts`). In a drive, drive.toml names the
+/// lidars; in a bare capture, `lidars` of the configuration does, or if it is empty, every stream
+/// of data packets at the beginning of the capture is a lidar. The model is that of `overrides` if
+/// given, else the configured one, else the one inferred from the packets. The calibration of an
+/// HDL-64E is that of `overrides` if given, else the configured one, else the one in its packets.
 Result<DriveSetup> open_drive(const std::filesystem::path& path,
                               const std::vector<LidarOptions>& lidars,
                               const LidarOverrides& overrides);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "drivers/gnss/gnss_csv.hpp"
+#include "drivers/recording/capture_reader.hpp"
 #include "drivers/recording/imu_csv.hpp"
 #include "drivers/recording/speed_csv.hpp"
 #include "drivers/recording/sweep_files.hpp"
@@ -27,7 +28,7 @@ std::optional<Stamp> parse_candump_stamp(std::string_view line) {
 
 class CaptureStream : public EventStream {
  public:
-  CaptureStream(PcapReader reader, std::vector<LidarRoute> routes)
+  CaptureStream(CaptureReader reader, std::vector<LidarRoute> routes)
       : reader_(std::move(reader)), routes_(std::move(routes)) {}
 
   bool next(DriveEvent& event) override {
@@ -52,7 +53,7 @@ class CaptureStream : public EventStream {
     return kNoLidar;
   }
 
-  PcapReader reader_;
+  CaptureReader reader_;
   std::vector<LidarRoute> routes_;
 };
 
@@ -208,7 +209,7 @@ class SampleStream : public EventStream {
 Result<std::unique_ptr<EventStream>> open_capture_stream(const std::filesystem::path& path,
                                                          const PcapOptions& options,
                                                          std::vector<LidarRoute> routes) {
-  auto reader = PcapReader::open(path, options);
+  auto reader = CaptureReader::open(path, options);
   if (!reader) return tl::unexpected(reader.error());
   return std::make_unique<CaptureStream>(std::move(*reader), std::move(routes));
 }

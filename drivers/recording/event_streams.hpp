@@ -17,7 +17,8 @@ struct LidarRoute {
   std::optional<uint32_t> sender;  ///< absent: any
 };
 
-/// Opens the datagrams of a capture. If `routes` is empty, all belong to lidar 0.
+/// Opens the datagrams of a capture (a path as of `find_capture_parts`). If `routes` is empty, all
+/// belong to lidar 0.
 Result<std::unique_ptr<EventStream>> open_capture_stream(const std::filesystem::path& path,
                                                          const PcapOptions& options,
                                                          std::vector<LidarRoute> routes);
