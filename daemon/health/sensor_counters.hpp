@@ -15,6 +15,7 @@ struct SensorCounters {
   uint64_t position_packets = 0;  ///< position packets read
   uint64_t sweeps = 0;            ///< sweeps completed
   uint64_t returns = 0;           ///< returns in those sweeps
+  uint64_t dropped_sweeps = 0;    ///< sweeps not processed, because they came too late to it; live
 
   uint64_t lost_network = 0;  ///< data packets missing by the device's own counter, without those
                               ///< that the kernel dropped

@@ -47,6 +47,7 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
                   {"wrong_sender", Level::kWarn, options.raise_after, options.clear_after},
                   {"wrong_model", Level::kWarn, options.raise_after, options.clear_after},
                   {"receive_buffer", Level::kWarn, options.raise_after, options.clear_after},
+                  {"overload", Level::kWarn, options.raise_after, options.clear_after},
                   {"clock", Level::kWarn, options.raise_after, options.clear_after}} {}
 
 const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counters) {
@@ -63,7 +64,8 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
        check_loss(counters, before, options_.error_loss, kUnlimitedLoss),
        check_loss(counters, before, options_.warn_loss, options_.error_loss),
        check_sender(counters, before), check_model(counters, before),
-       check_receive_buffer(counters.source), check_clock(now, counters)},
+       check_receive_buffer(counters.source), check_overload(counters, before),
+       check_clock(now, counters)},
       now);
   status_.findings = conditions_.findings();
   status_.transitions = conditions_.transitions();
@@ -166,6 +168,16 @@ CheckResult SensorHealth::check_model(const SensorCounters& now,
   if (wrong == 0) return {};
   return {true, fmt::format("{} on {} from another model", plural(wrong, "packet"), endpoint_),
           "check the configured model"};
+}
+
+CheckResult SensorHealth::check_overload(const SensorCounters& now,
+                                         const SensorCounters& before) const {
+  const uint64_t dropped = increase(now.dropped_sweeps, before.dropped_sweeps);
+  if (dropped == 0) return {};
+  return {true,
+          fmt::format("{} not processed: the processor is too slow", plural(dropped, "sweep")),
+          "see the latencies of the stages in HEALTH; reduce other load, the number of cameras, or "
+          "set use_lidar = false in [odometry]"};
 }
 
 CheckResult SensorHealth::check_clock(Stamp now, const SensorCounters& counters) {

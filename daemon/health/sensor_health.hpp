@@ -51,6 +51,7 @@ class SensorHealth {
                          double max_loss) const;
   CheckResult check_sender(const SensorCounters& now, const SensorCounters& before) const;
   CheckResult check_model(const SensorCounters& now, const SensorCounters& before) const;
+  CheckResult check_overload(const SensorCounters& now, const SensorCounters& before) const;
   CheckResult check_clock(Stamp now, const SensorCounters& counters);
   void measure_rates(Stamp now, const Window::Snapshot& oldest);
 

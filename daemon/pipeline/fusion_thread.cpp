@@ -51,6 +51,7 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       previous_sweeps_(setup.rig.lidars.size()),
       images_(images, images.capacity(),
               setup.delivery == Delivery::kWait ? EventCount::kNoTimeout : kImageTimeout),
+      dropped_sweeps_(setup.rig.lidars.size()),
       image_counters_(setup.rig.cameras.size()) {
   if (setup.map != nullptr && !setup.map->empty() && setup.has_odometry) {
     map_tracker_.emplace(setup.streetmap, *setup.map, setup.rig);
@@ -91,6 +92,10 @@ void FusionThread::process(Pin<StreamItem> item) {
       return process_due_sweeps();
     case StreamItem::Kind::kSweep:
       now_ = std::max(now_, end_of(item->sweep));
+      if (is_later_than(kMaxLateness, *item)) {
+        ++dropped_sweeps_[item->lidar];
+        return process_due_sweeps();
+      }
       odometry_.mark(end_of(item->sweep), measures_motion(item->lidar));
       sweeps_.push(std::move(item));
       return process_due_sweeps();
@@ -125,7 +130,13 @@ void FusionThread::process_due_sweeps() {
 void FusionThread::process_sweep(Pin<StreamItem> item) {
   odometry_.process_until(end_of(item->sweep));
   const SweepSnapshot snapshot = deskew(*item);
-  if (measures_motion(item->lidar)) measure_motion(*item);
+  if (measures_motion(item->lidar)) {
+    if (is_later_than(kLatencyBudget, *item)) {
+      ++skipped_registrations_;
+    } else {
+      measure_motion(*item);
+    }
+  }
   report_sweep(snapshot);
   localise(snapshot);
   images_.pop_due(
@@ -138,6 +149,11 @@ void FusionThread::process_sweep(Pin<StreamItem> item) {
   if (total > kLatencyBudget) ++deadline_misses_;
   const LidarIndex lidar = item->lidar;
   previous_sweeps_[lidar] = std::move(item);
+}
+
+// A replay waits for its sweeps: none is late.
+bool FusionThread::is_later_than(Duration age, const StreamItem& item) const {
+  return setup_.delivery == Delivery::kOverwrite && HostClock::now() - item.read_at > age;
 }
 
 // Registers the sweep, which is deskewed by prediction, to the local map. With the motion that this
@@ -262,6 +278,9 @@ void FusionThread::report_latest_pose() {
 void FusionThread::report_tick(const StreamItem& item) {
   ReportItem& report = begin_report(ReportItem::Kind::kTick, item.stamp);
   report.counters = item.counters;  // of equal length: no allocation
+  for (size_t lidar = 0; lidar < dropped_sweeps_.size(); ++lidar) {
+    report.counters[lidar].dropped_sweeps = dropped_sweeps_[lidar];
+  }
   report.streams = item.streams;
   for (size_t camera = 0; camera < cameras_.size(); ++camera) {  // streams begin with the cameras
     const ImageCounters& counters = image_counters_[camera];
@@ -275,6 +294,7 @@ void FusionThread::report_tick(const StreamItem& item) {
   for (size_t i = 0; i < latencies_.size(); ++i) report.stages[i] = latencies_[i].stats();
   report.stages[static_cast<size_t>(Stage::kIntake)] = item.intake;
   report.deadline_misses = deadline_misses_;
+  report.skipped_registrations = skipped_registrations_;
   report.items_waiting = {"items", static_cast<uint32_t>(in_.backlog()),
                           static_cast<uint32_t>(stream_.capacity()), in_.lost()};
   send_report();

@@ -40,10 +40,15 @@ struct FusionSetup {
 /// waits until the vehicle's sensors cover its time; without them its motion is predicted and, with
 /// `use_lidar`, measured by registration. `process_sweep` is the whole processing of a sweep and
 /// its images.
+///
+/// Live, an overloaded processor must not delay everything behind its sweeps: one that is late is
+/// not registered, and one that is later than `kMaxLateness` is dropped; both are counted.
 class FusionThread {
  public:
   /// Maximum host time from the reading of the packet that completes a sweep to its last report.
   static constexpr Duration kLatencyBudget{100'000'000};
+  /// Maximum age of a sweep, live, at which it is still processed.
+  static constexpr Duration kMaxLateness{1'000'000'000};
   /// Maximum number of sweeps that wait for odometry.
   static size_t max_waiting_sweeps(size_t lidars) { return 2 * lidars; }
   /// Maximum number of pins held on the ring of items, which must have more room: those sweeps, the
@@ -70,6 +75,7 @@ class FusionThread {
   void process_samples(const StreamItem& item);
   void process_due_sweeps();
   void process_sweep(Pin<StreamItem> item);
+  bool is_later_than(Duration age, const StreamItem& item) const;
   bool measures_motion(LidarIndex lidar) const { return lidar_odometry_ && lidar == 0; }
   void measure_motion(const StreamItem& item);
   SweepSnapshot deskew(const StreamItem& item);
@@ -117,9 +123,11 @@ class FusionThread {
   bool located_ = false;                       // that sweep has a pose in the local map
   Stamp last_pose_ = Stamp::earliest();        // of the last pose without a sweep
   uint64_t not_deskewed_ = 0;
+  std::vector<uint64_t> dropped_sweeps_;       // by LidarIndex
   std::vector<ImageCounters> image_counters_;  // by CameraIndex
   std::array<LatencyHistogram, static_cast<size_t>(Stage::kCount)> latencies_;
   uint64_t deadline_misses_ = 0;
+  uint64_t skipped_registrations_ = 0;
 };
 
 }  // namespace infuse::daemon

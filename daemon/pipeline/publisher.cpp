@@ -217,8 +217,11 @@ HostStats Publisher::host_stats(const ReportItem& item) const {
   HostStats host;
   host.cpu_s = process_cpu_s();
   for (size_t i = 0; i < item.stages.size(); ++i) {
-    const bool total = i == static_cast<size_t>(Stage::kTotal);
-    host.stages.push_back({kStageNames[i], item.stages[i], total ? item.deadline_misses : 0});
+    const auto stage = static_cast<Stage>(i);
+    const uint64_t misses = stage == Stage::kTotal      ? item.deadline_misses
+                            : stage == Stage::kRegister ? item.skipped_registrations
+                                                        : 0;
+    host.stages.push_back({kStageNames[i], item.stages[i], misses});
   }
   host.queues = {item.items_waiting,
                  {"reports", static_cast<uint32_t>(in_.backlog()),

@@ -53,8 +53,9 @@ struct ReportItem {
   OdometryStatus odometry;
   std::optional<StreetMapStatus> streetmap;  ///< nothing: no map
   std::array<LatencyStats, static_cast<size_t>(Stage::kCount)> stages{};
-  uint64_t deadline_misses = 0;  ///< number of sweeps whose `kTotal` exceeded the budget
-  QueueStats items_waiting;      ///< queue from the io thread to fusion
+  uint64_t deadline_misses = 0;        ///< number of sweeps whose `kTotal` exceeded the budget
+  uint64_t skipped_registrations = 0;  ///< live: sweeps that were too late to be registered
+  QueueStats items_waiting;            ///< queue from the io thread to fusion
 };
 
 }  // namespace infuse::daemon

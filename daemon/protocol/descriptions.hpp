@@ -106,6 +106,9 @@ void describe(Visitor& v, const DeviceHealth<SensorStatus>& sensor) {
           counter("infuse_lidar_position_packets_total"));
   v.field("sweeps", c.sweeps, "Sweeps completed since the start.",
           counter("infuse_lidar_sweeps_total"));
+  v.field("dropped_sweeps", c.dropped_sweeps,
+          "Sweeps not processed, because they came too late to it; live only.",
+          counter("infuse_lidar_dropped_sweeps_total"));
   v.field("returns", c.returns, "Returns in the completed sweeps.",
           counter("infuse_lidar_returns_total"));
   v.field("losses", PacketLosses{c}, "datagrams lost or rejected since the start, by cause");
@@ -236,7 +239,8 @@ void describe(Visitor& v, const StageStats& stage) {
   v.field("stage", stage.name);
   v.field("count", stage.latency.count, "Runs of a stage.", counter("infuse_stage_runs_total"));
   v.field("latency_ms", stage.latency);
-  v.field("deadline_misses", stage.deadline_misses, "Runs that exceeded the stage's deadline.",
+  v.field("deadline_misses", stage.deadline_misses,
+          "Runs that exceeded the stage's deadline, or were left out because of it.",
           counter("infuse_stage_deadline_misses_total"));
 }
 

@@ -169,6 +169,16 @@ TEST_F(SensorHealthTest, AnotherModelIsAWarning) {
   EXPECT_STREQ(tick().findings.at(0).id, "wrong_model");
 }
 
+TEST_F(SensorHealthTest, SweepsThatAreNotProcessedAreAWarning) {
+  settle();
+  for (int i = 0; i < 4; ++i) {
+    counters_.dropped_sweeps += 3;
+    deliver();
+    tick();
+  }
+  EXPECT_STREQ(tick().findings.at(0).id, "overload");
+}
+
 TEST_F(SensorHealthTest, CountersThatStepBackDoNotWrapRound) {
   settle();
   counters_.lost_network = 5;

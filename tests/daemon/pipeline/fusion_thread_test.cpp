@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 
 namespace infuse::daemon {
@@ -52,8 +53,10 @@ class FusionThreadTest : public testing::Test {
   }
 
   /// A sweep of one return, 10 m ahead.
-  void push_sweep(Stamp stamp) {
-    Sweep& sweep = slot(StreamItem::Kind::kSweep, stamp).sweep;
+  void push_sweep(Stamp stamp, HostClock::time_point read_at = HostClock::now()) {
+    StreamItem& item = slot(StreamItem::Kind::kSweep, stamp);
+    item.read_at = read_at;
+    Sweep& sweep = item.sweep;
     sweep.resize(1);
     sweep.stamp = stamp;
     sweep.span = kSpan;
@@ -152,6 +155,28 @@ TEST_F(FusionThreadTest, AFlushProcessesTheSweepsThatWait) {
   push_sweep(at(0));
   EXPECT_THAT(kinds(run(at(0.1))),
               ElementsAre(Kind::kStart, Kind::kSweep, Kind::kPose, Kind::kTick, Kind::kEnd));
+}
+
+TEST_F(FusionThreadTest, ALateSweepIsNotRegisteredAndAVeryLateOneIsDroppedIfLive) {
+  setup_.has_odometry = setup_.use_lidar = true;
+  for (const Delivery delivery : {Delivery::kWait, Delivery::kOverwrite}) {
+    thread_.reset();
+    setup_.delivery = delivery;
+    const Duration ages[] = {Duration::zero(), from_seconds(0.5), from_seconds(5)};
+    for (size_t i = 0; i < std::size(ages); ++i) {
+      push_sweep(at(0.1 * static_cast<double>(i)), HostClock::now() - ages[i]);
+    }
+    const auto reports = run(at(1));
+    const bool live = delivery == Delivery::kOverwrite;
+    const auto sweeps = std::count_if(reports.begin(), reports.end(), [](const ReportItem& report) {
+      return report.kind == Kind::kSweep;
+    });
+    EXPECT_EQ(sweeps, live ? 2 : 3);
+    const ReportItem& tick = reports[reports.size() - 2];
+    ASSERT_EQ(tick.kind, Kind::kTick);
+    EXPECT_EQ(tick.skipped_registrations, live ? 1U : 0U);
+    EXPECT_EQ(tick.counters[0].dropped_sweeps, live ? 1U : 0U);
+  }
 }
 
 TEST_F(FusionThreadTest, AnImageIsMatchedWithTheSweepDuringWhichItWasExposed) {
