@@ -30,6 +30,8 @@ format = "GREY"
 [[can]]
 name = "bus"
 interface = "vcan0"
+[odometry]
+use_lidar = false  # on an emulated processor a registration takes seconds
 [record]
 memory_mb = 8  # small, so that all of it is used soon
 TOML
