@@ -1,20 +1,14 @@
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
-#include <boost/asio/io_context.hpp>
 #include <iostream>
-#include <map>
 #include <memory>
 
 #include "daemon/command_line/arguments.hpp"
-#include "daemon/command_line/lidar_problems.hpp"
 #include "daemon/command_line/progress_line.hpp"
-#include "daemon/command_line/summary.hpp"
 #include "daemon/commands/command.hpp"
-#include "daemon/commands/drive_uses.hpp"
-#include "daemon/pipeline/replay.hpp"
-#include "daemon/survey/capture_survey.hpp"
-#include "drivers/recording/capture_reader.hpp"
+#include "daemon/commands/inspection.hpp"
+#include "daemon/commands/inspection_list.hpp"
+#include "drivers/recording/capture_parts.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -26,234 +20,51 @@ struct InspectArguments {
   bool json = false;
 };
 
-/// Contents of the files before decoding.
-struct Contents {
-  CaptureSurvey survey;
-  std::map<std::string, Arrivals> other_streams;  ///< "camera 0", "CAN frames", ...
-  std::vector<Error> notes;
-  bool has_map = false;
-};
-
-Result<Contents> survey_capture(const std::filesystem::path& path) {
-  auto reader = recording::CaptureReader::open(path);
-  if (!reader) return tl::unexpected(reader.error());
-  Contents contents;
-  Datagram datagram;
-  while (reader->next(datagram)) contents.survey.add(datagram);
-  contents.survey.set_packets(reader->counters());
-  reader->append_notes(contents.notes);
-  return contents;
-}
-
-std::string kind_of(const recording::DriveEvent& event) {
-  if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
-    return fmt::format("images of camera {}", image->camera);
-  }
-  if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-    return fmt::format("decoded sweeps of lidar {}", sweep->lidar);
-  }
-  if (std::holds_alternative<recording::CanLineEvent>(event.content)) return "CAN frames";
-  if (std::holds_alternative<WheelOdometry>(event.content)) return "speeds";
-  return std::holds_alternative<GnssFix>(event.content) ? "GNSS fixes" : "IMU samples";
-}
-
-Result<Contents> survey_drive(const std::filesystem::path& path) {
-  const auto drive = recording::Drive::open(path);
-  if (!drive) return tl::unexpected(drive.error());
-  auto source = recording::DriveSource::open(*drive);
-  if (!source) return tl::unexpected(source.error());
-  Contents contents;
-  recording::DriveEvent event;
-  while (source->next(event)) {
-    if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
-      contents.survey.add(datagram->datagram);
+/// Inspects every capture of a folder: one line each, then totals.
+int inspect_folder(const InspectArguments& arguments, const LidarOverrides& overrides) {
+  InspectionList list;
+  Json captures = Json::array();
+  for (const auto& capture : recording::list_captures(arguments.path)) {
+    ProgressLine line;
+    const auto inspection = inspect_recording(capture, overrides, line);
+    line.clear();
+    const std::string text = list.add(capture, inspection);
+    if (arguments.json) {
+      captures.push_back(inspection ? to_json(*inspection)
+                                    : Json{{"path", capture.string()},
+                                           {"problems", {inspection.error().message()}}});
     } else {
-      contents.other_streams[kind_of(event)].add(event.stamp);
+      std::cout << text << std::flush;
     }
   }
-  contents.notes = source->notes();
-  contents.has_map = !drive->description.map.empty();
-  return contents;
-}
-
-/// Raises the level of each lidar to that of its problems: health needs seconds to judge, and a
-/// capture may be shorter.
-Summary judge_lidars(Summary summary) {
-  Totals& totals = summary.totals;
-  for (size_t i = 0; i < totals.counters.size(); ++i) {
-    totals.levels[i] =
-        worst_level(totals.levels[i], find_problems(summary.devices[i], totals.counters[i]));
+  if (arguments.json) {
+    std::cout << Json{{"path", arguments.path},
+                      {"captures", std::move(captures)},
+                      {"totals", list.totals_json()}}
+                     .dump()
+              << "\n";
+  } else {
+    std::cout << list.totals_text();
   }
-  return summary;
-}
-
-/// True if a lidar has been decoded.
-bool has_lidar(const Result<Summary>& summary) {
-  if (!summary) return false;
-  const auto& counters = summary->totals.counters;
-  return std::any_of(counters.begin(), counters.end(),
-                     [](const SensorCounters& c) { return c.packets > 0; });
-}
-
-/// Runs the drive through the pipeline without clients.
-Summary replay(DriveSetup setup) {
-  boost::asio::io_context io(1);
-  Server server(io, {}, "", "");
-  Replay replay(io, std::move(setup), {}, server, nullptr,
-                [&] { server.finish(std::chrono::milliseconds(0)); });
-  replay.start();
-  io.run();
-  return summarise(replay);
-}
-
-/// Problems that need attention.
-std::vector<std::string> list_problems(const Contents& contents, const Result<Summary>& summary) {
-  std::vector<std::string> list;
-  // The replay read the same files, and parsed their lines too.
-  const std::vector<Error>& notes = summary ? summary->notes : contents.notes;
-  for (const Error& note : notes) list.push_back(note.message());
-  for (const Stream& stream : contents.survey.streams()) {
-    if (stream.arrivals.backward > 0) {
-      list.push_back(fmt::format("{} datagrams to port {} have stamps before the previous one",
-                                 stream.arrivals.backward, stream.port));
-    }
-  }
-  if (!summary) {
-    list.push_back(summary.error().message());
-    return list;
-  }
-  for (const AlertReport& alert : summary->totals.first_alerts) {
-    list.push_back(fmt::format("after {:.0f} s: {}: {} ({})",
-                               to_seconds(alert.stamp - summary->totals.start), alert.device,
-                               alert.finding.what, alert.finding.advice));
-  }
-  for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
-    for (const LidarProblem& problem :
-         find_problems(summary->devices[i], summary->totals.counters[i])) {
-      list.push_back(problem.what);
-    }
-  }
-  return list;
-}
-
-const char* name_of(StreamKind kind) {
-  switch (kind) {
-    case StreamKind::kData:
-      return "lidar packets";
-    case StreamKind::kPosition:
-      return "position packets";
-    case StreamKind::kOther:
-      return "other datagrams";
-  }
-  return "";
-}
-
-Json arrivals_json(const std::string& what, const Arrivals& arrivals) {
-  return {{"what", what},
-          {"count", arrivals.count},
-          {"rate_hz", rounded(arrivals.rate_hz())},
-          {"first", arrivals.first.ns()},
-          {"last", arrivals.last.ns()},
-          {"longest_gap_s", to_seconds(arrivals.longest_gap)}};
-}
-
-Json to_json(const InspectArguments& arguments, const Contents& contents,
-             const Result<Summary>& summary) {
-  Json json = {{"path", arguments.path}, {"streams", Json::array()}};
-  for (const Stream& stream : contents.survey.streams()) {
-    Json entry = arrivals_json(name_of(stream.kind), stream.arrivals);
-    entry["sender"] = address_text(stream.sender);
-    entry["port"] = stream.port;
-    entry["last_size_bytes"] = stream.last_size;
-    json["streams"].push_back(std::move(entry));
-  }
-  for (const auto& [what, arrivals] : contents.other_streams) {
-    json["streams"].push_back(arrivals_json(what, arrivals));
-  }
-  const std::string unread = contents.survey.describe_unread();
-  if (!unread.empty()) json["not_read"] = unread;
-  json["devices"] = Json::array();
-  if (summary) {
-    const Json replayed = to_json(*summary);
-    json["devices"] = replayed["devices"];
-    json["sensors"] = replayed["streams"];
-    if (replayed.contains("odometry")) json["odometry"] = replayed["odometry"];
-    json["uses"] = Json::array();
-    for (const DriveUse& use : drive_uses(*summary, contents.has_map)) {
-      json["uses"].push_back(
-          {{"use", use.use}, {"possible", use.possible}, {"statement", use.statement}});
-    }
-  }
-  json["problems"] = list_problems(contents, summary);
-  return json;
-}
-
-std::string arrivals_text(const std::string& what, const Arrivals& arrivals) {
-  return fmt::format("  {} {}: {:.1f}/s over {:.3f} s, longest gap {:.1f} ms\n", arrivals.count,
-                     what, arrivals.rate_hz(), to_seconds(arrivals.span()),
-                     to_seconds(arrivals.longest_gap) * 1e3);
-}
-
-std::string to_text(const InspectArguments& arguments, const Contents& contents,
-                    const Result<Summary>& summary) {
-  std::string text = arguments.path + "\nstreams\n";
-  for (const Stream& stream : contents.survey.streams()) {
-    text += arrivals_text(fmt::format("{} from {} to port {}", name_of(stream.kind),
-                                      address_text(stream.sender), stream.port),
-                          stream.arrivals);
-  }
-  for (const auto& [what, arrivals] : contents.other_streams) text += arrivals_text(what, arrivals);
-  const std::string unread = contents.survey.describe_unread();
-  if (!unread.empty()) text += "  not read: " + unread + "\n";
-  if (summary) {
-    text += "lidars\n";
-    for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
-      text +=
-          device_text(summary->devices[i], summary->totals.counters[i], summary->totals.levels[i]);
-    }
-    const size_t lidars = summary->totals.counters.size();
-    if (!summary->totals.streams.empty()) text += "cameras and the vehicle\n";
-    for (size_t i = 0; i < summary->totals.streams.size(); ++i) {
-      text += stream_text(summary->devices[lidars + i], summary->totals.streams[i],
-                          summary->totals.levels[lidars + i]);
-    }
-    if (summary->has_odometry) text += odometry_text(summary->totals.odometry);
-    text += "can be used for\n";
-    for (const DriveUse& use : drive_uses(*summary, contents.has_map)) {
-      text += fmt::format("  {}: {}; {}\n", use.use, use.possible ? "yes" : "no", use.statement);
-    }
-  }
-  const auto list = list_problems(contents, summary);
-  text += list.empty() ? "no problems\n" : "problems\n";
-  for (const std::string& problem : list) text += "  " + problem + "\n";
-  return text;
+  return list.all_have_lidars() ? kDone : kFailure;
 }
 
 int run(const InspectArguments& arguments) {
-  std::optional<velodyne::Model> model;
+  LidarOverrides overrides{{}, arguments.calibration};
   if (!arguments.model.empty()) {
-    model = velodyne::find_model(arguments.model);
-    if (!model) {
+    overrides.model = velodyne::find_model(arguments.model);
+    if (!overrides.model) {
       return print_error("infuse inspect",
                          {"unknown model '" + arguments.model + "'", "--model", ""}, kUsage);
     }
   }
-  std::error_code ignored;
-  const bool folder = std::filesystem::is_directory(arguments.path, ignored);
+  if (recording::is_capture_folder(arguments.path)) return inspect_folder(arguments, overrides);
   ProgressLine line;
-  line.show(std::nullopt, "reading " + arguments.path);
-  const auto contents = folder ? survey_drive(arguments.path) : survey_capture(arguments.path);
-  if (!contents) {
-    line.clear();
-    return print_error("infuse inspect", contents.error(), kUnreadable);
-  }
-  line.show(std::nullopt, "decoding " + arguments.path);
-  const Result<Summary> summary =
-      open_drive(arguments.path, {}, {model, arguments.calibration}).map(replay).map(judge_lidars);
+  const auto inspection = inspect_recording(arguments.path, overrides, line);
   line.clear();
-  std::cout << (arguments.json ? to_json(arguments, *contents, summary).dump() + "\n"
-                               : to_text(arguments, *contents, summary));
-  return has_lidar(summary) ? kDone : kFailure;
+  if (!inspection) return print_error("infuse inspect", inspection.error(), kUnreadable);
+  std::cout << (arguments.json ? to_json(*inspection).dump() + "\n" : to_text(*inspection));
+  return has_lidar(*inspection) ? kDone : kFailure;
 }
 
 }  // namespace
@@ -265,14 +76,15 @@ Command declare_inspect(CLI::App& infuse) {
   const auto arguments = std::make_shared<InspectArguments>();
   app->add_option(
          "PATH", arguments->path,
-         "a drive folder, or a pcap or pcapng file; the first part or a pattern of a split capture")
+         "a drive folder, a pcap or pcapng file, or a folder of captures; the first part or a "
+         "pattern of a split capture")
       ->required();
   app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
   app->add_option("--calibration", arguments->calibration, "db.xml of an HDL-64E")
       ->type_name("FILE");
   app->add_flag("--json", arguments->json, "print the result as one JSON object");
-  set_examples(*app, {"infuse inspect drive.pcap", "infuse inspect drive/ --json"});
+  set_examples(*app, {"infuse inspect drive.pcap", "infuse inspect captures/ --json"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

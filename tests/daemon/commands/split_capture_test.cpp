@@ -94,5 +94,28 @@ TEST_F(SplitCaptureTest, AMissingPartIsNamed) {
   EXPECT_THAT(found["problems"].dump(), HasSubstr("s are missing after x.pcap"));
 }
 
+TEST_F(SplitCaptureTest, InspectListsTheCapturesOfAFolder) {
+  split();
+  write_part("short.pcap", 0, 0.5);
+  const ProgramResult good = run("infuse inspect ring");
+  EXPECT_EQ(good.code, 0);
+  EXPECT_THAT(good.output, HasSubstr("short.pcap: HDL-32E, "));
+  EXPECT_THAT(good.output, HasSubstr("x.pcap0: HDL-32E, "));
+  EXPECT_THAT(good.output, HasSubstr("2 captures, 2 with a lidar, 0 with problems: "));
+  EXPECT_EQ(std::ranges::count(good.output, '\n'), 3);
+
+  shell("head -c 10 whole.pcap > ring/cut.pcap");
+  RawCapture{RawCapture::read(whole_).header, {}}.write(folder_ / "ring" / "empty.pcap");
+  const ProgramResult bad = run("infuse inspect --json ring/");
+  EXPECT_EQ(bad.code, 1);
+  const json found = json::parse(bad.output);
+  ASSERT_EQ(found["captures"].size(), 4U);
+  EXPECT_THAT(found["captures"][0]["problems"].dump(), HasSubstr("cannot be read as pcap"));
+  EXPECT_EQ(found["captures"][3]["problems"], json::array());
+  EXPECT_EQ(found["totals"]["captures"], 4);
+  EXPECT_EQ(found["totals"]["with_lidar"], 2);
+  EXPECT_EQ(found["totals"]["with_problems"], 2);
+}
+
 }  // namespace
 }  // namespace infuse::daemon
