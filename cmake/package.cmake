@@ -11,6 +11,7 @@ install(FILES systemd/60-infuse.rules DESTINATION /lib/udev/rules.d)
 install(FILES packaging/examples/infused.toml DESTINATION /etc/infuse)
 install(DIRECTORY DESTINATION /etc/infuse/infused.toml.d)
 install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml packaging/examples/truck.toml
+  systemd/tap.conf
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 
 # The simulator is a package of its own: `./dev package` makes it of this component.

@@ -19,6 +19,7 @@ std::optional<Error> read_lidar(TomlTable& table, const std::string&, LidarOptio
   table.read("address", options.address);
   table.read("multicast", options.multicast);
   table.read("interface", options.interface);
+  table.read("tap", options.tap);
   read_integer(table, "receive_buffer_bytes", options.receive_buffer);
   table.read("calibration", options.calibration);
   table.read("cut_azimuth_deg", options.cut_azimuth_deg);

@@ -21,6 +21,7 @@ struct LidarOptions {
   std::string address;            ///< local IPv4 address; empty: any
   std::string multicast;          ///< multicast group; empty: none
   std::string interface;          ///< interface that joins the group; empty: chosen by the kernel
+  bool tap = false;               ///< receive what the interface sees, to whomever it is sent
   size_t receive_buffer = velodyne::UdpOptions{}.receive_buffer;  ///< bytes
   std::string calibration;       ///< calibration file of this unit; empty: the model's table
   double cut_azimuth_deg = 180;  ///< azimuth at which a sweep ends, clockwise from the front
@@ -32,7 +33,7 @@ struct LidarOptions {
 
   /// Returns the options of the socket for one of its ports.
   velodyne::UdpOptions udp(uint16_t at_port) const {
-    return {address, at_port, multicast, interface, receive_buffer};
+    return {address, at_port, multicast, interface, tap, receive_buffer};
   }
 };
 

@@ -19,7 +19,7 @@ Result<Rig> read_configured_rig(const Config& config) {
 
 bool same_socket(const velodyne::UdpOptions& a, const velodyne::UdpOptions& b) {
   return a.port == b.port && a.address == b.address && a.multicast == b.multicast &&
-         a.interface == b.interface;
+         a.interface == b.interface && a.tap == b.tap;
 }
 
 void add_port_sender(const velodyne::UdpOptions& udp, const PortSetup::Sender& sender,
@@ -33,7 +33,10 @@ void add_port_sender(const velodyne::UdpOptions& udp, const PortSetup::Sender& s
 }
 
 std::string endpoint_of(const LidarOptions& lidar) {
-  return fmt::format("{}:{}{}", lidar.address.empty() ? "0.0.0.0" : lidar.address, lidar.port,
+  const std::string local = lidar.tap               ? "tap of " + lidar.interface
+                            : lidar.address.empty() ? "0.0.0.0"
+                                                    : lidar.address;
+  return fmt::format("{}:{}{}", local, lidar.port,
                      lidar.sender.empty() ? "" : ", from " + lidar.sender);
 }
 

@@ -4,6 +4,7 @@
 #include <net/if.h>
 
 #include "drivers/receive/system_error.hpp"
+#include "drivers/velodyne/udp_tap.hpp"
 
 namespace infuse::velodyne {
 namespace {
@@ -23,6 +24,11 @@ std::optional<std::string> UdpOptions::invalid() const {
     return "'" + multicast + "' is not an IPv4 multicast group";
   }
   if (interface.size() >= IF_NAMESIZE) return "'" + interface + "' is not an interface name";
+  if (tap && interface.empty()) return "a tap needs an interface";
+  if (tap && !(address.empty() && multicast.empty())) {
+    return "a tap has neither an address nor a multicast group";
+  }
+  if (tap && port == 0) return "a tap needs a port";
   if (receive_buffer == 0) return "the receive buffer size must not be 0";
   return std::nullopt;
 }
@@ -34,12 +40,24 @@ Result<UdpSource> UdpSource::open(const UdpOptions& options, const receive::Time
   return source;
 }
 
-Result<void> UdpSource::set_up() {
-  socket_ = receive::FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!socket_) return receive::fail_errno("cannot create a socket", name());
+/// Stamps, drop counter and buffer of the socket.
+Result<void> UdpSource::prepare() {
   const auto granted = receive::prepare_socket(socket_.get(), options_.receive_buffer, name());
   if (!granted) return tl::unexpected(granted.error());
   granted_ = *granted;
+  return {};
+}
+
+Result<void> UdpSource::set_up() {
+  if (options_.tap) {
+    auto tap = open_tap(options_.interface, options_.port);
+    if (!tap) return tl::unexpected(tap.error());
+    socket_ = *std::move(tap);
+    return prepare();
+  }
+  socket_ = receive::FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket_) return receive::fail_errno("cannot create a socket", name());
+  if (const auto prepared = prepare(); !prepared) return prepared;
   if (!options_.multicast.empty()) {  // several processes may receive from a group
     const int on = 1;
     setsockopt(socket_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
@@ -77,6 +95,13 @@ Result<void> UdpSource::join() {
 void UdpSource::rejoin() { static_cast<void>(join()); }
 
 Datagram UdpSource::datagram(const receive::MessageBatch::Message& message) const {
+  if (options_.tap) {
+    // Without a UDP header, which the filter asks for: an empty datagram, which is malformed.
+    Datagram tapped = parse_tapped(message.bytes).value_or(Datagram{});
+    tapped.stamp = message.stamp;
+    tapped.destination_port = options_.port;
+    return tapped;
+  }
   return {message.stamp, ntohl(message.sender.sin_addr.s_addr), ntohs(message.sender.sin_port),
           options_.port, message.bytes};
 }
@@ -86,6 +111,9 @@ tl::unexpected<Error> UdpSource::read_error() const {
 }
 
 std::string UdpSource::name() const {
+  if (options_.tap) {
+    return "tap of " + options_.interface + ", port " + std::to_string(options_.port);
+  }
   return (options_.address.empty() ? "0.0.0.0" : options_.address) + ":" +
          std::to_string(options_.port);
 }

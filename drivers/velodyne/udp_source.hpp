@@ -11,12 +11,13 @@
 
 namespace infuse::velodyne {
 
-/// Local address on which datagrams are received.
+/// Local address on which datagrams are received, or interface that is tapped.
 struct UdpOptions {
   std::string address;    ///< local IPv4 address; empty: any
   uint16_t port = 2368;   ///< 0 selects a free one
   std::string multicast;  ///< IPv4 group to join; empty: none
   std::string interface;  ///< interface on which the group is joined; empty: the kernel chooses
+  bool tap = false;       ///< receive what `interface` sees, whomever it is addressed to
   /// Bytes; 100 ms of a VLS-128 with two returns are 1810 datagrams of 2304 bytes in the kernel.
   size_t receive_buffer = size_t{8} << 20;
 
@@ -24,7 +25,7 @@ struct UdpOptions {
   std::optional<std::string> invalid() const;
 };
 
-/// A UDP port that receives lidar packets.
+/// A UDP port that receives lidar packets, by a UDP socket or a tap.
 class UdpSource {
  public:
   /// Maximum bytes of a datagram; a longer one is truncated and therefore malformed.
@@ -66,6 +67,7 @@ class UdpSource {
   UdpSource(const UdpOptions& options, const receive::TimeBase& base)
       : options_(options), stamps_(base) {}
   Result<void> set_up();
+  Result<void> prepare();
   Result<void> join();
   Datagram datagram(const receive::MessageBatch::Message& message) const;
   tl::unexpected<Error> read_error() const;

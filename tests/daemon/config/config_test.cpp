@@ -113,6 +113,13 @@ TEST(Config, LiveSensorsAreRead) {
   EXPECT_EQ(config->gnss.baud, 115200U);
 }
 
+TEST(Config, ATapIsAnOptionOfTheInterface) {
+  const auto config = parse_config("[[lidar]]\ninterface = \"eth1\"\ntap = true", "x.toml");
+  ASSERT_TRUE(config) << config.error().message();
+  EXPECT_TRUE(config->lidars[0].udp(2368).tap);
+  EXPECT_EQ(config->lidars[0].udp(2368).interface, "eth1");
+}
+
 TEST(Config, AnInvalidLiveSensorIsAnErrorWithItsLine) {
   for (const char* text :
        {"[[camera]]\ndevice = \"video0\"", "[[camera]]\nwidth = 640",
@@ -120,7 +127,8 @@ TEST(Config, AnInvalidLiveSensorIsAnErrorWithItsLine) {
         "[[can]]\nsignals = {yaw_rate = \"A.B\"}",
         "[[can]]\ndbc = \"x\"\nsignals = {yaw = \"A.B\"}", "[gnss]\ndevice = \"/dev/x\"\nbaud = 1",
         "[gnss]\ndevice = \"/dev/x\"\nlidar = \"top\"", "[[lidar]]\nmulticast = \"10.0.0.1\"",
-        "[[lidar]]\nposition_port = 0", "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\""}) {
+        "[[lidar]]\ntap = true", "[[lidar]]\nposition_port = 0",
+        "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\""}) {
     const auto config = parse_config(text, "x.toml");
     ASSERT_FALSE(config) << text;
     EXPECT_THAT(config.error().where, HasSubstr("x.toml:")) << text;
