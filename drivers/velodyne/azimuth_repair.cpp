@@ -60,24 +60,24 @@ uint16_t interpolate(const Neighbours& all, int i, int max_step) {
   return to ? wrapped(*to - step(high, high + 1) * (high - i)) : uint16_t{0};
 }
 
-/// True if every azimuth follows the one before it, as nearly always.
-bool is_smooth(const Packet& packet, std::optional<int> before, int max_step) {
-  bool smooth = packet.azimuth[0] != kNoAzimuth;
-  int last = before.value_or(packet.azimuth[0]);
-  for (size_t i = 0; i < packet.sequences; ++i) {
-    int advance = packet.azimuth[i] - last;
-    if (advance < 0) advance += kCentidegreesPerTurn;
-    smooth = smooth && advance <= max_step;
-    last = packet.azimuth[i];
+}  // namespace
+
+bool is_smooth(const Packet& packet, int before, int max_step) {
+  const auto is_step = [&](int from, int to) {
+    const int step = to - from;  // over north: negative
+    return static_cast<unsigned>(step < 0 ? step + kCentidegreesPerTurn : step) <=
+           static_cast<unsigned>(max_step);
+  };
+  if (packet.azimuth[0] == kNoAzimuth) return false;
+  bool smooth = is_step(before, packet.azimuth[0]);
+  for (size_t i = 1; i < packet.sequences; ++i) {
+    smooth &= is_step(packet.azimuth[i - 1], packet.azimuth[i]);
   }
   return smooth;
 }
 
-}  // namespace
-
 size_t repair_azimuths(Packet& packet, std::optional<int> before, std::optional<int> after,
                        int max_step) {
-  if (is_smooth(packet, before, max_step)) return 0;
   if (after == kNoAzimuth) after.reset();
   const Neighbours all{packet, before, after};
   size_t repaired = 0;

@@ -7,6 +7,10 @@
 
 namespace infuse::velodyne {
 
+/// True if every azimuth of a packet follows the one before it by at most `max_step` (0.01°), the
+/// first one `before`, as nearly always: then there is nothing to repair.
+bool is_smooth(const Packet& packet, int before, int max_step);
+
 /// Replaces azimuths that cannot be the sensor's by interpolation between their neighbours: those
 /// above 360° (`kNoAzimuth`), and single ones that follow neither the sequence before nor lead to
 /// the one after, while these two follow each other. `before` and `after` are the azimuths (0.01°)

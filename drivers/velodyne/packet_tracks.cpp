@@ -12,7 +12,7 @@ namespace {
 constexpr int64_t kMaxStepUs = 100'000;      // longer silence: the track begins anew
 constexpr int64_t kMaxReorderUs = 5'000;     // late packets within this belong to their track
 constexpr double kMaxRate = 36'000 * 30e-6;  // 0.01° per µs: thirty turns per second
-constexpr double kTolerance = 300;           // 0.01°, between predicted and stated azimuth
+constexpr double kAzimuthTolerance = 300;    // 0.01°, between predicted and stated azimuth
 constexpr double kRelativeTolerance = 0.02;  // of the turned angle, for changes of the rate
 constexpr uint64_t kEstablished = 4;         // packets that make a track more than a stray packet
 
@@ -22,7 +22,7 @@ std::optional<PacketTracks::Step> PacketTracks::step_from(const Track& track, ui
                                                           int azimuth) {
   const int64_t period_us = counter_difference_us(counter_us, track.counter_us);
   if (period_us <= -kMaxReorderUs || period_us > kMaxStepUs) return std::nullopt;
-  const double most = kMaxRate * static_cast<double>(std::abs(period_us)) + kTolerance;
+  const double most = kMaxRate * static_cast<double>(std::abs(period_us)) + kAzimuthTolerance;
   const int advance = azimuth_advance(track.azimuth, azimuth);
   if (track.count < 2) {
     if (period_us <= 0 || advance > most) return std::nullopt;
@@ -30,7 +30,8 @@ std::optional<PacketTracks::Step> PacketTracks::step_from(const Track& track, ui
   }
   const double turned = track.rate * static_cast<double>(period_us);
   const double error = std::remainder(advance - turned, kCentidegreesPerTurn);
-  if (std::abs(error) > kTolerance + kRelativeTolerance * std::abs(turned)) return std::nullopt;
+  if (std::abs(error) > kAzimuthTolerance + kRelativeTolerance * std::abs(turned))
+    return std::nullopt;
   return Step{period_us, static_cast<int>(std::lround(turned + error))};
 }
 

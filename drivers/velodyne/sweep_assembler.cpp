@@ -16,9 +16,14 @@ int to_centidegrees(double degrees) {
 
 /// Adds a packet's steps to the rate of rotation.
 void add_steps(const FiringPlan& plan, int64_t period_ns, RotationRate& rotation) {
+  int64_t turned = 0;
+  int64_t steps = 0;
   for (size_t i = 1; i < plan.count; ++i) {
-    if (!plan.sequences[i].after_jump) rotation.add(plan.sequences[i].advance, period_ns);
+    const bool step = !plan.sequences[i].after_jump;
+    turned += step ? plan.sequences[i].advance : 0;
+    steps += step ? 1 : 0;
   }
+  rotation.add(turned, steps * period_ns);
 }
 
 }  // namespace
@@ -171,7 +176,7 @@ void SweepAssembler::begin_decoding(const ReceivedPacket* following) {
   if (held_->after_clock_jump || !last_decoded_.valid) {
     cutter_.restart();
   } else {
-    detect_gap(plan_.sequences[0]);
+    detect_gap(plan_.sequences[0], timing.period_ns);
     lossy_jump = plan_.sequences[0].after_jump && lost_before_first_ > 0;
   }
   for (size_t i = 0; i < plan_.count; ++i) {
@@ -196,6 +201,7 @@ void SweepAssembler::repair_held_azimuths(const ReceivedPacket* following, int64
   if (last_decoded_.valid && directly(held_->device_ns - last_decoded_.end_ns)) {
     before = last_decoded_.azimuth;
   }
+  if (is_smooth(held_->packet, before.value_or(held_->packet.azimuth[0]), table_.max_step)) return;
   const int64_t end_ns = held_->device_ns + period_ns * held_->packet.sequences;
   if (following != nullptr && directly(following->device_ns - end_ns)) {
     after = following->packet.azimuth[0];
@@ -205,8 +211,7 @@ void SweepAssembler::repair_held_azimuths(const ReceivedPacket* following, int64
 
 /// Classifies the gap between the last decoded packet and the held one: none, lost packets, or the
 /// part of the turn that the sensor does not scan.
-void SweepAssembler::detect_gap(PlannedSequence& first) {
-  const int64_t period_ns = sequence_period(info_, table_.cycle).count();
+void SweepAssembler::detect_gap(PlannedSequence& first, int64_t period_ns) {
   const int64_t gap_ns = held_->device_ns - last_decoded_.end_ns;
   const int64_t packet_ns = period_ns * held_->packet.sequences;
   const int64_t pause_ns =

@@ -125,7 +125,7 @@ class SweepAssembler {
   void update_beam_table(const Packet& packet, const ArrivalOrder::Verdict& verdict);
   void begin_decoding(const ReceivedPacket* following);
   void repair_held_azimuths(const ReceivedPacket* following, int64_t period_ns);
-  void detect_gap(PlannedSequence& first);
+  void detect_gap(PlannedSequence& first, int64_t period_ns);
   bool decode(Sweep& sweep);
   void close();
 
