@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "drivers/velodyne/model_inference.hpp"
 #include "drivers/velodyne/sweep_assembler.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -13,17 +14,21 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
   SweepAssembler assembler({.model = models()[data[0] % models().size()].model,
                             .cut_azimuth = static_cast<double>(data[0])});
+  ModelInference inference;
   Sweep sweep;
   std::span<const uint8_t> rest(data + 1, size - 1);
   Stamp stamp = Stamp::from_ns(1'700'000'000'000'000'000);
   while (!rest.empty()) {
     const auto payload = rest.first(std::min(rest.size(), kPacketSize));
+    inference.add(payload);
     assembler.push({stamp, 1, 2368, 2368, payload});
     while (assembler.pull(sweep)) {
     }
     stamp += Duration(500'000);
     rest = rest.subspan(payload.size());
   }
+  static_cast<void>(inference.infer());
+  static_cast<void>(inference.describe());
   assembler.finish();
   while (assembler.pull(sweep)) {
   }
