@@ -12,44 +12,60 @@ install(FILES packaging/examples/infused.toml DESTINATION /etc/infuse)
 install(DIRECTORY DESTINATION /etc/infuse/infused.toml.d)
 install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml packaging/examples/truck.toml
   systemd/tap.conf
-  DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infused/examples)
 
-# The simulator is a package of its own: `./dev package` makes it of this component.
+# Three packages: the daemon, the command `infuse`, whose libraries are many, and the simulator. `./dev package` makes
+# the last two of their components.
+set(tools COMPONENT tools EXCLUDE_FROM_ALL)
 set(simulator COMPONENT simulator EXCLUDE_FROM_ALL)
+install(TARGETS infused RUNTIME)
+install(TARGETS infuse RUNTIME ${tools})
 
-# Debian wants manuals and the changelog compressed, always to the same bytes. ARGN: of install().
-function(install_compressed source name destination)
+# Debian wants manuals and the changelog compressed, always to the same bytes.
+function(compress source name)
   set(compressed ${CMAKE_BINARY_DIR}/packaging/${name}.gz)
   add_custom_command(OUTPUT ${compressed} DEPENDS ${source}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/packaging
     COMMAND gzip -9nc ${source} > ${compressed} VERBATIM)
   set_property(GLOBAL APPEND PROPERTY INFUSE_COMPRESSED ${compressed})
-  install(FILES ${compressed} DESTINATION ${destination} ${ARGN})
 endfunction()
-install_compressed(${packaging}/man/infused.8 infused.8 ${CMAKE_INSTALL_MANDIR}/man8)
-install_compressed(${packaging}/man/infuse.1 infuse.1 ${CMAKE_INSTALL_MANDIR}/man1)
-install_compressed(${packaging}/debian/changelog changelog ${CMAKE_INSTALL_DOCDIR})
+# install_manual(NAME SECTION ...): ARGN: of install().
+function(install_manual name section)
+  compress(${packaging}/man/${name}.${section} ${name}.${section})
+  install(FILES ${CMAKE_BINARY_DIR}/packaging/${name}.${section}.gz
+    DESTINATION ${CMAKE_INSTALL_MANDIR}/man${section} ${ARGN})
+endfunction()
+install_manual(infused 8)
+install_manual(infuse 1 ${tools})
 if(INFUSE_SIMULATOR)
-  install_compressed(${packaging}/man/infuse-simulate.1 infuse-simulate.1 ${CMAKE_INSTALL_MANDIR}/man1 ${simulator})
+  install_manual(infuse-simulate 1 ${simulator})
 endif()
+compress(${packaging}/debian/changelog changelog)
 get_property(compressed GLOBAL PROPERTY INFUSE_COMPRESSED)
 add_custom_target(manuals ALL DEPENDS ${compressed})
-install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES packaging/debian/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME infuse)
+
+# What Debian wants of every package. ARGN: of install().
+function(install_package_texts package)
+  set(overrides ${CMAKE_BINARY_DIR}/packaging/${package}.overrides)
+  set(doc ${CMAKE_INSTALL_DATADIR}/doc/${package})
+  # The project has no public mail address.
+  file(WRITE ${overrides}
+    "${package}: bogus-mail-host Maintainer *\n${package}: bogus-mail-host-in-debian-changelog *\n")
+  install(FILES ${packaging}/debian/copyright ${CMAKE_BINARY_DIR}/packaging/changelog.gz DESTINATION ${doc} ${ARGN})
+  install(FILES ${overrides} DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME ${package} ${ARGN})
+endfunction()
+install_package_texts(infused)
+install_package_texts(infuse-tools ${tools})
 
 if(INFUSE_SIMULATOR)
   install(TARGETS infuse-simulate RUNTIME ${simulator})
   install(DIRECTORY fixtures/scenarios fixtures/maps DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse-simulate ${simulator})
-  install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infuse-simulate ${simulator})
-  file(WRITE ${CMAKE_BINARY_DIR}/packaging/infuse-simulate.overrides
-    "infuse-simulate: bogus-mail-host Maintainer *\ninfuse-simulate: bogus-mail-host-in-debian-changelog *\n")
-  install(FILES ${CMAKE_BINARY_DIR}/packaging/infuse-simulate.overrides
-    DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME infuse-simulate ${simulator})
-  install(FILES ${CMAKE_BINARY_DIR}/packaging/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infuse-simulate ${simulator})
+  install_package_texts(infuse-simulate ${simulator})
 endif()
 
 file(WRITE ${CMAKE_BINARY_DIR}/packaging/conffiles "/etc/infuse/infused.toml\n")
 set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME infused)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_PACKAGE_CONTACT "The infuse authors <infuse@localhost.localdomain>")
 set(CPACK_PACKAGE_VENDOR infuse)
@@ -57,11 +73,12 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "on-vehicle fusion of lidar, cameras and o
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
   "infused takes the raw streams of Velodyne lidars, cameras and the vehicle's
 CAN bus, keeps them on one clock, monitors their health and calibration, and
-publishes reports over a socket. infuse is the command that queries it and
-inspects recordings.")
+publishes reports over a socket. The command that queries it, inspects
+recordings and calibrates is in infuse-tools.")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS infuse-tools)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "can-utils, v4l-utils")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${packaging}/debian/postinst ${packaging}/debian/prerm

@@ -60,12 +60,11 @@ function(infuse_library folder)
   set_target_properties(infuse_${name} PROPERTIES UNITY_BUILD ${INFUSE_UNITY} UNITY_BUILD_BATCH_SIZE 12)
 endfunction()
 
-# infuse_program(infused daemon/infused.cpp DEPENDENCY...): one program in build/bin.
+# infuse_program(infused daemon/infused.cpp DEPENDENCY...): one program in build/bin. cmake/package.cmake installs it.
 function(infuse_program name source)
   add_executable(${name} ${source})
   target_link_libraries(${name} PRIVATE infuse::flags ${ARGN})
   target_precompile_headers(${name} REUSE_FROM infuse_pch)
-  install(TARGETS ${name} RUNTIME)
 endfunction()
 
 # infuse_test(tests/drivers/velodyne [THREADED] [ALLOCATIONS] DEPENDENCY...): all *_test.cpp of the

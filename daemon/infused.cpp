@@ -1,6 +1,8 @@
 // infused: the daemon. Runs the pipeline on the sensors of this host or on a recorded drive.
 
+#include <net/if.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <iostream>
 
@@ -49,13 +51,27 @@ void declare_options(CLI::App& app, RunOptions& options, bool& check_config) {
                      "infused --replay drive/ --rate 1 --json"});
 }
 
+/// What is not there now. It may be later: the daemon waits for it.
+void print_missing_devices(const LiveSetup& setup) {
+  const auto note = [](const std::string& what) {
+    std::cout << "note: " << what << " is not there now\n";
+  };
+  for (const auto& bus : setup.interfaces) {
+    if (::if_nametoindex(bus.interface.c_str()) == 0) note("interface " + bus.interface);
+  }
+  for (const auto& camera : setup.camera_streams) {
+    if (::access(camera.device.c_str(), F_OK) != 0) note(camera.device);
+  }
+  if (setup.gnss && ::access(setup.gnss->device.c_str(), F_OK) != 0) note(setup.gnss->device);
+}
+
 int check(const RunOptions& options, const Config& config) {
   if (options.config.empty()) {
     return print_error(kProgram, {"no configuration to check", "", "--config FILE"}, kUsage);
   }
-  if (const auto setup = set_up_live(config); !setup) {
-    return print_error(kProgram, setup.error(), kUsage);
-  }
+  const auto setup = set_up_live(config);
+  if (!setup) return print_error(kProgram, setup.error(), kUsage);
+  print_missing_devices(*setup);
   std::cout << options.config << ": the configuration is valid\n";
   return kDone;
 }

@@ -81,12 +81,11 @@ Result<Eigen::Isometry3d> read_initial_pose(const CalibrateArguments& arguments,
 int report_no_pairs(const CalibrateArguments& arguments, const ScenePairs& pairs) {
   const std::string reason = "no image has a sweep close to it in time";
   if (arguments.json) {
-    std::cout << Json{{"camera", pairs.cameras.front().name},
-                      {"lidar", pairs.lidar},
-                      {"usable", false},
-                      {"reason", reason},
-                      {"notes", pairs.notes}}
-                     .dump()
+    std::cout << json_text({{"camera", pairs.cameras.front().name},
+                            {"lidar", pairs.lidar},
+                            {"usable", false},
+                            {"reason", reason},
+                            {"notes", pairs.notes}})
               << "\n";
   } else {
     std::cout << camera_names(pairs) << " against " << pairs.lidar << ": NOT USABLE: " << reason
@@ -120,7 +119,7 @@ void print(const CalibrateArguments& arguments, const ScenePairs& pairs,
     json["measures"] = Json::array();
     for (size_t k = 1; k < runs.size(); ++k) json["measures"].push_back(to_json(runs[k], pairs));
   }
-  std::cout << json.dump() << "\n";
+  std::cout << json_text(json) << "\n";
 }
 
 int run(const CalibrateArguments& arguments) {

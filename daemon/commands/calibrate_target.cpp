@@ -153,7 +153,7 @@ int run(CalibrateTargetArguments& arguments) {
       views.observations, board, views.T_camera_lidar, arguments.views.returns, arguments.solve);
   const target::TargetResult& result = calibration.result;
   if (arguments.json) {
-    std::cout << to_json(views, calibration).dump() << "\n";
+    std::cout << json_text(to_json(views, calibration)) << "\n";
   } else {
     std::cout << to_text(views, calibration);
   }

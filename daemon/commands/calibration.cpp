@@ -8,6 +8,7 @@
 #include "daemon/commands/client.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/report_text.hpp"
+#include "daemon/protocol/json.hpp"
 #include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
@@ -105,7 +106,7 @@ int print_calibrations(const CalibrationArguments& arguments) {
     if (text_of(report, "class") == "ACK") break;
     if (text_of(report, "class") != "CALIBRATION") continue;
     if (!arguments.camera.empty() && text_of(report, "device") != arguments.camera) continue;
-    std::cout << (arguments.json ? report.dump() + "\n" : calibration_text(report));
+    std::cout << (arguments.json ? json_text(report) + "\n" : calibration_text(report));
     ++shown;
   }
   if (shown > 0) return kDone;

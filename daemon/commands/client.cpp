@@ -16,6 +16,10 @@ Result<Client> Client::connect(const std::filesystem::path& path) {
     tried += (tried.empty() ? "" : ", ") + candidate.string();
     auto stream = std::make_unique<Stream>();
     stream->connect(boost::asio::local::stream_protocol::endpoint(candidate.string()));
+    if (stream->error() == boost::asio::error::access_denied) {
+      return fail("no permission to open the socket", candidate.string(),
+                  "join the group that owns it (usermod -aG infuse NAME), and log in again");
+    }
     if (!*stream) continue;
     Client client(std::move(stream), candidate.string());
     auto greeting = client.next(kReplyTimeout);
@@ -32,7 +36,7 @@ Result<Client> Client::connect(const std::filesystem::path& path) {
 }
 
 Result<void> Client::send(const Json& request) {
-  *stream_ << request.dump() << '\n' << std::flush;
+  *stream_ << json_text(request) << '\n' << std::flush;
   if (!*stream_) return fail("the daemon closed the connection", path_);
   return {};
 }

@@ -179,10 +179,9 @@ int run(const DecodeArguments& arguments) {
     return print_error(kProgram, {"no such sweep", arguments.path, ""}, kFailure);
   }
   if (arguments.json) {
-    std::cout << Json{{"sweeps", writer.files()},
-                      {"returns", writer.returns()},
-                      {"uncompensated", writer.not_deskewed()}}
-                     .dump()
+    std::cout << json_text({{"sweeps", writer.files()},
+                            {"returns", writer.returns()},
+                            {"not_deskewed", writer.not_deskewed()}})
               << "\n";
   } else {
     std::cout << fmt::format("{} sweeps of {}, {} returns, to {}\n", writer.files(),

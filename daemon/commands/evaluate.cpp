@@ -5,6 +5,7 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/evaluation.hpp"
+#include "daemon/protocol/json.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -29,7 +30,7 @@ bool is_calibration(const std::filesystem::path& result) {
 template <class Score>
 int print(const EvaluateArguments& arguments, const Result<Score>& score) {
   if (!score) return print_error(kEvaluateProgram, score.error(), kUnreadable);
-  std::cout << (arguments.json ? to_json(*score).dump() + "\n" : to_text(*score));
+  std::cout << (arguments.json ? json_text(to_json(*score)) + "\n" : to_text(*score));
   return kDone;
 }
 

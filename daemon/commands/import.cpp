@@ -30,7 +30,7 @@ int run_kitti(const ImportArguments& arguments) {
                  {"times_trusted", imported->times_trusted},
                  {"notes", Json::array()}};
     for (const Error& note : imported->notes) json["notes"].push_back(note.message());
-    std::cout << json.dump() << "\n";
+    std::cout << json_text(json) << "\n";
     return kDone;
   }
   std::cout << fmt::format("{}: {} sweeps, {} images, {} poses from KITTI's {} layout{}\n",
@@ -45,7 +45,7 @@ int run_opencalib(const ImportArguments& arguments) {
   const auto imported = importers::import_opencalib(arguments.source, arguments.drive);
   if (!imported) return print_error("infuse import opencalib", imported.error(), kUnreadable);
   if (arguments.json) {
-    std::cout << Json{{"drive", arguments.drive}, {"sweeps", 1}, {"images", 1}}.dump() << "\n";
+    std::cout << json_text({{"drive", arguments.drive}, {"sweeps", 1}, {"images", 1}}) << "\n";
   } else {
     std::cout << fmt::format("{}: a sweep and an image; their time is synthetic\n",
                              arguments.drive);

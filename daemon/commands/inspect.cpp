@@ -63,7 +63,7 @@ int run(const InspectArguments& arguments) {
   const auto inspection = inspect_recording(arguments.path, overrides, line);
   line.clear();
   if (!inspection) return print_error("infuse inspect", inspection.error(), kUnreadable);
-  std::cout << (arguments.json ? to_json(*inspection).dump() + "\n" : to_text(*inspection));
+  std::cout << (arguments.json ? json_text(to_json(*inspection)) + "\n" : to_text(*inspection));
   return has_lidar(*inspection) ? kDone : kFailure;
 }
 

@@ -10,6 +10,7 @@
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/find_lidar.hpp"
 #include "daemon/commands/play_lidar.hpp"
+#include "daemon/protocol/json.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
@@ -147,7 +148,8 @@ int run(const OdometryArguments& arguments) {
       !written) {
     return print_error(kProgram, written.error(), kFailure);
   }
-  std::cout << (arguments.json ? track.json().dump() : track.text() + ", to " + arguments.output)
+  std::cout << (arguments.json ? json_text(track.json())
+                               : track.text() + ", to " + arguments.output)
             << "\n";
   return kDone;
 }

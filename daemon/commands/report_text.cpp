@@ -37,7 +37,7 @@ std::string findings_text(const Json& sensor) {
 std::string text_of(const Json& object, const char* key) { return object.value(key, ""); }
 
 std::string health_text(const Json& health) {
-  std::string lines;
+  std::string lines = findings_text(health);
   for (const Json& sensor : health.value("sensors", Json::array())) {
     const Json losses = sensor.value("losses", Json::object());
     lines += fmt::format(
@@ -137,7 +137,7 @@ std::string report_text(const Json& message) {
     for (const Json& device : message.value("devices", Json::array())) lines += device_line(device);
     return lines;
   }
-  return message.dump() + "\n";
+  return json_text(message) + "\n";
 }
 
 }  // namespace infuse::daemon

@@ -7,6 +7,7 @@
 #include "daemon/commands/client.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/commands/report_text.hpp"
+#include "daemon/protocol/json.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -37,11 +38,11 @@ int run(const StatusArguments& arguments) {
 
   if (!arguments.json) {
     std::cout << fmt::format("infused {}, protocol {}\n", client->version().value("release", ""),
-                             client->version().value("protocol", Json()).dump());
+                             json_text(client->version().value("protocol", Json())));
   }
   std::string level;
   for (const Json& report : *reports) {
-    if (arguments.json) std::cout << report.dump() << "\n";
+    if (arguments.json) std::cout << json_text(report) << "\n";
     const bool recording = report.value("state", "") == "recording";
     if (recording && !arguments.json) std::cout << report_text(report);
     if (report.value("class", "") != "HEALTH") continue;

@@ -122,7 +122,7 @@ int run(const StreetMapArguments& arguments) {
     }
   }
   if (arguments.json) {
-    std::cout << map_json(arguments, opened->map, made->bytes.size(), made->warnings).dump()
+    std::cout << json_text(map_json(arguments, opened->map, made->bytes.size(), made->warnings))
               << "\n";
   } else {
     print_map(arguments, opened->map, made->bytes.size(), made->warnings);

@@ -35,6 +35,11 @@ struct Readiness {
     }
   }
   void update_devices(const Json& report) {
+    if (report.value("devices", Json::array()).empty()) {
+      delivering = false;
+      waiting_for = "a sensor: none is configured";
+      return;
+    }
     std::string missing;
     for (const Json& device : report.value("devices", Json::array())) {
       if (device.contains("activated")) continue;

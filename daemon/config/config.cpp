@@ -15,6 +15,7 @@ using recording::TomlTable;
 
 constexpr size_t kMaxConfigBytes = 1 << 20;
 constexpr size_t kMaxDropIns = 256;
+constexpr size_t kMaxExpectedSensors = 64;
 constexpr std::array kLogLevels = {"trace", "debug", "info", "warning", "error", "off"};
 
 void read_seconds(TomlTable& table, std::string_view key, Duration& value) {
@@ -45,6 +46,7 @@ void read_health(TomlTable& table, HealthOptions& options) {
   read_seconds(table, "clock_grace_s", options.clock_grace);
   table.read("warn_loss", options.warn_loss);
   table.read("error_loss", options.error_loss);
+  table.read("expected_sensors", kMaxExpectedSensors, options.expected_sensors);
 }
 
 void read_odometry(TomlTable& table, OdometrySettings& settings) {

@@ -97,6 +97,7 @@ std::optional<Error> read_kind(TomlTable& root, const std::string& file, const c
       table.report_table_error(std::string("more than 16 ") + kind + "s");
     }
     Options& options = find_or_add(sensors, earlier, name);
+    options.source = file + ":" + std::to_string(source->source().begin.line);
     if (auto error = read(table, file, options)) return error;
     if (const auto wrong = options.invalid()) {
       table.report_table_error(std::string(kind) + ": " + *wrong);

@@ -14,6 +14,7 @@ namespace infuse::daemon {
 /// A lidar: one `[[lidar]]` table.
 struct LidarOptions {
   std::string name = "lidar";
+  std::string source;             ///< file and line of its table
   std::string model;              ///< "HDL-32E", ...; empty: inferred, in a replay only
   uint16_t port = 2368;           ///< UDP port of its data packets
   uint16_t position_port = 8308;  ///< UDP port of its position packets
@@ -40,6 +41,7 @@ struct LidarOptions {
 /// A camera of this host: one `[[camera]]` table.
 struct CameraOptions {
   std::string name = "camera";
+  std::string source;  ///< file and line of its table
   camera::V4l2Options stream;
 
   /// Returns what is wrong with the options, or nothing.
@@ -51,6 +53,7 @@ struct CameraOptions {
 /// A CAN bus of this host: one `[[can]]` table.
 struct BusOptions {
   std::string name = "can";
+  std::string source;  ///< file and line of its table
   std::string interface = "can0";
   std::string dbc;                     ///< DBC file of its signals; empty: frames are only counted
   std::optional<double> reverse_gear;  ///< value of `gear` with which wheel speeds are negative;

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "drivers/measurement/stamp.hpp"
 
@@ -15,6 +16,7 @@ struct HealthOptions {
   Duration clock_grace{10'000'000'000};  ///< time for a clock to settle after the first packet, ns
   double warn_loss = 0.001;              ///< fraction of packets lost over 10 s that gives WARN
   double error_loss = 0.05;              ///< fraction of packets lost over 10 s that gives ERROR
+  std::vector<std::string> expected_sensors;  ///< names of devices that must be configured
 
   /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;

@@ -22,6 +22,31 @@ bool same_socket(const velodyne::UdpOptions& a, const velodyne::UdpOptions& b) {
          a.interface == b.interface && a.tap == b.tap;
 }
 
+/// Two lidars that share a port must have different senders.
+Result<void> check_senders(const std::vector<LidarOptions>& lidars) {
+  for (size_t i = 0; i < lidars.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const LidarOptions &a = lidars[j], &b = lidars[i];
+      const bool apart = parse_address(a.sender) != parse_address(b.sender);
+      if (apart || !same_socket(a.udp(a.port), b.udp(b.port))) continue;
+      return fail(fmt::format("lidars '{}' and '{}' cannot be told apart on port {}", a.name,
+                              b.name, b.port),
+                  b.source, "give each its sender, or another port");
+    }
+  }
+  return {};
+}
+
+Result<void> check_record_folder(const Config& config) {
+  if (config.record.directory.empty()) return {};
+  const std::filesystem::path folder = config.resolve(config.record.directory);
+  std::error_code error;
+  if (!std::filesystem::exists(folder, error) || std::filesystem::is_directory(folder, error)) {
+    return {};
+  }
+  return fail("record.directory is not a folder", folder.string());
+}
+
 void add_port_sender(const velodyne::UdpOptions& udp, const PortSetup::Sender& sender,
                      std::vector<PortSetup>& ports) {
   for (PortSetup& port : ports) {
@@ -44,7 +69,7 @@ Result<void> set_up_lidar(const Config& config, const LidarOptions& options, con
                           LiveSetup& setup) {
   const auto model = velodyne::find_model(options.model);
   if (!model) {
-    return fail("lidar '" + options.name + "' has no model", "",
+    return fail("lidar '" + options.name + "' has no model", options.source,
                 "give it one: model = \"HDL-32E\"");
   }
   LidarSetup lidar{options.name, true, {}};
@@ -83,9 +108,10 @@ Result<void> add_camera(const CameraOptions& options, const CameraMount* mount, 
       stream.width = intrinsics.width;
       stream.height = intrinsics.height;
     } else if (stream.width != intrinsics.width || stream.height != intrinsics.height) {
-      return fail(fmt::format("camera '{}' is configured as {}x{}, but the rig states {}x{}",
-                              options.name, stream.width, stream.height, intrinsics.width,
-                              intrinsics.height));
+      return fail(
+          fmt::format("camera '{}' is configured as {}x{}, but the rig states {}x{}", options.name,
+                      stream.width, stream.height, intrinsics.width, intrinsics.height),
+          options.source);
     }
     stream.stamp_delay += mount->stamp_delay;
     setup.rig.cameras.push_back(*mount);
@@ -108,7 +134,8 @@ Result<void> set_up_cameras(const Config& config, const Rig& rig, LiveSetup& set
       if ((mount != nullptr) != mounted) continue;
       if (mount != nullptr && setup.rig.find_lidar(mount->lidar) == nullptr) {
         return fail("camera '" + options.name + "' refers to lidar '" + mount->lidar +
-                    "', which is not configured");
+                        "', which is not configured",
+                    options.source);
       }
       if (auto added = add_camera(options, mount, setup); !added) return added;
     }
@@ -123,7 +150,11 @@ Result<void> set_up_buses(const Config& config, LiveSetup& setup) {
     files.reverse_gear = options.reverse_gear;
     files.signals = options.signals;
     auto bus = set_up_bus(files, config.folder, "can '" + options.name + "'", setup.vehicle.notes);
-    if (!bus) return tl::unexpected(bus.error());
+    if (!bus) {
+      Error error = bus.error();
+      if (error.where.empty()) error.where = options.source;
+      return tl::unexpected(error);
+    }
     vehicle::SocketCanOptions interface {
       .interface = options.interface, .identifiers = {}
     };
@@ -172,6 +203,8 @@ Result<LiveSetup> set_up_live(const Config& config) {
   if (!rig) return tl::unexpected(rig.error());
   LiveSetup setup;
   setup.delivery = Delivery::kOverwrite;
+  if (auto usable = check_record_folder(config); !usable) return tl::unexpected(usable.error());
+  if (auto apart = check_senders(config.lidars); !apart) return tl::unexpected(apart.error());
   for (const LidarOptions& lidar : config.lidars) {
     if (auto done = set_up_lidar(config, lidar, *rig, setup); !done) {
       return tl::unexpected(done.error());

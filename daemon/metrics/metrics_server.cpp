@@ -23,11 +23,20 @@ constexpr std::chrono::seconds kConnectionTimeout{1};  // of a connection from o
 constexpr std::chrono::milliseconds kAcceptRetryDelay{200};
 constexpr size_t kMaxHeaderBytes = 4096;  // bytes
 
+/// Whether a Host header names this computer. A web page that had its name resolve to the loopback
+/// (DNS rebinding) has another.
+bool is_loopback_host(std::string_view host) {
+  const size_t colon = host.find_last_of(':');
+  if (colon != host.npos && host.find(']', colon) == host.npos) host = host.substr(0, colon);
+  return host.empty() || host == "localhost" || host == "127.0.0.1" || host == "[::1]";
+}
+
 /// Connection with one request and its response. Lives as long as an operation is pending.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Socket socket, std::shared_ptr<const std::string> text, std::shared_ptr<int> count)
-      : socket_(std::move(socket)),
+      : over_tcp_(is_tcp(socket)),
+        socket_(std::move(socket)),
         timer_(socket_.get_executor()),
         text_(std::move(text)),
         count_(std::move(count)) {
@@ -63,6 +72,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void answer() {
     const auto& request = parser_.get();
+    if (over_tcp_ && !is_loopback_host(std::string(request[http::field::host]))) {
+      return send(http::status::misdirected_request, "not the host of these metrics\n");
+    }
     const bool head = request.method() == http::verb::head;
     if (!head && request.method() != http::verb::get) {
       return send(http::status::method_not_allowed, "GET or HEAD\n");
@@ -92,6 +104,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
     socket_.close(ignored);
   }
 
+  static bool is_tcp(const Socket& socket) {
+    ErrorCode error;
+    const auto family = socket.local_endpoint(error).protocol().family();
+    return !error && family != AF_UNIX;
+  }
+
+  bool over_tcp_;
   Socket socket_;
   asio::steady_timer timer_;
   std::shared_ptr<const std::string> text_;

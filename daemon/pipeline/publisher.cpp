@@ -117,6 +117,7 @@ void Publisher::start(Stamp stamp) {
   totals_.counters.resize(lidar_count_);
   totals_.streams.resize(devices_.size() - lidar_count_);
   totals_.levels.resize(devices_.size());
+  for (const Device& device : devices_) device_names_.push_back(device.name);
   for (size_t i = 0; i < devices_.size(); ++i) {
     if (i < lidar_count_) {
       lidar_health_.emplace_back(devices_[i].endpoint, health_options_, stamp);
@@ -155,6 +156,9 @@ void Publisher::publish_health(const ReportItem& item) {
     report.streetmap = task_health(*item.streetmap, conditions);
     publish_transitions(item.stamp, "streetmap", conditions.transitions());
   }
+  const Conditions& conditions = rig_health_.update(item.stamp, device_names_, health_options_);
+  report.findings = conditions.findings();
+  publish_transitions(item.stamp, kDaemonDevice, conditions.transitions());
   if (file_ != nullptr) file_->write(message(report));  // without host figures
   report.host = totals_.host;
   on_health_(report);

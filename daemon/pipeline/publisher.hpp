@@ -8,6 +8,7 @@
 
 #include "daemon/health/calibration_health.hpp"
 #include "daemon/health/odometry_health.hpp"
+#include "daemon/health/rig_health.hpp"
 #include "daemon/health/sensor_health.hpp"
 #include "daemon/health/stream_health.hpp"
 #include "daemon/pipeline/pipeline_setup.hpp"
@@ -105,6 +106,8 @@ class Publisher {
   HealthOptions health_options_;
   std::vector<SensorHealth> lidar_health_;
   std::vector<StreamHealth> stream_health_;  // of the other devices
+  RigHealth rig_health_;
+  std::vector<std::string> device_names_;
   OdometryHealth odometry_health_;
   StreetMapHealth streetmap_health_;
   std::map<std::string, CalibrationHealth> calibration_health_;  // by camera

@@ -430,6 +430,7 @@ void describe(Visitor& v, const HealthReport& health) {
   v.field("streams", health.streams, "cameras and vehicle sensors");
   v.field("odometry", health.odometry, "dead reckoning; absent without it");
   v.field("streetmap", health.streetmap, "tracking on the street map; absent without one");
+  v.field("findings", health.findings, "about the daemon itself, raised at present");
   v.field("host", health.host, "figures that depend on the host; not in a replay's reports file");
 }
 

@@ -4,6 +4,10 @@
 
 namespace infuse::daemon {
 
+std::string json_text(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 Json to_json(const ClockState& clock) { return encode(clock); }
 
 Json losses_json(const SensorCounters& counters) { return encode(PacketLosses{counters}); }

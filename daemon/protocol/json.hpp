@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/health/sensor_counters.hpp"
 #include "daemon/protocol/field.hpp"
@@ -10,6 +11,10 @@ namespace infuse::daemon {
 
 /// JSON whose objects keep the order in which their keys were set.
 using Json = nlohmann::ordered_json;
+
+/// The text of a JSON value, on one line or with `indent` spaces a level. Text from files and
+/// packets need not be UTF-8: invalid bytes are replaced, and nothing throws.
+std::string json_text(const Json& json, int indent = -1);
 
 // Parts of HEALTH that summaries contain too.
 

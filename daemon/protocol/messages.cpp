@@ -12,13 +12,13 @@ Level HealthReport::level() const {
   for (const auto& stream : streams) worst = std::max(worst, stream.status.level);
   if (odometry) worst = std::max(worst, odometry->level);
   if (streetmap) worst = std::max(worst, streetmap->level);
+  for (const Finding& finding : findings) worst = std::max(worst, finding.level);
   return worst;
 }
 
-// Text from files may not be UTF-8: invalid bytes are replaced.
 template <class Report>
 std::string message(const Report& report) {
-  return encode(report).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(encode(report));
 }
 
 template std::string message(const VersionReport&);

@@ -151,6 +151,7 @@ struct HealthReport {
   std::vector<DeviceHealth<StreamStatus>> streams;
   std::optional<TaskHealth<OdometryStatus>> odometry;
   std::optional<TaskHealth<StreetMapStatus>> streetmap;
+  std::vector<Finding> findings;  ///< about the daemon itself
   std::optional<HostStats> host;
 
   /// Returns the worst of all levels.

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <csignal>
 #include <random>
 
 #include "daemon/server/socket_path.hpp"
@@ -62,7 +63,8 @@ void DaemonHost::run(std::function<void()> on_stop) {
   stop_signals_.async_wait(
       [this, on_stop = std::move(on_stop)](boost::system::error_code error, int) {
         if (error) return;
-        stop_signals_.clear();
+        stop_signals_.clear();          // another SIGINT ends the process at once
+        std::signal(SIGTERM, SIG_IGN);  // may be repeated, by a service manager
         on_stop();
       });
   io_.run();

@@ -111,7 +111,7 @@ int run_replay(const RunOptions& options, const Config& config) {
   Summary summary = summarise(replay);
   summary.host_s = host_s;
   summary.stopped = stopped;
-  std::cout << (options.json ? to_json(summary).dump() + "\n" : to_text(summary)) << std::flush;
+  std::cout << (options.json ? json_text(to_json(summary)) + "\n" : to_text(summary)) << std::flush;
   if (!options.trajectory.empty()) {
     if (const auto written = write_trajectory(options.trajectory, poses); !written) {
       return print_error(kProgram, written.error(), kFailure);

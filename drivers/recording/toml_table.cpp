@@ -1,6 +1,7 @@
 #include "drivers/recording/toml_table.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "drivers/recording/rigid_matrix.hpp"
 
@@ -55,7 +56,9 @@ void TomlTable::read(std::string_view key, std::optional<double>& value) {
   const toml::node* found = node(key);
   if (found == nullptr) return;
   if (!found->is_number()) return report_wrong_type(key, "a number");
-  value = found->value<double>();
+  const auto number = found->value<double>();
+  if (!number || !std::isfinite(*number)) return report_wrong_type(key, "a finite number");
+  value = number;
 }
 
 void TomlTable::read(std::string_view key, int64_t min_value, int64_t max_value, int64_t& value) {
@@ -73,13 +76,28 @@ void TomlTable::read(std::string_view key, size_t max_count, std::vector<double>
   const toml::node* found = node(key);
   if (found == nullptr) return;
   const toml::array* array = found->as_array();
-  const auto is_number = [](const toml::node& item) { return item.is_number(); };
+  const auto is_number = [](const toml::node& item) {
+    return item.is_number() && std::isfinite(item.value<double>().value_or(0));
+  };
   if (array == nullptr || array->size() > max_count ||
       !std::all_of(array->begin(), array->end(), is_number)) {
     return report_wrong_type(key, "a list of at most " + std::to_string(max_count) + " numbers");
   }
   values.clear();
   for (const toml::node& item : *array) values.push_back(item.value<double>().value_or(0));
+}
+
+void TomlTable::read(std::string_view key, size_t max_count, std::vector<std::string>& values) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return;
+  const toml::array* array = found->as_array();
+  const auto is_string = [](const toml::node& item) { return item.is_string(); };
+  if (array == nullptr || array->size() > max_count ||
+      !std::all_of(array->begin(), array->end(), is_string)) {
+    return report_wrong_type(key, "a list of at most " + std::to_string(max_count) + " strings");
+  }
+  values.clear();
+  for (const toml::node& item : *array) values.push_back(item.as_string()->get());
 }
 
 void TomlTable::read(std::string_view key, Eigen::Isometry3d& T) {

@@ -36,6 +36,7 @@ class TomlTable {
   void read(std::string_view key, int64_t min_value, int64_t max_value, int64_t& value);
   /// Reads a list of at most `max_count` numbers.
   void read(std::string_view key, size_t max_count, std::vector<double>& values);
+  void read(std::string_view key, size_t max_count, std::vector<std::string>& values);
   /// Reads a rigid motion: 16 numbers by row.
   void read(std::string_view key, Eigen::Isometry3d& T);
 

@@ -9,6 +9,8 @@
 namespace infuse::velodyne {
 namespace {
 
+constexpr size_t kMaxReceiveBuffer = size_t{1} << 30;  // bytes
+
 std::optional<in_addr> parse_ipv4(const std::string& text) {
   in_addr address{INADDR_ANY};
   if (!text.empty() && inet_pton(AF_INET, text.c_str(), &address) != 1) return std::nullopt;
@@ -29,7 +31,9 @@ std::optional<std::string> UdpOptions::invalid() const {
     return "a tap has neither an address nor a multicast group";
   }
   if (tap && port == 0) return "a tap needs a port";
-  if (receive_buffer == 0) return "the receive buffer size must not be 0";
+  if (receive_buffer == 0 || receive_buffer > kMaxReceiveBuffer) {
+    return "the receive buffer size must lie in 1 byte ... 1 GiB";
+  }
   return std::nullopt;
 }
 

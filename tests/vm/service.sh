@@ -10,7 +10,7 @@ export DEBIAN_FRONTEND=noninteractive
 rm -f /var/lib/man-db/auto-update
 # A host that is a container may forbid packages to start services.
 rm -f /usr/sbin/policy-rc.d
-check "package installs" dpkg -i /proof/infuse.deb
+check "packages install" dpkg -i /proof/infused.deb /proof/infuse-tools.deb
 check "the service is enabled" systemctl is-enabled infused.service infused.socket
 check "without sensors it runs" within 20 systemctl is-active infused.service
 check "user, state and socket are there" sh -c 'id infuse && test -d /var/lib/infuse && test -S /run/infuse/infused.sock'
@@ -111,12 +111,23 @@ took=$(($(moment InactiveEnter) - $(moment ActiveExit)))
 check "within $((2 * timeout_factor)) s ($took ms)" test $took -lt $((2000 * timeout_factor))
 check "the saved state records a clean exit" grep -q '"running": false' /var/lib/infuse/state.json
 
+# --- a wrong configuration ---
+echo 'log_level = "loud"' >/etc/infuse/infused.toml.d/wrong.toml
+systemctl start infused.service 2>/dev/null
+sleep 10
+wrong_starts=$(systemctl show -P NRestarts infused)
+check "a wrong configuration: restarts slowly ($wrong_starts)" test "$wrong_starts" -le 4
+check "its reason is in the journal" sh -c 'journalctl -u infused -o cat | grep -q "wrong.toml:1: log_level is none of"'
+rm /etc/infuse/infused.toml.d/wrong.toml
+check "mended, it starts by itself" within 8 systemctl is-active infused.service
+systemctl stop infused.service
+
 # --- package ---
 check "a client starts the daemon through the socket" within 5 sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'
-check "upgrade keeps it running" sh -c 'dpkg -i /proof/infuse.deb && systemctl is-active infused'
-check "remove stops it" sh -c 'dpkg -r infuse && ! systemctl is-active infused && ! test -e /usr/bin/infused'
+check "upgrade keeps it running" sh -c 'dpkg -i /proof/infused.deb && systemctl is-active infused'
+check "remove stops it" sh -c 'dpkg -r infused && ! systemctl is-active infused && ! test -e /usr/bin/infused'
 check "and keeps the configuration" test -e /etc/infuse/infused.toml
-check "purge leaves nothing" sh -c 'dpkg -P infuse && ! test -e /var/lib/infuse && ! test -e /etc/infuse/infused.toml && ! test -e /run/infuse'
+check "purge leaves nothing" sh -c 'dpkg -P infused infuse-tools && ! test -e /var/lib/infuse && ! test -e /etc/infuse/infused.toml && ! test -e /run/infuse'
 hush
 ((failures == 0)) || journalctl -u infused -o short-monotonic --no-pager | tail -n 60
 finish

@@ -156,6 +156,10 @@ TEST_F(LiveSetupTest, TheExamplesAreValid) {
 TEST_F(LiveSetupTest, ReportsInvalidConfigurations) {
   const std::pair<const char*, const char*> cases[] = {
       {"[[lidar]]\n", "has no model"},
+      {"\n[[lidar]]\n", ".toml:2: "},
+      {"[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\n[[lidar]]\nname = \"b\"\nmodel = \"VLP-16\"\n",
+       "cannot be told apart on port 2368"},
+      {"[record]\ndirectory = \"rig.toml\"\n", "is not a folder"},
       {"rig = \"none.toml\"\n", "none.toml"},
       {"rig = \"rig.toml\"\n[[camera]]\nname = \"front\"\n", "not configured"},
       {"rig = \"rig.toml\"\n[[lidar]]\nname = \"top\"\nmodel = \"VLP-16\"\n"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <boost/asio/ip/tcp.hpp>
 #include <deque>
 #include <thread>
 
@@ -73,6 +74,22 @@ TEST_F(MetricsServerTest, RefusesEverythingElse) {
               HasSubstr(" 431 "));
   EXPECT_THAT(send_request("GET /" + std::string(100'000, 'x')), HasSubstr(" 431 "));
   EXPECT_THAT(send_request("GET /metrics HTTP/1.1\r\n\r\n"), HasSubstr(" 200 OK"));
+}
+
+TEST_F(MetricsServerTest, OverTcpTheHostMustBeThisComputer) {
+  const auto port = server_.listen_tcp(0);
+  ASSERT_TRUE(port.has_value());
+  const std::pair<const char*, const char*> cases[] = {
+      {"localhost", " 200 OK"},   {"localhost:9464", " 200 OK"}, {"127.0.0.1:1", " 200 OK"},
+      {"[::1]:9464", " 200 OK"},  {"[::1]", " 200 OK"},          {"evil.example", " 421 "},
+      {"localhost.evil", " 421 "}};
+  for (const auto& [host, expected] : cases) {
+    boost::asio::ip::tcp::iostream client("127.0.0.1", std::to_string(*port));
+    client << "GET /metrics HTTP/1.1\r\nHost: " << host << "\r\n\r\n" << std::flush;
+    std::string line;
+    std::getline(client, line);
+    EXPECT_THAT(line, HasSubstr(expected)) << host;
+  }
 }
 
 TEST_F(MetricsServerTest, ARequestWithoutEndTimesOut) {
