@@ -38,10 +38,9 @@ int inspect_folder(const InspectArguments& arguments, const LidarOverrides& over
     }
   }
   if (arguments.json) {
-    std::cout << Json{{"path", arguments.path},
-                      {"captures", std::move(captures)},
-                      {"totals", list.totals_json()}}
-                     .dump()
+    std::cout << json_text({{"path", arguments.path},
+                            {"captures", std::move(captures)},
+                            {"totals", list.totals_json()}})
               << "\n";
   } else {
     std::cout << list.totals_text();
