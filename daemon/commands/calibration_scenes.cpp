@@ -3,11 +3,10 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 
 #include "daemon/commands/play_lidar.hpp"
+#include "daemon/commands/read_image.hpp"
 #include "daemon/commands/sweep_pairing.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/times_csv.hpp"
@@ -75,19 +74,6 @@ std::vector<recording::SequenceEntry> select_evenly(
   return selected;
 }
 
-Result<CameraFrame> decode_image_file(const fs::path& path, const camera::ImageOptions& options) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::vector<uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.good() && bytes.empty()) return fail("cannot be read", path.string());
-  CameraFrame frame;
-  camera::ImageOptions grey = options;
-  grey.bayer.reset();  // the mosaic serves as grey values once it is smoothed
-  if (auto decoded = camera::decode_image(bytes, grey, frame); !decoded) {
-    return fail(decoded.error().what, path.string(), decoded.error().hint);
-  }
-  return frame;
-}
-
 /// Plays the drive and finds the sweep of each image.
 std::vector<PairedSweep> pair_sweeps(OpenDrive& open_sensors,
                                      const std::vector<recording::SequenceEntry>& images,
@@ -127,7 +113,7 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
       ++unpaired;
       continue;
     }
-    auto frame = decode_image_file(images[k].path, open_sensors.setup.cameras[open_sensors.camera]);
+    auto frame = read_image(images[k].path, open_sensors.setup.cameras[open_sensors.camera]);
     if (!frame) return tl::unexpected(frame.error());
     const CameraIntrinsics& intrinsics = mount.intrinsics;
     if (frame->width != intrinsics.width || frame->height != intrinsics.height) {

@@ -30,5 +30,6 @@ Command declare_freeze(CLI::App& infuse);
 Command declare_streetmap(CLI::App& infuse);
 Command declare_record(CLI::App& infuse);
 Command declare_odometry(CLI::App& infuse);
+Command declare_align(CLI::App& infuse);
 
 }  // namespace infuse::daemon

@@ -11,4 +11,9 @@ namespace infuse::daemon {
 /// its end, so that the seam shows the effect of the motion.
 CameraFrame draw_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed);
 
+/// Draws two sweeps from above in the target's frame, twice: before (left) and after their
+/// alignment. The target is blue, the source red. Poses are T_target_source.
+CameraFrame draw_alignment(const Sweep& target, const Sweep& source,
+                           const Eigen::Isometry3d& T_before, const Eigen::Isometry3d& T_after);
+
 }  // namespace infuse::daemon

@@ -18,7 +18,8 @@ using Options = std::set<std::string>;
 const std::vector<std::string> kCommands = {
     "status",    "watch",    "wait-ready",       "record",    "calibration",      "recalibrate",
     "apply",     "rollback", "freeze",           "inspect",   "decode",           "import kitti",
-    "calibrate", "evaluate", "calibrate-target", "streetmap", "import opencalib", "odometry"};
+    "calibrate", "evaluate", "calibrate-target", "streetmap", "import opencalib", "odometry",
+    "align"};
 
 std::string help_of(const std::string& program) {
   const ProgramResult result =

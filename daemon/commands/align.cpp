@@ -1,0 +1,196 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/commands/align_scan.hpp"
+#include "daemon/commands/command.hpp"
+#include "daemon/commands/sweep_image.hpp"
+#include "daemon/protocol/json_encoder.hpp"
+#include "drivers/camera/png_encoder.hpp"
+#include "drivers/measurement/angles.hpp"
+#include "drivers/text/numbers.hpp"
+#include "drivers/text/text_file.hpp"
+#include "fusion/registration/gicp.hpp"
+#include "fusion/registration/global_guess.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kProgram = "infuse align";
+
+struct Arguments {
+  std::string target, source;
+  std::string method;
+  std::string guess;
+  std::string lidar;
+  std::string output;
+  bool json = false;
+
+  std::string chosen_method() const {
+    return !method.empty() ? method : guess.empty() ? "global" : "gicp";
+  }
+};
+
+/// Parses "X,Y,YAW" or "X,Y,Z,ROLL,PITCH,YAW", metres and degrees.
+std::optional<Eigen::Isometry3d> parse_pose(std::string text) {
+  for (char& c : text) c = c == ',' ? ' ' : c;
+  const auto numbers = text::parse_numbers(text);
+  if (!numbers || (numbers->size() != 3 && numbers->size() != 6)) return std::nullopt;
+  const std::vector<double>& n = *numbers;
+  const bool planar = n.size() == 3;
+  const auto turn = [](double angle_deg, const Eigen::Vector3d& axis) {
+    return Eigen::AngleAxisd(angle_deg * kDegree, axis);
+  };
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = Eigen::Vector3d(n[0], n[1], planar ? 0 : n[2]);
+  T.linear() = (turn(planar ? n[2] : n[5], Eigen::Vector3d::UnitZ()) *
+                turn(planar ? 0 : n[4], Eigen::Vector3d::UnitY()) *
+                turn(planar ? 0 : n[3], Eigen::Vector3d::UnitX()))
+                   .toRotationMatrix();
+  return T;
+}
+
+/// Roll, pitch and yaw, degrees.
+Eigen::Vector3d angles_deg(const Eigen::Matrix3d& R) {
+  return Eigen::Vector3d(std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+                         std::atan2(R(1, 0), R(0, 0))) /
+         kDegree;
+}
+
+geometry::PointsView points_of(const Sweep& sweep) { return {sweep.x, sweep.y, sweep.z}; }
+
+registration::RegistrationResult align(const Arguments& arguments, const AlignScan& target,
+                                       const AlignScan& source, Eigen::Isometry3d guess) {
+  if (arguments.chosen_method() == "global") {
+    const auto found =
+        registration::find_global_guess(points_of(target.sweep), points_of(source.sweep));
+    if (!found.usable()) return found;
+    guess = found.T_target_source;  // from fewer points than GICP takes
+  }
+  const auto there = registration::prepare_cloud(points_of(target.sweep));
+  const auto here = registration::prepare_cloud(points_of(source.sweep));
+  return registration::gicp(there, here.cloud, guess);
+}
+
+void print_json(const Arguments& arguments, const AlignScan& target, const AlignScan& source,
+                const registration::RegistrationResult& result) {
+  Json out{{"method", arguments.chosen_method()}, {"usable", result.usable()}};
+  if (!result.usable()) {
+    out["reason"] = result.reason;
+  } else {
+    out["T_target_source"] = encode(result.T_target_source);
+    out["covariance"] = encode(result.covariance);
+    out["inliers"] = result.inliers;
+    out["points"] = result.points;
+    out["rms_m"] = result.rms;
+    if (result.free_directions > 0) out["free_directions"] = result.free_directions_text();
+  }
+  if (!target.deskew_reason.empty()) out["target_not_deskewed"] = target.deskew_reason;
+  if (!source.deskew_reason.empty()) out["source_not_deskewed"] = source.deskew_reason;
+  std::cout << out.dump() << "\n";
+}
+
+void print_text(const Arguments& arguments, const AlignScan& target, const AlignScan& source,
+                const registration::RegistrationResult& result) {
+  const Eigen::Vector3d t = result.T_target_source.translation();
+  const Eigen::Vector3d angles = angles_deg(result.T_target_source.linear());
+  const geometry::Vector6 sigma = result.covariance.diagonal().cwiseSqrt();
+  std::cout << fmt::format("T_target_source by {}, {} of {} points with a counterpart\n",
+                           arguments.chosen_method(), result.inliers, result.points)
+            << fmt::format(
+                   "  x {:.3f}, y {:.3f}, z {:.3f} m; roll {:.3f}, pitch {:.3f}, yaw "
+                   "{:.3f} degrees\n",
+                   t.x(), t.y(), t.z(), angles.x(), angles.y(), angles.z())
+            << fmt::format(
+                   "  standard deviation {:.4f}, {:.4f}, {:.4f} m; {:.4f}, {:.4f}, {:.4f} "
+                   "degrees\n",
+                   sigma(3), sigma(4), sigma(5), sigma(0) / kDegree, sigma(1) / kDegree,
+                   sigma(2) / kDegree);
+  if (result.free_directions > 0) {
+    std::cout << "  not determined by the geometry: " << result.free_directions_text() << "\n";
+  }
+  for (const auto& [which, scan] : {std::pair{"target", &target}, std::pair{"source", &source}}) {
+    if (!scan->deskew_reason.empty()) {
+      std::cout << fmt::format("  {} not deskewed: {}\n", which, scan->deskew_reason);
+    }
+  }
+}
+
+int run(const Arguments& arguments) {
+  Eigen::Isometry3d guess = Eigen::Isometry3d::Identity();
+  if (!arguments.guess.empty()) {
+    const auto parsed = parse_pose(arguments.guess);
+    if (!parsed) {
+      return print_error(kProgram,
+                         {"cannot be read: '" + arguments.guess + "'", "--guess",
+                          "expected X,Y,YAW or X,Y,Z,ROLL,PITCH,YAW in metres and degrees"},
+                         kUsage);
+    }
+    if (arguments.chosen_method() != "gicp") {
+      return print_error(
+          kProgram, {"only gicp needs a guess", "--guess", "leave it out or use --method gicp"},
+          kUsage);
+    }
+    guess = *parsed;
+  }
+  if (!arguments.output.empty() && std::filesystem::path(arguments.output).extension() != ".png") {
+    return print_error(kProgram, {"must be a .png file", "--output", ""}, kUsage);
+  }
+  const bool images = false;
+  const auto target = read_align_scan(arguments.target, arguments.lidar, images);
+  if (!target) return print_error(kProgram, target.error(), kUnreadable);
+  const auto source = read_align_scan(arguments.source, arguments.lidar, images);
+  if (!source) return print_error(kProgram, source.error(), kUnreadable);
+  const registration::RegistrationResult result = align(arguments, *target, *source, guess);
+  if (!arguments.output.empty() && result.usable()) {
+    const auto written =
+        camera::encode_png(
+            draw_alignment(target->sweep, source->sweep, guess, result.T_target_source))
+            .and_then([&](const auto& png) {
+              return text::write_text(arguments.output,
+                                      {reinterpret_cast<const char*>(png.data()), png.size()});
+            });
+    if (!written) return print_error(kProgram, written.error(), kFailure);
+  }
+  if (arguments.json) print_json(arguments, *target, *source, result);
+  if (!result.usable()) {
+    return arguments.json ? int{kFailure}
+                          : print_error(kProgram, {result.reason, arguments.source, ""}, kFailure);
+  }
+  if (!arguments.json) print_text(arguments, *target, *source, result);
+  return kDone;
+}
+
+}  // namespace
+
+Command declare_align(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand("align", "find the pose of one sweep in another's frame");
+  const auto arguments = std::make_shared<Arguments>();
+  app->add_option("TARGET", arguments->target,
+                  "sweep INDEX (from 0) of a drive or capture as PATH:INDEX, or a .pcd, .ply or "
+                  ".bin file")
+      ->required();
+  app->add_option("SOURCE", arguments->source, "the sweep whose pose is sought")->required();
+  app->add_option(
+         "--method", arguments->method,
+         "gicp (from a guess) or global (from none); default: global, or gicp with --guess")
+      ->check(CLI::IsMember({"gicp", "global"}));
+  app->add_option("--guess", arguments->guess,
+                  "T_target_source to begin with, metres and degrees: X,Y,YAW or "
+                  "X,Y,Z,ROLL,PITCH,YAW (gicp without it: 0)")
+      ->type_name("POSE");
+  app->add_option("--lidar", arguments->lidar, "lidar, if there are several")->type_name("NAME");
+  app->add_option("-o,--output", arguments->output,
+                  "draw both sweeps from above: before (left) and after")
+      ->type_name("FILE.png");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  set_examples(*app, {"infuse align drive/:0 drive/:10 -o aligned.png",
+                      "infuse align target.ply source.ply --guess 0.5,0,3"});
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace infuse::daemon
