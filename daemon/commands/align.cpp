@@ -16,11 +16,13 @@
 #include "drivers/text/text_file.hpp"
 #include "fusion/registration/gicp.hpp"
 #include "fusion/registration/global_guess.hpp"
+#include "fusion/registration/visual/align_scans.hpp"
+#include "fusion/registration/visual/visual_alignment.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kProgram = "infuse align";
+constexpr const char* kAlignProgram = "infuse align";
 
 struct Arguments {
   std::string target, source;
@@ -33,6 +35,7 @@ struct Arguments {
   std::string chosen_method() const {
     return !method.empty() ? method : guess.empty() ? "global" : "gicp";
   }
+  bool needs_images() const { return method == "vb-gicp" || method == "mi"; }
 };
 
 /// Parses "X,Y,YAW" or "X,Y,Z,ROLL,PITCH,YAW", metres and degrees.
@@ -63,13 +66,37 @@ Eigen::Vector3d angles_deg(const Eigen::Matrix3d& R) {
 
 geometry::PointsView points_of(const Sweep& sweep) { return {sweep.x, sweep.y, sweep.z}; }
 
-registration::RegistrationResult align(const Arguments& arguments, const AlignScan& target,
-                                       const AlignScan& source, Eigen::Isometry3d guess) {
-  if (arguments.chosen_method() == "global") {
-    const auto found =
-        registration::find_global_guess(points_of(target.sweep), points_of(source.sweep));
-    if (!found.usable()) return found;
-    guess = found.T_target_source;  // from fewer points than GICP takes
+std::vector<registration::ScanImage> images_of(const AlignScan& scan) {
+  std::vector<registration::ScanImage> images;
+  for (size_t k = 0; k < scan.images.size(); ++k) {
+    images.push_back({scan.images[k], scan.cameras[k]});
+  }
+  return images;
+}
+
+/// An alignment by images.
+Result<registration::RegistrationResult> align_by_images(const std::string& method,
+                                                         const AlignScan& target,
+                                                         const AlignScan& source) {
+  const std::vector<registration::ScanImage> images_there = images_of(target);
+  const std::vector<registration::ScanImage> images_here = images_of(source);
+  const registration::CameraLidarScan there{features::make_sweep_view(target.sweep), images_there};
+  const registration::CameraLidarScan here{features::make_sweep_view(source.sweep), images_here};
+  if (method == "mi") return registration::align_scans_by_information(there, here);
+  return registration::align_by_keypoints(there, here).map([](const auto& found) {
+    return found.result;
+  });
+}
+
+Result<registration::RegistrationResult> align(const Arguments& arguments, const AlignScan& target,
+                                               const AlignScan& source, Eigen::Isometry3d guess) {
+  const std::string method = arguments.chosen_method();
+  if (method != "gicp") {
+    const auto found = method == "global" ? registration::find_global_guess(points_of(target.sweep),
+                                                                            points_of(source.sweep))
+                                          : align_by_images(method, target, source);
+    if (!found || !found->usable() || method == "vb-gicp") return found;
+    guess = found->T_target_source;
   }
   const auto there = registration::prepare_cloud(points_of(target.sweep));
   const auto here = registration::prepare_cloud(points_of(source.sweep));
@@ -125,27 +152,28 @@ int run(const Arguments& arguments) {
   if (!arguments.guess.empty()) {
     const auto parsed = parse_pose(arguments.guess);
     if (!parsed) {
-      return print_error(kProgram,
+      return print_error(kAlignProgram,
                          {"cannot be read: '" + arguments.guess + "'", "--guess",
                           "expected X,Y,YAW or X,Y,Z,ROLL,PITCH,YAW in metres and degrees"},
                          kUsage);
     }
     if (arguments.chosen_method() != "gicp") {
       return print_error(
-          kProgram, {"only gicp needs a guess", "--guess", "leave it out or use --method gicp"},
-          kUsage);
+          kAlignProgram,
+          {"only gicp needs a guess", "--guess", "leave it out or use --method gicp"}, kUsage);
     }
     guess = *parsed;
   }
   if (!arguments.output.empty() && std::filesystem::path(arguments.output).extension() != ".png") {
-    return print_error(kProgram, {"must be a .png file", "--output", ""}, kUsage);
+    return print_error(kAlignProgram, {"must be a .png file", "--output", ""}, kUsage);
   }
-  const bool images = false;
-  const auto target = read_align_scan(arguments.target, arguments.lidar, images);
-  if (!target) return print_error(kProgram, target.error(), kUnreadable);
-  const auto source = read_align_scan(arguments.source, arguments.lidar, images);
-  if (!source) return print_error(kProgram, source.error(), kUnreadable);
-  const registration::RegistrationResult result = align(arguments, *target, *source, guess);
+  const auto target = read_align_scan(arguments.target, arguments.lidar, arguments.needs_images());
+  if (!target) return print_error(kAlignProgram, target.error(), kUnreadable);
+  const auto source = read_align_scan(arguments.source, arguments.lidar, arguments.needs_images());
+  if (!source) return print_error(kAlignProgram, source.error(), kUnreadable);
+  const auto aligned = align(arguments, *target, *source, guess);
+  if (!aligned) return print_error(kAlignProgram, aligned.error(), kUnreadable);
+  const registration::RegistrationResult& result = *aligned;
   if (!arguments.output.empty() && result.usable()) {
     const auto written =
         camera::encode_png(
@@ -154,12 +182,13 @@ int run(const Arguments& arguments) {
               return text::write_text(arguments.output,
                                       {reinterpret_cast<const char*>(png.data()), png.size()});
             });
-    if (!written) return print_error(kProgram, written.error(), kFailure);
+    if (!written) return print_error(kAlignProgram, written.error(), kFailure);
   }
   if (arguments.json) print_json(arguments, *target, *source, result);
   if (!result.usable()) {
-    return arguments.json ? int{kFailure}
-                          : print_error(kProgram, {result.reason, arguments.source, ""}, kFailure);
+    return arguments.json
+               ? int{kFailure}
+               : print_error(kAlignProgram, {result.reason, arguments.source, ""}, kFailure);
   }
   if (!arguments.json) print_text(arguments, *target, *source, result);
   return kDone;
@@ -177,8 +206,9 @@ Command declare_align(CLI::App& infuse) {
   app->add_option("SOURCE", arguments->source, "the sweep whose pose is sought")->required();
   app->add_option(
          "--method", arguments->method,
-         "gicp (from a guess) or global (from none); default: global, or gicp with --guess")
-      ->check(CLI::IsMember({"gicp", "global"}));
+         "gicp (from a guess); from none: global, or of a drive with cameras vb-gicp (keypoints of "
+         "the images) or mi (mutual information); default: global, or gicp with --guess")
+      ->check(CLI::IsMember({"gicp", "global", "vb-gicp", "mi"}));
   app->add_option("--guess", arguments->guess,
                   "T_target_source to begin with, metres and degrees: X,Y,YAW or "
                   "X,Y,Z,ROLL,PITCH,YAW (gicp without it: 0)")

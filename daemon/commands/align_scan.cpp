@@ -14,50 +14,84 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr Duration kMaxGap{75'000'000};  // between the middle of the sweep and an exposure
+constexpr Duration kMaxGap{50'000'000};  // from a sweep's middle to an exposure
 
-/// Adds the image of each of the lidar's cameras that is nearest to the time.
-Result<void> read_images(const recording::Drive& drive, const DriveSetup& setup,
-                         const std::string& lidar, Stamp time, AlignScan& out) {
-  const Rig& rig = drive.description.rig;
-  for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
-    const CameraMount& mount = rig.cameras[camera];
+/// Images of one camera.
+struct CameraImages {
+  size_t camera;  // index in the rig
+  std::vector<recording::SequenceEntry> entries;
+
+  /// The image whose exposure is nearest.
+  const recording::SequenceEntry& nearest(Stamp time) const {
+    return *std::min_element(entries.begin(), entries.end(), [&](const auto& a, const auto& b) {
+      return distance_between(a.stamp, time) < distance_between(b.stamp, time);
+    });
+  }
+};
+
+/// Lists the images of the cameras of a lidar; at least one of each.
+Result<std::vector<CameraImages>> list_images(const std::string& path, const std::string& lidar) {
+  const auto drive = recording::Drive::open(path);
+  if (!drive) return tl::unexpected(drive.error());
+  const recording::DriveDescription& description = drive->description;
+  std::vector<CameraImages> out;
+  for (size_t camera = 0; camera < description.rig.cameras.size(); ++camera) {
+    const CameraMount& mount = description.rig.cameras[camera];
     if (mount.lidar != lidar) continue;
-    const auto files =
-        recording::index_images(drive.resolve(drive.description.cameras[camera].images));
+    auto files = recording::index_images(drive->resolve(description.cameras[camera].images),
+                                         mount.stamp_delay);
     if (!files) return tl::unexpected(files.error());
-    const auto gap = [&](const recording::SequenceEntry& image) {
-      const Duration d = image.stamp - mount.stamp_delay - time;
-      return d.count() < 0 ? -d : d;
-    };
-    const auto nearest =
-        std::min_element(files->entries.begin(), files->entries.end(),
-                         [&](const auto& a, const auto& b) { return gap(a) < gap(b); });
-    if (nearest == files->entries.end() || gap(*nearest) > kMaxGap) {
-      return fail("camera '" + mount.name + "' has no image within 75 ms of the sweep",
-                  drive.folder.string(), "choose another sweep");
+    if (files->entries.empty()) return fail("camera '" + mount.name + "' has no images", path);
+    out.push_back({camera, std::move(files->entries)});
+  }
+  if (out.empty()) {
+    return fail("there is no camera for lidar '" + lidar + "'", path,
+                "choose a method that needs no images");
+  }
+  return out;
+}
+
+/// Adds the image of each camera that is nearest to the time.
+Result<void> read_images(const std::vector<CameraImages>& cameras, const DriveSetup& setup,
+                         Stamp time, AlignScan& out) {
+  for (const CameraImages& images : cameras) {
+    const CameraMount& mount = setup.rig.cameras[images.camera];
+    const recording::SequenceEntry& image = images.nearest(time);
+    if (distance_between(image.stamp, time) > kMaxGap) {
+      return fail("camera '" + mount.name + "' has no image within 50 ms of the sweep",
+                  setup.path.string(), "choose another sweep");
     }
-    auto frame = read_image(nearest->path, setup.cameras[camera]);
+    auto frame = read_image(image.path, setup.cameras[images.camera]);
     if (!frame) return tl::unexpected(frame.error());
     out.cameras.push_back(mount);
     out.images.push_back(std::move(*frame));
-  }
-  if (out.images.empty()) {
-    return fail("there is no camera for lidar '" + lidar + "'", drive.folder.string(),
-                "choose a method that needs no images");
   }
   return {};
 }
 
 Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const std::string& name,
-                                  bool images) {
+                                  bool with_images) {
   auto setup = open_drive(path, {}, {});
   if (!setup) return tl::unexpected(setup.error());
   const auto lidar = find_lidar(*setup, name);
   if (!lidar) return tl::unexpected(lidar.error());
+  std::vector<CameraImages> images;
+  if (with_images) {
+    auto listed = list_images(path, setup->rig.lidars[*lidar].name);
+    if (!listed) return tl::unexpected(listed.error());
+    images = std::move(*listed);
+  }
   std::optional<AlignScan> found;
-  Stamp middle;
-  DeskewedSweeps sweeps(setup->rig.lidars[*lidar].T_vehicle_lidar, {}, 0.5);
+  Stamp reference;
+  const auto choose_reference = [&](const Sweep& sweep) {
+    reference = sweep.stamp + sweep.span / 2;
+    if (!images.empty()) {
+      const Stamp exposure = images.front().nearest(reference).stamp;
+      if (distance_between(exposure, reference) <= kMaxGap) reference = exposure;
+    }
+    return reference;
+  };
+  DeskewedSweeps sweeps(setup->rig.lidars[*lidar].T_vehicle_lidar, {}, choose_reference);
   const auto on_deskewed = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed) {
     found.emplace();
     found->sweep = sweep;
@@ -65,7 +99,6 @@ Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const
     found->sweep.y = deskewed.y;
     found->sweep.z = deskewed.z;
     found->deskew_reason = deskewed.reason;
-    middle = deskewed.reference;
   };
   play_lidar(
       *setup, *lidar,
@@ -78,13 +111,10 @@ Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const
         return !found.has_value();
       });
   if (!found) sweeps.finish(on_deskewed);
-  if (!found)
+  if (!found) {
     return fail("has no sweep " + std::to_string(index), path, "infuse inspect lists them");
-  if (!images) return std::move(*found);
-  const auto drive = recording::Drive::open(path);
-  if (!drive) return tl::unexpected(drive.error());
-  if (auto read = read_images(*drive, *setup, setup->rig.lidars[*lidar].name, middle, *found);
-      !read) {
+  }
+  if (auto read = read_images(images, *setup, reference, *found); !read) {
     return tl::unexpected(read.error());
   }
   return std::move(*found);

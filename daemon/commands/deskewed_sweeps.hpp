@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <vector>
 
 #include "daemon/pipeline/odometry_tracker.hpp"
@@ -12,13 +13,17 @@ namespace infuse::daemon {
 /// odometry covers its time span.
 class DeskewedSweeps {
  public:
-  /// `reference`: the time that sweeps are deskewed to, 0 (start) … 1 (end of the sweep).
+  /// Returns the time that a sweep is deskewed to.
+  using Reference = std::function<Stamp(const Sweep&)>;
+
   DeskewedSweeps(const Eigen::Isometry3d& T_vehicle_lidar, const OdometrySettings& settings,
-                 double reference = 1)
+                 Reference reference = end_of)
       : odometry_(settings, false),
         max_wait_(settings.max_wait),
         deskewer_(T_vehicle_lidar),
-        reference_(reference) {}
+        reference_(std::move(reference)) {}
+
+  static Stamp end_of(const Sweep& sweep) { return sweep.stamp + sweep.span; }
 
   void add_sample(const VehicleSample& sample) { odometry_.add(sample); }
   void add_sweep(const Sweep& sweep) { waiting_.push_back(sweep); }
@@ -29,7 +34,7 @@ class DeskewedSweeps {
   void process_due(Stamp now, OnSweep on_sweep) {
     while (!waiting_.empty() && is_due(waiting_.front(), now)) {
       const Sweep& sweep = waiting_.front();
-      deskewer_.deskew(sweep, odometry_.trajectory(), reference_stamp(sweep), deskewed_);
+      deskewer_.deskew(sweep, odometry_.trajectory(), reference_(sweep), deskewed_);
       on_sweep(sweep, deskewed_);
       waiting_.pop_front();
     }
@@ -44,20 +49,15 @@ class DeskewedSweeps {
 
  private:
   bool is_due(const Sweep& sweep, Stamp now) const {
-    const Stamp end = sweep.stamp + sweep.span;
+    const Stamp end = end_of(sweep);
     return now - end >= max_wait_ ||
            *odometry_.trajectory().uncovered_reason(sweep.stamp, end) == '\0';
-  }
-
-  Stamp reference_stamp(const Sweep& sweep) const {
-    return sweep.stamp +
-           Duration(static_cast<int64_t>(reference_ * static_cast<double>(sweep.span.count())));
   }
 
   OdometryTracker odometry_;
   Duration max_wait_;
   motion::Deskewer deskewer_;
-  double reference_;
+  Reference reference_;
   motion::DeskewedSweep deskewed_;
   std::deque<Sweep> waiting_;
 };

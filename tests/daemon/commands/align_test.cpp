@@ -56,9 +56,9 @@ Eigen::Isometry3d small_motion() {
 
 TEST_F(AlignTest, FindsThePoseFromAGuessAndDrawsBoth) {
   const std::string source = write("source.ply", random_room(2, 20'000, 0.01, small_motion()));
-  const auto picture = folder_ / "aligned.png";
+  const auto drawing = folder_ / "aligned.png";
   const ProgramResult machine =
-      align(target() + source + "--guess 0.2,0,1 --json -o " + picture.string());
+      align(target() + source + "--guess 0.2,0,1 --json -o " + drawing.string());
   ASSERT_EQ(machine.code, 0) << machine.output;
   const json found = json::parse(machine.output);
   EXPECT_EQ(found["method"], "gicp");
@@ -69,14 +69,14 @@ TEST_F(AlignTest, FindsThePoseFromAGuessAndDrawsBoth) {
   }
   EXPECT_EQ(found["covariance"].size(), 36U);
   EXPECT_EQ(found["target_not_deskewed"], "the file has no times");
-  std::ifstream image(picture, std::ios::binary);
+  std::ifstream image(drawing, std::ios::binary);
   std::string magic(4, ' ');
   image.read(magic.data(), 4);
   EXPECT_EQ(magic, "\x89PNG");
 
   const ProgramResult text = align(target() + source + "--method gicp");
   EXPECT_EQ(text.code, 0);
-  EXPECT_THAT(text.output, HasSubstr("roll 0.000"));
+  EXPECT_THAT(text.output, HasSubstr("yaw 2.8"));
   EXPECT_THAT(text.output, HasSubstr("standard deviation"));
   EXPECT_THAT(text.output, HasSubstr("target not deskewed: the file has no times"));
 }
@@ -88,6 +88,7 @@ TEST_F(AlignTest, RefusesWrongArguments) {
   EXPECT_EQ(align(both + "--guess 1,2").code, 2);
   EXPECT_EQ(align(both + "--guess 1,2,nan").code, 2);
   EXPECT_EQ(align(both + "--method global --guess 1,2,3").code, 2);
+  EXPECT_EQ(align(both + "--method mi --guess 1,2,3").code, 2);
   EXPECT_EQ(align(both + "-o x.jpg").code, 2);
   EXPECT_EQ(align(target() + "/nonexistent.pcd").code, 3);
   EXPECT_EQ(align(target() + "/nonexistent:3").code, 3);
@@ -108,12 +109,15 @@ TEST_F(AlignTest, StatesWhySweepsCannotBeAligned) {
     EXPECT_FALSE(found.contains("T_target_source"));
     return found["reason"];
   };
-  for (const std::string method : {"gicp", "global"}) {
-    EXPECT_THAT(reason(write("empty.ply", {}), method), HasSubstr("too few points")) << method;
-    EXPECT_THAT(reason(write("ten.ply", ten), method), HasSubstr("too few points")) << method;
-    EXPECT_THAT(reason(write("nan.ply", missing), method), HasSubstr("too few points")) << method;
-    EXPECT_THAT(reason(there, method), HasSubstr("identical")) << method;
-  }
+  EXPECT_EQ(reason(write("empty.ply", {}), "gicp"), "the source has no finite points");
+  EXPECT_EQ(reason(write("nan.ply", missing), "gicp"), "the source has no finite points");
+  EXPECT_EQ(reason(write("ten.ply", ten), "gicp"), "the source has too few points");
+  EXPECT_EQ(reason(write("empty.ply", {}), "global"), "the source has too few points");
+  EXPECT_EQ(reason(write("nan.ply", missing), "global"), "the source has too few points");
+  EXPECT_EQ(reason(write("ten.ply", ten), "global"),
+            "no pose agrees with the shapes of both scans");
+  EXPECT_THAT(reason(there, "gicp"), HasSubstr("the clouds are identical"));
+  EXPECT_THAT(reason(there, "global"), HasSubstr("the clouds are identical"));
   EXPECT_EQ(reason(write("far.ply", elsewhere), "gicp"), "the clouds do not overlap");
 }
 
@@ -128,11 +132,13 @@ TEST_F(AlignTest, TakesSweepsOfACaptureByTheirIndex) {
   ASSERT_EQ(found.code, 0) << found.output;
   const json result = json::parse(found.output);
   EXPECT_NEAR(result["T_target_source"][3].get<double>(), 0, 0.01);
-  EXPECT_TRUE(result.contains("source_not_deskewed"));  // no odometry
   const ProgramResult missing = align(capture + ":2 " + capture + ":99");
   EXPECT_EQ(missing.code, 3);
   EXPECT_THAT(missing.output, HasSubstr("has no sweep 99"));
   EXPECT_THAT(align(capture + ":2 " + capture).output, HasSubstr("PATH:INDEX"));
+  const ProgramResult blind = align(capture + ":2 " + capture + ":6 --method vb-gicp");
+  EXPECT_EQ(blind.code, 3);
+  EXPECT_NE(blind.output, "");
 }
 
 }  // namespace
