@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "daemon/commands/deskewed_sweeps.hpp"
+#include "daemon/commands/find_lidar.hpp"
 #include "daemon/commands/play_lidar.hpp"
 #include "daemon/commands/read_image.hpp"
 #include "drivers/recording/sweep_export.hpp"

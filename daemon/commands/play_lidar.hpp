@@ -8,18 +8,6 @@
 
 namespace infuse::daemon {
 
-/// Returns the index of the lidar of that name, or of the only one if the name is empty.
-inline Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name) {
-  std::string names;
-  for (size_t i = 0; i < setup.lidars.size(); ++i) {
-    if (setup.lidars[i].name == name || (name.empty() && setup.lidars.size() == 1)) return i;
-    names += (i == 0 ? "" : ", ") + setup.lidars[i].name;
-  }
-  if (setup.lidars.empty()) return fail("there is no lidar", setup.path.string());
-  return fail(name.empty() ? "there are several lidars" : "there is no lidar '" + name + "'",
-              setup.path.string(), "choose one with --lidar: " + names);
-}
-
 /// Plays a drive for one of its lidars and the vehicle's odometry. Calls `on_sweep(Sweep&)`,
 /// `on_sample(const VehicleSample&)`, and after every event of the drive `on_event(const
 /// DriveEvent&)`, which returns false to end early. At the drive's end the sweep being assembled is
