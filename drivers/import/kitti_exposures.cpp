@@ -11,6 +11,7 @@ namespace {
 constexpr Duration kMaxOffset{1'000'000'000};
 constexpr Duration kMaxDelay{50'000'000};
 constexpr Duration kMaxScatter{10'000'000};
+constexpr Duration kAfterTrigger{3'000'000};  // from the trigger to the middle of the exposure
 constexpr Duration kExposureSigma{3'000'000};
 
 // Stamp minus middle of the turn of the same number, in order of size.
@@ -69,12 +70,13 @@ Result<ExposureTimes> find_exposures(const std::string& camera,
   }
   for (StampedFile& image : images) {
     if (image.number < turns.size() && turns[image.number])
-      image.times.exposure = turns[image.number]->middle;
+      image.times.exposure = turns[image.number]->middle + kAfterTrigger;
   }
-  result.delay = median;
+  result.delay = median - kAfterTrigger;
   result.sigma = kExposureSigma;
-  result.note = {"images are taken as exposed at the middle of their sweep, to " +
-                     format_ms(result.sigma) + "; their stamps are " + range + " it",
+  result.note = {"images are taken as exposed " + format_ms(kAfterTrigger) +
+                     " after the middle of their sweep, to " + format_ms(result.sigma) +
+                     "; their stamps are " + range + " it",
                  camera,
                  {}};
   return result;

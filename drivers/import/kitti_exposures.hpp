@@ -17,11 +17,11 @@ struct ExposureTimes {
 };
 
 /// KITTI's cameras are triggered when the lidar faces forward, and stamped when the image has
-/// arrived: the exposure of image k is the middle of turn k, to 3 ms (image gradients at depth
-/// edges are largest there). Sets `times.exposure` of the images whose turn is known. Images whose
-/// stamps do not follow the turns (more than 50 ms away, or scattered by more than 10 ms) are left
-/// as they are. Errors: stamps more than a second away from the turns, as those of another time
-/// zone.
+/// arrived: the exposure of image k is 3 ms after the middle of turn k, to 3 ms (image gradients at
+/// depth edges are largest there). Sets `times.exposure` of the images whose turn is known. Images
+/// whose stamps do not follow the turns (more than 50 ms away, or scattered by more than 10 ms) are
+/// left as they are. Errors: stamps more than a second away from the turns, as those of another
+/// time zone.
 Result<ExposureTimes> find_exposures(const std::string& camera,
                                      const std::vector<std::optional<TurnTimes>>& turns,
                                      std::vector<StampedFile>& images);

@@ -6,6 +6,7 @@
 #include "drivers/import/kitti_exposures.hpp"
 #include "drivers/import/kitti_files.hpp"
 #include "drivers/import/kitti_oxts.hpp"
+#include "drivers/import/ring_cuts.hpp"
 #include "drivers/import/turn_check.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
 
@@ -169,10 +170,13 @@ Result<void> read_raw_images(const fs::path& folder, size_t camera, const Turns&
 // KITTI's lidar turns clockwise and its sweeps are cut at the rear, whatever the readme says.
 void find_turn(const std::string& where, const std::vector<recording::TrajectoryPose>& path,
                KittiRecording& recording) {
-  const recording::Turn turn;
+  recording::Turn turn;
+  turn.ring_cuts_deg = find_ring_cuts(recording.sweeps, turn.cut_deg);
   const TurnCheck check =
       check_turn(turn, recording.sweeps, path, recording.calibration.T_vehicle_lidar());
-  const std::string rule = "a turn clockwise, cut at the rear";
+  const bool by_ring = !turn.ring_cuts_deg.empty();
+  const std::string rule = std::string("a turn clockwise, cut at the rear") +
+                           (by_ring ? ", each ring at an azimuth of its own" : "");
   switch (check.verdict) {
     case TurnCheck::Verdict::kBlurs:
       recording.notes.push_back(

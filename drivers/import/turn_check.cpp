@@ -36,6 +36,8 @@ std::vector<Hypothesis> make_hypotheses(const Turn& turn) {
   all.push_back({turn, "as stated"});
   all.push_back({std::nullopt, "not deskewed"});
   all.push_back({Turn{!turn.clockwise, turn.cut_deg}, "in the other direction"});
+  if (!turn.ring_cuts_deg.empty())
+    all.push_back({Turn{turn.clockwise, turn.cut_deg}, "with one cut for all rings"});
   for (const int quarters : {1, 2, 3}) {
     const double cut = std::remainder(turn.cut_deg + 90 * quarters, 360);
     all.push_back({Turn{turn.clockwise, cut},

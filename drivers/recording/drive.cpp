@@ -32,8 +32,11 @@ std::optional<std::string> check_lidar(const LidarMount& mount, const LidarFiles
     return prefix + "rotation and deskewed are for sweeps; packets have their own times";
   if (files.turn && files.deskewed)
     return prefix + "give either rotation or deskewed: deskewed returns have one time";
-  if (files.turn && !(std::abs(files.turn->cut_deg) <= 360))
-    return prefix + "cut_deg must lie within ±360";
+  const auto is_angle = [](double degrees) { return std::abs(degrees) <= 360; };
+  if (files.turn &&
+      !(is_angle(files.turn->cut_deg) &&
+        std::all_of(files.turn->ring_cuts_deg.begin(), files.turn->ring_cuts_deg.end(), is_angle)))
+    return prefix + "cut_deg and ring_cuts_deg must lie within ±360";
   if (files.port == 0 || files.position_port == 0) return prefix + "a port must be 1 to 65535";
   if (files.port == files.position_port) return prefix + "port and position_port must differ";
   if (auto wrong = check_path(prefix + "packets", files.packets)) return wrong;

@@ -90,6 +90,8 @@ void add_files(std::string& text, const LidarFiles& files) {
   if (files.turn) {
     add(text, "rotation", format_enum(kRotations, files.turn->clockwise));
     add(text, "cut_deg", format_number(files.turn->cut_deg));
+    if (!files.turn->ring_cuts_deg.empty())
+      add(text, "ring_cuts_deg", format_numbers(files.turn->ring_cuts_deg));
   }
   if (files.deskewed) add(text, "deskewed", "true");
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "drivers/recording/can_toml.hpp"
+#include "drivers/recording/sweep_files.hpp"
 #include "drivers/recording/toml_names.hpp"
 #include "drivers/recording/toml_table.hpp"
 #include "drivers/text/text_file.hpp"
@@ -68,6 +69,7 @@ void read_files(TomlTable& table, LidarFiles& files) {
     Turn turn;
     read_enum(table, "rotation", kRotations, turn.clockwise);
     table.read("cut_deg", turn.cut_deg);
+    table.read("ring_cuts_deg", kMaxRings, turn.ring_cuts_deg);
     files.turn = turn;
   }
   table.read("deskewed", files.deskewed);

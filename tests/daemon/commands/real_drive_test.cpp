@@ -89,7 +89,7 @@ TEST_F(RealDrive, IsDeskewedAndPairedAndRaisesNoAlert) {
     } else if (report["class"] == "FRAME") {
       ++frames;
       EXPECT_EQ(report["sequence"], report["sweep"]) << "image k belongs to sweep k";
-      EXPECT_NEAR(report["sweep_offset_s"].get<double>(), 0.0517, 0.0005);
+      EXPECT_NEAR(report["sweep_offset_s"].get<double>(), 0.0547, 0.0005);
     } else if (report["class"] == "ALERT") {
       // The recording goes on after its last sweep and image.
       EXPECT_THAT(report.dump(), HasSubstr("no data"));
@@ -126,29 +126,48 @@ TEST_F(RealDrive, SaysWhatItCanBeUsedFor) {
   EXPECT_THAT(result["uses"][3]["statement"].get<std::string>(), HasSubstr("a street map"));
 }
 
-// Mean magnitude of the image's gradient at the returns in front of a depth edge.
-double gradient_at_depth_edges(const Sweep& sweep, const Sweep& placed, const CameraMount& camera,
-                               const CameraFrame& frame) {
-  const CameraIntrinsics& K = camera.intrinsics;
-  double sum = 0;
+// Mean magnitude of the image's gradient at the returns in front of a depth edge, placed as they
+// were measured and as they are deskewed.
+struct EdgeGradients {
+  double measured = 0, deskewed = 0;
   size_t count = 0;
-  for (size_t i = 0; i + 1 < sweep.size(); ++i) {
-    const float step = sweep.range[i + 1] - sweep.range[i];
-    if (sweep.ring[i] != sweep.ring[i + 1] || std::abs(step) < 0.5F) continue;
+
+  double gain() const { return deskewed / measured; }
+};
+
+std::optional<Eigen::Vector2i> pixel_of(const Sweep& sweep, size_t i, const CameraMount& camera) {
+  const CameraIntrinsics& K = camera.intrinsics;
+  const Eigen::Vector3d p =
+      camera.T_camera_lidar * Eigen::Vector3d(sweep.x[i], sweep.y[i], sweep.z[i]);
+  if (p.z() < 1) return std::nullopt;
+  const Eigen::Vector2i pixel(std::lround(K.fx * p.x() / p.z() + K.cx),
+                              std::lround(K.fy * p.y() / p.z() + K.cy));
+  if (pixel.x() < 1 || pixel.y() < 1 || pixel.x() + 1 >= K.width || pixel.y() + 1 >= K.height)
+    return std::nullopt;
+  return pixel;
+}
+
+// Adds the edges that deskewing moves by at least `min_shift` pixels.
+void add_edge_gradients(const Sweep& measured, const Sweep& deskewed, const CameraMount& camera,
+                        const CameraFrame& frame, double min_shift, EdgeGradients& gradients) {
+  const auto at = [&](int x, int y) -> double {
+    return frame.pixels[static_cast<size_t>(y * camera.intrinsics.width + x)];
+  };
+  const auto gradient = [&](const Eigen::Vector2i& p) {
+    return 0.5 * std::hypot(at(p.x() + 1, p.y()) - at(p.x() - 1, p.y()),
+                            at(p.x(), p.y() + 1) - at(p.x(), p.y() - 1));
+  };
+  for (size_t i = 0; i + 1 < measured.size(); ++i) {
+    const float step = measured.range[i + 1] - measured.range[i];
+    if (measured.ring[i] != measured.ring[i + 1] || std::abs(step) < 0.5F) continue;
     const size_t front = step > 0 ? i : i + 1;
-    const Eigen::Vector3d p =
-        camera.T_camera_lidar * Eigen::Vector3d(placed.x[front], placed.y[front], placed.z[front]);
-    if (p.z() < 1) continue;
-    const auto u = static_cast<int>(std::lround(K.fx * p.x() / p.z() + K.cx));
-    const auto v = static_cast<int>(std::lround(K.fy * p.y() / p.z() + K.cy));
-    if (u < 1 || v < 1 || u + 1 >= K.width || v + 1 >= K.height) continue;
-    const auto at = [&](int x, int y) -> double {
-      return frame.pixels[static_cast<size_t>(y * K.width + x)];
-    };
-    sum += 0.5 * std::hypot(at(u + 1, v) - at(u - 1, v), at(u, v + 1) - at(u, v - 1));
-    ++count;
+    const auto before = pixel_of(measured, front, camera);
+    const auto after = pixel_of(deskewed, front, camera);
+    if (!before || !after || (*after - *before).cast<double>().norm() < min_shift) continue;
+    gradients.measured += gradient(*before);
+    gradients.deskewed += gradient(*after);
+    ++gradients.count;
   }
-  return sum / static_cast<double>(std::max<size_t>(count, 1));
 }
 
 TEST_F(RealDrive, ImageEdgesAreAtTheDepthEdgesOfDeskewedSweeps) {
@@ -174,7 +193,7 @@ TEST_F(RealDrive, ImageEdgesAreAtTheDepthEdgesOfDeskewedSweeps) {
       });
   const std::vector<PairedSweep> pairs = pairing.finish();
   ASSERT_EQ(pairs.size(), 51u);
-  double before = 0, after = 0;
+  EdgeGradients all, moved;
   for (size_t k = 1; k < pairs.size(); k += 2) {
     ASSERT_EQ(pairs[k].deskew_reason, "") << k;
     ASSERT_EQ(pairs[k].sweep.sequence, k);
@@ -182,12 +201,14 @@ TEST_F(RealDrive, ImageEdgesAreAtTheDepthEdgesOfDeskewedSweeps) {
     const std::vector<uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
     CameraFrame frame;
     ASSERT_TRUE(camera::decode_image(bytes, {}, frame));
-    before += gradient_at_depth_edges(measured[k], measured[k], camera, frame);
-    after += gradient_at_depth_edges(measured[k], pairs[k].sweep, camera, frame);
+    add_edge_gradients(measured[k], pairs[k].sweep, camera, frame, 0, all);
+    add_edge_gradients(measured[k], pairs[k].sweep, camera, frame, 2, moved);
   }
-  // By this measure 4 %; not the 10 % that were hoped for.
-  EXPECT_GT(after, 1.02 * before) << before / 25 << " not deskewed, " << after / 25 << " deskewed";
-  std::cout << before / 25 << " not deskewed, " << after / 25 << " deskewed\n";
+  // Most edges are ahead, where deskewing hardly moves them.
+  EXPECT_GT(all.gain(), 1.04);
+  EXPECT_GT(moved.gain(), 1.10);
+  std::cout << all.gain() << " of " << all.count << ", moved by 2 pixels " << moved.gain() << " of "
+            << moved.count << "\n";
 }
 
 // Camera axes: x across, y down, z along the driving direction. Across, the result is 4 cm from the

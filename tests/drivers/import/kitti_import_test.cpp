@@ -233,17 +233,28 @@ TEST(KittiImport, ImportsTheRealRawDriveWithTheTimesOfItsReturns) {
   ASSERT_TRUE(result) << result.error().message();
   EXPECT_EQ(result->sweeps, 51u);
   EXPECT_EQ(result->images, 51u);
-  EXPECT_THAT(text_of(result->notes), HasSubstr("cut at the rear, as the sweeps confirm"));
-  EXPECT_THAT(text_of(result->notes), HasSubstr("exposed at the middle of their sweep"));
+  EXPECT_THAT(text_of(result->notes),
+              HasSubstr("cut at the rear, each ring at an azimuth of its own, as the sweeps"));
+  EXPECT_THAT(text_of(result->notes), HasSubstr("exposed 3 ms after the middle of their sweep"));
 
   const auto drive = recording::Drive::open(folder / "drive");
   ASSERT_TRUE(drive) << drive.error().message();
-  EXPECT_EQ(drive->description.lidars[0].turn, recording::Turn());
+  const auto& turn = drive->description.lidars[0].turn;
+  ASSERT_TRUE(turn);
+  EXPECT_TRUE(turn->clockwise);
+  EXPECT_EQ(turn->cut_deg, 180);
+  // Where the range steps, because a driven metre lies between the begin and the end of a turn.
+  ASSERT_EQ(turn->ring_cuts_deg.size(), 64u);
+  const std::array seams{std::pair{12, 177.9}, std::pair{19, 182.1}, std::pair{25, 180.9},
+                         std::pair{27, 187.4}, std::pair{37, 176.9}, std::pair{46, 182.6}};
+  for (const auto& [ring, seam_deg] : seams)
+    EXPECT_NEAR(turn->ring_cuts_deg[static_cast<size_t>(ring)], seam_deg, 0.4) << ring;
   const CameraMount& camera = drive->description.rig.cameras[0];
-  EXPECT_NEAR(to_seconds(camera.stamp_delay), 0.0176, 0.0012);
+  EXPECT_NEAR(to_seconds(camera.stamp_delay), 0.0146, 0.0012);
   EXPECT_EQ(camera.stamp_delay_sigma, Duration(3'000'000));
 
-  // Exposures are the lines of timestamps.txt; events are in the order in which they are complete.
+  // Exposures are 3 ms after the lines of timestamps.txt; events are in the order in which they are
+  // complete.
   std::ifstream lines(path / "velodyne_points/timestamps.txt");
   std::string line;
   auto source = recording::DriveSource::open(*drive);
@@ -257,18 +268,19 @@ TEST(KittiImport, ImportsTheRealRawDriveWithTheTimesOfItsReturns) {
       std::getline(lines, line);
       exposure = event.stamp;
       const double seconds = static_cast<double>(exposure.ns() % 60'000'000'000) * 1e-9;
-      EXPECT_NEAR(seconds, std::stod(line.substr(17)), 1e-6);
+      EXPECT_NEAR(seconds, std::stod(line.substr(17)) + 0.003, 1e-6);
     } else if (const auto* event_sweep = std::get_if<recording::SweepEvent>(&event.content)) {
       const Sweep& sweep = *event_sweep->sweep;
       ASSERT_TRUE(sweep.has_times);
       EXPECT_NEAR(to_seconds(sweep.span), 0.1035, 0.001);
       EXPECT_LT(sweep.stamp, exposure);
       EXPECT_LT(exposure, sweep.stamp + sweep.span);
-      // A return ahead is measured when the lidar faces forward: near the exposure.
+      // A return ahead is measured when the lidar faces forward, 3 ms before the exposure, up to
+      // the 9 deg by which its laser points aside.
       for (size_t i = 0; i < sweep.size(); i += 101) {
         if (std::abs(sweep.y[i]) > 0.01F * sweep.x[i]) continue;
-        EXPECT_NEAR(to_seconds(sweep.stamp + Duration(sweep.time_offset_ns[i]) - exposure), 0,
-                    1e-3);
+        EXPECT_NEAR(to_seconds(sweep.stamp + Duration(sweep.time_offset_ns[i]) - exposure), -3e-3,
+                    2.8e-3);
       }
       ++sweeps;
     }

@@ -48,6 +48,18 @@ TEST(Turn, CounterClockwiseWithAnotherCut) {
   expect_near(times_ms(sweep), {100. / 360, 25, 50, 75, 100 - 100. / 360});
 }
 
+TEST(Turn, EachRingFromItsOwnCut) {
+  Sweep sweep = sweep_of({180, 180, 0, 0});
+  sweep.rings = 2;
+  sweep.ring = {0, 1, 0, 1};
+  const Turn turn{.ring_cuts_deg = {183.6, 176.4}};
+  assign_turn_times(turn, sweep);
+  expect_near(times_ms(sweep), {1, 99, 51, 49});
+  sweep.rings = 3;  // another lidar's list
+  assign_turn_times(turn, sweep);
+  expect_near(times_ms(sweep), {0, 0, 50, 50});
+}
+
 TEST(Turn, DeskewedReturnsHaveTheTimeOfTheMiddle) {
   Sweep sweep = sweep_of({10, 200});
   assign_middle_time(sweep);
