@@ -12,6 +12,7 @@
 #include "daemon/run/run_live.hpp"
 #include "daemon/run/run_replay.hpp"
 #include "daemon/service/logging.hpp"
+#include "daemon/streetmap/street_map_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -71,6 +72,14 @@ int check(const RunOptions& options, const Config& config) {
   }
   const auto setup = set_up_live(config);
   if (!setup) return print_error(kProgram, setup.error(), kUsage);
+  if (const auto map = open_optional_street_map_file(config.folder, config.streetmap.map); !map) {
+    return print_error(kProgram, map.error(), kUsage);
+  } else if (config.streetmap.initial_location && !map->map.frame().georeferenced) {
+    return print_error(kProgram,
+                       {"the street map has no latitude and longitude", config.streetmap.map,
+                        "give x, y and yaw_deg instead of lat, lon and heading_deg"},
+                       kUsage);
+  }
   print_missing_devices(*setup);
   std::cout << options.config << ": the configuration is valid\n";
   return kDone;

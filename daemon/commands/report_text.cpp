@@ -61,6 +61,14 @@ std::string health_text(const Json& health) {
                              : "not trusted: " + text_of(odometry, "reason"));
     lines += findings_text(odometry);
   }
+  if (health.contains("streetmap")) {
+    const Json& map = health["streetmap"];
+    const std::string reason = text_of(map, "reason");
+    lines += fmt::format("  {:<5} street map: {}, ± {:.1f} m{}\n", text_of(map, "level"),
+                         text_of(map, "state"), map.value("sigma", 0.0),
+                         reason.empty() ? "" : ": " + reason);
+    lines += findings_text(map);
+  }
   return lines;
 }
 

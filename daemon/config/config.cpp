@@ -81,6 +81,17 @@ void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
   double yaw = 0;
   read_radians(table, "yaw_deg", yaw);
   if (settings.initial_pose) settings.initial_pose->yaw = yaw;
+  std::optional<double> latitude, longitude;
+  double heading = 0;
+  table.read("lat", latitude);
+  table.read("lon", longitude);
+  read_radians(table, "heading_deg", heading);
+  if (latitude.has_value() != longitude.has_value())
+    table.report_table_error("lat and lon must be given together");
+  if (latitude && longitude) {
+    settings.initial_location = InitialLocation{*latitude * kDegree, *longitude * kDegree, heading};
+  }
+  table.read("require_tracking", settings.require_tracking);
   table.read("sigma", settings.initial_sigma);
   read_radians(table, "yaw_sigma_deg", settings.initial_yaw_sigma);
   table.read("update_hz", settings.update_hz);

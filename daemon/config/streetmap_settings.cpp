@@ -1,6 +1,7 @@
 #include "daemon/config/streetmap_settings.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace infuse::daemon {
 
@@ -13,6 +14,12 @@ std::optional<std::string> StreetMapSettings::invalid() const {
   }
   if (initial_pose && !(std::abs(initial_pose->x) < 1e7 && std::abs(initial_pose->y) < 1e7)) {
     return "x, y lies more than 10000 km from the map origin";
+  }
+  if (initial_pose && initial_location) return "either x and y or lat and lon can be given";
+  constexpr double kPi = std::numbers::pi;
+  if (initial_location && !(std::abs(initial_location->latitude) <= kPi / 2 &&
+                            std::abs(initial_location->longitude) <= kPi)) {
+    return "lat must lie in -90 ... 90, lon in -180 ... 180 degrees";
   }
   return std::nullopt;
 }

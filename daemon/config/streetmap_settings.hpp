@@ -14,13 +14,22 @@ struct InitialPose {
   double yaw = 0;  ///< rad, counter-clockwise from east
 };
 
+/// Initial pose by the earth: for a map that has latitude and longitude.
+struct InitialLocation {
+  double latitude = 0;   ///< rad, WGS 84
+  double longitude = 0;  ///< rad
+  double heading = 0;    ///< rad, clockwise from north
+};
+
 /// Settings of the street map: the `[streetmap]` table of the configuration.
 struct StreetMapSettings {
   std::string map;                            ///< file of `infuse streetmap`; empty: no tracking
-  std::optional<InitialPose> initial_pose{};  ///< nothing: initialised by a GNSS fix
-  double initial_sigma = 2;                   ///< m, standard deviation of the initial position
-  double initial_yaw_sigma = 0.09;            ///< rad, standard deviation of the initial yaw
-  double update_hz = 2;                       ///< rate of particle weighting, in drive time
+  std::optional<InitialPose> initial_pose{};  ///< nothing: the location, or GNSS fixes
+  std::optional<InitialLocation> initial_location{};  ///< nothing: the pose, or GNSS fixes
+  double initial_sigma = 2;         ///< m, standard deviation of the initial position
+  double initial_yaw_sigma = 0.09;  ///< rad, standard deviation of the initial yaw
+  bool require_tracking = false;    ///< a pose that is UNSURE is not usable
+  double update_hz = 2;             ///< rate of particle weighting, in drive time
   streetmap::TrackerOptions tracker;
 
   /// Returns what is wrong with the settings, or nothing.

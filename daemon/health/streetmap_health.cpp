@@ -14,7 +14,8 @@ const Conditions& StreetMapHealth::update(Stamp now, const StreetMapStatus& stat
       fmt::format("near {:.0f} m east, {:.0f} m north of the map origin", status.x, status.y);
   if (status.state == streetmap::TrackState::kLost) {
     lost = {true, fmt::format("position on the street map lost {}: {}", place, status.reason),
-            "set an initial pose in [streetmap], or connect a GNSS receiver"};
+            "set an initial pose in [streetmap], or connect a GNSS receiver; if one is connected, "
+            "check its antenna, and whether the map is that of this place"};
   }
   if (status.mismatch) {
     mismatch = {true, fmt::format("observations do not match the street map {}", place),

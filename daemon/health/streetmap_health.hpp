@@ -14,6 +14,8 @@ struct StreetMapStatus {
   bool mismatch = false;    ///< observations do not match the map
   double x = 0;             ///< m, map frame
   double y = 0;             ///< m
+  double sigma = 0;         ///< m, standard deviation of the position along the worst direction
+  double elsewhere = 1;     ///< probability that the true place is another one that was checked
   double p_value = 1;       ///< probability of a match as good by chance
   double entropy = 1;       ///< normalised entropy of the particle weights, 0 … 1
   uint32_t particles = 0;

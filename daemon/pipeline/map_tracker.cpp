@@ -9,8 +9,6 @@ namespace infuse::daemon {
 namespace {
 
 constexpr int kImageStep = 2;                // pixels of the image for one of the features
-constexpr double kMinCourseSpeed = 2.0;      // m/s above which the GNSS course is the heading
-constexpr double kFixSigma = 3.0;            // m
 constexpr double kCourseSigma = 0.1;         // rad
 constexpr double kScaleSigma = 0.006;        // m/m, scale of odometry
 constexpr double kRestSigma = 0.005;         // m
@@ -56,26 +54,44 @@ MapTracker::MapTracker(const StreetMapSettings& settings, const streetmap::Segme
     : settings_(settings), rig_(rig), tracker_(map, settings.tracker) {
   for (const CameraMount& camera : rig.cameras) cameras_.emplace_back(camera.intrinsics);
   const streetmap::MapFrame& frame = map.frame();
-  if (frame.georeferenced) frame_ = gnss::make_local_frame(frame.latitude, frame.longitude);
-  initialise();
+  if (frame.georeferenced) fixes_.emplace(gnss::make_local_frame(frame.latitude, frame.longitude));
+  initialise(frame);
 }
 
-void MapTracker::initialise() {
-  if (!settings_.initial_pose) return;
-  const InitialPose& initial = *settings_.initial_pose;
-  tracker_.start({initial.x, initial.y, initial.yaw},
-                 diagonal(settings_.initial_sigma, settings_.initial_yaw_sigma));
+void MapTracker::initialise(const streetmap::MapFrame& frame) {
+  streetmap::PlanarPose initial;
+  if (settings_.initial_pose) {
+    const InitialPose& pose = *settings_.initial_pose;
+    initial = {pose.x, pose.y, pose.yaw};
+  } else if (settings_.initial_location && frame.georeferenced) {
+    const InitialLocation& place = *settings_.initial_location;
+    const Eigen::Vector3d position = gnss::to_local(
+        gnss::make_local_frame(frame.latitude, frame.longitude), place.latitude, place.longitude);
+    initial = {position.x(), position.y(), wrap_angle(std::numbers::pi / 2 - place.heading)};
+  } else {
+    return;
+  }
+  tracker_.start(initial, diagonal(settings_.initial_sigma, settings_.initial_yaw_sigma));
   initialised_ = true;
 }
 
 void MapTracker::add_gnss(const GnssFix& fix) {
-  const bool known = fix.valid && std::isfinite(fix.latitude) && std::isfinite(fix.longitude) &&
-                     std::isfinite(fix.course) && fix.speed >= kMinCourseSpeed;
-  if (initialised_ || !frame_ || !known) return;
-  const Eigen::Vector3d position = gnss::to_local(*frame_, fix.latitude, fix.longitude);
-  const double yaw = wrap_angle(std::numbers::pi / 2 - fix.course);
-  tracker_.start({position.x(), position.y(), yaw}, diagonal(kFixSigma, kCourseSigma));
-  initialised_ = true;
+  if (fixes_) fixes_->add(fix);
+}
+
+void MapTracker::use_fixes(const geometry::Trajectory& trajectory) {
+  if (!fixes_) return;
+  if (!initialised_) {
+    const auto start = fixes_->start(now_, trajectory);
+    if (!start) return;
+    const streetmap::GnssOptions& gnss = settings_.tracker.gnss;
+    tracker_.start(start->pose, diagonal(std::hypot(gnss.map_sigma, gnss.slow_sigma * start->hdop),
+                                         kCourseSigma));
+    initialised_ = true;
+  }
+  while (const auto fix = fixes_->take(now_, tracker_.estimate().pose.yaw, trajectory)) {
+    tracker_.add_fix(*fix);
+  }
 }
 
 void MapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory) {
@@ -93,6 +109,7 @@ void MapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory)
 PoseReport MapTracker::process(const SweepSnapshot& snapshot,
                                const geometry::Trajectory& trajectory, const PoseReport& odometry) {
   predict_to(snapshot.deskewed.reference, trajectory);
+  use_fixes(trajectory);
   if (snapshot.deskewed.usable()) {
     tracker_.add_sweep(view(snapshot), nullptr);
     update_if_due();
@@ -127,11 +144,11 @@ PoseReport MapTracker::pose(const PoseReport& odometry) const {
   report.frame = PoseFrame::kMap;
   report.T_frame_vehicle = estimate.T_map_vehicle();
   report.covariance = estimate.pose_covariance();
-  report.map = {estimate.state, estimate.p_value, estimate.entropy};
-  report.reason = "";
-  if (!estimate.usable()) {
-    report.reason = *estimate.reason != '\0' ? estimate.reason : "lost";
-  }
+  report.map = {estimate.state, estimate.p_value, estimate.entropy, estimate.reason};
+  const bool usable = settings_.require_tracking
+                          ? estimate.state == streetmap::TrackState::kTracking
+                          : estimate.usable();
+  report.reason = usable ? "" : *estimate.reason != '\0' ? estimate.reason : "lost";
   return report;
 }
 
@@ -142,13 +159,15 @@ StreetMapStatus MapTracker::status() const {
   status.reason = estimate.reason;
   status.x = estimate.pose.x;
   status.y = estimate.pose.y;
+  status.sigma = streetmap::PoseMoments{estimate.pose, estimate.covariance}.spread();
+  status.elsewhere = estimate.elsewhere;
   status.p_value = estimate.p_value;
   status.entropy = estimate.entropy;
   status.particles = static_cast<uint32_t>(estimate.particles);
   status.updates = updates_;
-  // A mismatch needs a settled null distribution.
+  // A mismatch needs a settled null distribution, and particles that had time to agree.
   status.mismatch = initialised_ &&
-                    updates_ >= static_cast<uint64_t>(settings_.tracker.confidence.window) &&
+                    updates_ >= 4 * static_cast<uint64_t>(settings_.tracker.confidence.window) &&
                     estimate.p_value > settings_.tracker.confidence.max_tracking_p_value;
   return status;
 }

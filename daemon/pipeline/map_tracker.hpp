@@ -6,8 +6,8 @@
 #include "daemon/config/streetmap_settings.hpp"
 #include "daemon/health/streetmap_health.hpp"
 #include "daemon/pipeline/image_match.hpp"
+#include "daemon/pipeline/map_fixes.hpp"
 #include "daemon/protocol/reports.hpp"
-#include "drivers/gnss/local_frame.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/rig.hpp"
 #include "drivers/measurement/vehicle_samples.hpp"
@@ -20,14 +20,14 @@ namespace infuse::daemon {
 
 /// Tracking of the vehicle on the street map, on the fusion thread: particles move with odometry at
 /// every sweep, sweeps and images fill the local grid, and `update_hz` times a second of drive time
-/// the particles are weighted. Initialised by the configured pose, else by the first GNSS fix with
-/// a course.
+/// the particles are weighted. Initialised by the configured pose, else by several GNSS fixes with
+/// a course. GNSS fixes witness the pose throughout.
 class MapTracker {
  public:
   /// `settings.invalid()` must be empty. The map outlives this.
   MapTracker(const StreetMapSettings& settings, const streetmap::SegmentMap& map, const Rig& rig);
 
-  /// Initialises the pose from a fix that states a course, unless it is initialised.
+  /// Adds a fix. It is used at the next sweep; of a map without latitude and longitude, never.
   void add_gnss(const GnssFix& fix);
 
   /// Moves the particles to the time of the snapshot, adds its returns and, when due, weights the
@@ -47,7 +47,8 @@ class MapTracker {
   StreetMapStatus status() const;
 
  private:
-  void initialise();
+  void initialise(const streetmap::MapFrame& frame);
+  void use_fixes(const geometry::Trajectory& trajectory);
   void predict_to(Stamp stamp, const geometry::Trajectory& trajectory);
   void update_if_due();
   streetmap::DeskewedView view(const SweepSnapshot& snapshot) const;
@@ -55,7 +56,7 @@ class MapTracker {
   StreetMapSettings settings_;
   Rig rig_;
   std::vector<geometry::CameraModel> cameras_;
-  std::optional<gnss::LocalFrame> frame_;  // nothing: the map has no latitude and longitude
+  std::optional<MapFixes> fixes_;  // nothing: the map has no latitude and longitude
   streetmap::Tracker tracker_;
   streetmap::ImageFeatures features_;
   bool initialised_ = false;

@@ -214,6 +214,12 @@ void describe(Visitor& v, const TaskHealth<StreetMapStatus>& streetmap) {
           gauge("infuse_streetmap_p_value"));
   v.field("entropy", fraction(rounded(status.entropy)),
           "Normalised entropy of the particle weights.", gauge("infuse_streetmap_entropy_ratio"));
+  v.field("sigma", rounded(std::min(status.sigma, 1e6)),
+          "Standard deviation of the position along its worst direction, m.",
+          gauge("infuse_streetmap_sigma_metres"));
+  v.field("elsewhere", fraction(rounded(status.elsewhere)),
+          "Probability that the true place is another one that was checked.",
+          gauge("infuse_streetmap_elsewhere_probability"));
   v.field("particles", status.particles, "Number of particles.",
           gauge("infuse_streetmap_particles"));
   v.field("updates", status.updates, "Updates of the particle weights.",
@@ -375,6 +381,8 @@ void describe(Visitor& v, const PoseReport& pose) {
   v.field("speed", rounded(pose.speed), "m/s along the vehicle's x");
   v.field("yaw_rate", rounded(pose.yaw_rate), "rad/s");
   v.field("state", when(pose.map.has_value(), map.state), "frame map: state of the tracker");
+  v.field("doubt", when(pose.map.has_value() && *map.reason != '\0', map.reason),
+          "frame map: why the state is not TRACKING");
   v.field("p_value", when(pose.map.has_value(), fraction(rounded(map.p_value))),
           "frame map: probability of a match as good by chance");
   v.field("entropy", when(pose.map.has_value(), fraction(rounded(map.entropy))),

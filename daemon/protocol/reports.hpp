@@ -67,8 +67,9 @@ enum class PoseFrame : uint8_t { kOdom, kMap };
 /// Confidence of a pose on the street map.
 struct MapConfidence {
   streetmap::TrackState state = streetmap::TrackState::kLost;
-  double p_value = 1;  ///< probability of a match as good by chance
-  double entropy = 1;  ///< normalised entropy of the particle weights, 0 … 1
+  double p_value = 1;       ///< probability of a match as good by chance
+  double entropy = 1;       ///< normalised entropy of the particle weights, 0 … 1
+  const char* reason = "";  ///< static text: why it is not TRACKING; empty if it is
 };
 
 /// Pose of the vehicle. Plain data of fixed size.

@@ -1,5 +1,8 @@
 #include "daemon/streetmap/street_map_file.hpp"
 
+#include <cctype>
+#include <map>
+
 #include "daemon/streetmap/street_plan_from_osm.hpp"
 #include "drivers/camera/image_decoder.hpp"
 #include "drivers/osm/openstreetmap.hpp"
@@ -21,6 +24,31 @@ Result<GeneratedStreetMap> make_from_image(const std::filesystem::path& input,
   return GeneratedStreetMap{std::move(*made), {}};
 }
 
+/// Keeps the first few warnings of a kind; the last of them counts the others. Texts that differ in
+/// numbers only are of one kind.
+std::vector<Error> group_warnings(const std::vector<Error>& warnings) {
+  constexpr size_t kOfAKind = 3;
+  struct Group {
+    size_t count = 0;
+    size_t last = 0;  // in the result
+  };
+  std::map<std::string, Group> groups;
+  std::vector<Error> grouped;
+  for (const Error& warning : warnings) {
+    std::string kind = warning.where + "|" + warning.what;
+    std::erase_if(kind, [](unsigned char c) { return std::isdigit(c) != 0; });
+    Group& group = groups[kind];
+    if (++group.count > kOfAKind) continue;
+    group.last = grouped.size();
+    grouped.push_back(warning);
+  }
+  for (const auto& [kind, group] : groups) {
+    if (group.count <= kOfAKind) continue;
+    grouped[group.last].what += "; " + std::to_string(group.count - kOfAKind) + " more like this";
+  }
+  return grouped;
+}
+
 Result<GeneratedStreetMap> make_from_openstreetmap(const std::filesystem::path& input,
                                                    const streetmap::RasterOptions& options) {
   const auto map = osm::read_openstreetmap(input);
@@ -34,7 +62,7 @@ Result<GeneratedStreetMap> make_from_openstreetmap(const std::filesystem::path& 
       planned.plan, options,
       "OpenStreetMap " + input.filename().string() + ", © OpenStreetMap contributors, ODbL");
   if (!made) return fail(made.error().what, input.string(), made.error().hint);
-  return GeneratedStreetMap{std::move(*made), std::move(planned.warnings)};
+  return GeneratedStreetMap{std::move(*made), group_warnings(planned.warnings)};
 }
 
 }  // namespace

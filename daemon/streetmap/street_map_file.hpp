@@ -34,10 +34,10 @@ struct StreetMapOptions {
 /// Generated street map.
 struct GeneratedStreetMap {
   std::vector<std::byte> bytes;  ///< content of the file
-  std::vector<Error> warnings;   ///< defects of the input, with element ids
+  std::vector<Error> warnings;   ///< defects of the input, with element ids, few of each kind
 };
 
-/// Makes a map from OpenStreetMap XML (.osm, .osm.bz2, .osm.gz) or from an image (.png, .jpg,
+/// Makes a map from OpenStreetMap (.osm, .osm.bz2, .osm.gz, .osm.pbf) or from an image (.png, .jpg,
 /// .jpeg). Fails if the input cannot be read, has no drivable road, or is too large.
 Result<GeneratedStreetMap> make_street_map(const std::filesystem::path& input,
                                            const StreetMapOptions& options);

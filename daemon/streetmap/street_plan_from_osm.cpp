@@ -51,7 +51,7 @@ const WayDefaults* find_way_defaults(std::string_view highway) {
 }
 
 double street_width(const std::vector<osm::Tag>& tags, const WayDefaults& usual) {
-  if (const auto width = osm::find_number(tags, "width", 0.8, 60)) return *width;
+  if (const auto width = osm::find_length(tags, "width", 0.8, 60)) return *width;
   if (const auto lanes = osm::find_number(tags, "lanes", 1, 12); lanes && usual.carriageway) {
     return std::max(3.5, *lanes * usual.lane_width);
   }
@@ -65,7 +65,9 @@ double street_width(const std::vector<osm::Tag>& tags, const WayDefaults& usual)
 // wider on one side, biases the lateral position.
 bool has_sidewalk(const std::vector<osm::Tag>& tags) {
   const std::string_view sidewalk = find_tag(tags, "sidewalk");
-  return sidewalk == "both" || sidewalk == "left" || sidewalk == "right" || sidewalk == "yes";
+  const std::string_view both = find_tag(tags, "sidewalk:both");
+  return sidewalk == "both" || sidewalk == "left" || sidewalk == "right" || sidewalk == "yes" ||
+         both == "yes";
 }
 
 std::optional<SegmentKind> area_kind(const std::vector<osm::Tag>& tags) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <osmium/io/bzip2_compression.hpp>
 #include <osmium/io/gzip_compression.hpp>
+#include <osmium/io/pbf_input.hpp>
 #include <osmium/io/reader.hpp>
 #include <osmium/io/xml_input.hpp>
 #include <osmium/osm/node.hpp>
@@ -203,6 +204,37 @@ std::optional<double> find_number(const std::vector<Tag>& tags, std::string_view
   return value;
 }
 
+std::optional<double> find_length(const std::vector<Tag>& tags, std::string_view key, double low,
+                                  double high) {
+  struct Unit {
+    std::string_view name;
+    double metres;
+  };
+  constexpr double kFoot = 0.3048, kInch = 0.0254;
+  constexpr Unit kUnits[] = {{"", 1},      {"m", 1},      {"metres", 1},   {"cm", 0.01},
+                             {"km", 1000}, {"ft", kFoot}, {"feet", kFoot}, {"'", kFoot}};
+  std::string text(find_tag(tags, key));
+  std::erase(text, ' ');
+  std::replace(text.begin(), text.end(), ',', '.');
+  const char* const last = text.data() + text.size();
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), last, value);
+  if (error != std::errc()) return std::nullopt;
+  std::string_view rest(end, static_cast<size_t>(last - end));
+  double inches = 0;
+  if (rest.size() > 2 && rest.front() == '\'' && rest.back() == '"') {
+    const char* const quote = last - 1;
+    if (std::from_chars(end + 1, quote, inches).ptr != quote) return std::nullopt;
+    rest = rest.substr(0, 1);
+  }
+  for (const Unit& unit : kUnits) {
+    if (rest != unit.name) continue;
+    const double metres = value * unit.metres + inches * kInch;
+    return metres >= low && metres <= high ? std::optional(metres) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
 Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
                                          const OpenStreetMapOptions& options) {
   std::error_code ignored;
@@ -223,7 +255,8 @@ Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
     reader.close();
     return builder.finish();
   } catch (const std::exception& error) {
-    return fail(std::string("cannot be read as OpenStreetMap XML: ") + error.what(), path.string());
+    return fail(std::string("cannot be read as OpenStreetMap data: ") + error.what(),
+                path.string());
   }
 }
 

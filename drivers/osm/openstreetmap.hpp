@@ -70,13 +70,19 @@ std::string_view find_tag(const std::vector<Tag>& tags, std::string_view key);
 std::optional<double> find_number(const std::vector<Tag>& tags, std::string_view key, double low,
                                   double high);
 
+/// Returns the length of a key's value in metres: a number with a decimal point or comma, and no
+/// unit or m, cm, km, ft, feet, ' (and inches) behind it. Nothing for another text, or beyond the
+/// limits.
+std::optional<double> find_length(const std::vector<Tag>& tags, std::string_view key, double low,
+                                  double high);
+
 /// Limits for reading a map.
 struct OpenStreetMapOptions {
   uint64_t max_elements = 20'000'000;  ///< maximum of nodes + ways + relations + tags + references
 };
 
-/// Reads OpenStreetMap XML (.osm, .osm.bz2, .osm.gz). Fails if the file cannot be read or parsed.
-/// Incomplete elements become warnings.
+/// Reads OpenStreetMap XML (.osm, .osm.bz2, .osm.gz) or its binary form (.osm.pbf). Fails if the
+/// file cannot be read or parsed. Incomplete elements become warnings.
 Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
                                          const OpenStreetMapOptions& options = {});
 

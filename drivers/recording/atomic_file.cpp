@@ -30,6 +30,11 @@ bool write_all(int file, std::span<const std::byte> bytes) {
 
 Result<void> write_file_atomically(const std::filesystem::path& path,
                                    std::span<const std::byte> bytes, mode_t mode) {
+  struct stat present {};
+  if (::lstat(path.c_str(), &present) == 0 && !S_ISREG(present.st_mode)) {
+    return fail("is not a regular file, it is not replaced", path.string(),
+                "name another file to write");
+  }
   std::string temporary = path.string() + ".XXXXXX";
   const FileDescriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
   if (!file) {

@@ -11,7 +11,8 @@
 namespace infuse::recording {
 
 /// Writes a temporary file beside `path`, flushes it to the disk and renames it to `path`: readers,
-/// a power cut or a full disk at any moment find the old or the new file, complete.
+/// a power cut or a full disk at any moment find the old or the new file, complete. Only a regular
+/// file is replaced: a device, a pipe, a socket or a symbolic link is refused.
 Result<void> write_file_atomically(const std::filesystem::path& path,
                                    std::span<const std::byte> bytes, mode_t mode = 0644);
 

@@ -32,6 +32,16 @@ void add(Particle& particle, const ParticleState& d) {
   particle.yaw_rate_bias += d[4];
 }
 
+/// True if odometry is sure that the vehicle stands.
+bool is_standing(const PlanarPose& motion, const Eigen::Matrix3d& covariance, double seconds) {
+  constexpr double kMaxSpeed = 0.05;    // m/s
+  constexpr double kMaxYawRate = 0.01;  // rad/s
+  constexpr double kMaxSigma = 0.02;    // m
+  return std::hypot(motion.x, motion.y) <= kMaxSpeed * seconds &&
+         std::abs(motion.yaw) <= kMaxYawRate * seconds &&
+         covariance(0, 0) + covariance(1, 1) <= kMaxSigma * kMaxSigma;
+}
+
 }  // namespace
 
 double PoseMoments::spread() const {
@@ -126,6 +136,11 @@ void ParticleSet::merge_modes() {
 void ParticleSet::predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
                           double seconds) {
   const double distance = std::hypot(motion.x, motion.y);
+  // No bias moves a vehicle that stands, nor is anything learned of it.
+  if (is_standing(motion, covariance, seconds)) {
+    for (Particle& particle : particles_) particle.pose = particle.pose.compose(motion);
+    return;
+  }
   Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
   own(0, 0) = own(1, 1) = options_.distance_noise * options_.distance_noise * distance;
   own(2, 2) = options_.yaw_noise * options_.yaw_noise * distance +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace infuse::streetmap {
 namespace {
@@ -10,6 +11,14 @@ constexpr double kOutsideLogWeight = -1e3;  // log-weight of a particle outside 
 constexpr size_t kMinSamples = 100;
 constexpr double kViewYawSigma = 0.03;  // rad, heading accuracy of one view
 constexpr double kMaxSpread = 20;       // m, of particles that all lie in the window
+constexpr double kMinJump = 3;          // m of the estimate in one update: another place
+
+/// Half the edge of the map window that the other places of `PlaceCheck` need.
+double wide_window_radius(const TrackerOptions& options) {
+  const PlaceCheckOptions& test = options.place_check;
+  return options.grid.extent * 0.75 +
+         std::max({test.max_along, test.max_across, std::numbers::sqrt2 * test.max_distance});
+}
 
 }  // namespace
 
@@ -58,10 +67,13 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
       particles_(options.particles, options.seed),
       significance_(options.confidence.window),
       global_search_(options.global_search, options.seed + 2),
+      place_check_(options.place_check, options.seed + 3),
+      gnss_(options.gnss),
       random_(options.seed + 1) {
   const auto samples = static_cast<size_t>(options.grid.max_samples);
   view_->reserve(options.grid.max_samples, kSegmentKindCount);
   window_.reserve(map, window_radius(kMaxSpread), options.labelling);
+  wide_window_.reserve(map, wide_window_radius(options), options.labelling);
   samples_.features.resize(options.grid.max_samples, kFeatureCount);
   samples_.x.reserve(samples);
   samples_.y.reserve(samples);
@@ -81,6 +93,8 @@ void Tracker::start(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
   significance_.clear();
   global_search_.reset();
   last_hyper_parameters_.reset();
+  place_check_.start(pose, map_);
+  gnss_.restart(false);
   started_ = true;
   state_ = TrackState::kUnsure;
   reason_ = "too few updates since the start";
@@ -91,6 +105,7 @@ void Tracker::search(const PlanarPose& pose, double radius, double yaw) {
   particles_.scatter_disc(pose, radius, yaw);
   significance_.clear();
   global_search_.reset();
+  place_check_.start(pose, map_);
   started_ = true;
   state_ = TrackState::kLost;
   reason_ = "searching for the position on the map";
@@ -102,6 +117,7 @@ void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covarianc
   driven_s_ += to_seconds(step);
   odometry_position_variance_ += covariance(0, 0) + covariance(1, 1);
   odometry_yaw_variance_ += covariance(2, 2);
+  gnss_.advance(to_seconds(step));
   if (!started_) return;
   particles_.predict(motion, covariance, to_seconds(step));
   global_search_.move(motion);
@@ -128,7 +144,19 @@ void Tracker::update(const GridSamples& samples) {
   update_significance(samples);
   particles_.resample_if_needed();
   search_globally(samples);
+  check_place(samples, before.mean);
   ++updates_since_search_;
+  update_state();
+}
+
+void Tracker::add_fix(const MapFix& fix) {
+  if (!started_) return;
+  const PoseMoments moments = particles_.moments();
+  const double spread = moments.spread();
+  gnss_.add(fix, {moments.mean.x, moments.mean.y}, spread * spread);
+  for (Particle& particle : particles_.all()) {
+    particle.log_weight += gnss_.log_likelihood({particle.pose.x, particle.pose.y});
+  }
   update_state();
 }
 
@@ -168,11 +196,12 @@ void Tracker::update_novelty(double distance) {
   novelty_ = first ? 1 : std::min(1.0, driving_novelty + odometry_novelty);
 }
 
-double Tracker::evaluate(const PlanarPose& pose, const GridSamples& samples,
+double Tracker::evaluate(const LabelWindow& window, const PlanarPose& pose,
+                         const GridSamples& samples,
                          const std::optional<dependence::HyperParameters>& fixed,
                          dependence::HyperParameters* chosen) {
-  window_.look_up(pose, samples.x, samples.y, labels_);
-  return view_->evaluate(labels_, window_, fixed, chosen);
+  window.look_up(pose, samples.x, samples.y, labels_);
+  return view_->evaluate(labels_, window, fixed, chosen);
 }
 
 // I 3.3.2: a random subset of the particles is cross-validated; the others keep their
@@ -194,7 +223,7 @@ void Tracker::update_weights(const GridSamples& samples) {
       particle.hyper_parameters.reset();
     }
     dependence::HyperParameters chosen;
-    scores_[i] = evaluate(particle.pose, samples, particle.hyper_parameters, &chosen);
+    scores_[i] = evaluate(window_, particle.pose, samples, particle.hyper_parameters, &chosen);
     if (chosen.sigma > 0) last_hyper_parameters_ = particle.hyper_parameters = chosen;
   }
   particles_.update_weights(
@@ -207,7 +236,7 @@ void Tracker::update_weights(const GridSamples& samples) {
 
 void Tracker::update_significance(const GridSamples& samples) {
   const PlanarPose pose = particles_.moments().mean;
-  score_ = evaluate(pose, samples, last_hyper_parameters_);
+  score_ = evaluate(window_, pose, samples, last_hyper_parameters_);
   std::uniform_real_distribution<double> share(0, 1);
   null_scores_.clear();
   for (int i = 0; i < options_.confidence.null_draws; ++i) {
@@ -215,7 +244,8 @@ void Tracker::update_significance(const GridSamples& samples) {
     const double direction = 2 * std::numbers::pi * share(random_);
     const double distance = 5 + 10 * share(random_);
     null_scores_.push_back(
-        evaluate({pose.x + distance * std::cos(direction), pose.y + distance * std::sin(direction),
+        evaluate(window_,
+                 {pose.x + distance * std::cos(direction), pose.y + distance * std::sin(direction),
                   wrap_angle(pose.yaw + turned)},
                  samples, last_hyper_parameters_));
   }
@@ -224,7 +254,7 @@ void Tracker::update_significance(const GridSamples& samples) {
 
 void Tracker::search_globally(const GridSamples& samples) {
   const auto score = [&](const PlanarPose& pose) {
-    return evaluate(pose, samples, last_hyper_parameters_);
+    return evaluate(window_, pose, samples, last_hyper_parameters_);
   };
   if (particles_.second_mode_weight() > 0) return global_search_.reset();
   const auto place = global_search_.update(particles_.moments().mean, score_, mode_novelty_, score);
@@ -232,40 +262,95 @@ void Tracker::search_globally(const GridSamples& samples) {
   particles_.add_mode(*place, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
 }
 
+// An estimate that jumped is another place, whose evidence begins anew.
+void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) {
+  const PoseMoments moments = particles_.moments();
+  const PlanarPose& pose = moments.mean;
+  const double jump = std::hypot(pose.x - before.x, pose.y - before.y);
+  if (jump > std::max(kMinJump, 3 * moments.spread())) place_check_.start(pose, map_);
+  if (!place_check_.running()) return;
+  wide_window_.read(map_, pose.x, pose.y, wide_window_radius(options_), options_.labelling);
+  const auto score = [&](const PlanarPose& place) {
+    return evaluate(wide_window_, place, samples, last_hyper_parameters_);
+  };
+  place_check_.update(pose, moments.covariance, options_.sharpness * mode_novelty_, score);
+  if (particles_.second_mode_weight() > 0) return;
+  if (const auto better = place_check_.take_better()) {
+    particles_.add_mode(*better, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
+  }
+}
+
 void Tracker::update_state() {
   const ConfidenceOptions& confidence = options_.confidence;
   const PoseMoments moments = particles_.moments();
   const double spread = moments.spread(), p = significance_.p_value();
   const double yaw = std::sqrt(std::max(moments.covariance(2, 2), 0.0));
+  const GnssWitness::Verdict gnss = gnss_.verdict();
   // LOST changes to TRACKING only.
   const auto set_state = [&](TrackState state, const char* reason) {
     const bool found = state_ != TrackState::kLost || state == TrackState::kTracking;
     state_ = found ? state : TrackState::kLost;
     reason_ = reason;
   };
-  if (!map_.covers(moments.mean.x, moments.mean.y)) {
-    return set_state(TrackState::kLost, "the vehicle is outside the map");
-  }
   const bool enough_updates = updates_since_search_ >= confidence.window / 2;
-  if (spread > confidence.min_lost_spread) {
+  if (!map_.covers(moments.mean.x, moments.mean.y)) {
+    set_state(TrackState::kLost, "the vehicle is outside the map");
+    const auto place = gnss_.place({moments.mean.x, moments.mean.y});
+    if (!place || !map_.covers(place->position.x(), place->position.y())) return;
+  } else if (spread > confidence.min_lost_spread) {
     set_state(TrackState::kLost, "the particles are spread over too large an area");
   } else if (significance_.window_full() && p > confidence.min_lost_p_value) {
     set_state(TrackState::kLost, "sensor data match the map no better than by chance");
+  } else if (gnss == GnssWitness::Verdict::kLost) {
+    set_state(TrackState::kLost, "GNSS fixes contradict the pose on the map");
+  } else if (gnss == GnssWitness::Verdict::kDoubt) {
+    return set_state(TrackState::kUnsure, "GNSS fixes contradict the pose on the map");
   } else if (!enough_updates) {
-    return set_state(TrackState::kUnsure, "too few updates since the start");
+    return set_state(TrackState::kUnsure, state_ == TrackState::kLost
+                                              ? "searching for the position on the map"
+                                              : "too few updates since the start");
   } else if (particles_.second_mode_weight() > confidence.max_tracking_second_mode_weight) {
     return set_state(TrackState::kUnsure, "two places on the map match the sensor data");
   } else if (spread > confidence.max_tracking_spread || yaw > confidence.max_tracking_yaw_sigma) {
     return set_state(TrackState::kUnsure, "the particles do not agree");
   } else if (p > confidence.max_tracking_p_value) {
     return set_state(TrackState::kUnsure, "sensor data match the map poorly");
+  } else if (place_check_.running()) {
+    return set_state(TrackState::kUnsure, place_check_.reason());
   } else {
     return set_state(TrackState::kTracking, "");
   }
   // Lost: search again around the estimate once the last search had a full window of updates.
-  if (updates_since_search_ < confidence.window) return;
+  if (gnss != GnssWitness::Verdict::kLost && updates_since_search_ < confidence.window) return;
+  search_again(moments.mean);
+}
+
+// Searches around the estimate, and around the place that GNSS proposes if that is elsewhere. The
+// map decides between the two.
+void Tracker::search_again(const PlanarPose& estimate) {
+  const ConfidenceOptions& confidence = options_.confidence;
+  const bool contradicted = gnss_.verdict() == GnssWitness::Verdict::kLost;
+  const auto place = gnss_.place({estimate.x, estimate.y});
   const char* lost_reason = reason_;
-  search(moments.mean, confidence.search_radius, confidence.search_yaw);
+  gnss_.restart(contradicted);
+  if (place) {
+    const PlanarPose proposed{place->position.x(), place->position.y(),
+                              place->yaw.value_or(estimate.yaw)};
+    const double distance = std::hypot(proposed.x - estimate.x, proposed.y - estimate.y);
+    const double yaw_variance = confidence.search_yaw * confidence.search_yaw / 4;
+    if (!map_.covers(estimate.x, estimate.y)) {
+      search(proposed, 2 * place->sigma, confidence.search_yaw);
+    } else {
+      search(estimate, confidence.search_radius, confidence.search_yaw);
+      if (distance > confidence.search_radius) {
+        const double variance = place->sigma * place->sigma;
+        particles_.add_mode(proposed,
+                            Eigen::Vector3d(variance, variance, yaw_variance).asDiagonal());
+      }
+    }
+  } else {
+    search(estimate, confidence.search_radius, confidence.search_yaw);
+  }
   reason_ = lost_reason;
 }
 
@@ -284,6 +369,9 @@ TrackerEstimate Tracker::estimate() const {
   estimate.p_value = significance_.p_value();
   estimate.z_score = significance_.mean_z_score();
   estimate.entropy = particles_.entropy();
+  estimate.elsewhere = place_check_.running() ? place_check_.elsewhere() : 0;
+  estimate.gnss_offset = gnss_.offset();
+  estimate.gnss_offset_sigma = gnss_.offset_sigma();
   estimate.particles = static_cast<int>(particles_.all().size());
   return estimate;
 }

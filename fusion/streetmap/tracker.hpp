@@ -7,9 +7,11 @@
 
 #include "drivers/measurement/stamp.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/streetmap/gnss_witness.hpp"
 #include "fusion/streetmap/label_window.hpp"
 #include "fusion/streetmap/local_grid.hpp"
 #include "fusion/streetmap/particle_set.hpp"
+#include "fusion/streetmap/place_check.hpp"
 #include "fusion/streetmap/score_significance.hpp"
 #include "fusion/streetmap/tracker_options.hpp"
 #include "fusion/streetmap/view_score.hpp"
@@ -19,7 +21,7 @@ namespace infuse::streetmap {
 /// State of the tracker.
 enum class TrackState {
   kUnsure,    ///< the pose may be right
-  kTracking,  ///< the score is significant and the particles agree
+  kTracking,  ///< the place is confirmed, the score is significant and the particles agree
   kLost,      ///< the pose must not be used
 };
 
@@ -36,6 +38,10 @@ struct TrackerEstimate {
   double p_value = 1;       ///< p-value of the scores of the last updates
   double z_score = 0;       ///< mean z-score of the last updates against the null distribution
   double entropy = 1;       ///< normalised entropy of the weights, 0 … 1
+  double elsewhere = 1;     ///< probability that the true place is another one that was checked
+  /// GNSS fixes minus the pose on the map, m, map frame; nothing without fixes.
+  std::optional<Eigen::Vector2d> gnss_offset{};
+  double gnss_offset_sigma = 0;  ///< m
   int particles = 0;
 
   /// True unless the track is lost.
@@ -85,6 +91,10 @@ class Tracker {
   /// The same with samples from elsewhere (a cache), vehicle frame.
   void update(const GridSamples& samples);
 
+  /// Adds a GNSS fix, moved to the time of the particles: a weight, and a judgement that goes on
+  /// while the vehicle stands. Does nothing before `start`.
+  void add_fix(const MapFix& fix);
+
   /// Returns the current estimate; LOST before `start`.
   TrackerEstimate estimate() const;
 
@@ -92,22 +102,26 @@ class Tracker {
   bool begin_update();
   void update_novelty(double distance);
   double window_radius(double spread) const;
-  double evaluate(const PlanarPose& pose, const GridSamples& samples,
+  double evaluate(const LabelWindow& window, const PlanarPose& pose, const GridSamples& samples,
                   const std::optional<dependence::HyperParameters>& fixed,
                   dependence::HyperParameters* chosen = nullptr);
   void update_weights(const GridSamples& samples);
   void update_significance(const GridSamples& samples);
   void search_globally(const GridSamples& samples);
+  void check_place(const GridSamples& samples, const PlanarPose& before);
   void update_state();
+  void search_again(const PlanarPose& estimate);
 
   const SegmentMap& map_;
   TrackerOptions options_;
   LocalGrid grid_;
-  LabelWindow window_;
+  LabelWindow window_, wide_window_;  // around the particles, around the other places
   std::unique_ptr<ViewScore> view_;
   ParticleSet particles_;
   ScoreSignificance significance_;
   GlobalSearch global_search_;
+  PlaceCheck place_check_;
+  GnssWitness gnss_;
   std::mt19937_64 random_;
   PlanarPose odometry_;  // pose of the vehicle in the frame of the grid
   bool started_ = false;

@@ -6,8 +6,10 @@
 
 #include "fusion/dependence/least_squares.hpp"
 #include "fusion/streetmap/global_search.hpp"
+#include "fusion/streetmap/gnss_witness.hpp"
 #include "fusion/streetmap/label_window.hpp"
 #include "fusion/streetmap/local_grid.hpp"
+#include "fusion/streetmap/place_check.hpp"
 
 namespace infuse::streetmap {
 
@@ -75,6 +77,8 @@ struct TrackerOptions {
   ParticleOptions particles;
   ConfidenceOptions confidence;
   GlobalSearchOptions global_search;
+  PlaceCheckOptions place_check;
+  GnssOptions gnss;
   uint64_t seed = 1;
 
   /// Returns what is wrong, or nothing.

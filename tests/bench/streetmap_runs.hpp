@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "fusion/streetmap/tracker.hpp"
 #include "tests/bench/streetmap_drive.hpp"
@@ -18,6 +19,13 @@ struct RunOptions {
   double noise_hz = 2;         ///< noise draws per second
   double initial_error = 0.5;  ///< m, in a random direction; also the stated standard deviation
   double initial_yaw_sigma = 0.05;  ///< rad, the same
+  size_t first_view = 0;            ///< at which the run starts
+  size_t max_views = SIZE_MAX;      ///< number of views of the run
+  /// Start at this offset from the truth, vehicle frame, instead of a random direction.
+  std::optional<PlanarPose> start_offset{};
+  /// Standard deviation per axis of the lasting error of GNSS fixes, m, one each view; the noise of
+  /// each is 1 m. Nothing: no fixes.
+  std::optional<double> gnss_sigma{};
   TrackerOptions tracker;
   /// Makes the score of a run; empty: `LsmiScore`.
   std::function<std::unique_ptr<ViewScore>()> score{};
@@ -30,8 +38,13 @@ struct RunResult {
   double yaw = 0;                                   ///< rad rms
   double final_error = 0;                           ///< m, at the end
   int updates = 0, tracking = 0, lost = 0;
-  int inside_99 = 0;   ///< TRACKING and the truth within the 99 % region
-  double seconds = 0;  ///< processor time per view
+  int inside_99 = 0;               ///< TRACKING and the truth within the 99 % region
+  double longest_outside = 0;      ///< s TRACKING with the truth outside the 99 % region, in one go
+  double metres_to_tracking = -1;  ///< driven until the first TRACKING; below 0: never
+  double seconds_to_tracking = -1;  ///< the same in time
+  int updates_since_tracking = 0;   ///< updates since the first TRACKING
+  bool tracks_truth = false;        ///< TRACKING within 3 m of the truth at the end
+  double seconds = 0;               ///< processor time per view
 };
 
 /// Runs over the views once.

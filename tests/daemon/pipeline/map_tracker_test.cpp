@@ -84,6 +84,24 @@ class MapTrackerTest : public testing::Test {
     return pose;
   }
 
+  /// A fix at the true pose, off by `offset` (m).
+  GnssFix fix_at(Stamp stamp, const Eigen::Vector2d& offset, double hdop) const {
+    const Eigen::Vector3d at = pose_at(stamp).translation();
+    const auto& frame = town_.map.frame();
+    const Eigen::Vector3d place =
+        gnss::to_geodetic(gnss::make_local_frame(frame.latitude, frame.longitude),
+                          {at.x() + offset.x(), at.y() + offset.y(), 0});
+    GnssFix fix;
+    fix.stamp = stamp;
+    fix.latitude = place.x();
+    fix.longitude = place.y();
+    fix.course = M_PI / 2;  // clockwise from north: east
+    fix.speed = 5;
+    fix.hdop = hdop;
+    fix.valid = true;
+    return fix;
+  }
+
   double error(const PoseReport& report) const {
     return (report.T_frame_vehicle.translation() - pose_at(now_).translation()).norm();
   }
@@ -119,31 +137,43 @@ TEST_F(MapTrackerTest, ReportsThePoseOnTheMap) {
   EXPECT_EQ(status.updates, 30U);
 }
 
-TEST_F(MapTrackerTest, InitialisesFromAGnssFix) {
+TEST_F(MapTrackerTest, InitialisesFromSeveralGnssFixes) {
   MapTracker tracker(settings_, town_.map, rig_);
   drive(tracker, 1);
   PoseReport odometry;
   EXPECT_FALSE(tracker.pose(odometry).usable());
   EXPECT_STREQ(tracker.pose(odometry).reason, "no initial pose");
   EXPECT_TRUE(is_valid_message(message(tracker.pose(odometry))));
-  const auto& frame = town_.map.frame();
-  const Eigen::Vector3d place =
-      gnss::to_geodetic(gnss::make_local_frame(frame.latitude, frame.longitude), {-89, -2, 0});
-  GnssFix fix;
-  fix.latitude = place.x();
-  fix.longitude = place.y();
-  fix.course = M_PI / 2 + 0.03;  // clockwise from north: east
-  fix.speed = 0.5;
-  fix.valid = true;
-  tracker.add_gnss(fix);  // too slow for a course
-  EXPECT_FALSE(tracker.pose(odometry).usable());
-  fix.speed = 5;
-  tracker.add_gnss(fix);
+  // Diluted fixes first, and one outlier among the good ones.
+  for (int i = 0; i < 40; ++i) {
+    const Stamp stamp = start_ + i * kStep;
+    const double off = i < 15 ? 20 : i == 18 ? -80 : 0;
+    tracker.add_gnss(fix_at(stamp, {off, 1}, i < 15 ? 15 : 1));
+    now_ = stamp;
+    scan(now_, static_cast<uint64_t>(i));
+    tracker.process({LidarIndex(0), sweep_, deskewed_}, trajectory_, odometry);
+    if (i < 19) {
+      EXPECT_STREQ(tracker.pose(odometry).reason, "no initial pose") << i;
+    }
+  }
   EXPECT_TRUE(tracker.pose(odometry).usable());
   EXPECT_LT(error(tracker.pose(odometry)), 2);
   EXPECT_NEAR(std::atan2(tracker.pose(odometry).T_frame_vehicle(1, 0),
                          tracker.pose(odometry).T_frame_vehicle(0, 0)),
-              -0.03, 0.03);
+              0, 0.05);
+}
+
+TEST_F(MapTrackerTest, ALocationStartsItAndTrackingCanBeAskedFor) {
+  const GnssFix place = fix_at(start_, {0, 0}, 1);
+  settings_.initial_location = InitialLocation{place.latitude, place.longitude, M_PI / 2};
+  settings_.require_tracking = true;
+  MapTracker tracker(settings_, town_.map, rig_);
+  const PoseReport first = drive(tracker, 1);
+  EXPECT_LT(error(first), 1.5);
+  EXPECT_EQ(first.map->state, TrackState::kUnsure);
+  EXPECT_FALSE(first.usable());
+  EXPECT_STREQ(first.reason, first.map->reason);
+  EXPECT_TRUE(is_valid_message(message(first)));
 }
 
 TEST_F(MapTrackerTest, AGapInOdometryWidensTheParticles) {

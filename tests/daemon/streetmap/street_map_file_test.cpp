@@ -83,6 +83,8 @@ TEST_F(StreetMapFileTest, WidthsComeFromTheTagElseLanesElseClass) {
   EXPECT_DOUBLE_EQ(width("highway=residential"), 6);
   EXPECT_DOUBLE_EQ(width("highway=residential oneway=yes"), 5.5);
   EXPECT_DOUBLE_EQ(width("highway=residential width=wide"), 6);
+  EXPECT_DOUBLE_EQ(width("highway=residential width=20ft"), 6.096);
+  EXPECT_DOUBLE_EQ(width("highway=residential width=4,2"), 4.2);
   EXPECT_DOUBLE_EQ(width("highway=residential lanes=-3"), 6);
   EXPECT_DOUBLE_EQ(width("highway=proposed"), 0);
   EXPECT_DOUBLE_EQ(width("highway=residential tunnel=yes"), 0);
@@ -93,6 +95,7 @@ TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWithASidewalkTag) {
   EXPECT_EQ(strip("highway=residential sidewalk=no").sidewalk_width, 0);
   EXPECT_GT(strip("highway=residential sidewalk=both").sidewalk_width, 1);
   EXPECT_GT(strip("highway=primary sidewalk=right").sidewalk_width, 1);
+  EXPECT_GT(strip("highway=primary sidewalk:both=yes").sidewalk_width, 1);
   EXPECT_GT(strip("highway=residential").kerb_width, 0);
 }
 
@@ -106,6 +109,17 @@ TEST_F(StreetMapFileTest, OpenAndSelfCrossingRingsAreReportedWithTheirId) {
   EXPECT_THAT(warnings(way(80, {301, 9999, 302}, "highway=service")),
               Contains(HasSubstr("way 80: 1 of its nodes are not in the file")));
   EXPECT_THAT(warnings(way(81, {301, 304, 404, 401, 301}, "building=yes")), testing::IsEmpty());
+}
+
+TEST_F(StreetMapFileTest, WarningsOfAKindAreCounted) {
+  std::string ways;
+  for (int id = 100; id < 500; ++id) ways += way(id, {101, 102, 203}, "building=yes");
+  ways += way(80, {301, 9999, 302}, "highway=service");
+  const std::vector<std::string> list = warnings(ways);
+  ASSERT_EQ(list.size(), 4U);
+  EXPECT_THAT(list,
+              Contains(HasSubstr("way 102: is an area that does not close; 397 more like this")));
+  EXPECT_THAT(list, Contains(HasSubstr("way 80: 1 of its nodes are not in the file")));
 }
 
 TEST_F(StreetMapFileTest, AMapWithoutRoadsIsRejected) {

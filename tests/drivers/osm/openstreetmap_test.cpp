@@ -8,6 +8,10 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <osmium/io/pbf_output.hpp>
+#include <osmium/io/reader.hpp>
+#include <osmium/io/writer.hpp>
+#include <osmium/io/xml_input.hpp>
 
 #include "drivers/gnss/local_frame.hpp"
 #include "tests/real_data.hpp"
@@ -79,6 +83,59 @@ TEST(OpenStreetMap, ANumberOfATagIsTheLeadingOneWithinLimits) {
   EXPECT_EQ(find_number(tags, "lanes", 0, 10), std::nullopt);
   EXPECT_EQ(find_number(tags, "height", 0, 300), std::nullopt);
   EXPECT_EQ(find_number(tags, "layer", -5, 5), std::nullopt);
+}
+
+TEST(OpenStreetMap, ALengthHasUnitsAndADecimalPointOrComma) {
+  const auto length = [](const char* text) {
+    return find_length({{"width", text}}, "width", 0.5, 60);
+  };
+  for (const char* text : {"3.5", "3,5", "3.5 m", "3.5m", "350 cm", "0.0035 km"}) {
+    ASSERT_TRUE(length(text)) << text;
+    EXPECT_NEAR(*length(text), 3.5, 1e-12) << text;
+  }
+  for (const char* text : {"20'", "20 ft", "20 feet", "20'0\""}) {
+    ASSERT_TRUE(length(text)) << text;
+    EXPECT_NEAR(*length(text), 6.096, 1e-12) << text;
+  }
+  EXPECT_NEAR(*length("6'6\""), 1.9812, 1e-12);
+  for (const char* text :
+       {"", "wide", "3;4", "~3", "3 lanes", "nan", "1e9", "0.1", "6'x\"", "6'\""}) {
+    EXPECT_FALSE(length(text)) << text;
+  }
+}
+
+// A map of two nodes and a residential way, as libosmium and protozero write it.
+TEST(OpenStreetMap, ReadsTheBinaryFormAsTheText) {
+  const ScratchFolder folder;
+  folder.write("map.osm", kMap);
+  const osmium::io::File text((folder / "map.osm").string());
+  osmium::io::Reader reader(text);
+  osmium::io::Writer writer((folder / "map.osm.pbf").string());
+  while (osmium::memory::Buffer buffer = reader.read()) writer(std::move(buffer));
+  writer.close();
+  reader.close();
+  const auto expected = read_openstreetmap(folder / "map.osm");
+  const auto map = read_openstreetmap(folder / "map.osm.pbf");
+  ASSERT_TRUE(expected);
+  ASSERT_TRUE(map) << map.error().message();
+  ASSERT_EQ(map->ways.size(), expected->ways.size());
+  for (size_t i = 0; i < map->ways.size(); ++i) {
+    EXPECT_EQ(map->ways[i].id, expected->ways[i].id);
+    EXPECT_EQ(node_ids(map->ways[i].points), node_ids(expected->ways[i].points));
+    EXPECT_EQ(map->ways[i].tags.size(), expected->ways[i].tags.size());
+  }
+  EXPECT_EQ(map->areas.size(), expected->areas.size());
+  EXPECT_EQ(map->centre_latitude, expected->centre_latitude);
+  // Damaged files are errors.
+  std::string bytes = folder.read("map.osm.pbf");
+  folder.write("short.osm.pbf", bytes.substr(0, bytes.size() / 2));
+  EXPECT_FALSE(read_openstreetmap(folder / "short.osm.pbf"));
+  for (size_t at = 0; at < bytes.size(); at += 7) {
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
+    folder.write("damaged.osm.pbf", damaged);
+    (void)read_openstreetmap(folder / "damaged.osm.pbf");  // must return
+  }
 }
 
 TEST(OpenStreetMap, ReadsWaysNodesAndAreas) {

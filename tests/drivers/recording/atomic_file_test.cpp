@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -37,13 +38,22 @@ TEST(AtomicFile, AFailedWriteLeavesWhatWasThereAndNoTemporaryFile) {
   EXPECT_FALSE(write_text(folder / "none" / "state.json", "new"));
 }
 
-TEST(AtomicFile, ReplacesASymbolicLinkNotWhatItPointsTo) {
+TEST(AtomicFile, ReplacesOnlyRegularFiles) {
   const ScratchFolder folder;
   folder.write("elsewhere", "old");
-  std::filesystem::create_symlink(folder / "elsewhere", folder / "state.json");
-  ASSERT_TRUE(write_text(folder / "state.json", "new"));
-  EXPECT_EQ(folder.read("state.json"), "new");
+  std::filesystem::create_symlink(folder / "elsewhere", folder / "link");
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const char* name : {"link", "pipe"}) {
+    const auto written = write_text(folder / name, "new");
+    ASSERT_FALSE(written) << name;
+    EXPECT_NE(written.error().message().find("is not a regular file"), std::string::npos);
+  }
+  EXPECT_FALSE(write_text("/dev/null", "new"));
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe"));
   EXPECT_EQ(folder.read("elsewhere"), "old");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3);
 }
 
 TEST(AtomicFile, AKillAtAnyMomentLeavesACompleteFile) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "tests/fusion/streetmap/town.hpp"
 
@@ -40,7 +41,8 @@ Eigen::Matrix3d covariance(double metres, double yaw) {
 struct DriveResult {
   double rms = 0;      ///< m, after the first ten updates
   double yaw_rms = 0;  ///< rad
-  int tracking = 0, updates = 0, within = 0;
+  int tracking = 0, updates = 0, within = 0, first_tracking = -1;
+  bool places_named = false;  ///< a reason named a place along, across or elsewhere
   PlanarPose truth, last;
   TrackState state = TrackState::kLost;
 };
@@ -48,7 +50,7 @@ struct DriveResult {
 /// 60 updates of 2 m with a turn at the crossing. The odometry has a scale error of 2 % and a yaw
 /// bias of 0.1° per update.
 DriveResult drive(Tracker& tracker, const PlanarPose& start_error, double sigma, uint64_t seed,
-                  int updates = 60) {
+                  int updates = 60, bool gnss = false) {
   DriveResult driven;
   PlanarPose truth{-80, -1.2, 0.02};
   const PlanarPose initial_pose = truth.compose(start_error);
@@ -62,10 +64,13 @@ DriveResult drive(Tracker& tracker, const PlanarPose& start_error, double sigma,
     tracker.predict({motion.x * 1.02, motion.y, motion.yaw + 0.0017}, covariance(0.02, 0.002),
                     kUpdatePeriod);
     tracker.update(sample_view(shared_town().map, truth, seed * 1000 + static_cast<uint64_t>(i)));
+    if (gnss) tracker.add_fix({{truth.x + 2, truth.y - 1.5}, {}, 1});
     const TrackerEstimate estimate = tracker.estimate();
     const PlanarPose error = truth.motion_to(estimate.pose);
     ++driven.updates;
+    driven.places_named |= std::strstr(estimate.reason, "not confirmed") != nullptr;
     if (estimate.state == TrackState::kTracking) {
+      if (driven.first_tracking < 0) driven.first_tracking = i;
       ++driven.tracking;
       const Eigen::Vector2d d(estimate.pose.x - truth.x, estimate.pose.y - truth.y);
       const Eigen::Matrix2d C = estimate.covariance.topLeftCorner<2, 2>();
@@ -200,6 +205,59 @@ TEST(Tracker, RecoversWithinTheSearchRadius) {
     EXPECT_GE(within, tracking * 97 / 100) << seed;
   }
   EXPECT_GE(found, 3);
+}
+
+// 20 m further along the same street with a stated sigma of 1 m: no particle is near the truth.
+TEST(Tracker, AStartFurtherAlongTheStreetIsNeverSureAndWrong) {
+  for (const bool gnss : {false, true}) {
+    int found = 0;
+    for (const uint64_t seed : {1U, 2U}) {
+      TrackerOptions options = fast_options();
+      options.seed = seed;
+      options.particles.max_count = 400;
+      Tracker tracker(shared_town().map, options);
+      const double ahead = seed % 2 == 0 ? 20 : -20;
+      const DriveResult driven = drive(tracker, {ahead, 0, 0}, 1, seed, 70, gnss);
+      found += driven.state == TrackState::kTracking &&
+               std::hypot(driven.last.x - driven.truth.x, driven.last.y - driven.truth.y) < 2;
+      EXPECT_LE(driven.tracking - driven.within, 1) << seed << gnss;
+    }
+    EXPECT_EQ(found, 2) << gnss;
+  }
+}
+
+TEST(Tracker, AGivenStartIsUnsureUntilAlongAndAcrossAreConfirmed) {
+  TrackerOptions options = fast_options();
+  options.novelty_distance = 20;
+  Tracker tracker(shared_town().map, options);
+  const DriveResult driven = drive(tracker, {0.3, 0.2, 0}, 0.5, 5);
+  EXPECT_TRUE(driven.places_named);
+  EXPECT_GT(driven.first_tracking, options.confidence.window / 2);
+  EXPECT_EQ(driven.state, TrackState::kTracking);
+  EXPECT_LT(tracker.estimate().elsewhere, 0.02);
+}
+
+// Two minutes; the yaw rate of the odometry is within its noise.
+TEST(Tracker, NoBiasMovesAVehicleThatStands) {
+  Tracker tracker(shared_town().map, fast_options());
+  const DriveResult driven = drive(tracker, {0, 0, 0}, 0.5, 1, 40);
+  const TrackerEstimate before = tracker.estimate();
+  for (int i = 0; i < 480; ++i) {
+    tracker.predict({0, 0, i % 2 == 0 ? 1e-4 : -1e-4}, covariance(0.005, 5e-4), kUpdatePeriod);
+  }
+  const TrackerEstimate after = tracker.estimate();
+  EXPECT_NEAR(after.pose.yaw, before.pose.yaw, 1e-6);
+  EXPECT_NEAR(after.covariance(2, 2), before.covariance(2, 2), 1e-9);
+  // GNSS is judged while the vehicle stands.
+  for (int i = 0; i < 100; ++i) {
+    tracker.predict({}, Eigen::Matrix3d::Zero(), kUpdatePeriod);
+    tracker.add_fix({{driven.truth.x + 60, driven.truth.y}, {}, 1});
+    if (i == 30) {
+      EXPECT_EQ(tracker.estimate().state, TrackState::kUnsure);
+    }
+  }
+  EXPECT_EQ(tracker.estimate().state, TrackState::kLost);
+  EXPECT_STREQ(tracker.estimate().reason, "searching for the position on the map");
 }
 
 TEST(Tracker, StandingStillIsNoEvidence) {

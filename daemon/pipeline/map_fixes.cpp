@@ -1,0 +1,100 @@
+#include "daemon/pipeline/map_fixes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "drivers/measurement/angles.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr size_t kMaxFixes = 64;
+constexpr size_t kMinStartFixes = 5;
+constexpr Duration kStartWindow{10'000'000'000};  // ns over which a start averages
+constexpr double kMaxStartHdop = 5;
+constexpr double kMinCourseSpeed = 2.0;  // m/s above which the GNSS course is the heading
+
+using Values = std::array<double, kMaxFixes>;
+
+double median(Values& values, size_t count) {
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(count / 2);
+  std::nth_element(values.begin(), middle, values.begin() + static_cast<ptrdiff_t>(count));
+  return *middle;
+}
+
+/// Motion in the plane; nothing if the trajectory does not connect the times.
+std::optional<streetmap::PlanarPose> motion_between(const geometry::Trajectory& trajectory,
+                                                    Stamp from, Stamp to) {
+  if (from == to) return streetmap::PlanarPose{};
+  const geometry::MotionBetween motion = trajectory.between(from, to);
+  if (!motion.usable()) return std::nullopt;
+  const Eigen::Isometry3d& T = motion.T_from_to;
+  return streetmap::PlanarPose{T.translation().x(), T.translation().y(),
+                               std::atan2(T(1, 0), T(0, 0))};
+}
+
+}  // namespace
+
+MapFixes::MapFixes(const gnss::LocalFrame& frame) : frame_(frame) { fixes_.reserve(kMaxFixes); }
+
+void MapFixes::add(const GnssFix& fix) {
+  if (!fix.valid || !std::isfinite(fix.latitude) || !std::isfinite(fix.longitude)) return;
+  if (fixes_.size() == kMaxFixes) fixes_.erase(fixes_.begin());
+  Fix added{fix.stamp, gnss::to_local(frame_, fix.latitude, fix.longitude).head<2>(), {}, fix.hdop};
+  if (std::isfinite(fix.course) && fix.speed >= kMinCourseSpeed) {
+    added.yaw = wrap_angle(std::numbers::pi / 2 - fix.course);
+  }
+  fixes_.push_back(added);
+}
+
+std::optional<streetmap::MapFix> MapFixes::take(Stamp now, double yaw,
+                                                const geometry::Trajectory& trajectory) {
+  while (!fixes_.empty() && fixes_.front().stamp <= now) {
+    const Fix fix = fixes_.front();
+    fixes_.erase(fixes_.begin());
+    const auto motion = motion_between(trajectory, fix.stamp, now);
+    if (!motion) continue;
+    const streetmap::PlanarPose at{fix.position.x(), fix.position.y(), yaw - motion->yaw};
+    streetmap::MapFix moved;
+    moved.position = at.transform({motion->x, motion->y});
+    if (fix.yaw) moved.yaw = wrap_angle(*fix.yaw + motion->yaw);
+    moved.hdop = fix.hdop;
+    return moved;
+  }
+  return std::nullopt;
+}
+
+std::optional<FixStart> MapFixes::start(Stamp now, const geometry::Trajectory& trajectory) const {
+  // Of each fix: the motion from it to now; where its course is known, the heading now.
+  std::array<std::pair<const Fix*, streetmap::PlanarPose>, kMaxFixes> moved;
+  size_t count = 0, courses = 0;
+  double cosine = 0, sine = 0;
+  Values hdops;
+  for (const Fix& fix : fixes_) {
+    if (fix.stamp > now || fix.stamp + kStartWindow < now || fix.hdop > kMaxStartHdop) continue;
+    const auto motion = motion_between(trajectory, fix.stamp, now);
+    if (!motion) continue;
+    hdops[count] = fix.hdop > 0 ? fix.hdop : streetmap::GnssOptions().unknown_hdop;
+    moved[count++] = {&fix, *motion};
+    if (!fix.yaw) continue;
+    ++courses;
+    cosine += std::cos(*fix.yaw + motion->yaw);
+    sine += std::sin(*fix.yaw + motion->yaw);
+  }
+  if (count < kMinStartFixes || courses < kMinStartFixes) return std::nullopt;
+  const double yaw = std::atan2(sine, cosine);
+  Values x, y;
+  for (size_t i = 0; i < count; ++i) {
+    const auto& [fix, motion] = moved[i];
+    const Eigen::Vector2d place =
+        streetmap::PlanarPose{fix->position.x(), fix->position.y(), yaw - motion.yaw}.transform(
+            {motion.x, motion.y});
+    x[i] = place.x();
+    y[i] = place.y();
+  }
+  return FixStart{{median(x, count), median(y, count), yaw}, median(hdops, count)};
+}
+
+}  // namespace infuse::daemon
