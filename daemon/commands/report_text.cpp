@@ -32,6 +32,13 @@ std::string findings_text(const Json& sensor) {
   return lines;
 }
 
+/// State of the tracker and why it is not TRACKING; empty but for a pose on the street map.
+std::string state_text(const Json& pose) {
+  const std::string state = text_of(pose, "state"), doubt = text_of(pose, "doubt");
+  if (state.empty()) return {};
+  return ", " + state + (doubt.empty() || !pose.value("usable", false) ? "" : ": " + doubt);
+}
+
 }  // namespace
 
 std::string text_of(const Json& object, const char* key) { return object.value(key, ""); }
@@ -63,9 +70,10 @@ std::string health_text(const Json& health) {
   }
   if (health.contains("streetmap")) {
     const Json& map = health["streetmap"];
-    const std::string reason = text_of(map, "reason");
-    lines += fmt::format("  {:<5} street map: {}, ± {:.1f} m{}\n", text_of(map, "level"),
-                         text_of(map, "state"), map.value("sigma", 0.0),
+    const std::string state = text_of(map, "state"), reason = text_of(map, "reason");
+    const std::string sigma =
+        state == "LOST" ? "" : fmt::format(", ± {:.1f} m", map.value("sigma", 0.0));
+    lines += fmt::format("  {:<5} street map: {}{}{}\n", text_of(map, "level"), state, sigma,
                          reason.empty() ? "" : ": " + reason);
     lines += findings_text(map);
   }
@@ -114,9 +122,9 @@ std::string report_text(const Json& message) {
     return fmt::format("{} POSE in {}: ({:.2f}, {:.2f}) m, heading {:.1f}°, {:.1f} m/s{}\n",
                        time_text(message), text_of(message, "frame"), T[3], T[7],
                        std::atan2(T[4], T[0]) / kDegree, message.value("speed", 0.0),
-                       message.value("usable", false)
-                           ? std::string()
-                           : ", not usable: " + text_of(message, "reason"));
+                       state_text(message) + (message.value("usable", false)
+                                                  ? std::string()
+                                                  : ", not usable: " + text_of(message, "reason")));
   }
   if (name == "CALIBRATION") {
     return fmt::format("{} CALIBRATION {} {} ({} evaluations, {} scenes)\n", time_text(message),

@@ -135,7 +135,7 @@ int run(const StreetMapArguments& arguments) {
 Command declare_streetmap(CLI::App& infuse) {
   CLI::App* app = infuse.add_subcommand(
       "streetmap",
-      "make a street map from OpenStreetMap XML (.osm, .osm.bz2, .osm.gz) or from an image");
+      "make a street map from OpenStreetMap (.osm, .osm.bz2, .osm.gz, .osm.pbf) or from an image");
   const auto arguments = std::make_shared<StreetMapArguments>();
   app->add_option("INPUT", arguments->input,
                   "an .osm file, or a .png or .jpg image of a map, north up")

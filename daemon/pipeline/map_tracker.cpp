@@ -9,6 +9,7 @@ namespace infuse::daemon {
 namespace {
 
 constexpr int kImageStep = 2;                // pixels of the image for one of the features
+constexpr double kUnknownSigma = 1e6;        // m, before the start
 constexpr double kCourseSigma = 0.1;         // rad
 constexpr double kScaleSigma = 0.006;        // m/m, scale of odometry
 constexpr double kRestSigma = 0.005;         // m
@@ -159,7 +160,10 @@ StreetMapStatus MapTracker::status() const {
   status.reason = estimate.reason;
   status.x = estimate.pose.x;
   status.y = estimate.pose.y;
-  status.sigma = streetmap::PoseMoments{estimate.pose, estimate.covariance}.spread();
+  status.sigma = kUnknownSigma;
+  if (initialised_) {
+    status.sigma = streetmap::PoseMoments{estimate.pose, estimate.covariance}.spread();
+  }
   status.elsewhere = estimate.elsewhere;
   status.p_value = estimate.p_value;
   status.entropy = estimate.entropy;
