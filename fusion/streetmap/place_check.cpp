@@ -124,7 +124,7 @@ const char* PlaceCheck::reason() const {
   return "another street or direction is not ruled out";
 }
 
-std::optional<PlanarPose> PlaceCheck::take_better() {
+std::optional<PlanarPose> PlaceCheck::propose() {
   if (!running_) return std::nullopt;
   Place* best = nullptr;
   for (Place& place : places_) {

@@ -55,7 +55,7 @@ class PlaceCheck {
   const char* reason() const;
 
   /// The likeliest other place if it is likelier than the estimate by `min_better`; once.
-  std::optional<PlanarPose> take_better();
+  std::optional<PlanarPose> propose();
 
  private:
   enum class Direction { kAlong, kAcross, kElsewhere };

@@ -275,8 +275,8 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
   };
   place_check_.update(pose, moments.covariance, options_.sharpness * mode_novelty_, score);
   if (particles_.second_mode_weight() > 0) return;
-  if (const auto better = place_check_.take_better()) {
-    particles_.add_mode(*better, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
+  if (const auto candidate = place_check_.propose()) {
+    particles_.add_mode(*candidate, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
   }
 }
 
