@@ -25,6 +25,9 @@ struct CalibrateArguments {
   std::string initial_pose;
   std::vector<double> perturb{0, 0};  // deg, m
   double within_deg = 3.5;
+  std::vector<double> intrinsics_sigma{0.2, 1, 0.005};  // %, px, of k1
+  double time_sigma_ms = 1;
+  std::vector<double> max_sigma{0.2, 0.05};  // deg, m
   uint64_t seed = 1;
   std::string report;
   std::string output;
@@ -39,6 +42,13 @@ std::string measure_names() {
   return names;
 }
 
+calibration::KnownParameters known_parameters(const CalibrateArguments& arguments) {
+  return {.focal_sigma = arguments.intrinsics_sigma[0] / 100,
+          .principal_point_sigma = arguments.intrinsics_sigma[1],
+          .radial_sigma = arguments.intrinsics_sigma[2],
+          .time_sigma = from_seconds(1e-3 * std::clamp(arguments.time_sigma_ms, -1.0, 1e3))};
+}
+
 std::optional<std::string> find_usage_error(const CalibrateArguments& arguments) {
   if (arguments.request.max_scenes < 1 || arguments.request.max_scenes > 1000) {
     return "--scenes must lie in 1 ... 1000";
@@ -49,6 +59,12 @@ std::optional<std::string> find_usage_error(const CalibrateArguments& arguments)
   if (!(arguments.perturb[0] >= 0 && arguments.perturb[0] <= 45 && arguments.perturb[1] >= 0 &&
         arguments.perturb[1] <= 10)) {
     return "--perturb must be at most 45 degrees and 10 m";
+  }
+  if (!(arguments.max_sigma[0] > 0 && arguments.max_sigma[1] > 0)) {
+    return "--max-sigma must be positive";
+  }
+  if (const auto wrong = known_parameters(arguments).invalid()) {
+    return "--intrinsics-sigma, --time-sigma: " + *wrong;
   }
   for (const std::string& name : arguments.measures) {
     if (calibration::find_measure(name) != nullptr) continue;
@@ -63,7 +79,11 @@ Result<Eigen::Isometry3d> read_initial_pose(const CalibrateArguments& arguments,
   if (arguments.initial_pose.empty()) return pairs.cameras.front().T_camera_lidar;
   std::string text = arguments.initial_pose;
   std::replace(text.begin(), text.end(), ',', ' ');
-  if (const auto numbers = text::parse_numbers(text); numbers && numbers->size() == 16) {
+  if (const auto numbers = text::parse_numbers(text); numbers && !numbers->empty()) {
+    if (numbers->size() != 16) {
+      return fail(fmt::format("has {} numbers; T_camera_lidar has 16, by row", numbers->size()),
+                  "--start");
+    }
     Eigen::Matrix4d matrix;
     for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = (*numbers)[static_cast<size_t>(i)];
     const auto rigid = recording::to_rigid(matrix);
@@ -143,6 +163,9 @@ int run(const CalibrateArguments& arguments) {
   options.screen.half_width = arguments.within_deg * kDegree;
   options.seed = arguments.seed;
   options.splits = 4;
+  options.known = known_parameters(arguments);
+  options.max_rotation_sigma = arguments.max_sigma[0] * kDegree;
+  options.max_translation_sigma = arguments.max_sigma[1];
   std::vector<CalibrationRun> runs;
   for (size_t k = 0; k < arguments.measures.size(); ++k) {
     line.show(0.5 + 0.5 * static_cast<double>(k) / static_cast<double>(arguments.measures.size()),
@@ -214,6 +237,20 @@ Command declare_calibrate(CLI::App& infuse) {
          "--perturb", arguments->perturb,
          "perturb the initial guess at random by up to so many degrees and metres, to test "
          "the convergence")
+      ->expected(2)
+      ->delimiter(',')
+      ->type_name("DEG,M");
+  app->add_option("--intrinsics-sigma", arguments->intrinsics_sigma,
+                  "standard deviations to which focal length, principal point and k1 are known: "
+                  "part of the stated covariance (0.2,1,0.005)")
+      ->expected(3)
+      ->delimiter(',')
+      ->type_name("PERCENT,PX,K1");
+  app->add_option("--time-sigma", arguments->time_sigma_ms,
+                  "standard deviation of the time between image and sweep, likewise (1)")
+      ->type_name("MS");
+  app->add_option("--max-sigma", arguments->max_sigma,
+                  "maximum stated standard deviations of a usable result (0.2,0.05)")
       ->expected(2)
       ->delimiter(',')
       ->type_name("DEG,M");

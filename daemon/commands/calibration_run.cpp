@@ -151,8 +151,12 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   }
   run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
   run.motion = motion_uncertainty(pairs, run.result.T_refcam_lidar);
-  run.result.uncertainty.covariance += run.motion.covariance;
+  run.result.model_covariance += run.motion.covariance;
   if (run.result.usable()) run.result.reason = run.motion.reason;
+  if (run.result.usable()) {
+    run.result.reason = calibration::describe_imprecision(
+        run.result.covariance(), options.max_rotation_sigma, options.max_translation_sigma);
+  }
   run.cpu_s = cpu_seconds() - began;
   return run;
 }
@@ -172,6 +176,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
                {"gain", result.value - result.initial_value},
                {"points", result.points},
                {"support", rounded(result.support)},
+               {"effective_scenes", rounded(result.uncertainty.effective_scenes)},
                {"restarts", result.restarts},
                {"restarts_converged", result.returned},
                {"best_of_restarts", result.best_of_restarts},
@@ -186,7 +191,8 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
     json["change_from_initial"] = error_json(moved);
   }
   if (result.uncertainty.usable()) {
-    json["covariance"] = matrix_json(result.uncertainty.covariance);
+    json["covariance"] = matrix_json(result.covariance());
+    json["covariance_of_scenes"] = matrix_json(result.uncertainty.covariance);
     json["covariance_of_motion"] = matrix_json(run.motion.covariance);
     json["cramer_rao_bound"] = matrix_json(result.uncertainty.cramer_rao_bound);
   }
@@ -225,10 +231,12 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                         T(row, 2), T(row, 3));
   }
   if (result.uncertainty.usable()) {
+    text += "  standard deviation (rx ry rz, tx ty tz): " + sigma_text(result.covariance()) + "\n";
     text +=
-        "  standard deviation (rx ry rz, tx ty tz), from the scatter between scenes and the "
-        "motion: " +
-        sigma_text(result.uncertainty.covariance) + "\n";
+        fmt::format("    of this by the scatter between scenes, which count as {:.1f}: {}\n",
+                    result.uncertainty.effective_scenes, sigma_text(result.uncertainty.covariance));
+    text += "    of this by intrinsics and times: " +
+            sigma_text(result.model_covariance - run.motion.covariance) + "\n";
     text +=
         "    of this by motion while times are uncertain: " + sigma_text(run.motion.covariance) +
         "\n";

@@ -7,10 +7,10 @@
 #include <numeric>
 #include <random>
 
-#include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/estimate_intrinsics.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "fusion/calibration/pose_score.hpp"
+#include "fusion/calibration/scene_similarity.hpp"
 #include "fusion/calibration/thin_scenes.hpp"
 
 namespace infuse::calibration {
@@ -26,7 +26,8 @@ constexpr int kDrawsPerRestart = 40;      // number of poses drawn for one ascen
 constexpr int kMaxRestartRounds = 4;      // maximum number of rounds that each found a larger value
 constexpr double kPriorScale = 1;         // factor of the levels' prior weights
 constexpr double kRetryPriorScale = 3;    // the same where the first attempt is not usable
-constexpr int kMaxRestartsPerReturn = 4;  // one restart in so many must converge to the result
+constexpr int kMaxRestartsPerReturn = 2;  // one restart in so many must converge to the result
+constexpr int kRestartBatches = 2;        // the second where not all of the first converged
 // Standard deviations of the initial translation; 97 % lie nearer.
 constexpr double kMaxTranslationSigmas = 3;
 
@@ -83,6 +84,7 @@ class Calibration {
       : cameras_(cameras),
         initial_pose_(initial_pose),
         options_(options),
+        similarity_(scene_similarity(scenes)),
         terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
         search_terms_(search_terms_of(options)),
         images_(scenes, concatenate(terms_, search_terms_), all_sigmas(options)),
@@ -101,10 +103,12 @@ class Calibration {
 
   CoarseToFine& final_search() { return final_search_; }
   CoarseToFine& fine_search() { return fine_search_; }
+  const Eigen::MatrixXd& similarity() const { return similarity_; }
 
   /// Pose after the restarts, and how many of the last round converged to it.
   struct RestartResult {
     Eigen::Isometry3d T;
+    int restarts = 0;
     int returned = 0;
     bool best_of_restarts = true;  // the last round found no larger value
   };
@@ -136,16 +140,21 @@ class Calibration {
     RestartResult restart_result{.T = T};
     for (int round = 0; round < kMaxRestartRounds; ++round) {
       const double best = score(restart_result.T);
-      restart_result.returned = 0;
+      restart_result.restarts = restart_result.returned = 0;
       restart_result.best_of_restarts = false;
       std::optional<Eigen::Isometry3d> better;
-      for (const Eigen::Isometry3d& drawn : draw_around(restart_result.T, random)) {
-        if (better) break;
-        const Eigen::Isometry3d end = coarse_search_.ascend(drawn, restart_levels()).T_refcam_lidar;
-        if (is_same_maximum(end, restart_result.T)) {
-          ++restart_result.returned;
-        } else if (score(end) > best) {
-          better = end;
+      for (int batch = 0; batch < kRestartBatches && !better; ++batch) {
+        if (batch > 0 && restart_result.returned == restart_result.restarts) break;
+        for (const Eigen::Isometry3d& drawn : draw_around(restart_result.T, random)) {
+          const Eigen::Isometry3d end =
+              coarse_search_.ascend(drawn, restart_levels()).T_refcam_lidar;
+          ++restart_result.restarts;
+          if (is_same_maximum(end, restart_result.T)) {
+            ++restart_result.returned;
+          } else if (score(end) > best) {
+            better = end;
+            break;
+          }
         }
       }
       if (!better) {
@@ -180,7 +189,8 @@ class Calibration {
   /// Finds errors of the intrinsics and the clock that the scenes indicate.
   std::vector<ModelMismatch> find_mismatches(Objective& finest, const Eigen::Isometry3d& T,
                                              const Uncertainty& uncertainty) {
-    std::vector<ModelMismatch> all = check_model(finest, T, cameras_, fine_scenes_, uncertainty);
+    std::vector<ModelMismatch> all =
+        check_model(finest, T, cameras_, fine_scenes_, uncertainty, options_.known);
     for (size_t c = 0; options_.check_intrinsics && c < cameras_.size(); ++c) {
       const auto estimate = estimate_intrinsics(fine_scenes_, cameras_, c, search_terms_, images_,
                                                 options_.visibility, T, options_.maximize.stop);
@@ -256,6 +266,7 @@ class Calibration {
   std::span<const RigCamera> cameras_;
   Eigen::Isometry3d initial_pose_;
   const CalibrateOptions& options_;
+  Eigen::MatrixXd similarity_;
   std::vector<TermOptions> terms_, search_terms_;
   ImagePyramid images_;
   double margin_;
@@ -295,15 +306,17 @@ std::string mismatch_text(const ModelMismatch& mismatch) {
 std::string rejection_reason(const CalibrationResult& result, const Maximum& maximum, double moved,
                              const CalibrateOptions& options) {
   if (!maximum.usable()) return maximum.reason;
-  if (!result.uncertainty.usable()) return result.uncertainty.reason;
-  for (const ModelMismatch& mismatch : result.model_mismatches) {
-    if (mismatch.gross) return mismatch_text(mismatch);  // later checks may fail because of it
-  }
-  if (result.support < options.min_support) {
+  if (result.uncertainty.effective_scenes < kMinEffectiveScenes) return result.uncertainty.reason;
+  const bool gross = std::any_of(result.model_mismatches.begin(), result.model_mismatches.end(),
+                                 [](const ModelMismatch& mismatch) { return mismatch.gross; });
+  if (result.support < options.min_support && !gross) {
     return format_text(
         "the scenes do not support it: only %.0f %% of small wrong rotations make them fit worse "
         "(%.0f %% expected); check that images and sweeps belong together",
         100 * result.support, 100 * options.min_support);
+  }
+  for (const ModelMismatch& mismatch : result.model_mismatches) {
+    if (mismatch.gross || mismatch.serious) return mismatch_text(mismatch);
   }
   if (!result.best_of_restarts) {
     return "restarts from around the result kept finding larger values";
@@ -312,8 +325,11 @@ std::string rejection_reason(const CalibrationResult& result, const Maximum& max
     return format_text("only %d of %d restarts converged to the result", result.returned,
                        result.restarts);
   }
-  for (const ModelMismatch& mismatch : result.model_mismatches) {
-    if (mismatch.serious) return mismatch_text(mismatch);
+  if (!result.uncertainty.usable()) return result.uncertainty.reason;
+  if (auto imprecise = describe_imprecision(result.covariance(), options.max_rotation_sigma,
+                                            options.max_translation_sigma);
+      !imprecise.empty()) {
+    return imprecise;
   }
   if (moved > kMaxTranslationSigmas * options.initial_translation_sigma) {
     return format_text(
@@ -341,7 +357,7 @@ CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d&
   }
   result.T_refcam_lidar = maximum.T_refcam_lidar;
   result.has_pose = maximum.usable();
-  result.restarts = options.restarts;
+  result.restarts = restart_result.restarts;
   result.returned = restart_result.returned;
   result.best_of_restarts = restart_result.best_of_restarts;
 
@@ -350,9 +366,12 @@ CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d&
   result.points = points.size();
   result.value = finest.evaluate(result.T_refcam_lidar, false).estimate.value;
   result.initial_value = finest.evaluate(initial_pose, false).estimate.value;
-  result.uncertainty = estimate_uncertainty(finest, result.T_refcam_lidar);
+  result.uncertainty =
+      estimate_uncertainty(finest, result.T_refcam_lidar, calibration.similarity());
   result.model_mismatches =
       calibration.find_mismatches(finest, result.T_refcam_lidar, result.uncertainty);
+  result.model_covariance =
+      model_covariance(result.model_mismatches, result.uncertainty.covariance);
   result.scenes = scene_support(calibration.fine_search(), result.T_refcam_lidar, scenes,
                                 options.support_sigma);
   result.support = mean_support(result.scenes);
@@ -391,6 +410,9 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   if (!(restart_translation >= 0)) return "restart_translation must not be negative";
   if (!(support_sigma >= 0)) return "support_sigma must not be negative";
   if (!(min_support >= 0 && min_support <= 1)) return "min_support must lie in 0 … 1";
+  if (!(max_rotation_sigma > 0)) return "max_rotation_sigma must be positive";
+  if (!(max_translation_sigma > 0)) return "max_translation_sigma must be positive";
+  if (auto wrong = known.invalid()) return "known: " + *wrong;
   if (auto wrong = maximize.invalid()) return "maximize: " + *wrong;
   if (auto wrong = visibility.invalid()) return "visibility: " + *wrong;
   return std::nullopt;
@@ -402,14 +424,13 @@ CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCa
   Calibration calibration(scenes, cameras, T_refcam_lidar_start, options);
   CalibrationResult result =
       run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kPriorScale);
-  const bool gross = std::any_of(result.model_mismatches.begin(), result.model_mismatches.end(),
-                                 [](const ModelMismatch& mismatch) { return mismatch.gross; });
   if (!result.usable() && options.restarts > 0 && result.points > 0) {
     const CalibrationResult held =
         run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kRetryPriorScale);
-    // At the same place the same camera is as wrong as before.
-    const bool there = is_same_maximum(held.T_refcam_lidar, result.T_refcam_lidar);
-    if (held.usable() && !(gross && there)) result = held;
+    // At the same place everything is as wrong as before.
+    if (held.usable() && !is_same_maximum(held.T_refcam_lidar, result.T_refcam_lidar)) {
+      result = held;
+    }
   }
   if (result.usable()) result.split_half = calibration.split_half(result.T_refcam_lidar);
   result.evaluations += calibration.evaluations();

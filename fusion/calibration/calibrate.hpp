@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/coarse_to_fine.hpp"
 #include "fusion/calibration/model_check.hpp"
 #include "fusion/calibration/rotation_screen.hpp"
@@ -51,6 +52,9 @@ struct CalibrateOptions {
   int splits = 0;  ///< number of random halvings of the scenes whose estimates are compared
   double support_sigma = 3;   ///< px, blur of the images for the scenes' support
   double min_support = 0.88;  ///< minimum mean of SceneSupport::support of a usable result
+  double max_rotation_sigma = 0.2 * kDegree;  ///< rad, of a usable result, about any axis
+  double max_translation_sigma = 0.05;        ///< m, likewise along any axis
+  KnownParameters known;  ///< to what intrinsics and times are known: part of the covariance
 
   /// True: gross errors of the intrinsics are searched for (`estimate_intrinsics`). Not needed for
   /// a camera whose intrinsics are verified and whose pose alone may have changed.
@@ -68,8 +72,9 @@ struct CalibrateOptions {
 struct CalibrationResult {
   /// The estimate; without `has_pose` the initial pose.
   Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();
-  bool has_pose = false;  ///< an ascent ended at it; false where nothing could be compared
-  Uncertainty uncertainty;
+  bool has_pose = false;    ///< an ascent ended at it; false where nothing could be compared
+  Uncertainty uncertainty;  ///< from the scenes alone
+  geometry::Matrix6 model_covariance = geometry::Matrix6::Zero();  ///< from `known`
   std::vector<ModelMismatch>
       model_mismatches;  ///< intrinsics and clocks that seem to be off; empty where that is unknown
   double value = 0;      ///< objective at the result, finest level
@@ -87,13 +92,16 @@ struct CalibrationResult {
   std::string reason;  ///< why the result cannot be used; empty if it can
 
   bool usable() const { return reason.empty(); }
+
+  /// Stated covariance of T_refcam_lidar.
+  geometry::Matrix6 covariance() const { return uncertainty.covariance + model_covariance; }
 };
 
 /// Estimates T_refcam_lidar by maximising the dependence between features of lidar and cameras (P
 /// chapter III, I chapter 4). Rotations around the initial pose are screened with few points and
 /// strong blur, the best of them start an ascent, and the best result is refined with all points.
 /// Options must be valid, and scenes must hold the features that the terms name. Without points in
-/// view of at least 3 scenes the result is not usable.
+/// view of at least 3 effective scenes (`Uncertainty`) the result is not usable.
 CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                             const Eigen::Isometry3d& T_refcam_lidar_initial,
                             const CalibrateOptions& options);

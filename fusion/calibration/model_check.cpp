@@ -9,7 +9,7 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr size_t kMinScenesOfModel = 10;    // number of scenes
+constexpr double kMinScenesOfModel = 10;    // effective number of scenes
 constexpr double kSignificantSigmas = 3.5;  // standard deviations
 constexpr double kSeriousSigmas = 7;
 
@@ -55,7 +55,7 @@ struct ParameterScore {
 
 /// Value, standard deviation and significance.
 ModelMismatch test_score(const ParameterScore& further,
-                         const std::vector<SceneGradient>& scene_gradients,
+                         const std::vector<SceneGradient>& scene_gradients, double effective_scenes,
                          const Matrix6& inverse) {
   const Vector6 weight = inverse * further.pose_coupling;
   std::vector<double> scores;
@@ -68,7 +68,8 @@ ModelMismatch test_score(const ParameterScore& further,
   const auto n = static_cast<double>(scores.size());
   double squares = 0;
   for (const double score : scores) squares += (score - sum / n) * (score - sum / n);
-  const double sigma = std::sqrt(n / (n - 7) * squares);
+  // Scenes that are alike have like scores.
+  const double sigma = std::sqrt(n / effective_scenes * n / (n - 7) * squares);
   const double remaining_curvature = further.curvature - further.pose_coupling.dot(weight);
   ModelMismatch mismatch;
   mismatch.pose_sensitivity = -weight;
@@ -123,6 +124,18 @@ ParameterScore score_delay(const Eigen::Isometry3d& T, std::span<const Scene> sc
 
 }  // namespace
 
+std::optional<std::string> KnownParameters::invalid() const {
+  if (!(focal_sigma >= 0 && focal_sigma <= 0.1)) return "focal_sigma must lie in 0 … 0.1";
+  if (!(principal_point_sigma >= 0 && principal_point_sigma <= 100)) {
+    return "principal_point_sigma must lie in 0 … 100 px";
+  }
+  if (!(radial_sigma >= 0 && radial_sigma <= 1)) return "radial_sigma must lie in 0 … 1";
+  if (time_sigma < Duration{0} || time_sigma > Duration{100'000'000}) {
+    return "time_sigma must lie in 0 … 100 ms";
+  }
+  return std::nullopt;
+}
+
 ModelMismatch make_intrinsic_mismatch(size_t score_intrinsic, double off, size_t camera,
                                       size_t cameras) {
   const Intrinsic& of = kIntrinsics[score_intrinsic];
@@ -136,22 +149,26 @@ std::vector<ModelMismatch> check_model(Objective& objective,
                                        const Eigen::Isometry3d& T_refcam_lidar,
                                        std::span<const RigCamera> cameras,
                                        std::span<const Scene> scenes,
-                                       const Uncertainty& uncertainty) {
+                                       const Uncertainty& uncertainty,
+                                       const KnownParameters& known) {
   const std::vector<SceneGradient>& scene_gradients = uncertainty.scene_gradients;
-  const auto seen =
-      std::count_if(scene_gradients.begin(), scene_gradients.end(),
-                    [](const SceneGradient& p) { return p.head<6>() != Vector6::Zero(); });
   std::vector<ModelMismatch> mismatches;
-  if (!uncertainty.usable() || static_cast<size_t>(seen) < kMinScenesOfModel) return mismatches;
+  if (!uncertainty.usable()) return mismatches;
+  const bool enough = uncertainty.effective_scenes >= kMinScenesOfModel;
+  const double known_sigmas[] = {known.focal_sigma, known.principal_point_sigma,
+                                 known.principal_point_sigma, known.radial_sigma};
   const Matrix6 inverse = uncertainty.curvature.inverse();
   const auto add = [&](const ParameterScore& further, const ModelMismatch& about,
-                       double display_scale, double tolerance) {
-    ModelMismatch mismatch = test_score(further, scene_gradients, inverse);
+                       double display_scale, double tolerance, double known_sigma) {
+    ModelMismatch mismatch =
+        test_score(further, scene_gradients, uncertainty.effective_scenes, inverse);
+    if (!enough) mismatch = {.pose_sensitivity = mismatch.pose_sensitivity};
     mismatch.parameter = about.parameter;
     mismatch.unit = about.unit;
     mismatch.value *= display_scale;
     mismatch.sigma *= display_scale;
     mismatch.pose_sensitivity /= display_scale;
+    mismatch.known_sigma = display_scale * known_sigma;
     const bool exceeds_tolerance = mismatch.value == 0 || std::abs(mismatch.value) > tolerance;
     mismatch.significant =
         exceeds_tolerance && std::abs(mismatch.significance) > kSignificantSigmas;
@@ -162,16 +179,30 @@ std::vector<ModelMismatch> check_model(Objective& objective,
     for (size_t which = 0; which < std::size(kIntrinsics); ++which) {
       const Intrinsic& of = kIntrinsics[which];
       add(score_intrinsic(objective, T_refcam_lidar, cameras, scenes, c, which, scene_gradients),
-          make_intrinsic_mismatch(which, 0, c, cameras.size()), of.display_scale, of.tolerance);
+          make_intrinsic_mismatch(which, 0, c, cameras.size()), of.display_scale, of.tolerance,
+          known_sigmas[which]);
     }
   }
   const bool moving = std::all_of(scenes.begin(), scenes.end(),
                                   [](const Scene& scene) { return scene.twist.has_value(); });
   if (moving) {
     add(score_delay(T_refcam_lidar, scenes, uncertainty),
-        {.parameter = "image time offset", .unit = "ms"}, 1e3, kTimeTolerance);
+        {.parameter = "image time offset", .unit = "ms"}, 1e3, kTimeTolerance,
+        to_seconds(known.time_sigma));
   }
   return mismatches;
+}
+
+Matrix6 model_covariance(std::span<const ModelMismatch> parameters, const Matrix6& scenes) {
+  Matrix6 sum = Matrix6::Zero();
+  double squares = 0;
+  for (const ModelMismatch& one : parameters) {
+    const Vector6 moved = one.known_sigma * one.pose_sensitivity;
+    sum += moved * moved.transpose();
+    squares += one.significance * one.significance;
+  }
+  const auto tests = static_cast<double>(parameters.size());
+  return squares > tests ? sum + (squares / tests - 1) * scenes : sum;
 }
 
 }  // namespace infuse::calibration

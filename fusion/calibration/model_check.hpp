@@ -1,13 +1,28 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "drivers/measurement/stamp.hpp"
 #include "fusion/calibration/objective.hpp"
 #include "fusion/calibration/uncertainty.hpp"
 
 namespace infuse::calibration {
+
+/// Standard deviations to which intrinsics and times are known; they go into the stated covariance.
+/// The defaults are those of a careful calibration of a camera with a board, and of a triggered
+/// camera.
+struct KnownParameters {
+  double focal_sigma = 0.002;        ///< of the logarithm of the focal lengths
+  double principal_point_sigma = 1;  ///< px, across and down
+  double radial_sigma = 0.005;       ///< of k1
+  Duration time_sigma{1'000'000};    ///< between image and sweep
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+};
 
 /// Parameter that was assumed to be known, and its error as the scenes indicate it.
 struct ModelMismatch {
@@ -18,6 +33,7 @@ struct ModelMismatch {
   double significance = 0;  ///< error in standard deviations, from the spread of the scenes
   /// Change of the result (left perturbation of T_refcam_lidar, rad and m) per unit of error.
   geometry::Vector6 pose_sensitivity = geometry::Vector6::Zero();
+  double known_sigma = 0;  ///< standard deviation to which it is known, in `unit`
 
   /// Worth reporting: 3.5 standard deviations, and more than a careful calibration leaves.
   bool significant = false;
@@ -41,12 +57,20 @@ ModelMismatch make_intrinsic_mismatch(size_t intrinsic, double error, size_t cam
 /// size of chance. s divided by its curvature is the estimated error of e.
 ///
 /// Checks focal length, principal point and first radial distortion coefficient of every camera;
-/// with scenes of known motion also the time between sweep and image. Returns nothing with fewer
-/// than 10 scenes in view.
+/// with scenes of known motion also the time between sweep and image. Returns nothing without a
+/// usable uncertainty; with fewer than 10 effective scenes no value and no significance.
 std::vector<ModelMismatch> check_model(Objective& objective,
                                        const Eigen::Isometry3d& T_refcam_lidar,
                                        std::span<const RigCamera> cameras,
                                        std::span<const Scene> scenes,
-                                       const Uncertainty& uncertainty);
+                                       const Uncertainty& uncertainty,
+                                       const KnownParameters& known = {});
+
+/// Covariance of the result from what is not known of these parameters: Σ σ² w wᵀ with their
+/// `known_sigma` and `pose_sensitivity`. Where the scenes contradict them by more than chance, the
+/// mean square of the significances exceeds one, and so does what the covariance from the `scenes`
+/// misses: (mean square − 1) times it is added (Birge's ratio; Birge 1932).
+geometry::Matrix6 model_covariance(std::span<const ModelMismatch> parameters,
+                                   const geometry::Matrix6& scenes);
 
 }  // namespace infuse::calibration

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "drivers/measurement/angles.hpp"
+#include "fusion/calibration/scene_similarity.hpp"
 
 namespace infuse::calibration {
 namespace {
@@ -20,6 +21,7 @@ constexpr double kMaxStep = 4e-3;  // rad; for translations times the median ran
 constexpr double kMinStep = 1e-3;  // likewise
 constexpr double kMaxRotationSigma = 5 * kDegree;
 constexpr double kMaxTranslationSigma = 0.5;
+constexpr double kShrinkageScenes = 20;  // as many count as much as the curvature's shape
 
 using SceneCurvature = std::vector<Eigen::Matrix<double, 10, 6>>;
 
@@ -65,13 +67,13 @@ Vector6 sigma_limits() {
   return unit;
 }
 
-/// Covariance of the sum of the scene gradients, from their spread at the result.
+/// Σ_s g_s g_sᵀ of the scene gradients less their mean.
 Matrix6 gradient_scatter(const std::vector<Vector6>& pulls) {
   const auto n = static_cast<double>(pulls.size());
   const Vector6 mean = std::accumulate(pulls.begin(), pulls.end(), Vector6::Zero().eval()) / n;
   Matrix6 scatter = Matrix6::Zero();
   for (const Vector6& pull : pulls) scatter += (pull - mean) * (pull - mean).transpose();
-  return n / std::max(n - 6, 1.0) * scatter;
+  return scatter;
 }
 
 /// H⁻¹ J H⁻¹, or why it does not exist.
@@ -80,7 +82,7 @@ struct Sandwich {
   std::string reason;
 };
 
-Sandwich sandwich(const Matrix6& curvature, const Matrix6& scatter) {
+Sandwich sandwich(const Matrix6& curvature, const Matrix6& scatter, double effective) {
   const Vector6 unit = sigma_limits();
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(
       Matrix6(unit.asDiagonal() * curvature * unit.asDiagonal()));
@@ -90,7 +92,11 @@ Sandwich sandwich(const Matrix6& curvature, const Matrix6& scatter) {
                       " in camera axes is free"};
   }
   const Matrix6 inverse = curvature.inverse();
-  const Matrix6 covariance = inverse * scatter * inverse.transpose();
+  const double scale = (inverse * scatter).trace() / 6;
+  const double shrinkage = kShrinkageScenes / (kShrinkageScenes + effective - 1);
+  const Matrix6 shrunk = (1 - shrinkage) * scatter + shrinkage * scale * curvature;
+  const Matrix6 covariance =
+      widening_of_few(2 * (effective - 1)) * inverse * shrunk * inverse.transpose();
   return {.covariance = 0.5 * (covariance + covariance.transpose())};
 }
 
@@ -102,25 +108,86 @@ double max_angular_sigma(const Matrix6& covariance, double range) {
 
 }  // namespace
 
-Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar) {
+std::string describe_imprecision(const Matrix6& covariance, double max_rotation_sigma,
+                                 double max_translation_sigma) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(covariance.topLeftCorner<3, 3>());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> translation(
+      covariance.bottomRightCorner<3, 3>());
+  const double rotation_sigma = std::sqrt(std::max(0.0, rotation.eigenvalues()(2)));
+  const double translation_sigma = std::sqrt(std::max(0.0, translation.eigenvalues()(2)));
+  const bool turned =
+      rotation_sigma / max_rotation_sigma > translation_sigma / max_translation_sigma;
+  if (rotation_sigma <= max_rotation_sigma && translation_sigma <= max_translation_sigma) return {};
+  Vector6 direction = Vector6::Zero();
+  if (turned) {
+    direction.head<3>() = rotation.eigenvectors().col(2);
+  } else {
+    direction.tail<3>() = translation.eigenvectors().col(2);
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, "the standard deviation of %s in camera axes is %.2g %s (%.2g)",
+                describe_direction(direction).c_str(),
+                turned ? rotation_sigma / kDegree : 100 * translation_sigma,
+                turned ? "degrees" : "cm",
+                turned ? max_rotation_sigma / kDegree : 100 * max_translation_sigma);
+  return text;
+}
+
+double widening_of_few(double degrees_of_freedom) {
+  // P(F > f) in closed form, as 6 is even, with y = ν / (ν + 6 f): y^b Σ_{i<3} (b)_i (1 − y)^i /
+  // i!.
+  const double b = degrees_of_freedom / 2;
+  const auto exceeded = [&](double six_f) {
+    const double y = degrees_of_freedom / (degrees_of_freedom + six_f);
+    return std::pow(y, b) * (1 + b * (1 - y) + b * (b + 1) / 2 * (1 - y) * (1 - y));
+  };
+  constexpr double kChiSquare = 12.591587;  // 95 % of 6 degrees of freedom
+  double low = kChiSquare, high = 2 * kChiSquare;
+  while (exceeded(high) > 0.05 && high < 1e9) high *= 2;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (low + high) / 2;
+    (exceeded(middle) > 0.05 ? low : high) = middle;
+  }
+  return low / kChiSquare;
+}
+
+Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar,
+                                 const Eigen::MatrixXd& similarity) {
   Uncertainty out;
   out.scene_gradients = objective.scene_gradients(T_refcam_lidar);
   std::vector<Vector6> seen;
-  for (const SceneGradient& pull : out.scene_gradients) {
-    if (pull.head<6>() != Vector6::Zero()) seen.push_back(pull.head<6>());
+  std::vector<Eigen::Index> seen_scenes;
+  for (size_t s = 0; s < out.scene_gradients.size(); ++s) {
+    if (out.scene_gradients[s].head<6>() == Vector6::Zero()) continue;
+    seen.push_back(out.scene_gradients[s].head<6>());
+    seen_scenes.push_back(static_cast<Eigen::Index>(s));
   }
+  out.effective_scenes = similarity.size() == 0
+                             ? static_cast<double>(seen.size())
+                             : effective_scenes(similarity(seen_scenes, seen_scenes));
   out.scene_influence.assign(out.scene_gradients.size(), 0.0);
   if (seen.size() < 3) {
     out.reason = std::to_string(seen.size()) +
                  " scenes do not show how far scenes disagree: at least 3 are needed";
     return out;
   }
-  const Matrix6 scatter = gradient_scatter(seen);
+  if (out.effective_scenes < kMinEffectiveScenes) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "%zu scenes of nearly the same place count as %.1f: at least 3 are needed; "
+                  "record at other places",
+                  seen.size(), out.effective_scenes);
+    out.reason = text;
+    return out;
+  }
+  const double effective = out.effective_scenes;
+  const Matrix6 scatter =
+      static_cast<double>(seen.size()) / (effective - 1) * gradient_scatter(seen);
   const double range = objective.median_range();
   Sandwich found{.reason = "not evaluated"};
   for (double angle = kMinStep; angle <= kMaxStep; angle *= 2) {
     SceneCurvature curvatures = scene_curvature(objective, T_refcam_lidar, angle, range);
-    const Sandwich next = sandwich(curvature(curvatures), scatter);
+    const Sandwich next = sandwich(curvature(curvatures), scatter, effective);
     if (next.reason.empty() || !found.reason.empty()) {
       found = next;
       out.curvature = curvature(curvatures);

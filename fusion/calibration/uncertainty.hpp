@@ -11,7 +11,9 @@ namespace infuse::calibration {
 /// Uncertainty of a calibration. Covariances are ordered (rx, ry, rz, tx, ty, tz), rad and m, of
 /// a left perturbation of T_refcam_lidar.
 struct Uncertainty {
-  geometry::Matrix6 covariance = geometry::Matrix6::Identity();  ///< from the spread of the scenes
+  /// From the spread of the scenes; positive definite where `usable()`.
+  geometry::Matrix6 covariance = geometry::Matrix6::Identity();
+  double effective_scenes = 0;  ///< number of independent scenes that tell as much (with points)
   geometry::Matrix6 curvature = geometry::Matrix6::Zero();  ///< −∂²value/∂ξ², in the measure's unit
   /// Cramér–Rao bound P(3.20): the covariance if all returns were independent of each other, which
   /// returns of one scene are not.
@@ -25,15 +27,35 @@ struct Uncertainty {
   bool usable() const { return reason.empty(); }
 };
 
+/// Minimum of `Uncertainty::effective_scenes` of a usable result.
+inline constexpr double kMinEffectiveScenes = 3;
+
 /// Estimates the uncertainty at a maximum. With H the curvature of the objective (central
 /// differences of its analytic gradient) and g_s the gradient of scene s's part less their mean
 /// (they add up to zero at the maximum itself), the estimate's covariance is
-///   H⁻¹ (S/(S−6) Σ_s g_s g_sᵀ) H⁻¹
-/// (the sandwich of M-estimation with scenes as clusters; Huber 1967). Scenes must be independent
-/// of each other; returns within a scene need not be, unlike for the Cramér–Rao bound P(3.20).
+///   c H⁻¹ J H⁻¹,  J = (1 − λ) Ĵ + λ k H,  Ĵ = S/(E−1) Σ_s g_s g_sᵀ
+/// (the sandwich of M-estimation with scenes as clusters; Huber 1967). Scenes need not be
+/// independent of each other: S of them count as E (`effective_scenes` of `similarity`), and for
+/// independent ones E = S. Ĵ has 21 entries from few gradients; it is shrunk towards the curvature,
+/// which has the shape of Fisher's information and takes its scale k from Ĵ (quasi-likelihood;
+/// Wedderburn 1974), with λ = 20 / (20 + E − 1). c widens the covariance as few scenes require: it
+/// is the ratio of the 95 % quantiles of 6 F(6, 2(E − 1)) and χ²(6), two degrees of freedom for
+/// each scene, as J has more from the shrinkage than Hotelling's T² allows.
 ///
-/// Not usable, with the direction named, if H is not positive along a direction, or so flat that
-/// the standard deviation there exceeds 5° or 50 cm (far-field only, P 3.4.1.2).
-Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar);
+/// `similarity` has one row a scene (`scene_similarity`); empty: all are independent. Not usable
+/// with fewer than 3 effective scenes, or, with the direction named, if H is not positive along a
+/// direction, or so flat that the standard deviation there exceeds 5° or 50 cm (far-field only, P
+/// 3.4.1.2).
+Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar,
+                                 const Eigen::MatrixXd& similarity = {});
+
+/// Returns which standard deviation exceeds its limit (rad, m), in the worst direction of rotation
+/// or translation, for a message; an empty text if none does.
+std::string describe_imprecision(const geometry::Matrix6& covariance, double max_rotation_sigma,
+                                 double max_translation_sigma);
+
+/// Returns the ratio of the 95 % quantiles of 6 F(6, `degrees_of_freedom`) and χ²(6): by how much
+/// a covariance is widened that is itself estimated.
+double widening_of_few(double degrees_of_freedom);
 
 }  // namespace infuse::calibration

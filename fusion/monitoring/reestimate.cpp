@@ -60,20 +60,13 @@ calibration::CalibrateOptions calibrate_options(const ReestimateOptions& options
   return out;
 }
 
-/// Covariance of the result: mean of the sandwich estimate and c H⁻¹. The sandwich has 21 entries
-/// from the spread of some 30 scene gradients: it is noisy, and 2 to 4 times too small along
-/// directions in which the gradients agree by chance. c H⁻¹ has the curvature's shape and takes
-/// only its scale from the gradients: c is the mean of H times the sandwich (dispersion of
-/// quasi-likelihood; Wedderburn 1974).
-geometry::Matrix6 covariance_of(const calibration::Uncertainty& uncertainty, size_t scenes) {
-  const auto n = static_cast<double>(scenes);
-  const double scale = (uncertainty.curvature * uncertainty.covariance).trace() / 6 *
-                       std::max(n - 6, 1.0) / std::max(n - 1, 1.0);
+/// Covariance of the result between estimates with one camera's intrinsics: what is not known of
+/// these moves all of them alike.
+geometry::Matrix6 covariance_of(const calibration::Uncertainty& uncertainty) {
   geometry::Vector6 min_sigma;
   min_sigma << Eigen::Vector3d::Constant(kMinRotationSigma),
       Eigen::Vector3d::Constant(kMinTranslationSigma);
-  return 0.5 * uncertainty.covariance + 0.5 * scale * uncertainty.curvature.inverse() +
-         geometry::Matrix6(min_sigma.cwiseAbs2().asDiagonal());
+  return uncertainty.covariance + geometry::Matrix6(min_sigma.cwiseAbs2().asDiagonal());
 }
 
 double mahalanobis(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
@@ -127,7 +120,7 @@ Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsic
   out.support = result.support;
   if (!out.usable()) return out;
   out.T_camera_lidar = result.T_refcam_lidar;
-  out.covariance = covariance_of(result.uncertainty, scenes.size());
+  out.covariance = covariance_of(result.uncertainty);
   out.moved = mahalanobis(out.T_camera_lidar, current, out.covariance);
   if (scenes.size() >= 8) {
     // Each half has twice the variance of the whole, and their difference four times.

@@ -18,6 +18,7 @@
 #include "tests/study/registration/k_means.hpp"
 #include "tests/study/registration/learn_codebook.hpp"
 #include "tests/study/registration/recorded_scans.hpp"
+#include "tests/study/rigs/rig_study.hpp"
 #endif
 
 namespace infuse::study {
@@ -166,6 +167,40 @@ void add_registration_commands(CLI::App& app) {
 }
 #endif
 
+struct RigsArguments {
+  uint64_t seed = 20'000;  // no other study draws from there
+  int count = 20;
+  bool quick = false;
+};
+
+/// Rows of all trials on standard output, the summary after them.
+int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
+#ifdef INFUSE_SIMULATOR
+  std::vector<RigTrial> all;
+  write_header(std::cout);
+  for (uint64_t seed = arguments.seed;
+       seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
+    const auto recording = record_random_rig(
+        seed, arguments.quick ? RigRecordingOptions{.diverse = 10, .neighbours = 0}
+                              : RigRecordingOptions{});
+    if (!recording) {
+      std::cerr << "infuse-study: rig " << seed << ": " << recording.error().message() << '\n';
+      continue;
+    }
+    for (const RigTrial& trial : try_rig(*recording, seed, arguments.quick)) {
+      write_row(std::cout, trial);
+      all.push_back(trial);
+    }
+    std::cout << std::flush;
+  }
+  write_summary(std::cout, all);
+  return 0;
+#else
+  std::cerr << "infuse-study: built without the simulator\n";
+  return 3;
+#endif
+}
+
 }  // namespace
 }  // namespace infuse::study
 
@@ -191,8 +226,15 @@ int main(int argc, char** argv) {
 #ifdef INFUSE_SIMULATOR
   add_registration_commands(app);
 #endif
+  RigsArguments rigs;
+  CLI::App* rigs_command = app.add_subcommand(
+      "rigs", "calibrate rigs and worlds drawn at random, rightly and with faults");
+  rigs_command->add_option("--seed", rigs.seed, "seed of the first rig (20000)");
+  rigs_command->add_option("--count", rigs.count, "number of rigs (20)");
+  rigs_command->add_flag("--quick", rigs.quick, "ten images of each rig, fewer kinds of trial");
   try {
     app.parse(argc, argv);
+    if (rigs_command->parsed()) return study_rigs(rigs);
     const std::vector<Estimator> estimators = make_estimators();
     if (run_command->parsed()) return run(find_estimator(estimators, key), read_pairs(file));
     if (accuracy_command->parsed()) {

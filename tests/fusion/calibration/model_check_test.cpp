@@ -76,10 +76,43 @@ TEST(CheckModel, FindsAnImageDelayWhereTheMotionVaries) {
   EXPECT_NEAR(mismatches[4].value, 1e3 * kDelay, 3);
 }
 
-TEST(CheckModel, TooFewScenesGiveNoAnswer) {
+TEST(CheckModel, TooFewScenesGiveNoAnswerButTheSensitivities) {
   const painted::Drive& drive = painted::twelve_scene_drive();
   const std::vector<Scene> few(drive.scenes.begin(), drive.scenes.begin() + 9);
-  EXPECT_TRUE(mismatches_of(few, drive.cameras, drive.T_camera_lidar).empty());
+  const auto parameters = mismatches_of(few, drive.cameras, drive.T_camera_lidar);
+  ASSERT_EQ(parameters.size(), 4U);
+  for (const ModelMismatch& one : parameters) {
+    EXPECT_EQ(one.significance, 0);
+    EXPECT_FALSE(one.significant);
+  }
+  // A centre that is 1 px to the right turns the camera by about 1 / f about its vertical axis.
+  EXPECT_NEAR(std::abs(parameters[1].pose_sensitivity(1)), 1 / 330.0, 1.5e-3);
+}
+
+TEST(ModelCovariance, AddsTheParametersByTheirSigmas) {
+  std::vector<ModelMismatch> parameters(2);
+  parameters[0].known_sigma = 2;
+  parameters[0].pose_sensitivity = 3 * Vector6::Unit(1);
+  parameters[1].known_sigma = 0.5;
+  parameters[1].pose_sensitivity = Vector6::Unit(1) + Vector6::Unit(4);
+  const geometry::Matrix6 scenes = geometry::Matrix6::Identity();
+  const geometry::Matrix6 covariance = model_covariance(parameters, scenes);
+  EXPECT_DOUBLE_EQ(covariance(1, 1), 36.25);
+  EXPECT_DOUBLE_EQ(covariance(1, 4), 0.25);
+  EXPECT_DOUBLE_EQ(covariance(4, 4), 0.25);
+  EXPECT_DOUBLE_EQ(covariance(0, 0), 0);
+  parameters[0].significance = -4;  // mean square 10 with the other
+  parameters[1].significance = 2;
+  EXPECT_DOUBLE_EQ(model_covariance(parameters, scenes)(0, 0), 9);
+  EXPECT_DOUBLE_EQ(model_covariance(parameters, scenes)(1, 4), 0.25);
+}
+
+TEST(KnownParameters, SayWhatIsWrong) {
+  EXPECT_EQ(KnownParameters{}.invalid(), std::nullopt);
+  EXPECT_TRUE(KnownParameters{.focal_sigma = -1}.invalid());
+  EXPECT_TRUE(KnownParameters{.principal_point_sigma = 1e3}.invalid());
+  EXPECT_TRUE(KnownParameters{.radial_sigma = std::nan("")}.invalid());
+  EXPECT_TRUE(KnownParameters{.time_sigma = Duration{-1}}.invalid());
 }
 
 }  // namespace

@@ -1,0 +1,80 @@
+#include "fusion/calibration/uncertainty.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "drivers/measurement/angles.hpp"
+#include "fusion/calibration/maximize.hpp"
+#include "fusion/calibration/named_measures.hpp"
+#include "tests/fusion/calibration/painted_world.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+using geometry::Matrix6;
+using testing::HasSubstr;
+
+/// Uncertainty at the maximum near the truth, of scenes with a similarity.
+Uncertainty uncertainty_of(const std::vector<Scene>& scenes, const Eigen::MatrixXd& similarity) {
+  const painted::Drive& drive = painted::twelve_scene_drive();
+  const std::vector<TermOptions>& terms = named_measures().front().terms;
+  const BlurredImages images(scenes, terms, 1);
+  const VisiblePoints points = select_visible(scenes, drive.cameras, drive.T_camera_lidar, {});
+  Objective objective(points, images, drive.cameras, scenes, terms);
+  const Eigen::Isometry3d best = maximize(objective, drive.T_camera_lidar, {}).T_refcam_lidar;
+  return estimate_uncertainty(objective, best, similarity);
+}
+
+std::vector<Scene> first_scenes(ptrdiff_t count) {
+  const painted::Drive& drive = painted::twelve_scene_drive();
+  return {drive.scenes.begin(), drive.scenes.begin() + count};
+}
+
+TEST(WideningOfFew, MatchesTablesOfFishersDistribution) {
+  // 95 % quantiles of F(6, n): 6.1631, 3.2172, 2.5990, 2.1750; of chi-square(6): 12.5916.
+  EXPECT_NEAR(widening_of_few(4), 6 * 6.1631 / 12.5916, 1e-3);
+  EXPECT_NEAR(widening_of_few(10), 6 * 3.2172 / 12.5916, 1e-3);
+  EXPECT_NEAR(widening_of_few(20), 6 * 2.5990 / 12.5916, 1e-3);
+  EXPECT_NEAR(widening_of_few(120), 6 * 2.1750 / 12.5916, 1e-3);
+  EXPECT_NEAR(widening_of_few(1e7), 1, 1e-4);
+}
+
+TEST(Uncertainty, IsPositiveDefiniteForThreeScenes) {
+  const Uncertainty few = uncertainty_of(first_scenes(3), {});
+  ASSERT_TRUE(few.usable()) << few.reason;
+  EXPECT_EQ(few.effective_scenes, 3);
+  geometry::Vector6 unit;
+  unit << Eigen::Vector3d::Constant(1), Eigen::Vector3d::Constant(0.1);
+  const Matrix6 scaled = unit.asDiagonal() * few.covariance * unit.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(scaled);
+  EXPECT_GT(eigen.eigenvalues()(0), 1e-4 * eigen.eigenvalues()(5));
+}
+
+TEST(Uncertainty, ScenesThatAreAlikeAddLittle) {
+  const Uncertainty apart = uncertainty_of(first_scenes(12), {});
+  Eigen::MatrixXd similarity = Eigen::MatrixXd::Identity(12, 12);
+  for (int k = 0; k < 12; k += 2) similarity(k, k + 1) = similarity(k + 1, k) = 1;
+  const Uncertainty alike = uncertainty_of(first_scenes(12), similarity);
+  EXPECT_EQ(alike.effective_scenes, 6);
+  EXPECT_GT(alike.covariance.trace(), 1.5 * apart.covariance.trace());
+}
+
+TEST(Uncertainty, OnePlaceIsRefusedHoweverManyScenes) {
+  const Uncertainty one = uncertainty_of(first_scenes(12), Eigen::MatrixXd::Ones(12, 12));
+  EXPECT_FALSE(one.usable());
+  EXPECT_THAT(one.reason, HasSubstr("12 scenes of nearly the same place count as 1.0"));
+}
+
+TEST(DescribeImprecision, NamesTheWorstDirection) {
+  Matrix6 covariance = Matrix6::Zero();
+  covariance.diagonal() << 1e-8, 4e-6, 1e-8, 1e-6, 1e-6, 1e-4;  // 0.115 degrees, 1 cm
+  EXPECT_EQ(describe_imprecision(covariance, 0.2 * kDegree, 0.05), "");
+  EXPECT_THAT(describe_imprecision(covariance, 0.1 * kDegree, 0.05), HasSubstr("rotation about"));
+  EXPECT_THAT(describe_imprecision(covariance, 0.2 * kDegree, 0.005),
+              HasSubstr("along (0.0, 0.0, 1.0) in camera axes is 1 cm"));
+}
+
+}  // namespace
+}  // namespace infuse::calibration
