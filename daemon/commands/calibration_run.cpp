@@ -152,7 +152,10 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
   run.motion = motion_uncertainty(pairs, run.result.T_refcam_lidar);
   run.result.model_covariance += run.motion.covariance;
-  if (run.result.usable()) run.result.reason = run.motion.reason;
+  // Motion of this size also causes what later checks find.
+  if (!run.motion.reason.empty() && run.result.support >= options.min_support) {
+    run.result.reason = run.motion.reason;
+  }
   if (run.result.usable()) {
     run.result.reason = calibration::describe_imprecision(
         run.result.covariance(), options.max_rotation_sigma, options.max_translation_sigma);

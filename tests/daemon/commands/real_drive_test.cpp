@@ -212,17 +212,24 @@ TEST_F(RealDrive, ImageEdgesAreAtTheDepthEdgesOfDeskewedSweeps) {
 }
 
 // Camera axes: x across, y down, z along the driving direction. Across, the result is 4 cm from the
-// published extrinsics, more than the scatter of the scenes explains.
+// published extrinsics, more than the scatter of the scenes explains: what is not known of the
+// intrinsics, and what they contradict, is in the stated covariance too.
 TEST_F(RealDrive, IsCalibratedNearThePublishedExtrinsics) {
   IMPORT_OR_SKIP();
   const json result = calibrate("--perturb 2,0.1 --seed 3");
-  EXPECT_TRUE(result["usable"].get<bool>()) << result["reason"];
+  // What is contradicted may make it too imprecise to be used, by the limits of --max-sigma.
+  if (!result["usable"].get<bool>()) {
+    EXPECT_THAT(result["reason"].get<std::string>(), HasSubstr("the standard deviation of"));
+  }
   EXPECT_LT(result["error"]["rotation_deg"].get<double>(), 0.15);
   EXPECT_LT(result["error"]["translation_m"].get<double>(), 0.10);
-  const double along = result["error"]["by_axis_deg_m"][5].get<double>();
-  const double sigma = std::sqrt(result["covariance"][5][5].get<double>());
-  EXPECT_LT(std::abs(along), 3 * sigma);
-  EXPECT_NEAR(sigma, 0.032, 0.008) << "3 ms at 10.7 m/s";
+  for (size_t k = 0; k < 6; ++k) {
+    const double unit = k < 3 ? M_PI / 180 : 1;
+    const double error = unit * result["error"]["by_axis_deg_m"][k].get<double>();
+    EXPECT_LT(std::abs(error), 3 * std::sqrt(result["covariance"][k][k].get<double>())) << k;
+  }
+  EXPECT_NEAR(std::sqrt(result["covariance_of_motion"][5][5].get<double>()), 0.032, 0.002)
+      << "3 ms at 10.7 m/s";
 }
 
 TEST_F(RealDrive, CalibrationWithoutTimesOfTheReturnsIsRefused) {
