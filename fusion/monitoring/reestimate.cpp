@@ -55,6 +55,8 @@ calibration::CalibrateOptions calibrate_options(const ReestimateOptions& options
   // A calibration that is monitored further needs less support by every scene alone.
   out.min_support = 0.75;
   out.check_intrinsics = false;  // a knocked camera still has its lens
+  // What is not known of it moves this estimate and the present calibration alike.
+  out.known = {.focal_sigma = 0, .principal_point_sigma = 0, .radial_sigma = 0, .time_sigma = {}};
   out.seed = options.seed;
   out.maximize.stop = std::move(stop);
   return out;

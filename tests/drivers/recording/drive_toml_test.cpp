@@ -240,7 +240,7 @@ TEST(DriveToml, ErrorsStateTheLineAndTheRemedy) {
   EXPECT_THAT(parse_message(replace_in_drive("width = 1242\n", "")),
               HasSubstr("drive.toml:23: camera has no width"));
   EXPECT_THAT(parse_message(replace_in_drive("fx = 721.5", "fx = inf")),
-              HasSubstr("fx and fy must be positive"));
+              HasSubstr("fx must be a finite number"));
   EXPECT_THAT(parse_message(replace_in_drive("lidar = \"top\"", "lidar = \"tip\"")),
               HasSubstr("drive.toml:23: camera 'left' refers to lidar 'tip'"));
   EXPECT_THAT(parse_message(replace_in_drive("3e-3, 0]", "3e-3, 0, 0]")),

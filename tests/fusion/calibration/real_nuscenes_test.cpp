@@ -21,6 +21,7 @@ Sweep read_sweep(const std::filesystem::path& path) {
   const std::vector<uint8_t> bytes = kitti::read_bytes(path);
   Sweep sweep;
   sweep.resize(bytes.size() / 20);
+  sweep.rings = 32;
   uint32_t column = 0;
   float last = -1;
   for (size_t i = 0; i < sweep.size(); ++i) {
@@ -80,6 +81,7 @@ Rig read_rig(const std::filesystem::path& folder) {
     auto scene =
         make_scene(sweep, frame, {.rings = features::ring_directions(model, T_camera_lidar)});
     EXPECT_TRUE(scene) << name;
+    if (!scene) continue;
     scene->camera = rig.cameras.size();
     scene->name = name;
     rig.cameras.push_back({model, T_camera_lidar * rig.T_refcam_lidar.inverse()});
