@@ -41,10 +41,10 @@ endfunction()
 infuse_precompiled(infuse_pch)
 
 # Most of a file's compilation goes into headers and templates that its neighbours use too, so that compiling the files
-# of a folder together takes half the time. Where tests are built somebody works: there each file is compiled by itself,
-# and a change compiles one.
+# of a folder together takes half the time. Where tests are built without sanitizers somebody works: there each file is
+# compiled by itself, and a change compiles one.
 set(INFUSE_UNITY ON)
-if(INFUSE_TESTS)
+if(INFUSE_TESTS AND NOT INFUSE_SANITIZE)
   set(INFUSE_UNITY OFF)
 endif()
 
