@@ -9,10 +9,10 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/live/live_setup.hpp"
+#include "daemon/run/daemon_host.hpp"
 #include "daemon/run/run_live.hpp"
 #include "daemon/run/run_replay.hpp"
 #include "daemon/service/logging.hpp"
-#include "daemon/streetmap/street_map_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -72,13 +72,8 @@ int check(const RunOptions& options, const Config& config) {
   }
   const auto setup = set_up_live(config);
   if (!setup) return print_error(kProgram, setup.error(), kUsage);
-  if (const auto map = open_optional_street_map_file(config.folder, config.streetmap.map); !map) {
+  if (const auto map = open_street_map(config); !map) {
     return print_error(kProgram, map.error(), kUsage);
-  } else if (config.streetmap.initial_location && !map->map.frame().georeferenced) {
-    return print_error(kProgram,
-                       {"the street map has no latitude and longitude", config.streetmap.map,
-                        "give x, y and yaw_deg instead of lat, lon and heading_deg"},
-                       kUsage);
   }
   print_missing_devices(*setup);
   std::cout << options.config << ": the configuration is valid\n";

@@ -79,6 +79,7 @@ void FusionThread::run() {
 
 void FusionThread::process(Pin<StreamItem> item) {
   if (item->stamp > now_ || item->stamp + kMaxClockStepBack < now_) now_ = item->stamp;
+  behind_ = HostClock::now() - item->read_at;
   requests_.drain([&](const Request& request) { handle_request(request); });
   switch (item->kind) {
     case StreamItem::Kind::kStart:
@@ -92,7 +93,7 @@ void FusionThread::process(Pin<StreamItem> item) {
       return process_due_sweeps();
     case StreamItem::Kind::kSweep:
       now_ = std::max(now_, end_of(item->sweep));
-      if (is_later_than(kMaxLateness, *item)) {
+      if (is_behind(kMaxLateness)) {
         ++dropped_sweeps_[item->lidar];
         return process_due_sweeps();
       }
@@ -131,7 +132,7 @@ void FusionThread::process_sweep(Pin<StreamItem> item) {
   odometry_.process_until(end_of(item->sweep));
   const SweepSnapshot snapshot = deskew(*item);
   if (measures_motion(item->lidar)) {
-    if (is_later_than(kLatencyBudget, *item)) {
+    if (is_behind(kLatencyBudget)) {
       ++skipped_registrations_;
     } else {
       measure_motion(*item);
@@ -151,9 +152,10 @@ void FusionThread::process_sweep(Pin<StreamItem> item) {
   previous_sweeps_[lidar] = std::move(item);
 }
 
-// A replay waits for its sweeps: none is late.
-bool FusionThread::is_later_than(Duration age, const StreamItem& item) const {
-  return setup_.delivery == Delivery::kOverwrite && HostClock::now() - item.read_at > age;
+// By the item in hand: a sweep that has waited for odometry is not late. A replay waits for its
+// items.
+bool FusionThread::is_behind(Duration lateness) const {
+  return setup_.delivery == Delivery::kOverwrite && behind_ > lateness;
 }
 
 // Registers the sweep, which is deskewed by prediction, to the local map. With the motion that this

@@ -41,8 +41,9 @@ struct FusionSetup {
 /// `use_lidar`, measured by registration. `process_sweep` is the whole processing of a sweep and
 /// its images.
 ///
-/// Live, an overloaded processor must not delay everything behind its sweeps: one that is late is
-/// not registered, and one that is later than `kMaxLateness` is dropped; both are counted.
+/// Live, an overloaded processor must not delay everything behind its sweeps: while this thread is
+/// behind by more than `kLatencyBudget` sweeps are not registered, beyond `kMaxLateness` they are
+/// dropped; both are counted.
 class FusionThread {
  public:
   /// Maximum host time from the reading of the packet that completes a sweep to its last report.
@@ -75,7 +76,7 @@ class FusionThread {
   void process_samples(const StreamItem& item);
   void process_due_sweeps();
   void process_sweep(Pin<StreamItem> item);
-  bool is_later_than(Duration age, const StreamItem& item) const;
+  bool is_behind(Duration lateness) const;
   bool measures_motion(LidarIndex lidar) const { return lidar_odometry_ && lidar == 0; }
   void measure_motion(const StreamItem& item);
   SweepSnapshot deskew(const StreamItem& item);
@@ -119,6 +120,7 @@ class FusionThread {
   motion::DeskewedSweep deskewed_;  // memory that is used again
 
   Stamp now_ = Stamp::earliest();              // drive time
+  Duration behind_ = Duration::zero();         // host time since the item in hand was read
   Stamp last_registered_ = Stamp::earliest();  // end of a sweep
   bool located_ = false;                       // that sweep has a pose in the local map
   Stamp last_pose_ = Stamp::earliest();        // of the last pose without a sweep

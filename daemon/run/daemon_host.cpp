@@ -24,6 +24,17 @@ std::filesystem::path calibrations_file(const std::filesystem::path& state_folde
 
 }  // namespace
 
+Result<StreetMapFile> open_street_map(const Config& config) {
+  const StreetMapSettings& settings = config.streetmap;
+  if (settings.map.empty()) return {};
+  auto map = open_street_map_file(config.folder / settings.map);
+  if (map && settings.initial_location && !map->map.frame().georeferenced) {
+    return fail("the street map has no latitude and longitude", settings.map,
+                "give x, y and yaw_deg instead of lat, lon and heading_deg");
+  }
+  return map;
+}
+
 DaemonHost::DaemonHost(const Config& config, const std::filesystem::path& state_folder)
     : config_(config),
       server_(io_, config.socket, INFUSE_VERSION, make_session_id()),
@@ -31,7 +42,7 @@ DaemonHost::DaemonHost(const Config& config, const std::filesystem::path& state_
 
 tl::expected<void, StartError> DaemonHost::open(Rig& rig, const std::string& socket) {
   for (const std::string& note : calibrations_.restore(rig)) spdlog::info("{}", note);
-  auto map = open_optional_street_map_file(config_.folder, config_.streetmap.map);
+  auto map = open_street_map(config_);
   if (!map) return tl::unexpected(StartError{map.error(), kUnreadable});
   map_ = *std::move(map);
   if (const auto listening = listen_for_clients(server_, socket, config_.socket); !listening) {

@@ -22,6 +22,10 @@ struct StartError {
   ExitCode code = kUsage;
 };
 
+/// Opens the configured street map; an empty map if none is configured. Fails if the file is
+/// missing or damaged, or has no latitude and longitude though the initial pose is given by them.
+Result<StreetMapFile> open_street_map(const Config& config);
+
 /// Everything around the pipeline that a live run and a replay share: the event loop, the server,
 /// the saved calibrations, the street map, control requests and signals. The composition root of
 /// `infused`: open(), build the pipeline from pipeline_options(), connect(), run().

@@ -75,11 +75,6 @@ Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path) {
   return StreetMapFile{std::move(*file), *map};
 }
 
-Result<StreetMapFile> open_optional_street_map_file(const std::filesystem::path& folder,
-                                                    const std::string& name) {
-  return name.empty() ? Result<StreetMapFile>() : open_street_map_file(folder / name);
-}
-
 bool is_image_file(const std::filesystem::path& input) {
   const std::string ending = input.extension().string();
   return ending == ".png" || ending == ".jpg" || ending == ".jpeg";

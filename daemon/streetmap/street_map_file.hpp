@@ -20,10 +20,6 @@ struct StreetMapFile {
 /// Opens a file that `infuse streetmap` wrote. Fails if it is missing, damaged or truncated.
 Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path);
 
-/// Opens `name` in `folder`; returns an empty map if `name` is empty.
-Result<StreetMapFile> open_optional_street_map_file(const std::filesystem::path& folder,
-                                                    const std::string& name);
-
 /// Settings of `make_street_map`.
 struct StreetMapOptions {
   streetmap::RasterOptions raster;  ///< for OpenStreetMap input

@@ -179,6 +179,18 @@ TEST_F(FusionThreadTest, ALateSweepIsNotRegisteredAndAVeryLateOneIsDroppedIfLive
   }
 }
 
+TEST_F(FusionThreadTest, ASweepThatHasWaitedForOdometryIsRegistered) {
+  setup_.has_odometry = setup_.has_motion_sensor = setup_.use_lidar = true;
+  setup_.odometry.max_wait = from_seconds(0.2);
+  setup_.delivery = Delivery::kOverwrite;
+  push_sweep(at(0), HostClock::now() - from_seconds(0.5));
+  push(StreamItem::Kind::kTick, at(0.3));
+  const auto reports = run(at(1));
+  const ReportItem& tick = reports[reports.size() - 2];
+  ASSERT_EQ(tick.kind, Kind::kTick);
+  EXPECT_EQ(tick.skipped_registrations, 0U);
+}
+
 TEST_F(FusionThreadTest, AnImageIsMatchedWithTheSweepDuringWhichItWasExposed) {
   push(StreamItem::Kind::kStart, at(0));
   push_image(at(0.04));

@@ -64,6 +64,23 @@ TEST_F(DaemonHostTest, AnUnreadableStreetMapIsAnError) {
   EXPECT_THAT(opened.error().error.message(), HasSubstr("missing.map"));
 }
 
+TEST_F(DaemonHostTest, AnInitialLocationNeedsAMapWithLatitudeAndLongitude) {
+  CameraFrame image{.width = 40, .height = 40};
+  image.pixels.assign(1600, 240);
+  std::fill(image.pixels.begin(), image.pixels.begin() + 800, uint8_t{100});
+  const auto map = streetmap::make_map_from_image(image, {}, "drawn");
+  ASSERT_TRUE(map) << map.error().message();
+  std::ofstream(folder_ / "drawn.map", std::ios::binary)
+      .write(reinterpret_cast<const char*>(map->data()), static_cast<std::streamsize>(map->size()));
+  config_.folder = folder_ / "";
+  config_.streetmap.map = "drawn.map";
+  EXPECT_TRUE(DaemonHost(config_, {}).open(rig_, socket()));
+  config_.streetmap.initial_location = InitialLocation{};
+  const auto opened = DaemonHost(config_, {}).open(rig_, socket());
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().error.message(), HasSubstr("latitude"));
+}
+
 TEST_F(DaemonHostTest, ASocketThatCannotBeCreatedIsAnErrorIfItWasRequested) {
   std::ofstream(folder_ / "file") << "x";
   DaemonHost host(config_, {});

@@ -7,6 +7,7 @@
 
 #include "fusion/registration/visual/scan_features.hpp"
 #include "fusion/registration/visual/visible_returns.hpp"
+#include "tests/fusion/registration/visual/small_camera.hpp"
 
 namespace infuse::registration {
 namespace {
@@ -14,19 +15,13 @@ namespace {
 /// A camera that looks along x at a wall 10 m away with dots on it; the wall's returns lie one
 /// pixel apart, and a return behind the wall in the middle.
 struct Wall {
-  CameraMount camera{.name = "front"};
+  CameraMount camera = small_camera();
   CameraFrame frame;
   Sweep sweep;
   std::vector<Eigen::Vector2d> dots{{60, 40}, {100, 50}, {50, 90}, {120, 95}, {85, 70}};
 
   Wall() {
-    CameraIntrinsics& k = camera.intrinsics;
-    k.width = 160;
-    k.height = 120;
-    k.fx = k.fy = 100;
-    k.cx = 79.5;
-    k.cy = 59.5;
-    camera.T_camera_lidar.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+    const CameraIntrinsics& k = camera.intrinsics;
     frame.width = k.width;
     frame.height = k.height;
     for (int v = 0; v < k.height; ++v) {

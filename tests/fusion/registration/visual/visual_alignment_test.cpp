@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/fusion/registration/random_room.hpp"
+#include "tests/fusion/registration/visual/small_camera.hpp"
 
 namespace infuse::registration {
 namespace {
@@ -11,18 +12,12 @@ namespace {
 
 /// A room with a camera that shows nothing.
 struct BlankScan {
-  CameraMount camera{.name = "front"};
+  CameraMount camera = small_camera();
   CameraFrame frame;
   Sweep sweep;
 
   BlankScan() {
-    CameraIntrinsics& k = camera.intrinsics;
-    k.width = 160;
-    k.height = 120;
-    k.fx = k.fy = 100;
-    k.cx = 79.5;
-    k.cy = 59.5;
-    camera.T_camera_lidar.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+    const CameraIntrinsics& k = camera.intrinsics;
     frame.width = k.width;
     frame.height = k.height;
     frame.pixels.assign(160 * 120, 90);
