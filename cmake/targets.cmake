@@ -105,11 +105,13 @@ function(infuse_bench source)
   target_link_libraries(${name} PRIVATE infuse::flags benchmark::benchmark_main ${ARGN})
 endfunction()
 
-# infuse_fuzzer(tests/fuzz/decoder_fuzz.cpp DEPENDENCY...): a libFuzzer program.
+# infuse_fuzzer(tests/fuzz/decoder_fuzz.cpp DEPENDENCY...): a libFuzzer program, built by the target fuzzers.
+add_custom_target(fuzzers)
 function(infuse_fuzzer source)
   get_filename_component(name ${source} NAME_WE)
   add_executable(${name} ${source})
   target_compile_options(${name} PRIVATE -fsanitize=fuzzer)
+  add_dependencies(fuzzers ${name})
   target_link_options(${name} PRIVATE -fsanitize=fuzzer)
   target_link_libraries(${name} PRIVATE infuse::flags ${ARGN})
 endfunction()

@@ -61,13 +61,22 @@ std::vector<LidarProblem> find_problems(const Device& device, const SensorCounte
   problems.add(turns && excess_sweeps(c) > 3 + 0.5 * static_cast<double>(c.sweeps), Level::kError,
                fmt::format("{} sweeps in {:.1f} turns: its azimuth jumps", c.sweeps,
                            c.turns_hz * to_seconds(active_duration(c))));
-  problems.add(c.lost_network > 0, Level::kWarn, fmt::format("{} packets lost", c.lost_network));
+  problems.add(c.lost_network > 0, Level::kWarn,
+               fmt::format("{} packets lost{}", c.lost_network, outages_text(c)));
   problems.add(c.stray_azimuths > 0, Level::kWarn,
                fmt::format("{} azimuths are impossible or out of line, and were interpolated",
                            c.stray_azimuths));
   problems.add(c.clock_jumps > 0, Level::kWarn,
                fmt::format("its clock jumps {} times", c.clock_jumps));
   return std::move(problems).list();
+}
+
+std::string outages_text(const SensorCounters& c) {
+  if (c.outages == 0) return "";
+  return fmt::format(
+      ", {} of them in {} outage{} of a turn and longer",
+      c.lost_in_outages == c.lost_network ? "all" : std::to_string(c.lost_in_outages), c.outages,
+      c.outages == 1 ? "" : "s");
 }
 
 Level worst_level(Level level, const std::vector<LidarProblem>& problems) {

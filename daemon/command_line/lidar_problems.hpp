@@ -21,6 +21,10 @@ std::vector<LidarProblem> find_problems(const Device& device, const SensorCounte
 /// Level of the worst problem, and at least `level`.
 Level worst_level(Level level, const std::vector<LidarProblem>& problems);
 
+/// ", 300 of them in 2 outages of a turn and longer" if the lidar's packets paused so long; what is
+/// lost then was not recorded or not sent, rather than lost among others.
+std::string outages_text(const SensorCounters& counters);
+
 /// Time from the first packet to the last.
 Duration active_duration(const SensorCounters& counters);
 

@@ -51,6 +51,8 @@ Json device_json(const Device& device, const SensorCounters& c, Level level) {
           {"sweeps_hz", rounded(sweep_rate(c))},
           {"returns", c.returns},
           {"losses", losses_json(c)},
+          {"outages", c.outages},
+          {"packets_lost_in_outages", c.lost_in_outages},
           {"wrong_model", c.wrong_model},
           {"stray_azimuths", c.stray_azimuths},
           {"uncalibrated_sweeps", c.uncalibrated_sweeps},
@@ -83,6 +85,7 @@ std::string causes_text(const SensorCounters& c) {
   const auto add = [&](uint64_t count, const char* cause) {
     if (count > 0) text += fmt::format(", {} {}", count, cause);
   };
+  text += outages_text(c);
   add(c.lost_kernel, "of these in the kernel");
   add(c.malformed, "malformed");
   add(c.wrong_sender, "from an unexpected sender");

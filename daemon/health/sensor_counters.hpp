@@ -19,8 +19,10 @@ struct SensorCounters {
 
   uint64_t lost_network = 0;  ///< data packets missing by the device's own counter, without those
                               ///< that the kernel dropped
-  uint64_t lost_kernel = 0;   ///< datagrams dropped by the kernel because its buffer was full
-  uint64_t malformed = 0;     ///< datagrams on the sensor's ports that are not packets of its model
+  uint64_t outages = 0;       ///< gaps of a whole turn and longer without packets
+  uint64_t lost_in_outages = 0;  ///< of `lost_network`
+  uint64_t lost_kernel = 0;      ///< datagrams dropped by the kernel because its buffer was full
+  uint64_t malformed = 0;  ///< datagrams on the sensor's ports that are not packets of its model
   const char* malformed_reason = "";  ///< static text: what is wrong with the latest of these
   uint64_t wrong_sender = 0;          ///< datagrams on the sensor's ports from another address
   uint64_t unclaimed = 0;             ///< datagrams to a port of no sensor

@@ -29,6 +29,8 @@ void LidarIntake::push(const Datagram& datagram) {
   // network.
   const uint64_t before_kernel = c.network_lost - std::min(c.network_lost, c.kernel_dropped);
   counters_.lost_network = std::max(counters_.lost_network, before_kernel);
+  counters_.outages = c.outages;
+  counters_.lost_in_outages = std::min(c.lost_in_outages, counters_.lost_network);
   if (c.last_fault) counters_.malformed_reason = velodyne::describe(*c.last_fault);
   counters_.malformed = c.total_malformed() + refused_positions_;
   counters_.wrong_sender = c.wrong_sender;

@@ -112,6 +112,9 @@ void describe(Visitor& v, const DeviceHealth<SensorStatus>& sensor) {
   v.field("returns", c.returns, "Returns in the completed sweeps.",
           counter("infuse_lidar_returns_total"));
   v.field("losses", PacketLosses{c}, "datagrams lost or rejected since the start, by cause");
+  v.field("outages", c.outages,
+          "Gaps of a whole turn and longer without packets; what they lack is counted as lost.",
+          counter("infuse_lidar_outages_total"));
   v.field("out_of_order", c.out_of_order, "Packets that arrived late and were reordered.",
           counter("infuse_lidar_packets_out_of_order_total"));
   v.field("wrong_model", c.wrong_model, "Packets that are another model's than the configured one.",

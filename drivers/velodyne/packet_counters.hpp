@@ -14,7 +14,9 @@ struct PacketCounters {
   uint64_t position_packets = 0;  ///< valid position packets
   /// Data packets missing between two received ones, by the device counter.
   uint64_t network_lost = 0;
-  uint64_t kernel_dropped = 0;  ///< datagrams dropped by the kernel (SO_RXQ_OVFL), as reported
+  uint64_t outages = 0;          ///< gaps without packets of a whole turn and longer
+  uint64_t lost_in_outages = 0;  ///< of `network_lost`
+  uint64_t kernel_dropped = 0;   ///< datagrams dropped by the kernel (SO_RXQ_OVFL), as reported
   std::array<uint64_t, 5> malformed{};      ///< data packets refused, by `PacketFault`
   uint64_t malformed_position_packets = 0;  ///< position packets refused
   uint64_t stray_azimuths = 0;  ///< impossible or out of line with their neighbours: interpolated

@@ -223,11 +223,15 @@ void SweepAssembler::detect_gap(PlannedSequence& first, int64_t period_ns) {
       (missing == 0 || pause_ns > 0 || cutter_.is_known_jump(last_decoded_.azimuth, first.azimuth));
   lost_before_first_ = static_cast<uint32_t>(missing);
   // A refused packet has arrived: it is counted by its fault.
-  counters_.network_lost +=
-      lost_before_first_ - std::min(lost_before_first_, held_->refused_before);
+  const uint32_t lost = lost_before_first_ - std::min(lost_before_first_, held_->refused_before);
+  counters_.network_lost += lost;
+  const int64_t turned = last_decoded_.step * (gap_ns + period_ns) / period_ns;
+  if (lost > 0 && turned >= kCentidegreesPerTurn) {
+    ++counters_.outages;
+    counters_.lost_in_outages += lost;
+  }
   if (first.after_jump || missing == 0) return;
 
-  const int64_t turned = last_decoded_.step * (gap_ns + period_ns) / period_ns;
   const int64_t turns = (turned - first.advance + kCentidegreesPerTurn / 2) / kCentidegreesPerTurn;
   first.advance += static_cast<int32_t>(std::clamp<int64_t>(turns, 0, 1000) * kCentidegreesPerTurn);
   gap_from_ = last_decoded_.azimuth + last_decoded_.step;

@@ -59,8 +59,8 @@ INFUSE_SIMD_CLONES void look_up_block(const Samples2d plane, const float* __rest
       a[k] = cu - static_cast<float>(iu);
       b[k] = cv - static_cast<float>(iv);
       at[k] = iv * plane.width + iu;
-      by_u[i] = absent | (cu != su) ? 0.0F : plane.scale;
-      by_v[i] = absent | (cv != sv) ? 0.0F : plane.scale;
+      by_u[i] = (absent | (cu != su)) ? 0.0F : plane.scale;
+      by_v[i] = (absent | (cv != sv)) ? 0.0F : plane.scale;
       value[i] = absent ? dependence::kAbsent : 0.0F;
     }
     for (size_t k = 0; k < n; ++k) {

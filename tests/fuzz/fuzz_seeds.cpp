@@ -1,14 +1,25 @@
 // Writes seeds of the fuzzers, one folder for each: packets of every Velodyne model, sound and
-// after every family of mutations; captures of every link type. Usage: fuzz_seeds FOLDER
+// after every family of mutations; captures of every link type; a small sound file of every kind.
+// Usage: fuzz_seeds FOLDER, in the folder of the sources.
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <osmium/io/pbf_output.hpp>
+#include <osmium/io/reader.hpp>
+#include <osmium/io/writer.hpp>
+#include <osmium/io/xml_input.hpp>
 
+#include "daemon/calibration/saved_calibrations.hpp"
+#include "drivers/camera/png_encoder.hpp"
+#include "drivers/text/text_file.hpp"
 #include "fixtures/velodyne/db_xml.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
-#include "tests/drivers/recording/capture_bytes.hpp"
+#include "fusion/streetmap/map_from_image.hpp"
+#include "tests/drivers/recording/compress.hpp"
 #include "tests/drivers/velodyne/mutation_families.hpp"
+#include "tests/fuzz/text_seeds.hpp"
 
 namespace {
 
@@ -91,9 +102,65 @@ void write_captures(const std::filesystem::path& folder) {
     }
     write_seed(folder / std::to_string(link), bytes);
   }
-  write_seed(folder / "pcap", pcap(kEthernet, {{1, 0, ethernet(packet)}}));
+  const Bytes file = pcap(kEthernet, {{1, 0, ethernet(packet)}});
+  write_seed(folder / "pcap", file);
   write_seed(folder / "pcapng", pcapng(kEthernet, {{1, 0, ethernet(packet)}}));
+  write_seed(folder / ".." / "compressed_capture_fuzz" / "gzip", gzip(file));
+  write_seed(folder / ".." / "compressed_capture_fuzz" / "zstd", zstd(file));
   write_seed(folder / ".." / "udp_tap_fuzz" / "packet", packet);
+}
+
+/// Two images, and a map of regions.
+void write_images(const std::filesystem::path& folder) {
+  CameraFrame image;
+  image.width = image.height = 24;
+  image.pixels.assign(24 * 24, 240);
+  std::fill(image.pixels.begin(), image.pixels.begin() + 200, uint8_t{100});
+  if (const auto map = streetmap::make_map_from_image(image, {}, "drawn")) {
+    write_seed(folder / "street_map_fuzz" / "drawn", *map);
+  }
+  if (const auto png = camera::encode_png(image)) {
+    write_seed(folder / "image_fuzz" / "png", *png);
+  }
+}
+
+/// Points ring by ring, as KITTI's .bin files have them.
+void write_sweep(const std::filesystem::path& folder) {
+  std::vector<float> values;
+  for (int ring = 0; ring < 4; ++ring) {
+    for (int column = 0; column < 40; ++column) {
+      const double azimuth = 0.157 * column;
+      const auto add = [&](double value) { values.push_back(static_cast<float>(value)); };
+      add(10 * std::cos(azimuth));
+      add(10 * std::sin(azimuth));
+      add(-0.5 * ring);
+      add(0.3);
+    }
+  }
+  write_seed(folder / "sweep_bin_fuzz" / "rings",
+             std::string_view(reinterpret_cast<const char*>(values.data()), 4 * values.size()));
+}
+
+/// A file that the repository has.
+void write_copy(const std::filesystem::path& to, const char* from) {
+  if (const auto text = text::read_text(from, size_t{1} << 20)) write_seed(to, *text);
+}
+
+/// The seed in XML as the binary form, uncompressed; osm_fuzz reads it after an odd byte.
+void write_binary_map(const std::filesystem::path& folder) {
+  const auto xml = text::read_text(folder / "xml", size_t{1} << 20);
+  if (!xml) return;
+  osmium::io::Reader reader(osmium::io::File(xml->data() + 1, xml->size() - 1, "osm"));
+  const std::filesystem::path binary = folder / "binary.osm.pbf";
+  osmium::io::Writer writer(osmium::io::File(binary.string(), "pbf,pbf_compression=none"),
+                            osmium::io::overwrite::allow);
+  while (osmium::memory::Buffer buffer = reader.read()) writer(std::move(buffer));
+  writer.close();
+  reader.close();
+  if (const auto bytes = text::read_text(binary, size_t{1} << 20)) {
+    write_seed(folder / "binary", "1" + *bytes);
+  }
+  std::filesystem::remove(binary);
 }
 
 }  // namespace
@@ -114,5 +181,17 @@ int main(int argc, char** argv) {
     write_seed(folder / "velodyne_db_xml_fuzz" / std::to_string(static_cast<int>(model)),
                fixtures::write_db_xml(built_in_calibration(model)));
   }
+  for (const fuzz::TextSeed& seed : fuzz::kTextSeeds) {
+    write_seed(folder / seed.fuzzer / seed.name, std::string_view(seed.text));
+  }
+  write_binary_map(folder / "osm_fuzz");
+  write_images(folder);
+  write_sweep(folder);
+  write_seed(folder / "saved_calibrations_fuzz" / "frozen",
+             daemon::format_calibrations({{.camera = "front", .frozen = true}}));
+  write_copy(folder / "config_fuzz" / "demo", "fixtures/demo/infused.toml");
+  write_copy(folder / "config_fuzz" / "example", "packaging/examples/infused.toml");
+  write_copy(folder / "rig_toml_fuzz" / "tutorial", "docs/tutorials/rig.toml");
+  write_copy(folder / "drive_toml_fuzz" / "tutorial", "docs/tutorials/rig.toml");
   return 0;
 }

@@ -94,6 +94,7 @@ systemctl stop infused.service; umount /var/lib/infuse; systemctl start infused.
 within 10 back
 . /proof/others.sh
 . /proof/load.sh
+. /proof/tap.sh
 check "all are OK" within 8 all_ok
 fi
 tid=$(ps -L -o tid=,comm= -p "$(systemctl show -P MainPID infused)" | awk '$2 == "fusion" {print $1}')

@@ -18,6 +18,8 @@ Summary lidar_summary() {
   counters.packets = 7540;
   counters.lost_network = 20;
   counters.lost_kernel = 3;
+  counters.outages = 1;
+  counters.lost_in_outages = 15;
   counters.sweeps = 100;
   counters.returns = 2'000'000;
   counters.first_packet = Stamp::from_ns(0);
@@ -48,7 +50,9 @@ TEST(Summary, AsTextHasRatesAndLosses) {
   summary.notes.push_back({"file ends in a packet", "street.pcap", ""});
   const std::string text = to_text(summary);
   EXPECT_THAT(text, HasSubstr("10.0 s of drive in 2.00 s (5.0 × real time), stopped early"));
-  EXPECT_THAT(text, HasSubstr("7540 packets (754.0/s), 23 lost, 3 of these in the kernel"));
+  EXPECT_THAT(text,
+              HasSubstr("7540 packets (754.0/s), 23 lost, 15 of them in 1 outage of a turn and "
+                        "longer, 3 of these in the kernel"));
   EXPECT_THAT(text, HasSubstr("100 sweeps (10.00/s), 2000000 returns (20000 per sweep)"));
   EXPECT_THAT(text, HasSubstr("note: street.pcap: file ends in a packet"));
 }

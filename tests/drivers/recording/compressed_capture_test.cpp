@@ -1,39 +1,17 @@
 // Captures compressed by gzip and zstd give the same datagrams as uncompressed ones.
 
 #include <gtest/gtest.h>
-#include <zlib.h>
-#include <zstd.h>
 
 #include <random>
 
 #include "drivers/recording/pcap_reader.hpp"
-#include "tests/drivers/recording/capture_bytes.hpp"
+#include "tests/drivers/recording/compress.hpp"
 
 namespace infuse::recording {
 namespace {
 
 using testing::Bytes;
 using namespace testing;
-
-Bytes gzip(const Bytes& content) {
-  z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY);
-  Bytes out(deflateBound(&stream, content.size()) + 64);
-  stream.next_in = const_cast<uint8_t*>(content.data());
-  stream.avail_in = static_cast<uInt>(content.size());
-  stream.next_out = out.data();
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
-
-Bytes zstd(const Bytes& content) {
-  Bytes out(ZSTD_compressBound(content.size()));
-  out.resize(ZSTD_compress(out.data(), out.size(), content.data(), content.size(), 3));
-  return out;
-}
 
 /// Several hundred datagrams of random payload: more than the buffers hold.
 Bytes make_capture() {

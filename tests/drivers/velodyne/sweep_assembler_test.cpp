@@ -70,6 +70,7 @@ TEST(SweepAssembler, LostPacketsAreCountedAndLeaveAGap) {
   SweepAssembler assembler({.model = Model::kHdl32e});
   const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
   EXPECT_EQ(assembler.counters().network_lost, 10U);
+  EXPECT_EQ(assembler.counters().outages, 0U);
   EXPECT_EQ(assembler.counters().packets, whole - 10);
   ASSERT_EQ(sweeps.size(), 3U);
   EXPECT_EQ(sweeps[0].lost_packets, 0U);
@@ -88,6 +89,8 @@ TEST(SweepAssembler, LossOfMoreThanATurnEndsTheSweep) {
   SweepAssembler assembler({.model = Model::kHdl32e});
   const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
   EXPECT_EQ(assembler.counters().network_lost, 300U);
+  EXPECT_EQ(assembler.counters().outages, 1U);
+  EXPECT_EQ(assembler.counters().lost_in_outages, 300U);
   EXPECT_EQ(sweeps[0].lost_packets, 300U);
   for (const Sweep& sweep : sweeps) {
     EXPECT_LE(sweep.span, Duration(101'000'000));
