@@ -152,14 +152,14 @@ void FusionThread::process_sweep(Pin<StreamItem> item) {
   previous_sweeps_[lidar] = std::move(item);
 }
 
-// By the item in hand: a sweep that has waited for odometry is not late. A replay waits for its
-// items.
+// Lateness is that of the item just read, so waiting for odometry does not count. A replay is never
+// late.
 bool FusionThread::is_behind(Duration lateness) const {
   return setup_.delivery == Delivery::kOverwrite && behind_ > lateness;
 }
 
 // Registers the sweep, which is deskewed by prediction, to the local map. With the motion that this
-// gives it is deskewed again. A map that began before the motion was known begins anew.
+// gives it is deskewed again. A map that was started before the motion was known is reset.
 void FusionThread::measure_motion(const StreamItem& item) {
   const ScopedLatency timer(latency(Stage::kRegister));
   const Stamp end = deskewed_.reference;

@@ -53,7 +53,7 @@ class FusionThread {
   /// Maximum number of sweeps that wait for odometry.
   static size_t max_waiting_sweeps(size_t lidars) { return 2 * lidars; }
   /// Maximum number of pins held on the ring of items, which must have more room: those sweeps, the
-  /// last sweep of each lidar, the item in hand and a sweep too many.
+  /// last sweep of each lidar, the item in hand and one sweep beyond the limit.
   static size_t max_pins(size_t lidars) { return max_waiting_sweeps(lidars) + lidars + 2; }
 
   /// Registers as a reader of `in` and `images`. The rings and the notifier outlive this.

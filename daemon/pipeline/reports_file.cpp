@@ -16,16 +16,19 @@ Result<ReportsFile> ReportsFile::create(const std::filesystem::path& path) {
 
 void ReportsFile::write(std::string_view message) {
   if (error_) return;
-  if (std::fwrite(message.data(), 1, message.size(), file_.get()) == message.size() &&
-      std::fputc('\n', file_.get()) != EOF) {
-    return;
+  if (std::fwrite(message.data(), 1, message.size(), file_.get()) != message.size() ||
+      std::fputc('\n', file_.get()) == EOF) {
+    set_error();
   }
+}
+
+void ReportsFile::set_error() {
   error_ = Error{std::string("cannot write the reports file: ") + std::strerror(errno),
                  path_.string(), "check the free disk space"};
 }
 
 Result<void> ReportsFile::close() {
-  if (!error_ && std::fflush(file_.get()) != 0) write("");
+  if (!error_ && std::fflush(file_.get()) != 0) set_error();
   if (error_) return tl::unexpected(*error_);
   return {};
 }

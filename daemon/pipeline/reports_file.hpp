@@ -26,6 +26,7 @@ class ReportsFile {
   struct Closer {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
+  void set_error();
   ReportsFile(std::FILE* file, std::filesystem::path path) : file_(file), path_(std::move(path)) {}
 
   std::unique_ptr<std::FILE, Closer> file_;

@@ -8,7 +8,7 @@
 namespace infuse::daemon {
 
 // The one description of every message: names, order, meaning and units of its fields, and the
-// metrics that export them. A new field is added to its struct and here, nowhere else.
+// metrics that export them. README.md says how a field is added.
 
 /// Major and minor version. A client of one major version can read all messages of that version.
 inline constexpr std::array<int, 2> kProtocolVersion = {2, 0};
