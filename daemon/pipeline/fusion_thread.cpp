@@ -130,14 +130,8 @@ void FusionThread::process_due_sweeps() {
 // one. An image between two sweeps is matched with the nearer one.
 void FusionThread::process_sweep(Pin<StreamItem> item) {
   odometry_.process_until(end_of(item->sweep));
-  const SweepSnapshot snapshot = deskew(*item);
-  if (measures_motion(item->lidar)) {
-    if (is_behind(kLatencyBudget)) {
-      ++skipped_registrations_;
-    } else {
-      measure_motion(*item);
-    }
-  }
+  const SweepSnapshot snapshot =
+      measures_motion(item->lidar) ? measure_motion(*item) : deskew(*item);
   report_sweep(snapshot);
   localise(snapshot);
   images_.pop_due(
@@ -158,12 +152,18 @@ bool FusionThread::is_behind(Duration lateness) const {
   return setup_.delivery == Delivery::kOverwrite && behind_ > lateness;
 }
 
-// Registers the sweep, which is deskewed by prediction, to the local map. With the motion that this
-// gives it is deskewed again. A map that was started before the motion was known is reset.
-void FusionThread::measure_motion(const StreamItem& item) {
+// Deskews the sweep by prediction, registers it to the local map, and deskews it again with the
+// motion that this gives. A map that was started before the motion was known is reset.
+SweepSnapshot FusionThread::measure_motion(const StreamItem& item) {
+  const SweepSnapshot snapshot = deskew(item);
+  if (is_behind(kLatencyBudget)) {
+    ++skipped_registrations_;
+    return snapshot;
+  }
   const ScopedLatency timer(latency(Stage::kRegister));
-  const Stamp end = deskewed_.reference;
-  const bool predicted = deskewed_.usable();
+  const motion::DeskewedSweep& deskewed = snapshot.deskewed;
+  const Stamp end = deskewed.reference;
+  const bool predicted = deskewed.usable();
   std::optional<Eigen::Isometry3d> guess;
   if (const auto motion = odometry_.trajectory().between(last_registered_, end); motion.usable()) {
     guess = motion.T_from_to;
@@ -171,14 +171,15 @@ void FusionThread::measure_motion(const StreamItem& item) {
   last_registered_ = end;
   const bool first = lidar_odometry_->map_voxels() == 0;
   const registration::LidarOdometryResult result =
-      lidar_odometry_->align(points_of(deskewed_), end, guess);
+      lidar_odometry_->align(points_of(deskewed), end, guess);
   if (result.usable() && located_) {
     odometry_.add(result.motion);
-    deskew(item);
+    deskew(item);  // into the memory that the snapshot refers to
   }
   located_ = result.usable() || first;
-  if (!predicted && deskewed_.usable()) lidar_odometry_->reset();
-  lidar_odometry_->add(points_of(deskewed_), result);
+  if (!predicted && deskewed.usable()) lidar_odometry_->reset();
+  lidar_odometry_->add(points_of(deskewed), result);
+  return snapshot;
 }
 
 const Sweep& FusionThread::nearest_sweep(Stamp exposure, const StreamItem& item) const {

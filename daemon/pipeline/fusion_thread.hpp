@@ -78,7 +78,7 @@ class FusionThread {
   void process_sweep(Pin<StreamItem> item);
   bool is_behind(Duration lateness) const;
   bool measures_motion(LidarIndex lidar) const { return lidar_odometry_ && lidar == 0; }
-  void measure_motion(const StreamItem& item);
+  SweepSnapshot measure_motion(const StreamItem& item);
   SweepSnapshot deskew(const StreamItem& item);
   void report_sweep(const SweepSnapshot& snapshot);
   void localise(const SweepSnapshot& snapshot);
