@@ -52,8 +52,11 @@ void declare_options(CLI::App& app, RunOptions& options, bool& check_config) {
                      "infused --replay drive/ --rate 1 --json"});
 }
 
-/// What is not there now. It may be later: the daemon waits for it.
-void print_missing_devices(const LiveSetup& setup) {
+/// What is hardly meant, and what is not there now. It may be later: the daemon waits for it.
+void print_notes(const LiveSetup& setup) {
+  for (const auto* notes : {&setup.vehicle.notes, &setup.doubts}) {
+    for (const Error& each : *notes) std::cout << "note: " << each.message() << "\n";
+  }
   const auto note = [](const std::string& what) {
     std::cout << "note: " << what << " is not there now\n";
   };
@@ -75,7 +78,7 @@ int check(const RunOptions& options, const Config& config) {
   if (const auto map = open_street_map(config); !map) {
     return print_error(kProgram, map.error(), kUsage);
   }
-  print_missing_devices(*setup);
+  print_notes(*setup);
   std::cout << options.config << ": the configuration is valid\n";
   return kDone;
 }

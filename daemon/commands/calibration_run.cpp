@@ -218,10 +218,10 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
   const calibration::CalibrationResult& result = run.result;
   const geometry::CameraModel& model = run.cameras.front().model;
   const auto moved = geometry::extrinsic_error(result.T_refcam_lidar, run.initial_pose, model);
-  std::string text = fmt::format("{} against {}: {}, measure {}, {} scenes, {} points, {:.1f} s\n",
-                                 camera_names(pairs), pairs.lidar,
-                                 result.usable() ? "usable" : "NOT USABLE: " + result.reason,
-                                 run.measure, run.scenes.size(), result.points, run.cpu_s);
+  std::string text = fmt::format(
+      "{} against {}: {}, measure {}, {} scenes, {} points, {:.1f} s of CPU\n", camera_names(pairs),
+      pairs.lidar, result.usable() ? "usable" : "NOT USABLE: " + result.reason, run.measure,
+      run.scenes.size(), result.points, run.cpu_s);
   if (!result.has_pose) return text + notes_text(run, pairs);
   text += fmt::format(
       "  {:.3f} deg, {:.1f} cm from the initial guess; measure {:.5f}, there {:.5f}\n",

@@ -37,12 +37,14 @@ DriveUse with_images(const char* name, const Summary& summary) {
   DriveUse use{.use = name, .possible = false, .statement = {}};
   if (!has_device(summary, "camera")) {
     use.statement = "there is no camera";
+  } else if (totals.frames == 0) {
+    use.statement = "it has no images";
   } else if (totals.matched_frames < kMinImages) {
     use.statement = fmt::format(
         "{} of {} images have a sweep near them; check that both are stamped by one clock",
         totals.matched_frames, totals.frames);
   } else if (totals.deskewed_sweeps == 0) {
-    use.statement = "only where the vehicle stands: no sweep is deskewed";
+    use.statement = "no sweep is deskewed; possible all the same if the vehicle was standing";
   } else {
     use.possible = true;
     use.statement =

@@ -149,12 +149,8 @@ Result<void> set_up_buses(const Config& config, LiveSetup& setup) {
     files.dbc = options.dbc;
     files.reverse_gear = options.reverse_gear;
     files.signals = options.signals;
-    auto bus = set_up_bus(files, config.folder, "can '" + options.name + "'", setup.vehicle.notes);
-    if (!bus) {
-      Error error = bus.error();
-      if (error.where.empty()) error.where = options.source;
-      return tl::unexpected(error);
-    }
+    auto bus = set_up_bus(files, config.folder, options.source, setup.vehicle.notes);
+    if (!bus) return tl::unexpected(bus.error());
     vehicle::SocketCanOptions interface {
       .interface = options.interface, .identifiers = {}
     };
@@ -187,6 +183,33 @@ Result<void> set_up_gnss(const Config& config, LiveSetup& setup) {
   return {};
 }
 
+/// What is valid and yet hardly meant.
+std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
+  std::vector<Error> doubts;
+  for (const CameraOptions& camera : config.cameras) {
+    if (rig.find_camera(camera.name) != nullptr) continue;
+    doubts.push_back({"camera '" + camera.name + "' is not in the rig: its images are counted only",
+                      camera.source, "add it to rig.toml, see infused(8)"});
+  }
+  for (const LidarOptions& lidar : config.lidars) {
+    if (config.rig.empty() || rig.find_lidar(lidar.name) != nullptr) continue;
+    doubts.push_back({"lidar '" + lidar.name + "' is not in the rig: taken as the vehicle's origin",
+                      lidar.source, "add it to rig.toml, see infused(8)"});
+  }
+  for (const BusOptions& bus : config.buses) {
+    if (!bus.signals.empty()) continue;
+    doubts.push_back({"can '" + bus.name + "' has no signals: its frames are counted only",
+                      bus.source, "name them in [can.signals]"});
+  }
+  const StreetMapSettings& map = config.streetmap;
+  const bool has_gnss = !config.gnss.device.empty() || !config.gnss.lidar.empty();
+  if (!map.map.empty() && !map.initial_pose && !map.initial_location && !has_gnss) {
+    doubts.push_back({"nothing tells where on the street map the vehicle starts", "[streetmap]",
+                      "give x, y and yaw_deg, or lat, lon and heading_deg, or [gnss]"});
+  }
+  return doubts;
+}
+
 }  // namespace
 
 size_t PortSetup::lidar_of(uint32_t sender) const {
@@ -213,6 +236,7 @@ Result<LiveSetup> set_up_live(const Config& config) {
   if (auto done = set_up_cameras(config, *rig, setup); !done) return tl::unexpected(done.error());
   if (auto done = set_up_buses(config, setup); !done) return tl::unexpected(done.error());
   if (auto done = set_up_gnss(config, setup); !done) return tl::unexpected(done.error());
+  setup.doubts = find_doubts(config, *rig);
   return setup;
 }
 

@@ -35,6 +35,8 @@ struct LiveSetup : PipelineSetup {
   std::vector<camera::V4l2Options> camera_streams;
   std::vector<vehicle::SocketCanOptions> interfaces;  ///< of the CAN buses
   std::optional<vehicle::SerialOptions> gnss;
+  std::vector<Error>
+      doubts;  ///< what is valid and yet hardly meant, such as a camera without a mount
 };
 
 /// Sets up the sensors of the configuration. Lidars that are not in the rig are mounted at the

@@ -57,7 +57,7 @@ Result<std::optional<vehicle::VehicleDecoder>> set_up_bus(const recording::CanFi
   const auto reading = vehicle::read_dbc(folder / can.dbc);
   if (!reading) return tl::unexpected(reading.error());
   auto decoder = vehicle::VehicleDecoder::create(reading->dbc, *map);
-  if (!decoder) return tl::unexpected(decoder.error());
+  if (!decoder) return fail(decoder.error().what, where, decoder.error().hint);
   for (const Error& problem : reading->problems.first()) notes.push_back(problem);
   return std::optional(*std::move(decoder));
 }

@@ -47,6 +47,7 @@ int run_live(const RunOptions& options, const Config& config) {
   auto setup = set_up_live(config);
   if (!setup) return print_error(kProgram, setup.error(), kUsage);
   for (const Error& note : setup->vehicle.notes) spdlog::warn("{}", note.message());
+  for (const Error& doubt : setup->doubts) spdlog::warn("{}", doubt.message());
   for (const Device& device : setup->devices) {
     spdlog::info("{}: {} {} on {}", device.name, device.kind, device.model, device.endpoint);
   }

@@ -35,7 +35,7 @@ TEST(DriveUses, SayWhatIsMissing) {
   const auto uses = drive_uses(summary, false);
   for (const DriveUse& use : uses) EXPECT_FALSE(use.possible) << use.use;
   EXPECT_THAT(uses[0].statement, HasSubstr("add wheel speeds"));
-  EXPECT_THAT(uses[2].statement, HasSubstr("only where the vehicle stands"));
+  EXPECT_THAT(uses[2].statement, HasSubstr("no sweep is deskewed"));
   EXPECT_THAT(uses[3].statement, HasSubstr("missing: odometry, a street map"));
 }
 

@@ -138,6 +138,9 @@ TEST_F(LiveSetupTest, TheExamplesAreValid) {
                                         " SG_ X : 0|16@1- (0.1,0) [0|0] \"m/s^2\" X\n"
                                         " SG_ Y : 16|16@1- (0.1,0) [0|0] \"m/s^2\" X\n"
                                         " SG_ Z : 32|16@1- (0.1,0) [0|0] \"m/s^2\" X\n";
+  std::filesystem::copy_file(
+      std::filesystem::path(INFUSE_SOURCE_DIR) / "packaging/examples/rig.toml",
+      folder_ / "rig.toml", std::filesystem::copy_options::overwrite_existing);
   const std::pair<const char*, size_t> examples[] = {
       {"infused.toml", 0}, {"shuttle.toml", 3}, {"survey_car.toml", 6}, {"truck.toml", 5}};
   for (const auto& [name, devices] : examples) {
@@ -151,6 +154,26 @@ TEST_F(LiveSetupTest, TheExamplesAreValid) {
     EXPECT_EQ(setup->devices.size(), devices);
     EXPECT_TRUE(setup->vehicle.notes.empty());
   }
+}
+
+TEST_F(LiveSetupTest, NamesWhatIsValidButHardlyMeant) {
+  const auto doubts = [&](const char* text) {
+    const auto setup = set_up(text);
+    EXPECT_TRUE(setup.has_value()) << setup.error().message();
+    std::string all;
+    if (setup) {
+      for (const Error& doubt : setup->doubts) all += doubt.message() + "\n";
+    }
+    return all;
+  };
+  EXPECT_EQ(doubts("[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\n"), "");
+  EXPECT_THAT(doubts("[[camera]]\nname = \"frnt\"\ndevice = \"/dev/video0\"\n"),
+              HasSubstr("camera 'frnt' is not in the rig"));
+  EXPECT_THAT(doubts("rig = \"rig.toml\"\n[[lidar]]\nname = \"b\"\nmodel = \"VLP-16\"\n"),
+              HasSubstr("lidar 'b' is not in the rig"));
+  EXPECT_THAT(doubts("[[can]]\n"), HasSubstr("has no signals"));
+  EXPECT_THAT(doubts("[streetmap]\nmap = \"town.map\"\n"), HasSubstr("where on the street map"));
+  EXPECT_EQ(doubts("[gnss]\ndevice = \"/dev/ttyUSB0\"\n[streetmap]\nmap = \"town.map\"\n"), "");
 }
 
 TEST_F(LiveSetupTest, ReportsInvalidConfigurations) {
