@@ -1,4 +1,5 @@
 #include "daemon/command_line/summary.hpp"
+#include "daemon/pipeline/fusion_thread.hpp"
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/resource.h>
@@ -235,7 +236,10 @@ std::string to_text(const Summary& summary) {
     for (const StageStats& stage : totals.host.stages) {
       if (stage.latency.count > 0) text += stage_text(stage);
     }
-    text += fmt::format("  {} sweeps missed their deadline\n", total->deadline_misses);
+    text += fmt::format(
+        "  {} sweeps took longer than {:.0f} ms from their last packet to their report, "
+        "waiting for odometry included\n",
+        total->deadline_misses, 1e3 * to_seconds(FusionThread::kLatencyBudget));
   }
   text += fmt::format("  {} alerts; {:.2f} s of processor time, {:.0f} MB peak memory\n",
                       totals.alerts, process_cpu_s(), peak_memory_mb());

@@ -204,7 +204,7 @@ std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
   const StreetMapSettings& map = config.streetmap;
   const bool has_gnss = !config.gnss.device.empty() || !config.gnss.lidar.empty();
   if (!map.map.empty() && !map.initial_pose && !map.initial_location && !has_gnss) {
-    doubts.push_back({"nothing tells where on the street map the vehicle starts", "[streetmap]",
+    doubts.push_back({"the initial pose on the street map is not known", "[streetmap]",
                       "give x, y and yaw_deg, or lat, lon and heading_deg, or [gnss]"});
   }
   return doubts;
