@@ -1,10 +1,10 @@
 #include "daemon/command_line/summary.hpp"
-#include "daemon/pipeline/fusion_thread.hpp"
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/resource.h>
 
 #include "daemon/command_line/lidar_problems.hpp"
+#include "daemon/pipeline/fusion_thread.hpp"
 #include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
