@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/progress_line.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/protocol/json.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
@@ -24,6 +25,7 @@ struct StreetMapArguments {
   std::string output;
   std::string image;
   std::optional<double> cell;
+  std::vector<double> clip;  // degrees: west, south, east, north
   std::optional<double> scale;
   double edge = streetmap::ImageMapOptions().edge_threshold;
   bool json = false;
@@ -88,6 +90,35 @@ void print_map(const StreetMapArguments& arguments, const streetmap::SegmentMap&
   }
 }
 
+/// Bounds of --clip.
+Result<osm::Bounds> clip_of(const std::vector<double>& degrees) {
+  const double west = degrees[0], south = degrees[1], east = degrees[2], north = degrees[3];
+  if (!(west >= -180 && west < east && east <= 180 && south >= -90 && south < north &&
+        north <= 90)) {
+    return fail("is not a rectangle", "--clip", "give WEST,SOUTH,EAST,NORTH in degrees");
+  }
+  return osm::Bounds{south * kDegree, west * kDegree, north * kDegree, east * kDegree};
+}
+
+/// Shows what takes long: a bar on a terminal, else a line every tenth after five seconds.
+class SlowProgress {
+ public:
+  void show(std::optional<double> share, const std::string& what) {
+    const auto passed = std::chrono::steady_clock::now() - start_;
+    if (passed > std::chrono::milliseconds(500)) line_.show(share, what);
+    if (line_.visible() || !share || passed < std::chrono::seconds(5)) return;
+    const int tenth = static_cast<int>(*share * 10);
+    if (tenth == shown_tenth_) return;
+    shown_tenth_ = tenth;
+    std::cerr << fmt::format("{}: {} {} %\n", kStreetMapProgram, what, tenth * 10);
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  ProgressLine line_;
+  int shown_tenth_ = 0;
+};
+
 int run(const StreetMapArguments& arguments) {
   StreetMapOptions options;
   if (is_image_file(arguments.input)) {
@@ -104,10 +135,20 @@ int run(const StreetMapArguments& arguments) {
   } else if (arguments.cell) {
     options.raster.cell_size = *arguments.cell;
   }
+  if (!arguments.clip.empty()) {
+    const auto clip = clip_of(arguments.clip);
+    if (!clip) return print_error(kStreetMapProgram, clip.error(), kUsage);
+    options.clip = *clip;
+  }
   if (const auto wrong = options.raster.invalid()) {
     return print_error(kStreetMapProgram, {*wrong, "--cell", ""}, kUsage);
   }
-  const auto made = make_street_map(arguments.input, options);
+  Result<GeneratedStreetMap> made;
+  {
+    SlowProgress progress;
+    options.progress = [&](auto share, const auto& what) { progress.show(share, what); };
+    made = make_street_map(arguments.input, options);
+  }
   if (!made) return print_error(kStreetMapProgram, made.error(), kUnreadable);
   if (const auto written = recording::write_file_atomically(arguments.output, made->bytes);
       !written) {
@@ -146,11 +187,15 @@ Command declare_streetmap(CLI::App& infuse) {
   app->add_option("--image", arguments->image, "write an image of the map too, ids in colour")
       ->type_name("FILE.png");
   app->add_option("--cell", arguments->cell, "edge length of a raster cell (0.2)")->type_name("M");
+  app->add_option("--clip", arguments->clip, "use only this rectangle, degrees")
+      ->type_name("WEST,SOUTH,EAST,NORTH")
+      ->delimiter(',')
+      ->expected(4);
   app->add_option("--scale", arguments->scale, "for an image: metres per pixel")->type_name("M");
   app->add_option("--edge", arguments->edge,
                   "for an image: minimum Sobel magnitude of a line (60)");
   app->add_flag("--json", arguments->json, "print the result as one JSON object");
-  set_examples(*app, {"infuse streetmap town.osm -o town.map --image town.png",
+  set_examples(*app, {"infuse streetmap town.osm.pbf --clip 8.37,48.97,8.43,49.01 -o town.map",
                       "infuse streetmap plan.png --scale 0.2 -o plan.map"});
   return {app, [arguments] { return run(*arguments); }};
 }

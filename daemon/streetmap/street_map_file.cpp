@@ -50,17 +50,25 @@ std::vector<Error> group_warnings(const std::vector<Error>& warnings) {
 }
 
 Result<GeneratedStreetMap> make_from_openstreetmap(const std::filesystem::path& input,
-                                                   const streetmap::RasterOptions& options) {
-  const auto map = osm::read_openstreetmap(input);
+                                                   const StreetMapOptions& options) {
+  const auto show = [&](std::optional<double> share, const char* what) {
+    if (options.progress) options.progress(share, what);
+  };
+  show({}, "reads");
+  auto map = osm::read_openstreetmap(input);
   if (!map) return tl::unexpected(map.error());
-  OsmStreetPlan planned = build_street_plan(*map);
+  OsmStreetPlan planned = build_street_plan(*map, options.clip);
+  *map = {};  // frees the memory before the raster needs it
   if (planned.carriageway_count == 0) {
-    return fail("has no drivable road", input.string(),
-                "no way of the map has a highway tag of a known class");
+    return options.clip ? fail("has no drivable road within --clip", input.string(),
+                               "give WEST,SOUTH,EAST,NORTH in degrees")
+                        : fail("has no drivable road", input.string(),
+                               "no way of the map has a highway tag of a known class");
   }
   auto made = streetmap::rasterise(
-      planned.plan, options,
-      "OpenStreetMap " + input.filename().string() + ", © OpenStreetMap contributors, ODbL");
+      planned.plan, options.raster,
+      "OpenStreetMap " + input.filename().string() + ", © OpenStreetMap contributors, ODbL",
+      [&](double share) { show(share, "draws"); });
   if (!made) return fail(made.error().what, input.string(), made.error().hint);
   return GeneratedStreetMap{std::move(*made), group_warnings(planned.warnings)};
 }
@@ -82,7 +90,7 @@ bool is_image_file(const std::filesystem::path& input) {
 
 Result<GeneratedStreetMap> make_street_map(const std::filesystem::path& input,
                                            const StreetMapOptions& options) {
-  if (!is_image_file(input)) return make_from_openstreetmap(input, options.raster);
+  if (!is_image_file(input)) return make_from_openstreetmap(input, options);
   if (!options.image) return fail("an image has no scale of its own", input.string());
   return make_from_image(input, *options.image);
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
+#include "drivers/osm/openstreetmap.hpp"
 #include "drivers/recording/mapped_file.hpp"
 #include "fusion/streetmap/map_from_image.hpp"
 #include "fusion/streetmap/rasterise.hpp"
@@ -22,7 +24,10 @@ Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path);
 
 /// Settings of `make_street_map`.
 struct StreetMapOptions {
-  streetmap::RasterOptions raster;  ///< for OpenStreetMap input
+  streetmap::RasterOptions raster;    ///< for OpenStreetMap input
+  std::optional<osm::Bounds> clip{};  ///< of OpenStreetMap input; nothing: what the file states
+  /// Called with what is done and its share; no share while that is unknown.
+  std::function<void(std::optional<double>, const std::string&)> progress{};
   std::optional<streetmap::ImageMapOptions>
       image{};  ///< for PNG or JPEG input, which has no scale of its own
 };

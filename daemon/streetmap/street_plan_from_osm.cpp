@@ -19,6 +19,8 @@ constexpr double kWallWidth = 0.8;           // m, boundary line on the outline 
 constexpr double kSidewalkWidth = 2.4;       // m, pavement of a street with a sidewalk tag
 constexpr double kCrossingHalfLength = 2.0;  // m, half the length of a crossing along the street
 constexpr double kMaxDistance = 50e3;        // m from the median of the map
+constexpr double kBeyondBounds = 100;        // m that are drawn outside the bounds of a file
+constexpr double kCoastReach = 200;          // m of water that a coastline draws
 constexpr size_t kMaxWarnings = 1000;
 
 /// Defaults of a class of way.
@@ -63,11 +65,21 @@ double street_width(const std::vector<osm::Tag>& tags, const WayDefaults& usual)
 
 // Pavements are drawn only where the map states them: a guessed pavement that does not exist, or is
 // wider on one side, biases the lateral position.
-bool has_sidewalk(const std::vector<osm::Tag>& tags) {
+bool has_sidewalk(const std::vector<osm::Tag>& tags, std::string_view side) {
+  for (const std::string_view where : {side, std::string_view("both")}) {
+    const std::string_view own = find_tag(tags, "sidewalk:" + std::string(where));
+    if (!own.empty()) return own == "yes";
+  }
   const std::string_view sidewalk = find_tag(tags, "sidewalk");
-  const std::string_view both = find_tag(tags, "sidewalk:both");
-  return sidewalk == "both" || sidewalk == "left" || sidewalk == "right" || sidewalk == "yes" ||
-         both == "yes";
+  return sidewalk == "both" || sidewalk == "yes" || sidewalk == side;
+}
+
+/// Level of a street: its layer, or 1, if it is a bridge; that of a cutting; else 0.
+int street_layer(const std::vector<osm::Tag>& tags) {
+  const auto layer = osm::find_number(tags, "layer", -10, 10);
+  const std::string_view bridge = find_tag(tags, "bridge");
+  if (!bridge.empty() && bridge != "no") return static_cast<int>(std::lround(layer.value_or(1)));
+  return std::min(static_cast<int>(std::lround(layer.value_or(0))), 0);
 }
 
 std::optional<SegmentKind> area_kind(const std::vector<osm::Tag>& tags) {
@@ -93,9 +105,20 @@ std::optional<SegmentKind> area_kind(const std::vector<osm::Tag>& tags) {
 
 class StreetPlanBuilder {
  public:
-  explicit StreetPlanBuilder(const osm::OpenStreetMap& map)
+  /// `limit`: what is used; nothing: all.
+  StreetPlanBuilder(const osm::OpenStreetMap& map, const std::optional<osm::Bounds>& limit)
       : map_(map), frame_(gnss::make_local_frame(map.centre_latitude, map.centre_longitude)) {
     set_origin();
+    if (limit) set_limit(*limit, kBeyondBounds);
+  }
+
+  /// Uses what lies within `clip`, and its middle as the origin.
+  void set_clip(const osm::Bounds& clip) {
+    latitude_ = (clip.south + clip.north) / 2;
+    longitude_ = (clip.west + clip.east) / 2;
+    median_ = {latitude_, longitude_};
+    frame_ = gnss::make_local_frame(latitude_, longitude_);
+    set_limit(clip, 0);
   }
 
   OsmStreetPlan run() {
@@ -143,6 +166,27 @@ class StreetPlanBuilder {
     return std::hypot(north, east) > kMaxDistance;
   }
 
+  /// `beyond`: m around the bounds that are used too.
+  void set_limit(const osm::Bounds& bounds, double beyond) {
+    Eigen::AlignedBox2d& limit = planned_.plan.limit;
+    limit.setEmpty();
+    for (const double latitude : {bounds.south, bounds.north}) {
+      for (const double longitude : {bounds.west, bounds.east}) {
+        limit.extend(gnss::to_local(frame_, latitude, longitude).head<2>());
+      }
+    }
+    limit.min().array() -= beyond;
+    limit.max().array() += beyond;
+  }
+
+  bool is_outside(const Polyline& line) const {
+    const Eigen::AlignedBox2d& limit = planned_.plan.limit;
+    if (limit.isEmpty()) return false;
+    Eigen::AlignedBox2d box;
+    for (const Eigen::Vector2d& point : line) box.extend(point);
+    return !limit.intersects(box);
+  }
+
   void warn(const char* kind, int64_t id, const char* what, const char* hint) {
     if (planned_.warnings.size() >= kMaxWarnings) return;
     planned_.warnings.push_back({what, std::string(kind) + " " + std::to_string(id), hint});
@@ -177,8 +221,14 @@ class StreetPlanBuilder {
   void add_way(const osm::Way& way) {
     const auto kind = area_kind(way.tags);
     const std::string_view highway = find_tag(way.tags, "highway");
-    if (!kind && highway.empty()) return;
+    const bool coast = find_tag(way.tags, "natural") == "coastline";
+    if (!kind && !coast && highway.empty()) return;
+    if (is_outside(to_polyline(way.points))) return;
     if (warn_if_far("way", way.id, way.points)) return;
+    if (coast) {
+      planned_.plan.strips.push_back(
+          {{SegmentKind::kWater, way.id}, to_polyline(way.points), kCoastReach});
+    }
     if (!kind) return add_street(way, highway);
     if (!way.closed()) {
       if (highway.empty()) warn("way", way.id, "is an area that does not close", "it is skipped");
@@ -193,11 +243,12 @@ class StreetPlanBuilder {
     streetmap::PlanArea plan_area{{*kind, area.id}, {}, wall_width(*kind)};
     for (const auto* rings : {&area.outer, &area.inner}) {
       for (const auto& ring : *rings) {
+        if (is_outside(to_polyline(ring))) continue;
         if (warn_if_far("relation", area.id, ring)) return;
         plan_area.rings.push_back(to_ring(ring));
       }
     }
-    add_ring("relation", area.id, std::move(plan_area));
+    if (!plan_area.rings.empty()) add_ring("relation", area.id, std::move(plan_area));
   }
 
   static double wall_width(SegmentKind kind) {
@@ -224,7 +275,9 @@ class StreetPlanBuilder {
     strip.half_width = street_width(way.tags, *defaults) / 2;
     if (defaults->carriageway) {
       strip.kerb_width = kKerbWidth;
-      strip.sidewalk_width = has_sidewalk(way.tags) ? kSidewalkWidth : 0;
+      strip.left_sidewalk_width = has_sidewalk(way.tags, "left") ? kSidewalkWidth : 0;
+      strip.right_sidewalk_width = has_sidewalk(way.tags, "right") ? kSidewalkWidth : 0;
+      strip.layer = street_layer(way.tags);
       for (size_t i = 0; i < way.points.size(); ++i) {
         streets_[way.points[i].node] = {planned_.plan.strips.size(), i};
       }
@@ -262,8 +315,18 @@ class StreetPlanBuilder {
 
 }  // namespace
 
-OsmStreetPlan build_street_plan(const osm::OpenStreetMap& map) {
-  return StreetPlanBuilder(map).run();
+OsmStreetPlan build_street_plan(const osm::OpenStreetMap& map,
+                                const std::optional<osm::Bounds>& clip) {
+  if (clip) {
+    StreetPlanBuilder builder(map, std::nullopt);
+    builder.set_clip(*clip);
+    return builder.run();
+  }
+  OsmStreetPlan planned = StreetPlanBuilder(map, map.bounds).run();
+  if (planned.carriageway_count > 0 || !map.bounds) return planned;
+  planned = StreetPlanBuilder(map, std::nullopt).run();
+  planned.warnings.push_back({"has no road within its bounds", "", "the bounds are not used"});
+  return planned;
 }
 
 }  // namespace infuse::daemon

@@ -43,6 +43,12 @@ class MapBuilder {
  public:
   explicit MapBuilder(const OpenStreetMapOptions& options) : options_(options) {}
 
+  void set_bounds(const osmium::Box& box) {
+    if (!box.valid()) return;
+    map_.bounds = {box.bottom_left().lat() * kDegree, box.bottom_left().lon() * kDegree,
+                   box.top_right().lat() * kDegree, box.top_right().lon() * kDegree};
+  }
+
   // Returns false if the file exceeds the limit of the options.
   bool add(const osmium::OSMEntity& entity) {
     switch (entity.type()) {
@@ -245,6 +251,7 @@ Result<OpenStreetMap> read_openstreetmap(const std::filesystem::path& path,
   try {
     MapBuilder builder(options);
     osmium::io::Reader reader(path.string(), osmium::osm_entity_bits::nwr);
+    builder.set_bounds(reader.header().joined_boxes());
     while (const osmium::memory::Buffer buffer = reader.read()) {
       for (const auto& entity : buffer.select<osmium::OSMEntity>()) {
         if (builder.add(entity)) continue;

@@ -50,13 +50,19 @@ struct Area {
   std::vector<std::vector<Point>> inner;  ///< holes
 };
 
+/// Latitudes and longitudes, rad, WGS 84.
+struct Bounds {
+  double south = 0, west = 0, north = 0, east = 0;
+};
+
 /// Elements of an OpenStreetMap file, in file order.
 struct OpenStreetMap {
   std::vector<Node> nodes;  ///< only those with tags
   std::vector<Way> ways;
   std::vector<Area> areas;
-  double centre_latitude = 0;   ///< rad; centre of the bounding box of all ways
-  double centre_longitude = 0;  ///< rad
+  double centre_latitude = 0;    ///< rad; centre of the bounding box of all ways
+  double centre_longitude = 0;   ///< rad
+  std::optional<Bounds> bounds;  ///< of the extract, if the file states them; ways may reach beyond
   /// Problems with the id of the element: missing nodes, rings that do not close, a map without
   /// roads. At most 1000, and one that states the number of further ones.
   std::vector<Error> warnings;

@@ -8,6 +8,7 @@ namespace infuse::streetmap {
 void LabelWindow::reserve(const SegmentMap& map, double reach, Labelling labelling) {
   const auto edge = static_cast<size_t>(std::ceil(2 * reach / map.frame().cell_size)) + 1;
   labels_.reserve(edge * edge);
+  row_ids_.reserve(edge);
   const size_t keys = labelling == Labelling::kKinds ? kSegmentKindCount : map.segment_count();
   by_key_.assign(keys, 0);
   used_keys_.reserve(keys);
@@ -27,6 +28,7 @@ void LabelWindow::read(const SegmentMap& map, double x, double y, double reach,
   low_x_ = frame.min_corner.x() + first_column * frame.cell_size;
   low_y_ = frame.min_corner.y() + first_row * frame.cell_size;
   cells_per_metre_ = 1 / frame.cell_size;
+  row_ids_.resize(static_cast<size_t>(columns_));
   labels_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
 
   const size_t keys = labelling == Labelling::kKinds ? kSegmentKindCount : map.segment_count();
@@ -42,8 +44,8 @@ void LabelWindow::read(const SegmentMap& map, double x, double y, double reach,
   uint8_t last_label = 0;
   size_t at = 0;
   for (int row = first_row; row < first_row + rows_; ++row) {
-    for (int column = first_column; column < first_column + columns_; ++column) {
-      const uint32_t id = map.id_of_cell(column, row);
+    map.read_row(first_column, row, row_ids_);
+    for (const uint32_t id : row_ids_) {
       if (id != last_id) {
         const uint32_t key =
             labelling == Labelling::kKinds ? static_cast<uint32_t>(map.segment(id).kind) : id;

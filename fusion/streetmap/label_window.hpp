@@ -43,6 +43,7 @@ class LabelWindow {
   int columns_ = 0, rows_ = 0;
   int label_count_ = 1;
   std::vector<uint8_t> labels_;
+  std::vector<uint32_t> row_ids_;
   std::vector<uint8_t> by_key_;  // label of a segment or kind plus one; 0: none yet
   std::vector<uint32_t> used_keys_;
   std::vector<SegmentKind> kinds_;  // by label

@@ -131,7 +131,7 @@ Result<std::vector<std::byte>> make_map_from_image(const CameraFrame& grey,
         tile[static_cast<size_t>(k)] =
             x < grey.width && y >= 0 ? fill.ids()[static_cast<size_t>(y * grey.width + x)] : 0;
       }
-      writer.add_tile(tile);
+      writer.set_tile(c, r, tile);
     }
   }
   return writer.finish(segments, provenance);

@@ -26,11 +26,13 @@ struct MapFrame {
 
 /// Raster of segment ids, read in place from bytes that the caller keeps (a memory-mapped file):
 /// nothing is copied, so a city opens at once. The raster is stored as tiles of 64 × 64 cells, each
-/// with a palette of its ids and 0, 4, 8 or 16 bits per cell; segment_map.cpp defines the layout. A
-/// look-up is two table reads for any map size.
+/// with a palette of its ids and its rows as runs or as 4, 8 or 16 bits per cell; segment_map.cpp
+/// defines the layout. Blocks of tiles that are open land are not stored, so that the size follows
+/// the streets. A look-up is three table reads for any map size, and a short search among runs.
 class SegmentMap {
  public:
   static constexpr int kTileSize = 64;  ///< cells along a tile's edge
+  static constexpr int kBlockSize = 8;  ///< tiles along a block's edge
 
   /// An empty map: open land everywhere.
   SegmentMap() = default;
@@ -60,41 +62,44 @@ class SegmentMap {
   /// Segment id at a point, m; 0 outside the raster.
   uint32_t id_at(double x, double y) const;
 
-  /// Reads the ids of a tile, row by row from the south.
-  void read_tile(int tile_column, int tile_row,
-                 std::span<uint32_t, kTileSize * kTileSize> ids) const;
+  /// Reads the ids of neighbouring cells of a row from west to east; 0 outside the raster. Faster
+  /// than single cells.
+  void read_row(int first_column, int row, std::span<uint32_t> ids) const;
 
   /// Origin of the data, as the writer stated it.
   std::string_view provenance() const { return provenance_; }
 
  private:
   struct Tile {
-    uint32_t offset = 0;         // of the palette, in units of 4 bytes; for a uniform tile, its id
-    uint16_t palette_size = 0;   // number of ids
-    uint16_t bits_per_cell = 0;  // 0, 4, 8 or 16
+    uint32_t offset = 0;        // of the palette, in units of 4 bytes; for a uniform tile, its id
+    uint16_t palette_size = 0;  // number of ids
+    uint16_t encoding = 0;      // 0: uniform, 1: runs, 4, 8 or 16: bits per cell
   };
-  Tile tile(size_t index) const;
+  Tile tile_of_cell(int column, int row) const;
   uint32_t id_in_tile(const Tile& tile, uint32_t cell) const;
+  void read_tile_row(const Tile& tile, uint32_t first_cell, std::span<uint32_t> ids) const;
+  const char* check_tile(const Tile& tile) const;
   const char* check_tiles() const;
 
   MapFrame frame_;
   int tile_columns_ = 0, tile_rows_ = 0;
   uint32_t segment_count_ = 1;
-  std::span<const std::byte> segments_, tiles_, data_;
+  std::span<const std::byte> segments_, blocks_, tiles_, data_;
   std::string_view provenance_;
 };
 
 /// Collects tiles and writes the bytes that `SegmentMap::open` reads.
 class SegmentMapWriter {
  public:
-  /// Expects tile_columns · tile_rows calls of `add_tile`, by row from the south-west corner.
+  /// A map of open land.
   SegmentMapWriter(const MapFrame& frame, int tile_columns, int tile_rows);
 
-  /// Adds the next tile: ids row by row from the south.
-  void add_tile(std::span<const uint32_t, SegmentMap::kTileSize * SegmentMap::kTileSize> ids);
+  /// Sets a tile, once: ids row by row from the south.
+  void set_tile(int tile_column, int tile_row,
+                std::span<const uint32_t, SegmentMap::kTileSize * SegmentMap::kTileSize> ids);
 
   /// Returns the file. `segments` are indexed by id, the first is open land. Fails if a tile refers
-  /// to an unknown id, tiles are missing, or the map is too large for the format (16 GiB of tiles).
+  /// to an unknown id, or the map is too large for the format (16 GiB of tiles).
   Result<std::vector<std::byte>> finish(std::span<const Segment> segments,
                                         std::string_view provenance) const;
 
@@ -102,7 +107,9 @@ class SegmentMapWriter {
   MapFrame frame_;
   int tile_columns_, tile_rows_;
   uint32_t max_id_ = 0;
-  std::vector<uint32_t> tiles_;  // two words per tile
+  std::vector<uint32_t>
+      blocks_;                   // number of the block among those that are stored, from 1; 0: none
+  std::vector<uint32_t> tiles_;  // two words per tile, by block
   std::vector<uint32_t> data_;
 };
 

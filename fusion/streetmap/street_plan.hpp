@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "fusion/streetmap/segment.hpp"
@@ -10,14 +10,16 @@ namespace infuse::streetmap {
 /// Points in order, m east and north of the map origin.
 using Polyline = std::vector<Eigen::Vector2d>;
 
-/// Area along a line: a street, a footway, a crossing.
+/// Area along a line: a street, a footway, a crossing; or, with the kind kWater, the water on the
+/// right of a coastline.
 struct PlanStrip {
   Segment segment;
   Polyline points;
-  double half_width = 0;  ///< m
-  double kerb_width = 0;  ///< m, width of the boundary line outside the edge; 0: none
-  double sidewalk_width =
-      0;  ///< m, width of the pavement outside the kerb that the map does not draw; 0: none
+  double half_width = 0;            ///< m
+  double kerb_width = 0;            ///< m, width of the boundary line outside the edge; 0: none
+  double left_sidewalk_width = 0;   ///< m, width of the pavement outside the kerb that the map does
+  double right_sidewalk_width = 0;  ///< not draw, on the left and right of the line; 0: none
+  int layer = 0;  ///< level of a carriageway: those of other layers make no junction with it
 };
 
 /// Area within rings (even-odd rule, so rings within rings are holes).
@@ -33,6 +35,7 @@ struct StreetPlan {
   double longitude = 0;  ///< rad
   std::vector<PlanStrip> strips;
   std::vector<PlanArea> areas;
+  Eigen::AlignedBox2d limit;  ///< m, nothing is drawn outside; empty: no limit
 };
 
 /// Area of a ring, m²; positive if counter-clockwise.

@@ -24,22 +24,12 @@ void TilePainter::begin_tile(const Eigen::Vector2d& low) {
   on_carriageway_.fill(false);
 }
 
-void TilePainter::fill_area(const PlanArea& area, uint32_t id) {
-  const double south = min_corner_.y(), north = min_corner_.y() + kTileSize * cell_size_;
-  edges_.clear();
-  for (const Polyline& ring : area.rings) {
-    for (size_t i = 0; i < ring.size(); ++i) {
-      const Eigen::Vector2d& a = ring[i];
-      const Eigen::Vector2d& b = ring[i + 1 == ring.size() ? 0 : i + 1];
-      if (std::max(a.y(), b.y()) >= south && std::min(a.y(), b.y()) <= north) {
-        edges_.emplace_back(a, b);
-      }
-    }
-  }
+void TilePainter::fill_area(std::span<const Edge> edges, uint32_t id) {
+  const double south = min_corner_.y();
   for (int row = 0; row < kTileSize; ++row) {
     const double y = south + (row + 0.5) * cell_size_;
     crossings_.clear();
-    for (const auto& [a, b] : edges_) {
+    for (const auto& [a, b] : edges) {
       if ((a.y() > y) == (b.y() > y)) continue;
       crossings_.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) -
                            min_corner_.x());
@@ -52,7 +42,9 @@ void TilePainter::fill_area(const PlanArea& area, uint32_t id) {
   }
 }
 
-// Calls visit(cell, distance) for cells with centres within `reach` of the line from a to b.
+// Calls visit(cell, distance, offset, beyond) for cells with centres within `reach` of the line
+// from a to b. The offset is positive on the left of the line; beyond: -1 before a, 1 behind b,
+// else 0.
 template <class Visit>
 void TilePainter::visit_near_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach,
                                   Visit visit) {
@@ -67,42 +59,78 @@ void TilePainter::visit_near_line(const Eigen::Vector2d& a, const Eigen::Vector2
   for (int row = row_begin; row < row_end; ++row) {
     for (int c = first; c < end; ++c) {
       const Eigen::Vector2d p = Eigen::Vector2d(c + 0.5, row + 0.5) * cell_size_ - from;
-      const double t = std::clamp(p.dot(along) / length2, 0.0, 1.0);
+      const double place = p.dot(along) / length2, t = std::clamp(place, 0.0, 1.0);
       const double distance = (p - t * along).norm();
-      if (distance < reach) visit(static_cast<size_t>(row * kTileSize + c), distance);
+      if (distance >= reach) continue;
+      const double offset = (along.x() * p.y() - along.y() * p.x()) / std::sqrt(length2);
+      const int beyond = place < 0 ? -1 : place > 1 ? 1 : 0;
+      visit(static_cast<size_t>(row * kTileSize + c), distance, offset, beyond);
     }
   }
 }
 
-void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const ElementIds> ids) {
-  const auto each = [&](SegmentKind kind, const auto& draw) {
-    for (const Piece& piece : pieces) {
-      const PlanStrip& strip = plan_.strips[piece.strip];
-      if (strip.segment.kind != kind) continue;
-      draw(piece.strip, strip, strip.points[piece.point], strip.points[piece.point + 1]);
-    }
-  };
+// The nearest coastline decides. Where two meet, it is the one that the cell is farther beside.
+void TilePainter::fill_coast(std::span<const Piece> pieces, std::span<const ElementIds> ids) {
   edge_distance_.fill(1e9F);
   nearest_strip_.fill(kNoStrip);
-  each(SegmentKind::kCarriageway,
-       [&](uint32_t index, const PlanStrip& strip, const auto& a, const auto& b) {
-         const double reach = strip.half_width + strip.kerb_width + strip.sidewalk_width;
-         visit_near_line(a, b, reach, [&](size_t cell, double distance) {
-           const auto edge = static_cast<float>(distance - strip.half_width);
-           if (edge >= edge_distance_[cell]) return;
-           edge_distance_[cell] = edge;
-           nearest_strip_[cell] = index;
-         });
-       });
+  for (const Piece& piece : pieces) {
+    const PlanStrip& strip = plan_.strips[piece.strip];
+    if (strip.segment.kind != SegmentKind::kWater) continue;
+    visit_near_line(strip.points[piece.point], strip.points[piece.point + 1], strip.half_width,
+                    [&](size_t cell, double distance, double offset, int) {
+                      const auto key = static_cast<float>(distance - 1e-3 * std::abs(offset));
+                      if (key >= edge_distance_[cell]) return;
+                      edge_distance_[cell] = key;
+                      nearest_strip_[cell] = offset < 0 ? piece.strip : kNoStrip;
+                    });
+  }
+  for (size_t cell = 0; cell < kCellsPerTile; ++cell) {
+    if (nearest_strip_[cell] != kNoStrip) ids_[cell] = ids[nearest_strip_[cell]].body;
+  }
+}
+
+void TilePainter::draw_footways(std::span<const Piece> pieces, std::span<const ElementIds> ids) {
+  for (const Piece& piece : pieces) {
+    const PlanStrip& strip = plan_.strips[piece.strip];
+    if (strip.segment.kind != SegmentKind::kFootway) continue;
+    visit_near_line(strip.points[piece.point], strip.points[piece.point + 1], strip.half_width,
+                    [&](size_t cell, double, double, int) { ids_[cell] = ids[piece.strip].body; });
+  }
+}
+
+// Pavements, footways (on the lowest layer), kerbs and carriageways of one layer.
+void TilePainter::draw_carriageways(std::span<const Piece> pieces, std::span<const ElementIds> ids,
+                                    int layer) {
+  edge_distance_.fill(1e9F);
+  nearest_strip_.fill(kNoStrip);
+  for (const Piece& piece : pieces) {
+    const PlanStrip& strip = plan_.strips[piece.strip];
+    if (strip.segment.kind != SegmentKind::kCarriageway || strip.layer != layer) continue;
+    const double reach = strip.half_width + strip.kerb_width +
+                         std::max(strip.left_sidewalk_width, strip.right_sidewalk_width);
+    const bool is_first = piece.point == 0, is_last = piece.point + 2 == strip.points.size();
+    visit_near_line(strip.points[piece.point], strip.points[piece.point + 1], reach,
+                    [&](size_t cell, double distance, double offset, int beyond) {
+                      // A bridge ends where the street goes on at another layer.
+                      if (layer != 0 && ((is_first && beyond < 0) || (is_last && beyond > 0))) {
+                        return;
+                      }
+                      const auto edge = static_cast<float>(distance - strip.half_width);
+                      if (edge >= edge_distance_[cell]) return;
+                      edge_distance_[cell] = edge;
+                      nearest_strip_[cell] = piece.strip;
+                      on_left_[cell] = offset > 0;
+                    });
+  }
   for (size_t cell = 0; cell < kCellsPerTile; ++cell) {
     if (nearest_strip_[cell] == kNoStrip || edge_distance_[cell] < 0) continue;
-    if (ids[nearest_strip_[cell]].sidewalk != 0) ids_[cell] = ids[nearest_strip_[cell]].sidewalk;
+    const PlanStrip& strip = plan_.strips[nearest_strip_[cell]];
+    const double width = on_left_[cell] ? strip.left_sidewalk_width : strip.right_sidewalk_width;
+    if (edge_distance_[cell] < strip.kerb_width + width && width > 0) {
+      ids_[cell] = ids[nearest_strip_[cell]].sidewalk;
+    }
   }
-  each(SegmentKind::kFootway,
-       [&](uint32_t index, const PlanStrip& strip, const auto& a, const auto& b) {
-         visit_near_line(a, b, strip.half_width,
-                         [&](size_t cell, double) { ids_[cell] = ids[index].body; });
-       });
+  if (layer == layers_.front()) draw_footways(pieces, ids);
   for (size_t cell = 0; cell < kCellsPerTile; ++cell) {
     if (nearest_strip_[cell] == kNoStrip) continue;
     const PlanStrip& strip = plan_.strips[nearest_strip_[cell]];
@@ -111,21 +139,36 @@ void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const Ele
       on_carriageway_[cell] = true;
     } else if (edge_distance_[cell] < strip.kerb_width) {
       ids_[cell] = ids[nearest_strip_[cell]].boundary;
+      on_carriageway_[cell] = false;
     }
   }
-  each(SegmentKind::kCrossing,
-       [&](uint32_t index, const PlanStrip& strip, const auto& a, const auto& b) {
-         visit_near_line(a, b, strip.half_width, [&](size_t cell, double) {
-           if (on_carriageway_[cell]) ids_[cell] = ids[index].body;
-         });
-       });
+}
+
+void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const ElementIds> ids) {
+  layers_.clear();
+  for (const Piece& piece : pieces) {
+    const PlanStrip& strip = plan_.strips[piece.strip];
+    if (strip.segment.kind == SegmentKind::kCarriageway) layers_.push_back(strip.layer);
+  }
+  if (layers_.empty()) layers_.push_back(0);
+  std::sort(layers_.begin(), layers_.end());
+  layers_.erase(std::unique(layers_.begin(), layers_.end()), layers_.end());
+  for (const int layer : layers_) draw_carriageways(pieces, ids, layer);
+  for (const Piece& piece : pieces) {
+    const PlanStrip& strip = plan_.strips[piece.strip];
+    if (strip.segment.kind != SegmentKind::kCrossing) continue;
+    visit_near_line(strip.points[piece.point], strip.points[piece.point + 1], strip.half_width,
+                    [&](size_t cell, double, double, int) {
+                      if (on_carriageway_[cell]) ids_[cell] = ids[piece.strip].body;
+                    });
+  }
 }
 
 void TilePainter::draw_wall(const PlanArea& area, uint32_t id) {
   for (const Polyline& ring : area.rings) {
     for (size_t i = 0; i < ring.size(); ++i) {
       visit_near_line(ring[i], ring[(i + 1) % ring.size()], area.wall_width / 2,
-                      [&](size_t cell, double) {
+                      [&](size_t cell, double, double, int) {
                         if (!on_carriageway_[cell]) ids_[cell] = id;
                       });
     }

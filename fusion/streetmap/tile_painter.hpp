@@ -29,14 +29,20 @@ class TilePainter {
     uint32_t point;  ///< from this point of the strip to the next
   };
 
+  /// Edge of a ring, m.
+  using Edge = std::pair<Eigen::Vector2d, Eigen::Vector2d>;
+
   /// `cell`: m.
   TilePainter(const StreetPlan& plan, double cell) : plan_(plan), cell_size_(cell) {}
 
   /// Begins a tile with the south-west corner `low`, m.
   void begin_tile(const Eigen::Vector2d& low);
 
-  /// Draws the inside of an area.
-  void fill_area(const PlanArea& area, uint32_t id);
+  /// Fills the water on the right of the coastlines among pieces of strips.
+  void fill_coast(std::span<const Piece> pieces, std::span<const ElementIds> ids);
+
+  /// Draws the inside of an area. `edges`: those of its rings that reach the tile's rows.
+  void fill_area(std::span<const Edge> edges, uint32_t id);
 
   /// Draws pieces of strips; `ids` are indexed by strip.
   void draw_strips(std::span<const Piece> pieces, std::span<const ElementIds> ids);
@@ -47,6 +53,8 @@ class TilePainter {
   std::span<const uint32_t, kCellsPerTile> ids() const { return ids_; }
 
  private:
+  void draw_footways(std::span<const Piece> pieces, std::span<const ElementIds> ids);
+  void draw_carriageways(std::span<const Piece> pieces, std::span<const ElementIds> ids, int layer);
   template <class Visit>
   void visit_near_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach,
                        Visit visit);
@@ -60,8 +68,9 @@ class TilePainter {
   std::array<float, kCellsPerTile>
       edge_distance_{};  ///< m outside the edge of the nearest carriageway
   std::array<uint32_t, kCellsPerTile> nearest_strip_{};
-  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> edges_;  // of an area, near the tile
+  std::array<bool, kCellsPerTile> on_left_{};  ///< of the nearest strip
   std::vector<double> crossings_;
+  std::vector<int> layers_;  // of the tile's carriageways, ascending
 };
 
 }  // namespace infuse::streetmap

@@ -16,8 +16,9 @@ struct Crossing {
 
   Crossing() {
     StreetPlan plan;
-    plan.strips.push_back({{SegmentKind::kCarriageway, 1}, {{-150, 0}, {150, 0}}, 3, 0.4, 2.4});
-    plan.strips.push_back({{SegmentKind::kCarriageway, 2}, {{0, -90}, {0, 90}}, 3, 0.4, 2.4});
+    plan.strips.push_back(
+        {{SegmentKind::kCarriageway, 1}, {{-150, 0}, {150, 0}}, 3, 0.4, 2.4, 2.4});
+    plan.strips.push_back({{SegmentKind::kCarriageway, 2}, {{0, -90}, {0, 90}}, 3, 0.4, 2.4, 2.4});
     bytes = *rasterise(plan, {.margin = 60}, "crossing");
     map = *SegmentMap::open(bytes, "crossing");
     constexpr int kSamples = 1500;

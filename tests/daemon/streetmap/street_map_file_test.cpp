@@ -11,6 +11,7 @@
 #include "drivers/gnss/local_frame.hpp"
 #include "drivers/recording/atomic_file.hpp"
 #include "drivers/text/text_file.hpp"
+#include "tests/large_extract.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -91,12 +92,34 @@ TEST_F(StreetMapFileTest, WidthsComeFromTheTagElseLanesElseClass) {
 }
 
 TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWithASidewalkTag) {
-  EXPECT_EQ(strip("highway=residential").sidewalk_width, 0);
-  EXPECT_EQ(strip("highway=residential sidewalk=no").sidewalk_width, 0);
-  EXPECT_GT(strip("highway=residential sidewalk=both").sidewalk_width, 1);
-  EXPECT_GT(strip("highway=primary sidewalk=right").sidewalk_width, 1);
-  EXPECT_GT(strip("highway=primary sidewalk:both=yes").sidewalk_width, 1);
+  const struct {
+    const char* tags;
+    bool left, right;
+  } expected[] = {{"", false, false},
+                  {"sidewalk=no", false, false},
+                  {"sidewalk=separate", false, false},
+                  {"sidewalk=both", true, true},
+                  {"sidewalk=right", false, true},
+                  {"sidewalk=left", true, false},
+                  {"sidewalk:both=yes", true, true},
+                  {"sidewalk:left=yes", true, false},
+                  {"sidewalk:both=separate sidewalk:right=yes", false, true},
+                  {"sidewalk=both sidewalk:left=separate", false, true}};
+  for (const auto& [tags, left, right] : expected) {
+    const auto street = strip(std::string("highway=residential ") + tags);
+    EXPECT_EQ(street.left_sidewalk_width > 1, left) << tags;
+    EXPECT_EQ(street.right_sidewalk_width > 1, right) << tags;
+  }
   EXPECT_GT(strip("highway=residential").kerb_width, 0);
+}
+
+TEST_F(StreetMapFileTest, BridgesAndCuttingsHaveTheirLayer) {
+  EXPECT_EQ(strip("highway=residential").layer, 0);
+  EXPECT_EQ(strip("highway=residential bridge=yes").layer, 1);
+  EXPECT_EQ(strip("highway=residential bridge=viaduct layer=2").layer, 2);
+  EXPECT_EQ(strip("highway=residential bridge=no layer=1").layer, 0);
+  EXPECT_EQ(strip("highway=residential layer=-1").layer, -1);
+  EXPECT_EQ(strip("highway=residential layer=high").layer, 0);
 }
 
 TEST_F(StreetMapFileTest, OpenAndSelfCrossingRingsAreReportedWithTheirId) {
@@ -176,6 +199,60 @@ TEST(StreetMap, AltfeldConvertsWithoutWarnings) {
   const auto made = make_street_map(INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm", {});
   ASSERT_TRUE(made) << made.error().message();
   EXPECT_THAT(made->warnings, testing::IsEmpty());
+}
+
+TEST_F(StreetMapFileTest, AWoodOverALargeExtractCostsNothing) {
+  const auto small = text::read_text(INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm", 1 << 20);
+  ASSERT_TRUE(small);
+  const auto path = folder_ / "large.osm";
+  size_t bytes[2] = {};
+  for (const bool wood : {false, true}) {  // the wood: 0.18 of 0.3 degrees
+    ASSERT_TRUE(text::write_text(path, large_extract(*small, 2, 0.3, 49.99, 8.49, wood)));
+    const auto made = make_street_map(path, {});
+    ASSERT_TRUE(made) << made.error().message();
+    bytes[wood ? 1 : 0] = made->bytes.size();
+    const auto map = streetmap::SegmentMap::open(made->bytes, "map");
+    ASSERT_TRUE(map);
+    EXPECT_GT(map->columns() * map->frame().cell_size, 9000);
+  }
+  EXPECT_LT(bytes[1], bytes[0] * 5 / 4);
+  EXPECT_LT(bytes[1], 6'000'000U);
+}
+
+TEST_F(StreetMapFileTest, ClipAndBoundsLimitWhatIsUsed) {
+  const auto path = folder_ / "map.osm";
+  const std::string ways = way(1, {1, 10}, "highway=residential") +
+                           way(2, {501, 510}, "highway=residential") +
+                           way(3, {901, 910}, "highway=residential");
+  const std::string whole = map_text(ways);
+  const auto names = [](const OsmStreetPlan& planned) {
+    std::vector<int64_t> ids;
+    for (const auto& strip : planned.plan.strips) ids.push_back(strip.segment.osm_id);
+    return ids;
+  };
+  const auto plan = [&](const std::string& bounds, const std::optional<osm::Bounds>& clip) {
+    std::string text = whole;
+    text.insert(text.find("<node"), bounds);
+    EXPECT_TRUE(text::write_text(path, text));
+    return build_street_plan(*osm::read_openstreetmap(path), clip);
+  };
+  const osm::Bounds south{49.9999 * kDegree, 7.99 * kDegree, 50.0001 * kDegree, 8.01 * kDegree};
+  const auto clipped = plan("", south);
+  EXPECT_THAT(names(clipped), testing::ElementsAre(1));
+  EXPECT_NEAR(clipped.plan.latitude, 50 * kDegree, 1e-9);
+  EXPECT_NEAR(clipped.plan.limit.sizes().y(), 2e-4 * kDegree * 6.37e6, 0.2);
+  // A hundred metres around the bounds of a file are used too; rows are ten metres apart.
+  const char* const far_south =
+      "<bounds minlat='49.99' minlon='7.99' maxlat='49.9996' maxlon='8.01'/>";
+  EXPECT_THAT(names(plan(far_south, {})), testing::ElementsAre(1, 2));
+  const char* const elsewhere = "<bounds minlat='1' minlon='1' maxlat='2' maxlon='2'/>";
+  const auto ignored = plan(elsewhere, {});
+  EXPECT_EQ(ignored.plan.strips.size(), 3U);
+  ASSERT_FALSE(ignored.warnings.empty());
+  EXPECT_THAT(ignored.warnings.back().message(), HasSubstr("no road within its bounds"));
+  const auto nothing = make_street_map(path, {.clip = osm::Bounds{0, 0, 0.1, 0.1}});
+  ASSERT_FALSE(nothing);
+  EXPECT_THAT(nothing.error().message(), HasSubstr("no drivable road within --clip"));
 }
 
 /// Share of the rows of a drive on carriageways, and the maximum distance from them, m.

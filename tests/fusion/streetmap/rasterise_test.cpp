@@ -32,7 +32,7 @@ Drawn draw(const StreetPlan& plan, double cell = 0.1) {
 
 StreetPlan one_street() {
   StreetPlan plan;
-  plan.strips.push_back({{SegmentKind::kCarriageway, 7}, {{-30, 5}, {30, 5}}, 3, 0.4, 2});
+  plan.strips.push_back({{SegmentKind::kCarriageway, 7}, {{-30, 5}, {30, 5}}, 3, 0.4, 2, 2});
   return plan;
 }
 
@@ -58,7 +58,7 @@ TEST(Rasterise, DrawsAStreetWithItsWidth) {
 
 TEST(Rasterise, HasNoKerbWhereStreetsMeet) {
   StreetPlan plan = one_street();
-  plan.strips.push_back({{SegmentKind::kCarriageway, 8}, {{0, 5}, {0, 60}}, 2.5, 0.4, 0});
+  plan.strips.push_back({{SegmentKind::kCarriageway, 8}, {{0, 5}, {0, 60}}, 2.5, 0.4});
   const Drawn drawn = draw(plan);
   for (double y = 2.1; y < 59; y += 0.1) {
     EXPECT_EQ(drawn.at(0, y).kind, SegmentKind::kCarriageway) << y;
@@ -85,6 +85,67 @@ TEST(Rasterise, LayersAreInOrder) {
   EXPECT_EQ(drawn.at(-10, 9).kind, SegmentKind::kFootway);  // over the pavement
   EXPECT_EQ(drawn.at(10, 5).kind, SegmentKind::kCrossing);
   EXPECT_NE(drawn.at(10, 9).kind, SegmentKind::kCrossing);  // only on the carriageway
+}
+
+TEST(Rasterise, PavementsLieOnTheirSideOfTheStreet) {
+  StreetPlan plan;  // eastwards: left is north
+  plan.strips.push_back({{SegmentKind::kCarriageway, 7}, {{-30, 5}, {30, 5}}, 3, 0.4, 0, 2});
+  const Drawn drawn = draw(plan);
+  EXPECT_EQ(drawn.at(0, 8.2).kind, SegmentKind::kKerb);
+  EXPECT_EQ(drawn.at(0, 1.8).kind, SegmentKind::kKerb);
+  EXPECT_EQ(drawn.at(0, 9.4).kind, SegmentKind::kOpenLand);
+  EXPECT_EQ(drawn.at(0, 0.6).kind, SegmentKind::kSidewalk);
+}
+
+TEST(Rasterise, AnOverpassMakesNoJunction) {
+  StreetPlan plan = one_street();  // below
+  PlanStrip ramp{{SegmentKind::kCarriageway, 8}, {{0, -60}, {0, -20}}, 2.5, 0.4};
+  PlanStrip bridge{{SegmentKind::kCarriageway, 9}, {{0, -20}, {0, 40}}, 2.5, 0.4};
+  bridge.layer = 1;
+  plan.strips.push_back(bridge);
+  plan.strips.push_back(ramp);
+  const Drawn drawn = draw(plan);
+  for (double y = -59; y < 39; y += 0.1) {  // kerbs all along the bridge, none across it
+    if (std::abs(y + 20) < 0.3) continue;
+    EXPECT_EQ(drawn.at(0, y).kind, SegmentKind::kCarriageway) << y;
+    EXPECT_EQ(drawn.at(0, y).osm_id, y < -20 ? 8 : 9) << y;
+    for (const double x : {-2.7, 2.7}) EXPECT_EQ(drawn.at(x, y).kind, SegmentKind::kKerb) << y;
+  }
+  EXPECT_EQ(drawn.at(0, -20.2).kind, SegmentKind::kCarriageway);
+  EXPECT_EQ(drawn.at(5, 5).osm_id, 7);
+}
+
+TEST(Rasterise, WaterLiesOnTheRightOfACoast) {
+  StreetPlan plan = one_street();
+  plan.strips.push_back({{SegmentKind::kWater, 6}, {{60, -8}, {0, -8}, {0, -20}, {-60, -20}}, 80});
+  const Drawn drawn = draw(plan);
+  for (double x = -29; x < 30; x += 1.7) {
+    for (double y = -25; y < 0; y += 0.9) {
+      const double shore = x > 0 ? -8 : -20;
+      if (std::abs(y - shore) < 0.1 || std::abs(x) < 0.1 || y < -19) continue;
+      ASSERT_EQ(drawn.at(x, y).kind == SegmentKind::kWater, y > shore) << x << " " << y;
+    }
+  }
+}
+
+TEST(Rasterise, DrawsOnlyTheCorridorOfTheStreets) {
+  StreetPlan plan = one_street();
+  PlanStrip far = plan.strips[0];
+  for (Eigen::Vector2d& point : far.points) point += Eigen::Vector2d(9000, 7000);
+  plan.strips.push_back(far);
+  const auto size = rasterise(plan, {}, "")->size();
+  plan.areas.push_back(
+      {{SegmentKind::kGreen, 2}, {{{-1e4, -1e4}, {2e4, -1e4}, {2e4, 2e4}, {-1e4, 2e4}}}});
+  const Drawn drawn = draw(plan, 0.2);
+  EXPECT_EQ(drawn.at(0, 50).kind, SegmentKind::kGreen);
+  EXPECT_EQ(drawn.at(9000, 6950).kind, SegmentKind::kGreen);
+  EXPECT_EQ(drawn.at(5000, 3500).kind, SegmentKind::kOpenLand);
+  EXPECT_LT(drawn.bytes.size(), 1.5 * static_cast<double>(size));
+  plan.limit = {Eigen::Vector2d(-50, -50), Eigen::Vector2d(50, 50)};
+  const Drawn limited = draw(plan, 0.2);
+  EXPECT_LT(limited.map.columns() * 0.2, 130);
+  EXPECT_EQ(limited.at(0, 5).kind, SegmentKind::kCarriageway);
+  EXPECT_EQ(limited.at(9000, 7005).kind, SegmentKind::kOpenLand);
 }
 
 TEST(Rasterise, BuildingsHaveWallsAndYards) {
@@ -137,6 +198,17 @@ TEST(Rasterise, RejectsEmptyOrTooLargePlans) {
   EXPECT_NE(large.error().what.find("3000 km"), std::string::npos);
   EXPECT_TRUE(RasterOptions{.cell_size = 0}.invalid());
   EXPECT_FALSE(RasterOptions{}.invalid());
+}
+
+TEST(Rasterise, StatesTheAreaBeforeItDraws) {
+  StreetPlan plan = one_street();
+  plan.strips[0].points[1] = {60000, 5};
+  int steps = 0;
+  const auto large = rasterise(plan, {.max_area = 1e6}, "", [&](double) { ++steps; });
+  ASSERT_FALSE(large);
+  EXPECT_NE(large.error().what.find("cover 4 km², more than the limit of 1 km²"),
+            std::string::npos);
+  EXPECT_EQ(steps, 0);
 }
 
 TEST(StreetPlan, FindsRingsThatCrossThemselves) {
