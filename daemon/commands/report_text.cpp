@@ -73,8 +73,14 @@ std::string health_text(const Json& health) {
     const std::string state = text_of(map, "state"), reason = text_of(map, "reason");
     const std::string sigma =
         state == "LOST" ? "" : fmt::format(", ± {:.1f} m", map.value("sigma", 0.0));
-    lines += fmt::format("  {:<5} street map: {}{}{}\n", text_of(map, "level"), state, sigma,
-                         reason.empty() ? "" : ": " + reason);
+    const std::string gnss = map.contains("gnss_offset_sigma")
+                                 ? fmt::format(", GNSS {:.1f} ± {:.1f} m off",
+                                               std::hypot(map.value("gnss_offset_east", 0.0),
+                                                          map.value("gnss_offset_north", 0.0)),
+                                               map.value("gnss_offset_sigma", 0.0))
+                                 : "";
+    lines += fmt::format("  {:<5} street map: {}{}{}{}\n", text_of(map, "level"), state, sigma,
+                         gnss, reason.empty() ? "" : ": " + reason);
     lines += findings_text(map);
   }
   return lines;

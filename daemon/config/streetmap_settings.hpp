@@ -28,7 +28,7 @@ struct StreetMapSettings {
   std::optional<InitialLocation> initial_location{};  ///< nothing: the pose, or GNSS fixes
   double initial_sigma = 2;         ///< m, standard deviation of the initial position
   double initial_yaw_sigma = 0.09;  ///< rad, standard deviation of the initial yaw
-  bool require_tracking = false;    ///< a pose that is UNSURE is not usable
+  bool require_tracking = true;     ///< false: a pose that is UNSURE is usable too
   double update_hz = 2;             ///< rate of particle weighting, in drive time
   streetmap::TrackerOptions tracker;
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
+
 #include "daemon/health/conditions.hpp"
 #include "daemon/health/health_options.hpp"
 #include "drivers/measurement/stamp.hpp"
@@ -18,6 +21,9 @@ struct StreetMapStatus {
   double elsewhere = 1;     ///< probability that the true place is another one that was checked
   double p_value = 1;       ///< probability of a match as good by chance
   double entropy = 1;       ///< normalised entropy of the particle weights, 0 … 1
+  /// GNSS fixes minus the pose on the map, m east and north; nothing without fixes.
+  std::optional<Eigen::Vector2d> gnss_offset{};
+  double gnss_offset_sigma = 0;  ///< m
   uint32_t particles = 0;
   uint64_t updates = 0;  ///< of the particle weights
 };

@@ -165,6 +165,8 @@ StreetMapStatus MapTracker::status() const {
     status.sigma = streetmap::PoseMoments{estimate.pose, estimate.covariance}.spread();
   }
   status.elsewhere = estimate.elsewhere;
+  status.gnss_offset = estimate.gnss_offset;
+  status.gnss_offset_sigma = estimate.gnss_offset_sigma;
   status.p_value = estimate.p_value;
   status.entropy = estimate.entropy;
   status.particles = static_cast<uint32_t>(estimate.particles);

@@ -223,6 +223,17 @@ void describe(Visitor& v, const TaskHealth<StreetMapStatus>& streetmap) {
   v.field("elsewhere", fraction(rounded(status.elsewhere)),
           "Probability that the true place is another one that was checked.",
           gauge("infuse_streetmap_elsewhere_probability"));
+  const bool fixes = status.gnss_offset.has_value();
+  const Eigen::Vector2d offset = status.gnss_offset.value_or(Eigen::Vector2d::Zero());
+  v.field("gnss_offset_east", when(fixes, rounded(offset.x())),
+          "GNSS fixes minus the pose on the map, m to the east.",
+          gauge("infuse_streetmap_gnss_offset_east_metres"));
+  v.field("gnss_offset_north", when(fixes, rounded(offset.y())),
+          "GNSS fixes minus the pose on the map, m to the north.",
+          gauge("infuse_streetmap_gnss_offset_north_metres"));
+  v.field("gnss_offset_sigma", when(fixes, rounded(status.gnss_offset_sigma)),
+          "Standard deviation of this offset, m.",
+          gauge("infuse_streetmap_gnss_offset_sigma_metres"));
   v.field("particles", status.particles, "Number of particles.",
           gauge("infuse_streetmap_particles"));
   v.field("updates", status.updates, "Updates of the particle weights.",

@@ -156,17 +156,20 @@ TEST_F(MapTrackerTest, InitialisesFromSeveralGnssFixes) {
       EXPECT_STREQ(tracker.pose(odometry).reason, "no initial pose") << i;
     }
   }
-  EXPECT_TRUE(tracker.pose(odometry).usable());
-  EXPECT_LT(error(tracker.pose(odometry)), 2);
+  const PoseReport started = tracker.pose(odometry);
+  EXPECT_TRUE(started.usable());
+  EXPECT_LT(error(started), 2);
+  ASSERT_TRUE(tracker.status().gnss_offset);
+  EXPECT_LT(tracker.status().gnss_offset->norm(), 3);
+  EXPECT_GT(tracker.status().gnss_offset_sigma, 0);
   EXPECT_NEAR(std::atan2(tracker.pose(odometry).T_frame_vehicle(1, 0),
                          tracker.pose(odometry).T_frame_vehicle(0, 0)),
               0, 0.05);
 }
 
-TEST_F(MapTrackerTest, ALocationStartsItAndTrackingCanBeAskedFor) {
+TEST_F(MapTrackerTest, ALocationStartsItAndIsNotUsableBeforeTracking) {
   const GnssFix place = fix_at(start_, {0, 0}, 1);
   settings_.initial_location = InitialLocation{place.latitude, place.longitude, M_PI / 2};
-  settings_.require_tracking = true;
   MapTracker tracker(settings_, town_.map, rig_);
   const PoseReport first = drive(tracker, 1);
   EXPECT_LT(error(first), 1.5);
@@ -174,6 +177,12 @@ TEST_F(MapTrackerTest, ALocationStartsItAndTrackingCanBeAskedFor) {
   EXPECT_FALSE(first.usable());
   EXPECT_STREQ(first.reason, first.map->reason);
   EXPECT_TRUE(is_valid_message(message(first)));
+  settings_.require_tracking = false;
+  MapTracker lenient(settings_, town_.map, rig_);
+  const PoseReport unsure = drive(lenient, 1);
+  EXPECT_TRUE(unsure.usable());
+  EXPECT_EQ(unsure.map->state, TrackState::kUnsure);
+  EXPECT_STRNE(unsure.map->reason, "");
 }
 
 TEST_F(MapTrackerTest, AGapInOdometryWidensTheParticles) {
