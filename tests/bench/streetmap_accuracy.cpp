@@ -340,11 +340,12 @@ constexpr const char* kDocumentHeader =
     "# Localisation accuracy on simulated drives\n\n"
     "Made by `./dev bench streetmap`, or section by section with `./dev bench "
     "streetmap:SECTION[=SEEDS]`:\n"
-    "`one_image`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `robot`, `wrong_initial_poses`, "
-    "`noisy_odometry`, `omission`,\n"
-    "`wrong_maps`; sections that are missing below have not been run. The tracker runs on cached "
-    "views, two per second,\n"
-    "as in the daemon. Errors are rms over a run without its first ten views, averaged over seeds; "
+    "`one_image`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `country_road`, `motorway`, "
+    "`robot`, `wrong_initial_poses`,\n"
+    "`given_starts`, `noisy_odometry`, `omission`, `wrong_maps`; sections that are missing below "
+    "have not been run.\n"
+    "The tracker runs on cached views, two per second, as in the daemon. Errors are rms over a run "
+    "without its first ten views, averaged over seeds; "
     "a seed sets the scale\n"
     "and bias of the odometry, the initial pose and the filter. The world deviates from the map.\n";
 
@@ -366,6 +367,8 @@ const std::vector<infuse::bench::Section>& sections() {
       {"kitti_05", "The route of KITTI 05", 20, on("kitti_05", one_drive)},
       {"kitti_07", "The route of KITTI 07", 20, on("kitti_07", one_drive)},
       {"street", "A street", 20, on("street", one_drive)},
+      {"country_road", "A country road", 10, on("country_road", one_drive)},
+      {"motorway", "A motorway", 10, on("motorway", one_drive)},
       {"robot", "A robot in a pedestrian zone (I tables 3.5, 3.6)", 100,
        on("pedestrian_zone", robot)},
       {"wrong_initial_poses", "Wrong initial poses (I figure 3.19(c))", 20,
