@@ -345,9 +345,10 @@ constexpr const char* kDocumentHeader =
     "`given_starts`, `noisy_odometry`, `omission`, `wrong_maps`; sections that are missing below "
     "have not been run.\n"
     "The tracker runs on cached views, two per second, as in the daemon. Errors are rms over a run "
-    "without its first ten views, averaged over seeds; "
-    "a seed sets the scale\n"
-    "and bias of the odometry, the initial pose and the filter. The world deviates from the map.\n";
+    "without its first ten\n"
+    "views, averaged over seeds; a seed sets the scale and bias of the odometry, the initial pose "
+    "and the filter. The world\n"
+    "deviates from the map.\n";
 
 const std::vector<infuse::bench::Section>& sections() {
   const auto on = [](const char* drive, const RowWriter& rows) {
