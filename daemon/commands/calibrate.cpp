@@ -6,6 +6,7 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
+#include "daemon/commands/calibration_comparison.hpp"
 #include "daemon/commands/calibration_report.hpp"
 #include "daemon/commands/calibration_run.hpp"
 #include "daemon/commands/command.hpp"
@@ -29,6 +30,8 @@ struct CalibrateArguments {
   double time_sigma_ms = 1;
   std::vector<double> max_sigma{0.2, 0.05};  // deg, m
   uint64_t seed = 1;
+  std::string compare;
+  std::string overlays;
   std::string report;
   std::string output;
   bool json = false;
@@ -66,11 +69,24 @@ std::optional<std::string> find_usage_error(const CalibrateArguments& arguments)
   if (const auto wrong = known_parameters(arguments).invalid()) {
     return "--intrinsics-sigma, --time-sigma: " + *wrong;
   }
+  if (!arguments.overlays.empty() && arguments.compare.empty()) {
+    return "--overlays needs --compare";
+  }
   for (const std::string& name : arguments.measures) {
     if (calibration::find_measure(name) != nullptr) continue;
     return "unknown measure '" + name + "'; known: " + measure_names();
   }
   return std::nullopt;
+}
+
+/// T_camera_lidar of the reference camera, as a rig.toml states it.
+Result<Eigen::Isometry3d> read_rig_pose(const std::string& file, const ScenePairs& pairs) {
+  const auto rig = recording::read_rig(file);
+  if (!rig) return tl::unexpected(rig.error());
+  const std::string& refcam = pairs.cameras.front().name;
+  const CameraMount* mount = rig->find_camera(refcam);
+  if (mount == nullptr) return fail("has no camera '" + refcam + "'", file);
+  return mount->T_camera_lidar;
 }
 
 /// T_camera_lidar from 16 numbers or a rig.toml; the drive's extrinsics by default.
@@ -90,12 +106,7 @@ Result<Eigen::Isometry3d> read_initial_pose(const CalibrateArguments& arguments,
     if (!rigid) return fail("the 16 numbers are not a rigid transform", "--start");
     return *rigid;
   }
-  const auto rig = recording::read_rig(arguments.initial_pose);
-  if (!rig) return tl::unexpected(rig.error());
-  const std::string& refcam = pairs.cameras.front().name;
-  const CameraMount* mount = rig->find_camera(refcam);
-  if (mount == nullptr) return fail("has no camera '" + refcam + "'", arguments.initial_pose);
-  return mount->T_camera_lidar;
+  return read_rig_pose(arguments.initial_pose, pairs);
 }
 
 int report_no_pairs(const CalibrateArguments& arguments, const ScenePairs& pairs) {
@@ -127,11 +138,28 @@ Result<void> write_rig(const CalibrateArguments& arguments, const ScenePairs& pa
   return recording::write_rig(arguments.output, rig);
 }
 
+/// Compares the first result with the rig of `--compare`, where that is wanted and there is one.
+Result<std::optional<ComparedExtrinsics>> compare_with_old(
+    const CalibrateArguments& arguments, const ScenePairs& held_out,
+    const std::optional<Eigen::Isometry3d>& T_old, const CalibrationRun& run) {
+  if (!T_old || !run.result.has_pose) return std::nullopt;
+  auto compared = compare_on(held_out, *T_old, run.result.T_refcam_lidar);
+  if (!compared) return tl::unexpected(compared.error());
+  if (!arguments.overlays.empty()) {
+    if (auto written = write_overlays(arguments.overlays, held_out, *compared); !written) {
+      return tl::unexpected(written.error());
+    }
+  }
+  return *compared;
+}
+
 /// Prints one object: the first measure's result, with the others under `measures`.
 void print(const CalibrateArguments& arguments, const ScenePairs& pairs,
-           const std::vector<CalibrationRun>& runs) {
+           const std::vector<CalibrationRun>& runs,
+           const std::optional<ComparedExtrinsics>& compared) {
   if (!arguments.json) {
     for (const CalibrationRun& run : runs) std::cout << to_text(run, pairs);
+    if (compared) std::cout << to_text(*compared);
     return;
   }
   Json json = to_json(runs.front(), pairs);
@@ -139,6 +167,7 @@ void print(const CalibrateArguments& arguments, const ScenePairs& pairs,
     json["measures"] = Json::array();
     for (size_t k = 1; k < runs.size(); ++k) json["measures"].push_back(to_json(runs[k], pairs));
   }
+  if (compared) json["comparison"] = to_json(*compared);
   std::cout << json_text(json) << "\n";
 }
 
@@ -147,8 +176,9 @@ int run(const CalibrateArguments& arguments) {
     return print_error(kCalibrateProgram, {*wrong, "", ""}, kUsage);
   }
   ProgressLine line;
-  const auto pairs =
-      read_scene_pairs(arguments.request, [&](double share) { line.show(0.5 * share, "reading"); });
+  SceneRequest request = arguments.request;
+  if (!arguments.compare.empty()) request.max_scenes *= 2;  // half of them are held out
+  auto pairs = read_scene_pairs(request, [&](double share) { line.show(0.5 * share, "reading"); });
   if (!pairs) {
     line.clear();
     return print_error(kCalibrateProgram, pairs.error(), kUnreadable);
@@ -158,6 +188,14 @@ int run(const CalibrateArguments& arguments) {
   if (pairs->pairs.empty()) {
     line.clear();
     return report_no_pairs(arguments, *pairs);
+  }
+  std::optional<Eigen::Isometry3d> T_old;
+  ScenePairs held_out;
+  if (!arguments.compare.empty()) {
+    const auto old = read_rig_pose(arguments.compare, *pairs);
+    if (!old) return print_error(kCalibrateProgram, old.error(), kUnreadable);
+    T_old = *old;
+    held_out = hold_out(*pairs);
   }
   calibration::CalibrateOptions options;
   options.screen.half_width = arguments.within_deg * kDegree;
@@ -188,8 +226,10 @@ int run(const CalibrateArguments& arguments) {
       return print_error(kCalibrateProgram, written.error(), kUnreadable);
     }
   }
+  const auto compared = compare_with_old(arguments, held_out, T_old, runs.front());
   line.clear();
-  print(arguments, *pairs, runs);
+  if (!compared) return print_error(kCalibrateProgram, compared.error(), kUnreadable);
+  print(arguments, *pairs, runs, *compared);
   const bool usable = runs.front().result.usable();
   if (!arguments.output.empty() && usable) {
     if (auto written = write_rig(arguments, *pairs, runs.front()); !written) {
@@ -255,6 +295,13 @@ Command declare_calibrate(CLI::App& infuse) {
       ->delimiter(',')
       ->type_name("DEG,M");
   app->add_option("--seed", arguments->seed, "seed of the random numbers (1)")->type_name("N");
+  app->add_option("--compare", arguments->compare,
+                  "compare the result with the extrinsics of a rig.toml, on as many further images "
+                  "that are held out")
+      ->type_name("RIG");
+  app->add_option("--overlays", arguments->overlays,
+                  "of --compare: write returns over images with both, side by side, as a PNG image")
+      ->type_name("FILE");
   app->add_option("--report", arguments->report, "write a report with images: DIR/index.html")
       ->type_name("DIR");
   app->add_option("-o,--output", arguments->output,
@@ -262,7 +309,8 @@ Command declare_calibrate(CLI::App& infuse) {
       ->type_name("rig.toml");
   app->add_flag("--json", arguments->json, "print the result as one JSON object");
   set_examples(*app, {"infuse calibrate drive/ --camera front -o rig.toml",
-                      "infuse calibrate monday/ tuesday/ --scenes 40 --report report/"});
+                      "infuse calibrate monday/ tuesday/ --scenes 40 --report report/",
+                      "infuse calibrate drive/ --compare old.toml --overlays both.png"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

@@ -99,6 +99,33 @@ CameraFrame draw_overlay(const ScenePair& pair, const CameraIntrinsics& intrinsi
   return frame;
 }
 
+CameraFrame join_images(std::span<const CameraFrame> images, int columns) {
+  int column_width = 0, row_height = 0;
+  for (const CameraFrame& image : images) {
+    column_width = std::max(column_width, image.width);
+    row_height = std::max(row_height, image.height);
+  }
+  const int rows = (static_cast<int>(images.size()) + columns - 1) / columns;
+  CameraFrame joint;
+  joint.width = columns * column_width;
+  joint.height = rows * row_height;
+  joint.format = images.front().format;
+  joint.pixels.assign(joint.row_bytes() * static_cast<size_t>(joint.height), 0);
+  const auto pixel_bytes = static_cast<size_t>(channels(joint.format));
+  for (size_t k = 0; k < images.size(); ++k) {
+    const CameraFrame& image = images[k];
+    const size_t left = k % static_cast<size_t>(columns) * static_cast<size_t>(column_width);
+    const size_t top = k / static_cast<size_t>(columns) * static_cast<size_t>(row_height);
+    for (size_t v = 0; v < static_cast<size_t>(image.height); ++v) {
+      std::copy_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(v * image.row_bytes()),
+                  image.row_bytes(),
+                  joint.pixels.begin() + static_cast<std::ptrdiff_t>((top + v) * joint.row_bytes() +
+                                                                     left * pixel_bytes));
+    }
+  }
+  return joint;
+}
+
 CameraFrame draw_map(std::span<const double> values, int columns) {
   const auto [min_value, max_value] = std::minmax_element(values.begin(), values.end());
   const double span = std::max(*max_value - *min_value, 1e-300);

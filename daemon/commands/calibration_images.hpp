@@ -12,6 +12,10 @@ namespace infuse::daemon {
 CameraFrame draw_overlay(const ScenePair& pair, const CameraIntrinsics& intrinsics,
                          const Eigen::Isometry3d& T_camera_lidar);
 
+/// Joins images of one format: rows of `columns` images, each row as high as its highest, black
+/// where nothing is.
+CameraFrame join_images(std::span<const CameraFrame> images, int columns);
+
 /// Draws a table of numbers as a grey image, one pixel per number, from the minimum (dark) to the
 /// maximum (bright); row 0 is at the bottom.
 CameraFrame draw_map(std::span<const double> values, int columns);

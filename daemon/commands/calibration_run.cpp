@@ -114,6 +114,46 @@ Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double lengt
   return geometry::exp(xi) * T;
 }
 
+std::vector<calibration::RigCamera> rig_cameras(const ScenePairs& pairs) {
+  std::vector<calibration::RigCamera> cameras;
+  for (size_t c = 0; c < pairs.cameras.size(); ++c) {
+    cameras.push_back(
+        {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_refcam(pairs, c)});
+  }
+  return cameras;
+}
+
+Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
+                                                    const calibration::NamedMeasure& measure,
+                                                    const Eigen::Isometry3d& T_refcam_lidar) {
+  calibration::SceneOptions options;
+  options.equalize = measure.equalize_image;
+  options.lidar = {};
+  options.image = {};
+  for (const auto* terms : {&measure.terms, &measure.search_terms}) {
+    for (const calibration::TermOptions& term : *terms) {
+      for (const auto feature : term.lidar) options.lidar[calibration::index(feature)] = true;
+      for (const auto feature : term.image) options.image[calibration::index(feature)] = true;
+    }
+  }
+  std::vector<features::RingDirections> rings;
+  for (const calibration::RigCamera& camera : rig_cameras(pairs)) {
+    rings.push_back(
+        features::ring_directions(camera.model, camera.T_camera_refcam * T_refcam_lidar));
+  }
+  std::vector<calibration::Scene> scenes;
+  for (const ScenePair& pair : pairs.pairs) {
+    options.rings = rings[pair.camera];
+    auto scene = calibration::make_scene(pair.sweep, pair.frame, options);
+    if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);
+    scene->name = pair.name;
+    scene->camera = pair.camera;
+    scene->twist = pair.twist;
+    scenes.push_back(std::move(*scene));
+  }
+  return scenes;
+}
+
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& initial_pose,
@@ -123,32 +163,10 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   run.options.terms = measure.terms;
   run.options.search_terms = measure.search_terms;
   if (!measure.has_gradient) run.options.maximize.optimizer = calibration::Optimizer::kSimplex;
-  calibration::SceneOptions scene_options;
-  scene_options.equalize = measure.equalize_image;
-  scene_options.lidar = {};
-  scene_options.image = {};
-  for (const auto* terms : {&measure.terms, &measure.search_terms}) {
-    for (const calibration::TermOptions& term : *terms) {
-      for (const auto feature : term.lidar) scene_options.lidar[calibration::index(feature)] = true;
-      for (const auto feature : term.image) scene_options.image[calibration::index(feature)] = true;
-    }
-  }
-  std::vector<features::RingDirections> rings;
-  for (size_t c = 0; c < pairs.cameras.size(); ++c) {
-    run.cameras.push_back(
-        {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_refcam(pairs, c)});
-    const calibration::RigCamera& camera = run.cameras.back();
-    rings.push_back(features::ring_directions(camera.model, camera.T_camera_refcam * initial_pose));
-  }
-  for (const ScenePair& pair : pairs.pairs) {
-    scene_options.rings = rings[pair.camera];
-    auto scene = calibration::make_scene(pair.sweep, pair.frame, scene_options);
-    if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);
-    scene->name = pair.name;
-    scene->camera = pair.camera;
-    scene->twist = pair.twist;
-    run.scenes.push_back(std::move(*scene));
-  }
+  run.cameras = rig_cameras(pairs);
+  auto scenes = make_scenes(pairs, measure, initial_pose);
+  if (!scenes) return tl::unexpected(scenes.error());
+  run.scenes = std::move(*scenes);
   run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
   run.motion = motion_uncertainty(pairs, run.result.T_refcam_lidar);
   run.result.model_covariance += run.motion.covariance;

@@ -31,6 +31,15 @@ struct CalibrationRun {
 Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double length,
                           std::mt19937_64& random);
 
+/// The cameras of the pairs, the reference camera first.
+std::vector<calibration::RigCamera> rig_cameras(const ScenePairs& pairs);
+
+/// Makes a scene of every pair, with the features that `measure` compares; `T_refcam_lidar`
+/// directs image edges along the rings. Errors: a pair from which no scene can be made.
+Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
+                                                    const calibration::NamedMeasure& measure,
+                                                    const Eigen::Isometry3d& T_refcam_lidar);
+
 /// Calibrates with a named measure. Errors: a pair from which no scene can be made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,

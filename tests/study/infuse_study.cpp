@@ -18,6 +18,7 @@
 #include "tests/study/registration/k_means.hpp"
 #include "tests/study/registration/learn_codebook.hpp"
 #include "tests/study/registration/recorded_scans.hpp"
+#include "tests/study/rigs/compare_study.hpp"
 #include "tests/study/rigs/rig_study.hpp"
 #endif
 
@@ -170,30 +171,61 @@ void add_registration_commands(CLI::App& app) {
 struct RigsArguments {
   uint64_t seed = 20'000;  // no other study draws from there
   int count = 20;
-  bool quick = false;
+  bool cells = false;
+  std::string output = "rigs.csv";
 };
 
-/// Rows of all trials on standard output, the summary after them.
+/// Rows of all trials go to the file, the summary to standard output. Rigs that the file has are
+/// not tried again.
 int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
 #ifdef INFUSE_SIMULATOR
-  std::vector<RigTrial> all;
-  write_header(std::cout);
+  std::ifstream before(arguments.output);
+  std::vector<RigTrial> all = read_rows(before);
+  std::ofstream rows(arguments.output, std::ios::app);
+  if (!rows) {
+    std::cerr << "infuse-study: cannot write " << arguments.output << '\n';
+    return 2;
+  }
+  rows << '\n';  // ends a row whose writing was interrupted
+  write_header(rows);
+  const RigRecordingOptions recorded = arguments.cells
+                                           ? RigRecordingOptions{.diverse = 40, .neighbours = 40}
+                                           : RigRecordingOptions{.diverse = 10, .neighbours = 0};
   for (uint64_t seed = arguments.seed;
        seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
-    const auto recording = record_random_rig(
-        seed, arguments.quick ? RigRecordingOptions{.diverse = 10, .neighbours = 0}
-                              : RigRecordingOptions{});
+    if (std::any_of(all.begin(), all.end(), [&](const RigTrial& t) { return t.seed == seed; })) {
+      continue;
+    }
+    const auto recording = record_random_rig(seed, recorded);
     if (!recording) {
       std::cerr << "infuse-study: rig " << seed << ": " << recording.error().message() << '\n';
       continue;
     }
-    for (const RigTrial& trial : try_rig(*recording, seed, arguments.quick)) {
-      write_row(std::cout, trial);
+    const TrialSet set = arguments.cells ? TrialSet::kCells : TrialSet::kTrust;
+    for (const RigTrial& trial : try_rig(*recording, seed, set)) {
+      write_row(rows, trial);
       all.push_back(trial);
     }
-    std::cout << std::flush;
+    rows << std::flush;
   }
   write_summary(std::cout, all);
+  return 0;
+#else
+  std::cerr << "infuse-study: built without the simulator\n";
+  return 3;
+#endif
+}
+
+/// How often the better of two extrinsics is named, over rigs drawn at random.
+int study_comparison([[maybe_unused]] const RigsArguments& arguments) {
+#ifdef INFUSE_SIMULATOR
+  CompareCounts counts;
+  for (uint64_t seed = arguments.seed;
+       seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
+    const auto recording = record_random_rig(seed, {.diverse = 20, .neighbours = 0});
+    if (recording) compare_on(*recording, seed, counts);
+  }
+  std::cout << counts.text();
   return 0;
 #else
   std::cerr << "infuse-study: built without the simulator\n";
@@ -231,9 +263,18 @@ int main(int argc, char** argv) {
       "rigs", "calibrate rigs and worlds drawn at random, rightly and with faults");
   rigs_command->add_option("--seed", rigs.seed, "seed of the first rig (20000)");
   rigs_command->add_option("--count", rigs.count, "number of rigs (20)");
-  rigs_command->add_flag("--quick", rigs.quick, "ten images of each rig, fewer kinds of trial");
+  rigs_command->add_flag("--cells", rigs.cells,
+                         "right ones of 3 to 40 scenes, diverse and neighbouring, instead");
+  rigs_command->add_option("-o,--output", rigs.output,
+                           "rows of all trials; an interrupted study goes on from it (rigs.csv)");
+  RigsArguments compared;
+  CLI::App* compare_command = app.add_subcommand(
+      "compare", "compare right extrinsics of rigs drawn at random with wrong ones");
+  compare_command->add_option("--seed", compared.seed, "seed of the first rig (20000)");
+  compare_command->add_option("--count", compared.count, "number of rigs (20)");
   try {
     app.parse(argc, argv);
+    if (compare_command->parsed()) return study_comparison(compared);
     if (rigs_command->parsed()) return study_rigs(rigs);
     const std::vector<Estimator> estimators = make_estimators();
     if (run_command->parsed()) return run(find_estimator(estimators, key), read_pairs(file));

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
+#include <functional>
+#include <istream>
 #include <map>
 #include <ostream>
 #include <random>
@@ -17,7 +20,8 @@ using calibration::RigCamera;
 using calibration::Scene;
 using geometry::Vector6;
 
-constexpr double kChiSquare997 = 19.8;  // 99.7 % of 6 degrees of freedom
+constexpr double kChiSquare95 = 12.59;  // 95 % of 6 degrees of freedom
+constexpr double kChiSquare997 = 19.8;  // 99.7 %
 constexpr double kLateSeconds = 0.1;
 constexpr double kStartAngle = 2 * kDegree, kStartLength = 0.08;
 
@@ -25,7 +29,6 @@ constexpr double kStartAngle = 2 * kDegree, kStartLength = 0.08;
 struct Kind {
   const char* name;
   size_t scenes;
-  bool quick;  // part of a quick study
   void (*change)(CameraIntrinsics& camera, std::vector<RigScene>& scenes) = nullptr;
   bool neighbours = false;
 };
@@ -71,33 +74,24 @@ void stand_still(CameraIntrinsics&, std::vector<RigScene>& scenes) {
   }
 }
 
-constexpr Kind kKinds[] = {
-    {"right", 20, true},
-    {"right", 10, false},
-    {"right", 5, true},
-    {"right", 3, false},
-    {"neighbours", 8, false, nullptr, true},
-    {"cy + 2.4 % of the width", 20, true, raise_centre},
-    {"f - 3 %", 20, true, shorten_focal},
-    {"distortion left out", 20, true, drop_distortion},
-    {"images of other places", 20, true, shuffle_images},
-    {"images 0.1 s late", 20, true, delay_images},
-    {"one standing place", 20, false, stand_still},
+constexpr Kind kRight{"right", 10};
+constexpr Kind kFaults[] = {
+    {"cy + 2.4 % of the width", 10, raise_centre}, {"f - 3 %", 10, shorten_focal},
+    {"distortion left out", 10, drop_distortion},  {"images of other places", 10, shuffle_images},
+    {"images 0.1 s late", 10, delay_images},       {"one standing place", 10, stand_still},
 };
-
-std::vector<Scene> make_scenes(const std::vector<RigScene>& recorded, const RigCamera& camera,
-                               const Eigen::Isometry3d& initial) {
-  const calibration::SceneOptions options{.rings =
-                                              features::ring_directions(camera.model, initial)};
-  std::vector<Scene> scenes;
-  for (const RigScene& one : recorded) {
-    auto scene = calibration::make_scene(one.sweep, one.frame, options);
-    if (!scene) continue;
-    scene->twist = one.twist;
-    scenes.push_back(std::move(*scene));
-  }
-  return scenes;
-}
+constexpr Kind kCells[] = {
+    {"diverse", 3},
+    {"diverse", 5},
+    {"diverse", 10},
+    {"diverse", 20},
+    {"diverse", 40},
+    {"neighbours", 3, nullptr, true},
+    {"neighbours", 5, nullptr, true},
+    {"neighbours", 10, nullptr, true},
+    {"neighbours", 20, nullptr, true},
+    {"neighbours", 40, nullptr, true},
+};
 
 RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed) {
   const std::vector<RigScene>& from = kind.neighbours ? recording.neighbours : recording.diverse;
@@ -145,15 +139,32 @@ RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed
 
 }  // namespace
 
+std::vector<Scene> make_scenes(const std::vector<RigScene>& recorded, const RigCamera& camera,
+                               const Eigen::Isometry3d& initial) {
+  const calibration::SceneOptions options{.rings =
+                                              features::ring_directions(camera.model, initial)};
+  std::vector<Scene> scenes;
+  for (const RigScene& one : recorded) {
+    auto scene = calibration::make_scene(one.sweep, one.frame, options);
+    if (!scene) continue;
+    scene->twist = one.twist;
+    scenes.push_back(std::move(*scene));
+  }
+  return scenes;
+}
+
 bool RigTrial::surely_wrong() const {
   return usable && (rotation_error > 0.2 * kDegree || translation_error > 0.05) &&
          mahalanobis_squared > kChiSquare997;
 }
 
-std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, bool quick) {
+std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, TrialSet set) {
   std::vector<RigTrial> trials;
-  for (const Kind& kind : kKinds) {
-    if (!quick || kind.quick) trials.push_back(try_kind(recording, kind, seed));
+  if (set == TrialSet::kCells) {
+    for (const Kind& kind : kCells) trials.push_back(try_kind(recording, kind, seed));
+  } else {
+    trials.push_back(try_kind(recording, kRight, seed));
+    trials.push_back(try_kind(recording, kFaults[seed % std::size(kFaults)], seed));
   }
   return trials;
 }
@@ -172,27 +183,115 @@ void write_row(std::ostream& out, const RigTrial& t) {
       << t.reason << "\"\n";
 }
 
-void write_summary(std::ostream& out, const std::vector<RigTrial>& trials) {
-  struct Row {
-    int trials = 0, usable = 0, wrong = 0;
-    double squares = 0;
-  };
-  std::map<std::pair<std::string, size_t>, Row> rows;
-  for (const RigTrial& trial : trials) {
-    Row& row = rows[{trial.kind, trial.scenes}];
-    ++row.trials;
-    row.usable += trial.usable ? 1 : 0;
-    row.wrong += trial.surely_wrong() ? 1 : 0;
-    if (trial.usable) row.squares += trial.mahalanobis_squared;
+std::vector<RigTrial> read_rows(std::istream& in) {
+  constexpr size_t kColumns = 17;
+  std::vector<RigTrial> trials;
+  for (std::string line; std::getline(in, line);) {
+    std::vector<std::string> cells;
+    for (size_t begin = 0; cells.size() < kColumns && begin <= line.size();) {
+      const size_t comma = cells.size() + 1 < kColumns ? line.find(',', begin) : std::string::npos;
+      const size_t end = std::min(comma, line.size());
+      cells.push_back(line.substr(begin, end - begin));
+      begin = end + 1;
+    }
+    // The header, and a row whose writing was interrupted.
+    if (cells.size() < kColumns || cells[16].size() < 2 || cells[16].back() != '"') continue;
+    std::vector<double> numbers;
+    for (const std::string& cell : cells) numbers.push_back(std::strtod(cell.c_str(), nullptr));
+    trials.push_back({.seed = static_cast<uint64_t>(numbers[0]),
+                      .kind = cells[1],
+                      .lidar = cells[2],
+                      .width = static_cast<int>(numbers[3]),
+                      .height = static_cast<int>(numbers[4]),
+                      .fisheye = numbers[5] != 0,
+                      .scenes = static_cast<size_t>(numbers[6]),
+                      .effective_scenes = numbers[7],
+                      .usable = numbers[8] != 0,
+                      .reason = cells[16].substr(1, cells[16].size() - 2),
+                      .rotation_error = numbers[9] * kDegree,
+                      .translation_error = numbers[10] / 100,
+                      .rotation_sigma = numbers[11] * kDegree,
+                      .translation_sigma = numbers[12] / 100,
+                      .mahalanobis_squared = numbers[13],
+                      .scenes_mahalanobis_squared = numbers[14],
+                      .cpu_s = numbers[15]});
   }
-  out << "| kind | scenes | trials | usable | surely wrong | mean squared Mahalanobis error / 6 |\n"
-         "|---|---|---|---|---|---|\n";
-  for (const auto& [key, row] : rows) {
-    out << "| " << key.first << " | " << key.second << " | " << row.trials << " | " << row.usable
-        << " | " << row.wrong << " | ";
-    if (row.usable > 0) out << row.squares / (6 * row.usable);
+  return trials;
+}
+
+namespace {
+
+/// Word for what a reason names.
+std::string reason_word(const std::string& reason) {
+  constexpr std::pair<const char*, const char*> kWords[] = {
+      {"do not support", "support"},      {"another image time", "time"},
+      {"another", "intrinsics"},          {"count as", "too few places"},
+      {"at least 3", "too few scenes"},   {"restarts", "restarts"},
+      {"standard deviation of", "sigma"}, {"not observable", "observability"},
+      {"from the initial", "far"}};
+  for (const auto& [text, word] : kWords) {
+    if (reason.find(text) != std::string::npos) return word;
+  }
+  return reason.empty() ? "usable" : "other";
+}
+
+struct Row {
+  int trials = 0, usable = 0, wrong = 0, inside = 0;
+  double squares = 0;
+  std::map<std::string, int> reasons;
+};
+
+void write_table(std::ostream& out, const char* heading, const std::vector<RigTrial>& trials,
+                 const std::function<std::string(const RigTrial&)>& key) {
+  std::map<std::string, Row> rows;
+  for (const RigTrial& trial : trials) {
+    const std::string name = key(trial);
+    if (name.empty()) continue;
+    Row& row = rows[name];
+    ++row.trials;
+    row.wrong += trial.surely_wrong() ? 1 : 0;
+    if (!trial.usable) {
+      ++row.reasons[reason_word(trial.reason)];
+      continue;
+    }
+    ++row.usable;
+    row.squares += trial.mahalanobis_squared;
+    row.inside += trial.mahalanobis_squared < kChiSquare95 ? 1 : 0;
+  }
+  out << "\n| " << heading
+      << " | trials | usable | surely wrong | mean squared Mahalanobis error / 6 | inside 95 % | "
+         "refused for |\n|---|---|---|---|---|---|---|\n";
+  for (const auto& [name, row] : rows) {
+    out << "| " << name << " | " << row.trials << " | " << row.usable << " | " << row.wrong
+        << " | ";
+    if (row.usable > 0) out << std::round(100 * row.squares / (6 * row.usable)) / 100;
+    out << " | ";
+    if (row.usable > 0) out << row.inside << " of " << row.usable;
+    out << " | ";
+    const char* separator = "";
+    for (const auto& [word, count] : row.reasons) {
+      out << separator << word << ' ' << count;
+      separator = ", ";
+    }
     out << " |\n";
   }
+}
+
+}  // namespace
+
+void write_summary(std::ostream& out, const std::vector<RigTrial>& trials) {
+  write_table(out, "kind", trials, [](const RigTrial& trial) {
+    const std::string scenes = std::to_string(trial.scenes);
+    return trial.kind + ", " + (scenes.size() < 2 ? " " : "") + scenes + " scenes";
+  });
+  const auto right = [](const RigTrial& trial) { return trial.kind == "right"; };
+  write_table(out, "right: lidar", trials,
+              [&](const RigTrial& trial) { return right(trial) ? trial.lidar : ""; });
+  write_table(out, "right: camera", trials, [&](const RigTrial& trial) {
+    return !right(trial) ? ""
+                         : std::to_string(trial.width) + " x " + std::to_string(trial.height) +
+                               (trial.fisheye ? ", fisheye" : "");
+  });
 }
 
 }  // namespace infuse::study

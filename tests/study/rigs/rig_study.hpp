@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "fusion/calibration/scene.hpp"
+#include "fusion/calibration/visible_points.hpp"
 #include "tests/study/rigs/rig_recording.hpp"
 
 namespace infuse::study {
@@ -31,15 +33,30 @@ struct RigTrial {
   bool surely_wrong() const;
 };
 
-/// Calibrates a recording rightly and with every kind of fault, from an initial pose that is up to
-/// 2 degrees and 8 cm off about and along every axis.
-std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, bool quick);
+/// Makes scenes with the features of the default measure; `initial` directs edges along the rings.
+std::vector<calibration::Scene> make_scenes(const std::vector<RigScene>& recorded,
+                                            const calibration::RigCamera& camera,
+                                            const Eigen::Isometry3d& initial);
+
+/// Which trials are made of a rig.
+enum class TrialSet {
+  kTrust,  ///< one right, one with a fault, by the rig's seed
+  kCells,  ///< right ones of 3 to 40 scenes, diverse and neighbouring
+};
+
+/// Calibrates a recording from an initial pose that is up to 2 degrees and 8 cm off about and along
+/// every axis.
+std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, TrialSet set);
 
 void write_header(std::ostream& out);
 void write_row(std::ostream& out, const RigTrial& trial);
 
-/// Writes, per kind and number of scenes: how many are usable, surely wrong, and the mean squared
-/// Mahalanobis error divided by 6 of the usable ones.
+/// Reads rows that were written before; leaves out the header and incomplete rows.
+std::vector<RigTrial> read_rows(std::istream& in);
+
+/// Writes tables by kind, and of the right ones by lidar and by camera: how many are usable and
+/// surely wrong, the mean squared Mahalanobis error divided by 6 of the usable ones, how many of
+/// these lie inside the 95 % region, and what the others are refused for.
 void write_summary(std::ostream& out, const std::vector<RigTrial>& trials);
 
 }  // namespace infuse::study

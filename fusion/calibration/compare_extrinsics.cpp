@@ -1,0 +1,162 @@
+#include "fusion/calibration/compare_extrinsics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "fusion/calibration/image_pyramid.hpp"
+#include "fusion/calibration/named_measures.hpp"
+#include "fusion/calibration/scene_similarity.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+constexpr size_t kMinComparedPoints = 200;   // number of points of a scene under both poses
+constexpr size_t kMinIndependentScenes = 6;  // number
+constexpr double kSimilar = 0.5;             // of two scenes of one place
+constexpr size_t kMaxEnumerated = 16;        // number of values whose sign patterns are all tried
+constexpr size_t kDrawnPatterns = 20'000;
+
+/// Mean of the image edges under the depth edges, weighted by how strong these are.
+double edge_gradient(Objective& measure, const Eigen::Isometry3d& T, size_t edge_term) {
+  const Objective::Samples samples = measure.samples(T, edge_term);
+  double sum = 0, weights = 0;
+  for (size_t i = 0; i < samples.lidar.size(); ++i) {
+    if (!(samples.lidar[i] > 0) || std::isnan(samples.image[i])) continue;
+    const auto weight = static_cast<double>(samples.lidar[i]);
+    sum += weight * static_cast<double>(samples.image[i]);
+    weights += weight;
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
+SceneFit mean_of(const std::vector<SceneFit>& fits) {
+  SceneFit mean;
+  for (const SceneFit& fit : fits) {
+    mean.edge_gradient += fit.edge_gradient / static_cast<double>(fits.size());
+    mean.dependence += fit.dependence / static_cast<double>(fits.size());
+  }
+  return mean;
+}
+
+/// Differences divided by their root mean square; zeros where all are zero.
+std::vector<double> scaled_differences(const std::vector<SceneFit>& a,
+                                       const std::vector<SceneFit>& b, double SceneFit::*value) {
+  std::vector<double> differences;
+  double squares = 0;
+  for (size_t s = 0; s < a.size(); ++s) {
+    differences.push_back(b[s].*value - a[s].*value);
+    squares += differences.back() * differences.back();
+  }
+  const double scale = std::sqrt(squares / static_cast<double>(a.size()));
+  for (double& one : differences) one = scale > 0 ? one / scale : 0;
+  return differences;
+}
+
+}  // namespace
+
+std::optional<std::string> CompareOptions::invalid() const {
+  if (!(sigma >= 0)) return "sigma must not be negative";
+  if (!(max_p_value > 0 && max_p_value < 1)) return "max_p_value must lie between 0 and 1";
+  if (auto wrong = visibility.invalid()) return "visibility: " + *wrong;
+  return std::nullopt;
+}
+
+std::vector<size_t> group_similar(const Eigen::MatrixXd& similarity) {
+  const auto n = static_cast<size_t>(similarity.rows());
+  std::vector<size_t> group(n, n);
+  size_t groups = 0;
+  for (size_t first = 0; first < n; ++first) {
+    if (group[first] != n) continue;
+    std::vector<size_t> reached{first};
+    group[first] = groups;
+    while (!reached.empty()) {
+      const auto at = static_cast<Eigen::Index>(reached.back());
+      reached.pop_back();
+      for (size_t other = 0; other < n; ++other) {
+        if (group[other] != n || similarity(at, static_cast<Eigen::Index>(other)) <= kSimilar) {
+          continue;
+        }
+        group[other] = groups;
+        reached.push_back(other);
+      }
+    }
+    ++groups;
+  }
+  return group;
+}
+
+double sign_permutation_p_value(std::span<const double> values, uint64_t seed) {
+  // Sums that are equal but for rounding count as equal.
+  const double size = std::accumulate(values.begin(), values.end(), 0.0,
+                                      [](double sum, double v) { return sum + std::abs(v); });
+  const double least = std::abs(std::accumulate(values.begin(), values.end(), 0.0)) - 1e-12 * size;
+  const bool all = values.size() <= kMaxEnumerated;
+  const size_t patterns = all ? size_t{1} << values.size() : kDrawnPatterns;
+  std::mt19937_64 random(seed);
+  size_t as_large = all ? 0 : 1;  // of drawn ones, the given signs are one more
+  for (size_t k = 0; k < patterns; ++k) {
+    double sum = 0;
+    uint64_t signs = all ? k : 0;
+    for (size_t i = 0; i < values.size(); ++i, signs >>= 1) {
+      if (!all && i % 64 == 0) signs = random();
+      sum += (signs & 1) != 0 ? values[i] : -values[i];
+    }
+    as_large += std::abs(sum) >= least ? 1 : 0;
+  }
+  return static_cast<double>(as_large) / static_cast<double>(all ? patterns : patterns + 1);
+}
+
+ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
+                                       std::span<const RigCamera> cameras,
+                                       const Eigen::Isometry3d& T_refcam_lidar_a,
+                                       const Eigen::Isometry3d& T_refcam_lidar_b,
+                                       const CompareOptions& options) {
+  ExtrinsicComparison out;
+  const std::vector<TermOptions>& terms = named_measures().front().terms;
+  const auto edges = std::find_if(terms.begin(), terms.end(), [](const TermOptions& term) {
+    return is_edge(term.lidar.front());
+  });
+  const auto edge_term = static_cast<size_t>(edges - terms.begin());
+  const Eigen::Isometry3d poses[] = {T_refcam_lidar_a, T_refcam_lidar_b};
+  for (size_t s = 0; s < scenes.size(); ++s) {
+    const std::span<const Scene> scene = scenes.subspan(s, 1);
+    const VisiblePoints points = select_visible(scene, cameras, poses, options.visibility);
+    if (points.size() < kMinComparedPoints) continue;
+    const BlurredImages images(scene, terms, options.sigma);
+    Objective measure(points, images, cameras, scene, terms);
+    const auto fit = [&](const Eigen::Isometry3d& T) {
+      return SceneFit{.edge_gradient = edge_gradient(measure, T, edge_term),
+                      .dependence = measure.evaluate(T, false).estimate.value};
+    };
+    out.a.push_back(fit(T_refcam_lidar_a));
+    out.b.push_back(fit(T_refcam_lidar_b));
+    out.scenes.push_back(s);
+  }
+  out.mean_a = mean_of(out.a);
+  out.mean_b = mean_of(out.b);
+
+  const std::vector<size_t> group = group_similar(scene_similarity(scenes));
+  const auto by_gradient = scaled_differences(out.a, out.b, &SceneFit::edge_gradient);
+  const auto by_dependence = scaled_differences(out.a, out.b, &SceneFit::dependence);
+  std::vector<double> sums(scenes.size(), 0.0);
+  std::vector<char> seen(scenes.size(), 0);
+  for (size_t k = 0; k < out.scenes.size(); ++k) {
+    const size_t of = group[out.scenes[k]];
+    sums[of] += by_gradient[k] + by_dependence[k];
+    out.independent += seen[of] == 0 ? 1 : 0;
+    seen[of] = 1;
+  }
+  out.better = std::accumulate(sums.begin(), sums.end(), 0.0);
+  if (out.independent < kMinIndependentScenes) {
+    out.reason = std::to_string(out.independent) + " scenes of different places are too few: " +
+                 std::to_string(kMinIndependentScenes) + " are needed";
+    return out;
+  }
+  std::erase(sums, 0.0);
+  out.p_value = sign_permutation_p_value(sums, options.seed);
+  return out;
+}
+
+}  // namespace infuse::calibration
