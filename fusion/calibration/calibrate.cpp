@@ -30,6 +30,10 @@ constexpr int kMaxRestartsPerReturn = 2;  // one restart in so many must converg
 constexpr int kRestartBatches = 2;        // the second where not all of the first converged
 // Standard deviations of the initial translation; 97 % lie nearer.
 constexpr double kMaxTranslationSigmas = 3;
+// A displacement along the driving direction looks like images of another time.
+constexpr double kMinDelaySpeed = 1;      // m/s, mean of the scenes
+constexpr double kMinDelayCosine = 0.9;   // of the angle between displacement and driving
+constexpr double kForeignSupport = 0.75;  // images of other places have less
 
 /// Draws evenly from [−1, 1]; the standard's distributions differ between libraries.
 double draw_uniform(std::mt19937_64& random) {
@@ -204,6 +208,24 @@ class Calibration {
     return all;
   }
 
+  /// Delay of the images, s, that displaces the reference camera as far along the driving direction
+  /// as it lies from its initial position; nothing if that is near or in another direction.
+  std::optional<double> delay_along_travel(const Eigen::Isometry3d& T) const {
+    const Eigen::Vector3d moved = T.inverse().translation() - prior_position();
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    for (const Scene& scene : fine_scenes_) {
+      if (!scene.twist) return std::nullopt;
+      velocity += scene.twist->tail<3>() / static_cast<double>(fine_scenes_.size());
+    }
+    const double along = moved.dot(velocity);
+    if (moved.norm() <= kMaxTranslationSigmas * options_.initial_translation_sigma ||
+        velocity.norm() < kMinDelaySpeed ||
+        std::abs(along) < kMinDelayCosine * moved.norm() * velocity.norm()) {
+      return std::nullopt;
+    }
+    return along / velocity.squaredNorm();
+  }
+
   int evaluations() const {
     return evaluations_ + final_search_.evaluations() + fine_search_.evaluations() +
            coarse_search_.evaluations();
@@ -294,6 +316,10 @@ std::string format_text(const char* format, Values... values) {
 }
 
 std::string mismatch_text(const ModelMismatch& mismatch) {
+  if (mismatch.gross && mismatch.value == 0) {
+    return "a fit of the intrinsics with the pose does not converge near the given ones; check the "
+           "intrinsics";
+  }
   const std::string by = mismatch.value == 0
                              ? ""
                              : format_text("%+.2g%s%s, ", mismatch.value,
@@ -304,11 +330,17 @@ std::string mismatch_text(const ModelMismatch& mismatch) {
 
 /// Returns why the result cannot be used, or an empty text.
 std::string rejection_reason(const CalibrationResult& result, const Maximum& maximum, double moved,
-                             const CalibrateOptions& options) {
+                             std::optional<double> delay, const CalibrateOptions& options) {
   if (!maximum.usable()) return maximum.reason;
   if (result.uncertainty.effective_scenes < kMinEffectiveScenes) return result.uncertainty.reason;
   const bool gross = std::any_of(result.model_mismatches.begin(), result.model_mismatches.end(),
                                  [](const ModelMismatch& mismatch) { return mismatch.gross; });
+  if (delay && !gross && result.support >= kForeignSupport) {
+    return format_text(
+        "the result lies %.2f m from the initial position along the driving direction, as with "
+        "another image time (%+.0f ms); check the stamps of the images",
+        moved, 1e3 * *delay);
+  }
   if (result.support < options.min_support && !gross) {
     return format_text(
         "the scenes do not support it: only %.0f %% of small wrong rotations make them fit worse "
@@ -378,7 +410,8 @@ CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d&
   result.evaluations = finest.evaluations();
   const double moved =
       (result.T_refcam_lidar.inverse().translation() - initial_pose.inverse().translation()).norm();
-  result.reason = rejection_reason(result, maximum, moved, options);
+  result.reason = rejection_reason(result, maximum, moved,
+                                   calibration.delay_along_travel(result.T_refcam_lidar), options);
   return result;
 }
 

@@ -125,6 +125,7 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   }
   const IntrinsicsProblem freed(cameras, camera, T_refcam_lidar);
   Vector10 at = Vector10::Zero();
+  bool converged = false;
   VisibilityOptions thinned = visibility;
   for (const IntrinsicsLevel& level : kLevels) {
     thinned.max_points = level.points;
@@ -145,10 +146,13 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
       *gradient = freed.gradient(d, pulls, scenes) - prior_gradient;
       return estimate.value - 0.5 * prior_gradient.dot(d);
     };
-    at = from + ascend_bfgs_10d(value, kAscent).d;
+    const AscentResult<10> ascent = ascend_bfgs_10d(value, kAscent);
+    at = from + ascent.d;
+    converged = ascent.converged && at.tail<4>().cwiseAbs().maxCoeff() <= kPriorSteps;
     if (stop.stop_requested()) return std::nullopt;
   }
-  IntrinsicsEstimate out{.T_refcam_lidar = freed.pose(at), .correction = freed.correction(at)};
+  IntrinsicsEstimate out{
+      .T_refcam_lidar = freed.pose(at), .correction = freed.correction(at), .converged = converged};
   const std::vector<double> gain =
       scene_gains(select_visible(scenes, cameras, T_refcam_lidar, thinned),
                   images.at(std::end(kLevels)[-1].sigma), scenes, cameras, T_refcam_lidar,
@@ -174,7 +178,13 @@ std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& fre
                               kGrossPrincipalPointError * model.fy, kGrossRadialError);
   Eigen::Index which = 0;
   const double times = freed.correction.cwiseAbs().cwiseQuotient(gross).maxCoeff(&which);
-  if (!(times > 1) || !(freed.significance > kMinSignificance)) return std::nullopt;
+  if (!(times > 1) || !(freed.significance > kMinSignificance)) {
+    if (freed.converged) return std::nullopt;
+    ModelMismatch unknown = make_intrinsic_mismatch(0, 0, camera, cameras.size());
+    unknown.parameter.replace(0, std::string("focal length").size(), "set of intrinsics");
+    unknown.significant = unknown.serious = unknown.gross = true;
+    return unknown;
+  }
   ModelMismatch mismatch = make_intrinsic_mismatch(static_cast<size_t>(which),
                                                    freed.correction(which), camera, cameras.size());
   mismatch.significance = freed.significance;

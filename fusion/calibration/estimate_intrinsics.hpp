@@ -17,6 +17,9 @@ struct IntrinsicsEstimate {
   /// Estimated minus given: the logarithm of the focal lengths, the principal point (u, v, px), the
   /// first radial distortion coefficient.
   Eigen::Vector4d correction = Eigen::Vector4d::Zero();
+  /// The last level ended at a maximum, at most 10 % of the focal length, 7.5 % of it in the
+  /// principal point and 0.15 in k1 from the given intrinsics.
+  bool converged = true;
   int scenes = 0;           ///< number of the camera's scenes that were compared
   int improved_scenes = 0;  ///< number of these that fit better than with the given intrinsics
   /// Mean gain of a scene divided by its standard error (Student's t).
@@ -36,8 +39,9 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
 
 /// Returns the intrinsic with the largest error, as serious, if the error exceeds what any
 /// calibration of a camera leaves (2 % of the focal length, 1.5 % of it in the principal point,
-/// 0.04 in k1) and is significant (4 standard errors). Otherwise nothing. `cameras` have the given
-/// intrinsics.
+/// 0.04 in k1) and is significant (4 standard errors); or the intrinsics as a whole, without a
+/// value, if the estimate did not converge within its bounds. Otherwise nothing. `cameras` have the
+/// given intrinsics.
 std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& estimate,
                                                    std::span<const RigCamera> cameras,
                                                    size_t camera);

@@ -14,11 +14,13 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-// Steps of numeric differences: about the standard deviation of the result, within these limits.
-// Smaller steps measure how rings cross image edges instead of the shape of the maximum, larger
-// ones its flanks.
-constexpr double kMaxStep = 4e-3;  // rad; for translations times the median range of the points
-constexpr double kMinStep = 1e-3;  // likewise
+// Steps of numeric differences, in pixels of the reference camera: about the standard deviation of
+// the result, from this to so many times it; halves of it where it leads to no maximum. Smaller
+// steps measure how rings cross image edges instead of the shape of the maximum, larger ones its
+// flanks.
+constexpr double kStepPixels = 0.4;
+constexpr double kMaxStepGrowth = 4;
+constexpr double kMinStepGrowth = 0.25;
 constexpr double kMaxRotationSigma = 5 * kDegree;
 constexpr double kMaxTranslationSigma = 0.5;
 constexpr double kShrinkageScenes = 20;  // as many count as much as the curvature's shape
@@ -185,15 +187,24 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
       static_cast<double>(seen.size()) / (effective - 1) * gradient_scatter(seen);
   const double range = objective.median_range();
   Sandwich found{.reason = "not evaluated"};
-  for (double angle = kMinStep; angle <= kMaxStep; angle *= 2) {
+  const auto try_step = [&](double angle) {
     SceneCurvature curvatures = scene_curvature(objective, T_refcam_lidar, angle, range);
     const Sandwich next = sandwich(curvature(curvatures), scatter, effective);
-    if (next.reason.empty() || !found.reason.empty()) {
-      found = next;
-      out.curvature = curvature(curvatures);
-      out.scene_curvature = std::move(curvatures);
-    }
-    if (found.reason.empty() && max_angular_sigma(found.covariance, range) <= 2 * angle) break;
+    if (!next.reason.empty() && found.reason.empty()) return;
+    found = next;
+    out.curvature = curvature(curvatures);
+    out.scene_curvature = std::move(curvatures);
+  };
+  const double first = kStepPixels * objective.pixel_angle();
+  try_step(first);
+  for (double angle = first / 2; !found.reason.empty() && angle >= kMinStepGrowth * first;
+       angle /= 2) {
+    try_step(angle);
+  }
+  for (double angle = first; found.reason.empty() && angle < kMaxStepGrowth * first &&
+                             max_angular_sigma(found.covariance, range) > 2 * angle;
+       angle *= 2) {
+    try_step(2 * angle);
   }
   out.reason = found.reason;
   if (!out.usable()) return out;

@@ -33,6 +33,41 @@ struct Kind {
   bool neighbours = false;
 };
 
+/// Draws of the standard normal distribution (Box and Muller); the standard's differ between
+/// libraries.
+double draw_normal(std::mt19937_64& random) {
+  const double u = static_cast<double>((random() >> 11) + 1) * 0x1p-53;
+  const double v = static_cast<double>(random() >> 11) * 0x1p-53;
+  return std::sqrt(-2 * std::log(u)) * std::cos(2 * M_PI * v);
+}
+
+/// The sweeps as of `seconds` before the exposure.
+void shift_time(std::vector<RigScene>& scenes, double seconds) {
+  for (RigScene& scene : scenes) {
+    const Eigen::Isometry3d there = geometry::exp(seconds * scene.twist);
+    for (size_t i = 0; i < scene.sweep.size(); ++i) {
+      const Eigen::Vector3d p =
+          there * Eigen::Vector3d(scene.sweep.x[i], scene.sweep.y[i], scene.sweep.z[i]);
+      scene.sweep.x[i] = static_cast<float>(p.x());
+      scene.sweep.y[i] = static_cast<float>(p.y());
+      scene.sweep.z[i] = static_cast<float>(p.z());
+    }
+  }
+}
+
+/// Errors of intrinsics and clock as a careful calibration leaves them: as the defaults assume.
+void draw_known_errors(CameraIntrinsics& camera, std::vector<RigScene>& scenes,
+                       std::mt19937_64& random) {
+  const calibration::KnownParameters known;
+  const double focal = std::exp(known.focal_sigma * draw_normal(random));
+  camera.fx *= focal;
+  camera.fy *= focal;
+  camera.cx += known.principal_point_sigma * draw_normal(random);
+  camera.cy += known.principal_point_sigma * draw_normal(random);
+  camera.distortion[0] += known.radial_sigma * draw_normal(random);
+  shift_time(scenes, to_seconds(known.time_sigma) * draw_normal(random));
+}
+
 void raise_centre(CameraIntrinsics& camera, std::vector<RigScene>&) {
   camera.cy += 0.024 * camera.width;
 }
@@ -44,18 +79,8 @@ void drop_distortion(CameraIntrinsics& camera, std::vector<RigScene>&) { camera.
 void shuffle_images(CameraIntrinsics&, std::vector<RigScene>& scenes) {
   for (size_t k = 0; k + 3 < scenes.size(); ++k) std::swap(scenes[k].frame, scenes[k + 3].frame);
 }
-/// Sweeps as of a moment before the exposure.
 void delay_images(CameraIntrinsics&, std::vector<RigScene>& scenes) {
-  for (RigScene& scene : scenes) {
-    const Eigen::Isometry3d there = geometry::exp(kLateSeconds * scene.twist);
-    for (size_t i = 0; i < scene.sweep.size(); ++i) {
-      const Eigen::Vector3d p =
-          there * Eigen::Vector3d(scene.sweep.x[i], scene.sweep.y[i], scene.sweep.z[i]);
-      scene.sweep.x[i] = static_cast<float>(p.x());
-      scene.sweep.y[i] = static_cast<float>(p.y());
-      scene.sweep.z[i] = static_cast<float>(p.z());
-    }
-  }
+  shift_time(scenes, kLateSeconds);
 }
 /// The first place again and again, with noise of ranges and pixels.
 void stand_still(CameraIntrinsics&, std::vector<RigScene>& scenes) {
@@ -101,8 +126,9 @@ RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed
     recorded.push_back(from[(2 * k + 1) * from.size() / (2 * count)]);
   }
   CameraIntrinsics stated = recording.camera;
-  if (kind.change != nullptr) kind.change(stated, recorded);
   std::mt19937_64 random(seed);
+  draw_known_errors(stated, recorded, random);
+  if (kind.change != nullptr) kind.change(stated, recorded);
   Vector6 off;
   for (int k = 0; k < 6; ++k) {
     const double uniform = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
