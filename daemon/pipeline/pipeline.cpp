@@ -30,11 +30,16 @@ ReportItem report_item(const PipelineSetup& setup) {
 FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& options) {
   const bool use_lidar = options.odometry.use_lidar.value_or(!setup.vehicle.has_motion_sensor()) &&
                          !setup.rig.lidars.empty();
+  OdometrySettings odometry = options.odometry;
+  // Sensors that measure in the vehicle's axes know what is forward; a lidar alone only by its
+  // mounting.
+  odometry.filter.moves_forward = setup.vehicle.has_motion_sensor() || setup.rig.lidars.empty() ||
+                                  setup.rig.lidars[0].is_mounting_known();
   return {.rig = setup.rig,
           .has_odometry = setup.vehicle.has_odometry() || use_lidar,
           .has_motion_sensor = setup.vehicle.has_motion_sensor(),
           .use_lidar = use_lidar,
-          .odometry = options.odometry,
+          .odometry = odometry,
           .calibration = options.calibration,
           .delivery = setup.delivery,
           .streetmap = options.streetmap,

@@ -42,6 +42,11 @@ struct LidarMount {
   std::string name;
   std::string model;  ///< as drivers/velodyne names it ("HDL-32E"); empty for decoded sweeps
   Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
+
+  /// False if the vehicle frame is the lidar's own: then no axis of it need point forward.
+  bool is_mounting_known() const {
+    return T_vehicle_lidar.matrix() != Eigen::Matrix4d::Identity();
+  }
 };
 
 /// Sensors of a vehicle and their mounting. Names are unique within each list.

@@ -172,6 +172,10 @@ void OdometryState::release_motion(Stamp since, Stamp now) {
     P_ += direction * direction.transpose();
   };
   release(kSpeed, 3, kSpeedSigma);
+  if (!options_.moves_forward) {
+    release(kAcross, 4, kSpeedSigma);
+    if (!options_.planar) release(kUp, 5, kSpeedSigma);
+  }
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
     release(kAngularVelocity + i, i, kAngularVelocitySigma);
   }

@@ -12,6 +12,8 @@ namespace infuse::motion {
 struct OdometryOptions {
   bool planar = true;  ///< roll, pitch and height stay 0; false: full 3D, for a vehicle with three
                        ///< gyros or a `RelativePose`
+  bool moves_forward = true;  ///< the vehicle moves along its x axis; false: in any direction, as
+                              ///< the frame of a lidar whose mounting is not known
   double wheelbase = 2.7;     ///< m
   double track = 1.55;        ///< m between left and right wheels
   double steering_ratio = 0;  ///< steering wheel angle to road wheel angle; 0: steering is not used
@@ -46,6 +48,8 @@ struct OdometryOptions {
   double standstill_speed = 0.05;         ///< m/s; a slower wheel is at rest
 
   double acceleration_walk = 2.0;      ///< m/s² per √s, random walk of the acceleration
+  double velocity_walk = 1.0;          ///< m/s per √s, of the velocity across and up, which is not 0
+                                       ///< without `moves_forward`
   double angular_velocity_walk = 0.4;  ///< rad/s per √s, random walk of the angular velocity
   double tilt_rate_walk = 0.1;         ///< rad/s per √s, of roll and pitch rate, which decay
   double translation_walk = 0.03;  ///< m per √s, translation not seen by the wheels, while moving

@@ -46,7 +46,8 @@ std::optional<std::string> OdometryOptions::invalid() const {
   for (const double sigma :
        {acceleration_walk, angular_velocity_walk, tilt_rate_walk, translation_walk, rotation_walk,
         yaw_bias_sigma, gyro_bias_sigma, bias_walk, wheel_scale_sigma, wheel_scale_walk,
-        steering_zero_sigma, east_heading_sigma, lidar_rotation_drift, lidar_translation_drift}) {
+        steering_zero_sigma, east_heading_sigma, lidar_rotation_drift, lidar_translation_drift,
+        velocity_walk}) {
     if (!(sigma >= 0)) return "a standard deviation must not be negative";
   }
   return std::nullopt;
@@ -82,7 +83,7 @@ void OdometryState::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
 }
 
 void OdometryState::reset_speed_covariance() {
-  for (const int i : {int{kSpeed}, int{kAcceleration}}) {
+  for (const int i : {int{kSpeed}, int{kAcceleration}, int{kAcross}, int{kUp}}) {
     P_.row(i).setZero();
     P_.col(i).setZero();
     recent_.col(i).setZero();
@@ -90,6 +91,9 @@ void OdometryState::reset_speed_covariance() {
   x_[kAcceleration] = 0;
   P_(kSpeed, kSpeed) = square(kUnknownSpeedSigma);
   P_(kAcceleration, kAcceleration) = 4;
+  if (options_.moves_forward) return;
+  P_(kAcross, kAcross) = square(kUnknownSpeedSigma);
+  if (!options_.planar) P_(kUp, kUp) = square(kUnknownSpeedSigma);
 }
 
 void OdometryState::reset_rotation_covariance() {
@@ -122,7 +126,7 @@ void OdometryState::predict(double seconds) {
   geometry::Vector6 twist = geometry::Vector6::Zero();
   twist.head<3>() = x_.segment<3>(kAngularVelocity);
   const double wheels = x_[kSpeed] + 0.5 * dt * x_[kAcceleration], scale = x_[kWheelScale];
-  twist[3] = scale * wheels;
+  twist.tail<3>() << scale * wheels, x_[kAcross], x_[kUp];
 
   // exp((τ + δ) dt) ≈ exp(J δ dt) exp(τ dt): an error of the motion enters the pose through T and
   // J; the pose error itself is unchanged.
@@ -138,6 +142,7 @@ void OdometryState::predict(double seconds) {
   F.block<6, 1>(kPose, kSpeed) = scale * gain.col(3);
   F.block<6, 1>(kPose, kAcceleration) = 0.5 * dt * scale * gain.col(3);
   F.block<6, 1>(kPose, kWheelScale) = wheels * gain.col(3);
+  F.block<6, 2>(kPose, kAcross) = gain.rightCols<2>();
   F(kSpeed, kAcceleration) = dt;
   F(kAcceleration, kAcceleration) = decay;
   F(kSteeringZero, kSteeringZero) = steering_zero_decay;
@@ -174,6 +179,10 @@ void OdometryState::predict(double seconds) {
   }
   P_(kSpeed, kSpeed) += square(options_.acceleration_walk) * dt * dt * dt / 3;
   P_(kAcceleration, kAcceleration) += square(options_.acceleration_walk) * dt;
+  if (!options_.moves_forward) {
+    P_(kAcross, kAcross) += square(options_.velocity_walk) * dt;
+    if (!options_.planar) P_(kUp, kUp) += square(options_.velocity_walk) * dt;
+  }
   P_(kYawRateBias, kYawRateBias) += square(options_.bias_walk) * dt;
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
     const double walk = i < 2 ? options_.tilt_rate_walk : options_.angular_velocity_walk;
@@ -329,18 +338,41 @@ bool OdometryState::update_steering(double steering_angle) {
 }
 
 bool OdometryState::update_gnss_speed(double measured) {
+  return update(measured - std::abs(speed()), speed_derivative(), options_.gnss_speed_noise,
+                kGateSigmas);
+}
+
+OdometryState::Vector OdometryState::speed_derivative() const {
+  Eigen::Vector3d direction(std::copysign(1.0, x_[kSpeed]), 0, 0);
+  if (!options_.moves_forward && is_moving()) direction = velocity().normalized();
   Vector H = Vector::Zero();
-  H[kSpeed] = std::copysign(x_[kWheelScale], x_[kSpeed]);
-  H[kWheelScale] = std::abs(x_[kSpeed]);
-  return update(measured - std::abs(speed()), H, options_.gnss_speed_noise, kGateSigmas);
+  H[kSpeed] = x_[kWheelScale] * direction.x();
+  H[kWheelScale] = x_[kSpeed] * direction.x();
+  H[kAcross] = direction.y();
+  H[kUp] = direction.z();
+  return H;
+}
+
+double OdometryState::speed_sigma() const {
+  Vector H = speed_derivative();
+  H[kWheelScale] = 0;
+  return std::sqrt(H.dot(P_ * H));
 }
 
 bool OdometryState::update_gnss_course(double course) {
   constexpr double kFullCourseSpeed = 10;  // m/s
-  const Eigen::Vector3d ahead = T_odom_vehicle_.linear().col(0);
-  const double heading = std::atan2(ahead.y(), ahead.x()) + x_[kEastHeading];
   Vector H = Vector::Zero();
   H[kPose + 2] = H[kEastHeading] = 1;
+  Eigen::Vector3d ahead = T_odom_vehicle_.linear().col(0);
+  if (!options_.moves_forward) {
+    ahead = T_odom_vehicle_.linear() * velocity();
+    const Eigen::RowVector3d by_velocity =
+        Eigen::RowVector3d(-ahead.y(), ahead.x(), 0) / ahead.head<2>().squaredNorm() *
+        T_odom_vehicle_.linear();
+    H[kSpeed] = x_[kWheelScale] * by_velocity.x();
+    H.segment<2>(kAcross) = by_velocity.tail<2>().transpose();
+  }
+  const double heading = std::atan2(ahead.y(), ahead.x()) + x_[kEastHeading];
   const double noise =
       options_.gnss_course_noise * std::max(1.0, kFullCourseSpeed / std::abs(speed()));
   return update(wrap_angle(std::numbers::pi / 2 - course - heading), H, noise, kGateSigmas);
@@ -360,6 +392,12 @@ void OdometryState::update_standstill() {
   Vector H = Vector::Zero();
   H[kSpeed] = 1;
   update(-x_[kSpeed], H, kSpeedNoise, kNoGateSigmas);
+  for (const int i : {int{kAcross}, int{kUp}}) {
+    if (options_.moves_forward) break;
+    H.setZero();
+    H[i] = 1;
+    update(-x_[i], H, kSpeedNoise, kNoGateSigmas);
+  }
   H.setZero();
   H[kAcceleration] = 1;
   update(-x_[kAcceleration], H, 0.1, kNoGateSigmas);

@@ -29,7 +29,7 @@ struct RelativePoseUpdate {
 
 /// Extended Kalman filter of the vehicle motion: pose, speed and acceleration along x, angular
 /// velocity, and sensor errors. The vehicle moves along its x axis (no side slip at the rear axle)
-/// and turns. The pose error is a left perturbation in the odometry frame, so that prediction
+/// and turns; without `moves_forward` it has a velocity across and up too. The pose error is a left perturbation in the odometry frame, so that prediction
 /// leaves it unchanged and only adds to it.
 ///
 /// A bias learned while driving corrects the path driven before, gradually. A bias learned at
@@ -55,8 +55,10 @@ class OdometryState {
     kSteeringZero = 16,
     kEastHeading = 17,  ///< heading of the odometry frame, counter-clockwise from east
     kLidarDrift = 18,   ///< rad/m and m/m: error that successive relative poses share
-    kMotionSize = 24,
-    kSize = 42,  ///< with the clones
+    kAcross = 24,       ///< m/s along y; 0 with `moves_forward`
+    kUp = 25,           ///< m/s along z, the same
+    kMotionSize = 26,
+    kSize = 44,  ///< with the clones
   };
   static constexpr size_t kMaxClones = (kSize - kMotionSize) / 6;
   using Vector = Eigen::Matrix<double, kSize, 1>;
@@ -112,16 +114,25 @@ class OdometryState {
 
   const Eigen::Isometry3d& T_odom_vehicle() const { return T_odom_vehicle_; }
   geometry::Matrix6 pose_covariance() const { return P_.topLeftCorner<6, 6>(); }
-  double speed_sigma() const { return x_[kWheelScale] * std::sqrt(P_(kSpeed, kSpeed)); }
+  double speed_sigma() const;
   double yaw_rate_sigma() const {
     return std::sqrt(P_(kAngularVelocity + 2, kAngularVelocity + 2));
   }
-  double speed() const { return x_[kWheelScale] * x_[kSpeed]; }
+  /// Speed along x, m/s; without `moves_forward` that in the direction of motion.
+  double speed() const {
+    return options_.moves_forward ? x_[kWheelScale] * x_[kSpeed] : velocity().norm();
+  }
   Eigen::Vector3d angular_velocity() const { return x_.segment<3>(kAngularVelocity); }
   EstimatedParameter parameter(int index) const;
 
  private:
-  bool is_moving() const { return std::abs(x_[kSpeed]) > options_.standstill_speed; }
+  bool is_moving() const { return velocity().norm() > options_.standstill_speed * x_[kWheelScale]; }
+  /// m/s, in the vehicle frame.
+  Eigen::Vector3d velocity() const {
+    return {x_[kWheelScale] * x_[kSpeed], x_[kAcross], x_[kUp]};
+  }
+  /// Derivative of `speed()`'s magnitude; along x where the vehicle stands.
+  Vector speed_derivative() const;
   bool update(double innovation, const Vector& derivative, double noise, double gate);
   double expected_wheel_speed(size_t wheel) const;
   void apply(const Vector& change);

@@ -60,6 +60,77 @@ TEST(RelativePose, LidarAloneCarriesTheOdometryFromAStartAtSpeed) {
   EXPECT_EQ(filter.report().outliers, 0u);
 }
 
+/// Motion of a sensor at T_vehicle_sensor on the vehicle.
+RelativePose seen_from(const Eigen::Isometry3d& T_vehicle_sensor, RelativePose pose) {
+  const Eigen::Isometry3d T_sensor_vehicle = T_vehicle_sensor.inverse();
+  const geometry::Matrix6 to_vehicle = geometry::adjoint(T_vehicle_sensor);
+  pose.T_from_to = T_sensor_vehicle * pose.T_from_to * T_vehicle_sensor;
+  pose.information = (to_vehicle.transpose() * pose.information * to_vehicle).eval();
+  return pose;
+}
+
+// Nobody measured how the lidar is mounted: turned to any side, tilted, off the axle.
+TEST(RelativePose, LidarAloneOfUnknownMountingCarriesTheOdometryInAnyDirection) {
+  OdometryOptions options = full_options();
+  options.moves_forward = false;
+  for (const double yaw : {0.0, 0.5, 1.57, 3.1, -1.57}) {
+    Eigen::Isometry3d T_vehicle_sensor = Eigen::Isometry3d::Identity();
+    T_vehicle_sensor.linear() = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+                                 Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY()))
+                                    .matrix();
+    T_vehicle_sensor.translation() << 1.2, 0.3, 1.8;
+    const TrueDrive drive = town_drive(16);
+    SimulatedSensors sensors(drive, 6);
+    OdometryFilter filter(options);
+    add_sweep(filter, 0, nullptr);
+    const auto truth = [&](double from, double to) -> Eigen::Isometry3d {
+      return (drive.pose(from) * T_vehicle_sensor).inverse() * drive.pose(to) * T_vehicle_sensor;
+    };
+    double short_error = 0;
+    for (int i = 1; i < 155; ++i) {
+      const double t = kSweep * i;
+      const RelativePose pose = seen_from(T_vehicle_sensor, sensors.lidar(t - kSweep, t));
+      add_sweep(filter, t, &pose);
+      ASSERT_TRUE(filter.usable()) << filter.reason();
+      if (i < 3) continue;
+      EXPECT_NEAR(filter.report().speed, drive.twist(t)[3], 0.8) << yaw << ", " << t;
+      if (i % 10 != 0) continue;
+      const auto motion = filter.trajectory().between(seconds(t - 1), seconds(t));
+      const Vector6 error = geometry::log(truth(t - 1, t) * motion.T_from_to.inverse());
+      short_error += error.dot(motion.covariance.ldlt().solve(error)) / 6 / 15;
+    }
+    EXPECT_EQ(filter.report().outliers, 0u) << yaw;
+    EXPECT_GT(short_error, 0.4) << yaw;
+    EXPECT_LT(short_error, 2) << yaw;
+    const auto whole = filter.trajectory().between(seconds(0), seconds(15));
+    EXPECT_LT((whole.T_from_to.translation() - truth(0, 15).translation()).norm(), 1.2) << yaw;
+  }
+}
+
+// The course of a GNSS receiver is that of the motion, not of the sensor's x axis.
+TEST(RelativePose, UnknownMountingAndGnssAgree) {
+  OdometryOptions options = full_options();
+  options.moves_forward = false;
+  options.east_heading_sigma = 10;
+  const TrueDrive drive = town_drive(31);
+  SimulatedSensors sensors(drive, 7);
+  OdometryFilter filter(options);
+  Eigen::Isometry3d T_vehicle_sensor = Eigen::Isometry3d::Identity();
+  T_vehicle_sensor.linear() = Eigen::AngleAxisd(1.57, Eigen::Vector3d::UnitZ()).matrix();
+  add_sweep(filter, 0, nullptr);
+  for (int i = 1; i < 300; ++i) {
+    const double t = kSweep * i;
+    const RelativePose pose = seen_from(T_vehicle_sensor, sensors.lidar(t - kSweep, t));
+    add_sweep(filter, t, &pose);
+    if (i % 10 == 0) filter.add(sensors.gnss(t));
+  }
+  const OdometryReport report = filter.report();
+  EXPECT_NEAR(report.speed, drive.twist(29.9)[3], 0.3);
+  EXPECT_EQ(report.sources[static_cast<size_t>(OdometrySource::kGnssSpeed)].rejected, 0u);
+  EXPECT_EQ(report.sources[static_cast<size_t>(OdometrySource::kGnssCourse)].rejected, 0u);
+  EXPECT_EQ(report.sources[static_cast<size_t>(OdometrySource::kLidar)].rejected, 0u);
+}
+
 // The trajectory is continuous: correcting a motion leaves the poses before it as they were.
 TEST(RelativePose, CorrectsOnlyTheMotionSinceItsBegin) {
   const TrueDrive drive = town_drive(20);
