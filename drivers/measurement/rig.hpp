@@ -44,9 +44,7 @@ struct LidarMount {
   Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
 
   /// False if the vehicle frame is the lidar's own: then no axis of it need point forward.
-  bool is_mounting_known() const {
-    return T_vehicle_lidar.matrix() != Eigen::Matrix4d::Identity();
-  }
+  bool is_mounting_known() const { return T_vehicle_lidar.matrix() != Eigen::Matrix4d::Identity(); }
 };
 
 /// Sensors of a vehicle and their mounting. Names are unique within each list.

@@ -47,9 +47,9 @@ struct OdometryOptions {
   double lidar_translation_drift = 2e-3;  ///< m/m, the same
   double standstill_speed = 0.05;         ///< m/s; a slower wheel is at rest
 
-  double acceleration_walk = 2.0;      ///< m/s² per √s, random walk of the acceleration
-  double velocity_walk = 1.0;          ///< m/s per √s, of the velocity across and up, which is not 0
-                                       ///< without `moves_forward`
+  double acceleration_walk = 2.0;  ///< m/s² per √s, random walk of the acceleration
+  double velocity_walk = 1.0;      ///< m/s per √s, of the velocity across and up, which is not 0
+                                   ///< without `moves_forward`
   double angular_velocity_walk = 0.4;  ///< rad/s per √s, random walk of the angular velocity
   double tilt_rate_walk = 0.1;         ///< rad/s per √s, of roll and pitch rate, which decay
   double translation_walk = 0.03;  ///< m per √s, translation not seen by the wheels, while moving

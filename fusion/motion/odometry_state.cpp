@@ -366,9 +366,8 @@ bool OdometryState::update_gnss_course(double course) {
   Eigen::Vector3d ahead = T_odom_vehicle_.linear().col(0);
   if (!options_.moves_forward) {
     ahead = T_odom_vehicle_.linear() * velocity();
-    const Eigen::RowVector3d by_velocity =
-        Eigen::RowVector3d(-ahead.y(), ahead.x(), 0) / ahead.head<2>().squaredNorm() *
-        T_odom_vehicle_.linear();
+    const Eigen::RowVector3d by_velocity = Eigen::RowVector3d(-ahead.y(), ahead.x(), 0) /
+                                           ahead.head<2>().squaredNorm() * T_odom_vehicle_.linear();
     H[kSpeed] = x_[kWheelScale] * by_velocity.x();
     H.segment<2>(kAcross) = by_velocity.tail<2>().transpose();
   }

@@ -29,8 +29,8 @@ struct RelativePoseUpdate {
 
 /// Extended Kalman filter of the vehicle motion: pose, speed and acceleration along x, angular
 /// velocity, and sensor errors. The vehicle moves along its x axis (no side slip at the rear axle)
-/// and turns; without `moves_forward` it has a velocity across and up too. The pose error is a left perturbation in the odometry frame, so that prediction
-/// leaves it unchanged and only adds to it.
+/// and turns; without `moves_forward` it has a velocity across and up too. The pose error is a left
+/// perturbation in the odometry frame, so that prediction leaves it unchanged and only adds to it.
 ///
 /// A bias learned while driving corrects the path driven before, gradually. A bias learned at
 /// standstill would correct it at once, by metres: then samples correct only the last tenths of a
@@ -128,9 +128,7 @@ class OdometryState {
  private:
   bool is_moving() const { return velocity().norm() > options_.standstill_speed * x_[kWheelScale]; }
   /// m/s, in the vehicle frame.
-  Eigen::Vector3d velocity() const {
-    return {x_[kWheelScale] * x_[kSpeed], x_[kAcross], x_[kUp]};
-  }
+  Eigen::Vector3d velocity() const { return {x_[kWheelScale] * x_[kSpeed], x_[kAcross], x_[kUp]}; }
   /// Derivative of `speed()`'s magnitude; along x where the vehicle stands.
   Vector speed_derivative() const;
   bool update(double innovation, const Vector& derivative, double noise, double gate);

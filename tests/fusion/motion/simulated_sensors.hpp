@@ -10,15 +10,34 @@
 namespace infuse::motion {
 
 /// Town drive that starts at speed: winding, with slopes, at 9 to 15 m/s.
-inline TrueDrive town_drive(double length, double phase = 0) {
-  return TrueDrive(length, [phase](double t) {
-    geometry::Vector6 twist = geometry::Vector6::Zero();
-    twist[0] = 0.01 * std::sin(1.1 * t + phase);
-    twist[1] = 0.012 * std::cos(0.8 * t + phase);
-    twist[2] = 0.25 * std::sin(0.4 * t + phase);
-    twist[3] = 12 + 3 * std::sin(0.3 * t + 2 * phase);
-    return twist;
-  });
+inline TrueDrive town_drive(double length, double phase = 0, TrueDrive::TwistFunction unseen = {}) {
+  const auto twist = [phase](double t) {
+    geometry::Vector6 now = geometry::Vector6::Zero();
+    now[0] = 0.01 * std::sin(1.1 * t + phase);
+    now[1] = 0.012 * std::cos(0.8 * t + phase);
+    now[2] = 0.25 * std::sin(0.4 * t + phase);
+    now[3] = 12 + 3 * std::sin(0.3 * t + 2 * phase);
+    return now;
+  };
+  return TrueDrive(length, twist, std::move(unseen));
+}
+
+/// Motion that wheels and gyros do not see, as large as the options state: white noise whose
+/// integral is the random walk of the pose.
+inline TrueDrive::TwistFunction unseen_motion(double length, uint64_t seed,
+                                              const OdometryOptions& options) {
+  constexpr double kStep = 0.02;  // s
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0, 1 / std::sqrt(kStep));
+  std::vector<geometry::Vector6> noise(static_cast<size_t>(length / kStep) + 2);
+  for (geometry::Vector6& at : noise) {
+    for (int i = 0; i < 6; ++i) {
+      at[i] = (i < 3 ? options.rotation_walk : options.translation_walk) * normal(random);
+    }
+  }
+  return [noise = std::move(noise)](double t) {
+    return noise[std::min(static_cast<size_t>(t / kStep), noise.size() - 1)];
+  };
 }
 
 /// Errors of a simulated lidar odometry: white noise of each result, of which the information knows

@@ -11,15 +11,17 @@
 namespace infuse::motion {
 
 /// Simulated drive with known truth: body twist as a function of time (s), integrated in steps of
-/// half a millisecond.
+/// half a millisecond. `unseen` is a part of the motion that neither wheels nor gyros measure.
 class TrueDrive {
  public:
-  TrueDrive(double seconds, std::function<geometry::Vector6(double)> twist)
-      : twist_(std::move(twist)) {
+  using TwistFunction = std::function<geometry::Vector6(double)>;
+
+  TrueDrive(double seconds, TwistFunction twist, TwistFunction unseen = {})
+      : twist_(std::move(twist)), unseen_(std::move(unseen)) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     for (double t = 0; t <= seconds; t += kStep) {
       poses_.push_back(T);
-      T = T * geometry::exp(kStep * twist_(t + kStep / 2));
+      T = T * geometry::exp(kStep * motion(t + kStep / 2));
     }
   }
 
@@ -29,7 +31,7 @@ class TrueDrive {
   Eigen::Isometry3d pose(double t) const {
     const auto i = std::min(static_cast<size_t>(t / kStep), poses_.size() - 1);
     const double rest = t - kStep * static_cast<double>(i);
-    return poses_[i] * geometry::exp(rest * twist_(t - rest / 2));
+    return poses_[i] * geometry::exp(rest * motion(t - rest / 2));
   }
 
   /// Noiseless wheel speeds of a vehicle with the default dimensions.
@@ -49,7 +51,12 @@ class TrueDrive {
 
  private:
   static constexpr double kStep = 0.5e-3;
-  std::function<geometry::Vector6(double)> twist_;
+
+  geometry::Vector6 motion(double t) const {
+    return unseen_ ? geometry::Vector6(twist_(t) + unseen_(t)) : twist_(t);
+  }
+
+  TwistFunction twist_, unseen_;
   std::vector<Eigen::Isometry3d> poses_;
 };
 
