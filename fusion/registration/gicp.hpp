@@ -51,7 +51,8 @@ struct GicpOptions {
   double translation_tolerance = 1e-3;  ///< m
   size_t min_inliers = 50;              ///< fewer give no pose
   double min_inlier_fraction = 0.1;  ///< of the source's points; fewer: the clouds do not overlap
-  double min_plane_fraction = 0.01;  ///< a direction that is seen by fewer of the planes is free
+  double min_plane_fraction = 0.01;  ///< a direction is free if less of the points' (squared)
+                                     ///< displacement by it is along the planes' normals
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -1,5 +1,7 @@
 #include "fusion/registration/lidar_trajectory.hpp"
 
+#include "fusion/motion/constant_motion.hpp"
+
 namespace infuse::registration {
 namespace {
 
@@ -16,14 +18,8 @@ LidarTrajectory::LidarTrajectory(const Eigen::Isometry3d& T_vehicle_lidar,
       motion_({.capacity = 2, .max_gap = Duration(10'000'000'000)}) {}
 
 void LidarTrajectory::deskew(const Sweep& sweep, const geometry::Vector6& velocity) {
-  // A firing may lie a little outside the span that the sweep states.
-  const Stamp reference = middle(sweep);
-  const Duration half = sweep.span / 2 + Duration(10'000'000);
-  motion_.clear();
-  for (const Stamp stamp : {reference - half, reference + half}) {
-    motion_.append({stamp, geometry::exp(velocity * to_seconds(stamp - reference))});
-  }
-  deskewer_.deskew(sweep, motion_, reference, deskewed_);
+  motion::set_constant_motion(sweep, middle(sweep), velocity, motion_);
+  deskewer_.deskew(sweep, motion_, middle(sweep), deskewed_);
 }
 
 void LidarTrajectory::start(const Sweep& sweep, Stamp reference) {

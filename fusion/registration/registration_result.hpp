@@ -18,11 +18,10 @@ struct RegistrationResult {
   /// directions it is `kFreeVariance`.
   geometry::Matrix6 covariance = geometry::Matrix6::Zero();
   /// Number of directions that the geometry leaves free (along a tunnel, across a field), and those
-  /// directions: unit twists about the middle of the inliers, with rotations times `radius`. The
-  /// pose keeps the guess there.
+  /// directions: unit twists about the middle of the inliers, in units of the inliers' displacement
+  /// (root mean square, m). The pose keeps the guess there.
   int free_directions = 0;
   std::array<geometry::Vector6, 6> free{};
-  double radius = 1;       ///< m, root mean square distance of the inliers from their middle
   double rms = 0;          ///< m, of the inliers' distances from the planes
   size_t inliers = 0;      ///< points of the source with a counterpart in the target
   size_t points = 0;       ///< points of the source

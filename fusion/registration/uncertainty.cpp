@@ -15,6 +15,7 @@ using geometry::Vector6;
 
 constexpr double kClusterSize = 4;      // m; residuals further apart are taken as independent
 constexpr size_t kClusterSlots = 4096;  // clusters that share one are added: a larger cluster
+constexpr double kMinArm = 0.1;         // m; points nearer to an axis do not show the rotation
 constexpr double kNoiseFloor = 0.001;   // m; error of a cluster that its residuals do not show
 
 /// Gradient of one pair, w Jᵀ W r, in double precision: as `pose_system` sums it. Returns the
@@ -50,21 +51,35 @@ PairGradient pair_gradient(const Pairs& pairs, size_t i, const PairNoise& noise)
   return out;
 }
 
+/// Twists about the points' middle that move the points by 1 m in the root mean square: M^−½ with
+/// M the mean square displacement of the points by a twist. A rotation so counts by the points'
+/// distances from its axis, however far they reach along it.
+Matrix6 unit_displacements(const PoseSystem& system) {
+  const Eigen::Matrix3d to_middle = geometry::skew(system.mean);
+  const Eigen::Matrix3d arms =
+      2 * system.isotropic.topLeftCorner<3, 3>() / system.weight + to_middle * to_middle;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(arms);
+  Matrix6 unit = Matrix6::Identity();
+  unit.topLeftCorner<3, 3>() =
+      eigen.eigenvectors() *
+      eigen.eigenvalues().cwiseMax(kMinArm * kMinArm).cwiseSqrt().cwiseInverse().asDiagonal() *
+      eigen.eigenvectors().transpose();
+  return unit;
+}
+
 }  // namespace
 
 DeterminedDirections determined_directions(const PoseSystem& system, const PairNoise& noise,
                                            double min_plane_fraction) {
   DeterminedDirections out;
-  // exp(twist about the origin) = middle · exp(scaled twist) · middle⁻¹
-  Eigen::Isometry3d middle = Eigen::Isometry3d::Identity();
-  middle.translation() = system.mean;
-  Vector6 unit;
-  unit << Eigen::Vector3d::Constant(1 / std::max(system.radius, 1e-3)), Eigen::Vector3d::Ones();
-  out.twist_from_scaled = geometry::adjoint(middle) * unit.asDiagonal();
   if (!(system.weight > 0)) {
     out.count = 0;
     return out;
   }
+  // exp(twist about the origin) = middle · exp(scaled twist) · middle⁻¹
+  Eigen::Isometry3d middle = Eigen::Isometry3d::Identity();
+  middle.translation() = system.mean;
+  out.twist_from_scaled = geometry::adjoint(middle) * unit_displacements(system);
   // A plane whose normal is the direction counts 1 / 2ε.
   const Matrix6 scaled = out.twist_from_scaled.transpose() * system.planes * out.twist_from_scaled *
                          (2 * noise.plane_variance / system.weight);
@@ -93,7 +108,6 @@ void set_uncertainty(const Pairs& pairs, const PairNoise& noise, const PoseSyste
   for (int i = count; i < 6; ++i) {
     result.free[static_cast<size_t>(i - count)] = determined.basis.col(i);
   }
-  result.radius = system.radius;
   // The plane part of the residuals, summed over clusters; the squares of those sums.
   clusters.assign(2 * kClusterSlots, Vector6::Zero());
   double square = 0;

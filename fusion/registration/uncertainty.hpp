@@ -7,8 +7,8 @@
 namespace infuse::registration {
 
 /// Directions in which planes determine a pose, as columns 0 … count − 1 of `basis`: orthogonal
-/// twists about the points' middle, rotations in units of the points' radius. The other columns are
-/// the free directions.
+/// twists about the points' middle, in units of the points' displacement by them (root mean square,
+/// m). The other columns are the free directions.
 struct DeterminedDirections {
   geometry::Matrix6 basis = geometry::Matrix6::Identity();
   int count = 6;
@@ -16,7 +16,8 @@ struct DeterminedDirections {
   geometry::Matrix6 twist_from_scaled = geometry::Matrix6::Identity();
 };
 
-/// Finds the directions that are seen by at least `min_plane_fraction` of the planes.
+/// Finds the directions that the planes see: the part of the points' displacement that is along the
+/// normals is at least `min_plane_fraction` (in squares).
 DeterminedDirections determined_directions(const PoseSystem& system, const PairNoise& noise,
                                            double min_plane_fraction);
 

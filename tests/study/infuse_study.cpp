@@ -13,6 +13,7 @@
 #include "tests/study/dependence/gaussian_accuracy.hpp"
 #ifdef INFUSE_SIMULATOR
 #include "tests/study/registration/alignment_table.hpp"
+#include "tests/study/registration/covariance_study.hpp"
 #include "tests/study/registration/global_guess_study.hpp"
 #include "tests/study/registration/information_study.hpp"
 #include "tests/study/registration/k_means.hpp"
@@ -165,6 +166,15 @@ void add_registration_commands(CLI::App& app) {
     if (!recorded) throw std::runtime_error(recorded.error().message());
     std::cout << try_global_guess(recorded->scans, 50, 1).text() << '\n';
   });
+
+  static uint64_t first_seed = 1301;
+  static int towns = 50;
+  CLI::App* covariance = app.add_subcommand(
+      "covariance", "errors of GICP in units of its covariance, neighbouring simulated sweeps");
+  covariance->add_option("--seed", first_seed, "seed of the first drive")->capture_default_str();
+  covariance->add_option("--drives", towns, "number of drives, ten pairs each")
+      ->capture_default_str();
+  covariance->callback([] { std::cout << normalised_errors(first_seed, towns).text() << '\n'; });
 }
 #endif
 

@@ -69,6 +69,46 @@ TEST(Gicp, NamesTheDirectionsThatAFloorLeavesFree) {
   EXPECT_NEAR(result.information.diagonal()[3], 0, 1e-6 * result.information.diagonal()[5]);
 }
 
+/// Points on a straight road of 100 m, 6 m wide, between low walls, with boxes beside it; seeded.
+PointCloud narrow_road(unsigned seed, const Eigen::Isometry3d& T_road_sensor) {
+  constexpr size_t kPoints = 16'000;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::normal_distribution<double> noise(0, 0.01);
+  PointCloud cloud;
+  cloud.resize(kPoints);
+  for (size_t i = 0; i < kPoints; ++i) {
+    const double side = unit(random) > 0 ? 3 : -3;
+    Eigen::Vector3d p(50 * unit(random), 3 * unit(random), noise(random) - 1.7);
+    if (i % 4 == 1) p = {p.x(), side + noise(random), 0.5 * unit(random) - 1.2};
+    if (i % 8 == 2) {
+      p = {10 * std::round(5 * unit(random)) + noise(random),
+           side * (1 - 0.15 * (unit(random) + 1)), 0.5 * unit(random) - 1.2};
+    }
+    const Eigen::Vector3d seen = T_road_sensor.inverse() * p;
+    cloud.x[i] = static_cast<float>(seen.x());
+    cloud.y[i] = static_cast<float>(seen.y());
+    cloud.z[i] = static_cast<float>(seen.z());
+  }
+  return cloud;
+}
+
+// The road reaches far along x and little across, but its ground determines the roll.
+TEST(Gicp, TheGroundOfANarrowRoadDeterminesItsRoll) {
+  geometry::Vector6 twist;
+  twist << 0.01, 0.002, 0.005, 0.2, 0.05, 0.03;
+  const Eigen::Isometry3d truth = geometry::exp(twist);
+  const auto target = prepare_cloud(narrow_road(1, Eigen::Isometry3d::Identity()).points());
+  const auto source = prepare_cloud(narrow_road(2, truth).points());
+  const RegistrationResult result = gicp(target, source.cloud, Eigen::Isometry3d::Identity());
+  ASSERT_TRUE(result.usable()) << result.reason;
+  EXPECT_EQ(result.free_directions, 0) << result.free_directions_text();
+  const geometry::Vector6 error = geometry::log(truth * result.T_target_source.inverse());
+  EXPECT_LT(error.head<3>().norm(), 1e-3);
+  EXPECT_LT(error.tail<3>().norm(), 0.02);
+  EXPECT_LT(error.dot(result.information * error) / 6, 4);
+}
+
 TEST(Gicp, GivesAReasonForBadInput) {
   const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
   const auto room = prepare_cloud(random_room(1, 5000, 0.01, identity).points());
