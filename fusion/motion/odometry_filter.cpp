@@ -28,6 +28,14 @@ bool measures_speed(const WheelOdometry& sample) {
   return any_finite(sample.wheel_speed) || std::isfinite(sample.speed);
 }
 
+/// Errors of a receiver's speed are correlated: what it states seldom is known as well as the mean
+/// of what it would state often, down to the noise of one fix. Interval in s.
+double gnss_speed_noise(const OdometryOptions& options, double interval) {
+  constexpr double kStatedInterval = 0.1, kLeast = 0.5;  // s; part of the stated noise
+  if (interval <= kStatedInterval) return options.gnss_speed_noise;
+  return options.gnss_speed_noise * std::max(kLeast, std::sqrt(kStatedInterval / interval));
+}
+
 }  // namespace
 
 OdometryFilter::OdometryFilter(const OdometryOptions& options,
@@ -102,6 +110,8 @@ void OdometryFilter::reset_clock() {
   now_ = newest_stamp_ = last_steering_stamp_ = Stamp::earliest();
   sources_.reset();
   gnss_position_check_.reset();
+  speed_agreement_.reset();
+  last_gnss_speed_stamp_ = Stamp::earliest();
   at_rest_since_ = Stamp::latest();
 }
 
@@ -207,11 +217,7 @@ void OdometryFilter::update(const GnssFix& fix) {
     record(OdometrySource::kGnssPosition, *agrees);
     if (!*agrees) return;
   }
-  if (std::isfinite(fix.speed)) {
-    const bool accepted = state_.update_gnss_speed(fix.speed);
-    record(OdometrySource::kGnssSpeed, accepted);
-    if (accepted) last_gnss_speed_ = fix.speed;
-  }
+  if (std::isfinite(fix.speed)) update_gnss_speed(fix.speed);
   if (state_.speed() > kMinCourseSpeed) {
     if (std::isfinite(fix.course)) {
       record(OdometrySource::kGnssCourse, state_.update_gnss_course(fix.course));
@@ -219,6 +225,59 @@ void OdometryFilter::update(const GnssFix& fix) {
   } else if (sources_.carries(OdometrySource::kGnssSpeed, now_)) {
     record(OdometrySource::kGnssCourse, state_.update_slow_turn());
   }
+}
+
+void OdometryFilter::update_gnss_speed(double measured) {
+  const double interval =
+      last_gnss_speed_stamp_ == Stamp::earliest() ? 0 : to_seconds(now_ - last_gnss_speed_stamp_);
+  const double noise = gnss_speed_noise(options_, interval);
+  last_gnss_speed_stamp_ = now_;
+  bool accepted = state_.update_gnss_speed(measured, noise);
+  if (!accepted && wheels_slip(measured)) {
+    wheels_suspended_ = true;
+    wheels_agree_since_ = Stamp::latest();
+    const Eigen::Isometry3d T_odom_before = state_.T_odom_vehicle();
+    state_.release_acceleration(to_seconds(now_ - speed_agreement_->stamp));
+    accepted = state_.update_gnss_speed(measured, noise);
+    correct_since_agreement(T_odom_before);
+  }
+  record(OdometrySource::kGnssSpeed, accepted);
+  if (!accepted) return;
+  last_gnss_speed_ = measured;
+  const double speed = std::abs(state_.speed());
+  if (std::abs(measured - speed) < noise) speed_agreement_ = {now_, measured, speed};
+}
+
+// Wheels and receiver disagree, and nothing else tells the speed: wrong is the one whose speed has
+// changed more since they agreed.
+bool OdometryFilter::wheels_slip(double gnss_speed) const {
+  if (!speed_agreement_ || wheels_suspended_ || !sources_.carries(OdometrySource::kWheels, now_) ||
+      sources_.carries(OdometrySource::kLidar, now_) ||
+      now_ - speed_agreement_->stamp > options_.max_gnss_silence) {
+    return false;
+  }
+  return std::abs(std::abs(state_.speed()) - speed_agreement_->filter) >
+         std::abs(gnss_speed - speed_agreement_->gnss);
+}
+
+// The slip has grown since the speeds agreed: poses after that move by the square of the time. The
+// correction is as uncertain as it is large.
+void OdometryFilter::correct_since_agreement(const Eigen::Isometry3d& T_odom_before) {
+  const geometry::Vector6 change = geometry::log(state_.T_odom_vehicle() * T_odom_before.inverse());
+  const Stamp since = speed_agreement_->stamp;
+  const auto moved = [&](double share) {
+    const geometry::Vector6 part = share * share * change;
+    return geometry::Matrix6(part * part.transpose());
+  };
+  for (size_t i = trajectory_.index_at_or_after(since); i < trajectory_.size(); ++i) {
+    geometry::StampedPose pose = trajectory_[i];
+    const double share = to_seconds(pose.stamp - since) / to_seconds(now_ - since);
+    pose.T_odom_vehicle = geometry::exp(share * share * change) * pose.T_odom_vehicle;
+    pose.covariance += moved(share);
+    pose.steps += moved(share);
+    trajectory_.correct(i, pose);
+  }
+  steps_ += moved(1);
 }
 
 void OdometryFilter::add(const RelativePose& pose) {

@@ -96,6 +96,9 @@ class OdometryFilter {
   void update(const Mark& mark);
   void update_wheel_speeds(const WheelOdometry& sample);
   bool readmit_wheels(const WheelOdometry& sample);
+  void update_gnss_speed(double measured);
+  bool wheels_slip(double gnss_speed) const;
+  void correct_since_agreement(const Eigen::Isometry3d& T_odom_before);
   bool believe_lidar(const RelativePose& pose, const RelativePoseUpdate& update) const;
   void detect_standstill(bool at_rest);
   void record(OdometrySource source, bool accepted,
@@ -114,6 +117,13 @@ class OdometryFilter {
   OdometrySources sources_;
   GnssPositionCheck gnss_position_check_;
   std::optional<double> last_gnss_speed_;  // m/s, the last accepted
+  /// When the speed of the receiver and that of the filter last agreed; both speeds, m/s.
+  struct SpeedAgreement {
+    Stamp stamp;
+    double gnss = 0, filter = 0;
+  };
+  std::optional<SpeedAgreement> speed_agreement_;
+  Stamp last_gnss_speed_stamp_ = Stamp::earliest();
   bool wheels_suspended_ = false;
   Stamp wheels_agree_since_ = Stamp::latest();  // while suspended
   Stamp last_steering_stamp_ = Stamp::earliest();

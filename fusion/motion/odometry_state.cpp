@@ -337,9 +337,19 @@ bool OdometryState::update_steering(double steering_angle) {
   return true;
 }
 
-bool OdometryState::update_gnss_speed(double measured) {
-  return update(measured - std::abs(speed()), speed_derivative(), options_.gnss_speed_noise,
-                kGateSigmas);
+bool OdometryState::update_gnss_speed(double measured, double noise) {
+  return update(measured - std::abs(speed()), speed_derivative(), noise, kGateSigmas);
+}
+
+// The acceleration was wrong by a constant: one direction of the state.
+void OdometryState::release_acceleration(double seconds) {
+  constexpr double kSigma = 10;  // m/s²
+  Vector direction = Vector::Zero();
+  direction[kAcceleration] = kSigma;
+  direction[kSpeed] = kSigma * seconds;
+  direction.head<6>() =
+      0.5 * kSigma * square(seconds) * x_[kWheelScale] * geometry::adjoint(T_odom_vehicle_).col(3);
+  P_ += direction * direction.transpose();
 }
 
 OdometryState::Vector OdometryState::speed_derivative() const {

@@ -83,7 +83,7 @@ class OdometryState {
   bool update_gyro(const ImuSample& sample);
   bool update_gravity(const ImuSample& sample);
   bool update_steering(double steering_angle);
-  bool update_gnss_speed(double speed);
+  bool update_gnss_speed(double speed, double noise);  ///< noise: m/s
   bool update_gnss_course(double course);
   /// Updates with what a slow vehicle can turn.
   bool update_slow_turn();
@@ -103,6 +103,9 @@ class OdometryState {
   RelativePoseUpdate update_relative_pose(const RelativePose& pose);
   /// Makes the motion since the time of a clone uncertain: a source was wrong.
   void release_motion(Stamp since, Stamp now);
+
+  /// Makes the speed's change in the last `seconds` uncertain: a source of speed went wrong since.
+  void release_acceleration(double seconds);
 
   /// Resets the motion after a time without samples: the pose stays with a larger covariance, the
   /// motion is unknown.
