@@ -2,6 +2,7 @@
 
 #include "daemon/pipeline/pairing.hpp"
 #include "daemon/pipeline/sweep_summary.hpp"
+#include "fusion/motion/constant_motion.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -35,6 +36,13 @@ geometry::PointsView points_of(const motion::DeskewedSweep& deskewed) {
   return {deskewed.x, deskewed.y, deskewed.z};
 }
 
+/// True if a predicted motion would deskew a sweep visibly wrong.
+bool is_wrong(const Eigen::Isometry3d& predicted, const Eigen::Isometry3d& measured) {
+  constexpr double kRotation = 1e-3, kTranslation = 0.01;  // rad, m
+  const geometry::Vector6 error = geometry::log(predicted.inverse() * measured);
+  return error.head<3>().norm() > kRotation || error.tail<3>().norm() > kTranslation;
+}
+
 }  // namespace
 
 FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
@@ -51,6 +59,7 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       previous_sweeps_(setup.rig.lidars.size()),
       images_(images, images.capacity(),
               setup.delivery == Delivery::kWait ? EventCount::kNoTimeout : kImageTimeout),
+      measured_motion_({.capacity = 2, .max_gap = Duration(10'000'000'000)}),
       dropped_sweeps_(setup.rig.lidars.size()),
       image_counters_(setup.rig.cameras.size()) {
   if (setup.map != nullptr && !setup.map->empty() && setup.has_odometry) {
@@ -152,8 +161,11 @@ bool FusionThread::is_behind(Duration lateness) const {
   return setup_.delivery == Delivery::kOverwrite && behind_ > lateness;
 }
 
-// Deskews the sweep by prediction, registers it to the local map, and deskews it again with the
-// motion that this gives. A map that was started before the motion was known is reset.
+// Deskews the sweep by prediction and registers it to the local map; where the motion is not as
+// predicted, once more, deskewed by what was measured: a sweep that is deskewed for too large a
+// speed shows one that is too large by half as much. With the motion that this gives it is deskewed
+// again. A map that was started before the motion was known is reset: deskewed sweeps do not fit
+// it.
 SweepSnapshot FusionThread::measure_motion(const StreamItem& item) {
   const SweepSnapshot snapshot = deskew(item);
   if (is_behind(kLatencyBudget)) {
@@ -161,7 +173,7 @@ SweepSnapshot FusionThread::measure_motion(const StreamItem& item) {
     return snapshot;
   }
   const ScopedLatency timer(latency(Stage::kRegister));
-  const motion::DeskewedSweep& deskewed = snapshot.deskewed;
+  const motion::DeskewedSweep& deskewed = snapshot.deskewed;  // what is deskewed anew below
   const Stamp end = deskewed.reference;
   const bool predicted = deskewed.usable();
   std::optional<Eigen::Isometry3d> guess;
@@ -169,16 +181,26 @@ SweepSnapshot FusionThread::measure_motion(const StreamItem& item) {
     guess = motion.T_from_to;
   }
   last_registered_ = end;
+  if (predicted && !map_deskewed_) lidar_odometry_->reset();
   const bool first = lidar_odometry_->map_voxels() == 0;
-  const registration::LidarOdometryResult result =
+  registration::LidarOdometryResult result =
       lidar_odometry_->align(points_of(deskewed), end, guess);
-  if (result.usable() && located_) {
-    odometry_.add(result.motion);
-    deskew(item);  // into the memory that the snapshot refers to
+  const bool wrong = result.usable() && guess && is_wrong(*guess, result.motion.T_from_to);
+  if (wrong) {
+    const motion::RelativePose step = result.motion;
+    const geometry::Vector6 velocity =
+        geometry::log(step.T_from_to) / to_seconds(step.to - step.from);
+    motion::set_constant_motion(item.sweep, end, velocity, measured_motion_);
+    deskewers_[item.lidar].deskew(item.sweep, measured_motion_, end, deskewed_);
+    result = lidar_odometry_->align(points_of(deskewed), end, step.T_from_to);
   }
+  const bool measured = result.usable() && located_;
+  if (measured) odometry_.add(result.motion);
+  if (measured || wrong) deskew(item);
   located_ = result.usable() || first;
   if (!predicted && deskewed.usable()) lidar_odometry_->reset();
   lidar_odometry_->add(points_of(deskewed), result);
+  map_deskewed_ = deskewed.usable();
   return snapshot;
 }
 

@@ -113,6 +113,7 @@ class FusionThread {
   std::vector<Pin<StreamItem>> previous_sweeps_;  // processed last, by LidarIndex
   ImageQueue images_;
   std::optional<registration::LidarOdometry> lidar_odometry_;
+  geometry::Trajectory measured_motion_;  // of the sweep that is registered, at constant twist
   std::optional<MapTracker> map_tracker_;
   std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
   std::deque<CameraChannel> cameras_;       // by CameraIndex
@@ -123,6 +124,7 @@ class FusionThread {
   Duration behind_ = Duration::zero();         // host time since the item in hand was read
   Stamp last_registered_ = Stamp::earliest();  // end of a sweep
   bool located_ = false;                       // that sweep has a pose in the local map
+  bool map_deskewed_ = false;                  // sweeps of the local map are deskewed
   Stamp last_pose_ = Stamp::earliest();        // of the last pose without a sweep
   uint64_t not_deskewed_ = 0;
   std::vector<uint64_t> dropped_sweeps_;       // by LidarIndex
