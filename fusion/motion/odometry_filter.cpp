@@ -248,8 +248,8 @@ void OdometryFilter::update_gnss_speed(double measured) {
   if (std::abs(measured - speed) < noise) speed_agreement_ = {now_, measured, speed};
 }
 
-// Wheels and receiver disagree, and nothing else tells the speed: wrong is the one whose speed has
-// changed more since they agreed.
+// Wheels and receiver disagree, and nothing else measures the speed: wrong is the one whose speed
+// has changed more since they agreed.
 bool OdometryFilter::wheels_slip(double gnss_speed) const {
   if (!speed_agreement_ || wheels_suspended_ || !sources_.carries(OdometrySource::kWheels, now_) ||
       sources_.carries(OdometrySource::kLidar, now_) ||

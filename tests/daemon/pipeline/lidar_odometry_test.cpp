@@ -30,7 +30,7 @@ TEST(LidarOdometry, RealHdl32ECaptureOfAMovingCarIsDeskewedAndHasItsSpeed) {
     EXPECT_LT(report["speed"].get<double>(), 15.5) << "sweep " << sweeps;
   }
   ASSERT_GT(sweeps, 3U);
-  // Nobody states how this lidar is mounted: it may move any way. The second sweep tells the
+  // Nobody states how this lidar is mounted: it may move any way. The second sweep shows the
   // motion.
   EXPECT_EQ(sweeps, 6U);
   EXPECT_EQ(deskewed, 5U);
