@@ -74,19 +74,40 @@ void Server::accept(Acceptor& acceptor) {
 
 void Server::open_session(Session::Socket socket) {
   remove_closed();
-  if (sessions_.size() >= options_.max_clients) return reject(std::move(socket));
-  const auto peer = peer_of(socket.native_handle());
-  if (peer) spdlog::debug("client connected: process {} of user {}", peer->process, peer->user);
-  const bool is_owner = peer && (peer->user == ::geteuid() || peer->user == 0);
-  sessions_.push_back(
-      std::make_shared<Session>(std::move(socket), options_, last_values_, control_, is_owner));
+  ClientUser client;
+  if (const auto peer = peer_of(socket.native_handle())) {
+    spdlog::debug("client connected: process {} of user {}", peer->process, peer->user);
+    client = {peer->user, peer->user == ::geteuid() || peer->user == 0};
+  }
+  std::vector<ClientUser> connected;
+  for (const auto& session : sessions_) connected.push_back(session->user());
+  if (const auto refused = refuse_client(client, connected, options_)) {
+    return reject(std::move(socket), *refused);
+  }
+  sessions_.push_back(std::make_shared<Session>(std::move(socket), options_, last_values_, control_,
+                                                client, requests_of(client)));
   sessions_.back()->start(greeting_);
 }
 
-void Server::reject(Session::Socket socket) {
-  spdlog::warn("client rejected: {} are connected", sessions_.size());
-  const ErrorReply reply{"", "too many clients: " + std::to_string(sessions_.size()),
-                         "close another client, or raise socket.max_clients"};
+/// The same for all sessions of a user, also of those that come back at once.
+std::shared_ptr<TokenBucket> Server::requests_of(const ClientUser& client) {
+  std::shared_ptr<TokenBucket>& bucket = requests_[client.user];
+  if (!bucket) {
+    bucket = std::make_shared<TokenBucket>(options_.max_requests_hz, Session::Clock::now());
+  }
+  return bucket;
+}
+
+void Server::log_refusals() {
+  if (const auto line = refusals_.due_line(Session::Clock::now())) spdlog::warn(*line);
+}
+
+void Server::reject(Session::Socket socket, const std::string& reason) {
+  refusals_.add(reason);
+  log_refusals();
+  const ErrorReply reply{"", reason,
+                         "close another client, or raise max_clients or max_clients_per_user in "
+                         "[socket]"};
   ErrorCode ignored;
   socket.non_blocking(true, ignored);  // the buffer of a new socket has room for one line
   asio::write(socket, asio::buffer(message(reply) + '\n'), ignored);
@@ -121,6 +142,10 @@ void Server::check_sessions() {
     if (idle || (finish_deadline_ && now >= *finish_deadline_)) session->close();
   }
   remove_closed();
+  std::erase_if(requests_, [&](const auto& user) {
+    return user.second.use_count() == 1 && user.second->full(now);
+  });
+  log_refusals();
   if (finish_deadline_ && sessions_.empty()) {
     timer_.cancel();
     return;

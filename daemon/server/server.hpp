@@ -6,6 +6,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,7 +62,9 @@ class Server {
   template <class Acceptor>
   void accept(Acceptor& acceptor);
   void open_session(Session::Socket socket);
-  void reject(Session::Socket socket);
+  void reject(Session::Socket socket, const std::string& reason);
+  std::shared_ptr<TokenBucket> requests_of(const ClientUser& client);
+  void log_refusals();
   void check_sessions();
   void remove_closed();
 
@@ -77,6 +80,8 @@ class Server {
     return fail("this daemon accepts no control requests");
   };
   std::vector<std::shared_ptr<Session>> sessions_;
+  std::map<std::optional<uid_t>, std::shared_ptr<TokenBucket>> requests_;  // by user
+  RefusalLog refusals_;
   std::vector<std::function<void()>> stalled_accepts_;  // retried by check_sessions
   std::optional<Session::Clock::time_point> finish_deadline_;
 };

@@ -20,15 +20,15 @@ void Session::reply(const Reply& reply) {
 }
 
 Session::Session(Socket socket, const ServerOptions& options, const LastValues& last_values,
-                 const Control& control, bool is_owner)
+                 const Control& control, const ClientUser& user,
+                 std::shared_ptr<TokenBucket> requests)
     : socket_(std::move(socket)),
       options_(options),
       last_values_(last_values),
       control_(control),
-      is_owner_(is_owner),
-      request_tokens_(options.max_requests_hz),
-      last_request_(Clock::now()),
-      last_activity_(last_request_) {}
+      user_(user),
+      requests_(std::move(requests)),
+      last_activity_(Clock::now()) {}
 
 void Session::start(Line greeting) {
   queue(std::move(greeting));
@@ -69,7 +69,8 @@ void Session::process_input(size_t bytes) {
 }
 
 void Session::answer(std::string_view line) {
-  if (!within_rate()) return refuse("too many requests", "watch instead of polling");
+  if (!requests_->take(Clock::now()))
+    return refuse("too many requests", "watch instead of polling");
   const Result<Request> request = parse_request(line);
   if (!request) {
     const Error& error = request.error();
@@ -94,7 +95,7 @@ void Session::answer_poll() {
 
 void Session::answer_control(const Request& request) {
   const char* op = name_of(request.op);
-  if (!is_owner_) {
+  if (!user_.is_owner) {
     return reply(ErrorReply{op, "permission denied",
                             "run as the daemon's user or as root, on its Unix socket"});
   }
@@ -106,18 +107,6 @@ void Session::answer_control(const Request& request) {
 void Session::refuse(std::string what, std::string hint) {
   reply(ErrorReply{"", std::move(what), std::move(hint)});
   finish();
-}
-
-// Token bucket, filled at the permitted rate, that holds the tokens of one second.
-bool Session::within_rate() {
-  const auto now = Clock::now();
-  const double seconds = std::chrono::duration<double>(now - last_request_).count();
-  last_request_ = now;
-  request_tokens_ =
-      std::min(request_tokens_ + seconds * options_.max_requests_hz, options_.max_requests_hz);
-  if (request_tokens_ < 1) return false;
-  request_tokens_ -= 1;
-  return true;
 }
 
 // A client that has lost reports receives none until half of its queue is free: few long gaps

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/protocol/request.hpp"
+#include "daemon/server/client_limits.hpp"
 #include "daemon/server/last_values.hpp"
 #include "daemon/server/server_options.hpp"
 #include "drivers/measurement/stamp.hpp"
@@ -21,15 +22,15 @@ namespace infuse::daemon {
 class Session : public std::enable_shared_from_this<Session> {
  public:
   using Socket = boost::asio::generic::stream_protocol::socket;
-  using Clock = std::chrono::steady_clock;
+  using Clock = ServerClock;
 
   /// Handler of a control request; its error is sent to the client.
   using Control = std::function<Result<void>(const Request&)>;
 
-  /// `last_values` and `control` outlive the session. `is_owner`: true if the client may send
-  /// control requests.
+  /// `last_values` and `control` outlive the session. `user`: the owner may send control requests.
+  /// `requests`: limits the requests of all sessions of this user.
   Session(Socket socket, const ServerOptions& options, const LastValues& last_values,
-          const Control& control, bool is_owner);
+          const Control& control, const ClientUser& user, std::shared_ptr<TokenBucket> requests);
 
   /// Sends the greeting and starts reading.
   void start(Line greeting);
@@ -42,6 +43,8 @@ class Session : public std::enable_shared_from_this<Session> {
 
   /// Closes the connection at once.
   void close();
+
+  const ClientUser& user() const { return user_; }
 
   bool closed() const { return !socket_.is_open(); }
 
@@ -59,19 +62,17 @@ class Session : public std::enable_shared_from_this<Session> {
   void answer_control(const Request& request);
   void queue(Line line);
   void write();
-  bool within_rate();
 
   Socket socket_;
   const ServerOptions options_;
   const LastValues& last_values_;
   const Control& control_;
-  const bool is_owner_;
+  const ClientUser user_;
+  const std::shared_ptr<TokenBucket> requests_;
   ReportClasses watched_;
 
   std::array<char, kMaxRequestBytes + 1> input_{};
   size_t input_size_ = 0;
-  double request_tokens_;
-  Clock::time_point last_request_;
   Clock::time_point last_activity_;
 
   std::deque<Line> output_;
