@@ -63,6 +63,8 @@ void CalibrationGuard::fill_report(const monitoring::MonitorReport& monitor_repo
   report_.stamp = monitor_report.stamp;
   report_.state = supervisor_.state();
   report_.frozen = supervisor_.frozen();
+  report_.proposed = supervisor_.proposal().has_value();
+  report_.can_roll_back = supervisor_.can_roll_back();
   report_.T_camera_lidar = supervisor_.current();
   report_.evaluations = evaluations_;
   report_.scenes = monitor_.scenes().size();

@@ -47,10 +47,11 @@ std::string health_text(const Json& health) {
   std::string lines = findings_text(health);
   for (const Json& sensor : health.value("sensors", Json::array())) {
     const Json losses = sensor.value("losses", Json::object());
-    lines += fmt::format(
-        "  {:<5} {}: {:.1f} sweeps/s, {:.0f} packets/s, {} lost\n", text_of(sensor, "level"),
-        text_of(sensor, "device"), sensor.value("sweeps_hz", 0.0), sensor.value("packets_hz", 0.0),
-        losses.value("network", uint64_t{0}) + losses.value("kernel", uint64_t{0}));
+    lines += fmt::format("  {:<5} {}: {:.1f} sweeps/s, {:.0f} packets/s, {} lost{}\n",
+                         text_of(sensor, "level"), text_of(sensor, "device"),
+                         sensor.value("sweeps_hz", 0.0), sensor.value("packets_hz", 0.0),
+                         losses.value("network", uint64_t{0}) + losses.value("kernel", uint64_t{0}),
+                         sensor.contains("sender") ? ", from " + text_of(sensor, "sender") : "");
     lines += findings_text(sensor);
   }
   for (const Json& stream : health.value("streams", Json::array())) {

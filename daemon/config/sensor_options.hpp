@@ -34,7 +34,7 @@ struct LidarOptions {
 
   /// Returns the options of the socket for one of its ports.
   velodyne::UdpOptions udp(uint16_t at_port) const {
-    return {address, at_port, multicast, interface, tap, receive_buffer};
+    return {address, at_port, multicast, interface, tap, receive_buffer, {}};
   }
 };
 

@@ -45,6 +45,11 @@ struct SensorCounters {
 
   SourceState source;  ///< live: state of its socket
 
+  uint32_t sender = 0;           ///< IPv4 address, host order, whose packets are used; 0: none yet
+  uint32_t previous_sender = 0;  ///< used before it; 0: none
+  uint32_t rival_sender = 0;     ///< another one that sends as much as a sensor now; 0: none
+  uint64_t sender_changes = 0;   ///< number of times that another sender was taken
+
   uint32_t unexpected_sender = 0;  ///< IPv4 address, host order, of the last rejected datagram
   uint32_t unexpected_size = 0;    ///< payload of that datagram, bytes
 

@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/measurement/ipv4_address.hpp"
+
 namespace infuse::daemon {
 namespace {
 
 constexpr double kUnlimitedLoss = 2;  // above every fraction
-
-std::string address_text(uint32_t address) {
-  return fmt::format("{}.{}.{}.{}", address >> 24, address >> 16 & 255, address >> 8 & 255,
-                     address & 255);
-}
 
 std::string plural(uint64_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
@@ -41,10 +38,12 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
                   {"unavailable", Level::kError, Duration::zero(), Duration::zero()},
                   {"undecodable", Level::kError, options.raise_after, options.clear_after},
                   {"two_sensors", Level::kError, options.raise_after, options.clear_after},
+                  {"two_senders", Level::kError, options.raise_after, options.clear_after},
                   {"no_sweeps", Level::kError, Duration::zero(), options.clear_after},
                   {"heavy_loss", Level::kError, options.raise_after, options.clear_after},
                   {"loss", Level::kWarn, options.raise_after, options.clear_after},
                   {"wrong_sender", Level::kWarn, options.raise_after, options.clear_after},
+                  {"sender_changed", Level::kWarn, Duration::zero(), options.clear_after},
                   {"wrong_model", Level::kWarn, options.raise_after, options.clear_after},
                   {"receive_buffer", Level::kWarn, options.raise_after, options.clear_after},
                   {"overload", Level::kWarn, options.raise_after, options.clear_after},
@@ -58,15 +57,15 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
   status_.counters = counters;
   measure_rates(now, oldest);
 
-  conditions_.update(
-      {check_silence(now, counters), check_availability(counters.source),
-       check_decoding(counters, before), check_alternation(counters), check_sweeps(now, counters),
-       check_loss(counters, before, options_.error_loss, kUnlimitedLoss),
-       check_loss(counters, before, options_.warn_loss, options_.error_loss),
-       check_sender(counters, before), check_model(counters, before),
-       check_receive_buffer(counters.source), check_overload(counters, before),
-       check_clock(now, counters)},
-      now);
+  conditions_.update({check_silence(now, counters), check_availability(counters.source),
+                      check_decoding(counters, before), check_alternation(counters),
+                      check_rival(counters), check_sweeps(now, counters),
+                      check_loss(counters, before, options_.error_loss, kUnlimitedLoss),
+                      check_loss(counters, before, options_.warn_loss, options_.error_loss),
+                      check_sender(counters, before), check_sender_change(counters, before),
+                      check_model(counters, before), check_receive_buffer(counters.source),
+                      check_overload(counters, before), check_clock(now, counters)},
+                     now);
   status_.findings = conditions_.findings();
   status_.transitions = conditions_.transitions();
   status_.level = conditions_.level();
@@ -127,6 +126,23 @@ CheckResult SensorHealth::check_alternation(const SensorCounters& now) const {
           "give the sensors different ports, or set the sender"};
 }
 
+CheckResult SensorHealth::check_rival(const SensorCounters& now) const {
+  if (now.rival_sender == 0) return {};
+  return {true,
+          fmt::format("{} and {} both send as a sensor to {}; the first is used",
+                      address_text(now.sender), address_text(now.rival_sender), endpoint_),
+          "set the lidar's sender; find out what the other device is"};
+}
+
+CheckResult SensorHealth::check_sender_change(const SensorCounters& now,
+                                              const SensorCounters& before) const {
+  if (now.sender_changes == before.sender_changes) return {};
+  return {true,
+          fmt::format("the sender on {} changed from {} to {}", endpoint_,
+                      address_text(now.previous_sender), address_text(now.sender)),
+          "set the lidar's sender, unless the unit was exchanged"};
+}
+
 CheckResult SensorHealth::check_sweeps(Stamp now, const SensorCounters& counters) {
   if (counters.sweeps != sweeps_seen_ || counters.packets == 0) last_sweep_ = now;
   sweeps_seen_ = counters.sweeps;
@@ -155,7 +171,7 @@ CheckResult SensorHealth::check_loss(const SensorCounters& now, const SensorCoun
 CheckResult SensorHealth::check_sender(const SensorCounters& now,
                                        const SensorCounters& before) const {
   const uint64_t unexpected = increase(now.wrong_sender, before.wrong_sender);
-  if (unexpected == 0) return {};
+  if (unexpected == 0 || now.rival_sender != 0) return {};
   return {true,
           fmt::format("{} on {} from an unexpected sender ({})", plural(unexpected, "datagram"),
                       endpoint_, address_text(now.unexpected_sender)),

@@ -46,10 +46,12 @@ class SensorHealth {
   CheckResult check_silence(Stamp now, const SensorCounters& counters);
   CheckResult check_decoding(const SensorCounters& now, const SensorCounters& before) const;
   CheckResult check_alternation(const SensorCounters& now) const;
+  CheckResult check_rival(const SensorCounters& now) const;
   CheckResult check_sweeps(Stamp now, const SensorCounters& now_counters);
   CheckResult check_loss(const SensorCounters& now, const SensorCounters& before, double min_loss,
                          double max_loss) const;
   CheckResult check_sender(const SensorCounters& now, const SensorCounters& before) const;
+  CheckResult check_sender_change(const SensorCounters& now, const SensorCounters& before) const;
   CheckResult check_model(const SensorCounters& now, const SensorCounters& before) const;
   CheckResult check_overload(const SensorCounters& now, const SensorCounters& before) const;
   CheckResult check_clock(Stamp now, const SensorCounters& counters);

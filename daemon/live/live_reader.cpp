@@ -1,5 +1,7 @@
 #include "daemon/live/live_reader.hpp"
 
+#include <utility>
+
 namespace infuse::daemon {
 namespace {
 
@@ -133,10 +135,13 @@ void LiveReader::close_source(ReopeningSource<Source>& source, const Error& erro
 void LiveReader::count_dropped(Port& port) {
   const uint64_t dropped = port.source.get()->dropped();
   if (dropped <= port.reported_dropped) return;
+  const uint64_t more = dropped - std::exchange(port.reported_dropped, dropped);
   const PortSetup::Sender& sender = port.setup.senders.front();
-  intake_.add_kernel_dropped(LidarIndex(sender.lidar), dropped - port.reported_dropped,
-                             sender.data);
-  port.reported_dropped = dropped;
+  if (!port.source.get()->filters_senders()) {
+    intake_.add_kernel_dropped(LidarIndex(sender.lidar), more, sender.data);
+  } else if (sender.data) {
+    intake_.add_filtered(LidarIndex(sender.lidar), more);
+  }
 }
 
 void LiveReader::read_port(Port& port) {

@@ -8,6 +8,7 @@
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/velodyne/calibration_file.hpp"
 #include "drivers/velodyne/model.hpp"
+#include "drivers/velodyne/packet_filter.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -210,6 +211,15 @@ std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
   return doubts;
 }
 
+/// Where every lidar of a port has a sender, the kernel filters.
+void filter_senders(PortSetup& port) {
+  for (const PortSetup::Sender& sender : port.senders) {
+    if (sender.address == 0) return;
+  }
+  if (port.senders.size() > velodyne::PacketFilter::kMaxSenders) return;
+  for (const PortSetup::Sender& sender : port.senders) port.udp.senders.push_back(sender.address);
+}
+
 }  // namespace
 
 size_t PortSetup::lidar_of(uint32_t sender) const {
@@ -233,6 +243,7 @@ Result<LiveSetup> set_up_live(const Config& config) {
       return tl::unexpected(done.error());
     }
   }
+  for (PortSetup& port : setup.ports) filter_senders(port);
   if (auto done = set_up_cameras(config, *rig, setup); !done) return tl::unexpected(done.error());
   if (auto done = set_up_buses(config, setup); !done) return tl::unexpected(done.error());
   if (auto done = set_up_gnss(config, setup); !done) return tl::unexpected(done.error());

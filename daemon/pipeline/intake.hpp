@@ -63,6 +63,11 @@ class Intake {
     lidars_[lidar].add_kernel_dropped(datagrams, data);
   }
 
+  /// The same at a port of data packets whose senders the kernel filters.
+  void add_filtered(LidarIndex lidar, uint64_t datagrams) {
+    lidars_[lidar].add_filtered(datagrams);
+  }
+
   /// State of the live sources, updated by the reader. Empty in a replay.
   SourceStates& sources() { return sources_; }
 

@@ -11,9 +11,7 @@ constexpr uint64_t kMinAgreeingSentences = 3;
 }  // namespace
 
 LidarIntake::LidarIntake(const LidarSetup& setup)
-    : sender_(setup.assembler.sender),
-      model_(velodyne::model_info(setup.assembler.model)),
-      assembler_(setup.assembler) {}
+    : model_(velodyne::model_info(setup.assembler.model)), assembler_(setup.assembler) {}
 
 void LidarIntake::push(const Datagram& datagram) {
   assembler_.push(datagram);
@@ -31,9 +29,17 @@ void LidarIntake::push(const Datagram& datagram) {
   counters_.lost_network = std::max(counters_.lost_network, before_kernel);
   counters_.outages = c.outages;
   counters_.lost_in_outages = std::min(c.lost_in_outages, counters_.lost_network);
+  if (filtered_) {
+    counters_.lost_kernel = std::max(counters_.lost_kernel, c.network_lost - before_kernel);
+  }
   if (c.last_fault) counters_.malformed_reason = velodyne::describe(*c.last_fault);
   counters_.malformed = c.total_malformed() + refused_positions_;
-  counters_.wrong_sender = c.wrong_sender;
+  counters_.wrong_sender = c.wrong_sender + wrong_sender_positions_;
+  const velodyne::SenderLock& sender = assembler_.sender();
+  counters_.sender = sender.sender();
+  counters_.previous_sender = sender.previous();
+  counters_.rival_sender = sender.rival();
+  counters_.sender_changes = sender.changes();
   counters_.stray_azimuths = c.stray_azimuths;
   counters_.duplicates = c.duplicates;
   counters_.out_of_order = c.out_of_order;
@@ -60,6 +66,13 @@ bool LidarIntake::is_uncalibrated() const {
 }
 
 std::optional<GnssFix> LidarIntake::add_position_packet(const Datagram& datagram) {
+  const uint32_t sender = assembler_.sender().sender();
+  if (sender != 0 && datagram.sender != sender) {
+    ++wrong_sender_positions_;
+    ++counters_.wrong_sender;
+    note_unexpected_sender(datagram);
+    return std::nullopt;
+  }
   if (const auto packet = velodyne::parse_position_packet(datagram.payload)) {
     ++counters_.position_packets;
     const bool agrees = velodyne::counts_from_the_hour(*packet);
@@ -77,7 +90,6 @@ std::optional<GnssFix> LidarIntake::add_position_packet(const Datagram& datagram
 // Position packets repeat a sentence until the receiver sends the next one.
 std::optional<GnssFix> LidarIntake::new_fix(const Datagram& datagram,
                                             const velodyne::PositionPacket& packet) {
-  if (sender_ != 0 && datagram.sender != sender_) return std::nullopt;
   if (!packet.sentence || packet.sentence->fix.utc_ns == last_sentence_ns_) return std::nullopt;
   last_sentence_ns_ = packet.sentence->fix.utc_ns;
   return gnss::stamped_fix(*packet.sentence, datagram.stamp);

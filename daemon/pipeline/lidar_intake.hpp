@@ -69,6 +69,14 @@ class LidarIntake {
     counters_.lost_kernel += datagrams;
   }
 
+  /// Counts datagrams that the kernel dropped at a port whose senders it filters, since the buffer
+  /// was full or they were not from the sensor: which of them were the sensor's, its own counter
+  /// tells.
+  void add_filtered(uint64_t datagrams) {
+    filtered_ = true;
+    assembler_.add_kernel_dropped(datagrams);
+  }
+
   /// Counters, up to date after each call.
   const SensorCounters& counters() const { return counters_; }
 
@@ -95,7 +103,6 @@ class LidarIntake {
   void note_packet(Stamp stamp);
   void note_unexpected_sender(const Datagram& datagram);
 
-  uint32_t sender_;  // whose fixes are used; 0: any
   const velodyne::ModelInfo& model_;
   velodyne::ModelInference inference_;
   bool is_other_model_ = false;      // by the last judgement
@@ -104,7 +111,9 @@ class LidarIntake {
   velodyne::SweepAssembler assembler_;
   Sweep sweep_;  // being assembled
   SensorCounters counters_;
+  bool filtered_ = false;  // the kernel reports rejected datagrams as dropped
   uint64_t refused_positions_ = 0;
+  uint64_t wrong_sender_positions_ = 0;
   int64_t last_sentence_ns_ = 0;  // UTC of the last NMEA sentence
 };
 

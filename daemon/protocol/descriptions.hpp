@@ -4,6 +4,7 @@
 #include "daemon/protocol/names.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "drivers/measurement/ipv4_address.hpp"
 
 namespace infuse::daemon {
 
@@ -111,6 +112,15 @@ void describe(Visitor& v, const DeviceHealth<SensorStatus>& sensor) {
           counter("infuse_lidar_dropped_sweeps_total"));
   v.field("returns", c.returns, "Returns in the completed sweeps.",
           counter("infuse_lidar_returns_total"));
+  v.field("sender", when(c.sender != 0, address_text(c.sender)),
+          "IPv4 address whose packets are used; absent before the first");
+  v.field("rival_sender", when(c.rival_sender != 0, address_text(c.rival_sender)),
+          "another address that sends as much as a sensor now");
+  v.field(
+      "sender_changes", c.sender_changes,
+      "Number of times that another address was taken: the one before fell silent, or sent less "
+      "than a sensor.",
+      counter("infuse_lidar_sender_changes_total"));
   v.field("losses", PacketLosses{c}, "datagrams lost or rejected since the start, by cause");
   v.field("outages", c.outages,
           "Gaps of a whole turn and longer without packets; what they lack is counted as lost.",
@@ -417,6 +427,9 @@ void describe(Visitor& v, const CalibrationReport& report) {
   v.field("since", report.since, "begin of the state, ns");
   v.field("policy", report.policy, "what is done with a new estimate");
   v.field("frozen", report.frozen, "no automatic changes");
+  v.field("proposed", report.proposed, "a new calibration waits for the owner: infuse apply");
+  v.field("can_roll_back", report.can_roll_back,
+          "there is a calibration before the one in use: infuse rollback");
   v.field("T_camera_lidar", report.T_camera_lidar, "in use; by row, m");
   v.field("evaluations", report.evaluations, "images evaluated");
   v.field("scenes", report.scenes, "stored for a re-estimation");

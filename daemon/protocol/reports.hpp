@@ -227,6 +227,8 @@ struct CalibrationReport {
   Stamp since;  ///< begin of the state
   monitoring::UpdatePolicy policy = monitoring::UpdatePolicy::kAlertOnly;
   bool frozen = false;
+  bool proposed = false;       ///< a new calibration waits for the owner
+  bool can_roll_back = false;  ///< there is a calibration before the one in use
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use
   uint64_t evaluations = 0;
   uint64_t scenes = 0;

@@ -1,7 +1,5 @@
 #include "daemon/survey/capture_survey.hpp"
 
-#include <arpa/inet.h>
-
 #include <algorithm>
 
 #include "drivers/velodyne/packet.hpp"
@@ -65,18 +63,6 @@ std::string CaptureSurvey::describe_unread() const {
   add(packets_.not_udp, "that are not UDP");
   add(packets_.fragments_dropped, "that are fragments of incomplete datagrams");
   return text;
-}
-
-std::string address_text(uint32_t address) {
-  in_addr network{htonl(address)};
-  char text[INET_ADDRSTRLEN];
-  return inet_ntop(AF_INET, &network, text, sizeof(text));
-}
-
-std::optional<uint32_t> parse_address(const std::string& text) {
-  in_addr network{};
-  if (inet_pton(AF_INET, text.c_str(), &network) != 1) return std::nullopt;
-  return ntohl(network.s_addr);
 }
 
 }  // namespace infuse::daemon

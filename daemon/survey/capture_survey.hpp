@@ -7,6 +7,7 @@
 
 #include "daemon/survey/arrivals.hpp"
 #include "drivers/measurement/datagram.hpp"
+#include "drivers/measurement/ipv4_address.hpp"
 #include "drivers/recording/pcap_reader.hpp"
 #include "drivers/velodyne/model_inference.hpp"
 
@@ -58,11 +59,5 @@ class CaptureSurvey {
   uint64_t excess_datagrams_ = 0;
   recording::PcapCounters packets_;
 };
-
-/// Formats an IPv4 address in host byte order, as "10.0.0.7".
-std::string address_text(uint32_t address);
-
-/// Parses a dotted IPv4 address to host byte order; nothing if `text` is not one.
-std::optional<uint32_t> parse_address(const std::string& text);
 
 }  // namespace infuse::daemon

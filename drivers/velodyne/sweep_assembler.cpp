@@ -57,21 +57,38 @@ SweepAssembler::SweepAssembler(const SweepAssemblerOptions& options)
 void SweepAssembler::push(const Datagram& datagram) {
   if (has_following_) throw std::logic_error("SweepAssembler::push before pull returned false");
   finished_ = false;
-  if (!accept(datagram)) return;
+  if (sender_.refuses(datagram.sender)) {
+    ++counters_.wrong_sender;
+    return;
+  }
   const auto packet = parse_packet(info_, datagram.payload);
+  if (!packet && sender_.sender() != 0 && datagram.sender != sender_.sender()) {
+    ++counters_.wrong_sender;
+    return;
+  }
   if (!packet) {
     counters_.count_malformed(packet.error());
     if (packet.error() != PacketFault::kSize) ++refused_;
     return;
   }
-  if (sender_ == 0) sender_ = datagram.sender;
+  if (!accept(datagram)) return;
   order_packet(datagram, *packet);
 }
 
 bool SweepAssembler::accept(const Datagram& datagram) {
-  if (sender_ == 0 || datagram.sender == sender_) return true;
-  ++counters_.wrong_sender;
-  return false;
+  const uint64_t changes = sender_.changes();
+  const bool accepted = sender_.accept(datagram.sender, datagram.stamp);
+  if (sender_.changes() != changes) forget_unit();
+  if (!accepted) ++counters_.wrong_sender;
+  return accepted;
+}
+
+/// Another unit sends from now on: the calibration that the stream contained is not its own.
+void SweepAssembler::forget_unit() {
+  if (calibration_source_ == CalibrationSource::kStream) {
+    calibration_source_ = CalibrationSource::kBuiltIn;
+  }
+  calibration_stream_.restart();
 }
 
 /// Orders a packet behind the held one, or before it if it is late.

@@ -16,6 +16,7 @@
 #include "drivers/velodyne/firing_plan.hpp"
 #include "drivers/velodyne/model.hpp"
 #include "drivers/velodyne/packet_counters.hpp"
+#include "drivers/velodyne/sender_lock.hpp"
 #include "drivers/velodyne/sweep_cutter.hpp"
 #include "drivers/velodyne/sweep_writer.hpp"
 
@@ -37,7 +38,7 @@ struct SweepAssemblerOptions {
           ///< forward): azimuth at which a sweep ends and the next begins, −360 … 360
   bool interpolate_azimuth = true;  ///< false: every return has its block's azimuth, as in simple
                                     ///< viewers; wrong by up to 0.2°
-  uint32_t sender = 0;  ///< IPv4 address of the sensor, host byte order; 0: the first sender
+  uint32_t sender = 0;  ///< IPv4 address of the sensor, host byte order; 0: see `SenderLock`
   /// Maximum duration of a sweep, ns (for a sensor that does not turn).
   Duration max_span{400'000'000};
 
@@ -77,6 +78,9 @@ class SweepAssembler {
 
   /// Number of datagrams by outcome.
   const PacketCounters& counters() const { return counters_; }
+
+  /// From which address the sensor sends.
+  const SenderLock& sender() const { return sender_; }
 
   /// Adds datagrams that the kernel dropped before they arrived here.
   void add_kernel_dropped(uint64_t datagrams) { counters_.kernel_dropped += datagrams; }
@@ -121,6 +125,7 @@ class SweepAssembler {
   };
 
   bool accept(const Datagram& datagram);
+  void forget_unit();
   void order_packet(const Datagram& datagram, const Packet& packet);
   void update_beam_table(const Packet& packet, const ArrivalOrder::Verdict& verdict);
   void begin_decoding(const ReceivedPacket* following);
@@ -142,7 +147,7 @@ class SweepAssembler {
   SweepCutter cutter_;
   RotationRate rotation_;
   SweepWriter writer_;
-  uint32_t sender_ = 0;
+  SenderLock sender_;
   uint64_t sweeps_ = 0;
   int64_t newest_device_ns_ = 0;  ///< of the newest packet, unwrapped
   uint32_t refused_ = 0;          ///< packets refused since the newest

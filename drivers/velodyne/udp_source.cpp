@@ -3,7 +3,10 @@
 #include <arpa/inet.h>
 #include <net/if.h>
 
+#include <utility>
+
 #include "drivers/receive/system_error.hpp"
+#include "drivers/velodyne/packet_filter.hpp"
 #include "drivers/velodyne/udp_tap.hpp"
 
 namespace infuse::velodyne {
@@ -31,6 +34,7 @@ std::optional<std::string> UdpOptions::invalid() const {
     return "a tap has neither an address nor a multicast group";
   }
   if (tap && port == 0) return "a tap needs a port";
+  if (senders.size() > PacketFilter::kMaxSenders) return "too many senders";
   if (receive_buffer == 0 || receive_buffer > kMaxReceiveBuffer) {
     return "the receive buffer size must lie in 1 byte ... 1 GiB";
   }
@@ -52,9 +56,19 @@ Result<void> UdpSource::prepare() {
   return {};
 }
 
+/// Attached before the socket is bound: nothing arrives without it.
+Result<void> UdpSource::filter_senders() {
+  if (options_.senders.empty()) return {};
+  constexpr auto kSourceAddress = static_cast<uint32_t>(SKF_NET_OFF + 12);
+  PacketFilter filter;
+  filter.require_sender(options_.senders, kSourceAddress);
+  if (std::move(filter).attach(socket_.get())) return {};
+  return receive::fail_errno("cannot attach a filter", name());
+}
+
 Result<void> UdpSource::set_up() {
   if (options_.tap) {
-    auto tap = open_tap(options_.interface, options_.port);
+    auto tap = open_tap(options_.interface, options_.port, options_.senders);
     if (!tap) return tl::unexpected(tap.error());
     socket_ = *std::move(tap);
     return prepare();
@@ -62,6 +76,7 @@ Result<void> UdpSource::set_up() {
   socket_ = receive::FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket_) return receive::fail_errno("cannot create a socket", name());
   if (const auto prepared = prepare(); !prepared) return prepared;
+  if (const auto filtered = filter_senders(); !filtered) return filtered;
   if (!options_.multicast.empty()) {  // several processes may receive from a group
     const int on = 1;
     setsockopt(socket_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "drivers/measurement/datagram.hpp"
 #include "drivers/measurement/error.hpp"
@@ -20,6 +21,9 @@ struct UdpOptions {
   bool tap = false;       ///< receive what `interface` sees, whomever it is addressed to
   /// Bytes; 100 ms of a VLS-128 with two returns are 1810 datagrams of 2304 bytes in the kernel.
   size_t receive_buffer = size_t{8} << 20;
+  /// IPv4 addresses, host byte order, whose datagrams the kernel passes on, of others one in 256,
+  /// so that a flood displaces nothing; empty: all.
+  std::vector<uint32_t> senders{};
 
   /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;
@@ -49,8 +53,12 @@ class UdpSource {
   }
 
   /// Number of datagrams that the kernel has dropped at this socket, as far as known: a drop is
-  /// reported with the next datagram that fits.
+  /// reported with the next datagram that fits. With `filters_senders()` those that the filter
+  /// rejected are among them.
   uint64_t dropped() const { return dropped_; }
+
+  /// True if the kernel rejects datagrams of other senders.
+  bool filters_senders() const { return !options_.senders.empty(); }
 
   /// Bytes of receive buffer that were requested, and granted.
   size_t buffer_requested() const { return options_.receive_buffer; }
@@ -68,6 +76,7 @@ class UdpSource {
       : options_(options), stamps_(base) {}
   Result<void> set_up();
   Result<void> prepare();
+  Result<void> filter_senders();
   Result<void> join();
   Datagram datagram(const receive::MessageBatch::Message& message) const;
   tl::unexpected<Error> read_error() const;

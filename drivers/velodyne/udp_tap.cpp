@@ -1,6 +1,5 @@
 #include "drivers/velodyne/udp_tap.hpp"
 
-#include <linux/filter.h>
 #include <linux/if_packet.h>
 #include <net/ethernet.h>
 #include <net/if.h>
@@ -8,47 +7,26 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <array>
+#include <utility>
 
 #include "drivers/receive/system_error.hpp"
+#include "drivers/velodyne/packet_filter.hpp"
 
 namespace infuse::velodyne {
 namespace {
 
 constexpr size_t kMinIpv4Header = 20;
 constexpr size_t kUdpHeader = 8;
+constexpr uint32_t kSourceAddress = 12;
 
 uint16_t read_u16_be(std::span<const uint8_t> bytes, size_t at) {
   return static_cast<uint16_t>(bytes[at] << 8 | bytes[at + 1]);
 }
 
-/// Lets UDP datagrams to `port` pass; what `tcpdump -d` shows for "udp dst port" without the link
-/// layer.
-bool attach_port_filter(int socket, uint16_t port) {
-  constexpr uint8_t kReject = 255;  // replaced by the distance to the last instruction
-  std::array<sock_filter, 9> program = {{
-      BPF_STMT(BPF_LD | BPF_B | BPF_ABS, 9),
-      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, IPPROTO_UDP, 0, kReject),
-      BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 6),
-      BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, 0x3FFF, kReject, 0),  // more fragments, offset
-      BPF_STMT(BPF_LDX | BPF_B | BPF_MSH, 0),
-      BPF_STMT(BPF_LD | BPF_H | BPF_IND, 2),
-      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, port, 0, kReject),
-      BPF_STMT(BPF_RET | BPF_K, 0xFFFF),
-      BPF_STMT(BPF_RET | BPF_K, 0),
-  }};
-  for (size_t i = 0; i < program.size(); ++i) {
-    const auto to_end = static_cast<uint8_t>(program.size() - 2 - i);
-    if (program[i].jt == kReject) program[i].jt = to_end;
-    if (program[i].jf == kReject) program[i].jf = to_end;
-  }
-  const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
-  return setsockopt(socket, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof(filter)) == 0;
-}
-
 }  // namespace
 
-Result<receive::FileDescriptor> open_tap(const std::string& interface, uint16_t port) {
+Result<receive::FileDescriptor> open_tap(const std::string& interface, uint16_t port,
+                                         std::span<const uint32_t> senders) {
   const std::string where = "tap of " + interface;
   const unsigned index = if_nametoindex(interface.c_str());
   if (index == 0) return fail("no such interface", interface);
@@ -58,7 +36,10 @@ Result<receive::FileDescriptor> open_tap(const std::string& interface, uint16_t 
     return receive::fail_errno("cannot create a packet socket", where,
                                "it needs CAP_NET_RAW and AF_PACKET: see tap.conf of the package");
   }
-  if (!attach_port_filter(tap.get(), port)) {
+  PacketFilter filter;
+  filter.require_port(port);
+  if (!senders.empty()) filter.require_sender(senders, kSourceAddress);
+  if (!std::move(filter).attach(tap.get())) {
     return receive::fail_errno("cannot attach a filter", where);
   }
   packet_mreq promiscuous{};

@@ -13,8 +13,10 @@ namespace infuse::velodyne {
 
 /// Opens a socket that sees every IPv4 packet of an interface, whomever it is addressed to
 /// (AF_PACKET, promiscuous); the kernel passes on only UDP datagrams to `port` that are not
-/// fragmented. Errors: no such interface, no permission (CAP_NET_RAW).
-Result<receive::FileDescriptor> open_tap(const std::string& interface, uint16_t port);
+/// fragmented, and of `senders` if there are any (`PacketFilter`). Errors: no such interface, no
+/// permission (CAP_NET_RAW).
+Result<receive::FileDescriptor> open_tap(const std::string& interface, uint16_t port,
+                                         std::span<const uint32_t> senders = {});
 
 /// Parses an IPv4 packet with a UDP datagram as it comes from a tap: sender, ports and payload, of
 /// which what lies beyond the bytes is missing. Nothing if there is no UDP header.

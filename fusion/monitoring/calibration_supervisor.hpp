@@ -108,6 +108,8 @@ class CalibrationSupervisor {
   CalibrationState state() const { return state_; }
   const Eigen::Isometry3d& current() const { return current_; }
   const std::optional<Eigen::Isometry3d>& alternative() const { return alternative_; }
+  /// True if there is a calibration before the current one.
+  bool can_roll_back() const { return previous_.has_value(); }
   /// Usable result that is not applied.
   const std::optional<Reestimate>& proposal() const { return proposal_; }
   /// Covariance of the current calibration, if it was re-estimated.

@@ -70,6 +70,35 @@ TEST_F(SensorHealthTest, SilenceIsStaleAfterThreeSeconds) {
   EXPECT_FALSE(back.transitions[0].raised);
 }
 
+TEST_F(SensorHealthTest, TwoSendersAreBothNamed) {
+  settle();
+  counters_.sender = 0x0A00'0007;
+  counters_.rival_sender = 0x0A00'0008;
+  for (int i = 0; i < 3; ++i) {
+    counters_.wrong_sender += 754;
+    deliver();
+    tick();
+  }
+  deliver();
+  const SensorStatus& status = tick();
+  EXPECT_EQ(status.level, Level::kError);
+  ASSERT_EQ(status.findings.size(), 1U);
+  EXPECT_STREQ(status.findings[0].id, "two_senders");
+  EXPECT_THAT(status.findings[0].what, HasSubstr("10.0.0.7 and 10.0.0.8"));
+}
+
+TEST_F(SensorHealthTest, AChangeOfTheSenderIsReportedAtOnce) {
+  settle();
+  counters_.previous_sender = 0x0A00'0007;
+  counters_.sender = 0x0A00'0008;
+  counters_.sender_changes = 1;
+  deliver();
+  const SensorStatus& status = tick();
+  EXPECT_EQ(status.level, Level::kWarn);
+  ASSERT_EQ(status.findings.size(), 1U);
+  EXPECT_THAT(status.findings[0].what, HasSubstr("from 10.0.0.7 to 10.0.0.8"));
+}
+
 TEST_F(SensorHealthTest, SilenceNamesAnUnexpectedSender) {
   counters_.malformed = 12;
   counters_.unexpected_sender = 10U << 24 | 7;

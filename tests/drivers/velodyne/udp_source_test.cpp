@@ -115,6 +115,32 @@ TEST(UdpSource, CountsDatagramsDroppedByTheKernel) {
   EXPECT_EQ(source.dropped() + received, kSent + 1);
 }
 
+// The buffer has room for some of the true datagrams only, and for none beside the flood.
+TEST(UdpSource, AFloodOfOtherSendersDisplacesNothing) {
+  const TimeBase base;
+  auto source = UdpSource::open({.address = "127.0.0.1",
+                                 .port = 0,
+                                 .receive_buffer = size_t{64} << 10,
+                                 .senders = {kLoopback + 7, kLoopback}},
+                                base);
+  ASSERT_TRUE(source.has_value()) << source.error().message();
+  EXPECT_TRUE(source->filters_senders());
+  MessageBatch batch(64, UdpSource::kMaxDatagramBytes);
+  const FileDescriptor sensor = open_sender(kLoopback), other = open_sender(kLoopback + 1);
+  uint64_t from_sensor = 0, from_others = 0;
+  for (int i = 0; i < 100; ++i) {
+    for (int k = 0; k < 64; ++k) send_to(other, source->port(), std::vector<uint8_t>(1206));
+    send_to(sensor, source->port(), std::vector<uint8_t>(1206));
+    if (i % 10 != 9) continue;
+    while (*source->read(batch, [&](const Datagram& datagram) {
+      (datagram.sender == kLoopback ? from_sensor : from_others) += 1;
+    }) > 0) {
+    }
+  }
+  EXPECT_EQ(from_sensor, 100U);
+  EXPECT_LT(from_others, 200U);  // 25 of 6400 are expected to pass
+}
+
 TEST(UdpSource, ReportsABufferSmallerThanRequested) {
   const TimeBase base;
   const UdpSource source = open_source(base, size_t{1} << 30);

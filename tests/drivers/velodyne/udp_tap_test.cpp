@@ -138,6 +138,22 @@ TEST(UdpTap, ReceivesWhatIsAddressedToAnotherHost) {
   });
 }
 
+TEST(UdpTap, TheKernelRejectsOtherSenders) {
+  run_on_wire([](const Wire& wire) {
+    const receive::TimeBase base;
+    UdpOptions options{.interface = "lo", .tap = true};
+    options.senders = {kLidar};
+    auto of_lidar = UdpSource::open(options, base);
+    options.senders = {kOtherHost};
+    auto of_other = UdpSource::open(options, base);
+    ASSERT_TRUE(of_lidar && of_other);
+    for (int i = 0; i < 200; ++i) wire.send({});
+    receive::MessageBatch batch(256, UdpSource::kMaxDatagramBytes);
+    EXPECT_EQ(*of_lidar->read(batch, [](const Datagram&) {}), 200U);
+    EXPECT_LT(*of_other->read(batch, [](const Datagram&) {}), 50U);  // 1 in 256 passes
+  });
+}
+
 TEST(UdpTap, CountsWhatTheKernelDrops) {
   run_on_wire([](const Wire& wire) {
     const receive::TimeBase base;
