@@ -1,16 +1,26 @@
 #include "daemon/live/run_tracker.hpp"
 
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
 
 #include "daemon/service/abort_marker.hpp"
+#include "daemon/service/crash_note.hpp"
 #include "drivers/recording/atomic_file.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-constexpr const char* kAbortMarkerFile = "abort_marker";  // beside the state
+// Beside the state.
+constexpr const char* kAbortMarkerFile = "abort_marker";
+constexpr const char* kCrashNoteFile = "crash_note";
+
+/// "20261121-061136".
+std::string utc_name(Stamp stamp) {
+  const auto seconds = static_cast<std::time_t>(stamp.ns() / 1'000'000'000);
+  return fmt::format("{:%Y%m%d-%H%M%S}", fmt::gmtime(seconds));
+}
 
 }  // namespace
 
@@ -36,9 +46,14 @@ std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
   const std::filesystem::path marker = file_.parent_path() / kAbortMarkerFile;
   const bool aborted = consume_abort_marker(marker);
   install_abort_handler(marker);
+  const std::filesystem::path note = file_.parent_path() / kCrashNoteFile;
+  const auto crash = keep_crash_note(note, utc_name(now));
+  install_crash_handler(note);
   if (!unclean) return std::nullopt;
-  const char* what = aborted ? "the watchdog ended the previous run, which was stuck"
+  std::string what = aborted ? "the watchdog ended the previous run, which was stuck"
+                     : crash ? "the previous run crashed"
                              : "the previous run did not end by itself";
+  if (crash) what += " (" + *crash + ")";
   spdlog::warn("{}", what);
   return AlertReport{now,
                      kDaemonDevice,

@@ -18,7 +18,8 @@ class RunTracker {
   explicit RunTracker(std::filesystem::path file) : file_(std::move(file)) {}
 
   /// Records the start of a run. Returns an alert if the previous run did not end by itself; the
-  /// text states if the watchdog ended it.
+  /// text states if the watchdog ended it, and where its crash note is. From now on a crash leaves
+  /// a note.
   std::optional<AlertReport> begin_run(Stamp now);
 
   /// Writes the state, at most every 10 s. Returns an alert when writing starts to fail (raised)

@@ -6,6 +6,8 @@
 #include <array>
 #include <csignal>
 
+#include "daemon/service/crash_note.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -19,6 +21,7 @@ void on_abort(int signal, siginfo_t* about, void* /*context*/) {
     const int file = open(marker_path.data(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kMode);
     if (file >= 0) close(file);
   }
+  write_crash_note(signal);
   raise(signal);
 }
 

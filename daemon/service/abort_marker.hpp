@@ -5,7 +5,8 @@
 namespace infuse::daemon {
 
 /// Installs a handler that leaves an empty file behind when another process aborts this one
-/// (SIGABRT), as the service manager's watchdog does with a stuck daemon. Replaces an earlier
+/// (SIGABRT), as the service manager's watchdog does with a stuck daemon, and a crash note at every
+/// abort. Replaces an earlier
 /// handler; a path longer than 4095 bytes is ignored.
 void install_abort_handler(const std::filesystem::path& file);
 

@@ -12,7 +12,9 @@ namespace {
 
 class RunTrackerTest : public testing::Test {
  protected:
-  void TearDown() override { signal(SIGABRT, SIG_DFL); }
+  void TearDown() override {
+    for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGILL, SIGFPE}) signal(number, SIG_DFL);
+  }
 
   static Stamp at_s(int64_t s) { return Stamp::from_ns((1'700'000'000 + s) * 1'000'000'000); }
 
@@ -52,6 +54,20 @@ TEST_F(RunTrackerTest, TheAlertNamesTheWatchdog) {
   const auto next = RunTracker(file_).begin_run(at_s(4));  // the marker is reported once
   ASSERT_TRUE(next.has_value());
   EXPECT_EQ(next->finding.what.find("the previous run did not end by itself"), 0U);
+}
+
+TEST_F(RunTrackerTest, TheAlertNamesTheCrashNote) {
+  EXPECT_EXIT(
+      {
+        RunTracker(file_).begin_run(at_s(0));
+        raise(SIGSEGV);
+      },
+      testing::KilledBySignal(SIGSEGV), "");
+  const auto alert = RunTracker(file_).begin_run(at_s(3));
+  ASSERT_TRUE(alert.has_value());
+  EXPECT_EQ(alert->finding.what.find("the previous run crashed (signal 11, see "), 0U)
+      << alert->finding.what;
+  EXPECT_TRUE(exists(folder_ / "crash-20231114-221323.txt"));
 }
 
 TEST_F(RunTrackerTest, AnAbortByAnotherProcessLeavesAMarker) {
