@@ -96,8 +96,9 @@ std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
     if (read) {
       saved = *read;
     } else {
-      lines.push_back(path_.string() + ": " + read.error().what +
-                      "; using the configured calibrations");
+      damage_ = path_.string() + ": " + read.error().what + "; using the configured calibrations";
+      lines.push_back(*damage_);
+      std::filesystem::rename(path_, path_.string() + ".unreadable", ignored);
     }
   }
   calibrations_.clear();
@@ -131,20 +132,32 @@ std::vector<std::string> SavedCalibrations::frozen_cameras() const {
 
 Result<void> SavedCalibrations::save(const CalibrationReport& report) {
   for (SavedCalibration& calibration : calibrations_) {
-    const bool moved = !nearly_equal(calibration.T_camera_lidar, report.T_camera_lidar);
-    if (calibration.camera != report.camera || (!moved && calibration.frozen == report.frozen)) {
+    if (calibration.camera != report.camera ||
+        nearly_equal(calibration.T_camera_lidar, report.T_camera_lidar)) {
       continue;
     }
-    calibration.frozen = report.frozen;
     calibration.T_camera_lidar = report.T_camera_lidar;
-    if (moved) calibration.since = report.stamp;
-    if (path_.empty()) return {};
-    std::error_code ignored;  // write_file_atomically reports the error
-    std::filesystem::create_directories(path_.parent_path(), ignored);
-    const std::string text = format_calibrations(calibrations_);
-    return recording::write_file_atomically(path_, std::as_bytes(std::span(text)), 0640);
+    calibration.since = report.stamp;
+    return write();
   }
   return {};
+}
+
+Result<void> SavedCalibrations::save_frozen(const std::string& camera, bool frozen) {
+  bool changed = false;
+  for (SavedCalibration& calibration : calibrations_) {
+    if (!camera.empty() && calibration.camera != camera) continue;
+    changed |= std::exchange(calibration.frozen, frozen) != frozen;
+  }
+  return changed ? write() : Result<void>();
+}
+
+Result<void> SavedCalibrations::write() const {
+  if (path_.empty()) return {};
+  std::error_code ignored;  // write_file_atomically reports the error
+  std::filesystem::create_directories(path_.parent_path(), ignored);
+  const std::string text = format_calibrations(calibrations_);
+  return recording::write_file_atomically(path_, std::as_bytes(std::span(text)), 0640);
 }
 
 }  // namespace infuse::daemon

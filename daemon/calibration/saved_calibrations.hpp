@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,18 +35,29 @@ class SavedCalibrations {
   explicit SavedCalibrations(std::filesystem::path path) : path_(std::move(path)) {}
 
   /// Reads the file and sets the saved calibrations in the rig, camera by camera. A configured
-  /// calibration that has changed since takes precedence. Returns lines for the log.
+  /// calibration that has changed since takes precedence. A file that cannot be read, damaged or of
+  /// another release, is kept beside it with the suffix .unreadable. Returns lines for the log.
   std::vector<std::string> restore(Rig& rig);
+
+  /// Why the file could not be read; nothing if it could.
+  const std::optional<std::string>& damage() const { return damage_; }
 
   /// Returns the cameras with a frozen calibration.
   std::vector<std::string> frozen_cameras() const;
 
-  /// Writes the file if the calibration in use or its frozen state has changed.
+  /// Writes the file if the calibration in use has changed.
   Result<void> save(const CalibrationReport& report);
 
+  /// Writes the file if the calibration of `camera` (empty: of all) is frozen from now on, or no
+  /// longer.
+  Result<void> save_frozen(const std::string& camera, bool frozen);
+
  private:
+  Result<void> write() const;
+
   std::filesystem::path path_;
   std::vector<SavedCalibration> calibrations_;  // one per camera
+  std::optional<std::string> damage_;
 };
 
 }  // namespace infuse::daemon

@@ -31,5 +31,6 @@ Command declare_streetmap(CLI::App& infuse);
 Command declare_record(CLI::App& infuse);
 Command declare_odometry(CLI::App& infuse);
 Command declare_align(CLI::App& infuse);
+Command declare_history(CLI::App& infuse);
 
 }  // namespace infuse::daemon

@@ -34,6 +34,7 @@ void read_socket(TomlTable& table, ServerOptions& options) {
   table.read("path", options.path);
   read_integer(table, "tcp_port", options.tcp_port);
   read_integer(table, "max_clients", options.max_clients);
+  read_integer(table, "max_clients_per_user", options.max_clients_per_user);
   read_seconds(table, "idle_timeout_s", options.idle_timeout);
   read_integer(table, "queue_reports", options.queue_reports);
   table.read("max_requests_hz", options.max_requests_hz);
@@ -130,6 +131,8 @@ void read_record(TomlTable& table, RecordSettings& settings) {
   read_seconds(table, "flight_recorder_s", settings.flight_recorder);
   read_seconds(table, "after_alert_s", settings.after_alert);
   read_integer(table, "keep_alerts", settings.keep_alerts);
+  read_seconds(table, "alert_pause_s", settings.alert_pause);
+  read_megabytes(table, "budget_mb", settings.budget);
   read_seconds(table, "max_duration_s", settings.max_duration);
   read_megabytes(table, "max_size_mb", settings.max_bytes);
   read_seconds(table, "split_s", settings.split);

@@ -12,6 +12,10 @@ std::optional<std::string> RecordSettings::invalid() const {
     return "after_alert_s must lie in 0 ... 600";
   }
   if (keep_alerts == 0 || keep_alerts > 1000) return "keep_alerts must lie in 1 ... 1000";
+  if (alert_pause < Duration::zero() || alert_pause > from_seconds(86'400)) {
+    return "alert_pause_s must lie in 0 ... 86400";
+  }
+  if (budget < kMiB) return "budget_mb must be at least 1";
   if (max_duration < from_seconds(1)) return "max_duration_s must be at least 1";
   if (max_bytes < kMiB) return "max_size_mb must be at least 1";
   if (split != Duration::zero() && split < from_seconds(1)) return "split_s must be at least 1";

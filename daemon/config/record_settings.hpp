@@ -16,6 +16,9 @@ struct RecordSettings {
                                          ///< recorded
   Duration after_alert{5'000'000'000};   ///< span written from after an alert
   uint32_t keep_alerts = 10;             ///< maximum number of alert drives; older ones are removed
+  Duration alert_pause{600'000'000'000};     ///< span in which an alert that is raised again is not
+                                             ///< recorded again
+  uint64_t budget = uint64_t{64} << 30;      ///< maximum size of all recordings together, bytes
   Duration max_duration{3'600'000'000'000};  ///< maximum duration of one recording
   uint64_t max_bytes = uint64_t{16} << 30;   ///< maximum size of one recording, all its drives
   Duration split{0};                         ///< duration at which a new drive begins; 0: none

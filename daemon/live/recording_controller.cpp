@@ -123,9 +123,7 @@ RecordingPlan RecordingController::make_plan(Stamp now) const {
 
 Result<void> RecordingController::begin(RecordingPlan plan, Stamp now) {
   publish_updates();  // the end of the previous recording
-  std::error_code failed;
-  std::filesystem::create_directories(directory_, failed);
-  if (failed) return fail("cannot be created: " + failed.message(), directory_.string());
+  if (auto created = create_directory(); !created) return created;
   auto recording = Recording::begin(std::move(plan), now);
   if (!recording) return tl::unexpected(recording.error());
   const RecordReport report = recording->report();
@@ -140,18 +138,32 @@ Result<void> RecordingController::begin(RecordingPlan plan, Stamp now) {
   return {};
 }
 
+/// The service's umask leaves the group nothing; a folder of the owner is left as it is.
+Result<void> RecordingController::create_directory() const {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  const bool created = fs::create_directories(directory_, failed);
+  if (failed) return fail("cannot be created: " + failed.message(), directory_.string());
+  if (!created && !settings_.directory.empty()) return {};
+  fs::permissions(directory_, fs::perms::group_read | fs::perms::group_exec, fs::perm_options::add,
+                  failed);
+  return {};
+}
+
 // A running recording covers the alert already.
 void RecordingController::on_alert(const AlertReport& alert) {
   if (!alert.raised || alert.device == kDaemonDevice || recorder_->is_recording()) return;
   const Stamp now = base_.now();
   RecordingPlan plan = this->make_plan(now);
   plan.cause = alert.device + "." + alert.finding.id;
+  if (!alert_pause_.is_over(plan.cause, now, settings_.alert_pause)) return;
   plan.name = alert_name(now, plan.cause);
   plan.from = now - settings_.flight_recorder;
   plan.until = now + settings_.after_alert;
   if (const auto begun = begin(std::move(plan), now); !begun) {
-    spdlog::error("cannot record the alert: {}", begun.error().message());
+    return spdlog::error("cannot record the alert: {}", begun.error().message());
   }
+  alert_pause_.begin(alert.device + "." + alert.finding.id, now);
 }
 
 void RecordingController::apply_settings(const RecordSettings& settings) {

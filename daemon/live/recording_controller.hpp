@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "daemon/live/alert_pause.hpp"
 #include "daemon/live/drive_description.hpp"
 #include "daemon/pipeline/publisher.hpp"
 #include "daemon/protocol/request.hpp"
@@ -45,6 +46,7 @@ class RecordingController {
  private:
   RecordingPlan make_plan(Stamp now) const;
   Result<void> begin(RecordingPlan plan, Stamp now);
+  Result<void> create_directory() const;
   void on_alert(const AlertReport& alert);
   void publish_report(const RecordReport& report);
   void raise_failure_alert(const RecordReport& report);
@@ -55,6 +57,7 @@ class RecordingController {
   DescribedDrive drive_;
   std::optional<Recorder> recorder_;
   Publisher* publisher_ = nullptr;
+  AlertPause alert_pause_;
   bool end_published_ = true;
   std::optional<Finding> raised_failure_;  // set while the alert is raised
 };

@@ -1,5 +1,7 @@
 #include "daemon/pipeline/pipeline.hpp"
 
+#include "daemon/calibration/request_check.hpp"
+
 #include "daemon/pipeline/threads.hpp"
 
 namespace infuse::daemon {
@@ -99,6 +101,9 @@ Result<void> Pipeline::handle_request(const Request& request) {
     names += " " + camera.name;
   }
   if (!known) return fail("unknown camera '" + request.device + "'", "", "known:" + names);
+  if (auto wrong = check_request(request, publisher_.totals().calibrations)) {
+    return tl::unexpected(*wrong);
+  }
   fusion_.post_request(request);
   return {};
 }

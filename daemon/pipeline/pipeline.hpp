@@ -51,7 +51,7 @@ class Pipeline {
   }
 
   /// Carries out a control request for calibrations. Errors: unknown camera, calibrations not
-  /// monitored.
+  /// monitored, nothing to apply or to roll back.
   Result<void> handle_request(const Request& request);
 
   Publisher& publisher() { return publisher_; }

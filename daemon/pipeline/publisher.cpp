@@ -130,7 +130,7 @@ void Publisher::start(Stamp stamp) {
 
 void Publisher::publish_calibration(const CalibrationReport& report) {
   totals_.calibrations[report.camera] = report;
-  on_calibration_(report);
+  for (const auto& listener : on_calibration_) listener(report);
   publish(report, report.camera);
   const Conditions& conditions =
       calibration_health_[report.camera].update(report.stamp, calibration_status(report));
@@ -161,7 +161,7 @@ void Publisher::publish_health(const ReportItem& item) {
   publish_transitions(item.stamp, kDaemonDevice, conditions.transitions());
   if (file_ != nullptr) file_->write(message(report));  // without host figures
   report.host = totals_.host;
-  on_health_(report);
+  for (const auto& listener : on_health_) listener(report);
   server_.publish(ReportClass::kHealth, "", item.stamp, message(report));
 }
 
@@ -205,7 +205,7 @@ void Publisher::publish_transitions(Stamp stamp, const std::string& device,
 
 void Publisher::publish_alert(const AlertReport& alert) {
   publish(alert, alert.id());
-  on_alert_(alert);
+  for (const auto& listener : on_alert_) listener(alert);
   if (!alert.raised) return;
   ++totals_.alerts;
   if (totals_.first_alerts.size() < kMaxFirstAlerts) totals_.first_alerts.push_back(alert);

@@ -51,23 +51,23 @@ class Publisher {
   /// Sets the listener of every pose.
   void on_pose(std::function<void(const PoseReport&)> listener) { on_pose_ = std::move(listener); }
 
-  /// Sets the listener of every CALIBRATION report.
+  /// Adds a listener of every CALIBRATION report.
   void on_calibration(std::function<void(const CalibrationReport&)> listener) {
-    on_calibration_ = std::move(listener);
+    on_calibration_.push_back(std::move(listener));
   }
 
   /// Sets the listener of the start, and of each second of drive time, called when its reports were
   /// published.
   void on_progress(std::function<void()> listener) { on_progress_ = std::move(listener); }
 
-  /// Sets the listener of every HEALTH report, with host figures.
+  /// Adds a listener of every HEALTH report, with host figures.
   void on_health(std::function<void(const HealthReport&)> listener) {
-    on_health_ = std::move(listener);
+    on_health_.push_back(std::move(listener));
   }
 
-  /// Sets the listener of every ALERT report.
+  /// Adds a listener of every ALERT report.
   void on_alert(std::function<void(const AlertReport&)> listener) {
-    on_alert_ = std::move(listener);
+    on_alert_.push_back(std::move(listener));
   }
 
   /// Replaces the thresholds of the health checks.
@@ -112,9 +112,9 @@ class Publisher {
   StreetMapHealth streetmap_health_;
   std::map<std::string, CalibrationHealth> calibration_health_;  // by camera
   std::function<void()> on_progress_ = [] {};
-  std::function<void(const CalibrationReport&)> on_calibration_ = [](const CalibrationReport&) {};
-  std::function<void(const HealthReport&)> on_health_ = [](const HealthReport&) {};
-  std::function<void(const AlertReport&)> on_alert_ = [](const AlertReport&) {};
+  std::vector<std::function<void(const CalibrationReport&)>> on_calibration_;
+  std::vector<std::function<void(const HealthReport&)>> on_health_;
+  std::vector<std::function<void(const AlertReport&)>> on_alert_;
   std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
   Server& server_;
   ReportsFile* file_;

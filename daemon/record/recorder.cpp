@@ -1,9 +1,5 @@
 #include "daemon/record/recorder.hpp"
 
-#include <spdlog/spdlog.h>
-
-#include <map>
-
 #include "daemon/pipeline/threads.hpp"
 
 namespace infuse::daemon {
@@ -26,6 +22,7 @@ Recorder::Recorder(const RecordSettings& settings, std::filesystem::path directo
     : settings_(settings),
       directory_(std::move(directory)),
       base_(base),
+      budget_(directory_, settings.budget),
       ring_(static_cast<size_t>(settings.memory / RecordChunk::kMaxBytes), new_chunk),
       reader_(ring_.make_reader()),
       tap_(ring_) {
@@ -87,6 +84,9 @@ bool Recorder::process_requests(std::stop_token& stop) {
     if (recording_) recording_->end("another recording was started");
     recording_ = std::exchange(next_, std::nullopt);
     parser_ = {};
+    lock.unlock();
+    budget_.measure(recording_->report().name);
+    lock.lock();
   }
   if (recording_ && until_) recording_->end_at(*until_);
   return !stop.stop_requested();
@@ -101,6 +101,8 @@ void Recorder::write_chunks(Duration timeout) {
     if (chunk) parser_.parse(*chunk, [this](const Record& record) { recording_->add(record); });
   }
   recording_->flush_and_check(base_.now(), parser_.lost(), caught_up);
+  if (recording_->report().ended || budget_.make_room(recording_->report().bytes)) return;
+  recording_->end("budget_mb is used up by recordings on request; remove some", true);
 }
 
 void Recorder::update_report() {
@@ -113,25 +115,6 @@ void Recorder::update_report() {
   if (!ended) return;
   recording_.reset();
   remove_old_alerts(directory_, settings_.keep_alerts);
-}
-
-// Names of alert recordings begin with their time and so sort by age.
-void remove_old_alerts(const std::filesystem::path& directory, size_t keep) {
-  std::map<std::string, std::vector<std::filesystem::path>> recordings;
-  std::error_code error;
-  for (std::filesystem::directory_iterator entry(directory, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (!name.starts_with(kAlertPrefix)) continue;
-    recordings[name.substr(0, name.find('.'))].push_back(entry->path());
-  }
-  for (auto oldest = recordings.begin(); recordings.size() > keep;
-       oldest = recordings.erase(oldest)) {
-    for (const std::filesystem::path& drive : oldest->second) {
-      spdlog::info("{}: removed, newer alert recordings replace it", drive.string());
-      std::filesystem::remove_all(drive, error);
-    }
-  }
 }
 
 }  // namespace infuse::daemon

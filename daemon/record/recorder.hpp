@@ -8,6 +8,7 @@
 #include "daemon/config/record_settings.hpp"
 #include "daemon/record/record_tap.hpp"
 #include "daemon/record/recording.hpp"
+#include "daemon/record/recordings_budget.hpp"
 #include "drivers/receive/time_base.hpp"
 
 namespace infuse::daemon {
@@ -50,6 +51,7 @@ class Recorder {
   const RecordSettings settings_;
   const std::filesystem::path directory_;
   const receive::TimeBase base_;
+  RecordingsBudget budget_;  // used by the recorder's thread only
   RecordRing ring_;
   RecordRing::Reader reader_;
   RecordTap tap_;
@@ -66,12 +68,5 @@ class Recorder {
 
   std::jthread thread_;
 };
-
-/// Removes the oldest alert recordings in a folder beyond the newest `keep`; the drives of one
-/// split recording count as one.
-void remove_old_alerts(const std::filesystem::path& directory, size_t keep);
-
-/// Prefix of the names of alert recordings.
-inline constexpr const char* kAlertPrefix = "alert-";
 
 }  // namespace infuse::daemon

@@ -64,9 +64,11 @@ void DaemonHost::connect(Pipeline& pipeline, RequestHandler on_record) {
       spdlog::error("{}", saved.error().message());
     }
   });
-  server_.on_control([&pipeline, on_record = std::move(on_record)](const Request& request) {
-    return request.op == Request::Op::kRecord && on_record ? on_record(request)
-                                                           : pipeline.handle_request(request);
+  server_.on_control([this, &pipeline, on_record = std::move(on_record)](const Request& request) {
+    if (request.op == Request::Op::kRecord && on_record) return on_record(request);
+    auto handled = pipeline.handle_request(request);
+    if (!handled || request.op != Request::Op::kFreeze) return handled;
+    return calibrations_.save_frozen(request.device, request.on);
   });
 }
 

@@ -60,6 +60,9 @@ class DaemonHost {
   /// read what is queued for them. Called when the pipeline has ended.
   void finish(std::chrono::milliseconds client_timeout);
 
+  /// Why the saved calibrations could not be read; nothing if they could.
+  const std::optional<std::string>& calibration_damage() const { return calibrations_.damage(); }
+
   boost::asio::io_context& io() { return io_; }
   Server& server() { return server_; }
 

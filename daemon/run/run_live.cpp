@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "daemon/command_line/arguments.hpp"
+#include "daemon/live/history_writer.hpp"
 #include "daemon/metrics/metrics_server.hpp"
 #include "daemon/metrics/metrics_text.hpp"
 #include "daemon/run/daemon_host.hpp"
@@ -41,6 +42,13 @@ void publish_metrics(MetricsServer& metrics, Publisher& publisher) {
   });
 }
 
+/// Keeps the history of alerts, calibrations and health.
+void write_history(HistoryWriter& history, Publisher& publisher) {
+  publisher.on_alert([&history](const AlertReport& alert) { history.add(alert); });
+  publisher.on_calibration([&history](const CalibrationReport& report) { history.add(report); });
+  publisher.on_health([&history](const HealthReport& health) { history.add(health); });
+}
+
 }  // namespace
 
 int run_live(const RunOptions& options, const Config& config) {
@@ -69,12 +77,15 @@ int run_live(const RunOptions& options, const Config& config) {
       recordings.tap());
   recordings.set_publisher(live.publisher());
   if (config.metrics.enabled()) publish_metrics(metrics, live.publisher());
+  HistoryWriter history(state_folder());
+  write_history(history, live.publisher());
   host.connect(live.pipeline(),
                [&](const Request& request) { return recordings.handle_request(request); });
   ServiceLifecycle lifecycle(host.io(), options.config, config, live, recordings, host.server(),
-                             base);
+                             base, host.calibration_damage());
   on_end = [&] {
     recordings.finish();
+    history.finish();
     lifecycle.finish();
     host.finish(kLiveClientTimeout);
     metrics.finish();

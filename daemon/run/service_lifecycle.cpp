@@ -6,6 +6,8 @@
 #include <array>
 #include <csignal>
 
+#include "daemon/protocol/messages.hpp"
+#include "daemon/service/crash_note.hpp"
 #include "daemon/service/service_manager.hpp"
 
 namespace infuse::daemon {
@@ -26,16 +28,19 @@ std::string status_text(const Publisher& publisher, size_t devices) {
 ServiceLifecycle::ServiceLifecycle(boost::asio::io_context& io, const std::string& config_file,
                                    const Config& config, LivePipeline& live,
                                    RecordingController& recordings, Server& server,
-                                   const receive::TimeBase& base)
+                                   const receive::TimeBase& base,
+                                   const std::optional<std::string>& calibration_damage)
     : config_file_(config_file),
       config_(config),
       live_(live),
       recordings_(recordings),
       server_(server),
       base_(base),
+      calibration_damage_(calibration_damage),
       run_tracker_(RunTracker::from_environment()),
       reload_signal_(io, SIGHUP) {
   live_.publisher().on_progress([this] { on_progress(); });
+  live_.publisher().on_alert([this](const AlertReport& alert) { add_recent(alert); });
   wait_for_reload();
 }
 
@@ -53,14 +58,28 @@ void ServiceLifecycle::finish() {
 void ServiceLifecycle::on_progress() {
   recordings_.publish_updates();
   const std::string status = status_text(live_.publisher(), live_.setup().devices.size());
+  remember_report(status + recent_alerts_);
   if (!std::exchange(ready_, true)) {
     service_manager::notify_ready(status);
-    if (auto alert = run_tracker_.begin_run(base_.now())) live_.publisher().publish_alert(*alert);
+    const Stamp now = base_.now();
+    if (auto alert = run_tracker_.begin_run(now)) live_.publisher().publish_alert(*alert);
+    if (calibration_damage_) {
+      const Finding finding{"saved_calibrations", Level::kWarn, now, *calibration_damage_,
+                            "check infuse calibration; the file is kept as *.unreadable"};
+      live_.publisher().publish_alert({now, kDaemonDevice, true, finding});
+    }
     return;
   }
   service_manager::notify_watchdog();
   service_manager::notify_status(status);
   if (auto alert = run_tracker_.save_if_due(base_.now())) live_.publisher().publish_alert(*alert);
+}
+
+/// Keeps the last alerts for a crash note.
+void ServiceLifecycle::add_recent(const AlertReport& alert) {
+  constexpr size_t kMaxBytes = 3000;
+  recent_alerts_ = "\n" + message(alert) + recent_alerts_;  // the newest first
+  if (recent_alerts_.size() > kMaxBytes) recent_alerts_.resize(kMaxBytes);
 }
 
 void ServiceLifecycle::wait_for_reload() {

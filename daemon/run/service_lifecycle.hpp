@@ -16,10 +16,11 @@ namespace infuse::daemon {
 class ServiceLifecycle {
  public:
   /// All arguments must outlive this object. `config` is the running configuration, read from
-  /// `config_file`.
+  /// `config_file`. `calibration_damage`: why the saved calibrations are not used; an alert.
   ServiceLifecycle(boost::asio::io_context& io, const std::string& config_file,
                    const Config& config, LivePipeline& live, RecordingController& recordings,
-                   Server& server, const receive::TimeBase& base);
+                   Server& server, const receive::TimeBase& base,
+                   const std::optional<std::string>& calibration_damage);
 
   /// Requests the end of the pipeline.
   void stop();
@@ -29,6 +30,7 @@ class ServiceLifecycle {
 
  private:
   void on_progress();
+  void add_recent(const AlertReport& alert);
   void wait_for_reload();
   void reload_config();
   void apply_config(const Config& loaded);
@@ -39,9 +41,11 @@ class ServiceLifecycle {
   RecordingController& recordings_;
   Server& server_;
   const receive::TimeBase& base_;
+  const std::optional<std::string>& calibration_damage_;
   RunTracker run_tracker_;
   boost::asio::signal_set reload_signal_;
   bool ready_ = false;
+  std::string recent_alerts_;
 };
 
 }  // namespace infuse::daemon

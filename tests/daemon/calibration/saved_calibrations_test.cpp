@@ -68,15 +68,14 @@ TEST_F(SavedCalibrationsTest, AFrozenCalibrationIsFrozenAfterARestart) {
   Rig first = rig(0.1);
   SavedCalibrations saved(path_);
   saved.restore(first);
-  CalibrationReport frozen = report(0.1);
-  frozen.frozen = true;
-  ASSERT_TRUE(saved.save(frozen));
+  ASSERT_TRUE(saved.save_frozen("front", true));  // before any image
+  ASSERT_TRUE(saved.save(report(0.1)));           // an image from before the request
 
   Rig second = rig(0.1);
   SavedCalibrations again(path_);
   EXPECT_THAT(again.restore(second), ElementsAre(HasSubstr("frozen")));
   EXPECT_THAT(again.frozen_cameras(), ElementsAre("front"));
-  ASSERT_TRUE(again.save(report(0.1)));  // no longer frozen
+  ASSERT_TRUE(again.save_frozen("", false));
 
   Rig third = rig(0.1);
   SavedCalibrations last(path_);
@@ -93,6 +92,23 @@ TEST_F(SavedCalibrationsTest, AFileWithoutFrozenIsRead) {
   ASSERT_TRUE(read.has_value());
   EXPECT_EQ(read->at(0).camera, "front");
   EXPECT_FALSE(read->at(0).frozen);
+}
+
+TEST_F(SavedCalibrationsTest, AFileOfAnotherReleaseIsKeptAndNamed) {
+  const std::string newer = "{\"form\": 2, \"cameras\": []}\n";
+  std::ofstream(path_) << newer;
+  Rig first = rig(0.1);
+  SavedCalibrations saved(path_);
+  saved.restore(first);
+  ASSERT_TRUE(saved.damage());
+  EXPECT_THAT(*saved.damage(), HasSubstr("not a calibration file of this release"));
+  ASSERT_TRUE(saved.save(report(0.2)));
+  std::ifstream kept(path_.string() + ".unreadable");
+  EXPECT_EQ((std::string{std::istreambuf_iterator<char>(kept), {}}), newer);
+  Rig second = rig(0.1);
+  SavedCalibrations again(path_);
+  again.restore(second);
+  EXPECT_FALSE(again.damage());
 }
 
 TEST_F(SavedCalibrationsTest, AChangedConfigurationTakesPrecedence) {

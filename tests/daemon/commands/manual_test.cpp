@@ -19,7 +19,7 @@ const std::vector<std::string> kCommands = {
     "status",    "watch",    "wait-ready",       "record",    "calibration",      "recalibrate",
     "apply",     "rollback", "freeze",           "inspect",   "decode",           "import kitti",
     "calibrate", "evaluate", "calibrate-target", "streetmap", "import opencalib", "odometry",
-    "align"};
+    "align",     "history"};
 
 std::string help_of(const std::string& program) {
   const ProgramResult result =

@@ -248,6 +248,8 @@ memory_mb = 128
 flight_recorder_s = 20
 after_alert_s = 3
 keep_alerts = 4
+alert_pause_s = 60
+budget_mb = 4096
 max_duration_s = 600
 max_size_mb = 2048
 split_s = 60
@@ -262,6 +264,8 @@ min_free_mb = 100
   expected.flight_recorder = from_seconds(20);
   expected.after_alert = from_seconds(3);
   expected.keep_alerts = 4;
+  expected.alert_pause = from_seconds(60);
+  expected.budget = uint64_t{4096} << 20;
   expected.max_duration = from_seconds(600);
   expected.max_bytes = uint64_t{2048} << 20;
   expected.split = from_seconds(60);
@@ -270,9 +274,9 @@ min_free_mb = 100
   EXPECT_EQ(config->record, expected);
   EXPECT_EQ(parse_config("", "x.toml")->record, RecordSettings{});
   for (const char* wrong :
-       {"memory_mb = 1", "flight_recorder_s = -1", "keep_alerts = 0", "max_duration_s = 0",
-        "max_size_mb = 0", "split_s = 0.1", "min_free_mb = -1", "max_size_mb = 9223372036854775807",
-        "folder = \"x\""}) {
+       {"memory_mb = 1", "flight_recorder_s = -1", "keep_alerts = 0", "alert_pause_s = -1",
+        "budget_mb = 0", "max_duration_s = 0", "max_size_mb = 0", "split_s = 0.1",
+        "min_free_mb = -1", "max_size_mb = 9223372036854775807", "folder = \"x\""}) {
     EXPECT_FALSE(parse_config(std::string("[record]\n") + wrong, "x.toml")) << wrong;
   }
 }

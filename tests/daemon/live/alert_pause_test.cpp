@@ -1,0 +1,32 @@
+#include "daemon/live/alert_pause.hpp"
+
+#include <gtest/gtest.h>
+
+namespace infuse::daemon {
+namespace {
+
+Stamp at(double seconds) { return Stamp::from_ns(1'000'000'000'000) + from_seconds(seconds); }
+
+TEST(AlertPause, AFlappingSensorIsRecordedOncePerPause) {
+  AlertPause pause;
+  int recorded = 0;
+  for (int second = 0; second < 3600; second += 10) {
+    if (!pause.is_over("lidar.silent", at(second), from_seconds(600))) continue;
+    pause.begin("lidar.silent", at(second));
+    ++recorded;
+  }
+  EXPECT_EQ(recorded, 6);
+}
+
+TEST(AlertPause, EachCauseHasItsOwn) {
+  AlertPause pause;
+  pause.begin("lidar.silent", at(0));
+  EXPECT_FALSE(pause.is_over("lidar.silent", at(1), from_seconds(600)));
+  EXPECT_TRUE(pause.is_over("lidar.loss", at(1), from_seconds(600)));
+  EXPECT_TRUE(pause.is_over("rear.silent", at(1), from_seconds(600)));
+  EXPECT_TRUE(pause.is_over("lidar.silent", at(-5), from_seconds(600)));
+  EXPECT_TRUE(pause.is_over("lidar.silent", at(1), Duration::zero()));
+}
+
+}  // namespace
+}  // namespace infuse::daemon
