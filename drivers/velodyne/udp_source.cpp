@@ -59,9 +59,9 @@ Result<void> UdpSource::prepare() {
 /// Attached before the socket is bound: nothing arrives without it.
 Result<void> UdpSource::filter_senders() {
   if (options_.senders.empty()) return {};
-  constexpr auto kSourceAddress = static_cast<uint32_t>(SKF_NET_OFF + 12);
+  constexpr auto kSourceInDatagram = static_cast<uint32_t>(SKF_NET_OFF + 12);
   PacketFilter filter;
-  filter.require_sender(options_.senders, kSourceAddress);
+  filter.require_sender(options_.senders, kSourceInDatagram);
   if (std::move(filter).attach(socket_.get())) return {};
   return receive::fail_errno("cannot attach a filter", name());
 }
