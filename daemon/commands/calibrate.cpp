@@ -309,8 +309,7 @@ Command declare_calibrate(CLI::App& infuse) {
       ->type_name("rig.toml");
   app->add_flag("--json", arguments->json, "print the result as one JSON object");
   set_examples(*app, {"infuse calibrate drive/ --camera front -o rig.toml",
-                      "infuse calibrate monday/ tuesday/ --scenes 40 --report report/",
-                      "infuse calibrate drive/ --compare old.toml --overlays both.png"});
+                      "infuse calibrate monday/ tuesday/ --compare old.toml --report report/"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

@@ -96,8 +96,6 @@ class Objective {
   size_t point_count() const { return points_.size(); }
   /// Median range of the points, m: a rotation by one radian moves them by about so much.
   double median_range() const;
-  /// Angle of a pixel in the middle of the reference camera's image, rad.
-  double pixel_angle() const { return 1 / cameras_[0].model.intrinsics().fx; }
   /// Number of evaluations so far.
   int evaluations() const { return evaluations_; }
 

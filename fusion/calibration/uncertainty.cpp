@@ -14,11 +14,10 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-// Steps of numeric differences, in pixels of the reference camera: about the standard deviation of
-// the result, from this to so many times it; halves of it where it leads to no maximum. Smaller
-// steps measure how rings cross image edges instead of the shape of the maximum, larger ones its
-// flanks.
-constexpr double kStepPixels = 0.4;
+// Steps of numeric differences: about the standard deviation of the result, from this to so many
+// times it; halves of it where it leads to no maximum, as with long focal lengths. Smaller steps
+// measure how rings cross image edges instead of the shape of the maximum, larger ones its flanks.
+constexpr double kFirstStep = 1e-3;  // rad; for translations times the median range of the points
 constexpr double kMaxStepGrowth = 4;
 constexpr double kMinStepGrowth = 0.25;
 constexpr double kMaxRotationSigma = 5 * kDegree;
@@ -195,14 +194,15 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
     out.curvature = curvature(curvatures);
     out.scene_curvature = std::move(curvatures);
   };
-  const double first = kStepPixels * objective.pixel_angle();
-  try_step(first);
-  for (double angle = first / 2; !found.reason.empty() && angle >= kMinStepGrowth * first;
+  try_step(kFirstStep);
+  for (double angle = kFirstStep / 2; !found.reason.empty() && angle >= kMinStepGrowth * kFirstStep;
        angle /= 2) {
     try_step(angle);
   }
-  for (double angle = first; found.reason.empty() && angle < kMaxStepGrowth * first &&
-                             max_angular_sigma(found.covariance, range) > 2 * angle;
+  const auto is_too_small = [&](double angle) {
+    return !found.reason.empty() || max_angular_sigma(found.covariance, range) > 2 * angle;
+  };
+  for (double angle = kFirstStep; angle < kMaxStepGrowth * kFirstStep && is_too_small(angle);
        angle *= 2) {
     try_step(2 * angle);
   }

@@ -223,7 +223,8 @@ void OdometryFilter::update(const GnssFix& fix) {
       record(OdometrySource::kGnssCourse, state_.update_gnss_course(fix.course));
     }
   } else if (sources_.carries(OdometrySource::kGnssSpeed, now_)) {
-    record(OdometrySource::kGnssCourse, state_.update_slow_turn());
+    state_.update_slow_turn();
+    sources_.hold(OdometrySource::kGnssCourse, now_);  // the limit stands in for the course
   }
 }
 

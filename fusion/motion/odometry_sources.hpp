@@ -41,6 +41,11 @@ class OdometrySources {
   /// Records a sample of a source.
   void add(OdometrySource source, bool accepted, Stamp now);
 
+  /// Lets a source carry on without a sample, which is not counted.
+  void hold(OdometrySource source, Stamp now) {
+    records_[static_cast<size_t>(source)].last_accepted = now;
+  }
+
   /// Forgets when samples came; the counters stay.
   void reset();
 
