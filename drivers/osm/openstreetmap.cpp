@@ -32,10 +32,22 @@ struct Relation {
   std::vector<Member> members;
 };
 
+// The list is texts that end with NUL, key and value in turn. A binary map may have a NUL in a
+// text: libosmium's own iterator then leaves the list.
 std::vector<Tag> copy_tags(const osmium::OSMObject& object) {
+  const osmium::TagList& list = object.tags();
+  std::string_view rest(reinterpret_cast<const char*>(list.data()), list.byte_size());
+  rest.remove_prefix(std::min(sizeof(osmium::TagList), rest.size()));
   std::vector<Tag> tags;
-  for (const osmium::Tag& tag : object.tags()) tags.push_back({tag.key(), tag.value()});
-  return tags;
+  while (true) {
+    const size_t key = rest.find('\0');
+    if (key == std::string_view::npos) return tags;
+    const size_t value = rest.find('\0', key + 1);
+    if (value == std::string_view::npos) return tags;
+    tags.push_back(
+        {std::string(rest.substr(0, key)), std::string(rest.substr(key + 1, value - key - 1))});
+    rest.remove_prefix(value + 1);
+  }
 }
 
 // Collects the elements of a file in any order, then resolves their references.
@@ -83,31 +95,33 @@ class MapBuilder {
 
  private:
   void add_node(const osmium::Node& node) {
-    elements_ += 1 + node.tags().size();
+    std::vector<Tag> tags = copy_tags(node);
+    elements_ += 1 + tags.size();
     if (!node.location().valid()) {
       return warn("node", node.id(), "has no valid latitude and longitude", "it is ignored");
     }
     const Point point{node.id(), node.location().lat() * kDegree, node.location().lon() * kDegree};
     points_[node.id()] = point;
-    if (node.tags().empty()) return;
-    map_.nodes.push_back({node.id(), point.latitude, point.longitude, copy_tags(node)});
+    if (tags.empty()) return;
+    map_.nodes.push_back({node.id(), point.latitude, point.longitude, std::move(tags)});
   }
 
   // Points contain only node ids until all nodes are known.
   void add_way(const osmium::Way& way) {
-    elements_ += 1 + way.tags().size() + way.nodes().size();
     Way& added = map_.ways.emplace_back();
     added.id = way.id();
     added.tags = copy_tags(way);
+    elements_ += 1 + added.tags.size() + way.nodes().size();
     for (const osmium::NodeRef& node : way.nodes()) added.points.push_back({node.ref(), 0, 0});
   }
 
   void add_relation(const osmium::Relation& relation) {
-    elements_ += 1 + relation.tags().size() + relation.members().size();
-    if (std::string_view(relation.tags().get_value_by_key("type", "")) != "multipolygon") return;
+    std::vector<Tag> tags = copy_tags(relation);
+    elements_ += 1 + tags.size() + relation.members().size();
+    if (find_tag(tags, "type") != "multipolygon") return;
     Relation& added = relations_.emplace_back();
     added.id = relation.id();
-    added.tags = copy_tags(relation);
+    added.tags = std::move(tags);
     for (const osmium::RelationMember& member : relation.members()) {
       if (member.type() != osmium::item_type::way) continue;
       added.members.push_back({member.ref(), std::string_view(member.role()) == "inner"});
