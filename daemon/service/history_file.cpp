@@ -64,6 +64,12 @@ Result<void> HistoryFile::append(std::string_view line) const {
 }
 
 Result<std::vector<std::string>> read_history(const std::filesystem::path& path) {
+  std::error_code failed;
+  std::filesystem::directory_iterator(path.parent_path(), failed);
+  if (failed) {
+    return fail("cannot be read: " + failed.message(), path.parent_path().string(),
+                "the daemon's state directory is for root and the group infuse");
+  }
   std::vector<std::string> lines;
   for (const std::filesystem::path& part : {older(path), path}) {
     std::error_code ignored;

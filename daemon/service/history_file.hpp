@@ -34,7 +34,8 @@ class HistoryFile {
   uint64_t max_bytes_;
 };
 
-/// Reads the lines of PATH.1 and PATH, oldest first; none if there is no file.
+/// Reads the lines of PATH.1 and PATH, oldest first; none if there is no file. Fails if the folder
+/// or a file cannot be read.
 Result<std::vector<std::string>> read_history(const std::filesystem::path& path);
 
 }  // namespace infuse::daemon

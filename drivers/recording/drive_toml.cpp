@@ -1,10 +1,9 @@
 #include "drivers/recording/drive_toml.hpp"
 
-#include <arpa/inet.h>
-
 #include <array>
 #include <string_view>
 
+#include "drivers/measurement/ipv4_address.hpp"
 #include "drivers/recording/can_toml.hpp"
 #include "drivers/recording/sweep_files.hpp"
 #include "drivers/recording/toml_names.hpp"
@@ -43,11 +42,10 @@ void read_sender(TomlTable& table, std::optional<uint32_t>& sender) {
   std::string text;
   table.read("sender", text);
   if (table.node("sender") == nullptr) return;
-  in_addr address{};
-  if (inet_pton(AF_INET, text.c_str(), &address) != 1)
-    return table.report_error("sender", "sender must be an IPv4 address",
-                              "for example \"192.168.1.201\"");
-  sender = ntohl(address.s_addr);
+  sender = parse_address(text);
+  if (!sender) {
+    table.report_error("sender", "sender must be an IPv4 address", "for example \"192.168.1.201\"");
+  }
 }
 
 void read_mount(TomlTable& table, LidarMount& mount) {

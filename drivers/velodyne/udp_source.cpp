@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "drivers/measurement/ipv4_address.hpp"
 #include "drivers/receive/system_error.hpp"
 #include "drivers/velodyne/packet_filter.hpp"
 #include "drivers/velodyne/udp_tap.hpp"
@@ -15,9 +16,10 @@ namespace {
 constexpr size_t kMaxReceiveBuffer = size_t{1} << 30;  // bytes
 
 std::optional<in_addr> parse_ipv4(const std::string& text) {
-  in_addr address{INADDR_ANY};
-  if (!text.empty() && inet_pton(AF_INET, text.c_str(), &address) != 1) return std::nullopt;
-  return address;
+  if (text.empty()) return in_addr{INADDR_ANY};
+  const auto address = parse_address(text);
+  if (!address) return std::nullopt;
+  return in_addr{htonl(*address)};
 }
 
 }  // namespace

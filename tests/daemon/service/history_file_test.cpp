@@ -60,6 +60,11 @@ TEST_F(HistoryFileTest, APartOfALineCostsThatLineOnly) {
   EXPECT_THAT(lines(), ElementsAre("whole", "par", "next"));
 }
 
+TEST_F(HistoryFileTest, AFolderThatCannotBeReadIsNoEmptyHistory) {
+  EXPECT_TRUE(lines().empty());
+  EXPECT_FALSE(read_history(folder_ / "none" / kHistoryFile));
+}
+
 TEST_F(HistoryFileTest, ALinkIsNotFollowed) {
   std::filesystem::create_symlink(folder_ / "elsewhere", path_);
   EXPECT_FALSE(HistoryFile(path_).append("x"));
