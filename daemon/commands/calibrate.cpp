@@ -26,10 +26,11 @@ struct CalibrateArguments {
   std::string initial_pose;
   std::vector<double> perturb{0, 0};  // deg, m
   double within_deg = 3.5;
-  std::vector<double> intrinsics_sigma{0.2, 1, 0.005};  // %, px, of k1
+  std::vector<double> intrinsics_sigma{0.2, 0.5, 0.005};  // %, px, of k1
   double time_sigma_ms = 1;
   std::vector<double> max_sigma{0.2, 0.05};  // deg, m
   uint64_t seed = 1;
+  bool refine_intrinsics = false;
   std::string compare;
   std::string overlays;
   std::string report;
@@ -68,6 +69,14 @@ std::optional<std::string> find_usage_error(const CalibrateArguments& arguments)
   }
   if (const auto wrong = known_parameters(arguments).invalid()) {
     return "--intrinsics-sigma, --time-sigma: " + *wrong;
+  }
+  if (arguments.refine_intrinsics &&
+      (arguments.request.cameras.size() > 1 || arguments.measures.size() > 1)) {
+    return "--refine-intrinsics takes one camera and one measure";
+  }
+  if (arguments.refine_intrinsics && !arguments.compare.empty()) {
+    return "--refine-intrinsics and --compare exclude each other: extrinsics are compared with the "
+           "same intrinsics";
   }
   if (!arguments.overlays.empty() && arguments.compare.empty()) {
     return "--overlays needs --compare";
@@ -133,6 +142,7 @@ Result<void> write_rig(const CalibrateArguments& arguments, const ScenePairs& pa
     for (CameraMount& camera : rig.cameras) {
       if (camera.name != pairs.cameras[c].name) continue;
       camera.T_camera_lidar = T_camera_refcam(pairs, c) * run.result.T_refcam_lidar;
+      camera.intrinsics = pairs.cameras[c].intrinsics;
     }
   }
   return recording::write_rig(arguments.output, rig);
@@ -212,11 +222,12 @@ int run(const CalibrateArguments& arguments) {
     auto calibrated = run_calibration(
         *pairs, *calibration::find_measure(arguments.measures[k]),
         perturb(*initial_pose, arguments.perturb[0] * kDegree, arguments.perturb[1], random),
-        options);
+        options, arguments.refine_intrinsics);
     if (!calibrated) {
       line.clear();
       return print_error(kCalibrateProgram, calibrated.error(), kUnreadable);
     }
+    if (calibrated->refined) pairs->cameras.front().intrinsics = calibrated->refined->intrinsics;
     runs.push_back(std::move(*calibrated));
   }
   if (!arguments.report.empty()) {
@@ -282,13 +293,16 @@ Command declare_calibrate(CLI::App& infuse) {
       ->type_name("DEG,M");
   app->add_option("--intrinsics-sigma", arguments->intrinsics_sigma,
                   "standard deviations to which focal length, principal point and k1 are known: "
-                  "part of the stated covariance (0.2,1,0.005)")
+                  "part of the stated covariance (0.2,0.5,0.005)")
       ->expected(3)
       ->delimiter(',')
       ->type_name("PERCENT,PX,K1");
   app->add_option("--time-sigma", arguments->time_sigma_ms,
                   "standard deviation of the time between image and sweep, likewise (1)")
       ->type_name("MS");
+  app->add_flag("--refine-intrinsics", arguments->refine_intrinsics,
+                "estimate focal length, principal point and k1 of the camera as well; not usable "
+                "where the scenes do not determine them");
   app->add_option("--max-sigma", arguments->max_sigma,
                   "maximum stated standard deviations of a usable result (0.2,0.05)")
       ->expected(2)

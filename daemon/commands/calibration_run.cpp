@@ -95,6 +95,37 @@ std::string sigma_text(const geometry::Matrix6& covariance) {
                      100 * sigma(5));
 }
 
+/// Refined intrinsics with their change.
+Json refined_json(const calibration::RefinedCalibration& refined) {
+  const CameraIntrinsics& camera = refined.intrinsics;
+  const Eigen::Vector4d sigma = refined.covariance.diagonal().cwiseSqrt();
+  const auto four = [](const Eigen::Vector4d& values) {
+    return Json{{"focal_percent", 100 * values(0)},
+                {"cx", values(1)},
+                {"cy", values(2)},
+                {"k1", values(3)}};
+  };
+  return {{"fx", camera.fx},
+          {"fy", camera.fy},
+          {"cx", camera.cx},
+          {"cy", camera.cy},
+          {"distortion", camera.distortion},
+          {"change", four(refined.correction)},
+          {"sigma", four(sigma)}};
+}
+
+std::string refined_text(const calibration::RefinedCalibration& refined) {
+  const CameraIntrinsics& camera = refined.intrinsics;
+  const Eigen::Vector4d by = refined.correction;
+  const Eigen::Vector4d sigma = refined.covariance.diagonal().cwiseSqrt();
+  return fmt::format(
+      "  intrinsics: fx {:.3f}, fy {:.3f}, cx {:.3f}, cy {:.3f}, k1 {:.5f}\n"
+      "    changed by: f {:+.2f} % +- {:.2f}, cx {:+.2f} px +- {:.2f}, cy {:+.2f} px +- {:.2f}, "
+      "k1 {:+.4f} +- {:.4f}\n",
+      camera.fx, camera.fy, camera.cx, camera.cy, camera.distortion[0], 100 * by(0), 100 * sigma(0),
+      by(1), sigma(1), by(2), sigma(2), by(3), sigma(3));
+}
+
 std::string notes_text(const CalibrationRun& run, const ScenePairs& pairs) {
   std::string text = run.motion.note.empty() ? "" : "  note: " + run.motion.note + "\n";
   for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";
@@ -157,7 +188,8 @@ Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& initial_pose,
-                                       const calibration::CalibrateOptions& options) {
+                                       const calibration::CalibrateOptions& options,
+                                       bool refine_intrinsics) {
   const double began = cpu_seconds();
   CalibrationRun run{.measure = measure.name, .initial_pose = initial_pose, .options = options};
   run.options.terms = measure.terms;
@@ -167,7 +199,14 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   auto scenes = make_scenes(pairs, measure, initial_pose);
   if (!scenes) return tl::unexpected(scenes.error());
   run.scenes = std::move(*scenes);
-  run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
+  if (refine_intrinsics) {
+    run.refined = calibration::calibrate_with_intrinsics(run.scenes, run.cameras.front(),
+                                                         initial_pose, run.options);
+    run.result = run.refined->result;
+    run.cameras.front().model = geometry::CameraModel(run.refined->intrinsics);
+  } else {
+    run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
+  }
   run.motion = motion_uncertainty(pairs, run.result.T_refcam_lidar);
   run.result.model_covariance += run.motion.covariance;
   // Motion of this size also causes what later checks find.
@@ -222,6 +261,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
         {{"name", pairs.cameras[c].name},
          {"T_camera_lidar", matrix_json(T_camera_refcam(pairs, c) * result.T_refcam_lidar)}});
   }
+  if (run.refined && run.refined->refined) json["intrinsics"] = refined_json(*run.refined);
   if (!result.model_mismatches.empty())
     json["model_checks"] = model_checks_json(result.model_mismatches);
   if (result.split_half) json["split_half_covariance"] = matrix_json(*result.split_half);
@@ -251,6 +291,7 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
     text += fmt::format("    {:12.8f} {:12.8f} {:12.8f} {:12.6f}\n", T(row, 0), T(row, 1),
                         T(row, 2), T(row, 3));
   }
+  if (run.refined && run.refined->refined) text += refined_text(*run.refined);
   if (result.uncertainty.usable()) {
     text += "  standard deviation (rx ry rz, tx ty tz): " + sigma_text(result.covariance()) + "\n";
     text +=

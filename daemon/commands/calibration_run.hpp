@@ -10,6 +10,7 @@
 #include "daemon/protocol/json.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
+#include "fusion/calibration/refine_intrinsics.hpp"
 
 namespace infuse::daemon {
 
@@ -23,6 +24,8 @@ struct CalibrationRun {
   calibration::CalibrateOptions options;
   calibration::CalibrationResult result;  ///< its covariance includes `motion`
   MotionUncertainty motion;
+  /// With `--refine-intrinsics`; `cameras` have the refined ones, its result is `result`.
+  std::optional<calibration::RefinedCalibration> refined;
   double cpu_s = 0;
 };
 
@@ -40,11 +43,13 @@ Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
                                                     const calibration::NamedMeasure& measure,
                                                     const Eigen::Isometry3d& T_refcam_lidar);
 
-/// Calibrates with a named measure. Errors: a pair from which no scene can be made.
+/// Calibrates with a named measure; with `refine_intrinsics` also the intrinsics of the only
+/// camera. Errors: a pair from which no scene can be made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& start,
-                                       const calibration::CalibrateOptions& options);
+                                       const calibration::CalibrateOptions& options,
+                                       bool refine_intrinsics = false);
 
 /// Formats the result as JSON: `T_camera_lidar`, `covariance`, `usable`, `reason` and the evidence
 /// for them.

@@ -32,5 +32,8 @@ Command declare_record(CLI::App& infuse);
 Command declare_odometry(CLI::App& infuse);
 Command declare_align(CLI::App& infuse);
 Command declare_history(CLI::App& infuse);
+Command declare_export(CLI::App& infuse);
+Command declare_report(CLI::App& infuse);
+Command declare_map(CLI::App& infuse);
 
 }  // namespace infuse::daemon

@@ -66,7 +66,7 @@ DriveUse tracking(const Summary& summary, bool has_map) {
   if (use.possible) {
     use.statement = has_device(summary, "gnss")
                         ? "the initial pose is from GNSS"
-                        : "without GNSS, give the initial pose or search the whole map";
+                        : "without GNSS, give the initial pose, or all streets are searched";
   }
   return use;
 }

@@ -6,6 +6,7 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/command.hpp"
 #include "daemon/protocol/json.hpp"
+#include "drivers/import/bag_import.hpp"
 #include "drivers/import/kitti_import.hpp"
 #include "drivers/import/opencalib_import.hpp"
 
@@ -53,6 +54,101 @@ int run_opencalib(const ImportArguments& arguments) {
   return kDone;
 }
 
+struct BagArguments {
+  std::vector<std::string> files;
+  std::string drive;
+  std::vector<std::string> topics;
+  std::string vehicle_frame = importers::BagImportOptions().vehicle_frame;
+  bool json = false;
+};
+
+/// How far the header stamps of a topic are from its log times; empty if it has none.
+std::string lag_text(const importers::StampLag& lag) {
+  if (lag.messages == 0) return "";
+  return fmt::format("stamps {:.3f} s before the log times ({:.3f} to {:.3f})", lag.median,
+                     lag.smallest, lag.largest);
+}
+
+void print_topics(const importers::BagImportSummary& imported) {
+  for (const importers::BagTopic& topic : imported.survey.topics) {
+    const std::string use = imported.use_of(topic.name);
+    const auto reason = imported.selection.reasons.find(topic.name);
+    std::string text = use.empty() ? "not taken" : use;
+    if (use.empty() && reason != imported.selection.reasons.end()) text += ": " + reason->second;
+    if (!use.empty() && topic.lag.messages > 0) text += "; " + lag_text(topic.lag);
+    if (topic.stampless > 0)
+      text += fmt::format("; {} without a stamp, their log times are used", topic.stampless);
+    std::cout << fmt::format("  {:<34} {:>7} {:<32} {}\n", topic.name, topic.messages, topic.type,
+                             text);
+  }
+}
+
+Json topics_json(const importers::BagImportSummary& imported) {
+  Json topics = Json::array();
+  for (const importers::BagTopic& topic : imported.survey.topics) {
+    Json entry = {{"topic", topic.name}, {"type", topic.type}, {"messages", topic.messages}};
+    const std::string use = imported.use_of(topic.name);
+    if (!use.empty()) entry["use"] = use;
+    const auto reason = imported.selection.reasons.find(topic.name);
+    if (reason != imported.selection.reasons.end()) entry["reason"] = reason->second;
+    if (topic.lag.messages > 0) {
+      entry["lag_s"] = {{"median", topic.lag.median},
+                        {"smallest", topic.lag.smallest},
+                        {"largest", topic.lag.largest}};
+    }
+    topics.push_back(entry);
+  }
+  return topics;
+}
+
+int run_rosbag(const BagArguments& arguments) {
+  const auto imported = importers::import_bags(
+      {arguments.files.begin(), arguments.files.end()}, arguments.drive,
+      {{arguments.topics.begin(), arguments.topics.end()}, arguments.vehicle_frame});
+  if (!imported) return print_error("infuse import rosbag", imported.error(), kUnreadable);
+  if (arguments.json) {
+    Json json = {{"drive", arguments.drive},   {"packets", imported->packets},
+                 {"sweeps", imported->sweeps}, {"images", imported->images},
+                 {"speeds", imported->speeds}, {"imu_samples", imported->imu_samples},
+                 {"fixes", imported->fixes},   {"topics", topics_json(*imported)},
+                 {"notes", Json::array()}};
+    for (const Error& note : imported->notes) json["notes"].push_back(note.message());
+    std::cout << json_text(json) << "\n";
+    return kDone;
+  }
+  std::cout << fmt::format(
+      "{}: {} packets, {} sweeps, {} images, {} speeds, {} inertial samples, {} fixes\n",
+      arguments.drive, imported->packets, imported->sweeps, imported->images, imported->speeds,
+      imported->imu_samples, imported->fixes);
+  print_topics(*imported);
+  for (const Error& note : imported->notes) std::cout << "  note: " << note.message() << "\n";
+  return kDone;
+}
+
+std::shared_ptr<BagArguments> declare_rosbag(CLI::App* app) {
+  const auto arguments = std::make_shared<BagArguments>();
+  app->add_option(
+         "FILE", arguments->files,
+         "recording of rosbag2 (a folder, .mcap, .db3) or bag of ROS 1; several are read in this "
+         "order")
+      ->required();
+  app->add_option("-o,--output", arguments->drive, "drive folder to create")
+      ->required()
+      ->type_name("DRIVE");
+  app->add_option("--topic", arguments->topics,
+                  "of the topics of a kind (lidar, camera, speed, inertial unit, GNSS) take this "
+                  "one; may be repeated")
+      ->type_name("TOPIC")
+      ->allow_extra_args(false);
+  app->add_option("--vehicle-frame", arguments->vehicle_frame,
+                  "name of the vehicle frame in the transforms (base_link)")
+      ->type_name("FRAME");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  set_examples(*app, {"infuse import rosbag drive.mcap -o drive/",
+                      "infuse import rosbag a.bag b.bag --topic /imu/data -o drive/"});
+  return arguments;
+}
+
 /// Declares the arguments that all sources share.
 std::shared_ptr<ImportArguments> declare(CLI::App* app, const char* source,
                                          const char* description) {
@@ -68,21 +164,24 @@ std::shared_ptr<ImportArguments> declare(CLI::App* app, const char* source,
 }  // namespace
 
 Command declare_import(CLI::App& infuse) {
-  CLI::App* app = infuse.add_subcommand("import", "convert a public data set to a drive");
+  CLI::App* app = infuse.add_subcommand("import", "convert a recording of others to a drive");
   app->require_subcommand(1);
   CLI::App* kitti = app->add_subcommand("kitti", "KITTI's raw, odometry and object layouts");
   CLI::App* opencalib =
       app->add_subcommand("opencalib", "one scene of OpenCalib's lidar-to-camera data");
+  CLI::App* rosbag = app->add_subcommand("rosbag", "recordings of ROS 2 (MCAP, SQLite) and ROS 1");
+  const auto from_rosbag = declare_rosbag(rosbag);
   const auto from_kitti = declare(kitti, "DIR", "folder of the data set");
   const auto from_opencalib =
       declare(opencalib, "FILE", "NAME.calib.txt; NAME.pcd and NAME.png or .jpg are next to it");
   set_examples(*app, {"infuse import kitti 2011_09_26/2011_09_26_drive_0005_sync -o drive/",
-                      "infuse import opencalib scene/0.calib.txt -o drive/"});
+                      "infuse import rosbag drive.mcap -o drive/"});
   set_examples(*kitti, {"infuse import kitti 2011_09_26/2011_09_26_drive_0005_sync -o drive/",
                         "infuse import kitti dataset/sequences/07 -o drive/ --json"});
   set_examples(*opencalib, {"infuse import opencalib scene/0.calib.txt -o drive/",
                             "infuse import opencalib scene/0.calib.txt -o drive/ --json"});
   return {app, [=] {
+            if (rosbag->parsed()) return run_rosbag(*from_rosbag);
             return kitti->parsed() ? run_kitti(*from_kitti) : run_opencalib(*from_opencalib);
           }};
 }

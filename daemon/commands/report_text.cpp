@@ -80,8 +80,10 @@ std::string health_text(const Json& health) {
                                                           map.value("gnss_offset_north", 0.0)),
                                                map.value("gnss_offset_sigma", 0.0))
                                  : "";
-    lines += fmt::format("  {:<5} street map: {}{}{}{}\n", text_of(map, "level"), state, sigma,
-                         gnss, reason.empty() ? "" : ": " + reason);
+    const auto places = map.value("hypotheses", uint64_t{0});
+    const std::string search = places > 0 ? fmt::format(", searching: {} places", places) : "";
+    lines += fmt::format("  {:<5} street map: {}{}{}{}{}\n", text_of(map, "level"), state, sigma,
+                         gnss, search, reason.empty() ? "" : ": " + reason);
     lines += findings_text(map);
   }
   return lines;

@@ -97,6 +97,7 @@ void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
   read_radians(table, "yaw_sigma_deg", settings.initial_yaw_sigma);
   table.read("update_hz", settings.update_hz);
   table.read("search_radius", settings.tracker.confidence.search_radius);
+  table.read("global_start", settings.tracker.global_start.enabled);
   read_integer(table, "seed", settings.tracker.seed);
 }
 

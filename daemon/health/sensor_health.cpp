@@ -171,7 +171,9 @@ CheckResult SensorHealth::check_loss(const SensorCounters& now, const SensorCoun
 CheckResult SensorHealth::check_sender(const SensorCounters& now,
                                        const SensorCounters& before) const {
   const uint64_t unexpected = increase(now.wrong_sender, before.wrong_sender);
-  if (unexpected == 0 || now.rival_sender != 0) return {};
+  // Two senders, and a changed one, are conditions of their own.
+  const bool named = now.rival_sender != 0 || now.sender_changes != before.sender_changes;
+  if (unexpected == 0 || named) return {};
   return {true,
           fmt::format("{} on {} from an unexpected sender ({})", plural(unexpected, "datagram"),
                       endpoint_, address_text(now.unexpected_sender)),

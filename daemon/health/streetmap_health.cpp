@@ -13,9 +13,12 @@ const Conditions& StreetMapHealth::update(Stamp now, const StreetMapStatus& stat
   const std::string place =
       fmt::format("near {:.0f} m east, {:.0f} m north of the map origin", status.x, status.y);
   if (status.state == streetmap::TrackState::kLost) {
+    const std::string drive_on =
+        status.hypotheses > 0 ? "drive on: all streets are searched, and turns decide; or " : "";
     lost = {true, fmt::format("position on the street map lost {}: {}", place, status.reason),
-            "set an initial pose in [streetmap], or connect a GNSS receiver; if one is connected, "
-            "check its antenna, and whether the map is that of this place"};
+            drive_on +
+                "set an initial pose in [streetmap], or connect a GNSS receiver; if one is "
+                "connected, check its antenna, and whether the map is that of this place"};
   }
   if (status.mismatch) {
     mismatch = {true, fmt::format("observations do not match the street map {}", place),

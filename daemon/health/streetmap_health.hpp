@@ -25,7 +25,8 @@ struct StreetMapStatus {
   std::optional<Eigen::Vector2d> gnss_offset{};
   double gnss_offset_sigma = 0;  ///< m
   uint32_t particles = 0;
-  uint64_t updates = 0;  ///< of the particle weights
+  uint32_t hypotheses = 0;  ///< of the search on all streets; 0: there is none at present
+  uint64_t updates = 0;     ///< of the particle weights
 };
 
 /// Checks the pose on the map, and the map itself. Pure.

@@ -204,9 +204,11 @@ std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
   }
   const StreetMapSettings& map = config.streetmap;
   const bool has_gnss = !config.gnss.device.empty() || !config.gnss.lidar.empty();
-  if (!map.map.empty() && !map.initial_pose && !map.initial_location && !has_gnss) {
-    doubts.push_back({"the initial pose on the street map is not known", "[streetmap]",
-                      "give x, y and yaw_deg, or lat, lon and heading_deg, or [gnss]"});
+  if (!map.map.empty() && !map.initial_pose && !map.initial_location && !has_gnss &&
+      !map.tracker.global_start.enabled) {
+    doubts.push_back(
+        {"the initial pose on the street map is not known", "[streetmap]",
+         "give x, y and yaw_deg, or lat, lon and heading_deg, or [gnss], or global_start"});
   }
   return doubts;
 }

@@ -33,7 +33,10 @@ RunTracker RunTracker::from_environment() {
 std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
   if (file_.empty()) return std::nullopt;
   if (const auto before = read_state(file_); !before) {
+    // Damaged, or of another release, to which a user may go back.
     spdlog::warn("{}", before.error().message());
+    std::error_code ignored;
+    std::filesystem::rename(file_, file_.string() + ".unreadable", ignored);
   } else if (*before) {
     state_ = **before;
   }

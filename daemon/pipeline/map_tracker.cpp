@@ -73,7 +73,6 @@ void MapTracker::initialise(const streetmap::MapFrame& frame) {
     return;
   }
   tracker_.start(initial, diagonal(settings_.initial_sigma, settings_.initial_yaw_sigma));
-  initialised_ = true;
 }
 
 void MapTracker::add_gnss(const GnssFix& fix) {
@@ -82,13 +81,12 @@ void MapTracker::add_gnss(const GnssFix& fix) {
 
 void MapTracker::use_fixes(const geometry::Trajectory& trajectory) {
   if (!fixes_) return;
-  if (!initialised_) {
+  if (!tracker_.started()) {
     const auto start = fixes_->start(now_, trajectory);
     if (!start) return;
     const streetmap::GnssOptions& gnss = settings_.tracker.gnss;
     tracker_.start(start->pose, diagonal(std::hypot(gnss.map_sigma, gnss.slow_sigma * start->hdop),
                                          kCourseSigma));
-    initialised_ = true;
   }
   while (const auto fix = fixes_->take(now_, tracker_.estimate().pose.yaw, trajectory)) {
     tracker_.add_fix(*fix);
@@ -161,7 +159,7 @@ StreetMapStatus MapTracker::status() const {
   status.x = estimate.pose.x;
   status.y = estimate.pose.y;
   status.sigma = kUnknownSigma;
-  if (initialised_) {
+  if (tracker_.started()) {
     status.sigma = streetmap::PoseMoments{estimate.pose, estimate.covariance}.spread();
   }
   status.elsewhere = estimate.elsewhere;
@@ -170,9 +168,10 @@ StreetMapStatus MapTracker::status() const {
   status.p_value = estimate.p_value;
   status.entropy = estimate.entropy;
   status.particles = static_cast<uint32_t>(estimate.particles);
+  status.hypotheses = static_cast<uint32_t>(estimate.hypotheses);
   status.updates = updates_;
   // A mismatch needs a settled null distribution, and particles that had time to agree.
-  status.mismatch = initialised_ &&
+  status.mismatch = tracker_.started() &&
                     updates_ >= 4 * static_cast<uint64_t>(settings_.tracker.confidence.window) &&
                     estimate.p_value > settings_.tracker.confidence.max_tracking_p_value;
   return status;

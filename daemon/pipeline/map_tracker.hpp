@@ -21,7 +21,8 @@ namespace infuse::daemon {
 /// Tracking of the vehicle on the street map, on the fusion thread: particles move with odometry at
 /// every sweep, sweeps and images fill the local grid, and `update_hz` times a second of drive time
 /// the particles are weighted. Initialised by the configured pose, else by several GNSS fixes with
-/// a course. GNSS fixes witness the pose throughout.
+/// a course, or by the drive itself once it fits one place only. GNSS fixes witness the pose
+/// throughout.
 class MapTracker {
  public:
   /// `settings.invalid()` must be empty. The map outlives this.
@@ -59,7 +60,6 @@ class MapTracker {
   std::optional<MapFixes> fixes_;  // nothing: the map has no latitude and longitude
   streetmap::Tracker tracker_;
   streetmap::ImageFeatures features_;
-  bool initialised_ = false;
   Stamp now_ = Stamp::earliest();  // of the particles
   Stamp next_update_ = Stamp::earliest();
   uint64_t updates_ = 0;

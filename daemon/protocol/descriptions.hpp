@@ -246,6 +246,9 @@ void describe(Visitor& v, const TaskHealth<StreetMapStatus>& streetmap) {
           gauge("infuse_streetmap_gnss_offset_sigma_metres"));
   v.field("particles", status.particles, "Number of particles.",
           gauge("infuse_streetmap_particles"));
+  v.field("hypotheses", when(status.hypotheses > 0, status.hypotheses),
+          "Places of the search on all streets that explain the drive; absent without a search.",
+          gauge("infuse_streetmap_hypotheses"));
   v.field("updates", status.updates, "Updates of the particle weights.",
           counter("infuse_streetmap_updates_total"));
   v.field("reason", unless_empty(status.reason), "why it is not TRACKING");

@@ -55,7 +55,9 @@ Result<std::optional<SavedState>> read_state(const std::filesystem::path& path) 
   const auto text = text::read_text(path, kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   auto state = parse_state(*text);
-  if (!state) return fail(state.error().what, path.string(), "a new one is started");
+  if (!state)
+    return fail(state.error().what, path.string(),
+                "a new one is started; this is kept as *.unreadable");
   return std::optional<SavedState>(*state);
 }
 

@@ -105,6 +105,11 @@ class SweepStream : public EventStream {
 
  private:
   void assign_times() {
+    if (!times_trusted_) sweep_.has_times = false;
+    if (sweep_.has_times) {  // the file's own; a turn that is stated lasts at least as long
+      for (const int32_t offset : sweep_.time_offset_ns)
+        sweep_.span = std::max(sweep_.span, Duration(offset));
+    }
     if (deskewed_) {
       assign_middle_time(sweep_);
     } else if (turn_ && sweep_.span > Duration::zero()) {

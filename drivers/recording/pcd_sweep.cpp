@@ -14,6 +14,7 @@
 
 #include "drivers/recording/lzf.hpp"
 #include "drivers/recording/sweep_files.hpp"
+#include "drivers/recording/times_csv.hpp"
 #include "drivers/text/numbers.hpp"
 
 namespace infuse::recording {
@@ -24,8 +25,10 @@ static_assert(std::endian::native == std::endian::little, "point files are littl
 constexpr size_t kMaxPointBytes = 256 << 20;  // decompressed
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Values of x, y, z, intensity, ring of all points; empty if the file has no such field.
-using Columns = std::array<std::vector<double>, 5>;
+/// Values of x, y, z, intensity, ring, time, column and kind of all points; empty if the file has
+/// no such field.
+using Columns = std::array<std::vector<double>, 8>;
+constexpr size_t kRing = 4, kTime = 5, kColumn = 6, kKind = 7;
 
 template <class Value>
 double read(const char* at) {
@@ -50,7 +53,7 @@ double read_value(const char* at, const PcdField& field) {
 }
 
 /// Field of the file for each column; −1: none.
-using FieldIndices = std::array<int, 5>;
+using FieldIndices = std::array<int, 8>;
 
 /// Reads a block of binary points. `field_after_field`: all values of a field are contiguous.
 void read_columns(const char* bytes, const PcdHeader& header, const FieldIndices& field_indices,
@@ -147,7 +150,7 @@ double find_intensity_scale(const std::vector<double>& intensity) {
 /// Copies the points with the indices `order` to the sweep.
 void fill_sweep(const Columns& columns, std::span<const uint32_t> order, Sweep& sweep) {
   sweep.clear();
-  sweep.has_times = false;
+  sweep.has_times = !columns[kTime].empty();
   sweep.resize(order.size());
   const double scale = find_intensity_scale(columns[3]);
   for (size_t k = 0; k < order.size(); ++k) {
@@ -162,9 +165,46 @@ void fill_sweep(const Columns& columns, std::span<const uint32_t> order, Sweep& 
     const double intensity = columns[3].empty() ? 0 : columns[3][i];
     sweep.reflectivity[k] =
         std::isfinite(intensity) ? static_cast<float>(std::clamp(intensity / scale, 0.0, 1.0)) : 0;
-    sweep.time_offset_ns[k] = 0;
+    sweep.time_offset_ns[k] =
+        sweep.has_times ? static_cast<int32_t>(std::nearbyint(columns[kTime][i])) : 0;
     sweep.return_kind[k] = ReturnKind::kStrongest;
   }
+}
+
+/// Scales the times to nanoseconds after the sweep's stamp. Returns false if one of a point in
+/// `order` is outside a turn.
+bool scale_times(const TimeField& time, std::span<const uint32_t> order, Columns& columns) {
+  if (columns[kTime].empty()) return true;
+  for (double& value : columns[kTime]) value = (value - time.zero) * time.ns;
+  constexpr auto kMaxNs = static_cast<double>(kMaxTurn.count());
+  return std::ranges::all_of(
+      order, [&](uint32_t i) { return columns[kTime][i] >= 0 && columns[kTime][i] <= kMaxNs; });
+}
+
+bool is_whole(double value, double end) {
+  return value >= 0 && value < end && value == std::floor(value);
+}
+
+/// Fills rings, columns and kinds of the returns as the file states them. Returns false if it does
+/// not, or not as `export_sweep` does.
+bool keep_order(const Columns& columns, std::span<const uint32_t> order, Sweep& sweep) {
+  constexpr double kMaxColumns = 65536;
+  if (columns[kRing].empty() || columns[kKind].empty()) return false;
+  for (const uint32_t i : order) {
+    if (!is_whole(columns[kRing][i], kMaxRings) || !is_whole(columns[kColumn][i], kMaxColumns) ||
+        !is_whole(columns[kKind][i], 3))
+      return false;
+  }
+  sweep.rings = 0;
+  sweep.columns = 0;
+  for (size_t k = 0; k < order.size(); ++k) {
+    sweep.ring[k] = static_cast<uint16_t>(columns[kRing][order[k]]);
+    sweep.column[k] = static_cast<uint16_t>(columns[kColumn][order[k]]);
+    sweep.return_kind[k] = static_cast<ReturnKind>(columns[kKind][order[k]]);
+    sweep.rings = std::max<uint16_t>(sweep.rings, static_cast<uint16_t>(sweep.ring[k] + 1));
+    sweep.columns = std::max<uint32_t>(sweep.columns, sweep.column[k] + 1u);
+  }
+  return true;
 }
 
 bool is_return(const Columns& columns, size_t i) {
@@ -187,8 +227,8 @@ std::vector<size_t> sort_by_ring(const Columns& columns, std::vector<uint32_t>& 
   };
   std::map<double, Ring> rings;
   for (const uint32_t i : order) {
-    if (!std::isfinite(columns[4][i])) return {};
-    Ring& ring = rings[columns[4][i]];
+    if (!std::isfinite(columns[kRing][i])) return {};
+    Ring& ring = rings[columns[kRing][i]];
     if (rings.size() > kMaxRings) return {};
     const double range = std::hypot(columns[0][i], columns[1][i], columns[2][i]);
     ring.sine += columns[2][i] / range;
@@ -209,7 +249,7 @@ std::vector<size_t> sort_by_ring(const Columns& columns, std::vector<uint32_t>& 
   std::vector<std::pair<size_t, double>> sort_key(columns[0].size());
   for (const uint32_t i : order) {
     const double azimuth = std::atan2(columns[1][i], columns[0][i]);
-    sort_key[i] = {rings[columns[4][i]].from_top, azimuth < 0 ? azimuth + 2 * M_PI : azimuth};
+    sort_key[i] = {rings[columns[kRing][i]].from_top, azimuth < 0 ? azimuth + 2 * M_PI : azimuth};
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](uint32_t a, uint32_t b) { return sort_key[a] < sort_key[b]; });
@@ -218,11 +258,17 @@ std::vector<size_t> sort_by_ring(const Columns& columns, std::vector<uint32_t>& 
 
 }  // namespace
 
-Result<void> parse_points(const PcdHeader& header, std::string_view points, Sweep& sweep) {
+Result<void> parse_points(const PcdHeader& header, std::string_view points, Sweep& sweep,
+                          const TimeField& time) {
   const FieldIndices field_indices = {
-      header.find({"x"}), header.find({"y"}), header.find({"z"}),
+      header.find({"x"}),
+      header.find({"y"}),
+      header.find({"z"}),
       header.find({"intensity", "reflectivity", "reflectance", "i"}),
-      header.find({"ring", "channel", "line", "laser_id", "laser", "beam"})};
+      header.find({"ring", "channel", "line", "laser_id", "laser", "beam"}),
+      header.find({time.name}),
+      header.find({"column"}),
+      header.find({"return_kind"})};
   if (field_indices[0] < 0 || field_indices[1] < 0 || field_indices[2] < 0)
     return fail("has no fields x, y and z");
   if (header.points * header.point_bytes() > kMaxPointBytes) {
@@ -238,13 +284,30 @@ Result<void> parse_points(const PcdHeader& header, std::string_view points, Swee
   for (uint32_t i = 0; i < header.points; ++i) {
     if (is_return(columns, i)) order.push_back(i);
   }
+  if (!scale_times(time, order, columns)) {
+    return fail("has times of returns outside a turn", "", "expected 0 ... 2 s after its stamp");
+  }
+  if (!columns[kColumn].empty()) {
+    fill_sweep(columns, order, sweep);
+    if (keep_order(columns, order, sweep)) return {};
+  }
   std::vector<size_t> rings;
-  if (!columns[4].empty() && !order.empty()) rings = sort_by_ring(columns, order);
+  if (!columns[kRing].empty() && !order.empty()) rings = sort_by_ring(columns, order);
   fill_sweep(columns, order, sweep);
   if (rings.size() > 2 && assign_rings(sweep, rings)) return {};
   if (infer_rings(sweep) || restore_rings(sweep)) return {};
   if (!rings.empty()) assign_rings(sweep, rings);  // the one ring of a planar scanner
   return {};
+}
+
+std::vector<double> read_field(const PcdHeader& header, std::string_view points, size_t field) {
+  if (points.size() < header.points * header.point_bytes()) return {};
+  Columns columns;
+  FieldIndices field_indices;
+  field_indices.fill(-1);
+  field_indices[0] = static_cast<int>(field);
+  read_columns(points.data(), header, field_indices, false, columns);
+  return std::move(columns[0]);
 }
 
 Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep) {

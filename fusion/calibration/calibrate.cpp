@@ -7,7 +7,6 @@
 #include <numeric>
 #include <random>
 
-#include "fusion/calibration/estimate_intrinsics.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "fusion/calibration/pose_score.hpp"
 #include "fusion/calibration/scene_similarity.hpp"
@@ -190,15 +189,28 @@ class Calibration {
     return 0.25 / options_.splits * sum;
   }
 
-  /// Finds errors of the intrinsics and the clock that the scenes indicate.
-  std::vector<ModelMismatch> find_mismatches(Objective& finest, const Eigen::Isometry3d& T,
-                                             const Uncertainty& uncertainty) {
-    std::vector<ModelMismatch> all =
-        check_model(finest, T, cameras_, fine_scenes_, uncertainty, options_.known);
+  /// Estimates each camera's intrinsics together with the pose.
+  std::vector<std::optional<IntrinsicsEstimate>> estimate_all_intrinsics(
+      const Eigen::Isometry3d& T, const Uncertainty& uncertainty) {
+    std::vector<std::optional<IntrinsicsEstimate>> all;
     for (size_t c = 0; options_.check_intrinsics && c < cameras_.size(); ++c) {
-      const auto estimate = estimate_intrinsics(fine_scenes_, cameras_, c, search_terms_, images_,
-                                                options_.visibility, T, options_.maximize.stop);
-      const auto gross = estimate ? detect_gross_mismatch(*estimate, cameras_, c) : std::nullopt;
+      all.push_back(estimate_intrinsics(fine_scenes_, cameras_, c, search_terms_, terms_, images_,
+                                        options_.visibility, T, uncertainty.effective_scenes,
+                                        options_.maximize.stop));
+    }
+    return all;
+  }
+
+  /// Finds errors of the intrinsics and the clock that the scenes indicate.
+  std::vector<ModelMismatch> find_mismatches(
+      const Eigen::Isometry3d& T, const Uncertainty& uncertainty,
+      std::span<const std::optional<IntrinsicsEstimate>> estimates) const {
+    std::vector<ModelMismatch> all =
+        check_model(T, cameras_.size(), fine_scenes_, uncertainty, options_.known);
+    for (size_t c = 0; c < estimates.size(); ++c) {
+      const auto gross = estimates[c]
+                             ? detect_gross_mismatch(*estimates[c], cameras_, c, options_.known)
+                             : std::nullopt;
       if (!gross) continue;
       std::erase_if(all, [&](const ModelMismatch& mismatch) {
         return mismatch.parameter == gross->parameter;
@@ -400,8 +412,10 @@ CalibrationResult run_attempt(Calibration& calibration, const Eigen::Isometry3d&
   result.initial_value = finest.evaluate(initial_pose, false).estimate.value;
   result.uncertainty =
       estimate_uncertainty(finest, result.T_refcam_lidar, calibration.similarity());
+  result.intrinsics =
+      calibration.estimate_all_intrinsics(result.T_refcam_lidar, result.uncertainty);
   result.model_mismatches =
-      calibration.find_mismatches(finest, result.T_refcam_lidar, result.uncertainty);
+      calibration.find_mismatches(result.T_refcam_lidar, result.uncertainty, result.intrinsics);
   result.model_covariance =
       model_covariance(result.model_mismatches, result.uncertainty.covariance);
   result.scenes = scene_support(calibration.fine_search(), result.T_refcam_lidar, scenes,

@@ -9,6 +9,7 @@
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/coarse_to_fine.hpp"
+#include "fusion/calibration/estimate_intrinsics.hpp"
 #include "fusion/calibration/model_check.hpp"
 #include "fusion/calibration/rotation_screen.hpp"
 #include "fusion/calibration/scene_support.hpp"
@@ -77,7 +78,9 @@ struct CalibrationResult {
   geometry::Matrix6 model_covariance = geometry::Matrix6::Zero();  ///< from `known`
   std::vector<ModelMismatch>
       model_mismatches;  ///< intrinsics and clocks that seem to be off; empty where that is unknown
-  double value = 0;      ///< objective at the result, finest level
+  /// Joint estimate of each camera's intrinsics and the pose; empty without `check_intrinsics`.
+  std::vector<std::optional<IntrinsicsEstimate>> intrinsics;
+  double value = 0;                  ///< objective at the result, finest level
   double initial_value = 0;          ///< objective at the initial pose, same points and level
   size_t points = 0;                 ///< number of points at the finest level
   int restarts = 0;                  ///< number of ascents from around the result

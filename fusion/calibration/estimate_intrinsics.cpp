@@ -1,5 +1,6 @@
 #include "fusion/calibration/estimate_intrinsics.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -25,16 +26,14 @@ constexpr double kRadialScale = 0.03;           // of k1
 constexpr double kPriorShare = 0.02;            // share of the measure that is subtracted …
 constexpr double kPriorSteps = 5;  // … at so many of these steps from the given value
 
+constexpr double kCurvatureStep = 1e-3;     // rad
 constexpr int kMinScenesOfCamera = 8;       // number of scenes
 constexpr size_t kMinPointsPerScene = 200;  // number of points in view
-constexpr double kMinSignificance = 4;      // standard errors
-constexpr double kGrossFocalError = 0.02;
-constexpr double kGrossPrincipalPointError = 0.015;  // focal lengths
-constexpr double kGrossRadialError = 0.04;
+constexpr double kChiSquare95 = 9.488;      // 95 % of 4 degrees of freedom
+// What imperfections of real scenes feign: logarithm of the focal lengths, px, px, k1.
+const Eigen::Vector4d kFeigned(0.005, 1.5, 1.5, 0.005);
 
-/// Pose and a camera's intrinsics as ten scaled parameters, 0 at the initial values. The parameters
-/// of the principal point include the rotation that keeps the image's middle in place: without it
-/// they would lead along a narrow ridge.
+/// Pose and a camera's intrinsics as ten scaled parameters, 0 at the initial values.
 class IntrinsicsProblem {
  public:
   IntrinsicsProblem(std::span<const RigCamera> cameras, size_t camera, const Eigen::Isometry3d& T)
@@ -43,11 +42,9 @@ class IntrinsicsProblem {
     scale_ << Eigen::Vector3d::Constant(kRotationScale),
         Eigen::Vector3d::Constant(kTranslationScale), kFocalScale, kPrincipalPointScale * model.fx,
         kPrincipalPointScale * model.fy, kRadialScale;
-    const geometry::Matrix6 Ad_refcam_camera =
-        geometry::adjoint(cameras[camera].T_camera_refcam.inverse());
-    rotation_by_cx_ = Ad_refcam_camera * Vector6::Unit(1) / -model.fx;
-    rotation_by_cy_ = Ad_refcam_camera * Vector6::Unit(0) / model.fy;
   }
+
+  const Vector10& scale() const { return scale_; }
 
   Eigen::Isometry3d pose(const Vector10& d) const { return geometry::exp(xi(d)) * T_; }
 
@@ -75,23 +72,60 @@ class IntrinsicsProblem {
       if (scenes[s].camera == camera_) sum.tail<4>() += pulls[s].tail<4>();
     }
     sum.head<6>() = (geometry::left_jacobian(xi(d)).transpose() * sum.head<6>()).eval();
-    sum(7) += rotation_by_cx_.dot(sum.head<6>());
-    sum(8) += rotation_by_cy_.dot(sum.head<6>());
     return sum.cwiseProduct(scale_);
   }
 
  private:
-  Vector6 xi(const Vector10& d) const {
-    const Vector10 s = scale_.cwiseProduct(d);
-    return s.head<6>() + s(7) * rotation_by_cx_ + s(8) * rotation_by_cy_;
-  }
+  Vector6 xi(const Vector10& d) const { return scale_.cwiseProduct(d).head<6>(); }
 
   std::vector<RigCamera> given_;
   size_t camera_;
   Eigen::Isometry3d T_;
   Vector10 scale_;
-  Vector6 rotation_by_cx_, rotation_by_cy_;
 };
+
+/// Steps of the parameters along which the maximum is about as steep, the steepest as long as a
+/// unit: principal point and rotation together make a narrow ridge, on which an ascent would stop
+/// early.
+SceneInformation even_steps(Objective& objective, const Eigen::Isometry3d& T, const Vector10& scale,
+                            double prior_weight) {
+  SceneInformation curvature = SceneInformation::Zero();
+  for (const SceneInformation& scene : objective.scene_information(T)) curvature += scene;
+  // The mean of the points' scores has the curvature of their information divided by their number.
+  curvature /= static_cast<double>(objective.point_count());
+  curvature = (scale.asDiagonal() * curvature * scale.asDiagonal()).eval();
+  curvature.diagonal().tail<4>().array() += prior_weight;
+  const Eigen::SelfAdjointEigenSolver<SceneInformation> eigen(curvature);
+  return std::sqrt(eigen.eigenvalues()(9)) * eigen.operatorInverseSqrt();
+}
+
+/// Curvature of the objective by pose and intrinsics: Fisher's information, whose differences from
+/// the true one are smaller than the noise of numeric derivatives, on the scale of the latter.
+SceneInformation joint_curvature(Objective& objective, const Eigen::Isometry3d& T) {
+  SceneInformation information = SceneInformation::Zero();
+  for (const SceneInformation& scene : objective.scene_information(T)) information += scene;
+  const geometry::Matrix6 H =
+      pose_curvature(objective, T, kCurvatureStep, objective.median_range());
+  const geometry::Matrix6 of_pose = information.topLeftCorner<6, 6>();
+  return (of_pose.inverse() * H).trace() / 6 * information;
+}
+
+/// c H⁻¹ J H⁻¹ of `estimate_uncertainty`, of ten parameters.
+SceneInformation joint_covariance(const SceneInformation& curvature,
+                                  std::vector<SceneGradient> gradients, double effective_scenes) {
+  std::erase_if(gradients, [](const SceneGradient& one) { return one.isZero(0); });
+  const auto n = static_cast<double>(gradients.size());
+  SceneGradient mean = SceneGradient::Zero();
+  for (const SceneGradient& one : gradients) mean += one / n;
+  SceneInformation scatter = SceneInformation::Zero();
+  for (const SceneGradient& one : gradients) scatter += (one - mean) * (one - mean).transpose();
+  scatter *= n / (effective_scenes - 1);
+  const SceneInformation inverse = curvature.inverse();
+  const double scale = (inverse * scatter).trace() / 10;
+  const double shrinkage = kShrinkageScenes / (kShrinkageScenes + effective_scenes - 1);
+  const SceneInformation J = (1 - shrinkage) * scatter + shrinkage * scale * curvature;
+  return widening_of_few(2 * (effective_scenes - 1)) * inverse * J * inverse;
+}
 
 /// Gain of each of the camera's scenes, on the points in view with the given intrinsics.
 std::vector<double> scene_gains(const VisiblePoints& points, const BlurredImages& images,
@@ -116,47 +150,62 @@ std::vector<double> scene_gains(const VisiblePoints& points, const BlurredImages
 
 std::optional<IntrinsicsEstimate> estimate_intrinsics(
     std::span<const Scene> scenes, std::span<const RigCamera> cameras, size_t camera,
-    std::span<const TermOptions> terms, ImagePyramid& images, const VisibilityOptions& visibility,
-    const Eigen::Isometry3d& T_refcam_lidar, const std::stop_token& stop) {
+    std::span<const TermOptions> search_terms, std::span<const TermOptions> terms,
+    ImagePyramid& images, const VisibilityOptions& visibility,
+    const Eigen::Isometry3d& T_refcam_lidar, double effective_scenes, const std::stop_token& stop) {
   if (std::count_if(scenes.begin(), scenes.end(), [&](const Scene& scene) {
         return scene.camera == camera;
       }) < kMinScenesOfCamera) {
     return std::nullopt;
   }
   const IntrinsicsProblem freed(cameras, camera, T_refcam_lidar);
+  const IntrinsicsLevel& finest = std::end(kLevels)[-1];
   Vector10 at = Vector10::Zero();
   bool converged = false;
+  double weight = 0;  // of the prior
   VisibilityOptions thinned = visibility;
   for (const IntrinsicsLevel& level : kLevels) {
     thinned.max_points = level.points;
     std::vector<RigCamera> trial_cameras = freed.cameras(at);
     const VisiblePoints points = select_visible(scenes, trial_cameras, freed.pose(at), thinned);
-    Objective objective(points, images.at(level.sigma), trial_cameras, scenes, terms);
+    Objective objective(points, images.at(level.sigma), trial_cameras, scenes,
+                        &level == &finest ? terms : search_terms);
     const double all = std::max(0.0, objective.evaluate(freed.pose(at), false).estimate.value);
-    const double weight = 2 * kPriorShare * all / (kPriorSteps * kPriorSteps);
+    weight = 2 * kPriorShare * all / (kPriorSteps * kPriorSteps);
     const Vector10 from = at;
-    const auto value = [&](const Vector10& step, Vector10* gradient) {
-      const Vector10 d = from + step;
+    const SceneInformation steps = even_steps(objective, freed.pose(at), freed.scale(), weight);
+    const auto value = [&](const Vector10& y, Vector10* gradient) {
+      const Vector10 d = from + steps * y;
       Vector10 prior_gradient = weight * d;
       prior_gradient.head<6>().setZero();
       trial_cameras = freed.cameras(d);
       objective.set_cameras(trial_cameras);
       dependence::Estimate estimate;
       const std::vector<SceneGradient> pulls = objective.scene_gradients(freed.pose(d), &estimate);
-      *gradient = freed.gradient(d, pulls, scenes) - prior_gradient;
+      *gradient = steps * (freed.gradient(d, pulls, scenes) - prior_gradient);
       return estimate.value - 0.5 * prior_gradient.dot(d);
     };
     const AscentResult<10> ascent = ascend_bfgs_10d(value, kAscent);
-    at = from + ascent.d;
+    at = from + steps * ascent.d;
     converged = ascent.converged && at.tail<4>().cwiseAbs().maxCoeff() <= kPriorSteps;
     if (stop.stop_requested()) return std::nullopt;
   }
   IntrinsicsEstimate out{
       .T_refcam_lidar = freed.pose(at), .correction = freed.correction(at), .converged = converged};
+  const std::vector<RigCamera> corrected = freed.cameras(at);
+  const VisiblePoints points = select_visible(scenes, corrected, out.T_refcam_lidar, thinned);
+  Objective objective(points, images.at(finest.sigma), corrected, scenes, terms);
+  const SceneInformation curvature = joint_curvature(objective, out.T_refcam_lidar);
+  out.covariance =
+      joint_covariance(curvature, objective.scene_gradients(out.T_refcam_lidar), effective_scenes)
+          .bottomRightCorner<4, 4>();
+  // One step of Newton's without the prior, whose gradient is the only one there.
+  SceneGradient pulled = SceneGradient::Zero();
+  pulled.tail<4>() = weight * at.tail<4>().cwiseQuotient(freed.scale().tail<4>());
+  out.correction += curvature.ldlt().solve(pulled).tail<4>();
   const std::vector<double> gain =
-      scene_gains(select_visible(scenes, cameras, T_refcam_lidar, thinned),
-                  images.at(std::end(kLevels)[-1].sigma), scenes, cameras, T_refcam_lidar,
-                  freed.cameras(at), out.T_refcam_lidar, camera, terms);
+      scene_gains(select_visible(scenes, cameras, T_refcam_lidar, thinned), images.at(finest.sigma),
+                  scenes, cameras, T_refcam_lidar, corrected, out.T_refcam_lidar, camera, terms);
   out.scenes = static_cast<int>(gain.size());
   if (out.scenes < kMinScenesOfCamera) return std::nullopt;
   double sum = 0, squares = 0;
@@ -172,22 +221,26 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
 
 std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& freed,
                                                    std::span<const RigCamera> cameras,
-                                                   size_t camera) {
-  const CameraIntrinsics& model = cameras[camera].model.intrinsics();
-  const Eigen::Vector4d gross(kGrossFocalError, kGrossPrincipalPointError * model.fx,
-                              kGrossPrincipalPointError * model.fy, kGrossRadialError);
-  Eigen::Index which = 0;
-  const double times = freed.correction.cwiseAbs().cwiseQuotient(gross).maxCoeff(&which);
-  if (!(times > 1) || !(freed.significance > kMinSignificance)) {
+                                                   size_t camera, const KnownParameters& known) {
+  const Eigen::Vector4d assumed(known.focal_sigma, known.principal_point_sigma,
+                                known.principal_point_sigma, known.radial_sigma);
+  Eigen::Matrix4d spread = freed.covariance;
+  spread.diagonal() += assumed.cwiseAbs2() + kFeigned.cwiseAbs2();
+  const bool contradicts =
+      freed.correction.dot(spread.ldlt().solve(freed.correction)) > kChiSquare95;
+  if (!contradicts || !(freed.significance > 0)) {
     if (freed.converged) return std::nullopt;
     ModelMismatch unknown = make_intrinsic_mismatch(0, 0, camera, cameras.size());
     unknown.parameter.replace(0, std::string("focal length").size(), "set of intrinsics");
     unknown.significant = unknown.serious = unknown.gross = true;
     return unknown;
   }
+  Eigen::Index which = 0;
+  const double farthest =
+      freed.correction.cwiseQuotient(spread.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff(&which);
   ModelMismatch mismatch = make_intrinsic_mismatch(static_cast<size_t>(which),
                                                    freed.correction(which), camera, cameras.size());
-  mismatch.significance = freed.significance;
+  mismatch.significance = std::copysign(farthest, freed.correction(which));
   mismatch.significant = mismatch.serious = mismatch.gross = true;
   return mismatch;
 }

@@ -7,6 +7,7 @@
 
 #include "fusion/calibration/image_pyramid.hpp"
 #include "fusion/calibration/model_check.hpp"
+#include "fusion/calibration/uncertainty.hpp"
 #include "fusion/calibration/visible_points.hpp"
 
 namespace infuse::calibration {
@@ -15,8 +16,10 @@ namespace infuse::calibration {
 struct IntrinsicsEstimate {
   Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();  ///< estimated with them
   /// Estimated minus given: the logarithm of the focal lengths, the principal point (u, v, px), the
-  /// first radial distortion coefficient.
+  /// first radial distortion coefficient. Without the prior that bounds the search.
   Eigen::Vector4d correction = Eigen::Vector4d::Zero();
+  /// Covariance of `correction`, from the spread of the scenes as `estimate_uncertainty`.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   /// The last level ended at a maximum, at most 10 % of the focal length, 7.5 % of it in the
   /// principal point and 0.15 in k1 from the given intrinsics.
   bool converged = true;
@@ -26,24 +29,26 @@ struct IntrinsicsEstimate {
   double significance = 0;
 };
 
-/// Maximises the terms over the pose and one camera's intrinsics together, coarse to fine, from the
-/// pose estimated with the given intrinsics, and compares the fit of every scene alone, on the
-/// points in view with the given intrinsics. Detects gross errors, for which the slope at the
-/// result
-/// (`check_model`) is not valid. Returns nothing if fewer than 8 of the camera's scenes have enough
-/// points in view, or if `stop` was requested.
+/// Maximises the dependence over the pose and one camera's intrinsics together, coarse to fine, the
+/// `search_terms` and at the finest level `terms`, from the pose estimated with the given
+/// intrinsics. Compares the fit of every scene alone, on the points in view with the given
+/// intrinsics. Detects gross errors, for which the slope at the result (`check_model`) is not
+/// valid. `effective_scenes` is that of `Uncertainty`. Returns nothing if fewer than 8 of the
+/// camera's scenes have enough points in view, or if `stop` was requested.
 std::optional<IntrinsicsEstimate> estimate_intrinsics(
     std::span<const Scene> scenes, std::span<const RigCamera> cameras, size_t camera,
-    std::span<const TermOptions> terms, ImagePyramid& images, const VisibilityOptions& visibility,
-    const Eigen::Isometry3d& T_refcam_lidar, const std::stop_token& stop);
+    std::span<const TermOptions> search_terms, std::span<const TermOptions> terms,
+    ImagePyramid& images, const VisibilityOptions& visibility,
+    const Eigen::Isometry3d& T_refcam_lidar, double effective_scenes, const std::stop_token& stop);
 
-/// Returns the intrinsic with the largest error, as serious, if the error exceeds what any
-/// calibration of a camera leaves (2 % of the focal length, 1.5 % of it in the principal point,
-/// 0.04 in k1) and is significant (4 standard errors); or the intrinsics as a whole, without a
-/// value, if the estimate did not converge within its bounds. Otherwise nothing. `cameras` have the
-/// given intrinsics.
+/// Tests the four intrinsics together: Tsq = eᵀ (C + K)⁻¹ e, e the estimated correction, C its
+/// covariance, K what they are known to (`known`, and what imperfections of real scenes feign: 0.5
+/// % of the focal length, 1.5 px, 0.005 in k1). Beyond the 95 % quantile of χ²(4), if the scenes
+/// fit better, returns the one that is farthest off, as serious; or the intrinsics as a whole,
+/// without a value, if the estimate did not converge within its bounds. Otherwise nothing.
+/// `cameras` have the given intrinsics.
 std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& estimate,
                                                    std::span<const RigCamera> cameras,
-                                                   size_t camera);
+                                                   size_t camera, const KnownParameters& known);
 
 }  // namespace infuse::calibration

@@ -252,28 +252,32 @@ Evaluation Objective::evaluate(const Eigen::Isometry3d& T_refcam_lidar, bool wit
   return evaluation;
 }
 
+Eigen::Matrix<double, 2, 4> Objective::pixel_by_camera(const CameraIntrinsics& camera, size_t i,
+                                                       const Eigen::Vector3d& p) const {
+  // Without distortion the point is at r · direction; k1 moves it outwards by r³.
+  double r3 = 0;  // divided by the point's distance from the axis
+  if (camera.model == CameraIntrinsics::Model::kPinhole) {
+    r3 = (p.x() * p.x() + p.y() * p.y()) / (p.z() * p.z() * p.z());
+  } else if (const double radius = std::hypot(p.x(), p.y()); radius > 0) {
+    const double r = std::atan2(radius, p.z());
+    r3 = r * r * r / radius;
+  }
+  Eigen::Matrix<double, 2, 4> by;
+  by << u_[i] - camera.cx, 1, 0, r3 * camera.fx * p.x(),  //
+      v_[i] - camera.cy, 0, 1, r3 * camera.fy * p.y();
+  return by;
+}
+
 Eigen::Vector4d Objective::camera_gradient(const VisiblePoints::Block& block,
                                            const Eigen::Isometry3d& T_refcam_lidar) const {
-  const RigCamera& rig_camera = cameras_[scenes_[block.scene].camera];
-  const CameraIntrinsics& camera = rig_camera.model.intrinsics();
-  const bool pinhole = camera.model == CameraIntrinsics::Model::kPinhole;
-  const Eigen::Isometry3d T = rig_camera.T_camera_refcam * T_refcam_lidar;
+  const RigCamera& camera = cameras_[scenes_[block.scene].camera];
+  const Eigen::Isometry3d T = camera.T_camera_refcam * T_refcam_lidar;
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
   for (size_t i = block.begin; i < block.end; ++i) {
-    const double by_u = by_u_[i], by_v = by_v_[i];
-    if (by_u == 0 && by_v == 0) continue;
-    const double by_focal = by_u * (u_[i] - camera.cx) + by_v * (v_[i] - camera.cy);
+    const Eigen::Vector2d by_pixel(by_u_[i], by_v_[i]);
+    if (by_pixel.isZero(0)) continue;
     const Eigen::Vector3d p = T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]);
-    // Without distortion the point is at r · direction; k1 moves it outwards by r³.
-    const double outwards = by_u * camera.fx * p.x() + by_v * camera.fy * p.y();
-    double r3 = 0;  // divided by the point's distance from the axis
-    if (pinhole) {
-      r3 = (p.x() * p.x() + p.y() * p.y()) / (p.z() * p.z() * p.z());
-    } else if (const double radius = std::hypot(p.x(), p.y()); radius > 0) {
-      const double r = std::atan2(radius, p.z());
-      r3 = r * r * r / radius;
-    }
-    gradient += Eigen::Vector4d(by_focal, by_u, by_v, outwards * r3);
+    gradient += pixel_by_camera(camera.model.intrinsics(), i, p).transpose() * by_pixel;
   }
   return gradient;
 }
@@ -315,25 +319,31 @@ double Objective::median_range() const {
   return *middle;
 }
 
-geometry::Matrix6 Objective::information(const Eigen::Isometry3d& T_refcam_lidar) {
-  geometry::Matrix6 sum = geometry::Matrix6::Zero();
+std::vector<SceneInformation> Objective::scene_information(
+    const Eigen::Isometry3d& T_refcam_lidar) {
+  std::vector<SceneInformation> all(scenes_.size(), SceneInformation::Zero());
   differentiate_pixels(T_refcam_lidar, true, true);
   for (const VisiblePoints::Block& block : points_.blocks) {
     const RigCamera& camera = cameras_[scenes_[block.scene].camera];
     const Eigen::Isometry3d T = camera.T_camera_refcam * T_refcam_lidar;
-    geometry::Matrix6 part = geometry::Matrix6::Zero();
+    SceneInformation part = SceneInformation::Zero();
     for (size_t i = block.begin; i < block.end; ++i) {
-      if (by_u_[i] == 0 && by_v_[i] == 0) continue;
-      const auto at = camera.model.project_with_derivatives(
-          T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]));
+      const Eigen::Vector2d by_pixel(by_u_[i], by_v_[i]);
+      if (by_pixel.isZero(0)) continue;
+      const Eigen::Vector3d p = T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]);
+      const auto at = camera.model.project_with_derivatives(p);
       if (!at) continue;
-      const geometry::Vector6 score = at->by_pose.transpose() * Eigen::Vector2d(by_u_[i], by_v_[i]);
-      part += score * score.transpose();
+      SceneGradient score;
+      score << at->by_pose.transpose() * by_pixel,
+          pixel_by_camera(camera.model.intrinsics(), i, p).transpose() * by_pixel;
+      part.selfadjointView<Eigen::Lower>().rankUpdate(score);
     }
-    const geometry::Matrix6 adjoint = geometry::adjoint(camera.T_camera_refcam);
-    sum += adjoint.transpose() * part * adjoint;
+    SceneInformation adjoint = SceneInformation::Identity();
+    adjoint.topLeftCorner<6, 6>() = geometry::adjoint(camera.T_camera_refcam);
+    all[block.scene] +=
+        adjoint.transpose() * part.selfadjointView<Eigen::Lower>().toDenseMatrix() * adjoint;
   }
-  return sum;
+  return all;
 }
 
 }  // namespace infuse::calibration

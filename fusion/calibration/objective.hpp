@@ -52,6 +52,8 @@ struct Evaluation {
 /// and by its camera's model: by the logarithm of the focal lengths, the principal point (u, v, px)
 /// and the first radial distortion coefficient.
 using SceneGradient = Eigen::Matrix<double, 10, 1>;
+/// Information about the same ten parameters.
+using SceneInformation = Eigen::Matrix<double, 10, 10>;
 
 /// Dependence between lidar and cameras as a function of T_refcam_lidar, over a fixed set of
 /// points.
@@ -88,10 +90,11 @@ class Objective {
   };
   Samples samples(const Eigen::Isometry3d& T_refcam_lidar, size_t term);
 
-  /// Returns Fisher's information P(3.19) of the sum at a pose, Σᵢ sᵢ sᵢᵀ over the points: sᵢ is
-  /// the derivative by the pose of point i's part of each term times the term's samples, for mutual
-  /// information that of log p(x, y) / (p(x) p(y)). Of the terms with a gradient.
-  geometry::Matrix6 information(const Eigen::Isometry3d& T_refcam_lidar);
+  /// Returns each scene's Fisher information P(3.19) at a pose, Σᵢ sᵢ sᵢᵀ over its points: sᵢ is
+  /// the derivative by the pose and by the camera's model of point i's part of each term times the
+  /// term's samples, for mutual information that of log p(x, y) / (p(x) p(y)). Of the terms with a
+  /// gradient.
+  std::vector<SceneInformation> scene_information(const Eigen::Isometry3d& T_refcam_lidar);
 
   size_t point_count() const { return points_.size(); }
   /// Median range of the points, m: a rotation by one radian moves them by about so much.
@@ -112,6 +115,9 @@ class Objective {
                                             bool with_gradient, bool per_sample = false);
   geometry::Vector6 block_gradient(const VisiblePoints::Block& block,
                                    const Eigen::Isometry3d& T_refcam_lidar) const;
+  /// Derivatives of the pixel of point `i`, at `p` in the camera, by the camera's model.
+  Eigen::Matrix<double, 2, 4> pixel_by_camera(const CameraIntrinsics& camera, size_t i,
+                                              const Eigen::Vector3d& p) const;
   Eigen::Vector4d camera_gradient(const VisiblePoints::Block& block,
                                   const Eigen::Isometry3d& T_refcam_lidar) const;
 

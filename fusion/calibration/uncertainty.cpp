@@ -22,32 +22,6 @@ constexpr double kMaxStepGrowth = 4;
 constexpr double kMinStepGrowth = 0.25;
 constexpr double kMaxRotationSigma = 5 * kDegree;
 constexpr double kMaxTranslationSigma = 0.5;
-constexpr double kShrinkageScenes = 20;  // as many count as much as the curvature's shape
-
-using SceneCurvature = std::vector<Eigen::Matrix<double, 10, 6>>;
-
-/// Minus the derivatives of the scene gradients, by differences of `angle`, and of the translation
-/// that moves points at `range` as far.
-SceneCurvature scene_curvature(Objective& objective, const Eigen::Isometry3d& T, double angle,
-                               double range) {
-  SceneCurvature all;
-  for (int k = 0; k < 6; ++k) {
-    const double step = k < 3 ? angle : range * angle;
-    const Vector6 xi = step * Vector6::Unit(k);
-    const std::vector<SceneGradient> after = objective.scene_gradients(geometry::exp(xi) * T);
-    const std::vector<SceneGradient> before = objective.scene_gradients(geometry::exp(-xi) * T);
-    all.resize(after.size());
-    for (size_t s = 0; s < all.size(); ++s) all[s].col(k) = (before[s] - after[s]) / (2 * step);
-  }
-  return all;
-}
-
-/// Curvature of the sum by the pose.
-Matrix6 curvature(const SceneCurvature& scenes) {
-  Matrix6 H = Matrix6::Zero();
-  for (const auto& scene : scenes) H += scene.topRows<6>();
-  return 0.5 * (H + H.transpose());
-}
 
 /// Returns "rotation about (1.0, 0.0, 0.0)" or "translation along …", in camera axes.
 std::string describe_direction(const Vector6& scaled) {
@@ -108,6 +82,19 @@ double max_angular_sigma(const Matrix6& covariance, double range) {
 }
 
 }  // namespace
+
+Matrix6 pose_curvature(Objective& objective, const Eigen::Isometry3d& T, double angle,
+                       double range) {
+  Matrix6 H;
+  for (int k = 0; k < 6; ++k) {
+    const double step = k < 3 ? angle : range * angle;
+    const Vector6 xi = step * Vector6::Unit(k);
+    H.col(k) = (objective.evaluate(geometry::exp(-xi) * T, true).gradient -
+                objective.evaluate(geometry::exp(xi) * T, true).gradient) /
+               (2 * step);
+  }
+  return 0.5 * (H + H.transpose());
+}
 
 std::string describe_imprecision(const Matrix6& covariance, double max_rotation_sigma,
                                  double max_translation_sigma) {
@@ -187,12 +174,11 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   const double range = objective.median_range();
   Sandwich found{.reason = "not evaluated"};
   const auto try_step = [&](double angle) {
-    SceneCurvature curvatures = scene_curvature(objective, T_refcam_lidar, angle, range);
-    const Sandwich next = sandwich(curvature(curvatures), scatter, effective);
+    const Matrix6 H = pose_curvature(objective, T_refcam_lidar, angle, range);
+    const Sandwich next = sandwich(H, scatter, effective);
     if (!next.reason.empty() && found.reason.empty()) return;
     found = next;
-    out.curvature = curvature(curvatures);
-    out.scene_curvature = std::move(curvatures);
+    out.curvature = H;
   };
   try_step(kFirstStep);
   for (double angle = kFirstStep / 2; !found.reason.empty() && angle >= kMinStepGrowth * kFirstStep;
@@ -210,7 +196,12 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   if (!out.usable()) return out;
   out.covariance = found.covariance;
 
-  out.cramer_rao_bound = objective.information(T_refcam_lidar).inverse();
+  out.scene_information = objective.scene_information(T_refcam_lidar);
+  Matrix6 information_of_points = Matrix6::Zero();
+  for (const SceneInformation& scene : out.scene_information) {
+    information_of_points += scene.topLeftCorner<6, 6>();
+  }
+  out.cramer_rao_bound = information_of_points.inverse();
   const Vector6 unit = sigma_limits();
   const Matrix6 scaled =
       unit.cwiseInverse().asDiagonal() * out.covariance * unit.cwiseInverse().asDiagonal();

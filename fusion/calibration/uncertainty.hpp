@@ -20,8 +20,8 @@ struct Uncertainty {
   geometry::Matrix6 cramer_rao_bound = geometry::Matrix6::Identity();
   std::vector<double>
       scene_influence;  ///< standard deviations by which each scene alone would move the result
-  std::vector<SceneGradient> scene_gradients;  ///< Objective::scene_gradients at the result
-  std::vector<Eigen::Matrix<double, 10, 6>> scene_curvature;  ///< −∂(scene gradient)/∂ξ
+  std::vector<SceneGradient> scene_gradients;       ///< Objective::scene_gradients at the result
+  std::vector<SceneInformation> scene_information;  ///< Objective::scene_information at the result
   std::string reason;  ///< why it is unknown: a direction that nothing determines; or empty
 
   bool usable() const { return reason.empty(); }
@@ -29,6 +29,14 @@ struct Uncertainty {
 
 /// Minimum of `Uncertainty::effective_scenes` of a usable result.
 inline constexpr double kMinEffectiveScenes = 3;
+
+/// Number of scenes that count as much as the curvature's shape, in the covariance.
+inline constexpr double kShrinkageScenes = 20;
+
+/// Curvature of the objective by the pose: minus the derivatives of its gradient, by differences of
+/// `angle`, rad, and of the translation that moves points at `range` as far.
+geometry::Matrix6 pose_curvature(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar,
+                                 double angle, double range);
 
 /// Estimates the uncertainty at a maximum. With H the curvature of the objective (central
 /// differences of its analytic gradient) and g_s the gradient of scene s's part less their mean

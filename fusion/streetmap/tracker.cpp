@@ -12,6 +12,8 @@ constexpr size_t kMinSamples = 100;
 constexpr double kViewYawSigma = 0.03;  // rad, heading accuracy of one view
 constexpr double kMaxSpread = 20;       // m, of particles that all lie in the window
 constexpr double kMinJump = 3;          // m of the estimate in one update: another place
+constexpr double kMaxSearched = 2000;   // m of streets that the search witnesses while TRACKING
+constexpr double kSamePlaceYaw = 0.5;   // rad, of poses that are one place
 
 /// Half the edge of the map window that the other places of `PlaceCheck` need.
 double wide_window_radius(const TrackerOptions& options) {
@@ -70,6 +72,11 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
       place_check_(options.place_check, options.seed + 3),
       gnss_(options.gnss),
       random_(options.seed + 1) {
+  if (options.global_start.enabled) global_start_.emplace(map, options.global_start);
+  if (global_start_ && !global_start_->possible()) {
+    global_start_.reset();
+    reason_ = "no initial pose, and no streets or too large a map to search all of them";
+  }
   const auto samples = static_cast<size_t>(options.grid.max_samples);
   view_->reserve(options.grid.max_samples, kSegmentKindCount);
   window_.reserve(map, window_radius(kMaxSpread), options.labelling);
@@ -118,9 +125,43 @@ void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covarianc
   odometry_position_variance_ += covariance(0, 0) + covariance(1, 1);
   odometry_yaw_variance_ += covariance(2, 2);
   gnss_.advance(to_seconds(step));
+  search_streets(motion, covariance, step);
   if (!started_) return;
   particles_.predict(motion, covariance, to_seconds(step));
   global_search_.move(motion);
+}
+
+// Where the map gives the place, the search ends when both agree (`use_found_street`).
+void Tracker::search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
+                             Duration step) {
+  if (!global_start_) return;
+  if (!searching_streets_) {
+    if (state_ != TrackState::kLost && !place_check_.running()) return;
+    global_start_->restart();
+    searching_streets_ = true;
+    searched_ = 0;
+    if (!started_) reason_ = "no initial pose, searching all streets";
+  }
+  searched_ += std::hypot(motion.x, motion.y);
+  global_start_->move(motion, covariance, to_seconds(step));
+}
+
+void Tracker::use_found_street() {
+  if (!searching_streets_) return;
+  const bool tracking = state_ == TrackState::kTracking;
+  if (tracking && searched_ > kMaxSearched) searching_streets_ = false;
+  const auto found = global_start_->place();
+  if (!found || !found->sure) return;
+  if (started_) {
+    const PlanarPose motion = found->pose.motion_to(particles_.moments().mean);
+    if (std::hypot(motion.x, motion.y) < options_.global_start.same_place &&
+        std::abs(motion.yaw) < kSamePlaceYaw) {
+      if (tracking) searching_streets_ = false;
+      return;
+    }
+  }
+  const Eigen::Vector3d map_error(0, 0, kViewYawSigma * kViewYawSigma);
+  start(found->pose, found->covariance + Eigen::Matrix3d(map_error.asDiagonal()));
 }
 
 void Tracker::add_sweep(const DeskewedView& deskewed, const ImageView* image,
@@ -134,6 +175,7 @@ void Tracker::update() {
 }
 
 void Tracker::update(const GridSamples& samples) {
+  use_found_street();
   if (!started_ || samples.size() < kMinSamples || !begin_update()) return;
   if (*view_->prepare(samples) != '\0') return;
   const PoseMoments before = particles_.moments();
@@ -358,6 +400,7 @@ TrackerEstimate Tracker::estimate() const {
   TrackerEstimate estimate;
   estimate.state = state_;
   estimate.reason = reason_;
+  if (searching_streets_) estimate.hypotheses = global_start_->hypotheses();
   if (!started_) return estimate;
   const PoseMoments moments = particles_.moments();
   estimate.pose = moments.mean;

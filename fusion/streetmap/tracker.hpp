@@ -7,6 +7,7 @@
 
 #include "drivers/measurement/stamp.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/streetmap/global_start.hpp"
 #include "fusion/streetmap/gnss_witness.hpp"
 #include "fusion/streetmap/label_window.hpp"
 #include "fusion/streetmap/local_grid.hpp"
@@ -43,6 +44,7 @@ struct TrackerEstimate {
   std::optional<Eigen::Vector2d> gnss_offset{};
   double gnss_offset_sigma = 0;  ///< m
   int particles = 0;
+  int hypotheses = 0;  ///< of the search on all streets; 0: there is none at present
 
   /// True unless the track is lost.
   bool usable() const { return state != TrackState::kLost; }
@@ -61,6 +63,9 @@ struct TrackerEstimate {
 /// The score is compared with the scores of displaced poses of the same update. These keep the
 /// spatial structure of the label image, which a permutation of labels would destroy, so they give
 /// the probability that a wrong pose scores as high.
+///
+/// Without a start, while a start is not confirmed and when LOST, `GlobalStart` searches all
+/// streets. Once one place alone fits the drive, the tracker starts there, unless it is there.
 class Tracker {
  public:
   /// `map` must outlive the tracker. `options.invalid()` must be empty. `score` weights the poses;
@@ -84,7 +89,7 @@ class Tracker {
   void add_sweep(const DeskewedView& deskewed, const ImageView* image,
                  const PlanarPose& sensor_pose = {});
 
-  /// Weights the particles by the collected data. Does nothing before `start`, with too few
+  /// Weights the particles by the collected data. Does nothing before a start, with too few
   /// samples, and while the vehicle stands still: the same view is no new evidence.
   void update();
 
@@ -95,10 +100,15 @@ class Tracker {
   /// while the vehicle stands. Does nothing before `start`.
   void add_fix(const MapFix& fix);
 
-  /// Returns the current estimate; LOST before `start`.
+  /// True once it has a place on the map, which may be wrong.
+  bool started() const { return started_; }
+
+  /// Returns the current estimate; LOST before a start.
   TrackerEstimate estimate() const;
 
  private:
+  void search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
+  void use_found_street();
   bool begin_update();
   void update_novelty(double distance);
   double window_radius(double spread) const;
@@ -120,6 +130,9 @@ class Tracker {
   ParticleSet particles_;
   ScoreSignificance significance_;
   GlobalSearch global_search_;
+  std::optional<GlobalStart> global_start_;  // nothing: not wanted, or impossible on this map
+  bool searching_streets_ = false;
+  double searched_ = 0;  // m driven since that began
   PlaceCheck place_check_;
   GnssWitness gnss_;
   std::mt19937_64 random_;

@@ -48,6 +48,7 @@ std::optional<std::string> TrackerOptions::invalid() const {
   if (auto wrong = confidence.invalid()) return wrong;
   if (auto wrong = place_check.invalid()) return wrong;
   if (auto wrong = gnss.invalid()) return wrong;
+  if (auto wrong = global_start.invalid()) return wrong;
   if (global_search.count < 0 || global_search.count > 10'000 ||
       !(global_search.comparison_views > 0)) {
     return "global_search: count must be 0 … 10000, comparison_views positive";

@@ -6,6 +6,7 @@
 
 #include "fusion/dependence/least_squares.hpp"
 #include "fusion/streetmap/global_search.hpp"
+#include "fusion/streetmap/global_start.hpp"
 #include "fusion/streetmap/gnss_witness.hpp"
 #include "fusion/streetmap/label_window.hpp"
 #include "fusion/streetmap/local_grid.hpp"
@@ -78,6 +79,7 @@ struct TrackerOptions {
   ConfidenceOptions confidence;
   GlobalSearchOptions global_search;
   PlaceCheckOptions place_check;
+  GlobalStartOptions global_start;
   GnssOptions gnss;
   uint64_t seed = 1;
 

@@ -13,11 +13,15 @@
 
 #include "daemon/calibration/saved_calibrations.hpp"
 #include "drivers/camera/png_encoder.hpp"
+#include "drivers/mcap/mcap_writer.hpp"
+#include "drivers/ros/serialisation.hpp"
+#include "drivers/ros/sweep_cloud.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fixtures/velodyne/db_xml.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "fusion/streetmap/map_from_image.hpp"
 #include "tests/drivers/recording/compress.hpp"
+#include "tests/drivers/rosbag/bag_bytes.hpp"
 #include "tests/drivers/velodyne/mutation_families.hpp"
 #include "tests/fuzz/text_seeds.hpp"
 
@@ -163,6 +167,65 @@ void write_binary_map(const std::filesystem::path& folder) {
   std::filesystem::remove(binary);
 }
 
+/// As ros_message_fuzz reads it: the type, then the message.
+template <class T>
+void write_message(const std::filesystem::path& folder, uint8_t type, const T& message) {
+  for (const auto encoding : {ros::Encoding::kCdr, ros::Encoding::kRos1}) {
+    const bool ros1 = encoding == ros::Encoding::kRos1;
+    std::vector<uint8_t> bytes;
+    ros::encode(message, encoding, bytes);
+    bytes.insert(bytes.begin(), static_cast<uint8_t>(type + (ros1 ? 128 : 0)));
+    write_seed(folder / (std::to_string(type) + (ros1 ? "_ros1" : "_cdr")), bytes);
+  }
+}
+
+void write_messages(const std::filesystem::path& folder) {
+  Sweep sweep;
+  sweep.resize(16);
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    sweep.x[i] = static_cast<float>(i) - 8;
+    sweep.y[i] = 5;
+    sweep.z[i] = static_cast<float>(i % 2);
+    sweep.reflectivity[i] = 0.5f;
+    sweep.ring[i] = static_cast<uint16_t>(i % 2);
+    sweep.column[i] = static_cast<uint16_t>(i / 2);
+    sweep.time_offset_ns[i] = static_cast<int32_t>(i * 1000);
+    sweep.return_kind[i] = ReturnKind::kLast;
+  }
+  std::vector<uint8_t> data;
+  write_message(folder, 0, ros::to_cloud(sweep, "lidar", data));
+  write_message(folder, 1, ros::Image{{}, 2, 3, "bgr8", 0, 9, std::span(data).first(18)});
+  write_message(folder, 2, ros::CompressedImage{{}, "png", std::span(data).first(18)});
+  write_message(folder, 3, ros::CameraInfo{.distortion_model = "plumb_bob", .d = {1, 2, 3, 4, 5}});
+  write_message(folder, 4, ros::TfMessage{{{{}, "lidar", {}}, {{}, "camera", {}}}});
+  write_message(folder, 5, ros::VelodyneScan{{}, {{}}});
+  write_message(folder, 11, ros::DiagnosticArray{{}, {{1, "a", "b", "c", {{"k", "v"}}}}});
+}
+
+void write_mcap(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  for (const auto compression :
+       {mcap::Compression::kNone, mcap::Compression::kLz4, mcap::Compression::kZstd}) {
+    auto writer = mcap::McapWriter::create(
+        folder / ("file_" + std::string(mcap::name_of(compression))), {.compression = compression});
+    if (!writer) continue;
+    const auto channel =
+        writer->add_channel({"/a", "cdr", {"b", "ros2msg", "int8 c"}, {{"k", "v"}}});
+    for (int k = 0; channel && k < 3; ++k)
+      static_cast<void>(writer->write(*channel, Stamp(), Stamp(), std::vector<uint8_t>(20, 7)));
+    static_cast<void>(writer->write_metadata("m", {{"k", "v"}}));
+    static_cast<void>(writer->close());
+  }
+}
+
+void write_bags(const std::filesystem::path& folder) {
+  for (const char* compression : {"none", "bz2", "lz4"}) {
+    rosbag::BagBytes bag;
+    bag.add_chunk(compression, bag.connection(0, "/a", "b/C") + bag.message(0, 1, 2, "content"));
+    write_seed(folder / compression, bag.bytes());
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -185,6 +248,9 @@ int main(int argc, char** argv) {
     write_seed(folder / seed.fuzzer / seed.name, std::string_view(seed.text));
   }
   write_binary_map(folder / "osm_fuzz");
+  write_mcap(folder / "mcap_fuzz");
+  write_bags(folder / "rosbag_fuzz");
+  write_messages(folder / "ros_message_fuzz");
   write_images(folder);
   write_sweep(folder);
   write_seed(folder / "saved_calibrations_fuzz" / "frozen",

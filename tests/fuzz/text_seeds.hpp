@@ -33,6 +33,12 @@ inline constexpr std::array kTextSeeds = {
              "BO_ 2566834709 EXTENDED: 8 ECU\n SG_ S M : 0|4@1+ (1,0) [0|15] \"\" ECU\n"
              " SG_ A m0 : 8|8@1+ (1,0) [0|255] \"\" ECU\nCM_ SG_ 256 FL \"two\nlines\";\n"
              "VAL_ 256 FR -1 \"minus one\" 3 \"three\" ;\nSIG_VALTYPE_ 256 FL : 1;\n"},
+    TextSeed{"g2o_fuzz", "planar",
+             "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0.5 1.5\nFIX 0\n"
+             "EDGE_SE2 0 1 1 0.25 1.5 10 1 0 20 0 300\n"},
+    TextSeed{"g2o_fuzz", "spatial",
+             "# one edge\n"
+             "EDGE_SE3:QUAT 7 2 1 2 3 0 0 -0.6 -0.8 1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0.5 6\n"},
     TextSeed{"kitti_text_fuzz", "calibration",
              "0P0: 700 0 600 0 0 700 180 0 0 0 1 0\nP2: 700 0 600 45 0 700 180 0.2 0 0 1 0.003\n"
              "R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam: 0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27\n"},

@@ -11,6 +11,7 @@
 
 #include "tests/study/dependence/estimators.hpp"
 #include "tests/study/dependence/gaussian_accuracy.hpp"
+#include "tests/study/mapping/pose_graph_study.hpp"
 #ifdef INFUSE_SIMULATOR
 #include "tests/study/registration/alignment_table.hpp"
 #include "tests/study/registration/covariance_study.hpp"
@@ -20,7 +21,9 @@
 #include "tests/study/registration/learn_codebook.hpp"
 #include "tests/study/registration/recorded_scans.hpp"
 #include "tests/study/rigs/compare_study.hpp"
+#include "tests/study/rigs/refine_study.hpp"
 #include "tests/study/rigs/rig_study.hpp"
+#include "tests/study/starts/start_study.hpp"
 #endif
 
 namespace infuse::study {
@@ -95,7 +98,53 @@ int compare(const std::vector<Estimator>& estimators, const std::string& folder)
   return 3;
 }
 
+/// Adds the commands that optimise pose graphs.
+void add_mapping_commands(CLI::App& app) {
+  static std::vector<std::string> graphs;
+  static int seeds = 10;
+  CLI::App* optimize = app.add_subcommand(
+      "pose-graphs", "optimise pose graphs with both costs, from two initial guesses");
+  optimize->add_option("FILE", graphs, "g2o files; .xz is decompressed")->required();
+  optimize->callback([] { optimize_graphs(std::cout, graphs); });
+  CLI::App* reject = app.add_subcommand(
+      "false-closures", "add false closures to pose graphs and count those that are rejected");
+  reject->add_option("FILE", graphs, "g2o files; .xz is decompressed")->required();
+  reject->add_option("--seeds", seeds, "number of seeds")->capture_default_str();
+  reject->callback([] { reject_false_closures(std::cout, graphs, seeds); });
+}
+
 #ifdef INFUSE_SIMULATOR
+/// Adds the study of starts from nothing on a street map.
+void add_starts_command(CLI::App& app) {
+  static StartStudyOptions options;
+  static std::vector<std::string> files;
+  static uint64_t seed = 40'000;
+  static int starts = 200, drawn = 0;
+  static bool foreign = false;
+  CLI::App* command = app.add_subcommand(
+      "starts", "find the vehicle on a street map from nothing, by odometry alone");
+  command->add_option("FILES", files, "pairs of a map (.osm) and a recorded trajectory on it");
+  command->add_option("--drawn", drawn,
+                      "number of towns drawn at random, ten starts each, instead");
+  command->add_flag("--foreign", foreign, "drive through other towns than those on the map");
+  command->add_option("--starts", starts, "number of starts on each map")->capture_default_str();
+  command->add_option("--seed", seed, "seed of the first")->capture_default_str();
+  command->callback([] {
+    if (drawn > 0) {
+      StartCounts counts;
+      try_drawn_towns(seed, drawn, 10, foreign, options, counts);
+      counts.write(std::cout, foreign ? "drives through other towns" : "drawn towns");
+    }
+    for (size_t i = 0; i + 1 < files.size(); i += 2) {
+      const auto route = read_route(files[i], files[i + 1]);
+      if (!route) throw std::runtime_error(route.error().message());
+      StartCounts counts;
+      try_starts(route->map, route->drive, starts, seed, options, counts);
+      counts.write(std::cout, files[i] + " " + files[i + 1]);
+    }
+  });
+}
+
 /// Adds the commands that render scenes.
 void add_registration_commands(CLI::App& app) {
   static CodebookRecipe recipe;
@@ -166,6 +215,8 @@ void add_registration_commands(CLI::App& app) {
     if (!recorded) throw std::runtime_error(recorded.error().message());
     std::cout << try_global_guess(recorded->scans, 50, 1).text() << '\n';
   });
+
+  add_starts_command(app);
 
   static uint64_t first_seed = 1301;
   static int towns = 50;
@@ -243,6 +294,27 @@ int study_comparison([[maybe_unused]] const RigsArguments& arguments) {
 #endif
 }
 
+/// Refines wrong intrinsics of rigs drawn at random, each from 40 scenes.
+int study_refinement([[maybe_unused]] const RigsArguments& arguments) {
+#ifdef INFUSE_SIMULATOR
+  RefineCounts counts;
+  std::cout << "seed,lidar,width,refined,focal_percent,cx_px,cy_px,k1,rotation_deg,"
+               "translation_cm,reason\n";
+  for (uint64_t seed = arguments.seed;
+       seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
+    const auto recording = record_random_rig(seed, {.diverse = 40, .neighbours = 0});
+    if (recording) refine_on(*recording, seed, std::cout, counts);
+    std::cout << std::flush;
+  }
+  std::cout << counts.refined << " of " << counts.trials << " refined, of these " << counts.within
+            << " within 0.5 %, 2 px, 0.01; " << counts.inside << " inside 95 %\n";
+  return 0;
+#else
+  std::cerr << "infuse-study: built without the simulator\n";
+  return 3;
+#endif
+}
+
 }  // namespace
 }  // namespace infuse::study
 
@@ -265,6 +337,7 @@ int main(int argc, char** argv) {
   accuracy_command
       ->add_option("-o,--output", folder, "write accuracy.md and accuracy.svg to this folder")
       ->check(CLI::ExistingDirectory);
+  add_mapping_commands(app);
 #ifdef INFUSE_SIMULATOR
   add_registration_commands(app);
 #endif
@@ -282,9 +355,15 @@ int main(int argc, char** argv) {
       "compare", "compare right extrinsics of rigs drawn at random with wrong ones");
   compare_command->add_option("--seed", compared.seed, "seed of the first rig (20000)");
   compare_command->add_option("--count", compared.count, "number of rigs (20)");
+  RigsArguments refined;
+  CLI::App* refine_command =
+      app.add_subcommand("refine", "refine wrong intrinsics of rigs drawn at random");
+  refine_command->add_option("--seed", refined.seed, "seed of the first rig (20000)");
+  refine_command->add_option("--count", refined.count, "number of rigs (20)");
   try {
     app.parse(argc, argv);
     if (compare_command->parsed()) return study_comparison(compared);
+    if (refine_command->parsed()) return study_refinement(refined);
     if (rigs_command->parsed()) return study_rigs(rigs);
     const std::vector<Estimator> estimators = make_estimators();
     if (run_command->parsed()) return run(find_estimator(estimators, key), read_pairs(file));

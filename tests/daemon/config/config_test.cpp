@@ -354,13 +354,17 @@ TEST(Config, TheStreetMapIsReadAndChecked) {
   EXPECT_EQ(settings.tracker.confidence.search_radius, 20);
   EXPECT_EQ(settings.tracker.seed, 7U);
   const auto located = parse_config(
-      "[streetmap]\nlat = 49\nlon = 8.4\nheading_deg = 180\nrequire_tracking = false\n", "c.toml");
+      "[streetmap]\nlat = 49\nlon = 8.4\nheading_deg = 180\nrequire_tracking = false\n"
+      "global_start = false\n",
+      "c.toml");
   ASSERT_TRUE(located) << located.error().message();
   ASSERT_TRUE(located->streetmap.initial_location);
   EXPECT_NEAR(located->streetmap.initial_location->latitude, 0.8552113, 1e-6);
   EXPECT_NEAR(located->streetmap.initial_location->longitude, 0.1466077, 1e-6);
   EXPECT_NEAR(located->streetmap.initial_location->heading, 3.1415927, 1e-6);
   EXPECT_FALSE(located->streetmap.require_tracking);
+  EXPECT_FALSE(located->streetmap.tracker.global_start.enabled);
+  EXPECT_TRUE(settings.tracker.global_start.enabled);
   EXPECT_TRUE(settings.require_tracking);
   EXPECT_FALSE(parse_config("[streetmap]\nlat = 49\n", "c.toml"));
   EXPECT_FALSE(parse_config("[streetmap]\nlat = 91\nlon = 8\n", "c.toml"));

@@ -92,6 +92,7 @@ TEST_F(SensorHealthTest, AChangeOfTheSenderIsReportedAtOnce) {
   counters_.previous_sender = 0x0A00'0007;
   counters_.sender = 0x0A00'0008;
   counters_.sender_changes = 1;
+  counters_.wrong_sender = 20;  // those of the new one, before it was used
   deliver();
   const SensorStatus& status = tick();
   EXPECT_EQ(status.level, Level::kWarn);

@@ -172,7 +172,8 @@ TEST_F(LiveSetupTest, NamesWhatIsValidButHardlyMeant) {
   EXPECT_THAT(doubts("rig = \"rig.toml\"\n[[lidar]]\nname = \"b\"\nmodel = \"VLP-16\"\n"),
               HasSubstr("lidar 'b' is not in the rig"));
   EXPECT_THAT(doubts("[[can]]\n"), HasSubstr("has no signals"));
-  EXPECT_THAT(doubts("[streetmap]\nmap = \"town.map\"\n"),
+  EXPECT_EQ(doubts("[streetmap]\nmap = \"town.map\"\n"), "");  // all streets are searched
+  EXPECT_THAT(doubts("[streetmap]\nmap = \"town.map\"\nglobal_start = false\n"),
               HasSubstr("initial pose on the street map"));
   EXPECT_EQ(doubts("[gnss]\ndevice = \"/dev/ttyUSB0\"\n[streetmap]\nmap = \"town.map\"\n"), "");
 }

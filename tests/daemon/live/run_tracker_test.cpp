@@ -45,6 +45,14 @@ TEST_F(RunTrackerTest, RaisesAnAlertAfterAnUncleanExit) {
   EXPECT_EQ(next.state().unclean_exits, 1U);
 }
 
+TEST_F(RunTrackerTest, KeepsAnUnreadableStateBesideTheNew) {
+  folder_.write("state.json", "{\"form\": 99}\n");
+  RunTracker tracker(file_);
+  EXPECT_FALSE(tracker.begin_run(at_s(0)).has_value());
+  EXPECT_EQ(tracker.state().starts, 1U);
+  EXPECT_EQ(folder_.read("state.json.unreadable"), "{\"form\": 99}\n");
+}
+
 TEST_F(RunTrackerTest, TheAlertNamesTheWatchdog) {
   RunTracker(file_).begin_run(at_s(0));
   folder_.write("abort_marker", "");

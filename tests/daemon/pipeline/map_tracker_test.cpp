@@ -153,7 +153,8 @@ TEST_F(MapTrackerTest, InitialisesFromSeveralGnssFixes) {
     scan(now_, static_cast<uint64_t>(i));
     tracker.process({LidarIndex(0), sweep_, deskewed_}, trajectory_, odometry);
     if (i < 19) {
-      EXPECT_STREQ(tracker.pose(odometry).reason, "no initial pose") << i;
+      EXPECT_TRUE(std::string_view(tracker.pose(odometry).reason).starts_with("no initial pose"))
+          << i;
     }
   }
   const PoseReport started = tracker.pose(odometry);

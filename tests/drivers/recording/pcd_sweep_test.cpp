@@ -106,6 +106,45 @@ constexpr const char* kXyziRingFields =
     "FIELDS x y z intensity ring timestamp\nSIZE 4 4 4 1 2 8\nTYPE F F F U U F\n"
     "COUNT 1 1 1 1 1 1\n";
 
+TEST(PcdTimes, ExportedSweepIsReadBackAsItWas) {
+  const ScratchFolder folder;
+  std::mt19937 random(5);
+  Sweep sweep;
+  sweep.resize(200);
+  for (size_t i = 0; i < sweep.size(); ++i) {
+    sweep.x[i] = static_cast<float>(i % 17) - 8.5f;
+    sweep.y[i] = static_cast<float>(i % 13) - 6.5f;
+    sweep.z[i] = 0.5f;
+    sweep.range[i] =
+        std::sqrt(sweep.x[i] * sweep.x[i] + sweep.y[i] * sweep.y[i] + sweep.z[i] * sweep.z[i]);
+    sweep.reflectivity[i] = static_cast<float>(random() % 100) / 100;
+    sweep.ring[i] = static_cast<uint16_t>(random() % 32);
+    sweep.column[i] = static_cast<uint16_t>(random() % 1000);
+    sweep.time_offset_ns[i] = static_cast<int32_t>(random() % 100'000'000);
+    sweep.return_kind[i] = static_cast<ReturnKind>(random() % 3);
+  }
+  ASSERT_TRUE(export_sweep(sweep, folder / "a.pcd", SweepFormat::kPcd));
+  Sweep read;
+  ASSERT_TRUE(read_sweep_file(folder / "a.pcd", read));
+  EXPECT_TRUE(read.has_times);
+  EXPECT_TRUE(read.x == sweep.x && read.y == sweep.y && read.range == sweep.range);
+  EXPECT_TRUE(read.reflectivity == sweep.reflectivity);
+  EXPECT_TRUE(read.ring == sweep.ring && read.column == sweep.column);
+  EXPECT_TRUE(read.time_offset_ns == sweep.time_offset_ns);
+  EXPECT_TRUE(read.return_kind == sweep.return_kind);
+}
+
+TEST(PcdTimes, TimesOutsideATurnAreAnError) {
+  for (const char* time : {"-1", "2000000001", "nan"}) {
+    const std::string file =
+        make_header("FIELDS x y z time_offset_ns\nSIZE 4 4 4 8\nTYPE F F F F\nCOUNT 1 1 1 1\n", 1,
+                    "ascii") +
+        "1 2 3 " + time + "\n";
+    Sweep sweep;
+    EXPECT_FALSE(parse_pcd_sweep(file, sweep)) << time;
+  }
+}
+
 TEST(PcdSweep, ReadsBinary) {
   const std::vector<SyntheticReturn> made = make_returns();
   std::string bytes = make_header(kXyziRingFields, made.size(), "binary");

@@ -31,6 +31,31 @@ TEST(SpeedCsv, WriteAndReadRoundTrip) {
   EXPECT_FALSE(csv->next(read));
 }
 
+TEST(SpeedCsv, YawRatesAreWrittenWhereAskedFor) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const ScratchFolder folder;
+  WheelOdometry both, speed_only, yaw_only;
+  both.speed = 3;
+  both.yaw_rate = -0.125;
+  speed_only.speed = 4;
+  speed_only.yaw_rate = yaw_only.speed = kNan;
+  yaw_only.yaw_rate = 0.5;
+  ASSERT_TRUE(write_speed_csv(folder / "speed.csv", {both, speed_only, yaw_only}, true));
+  auto csv = SpeedCsv::open(folder / "speed.csv");
+  ASSERT_TRUE(csv);
+  WheelOdometry read;
+  ASSERT_TRUE(csv->next(read));
+  EXPECT_EQ(read.speed, 3);
+  EXPECT_EQ(read.yaw_rate, -0.125);
+  ASSERT_TRUE(csv->next(read));
+  EXPECT_EQ(read.speed, 4);
+  EXPECT_TRUE(std::isnan(read.yaw_rate));
+  ASSERT_TRUE(csv->next(read));
+  EXPECT_TRUE(std::isnan(read.speed));
+  EXPECT_EQ(read.yaw_rate, 0.5);
+  EXPECT_FALSE(csv->next(read));
+}
+
 TEST(SpeedCsv, SkipsAndNotesRowsThatAreNotNumbers) {
   const ScratchFolder folder;
   folder.write("speed.csv", "stamp_ns,speed\n1,fast\n2,3\n");

@@ -23,13 +23,14 @@ std::optional<IntrinsicsEstimate> estimate_for(const std::vector<Scene>& scenes,
   const VisiblePoints points = select_visible(scenes, cameras, truth, {});
   Objective objective(points, images.at(2), cameras, scenes, terms);
   const Eigen::Isometry3d T = maximize(objective, truth, {}).T_refcam_lidar;
-  return estimate_intrinsics(scenes, cameras, 0, terms, images, {}, T, stop);
+  return estimate_intrinsics(scenes, cameras, 0, terms, terms, images, {}, T,
+                             static_cast<double>(scenes.size()), stop);
 }
 
 std::optional<ModelMismatch> gross_mismatch(const std::optional<IntrinsicsEstimate>& found,
                                             const CameraIntrinsics& given) {
   const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(given)}};
-  return detect_gross_mismatch(*found, cameras, 0);
+  return detect_gross_mismatch(*found, cameras, 0, {});
 }
 
 TEST(EstimateIntrinsics, StayIfTheyAreRight) {
@@ -98,19 +99,20 @@ TEST(EstimateIntrinsics, StopsWhenRequested) {
                             stop.get_token()));
 }
 
-TEST(DetectGrossMismatch, NeedsBothSizeAndScenesThatAgree) {
+TEST(DetectGrossMismatch, ComparesTheCorrectionWithWhatIsKnown) {
   const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(painted::small_camera())}};
-  IntrinsicsEstimate found{
-      .correction = {0.03, 1, 1, 0.01}, .scenes = 20, .improved_scenes = 19, .significance = 6};
-  const auto mismatch = detect_gross_mismatch(found, cameras, 0);
+  IntrinsicsEstimate found{.correction = {0.03, 1, 1, 0.01}, .significance = 6};
+  found.covariance = Eigen::Vector4d(0.002, 1, 1, 0.01).cwiseAbs2().asDiagonal();
+  const auto mismatch = detect_gross_mismatch(found, cameras, 0, {});
   ASSERT_TRUE(mismatch);
   EXPECT_EQ(mismatch->parameter, "focal length");
   EXPECT_NEAR(mismatch->value, 3, 1e-9);  // per cent
-  found.significance = 3;
-  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0));
-  found.significance = 30;
-  found.correction(0) = 0.01;
-  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0));
+  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, {.focal_sigma = 0.03}));
+  found.significance = -1;  // the scenes fit worse
+  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, {}));
+  found.significance = 6;
+  found.covariance(0, 0) = 1e-3;  // the scenes do not determine it
+  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, {}));
 }
 
 }  // namespace

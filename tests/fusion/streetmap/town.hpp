@@ -40,6 +40,34 @@ inline StreetPlan plan() {
   return plan;
 }
 
+/// Streets of 6 m width at the given places, which all cross.
+inline StreetPlan lattice(const std::vector<double>& at_x, const std::vector<double>& at_y) {
+  StreetPlan plan;
+  const auto add = [&](const Polyline& points) {
+    plan.strips.push_back({{SegmentKind::kCarriageway, 1}, points, 3, 0.4, 2, 2});
+  };
+  for (const double x : at_x) add({{x, at_y.front()}, {x, at_y.back()}});
+  for (const double y : at_y) add({{at_x.front(), y}, {at_x.back(), y}});
+  return plan;
+}
+
+/// Streets at distances that do not repeat.
+inline StreetPlan irregular_streets() {
+  return lattice({0, 70, 160, 300, 385, 510, 565, 700}, {0, 95, 150, 270, 430, 500});
+}
+
+/// Part of a drive: straight on, and then a turn of 6 m radius.
+struct Leg {
+  double length = 0;  ///< m
+  double turn = 0;    ///< rad
+};
+
+/// From (20, -1) east, left at x = 160, right at y = 150, left at x = 385, left at y = 430.
+inline std::vector<Leg> irregular_drive() {
+  constexpr double kLeft = 1.5707963;
+  return {{134, kLeft}, {138, -kLeft}, {213, kLeft}, {268, kLeft}, {150}};
+}
+
 inline Town build(const StreetPlan& plan) {
   Town town;
   auto bytes = rasterise(plan, {.margin = 60}, "town");

@@ -282,6 +282,40 @@ TEST(Tracker, IsLostOutsideTheMap) {
   EXPECT_STREQ(tracker.estimate().reason, "the vehicle is outside the map");
 }
 
+// All streets are searched by the drive alone; what is found is then confirmed by the sensors.
+TEST(Tracker, StartsFromNothingOnceOnePlaceFitsTheDrive) {
+  const town::Town town = town::build(town::irregular_streets());
+  Tracker tracker(town.map, fast_options());
+  PlanarPose truth{20, -1, 0};
+  int sweeps = 0, tracking = 0;
+  bool started = false;
+  for (const auto& [length, turn] : town::irregular_drive()) {
+    const int steps = static_cast<int>(std::ceil(6 * std::abs(turn)));
+    for (int i = 0; i < static_cast<int>(length) + steps; ++i) {
+      const PlanarPose motion{1, 0, i < static_cast<int>(length) ? 0 : turn / steps};
+      truth = truth.compose(motion);
+      tracker.predict({1.01, 0, motion.yaw}, covariance(0.01, 0.001), Duration(125'000'000));
+      if (++sweeps % 4 != 0) continue;
+      tracker.update(sample_view(town.map, truth, static_cast<uint64_t>(sweeps)));
+      const TrackerEstimate estimate = tracker.estimate();
+      if (!tracker.started()) {
+        EXPECT_EQ(estimate.state, TrackState::kLost);
+        EXPECT_STREQ(estimate.reason, "no initial pose, searching all streets");
+        EXPECT_GT(estimate.hypotheses, 0);
+        continue;
+      }
+      started = true;
+      const PlanarPose error = truth.motion_to(estimate.pose);
+      if (estimate.state == TrackState::kTracking) {
+        ++tracking;
+        EXPECT_LT(std::hypot(error.x, error.y), 4);
+      }
+    }
+  }
+  EXPECT_TRUE(started);
+  EXPECT_GT(tracking, 10);
+}
+
 TEST(Tracker, IsLostBeforeItsStart) {
   Tracker tracker(shared_town().map, fast_options());
   tracker.update(sample_view(shared_town().map, {0, 0, 0}, 1));

@@ -1,0 +1,284 @@
+#include "fusion/streetmap/global_start.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace infuse::streetmap {
+namespace {
+
+constexpr int kDirections = 16;          // within half a turn
+constexpr double kStartReach = 12;       // m, of free street ahead and behind
+constexpr double kMinFreeLength = 14;    // m, ahead and behind together
+constexpr double kStartYawSigma = 0.12;  // rad
+constexpr double kMergeDistance = 2;     // m, edge of the bins in which hypotheses are one
+constexpr double kMergeYaw = 0.1;        // rad
+constexpr double kMergeEvery = 10;       // m driven
+constexpr double kStepYaw = 0.3;         // rad turned between two comparisons
+constexpr double kStandingSpeed = 0.1;   // m/s
+constexpr double kNoStreet = 0.2;        // mean misfit above which no street explains the drive
+constexpr double kMinDriven = 200;       // m, before that is judged
+constexpr double kSameYaw = 0.5;         // rad, of hypotheses that are one place
+
+using Vector5 = Eigen::Matrix<double, 5, 1>;
+
+double log_add(double a, double b) {
+  const double high = std::max(a, b);
+  return high + std::log1p(std::exp(std::min(a, b) - high));
+}
+
+/// Free street ahead and behind, along each direction of half a turn.
+std::array<double, kDirections> free_lengths(const StreetGrid& grid, const Eigen::Vector2d& p) {
+  std::array<double, kDirections> lengths{};
+  for (int i = 0; i < kDirections; ++i) {
+    const double yaw = i * std::numbers::pi / kDirections;
+    lengths[static_cast<size_t>(i)] =
+        grid.free_length({p.x(), p.y(), yaw}, kStartReach) +
+        grid.free_length({p.x(), p.y(), yaw + std::numbers::pi}, kStartReach);
+  }
+  return lengths;
+}
+
+uint64_t bin_of(const PlanarPose& pose) {
+  constexpr double kOffset = 1 << 20;
+  const auto part = [](double value) { return static_cast<uint64_t>(value + kOffset); };
+  return part(std::floor(pose.x / kMergeDistance)) << 42 |
+         part(std::floor(pose.y / kMergeDistance)) << 21 |
+         part(std::floor(wrap_angle(pose.yaw) / kMergeYaw));
+}
+
+}  // namespace
+
+std::optional<std::string> GlobalStartOptions::invalid() const {
+  if (!(spacing >= 1 && spacing <= 20 && step > 0.1 && step <= 10 && independent_length >= step)) {
+    return "global_start: spacing must be 1 … 20 m, step up to 10 m and the independent length";
+  }
+  if (max_hypotheses < 1000 || max_hypotheses > 1000000) {
+    return "global_start: max_hypotheses must be 1000 … 1000000";
+  }
+  if (!(street_sigma > 0 && max_misfit > 0 && max_log_odds > 0 && max_sigma > 0)) {
+    return "global_start: sigmas and limits must be positive";
+  }
+  if (!(max_elsewhere > 0 && max_elsewhere < 1 && max_mean_misfit > 0 && min_alone >= 0)) {
+    return "global_start: max_elsewhere must lie within 0 … 1, max_mean_misfit be positive";
+  }
+  return std::nullopt;
+}
+
+void predict(StreetHypothesis& hypothesis, const PlanarPose& motion,
+             const Eigen::Matrix3d& covariance, double seconds) {
+  PlanarPose& pose = hypothesis.pose;
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(pose.yaw).toRotationMatrix();
+  const Eigen::Vector2d measured = R.topLeftCorner<2, 2>() * Eigen::Vector2d(motion.x, motion.y);
+  const Eigen::Vector2d moved = hypothesis.scale * measured;
+  StreetHypothesis::Matrix F = StreetHypothesis::Matrix::Identity();
+  F(0, 2) = -moved.y();
+  F(1, 2) = moved.x();
+  F(0, 3) = measured.x();
+  F(1, 3) = measured.y();
+  F(2, 4) = seconds;
+  pose.x += moved.x();
+  pose.y += moved.y();
+  pose.yaw = wrap_angle(pose.yaw + motion.yaw + hypothesis.yaw_rate_bias * seconds);
+  hypothesis.covariance = F * hypothesis.covariance * F.transpose();
+  hypothesis.covariance.topLeftCorner<3, 3>() += R * covariance * R.transpose();
+}
+
+void compare(StreetHypothesis& hypothesis, const StreetGrid& grid, double novelty,
+             const GlobalStartOptions& options) {
+  PlanarPose& pose = hypothesis.pose;
+  const auto street = grid.across(pose);
+  if (!street) {
+    hypothesis.log_weight -= novelty * options.max_misfit;
+    hypothesis.misfit += novelty * options.max_misfit;
+    return;
+  }
+  Vector5 h = Vector5::Zero();  // the position across the heading, by the state
+  h[0] = -std::sin(pose.yaw);
+  h[1] = std::cos(pose.yaw);
+  const Vector5 Ph = hypothesis.covariance * h;
+  const double variance = h.dot(Ph), edge = options.street_sigma * options.street_sigma;
+  // A position on the street is uniform across it. Its variance is that of independent evidence.
+  const double width = street->half_width();
+  const double noise = (width * width / 3 + edge) / novelty;
+  const double innovation = street->centre(), outside = street->distance();
+  hypothesis.misfit +=
+      novelty * std::min(options.max_misfit, outside * outside / (edge + variance));
+  hypothesis.log_weight -=
+      std::min(novelty * options.max_misfit, innovation * innovation / (2 * (variance + noise)));
+  const Vector5 gain = Ph / (variance + noise);
+  const Vector5 change = gain * innovation;
+  pose.x += change[0];
+  pose.y += change[1];
+  pose.yaw = wrap_angle(pose.yaw + change[2]);
+  hypothesis.scale += change[3];
+  hypothesis.yaw_rate_bias += change[4];
+  hypothesis.covariance -= gain * Ph.transpose();
+}
+
+GlobalStart::GlobalStart(const SegmentMap& map, const GlobalStartOptions& options)
+    : options_(options), grid_(map) {
+  hypotheses_.reserve(static_cast<size_t>(options.max_hypotheses));
+  bins_.reserve(static_cast<size_t>(options.max_hypotheses));
+}
+
+void GlobalStart::restart() {
+  collected_ = compared_ = {};
+  since_merge_ = driven_ = alone_ = 0;
+  const auto capacity = static_cast<size_t>(options_.max_hypotheses);
+  for (double spacing = options_.spacing;; spacing *= 1.25) {
+    spread(spacing);
+    if (hypotheses_.size() < capacity) break;
+  }
+  next_ = hypotheses_.size();
+}
+
+// Stops when `max_hypotheses` are reached.
+void GlobalStart::spread(double spacing) {
+  hypotheses_.clear();
+  const int every = std::max(static_cast<int>(spacing / StreetGrid::kCell), 1);
+  const auto capacity = static_cast<size_t>(options_.max_hypotheses);
+  for (int row = every / 2; row < grid_.rows(); row += every) {
+    for (int column = every / 2; column < grid_.columns(); column += every) {
+      const Eigen::Vector2d p = grid_.middle(column, row);
+      if (!grid_.street(p.x(), p.y())) continue;
+      const auto lengths = free_lengths(grid_, p);
+      for (size_t i = 0; i < kDirections; ++i) {
+        const double before = lengths[(i + kDirections - 1) % kDirections];
+        const double after = lengths[(i + 1) % kDirections];
+        if (lengths[i] < kMinFreeLength || lengths[i] < before || lengths[i] <= after) continue;
+        for (const double reversed : {0.0, std::numbers::pi}) {
+          if (hypotheses_.size() >= capacity) return;
+          StreetHypothesis hypothesis;
+          hypothesis.pose = {
+              p.x(), p.y(),
+              wrap_angle(static_cast<double>(i) * std::numbers::pi / kDirections + reversed)};
+          const double place = spacing * spacing / 2, yaw = kStartYawSigma * kStartYawSigma;
+          hypothesis.covariance.diagonal() << place, place, yaw,
+              options_.scale_sigma * options_.scale_sigma,
+              options_.yaw_rate_sigma * options_.yaw_rate_sigma;
+          hypotheses_.push_back(hypothesis);
+        }
+      }
+    }
+  }
+}
+
+void GlobalStart::move(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
+                       double seconds) {
+  const double distance = std::hypot(motion.x, motion.y);
+  collected_.motion = collected_.motion.compose(motion);
+  driven_ += distance;
+  if (distance <= kStandingSpeed * seconds) return;  // lasting errors turn nothing that stands
+  collected_.covariance += covariance;
+  collected_.covariance(2, 2) += options_.yaw_noise * options_.yaw_noise * distance;
+  collected_.seconds += seconds;
+  collected_.length += distance;
+  if (next_ >= hypotheses_.size() &&
+      (collected_.length >= options_.step || std::abs(collected_.motion.yaw) > kStepYaw)) {
+    begin_comparison();
+  }
+  go_on_comparing();
+}
+
+void GlobalStart::begin_comparison() {
+  compared_ = collected_;
+  collected_ = {};
+  since_merge_ += compared_.length;
+  if (since_merge_ >= kMergeEvery) {
+    drop_and_merge();
+    const auto found = find();
+    if (found && driven_ > kMinDriven && found->misfit > kNoStreet) return restart();
+    alone_ = found && found->elsewhere < options_.max_elsewhere ? alone_ + since_merge_ : 0;
+    since_merge_ = 0;
+  }
+  next_ = 0;
+}
+
+void GlobalStart::go_on_comparing() {
+  const double novelty = std::min(compared_.length / options_.independent_length, 1.0);
+  const size_t end =
+      std::min(next_ + static_cast<size_t>(options_.max_compared), hypotheses_.size());
+  for (; next_ < end; ++next_) {
+    StreetHypothesis& hypothesis = hypotheses_[next_];
+    predict(hypothesis, compared_.motion, compared_.covariance, compared_.seconds);
+    compare(hypothesis, grid_, novelty, options_);
+  }
+}
+
+// Pose of a hypothesis with the motion that it has not been compared after.
+PlanarPose GlobalStart::now(size_t hypothesis) const {
+  const PlanarPose& pose = hypotheses_[hypothesis].pose;
+  return (hypothesis < next_ ? pose : pose.compose(compared_.motion)).compose(collected_.motion);
+}
+
+void GlobalStart::drop_and_merge() {
+  double best = -INFINITY;
+  for (const StreetHypothesis& h : hypotheses_) best = std::max(best, h.log_weight);
+  std::erase_if(hypotheses_, [&](const StreetHypothesis& h) {
+    return !(h.log_weight > best - options_.max_log_odds);
+  });
+  bins_.clear();
+  for (uint32_t i = 0; i < hypotheses_.size(); ++i)
+    bins_.emplace_back(bin_of(hypotheses_[i].pose), i);
+  std::sort(bins_.begin(), bins_.end());
+  for (size_t i = 0, next = 0; i < bins_.size(); i = next) {
+    StreetHypothesis* kept = &hypotheses_[bins_[i].second];
+    double sum = kept->log_weight;
+    for (next = i + 1; next < bins_.size() && bins_[next].first == bins_[i].first; ++next) {
+      StreetHypothesis* other = &hypotheses_[bins_[next].second];
+      sum = log_add(sum, other->log_weight);
+      if (other->log_weight > kept->log_weight) std::swap(kept, other);
+      other->log_weight = -INFINITY;
+    }
+    kept->log_weight = sum;
+  }
+  std::erase_if(hypotheses_, [](const StreetHypothesis& h) { return h.log_weight == -INFINITY; });
+}
+
+std::optional<FoundPlace> GlobalStart::find() const {
+  if (hypotheses_.empty()) return std::nullopt;
+  const auto best =
+      std::max_element(hypotheses_.begin(), hypotheses_.end(),
+                       [](const auto& a, const auto& b) { return a.log_weight < b.log_weight; });
+  const PlanarPose middle = now(static_cast<size_t>(best - hypotheses_.begin()));
+  double here = 0, others = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  // difference from the best
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  for (size_t i = 0; i < hypotheses_.size(); ++i) {
+    const double weight = std::exp(hypotheses_[i].log_weight - best->log_weight);
+    const PlanarPose pose = now(i);
+    const Eigen::Vector3d d(pose.x - middle.x, pose.y - middle.y,
+                            wrap_angle(pose.yaw - middle.yaw));
+    if (d.head<2>().norm() > options_.same_place || std::abs(d[2]) > kSameYaw) {
+      others += weight;
+      continue;
+    }
+    here += weight;
+    mean += weight * d;
+    square += weight * (d * d.transpose() + hypotheses_[i].covariance.topLeftCorner<3, 3>());
+  }
+  mean /= here;
+  FoundPlace found;
+  found.misfit = best->misfit * options_.independent_length / std::max(driven_, 1.0);
+  found.pose = {middle.x + mean[0], middle.y + mean[1], wrap_angle(middle.yaw + mean[2])};
+  found.covariance = square / here - mean * mean.transpose();
+  const double edge = options_.street_sigma * options_.street_sigma;
+  found.covariance.topLeftCorner<2, 2>() += edge * Eigen::Matrix2d::Identity();
+  found.elsewhere = others / (here + others);
+  return found;
+}
+
+std::optional<FoundPlace> GlobalStart::place() const {
+  auto found = find();
+  if (!found) return found;
+  const double sigma = std::sqrt(found->covariance.topLeftCorner<2, 2>().trace());
+  found->sure = alone_ >= options_.min_alone && found->elsewhere < options_.max_elsewhere &&
+                found->misfit < options_.max_mean_misfit && sigma < options_.max_sigma;
+  return found;
+}
+
+}  // namespace infuse::streetmap

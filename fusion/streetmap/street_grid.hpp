@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "fusion/streetmap/planar_pose.hpp"
+#include "fusion/streetmap/segment_map.hpp"
+
+namespace infuse::streetmap {
+
+/// The street across a pose: the interval of ground that is street, m to the left of the pose.
+struct StreetProfile {
+  double right = 0;  ///< lower end
+  double left = 0;   ///< upper end
+
+  double centre() const { return (left + right) / 2; }
+  double half_width() const { return (left - right) / 2; }
+  /// Distance of the pose from the street, m; 0 on it.
+  double distance() const { return right > 0 ? right : left < 0 ? -left : 0; }
+};
+
+/// Where a map has streets: a cell for each square metre, so that a town fits in a few megabytes
+/// and millions of look-ups a second are cheap.
+class StreetGrid {
+ public:
+  static constexpr double kCell = 1;           ///< m, edge of a cell
+  static constexpr double kMaxArea = 16e6;     ///< m², of a map that can be read
+  static constexpr double kProfileReach = 16;  ///< m to either side
+
+  /// No streets.
+  StreetGrid() = default;
+
+  /// Reads the carriageways and crossings of a map; empty if it is larger than `kMaxArea`.
+  explicit StreetGrid(const SegmentMap& map);
+
+  bool empty() const { return columns_ == 0; }
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  /// Middle of a cell, m, map frame.
+  Eigen::Vector2d middle(int column, int row) const;
+
+  /// True if a point (m, map frame) lies on a street.
+  bool street(double x, double y) const;
+
+  /// Distance from the pose to where the street ends along its heading, m, up to `reach`; 0 beside
+  /// streets.
+  double free_length(const PlanarPose& pose, double reach) const;
+
+  /// The street nearest to the pose across its heading; nothing within `kProfileReach`.
+  std::optional<StreetProfile> across(const PlanarPose& pose) const;
+
+ private:
+  double low_x_ = 0, low_y_ = 0;  // m
+  int columns_ = 0, rows_ = 0;
+  std::vector<uint8_t> street_;
+};
+
+}  // namespace infuse::streetmap

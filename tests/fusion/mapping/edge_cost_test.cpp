@@ -1,0 +1,77 @@
+#include "fusion/mapping/edge_cost.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/fusion/mapping/random_graph.hpp"
+
+namespace infuse::mapping {
+namespace {
+
+template <class Dimension>
+class EdgeCost : public testing::Test {};
+
+template <int D>
+struct Dimensions {
+  static constexpr int value = D;
+};
+using BothDimensions = testing::Types<Dimensions<2>, Dimensions<3>>;
+TYPED_TEST_SUITE(EdgeCost, BothDimensions);
+
+TYPED_TEST(EdgeCost, HasTheDerivativesOfFiniteDifferences) {
+  constexpr int D = TypeParam::value;
+  std::mt19937 random(3);
+  for (const Cost cost : {Cost::kInformation, Cost::kChordal}) {
+    const auto walk = random_walk<D>(2, random);
+    const Pose<D> from = moved(walk[1], random_vector<D>(random, 1));
+    PoseEdge<D> edge{0, 1, walk[1]};
+    const PoseMatrix<D> root =
+        PoseMatrix<D>::NullaryExpr([&] { return random_vector<D>(random, 1)[0]; });
+    edge.information = root * root.transpose();
+    const Pose<D> to = moved(Pose<D>(from * edge.T_from_to), random_vector<D>(random, 0.3));
+    const EdgeSystem<D> system = linearize_edge<D>(edge, from, to, cost);
+    EXPECT_NEAR(system.cost, edge_cost<D>(edge, from, to, cost), 1e-12 * system.cost);
+    constexpr double kStep = 1e-6;
+    for (int k = 0; k < kPoseFreedom<D>; ++k) {
+      const Freedom<D> step = kStep * Freedom<D>::Unit(k);
+      const double by_from = edge_cost<D>(edge, perturb<D>(from, step), to, cost) -
+                             edge_cost<D>(edge, perturb<D>(from, -step), to, cost);
+      const double by_to = edge_cost<D>(edge, from, perturb<D>(to, step), cost) -
+                           edge_cost<D>(edge, from, perturb<D>(to, -step), cost);
+      EXPECT_NEAR(system.g_from[k], by_from / (4 * kStep), 1e-6) << k;
+      EXPECT_NEAR(system.g_to[k], by_to / (4 * kStep), 1e-6) << k;
+    }
+    // Without a residual Gauss–Newton's matrix is half the second derivative.
+    const Pose<D> exact = from * edge.T_from_to;
+    const EdgeSystem<D> at_zero = linearize_edge<D>(edge, from, exact, cost);
+    EXPECT_NEAR(at_zero.cost, 0, 1e-12);
+    for (int i = 0; i < 5; ++i) {
+      const Freedom<D> a = random_vector<D>(random, 1e-4), b = random_vector<D>(random, 1e-4);
+      const double expected = a.dot(at_zero.H_from_from * a) + b.dot(at_zero.H_to_to * b) +
+                              2 * b.dot(at_zero.H_to_from * a);
+      EXPECT_NEAR(edge_cost<D>(edge, perturb<D>(from, a), perturb<D>(exact, b), cost), expected,
+                  2e-3 * expected);
+    }
+  }
+}
+
+TEST(EdgeCostValue, IsThatOfG2oInTheFile) {
+  // e = (translation, angle): x is 1 too far, the angle 0.5.
+  PoseEdge<2> edge{0, 1, Pose<2>(Eigen::Translation2d(1, 2))};
+  edge.information.diagonal() << 3, 5, 7;
+  const Pose<2> to = Eigen::Translation2d(2, 2) * Eigen::Rotation2Dd(0.5);
+  EXPECT_NEAR(edge_cost<2>(edge, Pose<2>::Identity(), to, Cost::kInformation), 3 + 7 * 0.25, 1e-12);
+}
+
+TEST(ChordalWeights, AreHarmonicMeans) {
+  PoseMatrix<2> planar = PoseMatrix<2>::Zero();
+  planar.diagonal() << 1, 4, 9;
+  EXPECT_NEAR(chordal_weights<2>(planar).rotation, 9, 1e-12);
+  EXPECT_NEAR(chordal_weights<2>(planar).translation, 2 / 1.25, 1e-12);
+  PoseMatrix<3> spatial = PoseMatrix<3>::Zero();
+  spatial.diagonal() << 1, 2, 4, 10, 20, 40;
+  EXPECT_NEAR(chordal_weights<3>(spatial).rotation, 3 / (2 * 0.175), 1e-12);
+  EXPECT_NEAR(chordal_weights<3>(spatial).translation, 3 / 1.75, 1e-12);
+}
+
+}  // namespace
+}  // namespace infuse::mapping

@@ -1,0 +1,171 @@
+#include "fusion/streetmap/global_start.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/fusion/streetmap/town.hpp"
+
+namespace infuse::streetmap {
+namespace {
+
+constexpr double kRight = -std::numbers::pi / 2, kLeft = std::numbers::pi / 2;
+
+/// Drives from `pose` in steps of 1 m, each 0.125 s; `scale`: measured over true distance.
+PlanarPose drive(GlobalStart& start, PlanarPose pose, const std::vector<town::Leg>& legs,
+                 double scale = 1) {
+  const Eigen::Matrix3d noise = Eigen::Vector3d(1e-4, 1e-4, 1e-7).asDiagonal();
+  const auto move = [&](const PlanarPose& motion) {
+    pose = pose.compose(motion);
+    start.move({scale * motion.x, scale * motion.y, motion.yaw}, noise, 0.125);
+  };
+  for (const town::Leg& leg : legs) {
+    for (double driven = 0; driven < leg.length; ++driven) move({1, 0, 0});
+    const int steps = static_cast<int>(std::ceil(6 * std::abs(leg.turn)));
+    for (int i = 0; i < steps; ++i) move({1, 0, leg.turn / steps});
+  }
+  return pose;
+}
+
+town::Town irregular_town() { return town::build(town::irregular_streets()); }
+
+TEST(StreetGrid, ReadsStreetsAndTheirWidth) {
+  const town::Town town = town::build(town::lattice({0, 200}, {0, 100}));
+  const StreetGrid grid(town.map);
+  EXPECT_TRUE(grid.street(50, 0));
+  EXPECT_TRUE(grid.street(0, 50));
+  EXPECT_FALSE(grid.street(50, 50));
+  EXPECT_FALSE(grid.street(1e7, -1e7));
+  const auto profile = grid.across({50, 2, 0});
+  ASSERT_TRUE(profile);
+  EXPECT_NEAR(profile->centre(), -2, 0.6);
+  EXPECT_NEAR(profile->half_width(), 3, 0.6);
+  EXPECT_EQ(profile->distance(), 0);
+  const auto aside = grid.across({50, -7, 0});
+  ASSERT_TRUE(aside);
+  EXPECT_NEAR(aside->distance(), 4, 0.8);
+  EXPECT_FALSE(grid.across({50, 50, 0}));
+  EXPECT_NEAR(grid.free_length({150, 0, 0}, 100), 53, 1.5);
+}
+
+TEST(StreetHypothesis, ItsCovarianceIsThatOfDeadReckoning) {
+  // Straight on for 100 m in 10 s: the scale moves the end along, yaw and its rate across.
+  StreetHypothesis hypothesis;
+  hypothesis.covariance.diagonal() << 0, 0, 0.01 * 0.01, 0.02 * 0.02, 0.001 * 0.001;
+  for (int i = 0; i < 1000; ++i) predict(hypothesis, {0.1, 0, 0}, Eigen::Matrix3d::Zero(), 0.01);
+  EXPECT_NEAR(hypothesis.pose.x, 100, 1e-9);
+  EXPECT_NEAR(std::sqrt(hypothesis.covariance(0, 0)), 2, 1e-6);
+  // Across: 100 m · 0.01 rad, and half of 100 m · 10 s · 0.001 rad/s.
+  EXPECT_NEAR(std::sqrt(hypothesis.covariance(1, 1)), std::hypot(1, 0.5), 1e-3);
+  EXPECT_NEAR(std::sqrt(hypothesis.covariance(2, 2)), std::hypot(0.01, 0.01), 1e-9);
+}
+
+TEST(StreetHypothesis, OffTheStreetItLosesWeightAndIsCorrected) {
+  const town::Town town = town::build(town::lattice({0, 200}, {0, 100}));
+  const StreetGrid grid(town.map);
+  StreetHypothesis beside, on;
+  on.pose = {50, 2, 0};
+  beside.pose = {50, 5, 0};
+  beside.covariance.diagonal() << 4, 4, 0.01, 1e-4, 1e-6;
+  on.covariance = beside.covariance;
+  compare(on, grid, 1, {});
+  compare(beside, grid, 1, {});
+  EXPECT_EQ(on.misfit, 0);
+  EXPECT_GT(beside.misfit, 0.3);
+  EXPECT_LT(beside.log_weight, on.log_weight - 0.5);
+  EXPECT_LT(beside.pose.y, 4.5);
+  EXPECT_NEAR(beside.pose.x, 50, 1e-12);
+  EXPECT_LT(beside.covariance(1, 1), 4);
+  EXPECT_EQ(beside.covariance(0, 0), 4);
+}
+
+TEST(GlobalStart, FindsTheOnlyPlaceThatFits) {
+  const town::Town town = irregular_town();
+  GlobalStart start(town.map, {});
+  start.restart();
+  EXPECT_GT(start.hypotheses(), 500);
+  const PlanarPose truth = drive(start, {20, -1, 0}, town::irregular_drive(), 1.01);
+  const auto place = start.place();
+  ASSERT_TRUE(place);
+  EXPECT_TRUE(place->sure);
+  EXPECT_LT(place->elsewhere, 0.01);
+  const PlanarPose error = truth.motion_to(place->pose);
+  EXPECT_LT(std::hypot(error.x, error.y), 5);
+  EXPECT_LT(std::abs(error.yaw), 0.05);
+  const Eigen::Vector2d d(place->pose.x - truth.x, place->pose.y - truth.y);
+  EXPECT_LT(d.dot(place->covariance.topLeftCorner<2, 2>().inverse() * d), 9.21);
+}
+
+TEST(GlobalStart, IsNotSureOfOneOfManyLikePlaces) {
+  // Every block is alike: what is driven fits many of them, in any of four directions.
+  const std::vector<double> every{0, 100, 200, 300, 400, 500, 600};
+  const town::Town town = town::build(town::lattice(every, every));
+  GlobalStart start(town.map, {});
+  start.restart();
+  drive(start, {20, -1, 0},
+        {{74, kLeft}, {88, kRight}, {88, kLeft}, {88, kLeft}, {88, kRight}, {88}});
+  const auto place = start.place();
+  ASSERT_TRUE(place);
+  EXPECT_FALSE(place->sure);
+  EXPECT_GT(place->elsewhere, 0.8);
+}
+
+TEST(GlobalStart, IsNotSureOnAStraightStreet) {
+  const town::Town town = irregular_town();
+  GlobalStart start(town.map, {});
+  start.restart();
+  drive(start, {20, -1, 0}, {{600}});
+  const auto place = start.place();
+  ASSERT_TRUE(place);
+  EXPECT_FALSE(place->sure);
+}
+
+TEST(GlobalStart, IsNotSureBesideTheStreetsOfTheMap) {
+  const town::Town town = irregular_town();
+  GlobalStart start(town.map, {});
+  start.restart();
+  // Nothing on the map bends like this.
+  for (int i = 0; i < 6; ++i) {
+    drive(start, {}, {{30, 0.7}, {45, -1.9}, {60, 1.1}, {25, 0.6}});
+    const auto place = start.place();
+    EXPECT_FALSE(place && place->sure);
+  }
+  EXPECT_LT(start.driven(), 1000);  // it began anew
+  EXPECT_GT(start.hypotheses(), 0);
+}
+
+TEST(GlobalStart, StandingChangesNothing) {
+  const town::Town town = irregular_town();
+  GlobalStart start(town.map, {});
+  start.restart();
+  drive(start, {20, -1, 0}, {{134, kLeft}, {60}});
+  const auto before = start.place();
+  for (int i = 0; i < 1200; ++i) start.move({}, 1e-4 * Eigen::Matrix3d::Identity(), 0.1);
+  const auto after = start.place();
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(before->pose, after->pose);
+  EXPECT_EQ(before->elsewhere, after->elsewhere);
+}
+
+TEST(GlobalStart, AMapWithoutStreetsHasNoPlace) {
+  StreetPlan plan;
+  plan.areas.push_back({{SegmentKind::kGreen, 1}, {{{0, 0}, {90, 0}, {90, 90}, {0, 90}}}});
+  const town::Town town = town::build(plan);
+  GlobalStart start(town.map, {});
+  start.restart();
+  drive(start, {}, {{100}});
+  EXPECT_FALSE(start.place());
+  EXPECT_EQ(start.hypotheses(), 0);
+}
+
+TEST(GlobalStart, TheNumberOfHypothesesIsBounded) {
+  const town::Town town = irregular_town();
+  GlobalStart start(town.map, {.max_hypotheses = 1000});
+  start.restart();
+  EXPECT_GT(start.hypotheses(), 400);
+  EXPECT_LT(start.hypotheses(), 1000);
+}
+
+}  // namespace
+}  // namespace infuse::streetmap
