@@ -208,6 +208,9 @@ class Calibration {
     std::vector<ModelMismatch> all =
         check_model(T, cameras_.size(), fine_scenes_, uncertainty, options_.known);
     for (size_t c = 0; c < estimates.size(); ++c) {
+      if (estimates[c]) add_unseen_errors(*estimates[c], c, all);
+    }
+    for (size_t c = 0; c < estimates.size(); ++c) {
       const auto gross = estimates[c]
                              ? detect_gross_mismatch(*estimates[c], cameras_, c, options_.known)
                              : std::nullopt;
@@ -244,6 +247,18 @@ class Calibration {
   }
 
  private:
+  /// Sets the `unseen_sigma` of a camera's intrinsics, in the order of `check_model`.
+  void add_unseen_errors(const IntrinsicsEstimate& estimate, size_t camera,
+                         std::vector<ModelMismatch>& all) const {
+    const Eigen::Vector4d sigmas =
+        unseen_errors(estimate, cameras_[camera].model.intrinsics().fx, options_.known);
+    for (size_t i = 0; i < 4 && 4 * camera + i < all.size(); ++i) {
+      const double sigma = sigmas(static_cast<Eigen::Index>(i));
+      all[4 * camera + i].unseen_sigma =
+          make_intrinsic_mismatch(i, sigma, camera, cameras_.size()).value;
+    }
+  }
+
   /// Returns the two finest of the coarse levels.
   std::span<const Level> restart_levels() const {
     const std::span<const Level> levels(options_.coarse);

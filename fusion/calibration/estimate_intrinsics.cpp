@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fusion/calibration/ascent.hpp"
 
@@ -32,6 +33,9 @@ constexpr size_t kMinPointsPerScene = 200;  // number of points in view
 constexpr double kChiSquare95 = 9.488;      // 95 % of 4 degrees of freedom
 // What imperfections of real scenes feign: logarithm of the focal lengths, px, px, k1.
 const Eigen::Vector4d kFeigned(0.005, 1.5, 1.5, 0.005);
+// A camera that was never calibrated: logarithm of the focal lengths, share of it (twice), k1.
+const Eigen::Vector4d kUncalibrated(0.02, 0.02, 0.02, 0.1);
+constexpr double kUncalibratedShare = 0.05;  // probability, of each of the intrinsics
 
 /// Pose and a camera's intrinsics as ten scaled parameters, 0 at the initial values.
 class IntrinsicsProblem {
@@ -146,6 +150,23 @@ std::vector<double> scene_gains(const VisiblePoints& points, const BlurredImages
   return all;
 }
 
+/// The given intrinsics, with the pose estimated for them, fit these points better than `at`.
+bool is_better_at_given(const IntrinsicsProblem& freed, const Vector10& at,
+                        const VisiblePoints& points, const BlurredImages& images,
+                        std::span<const Scene> scenes, std::span<const TermOptions> terms) {
+  const std::vector<RigCamera> found = freed.cameras(at), given = freed.cameras(Vector10::Zero());
+  Objective objective(points, images, found, scenes, terms);
+  const double at_found = objective.evaluate(freed.pose(at), false).estimate.value;
+  objective.set_cameras(given);
+  return objective.evaluate(freed.pose(Vector10::Zero()), false).estimate.value > at_found;
+}
+
+/// Standard deviations to which the four intrinsics are assumed to be known.
+Eigen::Vector4d assumed_sigmas(const KnownParameters& known) {
+  return {known.focal_sigma, known.principal_point_sigma, known.principal_point_sigma,
+          known.radial_sigma};
+}
+
 }  // namespace
 
 std::optional<IntrinsicsEstimate> estimate_intrinsics(
@@ -167,9 +188,16 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   for (const IntrinsicsLevel& level : kLevels) {
     thinned.max_points = level.points;
     std::vector<RigCamera> trial_cameras = freed.cameras(at);
-    const VisiblePoints points = select_visible(scenes, trial_cameras, freed.pose(at), thinned);
-    Objective objective(points, images.at(level.sigma), trial_cameras, scenes,
-                        &level == &finest ? terms : search_terms);
+    VisiblePoints points = select_visible(scenes, trial_cameras, freed.pose(at), thinned);
+    const std::span<const TermOptions> level_terms = &level == &finest ? terms : search_terms;
+    // The coarse levels may have led to a maximum that is none at the finest.
+    if (&level == &finest &&
+        is_better_at_given(freed, at, points, images.at(level.sigma), scenes, level_terms)) {
+      at.setZero();
+      trial_cameras = freed.cameras(at);
+      points = select_visible(scenes, trial_cameras, freed.pose(at), thinned);
+    }
+    Objective objective(points, images.at(level.sigma), trial_cameras, scenes, level_terms);
     const double all = std::max(0.0, objective.evaluate(freed.pose(at), false).estimate.value);
     weight = 2 * kPriorShare * all / (kPriorSteps * kPriorSteps);
     const Vector10 from = at;
@@ -222,10 +250,8 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
 std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& freed,
                                                    std::span<const RigCamera> cameras,
                                                    size_t camera, const KnownParameters& known) {
-  const Eigen::Vector4d assumed(known.focal_sigma, known.principal_point_sigma,
-                                known.principal_point_sigma, known.radial_sigma);
   Eigen::Matrix4d spread = freed.covariance;
-  spread.diagonal() += assumed.cwiseAbs2() + kFeigned.cwiseAbs2();
+  spread.diagonal() += assumed_sigmas(known).cwiseAbs2() + kFeigned.cwiseAbs2();
   const bool contradicts =
       freed.correction.dot(spread.ldlt().solve(freed.correction)) > kChiSquare95;
   if (!contradicts || !(freed.significance > 0)) {
@@ -243,6 +269,26 @@ std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& fre
   mismatch.significance = std::copysign(farthest, freed.correction(which));
   mismatch.significant = mismatch.serious = mismatch.gross = true;
   return mismatch;
+}
+
+Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_length,
+                              const KnownParameters& known) {
+  Eigen::Vector4d uncalibrated = kUncalibrated;
+  uncalibrated.segment<2>(1) *= focal_length;
+  const Eigen::Vector4d W = uncalibrated.cwiseAbs2();
+  const Eigen::Vector4d S =
+      estimate.covariance.diagonal() + kFeigned.cwiseAbs2() + assumed_sigmas(known).cwiseAbs2();
+  Eigen::Vector4d unseen;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const double of_estimate = W(i) + S(i);
+    const double shown = std::sqrt(kChiSquare95 * S(i) / of_estimate);  // standard deviations
+    const double hidden = std::erf(shown / std::numbers::sqrt2);
+    const double density = std::exp(-0.5 * shown * shown) / std::sqrt(2 * std::numbers::pi);
+    const double estimated = of_estimate * (hidden - 2 * shown * density);  // of x², where hidden
+    const double share = W(i) / of_estimate;
+    unseen(i) = kUncalibratedShare * (share * share * estimated + share * S(i) * hidden);
+  }
+  return unseen.cwiseSqrt();
 }
 
 }  // namespace infuse::calibration

@@ -180,7 +180,7 @@ Matrix6 model_covariance(std::span<const ModelMismatch> parameters, const Matrix
   Matrix6 sum = Matrix6::Zero();
   double squares = 0;
   for (const ModelMismatch& one : parameters) {
-    const Vector6 moved = one.known_sigma * one.pose_sensitivity;
+    const Vector6 moved = std::hypot(one.known_sigma, one.unseen_sigma) * one.pose_sensitivity;
     sum += moved * moved.transpose();
     const double sigma = std::hypot(one.sigma, one.known_sigma, one.tolerance);
     squares += sigma > 0 ? one.value * one.value / (sigma * sigma) : 0;

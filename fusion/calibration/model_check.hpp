@@ -36,6 +36,8 @@ struct ModelMismatch {
   /// Standard deviation to which it is known, in `unit`; of the principal point with half a pixel
   /// by which the maximum of the dependence lies beside the truth.
   double known_sigma = 0;
+  /// Standard deviation beyond `known_sigma` that the scenes do not exclude (`unseen_errors`).
+  double unseen_sigma = 0;
   double tolerance = 0;  ///< error that a good calibration leaves, in `unit`
 
   /// Worth reporting: 3.5 standard deviations, and more than a careful calibration leaves.
@@ -71,10 +73,10 @@ std::vector<ModelMismatch> check_model(const Eigen::Isometry3d& T_refcam_lidar, 
                                        const KnownParameters& known = {});
 
 /// Covariance of the result from what is not known of these parameters: Σ σ² w wᵀ with their
-/// `known_sigma` and `pose_sensitivity`. Where the scenes contradict them by more than chance, the
-/// mean square of their values, in standard deviations with the tolerance, exceeds one, and so does
-/// what the covariance from the `scenes` misses: (mean square − 1) times it is added (Birge's
-/// ratio; Birge 1932).
+/// `known_sigma`, `unseen_sigma` and `pose_sensitivity`. Where the scenes contradict them by more
+/// than chance, the mean square of their values, in standard deviations with the tolerance, exceeds
+/// one, and so does what the covariance from the `scenes` misses: (mean square − 1) times it is
+/// added (Birge's ratio; Birge 1932).
 geometry::Matrix6 model_covariance(std::span<const ModelMismatch> parameters,
                                    const geometry::Matrix6& scenes);
 

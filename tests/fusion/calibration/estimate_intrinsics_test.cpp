@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "tests/fusion/calibration/painted_world.hpp"
@@ -113,6 +116,37 @@ TEST(DetectGrossMismatch, ComparesTheCorrectionWithWhatIsKnown) {
   found.significance = 6;
   found.covariance(0, 0) = 1e-3;  // the scenes do not determine it
   EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, {}));
+}
+
+TEST(UnseenErrors, AreThoseOfDrawnCamerasThatTheTestDoesNotShow) {
+  IntrinsicsEstimate estimate;
+  estimate.covariance = Eigen::Vector4d(0.01, 8, 30, 0.03).cwiseAbs2().asDiagonal();
+  const Eigen::Vector4d found = unseen_errors(estimate, 1000, {});
+  const Eigen::Vector4d uncalibrated(0.02, 20, 20, 0.1);
+  const Eigen::Vector4d noise(std::hypot(0.01, 0.002, 0.005), std::hypot(8, 0.5, 1.5),
+                              std::hypot(30, 0.5, 1.5), std::hypot(0.03, 0.005, 0.005));
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  constexpr int kDraws = 200'000;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    double sum = 0;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      const double error = uncalibrated(i) * normal(random);
+      const double estimated = error + noise(i) * normal(random);
+      if (estimated * estimated <= 9.488 * noise(i) * noise(i)) sum += error * error;
+    }
+    const double expected = std::sqrt(0.05 * sum / kDraws);
+    EXPECT_NEAR(found(i), expected, 0.02 * expected) << i;
+  }
+}
+
+TEST(UnseenErrors, VanishWhereTheScenesDetermineTheIntrinsics) {
+  IntrinsicsEstimate estimate;
+  estimate.covariance = Eigen::Vector4d(1e-4, 0.01, 0.01, 1e-4).cwiseAbs2().asDiagonal();
+  const Eigen::Vector4d found = unseen_errors(estimate, 1000, {});
+  EXPECT_LT(found(0), 0.002);
+  EXPECT_LT(found(1), 1);
+  EXPECT_LT(found(3), 0.005);
 }
 
 }  // namespace
