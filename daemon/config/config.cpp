@@ -146,6 +146,22 @@ void read_metrics(TomlTable& table, MetricsSettings& settings) {
   read_integer(table, "port", settings.port);
 }
 
+void read_mqtt(TomlTable& table, MqttSettings& settings) {
+  table.read("host", settings.host);
+  read_integer(table, "port", settings.port);
+  table.read("vehicle", settings.vehicle);
+  table.read("topic", settings.topic);
+  table.read("ca_file", settings.ca_file);
+  table.read("certificate_file", settings.certificate_file);
+  table.read("key_file", settings.key_file);
+  table.read("user", settings.user);
+  table.read("password_file", settings.password_file);
+  read_seconds(table, "pose_interval_s", settings.pose_interval);
+  read_seconds(table, "health_interval_s", settings.health_interval);
+  read_megabytes(table, "queue_mb", settings.queue);
+  if (settings.host.empty()) table.report_table_error("mqtt: host must name the broker");
+}
+
 /// Reads one table into options and validates them.
 template <class Options>
 std::optional<Error> read_table(const toml::table* toml, const std::string& file,
@@ -171,6 +187,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   const toml::table* calibration = root.table("calibration");
   const toml::table* record = root.table("record");
   const toml::table* metrics = root.table("metrics");
+  const toml::table* mqtt = root.table("mqtt");
   if (auto error = read_sensors(root, file, config)) return error;
   if (auto error = root.finish()) return error;
   if (auto error = read_table(socket, file, "socket", read_socket, config.socket)) return error;
@@ -183,6 +200,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   }
   if (auto error = read_table(record, file, "record", read_record, config.record)) return error;
   if (auto error = read_table(metrics, file, "metrics", read_metrics, config.metrics)) return error;
+  if (auto error = read_table(mqtt, file, "mqtt", read_mqtt, config.mqtt)) return error;
   return read_table(calibration, file, "calibration", read_calibration, config.calibration);
 }
 

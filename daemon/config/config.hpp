@@ -8,6 +8,7 @@
 
 #include "daemon/config/calibration_settings.hpp"
 #include "daemon/config/metrics_settings.hpp"
+#include "daemon/config/mqtt_settings.hpp"
 #include "daemon/config/odometry_settings.hpp"
 #include "daemon/config/record_settings.hpp"
 #include "daemon/config/sensor_options.hpp"
@@ -29,6 +30,7 @@ struct Config {
   CalibrationSettings calibration;     ///< [calibration]
   RecordSettings record;               ///< [record], live
   MetricsSettings metrics;             ///< [metrics], live
+  MqttSettings mqtt;                   ///< [mqtt], live
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live

@@ -202,6 +202,7 @@ std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
     doubts.push_back({"can '" + bus.name + "' has no signals: its frames are counted only",
                       bus.source, "name them in [can.signals]"});
   }
+  if (auto doubt = find_broker_doubt(config.mqtt)) doubts.push_back(*std::move(doubt));
   const StreetMapSettings& map = config.streetmap;
   const bool has_gnss = !config.gnss.device.empty() || !config.gnss.lidar.empty();
   if (!map.map.empty() && !map.initial_pose && !map.initial_location && !has_gnss &&

@@ -230,6 +230,7 @@ HostStats Publisher::host_stats(const ReportItem& item) const {
   host.queues = {item.items_waiting,
                  {"reports", static_cast<uint32_t>(in_.backlog()),
                   static_cast<uint32_t>(ring_.capacity()), in_.lost()}};
+  for (const auto& stats : queues_) host.queues.push_back(stats());
   return host;
 }
 

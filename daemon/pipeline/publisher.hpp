@@ -70,6 +70,9 @@ class Publisher {
     on_alert_.push_back(std::move(listener));
   }
 
+  /// Adds a queue of the host to the figures of HEALTH.
+  void add_queue(std::function<QueueStats()> stats) { queues_.push_back(std::move(stats)); }
+
   /// Replaces the thresholds of the health checks.
   void set_health_options(const HealthOptions& health);
 
@@ -116,6 +119,7 @@ class Publisher {
   std::vector<std::function<void(const HealthReport&)>> on_health_;
   std::vector<std::function<void(const AlertReport&)>> on_alert_;
   std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
+  std::vector<std::function<QueueStats()>> queues_;
   Server& server_;
   ReportsFile* file_;
   Totals totals_;

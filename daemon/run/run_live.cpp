@@ -8,6 +8,8 @@
 #include "daemon/live/history_writer.hpp"
 #include "daemon/metrics/metrics_server.hpp"
 #include "daemon/metrics/metrics_text.hpp"
+#include "daemon/mqtt/mqtt_publisher.hpp"
+#include "daemon/mqtt/report_topics.hpp"
 #include "daemon/run/daemon_host.hpp"
 #include "daemon/run/service_lifecycle.hpp"
 
@@ -15,6 +17,7 @@ namespace infuse::daemon {
 namespace {
 
 constexpr std::chrono::milliseconds kLiveClientTimeout{500};
+constexpr std::chrono::milliseconds kLiveBrokerTimeout{1000};
 
 /// The service manager's state folder; empty if there is none.
 std::filesystem::path state_folder() {
@@ -49,6 +52,30 @@ void write_history(HistoryWriter& history, Publisher& publisher) {
   publisher.on_health([&history](const HealthReport& health) { history.add(health); });
 }
 
+/// Connects to the configured broker; nothing if there is none.
+Result<std::unique_ptr<MqttPublisher>> connect_to_broker(const Config& config) {
+  if (!config.mqtt.enabled()) return nullptr;
+  MqttSettings settings = config.mqtt;
+  for (std::string* file : {&settings.ca_file, &settings.certificate_file, &settings.key_file,
+                            &settings.password_file}) {
+    if (!file->empty()) *file = config.resolve(*file);
+  }
+  const std::filesystem::path folder = state_folder();
+  return MqttPublisher::start(settings, folder.empty() ? folder : folder / "mqtt.db");
+}
+
+/// Publishes alerts, calibrations, health and poses to the broker.
+void publish_to_broker(MqttPublisher& broker, ReportTopics& topics, Publisher& publisher) {
+  const auto add = [&broker, &topics](const auto& report) {
+    if (auto selected = topics.select(report)) broker.add(*std::move(selected));
+  };
+  publisher.on_alert(add);
+  publisher.on_calibration(add);
+  publisher.on_health(add);
+  publisher.on_pose(add);
+  publisher.add_queue([&broker] { return broker.stats(); });
+}
+
 }  // namespace
 
 int run_live(const RunOptions& options, const Config& config) {
@@ -69,6 +96,8 @@ int run_live(const RunOptions& options, const Config& config) {
   if (const auto listening = listen_for_metrics(metrics, config.metrics); !listening) {
     return print_error(kProgram, listening.error(), kUsage);
   }
+  const auto broker = connect_to_broker(config);
+  if (!broker) return print_error(kProgram, broker.error(), kUsage);
   const receive::TimeBase base;
   RecordingController recordings(config, *setup, base);
   std::function<void()> on_end;
@@ -79,6 +108,8 @@ int run_live(const RunOptions& options, const Config& config) {
   if (config.metrics.enabled()) publish_metrics(metrics, live.publisher());
   HistoryWriter history(state_folder());
   write_history(history, live.publisher());
+  ReportTopics topics(config.mqtt);
+  if (*broker) publish_to_broker(**broker, topics, live.publisher());
   host.connect(live.pipeline(),
                [&](const Request& request) { return recordings.handle_request(request); });
   ServiceLifecycle lifecycle(host.io(), options.config, config, live, recordings, host.server(),
@@ -86,6 +117,7 @@ int run_live(const RunOptions& options, const Config& config) {
   on_end = [&] {
     recordings.finish();
     history.finish();
+    if (*broker) (*broker)->finish(kLiveBrokerTimeout);
     lifecycle.finish();
     host.finish(kLiveClientTimeout);
     metrics.finish();

@@ -290,6 +290,41 @@ TEST(Config, MetricsAreDisabledByDefault) {
   EXPECT_FALSE(parse_config("[metrics]\nport = 70000\n", "x.toml"));
 }
 
+TEST(Config, ABrokerHasAVehicleAndWholeCertificates) {
+  EXPECT_FALSE(parse_config("", "x.toml")->mqtt.enabled());
+  const auto parse = [](const std::string& more) {
+    return parse_config("[mqtt]\nhost = \"broker.example\"\n" + more, "x.toml");
+  };
+  const auto config = parse("vehicle = \"car7\"\nca_file = \"ca.pem\"\nqueue_mb = 8\n");
+  ASSERT_TRUE(config) << config.error().message();
+  EXPECT_EQ(config->mqtt.port_or_default(), 8883);
+  EXPECT_EQ(config->mqtt.queue, 8U << 20);
+  EXPECT_EQ(parse("vehicle = \"car7\"\n")->mqtt.port_or_default(), 1883);
+  for (const char* wrong :
+       {"", "vehicle = \"a/b\"", "vehicle = \"a+\"", "vehicle = \"a\"\ntopic = \"/x\"",
+        "vehicle = \"a\"\ntopic = \"x/#\"", "vehicle = \"a\"\nkey_file = \"k\"",
+        "vehicle = \"a\"\nqueue_mb = 0", "vehicle = \"a\"\npose_interval_s = -1",
+        "vehicle = \"a\"\npassword_file = \"p\"", "vehicle = \"a\"\nport = 70000",
+        "vehicle = \"a\"\nhost_name = \"b\""}) {
+    EXPECT_FALSE(parse(wrong)) << wrong;
+  }
+  EXPECT_FALSE(parse_config("[mqtt]\nvehicle = \"car7\"\n", "x.toml"));
+}
+
+TEST(Config, ABrokerThatTheUnitMayDenyIsADoubt) {
+  const auto doubt = [](const std::string& host) {
+    return find_broker_doubt({.host = host, .vehicle = "car7"});
+  };
+  EXPECT_FALSE(doubt(""));
+  for (const char* host : {"localhost", "127.0.0.1", "10.1.2.3", "172.16.0.1", "172.31.255.1",
+                           "192.168.1.1", "169.254.3.4"}) {
+    EXPECT_FALSE(doubt(host)) << host;
+  }
+  for (const char* host : {"broker.example", "8.8.8.8", "172.32.0.1", "::1", "fd00::1"}) {
+    EXPECT_TRUE(doubt(host)) << host;
+  }
+}
+
 TEST(Config, ListsTheKeysThatDiffer) {
   const auto read = [](const char* text) {
     auto config = parse_config(text, "x.toml");

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "daemon/config/mqtt_settings.hpp"
+#include "daemon/mqtt/report_queue.hpp"
+#include "daemon/protocol/reports.hpp"
+
+namespace infuse::daemon {
+
+/// Publishes reports to an MQTT broker on a thread of its own: whoever adds a report never waits
+/// for the network or the disk. Reports wait in a `ReportQueue` until the broker has acknowledged
+/// them, over lost connections and restarts, and are published in their order, each at least once.
+class MqttPublisher {
+ public:
+  /// Starts the thread. `queue_file`: empty keeps the queue in memory. The files of `settings` are
+  /// absolute paths. Errors: a file that cannot be read, a queue that cannot be created.
+  static Result<std::unique_ptr<MqttPublisher>> start(const MqttSettings& settings,
+                                                      const std::filesystem::path& queue_file);
+
+  ~MqttPublisher();
+  MqttPublisher(const MqttPublisher&) = delete;
+  MqttPublisher& operator=(const MqttPublisher&) = delete;
+
+  /// Adds a report; drops it and counts it if the thread is 1000 reports behind.
+  void add(QueuedReport report);
+
+  /// Fill level of the queue in KiB, and the number of reports that were dropped.
+  QueueStats stats() const;
+
+  /// Publishes what waits and that the vehicle goes offline, for at most `timeout`, then ends. What
+  /// is left is published after the next start.
+  void finish(std::chrono::milliseconds timeout);
+
+ private:
+  class Worker;
+  explicit MqttPublisher(std::shared_ptr<Worker> worker) : worker_(std::move(worker)) {}
+  std::shared_ptr<Worker> worker_;
+  bool finished_ = false;
+};
+
+}  // namespace infuse::daemon
