@@ -11,7 +11,7 @@ install(FILES systemd/60-infuse.rules DESTINATION /lib/udev/rules.d)
 install(FILES packaging/examples/infused.toml DESTINATION /etc/infuse)
 install(DIRECTORY DESTINATION /etc/infuse/infused.toml.d)
 install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml packaging/examples/truck.toml
-  packaging/examples/rig.toml systemd/tap.conf
+  packaging/examples/rig.toml systemd/tap.conf systemd/mqtt.conf
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infused/examples)
 
 # Three packages: the daemon, the command `infuse`, whose libraries are many, and the simulator. `./dev package` makes

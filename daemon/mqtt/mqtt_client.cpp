@@ -72,8 +72,8 @@ Result<void> MqttClient::set_up() {
 
 Result<void> MqttClient::connect() {
   if (auto done = set_up(); !done) return done;
-  const int status = mosquitto_connect_async(client_.get(), settings_.host.c_str(),
-                                             settings_.port_or_default(), kKeepAlive);
+  const int status = mosquitto_connect(client_.get(), settings_.host.c_str(),
+                                       settings_.port_or_default(), kKeepAlive);
   if (status != MOSQ_ERR_SUCCESS) return tl::unexpected(lost(status));
   return {};
 }

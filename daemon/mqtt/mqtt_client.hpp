@@ -27,7 +27,8 @@ class MqttClient {
   MqttClient(const MqttClient&) = delete;
   MqttClient& operator=(const MqttClient&) = delete;
 
-  /// Begins to connect.
+  /// Connects; waits for names and for the network, a silent host takes minutes. The broker's
+  /// answer comes by `run`.
   Result<void> connect();
 
   /// Sends and receives for at most `wait`. Fails when the connection is lost or refused.

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <condition_variable>
+#include <csignal>
 #include <deque>
 #include <functional>
 #include <map>
@@ -89,10 +89,14 @@ class MqttPublisher::Worker {
 
   /// Returns after the thread has ended, or after `timeout`.
   void stop(milliseconds timeout) {
-    std::unique_lock lock(mutex_);
-    deadline_ = Clock::now() + timeout;
-    changed_.notify_all();
-    changed_.wait_for(lock, timeout + kLoop, [&] { return ended_; });
+    {
+      std::unique_lock lock(mutex_);
+      deadline_ = Clock::now() + timeout;
+      changed_.notify_all();
+      if (changed_.wait_for(lock, timeout + kLoop, [&] { return ended_; })) return;
+    }
+    const std::unique_lock storing(queue_mutex_, std::try_to_lock);
+    if (storing) store_mailbox();  // the thread waits for a host that does not answer
   }
 
   /// The thread.
@@ -102,9 +106,10 @@ class MqttPublisher::Worker {
     sigset_t all;
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    std::unique_lock storing(queue_mutex_);
     while (!is_over()) {
       store_mailbox();
-      if (!client_) begin_connection();
+      if (!client_) begin_connection(storing);
       if (!client_) {
         wait_for_change();
         continue;
@@ -156,14 +161,17 @@ class MqttPublisher::Worker {
     update_stats();
   }
 
-  void begin_connection() {
+  void begin_connection(std::unique_lock<std::mutex>& storing) {
     if (Clock::now() < next_attempt_ || deadline()) return;
     attempted_ = Clock::now();
     client_ = std::make_unique<MqttClient>(
         settings_, password_,
         MqttClient::Will{status_topic(settings_), status_payload(false, dropped_)},
         [this](int number) { acknowledged(number); });
-    if (const auto begun = client_->connect(); !begun) end_connection(begun.error());
+    storing.unlock();  // names are resolved, which may take long
+    const auto begun = client_->connect();
+    storing.lock();
+    if (!begun) end_connection(begun.error());
   }
 
   void announce_connection() {
@@ -229,6 +237,7 @@ class MqttPublisher::Worker {
   bool ended_ = false;
   std::atomic<uint64_t> bytes_ = 0, dropped_ = 0, overflowed_ = 0;
 
+  std::mutex queue_mutex_;  // held by the thread, but while it connects
   ReportQueue queue_;
   std::unique_ptr<MqttClient> client_;
   std::map<int, int64_t> in_flight_;  // identifier in the queue, by the client's number

@@ -17,7 +17,7 @@ struct IntrinsicsLevel {
   double sigma;   // px
   size_t points;  // maximum number
 };
-constexpr IntrinsicsLevel kLevels[] = {{8, 15'000}, {4, 30'000}, {2, 60'000}, {1, 60'000}};
+constexpr IntrinsicsLevel kLevels[] = {{8, 15'000}, {4, 30'000}, {2, 60'000}, {1, 240'000}};
 constexpr AscentOptions kAscent{.max_iterations = 50, .tolerance = 1e-2};
 constexpr double kRotationScale = 0.01;         // rad; steps of these sizes
 constexpr double kTranslationScale = 0.1;       // m; have effects of like size

@@ -229,6 +229,37 @@ TEST(MqttPublisher, FilesThatCannotBeReadAreNamed) {
   EXPECT_NE(started.error().message().find("/nonexistent/password"), std::string::npos);
 }
 
+TEST(MqttPublisher, ABrokerThatDoesNotAnswerHoldsNothingUp) {
+  const int silent = ::socket(AF_INET, SOCK_STREAM, 0);  // nobody accepts here
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof(address);
+  ASSERT_EQ(::bind(silent, reinterpret_cast<sockaddr*>(&address), length), 0);
+  ASSERT_EQ(::listen(silent, 0), 0);
+  ::getsockname(silent, reinterpret_cast<sockaddr*>(&address), &length);
+  std::vector<int> filling;  // the backlog
+  for (int k = 0; k < 4; ++k) {
+    filling.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0));
+    static_cast<void>(::connect(filling.back(), reinterpret_cast<sockaddr*>(&address), length));
+  }
+  const ScratchFolder folder;
+  const MqttSettings settings{
+      .host = "127.0.0.1", .port = ntohs(address.sin_port), .vehicle = "car7"};
+  {
+    const auto started = MqttPublisher::start(settings, folder / "mqtt.db");
+    ASSERT_TRUE(started) << started.error().message();
+    std::this_thread::sleep_for(300ms);
+    for (int k = 0; k < 100; ++k) (*started)->add({.topic = "t", .payload = "x"});
+    (*started)->finish(200ms);
+  }
+  for (const int one : filling) ::close(one);
+  ::close(silent);
+  const auto queue = ReportQueue::open(folder / "mqtt.db", 1 << 20);
+  ASSERT_TRUE(queue) << queue.error().message();
+  EXPECT_EQ(queue->messages(), 100u);
+}
+
 TEST(MqttPublisher, WithoutABrokerNobodyWaits) {
   MqttSettings settings{.host = "127.0.0.1", .port = 1, .vehicle = "car7"};
   const auto started = MqttPublisher::start(settings, "");
