@@ -29,8 +29,10 @@ void declare_options(CLI::App& app, RunOptions& options, bool& check_config) {
                  "replay a drive folder, or a bare pcap or pcapng file, and print a summary")
       ->type_name("PATH");
   app.add_option("--rate", options.rate,
-                 "replay: factor of real time, or max (the default) for as fast as possible")
+                 "replay: factor of real time, or max (the default without --view) for as fast as "
+                 "possible")
       ->type_name("R|max");
+  app.add_flag("--view", options.view, "replay: show it in a browser, at [view] port or 9468");
   app.add_option("--reports", options.reports,
                  "replay: write every report to this file; the same drive gives the same bytes")
       ->type_name("FILE");

@@ -16,6 +16,7 @@ using recording::TomlTable;
 constexpr size_t kMaxConfigBytes = 1 << 20;
 constexpr size_t kMaxDropIns = 256;
 constexpr size_t kMaxExpectedSensors = 64;
+constexpr size_t kMaxOrigins = 16;
 constexpr std::array kLogLevels = {"trace", "debug", "info", "warning", "error", "off"};
 
 void read_seconds(TomlTable& table, std::string_view key, Duration& value) {
@@ -146,6 +147,14 @@ void read_metrics(TomlTable& table, MetricsSettings& settings) {
   read_integer(table, "port", settings.port);
 }
 
+void read_view(TomlTable& table, ViewSettings& settings) {
+  read_integer(table, "port", settings.port);
+  table.read("bind", settings.bind);
+  table.read("token", settings.token);
+  table.read("allowed_origins", kMaxOrigins, settings.allowed_origins);
+  read_integer(table, "max_clients", settings.max_clients);
+}
+
 void read_mqtt(TomlTable& table, MqttSettings& settings) {
   table.read("host", settings.host);
   read_integer(table, "port", settings.port);
@@ -188,6 +197,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   const toml::table* record = root.table("record");
   const toml::table* metrics = root.table("metrics");
   const toml::table* mqtt = root.table("mqtt");
+  const toml::table* view = root.table("view");
   if (auto error = read_sensors(root, file, config)) return error;
   if (auto error = root.finish()) return error;
   if (auto error = read_table(socket, file, "socket", read_socket, config.socket)) return error;
@@ -200,6 +210,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   }
   if (auto error = read_table(record, file, "record", read_record, config.record)) return error;
   if (auto error = read_table(metrics, file, "metrics", read_metrics, config.metrics)) return error;
+  if (auto error = read_table(view, file, "view", read_view, config.view)) return error;
   if (auto error = read_table(mqtt, file, "mqtt", read_mqtt, config.mqtt)) return error;
   return read_table(calibration, file, "calibration", read_calibration, config.calibration);
 }

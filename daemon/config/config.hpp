@@ -13,6 +13,7 @@
 #include "daemon/config/record_settings.hpp"
 #include "daemon/config/sensor_options.hpp"
 #include "daemon/config/streetmap_settings.hpp"
+#include "daemon/config/view_settings.hpp"
 #include "daemon/health/health_options.hpp"
 #include "daemon/server/server_options.hpp"
 #include "drivers/measurement/error.hpp"
@@ -31,6 +32,7 @@ struct Config {
   RecordSettings record;               ///< [record], live
   MetricsSettings metrics;             ///< [metrics], live
   MqttSettings mqtt;                   ///< [mqtt], live
+  ViewSettings view;                   ///< [view]
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live
   std::vector<BusOptions> buses;       ///< [[can]], live

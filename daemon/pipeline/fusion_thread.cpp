@@ -143,6 +143,7 @@ void FusionThread::process_sweep(Pin<StreamItem> item) {
       measures_motion(item->lidar) ? measure_motion(*item) : deskew(*item);
   report_sweep(snapshot);
   localise(snapshot);
+  show(snapshot);
   images_.pop_due(
       [&](CameraIndex camera, Stamp exposure) {
         return cameras_[camera].lidar() == item->lidar && is_before_end(exposure, item->sweep);
@@ -258,6 +259,14 @@ void FusionThread::localise(const SweepSnapshot& snapshot) {
   report(track());
 }
 
+// To who looks; copies nothing while nobody does.
+void FusionThread::show(const SweepSnapshot& snapshot) {
+  if (setup_.view == nullptr || !setup_.view->wanted()) return;
+  const PoseReport pose = odometry_.pose_at(snapshot.deskewed.reference);
+  const bool located = setup_.has_odometry && pose.usable();
+  setup_.view->add_sweep(snapshot, located ? &pose.T_frame_vehicle : nullptr);
+}
+
 void FusionThread::process_image(const CameraImage& image, const Sweep& sweep) {
   latency(Stage::kDecode).add(image.decode_time);
   ImageCounters& counters = image_counters_[image.camera];
@@ -272,6 +281,7 @@ void FusionThread::process_image(const CameraImage& image, const Sweep& sweep) {
       summarise(match, cameras_[image.camera].name());
   send_report();
   if (!match.usable()) return;
+  if (setup_.view != nullptr) setup_.view->add_image(match);
   if (map_tracker_) {
     const ScopedLatency timer(latency(Stage::kTrack));
     map_tracker_->add_image(match, odometry_.trajectory());

@@ -16,6 +16,7 @@
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/pipeline/sweep_queue.hpp"
+#include "daemon/pipeline/view_tap.hpp"
 #include "drivers/measurement/rig.hpp"
 #include "drivers/measurement/slot_ring.hpp"
 #include "fusion/motion/deskew.hpp"
@@ -34,6 +35,7 @@ struct FusionSetup {
   Delivery delivery = Delivery::kWait;
   StreetMapSettings streetmap;
   const streetmap::SegmentMap* map = nullptr;  ///< null or empty: no tracking on a map
+  ViewTap* view = nullptr;                     ///< null: nobody can look
 };
 
 /// The fusion thread: processes the items of the io thread in order and publishes reports. A sweep
@@ -82,6 +84,7 @@ class FusionThread {
   SweepSnapshot deskew(const StreamItem& item);
   void report_sweep(const SweepSnapshot& snapshot);
   void localise(const SweepSnapshot& snapshot);
+  void show(const SweepSnapshot& snapshot);
   const Sweep& nearest_sweep(Stamp exposure, const StreamItem& item) const;
   void process_last_images();
   void process_image(const CameraImage& image, const Sweep& sweep);

@@ -20,15 +20,18 @@ class Pacer {
   /// of drive time, or a step back, is skipped.
   void wait_until(Stamp stamp, std::stop_token stop);
 
+  /// Changes the rate, from any thread; 0 pauses.
+  void set_rate(double rate);
+
  private:
   static constexpr Duration kMaxPause{10'000'000'000};
 
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
   std::optional<double> rate_;
-  std::optional<Stamp> drive_start_;
+  std::optional<Stamp> drive_start_;  // of the present rate
   Stamp previous_;
   HostClock::time_point host_start_;
-  std::mutex mutex_;
-  std::condition_variable_any stopped_;
 };
 
 }  // namespace infuse::daemon

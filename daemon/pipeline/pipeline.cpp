@@ -45,7 +45,8 @@ FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& opti
           .calibration = options.calibration,
           .delivery = setup.delivery,
           .streetmap = options.streetmap,
-          .map = options.map};
+          .map = options.map,
+          .view = options.view};
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ struct PipelineOptions {
   const streetmap::SegmentMap* map =
       nullptr;  ///< outlives the pipeline; null or empty: no tracking
   CalibrationSettings calibration;
+  ViewTap* view = nullptr;  ///< outlives the pipeline; null: nobody can look
 };
 
 /// The threads and the rings between them, live and in a replay:

@@ -57,7 +57,13 @@ template <class Report>
 void Publisher::publish(const Report& report, const std::string& device) {
   std::string line = message(report);
   if (file_ != nullptr) file_->write(line);
-  server_.publish(Report::kClass, device, report.stamp, std::move(line));
+  serve(Report::kClass, device, report.stamp, std::move(line));
+}
+
+void Publisher::serve(ReportClass report_class, const std::string& device, Stamp stamp,
+                      std::string line) {
+  if (on_line_) on_line_(report_class, device, line);
+  server_.publish(report_class, device, stamp, std::move(line));
 }
 
 void Publisher::publish_record(const RecordReport& report) { publish(report, ""); }
@@ -162,7 +168,7 @@ void Publisher::publish_health(const ReportItem& item) {
   if (file_ != nullptr) file_->write(message(report));  // without host figures
   report.host = totals_.host;
   for (const auto& listener : on_health_) listener(report);
-  server_.publish(ReportClass::kHealth, "", item.stamp, message(report));
+  serve(ReportClass::kHealth, "", item.stamp, message(report));
 }
 
 void Publisher::update_devices(const ReportItem& item, HealthReport& report) {

@@ -70,6 +70,11 @@ class Publisher {
     on_alert_.push_back(std::move(listener));
   }
 
+  /// Sets the listener of every report, as the server publishes it.
+  void on_line(std::function<void(ReportClass, const std::string&, const std::string&)> listener) {
+    on_line_ = std::move(listener);
+  }
+
   /// Adds a queue of the host to the figures of HEALTH.
   void add_queue(std::function<QueueStats()> stats) { queues_.push_back(std::move(stats)); }
 
@@ -100,6 +105,7 @@ class Publisher {
                            std::span<const Transition> transitions);
   template <class Report>
   void publish(const Report& report, const std::string& device);
+  void serve(ReportClass report_class, const std::string& device, Stamp stamp, std::string line);
   HostStats host_stats(const ReportItem& item) const;
 
   SlotRing<ReportItem>& ring_;
@@ -119,6 +125,7 @@ class Publisher {
   std::vector<std::function<void(const HealthReport&)>> on_health_;
   std::vector<std::function<void(const AlertReport&)>> on_alert_;
   std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
+  std::function<void(ReportClass, const std::string&, const std::string&)> on_line_;
   std::vector<std::function<QueueStats()>> queues_;
   Server& server_;
   ReportsFile* file_;

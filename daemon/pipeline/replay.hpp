@@ -31,6 +31,9 @@ class Replay {
   /// Ends the replay early; `on_end` is still called.
   void stop() { pipeline_.stop(); }
 
+  /// Changes the rate, from any thread; 0 pauses.
+  void set_rate(double rate) { reader_->set_rate(rate); }
+
   Pipeline& pipeline() { return pipeline_; }
 
   /// The publisher, for registering listeners before `start`.

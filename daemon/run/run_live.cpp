@@ -11,6 +11,7 @@
 #include "daemon/mqtt/mqtt_publisher.hpp"
 #include "daemon/mqtt/report_topics.hpp"
 #include "daemon/run/daemon_host.hpp"
+#include "daemon/run/open_view.hpp"
 #include "daemon/run/service_lifecycle.hpp"
 
 namespace infuse::daemon {
@@ -98,16 +99,21 @@ int run_live(const RunOptions& options, const Config& config) {
   }
   const auto broker = connect_to_broker(config);
   if (!broker) return print_error(kProgram, broker.error(), kUsage);
+  auto view = open_view(config.view, setup->rig, nullptr);
+  if (!view) return print_error(kProgram, view.error(), kUsage);
+  PipelineOptions pipeline_options = host.pipeline_options();
+  pipeline_options.view = view->tap.get();
   const receive::TimeBase base;
   RecordingController recordings(config, *setup, base);
   std::function<void()> on_end;
   LivePipeline live(
-      host.io(), *std::move(setup), host.pipeline_options(), host.server(), [&] { on_end(); }, base,
+      host.io(), *std::move(setup), pipeline_options, host.server(), [&] { on_end(); }, base,
       recordings.tap());
   recordings.set_publisher(live.publisher());
   if (config.metrics.enabled()) publish_metrics(metrics, live.publisher());
   HistoryWriter history(state_folder());
   write_history(history, live.publisher());
+  publish_to_view(*view, live.publisher());
   ReportTopics topics(config.mqtt);
   if (*broker) publish_to_broker(**broker, topics, live.publisher());
   host.connect(live.pipeline(),

@@ -13,14 +13,15 @@ struct RunOptions {
   std::string config;  ///< configuration file; read again on SIGHUP
   std::string socket;  ///< where clients connect
 
-  std::string replay;        ///< drive folder or capture; empty: the sensors of this host
-  std::string rate = "max";  ///< factor of real time, or "max"
-  std::string reports;       ///< file for every report
-  std::string trajectory;    ///< file for the poses
-  std::string state;         ///< folder of the saved calibrations of a replay
-  std::string model;         ///< model of the lidar
-  std::string calibration;   ///< db.xml of the lidar
-  bool json = false;         ///< print the summary as JSON
+  std::string replay;       ///< drive folder or capture; empty: the sensors of this host
+  std::string rate;         ///< factor of real time, or "max"; empty: 1 with a view, else "max"
+  bool view = false;        ///< replay: a page in the browser
+  std::string reports;      ///< file for every report
+  std::string trajectory;   ///< file for the poses
+  std::string state;        ///< folder of the saved calibrations of a replay
+  std::string model;        ///< model of the lidar
+  std::string calibration;  ///< db.xml of the lidar
+  bool json = false;        ///< print the summary as JSON
 };
 
 }  // namespace infuse::daemon

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <iostream>
 
@@ -10,6 +11,7 @@
 #include "daemon/command_line/summary.hpp"
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/run/daemon_host.hpp"
+#include "daemon/run/open_view.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
 
@@ -18,6 +20,7 @@ namespace {
 
 constexpr std::chrono::seconds kReplayClientTimeout{2};
 constexpr std::chrono::milliseconds kProgressPeriod{100};
+constexpr uint16_t kReplayViewPort = 9468;
 
 /// Shows the progress of the replay at regular intervals.
 void show_progress(ProgressLine& line, boost::asio::steady_timer& timer, const Replay& replay,
@@ -66,7 +69,7 @@ Result<std::optional<ReportsFile>> create_reports_file(const std::string& path) 
 }  // namespace
 
 int run_replay(const RunOptions& options, const Config& config) {
-  const auto rate = parse_rate(options.rate);
+  const auto rate = parse_rate(!options.rate.empty() ? options.rate : options.view ? "1" : "max");
   if (!rate) return print_error(kProgram, rate.error(), kUsage);
   const auto model = parse_model(options.model);
   if (!model) return print_error(kProgram, model.error(), kUsage);
@@ -83,7 +86,19 @@ int run_replay(const RunOptions& options, const Config& config) {
   if (const auto opened = host.open(setup->rig, options.socket); !opened) {
     return print_error(kProgram, opened.error().error, opened.error().code);
   }
-  const PipelineOptions pipeline_options = host.pipeline_options();
+  ViewSettings view_settings = config.view;
+  if (options.view && view_settings.port == 0) view_settings.port = kReplayViewPort;
+  if (!options.view) view_settings.port = 0;
+  std::function<void(double)> set_rate;  // when there is a replay
+  auto view = open_view(view_settings, setup->rig, [&](double rate_of_page) {
+    boost::asio::post(host.io(), [&, rate_of_page] {
+      if (set_rate) set_rate(rate_of_page);
+    });
+  });
+  if (!view) return print_error(kProgram, view.error(), kUsage);
+  if (view->server) std::cerr << "view: " << view->server->address() << std::endl;
+  PipelineOptions pipeline_options = host.pipeline_options();
+  pipeline_options.view = view->tap.get();
   boost::asio::steady_timer timer(host.io());
   ProgressLine line;
   double host_s = 0;
@@ -96,6 +111,8 @@ int run_replay(const RunOptions& options, const Config& config) {
                   host.finish(kReplayClientTimeout);
                 });
   host.connect(replay.pipeline());
+  publish_to_view(*view, replay.publisher());
+  set_rate = [&](double rate_of_page) { replay.set_rate(rate_of_page); };
   std::vector<recording::TrajectoryPose> poses;
   if (!options.trajectory.empty()) {
     collect_poses(replay.publisher(), !pipeline_options.map->empty(), poses);

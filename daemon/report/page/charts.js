@@ -66,7 +66,7 @@ function timeChart({title, unit, duration, lines, bands = [], spans = [], marks 
     const label = t.toFixed(horizontal.digits) + (t === horizontal.values.at(-1) ? ' s' : '');
     svg.append(element('text', {x: Math.min(x(t), right - 8), y: height - 9, 'text-anchor': 'middle'}, label));
   }
-  svg.append(element('text', {x: 8, y: 16, style: 'fill:var(--text);font-weight:600'}, unit ? `${title}, ${unit}` : title));
+  svg.append(element('text', {x: 8, y: 16, class: 'strong'}, unit ? `${title}, ${unit}` : title));
   for (const b of bands) {
     const edge = b.points.map(p => [x(p[0]), y(p[1])]).concat(b.points.map(p => [x(p[0]), y(p[2])]).reverse());
     svg.append(element('path', {d: pathText(edge) + 'Z', fill: b.colour, opacity: 0.22}));
@@ -86,7 +86,7 @@ function timeChart({title, unit, duration, lines, bands = [], spans = [], marks 
     const end = x(m.t) > right - 200;
     svg.append(element('line', {x1: x(m.t), x2: x(m.t), y1: top, y2: bottom, stroke: 'var(--text)', 'stroke-dasharray': '2 3'}),
                element('text', {x: x(m.t) + (end ? -5 : 5), y: top + 30, 'text-anchor': end ? 'end' : 'start',
-                 style: 'fill:var(--text)'}, m.name));
+                 class: 'mark'}, m.name));
   }
   return svg;
 }
@@ -122,7 +122,7 @@ function planChart({paths, ellipses, image}) {
   }
   const bar = 10 ** Math.floor(Math.log10((east - west) / 4));
   svg.append(element('line', {x1: 14, x2: 14 + bar * scale, y1: height - 14, y2: height - 14, stroke: 'var(--scale)',
-    'stroke-width': 4}), element('text', {x: 14, y: height - 22, style: 'fill:var(--scale);font-weight:600'}, `${bar} m`));
+    'stroke-width': 4}), element('text', {x: 14, y: height - 22, class: 'scale'}, `${bar} m`));
   svg.style.setProperty('--scale', image ? '#111' : 'var(--text)');
   return svg;
 }

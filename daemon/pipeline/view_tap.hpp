@@ -1,0 +1,80 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "daemon/pipeline/image_match.hpp"
+#include "daemon/pipeline/sensor_index.hpp"
+#include "drivers/measurement/camera_frame.hpp"
+
+namespace infuse::daemon {
+
+/// Returns of a sweep, quantised, in the lidar frame; at most `ViewTap::kMaxPoints` of them.
+struct ViewPoints {
+  std::vector<int16_t> x, y, z;       ///< cm
+  std::vector<uint8_t> reflectivity;  ///< 0 … 255
+  std::vector<uint8_t> ring;          ///< the last 255 and above are alike
+
+  size_t size() const { return x.size(); }
+};
+
+/// A sweep to look at.
+struct ViewSweep {
+  Stamp stamp;  ///< of the points
+  LidarIndex lidar;
+  bool deskewed = false;
+  std::optional<Eigen::Isometry3d> T_odom_vehicle;  ///< nothing without odometry
+  ViewPoints points;
+};
+
+/// An image to look at, and the returns as of its exposure.
+struct ViewImage {
+  CameraIndex camera;
+  CameraFrame frame;
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use
+  ViewPoints points;
+};
+
+/// The latest sweep and images, from the fusion thread to somebody who looks. Nothing is copied
+/// while nobody does, and the fusion thread never waits: it leaves out what the other side is
+/// taking at that moment.
+class ViewTap {
+ public:
+  static constexpr size_t kMaxPoints = 40'000;
+
+  explicit ViewTap(size_t cameras);
+
+  /// Somebody looks; from any thread.
+  void set_wanted(bool wanted) { wanted_.store(wanted, std::memory_order_relaxed); }
+  bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
+
+  /// Adds what the fusion thread has made, if it is wanted.
+  void add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* T_odom_vehicle);
+  void add_image(const ImageMatch& match);
+
+  /// Swaps the latest one into `out`; false if there is none that is new.
+  bool take_sweep(ViewSweep& out);
+  bool take_image(CameraIndex camera, ViewImage& out);
+
+  size_t cameras() const { return images_.size(); }
+
+ private:
+  template <class Value>
+  struct Slot {
+    Value value;
+    bool fresh = false;
+  };
+
+  std::atomic<bool> wanted_ = false;
+  std::mutex mutex_;
+  Slot<ViewSweep> sweep_;
+  std::vector<Slot<ViewImage>> images_;
+};
+
+/// Quantises the returns of a sweep: every n-th, so that at most `max_points` remain.
+void quantise(const SweepSnapshot& snapshot, size_t max_points, ViewPoints& points);
+
+}  // namespace infuse::daemon

@@ -1,0 +1,25 @@
+#include "daemon/run/open_view.hpp"
+
+#include <spdlog/spdlog.h>
+
+namespace infuse::daemon {
+
+Result<View> open_view(const ViewSettings& settings, const Rig& rig, RateControl rate) {
+  View view;
+  if (!settings.enabled()) return view;
+  view.tap = std::make_unique<ViewTap>(rig.cameras.size());
+  auto server = ViewServer::start(settings, rig, *view.tap, std::move(rate));
+  if (!server) return tl::unexpected(server.error());
+  view.server = *std::move(server);
+  spdlog::info("view: {}", view.server->address());
+  return view;
+}
+
+void publish_to_view(const View& view, Publisher& publisher) {
+  if (!view.server) return;
+  publisher.on_line([server = view.server.get()](
+                        ReportClass report_class, const std::string& device,
+                        const std::string& line) { server->publish(report_class, device, line); });
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+
+#include "daemon/config/view_settings.hpp"
+#include "daemon/pipeline/publisher.hpp"
+#include "daemon/pipeline/view_tap.hpp"
+#include "daemon/view/view_server.hpp"
+
+namespace infuse::daemon {
+
+/// The view of a run: what the fusion thread gives, and who serves it. Both null without a view.
+struct View {
+  std::unique_ptr<ViewTap> tap;
+  std::unique_ptr<ViewServer> server;
+};
+
+/// Opens the view, if it is enabled; `rate`: null for a live run. Errors: the port is taken.
+Result<View> open_view(const ViewSettings& settings, const Rig& rig, RateControl rate);
+
+/// Gives the publisher's reports to the view.
+void publish_to_view(const View& view, Publisher& publisher);
+
+}  // namespace infuse::daemon

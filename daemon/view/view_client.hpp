@@ -1,0 +1,63 @@
+#pragma once
+
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace infuse::daemon {
+
+/// A message for pages, shared by all that get it.
+struct ViewMessage {
+  std::string data;
+  bool binary = false;
+};
+
+/// One open page: a WebSocket with a queue of bounded size.
+class ViewClient : public std::enable_shared_from_this<ViewClient> {
+ public:
+  using Message = std::shared_ptr<const ViewMessage>;
+  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+
+  /// `on_open` is called after the handshake, `on_command` with each text that the page sends,
+  /// `on_end` once.
+  struct Handlers {
+    std::function<void(const std::shared_ptr<ViewClient>&)> on_open;
+    std::function<void(const std::string&)> on_command;
+    std::function<void(const std::shared_ptr<ViewClient>&)> on_end;
+  };
+
+  ViewClient(boost::beast::tcp_stream&& stream, Handlers handlers);
+
+  /// Answers the request for a WebSocket.
+  void accept(Request request);
+
+  /// Queues a message. A page that does not keep up loses it, and gets the number of lost messages
+  /// when it reads again. Binary messages are lost while two of them wait.
+  void send(const Message& message);
+
+  void close();
+
+ private:
+  void read();
+  void write();
+  void end();
+
+  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  Handlers handlers_;
+  Request request_;
+  boost::beast::flat_buffer buffer_;
+  std::deque<Message> queue_;
+  size_t binary_waiting_ = 0;
+  uint64_t lost_ = 0;
+  bool writing_ = false;
+  bool open_ = false;  // after the handshake
+  bool ended_ = false;
+};
+
+}  // namespace infuse::daemon

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/view_tap.hpp"
+#include "drivers/measurement/rig.hpp"
+
+namespace infuse::daemon {
+
+/// Encodes a sweep as a binary message of the view: the length of a JSON text (uint32, as all
+/// numbers little-endian), the text padded with blanks to a multiple of eight bytes, then `points`
+/// times x, y, z (int16, cm, lidar frame), reflectivity and ring (uint8). The text: kind "sweep",
+/// device, stamp (ns, as text: it exceeds the integers of JavaScript), points, deskewed,
+/// T_vehicle_lidar and, with odometry, T_odom_vehicle, 4 × 4 row by row.
+std::string encode_sweep(const ViewSweep& sweep, const Rig& rig);
+
+/// Encodes an image in the same way: kind "image", device, stamp, width, height, intrinsics (model,
+/// fx, fy, cx, cy, distortion), T_camera_lidar in use and as the rig has it, points; after the
+/// points the JPEG file `jpeg`.
+std::string encode_image(const ViewImage& image, const std::vector<uint8_t>& jpeg, const Rig& rig);
+
+}  // namespace infuse::daemon

@@ -1,0 +1,314 @@
+#include "daemon/view/view_server.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "daemon/protocol/json.hpp"
+#include "daemon/view/access.hpp"
+#include "daemon/view/view_client.hpp"
+#include "daemon/view/view_files.hpp"
+#include "daemon/view/view_frames.hpp"
+#include "drivers/camera/jpeg_encoder.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using asio::ip::tcp;
+
+constexpr size_t kMaxConnections = 32;  // number of them, pages and requests
+constexpr size_t kMaxPending = 512;     // reports that this thread has not read yet
+constexpr uint32_t kMaxHeaderBytes = 8192;
+constexpr std::chrono::seconds kRequestTime{10};
+constexpr std::chrono::milliseconds kFramePeriod{50};
+constexpr int kJpegQuality = 75;
+constexpr double kMaxRate = 100;
+
+/// A file of the page.
+struct ViewFile {
+  std::string_view type, text;
+};
+
+const std::map<std::string_view, ViewFile>& view_files() {
+  static const std::map<std::string_view, ViewFile> files{
+      {"/", {"text/html; charset=utf-8", kViewPage}},
+      {"/icon.svg", {"image/svg+xml", kViewIcon}},
+      {"/style.css", {"text/css; charset=utf-8", kViewStyle}},
+      {"/charts.js", {"text/javascript; charset=utf-8", kViewCharts}},
+      {"/scene.js", {"text/javascript; charset=utf-8", kViewScene}},
+      {"/overlay.js", {"text/javascript; charset=utf-8", kViewOverlay}},
+      {"/view.js", {"text/javascript; charset=utf-8", kViewCode}}};
+  return files;
+}
+
+std::string_view text_of(beast::string_view text) { return {text.data(), text.size()}; }
+
+using Response = http::response<http::string_body>;
+
+Response respond(unsigned version, int status, std::string_view type, std::string_view body) {
+  Response response(static_cast<http::status>(status), version);
+  response.set(http::field::content_type, {type.data(), type.size()});
+  response.set(http::field::cache_control, "no-store");
+  response.set("Content-Security-Policy",
+               "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
+               "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
+  response.body() = std::string(body);
+  response.prepare_payload();
+  response.keep_alive(false);
+  return response;
+}
+
+}  // namespace
+
+/// The thread and what runs on it.
+class ViewServer::Impl {
+ public:
+  Impl(const ViewSettings& settings, const Rig& rig, ViewTap& tap, RateControl rate)
+      : settings_(settings), rig_(rig), tap_(tap), rate_(std::move(rate)) {}
+
+  ~Impl() {
+    asio::post(io_, [this] {
+      acceptor_.close();
+      for (const auto& client : clients_) client->close();
+      io_.stop();
+    });
+    if (thread_.joinable()) thread_.join();
+    tap_.set_wanted(false);
+  }
+
+  Result<void> listen() {
+    beast::error_code error;
+    const tcp::endpoint endpoint(asio::ip::make_address(settings_.bind), settings_.port);
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    if (error) {
+      return fail("the view: " + error.message(),
+                  settings_.bind + ":" + std::to_string(settings_.port), "another port in [view]");
+    }
+    port_ = acceptor_.local_endpoint().port();
+    accept();
+    thread_ = std::thread([this] { io_.run(); });
+    return {};
+  }
+
+  uint16_t port() const { return port_; }
+  const ViewSettings& settings() const { return settings_; }
+  size_t clients() const { return client_count_.load(); }
+
+  void publish(ReportClass report_class, const std::string& device, const std::string& line) {
+    const bool kept =
+        report_class == ReportClass::kDevices || report_class == ReportClass::kHealth ||
+        report_class == ReportClass::kCalibration || report_class == ReportClass::kAlert;
+    if (client_count_.load() == 0 && !kept) return;
+    if (pending_.fetch_add(1) >= kMaxPending) {
+      pending_.fetch_sub(1);
+      return;
+    }
+    asio::post(io_, [this, kept, key = std::pair(report_class, device),
+                     message = std::make_shared<const ViewMessage>(ViewMessage{line})] {
+      pending_.fetch_sub(1);
+      if (kept) last_[key] = message;
+      for (const auto& client : clients_) client->send(message);
+    });
+  }
+
+ private:
+  /// A connection before it is a page: one request.
+  struct Connection : std::enable_shared_from_this<Connection> {
+    explicit Connection(tcp::socket socket) : stream(std::move(socket)) {
+      parser.header_limit(kMaxHeaderBytes);
+      parser.body_limit(0);
+    }
+    beast::tcp_stream stream;
+    beast::flat_buffer buffer{kMaxHeaderBytes};
+    http::request_parser<http::empty_body> parser;
+    Response response;
+  };
+
+  void accept() {
+    acceptor_.async_accept([this](beast::error_code error, tcp::socket socket) {
+      if (!acceptor_.is_open()) return;
+      if (!error && connections_ + clients_.size() < kMaxConnections) {
+        serve(std::make_shared<Connection>(std::move(socket)));
+      }
+      accept();
+    });
+  }
+
+  void serve(const std::shared_ptr<Connection>& connection) {
+    ++connections_;
+    connection->stream.expires_after(kRequestTime);
+    http::async_read(connection->stream, connection->buffer, connection->parser,
+                     [this, connection](beast::error_code error, size_t) {
+                       --connections_;
+                       if (!error) handle(connection);
+                     });
+  }
+
+  void handle(const std::shared_ptr<Connection>& connection) {
+    const auto& request = connection->parser.get();
+    const auto text = [&](http::field field) { return text_of(request[field]); };
+    const bool upgrade = beast::websocket::is_upgrade(request);
+    const ViewRequest view{.method = text_of(request.method_string()),
+                           .target = text_of(request.target()),
+                           .host = text(http::field::host),
+                           .origin = text(http::field::origin),
+                           .cookie = text(http::field::cookie),
+                           .hosts = static_cast<int>(request.count(http::field::host)),
+                           .upgrade = upgrade};
+    if (const auto refused = check_access(view, settings_)) {
+      return answer(connection, refused->status, "text/plain", refused->reason);
+    }
+    const std::string_view path = path_of(view.target);
+    if (path == "/stream") {
+      if (!upgrade) return answer(connection, 426, "text/plain", "a WebSocket");
+      if (clients_.size() >= settings_.max_clients) {
+        return answer(connection, 503, "text/plain", "as many pages are open as max_clients");
+      }
+      return open_page(connection);
+    }
+    const auto file = view_files().find(path);
+    if (file == view_files().end()) return answer(connection, 404, "text/plain", "no such page");
+    answer(connection, 200, file->second.type, file->second.text);
+  }
+
+  void answer(const std::shared_ptr<Connection>& connection, int status, std::string_view type,
+              std::string_view body) {
+    const auto& request = connection->parser.get();
+    connection->response = respond(request.version(), status, type, body);
+    if (request.method() == http::verb::head) connection->response.body().clear();
+    if (status == 200 && !settings_.token.empty()) {
+      connection->response.set(http::field::set_cookie, std::string(kTokenCookie) + "=" +
+                                                            settings_.token +
+                                                            "; HttpOnly; SameSite=Strict; Path=/");
+    }
+    connection->stream.expires_after(kRequestTime);
+    ++connections_;
+    http::async_write(connection->stream, connection->response,
+                      [this, connection](beast::error_code, size_t) {
+                        --connections_;
+                        beast::error_code ignored;
+                        connection->stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
+                      });
+  }
+
+  void open_page(const std::shared_ptr<Connection>& connection) {
+    const auto client = std::make_shared<ViewClient>(
+        std::move(connection->stream),
+        ViewClient::Handlers{.on_open = [this](const auto& opened) { greet(*opened); },
+                             .on_command = [this](const auto& text) { set_rate(text); },
+                             .on_end = [this](const auto& ended) { remove(ended); }});
+    clients_.insert(client);
+    client_count_ = clients_.size();
+    tap_.set_wanted(true);
+    if (clients_.size() == 1) poll();
+    client->accept(connection->parser.release());
+  }
+
+  void greet(ViewClient& client) {
+    client.send(std::make_shared<const ViewMessage>(
+        ViewMessage{json_text({{"class", "VIEW"}, {"form", 1}, {"replay", rate_ != nullptr}})}));
+    for (const auto& [key, message] : last_) client.send(message);
+  }
+
+  /// A page of a replay may change its speed: {"rate": 0 … 100}. Everything else is ignored.
+  void set_rate(const std::string& text) {
+    const Json command = Json::parse(text, nullptr, false);
+    if (!rate_ || !command.is_object() || !command.contains("rate")) return;
+    const Json& rate = command["rate"];
+    if (rate.is_number() && rate >= 0.0 && rate <= kMaxRate) rate_(rate.get<double>());
+  }
+
+  void remove(const std::shared_ptr<ViewClient>& client) {
+    clients_.erase(client);
+    client_count_ = clients_.size();
+    if (clients_.empty()) tap_.set_wanted(false);
+  }
+
+  /// Sends the latest sweep and images, while somebody looks.
+  void poll() {
+    if (clients_.empty()) return;
+    if (tap_.take_sweep(sweep_)) send_all(encode_sweep(sweep_, rig_));
+    for (size_t camera = 0; camera < tap_.cameras(); ++camera) {
+      if (!tap_.take_image(CameraIndex(camera), image_)) continue;
+      if (!camera::encode_jpeg(image_.frame, kJpegQuality, jpeg_)) continue;
+      send_all(encode_image(image_, jpeg_, rig_));
+    }
+    timer_.expires_after(kFramePeriod);
+    timer_.async_wait([this](beast::error_code error) {
+      if (!error) poll();
+    });
+  }
+
+  void send_all(std::string data) {
+    const auto message = std::make_shared<const ViewMessage>(ViewMessage{std::move(data), true});
+    for (const auto& client : clients_) client->send(message);
+  }
+
+  const ViewSettings settings_;
+  const Rig rig_;
+  ViewTap& tap_;
+  const RateControl rate_;
+  asio::io_context io_{1};
+  tcp::acceptor acceptor_{io_};
+  asio::steady_timer timer_{io_};
+  uint16_t port_ = 0;
+  std::atomic<size_t> client_count_ = 0, pending_ = 0;
+  size_t connections_ = 0;
+  std::set<std::shared_ptr<ViewClient>> clients_;
+  std::map<std::pair<ReportClass, std::string>, ViewClient::Message> last_;
+  ViewSweep sweep_;  // memory that is used again, as the next two
+  ViewImage image_;
+  std::vector<uint8_t> jpeg_;
+  std::thread thread_;
+};
+
+ViewServer::ViewServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ViewServer::~ViewServer() = default;
+
+Result<std::unique_ptr<ViewServer>> ViewServer::start(const ViewSettings& settings, const Rig& rig,
+                                                      ViewTap& tap, RateControl rate) {
+  auto impl = std::make_unique<Impl>(settings, rig, tap, std::move(rate));
+  if (auto listening = impl->listen(); !listening) return tl::unexpected(listening.error());
+  return std::unique_ptr<ViewServer>(new ViewServer(std::move(impl)));
+}
+
+uint16_t ViewServer::port() const { return impl_->port(); }
+
+std::string ViewServer::address() const {
+  const ViewSettings& settings = impl_->settings();
+  const bool v6 = settings.bind.find(':') != std::string::npos;
+  return "http://" + (v6 ? "[" + settings.bind + "]" : settings.bind) + ":" +
+         std::to_string(port()) + "/" + (settings.token.empty() ? "" : "?token=" + settings.token);
+}
+
+void ViewServer::publish(ReportClass report_class, const std::string& device,
+                         const std::string& line) {
+  impl_->publish(report_class, device, line);
+}
+
+size_t ViewServer::clients() const { return impl_->clients(); }
+
+}  // namespace infuse::daemon

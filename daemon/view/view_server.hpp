@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "daemon/config/view_settings.hpp"
+#include "daemon/pipeline/view_tap.hpp"
+#include "daemon/protocol/reports.hpp"
+#include "drivers/measurement/error.hpp"
+#include "drivers/measurement/rig.hpp"
+
+namespace infuse::daemon {
+
+/// Speed of a replay that a page asks for: 0 pauses.
+using RateControl = std::function<void(double)>;
+
+/// Serves the page of the view, and over a WebSocket the reports, sweeps and images to pages that
+/// are open. Has a thread of its own; the pipeline never waits for it, and a page that does not
+/// keep up loses frames and is told. Read-only, but for the speed of a replay.
+class ViewServer {
+ public:
+  /// `tap` outlives this. `rate`: null for a live run. Errors: the address cannot be bound.
+  static Result<std::unique_ptr<ViewServer>> start(const ViewSettings& settings, const Rig& rig,
+                                                   ViewTap& tap, RateControl rate);
+  ~ViewServer();
+  ViewServer(const ViewServer&) = delete;
+  ViewServer& operator=(const ViewServer&) = delete;
+
+  /// Port that was bound.
+  uint16_t port() const;
+
+  /// Address of the page, for people.
+  std::string address() const;
+
+  /// Publishes a report, a line of JSON; from any thread.
+  void publish(ReportClass report_class, const std::string& device, const std::string& line);
+
+  /// Number of pages that are open; from any thread.
+  size_t clients() const;
+
+ private:
+  class Impl;
+  explicit ViewServer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace infuse::daemon

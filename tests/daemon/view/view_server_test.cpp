@@ -1,0 +1,315 @@
+#include "daemon/view/view_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <cstring>
+#include <thread>
+
+#include "daemon/protocol/json.hpp"
+#include "daemon/view/view_frames.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+
+Rig rig() {
+  Rig out;
+  LidarMount lidar{.name = "top"};
+  lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(0.5, 0, 1.8);
+  out.lidars = {lidar};
+  CameraMount camera{.name = "front", .lidar = "top"};
+  camera.intrinsics = {.width = 4, .height = 2, .fx = 3, .fy = 3, .cx = 2, .cy = 1};
+  out.cameras = {camera};
+  return out;
+}
+
+/// A sweep of `count` returns at (i, −i, 1) cm · 10.
+struct SmallSweep {
+  explicit SmallSweep(size_t count) {
+    sweep.resize(count);
+    at.x.resize(count);
+    at.y.resize(count);
+    at.z.resize(count);
+    for (size_t i = 0; i < count; ++i) {
+      at.x[i] = 0.1F * static_cast<float>(i);
+      at.y[i] = -0.1F * static_cast<float>(i);
+      at.z[i] = 0.1F;
+      sweep.reflectivity[i] = i % 2 == 0 ? 0.0F : 1.0F;
+      sweep.ring[i] = static_cast<uint16_t>(i);
+    }
+    at.reference = Stamp::from_ns(1'700'000'000'123'456'789);
+  }
+  SweepSnapshot snapshot() const { return {LidarIndex(0), sweep, at}; }
+  Sweep sweep;
+  motion::DeskewedSweep at;
+};
+
+/// A binary message, read as the page does.
+struct Frame {
+  explicit Frame(const std::string& data) : bytes(data) {
+    uint32_t length = 0;
+    std::memcpy(&length, bytes.data(), 4);
+    header = Json::parse(bytes.substr(4, length));
+    payload = 4 + length;
+  }
+  int16_t coordinate(size_t axis, size_t i) const {
+    int16_t value = 0;
+    std::memcpy(&value, bytes.data() + payload + 2 * (axis * points() + i), 2);
+    return value;
+  }
+  uint8_t reflectivity(size_t i) const {
+    return static_cast<uint8_t>(bytes[payload + 6 * points() + i]);
+  }
+  size_t points() const { return header["points"].get<size_t>(); }
+  std::string bytes;
+  Json header;
+  size_t payload = 0;
+};
+
+TEST(ViewFrames, SweepsAreQuantisedToCentimetres) {
+  const SmallSweep small(5);
+  ViewTap tap(0);
+  tap.add_sweep(small.snapshot(), nullptr);
+  ViewSweep out;
+  EXPECT_FALSE(tap.take_sweep(out));  // nobody looked
+  tap.set_wanted(true);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation().x() = 7;
+  tap.add_sweep(small.snapshot(), &T);
+  ASSERT_TRUE(tap.take_sweep(out));
+  const Frame frame(encode_sweep(out, rig()));
+  EXPECT_EQ(frame.payload % 8, 0u);
+  EXPECT_EQ(frame.header["kind"], "sweep");
+  EXPECT_EQ(frame.header["device"], "top");
+  EXPECT_EQ(frame.header["stamp"], "1700000000123456789");
+  EXPECT_EQ(frame.header["T_vehicle_lidar"][3], 0.5);
+  EXPECT_EQ(frame.header["T_odom_vehicle"][3], 7.0);
+  ASSERT_EQ(frame.points(), 5u);
+  EXPECT_EQ(frame.bytes.size(), frame.payload + 8 * 5);
+  for (size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(frame.coordinate(0, i), 10 * static_cast<int>(i));
+    EXPECT_EQ(frame.coordinate(1, i), -10 * static_cast<int>(i));
+    EXPECT_EQ(frame.coordinate(2, i), 10);
+    EXPECT_EQ(frame.reflectivity(i), i % 2 == 0 ? 0 : 255);
+  }
+  EXPECT_FALSE(tap.take_sweep(out));  // taken
+}
+
+TEST(ViewFrames, LargeSweepsAreThinnedAndFarReturnsClamped) {
+  SmallSweep large(3 * ViewTap::kMaxPoints + 1);
+  ViewPoints points;
+  quantise(large.snapshot(), ViewTap::kMaxPoints, points);
+  EXPECT_LE(points.size(), ViewTap::kMaxPoints);
+  EXPECT_GT(points.size(), ViewTap::kMaxPoints / 2);
+  EXPECT_EQ(points.x.back(), 32'767);
+  EXPECT_EQ(points.ring.back(), 255);
+  large.at.x[0] = std::numeric_limits<float>::infinity();
+  quantise(large.snapshot(), ViewTap::kMaxPoints, points);
+  EXPECT_EQ(points.x.front(), 32'767);
+}
+
+TEST(ViewFrames, ImagesCarryTheirModelAndAJpegFile) {
+  ViewImage image{.camera = CameraIndex(0)};
+  image.frame.width = 4;
+  image.frame.height = 2;
+  const Frame frame(encode_image(image, {0xff, 0xd8, 0xff}, rig()));
+  EXPECT_EQ(frame.header["kind"], "image");
+  EXPECT_EQ(frame.header["model"], "pinhole");
+  EXPECT_EQ(frame.header["fx"], 3.0);
+  EXPECT_EQ(frame.bytes.substr(frame.payload), "\xff\xd8\xff");
+}
+
+class ViewServerTest : public testing::Test {
+ protected:
+  using Page = beast::websocket::stream<tcp::socket>;
+
+  std::unique_ptr<ViewServer> start(RateControl rate = nullptr) {
+    auto server = ViewServer::start(settings_, rig(), tap_, std::move(rate));
+    EXPECT_TRUE(server) << server.error().message();
+    return *std::move(server);
+  }
+
+  tcp::socket connect(const ViewServer& server) {
+    tcp::socket socket(io_);
+    socket.connect({asio::ip::make_address("127.0.0.1"), server.port()});
+    return socket;
+  }
+
+  /// The whole response to these bytes.
+  std::string ask(const ViewServer& server, const std::string& bytes) {
+    tcp::socket socket = connect(server);
+    beast::error_code ignored;
+    asio::write(socket, asio::buffer(bytes), ignored);
+    std::string response;
+    asio::read(socket, asio::dynamic_buffer(response), ignored);
+    return response;
+  }
+
+  Page open(const ViewServer& server) {
+    Page page(connect(server));
+    page.handshake("127.0.0.1:" + std::to_string(server.port()), "/stream");
+    return page;
+  }
+
+  static std::string read(Page& page) {
+    beast::flat_buffer buffer;
+    page.read(buffer);
+    return beast::buffers_to_string(buffer.data());
+  }
+
+  static bool wait_until(const std::function<bool()>& condition) {
+    for (int k = 0; k < 1000 && !condition(); ++k) std::this_thread::sleep_for(10ms);
+    return condition();
+  }
+
+  ViewSettings settings_;  // port 0: any free one
+  ViewTap tap_{1};
+  asio::io_context io_;
+};
+
+TEST_F(ViewServerTest, ServesThePageWithAStrictPolicy) {
+  const auto server = start();
+  for (const auto& [path, type] : {std::pair("/", "text/html"),
+                                   {"/view.js", "text/javascript"},
+                                   {"/scene.js", "text/javascript"},
+                                   {"/style.css", "text/css"}}) {
+    const std::string response =
+        ask(*server, std::string("GET ") + path + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    EXPECT_EQ(response.rfind("HTTP/1.1 200", 0), 0u) << response.substr(0, 200);
+    EXPECT_NE(response.find(type), std::string::npos) << path;
+    EXPECT_NE(response.find("default-src 'none'"), std::string::npos);
+    EXPECT_EQ(response.find("unsafe"), std::string::npos);
+  }
+  const std::string page = ask(*server, "GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(page.find("onclick="), std::string::npos);
+  EXPECT_EQ(page.find(" style="), std::string::npos);
+}
+
+TEST_F(ViewServerTest, OtherRequestsAreRefusedAndTheServerLives) {
+  const auto server = start();
+  const auto status = [&](const std::string& bytes) {
+    const std::string response = ask(*server, bytes);
+    return response.size() > 12 ? response.substr(9, 3) : "";
+  };
+  const std::string host = " HTTP/1.1\r\nHost: localhost\r\n";
+  EXPECT_EQ(status("POST /" + host + "Content-Length: 0\r\n\r\n"), "405");
+  EXPECT_EQ(status("GET /../../etc/passwd" + host + "\r\n"), "404");
+  EXPECT_EQ(status("GET /%2e%2e/etc/passwd" + host + "\r\n"), "404");
+  EXPECT_EQ(status("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n"), "403");
+  EXPECT_EQ(status("GET / HTTP/1.1\r\n\r\n"), "400");
+  EXPECT_EQ(status("GET / HTTP/1.1\r\nHost: localhost\r\nHost: evil.example\r\n\r\n"), "400");
+  EXPECT_EQ(status("GET /stream" + host + "\r\n"), "426");
+  EXPECT_EQ(
+      status("GET /stream" + host +
+             "Origin: http://evil.example\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+             "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"),
+      "403");
+  EXPECT_EQ(status("GET /" + host + "X: " + std::string(20'000, 'x') + "\r\n\r\n"), "");
+  EXPECT_EQ(status("POST /" + host + "Content-Length: 1000000\r\n\r\n" + std::string(100'000, 'x')),
+            "");
+  EXPECT_EQ(status("\x16\x03\x01\x02\r\n\r\n"), "");
+  EXPECT_EQ(status(std::string(100, '\0') + "\r\n\r\n"), "");
+  EXPECT_EQ(status("GET /" + host + "\r\n"), "200");
+}
+
+TEST_F(ViewServerTest, APageGetsReportsSweepsAndTheLastStates) {
+  const auto server = start();
+  server->publish(ReportClass::kHealth, "", R"({"class":"HEALTH","n":1})");
+  server->publish(ReportClass::kSweep, "top", R"({"class":"SWEEP"})");  // nobody looks
+  Page page = open(*server);
+  EXPECT_EQ(read(page), R"({"class":"VIEW","form":1,"replay":false})");
+  EXPECT_EQ(read(page), R"({"class":"HEALTH","n":1})");
+  ASSERT_TRUE(wait_until([&] { return tap_.wanted(); }));
+  tap_.add_sweep(SmallSweep(3).snapshot(), nullptr);
+  const std::string binary = read(page);
+  EXPECT_TRUE(page.got_binary());
+  EXPECT_EQ(Frame(binary).points(), 3u);
+  server->publish(ReportClass::kSweep, "top", R"({"class":"SWEEP"})");
+  EXPECT_EQ(read(page), R"({"class":"SWEEP"})");
+  page.close(beast::websocket::close_code::normal);
+  EXPECT_TRUE(wait_until([&] { return server->clients() == 0; }));
+  EXPECT_TRUE(wait_until([&] { return !tap_.wanted(); }));
+}
+
+TEST_F(ViewServerTest, ASlowPageLosesMessagesAndIsTold) {
+  const auto server = start();
+  Page slow = open(*server), quick = open(*server);
+  read(slow);
+  read(quick);
+  const std::string large = R"({"class":"POSE","x":")" + std::string(20'000, 'x') + "\"}";
+  for (int k = 0; k < 3000; ++k) {  // 60 MB, beyond what sockets hold
+    server->publish(ReportClass::kPose, "odom", large);
+    ASSERT_EQ(read(quick), large);
+  }
+  bool told = false;
+  for (int k = 0; k < 3000 && !told; ++k)
+    told = read(slow).rfind(R"({"class":"LOST","count":)", 0) == 0;
+  EXPECT_TRUE(told);
+}
+
+TEST_F(ViewServerTest, PagesAreLimited) {
+  settings_.max_clients = 2;
+  const auto server = start();
+  Page one = open(*server), two = open(*server);
+  Page three(connect(*server));
+  beast::error_code refused;
+  three.handshake("127.0.0.1:1", "/stream", refused);
+  EXPECT_TRUE(refused);
+  one.next_layer().close();
+  EXPECT_TRUE(wait_until([&] { return server->clients() == 1; }));
+  Page four = open(*server);
+}
+
+TEST_F(ViewServerTest, OnlyAReplayTakesACommandAndOnlyOne) {
+  std::vector<double> rates;
+  std::mutex mutex;
+  {
+    const auto server = start([&](double rate) {
+      const std::lock_guard lock(mutex);
+      rates.push_back(rate);
+    });
+    Page page = open(*server);
+    EXPECT_EQ(read(page), R"({"class":"VIEW","form":1,"replay":true})");
+    for (const char* text : {"{\"rate\":2}", "{\"rate\":-1}", "{\"rate\":1e9}", "{\"rate\":\"2\"}",
+                             "{\"op\":\"apply\"}", "[[[[", "{\"rate\":0}"}) {
+      page.write(asio::buffer(std::string(text)));
+    }
+    EXPECT_TRUE(wait_until([&] {
+      const std::lock_guard lock(mutex);
+      return rates.size() == 2;
+    }));
+    beast::error_code closed;
+    page.write(asio::buffer(std::string(5000, 'x')), closed);  // too long
+    EXPECT_TRUE(wait_until([&] { return server->clients() == 0; }));
+  }
+  EXPECT_EQ(rates, (std::vector<double>{2, 0}));
+  const auto live = start();
+  Page page = open(*live);
+  page.write(asio::buffer(std::string("{\"rate\":0}")));
+  live->publish(ReportClass::kHealth, "", "{}");
+  read(page);
+  EXPECT_EQ(read(page), "{}");
+}
+
+TEST_F(ViewServerTest, ATakenPortIsAnError) {
+  const auto server = start();
+  settings_.port = server->port();
+  const auto second = ViewServer::start(settings_, rig(), tap_, nullptr);
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().message().find(std::to_string(server->port())), std::string::npos);
+}
+
+}  // namespace
+}  // namespace infuse::daemon
