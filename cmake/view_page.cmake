@@ -1,7 +1,7 @@
 # Puts the files of daemon/view/page, and the charts of daemon/report, into a header.
 set(page ${PROJECT_SOURCE_DIR}/daemon/view/page)
 set(charts ${PROJECT_SOURCE_DIR}/daemon/report/page/charts.js)
-file(READ ${page}/view.html ${page}/icon.svg VIEW_PAGE)
+file(READ ${page}/view.html VIEW_PAGE)
 file(READ ${page}/icon.svg VIEW_ICON)
 file(READ ${page}/style.css VIEW_STYLE)
 file(READ ${charts} VIEW_CHARTS)
@@ -11,5 +11,5 @@ file(READ ${page}/view.js VIEW_CODE)
 configure_file(${PROJECT_SOURCE_DIR}/daemon/view/view_files.hpp.in
   ${CMAKE_BINARY_DIR}/made/daemon/view/view_files.hpp @ONLY)
 set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
-  ${page}/view.html ${page}/style.css ${page}/scene.js ${page}/overlay.js ${page}/view.js)
+  ${page}/view.html ${page}/icon.svg ${page}/style.css ${page}/scene.js ${page}/overlay.js ${page}/view.js)
 target_include_directories(infuse_daemon_view PRIVATE ${CMAKE_BINARY_DIR}/made)

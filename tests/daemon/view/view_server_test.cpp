@@ -193,6 +193,7 @@ TEST_F(ViewServerTest, ServesThePageWithAStrictPolicy) {
     EXPECT_EQ(response.find("unsafe"), std::string::npos);
   }
   const std::string page = ask(*server, "GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_NE(page.find("<canvas id=\"points\">"), std::string::npos);
   EXPECT_EQ(page.find("onclick="), std::string::npos);
   EXPECT_EQ(page.find(" style="), std::string::npos);
 }
