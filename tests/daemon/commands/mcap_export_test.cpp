@@ -103,6 +103,17 @@ void expect_same_rig(const Rig& a, const Rig& b) {
   }
 }
 
+/// Equal to rounding; a standing vehicle has no course.
+void expect_same_velocity(const GnssFix& a, const GnssFix& b) {
+  EXPECT_EQ(std::isnan(a.speed), std::isnan(b.speed));
+  if (std::isnan(a.speed)) return;
+  EXPECT_NEAR(a.speed, b.speed, 1e-14 * a.speed);
+  EXPECT_EQ(std::isnan(b.course), a.speed == 0);
+  if (a.speed != 0) {
+    EXPECT_NEAR(std::remainder(a.course - b.course, 2 * M_PI), 0, 1e-14);
+  }
+}
+
 /// Exports a drive, imports the file, and expects the same measurements.
 void expect_same_after_round_trip(const fs::path& drive, const ScratchFolder& folder) {
   const auto exported = export_mcap(drive, folder / "a.mcap", {});
@@ -137,6 +148,7 @@ void expect_same_after_round_trip(const fs::path& drive, const ScratchFolder& fo
     EXPECT_NEAR(a.fixes[k].latitude, b.fixes[k].latitude, 1e-15);
     EXPECT_NEAR(a.fixes[k].longitude, b.fixes[k].longitude, 1e-15);
     EXPECT_EQ(a.fixes[k].valid, b.fixes[k].valid);
+    expect_same_velocity(a.fixes[k], b.fixes[k]);
   }
 }
 
@@ -215,6 +227,8 @@ void write_drive(const fs::path& drive) {
     imu.push_back({stamp + Duration(7), {0.1, 0.2 * k, 0.3}, {1, 2, 9.81}});
     fixes.push_back({.stamp = stamp + Duration(9), .latitude = 0.85, .longitude = 0.14 + 1e-7 * k});
     fixes.back().valid = k > 0;
+    fixes.back().speed = k == 0 ? kNan : k == 1 ? 0 : 11.1 + k;  // 0: no fix, 1: stands
+    fixes.back().course = k == 0 ? kNan : 3 * k + 0.3;           // 2 and 3: either side of north
   }
   ASSERT_TRUE(recording::write_times(drive / "rear" / "times.csv", rows));
   ASSERT_TRUE(recording::write_times(drive / "left" / "times.csv", exposures));
