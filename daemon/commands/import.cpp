@@ -7,6 +7,7 @@
 #include "daemon/commands/command.hpp"
 #include "daemon/protocol/json.hpp"
 #include "drivers/import/bag_import.hpp"
+#include "drivers/import/folder_import.hpp"
 #include "drivers/import/kitti_import.hpp"
 #include "drivers/import/lcm_import.hpp"
 #include "drivers/import/opencalib_import.hpp"
@@ -52,6 +53,25 @@ int run_opencalib(const ImportArguments& arguments) {
     std::cout << fmt::format("{}: a sweep and an image; their time is synthetic\n",
                              arguments.drive);
   }
+  return kDone;
+}
+
+int run_folder(const ImportArguments& arguments) {
+  const auto imported = importers::import_folder(arguments.source, arguments.drive);
+  if (!imported) return print_error("infuse import folder", imported.error(), kUnreadable);
+  if (arguments.json) {
+    Json json = {{"drive", arguments.drive},
+                 {"packets", imported->packets},
+                 {"sweeps", imported->sweeps},
+                 {"images", imported->images},
+                 {"notes", Json::array()}};
+    for (const Error& note : imported->notes) json["notes"].push_back(note.message());
+    std::cout << json_text(json) << "\n";
+    return kDone;
+  }
+  std::cout << fmt::format("{}: {} packets, {} sweeps, {} images\n", arguments.drive,
+                           imported->packets, imported->sweeps, imported->images);
+  for (const Error& note : imported->notes) std::cout << "  note: " << note.message() << "\n";
   return kDone;
 }
 
@@ -247,6 +267,12 @@ Command declare_import(CLI::App& infuse) {
   const auto from_kitti = declare(kitti, "DIR", "folder of the data set");
   const auto from_opencalib =
       declare(opencalib, "FILE", "NAME.calib.txt; NAME.pcd and NAME.png or .jpg are next to it");
+  CLI::App* folder =
+      app->add_subcommand("folder", "captures and images of your own, described by a TOML file");
+  const auto from_folder =
+      declare(folder, "FILE.toml", "description; the files it names are in its folder");
+  set_examples(*folder, {"infuse import folder recording/folder.toml -o drive/",
+                         "infuse import folder recording/folder.toml -o drive/ --json"});
   set_examples(*app, {"infuse import kitti 2011_09_26/2011_09_26_drive_0005_sync -o drive/",
                       "infuse import rosbag drive.mcap -o drive/"});
   set_examples(*kitti, {"infuse import kitti 2011_09_26/2011_09_26_drive_0005_sync -o drive/",
@@ -256,6 +282,7 @@ Command declare_import(CLI::App& infuse) {
   return {app, [=] {
             if (rosbag->parsed()) return run_rosbag(*from_rosbag);
             if (lcm->parsed()) return run_lcm(*from_lcm);
+            if (folder->parsed()) return run_folder(*from_folder);
             return kitti->parsed() ? run_kitti(*from_kitti) : run_opencalib(*from_opencalib);
           }};
 }

@@ -340,7 +340,7 @@ class BagImport {
           (nearest == velocities_.end() ||
            fix.stamp - std::prev(nearest)->stamp < nearest->stamp - fix.stamp))
         --nearest;
-      if (nearest == velocities_.end() || std::chrono::abs(nearest->stamp - fix.stamp) > kMaxGap) {
+      if (nearest == velocities_.end() || distance_between(nearest->stamp, fix.stamp) > kMaxGap) {
         if (fix.valid) ++without;
         continue;
       }
