@@ -200,9 +200,11 @@ class LcmImport {
       if (sink.has_positions() && description_.gnss_lidar.empty())
         description_.gnss_lidar = description_.rig.lidars[k].name;
     }
-    for (const auto& [name, input] : inputs_) {
+    for (const auto& entry : inputs_) {
+      const Input& input = entry.second;
       const auto note = [&](size_t count, const std::string& what) {
-        if (count > 0) summary_.notes.push_back({std::to_string(count) + " " + what, name, ""});
+        if (count > 0)
+          summary_.notes.push_back({std::to_string(count) + " " + what, entry.first, ""});
       };
       note(input.without_packets, "messages have no packet");
       note(input.without_times,
