@@ -7,7 +7,9 @@
 #include "daemon/commands/command.hpp"
 #include "daemon/protocol/json.hpp"
 #include "drivers/import/bag_import.hpp"
+#include "drivers/import/folder_import.hpp"
 #include "drivers/import/kitti_import.hpp"
+#include "drivers/import/lcm_import.hpp"
 #include "drivers/import/opencalib_import.hpp"
 
 namespace infuse::daemon {
@@ -51,6 +53,25 @@ int run_opencalib(const ImportArguments& arguments) {
     std::cout << fmt::format("{}: a sweep and an image; their time is synthetic\n",
                              arguments.drive);
   }
+  return kDone;
+}
+
+int run_folder(const ImportArguments& arguments) {
+  const auto imported = importers::import_folder(arguments.source, arguments.drive);
+  if (!imported) return print_error("infuse import folder", imported.error(), kUnreadable);
+  if (arguments.json) {
+    Json json = {{"drive", arguments.drive},
+                 {"packets", imported->packets},
+                 {"sweeps", imported->sweeps},
+                 {"images", imported->images},
+                 {"notes", Json::array()}};
+    for (const Error& note : imported->notes) json["notes"].push_back(note.message());
+    std::cout << json_text(json) << "\n";
+    return kDone;
+  }
+  std::cout << fmt::format("{}: {} packets, {} sweeps, {} images\n", arguments.drive,
+                           imported->packets, imported->sweeps, imported->images);
+  for (const Error& note : imported->notes) std::cout << "  note: " << note.message() << "\n";
   return kDone;
 }
 
@@ -149,6 +170,76 @@ std::shared_ptr<BagArguments> declare_rosbag(CLI::App* app) {
   return arguments;
 }
 
+struct LcmArguments {
+  std::vector<std::string> files;
+  std::string drive;
+  bool json = false;
+};
+
+Json channels_json(const importers::LcmImportSummary& imported) {
+  Json channels = Json::array();
+  for (const importers::LcmChannel& channel : imported.channels) {
+    Json entry = {{"channel", channel.name},
+                  {"messages", channel.messages},
+                  {"rate_hz", channel.rate_hz()},
+                  {"smallest_bytes", channel.smallest},
+                  {"largest_bytes", channel.largest}};
+    if (!channel.use.empty()) entry["use"] = channel.use;
+    if (channel.lag.messages > 0) {
+      entry["lag_s"] = {{"median", channel.lag.median},
+                        {"smallest", channel.lag.smallest},
+                        {"largest", channel.lag.largest}};
+    }
+    channels.push_back(entry);
+  }
+  return channels;
+}
+
+void print_channel(const importers::LcmChannel& channel) {
+  std::string text =
+      channel.use.empty() ? "not taken: no packets of a Velodyne lidar" : channel.use;
+  if (channel.use.empty() && channel.has_positions) text = "not taken";
+  const std::string lag = lag_text(channel.lag);
+  if (!channel.use.empty()) text += "; " + (lag.empty() ? "stamps are the log times" : lag);
+  const std::string size = channel.smallest == channel.largest
+                               ? std::to_string(channel.largest)
+                               : fmt::format("{}-{}", channel.smallest, channel.largest);
+  std::cout << fmt::format("  {:<24} {:>8} at {:>8.2f} Hz, {:>12} bytes  {}\n", channel.name,
+                           channel.messages, channel.rate_hz(), size, text);
+}
+
+int run_lcm(const LcmArguments& arguments) {
+  const auto imported =
+      importers::import_lcm({arguments.files.begin(), arguments.files.end()}, arguments.drive);
+  if (!imported) return print_error("infuse import lcm", imported.error(), kUnreadable);
+  if (arguments.json) {
+    Json json = {{"drive", arguments.drive},
+                 {"packets", imported->packets},
+                 {"channels", channels_json(*imported)},
+                 {"notes", Json::array()}};
+    for (const Error& note : imported->notes) json["notes"].push_back(note.message());
+    std::cout << json_text(json) << "\n";
+    return kDone;
+  }
+  std::cout << fmt::format("{}: {} packets\n", arguments.drive, imported->packets);
+  for (const importers::LcmChannel& channel : imported->channels) print_channel(channel);
+  for (const Error& note : imported->notes) std::cout << "  note: " << note.message() << "\n";
+  return kDone;
+}
+
+std::shared_ptr<LcmArguments> declare_lcm(CLI::App* app) {
+  const auto arguments = std::make_shared<LcmArguments>();
+  app->add_option("FILE", arguments->files, "log of lcm-logger; several are read in this order")
+      ->required();
+  app->add_option("-o,--output", arguments->drive, "drive folder to create")
+      ->required()
+      ->type_name("DRIVE");
+  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  set_examples(*app, {"infuse import lcm lcmlog-2009-12-14.00 -o drive/",
+                      "infuse import lcm lcmlog.00 lcmlog.01 -o drive/ --json"});
+  return arguments;
+}
+
 /// Declares the arguments that all sources share.
 std::shared_ptr<ImportArguments> declare(CLI::App* app, const char* source,
                                          const char* description) {
@@ -171,9 +262,17 @@ Command declare_import(CLI::App& infuse) {
       app->add_subcommand("opencalib", "one scene of OpenCalib's lidar-to-camera data");
   CLI::App* rosbag = app->add_subcommand("rosbag", "recordings of ROS 2 (MCAP, SQLite) and ROS 1");
   const auto from_rosbag = declare_rosbag(rosbag);
+  CLI::App* lcm = app->add_subcommand("lcm", "packets of Velodyne lidars in logs of LCM");
+  const auto from_lcm = declare_lcm(lcm);
   const auto from_kitti = declare(kitti, "DIR", "folder of the data set");
   const auto from_opencalib =
       declare(opencalib, "FILE", "NAME.calib.txt; NAME.pcd and NAME.png or .jpg are next to it");
+  CLI::App* folder =
+      app->add_subcommand("folder", "captures and images of your own, described by a TOML file");
+  const auto from_folder =
+      declare(folder, "FILE.toml", "description; the files it names are in its folder");
+  set_examples(*folder, {"infuse import folder recording/folder.toml -o drive/",
+                         "infuse import folder recording/folder.toml -o drive/ --json"});
   set_examples(*app, {"infuse import kitti 2011_09_26/2011_09_26_drive_0005_sync -o drive/",
                       "infuse import rosbag drive.mcap -o drive/"});
   set_examples(*kitti, {"infuse import kitti 2011_09_26/2011_09_26_drive_0005_sync -o drive/",
@@ -182,6 +281,8 @@ Command declare_import(CLI::App& infuse) {
                             "infuse import opencalib scene/0.calib.txt -o drive/ --json"});
   return {app, [=] {
             if (rosbag->parsed()) return run_rosbag(*from_rosbag);
+            if (lcm->parsed()) return run_lcm(*from_lcm);
+            if (folder->parsed()) return run_folder(*from_folder);
             return kitti->parsed() ? run_kitti(*from_kitti) : run_opencalib(*from_opencalib);
           }};
 }

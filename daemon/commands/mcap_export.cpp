@@ -122,6 +122,7 @@ class DriveExport {
     note(other_datagrams_, "datagrams are not written: they are of no lidar, or of another length");
     note(unreadable_images_, "images are not written: they cannot be read");
     note(not_deskewed_, "sweeps are not on .../points: odometry does not cover them");
+    note(speeds_without_course_, "speeds of GNSS are not written: they have no course");
     note(wheel_samples_, "samples of wheels are written as the speed of the rear axle");
   }
 
@@ -291,7 +292,22 @@ class DriveExport {
     message.latitude = fix.latitude * kDegrees;
     message.longitude = fix.longitude * kDegrees;
     message.altitude = fix.altitude;
-    file_.write("/vehicle/fix", fix.stamp, message);
+    file_.write("/gnss/fix", fix.stamp, message);
+    write_velocity(fix);
+  }
+
+  /// As ROS drivers of GNSS receivers publish it: to the east and north, beside the fix.
+  void write_velocity(const GnssFix& fix) {
+    const bool stationary = fix.speed == 0;
+    if (!std::isfinite(fix.speed)) return;
+    if (!stationary && !std::isfinite(fix.course)) {
+      ++speeds_without_course_;
+      return;
+    }
+    ros::TwistStamped message{header_of(fix.stamp, "gnss"), {}};
+    message.twist.linear.x = stationary ? 0 : fix.speed * std::sin(fix.course);
+    message.twist.linear.y = stationary ? 0 : fix.speed * std::cos(fix.course);
+    file_.write("/gnss/vel", fix.stamp, message);
   }
 
   const DriveSetup& setup_;
@@ -304,6 +320,7 @@ class DriveExport {
   std::vector<uint8_t> data_;
   bool started_ = false;
   size_t other_datagrams_ = 0, unreadable_images_ = 0, not_deskewed_ = 0, wheel_samples_ = 0;
+  size_t speeds_without_course_ = 0;
 };
 
 }  // namespace

@@ -139,6 +139,12 @@ class BagImport {
   }
 
  private:
+  /// Velocity over ground, m/s.
+  struct Velocity {
+    Stamp stamp;
+    double east, north;
+  };
+
   template <class T, class Sink, class OnMessage>
   static Result<void> add_to(const BagMessage& message, Sink& sink, OnMessage on_message) {
     const auto read = ros::decode<T>(message.data, message.encoding);
@@ -255,6 +261,8 @@ class BagImport {
       sound = add_imu(message);
     } else if (topic == summary_.selection.gnss) {
       sound = add_fix(message);
+    } else if (topic == summary_.selection.velocity) {
+      sound = add_velocity(message);
     }
     if (!sound) ++unreadable_samples_;
   }
@@ -305,6 +313,47 @@ class BagImport {
     return true;
   }
 
+  bool add_velocity(const BagMessage& message) {
+    if (message.type == ros::TwistStamped::kName) {
+      const auto twist = ros::decode<ros::TwistStamped>(message.data, message.encoding);
+      return twist && add_over_ground(twist->header, twist->twist, message.log_time);
+    }
+    const auto twist = ros::decode<ros::TwistWithCovarianceStamped>(message.data, message.encoding);
+    return twist && add_over_ground(twist->header, twist->twist, message.log_time);
+  }
+
+  bool add_over_ground(const ros::Header& header, const ros::Twist& twist, Stamp log_time) {
+    const double east = twist.linear.x, north = twist.linear.y;
+    if (!std::isfinite(east + north)) return false;
+    velocities_.push_back({stamp_of(header, log_time), east, north});
+    return true;
+  }
+
+  /// Gives each fix the speed and course of the nearest velocity.
+  void join_velocities() {
+    constexpr Duration kMaxGap{50'000'000};
+    std::ranges::stable_sort(velocities_, {}, &Velocity::stamp);
+    size_t without = 0;
+    for (GnssFix& fix : fixes_) {
+      auto nearest = std::ranges::lower_bound(velocities_, fix.stamp, {}, &Velocity::stamp);
+      if (nearest != velocities_.begin() &&
+          (nearest == velocities_.end() ||
+           fix.stamp - std::prev(nearest)->stamp < nearest->stamp - fix.stamp))
+        --nearest;
+      if (nearest == velocities_.end() || distance_between(nearest->stamp, fix.stamp) > kMaxGap) {
+        if (fix.valid) ++without;
+        continue;
+      }
+      const double course = std::atan2(nearest->east, nearest->north);
+      fix.speed = std::hypot(nearest->east, nearest->north);
+      if (fix.speed > 0) fix.course = course < 0 ? course + 2 * std::numbers::pi : course;
+    }
+    if (without > 0 && !velocities_.empty()) {
+      summary_.notes.push_back({std::to_string(without) + " fixes have no velocity within 50 ms",
+                                summary_.selection.velocity, ""});
+    }
+  }
+
   void complete_lidars() {
     for (size_t k = 0; k < summary_.selection.lidars.size(); ++k) {
       const BagLidar& lidar = summary_.selection.lidars[k];
@@ -320,6 +369,10 @@ class BagImport {
       summary_.selection.reasons[summary_.selection.gnss] =
           "the lidar's position packets carry the fixes";
       summary_.selection.gnss.clear();
+      if (!summary_.selection.velocity.empty())
+        summary_.selection.reasons[summary_.selection.velocity] =
+            "the lidar's position packets carry the fixes";
+      summary_.selection.velocity.clear();
       fixes_.clear();
     }
   }
@@ -339,6 +392,7 @@ class BagImport {
     std::stable_sort(speeds_.begin(), speeds_.end(), by_stamp);
     std::stable_sort(imu_.begin(), imu_.end(), by_stamp);
     std::stable_sort(fixes_.begin(), fixes_.end(), by_stamp);
+    join_velocities();
     summary_.speeds = speeds_.size();
     summary_.imu_samples = imu_.size();
     summary_.fixes = fixes_.size();
@@ -370,6 +424,7 @@ class BagImport {
   std::vector<WheelOdometry> speeds_;
   std::vector<ImuSample> imu_;
   std::vector<GnssFix> fixes_;
+  std::vector<Velocity> velocities_;
   size_t unreadable_samples_ = 0;
 };
 
@@ -388,6 +443,7 @@ std::string BagImportSummary::use_of(const std::string& topic) const {
   if (topic == selection.speed) return "speed";
   if (topic == selection.imu) return "inertial unit";
   if (topic == selection.gnss) return "GNSS";
+  if (topic == selection.velocity) return "speed and course of GNSS";
   if (found->type == ros::TfMessage::kName) return "transforms";
   if (found->type == ros::CameraInfo::kName) return "intrinsics";
   return "";

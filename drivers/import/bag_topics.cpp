@@ -47,6 +47,9 @@ class Surveyor {
     } else if (topic.type == ros::Odometry::kName) {
       with<ros::Odometry>(message, topic,
                           [&](const auto& pose) { note_motion(pose.twist, topic); });
+    } else if (topic.type == ros::TwistWithCovarianceStamped::kName) {
+      with<ros::TwistWithCovarianceStamped>(
+          message, topic, [&](const auto& twist) { note_motion(twist.twist, topic); });
     }
     if (has_header(topic.type)) {
       with<HeaderOnly>(message, topic, [&](const HeaderOnly& only) {
@@ -74,7 +77,8 @@ class Surveyor {
     return type == ros::VelodyneScan::kName || type == ros::PointCloud2::kName ||
            type == ros::Image::kName || type == ros::CompressedImage::kName ||
            type == ros::Imu::kName || type == ros::NavSatFix::kName ||
-           type == ros::TwistStamped::kName || type == ros::Odometry::kName;
+           type == ros::TwistStamped::kName || type == ros::TwistWithCovarianceStamped::kName ||
+           type == ros::Odometry::kName;
   }
 
   template <class T, class OnMessage>
@@ -87,7 +91,11 @@ class Surveyor {
   }
 
   static void note_motion(const ros::Twist& twist, BagTopic& topic) {
-    topic.is_measured = topic.is_measured || twist.linear.x != 0 || twist.angular.z != 0;
+    const auto& [wx, wy, wz] = twist.angular;
+    topic.is_measured = topic.is_measured || twist.linear.x != 0 || wz != 0;
+    topic.has_x = topic.has_x || twist.linear.x != 0;
+    topic.has_y = topic.has_y || twist.linear.y != 0;
+    topic.has_turns = topic.has_turns || wx != 0 || wy != 0 || wz != 0;
   }
 
   static void note_header(const ros::Header& header, Stamp log_time, BagTopic& topic,
@@ -168,6 +176,7 @@ Result<std::string> select_one(const BagSurvey& survey, const std::set<std::stri
                                std::initializer_list<const char*> types, const std::string& kind,
                                BagSelection& selection) {
   auto all = candidates(survey, wanted, types, selection);
+  std::erase_if(all, [&](const BagTopic* topic) { return topic->name == selection.velocity; });
   std::erase_if(all, [&](const BagTopic* topic) {
     const bool empty = topic->type != ros::NavSatFix::kName && !topic->is_measured &&
                        !wanted.contains(topic->name);
@@ -279,6 +288,21 @@ Result<BagSurvey> survey_bags(const std::vector<std::filesystem::path>& files) {
   return surveyor.finish();
 }
 
+std::string velocity_beside(const BagSurvey& survey, const std::string& fixes) {
+  if (fixes.empty()) return "";
+  const std::string space = split_topic(fixes).first;
+  for (const BagTopic& topic : survey.topics) {
+    const auto [parent, last] = split_topic(topic.name);
+    const bool of_type = topic.type == ros::TwistStamped::kName ||
+                         topic.type == ros::TwistWithCovarianceStamped::kName;
+    const bool over_ground = !topic.has_turns && (topic.has_y || !topic.has_x);
+    if (of_type && over_ground && parent == space && last.find("vel") != std::string::npos &&
+        topic.unreadable < topic.messages)
+      return topic.name;
+  }
+  return "";
+}
+
 Result<BagSelection> select_topics(const BagSurvey& survey, const std::set<std::string>& wanted) {
   for (const std::string& name : wanted) {
     if (survey.find(name) == nullptr) {
@@ -288,6 +312,10 @@ Result<BagSelection> select_topics(const BagSurvey& survey, const std::set<std::
     }
   }
   BagSelection selection;
+  const auto gnss = select_one(survey, wanted, {ros::NavSatFix::kName}, "GNSS fixes", selection);
+  if (!gnss) return tl::unexpected(gnss.error());
+  selection.gnss = *gnss;
+  selection.velocity = velocity_beside(survey, *gnss);
   if (auto done = select_lidars(survey, wanted, selection); !done)
     return tl::unexpected(done.error());
   if (auto done = select_cameras(survey, wanted, selection); !done)
@@ -297,11 +325,8 @@ Result<BagSelection> select_topics(const BagSurvey& survey, const std::set<std::
   if (!speed) return tl::unexpected(speed.error());
   const auto imu = select_one(survey, wanted, {ros::Imu::kName}, "an inertial unit", selection);
   if (!imu) return tl::unexpected(imu.error());
-  const auto gnss = select_one(survey, wanted, {ros::NavSatFix::kName}, "GNSS fixes", selection);
-  if (!gnss) return tl::unexpected(gnss.error());
   selection.speed = *speed;
   selection.imu = *imu;
-  selection.gnss = *gnss;
   return selection;
 }
 

@@ -30,6 +30,7 @@ struct BagTopic {
   std::string frame;      ///< of the first header
   StampLag lag;
   bool is_measured = false;  ///< a twist is not zero, an inertial sample is finite
+  bool has_x = false, has_y = false, has_turns = false;  ///< components of twists that are not zero
 };
 
 /// What recordings contain.
@@ -71,8 +72,15 @@ struct BagSelection {
   std::string speed;  ///< topic of twists or odometry; empty: none
   std::string imu;
   std::string gnss;
+  std::string velocity;  ///< topic of the velocities beside the fixes, as `velocity_beside`
   std::map<std::string, std::string> reasons;  ///< why a topic is not taken, by topic
 };
+
+/// Returns the topic of velocities over ground beside a topic of fixes, as ROS drivers of GNSS
+/// receivers publish them; empty if there is none. It is in the same namespace, "vel" is in its
+/// name, and its twists are in the fix's frame of east and north: they do not turn and are not all
+/// along x, as those of a vehicle are.
+std::string velocity_beside(const BagSurvey& survey, const std::string& fixes);
 
 /// Selects topics by their types. If `wanted` names topics of a kind (lidars, cameras, speed,
 /// inertial, GNSS), no others of that kind are taken. Fails where it is ambiguous, and names the

@@ -6,12 +6,37 @@ namespace infuse::importers {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// Extension of a file in a drive: ".jpg" of ".JPEG".
+std::string drive_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".jpeg" ? ".jpg" : extension;
+}
+
+}  // namespace
+
 Result<void> make_empty_folder(const fs::path& drive) {
   std::error_code failed;
   if (fs::exists(drive, failed) && !fs::is_empty(drive, failed))
     return fail("exists and is not empty", drive.string(), "choose a new folder");
   fs::create_directories(drive, failed);
   if (failed) return fail("cannot be created: " + failed.message(), drive.string());
+  return {};
+}
+
+Result<void> link_file(const fs::path& from, const fs::path& to) {
+  std::error_code failed;
+  if (fs::exists(to, failed)) {
+    if (fs::equivalent(from, to, failed)) return {};
+    return fail("exists already", to.string(), "from " + from.string());
+  }
+  fs::create_directories(to.parent_path(), failed);
+  if (failed) return fail("cannot be created: " + failed.message(), to.parent_path().string());
+  fs::create_hard_link(from, to, failed);
+  if (failed) fs::copy_file(from, to, failed);
+  if (failed) return fail("cannot be copied: " + failed.message(), from.string());
   return {};
 }
 
@@ -23,10 +48,8 @@ Result<void> link_sequence(const std::vector<StampedFile>& files, const fs::path
   std::vector<std::string> sources;
   for (const StampedFile& file : files) {
     const fs::path target =
-        folder / recording::numbered_file_name(rows.size(), file.path.extension().string());
-    fs::create_hard_link(file.path, target, failed);
-    if (failed) fs::copy_file(file.path, target, failed);
-    if (failed) return fail("cannot be copied: " + failed.message(), file.path.string());
+        folder / recording::numbered_file_name(rows.size(), drive_extension(file.path));
+    if (auto linked = link_file(file.path, target); !linked) return linked;
     rows.push_back(file.times);
     sources.push_back(file.path.filename().string());
   }

@@ -19,6 +19,10 @@ struct StampedFile {
 /// Creates the folder of a drive. Fails if it exists and is not empty.
 Result<void> make_empty_folder(const std::filesystem::path& drive);
 
+/// Hard-links a file, or copies it if linking fails; creates the folders above. Nothing is done if
+/// the file is there already; another file in its place is an error.
+Result<void> link_file(const std::filesystem::path& from, const std::filesystem::path& to);
+
 /// Hard-links `files` into `folder` as 000000.extension …, or copies them if linking fails, and
 /// writes times.csv.
 Result<void> link_sequence(const std::vector<StampedFile>& files,

@@ -5,6 +5,7 @@
 
 #include "drivers/measurement/ipv4_address.hpp"
 #include "drivers/recording/can_toml.hpp"
+#include "drivers/recording/drive_table.hpp"
 #include "drivers/recording/sweep_files.hpp"
 #include "drivers/recording/toml_names.hpp"
 #include "drivers/recording/toml_table.hpp"
@@ -208,12 +209,17 @@ Result<Value> parse(std::string_view text, const std::string& file, const Read& 
 
 }  // namespace
 
-Result<DriveDescription> parse_drive(std::string_view text, const std::string& file) {
-  auto drive = parse<DriveDescription>(text, file, read_drive);
-  if (drive) {
-    if (const auto wrong = drive->invalid()) return fail(*wrong, file);
-  }
+Result<DriveDescription> parse_drive(const toml::table& table, const std::string& file) {
+  DriveDescription drive;
+  if (auto wrong = read_drive(table, file, drive)) return tl::unexpected(std::move(*wrong));
+  if (const auto wrong = drive.invalid()) return fail(*wrong, file);
   return drive;
+}
+
+Result<DriveDescription> parse_drive(std::string_view text, const std::string& file) {
+  const auto table = parse_toml(text, file);
+  if (!table) return tl::unexpected(table.error());
+  return parse_drive(*table, file);
 }
 
 Result<Rig> parse_rig(std::string_view text, const std::string& file) {

@@ -91,6 +91,15 @@ struct TwistStamped {
   void fields(auto& archive) { archive(header, twist); }
 };
 
+/// geometry_msgs/TwistWithCovarianceStamped
+struct TwistWithCovarianceStamped {
+  static constexpr const char* kName = "geometry_msgs/msg/TwistWithCovarianceStamped";
+  Header header;
+  Twist twist;
+  std::array<double, 36> covariance{};  ///< by row: x y z, rotation about x y z
+  void fields(auto& archive) { archive(header, twist, covariance); }
+};
+
 /// nav_msgs/Odometry: the pose is in header.frame_id, the twist in child_frame_id.
 struct Odometry {
   static constexpr const char* kName = "nav_msgs/msg/Odometry";

@@ -20,6 +20,7 @@
 #include "fixtures/velodyne/db_xml.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "fusion/streetmap/map_from_image.hpp"
+#include "tests/drivers/lcm/lcm_bytes.hpp"
 #include "tests/drivers/recording/compress.hpp"
 #include "tests/drivers/rosbag/bag_bytes.hpp"
 #include "tests/drivers/velodyne/mutation_families.hpp"
@@ -226,6 +227,18 @@ void write_bags(const std::filesystem::path& folder) {
   }
 }
 
+void write_logs(const std::filesystem::path& folder) {
+  const auto packets = make_scene({.turns = 0.01}).packets;
+  if (packets.empty()) return;
+  const std::string packet(packets[0].payload.begin(), packets[0].payload.end());
+  constexpr uint64_t kUs = 1'700'000'000'000'000;
+  write_seed(folder / "poses", lcm::make_event(0, kUs, "POSE", "content") +
+                                   lcm::make_event(1, kUs + 9, "POSE", "contents"));
+  write_seed(folder / "packets",
+             lcm::make_event(0, kUs, "VELODYNE", lcm::make_raw_message(kUs, packet)) +
+                 lcm::make_event(1, kUs + 9, "RAW", packet));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -250,6 +263,7 @@ int main(int argc, char** argv) {
   write_binary_map(folder / "osm_fuzz");
   write_mcap(folder / "mcap_fuzz");
   write_bags(folder / "rosbag_fuzz");
+  write_logs(folder / "lcm_fuzz");
   write_messages(folder / "ros_message_fuzz");
   write_images(folder);
   write_sweep(folder);

@@ -9,9 +9,10 @@ namespace {
 
 using namespace infuse;
 
-using Types = std::tuple<ros::PointCloud2, ros::Image, ros::CompressedImage, ros::CameraInfo,
-                         ros::TfMessage, ros::VelodyneScan, ros::Imu, ros::NavSatFix, ros::Odometry,
-                         ros::TwistStamped, ros::UInt8MultiArray, ros::DiagnosticArray>;
+using Types =
+    std::tuple<ros::PointCloud2, ros::Image, ros::CompressedImage, ros::CameraInfo, ros::TfMessage,
+               ros::VelodyneScan, ros::Imu, ros::NavSatFix, ros::Odometry, ros::TwistStamped,
+               ros::UInt8MultiArray, ros::DiagnosticArray, ros::TwistWithCovarianceStamped>;
 
 /// What is decoded is the same after being encoded and decoded again.
 template <class T>

@@ -33,6 +33,15 @@ inline constexpr std::array kTextSeeds = {
              "BO_ 2566834709 EXTENDED: 8 ECU\n SG_ S M : 0|4@1+ (1,0) [0|15] \"\" ECU\n"
              " SG_ A m0 : 8|8@1+ (1,0) [0|255] \"\" ECU\nCM_ SG_ 256 FL \"two\nlines\";\n"
              "VAL_ 256 FR -1 \"minus one\" 3 \"three\" ;\nSIG_VALTYPE_ 256 FL : 1;\n"},
+    TextSeed{"folder_toml_fuzz", "description",
+             "0[[lidar]]\nname = \"t\"\npackets = \"t.pcap\"\n"
+             "T_vehicle_lidar = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1]\n"
+             "[[camera]]\nname = \"c\"\nimages = \"p\"\nwidth = 64\nheight = 48\nfx = 50\nfy = 50\n"
+             "cx = 32\ncy = 24\nlidar = \"t\"\n"
+             "T_camera_lidar = [0, -1, 0, 0, 0, 0, -1, 0, 1, 0, 0, 0, 0, 0, 0, 1]\n"
+             "stamps = { rate_hz = 10, start = \"2018-08-02 16:14:48.25\", offset_s = 1 }\n"},
+    TextSeed{"folder_toml_fuzz", "table",
+             "1# c\ntime,file\n1700000600.1,a/b.png\n2018-08-02 16:14:48.25,\"c.png\"\n"},
     TextSeed{"g2o_fuzz", "planar",
              "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0.5 1.5\nFIX 0\n"
              "EDGE_SE2 0 1 1 0.25 1.5 10 1 0 20 0 300\n"},

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "daemon/commands/report_messages.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/gnss/gnss_csv.hpp"
@@ -15,6 +17,7 @@
 #include "drivers/recording/times_csv.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fixtures/scene/capture.hpp"
+#include "tests/daemon/commands/run_program.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -103,6 +106,17 @@ void expect_same_rig(const Rig& a, const Rig& b) {
   }
 }
 
+/// Equal to rounding; a standing vehicle has no course.
+void expect_same_velocity(const GnssFix& a, const GnssFix& b) {
+  EXPECT_EQ(std::isnan(a.speed), std::isnan(b.speed));
+  if (std::isnan(a.speed)) return;
+  EXPECT_NEAR(a.speed, b.speed, 1e-14 * a.speed);
+  EXPECT_EQ(std::isnan(b.course), a.speed == 0);
+  if (a.speed != 0) {
+    EXPECT_NEAR(std::remainder(a.course - b.course, 2 * M_PI), 0, 1e-14);
+  }
+}
+
 /// Exports a drive, imports the file, and expects the same measurements.
 void expect_same_after_round_trip(const fs::path& drive, const ScratchFolder& folder) {
   const auto exported = export_mcap(drive, folder / "a.mcap", {});
@@ -137,6 +151,7 @@ void expect_same_after_round_trip(const fs::path& drive, const ScratchFolder& fo
     EXPECT_NEAR(a.fixes[k].latitude, b.fixes[k].latitude, 1e-15);
     EXPECT_NEAR(a.fixes[k].longitude, b.fixes[k].longitude, 1e-15);
     EXPECT_EQ(a.fixes[k].valid, b.fixes[k].valid);
+    expect_same_velocity(a.fixes[k], b.fixes[k]);
   }
 }
 
@@ -215,6 +230,8 @@ void write_drive(const fs::path& drive) {
     imu.push_back({stamp + Duration(7), {0.1, 0.2 * k, 0.3}, {1, 2, 9.81}});
     fixes.push_back({.stamp = stamp + Duration(9), .latitude = 0.85, .longitude = 0.14 + 1e-7 * k});
     fixes.back().valid = k > 0;
+    fixes.back().speed = k == 0 ? kNan : k == 1 ? 0 : 11.1 + k;  // 0: no fix, 1: stands
+    fixes.back().course = k == 0 ? kNan : 3 * k + 0.3;           // 2 and 3: either side of north
   }
   ASSERT_TRUE(recording::write_times(drive / "rear" / "times.csv", rows));
   ASSERT_TRUE(recording::write_times(drive / "left" / "times.csv", exposures));
@@ -236,6 +253,30 @@ TEST(McapExport, RealKittiDriveIsTheSameAfterARoundTrip) {
   const auto imported = importers::import_kitti(path, folder / "drive");
   ASSERT_TRUE(imported) << imported.error().message();
   expect_same_after_round_trip(folder / "drive", folder);
+}
+
+/// T_camera_lidar of `infuse calibrate`, 16 numbers by row; empty if it prints none.
+std::vector<double> calibrated_pose(const fs::path& drive) {
+  const auto result = run_shell_command(std::string(INFUSE_BINARIES) + "/infuse calibrate " +
+                                        drive.string() + " --scenes 4 --json 2>/dev/null");
+  const auto json = nlohmann::json::parse(result.output, nullptr, false);
+  return json.is_object() ? json.value("T_camera_lidar", std::vector<double>())
+                          : std::vector<double>();
+}
+
+// Its sweeps are deskewed by odometry that uses the speed and course of the fixes: without them the
+// pose is another by 1e-4 and more.
+TEST(McapExport, RealKittiDriveCalibratesTheSameAfterARoundTrip) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "drives/kitti_raw_0009/2011_09_26/2011_09_26_drive_0009_sync");
+  const ScratchFolder folder;
+  ASSERT_TRUE(importers::import_kitti(path, folder / "drive"));
+  ASSERT_TRUE(export_mcap(folder / "drive", folder / "a.mcap", {}));
+  ASSERT_TRUE(importers::import_bags({folder / "a.mcap"}, folder / "again", {}));
+  const auto before = calibrated_pose(folder / "drive");
+  const auto after = calibrated_pose(folder / "again");
+  ASSERT_EQ(before.size(), 16u);
+  ASSERT_EQ(after.size(), 16u);
+  for (size_t k = 0; k < 16; ++k) EXPECT_NEAR(before[k], after[k], 1e-9) << k;
 }
 
 TEST(McapExport, RecoveredFileHasTheMessagesOfTheCutOne) {

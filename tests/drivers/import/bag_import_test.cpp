@@ -88,6 +88,71 @@ TEST(BagImport, SamplesComeInTheVehiclesAxes) {
   EXPECT_TRUE(read_fix.valid);
 }
 
+ros::NavSatFix make_fix(int64_t ns) {
+  ros::NavSatFix fix{.header = make_header(ns, "gnss")};
+  fix.latitude = 49;
+  return fix;
+}
+
+ros::TwistStamped make_twist(int64_t ns, double x, double y, double turn = 0) {
+  return {make_header(ns, "gnss"), {{x, y, 0}, {0, 0, turn}}};
+}
+
+TEST(BagImport, VelocityBesideFixesIsTheirSpeedAndCourse) {
+  const ScratchFolder folder;
+  BagFile bag(folder / "a.mcap");
+  for (const int64_t k : {1, 2, 3}) bag.write("/ublox/fix", k * kSecond, make_fix(k * kSecond));
+  // To the south-east; a little late, and another one that is nearer. The third is too far away.
+  const int64_t late = kSecond + 30'000'000, later = 2 * kSecond + 40'000'000;
+  ros::TwistWithCovarianceStamped velocity{make_header(late, "gnss"), {{3, -3, 0}, {}}, {}};
+  bag.write("/ublox/fix_velocity", late, velocity);
+  velocity = {make_header(later, "gnss"), {{9, 9, 0}, {}}, {}};
+  bag.write("/ublox/fix_velocity", later, velocity);
+  velocity = {make_header(2 * kSecond - 1000, "gnss"), {{-4, 0, 0}, {}}, {}};
+  bag.write("/ublox/fix_velocity", 2 * kSecond, velocity);
+  // Of the vehicle.
+  bag.write("/vehicle/vel", kSecond, make_twist(kSecond, 7, 0.5));
+  bag.close();
+  const auto imported = import(folder);
+  ASSERT_TRUE(imported) << imported.error().message();
+  EXPECT_EQ(imported->use_of("/ublox/fix_velocity"), "speed and course of GNSS");
+  EXPECT_EQ(imported->use_of("/vehicle/vel"), "speed");
+  ASSERT_EQ(imported->notes.size(), 1u);
+  EXPECT_EQ(imported->notes[0].what, "1 fixes have no velocity within 50 ms");
+  std::vector<GnssFix> fixes;
+  for (const auto& sample : read_samples(folder / "drive")) {
+    if (const auto* fix = std::get_if<GnssFix>(&sample.content)) fixes.push_back(*fix);
+  }
+  ASSERT_EQ(fixes.size(), 3u);
+  EXPECT_NEAR(fixes[0].speed, std::sqrt(18), 1e-12);
+  EXPECT_NEAR(fixes[0].course, 135 * M_PI / 180, 1e-12);
+  EXPECT_NEAR(fixes[1].speed, 4, 1e-12);
+  EXPECT_NEAR(fixes[1].course, 270 * M_PI / 180, 1e-12);
+  EXPECT_TRUE(std::isnan(fixes[2].speed));
+  EXPECT_TRUE(std::isnan(fixes[2].course));
+}
+
+// kitti2bag's are forward and left; a driver of wheels fills x only.
+TEST(BagImport, TwistsOfTheVehicleBesideFixesAreNoCourse) {
+  for (const auto& twist : {make_twist(kSecond, 7, 0.5, 0.1), make_twist(kSecond, 7, 0)}) {
+    const ScratchFolder folder;
+    BagFile bag(folder / "a.mcap");
+    bag.write("/gps/fix", kSecond, make_fix(kSecond));
+    bag.write("/gps/vel", kSecond, twist);
+    bag.close();
+    const auto imported = import(folder);
+    ASSERT_TRUE(imported) << imported.error().message();
+    EXPECT_EQ(imported->use_of("/gps/vel"), "speed");
+    const auto samples = read_samples(folder / "drive");
+    ASSERT_EQ(samples.size(), 2u);
+    for (const auto& sample : samples) {
+      if (const auto* fix = std::get_if<GnssFix>(&sample.content)) {
+        EXPECT_TRUE(std::isnan(fix->speed));
+      }
+    }
+  }
+}
+
 TEST(BagImport, CameraIsRelatedToItsLidarByFrames) {
   const ScratchFolder folder;
   BagFile bag(folder / "a.mcap");

@@ -118,6 +118,7 @@ TEST(RosMessages, EveryMessageIsReadAsWritten) {
   const Bytes data(24, 7);
   expect_same_after_reading(TfMessage{{make_transform(), make_transform()}});
   expect_same_after_reading(TwistStamped{header, {{1, 2, 3}, {4, 5, 6}}});
+  expect_same_after_reading(TwistWithCovarianceStamped{header, {{1, 2, 3}, {4, 5, 6}}, {7, 8}});
   expect_same_after_reading(Odometry{.header = header, .child_frame_id = "base_link"});
   expect_same_after_reading(Imu{.header = header, .angular_velocity = {1, 2, 3}});
   expect_same_after_reading(NavSatFix{.header = header, .status = -1, .latitude = 49});
