@@ -72,14 +72,14 @@ void ViewTap::add_image(const ImageMatch& match) {
   slot.fresh = true;
 }
 
-bool ViewTap::take_sweep(ViewSweep& out) {
+bool ViewTap::swap_sweep(ViewSweep& out) {
   const std::lock_guard lock(mutex_);
   if (!std::exchange(sweep_.fresh, false)) return false;
   std::swap(sweep_.value, out);
   return true;
 }
 
-bool ViewTap::take_image(CameraIndex camera, ViewImage& out) {
+bool ViewTap::swap_image(CameraIndex camera, ViewImage& out) {
   const std::lock_guard lock(mutex_);
   if (!std::exchange(images_[camera].fresh, false)) return false;
   std::swap(images_[camera].value, out);

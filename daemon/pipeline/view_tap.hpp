@@ -56,8 +56,8 @@ class ViewTap {
   void add_image(const ImageMatch& match);
 
   /// Swaps the latest one into `out`; false if there is none that is new.
-  bool take_sweep(ViewSweep& out);
-  bool take_image(CameraIndex camera, ViewImage& out);
+  bool swap_sweep(ViewSweep& out);
+  bool swap_image(CameraIndex camera, ViewImage& out);
 
   size_t cameras() const { return images_.size(); }
 

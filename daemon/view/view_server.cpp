@@ -250,9 +250,9 @@ class ViewServer::Impl {
   /// Sends the latest sweep and images, while somebody looks.
   void poll() {
     if (clients_.empty()) return;
-    if (tap_.take_sweep(sweep_)) send_all(encode_sweep(sweep_, rig_));
+    if (tap_.swap_sweep(sweep_)) send_all(encode_sweep(sweep_, rig_));
     for (size_t camera = 0; camera < tap_.cameras(); ++camera) {
-      if (!tap_.take_image(CameraIndex(camera), image_)) continue;
+      if (!tap_.swap_image(CameraIndex(camera), image_)) continue;
       if (!camera::encode_jpeg(image_.frame, kJpegQuality, jpeg_)) continue;
       send_all(encode_image(image_, jpeg_, rig_));
     }

@@ -17,7 +17,7 @@ using RateControl = std::function<void(double)>;
 
 /// Serves the page of the view, and over a WebSocket the reports, sweeps and images to pages that
 /// are open. Has a thread of its own; the pipeline never waits for it, and a page that does not
-/// keep up loses frames and is told. Read-only, but for the speed of a replay.
+/// keep up loses frames and gets their number. Read-only, but for the speed of a replay.
 class ViewServer {
  public:
   /// `tap` outlives this. `rate`: null for a live run. Errors: the address cannot be bound.

@@ -35,7 +35,7 @@ constexpr double kChiSquare95 = 9.488;      // 95 % of 4 degrees of freedom
 const Eigen::Vector4d kFeigned(0.005, 1.5, 1.5, 0.005);
 // A camera that was never calibrated: logarithm of the focal lengths, share of it (twice), k1.
 const Eigen::Vector4d kUncalibrated(0.02, 0.02, 0.02, 0.1);
-constexpr double kUncalibratedShare = 0.05;  // probability, of each of the intrinsics
+constexpr double kUncalibratedShare = 0.03;  // probability, of each of the intrinsics
 
 /// Pose and a camera's intrinsics as ten scaled parameters, 0 at the initial values.
 class IntrinsicsProblem {

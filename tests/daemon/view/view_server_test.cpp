@@ -83,12 +83,12 @@ TEST(ViewFrames, SweepsAreQuantisedToCentimetres) {
   ViewTap tap(0);
   tap.add_sweep(small.snapshot(), nullptr);
   ViewSweep out;
-  EXPECT_FALSE(tap.take_sweep(out));  // nobody looked
+  EXPECT_FALSE(tap.swap_sweep(out));  // nobody looked
   tap.set_wanted(true);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation().x() = 7;
   tap.add_sweep(small.snapshot(), &T);
-  ASSERT_TRUE(tap.take_sweep(out));
+  ASSERT_TRUE(tap.swap_sweep(out));
   const Frame frame(encode_sweep(out, rig()));
   EXPECT_EQ(frame.payload % 8, 0u);
   EXPECT_EQ(frame.header["kind"], "sweep");
@@ -104,7 +104,7 @@ TEST(ViewFrames, SweepsAreQuantisedToCentimetres) {
     EXPECT_EQ(frame.coordinate(2, i), 10);
     EXPECT_EQ(frame.reflectivity(i), i % 2 == 0 ? 0 : 255);
   }
-  EXPECT_FALSE(tap.take_sweep(out));  // taken
+  EXPECT_FALSE(tap.swap_sweep(out));  // taken
 }
 
 TEST(ViewFrames, LargeSweepsAreThinnedAndFarReturnsClamped) {

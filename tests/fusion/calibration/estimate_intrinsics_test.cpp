@@ -135,7 +135,7 @@ TEST(UnseenErrors, AreThoseOfDrawnCamerasThatTheTestDoesNotShow) {
       const double estimated = error + noise(i) * normal(random);
       if (estimated * estimated <= 9.488 * noise(i) * noise(i)) sum += error * error;
     }
-    const double expected = std::sqrt(0.05 * sum / kDraws);
+    const double expected = std::sqrt(0.03 * sum / kDraws);
     EXPECT_NEAR(found(i), expected, 0.02 * expected) << i;
   }
 }
