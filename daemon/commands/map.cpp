@@ -144,13 +144,15 @@ void declare_optimize(CLI::App& app, MapArguments& arguments) {
 void declare_map_export(CLI::App& app, MapExportArguments& arguments) {
   CLI::App* out = app.add_subcommand("export", "write a map as one cloud, trajectory or image");
   out->add_option("MAP", arguments.map, "a map folder")->required();
-  out->add_option("-o,--output", arguments.output,
-                  "cloud (.pcd, .ply), trajectory of the keyframes (.tum), or view from above (.png)")
+  out->add_option(
+         "-o,--output", arguments.output,
+         "cloud (.pcd, .ply), trajectory of the keyframes (.tum), or view from above (.png)")
       ->required()
       ->type_name("FILE");
-  out->add_option("--voxel", arguments.voxel,
-                  "m, one point per voxel of the cloud or side of a pixel (default: 0.25 of a cloud, "
-                  "0.2 of an image)")
+  out->add_option(
+         "--voxel", arguments.voxel,
+         "m, one point per voxel of the cloud or side of a pixel (default: 0.25 of a cloud, "
+         "0.2 of an image)")
       ->check(CLI::Range(0.05, 100.0))
       ->type_name("METRES");
   out->add_option("--show", arguments.show, "what the image shows: intensity or height")

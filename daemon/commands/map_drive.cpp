@@ -148,14 +148,14 @@ class DriveMapper {
   }
 
   size_t nearest_keyframe(Stamp stamp) const {
-    const auto after = std::lower_bound(
-        keyframes_.begin(), keyframes_.end(), stamp,
-        [](const MapKeyframe& k, Stamp s) { return k.keyframe.stamp < s; });
+    const auto after =
+        std::lower_bound(keyframes_.begin(), keyframes_.end(), stamp,
+                         [](const MapKeyframe& k, Stamp s) { return k.keyframe.stamp < s; });
     const auto index = static_cast<size_t>(after - keyframes_.begin());
     if (index == 0) return 0;
     if (index == keyframes_.size()) return index - 1;
-    const bool earlier = stamp - keyframes_[index - 1].keyframe.stamp <
-                         keyframes_[index].keyframe.stamp - stamp;
+    const bool earlier =
+        stamp - keyframes_[index - 1].keyframe.stamp < keyframes_[index].keyframe.stamp - stamp;
     return earlier ? index - 1 : index;
   }
 

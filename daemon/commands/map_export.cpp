@@ -50,10 +50,9 @@ Result<std::string> export_cloud(const MapFolder& folder, const MapContent& map,
 Result<std::string> export_image(const MapFolder& folder, const MapContent& map, double pixel,
                                  MapImageContent content) {
   MapImage image(pixel);
-  const auto done =
-      for_each_cloud(folder, map, [&](const mapping::Submap& cloud, const Eigen::Isometry3d& T) {
-        image.add(cloud, T);
-      });
+  const auto done = for_each_cloud(
+      folder, map,
+      [&](const mapping::Submap& cloud, const Eigen::Isometry3d& T) { image.add(cloud, T); });
   if (!done) return tl::unexpected(done.error());
   return image.draw(content)
       .and_then([](const CameraFrame& frame) { return camera::encode_png(frame); })

@@ -45,18 +45,19 @@ Result<std::shared_ptr<const mapping::PreparedSubmap>> ClosureVerifier::prepare(
   return prepared_.back().submap;
 }
 
-Result<void> ClosureVerifier::check(const std::optional<Eigen::Isometry3d>& T_from_to_guess,
-                                    mapping::Closure& closure) {
+Result<void> ClosureVerifier::check(mapping::Closure& closure) {
   const auto from = prepare(closure.from);
   if (!from) return tl::unexpected(from.error());
   const auto to = prepare(closure.to);
   if (!to) return tl::unexpected(to.error());
   const Eigen::Isometry3d& T_vehicle_lidar = drive_.T_vehicle_lidar;
-  std::optional<Eigen::Isometry3d> guess;
-  if (T_from_to_guess) guess = T_vehicle_lidar.inverse() * *T_from_to_guess * T_vehicle_lidar;
-  const mapping::ClosureCheck found = mapping::check_closure(**from, **to, guess, options_);
-  closure.T_from_to =
-      T_vehicle_lidar * found.registration.T_target_source * T_vehicle_lidar.inverse();
+  const Eigen::Isometry3d T_lidar_vehicle = T_vehicle_lidar.inverse();
+  mapping::ClosureCheck found = mapping::check_closure(
+      **from, **to, T_lidar_vehicle * closure.T_from_to * T_vehicle_lidar, options_);
+  if (!found.usable() && !closure.guessed) {
+    found = mapping::check_closure(**from, **to, std::nullopt, options_);
+  }
+  closure.T_from_to = T_vehicle_lidar * found.registration.T_target_source * T_lidar_vehicle;
   if (found.usable()) {
     closure.covariance =
         geometry::transform_covariance(T_vehicle_lidar, found.registration.covariance);
@@ -67,11 +68,10 @@ Result<void> ClosureVerifier::check(const std::optional<Eigen::Isometry3d>& T_fr
   return {};
 }
 
-Result<void> ClosureVerifier::verify(const std::optional<Eigen::Isometry3d>& T_from_to_guess,
-                                     mapping::Closure& closure) {
+Result<void> ClosureVerifier::verify(mapping::Closure& closure) {
   const bool known = next_ < rows_.size();
   if (!known) {
-    if (auto checked = check(T_from_to_guess, closure); !checked) return checked;
+    if (auto checked = check(closure); !checked) return checked;
     rows_.push_back(format_closures({closure}).substr(header_.size()));
   }
   // What is used is what the file restores, in the first run as in one that goes on.

@@ -23,16 +23,14 @@ class ClosureVerifier {
   Result<void> resume();
 
   /// As `mapping::VerifyClosure`.
-  Result<void> verify(const std::optional<Eigen::Isometry3d>& T_from_to_guess,
-                      mapping::Closure& closure);
+  Result<void> verify(mapping::Closure& closure);
 
   /// Writes all closures with the reasons that the search has added.
   Result<void> finish(const std::vector<mapping::Closure>& closures);
 
  private:
   Result<std::shared_ptr<const mapping::PreparedSubmap>> prepare(size_t keyframe);
-  Result<void> check(const std::optional<Eigen::Isometry3d>& T_from_to_guess,
-                     mapping::Closure& closure);
+  Result<void> check(mapping::Closure& closure);
   Result<void> write() const;
 
   struct Prepared {

@@ -35,9 +35,9 @@ mapping::PoseGraph<3> odometry_graph(const std::vector<mapping::Keyframe>& keyfr
   for (size_t k = 0; k < keyframes.size(); ++k) {
     graph.poses.push_back(keyframes[k].T_odom_vehicle);
     if (k == 0) continue;
-    graph.edges.push_back(make_edge(
-        k - 1, k, keyframes[k - 1].T_odom_vehicle.inverse() * keyframes[k].T_odom_vehicle,
-        keyframes[k].covariance, false));
+    graph.edges.push_back(
+        make_edge(k - 1, k, keyframes[k - 1].T_odom_vehicle.inverse() * keyframes[k].T_odom_vehicle,
+                  keyframes[k].covariance, false));
   }
   return graph;
 }
@@ -69,8 +69,7 @@ Georeference make_georeference(const MapDrive& drive, const mapping::PositionOpt
     factor.point = measured.point;
     factor.position = gnss::to_local(frame, fix.latitude, fix.longitude,
                                      has_height ? fix.altitude : out.altitude);
-    const double sigma =
-        options.sigma * (std::isfinite(fix.hdop) ? std::max(fix.hdop, 1.0) : 1.0);
+    const double sigma = options.sigma * (std::isfinite(fix.hdop) ? std::max(fix.hdop, 1.0) : 1.0);
     factor.sigma << sigma, sigma, has_height ? options.vertical_factor * sigma : kUnknownHeight;
     out.factors.push_back(factor);
   }
@@ -85,7 +84,8 @@ std::vector<Eigen::Isometry3d> poses_of(const mapping::PositionFit& fit) {
 double root_mean_square_move(const std::vector<Eigen::Isometry3d>& a,
                              const std::vector<Eigen::Isometry3d>& b) {
   double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) sum += (a[i].translation() - b[i].translation()).squaredNorm();
+  for (size_t i = 0; i < a.size(); ++i)
+    sum += (a[i].translation() - b[i].translation()).squaredNorm();
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
@@ -192,11 +192,10 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   if (auto resumed = verifier.resume(); !resumed) return tl::unexpected(resumed.error());
   if (settings.close_loops) {
     size_t accepted = 0;
-    auto found = mapping::search_closures(
-        keyframes, known, settings.search,
-        [&](const std::optional<Eigen::Isometry3d>& guess, mapping::Closure& closure) {
+    auto found =
+        mapping::search_closures(keyframes, known, settings.search, [&](mapping::Closure& closure) {
           progress(closure.to, keyframes.size(), accepted);
-          auto verified = verifier.verify(guess, closure);
+          auto verified = verifier.verify(closure);
           if (verified && closure.accepted()) ++accepted;
           return verified;
         });
@@ -210,6 +209,10 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   if (!closed) return tl::unexpected(closed.error());
   std::vector<Eigen::Isometry3d> T_map_vehicle = closed->poses;
   mapping::PositionFit fit = mapping::fit_positions(*closed, origin.factors, settings.positions);
+  if (static_cast<double>(summary.unmeasured) >
+      settings.max_unmeasured * static_cast<double>(summary.sweeps)) {
+    summary.reason = "the motion of too many sweeps was not measured";
+  }
   describe_fit(fit, summary);
   if (fit.usable()) T_map_vehicle = poses_of(fit);
 
@@ -219,17 +222,18 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   manifest["summary"] = to_json(summary);
   const std::string graph_text = format_graph(fit.usable() ? fit.graph : *closed, fit.usable());
   const std::string trajectory = format_trajectory(keyframes, T_map_vehicle);
-  for (const auto& [name, text] : {std::pair{map_file::kGraph, &graph_text},
-                                   std::pair{map_file::kTrajectory, &trajectory}}) {
+  for (const auto& [name, text] :
+       {std::pair{map_file::kGraph, &graph_text}, std::pair{map_file::kTrajectory, &trajectory}}) {
     if (auto written = folder.write(name, *text); !written) return tl::unexpected(written.error());
     manifest["files"][name] = checksum(*text);
   }
-  const auto closures_text = folder.read(map_file::kClosures);
-  if (!closures_text) return tl::unexpected(closures_text.error());
-  manifest["files"][map_file::kClosures] = checksum(*closures_text);
+  for (const char* earlier : {map_file::kDrive, map_file::kClosures}) {
+    const auto text = folder.read(earlier);
+    if (!text) return tl::unexpected(text.error());
+    manifest["files"][earlier] = checksum(*text);
+  }
   const auto written = folder.write(
-      map_file::kMap,
-      manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");
+      map_file::kMap, manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");
   if (!written) return tl::unexpected(written.error());
   return summary;
 }

@@ -12,9 +12,9 @@ namespace infuse::daemon {
 /// What is printed about a map.
 struct MapSummary {
   size_t keyframes = 0;
-  uint64_t sweeps = 0, unmeasured = 0;  ///< unmeasured: sweeps whose motion was not measured
-  double way = 0;                       ///< m
-  size_t closures = 0;                  ///< accepted
+  uint64_t sweeps = 0, unmeasured = 0;     ///< unmeasured: sweeps whose motion was not measured
+  double way = 0;                          ///< m
+  size_t closures = 0;                     ///< accepted
   std::map<std::string, size_t> rejected;  ///< closures by reason
   double cost_before = 0, cost = 0;        ///< chi-squared of odometry and accepted closures
   double moved = 0;  ///< m, root mean square by which the closures moved the keyframes

@@ -28,6 +28,23 @@ bool is_map_file(const std::string& name) {
          name.starts_with('.');
 }
 
+/// Removes the temporary files that an interrupted write leaves: a name and six more characters.
+void remove_leftovers(const std::filesystem::path& folder) {
+  constexpr size_t kSuffix = 7;
+  std::error_code error;
+  std::vector<std::filesystem::path> leftovers;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const std::string stem = name.substr(0, name.size() - std::min(name.size(), kSuffix));
+    const bool is_ours = stem.ends_with(".pcd") || stem.ends_with(".csv") ||
+                         stem.ends_with(".json") || stem.ends_with(".g2o") ||
+                         stem.ends_with(".tum");
+    if (is_ours && name[stem.size()] == '.') leftovers.push_back(it->path());
+  }
+  for (const auto& leftover : leftovers) std::filesystem::remove(leftover, error);
+}
+
 /// The text at a key, or nothing.
 std::string text_at(const MapJson& json, const std::string& key) {
   if (!json.is_object() || !json.contains(key) || !json[key].is_string()) return "";
@@ -72,6 +89,8 @@ Result<void> MapFolder::create() const {
   }
   std::filesystem::create_directories(path_ / map_file::kClouds, error);
   if (error) return fail("cannot be created: " + error.message(), path_.string());
+  remove_leftovers(path_);
+  remove_leftovers(path_ / map_file::kClouds);
   return {};
 }
 
@@ -161,6 +180,9 @@ Result<MapContent> read_map(const MapFolder& folder) {
   auto manifest = folder.read_manifest(map_file::kMap);
   if (!manifest) return tl::unexpected(manifest.error());
   map.manifest = *std::move(manifest);
+  if (auto stated = folder.read_stated(map.manifest, map_file::kDrive); !stated) {
+    return tl::unexpected(stated.error());
+  }
   auto drive = read_map_drive(folder);
   if (!drive) return tl::unexpected(drive.error());
   map.drive = *std::move(drive);

@@ -16,14 +16,14 @@ using MapJson = nlohmann::ordered_json;
 
 /// Names of the files of a map folder.
 namespace map_file {
-inline constexpr const char* kDrive = "drive.json";         ///< the replay is complete
+inline constexpr const char* kDrive = "drive.json";  ///< the replay is complete
 inline constexpr const char* kKeyframes = "keyframes.csv";
 inline constexpr const char* kFixes = "fixes.csv";
-inline constexpr const char* kClosures = "closures.csv";    ///< sought so far
+inline constexpr const char* kClosures = "closures.csv";  ///< sought so far
 inline constexpr const char* kGraph = "graph.g2o";
 inline constexpr const char* kTrajectory = "trajectory.tum";
-inline constexpr const char* kMap = "map.json";             ///< the map is complete
-inline constexpr const char* kClouds = "clouds";            ///< folder
+inline constexpr const char* kMap = "map.json";   ///< the map is complete
+inline constexpr const char* kClouds = "clouds";  ///< folder
 }  // namespace map_file
 
 /// A map folder on disk. Every file is written atomically.

@@ -18,8 +18,8 @@ int32_t column_of(uint64_t key) { return static_cast<int32_t>(static_cast<uint32
 int32_t row_of(uint64_t key) { return static_cast<int32_t>(static_cast<uint32_t>(key)); }
 
 float percentile(std::vector<float> values, double share) {
-  const auto at = values.begin() +
-                  static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -67,8 +67,9 @@ Result<CameraFrame> MapImage::draw(MapImageContent content) const {
   for (const auto& [key, pixel] : pixels_) {
     const float share =
         high > low ? std::clamp((value_of(pixel) - low) / (high - low), 0.F, 1.F) : 1.F;
-    image.pixels[static_cast<size_t>((int64_t{top} - row_of(key)) * width + column_of(key) -
-                                     left)] = static_cast<uint8_t>(1 + std::lround(254 * share));
+    image
+        .pixels[static_cast<size_t>((int64_t{top} - row_of(key)) * width + column_of(key) - left)] =
+        static_cast<uint8_t>(1 + std::lround(254 * share));
   }
   return image;
 }

@@ -3,6 +3,7 @@
 namespace infuse::daemon {
 
 std::optional<std::string> MapSettings::invalid() const {
+  if (!(max_unmeasured >= 0 && max_unmeasured <= 1)) return "max_unmeasured must lie in 0 … 1";
   if (auto wrong = keyframes.invalid()) return wrong;
   if (auto wrong = submaps.invalid()) return wrong;
   if (auto wrong = search.invalid()) return wrong;
@@ -18,6 +19,7 @@ nlohmann::ordered_json to_json(const MapSettings& settings) {
   const mapping::PositionOptions& p = settings.positions;
   return {{"close_loops", settings.close_loops},
           {"use_gnss", settings.use_gnss},
+          {"max_unmeasured", settings.max_unmeasured},
           {"keyframes",
            {{"distance", k.distance},
             {"rotation", k.rotation},
@@ -48,6 +50,7 @@ nlohmann::ordered_json to_json(const MapSettings& settings) {
            {{"sigma", p.sigma},
             {"vertical_factor", p.vertical_factor},
             {"spacing", p.spacing},
+            {"correlation", p.correlation},
             {"max_outlier_sigmas", p.max_outlier_sigmas},
             {"min_fixes", p.min_fixes},
             {"min_extent", p.min_extent},

@@ -26,9 +26,8 @@ MapJson to_json(const MapSummary& summary) {
 }
 
 std::string to_text(const MapSummary& summary) {
-  std::string text =
-      fmt::format("{} keyframes from {} sweeps, {:.1f} m", summary.keyframes, summary.sweeps,
-                  summary.way);
+  std::string text = fmt::format("{} keyframes from {} sweeps, {:.1f} m", summary.keyframes,
+                                 summary.sweeps, summary.way);
   if (summary.unmeasured > 0) {
     text += fmt::format(", {} sweep(s) not registered", summary.unmeasured);
   }

@@ -25,16 +25,16 @@ class Estimate {
   /// Goes on to keyframe k by odometry.
   void advance(size_t k) {
     if (k == 0) return;
-    poses_[k] = poses_[k - 1] * (keyframes_[k - 1].T_odom_vehicle.inverse() *
-                                 keyframes_[k].T_odom_vehicle);
+    poses_[k] =
+        poses_[k - 1] * (keyframes_[k - 1].T_odom_vehicle.inverse() * keyframes_[k].T_odom_vehicle);
     P_[k] = P_[k - 1] + geometry::transform_covariance(poses_[k - 1], keyframes_[k].covariance);
   }
 
   /// Puts its keyframe where a closure has it.
   void correct(const Closure& closure) {
     poses_[closure.to] = poses_[closure.from] * closure.T_from_to;
-    P_[closure.to] = P_[closure.from] +
-                     geometry::transform_covariance(poses_[closure.from], closure.covariance);
+    P_[closure.to] =
+        P_[closure.from] + geometry::transform_covariance(poses_[closure.from], closure.covariance);
   }
 
   /// By the odometry and the closures so far, or where they are less certain by the known poses.
@@ -121,8 +121,8 @@ Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyfra
     closure.from = candidate->from;
     closure.to = k;
     closure.guessed = candidate->margin <= options.sigmas * options.max_guess_error;
-    const auto verified = verify(
-        closure.guessed ? std::optional(candidate->T_from_to) : std::nullopt, closure);
+    closure.T_from_to = candidate->T_from_to;
+    const auto verified = verify(closure);
     if (!verified) return tl::unexpected(verified.error());
     if (closure.accepted()) closure.reason = contradiction(closure, *candidate, options);
     if (closure.accepted()) estimate.correct(closure);

@@ -12,13 +12,14 @@ namespace infuse::mapping {
 
 /// Settings of the search for loop closures.
 struct ClosureSearchOptions {
-  double min_way = 40;       ///< m driven between two keyframes of a closure
-  double max_distance = 6;   ///< m between them
-  double spacing = 4;        ///< m driven after a closure until the next one is sought
-  double sigmas = 3;         ///< of the stated uncertainty, within which a closure is sought
-  double max_search = 60;    ///< m; limit of what the uncertainty adds
-  double max_guess_error = 1;    ///< m, standard deviation; beyond it the registration begins without a guess …
-  double search_spacing = 10;    ///< m driven; … and no more often than this
+  double min_way = 40;      ///< m driven between two keyframes of a closure
+  double max_distance = 6;  ///< m between them
+  double spacing = 4;       ///< m driven after a closure until the next one is sought
+  double sigmas = 3;        ///< of the stated uncertainty, within which a closure is sought
+  double max_search = 60;   ///< m; limit of what the uncertainty adds
+  double max_guess_error =
+      1;  ///< m, standard deviation; beyond it the registration begins without a guess …
+  double search_spacing = 10;  ///< m driven; … and no more often than this
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -27,7 +28,7 @@ struct ClosureSearchOptions {
 /// A loop closure, accepted or not.
 struct Closure {
   size_t from = 0, to = 0;  ///< indices of keyframes, from < to
-  bool guessed = true;      ///< registered from a guess
+  bool guessed = true;      ///< where it is sought is certain enough for a registration
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();  ///< left perturbation at `from`
   double agreement = 0, overlap = 0;
@@ -42,9 +43,9 @@ struct KnownPoses {
   double sigma = 0;                              ///< m, of their positions
 };
 
-/// Verifies a closure; fills all of it but `from`, `to` and `guessed`. The guess is T_from_to.
-using VerifyClosure =
-    std::function<Result<void>(const std::optional<Eigen::Isometry3d>& T_from_to_guess, Closure&)>;
+/// Verifies a closure of which `from`, `to`, `guessed` and the guess `T_from_to` are given; fills
+/// the rest.
+using VerifyClosure = std::function<Result<void>(Closure&)>;
 
 /// Seeks closures along the drive: of every keyframe the nearest one that was passed before, where
 /// the uncertainty of the odometry since (or of the known poses) lets them be within

@@ -13,8 +13,8 @@ struct KeyframeOptions {
   double rotation = 0.2;  ///< rad; … or turned by so much
   /// Drift of the odometry's local map, which a sweep's registration to it does not state: standard
   /// deviations after 1 m, growing with the root of the way.
-  double rotation_drift = 3e-4;     ///< rad/√m
-  double translation_drift = 5e-3;  ///< m/√m
+  double rotation_drift = 1e-3;     ///< rad/√m
+  double translation_drift = 2e-2;  ///< m/√m
   /// Standard deviations of a motion that was not measured, by time.
   double unmeasured_rotation = 0.2;     ///< rad/s
   double unmeasured_translation = 3.0;  ///< m/s
@@ -59,8 +59,8 @@ class KeyframePicker {
   KeyframeOptions options_;
   Keyframe last_;
   Eigen::Isometry3d T_odom_vehicle_ = Eigen::Isometry3d::Identity();
-  geometry::Vector6 velocity_ = geometry::Vector6::Zero();    // twist per second
-  geometry::Matrix6 bridged_ = geometry::Matrix6::Zero();     // of motions not measured since last_
+  geometry::Vector6 velocity_ = geometry::Vector6::Zero();  // twist per second
+  geometry::Matrix6 bridged_ = geometry::Matrix6::Zero();   // of motions not measured since last_
   Stamp stamp_;
   double way_ = 0;
   size_t unmeasured_ = 0;

@@ -61,7 +61,7 @@ double extent_of(const std::vector<PositionFactor>& factors) {
 }
 
 /// Edge from the map's origin, about the present rotation of the pose.
-PoseEdge<3> edge_of(const PositionFactor& factor, const Pose<3>& T_map_pose) {
+PoseEdge<3> edge_of(const PositionFactor& factor, const Pose<3>& T_map_pose, double weight) {
   PoseEdge<3> edge;
   edge.from = 0;
   edge.to = factor.pose + 1;
@@ -69,13 +69,13 @@ PoseEdge<3> edge_of(const PositionFactor& factor, const Pose<3>& T_map_pose) {
   // With the rotation of the map, its axes are those of the information.
   edge.T_from_to.translation() = factor.position - T_map_pose.linear() * factor.point;
   edge.information.setZero();
-  edge.information.diagonal().head<3>() = factor.sigma.cwiseAbs2().cwiseInverse();
+  edge.information.diagonal().head<3>() = weight * factor.sigma.cwiseAbs2().cwiseInverse();
   return edge;
 }
 
 /// Fits once; the poses of `graph` are the start and the result.
 OptimizeResult fit_once(const PoseGraph<3>& keyframes, const std::vector<PositionFactor>& factors,
-                        const std::vector<char>& accepted, PoseGraph<3>& graph) {
+                        const std::vector<char>& accepted, double weight, PoseGraph<3>& graph) {
   graph.edges.clear();
   for (PoseEdge<3> edge : keyframes.edges) {
     ++edge.from;
@@ -84,7 +84,7 @@ OptimizeResult fit_once(const PoseGraph<3>& keyframes, const std::vector<Positio
   }
   for (size_t i = 0; i < factors.size(); ++i) {
     if (accepted[i] != 0) {
-      graph.edges.push_back(edge_of(factors[i], graph.poses[factors[i].pose + 1]));
+      graph.edges.push_back(edge_of(factors[i], graph.poses[factors[i].pose + 1], weight));
     }
   }
   return PoseGraphSolver<3>(graph).optimize(graph);
@@ -115,7 +115,7 @@ bool select(const std::vector<PositionFactor>& factors, const std::vector<Pose<3
 
 std::optional<std::string> PositionOptions::invalid() const {
   if (!(sigma > 0 && vertical_factor > 0)) return "standard deviations must be positive";
-  if (!(spacing >= 0)) return "spacing must not be negative";
+  if (!(spacing > 0 && correlation > 0)) return "spacing and correlation must be positive";
   if (!(max_outlier_sigmas > 0)) return "max_outlier_sigmas must be positive";
   if (min_fixes < 3) return "min_fixes must be at least 3";
   if (!(min_extent > 0)) return "min_extent must be positive";
@@ -135,6 +135,7 @@ PositionFit fit_positions(const PoseGraph<3>& keyframes, const std::vector<Posit
     fit.reason = "the positions are too close together to give a heading";
     return fit;
   }
+  const double weight = std::min(1.0, options.spacing / options.correlation);
   std::vector<Pose<3>> poses;
   for (int pass = 0; pass < kPositionPasses; ++pass) {
     const Pose<3> T = align_upright(keyframes.poses, factors, fit.accepted);
@@ -145,7 +146,7 @@ PositionFit fit_positions(const PoseGraph<3>& keyframes, const std::vector<Posit
   fit.graph.poses.assign(1, Pose<3>::Identity());
   fit.graph.poses.insert(fit.graph.poses.end(), poses.begin(), poses.end());
   for (int pass = 0; pass < kPositionPasses; ++pass) {
-    fit.optimized = fit_once(keyframes, factors, fit.accepted, fit.graph);
+    fit.optimized = fit_once(keyframes, factors, fit.accepted, weight, fit.graph);
     if (!fit.optimized.usable()) {
       fit.reason = fit.optimized.reason;
       return fit;

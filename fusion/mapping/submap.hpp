@@ -25,7 +25,7 @@ struct SubmapOptions {
 /// Points of the sweeps about a keyframe, in the lidar frame of the keyframe. Coordinates are
 /// multiples of `kSubmapStep`.
 struct Submap {
-  FieldVector<float> x, y, z;        ///< m
+  FieldVector<float> x, y, z;       ///< m
   FieldVector<float> reflectivity;  ///< 0 … 1, multiples of 1/255
 
   size_t size() const { return x.size(); }
