@@ -6,13 +6,13 @@
 #include <iterator>
 
 #include "daemon/command_line/progress_line.hpp"
+#include "daemon/commands/lidar_replay.hpp"
 #include "daemon/commands/play_lidar.hpp"
 #include "daemon/mapping/checksum.hpp"
 #include "daemon/mapping/cloud_file.hpp"
 #include "daemon/protocol/json_encoder.hpp"
 #include "fusion/mapping/keyframes.hpp"
 #include "fusion/mapping/submap.hpp"
-#include "fusion/registration/lidar_trajectory.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -55,27 +55,25 @@ class DriveMapper {
               const MapSettings& settings)
       : folder_(folder),
         T_vehicle_lidar_(T_vehicle_lidar),
-        trajectory_(T_vehicle_lidar),
         picker_(settings.keyframes),
         submap_(settings.submaps) {}
 
-  void add(const Sweep& sweep) {
+  void add(const Sweep& sweep, const motion::DeskewedSweep& deskewed,
+           const mapping::SweepMotion& motion) {
     ++sweeps_;
-    const registration::LidarOdometryResult& result = trajectory_.add(sweep);
-    const bool is_keyframe = picker_.add(result);
+    const bool is_keyframe = picker_.add(motion);
     if (!picker_.started()) return;
-    poses_.push_back({result.stamp, picker_.T_odom_vehicle()});
+    poses_.push_back({motion.stamp, picker_.T_odom_vehicle()});
     if (is_keyframe) {
       write_cloud();
       keyframes_.push_back({picker_.last(), 0, ""});
     }
-    if (result.usable() || is_keyframe) {
-      const Eigen::Isometry3d T_keyframe_vehicle =
-          picker_.last().T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
-      const motion::DeskewedSweep& deskewed = trajectory_.deskewed();
-      submap_.add({deskewed.x, deskewed.y, deskewed.z}, sweep.reflectivity,
-                  T_vehicle_lidar_.inverse() * T_keyframe_vehicle * T_vehicle_lidar_);
-    }
+    // A sweep that fits nowhere would blur the cloud.
+    if (!motion.registered && !is_keyframe) return;
+    const Eigen::Isometry3d T_keyframe_vehicle =
+        picker_.last().T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
+    submap_.add({deskewed.x, deskewed.y, deskewed.z}, sweep.reflectivity,
+                T_vehicle_lidar_.inverse() * T_keyframe_vehicle * T_vehicle_lidar_);
   }
 
   void add(const GnssFix& fix) {
@@ -93,6 +91,7 @@ class DriveMapper {
     remove_clouds_from(keyframes_.size());
     manifest["sweeps"] = sweeps_;
     manifest["unmeasured"] = picker_.unmeasured();
+    manifest["unregistered"] = picker_.unregistered();
     const std::string keyframes = format_keyframes(keyframes_), fixes = format_fixes(nearest());
     for (const auto& [name, text] :
          {std::pair{map_file::kKeyframes, &keyframes}, std::pair{map_file::kFixes, &fixes}}) {
@@ -182,7 +181,6 @@ class DriveMapper {
 
   const MapFolder& folder_;
   Eigen::Isometry3d T_vehicle_lidar_;
-  registration::LidarTrajectory trajectory_;
   mapping::KeyframePicker picker_;
   mapping::SubmapBuilder submap_;
   std::vector<MapKeyframe> keyframes_;
@@ -220,17 +218,24 @@ Result<void> replay_to_map(const MapFolder& folder, DriveSetup& setup, size_t li
     std::filesystem::remove(folder.path() / later, ignored);
   }
   DriveMapper mapper(folder, setup.rig.lidars[lidar].T_vehicle_lidar, settings);
+  LidarReplay odometry(setup, lidar);
   ProgressLine line;
+  const auto on_sweep = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed,
+                            const mapping::SweepMotion& motion) {
+    mapper.add(sweep, deskewed, motion);
+    line.show(std::nullopt, mapper.progress());
+  };
   play_lidar(
-      setup, lidar,
-      [&](const Sweep& sweep) {
-        mapper.add(sweep);
-        line.show(std::nullopt, mapper.progress());
-      },
+      setup, lidar, [&](const Sweep& sweep) { odometry.add_sweep(sweep); },
       [&](const VehicleSample& sample) {
+        odometry.add_sample(sample);
         if (const auto* fix = std::get_if<GnssFix>(&sample)) mapper.add(*fix);
       },
-      [&](const recording::DriveEvent&) { return !mapper.failed(); });
+      [&](const recording::DriveEvent& event) {
+        odometry.process_due(event.stamp, on_sweep);
+        return !mapper.failed();
+      });
+  odometry.finish(on_sweep);
   line.clear();
   auto finished = mapper.finish(std::move(identity));
   if (!finished && finished.error().where.empty()) {

@@ -179,6 +179,7 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   summary.way = keyframes.back().way;
   summary.sweeps = count_at(drive.manifest, "sweeps");
   summary.unmeasured = count_at(drive.manifest, "unmeasured");
+  summary.unregistered = count_at(drive.manifest, "unregistered");
   mapping::PoseGraph<3> graph = odometry_graph(keyframes);
   const Georeference origin =
       settings.use_gnss ? make_georeference(drive, settings.positions) : Georeference{};

@@ -12,7 +12,9 @@ namespace infuse::daemon {
 /// What is printed about a map.
 struct MapSummary {
   size_t keyframes = 0;
-  uint64_t sweeps = 0, unmeasured = 0;     ///< unmeasured: sweeps whose motion was not measured
+  uint64_t sweeps = 0;
+  uint64_t unregistered = 0;               ///< sweeps whose motion the lidar did not measure …
+  uint64_t unmeasured = 0;                 ///< … and no other sensor either
   double way = 0;                          ///< m
   size_t closures = 0;                     ///< accepted
   std::map<std::string, size_t> rejected;  ///< closures by reason

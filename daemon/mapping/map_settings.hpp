@@ -17,7 +17,7 @@ struct MapSettings {
   mapping::ClosureSearchOptions search;
   mapping::ClosureCheckOptions check;
   mapping::PositionOptions positions;
-  double max_unmeasured = 0.1;  ///< share of the sweeps; more make a map that is not usable
+  double max_unmeasured = 0.03;  ///< share of the sweeps; more make a map that is not usable
   bool close_loops = true;
   bool use_gnss = true;
 

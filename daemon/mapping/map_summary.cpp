@@ -9,6 +9,7 @@ MapJson to_json(const MapSummary& summary) {
   for (const auto& [reason, count] : summary.rejected) rejected[reason] = count;
   return {{"keyframes", summary.keyframes},
           {"sweeps", summary.sweeps},
+          {"unregistered_sweeps", summary.unregistered},
           {"unmeasured_sweeps", summary.unmeasured},
           {"length_m", summary.way},
           {"closures", summary.closures},
@@ -28,8 +29,9 @@ MapJson to_json(const MapSummary& summary) {
 std::string to_text(const MapSummary& summary) {
   std::string text = fmt::format("{} keyframes from {} sweeps, {:.1f} m", summary.keyframes,
                                  summary.sweeps, summary.way);
-  if (summary.unmeasured > 0) {
-    text += fmt::format(", {} sweep(s) not registered", summary.unmeasured);
+  if (summary.unregistered > 0) {
+    text += fmt::format(", {} sweep(s) not registered, the motion of {} of them unknown",
+                        summary.unregistered, summary.unmeasured);
   }
   text += fmt::format("\n  {} loop closure(s) accepted", summary.closures);
   for (const auto& [reason, count] : summary.rejected) {

@@ -3,7 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "fusion/registration/lidar_odometry.hpp"
+#include "drivers/measurement/stamp.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
 
 namespace infuse::mapping {
 
@@ -33,7 +34,17 @@ struct Keyframe {
   geometry::Matrix6 covariance = geometry::Matrix6::Zero();
 };
 
-/// Picks keyframes from what lidar odometry states sweep by sweep.
+/// Motion of the vehicle since the sweep before, as odometry states it.
+struct SweepMotion {
+  Stamp stamp;  ///< of the sweep
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+  /// Left perturbation in the vehicle frame at the sweep before, (rx, ry, rz, tx, ty, tz), rad, m.
+  geometry::Matrix6 covariance = geometry::Matrix6::Zero();
+  bool registered = false;  ///< the lidar measured it
+  bool measured = false;    ///< any sensor measured it; else it is not known
+};
+
+/// Picks keyframes from what odometry states sweep by sweep.
 class KeyframePicker {
  public:
   /// `options.invalid()` must be empty.
@@ -41,7 +52,7 @@ class KeyframePicker {
 
   /// Takes the next sweep; returns true if it is a keyframe, which is then `last()`. A sweep whose
   /// motion is not measured is taken to have gone on as before, and is no keyframe.
-  bool add(const registration::LidarOdometryResult& result);
+  bool add(const SweepMotion& motion);
 
   const Keyframe& last() const { return last_; }
   /// Pose at the last sweep.
@@ -50,20 +61,21 @@ class KeyframePicker {
   double way() const { return way_; }
   /// Sweeps since the start whose motion was not measured.
   size_t unmeasured() const { return unmeasured_; }
+  /// The same that the lidar did not measure.
+  size_t unregistered() const { return unregistered_; }
 
  private:
   bool is_due() const;
-  geometry::Matrix6 covariance_since_last(const geometry::Matrix6& of_step,
-                                          const Eigen::Isometry3d& T_last_before) const;
 
   KeyframeOptions options_;
   Keyframe last_;
   Eigen::Isometry3d T_odom_vehicle_ = Eigen::Isometry3d::Identity();
   geometry::Vector6 velocity_ = geometry::Vector6::Zero();  // twist per second
-  geometry::Matrix6 bridged_ = geometry::Matrix6::Zero();   // of motions not measured since last_
+  // Covariance of the motion since last_.
+  geometry::Matrix6 since_last_ = geometry::Matrix6::Zero();
   Stamp stamp_;
   double way_ = 0;
-  size_t unmeasured_ = 0;
+  size_t unmeasured_ = 0, unregistered_ = 0;
   bool started_ = false;
 };
 

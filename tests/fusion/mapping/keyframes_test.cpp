@@ -6,14 +6,13 @@ namespace infuse::mapping {
 namespace {
 
 /// What odometry states of a step along x, turned about z, 0.1 s after the step before.
-registration::LidarOdometryResult step(int index, double x, double turn, bool usable = true) {
-  registration::LidarOdometryResult result;
+SweepMotion step(int index, double x, double turn, bool usable = true) {
+  SweepMotion result;
   result.stamp = Stamp::from_ns(int64_t{index} * 100'000'000);
-  result.motion.T_from_to.translation().x() = x;
-  result.motion.T_from_to.linear() =
-      Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  result.motion.information = geometry::Matrix6::Identity() * 1e8;
-  result.reason = usable ? "" : "lost";
+  result.T_from_to.translation().x() = x;
+  result.T_from_to.linear() = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  result.covariance = geometry::Matrix6::Identity() * 1e-8;
+  result.measured = result.registered = usable;
   return result;
 }
 
