@@ -161,6 +161,17 @@ void describe_fit(const mapping::PositionFit& fit, MapSummary& summary) {
   summary.fix_rms = fit.rms;
 }
 
+/// Why the odometry does not carry a map, or an empty text.
+const char* unmeasured_reason(const MapSummary& summary, const MapSettings& settings) {
+  const auto all = static_cast<double>(summary.sweeps);
+  if (static_cast<double>(summary.unmeasured) > settings.max_unmeasured * all) {
+    return "the motion of too many sweeps is not known";
+  }
+  return static_cast<double>(summary.unregistered) > settings.max_unregistered * all
+             ? "the lidar did not measure the motion of too many sweeps"
+             : "";
+}
+
 uint64_t count_at(const MapJson& json, const char* key) {
   return json.contains(key) && json[key].is_number_unsigned() ? json[key].get<uint64_t>() : 0;
 }
@@ -210,9 +221,8 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   if (!closed) return tl::unexpected(closed.error());
   std::vector<Eigen::Isometry3d> T_map_vehicle = closed->poses;
   mapping::PositionFit fit = mapping::fit_positions(*closed, origin.factors, settings.positions);
-  if (static_cast<double>(summary.unmeasured) >
-      settings.max_unmeasured * static_cast<double>(summary.sweeps)) {
-    summary.reason = "the motion of too many sweeps was not measured";
+  if (const char* wrong = unmeasured_reason(summary, settings); *wrong != '\0') {
+    summary.reason = wrong;
   }
   describe_fit(fit, summary);
   if (fit.usable()) T_map_vehicle = poses_of(fit);

@@ -3,7 +3,9 @@
 namespace infuse::daemon {
 
 std::optional<std::string> MapSettings::invalid() const {
-  if (!(max_unmeasured >= 0 && max_unmeasured <= 1)) return "max_unmeasured must lie in 0 … 1";
+  for (const double share : {max_unmeasured, max_unregistered}) {
+    if (!(share >= 0 && share <= 1)) return "shares of sweeps must lie in 0 … 1";
+  }
   if (auto wrong = keyframes.invalid()) return wrong;
   if (auto wrong = submaps.invalid()) return wrong;
   if (auto wrong = search.invalid()) return wrong;
@@ -20,6 +22,7 @@ nlohmann::ordered_json to_json(const MapSettings& settings) {
   return {{"close_loops", settings.close_loops},
           {"use_gnss", settings.use_gnss},
           {"max_unmeasured", settings.max_unmeasured},
+          {"max_unregistered", settings.max_unregistered},
           {"keyframes",
            {{"distance", k.distance},
             {"rotation", k.rotation},

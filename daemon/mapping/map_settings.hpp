@@ -17,7 +17,8 @@ struct MapSettings {
   mapping::ClosureSearchOptions search;
   mapping::ClosureCheckOptions check;
   mapping::PositionOptions positions;
-  double max_unmeasured = 0.03;  ///< share of the sweeps; more make a map that is not usable
+  double max_unmeasured = 0.03;   ///< share of the sweeps whose motion no sensor measured, …
+  double max_unregistered = 0.1;  ///< … or the lidar did not; more make a map that is not usable
   bool close_loops = true;
   bool use_gnss = true;
 

@@ -46,14 +46,16 @@ TEST(ClosureCheck, FindsThePoseFromAGuessHalfAMetreOff) {
   EXPECT_LT(std::sqrt(C(0, 0)), 0.04);
 }
 
-// All walls fit, but one place has a screen across the room, through which the other one saw.
+// All walls fit, but one place has screens across the room, through which the other one saw.
 TEST(ClosureCheck, RefusesAPoseThatBeamsContradict) {
   const Eigen::Isometry3d a = place(-3, 1, 0.3), b = place(-2, -2, 1.2);
   registration::PointCloud screened = registration::random_room(2, 30'000, 0.01, b);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0, 1);
-  for (size_t i = 0; i < screened.size(); i += 5) {
-    const Eigen::Vector3d wall(0.5, -10 + 20 * unit(random), -2 + 8 * unit(random));
+  for (size_t i = 0; i < screened.size(); i += 3) {
+    const double along = unit(random), up = -2 + 8 * unit(random);
+    const Eigen::Vector3d wall = i % 2 == 0 ? Eigen::Vector3d(0.5, -10 + 20 * along, up)
+                                            : Eigen::Vector3d(-15 + 30 * along, -0.5, up);
     const Eigen::Vector3f p = (b.inverse() * wall).cast<float>();
     screened.x[i] = p.x();
     screened.y[i] = p.y();
