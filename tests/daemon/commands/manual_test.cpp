@@ -16,10 +16,32 @@ using Options = std::set<std::string>;
 
 /// Sub-commands of infuse, as typed.
 const std::vector<std::string> kCommands = {
-    "status",    "watch",    "wait-ready",       "record",      "calibration",      "recalibrate",
-    "apply",     "rollback", "freeze",           "inspect",     "decode",           "import kitti",
-    "calibrate", "evaluate", "calibrate-target", "streetmap",   "import opencalib", "odometry",
-    "align",     "history",  "import rosbag",    "export mcap", "report",           "map optimize",
+    "status",
+    "watch",
+    "wait-ready",
+    "record",
+    "calibration",
+    "recalibrate",
+    "apply",
+    "rollback",
+    "freeze",
+    "inspect",
+    "decode",
+    "import kitti",
+    "calibrate",
+    "evaluate",
+    "calibrate-target",
+    "streetmap",
+    "import opencalib",
+    "odometry",
+    "align",
+    "history",
+    "import rosbag",
+    "export mcap",
+    "report",
+    "map optimize",
+    "map",
+    "map export",
 };
 
 std::string help_of(const std::string& program) {
