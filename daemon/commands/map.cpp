@@ -6,8 +6,13 @@
 #include <variant>
 
 #include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/progress_line.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/find_lidar.hpp"
+#include "daemon/commands/map_drive.hpp"
+#include "daemon/commands/map_export.hpp"
 #include "daemon/mapping/g2o_file.hpp"
+#include "daemon/mapping/map_finish.hpp"
 #include "daemon/protocol/json.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fusion/mapping/chordal_initialisation.hpp"
@@ -17,6 +22,11 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kMapProgram = "infuse map";
+
+struct DriveArguments {
+  std::string drive, output, lidar;
+  bool no_closures = false, no_gnss = false, json = false;
+};
 
 struct MapArguments {
   std::string graph, output;
@@ -69,45 +79,122 @@ int optimize_file(G2oGraph<D>& file, const MapArguments& arguments) {
   return result.usable() ? kDone : kFailure;
 }
 
-int run(const MapArguments& arguments) {
+int run_map_optimize(const MapArguments& arguments) {
   auto graph = read_g2o(arguments.graph);
   if (!graph) return print_error(kMapProgram, graph.error(), kUnreadable);
   return std::visit([&](auto& file) { return optimize_file(file, arguments); }, *graph);
 }
 
-}  // namespace
+/// Makes a map of a drive, or goes on with one that was interrupted.
+int run_map(const DriveArguments& arguments) {
+  const MapSettings settings{.close_loops = !arguments.no_closures, .use_gnss = !arguments.no_gnss};
+  auto setup = open_drive(arguments.drive, {}, {});
+  if (!setup) return print_error(kMapProgram, setup.error(), kUnreadable);
+  const auto lidar = find_lidar(*setup, arguments.lidar);
+  if (!lidar) return print_error(kMapProgram, lidar.error(), kUsage);
+  const MapFolder folder(arguments.output);
+  if (const auto replayed = replay_to_map(folder, *setup, *lidar, settings); !replayed) {
+    return print_error(kMapProgram, replayed.error(), kFailure);
+  }
+  for (const Error& note : setup->source.notes()) {
+    std::cerr << kMapProgram << ": note: " << note.message() << "\n";
+  }
+  const auto drive = read_map_drive(folder);
+  if (!drive) return print_error(kMapProgram, drive.error(), kUnreadable);
+  ProgressLine line;
+  const auto summary =
+      finish_map(folder, *drive, settings, [&](size_t done, size_t all, size_t closures) {
+        line.show(static_cast<double>(done) / static_cast<double>(all),
+                  fmt::format("{} of {} keyframes searched, {} closures", done, all, closures));
+      });
+  line.clear();
+  if (!summary) return print_error(kMapProgram, summary.error(), kUnreadable);
+  std::cout << (arguments.json ? json_text(to_json(*summary)) + "\n"
+                               : arguments.output + ": " + to_text(*summary));
+  return summary->usable() ? kDone : kFailure;
+}
 
-Command declare_map(CLI::App& infuse) {
-  CLI::App* app = infuse.add_subcommand("map", "optimise pose graphs");
-  app->require_subcommand(1);
+void declare_optimize(CLI::App& app, MapArguments& arguments) {
   CLI::App* optimize =
-      app->add_subcommand("optimize", "find the poses of a graph that fit its edges best");
-  const auto arguments = std::make_shared<MapArguments>();
+      app.add_subcommand("optimize", "find the poses of a graph that fit its edges best");
   optimize
-      ->add_option("GRAPH", arguments->graph,
+      ->add_option("GRAPH", arguments.graph,
                    "pose graph in g2o's text format, in 2D (SE2) or 3D (SE3:QUAT)")
       ->required();
-  optimize->add_option("-o,--output", arguments->output, "graph to write, with the poses found")
+  optimize->add_option("-o,--output", arguments.output, "graph to write, with the poses found")
       ->required()
       ->type_name("FILE.g2o");
   optimize
-      ->add_option("--cost", arguments->cost,
+      ->add_option("--cost", arguments.cost,
                    "what is minimised: the chi-squared of the full information (information), or "
                    "the chordal cost of certifiable solvers (chordal)")
       ->check(CLI::IsMember({"information", "chordal"}))
       ->type_name("COST");
   optimize
-      ->add_option("--start", arguments->start,
+      ->add_option("--start", arguments.start,
                    "initial poses: from all edges by linear least squares (edges), composed along "
                    "the odometry (odometry), or those of the file (file)")
       ->check(CLI::IsMember({"edges", "odometry", "file"}))
       ->type_name("POSES");
-  optimize->add_flag("--json", arguments->json, "print the result as one JSON object");
-  set_examples(*app, {"infuse map optimize graph.g2o -o optimised.g2o",
-                      "infuse map optimize graph.g2o --cost chordal -o optimised.g2o --json"});
+  optimize->add_flag("--json", arguments.json, "print the result as one JSON object");
   set_examples(*optimize, {"infuse map optimize graph.g2o -o optimised.g2o",
                            "infuse map optimize graph.g2o --start file -o optimised.g2o --json"});
-  return {app, [arguments] { return run(*arguments); }};
+}
+
+void declare_map_export(CLI::App& app, MapExportArguments& arguments) {
+  CLI::App* out = app.add_subcommand("export", "write a map as one cloud, trajectory or image");
+  out->add_option("MAP", arguments.map, "a map folder")->required();
+  out->add_option(
+         "-o,--output", arguments.output,
+         "cloud (.pcd, .ply), trajectory of the keyframes (.tum), or view from above (.png)")
+      ->required()
+      ->type_name("FILE");
+  out->add_option(
+         "--voxel", arguments.voxel,
+         "m, one point per voxel of the cloud or side of a pixel (default: 0.25 of a cloud, "
+         "0.2 of an image)")
+      ->check(CLI::Range(0.05, 100.0))
+      ->type_name("METRES");
+  out->add_option("--show", arguments.show, "what the image shows: intensity or height")
+      ->check(CLI::IsMember({"intensity", "height"}))
+      ->type_name("WHAT");
+  set_examples(*out, {"infuse map export map/ -o map.ply",
+                      "infuse map export map/ --show height -o map.png"});
+}
+
+}  // namespace
+
+Command declare_map(CLI::App& infuse) {
+  CLI::App* app = infuse.add_subcommand("map", "make a map of a drive; optimise pose graphs");
+  app->require_subcommand(0, 1);
+  const auto graph = std::make_shared<MapArguments>();
+  const auto drive = std::make_shared<DriveArguments>();
+  const auto exported = std::make_shared<MapExportArguments>();
+  app->add_option("DRIVE", drive->drive, "a drive folder, or a pcap or pcapng file, with a lidar");
+  app->add_option("-o,--output", drive->output,
+                  "map folder to write, or to go on with where a run was interrupted")
+      ->type_name("MAP");
+  app->add_option("--lidar", drive->lidar, "lidar, if there are several")->type_name("NAME");
+  app->add_flag("--no-closures", drive->no_closures, "do not seek loop closures");
+  app->add_flag("--no-gnss", drive->no_gnss, "do not use GNSS fixes");
+  app->add_flag("--json", drive->json, "print the summary as one JSON object");
+  set_examples(*app, {"infuse map drive/ -o map/", "infuse map drive.pcap --no-gnss -o map/"});
+  declare_optimize(*app, *graph);
+  declare_map_export(*app, *exported);
+  return {app, [=] {
+            if (app->got_subcommand("optimize")) return run_map_optimize(*graph);
+            if (app->got_subcommand("export")) return run_map_export(*exported);
+            if (drive->drive.empty() || drive->output.empty()) {
+              return print_error(kMapProgram,
+                                 {drive->drive.empty() ? "no drive is given" : "no map is given",
+                                  "", "usage: infuse map DRIVE -o MAP; see infuse map --help"},
+                                 kUsage);
+            }
+            if (drive->drive.ends_with(".g2o")) {
+              return run_map_optimize({.graph = drive->drive, .output = drive->output});
+            }
+            return run_map(*drive);
+          }};
 }
 
 }  // namespace infuse::daemon

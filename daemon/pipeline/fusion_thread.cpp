@@ -2,7 +2,6 @@
 
 #include "daemon/pipeline/pairing.hpp"
 #include "daemon/pipeline/sweep_summary.hpp"
-#include "fusion/motion/constant_motion.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -32,17 +31,6 @@ LidarIndex index_of_lidar(const Rig& rig, const std::string& name) {
 
 Stamp end_of(const Sweep& sweep) { return sweep.stamp + sweep.span; }
 
-geometry::PointsView points_of(const motion::DeskewedSweep& deskewed) {
-  return {deskewed.x, deskewed.y, deskewed.z};
-}
-
-/// True if a predicted motion would deskew a sweep visibly wrong.
-bool is_wrong(const Eigen::Isometry3d& predicted, const Eigen::Isometry3d& measured) {
-  constexpr double kRotation = 1e-3, kTranslation = 0.01;  // rad, m
-  const geometry::Vector6 error = geometry::log(predicted.inverse() * measured);
-  return error.head<3>().norm() > kRotation || error.tail<3>().norm() > kTranslation;
-}
-
 }  // namespace
 
 FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
@@ -59,13 +47,12 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       previous_sweeps_(setup.rig.lidars.size()),
       images_(images, images.capacity(),
               setup.delivery == Delivery::kWait ? EventCount::kNoTimeout : kImageTimeout),
-      measured_motion_({.capacity = 2, .max_gap = Duration(10'000'000'000)}),
       dropped_sweeps_(setup.rig.lidars.size()),
       image_counters_(setup.rig.cameras.size()) {
   if (setup.map != nullptr && !setup.map->empty() && setup.has_odometry) {
     map_tracker_.emplace(setup.streetmap, *setup.map, setup.rig);
   }
-  if (setup.use_lidar) lidar_odometry_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
+  if (setup.use_lidar) lidar_motion_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
   for (const LidarMount& lidar : setup.rig.lidars) {
     deskewers_.emplace_back(lidar.T_vehicle_lidar);
   }
@@ -162,11 +149,7 @@ bool FusionThread::is_behind(Duration lateness) const {
   return setup_.delivery == Delivery::kOverwrite && behind_ > lateness;
 }
 
-// Deskews the sweep by prediction and registers it to the local map; where the motion is not as
-// predicted, once more, deskewed by what was measured: a sweep that is deskewed for too large a
-// speed shows one that is too large by half as much. With the motion that this gives it is deskewed
-// again. A map that was started before the motion was known is reset: deskewed sweeps do not fit
-// it.
+// Deskews the sweep by prediction, and again by what its registration measured.
 SweepSnapshot FusionThread::measure_motion(const StreamItem& item) {
   const SweepSnapshot snapshot = deskew(item);
   if (is_behind(kLatencyBudget)) {
@@ -174,34 +157,8 @@ SweepSnapshot FusionThread::measure_motion(const StreamItem& item) {
     return snapshot;
   }
   const ScopedLatency timer(latency(Stage::kRegister));
-  const motion::DeskewedSweep& deskewed = snapshot.deskewed;  // what is deskewed anew below
-  const Stamp end = deskewed.reference;
-  const bool predicted = deskewed.usable();
-  std::optional<Eigen::Isometry3d> guess;
-  if (const auto motion = odometry_.trajectory().between(last_registered_, end); motion.usable()) {
-    guess = motion.T_from_to;
-  }
-  last_registered_ = end;
-  if (predicted && !map_deskewed_) lidar_odometry_->reset();
-  const bool first = lidar_odometry_->map_voxels() == 0;
-  registration::LidarOdometryResult result =
-      lidar_odometry_->align(points_of(deskewed), end, guess);
-  const bool wrong = result.usable() && guess && is_wrong(*guess, result.motion.T_from_to);
-  if (wrong) {
-    const motion::RelativePose step = result.motion;
-    const geometry::Vector6 velocity =
-        geometry::log(step.T_from_to) / to_seconds(step.to - step.from);
-    motion::set_constant_motion(item.sweep, end, velocity, measured_motion_);
-    deskewers_[item.lidar].deskew(item.sweep, measured_motion_, end, deskewed_);
-    result = lidar_odometry_->align(points_of(deskewed), end, step.T_from_to);
-  }
-  const bool measured = result.usable() && located_;
-  if (measured) odometry_.add(result.motion);
-  if (measured || wrong) deskew(item);
-  located_ = result.usable() || first;
-  if (!predicted && deskewed.usable()) lidar_odometry_->reset();
-  lidar_odometry_->add(points_of(deskewed), result);
-  map_deskewed_ = deskewed.usable();
+  lidar_motion_->measure(item.sweep, odometry_, deskewers_[item.lidar], deskewed_,
+                         [&] { deskew(item); });
   return snapshot;
 }
 

@@ -10,6 +10,7 @@
 #include "daemon/pipeline/control_queue.hpp"
 #include "daemon/pipeline/delivery.hpp"
 #include "daemon/pipeline/image_queue.hpp"
+#include "daemon/pipeline/lidar_motion.hpp"
 #include "daemon/pipeline/map_tracker.hpp"
 #include "daemon/pipeline/notifier.hpp"
 #include "daemon/pipeline/odometry_tracker.hpp"
@@ -20,7 +21,6 @@
 #include "drivers/measurement/rig.hpp"
 #include "drivers/measurement/slot_ring.hpp"
 #include "fusion/motion/deskew.hpp"
-#include "fusion/registration/lidar_odometry.hpp"
 
 namespace infuse::daemon {
 
@@ -79,7 +79,7 @@ class FusionThread {
   void process_due_sweeps();
   void process_sweep(Pin<StreamItem> item);
   bool is_behind(Duration lateness) const;
-  bool measures_motion(LidarIndex lidar) const { return lidar_odometry_ && lidar == 0; }
+  bool measures_motion(LidarIndex lidar) const { return lidar_motion_ && lidar == 0; }
   SweepSnapshot measure_motion(const StreamItem& item);
   SweepSnapshot deskew(const StreamItem& item);
   void report_sweep(const SweepSnapshot& snapshot);
@@ -115,20 +115,16 @@ class FusionThread {
   SweepQueue sweeps_;
   std::vector<Pin<StreamItem>> previous_sweeps_;  // processed last, by LidarIndex
   ImageQueue images_;
-  std::optional<registration::LidarOdometry> lidar_odometry_;
-  geometry::Trajectory measured_motion_;  // of the sweep that is registered, at constant twist
+  std::optional<LidarMotion> lidar_motion_;
   std::optional<MapTracker> map_tracker_;
   std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
   std::deque<CameraChannel> cameras_;       // by CameraIndex
   ControlQueue requests_;
   motion::DeskewedSweep deskewed_;  // memory that is used again
 
-  Stamp now_ = Stamp::earliest();              // drive time
-  Duration behind_ = Duration::zero();         // host time since the item in hand was read
-  Stamp last_registered_ = Stamp::earliest();  // end of a sweep
-  bool located_ = false;                       // that sweep has a pose in the local map
-  bool map_deskewed_ = false;                  // sweeps of the local map are deskewed
-  Stamp last_pose_ = Stamp::earliest();        // of the last pose without a sweep
+  Stamp now_ = Stamp::earliest();        // drive time
+  Duration behind_ = Duration::zero();   // host time since the item in hand was read
+  Stamp last_pose_ = Stamp::earliest();  // of the last pose without a sweep
   uint64_t not_deskewed_ = 0;
   std::vector<uint64_t> dropped_sweeps_;       // by LidarIndex
   std::vector<ImageCounters> image_counters_;  // by CameraIndex

@@ -42,6 +42,8 @@ const std::vector<std::string> kCommands = {
     "export mcap",
     "report",
     "map optimize",
+    "map",
+    "map export",
 };
 
 std::string help_of(const std::string& program) {

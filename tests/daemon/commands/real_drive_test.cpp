@@ -241,5 +241,22 @@ TEST_F(RealDrive, CalibrationWithoutTimesOfTheReturnsIsRefused) {
   EXPECT_GT(result["motion_max_shift_m"].get<double>(), 0.3);
 }
 
+// A straight street: nothing to close, and its fixes, centimetres good, give the frame.
+TEST_F(RealDrive, BecomesAMap) {
+  IMPORT_OR_SKIP();
+  const std::string map = (folder_ / "map").string();
+  const json made =
+      json::parse(run("infuse map " + drive_.string() + " -o " + map + " --json").output);
+  EXPECT_TRUE(made["usable"].get<bool>()) << made;
+  EXPECT_EQ(made["closures"], 0);
+  EXPECT_EQ(made["sweeps"], 51);
+  EXPECT_NEAR(made["length_m"].get<double>(), 53, 1.5);
+  EXPECT_TRUE(made["georeferenced"].get<bool>());
+  EXPECT_LT(made["fixes_rms_m"].get<double>(), 0.3);
+  const json scored = json::parse(
+      run("infuse evaluate " + map + "/trajectory.tum " + drive_.string() + " --json").output);
+  EXPECT_LT(scored["absolute"]["position_m"]["rms"].get<double>(), 0.15) << scored;
+}
+
 }  // namespace
 }  // namespace infuse::daemon

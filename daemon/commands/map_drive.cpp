@@ -1,0 +1,249 @@
+#include "daemon/commands/map_drive.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "daemon/command_line/progress_line.hpp"
+#include "daemon/commands/lidar_replay.hpp"
+#include "daemon/commands/play_lidar.hpp"
+#include "daemon/mapping/checksum.hpp"
+#include "daemon/mapping/cloud_file.hpp"
+#include "daemon/protocol/json_encoder.hpp"
+#include "fusion/mapping/keyframes.hpp"
+#include "fusion/mapping/submap.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+/// Bytes of a file, or of all files of a folder.
+uint64_t bytes_of(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) {
+    const auto size = std::filesystem::file_size(path, error);
+    return error ? 0 : size;
+  }
+  uint64_t bytes = 0;
+  for (std::filesystem::recursive_directory_iterator it(path, error), end; !error && it != end;
+       it.increment(error)) {
+    std::error_code ignored;
+    if (it->is_regular_file(ignored)) bytes += it->file_size(ignored);
+  }
+  return bytes;
+}
+
+std::string name_of_path(const std::filesystem::path& path) {
+  const auto whole = path.lexically_normal();
+  return (whole.has_filename() ? whole.filename() : whole.parent_path().filename()).string();
+}
+
+/// What a map is made of and how.
+MapJson identity_of(const DriveSetup& setup, size_t lidar, const MapSettings& settings) {
+  MapJson json = make_manifest();
+  json["sources"] = {{{"name", name_of_path(setup.path)}, {"bytes", bytes_of(setup.path)}}};
+  json["lidar"] = setup.lidars[lidar].name;
+  json["T_vehicle_lidar"] = encode(setup.rig.lidars[lidar].T_vehicle_lidar);
+  json["settings"] = to_json(settings);
+  return json;
+}
+
+/// Keyframes, clouds and fixes of a drive, as its sweeps and samples come.
+class DriveMapper {
+ public:
+  DriveMapper(const MapFolder& folder, const Eigen::Isometry3d& T_vehicle_lidar,
+              const MapSettings& settings)
+      : folder_(folder),
+        T_vehicle_lidar_(T_vehicle_lidar),
+        picker_(settings.keyframes),
+        submap_(settings.submaps) {}
+
+  void add(const Sweep& sweep, const motion::DeskewedSweep& deskewed,
+           const mapping::SweepMotion& motion) {
+    ++sweeps_;
+    const bool is_keyframe = picker_.add(motion);
+    if (!picker_.started()) return;
+    poses_.push_back({motion.stamp, picker_.T_odom_vehicle()});
+    if (is_keyframe) {
+      write_cloud();
+      keyframes_.push_back({picker_.last(), 0, ""});
+    }
+    // A sweep that fits nowhere would blur the cloud.
+    if (!motion.registered && !is_keyframe) return;
+    const Eigen::Isometry3d T_keyframe_vehicle =
+        picker_.last().T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
+    submap_.add({deskewed.x, deskewed.y, deskewed.z}, sweep.reflectivity,
+                T_vehicle_lidar_.inverse() * T_keyframe_vehicle * T_vehicle_lidar_);
+  }
+
+  void add(const GnssFix& fix) {
+    if (fix.valid) fixes_.push_back(fix);
+  }
+
+  /// Writes the last cloud and the tables; `manifest` states them.
+  Result<void> finish(MapJson manifest) {
+    write_cloud();
+    if (failed_) return tl::unexpected(*failed_);
+    if (keyframes_.size() < 2) {
+      return fail("no motion was found in its sweeps", "",
+                  sweeps_ == 0 ? "the lidar has no sweeps" : "see infuse odometry");
+    }
+    remove_clouds_from(keyframes_.size());
+    manifest["sweeps"] = sweeps_;
+    manifest["unmeasured"] = picker_.unmeasured();
+    manifest["unregistered"] = picker_.unregistered();
+    const std::string keyframes = format_keyframes(keyframes_), fixes = format_fixes(nearest());
+    for (const auto& [name, text] :
+         {std::pair{map_file::kKeyframes, &keyframes}, std::pair{map_file::kFixes, &fixes}}) {
+      if (auto written = folder_.write(name, *text); !written) return written;
+      manifest["files"][name] = checksum(*text);
+    }
+    return folder_.write(map_file::kDrive,
+                         manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");
+  }
+
+  bool failed() const { return failed_.has_value(); }
+  std::string progress() const {
+    return fmt::format("{} sweeps, {} keyframes, {:.0f} m", sweeps_, keyframes_.size(),
+                       picker_.way());
+  }
+
+ private:
+  struct Pose {
+    Stamp stamp;
+    Eigen::Isometry3d T_odom_vehicle;
+  };
+
+  void write_cloud() {
+    if (keyframes_.empty() || failed_) return;
+    const mapping::Submap cloud = submap_.take();
+    const std::string bytes = format_cloud_pcd(cloud);
+    keyframes_.back().points = cloud.size();
+    keyframes_.back().cloud_checksum = checksum(bytes);
+    const auto written = folder_.write(MapFolder::cloud_name(keyframes_.size() - 1), bytes);
+    if (!written) failed_ = written.error();
+  }
+
+  /// Clouds that an interrupted run with other settings left.
+  void remove_clouds_from(size_t keyframe) const {
+    std::error_code error;
+    while (folder_.has(MapFolder::cloud_name(keyframe)) &&
+           std::filesystem::remove(folder_.path() / MapFolder::cloud_name(keyframe), error)) {
+      ++keyframe;
+    }
+  }
+
+  /// Where the vehicle was at a time, if sweeps on both sides tell.
+  std::optional<Eigen::Isometry3d> pose_at(Stamp stamp) const {
+    constexpr Duration kMaxGap{500'000'000};
+    const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp,
+                                        [](const Pose& p, Stamp s) { return p.stamp < s; });
+    if (after == poses_.end() || after == poses_.begin()) return std::nullopt;
+    const Pose& before = *std::prev(after);
+    if (after->stamp - before.stamp > kMaxGap) return std::nullopt;
+    return geometry::interpolate(
+        before.T_odom_vehicle, after->T_odom_vehicle,
+        to_seconds(stamp - before.stamp) / to_seconds(after->stamp - before.stamp));
+  }
+
+  size_t nearest_keyframe(Stamp stamp) const {
+    const auto after =
+        std::lower_bound(keyframes_.begin(), keyframes_.end(), stamp,
+                         [](const MapKeyframe& k, Stamp s) { return k.keyframe.stamp < s; });
+    const auto index = static_cast<size_t>(after - keyframes_.begin());
+    if (index == 0) return 0;
+    if (index == keyframes_.size()) return index - 1;
+    const bool earlier =
+        stamp - keyframes_[index - 1].keyframe.stamp < keyframes_[index].keyframe.stamp - stamp;
+    return earlier ? index - 1 : index;
+  }
+
+  /// Of every keyframe the fix that is nearest to it.
+  std::vector<MapFix> nearest() const {
+    std::vector<MapFix> out;
+    for (const GnssFix& fix : fixes_) {
+      const auto T_odom_vehicle = pose_at(fix.stamp);
+      if (!T_odom_vehicle) continue;
+      MapFix placed;
+      placed.fix = fix;
+      placed.keyframe = nearest_keyframe(fix.stamp);
+      placed.point = keyframes_[placed.keyframe].keyframe.T_odom_vehicle.inverse() *
+                     T_odom_vehicle->translation();
+      if (out.empty() || out.back().keyframe < placed.keyframe) {
+        out.push_back(placed);
+      } else if (out.back().keyframe == placed.keyframe &&
+                 placed.point.norm() < out.back().point.norm()) {
+        out.back() = placed;
+      }
+    }
+    return out;
+  }
+
+  const MapFolder& folder_;
+  Eigen::Isometry3d T_vehicle_lidar_;
+  mapping::KeyframePicker picker_;
+  mapping::SubmapBuilder submap_;
+  std::vector<MapKeyframe> keyframes_;
+  std::vector<Pose> poses_;
+  std::vector<GnssFix> fixes_;
+  std::optional<Error> failed_;
+  uint64_t sweeps_ = 0;
+};
+
+/// True if the folder's replay is complete; fails if it is of something else.
+Result<bool> is_replayed(const MapFolder& folder, const MapJson& identity) {
+  if (!folder.has(map_file::kDrive)) return false;
+  const auto manifest = folder.read_manifest(map_file::kDrive);
+  if (!manifest) return tl::unexpected(manifest.error());
+  for (const auto& [key, value] : identity.items()) {
+    if (!manifest->contains(key) || (*manifest)[key] != value) {
+      return fail("the folder holds a map of another drive, lidar or settings (" + key + ")",
+                  folder.path().string(), "choose a new folder");
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<void> replay_to_map(const MapFolder& folder, DriveSetup& setup, size_t lidar,
+                           const MapSettings& settings) {
+  if (auto created = folder.create(); !created) return created;
+  MapJson identity = identity_of(setup, lidar, settings);
+  const auto replayed = is_replayed(folder, identity);
+  if (!replayed) return tl::unexpected(replayed.error());
+  if (*replayed) return {};
+  for (const char* later : {map_file::kClosures, map_file::kMap}) {
+    std::error_code ignored;
+    std::filesystem::remove(folder.path() / later, ignored);
+  }
+  DriveMapper mapper(folder, setup.rig.lidars[lidar].T_vehicle_lidar, settings);
+  LidarReplay odometry(setup, lidar);
+  ProgressLine line;
+  const auto on_sweep = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed,
+                            const mapping::SweepMotion& motion) {
+    mapper.add(sweep, deskewed, motion);
+    line.show(std::nullopt, mapper.progress());
+  };
+  play_lidar(
+      setup, lidar, [&](const Sweep& sweep) { odometry.add_sweep(sweep); },
+      [&](const VehicleSample& sample) {
+        odometry.add_sample(sample);
+        if (const auto* fix = std::get_if<GnssFix>(&sample)) mapper.add(*fix);
+      },
+      [&](const recording::DriveEvent& event) {
+        odometry.process_due(event.stamp, on_sweep);
+        return !mapper.failed();
+      });
+  odometry.finish(on_sweep);
+  line.clear();
+  auto finished = mapper.finish(std::move(identity));
+  if (!finished && finished.error().where.empty()) {
+    Error error = finished.error();
+    error.where = setup.path.string();
+    return tl::unexpected(error);
+  }
+  return finished;
+}
+
+}  // namespace infuse::daemon

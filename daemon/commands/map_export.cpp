@@ -1,0 +1,98 @@
+#include "daemon/commands/map_export.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/progress_line.hpp"
+#include "daemon/mapping/cloud_file.hpp"
+#include "daemon/mapping/map_folder.hpp"
+#include "daemon/mapping/map_image.hpp"
+#include "drivers/camera/png_encoder.hpp"
+#include "drivers/recording/atomic_file.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kMapExportProgram = "infuse map export";
+constexpr double kMapPixel = 0.2, kMapVoxel = 0.25;  // m
+
+/// Calls use(cloud, T_map_lidar) for every keyframe.
+template <class Use>
+Result<void> for_each_cloud(const MapFolder& folder, const MapContent& map, Use use) {
+  ProgressLine line;
+  const size_t all = map.T_map_vehicle.size();
+  for (size_t k = 0; k < all; ++k) {
+    const auto cloud = folder.read_cloud(map.drive.keyframes, k);
+    if (!cloud) return tl::unexpected(cloud.error());
+    use(*cloud, map.T_map_vehicle[k] * map.drive.T_vehicle_lidar);
+    line.show(static_cast<double>(k + 1) / static_cast<double>(all),
+              fmt::format("{} of {} clouds", k + 1, all));
+  }
+  return {};
+}
+
+Result<std::string> export_cloud(const MapFolder& folder, const MapContent& map, double voxel,
+                                 bool ply) {
+  // The submaps were cut at their own ranges: here every point counts.
+  mapping::SubmapBuilder builder({.voxel_size = voxel, .min_range = 0, .max_range = 500});
+  const auto done =
+      for_each_cloud(folder, map, [&](const mapping::Submap& cloud, const Eigen::Isometry3d& T) {
+        builder.add(cloud.points(), cloud.reflectivity, T);
+      });
+  if (!done) return tl::unexpected(done.error());
+  const mapping::Submap whole = builder.take();
+  return ply ? format_cloud_ply(whole) : format_cloud_pcd(whole);
+}
+
+Result<std::string> export_image(const MapFolder& folder, const MapContent& map, double pixel,
+                                 MapImageContent content) {
+  MapImage image(pixel);
+  const auto done = for_each_cloud(
+      folder, map,
+      [&](const mapping::Submap& cloud, const Eigen::Isometry3d& T) { image.add(cloud, T); });
+  if (!done) return tl::unexpected(done.error());
+  return image.draw(content)
+      .and_then([](const CameraFrame& frame) { return camera::encode_png(frame); })
+      .map([](const std::vector<uint8_t>& png) { return std::string(png.begin(), png.end()); });
+}
+
+Result<std::string> export_map(const MapExportArguments& arguments, const std::string& extension) {
+  const MapFolder folder(arguments.map);
+  const auto map = read_map(folder);
+  if (!map) return tl::unexpected(map.error());
+  const auto size = [&](double otherwise) {
+    return arguments.voxel > 0 ? arguments.voxel : otherwise;
+  };
+  if (extension == ".tum") return folder.read_stated(map->manifest, map_file::kTrajectory);
+  if (extension == ".png") {
+    return export_image(
+        folder, *map, size(kMapPixel),
+        arguments.show == "height" ? MapImageContent::kHeight : MapImageContent::kIntensity);
+  }
+  return export_cloud(folder, *map, size(kMapVoxel), extension == ".ply");
+}
+
+}  // namespace
+
+int run_map_export(const MapExportArguments& arguments) {
+  const std::string extension = std::filesystem::path(arguments.output).extension().string();
+  if (extension != ".pcd" && extension != ".ply" && extension != ".tum" && extension != ".png") {
+    return print_error(kMapExportProgram,
+                       {"unknown format '" + extension + "'", arguments.output,
+                        "known are .pcd, .ply, .tum and .png"},
+                       kUsage);
+  }
+  const auto bytes = export_map(arguments, extension);
+  if (!bytes) return print_error(kMapExportProgram, bytes.error(), kUnreadable);
+  const auto written = recording::write_file_atomically(
+      arguments.output, std::as_bytes(std::span(bytes->data(), bytes->size())));
+  if (!written) return print_error(kMapExportProgram, written.error(), kFailure);
+  std::cout << fmt::format("{} written, {:.1f} MB\n", arguments.output,
+                           static_cast<double>(bytes->size()) / 1e6);
+  return kDone;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+namespace infuse::daemon {
+
+struct MapExportArguments {
+  std::string map, output;
+  double voxel = 0;  ///< m; 0: the format's own
+  std::string show = "intensity";
+};
+
+/// Runs `infuse map export`: reads a complete map and writes it as one file.
+int run_map_export(const MapExportArguments& arguments);
+
+}  // namespace infuse::daemon

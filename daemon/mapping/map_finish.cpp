@@ -1,0 +1,252 @@
+#include "daemon/mapping/map_finish.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+
+#include "daemon/mapping/checksum.hpp"
+#include "daemon/mapping/closure_verifier.hpp"
+#include "daemon/mapping/g2o_file.hpp"
+#include "drivers/gnss/local_frame.hpp"
+#include "drivers/measurement/angles.hpp"
+#include "drivers/recording/trajectory_file.hpp"
+#include "fusion/mapping/robust.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr double kUnknownHeight = 1e3;  // m, standard deviation
+constexpr const char* kOutvoted = "contradicts the other closures";
+
+std::vector<mapping::Keyframe> plain_keyframes(const MapDrive& drive) {
+  std::vector<mapping::Keyframe> keyframes;
+  for (const MapKeyframe& keyframe : drive.keyframes) keyframes.push_back(keyframe.keyframe);
+  return keyframes;
+}
+
+mapping::PoseEdge<3> make_edge(size_t from, size_t to, const Eigen::Isometry3d& T_from_to,
+                               const geometry::Matrix6& covariance, bool closure) {
+  return {from, to, T_from_to, mapping::edge_information(T_from_to, covariance), closure};
+}
+
+/// Keyframes where odometry has them, and the motions between them.
+mapping::PoseGraph<3> odometry_graph(const std::vector<mapping::Keyframe>& keyframes) {
+  mapping::PoseGraph<3> graph;
+  for (size_t k = 0; k < keyframes.size(); ++k) {
+    graph.poses.push_back(keyframes[k].T_odom_vehicle);
+    if (k == 0) continue;
+    graph.edges.push_back(
+        make_edge(k - 1, k, keyframes[k - 1].T_odom_vehicle.inverse() * keyframes[k].T_odom_vehicle,
+                  keyframes[k].covariance, false));
+  }
+  return graph;
+}
+
+/// The fixes as positions about the first of them.
+struct Georeference {
+  double latitude = 0, longitude = 0, altitude = 0;  // rad, m
+  std::vector<mapping::PositionFactor> factors;
+};
+
+Georeference make_georeference(const MapDrive& drive, const mapping::PositionOptions& options) {
+  Georeference out;
+  double last_way = -options.spacing;
+  for (const MapFix& measured : drive.fixes) {
+    const GnssFix& fix = measured.fix;
+    const double way = drive.keyframes[measured.keyframe].keyframe.way;
+    // Pose 1 is left without: an edge between successive ids of a graph is taken for odometry.
+    if (measured.keyframe == 0 || way - last_way < options.spacing) continue;
+    last_way = way;
+    const bool has_height = std::isfinite(fix.altitude);
+    if (out.factors.empty()) {
+      out.latitude = fix.latitude;
+      out.longitude = fix.longitude;
+      out.altitude = has_height ? fix.altitude : 0;
+    }
+    const auto frame = gnss::make_local_frame(out.latitude, out.longitude, out.altitude);
+    mapping::PositionFactor factor;
+    factor.pose = measured.keyframe;
+    factor.point = measured.point;
+    factor.position = gnss::to_local(frame, fix.latitude, fix.longitude,
+                                     has_height ? fix.altitude : out.altitude);
+    const double sigma = options.sigma * (std::isfinite(fix.hdop) ? std::max(fix.hdop, 1.0) : 1.0);
+    factor.sigma << sigma, sigma, has_height ? options.vertical_factor * sigma : kUnknownHeight;
+    out.factors.push_back(factor);
+  }
+  return out;
+}
+
+/// The poses of keyframes of a fit.
+std::vector<Eigen::Isometry3d> poses_of(const mapping::PositionFit& fit) {
+  return {fit.graph.poses.begin() + 1, fit.graph.poses.end()};
+}
+
+double root_mean_square_move(const std::vector<Eigen::Isometry3d>& a,
+                             const std::vector<Eigen::Isometry3d>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i)
+    sum += (a[i].translation() - b[i].translation()).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+/// Optimises the graph with its closures; returns it without those that contradict.
+Result<mapping::PoseGraph<3>> close_loops(mapping::PoseGraph<3> graph,
+                                          const std::vector<mapping::Closure>& closures,
+                                          MapSummary& summary, MapJson& outvoted) {
+  const std::vector<Eigen::Isometry3d> before = graph.poses;
+  std::vector<const mapping::Closure*> of_edge;
+  const size_t steps = graph.edges.size();
+  for (const mapping::Closure& closure : closures) {
+    if (!closure.accepted()) {
+      ++summary.rejected[closure.reason];
+      continue;
+    }
+    graph.edges.push_back(
+        make_edge(closure.from, closure.to, closure.T_from_to, closure.covariance, true));
+    of_edge.push_back(&closure);
+  }
+  if (of_edge.empty()) return graph;
+  const mapping::RobustResult robust = mapping::optimize_robustly(graph);
+  summary.reason = robust.reason;
+  mapping::PoseGraph<3> closed;
+  closed.poses = graph.poses;
+  for (size_t e = 0; e < graph.edges.size(); ++e) {
+    if (e < steps || (e < robust.accepted.size() && robust.accepted[e] != 0)) {
+      closed.edges.push_back(graph.edges[e]);
+      summary.closures += e >= steps ? 1 : 0;
+    } else {
+      ++summary.rejected[kOutvoted];
+      outvoted.push_back({of_edge[e - steps]->from, of_edge[e - steps]->to});
+    }
+  }
+  mapping::PoseGraph<3> start = closed;
+  start.poses = before;
+  summary.cost_before = mapping::total_cost(start, mapping::Cost::kInformation);
+  summary.cost = mapping::total_cost(closed, mapping::Cost::kInformation);
+  summary.moved = root_mean_square_move(before, closed.poses);
+  return closed;
+}
+
+/// The graph as a file: the origin of a georeferenced map is vertex 0, keyframe k is vertex k + 1.
+std::string format_graph(const mapping::PoseGraph<3>& graph, bool with_origin) {
+  G2oGraph<3> file;
+  file.graph = graph;
+  for (size_t i = 0; i < graph.poses.size(); ++i) {
+    file.ids.push_back(static_cast<int64_t>(i) + (with_origin ? 0 : 1));
+  }
+  return format_g2o(file);
+}
+
+std::string format_trajectory(const std::vector<mapping::Keyframe>& keyframes,
+                              const std::vector<Eigen::Isometry3d>& T_map_vehicle) {
+  std::vector<recording::TrajectoryPose> poses;
+  for (size_t k = 0; k < keyframes.size(); ++k) {
+    poses.push_back({keyframes[k].stamp, T_map_vehicle[k]});
+  }
+  return recording::format_tum(poses);
+}
+
+MapJson georeference_json(const Georeference& origin) {
+  return {{"latitude_deg", origin.latitude / kDegree},
+          {"longitude_deg", origin.longitude / kDegree},
+          {"altitude_m", origin.altitude}};
+}
+
+void describe_fit(const mapping::PositionFit& fit, MapSummary& summary) {
+  summary.georeferenced = fit.usable();
+  summary.position_reason = fit.reason;
+  summary.fixes = fit.accepted.size();
+  summary.fixes_rejected = static_cast<size_t>(
+      std::count(fit.accepted.begin(), fit.accepted.end(), static_cast<char>(0)));
+  summary.fix_rms = fit.rms;
+}
+
+/// Why the odometry does not carry a map, or an empty text.
+const char* unmeasured_reason(const MapSummary& summary, const MapSettings& settings) {
+  const auto all = static_cast<double>(summary.sweeps);
+  if (static_cast<double>(summary.unmeasured) > settings.max_unmeasured * all) {
+    return "the motion of too many sweeps is not known";
+  }
+  return static_cast<double>(summary.unregistered) > settings.max_unregistered * all
+             ? "the lidar did not measure the motion of too many sweeps"
+             : "";
+}
+
+uint64_t count_at(const MapJson& json, const char* key) {
+  return json.contains(key) && json[key].is_number_unsigned() ? json[key].get<uint64_t>() : 0;
+}
+
+}  // namespace
+
+Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
+                              const MapSettings& settings, const MapProgress& progress) {
+  MapSummary summary;
+  const std::vector<mapping::Keyframe> keyframes = plain_keyframes(drive);
+  summary.keyframes = keyframes.size();
+  if (keyframes.size() < 2) {
+    return fail("the drive has fewer than two keyframes", folder.path().string(),
+                "the vehicle stands, or no motion was found");
+  }
+  summary.way = keyframes.back().way;
+  summary.sweeps = count_at(drive.manifest, "sweeps");
+  summary.unmeasured = count_at(drive.manifest, "unmeasured");
+  summary.unregistered = count_at(drive.manifest, "unregistered");
+  mapping::PoseGraph<3> graph = odometry_graph(keyframes);
+  const Georeference origin =
+      settings.use_gnss ? make_georeference(drive, settings.positions) : Georeference{};
+
+  std::optional<mapping::KnownPoses> known;
+  if (auto fit = mapping::fit_positions(graph, origin.factors, settings.positions); fit.usable()) {
+    known = mapping::KnownPoses{poses_of(fit), settings.positions.sigma};
+  }
+  std::vector<mapping::Closure> closures;
+  ClosureVerifier verifier(folder, drive, settings.check);
+  if (auto resumed = verifier.resume(); !resumed) return tl::unexpected(resumed.error());
+  if (settings.close_loops) {
+    size_t accepted = 0;
+    auto found =
+        mapping::search_closures(keyframes, known, settings.search, [&](mapping::Closure& closure) {
+          progress(closure.to, keyframes.size(), accepted);
+          auto verified = verifier.verify(closure);
+          if (verified && closure.accepted()) ++accepted;
+          return verified;
+        });
+    if (!found) return tl::unexpected(found.error());
+    closures = *std::move(found);
+  }
+  if (auto written = verifier.finish(closures); !written) return tl::unexpected(written.error());
+
+  MapJson outvoted = MapJson::array();
+  auto closed = close_loops(graph, closures, summary, outvoted);
+  if (!closed) return tl::unexpected(closed.error());
+  std::vector<Eigen::Isometry3d> T_map_vehicle = closed->poses;
+  mapping::PositionFit fit = mapping::fit_positions(*closed, origin.factors, settings.positions);
+  if (const char* wrong = unmeasured_reason(summary, settings); *wrong != '\0') {
+    summary.reason = wrong;
+  }
+  describe_fit(fit, summary);
+  if (fit.usable()) T_map_vehicle = poses_of(fit);
+
+  MapJson manifest = drive.manifest;
+  manifest["georeference"] = fit.usable() ? georeference_json(origin) : MapJson(nullptr);
+  manifest["outvoted_closures"] = outvoted;
+  manifest["summary"] = to_json(summary);
+  const std::string graph_text = format_graph(fit.usable() ? fit.graph : *closed, fit.usable());
+  const std::string trajectory = format_trajectory(keyframes, T_map_vehicle);
+  for (const auto& [name, text] :
+       {std::pair{map_file::kGraph, &graph_text}, std::pair{map_file::kTrajectory, &trajectory}}) {
+    if (auto written = folder.write(name, *text); !written) return tl::unexpected(written.error());
+    manifest["files"][name] = checksum(*text);
+  }
+  for (const char* earlier : {map_file::kDrive, map_file::kClosures}) {
+    const auto text = folder.read(earlier);
+    if (!text) return tl::unexpected(text.error());
+    manifest["files"][earlier] = checksum(*text);
+  }
+  const auto written = folder.write(
+      map_file::kMap, manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");
+  if (!written) return tl::unexpected(written.error());
+  return summary;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,206 @@
+#include "daemon/mapping/map_folder.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+
+#include "daemon/mapping/checksum.hpp"
+#include "daemon/mapping/cloud_file.hpp"
+#include "daemon/mapping/g2o_file.hpp"
+#include "drivers/recording/atomic_file.hpp"
+#include "drivers/recording/rigid_matrix.hpp"
+#include "drivers/text/text_file.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr const char* kMapFormat = "infuse map";
+constexpr int kMapVersion = 1;
+constexpr size_t kMaxMapFileBytes = size_t{256} << 20;
+constexpr std::array kMapFileNames{map_file::kDrive,      map_file::kKeyframes, map_file::kFixes,
+                                   map_file::kClosures,   map_file::kGraph,     map_file::kMap,
+                                   map_file::kTrajectory, map_file::kClouds};
+
+bool is_map_file(const std::string& name) {
+  return std::any_of(kMapFileNames.begin(), kMapFileNames.end(),
+                     [&](const char* known) { return name.starts_with(known); }) ||
+         name.starts_with('.');
+}
+
+/// Removes the temporary files that an interrupted write leaves: a name and six more characters.
+void remove_leftovers(const std::filesystem::path& folder) {
+  constexpr size_t kSuffix = 7;
+  std::error_code error;
+  std::vector<std::filesystem::path> leftovers;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const std::string stem = name.substr(0, name.size() - std::min(name.size(), kSuffix));
+    const bool is_ours = stem.ends_with(".pcd") || stem.ends_with(".csv") ||
+                         stem.ends_with(".json") || stem.ends_with(".g2o") ||
+                         stem.ends_with(".tum");
+    if (is_ours && name[stem.size()] == '.') leftovers.push_back(it->path());
+  }
+  for (const auto& leftover : leftovers) std::filesystem::remove(leftover, error);
+}
+
+/// The text at a key, or nothing.
+std::string text_at(const MapJson& json, const std::string& key) {
+  if (!json.is_object() || !json.contains(key) || !json[key].is_string()) return "";
+  return json[key].get<std::string>();
+}
+
+Result<Eigen::Isometry3d> read_mounting(const MapJson& manifest, const std::string& where) {
+  const auto wrong = [&] { return fail("T_vehicle_lidar is not a rigid motion", where); };
+  if (!manifest.contains("T_vehicle_lidar")) return wrong();
+  const MapJson& numbers = manifest["T_vehicle_lidar"];
+  if (!numbers.is_array() || numbers.size() != 16) return wrong();
+  Eigen::Matrix4d matrix;
+  for (size_t i = 0; i < 16; ++i) {
+    if (!numbers[i].is_number()) return wrong();
+    matrix(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) =
+        numbers[i].get<double>();
+  }
+  const auto T = recording::to_rigid(matrix);
+  if (!T) return wrong();
+  return *T;
+}
+
+}  // namespace
+
+bool MapFolder::has(const std::string& name) const {
+  std::error_code ignored;
+  return std::filesystem::exists(path_ / name, ignored);
+}
+
+Result<void> MapFolder::create() const {
+  std::error_code error;
+  if (std::filesystem::exists(path_, error)) {
+    if (!std::filesystem::is_directory(path_, error)) return fail("not a folder", path_.string());
+    for (std::filesystem::directory_iterator it(path_, error), end; !error && it != end;
+         it.increment(error)) {
+      const std::string name = it->path().filename().string();
+      if (!is_map_file(name)) {
+        return fail("the folder holds '" + name + "', which is no part of a map", path_.string(),
+                    "choose a new folder");
+      }
+    }
+  }
+  std::filesystem::create_directories(path_ / map_file::kClouds, error);
+  if (error) return fail("cannot be created: " + error.message(), path_.string());
+  remove_leftovers(path_);
+  remove_leftovers(path_ / map_file::kClouds);
+  return {};
+}
+
+Result<void> MapFolder::write(const std::string& name, std::string_view bytes) const {
+  return recording::write_file_atomically(path_ / name,
+                                          std::as_bytes(std::span(bytes.data(), bytes.size())));
+}
+
+Result<std::string> MapFolder::read(const std::string& name, const std::string& sum) const {
+  auto bytes = text::read_text(path_ / name, kMaxMapFileBytes);
+  if (bytes && !sum.empty() && checksum(*bytes) != sum) {
+    return fail("the file is damaged: its checksum is not the stated one", path_of(name),
+                "make the map anew");
+  }
+  return bytes;
+}
+
+Result<MapJson> MapFolder::read_manifest(const std::string& name) const {
+  const auto text = read(name);
+  if (!text) return tl::unexpected(text.error());
+  MapJson json = MapJson::parse(*text, nullptr, false);
+  if (text_at(json, "format") != kMapFormat) {
+    return fail("not the manifest of a map, or damaged", path_of(name));
+  }
+  if (json["version"] != kMapVersion) {
+    return fail("a map of another version", path_of(name),
+                fmt::format("expected version {}", kMapVersion));
+  }
+  return json;
+}
+
+Result<std::string> MapFolder::read_stated(const MapJson& manifest, const std::string& name) const {
+  const std::string sum =
+      manifest.contains("files") ? text_at(manifest["files"], name) : std::string();
+  if (sum.empty()) return fail("the manifest does not state this file", path_of(name));
+  return read(name, sum);
+}
+
+std::string MapFolder::cloud_name(size_t keyframe) {
+  return fmt::format("{}/{:06}.pcd", map_file::kClouds, keyframe);
+}
+
+Result<mapping::Submap> MapFolder::read_cloud(const std::vector<MapKeyframe>& keyframes,
+                                              size_t k) const {
+  const std::string name = cloud_name(k);
+  return read(name, keyframes[k].cloud_checksum).and_then([&](const std::string& bytes) {
+    return parse_cloud_pcd(bytes, path_of(name));
+  });
+}
+
+MapJson make_manifest() { return {{"format", kMapFormat}, {"version", kMapVersion}}; }
+
+Result<MapDrive> read_map_drive(const MapFolder& folder) {
+  MapDrive drive;
+  auto manifest = folder.read_manifest(map_file::kDrive);
+  if (!manifest) return tl::unexpected(manifest.error());
+  drive.manifest = *std::move(manifest);
+  const auto mounting = read_mounting(drive.manifest, folder.path_of(map_file::kDrive));
+  if (!mounting) return tl::unexpected(mounting.error());
+  drive.T_vehicle_lidar = *mounting;
+  auto keyframes =
+      folder.read_stated(drive.manifest, map_file::kKeyframes).and_then([&](const auto& text) {
+        return parse_keyframes(text, folder.path_of(map_file::kKeyframes));
+      });
+  if (!keyframes) return tl::unexpected(keyframes.error());
+  drive.keyframes = *std::move(keyframes);
+  auto fixes = folder.read_stated(drive.manifest, map_file::kFixes).and_then([&](const auto& text) {
+    return parse_fixes(text, folder.path_of(map_file::kFixes));
+  });
+  if (!fixes) return tl::unexpected(fixes.error());
+  drive.fixes = *std::move(fixes);
+  for (const MapFix& fix : drive.fixes) {
+    if (fix.keyframe >= drive.keyframes.size()) {
+      return fail("a fix of a keyframe that is not there", folder.path_of(map_file::kFixes));
+    }
+  }
+  return drive;
+}
+
+Result<MapContent> read_map(const MapFolder& folder) {
+  MapContent map;
+  if (!folder.has(map_file::kMap)) {
+    return fail(folder.has(map_file::kDrive) ? "the map is not complete" : "not a map",
+                folder.path().string(),
+                "run infuse map DRIVE -o MAP; it goes on where it was interrupted");
+  }
+  auto manifest = folder.read_manifest(map_file::kMap);
+  if (!manifest) return tl::unexpected(manifest.error());
+  map.manifest = *std::move(manifest);
+  if (auto stated = folder.read_stated(map.manifest, map_file::kDrive); !stated) {
+    return tl::unexpected(stated.error());
+  }
+  auto drive = read_map_drive(folder);
+  if (!drive) return tl::unexpected(drive.error());
+  map.drive = *std::move(drive);
+  const std::string graph_file = folder.path_of(map_file::kGraph);
+  const auto graph =
+      folder.read_stated(map.manifest, map_file::kGraph).and_then([&](const auto& text) {
+        return parse_g2o(text, graph_file);
+      });
+  if (!graph) return tl::unexpected(graph.error());
+  const auto* spatial = std::get_if<G2oGraph<3>>(&*graph);
+  if (spatial == nullptr || !spatial->has_poses) return fail("not the graph of a map", graph_file);
+  for (size_t i = 0; i < spatial->ids.size(); ++i) {
+    if (spatial->ids[i] > 0) map.T_map_vehicle.push_back(spatial->graph.poses[i]);
+  }
+  if (map.T_map_vehicle.size() != map.drive.keyframes.size()) {
+    return fail("not as many poses as keyframes", graph_file);
+  }
+  return map;
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/mapping/map_tables.hpp"
+#include "fusion/mapping/pose_graph.hpp"
+#include "fusion/mapping/submap.hpp"
+
+namespace infuse::daemon {
+
+using MapJson = nlohmann::ordered_json;
+
+/// Names of the files of a map folder.
+namespace map_file {
+inline constexpr const char* kDrive = "drive.json";  ///< the replay is complete
+inline constexpr const char* kKeyframes = "keyframes.csv";
+inline constexpr const char* kFixes = "fixes.csv";
+inline constexpr const char* kClosures = "closures.csv";  ///< sought so far
+inline constexpr const char* kGraph = "graph.g2o";
+inline constexpr const char* kTrajectory = "trajectory.tum";
+inline constexpr const char* kMap = "map.json";   ///< the map is complete
+inline constexpr const char* kClouds = "clouds";  ///< folder
+}  // namespace map_file
+
+/// A map folder on disk. Every file is written atomically.
+class MapFolder {
+ public:
+  explicit MapFolder(std::filesystem::path path) : path_(std::move(path)) {}
+
+  const std::filesystem::path& path() const { return path_; }
+  std::string path_of(const std::string& name) const { return (path_ / name).string(); }
+  bool has(const std::string& name) const;
+
+  /// Creates the folder. Fails if it exists and holds files that no map has.
+  Result<void> create() const;
+
+  Result<void> write(const std::string& name, std::string_view bytes) const;
+  /// Reads a file of at most 256 MiB; if a checksum is given, fails where the file has another.
+  Result<std::string> read(const std::string& name, const std::string& checksum = "") const;
+
+  /// Reads drive.json or map.json. Fails if it is not the manifest of a map of this version.
+  Result<MapJson> read_manifest(const std::string& name) const;
+  /// Reads a file with the checksum that a manifest states.
+  Result<std::string> read_stated(const MapJson& manifest, const std::string& name) const;
+
+  static std::string cloud_name(size_t keyframe);
+  Result<mapping::Submap> read_cloud(const std::vector<MapKeyframe>& keyframes, size_t k) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A manifest with format and version.
+MapJson make_manifest();
+
+/// What the replay of a drive left.
+struct MapDrive {
+  MapJson manifest;
+  Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
+  std::vector<MapKeyframe> keyframes;
+  std::vector<MapFix> fixes;
+};
+
+/// Reads drive.json and its tables. An error names the file that is damaged or missing.
+Result<MapDrive> read_map_drive(const MapFolder& folder);
+
+/// A complete map.
+struct MapContent {
+  MapJson manifest;
+  MapDrive drive;
+  std::vector<Eigen::Isometry3d> T_map_vehicle;  ///< by keyframe
+};
+
+/// Reads a complete map, without its clouds. Fails if it is not complete or a file is damaged.
+Result<MapContent> read_map(const MapFolder& folder);
+
+}  // namespace infuse::daemon

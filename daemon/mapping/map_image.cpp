@@ -1,0 +1,77 @@
+#include "daemon/mapping/map_image.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace infuse::daemon {
+namespace {
+
+constexpr int64_t kMaxPixels = 64'000'000;
+constexpr double kMaxPixelIndex = 1e9;
+
+uint64_t pixel_key(int32_t column, int32_t row) {
+  return static_cast<uint64_t>(static_cast<uint32_t>(column)) << 32 | static_cast<uint32_t>(row);
+}
+int32_t column_of(uint64_t key) { return static_cast<int32_t>(static_cast<uint32_t>(key >> 32)); }
+int32_t row_of(uint64_t key) { return static_cast<int32_t>(static_cast<uint32_t>(key)); }
+
+float percentile(std::vector<float> values, double share) {
+  const auto at =
+      values.begin() + static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+void MapImage::add(const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_cloud) {
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3d p = T_map_cloud * Eigen::Vector3d(cloud.x[i], cloud.y[i], cloud.z[i]);
+    const double column = std::floor(p.x() / pixel_), row = std::floor(p.y() / pixel_);
+    if (!(std::abs(column) < kMaxPixelIndex && std::abs(row) < kMaxPixelIndex)) continue;
+    const auto key = pixel_key(static_cast<int32_t>(column), static_cast<int32_t>(row));
+    Pixel& pixel = pixels_[key];
+    const auto height = static_cast<float>(p.z());
+    pixel.height = pixel.count > 0 ? std::max(pixel.height, height) : height;
+    pixel.reflectivity += cloud.reflectivity[i];
+    ++pixel.count;
+  }
+}
+
+Result<CameraFrame> MapImage::draw(MapImageContent content) const {
+  if (pixels_.empty()) return fail("the map has no points");
+  int32_t left = std::numeric_limits<int32_t>::max(), right = std::numeric_limits<int32_t>::min();
+  int32_t bottom = left, top = right;
+  std::vector<float> values;
+  const auto value_of = [&](const Pixel& pixel) {
+    return content == MapImageContent::kHeight ? pixel.height : pixel.reflectivity / pixel.count;
+  };
+  for (const auto& [key, pixel] : pixels_) {
+    left = std::min(left, column_of(key));
+    right = std::max(right, column_of(key));
+    bottom = std::min(bottom, row_of(key));
+    top = std::max(top, row_of(key));
+    values.push_back(value_of(pixel));
+  }
+  const int64_t width = int64_t{right} - left + 1, height = int64_t{top} - bottom + 1;
+  if (width > kMaxPixels / height) return fail("the image would be too large", "", "raise --voxel");
+  constexpr double kLowest = 0.02, kHighest = 0.98;
+  const float low = percentile(values, kLowest), high = percentile(values, kHighest);
+  CameraFrame image;
+  image.width = static_cast<int>(width);
+  image.height = static_cast<int>(height);
+  image.format = PixelFormat::kGrey8;
+  image.pixels.assign(static_cast<size_t>(width * height), 0);
+  for (const auto& [key, pixel] : pixels_) {
+    const float share =
+        high > low ? std::clamp((value_of(pixel) - low) / (high - low), 0.F, 1.F) : 1.F;
+    image
+        .pixels[static_cast<size_t>((int64_t{top} - row_of(key)) * width + column_of(key) - left)] =
+        static_cast<uint8_t>(1 + std::lround(254 * share));
+  }
+  return image;
+}
+
+}  // namespace infuse::daemon

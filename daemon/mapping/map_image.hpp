@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+#include "drivers/measurement/camera_frame.hpp"
+#include "drivers/measurement/error.hpp"
+#include "fusion/mapping/submap.hpp"
+
+namespace infuse::daemon {
+
+/// What an image of a map shows.
+enum class MapImageContent { kIntensity, kHeight };
+
+/// View of a map from above, x to the right and y up (in a georeferenced map east and north): mean
+/// reflectivity, or height of the highest point, of each pixel; grey values from 1 to 255 between
+/// the 2nd and 98th percentile, 0 without points.
+class MapImage {
+ public:
+  /// Side of a pixel, m.
+  explicit MapImage(double pixel) : pixel_(pixel) {}
+
+  void add(const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_cloud);
+
+  /// Fails if there are no points or the image would have more than 64 million pixels.
+  Result<CameraFrame> draw(MapImageContent content) const;
+
+ private:
+  struct Pixel {
+    float reflectivity = 0, count = 0, height = 0;
+  };
+  double pixel_;
+  std::unordered_map<uint64_t, Pixel> pixels_;  // by column and row
+};
+
+}  // namespace infuse::daemon

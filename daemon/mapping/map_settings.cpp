@@ -1,0 +1,63 @@
+#include "daemon/mapping/map_settings.hpp"
+
+namespace infuse::daemon {
+
+std::optional<std::string> MapSettings::invalid() const {
+  for (const double share : {max_unmeasured, max_unregistered}) {
+    if (!(share >= 0 && share <= 1)) return "shares of sweeps must lie in 0 … 1";
+  }
+  if (auto wrong = keyframes.invalid()) return wrong;
+  if (auto wrong = submaps.invalid()) return wrong;
+  if (auto wrong = search.invalid()) return wrong;
+  if (auto wrong = check.invalid()) return wrong;
+  return positions.invalid();
+}
+
+nlohmann::ordered_json to_json(const MapSettings& settings) {
+  const mapping::KeyframeOptions& k = settings.keyframes;
+  const mapping::SubmapOptions& m = settings.submaps;
+  const mapping::ClosureSearchOptions& s = settings.search;
+  const mapping::ClosureCheckOptions& c = settings.check;
+  const mapping::PositionOptions& p = settings.positions;
+  return {{"close_loops", settings.close_loops},
+          {"use_gnss", settings.use_gnss},
+          {"max_unmeasured", settings.max_unmeasured},
+          {"max_unregistered", settings.max_unregistered},
+          {"keyframes",
+           {{"distance", k.distance},
+            {"rotation", k.rotation},
+            {"rotation_drift", k.rotation_drift},
+            {"translation_drift", k.translation_drift},
+            {"unmeasured_rotation", k.unmeasured_rotation},
+            {"unmeasured_translation", k.unmeasured_translation}}},
+          {"submaps",
+           {{"voxel_size", m.voxel_size}, {"min_range", m.min_range}, {"max_range", m.max_range}}},
+          {"search",
+           {{"min_way", s.min_way},
+            {"max_distance", s.max_distance},
+            {"spacing", s.spacing},
+            {"sigmas", s.sigmas},
+            {"max_search", s.max_search},
+            {"max_guess_error", s.max_guess_error},
+            {"search_spacing", s.search_spacing}}},
+          {"check",
+           {{"voxel_size", c.voxel_size},
+            {"min_inliers", c.min_inliers},
+            {"min_agreement", c.min_agreement},
+            {"min_overlap", c.min_overlap},
+            {"max_difference", c.max_difference},
+            {"max_difference_rotation", c.max_difference_rotation},
+            {"rotation_noise", c.rotation_noise},
+            {"translation_noise", c.translation_noise}}},
+          {"positions",
+           {{"sigma", p.sigma},
+            {"vertical_factor", p.vertical_factor},
+            {"spacing", p.spacing},
+            {"correlation", p.correlation},
+            {"max_outlier_sigmas", p.max_outlier_sigmas},
+            {"min_fixes", p.min_fixes},
+            {"min_extent", p.min_extent},
+            {"min_inliers", p.min_inliers}}}};
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,137 @@
+#include "fusion/mapping/closure_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace infuse::mapping {
+namespace {
+
+/// Pose of one keyframe as seen from another, and the standard deviation of its position, m.
+struct Relative {
+  Eigen::Isometry3d T_from_to;
+  double sigma = 0;
+};
+
+/// Where the keyframes are taken to be while closures are sought.
+class Estimate {
+ public:
+  Estimate(const std::vector<Keyframe>& keyframes, const std::optional<KnownPoses>& known)
+      : keyframes_(keyframes), known_(known), poses_(keyframes.size()), P_(keyframes.size()) {
+    poses_[0] = keyframes[0].T_odom_vehicle;
+    P_[0].setZero();
+  }
+
+  /// Goes on to keyframe k by odometry.
+  void advance(size_t k) {
+    if (k == 0) return;
+    poses_[k] =
+        poses_[k - 1] * (keyframes_[k - 1].T_odom_vehicle.inverse() * keyframes_[k].T_odom_vehicle);
+    P_[k] = P_[k - 1] + geometry::transform_covariance(poses_[k - 1], keyframes_[k].covariance);
+  }
+
+  /// Puts its keyframe where a closure has it.
+  void correct(const Closure& closure) {
+    poses_[closure.to] = poses_[closure.from] * closure.T_from_to;
+    P_[closure.to] =
+        P_[closure.from] + geometry::transform_covariance(poses_[closure.from], closure.covariance);
+  }
+
+  /// By the odometry and the closures so far, or where they are less certain by the known poses.
+  Relative relative(size_t from, size_t to) const {
+    const double sigma = tracked_sigma(from, to);
+    if (known_ && std::sqrt(2.0) * known_->sigma < sigma) {
+      return {known_->T_map_vehicle[from].inverse() * known_->T_map_vehicle[to],
+              std::sqrt(2.0) * known_->sigma};
+    }
+    return {poses_[from].inverse() * poses_[to], sigma};
+  }
+
+ private:
+  double tracked_sigma(size_t from, size_t to) const {
+    Eigen::Matrix<double, 3, 6> G;
+    G << -geometry::skew(poses_[to].translation()), Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d C = G * (P_[to] - P_[from]) * G.transpose();
+    return std::sqrt(std::max({C(0, 0) + C(1, 1), C(2, 2), 0.0}));
+  }
+
+  const std::vector<Keyframe>& keyframes_;
+  const std::optional<KnownPoses>& known_;
+  std::vector<Eigen::Isometry3d> poses_;
+  std::vector<geometry::Matrix6> P_;  // left perturbation in the odometry frame
+};
+
+struct Candidate {
+  size_t from = 0;
+  Eigen::Isometry3d T_from_to;
+  double distance = 0, margin = 0;  // m
+};
+
+std::optional<Candidate> nearest_before(const std::vector<Keyframe>& keyframes,
+                                        const Estimate& estimate, size_t k,
+                                        const ClosureSearchOptions& options) {
+  std::optional<Candidate> best;
+  for (size_t i = 0; i < k && keyframes[k].way - keyframes[i].way >= options.min_way; ++i) {
+    const Relative relative = estimate.relative(i, k);
+    const double distance = relative.T_from_to.translation().norm();
+    if (best && distance >= best->distance) continue;
+    const double margin = std::min(options.sigmas * relative.sigma, options.max_search);
+    if (distance <= options.max_distance + margin) {
+      best = Candidate{i, relative.T_from_to, distance, margin};
+    }
+  }
+  return best;
+}
+
+/// Why a verified closure cannot be one, or an empty text.
+const char* contradiction(const Closure& closure, const Candidate& candidate,
+                          const ClosureSearchOptions& options) {
+  const Eigen::Vector3d found = closure.T_from_to.translation();
+  if ((found - candidate.T_from_to.translation()).norm() >
+      options.max_distance + candidate.margin) {
+    return "the odometry since then contradicts";
+  }
+  return found.norm() > 2 * options.max_distance ? "the places are too far apart" : "";
+}
+
+}  // namespace
+
+std::optional<std::string> ClosureSearchOptions::invalid() const {
+  for (const double length : {min_way, max_distance, sigmas, max_search, max_guess_error}) {
+    if (!(length > 0)) return "lengths must be positive";
+  }
+  if (!(spacing >= 0 && search_spacing >= 0)) return "spacings must not be negative";
+  return std::nullopt;
+}
+
+Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyframes,
+                                             const std::optional<KnownPoses>& known,
+                                             const ClosureSearchOptions& options,
+                                             const VerifyClosure& verify) {
+  std::vector<Closure> closures;
+  if (keyframes.empty()) return closures;
+  Estimate estimate(keyframes, known);
+  double next = -std::numeric_limits<double>::infinity();  // way at which closures are sought again
+  for (size_t k = 0; k < keyframes.size(); ++k) {
+    estimate.advance(k);
+    if (keyframes[k].way < next) continue;
+    const auto candidate = nearest_before(keyframes, estimate, k, options);
+    if (!candidate) continue;
+    Closure closure;
+    closure.from = candidate->from;
+    closure.to = k;
+    closure.guessed = candidate->margin <= options.sigmas * options.max_guess_error;
+    closure.T_from_to = candidate->T_from_to;
+    const auto verified = verify(closure);
+    if (!verified) return tl::unexpected(verified.error());
+    if (closure.accepted()) closure.reason = contradiction(closure, *candidate, options);
+    if (closure.accepted()) estimate.correct(closure);
+    next = keyframes[k].way + (closure.accepted() ? options.spacing
+                               : closure.guessed  ? 0
+                                                  : options.search_spacing);
+    closures.push_back(std::move(closure));
+  }
+  return closures;
+}
+
+}  // namespace infuse::mapping

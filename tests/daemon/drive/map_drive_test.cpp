@@ -1,0 +1,230 @@
+// A map of a simulated drive around a block, against the simulator's truth.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/commands/map_drive.hpp"
+#include "daemon/mapping/map_finish.hpp"
+#include "drivers/recording/trajectory_file.hpp"
+#include "fusion/motion/trajectory_error.hpp"
+#include "tests/daemon/commands/run_program.hpp"
+#include "tests/daemon/drive/simulated.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kBlock = R"(
+seed = 3
+duration_s = 76
+[world]
+map = "altfeld.osm"
+route = [100, 104, 112, 110, 115, 117, 119, 107, 104, 112, 114]
+build_radius_m = 70
+ground_resolution = 1.0
+[vehicle]
+speed = 10
+[[lidar]]
+name = "top"
+model = "VLP-16"
+position = [1.0, 0.0, 1.95]
+rays_per_pulse = 1
+)";
+
+/// The drive and its map, made once.
+struct Made {
+  TemporaryFolder folder;
+  std::string error;
+  std::vector<geometry::StampedPose> truth;
+
+  Made() {
+    const auto drive = simulate(folder / "drive", kBlock);
+    const auto poses = recording::read_trajectory(folder / "drive/truth/poses.tum");
+    if (!drive || !poses) {
+      error = "the drive cannot be made";
+      return;
+    }
+    for (const auto& pose : *poses) truth.push_back({pose.stamp, pose.T_frame_body});
+    const ProgramResult run = infuse("map " + (folder / "drive").string() + " -o " + map());
+    if (run.code != 0) error = run.output;
+  }
+
+  std::string map(const std::string& name = "map") const { return (folder / name).string(); }
+
+  static ProgramResult infuse(const std::string& arguments) {
+    return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse " + arguments + " 2>&1");
+  }
+};
+
+class MapDrive : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { made_ = new Made; }
+  static void TearDownTestSuite() { delete made_; }
+  void SetUp() override { ASSERT_EQ(made_->error, ""); }
+
+  static std::string copy(const std::string& name) {
+    std::filesystem::copy(made_->map(), made_->map(name), std::filesystem::copy_options::recursive);
+    return made_->map(name);
+  }
+
+  /// Names and bytes of all files of a folder.
+  static std::map<std::string, std::string> bytes_of(const std::string& folder) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+      if (entry.is_regular_file()) {
+        files[entry.path().lexically_relative(folder).string()] = read_file(entry.path());
+      }
+    }
+    return files;
+  }
+
+  /// Root mean square error of the positions in a trajectory, m.
+  static double error_of(const std::string& trajectory) {
+    const auto poses = recording::read_trajectory(trajectory);
+    EXPECT_TRUE(poses) << poses.error().message();
+    std::vector<geometry::StampedPose> estimate;
+    for (const auto& pose : *poses) estimate.push_back({pose.stamp, pose.T_frame_body});
+    return motion::absolute_error(motion::pair_by_time(estimate, made_->truth)).translation.rms;
+  }
+
+  static Made* made_;
+};
+
+Made* MapDrive::made_ = nullptr;
+
+TEST_F(MapDrive, ClosesTheLoopWhereTheTruthDoes) {
+  EXPECT_LT(error_of(made_->map() + "/trajectory.tum"), 0.2);
+  const auto drive = read_map_drive(MapFolder(made_->map()));
+  ASSERT_TRUE(drive) << drive.error().message();
+  const auto closures = parse_closures(read_file(made_->map() + "/closures.csv"), "closures.csv");
+  ASSERT_TRUE(closures) << closures.error().message();
+  size_t accepted = 0;
+  for (const mapping::Closure& closure : *closures) {
+    if (!closure.accepted()) continue;
+    ++accepted;
+    std::vector<geometry::StampedPose> pair(2);
+    pair[0].stamp = drive->keyframes[closure.from].keyframe.stamp;
+    pair[1].stamp = drive->keyframes[closure.to].keyframe.stamp;
+    const auto at = motion::pair_by_time(pair, made_->truth);
+    ASSERT_EQ(at.size(), 2U);
+    const Eigen::Isometry3d error =
+        (at[0].truth.inverse() * at[1].truth).inverse() * closure.T_from_to;
+    EXPECT_LT(error.translation().norm(), 0.15) << closure.from << ", " << closure.to;
+    EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.01);
+  }
+  EXPECT_GE(accepted, 2U);
+}
+
+// Odometry whose heading drifts by 1.2 degrees over the block: closures bring it back.
+TEST_F(MapDrive, CorrectsOdometryThatDrifts) {
+  const MapFolder folder(copy("drifting"));
+  std::filesystem::remove(folder.path() / map_file::kClosures);
+  auto drive = read_map_drive(folder);
+  ASSERT_TRUE(drive);
+  const std::vector<MapKeyframe> true_to_file = drive->keyframes;
+  for (size_t k = 1; k < true_to_file.size(); ++k) {
+    const Eigen::Isometry3d step = true_to_file[k - 1].keyframe.T_odom_vehicle.inverse() *
+                                   true_to_file[k].keyframe.T_odom_vehicle;
+    drive->keyframes[k].keyframe.T_odom_vehicle =
+        drive->keyframes[k - 1].keyframe.T_odom_vehicle * step *
+        Eigen::AngleAxisd(1.2e-4, Eigen::Vector3d::UnitZ());
+  }
+  const auto error = [&](bool close_loops) {
+    const auto made = finish_map(folder, *drive, {.close_loops = close_loops, .use_gnss = false},
+                                 [](size_t, size_t, size_t) {});
+    EXPECT_TRUE(made) << made.error().message();
+    return error_of((folder.path() / map_file::kTrajectory).string());
+  };
+  const double before = error(false), after = error(true);
+  EXPECT_GT(before, 0.5) << "else nothing is shown";
+  EXPECT_LT(after, before / 2);
+}
+
+TEST_F(MapDrive, GivesTheSameBytesAfterKills) {
+  const std::string map = made_->map("killed");
+  const std::string command = "map " + (made_->folder / "drive").string() + " -o " + map;
+  for (const char* seconds : {"0.3", "1.1", "2.3"}) {
+    run_shell_command(std::string("timeout -s KILL ") + seconds + " " + INFUSE_BINARIES +
+                      "/infuse " + command + " 2>&1");
+  }
+  EXPECT_EQ(Made::infuse(command).code, 0);
+  const auto expected = bytes_of(made_->map());
+  EXPECT_TRUE(bytes_of(map) == expected);
+  // As after a kill between two closures, and before each of the last files.
+  const std::string closures = expected.at("closures.csv");
+  const size_t second_row = closures.find('\n', closures.find('\n') + 1) + 1;
+  ASSERT_LT(second_row, closures.size());
+  write_file(map + "/closures.csv", closures.substr(0, second_row));
+  write_file(map + "/clouds/000007.pcd.q1w2e3", "half a file");
+  for (const char* last : {"map.json", "trajectory.tum", "graph.g2o"}) {
+    std::filesystem::remove(map + "/" + last);
+    EXPECT_EQ(Made::infuse(command).code, 0);
+    EXPECT_TRUE(bytes_of(map) == expected) << last;
+  }
+}
+
+TEST_F(MapDrive, RefusesDamagedMapsAndNamesTheFile) {
+  const std::string out = (made_->folder / "out").string();
+  const auto flip = [](const std::string& file) {
+    std::string bytes = read_file(file);
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
+    write_file(file, bytes);
+  };
+  int index = 0;
+  for (const char* name :
+       {"clouds/000003.pcd", "keyframes.csv", "fixes.csv", "drive.json", "graph.g2o"}) {
+    const std::string map = copy("damaged" + std::to_string(index++));
+    flip(map + "/" + name);
+    const ProgramResult refused = Made::infuse("map export " + map + " -o " + out + ".pcd");
+    EXPECT_EQ(refused.code, 3) << name;
+    EXPECT_THAT(refused.output, HasSubstr(name));
+    std::filesystem::remove(map + "/" + name);
+    EXPECT_EQ(Made::infuse("map export " + map + " -o " + out + ".pcd").code, 3) << name;
+  }
+  const std::string cut = copy("cut");
+  write_file(cut + "/map.json", read_file(cut + "/map.json").substr(0, 300));
+  EXPECT_THAT(Made::infuse("map export " + cut + " -o " + out + ".pcd").output,
+              HasSubstr("map.json"));
+  std::filesystem::remove(cut + "/map.json");
+  EXPECT_THAT(Made::infuse("map export " + cut + " -o " + out + ".pcd").output,
+              HasSubstr("the map is not complete"));
+  EXPECT_FALSE(std::filesystem::exists(out + ".pcd"));
+}
+
+TEST_F(MapDrive, ExportsWhatOtherCommandsRead) {
+  const auto file = [&](const char* name) { return (made_->folder / name).string(); };
+  for (const char* name : {"m.pcd", "m.ply", "m.png", "m.tum"}) {
+    const ProgramResult made = Made::infuse("map export " + made_->map() + " -o " + file(name));
+    EXPECT_EQ(made.code, 0) << made.output;
+  }
+  EXPECT_EQ(read_file(file("m.tum")), read_file(made_->map() + "/trajectory.tum"));
+  EXPECT_EQ(read_file(file("m.png")).substr(1, 3), "PNG");
+  const std::string pcd = read_file(file("m.pcd")), ply = read_file(file("m.ply"));
+  EXPECT_EQ(pcd.substr(pcd.find("DATA binary\n") + 12), ply.substr(ply.find("end_header\n") + 11));
+  EXPECT_GT(pcd.size(), 1'000'000U);
+  EXPECT_EQ(Made::infuse("map export " + made_->map() + " -o " + file("m.stl")).code, 2);
+}
+
+TEST_F(MapDrive, SaysWhatIsWrong) {
+  const std::string drive = (made_->folder / "drive").string();
+  EXPECT_THAT(Made::infuse("map " + drive + " --no-gnss -o " + made_->map()).output,
+              HasSubstr("another drive, lidar or settings"));
+  const std::string other = made_->map("other");
+  std::filesystem::create_directories(other);
+  write_file(other + "/letter.txt", "dear");
+  EXPECT_THAT(Made::infuse("map " + drive + " -o " + other).output, HasSubstr("letter.txt"));
+  EXPECT_EQ(Made::infuse("map " + drive).code, 2);
+  EXPECT_EQ(Made::infuse("map").code, 2);
+  EXPECT_EQ(Made::infuse("map " + drive + "/nothing -o " + other).code, 3);
+  // A drive without a lidar.
+  const std::string without = (made_->folder / "without").string();
+  std::filesystem::create_directories(without);
+  write_file(without + "/drive.toml", "name = \"no lidar\"\n");
+  const ProgramResult none = Made::infuse("map " + without + " -o " + made_->map("none"));
+  EXPECT_NE(none.code, 0);
+  EXPECT_THAT(none.output, HasSubstr("there is no lidar"));
+}
+
+}  // namespace
+}  // namespace infuse::daemon
