@@ -147,7 +147,7 @@ int run_rosbag(const BagArguments& arguments) {
 }
 
 std::shared_ptr<BagArguments> declare_rosbag(CLI::App* app) {
-  const auto arguments = std::make_shared<BagArguments>();
+  auto arguments = std::make_shared<BagArguments>();
   app->add_option(
          "FILE", arguments->files,
          "recording of rosbag2 (a folder, .mcap, .db3) or bag of ROS 1; several are read in this "
@@ -228,7 +228,7 @@ int run_lcm(const LcmArguments& arguments) {
 }
 
 std::shared_ptr<LcmArguments> declare_lcm(CLI::App* app) {
-  const auto arguments = std::make_shared<LcmArguments>();
+  auto arguments = std::make_shared<LcmArguments>();
   app->add_option("FILE", arguments->files, "log of lcm-logger; several are read in this order")
       ->required();
   app->add_option("-o,--output", arguments->drive, "drive folder to create")
@@ -243,7 +243,7 @@ std::shared_ptr<LcmArguments> declare_lcm(CLI::App* app) {
 /// Declares the arguments that all sources share.
 std::shared_ptr<ImportArguments> declare(CLI::App* app, const char* source,
                                          const char* description) {
-  const auto arguments = std::make_shared<ImportArguments>();
+  auto arguments = std::make_shared<ImportArguments>();
   app->add_option(source, arguments->source, description)->required();
   app->add_option("-o,--output", arguments->drive, "drive folder to create")
       ->required()

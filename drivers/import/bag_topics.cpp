@@ -23,8 +23,9 @@ class Surveyor {
   void add(const BagMessage& message) {
     const auto found = topics_.find(message.topic);
     if (found == topics_.end() && topics_.size() >= kMaxBagTopics) return;
-    auto& [topic, lags] =
-        found == topics_.end() ? topics_[std::string(message.topic)] : found->second;
+    auto& entry = found == topics_.end() ? topics_[std::string(message.topic)] : found->second;
+    BagTopic& topic = entry.first;  // clang 14 captures no structured bindings
+    std::vector<double>& lags = entry.second;
     if (topic.messages++ == 0) {
       topic.name = message.topic;
       topic.type = message.type;
@@ -147,6 +148,16 @@ tl::unexpected<Error> ambiguous(const std::string& kind, const std::vector<std::
               "choose with --topic, which may be repeated");
 }
 
+/// Whether a topic has velocities to the east and north, beside these fixes.
+bool is_over_ground(const BagTopic& topic, const std::string& fixes) {
+  if (fixes.empty()) return false;
+  const auto [space, name] = split_topic(topic.name);
+  const bool of_type = topic.type == ros::TwistStamped::kName ||
+                       topic.type == ros::TwistWithCovarianceStamped::kName;
+  return of_type && space == split_topic(fixes).first && name.find("vel") != std::string::npos &&
+         !topic.has_turns && (topic.has_y || !topic.has_x) && topic.unreadable < topic.messages;
+}
+
 /// The topics of one of the types that are not unreadable, and only the wanted ones if there are
 /// any among them.
 std::vector<const BagTopic*> candidates(const BagSurvey& survey,
@@ -176,7 +187,12 @@ Result<std::string> select_one(const BagSurvey& survey, const std::set<std::stri
                                std::initializer_list<const char*> types, const std::string& kind,
                                BagSelection& selection) {
   auto all = candidates(survey, wanted, types, selection);
-  std::erase_if(all, [&](const BagTopic* topic) { return topic->name == selection.velocity; });
+  std::erase_if(all, [&](const BagTopic* topic) {
+    const bool over_ground = is_over_ground(*topic, selection.gnss);
+    if (over_ground && topic->name != selection.velocity)
+      selection.reasons[topic->name] = selection.velocity + " is the velocity of the fixes";
+    return over_ground;
+  });
   std::erase_if(all, [&](const BagTopic* topic) {
     const bool empty = topic->type != ros::NavSatFix::kName && !topic->is_measured &&
                        !wanted.contains(topic->name);
@@ -289,16 +305,8 @@ Result<BagSurvey> survey_bags(const std::vector<std::filesystem::path>& files) {
 }
 
 std::string velocity_beside(const BagSurvey& survey, const std::string& fixes) {
-  if (fixes.empty()) return "";
-  const std::string space = split_topic(fixes).first;
   for (const BagTopic& topic : survey.topics) {
-    const auto [parent, last] = split_topic(topic.name);
-    const bool of_type = topic.type == ros::TwistStamped::kName ||
-                         topic.type == ros::TwistWithCovarianceStamped::kName;
-    const bool over_ground = !topic.has_turns && (topic.has_y || !topic.has_x);
-    if (of_type && over_ground && parent == space && last.find("vel") != std::string::npos &&
-        topic.unreadable < topic.messages)
-      return topic.name;
+    if (is_over_ground(topic, fixes)) return topic.name;
   }
   return "";
 }

@@ -34,8 +34,8 @@ tl::unexpected<Error> fail_at(const toml::table& table, const std::string& file,
   return tl::unexpected(*at.finish());
 }
 
-/// Takes the `stamps` table out of a sensor's.
-Result<std::optional<StampRule>> read_stamps(toml::table& sensor, const std::string& file) {
+/// Removes the `stamps` table from a sensor's.
+Result<std::optional<StampRule>> extract_stamps(toml::table& sensor, const std::string& file) {
   const toml::node* node = sensor.get("stamps");
   if (node == nullptr) return std::nullopt;
   if (!node->is_table())
@@ -289,7 +289,7 @@ Result<FolderDescription> parse_folder(std::string_view text, const std::string&
   std::vector<std::optional<StampRule>> rules;
   for (const char* key : {"lidar", "camera"}) {
     for (toml::table* sensor : tables_of(folder.table, key)) {
-      auto rule = read_stamps(*sensor, file);
+      auto rule = extract_stamps(*sensor, file);
       if (!rule) return tl::unexpected(rule.error());
       rules.push_back(std::move(*rule));
     }

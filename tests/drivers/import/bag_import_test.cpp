@@ -132,6 +132,22 @@ TEST(BagImport, VelocityBesideFixesIsTheirSpeedAndCourse) {
   EXPECT_TRUE(std::isnan(fixes[2].course));
 }
 
+TEST(BagImport, SecondVelocityBesideFixesIsNotTheVehiclesSpeed) {
+  const ScratchFolder folder;
+  BagFile bag(folder / "a.mcap");
+  bag.write("/gps/fix", kSecond, make_fix(kSecond));
+  bag.write("/gps/vel", kSecond, make_twist(kSecond, 3, 4));
+  bag.write("/gps/velocity", kSecond, make_twist(kSecond, 3, 4));
+  bag.close();
+  const auto imported = import(folder);
+  ASSERT_TRUE(imported) << imported.error().message();
+  EXPECT_EQ(imported->use_of("/gps/vel"), "speed and course of GNSS");
+  EXPECT_EQ(imported->use_of("/gps/velocity"), "");
+  EXPECT_EQ(imported->selection.reasons.at("/gps/velocity"),
+            "/gps/vel is the velocity of the fixes");
+  EXPECT_EQ(imported->speeds, 0u);
+}
+
 // kitti2bag's are forward and left; a driver of wheels fills x only.
 TEST(BagImport, TwistsOfTheVehicleBesideFixesAreNoCourse) {
   for (const auto& twist : {make_twist(kSecond, 7, 0.5, 0.1), make_twist(kSecond, 7, 0)}) {
