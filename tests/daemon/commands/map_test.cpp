@@ -53,5 +53,17 @@ TEST_F(MapCommandTest, SaysWhatIsWrong) {
   EXPECT_EQ(optimize("--cost least").code, 2);
 }
 
+// A file that ends in .g2o is a graph without the word optimize too.
+TEST_F(MapCommandTest, TakesAGraphInPlaceOfADrive) {
+  folder_.write("graph.g2o", kSquare);
+  const std::string infuse = std::string(INFUSE_BINARIES) + "/infuse map ";
+  ASSERT_EQ(optimize("").code, 0);
+  const std::string expected = folder_.read("out.g2o");
+  const auto result = run_shell_command(infuse + (folder_ / "graph.g2o").string() + " -o " +
+                                        (folder_ / "other.g2o").string() + " 2>&1");
+  EXPECT_EQ(result.code, 0) << result.output;
+  EXPECT_EQ(folder_.read("other.g2o"), expected);
+}
+
 }  // namespace
 }  // namespace infuse::daemon

@@ -255,7 +255,7 @@ TEST_F(RealDrive, BecomesAMap) {
   EXPECT_LT(made["fixes_rms_m"].get<double>(), 0.3);
   const json scored = json::parse(
       run("infuse evaluate " + map + "/trajectory.tum " + drive_.string() + " --json").output);
-  EXPECT_LT(scored["absolute"]["position_m"]["rms"].get<double>(), 0.15) << scored;
+  EXPECT_LT(scored["absolute"]["translation_m"]["rms"].get<double>(), 0.15) << scored;
 }
 
 }  // namespace

@@ -131,6 +131,8 @@ TEST(Checksum, IsFnv1a) {
 TEST(MapImage, ShowsTheMapFromAbove) {
   MapImage image(1.0);
   mapping::Submap cloud = three_points();
+  cloud.z[0] = 0;
+  cloud.z[1] = 5;
   cloud.z[2] = 9;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation().y() = 5.5;
