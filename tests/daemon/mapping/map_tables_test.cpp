@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-Eigen::Isometry3d example_pose() {
+Eigen::Isometry3d posed() {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation() = Eigen::Vector3d(1.25, -1e-9, 1234.5678);
   T.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
@@ -26,7 +26,7 @@ Eigen::Isometry3d example_pose() {
 TEST(MapTables, RestoreKeyframes) {
   std::vector<MapKeyframe> keyframes(2);
   keyframes[0].cloud_checksum = "0123456789abcdef";
-  keyframes[1].keyframe = {Stamp::from_ns(1'750'000'000'123'456'789), example_pose(), 2.5,
+  keyframes[1].keyframe = {Stamp::from_ns(1'750'000'000'123'456'789), posed(), 2.5,
                            geometry::Matrix6::Identity() / 3};
   keyframes[1].points = 77;
   const std::string text = format_keyframes(keyframes);
@@ -35,7 +35,7 @@ TEST(MapTables, RestoreKeyframes) {
   ASSERT_EQ(parsed->size(), 2U);
   const mapping::Keyframe& second = (*parsed)[1].keyframe;
   EXPECT_EQ(second.stamp.ns(), 1'750'000'000'123'456'789);
-  EXPECT_LT((second.T_odom_vehicle.matrix() - example_pose().matrix()).norm(), 1e-12);
+  EXPECT_LT((second.T_odom_vehicle.matrix() - posed().matrix()).norm(), 1e-12);
   EXPECT_EQ(second.covariance, keyframes[1].keyframe.covariance);
   EXPECT_EQ((*parsed)[1].points, 77U);
   EXPECT_EQ((*parsed)[0].cloud_checksum, "0123456789abcdef");
@@ -65,7 +65,7 @@ TEST(MapTables, RestoreClosuresAndFixes) {
   closure.from = 3;
   closure.to = 90;
   closure.guessed = false;
-  closure.T_from_to = example_pose();
+  closure.T_from_to = posed();
   closure.reason = "the geometry leaves free: translation along x, rotation about z";
   const auto closures = parse_closures(format_closures({closure}), "c.csv");
   ASSERT_TRUE(closures) << closures.error().message();
