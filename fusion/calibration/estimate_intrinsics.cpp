@@ -30,12 +30,13 @@ constexpr double kPriorSteps = 5;  // … at so many of these steps from the giv
 constexpr double kCurvatureStep = 1e-3;     // rad
 constexpr int kMinScenesOfCamera = 8;       // number of scenes
 constexpr size_t kMinPointsPerScene = 200;  // number of points in view
-constexpr double kChiSquare95 = 9.488;      // 95 % of 4 degrees of freedom
+constexpr double kChiSquare = 16.25;        // 99.7 % of 4 degrees of freedom
+constexpr double kHigherMaximum = 4;        // Student's t of the scenes' gains
 // What imperfections of real scenes feign: logarithm of the focal lengths, px, px, k1.
 const Eigen::Vector4d kFeigned(0.005, 1.5, 1.5, 0.005);
 // A camera that was never calibrated: logarithm of the focal lengths, share of it (twice), k1.
 const Eigen::Vector4d kUncalibrated(0.02, 0.02, 0.02, 0.1);
-constexpr double kUncalibratedShare = 0.03;  // probability, of each of the intrinsics
+constexpr double kUncalibratedShare = 0.01;  // probability, of each of the intrinsics
 
 /// Pose and a camera's intrinsics as ten scaled parameters, 0 at the initial values.
 class IntrinsicsProblem {
@@ -150,15 +151,48 @@ std::vector<double> scene_gains(const VisiblePoints& points, const BlurredImages
   return all;
 }
 
-/// The given intrinsics, with the pose estimated for them, fit these points better than `at`.
-bool is_better_at_given(const IntrinsicsProblem& freed, const Vector10& at,
-                        const VisiblePoints& points, const BlurredImages& images,
-                        std::span<const Scene> scenes, std::span<const TermOptions> terms) {
-  const std::vector<RigCamera> found = freed.cameras(at), given = freed.cameras(Vector10::Zero());
-  Objective objective(points, images, found, scenes, terms);
-  const double at_found = objective.evaluate(freed.pose(at), false).estimate.value;
-  objective.set_cameras(given);
-  return objective.evaluate(freed.pose(Vector10::Zero()), false).estimate.value > at_found;
+/// Maximum of one level, and the weight of the prior there.
+struct LevelMaximum {
+  Vector10 d = Vector10::Zero();
+  double value = 0;  // with the prior
+  double prior_weight = 0;
+  bool converged = false;
+};
+
+/// Ascends from `from` with these points.
+LevelMaximum ascend_level(const IntrinsicsProblem& freed, const Vector10& from,
+                          const VisiblePoints& points, const BlurredImages& images,
+                          std::span<const Scene> scenes, std::span<const TermOptions> terms) {
+  std::vector<RigCamera> trial_cameras = freed.cameras(from);
+  Objective objective(points, images, trial_cameras, scenes, terms);
+  const double all = std::max(0.0, objective.evaluate(freed.pose(from), false).estimate.value);
+  const double weight = 2 * kPriorShare * all / (kPriorSteps * kPriorSteps);
+  const SceneInformation steps = even_steps(objective, freed.pose(from), freed.scale(), weight);
+  const auto value = [&](const Vector10& y, Vector10* gradient) {
+    const Vector10 d = from + steps * y;
+    Vector10 prior_gradient = weight * d;
+    prior_gradient.head<6>().setZero();
+    trial_cameras = freed.cameras(d);
+    objective.set_cameras(trial_cameras);
+    dependence::Estimate estimate;
+    const std::vector<SceneGradient> pulls = objective.scene_gradients(freed.pose(d), &estimate);
+    *gradient = steps * (freed.gradient(d, pulls, scenes) - prior_gradient);
+    return estimate.value - 0.5 * prior_gradient.dot(d);
+  };
+  const AscentResult<10> ascent = ascend_bfgs_10d(value, kAscent);
+  return {.d = from + steps * ascent.d,
+          .value = ascent.value,
+          .prior_weight = weight,
+          .converged = ascent.converged};
+}
+
+/// Mean of the values divided by its standard error (Student's t); 0 where they are all alike.
+double students_t(std::span<const double> values) {
+  const auto n = static_cast<double>(values.size());
+  double sum = 0, squares = 0;
+  for (const double one : values) sum += one;
+  for (const double one : values) squares += (one - sum / n) * (one - sum / n);
+  return squares > 0 ? sum / std::sqrt(n / (n - 1) * squares) : 0;
 }
 
 /// Standard deviations to which the four intrinsics are assumed to be known.
@@ -182,42 +216,31 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   const IntrinsicsProblem freed(cameras, camera, T_refcam_lidar);
   const IntrinsicsLevel& finest = std::end(kLevels)[-1];
   Vector10 at = Vector10::Zero();
-  bool converged = false;
-  double weight = 0;  // of the prior
   VisibilityOptions thinned = visibility;
-  for (const IntrinsicsLevel& level : kLevels) {
+  for (const IntrinsicsLevel& level : std::span(kLevels).first(std::size(kLevels) - 1)) {
     thinned.max_points = level.points;
-    std::vector<RigCamera> trial_cameras = freed.cameras(at);
-    VisiblePoints points = select_visible(scenes, trial_cameras, freed.pose(at), thinned);
-    const std::span<const TermOptions> level_terms = &level == &finest ? terms : search_terms;
-    // The coarse levels may have led to a maximum that is none at the finest.
-    if (&level == &finest &&
-        is_better_at_given(freed, at, points, images.at(level.sigma), scenes, level_terms)) {
-      at.setZero();
-      trial_cameras = freed.cameras(at);
-      points = select_visible(scenes, trial_cameras, freed.pose(at), thinned);
-    }
-    Objective objective(points, images.at(level.sigma), trial_cameras, scenes, level_terms);
-    const double all = std::max(0.0, objective.evaluate(freed.pose(at), false).estimate.value);
-    weight = 2 * kPriorShare * all / (kPriorSteps * kPriorSteps);
-    const Vector10 from = at;
-    const SceneInformation steps = even_steps(objective, freed.pose(at), freed.scale(), weight);
-    const auto value = [&](const Vector10& y, Vector10* gradient) {
-      const Vector10 d = from + steps * y;
-      Vector10 prior_gradient = weight * d;
-      prior_gradient.head<6>().setZero();
-      trial_cameras = freed.cameras(d);
-      objective.set_cameras(trial_cameras);
-      dependence::Estimate estimate;
-      const std::vector<SceneGradient> pulls = objective.scene_gradients(freed.pose(d), &estimate);
-      *gradient = steps * (freed.gradient(d, pulls, scenes) - prior_gradient);
-      return estimate.value - 0.5 * prior_gradient.dot(d);
-    };
-    const AscentResult<10> ascent = ascend_bfgs_10d(value, kAscent);
-    at = from + steps * ascent.d;
-    converged = ascent.converged && at.tail<4>().cwiseAbs().maxCoeff() <= kPriorSteps;
+    const VisiblePoints points = select_visible(scenes, freed.cameras(at), freed.pose(at), thinned);
+    at = ascend_level(freed, at, points, images.at(level.sigma), scenes, search_terms).d;
     if (stop.stop_requested()) return std::nullopt;
   }
+  // The measure has many maxima of like height. The one that the given intrinsics lie near counts,
+  // unless the scenes agree that the one to which the coarse levels led is higher.
+  thinned.max_points = finest.points;
+  const VisiblePoints given_points = select_visible(scenes, cameras, T_refcam_lidar, thinned);
+  const auto ascend_finest = [&](const Vector10& from) {
+    return ascend_level(freed, from, given_points, images.at(finest.sigma), scenes, terms);
+  };
+  LevelMaximum best = ascend_finest(Vector10::Zero());
+  if (const LevelMaximum other = ascend_finest(at); other.value > best.value) {
+    const std::vector<double> gains =
+        scene_gains(given_points, images.at(finest.sigma), scenes, freed.cameras(best.d),
+                    freed.pose(best.d), freed.cameras(other.d), freed.pose(other.d), camera, terms);
+    if (!best.converged || students_t(gains) > kHigherMaximum) best = other;
+  }
+  if (stop.stop_requested()) return std::nullopt;
+  at = best.d;
+  const double weight = best.prior_weight;
+  const bool converged = best.converged && at.tail<4>().cwiseAbs().maxCoeff() <= kPriorSteps;
   IntrinsicsEstimate out{
       .T_refcam_lidar = freed.pose(at), .correction = freed.correction(at), .converged = converged};
   const std::vector<RigCamera> corrected = freed.cameras(at);
@@ -236,14 +259,8 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
                   scenes, cameras, T_refcam_lidar, corrected, out.T_refcam_lidar, camera, terms);
   out.scenes = static_cast<int>(gain.size());
   if (out.scenes < kMinScenesOfCamera) return std::nullopt;
-  double sum = 0, squares = 0;
-  for (const double one : gain) {
-    sum += one;
-    out.improved_scenes += one > 0 ? 1 : 0;
-  }
-  const double n = out.scenes;
-  for (const double one : gain) squares += (one - sum / n) * (one - sum / n);
-  out.significance = squares > 0 ? sum / std::sqrt(n / (n - 1) * squares) : 0;
+  for (const double one : gain) out.improved_scenes += one > 0 ? 1 : 0;
+  out.significance = students_t(gain);
   return out;
 }
 
@@ -252,8 +269,7 @@ std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& fre
                                                    size_t camera, const KnownParameters& known) {
   Eigen::Matrix4d spread = freed.covariance;
   spread.diagonal() += assumed_sigmas(known).cwiseAbs2() + kFeigned.cwiseAbs2();
-  const bool contradicts =
-      freed.correction.dot(spread.ldlt().solve(freed.correction)) > kChiSquare95;
+  const bool contradicts = freed.correction.dot(spread.ldlt().solve(freed.correction)) > kChiSquare;
   if (!contradicts || !(freed.significance > 0)) {
     if (freed.converged) return std::nullopt;
     ModelMismatch unknown = make_intrinsic_mismatch(0, 0, camera, cameras.size());
@@ -281,7 +297,7 @@ Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_l
   Eigen::Vector4d unseen;
   for (Eigen::Index i = 0; i < 4; ++i) {
     const double of_estimate = W(i) + S(i);
-    const double shown = std::sqrt(kChiSquare95 * S(i) / of_estimate);  // standard deviations
+    const double shown = std::sqrt(kChiSquare * S(i) / of_estimate);  // standard deviations
     const double hidden = std::erf(shown / std::numbers::sqrt2);
     const double density = std::exp(-0.5 * shown * shown) / std::sqrt(2 * std::numbers::pi);
     const double estimated = of_estimate * (hidden - 2 * shown * density);  // of x², where hidden

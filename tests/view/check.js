@@ -87,18 +87,34 @@ check('the page says that the daemon has ended', await waitFor(async () => /ende
 run = start('--rate', '1');
 check('and finds the next one', await waitFor(async () => /^connected/.test(await text(page, '#connection'))));
 
-// Cost: processor time of the daemon with the page, and after it was closed.
-await sleep(1000);
-const share = async () => {
-  const before = cpuSeconds(run.child.pid), begin = Date.now();
-  await sleep(4000);
-  return 1000 * (cpuSeconds(run.child.pid) - before) / (Date.now() - begin);
-};
-const with_page = await share();
-await page.close();
-const without = await share();
-console.log(`cost: ${(100 * with_page).toFixed(0)} % of a core with a page, ${(100 * without).toFixed(0)} % without`);
 await stop(run);
+await page.close();
+
+// Cost: processor time of the daemon at real time, and what a page receives.
+for (const watchedBy of [0, 1]) {
+  const begun = start('--rate', '1');
+  const view = await newPage('light');
+  let bytes = 0;
+  if (watchedBy) {
+    const session = await view.createCDPSession();
+    await session.send('Network.enable');
+    session.on('Network.webSocketFrameReceived', event => {
+      const data = event.response.payloadData;
+      bytes += event.response.opcode === 2 ? data.length * 3 / 4 : data.length;
+    });
+    await load(view);
+  } else {
+    await waitFor(() => fetch(url).then(() => true, () => false));
+  }
+  await sleep(1000);
+  const before = cpuSeconds(begun.child.pid), at = Date.now(), received = bytes;
+  await sleep(5000);
+  const seconds = (Date.now() - at) / 1000;
+  console.log(`cost   ${watchedBy} pages: ${(100 * (cpuSeconds(begun.child.pid) - before) / seconds).toFixed(0)} % of a core, ` +
+    `${((bytes - received) / seconds / 1e6).toFixed(1)} MB/s`);
+  await view.close();
+  await stop(begun);
+}
 check('no errors in the console', errors.length === 0, errors.slice(0, 3).join(' | '));
 await browser.close();
 process.exit(failures ? 1 : 0);
