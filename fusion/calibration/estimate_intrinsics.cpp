@@ -30,13 +30,13 @@ constexpr double kPriorSteps = 5;  // … at so many of these steps from the giv
 constexpr double kCurvatureStep = 1e-3;     // rad
 constexpr int kMinScenesOfCamera = 8;       // number of scenes
 constexpr size_t kMinPointsPerScene = 200;  // number of points in view
-constexpr double kChiSquare = 16.25;        // 99.7 % of 4 degrees of freedom
+constexpr double kChiSquare = 23.51;        // 99.99 % of 4 degrees of freedom
 constexpr double kHigherMaximum = 4;        // Student's t of the scenes' gains
 // What imperfections of real scenes feign: logarithm of the focal lengths, px, px, k1.
 const Eigen::Vector4d kFeigned(0.005, 1.5, 1.5, 0.005);
 // A camera that was never calibrated: logarithm of the focal lengths, share of it (twice), k1.
 const Eigen::Vector4d kUncalibrated(0.02, 0.02, 0.02, 0.1);
-constexpr double kUncalibratedShare = 0.01;  // probability, of each of the intrinsics
+constexpr double kUncalibratedShare = 0.005;  // probability, of each of the intrinsics
 
 /// Pose and a camera's intrinsics as ten scaled parameters, 0 at the initial values.
 class IntrinsicsProblem {

@@ -43,7 +43,7 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
 
 /// Tests the four intrinsics together: Tsq = eᵀ (C + K)⁻¹ e, e the estimated correction, C its
 /// covariance, K what they are known to (`known`, and what imperfections of real scenes feign: 0.5
-/// % of the focal length, 1.5 px, 0.005 in k1). Beyond the 99.7 % quantile of χ²(4), if the scenes
+/// % of the focal length, 1.5 px, 0.005 in k1). Beyond the 99.99 % quantile of χ²(4), if the scenes
 /// fit better, returns the one that is farthest off, as serious; or the intrinsics as a whole,
 /// without a value, if the estimate did not converge within its bounds. Otherwise nothing.
 /// `cameras` have the given intrinsics.
@@ -52,11 +52,11 @@ std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& est
                                                    size_t camera, const KnownParameters& known);
 
 /// Standard deviations of errors of the given intrinsics that `detect_gross_mismatch` would not
-/// have shown. With a probability of 1 % each of the four is not as well known as stated, but that
-/// of a camera that was never calibrated: e ~ N(0, w²), w = 2 % of the focal length, 2 % of it in
-/// the principal point, 0.1 in k1. Its estimate is x ~ N(e, s²), with s² of `estimate`, `known` and
-/// what imperfections feign; nothing is shown while x² ≤ 16.25 s². Returns √(1 % E[e²; not shown]),
-/// in the units of `correction`; `focal_length` in px.
+/// have shown. With a probability of 0.5 % each of the four is not as well known as stated, but
+/// that of a camera that was never calibrated: e ~ N(0, w²), w = 2 % of the focal length, 2 % of it
+/// in the principal point, 0.1 in k1. Its estimate is x ~ N(e, s²), with s² of `estimate`, `known`
+/// and what imperfections feign; nothing is shown while x² ≤ 23.51 s². Returns √(0.5 % E[e²; not
+/// shown]), in the units of `correction`; `focal_length` in px.
 Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_length,
                               const KnownParameters& known);
 
