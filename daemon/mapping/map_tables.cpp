@@ -72,8 +72,8 @@ class Row {
     for (int axis = 0; axis < 3; ++axis) T.translation()[axis] = number<double>();
     Eigen::Quaterniond q;
     for (int i = 0; i < 4; ++i) q.coeffs()[i] = number<double>();
-    constexpr double kNormTolerance = 0.01;
-    wrong_ |= !(std::abs(q.norm() - 1) < kNormTolerance);
+    constexpr double kQuaternionTolerance = 0.01;
+    wrong_ |= !(std::abs(q.norm() - 1) < kQuaternionTolerance);
     if (!wrong_) T.linear() = q.normalized().toRotationMatrix();
     return T;
   }
