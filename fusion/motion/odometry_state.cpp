@@ -338,7 +338,7 @@ bool OdometryState::update_steering(double steering_angle) {
 }
 
 bool OdometryState::update_gnss_speed(double measured, double noise) {
-  return update(measured - std::abs(speed()), speed_derivative(), noise, kGateSigmas);
+  return update(measured - driving_direction() * speed(), speed_derivative(), noise, kGateSigmas);
 }
 
 // The acceleration was wrong by a constant: one direction of the state.
@@ -352,8 +352,17 @@ void OdometryState::release_acceleration(double seconds) {
   P_ += direction * direction.transpose();
 }
 
+// A receiver does not tell forward from reverse. A speed that is not known yet is near 0 with either
+// sign: the vehicle drives forward unless its speed is known to be negative.
+double OdometryState::driving_direction() const {
+  constexpr double kReverseSigmas = 2;
+  const bool reverse = options_.moves_forward &&
+                       x_[kSpeed] < -kReverseSigmas * std::sqrt(P_(kSpeed, kSpeed));
+  return reverse ? -1 : 1;
+}
+
 OdometryState::Vector OdometryState::speed_derivative() const {
-  Eigen::Vector3d direction(std::copysign(1.0, x_[kSpeed]), 0, 0);
+  Eigen::Vector3d direction(driving_direction(), 0, 0);
   if (!options_.moves_forward && is_moving()) direction = velocity().normalized();
   Vector H = Vector::Zero();
   H[kSpeed] = x_[kWheelScale] * direction.x();

@@ -132,6 +132,8 @@ class OdometryState {
   bool is_moving() const { return velocity().norm() > options_.standstill_speed * x_[kWheelScale]; }
   /// m/s, in the vehicle frame.
   Eigen::Vector3d velocity() const { return {x_[kWheelScale] * x_[kSpeed], x_[kAcross], x_[kUp]}; }
+  /// 1: forward, −1: reverse.
+  double driving_direction() const;
   /// Derivative of `speed()`'s magnitude; along x where the vehicle stands.
   Vector speed_derivative() const;
   bool update(double innovation, const Vector& derivative, double noise, double gate);
