@@ -237,8 +237,8 @@ std::string to_text(const Summary& summary) {
       if (stage.latency.count > 0) text += stage_text(stage);
     }
     text += fmt::format(
-        "  {} sweeps took longer than {:.0f} ms from their last packet to their report, "
-        "waiting for odometry included\n",
+        "  {} sweeps took longer than {:.0f} ms from the last data that they need to their "
+        "report\n",
         total->deadline_misses, 1e3 * to_seconds(FusionThread::kLatencyBudget));
   }
   text += fmt::format("  {} alerts; {:.2f} s of processor time, {:.0f} MB peak memory\n",

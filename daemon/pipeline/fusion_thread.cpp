@@ -75,7 +75,8 @@ void FusionThread::run() {
 
 void FusionThread::process(Pin<StreamItem> item) {
   if (item->stamp > now_ || item->stamp + kMaxClockStepBack < now_) now_ = item->stamp;
-  behind_ = HostClock::now() - item->read_at;
+  read_at_ = item->read_at;
+  behind_ = HostClock::now() - read_at_;
   requests_.drain([&](const Request& request) { handle_request(request); });
   switch (item->kind) {
     case StreamItem::Kind::kStart:
@@ -136,7 +137,7 @@ void FusionThread::process_sweep(Pin<StreamItem> item) {
         return cameras_[camera].lidar() == item->lidar && is_before_end(exposure, item->sweep);
       },
       [&](const CameraImage& image) { process_image(image, nearest_sweep(image.stamp, *item)); });
-  const Duration total = HostClock::now() - item->read_at;
+  const Duration total = HostClock::now() - read_at_;
   latency(Stage::kTotal).add(total);
   if (total > kLatencyBudget) ++deadline_misses_;
   const LidarIndex lidar = item->lidar;

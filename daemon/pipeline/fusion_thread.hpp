@@ -123,7 +123,8 @@ class FusionThread {
   motion::DeskewedSweep deskewed_;  // memory that is used again
 
   Stamp now_ = Stamp::earliest();        // drive time
-  Duration behind_ = Duration::zero();   // host time since the item in hand was read
+  HostClock::time_point read_at_;        // of the item in hand
+  Duration behind_ = Duration::zero();   // host time since then
   Stamp last_pose_ = Stamp::earliest();  // of the last pose without a sweep
   uint64_t not_deskewed_ = 0;
   std::vector<uint64_t> dropped_sweeps_;       // by LidarIndex

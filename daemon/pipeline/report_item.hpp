@@ -24,7 +24,7 @@ enum class Stage : uint8_t {
   kProject,   ///< projection of a sweep into an image
   kTrack,     ///< update of the street-map tracker with a sweep or an image
   kMonitor,   ///< monitoring of a calibration with an image
-  kTotal,     ///< reading of the event that completed a sweep to the sweep's last report
+  kTotal,     ///< reading of the event that made a sweep due, as its odometry, to its last report
   kCount,
 };
 
