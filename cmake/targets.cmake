@@ -19,6 +19,9 @@ if(INFUSE_SANITIZE)
     -fno-sanitize-recover=all -fno-omit-frame-pointer
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-tsan -Wno-stringop-overflow -Wno-array-bounds>)
   target_link_options(infuse_flags INTERFACE -fsanitize=${INFUSE_SANITIZE})
+  # Eigen allocates in another way where it sees the address sanitizer; templates that the static Ceres brings, compiled
+  # without, would free what it allocated.
+  target_compile_definitions(infuse_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 
 if(INFUSE_FUZZ)

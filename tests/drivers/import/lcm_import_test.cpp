@@ -204,8 +204,8 @@ TEST(LcmImport, MutatedLogsNeitherCrashNorHang) {
     std::string bytes = sound;
     for (size_t n = 1 + random() % 3; n > 0; --n)
       bytes[random() % bytes.size()] = static_cast<char>(random());
-    const size_t event = (random() % sent.size()) * 1258;  // and the header of an event
-    bytes[event + 4 + random() % 24] = static_cast<char>(random());
+    const size_t event = (random() % sent.size()) * (sound.size() / sent.size());
+    bytes[event + 4 + random() % 24] = static_cast<char>(random());  // of its header
     folder.write("a.lcm", bytes);
     std::filesystem::remove_all(folder / "drive");
     if (const auto result = import_lcm({folder / "a.lcm"}, folder / "drive")) {
