@@ -11,6 +11,7 @@
 #include "daemon/commands/find_lidar.hpp"
 #include "daemon/commands/map_drive.hpp"
 #include "daemon/commands/map_export.hpp"
+#include "daemon/commands/map_locate.hpp"
 #include "daemon/mapping/g2o_file.hpp"
 #include "daemon/mapping/map_finish.hpp"
 #include "daemon/protocol/json.hpp"
@@ -162,6 +163,25 @@ void declare_map_export(CLI::App& app, MapExportArguments& arguments) {
                       "infuse map export map/ --show height -o map.png"});
 }
 
+void declare_map_locate(CLI::App& app, MapLocateArguments& arguments) {
+  CLI::App* locate = app.add_subcommand(
+      "locate", "find where a drive is on a map, without an initial pose, and track it there");
+  locate->add_option("MAP", arguments.map, "a map folder")->required();
+  locate
+      ->add_option("DRIVE", arguments.drive,
+                   "a drive folder, or a pcap or pcapng file, with a lidar")
+      ->required();
+  locate
+      ->add_option("-o,--output", arguments.output,
+                   "poses of the vehicle on the map to write, in TUM format: those at the ends of "
+                   "the sweeps while it is tracked")
+      ->type_name("FILE.tum");
+  locate->add_option("--lidar", arguments.lidar, "lidar, if there are several")->type_name("NAME");
+  locate->add_flag("--json", arguments.json, "print the summary as one JSON object");
+  set_examples(*locate, {"infuse map locate map/ drive/ -o on_map.tum",
+                         "infuse map locate map/ drive.pcap --json"});
+}
+
 }  // namespace
 
 Command declare_map(CLI::App& infuse) {
@@ -170,6 +190,7 @@ Command declare_map(CLI::App& infuse) {
   const auto graph = std::make_shared<MapArguments>();
   const auto drive = std::make_shared<DriveArguments>();
   const auto exported = std::make_shared<MapExportArguments>();
+  const auto located = std::make_shared<MapLocateArguments>();
   app->add_option("DRIVE", drive->drive, "a drive folder, or a pcap or pcapng file, with a lidar");
   app->add_option("-o,--output", drive->output,
                   "map folder to write, or to go on with where a run was interrupted")
@@ -181,9 +202,11 @@ Command declare_map(CLI::App& infuse) {
   set_examples(*app, {"infuse map drive/ -o map/", "infuse map drive.pcap --no-gnss -o map/"});
   declare_optimize(*app, *graph);
   declare_map_export(*app, *exported);
+  declare_map_locate(*app, *located);
   return {app, [=] {
             if (app->got_subcommand("optimize")) return run_map_optimize(*graph);
             if (app->got_subcommand("export")) return run_map_export(*exported);
+            if (app->got_subcommand("locate")) return run_map_locate(*located);
             if (drive->drive.empty() || drive->output.empty()) {
               return print_error(kMapProgram,
                                  {drive->drive.empty() ? "no drive is given" : "no map is given",

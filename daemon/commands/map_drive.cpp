@@ -10,9 +10,11 @@
 #include "daemon/commands/play_lidar.hpp"
 #include "daemon/mapping/checksum.hpp"
 #include "daemon/mapping/cloud_file.hpp"
+#include "daemon/mapping/place_map.hpp"
 #include "daemon/protocol/json_encoder.hpp"
 #include "fusion/mapping/keyframes.hpp"
 #include "fusion/mapping/submap.hpp"
+#include "fusion/places/place_descriptor.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -92,9 +94,11 @@ class DriveMapper {
     manifest["sweeps"] = sweeps_;
     manifest["unmeasured"] = picker_.unmeasured();
     manifest["unregistered"] = picker_.unregistered();
-    const std::string keyframes = format_keyframes(keyframes_), fixes = format_fixes(nearest());
+    const std::string keyframes = format_keyframes(keyframes_), fixes = format_fixes(nearest()),
+                      places = format_places(places_);
     for (const auto& [name, text] :
-         {std::pair{map_file::kKeyframes, &keyframes}, std::pair{map_file::kFixes, &fixes}}) {
+         {std::pair{map_file::kKeyframes, &keyframes}, std::pair{map_file::kFixes, &fixes},
+          std::pair{map_file::kPlaces, &places}}) {
       if (auto written = folder_.write(name, *text); !written) return written;
       manifest["files"][name] = checksum(*text);
     }
@@ -117,6 +121,7 @@ class DriveMapper {
   void write_cloud() {
     if (keyframes_.empty() || failed_) return;
     const mapping::Submap cloud = submap_.take();
+    places_.push_back(places::describe_place(cloud.points(), T_vehicle_lidar_));
     const std::string bytes = format_cloud_pcd(cloud);
     keyframes_.back().points = cloud.size();
     keyframes_.back().cloud_checksum = checksum(bytes);
@@ -184,6 +189,7 @@ class DriveMapper {
   mapping::KeyframePicker picker_;
   mapping::SubmapBuilder submap_;
   std::vector<MapKeyframe> keyframes_;
+  std::vector<places::PlaceDescriptor> places_;  // by keyframe
   std::vector<Pose> poses_;
   std::vector<GnssFix> fixes_;
   std::optional<Error> failed_;

@@ -16,11 +16,11 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kMapFormat = "infuse map";
-constexpr int kMapVersion = 1;
+constexpr int kMapVersion = 2;
 constexpr size_t kMaxMapFileBytes = size_t{256} << 20;
 constexpr std::array kMapFileNames{map_file::kDrive,      map_file::kKeyframes, map_file::kFixes,
-                                   map_file::kClosures,   map_file::kGraph,     map_file::kMap,
-                                   map_file::kTrajectory, map_file::kClouds};
+                                   map_file::kPlaces,     map_file::kClosures,  map_file::kGraph,
+                                   map_file::kTrajectory, map_file::kMap,       map_file::kClouds};
 
 bool is_map_file(const std::string& name) {
   return std::any_of(kMapFileNames.begin(), kMapFileNames.end(),
@@ -39,7 +39,7 @@ void remove_leftovers(const std::filesystem::path& folder) {
     const std::string stem = name.substr(0, name.size() - std::min(name.size(), kSuffix));
     const bool is_ours = stem.ends_with(".pcd") || stem.ends_with(".csv") ||
                          stem.ends_with(".json") || stem.ends_with(".g2o") ||
-                         stem.ends_with(".tum");
+                         stem.ends_with(".tum") || stem.ends_with(".bin");
     if (is_ours && name[stem.size()] == '.') leftovers.push_back(it->path());
   }
   for (const auto& leftover : leftovers) std::filesystem::remove(leftover, error);

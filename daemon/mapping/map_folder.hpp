@@ -19,6 +19,7 @@ namespace map_file {
 inline constexpr const char* kDrive = "drive.json";  ///< the replay is complete
 inline constexpr const char* kKeyframes = "keyframes.csv";
 inline constexpr const char* kFixes = "fixes.csv";
+inline constexpr const char* kPlaces = "places.bin";
 inline constexpr const char* kClosures = "closures.csv";  ///< sought so far
 inline constexpr const char* kGraph = "graph.g2o";
 inline constexpr const char* kTrajectory = "trajectory.tum";

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/mapping/map_folder.hpp"
+#include "fusion/places/localiser.hpp"
+
+namespace infuse::daemon {
+
+/// Table of the places of a map as bytes, and back: a byte per cell in steps of `kHeightStep`, by
+/// ring, sector and keyframe. Parsing fails where the size is not that of whole places.
+std::string format_places(const std::vector<places::PlaceDescriptor>& places);
+Result<std::vector<places::PlaceDescriptor>> parse_places(std::string_view bytes,
+                                                          const std::string& name);
+
+/// Opens a complete map for localisation: its keyframes and places are read, its clouds when they
+/// are needed.
+Result<places::PlaceMap> open_place_map(const MapFolder& folder);
+
+}  // namespace infuse::daemon

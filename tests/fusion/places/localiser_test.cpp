@@ -1,0 +1,149 @@
+#include "fusion/places/localiser.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/fusion/places/invented_places.hpp"
+
+namespace infuse::places {
+namespace {
+
+constexpr double kStep = 1;  // m between sweeps, 10 Hz
+
+const InventedStreet& street() {
+  static const InventedStreet made(5);
+  return made;
+}
+
+/// Map of the street: a keyframe every 2 m.
+PlaceMap make_map(double length) {
+  PlaceMap map;
+  map.T_vehicle_lidar = lidar_above();
+  std::vector<mapping::Submap> clouds;
+  for (double along = 0; along <= length; along += 2) {
+    map.T_map_vehicle.push_back(on_street(along, 0, 0));
+    clouds.push_back(
+        street().seen_from(map.T_map_vehicle.back() * lidar_above(), clouds.size() + 100));
+    map.descriptors.push_back(describe_place(clouds.back().points(), map.T_vehicle_lidar));
+  }
+  map.read_cloud = [clouds = std::move(clouds)](size_t k) -> Result<mapping::Submap> {
+    return clouds[k];
+  };
+  return map;
+}
+
+PlaceMap whole_map() {
+  static const PlaceMap made = make_map(130);
+  return made;
+}
+
+/// Drives `poses` (map frame) on a street from nothing; calls `check` with each result.
+template <class Check>
+void drive(Localiser& localiser, const InventedStreet& street,
+           const std::vector<Eigen::Isometry3d>& poses, Check check) {
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const mapping::Submap sweep = street.seen_from(poses[i] * lidar_above(), i);
+    mapping::SweepMotion motion;
+    motion.stamp = Stamp::from_ns(static_cast<int64_t>(i + 1) * 100'000'000);
+    motion.measured = motion.registered = true;
+    if (i > 0) motion.T_from_to = poses[i - 1].inverse() * poses[i];
+    motion.covariance = 1e-6 * geometry::Matrix6::Identity();
+    const auto pose = localiser.add(sweep.points(), sweep.reflectivity, motion);
+    ASSERT_TRUE(pose) << pose.error().message();
+    check(*pose, poses[i]);
+  }
+}
+
+std::vector<Eigen::Isometry3d> straight(double from, double to, double across, double yaw) {
+  std::vector<Eigen::Isometry3d> poses;
+  const double sign = to > from ? 1 : -1;
+  for (double s = from; sign * (to - s) > 0; s += sign * kStep) {
+    poses.push_back(on_street(s, across, yaw));
+  }
+  return poses;
+}
+
+TEST(Localiser, FindsTheVehicleFromNothingInEitherDirectionAndTracksIt) {
+  for (const bool back : {false, true}) {
+    Localiser localiser(whole_map(), lidar_above());
+    const auto poses = back ? straight(110, 60, 1.5, 3.14159) : straight(40, 90, -1, 0);
+    size_t tracked = 0, sweeps = 0;
+    drive(localiser, street(), poses,
+          [&](const LocaliserPose& pose, const Eigen::Isometry3d& truth) {
+            ++sweeps;
+            EXPECT_EQ(pose.usable(), *pose.reason == '\0');
+            EXPECT_FALSE(sweeps <= 5 && pose.usable());
+            if (!pose.usable()) return;
+            ++tracked;
+            const geometry::Vector6 error = geometry::log(pose.T_map_vehicle.inverse() * truth);
+            EXPECT_LT(error.tail<3>().norm(), 0.1) << sweeps;
+            EXPECT_LT(error.head<3>().norm(), 0.01) << sweeps;
+            EXPECT_LT(error.dot(pose.covariance.ldlt().solve(error)), 30) << sweeps;
+          });
+    EXPECT_GE(tracked, sweeps - 20) << back;
+  }
+}
+
+TEST(Localiser, IsLostOnAnotherStreetAndSaysSo) {
+  Localiser localiser(whole_map(), lidar_above());
+  drive(localiser, InventedStreet(6), straight(20, 60, 0, 0),
+        [](const LocaliserPose& pose, const Eigen::Isometry3d&) {
+          EXPECT_EQ(pose.state, LocaliserState::kLost);
+          EXPECT_STRNE(pose.reason, "");
+        });
+}
+
+// The same houses stand at two places of the map.
+TEST(Localiser, IsNotSureWhereTwoPlacesFit) {
+  PlaceMap map = make_map(80);
+  const size_t once = map.T_map_vehicle.size();
+  for (size_t k = 0; k < once; ++k) {
+    map.T_map_vehicle.push_back(Eigen::Translation3d(0, 500, 0) * map.T_map_vehicle[k]);
+    map.descriptors.push_back(map.descriptors[k]);
+  }
+  map.read_cloud = [read = map.read_cloud, once](size_t k) { return read(k % once); };
+  Localiser localiser(std::move(map), lidar_above());
+  drive(localiser, street(), straight(10, 60, 0, 0),
+        [](const LocaliserPose& pose, const Eigen::Isometry3d&) {
+          EXPECT_EQ(pose.state, LocaliserState::kLost);
+        });
+}
+
+TEST(Localiser, LeavesTheMapAndIsUnsureThenLost) {
+  Localiser localiser(make_map(60), lidar_above());
+  std::vector<LocaliserState> states;
+  std::string reason;
+  drive(localiser, street(), straight(20, 240, 0, 0),
+        [&](const LocaliserPose& pose, const Eigen::Isometry3d& truth) {
+          if (states.empty() || states.back() != pose.state) states.push_back(pose.state);
+          if (truth.translation().x() < 235) reason = pose.reason;
+        });
+  using enum LocaliserState;
+  EXPECT_EQ(states, (std::vector{kLost, kUnsure, kTracking, kUnsure, kLost}));
+}
+
+TEST(Localiser, PassesOnThatAPlaceCannotBeRead) {
+  PlaceMap map = make_map(60);
+  map.read_cloud = [](size_t) -> Result<mapping::Submap> { return fail("damaged", "000012.pcd"); };
+  Localiser localiser(std::move(map), lidar_above());
+  std::string error;
+  const auto poses = straight(20, 40, 0, 0);
+  for (size_t i = 0; i < poses.size() && error.empty(); ++i) {
+    const mapping::Submap sweep = street().seen_from(poses[i] * lidar_above(), i);
+    mapping::SweepMotion motion;
+    motion.stamp = Stamp::from_ns(static_cast<int64_t>(i + 1) * 100'000'000);
+    motion.measured = motion.registered = true;
+    if (i > 0) motion.T_from_to = poses[i - 1].inverse() * poses[i];
+    const auto pose = localiser.add(sweep.points(), sweep.reflectivity, motion);
+    if (!pose) error = pose.error().message();
+  }
+  EXPECT_NE(error.find("000012.pcd"), std::string::npos);
+}
+
+TEST(Localiser, OptionsSayWhatIsWrong) {
+  EXPECT_EQ(LocaliserOptions().invalid(), std::nullopt);
+  EXPECT_TRUE(LocaliserOptions{.candidates = 0}.invalid());
+  EXPECT_TRUE(LocaliserOptions{.confirm_distance = -1}.invalid());
+}
+
+}  // namespace
+}  // namespace infuse::places
