@@ -77,6 +77,9 @@ int check(const RunOptions& options, const Config& config) {
   }
   const auto setup = set_up_live(config);
   if (!setup) return print_error(kProgram, setup.error(), kUsage);
+  if (const auto map = open_place_map(config); !map) {
+    return print_error(kProgram, map.error(), kUsage);
+  }
   if (const auto map = open_street_map(config); !map) {
     return print_error(kProgram, map.error(), kUsage);
   }

@@ -86,6 +86,15 @@ std::string health_text(const Json& health) {
                          gnss, search, reason.empty() ? "" : ": " + reason);
     lines += findings_text(map);
   }
+  if (health.contains("map")) {
+    const Json& map = health["map"];
+    const std::string state = text_of(map, "state"), reason = text_of(map, "reason");
+    const std::string sigma =
+        state == "LOST" ? "" : fmt::format(", ± {:.2f} m", map.value("sigma", 0.0));
+    lines += fmt::format("  {:<5} map: {}{}{}\n", text_of(map, "level"), state, sigma,
+                         reason.empty() ? "" : ": " + reason);
+    lines += findings_text(map);
+  }
   return lines;
 }
 

@@ -102,6 +102,11 @@ void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
   read_integer(table, "seed", settings.tracker.seed);
 }
 
+void read_map(TomlTable& table, MapLocationSettings& settings) {
+  table.read("directory", settings.directory);
+  table.read("lidar", settings.lidar);
+}
+
 void read_calibration(TomlTable& table, CalibrationSettings& settings) {
   table.read("monitor", settings.monitored);
   std::string policy;
@@ -193,6 +198,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   const toml::table* health = root.table("health");
   const toml::table* odometry = root.table("odometry");
   const toml::table* streetmap = root.table("streetmap");
+  const toml::table* map = root.table("map");
   const toml::table* calibration = root.table("calibration");
   const toml::table* record = root.table("record");
   const toml::table* metrics = root.table("metrics");
@@ -207,6 +213,11 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   }
   if (auto error = read_table(streetmap, file, "streetmap", read_streetmap, config.streetmap)) {
     return error;
+  }
+  if (auto error = read_table(map, file, "map", read_map, config.map)) return error;
+  if (!config.map.directory.empty() && !config.streetmap.map.empty()) {
+    return Error{"[map] and [streetmap] both give the pose in the frame map", file,
+                 "choose one of them"};
   }
   if (auto error = read_table(record, file, "record", read_record, config.record)) return error;
   if (auto error = read_table(metrics, file, "metrics", read_metrics, config.metrics)) return error;

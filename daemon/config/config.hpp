@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/config/calibration_settings.hpp"
+#include "daemon/config/map_settings.hpp"
 #include "daemon/config/metrics_settings.hpp"
 #include "daemon/config/mqtt_settings.hpp"
 #include "daemon/config/odometry_settings.hpp"
@@ -28,6 +29,7 @@ struct Config {
   HealthOptions health;                ///< [health]
   OdometrySettings odometry;           ///< [odometry]
   StreetMapSettings streetmap;         ///< [streetmap]
+  MapLocationSettings map;             ///< [map]
   CalibrationSettings calibration;     ///< [calibration]
   RecordSettings record;               ///< [record], live
   MetricsSettings metrics;             ///< [metrics], live

@@ -185,6 +185,7 @@ std::string metrics_text(const HealthReport& health, const ProcessStats& process
   add_devices(health, families);
   add_task(health.odometry, "odometry", families);
   add_task(health.streetmap, "streetmap", families);
+  add_task(health.map, "map", families);
   if (health.host) add_host(*health.host, families);
   return families.text();
 }

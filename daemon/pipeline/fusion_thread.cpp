@@ -52,6 +52,11 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
   if (setup.map != nullptr && !setup.map->empty() && setup.has_odometry) {
     map_tracker_.emplace(setup.streetmap, *setup.map, setup.rig);
   }
+  if (setup_.places && setup.has_odometry && !setup.rig.lidars.empty()) {
+    if (!setup.places_lidar.empty()) map_lidar_ = index_of_lidar(setup.rig, setup.places_lidar);
+    map_localiser_.emplace(*std::move(setup_.places), setup.rig.lidars[map_lidar_].T_vehicle_lidar,
+                           setup.delivery == Delivery::kWait);
+  }
   if (setup.use_lidar) lidar_motion_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
   for (const LidarMount& lidar : setup.rig.lidars) {
     deskewers_.emplace_back(lidar.T_vehicle_lidar);
@@ -209,6 +214,9 @@ void FusionThread::localise(const SweepSnapshot& snapshot) {
   if (!setup_.has_odometry) return;
   const PoseReport odometry = odometry_.pose_at(snapshot.deskewed.reference);
   report(odometry);
+  if (map_localiser_ && snapshot.lidar == map_lidar_) {
+    report(map_localiser_->process(snapshot, odometry_.trajectory(), odometry));
+  }
   if (!map_tracker_) return;
   const auto track = [&] {
     const ScopedLatency timer(latency(Stage::kTrack));
@@ -284,6 +292,7 @@ void FusionThread::report_tick(const StreamItem& item) {
   report.odometry = setup_.has_odometry ? odometry_.status(item.stamp) : OdometryStatus{};
   report.odometry.not_deskewed = not_deskewed_;
   if (map_tracker_) report.streetmap = map_tracker_->status();
+  if (map_localiser_) report.map = map_localiser_->status();
   for (size_t i = 0; i < latencies_.size(); ++i) report.stages[i] = latencies_[i].stats();
   report.stages[static_cast<size_t>(Stage::kIntake)] = item.intake;
   report.deadline_misses = deadline_misses_;

@@ -11,6 +11,7 @@
 #include "daemon/pipeline/delivery.hpp"
 #include "daemon/pipeline/image_queue.hpp"
 #include "daemon/pipeline/lidar_motion.hpp"
+#include "daemon/pipeline/map_localiser.hpp"
 #include "daemon/pipeline/map_tracker.hpp"
 #include "daemon/pipeline/notifier.hpp"
 #include "daemon/pipeline/odometry_tracker.hpp"
@@ -35,7 +36,9 @@ struct FusionSetup {
   Delivery delivery = Delivery::kWait;
   StreetMapSettings streetmap;
   const streetmap::SegmentMap* map = nullptr;  ///< null or empty: no tracking on a map
-  ViewTap* view = nullptr;                     ///< null: nobody can look
+  std::optional<places::PlaceMap> places;      ///< nothing: no map of keyframes
+  std::string places_lidar;  ///< whose sweeps are compared with it; empty: the first
+  ViewTap* view = nullptr;   ///< null: nobody can look
 };
 
 /// The fusion thread: processes the items of the io thread in order and publishes reports. A sweep
@@ -71,6 +74,7 @@ class FusionThread {
   /// Stops waiting for background work; from any thread.
   void shut_down() {
     for (CameraChannel& camera : cameras_) camera.shut_down();
+    if (map_localiser_) map_localiser_->shut_down();
   }
 
  private:
@@ -117,6 +121,8 @@ class FusionThread {
   ImageQueue images_;
   std::optional<LidarMotion> lidar_motion_;
   std::optional<MapTracker> map_tracker_;
+  std::optional<MapLocaliser> map_localiser_;
+  LidarIndex map_lidar_{0};                 // its lidar
   std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
   std::deque<CameraChannel> cameras_;       // by CameraIndex
   ControlQueue requests_;

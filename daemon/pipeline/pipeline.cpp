@@ -30,7 +30,9 @@ ReportItem report_item(const PipelineSetup& setup) {
 }
 
 FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& options) {
-  const bool use_lidar = options.odometry.use_lidar.value_or(!setup.vehicle.has_motion_sensor()) &&
+  // A map is compared with what the lidar saw over some metres, which wheels alone would blur.
+  const bool use_lidar = options.odometry.use_lidar.value_or(!setup.vehicle.has_motion_sensor() ||
+                                                             options.places.has_value()) &&
                          !setup.rig.lidars.empty();
   OdometrySettings odometry = options.odometry;
   // Sensors that measure in the vehicle's axes know what is forward; a lidar alone only by its
@@ -46,6 +48,8 @@ FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& opti
           .delivery = setup.delivery,
           .streetmap = options.streetmap,
           .map = options.map,
+          .places = options.places,
+          .places_lidar = options.places_lidar,
           .view = options.view};
 }
 

@@ -21,7 +21,9 @@ struct PipelineOptions {
   const streetmap::SegmentMap* map =
       nullptr;  ///< outlives the pipeline; null or empty: no tracking
   CalibrationSettings calibration;
-  ViewTap* view = nullptr;  ///< outlives the pipeline; null: nobody can look
+  std::optional<places::PlaceMap> places;  ///< map of keyframes; nothing: none
+  std::string places_lidar;                ///< whose sweeps are compared with it; empty: the first
+  ViewTap* view = nullptr;                 ///< outlives the pipeline; null: nobody can look
 };
 
 /// The threads and the rings between them, live and in a replay:

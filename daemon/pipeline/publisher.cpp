@@ -50,6 +50,7 @@ Publisher::Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup,
       health_options_(health),
       odometry_health_(health),
       streetmap_health_(health),
+      map_health_(health),
       server_(server),
       file_(file) {}
 
@@ -161,6 +162,11 @@ void Publisher::publish_health(const ReportItem& item) {
     const Conditions& conditions = streetmap_health_.update(item.stamp, *item.streetmap);
     report.streetmap = task_health(*item.streetmap, conditions);
     publish_transitions(item.stamp, "streetmap", conditions.transitions());
+  }
+  if (item.map) {
+    const Conditions& conditions = map_health_.update(item.stamp, *item.map);
+    report.map = task_health(*item.map, conditions);
+    publish_transitions(item.stamp, "map", conditions.transitions());
   }
   const Conditions& conditions = rig_health_.update(item.stamp, device_names_, health_options_);
   report.findings = conditions.findings();

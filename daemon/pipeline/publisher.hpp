@@ -119,6 +119,7 @@ class Publisher {
   std::vector<std::string> device_names_;
   OdometryHealth odometry_health_;
   StreetMapHealth streetmap_health_;
+  MapHealth map_health_;
   std::map<std::string, CalibrationHealth> calibration_health_;  // by camera
   std::function<void()> on_progress_ = [] {};
   std::vector<std::function<void(const CalibrationReport&)>> on_calibration_;

@@ -256,6 +256,24 @@ void describe(Visitor& v, const TaskHealth<StreetMapStatus>& streetmap) {
 }
 
 template <class Visitor>
+void describe(Visitor& v, const TaskHealth<MapStatus>& map) {
+  const MapStatus& status = map.status;
+  v.field("level", map.level);
+  v.field("state", status.state);
+  v.field("sigma", rounded(std::min(status.sigma, 1e6)),
+          "Standard deviation of the position along its worst direction, m.",
+          gauge("infuse_map_sigma_metres"));
+  v.field("verified", status.verified, "Places of the map that confirmed the pose.",
+          counter("infuse_map_verified_total"));
+  v.field("found", status.found, "Times that the vehicle was found on the map.",
+          counter("infuse_map_found_total"));
+  v.field("dropped", status.dropped, "Sweeps that came while the background thread was behind.",
+          counter("infuse_map_dropped_sweeps_total"));
+  v.field("reason", unless_empty(status.reason), "why it is not TRACKING");
+  v.field("findings", map.findings, "raised at present");
+}
+
+template <class Visitor>
 void describe(Visitor& v, const LatencyStats& latency) {
   const auto statistic = [&](const char* name, Duration value, const char* label) {
     v.field(name, non_negative(rounded(to_seconds(value) * 1e3)), "ms",
@@ -399,8 +417,8 @@ void describe(Visitor& v, const PoseReport& pose) {
   v.message(name_of(pose.kClass), "Pose of the vehicle, at the end of each sweep.");
   v.field("stamp", pose.stamp, kStampText);
   v.field("frame", pose.frame,
-          "odom: begins at the start of the drive, x ahead, and drifts; map: of the street map, "
-          "east-north-up at its origin");
+          "odom: begins at the start of the drive, x ahead, and drifts; map: of the street map or "
+          "the map, east-north-up at its origin");
   v.field("usable", pose.usable());
   v.field("reason", unless_empty(pose.reason), "why it is not usable");
   v.field("T_frame_vehicle", pose.T_frame_vehicle, "by row, m");
@@ -410,10 +428,10 @@ void describe(Visitor& v, const PoseReport& pose) {
   v.field("state", when(pose.map.has_value(), map.state), "frame map: state of the tracker");
   v.field("doubt", when(pose.map.has_value() && *map.reason != '\0', map.reason),
           "frame map: why the state is not TRACKING");
-  v.field("p_value", when(pose.map.has_value(), fraction(rounded(map.p_value))),
-          "frame map: probability of a match as good by chance");
-  v.field("entropy", when(pose.map.has_value(), fraction(rounded(map.entropy))),
-          "frame map: normalised entropy of the particle weights");
+  v.field("p_value", when(pose.map && map.p_value, fraction(rounded(map.p_value.value_or(1)))),
+          "on a street map: probability of a match as good by chance");
+  v.field("entropy", when(pose.map && map.entropy, fraction(rounded(map.entropy.value_or(1)))),
+          "on a street map: normalised entropy of the particle weights");
 }
 
 template <class Visitor>
@@ -468,6 +486,7 @@ void describe(Visitor& v, const HealthReport& health) {
   v.field("streams", health.streams, "cameras and vehicle sensors");
   v.field("odometry", health.odometry, "dead reckoning; absent without it");
   v.field("streetmap", health.streetmap, "tracking on the street map; absent without one");
+  v.field("map", health.map, "localisation on a map of keyframes; absent without one");
   v.field("findings", health.findings, "about the daemon itself, raised at present");
   v.field("host", health.host, "figures that depend on the host; not in a replay's reports file");
 }

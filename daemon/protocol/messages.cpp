@@ -12,6 +12,7 @@ Level HealthReport::level() const {
   for (const auto& stream : streams) worst = std::max(worst, stream.status.level);
   if (odometry) worst = std::max(worst, odometry->level);
   if (streetmap) worst = std::max(worst, streetmap->level);
+  if (map) worst = std::max(worst, map->level);
   for (const Finding& finding : findings) worst = std::max(worst, finding.level);
   return worst;
 }

@@ -46,6 +46,9 @@ template <>
 inline constexpr std::array<streetmap::TrackState, 2> kRange<streetmap::TrackState> = {
     streetmap::TrackState::kUnsure, streetmap::TrackState::kLost};
 template <>
+inline constexpr std::array<places::LocaliserState, 2> kRange<places::LocaliserState> = {
+    places::LocaliserState::kLost, places::LocaliserState::kTracking};
+template <>
 inline constexpr std::array<monitoring::CalibrationState, 2> kRange<monitoring::CalibrationState> =
     {monitoring::CalibrationState::kOk, monitoring::CalibrationState::kUnusable};
 template <>

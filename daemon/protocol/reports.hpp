@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/health/latency_histogram.hpp"
+#include "daemon/health/map_health.hpp"
 #include "daemon/health/odometry_health.hpp"
 #include "daemon/health/sensor_health.hpp"
 #include "daemon/health/stream_health.hpp"
@@ -64,11 +65,12 @@ struct SweepReport {
 /// Frames of poses.
 enum class PoseFrame : uint8_t { kOdom, kMap };
 
-/// Confidence of a pose on the street map.
+/// Confidence of a pose on a map.
 struct MapConfidence {
   streetmap::TrackState state = streetmap::TrackState::kLost;
-  double p_value = 1;       ///< probability of a match as good by chance
-  double entropy = 1;       ///< normalised entropy of the particle weights, 0 … 1
+  /// Of the tracker on a street map: probability of a match as good by chance, and normalised
+  /// entropy of the particle weights, 0 … 1.
+  std::optional<double> p_value = 1, entropy = 1;
   const char* reason = "";  ///< static text: why it is not TRACKING; empty if it is
 };
 
@@ -152,6 +154,7 @@ struct HealthReport {
   std::vector<DeviceHealth<StreamStatus>> streams;
   std::optional<TaskHealth<OdometryStatus>> odometry;
   std::optional<TaskHealth<StreetMapStatus>> streetmap;
+  std::optional<TaskHealth<MapStatus>> map;
   std::vector<Finding> findings;  ///< about the daemon itself
   std::optional<HostStats> host;
 

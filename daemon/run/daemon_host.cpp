@@ -5,6 +5,7 @@
 #include <csignal>
 #include <random>
 
+#include "daemon/mapping/place_map.hpp"
 #include "daemon/server/socket_path.hpp"
 #include "daemon/service/service_manager.hpp"
 
@@ -35,6 +36,13 @@ Result<StreetMapFile> open_street_map(const Config& config) {
   return map;
 }
 
+Result<std::optional<places::PlaceMap>> open_place_map(const Config& config) {
+  if (config.map.directory.empty()) return std::optional<places::PlaceMap>();
+  auto map = open_place_map(MapFolder(config.resolve(config.map.directory)));
+  if (!map) return tl::unexpected(map.error());
+  return std::optional(*std::move(map));
+}
+
 DaemonHost::DaemonHost(const Config& config, const std::filesystem::path& state_folder)
     : config_(config),
       server_(io_, config.socket, INFUSE_VERSION, make_session_id()),
@@ -45,6 +53,13 @@ tl::expected<void, StartError> DaemonHost::open(Rig& rig, const std::string& soc
   auto map = open_street_map(config_);
   if (!map) return tl::unexpected(StartError{map.error(), kUnreadable});
   map_ = *std::move(map);
+  auto places = open_place_map(config_);
+  if (!places) return tl::unexpected(StartError{places.error(), kUnreadable});
+  places_ = *std::move(places);
+  const std::string& lidar = config_.map.lidar;
+  if (places_ && !lidar.empty() && rig.find_lidar(lidar) == nullptr) {
+    return tl::unexpected(StartError{{"[map] names a lidar that is not there", lidar, ""}, kUsage});
+  }
   if (const auto listening = listen_for_clients(server_, socket, config_.socket); !listening) {
     return tl::unexpected(StartError{listening.error(), kUsage});
   }
@@ -52,7 +67,13 @@ tl::expected<void, StartError> DaemonHost::open(Rig& rig, const std::string& soc
 }
 
 PipelineOptions DaemonHost::pipeline_options() const {
-  return {config_.health, config_.odometry, config_.streetmap, &map_.map, config_.calibration};
+  return {.health = config_.health,
+          .odometry = config_.odometry,
+          .streetmap = config_.streetmap,
+          .map = &map_.map,
+          .calibration = config_.calibration,
+          .places = places_,
+          .places_lidar = config_.map.lidar};
 }
 
 void DaemonHost::connect(Pipeline& pipeline, RequestHandler on_record) {

@@ -26,6 +26,10 @@ struct StartError {
 /// missing or damaged, or has no latitude and longitude though the initial pose is given by them.
 Result<StreetMapFile> open_street_map(const Config& config);
 
+/// Opens the configured map of keyframes; nothing if none is configured. Fails if it is not
+/// complete or a file is damaged.
+Result<std::optional<places::PlaceMap>> open_place_map(const Config& config);
+
 /// Everything around the pipeline that a live run and a replay share: the event loop, the server,
 /// the saved calibrations, the street map, control requests and signals. The composition root of
 /// `infused`: open(), build the pipeline from pipeline_options(), connect(), run().
@@ -73,6 +77,7 @@ class DaemonHost {
   Server server_;
   SavedCalibrations calibrations_;
   StreetMapFile map_;
+  std::optional<places::PlaceMap> places_;
 };
 
 /// Opens the sockets for clients: the service manager's, or else `socket`, the configured path, or

@@ -13,6 +13,7 @@
 #include "tests/study/dependence/gaussian_accuracy.hpp"
 #include "tests/study/mapping/pose_graph_study.hpp"
 #ifdef INFUSE_SIMULATOR
+#include "tests/study/places/place_study.hpp"
 #include "tests/study/registration/alignment_table.hpp"
 #include "tests/study/registration/covariance_study.hpp"
 #include "tests/study/registration/global_guess_study.hpp"
@@ -114,6 +115,22 @@ void add_mapping_commands(CLI::App& app) {
 }
 
 #ifdef INFUSE_SIMULATOR
+/// Adds the study of starts from nothing on a map of keyframes.
+void add_places_command(CLI::App& app) {
+  static PlaceStudyOptions options;
+  CLI::App* command = app.add_subcommand(
+      "places", "find the vehicle on a map of keyframes from nothing, all along simulated visits");
+  command->add_option("MAP", options.map, "map folder")->required();
+  command->add_option("MAP_DRIVE", options.map_drive, "the drive it was made of")->required();
+  command->add_option("DRIVE", options.drives, "visits, in the frame of that drive")->required();
+  command->add_option("--spacing", options.spacing, "m between starts")->capture_default_str();
+  command->add_flag("--elsewhere", options.elsewhere, "the visits are off the map");
+  command->callback([] {
+    const std::string wrong = study_places(std::cout, options);
+    if (!wrong.empty()) throw CLI::ValidationError(wrong);
+  });
+}
+
 /// Adds the study of starts from nothing on a street map.
 void add_starts_command(CLI::App& app) {
   static StartStudyOptions options;
@@ -215,6 +232,8 @@ void add_registration_commands(CLI::App& app) {
     if (!recorded) throw std::runtime_error(recorded.error().message());
     std::cout << try_global_guess(recorded->scans, 50, 1).text() << '\n';
   });
+
+  add_places_command(app);
 
   add_starts_command(app);
 

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include "daemon/health/conditions.hpp"
+#include "daemon/health/health_options.hpp"
+#include "drivers/measurement/stamp.hpp"
+#include "fusion/places/localiser.hpp"
+
+namespace infuse::daemon {
+
+/// Status of the localisation on a map of keyframes at one moment of drive time. Plain data.
+struct MapStatus {
+  places::LocaliserState state = places::LocaliserState::kLost;
+  const char* reason = "";  ///< static text: why it is not TRACKING; empty if it is
+  double sigma = 0;         ///< m, standard deviation of the position along the worst direction
+  uint64_t verified = 0;    ///< places of the map that confirmed the pose
+  uint64_t found = 0;       ///< times that the vehicle was found
+  uint64_t dropped = 0;     ///< sweeps that came while the background thread was behind
+};
+
+/// Checks the pose on the map. Pure.
+class MapHealth {
+ public:
+  explicit MapHealth(const HealthOptions& options);
+
+  /// Updates the findings; called about once a second. The result is valid until the next call.
+  const Conditions& update(Stamp now, const MapStatus& status);
+
+ private:
+  Conditions conditions_;
+};
+
+}  // namespace infuse::daemon
