@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fusion/places/outline_alignment.hpp"
+
 namespace infuse::places {
 namespace {
 
@@ -156,9 +158,13 @@ Result<void> Localiser::search(const Query& query) {
     });
     if (is_near) continue;
     tried.push_back(candidate);
-    Eigen::Isometry3d T_map_vehicle = map_.T_map_vehicle[candidate.place];
-    T_map_vehicle.rotate(Eigen::AngleAxisd(candidate.similarity.yaw, Eigen::Vector3d::UnitZ()));
-    const auto verified = verify(candidate.place, source, T_map_vehicle);
+    const auto target = prepare(candidate.place);
+    if (!target) return tl::unexpected(target.error());
+    const Eigen::Isometry3d T_place_query =
+        align_outlines((*target)->cloud.cloud.points(), map_.T_vehicle_lidar,
+                       source.cloud.cloud.points(), T_vehicle_lidar_, candidate.similarity.yaw);
+    const auto verified =
+        verify(candidate.place, source, map_.T_map_vehicle[candidate.place] * T_place_query);
     if (!verified) return tl::unexpected(verified.error());
     if (*verified) found.push_back(**verified);
   }

@@ -6,27 +6,9 @@
 #include <vector>
 
 #include "drivers/measurement/angles.hpp"
+#include "fusion/places/ground_height.hpp"
 
 namespace infuse::places {
-namespace {
-
-/// Height of the ground in the vehicle frame: a low quantile of the points near the vehicle.
-double ground_height(const std::vector<Eigen::Vector3d>& points) {
-  constexpr double kNear = 25;        // m
-  constexpr double kQuantile = 0.05;  // below it are reflections and ditches
-  std::vector<double> heights;
-  for (const Eigen::Vector3d& p : points) {
-    if (p.head<2>().norm() < kNear) heights.push_back(p.z());
-  }
-  if (heights.empty()) return 0;
-  const auto at = heights.begin() +
-                  static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(heights.size()));
-  std::nth_element(heights.begin(), at, heights.end());
-  return *at;
-}
-
-}  // namespace
-
 PlaceDescriptor describe_place(const geometry::PointsView& points,
                                const Eigen::Isometry3d& T_vehicle_lidar) {
   std::vector<Eigen::Vector3d> about;

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <vector>
+
+namespace infuse::places {
+
+/// Height of the ground, m, among points about an upright vehicle: a low quantile of the near ones.
+inline double ground_height(const std::vector<Eigen::Vector3d>& points) {
+  constexpr double kNear = 25;        // m
+  constexpr double kQuantile = 0.05;  // below it are reflections and ditches
+  std::vector<double> heights;
+  for (const Eigen::Vector3d& p : points) {
+    if (p.head<2>().norm() < kNear) heights.push_back(p.z());
+  }
+  if (heights.empty()) return 0;
+  const auto at = heights.begin() +
+                  static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(heights.size()));
+  std::nth_element(heights.begin(), at, heights.end());
+  return *at;
+}
+
+}  // namespace infuse::places
