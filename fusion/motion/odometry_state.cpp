@@ -352,12 +352,12 @@ void OdometryState::release_acceleration(double seconds) {
   P_ += direction * direction.transpose();
 }
 
-// A receiver does not tell forward from reverse. A speed that is not known yet is near 0 with either
-// sign: the vehicle drives forward unless its speed is known to be negative.
+// A receiver does not tell forward from reverse. A speed that is not known yet is near 0 with
+// either sign: the vehicle drives forward unless its speed is known to be negative.
 double OdometryState::driving_direction() const {
   constexpr double kReverseSigmas = 2;
-  const bool reverse = options_.moves_forward &&
-                       x_[kSpeed] < -kReverseSigmas * std::sqrt(P_(kSpeed, kSpeed));
+  const bool reverse =
+      options_.moves_forward && x_[kSpeed] < -kReverseSigmas * std::sqrt(P_(kSpeed, kSpeed));
   return reverse ? -1 : 1;
 }
 
