@@ -409,6 +409,18 @@ TEST(Config, TheStreetMapIsReadAndChecked) {
   EXPECT_FALSE(parse_config("[streetmap]\nmpa = \"x\"\n", "c.toml"));
 }
 
+TEST(Config, AMapIsReadAndNotUsedTogetherWithAStreetMap) {
+  const auto config = parse_config("[map]\ndirectory = \"town\"\nlidar = \"top\"\n", "c.toml");
+  ASSERT_TRUE(config) << config.error().message();
+  EXPECT_EQ(config->map.directory, "town");
+  EXPECT_EQ(config->map.lidar, "top");
+  EXPECT_FALSE(parse_config("[map]\nlidar = \"top\"\n", "c.toml"));
+  const auto both =
+      parse_config("[map]\ndirectory = \"town\"\n[streetmap]\nmap = \"town.map\"\n", "c.toml");
+  ASSERT_FALSE(both);
+  EXPECT_THAT(both.error().message(), testing::HasSubstr("[map] and [streetmap]"));
+}
+
 TEST(Config, SizeAndDepthAreBounded) {
   EXPECT_FALSE(parse_config(std::string(2 << 20, '\n'), "x.toml"));
   EXPECT_FALSE(parse_config("a = " + std::string(100'000, '['), "x.toml"));

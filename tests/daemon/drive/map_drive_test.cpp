@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "daemon/commands/map_drive.hpp"
 #include "daemon/mapping/map_finish.hpp"
@@ -55,6 +56,9 @@ struct Made {
 
   std::string map(const std::string& name = "map") const { return (folder / name).string(); }
 
+  static ProgramResult infused(const std::string& arguments) {
+    return run_shell_command(std::string(INFUSE_BINARIES) + "/infused " + arguments + " 2>&1");
+  }
   static ProgramResult infuse(const std::string& arguments) {
     return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse " + arguments + " 2>&1");
   }
@@ -299,6 +303,38 @@ TEST_F(MapDrive, AnotherVisitIsFoundOnTheMapAndTracked) {
   ASSERT_FALSE(errors.empty());
   EXPECT_LT(errors[errors.size() / 2], 0.1);
   EXPECT_LT(errors.back(), 0.4);
+
+  // The daemon does the same, to the same bytes at any rate.
+  const auto file = [&](const std::string& name) { return (made_->folder / name).string(); };
+  write_file(file("infused.toml"), "[map]\ndirectory = \"map\"\n");
+  for (const auto& [reports, rate] : {std::pair{"a.jsonl", ""}, {"b.jsonl", " --rate 8"}}) {
+    const ProgramResult replay =
+        Made::infused("--replay " + other + " --config " + file("infused.toml") + " --socket " +
+                      file("s") + " --reports " + file(reports) + rate);
+    ASSERT_EQ(replay.code, 0) << replay.output;
+  }
+  const std::string reports = read_file(file("a.jsonl"));
+  EXPECT_EQ(reports, read_file(file("b.jsonl")));
+  std::vector<geometry::StampedPose> on_map;
+  std::istringstream lines(reports);
+  for (std::string line; std::getline(lines, line);) {
+    const auto report = nlohmann::json::parse(line);
+    if (report["class"] != "POSE" || report["frame"] != "map" || !report["usable"]) continue;
+    EXPECT_EQ(report["state"], "TRACKING");
+    geometry::StampedPose pose;
+    pose.stamp = Stamp::from_ns(report["stamp"].get<int64_t>());
+    for (int i = 0; i < 12; ++i) {
+      pose.T_odom_vehicle.matrix()(i / 4, i % 4) =
+          report["T_frame_vehicle"][static_cast<size_t>(i)].get<double>();
+    }
+    on_map.push_back(pose);
+  }
+  EXPECT_GT(on_map.size(), 90U);
+  const auto live = errors_on_map(on_map, read_poses(other + "/truth/poses.tum"),
+                                  read_poses(made_->map() + "/trajectory.tum"), made_->truth);
+  ASSERT_FALSE(live.empty());
+  EXPECT_LT(live[live.size() / 2], 0.1);
+  EXPECT_LT(live.back(), 0.5);
 }
 
 TEST_F(MapDrive, ADriveElsewhereIsNotFoundOnTheMap) {
