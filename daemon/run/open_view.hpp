@@ -15,8 +15,8 @@ struct View {
   std::unique_ptr<ViewServer> server;
 };
 
-/// Opens the view, if it is enabled; `rate`: null for a live run. Errors: the port is taken.
-Result<View> open_view(const ViewSettings& settings, const Rig& rig, RateControl rate);
+/// Opens the view, if it is enabled; `control`: null for a live run. Errors: the port is taken.
+Result<View> open_view(const ViewSettings& settings, const Rig& rig, ReplayControl control);
 
 /// Gives the publisher's reports to the view.
 void publish_to_view(const View& view, Publisher& publisher);

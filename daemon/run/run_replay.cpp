@@ -45,6 +45,20 @@ void collect_poses(Publisher& publisher, bool has_map,
   });
 }
 
+/// Does what a page asks for.
+void set_pace(Pacer& pacer, const ViewCommand& command) {
+  switch (command.kind) {
+    case ViewCommand::Kind::kRate:
+      return pacer.set_rate(command.rate);
+    case ViewCommand::Kind::kStep:
+      return pacer.step();
+    case ViewCommand::Kind::kSeek:
+      return pacer.seek(command.stamp);
+    case ViewCommand::Kind::kSeekAlert:
+      return pacer.seek_alert();
+  }
+}
+
 /// Writes poses in the format that the file's extension selects.
 Result<void> write_trajectory(const std::filesystem::path& path,
                               const std::vector<recording::TrajectoryPose>& poses) {
@@ -89,10 +103,10 @@ int run_replay(const RunOptions& options, const Config& config) {
   ViewSettings view_settings = config.view;
   if (options.view && view_settings.port == 0) view_settings.port = kReplayViewPort;
   if (!options.view) view_settings.port = 0;
-  std::function<void(double)> set_rate;  // when there is a replay
-  auto view = open_view(view_settings, setup->rig, [&](double rate_of_page) {
-    boost::asio::post(host.io(), [&, rate_of_page] {
-      if (set_rate) set_rate(rate_of_page);
+  Pacer* pacer = nullptr;  // when there is a replay
+  auto view = open_view(view_settings, setup->rig, [&](const ViewCommand& command) {
+    boost::asio::post(host.io(), [&, command] {
+      if (pacer != nullptr) set_pace(*pacer, command);
     });
   });
   if (!view) return print_error(kProgram, view.error(), kUsage);
@@ -112,7 +126,10 @@ int run_replay(const RunOptions& options, const Config& config) {
                 });
   host.connect(replay.pipeline());
   publish_to_view(*view, replay.publisher());
-  set_rate = [&](double rate_of_page) { replay.set_rate(rate_of_page); };
+  pacer = &replay.pacer();
+  replay.publisher().on_alert([&](const AlertReport& alert) {
+    if (alert.raised) pacer->reach_alert();
+  });
   std::vector<recording::TrajectoryPose> poses;
   if (!options.trajectory.empty()) {
     collect_poses(replay.publisher(), !pipeline_options.map->empty(), poses);

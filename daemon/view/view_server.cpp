@@ -39,7 +39,6 @@ constexpr uint32_t kMaxHeaderBytes = 8192;
 constexpr std::chrono::seconds kRequestTime{10};
 constexpr std::chrono::milliseconds kFramePeriod{50};
 constexpr int kJpegQuality = 75;
-constexpr double kMaxRate = 100;
 
 /// A file of the page.
 struct ViewFile {
@@ -83,8 +82,8 @@ Response respond(unsigned version, int status, std::string_view type, std::strin
 /// The thread and what runs on it.
 class ViewServer::Impl {
  public:
-  Impl(const ViewSettings& settings, const Rig& rig, ViewTap& tap, RateControl rate)
-      : settings_(settings), rig_(rig), tap_(tap), rate_(std::move(rate)) {}
+  Impl(const ViewSettings& settings, const Rig& rig, ViewTap& tap, ReplayControl control)
+      : settings_(settings), rig_(rig), tap_(tap), control_(std::move(control)) {}
 
   ~Impl() {
     asio::post(io_, [this] {
@@ -218,7 +217,7 @@ class ViewServer::Impl {
     const auto client = std::make_shared<ViewClient>(
         std::move(connection->stream),
         ViewClient::Handlers{.on_open = [this](const auto& opened) { greet(*opened); },
-                             .on_command = [this](const auto& text) { set_rate(text); },
+                             .on_command = [this](const auto& text) { command(text); },
                              .on_end = [this](const auto& ended) { remove(ended); }});
     clients_.insert(client);
     client_count_ = clients_.size();
@@ -229,16 +228,14 @@ class ViewServer::Impl {
 
   void greet(ViewClient& client) {
     client.send(std::make_shared<const ViewMessage>(
-        ViewMessage{json_text({{"class", "VIEW"}, {"form", 1}, {"replay", rate_ != nullptr}})}));
+        ViewMessage{json_text({{"class", "VIEW"}, {"form", 1}, {"replay", control_ != nullptr}})}));
     for (const auto& [key, message] : last_) client.send(message);
   }
 
-  /// A page of a replay may change its speed: {"rate": 0 … 100}. Everything else is ignored.
-  void set_rate(const std::string& text) {
-    const Json command = Json::parse(text, nullptr, false);
-    if (!rate_ || !command.is_object() || !command.contains("rate")) return;
-    const Json& rate = command["rate"];
-    if (rate.is_number() && rate >= 0.0 && rate <= kMaxRate) rate_(rate.get<double>());
+  /// A page of a replay may change its pace; everything else is ignored.
+  void command(const std::string& text) {
+    if (!control_) return;
+    if (const auto asked = parse_view_command(text)) control_(*asked);
   }
 
   void remove(const std::shared_ptr<ViewClient>& client) {
@@ -270,7 +267,7 @@ class ViewServer::Impl {
   const ViewSettings settings_;
   const Rig rig_;
   ViewTap& tap_;
-  const RateControl rate_;
+  const ReplayControl control_;
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
   asio::steady_timer timer_{io_};
@@ -289,8 +286,8 @@ ViewServer::ViewServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ViewServer::~ViewServer() = default;
 
 Result<std::unique_ptr<ViewServer>> ViewServer::start(const ViewSettings& settings, const Rig& rig,
-                                                      ViewTap& tap, RateControl rate) {
-  auto impl = std::make_unique<Impl>(settings, rig, tap, std::move(rate));
+                                                      ViewTap& tap, ReplayControl control) {
+  auto impl = std::make_unique<Impl>(settings, rig, tap, std::move(control));
   if (auto listening = impl->listen(); !listening) return tl::unexpected(listening.error());
   return std::unique_ptr<ViewServer>(new ViewServer(std::move(impl)));
 }

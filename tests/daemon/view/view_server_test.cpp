@@ -135,8 +135,8 @@ class ViewServerTest : public testing::Test {
  protected:
   using Page = beast::websocket::stream<tcp::socket>;
 
-  std::unique_ptr<ViewServer> start(RateControl rate = nullptr) {
-    auto server = ViewServer::start(settings_, rig(), tap_, std::move(rate));
+  std::unique_ptr<ViewServer> start(ReplayControl control = nullptr) {
+    auto server = ViewServer::start(settings_, rig(), tap_, std::move(control));
     EXPECT_TRUE(server) << server.error().message();
     return *std::move(server);
   }
@@ -277,9 +277,9 @@ TEST_F(ViewServerTest, OnlyAReplayTakesACommandAndOnlyOne) {
   std::vector<double> rates;
   std::mutex mutex;
   {
-    const auto server = start([&](double rate) {
+    const auto server = start([&](const ViewCommand& command) {
       const std::lock_guard lock(mutex);
-      rates.push_back(rate);
+      rates.push_back(command.rate);
     });
     Page page = open(*server);
     EXPECT_EQ(read(page), R"({"class":"VIEW","form":1,"replay":true})");
