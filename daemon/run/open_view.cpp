@@ -4,11 +4,12 @@
 
 namespace infuse::daemon {
 
-Result<View> open_view(const ViewSettings& settings, const Rig& rig, ReplayControl control) {
+Result<View> open_view(const ViewSettings& settings, const Rig& rig,
+                       const streetmap::SegmentMap* map, ReplayControl control) {
   View view;
   if (!settings.enabled()) return view;
   view.tap = std::make_unique<ViewTap>(rig.cameras.size());
-  auto server = ViewServer::start(settings, rig, *view.tap, std::move(control));
+  auto server = ViewServer::start(settings, rig, map, *view.tap, std::move(control));
   if (!server) return tl::unexpected(server.error());
   view.server = *std::move(server);
   spdlog::info("view: {}", view.server->address());

@@ -15,8 +15,10 @@ struct View {
   std::unique_ptr<ViewServer> server;
 };
 
-/// Opens the view, if it is enabled; `control`: null for a live run. Errors: the port is taken.
-Result<View> open_view(const ViewSettings& settings, const Rig& rig, ReplayControl control);
+/// Opens the view, if it is enabled; `map` (may be null) outlives it; `control`: null for a live
+/// run. Errors: the port is taken.
+Result<View> open_view(const ViewSettings& settings, const Rig& rig,
+                       const streetmap::SegmentMap* map, ReplayControl control);
 
 /// Gives the publisher's reports to the view.
 void publish_to_view(const View& view, Publisher& publisher);

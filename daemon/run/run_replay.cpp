@@ -104,14 +104,15 @@ int run_replay(const RunOptions& options, const Config& config) {
   if (options.view && view_settings.port == 0) view_settings.port = kReplayViewPort;
   if (!options.view) view_settings.port = 0;
   Pacer* pacer = nullptr;  // when there is a replay
-  auto view = open_view(view_settings, setup->rig, [&](const ViewCommand& command) {
-    boost::asio::post(host.io(), [&, command] {
-      if (pacer != nullptr) set_pace(*pacer, command);
-    });
-  });
+  PipelineOptions pipeline_options = host.pipeline_options();
+  auto view =
+      open_view(view_settings, setup->rig, pipeline_options.map, [&](const ViewCommand& command) {
+        boost::asio::post(host.io(), [&, command] {
+          if (pacer != nullptr) set_pace(*pacer, command);
+        });
+      });
   if (!view) return print_error(kProgram, view.error(), kUsage);
   if (view->server) std::cerr << "view: " << view->server->address() << std::endl;
-  PipelineOptions pipeline_options = host.pipeline_options();
   pipeline_options.view = view->tap.get();
   boost::asio::steady_timer timer(host.io());
   ProgressLine line;

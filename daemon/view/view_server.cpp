@@ -39,6 +39,7 @@ constexpr uint32_t kMaxHeaderBytes = 8192;
 constexpr std::chrono::seconds kRequestTime{10};
 constexpr std::chrono::milliseconds kFramePeriod{50};
 constexpr int kJpegQuality = 75;
+constexpr double kMapStep = 40;  // m
 
 /// A file of the page.
 struct ViewFile {
@@ -53,6 +54,8 @@ const std::map<std::string_view, ViewFile>& view_files() {
       {"/charts.js", {"text/javascript; charset=utf-8", kViewCharts}},
       {"/scene.js", {"text/javascript; charset=utf-8", kViewScene}},
       {"/overlay.js", {"text/javascript; charset=utf-8", kViewOverlay}},
+      {"/history.js", {"text/javascript; charset=utf-8", kViewHistory}},
+      {"/player.js", {"text/javascript; charset=utf-8", kViewPlayer}},
       {"/view.js", {"text/javascript; charset=utf-8", kViewCode}}};
   return files;
 }
@@ -82,8 +85,9 @@ Response respond(unsigned version, int status, std::string_view type, std::strin
 /// The thread and what runs on it.
 class ViewServer::Impl {
  public:
-  Impl(const ViewSettings& settings, const Rig& rig, ViewTap& tap, ReplayControl control)
-      : settings_(settings), rig_(rig), tap_(tap), control_(std::move(control)) {}
+  Impl(const ViewSettings& settings, const Rig& rig, const streetmap::SegmentMap* map, ViewTap& tap,
+       ReplayControl control)
+      : settings_(settings), rig_(rig), map_(map), tap_(tap), control_(std::move(control)) {}
 
   ~Impl() {
     asio::post(io_, [this] {
@@ -230,6 +234,7 @@ class ViewServer::Impl {
     client.send(std::make_shared<const ViewMessage>(
         ViewMessage{json_text({{"class", "VIEW"}, {"form", 1}, {"replay", control_ != nullptr}})}));
     for (const auto& [key, message] : last_) client.send(message);
+    if (last_map_) client.send(last_map_);
   }
 
   /// A page of a replay may change its pace; everything else is ignored.
@@ -247,7 +252,10 @@ class ViewServer::Impl {
   /// Sends the latest sweep and images, while somebody looks.
   void poll() {
     if (clients_.empty()) return;
-    if (tap_.swap_sweep(sweep_)) send_all(encode_sweep(sweep_, rig_));
+    if (tap_.swap_sweep(sweep_)) {
+      send_map();
+      send_all(encode_sweep(sweep_, rig_));
+    }
     for (size_t camera = 0; camera < tap_.cameras(); ++camera) {
       if (!tap_.swap_image(CameraIndex(camera), image_)) continue;
       if (!camera::encode_jpeg(image_.frame, kJpegQuality, jpeg_)) continue;
@@ -259,13 +267,24 @@ class ViewServer::Impl {
     });
   }
 
-  void send_all(std::string data) {
+  /// Sends the street map around the vehicle, when it has left the middle of what was sent.
+  void send_map() {
+    if (map_ == nullptr || map_->empty() || !sweep_.map) return;
+    const Eigen::Vector2d at = sweep_.map->T_map_vehicle.translation().head<2>();
+    if (last_map_ && (at - map_middle_).norm() < kMapStep) return;
+    map_middle_ = at;
+    last_map_ = send_all(encode_map(*map_, at, sweep_.stamp));
+  }
+
+  ViewClient::Message send_all(std::string data) {
     const auto message = std::make_shared<const ViewMessage>(ViewMessage{std::move(data), true});
     for (const auto& client : clients_) client->send(message);
+    return message;
   }
 
   const ViewSettings settings_;
   const Rig rig_;
+  const streetmap::SegmentMap* const map_;
   ViewTap& tap_;
   const ReplayControl control_;
   asio::io_context io_{1};
@@ -276,6 +295,8 @@ class ViewServer::Impl {
   size_t connections_ = 0;
   std::set<std::shared_ptr<ViewClient>> clients_;
   std::map<std::pair<ReportClass, std::string>, ViewClient::Message> last_;
+  ViewClient::Message last_map_;
+  Eigen::Vector2d map_middle_ = Eigen::Vector2d::Zero();  // of that, m, map frame
   ViewSweep sweep_;  // memory that is used again, as the next two
   ViewImage image_;
   std::vector<uint8_t> jpeg_;
@@ -286,8 +307,9 @@ ViewServer::ViewServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ViewServer::~ViewServer() = default;
 
 Result<std::unique_ptr<ViewServer>> ViewServer::start(const ViewSettings& settings, const Rig& rig,
+                                                      const streetmap::SegmentMap* map,
                                                       ViewTap& tap, ReplayControl control) {
-  auto impl = std::make_unique<Impl>(settings, rig, tap, std::move(control));
+  auto impl = std::make_unique<Impl>(settings, rig, map, tap, std::move(control));
   if (auto listening = impl->listen(); !listening) return tl::unexpected(listening.error());
   return std::unique_ptr<ViewServer>(new ViewServer(std::move(impl)));
 }

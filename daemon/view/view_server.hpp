@@ -10,6 +10,7 @@
 #include "daemon/view/view_command.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
+#include "fusion/streetmap/segment_map.hpp"
 
 namespace infuse::daemon {
 
@@ -21,9 +22,11 @@ using ReplayControl = std::function<void(const ViewCommand&)>;
 /// keep up loses frames and gets their number. Read-only, but for the pace of a replay.
 class ViewServer {
  public:
-  /// `tap` outlives this. `control`: null for a live run. Errors: the address cannot be bound.
+  /// `tap` and `map` (null or empty: nothing is beneath) outlive this. `control`: null for a live
+  /// run. Errors: the address cannot be bound.
   static Result<std::unique_ptr<ViewServer>> start(const ViewSettings& settings, const Rig& rig,
-                                                   ViewTap& tap, ReplayControl control);
+                                                   const streetmap::SegmentMap* map, ViewTap& tap,
+                                                   ReplayControl control);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;

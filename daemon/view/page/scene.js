@@ -38,7 +38,7 @@ class Scene {
     this.canvas = canvas;
     this.gl = canvas.getContext('webgl', {antialias: true});
     this.yaw = 0; this.pitch = 0.45; this.distance = 45;
-    this.track = [];  // [x, y, z] in the odometry frame
+    this.track = [];  // [x, y, z, stamp] in the odometry frame, stamp in s
     if (!this.gl) return;
     this.points = this.program(pointShader, pointColour);
     this.lines = this.program(lineShader, lineColour);
@@ -94,13 +94,13 @@ class Scene {
     return new Float32Array(out);
   }
 
-  add(frame) {
-    this.frame = frame;
+  /** Keeps where the vehicle was. */
+  addTrack(frame) {
     const T = frame.header.T_odom_vehicle;
     if (T) {
       const last = this.track[this.track.length - 1];
       if (last && Math.hypot(T[3] - last[0], T[7] - last[1]) > 100) this.track = [];
-      this.track.push([T[3], T[7], T[11]]);
+      this.track.push([T[3], T[7], T[11], Number(frame.header.stamp) / 1e9]);
       if (this.track.length > 5000) this.track.splice(0, 1000);
     }
   }
@@ -153,7 +153,8 @@ class Scene {
     const {header, points} = this.frame;
     if (header.T_odom_vehicle && this.track.length > 1) {
       const T_vehicle_odom = matrices.inverse(header.T_odom_vehicle);
-      const track = this.track.flatMap(([x, y, z]) => [0, 1, 2].map(i =>
+      const now = Number(header.stamp) / 1e9;
+      const track = this.track.filter(at => at[3] <= now).flatMap(([x, y, z]) => [0, 1, 2].map(i =>
         T_vehicle_odom[4 * i] * x + T_vehicle_odom[4 * i + 1] * y + T_vehicle_odom[4 * i + 2] * z + T_vehicle_odom[4 * i + 3]));
       this.drawLines(projection, new Float32Array(track), gl.LINE_STRIP, [0.45, 0.67, 1]);
     }
