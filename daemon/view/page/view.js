@@ -146,6 +146,7 @@ const show = {
     for (const alert of list) alerts.set(alert.id, alert);
     showAlerts();
   },
+  map(frame) { scene.map = frame; },
   sweep(frame) {
     scene.frame = frame;
     if (panel === 'scene') scene.draw();
@@ -201,6 +202,7 @@ function receiveFrame(frame, bytes) {
   const {kind, device, stamp} = frame.header;
   driveTime(stamp);
   if (kind === 'sweep') scene.addTrack(frame);
+  if (kind === 'map') player.add('map', seconds(stamp), frame, bytes);
   if (kind === 'sweep' || kind === 'image') player.add(`${kind}:${device}`, seconds(stamp), frame, bytes);
 }
 
