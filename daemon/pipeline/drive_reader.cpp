@@ -1,7 +1,5 @@
 #include "daemon/pipeline/drive_reader.hpp"
 
-#include <utility>
-
 namespace infuse::daemon {
 namespace {
 
@@ -12,7 +10,6 @@ constexpr uint64_t kCaptureOverhead = 58;  // record header, Ethernet, IPv4 and 
 void DriveReader::run(std::stop_token stop) {
   recording::DriveEvent event;
   bool started = false;
-  uint64_t sweeps = 0;
   while (!stop.stop_requested() && source_.next(event)) {
     if (!started) intake_.start(event.stamp);
     started = true;
@@ -20,7 +17,6 @@ void DriveReader::run(std::stop_token stop) {
     intake_.advance(event.stamp);
     process(event);
     intake_.push_due_samples(event.stamp);
-    if (std::exchange(sweeps, intake_.sweeps()) != intake_.sweeps()) pacer_.count_sweep();
   }
   intake_.end(event.stamp, started);
 }

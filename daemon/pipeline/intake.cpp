@@ -122,7 +122,6 @@ void Intake::push_sweep(LidarIndex lidar, Sweep& sweep) {
   item.lidar = lidar;
   std::swap(item.sweep, sweep);
   latency_.add(HostClock::now() - read_at_);
-  ++sweep_count_;
   push_item(StreamItem::Kind::kSweep, item.sweep.stamp);
 }
 

@@ -68,9 +68,6 @@ class Intake {
     lidars_[lidar].add_filtered(datagrams);
   }
 
-  /// Number of sweeps that were passed on.
-  uint64_t sweeps() const { return sweep_count_; }
-
   /// State of the live sources, updated by the reader. Empty in a replay.
   SourceStates& sources() { return sources_; }
 
@@ -94,7 +91,7 @@ class Intake {
   SourceStates sources_;
   std::vector<VehicleSample> samples_;  // not passed on yet
   Stamp first_sample_, last_sample_;    // drive time of the first and the last of these
-  uint64_t image_count_ = 0, sweep_count_ = 0;
+  uint64_t image_count_ = 0;
   SlotRing<StreamItem>& out_;
   DriveTicker ticker_;
   HostClock::time_point read_at_;

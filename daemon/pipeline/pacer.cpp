@@ -36,14 +36,12 @@ void Pacer::reach_alert() {
   end_seek();
 }
 
-void Pacer::count_sweep() {
+void Pacer::reach_sweep() {
   const std::lock_guard lock(mutex_);
-  stepping_ = false;
+  if (stepping_) end_seek();
 }
 
-bool Pacer::is_free(Stamp stamp) const {
-  return stepping_ || seeking_alert_ || (seek_ && stamp < *seek_);
-}
+bool Pacer::is_free(Stamp stamp) const { return seeking_alert_ || (seek_ && stamp < *seek_); }
 
 // What was due is computed anew from the next event on.
 void Pacer::end_seek() {
@@ -63,15 +61,16 @@ void Pacer::wait_until(Stamp stamp, std::stop_token stop) {
   while (rate_ && !stop.stop_requested()) {
     if (is_free(stamp)) return;
     if (seek_) end_seek();
-    if (*rate_ == 0) {
-      changed_.wait(lock, stop, [&] { return *rate_ != 0 || is_free(stamp); });
+    const double rate = stepping_ ? kStepRate : *rate_;
+    if (rate == 0) {
+      changed_.wait(lock, stop, [&] { return *rate_ != 0 || stepping_ || is_free(stamp); });
       continue;
     }
     if (!drive_start_) {
       drive_start_ = stamp;
       host_start_ = HostClock::now();
     }
-    const Duration due = from_seconds(to_seconds(stamp - *drive_start_) / *rate_);
+    const Duration due = from_seconds(to_seconds(stamp - *drive_start_) / rate);
     const HostClock::time_point until = host_start_ + due;
     if (HostClock::now() >= until) return;
     changed_.wait_until(lock, stop, until, [&] { return !drive_start_ || is_free(stamp); });

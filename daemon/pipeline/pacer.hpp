@@ -24,7 +24,8 @@ class Pacer {
   /// Changes the rate, from any thread; 0 pauses.
   void set_rate(double rate);
 
-  /// Passes on events until a sweep is complete, then pauses; from any thread.
+  /// Passes on events until `reach_sweep`, then pauses; from any thread. Not as fast as possible:
+  /// what has been read when the sweep is reported shall not contain the next one.
   void step();
 
   /// Passes on the events before `stamp` as fast as possible, then goes on at the rate, or stays
@@ -37,11 +38,12 @@ class Pacer {
   /// An alert was raised: ends `seek_alert` and pauses; from any thread.
   void reach_alert();
 
-  /// A sweep is complete: ends a step.
-  void count_sweep();
+  /// A sweep was reported: ends a step; from any thread.
+  void reach_sweep();
 
  private:
   static constexpr Duration kMaxPause{10'000'000'000};
+  static constexpr double kStepRate = 0.5;
 
   bool is_free(Stamp stamp) const;
   void end_seek();

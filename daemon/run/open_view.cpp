@@ -16,11 +16,14 @@ Result<View> open_view(const ViewSettings& settings, const Rig& rig,
   return view;
 }
 
-void publish_to_view(const View& view, Publisher& publisher) {
+void publish_to_view(const View& view, Publisher& publisher, std::function<void()> on_sweep) {
   if (!view.server) return;
-  publisher.on_line([server = view.server.get()](
-                        ReportClass report_class, const std::string& device,
-                        const std::string& line) { server->publish(report_class, device, line); });
+  publisher.on_line(
+      [server = view.server.get(), on_sweep = std::move(on_sweep)](
+          ReportClass report_class, const std::string& device, const std::string& line) {
+        server->publish(report_class, device, line);
+        if (report_class == ReportClass::kSweep && on_sweep) on_sweep();
+      });
 }
 
 }  // namespace infuse::daemon

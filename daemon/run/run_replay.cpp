@@ -126,8 +126,8 @@ int run_replay(const RunOptions& options, const Config& config) {
                   host.finish(kReplayClientTimeout);
                 });
   host.connect(replay.pipeline());
-  publish_to_view(*view, replay.publisher());
   pacer = &replay.pacer();
+  publish_to_view(*view, replay.publisher(), [&] { pacer->reach_sweep(); });
   replay.publisher().on_alert([&](const AlertReport& alert) {
     if (alert.raised) pacer->reach_alert();
   });

@@ -1,5 +1,6 @@
-// Opens the view of a replay in headless Firefox: the page loads and draws.
-//   node tests/view/firefox.js BIN DRIVE OUT [CONFIG]
+// Opens the view of a replay in headless Firefox: the page loads and draws. WebGL needs a display there, which
+// may be virtual.
+//   xvfb-run -a node tests/view/firefox.js BIN DRIVE OUT [CONFIG]
 import {spawn} from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -13,9 +14,10 @@ const daemon = spawn(path.join(bin, 'infused'), ['--replay', drive, '--config', 
   '--view', '--rate', '0.25', '--json'], {stdio: 'ignore'});
 const sleep = ms => new Promise(done => setTimeout(done, ms));
 let good = false, returns = '', failure = '';
-const browser = await puppeteer.launch({browser: 'firefox', executablePath: '/usr/bin/firefox-esr', protocol: 'webDriverBiDi',
-  headless: true});
+let browser = null;
 try {
+  browser = await puppeteer.launch({product: 'firefox', executablePath: '/usr/bin/firefox-esr', protocol: 'webDriverBiDi',
+    headless: true, extraPrefsFirefox: {'webgl.force-enabled': true}});
   const page = await browser.newPage();
   page.on('pageerror', e => { failure = e.message; });
   await page.setViewport({width: 1280, height: 860});
@@ -35,7 +37,7 @@ try {
   good &&= drawn > 1000 && failure === '';
   console.log(`${good ? 'ok    ' : 'FAILED'} Firefox draws: ${returns}, ${drawn} pixels ${failure}`);
 } finally {
-  await browser.close();
+  await browser?.close();
   daemon.kill('SIGINT');
 }
 process.exit(good ? 0 : 1);

@@ -78,7 +78,7 @@ class Player {
     if (!forward || !this.replay) return this.sendRate();
     this.follow();
     this.send({step: true});
-    this.sent = 0;
+    this.sent = null;  // whatever is asked for next ends the step
   }
 
   /** Shows the time `t`; beyond the newest a replay runs there as fast as it can. */

@@ -53,7 +53,10 @@ class Scene {
     this.gl = canvas.getContext('webgl', {antialias: true});
     this.yaw = 0; this.pitch = 0.45; this.distance = 45;
     this.track = [];  // [x, y, z, stamp] in the odometry frame, stamp in s
-    if (!this.gl) return;
+    if (!this.gl) {
+      canvas.before(element('p', {class: 'warn'}, 'This browser has no WebGL: the sweep cannot be drawn.'));
+      return;
+    }
     this.points = this.program(pointShader, pointColour);
     this.lines = this.program(lineShader, lineColour);
     this.ground = this.program(groundShader, groundColour);
