@@ -193,6 +193,16 @@ class Scene {
     if (crosses.length) this.drawLines(projection, new Float32Array(crosses), this.gl.LINES, [1, 0.5, 0.3]);
   }
 
+  /** Draws once before the next picture of the screen: a slow one does not hold up the messages. */
+  request() {
+    if (this.requested) return;
+    this.requested = true;
+    requestAnimationFrame(() => {
+      this.requested = false;
+      this.draw();
+    });
+  }
+
   draw() {
     const gl = this.gl;
     if (!gl || this.canvas.clientWidth === 0) return;

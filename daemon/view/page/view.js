@@ -149,7 +149,7 @@ const show = {
   map(frame) { scene.map = frame; },
   sweep(frame) {
     scene.frame = frame;
-    if (panel === 'scene') scene.draw();
+    if (panel === 'scene') scene.request();
     place('sweep').textContent = `${frame.header.device}: ${frame.header.points} returns shown, ` +
       (frame.header.deskewed ? 'deskewed' : 'as measured');
   },
