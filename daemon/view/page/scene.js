@@ -193,7 +193,7 @@ class Scene {
     if (crosses.length) this.drawLines(projection, new Float32Array(crosses), this.gl.LINES, [1, 0.5, 0.3]);
   }
 
-  /** Draws once before the next picture of the screen: a slow one does not hold up the messages. */
+  /** Draws once before the screen is next refreshed: slow drawing does not hold up the messages. */
   request() {
     if (this.requested) return;
     this.requested = true;
