@@ -129,6 +129,8 @@ run = start('--rate', '0.25', '--reports', sought);
     (await sleep(1000), Math.abs(await shown() - target) < 3 * period), `${(await shown() - begun).toFixed(2)} s of ${(target - begun).toFixed(2)} s`);
   await jump(seen[2]);
   check('a seek back shows what was there', await shown() === seen[2] && /looking back/.test(await text(view, '#cursor')));
+  const early = lines.some(line => line.startsWith('{"class":"ALERT"') && Number(/"stamp":"?(\d+)/.exec(line)[1]) / 1e9 <= seen[2]);
+  check('and no alert that was raised later', early || await text(view, '#alerts') === '', await text(view, '#alerts'));
   await view.screenshot({path: path.join(out, 'looking-back.png')});
   const alerts = lines.filter(line => line.startsWith('{"class":"ALERT"') && line.includes('"raised"'))
     .map(line => Number(/"stamp":"?(\d+)/.exec(line)[1]) / 1e9).filter(t => t > target + 1);
@@ -150,7 +152,7 @@ run = start('--rate', '0.25', '--reports', sought);
   await view.close();
 }
 
-// A client that reads nothing for 10 s, beside another: it loses messages and gets their number.
+// A client that reads nothing for 10 s, beside another (that a slow one loses messages: view_server_test.cpp).
 run = start('--rate', '0.25');
 await waitFor(() => fetch(url).then(() => true, () => false));
 function client() {

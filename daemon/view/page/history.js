@@ -64,12 +64,12 @@ class DriveHistory {
     return low - 1;
   }
 
-  /** What was valid at `t`: the last value of each key, as [key, value]. */
+  /** What was valid at `t`: the last value of each key, or null, as [key, value]. */
   at(t) {
     const out = [];
     for (const [key, list] of this.entries) {
       const i = DriveHistory.indexAt(list, t);
-      if (i >= 0) out.push([key, list[i].value]);
+      out.push([key, i >= 0 ? list[i].value : null]);
     }
     return out;
   }

@@ -99,7 +99,7 @@ function showMotion() {
 }
 
 function showHealth() {
-  if (!health) return;
+  if (!health) return place('health').replaceChildren();
   const ms = s => s.latency_ms ? [fixed(s.latency_ms.p50, 1), fixed(s.latency_ms.p99, 1), fixed(s.latency_ms.max, 1)] : ['', '', ''];
   const lost = s => Object.values(s.losses ?? {}).reduce((sum, v) => sum + (typeof v === 'number' ? v : 0), 0);
   const parts = [element('h2', {}, 'Lidars'),
@@ -163,7 +163,25 @@ const show = {
     if (panel === 'cameras') overlays.get(device).show();
   },
 };
-const showKey = (key, value) => show[key.split(':')[0]](value);
+/** What is shown of a key at a time before its first value. */
+const clear = {
+  CALIBRATION(device) {
+    calibrations.get(device).report = undefined;
+    if (panel === 'calibration') showCalibrations();
+  },
+  POSE: () => { mapPose = null; },
+  HEALTH() {
+    health = null;
+    place('time').textContent = '';
+    place('level').replaceChildren();
+    if (panel === 'motion' || panel === 'health') panels[panel]();
+  },
+  ALERTS: () => show.ALERTS([]),
+};
+const showKey = (key, value) => {
+  const [kind, ...device] = key.split(':');
+  if (value !== null) show[kind](value); else clear[kind]?.(device.join(':'));
+};
 
 const player = new Player(showKey, command => {
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(command));
