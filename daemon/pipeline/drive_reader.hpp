@@ -21,8 +21,8 @@ class DriveReader {
   /// Runs until the drive ends or a stop is requested. The last item passed on is always a kEnd.
   void run(std::stop_token stop);
 
-  /// Changes the rate, from any thread; 0 pauses.
-  void set_rate(double rate) { pacer_.set_rate(rate); }
+  /// The pace, which any thread may change.
+  Pacer& pacer() { return pacer_; }
 
   /// Bytes of the capture read so far, for a progress bar. Thread-safe.
   uint64_t capture_bytes() const { return capture_bytes_.load(std::memory_order_relaxed); }

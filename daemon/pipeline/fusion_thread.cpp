@@ -230,7 +230,10 @@ void FusionThread::show(const SweepSnapshot& snapshot) {
   if (setup_.view == nullptr || !setup_.view->wanted()) return;
   const PoseReport pose = odometry_.pose_at(snapshot.deskewed.reference);
   const bool located = setup_.has_odometry && pose.usable();
-  setup_.view->add_sweep(snapshot, located ? &pose.T_frame_vehicle : nullptr);
+  const bool on_map = map_tracker_ && map_tracker_->started();
+  if (on_map) map_tracker_->write(view_pose_);
+  setup_.view->add_sweep(snapshot, located ? &pose.T_frame_vehicle : nullptr,
+                         on_map ? &view_pose_ : nullptr);
 }
 
 void FusionThread::process_image(const CameraImage& image, const Sweep& sweep) {

@@ -126,7 +126,8 @@ class FusionThread {
   std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
   std::deque<CameraChannel> cameras_;       // by CameraIndex
   ControlQueue requests_;
-  motion::DeskewedSweep deskewed_;  // memory that is used again
+  motion::DeskewedSweep deskewed_;  // memory that is used again, as the next
+  ViewMapPose view_pose_;
 
   Stamp now_ = Stamp::earliest();        // drive time
   HostClock::time_point read_at_;        // of the item in hand

@@ -151,6 +151,19 @@ PoseReport MapTracker::pose(const PoseReport& odometry) const {
   return report;
 }
 
+void MapTracker::write(ViewMapPose& out) const {
+  const streetmap::TrackerEstimate estimate = tracker_.estimate();
+  out.T_map_vehicle = estimate.T_map_vehicle();
+  out.covariance = estimate.covariance.topLeftCorner<2, 2>();
+  out.particles.clear();
+  if (estimate.state == streetmap::TrackState::kTracking) return;
+  const std::span<const streetmap::Particle> all = tracker_.particles();
+  const size_t step = (all.size() + ViewMapPose::kMaxParticles - 1) / ViewMapPose::kMaxParticles;
+  for (size_t i = 0; i < all.size(); i += step) {
+    out.particles.push_back({static_cast<float>(all[i].pose.x), static_cast<float>(all[i].pose.y)});
+  }
+}
+
 StreetMapStatus MapTracker::status() const {
   const streetmap::TrackerEstimate estimate = tracker_.estimate();
   StreetMapStatus status;

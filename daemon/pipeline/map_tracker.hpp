@@ -7,6 +7,7 @@
 #include "daemon/health/streetmap_health.hpp"
 #include "daemon/pipeline/image_match.hpp"
 #include "daemon/pipeline/map_fixes.hpp"
+#include "daemon/pipeline/view_tap.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/rig.hpp"
@@ -43,6 +44,12 @@ class MapTracker {
 
   /// Returns the pose on the map as of the last snapshot; the rest is that of `odometry`.
   PoseReport pose(const PoseReport& odometry) const;
+
+  /// True once it has a place on the map, which may be wrong.
+  bool started() const { return tracker_.started(); }
+
+  /// Writes where the vehicle is on the map, for somebody who looks.
+  void write(ViewMapPose& out) const;
 
   /// Returns the status for HEALTH.
   StreetMapStatus status() const;

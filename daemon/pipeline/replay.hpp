@@ -31,8 +31,8 @@ class Replay {
   /// Ends the replay early; `on_end` is still called.
   void stop() { pipeline_.stop(); }
 
-  /// Changes the rate, from any thread; 0 pauses.
-  void set_rate(double rate) { reader_->set_rate(rate); }
+  /// The pace, which any thread may change.
+  Pacer& pacer() { return reader_->pacer(); }
 
   Pipeline& pipeline() { return pipeline_; }
 

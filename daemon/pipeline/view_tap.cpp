@@ -46,7 +46,8 @@ ViewTap::ViewTap(size_t cameras) : images_(cameras) {
   for (Slot<ViewImage>& image : images_) reserve(image.value.points);
 }
 
-void ViewTap::add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* T_odom_vehicle) {
+void ViewTap::add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* T_odom_vehicle,
+                        const ViewMapPose* map) {
   if (!wanted()) return;
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock) return;
@@ -56,6 +57,8 @@ void ViewTap::add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* 
   sweep.deskewed = snapshot.deskewed.usable();
   sweep.T_odom_vehicle.reset();
   if (T_odom_vehicle != nullptr) sweep.T_odom_vehicle = *T_odom_vehicle;
+  sweep.map.reset();
+  if (map != nullptr) sweep.map = *map;
   quantise(snapshot, kMaxPoints, sweep.points);
   sweep_.fresh = true;
 }

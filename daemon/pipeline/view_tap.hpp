@@ -21,12 +21,21 @@ struct ViewPoints {
   size_t size() const { return x.size(); }
 };
 
+/// Where the vehicle is on the street map.
+struct ViewMapPose {
+  static constexpr size_t kMaxParticles = 300;
+  Eigen::Isometry3d T_map_vehicle = Eigen::Isometry3d::Identity();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m², of x and y, map frame
+  std::vector<Eigen::Vector2f> particles;  ///< m, map frame; at most kMaxParticles, none when sure
+};
+
 /// A sweep to look at.
 struct ViewSweep {
   Stamp stamp;  ///< of the points
   LidarIndex lidar;
   bool deskewed = false;
   std::optional<Eigen::Isometry3d> T_odom_vehicle;  ///< nothing without odometry
+  std::optional<ViewMapPose> map;                   ///< nothing without a place on a street map
   ViewPoints points;
 };
 
@@ -52,7 +61,8 @@ class ViewTap {
   bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
 
   /// Adds what the fusion thread has made, if it is wanted.
-  void add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* T_odom_vehicle);
+  void add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* T_odom_vehicle,
+                 const ViewMapPose* map = nullptr);
   void add_image(const ImageMatch& match);
 
   /// Swaps the latest one into `out`; false if there is none that is new.

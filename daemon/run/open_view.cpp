@@ -4,22 +4,26 @@
 
 namespace infuse::daemon {
 
-Result<View> open_view(const ViewSettings& settings, const Rig& rig, RateControl rate) {
+Result<View> open_view(const ViewSettings& settings, const Rig& rig,
+                       const streetmap::SegmentMap* map, ReplayControl control) {
   View view;
   if (!settings.enabled()) return view;
   view.tap = std::make_unique<ViewTap>(rig.cameras.size());
-  auto server = ViewServer::start(settings, rig, *view.tap, std::move(rate));
+  auto server = ViewServer::start(settings, rig, map, *view.tap, std::move(control));
   if (!server) return tl::unexpected(server.error());
   view.server = *std::move(server);
   spdlog::info("view: {}", view.server->address());
   return view;
 }
 
-void publish_to_view(const View& view, Publisher& publisher) {
+void publish_to_view(const View& view, Publisher& publisher, std::function<void()> on_sweep) {
   if (!view.server) return;
-  publisher.on_line([server = view.server.get()](
-                        ReportClass report_class, const std::string& device,
-                        const std::string& line) { server->publish(report_class, device, line); });
+  publisher.on_line(
+      [server = view.server.get(), on_sweep = std::move(on_sweep)](
+          ReportClass report_class, const std::string& device, const std::string& line) {
+        server->publish(report_class, device, line);
+        if (report_class == ReportClass::kSweep && on_sweep) on_sweep();
+      });
 }
 
 }  // namespace infuse::daemon

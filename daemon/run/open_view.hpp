@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "daemon/config/view_settings.hpp"
@@ -15,10 +16,13 @@ struct View {
   std::unique_ptr<ViewServer> server;
 };
 
-/// Opens the view, if it is enabled; `rate`: null for a live run. Errors: the port is taken.
-Result<View> open_view(const ViewSettings& settings, const Rig& rig, RateControl rate);
+/// Opens the view, if it is enabled; `map` (may be null) outlives it; `control`: null for a live
+/// run. Errors: the port is taken.
+Result<View> open_view(const ViewSettings& settings, const Rig& rig,
+                       const streetmap::SegmentMap* map, ReplayControl control);
 
-/// Gives the publisher's reports to the view.
-void publish_to_view(const View& view, Publisher& publisher);
+/// Gives the publisher's reports to the view. `on_sweep`, if not null, is called after each SWEEP.
+void publish_to_view(const View& view, Publisher& publisher,
+                     std::function<void()> on_sweep = nullptr);
 
 }  // namespace infuse::daemon

@@ -99,9 +99,9 @@ int run_live(const RunOptions& options, const Config& config) {
   }
   const auto broker = connect_to_broker(config);
   if (!broker) return print_error(kProgram, broker.error(), kUsage);
-  auto view = open_view(config.view, setup->rig, nullptr);
-  if (!view) return print_error(kProgram, view.error(), kUsage);
   PipelineOptions pipeline_options = host.pipeline_options();
+  auto view = open_view(config.view, setup->rig, pipeline_options.map, nullptr);
+  if (!view) return print_error(kProgram, view.error(), kUsage);
   pipeline_options.view = view->tap.get();
   const receive::TimeBase base;
   RecordingController recordings(config, *setup, base);

@@ -45,6 +45,20 @@ void collect_poses(Publisher& publisher, bool has_map,
   });
 }
 
+/// Does what a page asks for.
+void set_pace(Pacer& pacer, const ViewCommand& command) {
+  switch (command.kind) {
+    case ViewCommand::Kind::kRate:
+      return pacer.set_rate(command.rate);
+    case ViewCommand::Kind::kStep:
+      return pacer.step();
+    case ViewCommand::Kind::kSeek:
+      return pacer.seek(command.stamp);
+    case ViewCommand::Kind::kSeekAlert:
+      return pacer.seek_alert();
+  }
+}
+
 /// Writes poses in the format that the file's extension selects.
 Result<void> write_trajectory(const std::filesystem::path& path,
                               const std::vector<recording::TrajectoryPose>& poses) {
@@ -89,15 +103,16 @@ int run_replay(const RunOptions& options, const Config& config) {
   ViewSettings view_settings = config.view;
   if (options.view && view_settings.port == 0) view_settings.port = kReplayViewPort;
   if (!options.view) view_settings.port = 0;
-  std::function<void(double)> set_rate;  // when there is a replay
-  auto view = open_view(view_settings, setup->rig, [&](double rate_of_page) {
-    boost::asio::post(host.io(), [&, rate_of_page] {
-      if (set_rate) set_rate(rate_of_page);
-    });
-  });
+  Pacer* pacer = nullptr;  // when there is a replay
+  PipelineOptions pipeline_options = host.pipeline_options();
+  auto view =
+      open_view(view_settings, setup->rig, pipeline_options.map, [&](const ViewCommand& command) {
+        boost::asio::post(host.io(), [&, command] {
+          if (pacer != nullptr) set_pace(*pacer, command);
+        });
+      });
   if (!view) return print_error(kProgram, view.error(), kUsage);
   if (view->server) std::cerr << "view: " << view->server->address() << std::endl;
-  PipelineOptions pipeline_options = host.pipeline_options();
   pipeline_options.view = view->tap.get();
   boost::asio::steady_timer timer(host.io());
   ProgressLine line;
@@ -111,8 +126,11 @@ int run_replay(const RunOptions& options, const Config& config) {
                   host.finish(kReplayClientTimeout);
                 });
   host.connect(replay.pipeline());
-  publish_to_view(*view, replay.publisher());
-  set_rate = [&](double rate_of_page) { replay.set_rate(rate_of_page); };
+  pacer = &replay.pacer();
+  publish_to_view(*view, replay.publisher(), [&] { pacer->reach_sweep(); });
+  replay.publisher().on_alert([&](const AlertReport& alert) {
+    if (alert.raised) pacer->reach_alert();
+  });
   std::vector<recording::TrajectoryPose> poses;
   if (!options.trajectory.empty()) {
     collect_poses(replay.publisher(), !pipeline_options.map->empty(), poses);

@@ -1,6 +1,7 @@
 #include "daemon/view/view_frames.hpp"
 
 #include <bit>
+#include <cmath>
 
 #include "daemon/protocol/json.hpp"
 
@@ -9,6 +10,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 constexpr size_t kAlignment = 8;
+constexpr int kMapCells = 512;    // along an edge of the part that is sent
+constexpr double kMapCell = 0.5;  // m
 
 Json matrix(const Eigen::Isometry3d& T) {
   Json out = Json::array();
@@ -49,6 +52,16 @@ std::string encode_sweep(const ViewSweep& sweep, const Rig& rig) {
               {"deskewed", sweep.deskewed},
               {"T_vehicle_lidar", matrix(lidar.T_vehicle_lidar)}};
   if (sweep.T_odom_vehicle) header["T_odom_vehicle"] = matrix(*sweep.T_odom_vehicle);
+  if (sweep.map) {
+    const Eigen::Matrix2d& covariance = sweep.map->covariance;
+    header["T_map_vehicle"] = matrix(sweep.map->T_map_vehicle);
+    header["covariance_map"] = {covariance(0, 0), covariance(0, 1), covariance(1, 1)};
+    Json& particles = header["particles"] = Json::array();
+    for (const Eigen::Vector2f& at : sweep.map->particles) {
+      particles.push_back(std::round(10 * static_cast<double>(at.x())) / 10);
+      particles.push_back(std::round(10 * static_cast<double>(at.y())) / 10);
+    }
+  }
   return begin_frame(header, sweep.points, 0);
 }
 
@@ -72,6 +85,28 @@ std::string encode_image(const ViewImage& image, const std::vector<uint8_t>& jpe
                     {"T_camera_lidar_rig", matrix(camera.T_camera_lidar)}};
   std::string out = begin_frame(header, image.points, jpeg.size());
   append(out, jpeg);
+  return out;
+}
+
+std::string encode_map(const streetmap::SegmentMap& map, const Eigen::Vector2d& middle,
+                       Stamp stamp) {
+  const Eigen::Vector2d corner = middle.array() - kMapCells / 2 * kMapCell;
+  std::string out = begin_frame({{"kind", "map"},
+                                 {"stamp", std::to_string(stamp.ns())},
+                                 {"points", 0},
+                                 {"cell", kMapCell},
+                                 {"columns", kMapCells},
+                                 {"rows", kMapCells},
+                                 {"x", corner.x()},
+                                 {"y", corner.y()}},
+                                {}, kMapCells * kMapCells);
+  for (int row = 0; row < kMapCells; ++row) {
+    for (int column = 0; column < kMapCells; ++column) {
+      const uint32_t id =
+          map.id_at(corner.x() + (column + 0.5) * kMapCell, corner.y() + (row + 0.5) * kMapCell);
+      out.push_back(static_cast<char>(map.segment(id).kind));
+    }
+  }
   return out;
 }
 

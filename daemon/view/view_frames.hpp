@@ -6,6 +6,7 @@
 
 #include "daemon/pipeline/view_tap.hpp"
 #include "drivers/measurement/rig.hpp"
+#include "fusion/streetmap/segment_map.hpp"
 
 namespace infuse::daemon {
 
@@ -13,12 +14,19 @@ namespace infuse::daemon {
 /// numbers little-endian), the text padded with blanks to a multiple of eight bytes, then `points`
 /// times x, y, z (int16, cm, lidar frame), reflectivity and ring (uint8). The text: kind "sweep",
 /// device, stamp (ns, as text: it exceeds the integers of JavaScript), points, deskewed,
-/// T_vehicle_lidar and, with odometry, T_odom_vehicle, 4 × 4 row by row.
+/// T_vehicle_lidar and, with odometry, T_odom_vehicle, 4 × 4 row by row; with a place on the street
+/// map T_map_vehicle, covariance_map (xx, xy, yy, m²) and, when unsure, particles (x, y, x, … m).
 std::string encode_sweep(const ViewSweep& sweep, const Rig& rig);
 
 /// Encodes an image in the same way: kind "image", device, stamp, width, height, intrinsics (model,
 /// fx, fy, cx, cy, distortion), T_camera_lidar in use and as the rig has it, points; after the
 /// points the JPEG file `jpeg`.
 std::string encode_image(const ViewImage& image, const std::vector<uint8_t>& jpeg, const Rig& rig);
+
+/// Part of the street map around a point (m, map frame), as a binary message: kind "map", stamp,
+/// no points, cell (m), columns, rows, x and y (m, map frame, of its south-west corner); then a
+/// `streetmap::SegmentKind` (uint8) for each cell, row by row from the south.
+std::string encode_map(const streetmap::SegmentMap& map, const Eigen::Vector2d& middle,
+                       Stamp stamp);
 
 }  // namespace infuse::daemon

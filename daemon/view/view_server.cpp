@@ -39,7 +39,7 @@ constexpr uint32_t kMaxHeaderBytes = 8192;
 constexpr std::chrono::seconds kRequestTime{10};
 constexpr std::chrono::milliseconds kFramePeriod{50};
 constexpr int kJpegQuality = 75;
-constexpr double kMaxRate = 100;
+constexpr double kMapStep = 40;  // m
 
 /// A file of the page.
 struct ViewFile {
@@ -54,6 +54,8 @@ const std::map<std::string_view, ViewFile>& view_files() {
       {"/charts.js", {"text/javascript; charset=utf-8", kViewCharts}},
       {"/scene.js", {"text/javascript; charset=utf-8", kViewScene}},
       {"/overlay.js", {"text/javascript; charset=utf-8", kViewOverlay}},
+      {"/history.js", {"text/javascript; charset=utf-8", kViewHistory}},
+      {"/player.js", {"text/javascript; charset=utf-8", kViewPlayer}},
       {"/view.js", {"text/javascript; charset=utf-8", kViewCode}}};
   return files;
 }
@@ -83,8 +85,9 @@ Response respond(unsigned version, int status, std::string_view type, std::strin
 /// The thread and what runs on it.
 class ViewServer::Impl {
  public:
-  Impl(const ViewSettings& settings, const Rig& rig, ViewTap& tap, RateControl rate)
-      : settings_(settings), rig_(rig), tap_(tap), rate_(std::move(rate)) {}
+  Impl(const ViewSettings& settings, const Rig& rig, const streetmap::SegmentMap* map, ViewTap& tap,
+       ReplayControl control)
+      : settings_(settings), rig_(rig), map_(map), tap_(tap), control_(std::move(control)) {}
 
   ~Impl() {
     asio::post(io_, [this] {
@@ -218,7 +221,7 @@ class ViewServer::Impl {
     const auto client = std::make_shared<ViewClient>(
         std::move(connection->stream),
         ViewClient::Handlers{.on_open = [this](const auto& opened) { greet(*opened); },
-                             .on_command = [this](const auto& text) { set_rate(text); },
+                             .on_command = [this](const auto& text) { command(text); },
                              .on_end = [this](const auto& ended) { remove(ended); }});
     clients_.insert(client);
     client_count_ = clients_.size();
@@ -229,16 +232,15 @@ class ViewServer::Impl {
 
   void greet(ViewClient& client) {
     client.send(std::make_shared<const ViewMessage>(
-        ViewMessage{json_text({{"class", "VIEW"}, {"form", 1}, {"replay", rate_ != nullptr}})}));
+        ViewMessage{json_text({{"class", "VIEW"}, {"form", 1}, {"replay", control_ != nullptr}})}));
     for (const auto& [key, message] : last_) client.send(message);
+    if (last_map_) client.send(last_map_);
   }
 
-  /// A page of a replay may change its speed: {"rate": 0 … 100}. Everything else is ignored.
-  void set_rate(const std::string& text) {
-    const Json command = Json::parse(text, nullptr, false);
-    if (!rate_ || !command.is_object() || !command.contains("rate")) return;
-    const Json& rate = command["rate"];
-    if (rate.is_number() && rate >= 0.0 && rate <= kMaxRate) rate_(rate.get<double>());
+  /// A page of a replay may change its pace; everything else is ignored.
+  void command(const std::string& text) {
+    if (!control_) return;
+    if (const auto asked = parse_view_command(text)) control_(*asked);
   }
 
   void remove(const std::shared_ptr<ViewClient>& client) {
@@ -250,7 +252,10 @@ class ViewServer::Impl {
   /// Sends the latest sweep and images, while somebody looks.
   void poll() {
     if (clients_.empty()) return;
-    if (tap_.swap_sweep(sweep_)) send_all(encode_sweep(sweep_, rig_));
+    if (tap_.swap_sweep(sweep_)) {
+      send_map();
+      send_all(encode_sweep(sweep_, rig_));
+    }
     for (size_t camera = 0; camera < tap_.cameras(); ++camera) {
       if (!tap_.swap_image(CameraIndex(camera), image_)) continue;
       if (!camera::encode_jpeg(image_.frame, kJpegQuality, jpeg_)) continue;
@@ -262,15 +267,26 @@ class ViewServer::Impl {
     });
   }
 
-  void send_all(std::string data) {
+  /// Sends the street map around the vehicle, when it has left the middle of what was sent.
+  void send_map() {
+    if (map_ == nullptr || map_->empty() || !sweep_.map) return;
+    const Eigen::Vector2d at = sweep_.map->T_map_vehicle.translation().head<2>();
+    if (last_map_ && (at - map_middle_).norm() < kMapStep) return;
+    map_middle_ = at;
+    last_map_ = send_all(encode_map(*map_, at, sweep_.stamp));
+  }
+
+  ViewClient::Message send_all(std::string data) {
     const auto message = std::make_shared<const ViewMessage>(ViewMessage{std::move(data), true});
     for (const auto& client : clients_) client->send(message);
+    return message;
   }
 
   const ViewSettings settings_;
   const Rig rig_;
+  const streetmap::SegmentMap* const map_;
   ViewTap& tap_;
-  const RateControl rate_;
+  const ReplayControl control_;
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
   asio::steady_timer timer_{io_};
@@ -279,6 +295,8 @@ class ViewServer::Impl {
   size_t connections_ = 0;
   std::set<std::shared_ptr<ViewClient>> clients_;
   std::map<std::pair<ReportClass, std::string>, ViewClient::Message> last_;
+  ViewClient::Message last_map_;
+  Eigen::Vector2d map_middle_ = Eigen::Vector2d::Zero();  // of that, m, map frame
   ViewSweep sweep_;  // memory that is used again, as the next two
   ViewImage image_;
   std::vector<uint8_t> jpeg_;
@@ -289,8 +307,9 @@ ViewServer::ViewServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ViewServer::~ViewServer() = default;
 
 Result<std::unique_ptr<ViewServer>> ViewServer::start(const ViewSettings& settings, const Rig& rig,
-                                                      ViewTap& tap, RateControl rate) {
-  auto impl = std::make_unique<Impl>(settings, rig, tap, std::move(rate));
+                                                      const streetmap::SegmentMap* map,
+                                                      ViewTap& tap, ReplayControl control) {
+  auto impl = std::make_unique<Impl>(settings, rig, map, tap, std::move(control));
   if (auto listening = impl->listen(); !listening) return tl::unexpected(listening.error());
   return std::unique_ptr<ViewServer>(new ViewServer(std::move(impl)));
 }

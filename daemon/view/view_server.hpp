@@ -7,22 +7,26 @@
 #include "daemon/config/view_settings.hpp"
 #include "daemon/pipeline/view_tap.hpp"
 #include "daemon/protocol/reports.hpp"
+#include "daemon/view/view_command.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
+#include "fusion/streetmap/segment_map.hpp"
 
 namespace infuse::daemon {
 
-/// Speed of a replay that a page asks for: 0 pauses.
-using RateControl = std::function<void(double)>;
+/// Carries out what a page of a replay asks for.
+using ReplayControl = std::function<void(const ViewCommand&)>;
 
 /// Serves the page of the view, and over a WebSocket the reports, sweeps and images to pages that
 /// are open. Has a thread of its own; the pipeline never waits for it, and a page that does not
-/// keep up loses frames and gets their number. Read-only, but for the speed of a replay.
+/// keep up loses frames and gets their number. Read-only, but for the pace of a replay.
 class ViewServer {
  public:
-  /// `tap` outlives this. `rate`: null for a live run. Errors: the address cannot be bound.
+  /// `tap` and `map` (null or empty: nothing is beneath) outlive this. `control`: null for a live
+  /// run. Errors: the address cannot be bound.
   static Result<std::unique_ptr<ViewServer>> start(const ViewSettings& settings, const Rig& rig,
-                                                   ViewTap& tap, RateControl rate);
+                                                   const streetmap::SegmentMap* map, ViewTap& tap,
+                                                   ReplayControl control);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;

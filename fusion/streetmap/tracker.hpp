@@ -106,6 +106,11 @@ class Tracker {
   /// Returns the current estimate; LOST before a start.
   TrackerEstimate estimate() const;
 
+  /// The pose hypotheses; none before a start.
+  std::span<const Particle> particles() const {
+    return started_ ? particles_.all() : std::span<const Particle>();
+  }
+
  private:
   void search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
   void use_found_street();

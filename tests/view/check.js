@@ -1,16 +1,20 @@
-// Opens the view of a replay in headless Chromium: every panel, in light and dark, a restart of the daemon, a page that
-// stops reading, and the same reports with and without a page.
-//   node tests/view/check.js BIN DRIVE OUT [CHROMIUM]
+// Opens the view of a replay in headless Chromium: every panel, in light and dark, pause, step and seek, a restart of the
+// daemon, a page that stops reading for 10 s, and the same reports with and without a page.
+//   node tests/view/check.js BIN DRIVE OUT [CONFIG] [--quick]
+// --quick leaves out the screenshots in both colours and the cost.
 import {execFileSync, spawn} from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import puppeteer from 'puppeteer-core';
+import {WebSocket} from 'ws';
 
-const [bin, drive, out, chromium = '/usr/bin/chromium'] = process.argv.slice(2);
+const quick = process.argv.includes('--quick');
+const [bin, drive, out, base] = process.argv.slice(2).filter(argument => argument !== '--quick');
+const chromium = '/usr/bin/chromium';
 const port = 20000 + Math.floor(Math.random() * 20000), url = `http://127.0.0.1:${port}/`;
 fs.mkdirSync(out, {recursive: true});
 const config = path.join(out, 'infused.toml');
-fs.writeFileSync(config, `[view]\nport = ${port}\n[calibration]\nmonitor = true\n`);
+fs.writeFileSync(config, `[view]\nport = ${port}\n` + (base ? fs.readFileSync(base, 'utf8') : '[calibration]\nmonitor = true\n'));
 let failures = 0;
 function check(name, good, figures = '') {
   console.log(`${good ? 'ok    ' : 'FAILED'} ${name} ${figures}`);
@@ -54,11 +58,11 @@ const text = (page, selector) => page.$eval(selector, e => e.textContent).catch(
 const plain = path.join(out, 'plain.jsonl'), watched = path.join(out, 'watched.jsonl');
 execFileSync(replay()[0], [...replay('--rate', 'max').slice(1), '--reports', plain], {stdio: 'ignore'});
 
-let run = start('--rate', '2', '--reports', watched);
+let run = start('--rate', quick ? '0.5' : '1', '--reports', watched);
 const page = await newPage('light');
 check('the page loads', await load(page));
 check('the sweep is shown', await waitFor(async () => /returns shown/.test(await text(page, '#sweep'))), await text(page, '#sweep'));
-for (const scheme of ['light', 'dark']) {
+for (const scheme of quick ? ['light'] : ['light', 'dark']) {
   await page.emulateMediaFeatures([{name: 'prefers-color-scheme', value: scheme}]);
   for (const panel of ['cameras', 'scene', 'calibration', 'motion', 'health']) {
     await page.click(`nav button[data-panel=${panel}]`);
@@ -76,10 +80,11 @@ if (cameras > 0) {
 await page.keyboard.press('1');
 await page.keyboard.press(' ');
 await sleep(1500);
-const paused = await text(page, '#time');
+const paused = await text(page, '#cursor');
 await sleep(2500);
-check('a pause holds the replay', paused === await text(page, '#time'), paused);
+check('a pause holds the replay', /^connected/.test(await text(page, '#connection')) && /paused/.test(paused) && paused === await text(page, '#cursor'), paused);
 await page.keyboard.press(' ');
+await page.evaluate('player.goTo(start + 1e6)');
 await run.ended;
 check('reports are the same with a page', fs.readFileSync(plain).equals(fs.readFileSync(watched)),
   `${fs.statSync(watched).size} bytes`);
@@ -90,9 +95,98 @@ check('and finds the next one', await waitFor(async () => /^connected/.test(awai
 await stop(run);
 await page.close();
 
+// Step and seek; and whatever is asked for, the reports are the same.
+const lines = fs.readFileSync(plain, 'utf8').trim().split('\n');
+const stamps = kind => lines.filter(line => line.startsWith(`{"class":"${kind}"`)).map(line => Number(/"stamp":"?(\d+)/.exec(line)[1]) / 1e9);
+const sweeps = stamps('SWEEP'), begun = sweeps[0], ended = sweeps[sweeps.length - 1];
+const period = sweeps.slice(1).map((t, i) => t - sweeps[i]).sort((a, b) => a - b)[sweeps.length >> 1];
+const sought = path.join(out, 'sought.jsonl');
+run = start('--rate', '0.25', '--reports', sought);
+{
+  const view = await newPage('light');
+  await load(view);
+  const shown = () => view.evaluate('scene.frame ? Number(scene.frame.header.stamp) / 1e9 : 0');
+  check('a slow replay is shown', await waitFor(async () => await shown() > 0));
+  await view.keyboard.press(' ');
+  await sleep(1000);
+  const seen = [await shown()];
+  for (let k = 0; k < 5; ++k) {
+    await view.keyboard.press('ArrowRight');
+    await waitFor(async () => await shown() !== seen[k], 3000);
+    await sleep(200);
+    seen.push(await shown());
+  }
+  const steps = seen.slice(1).map((t, i) => t - seen[i]);
+  check('a step is one sweep', steps.every(step => Math.abs(step - period) < 0.25 * period), steps.map(s => s.toFixed(3)).join(' '));
+  await view.keyboard.press('ArrowLeft');
+  check('and one back', await shown() === seen[seen.length - 2]);
+  const jump = async t => {
+    await view.evaluate(`place('goto').value = ${t} - start; place('goto').dispatchEvent(new Event('change'))`);
+  };
+  const target = begun + 0.6 * (ended - begun);
+  await jump(target);
+  check('a seek runs on to its time and holds', await waitFor(async () => Math.abs(await shown() - target) < 3 * period) &&
+    (await sleep(1000), Math.abs(await shown() - target) < 3 * period), `${(await shown() - begun).toFixed(2)} s of ${(target - begun).toFixed(2)} s`);
+  await jump(seen[2]);
+  check('a seek back shows what was there', await shown() === seen[2] && /looking back/.test(await text(view, '#cursor')));
+  const early = lines.some(line => line.startsWith('{"class":"ALERT"') && Number(/"stamp":"?(\d+)/.exec(line)[1]) / 1e9 <= seen[2]);
+  check('and no alert that was raised later', early || await text(view, '#alerts') === '', await text(view, '#alerts'));
+  await view.screenshot({path: path.join(out, 'looking-back.png')});
+  const alerts = lines.filter(line => line.startsWith('{"class":"ALERT"') && line.includes('"raised"'))
+    .map(line => Number(/"stamp":"?(\d+)/.exec(line)[1]) / 1e9).filter(t => t > target + 1);
+  if (alerts.length > 0) {
+    await view.evaluate('player.follow()');
+    await view.click('#next');
+    check('the next alert is found', await waitFor(async () => await view.evaluate('player.cursor !== null && !player.seekingAlert'), 60000) &&
+      Math.abs(await view.evaluate('player.cursor') - alerts[0]) < 0.001, `${(alerts[0] - begun).toFixed(1)} s`);
+    await view.screenshot({path: path.join(out, 'alert.png')});
+    check('and shown', (await text(view, '#alerts')).length > 0, await text(view, '#alerts p'));
+  }
+  await view.evaluate('player.follow()');
+  await jump(ended + 1000);
+  await run.ended;
+  check('reports are the same with steps and seeks', fs.readFileSync(plain).equals(fs.readFileSync(sought)));
+  await waitFor(async () => /ended/.test(await text(view, '#connection')));
+  await jump(seen[1]);
+  check('after the end one can still look back', await shown() === seen[1]);
+  await view.close();
+}
+
+// A client that reads nothing for 10 s, beside another (that a slow one loses messages: view_server_test.cpp).
+run = start('--rate', '0.25');
+await waitFor(() => fetch(url).then(() => true, () => false));
+function client() {
+  const socket = new WebSocket(url.replace('http', 'ws') + 'stream', {origin: url.slice(0, -1)});
+  const state = {socket, messages: 0, lost: 0, open: true};
+  socket.on('message', (data, binary) => {
+    ++state.messages;
+    const message = binary ? {} : JSON.parse(data);
+    if (message.class === 'LOST') state.lost += message.count;
+  });
+  socket.on('close', () => { state.open = false; });
+  socket.on('error', () => { state.open = false; });
+  return state;
+}
+const stopped = client(), brisk = client();
+await waitFor(() => stopped.messages > 10 && brisk.messages > 10);
+stopped.socket._socket.pause();
+const memory = () => Number(/VmRSS:\s+(\d+)/.exec(fs.readFileSync(`/proc/${run.child.pid}/status`, 'utf8'))[1]) / 1024;
+const memoryBefore = memory();
+const before = {stopped: stopped.messages, brisk: brisk.messages};
+await sleep(10000);
+check('the other page goes on while one is stopped', brisk.messages > before.brisk + 20 && brisk.lost === 0, `${brisk.messages - before.brisk} messages`);
+check('memory of the daemon does not grow for it', memory() < memoryBefore + 50, `${(memory() - memoryBefore).toFixed(1)} MB`);
+const resumed = stopped.messages;
+stopped.socket._socket.resume();
+check('a page that was stopped for 10 s goes on', await waitFor(() => stopped.open && stopped.messages > resumed + 20),
+  `${stopped.messages - resumed} messages, ${stopped.lost} lost`);
+stopped.socket.terminate();
+brisk.socket.terminate();
+await stop(run);
+
 // Cost: processor time of the daemon at real time, and what a page receives.
-for (const watchedBy of [0, 1]) {
-  const begun = start('--rate', '1');
+for (const watchedBy of quick ? [] : [0, 1]) {
+  const daemon = start('--rate', '1');
   const view = await newPage('light');
   let bytes = 0;
   if (watchedBy) {
@@ -107,13 +201,13 @@ for (const watchedBy of [0, 1]) {
     await waitFor(() => fetch(url).then(() => true, () => false));
   }
   await sleep(1000);
-  const before = cpuSeconds(begun.child.pid), at = Date.now(), received = bytes;
+  const before = cpuSeconds(daemon.child.pid), at = Date.now(), received = bytes;
   await sleep(5000);
   const seconds = (Date.now() - at) / 1000;
-  console.log(`cost   ${watchedBy} pages: ${(100 * (cpuSeconds(begun.child.pid) - before) / seconds).toFixed(0)} % of a core, ` +
+  console.log(`cost   ${watchedBy} pages: ${(100 * (cpuSeconds(daemon.child.pid) - before) / seconds).toFixed(0)} % of a core, ` +
     `${((bytes - received) / seconds / 1e6).toFixed(1)} MB/s`);
   await view.close();
-  await stop(begun);
+  await stop(daemon);
 }
 check('no errors in the console', errors.length === 0, errors.slice(0, 3).join(' | '));
 await browser.close();

@@ -48,6 +48,7 @@ class Overlay {
     } finally {
       this.busy = false;
     }
+    if (this.latest !== frame) this.show();
   }
 
   /** Between the other calibration and the one in use; they are near to each other. */

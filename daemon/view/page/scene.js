@@ -30,18 +30,36 @@ void main() {
   shade = ramp(colour < 0.5 ? 1.1 * sqrt(reflectivity) : colour < 1.5 ? 0.2 + p.z / 6.0 : ring * 255.0 / rings);
 }`;
 const lineShader = `attribute vec3 at; uniform mat4 projection; void main() { gl_Position = projection * vec4(at, 1.0); }`;
+const groundShader = `attribute vec2 corner; uniform mat4 projection; varying vec2 at; uniform mat4 T_vehicle_map; uniform vec4 patch;
+void main() { at = corner; gl_Position = projection * (T_vehicle_map * vec4(patch.xy + corner * patch.zw, -0.05, 1.0)); }`;
+const groundColour = 'precision mediump float; varying vec2 at; uniform sampler2D map; void main() { gl_FragColor = texture2D(map, at); }';
 const pointColour = 'precision mediump float; varying vec3 shade; void main() { gl_FragColor = vec4(shade, 1.0); }';
 const lineColour = 'precision mediump float; uniform vec3 tint; void main() { gl_FragColor = vec4(tint, 1.0); }';
+
+/** Colours of the kinds of segments (fusion/streetmap/segment.hpp), in their order; dim, so that the returns stand out. */
+const segmentColours = [[18, 22, 26], [52, 56, 62], [104, 108, 114], [62, 60, 52], [70, 56, 40], [104, 98, 40], [26, 46, 30],
+  [24, 40, 66], [48, 42, 56], [60, 40, 38], [140, 84, 76], [44, 44, 44], [120, 120, 120]];
+const chiSquare99 = 9.21;  // of two degrees of freedom
+
+/** Point of the 99 % ellipse of a covariance (xx, xy, yy) at an angle of its parameter, by Cholesky. */
+function ellipsePoint([xx, xy, yy], angle) {
+  const a = Math.sqrt(Math.max(xx, 1e-12)), b = xy / a, c = Math.sqrt(Math.max(yy - b * b, 0)), k = Math.sqrt(chiSquare99);
+  return [k * a * Math.cos(angle), k * (b * Math.cos(angle) + c * Math.sin(angle))];
+}
 
 class Scene {
   constructor(canvas) {
     this.canvas = canvas;
     this.gl = canvas.getContext('webgl', {antialias: true});
     this.yaw = 0; this.pitch = 0.45; this.distance = 45;
-    this.track = [];  // [x, y, z] in the odometry frame
-    if (!this.gl) return;
+    this.track = [];  // [x, y, z, stamp] in the odometry frame, stamp in s
+    if (!this.gl) {
+      canvas.before(element('p', {class: 'warn'}, 'This browser has no WebGL: the sweep cannot be drawn.'));
+      return;
+    }
     this.points = this.program(pointShader, pointColour);
     this.lines = this.program(lineShader, lineColour);
+    this.ground = this.program(groundShader, groundColour);
     this.buffers = {};
     this.grid = this.gridLines();
     this.listen();
@@ -94,13 +112,13 @@ class Scene {
     return new Float32Array(out);
   }
 
-  add(frame) {
-    this.frame = frame;
+  /** Keeps where the vehicle was. */
+  addTrack(frame) {
     const T = frame.header.T_odom_vehicle;
     if (T) {
       const last = this.track[this.track.length - 1];
       if (last && Math.hypot(T[3] - last[0], T[7] - last[1]) > 100) this.track = [];
-      this.track.push([T[3], T[7], T[11]]);
+      this.track.push([T[3], T[7], T[11], Number(frame.header.stamp) / 1e9]);
       if (this.track.length > 5000) this.track.splice(0, 1000);
     }
   }
@@ -135,6 +153,56 @@ class Scene {
     gl.disableVertexAttribArray(at);
   }
 
+  /** The street map beneath: its kinds as a texture, made anew when another part of it has come. */
+  drawMap(projection, T_vehicle_map) {
+    const gl = this.gl, {header, rest} = this.map;
+    if (this.drawnMap !== this.map) {
+      const pixels = new Uint8Array(4 * header.columns * header.rows);
+      for (let i = 0; i < rest.length; ++i) pixels.set([...(segmentColours[rest[i]] ?? [0, 0, 0]), 255], 4 * i);
+      this.texture ??= gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, this.texture);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, header.columns, header.rows, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+      this.drawnMap = this.map;
+    }
+    gl.useProgram(this.ground);
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.ground, 'projection'), false, matrices.transposed(projection));
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.ground, 'T_vehicle_map'), false, matrices.transposed(T_vehicle_map));
+    gl.uniform4f(gl.getUniformLocation(this.ground, 'patch'), header.x, header.y, header.columns * header.cell, header.rows * header.cell);
+    const at = this.attribute(this.ground, 'corner', new Float32Array([0, 0, 1, 0, 0, 1, 1, 1]), 2, gl.FLOAT, false);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.disableVertexAttribArray(at);
+  }
+
+  /** The 99 % ellipse of the position, and where else the vehicle may be. */
+  drawPlace(projection, header, T_vehicle_map) {
+    const [x0, y0] = [header.T_map_vehicle[3], header.T_map_vehicle[7]];
+    const toVehicle = (x, y) => [0, 1].map(i => T_vehicle_map[4 * i] * x + T_vehicle_map[4 * i + 1] * y + T_vehicle_map[4 * i + 3]);
+    const outline = [];
+    for (let k = 0; k <= 64; ++k) {
+      const [dx, dy] = ellipsePoint(header.covariance_map, k * Math.PI / 32);
+      outline.push(...toVehicle(x0 + dx, y0 + dy), 0.05);
+    }
+    this.drawLines(projection, new Float32Array(outline), this.gl.LINE_STRIP, [1, 0.82, 0.3]);
+    const crosses = [];
+    for (let i = 0; i + 1 < header.particles.length; i += 2) {
+      const [x, y] = toVehicle(header.particles[i], header.particles[i + 1]);
+      crosses.push(x - 0.4, y, 0.05, x + 0.4, y, 0.05, x, y - 0.4, 0.05, x, y + 0.4, 0.05);
+    }
+    if (crosses.length) this.drawLines(projection, new Float32Array(crosses), this.gl.LINES, [1, 0.5, 0.3]);
+  }
+
+  /** Draws once before the screen is next refreshed: slow drawing does not hold up the messages. */
+  request() {
+    if (this.requested) return;
+    this.requested = true;
+    requestAnimationFrame(() => {
+      this.requested = false;
+      this.draw();
+    });
+  }
+
   draw() {
     const gl = this.gl;
     if (!gl || this.canvas.clientWidth === 0) return;
@@ -146,14 +214,19 @@ class Scene {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
     const projection = this.projection();
+    const place = this.frame?.header;
+    const T_vehicle_map = place?.T_map_vehicle ? matrices.inverse(place.T_map_vehicle) : null;
+    if (T_vehicle_map && this.map) this.drawMap(projection, T_vehicle_map);
     this.drawLines(projection, this.grid, gl.LINES, [0.22, 0.26, 0.3]);
     const car = [[2.2, 0, 0], [-2, 0.9, 0], [-2, -0.9, 0], [2.2, 0, 0]];
     this.drawLines(projection, new Float32Array(car.flat()), gl.LINE_STRIP, [1, 1, 1]);
     if (!this.frame) return;
     const {header, points} = this.frame;
+    if (T_vehicle_map) this.drawPlace(projection, header, T_vehicle_map);
     if (header.T_odom_vehicle && this.track.length > 1) {
       const T_vehicle_odom = matrices.inverse(header.T_odom_vehicle);
-      const track = this.track.flatMap(([x, y, z]) => [0, 1, 2].map(i =>
+      const now = Number(header.stamp) / 1e9;
+      const track = this.track.filter(at => at[3] <= now).flatMap(([x, y, z]) => [0, 1, 2].map(i =>
         T_vehicle_odom[4 * i] * x + T_vehicle_odom[4 * i + 1] * y + T_vehicle_odom[4 * i + 2] * z + T_vehicle_odom[4 * i + 3]));
       this.drawLines(projection, new Float32Array(track), gl.LINE_STRIP, [0.45, 0.67, 1]);
     }

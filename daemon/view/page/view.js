@@ -9,7 +9,8 @@ const historySeconds = 600;
 
 const scene = new Scene(place('points'));
 const overlays = new Map(), calibrations = new Map(), alerts = new Map();
-let health = null, mapPose = null, start = null, panel = 'scene', paused = false, slow = 0;
+let health = null, mapPose = null, start = null, panel = 'scene', slow = 0;
+let shownAt = Infinity;  // drive time that is shown, s
 
 /** A binary message: header, points and the rest of it. */
 function decode(buffer) {
@@ -34,12 +35,15 @@ const fixed = (value, digits) => typeof value === 'number' ? value.toFixed(digit
 
 function addCalibration(report) {
   const known = calibrations.get(report.device) ?? {points: []};
-  known.report = report;
   known.points.push({t: driveTime(report.stamp), nats: report.evidence?.nats ?? 0, threshold: report.evidence?.threshold_nats,
     state: report.state});
   const newest = known.points[known.points.length - 1].t;
   while (known.points[0].t < newest - historySeconds) known.points.shift();
   calibrations.set(report.device, known);
+}
+
+function showCalibration(report) {
+  calibrations.get(report.device).report = report;
   const overlay = overlays.get(report.device);
   if (overlay) overlay.estimate = report.estimate?.T_camera_lidar;
   if (panel === 'calibration') showCalibrations();
@@ -47,7 +51,9 @@ function addCalibration(report) {
 
 function showCalibrations() {
   const parts = [];
-  for (const [device, {report, points}] of calibrations) {
+  for (const [device, {report, points: all}] of calibrations) {
+    const points = all.filter(p => p.t <= shownAt - (start ?? 0));
+    if (!report || points.length === 0) continue;
     parts.push(element('h2', {}, `${device}: `, state(report.state), report.frozen ? ' (frozen)' : ''));
     if (report.evidence) parts.push(element('p', {class: 'dim'}, `strongest: ${report.evidence.axis}; policy ${report.policy}`));
     const from = points[0].t, duration = Math.max(10, points[points.length - 1].t - from);
@@ -93,7 +99,7 @@ function showMotion() {
 }
 
 function showHealth() {
-  if (!health) return;
+  if (!health) return place('health').replaceChildren();
   const ms = s => s.latency_ms ? [fixed(s.latency_ms.p50, 1), fixed(s.latency_ms.p99, 1), fixed(s.latency_ms.max, 1)] : ['', '', ''];
   const lost = s => Object.values(s.losses ?? {}).reduce((sum, v) => sum + (typeof v === 'number' ? v : 0), 0);
   const parts = [element('h2', {}, 'Lidars'),
@@ -125,54 +131,108 @@ function open(name) {
   panels[name]();
 }
 
+/** What each key of the history shows. */
+const show = {
+  CALIBRATION: showCalibration,
+  POSE: message => { mapPose = message; if (panel === 'motion') showMotion(); },
+  HEALTH(message) {
+    health = message;
+    place('time').textContent = `${driveTime(message.stamp).toFixed(0)} s`;
+    place('level').replaceChildren(state(message.level ?? 'OK'));
+    if (panel === 'motion' || panel === 'health') panels[panel]();
+  },
+  ALERTS(list) {
+    alerts.clear();
+    for (const alert of list) alerts.set(alert.id, alert);
+    showAlerts();
+  },
+  map(frame) { scene.map = frame; },
+  sweep(frame) {
+    scene.frame = frame;
+    if (panel === 'scene') scene.request();
+    place('sweep').textContent = `${frame.header.device}: ${frame.header.points} returns shown, ` +
+      (frame.header.deskewed ? 'deskewed' : 'as measured');
+  },
+  image(frame) {
+    const device = frame.header.device;
+    if (!overlays.has(device)) {
+      overlays.set(device, new Overlay(place('cameras'), device));
+      overlays.get(device).estimate = calibrations.get(device)?.report?.estimate?.T_camera_lidar;
+    }
+    overlays.get(device).latest = frame;
+    if (panel === 'cameras') overlays.get(device).show();
+  },
+};
+/** What is shown of a key at a time before its first value. */
+const clear = {
+  CALIBRATION(device) {
+    calibrations.get(device).report = undefined;
+    if (panel === 'calibration') showCalibrations();
+  },
+  POSE: () => { mapPose = null; },
+  HEALTH() {
+    health = null;
+    place('time').textContent = '';
+    place('level').replaceChildren();
+    if (panel === 'motion' || panel === 'health') panels[panel]();
+  },
+  ALERTS: () => show.ALERTS([]),
+};
+const showKey = (key, value) => {
+  const [kind, ...device] = key.split(':');
+  if (value !== null) show[kind](value); else clear[kind]?.(device.join(':'));
+};
+
+const player = new Player(showKey, command => {
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(command));
+});
+
+/** Messages of the daemon: kept, and shown unless somebody looks back. */
 const receive = {
-  VIEW: message => { place('replay').hidden = !message.replay; },
+  VIEW(message) {
+    start = null;
+    calibrations.clear();
+    raised.clear();
+    scene.track = [];
+    player.begin(message.replay);
+  },
   LOST(message) {
     place('connection').textContent = `connected; this page is slow: ${message.count} messages left out`;
     clearTimeout(slow);
     slow = setTimeout(() => { if (socket.readyState === WebSocket.OPEN) place('connection').textContent = 'connected'; }, 5000);
   },
-  CALIBRATION: addCalibration,
-  POSE: message => { if (message.frame === 'map') mapPose = message; },
-  HEALTH(message) {
-    health = message;
-    place('time').textContent = `${driveTime(message.stamp).toFixed(0)} s`;
-    const level = message.level ?? 'OK';
-    place('level').replaceChildren(state(level));
-    if (panel === 'motion' || panel === 'health') panels[panel]();
+  CALIBRATION(message, bytes) {
+    addCalibration(message);
+    player.add(`CALIBRATION:${message.device}`, seconds(message.stamp), message, bytes);
   },
-  ALERT(message) {
-    if (message.state === 'raised') alerts.set(message.id, message); else alerts.delete(message.id);
-    showAlerts();
+  POSE: (message, bytes) => { if (message.frame === 'map') player.add('POSE', seconds(message.stamp), message, bytes); },
+  HEALTH: (message, bytes) => { driveTime(message.stamp); player.add('HEALTH', seconds(message.stamp), message, bytes); },
+  ALERT(message, bytes) {
+    const wasRaised = message.state === 'raised';
+    if (wasRaised) raised.set(message.id, message); else raised.delete(message.id);
+    player.add('ALERTS', seconds(message.stamp), [...raised.values()], bytes);
+    if (wasRaised) player.addAlert(seconds(message.stamp), `${driveTime(message.stamp).toFixed(0)} s ${message.device}: ${message.what}`);
   },
 };
+const raised = new Map();  // alerts, by id
 
-function receiveFrame(frame) {
-  if (frame.header.kind === 'sweep') {
-    scene.add(frame);
-    if (panel === 'scene') scene.draw();
-    place('sweep').textContent = `${frame.header.device}: ${frame.header.points} returns shown, ` +
-      (frame.header.deskewed ? 'deskewed' : 'as measured');
-  } else if (frame.header.kind === 'image') {
-    const device = frame.header.device;
-    if (!overlays.has(device)) {
-      overlays.set(device, new Overlay(place('cameras'), device));
-      overlays.get(device).estimate = calibrations.get(device)?.report.estimate?.T_camera_lidar;
-    }
-    overlays.get(device).latest = frame;
-    if (panel === 'cameras') overlays.get(device).show();
-  }
+function receiveFrame(frame, bytes) {
+  const {kind, device, stamp} = frame.header;
+  driveTime(stamp);
+  if (kind === 'sweep') scene.addTrack(frame);
+  if (kind === 'map') player.add('map', seconds(stamp), frame, bytes);
+  if (kind === 'sweep' || kind === 'image') player.add(`${kind}:${device}`, seconds(stamp), frame, bytes);
 }
 
 let socket = null;
 function connect() {
   socket = new WebSocket(`ws://${location.host}/stream`);
   socket.binaryType = 'arraybuffer';
-  socket.onopen = () => { place('connection').textContent = 'connected'; alerts.clear(); showAlerts(); };
+  socket.onopen = () => { place('connection').textContent = 'connected'; };
   socket.onmessage = event => {
-    if (typeof event.data !== 'string') return receiveFrame(decode(event.data));
+    if (typeof event.data !== 'string') return receiveFrame(decode(event.data), event.data.byteLength);
     const message = JSON.parse(event.data);
-    receive[message.class]?.(message);
+    receive[message.class]?.(message, 4 * event.data.length);
   };
   socket.onclose = () => {
     place('connection').textContent = 'the daemon has ended or cannot be reached; trying again';
@@ -180,20 +240,14 @@ function connect() {
   };
 }
 
-function sendRate() {
-  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify({rate: paused ? 0 : Number(place('rate').value)}));
-  place('pause').textContent = paused ? 'Play' : 'Pause';
-}
-
 for (const button of document.querySelectorAll('nav button')) button.addEventListener('click', () => open(button.dataset.panel));
-place('pause').addEventListener('click', () => { paused = !paused; sendRate(); });
-place('rate').addEventListener('change', sendRate);
 place('colour').addEventListener('change', e => { scene.colour = Number(e.target.value); scene.draw(); });
 place('camera').addEventListener('change', e => scene.look(e.target.value));
 document.addEventListener('keydown', e => {
   const names = Object.keys(panels);
   if (e.target instanceof HTMLInputElement || e.target instanceof HTMLSelectElement) return;
-  if (e.key === ' ' && !place('replay').hidden) { e.preventDefault(); place('pause').click(); }
+  const button = {' ': 'pause', ArrowLeft: 'back', ArrowRight: 'step', End: 'newest'}[e.key];
+  if (button) { e.preventDefault(); place(button).click(); }
   if (e.key >= '1' && e.key <= String(names.length)) open(names[Number(e.key) - 1]);
 });
 const asked = location.hash.slice(1);

@@ -107,6 +107,49 @@ TEST(ViewFrames, SweepsAreQuantisedToCentimetres) {
   EXPECT_FALSE(tap.swap_sweep(out));  // taken
 }
 
+TEST(ViewFrames, SweepsCarryThePlaceOnTheMap) {
+  ViewTap tap(0);
+  tap.set_wanted(true);
+  ViewMapPose pose;
+  pose.T_map_vehicle.translation() = Eigen::Vector3d(100, 200, 0);
+  pose.covariance << 4, 1, 1, 9;
+  pose.particles = {{1.04F, 2.06F}, {-3, 4}};
+  tap.add_sweep(SmallSweep(3).snapshot(), nullptr, &pose);
+  ViewSweep out;
+  ASSERT_TRUE(tap.swap_sweep(out));
+  const Frame frame(encode_sweep(out, rig()));
+  EXPECT_EQ(frame.header["T_map_vehicle"][7], 200.0);
+  EXPECT_EQ(frame.header["covariance_map"], Json({4.0, 1.0, 9.0}));
+  EXPECT_EQ(frame.header["particles"], Json({1.0, 2.1, -3.0, 4.0}));
+}
+
+TEST(ViewFrames, TheStreetMapIsSentAroundAPoint) {
+  using streetmap::SegmentMap;
+  const streetmap::MapFrame place{.cell_size = 0.2, .min_corner = {1000, 2000}};
+  streetmap::SegmentMapWriter writer(place, 1, 1);
+  std::vector<uint32_t> ids(SegmentMap::kTileSize * SegmentMap::kTileSize, 0);
+  ids[10 * SegmentMap::kTileSize + 30] = 1;  // row 10, column 30: 0.2 m around (1006.1, 2002.1)
+  writer.set_tile(0, 0,
+                  std::span<const uint32_t, SegmentMap::kTileSize * SegmentMap::kTileSize>(
+                      ids.data(), ids.size()));
+  const std::vector<streetmap::Segment> segments{{}, {streetmap::SegmentKind::kBuilding, 7}};
+  const auto bytes = writer.finish(segments, "test");
+  ASSERT_TRUE(bytes);
+  const auto map = SegmentMap::open(*bytes, "test");
+  ASSERT_TRUE(map) << map.error().message();
+  // The middle of a cell of the message falls on that cell of the map.
+  const Frame frame(encode_map(*map, {1006.1 - 0.25, 2002.1 - 0.25}, Stamp::from_ns(5)));
+  EXPECT_EQ(frame.header["kind"], "map");
+  const int columns = frame.header["columns"], rows = frame.header["rows"];
+  ASSERT_EQ(frame.bytes.size() - frame.payload, static_cast<size_t>(columns * rows));
+  for (int i = 0; i < columns * rows; ++i) {
+    const double x = frame.header["x"].get<double>() + 0.5 * (i % columns + 0.5);
+    const double y = frame.header["y"].get<double>() + 0.5 * (i / columns + 0.5);
+    const bool there = std::abs(x - 1006.1) < 0.1 && std::abs(y - 2002.1) < 0.1;
+    ASSERT_EQ(frame.bytes[frame.payload + static_cast<size_t>(i)], there ? 9 : 0) << x << ' ' << y;
+  }
+}
+
 TEST(ViewFrames, LargeSweepsAreThinnedAndFarReturnsClamped) {
   SmallSweep large(3 * ViewTap::kMaxPoints + 1);
   ViewPoints points;
@@ -135,8 +178,8 @@ class ViewServerTest : public testing::Test {
  protected:
   using Page = beast::websocket::stream<tcp::socket>;
 
-  std::unique_ptr<ViewServer> start(RateControl rate = nullptr) {
-    auto server = ViewServer::start(settings_, rig(), tap_, std::move(rate));
+  std::unique_ptr<ViewServer> start(ReplayControl control = nullptr) {
+    auto server = ViewServer::start(settings_, rig(), nullptr, tap_, std::move(control));
     EXPECT_TRUE(server) << server.error().message();
     return *std::move(server);
   }
@@ -277,9 +320,9 @@ TEST_F(ViewServerTest, OnlyAReplayTakesACommandAndOnlyOne) {
   std::vector<double> rates;
   std::mutex mutex;
   {
-    const auto server = start([&](double rate) {
+    const auto server = start([&](const ViewCommand& command) {
       const std::lock_guard lock(mutex);
-      rates.push_back(rate);
+      rates.push_back(command.rate);
     });
     Page page = open(*server);
     EXPECT_EQ(read(page), R"({"class":"VIEW","form":1,"replay":true})");
@@ -307,7 +350,7 @@ TEST_F(ViewServerTest, OnlyAReplayTakesACommandAndOnlyOne) {
 TEST_F(ViewServerTest, ATakenPortIsAnError) {
   const auto server = start();
   settings_.port = server->port();
-  const auto second = ViewServer::start(settings_, rig(), tap_, nullptr);
+  const auto second = ViewServer::start(settings_, rig(), nullptr, tap_, nullptr);
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message().find(std::to_string(server->port())), std::string::npos);
 }
