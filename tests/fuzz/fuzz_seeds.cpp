@@ -12,6 +12,9 @@
 #include <osmium/io/xml_input.hpp>
 
 #include "daemon/calibration/saved_calibrations.hpp"
+#include "daemon/mapping/cloud_file.hpp"
+#include "daemon/mapping/map_tables.hpp"
+#include "daemon/mapping/place_map.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/mcap/mcap_writer.hpp"
 #include "drivers/ros/serialisation.hpp"
@@ -239,6 +242,26 @@ void write_logs(const std::filesystem::path& folder) {
                  lcm::make_event(1, kUs + 9, "RAW", packet));
 }
 
+/// As map_files_fuzz reads them: which file of a map folder, then its content.
+void write_map_files(const std::filesystem::path& folder) {
+  std::vector<daemon::MapKeyframe> keyframes(2);
+  keyframes[1].keyframe.stamp = Stamp::from_ns(5);
+  keyframes[1].keyframe.way = 2;
+  for (auto& keyframe : keyframes) keyframe.cloud_checksum = "0123456789abcdef";
+  mapping::Submap cloud;
+  cloud.resize(3);
+  std::vector<mapping::Closure> closures(1);
+  closures[0].to = 1;
+  const std::pair<const char*, std::string> files[] = {
+      {"keyframes", daemon::format_keyframes(keyframes)},
+      {"fixes", daemon::format_fixes({{}})},
+      {"closures", daemon::format_closures(closures)},
+      {"places", daemon::format_places(std::vector<places::PlaceDescriptor>(1))},
+      {"cloud", daemon::format_cloud_pcd(cloud)}};
+  char number = 0;
+  for (const auto& [name, bytes] : files) write_seed(folder / name, number++ + bytes);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -264,6 +287,7 @@ int main(int argc, char** argv) {
   write_mcap(folder / "mcap_fuzz");
   write_bags(folder / "rosbag_fuzz");
   write_logs(folder / "lcm_fuzz");
+  write_map_files(folder / "map_files_fuzz");
   write_messages(folder / "ros_message_fuzz");
   write_images(folder);
   write_sweep(folder);
