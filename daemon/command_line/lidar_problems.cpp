@@ -28,13 +28,13 @@ class Problems {
 };
 
 /// Number of sweeps beyond those of the sensor's turns.
-double excess_sweeps(const SensorCounters& c) {
+double excess_sweeps(const LidarCounters& c) {
   return static_cast<double>(c.sweeps) - c.turns_hz * to_seconds(active_duration(c));
 }
 
 }  // namespace
 
-std::vector<LidarProblem> find_problems(const Device& device, const SensorCounters& c) {
+std::vector<LidarProblem> find_problems(const Device& device, const LidarCounters& c) {
   Problems problems(device);
   const bool turns = c.turns_hz > 0.1;
   problems.add(c.malformed > 0, c.malformed > c.packets ? Level::kError : Level::kWarn,
@@ -71,7 +71,7 @@ std::vector<LidarProblem> find_problems(const Device& device, const SensorCounte
   return std::move(problems).list();
 }
 
-std::string outages_text(const SensorCounters& c) {
+std::string outages_text(const LidarCounters& c) {
   if (c.outages == 0) return "";
   return fmt::format(
       ", {} of them in {} outage{} of a turn and longer",
@@ -84,11 +84,11 @@ Level worst_level(Level level, const std::vector<LidarProblem>& problems) {
   return level;
 }
 
-Duration active_duration(const SensorCounters& counters) {
+Duration active_duration(const LidarCounters& counters) {
   return counters.packets == 0 ? Duration::zero() : counters.last_packet - counters.first_packet;
 }
 
-double sweep_rate(const SensorCounters& counters) {
+double sweep_rate(const LidarCounters& counters) {
   if (counters.turns_measured) return counters.turns_hz;
   const double seconds = to_seconds(active_duration(counters));
   return seconds > 0 ? static_cast<double>(counters.sweeps) / seconds : 0;

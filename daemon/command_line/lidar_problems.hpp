@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "daemon/health/level.hpp"
-#include "daemon/health/sensor_counters.hpp"
+#include "daemon/health/lidar_counters.hpp"
 #include "daemon/protocol/reports.hpp"
 
 namespace infuse::daemon {
@@ -16,19 +16,19 @@ struct LidarProblem {
 };
 
 /// Finds the problems of a lidar by its counters at the end of a recording.
-std::vector<LidarProblem> find_problems(const Device& device, const SensorCounters& counters);
+std::vector<LidarProblem> find_problems(const Device& device, const LidarCounters& counters);
 
 /// Level of the worst problem, and at least `level`.
 Level worst_level(Level level, const std::vector<LidarProblem>& problems);
 
 /// ", 300 of them in 2 outages of a turn and longer" if the lidar's packets paused so long; what is
 /// lost then was not recorded or not sent, rather than lost among others.
-std::string outages_text(const SensorCounters& counters);
+std::string outages_text(const LidarCounters& counters);
 
 /// Time from the first packet to the last.
-Duration active_duration(const SensorCounters& counters);
+Duration active_duration(const LidarCounters& counters);
 
 /// Turns per second by azimuth, if packets show them; else sweeps per second.
-double sweep_rate(const SensorCounters& counters);
+double sweep_rate(const LidarCounters& counters);
 
 }  // namespace infuse::daemon

@@ -15,13 +15,13 @@ double rate(uint64_t count, Duration span) {
   return span > Duration::zero() ? static_cast<double>(count) / to_seconds(span) : 0;
 }
 
-uint64_t count_lost(const SensorCounters& counters) {
+uint64_t count_lost(const LidarCounters& counters) {
   return counters.lost_network + counters.lost_kernel;
 }
 
-uint64_t sum_over_lidars(const Summary& summary, uint64_t (*quantity)(const SensorCounters&)) {
+uint64_t sum_over_lidars(const Summary& summary, uint64_t (*quantity)(const LidarCounters&)) {
   uint64_t total = 0;
-  for (const SensorCounters& counters : summary.totals.counters) total += quantity(counters);
+  for (const LidarCounters& counters : summary.totals.counters) total += quantity(counters);
   return total;
 }
 
@@ -38,7 +38,7 @@ const StageStats* total_stage(const Summary& summary) {
   return summary.totals.host.stages.empty() ? nullptr : &summary.totals.host.stages.back();
 }
 
-Json device_json(const Device& device, const SensorCounters& c, Level level) {
+Json device_json(const Device& device, const LidarCounters& c, Level level) {
   return {{"device", device.name},
           {"model", device.model},
           {"model_reason", device.model_reason},
@@ -81,7 +81,7 @@ Json odometry_json(const OdometryStatus& odometry) {
 }
 
 /// ", 3 malformed" for each cause that occurred.
-std::string causes_text(const SensorCounters& c) {
+std::string causes_text(const LidarCounters& c) {
   std::string text;
   const auto add = [&](uint64_t count, const char* cause) {
     if (count > 0) text += fmt::format(", {} {}", count, cause);
@@ -168,7 +168,7 @@ Json to_json(const Summary& summary) {
   return json;
 }
 
-std::string device_text(const Device& device, const SensorCounters& c, Level level) {
+std::string device_text(const Device& device, const LidarCounters& c, Level level) {
   std::string text = fmt::format("  {}: {}, {} ({})\n", device.name, device.model, name_of(level),
                                  device.model_reason);
   text += fmt::format("    {} packets ({:.1f}/s), {} lost{}\n", c.packets,

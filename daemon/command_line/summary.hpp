@@ -35,7 +35,7 @@ std::string to_text(const Summary& summary);
 Summary summarise(const Replay& replay);
 
 /// Formats the counters of one lidar as several lines of text.
-std::string device_text(const Device& device, const SensorCounters& counters, Level level);
+std::string device_text(const Device& device, const LidarCounters& counters, Level level);
 
 /// Formats the counters of a camera, a CAN bus, an IMU or a GNSS receiver.
 std::string stream_text(const Device& device, const StreamCounters& counters, Level level);

@@ -113,7 +113,7 @@ class Writer {
 };
 
 /// Reads the drive until the writer is done; returns the lidar's counters.
-SensorCounters decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writer) {
+LidarCounters decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writer) {
   DeskewedSweeps sweeps(setup.rig.lidars[lidar].T_vehicle_lidar, {});
   const auto on_sweep = [&](Sweep& sweep) {
     deskew ? sweeps.add_sweep(sweep) : writer.write(sweep);
@@ -122,7 +122,7 @@ SensorCounters decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writ
   const auto on_deskewed = [&](const Sweep& sweep, const motion::DeskewedSweep& moved) {
     writer.write_deskewed(sweep, moved);
   };
-  const SensorCounters counters =
+  const LidarCounters counters =
       play_lidar(setup, lidar, on_sweep, on_sample, [&](const recording::DriveEvent& event) {
         sweeps.process_due(event.stamp, on_deskewed);
         return !writer.done();
@@ -161,7 +161,7 @@ int run(const DecodeArguments& arguments) {
   }
 
   Writer writer(arguments);
-  const SensorCounters counters =
+  const LidarCounters counters =
       decode(*setup, *lidar, arguments.deskew || arguments.writes_image(), writer);
   writer.finish();
   if (writer.error()) return print_error(kProgram, *writer.error(), kFailure);

@@ -124,7 +124,7 @@ bool has_lidar(const Inspection& inspection) {
   if (!summary) return false;
   const auto& counters = summary->totals.counters;
   return std::any_of(counters.begin(), counters.end(),
-                     [](const SensorCounters& c) { return c.packets > 0; });
+                     [](const LidarCounters& c) { return c.packets > 0; });
 }
 
 std::vector<std::string> list_problems(const Inspection& inspection) {

@@ -11,7 +11,7 @@ namespace {
 std::string lidars_text(const Summary& summary) {
   std::string text;
   for (size_t i = 0; i < summary.totals.counters.size(); ++i) {
-    const SensorCounters& c = summary.totals.counters[i];
+    const LidarCounters& c = summary.totals.counters[i];
     text += fmt::format("{}{}, {} sweeps ({:.2f}/s), {} of {} packets lost", i == 0 ? "" : "; ",
                         summary.devices[i].model, c.sweeps, sweep_rate(c),
                         c.lost_network + c.lost_kernel, c.packets + c.lost_network + c.lost_kernel);
@@ -40,7 +40,7 @@ std::string InspectionList::add(const std::filesystem::path& capture,
   with_lidar_ += has_lidar(*inspection) ? 1 : 0;
   with_problems_ += problems.empty() ? 0 : 1;
   if (!inspection->summary) return fmt::format("{}: {}\n", name, problems_text(problems));
-  for (const SensorCounters& c : inspection->summary->totals.counters) {
+  for (const LidarCounters& c : inspection->summary->totals.counters) {
     sweeps_ += c.sweeps;
     packets_ += c.packets;
     packets_lost_ += c.lost_network + c.lost_kernel;

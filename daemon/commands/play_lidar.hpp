@@ -13,8 +13,8 @@ namespace infuse::daemon {
 /// DriveEvent&)`, which returns false to end early. At the drive's end the sweep being assembled is
 /// passed on too. Returns the lidar's counters.
 template <class OnSweep, class OnSample, class OnEvent>
-SensorCounters play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample,
-                          OnEvent on_event) {
+LidarCounters play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample,
+                         OnEvent on_event) {
   LidarIntake intake(setup.lidars[lidar]);
   VehicleIntake vehicle(setup.vehicle);
   const auto on_fix = [&](const GnssFix& fix) {

@@ -25,7 +25,7 @@ class StreamHealth {
   /// `endpoint`: where its data comes from, for messages. `start`: when reception began.
   StreamHealth(std::string endpoint, const HealthOptions& options, Stamp start);
 
-  /// As SensorHealth::update.
+  /// As LidarHealth::update.
   const StreamStatus& update(Stamp now, const StreamCounters& counters);
 
   /// Replaces the thresholds; the delays of raising and clearing stay.

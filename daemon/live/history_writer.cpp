@@ -38,7 +38,7 @@ void HistoryWriter::add(const HealthReport& health) {
   sums_->to = health.stamp;
   ++sums_->seconds[name_of(health.level())];
   for (const auto& sensor : health.sensors) {
-    const SensorCounters& c = sensor.status.counters;
+    const LidarCounters& c = sensor.status.counters;
     now_[sensor.device] = {c.sweeps, c.lost_network + c.lost_kernel};
   }
 }

@@ -138,7 +138,7 @@ void Intake::push_tick(Stamp stamp) {
   push_samples();
   StreamItem& item = out_.slot();
   for (size_t i = 0; i < lidars_.size(); ++i) {
-    SensorCounters& counters = item.counters[i];
+    LidarCounters& counters = item.counters[i];
     counters = lidars_[i].counters();
     counters.unclaimed = unclaimed_;
     if (counters.malformed + counters.wrong_sender > 0) continue;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "daemon/health/sensor_counters.hpp"
+#include "daemon/health/lidar_counters.hpp"
 #include "drivers/measurement/datagram.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "drivers/velodyne/model_inference.hpp"
@@ -78,7 +78,7 @@ class LidarIntake {
   }
 
   /// Counters, up to date after each call.
-  const SensorCounters& counters() const { return counters_; }
+  const LidarCounters& counters() const { return counters_; }
 
  private:
   template <class OnSweep>
@@ -110,7 +110,7 @@ class LidarIntake {
   uint64_t agreeing_sentences_ = 0;  // position packets in a row whose sentence fits the counter
   velodyne::SweepAssembler assembler_;
   Sweep sweep_;  // being assembled
-  SensorCounters counters_;
+  LidarCounters counters_;
   bool filtered_ = false;  // the kernel reports rejected datagrams as dropped
   uint64_t refused_positions_ = 0;
   uint64_t wrong_sender_positions_ = 0;

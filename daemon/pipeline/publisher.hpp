@@ -1,47 +1,22 @@
 #pragma once
 
 #include <functional>
-#include <map>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "daemon/health/calibration_health.hpp"
-#include "daemon/health/odometry_health.hpp"
-#include "daemon/health/rig_health.hpp"
-#include "daemon/health/sensor_health.hpp"
-#include "daemon/health/stream_health.hpp"
+#include "daemon/pipeline/health_checks.hpp"
 #include "daemon/pipeline/pipeline_setup.hpp"
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/pipeline/reports_file.hpp"
+#include "daemon/pipeline/totals.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "daemon/server/server.hpp"
 #include "drivers/measurement/slot_ring.hpp"
 
 namespace infuse::daemon {
 
-/// Totals of a drive.
-struct Totals {
-  bool started = false;  ///< false: the drive was empty
-  bool ended = false;
-  Stamp start, now;                                       ///< drive time
-  uint64_t alerts = 0;                                    ///< number of raised alerts
-  std::vector<AlertReport> first_alerts;                  ///< the first of these
-  std::vector<SensorCounters> counters;                   ///< by LidarIndex
-  std::vector<StreamCounters> streams;                    ///< by device that follows the lidars
-  uint64_t sweeps = 0;                                    ///< number of SWEEP reports
-  uint64_t deskewed_sweeps = 0;                           ///< of these, deskewed
-  const char* deskew_reason = "";                         ///< why the last other one is not
-  uint64_t frames = 0;                                    ///< number of FRAME reports
-  uint64_t matched_frames = 0;                            ///< of these, matched with a sweep
-  OdometryStatus odometry;                                ///< at the last tick
-  std::map<std::string, CalibrationReport> calibrations;  ///< the last of each camera
-  std::vector<Level> levels;                              ///< by device, at the last tick
-  HostStats host;
-};
-
-/// Turns the items of the fusion thread into messages: checks health, keeps the totals, publishes
-/// to the server and writes the reports file. Runs on the thread of the `io_context`.
+/// Turns the items of the fusion thread into messages for the server, the reports file and
+/// listeners. Runs on the thread of the `io_context`.
 class Publisher {
  public:
   /// Registers as a reader of `in`, which outlives this. `file` may be null.
@@ -79,7 +54,7 @@ class Publisher {
   void add_queue(std::function<QueueStats()> stats) { queues_.push_back(std::move(stats)); }
 
   /// Replaces the thresholds of the health checks.
-  void set_health_options(const HealthOptions& health);
+  void set_health_options(const HealthOptions& health) { checks_.set_options(health); }
 
   /// Publishes the state of a recording.
   void publish_record(const RecordReport& report);
@@ -95,14 +70,9 @@ class Publisher {
  private:
   void process(const ReportItem& item);
   void start(Stamp stamp);
-  void count(const SweepReport& report);
-  void count(const FrameReport& report);
   void publish_calibration(const CalibrationReport& report);
   void publish_health(const ReportItem& item);
-  void update_devices(const ReportItem& item, HealthReport& report);
-  bool mark_activated_devices(const ReportItem& item);
-  void publish_transitions(Stamp stamp, const std::string& device,
-                           std::span<const Transition> transitions);
+  void publish_alerts(const std::vector<AlertReport>& alerts);
   template <class Report>
   void publish(const Report& report, const std::string& device);
   void serve(ReportClass report_class, const std::string& device, Stamp stamp, std::string line);
@@ -110,17 +80,7 @@ class Publisher {
 
   SlotRing<ReportItem>& ring_;
   SlotRing<ReportItem>::Reader in_;
-  std::vector<Device> devices_;
-  size_t lidar_count_;  // lidars come first in `devices_`
-  HealthOptions health_options_;
-  std::vector<SensorHealth> lidar_health_;
-  std::vector<StreamHealth> stream_health_;  // of the other devices
-  RigHealth rig_health_;
-  std::vector<std::string> device_names_;
-  OdometryHealth odometry_health_;
-  StreetMapHealth streetmap_health_;
-  MapHealth map_health_;
-  std::map<std::string, CalibrationHealth> calibration_health_;  // by camera
+  HealthChecks checks_;
   std::function<void()> on_progress_ = [] {};
   std::vector<std::function<void(const CalibrationReport&)>> on_calibration_;
   std::vector<std::function<void(const HealthReport&)>> on_health_;

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "daemon/health/lidar_counters.hpp"
 #include "daemon/health/odometry_health.hpp"
-#include "daemon/health/sensor_counters.hpp"
 #include "daemon/health/stream_counters.hpp"
 #include "daemon/health/streetmap_health.hpp"
 #include "daemon/pipeline/stream_item.hpp"
@@ -48,8 +48,8 @@ struct ReportItem {
   PoseReport pose;
   FrameReport frame;
   CalibrationReport calibration;
-  std::vector<SensorCounters> counters;  ///< by LidarIndex
-  std::vector<StreamCounters> streams;   ///< by stream
+  std::vector<LidarCounters> counters;  ///< by LidarIndex
+  std::vector<StreamCounters> streams;  ///< by stream
   OdometryStatus odometry;
   std::optional<StreetMapStatus> streetmap;  ///< nothing: no street map
   std::optional<MapStatus> map;              ///< nothing: no map

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "daemon/health/sensor_counters.hpp"
+#include "daemon/health/lidar_counters.hpp"
 #include "daemon/health/stream_counters.hpp"
 
 namespace infuse::daemon {
@@ -14,7 +14,7 @@ struct SourceStates {
   std::vector<uint64_t> dropped;     ///< number of items dropped by the kernel, by stream
 
   /// Writes them into the counters for health checks.
-  void write(std::vector<SensorCounters>& sensor, std::vector<StreamCounters>& stream) const {
+  void write(std::vector<LidarCounters>& sensor, std::vector<StreamCounters>& stream) const {
     for (size_t i = 0; i < lidars.size(); ++i) sensor[i].source = lidars[i];
     for (size_t i = 0; i < streams.size(); ++i) {
       stream[i].source = streams[i];

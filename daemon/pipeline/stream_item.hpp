@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "daemon/health/latency_histogram.hpp"
-#include "daemon/health/sensor_counters.hpp"
+#include "daemon/health/lidar_counters.hpp"
 #include "daemon/health/stream_counters.hpp"
 #include "daemon/pipeline/sensor_index.hpp"
 #include "daemon/pipeline/vehicle_sample.hpp"
@@ -46,9 +46,9 @@ struct StreamItem {
   LidarIndex lidar;  ///< of the sweep
   Sweep sweep;
 
-  std::vector<SensorCounters> counters;  ///< by LidarIndex
-  std::vector<StreamCounters> streams;   ///< cameras, then vehicle sensors
-  LatencyStats intake;                   ///< latency of the io thread
+  std::vector<LidarCounters> counters;  ///< by LidarIndex
+  std::vector<StreamCounters> streams;  ///< cameras, then vehicle sensors
+  LatencyStats intake;                  ///< latency of the io thread
 };
 
 }  // namespace infuse::daemon

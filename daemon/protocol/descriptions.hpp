@@ -70,7 +70,7 @@ void describe(Visitor& v, const ClockState& clock) {
 
 /// Datagrams lost or rejected, by cause.
 struct PacketLosses {
-  const SensorCounters& counters;
+  const LidarCounters& counters;
 };
 
 template <class Visitor>
@@ -80,7 +80,7 @@ void describe(Visitor& v, const PacketLosses& losses) {
         name, count, text,
         counter("infuse_lidar_packets_lost_total", label, "Packets lost or rejected, by cause."));
   };
-  const SensorCounters& c = losses.counters;
+  const LidarCounters& c = losses.counters;
   cause("network", c.lost_network, "cause=\"network\"", "missing by the device's counter");
   cause("kernel", c.lost_kernel, "cause=\"kernel\"", "dropped by the kernel, its buffer full");
   cause("malformed", c.malformed, "cause=\"malformed\"", "not packets of the sensor's model");
@@ -90,9 +90,9 @@ void describe(Visitor& v, const PacketLosses& losses) {
 }
 
 template <class Visitor>
-void describe(Visitor& v, const DeviceHealth<SensorStatus>& sensor) {
-  const SensorStatus& status = sensor.status;
-  const SensorCounters& c = status.counters;
+void describe(Visitor& v, const DeviceHealth<LidarStatus>& sensor) {
+  const LidarStatus& status = sensor.status;
+  const LidarCounters& c = status.counters;
   v.field("device", sensor.device);
   v.field("level", status.level);
   v.field("packets_hz", non_negative(rounded(status.packets_hz)),

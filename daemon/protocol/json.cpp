@@ -10,7 +10,7 @@ std::string json_text(const Json& json, int indent) {
 
 Json to_json(const ClockState& clock) { return encode(clock); }
 
-Json losses_json(const SensorCounters& counters) { return encode(PacketLosses{counters}); }
+Json losses_json(const LidarCounters& counters) { return encode(PacketLosses{counters}); }
 
 Json latency_ms_json(const LatencyStats& latency) { return encode(latency); }
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include "daemon/health/latency_histogram.hpp"
-#include "daemon/health/sensor_counters.hpp"
+#include "daemon/health/lidar_counters.hpp"
 #include "daemon/protocol/field.hpp"
 #include "drivers/measurement/sweep.hpp"
 
@@ -22,7 +22,7 @@ std::string json_text(const Json& json, int indent = -1);
 Json to_json(const ClockState& clock);
 
 /// Datagrams lost or rejected, by cause.
-Json losses_json(const SensorCounters& counters);
+Json losses_json(const LidarCounters& counters);
 
 /// p50, p99, max, milliseconds.
 Json latency_ms_json(const LatencyStats& latency);

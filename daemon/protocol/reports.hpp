@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "daemon/health/latency_histogram.hpp"
+#include "daemon/health/lidar_health.hpp"
 #include "daemon/health/map_health.hpp"
 #include "daemon/health/odometry_health.hpp"
-#include "daemon/health/sensor_health.hpp"
 #include "daemon/health/stream_health.hpp"
 #include "daemon/health/streetmap_health.hpp"
 #include "daemon/protocol/report_class.hpp"
@@ -150,7 +150,7 @@ struct HealthReport {
   static constexpr ReportClass kClass = ReportClass::kHealth;
   Stamp stamp;
   Duration drive{0};  ///< since the start of the drive
-  std::vector<DeviceHealth<SensorStatus>> sensors;
+  std::vector<DeviceHealth<LidarStatus>> sensors;
   std::vector<DeviceHealth<StreamStatus>> streams;
   std::optional<TaskHealth<OdometryStatus>> odometry;
   std::optional<TaskHealth<StreetMapStatus>> streetmap;

@@ -14,7 +14,7 @@ Summary lidar_summary() {
   summary.path = "street.pcap";
   summary.host_s = 2;
   summary.devices.push_back({"top", "lidar", "VLP-16", "configured", "port 2368", std::nullopt});
-  SensorCounters& counters = summary.totals.counters.emplace_back();
+  LidarCounters& counters = summary.totals.counters.emplace_back();
   counters.packets = 7540;
   counters.lost_network = 20;
   counters.lost_kernel = 3;

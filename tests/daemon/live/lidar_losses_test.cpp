@@ -12,8 +12,8 @@ namespace {
 
 /// Counters after one second of a VLP-16 without the packets `from` … `to` − 1, of which the kernel
 /// reports `by_kernel` as dropped, in addition to `positions` position packets.
-SensorCounters counters_with_loss(uint64_t from, uint64_t to, uint64_t by_kernel,
-                                  uint64_t positions = 0) {
+LidarCounters counters_with_loss(uint64_t from, uint64_t to, uint64_t by_kernel,
+                                 uint64_t positions = 0) {
   const auto path =
       std::filesystem::path(testing::TempDir()) / ("infuse-losses-" + std::to_string(getpid()));
   EXPECT_TRUE(fixtures::make_capture(
@@ -41,19 +41,19 @@ SensorCounters counters_with_loss(uint64_t from, uint64_t to, uint64_t by_kernel
 }
 
 TEST(LidarLosses, KernelDropsAreNotCountedAsNetworkLoss) {
-  const SensorCounters counters = counters_with_loss(300, 350, 50);
+  const LidarCounters counters = counters_with_loss(300, 350, 50);
   EXPECT_EQ(counters.lost_kernel, 50U);
   EXPECT_EQ(counters.lost_network, 0U);
 }
 
 TEST(LidarLosses, TheRemainderOfAGapIsNetworkLoss) {
-  const SensorCounters counters = counters_with_loss(300, 350, 30);
+  const LidarCounters counters = counters_with_loss(300, 350, 30);
   EXPECT_EQ(counters.lost_kernel, 30U);
   EXPECT_EQ(counters.lost_network, 20U);
 }
 
 TEST(LidarLosses, DroppedPositionPacketsDoNotHideNetworkLoss) {
-  const SensorCounters counters = counters_with_loss(300, 350, 0, 7);
+  const LidarCounters counters = counters_with_loss(300, 350, 0, 7);
   EXPECT_EQ(counters.lost_kernel, 7U);
   EXPECT_EQ(counters.lost_network, 50U);
 }

@@ -44,7 +44,7 @@ TEST(LivePipeline, ProcessesALidarAndReportsMissingSources) {
   sender.join();
   ASSERT_TRUE(ended);
   const Totals& totals = live.publisher().totals();
-  const SensorCounters& lidar = totals.counters[0];
+  const LidarCounters& lidar = totals.counters[0];
   EXPECT_EQ(lidar.packets + lidar.lost_kernel, sent.load());
   EXPECT_GE(lidar.sweeps, 8U);
   EXPECT_GT(lidar.position_packets, 0U);

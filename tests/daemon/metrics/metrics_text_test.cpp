@@ -92,7 +92,7 @@ void expect_all_exported(const Part& part) {
 }
 
 TEST(MetricsText, ExportsEveryNumberOfHealth) {
-  expect_all_exported(DeviceHealth<SensorStatus>());
+  expect_all_exported(DeviceHealth<LidarStatus>());
   expect_all_exported(DeviceHealth<StreamStatus>());
   expect_all_exported(TaskHealth<OdometryStatus>());
   expect_all_exported(TaskHealth<StreetMapStatus>());
@@ -105,14 +105,14 @@ HealthReport health_report() {
   HealthReport health;
   health.stamp = Stamp::from_ns(1'700'000'000'500'000'000);
   health.drive = from_seconds(12.5);
-  SensorStatus top;
+  LidarStatus top;
   top.counters.packets = 1000;
   top.counters.lost_network = 3;
   top.counters.lost_kernel = 4;
   top.counters.clock.trusted = true;
   top.counters.clock.offset = Duration(-2000);
   top.counters.clock.skew_ppm = 8.5;
-  SensorStatus other;
+  LidarStatus other;
   other.level = Level::kStale;
   other.findings = {{"silent", Level::kStale, Stamp::from_ns(1), "w", "a"}};
   health.sensors = {{"top", "lidar", top}, {"a\"b\\c\nd", "lidar", other}};

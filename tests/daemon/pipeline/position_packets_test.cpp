@@ -24,7 +24,7 @@ std::vector<GnssFix> fixes_of(const std::vector<std::string>& sentences, uint32_
         {Stamp::from_ns(static_cast<int64_t>(i)), sender, 8308, 8308, packet}, [](Sweep&) {},
         [&](const GnssFix& fix) { fixes.push_back(fix); });
   }
-  const SensorCounters& counters = intake.counters();
+  const LidarCounters& counters = intake.counters();
   const bool expected = expected_sender == 0 || sender == expected_sender;
   EXPECT_EQ(expected ? counters.position_packets : counters.wrong_sender, sentences.size());
   return fixes;

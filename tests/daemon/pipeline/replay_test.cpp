@@ -59,7 +59,7 @@ TEST_F(ReplayTest, CountsEveryPacketAndReturnOfAGeneratedCapture) {
   const auto truth = make(3.05, 0, velodyne::Model::kHdl32e);
   const auto result = run_replay(path_);
   ASSERT_TRUE(result) << result.error().message();
-  const SensorCounters& counters = result->totals.counters.at(0);
+  const LidarCounters& counters = result->totals.counters.at(0);
   EXPECT_EQ(counters.packets, truth.packets);
   EXPECT_EQ(counters.position_packets, truth.position_packets);
   EXPECT_EQ(counters.returns, truth.returns);
@@ -88,7 +88,7 @@ TEST_F(ReplayTest, LostPacketsAreCountedAndReported) {
   ASSERT_GT(truth.lost, 100U);
   const auto result = run_replay(path_);
   ASSERT_TRUE(result);
-  const SensorCounters& counters = result->totals.counters.at(0);
+  const LidarCounters& counters = result->totals.counters.at(0);
   EXPECT_EQ(counters.packets, truth.packets);
   EXPECT_NEAR(static_cast<double>(counters.lost_network), static_cast<double>(truth.lost), 3);
   EXPECT_EQ(result->totals.levels.at(0), Level::kError);
@@ -250,7 +250,7 @@ TEST_P(RealReplay, CountsEveryPacket) {
   INFUSE_REAL_DATA_OR_SKIP(path, std::string("velodyne/") + GetParam().file);
   const auto result = run_replay(path);
   ASSERT_TRUE(result) << result.error().message();
-  const SensorCounters& counters = result->totals.counters.at(0);
+  const LidarCounters& counters = result->totals.counters.at(0);
   EXPECT_EQ(result->devices.at(0).model, GetParam().model);
   EXPECT_EQ(counters.packets, GetParam().packets);
   EXPECT_EQ(counters.position_packets, GetParam().position_packets);

@@ -121,8 +121,8 @@ TEST(Messages, ACalibrationHasOnlyFieldsThatAreKnown) {
 }
 
 TEST(Messages, HealthHasTheWorstLevelAndHostFiguresOnlyWhenGiven) {
-  SensorStatus good;
-  SensorStatus bad;
+  LidarStatus good;
+  LidarStatus bad;
   bad.level = Level::kError;
   bad.counters.packets = 3;
   bad.counters.clock.source = ClockState::Source::kPowerUp;

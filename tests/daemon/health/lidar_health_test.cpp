@@ -1,4 +1,4 @@
-#include "daemon/health/sensor_health.hpp"
+#include "daemon/health/lidar_health.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ Stamp at(double seconds) {
 }
 
 /// A lidar with 1808 packets and 10 sweeps per second, checked once per second.
-class SensorHealthTest : public testing::Test {
+class LidarHealthTest : public testing::Test {
  protected:
   void deliver(uint64_t packets = 1808, uint64_t sweeps = 10) {
     counters_.packets += packets;
@@ -21,7 +21,7 @@ class SensorHealthTest : public testing::Test {
     counters_.returns += sweeps * 60'000;
   }
 
-  const SensorStatus& tick(bool received = true) {
+  const LidarStatus& tick(bool received = true) {
     ++second_;
     if (received) counters_.last_packet = at(second_);
     return health_.update(at(second_), counters_);
@@ -36,25 +36,25 @@ class SensorHealthTest : public testing::Test {
     }
   }
 
-  SensorHealth health_{"0.0.0.0:2368", HealthOptions(), at(0)};
-  SensorCounters counters_;
+  LidarHealth health_{"0.0.0.0:2368", HealthOptions(), at(0)};
+  LidarCounters counters_;
   double second_ = 0;
 };
 
-TEST_F(SensorHealthTest, RatesAreThoseOfTheLastTenSeconds) {
+TEST_F(LidarHealthTest, RatesAreThoseOfTheLastTenSeconds) {
   settle();
-  const SensorStatus& status = tick();  // a second without a packet
+  const LidarStatus& status = tick();  // a second without a packet
   EXPECT_DOUBLE_EQ(status.packets_hz, 1808 * 0.9);
   EXPECT_DOUBLE_EQ(status.sweeps_hz, 9);
   EXPECT_DOUBLE_EQ(status.returns_hz, 540'000);
   EXPECT_TRUE(status.findings.empty());
 }
 
-TEST_F(SensorHealthTest, SilenceIsStaleAfterThreeSeconds) {
+TEST_F(LidarHealthTest, SilenceIsStaleAfterThreeSeconds) {
   settle();
   EXPECT_EQ(tick(false).level, Level::kOk);
   EXPECT_EQ(tick(false).level, Level::kOk);
-  const SensorStatus& status = tick(false);
+  const LidarStatus& status = tick(false);
   EXPECT_EQ(status.level, Level::kStale);
   ASSERT_EQ(status.findings.size(), 1U);
   EXPECT_EQ(status.findings[0].what, "no data on 0.0.0.0:2368 for 3.0 s");
@@ -64,13 +64,13 @@ TEST_F(SensorHealthTest, SilenceIsStaleAfterThreeSeconds) {
   EXPECT_TRUE(tick(false).transitions.empty());
 
   deliver();
-  const SensorStatus& back = tick();
+  const LidarStatus& back = tick();
   EXPECT_EQ(back.level, Level::kOk);
   ASSERT_EQ(back.transitions.size(), 1U);
   EXPECT_FALSE(back.transitions[0].raised);
 }
 
-TEST_F(SensorHealthTest, TwoSendersAreBothNamed) {
+TEST_F(LidarHealthTest, TwoSendersAreBothNamed) {
   settle();
   counters_.sender = 0x0A00'0007;
   counters_.rival_sender = 0x0A00'0008;
@@ -80,40 +80,40 @@ TEST_F(SensorHealthTest, TwoSendersAreBothNamed) {
     tick();
   }
   deliver();
-  const SensorStatus& status = tick();
+  const LidarStatus& status = tick();
   EXPECT_EQ(status.level, Level::kError);
   ASSERT_EQ(status.findings.size(), 1U);
   EXPECT_STREQ(status.findings[0].id, "two_senders");
   EXPECT_THAT(status.findings[0].what, HasSubstr("10.0.0.7 and 10.0.0.8"));
 }
 
-TEST_F(SensorHealthTest, AChangeOfTheSenderIsReportedAtOnce) {
+TEST_F(LidarHealthTest, AChangeOfTheSenderIsReportedAtOnce) {
   settle();
   counters_.previous_sender = 0x0A00'0007;
   counters_.sender = 0x0A00'0008;
   counters_.sender_changes = 1;
   counters_.wrong_sender = 20;  // those of the new one, before it was used
   deliver();
-  const SensorStatus& status = tick();
+  const LidarStatus& status = tick();
   EXPECT_EQ(status.level, Level::kWarn);
   ASSERT_EQ(status.findings.size(), 1U);
   EXPECT_THAT(status.findings[0].what, HasSubstr("from 10.0.0.7 to 10.0.0.8"));
 }
 
-TEST_F(SensorHealthTest, SilenceNamesAnUnexpectedSender) {
+TEST_F(LidarHealthTest, SilenceNamesAnUnexpectedSender) {
   counters_.malformed = 12;
   counters_.unexpected_sender = 10U << 24 | 7;
   counters_.unexpected_size = 512;
   tick(false);
   tick(false);
-  const SensorStatus& status = tick(false);
+  const LidarStatus& status = tick(false);
   EXPECT_EQ(status.level, Level::kStale);
   EXPECT_EQ(status.findings.at(0).what,
             "no data on 0.0.0.0:2368 for 3.0 s; 12 datagrams rejected, the last of 512 bytes from "
             "10.0.0.7");
 }
 
-TEST_F(SensorHealthTest, LossIsRaisedAndClearedWithHysteresis) {
+TEST_F(LidarHealthTest, LossIsRaisedAndClearedWithHysteresis) {
   settle();
   const auto tick_with_loss = [&](uint64_t packets) {
     deliver();
@@ -130,7 +130,7 @@ TEST_F(SensorHealthTest, LossIsRaisedAndClearedWithHysteresis) {
   EXPECT_LE(warned, 14);
 }
 
-TEST_F(SensorHealthTest, HeavyLossIsAnErrorAndNamesTheKernel) {
+TEST_F(LidarHealthTest, HeavyLossIsAnErrorAndNamesTheKernel) {
   settle();
   Level level = Level::kOk;
   for (int i = 0; i < 5; ++i) {
@@ -139,25 +139,25 @@ TEST_F(SensorHealthTest, HeavyLossIsAnErrorAndNamesTheKernel) {
     level = tick().level;
   }
   EXPECT_EQ(level, Level::kError);
-  const SensorStatus& status = tick();
+  const LidarStatus& status = tick();
   ASSERT_EQ(status.findings.size(), 1U);
   EXPECT_STREQ(status.findings[0].id, "heavy_loss");
   EXPECT_THAT(status.findings[0].advice, HasSubstr("rmem_max"));
 }
 
-TEST_F(SensorHealthTest, PacketsWithoutSweepsAreAnError) {
+TEST_F(LidarHealthTest, PacketsWithoutSweepsAreAnError) {
   settle();
   for (int i = 0; i < 3; ++i) {
     deliver(1808, 0);
     tick();
   }
   deliver(1808, 0);
-  const SensorStatus& status = tick();
+  const LidarStatus& status = tick();
   EXPECT_EQ(status.level, Level::kError);
   EXPECT_STREQ(status.findings.at(0).id, "no_sweeps");
 }
 
-TEST_F(SensorHealthTest, DatagramsThatAreNotPacketsAreAnError) {
+TEST_F(LidarHealthTest, DatagramsThatAreNotPacketsAreAnError) {
   settle();
   for (int i = 0; i < 8; ++i) {
     counters_.malformed += 4000;
@@ -167,19 +167,19 @@ TEST_F(SensorHealthTest, DatagramsThatAreNotPacketsAreAnError) {
   EXPECT_STREQ(tick().findings.at(0).id, "undecodable");
 }
 
-TEST_F(SensorHealthTest, AClockHasTenSecondsToSettle) {
+TEST_F(LidarHealthTest, AClockHasTenSecondsToSettle) {
   counters_.clock.reason = "too few samples";
   Stamp raised;
   for (int i = 0; i < 20 && raised == Stamp(); ++i) {
     deliver();
-    const SensorStatus& status = tick();
+    const LidarStatus& status = tick();
     if (status.level == Level::kWarn) raised = status.findings.at(0).since;
   }
   EXPECT_EQ(raised, at(13));  // first packet at 1 s, 10 s of grace, 2 s of hysteresis
   EXPECT_THAT(tick().findings.at(0).what, HasSubstr("too few samples"));
 }
 
-TEST_F(SensorHealthTest, AnotherSenderIsAWarning) {
+TEST_F(LidarHealthTest, AnotherSenderIsAWarning) {
   settle();
   for (int i = 0; i < 4; ++i) {
     counters_.wrong_sender += 7;
@@ -189,7 +189,7 @@ TEST_F(SensorHealthTest, AnotherSenderIsAWarning) {
   EXPECT_STREQ(tick().findings.at(0).id, "wrong_sender");
 }
 
-TEST_F(SensorHealthTest, AnotherModelIsAWarning) {
+TEST_F(LidarHealthTest, AnotherModelIsAWarning) {
   settle();
   for (int i = 0; i < 4; ++i) {
     counters_.wrong_model += 7;
@@ -199,7 +199,7 @@ TEST_F(SensorHealthTest, AnotherModelIsAWarning) {
   EXPECT_STREQ(tick().findings.at(0).id, "wrong_model");
 }
 
-TEST_F(SensorHealthTest, SweepsThatAreNotProcessedAreAWarning) {
+TEST_F(LidarHealthTest, SweepsThatAreNotProcessedAreAWarning) {
   settle();
   for (int i = 0; i < 4; ++i) {
     counters_.dropped_sweeps += 3;
@@ -209,7 +209,7 @@ TEST_F(SensorHealthTest, SweepsThatAreNotProcessedAreAWarning) {
   EXPECT_STREQ(tick().findings.at(0).id, "overload");
 }
 
-TEST_F(SensorHealthTest, CountersThatStepBackDoNotWrapRound) {
+TEST_F(LidarHealthTest, CountersThatStepBackDoNotWrapRound) {
   settle();
   counters_.lost_network = 5;
   deliver();

@@ -1,4 +1,4 @@
-#include "daemon/health/sensor_health.hpp"
+#include "daemon/health/lidar_health.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -26,7 +26,7 @@ uint64_t increase(uint64_t now, uint64_t before) { return now > before ? now - b
 
 }  // namespace
 
-SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, Stamp start)
+LidarHealth::LidarHealth(std::string endpoint, const HealthOptions& options, Stamp start)
     : endpoint_(std::move(endpoint)),
       options_(options),
       last_packet_(start),
@@ -49,11 +49,11 @@ SensorHealth::SensorHealth(std::string endpoint, const HealthOptions& options, S
                   {"overload", Level::kWarn, options.raise_after, options.clear_after},
                   {"clock", Level::kWarn, options.raise_after, options.clear_after}} {}
 
-const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counters) {
+const LidarStatus& LidarHealth::update(Stamp now, const LidarCounters& counters) {
   if (now < previous_tick_) restart_at(now);
   previous_tick_ = now;
   const Window::Snapshot oldest = window_.push(now, counters);
-  const SensorCounters& before = oldest.counters;
+  const LidarCounters& before = oldest.counters;
   status_.counters = counters;
   measure_rates(now, oldest);
 
@@ -73,18 +73,18 @@ const SensorStatus& SensorHealth::update(Stamp now, const SensorCounters& counte
 }
 
 // Drive time stepped back: older measurements are not comparable.
-void SensorHealth::restart_at(Stamp now) {
+void LidarHealth::restart_at(Stamp now) {
   window_.restart_at(now, status_.counters);
   last_packet_ = last_sweep_ = now;
 }
 
-void SensorHealth::measure_rates(Stamp now, const Window::Snapshot& oldest) {
+void LidarHealth::measure_rates(Stamp now, const Window::Snapshot& oldest) {
   const double seconds = to_seconds(now - oldest.stamp);
   const auto rate = [&](uint64_t at_now, uint64_t at_oldest) {
     return seconds > 0 ? static_cast<double>(increase(at_now, at_oldest)) / seconds : 0.0;
   };
-  const SensorCounters& c = status_.counters;
-  const SensorCounters& b = oldest.counters;
+  const LidarCounters& c = status_.counters;
+  const LidarCounters& b = oldest.counters;
   status_.packets_hz = rate(c.packets, b.packets);
   status_.sweeps_hz = rate(c.sweeps, b.sweeps);
   status_.returns_hz = rate(c.returns, b.returns);
@@ -93,7 +93,7 @@ void SensorHealth::measure_rates(Stamp now, const Window::Snapshot& oldest) {
       increase(c.packets, b.packets));
 }
 
-CheckResult SensorHealth::check_silence(Stamp now, const SensorCounters& counters) {
+CheckResult LidarHealth::check_silence(Stamp now, const LidarCounters& counters) {
   if (counters.packets != packets_seen_) last_packet_ = counters.last_packet;
   packets_seen_ = counters.packets;
   const Duration silence = now - last_packet_;
@@ -108,8 +108,8 @@ CheckResult SensorHealth::check_silence(Stamp now, const SensorCounters& counter
   return {true, std::move(what), "check the configured sender, port and model"};
 }
 
-CheckResult SensorHealth::check_decoding(const SensorCounters& now,
-                                         const SensorCounters& before) const {
+CheckResult LidarHealth::check_decoding(const LidarCounters& now,
+                                        const LidarCounters& before) const {
   const uint64_t bad = increase(now.malformed, before.malformed);
   const uint64_t good = increase(now.packets, before.packets);
   if (bad == 0 || bad <= good) return {};
@@ -120,13 +120,13 @@ CheckResult SensorHealth::check_decoding(const SensorCounters& now,
       "check the configured model, and that nothing else sends to this port"};
 }
 
-CheckResult SensorHealth::check_alternation(const SensorCounters& now) const {
+CheckResult LidarHealth::check_alternation(const LidarCounters& now) const {
   if (!now.two_sensors) return {};
   return {true, fmt::format("packets of two sensors alternate on {}", endpoint_),
           "give the sensors different ports, or set the sender"};
 }
 
-CheckResult SensorHealth::check_rival(const SensorCounters& now) const {
+CheckResult LidarHealth::check_rival(const LidarCounters& now) const {
   if (now.rival_sender == 0) return {};
   return {true,
           fmt::format("{} and {} both send as a sensor to {}; the first is used",
@@ -134,8 +134,8 @@ CheckResult SensorHealth::check_rival(const SensorCounters& now) const {
           "set the lidar's sender; find out what the other device is"};
 }
 
-CheckResult SensorHealth::check_sender_change(const SensorCounters& now,
-                                              const SensorCounters& before) const {
+CheckResult LidarHealth::check_sender_change(const LidarCounters& now,
+                                             const LidarCounters& before) const {
   if (now.sender_changes == before.sender_changes) return {};
   return {true,
           fmt::format("the sender on {} changed from {} to {}", endpoint_,
@@ -143,7 +143,7 @@ CheckResult SensorHealth::check_sender_change(const SensorCounters& now,
           "set the lidar's sender, unless the unit was exchanged"};
 }
 
-CheckResult SensorHealth::check_sweeps(Stamp now, const SensorCounters& counters) {
+CheckResult LidarHealth::check_sweeps(Stamp now, const LidarCounters& counters) {
   if (counters.sweeps != sweeps_seen_ || counters.packets == 0) last_sweep_ = now;
   sweeps_seen_ = counters.sweeps;
   const Duration without = now - last_sweep_;
@@ -154,8 +154,8 @@ CheckResult SensorHealth::check_sweeps(Stamp now, const SensorCounters& counters
           "check that the sensor rotates"};
 }
 
-CheckResult SensorHealth::check_loss(const SensorCounters& now, const SensorCounters& before,
-                                     double min_loss, double max_loss) const {
+CheckResult LidarHealth::check_loss(const LidarCounters& now, const LidarCounters& before,
+                                    double min_loss, double max_loss) const {
   const uint64_t network = increase(now.lost_network, before.lost_network);
   const uint64_t kernel = increase(now.lost_kernel, before.lost_kernel);
   const uint64_t received = increase(now.packets, before.packets);
@@ -168,8 +168,7 @@ CheckResult SensorHealth::check_loss(const SensorCounters& now, const SensorCoun
                             : "raise net.core.rmem_max, or reduce the processor load"};
 }
 
-CheckResult SensorHealth::check_sender(const SensorCounters& now,
-                                       const SensorCounters& before) const {
+CheckResult LidarHealth::check_sender(const LidarCounters& now, const LidarCounters& before) const {
   const uint64_t unexpected = increase(now.wrong_sender, before.wrong_sender);
   // Two senders, and a changed one, are conditions of their own.
   const bool named = now.rival_sender != 0 || now.sender_changes != before.sender_changes;
@@ -180,16 +179,15 @@ CheckResult SensorHealth::check_sender(const SensorCounters& now,
           "check the configured sender, or use another port for the other sensor"};
 }
 
-CheckResult SensorHealth::check_model(const SensorCounters& now,
-                                      const SensorCounters& before) const {
+CheckResult LidarHealth::check_model(const LidarCounters& now, const LidarCounters& before) const {
   const uint64_t wrong = increase(now.wrong_model, before.wrong_model);
   if (wrong == 0) return {};
   return {true, fmt::format("{} on {} from another model", plural(wrong, "packet"), endpoint_),
           "check the configured model"};
 }
 
-CheckResult SensorHealth::check_overload(const SensorCounters& now,
-                                         const SensorCounters& before) const {
+CheckResult LidarHealth::check_overload(const LidarCounters& now,
+                                        const LidarCounters& before) const {
   const uint64_t dropped = increase(now.dropped_sweeps, before.dropped_sweeps);
   if (dropped == 0) return {};
   return {true,
@@ -198,7 +196,7 @@ CheckResult SensorHealth::check_overload(const SensorCounters& now,
           "set use_lidar = false in [odometry]"};
 }
 
-CheckResult SensorHealth::check_clock(Stamp now, const SensorCounters& counters) {
+CheckResult LidarHealth::check_clock(Stamp now, const LidarCounters& counters) {
   if (counters.packets == 0) return {};
   if (!first_seen_) first_seen_ = now;
   if (counters.clock.trusted || now - *first_seen_ < options_.clock_grace) return {};

@@ -10,7 +10,7 @@ namespace infuse::daemon {
 
 /// Counters of one lidar since the start, at one moment of drive time. They only grow. Plain data,
 /// copied between threads.
-struct SensorCounters {
+struct LidarCounters {
   uint64_t packets = 0;           ///< data packets decoded
   uint64_t position_packets = 0;  ///< position packets read
   uint64_t sweeps = 0;            ///< sweeps completed

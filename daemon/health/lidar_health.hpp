@@ -7,54 +7,54 @@
 
 #include "daemon/health/conditions.hpp"
 #include "daemon/health/health_options.hpp"
-#include "daemon/health/sensor_counters.hpp"
+#include "daemon/health/lidar_counters.hpp"
 #include "daemon/health/snapshot_window.hpp"
 #include "drivers/measurement/stamp.hpp"
 
 namespace infuse::daemon {
 
 /// Health of a lidar at one tick.
-struct SensorStatus {
+struct LidarStatus {
   Level level = Level::kOk;
   double packets_hz = 0;  ///< over the window, at most the last 10 s
   double sweeps_hz = 0;
   double returns_hz = 0;
   double loss = 0;  ///< fraction of the window's packets that were lost
-  SensorCounters counters;
+  LidarCounters counters;
   std::vector<Finding> findings;        ///< raised at present, the worst first
   std::vector<Transition> transitions;  ///< changes at this tick
 };
 
 /// Checks one lidar by its counters. A pure state machine over snapshots and drive time.
-class SensorHealth {
+class LidarHealth {
  public:
   /// `endpoint`: where its data is received, for messages: "0.0.0.0:2368". `start`: when reception
   /// began.
-  SensorHealth(std::string endpoint, const HealthOptions& options, Stamp start);
+  LidarHealth(std::string endpoint, const HealthOptions& options, Stamp start);
 
   /// Returns the health at `now`, given the counters at `now`; called about once a second. A step
   /// back in time restarts all measurements. The result is valid until the next call.
-  const SensorStatus& update(Stamp now, const SensorCounters& counters);
+  const LidarStatus& update(Stamp now, const LidarCounters& counters);
 
   /// Replaces the thresholds; the delays of raising and clearing stay.
   void set_options(const HealthOptions& options) { options_ = options; }
 
  private:
-  using Window = SnapshotWindow<SensorCounters>;
+  using Window = SnapshotWindow<LidarCounters>;
 
   void restart_at(Stamp now);
-  CheckResult check_silence(Stamp now, const SensorCounters& counters);
-  CheckResult check_decoding(const SensorCounters& now, const SensorCounters& before) const;
-  CheckResult check_alternation(const SensorCounters& now) const;
-  CheckResult check_rival(const SensorCounters& now) const;
-  CheckResult check_sweeps(Stamp now, const SensorCounters& now_counters);
-  CheckResult check_loss(const SensorCounters& now, const SensorCounters& before, double min_loss,
+  CheckResult check_silence(Stamp now, const LidarCounters& counters);
+  CheckResult check_decoding(const LidarCounters& now, const LidarCounters& before) const;
+  CheckResult check_alternation(const LidarCounters& now) const;
+  CheckResult check_rival(const LidarCounters& now) const;
+  CheckResult check_sweeps(Stamp now, const LidarCounters& now_counters);
+  CheckResult check_loss(const LidarCounters& now, const LidarCounters& before, double min_loss,
                          double max_loss) const;
-  CheckResult check_sender(const SensorCounters& now, const SensorCounters& before) const;
-  CheckResult check_sender_change(const SensorCounters& now, const SensorCounters& before) const;
-  CheckResult check_model(const SensorCounters& now, const SensorCounters& before) const;
-  CheckResult check_overload(const SensorCounters& now, const SensorCounters& before) const;
-  CheckResult check_clock(Stamp now, const SensorCounters& counters);
+  CheckResult check_sender(const LidarCounters& now, const LidarCounters& before) const;
+  CheckResult check_sender_change(const LidarCounters& now, const LidarCounters& before) const;
+  CheckResult check_model(const LidarCounters& now, const LidarCounters& before) const;
+  CheckResult check_overload(const LidarCounters& now, const LidarCounters& before) const;
+  CheckResult check_clock(Stamp now, const LidarCounters& counters);
   void measure_rates(Stamp now, const Window::Snapshot& oldest);
 
   std::string endpoint_;
@@ -67,7 +67,7 @@ class SensorHealth {
   uint64_t sweeps_seen_ = 0;
   Window window_;
   Conditions conditions_;
-  SensorStatus status_;
+  LidarStatus status_;
 };
 
 }  // namespace infuse::daemon
