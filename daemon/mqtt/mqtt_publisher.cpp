@@ -155,7 +155,7 @@ class MqttPublisher::Worker {
     }
     for (const QueuedReport& report : reports) {
       const auto added = queue_.add(report);
-      if (!added && !full_) spdlog::warn("mqtt: {}", added.error().message());
+      if (!added && !full_) log_->warn("mqtt: {}", added.error().message());
       full_ = !added;
     }
     update_stats();
@@ -177,7 +177,7 @@ class MqttPublisher::Worker {
   void announce_connection() {
     if (!client_ || !client_->connected() || announced_) return;
     client_->publish(status_topic(settings_), status_payload(true, stats().lost), true);
-    spdlog::info("mqtt: connected to {}, {} reports wait", settings_.host, queue_.messages());
+    log_->info("mqtt: connected to {}, {} reports wait", settings_.host, queue_.messages());
     announced_ = true;
     attempts_ = 0;
     failure_.clear();
@@ -190,7 +190,7 @@ class MqttPublisher::Worker {
     last_sent_ = 0;
     next_attempt_ = Clock::now() + retry_delay(attempts_++, settings_.vehicle);
     if (std::string text = why.message(); text != failure_) {
-      spdlog::warn("mqtt: {}; reports wait", text);
+      log_->warn("mqtt: {}; reports wait", text);
       failure_ = std::move(text);
     }
   }
@@ -229,6 +229,8 @@ class MqttPublisher::Worker {
 
   const MqttSettings settings_;
   const std::string password_;
+  /// Its own share: a thread that still waits for a host may outlive the process' default logger.
+  const std::shared_ptr<spdlog::logger> log_ = spdlog::default_logger();
 
   std::mutex mutex_;
   std::condition_variable changed_;
