@@ -10,6 +10,8 @@ using geometry::Matrix6;
 using geometry::Vector6;
 using Calibrations = std::span<const DatedCalibration>;
 
+constexpr double kDoubtfulPValue = 0.1;  // of a remainder below which covariances are in doubt
+
 /// A change and the poses with it.
 struct Candidate {
   PoseChange change;
@@ -54,11 +56,12 @@ std::vector<Candidate> candidates_of(Calibrations segment, const Eigen::Isometry
   return candidates;
 }
 
-/// The probability that the best of `count` candidates decreases χ² by `gain` by chance.
+/// The probability that the best of `count` candidates decreases χ² by `gain` by chance. Where what
+/// remains is more than the covariances have, these are not relied on: Fisher's distribution.
 double p_value_of(double gain, const ChangedPose& fit, size_t count) {
   double p = chi_squared_exceeded(gain, 6);
-  const double rest = fit.degrees_of_freedom;
-  if (rest > 0 && fit.chi_squared > rest) {
+  const int rest = fit.degrees_of_freedom;
+  if (rest > 0 && chi_squared_exceeded(fit.chi_squared, rest) < kDoubtfulPValue) {
     p = std::max(p, fisher6_exceeded(gain / 6 / (fit.chi_squared / rest), rest));
   }
   return std::min(1.0, p * static_cast<double>(count));

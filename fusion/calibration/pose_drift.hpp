@@ -67,10 +67,10 @@ struct PoseHistory {
 
 /// Combines calibrations, sorted by date, and tests whether they are of one pose (χ²). If not,
 /// looks for the change that explains most: a step before any drive, or a ramp from any drive on to
-/// the last. A change counts if so large a decrease of χ² is improbable by Fisher's distribution
-/// with the scatter that remains, among as many candidates (Bonferroni): covariances that are all
-/// too small make no drift. What lies before and after a step is searched again, and what lies
-/// before a ramp.
+/// the last. A change counts if so large a decrease of χ² is improbable among as many candidates
+/// (Bonferroni), by Fisher's distribution where the scatter that remains is larger than stated:
+/// covariances that are all too small make no drift. What lies before and after a step is searched
+/// again, and what lies before a ramp.
 PoseHistory find_pose_drift(std::span<const DatedCalibration> calibrations,
                             const Eigen::Isometry3d& T_reference, const PoseDriftOptions& options);
 
