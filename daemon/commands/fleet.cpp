@@ -36,7 +36,7 @@ int run_fleet_drive(const FleetDriveArguments& arguments) {
   }
   const auto entry = make_drive_entry(arguments.steps, arguments.name);
   if (!entry) return print_error(kFleetProgram, entry.error(), kUnreadable);
-  const auto written = write_whole(arguments.output, json_text(*entry, 1) + "\n");
+  const auto written = write_whole(arguments.output, json_text(*entry) + "\n");
   if (!written) return print_error(kFleetProgram, written.error(), kUnreadable);
   return kDone;
 }
@@ -96,7 +96,7 @@ int run_fleet_pool(const FleetPoolArguments& arguments) {
     const auto written = write_whole(arguments.page, make_fleet_page(fleet));
     if (!written) return print_error(kFleetProgram, written.error(), kUnreadable);
   }
-  const std::string json = json_text(to_json(fleet), arguments.output.empty() ? -1 : 1) + "\n";
+  const std::string json = json_text(to_json(fleet)) + "\n";
   if (arguments.output.empty()) {
     std::cout << json;
     return kDone;
@@ -141,7 +141,7 @@ void declare_fleet_pool(CLI::App& app, FleetPoolArguments& arguments) {
   pool->add_option("--rig", arguments.rigs,
                    "rig of a vehicle, with whose extrinsics the pooled ones are compared")
       ->type_name("VEHICLE=rig.toml")
-      ->take_all();
+      ->allow_extra_args(false);
   pool->add_option("--significance", arguments.options.significance,
                    "p-value below which calibrations are not of one pose (0.001)")
       ->type_name("P");
