@@ -17,7 +17,7 @@ using geometry::Vector6;
 constexpr const char* kFleetStyle =
     "circle{fill:var(--odom)}.bar{stroke:var(--odom)}.band{fill:var(--good);opacity:.25}"
     ".pooled{stroke:var(--good);stroke-width:2}.change{stroke:var(--bad);stroke-width:2;"
-    "stroke-dasharray:2 3}";
+    "stroke-dasharray:2 3}.name{white-space:nowrap}";
 
 /// Names and units of the axes of a chart.
 constexpr std::array<const char*, 6> kChartTitles{
@@ -102,7 +102,7 @@ std::string camera_html(const CameraSummary& camera) {
   if (!camera.unusable.empty()) {
     html += "<div class=scroll><table><tr><th>not used<th>reason";
     for (const CameraDrive& drive : camera.unusable) {
-      html += fmt::format("<tr><td>{}<td>{}", html_text(drive.drive),
+      html += fmt::format("<tr><td class=name>{}<td>{}", html_text(drive.drive),
                           html_text(drive.calibration.reason));
     }
     html += "</table></div>";
@@ -132,7 +132,8 @@ std::string vehicles_html(const FleetSummary& fleet) {
     const char* mark = class_of(vehicle.verdict());
     if (vehicle.verdict() == PoseVerdict::kOnePose && vehicle.differs_from_rig()) mark = "warn";
     html += fmt::format(
-        "<tr><td><a href=\"#{}\">{}</a><td class={}>{}<td class=number>{}<td class=number>{}<td "
+        "<tr><td class=name><a href=\"#{}\">{}</a><td class=\"name {}\">{}<td class=number>{}<td "
+        "class=number>{}<td "
         "class=number>{:.1f} min<td class=number>{}<td>{}",
         anchor(v), html_text(vehicle.name), mark, verdict_text(vehicle), vehicle.drives,
         vehicle.failed, vehicle.driven_s / 60, vehicle.alerts, cameras);
@@ -146,9 +147,9 @@ std::string failed_html(const FleetSummary& fleet) {
       "<section><h2>Failed drives</h2><div "
       "class=scroll><table><tr><th>vehicle<th>drive<th>step<th>reason";
   for (const FailedDrive& failed : fleet.failed) {
-    html += fmt::format("<tr><td>{}<td>{}<td>{}<td class=bad>{}", html_text(failed.vehicle),
-                        html_text(failed.drive), html_text(failed.failure.step),
-                        html_text(failed.failure.what));
+    html += fmt::format("<tr><td class=name>{}<td class=name>{}<td class=name>{}<td class=bad>{}",
+                        html_text(failed.vehicle), html_text(failed.drive),
+                        html_text(failed.failure.step), html_text(failed.failure.what));
   }
   return html + "</table></div></section>";
 }

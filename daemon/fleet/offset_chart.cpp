@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kChartWidth = 340, kChartHeight = 190;            // px
 constexpr double kPlotLeft = 48, kPlotTop = 26, kPlotMargin = 12;  // px
+constexpr double kPlotInset = 6;                                   // px, to the first point
 constexpr double kPlotRight = kChartWidth - kPlotMargin, kPlotBottom = kChartHeight - 24;
 constexpr double kSigmas95 = 1.959964;  // 95 % of a normal distribution
 
@@ -17,7 +18,9 @@ constexpr double kSigmas95 = 1.959964;  // 95 % of a normal distribution
 struct ChartScale {
   double low = 0, high = 0, days = 1;
 
-  double x(double at) const { return kPlotLeft + (kPlotRight - kPlotLeft) * at / days; }
+  double x(double at) const {
+    return kPlotLeft + kPlotInset + (kPlotRight - kPlotLeft - 2 * kPlotInset) * at / days;
+  }
   double y(double value) const {
     return kPlotBottom - (kPlotBottom - kPlotTop) * (value - low) / (high - low);
   }
