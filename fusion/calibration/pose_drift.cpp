@@ -158,7 +158,7 @@ PoseHistory find_pose_drift(Calibrations calibrations, const Eigen::Isometry3d& 
             [](const PoseChange& a, const PoseChange& b) { return a.first < b.first; });
   if (!history.changes.empty()) {
     const size_t changes = history.changes.size();
-    const size_t before = changes > 1 ? history.changes[changes - 2].first : 0;
+    const size_t before = changes > 1 ? history.changes[changes - 2].last : 0;
     history.verdict = PoseVerdict::kDrift;
     history.current =
         current_pose(calibrations, history.changes.back(), before, history.all.T_camera_lidar);
