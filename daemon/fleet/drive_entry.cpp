@@ -32,13 +32,14 @@ std::string read_step_file(const std::filesystem::path& path) {
 
 /// Days of a date of the Gregorian calendar since 1970-01-01; nothing if there is no such day.
 std::optional<int64_t> days_of(const std::string& date) {
-  int year = 0;
-  unsigned month = 0, day = 0;
-  char rest = 0;
-  if (date.size() != 10 || date[4] != '-' || date[7] != '-' ||
-      std::sscanf(date.c_str(), "%4d-%2u-%2u%c", &year, &month, &day, &rest) != 3) {
-    return std::nullopt;
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (date.size() != 10) return std::nullopt;
+  for (size_t i = 0; i < date.size(); ++i) {
+    if ((i == 4 || i == 7) ? date[i] != '-' : !is_digit(date[i])) return std::nullopt;
   }
+  const int year = std::stoi(date.substr(0, 4));
+  const auto month = static_cast<unsigned>(std::stoi(date.substr(5, 2)));
+  const auto day = static_cast<unsigned>(std::stoi(date.substr(8, 2)));
   const std::chrono::year_month_day calendar{std::chrono::year(year), std::chrono::month(month),
                                              std::chrono::day(day)};
   if (!calendar.ok() || year < 1970 || year > 2200) return std::nullopt;

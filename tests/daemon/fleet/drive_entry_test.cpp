@@ -48,7 +48,8 @@ TEST(DriveEntry, ADateInTheNameStandsForTheStamps) {
   folder.write_step("calibrate", 0, calibrate_output(Vector6::Zero()).dump(), "");
   const auto made = make_drive_entry(folder.path(), {"car", "a", "2026-03-01"});
   EXPECT_EQ((*made)["stamp"], kFirstOfMarch);
-  for (const char* wrong : {"2026-02-30", "2026-3-1", "yesterday", "1026-03-01", "2026-03-01T"}) {
+  for (const char* wrong :
+       {"2026-02-30", "2026-3-1", "yesterday", "1026-03-01", "2026-03-01T", "2026-+3-01"}) {
     EXPECT_TRUE((DriveName{"car", "a", wrong}).invalid()) << wrong;
     EXPECT_FALSE(make_drive_entry(folder.path(), {"car", "a", wrong})) << wrong;
   }
