@@ -35,6 +35,17 @@ function(install_manual name section)
   install(FILES ${CMAKE_BINARY_DIR}/packaging/${name}.${section}.gz
     DESTINATION ${CMAKE_INSTALL_MANDIR}/man${section} ${ARGN})
 endfunction()
+
+# The workflow over many drives, and what a server of many vehicles needs.
+install(FILES packaging/fleet/Snakefile packaging/fleet/fleet.toml packaging/fleet/README.md
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse/fleet ${tools})
+install(PROGRAMS packaging/fleet/drive_job DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse/fleet ${tools})
+install(FILES packaging/fleet/slurm/config.yaml packaging/fleet/slurm/jobscript.sh
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse/fleet/slurm ${tools})
+install(PROGRAMS packaging/fleet/slurm/status DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse/fleet/slurm ${tools})
+install(DIRECTORY packaging/fleet/prometheus packaging/fleet/grafana
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse/fleet ${tools})
+
 install_manual(infused 8)
 install_manual(infuse 1 ${tools})
 if(INFUSE_SIMULATOR)

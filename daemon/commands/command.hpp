@@ -35,5 +35,6 @@ Command declare_history(CLI::App& infuse);
 Command declare_export(CLI::App& infuse);
 Command declare_report(CLI::App& infuse);
 Command declare_map(CLI::App& infuse);
+Command declare_fleet(CLI::App& infuse);
 
 }  // namespace infuse::daemon

@@ -1,6 +1,7 @@
 #include "daemon/report/report_page.hpp"
 
 #include "daemon/report/page_files.hpp"  // made by cmake from daemon/report/page
+#include "daemon/report/page_style.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -19,6 +20,8 @@ std::string script_text(const Json& data) {
 }
 
 }  // namespace
+
+const char* page_style() { return kPageStyle; }
 
 std::string make_report_page(const Json& data) {
   return std::string(

@@ -91,6 +91,16 @@ inline constexpr std::array kTextSeeds = {
     TextSeed{"trajectory_fuzz", "tum",
              "# a\n1700000000.5 1 2 3 0 0 0 1\n1700000001 1 2 3 0 0 1 0\n"},
     TextSeed{"trajectory_fuzz", "kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n"},
+    TextSeed{
+        "drive_entry_fuzz", "entry",
+        R"({"form":1,"vehicle":"car","drive":"monday","failures":[{"step":"replay","what":"damaged")"
+        R"(}],"calibrations":[{"camera":"front","lidar":"top","usable":true,"reason":"","T_camera_l)"
+        R"(idar":[0,-1,0,0.1,0,0,-1,-0.3,1,0,0,-0.5,0,0,0,1],"covariance":[[9.8e-07,0,0,0,0,0],[0,9)"
+        R"(.8e-07,0,0,0,0],[0,0,9.8e-07,0,0,0],[0,0,0,5e-05,0,0],[0,0,0,0,5e-05,0],[0,0,0,0,0,5e-05)"
+        R"(]],"covariance_of_scenes":[[4.9e-07,0,0,0,0,0],[0,4.9e-07,0,0,0,0],[0,0,4.9e-07,0,0,0],[)"
+        R"(0,0,0,2.5e-05,0,0],[0,0,0,0,2.5e-05,0],[0,0,0,0,0,2.5e-05]],"covariance_of_motion":[[0,0)"
+        R"(,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0],[0,0,0,0,0,0]]}],"repl)"
+        R"(ay":{"drive_s":12.5,"alerts":2},"stamp":1772352000000000000})"},
 };
 
 }  // namespace infuse::fuzz

@@ -44,6 +44,8 @@ const std::vector<std::string> kCommands = {
     "map optimize",
     "map",
     "map export",
+    "fleet drive",
+    "fleet pool",
 };
 
 std::string help_of(const std::string& program) {
