@@ -30,7 +30,7 @@ struct CalibrateArguments {
   double time_sigma_ms = 1;
   std::vector<double> max_sigma{0.2, 0.05};  // deg, m
   uint64_t seed = 1;
-  bool refine_intrinsics = false;
+  bool refine_intrinsics = false, refine_delay = false;
   std::string compare;
   std::string overlays;
   std::string report;
@@ -70,13 +70,19 @@ std::optional<std::string> find_usage_error(const CalibrateArguments& arguments)
   if (const auto wrong = known_parameters(arguments).invalid()) {
     return "--intrinsics-sigma, --time-sigma: " + *wrong;
   }
-  if (arguments.refine_intrinsics &&
-      (arguments.request.cameras.size() > 1 || arguments.measures.size() > 1)) {
-    return "--refine-intrinsics takes one camera and one measure";
+  if (arguments.refine_intrinsics && arguments.refine_delay) {
+    return "--refine-intrinsics and --refine-delay exclude each other";
   }
-  if (arguments.refine_intrinsics && !arguments.compare.empty()) {
-    return "--refine-intrinsics and --compare exclude each other: extrinsics are compared with the "
-           "same intrinsics";
+  if (arguments.refine_intrinsics || arguments.refine_delay) {
+    const std::string option = arguments.refine_delay ? "--refine-delay" : "--refine-intrinsics";
+    if (arguments.request.cameras.size() > 1 || arguments.measures.size() > 1) {
+      return option + " takes one camera and one measure";
+    }
+    if (!arguments.compare.empty()) {
+      return option +
+             " and --compare exclude each other: extrinsics are compared with the same intrinsics "
+             "and times";
+    }
   }
   if (!arguments.overlays.empty() && arguments.compare.empty()) {
     return "--overlays needs --compare";
@@ -135,6 +141,21 @@ int report_no_pairs(const CalibrateArguments& arguments, const ScenePairs& pairs
   return kFailure;
 }
 
+/// Leaves out scenes at which the vehicle's motion is not known, unless none remains: they say
+/// nothing of a delay, and would be measured at another time than the others.
+void leave_out_unknown_motion(ScenePairs& pairs) {
+  std::vector<ScenePair> moving;
+  for (const ScenePair& pair : pairs.pairs) {
+    if (pair.twist) moving.push_back(pair);
+  }
+  const size_t left_out = pairs.pairs.size() - moving.size();
+  if (left_out == 0 || moving.empty()) return;
+  pairs.notes.push_back(
+      fmt::format("{} of {} scenes left out: the vehicle's motion is not known there", left_out,
+                  pairs.pairs.size()));
+  pairs.pairs = std::move(moving);
+}
+
 Result<void> write_rig(const CalibrateArguments& arguments, const ScenePairs& pairs,
                        const CalibrationRun& run) {
   Rig rig = pairs.rig;
@@ -143,6 +164,10 @@ Result<void> write_rig(const CalibrateArguments& arguments, const ScenePairs& pa
       if (camera.name != pairs.cameras[c].name) continue;
       camera.T_camera_lidar = T_camera_refcam(pairs, c) * run.result.T_refcam_lidar;
       camera.intrinsics = pairs.cameras[c].intrinsics;
+      if (const auto delay = refined_delay(run, pairs)) {
+        camera.stamp_delay = from_seconds(*delay);
+        camera.stamp_delay_sigma = from_seconds(run.delay->sigma);
+      }
     }
   }
   return recording::write_rig(arguments.output, rig);
@@ -199,6 +224,7 @@ int run(const CalibrateArguments& arguments) {
     line.clear();
     return report_no_pairs(arguments, *pairs);
   }
+  if (arguments.refine_delay) leave_out_unknown_motion(*pairs);
   std::optional<Eigen::Isometry3d> T_old;
   ScenePairs held_out;
   if (!arguments.compare.empty()) {
@@ -222,7 +248,10 @@ int run(const CalibrateArguments& arguments) {
     auto calibrated = run_calibration(
         *pairs, *calibration::find_measure(arguments.measures[k]),
         perturb(*initial_pose, arguments.perturb[0] * kDegree, arguments.perturb[1], random),
-        options, arguments.refine_intrinsics);
+        options,
+        arguments.refine_intrinsics ? Refine::kIntrinsics
+        : arguments.refine_delay    ? Refine::kDelay
+                                    : Refine::kPoseOnly);
     if (!calibrated) {
       line.clear();
       return print_error(kCalibrateProgram, calibrated.error(), kUnreadable);
@@ -303,6 +332,10 @@ Command declare_calibrate(CLI::App& infuse) {
   app->add_flag("--refine-intrinsics", arguments->refine_intrinsics,
                 "estimate focal length, principal point and k1 of the camera as well; not usable "
                 "where the scenes do not determine them");
+  app->add_flag(
+      "--refine-delay", arguments->refine_delay,
+      "estimate the delay of the camera's stamps as well, within 100 ms of what the drive "
+      "states; not usable where the motion does not determine it");
   app->add_option("--max-sigma", arguments->max_sigma,
                   "maximum stated standard deviations of a usable result (0.2,0.05)")
       ->expected(2)

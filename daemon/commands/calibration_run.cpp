@@ -126,6 +126,12 @@ std::string refined_text(const calibration::RefinedCalibration& refined) {
       by(1), sigma(1), by(2), sigma(2), by(3), sigma(3));
 }
 
+std::string delay_text(const CalibrationRun& run, const ScenePairs& pairs) {
+  return fmt::format("  stamp_delay_ms: {:.2f} +- {:.2f} (assumed: {:.2f})\n",
+                     1e3 * *refined_delay(run, pairs), 1e3 * run.delay->sigma,
+                     1e3 * to_seconds(pairs.cameras.front().stamp_delay));
+}
+
 std::string notes_text(const CalibrationRun& run, const ScenePairs& pairs) {
   std::string text = run.motion.note.empty() ? "" : "  note: " + run.motion.note + "\n";
   for (const std::string& note : pairs.notes) text += "  note: " + note + "\n";
@@ -133,6 +139,11 @@ std::string notes_text(const CalibrationRun& run, const ScenePairs& pairs) {
 }
 
 }  // namespace
+
+std::optional<double> refined_delay(const CalibrationRun& run, const ScenePairs& pairs) {
+  if (!run.delay || !run.delay->refined) return std::nullopt;
+  return to_seconds(pairs.cameras.front().stamp_delay) - run.delay->later;
+}
 
 Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double length,
                           std::mt19937_64& random) {
@@ -189,7 +200,7 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& initial_pose,
                                        const calibration::CalibrateOptions& options,
-                                       bool refine_intrinsics) {
+                                       Refine refine) {
   const double began = cpu_seconds();
   CalibrationRun run{.measure = measure.name, .initial_pose = initial_pose, .options = options};
   run.options.terms = measure.terms;
@@ -199,15 +210,21 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   auto scenes = make_scenes(pairs, measure, initial_pose);
   if (!scenes) return tl::unexpected(scenes.error());
   run.scenes = std::move(*scenes);
-  if (refine_intrinsics) {
+  if (refine == Refine::kIntrinsics) {
     run.refined = calibration::calibrate_with_intrinsics(run.scenes, run.cameras.front(),
                                                          initial_pose, run.options);
     run.result = run.refined->result;
     run.cameras.front().model = geometry::CameraModel(run.refined->intrinsics);
+  } else if (refine == Refine::kDelay) {
+    run.delay =
+        calibration::calibrate_with_delay(run.scenes, run.cameras, initial_pose, run.options);
+    run.result = run.delay->result;
+    run.scenes = calibration::scenes_exposed_later(run.scenes, run.delay->later);
   } else {
     run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
   }
-  run.motion = motion_uncertainty(pairs, run.result.T_refcam_lidar);
+  run.motion =
+      motion_uncertainty(pairs, run.result.T_refcam_lidar, run.delay && run.delay->refined);
   run.result.model_covariance += run.motion.covariance;
   // Motion of this size also causes what later checks find.
   if (!run.motion.reason.empty() && run.result.support >= options.min_support) {
@@ -262,6 +279,10 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
          {"T_camera_lidar", matrix_json(T_camera_refcam(pairs, c) * result.T_refcam_lidar)}});
   }
   if (run.refined && run.refined->refined) json["intrinsics"] = refined_json(*run.refined);
+  if (const auto delay = refined_delay(run, pairs)) {
+    json["stamp_delay_ms"] = rounded(1e3 * *delay);
+    json["stamp_delay_sigma_ms"] = rounded(1e3 * run.delay->sigma);
+  }
   if (!result.model_mismatches.empty())
     json["model_checks"] = model_checks_json(result.model_mismatches);
   if (result.split_half) json["split_half_covariance"] = matrix_json(*result.split_half);
@@ -292,6 +313,7 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                         T(row, 2), T(row, 3));
   }
   if (run.refined && run.refined->refined) text += refined_text(*run.refined);
+  if (refined_delay(run, pairs)) text += delay_text(run, pairs);
   if (result.uncertainty.usable()) {
     text += "  standard deviation (rx ry rz, tx ty tz): " + sigma_text(result.covariance()) + "\n";
     text +=

@@ -10,9 +10,13 @@
 #include "daemon/protocol/json.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
+#include "fusion/calibration/refine_delay.hpp"
 #include "fusion/calibration/refine_intrinsics.hpp"
 
 namespace infuse::daemon {
+
+/// What a calibration estimates beside the pose.
+enum class Refine : uint8_t { kPoseOnly, kIntrinsics, kDelay };
 
 /// A calibration with one measure, and its input.
 struct CalibrationRun {
@@ -26,6 +30,8 @@ struct CalibrationRun {
   MotionUncertainty motion;
   /// With `--refine-intrinsics`; `cameras` have the refined ones, its result is `result`.
   std::optional<calibration::RefinedCalibration> refined;
+  /// With `--refine-delay`; its result is `result`.
+  std::optional<calibration::DelayCalibration> delay;
   double cpu_s = 0;
 };
 
@@ -43,13 +49,16 @@ Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
                                                     const calibration::NamedMeasure& measure,
                                                     const Eigen::Isometry3d& T_refcam_lidar);
 
-/// Calibrates with a named measure; with `refine_intrinsics` also the intrinsics of the only
-/// camera. Errors: a pair from which no scene can be made.
+/// Calibrates with a named measure, and what `refine` names of the only camera. Errors: a pair from
+/// which no scene can be made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& start,
                                        const calibration::CalibrateOptions& options,
-                                       bool refine_intrinsics = false);
+                                       Refine refine = Refine::kPoseOnly);
+
+/// Returns the camera's delay as the run estimates it (s), if it does.
+std::optional<double> refined_delay(const CalibrationRun& run, const ScenePairs& pairs);
 
 /// Formats the result as JSON: `T_camera_lidar`, `covariance`, `usable`, `reason` and the evidence
 /// for them.

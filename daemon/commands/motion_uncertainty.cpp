@@ -7,7 +7,7 @@
 namespace infuse::daemon {
 
 MotionUncertainty motion_uncertainty(const ScenePairs& pairs,
-                                     const Eigen::Isometry3d& T_refcam_lidar) {
+                                     const Eigen::Isometry3d& T_refcam_lidar, bool refined_delay) {
   const geometry::Matrix6 adjoint = geometry::adjoint(T_refcam_lidar);
   geometry::Vector6 by_delay = geometry::Vector6::Zero(), by_blur = by_delay, largest = by_delay;
   size_t unknown = 0;
@@ -17,7 +17,9 @@ MotionUncertainty motion_uncertainty(const ScenePairs& pairs,
       continue;
     }
     const geometry::Vector6 moves = adjoint * *pair.twist;
-    by_delay += moves * to_seconds(pairs.cameras[pair.camera].stamp_delay_sigma);
+    if (!refined_delay) {
+      by_delay += moves * to_seconds(pairs.cameras[pair.camera].stamp_delay_sigma);
+    }
     by_blur += moves * to_seconds(pair.uncompensated) / std::sqrt(3.0);
     largest += moves * to_seconds(pair.uncompensated);
   }

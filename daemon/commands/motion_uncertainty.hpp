@@ -23,8 +23,10 @@ inline constexpr double kMaxUncompensatedShift = 0.05;
 /// Returns the uncertainty at a result. With ξ a scene's twist and dt an error of its time, the
 /// scene fits best at exp(−Ad ξ dt) T_refcam_lidar. dt is the standard deviation of the camera's
 /// delay and, if the sweep is not deskewed, uniform up to `ScenePair::uncompensated`. Where the
-/// motion is not known, the note says so.
+/// motion is not known, the note says so. `refined_delay`: the delay was estimated from these
+/// pairs, its standard deviation is no part of this.
 MotionUncertainty motion_uncertainty(const ScenePairs& pairs,
-                                     const Eigen::Isometry3d& T_refcam_lidar);
+                                     const Eigen::Isometry3d& T_refcam_lidar,
+                                     bool refined_delay = false);
 
 }  // namespace infuse::daemon

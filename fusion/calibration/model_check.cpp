@@ -12,6 +12,9 @@ using geometry::Vector6;
 constexpr double kMinScenesOfModel = 10;    // effective number of scenes
 constexpr double kSignificantSigmas = 3.5;  // standard deviations
 constexpr double kSeriousSigmas = 7;
+// Share of a parameter's information below which the pose explains all of it, as it does a time
+// where the motion is always the same. What is left is rounding.
+constexpr double kMinRemainingInformation = 1e-6;
 
 /// Intrinsic parameter of a camera.
 struct Intrinsic {
@@ -141,12 +144,12 @@ std::vector<ModelMismatch> check_model(const Eigen::Isometry3d& T_refcam_lidar, 
   const auto add = [&](const ParameterScore& further, ModelMismatch mismatch, double display_scale,
                        double tolerance, double known_sigma) {
     const Vector6 weight = pose.inverse * further.pose_coupling;
-    const double curvature =
-        pose.curvature_share * (further.information - further.pose_coupling.dot(weight));
+    const double remaining = further.information - further.pose_coupling.dot(weight);
+    const double curvature = pose.curvature_share * remaining;
     mismatch.pose_sensitivity = -weight / display_scale;
     mismatch.known_sigma = display_scale * known_sigma;
     mismatch.tolerance = tolerance;
-    if (enough && curvature > 0) {
+    if (enough && remaining > kMinRemainingInformation * further.information) {
       const ScoredError error = estimate_error(further, weight, curvature, uncertainty);
       mismatch.value = display_scale * error.value;
       mismatch.sigma = display_scale * error.sigma;
