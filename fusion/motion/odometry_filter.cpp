@@ -222,7 +222,9 @@ void OdometryFilter::update(const GnssFix& fix) {
     if (std::isfinite(fix.course)) {
       record(OdometrySource::kGnssCourse, state_.update_gnss_course(fix.course));
     }
-  } else if (sources_.carries(OdometrySource::kGnssSpeed, now_)) {
+  } else if (sources_.carries(OdometrySource::kGnssSpeed, now_) &&
+             !sources_.rotation_known(now_, OdometrySource::kGnssCourse)) {
+    // A gyro need not be limited: while a vehicle turned on the spot, its bias absorbed the turn.
     state_.update_slow_turn();
     sources_.hold(OdometrySource::kGnssCourse, now_);  // the limit stands in for the course
   }

@@ -50,9 +50,9 @@ bool OdometrySources::speed_known(Stamp now, OdometrySource except) const {
                      [&](OdometrySource s) { return s != except && carries(s, now); });
 }
 
-bool OdometrySources::rotation_known(Stamp now) const {
+bool OdometrySources::rotation_known(Stamp now, OdometrySource except) const {
   return std::any_of(std::begin(kRotationSources), std::end(kRotationSources),
-                     [&](OdometrySource s) { return carries(s, now); });
+                     [&](OdometrySource s) { return s != except && carries(s, now); });
 }
 
 }  // namespace infuse::motion

@@ -58,8 +58,8 @@ class OdometrySources {
 
   /// Returns true if a source carries the speed; `except` is not asked.
   bool speed_known(Stamp now, OdometrySource except = OdometrySource::kCount) const;
-  /// Returns true if a source carries the rotation about z.
-  bool rotation_known(Stamp now) const;
+  /// Returns true if a source carries the rotation about z; `except` is not asked.
+  bool rotation_known(Stamp now, OdometrySource except = OdometrySource::kCount) const;
 
  private:
   OdometryOptions options_;

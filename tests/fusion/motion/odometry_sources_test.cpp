@@ -76,6 +76,27 @@ TEST(OdometrySources, GnssAloneSuffices) {
   }
 }
 
+// The limit on slow turns, which stands in for the course, once moved the gyro's bias by 0.5°/s.
+TEST(OdometrySources, ATurnOnTheSpotLeavesTheGyroBias) {
+  const TrueDrive drive(61, [](double t) {
+    const bool turns = t > 20 && t < 40;
+    geometry::Vector6 twist = geometry::Vector6::Zero();
+    twist[2] = turns ? 10 * kDegree : 0;
+    twist[3] = turns ? 0.1 : 10;
+    return twist;
+  });
+  SimulatedSensors sensors(drive, 4);
+  OdometryFilter filter(unknown_heading());
+  for (double t = 0; t < 60; t += 0.1) {
+    filter.add(sensors.wheels(t));
+    filter.add(sensors.gyro(t, {0, 0, 0.003}));
+    filter.add(sensors.gnss(t));
+  }
+  const EstimatedParameter bias = filter.report().gyro_bias[2];
+  EXPECT_NEAR(bias.value, 0.003, 3 * bias.sigma);
+  EXPECT_LT(rejected(filter, OdometrySource::kGnssCourse), 5U);
+}
+
 TEST(OdometrySources, SaysWhatIsMissing) {
   const TrueDrive drive = flat_drive(5);
   SimulatedSensors sensors(drive, 3);
