@@ -14,6 +14,7 @@
 #include "daemon/commands/map_locate.hpp"
 #include "daemon/mapping/g2o_file.hpp"
 #include "daemon/mapping/map_finish.hpp"
+#include "daemon/mapping/map_merge.hpp"
 #include "daemon/protocol/json.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fusion/mapping/chordal_initialisation.hpp"
@@ -27,6 +28,12 @@ constexpr const char* kMapProgram = "infuse map";
 struct DriveArguments {
   std::string drive, output, lidar;
   bool no_closures = false, no_gnss = false, json = false;
+};
+
+struct MergeArguments {
+  std::vector<std::string> maps;
+  std::string output;
+  bool no_gnss = false, json = false;
 };
 
 struct MapArguments {
@@ -86,6 +93,23 @@ int run_map_optimize(const MapArguments& arguments) {
   return std::visit([&](auto& file) { return optimize_file(file, arguments); }, *graph);
 }
 
+/// Makes the rest of a map of what it is made of, and prints its summary.
+int finish_and_print(const MapFolder& folder, const MapSettings& settings, bool json) {
+  const auto drive = read_map_drive(folder);
+  if (!drive) return print_error(kMapProgram, drive.error(), kUnreadable);
+  ProgressLine line;
+  const auto summary =
+      finish_map(folder, *drive, settings, [&](size_t done, size_t all, size_t closures) {
+        line.show(static_cast<double>(done) / static_cast<double>(all),
+                  fmt::format("{} of {} keyframes searched, {} closures", done, all, closures));
+      });
+  line.clear();
+  if (!summary) return print_error(kMapProgram, summary.error(), kUnreadable);
+  std::cout << (json ? json_text(to_json(*summary)) + "\n"
+                     : folder.path().string() + ": " + to_text(*summary));
+  return summary->usable() ? kDone : kFailure;
+}
+
 /// Makes a map of a drive, or goes on with one that was interrupted.
 int run_map(const DriveArguments& arguments) {
   const MapSettings settings{.close_loops = !arguments.no_closures, .use_gnss = !arguments.no_gnss};
@@ -100,19 +124,20 @@ int run_map(const DriveArguments& arguments) {
   for (const Error& note : setup->source.notes()) {
     std::cerr << kMapProgram << ": note: " << note.message() << "\n";
   }
-  const auto drive = read_map_drive(folder);
-  if (!drive) return print_error(kMapProgram, drive.error(), kUnreadable);
-  ProgressLine line;
-  const auto summary =
-      finish_map(folder, *drive, settings, [&](size_t done, size_t all, size_t closures) {
-        line.show(static_cast<double>(done) / static_cast<double>(all),
-                  fmt::format("{} of {} keyframes searched, {} closures", done, all, closures));
-      });
-  line.clear();
-  if (!summary) return print_error(kMapProgram, summary.error(), kUnreadable);
-  std::cout << (arguments.json ? json_text(to_json(*summary)) + "\n"
-                               : arguments.output + ": " + to_text(*summary));
-  return summary->usable() ? kDone : kFailure;
+  return finish_and_print(folder, settings, arguments.json);
+}
+
+/// Makes one map of several, or goes on with one that was interrupted.
+int run_map_merge(const MergeArguments& arguments) {
+  if (arguments.maps.size() < 2) {
+    return print_error(kMapProgram, {"fewer than two maps are given", "", "see infuse map --help"},
+                       kUsage);
+  }
+  const MapSettings settings{.use_gnss = !arguments.no_gnss};
+  const MapFolder folder(arguments.output);
+  const auto merged = merge_maps(folder, {arguments.maps.begin(), arguments.maps.end()}, settings);
+  if (!merged) return print_error(kMapProgram, merged.error(), kUnreadable);
+  return finish_and_print(folder, settings, arguments.json);
 }
 
 void declare_optimize(CLI::App& app, MapArguments& arguments) {
@@ -159,8 +184,28 @@ void declare_map_export(CLI::App& app, MapExportArguments& arguments) {
   out->add_option("--show", arguments.show, "what the image shows: intensity or height")
       ->check(CLI::IsMember({"intensity", "height"}))
       ->type_name("WHAT");
+  out->add_option("--drive", arguments.drive,
+                  "number of the drive of a merged map, of a trajectory")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
   set_examples(*out, {"infuse map export map/ -o map.ply",
                       "infuse map export map/ --show height -o map.png"});
+}
+
+void declare_map_merge(CLI::App& app, MergeArguments& arguments) {
+  CLI::App* merge = app.add_subcommand(
+      "merge", "make one map of several: of other days, or of other parts of a town");
+  merge->add_option("MAP", arguments.maps, "map folders that share streets, of one lidar mounting")
+      ->required();
+  merge
+      ->add_option("-o,--output", arguments.output,
+                   "map folder to write, or to go on with where a run was interrupted")
+      ->required()
+      ->type_name("MAP");
+  merge->add_flag("--no-gnss", arguments.no_gnss, "do not use GNSS fixes");
+  merge->add_flag("--json", arguments.json, "print the summary as one JSON object");
+  set_examples(*merge, {"infuse map merge monday/ tuesday/ -o town/",
+                        "infuse map merge town/ wednesday/ -o larger/ --json"});
 }
 
 void declare_map_locate(CLI::App& app, MapLocateArguments& arguments) {
@@ -191,6 +236,7 @@ Command declare_map(CLI::App& infuse) {
   const auto drive = std::make_shared<DriveArguments>();
   const auto exported = std::make_shared<MapExportArguments>();
   const auto located = std::make_shared<MapLocateArguments>();
+  const auto merged = std::make_shared<MergeArguments>();
   app->add_option("DRIVE", drive->drive, "a drive folder, or a pcap or pcapng file, with a lidar");
   app->add_option("-o,--output", drive->output,
                   "map folder to write, or to go on with where a run was interrupted")
@@ -203,10 +249,12 @@ Command declare_map(CLI::App& infuse) {
   declare_optimize(*app, *graph);
   declare_map_export(*app, *exported);
   declare_map_locate(*app, *located);
+  declare_map_merge(*app, *merged);
   return {app, [=] {
             if (app->got_subcommand("optimize")) return run_map_optimize(*graph);
             if (app->got_subcommand("export")) return run_map_export(*exported);
             if (app->got_subcommand("locate")) return run_map_locate(*located);
+            if (app->got_subcommand("merge")) return run_map_merge(*merged);
             if (drive->drive.empty() || drive->output.empty()) {
               return print_error(kMapProgram,
                                  {drive->drive.empty() ? "no drive is given" : "no map is given",

@@ -90,20 +90,11 @@ class DriveMapper {
       return fail("no motion was found in its sweeps", "",
                   sweeps_ == 0 ? "the lidar has no sweeps" : "see infuse odometry");
     }
-    remove_clouds_from(keyframes_.size());
+    folder_.remove_clouds_from(keyframes_.size());
     manifest["sweeps"] = sweeps_;
     manifest["unmeasured"] = picker_.unmeasured();
     manifest["unregistered"] = picker_.unregistered();
-    const std::string keyframes = format_keyframes(keyframes_), fixes = format_fixes(nearest()),
-                      places = format_places(places_);
-    for (const auto& [name, text] :
-         {std::pair{map_file::kKeyframes, &keyframes}, std::pair{map_file::kFixes, &fixes},
-          std::pair{map_file::kPlaces, &places}}) {
-      if (auto written = folder_.write(name, *text); !written) return written;
-      manifest["files"][name] = checksum(*text);
-    }
-    return folder_.write(map_file::kDrive,
-                         manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");
+    return write_drive(folder_, std::move(manifest), keyframes_, nearest(), places_);
   }
 
   bool failed() const { return failed_.has_value(); }
@@ -127,15 +118,6 @@ class DriveMapper {
     keyframes_.back().cloud_checksum = checksum(bytes);
     const auto written = folder_.write(MapFolder::cloud_name(keyframes_.size() - 1), bytes);
     if (!written) failed_ = written.error();
-  }
-
-  /// Clouds that an interrupted run with other settings left.
-  void remove_clouds_from(size_t keyframe) const {
-    std::error_code error;
-    while (folder_.has(MapFolder::cloud_name(keyframe)) &&
-           std::filesystem::remove(folder_.path() / MapFolder::cloud_name(keyframe), error)) {
-      ++keyframe;
-    }
   }
 
   /// Where the vehicle was at a time, if sweeps on both sides tell.
@@ -196,33 +178,16 @@ class DriveMapper {
   uint64_t sweeps_ = 0;
 };
 
-/// True if the folder's replay is complete; fails if it is of something else.
-Result<bool> is_replayed(const MapFolder& folder, const MapJson& identity) {
-  if (!folder.has(map_file::kDrive)) return false;
-  const auto manifest = folder.read_manifest(map_file::kDrive);
-  if (!manifest) return tl::unexpected(manifest.error());
-  for (const auto& [key, value] : identity.items()) {
-    if (!manifest->contains(key) || (*manifest)[key] != value) {
-      return fail("the folder holds a map of another drive, lidar or settings (" + key + ")",
-                  folder.path().string(), "choose a new folder");
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 Result<void> replay_to_map(const MapFolder& folder, DriveSetup& setup, size_t lidar,
                            const MapSettings& settings) {
   if (auto created = folder.create(); !created) return created;
   MapJson identity = identity_of(setup, lidar, settings);
-  const auto replayed = is_replayed(folder, identity);
+  const auto replayed = folder.is_made_of(identity);
   if (!replayed) return tl::unexpected(replayed.error());
   if (*replayed) return {};
-  for (const char* later : {map_file::kClosures, map_file::kMap}) {
-    std::error_code ignored;
-    std::filesystem::remove(folder.path() / later, ignored);
-  }
+  folder.remove_results();
   DriveMapper mapper(folder, setup.rig.lidars[lidar].T_vehicle_lidar, settings);
   LidarReplay odometry(setup, lidar);
   ProgressLine line;

@@ -66,7 +66,14 @@ Result<std::string> export_map(const MapExportArguments& arguments, const std::s
   const auto size = [&](double otherwise) {
     return arguments.voxel > 0 ? arguments.voxel : otherwise;
   };
-  if (extension == ".tum") return folder.read_stated(map->manifest, map_file::kTrajectory);
+  if (extension == ".tum") {
+    const size_t drives = map->drive.first_keyframes.size();
+    if (arguments.drive > drives) {
+      return fail(fmt::format("there is no drive {}", arguments.drive), arguments.map,
+                  fmt::format("the map has {}", drives));
+    }
+    return folder.read_stated(map->manifest, MapFolder::trajectory_name(arguments.drive - 1));
+  }
   if (extension == ".png") {
     return export_image(
         folder, *map, size(kMapPixel),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace infuse::daemon {
@@ -8,6 +9,7 @@ struct MapExportArguments {
   std::string map, output;
   double voxel = 0;  ///< m; 0: the format's own
   std::string show = "intensity";
+  size_t drive = 1;  ///< whose trajectory, of a merged map
 };
 
 /// Runs `infuse map export`: reads a complete map and writes it as one file.

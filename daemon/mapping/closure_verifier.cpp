@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "fusion/places/outline_alignment.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -45,13 +47,17 @@ Result<std::shared_ptr<const mapping::PreparedSubmap>> ClosureVerifier::prepare(
   return prepared_.back().submap;
 }
 
-Result<void> ClosureVerifier::check(mapping::Closure& closure) {
+Result<void> ClosureVerifier::check(mapping::Closure& closure, std::optional<double> yaw) {
   const auto from = prepare(closure.from);
   if (!from) return tl::unexpected(from.error());
   const auto to = prepare(closure.to);
   if (!to) return tl::unexpected(to.error());
   const Eigen::Isometry3d& T_vehicle_lidar = drive_.T_vehicle_lidar;
   const Eigen::Isometry3d T_lidar_vehicle = T_vehicle_lidar.inverse();
+  if (yaw) {
+    closure.T_from_to = places::align_outlines((*from)->cloud.cloud.points(), T_vehicle_lidar,
+                                               (*to)->cloud.cloud.points(), T_vehicle_lidar, *yaw);
+  }
   mapping::ClosureCheck found = mapping::check_closure(
       **from, **to, T_lidar_vehicle * closure.T_from_to * T_vehicle_lidar, options_);
   if (!found.usable() && !closure.guessed) {
@@ -68,10 +74,10 @@ Result<void> ClosureVerifier::check(mapping::Closure& closure) {
   return {};
 }
 
-Result<void> ClosureVerifier::verify(mapping::Closure& closure) {
+Result<void> ClosureVerifier::verify(mapping::Closure& closure, std::optional<double> yaw) {
   const bool known = next_ < rows_.size();
   if (!known) {
-    if (auto checked = check(closure); !checked) return checked;
+    if (auto checked = check(closure, yaw); !checked) return checked;
     rows_.push_back(format_closures({closure}).substr(header_.size()));
   }
   // What is used is what the file restores, in the first run as in one that goes on.

@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "daemon/mapping/map_folder.hpp"
@@ -22,15 +23,15 @@ class ClosureVerifier {
   /// Reads what an interrupted run left, if there is any.
   Result<void> resume();
 
-  /// As `mapping::VerifyClosure`.
-  Result<void> verify(mapping::Closure& closure);
+  /// As `mapping::VerifyClosure`; with a heading `yaw` (rad) as `places::VerifyPlaces`.
+  Result<void> verify(mapping::Closure& closure, std::optional<double> yaw = std::nullopt);
 
   /// Writes all closures with the reasons that the search has added.
   Result<void> finish(const std::vector<mapping::Closure>& closures);
 
  private:
   Result<std::shared_ptr<const mapping::PreparedSubmap>> prepare(size_t keyframe);
-  Result<void> check(mapping::Closure& closure);
+  Result<void> check(mapping::Closure& closure, std::optional<double> yaw);
   Result<void> write() const;
 
   struct Prepared {

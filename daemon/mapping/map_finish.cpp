@@ -3,10 +3,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
+#include <utility>
 
 #include "daemon/mapping/checksum.hpp"
 #include "daemon/mapping/closure_verifier.hpp"
 #include "daemon/mapping/g2o_file.hpp"
+#include "daemon/mapping/place_map.hpp"
 #include "drivers/gnss/local_frame.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/trajectory_file.hpp"
@@ -29,17 +31,69 @@ mapping::PoseEdge<3> make_edge(size_t from, size_t to, const Eigen::Isometry3d& 
   return {from, to, T_from_to, mapping::edge_information(T_from_to, covariance), closure};
 }
 
-/// Keyframes where odometry has them, and the motions between them.
-mapping::PoseGraph<3> odometry_graph(const std::vector<mapping::Keyframe>& keyframes) {
+mapping::PoseEdge<3> closure_edge(const mapping::Closure& closure, bool may_be_false) {
+  return make_edge(closure.from, closure.to, closure.T_from_to, closure.covariance, may_be_false);
+}
+
+/// Keyframes where odometry has them, and the motions between them. Of a further drive one closure
+/// that others agree with is as good as odometry.
+mapping::PoseGraph<3> odometry_graph(const std::vector<mapping::Keyframe>& keyframes,
+                                     const std::vector<mapping::DriveJoin>& joins) {
   mapping::PoseGraph<3> graph;
+  size_t next_join = 0;
+  Eigen::Isometry3d T_map_odom = Eigen::Isometry3d::Identity();
   for (size_t k = 0; k < keyframes.size(); ++k) {
-    graph.poses.push_back(keyframes[k].T_odom_vehicle);
-    if (k == 0) continue;
-    graph.edges.push_back(
-        make_edge(k - 1, k, keyframes[k - 1].T_odom_vehicle.inverse() * keyframes[k].T_odom_vehicle,
-                  keyframes[k].covariance, false));
+    if (next_join < joins.size() && joins[next_join].first == k) {
+      const mapping::Closure& closure = joins[next_join++].closures.front();
+      T_map_odom = graph.poses[closure.from] * closure.T_from_to *
+                   keyframes[closure.to].T_odom_vehicle.inverse();
+      graph.edges.push_back(closure_edge(closure, false));
+    } else if (k > 0) {
+      graph.edges.push_back(make_edge(
+          k - 1, k, keyframes[k - 1].T_odom_vehicle.inverse() * keyframes[k].T_odom_vehicle,
+          keyframes[k].covariance, false));
+    }
+    graph.poses.push_back(T_map_odom * keyframes[k].T_odom_vehicle);
   }
   return graph;
+}
+
+/// Seeks where the further drives of a merged map join those before; appends what was tried to
+/// `closures`. Fails if one shares no place with them.
+Result<std::vector<mapping::DriveJoin>> join_drives(const MapFolder& folder, const MapDrive& drive,
+                                                    const std::vector<mapping::Keyframe>& keyframes,
+                                                    const places::JoinOptions& options,
+                                                    ClosureVerifier& verifier,
+                                                    const MapProgress& progress,
+                                                    std::vector<mapping::Closure>& closures) {
+  std::vector<mapping::DriveJoin> joins;
+  const std::vector<size_t>& first = drive.first_keyframes;
+  if (first.size() < 2) return joins;
+  const auto descriptors = read_places(folder, drive);
+  if (!descriptors) return tl::unexpected(descriptors.error());
+  for (size_t d = 1; d < first.size(); ++d) {
+    const size_t end = d + 1 < first.size() ? first[d + 1] : keyframes.size();
+    size_t accepted = 0;
+    auto search = places::search_join(keyframes, *descriptors, first, first[d], end, options,
+                                      [&](mapping::Closure& closure, double yaw) {
+                                        progress(closure.to, keyframes.size(), accepted);
+                                        auto verified = verifier.verify(closure, yaw);
+                                        if (verified && closure.accepted()) ++accepted;
+                                        return verified;
+                                      });
+    if (!search) return tl::unexpected(search.error());
+    if (search->agreeing.empty()) {
+      return fail(fmt::format("drive {} cannot be joined with those before it: of {} pairs of "
+                              "places that look alike {} fit, and too few of these agree",
+                              d + 1, search->tried.size(), accepted),
+                  folder.path().string(), "merge a drive that shares a street with both");
+    }
+    mapping::DriveJoin join{first[d], {}};
+    for (const size_t i : search->agreeing) join.closures.push_back(search->tried[i]);
+    joins.push_back(std::move(join));
+    closures.insert(closures.end(), search->tried.begin(), search->tried.end());
+  }
+  return joins;
 }
 
 /// The fixes as positions about the first of them.
@@ -101,8 +155,7 @@ Result<mapping::PoseGraph<3>> close_loops(mapping::PoseGraph<3> graph,
       ++summary.rejected[closure.reason];
       continue;
     }
-    graph.edges.push_back(
-        make_edge(closure.from, closure.to, closure.T_from_to, closure.covariance, true));
+    graph.edges.push_back(closure_edge(closure, true));
     of_edge.push_back(&closure);
   }
   if (of_edge.empty()) return graph;
@@ -137,10 +190,12 @@ std::string format_graph(const mapping::PoseGraph<3>& graph, bool with_origin) {
   return format_g2o(file);
 }
 
+/// The poses of keyframes `first` to before `end`.
 std::string format_trajectory(const std::vector<mapping::Keyframe>& keyframes,
-                              const std::vector<Eigen::Isometry3d>& T_map_vehicle) {
+                              const std::vector<Eigen::Isometry3d>& T_map_vehicle, size_t first,
+                              size_t end) {
   std::vector<recording::TrajectoryPose> poses;
-  for (size_t k = 0; k < keyframes.size(); ++k) {
+  for (size_t k = first; k < end; ++k) {
     poses.push_back({keyframes[k].stamp, T_map_vehicle[k]});
   }
   return recording::format_tum(poses);
@@ -191,7 +246,14 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   summary.sweeps = count_at(drive.manifest, "sweeps");
   summary.unmeasured = count_at(drive.manifest, "unmeasured");
   summary.unregistered = count_at(drive.manifest, "unregistered");
-  mapping::PoseGraph<3> graph = odometry_graph(keyframes);
+  summary.drives = drive.first_keyframes.size();
+  std::vector<mapping::Closure> closures;
+  ClosureVerifier verifier(folder, drive, settings.check);
+  if (auto resumed = verifier.resume(); !resumed) return tl::unexpected(resumed.error());
+  const auto joins =
+      join_drives(folder, drive, keyframes, settings.join, verifier, progress, closures);
+  if (!joins) return tl::unexpected(joins.error());
+  mapping::PoseGraph<3> graph = odometry_graph(keyframes, *joins);
   const Georeference origin =
       settings.use_gnss ? make_georeference(drive, settings.positions) : Georeference{};
 
@@ -199,20 +261,17 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   if (auto fit = mapping::fit_positions(graph, origin.factors, settings.positions); fit.usable()) {
     known = mapping::KnownPoses{poses_of(fit), settings.positions.sigma};
   }
-  std::vector<mapping::Closure> closures;
-  ClosureVerifier verifier(folder, drive, settings.check);
-  if (auto resumed = verifier.resume(); !resumed) return tl::unexpected(resumed.error());
   if (settings.close_loops) {
     size_t accepted = 0;
-    auto found =
-        mapping::search_closures(keyframes, known, settings.search, [&](mapping::Closure& closure) {
-          progress(closure.to, keyframes.size(), accepted);
-          auto verified = verifier.verify(closure);
-          if (verified && closure.accepted()) ++accepted;
-          return verified;
-        });
+    const auto found = mapping::search_closures(keyframes, *joins, known, settings.search,
+                                                [&](mapping::Closure& closure) {
+                                                  progress(closure.to, keyframes.size(), accepted);
+                                                  auto verified = verifier.verify(closure);
+                                                  if (verified && closure.accepted()) ++accepted;
+                                                  return verified;
+                                                });
     if (!found) return tl::unexpected(found.error());
-    closures = *std::move(found);
+    closures.insert(closures.end(), found->begin(), found->end());
   }
   if (auto written = verifier.finish(closures); !written) return tl::unexpected(written.error());
 
@@ -232,11 +291,15 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   manifest["outvoted_closures"] = outvoted;
   manifest["summary"] = to_json(summary);
   const std::string graph_text = format_graph(fit.usable() ? fit.graph : *closed, fit.usable());
-  const std::string trajectory = format_trajectory(keyframes, T_map_vehicle);
-  for (const auto& [name, text] :
-       {std::pair{map_file::kGraph, &graph_text}, std::pair{map_file::kTrajectory, &trajectory}}) {
-    if (auto written = folder.write(name, *text); !written) return tl::unexpected(written.error());
-    manifest["files"][name] = checksum(*text);
+  std::vector<std::pair<std::string, std::string>> files{{map_file::kGraph, graph_text}};
+  for (size_t d = 0; d < summary.drives; ++d) {
+    const size_t end = d + 1 < summary.drives ? drive.first_keyframes[d + 1] : keyframes.size();
+    files.emplace_back(MapFolder::trajectory_name(d),
+                       format_trajectory(keyframes, T_map_vehicle, drive.first_keyframes[d], end));
+  }
+  for (const auto& [name, text] : files) {
+    if (auto written = folder.write(name, text); !written) return tl::unexpected(written.error());
+    manifest["files"][name] = checksum(text);
   }
   for (const char* earlier : {map_file::kDrive, map_file::kClosures}) {
     const auto text = folder.read(earlier);

@@ -11,6 +11,7 @@ namespace infuse::daemon {
 
 /// What is printed about a map.
 struct MapSummary {
+  size_t drives = 1;
   size_t keyframes = 0;
   uint64_t sweeps = 0;
   uint64_t unregistered = 0;               ///< sweeps whose motion the lidar did not measure …
@@ -35,9 +36,10 @@ std::string to_text(const MapSummary& summary);
 /// Called with the number of keyframes searched so far and of all, and closures accepted.
 using MapProgress = std::function<void(size_t done, size_t all, size_t closures)>;
 
-/// Seeks the closures of a replayed drive, optimises its graph, fits it to its fixes and writes the
-/// rest of the map, map.json last. Closures that an interrupted run left in closures.csv are not
-/// verified again. The bytes depend on the drive and the settings alone.
+/// Joins the drives of a merged map by the places that they share, seeks the closures of the
+/// replayed drives, optimises their graph, fits it to its fixes and writes the rest of the map,
+/// map.json last. Closures that an interrupted run left in closures.csv are not verified again. The
+/// bytes depend on the drive and the settings alone.
 Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
                               const MapSettings& settings, const MapProgress& progress);
 

@@ -67,6 +67,34 @@ Result<Eigen::Isometry3d> read_mounting(const MapJson& manifest, const std::stri
   return *T;
 }
 
+/// The first keyframes of a merged map's drives, or 0. Fails where they or a drive's stamps are not
+/// in order.
+Result<std::vector<size_t>> read_first_keyframes(const MapJson& manifest,
+                                                 const std::vector<MapKeyframe>& keyframes,
+                                                 const std::string& where) {
+  std::vector<size_t> first{0};
+  if (manifest.contains(kFirstKeyframes)) {
+    const MapJson& numbers = manifest[kFirstKeyframes];
+    if (!numbers.is_array() || numbers.empty() || numbers[0] != 0) {
+      return fail("first_keyframes is not a list that begins with 0", where);
+    }
+    for (size_t d = 1; d < numbers.size(); ++d) {
+      if (!numbers[d].is_number_unsigned() || numbers[d].get<size_t>() <= first.back() ||
+          numbers[d].get<size_t>() >= keyframes.size()) {
+        return fail("first_keyframes are not keyframes in order", where);
+      }
+      first.push_back(numbers[d].get<size_t>());
+    }
+  }
+  for (size_t k = 1; k < keyframes.size(); ++k) {
+    const bool begins = std::binary_search(first.begin(), first.end(), k);
+    if (!begins && keyframes[k].keyframe.stamp <= keyframes[k - 1].keyframe.stamp) {
+      return fail(fmt::format("the stamp of keyframe {} goes back", k), where);
+    }
+  }
+  return first;
+}
+
 }  // namespace
 
 bool MapFolder::has(const std::string& name) const {
@@ -122,6 +150,34 @@ Result<MapJson> MapFolder::read_manifest(const std::string& name) const {
   return json;
 }
 
+Result<bool> MapFolder::is_made_of(const MapJson& identity) const {
+  if (!has(map_file::kDrive)) return false;
+  const auto manifest = read_manifest(map_file::kDrive);
+  if (!manifest) return tl::unexpected(manifest.error());
+  for (const auto& [key, value] : identity.items()) {
+    if (!manifest->contains(key) || (*manifest)[key] != value) {
+      return fail("the folder holds a map of another drive, lidar or settings (" + key + ")",
+                  path_.string(), "choose a new folder");
+    }
+  }
+  return true;
+}
+
+void MapFolder::remove_clouds_from(size_t keyframe) const {
+  std::error_code error;
+  while (has(cloud_name(keyframe)) &&
+         std::filesystem::remove(path_ / cloud_name(keyframe), error)) {
+    ++keyframe;
+  }
+}
+
+void MapFolder::remove_results() const {
+  for (const char* later : {map_file::kClosures, map_file::kMap}) {
+    std::error_code ignored;
+    std::filesystem::remove(path_ / later, ignored);
+  }
+}
+
 Result<std::string> MapFolder::read_stated(const MapJson& manifest, const std::string& name) const {
   const std::string sum =
       manifest.contains("files") ? text_at(manifest["files"], name) : std::string();
@@ -131,6 +187,11 @@ Result<std::string> MapFolder::read_stated(const MapJson& manifest, const std::s
 
 std::string MapFolder::cloud_name(size_t keyframe) {
   return fmt::format("{}/{:06}.pcd", map_file::kClouds, keyframe);
+}
+
+std::string MapFolder::trajectory_name(size_t drive) {
+  return drive == 0 ? fmt::format("{}.tum", map_file::kTrajectory)
+                    : fmt::format("{}_{}.tum", map_file::kTrajectory, drive + 1);
 }
 
 Result<mapping::Submap> MapFolder::read_cloud(const std::vector<MapKeyframe>& keyframes,
@@ -157,6 +218,10 @@ Result<MapDrive> read_map_drive(const MapFolder& folder) {
       });
   if (!keyframes) return tl::unexpected(keyframes.error());
   drive.keyframes = *std::move(keyframes);
+  auto first =
+      read_first_keyframes(drive.manifest, drive.keyframes, folder.path_of(map_file::kDrive));
+  if (!first) return tl::unexpected(first.error());
+  drive.first_keyframes = *std::move(first);
   auto fixes = folder.read_stated(drive.manifest, map_file::kFixes).and_then([&](const auto& text) {
     return parse_fixes(text, folder.path_of(map_file::kFixes));
   });

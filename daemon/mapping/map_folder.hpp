@@ -22,10 +22,13 @@ inline constexpr const char* kFixes = "fixes.csv";
 inline constexpr const char* kPlaces = "places.bin";
 inline constexpr const char* kClosures = "closures.csv";  ///< sought so far
 inline constexpr const char* kGraph = "graph.g2o";
-inline constexpr const char* kTrajectory = "trajectory.tum";
-inline constexpr const char* kMap = "map.json";   ///< the map is complete
-inline constexpr const char* kClouds = "clouds";  ///< folder
+inline constexpr const char* kTrajectory = "trajectory";  ///< see `trajectory_name`
+inline constexpr const char* kMap = "map.json";           ///< the map is complete
+inline constexpr const char* kClouds = "clouds";          ///< folder
 }  // namespace map_file
+
+/// Key of a manifest: the first keyframe of each drive of a merged map.
+inline constexpr const char* kFirstKeyframes = "first_keyframes";
 
 /// A map folder on disk. Every file is written atomically.
 class MapFolder {
@@ -45,10 +48,20 @@ class MapFolder {
 
   /// Reads drive.json or map.json. Fails if it is not the manifest of a map of this version.
   Result<MapJson> read_manifest(const std::string& name) const;
+  /// True if drive.json is there: what the map is made of is complete. Fails if it is not of
+  /// `identity`, of which every key and value must be the same.
+  Result<bool> is_made_of(const MapJson& identity) const;
   /// Reads a file with the checksum that a manifest states.
   Result<std::string> read_stated(const MapJson& manifest, const std::string& name) const;
 
+  /// Removes the clouds from this keyframe on, which an interrupted run of other content left.
+  void remove_clouds_from(size_t keyframe) const;
+  /// Removes what was found of earlier content: closures.csv and map.json.
+  void remove_results() const;
+
   static std::string cloud_name(size_t keyframe);
+  /// trajectory.tum of the first drive, trajectory_2.tum of the second …
+  static std::string trajectory_name(size_t drive);
   Result<mapping::Submap> read_cloud(const std::vector<MapKeyframe>& keyframes, size_t k) const;
 
  private:
@@ -63,6 +76,7 @@ struct MapDrive {
   MapJson manifest;
   Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
   std::vector<MapKeyframe> keyframes;
+  std::vector<size_t> first_keyframes{0};  ///< of each drive of a merged map
   std::vector<MapFix> fixes;
 };
 

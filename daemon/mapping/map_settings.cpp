@@ -10,6 +10,7 @@ std::optional<std::string> MapSettings::invalid() const {
   if (auto wrong = submaps.invalid()) return wrong;
   if (auto wrong = search.invalid()) return wrong;
   if (auto wrong = check.invalid()) return wrong;
+  if (auto wrong = join.invalid()) return wrong;
   return positions.invalid();
 }
 
@@ -18,6 +19,7 @@ nlohmann::ordered_json to_json(const MapSettings& settings) {
   const mapping::SubmapOptions& m = settings.submaps;
   const mapping::ClosureSearchOptions& s = settings.search;
   const mapping::ClosureCheckOptions& c = settings.check;
+  const places::JoinOptions& j = settings.join;
   const mapping::PositionOptions& p = settings.positions;
   return {{"close_loops", settings.close_loops},
           {"use_gnss", settings.use_gnss},
@@ -49,6 +51,16 @@ nlohmann::ordered_json to_json(const MapSettings& settings) {
             {"max_difference_rotation", c.max_difference_rotation},
             {"rotation_noise", c.rotation_noise},
             {"translation_noise", c.translation_noise}}},
+          {"join",
+           {{"spacing", j.spacing},
+            {"candidates", j.candidates},
+            {"distinct", j.distinct},
+            {"min_agreement", j.min_agreement},
+            {"min_overlap", j.min_overlap},
+            {"enough", j.enough},
+            {"min_closures", j.agreement.min_closures},
+            {"widening", j.agreement.widening},
+            {"max_rival", j.agreement.max_rival}}},
           {"positions",
            {{"sigma", p.sigma},
             {"vertical_factor", p.vertical_factor},

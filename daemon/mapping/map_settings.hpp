@@ -7,6 +7,7 @@
 #include "fusion/mapping/closure_check.hpp"
 #include "fusion/mapping/closure_search.hpp"
 #include "fusion/mapping/position_factors.hpp"
+#include "fusion/places/join_search.hpp"
 
 namespace infuse::daemon {
 
@@ -16,6 +17,7 @@ struct MapSettings {
   mapping::SubmapOptions submaps;
   mapping::ClosureSearchOptions search;
   mapping::ClosureCheckOptions check;
+  places::JoinOptions join;
   mapping::PositionOptions positions;
   double max_unmeasured = 0.03;   ///< share of the sweeps whose motion no sensor measured, …
   double max_unregistered = 0.1;  ///< … or the lidar did not; more make a map that is not usable

@@ -7,7 +7,8 @@ namespace infuse::daemon {
 MapJson to_json(const MapSummary& summary) {
   MapJson rejected = MapJson::object();
   for (const auto& [reason, count] : summary.rejected) rejected[reason] = count;
-  return {{"keyframes", summary.keyframes},
+  return {{"drives", summary.drives},
+          {"keyframes", summary.keyframes},
           {"sweeps", summary.sweeps},
           {"unregistered_sweeps", summary.unregistered},
           {"unmeasured_sweeps", summary.unmeasured},
@@ -29,6 +30,7 @@ MapJson to_json(const MapSummary& summary) {
 std::string to_text(const MapSummary& summary) {
   std::string text = fmt::format("{} keyframes from {} sweeps, {:.1f} m", summary.keyframes,
                                  summary.sweeps, summary.way);
+  if (summary.drives > 1) text += fmt::format(", {} drives", summary.drives);
   if (summary.unregistered > 0) {
     text += fmt::format(", {} sweep(s) not registered, the motion of {} of them unknown",
                         summary.unregistered, summary.unmeasured);

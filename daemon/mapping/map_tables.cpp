@@ -141,26 +141,24 @@ std::string format_keyframes(const std::vector<MapKeyframe>& keyframes) {
 
 Result<std::vector<MapKeyframe>> parse_keyframes(std::string_view text, const std::string& name) {
   std::vector<MapKeyframe> keyframes;
-  return parse_table(
-             text, keyframes_header(), name,
-             [&](Row& row) -> std::string {
-               MapKeyframe parsed;
-               mapping::Keyframe& keyframe = parsed.keyframe;
-               const auto number = row.number<size_t>();
-               keyframe.stamp = Stamp::from_ns(row.number<int64_t>());
-               keyframe.way = row.number<double>();
-               parsed.points = row.number<size_t>();
-               parsed.cloud_checksum = row.word();
-               keyframe.T_odom_vehicle = row.pose();
-               keyframe.covariance = row.covariance();
-               if (number != keyframes.size()) return "keyframes are not in order";
-               if (!keyframes.empty() && (keyframe.stamp <= keyframes.back().keyframe.stamp ||
-                                          keyframe.way < keyframes.back().keyframe.way)) {
-                 return "stamp or way goes back";
-               }
-               keyframes.push_back(std::move(parsed));
-               return "";
-             })
+  return parse_table(text, keyframes_header(), name,
+                     [&](Row& row) -> std::string {
+                       MapKeyframe parsed;
+                       mapping::Keyframe& keyframe = parsed.keyframe;
+                       const auto number = row.number<size_t>();
+                       keyframe.stamp = Stamp::from_ns(row.number<int64_t>());
+                       keyframe.way = row.number<double>();
+                       parsed.points = row.number<size_t>();
+                       parsed.cloud_checksum = row.word();
+                       keyframe.T_odom_vehicle = row.pose();
+                       keyframe.covariance = row.covariance();
+                       if (number != keyframes.size()) return "keyframes are not in order";
+                       if (!keyframes.empty() && keyframe.way < keyframes.back().keyframe.way) {
+                         return "way goes back";
+                       }
+                       keyframes.push_back(std::move(parsed));
+                       return "";
+                     })
       .map([&] { return std::move(keyframes); });
 }
 

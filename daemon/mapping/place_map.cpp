@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "daemon/mapping/checksum.hpp"
+
 namespace infuse::daemon {
 
 using places::PlaceDescriptor;
@@ -31,17 +33,37 @@ Result<std::vector<PlaceDescriptor>> parse_places(std::string_view bytes, const 
   return places;
 }
 
+Result<std::vector<PlaceDescriptor>> read_places(const MapFolder& folder, const MapDrive& drive) {
+  auto places = folder.read_stated(drive.manifest, map_file::kPlaces).and_then([&](const auto& b) {
+    return parse_places(b, folder.path_of(map_file::kPlaces));
+  });
+  if (places && places->size() != drive.keyframes.size()) {
+    return fail("not as many places as keyframes", folder.path_of(map_file::kPlaces));
+  }
+  return places;
+}
+
+Result<void> write_drive(const MapFolder& folder, MapJson manifest,
+                         const std::vector<MapKeyframe>& keyframes,
+                         const std::vector<MapFix>& fixes,
+                         const std::vector<PlaceDescriptor>& places) {
+  const std::string keyframes_text = format_keyframes(keyframes), fixes_text = format_fixes(fixes),
+                    places_bytes = format_places(places);
+  for (const auto& [name, text] :
+       {std::pair{map_file::kKeyframes, &keyframes_text}, std::pair{map_file::kFixes, &fixes_text},
+        std::pair{map_file::kPlaces, &places_bytes}}) {
+    if (auto written = folder.write(name, *text); !written) return written;
+    manifest["files"][name] = checksum(*text);
+  }
+  return folder.write(map_file::kDrive,
+                      manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");
+}
+
 Result<places::PlaceMap> open_place_map(const MapFolder& folder) {
   auto content = read_map(folder);
   if (!content) return tl::unexpected(content.error());
-  auto descriptors =
-      folder.read_stated(content->drive.manifest, map_file::kPlaces).and_then([&](const auto& b) {
-        return parse_places(b, folder.path_of(map_file::kPlaces));
-      });
+  auto descriptors = read_places(folder, content->drive);
   if (!descriptors) return tl::unexpected(descriptors.error());
-  if (descriptors->size() != content->drive.keyframes.size()) {
-    return fail("not as many places as keyframes", folder.path_of(map_file::kPlaces));
-  }
   places::PlaceMap map;
   map.T_map_vehicle = std::move(content->T_map_vehicle);
   map.T_vehicle_lidar = content->drive.T_vehicle_lidar;

@@ -15,6 +15,17 @@ std::string format_places(const std::vector<places::PlaceDescriptor>& places);
 Result<std::vector<places::PlaceDescriptor>> parse_places(std::string_view bytes,
                                                           const std::string& name);
 
+/// Reads the places of a map, one for every keyframe.
+Result<std::vector<places::PlaceDescriptor>> read_places(const MapFolder& folder,
+                                                         const MapDrive& drive);
+
+/// Writes what a map is made of, drive.json last: `manifest` with the checksums of the tables,
+/// which have an entry for every keyframe. The clouds are there already.
+Result<void> write_drive(const MapFolder& folder, MapJson manifest,
+                         const std::vector<MapKeyframe>& keyframes,
+                         const std::vector<MapFix>& fixes,
+                         const std::vector<places::PlaceDescriptor>& places);
+
 /// Opens a complete map for localisation: its keyframes and places are read, its clouds when they
 /// are needed.
 Result<places::PlaceMap> open_place_map(const MapFolder& folder);

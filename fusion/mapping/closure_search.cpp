@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fusion/mapping/drive_join.hpp"
+
 namespace infuse::mapping {
 namespace {
 
@@ -16,19 +18,35 @@ struct Relative {
 /// Where the keyframes are taken to be while closures are sought.
 class Estimate {
  public:
-  Estimate(const std::vector<Keyframe>& keyframes, const std::optional<KnownPoses>& known)
-      : keyframes_(keyframes), known_(known), poses_(keyframes.size()), P_(keyframes.size()) {
+  Estimate(const std::vector<Keyframe>& keyframes, const std::vector<DriveJoin>& joins,
+           const std::optional<KnownPoses>& known)
+      : keyframes_(keyframes),
+        joins_(joins),
+        known_(known),
+        poses_(keyframes.size()),
+        P_(keyframes.size()) {
     poses_[0] = keyframes[0].T_odom_vehicle;
     P_[0].setZero();
   }
 
-  /// Goes on to keyframe k by odometry.
+  /// Goes on to keyframe k by odometry, or to where its drive joins those before.
   void advance(size_t k) {
     if (k == 0) return;
+    if (next_join_ < joins_.size() && joins_[next_join_].first == k) {
+      begin(joins_[next_join_++]);
+      return;
+    }
     poses_[k] =
         poses_[k - 1] * (keyframes_[k - 1].T_odom_vehicle.inverse() * keyframes_[k].T_odom_vehicle);
     P_[k] = P_[k - 1] + geometry::transform_covariance(poses_[k - 1], keyframes_[k].covariance);
+    if (next_join_ == 0) return;
+    for (const Closure& closure : joins_[next_join_ - 1].closures) {
+      if (closure.to == k) correct(closure);
+    }
   }
+
+  /// First keyframe of the drive that was advanced to last.
+  size_t first_of_drive() const { return next_join_ == 0 ? 0 : joins_[next_join_ - 1].first; }
 
   /// Puts its keyframe where a closure has it.
   void correct(const Closure& closure) {
@@ -48,6 +66,16 @@ class Estimate {
   }
 
  private:
+  void begin(const DriveJoin& join) {
+    const Closure& closure = join.closures.front();
+    correct(closure);
+    if (closure.to == join.first) return;
+    const OdometryBetween back = odometry_between(keyframes_, closure.to, join.first);
+    poses_[join.first] = poses_[closure.to] * back.T_from_to;
+    P_[join.first] =
+        P_[closure.to] + geometry::transform_covariance(poses_[closure.to], back.covariance);
+  }
+
   double tracked_sigma(size_t from, size_t to) const {
     Eigen::Matrix<double, 3, 6> G;
     G << -geometry::skew(poses_[to].translation()), Eigen::Matrix3d::Identity();
@@ -56,7 +84,9 @@ class Estimate {
   }
 
   const std::vector<Keyframe>& keyframes_;
+  const std::vector<DriveJoin>& joins_;
   const std::optional<KnownPoses>& known_;
+  size_t next_join_ = 0;
   std::vector<Eigen::Isometry3d> poses_;
   std::vector<geometry::Matrix6> P_;  // left perturbation in the odometry frame
 };
@@ -71,7 +101,9 @@ std::optional<Candidate> nearest_before(const std::vector<Keyframe>& keyframes,
                                         const Estimate& estimate, size_t k,
                                         const ClosureSearchOptions& options) {
   std::optional<Candidate> best;
-  for (size_t i = 0; i < k && keyframes[k].way - keyframes[i].way >= options.min_way; ++i) {
+  const size_t first = estimate.first_of_drive();
+  for (size_t i = 0; i < k; ++i) {
+    if (i >= first && keyframes[k].way - keyframes[i].way < options.min_way) break;
     const Relative relative = estimate.relative(i, k);
     const double distance = relative.T_from_to.translation().norm();
     if (best && distance >= best->distance) continue;
@@ -105,12 +137,13 @@ std::optional<std::string> ClosureSearchOptions::invalid() const {
 }
 
 Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyframes,
+                                             const std::vector<DriveJoin>& joins,
                                              const std::optional<KnownPoses>& known,
                                              const ClosureSearchOptions& options,
                                              const VerifyClosure& verify) {
   std::vector<Closure> closures;
   if (keyframes.empty()) return closures;
-  Estimate estimate(keyframes, known);
+  Estimate estimate(keyframes, joins, known);
   double next = -std::numeric_limits<double>::infinity();  // way at which closures are sought again
   for (size_t k = 0; k < keyframes.size(); ++k) {
     estimate.advance(k);

@@ -12,7 +12,7 @@ namespace infuse::mapping {
 
 /// Settings of the search for loop closures.
 struct ClosureSearchOptions {
-  double min_way = 40;      ///< m driven between two keyframes of a closure
+  double min_way = 40;      ///< m driven between two keyframes of a closure of one drive
   double max_distance = 6;  ///< m between them
   double spacing = 4;       ///< m driven after a closure until the next one is sought
   double sigmas = 3;        ///< of the stated uncertainty, within which a closure is sought
@@ -43,15 +43,23 @@ struct KnownPoses {
   double sigma = 0;                              ///< m, of their positions
 };
 
+/// A further drive among the keyframes, and where it joins those before it.
+struct DriveJoin {
+  size_t first = 0;               ///< its first keyframe; the drive before ends there
+  std::vector<Closure> closures;  ///< that agree, in order of `to`; from < first <= to; not empty
+};
+
 /// Verifies a closure of which `from`, `to`, `guessed` and the guess `T_from_to` are given; fills
 /// the rest.
 using VerifyClosure = std::function<Result<void>(Closure&)>;
 
-/// Seeks closures along the drive: of every keyframe the nearest one that was passed before, where
+/// Seeks closures along the drives: of every keyframe the nearest one that was passed before, where
 /// the uncertainty of the odometry since (or of the known poses) lets them be within
-/// `max_distance`. A closure that was found corrects where the next ones are sought. One that was
-/// verified and contradicts that uncertainty is rejected. `options.invalid()` must be empty.
+/// `max_distance`. A closure that was found, or by which a drive joins the others, corrects where
+/// the next ones are sought. One that was verified and contradicts that uncertainty is rejected.
+/// `options.invalid()` must be empty.
 Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyframes,
+                                             const std::vector<DriveJoin>& joins,
                                              const std::optional<KnownPoses>& known,
                                              const ClosureSearchOptions& options,
                                              const VerifyClosure& verify);

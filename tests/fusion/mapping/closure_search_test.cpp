@@ -64,7 +64,7 @@ TEST(ClosureSearch, FindsTheSecondTurnDespiteDrift) {
   const double drifted =
       (keyframes[turn].T_odom_vehicle.translation() - truth[turn].translation()).norm();
   EXPECT_GT(drifted, 1.5) << "else nothing is shown";
-  const auto closures = search_closures(keyframes, {}, {}, perfect(truth, 2));
+  const auto closures = search_closures(keyframes, {}, {}, {}, perfect(truth, 2));
   ASSERT_TRUE(closures);
   // Half a circle is driven twice, with a closure every 4 m.
   size_t accepted = 0;
@@ -89,7 +89,7 @@ TEST(ClosureSearch, SeeksWithinTheStatedUncertaintyOnly) {
       closure.reason = "no";
       return {};
     };
-    ASSERT_TRUE(search_closures(keyframes, {}, {}, measure));
+    ASSERT_TRUE(search_closures(keyframes, {}, {}, {}, measure));
     EXPECT_EQ(furthest > 6.5, stated > 1e-3) << furthest;
     EXPECT_GT(furthest, 0);
   }
@@ -102,7 +102,7 @@ TEST(ClosureSearch, RejectsWhatTheOdometryContradicts) {
     closure.reason.clear();
     return {};
   };
-  const auto closures = search_closures(drifting(truth, 0, 1e-5), {}, {}, lie);
+  const auto closures = search_closures(drifting(truth, 0, 1e-5), {}, {}, {}, lie);
   ASSERT_TRUE(closures);
   ASSERT_FALSE(closures->empty());
   for (const Closure& closure : *closures) EXPECT_FALSE(closure.accepted());
@@ -112,8 +112,8 @@ TEST(ClosureSearch, RejectsWhatTheOdometryContradicts) {
 TEST(ClosureSearch, UsesKnownPosesWhereTheyAreMoreCertain) {
   const auto truth = circle();
   const auto keyframes = drifting(truth, 4e-3, 0.05);
-  const auto alone = search_closures(keyframes, {}, {}, perfect(truth, 2));
-  const auto known = search_closures(keyframes, KnownPoses{truth, 0.5}, {}, perfect(truth, 2));
+  const auto alone = search_closures(keyframes, {}, {}, {}, perfect(truth, 2));
+  const auto known = search_closures(keyframes, {}, KnownPoses{truth, 0.5}, {}, perfect(truth, 2));
   ASSERT_TRUE(alone && known);
   const auto accepted = [](const std::vector<Closure>& closures) {
     return std::count_if(closures.begin(), closures.end(),
@@ -125,11 +125,11 @@ TEST(ClosureSearch, UsesKnownPosesWhereTheyAreMoreCertain) {
 
 TEST(ClosureSearch, PassesErrorsOn) {
   const auto truth = circle();
-  const auto closures = search_closures(drifting(truth, 0, 1e-3), {}, {}, [](Closure&) {
+  const auto closures = search_closures(drifting(truth, 0, 1e-3), {}, {}, {}, [](Closure&) {
     return Result<void>(fail("a cloud is damaged"));
   });
   EXPECT_FALSE(closures);
-  EXPECT_TRUE(search_closures({}, {}, {}, perfect(truth, 2)));
+  EXPECT_TRUE(search_closures({}, {}, {}, {}, perfect(truth, 2)));
 }
 
 }  // namespace

@@ -1,0 +1,57 @@
+#include "fusion/places/join_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace infuse::places {
+
+std::optional<std::string> JoinOptions::invalid() const {
+  if (!(spacing >= 0 && distinct >= 0)) return "lengths must not be negative";
+  if (candidates < 1 || candidates > 100) return "candidates must lie in 1 … 100";
+  for (const double share : {min_agreement, min_overlap}) {
+    if (!(share >= 0 && share <= 1)) return "shares must lie in 0 … 1";
+  }
+  if (enough < agreement.min_closures) return "enough must not be less than min_closures";
+  return agreement.invalid();
+}
+
+Result<JoinSearch> search_join(const std::vector<mapping::Keyframe>& keyframes,
+                               const std::vector<PlaceDescriptor>& descriptors,
+                               const std::vector<size_t>& first_keyframes, size_t first, size_t end,
+                               const JoinOptions& options, const VerifyPlaces& verify) {
+  constexpr size_t kSearchedPerCandidate = 6;  // neighbours look alike
+  const PlaceIndex index(
+      {descriptors.begin(), descriptors.begin() + static_cast<std::ptrdiff_t>(first)});
+  JoinSearch search;
+  double next = -std::numeric_limits<double>::infinity();  // way of the next place that is compared
+  for (size_t k = first; k < end && search.agreeing.size() < options.enough; ++k) {
+    if (keyframes[k].way < next) continue;
+    next = keyframes[k].way + options.spacing;
+    std::vector<size_t> tried;
+    for (const PlaceCandidate& candidate :
+         index.find(descriptors[k], kSearchedPerCandidate * options.candidates)) {
+      if (tried.size() == options.candidates) break;
+      const bool is_near = std::any_of(tried.begin(), tried.end(), [&](size_t other) {
+        return std::abs(keyframes[other].way - keyframes[candidate.place].way) < options.distinct;
+      });
+      if (is_near) continue;
+      tried.push_back(candidate.place);
+      mapping::Closure closure;
+      closure.from = candidate.place;
+      closure.to = k;
+      if (auto verified = verify(closure, candidate.similarity.yaw); !verified) {
+        return tl::unexpected(verified.error());
+      }
+      const bool alike =
+          closure.agreement >= options.min_agreement && closure.overlap >= options.min_overlap;
+      if (closure.accepted() && !alike) closure.reason = "too little in common without a guess";
+      search.tried.push_back(std::move(closure));
+    }
+    search.agreeing =
+        mapping::find_agreeing(keyframes, first_keyframes, search.tried, options.agreement);
+  }
+  return search;
+}
+
+}  // namespace infuse::places
