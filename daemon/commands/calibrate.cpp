@@ -20,6 +20,9 @@ namespace {
 
 constexpr const char* kCalibrateProgram = "infuse calibrate";
 
+constexpr double kMaxScreenedDeg = 45;
+constexpr double kAnyHeadingDeg = 180;
+
 struct CalibrateArguments {
   SceneRequest request;
   std::vector<std::string> measures{"joint"};
@@ -57,8 +60,9 @@ std::optional<std::string> find_usage_error(const CalibrateArguments& arguments)
   if (arguments.request.max_scenes < 1 || arguments.request.max_scenes > 1000) {
     return "--scenes must lie in 1 ... 1000";
   }
-  if (!(arguments.within_deg >= 0 && arguments.within_deg <= 45)) {
-    return "--within must lie in 0 ... 45";
+  if (!(arguments.within_deg >= 0 && arguments.within_deg <= kMaxScreenedDeg) &&
+      arguments.within_deg != kAnyHeadingDeg) {
+    return "--within must lie in 0 ... 45, or be 180";
   }
   if (!(arguments.perturb[0] >= 0 && arguments.perturb[0] <= 45 && arguments.perturb[1] >= 0 &&
         arguments.perturb[1] <= 10)) {
@@ -74,6 +78,10 @@ std::optional<std::string> find_usage_error(const CalibrateArguments& arguments)
     return "--refine-intrinsics and --refine-delay exclude each other";
   }
   if (arguments.refine_intrinsics || arguments.refine_delay) {
+    if (arguments.within_deg == kAnyHeadingDeg) {
+      return "--within 180 excludes --refine-intrinsics and --refine-delay: calibrate first, then "
+             "refine from --start RIG";
+    }
     const std::string option = arguments.refine_delay ? "--refine-delay" : "--refine-intrinsics";
     if (arguments.request.cameras.size() > 1 || arguments.measures.size() > 1) {
       return option + " takes one camera and one measure";
@@ -249,9 +257,10 @@ int run(const CalibrateArguments& arguments) {
         *pairs, *calibration::find_measure(arguments.measures[k]),
         perturb(*initial_pose, arguments.perturb[0] * kDegree, arguments.perturb[1], random),
         options,
-        arguments.refine_intrinsics ? Refine::kIntrinsics
-        : arguments.refine_delay    ? Refine::kDelay
-                                    : Refine::kPoseOnly);
+        arguments.refine_intrinsics              ? CalibrationKind::kIntrinsics
+        : arguments.refine_delay                 ? CalibrationKind::kDelay
+        : arguments.within_deg == kAnyHeadingDeg ? CalibrationKind::kAnyHeading
+                                                 : CalibrationKind::kPose);
     if (!calibrated) {
       line.clear();
       return print_error(kCalibrateProgram, calibrated.error(), kUnreadable);
@@ -311,7 +320,8 @@ Command declare_calibrate(CLI::App& infuse) {
                   "drive's extrinsics)")
       ->type_name("MATRIX|RIG");
   app->add_option("--within", arguments->within_deg,
-                  "maximum rotation error of the initial guess about each axis (3.5)")
+                  "maximum rotation error of the initial guess about each axis (3.5), at most 45; "
+                  "180: any heading, within 20 of upright and 0.9 m of the position")
       ->type_name("DEG");
   app->add_option(
          "--perturb", arguments->perturb,

@@ -200,7 +200,7 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& initial_pose,
                                        const calibration::CalibrateOptions& options,
-                                       Refine refine) {
+                                       CalibrationKind kind) {
   const double began = cpu_seconds();
   CalibrationRun run{.measure = measure.name, .initial_pose = initial_pose, .options = options};
   run.options.terms = measure.terms;
@@ -210,16 +210,19 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
   auto scenes = make_scenes(pairs, measure, initial_pose);
   if (!scenes) return tl::unexpected(scenes.error());
   run.scenes = std::move(*scenes);
-  if (refine == Refine::kIntrinsics) {
+  if (kind == CalibrationKind::kIntrinsics) {
     run.refined = calibration::calibrate_with_intrinsics(run.scenes, run.cameras.front(),
                                                          initial_pose, run.options);
     run.result = run.refined->result;
     run.cameras.front().model = geometry::CameraModel(run.refined->intrinsics);
-  } else if (refine == Refine::kDelay) {
+  } else if (kind == CalibrationKind::kDelay) {
     run.delay =
         calibration::calibrate_with_delay(run.scenes, run.cameras, initial_pose, run.options);
     run.result = run.delay->result;
     run.scenes = calibration::scenes_exposed_later(run.scenes, run.delay->later);
+  } else if (kind == CalibrationKind::kAnyHeading) {
+    run.result =
+        calibration::calibrate_any_heading(run.scenes, run.cameras, initial_pose, run.options);
   } else {
     run.result = calibration::calibrate(run.scenes, run.cameras, initial_pose, run.options);
   }

@@ -8,6 +8,7 @@
 #include "daemon/commands/calibration_scenes.hpp"
 #include "daemon/commands/motion_uncertainty.hpp"
 #include "daemon/protocol/json.hpp"
+#include "fusion/calibration/any_heading.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "fusion/calibration/refine_delay.hpp"
@@ -15,8 +16,8 @@
 
 namespace infuse::daemon {
 
-/// What a calibration estimates beside the pose.
-enum class Refine : uint8_t { kPoseOnly, kIntrinsics, kDelay };
+/// What a calibration estimates: the pose, that without a guess of the heading, or more.
+enum class CalibrationKind : uint8_t { kPose, kAnyHeading, kIntrinsics, kDelay };
 
 /// A calibration with one measure, and its input.
 struct CalibrationRun {
@@ -49,13 +50,13 @@ Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
                                                     const calibration::NamedMeasure& measure,
                                                     const Eigen::Isometry3d& T_refcam_lidar);
 
-/// Calibrates with a named measure, and what `refine` names of the only camera. Errors: a pair from
+/// Calibrates with a named measure, and what `kind` names of the only camera. Errors: a pair from
 /// which no scene can be made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& start,
                                        const calibration::CalibrateOptions& options,
-                                       Refine refine = Refine::kPoseOnly);
+                                       CalibrationKind kind = CalibrationKind::kPose);
 
 /// Returns the camera's delay as the run estimates it (s), if it does.
 std::optional<double> refined_delay(const CalibrationRun& run, const ScenePairs& pairs);
