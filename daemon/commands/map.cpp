@@ -188,7 +188,9 @@ void declare_map_export(CLI::App& app, MapExportArguments& arguments) {
                   "number of the drive of a merged map, of a trajectory")
       ->check(CLI::PositiveNumber)
       ->type_name("N");
-  set_examples(*out, {"infuse map export map/ -o map.ply",
+  out->add_flag("--without-moving", arguments.without_moving,
+                "leave out what moved: points through which beams from other places passed");
+  set_examples(*out, {"infuse map export map/ --without-moving -o map.ply",
                       "infuse map export map/ --show height -o map.png"});
 }
 

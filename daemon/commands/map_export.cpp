@@ -10,6 +10,7 @@
 #include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/map_folder.hpp"
 #include "daemon/mapping/map_image.hpp"
+#include "daemon/mapping/static_clouds.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/recording/atomic_file.hpp"
 
@@ -21,37 +22,47 @@ constexpr double kMapPixel = 0.2, kMapVoxel = 0.25;  // m
 
 /// Calls use(cloud, T_map_lidar) for every keyframe.
 template <class Use>
-Result<void> for_each_cloud(const MapFolder& folder, const MapContent& map, Use use) {
+Result<void> for_each_cloud(const MapFolder& folder, const MapContent& map, bool without_moving,
+                            Use use) {
   ProgressLine line;
+  StaticClouds static_clouds(folder, map);
   const size_t all = map.T_map_vehicle.size();
   for (size_t k = 0; k < all; ++k) {
-    const auto cloud = folder.read_cloud(map.drive.keyframes, k);
+    const auto cloud =
+        without_moving ? static_clouds.read(k) : folder.read_cloud(map.drive.keyframes, k);
     if (!cloud) return tl::unexpected(cloud.error());
     use(*cloud, map.T_map_vehicle[k] * map.drive.T_vehicle_lidar);
     line.show(static_cast<double>(k + 1) / static_cast<double>(all),
               fmt::format("{} of {} clouds", k + 1, all));
   }
+  line.clear();
+  if (without_moving && static_clouds.points() > 0) {
+    std::cout << fmt::format("{} of {} points are of moving objects and left out, {:.2f} %\n",
+                             static_clouds.removed(), static_clouds.points(),
+                             100.0 * static_cast<double>(static_clouds.removed()) /
+                                 static_cast<double>(static_clouds.points()));
+  }
   return {};
 }
 
 Result<std::string> export_cloud(const MapFolder& folder, const MapContent& map, double voxel,
-                                 bool ply) {
+                                 bool without_moving, bool ply) {
   // The submaps were cut at their own ranges: here every point counts.
   mapping::SubmapBuilder builder({.voxel_size = voxel, .min_range = 0, .max_range = 500});
-  const auto done =
-      for_each_cloud(folder, map, [&](const mapping::Submap& cloud, const Eigen::Isometry3d& T) {
-        builder.add(cloud.points(), cloud.reflectivity, T);
-      });
+  const auto done = for_each_cloud(folder, map, without_moving,
+                                   [&](const mapping::Submap& cloud, const Eigen::Isometry3d& T) {
+                                     builder.add(cloud.points(), cloud.reflectivity, T);
+                                   });
   if (!done) return tl::unexpected(done.error());
   const mapping::Submap whole = builder.take();
   return ply ? format_cloud_ply(whole) : format_cloud_pcd(whole);
 }
 
 Result<std::string> export_image(const MapFolder& folder, const MapContent& map, double pixel,
-                                 MapImageContent content) {
+                                 bool without_moving, MapImageContent content) {
   MapImage image(pixel);
   const auto done = for_each_cloud(
-      folder, map,
+      folder, map, without_moving,
       [&](const mapping::Submap& cloud, const Eigen::Isometry3d& T) { image.add(cloud, T); });
   if (!done) return tl::unexpected(done.error());
   return image.draw(content)
@@ -76,10 +87,10 @@ Result<std::string> export_map(const MapExportArguments& arguments, const std::s
   }
   if (extension == ".png") {
     return export_image(
-        folder, *map, size(kMapPixel),
+        folder, *map, size(kMapPixel), arguments.without_moving,
         arguments.show == "height" ? MapImageContent::kHeight : MapImageContent::kIntensity);
   }
-  return export_cloud(folder, *map, size(kMapVoxel), extension == ".ply");
+  return export_cloud(folder, *map, size(kMapVoxel), arguments.without_moving, extension == ".ply");
 }
 
 }  // namespace

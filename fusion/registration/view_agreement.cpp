@@ -1,37 +1,14 @@
 #include "fusion/registration/view_agreement.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace infuse::registration {
 namespace {
 
-constexpr int kCells = 60;               // along a side of a face: 1.5° in the middle
 constexpr float kSupport = 0.6F;         // m, distance of a point that supports another
 constexpr float kClearance = 1.0F;       // m, by which a beam must go on behind a place
 constexpr float kAlongCommonest = 0.8F;  // cosine between a normal and the commonest one
-
-/// Cell of a direction: face, row and column.
-struct Cell {
-  int face, row, column;
-};
-
-Cell cell_of(const Eigen::Vector3f& p) {
-  int axis = 0;
-  const float length = p.cwiseAbs().maxCoeff(&axis);
-  const int other = (axis + 1) % 3, last = (axis + 2) % 3;
-  const auto index = [&](float value) {
-    const float place = (value / length + 1) * (kCells / 2.0F);
-    return std::clamp(static_cast<int>(place), 0, kCells - 1);
-  };
-  return {2 * axis + (p[axis] < 0 ? 1 : 0), index(p[other]), index(p[last])};
-}
-
-size_t at(const Cell& cell) {
-  return static_cast<size_t>((cell.face * kCells + cell.row) * kCells + cell.column);
-}
 
 /// Direction of which most normals have a large part.
 Eigen::Vector3f commonest_normal(const PointCloud& cloud) {
@@ -60,25 +37,6 @@ ViewAgreement ViewAgreement::operator+(const ViewAgreement& other) const {
   return {supported + other.supported, refuted + other.refuted, unseen + other.unseen};
 }
 
-ViewOfScan::ViewOfScan(const PreparedCloud& scan)
-    : scan_(scan), nearest_(size_t{6} * kCells * kCells, 0) {
-  const PointCloud& cloud = scan.cloud;
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f p(cloud.x[i], cloud.y[i], cloud.z[i]);
-    const float range = p.norm();
-    if (!(range > 0)) continue;
-    const Cell middle = cell_of(p);
-    for (int row = std::max(0, middle.row - 1); row <= std::min(kCells - 1, middle.row + 1);
-         ++row) {
-      for (int column = std::max(0, middle.column - 1);
-           column <= std::min(kCells - 1, middle.column + 1); ++column) {
-        float& nearest = nearest_[at({middle.face, row, column})];
-        if (nearest == 0 || range < nearest) nearest = range;
-      }
-    }
-  }
-}
-
 ViewAgreement ViewOfScan::judge(const PointCloud& other,
                                 const Eigen::Isometry3d& T_this_other) const {
   const Eigen::Vector3f ground = commonest_normal(other);
@@ -92,7 +50,7 @@ ViewAgreement ViewOfScan::judge(const PointCloud& other,
       ++out.supported;
       continue;
     }
-    const float range = p.norm(), seen = nearest_[at(cell_of(p))];
+    const float range = p.norm(), seen = ranges_.range_towards(p);
     ++(seen > range + kClearance ? out.refuted : out.unseen);
   }
   return out;

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <vector>
 
 #include "fusion/registration/gicp.hpp"
+#include "fusion/registration/range_image.hpp"
 
 namespace infuse::registration {
 
@@ -25,14 +25,14 @@ struct ViewAgreement {
   ViewAgreement operator+(const ViewAgreement& other) const;
 };
 
-/// Range image of a scan about its sensor, on the six faces of a cube, and its points. Tells
-/// whether something that another scan measured can be where a pose puts it: a beam that passed
-/// through a place has found it empty. Planes that fit anywhere along themselves, such as the
-/// ground and the houses of a street, can not tell a wrong pose by their points alone.
+/// Range image of a scan and its points. Tells whether something that another scan measured can be
+/// where a pose puts it: a beam that passed through a place has found it empty. Planes that fit
+/// anywhere along themselves, such as the ground and the houses of a street, can not tell a wrong
+/// pose by their points alone.
 class ViewOfScan {
  public:
   /// The cloud must outlive this object; its origin is the sensor.
-  explicit ViewOfScan(const PreparedCloud& scan);
+  explicit ViewOfScan(const PreparedCloud& scan) : scan_(scan), ranges_(scan.cloud.points()) {}
 
   /// Judges the points of another scan at its pose in this scan's frame. Points whose normal is
   /// along the commonest normal of their scan (the ground) are left out.
@@ -40,7 +40,7 @@ class ViewOfScan {
 
  private:
   const PreparedCloud& scan_;
-  std::vector<float> nearest_;  ///< m, range of the nearest point in and around each cell; 0: none
+  RangeImage ranges_;
 };
 
 /// Both ways: the source's points in the target's view and the target's in the source's.
