@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace infuse::places {
+
+/// Settings of the description of small images.
+struct ImageDescriptorOptions {
+  int cell = 8;          ///< pixels, side of a cell
+  int stride = 4;        ///< pixels between cells
+  int orientations = 8;  ///< of edges, over 180°
+  int max_shift = 1;     ///< cells, sideways, by which two views of a place may differ
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// Edge orientations of an image by cell: what stays when light and season change. The cells of a
+/// grid, row by row, with `orientations` numbers each.
+struct ImageDescriptor {
+  int rows = 0, columns = 0, orientations = 0;
+  std::vector<float> values;
+};
+
+/// Describes a grey image (rows from the top, without padding), which should be small: 64 by 32
+/// pixels will do. Square roots of the share of each orientation in the cell's edges. An image
+/// smaller than a cell has no cells. `options.invalid()` must be empty.
+ImageDescriptor describe_image(std::span<const uint8_t> pixels, int width, int height,
+                               const ImageDescriptorOptions& options = {});
+
+/// Subtracts the mean of the images of a drive from each of them, so that what is always in view
+/// (rails, bonnet, sky) does not count, and scales them to unit length. All are of one size.
+void remove_common_view(std::vector<ImageDescriptor>& drive);
+
+/// Cosine between two descriptors (-1 … 1), the greatest over sideways shifts.
+double similarity(const ImageDescriptor& a, const ImageDescriptor& b, int max_shift);
+
+}  // namespace infuse::places

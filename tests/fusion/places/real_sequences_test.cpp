@@ -1,0 +1,113 @@
+// Real images of the same way in two seasons (Nordland) and by two walkers (Gardens Point).
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+
+#include "drivers/camera/image_decoder.hpp"
+#include "fusion/places/image_descriptor.hpp"
+#include "fusion/places/sequence_match.hpp"
+#include "tests/real_data.hpp"
+
+namespace infuse::places {
+namespace {
+
+/// Descriptors of the tiles `begin` … `end` - 1 of a mosaic, row by row.
+std::vector<ImageDescriptor> describe_tiles(const std::filesystem::path& file, int columns,
+                                            int width, int height, int begin, int end) {
+  std::ifstream in(file, std::ios::binary);
+  const std::vector<char> bytes(std::istreambuf_iterator<char>(in), {});
+  CameraFrame mosaic;
+  const auto decoded = camera::decode_image(
+      {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, {.grey = true}, mosaic);
+  EXPECT_TRUE(decoded);
+  std::vector<ImageDescriptor> out;
+  if (!decoded) return out;
+  std::vector<uint8_t> tile(static_cast<size_t>(width * height));
+  for (int k = begin; k < end; ++k) {
+    const int left = k % columns * width, top = k / columns * height;
+    for (int row = 0; row < height; ++row) {
+      for (int column = 0; column < width; ++column) {
+        tile[static_cast<size_t>(row * width + column)] =
+            mosaic.pixels[static_cast<size_t>((top + row) * mosaic.width + left + column)];
+      }
+    }
+    out.push_back(describe_image(tile, width, height));
+  }
+  remove_common_view(out);
+  return out;
+}
+
+struct Drives {
+  std::vector<ImageDescriptor> query, map;
+};
+
+/// Share of the queries that are found within two places of the truth. `kept` are the numbers of
+/// the queries in the map's numbering.
+double share_right(const Drives& drives, const std::vector<size_t>& kept, size_t length) {
+  SimilarityTable table{kept.size(), drives.map.size(), {}};
+  const ImageDescriptorOptions options;
+  for (const size_t query : kept) {
+    for (const ImageDescriptor& place : drives.map) {
+      table.values.push_back(
+          static_cast<float>(similarity(drives.query[query], place, options.max_shift)));
+    }
+  }
+  const auto matches = match_sequences(table, {.length = length});
+  size_t right = 0;
+  for (size_t i = 0; i < kept.size(); ++i) {
+    right += matches[i].place + 2 >= kept[i] && matches[i].place <= kept[i] + 2 ? 1U : 0U;
+  }
+  return static_cast<double>(right) / static_cast<double>(kept.size());
+}
+
+std::vector<size_t> all_of(size_t count) {
+  std::vector<size_t> out(count);
+  for (size_t i = 0; i < count; ++i) out[i] = i;
+  return out;
+}
+
+/// Without every third, at random.
+std::vector<size_t> thinned(size_t count) {
+  std::mt19937 random(1);
+  std::vector<size_t> out;
+  for (size_t i = 0; i < count; ++i) {
+    if (random() % 3 != 0) out.push_back(i);
+  }
+  return out;
+}
+
+Drives nordland(const std::filesystem::path& folder, int begin, int end) {
+  return {describe_tiles(folder / "winter_1200-2199_grid40x25.png", 40, 64, 32, begin, end),
+          describe_tiles(folder / "summer_1200-2199_grid40x25.png", 40, 64, 32, begin, end)};
+}
+
+void report(const char* name, const Drives& drives, size_t length) {
+  const size_t count = drives.query.size();
+  std::cout << name << ": single " << share_right(drives, all_of(count), 1) << ", sequences of "
+            << length << " " << share_right(drives, all_of(count), length) << ", thinned "
+            << share_right(drives, thinned(count), length) << "\n";
+}
+
+TEST(RealSequences, ARailwayInWinterIsFoundOnTheMapOfSummer) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "places/nordland_64x32");
+  report("chosen on 0 to 499", nordland(folder, 0, 500), 21);
+  const Drives drives = nordland(folder, 500, 1000);
+  ASSERT_EQ(drives.query.size(), 500U);
+  report("500 to 999", drives, 21);
+  EXPECT_GE(share_right(drives, all_of(500), 21), 0.95);
+  EXPECT_GE(share_right(drives, thinned(500), 21), 0.93);
+}
+
+TEST(RealSequences, AWalkIsFoundOnAnother) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "places/gardens_point_thumbs");
+  const Drives drives{describe_tiles(folder / "query_200_grid20x10.png", 20, 99, 56, 0, 200),
+                      describe_tiles(folder / "truth_200_grid20x10.png", 20, 99, 56, 0, 200)};
+  ASSERT_EQ(drives.query.size(), 200U);
+  report("Gardens Point", drives, 9);
+  EXPECT_GE(share_right(drives, all_of(200), 9), 0.9);
+}
+
+}  // namespace
+}  // namespace infuse::places

@@ -1,0 +1,117 @@
+#include "fusion/places/sequence_match.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace infuse::places {
+namespace {
+
+SimilarityTable random_table(size_t queries, size_t places, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> value(0, 1);
+  SimilarityTable table{queries, places, {}};
+  table.values.resize(queries * places);
+  for (float& v : table.values) v = value(random);
+  return table;
+}
+
+/// The definition: each column and row standardised, every path tried.
+double best_path_score(const SimilarityTable& raw, size_t middle, size_t place,
+                       const SequenceMatchOptions& options) {
+  std::vector<std::vector<double>> z(raw.queries, std::vector<double>(raw.places));
+  for (size_t i = 0; i < raw.queries; ++i) {
+    for (size_t j = 0; j < raw.places; ++j) z[i][j] = static_cast<double>(raw.at(i, j));
+  }
+  const auto standardise = [](std::vector<double*> values) {
+    const auto n = static_cast<double>(values.size());
+    double mean = 0, variance = 0;
+    for (const double* v : values) mean += *v / n;
+    for (const double* v : values) variance += (*v - mean) * (*v - mean) / n;
+    for (double* v : values) *v = (*v - mean) / std::sqrt(variance);
+  };
+  for (auto& row : z) {
+    std::vector<double*> values;
+    for (double& v : row) values.push_back(&v);
+    standardise(values);
+  }
+  for (size_t j = 0; j < raw.places; ++j) {
+    std::vector<double*> values;
+    for (auto& row : z) values.push_back(&row[j]);
+    standardise(values);
+  }
+  double best = -1e9;
+  std::function<void(size_t, size_t, double)> go = [&](size_t row, size_t at, double sum) {
+    if (row == middle && at != place) return;
+    sum += z[row][at];
+    if (row + 1 == raw.queries) {
+      best = std::max(best, sum / static_cast<double>(raw.queries));
+      return;
+    }
+    for (size_t step = 0; step <= options.max_step && at + step < raw.places; ++step) {
+      go(row + 1, at + step, sum - (step == 1 ? 0 : options.step_penalty));
+    }
+  };
+  for (size_t start = 0; start < raw.places; ++start) go(0, start, 0);
+  return best;
+}
+
+TEST(SequenceMatch, IsTheBestOfAllPaths) {
+  const SequenceMatchOptions options{.length = 5, .step_penalty = 0.2, .neighbourhood = 1};
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const SimilarityTable table = random_table(5, 9, seed);
+    const auto matches = match_sequences(table, options);
+    for (size_t middle = 0; middle < 5; ++middle) {
+      double best = -1e9;
+      size_t place = 0;
+      std::vector<double> scores;
+      for (size_t j = 0; j < 9; ++j) {
+        scores.push_back(best_path_score(table, middle, j, options));
+        if (scores[j] > best) best = scores[j], place = j;
+      }
+      EXPECT_EQ(matches[middle].place, place);
+      EXPECT_NEAR(matches[middle].score, best, 1e-5);
+      double other = -1e9;
+      for (size_t j = 0; j < 9; ++j) {
+        if (j + 1 < place || j > place + 1) other = std::max(other, scores[j]);
+      }
+      EXPECT_NEAR(matches[middle].margin, best - other, 1e-5);
+    }
+  }
+}
+
+// A weak true diagonal that a query passes at changing speed.
+TEST(SequenceMatch, FindsWhatSingleImagesDoNotAtChangingSpeed) {
+  constexpr size_t kQueries = 150, kPlaces = 400;
+  SimilarityTable table = random_table(kQueries, kPlaces, 7);
+  std::vector<size_t> truth(kQueries);
+  for (size_t i = 0, place = 20; i < kQueries; ++i) {
+    truth[i] = place;
+    table.at(i, place) += 2;
+    place += i < 50 ? 1 : i < 100 ? 2 : i % 2;
+  }
+  const auto right = [&](size_t length) {
+    const auto matches = match_sequences(table, {.length = length});
+    size_t count = 0;
+    for (size_t i = 0; i < kQueries; ++i) {
+      count += matches[i].place + 2 >= truth[i] && matches[i].place <= truth[i] + 2 ? 1U : 0U;
+    }
+    return static_cast<double>(count) / kQueries;
+  };
+  EXPECT_LT(right(1), 0.5);
+  EXPECT_GT(right(21), 0.97);
+}
+
+TEST(SequenceMatch, NothingAndLittleAreAnswered) {
+  EXPECT_TRUE(match_sequences({}).empty());
+  EXPECT_EQ(match_sequences({3, 0, {}}).size(), 3U);
+  const auto one = match_sequences({1, 1, {0.5F}});
+  EXPECT_EQ(one.at(0).place, 0U);
+  EXPECT_EQ(one.at(0).margin, 0);
+  EXPECT_TRUE((SequenceMatchOptions{.length = 0}.invalid()));
+}
+
+}  // namespace
+}  // namespace infuse::places
