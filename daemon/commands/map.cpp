@@ -172,7 +172,7 @@ void declare_map_export(CLI::App& app, MapExportArguments& arguments) {
   out->add_option("MAP", arguments.map, "a map folder")->required();
   out->add_option(
          "-o,--output", arguments.output,
-         "cloud (.pcd, .ply), trajectory of the keyframes (.tum), or view from above (.png)")
+         "cloud (.pcd, .ply, .las), trajectory of the keyframes (.tum), or view from above (.png)")
       ->required()
       ->type_name("FILE");
   out->add_option(

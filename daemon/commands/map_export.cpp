@@ -4,10 +4,12 @@
 
 #include <filesystem>
 #include <iostream>
+#include <set>
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/mapping/cloud_file.hpp"
+#include "daemon/mapping/las_file.hpp"
 #include "daemon/mapping/map_folder.hpp"
 #include "daemon/mapping/map_image.hpp"
 #include "daemon/mapping/static_clouds.hpp"
@@ -45,8 +47,16 @@ Result<void> for_each_cloud(const MapFolder& folder, const MapContent& map, bool
   return {};
 }
 
+std::optional<MapOrigin> origin_of(const MapContent& map) {
+  const auto found = map.manifest.find("georeference");
+  if (found == map.manifest.end() || !found->is_object()) return std::nullopt;
+  return MapOrigin{.latitude = found->value("latitude_deg", 0.0),
+                   .longitude = found->value("longitude_deg", 0.0),
+                   .altitude = found->value("altitude_m", 0.0)};
+}
+
 Result<std::string> export_cloud(const MapFolder& folder, const MapContent& map, double voxel,
-                                 bool without_moving, bool ply) {
+                                 bool without_moving, const std::string& extension) {
   // The submaps were cut at their own ranges: here every point counts.
   mapping::SubmapBuilder builder({.voxel_size = voxel, .min_range = 0, .max_range = 500});
   const auto done = for_each_cloud(folder, map, without_moving,
@@ -55,7 +65,8 @@ Result<std::string> export_cloud(const MapFolder& folder, const MapContent& map,
                                    });
   if (!done) return tl::unexpected(done.error());
   const mapping::Submap whole = builder.take();
-  return ply ? format_cloud_ply(whole) : format_cloud_pcd(whole);
+  if (extension == ".las") return format_cloud_las(whole, origin_of(map));
+  return extension == ".ply" ? format_cloud_ply(whole) : format_cloud_pcd(whole);
 }
 
 Result<std::string> export_image(const MapFolder& folder, const MapContent& map, double pixel,
@@ -90,17 +101,18 @@ Result<std::string> export_map(const MapExportArguments& arguments, const std::s
         folder, *map, size(kMapPixel), arguments.without_moving,
         arguments.show == "height" ? MapImageContent::kHeight : MapImageContent::kIntensity);
   }
-  return export_cloud(folder, *map, size(kMapVoxel), arguments.without_moving, extension == ".ply");
+  return export_cloud(folder, *map, size(kMapVoxel), arguments.without_moving, extension);
 }
 
 }  // namespace
 
 int run_map_export(const MapExportArguments& arguments) {
   const std::string extension = std::filesystem::path(arguments.output).extension().string();
-  if (extension != ".pcd" && extension != ".ply" && extension != ".tum" && extension != ".png") {
+  const std::set<std::string> known{".pcd", ".ply", ".las", ".tum", ".png"};
+  if (!known.contains(extension)) {
     return print_error(kMapExportProgram,
                        {"unknown format '" + extension + "'", arguments.output,
-                        "known are .pcd, .ply, .tum and .png"},
+                        "known are .pcd, .ply, .las, .tum and .png"},
                        kUsage);
   }
   const auto bytes = export_map(arguments, extension);
