@@ -5,6 +5,8 @@
 
 #include <utility>
 
+#include "daemon/service/crash_note.hpp"
+
 namespace infuse::daemon {
 
 BackgroundWorker::BackgroundWorker(bool blocking)
@@ -14,6 +16,7 @@ BackgroundWorker::~BackgroundWorker() { shut_down(); }
 
 void BackgroundWorker::run() {
   pthread_setname_np(pthread_self(), "background");
+  use_crash_stack();
   if (!blocking_) {  // a blocking caller must not wait for other processes
     const sched_param none{};
     pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);

@@ -4,10 +4,13 @@
 #include <sched.h>
 #include <sys/mman.h>
 
+#include "daemon/service/crash_note.hpp"
+
 namespace infuse::daemon {
 
 void name_and_pin(const char* name, int core) {
   pthread_setname_np(pthread_self(), name);
+  use_crash_stack();
   cpu_set_t allowed;
   if (sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return;
   if (!CPU_ISSET(core, &allowed) || CPU_COUNT(&allowed) < 2) return;

@@ -2,8 +2,8 @@
 
 namespace infuse::daemon {
 
-/// Names the calling thread, and pins it to a core if the process may use that core and at least
-/// one other.
+/// Names the calling thread, gives it a stack for crash notes, and pins it to a core if the process
+/// may use that core and at least one other.
 void name_and_pin(const char* name, int core);
 
 /// Gives the calling thread real-time priority (SCHED_FIFO). Returns false without permission.

@@ -12,6 +12,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,7 @@ namespace {
 
 constexpr size_t kMaxFrames = 64;
 constexpr size_t kMaxKeptNotes = 8;
+constexpr size_t kCrashStackBytes = 64 * 1024;
 constexpr mode_t kNoteMode = 0640;
 
 /// A loaded file: the program, or a shared library.
@@ -128,7 +130,34 @@ void on_crash(int signal) {
   raise(signal);
 }
 
+/// Stack for the handlers of one thread. One that is there already stays: a sanitizer's.
+class CrashStack {
+ public:
+  CrashStack() {
+    stack_t before{};
+    if (sigaltstack(nullptr, &before) != 0 || (before.ss_flags & SS_DISABLE) == 0) return;
+    memory_ = std::make_unique<std::array<char, kCrashStackBytes>>();
+    stack_t stack{};
+    stack.ss_sp = memory_->data();
+    stack.ss_size = memory_->size();
+    sigaltstack(&stack, nullptr);
+  }
+  ~CrashStack() {
+    if (memory_ == nullptr) return;
+    stack_t none{};
+    none.ss_flags = SS_DISABLE;
+    sigaltstack(&none, nullptr);
+  }
+  CrashStack(const CrashStack&) = delete;
+  CrashStack& operator=(const CrashStack&) = delete;
+
+ private:
+  std::unique_ptr<std::array<char, kCrashStackBytes>> memory_;
+};
+
 }  // namespace
+
+void use_crash_stack() { static thread_local const CrashStack stack; }
 
 void write_crash_note(int signal) {
   if (note_path[0] == '\0') return;
@@ -159,9 +188,10 @@ void install_crash_handler(const std::filesystem::path& file) {
   backtrace(&frame, 1);  // loads what it needs, which a handler may not
   note_path.fill('\0');
   copy_text(path, note_path);
+  use_crash_stack();
   struct sigaction action {};
   action.sa_handler = on_crash;
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_NODEFER;
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_NODEFER | SA_ONSTACK;
   for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE}) sigaction(signal, &action, nullptr);
 }
 

@@ -13,6 +13,10 @@ namespace infuse::daemon {
 /// threads are started or while they cannot crash; a path longer than 4095 bytes is ignored.
 void install_crash_handler(const std::filesystem::path& file);
 
+/// Gives the calling thread a stack for the handlers, until it ends, so that a note is written
+/// where its own stack has overflowed. `install_crash_handler` does so for its thread.
+void use_crash_stack();
+
 /// Writes the note of this process; async-signal-safe. Does nothing before `install_crash_handler`.
 void write_crash_note(int signal);
 

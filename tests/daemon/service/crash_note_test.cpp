@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <sstream>
+#include <thread>
 
 #include "daemon/service/abort_marker.hpp"
 #include "tests/scratch_folder.hpp"
@@ -20,6 +21,13 @@ using testing::HasSubstr;
 
 /// Ends the process by a signal, far from any other code.
 __attribute__((noinline)) void crash_here(int signal) { raise(signal); }
+
+/// Overflows the stack of 8 MB.
+__attribute__((noinline)) int overflow_stack(int frames) {
+  volatile char frame[4096];
+  frame[0] = static_cast<char>(frames);
+  return frames == 0 ? 0 : overflow_stack(frames - 1) + frame[0];
+}
 
 class CrashNoteTest : public testing::Test {
  protected:
@@ -55,6 +63,20 @@ TEST_F(CrashNoteTest, NamesTheSignalAndTheLastReports) {
   EXPECT_THAT(note(), testing::StartsWith("signal 11\n"));
   EXPECT_THAT(note(), HasSubstr("last reports:\n3 of 3 sensors are OK"));
   EXPECT_THAT(note(), testing::Not(HasSubstr("first")));
+}
+
+TEST_F(CrashNoteTest, AnOverflowOfTheStackLeavesANote) {
+  EXPECT_EQ(signal_of([] { overflow_stack(1'000'000); }), SIGSEGV);
+  EXPECT_THAT(note(), testing::StartsWith("signal 11\n"));
+  std::filesystem::remove(file_);
+  const auto in_a_thread = [] {
+    std::thread([] {
+      use_crash_stack();
+      overflow_stack(1'000'000);
+    }).join();
+  };
+  EXPECT_EQ(signal_of(in_a_thread), SIGSEGV);
+  EXPECT_THAT(note(), testing::StartsWith("signal 11\n"));
 }
 
 // The independent truth is the address of this program's own code, as the linker placed it.
