@@ -44,12 +44,8 @@ endfunction()
 infuse_precompiled(infuse_pch)
 
 # Most of a file's compilation goes into headers and templates that its neighbours use too, so that compiling the files
-# of a folder together takes half the time. Where tests are built without sanitizers somebody works: there each file is
-# compiled by itself, and a change compiles one.
-set(INFUSE_UNITY ON)
-if(INFUSE_TESTS AND NOT INFUSE_SANITIZE)
-  set(INFUSE_UNITY OFF)
-endif()
+# of a folder together takes half the time. Who changes one file all day compiles it by itself: -DINFUSE_UNITY=OFF.
+option(INFUSE_UNITY "compile the files of a folder together" ON)
 
 # infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder but tests, as infuse::drivers_velodyne.
 function(infuse_library folder)

@@ -5,6 +5,7 @@
 
 namespace infuse::daemon {
 
+/// What `infuse map export` was asked for.
 struct MapExportArguments {
   std::string map, output;
   double voxel = 0;  ///< m; 0: the format's own

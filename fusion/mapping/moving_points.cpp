@@ -1,7 +1,5 @@
 #include "fusion/mapping/moving_points.hpp"
 
-#include "fusion/mapping/submap.hpp"
-
 namespace infuse::mapping {
 
 std::optional<std::string> MovingPointsOptions::invalid() const {

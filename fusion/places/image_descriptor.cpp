@@ -9,7 +9,6 @@ std::optional<std::string> ImageDescriptorOptions::invalid() const {
   if (cell < 2) return "cell must be at least 2 pixels";
   if (stride < 1 || stride > cell) return "stride must be 1 … cell pixels";
   if (orientations < 2 || orientations > 32) return "orientations must be 2 … 32";
-  if (max_shift < 0) return "max_shift must not be negative";
   return std::nullopt;
 }
 
@@ -82,6 +81,9 @@ void remove_common_view(std::vector<ImageDescriptor>& drive) {
 
 double similarity(const ImageDescriptor& a, const ImageDescriptor& b, int max_shift) {
   double best = -1;
+  if (a.values.size() != b.values.size() || a.columns != b.columns || a.columns <= max_shift) {
+    return best;
+  }
   const int bins = a.orientations;
   for (int shift = -max_shift; shift <= max_shift; ++shift) {
     const int begin = std::max(0, shift), end = std::min(a.columns, a.columns + shift);

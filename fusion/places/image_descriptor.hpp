@@ -13,7 +13,6 @@ struct ImageDescriptorOptions {
   int cell = 8;          ///< pixels, side of a cell
   int stride = 4;        ///< pixels between cells
   int orientations = 8;  ///< of edges, over 180°
-  int max_shift = 1;     ///< cells, sideways, by which two views of a place may differ
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -36,7 +35,8 @@ ImageDescriptor describe_image(std::span<const uint8_t> pixels, int width, int h
 /// (rails, bonnet, sky) does not count, and scales them to unit length. All are of one size.
 void remove_common_view(std::vector<ImageDescriptor>& drive);
 
-/// Cosine between two descriptors (-1 … 1), the greatest over sideways shifts.
-double similarity(const ImageDescriptor& a, const ImageDescriptor& b, int max_shift);
+/// Cosine between two descriptors (-1 … 1), the greatest over sideways shifts of up to `max_shift`
+/// cells; -1 if they are of different sizes or have fewer columns.
+double similarity(const ImageDescriptor& a, const ImageDescriptor& b, int max_shift = 1);
 
 }  // namespace infuse::places

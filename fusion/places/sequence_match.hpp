@@ -19,10 +19,9 @@ struct SimilarityTable {
 
 /// Settings of the matching of sequences.
 struct SequenceMatchOptions {
-  size_t length = 21;   ///< images of the query that are matched together
-  size_t max_step = 3;  ///< places of the map between one image of the query and the next
-  double step_penalty =
-      0.1;  ///< standard deviations, by which a step other than one place is dearer
+  size_t length = 21;         ///< images of the query that are matched together
+  size_t max_step = 3;        ///< places of the map between one image of the query and the next
+  double step_penalty = 0.1;  ///< standard deviations, cost of a step other than one place
   size_t neighbourhood = 10;  ///< places beside the best that are not another answer
 
   /// What is wrong with the settings, or nothing.

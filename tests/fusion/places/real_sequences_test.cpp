@@ -47,11 +47,9 @@ struct Drives {
 /// the queries in the map's numbering.
 double share_right(const Drives& drives, const std::vector<size_t>& kept, size_t length) {
   SimilarityTable table{kept.size(), drives.map.size(), {}};
-  const ImageDescriptorOptions options;
   for (const size_t query : kept) {
     for (const ImageDescriptor& place : drives.map) {
-      table.values.push_back(
-          static_cast<float>(similarity(drives.query[query], place, options.max_shift)));
+      table.values.push_back(static_cast<float>(similarity(drives.query[query], place)));
     }
   }
   const auto matches = match_sequences(table, {.length = length});
