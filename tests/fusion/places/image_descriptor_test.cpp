@@ -39,7 +39,8 @@ TEST(ImageDescriptor, LightAndAStepAsideChangeItLessThanThePlace) {
   for (size_t i = 0; i < map.size(); ++i) {
     const double same = similarity(query[i], map[i]);
     EXPECT_GT(same, 0.7) << i;
-    EXPECT_LT(similarity(query[i], map[i], 0), same - 0.15) << i;  // without the shift it is another view
+    EXPECT_LT(similarity(query[i], map[i], 0), same - 0.15)
+        << i;  // without the shift it is another view
     for (size_t j = 0; j < map.size(); ++j) {
       if (j == i) continue;
       EXPECT_LT(similarity(query[i], map[j]), same - 0.3) << i << " " << j;
