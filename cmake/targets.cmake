@@ -11,6 +11,9 @@ target_include_directories(infuse_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(infuse_flags INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Werror -Wno-missing-field-initializers -Wno-psabi
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> -ffp-contract=off -fno-math-errno)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  target_include_directories(infuse_flags SYSTEM BEFORE INTERFACE ${PROJECT_SOURCE_DIR}/cmake/arm64)  # arm_neon.h
+endif()
 # Of the presets asan and tsan: they compile everything again, so little optimisation and short debug info.
 set(CMAKE_CXX_FLAGS_SANITIZE "-O1 -g1")
 if(INFUSE_SANITIZE)

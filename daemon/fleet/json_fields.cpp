@@ -23,7 +23,7 @@ std::string text_field(const Json& object, const char* key) {
   if (!found.is_string()) return {};
   std::string text = found.get_ref<const std::string&>().substr(0, kMaxFieldText);
   std::replace_if(
-      text.begin(), text.end(), [](char c) { return (c >= 0 && c < ' ') || c == 127; }, ' ');
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
   return text;
 }
 

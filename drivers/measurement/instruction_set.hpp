@@ -7,7 +7,7 @@ namespace infuse {
 /// Instruction sets for which kernels are compiled. All variants of a kernel do the same arithmetic
 /// on every number in the same order, so all give the same bytes; only the time differs.
 enum class InstructionSet : uint8_t {
-  kBaseline,  ///< x86-64: SSE2; the only one on other processors
+  kBaseline,  ///< x86-64: SSE2, arm64: NEON; the only one on other processors
   kAvx2,      ///< AVX2
   kAvx512,    ///< x86-64-v4: AVX-512 F, BW, CD, DQ, VL
 };

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "drivers/measurement/simd.hpp"
 #include "fusion/dependence/lanes.hpp"
 
 namespace infuse::dependence {
@@ -41,13 +42,13 @@ void sum_baseline(const double* matrix, Index rows, std::span<const int> columns
   sum_with<Lanes<2>>(matrix, rows, columns, out);
 }
 
-[[gnu::target("avx2")]] void sum_avx2(const double* matrix, Index rows,
-                                      std::span<const int> columns, double* out) {
+INFUSE_TARGET("avx2")
+void sum_avx2(const double* matrix, Index rows, std::span<const int> columns, double* out) {
   sum_with<Lanes<4>>(matrix, rows, columns, out);
 }
 
-[[gnu::target("arch=x86-64-v4")]] void sum_avx512(const double* matrix, Index rows,
-                                                  std::span<const int> columns, double* out) {
+INFUSE_TARGET("arch=x86-64-v4")
+void sum_avx512(const double* matrix, Index rows, std::span<const int> columns, double* out) {
   sum_with<Lanes<8>>(matrix, rows, columns, out);
 }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "drivers/measurement/simd.hpp"
 #include "fusion/dependence/lanes.hpp"
 #include "fusion/dependence/matrix_product.hpp"
 
@@ -90,14 +91,15 @@ void kernel_baseline(const Samples& samples, const double* centres, Index centre
   kernel_with<Lanes<2>>(samples, centres, centre_count, factor, kernel);
 }
 
-[[gnu::target("avx2")]] void kernel_avx2(const Samples& samples, const double* centres,
-                                         Index centre_count, double factor, double* kernel) {
+INFUSE_TARGET("avx2")
+void kernel_avx2(const Samples& samples, const double* centres, Index centre_count, double factor,
+                 double* kernel) {
   kernel_with<Lanes<4>>(samples, centres, centre_count, factor, kernel);
 }
 
-[[gnu::target("arch=x86-64-v4")]] void kernel_avx512(const Samples& samples, const double* centres,
-                                                     Index centre_count, double factor,
-                                                     double* kernel) {
+INFUSE_TARGET("arch=x86-64-v4")
+void kernel_avx512(const Samples& samples, const double* centres, Index centre_count, double factor,
+                   double* kernel) {
   kernel_with<Lanes<8>>(samples, centres, centre_count, factor, kernel);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "drivers/measurement/simd.hpp"
 #include "fusion/dependence/lanes.hpp"
 
 namespace infuse::dependence {
@@ -157,14 +158,15 @@ void multiply_baseline(const MatrixView& a, const MatrixView& b, double* out, In
   multiply_with<Baseline>(a, b, out, out_stride, lower_only);
 }
 
-[[gnu::target("avx2")]] void multiply_avx2(const MatrixView& a, const MatrixView& b, double* out,
-                                           Index out_stride, bool lower_only) {
+INFUSE_TARGET("avx2")
+void multiply_avx2(const MatrixView& a, const MatrixView& b, double* out, Index out_stride,
+                   bool lower_only) {
   multiply_with<Avx2>(a, b, out, out_stride, lower_only);
 }
 
-[[gnu::target("arch=x86-64-v4")]] void multiply_avx512(const MatrixView& a, const MatrixView& b,
-                                                       double* out, Index out_stride,
-                                                       bool lower_only) {
+INFUSE_TARGET("arch=x86-64-v4")
+void multiply_avx512(const MatrixView& a, const MatrixView& b, double* out, Index out_stride,
+                     bool lower_only) {
   multiply_with<Avx512>(a, b, out, out_stride, lower_only);
 }
 

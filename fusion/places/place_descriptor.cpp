@@ -49,8 +49,12 @@ PlaceKey key_of(const PlaceDescriptor& descriptor) {
   const Eigen::Matrix<float, kRings, 2 * kHarmonics> parts = descriptor.heights * waves;
   PlaceKey key;
   for (int k = 0; k < kHarmonics; ++k) {
+    // Not cwiseSqrt(): Eigen's root of floats begins with an approximation that every maker of
+    // processors has another of.
     key.segment<kRings>(k * kRings) =
-        (parts.col(2 * k).cwiseAbs2() + parts.col(2 * k + 1).cwiseAbs2()).cwiseSqrt();
+        (parts.col(2 * k).cwiseAbs2() + parts.col(2 * k + 1).cwiseAbs2()).unaryExpr([](float x) {
+          return std::sqrt(x);
+        });
   }
   const float norm = key.norm();
   return norm > 0 ? PlaceKey(key / norm) : key;
