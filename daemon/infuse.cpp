@@ -7,6 +7,7 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/command.hpp"
+#include "drivers/measurement/block_sizes.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -38,4 +39,7 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace infuse::daemon
 
-int main(int argc, char** argv) { return infuse::daemon::run(argc, argv); }
+int main(int argc, char** argv) {
+  infuse::fix_block_sizes();
+  return infuse::daemon::run(argc, argv);
+}

@@ -13,6 +13,7 @@
 #include "daemon/run/run_live.hpp"
 #include "daemon/run/run_replay.hpp"
 #include "daemon/service/logging.hpp"
+#include "drivers/measurement/block_sizes.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -114,4 +115,7 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace infuse::daemon
 
-int main(int argc, char** argv) { return infuse::daemon::run(argc, argv); }
+int main(int argc, char** argv) {
+  infuse::fix_block_sizes();
+  return infuse::daemon::run(argc, argv);
+}

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "drivers/measurement/angles.hpp"
+#include "fusion/geometry/plane_length.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -85,8 +86,9 @@ void MapTracker::use_fixes(const geometry::Trajectory& trajectory) {
     const auto start = fixes_->start(now_, trajectory);
     if (!start) return;
     const streetmap::GnssOptions& gnss = settings_.tracker.gnss;
-    tracker_.start(start->pose, diagonal(std::hypot(gnss.map_sigma, gnss.slow_sigma * start->hdop),
-                                         kCourseSigma));
+    tracker_.start(start->pose,
+                   diagonal(geometry::plane_length(gnss.map_sigma, gnss.slow_sigma * start->hdop),
+                            kCourseSigma));
   }
   while (const auto fix = fixes_->take(now_, tracker_.estimate().pose.yaw, trajectory)) {
     tracker_.add_fix(*fix);

@@ -8,6 +8,7 @@
 #include "fusion/dependence/joint_histogram.hpp"
 #include "fusion/features/local_contrast.hpp"
 #include "fusion/features/ranks.hpp"
+#include "fusion/geometry/plane_length.hpp"
 #include "fusion/geometry/pose_gradient.hpp"
 
 namespace infuse::calibration {
@@ -258,7 +259,7 @@ Eigen::Matrix<double, 2, 4> Objective::pixel_by_camera(const CameraIntrinsics& c
   double r3 = 0;  // divided by the point's distance from the axis
   if (camera.model == CameraIntrinsics::Model::kPinhole) {
     r3 = (p.x() * p.x() + p.y() * p.y()) / (p.z() * p.z() * p.z());
-  } else if (const double radius = std::hypot(p.x(), p.y()); radius > 0) {
+  } else if (const double radius = geometry::plane_length(p.x(), p.y()); radius > 0) {
     const double r = std::atan2(radius, p.z());
     r3 = r * r * r / radius;
   }

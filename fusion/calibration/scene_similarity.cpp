@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "drivers/measurement/angles.hpp"
+#include "fusion/geometry/plane_length.hpp"
 
 namespace infuse::calibration {
 namespace {
@@ -65,14 +66,14 @@ Eigen::VectorXf return_signature(const Scene& scene) {
   Eigen::ArrayXXf inverse = Eigen::ArrayXXf::Zero(kElevationCells, kAzimuthCells);
   for (size_t i = 0; i < scene.size(); ++i) {
     const double x = static_cast<double>(scene.x[i]), y = static_cast<double>(scene.y[i]);
-    const double z = static_cast<double>(scene.z[i]), flat = std::hypot(x, y);
+    const double z = static_cast<double>(scene.z[i]), flat = geometry::plane_length(x, y);
     const double azimuth = (std::atan2(y, x) / kDegree + 180) / kCellDegrees;
     const double elevation =
         (std::atan2(z, flat) / kDegree + kElevationCells * kCellDegrees) / (2 * kCellDegrees);
     const auto row = static_cast<int>(std::floor(elevation));
     const auto column = static_cast<int>(std::floor(azimuth));
     if (row < 0 || row + 1 >= kElevationCells) continue;
-    const double nearness = 1 / std::max(std::hypot(flat, z), kMinRange);
+    const double nearness = 1 / std::max(geometry::plane_length(flat, z), kMinRange);
     const double up = elevation - row, right = azimuth - column;
     for (const int r : {0, 1}) {
       for (const int c : {0, 1}) {

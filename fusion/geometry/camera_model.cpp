@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fusion/geometry/plane_length.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 
 namespace infuse::geometry {
@@ -85,7 +86,7 @@ std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& point
     if (!(a * a + b * b <= limit_)) return std::nullopt;
     distorted = distort(c, a, b, nullptr);
   } else {
-    const double radius = std::hypot(point.x(), point.y());
+    const double radius = plane_length(point.x(), point.y());
     const double angle = std::atan2(radius, point.z());
     if (!(angle <= limit_) || !(radius + std::abs(point.z()) > 0)) return std::nullopt;
     const double g = radial_factor(c, angle * angle);
@@ -110,7 +111,7 @@ std::optional<ProjectionDerivatives> CameraModel::project_with_derivatives(
     direction << w, 0, -a * w, 0, w, -b * w;
     J = by_direction * direction;
   } else {
-    const double radius = std::hypot(point.x(), point.y());
+    const double radius = plane_length(point.x(), point.y());
     const double squared = point.squaredNorm();
     if (radius <= 1e-9 * std::abs(point.z())) {
       J << 1 / point.z(), 0, 0, 0, 1 / point.z(), 0;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/geometry/plane_length.hpp"
+
 namespace infuse::mapping {
 namespace {
 
@@ -40,7 +42,7 @@ Pose<3> align_upright(const std::vector<Pose<3>>& poses, const std::vector<Posit
     sine += a.x() * b.y() - a.y() * b.x();
   }
   Pose<3> T = Pose<3>::Identity();
-  const double norm = std::hypot(cosine, sine);
+  const double norm = geometry::plane_length(cosine, sine);
   if (norm > 0) {
     T.linear() << cosine / norm, -sine / norm, 0, sine / norm, cosine / norm, 0, 0, 0, 1;
   }

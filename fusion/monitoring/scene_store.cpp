@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace infuse::monitoring {
 namespace {
@@ -52,7 +53,8 @@ SceneStore::SceneStore(const SceneStoreOptions& options) : options_(options) {
 }
 
 double SceneStore::decayed_information(const StoredScene& scene, Stamp now) const {
-  return scene.information * std::exp2(-to_seconds(now - scene.stamp) / options_.half_life);
+  return scene.information *
+         std::exp(-std::numbers::ln2 * to_seconds(now - scene.stamp) / options_.half_life);
 }
 
 StoredScene* SceneStore::slot_for(double information, Stamp now) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "drivers/measurement/angles.hpp"
+#include "fusion/geometry/plane_length.hpp"
 
 namespace infuse::motion {
 namespace {
@@ -237,7 +238,7 @@ double OdometryState::expected_wheel_speed(size_t wheel) const {
   const double side = wheel % 2 == 0 ? 0.5 * options_.track : -0.5 * options_.track;
   const double along = x_[kSpeed] - rate * side;
   const double across = wheel < 2 ? rate * options_.wheelbase : 0;
-  return std::copysign(std::hypot(along, across), along);
+  return std::copysign(geometry::plane_length(along, across), along);
 }
 
 int OdometryState::update_wheels(const WheelOdometry& sample) {

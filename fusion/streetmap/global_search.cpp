@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/geometry/plane_length.hpp"
+
 namespace infuse::streetmap {
 
 void GlobalSearch::move(const PlanarPose& motion) {
@@ -34,7 +36,7 @@ std::optional<PlanarPose> GlobalSearch::update(
   const PlanarPose place = poses_[static_cast<size_t>(best - score_sums_.begin())];
   const bool better =
       *best - estimate_score_sum_ > options_.min_advantage * novelty_sum_ &&
-      std::hypot(place.x - estimate.x, place.y - estimate.y) > options_.min_distance;
+      geometry::plane_length(place.x - estimate.x, place.y - estimate.y) > options_.min_distance;
   poses_.clear();
   if (!better) return std::nullopt;
   return place;

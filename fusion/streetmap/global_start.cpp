@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fusion/geometry/plane_length.hpp"
+
 namespace infuse::streetmap {
 namespace {
 
@@ -169,7 +171,7 @@ void GlobalStart::spread(double spacing) {
 
 void GlobalStart::move(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
                        double seconds) {
-  const double distance = std::hypot(motion.x, motion.y);
+  const double distance = geometry::plane_length(motion.x, motion.y);
   collected_.motion = collected_.motion.compose(motion);
   driven_ += distance;
   if (distance <= kStandingSpeed * seconds) return;  // lasting errors turn nothing that stands

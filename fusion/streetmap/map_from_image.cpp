@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "fusion/geometry/plane_length.hpp"
 #include "fusion/streetmap/segment_map.hpp"
 
 namespace infuse::streetmap {
@@ -26,7 +27,7 @@ std::vector<bool> find_lines(const CameraFrame& grey, double threshold) {
       const int gy = at(x - 1, y + 1) + 2 * at(x, y + 1) + at(x + 1, y + 1) -
                      (at(x - 1, y - 1) + 2 * at(x, y - 1) + at(x + 1, y - 1));
       lines[static_cast<size_t>(y) * static_cast<size_t>(w) + static_cast<size_t>(x)] =
-          std::hypot(gx, gy) >= threshold;
+          geometry::plane_length(gx, gy) >= threshold;
     }
   }
   return lines;

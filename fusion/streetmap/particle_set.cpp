@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/geometry/plane_length.hpp"
+
 namespace infuse::streetmap {
 namespace {
 
@@ -37,7 +39,7 @@ bool is_standing(const PlanarPose& motion, const Eigen::Matrix3d& covariance, do
   constexpr double kMaxSpeed = 0.05;    // m/s
   constexpr double kMaxYawRate = 0.01;  // rad/s
   constexpr double kMaxSigma = 0.02;    // m
-  return std::hypot(motion.x, motion.y) <= kMaxSpeed * seconds &&
+  return geometry::plane_length(motion.x, motion.y) <= kMaxSpeed * seconds &&
          std::abs(motion.yaw) <= kMaxYawRate * seconds &&
          covariance(0, 0) + covariance(1, 1) <= kMaxSigma * kMaxSigma;
 }
@@ -135,7 +137,7 @@ void ParticleSet::merge_modes() {
 
 void ParticleSet::predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
                           double seconds) {
-  const double distance = std::hypot(motion.x, motion.y);
+  const double distance = geometry::plane_length(motion.x, motion.y);
   // No bias moves a vehicle that stands, nor is anything learned of it.
   if (is_standing(motion, covariance, seconds)) {
     for (Particle& particle : particles_) particle.pose = particle.pose.compose(motion);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fusion/geometry/plane_length.hpp"
+
 namespace infuse::streetmap {
 namespace {
 
@@ -61,7 +63,7 @@ void PlaceCheck::start(const PlanarPose& pose, const SegmentMap& map) {
     const PlanarPose other{pose.x + options_.max_distance * share(random_),
                            pose.y + options_.max_distance * share(random_),
                            wrap_angle(pose.yaw + options_.like_yaw * normal_(random_))};
-    if (std::hypot(other.x - pose.x, other.y - pose.y) < options_.spacing) continue;
+    if (geometry::plane_length(other.x - pose.x, other.y - pose.y) < options_.spacing) continue;
     const uint32_t id = map.id_at(other.x, other.y);
     if (map.segment(id).kind != SegmentKind::kCarriageway) continue;
     add(pose, other, map, Direction::kElsewhere);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fusion/geometry/plane_length.hpp"
+
 namespace infuse::streetmap {
 namespace {
 
@@ -142,7 +144,7 @@ void Tracker::search_streets(const PlanarPose& motion, const Eigen::Matrix3d& co
     searched_ = 0;
     if (!started_) reason_ = "no initial pose, searching all streets";
   }
-  searched_ += std::hypot(motion.x, motion.y);
+  searched_ += geometry::plane_length(motion.x, motion.y);
   global_start_->move(motion, covariance, to_seconds(step));
 }
 
@@ -154,7 +156,7 @@ void Tracker::use_found_street() {
   if (!found || !found->sure) return;
   if (started_) {
     const PlanarPose motion = found->pose.motion_to(particles_.moments().mean);
-    if (std::hypot(motion.x, motion.y) < options_.global_start.same_place &&
+    if (geometry::plane_length(motion.x, motion.y) < options_.global_start.same_place &&
         std::abs(motion.yaw) < kSamePlaceYaw) {
       if (tracking) searching_streets_ = false;
       return;
@@ -204,11 +206,12 @@ void Tracker::add_fix(const MapFix& fix) {
 
 bool Tracker::begin_update() {
   const PlanarPose motion = odometry_at_update_.motion_to(odometry_);
-  if (updates_since_search_ > 0 && std::hypot(motion.x, motion.y) < options_.min_motion &&
+  if (updates_since_search_ > 0 &&
+      geometry::plane_length(motion.x, motion.y) < options_.min_motion &&
       std::abs(motion.yaw) < options_.min_rotation) {
     return false;
   }
-  update_novelty(std::hypot(motion.x, motion.y));
+  update_novelty(geometry::plane_length(motion.x, motion.y));
   odometry_at_update_ = odometry_;
   driven_s_ = 0;
   odometry_position_variance_ = odometry_yaw_variance_ = 0;
@@ -308,7 +311,7 @@ void Tracker::search_globally(const GridSamples& samples) {
 void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) {
   const PoseMoments moments = particles_.moments();
   const PlanarPose& pose = moments.mean;
-  const double jump = std::hypot(pose.x - before.x, pose.y - before.y);
+  const double jump = geometry::plane_length(pose.x - before.x, pose.y - before.y);
   if (jump > std::max(kMinJump, 3 * moments.spread())) place_check_.start(pose, map_);
   if (!place_check_.running()) return;
   wide_window_.read(map_, pose.x, pose.y, wide_window_radius(options_), options_.labelling);
@@ -378,7 +381,8 @@ void Tracker::search_again(const PlanarPose& estimate) {
   if (place) {
     const PlanarPose proposed{place->position.x(), place->position.y(),
                               place->yaw.value_or(estimate.yaw)};
-    const double distance = std::hypot(proposed.x - estimate.x, proposed.y - estimate.y);
+    const double distance =
+        geometry::plane_length(proposed.x - estimate.x, proposed.y - estimate.y);
     const double yaw_variance = confidence.search_yaw * confidence.search_yaw / 4;
     if (!map_.covers(estimate.x, estimate.y)) {
       search(proposed, 2 * place->sigma, confidence.search_yaw);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/geometry/plane_length.hpp"
 #include "fusion/target/degeneracy.hpp"
 #include "fusion/target/pose_parameter.hpp"
 #include "fusion/target/view_consensus.hpp"
@@ -115,7 +116,7 @@ void evaluate_view(const ViewSet& set, size_t i, const Eigen::Isometry3d& T,
   Eigen::Matrix4d covariance = set.covariance(i, T);
   if (!out.used) covariance += view.jacobian * solution_covariance * view.jacobian.transpose();
   out.offset = view.residuals.mean();
-  out.rms = std::hypot(std::sqrt(view.residuals.squaredNorm() / 4), set.planes[i].rms);
+  out.rms = geometry::plane_length(std::sqrt(view.residuals.squaredNorm() / 4), set.planes[i].rms);
   const double along = set.views[i].normal().dot(T.linear() * set.planes[i].normal);
   out.tilt = std::acos(std::min(1.0, std::abs(along)));
   out.mahalanobis =

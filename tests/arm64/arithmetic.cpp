@@ -3,56 +3,20 @@
 //
 //   infuse-arithmetic FILE           writes the results of every function
 //   infuse-arithmetic FILE FILE      compares two such files, and prints a table
-#include <Eigen/Dense>
+#include "tests/arm64/arithmetic.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <fstream>
-#include <string>
-#include <vector>
 
 namespace {
 
-constexpr size_t kArguments = 100'000;  // of each scalar function
-constexpr int kMatrices = 200;          // of each size
+using infuse::arithmetic::Numbers;
+using infuse::arithmetic::Results;
 
-struct Results {
-  std::string name;
-  std::vector<double> values;  // floats too: no bit is lost
-};
-
-/// Random numbers made of integers alone (splitmix64): the same everywhere.
-class Numbers {
- public:
-  explicit Numbers(uint64_t seed) : state_(seed) {}
-
-  double uniform(double low, double high) {
-    state_ += 0x9E3779B97F4A7C15;
-    uint64_t z = (state_ ^ (state_ >> 30)) * 0xBF58476D1CE4E5B9;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EB;
-    return low + (high - low) * (static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53);
-  }
-
-  template <class Matrix>
-  void fill(Matrix& m) {
-    using Scalar = typename Matrix::Scalar;
-    for (Eigen::Index c = 0; c < m.cols(); ++c) {
-      for (Eigen::Index r = 0; r < m.rows(); ++r) m(r, c) = static_cast<Scalar>(uniform(-2, 2));
-    }
-  }
-
- private:
-  uint64_t state_;
-};
-
-template <class Matrix>
-void keep(const Matrix& m, Results& out) {
-  for (Eigen::Index c = 0; c < m.cols(); ++c) {
-    for (Eigen::Index r = 0; r < m.rows(); ++r) out.values.push_back(static_cast<double>(m(r, c)));
-  }
-}
+constexpr size_t kArguments = 100'000;  // of each function
 
 template <class Scalar>
 Results one_argument(const char* name, double low, double high, Scalar (*function)(Scalar)) {
@@ -109,142 +73,10 @@ void add_scalar_functions(const std::string& suffix, std::vector<Results>& all) 
   add_two("remainder", -90, 90, [](Scalar x, Scalar y) { return std::remainder(x, y); });
 }
 
-/// Sums over vectors of a fixed size.
-template <class Scalar, int n>
-void add_fixed_sums(const char* scalar, std::vector<Results>& all) {
-  Results out{std::string("Eigen: sum, norm and dot of ") + std::to_string(n) + " " + scalar, {}};
-  Numbers numbers(3);
-  Eigen::Matrix<Scalar, n, 1> a, b;
-  for (int i = 0; i < kMatrices; ++i) {
-    numbers.fill(a);
-    numbers.fill(b);
-    for (const Scalar value : {a.sum(), a.norm(), a.dot(b)}) {
-      out.values.push_back(static_cast<double>(value));
-    }
-  }
-  all.push_back(std::move(out));
-}
-
-/// Products of a fixed size, and decompositions.
-template <class Scalar, int n>
-void add_fixed_matrices(const char* scalar, std::vector<Results>& all) {
-  using Matrix = Eigen::Matrix<Scalar, n, n>;
-  const std::string size = " of " + std::to_string(n) + " x " + std::to_string(n) + " " + scalar;
-  Results product{"Eigen: product" + size, {}}, inverse{"Eigen: inverse, determinant" + size, {}};
-  Results solve{"Eigen: LLT, LDLT" + size, {}}, eigen{"Eigen: SelfAdjointEigenSolver" + size, {}};
-  Results svd{"Eigen: JacobiSVD" + size, {}};
-  Numbers numbers(4);
-  Matrix a, b;
-  for (int i = 0; i < kMatrices; ++i) {
-    numbers.fill(a);
-    numbers.fill(b);
-    keep(Matrix(a * b), product);
-    keep(Matrix(a.transpose() * b), product);
-    keep(Matrix(a.inverse()), inverse);
-    inverse.values.push_back(static_cast<double>(a.determinant()));
-    const Matrix normal = a.transpose() * a + Matrix::Identity();
-    keep(Matrix(normal.llt().solve(b)), solve);
-    keep(Matrix(normal.ldlt().solve(b)), solve);
-    const Eigen::SelfAdjointEigenSolver<Matrix> of(normal);
-    keep(of.eigenvectors(), eigen);
-    keep(of.eigenvalues(), eigen);
-    const Eigen::JacobiSVD<Matrix> values(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    keep(values.matrixU(), svd);
-    keep(values.singularValues(), svd);
-  }
-  for (Results* results : {&product, &inverse, &solve, &eigen, &svd}) {
-    all.push_back(std::move(*results));
-  }
-}
-
-/// Products and decompositions of sizes that are known at run time.
-template <class Scalar>
-void add_dynamic_matrices(const char* scalar, std::vector<Results>& all) {
-  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
-  for (const int n : {3, 6, 12, 30, 100}) {
-    const std::string size =
-        " of dynamic " + std::to_string(n) + " x " + std::to_string(n) + " " + scalar;
-    Results product{"Eigen: product" + size, {}}, vector{"Eigen: product with a vector" + size, {}};
-    Results solve{"Eigen: LLT, LDLT" + size, {}}, eigen{"Eigen: SelfAdjointEigenSolver" + size, {}};
-    Results sums{"Eigen: sum, norm and dot" + size, {}};
-    Numbers numbers(5);
-    for (int i = 0; i < (n > 30 ? 3 : 20); ++i) {
-      Matrix a(n, n), b(n, n);
-      numbers.fill(a);
-      numbers.fill(b);
-      keep(Matrix(a * b), product);
-      keep(Matrix(a.transpose() * b), product);
-      const Vector x = b.col(0);
-      keep(Vector(a * x), vector);
-      keep(Vector(a.transpose() * x), vector);
-      for (const Scalar value : {x.sum(), a.norm(), x.dot(b.col(1))}) {
-        sums.values.push_back(static_cast<double>(value));
-      }
-      const Matrix normal = a.transpose() * a + Matrix::Identity(n, n);
-      keep(Vector(normal.llt().solve(x)), solve);
-      keep(Vector(normal.ldlt().solve(x)), solve);
-      const Eigen::SelfAdjointEigenSolver<Matrix> of(normal);
-      keep(of.eigenvalues(), eigen);
-    }
-    for (Results* results : {&product, &vector, &solve, &eigen, &sums}) {
-      all.push_back(std::move(*results));
-    }
-  }
-}
-
-template <class Scalar>
-void add_geometry(const char* scalar, std::vector<Results>& all) {
-  Results rotation{std::string("Eigen: Quaternion, AngleAxis of ") + scalar, {}};
-  Results transform{std::string("Eigen: Isometry of ") + scalar, {}};
-  Numbers numbers(6);
-  using Vector = Eigen::Matrix<Scalar, 3, 1>;
-  using Isometry = Eigen::Transform<Scalar, 3, Eigen::Isometry>;
-  for (int i = 0; i < kMatrices; ++i) {
-    Vector axis, other, point;
-    for (Vector* vector : {&axis, &other, &point}) numbers.fill(*vector);
-    const Eigen::AngleAxis<Scalar> turn(axis.norm(), axis.normalized());
-    const Eigen::Quaternion<Scalar> a(turn),
-        b(Eigen::AngleAxis<Scalar>(other.x(), other.normalized()));
-    keep((a * b).coeffs(), rotation);
-    keep((a * b).toRotationMatrix(), rotation);
-    keep(Vector(a * point), rotation);
-    keep(a.slerp(static_cast<Scalar>(0.3), b).coeffs(), rotation);
-    Isometry T = Isometry::Identity(), U = T;
-    T.linear() = a.toRotationMatrix();
-    T.translation() = other;
-    U.linear() = b.toRotationMatrix();
-    U.translation() = axis;
-    keep((T * U).matrix(), transform);
-    keep(T.inverse().matrix(), transform);
-    keep(Vector(T * point), transform);
-  }
-  all.push_back(std::move(rotation));
-  all.push_back(std::move(transform));
-}
-
 std::vector<Results> compute() {
-  std::vector<Results> all;
+  std::vector<Results> all = infuse::arithmetic::eigen_results();
   add_scalar_functions<double>("", all);
   add_scalar_functions<float>("f", all);
-  add_fixed_sums<double, 3>("double", all);
-  add_fixed_sums<double, 6>("double", all);
-  add_fixed_sums<double, 15>("double", all);
-  add_fixed_sums<float, 3>("float", all);
-  add_fixed_sums<float, 6>("float", all);
-  add_fixed_sums<float, 8>("float", all);
-  add_fixed_sums<float, 20>("float", all);
-  add_fixed_matrices<double, 2>("double", all);
-  add_fixed_matrices<double, 3>("double", all);
-  add_fixed_matrices<double, 4>("double", all);
-  add_fixed_matrices<double, 6>("double", all);
-  add_fixed_matrices<float, 3>("float", all);
-  add_fixed_matrices<float, 4>("float", all);
-  add_fixed_matrices<float, 6>("float", all);
-  add_dynamic_matrices<double>("double", all);
-  add_dynamic_matrices<float>("float", all);
-  add_geometry<double>("double", all);
-  add_geometry<float>("float", all);
   return all;
 }
 

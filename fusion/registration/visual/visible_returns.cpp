@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fusion/features/occlusion_buffer.hpp"
+#include "fusion/geometry/plane_length.hpp"
 
 namespace infuse::registration {
 
@@ -50,7 +51,7 @@ int32_t VisibleReturns::nearest(double u, double v, double radius) const {
       const int32_t i = at(c, r);
       if (i < 0) continue;
       const auto seen = static_cast<size_t>(i);
-      const double distance = std::hypot(u_[seen] - u, v_[seen] - v);
+      const double distance = geometry::plane_length(u_[seen] - u, v_[seen] - v);
       if (distance > least) continue;
       least = distance;
       best = i;
