@@ -10,6 +10,7 @@
 #include "daemon/commands/calibration_report.hpp"
 #include "daemon/commands/calibration_run.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/scene_preparation.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
@@ -83,8 +84,9 @@ std::optional<std::string> find_usage_error(const CalibrateArguments& arguments)
              "refine from --start RIG";
     }
     const std::string option = arguments.refine_delay ? "--refine-delay" : "--refine-intrinsics";
-    if (arguments.request.cameras.size() > 1 || arguments.measures.size() > 1) {
-      return option + " takes one camera and one measure";
+    if (arguments.measures.size() > 1) return option + " takes one measure";
+    if (arguments.refine_delay && arguments.request.cameras.size() > 1) {
+      return option + " takes one camera";
     }
     if (!arguments.compare.empty()) {
       return option +
@@ -171,7 +173,7 @@ Result<void> write_rig(const CalibrateArguments& arguments, const ScenePairs& pa
     for (CameraMount& camera : rig.cameras) {
       if (camera.name != pairs.cameras[c].name) continue;
       camera.T_camera_lidar = T_camera_refcam(pairs, c) * run.result.T_refcam_lidar;
-      camera.intrinsics = pairs.cameras[c].intrinsics;
+      camera.intrinsics = run.cameras[c].model.intrinsics();
       if (const auto delay = refined_delay(run, pairs)) {
         camera.stamp_delay = from_seconds(*delay);
         camera.stamp_delay_sigma = from_seconds(run.delay->sigma);
@@ -183,17 +185,62 @@ Result<void> write_rig(const CalibrateArguments& arguments, const ScenePairs& pa
 
 /// Compares the first result with the rig of `--compare`, where that is wanted and there is one.
 Result<std::optional<ComparedExtrinsics>> compare_with_old(
-    const CalibrateArguments& arguments, const ScenePairs& held_out,
+    const CalibrateArguments& arguments, ScenePairs& held_out,
     const std::optional<Eigen::Isometry3d>& T_old, const CalibrationRun& run) {
   if (!T_old || !run.result.has_pose) return std::nullopt;
-  auto compared = compare_on(held_out, *T_old, run.result.T_refcam_lidar);
-  if (!compared) return tl::unexpected(compared.error());
+  const std::vector<calibration::Scene> scenes = move_scenes(held_out, 0);
+  const ComparedExtrinsics compared =
+      compare_on(held_out, scenes, *T_old, run.result.T_refcam_lidar);
   if (!arguments.overlays.empty()) {
-    if (auto written = write_overlays(arguments.overlays, held_out, *compared); !written) {
+    if (auto written = write_overlays(arguments.overlays, held_out, compared); !written) {
       return tl::unexpected(written.error());
     }
   }
-  return *compared;
+  return compared;
+}
+
+CalibrationKind kind_of(const CalibrateArguments& arguments) {
+  if (arguments.refine_intrinsics) return CalibrationKind::kIntrinsics;
+  if (arguments.refine_delay) return CalibrationKind::kDelay;
+  return arguments.within_deg == kAnyHeadingDeg ? CalibrationKind::kAnyHeading
+                                                : CalibrationKind::kPose;
+}
+
+calibration::CalibrateOptions calibrate_options(const CalibrateArguments& arguments) {
+  calibration::CalibrateOptions options;
+  options.screen.half_width = arguments.within_deg * kDegree;
+  options.seed = arguments.seed;
+  options.splits = 4;
+  options.known = known_parameters(arguments);
+  options.max_rotation_sigma = arguments.max_sigma[0] * kDegree;
+  options.max_translation_sigma = arguments.max_sigma[1];
+  return options;
+}
+
+/// The initial pose, and the extrinsics to compare with; `wrong` becomes the exit status of an
+/// error.
+Result<PreparationOptions> prepare_for(const CalibrateArguments& arguments, const ScenePairs& pairs,
+                                       ExitCode& wrong) {
+  PreparationOptions out;
+  wrong = kUsage;
+  const auto initial_pose = read_initial_pose(arguments, pairs);
+  if (!initial_pose) return tl::unexpected(initial_pose.error());
+  std::mt19937_64 random(arguments.seed);  // the same initial pose for every measure
+  out.T_refcam_lidar =
+      perturb(*initial_pose, arguments.perturb[0] * kDegree, arguments.perturb[1], random);
+  wrong = kUnreadable;
+  if (!arguments.compare.empty()) {
+    const auto old = read_rig_pose(arguments.compare, pairs);
+    if (!old) return tl::unexpected(old.error());
+    out.T_old = *old;
+  }
+  for (const std::string& measure : arguments.measures) {
+    out.measures.push_back(calibration::find_measure(measure));
+  }
+  out.calibrate = calibrate_options(arguments);
+  out.kind = kind_of(arguments);
+  out.draw = !arguments.report.empty() || !arguments.overlays.empty();
+  return out;
 }
 
 /// Prints one object: the first measure's result, with the others under `measures`.
@@ -221,52 +268,39 @@ int run(const CalibrateArguments& arguments) {
   ProgressLine line;
   SceneRequest request = arguments.request;
   if (!arguments.compare.empty()) request.max_scenes *= 2;  // half of them are held out
-  auto pairs = read_scene_pairs(request, [&](double share) { line.show(0.5 * share, "reading"); });
+  ExitCode wrong = kUnreadable;
+  std::optional<PreparationOptions> prepared;
+  std::optional<ScenePreparation> preparation;
+  const auto prepare = [&](ScenePairs& so_far, ScenePair& pair) -> Result<void> {
+    if (!preparation) {
+      auto options = prepare_for(arguments, so_far, wrong);
+      if (!options) return tl::unexpected(options.error());
+      preparation.emplace(prepared.emplace(std::move(*options)));
+    }
+    return preparation->prepare(so_far, pair);
+  };
+  auto pairs = read_scene_pairs(
+      request, [&](double share) { line.show(0.5 * share, "reading"); }, prepare);
   if (!pairs) {
     line.clear();
-    return print_error(kCalibrateProgram, pairs.error(), kUnreadable);
+    return print_error(kCalibrateProgram, pairs.error(), wrong);
   }
-  const auto initial_pose = read_initial_pose(arguments, *pairs);
-  if (!initial_pose) return print_error(kCalibrateProgram, initial_pose.error(), kUsage);
-  if (pairs->pairs.empty()) {
+  if (!prepared) {  // without pairs the arguments are still to be checked
     line.clear();
+    if (auto options = prepare_for(arguments, *pairs, wrong); !options) {
+      return print_error(kCalibrateProgram, options.error(), wrong);
+    }
     return report_no_pairs(arguments, *pairs);
   }
   if (arguments.refine_delay) leave_out_unknown_motion(*pairs);
-  std::optional<Eigen::Isometry3d> T_old;
   ScenePairs held_out;
-  if (!arguments.compare.empty()) {
-    const auto old = read_rig_pose(arguments.compare, *pairs);
-    if (!old) return print_error(kCalibrateProgram, old.error(), kUnreadable);
-    T_old = *old;
-    held_out = hold_out(*pairs);
-  }
-  calibration::CalibrateOptions options;
-  options.screen.half_width = arguments.within_deg * kDegree;
-  options.seed = arguments.seed;
-  options.splits = 4;
-  options.known = known_parameters(arguments);
-  options.max_rotation_sigma = arguments.max_sigma[0] * kDegree;
-  options.max_translation_sigma = arguments.max_sigma[1];
+  if (prepared->T_old) held_out = hold_out(*pairs);
   std::vector<CalibrationRun> runs;
   for (size_t k = 0; k < arguments.measures.size(); ++k) {
     line.show(0.5 + 0.5 * static_cast<double>(k) / static_cast<double>(arguments.measures.size()),
               fmt::format("{} scenes, {}", pairs->pairs.size(), arguments.measures[k]));
-    std::mt19937_64 random(arguments.seed);  // the same initial pose for every measure
-    auto calibrated = run_calibration(
-        *pairs, *calibration::find_measure(arguments.measures[k]),
-        perturb(*initial_pose, arguments.perturb[0] * kDegree, arguments.perturb[1], random),
-        options,
-        arguments.refine_intrinsics              ? CalibrationKind::kIntrinsics
-        : arguments.refine_delay                 ? CalibrationKind::kDelay
-        : arguments.within_deg == kAnyHeadingDeg ? CalibrationKind::kAnyHeading
-                                                 : CalibrationKind::kPose);
-    if (!calibrated) {
-      line.clear();
-      return print_error(kCalibrateProgram, calibrated.error(), kUnreadable);
-    }
-    if (calibrated->refined) pairs->cameras.front().intrinsics = calibrated->refined->intrinsics;
-    runs.push_back(std::move(*calibrated));
+    runs.push_back(run_calibration(*pairs, move_scenes(*pairs, k), *prepared->measures[k],
+                                   prepared->T_refcam_lidar, prepared->calibrate, prepared->kind));
   }
   if (!arguments.report.empty()) {
     line.show(0.99, "drawing the report");
@@ -275,7 +309,7 @@ int run(const CalibrateArguments& arguments) {
       return print_error(kCalibrateProgram, written.error(), kUnreadable);
     }
   }
-  const auto compared = compare_with_old(arguments, held_out, T_old, runs.front());
+  const auto compared = compare_with_old(arguments, held_out, prepared->T_old, runs.front());
   line.clear();
   if (!compared) return print_error(kCalibrateProgram, compared.error(), kUnreadable);
   print(arguments, *pairs, runs, *compared);
@@ -340,7 +374,7 @@ Command declare_calibrate(CLI::App& infuse) {
                   "standard deviation of the time between image and sweep, likewise (1)")
       ->type_name("MS");
   app->add_flag("--refine-intrinsics", arguments->refine_intrinsics,
-                "estimate focal length, principal point and k1 of the camera as well; not usable "
+                "estimate focal length, principal point and k1 of every camera as well; not usable "
                 "where the scenes do not determine them");
   app->add_flag(
       "--refine-delay", arguments->refine_delay,

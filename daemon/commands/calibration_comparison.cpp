@@ -7,7 +7,6 @@
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/text/text_file.hpp"
-#include "fusion/calibration/named_measures.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 
 namespace infuse::daemon {
@@ -34,21 +33,20 @@ ScenePairs hold_out(ScenePairs& pairs) {
   std::vector<ScenePair> kept;
   std::vector<size_t> seen(pairs.cameras.size(), 0);
   for (ScenePair& pair : pairs.pairs) {
-    const bool out = seen[pair.camera]++ % 2 == 1;
+    const bool out = is_held_out(seen[pair.camera]++);
     (out ? held_out.pairs : kept).push_back(std::move(pair));
   }
   pairs.pairs = std::move(kept);
   return held_out;
 }
 
-Result<ComparedExtrinsics> compare_on(const ScenePairs& held_out, const Eigen::Isometry3d& T_old,
-                                      const Eigen::Isometry3d& T_new) {
-  const auto scenes = make_scenes(held_out, calibration::named_measures().front(), T_old);
-  if (!scenes) return tl::unexpected(scenes.error());
-  return ComparedExtrinsics{.T_old = T_old,
-                            .T_new = T_new,
-                            .comparison = calibration::compare_extrinsics(
-                                *scenes, rig_cameras(held_out), T_old, T_new, {})};
+ComparedExtrinsics compare_on(const ScenePairs& held_out,
+                              std::span<const calibration::Scene> scenes,
+                              const Eigen::Isometry3d& T_old, const Eigen::Isometry3d& T_new) {
+  return {.T_old = T_old,
+          .T_new = T_new,
+          .comparison =
+              calibration::compare_extrinsics(scenes, rig_cameras(held_out), T_old, T_new, {})};
 }
 
 Json to_json(const ComparedExtrinsics& compared) {
@@ -84,9 +82,8 @@ std::string to_text(const ComparedExtrinsics& compared) {
 Result<void> write_overlays(const std::filesystem::path& file, const ScenePairs& held_out,
                             const ComparedExtrinsics& compared) {
   std::vector<CameraFrame> images;
-  const size_t drawn = std::min(kDrawnPairs, held_out.pairs.size());
-  for (size_t k = 0; k < drawn; ++k) {
-    const ScenePair& pair = held_out.pairs[(2 * k + 1) * held_out.pairs.size() / (2 * drawn)];
+  for (const size_t k : choose_drawn(held_out, kDrawnPairs)) {
+    const ScenePair& pair = held_out.pairs[k];
     const Eigen::Isometry3d T_camera_refcam =
         infuse::daemon::T_camera_refcam(held_out, pair.camera);
     const CameraIntrinsics& intrinsics = held_out.cameras[pair.camera].intrinsics;

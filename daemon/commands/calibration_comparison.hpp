@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "daemon/commands/calibration_scenes.hpp"
@@ -19,12 +20,16 @@ struct ComparedExtrinsics {
   const char* better() const;
 };
 
+/// True for every second image of a camera, counted from 0: those that `hold_out` takes.
+inline bool is_held_out(size_t of_camera) { return of_camera % 2 == 1; }
+
 /// Takes every second image of each camera out of `pairs`, for the comparison.
 ScenePairs hold_out(ScenePairs& pairs);
 
-/// Compares on the pairs that were held out. Errors: a pair from which no scene can be made.
-Result<ComparedExtrinsics> compare_on(const ScenePairs& held_out, const Eigen::Isometry3d& T_old,
-                                      const Eigen::Isometry3d& T_new);
+/// Compares on the scenes of the pairs that were held out.
+ComparedExtrinsics compare_on(const ScenePairs& held_out,
+                              std::span<const calibration::Scene> scenes,
+                              const Eigen::Isometry3d& T_old, const Eigen::Isometry3d& T_new);
 
 Json to_json(const ComparedExtrinsics& compared);
 std::string to_text(const ComparedExtrinsics& compared);

@@ -73,6 +73,16 @@ std::string encode_base64(std::span<const uint8_t> bytes) {
 
 }  // namespace
 
+std::vector<size_t> choose_drawn(const ScenePairs& pairs, size_t count) {
+  std::vector<size_t> all, chosen;
+  for (size_t k = 0; k < pairs.pairs.size(); ++k) {
+    if (pairs.pairs[k].has_data()) all.push_back(k);
+  }
+  count = std::min(count, all.size());
+  for (size_t k = 0; k < count; ++k) chosen.push_back(all[(2 * k + 1) * all.size() / (2 * count)]);
+  return chosen;
+}
+
 CameraFrame draw_overlay(const ScenePair& pair, const CameraIntrinsics& intrinsics,
                          const Eigen::Isometry3d& T_camera_lidar) {
   CameraFrame frame = darkened_image(pair.frame);

@@ -7,6 +7,9 @@
 
 namespace infuse::daemon {
 
+/// Indices of up to `count` pairs that still have an image and a sweep, spread evenly over these.
+std::vector<size_t> choose_drawn(const ScenePairs& pairs, size_t count);
+
 /// Draws the lidar's returns over the image, coloured by distance from red (3 m) to blue (60 m).
 /// Occluded returns are left out.
 CameraFrame draw_overlay(const ScenePair& pair, const CameraIntrinsics& intrinsics,

@@ -17,6 +17,7 @@ namespace {
 constexpr double kMaxPlotRotation = 1.5 * kDegree;
 constexpr double kMaxPlotTranslation = 0.3;
 constexpr size_t kMaxCoarsePoints = 20'000;
+constexpr size_t kMaxOverlays = 3;
 constexpr std::array<const char*, 6> kAxes{"about x", "about y", "about z",
                                            "along x", "along y", "along z"};
 
@@ -63,13 +64,12 @@ std::string overlays_html(const ScenePairs& pairs, const CalibrationRun& run) {
   std::string html =
       "<h2>Lidar over image</h2><p class=note>Returns by distance, red near, blue far. Colour "
       "edges should coincide with image edges.</p>";
-  const size_t count = std::min<size_t>(3, pairs.pairs.size());
-  for (size_t k = 0; k < count; ++k) {
-    const ScenePair& pair = pairs.pairs[(2 * k + 1) * pairs.pairs.size() / (2 * count)];
+  for (const size_t k : choose_drawn(pairs, kMaxOverlays)) {
+    const ScenePair& pair = pairs.pairs[k];
     for (const auto& [T, when] :
          {std::pair(run.initial_pose, "before"), std::pair(run.result.T_refcam_lidar, "after")}) {
       html += fmt::format("<figure><img src=\"{}\"><figcaption>{}, {}</figcaption></figure>",
-                          data_url(draw_overlay(pair, pairs.cameras[pair.camera].intrinsics,
+                          data_url(draw_overlay(pair, run.cameras[pair.camera].model.intrinsics(),
                                                 T_camera_refcam(pairs, pair.camera) * T)),
                           escape_html(pair.name), when);
     }

@@ -96,7 +96,7 @@ std::string sigma_text(const geometry::Matrix6& covariance) {
 }
 
 /// Refined intrinsics with their change.
-Json refined_json(const calibration::RefinedCalibration& refined) {
+Json refined_json(const calibration::RefinedIntrinsics& refined) {
   const CameraIntrinsics& camera = refined.intrinsics;
   const Eigen::Vector4d sigma = refined.covariance.diagonal().cwiseSqrt();
   const auto four = [](const Eigen::Vector4d& values) {
@@ -105,25 +105,32 @@ Json refined_json(const calibration::RefinedCalibration& refined) {
                 {"cy", values(2)},
                 {"k1", values(3)}};
   };
+  Json covariance = Json::array();  // of the logarithm of the focal lengths, cx, cy, k1
+  for (int row = 0; row < 4; ++row) {
+    Json numbers = Json::array();
+    for (int column = 0; column < 4; ++column) numbers.push_back(refined.covariance(row, column));
+    covariance.push_back(numbers);
+  }
   return {{"fx", camera.fx},
           {"fy", camera.fy},
           {"cx", camera.cx},
           {"cy", camera.cy},
           {"distortion", camera.distortion},
           {"change", four(refined.correction)},
-          {"sigma", four(sigma)}};
+          {"sigma", four(sigma)},
+          {"covariance", covariance}};
 }
 
-std::string refined_text(const calibration::RefinedCalibration& refined) {
+std::string refined_text(const std::string& of, const calibration::RefinedIntrinsics& refined) {
   const CameraIntrinsics& camera = refined.intrinsics;
   const Eigen::Vector4d by = refined.correction;
   const Eigen::Vector4d sigma = refined.covariance.diagonal().cwiseSqrt();
   return fmt::format(
-      "  intrinsics: fx {:.3f}, fy {:.3f}, cx {:.3f}, cy {:.3f}, k1 {:.5f}\n"
+      "  intrinsics{}: fx {:.3f}, fy {:.3f}, cx {:.3f}, cy {:.3f}, k1 {:.5f}\n"
       "    changed by: f {:+.2f} % +- {:.2f}, cx {:+.2f} px +- {:.2f}, cy {:+.2f} px +- {:.2f}, "
       "k1 {:+.4f} +- {:.4f}\n",
-      camera.fx, camera.fy, camera.cx, camera.cy, camera.distortion[0], 100 * by(0), 100 * sigma(0),
-      by(1), sigma(1), by(2), sigma(2), by(3), sigma(3));
+      of, camera.fx, camera.fy, camera.cx, camera.cy, camera.distortion[0], 100 * by(0),
+      100 * sigma(0), by(1), sigma(1), by(2), sigma(2), by(3), sigma(3));
 }
 
 std::string delay_text(const CalibrationRun& run, const ScenePairs& pairs) {
@@ -156,20 +163,23 @@ Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double lengt
   return geometry::exp(xi) * T;
 }
 
+calibration::RigCamera rig_camera(const ScenePairs& pairs, size_t camera) {
+  return {geometry::CameraModel(pairs.cameras[camera].intrinsics), T_camera_refcam(pairs, camera)};
+}
+
 std::vector<calibration::RigCamera> rig_cameras(const ScenePairs& pairs) {
   std::vector<calibration::RigCamera> cameras;
-  for (size_t c = 0; c < pairs.cameras.size(); ++c) {
-    cameras.push_back(
-        {geometry::CameraModel(pairs.cameras[c].intrinsics), T_camera_refcam(pairs, c)});
-  }
+  for (size_t c = 0; c < pairs.cameras.size(); ++c) cameras.push_back(rig_camera(pairs, c));
   return cameras;
 }
 
-Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
-                                                    const calibration::NamedMeasure& measure,
-                                                    const Eigen::Isometry3d& T_refcam_lidar) {
+Result<calibration::Scene> make_scene(const ScenePairs& pairs, const ScenePair& pair,
+                                      const calibration::NamedMeasure& measure,
+                                      const Eigen::Isometry3d& T_refcam_lidar) {
+  const calibration::RigCamera camera = rig_camera(pairs, pair.camera);
   calibration::SceneOptions options;
   options.equalize = measure.equalize_image;
+  options.rings = features::ring_directions(camera.model, camera.T_camera_refcam * T_refcam_lidar);
   options.lidar = {};
   options.image = {};
   for (const auto* terms : {&measure.terms, &measure.search_terms}) {
@@ -178,19 +188,21 @@ Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
       for (const auto feature : term.image) options.image[calibration::index(feature)] = true;
     }
   }
-  std::vector<features::RingDirections> rings;
-  for (const calibration::RigCamera& camera : rig_cameras(pairs)) {
-    rings.push_back(
-        features::ring_directions(camera.model, camera.T_camera_refcam * T_refcam_lidar));
-  }
+  auto scene = calibration::make_scene(pair.sweep, pair.frame, options);
+  if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);
+  scene->name = pair.name;
+  scene->camera = pair.camera;
+  scene->twist = pair.twist;
+  return scene;
+}
+
+Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
+                                                    const calibration::NamedMeasure& measure,
+                                                    const Eigen::Isometry3d& T_refcam_lidar) {
   std::vector<calibration::Scene> scenes;
   for (const ScenePair& pair : pairs.pairs) {
-    options.rings = rings[pair.camera];
-    auto scene = calibration::make_scene(pair.sweep, pair.frame, options);
-    if (!scene) return fail(scene.error().what, pair.name, scene.error().hint);
-    scene->name = pair.name;
-    scene->camera = pair.camera;
-    scene->twist = pair.twist;
+    auto scene = make_scene(pairs, pair, measure, T_refcam_lidar);
+    if (!scene) return tl::unexpected(scene.error());
     scenes.push_back(std::move(*scene));
   }
   return scenes;
@@ -202,19 +214,32 @@ Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::CalibrateOptions& options,
                                        CalibrationKind kind) {
   const double began = cpu_seconds();
+  auto scenes = make_scenes(pairs, measure, initial_pose);
+  if (!scenes) return tl::unexpected(scenes.error());
+  CalibrationRun run =
+      run_calibration(pairs, std::move(*scenes), measure, initial_pose, options, kind);
+  run.cpu_s = cpu_seconds() - began;
+  return run;
+}
+
+CalibrationRun run_calibration(const ScenePairs& pairs, std::vector<calibration::Scene> scenes,
+                               const calibration::NamedMeasure& measure,
+                               const Eigen::Isometry3d& initial_pose,
+                               const calibration::CalibrateOptions& options, CalibrationKind kind) {
+  const double began = cpu_seconds();
   CalibrationRun run{.measure = measure.name, .initial_pose = initial_pose, .options = options};
   run.options.terms = measure.terms;
   run.options.search_terms = measure.search_terms;
   if (!measure.has_gradient) run.options.maximize.optimizer = calibration::Optimizer::kSimplex;
   run.cameras = rig_cameras(pairs);
-  auto scenes = make_scenes(pairs, measure, initial_pose);
-  if (!scenes) return tl::unexpected(scenes.error());
-  run.scenes = std::move(*scenes);
+  run.scenes = std::move(scenes);
   if (kind == CalibrationKind::kIntrinsics) {
-    run.refined = calibration::calibrate_with_intrinsics(run.scenes, run.cameras.front(),
-                                                         initial_pose, run.options);
+    run.refined =
+        calibration::calibrate_with_intrinsics(run.scenes, run.cameras, initial_pose, run.options);
     run.result = run.refined->result;
-    run.cameras.front().model = geometry::CameraModel(run.refined->intrinsics);
+    for (size_t c = 0; c < run.cameras.size(); ++c) {
+      run.cameras[c].model = geometry::CameraModel(run.refined->cameras[c].intrinsics);
+    }
   } else if (kind == CalibrationKind::kDelay) {
     run.delay =
         calibration::calibrate_with_delay(run.scenes, run.cameras, initial_pose, run.options);
@@ -281,7 +306,12 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
         {{"name", pairs.cameras[c].name},
          {"T_camera_lidar", matrix_json(T_camera_refcam(pairs, c) * result.T_refcam_lidar)}});
   }
-  if (run.refined && run.refined->refined) json["intrinsics"] = refined_json(*run.refined);
+  if (run.refined && run.refined->refined) {
+    json["intrinsics"] = refined_json(run.refined->cameras.front());
+    for (size_t c = 0; c < json.value("cameras", Json::array()).size(); ++c) {
+      json["cameras"][c]["intrinsics"] = refined_json(run.refined->cameras[c]);
+    }
+  }
   if (const auto delay = refined_delay(run, pairs)) {
     json["stamp_delay_ms"] = rounded(1e3 * *delay);
     json["stamp_delay_sigma_ms"] = rounded(1e3 * run.delay->sigma);
@@ -315,7 +345,10 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
     text += fmt::format("    {:12.8f} {:12.8f} {:12.8f} {:12.6f}\n", T(row, 0), T(row, 1),
                         T(row, 2), T(row, 3));
   }
-  if (run.refined && run.refined->refined) text += refined_text(*run.refined);
+  for (size_t c = 0; run.refined && run.refined->refined && c < pairs.cameras.size(); ++c) {
+    text += refined_text(pairs.cameras.size() > 1 ? " of " + pairs.cameras[c].name : "",
+                         run.refined->cameras[c]);
+  }
   if (refined_delay(run, pairs)) text += delay_text(run, pairs);
   if (result.uncertainty.usable()) {
     text += "  standard deviation (rx ry rz, tx ty tz): " + sigma_text(result.covariance()) + "\n";

@@ -41,8 +41,17 @@ struct CalibrationRun {
 Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, double angle, double length,
                           std::mt19937_64& random);
 
+/// One camera of the pairs.
+calibration::RigCamera rig_camera(const ScenePairs& pairs, size_t camera);
+
 /// The cameras of the pairs, the reference camera first.
 std::vector<calibration::RigCamera> rig_cameras(const ScenePairs& pairs);
+
+/// Makes the scene of one pair, with the features that `measure` compares; `T_refcam_lidar` directs
+/// image edges along the rings. Errors: a pair from which no scene can be made.
+Result<calibration::Scene> make_scene(const ScenePairs& pairs, const ScenePair& pair,
+                                      const calibration::NamedMeasure& measure,
+                                      const Eigen::Isometry3d& T_refcam_lidar);
 
 /// Makes a scene of every pair, with the features that `measure` compares; `T_refcam_lidar`
 /// directs image edges along the rings. Errors: a pair from which no scene can be made.
@@ -50,8 +59,16 @@ Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
                                                     const calibration::NamedMeasure& measure,
                                                     const Eigen::Isometry3d& T_refcam_lidar);
 
-/// Calibrates with a named measure, and what `kind` names of the only camera. Errors: a pair from
-/// which no scene can be made.
+/// Calibrates with a named measure, and what `kind` names. `scenes` has the pairs' scenes, in their
+/// order.
+CalibrationRun run_calibration(const ScenePairs& pairs, std::vector<calibration::Scene> scenes,
+                               const calibration::NamedMeasure& measure,
+                               const Eigen::Isometry3d& start,
+                               const calibration::CalibrateOptions& options,
+                               CalibrationKind kind = CalibrationKind::kPose);
+
+/// The same with scenes that are made of the pairs' data. Errors: a pair from which no scene can be
+/// made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
                                        const Eigen::Isometry3d& start,

@@ -74,10 +74,14 @@ std::vector<recording::SequenceEntry> select_evenly(
   return selected;
 }
 
+/// Receives the sweep of each image, in order.
+using SweepConsumer = std::function<Result<void>(size_t image, PairedSweep&& sweep)>;
+
 /// Plays the drive and finds the sweep of each image.
-std::vector<PairedSweep> pair_sweeps(OpenDrive& open_sensors,
-                                     const std::vector<recording::SequenceEntry>& images,
-                                     const std::function<void(double)>& progress) {
+Result<void> pair_sweeps(OpenDrive& open_sensors,
+                         const std::vector<recording::SequenceEntry>& images,
+                         const std::function<void(double)>& progress,
+                         const SweepConsumer& consume) {
   const Rig& rig = open_sensors.drive.description.rig;
   SweepPairing pairing(rig.lidars[open_sensors.lidar].T_vehicle_lidar,
                        open_sensors.setup.vehicle.has_odometry());
@@ -85,33 +89,41 @@ std::vector<PairedSweep> pair_sweeps(OpenDrive& open_sensors,
   const auto on_sweep = [&](Sweep& sweep) { pairing.add_sweep(sweep); };
   const auto on_sample = [&](const VehicleSample& sample) { pairing.add_sample(sample); };
   const double span = images.empty() ? 1 : to_seconds(images.back().stamp - images.front().stamp);
+  Result<void> consumed;
+  size_t taken = 0;
   play_lidar(
       open_sensors.setup, open_sensors.lidar, on_sweep, on_sample,
       [&](const recording::DriveEvent& event) {
         pairing.advance(event.stamp);
+        for (; consumed && taken < pairing.settled(); ++taken) {
+          consumed = consume(taken, pairing.take(taken));
+        }
         if (!images.empty() && span > 0) {
           progress(std::clamp(to_seconds(event.stamp - images.front().stamp) / span, 0.0, 1.0));
         }
-        return !pairing.done();
+        return consumed && !pairing.done();
       });
-  return pairing.finish();
+  std::vector<PairedSweep> rest = pairing.finish();
+  for (; consumed && taken < rest.size(); ++taken) {
+    consumed = consume(taken, std::move(rest[taken]));
+  }
+  return consumed;
 }
 
 /// Adds a drive's pairs of one camera; notes what is left out.
 Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
                        const SceneRequest& request, const std::function<void(double)>& progress,
-                       ScenePairs& out) {
+                       const PairConsumer& consume, ScenePairs& out) {
   const auto images = select_evenly(open_sensors.images, count);
   const CameraMount& mount = out.cameras[camera];
   std::string drive = fs::path(open_sensors.drive.folder).lexically_normal().filename().string();
   if (request.cameras.size() > 1) drive += "/" + mount.name;
-  std::vector<PairedSweep> sweeps = pair_sweeps(open_sensors, images, progress);
   size_t unpaired = 0;
   std::map<std::string, size_t> not_deskewed;
-  for (size_t k = 0; k < images.size(); ++k) {
-    if (!sweeps[k].found || sweeps[k].gap > request.max_gap) {
+  const auto add = [&](size_t k, PairedSweep&& sweep) -> Result<void> {
+    if (!sweep.found || sweep.gap > request.max_gap) {
       ++unpaired;
-      continue;
+      return {};
     }
     auto frame = read_image(images[k].path, open_sensors.setup.cameras[open_sensors.camera]);
     if (!frame) return tl::unexpected(frame.error());
@@ -121,17 +133,24 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
                               frame->height, intrinsics.width, intrinsics.height),
                   images[k].path.string(), "intrinsics are valid for one image size only");
     }
-    if (!sweeps[k].deskew_reason.empty()) ++not_deskewed[sweeps[k].deskew_reason];
-    out.pairs.push_back({.name = fmt::format("{}/{:06}", drive, images[k].number),
-                         .camera = camera,
-                         .stamp = images[k].stamp,
-                         .gap = sweeps[k].gap,
-                         .frame = std::move(*frame),
-                         .sweep = std::move(sweeps[k].sweep),
-                         .deskew_reason = sweeps[k].deskew_reason,
-                         .uncompensated = sweeps[k].uncompensated,
-                         .twist = sweeps[k].twist});
-  }
+    if (!sweep.deskew_reason.empty()) ++not_deskewed[sweep.deskew_reason];
+    ScenePair pair{.name = fmt::format("{}/{:06}", drive, images[k].number),
+                   .camera = camera,
+                   .stamp = images[k].stamp,
+                   .gap = sweep.gap,
+                   .frame = std::move(*frame),
+                   .sweep = std::move(sweep.sweep),
+                   .deskew_reason = sweep.deskew_reason,
+                   .uncompensated = sweep.uncompensated,
+                   .twist = sweep.twist,
+                   .scenes = {}};
+    if (consume) {
+      if (auto consumed = consume(out, pair); !consumed) return consumed;
+    }
+    out.pairs.push_back(std::move(pair));
+    return {};
+  };
+  if (auto paired = pair_sweeps(open_sensors, images, progress, add); !paired) return paired;
   if (unpaired > 0) {
     out.notes.push_back(fmt::format(
         "{}: {} of {} images have no sweep within {:.0f} ms; check that camera and lidar are "
@@ -174,7 +193,8 @@ std::string camera_names(const ScenePairs& pairs) {
 }
 
 Result<ScenePairs> read_scene_pairs(const SceneRequest& request,
-                                    const std::function<void(double)>& progress) {
+                                    const std::function<void(double)>& progress,
+                                    const PairConsumer& consume) {
   ScenePairs out;
   std::vector<std::string> cameras = request.cameras;
   if (cameras.empty()) cameras.emplace_back();
@@ -204,7 +224,8 @@ Result<ScenePairs> read_scene_pairs(const SceneRequest& request,
         progress((static_cast<double>(c * drives + d) + share) /
                  static_cast<double>(cameras.size() * drives));
       };
-      if (auto added = add_pairs(*opened, c, missing / (drives - d), request, part, out); !added) {
+      if (auto added = add_pairs(*opened, c, missing / (drives - d), request, part, consume, out);
+          !added) {
         return tl::unexpected(added.error());
       }
     }

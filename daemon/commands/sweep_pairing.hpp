@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/pipeline/odometry_tracker.hpp"
@@ -40,7 +41,14 @@ class SweepPairing {
   /// True if all exposures are settled.
   bool done() const { return next_ == exposures_.size(); }
 
-  /// Ends the recording. Returns one entry per exposure, in the order in which they were added.
+  /// Number of exposures that are settled; these are the first ones.
+  size_t settled() const { return next_; }
+
+  /// Takes the sweep of a settled exposure, so that it does not occupy memory to the end.
+  PairedSweep take(size_t exposure) { return std::exchange(pairs_[exposure], {}); }
+
+  /// Ends the recording. Returns one entry per exposure, in the order in which they were added;
+  /// those that were taken are not found.
   std::vector<PairedSweep> finish();
 
  private:

@@ -45,14 +45,6 @@ bool is_same_maximum(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
          apart.tail<3>().norm() <= kMaxSameMaximumTranslation;
 }
 
-std::vector<double> all_sigmas(const CalibrateOptions& options) {
-  std::vector<double> sigmas{options.screen_sigma, options.support_sigma};
-  for (const auto* levels : {&options.coarse, &options.fine}) {
-    for (const Level& level : *levels) sigmas.push_back(level.sigma);
-  }
-  return sigmas;
-}
-
 struct Scored {
   Eigen::Isometry3d T;
   double score;
@@ -90,7 +82,7 @@ class Calibration {
         similarity_(scene_similarity(scenes)),
         terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
         search_terms_(search_terms_of(options)),
-        images_(scenes, concatenate(terms_, search_terms_), all_sigmas(options)),
+        images_(scenes, concatenate(terms_, search_terms_), image_blurs(options)),
         margin_(options.screen.half_width * std::sqrt(3.0)),
         screening_scenes_(
             thin_scenes(scenes, cameras, initial_pose, margin_, options.screen_points)),
@@ -478,6 +470,18 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   if (auto wrong = maximize.invalid()) return "maximize: " + *wrong;
   if (auto wrong = visibility.invalid()) return "visibility: " + *wrong;
   return std::nullopt;
+}
+
+std::vector<double> image_blurs(const CalibrateOptions& options) {
+  std::vector<double> sigmas{options.screen_sigma, options.support_sigma};
+  for (const auto* levels : {&options.coarse, &options.fine}) {
+    for (const Level& level : *levels) sigmas.push_back(level.sigma);
+  }
+  if (options.check_intrinsics) {
+    const std::vector<double> further = intrinsics_blurs();
+    sigmas.insert(sigmas.end(), further.begin(), further.end());
+  }
+  return sigmas;
 }
 
 CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCamera> cameras,

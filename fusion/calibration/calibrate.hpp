@@ -69,6 +69,9 @@ struct CalibrateOptions {
   std::optional<std::string> invalid() const;
 };
 
+/// Every blur of the images (px) that a calibration looks up.
+std::vector<double> image_blurs(const CalibrateOptions& options);
+
 /// Result of a calibration.
 struct CalibrationResult {
   /// The estimate; without `has_pose` the initial pose.

@@ -264,6 +264,12 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   return out;
 }
 
+std::vector<double> intrinsics_blurs() {
+  std::vector<double> sigmas;
+  for (const IntrinsicsLevel& level : kLevels) sigmas.push_back(level.sigma);
+  return sigmas;
+}
+
 std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& freed,
                                                    std::span<const RigCamera> cameras,
                                                    size_t camera, const KnownParameters& known) {

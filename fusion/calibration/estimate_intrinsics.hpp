@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <stop_token>
+#include <vector>
 
 #include "fusion/calibration/image_pyramid.hpp"
 #include "fusion/calibration/model_check.hpp"
@@ -40,6 +41,9 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
     std::span<const TermOptions> search_terms, std::span<const TermOptions> terms,
     ImagePyramid& images, const VisibilityOptions& visibility,
     const Eigen::Isometry3d& T_refcam_lidar, double effective_scenes, const std::stop_token& stop);
+
+/// Blurs of the images (px) that `estimate_intrinsics` looks up.
+std::vector<double> intrinsics_blurs();
 
 /// Tests the four intrinsics together: Tsq = eᵀ (C + K)⁻¹ e, e the estimated correction, C its
 /// covariance, K what they are known to (`known`, and what imperfections of real scenes feign: 0.5

@@ -11,8 +11,8 @@ namespace infuse::calibration {
 /// Image features of the scenes at every blur that a search uses, each computed once.
 class ImagePyramid {
  public:
-  /// Scenes must outlive this. `sigmas` (pixels) are computed at once, each from the next finer
-  /// one.
+  /// Scenes must outlive this. `sigmas` (pixels) are computed at once, scene by scene, or taken
+  /// from the scenes that are prepared (`compact_scene`).
   ImagePyramid(std::span<const Scene> scenes, std::span<const TermOptions> terms,
                std::span<const double> sigmas);
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
 #include "drivers/measurement/simd.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
-#include "fusion/features/local_contrast.hpp"
 #include "fusion/features/ranks.hpp"
 #include "fusion/geometry/plane_length.hpp"
 #include "fusion/geometry/pose_gradient.hpp"
@@ -16,7 +16,7 @@ namespace {
 
 /// Plane in the form that the look-up needs.
 struct Samples2d {
-  const float* values;
+  const uint16_t* values;
   int width;
   float right, bottom;  // last position with a sample after it
   float scale;          // samples per pixel
@@ -24,10 +24,10 @@ struct Samples2d {
 
 /// Neighbours in a row, read at once: half as many reads, which dominate a look-up's time.
 struct Neighbours {
-  float left, right;
+  uint16_t left, right;
 };
 
-Neighbours neighbours(const float* at) {
+Neighbours neighbours(const uint16_t* at) {
   Neighbours both;
   std::memcpy(&both, at, sizeof both);
   return both;
@@ -70,13 +70,16 @@ INFUSE_SIMD_CLONES void look_up_block(const Samples2d plane, const float* __rest
     }
     for (size_t k = 0; k < n; ++k) {
       const size_t i = first + k;
-      const float above = upper[k].left + a[k] * (upper[k].right - upper[k].left);
-      const float below = lower[k].left + a[k] * (lower[k].right - lower[k].left);
-      const float along =
-          (1 - b[k]) * (upper[k].right - upper[k].left) + b[k] * (lower[k].right - lower[k].left);
-      value[i] += above + b[k] * (below - above);  // kAbsent stays what it is
-      by_u[i] *= along;
-      by_v[i] *= below - above;
+      const float upper_left = static_cast<float>(upper[k].left);
+      const float lower_left = static_cast<float>(lower[k].left);
+      const float upper_change = static_cast<float>(upper[k].right) - upper_left;
+      const float lower_change = static_cast<float>(lower[k].right) - lower_left;
+      const float above = upper_left + a[k] * upper_change;
+      const float down = lower_left + a[k] * lower_change - above;
+      const float along = (1 - b[k]) * upper_change + b[k] * lower_change;
+      value[i] += CompactPlane::kUnit * (above + b[k] * down);  // kAbsent stays what it is
+      by_u[i] *= CompactPlane::kUnit * along;
+      by_v[i] *= CompactPlane::kUnit * down;
     }
   }
 }
@@ -93,65 +96,31 @@ geometry::PointsView block_points(const VisiblePoints& points, const VisiblePoin
   return {cut(points.x), cut(points.y), cut(points.z)};
 }
 
-// Surroundings of local grey, in sigmas of the blur, and the minimum in px.
-constexpr double kContrastWidthPerSigma = 8;
-constexpr double kMinContrastWidth = 15;
-constexpr double kNoiseSigma = 2.0 / 255;  // grey levels of a smooth surface, for grey 0 … 1
-
-/// Largest power of two, px, that the Gaussian's sigma is not smaller than.
-int sample_step(double sigma) {
-  int step = 1;
-  while (2 * step <= sigma) step *= 2;
-  return step;
-}
-
 }  // namespace
 
+PerImageFeature<bool> compared_image_features(std::span<const TermOptions> terms) {
+  PerImageFeature<bool> compared{};
+  for (const TermOptions& term : terms) {
+    for (const ImageFeature feature : term.image) compared[index(feature)] = true;
+  }
+  return compared;
+}
+
 BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms,
-                             double sigma)
-    : blurred_(scenes.size()), local_grey_(scenes.size()), sigma_(sigma) {
-  for (size_t s = 0; s < scenes.size(); ++s) {
-    for (const TermOptions& term : terms) {
-      for (const ImageFeature feature : term.image) {
-        features::Plane& plane = blurred_[s][index(feature)];
-        if (plane.values.empty()) {
-          plane = features::blurred(scenes[s].image[index(feature)], sigma, sample_step(sigma));
-        }
-      }
-    }
-  }
-  make_local_grey();
-}
-
-BlurredImages::BlurredImages(const BlurredImages& finer, double sigma)
-    : blurred_(finer.blurred_.size()), local_grey_(finer.blurred_.size()), sigma_(sigma) {
-  const double rest = std::sqrt(std::max(0.0, sigma * sigma - finer.sigma_ * finer.sigma_));
-  for (size_t s = 0; s < blurred_.size(); ++s) {
-    for (size_t f = 0; f < kImageFeatures; ++f) {
-      const features::Plane& plane = finer.blurred_[s][f];
-      blurred_[s][f] = features::blurred(plane, rest, std::max(plane.step, sample_step(sigma)));
-    }
-  }
-  make_local_grey();
-}
-
-void BlurredImages::make_local_grey() {
-  const double width = std::max(kMinContrastWidth, kContrastWidthPerSigma * sigma_);
-  for (size_t s = 0; s < blurred_.size(); ++s) {
-    const features::Plane& grey = blurred_[s][index(ImageFeature::kLocalGrey)];
-    if (!grey.values.empty())
-      local_grey_[s] = features::normalize_local_contrast(grey, width, kNoiseSigma);
+                             double sigma) {
+  const PerImageFeature<bool> compared = compared_image_features(terms);
+  for (const Scene& scene : scenes) {
+    images_.push_back(scene.blurred != nullptr
+                          ? scene.blurred->at(sigma)
+                          : SceneImages(scene.image, compared, std::span(&sigma, 1)).at(sigma));
+    if (images_.back() == nullptr) throw std::logic_error("a scene is not prepared for this blur");
   }
 }
 
 BlurredImages BlurredImages::permuted(std::span<const size_t> source_scenes) const {
-  BlurredImages other;
-  other.sigma_ = sigma_;
-  for (const size_t scene : source_scenes) {
-    other.blurred_.push_back(blurred_[scene]);
-    other.local_grey_.push_back(local_grey_[scene]);
-  }
-  return other;
+  std::vector<SceneImages::Level> other;
+  for (const size_t scene : source_scenes) other.push_back(images_[scene]);
+  return BlurredImages(std::move(other));
 }
 
 Objective::Objective(const VisiblePoints& points, const BlurredImages& images,
@@ -184,7 +153,7 @@ void Objective::look_up(const TermOptions& term) {
       term.lidar.size() == 1 ? points_.lidar[index(term.lidar.front())] : points_.x;
   for (size_t f = 0; f < term.image.size(); ++f) {
     for (const VisiblePoints::Block& block : points_.blocks) {
-      const features::Plane& plane = images_->plane(block.scene, term.image[f]);
+      const CompactPlane& plane = images_->plane(block.scene, term.image[f]);
       const size_t from = block.begin;
       const size_t to = f * points_.size() + block.begin;
       look_up_block({.values = plane.values.data(),

@@ -3,10 +3,12 @@
 #include <Eigen/Geometry>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "fusion/calibration/dependence_term.hpp"
 #include "fusion/calibration/scene.hpp"
+#include "fusion/calibration/scene_images.hpp"
 #include "fusion/calibration/visible_points.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 
@@ -16,30 +18,26 @@ namespace infuse::calibration {
 /// level of a coarse-to-fine search, shared by all poses.
 class BlurredImages {
  public:
-  /// `sigma`: standard deviation of the Gaussian, pixels.
+  /// `sigma`: standard deviation of the Gaussian, pixels. Scenes whose images are released
+  /// (`compact_scene`) must have been prepared for it.
   BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms, double sigma);
 
-  /// The same from images that are blurred less, which is cheaper.
-  BlurredImages(const BlurredImages& finer, double sigma);
+  /// Images that are blurred already, one entry per scene.
+  explicit BlurredImages(std::vector<SceneImages::Level> images) : images_(std::move(images)) {}
 
-  const features::Plane& plane(size_t scene, ImageFeature feature) const {
-    return feature == ImageFeature::kLocalGrey ? local_grey_[scene]
-                                               : blurred_[scene][index(feature)];
+  const CompactPlane& plane(size_t scene, ImageFeature feature) const {
+    return (*images_[scene])[index(feature)];
   }
 
   /// Returns the same images assigned to other scenes: scene s has that of `source_scenes[s]`.
   BlurredImages permuted(std::span<const size_t> source_scenes) const;
 
  private:
-  BlurredImages() = default;
-
-  /// Computes local grey from the blurred grey.
-  void make_local_grey();
-
-  std::vector<PerImageFeature<features::Plane>> blurred_;  ///< source of more blurred ones
-  std::vector<features::Plane> local_grey_;                ///< one per scene, where a term needs it
-  double sigma_ = 0;
+  std::vector<SceneImages::Level> images_;
 };
+
+/// True for the image features that a term compares.
+PerImageFeature<bool> compared_image_features(std::span<const TermOptions> terms);
 
 /// Objective at one pose.
 struct Evaluation {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,15 +35,22 @@ struct SceneOptions {
   std::optional<std::string> invalid() const;
 };
 
+class SceneImages;
+struct SceneSignature;
+
 /// Features of a sweep and of the image taken with it, which calibration compares.
 struct Scene {
   std::string name;            ///< for reports
   size_t camera = 0;           ///< index of the camera of the rig that took the image
   std::vector<float> x, y, z;  ///< m, lidar frame
   PerLidarFeature<std::vector<float>> lidar;  ///< one value per point; empty where not computed
-  PerImageFeature<features::Plane> image;     ///< 0 … 1; empty where not computed
-  std::optional<geometry::Vector6> twist;     ///< rad/s, m/s: the lidar's motion in its own frame
-                                              ///< when the image was taken, where known
+  PerImageFeature<features::Plane> image;     ///< 0 … 1; empty where not computed, or released
+  /// Prepared by `compact_scene`, in place of `image`; null otherwise.
+  std::shared_ptr<const SceneImages> blurred;
+  /// What `scene_similarity` compares, of all points and the image; null: it is computed there.
+  std::shared_ptr<const SceneSignature> signature;
+  std::optional<geometry::Vector6> twist;  ///< rad/s, m/s: the lidar's motion in its own frame
+                                           ///< when the image was taken, where known
 
   size_t size() const { return x.size(); }
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "drivers/measurement/angles.hpp"
@@ -91,19 +92,24 @@ double correlation(const Eigen::VectorXf& a, const Eigen::VectorXf& b) {
 
 }  // namespace
 
+SceneSignature make_signature(const Scene& scene) {
+  return {image_signature(scene), return_signature(scene)};
+}
+
 Eigen::MatrixXd scene_similarity(std::span<const Scene> scenes) {
-  std::vector<Eigen::VectorXf> images, returns;
+  std::vector<std::shared_ptr<const SceneSignature>> all;
   for (const Scene& scene : scenes) {
-    images.push_back(image_signature(scene));
-    returns.push_back(return_signature(scene));
+    all.push_back(scene.signature != nullptr
+                      ? scene.signature
+                      : std::make_shared<const SceneSignature>(make_signature(scene)));
   }
   const auto n = static_cast<Eigen::Index>(scenes.size());
   Eigen::MatrixXd similarity = Eigen::MatrixXd::Identity(n, n);
   for (size_t a = 0; a < scenes.size(); ++a) {
     for (size_t b = 0; b < a; ++b) {
       if (scenes[a].camera != scenes[b].camera) continue;
-      const double alike =
-          std::sqrt(correlation(images[a], images[b]) * correlation(returns[a], returns[b]));
+      const double alike = std::sqrt(correlation(all[a]->image, all[b]->image) *
+                                     correlation(all[a]->returns, all[b]->returns));
       const auto row = static_cast<Eigen::Index>(a), column = static_cast<Eigen::Index>(b);
       similarity(row, column) = similarity(column, row) =
           std::clamp((alike - kShareByChance) / (1 - kShareByChance), 0.0, 1.0);

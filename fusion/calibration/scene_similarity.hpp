@@ -7,6 +7,15 @@
 
 namespace infuse::calibration {
 
+/// Fine structure of a scene, each as a vector of length one (or zero).
+struct SceneSignature {
+  Eigen::VectorXf image;
+  Eigen::VectorXf returns;
+};
+
+/// Computes what `scene_similarity` compares.
+SceneSignature make_signature(const Scene& scene);
+
 /// Returns how much of two scenes is the same, for each pair: 0 for different places … 1 for the
 /// same place seen again; a symmetric matrix with ones on its diagonal. Scenes of different cameras
 /// count as different.

@@ -144,4 +144,16 @@ std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const Ri
   return thin;
 }
 
+void keep_points_near(Scene& scene, const RigCamera& camera,
+                      const Eigen::Isometry3d& T_refcam_lidar, double margin) {
+  const double half = half_field_of_view(camera.model);
+  const Cone cone =
+      points_in_cone(scene, camera.T_camera_refcam * T_refcam_lidar, half + margin, half);
+  Scene part = select_points(scene, cone.points);
+  scene.x = std::move(part.x);
+  scene.y = std::move(part.y);
+  scene.z = std::move(part.z);
+  scene.lidar = std::move(part.lidar);
+}
+
 }  // namespace infuse::calibration

@@ -21,4 +21,9 @@ std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const Ri
                                const Eigen::Isometry3d& T_refcam_lidar, double margin,
                                size_t points, bool keep_edges = false);
 
+/// Removes the points that cannot come into view when the camera rotates by up to `margin` radians
+/// from `T_refcam_lidar`. `thin_scenes` with at most that margin chooses the same points after it.
+void keep_points_near(Scene& scene, const RigCamera& camera,
+                      const Eigen::Isometry3d& T_refcam_lidar, double margin);
+
 }  // namespace infuse::calibration

@@ -22,6 +22,8 @@
 #include "tests/study/registration/learn_codebook.hpp"
 #include "tests/study/registration/recorded_scans.hpp"
 #include "tests/study/rigs/compare_study.hpp"
+#include "tests/study/rigs/far_study.hpp"
+#include "tests/study/rigs/offset_study.hpp"
 #include "tests/study/rigs/refine_study.hpp"
 #include "tests/study/rigs/rig_study.hpp"
 #include "tests/study/starts/start_study.hpp"
@@ -251,7 +253,8 @@ void add_registration_commands(CLI::App& app) {
 struct RigsArguments {
   uint64_t seed = 20'000;  // no other study draws from there
   int count = 20;
-  bool cells = false;
+  int scenes = 40;
+  bool cells = false, any_heading = false;
   std::string output = "rigs.csv";
 };
 
@@ -313,26 +316,68 @@ int study_comparison([[maybe_unused]] const RigsArguments& arguments) {
 #endif
 }
 
-/// Refines wrong intrinsics of rigs drawn at random, each from 40 scenes.
+/// Refines wrong intrinsics of rigs drawn at random.
 int study_refinement([[maybe_unused]] const RigsArguments& arguments) {
 #ifdef INFUSE_SIMULATOR
   RefineCounts counts;
-  std::cout << "seed,lidar,width,refined,focal_percent,cx_px,cy_px,k1,rotation_deg,"
-               "translation_cm,reason\n";
+  std::cout << "seed,lidar,width,refined,usable,focal_percent,cx_px,cy_px,k1,sigma_focal_percent,"
+               "sigma_cx,sigma_cy,sigma_k1,rotation_deg,translation_cm,cpu_s,reason\n";
   for (uint64_t seed = arguments.seed;
        seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
-    const auto recording = record_random_rig(seed, {.diverse = 40, .neighbours = 0});
+    const auto recording = record_random_rig(seed, {.diverse = arguments.scenes, .neighbours = 0});
     if (recording) refine_on(*recording, seed, std::cout, counts);
     std::cout << std::flush;
   }
-  std::cout << counts.refined << " of " << counts.trials << " refined, of these " << counts.within
-            << " within 0.5 %, 2 px, 0.01; " << counts.inside << " inside 95 %\n";
+  std::cout << counts.refined << " of " << counts.trials << " refined, " << counts.usable
+            << " usable; of the refined ones " << counts.within << " within 0.5 %, 2 px, 0.01; "
+            << counts.inside << " inside 95 %\n";
   return 0;
 #else
   std::cerr << "infuse-study: built without the simulator\n";
   return 3;
 #endif
 }
+
+/// Starts far from the truth.
+int study_far_starts([[maybe_unused]] const RigsArguments& arguments) {
+#ifdef INFUSE_SIMULATOR
+  FarCounts counts;
+  std::cout << "seed,lidar,width,heading_deg,converged,usable,rotation_deg,translation_cm,cpu_s,"
+               "reason\n";
+  const int scenes = arguments.any_heading ? 20 : 6;
+  for (uint64_t seed = arguments.seed;
+       seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
+    const auto recording = record_random_rig(seed, {.diverse = scenes, .neighbours = 0});
+    if (!recording) continue;
+    start_far(*recording, seed,
+              arguments.any_heading ? FarStart::kAnyHeading : FarStart::kTenDegrees, std::cout,
+              counts);
+    std::cout << std::flush;
+  }
+  std::cout << counts.converged << " of " << counts.trials << " converged, " << counts.usable
+            << " usable, of these " << counts.wrong << " elsewhere\n";
+  return 0;
+#else
+  std::cerr << "infuse-study: built without the simulator\n";
+  return 3;
+#endif
+}
+
+#ifdef INFUSE_SIMULATOR
+/// Adds the study of a recorded drive's stated extrinsics.
+void add_offset_command(CLI::App& app) {
+  static std::string drive, camera;
+  CLI::App* command = app.add_subcommand(
+      "offset", "score a drive's stated extrinsics and ours on images that were held out");
+  command->add_option("DRIVE", drive, "recorded drive")->required();
+  command->add_option("--camera", camera, "camera, if there are several");
+  command->callback([] {
+    if (const auto done = study_offset(std::cout, drive, camera); !done) {
+      throw std::runtime_error(done.error().message());
+    }
+  });
+}
+#endif
 
 }  // namespace
 }  // namespace infuse::study
@@ -359,6 +404,7 @@ int main(int argc, char** argv) {
   add_mapping_commands(app);
 #ifdef INFUSE_SIMULATOR
   add_registration_commands(app);
+  add_offset_command(app);
 #endif
   RigsArguments rigs;
   CLI::App* rigs_command = app.add_subcommand(
@@ -379,10 +425,19 @@ int main(int argc, char** argv) {
       app.add_subcommand("refine", "refine wrong intrinsics of rigs drawn at random");
   refine_command->add_option("--seed", refined.seed, "seed of the first rig (20000)");
   refine_command->add_option("--count", refined.count, "number of rigs (20)");
+  refine_command->add_option("--scenes", refined.scenes, "number of scenes of each (40)");
+  RigsArguments far;
+  CLI::App* far_command = app.add_subcommand(
+      "far", "calibrate rigs drawn at random from 10 degrees off, with 6 scenes");
+  far_command->add_option("--seed", far.seed, "seed of the first rig (20000)");
+  far_command->add_option("--count", far.count, "number of rigs (20)");
+  far_command->add_flag("--any-heading", far.any_heading,
+                        "from any heading and 30 cm off, with 20 scenes, instead");
   try {
     app.parse(argc, argv);
     if (compare_command->parsed()) return study_comparison(compared);
     if (refine_command->parsed()) return study_refinement(refined);
+    if (far_command->parsed()) return study_far_starts(far);
     if (rigs_command->parsed()) return study_rigs(rigs);
     const std::vector<Estimator> estimators = make_estimators();
     if (run_command->parsed()) return run(find_estimator(estimators, key), read_pairs(file));

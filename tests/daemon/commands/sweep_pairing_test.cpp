@@ -40,6 +40,23 @@ TEST(SweepPairing, FindsTheSweepNearestToEachExposure) {
   EXPECT_FALSE(pairs[3].found);
 }
 
+TEST(SweepPairing, SettledSweepsCanBeTaken) {
+  SweepPairing pairing(Eigen::Isometry3d::Identity(), false);
+  for (const int64_t ms : {50, 4950}) pairing.add_exposure(at_ms(ms));
+  pairing.add_sweep(sweep_at(0, 3));
+  pairing.advance(at_ms(100));
+  EXPECT_EQ(pairing.settled(), 0U);
+  pairing.advance(at_ms(2000));
+  ASSERT_EQ(pairing.settled(), 1U);
+  EXPECT_EQ(pairing.take(0).sweep.sequence, 3U);
+  pairing.add_sweep(sweep_at(4900, 9));
+  const auto rest = pairing.finish();
+  ASSERT_EQ(rest.size(), 2U);
+  EXPECT_FALSE(rest[0].found);
+  EXPECT_EQ(rest[0].sweep.size(), 0U);
+  EXPECT_EQ(rest[1].sweep.sequence, 9U);
+}
+
 TEST(SweepPairing, ASweepDeskewedToTheExposureIsUsedAsItIs) {
   SweepPairing pairing(Eigen::Isometry3d::Identity(), false);
   for (const int64_t ms : {50, 60}) pairing.add_exposure(at_ms(ms));

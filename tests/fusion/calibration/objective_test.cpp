@@ -264,18 +264,5 @@ TEST(Objective, NoPointsAreReported) {
   EXPECT_FALSE(objective.evaluate(rig.T, true).estimate.usable());
 }
 
-TEST(BlurredImages, AreTheSameFromFinerImagesOrFromScenes) {
-  const Rig rig = make_rig({pinhole()}, {{}});
-  const BlurredImages fine(rig.scenes, rig.terms, 2);
-  const BlurredImages coarse(rig.scenes, rig.terms, 8);
-  const features::Plane& direct = coarse.plane(0, ImageFeature::kLocalGrey);
-  const BlurredImages chain(fine, 8);
-  const features::Plane& chained = chain.plane(0, ImageFeature::kLocalGrey);
-  ASSERT_EQ(chained.step, direct.step);
-  ASSERT_EQ(chained.values.size(), direct.values.size());
-  for (size_t i = 0; i < direct.values.size(); ++i)
-    EXPECT_NEAR(chained.values[i], direct.values[i], 0.01);
-}
-
 }  // namespace
 }  // namespace infuse::calibration

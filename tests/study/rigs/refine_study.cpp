@@ -1,7 +1,9 @@
 #include "tests/study/rigs/refine_study.hpp"
 
 #include <cmath>
+#include <ctime>
 #include <random>
+#include <span>
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/refine_intrinsics.hpp"
@@ -30,23 +32,30 @@ void refine_on(const RigRecording& recording, uint64_t seed, std::ostream& out,
   for (int k = 0; k < 6; ++k) off(k) = uniform() * (k < 3 ? 2 * kDegree : 0.08);
   const Eigen::Isometry3d initial = geometry::exp(off) * recording.T_camera_lidar;
   const calibration::RigCamera camera{geometry::CameraModel(stated)};
-  const auto found = calibration::calibrate_with_intrinsics(
-      make_scenes(recording.diverse, camera, initial), camera, initial, {.seed = seed});
-  const Eigen::Vector4d error(std::log(found.intrinsics.fx / truth.fx),
-                              found.intrinsics.cx - truth.cx, found.intrinsics.cy - truth.cy,
-                              found.intrinsics.distortion[0] - truth.distortion[0]);
+  const std::clock_t began = std::clock();
+  const auto found =
+      calibration::calibrate_with_intrinsics(make_scenes(recording.diverse, camera, initial),
+                                             std::span(&camera, 1), initial, {.seed = seed});
+  const double cpu = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+  const calibration::RefinedIntrinsics& refined = found.cameras.front();
+  const Eigen::Vector4d error(std::log(refined.intrinsics.fx / truth.fx),
+                              refined.intrinsics.cx - truth.cx, refined.intrinsics.cy - truth.cy,
+                              refined.intrinsics.distortion[0] - truth.distortion[0]);
   const geometry::Vector6 apart =
       geometry::log(recording.T_camera_lidar * found.result.T_refcam_lidar.inverse());
+  const Eigen::Vector4d sigma = refined.covariance.diagonal().cwiseSqrt();
   ++counts.trials;
   out << seed << ',' << recording.lidar << ',' << truth.width << ',' << found.refined << ','
-      << 100 * error(0) << ',' << error(1) << ',' << error(2) << ',' << error(3) << ','
-      << apart.head<3>().norm() / kDegree << ',' << 100 * apart.tail<3>().norm() << ",\""
-      << found.result.reason << "\"\n";
+      << found.result.usable() << ',' << 100 * error(0) << ',' << error(1) << ',' << error(2) << ','
+      << error(3) << ',' << 100 * sigma(0) << ',' << sigma(1) << ',' << sigma(2) << ',' << sigma(3)
+      << ',' << apart.head<3>().norm() / kDegree << ',' << 100 * apart.tail<3>().norm() << ','
+      << cpu << ",\"" << found.result.reason << "\"\n";
   if (!found.refined) return;
   ++counts.refined;
+  counts.usable += found.result.usable() ? 1 : 0;
   counts.within +=
       std::abs(error(0)) < 0.005 && error.segment<2>(1).norm() < 2 && std::abs(error(3)) < 0.01;
-  counts.inside += error.dot(found.covariance.ldlt().solve(error)) < kChiSquareOfFour95;
+  counts.inside += error.dot(refined.covariance.ldlt().solve(error)) < kChiSquareOfFour95;
 }
 
 }  // namespace infuse::study

@@ -11,6 +11,7 @@ namespace infuse::study {
 struct RefineCounts {
   int trials = 0;
   int refined = 0;
+  int usable = 0;  ///< refined, with a usable pose
   int within = 0;  ///< refined and within 0.5 % of the focal length, 2 px and 0.01 of k1
   int inside = 0;  ///< refined and inside the 95 % region of the stated covariance
 };

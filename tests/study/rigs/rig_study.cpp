@@ -23,6 +23,7 @@ using geometry::Vector6;
 constexpr double kChiSquare95 = 12.59;  // 95 % of 6 degrees of freedom
 constexpr double kChiSquare997 = 19.8;  // 99.7 %
 constexpr double kLateSeconds = 0.1;
+constexpr size_t kMaxSets = 4;  // of disjoint scenes, in a cell
 constexpr double kStartAngle = 2 * kDegree, kStartLength = 0.08;
 
 /// A kind of trial: which scenes, and what is done to the camera and to them.
@@ -118,15 +119,33 @@ constexpr Kind kCells[] = {
     {"neighbours", 40, nullptr, true},
 };
 
-RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed) {
+/// One of several disjoint sets of the scenes: interleaved where they are diverse, else one after
+/// another.
+struct SceneSet {
+  size_t which = 0, of = 1;
+};
+
+std::vector<RigScene> select_scenes(const RigRecording& recording, const Kind& kind, SceneSet set) {
   const std::vector<RigScene>& from = kind.neighbours ? recording.neighbours : recording.diverse;
-  std::vector<RigScene> recorded;
+  std::vector<RigScene> selected;
   const size_t count = std::min(kind.scenes, from.size());
   for (size_t k = 0; k < count; ++k) {
-    recorded.push_back(from[(2 * k + 1) * from.size() / (2 * count)]);
+    if (set.of == 1) {
+      selected.push_back(from[(2 * k + 1) * from.size() / (2 * count)]);
+    } else if (kind.neighbours) {
+      selected.push_back(from[set.which * count + k]);
+    } else {
+      selected.push_back(from[k * (from.size() / count) + set.which]);
+    }
   }
+  return selected;
+}
+
+RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed,
+                  SceneSet set = {}) {
+  std::vector<RigScene> recorded = select_scenes(recording, kind, set);
   CameraIntrinsics stated = recording.camera;
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random(seed + 1'000'000 * set.which);
   draw_known_errors(stated, recorded, random);
   if (kind.change != nullptr) kind.change(stated, recorded);
   Vector6 off;
@@ -187,7 +206,12 @@ bool RigTrial::surely_wrong() const {
 std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, TrialSet set) {
   std::vector<RigTrial> trials;
   if (set == TrialSet::kCells) {
-    for (const Kind& kind : kCells) trials.push_back(try_kind(recording, kind, seed));
+    for (const Kind& kind : kCells) {
+      const size_t all = (kind.neighbours ? recording.neighbours : recording.diverse).size();
+      const size_t sets = std::clamp<size_t>(all / kind.scenes, 1, kMaxSets);
+      for (size_t k = 0; k < sets; ++k)
+        trials.push_back(try_kind(recording, kind, seed, {k, sets}));
+    }
   } else {
     trials.push_back(try_kind(recording, kRight, seed));
     trials.push_back(try_kind(recording, kFaults[seed % std::size(kFaults)], seed));
@@ -267,8 +291,15 @@ struct Row {
   std::map<std::string, int> reasons;
 };
 
-void write_table(std::ostream& out, const char* heading, const std::vector<RigTrial>& trials,
-                 const std::function<std::string(const RigTrial&)>& key) {
+/// Which trials' errors are compared with the stated covariance.
+enum class Compared {
+  kUsable,
+  kUsableOrImprecise,  ///< also those that are refused for the standard deviation alone
+};
+
+void write_table(std::ostream& out, const std::string& heading, const std::vector<RigTrial>& trials,
+                 const std::function<std::string(const RigTrial&)>& key,
+                 Compared compared = Compared::kUsable) {
   std::map<std::string, Row> rows;
   for (const RigTrial& trial : trials) {
     const std::string name = key(trial);
@@ -276,8 +307,9 @@ void write_table(std::ostream& out, const char* heading, const std::vector<RigTr
     Row& row = rows[name];
     ++row.trials;
     row.wrong += trial.surely_wrong() ? 1 : 0;
-    if (!trial.usable) {
-      ++row.reasons[reason_word(trial.reason)];
+    const std::string word = reason_word(trial.reason);
+    if (!trial.usable && (compared == Compared::kUsable || word != "sigma")) {
+      ++row.reasons[word];
       continue;
     }
     ++row.usable;
@@ -285,7 +317,7 @@ void write_table(std::ostream& out, const char* heading, const std::vector<RigTr
     row.inside += trial.mahalanobis_squared < kChiSquare95 ? 1 : 0;
   }
   out << "\n| " << heading
-      << " | trials | usable | surely wrong | mean squared Mahalanobis error / 6 | inside 95 % | "
+      << " | trials | compared | surely wrong | mean squared Mahalanobis error / 6 | inside 95 % | "
          "refused for |\n|---|---|---|---|---|---|---|\n";
   for (const auto& [name, row] : rows) {
     out << "| " << name << " | " << row.trials << " | " << row.usable << " | " << row.wrong
@@ -306,10 +338,13 @@ void write_table(std::ostream& out, const char* heading, const std::vector<RigTr
 }  // namespace
 
 void write_summary(std::ostream& out, const std::vector<RigTrial>& trials) {
-  write_table(out, "kind", trials, [](const RigTrial& trial) {
+  const auto by_kind = [](const RigTrial& trial) {
     const std::string scenes = std::to_string(trial.scenes);
     return trial.kind + ", " + (scenes.size() < 2 ? " " : "") + scenes + " scenes";
-  });
+  };
+  write_table(out, "kind; usable", trials, by_kind);
+  write_table(out, "kind; usable, or refused for sigma alone", trials, by_kind,
+              Compared::kUsableOrImprecise);
   const auto right = [](const RigTrial& trial) { return trial.kind == "right"; };
   write_table(out, "right: lidar", trials,
               [&](const RigTrial& trial) { return right(trial) ? trial.lidar : ""; });
