@@ -23,6 +23,7 @@ constexpr double kStandingSpeed = 0.1;   // m/s
 constexpr double kNoStreet = 0.2;        // mean misfit above which no street explains the drive
 constexpr double kMinDriven = 200;       // m, before that is judged
 constexpr double kSameYaw = 0.5;         // rad, of hypotheses that are one place
+constexpr double kMinTurn = 0.1;         // rad between two merges, which is not noise
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 
@@ -65,6 +66,9 @@ std::optional<std::string> GlobalStartOptions::invalid() const {
   }
   if (!(max_elsewhere > 0 && max_elsewhere < 1 && max_mean_misfit > 0 && min_alone >= 0)) {
     return "global_start: max_elsewhere must lie within 0 … 1, max_mean_misfit be positive";
+  }
+  if (!(turn_worth >= 0 && turn_worth <= 1000) || max_witnessed < 0 || max_witnessed > 1000) {
+    return "global_start: turn_worth and max_witnessed must lie within 0 … 1000";
   }
   return std::nullopt;
 }
@@ -129,7 +133,8 @@ GlobalStart::GlobalStart(const SegmentMap& map, const GlobalStartOptions& option
 
 void GlobalStart::restart() {
   collected_ = compared_ = {};
-  since_merge_ = driven_ = alone_ = 0;
+  since_merge_ = driven_ = 0;
+  count_alone(false);
   const auto capacity = static_cast<size_t>(options_.max_hypotheses);
   for (double spacing = options_.spacing;; spacing *= 1.25) {
     spread(spacing);
@@ -190,14 +195,24 @@ void GlobalStart::begin_comparison() {
   compared_ = collected_;
   collected_ = {};
   since_merge_ += compared_.length;
+  turned_ += compared_.motion.yaw;
   if (since_merge_ >= kMergeEvery) {
     drop_and_merge();
     const auto found = find();
     if (found && driven_ > kMinDriven && found->misfit > kNoStreet) return restart();
-    alone_ = found && found->elsewhere < options_.max_elsewhere ? alone_ + since_merge_ : 0;
+    count_alone(found && found->elsewhere < options_.max_elsewhere);
     since_merge_ = 0;
   }
   next_ = 0;
+}
+
+// A turn is worth something once the streets of it lie behind, so that they can have refuted it.
+void GlobalStart::count_alone(bool alone) {
+  alone_ = alone ? alone_ + since_merge_ + options_.turn_worth * turns_.front() : 0;
+  std::shift_left(turns_.begin(), turns_.end(), 1);
+  turns_.back() = std::abs(turned_) > kMinTurn ? std::abs(turned_) : 0;
+  if (!alone) turns_.fill(0);
+  turned_ = 0;
 }
 
 void GlobalStart::go_on_comparing() {
@@ -215,6 +230,10 @@ void GlobalStart::go_on_comparing() {
 PlanarPose GlobalStart::now(size_t hypothesis) const {
   const PlanarPose& pose = hypotheses_[hypothesis].pose;
   return (hypothesis < next_ ? pose : pose.compose(compared_.motion)).compose(collected_.motion);
+}
+
+void GlobalStart::weigh(const std::function<double(const PlanarPose&)>& evidence) {
+  for (size_t i = 0; i < hypotheses_.size(); ++i) hypotheses_[i].log_weight += evidence(now(i));
 }
 
 void GlobalStart::drop_and_merge() {
@@ -271,7 +290,23 @@ std::optional<FoundPlace> GlobalStart::find() const {
   const double edge = options_.street_sigma * options_.street_sigma;
   found.covariance.topLeftCorner<2, 2>() += edge * Eigen::Matrix2d::Identity();
   found.elsewhere = others / (here + others);
+  found.alone = alone_;
   return found;
+}
+
+bool GlobalStart::is_at(size_t hypothesis, const PlanarPose& pose) const {
+  const PlanarPose at = now(hypothesis);
+  return std::hypot(at.x - pose.x, at.y - pose.y) <= options_.same_place &&
+         std::abs(wrap_angle(at.yaw - pose.yaw)) <= kSameYaw;
+}
+
+double GlobalStart::behind(const PlanarPose& pose) const {
+  double best = -INFINITY, there = -INFINITY;
+  for (size_t i = 0; i < hypotheses_.size(); ++i) {
+    best = std::max(best, hypotheses_[i].log_weight);
+    if (is_at(i, pose)) there = std::max(there, hypotheses_[i].log_weight);
+  }
+  return best - there;
 }
 
 std::optional<FoundPlace> GlobalStart::place() const {

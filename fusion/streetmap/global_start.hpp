@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +30,8 @@ struct GlobalStartOptions {
   double max_log_odds = 16;       ///< a hypothesis that is worse than the best by more is dropped
   double same_place = 15;         ///< m within which hypotheses are one place
   double min_alone = 100;         ///< m driven while all else is improbable until the place is sure
+  double turn_worth = 40;         ///< m of it that a turn of a radian meanwhile counts for
+  int max_witnessed = 48;         ///< hypotheses that sensor data are compared with; 0: never
   double max_mean_misfit = 0.02;  ///< misfit of independent evidence of a place that is sure
   double max_elsewhere = 0.01;    ///< probability of all else below which the place is sure
   double max_sigma = 6;           ///< m, of a place that is sure
@@ -42,6 +46,7 @@ struct FoundPlace {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< x, y (m, map frame), yaw (rad)
   double misfit = 0;     ///< mean of independent evidence, in units of its variance
   double elsewhere = 1;  ///< probability that the vehicle is on another street
+  double alone = 0;      ///< m driven while that was below `max_elsewhere`, turns included
   bool sure = false;     ///< alone for long, and misfit and sigma are within their limits
 };
 
@@ -70,10 +75,11 @@ void compare(StreetHypothesis& hypothesis, const StreetGrid& grid, double novelt
 
 /// Finds the vehicle on a map from nothing. Hypotheses on all streets in both directions drive by
 /// the odometry; those that leave the streets lose weight and are dropped, those that meet are
-/// merged. What remains explains the drive: its turns, bends and lengths. A place is sure once all
-/// others together are improbable for some way, and the drive stayed on its streets: a drive beside
-/// the streets of the map may fit one place for a while, but not for long. Where no street fits,
-/// the search begins anew. No random numbers; the memory is that of `max_hypotheses`.
+/// merged. What remains explains the drive: its turns, bends and lengths; where blocks are alike,
+/// what the sensors see decides (`weigh`). A place is sure once all others together are improbable
+/// for some way, and the drive stayed on its streets: a drive beside the streets of the map may fit
+/// one place for a while, but not for long, and seldom through a turn. Where no street fits, the
+/// search begins anew. No random numbers; the memory is that of `max_hypotheses`.
 class GlobalStart {
  public:
   /// `options.invalid()` must be empty.
@@ -88,8 +94,15 @@ class GlobalStart {
   /// Moves by odometry, as `predict`.
   void move(const PlanarPose& motion, const Eigen::Matrix3d& covariance, double seconds);
 
+  /// Adds to the log-weight of each hypothesis: `evidence` of what sensors see at its pose.
+  void weigh(const std::function<double(const PlanarPose&)>& evidence);
+
   /// The likeliest place; nothing if no street explains the drive.
   std::optional<FoundPlace> place() const;
+
+  /// Log-weight of the likeliest hypothesis less that of the likeliest one at `pose`; infinite if
+  /// none is left there.
+  double behind(const PlanarPose& pose) const;
 
   int hypotheses() const { return static_cast<int>(hypotheses_.size()); }
   double driven() const { return driven_; }  ///< m since the restart
@@ -105,8 +118,10 @@ class GlobalStart {
   void begin_comparison();
   void go_on_comparing();
   PlanarPose now(size_t hypothesis) const;
+  bool is_at(size_t hypothesis, const PlanarPose& pose) const;
   std::optional<FoundPlace> find() const;
   void drop_and_merge();
+  void count_alone(bool alone);
 
   GlobalStartOptions options_;
   StreetGrid grid_;
@@ -116,6 +131,8 @@ class GlobalStart {
   Stretch compared_;                                 // of the comparison that is going on
   size_t next_ = 0;                                  // hypothesis of that comparison
   double since_merge_ = 0, driven_ = 0, alone_ = 0;  // m
+  double turned_ = 0;                                // rad, since the last merge
+  std::array<double, 3> turns_{};                    // rad, between the merges before, oldest first
 };
 
 }  // namespace infuse::streetmap

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "fusion/geometry/plane_length.hpp"
@@ -16,6 +17,9 @@ constexpr double kMaxSpread = 20;       // m, of particles that all lie in the w
 constexpr double kMinJump = 3;          // m of the estimate in one update: another place
 constexpr double kMaxSearched = 2000;   // m of streets that the search witnesses while TRACKING
 constexpr double kSamePlaceYaw = 0.5;   // rad, of poses that are one place
+constexpr double kMinWitnessSpeed = 1;  // m/s, slower, time brings no other view
+constexpr PlanarPose kWitnessOffsets[] = {
+    {0, 0, 0}, {0, 1.5, 0}, {0, -1.5, 0}, {2.5, 0, 0}, {-2.5, 0, 0}};  // m
 
 /// Half the edge of the map window that the other places of `PlaceCheck` need.
 double wide_window_radius(const TrackerOptions& options) {
@@ -144,7 +148,10 @@ void Tracker::search_streets(const PlanarPose& motion, const Eigen::Matrix3d& co
     searched_ = 0;
     if (!started_) reason_ = "no initial pose, searching all streets";
   }
-  searched_ += geometry::plane_length(motion.x, motion.y);
+  const double driven = geometry::plane_length(motion.x, motion.y);
+  searched_ += driven;
+  witnessed_m_ += driven;
+  if (driven > kMinWitnessSpeed * to_seconds(step)) witnessed_s_ += to_seconds(step);
   global_start_->move(motion, covariance, to_seconds(step));
 }
 
@@ -166,6 +173,31 @@ void Tracker::use_found_street() {
   start(found->pose, found->covariance + Eigen::Matrix3d(map_error.asDiagonal()));
 }
 
+bool Tracker::begin_witness() {
+  return searching_streets_ && global_start_->hypotheses() > 0 &&
+         global_start_->hypotheses() <= options_.global_start.max_witnessed &&
+         witnessed_m_ >= options_.min_motion;
+}
+
+// The poses of hypotheses are known to some metres: the best one nearby counts, for all alike.
+void Tracker::witness_streets(const GridSamples& samples) {
+  const double novelty = std::min(
+      1.0, witnessed_m_ / options_.novelty_distance + witnessed_s_ / options_.novelty_seconds);
+  witnessed_m_ = witnessed_s_ = 0;
+  std::optional<dependence::HyperParameters> fixed;
+  const auto evidence = [&](const PlanarPose& pose) {
+    window_.read(map_, pose.x, pose.y, window_radius(0), options_.labelling);
+    double best = 0;
+    for (const PlanarPose& offset : kWitnessOffsets) {
+      dependence::HyperParameters chosen;
+      best = std::max(best, evaluate(window_, pose.compose(offset), samples, fixed, &chosen));
+      if (!fixed && chosen.sigma > 0) fixed = chosen;
+    }
+    return options_.sharpness * novelty * best;
+  };
+  global_start_->weigh(std::cref(evidence));
+}
+
 void Tracker::add_sweep(const DeskewedView& deskewed, const ImageView* image,
                         const PlanarPose& sensor_pose) {
   grid_.add(deskewed, image, odometry_.compose(sensor_pose));
@@ -178,12 +210,15 @@ void Tracker::update() {
 
 void Tracker::update(const GridSamples& samples) {
   use_found_street();
-  if (!started_ || samples.size() < kMinSamples || !begin_update()) return;
-  if (*view_->prepare(samples) != '\0') return;
+  if (samples.size() < kMinSamples) return;
+  const bool witnesses = begin_witness(), updates = started_ && begin_update();
+  if ((!witnesses && !updates) || *view_->prepare(samples) != '\0') return;
+  labels_.resize(samples.size());
+  if (witnesses) witness_streets(samples);
+  if (!updates) return;
   const PoseMoments before = particles_.moments();
   window_.read(map_, before.mean.x, before.mean.y, window_radius(before.spread()),
                options_.labelling);
-  labels_.resize(samples.size());
   update_weights(samples);
   update_significance(samples);
   particles_.resample_if_needed();

@@ -65,7 +65,8 @@ struct TrackerEstimate {
 /// the probability that a wrong pose scores as high.
 ///
 /// Without a start, while a start is not confirmed and when LOST, `GlobalStart` searches all
-/// streets. Once one place alone fits the drive, the tracker starts there, unless it is there.
+/// streets. Once few places are left, the sensors witness which it is. Once one place alone fits
+/// the drive, the tracker starts there, unless it is there.
 class Tracker {
  public:
   /// `map` must outlive the tracker. `options.invalid()` must be empty. `score` weights the poses;
@@ -114,6 +115,8 @@ class Tracker {
  private:
   void search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
   void use_found_street();
+  bool begin_witness();
+  void witness_streets(const GridSamples& samples);
   bool begin_update();
   void update_novelty(double distance);
   double window_radius(double spread) const;
@@ -137,7 +140,8 @@ class Tracker {
   GlobalSearch global_search_;
   std::optional<GlobalStart> global_start_;  // nothing: not wanted, or impossible on this map
   bool searching_streets_ = false;
-  double searched_ = 0;  // m driven since that began
+  double searched_ = 0;                       // m driven since that began
+  double witnessed_m_ = 0, witnessed_s_ = 0;  // driven since its hypotheses were last witnessed
   PlaceCheck place_check_;
   GnssWitness gnss_;
   std::mt19937_64 random_;

@@ -139,8 +139,12 @@ std::vector<View> read_cache(const std::filesystem::path& path) {
 
 }  // namespace
 
+bool is_rendered(const std::string& drive) {
+  return std::filesystem::exists(kDrivesFolder / drive / "drive.toml");
+}
+
 bool render(const std::string& drive) {
-  if (std::filesystem::exists(kDrivesFolder / drive / "drive.toml")) return true;
+  if (is_rendered(drive)) return true;
   std::string scenario = drive == "street" ? "online_2hz" : drive, more;
   if (drive.starts_with("kitti_")) {
     const char* data = std::getenv("INFUSE_REAL_DATA");

@@ -39,6 +39,9 @@ struct DriveMap {
 /// standard error and returns false.
 bool render(const std::string& drive);
 
+/// True if `drive` exists.
+bool is_rendered(const std::string& drive);
+
 /// Reads the views of a drive, two per second, from its cache (written by the first call).
 std::vector<View> read_views(const std::string& drive);
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <ctime>
 #include <span>
+#include <utility>
 
 namespace infuse::streetmap::bench {
 namespace {
@@ -11,6 +12,8 @@ constexpr size_t kSettlingViews = 10;   // views that do not count
 constexpr double kChiSquared99 = 9.21;  // χ² of two
 constexpr double kMaxTrackedError = 3;  // m
 constexpr double kMaxSuccessError = 2;  // m, I 3.4.3.3
+constexpr double kBadHdop = 15;
+constexpr double kMaxPlaceError = 12;  // m
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -35,15 +38,17 @@ RunResult run(const SegmentMap& map, const std::vector<View>& all, const RunOpti
   initial_pose.y += options.initial_error * std::sin(direction);
   initial_pose.yaw += options.initial_yaw_sigma * normal(random);
   if (options.start_offset) initial_pose = views.front().truth.compose(*options.start_offset);
+  if (options.start_pose) initial_pose = *options.start_pose;
   const Eigen::Vector2d gnss_error =
+      options.gnss_offset +
       options.gnss_sigma.value_or(0) * Eigen::Vector2d(normal(random), normal(random));
   const double sigma = std::max(options.initial_error, 0.5);
-  tracker.start(initial_pose,
-                Eigen::Vector3d(square(sigma), square(sigma), square(options.initial_yaw_sigma))
-                    .asDiagonal());
+  const Eigen::Vector3d variances(square(sigma), square(sigma), square(options.initial_yaw_sigma));
+  if (!options.from_nothing) tracker.start(initial_pose, variances.asDiagonal());
   RunResult result;
   double lateral = 0, longitudinal = 0, yaw = 0, counted = 0;
   double driven_metres = 0, outside_since = -1;
+  size_t recovered_at = SIZE_MAX;  // view
   const double began = cpu_seconds();
   for (size_t i = 0; i < views.size(); ++i) {
     if (i > 0) {
@@ -60,20 +65,29 @@ RunResult run(const SegmentMap& map, const std::vector<View>& all, const RunOpti
           scale * true_motion.x + (distance_noise + 0.005 * std::sqrt(driven)) * normal(random);
       motion.y += 0.003 * std::sqrt(driven) * normal(random);
       motion.yaw += rate * step + (turn_noise + 5e-4 * std::sqrt(step)) * normal(random);
-      const Eigen::Vector3d variances(square(distance_noise), 0, square(turn_noise));
-      tracker.predict(motion, variances.asDiagonal(), from_seconds(step));
+      const Eigen::Vector3d noise(square(distance_noise), 0, square(turn_noise));
+      tracker.predict(motion, noise.asDiagonal(), from_seconds(step));
     }
     if (options.gnss_sigma) {
       MapFix fix;
       fix.position = Eigen::Vector2d(views[i].truth.x, views[i].truth.y) + gnss_error +
                      Eigen::Vector2d(normal(random), normal(random));
+      if (std::cmp_less(i, options.bad_fixes)) {
+        fix.position += options.bad_fix_offset;
+        fix.hdop = kBadHdop;
+      }
       tracker.add_fix(fix);
     }
     tracker.update(views[i].samples);
     const TrackerEstimate estimate = tracker.estimate();
     const PlanarPose error = views[i].truth.motion_to(estimate.pose);
     ++result.updates;
+    if (tracker.started() && result.started_metres < 0 &&
+        std::hypot(error.x, error.y) < kMaxPlaceError) {
+      result.started_metres = driven_metres;
+    }
     result.lost += estimate.state == TrackState::kLost;
+    if (estimate.state != TrackState::kTracking) ++result.doubts[estimate.reason];
     const double now = views[i].seconds - views.front().seconds;
     bool outside = false;
     if (estimate.state == TrackState::kTracking) {
@@ -94,13 +108,18 @@ RunResult run(const SegmentMap& map, const std::vector<View>& all, const RunOpti
     result.final_error = std::hypot(error.x, error.y);
     result.tracks_truth =
         estimate.state == TrackState::kTracking && result.final_error < kMaxTrackedError;
+    if (result.tracks_truth && recovered_at == SIZE_MAX) {
+      recovered_at = i;
+      result.recovered_after = now;
+    }
+    if (i - recovered_at >= options.views_after_recovery && i >= recovered_at) break;
     if (i < kSettlingViews) continue;
     ++counted;
     lateral += square(error.y);
     longitudinal += square(error.x);
     yaw += square(error.yaw);
   }
-  result.seconds = (cpu_seconds() - began) / static_cast<double>(views.size());
+  result.seconds = (cpu_seconds() - began) / std::max(result.updates, 1);
   result.lateral = std::sqrt(lateral / counted);
   result.longitudinal = std::sqrt(longitudinal / counted);
   result.total = std::sqrt((lateral + longitudinal) / counted);
@@ -126,7 +145,9 @@ Summary run_seeds(const SegmentMap& map, const std::vector<View>& views, RunOpti
     tracking += result.tracking;
     within += result.inside_99;
     lost += result.lost;
+    for (const auto& [reason, count] : result.doubts) summary.doubts[reason] += count;
   }
+  for (auto& [reason, share] : summary.doubts) share /= updates;
   summary.total_sigma = std::sqrt(std::max(squares - square(summary.total), 0.0));
   summary.tracking = tracking / updates;
   summary.lost = lost / updates;

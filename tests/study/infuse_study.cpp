@@ -135,32 +135,23 @@ void add_places_command(CLI::App& app) {
 
 /// Adds the study of starts from nothing on a street map.
 void add_starts_command(CLI::App& app) {
-  static StartStudyOptions options;
-  static std::vector<std::string> files;
-  static uint64_t seed = 40'000;
-  static int starts = 200, drawn = 0;
-  static bool foreign = false;
+  static StartStudyRun run;
   CLI::App* command = app.add_subcommand(
       "starts", "find the vehicle on a street map from nothing, by odometry alone");
-  command->add_option("FILES", files, "pairs of a map (.osm) and a recorded trajectory on it");
-  command->add_option("--drawn", drawn,
-                      "number of towns drawn at random, ten starts each, instead");
-  command->add_flag("--foreign", foreign, "drive through other towns than those on the map");
-  command->add_option("--starts", starts, "number of starts on each map")->capture_default_str();
-  command->add_option("--seed", seed, "seed of the first")->capture_default_str();
+  command->add_option("FILES", run.files,
+                      "pairs of a map (.osm) and a recorded trajectory on it; with --walks: maps");
+  command->add_option("--drawn", run.drawn, "number of towns drawn at random, ten starts each");
+  command->add_option("--walks", run.walks,
+                      "number of random drives on the streets of each map, ten starts each");
+  command->add_flag("--foreign", run.foreign,
+                    "drive elsewhere: through another town, along the next file");
+  command->add_option("--starts", run.starts, "number of starts on each recorded trajectory")
+      ->capture_default_str();
+  command->add_option("--seed", run.seed, "seed of the first")->capture_default_str();
+  command->add_option("--marks", run.marks, "file for what every start knew, each 10 m");
   command->callback([] {
-    if (drawn > 0) {
-      StartCounts counts;
-      try_drawn_towns(seed, drawn, 10, foreign, options, counts);
-      counts.write(std::cout, foreign ? "drives through other towns" : "drawn towns");
-    }
-    for (size_t i = 0; i + 1 < files.size(); i += 2) {
-      const auto route = read_route(files[i], files[i + 1]);
-      if (!route) throw std::runtime_error(route.error().message());
-      StartCounts counts;
-      try_starts(route->map, route->drive, starts, seed, options, counts);
-      counts.write(std::cout, files[i] + " " + files[i + 1]);
-    }
+    const std::string wrong = run_start_study(std::cout, run);
+    if (!wrong.empty()) throw CLI::ValidationError(wrong);
   });
 }
 

@@ -111,6 +111,45 @@ TEST(GlobalStart, IsNotSureOfOneOfManyLikePlaces) {
   EXPECT_GT(place->elsewhere, 0.8);
 }
 
+TEST(GlobalStart, EvidenceOfSensorsDecidesBetweenLikePlaces) {
+  const town::Town town = town::build(town::alike_blocks());
+  GlobalStart start(town.map, {});
+  start.restart();
+  PlanarPose truth{20, -1, 0};
+  for (const town::Leg& leg : town::alike_drive()) {
+    truth = drive(start, truth, {leg});
+    if (start.hypotheses() > 48) continue;
+    start.weigh([&](const PlanarPose& pose) {
+      return std::hypot(pose.x - truth.x, pose.y - truth.y) < 10 ? 4.0 : 0.0;
+    });
+  }
+  const auto place = start.place();
+  ASSERT_TRUE(place);
+  EXPECT_LT(std::hypot(place->pose.x - truth.x, place->pose.y - truth.y), 5);
+  EXPECT_LT(place->elsewhere, 0.01);
+  EXPECT_EQ(start.behind(truth), 0);
+  EXPECT_TRUE(std::isinf(start.behind({1e5, 0, 0})));
+}
+
+TEST(GlobalStart, ATurnWhileAloneIsWorthAWay) {
+  const town::Town town = irregular_town();
+  double at_turn[2] = {}, after[2] = {};
+  for (const size_t counts : {0U, 1U}) {
+    GlobalStart start(town.map, {.turn_worth = counts > 0 ? 40.0 : 0.0});
+    start.restart();
+    PlanarPose pose = drive(start, {20, -1, 0}, town::irregular_drive());
+    ASSERT_LT(start.place()->elsewhere, 0.01);
+    const double before = start.place()->alone;
+    // Heading west, left at x = 160, and 60 m on. It counts once its streets lie behind.
+    pose = drive(start, pose, {{pose.x - 166, kLeft}});
+    at_turn[counts] = start.place()->alone - before;
+    drive(start, pose, {{60}});
+    after[counts] = start.place()->alone - before;
+  }
+  EXPECT_NEAR(at_turn[0], at_turn[1], 1e-6);
+  EXPECT_NEAR(after[1] - after[0], 40 * kLeft, 15);
+}
+
 TEST(GlobalStart, IsNotSureOnAStraightStreet) {
   const town::Town town = irregular_town();
   GlobalStart start(town.map, {});

@@ -56,6 +56,32 @@ inline StreetPlan irregular_streets() {
   return lattice({0, 70, 160, 300, 385, 510, 565, 700}, {0, 95, 150, 270, 430, 500});
 }
 
+/// Blocks of 100 m that are alike for odometry, with parks beside the streets that are not.
+inline StreetPlan alike_blocks() {
+  const std::vector<double> every{0, 100, 200, 300};
+  StreetPlan plan = lattice(every, every);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> share(0, 1);
+  int64_t id = 1000;
+  for (const double x : {50.0, 150.0, 250.0}) {
+    for (const double y : {50.0, 150.0, 250.0}) {
+      for (int i = 0; i < 8; ++i) {
+        const bool upright = share(random) < 0.5, far = share(random) < 0.5;
+        const double along = 70 * share(random) - 40, across = far ? 30 : -45;
+        const double left = x + (upright ? across : along), low = y + (upright ? along : across);
+        const double width = upright ? 15 : 10 + 10 * share(random);
+        const double height = upright ? 10 + 10 * share(random) : 15;
+        plan.areas.push_back({{SegmentKind::kGreen, id++},
+                              {{{left, low},
+                                {left + width, low},
+                                {left + width, low + height},
+                                {left, low + height}}}});
+      }
+    }
+  }
+  return plan;
+}
+
 /// Part of a drive: straight on, and then a turn of 6 m radius.
 struct Leg {
   double length = 0;  ///< m
@@ -66,6 +92,12 @@ struct Leg {
 inline std::vector<Leg> irregular_drive() {
   constexpr double kLeft = 1.5707963;
   return {{134, kLeft}, {138, -kLeft}, {213, kLeft}, {268, kLeft}, {150}};
+}
+
+/// From (20, -1) east through alike blocks: eight places fit.
+inline std::vector<Leg> alike_drive() {
+  constexpr double kLeft = 1.5707963;
+  return {{74, kLeft}, {88, -kLeft}, {88, kLeft}, {88, kLeft}, {88, -kLeft}, {80}};
 }
 
 inline Town build(const StreetPlan& plan) {

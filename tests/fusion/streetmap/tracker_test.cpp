@@ -316,6 +316,32 @@ TEST(Tracker, StartsFromNothingOnceOnePlaceFitsTheDrive) {
   EXPECT_GT(tracking, 10);
 }
 
+// By odometry alone eight places fit; parks beside the streets decide.
+TEST(Tracker, WhereBlocksAreAlikeTheSensorsDecide) {
+  const town::Town town = town::build(town::alike_blocks());
+  for (const int witnessed : {0, 48}) {
+    TrackerOptions options = fast_options();
+    options.global_start.max_witnessed = witnessed;
+    Tracker tracker(town.map, options);
+    PlanarPose truth{20, -1, 0};
+    int sweeps = 0;
+    for (const auto& [length, turn] : town::alike_drive()) {
+      const int steps = static_cast<int>(std::ceil(6 * std::abs(turn)));
+      for (int i = 0; i < static_cast<int>(length) + steps; ++i) {
+        const PlanarPose motion{1, 0, i < static_cast<int>(length) ? 0 : turn / steps};
+        truth = truth.compose(motion);
+        tracker.predict(motion, covariance(0.01, 0.001), Duration(125'000'000));
+        if (++sweeps % 8 != 0) continue;
+        tracker.update(sample_view(town.map, truth, static_cast<uint64_t>(sweeps)));
+      }
+    }
+    EXPECT_EQ(tracker.started(), witnessed > 0);
+    if (!tracker.started()) continue;
+    const PlanarPose error = truth.motion_to(tracker.estimate().pose);
+    EXPECT_LT(std::hypot(error.x, error.y), 4);
+  }
+}
+
 TEST(Tracker, IsLostBeforeItsStart) {
   Tracker tracker(shared_town().map, fast_options());
   tracker.update(sample_view(shared_town().map, {0, 0, 0}, 1));

@@ -116,7 +116,23 @@ double heading(const Polyline& line, size_t i) {
   return std::atan2(d.y(), d.x());
 }
 
+double length_of(const Polyline& line) {
+  double length = 0;
+  for (size_t i = 1; i < line.size(); ++i) length += (line[i] - line[i - 1]).norm();
+  return length;
+}
+
 }  // namespace
+
+PlanarDrive drive_on_right(const Polyline& middle) {
+  const Polyline rounded = smooth(resample(middle, 0.5), 8);
+  Polyline line = rounded;
+  for (size_t i = 0; i < line.size(); ++i) {
+    const double yaw = heading(rounded, i);
+    line[i] += kLane * Eigen::Vector2d(std::sin(yaw), -std::cos(yaw));
+  }
+  return drive_along(smooth(line, 6));
+}
 
 PlanarDrive drive_along(const Polyline& line) {
   const Polyline fine = resample(line, 0.2);
@@ -147,16 +163,11 @@ DrawnTown draw_town(uint64_t seed, double edge, double length) {
     town.plan.strips.push_back(
         {{streetmap::SegmentKind::kCarriageway, id++}, points, half_width, 0.3});
   }
-  Polyline line;
-  for (int i = 0; i < kWalks && 0.5 * static_cast<double>(line.size()) < 0.9 * length; ++i) {
-    line = smooth(resample(draw_walk(network, random, length), 0.5), 8);
+  Polyline middle;
+  for (int i = 0; i < kWalks && length_of(middle) < 0.9 * length; ++i) {
+    middle = draw_walk(network, random, length);
   }
-  const Polyline middle = line;
-  for (size_t i = 0; i < line.size(); ++i) {
-    const double yaw = heading(middle, i);
-    line[i] += kLane * Eigen::Vector2d(std::sin(yaw), -std::cos(yaw));
-  }
-  town.drive = drive_along(smooth(line, 6));
+  town.drive = drive_on_right(middle);
   return town;
 }
 

@@ -17,6 +17,9 @@ struct PlanarDrive {
 /// Drives along a line at 8 m/s, slower in bends; headings are those of the line.
 PlanarDrive drive_along(const streetmap::Polyline& line);
 
+/// The same on the right of the middle of streets, round their corners.
+PlanarDrive drive_on_right(const streetmap::Polyline& middle);
+
 /// A town drawn at random, and a drive through it that keeps to the right and does not turn back.
 struct DrawnTown {
   streetmap::StreetPlan plan;

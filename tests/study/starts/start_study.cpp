@@ -4,11 +4,13 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <ostream>
 #include <random>
 
-#include "daemon/streetmap/street_map_file.hpp"
+#include "daemon/streetmap/street_plan_from_osm.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "drivers/osm/openstreetmap.hpp"
 #include "fixtures/simulator/vehicle/trajectory.hpp"
 #include "fusion/streetmap/rasterise.hpp"
 
@@ -17,7 +19,7 @@ namespace {
 
 using streetmap::PlanarPose;
 
-constexpr double kMark = 50;           // m
+constexpr double kMark = 10;           // m
 constexpr double kRightDistance = 12;  // m
 constexpr double kRightYaw = 15 * kDegree;
 constexpr double kChiSquared99 = 9.21;        // of two
@@ -71,11 +73,16 @@ int count_turns(const PlanarDrive& drive, const std::vector<double>& driven, siz
 StartMark mark_of(const streetmap::GlobalStart& start, const PlanarPose& truth, double metres) {
   StartMark mark{.metres = metres, .hypotheses = start.hypotheses()};
   const auto place = start.place();
+  mark.behind = start.behind(truth);
   if (!place) return mark;
   const Eigen::Vector2d d(place->pose.x - truth.x, place->pose.y - truth.y);
   mark.sure = place->sure;
   mark.right =
       d.norm() < kRightDistance && std::abs(wrap_angle(place->pose.yaw - truth.yaw)) < kRightYaw;
+  mark.elsewhere = place->elsewhere;
+  mark.misfit = place->misfit;
+  mark.alone = place->alone;
+  mark.sigma = std::sqrt(place->covariance.topLeftCorner<2, 2>().trace());
   mark.inside = d.dot(place->covariance.topLeftCorner<2, 2>().inverse() * d) < kChiSquared99;
   return mark;
 }
@@ -89,7 +96,7 @@ StartTrial try_start(streetmap::GlobalStart& start, const PlanarDrive& drive,
   const double bias = options.yaw_bias_sigma * normal(random);
   StartTrial trial;
   trial.turns_500 = count_turns(drive, driven, first, 500);
-  double next_mark = kMark, last_check = 0;
+  double next_mark = kMark, turned = 0;
   start.restart();
   for (size_t i = first + 1; i < driven.size(); ++i) {
     PlanarPose motion = drive.poses[i - 1].motion_to(drive.poses[i]);
@@ -108,15 +115,14 @@ StartTrial try_start(streetmap::GlobalStart& start, const PlanarDrive& drive,
     trial.seconds += elapsed.count();
     trial.longest_move = std::max(trial.longest_move, elapsed.count());
     const double metres = driven[i] - driven[first];
-    if (metres - last_check >= 10) {
-      const StartMark mark = mark_of(start, drive.poses[i], metres);
+    turned += std::abs(motion.yaw);
+    if (metres >= next_mark) {
+      trial.marks.push_back(mark_of(start, drive.poses[i], metres));
+      const StartMark& mark = trial.marks.back();
+      trial.marks.back().turned = turned;
       if (mark.sure && trial.sure_after < 0) trial.sure_after = metres;
-      if (mark.sure && !mark.right) trial.wrong_metres += metres - last_check;
-      last_check = metres;
-      if (metres >= next_mark) {
-        trial.marks.push_back(mark);
-        next_mark += kMark;
-      }
+      if (mark.sure && !mark.right) trial.wrong_metres += kMark;
+      next_mark += kMark;
     }
     if (metres > options.length) break;
   }
@@ -128,6 +134,42 @@ StartTrial try_start(streetmap::GlobalStart& start, const PlanarDrive& drive,
 bool StartTrial::right_at(double metres) const {
   const auto index = static_cast<size_t>(metres / kMark) - 1;
   return index < marks.size() && marks[index].sure && marks[index].right;
+}
+
+StartWait StartTrial::waits_at(double metres, const streetmap::GlobalStartOptions& options) const {
+  const auto index = static_cast<size_t>(metres / kMark) - 1;
+  if (index >= marks.size() || right_at(metres)) return StartWait::kNothing;
+  const StartMark& mark = marks[index];
+  if (std::isinf(mark.behind)) return StartWait::kTruthDropped;
+  if (!mark.right) return StartWait::kOtherLikelier;
+  if (mark.elsewhere >= options.max_elsewhere) return StartWait::kOthers;
+  if (mark.misfit >= options.max_mean_misfit) return StartWait::kMisfit;
+  if (mark.sigma >= options.max_sigma) return StartWait::kSigma;
+  return StartWait::kAlone;
+}
+
+void StartCounts::write_waits(std::ostream& out,
+                              const streetmap::GlobalStartOptions& options) const {
+  out << "| m | sure and right | truth dropped | another likelier | others not ruled out | misfit "
+         "| sigma | alone not for long |\n|---|---|---|---|---|---|---|---|\n";
+  for (const double metres : {200, 300, 400, 500, 600, 1000}) {
+    int counts[7] = {};
+    for (const StartTrial& t : trials) ++counts[static_cast<int>(t.waits_at(metres, options))];
+    out << "| " << metres;
+    for (const int count : counts) out << " | " << count;
+    out << " |\n";
+  }
+}
+
+void StartCounts::write_marks(std::ostream& out) const {
+  out << "start,turns_500,m,turned,sure,right,hypotheses,elsewhere,misfit,alone,sigma,behind\n";
+  for (size_t i = 0; i < trials.size(); ++i) {
+    for (const StartMark& m : trials[i].marks) {
+      out << i << ',' << trials[i].turns_500 << ',' << m.metres << ',' << m.turned << ',' << m.sure
+          << ',' << m.right << ',' << m.hypotheses << ',' << m.elsewhere << ',' << m.misfit << ','
+          << m.alone << ',' << m.sigma << ',' << m.behind << '\n';
+    }
+  }
 }
 
 void StartCounts::write(std::ostream& out, const std::string& what) const {
@@ -151,7 +193,7 @@ void StartCounts::write(std::ostream& out, const std::string& what) const {
     seconds += t.seconds;
     longest = std::max(longest, t.longest_move);
   }
-  for (size_t i = 1; i < 30; i += i < 10 ? 2 : 5) {
+  for (const size_t i : {9, 19, 24, 29, 34, 39, 44, 49, 59, 69, 84, 99, 124, 149}) {
     int sure = 0, right = 0, inside = 0, n = 0;
     double hypotheses = 0;
     for (const StartTrial& t : trials) {
@@ -176,6 +218,7 @@ void StartCounts::write(std::ostream& out, const std::string& what) const {
 
 void try_starts(const streetmap::SegmentMap& map, const PlanarDrive& drive, int count,
                 uint64_t seed, const StartStudyOptions& options, StartCounts& counts) {
+  if (drive.poses.empty()) return;
   streetmap::GlobalStart start(map, options.start);
   const std::vector<double> driven = distances(drive);
   size_t last = 0;  // of the poses that leave room
@@ -203,26 +246,71 @@ void try_drawn_towns(uint64_t first_seed, int towns, int starts, bool foreign,
   }
 }
 
-Result<RecordedRoute> read_route(const std::string& map, const std::string& trajectory) {
-  auto made = daemon::make_street_map(map, {});
-  if (!made) return tl::unexpected(made.error());
-  RecordedRoute route;
-  route.bytes = std::move(made->bytes);
-  auto opened = streetmap::SegmentMap::open(route.bytes, map);
+Result<StreetFile> read_streets(const std::string& path) {
+  const auto read = osm::read_openstreetmap(path);
+  if (!read) return tl::unexpected(read.error());
+  const streetmap::StreetPlan plan = daemon::build_street_plan(*read).plan;
+  auto bytes = streetmap::rasterise(plan, {}, path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  StreetFile file{std::move(*bytes), {}, network_of(plan)};
+  const auto opened = streetmap::SegmentMap::open(file.bytes, path);
   if (!opened) return tl::unexpected(opened.error());
-  route.map = *opened;
-  const streetmap::MapFrame& frame = route.map.frame();
+  file.map = *opened;
+  return file;
+}
+
+Result<PlanarDrive> read_drive(const streetmap::SegmentMap& map, const std::string& trajectory) {
+  const streetmap::MapFrame& frame = map.frame();
   const auto recorded = simulator::read_trajectory(trajectory, {frame.latitude, frame.longitude});
   if (!recorded) return tl::unexpected(recorded.error());
-  route.drive.period = recorded->sample_period;
+  PlanarDrive drive;
+  drive.period = recorded->sample_period;
   const std::vector<double> along = lengths(recorded->line);
   for (const double d : recorded->distances) {
     const Eigen::Vector2d place = point_at(recorded->line, along, d);
     const Eigen::Vector2d step = point_at(recorded->line, along, d + kHeadingReach) -
                                  point_at(recorded->line, along, d - kHeadingReach);
-    route.drive.poses.push_back({place.x(), place.y(), std::atan2(step.y(), step.x())});
+    drive.poses.push_back({place.x(), place.y(), std::atan2(step.y(), step.x())});
   }
-  return route;
+  return drive;
+}
+
+std::string run_start_study(std::ostream& out, const StartStudyRun& run) {
+  std::ofstream marks;
+  if (!run.marks.empty()) marks.open(run.marks);
+  const auto write = [&](const StartCounts& counts, const std::string& what) {
+    counts.write(out, what);
+    counts.write_waits(out, run.options.start);
+    if (marks.is_open()) counts.write_marks(marks);
+  };
+  if (run.drawn > 0) {
+    StartCounts counts;
+    try_drawn_towns(run.seed, run.drawn, 10, run.foreign, run.options, counts);
+    write(counts, run.foreign ? "drives through other towns" : "drawn towns");
+  }
+  const size_t step = run.walks > 0 ? 1 : 2;
+  for (size_t i = 0; i + step <= run.files.size(); i += step) {
+    const size_t other = run.foreign ? (i + step) % run.files.size() : i;
+    const auto streets = read_streets(run.files[i]);
+    if (!streets) return streets.error().message();
+    StartCounts counts;
+    if (run.walks > 0) {
+      const auto driven = read_streets(run.files[other]);
+      if (!driven) return driven.error().message();
+      for (int k = 0; k < run.walks; ++k) {
+        const uint64_t seed = run.seed + static_cast<uint64_t>(k);
+        const PlanarDrive drive = draw_drive(driven->network, seed, 4000);
+        try_starts(streets->map, drive, 10, seed, run.options, counts);
+      }
+      write(counts, run.files[i] + ", random drives on " + run.files[other]);
+    } else {
+      const auto drive = read_drive(streets->map, run.files[other + 1]);
+      if (!drive) return drive.error().message();
+      try_starts(streets->map, *drive, run.starts, run.seed, run.options, counts);
+      write(counts, run.files[i] + ", " + run.files[other + 1]);
+    }
+  }
+  return {};
 }
 
 }  // namespace infuse::study
