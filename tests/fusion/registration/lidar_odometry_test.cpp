@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "fusion/registration/lidar_trajectory.hpp"
 #include "tests/allocation_counter.hpp"
 #include "tests/fusion/registration/random_room.hpp"
@@ -73,6 +76,26 @@ TEST(LidarOdometry, KeepsTheGuessAndSaysWhyWhereItSeesNothing) {
   for (float& x : far.x) x += 60;
   result = odometry.align(far.points(), stamp(0.2), guess);
   EXPECT_STREQ(result.reason, "too few points lie on planes of the map");
+  EXPECT_TRUE(result.motion.information.isZero());
+  PointCloud missing = sweep;
+  std::fill(missing.x.begin(), missing.x.end(), std::numeric_limits<float>::quiet_NaN());
+  result = odometry.align(missing.points(), stamp(0.2), guess);
+  EXPECT_STREQ(result.reason, "the sweep has too few points");
+  PointCloud ten = sweep;
+  ten.resize(10);
+  result = odometry.align(ten.points(), stamp(0.2), guess);
+  EXPECT_STREQ(result.reason, "the sweep has too few points");
+}
+
+// A sweep that repeats the one before is that of a vehicle that stands.
+TEST(LidarOdometry, StandsWhereTheSweepsAreIdentical) {
+  LidarOdometry odometry(mounting());
+  const PointCloud sweep = random_room(1, kPoints, 0.02, T_room_vehicle(0) * mounting());
+  odometry.add(sweep.points(), odometry.align(sweep.points(), stamp(0)));
+  const LidarOdometryResult result = odometry.align(sweep.points(), stamp(0.1));
+  ASSERT_TRUE(result.usable()) << result.reason;
+  EXPECT_LT(geometry::log(result.motion.T_from_to).norm(), 0.005);
+  EXPECT_TRUE(result.motion.information.allFinite());
 }
 
 TEST(LidarOdometry, DoesNotAllocateAfterWarmUp) {
