@@ -11,7 +11,7 @@ namespace infuse::calibration {
 namespace {
 
 constexpr double kMinScenesOfIntrinsics = 8;  // effective number of scenes
-constexpr size_t kRounds = 2;  // estimates, each from the calibration with the one before
+constexpr int kRounds = 2;  // estimates, each from the calibration with the one before
 
 /// Largest standard deviation of a refined intrinsic.
 struct Limit {
@@ -25,18 +25,15 @@ constexpr std::array<Limit, 4> kLimits = {{{"focal length", " %", 100, 0.0025},
                                            {"principal point cy", " px", 1, 1},
                                            {"radial distortion k1", "", 1, 0.005}}};
 
-/// Why a camera's intrinsics cannot be refined, or an empty text. Standard deviations count only
-/// where the other cameras are `settled`: their errors add to the scatter of the scenes.
-std::string refusal_of(const CalibrationResult& result, size_t camera, bool settled) {
-  const std::string of = result.intrinsics.size() > 1 ? " of camera " + std::to_string(camera) : "";
-  const std::string begin = "the scenes do not determine the intrinsics" + of + ": ";
+/// Why the intrinsics cannot be refined, or an empty text.
+std::string refusal(const CalibrationResult& result) {
   if (result.uncertainty.effective_scenes < kMinScenesOfIntrinsics) {
-    return begin + "fewer than 8 independent scenes";
+    return "fewer than 8 independent scenes";
   }
-  const auto& estimate = result.intrinsics[camera];
-  if (!estimate) return begin + "fewer than 8 scenes have enough points in view";
-  if (!estimate->converged) return begin + "their fit does not converge near the given ones";
-  for (size_t k = 0; settled && k < kLimits.size(); ++k) {
+  const auto& estimate = result.intrinsics.front();
+  if (!estimate) return "fewer than 8 scenes have enough points in view";
+  if (!estimate->converged) return "their fit does not converge near the given ones";
+  for (size_t k = 0; k < kLimits.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
     const double sigma = std::sqrt(estimate->covariance(row, row));
     const Limit& limit = kLimits[k];
@@ -44,15 +41,7 @@ std::string refusal_of(const CalibrationResult& result, size_t camera, bool sett
     std::array<char, 160> text{};
     std::snprintf(text.data(), text.size(), "the standard deviation of the %s is %.2g%s (%.2g)",
                   limit.name, limit.scale * sigma, limit.unit, limit.scale * limit.sigma);
-    return begin + text.data();
-  }
-  return {};
-}
-
-/// The same of all cameras.
-std::string refusal(const CalibrationResult& result, bool settled) {
-  for (size_t c = 0; c < result.intrinsics.size(); ++c) {
-    if (auto reason = refusal_of(result, c, settled); !reason.empty()) return reason;
+    return text.data();
   }
   return {};
 }
@@ -66,14 +55,51 @@ CameraIntrinsics corrected(CameraIntrinsics camera, const Eigen::Vector4d& by) {
   return camera;
 }
 
-/// The given cameras with what is refined of them.
-std::vector<RigCamera> with_refined(std::span<const RigCamera> given,
-                                    std::span<const RefinedIntrinsics> refined) {
-  std::vector<RigCamera> cameras(given.begin(), given.end());
-  for (size_t c = 0; c < cameras.size(); ++c) {
-    cameras[c].model = geometry::CameraModel(refined[c].intrinsics);
+/// The scenes of one camera, as of a rig that has no other.
+std::vector<Scene> scenes_of(std::span<const Scene> scenes, size_t camera) {
+  std::vector<Scene> own;
+  for (const Scene& scene : scenes) {
+    if (scene.camera != camera) continue;
+    own.push_back(scene);
+    own.back().camera = 0;
   }
-  return cameras;
+  return own;
+}
+
+/// Estimates the intrinsics of one camera, from its own scenes and with a pose of its own: the
+/// errors of other cameras' intrinsics move a common pose, and with it every estimate. `T` becomes
+/// the camera's pose. Returns the calibration that the estimate, or the refusal, is of.
+CalibrationResult refine_one(std::span<const Scene> scenes, const RigCamera& camera,
+                             const CalibrateOptions& options, Eigen::Isometry3d& T,
+                             RefinedIntrinsics& refined) {
+  // The estimate is what counts, not whether it contradicts what is given.
+  CalibrateOptions estimating = options;
+  estimating.check_intrinsics = true;
+  estimating.known = {.focal_sigma = 0.1, .principal_point_sigma = 100, .radial_sigma = 1};
+  estimating.known.time_sigma = options.known.time_sigma;
+  estimating.max_rotation_sigma = estimating.max_translation_sigma = 10;
+  CalibrationResult result;
+  for (int round = 0; round < kRounds; ++round) {
+    const RigCamera trial{.model = geometry::CameraModel(refined.intrinsics)};
+    result = calibrate(scenes, std::span(&trial, 1), T, estimating);
+    if (!result.has_pose || options.maximize.stop.stop_requested()) return result;
+    T = result.T_refcam_lidar;
+    if (result.reason = refusal(result); !result.usable()) return result;
+    refined.correction += result.intrinsics.front()->correction;
+    refined.covariance = result.intrinsics.front()->covariance;
+    refined.intrinsics = corrected(camera.model.intrinsics(), refined.correction);
+  }
+  return result;
+}
+
+/// A refusal of several cameras: the calibration of one of them is not that of the rig.
+CalibrationResult refused(const Eigen::Isometry3d& T_refcam_lidar, size_t scenes,
+                          const std::string& reason) {
+  CalibrationResult result;
+  result.T_refcam_lidar = T_refcam_lidar;
+  result.scenes.resize(scenes);
+  result.reason = result.uncertainty.reason = reason;
+  return result;
 }
 
 /// Covariance of the pose from that of a camera's intrinsics: four of `model_mismatches`.
@@ -97,34 +123,35 @@ RefinedCalibration calibrate_with_intrinsics(std::span<const Scene> scenes,
   for (const RigCamera& camera : cameras) {
     out.cameras.push_back({.intrinsics = camera.model.intrinsics()});
   }
-  // The estimate is what counts, not whether it contradicts what is given.
-  CalibrateOptions estimating = options;
-  estimating.check_intrinsics = true;
-  estimating.known = {.focal_sigma = 0.1, .principal_point_sigma = 100, .radial_sigma = 1};
-  estimating.known.time_sigma = options.known.time_sigma;
-  estimating.max_rotation_sigma = estimating.max_translation_sigma = 10;
+  std::vector<RefinedIntrinsics> refined = out.cameras;
+  std::vector<RigCamera> with_refined(cameras.begin(), cameras.end());
   Eigen::Isometry3d T = T_refcam_lidar_initial;
-  std::vector<RefinedIntrinsics> trial = out.cameras;
-  for (size_t round = 0; round < kRounds; ++round) {
-    const bool settled = cameras.size() == 1 || round + 1 == kRounds;
-    out.result = calibrate(scenes, with_refined(cameras, trial), T, estimating);
-    if (!out.result.has_pose || options.maximize.stop.stop_requested()) return out;
-    T = out.result.T_refcam_lidar;
-    if (out.result.reason = refusal(out.result, settled); !out.result.usable()) return out;
-    for (size_t c = 0; c < trial.size(); ++c) {
-      trial[c].correction += out.result.intrinsics[c]->correction;
-      trial[c].covariance = out.result.intrinsics[c]->covariance;
-      trial[c].intrinsics = corrected(cameras[c].model.intrinsics(), trial[c].correction);
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const std::vector<Scene> own = scenes_of(scenes, c);
+    Eigen::Isometry3d T_camera_lidar = cameras[c].T_camera_refcam * T;
+    out.result = refine_one(own, cameras[c], options, T_camera_lidar, refined[c]);
+    if (!out.result.usable()) {
+      const std::string of = cameras.size() > 1 ? " of camera " + std::to_string(c) : "";
+      if (out.result.has_pose) {
+        out.result.reason =
+            "the scenes do not determine the intrinsics" + of + ": " + out.result.reason;
+      }
+      if (cameras.size() > 1) {
+        out.result = refused(T_refcam_lidar_initial, scenes.size(), out.result.reason);
+      }
+      return out;
     }
+    with_refined[c].model = geometry::CameraModel(refined[c].intrinsics);
+    T = cameras[c].T_camera_refcam.inverse() * T_camera_lidar;
   }
 
   CalibrateOptions final_options = options;
   final_options.known = {.focal_sigma = 0, .principal_point_sigma = 0, .radial_sigma = 0};
   final_options.known.time_sigma = options.known.time_sigma;
   final_options.check_intrinsics = false;
-  out.cameras = std::move(trial);
+  out.cameras = std::move(refined);
   out.refined = true;
-  out.result = calibrate(scenes, with_refined(cameras, out.cameras), T, final_options);
+  out.result = calibrate(scenes, with_refined, T, final_options);
   if (!out.result.uncertainty.usable()) return out;
   for (size_t c = 0; c < cameras.size(); ++c) {
     out.result.model_covariance += pose_covariance(

@@ -25,9 +25,9 @@ struct RefinedCalibration {
   std::vector<RefinedIntrinsics> cameras;  ///< one per camera
 };
 
-/// Calibrates cameras, corrects the focal length, principal point and k1 of each by their joint
-/// estimate with the pose (`estimate_intrinsics`), and calibrates again with these. The poses of
-/// several cameras relative to each other are kept.
+/// Calibrates every camera by itself, corrects its focal length, principal point and k1 by their
+/// joint estimate with its pose (`estimate_intrinsics`), and calibrates all together with these.
+/// The poses of several cameras relative to each other are kept.
 ///
 /// Intrinsics are not refined with fewer than 8 effective scenes, where an estimate does not
 /// converge, or where a standard deviation exceeds half of what users ask of intrinsics: 0.25 % of

@@ -63,6 +63,7 @@ TEST(RefineIntrinsics, OfTwoCamerasEachFindsItsOwn) {
   EXPECT_NEAR(found.cameras[0].intrinsics.fx, truth.fx, 0.005 * truth.fx);
   EXPECT_NEAR(found.cameras[1].intrinsics.fx, truth.fx, 0.005 * truth.fx);
   EXPECT_LT(painted::degrees_between(found.result.T_refcam_lidar, front.T_camera_lidar), 0.2);
+  EXPECT_EQ(found.result.scenes.size(), scenes.size());
 }
 
 /// Few returns.
