@@ -27,7 +27,7 @@ int run(int argc, char** argv) {
       declare_freeze(app),      declare_calibrate(app), declare_calibrate_target(app),
       declare_record(app),      declare_odometry(app),  declare_align(app),
       declare_history(app),     declare_export(app),    declare_report(app),
-      declare_map(app),         declare_fleet(app)};
+      declare_map(app),         declare_places(app),    declare_fleet(app)};
   if (const auto code = parse_arguments(app, argc, argv)) return *code;
   spdlog::set_default_logger(spdlog::stderr_color_mt("infuse"));
   for (const Command& command : commands) {

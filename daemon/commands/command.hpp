@@ -35,6 +35,7 @@ Command declare_history(CLI::App& infuse);
 Command declare_export(CLI::App& infuse);
 Command declare_report(CLI::App& infuse);
 Command declare_map(CLI::App& infuse);
+Command declare_places(CLI::App& infuse);
 Command declare_fleet(CLI::App& infuse);
 
 }  // namespace infuse::daemon

@@ -172,7 +172,8 @@ void declare_map_export(CLI::App& app, MapExportArguments& arguments) {
   out->add_option("MAP", arguments.map, "a map folder")->required();
   out->add_option(
          "-o,--output", arguments.output,
-         "cloud (.pcd, .ply, .las), trajectory of the keyframes (.tum), or view from above (.png)")
+         "cloud (.pcd, .ply, .las), trajectory of the keyframes (.tum), or view from above (.png, "
+         "or .tif: GeoTIFF with the values themselves)")
       ->required()
       ->type_name("FILE");
   out->add_option(
@@ -181,7 +182,7 @@ void declare_map_export(CLI::App& app, MapExportArguments& arguments) {
          "0.2 of an image)")
       ->check(CLI::Range(0.05, 100.0))
       ->type_name("METRES");
-  out->add_option("--show", arguments.show, "what the image shows: intensity or height")
+  out->add_option("--show", arguments.show, "what a view from above shows: intensity or height")
       ->check(CLI::IsMember({"intensity", "height"}))
       ->type_name("WHAT");
   out->add_option("--drive", arguments.drive,
@@ -191,7 +192,7 @@ void declare_map_export(CLI::App& app, MapExportArguments& arguments) {
   out->add_flag("--without-moving", arguments.without_moving,
                 "leave out what moved: points through which beams from other places passed");
   set_examples(*out, {"infuse map export map/ --without-moving -o map.ply",
-                      "infuse map export map/ --show height -o map.png"});
+                      "infuse map export map/ --show height -o map.tif"});
 }
 
 void declare_map_merge(CLI::App& app, MergeArguments& arguments) {

@@ -4,11 +4,13 @@
 
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <set>
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/mapping/cloud_file.hpp"
+#include "daemon/mapping/geotiff_file.hpp"
 #include "daemon/mapping/las_file.hpp"
 #include "daemon/mapping/map_folder.hpp"
 #include "daemon/mapping/map_image.hpp"
@@ -21,6 +23,10 @@ namespace {
 
 constexpr const char* kMapExportProgram = "infuse map export";
 constexpr double kMapPixel = 0.2, kMapVoxel = 0.25;  // m
+
+bool is_geotiff(const std::string& extension) {
+  return extension == ".tif" || extension == ".tiff";
+}
 
 /// Calls use(cloud, T_map_lidar) for every keyframe.
 template <class Use>
@@ -69,13 +75,25 @@ Result<std::string> export_cloud(const MapFolder& folder, const MapContent& map,
   return extension == ".ply" ? format_cloud_ply(whole) : format_cloud_pcd(whole);
 }
 
+/// A GeoTIFF in UTM where the map is georeferenced, or an image in its frame.
 Result<std::string> export_image(const MapFolder& folder, const MapContent& map, double pixel,
-                                 bool without_moving, MapImageContent content) {
+                                 bool without_moving, MapImageContent content, bool geotiff) {
   MapImage image(pixel);
-  const auto done = for_each_cloud(
-      folder, map, without_moving,
-      [&](const mapping::Submap& cloud, const Eigen::Isometry3d& T) { image.add(cloud, T); });
+  std::optional<MapProjection> projection;
+  if (const auto origin = origin_of(map); geotiff && origin) {
+    auto made = MapProjection::create(*origin);
+    if (!made) return tl::unexpected(made.error());
+    projection = *made;
+  }
+  const auto done = for_each_cloud(folder, map, without_moving,
+                                   [&](const mapping::Submap& cloud, const Eigen::Isometry3d& T) {
+                                     image.add(cloud, T, projection ? &*projection : nullptr);
+                                   });
   if (!done) return tl::unexpected(done.error());
+  if (geotiff) {
+    return image.raster(content).and_then(
+        [&](const MapRaster& raster) { return format_geotiff(raster, projection); });
+  }
   return image.draw(content)
       .and_then([](const CameraFrame& frame) { return camera::encode_png(frame); })
       .map([](const std::vector<uint8_t>& png) { return std::string(png.begin(), png.end()); });
@@ -96,10 +114,11 @@ Result<std::string> export_map(const MapExportArguments& arguments, const std::s
     }
     return folder.read_stated(map->manifest, MapFolder::trajectory_name(arguments.drive - 1));
   }
-  if (extension == ".png") {
+  if (extension == ".png" || is_geotiff(extension)) {
     return export_image(
         folder, *map, size(kMapPixel), arguments.without_moving,
-        arguments.show == "height" ? MapImageContent::kHeight : MapImageContent::kIntensity);
+        arguments.show == "height" ? MapImageContent::kHeight : MapImageContent::kIntensity,
+        is_geotiff(extension));
   }
   return export_cloud(folder, *map, size(kMapVoxel), arguments.without_moving, extension);
 }
@@ -108,11 +127,17 @@ Result<std::string> export_map(const MapExportArguments& arguments, const std::s
 
 int run_map_export(const MapExportArguments& arguments) {
   const std::string extension = std::filesystem::path(arguments.output).extension().string();
-  const std::set<std::string> known{".pcd", ".ply", ".las", ".tum", ".png"};
+  const std::set<std::string> known{".pcd", ".ply", ".las", ".tum", ".png", ".tif", ".tiff"};
   if (!known.contains(extension)) {
     return print_error(kMapExportProgram,
                        {"unknown format '" + extension + "'", arguments.output,
-                        "known are .pcd, .ply, .las, .tum and .png"},
+                        "known are .pcd, .ply, .las, .tum, .png and .tif"},
+                       kUsage);
+  }
+  if (extension == ".tum" && arguments.without_moving) {
+    return print_error(kMapExportProgram,
+                       {"--without-moving does not apply to a trajectory", arguments.output,
+                        "it removes points from clouds and images"},
                        kUsage);
   }
   const auto bytes = export_map(arguments, extension);

@@ -3,16 +3,11 @@
 #include <optional>
 #include <string>
 
+#include "daemon/mapping/map_projection.hpp"
 #include "drivers/measurement/error.hpp"
 #include "fusion/mapping/submap.hpp"
 
 namespace infuse::daemon {
-
-/// Origin of a georeferenced map: its frame is east, north, up there (WGS 84).
-struct MapOrigin {
-  double latitude = 0, longitude = 0;  ///< deg
-  double altitude = 0;                 ///< m, as GNSS stated it
-};
 
 /// Formats a cloud as LAS 1.2, point format 0 (ASPRS, LAS Specification 1.2): millimetres, and
 /// reflectivity as intensity, 65535 for 1. With an origin in UTM coordinates of its zone, which the

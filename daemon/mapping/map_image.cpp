@@ -26,9 +26,11 @@ float percentile(std::vector<float> values, double share) {
 
 }  // namespace
 
-void MapImage::add(const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_cloud) {
+void MapImage::add(const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_cloud,
+                   const MapProjection* projection) {
   for (size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3d p = T_map_cloud * Eigen::Vector3d(cloud.x[i], cloud.y[i], cloud.z[i]);
+    Eigen::Vector3d p = T_map_cloud * Eigen::Vector3d(cloud.x[i], cloud.y[i], cloud.z[i]);
+    if (projection != nullptr) p = projection->project(p);
     const double column = std::floor(p.x() / pixel_), row = std::floor(p.y() / pixel_);
     if (!(std::abs(column) < kMaxPixelIndex && std::abs(row) < kMaxPixelIndex)) continue;
     const auto key = pixel_key(static_cast<int32_t>(column), static_cast<int32_t>(row));
@@ -40,36 +42,52 @@ void MapImage::add(const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_
   }
 }
 
-Result<CameraFrame> MapImage::draw(MapImageContent content) const {
+Result<MapRaster> MapImage::raster(MapImageContent content) const {
   if (pixels_.empty()) return fail("the map has no points");
   int32_t left = std::numeric_limits<int32_t>::max(), right = std::numeric_limits<int32_t>::min();
   int32_t bottom = left, top = right;
-  std::vector<float> values;
-  const auto value_of = [&](const Pixel& pixel) {
-    return content == MapImageContent::kHeight ? pixel.height : pixel.reflectivity / pixel.count;
-  };
   for (const auto& [key, pixel] : pixels_) {
     left = std::min(left, column_of(key));
     right = std::max(right, column_of(key));
     bottom = std::min(bottom, row_of(key));
     top = std::max(top, row_of(key));
-    values.push_back(value_of(pixel));
   }
-  const int64_t width = int64_t{right} - left + 1, height = int64_t{top} - bottom + 1;
-  if (width > kMaxPixels / height) return fail("the image would be too large", "", "raise --voxel");
+  MapRaster out;
+  out.width = int64_t{right} - left + 1;
+  out.height = int64_t{top} - bottom + 1;
+  if (out.width > kMaxPixels / out.height) {
+    return fail("the image would be too large", "", "raise --voxel");
+  }
+  out.pixel = pixel_;
+  out.left = pixel_ * left;
+  out.top = pixel_ * (double{1} + top);
+  out.values.assign(static_cast<size_t>(out.width * out.height),
+                    std::numeric_limits<float>::quiet_NaN());
+  for (const auto& [key, pixel] : pixels_) {
+    const int64_t row = int64_t{top} - row_of(key), column = int64_t{column_of(key)} - left;
+    out.values[static_cast<size_t>(row * out.width + column)] =
+        content == MapImageContent::kHeight ? pixel.height : pixel.reflectivity / pixel.count;
+  }
+  return out;
+}
+
+Result<CameraFrame> MapImage::draw(MapImageContent content) const {
+  const auto raster = this->raster(content);
+  if (!raster) return tl::unexpected(raster.error());
+  std::vector<float> values;
+  for (const float value : raster->values) {
+    if (!std::isnan(value)) values.push_back(value);
+  }
   constexpr double kLowest = 0.02, kHighest = 0.98;
   const float low = percentile(values, kLowest), high = percentile(values, kHighest);
   CameraFrame image;
-  image.width = static_cast<int>(width);
-  image.height = static_cast<int>(height);
+  image.width = static_cast<int>(raster->width);
+  image.height = static_cast<int>(raster->height);
   image.format = PixelFormat::kGrey8;
-  image.pixels.assign(static_cast<size_t>(width * height), 0);
-  for (const auto& [key, pixel] : pixels_) {
-    const float share =
-        high > low ? std::clamp((value_of(pixel) - low) / (high - low), 0.F, 1.F) : 1.F;
-    image
-        .pixels[static_cast<size_t>((int64_t{top} - row_of(key)) * width + column_of(key) - left)] =
-        static_cast<uint8_t>(1 + std::lround(254 * share));
+  for (const float value : raster->values) {
+    const float share = high > low ? std::clamp((value - low) / (high - low), 0.F, 1.F) : 1.F;
+    image.pixels.push_back(std::isnan(value) ? uint8_t{0}
+                                             : static_cast<uint8_t>(1 + std::lround(254 * share)));
   }
   return image;
 }

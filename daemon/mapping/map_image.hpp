@@ -3,7 +3,9 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
+#include "daemon/mapping/map_projection.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/error.hpp"
 #include "fusion/mapping/submap.hpp"
@@ -13,17 +15,31 @@ namespace infuse::daemon {
 /// What an image of a map shows.
 enum class MapImageContent { kIntensity, kHeight };
 
+/// Values of a view from above, row by row from the north; NaN where there are no points.
+struct MapRaster {
+  int64_t width = 0, height = 0;
+  double pixel = 0;          ///< m, side
+  double left = 0, top = 0;  ///< m, outer corner of the first pixel
+  std::vector<float> values;
+};
+
 /// View of a map from above, x to the right and y up (in a georeferenced map east and north): mean
-/// reflectivity, or height of the highest point, of each pixel; grey values from 1 to 255 between
-/// the 2nd and 98th percentile, 0 without points.
+/// reflectivity, or height of the highest point, of each pixel.
 class MapImage {
  public:
   /// Side of a pixel, m.
   explicit MapImage(double pixel) : pixel_(pixel) {}
 
-  void add(const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_cloud);
+  /// Adds the points of a cloud; `projection`, if given, takes them from the frame of the map to
+  /// that of the image.
+  void add(const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_cloud,
+           const MapProjection* projection = nullptr);
 
   /// Fails if there are no points or the image would have more than 64 million pixels.
+  Result<MapRaster> raster(MapImageContent content) const;
+
+  /// Draws the raster: grey values from 1 to 255 between the 2nd and 98th percentile, 0 without
+  /// points.
   Result<CameraFrame> draw(MapImageContent content) const;
 
  private:

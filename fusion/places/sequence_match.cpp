@@ -85,9 +85,12 @@ std::vector<SequenceMatch> match_sequences(const SimilarityTable& similarity,
     match.place = static_cast<size_t>(best - scores.begin());
     match.score = static_cast<double>(*best);
     double other = -std::numeric_limits<double>::infinity();
+    match.runner_up = match.place;
     for (size_t j = 0; j < scores.size(); ++j) {
       const size_t distance = j > match.place ? j - match.place : match.place - j;
-      if (distance > options.neighbourhood) other = std::max(other, static_cast<double>(scores[j]));
+      if (distance <= options.neighbourhood || static_cast<double>(scores[j]) <= other) continue;
+      other = static_cast<double>(scores[j]);
+      match.runner_up = j;
     }
     match.margin = std::isfinite(other) ? match.score - other : 0;
   }

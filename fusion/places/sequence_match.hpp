@@ -30,9 +30,10 @@ struct SequenceMatchOptions {
 
 /// Where an image of the query is on the map.
 struct SequenceMatch {
-  size_t place = 0;   ///< of the image in the middle of the sequence
-  double score = 0;   ///< mean similarity along the path, in standard deviations
-  double margin = 0;  ///< by which the best path elsewhere scores lower
+  size_t place = 0;      ///< of the image in the middle of the sequence
+  double score = 0;      ///< mean similarity along the path, in standard deviations
+  double margin = 0;     ///< by which the best path elsewhere scores lower …
+  size_t runner_up = 0;  ///< … and its place; `place` if there is none
 };
 
 /// Finds each image of the query by the sequence about it (P 6.2.3: sequences find what single

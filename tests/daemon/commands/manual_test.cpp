@@ -34,6 +34,7 @@ const std::vector<std::string> kCommands = {
     "streetmap",
     "import opencalib",
     "odometry",
+    "places",
     "align",
     "history",
     "import rosbag",

@@ -211,16 +211,21 @@ TEST_F(MapDrive, RefusesDamagedMapsAndNamesTheFile) {
 
 TEST_F(MapDrive, ExportsWhatOtherCommandsRead) {
   const auto file = [&](const char* name) { return (made_->folder / name).string(); };
-  for (const char* name : {"m.pcd", "m.ply", "m.png", "m.tum"}) {
+  for (const char* name : {"m.pcd", "m.ply", "m.png", "m.tum", "m.tif"}) {
     const ProgramResult made = Made::infuse("map export " + made_->map() + " -o " + file(name));
     EXPECT_EQ(made.code, 0) << made.output;
   }
   EXPECT_EQ(read_file(file("m.tum")), read_file(made_->map() + "/trajectory.tum"));
   EXPECT_EQ(read_file(file("m.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(read_file(file("m.tif")).substr(0, 3), "II*");
   const std::string pcd = read_file(file("m.pcd")), ply = read_file(file("m.ply"));
   EXPECT_EQ(pcd.substr(pcd.find("DATA binary\n") + 12), ply.substr(ply.find("end_header\n") + 11));
   EXPECT_GT(pcd.size(), 1'000'000U);
   EXPECT_EQ(Made::infuse("map export " + made_->map() + " -o " + file("m.stl")).code, 2);
+  const ProgramResult no_points =
+      Made::infuse("map export " + made_->map() + " --without-moving -o " + file("n.tum"));
+  EXPECT_EQ(no_points.code, 2);
+  EXPECT_THAT(no_points.output, HasSubstr("does not apply to a trajectory"));
 }
 
 TEST_F(MapDrive, SaysWhatIsWrong) {

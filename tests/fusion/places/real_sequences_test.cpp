@@ -7,6 +7,7 @@
 
 #include "drivers/camera/image_decoder.hpp"
 #include "fusion/places/image_descriptor.hpp"
+#include "fusion/places/match_evidence.hpp"
 #include "fusion/places/sequence_match.hpp"
 #include "tests/real_data.hpp"
 
@@ -42,6 +43,30 @@ std::vector<ImageDescriptor> describe_tiles(const std::filesystem::path& file, i
 struct Drives {
   std::vector<ImageDescriptor> query, map;
 };
+
+struct Found {
+  double found = 0, wrong = 0;  ///< shares of the queries
+};
+
+/// Which of the queries are found, with at most 2 % by chance, among the places from `first_place`
+/// to before `end_place`, and which of these more than five places from the truth.
+Found found_of(const Drives& drives, size_t first_place, size_t end_place, size_t length) {
+  SimilarityTable table{drives.query.size(), end_place - first_place, {}};
+  for (const ImageDescriptor& query : drives.query) {
+    for (size_t j = first_place; j < end_place; ++j)
+      table.values.push_back(static_cast<float>(similarity(query, drives.map[j])));
+  }
+  const MatchEvidence evidence(table, {.length = length});
+  const auto matches = match_sequences(table, {.length = length});
+  Found out;
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (evidence.chance(matches[i]) > 0.02) continue;
+    out.found += 1.0 / static_cast<double>(matches.size());
+    const size_t place = matches[i].place + first_place;
+    if (place > i + 5 || i > place + 5) out.wrong += 1.0 / static_cast<double>(matches.size());
+  }
+  return out;
+}
 
 /// Share of the queries that are found within two places of the truth. `kept` are the numbers of
 /// the queries in the map's numbering.
@@ -85,7 +110,11 @@ void report(const char* name, const Drives& drives, size_t length) {
   const size_t count = drives.query.size();
   std::cout << name << ": single " << share_right(drives, all_of(count), 1) << ", sequences of "
             << length << " " << share_right(drives, all_of(count), length) << ", thinned "
-            << share_right(drives, thinned(count), length) << "\n";
+            << share_right(drives, thinned(count), length);
+  const Found whole = found_of(drives, 0, count, length);
+  const Found half = found_of(drives, 0, count / 2, length);
+  std::cout << "; found " << whole.found << ", wrong " << whole.wrong << "; on half the map found "
+            << half.found << ", wrong " << half.wrong << "\n";
 }
 
 TEST(RealSequences, ARailwayInWinterIsFoundOnTheMapOfSummer) {
@@ -96,6 +125,10 @@ TEST(RealSequences, ARailwayInWinterIsFoundOnTheMapOfSummer) {
   report("500 to 999", drives, 21);
   EXPECT_GE(share_right(drives, all_of(500), 21), 0.94);
   EXPECT_GE(share_right(drives, thinned(500), 21), 0.93);
+  const Found whole = found_of(drives, 0, 500, 21), half = found_of(drives, 0, 250, 21);
+  EXPECT_GT(whole.found, 0.5);
+  EXPECT_LT(whole.wrong, 0.02);
+  EXPECT_LT(half.wrong, 0.02);
 }
 
 TEST(RealSequences, AWalkIsFoundOnAnother) {

@@ -6,6 +6,8 @@
 #include <functional>
 #include <random>
 
+#include "fusion/places/match_evidence.hpp"
+
 namespace infuse::places {
 namespace {
 
@@ -111,6 +113,77 @@ TEST(SequenceMatch, NothingAndLittleAreAnswered) {
   EXPECT_EQ(one.at(0).place, 0U);
   EXPECT_EQ(one.at(0).margin, 0);
   EXPECT_TRUE((SequenceMatchOptions{.length = 0}.invalid()));
+}
+
+/// Queries that pass the places from `first` on, one by one, seen with noise.
+SimilarityTable passing_table(size_t queries, size_t places, size_t first, unsigned seed) {
+  SimilarityTable table = random_table(queries, places, seed);
+  for (size_t i = 0; i < queries && first + i < places; ++i) table.at(i, first + i) += 2.5F;
+  return table;
+}
+
+TEST(MatchEvidence, FindsWhatIsThere) {
+  const SimilarityTable table = passing_table(80, 200, 60, 4);
+  const MatchEvidence evidence(table, {});
+  size_t found = 0;
+  const auto matches = match_sequences(table, {});
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (evidence.chance(matches[i]) > 0.02) continue;
+    ++found;
+    EXPECT_NEAR(static_cast<double>(matches[i].place), 60.0 + static_cast<double>(i), 5);
+  }
+  EXPECT_GT(found, 55U);
+}
+
+/// As of streets that look alike for a while: noise, smooth along both drives.
+SimilarityTable smooth_table(size_t queries, size_t places, unsigned seed) {
+  constexpr size_t kReach = 4;
+  const SimilarityTable raw = random_table(queries + kReach, places + kReach, seed);
+  SimilarityTable table{queries, places, {}};
+  for (size_t i = 0; i < queries; ++i) {
+    for (size_t j = 0; j < places; ++j) {
+      float sum = 0;
+      for (size_t k = 0; k <= kReach; ++k) {
+        for (size_t l = 0; l <= kReach; ++l) sum += raw.at(i + k, j + l);
+      }
+      table.values.push_back(sum);
+    }
+  }
+  return table;
+}
+
+// Of queries that are nowhere no more than the stated share is found, over many drives, whose
+// sequences overlap.
+TEST(MatchEvidence, IsRareByChance) {
+  for (const size_t length : {9U, 21U}) {
+    size_t found = 0, all = 0;
+    for (unsigned seed = 1; seed <= 60; ++seed) {
+      const SimilarityTable table = smooth_table(80, 60, 100 + seed);
+      const MatchEvidence evidence(table, {.length = length});
+      for (const SequenceMatch& match : match_sequences(table, {.length = length})) {
+        ++all;
+        found += evidence.chance(match) <= 0.02 ? 1U : 0U;
+      }
+    }
+    EXPECT_EQ(all, 4800U);
+    EXPECT_LT(static_cast<double>(found), 0.02 * static_cast<double>(all));
+  }
+}
+
+TEST(MatchEvidence, KnowsNothingOfAShortDrive) {
+  const SimilarityTable table = passing_table(9, 50, 10, 2);
+  const MatchEvidence evidence(table, {.length = 5});
+  for (const SequenceMatch& match : match_sequences(table, {.length = 5}))
+    EXPECT_EQ(evidence.chance(match), 1);
+}
+
+TEST(MatchEvidence, HasTheTailOfAGumbelDistribution) {
+  // Mean 0, standard deviation 1: scale sqrt(6) / pi, location -gamma times it.
+  const MatchEvidence::Chance chance{0, 1};
+  const double scale = std::sqrt(6.0) / M_PI, location = -0.5772156649 * scale;
+  for (const double x : {-1.0, 0.0, 1.0, 3.0}) {
+    EXPECT_NEAR(chance.exceeded(x), 1 - std::exp(-std::exp(-(x - location) / scale)), 1e-9);
+  }
 }
 
 }  // namespace

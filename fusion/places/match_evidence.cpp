@@ -1,0 +1,59 @@
+#include "fusion/places/match_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace infuse::places {
+namespace {
+
+/// Fewest sequences that do not overlap from which a spread is estimated.
+constexpr double kMinSequences = 2;
+/// Standard deviations of an estimate of the spread from n sequences, as a share of it: about
+/// 1 / sqrt(2 n) for a normal distribution, twice that and more for the tail of greatest values.
+constexpr double kSpreadError = 2;
+
+MatchEvidence::Chance chance_of(const std::vector<double>& values, double sequences) {
+  const auto n = static_cast<double>(values.size());
+  MatchEvidence::Chance out;
+  if (values.empty() || sequences < kMinSequences) return out;
+  double mean = 0, square = 0;
+  for (const double value : values) mean += value / n;
+  for (const double value : values) square += (value - mean) * (value - mean) / n;
+  out.mean = mean;
+  out.spread = std::sqrt(square) * (1 + kSpreadError / std::sqrt(sequences));
+  return out;
+}
+
+}  // namespace
+
+double MatchEvidence::Chance::exceeded(double value) const {
+  if (!(spread > 0) || !std::isfinite(value)) return 1;
+  // The greatest of many: Gumbel, by its mean and standard deviation.
+  const double z = (value - mean) / spread * std::numbers::pi / std::sqrt(6.0);
+  return -std::expm1(-std::exp(-(z + std::numbers::egamma)));
+}
+
+MatchEvidence::MatchEvidence(const SimilarityTable& similarity,
+                             const SequenceMatchOptions& options) {
+  SimilarityTable reversed{similarity.queries, similarity.places, {}};
+  reversed.values.reserve(similarity.values.size());
+  for (size_t i = similarity.queries; i-- > 0;) {
+    for (size_t j = 0; j < similarity.places; ++j) reversed.values.push_back(similarity.at(i, j));
+  }
+  std::vector<double> scores, margins;
+  for (const SequenceMatch& match : match_sequences(reversed, options)) {
+    if (!std::isfinite(match.score) || !std::isfinite(match.margin)) continue;
+    scores.push_back(match.score);
+    margins.push_back(match.margin);
+  }
+  const double sequences = static_cast<double>(scores.size()) / static_cast<double>(options.length);
+  score_ = chance_of(scores, sequences);
+  margin_ = chance_of(margins, sequences);
+}
+
+double MatchEvidence::chance(const SequenceMatch& match) const {
+  return std::max(score_.exceeded(match.score), margin_.exceeded(match.margin));
+}
+
+}  // namespace infuse::places
