@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <iostream>
 
 #include "daemon/command_line/arguments.hpp"
@@ -12,20 +13,30 @@
 #include "daemon/run/daemon_host.hpp"
 #include "daemon/run/run_live.hpp"
 #include "daemon/run/run_replay.hpp"
+#include "daemon/run/release_check.hpp"
 #include "daemon/service/logging.hpp"
 #include "drivers/measurement/block_sizes.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-void declare_options(CLI::App& app, RunOptions& options, bool& check_config) {
+/// What to do instead of a run.
+struct Checks {
+  bool config = false;
+  bool self_test = false;
+};
+
+void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
   app.description(
       "infused: processes lidars, cameras and odometry on the vehicle and publishes sensor "
       "health,\n"
       "calibrations and poses over a socket (see: infuse status, infuse watch).");
   app.set_version_flag("--version", INFUSE_VERSION);
   app.add_option("--config", options.config, "configuration file (TOML)")->type_name("FILE");
-  app.add_flag("--check-config", check_config, "check the configuration and exit");
+  app.add_flag("--check-config", checks.config, "check the configuration and exit");
+  app.add_flag("--self-test", checks.self_test,
+               "test this release against the configuration, its maps and the saved state, decode "
+               "generated packets, and exit");
   app.add_option("--replay", options.replay,
                  "replay a drive folder, or a bare pcap or pcapng file, and print a summary")
       ->type_name("PATH");
@@ -43,7 +54,7 @@ void declare_options(CLI::App& app, RunOptions& options, bool& check_config) {
       ->type_name("FILE");
   app.add_option("--state", options.state,
                  "replay: restore calibrations from this folder and save them there (default: use "
-                 "the drive's)")
+                 "the drive's); --self-test: state directory (default: $STATE_DIRECTORY)")
       ->type_name("DIR");
   app.add_option("--socket", options.socket, "socket for clients")->type_name("PATH");
   app.add_option("--model", options.model, "replay: model of the lidar, if it cannot be inferred")
@@ -89,11 +100,23 @@ int check(const RunOptions& options, const Config& config) {
   return kDone;
 }
 
+int test_itself(const RunOptions& options, const Config& config) {
+  if (options.config.empty()) {
+    return print_error(kProgram, {"no configuration to test with", "", "--config FILE"}, kUsage);
+  }
+  const char* state = std::getenv("STATE_DIRECTORY");
+  return self_test(config,
+                   !options.state.empty() ? options.state
+                   : state != nullptr     ? state
+                                          : "",
+                   std::cout);
+}
+
 int run(int argc, char** argv) {
   CLI::App app;
   RunOptions options;
-  bool check_config = false;
-  declare_options(app, options, check_config);
+  Checks checks;
+  declare_options(app, options, checks);
   if (const auto code = parse_arguments(app, argc, argv)) return *code;
   set_up_logging(kProgram);
 
@@ -104,7 +127,8 @@ int run(int argc, char** argv) {
     config = *std::move(loaded);
   }
   spdlog::set_level(spdlog::level::from_str(config.log_level));
-  if (check_config) return check(options, config);
+  if (checks.config) return check(options, config);
+  if (checks.self_test) return test_itself(options, config);
   if (!options.replay.empty()) return run_replay(options, config);
   if (options.config.empty()) {
     return print_error(kProgram, {"nothing to do", "", "--config FILE, or --replay PATH"}, kUsage);

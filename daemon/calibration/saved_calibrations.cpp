@@ -12,7 +12,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kFormatVersion = 1;
 constexpr size_t kMaxBytes = 1 << 20;
 constexpr size_t kMaxCameras = 64;
 
@@ -57,7 +56,7 @@ bool nearly_equal(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
 }  // namespace
 
 std::string format_calibrations(const std::vector<SavedCalibration>& calibrations) {
-  Json json = {{"form", kFormatVersion}, {"cameras", Json::array()}};
+  Json json = {{"form", kCalibrationsForm}, {"cameras", Json::array()}};
   for (const SavedCalibration& calibration : calibrations) {
     json["cameras"].push_back(
         {{"camera", calibration.camera},
@@ -71,7 +70,7 @@ std::string format_calibrations(const std::vector<SavedCalibration>& calibration
 
 Result<std::vector<SavedCalibration>> parse_calibrations(std::string_view text) {
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("form") || json["form"] != kFormatVersion ||
+  if (!json.is_object() || !json.contains("form") || json["form"] != kCalibrationsForm ||
       !json.contains("cameras") || !json["cameras"].is_array() ||
       json["cameras"].size() > kMaxCameras) {
     return fail("not a calibration file of this release");
@@ -138,26 +137,27 @@ Result<void> SavedCalibrations::save(const CalibrationReport& report) {
     }
     calibration.T_camera_lidar = report.T_camera_lidar;
     calibration.since = report.stamp;
-    return write();
+    unsaved_ = true;
   }
-  return {};
+  return unsaved_ ? write() : Result<void>();
 }
 
 Result<void> SavedCalibrations::save_frozen(const std::string& camera, bool frozen) {
-  bool changed = false;
   for (SavedCalibration& calibration : calibrations_) {
     if (!camera.empty() && calibration.camera != camera) continue;
-    changed |= std::exchange(calibration.frozen, frozen) != frozen;
+    unsaved_ |= std::exchange(calibration.frozen, frozen) != frozen;
   }
-  return changed ? write() : Result<void>();
+  return unsaved_ ? write() : Result<void>();
 }
 
-Result<void> SavedCalibrations::write() const {
+Result<void> SavedCalibrations::write() {
   if (path_.empty()) return {};
   std::error_code ignored;  // write_file_atomically reports the error
   std::filesystem::create_directories(path_.parent_path(), ignored);
   const std::string text = format_calibrations(calibrations_);
-  return recording::write_file_atomically(path_, std::as_bytes(std::span(text)), 0640);
+  auto written = recording::write_file_atomically(path_, std::as_bytes(std::span(text)), 0640);
+  unsaved_ = !written;
+  return written;
 }
 
 }  // namespace infuse::daemon

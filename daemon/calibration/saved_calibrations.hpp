@@ -13,6 +13,8 @@ namespace infuse::daemon {
 
 /// Name of the file in the daemon's state folder.
 inline constexpr const char* kCalibrationsFile = "calibrations.json";
+/// Version of its format. "frozen" was added without a new one: it may be absent.
+inline constexpr int kCalibrationsForm = 1;
 
 /// Calibration in use of one camera, and the configured one when it was saved.
 struct SavedCalibration {
@@ -45,7 +47,8 @@ class SavedCalibrations {
   /// Returns the cameras with a frozen calibration.
   std::vector<std::string> frozen_cameras() const;
 
-  /// Writes the file if the calibration in use has changed.
+  /// Writes the file if the calibration in use has changed, or if an earlier change could not be
+  /// written.
   Result<void> save(const CalibrationReport& report);
 
   /// Writes the file if the calibration of `camera` (empty: of all) is frozen from now on, or no
@@ -53,10 +56,11 @@ class SavedCalibrations {
   Result<void> save_frozen(const std::string& camera, bool frozen);
 
  private:
-  Result<void> write() const;
+  Result<void> write();
 
   std::filesystem::path path_;
   std::vector<SavedCalibration> calibrations_;  // one per camera
+  bool unsaved_ = false;                        // a change is not in the file
   std::optional<std::string> damage_;
 };
 

@@ -1,4 +1,3 @@
-#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <iostream>
@@ -7,126 +6,20 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/history_page.hpp"
 #include "daemon/commands/report_text.hpp"
-#include "daemon/protocol/json.hpp"
 #include "daemon/service/history_file.hpp"
-#include "drivers/measurement/angles.hpp"
-#include "drivers/recording/rigid_matrix.hpp"
-#include "fusion/geometry/rigid_motion.hpp"
+#include "drivers/recording/atomic_file.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 struct HistoryArguments {
   std::string state = "/var/lib/infuse";
+  std::string plot;
   double days = 366;
   bool json = false;
 };
-
-/// The entries of the history, oldest first, and how many lines could not be read.
-struct HistoryEntries {
-  std::vector<Json> alerts, calibrations, health;
-  size_t unreadable = 0;
-};
-
-int64_t stamp_of(const Json& entry) { return entry.value("stamp", int64_t{0}); }
-
-std::string utc_text(int64_t ns, const char* form) {
-  return fmt::format(fmt::runtime(form), fmt::gmtime(static_cast<std::time_t>(ns / 1'000'000'000)));
-}
-
-std::optional<Eigen::Isometry3d> calibration_of(const Json& entry) {
-  const auto found = entry.find("T_camera_lidar");
-  if (found == entry.end() || !found->is_array() || found->size() != 16) return std::nullopt;
-  Eigen::Matrix4d matrix;
-  for (int i = 0; i < 16; ++i) {
-    const Json& number = (*found)[static_cast<size_t>(i)];
-    if (!number.is_number()) return std::nullopt;
-    matrix(i / 4, i % 4) = number.get<double>();
-  }
-  return recording::to_rigid(matrix);
-}
-
-/// True if the members that are used have the right types.
-bool is_entry(const Json& entry) {
-  if (!entry.is_object() || !entry.contains("form") || entry["form"] != kHistoryForm) {
-    return false;
-  }
-  const auto is_text = [&](const char* key) {
-    return entry.contains(key) && entry[key].is_string();
-  };
-  if (!is_text("class") || !entry.contains("stamp") || !entry["stamp"].is_number_integer()) {
-    return false;
-  }
-  if (entry["class"] == "ALERT") return is_text("id") && is_text("severity") && is_text("what");
-  if (entry["class"] == "CALIBRATION") {
-    return is_text("device") && is_text("state") && calibration_of(entry);
-  }
-  if (entry["class"] != "HEALTH" || !entry.contains("seconds")) return false;
-  for (const Json& seconds : entry["seconds"]) {
-    if (!seconds.is_number_unsigned()) return false;
-  }
-  return true;
-}
-
-HistoryEntries sort_entries(const std::vector<std::string>& lines, double days) {
-  HistoryEntries entries;
-  std::vector<Json> all;
-  for (const std::string& line : lines) {
-    Json entry = Json::parse(line, nullptr, false);
-    if (is_entry(entry)) {
-      all.push_back(std::move(entry));
-    } else {
-      ++entries.unreadable;
-    }
-  }
-  int64_t newest = 0;
-  for (const Json& entry : all) newest = std::max(newest, stamp_of(entry));
-  for (Json& entry : all) {
-    if (static_cast<double>(newest - stamp_of(entry)) * 1e-9 > days * 86'400) continue;
-    auto& list = entry["class"] == "ALERT"         ? entries.alerts
-                 : entry["class"] == "CALIBRATION" ? entries.calibrations
-                                                   : entries.health;
-    list.push_back(std::move(entry));
-  }
-  return entries;
-}
-
-/// The last calibration of each camera in each month, relative to its first one: rotation about and
-/// translation along the camera's axes.
-Json drift_of(const std::vector<Json>& calibrations) {
-  std::map<std::string, Eigen::Isometry3d> first;
-  std::map<std::pair<std::string, std::string>, Eigen::Isometry3d> last;
-  for (const Json& entry : calibrations) {
-    const std::string device = text_of(entry, "device");
-    const Eigen::Isometry3d T = *calibration_of(entry);
-    first.emplace(device, T);
-    last[{device, utc_text(stamp_of(entry), "{:%Y-%m}")}] = T;
-  }
-  Json drift = Json::array();
-  for (const auto& [key, T] : last) {
-    const geometry::Vector6 moved = geometry::log(T * first.at(key.first).inverse());
-    const auto axes = [&](int at, double unit) {
-      return Json{moved[at] / unit, moved[at + 1] / unit, moved[at + 2] / unit};
-    };
-    drift.push_back({{"device", key.first},
-                     {"month", key.second},
-                     {"rotation_deg", axes(0, kDegree)},
-                     {"translation_cm", axes(3, 0.01)}});
-  }
-  return drift;
-}
-
-/// Seconds at each level.
-std::map<std::string, uint64_t> level_seconds(const std::vector<Json>& health) {
-  std::map<std::string, uint64_t> seconds;
-  for (const Json& entry : health) {
-    for (const auto& [level, count] : entry["seconds"].items()) {
-      seconds[level] += count.get<uint64_t>();
-    }
-  }
-  return seconds;
-}
 
 std::string text_of_history(const HistoryEntries& entries) {
   constexpr const char* kTime = "{:%Y-%m-%d %H:%M:%S}";
@@ -166,6 +59,12 @@ int run_history(const HistoryArguments& arguments) {
   const auto lines = read_history(std::filesystem::path(arguments.state) / kHistoryFile);
   if (!lines) return print_error("infuse history", lines.error(), kUnreadable);
   const HistoryEntries entries = sort_entries(*lines, arguments.days);
+  if (!arguments.plot.empty()) {
+    const std::string page = make_history_page(entries);
+    const auto written =
+        recording::write_file_atomically(arguments.plot, std::as_bytes(std::span(page)), 0644);
+    return written ? kDone : print_error("infuse history", written.error(), kUnreadable);
+  }
   if (!arguments.json) {
     std::cout << text_of_history(entries);
     return kDone;
@@ -189,8 +88,11 @@ Command declare_history(CLI::App& infuse) {
       ->type_name("DIR");
   app->add_option("--days", arguments->days, "days before the newest entry (366)")
       ->check(CLI::Range(0.0, 1e6));
+  app->add_option("--plot", arguments->plot,
+                  "write a page with the cameras' poses over the months, alerts and health")
+      ->type_name("FILE.html");
   app->add_flag("--json", arguments->json, "print one JSON object");
-  set_examples(*app, {"infuse history --days 30", "infuse history --json | jq .drift"});
+  set_examples(*app, {"infuse history --days 30", "infuse history --plot history.html"});
   return {app, [arguments] { return run_history(*arguments); }};
 }
 

@@ -170,8 +170,10 @@ CheckResult LidarHealth::check_loss(const LidarCounters& now, const LidarCounter
 
 CheckResult LidarHealth::check_sender(const LidarCounters& now, const LidarCounters& before) const {
   const uint64_t unexpected = increase(now.wrong_sender, before.wrong_sender);
-  // Two senders, and a changed one, are conditions of their own.
-  const bool named = now.rival_sender != 0 || now.sender_changes != before.sender_changes;
+  // Two senders, and a changed one, are conditions of their own. Datagrams of a rival that is gone
+  // are still within the window.
+  const bool named = now.rival_sender != 0 || before.rival_sender != 0 ||
+                     now.sender_changes != before.sender_changes;
   if (unexpected == 0 || named) return {};
   return {true,
           fmt::format("{} on {} from an unexpected sender ({})", plural(unexpected, "datagram"),

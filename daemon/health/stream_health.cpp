@@ -47,8 +47,12 @@ CheckResult StreamHealth::check_silence(Stamp now, const StreamCounters& counter
   received_ = counters.received;
   const Duration silence = now - last_received_;
   if (silence < options_.stale_after) return {};
-  return {true, fmt::format("no data from {} for {:.1f} s", endpoint_, to_seconds(silence)),
-          "check power and connection"};
+  std::string what = fmt::format("no data from {} for {:.1f} s", endpoint_, to_seconds(silence));
+  const uint64_t unread = counters.source.unread_bytes;
+  if (unread == 0) return {true, std::move(what), "check power and connection"};
+  what += fmt::format("; {} bytes without an RMC or GGA sentence", unread);
+  return {true, std::move(what),
+          "check baud in [gnss], and that the receiver sends RMC or GGA sentences"};
 }
 
 CheckResult StreamHealth::check_readability(const StreamCounters& now,

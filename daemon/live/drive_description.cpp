@@ -23,6 +23,36 @@ void describe_lidar(const Config& config, const LidarOptions& options, Described
   drive.description.lidars.push_back(std::move(files));
 }
 
+/// A port that no lidar has; nothing was recorded from it.
+uint16_t unused_port(const std::vector<recording::LidarFiles>& lidars) {
+  uint16_t port = 65535;
+  const auto used = [&](const recording::LidarFiles& lidar) {
+    return lidar.port == port || lidar.position_port == port;
+  };
+  while (std::any_of(lidars.begin(), lidars.end(), used)) --port;
+  return port;
+}
+
+/// Lidars on different ports may share the port of their position packets, by default 8308. Where
+/// no senders tell them apart, a drive holds those of the first only, or of the one that carries
+/// GNSS.
+void separate_position_ports(const LiveSetup& setup, DescribedDrive& drive) {
+  std::vector<recording::LidarFiles>& lidars = drive.description.lidars;
+  for (size_t i = 0; i < lidars.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const bool apart = lidars[i].sender && lidars[j].sender;
+      if (apart || lidars[i].port == lidars[j].port ||
+          lidars[i].position_port != lidars[j].position_port) {
+        continue;
+      }
+      const size_t other = setup.gnss_lidar && *setup.gnss_lidar == i ? j : i;
+      lidars[other].position_port = unused_port(lidars);
+      drive.not_recorded.push_back("position packets of lidar '" + setup.rig.lidars[other].name +
+                                   "': give each lidar its sender, or another position_port");
+    }
+  }
+}
+
 void describe_cameras(const LiveSetup& setup, DescribedDrive& drive) {
   for (size_t i = 0; i < setup.rig.cameras.size(); ++i) {
     recording::CameraFiles files;
@@ -65,6 +95,7 @@ DescribedDrive describe_drive(const Config& config, const LiveSetup& setup) {
     mount.model = setup.devices[i].model;
     describe_lidar(config, config.lidars[i], drive);
   }
+  separate_position_ports(setup, drive);
   describe_cameras(setup, drive);
   describe_buses(config, drive);
   if (setup.gnss_lidar) {

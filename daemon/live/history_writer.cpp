@@ -20,15 +20,15 @@ void HistoryWriter::add(const CalibrationReport& report) {
       written->second.matrix() == report.T_camera_lidar.matrix()) {
     return;
   }
-  calibrations_[report.camera] = report.T_camera_lidar;
   Json T = Json::array();
   for (int i = 0; i < 16; ++i) T.push_back(report.T_camera_lidar.matrix()(i / 4, i % 4));
-  write({{"form", kHistoryForm},
-         {"class", "CALIBRATION"},
-         {"stamp", report.stamp.ns()},
-         {"device", report.camera},
-         {"state", monitoring::name_of(report.state)},
-         {"T_camera_lidar", T}});
+  const bool kept = write({{"form", kHistoryForm},
+                           {"class", "CALIBRATION"},
+                           {"stamp", report.stamp.ns()},
+                           {"device", report.camera},
+                           {"state", monitoring::name_of(report.state)},
+                           {"T_camera_lidar", T}});
+  if (kept) calibrations_[report.camera] = report.T_camera_lidar;  // else with the next report
 }
 
 void HistoryWriter::add(const HealthReport& health) {
@@ -67,11 +67,12 @@ void HistoryWriter::write_summary() {
   alerts_.clear();
 }
 
-void HistoryWriter::write(const Json& entry) {
-  if (!enabled_) return;
+bool HistoryWriter::write(const Json& entry) {
+  if (!enabled_) return true;
   const auto written = file_.append(json_text(entry));
   if (!written && !failing_) spdlog::warn("{}", written.error().message());
   failing_ = !written;
+  return !failing_;
 }
 
 }  // namespace infuse::daemon

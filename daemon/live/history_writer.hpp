@@ -39,7 +39,7 @@ class HistoryWriter {
     uint64_t sweeps = 0, lost = 0;
   };
 
-  void write(const Json& entry);
+  bool write(const Json& entry);
   void write_summary();
 
   HistoryFile file_;

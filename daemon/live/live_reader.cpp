@@ -191,14 +191,18 @@ void LiveReader::read_bus(size_t index) {
 }
 
 void LiveReader::read_gnss() {
+  bool any = false;
   const auto read = gnss_->get()->read([&](Stamp stamp, std::string_view line) {
     // Sentences other than RMC and GGA are ignored.
     const auto sentence = gnss::parse_nmea(line);
     if (!sentence) return;
+    any = true;
     const GnssFix fix = gnss::stamped_fix(*sentence, stamp);
     intake_.add_gnss(fix, stamp);
     if (tap_ != nullptr) tap_->add_gnss(fix);
   });
+  uint64_t& unread = gnss_->state().unread_bytes;
+  unread = any || !read ? 0 : unread + *read;
   if (!read) close_source(*gnss_, read.error());
 }
 
@@ -209,6 +213,7 @@ void LiveReader::update_source_states() {
     if (const velodyne::UdpSource* source = port.source.get()) {
       state.buffer_requested = source->buffer_requested();
       state.buffer_granted = source->buffer_granted();
+      state.stamp_source = source->stamped_by_hardware() ? "hardware" : "kernel";
     }
     for (const PortSetup::Sender& sender : port.setup.senders) {
       if (sender.data) states.lidars[sender.lidar] = state;

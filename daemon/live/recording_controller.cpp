@@ -51,13 +51,13 @@ bool is_recording_name(const std::string& name) {
 }
 
 RecordingController::RecordingController(const Config& config, const LiveSetup& setup,
-                                         const receive::TimeBase& base)
+                                         std::function<Stamp()> now, RecorderThread thread)
     : settings_(config.record),
-      base_(base),
+      now_(std::move(now)),
       directory_(directory_of(config)),
       drive_(describe_drive(config, setup)) {
   if (directory_.empty()) return;
-  recorder_.emplace(settings_, directory_, base_);
+  recorder_.emplace(settings_, directory_, now_, thread);
   if (settings_.flight_recorder > Duration::zero()) {
     spdlog::info("flight recorder: the last {:.0f} s are recorded when an alert is raised",
                  to_seconds(settings_.flight_recorder));
@@ -75,7 +75,7 @@ Result<void> RecordingController::handle_request(const Request& request) {
   if (!recorder_) {
     return fail("recording is disabled", "", "set directory in [record] of the configuration");
   }
-  const Stamp now = base_.now();
+  const Stamp now = now_();
   if (!request.on) {
     if (!recorder_->is_recording()) return fail("no recording is running");
     recorder_->end_at(now);
@@ -153,7 +153,7 @@ Result<void> RecordingController::create_directory() const {
 // A running recording covers the alert already.
 void RecordingController::on_alert(const AlertReport& alert) {
   if (!alert.raised || alert.device == kDaemonDevice || recorder_->is_recording()) return;
-  const Stamp now = base_.now();
+  const Stamp now = now_();
   RecordingPlan plan = this->make_plan(now);
   plan.cause = alert.device + "." + alert.finding.id;
   if (!alert_pause_.is_over(plan.cause, now, settings_.alert_pause)) return;
@@ -161,7 +161,8 @@ void RecordingController::on_alert(const AlertReport& alert) {
   plan.from = now - settings_.flight_recorder;
   plan.until = now + settings_.after_alert;
   if (const auto begun = begin(std::move(plan), now); !begun) {
-    return spdlog::error("cannot record the alert: {}", begun.error().message());
+    spdlog::error("cannot record the alert: {}", begun.error().message());
+    return raise_failure_alert(now, "an alert is not recorded: " + begun.error().message());
   }
   alert_pause_.begin(alert.device + "." + alert.finding.id, now);
 }
@@ -187,14 +188,17 @@ void RecordingController::publish_report(const RecordReport& report) {
   spdlog::info("{}: {:.1f} s, {:.1f} MB, {} lost{}{}", report.folder, to_seconds(report.duration),
                static_cast<double>(report.bytes) * 1e-6, report.lost,
                report.reason.empty() ? "" : ": ", report.reason);
-  if (report.failed) raise_failure_alert(report);
+  if (report.failed) {
+    raise_failure_alert(report.stamp, "a recording ended prematurely: " + report.reason);
+  }
 }
 
-void RecordingController::raise_failure_alert(const RecordReport& report) {
-  raised_failure_ = Finding{"record", Level::kWarn, report.stamp,
-                            "a recording ended prematurely: " + report.reason,
+// Raised once, until a recording begins.
+void RecordingController::raise_failure_alert(Stamp stamp, const std::string& what) {
+  if (raised_failure_) return;
+  raised_failure_ = Finding{"record", Level::kWarn, stamp, what,
                             "free space on the disk of " + directory_.string()};
-  publisher_->publish_alert({report.stamp, kDaemonDevice, true, *raised_failure_});
+  publisher_->publish_alert({stamp, kDaemonDevice, true, *raised_failure_});
 }
 
 void RecordingController::finish() {

@@ -17,7 +17,9 @@ class RecordingController {
  public:
   /// Records into the configured folder, or into `drives` in the service manager's state directory
   /// ($STATE_DIRECTORY). Recording is disabled if there is neither.
-  RecordingController(const Config& config, const LiveSetup& setup, const receive::TimeBase& base);
+  /// `now`: the present; called by any thread.
+  RecordingController(const Config& config, const LiveSetup& setup, std::function<Stamp()> now,
+                      RecorderThread thread = RecorderThread::kOwn);
 
   /// The recorder's input, for the io thread; null if recording is disabled.
   RecordTap* tap() { return recorder_ ? &recorder_->tap() : nullptr; }
@@ -40,6 +42,11 @@ class RecordingController {
   /// True while a recording is being written.
   bool is_recording() const { return recorder_ && recorder_->is_recording(); }
 
+  /// Without a thread of the recorder: writes what has come since the last call.
+  void work() {
+    if (recorder_) recorder_->work();
+  }
+
   /// Completes the recording; called after the io thread has ended.
   void finish();
 
@@ -49,10 +56,10 @@ class RecordingController {
   Result<void> create_directory() const;
   void on_alert(const AlertReport& alert);
   void publish_report(const RecordReport& report);
-  void raise_failure_alert(const RecordReport& report);
+  void raise_failure_alert(Stamp stamp, const std::string& what);
 
   RecordSettings settings_;
-  const receive::TimeBase base_;
+  const std::function<Stamp()> now_;
   std::filesystem::path directory_;
   DescribedDrive drive_;
   std::optional<Recorder> recorder_;

@@ -16,6 +16,12 @@ namespace {
 constexpr const char* kAbortMarkerFile = "abort_marker";
 constexpr const char* kCrashNoteFile = "crash_note";
 
+/// "it was last seen 7 s ago". The clock may have been set back since, or was not set yet.
+std::string last_seen_text(Stamp last_seen, Stamp now) {
+  if (now < last_seen) return "when it was last seen is not known: the clock was set back";
+  return fmt::format("it was last seen {:.0f} s ago", to_seconds(now - last_seen));
+}
+
 /// "20261121-061136".
 std::string utc_name(Stamp stamp) {
   const auto seconds = static_cast<std::time_t>(stamp.ns() / 1'000'000'000);
@@ -27,7 +33,7 @@ std::string utc_name(Stamp stamp) {
 RunTracker RunTracker::from_environment() {
   const char* folder = std::getenv("STATE_DIRECTORY");
   if (folder == nullptr || *folder != '/') return RunTracker({});
-  return RunTracker(std::filesystem::path(folder) / "state.json");
+  return RunTracker(std::filesystem::path(folder) / kSavedStateFile);
 }
 
 std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
@@ -62,8 +68,8 @@ std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
                      kDaemonDevice,
                      true,
                      {"restarted", Level::kWarn, now,
-                      fmt::format("{}; it was last seen {:.0f} s ago; unclean exits so far: {}",
-                                  what, to_seconds(now - last_seen), state_.unclean_exits),
+                      fmt::format("{}; {}; unclean exits so far: {}", what,
+                                  last_seen_text(last_seen, now), state_.unclean_exits),
                       "see journalctl -u infused"}};
 }
 

@@ -1,5 +1,6 @@
 #include "daemon/mqtt/mqtt_publisher.hpp"
 
+#include <pthread.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -17,6 +18,7 @@
 #include "daemon/mqtt/mqtt_client.hpp"
 #include "daemon/mqtt/report_topics.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/service/crash_note.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
@@ -102,10 +104,13 @@ class MqttPublisher::Worker {
   /// The thread.
   void run() {
     // A broker that closes its socket must not end the process (SIGPIPE), and other signals belong
-    // to the main thread.
+    // to the main thread, but for those of a crash of this one.
     sigset_t all;
     sigfillset(&all);
+    for (const int crash : {SIGSEGV, SIGBUS, SIGILL, SIGFPE}) sigdelset(&all, crash);
     pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    pthread_setname_np(pthread_self(), "broker");
+    use_crash_stack();
     std::unique_lock storing(queue_mutex_);
     while (!is_over()) {
       store_mailbox();

@@ -66,6 +66,7 @@ class Publisher {
   bool drain();
 
   const Totals& totals() const { return totals_; }
+  size_t device_count() const { return checks_.devices().size(); }
 
  private:
   void process(const ReportItem& item);

@@ -137,6 +137,9 @@ void describe(Visitor& v, const DeviceHealth<LidarStatus>& sensor) {
   v.field("last_packet", when(c.packets > 0, c.last_packet),
           "Stamp of the last packet; absent before the first.",
           stamp_gauge("infuse_lidar_last_packet_timestamp_seconds"));
+  v.field("stamp_source",
+          when(*c.source.stamp_source != '\0', Choice<kStampSources>{c.source.stamp_source}),
+          "live: who stamps its packets on arrival, the network interface or the kernel");
   v.field("clock", when(c.packets > 0, c.clock));
   v.field("findings", status.findings, "raised at present");
 }

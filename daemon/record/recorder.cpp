@@ -18,15 +18,16 @@ RecordChunk new_chunk() {
 }  // namespace
 
 Recorder::Recorder(const RecordSettings& settings, std::filesystem::path directory,
-                   const receive::TimeBase& base)
+                   std::function<Stamp()> now, RecorderThread thread)
     : settings_(settings),
       directory_(std::move(directory)),
-      base_(base),
+      now_(std::move(now)),
       budget_(directory_, settings.budget),
       ring_(static_cast<size_t>(settings.memory / RecordChunk::kMaxBytes), new_chunk),
       reader_(ring_.make_reader()),
       tap_(ring_) {
   tap_.set_enabled(settings_.flight_recorder > Duration::zero());
+  if (thread == RecorderThread::kNone) return;
   thread_ = std::jthread([this](std::stop_token stop) { run(std::move(stop)); });
 }
 
@@ -57,10 +58,25 @@ bool Recorder::is_recording() const {
 }
 
 void Recorder::finish() {
-  if (!thread_.joinable()) return;
   tap_.finish();
-  thread_.request_stop();
-  thread_.join();
+  if (thread_.joinable()) {
+    thread_.request_stop();
+    thread_.join();
+  } else {
+    std::unique_lock lock(mutex_);
+    take_requests(lock);
+    lock.unlock();
+    write_rest();
+  }
+}
+
+void Recorder::work() {
+  std::unique_lock lock(mutex_);
+  take_requests(lock);
+  lock.unlock();
+  if (!recording_) return;
+  write_chunks(kWritePeriod);
+  update_report();
 }
 
 void Recorder::run(std::stop_token stop) {
@@ -70,6 +86,10 @@ void Recorder::run(std::stop_token stop) {
     write_chunks(kWritePeriod);
     update_report();
   }
+  write_rest();
+}
+
+void Recorder::write_rest() {
   if (!recording_) return;
   write_chunks(kDrainTimeout);
   recording_->end("the daemon ended");
@@ -80,6 +100,11 @@ void Recorder::run(std::stop_token stop) {
 bool Recorder::process_requests(std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   if (!recording_) requested_.wait(lock, stop, [this] { return next_.has_value(); });
+  take_requests(lock);
+  return !stop.stop_requested();
+}
+
+void Recorder::take_requests(std::unique_lock<std::mutex>& lock) {
   if (next_) {
     if (recording_) recording_->end("another recording was started");
     recording_ = std::exchange(next_, std::nullopt);
@@ -89,18 +114,17 @@ bool Recorder::process_requests(std::stop_token& stop) {
     lock.lock();
   }
   if (recording_ && until_) recording_->end_at(*until_);
-  return !stop.stop_requested();
 }
 
 void Recorder::write_chunks(Duration timeout) {
-  const Stamp begin = base_.now();
+  const Stamp begin = now_();
   bool caught_up = false;
-  while (!caught_up && base_.now() - begin < timeout) {
+  while (!caught_up && now_() - begin < timeout) {
     const Pin<RecordChunk> chunk = reader_.next();
     caught_up = !chunk;
     if (chunk) parser_.parse(*chunk, [this](const Record& record) { recording_->add(record); });
   }
-  recording_->flush_and_check(base_.now(), parser_.lost(), caught_up);
+  recording_->flush_and_check(now_(), parser_.lost(), caught_up);
   if (recording_->report().ended || budget_.make_room(recording_->report().bytes)) return;
   recording_->end("budget_mb is used up by recordings on request; remove some", true);
 }
@@ -113,8 +137,9 @@ void Recorder::update_report() {
     if (ended && !next_) tap_.set_enabled(settings_.flight_recorder > Duration::zero());
   }
   if (!ended) return;
+  const std::string name = recording_->report().name;
   recording_.reset();
-  remove_old_alerts(directory_, settings_.keep_alerts);
+  remove_old_alerts(directory_, settings_.keep_alerts, name);
 }
 
 }  // namespace infuse::daemon

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -9,18 +10,26 @@
 #include "daemon/record/record_tap.hpp"
 #include "daemon/record/recording.hpp"
 #include "daemon/record/recordings_budget.hpp"
-#include "drivers/receive/time_base.hpp"
 
 namespace infuse::daemon {
+
+/// Who writes recordings.
+enum class RecorderThread : uint8_t {
+  kOwn,   ///< a thread of the recorder
+  kNone,  ///< who calls `work`: a simulation
+};
 
 /// Writes recordings, one at a time, on a thread of its own. The latest sensor data is kept in
 /// memory, so that a recording can begin in the past; if the thread falls behind, the oldest data
 /// is lost and counted.
 class Recorder {
  public:
+  /// `now`: the present; called by any thread.
   Recorder(const RecordSettings& settings, std::filesystem::path directory,
-           const receive::TimeBase& base);
-  ~Recorder() { finish(); }
+           std::function<Stamp()> now, RecorderThread thread = RecorderThread::kOwn);
+  ~Recorder() {
+    if (thread_.joinable()) finish();
+  }
 
   /// Input of the io thread.
   RecordTap& tap() { return tap_; }
@@ -39,18 +48,23 @@ class Recorder {
   /// True while a recording is being written.
   bool is_recording() const;
 
+  /// Without a thread: writes what has come since the last call.
+  void work();
+
   /// Writes the remaining data and ends the thread. The io thread must have ended before.
   void finish();
 
  private:
   void run(std::stop_token stop);
   bool process_requests(std::stop_token& stop);
+  void take_requests(std::unique_lock<std::mutex>& lock);
+  void write_rest();
   void write_chunks(Duration timeout);
   void update_report();
 
   const RecordSettings settings_;
   const std::filesystem::path directory_;
-  const receive::TimeBase base_;
+  const std::function<Stamp()> now_;
   RecordingsBudget budget_;  // used by the recorder's thread only
   RecordRing ring_;
   RecordRing::Reader reader_;

@@ -30,8 +30,13 @@ std::string recording_of(const fs::path& drive) {
   return name.substr(0, name.find('.'));
 }
 
-/// The drives in a folder, by recording. Names of alert recordings begin with their time and so
-/// sort by age.
+/// All drives of one recording.
+struct DrivesOfRecording {
+  std::string name;
+  std::vector<fs::path> drives;
+};
+
+/// The drives in a folder, by recording.
 std::map<std::string, std::vector<fs::path>> drives_in(const fs::path& directory) {
   std::map<std::string, std::vector<fs::path>> recordings;
   std::error_code error;
@@ -40,6 +45,19 @@ std::map<std::string, std::vector<fs::path>> drives_in(const fs::path& directory
     recordings[recording_of(entry->path())].push_back(entry->path());
   }
   return recordings;
+}
+
+/// The alert recordings, oldest first. Their names begin with their time; `last` was made last.
+std::vector<DrivesOfRecording> alerts_by_age(std::map<std::string, std::vector<fs::path>> all,
+                                             const std::string& last) {
+  std::vector<DrivesOfRecording> alerts;
+  for (auto& [name, drives] : all) {
+    if (name.starts_with(kAlertPrefix)) alerts.push_back({name, std::move(drives)});
+  }
+  if (!last.starts_with(kAlertPrefix)) return alerts;
+  std::stable_partition(alerts.begin(), alerts.end(),
+                        [&](const DrivesOfRecording& alert) { return alert.name > last; });
+  return alerts;
 }
 
 void remove_drive(const fs::path& drive, const char* why) {
@@ -53,12 +71,16 @@ void remove_drive(const fs::path& drive, const char* why) {
 void RecordingsBudget::measure(const std::string& current) {
   bytes_ = 0;
   alerts_.clear();
-  for (const auto& [name, drives] : drives_in(directory_)) {
-    if (name == current) continue;
-    for (const fs::path& drive : drives) {
-      const uint64_t bytes = bytes_below(drive);
-      bytes_ += bytes;
-      if (name.starts_with(kAlertPrefix)) alerts_.push_back({drive, bytes});
+  auto all = drives_in(directory_);
+  all.erase(current);
+  for (const auto& [name, drives] : all) {
+    if (name.starts_with(kAlertPrefix)) continue;
+    for (const fs::path& drive : drives) bytes_ += bytes_below(drive);
+  }
+  for (const DrivesOfRecording& alert : alerts_by_age(std::move(all), current)) {
+    for (const fs::path& drive : alert.drives) {
+      alerts_.push_back({drive, bytes_below(drive)});
+      bytes_ += alerts_.back().bytes;
     }
   }
   std::reverse(alerts_.begin(), alerts_.end());
@@ -73,13 +95,10 @@ bool RecordingsBudget::make_room(uint64_t bytes) {
   return bytes_ + bytes <= budget_;
 }
 
-void remove_old_alerts(const fs::path& directory, size_t keep) {
-  auto recordings = drives_in(directory);
-  std::erase_if(recordings,
-                [](const auto& recording) { return !recording.first.starts_with(kAlertPrefix); });
-  for (auto oldest = recordings.begin(); recordings.size() > keep;
-       oldest = recordings.erase(oldest)) {
-    for (const fs::path& drive : oldest->second) {
+void remove_old_alerts(const fs::path& directory, size_t keep, const std::string& last) {
+  const auto recordings = alerts_by_age(drives_in(directory), last);
+  for (size_t i = 0; i + keep < recordings.size(); ++i) {
+    for (const fs::path& drive : recordings[i].drives) {
       remove_drive(drive, "newer alert recordings replace it");
     }
   }

@@ -8,7 +8,9 @@
 namespace infuse::daemon {
 
 /// Keeps the recordings of a folder together below a number of bytes, by removing alert recordings,
-/// the oldest first. What was recorded on request is never removed.
+/// the oldest first. What was recorded on request is never removed. Age is told by the time in the
+/// names; what has a later name than the recording that was just made is from before the clock was
+/// set back, as a computer without a battery does at each start, and so the oldest of all.
 class RecordingsBudget {
  public:
   RecordingsBudget(std::filesystem::path directory, uint64_t budget)
@@ -35,8 +37,9 @@ class RecordingsBudget {
 };
 
 /// Removes the oldest alert recordings in a folder beyond the newest `keep`; the drives of one
-/// split recording count as one.
-void remove_old_alerts(const std::filesystem::path& directory, size_t keep);
+/// split recording count as one. `last`: name of the recording that was made last.
+void remove_old_alerts(const std::filesystem::path& directory, size_t keep,
+                       const std::string& last);
 
 /// Prefix of the names of alert recordings.
 inline constexpr const char* kAlertPrefix = "alert-";

@@ -77,20 +77,35 @@ PipelineOptions DaemonHost::pipeline_options() const {
 }
 
 void DaemonHost::connect(Pipeline& pipeline, RequestHandler on_record) {
+  connect(
+      pipeline.publisher(),
+      [&pipeline](const Request& request) { return pipeline.handle_request(request); },
+      std::move(on_record));
+}
+
+void DaemonHost::connect(Publisher& publisher, RequestHandler on_request,
+                         RequestHandler on_record) {
+  on_request_ = std::move(on_request);
+  on_record_ = std::move(on_record);
   for (const std::string& camera : calibrations_.frozen_cameras()) {
-    static_cast<void>(pipeline.handle_request({.op = Request::Op::kFreeze, .device = camera}));
+    static_cast<void>(on_request_({.op = Request::Op::kFreeze, .device = camera}));
   }
-  pipeline.publisher().on_calibration([this](const CalibrationReport& report) {
-    if (const auto saved = calibrations_.save(report); !saved) {
-      spdlog::error("{}", saved.error().message());
-    }
-  });
-  server_.on_control([this, &pipeline, on_record = std::move(on_record)](const Request& request) {
-    if (request.op == Request::Op::kRecord && on_record) return on_record(request);
-    auto handled = pipeline.handle_request(request);
-    if (!handled || request.op != Request::Op::kFreeze) return handled;
-    return calibrations_.save_frozen(request.device, request.on);
-  });
+  publisher.on_calibration([this](const CalibrationReport& report) { save(report); });
+  server_.on_control([this](const Request& request) { return handle_request(request); });
+}
+
+Result<void> DaemonHost::handle_request(const Request& request) {
+  if (request.op == Request::Op::kRecord && on_record_) return on_record_(request);
+  auto handled = on_request_(request);
+  if (!handled || request.op != Request::Op::kFreeze) return handled;
+  return calibrations_.save_frozen(request.device, request.on);
+}
+
+// A full disk is logged once; the saved state of the run raises the alert.
+void DaemonHost::save(const CalibrationReport& report) {
+  const auto saved = calibrations_.save(report);
+  if (!saved && !save_failing_) spdlog::error("{}", saved.error().message());
+  save_failing_ = !saved;
 }
 
 void DaemonHost::run(std::function<void()> on_stop) {

@@ -56,6 +56,12 @@ class DaemonHost {
   /// requests. `on_record` handles recording requests; without it the pipeline rejects them.
   void connect(Pipeline& pipeline, RequestHandler on_record = nullptr);
 
+  /// The same with the parts that it uses of a pipeline: its publisher, and who handles requests.
+  void connect(Publisher& publisher, RequestHandler on_request, RequestHandler on_record = nullptr);
+
+  /// Executes a control request, as if its owner had sent it.
+  Result<void> handle_request(const Request& request);
+
   /// Runs the event loop until finish() has been called and all clients are gone. `on_stop` is
   /// called at the first SIGINT or SIGTERM; a second one ends the process.
   void run(std::function<void()> on_stop);
@@ -71,11 +77,15 @@ class DaemonHost {
   Server& server() { return server_; }
 
  private:
+  void save(const CalibrationReport& report);
+
   const Config& config_;
   boost::asio::io_context io_{1};
   boost::asio::signal_set stop_signals_{io_, SIGINT, SIGTERM};
   Server server_;
   SavedCalibrations calibrations_;
+  bool save_failing_ = false;
+  RequestHandler on_request_, on_record_;
   StreetMapFile map_;
   std::optional<places::PlaceMap> places_;
 };

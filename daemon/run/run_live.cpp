@@ -6,6 +6,7 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/live/history_writer.hpp"
+#include "daemon/live/live_pipeline.hpp"
 #include "daemon/metrics/metrics_server.hpp"
 #include "daemon/metrics/metrics_text.hpp"
 #include "daemon/mqtt/mqtt_publisher.hpp"
@@ -104,7 +105,8 @@ int run_live(const RunOptions& options, const Config& config) {
   if (!view) return print_error(kProgram, view.error(), kUsage);
   pipeline_options.view = view->tap.get();
   const receive::TimeBase base;
-  RecordingController recordings(config, *setup, base);
+  const auto now = [base] { return base.now(); };
+  RecordingController recordings(config, *setup, now);
   std::function<void()> on_end;
   LivePipeline live(
       host.io(), *std::move(setup), pipeline_options, host.server(), [&] { on_end(); }, base,
@@ -118,8 +120,13 @@ int run_live(const RunOptions& options, const Config& config) {
   if (*broker) publish_to_broker(**broker, topics, live.publisher());
   host.connect(live.pipeline(),
                [&](const Request& request) { return recordings.handle_request(request); });
-  ServiceLifecycle lifecycle(host.io(), options.config, config, live, recordings, host.server(),
-                             base, host.calibration_damage());
+  ServiceLifecycle lifecycle({.io = host.io(),
+                              .publisher = live.publisher(),
+                              .recordings = recordings,
+                              .server = host.server(),
+                              .stop = [&] { live.stop(); },
+                              .now = now},
+                             options.config, config, host.calibration_damage());
   on_end = [&] {
     recordings.finish();
     history.finish();

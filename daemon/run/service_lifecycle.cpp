@@ -16,63 +16,58 @@ namespace {
 // Keys of the configuration that a reload applies; see SIGNALS in infused(8).
 constexpr std::array kReloadableKeys = {"log_level", "socket", "health", "record"};
 
-std::string status_text(const Publisher& publisher, size_t devices) {
+std::string status_text(const Publisher& publisher) {
   const Totals& totals = publisher.totals();
   const auto ok_sensors = std::count(totals.levels.begin(), totals.levels.end(), Level::kOk);
-  return fmt::format("{} of {} sensors are OK, {} alerts since the start", ok_sensors, devices,
-                     totals.alerts);
+  return fmt::format("{} of {} sensors are OK, {} alerts since the start", ok_sensors,
+                     publisher.device_count(), totals.alerts);
 }
 
 }  // namespace
 
-ServiceLifecycle::ServiceLifecycle(boost::asio::io_context& io, const std::string& config_file,
-                                   const Config& config, LivePipeline& live,
-                                   RecordingController& recordings, Server& server,
-                                   const receive::TimeBase& base,
+ServiceLifecycle::ServiceLifecycle(ServiceParts parts, const std::string& config_file,
+                                   const Config& config,
                                    const std::optional<std::string>& calibration_damage)
-    : config_file_(config_file),
+    : parts_(std::move(parts)),
+      config_file_(config_file),
       config_(config),
-      live_(live),
-      recordings_(recordings),
-      server_(server),
-      base_(base),
       calibration_damage_(calibration_damage),
       run_tracker_(RunTracker::from_environment()),
-      reload_signal_(io, SIGHUP) {
-  live_.publisher().on_progress([this] { on_progress(); });
-  live_.publisher().on_alert([this](const AlertReport& alert) { add_recent(alert); });
+      reload_signal_(parts_.io, SIGHUP) {
+  parts_.publisher.on_progress([this] { on_progress(); });
+  parts_.publisher.on_alert([this](const AlertReport& alert) { add_recent(alert); });
   wait_for_reload();
 }
 
 void ServiceLifecycle::stop() {
   service_manager::notify_stopping();
-  live_.stop();
+  parts_.stop();
 }
 
 void ServiceLifecycle::finish() {
   reload_signal_.cancel();
-  run_tracker_.end_run(base_.now());
+  run_tracker_.end_run(parts_.now());
 }
 
 // A tick has passed through every thread; this feeds the watchdog.
 void ServiceLifecycle::on_progress() {
-  recordings_.publish_updates();
-  const std::string status = status_text(live_.publisher(), live_.setup().devices.size());
+  parts_.recordings.publish_updates();
+  const std::string status = status_text(parts_.publisher);
   remember_report(status + recent_alerts_);
   if (!std::exchange(ready_, true)) {
     service_manager::notify_ready(status);
-    const Stamp now = base_.now();
-    if (auto alert = run_tracker_.begin_run(now)) live_.publisher().publish_alert(*alert);
+    const Stamp now = parts_.now();
+    if (auto alert = run_tracker_.begin_run(now)) parts_.publisher.publish_alert(*alert);
     if (calibration_damage_) {
       const Finding finding{"saved_calibrations", Level::kWarn, now, *calibration_damage_,
                             "check infuse calibration; the file is kept as *.unreadable"};
-      live_.publisher().publish_alert({now, kDaemonDevice, true, finding});
+      parts_.publisher.publish_alert({now, kDaemonDevice, true, finding});
     }
     return;
   }
   service_manager::notify_watchdog();
   service_manager::notify_status(status);
-  if (auto alert = run_tracker_.save_if_due(base_.now())) live_.publisher().publish_alert(*alert);
+  if (auto alert = run_tracker_.save_if_due(parts_.now())) parts_.publisher.publish_alert(*alert);
 }
 
 /// Keeps the last alerts for a crash note.
@@ -99,14 +94,14 @@ void ServiceLifecycle::reload_config() {
   } else {
     apply_config(*loaded);
   }
-  service_manager::notify_ready(status_text(live_.publisher(), live_.setup().devices.size()));
+  service_manager::notify_ready(status_text(parts_.publisher));
 }
 
 void ServiceLifecycle::apply_config(const Config& loaded) {
   spdlog::set_level(spdlog::level::from_str(loaded.log_level));
-  server_.set_limits(loaded.socket);
-  live_.publisher().set_health_options(loaded.health);
-  recordings_.apply_settings(loaded.record);
+  parts_.server.set_limits(loaded.socket);
+  parts_.publisher.set_health_options(loaded.health);
+  parts_.recordings.apply_settings(loaded.record);
   std::string applied, needs_restart;
   for (const std::string& key : changed_keys(config_, loaded)) {
     const bool reloadable =

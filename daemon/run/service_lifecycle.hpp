@@ -2,24 +2,33 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <functional>
 #include <string>
 
 #include "daemon/config/config.hpp"
-#include "daemon/live/live_pipeline.hpp"
 #include "daemon/live/recording_controller.hpp"
 #include "daemon/live/run_tracker.hpp"
+#include "daemon/pipeline/publisher.hpp"
 
 namespace infuse::daemon {
+
+/// What the service looks after. The references outlive it.
+struct ServiceParts {
+  boost::asio::io_context& io;
+  Publisher& publisher;
+  RecordingController& recordings;
+  Server& server;
+  std::function<void()> stop;  ///< requests the end of the pipeline
+  std::function<Stamp()> now;  ///< the present
+};
 
 /// The live daemon as a service: notifies the service manager, tracks runs, publishes the state of
 /// recordings, and reloads the configuration on SIGHUP. Runs on the thread of the `io_context`.
 class ServiceLifecycle {
  public:
-  /// All arguments must outlive this object. `config` is the running configuration, read from
+  /// The references must outlive this object. `config` is the running configuration, read from
   /// `config_file`. `calibration_damage`: why the saved calibrations are not used; an alert.
-  ServiceLifecycle(boost::asio::io_context& io, const std::string& config_file,
-                   const Config& config, LivePipeline& live, RecordingController& recordings,
-                   Server& server, const receive::TimeBase& base,
+  ServiceLifecycle(ServiceParts parts, const std::string& config_file, const Config& config,
                    const std::optional<std::string>& calibration_damage);
 
   /// Requests the end of the pipeline.
@@ -35,12 +44,9 @@ class ServiceLifecycle {
   void reload_config();
   void apply_config(const Config& loaded);
 
+  ServiceParts parts_;
   const std::string& config_file_;
   const Config& config_;
-  LivePipeline& live_;
-  RecordingController& recordings_;
-  Server& server_;
-  const receive::TimeBase& base_;
   const std::optional<std::string>& calibration_damage_;
   RunTracker run_tracker_;
   boost::asio::signal_set reload_signal_;

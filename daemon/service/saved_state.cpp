@@ -9,7 +9,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kFormatVersion = 1;
 constexpr size_t kMaxBytes = 64 << 10;
 
 /// Reads a non-negative integer; false if it is missing or out of range.
@@ -24,7 +23,7 @@ bool read(const Json& json, const char* key, uint64_t& value) {
 
 std::string format_state(const SavedState& state) {
   const Json json = {
-      {"form", kFormatVersion},          {"starts", state.starts},
+      {"form", kSavedStateForm},         {"starts", state.starts},
       {"unclean", state.unclean_exits},  {"running", state.running},
       {"saved_ns", state.saved_at.ns()}, {"running_for_ns", state.total_run_time.count()}};
   return json.dump(2) + "\n";
@@ -34,7 +33,7 @@ Result<SavedState> parse_state(std::string_view text) {
   const Json json = Json::parse(text, nullptr, false);
   SavedState state;
   uint64_t form = 0, saved = 0, running_for = 0;
-  if (!json.is_object() || !read(json, "form", form) || form != kFormatVersion) {
+  if (!json.is_object() || !read(json, "form", form) || form != kSavedStateForm) {
     return fail("not a state file of this release");
   }
   const auto running = json.find("running");

@@ -9,6 +9,10 @@
 
 namespace infuse::daemon {
 
+/// Name of the file in the state directory, and the version of its format.
+inline constexpr const char* kSavedStateFile = "state.json";
+inline constexpr int kSavedStateForm = 1;
+
 /// State that outlives a restart.
 struct SavedState {
   uint64_t starts = 0;         ///< number of starts with this state file

@@ -1,5 +1,6 @@
 #include "daemon/view/view_server.hpp"
 
+#include <pthread.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
@@ -19,6 +20,7 @@
 #include <thread>
 
 #include "daemon/protocol/json.hpp"
+#include "daemon/service/crash_note.hpp"
 #include "daemon/view/access.hpp"
 #include "daemon/view/view_client.hpp"
 #include "daemon/view/view_files.hpp"
@@ -112,7 +114,11 @@ class ViewServer::Impl {
     }
     port_ = acceptor_.local_endpoint().port();
     accept();
-    thread_ = std::thread([this] { io_.run(); });
+    thread_ = std::thread([this] {
+      pthread_setname_np(pthread_self(), "view");
+      use_crash_stack();
+      io_.run();
+    });
     return {};
   }
 

@@ -18,8 +18,12 @@ ClockModelOptions interface_clock_options() {
 
 HardwareStamps::HardwareStamps() : clock_(interface_clock_options()) {}
 
-Stamp HardwareStamps::update(int64_t hardware_ns, Stamp received) {
+Stamp HardwareStamps::update(int64_t hardware_ns, Stamp received, uint32_t interface) {
   stamped_by_hardware_ = hardware_ns > 0;
+  if (stamped_by_hardware_ && interface != interface_) {
+    clock_ = ClockModel(interface_clock_options());
+    interface_ = interface;
+  }
   const Stamp stamp =
       stamped_by_hardware_ ? clock_.update(Duration(hardware_ns), received) : received;
   last_ = std::min(std::max(stamp, last_), received);

@@ -1,5 +1,6 @@
 #include "drivers/receive/message_batch.hpp"
 
+#include <linux/errqueue.h>
 #include <linux/net_tstamp.h>
 
 #include <algorithm>
@@ -24,7 +25,7 @@ MessageBatch::MessageBatch(size_t messages, size_t bytes)
       controls_(messages),
       headers_(messages),
       stamps_(messages),
-      hardware_ns_(messages) {
+      hardware_(messages) {
   for (size_t i = 0; i < messages; ++i) {
     vectors_[i] = {bytes_.data() + i * bytes, bytes};
     headers_[i].msg_hdr.msg_iov = &vectors_[i];
@@ -52,17 +53,15 @@ void MessageBatch::read_ancillary_data(size_t message, const WallStamps& stamps)
   const AncillaryData ancillary = AncillaryData::parse(headers_[message].msg_hdr);
   stamps_[message] =
       ancillary.wall_ns != 0 ? stamps.stamp_of(ancillary.wall_ns) : stamps.last_update();
-  hardware_ns_[message] = ancillary.hardware_ns;
+  hardware_[message] = {ancillary.hardware_ns, ancillary.interface};
   if (ancillary.dropped != 0) dropped_ = ancillary.dropped;
 }
 
 MessageBatch::Message MessageBatch::operator[](size_t i) const {
   const size_t size = std::min<size_t>(headers_[i].msg_len, bytes_each_);
-  return {stamps_[i],
-          {bytes_.data() + i * bytes_each_, size},
-          senders_[i],
-          (headers_[i].msg_hdr.msg_flags & MSG_TRUNC) != 0,
-          hardware_ns_[i]};
+  return {stamps_[i],      {bytes_.data() + i * bytes_each_, size},
+          senders_[i],     (headers_[i].msg_hdr.msg_flags & MSG_TRUNC) != 0,
+          hardware_[i].ns, hardware_[i].interface};
 }
 
 AncillaryData AncillaryData::parse(const msghdr& header) {
@@ -75,9 +74,14 @@ AncillaryData AncillaryData::parse(const msghdr& header) {
       std::memcpy(&time, CMSG_DATA(c), sizeof(time));
       ancillary.wall_ns = to_ns(time);
     } else if (c->cmsg_type == SCM_TIMESTAMPING) {
-      std::array<timespec, 3> times{};  // the last one is the hardware stamp
+      std::array<timespec, 3> times{};  // the first is the kernel's stamp, the last the hardware's
       std::memcpy(times.data(), CMSG_DATA(c), sizeof(times));
+      if (ancillary.wall_ns == 0) ancillary.wall_ns = to_ns(times[0]);
       ancillary.hardware_ns = to_ns(times[2]);
+    } else if (c->cmsg_type == SCM_TIMESTAMPING_PKTINFO) {
+      scm_ts_pktinfo about{};
+      std::memcpy(&about, CMSG_DATA(c), sizeof(about));
+      ancillary.interface = about.if_index;
     } else if (c->cmsg_type == SO_RXQ_OVFL) {
       std::memcpy(&ancillary.dropped, CMSG_DATA(c), sizeof(ancillary.dropped));
     }
@@ -86,7 +90,8 @@ AncillaryData AncillaryData::parse(const msghdr& header) {
 }
 
 void request_hardware_stamps(int socket) {
-  const int requested = SOF_TIMESTAMPING_RX_HARDWARE | SOF_TIMESTAMPING_RAW_HARDWARE;
+  const int requested =
+      SOF_TIMESTAMPING_RX_HARDWARE | SOF_TIMESTAMPING_RAW_HARDWARE | SOF_TIMESTAMPING_OPT_PKTINFO;
   setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPING, &requested, sizeof(requested));
 }
 

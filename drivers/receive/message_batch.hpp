@@ -29,6 +29,7 @@ class MessageBatch {
     bool truncated = false;          ///< true if the message was longer than the buffer
     /// Hardware stamp, ns by the interface's own clock; 0 if there is none.
     int64_t hardware_ns = 0;
+    uint32_t interface = 0;  ///< index of the interface that stamped it; 0 if unknown
   };
 
   /// Receives the pending messages of a socket without waiting and returns their number. 0 with
@@ -59,7 +60,11 @@ class MessageBatch {
   std::vector<Control> controls_;
   std::vector<mmsghdr> headers_;
   std::vector<Stamp> stamps_;
-  std::vector<int64_t> hardware_ns_;
+  struct HardwareStamp {
+    int64_t ns = 0;
+    uint32_t interface = 0;
+  };
+  std::vector<HardwareStamp> hardware_;
   uint32_t dropped_ = 0;
 };
 
@@ -67,14 +72,15 @@ class MessageBatch {
 struct AncillaryData {
   int64_t wall_ns = 0;      ///< kernel receive time, wall clock; 0 if absent
   int64_t hardware_ns = 0;  ///< receive time by the interface's own clock; 0 if absent
+  uint32_t interface = 0;   ///< index of that interface; 0 if absent
   uint32_t dropped = 0;     ///< messages dropped at this socket since it was created; 0 if absent
 
   /// Parses `header` as `recvmmsg` leaves it.
   static AncillaryData parse(const msghdr& header);
 };
 
-/// Requests hardware stamps for received messages, if the interface supports them. Does not change
-/// the interface's own configuration.
+/// Requests hardware stamps for received messages, if the interface makes them (SO_TIMESTAMPING),
+/// with its index. Does not change the interface's own configuration: PTP's daemon turns them on.
 void request_hardware_stamps(int socket);
 
 /// Enables the kernel's receive stamps and drop counter, and requests a receive buffer of

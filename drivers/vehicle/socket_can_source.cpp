@@ -85,7 +85,8 @@ bool SocketCanSource::up() const {
 bool SocketCanSource::process_message(const receive::MessageBatch::Message& message) {
   if (message.truncated || !parse_socket_can(message.bytes, frame_)) return false;
   // To the microsecond, as in a candump log: a recording of the bus replays identically.
-  const Stamp stamp = hardware_stamps_.update(message.hardware_ns, message.stamp);
+  const Stamp stamp =
+      hardware_stamps_.update(message.hardware_ns, message.stamp, message.interface);
   frame_.stamp = stamp - Duration(stamp.ns() % 1000);
   bus_errors_.process(frame_);
   return true;

@@ -55,6 +55,7 @@ Result<void> UdpSource::prepare() {
   const auto granted = receive::prepare_socket(socket_.get(), options_.receive_buffer, name());
   if (!granted) return tl::unexpected(granted.error());
   granted_ = *granted;
+  receive::request_hardware_stamps(socket_.get());
   return {};
 }
 
@@ -115,15 +116,17 @@ Result<void> UdpSource::join() {
 
 void UdpSource::rejoin() { static_cast<void>(join()); }
 
-Datagram UdpSource::datagram(const receive::MessageBatch::Message& message) const {
+Datagram UdpSource::datagram(const receive::MessageBatch::Message& message) {
+  const Stamp stamp =
+      hardware_stamps_.update(message.hardware_ns, message.stamp, message.interface);
   if (options_.tap) {
     // Without a UDP header, which the filter asks for: an empty datagram, which is malformed.
     Datagram tapped = parse_tapped(message.bytes).value_or(Datagram{});
-    tapped.stamp = message.stamp;
+    tapped.stamp = stamp;
     tapped.destination_port = options_.port;
     return tapped;
   }
-  return {message.stamp, ntohl(message.sender.sin_addr.s_addr), ntohs(message.sender.sin_port),
+  return {stamp, ntohl(message.sender.sin_addr.s_addr), ntohs(message.sender.sin_port),
           options_.port, message.bytes};
 }
 

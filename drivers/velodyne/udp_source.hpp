@@ -8,6 +8,7 @@
 #include "drivers/measurement/datagram.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/receive/file_descriptor.hpp"
+#include "drivers/receive/hardware_stamps.hpp"
 #include "drivers/receive/message_batch.hpp"
 
 namespace infuse::velodyne {
@@ -64,6 +65,10 @@ class UdpSource {
   size_t buffer_requested() const { return options_.receive_buffer; }
   size_t buffer_granted() const { return granted_; }
 
+  /// True if the last datagram has its stamp from the interface (its driver makes such stamps, and
+  /// PTP's daemon has turned them on); false if from the kernel.
+  bool stamped_by_hardware() const { return hardware_stamps_.stamped_by_hardware(); }
+
   /// The local port.
   uint16_t port() const { return options_.port; }
 
@@ -78,12 +83,13 @@ class UdpSource {
   Result<void> prepare();
   Result<void> filter_senders();
   Result<void> join();
-  Datagram datagram(const receive::MessageBatch::Message& message) const;
+  Datagram datagram(const receive::MessageBatch::Message& message);
   tl::unexpected<Error> read_error() const;
   std::string name() const;
 
   UdpOptions options_;
   receive::WallStamps stamps_;
+  receive::HardwareStamps hardware_stamps_;
   receive::FileDescriptor socket_;
   size_t granted_ = 0;
   uint64_t dropped_ = 0;

@@ -135,6 +135,7 @@ void OdometryFilter::advance(Duration ahead) {
   if (ahead > options_.max_silence && !bridged) {
     state_.reset_motion(to_seconds(ahead));
     sources_.reset();
+    gnss_position_check_.reset();  // where odometry led meanwhile is not known
     at_rest_since_ = Stamp::latest();
     now_ = now_ + ahead;
     return;

@@ -12,6 +12,7 @@
 #include "tests/study/dependence/estimators.hpp"
 #include "tests/study/dependence/gaussian_accuracy.hpp"
 #include "tests/study/mapping/pose_graph_study.hpp"
+#include "tests/study/months/month.hpp"
 #ifdef INFUSE_SIMULATOR
 #include "tests/study/places/place_study.hpp"
 #include "tests/study/registration/alignment_table.hpp"
@@ -393,6 +394,11 @@ int main(int argc, char** argv) {
       ->add_option("-o,--output", folder, "write accuracy.md and accuracy.svg to this folder")
       ->check(CLI::ExistingDirectory);
   add_mapping_commands(app);
+  MonthOptions month;
+  CLI::App* month_command =
+      app.add_subcommand("months", "days of the live daemon with drawn faults, in drive time");
+  month_command->add_option("--days", month.days, "days (30)");
+  month_command->add_option("--seed", month.seed, "seed of the faults (1)");
 #ifdef INFUSE_SIMULATOR
   add_registration_commands(app);
   add_offset_command(app);
@@ -430,6 +436,7 @@ int main(int argc, char** argv) {
     if (refine_command->parsed()) return study_refinement(refined);
     if (far_command->parsed()) return study_far_starts(far);
     if (rigs_command->parsed()) return study_rigs(rigs);
+    if (month_command->parsed()) return simulate_month(month).print(std::cout) ? 0 : 1;
     const std::vector<Estimator> estimators = make_estimators();
     if (run_command->parsed()) return run(find_estimator(estimators, key), read_pairs(file));
     if (accuracy_command->parsed()) {

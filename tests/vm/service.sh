@@ -125,6 +125,7 @@ systemctl stop infused.service
 
 # --- package ---
 check "a client starts the daemon through the socket" within 5 sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'
+check "the self-test passes as the service's user" sh -c 'STATE_DIRECTORY=/var/lib/infuse setpriv --reuid=infuse --regid=infuse --init-groups infused --config /etc/infuse/infused.toml --self-test'
 check "upgrade keeps it running" sh -c 'dpkg -i /proof/infused.deb && systemctl is-active infused'
 check "remove stops it" sh -c 'dpkg -r infused && ! systemctl is-active infused && ! test -e /usr/bin/infused'
 check "and keeps the configuration" test -e /etc/infuse/infused.toml

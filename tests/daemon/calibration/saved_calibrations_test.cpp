@@ -64,6 +64,25 @@ TEST_F(SavedCalibrationsTest, AnAppliedCalibrationIsInUseAfterARestart) {
   EXPECT_EQ(fourth.cameras[0].T_camera_lidar.translation().x(), 0.1);
 }
 
+TEST_F(SavedCalibrationsTest, WhatCouldNotBeWrittenIsWrittenLater) {
+  Rig first = rig(0.1);
+  SavedCalibrations saved(path_);
+  saved.restore(first);
+  std::filesystem::remove_all(folder_);
+  std::ofstream(folder_) << "a file in place of the folder";
+  EXPECT_FALSE(saved.save(report(0.15)));
+  EXPECT_FALSE(saved.save_frozen("rear", true));
+  EXPECT_FALSE(saved.save_frozen("rear", true));  // still not in the file
+  std::filesystem::remove(folder_);
+  EXPECT_TRUE(saved.save(report(0.15)));  // the same calibration again
+
+  Rig second = rig(0.1);
+  SavedCalibrations again(path_);
+  again.restore(second);
+  EXPECT_EQ(second.cameras[0].T_camera_lidar.translation().x(), 0.15);
+  EXPECT_THAT(again.frozen_cameras(), ElementsAre("rear"));
+}
+
 TEST_F(SavedCalibrationsTest, AFrozenCalibrationIsFrozenAfterARestart) {
   Rig first = rig(0.1);
   SavedCalibrations saved(path_);

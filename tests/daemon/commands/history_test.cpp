@@ -87,6 +87,48 @@ TEST_F(HistoryCommandTest, OtherLinesAreCountedAndOldOnesLeftOut) {
   EXPECT_THAT(history("").output, HasSubstr("2026-01-01 00:00:00 STALE lidar.silent: no data"));
 }
 
+TEST_F(HistoryCommandTest, APageShowsThePosesOverTheMonths) {
+  for (int month = 0; month < 12; ++month) {
+    add_calibration(kJanuary + 30 * month * kDay, 0.02 * month, 0.1 * month);
+    add_calibration(kJanuary + (30 * month + 1) * kDay, 0.02 * month, 0.1 * month);  // a restart
+  }
+  add({{"form", 1},
+       {"class", "ALERT"},
+       {"stamp", kJanuary + kDay},
+       {"id", "lidar.silent"},
+       {"severity", "STALE"},
+       {"what", "<script>no data</script>"}});
+  const std::string file = (folder_ / "page.html").string();
+  const auto result = history("--plot " + file);
+  ASSERT_EQ(result.code, 0) << result.output;
+  std::ifstream stream(file);
+  const std::string page(std::istreambuf_iterator<char>(stream), {});
+  const auto count = [&](const std::string& text) {
+    size_t times = 0;
+    for (size_t at = page.find(text); at != std::string::npos; at = page.find(text, at + 1))
+      ++times;
+    return times;
+  };
+  EXPECT_EQ(count("<svg"), 6U);
+  EXPECT_EQ(count("<circle"), 6U * 12) << "a restart is no change";
+  EXPECT_THAT(page, HasSubstr("11 changes"));
+  EXPECT_THAT(page, HasSubstr("2026-12"));
+  EXPECT_THAT(page, HasSubstr("+0.220"));
+  EXPECT_EQ(count("<script"), 0U);
+  EXPECT_THAT(page, HasSubstr("&lt;script>no data"));
+  EXPECT_EQ(history("--plot /nonexistent/page.html").code, 3);
+}
+
+// Ten thousand changes, as a full history may hold, make a page of bounded size.
+TEST_F(HistoryCommandTest, AFullHistoryMakesABoundedPage) {
+  for (int i = 0; i < 10'000; ++i) {
+    add_calibration(kJanuary + i * (kDay / 30), 0.0001 * i, 0.001 * (i % 50));
+  }
+  const std::string file = (folder_ / "page.html").string();
+  ASSERT_EQ(history("--plot " + file).code, 0);
+  EXPECT_LT(std::filesystem::file_size(file), 2'000'000U);
+}
+
 TEST_F(HistoryCommandTest, AnEmptyHistoryIsSaid) {
   EXPECT_THAT(history("").output, HasSubstr("no history yet"));
   EXPECT_EQ(history("").code, 0);

@@ -87,6 +87,23 @@ TEST_F(LidarHealthTest, TwoSendersAreBothNamed) {
   EXPECT_THAT(status.findings[0].what, HasSubstr("10.0.0.7 and 10.0.0.8"));
 }
 
+// Its datagrams are within the window for ten seconds.
+TEST_F(LidarHealthTest, ARivalThatIsGoneIsNotReportedAgain) {
+  settle();
+  counters_.rival_sender = 0x0A00'0008;
+  for (int i = 0; i < 20; ++i) {
+    counters_.wrong_sender += 754;
+    deliver();
+    tick();
+  }
+  counters_.rival_sender = 0;
+  for (int i = 0; i < 20; ++i) {
+    deliver();
+    for (const Transition& each : tick().transitions) EXPECT_FALSE(each.raised) << each.finding.id;
+  }
+  EXPECT_EQ(tick().level, Level::kOk);
+}
+
 TEST_F(LidarHealthTest, AChangeOfTheSenderIsReportedAtOnce) {
   settle();
   counters_.previous_sender = 0x0A00'0007;

@@ -60,7 +60,7 @@ class RecordingControllerTest : public testing::Test {
     auto setup = set_up_live(config_);
     ASSERT_TRUE(setup);
     const receive::TimeBase base;
-    RecordingController controller(config_, *setup, base);
+    RecordingController controller(config_, *setup, [base] { return base.now(); });
     LivePipeline live(
         io, *std::move(setup), {config_.health, config_.odometry}, server,
         [&] {

@@ -45,6 +45,14 @@ TEST_F(RunTrackerTest, RaisesAnAlertAfterAnUncleanExit) {
   EXPECT_EQ(next.state().unclean_exits, 1U);
 }
 
+TEST_F(RunTrackerTest, AClockThatWasSetBackIsSaid) {
+  RunTracker(file_).begin_run(at_s(0));
+  const auto alert = RunTracker(file_).begin_run(at_s(-1'000'000));
+  ASSERT_TRUE(alert.has_value());
+  EXPECT_NE(alert->finding.what.find("not known: the clock was set back"), std::string::npos)
+      << alert->finding.what;
+}
+
 TEST_F(RunTrackerTest, KeepsAnUnreadableStateBesideTheNew) {
   folder_.write("state.json", "{\"form\": 99}\n");
   RunTracker tracker(file_);

@@ -395,12 +395,12 @@ TEST(Recorder, KeepsTheNewestAlertRecordings) {
        {"alert-20260101-a", "alert-20260102-b", "alert-20260102-b.2", "alert-20260103-c", "mine"}) {
     std::filesystem::create_directories(folder / name / "camera_0");
   }
-  remove_old_alerts(folder / "", 2);
+  remove_old_alerts(folder / "", 2, "");
   EXPECT_FALSE(std::filesystem::exists(folder / "alert-20260101-a"));
   EXPECT_TRUE(std::filesystem::exists(folder / "alert-20260102-b.2"));
   EXPECT_TRUE(std::filesystem::exists(folder / "alert-20260103-c"));
   EXPECT_TRUE(std::filesystem::exists(folder / "mine"));
-  remove_old_alerts(folder / "", 1);
+  remove_old_alerts(folder / "", 1, "");
   EXPECT_FALSE(std::filesystem::exists(folder / "alert-20260102-b"));
   EXPECT_FALSE(std::filesystem::exists(folder / "alert-20260102-b.2"));
 }

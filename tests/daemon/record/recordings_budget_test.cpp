@@ -59,6 +59,24 @@ TEST_F(RecordingsBudgetTest, TheDrivesOfTheCurrentRecordingAreItsOwn) {
   EXPECT_FALSE(exists("alert-20260102-b"));
 }
 
+// A computer without a battery, whose clock begins in the past.
+TEST_F(RecordingsBudgetTest, AfterAClockThatWasSetBackTheNewAlertsStay) {
+  for (const char* name : {"alert-20260101-a", "alert-20260102-b", "alert-19700101-c"}) {
+    make_drive(name);
+  }
+  RecordingsBudget budget(folder_ / "", 3000);
+  budget.measure("alert-19700102-d");
+  EXPECT_TRUE(budget.make_room(1000));
+  EXPECT_FALSE(exists("alert-20260101-a"));
+  EXPECT_TRUE(exists("alert-20260102-b"));
+  EXPECT_TRUE(exists("alert-19700101-c"));
+  make_drive("alert-19700102-d");
+  remove_old_alerts(folder_ / "", 2, "alert-19700102-d");
+  EXPECT_FALSE(exists("alert-20260102-b"));
+  EXPECT_TRUE(exists("alert-19700101-c"));
+  EXPECT_TRUE(exists("alert-19700102-d"));
+}
+
 TEST_F(RecordingsBudgetTest, AMissingFolderIsEmpty) {
   RecordingsBudget budget(folder_ / "missing", 100);
   budget.measure("new");

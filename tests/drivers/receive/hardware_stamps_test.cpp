@@ -33,6 +33,19 @@ TEST(HardwareStamps, RemoveTransportDelaysFromStamps) {
   EXPECT_LT(worst, Duration(500'000));
 }
 
+// Each interface has a clock of its own.
+TEST(HardwareStamps, AnotherInterfaceBeginsAnew) {
+  HardwareStamps stamps;
+  for (int i = 0; i < 2000; ++i) {
+    const Stamp received = kStart + i * Duration(10'000'000);
+    const bool second = i >= 1000;
+    const int64_t counted = (second ? 900'000'000'000 : 5'000'000'000) + i * int64_t{10'000'000};
+    const Stamp stamp = stamps.update(counted, received, second ? 3 : 2);
+    ASSERT_LE(stamp, received);
+    ASSERT_LT(received - stamp, Duration(1'000'000)) << i;
+  }
+}
+
 TEST(HardwareStamps, FallsBackToTheKernelsStamps) {
   HardwareStamps stamps;
   EXPECT_EQ(stamps.update(0, kStart), kStart);

@@ -1,0 +1,186 @@
+#include "daemon/run/release_check.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "daemon/calibration/saved_calibrations.hpp"
+#include "daemon/live/live_setup.hpp"
+#include "daemon/pipeline/pipeline.hpp"
+#include "daemon/run/daemon_host.hpp"
+#include "daemon/run/generated_turn.hpp"
+#include "daemon/service/history_file.hpp"
+#include "daemon/service/saved_state.hpp"
+#include "drivers/recording/atomic_file.hpp"
+#include "drivers/text/text_file.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr size_t kMaxStateBytes = 1 << 20;
+constexpr double kGeneratedRadius = 10;      // m
+constexpr double kRadiusTolerance = 0.1;     // m: the beams' origins
+constexpr uint32_t kGeneratedPackets = 240;  // three turns
+constexpr uint64_t kFewestSweeps = 2;        // whole ones of these
+constexpr Stamp kGeneratedStart = Stamp::from_ns(1'700'000'000'000'000'000);
+
+ExitCode report_failure(const Error& error, ExitCode code, std::ostream& out) {
+  out << "failed: " << error.message() << "\n";
+  return code;
+}
+
+ExitCode test_maps(const Config& config, std::ostream& out) {
+  if (const auto map = open_street_map(config); !map) {
+    return report_failure(map.error(), kUnreadable, out);
+  }
+  if (const auto map = open_place_map(config); !map) {
+    return report_failure(map.error(), kUnreadable, out);
+  }
+  out << "ok: maps\n";
+  return kDone;
+}
+
+/// What the parser says of a file; empty if it can be read, or is not there.
+template <class Parse>
+std::string damage_of(const std::filesystem::path& file, Parse parse) {
+  const auto text = text::read_text(file, kMaxStateBytes);
+  if (!text) return "";
+  const auto parsed = parse(*text);
+  return parsed ? "" : parsed.error().what;
+}
+
+ExitCode test_history(const std::filesystem::path& state, std::ostream& out) {
+  const auto lines = read_history(state / kHistoryFile);
+  if (!lines) return report_failure(lines.error(), kUnreadable, out);
+  size_t unreadable = 0;
+  for (const std::string& line : *lines) {
+    const auto json = nlohmann::json::parse(line, nullptr, false);
+    unreadable += json.is_object() && json.value("form", nlohmann::json()) == kHistoryForm ? 0 : 1;
+  }
+  out << "ok: " << kHistoryFile << ", " << lines->size() << " lines\n";
+  if (unreadable > 0) {
+    out << "note: " << unreadable << " of them are damaged or of another release; they are kept\n";
+  }
+  return kDone;
+}
+
+ExitCode test_writing(const std::filesystem::path& state, std::ostream& out) {
+  const std::filesystem::path file = state / ".self-test";
+  const std::string_view text = "infused --self-test\n";
+  const auto written = recording::write_file_atomically(file, std::as_bytes(std::span(text)), 0600);
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  if (!written) return report_failure(written.error(), kFailure, out);
+  out << "ok: " << state.string() << " can be written\n";
+  return kDone;
+}
+
+ExitCode test_state(const std::filesystem::path& state, std::ostream& out) {
+  if (state.empty()) {
+    out << "note: no state directory: neither --state nor $STATE_DIRECTORY\n";
+    return kDone;
+  }
+  const std::filesystem::path runs = state / kSavedStateFile, cameras = state / kCalibrationsFile;
+  ExitCode code = test_writing(state, out);
+  const auto keep = [&](ExitCode next) {
+    if (code == kDone) code = next;
+  };
+  keep(test_state_file(runs, kSavedStateForm, damage_of(runs, parse_state), out));
+  keep(test_state_file(cameras, kCalibrationsForm, damage_of(cameras, parse_calibrations), out));
+  keep(test_history(state, out));
+  return code;
+}
+
+PipelineSetup generated_setup() {
+  PipelineSetup setup;
+  LidarSetup lidar{"self-test", true, {}};
+  lidar.assembler.model = velodyne::Model::kVlp16;
+  setup.lidars.push_back(lidar);
+  setup.rig.lidars.push_back(LidarMount{"self-test", "VLP-16"});
+  setup.devices.push_back({"self-test", "lidar", "VLP-16", "generated", "generated", std::nullopt});
+  return setup;
+}
+
+void feed_generated(Intake& intake) {
+  intake.start(kGeneratedStart);
+  Stamp stamp = kGeneratedStart;
+  for (uint32_t i = 0; i < kGeneratedPackets; ++i) {
+    const auto payload = generated_packet(i, kGeneratedRadius);
+    stamp = kGeneratedStart + from_seconds((i + 1) * kGeneratedPacketUs * 1e-6);
+    intake.advance(stamp);
+    intake.add_datagram(LidarIndex(0), {stamp, 0x0A00'0001, 2368, 2368, payload});
+  }
+  intake.end(stamp);
+}
+
+}  // namespace
+
+ExitCode test_state_file(const std::filesystem::path& file, int form, const std::string& damage,
+                         std::ostream& out) {
+  std::error_code ignored;
+  const std::string name = file.filename().string();
+  if (!std::filesystem::exists(file, ignored)) {
+    out << "ok: " << name << " does not exist yet\n";
+    return kDone;
+  }
+  const auto text = text::read_text(file, kMaxStateBytes);
+  if (!text) return report_failure(text.error(), kUnreadable, out);
+  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  const bool versioned =
+      json.is_object() && json.contains("form") && json["form"].is_number_unsigned();
+  if (versioned && json["form"].get<uint64_t>() > static_cast<uint64_t>(form)) {
+    return report_failure({"written by a newer release: form " + json["form"].dump() +
+                               ", this one reads up to " + std::to_string(form),
+                           file.string(), "this release would set it aside as *.unreadable"},
+                          kFailure, out);
+  }
+  if (!damage.empty()) {
+    out << "note: " << file.string() << ": " << damage
+        << "; the daemon begins a new one and keeps this as *.unreadable\n";
+    return kDone;
+  }
+  out << "ok: " << name << "\n";
+  return kDone;
+}
+
+Result<void> decode_generated_turns() {
+  const PipelineSetup setup = generated_setup();
+  boost::asio::io_context io(1);
+  Server server(io, {}, INFUSE_VERSION, "0000000000000000");
+  PipelineOptions options;
+  options.odometry.use_lidar = false;
+  Pipeline pipeline(io, setup, options, server, nullptr,
+                    [&] { server.finish(std::chrono::milliseconds(0)); });
+  uint64_t right = 0;
+  pipeline.publisher().on_line(
+      [&](ReportClass report_class, const std::string&, const std::string& line) {
+        if (report_class != ReportClass::kSweep) return;
+        const auto json = nlohmann::json::parse(line, nullptr, false);
+        const auto range = json.find("mean_range");
+        const bool near = range != json.end() && range->is_number() &&
+                          std::abs(range->get<double>() - kGeneratedRadius) < kRadiusTolerance;
+        right += near ? 1 : 0;
+      });
+  pipeline.start([&](std::stop_token) { feed_generated(pipeline.intake()); });
+  io.run();
+  if (right >= kFewestSweeps) return {};
+  return fail("generated packets gave " + std::to_string(right) + " right sweeps of " +
+              std::to_string(pipeline.publisher().totals().sweeps));
+}
+
+ExitCode self_test(const Config& config, const std::filesystem::path& state, std::ostream& out) {
+  const auto setup = set_up_live(config);
+  if (!setup) return report_failure(setup.error(), kUsage, out);
+  out << "ok: configuration, " << setup->devices.size() << " sensors\n";
+  ExitCode code = test_maps(config, out);
+  const ExitCode of_state = test_state(state, out);
+  if (code == kDone) code = of_state;
+  if (const auto decoded = decode_generated_turns(); !decoded) {
+    const ExitCode failed = report_failure(decoded.error(), kFailure, out);
+    return code == kDone ? failed : code;
+  }
+  out << "ok: generated packets went through the pipeline\n";
+  return code;
+}
+
+}  // namespace infuse::daemon

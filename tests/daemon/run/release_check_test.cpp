@@ -1,0 +1,101 @@
+#include "daemon/run/release_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "daemon/calibration/saved_calibrations.hpp"
+#include "daemon/run/generated_turn.hpp"
+#include "daemon/service/saved_state.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+using testing::HasSubstr;
+
+class SelfTestTest : public testing::Test {
+ protected:
+  ExitCode test() {
+    out_.str("");
+    return self_test(config_, folder_.path(), out_);
+  }
+  /// Names of what is in the state directory.
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+      names.push_back(entry.path().filename().string());
+    }
+    return names;
+  }
+
+  const ScratchFolder folder_;
+  Config config_;
+  std::ostringstream out_;
+};
+
+TEST_F(SelfTestTest, AnEmptyStateIsFineAndStaysEmpty) {
+  EXPECT_EQ(test(), kDone) << out_.str();
+  EXPECT_THAT(files(), testing::IsEmpty());
+  EXPECT_THAT(out_.str(), HasSubstr("ok: generated packets"));
+}
+
+TEST_F(SelfTestTest, TheStateOfThisReleaseIsReadAndLeftAlone) {
+  const std::string state = format_state({.starts = 3}), cameras = format_calibrations({{"front"}});
+  folder_.write(kSavedStateFile, state);
+  folder_.write(kCalibrationsFile, cameras);
+  folder_.write("history.jsonl", "{\"form\":1}\n{\"form\":2}\n{\"fo\n");
+  EXPECT_EQ(test(), kDone) << out_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("note: 2 of them are damaged or of another release"));
+  EXPECT_EQ(folder_.read(kSavedStateFile), state);
+  EXPECT_EQ(folder_.read(kCalibrationsFile), cameras);
+  EXPECT_EQ(files().size(), 3U);
+}
+
+TEST_F(SelfTestTest, TheStateOfANewerReleaseFails) {
+  for (const char* file : {kSavedStateFile, kCalibrationsFile}) {
+    folder_.write(file, "{\"form\": 2, \"more\": 1}");
+    EXPECT_EQ(test(), kFailure);
+    EXPECT_THAT(out_.str(), HasSubstr("failed: "));
+    EXPECT_THAT(out_.str(), HasSubstr("newer release: form 2, this one reads up to 1"));
+    EXPECT_EQ(folder_.read(file), "{\"form\": 2, \"more\": 1}");
+    std::filesystem::remove(folder_ / file);
+  }
+}
+
+// The release before cannot use it either.
+TEST_F(SelfTestTest, DamagedStateIsANote) {
+  folder_.write(kSavedStateFile, "{\"form\": 1, \"sta");
+  folder_.write(kCalibrationsFile, "{\"form\": 1, \"cameras\": [{}]}");
+  EXPECT_EQ(test(), kDone);
+  EXPECT_THAT(out_.str(), HasSubstr("damaged calibration file"));
+  EXPECT_THAT(out_.str(), HasSubstr("not a state file"));
+}
+
+TEST_F(SelfTestTest, ExitCodesTellWhatFailed) {
+  config_.streetmap.map = "missing.map";
+  EXPECT_EQ(test(), kUnreadable);
+  EXPECT_THAT(out_.str(), HasSubstr("missing.map"));
+  config_ = {};
+  config_.rig = "missing.toml";
+  EXPECT_EQ(test(), kUsage);
+  EXPECT_THAT(out_.str(), HasSubstr("missing.toml"));
+  config_ = {};
+  std::ostringstream out;
+  EXPECT_NE(self_test(config_, folder_ / "none" / "such", out), kDone);
+}
+
+TEST(GeneratedPacket, IsAPacketOfItsModel) {
+  const auto& model = velodyne::model_info(velodyne::Model::kVlp16);
+  for (const uint32_t index : {0U, 1U, 75U, 1'000'000U}) {
+    const auto packet = velodyne::parse_packet(model, generated_packet(index, 10));
+    ASSERT_TRUE(packet) << index;
+    EXPECT_FALSE(packet->dual());
+  }
+}
+
+TEST(DecodeGeneratedTurns, GivesSweepsOfTheirRadius) { EXPECT_TRUE(decode_generated_turns()); }
+
+}  // namespace
+}  // namespace infuse::daemon

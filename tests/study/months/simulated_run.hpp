@@ -1,0 +1,58 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "daemon/live/history_writer.hpp"
+#include "daemon/live/live_setup.hpp"
+#include "daemon/live/recording_controller.hpp"
+#include "daemon/run/daemon_host.hpp"
+#include "daemon/run/service_lifecycle.hpp"
+
+namespace infuse::study {
+
+/// One run of the daemon's process, from its start to its end: everything of `infused` but the
+/// threads of the pipeline, whose items are pushed, and the sockets of the sensors.
+class SimulatedRun {
+ public:
+  /// Reads the configuration as `infused --config` does. `now`: the daemon's clock. Throws
+  /// std::runtime_error where the daemon would not start.
+  SimulatedRun(const std::filesystem::path& config_file, const std::filesystem::path& state,
+               std::function<Stamp()> now);
+
+  /// Restores what is frozen, and accepts requests; `on_request` handles those for calibrations.
+  void connect(daemon::DaemonHost::RequestHandler on_request);
+
+  /// Publishes an item of the fusion thread.
+  void push(const daemon::ReportItem& item);
+  /// An item with room for what the devices count.
+  daemon::ReportItem make_item() const;
+
+  /// Lets the recorder and the event loop work.
+  void work();
+
+  /// Ends as at SIGTERM. Without it, the destructor is a crash: nothing is written any more.
+  void finish();
+
+  Result<void> handle_request(const daemon::Request& request) {
+    return host_->handle_request(request);
+  }
+  daemon::Publisher& publisher() { return *publisher_; }
+  daemon::RecordTap* tap() { return recordings_->tap(); }
+  const daemon::Config& config() const { return config_; }
+  const daemon::LiveSetup& setup() const { return setup_; }
+
+ private:
+  std::string config_file_;
+  daemon::Config config_;
+  daemon::LiveSetup setup_;
+  std::optional<daemon::DaemonHost> host_;
+  std::optional<SlotRing<daemon::ReportItem>> ring_;
+  std::optional<daemon::Publisher> publisher_;
+  std::optional<daemon::RecordingController> recordings_;
+  std::optional<daemon::HistoryWriter> history_;
+  std::optional<daemon::ServiceLifecycle> lifecycle_;
+};
+
+}  // namespace infuse::study
