@@ -10,8 +10,9 @@ install(FILES systemd/60-infuse.sysctl DESTINATION /usr/lib/sysctl.d RENAME 60-i
 install(FILES systemd/60-infuse.rules DESTINATION /lib/udev/rules.d)
 install(FILES packaging/examples/infused.toml DESTINATION /etc/infuse)
 install(DIRECTORY DESTINATION /etc/infuse/infused.toml.d)
+install(FILES drivers/lcm/infuse.lcm DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse/lcm)
 install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml packaging/examples/truck.toml
-  packaging/examples/rig.toml systemd/tap.conf systemd/mqtt.conf
+  packaging/examples/rig.toml systemd/tap.conf systemd/mqtt.conf systemd/lcm.conf
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infused/examples)
 
 # Three packages: the daemon, the command `infuse`, whose libraries are many, and the simulator. `./dev package` makes

@@ -57,6 +57,11 @@ void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
                  "the drive's); --self-test: state directory (default: $STATE_DIRECTORY)")
       ->type_name("DIR");
   app.add_option("--socket", options.socket, "socket for clients")->type_name("PATH");
+  app.add_option(
+         "--mcap", options.mcap,
+         "write sensor data, deskewed clouds, poses, alerts and health to this file as ROS 2 "
+         "messages, live or in a replay")
+      ->type_name("FILE");
   app.add_option("--model", options.model, "replay: model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
   app.add_option("--calibration", options.calibration, "replay: db.xml of an HDL-64E")

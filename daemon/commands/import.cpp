@@ -8,6 +8,7 @@
 #include "daemon/protocol/json.hpp"
 #include "drivers/import/bag_import.hpp"
 #include "drivers/import/folder_import.hpp"
+#include "drivers/import/ford_import.hpp"
 #include "drivers/import/kitti_import.hpp"
 #include "drivers/import/lcm_import.hpp"
 #include "drivers/import/opencalib_import.hpp"
@@ -227,6 +228,26 @@ int run_lcm(const LcmArguments& arguments) {
   return kDone;
 }
 
+int run_ford(const ImportArguments& arguments) {
+  const auto imported = importers::import_ford(arguments.source, arguments.drive);
+  if (!imported) return print_error("infuse import ford", imported.error(), kUnreadable);
+  if (arguments.json) {
+    Json json = {{"drive", arguments.drive},   {"packets", imported->packets},
+                 {"images", imported->images}, {"cameras", imported->cameras},
+                 {"speeds", imported->speeds}, {"poses", imported->poses},
+                 {"notes", Json::array()}};
+    for (const Error& note : imported->notes) json["notes"].push_back(note.message());
+    std::cout << json_text(json) << "\n";
+    return kDone;
+  }
+  std::cout << fmt::format("{}: {} packets, {} images of {} cameras, {} speeds, {} poses\n",
+                           arguments.drive, imported->packets, imported->images, imported->cameras,
+                           imported->speeds, imported->poses);
+  for (const importers::LcmChannel& channel : imported->channels) print_channel(channel);
+  for (const Error& note : imported->notes) std::cout << "  note: " << note.message() << "\n";
+  return kDone;
+}
+
 std::shared_ptr<LcmArguments> declare_lcm(CLI::App* app) {
   auto arguments = std::make_shared<LcmArguments>();
   app->add_option("FILE", arguments->files, "log of lcm-logger; several are read in this order")
@@ -265,6 +286,10 @@ Command declare_import(CLI::App& infuse) {
   CLI::App* lcm = app->add_subcommand("lcm", "packets of Velodyne lidars in logs of LCM");
   const auto from_lcm = declare_lcm(lcm);
   const auto from_kitti = declare(kitti, "DIR", "folder of the data set");
+  CLI::App* ford = app->add_subcommand("ford", "a trial of the Ford Campus data set");
+  const auto from_ford = declare(ford, "DIR", "folder of the trial, with LCM, IMAGES and SCANS");
+  set_examples(*ford, {"infuse import ford dataset-2/ -o drive/",
+                       "infuse import ford dataset-2/ -o drive/ --json"});
   const auto from_opencalib =
       declare(opencalib, "FILE", "NAME.calib.txt; NAME.pcd and NAME.png or .jpg are next to it");
   CLI::App* folder =
@@ -282,6 +307,7 @@ Command declare_import(CLI::App& infuse) {
   return {app, [=] {
             if (rosbag->parsed()) return run_rosbag(*from_rosbag);
             if (lcm->parsed()) return run_lcm(*from_lcm);
+            if (ford->parsed()) return run_ford(*from_ford);
             if (folder->parsed()) return run_folder(*from_folder);
             return kitti->parsed() ? run_kitti(*from_kitti) : run_opencalib(*from_opencalib);
           }};

@@ -22,7 +22,7 @@ struct McapExportSummary {
 };
 
 /// Writes a drive, or a bare capture, as ROS 2 messages to an MCAP file; the topics are listed in
-/// daemon/commands/README.md. The file contains what the drive does and no more: the log time of a
+/// daemon/ros/README.md. The file contains what the drive does and no more: the log time of a
 /// message is the time at which the drive has it, its header's stamp the time of measurement.
 Result<McapExportSummary> export_mcap(const std::filesystem::path& drive,
                                       const std::filesystem::path& output,

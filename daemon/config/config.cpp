@@ -176,6 +176,17 @@ void read_mqtt(TomlTable& table, MqttSettings& settings) {
   if (settings.host.empty()) table.report_table_error("mqtt: host must name the broker");
 }
 
+void read_lcm(TomlTable& table, LcmSettings& settings) {
+  settings.enabled = true;
+  table.read("group", settings.to.group);
+  read_integer(table, "port", settings.to.port);
+  read_integer(table, "ttl", settings.to.ttl);
+  table.read("interface", settings.to.interface);
+  table.read("prefix", settings.prefix);
+  table.read("sweeps", settings.sweeps);
+  read_integer(table, "max_points", settings.max_points);
+}
+
 /// Reads one table into options and validates them.
 template <class Options>
 std::optional<Error> read_table(const toml::table* toml, const std::string& file,
@@ -204,6 +215,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   const toml::table* metrics = root.table("metrics");
   const toml::table* mqtt = root.table("mqtt");
   const toml::table* view = root.table("view");
+  const toml::table* lcm = root.table("lcm");
   if (auto error = read_sensors(root, file, config)) return error;
   if (auto error = root.finish()) return error;
   if (auto error = read_table(socket, file, "socket", read_socket, config.socket)) return error;
@@ -223,6 +235,7 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   if (auto error = read_table(metrics, file, "metrics", read_metrics, config.metrics)) return error;
   if (auto error = read_table(view, file, "view", read_view, config.view)) return error;
   if (auto error = read_table(mqtt, file, "mqtt", read_mqtt, config.mqtt)) return error;
+  if (auto error = read_table(lcm, file, "lcm", read_lcm, config.lcm)) return error;
   return read_table(calibration, file, "calibration", read_calibration, config.calibration);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/config/calibration_settings.hpp"
+#include "daemon/config/lcm_settings.hpp"
 #include "daemon/config/map_settings.hpp"
 #include "daemon/config/metrics_settings.hpp"
 #include "daemon/config/mqtt_settings.hpp"
@@ -34,6 +35,7 @@ struct Config {
   RecordSettings record;               ///< [record], live
   MetricsSettings metrics;             ///< [metrics], live
   MqttSettings mqtt;                   ///< [mqtt], live
+  LcmSettings lcm;                     ///< [lcm], live
   ViewSettings view;                   ///< [view]
   std::vector<LidarOptions> lidars;    ///< [[lidar]]
   std::vector<CameraOptions> cameras;  ///< [[camera]], live

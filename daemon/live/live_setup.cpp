@@ -203,6 +203,7 @@ std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
                       bus.source, "name them in [can.signals]"});
   }
   if (auto doubt = find_broker_doubt(config.mqtt)) doubts.push_back(*std::move(doubt));
+  if (auto doubt = find_lcm_doubt(config.lcm)) doubts.push_back(*std::move(doubt));
   const StreetMapSettings& map = config.streetmap;
   const bool has_gnss = !config.gnss.device.empty() || !config.gnss.lidar.empty();
   if (!map.map.empty() && !map.initial_pose && !map.initial_location && !has_gnss &&

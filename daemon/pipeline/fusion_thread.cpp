@@ -79,6 +79,7 @@ void FusionThread::run() {
 }
 
 void FusionThread::process(Pin<StreamItem> item) {
+  if (item->kind == StreamItem::Kind::kDatagrams) return;  // they do not advance drive time
   if (item->stamp > now_ || item->stamp + kMaxClockStepBack < now_) now_ = item->stamp;
   read_at_ = item->read_at;
   behind_ = HostClock::now() - read_at_;
@@ -104,7 +105,10 @@ void FusionThread::process(Pin<StreamItem> item) {
       return process_due_sweeps();
     case StreamItem::Kind::kTick:
       process_due_sweeps();
+      if (setup_.tap != nullptr) setup_.tap->end_second();
       return report_tick(*item);
+    case StreamItem::Kind::kDatagrams:
+      return;
     case StreamItem::Kind::kFlush:
       odometry_.finish();
       while (!sweeps_.empty()) process_sweep(sweeps_.pop());
@@ -227,6 +231,7 @@ void FusionThread::localise(const SweepSnapshot& snapshot) {
 
 // To who looks; copies nothing while nobody does.
 void FusionThread::show(const SweepSnapshot& snapshot) {
+  if (setup_.tap != nullptr) setup_.tap->add_sweep(snapshot);
   if (setup_.view == nullptr || !setup_.view->wanted()) return;
   const PoseReport pose = odometry_.pose_at(snapshot.deskewed.reference);
   const bool located = setup_.has_odometry && pose.usable();

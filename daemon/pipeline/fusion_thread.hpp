@@ -15,6 +15,7 @@
 #include "daemon/pipeline/map_tracker.hpp"
 #include "daemon/pipeline/notifier.hpp"
 #include "daemon/pipeline/odometry_tracker.hpp"
+#include "daemon/pipeline/pipeline_tap.hpp"
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/pipeline/sweep_queue.hpp"
@@ -37,8 +38,9 @@ struct FusionSetup {
   StreetMapSettings streetmap;
   const streetmap::SegmentMap* map = nullptr;  ///< null or empty: no tracking on a map
   std::optional<places::PlaceMap> places;      ///< nothing: no map of keyframes
-  std::string places_lidar;  ///< whose sweeps are compared with it; empty: the first
-  ViewTap* view = nullptr;   ///< null: nobody can look
+  std::string places_lidar;    ///< whose sweeps are compared with it; empty: the first
+  ViewTap* view = nullptr;     ///< null: nobody can look
+  PipelineTap* tap = nullptr;  ///< null: nobody wants copies
 };
 
 /// The fusion thread: processes the items of the io thread in order and publishes reports. A sweep

@@ -1,16 +1,27 @@
 #include "daemon/pipeline/intake.hpp"
 
-namespace infuse::daemon {
+#include "daemon/pipeline/datagram_batch.hpp"
 
-Intake::Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out)
+namespace infuse::daemon {
+namespace {
+
+constexpr size_t kMaxDatagramBytes = size_t{512} << 10;  // of a batch
+
+}  // namespace
+
+Intake::Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out, const PipelineTap* tap)
     : delivery_(setup.delivery),
       cameras_(setup.cameras.size()),
       mounted_cameras_(setup.rig.cameras.size()),
       vehicle_(setup.vehicle),
       gnss_lidar_(setup.gnss_lidar),
-      out_(out) {
+      out_(out),
+      tap_(tap),
+      datagrams_(setup.lidars.size()),
+      last_datagrams_(setup.lidars.size()) {
   for (const LidarSetup& lidar : setup.lidars) lidars_.emplace_back(lidar);
   samples_.reserve(kMaxSampleBatch);
+  of_bus_.reserve(kMaxSampleBatch);
 }
 
 void Intake::start(Stamp stamp) { push_item(StreamItem::Kind::kStart, stamp); }
@@ -23,6 +34,7 @@ void Intake::advance(Stamp stamp) {
 void Intake::end(Stamp stamp, bool started) {
   for (size_t i = 0; i < lidars_.size(); ++i) {
     lidars_[i].finish([&](Sweep& sweep) { push_sweep(LidarIndex(i), sweep); });
+    push_datagrams(LidarIndex(i));
   }
   if (started) {
     push_samples();
@@ -32,7 +44,24 @@ void Intake::end(Stamp stamp, bool started) {
   push_item(StreamItem::Kind::kEnd, stamp);
 }
 
+void Intake::keep_datagram(LidarIndex lidar, const Datagram& datagram) {
+  std::vector<uint8_t>& batch = datagrams_[lidar];
+  append_datagram(batch, datagram.stamp, datagram.payload);
+  last_datagrams_[lidar] = datagram.stamp;
+  if (batch.size() >= kMaxDatagramBytes) push_datagrams(lidar);
+}
+
+void Intake::push_datagrams(LidarIndex lidar) {
+  if (datagrams_[lidar].empty()) return;
+  StreamItem& item = out_.slot();
+  item.lidar = lidar;
+  std::swap(item.datagrams, datagrams_[lidar]);
+  datagrams_[lidar].clear();
+  push_item(StreamItem::Kind::kDatagrams, last_datagrams_[lidar]);
+}
+
 void Intake::add_datagram(LidarIndex lidar, const Datagram& datagram) {
+  if (tap_ != nullptr && tap_->wants_datagrams(lidar)) keep_datagram(lidar, datagram);
   lidars_[lidar].add_datagram(
       datagram, [&](Sweep& sweep) { push_sweep(lidar, sweep); },
       [&](const GnssFix& fix) {
@@ -71,38 +100,40 @@ void Intake::add_streamed_image(CameraIndex camera, const camera::StreamedImage&
 }
 
 void Intake::add_can_line(std::string_view line, Stamp stamp) {
-  vehicle_.add_can_line(line, stamp,
-                        [&](const VehicleSample& sample) { add_vehicle_sample(sample, stamp); });
+  vehicle_.add_can_line(
+      line, stamp, [&](const VehicleSample& sample) { add_vehicle_sample(sample, stamp, true); });
 }
 
 void Intake::add_can_frame(BusIndex bus, const vehicle::CanFrame& frame) {
-  vehicle_.add_can_frame(
-      bus, frame, [&](const VehicleSample& sample) { add_vehicle_sample(sample, frame.stamp); });
+  vehicle_.add_can_frame(bus, frame, [&](const VehicleSample& sample) {
+    add_vehicle_sample(sample, frame.stamp, true);
+  });
 }
 
 void Intake::add_speed(const WheelOdometry& sample, Stamp stamp) {
   vehicle_.count(sample);
-  add_vehicle_sample(sample, stamp);
+  add_vehicle_sample(sample, stamp, false);
 }
 
 void Intake::add_imu(const ImuSample& sample, Stamp stamp) {
   vehicle_.count(sample);
-  add_vehicle_sample(sample, stamp);
+  add_vehicle_sample(sample, stamp, false);
 }
 
 void Intake::add_gnss(const GnssFix& fix, Stamp stamp) {
   vehicle_.count(fix);
-  add_vehicle_sample(fix, stamp);
+  add_vehicle_sample(fix, stamp, false);
 }
 
 void Intake::push_due_samples(Stamp now) {
   if (!samples_.empty() && now - first_sample_ >= kMaxSampleDelay) push_samples();
 }
 
-void Intake::add_vehicle_sample(const VehicleSample& sample, Stamp stamp) {
+void Intake::add_vehicle_sample(const VehicleSample& sample, Stamp stamp, bool of_bus) {
   if (samples_.empty()) first_sample_ = stamp;
   last_sample_ = stamp;
   samples_.push_back(sample);
+  of_bus_.push_back(of_bus ? 1 : 0);
   if (samples_.size() == kMaxSampleBatch) push_samples();
 }
 
@@ -111,13 +142,16 @@ void Intake::add_vehicle_sample(const VehicleSample& sample, Stamp stamp) {
 void Intake::push_samples() {
   if (samples_.empty()) return;
   std::swap(out_.slot().samples, samples_);
+  std::swap(out_.slot().of_bus, of_bus_);
   samples_.clear();
+  of_bus_.clear();
   push_item(StreamItem::Kind::kSamples, last_sample_);
 }
 
 // Swaps arrays with the item: nothing is copied.
 void Intake::push_sweep(LidarIndex lidar, Sweep& sweep) {
   push_samples();
+  push_datagrams(lidar);
   StreamItem& item = out_.slot();
   item.lidar = lidar;
   std::swap(item.sweep, sweep);
@@ -136,6 +170,7 @@ void Intake::push_image(CameraIndex camera, Stamp stamp, uint64_t sequence) {
 
 void Intake::push_tick(Stamp stamp) {
   push_samples();
+  for (size_t i = 0; i < datagrams_.size(); ++i) push_datagrams(LidarIndex(i));
   StreamItem& item = out_.slot();
   for (size_t i = 0; i < lidars_.size(); ++i) {
     LidarCounters& counters = item.counters[i];

@@ -11,6 +11,7 @@
 #include "daemon/pipeline/drive_ticker.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
 #include "daemon/pipeline/pipeline_setup.hpp"
+#include "daemon/pipeline/pipeline_tap.hpp"
 #include "daemon/pipeline/source_states.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/pipeline/vehicle_intake.hpp"
@@ -29,7 +30,8 @@ class Intake {
   static constexpr Duration kMaxSampleDelay{10'000'000};
 
   /// The readers of `out` must be registered already; `out` must outlive this object.
-  Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out);
+  /// `tap` too; null: nobody wants datagrams.
+  Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out, const PipelineTap* tap = nullptr);
 
   /// Starts the drive at `stamp`.
   void start(Stamp stamp);
@@ -75,7 +77,9 @@ class Intake {
   const vehicle::ProblemLog& bus_problems() const { return vehicle_.problems(); }
 
  private:
-  void add_vehicle_sample(const VehicleSample& sample, Stamp stamp);
+  void add_vehicle_sample(const VehicleSample& sample, Stamp stamp, bool of_bus);
+  void keep_datagram(LidarIndex lidar, const Datagram& datagram);
+  void push_datagrams(LidarIndex lidar);
   void push_samples();
   void push_sweep(LidarIndex lidar, Sweep& sweep);
   void push_image(CameraIndex camera, Stamp stamp, uint64_t sequence);
@@ -90,9 +94,13 @@ class Intake {
   std::optional<LidarIndex> gnss_lidar_;  // whose position packets carry the GNSS fixes
   SourceStates sources_;
   std::vector<VehicleSample> samples_;  // not passed on yet
+  std::vector<uint8_t> of_bus_;         // of these
   Stamp first_sample_, last_sample_;    // drive time of the first and the last of these
   uint64_t image_count_ = 0;
   SlotRing<StreamItem>& out_;
+  const PipelineTap* tap_;
+  std::vector<std::vector<uint8_t>> datagrams_;  // by lidar, not passed on yet
+  std::vector<Stamp> last_datagrams_;            // stamps of the last of these
   DriveTicker ticker_;
   HostClock::time_point read_at_;
   LatencyHistogram latency_;

@@ -17,6 +17,7 @@ size_t items_in_flight(Delivery delivery) { return delivery == Delivery::kWait ?
 StreamItem stream_item(const PipelineSetup& setup) {
   StreamItem item;
   item.samples.reserve(Intake::kMaxSampleBatch);
+  item.of_bus.reserve(Intake::kMaxSampleBatch);
   item.counters.resize(setup.lidars.size());
   item.streams.resize(setup.stream_count());
   return item;
@@ -50,7 +51,8 @@ FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& opti
           .map = options.map,
           .places = options.places,
           .places_lidar = options.places_lidar,
-          .view = options.view};
+          .view = options.view,
+          .tap = options.tap};
 }
 
 }  // namespace
@@ -61,7 +63,8 @@ Pipeline::Pipeline(boost::asio::io_context& io, const PipelineSetup& setup,
     : setup_(setup),
       calibrations_monitored_(options.calibration.monitored),
       on_end_(std::move(on_end)),
-      items_(items_in_flight(setup.delivery) + FusionThread::max_pins(setup.lidars.size()),
+      items_(items_in_flight(setup.delivery) + FusionThread::max_pins(setup.lidars.size()) +
+                 (options.tap != nullptr ? 1 : 0),
              [&] { return stream_item(setup); }),
       images_(4 * setup.cameras.size() + 2, [] { return CameraImage(); }),
       reports_(kReportsInFlight, [&] { return report_item(setup); }),
@@ -69,7 +72,7 @@ Pipeline::Pipeline(boost::asio::io_context& io, const PipelineSetup& setup,
       publisher_(reports_, setup, options.health, server, file),
       fusion_(fusion_setup(setup, options), items_, images_, reports_, notifier_),
       decoder_(items_, images_, setup.cameras, setup.delivery),
-      intake_(setup, items_) {}
+      intake_(setup, items_, options.tap) {}
 
 // Closed rings let every thread end without waiting for the next.
 Pipeline::~Pipeline() {

@@ -24,6 +24,7 @@ struct PipelineOptions {
   std::optional<places::PlaceMap> places;  ///< map of keyframes; nothing: none
   std::string places_lidar;                ///< whose sweeps are compared with it; empty: the first
   ViewTap* view = nullptr;                 ///< outlives the pipeline; null: nobody can look
+  PipelineTap* tap = nullptr;              ///< outlives the pipeline; null: nobody wants copies
 };
 
 /// The threads and the rings between them, live and in a replay:
@@ -56,6 +57,10 @@ class Pipeline {
   /// Carries out a control request for calibrations. Errors: unknown camera, calibrations not
   /// monitored, nothing to apply or to roll back.
   Result<void> handle_request(const Request& request);
+
+  /// The items of the io thread, for a further reader that is registered before `start`, with a
+  /// pin.
+  SlotRing<StreamItem>& items() { return items_; }
 
   Publisher& publisher() { return publisher_; }
   const Publisher& publisher() const { return publisher_; }

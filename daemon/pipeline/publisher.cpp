@@ -26,7 +26,7 @@ void Publisher::publish(const Report& report, const std::string& device) {
 
 void Publisher::serve(ReportClass report_class, const std::string& device, Stamp stamp,
                       std::string line) {
-  if (on_line_) on_line_(report_class, device, line);
+  for (const auto& listener : on_line_) listener(report_class, device, line);
   server_.publish(report_class, device, stamp, std::move(line));
 }
 

@@ -45,9 +45,9 @@ class Publisher {
     on_alert_.push_back(std::move(listener));
   }
 
-  /// Sets the listener of every report, as the server publishes it.
+  /// Adds a listener of every report, as the server publishes it.
   void on_line(std::function<void(ReportClass, const std::string&, const std::string&)> listener) {
-    on_line_ = std::move(listener);
+    on_line_.push_back(std::move(listener));
   }
 
   /// Adds a queue of the host to the figures of HEALTH.
@@ -87,7 +87,7 @@ class Publisher {
   std::vector<std::function<void(const HealthReport&)>> on_health_;
   std::vector<std::function<void(const AlertReport&)>> on_alert_;
   std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
-  std::function<void(ReportClass, const std::string&, const std::string&)> on_line_;
+  std::vector<std::function<void(ReportClass, const std::string&, const std::string&)>> on_line_;
   std::vector<std::function<QueueStats()>> queues_;
   Server& server_;
   ReportsFile* file_;

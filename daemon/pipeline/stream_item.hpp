@@ -23,19 +23,21 @@ using HostClock = std::chrono::steady_clock;
 /// items, so that the order of reports does not depend on the timing of threads.
 struct StreamItem {
   enum class Kind : uint8_t {
-    kStart,    ///< start of the drive; stamp: its first event
-    kSamples,  ///< `samples`; stamp: of the last one
-    kImage,    ///< `camera`, `number`, `sequence` and `encoded`; stamp: middle of the exposure
-    kSweep,    ///< `lidar` and `sweep`
-    kTick,     ///< a second of drive time has passed: `counters` and `streams`
-    kFlush,    ///< no more samples, images and sweeps: waiting ones are processed
-    kEnd,      ///< end of the drive; nothing follows
+    kStart,      ///< start of the drive; stamp: its first event
+    kSamples,    ///< `samples`; stamp: of the last one
+    kImage,      ///< `camera`, `number`, `sequence` and `encoded`; stamp: middle of the exposure
+    kSweep,      ///< `lidar` and `sweep`
+    kDatagrams,  ///< `lidar` and `datagrams`, as a `PipelineTap` wants them; nobody else reads them
+    kTick,       ///< a second of drive time has passed: `counters` and `streams`
+    kFlush,      ///< no more samples, images and sweeps: waiting ones are processed
+    kEnd,        ///< end of the drive; nothing follows
   };
   Kind kind = Kind::kStart;
   Stamp stamp;
   HostClock::time_point read_at;  ///< time at which the event that completed it was read
 
   std::vector<VehicleSample> samples;
+  std::vector<uint8_t> of_bus;  ///< for each sample: 1 if a bus said it, 0: a sensor of its own
 
   CameraIndex camera;                        ///< of the image
   uint64_t number = 0;                       ///< number of the image among all cameras, from 0
@@ -45,6 +47,7 @@ struct StreamItem {
 
   LidarIndex lidar;  ///< of the sweep
   Sweep sweep;
+  std::vector<uint8_t> datagrams;  ///< `for_each_datagram`
 
   std::vector<LidarCounters> counters;  ///< by LidarIndex
   std::vector<StreamCounters> streams;  ///< cameras, then vehicle sensors

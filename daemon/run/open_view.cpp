@@ -5,11 +5,12 @@
 namespace infuse::daemon {
 
 Result<View> open_view(const ViewSettings& settings, const Rig& rig,
-                       const streetmap::SegmentMap* map, ReplayControl control) {
+                       const streetmap::SegmentMap* map, ReplayControl control,
+                       ViewerChannels* channels) {
   View view;
   if (!settings.enabled()) return view;
   view.tap = std::make_unique<ViewTap>(rig.cameras.size());
-  auto server = ViewServer::start(settings, rig, map, *view.tap, std::move(control));
+  auto server = ViewServer::start(settings, rig, map, *view.tap, std::move(control), channels);
   if (!server) return tl::unexpected(server.error());
   view.server = *std::move(server);
   spdlog::info("view: {}", view.server->address());

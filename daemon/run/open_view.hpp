@@ -16,10 +16,11 @@ struct View {
   std::unique_ptr<ViewServer> server;
 };
 
-/// Opens the view, if it is enabled; `map` (may be null) outlives it; `control`: null for a live
-/// run. Errors: the port is taken.
+/// Opens the view, if it is enabled; `map` and `channels` (may be null) outlive it; `control`: null
+/// for a live run. Errors: the port is taken.
 Result<View> open_view(const ViewSettings& settings, const Rig& rig,
-                       const streetmap::SegmentMap* map, ReplayControl control);
+                       const streetmap::SegmentMap* map, ReplayControl control,
+                       ViewerChannels* channels = nullptr);
 
 /// Gives the publisher's reports to the view. `on_sweep`, if not null, is called after each SWEEP.
 void publish_to_view(const View& view, Publisher& publisher,

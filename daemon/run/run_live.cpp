@@ -12,6 +12,7 @@
 #include "daemon/mqtt/mqtt_publisher.hpp"
 #include "daemon/mqtt/report_topics.hpp"
 #include "daemon/run/daemon_host.hpp"
+#include "daemon/run/open_messages.hpp"
 #include "daemon/run/open_view.hpp"
 #include "daemon/run/service_lifecycle.hpp"
 
@@ -101,9 +102,14 @@ int run_live(const RunOptions& options, const Config& config) {
   const auto broker = connect_to_broker(config);
   if (!broker) return print_error(kProgram, broker.error(), kUsage);
   PipelineOptions pipeline_options = host.pipeline_options();
-  auto view = open_view(config.view, setup->rig, pipeline_options.map, nullptr);
+  auto messages =
+      open_messages(options.mcap, config.view.enabled(), config.lcm, message_setup(*setup));
+  if (!messages) return print_error(kProgram, messages.error(), kUsage);
+  auto view =
+      open_view(config.view, setup->rig, pipeline_options.map, nullptr, messages->channels.get());
   if (!view) return print_error(kProgram, view.error(), kUsage);
   pipeline_options.view = view->tap.get();
+  pipeline_options.tap = messages->stream.get();
   const receive::TimeBase base;
   const auto now = [base] { return base.now(); };
   RecordingController recordings(config, *setup, now);
@@ -116,6 +122,7 @@ int run_live(const RunOptions& options, const Config& config) {
   HistoryWriter history(state_folder());
   write_history(history, live.publisher());
   publish_to_view(*view, live.publisher());
+  start_messages(*messages, live.pipeline(), true);
   ReportTopics topics(config.mqtt);
   if (*broker) publish_to_broker(**broker, topics, live.publisher());
   host.connect(live.pipeline(),
@@ -129,6 +136,8 @@ int run_live(const RunOptions& options, const Config& config) {
                              options.config, config, host.calibration_damage());
   on_end = [&] {
     recordings.finish();
+    if (const auto closed = finish_messages(*messages); !closed)
+      spdlog::error("{}", closed.error().message());
     history.finish();
     if (*broker) (*broker)->finish(kLiveBrokerTimeout);
     lifecycle.finish();

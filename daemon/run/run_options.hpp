@@ -12,6 +12,7 @@ inline constexpr const char* kProgram = "infused";
 struct RunOptions {
   std::string config;  ///< configuration file; read again on SIGHUP
   std::string socket;  ///< where clients connect
+  std::string mcap;    ///< file of ROS 2 messages to write
 
   std::string replay;       ///< drive folder or capture; empty: the sensors of this host
   std::string rate;         ///< factor of real time, or "max"; empty: 1 with a view, else "max"

@@ -11,6 +11,7 @@
 #include "daemon/command_line/summary.hpp"
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/run/daemon_host.hpp"
+#include "daemon/run/open_messages.hpp"
 #include "daemon/run/open_view.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
@@ -105,24 +106,33 @@ int run_replay(const RunOptions& options, const Config& config) {
   if (!options.view) view_settings.port = 0;
   Pacer* pacer = nullptr;  // when there is a replay
   PipelineOptions pipeline_options = host.pipeline_options();
-  auto view =
-      open_view(view_settings, setup->rig, pipeline_options.map, [&](const ViewCommand& command) {
+  const LcmSettings no_lcm;  // live only
+  auto messages =
+      open_messages(options.mcap, view_settings.enabled(), no_lcm, message_setup(*setup));
+  if (!messages) return print_error(kProgram, messages.error(), kUsage);
+  auto view = open_view(
+      view_settings, setup->rig, pipeline_options.map,
+      [&](const ViewCommand& command) {
         boost::asio::post(host.io(), [&, command] {
           if (pacer != nullptr) set_pace(*pacer, command);
         });
-      });
+      },
+      messages->channels.get());
   if (!view) return print_error(kProgram, view.error(), kUsage);
   if (view->server) std::cerr << "view: " << view->server->address() << std::endl;
   pipeline_options.view = view->tap.get();
+  pipeline_options.tap = messages->stream.get();
   boost::asio::steady_timer timer(host.io());
   ProgressLine line;
   double host_s = 0;
+  Result<void> written_messages;
   bool stopped = false;
   const HostClock::time_point begin = HostClock::now();
   Replay replay(host.io(), *std::move(setup), {*rate, pipeline_options}, host.server(),
                 *file ? &**file : nullptr, [&] {
                   host_s = std::chrono::duration<double>(HostClock::now() - begin).count();
                   timer.cancel();
+                  written_messages = finish_messages(*messages);
                   host.finish(kReplayClientTimeout);
                 });
   host.connect(replay.pipeline());
@@ -131,6 +141,7 @@ int run_replay(const RunOptions& options, const Config& config) {
   replay.publisher().on_alert([&](const AlertReport& alert) {
     if (alert.raised) pacer->reach_alert();
   });
+  start_messages(*messages, replay.pipeline(), false);
   std::vector<recording::TrajectoryPose> poses;
   if (!options.trajectory.empty()) {
     collect_poses(replay.publisher(), !pipeline_options.map->empty(), poses);
@@ -152,6 +163,7 @@ int run_replay(const RunOptions& options, const Config& config) {
       return print_error(kProgram, written.error(), kFailure);
     }
   }
+  if (!written_messages) return print_error(kProgram, written_messages.error(), kFailure);
   if (*file) {
     if (const auto closed = (*file)->close(); !closed) {
       return print_error(kProgram, closed.error(), kFailure);

@@ -25,6 +25,7 @@
 #include "daemon/view/view_client.hpp"
 #include "daemon/view/view_files.hpp"
 #include "daemon/view/view_frames.hpp"
+#include "daemon/view/viewer_client.hpp"
 #include "drivers/camera/jpeg_encoder.hpp"
 
 namespace infuse::daemon {
@@ -41,7 +42,9 @@ constexpr uint32_t kMaxHeaderBytes = 8192;
 constexpr std::chrono::seconds kRequestTime{10};
 constexpr std::chrono::milliseconds kFramePeriod{50};
 constexpr int kJpegQuality = 75;
-constexpr double kMapStep = 40;  // m
+constexpr double kMapStep = 40;                         // m
+constexpr size_t kMaxViewerPending = size_t{32} << 20;  // bytes of messages on their way here
+constexpr const char* kFull = "as many pages and viewers are open as max_clients";
 
 /// A file of the page.
 struct ViewFile {
@@ -88,13 +91,22 @@ Response respond(unsigned version, int status, std::string_view type, std::strin
 class ViewServer::Impl {
  public:
   Impl(const ViewSettings& settings, const Rig& rig, const streetmap::SegmentMap* map, ViewTap& tap,
-       ReplayControl control)
-      : settings_(settings), rig_(rig), map_(map), tap_(tap), control_(std::move(control)) {}
+       ReplayControl control, ViewerChannels* channels)
+      : settings_(settings),
+        rig_(rig),
+        map_(map),
+        tap_(tap),
+        control_(std::move(control)),
+        channels_(channels) {
+    if (channels_ == nullptr) return;
+    channels_->on_message([this](ViewerChannels::Message message) { pass_on(std::move(message)); });
+  }
 
   ~Impl() {
     asio::post(io_, [this] {
       acceptor_.close();
       for (const auto& client : clients_) client->close();
+      for (const auto& viewer : viewers_) viewer->close();
       io_.stop();
     });
     if (thread_.joinable()) thread_.join();
@@ -159,7 +171,7 @@ class ViewServer::Impl {
   void accept() {
     acceptor_.async_accept([this](beast::error_code error, tcp::socket socket) {
       if (!acceptor_.is_open()) return;
-      if (!error && connections_ + clients_.size() < kMaxConnections) {
+      if (!error && connections_ + clients_.size() + viewers_.size() < kMaxConnections) {
         serve(std::make_shared<Connection>(std::move(socket)));
       }
       accept();
@@ -191,11 +203,17 @@ class ViewServer::Impl {
       return answer(connection, refused->status, "text/plain", refused->reason);
     }
     const std::string_view path = path_of(view.target);
+    const std::string_view protocol =
+        upgrade && channels_ != nullptr
+            ? choose_subprotocol(text(http::field::sec_websocket_protocol))
+            : std::string_view{};
+    if (!protocol.empty() && (path == "/" || path == "/foxglove")) {
+      if (is_full()) return answer(connection, 503, "text/plain", kFull);
+      return open_viewer(connection, protocol);
+    }
     if (path == "/stream") {
       if (!upgrade) return answer(connection, 426, "text/plain", "a WebSocket");
-      if (clients_.size() >= settings_.max_clients) {
-        return answer(connection, 503, "text/plain", "as many pages are open as max_clients");
-      }
+      if (is_full()) return answer(connection, 503, "text/plain", kFull);
       return open_page(connection);
     }
     const auto file = view_files().find(path);
@@ -234,6 +252,31 @@ class ViewServer::Impl {
     tap_.set_wanted(true);
     if (clients_.size() == 1) poll();
     client->accept(connection->parser.release());
+  }
+
+  bool is_full() const { return clients_.size() + viewers_.size() >= settings_.max_clients; }
+
+  void open_viewer(const std::shared_ptr<Connection>& connection, std::string_view protocol) {
+    const auto viewer =
+        std::make_shared<ViewerClient>(std::move(connection->stream), *channels_, session_,
+                                       [this](const auto& ended) { viewers_.erase(ended); });
+    viewers_.insert(viewer);
+    viewer->accept(connection->parser.release(), protocol);
+  }
+
+  /// Passes a message to its viewers; on the stream's thread, which does not wait for this one.
+  void pass_on(ViewerChannels::Message message) {
+    const size_t bytes = message->payload.size();
+    if (viewer_bytes_.fetch_add(bytes) > kMaxViewerPending) {
+      viewer_bytes_.fetch_sub(bytes);
+      ++viewer_dropped_;
+      return;
+    }
+    asio::post(io_, [this, bytes, message = std::move(message)] {
+      viewer_bytes_.fetch_sub(bytes);
+      const uint64_t dropped = viewer_dropped_.exchange(0);
+      for (const auto& viewer : viewers_) viewer->send(message, dropped);
+    });
   }
 
   void greet(ViewClient& client) {
@@ -293,6 +336,9 @@ class ViewServer::Impl {
   const streetmap::SegmentMap* const map_;
   ViewTap& tap_;
   const ReplayControl control_;
+  ViewerChannels* const channels_;
+  const std::string session_ =
+      std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
   asio::steady_timer timer_{io_};
@@ -300,6 +346,9 @@ class ViewServer::Impl {
   std::atomic<size_t> client_count_ = 0, pending_ = 0;
   size_t connections_ = 0;
   std::set<std::shared_ptr<ViewClient>> clients_;
+  std::set<std::shared_ptr<ViewerClient>> viewers_;
+  std::atomic<size_t> viewer_bytes_ = 0;  // posted to this thread
+  std::atomic<uint64_t> viewer_dropped_ = 0;
   std::map<std::pair<ReportClass, std::string>, ViewClient::Message> last_;
   ViewClient::Message last_map_;
   Eigen::Vector2d map_middle_ = Eigen::Vector2d::Zero();  // of that, m, map frame
@@ -314,8 +363,9 @@ ViewServer::~ViewServer() = default;
 
 Result<std::unique_ptr<ViewServer>> ViewServer::start(const ViewSettings& settings, const Rig& rig,
                                                       const streetmap::SegmentMap* map,
-                                                      ViewTap& tap, ReplayControl control) {
-  auto impl = std::make_unique<Impl>(settings, rig, map, tap, std::move(control));
+                                                      ViewTap& tap, ReplayControl control,
+                                                      ViewerChannels* channels) {
+  auto impl = std::make_unique<Impl>(settings, rig, map, tap, std::move(control), channels);
   if (auto listening = impl->listen(); !listening) return tl::unexpected(listening.error());
   return std::unique_ptr<ViewServer>(new ViewServer(std::move(impl)));
 }

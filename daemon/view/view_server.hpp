@@ -8,6 +8,7 @@
 #include "daemon/pipeline/view_tap.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "daemon/view/view_command.hpp"
+#include "daemon/view/viewer_channels.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
 #include "fusion/streetmap/segment_map.hpp"
@@ -18,15 +19,17 @@ namespace infuse::daemon {
 using ReplayControl = std::function<void(const ViewCommand&)>;
 
 /// Serves the page of the view, and over a WebSocket the reports, sweeps and images to pages that
-/// are open. Has a thread of its own; the pipeline never waits for it, and a page that does not
-/// keep up loses frames and gets their number. Read-only, but for the pace of a replay.
+/// are open; to viewers that speak Foxglove's protocol, the messages they subscribe to. Has a
+/// thread of its own; the pipeline never waits for it, and a page that does not keep up loses
+/// frames and gets their number. Read-only, but for the pace of a replay.
 class ViewServer {
  public:
-  /// `tap` and `map` (null or empty: nothing is beneath) outlive this. `control`: null for a live
-  /// run. Errors: the address cannot be bound.
+  /// `tap`, `map` (null or empty: nothing is beneath) and `channels` (null: no viewers of others)
+  /// outlive this. `control`: null for a live run. Errors: the address cannot be bound.
   static Result<std::unique_ptr<ViewServer>> start(const ViewSettings& settings, const Rig& rig,
                                                    const streetmap::SegmentMap* map, ViewTap& tap,
-                                                   ReplayControl control);
+                                                   ReplayControl control,
+                                                   ViewerChannels* channels = nullptr);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;

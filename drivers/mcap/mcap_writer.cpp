@@ -164,7 +164,11 @@ Result<void> McapWriter::end_chunk() {
   chunks_.push_back(std::exchange(current_, {}));
   entries_.clear();
   chunk_.clear();
-  return put(record_);
+  if (auto written = put(record_); !written) return written;
+  if (options_.flush_chunks && std::fflush(file_.get()) != 0) {
+    return fail(std::string("cannot be written: ") + std::strerror(errno), path_.string());
+  }
+  return {};
 }
 
 Result<void> McapWriter::write_metadata(const std::string& name,

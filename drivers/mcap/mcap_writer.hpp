@@ -22,6 +22,7 @@ struct WriterOptions {
   Compression compression = Compression::kZstd;
   Duration chunk_span{1'000'000'000};    ///< maximum span of the log times in a chunk
   size_t chunk_bytes = size_t{4} << 20;  ///< a chunk ends with the message that reaches this
+  bool flush_chunks = false;  ///< give each chunk to the kernel: the end of the process loses none
   /// Returns what is invalid, if anything.
   std::optional<std::string> invalid() const;
 };

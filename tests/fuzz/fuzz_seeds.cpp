@@ -23,6 +23,7 @@
 #include "fixtures/velodyne/db_xml.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "fusion/streetmap/map_from_image.hpp"
+#include "tests/drivers/import/mat_bytes.hpp"
 #include "tests/drivers/lcm/lcm_bytes.hpp"
 #include "tests/drivers/recording/compress.hpp"
 #include "tests/drivers/rosbag/bag_bytes.hpp"
@@ -230,6 +231,28 @@ void write_bags(const std::filesystem::path& folder) {
   }
 }
 
+void write_ford(const std::filesystem::path& folder) {
+  using namespace infuse::importers;
+  const std::string cameras = mat_structure(1, {"K", "R", "t"},
+                                            mat_doubles(3, 3, {400, 0, 0, 0, 410, 0, 300, 200, 1}) +
+                                                mat_doubles(3, 3, {1, 0, 0, 0, 0, 1, 0, -1, 0}) +
+                                                mat_doubles(3, 1, {0.1, 0.2, 0.3}),
+                                            "PARAM");
+  write_seed(folder / "cameras", mat_file(cameras));
+  write_seed(folder / "compressed", mat_file(mat_compressed(cameras)));
+  write_seed(folder / "scan",
+             mat_file(mat_structure(
+                 1, {"timestamp_laser", "X_wv"},
+                 mat_doubles(1, 1, {1.26e15}) + mat_doubles(6, 1, {1, 2, 3, 0, 0, 0.5}), "SCAN")));
+  write_seed(folder / "poses",
+             mat_file(mat_structure(1, {"utime", "pos", "rph", "vel"},
+                                    mat_doubles(1, 1, {1.26e15}) + mat_doubles(3, 1, {1, 2, 3}) +
+                                        mat_doubles(3, 1, {0, 0, 1}) + mat_doubles(3, 1, {1, 0, 0}),
+                                    "Pose")));
+  write_seed(folder / "stamps", std::string("1 1260800000000000\n2,1260800000125000\n"));
+  write_seed(folder / "image", std::string("P6\n2 1\n255\nabcdef"));
+}
+
 void write_logs(const std::filesystem::path& folder) {
   const auto packets = make_scene({.turns = 0.01}).packets;
   if (packets.empty()) return;
@@ -287,6 +310,13 @@ int main(int argc, char** argv) {
   write_mcap(folder / "mcap_fuzz");
   write_bags(folder / "rosbag_fuzz");
   write_logs(folder / "lcm_fuzz");
+  write_ford(folder / "ford_fuzz");
+  write_seed(folder / "viewer_request_fuzz" / "subscribe",
+             std::string(R"({"op":"subscribe","subscriptions":[{"id":7,"channelId":2}]})"));
+  write_seed(folder / "viewer_request_fuzz" / "unsubscribe",
+             std::string(R"({"op":"unsubscribe","subscriptionIds":[7]})"));
+  write_seed(folder / "viewer_request_fuzz" / "protocols",
+             std::string("foxglove.websocket.v1, foxglove.sdk.v1"));
   write_map_files(folder / "map_files_fuzz");
   write_messages(folder / "ros_message_fuzz");
   write_images(folder);

@@ -39,6 +39,7 @@ const std::vector<std::string> kCommands = {
     "history",
     "import rosbag",
     "import lcm",
+    "import ford",
     "import folder",
     "export mcap",
     "report",

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/commands/report_messages.hpp"
+#include "daemon/ros/report_messages.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/gnss/gnss_csv.hpp"
 #include "drivers/import/bag.hpp"

@@ -1,9 +1,10 @@
-#include "daemon/commands/report_messages.hpp"
+#include "daemon/ros/report_messages.hpp"
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "daemon/ros/topics.hpp"
 #include "drivers/ros/messages.hpp"
 
 namespace infuse::daemon {
@@ -34,7 +35,7 @@ double number_of(const ReportJson& report, const char* key) {
   return found != report.end() && found->is_number() ? found->get<double>() : 0;
 }
 
-bool write_pose(const ReportJson& report, Stamp stamp, RosFile& file) {
+bool write_pose(const ReportJson& report, Stamp stamp, MessageSink& sink) {
   const auto usable = report.find("usable");
   if (usable == report.end() || !usable->is_boolean() || !usable->get<bool>()) return true;
   const std::string frame = text_of(report, "frame");
@@ -48,26 +49,28 @@ bool write_pose(const ReportJson& report, Stamp stamp, RosFile& file) {
       Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(covariance->data());
   ros::Odometry message;
   message.header = {0, ros::Time::from(stamp), frame};
-  message.child_frame_id = "base_link";
+  message.child_frame_id = kVehicleFrame;
   message.pose = ros::to_transform(T_frame_vehicle);
   message.pose_covariance = to_ros_covariance(by_row, T_frame_vehicle.translation());
   message.twist.linear.x = number_of(report, "speed");
   message.twist.angular.z = number_of(report, "yaw_rate");
-  file.write("/odometry/" + frame, stamp, message);
+  sink.write("/odometry/" + frame, stamp, message);
   if (frame == "odom")
-    file.write("/tf", stamp, ros::TfMessage{{{message.header, "base_link", message.pose}}});
+    sink.write("/tf", stamp, ros::TfMessage{{{message.header, kVehicleFrame, message.pose}}});
   return true;
 }
 
-bool write_alert(const ReportJson& report, Stamp stamp, RosFile& file) {
+/// Level of DiagnosticStatus.
+uint8_t diagnostic_level(const std::string& level) {
+  return level == "OK" ? 0 : level == "WARN" ? 1 : level == "STALE" ? 3 : 2;
+}
+
+bool write_alert(const ReportJson& report, Stamp stamp, MessageSink& sink) {
   const std::string severity = text_of(report, "severity");
   const std::string state = text_of(report, "state");
   if (state != "raised" && state != "cleared") return false;
   ros::DiagnosticStatus status;
-  status.level = state == "cleared" || severity == "OK" ? 0
-                 : severity == "WARN"                   ? 1
-                 : severity == "STALE"                  ? 3
-                                                        : 2;
+  status.level = state == "cleared" ? 0 : diagnostic_level(severity);
   status.name = "infuse: " + text_of(report, "device");
   status.message = text_of(report, "what");
   status.hardware_id = text_of(report, "device");
@@ -76,20 +79,51 @@ bool write_alert(const ReportJson& report, Stamp stamp, RosFile& file) {
   ros::DiagnosticArray message;
   message.header.stamp = ros::Time::from(stamp);
   message.status.push_back(std::move(status));
-  file.write("/diagnostics", stamp, message);
+  sink.write(kDiagnosticsTopic, stamp, message);
   return true;
 }
 
-bool write_report(const std::string& line, RosFile& file) {
-  const auto report = ReportJson::parse(line, nullptr, false);
-  if (!report.is_object()) return false;
-  const auto stamp = report.find("stamp");
-  const std::string kind = text_of(report, "class");
-  if (kind != "POSE" && kind != "ALERT") return !kind.empty();
-  if (stamp == report.end() || !stamp->is_number_integer()) return false;
-  const Stamp time = Stamp::from_ns(stamp->get<int64_t>());
-  if (time < Stamp()) return false;
-  return kind == "POSE" ? write_pose(report, time, file) : write_alert(report, time, file);
+/// What HEALTH says about one part: its level, its findings, and its figures.
+ros::DiagnosticStatus status_of(const ReportJson& part, const std::string& device) {
+  ros::DiagnosticStatus status;
+  status.level = diagnostic_level(text_of(part, "level"));
+  status.name = "infuse: " + device;
+  status.hardware_id = device;
+  if (const auto findings = part.find("findings"); findings != part.end()) {
+    for (const ReportJson& finding : *findings) {
+      if (!finding.is_object()) continue;
+      status.message += (status.message.empty() ? "" : "; ") + text_of(finding, "what");
+    }
+  }
+  for (const auto& [key, value] : part.items()) {
+    if (key == "device" || key == "level" || value.is_structured()) continue;
+    status.values.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
+  }
+  return status;
+}
+
+bool write_health(const ReportJson& report, Stamp stamp, MessageSink& sink) {
+  ros::DiagnosticArray message;
+  message.header.stamp = ros::Time::from(stamp);
+  ReportJson daemon = {{"level", text_of(report, "level")}};
+  if (const auto findings = report.find("findings"); findings != report.end())
+    daemon["findings"] = *findings;
+  message.status.push_back(status_of(daemon, "infused"));
+  for (const char* group : {"sensors", "streams"}) {
+    const auto parts = report.find(group);
+    if (parts == report.end() || !parts->is_array()) return false;
+    for (const ReportJson& part : *parts) {
+      if (!part.is_object()) return false;
+      message.status.push_back(status_of(part, text_of(part, "device")));
+    }
+  }
+  for (const char* part : {"odometry", "streetmap", "map"}) {
+    const auto found = report.find(part);
+    if (found != report.end() && found->is_object())
+      message.status.push_back(status_of(*found, part));
+  }
+  sink.write(kDiagnosticsTopic, stamp, message);
+  return true;
 }
 
 }  // namespace
@@ -108,13 +142,26 @@ std::array<double, 36> to_ros_covariance(const Eigen::Matrix<double, 6, 6>& cova
   return result;
 }
 
-Result<void> write_report_messages(const std::filesystem::path& reports, RosFile& file,
+bool write_report_message(const std::string& line, MessageSink& sink) {
+  const auto report = ReportJson::parse(line, nullptr, false);
+  if (!report.is_object()) return false;
+  const auto stamp = report.find("stamp");
+  const std::string kind = text_of(report, "class");
+  if (kind != "POSE" && kind != "ALERT" && kind != "HEALTH") return !kind.empty();
+  if (stamp == report.end() || !stamp->is_number_integer()) return false;
+  const Stamp time = Stamp::from_ns(stamp->get<int64_t>());
+  if (time < Stamp()) return false;
+  if (kind == "POSE") return write_pose(report, time, sink);
+  return kind == "ALERT" ? write_alert(report, time, sink) : write_health(report, time, sink);
+}
+
+Result<void> write_report_messages(const std::filesystem::path& reports, MessageSink& sink,
                                    std::vector<Error>& notes) {
   std::ifstream lines(reports);
   if (!lines) return fail("cannot be read", reports.string());
   size_t others = 0;
   for (std::string line; std::getline(lines, line);) {
-    if (!write_report(line, file)) ++others;
+    if (!write_report_message(line, sink)) ++others;
   }
   if (others > 0)
     notes.push_back({std::to_string(others) + " lines are not reports", reports.string(), ""});

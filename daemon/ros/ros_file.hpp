@@ -2,29 +2,25 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
-#include <vector>
 
+#include "daemon/ros/message_sink.hpp"
 #include "drivers/mcap/mcap_writer.hpp"
-#include "drivers/ros/schemas.hpp"
-#include "drivers/ros/serialisation.hpp"
 
 namespace infuse::daemon {
 
 /// An MCAP file of ROS 2 messages as rosbag2 writes it: profile ros2, CDR, the schema and the
-/// quality of service of each topic. The first error ends it.
-class RosFile {
+/// quality of service of each topic. The first message of a topic creates it. The first error ends
+/// the file.
+class RosFile : public MessageSink {
  public:
-  static Result<RosFile> create(const std::filesystem::path& path);
+  static Result<RosFile> create(const std::filesystem::path& path,
+                                const mcap::WriterOptions& options = {});
 
-  /// Appends a message; the first one of a topic creates it. `latched`: a subscriber that comes
-  /// later receives it too (transient local).
-  template <class T>
-  void write(const std::string& topic, Stamp log_time, const T& message, bool latched = false) {
-    if (error_) return;
-    ros::encode(message, ros::Encoding::kCdr, bytes_);
-    write_bytes(topic, T::kName, log_time, latched);
-  }
+  bool wants(const std::string&) const override { return !error_.has_value(); }
+  void add(const std::string& topic, const char* type, Stamp log_time, bool latched,
+           std::span<const uint8_t> bytes) override;
   void write_metadata(const std::map<std::string, std::string>& pairs);
 
   /// Writes index and summary. Returns the first error of all calls.
@@ -32,17 +28,17 @@ class RosFile {
 
   /// Number of messages of each topic.
   const std::map<std::string, size_t>& messages() const { return messages_; }
+  /// The first error; nothing if there is none.
+  const std::optional<Error>& error() const { return error_; }
   bool failed() const { return error_.has_value(); }
 
  private:
   explicit RosFile(mcap::McapWriter writer) : writer_(std::move(writer)) {}
-  void write_bytes(const std::string& topic, const char* type, Stamp log_time, bool latched);
   void keep_error(const Result<void>& result);
 
   mcap::McapWriter writer_;
   std::map<std::string, uint16_t> channels_;
   std::map<std::string, size_t> messages_;
-  std::vector<uint8_t> bytes_;
   std::optional<Error> error_;
 };
 

@@ -1,4 +1,6 @@
-#include "daemon/commands/ros_file.hpp"
+#include "daemon/ros/ros_file.hpp"
+
+#include "drivers/ros/schemas.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -14,8 +16,9 @@ std::string quality_of_service(bool latched) {
 
 }  // namespace
 
-Result<RosFile> RosFile::create(const std::filesystem::path& path) {
-  auto writer = mcap::McapWriter::create(path);
+Result<RosFile> RosFile::create(const std::filesystem::path& path,
+                                const mcap::WriterOptions& options) {
+  auto writer = mcap::McapWriter::create(path, options);
   if (!writer) return tl::unexpected(writer.error());
   return RosFile(std::move(*writer));
 }
@@ -24,8 +27,9 @@ void RosFile::keep_error(const Result<void>& result) {
   if (!result && !error_) error_ = result.error();
 }
 
-void RosFile::write_bytes(const std::string& topic, const char* type, Stamp log_time,
-                          bool latched) {
+void RosFile::add(const std::string& topic, const char* type, Stamp log_time, bool latched,
+                  std::span<const uint8_t> bytes) {
+  if (error_) return;
   auto channel = channels_.find(topic);
   if (channel == channels_.end()) {
     const auto added =
@@ -39,7 +43,7 @@ void RosFile::write_bytes(const std::string& topic, const char* type, Stamp log_
     }
     channel = channels_.emplace(topic, *added).first;
   }
-  keep_error(writer_.write(channel->second, log_time, log_time, bytes_));
+  keep_error(writer_.write(channel->second, log_time, log_time, bytes));
   ++messages_[topic];
 }
 

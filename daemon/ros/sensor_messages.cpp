@@ -1,0 +1,193 @@
+#include "daemon/ros/sensor_messages.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "drivers/ros/sweep_cloud.hpp"
+#include "drivers/velodyne/position_packet.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+ros::Header header_of(Stamp stamp, const std::string& frame) {
+  return {0, ros::Time::from(stamp), frame};
+}
+
+/// As image_transport writes it: what was compressed, if that is not the usual.
+std::string format_of(const SensorMessages::ImageBytes& image) {
+  const std::string file = image.png ? "png" : "jpeg";
+  if (!image.mosaic) return file;
+  const char* name = *image.mosaic == PixelFormat::kBayerRggb8   ? "bayer_rggb8"
+                     : *image.mosaic == PixelFormat::kBayerBggr8 ? "bayer_bggr8"
+                     : *image.mosaic == PixelFormat::kBayerGbrg8 ? "bayer_gbrg8"
+                                                                 : "bayer_grbg8";
+  return std::string(name) + "; " + file + " compressed " + name;
+}
+
+ros::CameraInfo info_of(const CameraIntrinsics& c, const ros::Header& header) {
+  ros::CameraInfo info{.header = header};
+  info.width = static_cast<uint32_t>(c.width);
+  info.height = static_cast<uint32_t>(c.height);
+  const bool fisheye = c.model == CameraIntrinsics::Model::kFisheye;
+  info.distortion_model = fisheye ? "equidistant" : "plumb_bob";
+  info.d.assign(c.distortion.begin(), c.distortion.begin() + (fisheye ? 4 : 5));
+  info.k = {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1};
+  info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.p = {c.fx, 0, c.cx, 0, 0, c.fy, c.cy, 0, 0, 0, 1, 0};
+  return info;
+}
+
+}  // namespace
+
+SensorMessages::SensorMessages(MessageSetup setup, MessageSink& sink)
+    : setup_(std::move(setup)), sink_(sink), scans_(setup_.rig.lidars.size()) {
+  for (const LidarMount& lidar : rig_.lidars) lidar_topics_.emplace_back(lidar.name);
+  for (const CameraMount& camera : rig_.cameras) camera_topics_.emplace_back(camera.name);
+}
+
+std::map<std::string, std::string> SensorMessages::metadata() const {
+  std::map<std::string, std::string> pairs;
+  for (size_t k = 0; k < rig_.cameras.size(); ++k) {
+    pairs["stamp_delay_sigma_ns " + camera_topics_[k].image] =
+        std::to_string(rig_.cameras[k].stamp_delay_sigma.count());
+  }
+  if (setup_.gnss_lidar) pairs["gnss_lidar"] = rig_.lidars[*setup_.gnss_lidar].name;
+  return pairs;
+}
+
+void SensorMessages::write_transforms(Stamp stamp) {
+  ros::TfMessage message;
+  for (size_t k = 0; k < rig_.lidars.size(); ++k) {
+    if (!rig_.lidars[k].is_mounting_known()) continue;
+    message.transforms.push_back({header_of(stamp, kVehicleFrame), lidar_frame(rig_, k),
+                                  ros::to_transform(rig_.lidars[k].T_vehicle_lidar)});
+  }
+  for (size_t k = 0; k < rig_.cameras.size(); ++k) {
+    const CameraMount& camera = rig_.cameras[k];
+    const auto lidar = std::ranges::find(rig_.lidars, camera.lidar, &LidarMount::name);
+    if (lidar == rig_.lidars.end()) continue;
+    const auto index = static_cast<size_t>(lidar - rig_.lidars.begin());
+    message.transforms.push_back({header_of(stamp, lidar_frame(rig_, index)), camera_frame(rig_, k),
+                                  ros::to_transform(camera.T_camera_lidar.inverse())});
+  }
+  if (!message.transforms.empty()) sink_.write(kTransformsTopic, stamp, message, true);
+}
+
+void SensorMessages::add_datagram(size_t lidar, std::span<const uint8_t> payload, Stamp stamp) {
+  const LidarTopics& topics = lidar_topics_[lidar];
+  if (payload.size() == velodyne::kPositionPacketSize) {
+    const ros::UInt8MultiArray bytes{
+        {{"bytes", velodyne::kPositionPacketSize, velodyne::kPositionPacketSize}}, 0, payload};
+    return sink_.write(topics.position_packets, stamp, bytes);
+  }
+  if (payload.size() != velodyne::kPacketSize) {
+    ++other_datagrams_;
+    return;
+  }
+  if (!sink_.wants(topics.packets)) return scans_[lidar].clear();
+  if (scans_[lidar].is_due(payload, stamp)) write_scan(lidar);
+  scans_[lidar].add(payload, stamp);
+}
+
+void SensorMessages::write_scan(size_t lidar) {
+  const Stamp end = scans_[lidar].end();
+  sink_.write(lidar_topics_[lidar].packets, end, scans_[lidar].finish(lidar_frame(rig_, lidar)));
+}
+
+void SensorMessages::write_sweep(size_t lidar, const Sweep& sweep, Stamp log_time) {
+  const LidarTopics& topics = lidar_topics_[lidar];
+  const std::string& topic = sweep.deskewed ? topics.points : topics.points_raw;
+  if (!sink_.wants(topic)) return;
+  sink_.write(topic, log_time, ros::to_cloud(sweep, lidar_frame(rig_, lidar), data_));
+}
+
+void SensorMessages::write_deskewed(size_t lidar, Sweep& sweep, Stamp reference) {
+  const std::string& topic = lidar_topics_[lidar].points;
+  if (!sink_.wants(topic)) return;
+  sweep.stamp = reference;
+  sweep.has_times = false;
+  sink_.write(topic, reference, ros::to_cloud(sweep, lidar_frame(rig_, lidar), data_));
+}
+
+void SensorMessages::write_image(size_t camera, const ImageBytes& image, Stamp stamp) {
+  const CameraTopics& topics = camera_topics_[camera];
+  const ros::Header header = header_of(stamp, camera_frame(rig_, camera));
+  if (sink_.wants(topics.image)) {
+    ros::CompressedImage message{.header = header};
+    message.format = format_of(image);
+    message.data = image.bytes;
+    sink_.write(topics.image, stamp, message);
+  }
+  sink_.write(topics.info, stamp, info_of(rig_.cameras[camera].intrinsics, header));
+}
+
+void SensorMessages::write_sample(const VehicleSample& sample, bool of_bus) {
+  if (const auto* wheels = std::get_if<WheelOdometry>(&sample)) write_wheels(*wheels, of_bus);
+  if (const auto* imu = std::get_if<ImuSample>(&sample)) write_imu(*imu, of_bus);
+  if (const auto* fix = std::get_if<GnssFix>(&sample)) write_fix(*fix);
+}
+
+void SensorMessages::write_wheels(const WheelOdometry& sample, bool of_bus) {
+  ros::TwistStamped message{header_of(sample.stamp, kVehicleFrame), {}};
+  const double rear = (sample.wheel_speed[2] + sample.wheel_speed[3]) / 2;
+  const bool by_wheels = !std::isfinite(sample.speed);
+  message.twist.linear.x = by_wheels ? rear : sample.speed;
+  message.twist.angular.z = sample.yaw_rate;
+  if (by_wheels && std::isfinite(rear)) ++wheel_samples_;
+  if (!std::isfinite(message.twist.linear.x) && !std::isfinite(sample.yaw_rate)) return;
+  sink_.write(vehicle_topic(of_bus) + "/twist", sample.stamp, message);
+}
+
+void SensorMessages::write_imu(const ImuSample& sample, bool of_bus) {
+  ros::Imu message{.header = header_of(sample.stamp, kVehicleFrame)};
+  message.orientation_covariance[0] = -1;  // not measured
+  const auto& w = sample.angular_velocity;
+  const auto& a = sample.linear_acceleration;
+  message.angular_velocity = {w[0], w[1], w[2]};
+  message.linear_acceleration = {a[0], a[1], a[2]};
+  sink_.write(vehicle_topic(of_bus) + "/imu", sample.stamp, message);
+}
+
+void SensorMessages::write_fix(const GnssFix& fix) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  ros::NavSatFix message{.header = header_of(fix.stamp, "gnss")};
+  message.status = static_cast<int8_t>(fix.valid ? 0 : -1);
+  message.service = 1;
+  message.latitude = fix.latitude * kDegrees;
+  message.longitude = fix.longitude * kDegrees;
+  message.altitude = fix.altitude;
+  sink_.write("/gnss/fix", fix.stamp, message);
+  write_velocity(fix);
+}
+
+/// As ROS drivers of GNSS receivers publish it: to the east and north, beside the fix.
+void SensorMessages::write_velocity(const GnssFix& fix) {
+  const bool stationary = fix.speed == 0;
+  if (!std::isfinite(fix.speed)) return;
+  if (!stationary && !std::isfinite(fix.course)) {
+    ++speeds_without_course_;
+    return;
+  }
+  ros::TwistStamped message{header_of(fix.stamp, "gnss"), {}};
+  message.twist.linear.x = stationary ? 0 : fix.speed * std::sin(fix.course);
+  message.twist.linear.y = stationary ? 0 : fix.speed * std::cos(fix.course);
+  sink_.write("/gnss/vel", fix.stamp, message);
+}
+
+void SensorMessages::finish() {
+  for (size_t k = 0; k < scans_.size(); ++k) {
+    if (!scans_[k].empty()) write_scan(k);
+  }
+}
+
+void SensorMessages::append_notes(std::vector<Error>& notes) const {
+  const auto note = [&](size_t count, const char* what) {
+    if (count > 0) notes.push_back({std::to_string(count) + " " + what, "", ""});
+  };
+  note(other_datagrams_, "datagrams are not written: they are of no lidar, or of another length");
+  note(speeds_without_course_, "speeds of GNSS are not written: they have no course");
+  note(wheel_samples_, "samples of wheels are written as the speed of the rear axle");
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/ros/message_setup.hpp"
+
+namespace infuse::daemon {
+
+/// Frames of the messages.
+inline constexpr const char* kVehicleFrame = "base_link";
+std::string lidar_frame(const Rig& rig, size_t lidar);
+std::string camera_frame(const Rig& rig, size_t camera);
+
+/// Topics of a lidar.
+struct LidarTopics {
+  explicit LidarTopics(const std::string& name);
+  std::string packets, position_packets, points_raw, points;
+};
+
+/// Topics of a camera.
+struct CameraTopics {
+  explicit CameraTopics(const std::string& name);
+  std::string image, info;
+};
+
+/// Beginning of the topics of vehicle samples: of the bus, or of sensors of their own.
+std::string vehicle_topic(bool of_bus);
+
+inline constexpr const char* kTransformsTopic = "/tf_static";
+inline constexpr const char* kDiagnosticsTopic = "/diagnostics";
+
+/// A topic that a run may have.
+struct TopicInfo {
+  std::string topic;
+  const char* type = "";  ///< of its messages: "sensor_msgs/msg/Imu"
+  bool latched = false;
+};
+
+/// Topics that a run with these sensors may have.
+std::vector<TopicInfo> list_topics(const MessageSetup& setup);
+
+}  // namespace infuse::daemon
