@@ -19,7 +19,7 @@ constexpr const char* kHistoryStyle =
 constexpr std::array<const char*, 6> kAxisTitles{"rotation x",    "rotation y",    "rotation z",
                                                  "translation x", "translation y", "translation z"};
 /// Most poses of a camera that are drawn; others between them are left out.
-constexpr size_t kMaxDrawn = 400;
+constexpr size_t kMaxPlottedPoses = 400;
 constexpr size_t kMaxAlertRows = 200;
 constexpr const char* kDay = "{:%Y-%m-%d}";
 
@@ -47,12 +47,12 @@ std::map<std::string, std::vector<UsedPose>> poses_by_camera(const std::vector<J
   return cameras;
 }
 
-/// At most `kMaxDrawn` of them, the first and the last among them.
+/// At most `kMaxPlottedPoses` of them, the first and the last among them.
 std::vector<UsedPose> thinned(const std::vector<UsedPose>& poses) {
-  if (poses.size() <= kMaxDrawn) return poses;
+  if (poses.size() <= kMaxPlottedPoses) return poses;
   std::vector<UsedPose> kept;
-  for (size_t i = 0; i < kMaxDrawn; ++i) {
-    kept.push_back(poses[i * (poses.size() - 1) / (kMaxDrawn - 1)]);
+  for (size_t i = 0; i < kMaxPlottedPoses; ++i) {
+    kept.push_back(poses[i * (poses.size() - 1) / (kMaxPlottedPoses - 1)]);
   }
   return kept;
 }

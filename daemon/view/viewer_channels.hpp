@@ -30,7 +30,7 @@ class ViewerChannels : public MessageSink {
   const std::vector<TopicInfo>& topics() const { return topics_; }
   bool is_replay() const { return replay_; }
 
-  /// Sets who passes messages on, and who is told that subscriptions have changed; before the start
+  /// Sets who passes messages on, and who is informed of changed subscriptions; before the start
   /// of the stream.
   void on_message(std::function<void(Message)> listener) { on_message_ = std::move(listener); }
   void on_change(std::function<void()> listener) { on_change_ = std::move(listener); }

@@ -29,7 +29,7 @@ class ViewerClient : public std::enable_shared_from_this<ViewerClient> {
   /// Answers the request for a WebSocket of this subprotocol.
   void accept(Request request, std::string_view subprotocol);
 
-  /// Queues a message for its subscriptions. A viewer that does not keep up loses it, and is told
+  /// Queues a message for its subscriptions. A viewer that does not keep up loses it, and receives
   /// the number when it reads again. `dropped`: messages that were lost before they came here.
   void send(const ViewerChannels::Message& message, uint64_t dropped);
 

@@ -45,7 +45,7 @@ struct Element {
 };
 
 /// Takes the next element; nothing if the bytes end before it does.
-std::optional<Element> take_element(std::span<const uint8_t>& rest) {
+std::optional<Element> next_element(std::span<const uint8_t>& rest) {
   if (rest.size() < 8) return std::nullopt;
   const auto head = number_at<uint32_t>(rest, 0);
   if (head >> 16 != 0) {  // small: type and length in four bytes, data in the next four
@@ -143,9 +143,9 @@ class MatReader {
                    std::string& name, MatArray& array) {
     if (data.empty()) return true;  // an empty matrix may be left out
     if (depth > kMaxMatDepth) return false;
-    const auto flags = take_element(data);
-    const auto dimensions = take_element(data);
-    const auto own_name = take_element(data);
+    const auto flags = next_element(data);
+    const auto dimensions = next_element(data);
+    const auto own_name = next_element(data);
     if (!flags || !dimensions || !own_name || flags->data.size() < 8) return false;
     if (dimensions->data.size() < 8) return false;
     name = name_in(own_name->data);
@@ -158,7 +158,7 @@ class MatReader {
     if (kind == kStructClass) return read_structure(data, depth, array);
     if (kind < kFirstNumericClass || kind > kLastNumericClass) return true;  // skipped
     if (dimensions->data.size() > 8) return true;  // more than two dimensions: skipped
-    const auto real = take_element(data);
+    const auto real = next_element(data);
     if (!real) return false;
     const size_t size = size_of(real->type);
     if (size == 0 || real->data.size() / size != array.rows * array.columns) return false;
@@ -170,8 +170,8 @@ class MatReader {
 
  private:
   bool read_structure(std::span<const uint8_t> data, int depth, MatArray& array) {
-    const auto length = take_element(data);
-    const auto names = take_element(data);
+    const auto length = next_element(data);
+    const auto names = next_element(data);
     if (!length || !names || length->data.size() < 4) return false;
     const auto width = number_at<int32_t>(length->data, 0);
     if (width < 1 || width > 64) return false;
@@ -182,7 +182,7 @@ class MatReader {
     for (size_t element = 0; element < count; ++element) {
       for (size_t k = 0; k < fields; ++k) {
         if (++elements_ > kMaxMatElements) return false;
-        const auto field = take_element(data);
+        const auto field = next_element(data);
         if (!field || field->type != kMatrix) return false;
         const std::string name = name_in(names->data.subspan(k * name_bytes, name_bytes));
         std::string own;
@@ -250,14 +250,14 @@ Result<std::map<std::string, MatArray>> read_mat(std::span<const uint8_t> bytes,
   MatReader reader(wanted);
   auto rest = bytes.subspan(kMatHeader);
   while (!rest.empty()) {
-    auto element = take_element(rest);
+    auto element = next_element(rest);
     if (!element) return fail("ends within a variable", name);
     std::optional<std::vector<uint8_t>> inflated;
     if (element->type == kCompressed) {
       inflated = inflate_element(element->data);
       if (!inflated) return fail("has a variable that cannot be decompressed", name);
       std::span<const uint8_t> inner(*inflated);
-      element = take_element(inner);
+      element = next_element(inner);
       if (!element) return fail("has a damaged variable", name);
     }
     if (element->type != kMatrix) continue;

@@ -49,7 +49,7 @@ constexpr Scenario kScenarios[] = {
     {"two sensors behind one address", "60-100 top two_sensors", "top.two_sensors 62 103"},
     {"the receive buffer is small", "60-100 top small_buffer", "top.receive_buffer 62 103"},
     {"sweeps are dropped", "60-70 top overload", "top.overload 62 81..83"},
-    {"strangers send to the port", "60-90 top strangers", "top.wrong_sender 62 101..103"},
+    {"unknown senders on the port", "60-90 top unknown_senders", "top.wrong_sender 62 101..103"},
     {"odd azimuths, repeated and late packets",
      "60-90 top stray; 70-95 top duplicates; 80-100 rear late", ""},
 
