@@ -11,9 +11,9 @@
 #include "daemon/config/config.hpp"
 #include "daemon/live/live_setup.hpp"
 #include "daemon/run/daemon_host.hpp"
+#include "daemon/run/release_check.hpp"
 #include "daemon/run/run_live.hpp"
 #include "daemon/run/run_replay.hpp"
-#include "daemon/run/release_check.hpp"
 #include "daemon/service/logging.hpp"
 #include "drivers/measurement/block_sizes.hpp"
 

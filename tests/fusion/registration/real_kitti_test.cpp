@@ -1,10 +1,10 @@
 // Real sweeps of an HDL-64E: KITTI odometry 00 and KITTI raw 0009.
 
+#include "tests/real_kitti.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "fusion/registration/gicp.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
 #include "tests/real_data.hpp"
-#include "tests/real_kitti.hpp"
 
 namespace infuse::registration {
 namespace {
