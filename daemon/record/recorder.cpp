@@ -64,7 +64,7 @@ void Recorder::finish() {
     thread_.join();
   } else {
     std::unique_lock lock(mutex_);
-    begin_requested(lock);
+    apply_requests(lock);
     lock.unlock();
     write_rest();
   }
@@ -72,7 +72,7 @@ void Recorder::finish() {
 
 void Recorder::work() {
   std::unique_lock lock(mutex_);
-  begin_requested(lock);
+  apply_requests(lock);
   lock.unlock();
   if (!recording_) return;
   write_chunks(kWritePeriod);
@@ -100,11 +100,11 @@ void Recorder::write_rest() {
 bool Recorder::process_requests(std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   if (!recording_) requested_.wait(lock, stop, [this] { return next_.has_value(); });
-  begin_requested(lock);
+  apply_requests(lock);
   return !stop.stop_requested();
 }
 
-void Recorder::begin_requested(std::unique_lock<std::mutex>& lock) {
+void Recorder::apply_requests(std::unique_lock<std::mutex>& lock) {
   if (next_) {
     if (recording_) recording_->end("another recording was started");
     recording_ = std::exchange(next_, std::nullopt);

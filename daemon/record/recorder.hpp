@@ -57,7 +57,7 @@ class Recorder {
  private:
   void run(std::stop_token stop);
   bool process_requests(std::stop_token& stop);
-  void begin_requested(std::unique_lock<std::mutex>& lock);
+  void apply_requests(std::unique_lock<std::mutex>& lock);
   void write_rest();
   void write_chunks(Duration timeout);
   void update_report();

@@ -8,7 +8,7 @@
 namespace infuse::daemon {
 
 /// Keeps the recordings of a folder together below a number of bytes, by removing alert recordings,
-/// the oldest first. What was recorded on request is never removed. Age is that of the time in the
+/// the oldest first. What was recorded on request is never removed. Age is by the time in the
 /// names; what has a later name than the recording that was just made is from before the clock was
 /// set back, as a computer without a battery does at each start, and so the oldest of all.
 class RecordingsBudget {

@@ -21,7 +21,7 @@ constexpr size_t kMaxStateBytes = 1 << 20;
 constexpr double kGeneratedRadius = 10;      // m
 constexpr double kRadiusTolerance = 0.1;     // m: the beams' origins
 constexpr uint32_t kGeneratedPackets = 240;  // three turns
-constexpr uint64_t kMinSweeps = 2;           // whole ones of these
+constexpr uint64_t kMinRightSweeps = 2;      // whole ones of these
 constexpr Stamp kGeneratedStart = Stamp::from_ns(1'700'000'000'000'000'000);
 
 ExitCode report_failure(const Error& error, ExitCode code, std::ostream& out) {
@@ -163,7 +163,7 @@ Result<void> decode_generated_turns() {
       });
   pipeline.start([&](std::stop_token) { feed_generated(pipeline.intake()); });
   io.run();
-  if (right >= kMinSweeps) return {};
+  if (right >= kMinRightSweeps) return {};
   return fail("generated packets gave " + std::to_string(right) + " right sweeps of " +
               std::to_string(pipeline.publisher().totals().sweeps));
 }

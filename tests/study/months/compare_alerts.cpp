@@ -52,7 +52,8 @@ std::vector<ExpectedAlert> parse_expected(std::string_view text, int64_t offset)
     std::string id, raised, cleared;
     if (!(words >> id)) continue;
     if (!(words >> raised >> cleared)) throw std::invalid_argument("not an alert: '" + part + "'");
-    alerts.push_back({id, parse_range(raised, offset), parse_range(cleared, offset)});
+    const SecondsRange when = parse_range(raised, offset);
+    alerts.push_back({id, when, parse_range(cleared, offset), when.whenever});
   }
   return alerts;
 }
@@ -70,14 +71,17 @@ std::vector<std::string> compare_alerts(std::span<const ObservedAlert> observed,
     }
   }
   std::vector<std::string> differences;
-  for (const ExpectedAlert& alert : expected) {
-    bool found = alert.raised.whenever;
+  std::vector<ExpectedAlert> ordered(expected.begin(), expected.end());
+  std::stable_partition(ordered.begin(), ordered.end(),
+                        [](const ExpectedAlert& alert) { return !alert.optional; });
+  for (const ExpectedAlert& alert : ordered) {
+    bool found = alert.optional;
     for (Raising& raising : raisings[alert.id]) {
       const bool cleared = raising.cleared ? lies_in(*raising.cleared, alert.cleared)
                                            : alert.cleared.never || alert.cleared.whenever;
       if (raising.matched || !lies_in(raising.raised, alert.raised) || !cleared) continue;
       raising.matched = found = true;
-      if (!alert.raised.whenever) break;
+      if (!alert.optional) break;
     }
     if (!found) {
       differences.push_back("missing: " + alert.id + " " + text_of(alert.raised) + " " +

@@ -28,7 +28,8 @@ bool is_drift(const std::string& id) {
   return id.find("drift") != std::string::npos || id.find("calibration") != std::string::npos;
 }
 
-ExpectedAlert loosened(ExpectedAlert alert) {
+ExpectedAlert loosened(ExpectedAlert alert, int64_t from, int64_t length) {
+  if (alert.raised.whenever) alert.raised = {from, from + length, false, false};
   const int64_t slack = is_drift(alert.id) ? kDriftSlack : kSlack;
   for (SecondsRange* range : {&alert.raised, &alert.cleared}) {
     range->from -= slack;
@@ -58,7 +59,7 @@ DrawnMonth draw_month(const MonthOptions& options, int64_t seconds) {
       month.faults.push_back(fault);
     }
     for (const ExpectedAlert& alert : parse_expected(scenario.alerts, at)) {
-      month.alerts.push_back(loosened(alert));
+      month.alerts.push_back(loosened(alert, at, scenario.length));
     }
     ++month.scenarios;
     at += scenario.length + kMinGap + static_cast<int64_t>(gap(random));

@@ -8,14 +8,14 @@
 namespace infuse::study {
 namespace {
 
-// infuse-study months runs thirty of them.
-TEST(Month, ADayOfScenariosIsAsTheTableSays) {
-  const MonthResult day = simulate_month({.days = 1, .seed = 1, .mean_gap_s = 600});
-  EXPECT_THAT(day.differences, testing::IsEmpty());
-  EXPECT_THAT(day.problems, testing::IsEmpty());
-  EXPECT_GE(day.scenarios, 40U);
-  EXPECT_GE(day.raised, 40U);
-  EXPECT_LT(day.history * 366, daemon::HistoryFile::kMaxBytes);
+// infuse-study months runs thirty days of them.
+TEST(Month, HoursOfScenariosAreAsTheTableSays) {
+  const MonthResult hours = simulate_month({.days = 0.2, .seed = 1, .mean_gap_s = 60});
+  EXPECT_THAT(hours.differences, testing::IsEmpty());
+  EXPECT_THAT(hours.problems, testing::IsEmpty());
+  EXPECT_GE(hours.scenarios, 12U);
+  EXPECT_GE(hours.raised, 12U);
+  EXPECT_LT(hours.history * 5 * 366, daemon::HistoryFile::kMaxBytes);
 }
 
 }  // namespace

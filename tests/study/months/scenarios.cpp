@@ -49,7 +49,7 @@ constexpr Scenario kScenarios[] = {
     {"two sensors behind one address", "60-100 top two_sensors", "top.two_sensors 62 103"},
     {"the receive buffer is small", "60-100 top small_buffer", "top.receive_buffer 62 103"},
     {"sweeps are dropped", "60-70 top overload", "top.overload 62 81..83"},
-    {"unknown senders on the port", "60-90 top unknown_senders", "top.wrong_sender 62 101..103"},
+    {"others send to the port", "60-90 top others", "top.wrong_sender 62 101..103"},
     {"odd azimuths, repeated and late packets",
      "60-90 top stray; 70-95 top duplicates; 80-100 rear late", ""},
 
@@ -213,7 +213,7 @@ constexpr Scenario kScenarios[] = {
      "front.drift_suspected 62..90 *; front.drift_confirmed 70..120 250..251; "
      "front.calibration_changed 250..251 262..275; infused.state 240..250 280..290; infused.record "
      "250 -",
-     450, "alert-only", -1, "true"},
+     450, "alert-only", -1, "true", false},
     {"freezing on a full disk fails, and is kept later",
      "60-100 disk full; 70 owner freeze; 150 service restart; 170 front turned 0.01",
      "infused.state 60..70 100..110; owner.freeze_refused 70 -; front.drift_suspected * *; "
@@ -232,13 +232,13 @@ constexpr Scenario kScenarios[] = {
     {"all sensors are lost from the configuration", "60 config empty; 61 service restart",
      "infused.missing_sensors 62 -; infused.no_sensors 62 -", 150, "alert-only", -1, nullptr,
      false},
-    {"the owner records", "60 owner record 20", "", 150, "alert-only", 1},
+    {"the owner records", "60 owner record 20", "", 150, "alert-only", 1, nullptr, false},
     {"the owner records twice at once, and stops",
      "60 owner record 60; 65 owner record; 80 owner stop", "owner.record_refused 65 -", 150,
-     "alert-only", 1},
+     "alert-only", 1, nullptr, false},
     {"there is no recording to stop", "60 owner stop", "owner.stop_refused 60 -"},
     {"an alert within the owner's recording", "60 owner record 60; 70-80 top silent",
-     "top.silent 72 80", 200, "alert-only", 1},
+     "top.silent 72 80", 200, "alert-only", 1, nullptr, false},
 };
 
 }  // namespace

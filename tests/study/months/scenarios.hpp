@@ -36,6 +36,7 @@ struct SecondsRange {
 struct ExpectedAlert {
   std::string id;
   SecondsRange raised, cleared;
+  bool optional = false;  ///< it need not be; as often as it is
 };
 
 /// Parses `Scenario::alerts`, `offset` seconds later. Throws std::invalid_argument.

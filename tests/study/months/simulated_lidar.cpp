@@ -7,9 +7,9 @@ constexpr int kPacketsPerSecond = 200;  // enough for the sender lock; a Velodyn
 constexpr int kBatch = 10;              // packets read together
 constexpr int kClockStride = 20;        // packets of which one goes to the clock model
 constexpr uint64_t kSweepsPerSecond = 10;
-constexpr uint32_t kRival = 0x0A00'0063;          // 10.0.0.99
-constexpr uint32_t kUnknownSender = 0xC0A8'0105;  // 192.168.1.5
-constexpr Duration kDelay{100'000};               // of a packet, at least
+constexpr uint32_t kRival = 0x0A00'0063;        // 10.0.0.99
+constexpr uint32_t kOtherSender = 0xC0A8'0105;  // 192.168.1.5
+constexpr Duration kDelay{100'000};             // of a packet, at least
 constexpr Duration kHour{3'600'000'000'000};
 
 }  // namespace
@@ -111,8 +111,7 @@ void SimulatedLidar::receive(const SimulatedHost& host, Stamp time, const FaultS
   }
   const Stamp stamp = stamps_.stamp_of(host.wall_at(time + delay).ns());
   if (faults.has(name_, "garbage")) return count_rejected(counters_.malformed, 1, address_);
-  if (faults.has(name_, "unknown_senders"))
-    count_rejected(counters_.wrong_sender, 1, kUnknownSender);
+  if (faults.has(name_, "others")) count_rejected(counters_.wrong_sender, 1, kOtherSender);
   if (faults.has(name_, "spoofed")) {
     const bool rival = !lock_.refuses(kRival) && lock_.accept(kRival, stamp);
     if (!rival) count_rejected(counters_.wrong_sender, 1, kRival);

@@ -16,7 +16,7 @@ namespace infuse::study {
 ///
 /// Faults: silent, closed, garbage, loss P, kernel_loss P, stopped, spoofed, forged, swapped,
 /// wrong_model, two_sensors, small_buffer, overload, jump S, skew PPM, unlocked, jitter MS, stray,
-/// duplicates, late, unknown_senders.
+/// duplicates, late, others.
 class SimulatedLidar {
  public:
   SimulatedLidar(std::string name, uint32_t address, uint32_t configured, uint64_t seed);

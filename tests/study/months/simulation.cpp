@@ -195,7 +195,7 @@ void Simulation::observe(const daemon::AlertReport& alert) {
   if (alert.finding.what.empty() || alert.finding.advice.empty()) problem(id + " says nothing");
 }
 
-// HEALTH and the alerts must agree.
+// HEALTH and the alerts must say the same.
 void Simulation::check(const daemon::HealthReport& health) {
   std::set<std::string> found;
   const auto add = [&](const std::string& device, const std::vector<daemon::Finding>& findings) {
