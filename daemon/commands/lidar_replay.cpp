@@ -14,7 +14,7 @@ OdometrySettings lidar_replay_settings(const DriveSetup& setup, size_t lidar) {
 }  // namespace
 
 LidarReplay::LidarReplay(const DriveSetup& setup, size_t lidar)
-    : odometry_(lidar_replay_settings(setup, lidar), true),
+    : odometry_(lidar_replay_settings(setup, lidar), true, setup.rig.lidars[lidar].T_vehicle_lidar),
       lidar_motion_(setup.rig.lidars[lidar].T_vehicle_lidar),
       deskewer_(setup.rig.lidars[lidar].T_vehicle_lidar),
       has_motion_sensor_(setup.vehicle.has_motion_sensor()),

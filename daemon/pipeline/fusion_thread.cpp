@@ -29,6 +29,11 @@ LidarIndex index_of_lidar(const Rig& rig, const std::string& name) {
   return LidarIndex(index);
 }
 
+/// Mounting of the lidar that measures motion.
+Eigen::Isometry3d first_mounting(const Rig& rig) {
+  return rig.lidars.empty() ? Eigen::Isometry3d::Identity() : rig.lidars[0].T_vehicle_lidar;
+}
+
 Stamp end_of(const Sweep& sweep) { return sweep.stamp + sweep.span; }
 
 }  // namespace
@@ -41,7 +46,7 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       in_(in.make_reader()),
       out_(out),
       notifier_(notifier),
-      odometry_(setup.odometry, setup.use_lidar),
+      odometry_(setup.odometry, setup.use_lidar, first_mounting(setup.rig)),
       sweeps_(max_waiting_sweeps(setup.rig.lidars.size()),
               setup.has_motion_sensor ? setup.odometry.max_wait : Duration::zero()),
       previous_sweeps_(setup.rig.lidars.size()),

@@ -37,6 +37,10 @@ void Intake::add_datagram(LidarIndex lidar, const Datagram& datagram) {
       datagram, [&](Sweep& sweep) { push_sweep(lidar, sweep); },
       [&](const GnssFix& fix) {
         if (gnss_lidar_ == lidar) add_gnss(fix, datagram.stamp);
+      },
+      [&](const GyroReadings& readings) {
+        // Their axes are found by the motion that the first lidar measures.
+        if (lidar == LidarIndex(0)) add_vehicle_sample(readings, datagram.stamp);
       });
 }
 

@@ -65,26 +65,38 @@ bool LidarIntake::is_uncalibrated() const {
          assembler_.calibration_source() == velodyne::CalibrationSource::kBuiltIn;
 }
 
-std::optional<GnssFix> LidarIntake::add_position_packet(const Datagram& datagram) {
+LidarIntake::PositionContent LidarIntake::add_position_packet(const Datagram& datagram) {
   const uint32_t sender = assembler_.sender().sender();
   if (sender != 0 && datagram.sender != sender) {
     ++wrong_sender_positions_;
     ++counters_.wrong_sender;
     note_unexpected_sender(datagram);
-    return std::nullopt;
+    return {};
   }
   if (const auto packet = velodyne::parse_position_packet(datagram.payload)) {
     ++counters_.position_packets;
     const bool agrees = velodyne::counts_from_the_hour(*packet);
     agreeing_sentences_ = agrees ? agreeing_sentences_ + 1 : 0;
     if (agreeing_sentences_ >= kMinAgreeingSentences) assembler_.confirm_hour();
-    return new_fix(datagram, *packet);
+    return {new_fix(datagram, *packet), gyro_readings(datagram, *packet)};
   }
   ++refused_positions_;
   ++counters_.malformed;
   counters_.malformed_reason = "a position packet with an impossible state of PPS";
   note_unexpected_sender(datagram);
-  return std::nullopt;
+  return {};
+}
+
+// Other models leave the bytes empty.
+std::optional<GyroReadings> LidarIntake::gyro_readings(
+    const Datagram& datagram, const velodyne::PositionPacket& packet) const {
+  if (model_.model != velodyne::Model::kHdl32e) return std::nullopt;
+  GyroReadings readings;
+  readings.stamp = datagram.stamp;
+  for (size_t unit = 0; unit < packet.imu.size(); ++unit) {
+    readings.rate[unit] = packet.imu[unit].angular_velocity;
+  }
+  return readings;
 }
 
 // Position packets repeat a sentence until the receiver sends the next one.

@@ -6,6 +6,7 @@
 
 #include "daemon/health/lidar_counters.hpp"
 #include "drivers/measurement/datagram.hpp"
+#include "drivers/measurement/gyro_readings.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "drivers/velodyne/model_inference.hpp"
 #include "drivers/velodyne/position_packet.hpp"
@@ -27,15 +28,24 @@ class LidarIntake {
 
   /// Processes a datagram of one of the lidar's ports. Calls `on_sweep(Sweep&)` for every sweep
   /// that it completes; the callee may swap the sweep's arrays for others. Calls `on_fix(const
-  /// GnssFix&)` for a position packet with a new NMEA sentence; the fix has the datagram's stamp.
-  template <class OnSweep, class OnFix>
-  void add_datagram(const Datagram& datagram, OnSweep on_sweep, OnFix on_fix) {
+  /// GnssFix&)` for a position packet with a new NMEA sentence, and `on_gyros(const GyroReadings&)`
+  /// for one of a lidar that has gyros; both have the datagram's stamp.
+  template <class OnSweep, class OnFix, class OnGyros>
+  void add_datagram(const Datagram& datagram, OnSweep on_sweep, OnFix on_fix, OnGyros on_gyros) {
     if (datagram.payload.size() == velodyne::kPositionPacketSize) {
-      if (const auto fix = add_position_packet(datagram)) on_fix(*fix);
+      const PositionContent content = add_position_packet(datagram);
+      if (content.fix) on_fix(*content.fix);
+      if (content.gyros) on_gyros(*content.gyros);
       return;
     }
     push(datagram);
     pull(on_sweep);
+  }
+
+  /// The same without gyros.
+  template <class OnSweep, class OnFix>
+  void add_datagram(const Datagram& datagram, OnSweep on_sweep, OnFix on_fix) {
+    add_datagram(datagram, on_sweep, on_fix, [](const GyroReadings&) {});
   }
 
   /// The same without fixes.
@@ -81,6 +91,11 @@ class LidarIntake {
   const LidarCounters& counters() const { return counters_; }
 
  private:
+  struct PositionContent {
+    std::optional<GnssFix> fix;
+    std::optional<GyroReadings> gyros;
+  };
+
   template <class OnSweep>
   void pull(OnSweep on_sweep) {
     while (assembler_.pull(sweep_)) complete(on_sweep);
@@ -98,7 +113,9 @@ class LidarIntake {
   void push(const Datagram& datagram);
   void judge_model();
   bool is_uncalibrated() const;
-  std::optional<GnssFix> add_position_packet(const Datagram& datagram);
+  PositionContent add_position_packet(const Datagram& datagram);
+  std::optional<GyroReadings> gyro_readings(const Datagram& datagram,
+                                            const velodyne::PositionPacket& packet) const;
   std::optional<GnssFix> new_fix(const Datagram& datagram, const velodyne::PositionPacket& packet);
   void note_packet(Stamp stamp);
   void note_unexpected_sender(const Datagram& datagram);

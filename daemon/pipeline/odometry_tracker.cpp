@@ -13,8 +13,10 @@ motion::OdometryOptions filter_options(const OdometrySettings& settings, bool us
 
 }  // namespace
 
-OdometryTracker::OdometryTracker(const OdometrySettings& settings, bool use_lidar)
+OdometryTracker::OdometryTracker(const OdometrySettings& settings, bool use_lidar,
+                                 const Eigen::Isometry3d& T_vehicle_lidar)
     : filter_(filter_options(settings, use_lidar)),
+      gyro_axes_(T_vehicle_lidar.linear()),
       use_gnss_speed_(settings.use_gnss_speed),
       max_silence_(settings.filter.max_silence),
       max_gnss_silence_(settings.filter.max_gnss_silence) {}
@@ -23,10 +25,20 @@ void OdometryTracker::add(const VehicleSample& sample) {
   if (const auto* wheels = std::get_if<WheelOdometry>(&sample)) {
     filter_.add(*wheels);
   } else if (const auto* imu = std::get_if<ImuSample>(&sample)) {
+    has_inertial_unit_ = true;
     filter_.add(*imu);
   } else if (const auto* fix = std::get_if<GnssFix>(&sample); fix != nullptr && use_gnss_speed_) {
     filter_.add(*fix);
+  } else if (const auto* readings = std::get_if<GyroReadings>(&sample)) {
+    add_gyros(*readings);
   }
+}
+
+// An inertial unit of the vehicle is better, and the filter has the biases of one unit only.
+void OdometryTracker::add_gyros(const GyroReadings& readings) {
+  if (has_inertial_unit_) return;
+  gyro_axes_.add(readings);
+  if (const auto sample = gyro_axes_.measure(readings)) filter_.add(*sample);
 }
 
 PoseReport OdometryTracker::pose_at(Stamp stamp) const {

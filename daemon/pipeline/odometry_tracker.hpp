@@ -4,6 +4,7 @@
 #include "daemon/health/odometry_health.hpp"
 #include "daemon/pipeline/vehicle_sample.hpp"
 #include "daemon/protocol/reports.hpp"
+#include "fusion/motion/gyro_axes.hpp"
 #include "fusion/motion/odometry_filter.hpp"
 
 namespace infuse::daemon {
@@ -12,7 +13,9 @@ namespace infuse::daemon {
 /// ahead, no jumps. The heading of that frame is unknown: a GNSS course measures its changes only.
 class OdometryTracker {
  public:
-  OdometryTracker(const OdometrySettings& settings, bool use_lidar);
+  /// `use_lidar`: the motion that a lidar measures is added; `T_vehicle_lidar` is its mounting.
+  OdometryTracker(const OdometrySettings& settings, bool use_lidar,
+                  const Eigen::Isometry3d& T_vehicle_lidar = Eigen::Isometry3d::Identity());
 
   /// Adds a sample; samples of different sensors may be out of order by the reordering time.
   void add(const VehicleSample& sample);
@@ -25,7 +28,10 @@ class OdometryTracker {
   void process_until(Stamp end) { filter_.process_until(end); }
 
   /// Adds the motion between two marks.
-  void add(const motion::RelativePose& pose) { filter_.add(pose); }
+  void add(const motion::RelativePose& pose) {
+    filter_.add(pose);
+    gyro_axes_.add(pose);
+  }
 
   /// Processes the samples that still wait for earlier ones.
   void finish() { filter_.flush(); }
@@ -36,13 +42,19 @@ class OdometryTracker {
   /// Returns the pose at `stamp` in the frame `odom`.
   PoseReport pose_at(Stamp stamp) const;
 
+  /// What is known of the gyros in the lidar's housing.
+  const motion::GyroAxes& gyro_axes() const { return gyro_axes_; }
+
   /// Returns the status for HEALTH at the drive time `now`.
   OdometryStatus status(Stamp now) const;
 
  private:
+  void add_gyros(const GyroReadings& readings);
   const char* reason_at(Stamp now) const;
 
   motion::OdometryFilter filter_;
+  motion::GyroAxes gyro_axes_;  // of the lidar
+  bool has_inertial_unit_ = false;
   bool use_gnss_speed_;
   Duration max_silence_, max_gnss_silence_;
 };

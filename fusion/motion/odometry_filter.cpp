@@ -67,6 +67,14 @@ void OdometryFilter::add(const ImuSample& sample) {
   insert(sample.stamp - options_.imu_delay, sample);
 }
 
+void OdometryFilter::add(const AngularVelocity& sample) {
+  if (!std::isfinite(sample.value[2]) || !(sample.noise > 0)) {
+    ++invalid_samples_;
+    return;
+  }
+  insert(sample.stamp, sample);
+}
+
 void OdometryFilter::add(const GnssFix& fix) { insert(fix.stamp - options_.gnss_delay, fix); }
 
 void OdometryFilter::mark(Stamp stamp, bool clone) { insert(stamp, Mark{stamp, clone}); }
@@ -206,6 +214,11 @@ void OdometryFilter::update(const ImuSample& sample) {
            &OdometryState::reset_rotation_covariance);
   }
   if (any_finite(sample.linear_acceleration)) state_.update_gravity(sample);
+}
+
+void OdometryFilter::update(const AngularVelocity& sample) {
+  record(OdometrySource::kGyro, state_.update_gyro(sample),
+         &OdometryState::reset_rotation_covariance);
 }
 
 void OdometryFilter::update(const GnssFix& fix) {

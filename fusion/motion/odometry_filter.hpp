@@ -51,6 +51,7 @@ class OdometryFilter {
   /// Adds a sample; samples come roughly in time order.
   void add(const WheelOdometry& sample);
   void add(const ImuSample& sample);
+  void add(const AngularVelocity& sample);
   void add(const GnssFix& fix);
 
   /// Requests a pose of the trajectory at exactly this time and, with `clone`, a clone for a later
@@ -80,7 +81,7 @@ class OdometryFilter {
     Stamp stamp;
     bool clone = false;
   };
-  using Sample = std::variant<WheelOdometry, ImuSample, GnssFix, Mark>;
+  using Sample = std::variant<WheelOdometry, ImuSample, AngularVelocity, GnssFix, Mark>;
   struct PendingSample {
     Stamp stamp;
     Sample sample;
@@ -92,6 +93,7 @@ class OdometryFilter {
   void process(const PendingSample& waiting);
   void update(const WheelOdometry& sample);
   void update(const ImuSample& sample);
+  void update(const AngularVelocity& sample);
   void update(const GnssFix& fix);
   void update(const Mark& mark);
   void update_wheel_speeds(const WheelOdometry& sample);

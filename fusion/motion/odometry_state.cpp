@@ -272,14 +272,19 @@ bool OdometryState::update_yaw_rate(double yaw_rate) {
 }
 
 bool OdometryState::update_gyro(const ImuSample& sample) {
+  return update_gyro(AngularVelocity{sample.stamp, sample.angular_velocity, options_.gyro_noise});
+}
+
+bool OdometryState::update_gyro(const AngularVelocity& measured) {
   bool accepted = true;
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
+    if (!std::isfinite(measured.value[static_cast<size_t>(i)])) continue;
     Vector H = Vector::Zero();
     H[kAngularVelocity + i] = H[kGyroBias + i] = 1;
     const double expected = x_[kAngularVelocity + i] + x_[kGyroBias + i];
-    accepted = update(sample.angular_velocity[static_cast<size_t>(i)] - expected, H,
-                      options_.gyro_noise, kGateSigmas) &&
-               accepted;
+    accepted =
+        update(measured.value[static_cast<size_t>(i)] - expected, H, measured.noise, kGateSigmas) &&
+        accepted;
   }
   return accepted;
 }

@@ -5,6 +5,7 @@
 
 #include "drivers/measurement/vehicle_samples.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/motion/angular_velocity.hpp"
 #include "fusion/motion/odometry_options.hpp"
 #include "fusion/motion/relative_pose.hpp"
 
@@ -81,6 +82,7 @@ class OdometryState {
   /// carries no information.
   bool update_yaw_rate(double yaw_rate);
   bool update_gyro(const ImuSample& sample);
+  bool update_gyro(const AngularVelocity& measured);
   bool update_gravity(const ImuSample& sample);
   bool update_steering(double steering_angle);
   bool update_gnss_speed(double speed, double noise);  ///< noise: m/s
