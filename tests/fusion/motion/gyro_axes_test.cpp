@@ -174,13 +174,13 @@ TEST(GyroAxes, NothingIsKnownWithoutMotionOrFromOtherSensors) {
 TEST(GyroAxes, AWrongAxisIsGivenUp) {
   Housing before = Housing::draw(2), after = Housing::draw(2);
   after.sign[0] = -before.sign[0];
-  GyroAxes axes(before.R_vehicle_lidar);
+  GyroAxes axes(before.R_vehicle_lidar, {.memory = Duration(30'000'000'000)});
   const TrueDrive drive = car(40, 0.05, 0.04, 0.3);
   drive_with(drive, before, 1, axes, [](double) {});
   ASSERT_EQ(count_right(axes, before), 3);
   double given_up = 0;
   drive_with(
-      car(200, 0.05, 0.04, 0.3), after, 2, axes,
+      car(130, 0.05, 0.04, 0.3), after, 2, axes,
       [&](double t) {
         if (given_up == 0 && !axes.axes()[0].known()) given_up = t;
       },
