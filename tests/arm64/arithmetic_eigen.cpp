@@ -140,8 +140,6 @@ std::vector<Results> eigen_results() {
   add_fixed_sums<float, 20>("float", all);
   add_fixed_matrices<double, 3>("double", all);
   add_fixed_matrices<double, 6>("double", all);
-  add_fixed_matrices<float, 3>("float", all);
-  add_fixed_matrices<float, 6>("float", all);
   add_dynamic_matrices<double>("double", all);
   add_dynamic_matrices<float>("float", all);
   add_geometry<double>("double", all);
