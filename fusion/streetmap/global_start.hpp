@@ -29,7 +29,7 @@ struct GlobalStartOptions {
   double yaw_noise = 0.002;       ///< rad per √m driven
   double max_log_odds = 16;       ///< a hypothesis that is worse than the best by more is dropped
   double same_place = 15;         ///< m within which hypotheses are one place
-  double min_alone = 100;         ///< m driven while all else is improbable until the place is sure
+  double min_alone = 150;         ///< m driven while all else is improbable until the place is sure
   double turn_worth = 40;         ///< m of it that a turn of a radian meanwhile counts for
   int max_witnessed = 48;         ///< hypotheses that sensor data are compared with; 0: never
   double max_mean_misfit = 0.02;  ///< misfit of independent evidence of a place that is sure

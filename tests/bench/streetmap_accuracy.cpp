@@ -269,7 +269,7 @@ void write_start_row(std::ostream& out, const std::string& name, bool gnss, cons
 
 void given_starts(std::ostream& out, const TestDrive& test_drive) {
   constexpr size_t kViewsAfterRecovery = 20;
-  constexpr double kMaxSeconds = 60;
+  constexpr double kRunSeconds = 60;
   out << "The start is stated within 2 m. A fix each half second, 1 m of noise, off by 4 m per "
          "axis (standard deviation,\nlasting). \"Recovered\": TRACKING within 3 m of the truth, at "
          "most 60 s after the first turn of 45° or crossing; the run\nends 10 s later. True starts "
@@ -315,7 +315,7 @@ void given_starts(std::ostream& out, const TestDrive& test_drive) {
         if (gnss) options.gnss_sigma = 4;
         const double event = test_drive.views[start.first_event].seconds;
         const double begin = test_drive.views[start.first_view].seconds;
-        const double end = kind == Kind::kTrue ? begin + kMaxSeconds : event + kMaxSeconds;
+        const double end = kind == Kind::kTrue ? begin + kRunSeconds : event + kRunSeconds;
         size_t last = start.first_event;
         while (last < test_drive.views.size() && test_drive.views[last].seconds < end) ++last;
         options.max_views = last - start.first_view;
@@ -354,7 +354,7 @@ void given_starts(std::ostream& out, const TestDrive& test_drive) {
         row.long_outside += result.longest_outside > 1;
         row.longest_outside = std::max(row.longest_outside, result.longest_outside);
         row.recovered +=
-            result.recovered_after >= 0 && result.recovered_after <= event - begin + kMaxSeconds;
+            result.recovered_after >= 0 && result.recovered_after <= event - begin + kRunSeconds;
         row.seconds += result.seconds * result.updates;
         row.within_300 += result.metres_to_tracking >= 0 && result.metres_to_tracking <= 300;
         row.updates += result.updates_since_tracking;

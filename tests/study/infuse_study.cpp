@@ -148,6 +148,8 @@ void add_starts_command(CLI::App& app) {
                     "drive elsewhere: through another town, along the next file");
   command->add_option("--starts", run.starts, "number of starts on each recorded trajectory")
       ->capture_default_str();
+  command->add_option("--length", run.options.length, "m that each start drives")
+      ->capture_default_str();
   command->add_option("--seed", run.seed, "seed of the first")->capture_default_str();
   command->add_option("--marks", run.marks, "file for what every start knew, each 10 m");
   command->callback([] {
