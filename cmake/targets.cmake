@@ -32,8 +32,8 @@ if(INFUSE_FUZZ)
   target_compile_options(infuse_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# Precompiled headers, one for all libraries and programs and one for all tests: every file parses the standard
-# library and Eigen otherwise, which takes longer than the file itself.
+# Precompiled headers: every file parses the standard library and Eigen otherwise, which takes longer than the file
+# itself. One for all, one for daemon/ with the libraries that it uses beside them, and one for the tests.
 if(NOT EXISTS ${CMAKE_BINARY_DIR}/precompiled.cpp)  # written anew, it would be compiled anew with all that includes it
   file(WRITE ${CMAKE_BINARY_DIR}/precompiled.cpp "")
 endif()
@@ -46,27 +46,52 @@ function(infuse_precompiled name)
 endfunction()
 infuse_precompiled(infuse_pch)
 
+# What the folders of daemon/ use. The parts of Asio and Beast that are not templates are compiled once, in
+# daemon/server/network_library.cpp.
+add_library(infuse_daemon_base INTERFACE)
+target_link_libraries(infuse_daemon_base INTERFACE infuse::flags spdlog::spdlog nlohmann_json::nlohmann_json
+  Boost::headers Threads::Threads)
+target_compile_definitions(infuse_daemon_base INTERFACE BOOST_ASIO_SEPARATE_COMPILATION
+  BOOST_BEAST_SEPARATE_COMPILATION)
+infuse_precompiled(infuse_daemon_pch <sstream> <nlohmann/json.hpp> <spdlog/spdlog.h> <spdlog/fmt/fmt.h>
+  <boost/asio/generic/stream_protocol.hpp> <boost/asio/io_context.hpp> <boost/asio/steady_timer.hpp>)
+target_link_libraries(infuse_daemon_pch PRIVATE infuse_daemon_base)
+
 # Most of a file's compilation goes into headers and templates that its neighbours use too, so that compiling the files
 # of a folder together takes half the time. Who changes one file all day compiles it by itself: -DINFUSE_UNITY=OFF.
 option(INFUSE_UNITY "compile the files of a folder together" ON)
 
-# infuse_library(drivers/velodyne DEPENDENCY...): all .cpp files of the folder but tests, as infuse::drivers_velodyne.
+# What does not run for each measurement is optimised little: that takes half the time, or less.
+set(INFUSE_COLD_OPTIONS $<$<CONFIG:Release>:-O1>)
+
+# infuse_library(drivers/velodyne [COLD] DEPENDENCY...): all .cpp files of the folder but tests, as
+# infuse::drivers_velodyne. COLD: nothing in it runs for each measurement.
 function(infuse_library folder)
+  cmake_parse_arguments(ARG "COLD" "" "" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
   add_library(infuse_${name} STATIC ${sources})
   add_library(infuse::${name} ALIAS infuse_${name})
-  target_link_libraries(infuse_${name} PUBLIC infuse::flags ${ARGN})
-  target_precompile_headers(infuse_${name} REUSE_FROM infuse_pch)
+  target_link_libraries(infuse_${name} PUBLIC infuse::flags ${ARG_UNPARSED_ARGUMENTS})
+  if(folder MATCHES "^daemon/")
+    target_link_libraries(infuse_${name} PUBLIC infuse_daemon_base)
+    target_precompile_headers(infuse_${name} REUSE_FROM infuse_daemon_pch)
+  else()
+    target_precompile_headers(infuse_${name} REUSE_FROM infuse_pch)
+  endif()
+  if(ARG_COLD)
+    target_compile_options(infuse_${name} PRIVATE ${INFUSE_COLD_OPTIONS})
+  endif()
   set_target_properties(infuse_${name} PROPERTIES UNITY_BUILD ${INFUSE_UNITY} UNITY_BUILD_BATCH_SIZE 12)
 endfunction()
 
 # infuse_program(infused daemon/infused.cpp DEPENDENCY...): one program in build/bin. cmake/package.cmake installs it.
 function(infuse_program name source)
   add_executable(${name} ${source})
-  target_link_libraries(${name} PRIVATE infuse::flags ${ARGN})
-  target_precompile_headers(${name} REUSE_FROM infuse_pch)
+  target_link_libraries(${name} PRIVATE infuse_daemon_base ${ARGN})
+  target_precompile_headers(${name} REUSE_FROM infuse_daemon_pch)
+  target_compile_options(${name} PRIVATE ${INFUSE_COLD_OPTIONS})
 endfunction()
 
 # infuse_test(tests/drivers/velodyne [THREADED] [ALLOCATIONS] DEPENDENCY...): all *_test.cpp of the

@@ -35,6 +35,11 @@ class CalibrationGuard {
   /// The calibration in use.
   const Eigen::Isometry3d& T_camera_lidar() const { return supervisor_.current(); }
 
+  /// T_camera_lidar of the last re-estimation, usable or not; null before the first.
+  const Eigen::Isometry3d* estimate() const {
+    return last_result_ ? &last_result_->T_camera_lidar : nullptr;
+  }
+
  private:
   void start_reestimation(const monitoring::SupervisorActions& actions, Stamp now);
   void fill_report(const monitoring::MonitorReport& monitor_report);

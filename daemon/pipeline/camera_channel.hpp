@@ -40,6 +40,9 @@ class CameraChannel {
     if (guard_) guard_->shut_down();
   }
 
+  /// T_camera_lidar of the last re-estimation; null before the first.
+  const Eigen::Isometry3d* estimate() const { return guard_ ? guard_->estimate() : nullptr; }
+
   const std::string& name() const { return mount_.name; }
   /// Lidar that the calibration refers to.
   LidarIndex lidar() const { return lidar_; }

@@ -260,7 +260,9 @@ void FusionThread::process_image(const CameraImage& image, const Sweep& sweep) {
       summarise(match, cameras_[image.camera].name());
   send_report();
   if (!match.usable()) return;
-  if (setup_.view != nullptr) setup_.view->add_image(match);
+  if (setup_.view != nullptr) {
+    setup_.view->add_image(match, cameras_[image.camera].estimate());
+  }
   if (map_tracker_) {
     const ScopedLatency timer(latency(Stage::kTrack));
     map_tracker_->add_image(match, odometry_.trajectory());

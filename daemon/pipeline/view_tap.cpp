@@ -11,6 +11,26 @@ int16_t centimetres(float metres) {
   return static_cast<int16_t>(std::clamp(100 * metres, -kLimit, kLimit));
 }
 
+void copy_returns(const SweepSnapshot& snapshot, ViewReturns& out) {
+  const Sweep& sweep = snapshot.sweep;
+  const motion::DeskewedSweep& at = snapshot.deskewed;
+  out.x.assign(at.x.begin(), at.x.end());
+  out.y.assign(at.y.begin(), at.y.end());
+  out.z.assign(at.z.begin(), at.z.end());
+  out.range.assign(sweep.range.begin(), sweep.range.end());
+  out.reflectivity.assign(sweep.reflectivity.begin(), sweep.reflectivity.end());
+  out.ring.assign(sweep.ring.begin(), sweep.ring.end());
+  out.column.assign(sweep.column.begin(), sweep.column.end());
+}
+
+void clear(ViewReturns& returns) {
+  for (auto* values : {&returns.x, &returns.y, &returns.z, &returns.range, &returns.reflectivity}) {
+    values->clear();
+  }
+  returns.ring.clear();
+  returns.column.clear();
+}
+
 void reserve(ViewPoints& points) {
   points.x.reserve(ViewTap::kMaxPoints);
   points.y.reserve(ViewTap::kMaxPoints);
@@ -63,7 +83,7 @@ void ViewTap::add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* 
   sweep_.fresh = true;
 }
 
-void ViewTap::add_image(const ImageMatch& match) {
+void ViewTap::add_image(const ImageMatch& match, const Eigen::Isometry3d* estimate) {
   if (!wanted()) return;
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock || match.image.camera >= images_.size()) return;
@@ -71,7 +91,14 @@ void ViewTap::add_image(const ImageMatch& match) {
   slot.value.camera = match.image.camera;
   slot.value.frame = match.image.frame;
   slot.value.T_camera_lidar = match.T_camera_lidar;
+  slot.value.T_camera_lidar_estimate.reset();
+  if (estimate != nullptr) slot.value.T_camera_lidar_estimate = *estimate;
   quantise(match.snapshot, kMaxPoints, slot.value.points);
+  if (slot.with_returns) {
+    copy_returns(match.snapshot, slot.value.returns);
+  } else {
+    clear(slot.value.returns);
+  }
   slot.fresh = true;
 }
 
@@ -82,8 +109,9 @@ bool ViewTap::swap_sweep(ViewSweep& out) {
   return true;
 }
 
-bool ViewTap::swap_image(CameraIndex camera, ViewImage& out) {
+bool ViewTap::swap_image(CameraIndex camera, ViewImage& out, bool with_returns) {
   const std::lock_guard lock(mutex_);
+  images_[camera].with_returns = with_returns;
   if (!std::exchange(images_[camera].fresh, false)) return false;
   std::swap(images_[camera].value, out);
   return true;

@@ -9,6 +9,7 @@
 #include "daemon/pipeline/image_match.hpp"
 #include "daemon/pipeline/sensor_index.hpp"
 #include "drivers/measurement/camera_frame.hpp"
+#include "fusion/features/sweep_view.hpp"
 
 namespace infuse::daemon {
 
@@ -39,12 +40,24 @@ struct ViewSweep {
   ViewPoints points;
 };
 
+/// All returns of a sweep as they were measured, deskewed: what a dependence profile needs.
+struct ViewReturns {
+  FieldVector<float> x, y, z;              ///< m, lidar frame
+  FieldVector<float> range, reflectivity;  ///< as in `Sweep`, as the next two
+  FieldVector<uint16_t> ring, column;
+
+  bool empty() const { return range.empty(); }
+  features::SweepView view() const { return {{x, y, z}, range, reflectivity, ring, column}; }
+};
+
 /// An image to look at, and the returns as of its exposure.
 struct ViewImage {
   CameraIndex camera;
   CameraFrame frame;
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use
+  std::optional<Eigen::Isometry3d> T_camera_lidar_estimate;          ///< of the last re-estimation
   ViewPoints points;
+  ViewReturns returns;  ///< empty unless they were asked for
 };
 
 /// The latest sweep and images, from the fusion thread to somebody who looks. Nothing is copied
@@ -63,11 +76,13 @@ class ViewTap {
   /// Adds what the fusion thread has made, if it is wanted.
   void add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* T_odom_vehicle,
                  const ViewMapPose* map = nullptr);
-  void add_image(const ImageMatch& match);
+  /// `estimate`: of the last re-estimation; null: none yet.
+  void add_image(const ImageMatch& match, const Eigen::Isometry3d* estimate = nullptr);
 
-  /// Swaps the latest one into `out`; false if there is none that is new.
+  /// Swaps the latest one into `out`; false if there is none that is new. `with_returns`: the next
+  /// images of the camera bring all their returns.
   bool swap_sweep(ViewSweep& out);
-  bool swap_image(CameraIndex camera, ViewImage& out);
+  bool swap_image(CameraIndex camera, ViewImage& out, bool with_returns = false);
 
   size_t cameras() const { return images_.size(); }
 
@@ -76,6 +91,7 @@ class ViewTap {
   struct Slot {
     Value value;
     bool fresh = false;
+    bool with_returns = false;
   };
 
   std::atomic<bool> wanted_ = false;

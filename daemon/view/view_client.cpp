@@ -69,7 +69,7 @@ void ViewClient::read() {
   socket_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, size_t) {
     if (error) return self->end();
     if (self->socket_.got_text()) {
-      self->handlers_.on_command(beast::buffers_to_string(self->buffer_.data()));
+      self->handlers_.on_command(self, beast::buffers_to_string(self->buffer_.data()));
     }
     self->buffer_.consume(self->buffer_.size());
     self->read();

@@ -28,7 +28,7 @@ class ViewClient : public std::enable_shared_from_this<ViewClient> {
   /// `on_end` once.
   struct Handlers {
     std::function<void(const std::shared_ptr<ViewClient>&)> on_open;
-    std::function<void(const std::string&)> on_command;
+    std::function<void(const std::shared_ptr<ViewClient>&, const std::string&)> on_command;
     std::function<void(const std::shared_ptr<ViewClient>&)> on_end;
   };
 
@@ -43,18 +43,23 @@ class ViewClient : public std::enable_shared_from_this<ViewClient> {
 
   void close();
 
+  /// Whether the page shows dependence profiles; false at first.
+  bool profiles_wanted() const { return profiles_wanted_; }
+  void set_profiles_wanted(bool wanted) { profiles_wanted_ = wanted; }
+
  private:
   void read();
   void write();
   void end();
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;  // no compression
   Handlers handlers_;
   Request request_;
   boost::beast::flat_buffer buffer_;
   std::deque<Message> queue_;
   size_t binary_waiting_ = 0;
   uint64_t lost_ = 0;
+  bool profiles_wanted_ = false;
   bool writing_ = false;
   bool open_ = false;  // after the handshake
   bool ended_ = false;

@@ -32,4 +32,13 @@ std::optional<ViewCommand> parse_view_command(std::string_view text) {
   return std::nullopt;
 }
 
+std::optional<bool> parse_profiles_wanted(std::string_view text) {
+  const Json wish = Json::parse(text, nullptr, false);
+  if (!wish.is_object() || wish.size() != 1 || wish.begin().key() != "profiles" ||
+      !wish.front().is_boolean()) {
+    return std::nullopt;
+  }
+  return wish.front().get<bool>();
+}
+
 }  // namespace infuse::daemon

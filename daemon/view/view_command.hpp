@@ -28,4 +28,8 @@ struct ViewCommand {
 /// integers of JavaScript) or `{"seek":"alert"}`. Nothing for every other text.
 std::optional<ViewCommand> parse_view_command(std::string_view text);
 
+/// Reads `{"profiles":true}` or `false`: whether a page shows dependence profiles. It changes what
+/// is sent to that page, and nothing else. Nothing for every other text.
+std::optional<bool> parse_profiles_wanted(std::string_view text);
+
 }  // namespace infuse::daemon

@@ -3,8 +3,6 @@
 #include <bit>
 #include <cmath>
 
-#include "daemon/protocol/json.hpp"
-
 namespace infuse::daemon {
 namespace {
 
@@ -43,6 +41,8 @@ std::string begin_frame(const Json& header, const ViewPoints& points, size_t mor
 
 }  // namespace
 
+std::string encode_frame(const Json& header) { return begin_frame(header, {}, 0); }
+
 std::string encode_sweep(const ViewSweep& sweep, const Rig& rig) {
   const LidarMount& lidar = rig.lidars[sweep.lidar];
   Json header{{"kind", "sweep"},
@@ -69,6 +69,9 @@ std::string encode_image(const ViewImage& image, const std::vector<uint8_t>& jpe
   const CameraMount& camera = rig.cameras[image.camera];
   const CameraIntrinsics& model = camera.intrinsics;
   const bool fisheye = model.model == CameraIntrinsics::Model::kFisheye;
+  const LidarMount* lidar = rig.find_lidar(camera.lidar);
+  const Eigen::Isometry3d T_vehicle_lidar =
+      lidar != nullptr ? lidar->T_vehicle_lidar : Eigen::Isometry3d::Identity();
   const Json header{{"kind", "image"},
                     {"device", camera.name},
                     {"stamp", std::to_string(image.frame.stamp.ns())},
@@ -81,6 +84,7 @@ std::string encode_image(const ViewImage& image, const std::vector<uint8_t>& jpe
                     {"cx", model.cx},
                     {"cy", model.cy},
                     {"distortion", model.distortion},
+                    {"T_vehicle_lidar", matrix(T_vehicle_lidar)},
                     {"T_camera_lidar", matrix(image.T_camera_lidar)},
                     {"T_camera_lidar_rig", matrix(camera.T_camera_lidar)}};
   std::string out = begin_frame(header, image.points, jpeg.size());

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "daemon/pipeline/view_tap.hpp"
+#include "daemon/protocol/json.hpp"
 #include "drivers/measurement/rig.hpp"
 #include "fusion/streetmap/segment_map.hpp"
 
@@ -19,9 +20,12 @@ namespace infuse::daemon {
 std::string encode_sweep(const ViewSweep& sweep, const Rig& rig);
 
 /// Encodes an image in the same way: kind "image", device, stamp, width, height, intrinsics (model,
-/// fx, fy, cx, cy, distortion), T_camera_lidar in use and as the rig has it, points; after the
-/// points the JPEG file `jpeg`.
+/// fx, fy, cx, cy, distortion), T_vehicle_lidar, T_camera_lidar in use and as the rig has it,
+/// points; after the points the JPEG file `jpeg`.
 std::string encode_image(const ViewImage& image, const std::vector<uint8_t>& jpeg, const Rig& rig);
+
+/// A message that is its text alone.
+std::string encode_frame(const Json& header);
 
 /// Part of the street map around a point (m, map frame), as a binary message: kind "map", stamp,
 /// no points, cell (m), columns, rows, x and y (m, map frame, of its south-west corner); then a

@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -25,6 +26,7 @@
 #include "daemon/view/view_client.hpp"
 #include "daemon/view/view_files.hpp"
 #include "daemon/view/view_frames.hpp"
+#include "daemon/view/view_profiler.hpp"
 #include "daemon/view/viewer_client.hpp"
 #include "drivers/camera/jpeg_encoder.hpp"
 
@@ -41,6 +43,7 @@ constexpr size_t kMaxPending = 512;     // reports that this thread has not read
 constexpr uint32_t kMaxHeaderBytes = 8192;
 constexpr std::chrono::seconds kRequestTime{10};
 constexpr std::chrono::milliseconds kFramePeriod{50};
+constexpr std::chrono::seconds kProfilePeriod{2};  // of each camera; a profile takes 50 ms
 constexpr int kJpegQuality = 75;
 constexpr double kMapStep = 40;                         // m
 constexpr size_t kMaxViewerPending = size_t{32} << 20;  // bytes of messages on their way here
@@ -58,7 +61,9 @@ const std::map<std::string_view, ViewFile>& view_files() {
       {"/style.css", {"text/css; charset=utf-8", kViewStyle}},
       {"/charts.js", {"text/javascript; charset=utf-8", kViewCharts}},
       {"/scene.js", {"text/javascript; charset=utf-8", kViewScene}},
+      {"/profile.js", {"text/javascript; charset=utf-8", kViewProfile}},
       {"/overlay.js", {"text/javascript; charset=utf-8", kViewOverlay}},
+      {"/image_colours.js", {"text/javascript; charset=utf-8", kViewImageColours}},
       {"/history.js", {"text/javascript; charset=utf-8", kViewHistory}},
       {"/player.js", {"text/javascript; charset=utf-8", kViewPlayer}},
       {"/view.js", {"text/javascript; charset=utf-8", kViewCode}}};
@@ -97,7 +102,9 @@ class ViewServer::Impl {
         map_(map),
         tap_(tap),
         control_(std::move(control)),
-        channels_(channels) {
+        channels_(channels),
+        profiler_(rig),
+        next_profile_(rig.cameras.size()) {
     if (channels_ == nullptr) return;
     channels_->on_message([this](ViewerChannels::Message message) { pass_on(std::move(message)); });
   }
@@ -244,9 +251,10 @@ class ViewServer::Impl {
   void open_page(const std::shared_ptr<Connection>& connection) {
     const auto client = std::make_shared<ViewClient>(
         std::move(connection->stream),
-        ViewClient::Handlers{.on_open = [this](const auto& opened) { greet(*opened); },
-                             .on_command = [this](const auto& text) { command(text); },
-                             .on_end = [this](const auto& ended) { remove(ended); }});
+        ViewClient::Handlers{
+            .on_open = [this](const auto& opened) { greet(*opened); },
+            .on_command = [this](const auto& from, const auto& text) { command(*from, text); },
+            .on_end = [this](const auto& ended) { remove(ended); }});
     clients_.insert(client);
     client_count_ = clients_.size();
     tap_.set_wanted(true);
@@ -286,8 +294,9 @@ class ViewServer::Impl {
     if (last_map_) client.send(last_map_);
   }
 
-  /// A page of a replay may change its pace; everything else is ignored.
-  void command(const std::string& text) {
+  /// A page may ask for profiles, that of a replay may change its pace; everything else is ignored.
+  void command(ViewClient& client, const std::string& text) {
+    if (const auto wanted = parse_profiles_wanted(text)) client.set_profiles_wanted(*wanted);
     if (!control_) return;
     if (const auto asked = parse_view_command(text)) control_(*asked);
   }
@@ -306,14 +315,32 @@ class ViewServer::Impl {
       send_all(encode_sweep(sweep_, rig_));
     }
     for (size_t camera = 0; camera < tap_.cameras(); ++camera) {
-      if (!tap_.swap_image(CameraIndex(camera), image_)) continue;
+      const bool profile = profile_due(camera);
+      if (!tap_.swap_image(CameraIndex(camera), image_, profile)) continue;
       if (!camera::encode_jpeg(image_.frame, kJpegQuality, jpeg_)) continue;
       send_all(encode_image(image_, jpeg_, rig_));
+      if (profile && !image_.returns.empty()) send_profile(camera);
     }
     timer_.expires_after(kFramePeriod);
     timer_.async_wait([this](beast::error_code error) {
       if (!error) poll();
     });
+  }
+
+  bool profile_due(size_t camera) const {
+    return std::chrono::steady_clock::now() >= next_profile_[camera] &&
+           std::any_of(clients_.begin(), clients_.end(),
+                       [](const auto& client) { return client->profiles_wanted(); });
+  }
+
+  /// Sends the profiles of the image in hand to the pages that show them.
+  void send_profile(size_t camera) {
+    const auto message =
+        std::make_shared<const ViewMessage>(ViewMessage{profiler_.encode(image_), true});
+    for (const auto& client : clients_) {
+      if (client->profiles_wanted()) client->send(message);
+    }
+    next_profile_[camera] = std::chrono::steady_clock::now() + kProfilePeriod;
   }
 
   /// Sends the street map around the vehicle, when it has left the middle of what was sent.
@@ -355,6 +382,8 @@ class ViewServer::Impl {
   ViewSweep sweep_;  // memory that is used again, as the next two
   ViewImage image_;
   std::vector<uint8_t> jpeg_;
+  ViewProfiler profiler_;
+  std::vector<std::chrono::steady_clock::time_point> next_profile_;  // by CameraIndex; of host time
   std::thread thread_;
 };
 

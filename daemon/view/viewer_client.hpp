@@ -49,7 +49,7 @@ class ViewerClient : public std::enable_shared_from_this<ViewerClient> {
   void write();
   void end();
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;  // no compression
   ViewerChannels& channels_;
   const std::string session_;
   std::function<void(const std::shared_ptr<ViewerClient>&)> on_end_;

@@ -4,6 +4,8 @@
 // appears in place of white space (is_non_ascii_horizontal_whitespace does not handle U+00A1 to
 // U+0499 and two other ranges). That header is included first, with `return false` instead.
 #define TOML_EXCEPTIONS 0
+// Its functions that are not templates are compiled in toml_library.cpp.
+#define TOML_HEADER_ONLY 0
 // Some assertions of its parser fail for damaged files. Without assertions it reports an error, as
 // it must in every build.
 #define TOML_ASSERT(condition) static_cast<void>(0)

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/monitoring/reduced_image.hpp"
+
 namespace infuse::monitoring {
 namespace {
 
@@ -46,7 +48,7 @@ CalibrationMonitor::CalibrationMonitor(const CameraIntrinsics& camera,
                                        const MonitorOptions& options)
     : options_(options),
       camera_(camera),
-      step_(std::max(1, static_cast<int>(std::lround(camera.fx / options.reduced_focal_length)))),
+      step_(reduction_step(camera, options.reduced_focal_length)),
       T_camera_lidar_(T_camera_lidar),
       dependence_(options.weights),
       detector_(options.detector),
@@ -77,10 +79,7 @@ void CalibrationMonitor::accumulate_motion(Stamp stamp, const Motion& motion) {
 
 /// Returns why an image is not evaluated, or an empty text.
 const char* CalibrationMonitor::reason_to_skip(const CameraFrame& grey, const Motion& motion) {
-  const CameraIntrinsics& camera = camera_.intrinsics();
-  if (grey.format != PixelFormat::kGrey8 || grey.width != camera.width ||
-      grey.height != camera.height ||
-      grey.pixels.size() != grey.row_bytes() * static_cast<size_t>(grey.height)) {
+  if (!matches_intrinsics(grey, camera_.intrinsics())) {
     return "the image does not match the intrinsics";
   }
   accumulate_motion(grey.stamp, motion);

@@ -76,6 +76,34 @@ const cameras = await page.$$eval('#cameras canvas', all => all.length);
 if (cameras > 0) {
   check('the lidar is on the image', await waitFor(async () => /[1-9]\d* returns in view/.test(await text(page, '#cameras'))),
     await text(page, '#cameras .tools .dim'));
+  // The profile of the dependence: six charts, or why there are none; asked for by this panel only.
+  await page.click('nav button[data-panel=cameras]');
+  const profile = () => page.evaluate(`(player.history.entries.get('profile:' + [...overlays.keys()][0]) ?? []).at(-1)?.value.header ?? null`);
+  check('a profile of the dependence comes', await waitFor(async () => await profile() !== null));
+  const {reason, profiles} = await profile();
+  const charts = await page.$$eval('#cameras .overlay .profiles svg', all => all.length);
+  if (reason) {
+    check('without a profile the reason is shown', charts === 0 && (await text(page, '#cameras')).includes(reason), reason);
+  } else {
+    const names = Object.keys(profiles);
+    check('it has six axes for each calibration', charts === 6 * cameras && names.includes('use') && names.includes('saved') &&
+      names.every(name => profiles[name].length === 6 && profiles[name].every(axis => axis.length === 25 && axis.every(Number.isFinite))), names.join(', '));
+    check('whose middle is the dependence at that calibration', names.every(name => profiles[name].every(axis => axis[12] === profiles[name][0][12])));
+  }
+  if (!quick) {
+    for (const scheme of ['light', 'dark']) {
+      await page.emulateMediaFeatures([{name: 'prefers-color-scheme', value: scheme}]);
+      await page.evaluate(`document.querySelector('.profiles')?.scrollIntoView({block: 'end'})`);
+      await sleep(300);
+      await page.screenshot({path: path.join(out, `profile-${scheme}.png`)});
+    }
+  }
+  await page.click('nav button[data-panel=scene]');
+  await sleep(500);
+  const count = () => page.evaluate(`[...player.history.entries].filter(([key]) => key.startsWith('profile:')).reduce((sum, [, list]) => sum + list.length, 0)`);
+  const had = await count();
+  await sleep(3000);
+  check('no profile is made while the panel is closed', await count() === had, `${had} before`);
 }
 await page.keyboard.press('1');
 await page.keyboard.press(' ');

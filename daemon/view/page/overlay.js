@@ -27,12 +27,13 @@ const rangeColours = Array.from({length: 64}, (_, i) => `hsl(${Math.round(i * 24
 class Overlay {
   constructor(parent, device) {
     this.canvas = element('canvas', {role: 'img', 'aria-label': `image of ${device} with the lidar over it`});
-    this.other = element('select', {'aria-label': 'other calibration'}, element('option', {value: 'rig'}, 'of the rig'),
-      element('option', {value: 'estimate'}, 'last estimate'));
+    this.other = element('select', {'aria-label': 'other calibration'}, element('option', {value: 'rig'}, 'saved'),
+      element('option', {value: 'estimate'}, 're-estimated'));
     this.share = element('input', {type: 'range', min: 0, max: 1, step: 0.02, value: 1, 'aria-label': 'from the other to the one in use'});
     this.note = element('span', {class: 'dim'});
+    this.profile = element('div');
     parent.append(element('div', {class: 'overlay'}, element('h3', {}, device), this.canvas,
-      element('div', {class: 'tools'}, element('label', {}, 'Calibration ', this.other, ' ', this.share, ' in use'), this.note)));
+      element('div', {class: 'tools'}, element('label', {}, 'Calibration ', this.other, ' ', this.share, ' in use'), this.note), this.profile));
     for (const control of [this.other, this.share]) control.addEventListener('input', () => this.draw());
   }
 
@@ -57,6 +58,13 @@ class Overlay {
     const other = this.other.value === 'estimate' ? this.estimate ?? use : this.frame.header.T_camera_lidar_rig;
     const share = Number(this.share.value);
     return use.map((v, i) => share * v + (1 - share) * other[i]);
+  }
+
+  /** Shows a message of kind "profile"; null: none. */
+  showProfile(frame) {
+    if (frame === this.shownProfile) return;
+    this.shownProfile = frame;
+    this.profile.replaceChildren(...(frame ? profileElements(frame.header) : []));
   }
 
   draw() {

@@ -21,13 +21,14 @@ const matrices = {
   transposed(a) { return a.map((_, i) => a[4 * (i % 4) + Math.floor(i / 4)]); },
 };
 
-const pointShader = `attribute float x, y, z, reflectivity, ring; uniform mat4 T_vehicle_lidar, projection; uniform float colour, rings;
+const pointShader = `attribute float x, y, z, reflectivity, ring; attribute vec3 pixel; uniform mat4 T_vehicle_lidar, projection;
+uniform float colour, rings;
 varying vec3 shade;
 vec3 ramp(float v) { v = clamp(v, 0.0, 1.0); return clamp(vec3(1.5 - abs(4.0 * v - 3.2), 1.5 - abs(4.0 * v - 2.0), 1.5 - abs(4.0 * v - 0.9)), 0.08, 1.0); }
 void main() {
   vec4 p = T_vehicle_lidar * vec4(0.01 * vec3(x, y, z), 1.0);
   gl_Position = projection * p; gl_PointSize = 2.0;
-  shade = ramp(colour < 0.5 ? 1.1 * sqrt(reflectivity) : colour < 1.5 ? 0.2 + p.z / 6.0 : ring * 255.0 / rings);
+  shade = colour > 2.5 ? pixel : ramp(colour < 0.5 ? 1.1 * sqrt(reflectivity) : colour < 1.5 ? 0.2 + p.z / 6.0 : ring * 255.0 / rings);
 }`;
 const lineShader = `attribute vec3 at; uniform mat4 projection; void main() { gl_Position = projection * vec4(at, 1.0); }`;
 const groundShader = `attribute vec2 corner; uniform mat4 projection; varying vec2 at; uniform mat4 T_vehicle_map; uniform vec4 patch;
@@ -39,6 +40,7 @@ const lineColour = 'precision mediump float; uniform vec3 tint; void main() { gl
 /** Colours of the kinds of segments (fusion/streetmap/segment.hpp), in their order; dim, so that the returns stand out. */
 const segmentColours = [[18, 22, 26], [52, 56, 62], [104, 108, 114], [62, 60, 52], [70, 56, 40], [104, 98, 40], [26, 46, 30],
   [24, 40, 66], [48, 42, 56], [60, 40, 38], [140, 84, 76], [44, 44, 44], [120, 120, 120]];
+const byImage = 3;  // the colour of `Scene.setColour`
 const chiSquare99 = 9.21;  // of two degrees of freedom
 
 /** Point of the 99 % ellipse of a covariance (xx, xy, yy) at an angle of its parameter, by Cholesky. */
@@ -62,6 +64,7 @@ class Scene {
     this.ground = this.program(groundShader, groundColour);
     this.buffers = {};
     this.grid = this.gridLines();
+    this.colours = new ImageColours(() => this.request());
     this.listen();
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
@@ -85,13 +88,36 @@ class Scene {
       this.pitch = Math.min(1.55, Math.max(0.02, this.pitch + dy * 0.006));
       this.draw();
     };
-    this.canvas.addEventListener('pointermove', e => { if (e.buttons) turn(e.movementX, e.movementY); });
-    this.canvas.addEventListener('pointerdown', e => this.canvas.setPointerCapture(e.pointerId));
+    const zoom = factor => {
+      this.distance = Math.min(300, Math.max(4, this.distance * factor));
+      this.draw();
+    };
+    const held = new Map();  // pointers: one turns, two zoom
+    const apart = () => { const [a, b] = held.values(); return Math.max(1, Math.hypot(a[0] - b[0], a[1] - b[1])); };
+    this.canvas.addEventListener('pointerdown', e => {
+      held.set(e.pointerId, [e.clientX, e.clientY]);
+      this.canvas.setPointerCapture(e.pointerId);
+    });
+    for (const name of ['pointerup', 'pointercancel']) this.canvas.addEventListener(name, e => held.delete(e.pointerId));
+    this.canvas.addEventListener('pointermove', e => {
+      const last = held.get(e.pointerId);
+      if (!last) return;
+      const before = held.size === 2 ? apart() : 0;
+      held.set(e.pointerId, [e.clientX, e.clientY]);
+      if (held.size === 1) turn(e.clientX - last[0], e.clientY - last[1]);
+      if (held.size === 2) zoom(before / apart());
+    });
     this.canvas.addEventListener('wheel', e => {
       e.preventDefault();
-      this.distance = Math.min(300, Math.max(4, this.distance * Math.exp(e.deltaY * 0.001)));
-      this.draw();
+      zoom(Math.exp(e.deltaY * 0.001));
     }, {passive: false});
+  }
+
+  /** 0: reflectivity, 1: height, 2: beam, 3: the camera's image. */
+  setColour(colour) {
+    this.colour = colour;
+    this.colours?.want(colour === byImage);
+    this.draw();
   }
 
   look(name) {
@@ -230,15 +256,26 @@ class Scene {
         T_vehicle_odom[4 * i] * x + T_vehicle_odom[4 * i + 1] * y + T_vehicle_odom[4 * i + 2] * z + T_vehicle_odom[4 * i + 3]));
       this.drawLines(projection, new Float32Array(track), gl.LINE_STRIP, [0.45, 0.67, 1]);
     }
+    const clouds = this.colour === byImage ? this.colours.clouds() : [];
+    for (const {header: image, x, y, z, colour, count} of clouds) {
+      this.drawPoints(projection, image.T_vehicle_lidar, {x, y, z}, count,
+        [this.attribute(this.points, 'pixel', colour, 3, gl.UNSIGNED_BYTE, true)]);
+    }
+    if (clouds.length) return;
+    this.drawPoints(projection, header.T_vehicle_lidar, points, header.points,
+      ['reflectivity', 'ring'].map(name => this.attribute(this.points, name, points[name], 1, gl.UNSIGNED_BYTE, true)));
+  }
+
+  /** Draws points of a lidar, cm; `used`: what they are coloured by. */
+  drawPoints(projection, T_vehicle_lidar, points, count, used) {
+    const gl = this.gl;
     gl.useProgram(this.points);
     gl.uniformMatrix4fv(gl.getUniformLocation(this.points, 'projection'), false, matrices.transposed(projection));
-    gl.uniformMatrix4fv(gl.getUniformLocation(this.points, 'T_vehicle_lidar'), false, matrices.transposed(header.T_vehicle_lidar));
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.points, 'T_vehicle_lidar'), false, matrices.transposed(T_vehicle_lidar));
     gl.uniform1f(gl.getUniformLocation(this.points, 'colour'), this.colour ?? 0);
-    gl.uniform1f(gl.getUniformLocation(this.points, 'rings'), points.ring.reduce((a, b) => Math.max(a, b), 1));
-    const used = ['x', 'y', 'z'].map(axis => this.attribute(this.points, axis, points[axis], 1, gl.SHORT, false));
-    used.push(this.attribute(this.points, 'reflectivity', points.reflectivity, 1, gl.UNSIGNED_BYTE, true),
-              this.attribute(this.points, 'ring', points.ring, 1, gl.UNSIGNED_BYTE, true));
-    gl.drawArrays(gl.POINTS, 0, header.points);
-    used.forEach(at => gl.disableVertexAttribArray(at));
+    gl.uniform1f(gl.getUniformLocation(this.points, 'rings'), points.ring ? points.ring.reduce((a, b) => Math.max(a, b), 1) : 1);
+    const drawn = used.concat(['x', 'y', 'z'].map(axis => this.attribute(this.points, axis, points[axis], 1, gl.SHORT, false)));
+    gl.drawArrays(gl.POINTS, 0, count);
+    drawn.forEach(at => gl.disableVertexAttribArray(at));
   }
 }

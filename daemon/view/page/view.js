@@ -9,6 +9,7 @@ const historySeconds = 600;
 
 const scene = new Scene(place('points'));
 const overlays = new Map(), calibrations = new Map(), alerts = new Map();
+let socket = null;
 let health = null, mapPose = null, start = null, panel = 'scene', slow = 0;
 let shownAt = Infinity;  // drive time that is shown, s
 
@@ -49,6 +50,12 @@ function showCalibration(report) {
   if (panel === 'calibration') showCalibrations();
 }
 
+/** Of the rotations and the translations of a covariance, row by row. */
+function estimateSigma(covariance) {
+  const sigma = i => Math.sqrt(Math.max(0, covariance[7 * i]));
+  return `${[0, 1, 2].map(i => fixed(sigma(i) * 180 / Math.PI, 3)).join(', ')} ° and ${[3, 4, 5].map(i => fixed(100 * sigma(i), 1)).join(', ')} cm`;
+}
+
 function showCalibrations() {
   const parts = [];
   for (const [device, {report, points: all}] of calibrations) {
@@ -68,7 +75,8 @@ function showCalibrations() {
     }
     if (report.estimate) {
       parts.push(element('p', {}, `Last estimate: ${report.estimate.scenes} scenes, `,
-        state(report.estimate.usable ? 'OK' : 'WARN', report.estimate.usable ? 'usable' : report.estimate.reason)));
+        state(report.estimate.usable ? 'OK' : 'WARN', report.estimate.usable ? 'usable' : report.estimate.reason),
+        `; standard deviation ${estimateSigma(report.estimate.covariance)}`));
     }
     if (report.history?.length) {
       parts.push(table(['at', 'state', 'what'], report.history.map(h => [`${driveTime(h.stamp).toFixed(1)} s`, h.state, h.what])));
@@ -129,6 +137,12 @@ function open(name) {
   for (const section of document.querySelectorAll('section')) section.hidden = section.id !== name;
   for (const button of document.querySelectorAll('nav button')) button.setAttribute('aria-current', String(button.dataset.panel === name));
   panels[name]();
+  askForProfiles();
+}
+
+/** Profiles are made only while a page shows them. */
+function askForProfiles() {
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify({profiles: panel === 'cameras'}));
 }
 
 /** What each key of the history shows. */
@@ -160,8 +174,10 @@ const show = {
       overlays.get(device).estimate = calibrations.get(device)?.report?.estimate?.T_camera_lidar;
     }
     overlays.get(device).latest = frame;
+    scene.colours?.add(frame);
     if (panel === 'cameras') overlays.get(device).show();
   },
+  profile(frame) { overlays.get(frame.header.device)?.showProfile(frame); },
 };
 /** What is shown of a key at a time before its first value. */
 const clear = {
@@ -177,6 +193,7 @@ const clear = {
     if (panel === 'motion' || panel === 'health') panels[panel]();
   },
   ALERTS: () => show.ALERTS([]),
+  profile(device) { overlays.get(device)?.showProfile(null); },
 };
 const showKey = (key, value) => {
   const [kind, ...device] = key.split(':');
@@ -195,6 +212,7 @@ const receive = {
     raised.clear();
     scene.track = [];
     player.begin(message.replay);
+    askForProfiles();
   },
   LOST(message) {
     place('connection').textContent = `connected; this page is slow: ${message.count} messages left out`;
@@ -221,10 +239,9 @@ function receiveFrame(frame, bytes) {
   driveTime(stamp);
   if (kind === 'sweep') scene.addTrack(frame);
   if (kind === 'map') player.add('map', seconds(stamp), frame, bytes);
-  if (kind === 'sweep' || kind === 'image') player.add(`${kind}:${device}`, seconds(stamp), frame, bytes);
+  if (kind === 'sweep' || kind === 'image' || kind === 'profile') player.add(`${kind}:${device}`, seconds(stamp), frame, bytes);
 }
 
-let socket = null;
 function connect() {
   socket = new WebSocket(`ws://${location.host}/stream`);
   socket.binaryType = 'arraybuffer';
@@ -241,7 +258,7 @@ function connect() {
 }
 
 for (const button of document.querySelectorAll('nav button')) button.addEventListener('click', () => open(button.dataset.panel));
-place('colour').addEventListener('change', e => { scene.colour = Number(e.target.value); scene.draw(); });
+place('colour').addEventListener('change', e => scene.setColour(Number(e.target.value)));
 place('camera').addEventListener('change', e => scene.look(e.target.value));
 document.addEventListener('keydown', e => {
   const names = Object.keys(panels);

@@ -44,5 +44,16 @@ TEST(ViewCommand, EverythingElseIsIgnored) {
   }
 }
 
+TEST(ViewCommand, AskingForProfilesIsNoCommand) {
+  EXPECT_EQ(parse_profiles_wanted(R"({"profiles":true})"), true);
+  EXPECT_EQ(parse_profiles_wanted(R"({"profiles":false})"), false);
+  for (const char* text :
+       {"", "[[[[", "true", "{}", "[true]", R"({"profiles":1})", R"({"profiles":"true"})",
+        R"({"profiles":true,"rate":0})", R"({"rate":0})"}) {
+    EXPECT_FALSE(parse_profiles_wanted(text)) << text;
+  }
+  EXPECT_FALSE(parse_view_command(R"({"profiles":true})"));
+}
+
 }  // namespace
 }  // namespace infuse::daemon

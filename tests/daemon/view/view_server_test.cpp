@@ -347,6 +347,45 @@ TEST_F(ViewServerTest, OnlyAReplayTakesACommandAndOnlyOne) {
   EXPECT_EQ(read(page), "{}");
 }
 
+TEST_F(ViewServerTest, ProfilesGoToThePagesThatAsk) {
+  const auto server = start();
+  Page asking = open(*server), other = open(*server);
+  read(asking);
+  read(other);
+  asking.write(asio::buffer(std::string(R"({"profiles":true})")));
+  CameraImage image;
+  image.readable = true;
+  image.frame.width = 4;
+  image.frame.height = 2;
+  image.frame.pixels.resize(8);
+  const SmallSweep small(3);
+  const Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+  const ImageMatch match{image, small.snapshot(), T_camera_lidar};
+  // The tap leaves out what comes while the server is at it: images come again and again.
+  std::jthread camera([&](std::stop_token stop) {
+    for (; !stop.stop_requested(); std::this_thread::sleep_for(10ms)) tap_.add_image(match);
+  });
+  std::vector<std::string> kinds;
+  while (kinds.empty() || (kinds.back() != "profile" && kinds.size() < 100)) {
+    kinds.push_back(Frame(read(asking)).header["kind"]);
+  }
+  EXPECT_EQ(kinds.back(), "profile");
+  EXPECT_EQ(kinds.front(), "image");
+  camera = {};
+  // The other page gets as many images, and nothing else before the next report.
+  server->publish(ReportClass::kSweep, "top", R"({"class":"SWEEP"})");
+  std::string last;
+  size_t images = 0;
+  for (; last.empty() || other.got_binary(); ++images) {
+    last = read(other);
+    if (other.got_binary()) {
+      EXPECT_EQ(Frame(last).header["kind"], "image");
+    }
+  }
+  EXPECT_GE(images, 1u);
+  EXPECT_EQ(last, R"({"class":"SWEEP"})");
+}
+
 TEST_F(ViewServerTest, ATakenPortIsAnError) {
   const auto server = start();
   settings_.port = server->port();
