@@ -10,7 +10,7 @@ namespace {
 constexpr size_t kKeptReadings = 512;  // 2.5 s at 200 Hz
 constexpr double kMinReadings = 5;     // of an interval
 constexpr Duration kMaxInterval{500'000'000};
-constexpr double kLeastVariance = 1e-12;     // rad²/s²
+constexpr double kMinVariance = 1e-12;       // rad²/s²
 constexpr double kMaxRotationSigma = 0.005;  // rad; lidars that know less are no reference
 
 /// True if registration determines the rotation.
@@ -101,7 +101,7 @@ void GyroAxes::add(const RelativePose& motion) {
 double GyroAxes::unexplained(int gyro, int axis, double sign) const {
   const int row = 3 + gyro;
   const double left = scatter_(row, row) + scatter_(axis, axis) - 2 * sign * scatter_(row, axis);
-  return std::max(left / weight_, kLeastVariance);
+  return std::max(left / weight_, kMinVariance);
 }
 
 bool GyroAxes::contradicted(int gyro, const GyroAxis& known) const {
@@ -110,7 +110,7 @@ bool GyroAxes::contradicted(int gyro, const GyroAxis& known) const {
     for (const double sign : {1.0, -1.0}) best = std::min(best, unexplained(gyro, axis, sign));
   }
   const double left = unexplained(gyro, known.axis, known.sign);
-  return weight_ / 2 * std::log(left / std::max(best, kLeastVariance)) > options_.min_lead;
+  return weight_ / 2 * std::log(left / std::max(best, kMinVariance)) > options_.min_lead;
 }
 
 // The likelihood of an axis is that of normal residuals with unknown variance.
@@ -136,9 +136,9 @@ GyroAxis GyroAxes::judge(int gyro) const {
       }
     }
   }
-  const double lead = weight_ / 2 * std::log(std::max(second, kLeastVariance) / best);
+  const double lead = weight_ / 2 * std::log(std::max(second, kMinVariance) / best);
   const double scale =
-      out.sign * scatter_(row, out.axis) / std::max(scatter_(out.axis, out.axis), kLeastVariance);
+      out.sign * scatter_(row, out.axis) / std::max(scatter_(out.axis, out.axis), kMinVariance);
   if (lead < options_.min_lead || best > options_.max_unexplained * variance) {
     out.axis = -1;
     out.reason = "the motion does not tell its axis";
