@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
