@@ -69,7 +69,7 @@ void Intake::add_datagram(LidarIndex lidar, const Datagram& datagram) {
       },
       [&](const GyroReadings& readings) {
         // Their axes are found by the motion that the first lidar measures.
-        if (lidar == LidarIndex(0)) add_vehicle_sample(readings, datagram.stamp);
+        if (lidar == LidarIndex(0)) add_vehicle_sample(readings, datagram.stamp, false);
       });
 }
 
