@@ -46,13 +46,18 @@ function(infuse_precompiled name)
 endfunction()
 infuse_precompiled(infuse_pch)
 
-# What the folders of daemon/ use. The parts of Asio and Beast that are not templates are compiled once, in
-# daemon/server/network_library.cpp.
+# What does not run for each measurement is optimised little: that takes half the time, or less.
+set(INFUSE_COLD_OPTIONS $<$<CONFIG:Release>:-O1>)
+
+# The parts of Asio and Beast that are not templates, compiled once.
+add_library(infuse_network STATIC daemon/network_library.cpp)
+target_link_libraries(infuse_network PUBLIC infuse::flags Boost::headers Threads::Threads)
+target_compile_definitions(infuse_network PUBLIC BOOST_ASIO_SEPARATE_COMPILATION BOOST_BEAST_SEPARATE_COMPILATION)
+target_compile_options(infuse_network PRIVATE ${INFUSE_COLD_OPTIONS})
+
+# What the folders of daemon/ use.
 add_library(infuse_daemon_base INTERFACE)
-target_link_libraries(infuse_daemon_base INTERFACE infuse::flags spdlog::spdlog nlohmann_json::nlohmann_json
-  Boost::headers Threads::Threads)
-target_compile_definitions(infuse_daemon_base INTERFACE BOOST_ASIO_SEPARATE_COMPILATION
-  BOOST_BEAST_SEPARATE_COMPILATION)
+target_link_libraries(infuse_daemon_base INTERFACE infuse_network spdlog::spdlog nlohmann_json::nlohmann_json)
 infuse_precompiled(infuse_daemon_pch <sstream> <nlohmann/json.hpp> <spdlog/spdlog.h> <spdlog/fmt/fmt.h>
   <boost/asio/generic/stream_protocol.hpp> <boost/asio/io_context.hpp> <boost/asio/steady_timer.hpp>)
 target_link_libraries(infuse_daemon_pch PRIVATE infuse_daemon_base)
@@ -60,9 +65,6 @@ target_link_libraries(infuse_daemon_pch PRIVATE infuse_daemon_base)
 # Most of a file's compilation goes into headers and templates that its neighbours use too, so that compiling the files
 # of a folder together takes half the time. Who changes one file all day compiles it by itself: -DINFUSE_UNITY=OFF.
 option(INFUSE_UNITY "compile the files of a folder together" ON)
-
-# What does not run for each measurement is optimised little: that takes half the time, or less.
-set(INFUSE_COLD_OPTIONS $<$<CONFIG:Release>:-O1>)
 
 # infuse_library(drivers/velodyne [COLD] DEPENDENCY...): all .cpp files of the folder but tests, as
 # infuse::drivers_velodyne. COLD: nothing in it runs for each measurement.
