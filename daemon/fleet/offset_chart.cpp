@@ -35,7 +35,7 @@ ChartScale scale_of(const OffsetChart& chart) {
   };
   for (const ChartPoint& point : chart.points) include(point.value, point.sigma);
   for (const ChartBand& band : chart.bands) include(band.value, band.sigma);
-  const double margin = std::max(0.06 * (scale.high - scale.low), 1e-6);
+  const double margin = std::max(0.06 * (scale.high - scale.low), 0.005);
   scale.low -= margin;
   scale.high += margin;
   return scale;

@@ -112,7 +112,7 @@ TEST_F(HistoryCommandTest, APageShowsThePosesOverTheMonths) {
   EXPECT_EQ(count("<svg"), 6U);
   EXPECT_EQ(count("<circle"), 6U * 12) << "a restart is no change";
   EXPECT_THAT(page, HasSubstr("11 changes"));
-  EXPECT_THAT(page, HasSubstr("2026-12"));
+  EXPECT_THAT(page, HasSubstr("2026-11"));
   EXPECT_THAT(page, HasSubstr("+0.220"));
   EXPECT_EQ(count("<script"), 0U);
   EXPECT_THAT(page, HasSubstr("&lt;script>no data"));
