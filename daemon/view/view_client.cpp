@@ -11,7 +11,7 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
 constexpr size_t kMaxQueue = 256;        // number of messages
-constexpr size_t kMaxBinaryWaiting = 2;  // number of messages
+constexpr size_t kMaxBinaryWaiting = 8;  // a sweep, the map, and what five cameras have at once
 constexpr size_t kMaxCommand = 1024;     // bytes
 constexpr std::chrono::seconds kHandshake{10}, kIdle{30};
 
