@@ -13,6 +13,7 @@
 /// `members(archive)`, which hands them to a `TypeHash` or an `LcmEncoder`.
 namespace infuse::lcm {
 
+/// Pose of the vehicle in the frame `odom` or `map`.
 struct PoseMessage {
   int64_t utime = 0;  ///< µs since 1970
   std::string frame;
@@ -32,6 +33,7 @@ struct PoseMessage {
   }
 };
 
+/// A sweep, deskewed if `deskewed` says so.
 struct SweepMessage {
   int64_t utime = 0;  ///< µs since 1970
   std::string lidar;
@@ -52,6 +54,7 @@ struct SweepMessage {
   }
 };
 
+/// An alert that was raised or cleared.
 struct AlertMessage {
   int64_t utime = 0;  ///< µs since 1970
   std::string id, device, severity, state, what, advice;

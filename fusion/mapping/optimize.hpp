@@ -20,6 +20,7 @@ struct OptimizeOptions {
   std::optional<std::string> invalid() const;
 };
 
+/// Costs before and after, and whether the poses may be used.
 struct OptimizeResult {
   double initial_cost = 0, cost = 0;
   int iterations = 0;                    ///< factorisations

@@ -6,6 +6,7 @@
 
 namespace infuse::mapping {
 
+/// The optimum without false closures, and which those are.
 struct RobustResult {
   OptimizeResult optimized;    ///< without the rejected closures
   std::vector<char> accepted;  ///< of each edge: 0 for rejected closures

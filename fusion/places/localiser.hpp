@@ -48,6 +48,7 @@ struct LocaliserOptions {
   std::optional<std::string> invalid() const;
 };
 
+/// How far the pose on the map can be trusted.
 enum class LocaliserState : uint8_t {
   kLost,      ///< the pose is not known
   kUnsure,    ///< recognised, not yet confirmed, or no longer
