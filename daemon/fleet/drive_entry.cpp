@@ -2,12 +2,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <Eigen/Eigenvalues>
 #include <set>
 
 #include "daemon/fleet/json_fields.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fusion/calibration/pool_calibrations.hpp"
+#include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -163,10 +163,9 @@ std::string read_matrices(const Json& json, EntryCalibration& calibration) {
     return "its covariance is none";
   }
   // What is left by rounding of a part that is zero.
-  const Eigen::SelfAdjointEigenSolver<geometry::Matrix6> parts(calibration.shared_covariance);
-  calibration.shared_covariance = parts.eigenvectors() *
-                                  parts.eigenvalues().cwiseMax(0).asDiagonal() *
-                                  parts.eigenvectors().transpose();
+  const auto parts = geometry::symmetric_eigen<6>(calibration.shared_covariance);
+  calibration.shared_covariance =
+      parts.vectors * parts.values.cwiseMax(0).asDiagonal() * parts.vectors.transpose();
   return {};
 }
 

@@ -1,6 +1,5 @@
 #include "daemon/mapping/g2o_file.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "drivers/text/numbers.hpp"
 #include "drivers/text/text_file.hpp"
+#include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -92,9 +92,7 @@ std::optional<PoseMatrix<D>> to_information(const std::array<double, kInformatio
   for (int r = 0; r < kPoseFreedom<D>; ++r) {
     for (int c = r; c < kPoseFreedom<D>; ++c) information(r, c) = information(c, r) = v[i++];
   }
-  const auto values =
-      Eigen::SelfAdjointEigenSolver<PoseMatrix<D>>(information, Eigen::EigenvaluesOnly)
-          .eigenvalues();
+  const auto values = geometry::symmetric_eigen<kPoseFreedom<D>>(information).values;
   if (!(values.minCoeff() >= -1e-6 * values.maxCoeff())) return std::nullopt;
   return information;
 }

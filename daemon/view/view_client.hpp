@@ -38,7 +38,7 @@ class ViewClient : public std::enable_shared_from_this<ViewClient> {
   void accept(Request request);
 
   /// Queues a message. A page that does not keep up loses it, and gets the number of lost messages
-  /// when it reads again. Binary messages are lost while two of them wait.
+  /// when it reads again. Binary messages are lost while eight of them wait.
   void send(const Message& message);
 
   void close();

@@ -1,11 +1,11 @@
 #include "fusion/calibration/estimate_intrinsics.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "fusion/calibration/ascent.hpp"
+#include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::calibration {
 namespace {
@@ -100,8 +100,9 @@ SceneInformation even_steps(Objective& objective, const Eigen::Isometry3d& T, co
   curvature /= static_cast<double>(objective.point_count());
   curvature = (scale.asDiagonal() * curvature * scale.asDiagonal()).eval();
   curvature.diagonal().tail<4>().array() += prior_weight;
-  const Eigen::SelfAdjointEigenSolver<SceneInformation> eigen(curvature);
-  return std::sqrt(eigen.eigenvalues()(9)) * eigen.operatorInverseSqrt();
+  const auto eigen = geometry::symmetric_eigen<10>(curvature);
+  return std::sqrt(eigen.values[9]) * eigen.vectors *
+         eigen.values.cwiseSqrt().cwiseInverse().asDiagonal() * eigen.vectors.transpose();
 }
 
 /// Curvature of the objective by pose and intrinsics: Fisher's information, whose differences from

@@ -7,6 +7,7 @@
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/scene_similarity.hpp"
+#include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::calibration {
 namespace {
@@ -59,11 +60,11 @@ struct Sandwich {
 
 Sandwich sandwich(const Matrix6& curvature, const Matrix6& scatter, double effective) {
   const Vector6 unit = sigma_limits();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(
-      Matrix6(unit.asDiagonal() * curvature * unit.asDiagonal()));
-  const double largest = eigen.eigenvalues()(5);
-  if (!(eigen.eigenvalues()(0) > 1e-6 * largest) || !(largest > 0)) {
-    return {.reason = "not observable: " + describe_direction(eigen.eigenvectors().col(0)) +
+  const auto eigen =
+      geometry::symmetric_eigen<6>(unit.asDiagonal() * curvature * unit.asDiagonal());
+  const double largest = eigen.values[5];
+  if (!(eigen.values[0] > 1e-6 * largest) || !(largest > 0)) {
+    return {.reason = "not observable: " + describe_direction(eigen.vectors.col(0)) +
                       " in camera axes is free"};
   }
   const Matrix6 inverse = curvature.inverse();
@@ -205,9 +206,9 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   const Vector6 unit = sigma_limits();
   const Matrix6 scaled =
       unit.cwiseInverse().asDiagonal() * out.covariance * unit.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> worst(scaled);
-  if (worst.eigenvalues()(5) > 1) {
-    out.reason = "not observable: " + describe_direction(worst.eigenvectors().col(5)) +
+  const auto worst = geometry::symmetric_eigen<6>(scaled);
+  if (worst.values[5] > 1) {
+    out.reason = "not observable: " + describe_direction(worst.vectors.col(5)) +
                  " in camera axes is known to worse than 5 degrees or 50 cm";
   }
   const Matrix6 inverse = out.curvature.inverse();

@@ -1,7 +1,8 @@
 #include "fusion/geometry/trajectory.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::geometry {
 namespace {
@@ -14,9 +15,8 @@ constexpr const char* kReasonGap = "the poses around the time are too far apart"
 /// Nearest positive semidefinite matrix. A difference of two covariances may be indefinite, by
 /// rounding or by information gained in between.
 Matrix6 positive_part(const Matrix6& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(0.5 * (symmetric + symmetric.transpose()));
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() *
-         solver.eigenvectors().transpose();
+  const auto eigen = symmetric_eigen<6>(0.5 * (symmetric + symmetric.transpose()));
+  return eigen.vectors * eigen.values.cwiseMax(0).asDiagonal() * eigen.vectors.transpose();
 }
 
 }  // namespace

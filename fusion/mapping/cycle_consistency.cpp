@@ -1,7 +1,6 @@
 #include "fusion/mapping/cycle_consistency.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,6 +8,7 @@
 #include <queue>
 
 #include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/geometry/symmetric_eigen.hpp"
 #include "fusion/mapping/chi2.hpp"
 
 namespace infuse::mapping {
@@ -60,11 +60,10 @@ Twist<3> error_of(const Pose<3>& T) {
 /// Covariance of an edge in the frame at `to`, (translation, rotation), m and rad.
 template <int D>
 PoseMatrix<D> edge_covariance(const PoseMatrix<D>& information) {
-  const Eigen::SelfAdjointEigenSolver<PoseMatrix<D>> solver(information);
-  const Twist<D> values =
-      solver.eigenvalues().cwiseMax(1e-12 * std::max(solver.eigenvalues().maxCoeff(), 1e-12));
-  PoseMatrix<D> covariance = solver.eigenvectors() * values.cwiseInverse().asDiagonal() *
-                             solver.eigenvectors().transpose();
+  const auto eigen = geometry::symmetric_eigen<kPoseFreedom<D>>(information);
+  const Twist<D> values = eigen.values.cwiseMax(1e-12 * std::max(eigen.values.maxCoeff(), 1e-12));
+  PoseMatrix<D> covariance =
+      eigen.vectors * values.cwiseInverse().asDiagonal() * eigen.vectors.transpose();
   if constexpr (D == 3) {  // of half the angle
     covariance.template bottomRows<3>() *= 2;
     covariance.template rightCols<3>() *= 2;

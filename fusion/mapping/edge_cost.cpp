@@ -1,9 +1,9 @@
 #include "fusion/mapping/edge_cost.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::mapping {
 namespace {
@@ -14,8 +14,7 @@ using Square = Eigen::Matrix<double, D, D>;
 /// Harmonic mean of the eigenvalues of an information.
 template <int D>
 double harmonic_mean(const Square<D>& information) {
-  const auto values =
-      Eigen::SelfAdjointEigenSolver<Square<D>>(information, Eigen::EigenvaluesOnly).eigenvalues();
+  const auto values = geometry::symmetric_eigen<D>(information).values;
   return D / values.cwiseMax(1e-12 * values.maxCoeff()).cwiseInverse().sum();
 }
 

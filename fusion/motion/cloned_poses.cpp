@@ -1,7 +1,7 @@
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "fusion/geometry/symmetric_eigen.hpp"
 #include "fusion/motion/odometry_state.hpp"
 
 namespace infuse::motion {
@@ -31,8 +31,12 @@ Matrix6 planar_part(const Matrix6& information) {
       unknown(i, j) = information(kUnknown[i], kUnknown[j]);
     }
   }
-  const Eigen::Matrix3d rest =
-      kept - cross * unknown.completeOrthogonalDecomposition().pseudoInverse() * cross.transpose();
+  const auto eigen = geometry::symmetric_eigen<3>(unknown);
+  const double least = 1e-12 * std::max(eigen.values[2], 0.0);  // what is smaller carries nothing
+  const Eigen::Vector3d inverse =
+      (eigen.values.array() > least).select(eigen.values.array().inverse(), 0.0);
+  const Eigen::Matrix3d across = cross * eigen.vectors;
+  const Eigen::Matrix3d rest = kept - across * inverse.asDiagonal() * across.transpose();
   Matrix6 planar = Matrix6::Zero();
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) planar(kKept[i], kKept[j]) = 0.5 * (rest(i, j) + rest(j, i));
@@ -45,16 +49,16 @@ Directions directions_of(const Matrix6& information, const OdometryOptions& opti
   Vector6 scale;
   scale << Eigen::Vector3d::Constant(kRotationScale), Eigen::Vector3d::Ones();
   const Vector6 inverse = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(inverse.asDiagonal() * information *
-                                                      inverse.asDiagonal());
+  const auto eigen =
+      geometry::symmetric_eigen<6>(inverse.asDiagonal() * information * inverse.asDiagonal());
   Vector6 floor;
   floor << Eigen::Vector3d::Constant(kRotationScale * options.lidar_rotation_noise),
       Eigen::Vector3d::Constant(options.lidar_translation_noise);
   Directions directions;
   for (int i = 0; i < 6; ++i) {
-    const double value = solver.eigenvalues()[i];
+    const double value = eigen.values[i];
     if (!(value > 1 / (kFreeSigma * kFreeSigma))) continue;
-    const Vector6 direction = solver.eigenvectors().col(i);
+    const Vector6 direction = eigen.vectors.col(i);
     const double variance = 1 / value + direction.cwiseProduct(floor).squaredNorm();
     directions.A.row(directions.count++) =
         direction.cwiseProduct(scale).transpose() / std::sqrt(variance);

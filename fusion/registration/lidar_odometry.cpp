@@ -1,10 +1,10 @@
 #include "fusion/registration/lidar_odometry.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "fusion/geometry/symmetric_eigen.hpp"
 #include "fusion/registration/move_points.hpp"
 #include "fusion/registration/uncertainty.hpp"
 
@@ -30,13 +30,13 @@ void orthonormalise(Eigen::Isometry3d& T) {
 /// Inverse of a covariance. Directions with a standard deviation above 1 (rad, m) are free: they
 /// have no information.
 Matrix6 information_of(const Matrix6& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(covariance);
+  const auto eigen = geometry::symmetric_eigen<6>(covariance);
   Vector6 inverse;
   for (int i = 0; i < 6; ++i) {
-    const double variance = eigen.eigenvalues()[i];
+    const double variance = eigen.values[i];
     inverse[i] = variance > 0 && variance < 1 ? 1 / variance : 0;
   }
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
 }  // namespace
@@ -211,9 +211,12 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
     result.reason = "the sweep is not later than the one before";
     return result;
   }
+  // Where nothing is found, as between bare walls, the next search waits for the next map: it costs
+  // a hundred registrations.
+  const bool first_pair = sweeps_ == 1 && failures_ == 0;
   const Eigen::Isometry3d guess = T_from_to_guess ? *T_from_to_guess
-                                  : has_moved()   ? predict(reference)
-                                                  : search_start(seconds);
+                                  : first_pair    ? search_start(seconds)
+                                                  : predict(reference);
   result.registration =
       register_points(T_map_vehicle_ * guess * T_vehicle_lidar_, options_.max_iterations, true);
   result.overlap = overlap_;

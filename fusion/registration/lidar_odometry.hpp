@@ -64,8 +64,8 @@ class LidarOdometry {
 
   /// Registers a sweep that is deskewed to `reference` (coordinates in the lidar frame at that
   /// time). The guess is the vehicle's motion since the sweep before; without one the motion before
-  /// is taken to continue, and at the start all speeds up to `max_start_speed` are tried. Changes
-  /// nothing: `add` takes the sweep into the map.
+  /// is taken to continue, and the first pair of a map tries all speeds up to `max_start_speed`.
+  /// Changes nothing: `add` takes the sweep into the map.
   LidarOdometryResult align(const geometry::PointsView& points, Stamp reference,
                             const std::optional<Eigen::Isometry3d>& T_from_to_guess = {});
 
@@ -82,7 +82,6 @@ class LidarOdometry {
 
  private:
   void select(const geometry::PointsView& points, double voxel_size, size_t min_points);
-  bool has_moved() const { return sweeps_ > 1; }
   Eigen::Isometry3d predict(Stamp reference) const;
   Eigen::Isometry3d search_start(double seconds);
   RegistrationResult register_points(const Eigen::Isometry3d& T_map_lidar_guess, int max_iterations,

@@ -1,10 +1,11 @@
 #include "fusion/registration/rigid_consensus.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
+
+#include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::registration {
 namespace {
@@ -166,8 +167,7 @@ Eigen::Isometry3d fit_rigid(const Correspondences& correspondences,
   N.block<1, 3>(0, 1) = skewed.transpose();
   N.block<3, 1>(1, 0) = skewed;
   N.block<3, 3>(1, 1) = S + S.transpose() - S.trace() * Eigen::Matrix3d::Identity();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(N);
-  const Eigen::Vector4d q = solver.eigenvectors().col(3);
+  const Eigen::Vector4d q = geometry::symmetric_eigen<4>(N).vectors.col(3);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = Eigen::Quaterniond(q(0), q(1), q(2), q(3)).normalized().toRotationMatrix();
   T.translation() = target_mean - T.linear() * source_mean;

@@ -1,10 +1,10 @@
 #include "fusion/registration/uncertainty.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/geometry/symmetric_eigen.hpp"
 #include "fusion/registration/voxel_key.hpp"
 
 namespace infuse::registration {
@@ -58,12 +58,12 @@ Matrix6 unit_displacements(const PoseSystem& system) {
   const Eigen::Matrix3d to_middle = geometry::skew(system.mean);
   const Eigen::Matrix3d arms =
       2 * system.isotropic.topLeftCorner<3, 3>() / system.weight + to_middle * to_middle;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(arms);
+  const auto eigen = geometry::symmetric_eigen<3>(arms);
   Matrix6 unit = Matrix6::Identity();
   unit.topLeftCorner<3, 3>() =
-      eigen.eigenvectors() *
-      eigen.eigenvalues().cwiseMax(kMinArm * kMinArm).cwiseSqrt().cwiseInverse().asDiagonal() *
-      eigen.eigenvectors().transpose();
+      eigen.vectors *
+      eigen.values.cwiseMax(kMinArm * kMinArm).cwiseSqrt().cwiseInverse().asDiagonal() *
+      eigen.vectors.transpose();
   return unit;
 }
 
@@ -83,9 +83,9 @@ DeterminedDirections determined_directions(const PoseSystem& system, const PairN
   // A plane whose normal is the direction counts 1 / 2ε.
   const Matrix6 scaled = out.twist_from_scaled.transpose() * system.planes * out.twist_from_scaled *
                          (2 * noise.plane_variance / system.weight);
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(scaled);
-  out.basis = eigen.eigenvectors().rowwise().reverse();
-  out.count = static_cast<int>((eigen.eigenvalues().array() >= min_plane_fraction).count());
+  const auto eigen = geometry::symmetric_eigen<6>(scaled);
+  out.basis = eigen.vectors.rowwise().reverse();
+  out.count = static_cast<int>((eigen.values.array() >= min_plane_fraction).count());
   return out;
 }
 

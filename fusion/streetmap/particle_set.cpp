@@ -1,11 +1,11 @@
 #include "fusion/streetmap/particle_set.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "fusion/geometry/plane_length.hpp"
+#include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::streetmap {
 namespace {
@@ -13,9 +13,8 @@ namespace {
 /// Returns a square root L of a covariance, L Lᵀ = C; directions without variance are zero.
 template <int N>
 Eigen::Matrix<double, N, N> matrix_sqrt(const Eigen::Matrix<double, N, N>& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(
-      (covariance + covariance.transpose()) / 2);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const auto eigen = geometry::symmetric_eigen<N>((covariance + covariance.transpose()) / 2);
+  return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
 /// State vector of a particle: x, y, yaw, scale, yaw-rate bias.
@@ -47,9 +46,8 @@ bool is_standing(const PlanarPose& motion, const Eigen::Matrix3d& covariance, do
 }  // namespace
 
 double PoseMoments::spread() const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
-      Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()), Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(solver.eigenvalues().maxCoeff(), 0.0));
+  const auto eigen = geometry::symmetric_eigen<2>(covariance.topLeftCorner<2, 2>());
+  return std::sqrt(std::max(eigen.values[1], 0.0));
 }
 
 ParticleSet::ParticleSet(const ParticleOptions& options, uint64_t seed)
