@@ -96,12 +96,15 @@ function(infuse_program name source)
   target_compile_options(${name} PRIVATE ${INFUSE_COLD_OPTIONS})
 endfunction()
 
-# infuse_test(tests/drivers/velodyne [THREADED] [ALLOCATIONS] DEPENDENCY...): all *_test.cpp of the
+# infuse_test(tests/drivers/velodyne [THREADED] [ALLOCATIONS] [SUITES] DEPENDENCY...): all *_test.cpp of the
 # folder, as one program. THREADED: it shares memory between threads, so the thread sanitizer runs it
-# too. ALLOCATIONS: it counts allocations (tests/allocation_counter.hpp).
+# too. ALLOCATIONS: it counts allocations (tests/allocation_counter.hpp). SUITES: the tests of a suite run in one
+# process and share what its set-up makes, such as a drive.
 add_custom_target(threaded_tests)
+# Replacements of operator new do not go with files that use it.
+set_source_files_properties(tests/allocation_counter.cpp tests/early_logger.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 function(infuse_test folder)
-  cmake_parse_arguments(ARG "THREADED;ALLOCATIONS" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "THREADED;ALLOCATIONS;SUITES" "" "" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*_test.cpp)
   add_executable(${name} ${sources})
@@ -113,6 +116,7 @@ function(infuse_test folder)
   endif()
   target_compile_options(${name} PRIVATE -O1)  # what is tested is optimised, the tests need not be
   target_precompile_headers(${name} REUSE_FROM infuse_test_pch)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${INFUSE_UNITY} UNITY_BUILD_BATCH_SIZE 6)
   if(ARG_ALLOCATIONS)
     target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/allocation_counter.cpp)
   endif()
@@ -122,6 +126,20 @@ function(infuse_test folder)
     add_dependencies(threaded_tests ${name})
     target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/early_logger.cpp)
     target_link_libraries(${name} PRIVATE spdlog::spdlog)
+  endif()
+  if(ARG_SUITES)
+    set(suites "")
+    foreach(source ${sources})
+      file(STRINGS ${source} tests REGEX "^TEST(_F)?\\(")
+      list(TRANSFORM tests REPLACE "^TEST(_F)?\\(([A-Za-z0-9]+),.*" "\\2")
+      list(APPEND suites ${tests})
+    endforeach()
+    list(REMOVE_DUPLICATES suites)
+    foreach(suite ${suites})
+      add_test(NAME ${folder}/${suite} COMMAND ${name} --gtest_filter=${suite}.*)
+      set_tests_properties(${folder}/${suite} PROPERTIES TIMEOUT 1200 ${labels})
+    endforeach()
+    return()
   endif()
   gtest_discover_tests(${name} TEST_PREFIX ${folder}/ DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT 600 ${labels} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")

@@ -49,7 +49,7 @@ LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker&
 
 void LidarMotion::take(const Found& found, bool predicted, const motion::DeskewedSweep& deskewed) {
   located_ = found.result.usable() || found.first;
-  if (!predicted && deskewed.usable()) lidar_odometry_.reset();
+  if (!predicted && !map_deskewed_ && deskewed.usable()) lidar_odometry_.reset();
   lidar_odometry_.add(points_of(deskewed), found.result);
   map_deskewed_ = deskewed.usable();
 }

@@ -11,7 +11,7 @@ struct SymmetricEigen {
   Eigen::Matrix<double, N, N> vectors;
 };
 
-/// Decomposes a symmetric matrix, of which the lower triangle is read; N is 1, 2, 3, 4, 6 or 10.
+/// Decomposes a symmetric matrix, of which the lower triangle is read; N is 1 ... 6 or 10.
 /// Does not allocate. Eigen's solver takes 5 s of compilation for each size in each file that uses
 /// it; here it is compiled once for all.
 template <int N>

@@ -1,4 +1,5 @@
 #include "daemon/calibration/background_worker.hpp"
+#include "tests/stamp_at.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,6 @@
 namespace infuse::daemon {
 namespace {
 
-Stamp at(int64_t seconds) { return Stamp::from_ns(seconds * 1'000'000'000); }
 constexpr Duration kTenSeconds{10'000'000'000};
 
 TEST(Background, AResultIsVisibleAtItsStatedTimeWhateverItsDuration) {

@@ -1,4 +1,5 @@
 #include "daemon/calibration/calibration_guard.hpp"
+#include "tests/stamp_at.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +7,6 @@ namespace infuse::daemon {
 namespace {
 
 using monitoring::CalibrationState;
-
-Stamp at(double seconds) {
-  return Stamp::from_ns(1'700'000'000'000'000'000) + from_seconds(seconds);
-}
 
 /// A guard of one camera that sees black images and no returns, ten times a second.
 class CalibrationGuardTest : public testing::Test {

@@ -81,9 +81,9 @@ TEST_F(HistoryCommandTest, OtherLinesAreCountedAndOldOnesLeftOut) {
   std::ofstream(folder_ / "history.jsonl", std::ios::app) << "{\"form\":1,\"cl";
   const auto result = history("--json --days 30");
   ASSERT_EQ(result.code, 0) << result.output;
-  const Json json = Json::parse(result.output);
-  EXPECT_EQ(json["alerts"].size(), 1U);
-  EXPECT_EQ(json["unreadable"], 2);
+  const Json shown = Json::parse(result.output);
+  EXPECT_EQ(shown["alerts"].size(), 1U);
+  EXPECT_EQ(shown["unreadable"], 2);
   EXPECT_THAT(history("").output, HasSubstr("2026-01-01 00:00:00 STALE lidar.silent: no data"));
 }
 

@@ -26,7 +26,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-ProgramResult run(const std::string& command) {
+ProgramResult run_quietly(const std::string& command) {
   return run_shell_command(std::string(INFUSE_BINARIES) + "/" + command + " 2>/dev/null");
 }
 
@@ -48,8 +48,8 @@ class RealDrive : public testing::Test {
   // All reports of a replay, in order.
   std::vector<json> replay() {
     const auto reports = folder_ / "reports.jsonl";
-    EXPECT_EQ(run("infused --replay " + drive_.string() + " --reports " + reports.string() +
-                  " --socket " + (folder_ / "s").string())
+    EXPECT_EQ(run_quietly("infused --replay " + drive_.string() + " --reports " + reports.string() +
+                          " --socket " + (folder_ / "s").string())
                   .code,
               0);
     std::vector<json> all;
@@ -66,7 +66,8 @@ class RealDrive : public testing::Test {
   }
 
   json calibrate(const std::string& arguments) {
-    return json::parse(run("infuse calibrate " + drive_.string() + " --json " + arguments).output);
+    return json::parse(
+        run_quietly("infuse calibrate " + drive_.string() + " --json " + arguments).output);
   }
 
   TemporaryFolder folder_;
@@ -120,7 +121,7 @@ TEST_F(RealDrive, ACameraTurnedByOneDegreeAboutAnyAxisIsSuspected) {
 
 TEST_F(RealDrive, SaysWhatItCanBeUsedFor) {
   IMPORT_OR_SKIP();
-  const json result = json::parse(run("infuse inspect --json " + drive_.string()).output);
+  const json result = json::parse(run_quietly("infuse inspect --json " + drive_.string()).output);
   ASSERT_EQ(result["uses"].size(), 4u);
   for (size_t k = 0; k < 3; ++k) EXPECT_TRUE(result["uses"][k]["possible"].get<bool>()) << k;
   EXPECT_THAT(result["uses"][3]["statement"].get<std::string>(), HasSubstr("a street map"));
@@ -246,7 +247,7 @@ TEST_F(RealDrive, BecomesAMap) {
   IMPORT_OR_SKIP();
   const std::string map = (folder_ / "map").string();
   const json made =
-      json::parse(run("infuse map " + drive_.string() + " -o " + map + " --json").output);
+      json::parse(run_quietly("infuse map " + drive_.string() + " -o " + map + " --json").output);
   EXPECT_TRUE(made["usable"].get<bool>()) << made;
   EXPECT_EQ(made["closures"], 0);
   EXPECT_EQ(made["sweeps"], 51);
@@ -254,7 +255,8 @@ TEST_F(RealDrive, BecomesAMap) {
   EXPECT_TRUE(made["georeferenced"].get<bool>());
   EXPECT_LT(made["fixes_rms_m"].get<double>(), 0.3);
   const json scored = json::parse(
-      run("infuse evaluate " + map + "/trajectory.tum " + drive_.string() + " --json").output);
+      run_quietly("infuse evaluate " + map + "/trajectory.tum " + drive_.string() + " --json")
+          .output);
   EXPECT_LT(scored["absolute"]["translation_m"]["rms"].get<double>(), 0.15) << scored;
 }
 

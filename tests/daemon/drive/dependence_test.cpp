@@ -13,7 +13,7 @@
 namespace infuse::daemon {
 namespace {
 
-void make_drive(const std::filesystem::path& folder, double sun) {
+void make_drive_in_sun(const std::filesystem::path& folder, double sun) {
   const std::string text =
       "duration_s = 11\n"
       "[world]\n"
@@ -81,8 +81,8 @@ double check_peak(const std::filesystem::path& folder) {
 
 TEST(Dependence, PeaksAtTheTruthAlongEveryAxisUnderAnEvenSkyAndInTheSun) {
   const TemporaryFolder folder;
-  ASSERT_NO_FATAL_FAILURE(make_drive(folder / "overcast", 0));
-  ASSERT_NO_FATAL_FAILURE(make_drive(folder / "sun", 1));
+  ASSERT_NO_FATAL_FAILURE(make_drive_in_sun(folder / "overcast", 0));
+  ASSERT_NO_FATAL_FAILURE(make_drive_in_sun(folder / "sun", 1));
   const double overcast = check_peak(folder / "overcast");
   const double sun = check_peak(folder / "sun");
   EXPECT_GT(sun, 0);

@@ -1,4 +1,5 @@
 #include "daemon/health/stream_health.hpp"
+#include "tests/stamp_at.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +8,6 @@ namespace infuse::daemon {
 namespace {
 
 using testing::HasSubstr;
-
-Stamp at(double seconds) {
-  return Stamp::from_ns(1'700'000'000'000'000'000) + from_seconds(seconds);
-}
 
 // A wrong baud rate looks like silence, but for the bytes.
 TEST(StreamHealth, SilenceWithBytesNamesTheBaudRate) {

@@ -1,11 +1,10 @@
 #include "daemon/live/alert_pause.hpp"
+#include "tests/stamp_at.hpp"
 
 #include <gtest/gtest.h>
 
 namespace infuse::daemon {
 namespace {
-
-Stamp at(double seconds) { return Stamp::from_ns(1'000'000'000'000) + from_seconds(seconds); }
 
 TEST(AlertPause, AFlappingSensorIsRecordedOncePerPause) {
   AlertPause pause;

@@ -3,13 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/daemon/pipeline/run_replay.hpp"
+#include "tests/stamp_at.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-Stamp at(double seconds) {
-  return Stamp::from_ns(1'700'000'000'000'000'000) + from_seconds(seconds);
-}
 
 class HistoryWriterTest : public testing::Test {
  protected:

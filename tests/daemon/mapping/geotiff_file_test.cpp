@@ -1,4 +1,5 @@
 #include "daemon/mapping/geotiff_file.hpp"
+#include "tests/daemon/mapping/cloud_of.hpp"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -77,17 +78,6 @@ struct Tiff {
     }
   }
 };
-
-mapping::Submap cloud_of(std::initializer_list<std::array<float, 4>> points) {
-  mapping::Submap cloud;
-  for (const auto& [x, y, z, reflectivity] : points) {
-    cloud.x.push_back(x);
-    cloud.y.push_back(y);
-    cloud.z.push_back(z);
-    cloud.reflectivity.push_back(reflectivity);
-  }
-  return cloud;
-}
 
 TEST(GeotiffFile, HasTheValuesAndTheirPlace) {
   MapImage image(0.5);

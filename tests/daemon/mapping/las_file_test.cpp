@@ -1,4 +1,5 @@
 #include "daemon/mapping/las_file.hpp"
+#include "tests/daemon/mapping/cloud_of.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,17 +17,6 @@ T at(const std::string& bytes, size_t offset) {
   EXPECT_LE(offset + sizeof(T), bytes.size());
   std::memcpy(&value, bytes.data() + offset, sizeof(T));
   return value;
-}
-
-mapping::Submap cloud_of(std::initializer_list<std::array<float, 4>> points) {
-  mapping::Submap cloud;
-  for (const auto& [x, y, z, reflectivity] : points) {
-    cloud.x.push_back(x);
-    cloud.y.push_back(y);
-    cloud.z.push_back(z);
-    cloud.reflectivity.push_back(reflectivity);
-  }
-  return cloud;
 }
 
 /// Coordinate of a point as a reader of LAS computes it.

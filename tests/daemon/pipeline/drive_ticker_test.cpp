@@ -7,7 +7,7 @@
 namespace infuse::daemon {
 namespace {
 
-Stamp at(double seconds) {
+Stamp tick_at(double seconds) {
   return Stamp::from_ns(1'700'000'000'500'000'000) + from_seconds(seconds);
 }
 
@@ -22,36 +22,36 @@ class DriveTickerTest : public testing::Test {
 };
 
 TEST_F(DriveTickerTest, TicksEverySecondSinceTheFirstStamp) {
-  EXPECT_TRUE(ticks(at(0)).empty());
-  EXPECT_TRUE(ticks(at(0.999)).empty());
-  EXPECT_EQ(ticks(at(1)), std::vector{at(1)});
-  EXPECT_TRUE(ticks(at(1.5)).empty());
-  EXPECT_EQ(ticks(at(4.2)), (std::vector{at(2), at(3), at(4)}));
+  EXPECT_TRUE(ticks(tick_at(0)).empty());
+  EXPECT_TRUE(ticks(tick_at(0.999)).empty());
+  EXPECT_EQ(ticks(tick_at(1)), std::vector{tick_at(1)});
+  EXPECT_TRUE(ticks(tick_at(1.5)).empty());
+  EXPECT_EQ(ticks(tick_at(4.2)), (std::vector{tick_at(2), tick_at(3), tick_at(4)}));
 }
 
 TEST_F(DriveTickerTest, DisorderIsNotAStepBack) {
-  ticks(at(0));
-  EXPECT_EQ(ticks(at(1)), std::vector{at(1)});
-  EXPECT_TRUE(ticks(at(0.5)).empty());
-  EXPECT_EQ(ticks(at(2)), std::vector{at(2)});
+  ticks(tick_at(0));
+  EXPECT_EQ(ticks(tick_at(1)), std::vector{tick_at(1)});
+  EXPECT_TRUE(ticks(tick_at(0.5)).empty());
+  EXPECT_EQ(ticks(tick_at(2)), std::vector{tick_at(2)});
 }
 
 TEST_F(DriveTickerTest, AStepBackBeginsAnew) {
-  ticks(at(100));
-  EXPECT_TRUE(ticks(at(0)).empty());
-  EXPECT_EQ(ticks(at(1)), std::vector{at(1)});
+  ticks(tick_at(100));
+  EXPECT_TRUE(ticks(tick_at(0)).empty());
+  EXPECT_EQ(ticks(tick_at(1)), std::vector{tick_at(1)});
 }
 
 TEST_F(DriveTickerTest, AJumpByAYearGivesFewTicks) {
-  ticks(at(0));
-  const auto all = ticks(at(365.0 * 86'400));
+  ticks(tick_at(0));
+  const auto all = ticks(tick_at(365.0 * 86'400));
   EXPECT_EQ(all.size(), static_cast<size_t>(DriveTicker::kMaxTicks) + 1);
-  EXPECT_EQ(all.back(), at(365.0 * 86'400));
-  EXPECT_EQ(ticks(at(365.0 * 86'400 + 1)).size(), 1U);
+  EXPECT_EQ(all.back(), tick_at(365.0 * 86'400));
+  EXPECT_EQ(ticks(tick_at(365.0 * 86'400 + 1)).size(), 1U);
 }
 
 TEST_F(DriveTickerTest, TicksEndAtTheEndOfTime) {
-  ticks(at(0));
+  ticks(tick_at(0));
   EXPECT_LE(ticks(Stamp::latest()).size(), 31U);
   EXPECT_LE(ticks(Stamp::latest()).size(), 31U);
   EXPECT_LE(ticks(Stamp::earliest()).size(), 31U);

@@ -1,4 +1,5 @@
 #include "daemon/pipeline/fusion_thread.hpp"
+#include "tests/stamp_at.hpp"
 
 #include <gmock/gmock.h>
 
@@ -12,10 +13,6 @@ using testing::ElementsAre;
 using Kind = ReportItem::Kind;
 
 constexpr Duration kSpan{90'000'000};
-
-Stamp at(double seconds) {
-  return Stamp::from_ns(1'700'000'000'000'000'000) + from_seconds(seconds);
-}
 
 /// A fusion thread of one lidar and one camera, run on the test's thread after its items.
 class FusionThreadTest : public testing::Test {

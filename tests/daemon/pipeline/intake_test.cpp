@@ -5,16 +5,13 @@
 #include <fstream>
 
 #include "tests/daemon/pipeline/run_replay.hpp"
+#include "tests/stamp_at.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 using testing::ElementsAre;
-using Kind = StreamItem::Kind;
-
-Stamp at(double seconds) {
-  return Stamp::from_ns(1'700'000'000'000'000'000) + from_seconds(seconds);
-}
+using ItemKind = StreamItem::Kind;
 
 /// An intake of one lidar with decoded sweeps, two cameras of which one is mounted, and an inertial
 /// unit.
@@ -45,13 +42,13 @@ class IntakeTest : public testing::Test {
   }
 
   /// Ends the drive and returns what each item is.
-  std::vector<Kind> kinds(double end) {
+  std::vector<ItemKind> kinds(double end) {
     intake_->end(at(end));
-    std::vector<Kind> kinds;
+    std::vector<ItemKind> kinds;
     while (Pin<StreamItem> item = reader_.next()) {
       kinds.push_back(item->kind);
-      if (item->kind == Kind::kSamples) batches_.push_back(item->samples.size());
-      if (item->kind == Kind::kTick) last_tick_ = std::move(item);
+      if (item->kind == ItemKind::kSamples) batches_.push_back(item->samples.size());
+      if (item->kind == ItemKind::kTick) last_tick_ = std::move(item);
     }
     return kinds;
   }
@@ -65,14 +62,16 @@ class IntakeTest : public testing::Test {
 };
 
 TEST_F(IntakeTest, EndsWithAFlushATickAndTheEnd) {
-  EXPECT_THAT(kinds(0.5), ElementsAre(Kind::kStart, Kind::kFlush, Kind::kTick, Kind::kEnd));
+  EXPECT_THAT(kinds(0.5),
+              ElementsAre(ItemKind::kStart, ItemKind::kFlush, ItemKind::kTick, ItemKind::kEnd));
 }
 
 TEST_F(IntakeTest, TicksEachSecondOfDriveTimeBeforeTheEventThatReachesIt) {
   add_imu(0.5);
   add_imu(2.2);
-  EXPECT_THAT(kinds(2.3), ElementsAre(Kind::kStart, Kind::kSamples, Kind::kTick, Kind::kTick,
-                                      Kind::kSamples, Kind::kFlush, Kind::kTick, Kind::kEnd));
+  EXPECT_THAT(kinds(2.3),
+              ElementsAre(ItemKind::kStart, ItemKind::kSamples, ItemKind::kTick, ItemKind::kTick,
+                          ItemKind::kSamples, ItemKind::kFlush, ItemKind::kTick, ItemKind::kEnd));
   EXPECT_EQ(last_tick_->streams[2].received, 2U);
 }
 
@@ -91,8 +90,8 @@ TEST_F(IntakeTest, SamplesPrecedeTheSweepThatFollowsThem) {
   sweep.stamp = at(0.05);
   sweep.resize(3);
   intake_->add_sweep(LidarIndex(0), sweep);
-  EXPECT_THAT(kinds(0.2), ElementsAre(Kind::kStart, Kind::kSamples, Kind::kSweep, Kind::kFlush,
-                                      Kind::kTick, Kind::kEnd));
+  EXPECT_THAT(kinds(0.2), ElementsAre(ItemKind::kStart, ItemKind::kSamples, ItemKind::kSweep,
+                                      ItemKind::kFlush, ItemKind::kTick, ItemKind::kEnd));
   EXPECT_EQ(last_tick_->counters[0].returns, 3U);
 }
 
@@ -101,8 +100,8 @@ TEST_F(IntakeTest, ImagesArePassedOnEncodedAndUnreadableFilesAreCounted) {
   std::ofstream(folder / "0.png") << "bytes";
   intake_->add_image_file(CameraIndex(0), at(0.1), 0, folder / "0.png");
   intake_->add_image_file(CameraIndex(0), at(0.2), 2, folder / "absent.png");
-  EXPECT_THAT(kinds(0.3),
-              ElementsAre(Kind::kStart, Kind::kImage, Kind::kFlush, Kind::kTick, Kind::kEnd));
+  EXPECT_THAT(kinds(0.3), ElementsAre(ItemKind::kStart, ItemKind::kImage, ItemKind::kFlush,
+                                      ItemKind::kTick, ItemKind::kEnd));
   EXPECT_EQ(last_tick_->streams[0].received, 2U);
   EXPECT_EQ(last_tick_->streams[0].refused, 1U);
   EXPECT_EQ(last_tick_->streams[0].lost, 1U);  // number 1
@@ -110,7 +109,8 @@ TEST_F(IntakeTest, ImagesArePassedOnEncodedAndUnreadableFilesAreCounted) {
 
 TEST_F(IntakeTest, ImagesOfACameraWithoutAMountAreOnlyCounted) {
   intake_->add_streamed_image(CameraIndex(1), {.stamp = at(0.1)});
-  EXPECT_THAT(kinds(0.3), ElementsAre(Kind::kStart, Kind::kFlush, Kind::kTick, Kind::kEnd));
+  EXPECT_THAT(kinds(0.3),
+              ElementsAre(ItemKind::kStart, ItemKind::kFlush, ItemKind::kTick, ItemKind::kEnd));
   EXPECT_EQ(last_tick_->streams[1].received, 1U);
 }
 

@@ -7,16 +7,13 @@
 
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/schema.hpp"
+#include "tests/stamp_at.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 using nlohmann::json;
 using testing::ElementsAre;
-
-Stamp at(double seconds) {
-  return Stamp::from_ns(1'700'000'000'000'000'000) + from_seconds(seconds);
-}
 
 /// A publisher of one lidar and one camera.
 class PublisherTest : public testing::Test {

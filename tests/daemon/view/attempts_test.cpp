@@ -25,14 +25,15 @@ struct Attempt {
 
 const std::string kHost = " HTTP/1.1\r\nHost: 127.0.0.1:1\r\n";
 
-std::string get(const std::string& target, const std::string& more = "") {
+std::string get_request(const std::string& target, const std::string& more = "") {
   return "GET " + target + kHost + more + "\r\n";
 }
 
 std::string open_stream(const std::string& more) {
-  return get("/stream", more +
-                            "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: "
-                            "13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n");
+  return get_request("/stream",
+                     more +
+                         "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: "
+                         "13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n");
 }
 
 std::vector<Attempt> attempts() {
@@ -43,15 +44,16 @@ std::vector<Attempt> attempts() {
   };
   add("write: POST /", "POST /" + kHost + "Content-Length: 0\r\n\r\n", "405");
   add("write: DELETE /stream", "DELETE /stream" + kHost + "\r\n", "405");
-  add("a file of the host: GET /../../etc/passwd", get("/../../etc/passwd"), "404");
-  add("the same, encoded: GET /%2e%2e/%2e%2e/etc/passwd", get("/%2e%2e/%2e%2e/etc/passwd"), "404");
-  add("a target of 2000 characters", get("/" + long_text.substr(0, 2000)), "400");
-  add("an absolute target, as to a proxy", get("http://127.0.0.1:1/"), "400");
+  add("a file of the host: GET /../../etc/passwd", get_request("/../../etc/passwd"), "404");
+  add("the same, encoded: GET /%2e%2e/%2e%2e/etc/passwd", get_request("/%2e%2e/%2e%2e/etc/passwd"),
+      "404");
+  add("a target of 2000 characters", get_request("/" + long_text.substr(0, 2000)), "400");
+  add("an absolute target, as to a proxy", get_request("http://127.0.0.1:1/"), "400");
   add("DNS rebinding: Host evil.example", "GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n", "403");
   add("DNS rebinding: Host localhost.evil.example",
       "GET / HTTP/1.1\r\nHost: localhost.evil.example:9468\r\n\r\n", "403");
   add("no Host", "GET / HTTP/1.1\r\n\r\n", "400");
-  add("two Hosts", get("/", "Host: evil.example\r\n"), "400");
+  add("two Hosts", get_request("/", "Host: evil.example\r\n"), "400");
   add("a page of http://evil.example opens the stream",
       open_stream("Origin: http://evil.example\r\n"), "403");
   add("a page without an origin (null) opens the stream", open_stream("Origin: null\r\n"), "403");
@@ -59,9 +61,9 @@ std::vector<Attempt> attempts() {
       open_stream("Origin: http://127.0.0.1:2\r\n"), "403");
   add("a page of https at this address opens the stream",
       open_stream("Origin: https://127.0.0.1:1\r\n"), "403");
-  add("the stream without a WebSocket", get("/stream"), "426");
-  add("a header of 20 000 characters", get("/", "X: " + long_text.substr(0, 20'000) + "\r\n"),
-      "closed");
+  add("the stream without a WebSocket", get_request("/stream"), "426");
+  add("a header of 20 000 characters",
+      get_request("/", "X: " + long_text.substr(0, 20'000) + "\r\n"), "closed");
   add("a body of 100 000 characters",
       "POST /" + kHost + "Content-Length: 100000\r\n\r\n" + long_text, "closed");
   add("TLS instead of HTTP", "\x16\x03\x01\x02\r\n\r\n", "closed");
@@ -76,8 +78,8 @@ std::vector<Attempt> attempts_at_a_token() {
   const auto add = [&](const char* what, const std::string& request, const char* answer) {
     all.push_back({what, request, answer});
   };
-  add("with a token: the page without it", get("/"), "401");
-  add("with a token: the page with the first half of it", get("/?token=0123456789"), "401");
+  add("with a token: the page without it", get_request("/"), "401");
+  add("with a token: the page with the first half of it", get_request("/?token=0123456789"), "401");
   add("with a token: the stream without it", open_stream("Origin: http://127.0.0.1:1\r\n"), "401");
   add("with a token: the stream with a cookie of a like name",
       open_stream("Cookie: xinfuse_view=" + std::string(kSecret) + "\r\n"), "401");
@@ -111,7 +113,7 @@ void expect_answers(const ViewSettings& settings, const std::vector<Attempt>& at
   const std::string table = documented();
   for (const Attempt& attempt : attempts) {
     EXPECT_EQ(ask(**server, attempt.request), attempt.answer) << attempt.what;
-    EXPECT_EQ(ask(**server, get(page)), "200") << "after: " << attempt.what;
+    EXPECT_EQ(ask(**server, get_request(page)), "200") << "after: " << attempt.what;
     const std::string row = "| " + attempt.what + " | " + attempt.answer + " |\n";
     EXPECT_NE(table.find(row), std::string::npos) << row << " is not in daemon/view/security.md";
   }

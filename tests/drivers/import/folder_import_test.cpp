@@ -5,6 +5,7 @@
 
 #include "drivers/recording/drive_source.hpp"
 #include "fixtures/scene/capture.hpp"
+#include "tests/drivers/import/png_header.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::importers {
@@ -16,8 +17,6 @@ using namespace std::string_literals;
 constexpr int64_t kCaptureNs = 1'700'000'600'000'000'000;  // when a fixture's capture begins
 
 // The header of a PNG of 64 × 48 pixels; the import reads nothing else.
-std::string make_png() { return "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x40\0\0\0\x30\x08\0\0\0\0"s; }
-
 std::string describe_folder(const std::string& stamps, const std::string& more = "") {
   return "[[lidar]]\nname = \"top\"\npackets = \"top.pcap\"\n"
          "T_vehicle_lidar = [1, 0, 0, 0.5,  0, 1, 0, 0,  0, 0, 1, 1.8,  0, 0, 0, 1]\n" +

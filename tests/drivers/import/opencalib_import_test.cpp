@@ -5,6 +5,7 @@
 
 #include "drivers/import/image_size.hpp"
 #include "drivers/recording/drive_source.hpp"
+#include "tests/drivers/import/png_header.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -15,8 +16,6 @@ using ::testing::HasSubstr;
 using namespace std::string_literals;
 
 // The header of a PNG of 64 × 48 pixels; the import reads nothing else.
-std::string make_png() { return "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x40\0\0\0\x30\x08\0\0\0\0"s; }
-
 constexpr const char* kCalibration =
     "K: 100 0 31.5 0 101 23.5 0 0 1\nD: -0.1 0.2 0.001 0.002\n"
     "T: 0 -1 0 0.1 0 0 -1 -0.2 1 0 0 -0.3\n";

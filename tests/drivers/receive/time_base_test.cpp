@@ -6,21 +6,21 @@ namespace infuse::receive {
 namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
-constexpr ClockReading kStart{100 * kSecond, 1'700'000'000 * kSecond};
+constexpr ClockReading kStartReading{100 * kSecond, 1'700'000'000 * kSecond};
 
 /// The clocks `seconds` after the start, the wall clock set forward by `step_ns` since.
 ClockReading clocks_after_start(double seconds, int64_t step_ns = 0) {
   const int64_t ns = from_seconds(seconds).count();
-  return {kStart.monotonic_ns + ns, kStart.wall_ns + ns + step_ns};
+  return {kStartReading.monotonic_ns + ns, kStartReading.wall_ns + ns + step_ns};
 }
 
 Stamp stamp_after_start(double seconds) {
-  return Stamp::from_ns(kStart.wall_ns) + from_seconds(seconds);
+  return Stamp::from_ns(kStartReading.wall_ns) + from_seconds(seconds);
 }
 
 TEST(TimeBase, IsWallTimeAtTheStartAndMonotonicAfterIt) {
-  const TimeBase base(kStart);
-  EXPECT_EQ(base.at_monotonic(kStart.monotonic_ns), stamp_after_start(0));
+  const TimeBase base(kStartReading);
+  EXPECT_EQ(base.at_monotonic(kStartReading.monotonic_ns), stamp_after_start(0));
   EXPECT_EQ(base.at_monotonic(clocks_after_start(5, -3600 * kSecond).monotonic_ns),
             stamp_after_start(5));
 }
@@ -35,7 +35,7 @@ TEST(TimeBase, NowAdvancesAndIsNearTheWallClock) {
 }
 
 TEST(WallStamps, StampsAMessageByItsAge) {
-  const TimeBase base(kStart);
+  const TimeBase base(kStartReading);
   WallStamps stamps(base);
   stamps.update(clocks_after_start(1));
   EXPECT_EQ(stamps.stamp_of(clocks_after_start(0.75).wall_ns), stamp_after_start(0.75));
@@ -44,7 +44,7 @@ TEST(WallStamps, StampsAMessageByItsAge) {
 
 TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
   for (const int64_t step : {3600 * kSecond, -3600 * kSecond, kSecond / 100, -kSecond / 100}) {
-    const TimeBase base(kStart);
+    const TimeBase base(kStartReading);
     WallStamps stamps(base);
     stamps.update(clocks_after_start(1));
     const Stamp before = stamps.stamp_of(clocks_after_start(0.999).wall_ns);
@@ -63,7 +63,7 @@ TEST(WallStamps, AStepOfTheWallClockNeverReordersMessages) {
 }
 
 TEST(WallStamps, DoesNotCountASlewedClockAsAStep) {
-  const TimeBase base(kStart);
+  const TimeBase base(kStartReading);
   WallStamps stamps(base);
   stamps.update(clocks_after_start(0));
   // 500 ppm, the maximum rate at which the kernel slews.
@@ -72,7 +72,7 @@ TEST(WallStamps, DoesNotCountASlewedClockAsAStep) {
 }
 
 TEST(WallStamps, RejectsAnImpossibleAge) {
-  const TimeBase base(kStart);
+  const TimeBase base(kStartReading);
   WallStamps stamps(base);
   stamps.update(clocks_after_start(1));
   EXPECT_EQ(stamps.stamp_of(clocks_after_start(2).wall_ns), stamp_after_start(1));

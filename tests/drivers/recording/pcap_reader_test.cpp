@@ -22,14 +22,14 @@ struct Received {
   Bytes payload;
 };
 
-struct Outcome {
+struct PcapOutcome {
   std::vector<Received> datagrams;
   PcapCounters counters;
   std::optional<Error> damage;
 };
 
-Outcome read_all(PcapReader reader) {
-  Outcome outcome;
+PcapOutcome read_pcap(PcapReader reader) {
+  PcapOutcome outcome;
   Datagram datagram;
   while (reader.next(datagram)) {
     outcome.datagrams.push_back({datagram.stamp.ns(), datagram.sender, datagram.destination_port,
@@ -41,13 +41,13 @@ Outcome read_all(PcapReader reader) {
   return outcome;
 }
 
-Outcome read_all(const Bytes& file, const PcapOptions& options = {}) {
+PcapOutcome read_pcap(const Bytes& file, const PcapOptions& options = {}) {
   auto reader = PcapReader::from_bytes(file, "test.pcap", options);
   if (!reader) {
     ADD_FAILURE() << reader.error().message();
     return {};
   }
-  return read_all(std::move(*reader));
+  return read_pcap(std::move(*reader));
 }
 
 TEST(PcapReader, AllLinkTypesGiveTheSamePayload) {
@@ -72,7 +72,7 @@ TEST(PcapReader, AllLinkTypesGiveTheSamePayload) {
     SCOPED_TRACE("link type " + std::to_string(link_type));
     const std::vector<Record> records = {{1'700'000'000, 123'456'789, frame}};
     for (const Bytes& file : {pcap(link_type, records), pcapng(link_type, records)}) {
-      const Outcome outcome = read_all(file);
+      const PcapOutcome outcome = read_pcap(file);
       ASSERT_EQ(outcome.datagrams.size(), 1u);
       EXPECT_EQ(outcome.datagrams[0].payload, payload);
       EXPECT_EQ(outcome.datagrams[0].sender, kSender);
@@ -85,7 +85,7 @@ TEST(PcapReader, AllLinkTypesGiveTheSamePayload) {
 
 TEST(PcapReader, ReadsMicrosecondAndBigEndianFiles) {
   const Bytes frame = ethernet(ipv4(udp(make_payload(10))));
-  const Outcome little = read_all(pcap(kEthernet, {{100, 999'999, frame}}, false));
+  const PcapOutcome little = read_pcap(pcap(kEthernet, {{100, 999'999, frame}}, false));
   ASSERT_EQ(little.datagrams.size(), 1u);
   EXPECT_EQ(little.datagrams[0].ns, 100'999'999'000);
 
@@ -96,7 +96,7 @@ TEST(PcapReader, ReadsMicrosecondAndBigEndianFiles) {
   add_be32(big, static_cast<uint32_t>(frame.size()));
   add_be32(big, static_cast<uint32_t>(frame.size()));
   add(big, frame);
-  const Outcome outcome = read_all(big);
+  const PcapOutcome outcome = read_pcap(big);
   ASSERT_EQ(outcome.datagrams.size(), 1u);
   EXPECT_EQ(outcome.datagrams[0].ns, 7'000'008'000);
   EXPECT_EQ(outcome.datagrams[0].payload, make_payload(10));
@@ -105,7 +105,7 @@ TEST(PcapReader, ReadsMicrosecondAndBigEndianFiles) {
 TEST(PcapReader, EthernetPaddingAndIpOptionsAreNotPayload) {
   Bytes padded = ethernet(ipv4(udp(make_payload(4)), {.option_words = 3}));
   padded.resize(padded.size() + 17, 0);
-  const Outcome outcome = read_all(pcap(kEthernet, {{1, 0, padded}}));
+  const PcapOutcome outcome = read_pcap(pcap(kEthernet, {{1, 0, padded}}));
   ASSERT_EQ(outcome.datagrams.size(), 1u);
   EXPECT_EQ(outcome.datagrams[0].payload, make_payload(4));
 }
@@ -118,11 +118,11 @@ TEST(PcapReader, FiltersByPortAndSender) {
     }
   }
   const Bytes file = pcap(kEthernet, records);
-  EXPECT_EQ(read_all(file).datagrams.size(), 6u);
-  const Outcome ports = read_all(file, {.ports = {2368, 8308}, .senders = {}});
+  EXPECT_EQ(read_pcap(file).datagrams.size(), 6u);
+  const PcapOutcome ports = read_pcap(file, {.ports = {2368, 8308}, .senders = {}});
   EXPECT_EQ(ports.datagrams.size(), 4u);
   EXPECT_EQ(ports.counters.filtered, 2u);
-  const Outcome both = read_all(file, {.ports = {2369}, .senders = {0x0A000002}});
+  const PcapOutcome both = read_pcap(file, {.ports = {2369}, .senders = {0x0A000002}});
   ASSERT_EQ(both.datagrams.size(), 1u);
   EXPECT_EQ(both.datagrams[0].sender, 0x0A000002u);
   EXPECT_EQ(both.datagrams[0].port, 2369);
@@ -138,7 +138,7 @@ TEST(PcapReader, CountsSkippedPackets) {
   long_ip[2] = 0x7F;
   Bytes short_header = packet;
   short_header[0] = 0x44;
-  const Outcome outcome = read_all(
+  const PcapOutcome outcome = read_pcap(
       pcap(kEthernet, {
                           {1, 0, ethernet(packet)},
                           {1, 0, ethernet(Bytes(28, 0), {}, 0x0806)},                 // ARP
@@ -187,7 +187,7 @@ TEST(PcapReader, ReassemblesFragmentsInAnyOrder) {
     std::shuffle(frames.begin(), frames.end(), random);
     std::vector<Record> records;
     for (const Bytes& frame : frames) records.push_back({5, 0, frame});
-    const Outcome outcome = read_all(pcap(kEthernet, records));
+    const PcapOutcome outcome = read_pcap(pcap(kEthernet, records));
     ASSERT_EQ(outcome.datagrams.size(), 2u);
     const bool a_first = outcome.datagrams[0].payload.size() == a.size();
     EXPECT_EQ(outcome.datagrams[a_first ? 0 : 1].payload, a);
@@ -200,7 +200,7 @@ TEST(PcapReader, ReassemblesFragmentsInAnyOrder) {
 TEST(PcapReader, FragmentsOfTwoSendersAreNotMixed) {
   const Bytes a = make_payload(2000, 1), b = make_payload(2000, 9);
   const auto of_a = make_fragments(udp(a), 1480, 5, 1), of_b = make_fragments(udp(b), 1480, 5, 2);
-  const Outcome outcome = read_all(
+  const PcapOutcome outcome = read_pcap(
       pcap(kEthernet, {{1, 0, of_a[0]}, {1, 0, of_b[0]}, {1, 0, of_b[1]}, {1, 0, of_a[1]}}));
   ASSERT_EQ(outcome.datagrams.size(), 2u);
   EXPECT_EQ(outcome.datagrams[0].payload, b);
@@ -211,7 +211,7 @@ TEST(PcapReader, FragmentsOfTwoSendersAreNotMixed) {
 
 TEST(PcapReader, DropsIncompleteFragmentsOnTimeoutOnEvictionAndAtTheEnd) {
   const auto cut = make_fragments(udp(make_payload(2000)), 1480, 5);
-  const Outcome late = read_all(pcap(kEthernet, {{1, 0, cut[0]}, {40, 0, cut[1]}}));
+  const PcapOutcome late = read_pcap(pcap(kEthernet, {{1, 0, cut[0]}, {40, 0, cut[1]}}));
   EXPECT_TRUE(late.datagrams.empty());
   EXPECT_EQ(late.counters.fragments_dropped, 2u);
 
@@ -226,7 +226,7 @@ TEST(PcapReader, DropsIncompleteFragmentsOnTimeoutOnEvictionAndAtTheEnd) {
       {2, 0, make_fragments(udp(make_payload(2000)), 1480, 3)[1]});  // its datagram was evicted
   PcapOptions options;
   options.max_fragmented_datagrams = 4;
-  const Outcome full = read_all(pcap(kEthernet, records), options);
+  const PcapOutcome full = read_pcap(pcap(kEthernet, records), options);
   ASSERT_EQ(full.datagrams.size(), 1u);
   EXPECT_EQ(full.datagrams[0].payload, make_payload(2000));
   EXPECT_EQ(full.counters.fragments_dropped, 100u);
@@ -237,14 +237,14 @@ TEST(PcapReader, ContradictoryFragmentsAreDropped) {
     return ethernet(
         ipv4(make_payload(length), {.identification = 1, .offset = offset, .more = more}));
   };
-  const Outcome outcome =
-      read_all(pcap(kEthernet, {
-                                   {1, 0, fragment(13, 0, true)},         // not a multiple of 8
-                                   {1, 0, fragment(1400, 65528, false)},  // beyond 65 535 bytes
-                                   {1, 0, fragment(0, 8, true)},
-                                   {1, 0, fragment(16, 16, false)},  // ends at 32 …
-                                   {1, 0, fragment(16, 32, false)},  // … and at 48
-                               }));
+  const PcapOutcome outcome =
+      read_pcap(pcap(kEthernet, {
+                                    {1, 0, fragment(13, 0, true)},         // not a multiple of 8
+                                    {1, 0, fragment(1400, 65528, false)},  // beyond 65 535 bytes
+                                    {1, 0, fragment(0, 8, true)},
+                                    {1, 0, fragment(16, 16, false)},  // ends at 32 …
+                                    {1, 0, fragment(16, 32, false)},  // … and at 48
+                                }));
   EXPECT_TRUE(outcome.datagrams.empty());
   EXPECT_EQ(outcome.counters.fragments, 5u);
   EXPECT_EQ(outcome.counters.fragments_dropped, 5u);
@@ -268,7 +268,7 @@ TEST(PcapReader, TruncationAtAnyByteKeepsCompletePacketsAndReportsTheEnd) {
       continue;
     }
     ASSERT_TRUE(reader);
-    const Outcome outcome = read_all(std::move(*reader));
+    const PcapOutcome outcome = read_pcap(std::move(*reader));
     const auto whole = static_cast<size_t>(std::upper_bound(starts.begin(), starts.end(), length) -
                                            starts.begin() - 1);
     EXPECT_EQ(outcome.datagrams.size(), whole);
@@ -285,7 +285,7 @@ TEST(PcapReader, ReadingEndsAtDamageInTheMiddle) {
   Bytes file = pcap(kEthernet, std::vector<Record>(10, {1, 0, frame}));
   const size_t third = 24 + 2 * (16 + frame.size());
   for (size_t i = 0; i < 16; ++i) file[third + i] = 0xFF;
-  const Outcome outcome = read_all(file);
+  const PcapOutcome outcome = read_pcap(file);
   EXPECT_EQ(outcome.datagrams.size(), 2u);
   ASSERT_TRUE(outcome.damage);
   EXPECT_THAT(outcome.damage->message(), HasSubstr("packet 3, byte " + std::to_string(third)));

@@ -1,4 +1,5 @@
 #include "drivers/velodyne/sender_lock.hpp"
+#include "tests/stamp_at.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +10,6 @@ namespace {
 
 constexpr uint32_t kSensor = 0xC0A8'01C9, kOther = 0xC0A8'0163;
 constexpr double kSensorHz = 754;  // a VLP-16
-
-Stamp at(double seconds) {
-  return Stamp::from_ns(1'700'000'000'000'000'000) + from_seconds(seconds);
-}
 
 /// Feeds a sensor's packets from `from` to `to`, seconds, and returns how many were used.
 int feed(SenderLock& lock, uint32_t sender, double from, double to, double hz = kSensorHz) {

@@ -7,7 +7,7 @@
 namespace infuse::calibration {
 namespace {
 
-CalibrateOptions options_of_a_known_camera() {
+CalibrateOptions screening_options() {
   CalibrateOptions options;
   options.check_intrinsics = false;
   options.screen_points = 6'000;
@@ -25,9 +25,9 @@ Eigen::Isometry3d wrong_start(const Eigen::Isometry3d& T_camera_lidar, double he
 
 TEST(AnyHeading, FindsTheCameraWhereverItLooks) {
   const painted::Drive drive = painted::make_drive(10);
-  const CalibrationResult result = calibrate_any_heading(
-      drive.scenes, drive.cameras, wrong_start(drive.T_camera_lidar, 195 * kDegree),
-      options_of_a_known_camera());
+  const CalibrationResult result =
+      calibrate_any_heading(drive.scenes, drive.cameras,
+                            wrong_start(drive.T_camera_lidar, 195 * kDegree), screening_options());
   ASSERT_TRUE(result.usable()) << result.reason;
   const Eigen::Isometry3d error = result.T_refcam_lidar * drive.T_camera_lidar.inverse();
   EXPECT_LT(Eigen::AngleAxisd(error.rotation()).angle(), 0.3 * kDegree);
@@ -39,8 +39,8 @@ TEST(AnyHeading, ImagesOfOtherPlacesAreRefused) {
   for (size_t s = 0; s < drive.scenes.size() / 2; ++s) {
     std::swap(drive.scenes[s].image, drive.scenes[drive.scenes.size() - 1 - s].image);
   }
-  const CalibrationResult result = calibrate_any_heading(
-      drive.scenes, drive.cameras, drive.T_camera_lidar, options_of_a_known_camera());
+  const CalibrationResult result =
+      calibrate_any_heading(drive.scenes, drive.cameras, drive.T_camera_lidar, screening_options());
   EXPECT_FALSE(result.usable());
   EXPECT_FALSE(result.reason.empty());
 }

@@ -40,7 +40,7 @@ Sweep read_sweep(const std::filesystem::path& path) {
   return sweep;
 }
 
-struct Rig {
+struct NuscenesRig {
   std::vector<Scene> scenes;  ///< one per camera
   std::vector<RigCamera> cameras;
   Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();  ///< as published
@@ -56,10 +56,10 @@ Eigen::Isometry3d matrix(const json& rows) {
   return T;
 }
 
-Rig read_rig(const std::filesystem::path& folder) {
+NuscenesRig read_rig(const std::filesystem::path& folder) {
   const auto text = kitti::read_bytes(folder / "calib.json");
   const json calib = json::parse(text.begin(), text.end());
-  Rig rig;
+  NuscenesRig rig;
   Sweep sweep;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() == ".bin") sweep = read_sweep(entry.path());
@@ -91,7 +91,7 @@ Rig read_rig(const std::filesystem::path& folder) {
 }
 
 /// Within a degree of the published extrinsics, or refused.
-void expect_never_confidently_wrong(const CalibrationResult& result, const Rig& rig) {
+void expect_never_confidently_wrong(const CalibrationResult& result, const NuscenesRig& rig) {
   if (!result.usable()) return;
   const geometry::Vector6 off = geometry::log(result.T_refcam_lidar * rig.T_refcam_lidar.inverse());
   EXPECT_LT(off.head<3>().norm(), 1 * kDegree);
@@ -100,7 +100,7 @@ void expect_never_confidently_wrong(const CalibrationResult& result, const Rig& 
 
 TEST(RealNuscenes, SixCamerasAndOneSweepTogether) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/nuscenes");
-  const Rig rig = read_rig(folder);
+  const NuscenesRig rig = read_rig(folder);
   ASSERT_EQ(rig.cameras.size(), 6U);
   for (const auto& start : kitti::draw_initial_poses(rig.T_refcam_lidar, 1 * kDegree, 0.05, 2, 3)) {
     expect_never_confidently_wrong(calibrate(rig.scenes, rig.cameras, start, {}), rig);
@@ -110,7 +110,7 @@ TEST(RealNuscenes, SixCamerasAndOneSweepTogether) {
 
 TEST(RealNuscenes, OneCameraAndOneSweepAreRefused) {
   INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/nuscenes");
-  Rig rig = read_rig(folder);
+  NuscenesRig rig = read_rig(folder);
   rig.scenes.resize(1);
   const CalibrationResult result = calibrate(rig.scenes, rig.cameras, rig.T_refcam_lidar, {});
   EXPECT_FALSE(result.usable());

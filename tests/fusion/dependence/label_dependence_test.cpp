@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-FitOptions fixed(double sigma, double lambda) {
+FitOptions fixed_fit(double sigma, double lambda) {
   FitOptions options;
   options.sigmas = {sigma};
   options.lambdas = {lambda};
@@ -30,7 +30,7 @@ TEST(LabelDependence, EqualsTheDenseKroneckerSolve) {
       // Five labels, the last of which does not occur.
       const PlainFit plain(FitMeasure::kSmi, plain_kernel(x, x, sigma), indicators(labels, 5),
                            MatrixXd::Zero(30, 30), MatrixXd::Identity(5, 5), lambda);
-      const FitEstimate found = prepared(x, fixed(sigma, lambda)).evaluate(labels, 5);
+      const FitEstimate found = prepared(x, fixed_fit(sigma, lambda)).evaluate(labels, 5);
       EXPECT_STREQ(found.reason, "");
       EXPECT_EQ(found.hyper_parameters, (HyperParameters{sigma, lambda}));
       EXPECT_NEAR(found.value, plain.value(), 1e-9) << sigma << " " << lambda;
@@ -39,7 +39,7 @@ TEST(LabelDependence, EqualsTheDenseKroneckerSolve) {
 }
 
 TEST(LabelDependence, WorksWithOneCentre) {
-  FitOptions options = fixed(0.7, 0.1);
+  FitOptions options = fixed_fit(0.7, 0.1);
   options.centres = 1;
   const MatrixXd x = normal_samples(40, 2, 5);
   const std::vector<int32_t> labels = make_labels(x, 3, 6);
@@ -120,7 +120,7 @@ TEST(LabelDependence, SingularKernelsAndExtremeScalesGiveFiniteValuesOrAReason) 
   for (int i = 0; i < 30; ++i) each[static_cast<size_t>(i)] = i;  // as many labels as samples
   for (const double scale : {1e-90, 1e-3, 1.0, 1e3, 1e90}) {
     for (const double lambda : {1e-12, 1e-3, 1e12}) {
-      FitOptions options = fixed(1.0, lambda);
+      FitOptions options = fixed_fit(1.0, lambda);
       options.sigmas = {0.5, 1.0};
       const FitEstimate answer = prepared(scale * twins, options).evaluate(each, 30);
       EXPECT_TRUE(std::isfinite(answer.value));

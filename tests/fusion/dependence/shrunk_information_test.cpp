@@ -8,16 +8,16 @@
 namespace infuse::dependence {
 namespace {
 
-struct Pairs {
+struct Tables {
   std::vector<double> target{0.4, 0.3, 0.15, 0.1, 0.05};
   std::vector<std::vector<double>> counts =
       std::vector<std::vector<double>>(5, std::vector<double>(5, 0.0));
   double total = 0;
 };
 
-/// Pairs of labels that are often equal, in both the object and a full table.
-Pairs draw(int n, ShrunkInformation& information) {
-  Pairs pairs;
+/// Tables of labels that are often equal, in both the object and a full table.
+Tables draw(int n, ShrunkInformation& information) {
+  Tables pairs;
   std::mt19937 random(7);
   for (int i = 0; i < n; ++i) {
     const auto label = [&] { return static_cast<uint32_t>(random() % 5); };
@@ -30,7 +30,7 @@ Pairs draw(int n, ShrunkInformation& information) {
 }
 
 /// Mutual information of a full table, by its definition.
-double brute_force(const Pairs& pairs, double lambda) {
+double brute_force(const Tables& pairs, double lambda) {
   std::vector<std::vector<double>> p = pairs.counts;
   std::vector<double> px(5, 0.0), py(5, 0.0);
   for (size_t x = 0; x < 5; ++x) {
@@ -51,17 +51,17 @@ double brute_force(const Pairs& pairs, double lambda) {
 }
 
 TEST(ShrunkInformation, EqualsTheDefinitionOnTheFullTable) {
-  ShrunkInformation information(Pairs().target);
-  const Pairs pairs = draw(23, information);
+  ShrunkInformation information(Tables().target);
+  const Tables pairs = draw(23, information);
   for (const double lambda : {0.0, 0.01, 0.3, 0.9, 1.0}) {
     EXPECT_NEAR(information.value(lambda), brute_force(pairs, lambda), 1e-12) << lambda;
   }
 }
 
 TEST(ShrunkInformation, OptimalShrinkageFollowsItsFormula) {
-  ShrunkInformation information(Pairs().target);
+  ShrunkInformation information(Tables().target);
   EXPECT_EQ(information.optimal_shrinkage(), 1);
-  const Pairs pairs = draw(23, information);
+  const Tables pairs = draw(23, information);
   double variance = 0, distance = 0;
   for (size_t x = 0; x < 5; ++x) {
     for (size_t y = 0; y < 5; ++y) {
@@ -75,12 +75,12 @@ TEST(ShrunkInformation, OptimalShrinkageFollowsItsFormula) {
 }
 
 TEST(ShrunkInformation, ForgetsItsPairs) {
-  ShrunkInformation information(Pairs().target);
+  ShrunkInformation information(Tables().target);
   draw(40, information);
   information.clear();
   EXPECT_EQ(information.total(), 0);
   EXPECT_EQ(information.value(0.5), 0);
-  const Pairs pairs = draw(11, information);
+  const Tables pairs = draw(11, information);
   EXPECT_NEAR(information.value(0.2), brute_force(pairs, 0.2), 1e-12);
 }
 

@@ -51,22 +51,22 @@ void expect_sum_of_points(const CameraIntrinsics& intrinsics, size_t n) {
   EXPECT_LT((fast - sum).norm(), 1e-5 * size) << fast.transpose() << "\n" << sum.transpose();
 }
 
-CameraIntrinsics pinhole() {
+CameraIntrinsics small_pinhole() {
   return {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 320, .cy = 240};
 }
 
 TEST(PoseGradient, EqualsTheSumOverThePoints) {
-  for (const size_t n : {0, 1, 15, 16, 17, 1024, 3000}) expect_sum_of_points(pinhole(), n);
+  for (const size_t n : {0, 1, 15, 16, 17, 1024, 3000}) expect_sum_of_points(small_pinhole(), n);
 }
 
 TEST(PoseGradient, IncludesDistortion) {
-  CameraIntrinsics intrinsics = pinhole();
+  CameraIntrinsics intrinsics = small_pinhole();
   intrinsics.distortion = {-0.15, 0.03, 0.002, -0.001, 0.004};
   expect_sum_of_points(intrinsics, 1500);
 }
 
 TEST(PoseGradient, WorksForAFisheye) {
-  CameraIntrinsics intrinsics = pinhole();
+  CameraIntrinsics intrinsics = small_pinhole();
   intrinsics.model = CameraIntrinsics::Model::kFisheye;
   intrinsics.distortion = {0.03, -0.01, 0.002, -0.001, 0};
   expect_sum_of_points(intrinsics, 500);
@@ -74,10 +74,10 @@ TEST(PoseGradient, WorksForAFisheye) {
 
 TEST(PoseGradient, IgnoresUnprojectedPointsWithZeroDerivatives) {
   Points points = draw_points(40);
-  const auto full = pose_gradient(CameraModel(pinhole()), Eigen::Isometry3d::Identity(),
+  const auto full = pose_gradient(CameraModel(small_pinhole()), Eigen::Isometry3d::Identity(),
                                   {points.x, points.y, points.z}, points.by_u, points.by_v);
   for (size_t i = 0; i < 40; i += 7) points.z[i] = 0;  // in the image plane
-  const auto less = pose_gradient(CameraModel(pinhole()), Eigen::Isometry3d::Identity(),
+  const auto less = pose_gradient(CameraModel(small_pinhole()), Eigen::Isometry3d::Identity(),
                                   {points.x, points.y, points.z}, points.by_u, points.by_v);
   EXPECT_EQ(full, less);
 }

@@ -30,15 +30,15 @@ TYPED_TEST(EdgeCost, HasTheDerivativesOfFiniteDifferences) {
     const Pose<D> to = moved(Pose<D>(from * edge.T_from_to), random_vector<D>(random, 0.3));
     const EdgeSystem<D> system = linearize_edge<D>(edge, from, to, cost);
     EXPECT_NEAR(system.cost, edge_cost<D>(edge, from, to, cost), 1e-12 * system.cost);
-    constexpr double kStep = 1e-6;
+    constexpr double kDelta = 1e-6;
     for (int k = 0; k < kPoseFreedom<D>; ++k) {
-      const Freedom<D> step = kStep * Freedom<D>::Unit(k);
+      const Freedom<D> step = kDelta * Freedom<D>::Unit(k);
       const double by_from = edge_cost<D>(edge, perturb<D>(from, step), to, cost) -
                              edge_cost<D>(edge, perturb<D>(from, -step), to, cost);
       const double by_to = edge_cost<D>(edge, from, perturb<D>(to, step), cost) -
                            edge_cost<D>(edge, from, perturb<D>(to, -step), cost);
-      EXPECT_NEAR(system.g_from[k], by_from / (4 * kStep), 1e-6) << k;
-      EXPECT_NEAR(system.g_to[k], by_to / (4 * kStep), 1e-6) << k;
+      EXPECT_NEAR(system.g_from[k], by_from / (4 * kDelta), 1e-6) << k;
+      EXPECT_NEAR(system.g_to[k], by_to / (4 * kDelta), 1e-6) << k;
     }
     // Without a residual Gauss–Newton's matrix is half the second derivative.
     const Pose<D> exact = from * edge.T_from_to;

@@ -14,9 +14,10 @@ using calibration::painted::true_T_camera_lidar;
 
 constexpr size_t kMiddle = DependenceProfile::kSamples / 2;
 
-struct Snapshot {
-  explicit Snapshot(uint64_t seed) : Snapshot(calibration::painted::make_world(seed), seed) {}
-  Snapshot(const calibration::painted::World& world, uint64_t seed)
+struct ProfileSnapshot {
+  explicit ProfileSnapshot(uint64_t seed)
+      : ProfileSnapshot(calibration::painted::make_world(seed), seed) {}
+  ProfileSnapshot(const calibration::painted::World& world, uint64_t seed)
       : grey(calibration::painted::render_image(world, small_camera(), true_T_camera_lidar())),
         sweep(calibration::painted::scan(world, 100 + seed)) {}
   CameraFrame grey;
@@ -31,7 +32,7 @@ Eigen::Isometry3d moved(const Eigen::Isometry3d& T_camera_lidar, size_t axis, do
 }
 
 TEST(DependenceProfile, HoldsTheDependenceAtEachPose) {
-  const Snapshot place(3);
+  const ProfileSnapshot place(3);
   ProfileSampler sampler(small_camera(), {});
   const SweepView sweep = make_sweep_view(place.sweep);
   ASSERT_STREQ(sampler.prepare(place.grey, sweep, true_T_camera_lidar()), "");
@@ -61,7 +62,7 @@ TEST(DependenceProfile, HoldsTheDependenceAtEachPose) {
 TEST(DependenceProfile, IsHighestAtTheTruePoseOfRotations) {
   DependenceProfile mean;
   for (uint64_t seed = 1; seed <= 6; ++seed) {
-    const Snapshot place(seed);
+    const ProfileSnapshot place(seed);
     ProfileSampler sampler(small_camera(), {});
     // About y off by 4 samples: the maximum lies there, on the other side.
     const Eigen::Isometry3d off = moved(true_T_camera_lidar(), 1, 0.026 / 3);
@@ -74,7 +75,7 @@ TEST(DependenceProfile, IsHighestAtTheTruePoseOfRotations) {
 }
 
 TEST(DependenceProfile, ThatOfAMovedCalibrationIsShifted) {
-  const Snapshot place(2);
+  const ProfileSnapshot place(2);
   ProfileSampler sampler(small_camera(), {});
   ASSERT_STREQ(sampler.prepare(place.grey, make_sweep_view(place.sweep), true_T_camera_lidar()),
                "");
@@ -91,7 +92,7 @@ TEST(DependenceProfile, ThatOfAMovedCalibrationIsShifted) {
 }
 
 TEST(DependenceProfile, SaysWhyThereIsNone) {
-  const Snapshot place(1);
+  const ProfileSnapshot place(1);
   ProfileSampler sampler(small_camera(), {});
   EXPECT_STREQ(sampler.prepare(CameraFrame{}, make_sweep_view(place.sweep), true_T_camera_lidar()),
                "the image does not match the intrinsics");
@@ -104,7 +105,7 @@ TEST(DependenceProfile, SaysWhyThereIsNone) {
 }
 
 TEST(DependenceProfile, AllocatesNothingOnceWarm) {
-  const Snapshot place(1);
+  const ProfileSnapshot place(1);
   const SweepView sweep = make_sweep_view(place.sweep);
   ProfileSampler sampler(small_camera(), {});
   for (int k = 0; k < 2; ++k) {

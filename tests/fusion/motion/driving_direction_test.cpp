@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kStep = 0.01, kSweep = 0.1;  // s
 
-OdometryOptions full_options() {
+OdometryOptions full_options_of_any_heading() {
   OdometryOptions options;
   options.planar = false;
   options.east_heading_sigma = 10;
@@ -37,7 +37,7 @@ TEST(DrivingDirection, IsForwardFromAStartAtSpeed) {
     SimulatedSensors sensors(drive, seed);
     std::mt19937_64 random(seed);
     std::normal_distribution<double> noise(0, 1);
-    OdometryFilter filter(full_options());
+    OdometryFilter filter(full_options_of_any_heading());
     for (int i = 0; i < 1000; ++i) {
       const double t = kStep * i;
       ImuSample imu = sensors.gyro(t, Eigen::Vector3d::Zero());
@@ -55,7 +55,7 @@ TEST(DrivingDirection, IsThatOfTheLidarWhereGnssCameFirst) {
   for (const double speed : {5.0, -5.0, 12.0, -12.0}) {
     const TrueDrive drive = drive_at(speed);
     SimulatedSensors sensors(drive, 3);
-    OdometryFilter filter(full_options());
+    OdometryFilter filter(full_options_of_any_heading());
     for (int i = 0; i < 1000; ++i) {
       const double t = kStep * i;
       filter.add(sensors.gyro(t, Eigen::Vector3d::Zero()));
@@ -70,7 +70,7 @@ TEST(DrivingDirection, IsThatOfTheLidarWhereGnssCameFirst) {
 }
 
 TEST(DrivingDirection, OfAnUnknownMountingIsThatOfTheLidarWhereGnssCameFirst) {
-  OdometryOptions options = full_options();
+  OdometryOptions options = full_options_of_any_heading();
   options.moves_forward = false;
   const TrueDrive drive = drive_at(10);
   for (const double yaw : {0.0, 1.57, 3.1}) {

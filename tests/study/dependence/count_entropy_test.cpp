@@ -16,57 +16,57 @@ namespace {
 using dependence::fast_shrinkage;
 using dependence::FastShrinkage;
 
-constexpr double kReferenceTolerance = 5e-13;  // the reference values have twelve decimals
+constexpr double kEntropyTolerance = 5e-13;  // the reference values have twelve decimals
 const std::vector<double> kSmallCounts = {4, 2, 3, 0, 2, 4, 0, 0, 2, 1, 1};
 const std::vector<double> kSkewedCounts = {100, 50, 25, 12, 6, 3, 1, 1, 1, 0};
 
 // Reference values: R package `entropy` 1.3.2.
 TEST(CountEntropy, MaximumLikelihoodAndMillerMadowAgreeWithReference) {
-  EXPECT_NEAR(entropy_maximum_likelihood(kSmallCounts).value, 1.968382408728, kReferenceTolerance);
+  EXPECT_NEAR(entropy_maximum_likelihood(kSmallCounts).value, 1.968382408728, kEntropyTolerance);
   EXPECT_NEAR(entropy_maximum_likelihood(kSmallCounts).value / std::log(2), 2.839775539646,
-              kReferenceTolerance);
-  EXPECT_NEAR(entropy_miller_madow(kSmallCounts).value, 2.152592935044, kReferenceTolerance);
+              kEntropyTolerance);
+  EXPECT_NEAR(entropy_miller_madow(kSmallCounts).value, 2.152592935044, kEntropyTolerance);
   EXPECT_TRUE(entropy_maximum_likelihood(kSmallCounts).usable());
 }
 
 TEST(CountEntropy, ChaoShenAgreesWithReference) {
-  EXPECT_NEAR(entropy_chao_shen(kSmallCounts).value, 2.201137101280, kReferenceTolerance);
+  EXPECT_NEAR(entropy_chao_shen(kSmallCounts).value, 2.201137101280, kEntropyTolerance);
   EXPECT_NEAR(entropy_chao_shen(kSmallCounts).value / std::log(2), 3.175569580333,
-              kReferenceTolerance);
-  EXPECT_NEAR(entropy_chao_shen(kSkewedCounts).value, 1.416122833810, kReferenceTolerance);
+              kEntropyTolerance);
+  EXPECT_NEAR(entropy_chao_shen(kSkewedCounts).value, 1.416122833810, kEntropyTolerance);
   EXPECT_NEAR(entropy_chao_shen(std::vector<double>{10, 1}).value, 0.493770428333,
-              kReferenceTolerance);
+              kEntropyTolerance);
   EXPECT_NEAR(entropy_chao_shen(std::vector<double>{5, 5, 5, 5}).value, 1.390704580088,
-              kReferenceTolerance);
+              kEntropyTolerance);
   EXPECT_EQ(entropy_chao_shen(std::vector<double>{1}).value, 0);
   const Estimate singletons = entropy_chao_shen(std::vector<double>{1, 1, 1, 1, 1});
-  EXPECT_NEAR(singletons.value, 3.486890381894, kReferenceTolerance);
+  EXPECT_NEAR(singletons.value, 3.486890381894, kEntropyTolerance);
   EXPECT_TRUE(singletons.usable());
 }
 
 TEST(CountEntropy, JamesSteinAgreesWithReference) {
   const ShrunkFrequencies shrunk = james_stein_frequencies(kSmallCounts);
-  EXPECT_NEAR(shrunk.lambda, 0.766393442623, kReferenceTolerance);
+  EXPECT_NEAR(shrunk.lambda, 0.766393442623, kEntropyTolerance);
   const std::vector<double> expected = {0.1188524590, 0.0942622951, 0.1065573770, 0.0696721311,
                                         0.0942622951, 0.1188524590, 0.0696721311, 0.0696721311,
                                         0.0942622951, 0.0819672131, 0.0819672131};
   EXPECT_THAT(shrunk.frequencies, testing::Pointwise(testing::DoubleNear(5e-11), expected));
-  EXPECT_NEAR(entropy_james_stein(kSmallCounts).value, 2.379602895310, kReferenceTolerance);
-  EXPECT_NEAR(entropy_james_stein(kSkewedCounts).value, 1.405388823447, kReferenceTolerance);
-  EXPECT_NEAR(james_stein_frequencies(kSkewedCounts).lambda, 0.014187121242, kReferenceTolerance);
+  EXPECT_NEAR(entropy_james_stein(kSmallCounts).value, 2.379602895310, kEntropyTolerance);
+  EXPECT_NEAR(entropy_james_stein(kSkewedCounts).value, 1.405388823447, kEntropyTolerance);
+  EXPECT_NEAR(james_stein_frequencies(kSkewedCounts).lambda, 0.014187121242, kEntropyTolerance);
   EXPECT_NEAR(entropy_james_stein(std::vector<double>{5, 5, 5, 5}).value, 1.386294361120,
-              kReferenceTolerance);
+              kEntropyTolerance);
   EXPECT_NEAR(entropy_james_stein(std::vector<double>{1, 0, 0}).value, 1.098612288668,
-              kReferenceTolerance);
+              kEntropyTolerance);
 }
 
 TEST(CountEntropy, DirichletAgreesWithReference) {
-  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 0.5).value, 2.179480382724, kReferenceTolerance);
-  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 1).value, 2.257875518693, kReferenceTolerance);
+  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 0.5).value, 2.179480382724, kEntropyTolerance);
+  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 1).value, 2.257875518693, kEntropyTolerance);
   EXPECT_NEAR(entropy_dirichlet(kSmallCounts, perks_alpha(kSmallCounts)).value, 2.036887808124,
-              kReferenceTolerance);
+              kEntropyTolerance);
   EXPECT_NEAR(entropy_dirichlet(kSmallCounts, minimax_alpha(kSmallCounts)).value, 2.154091189931,
-              kReferenceTolerance);
+              kEntropyTolerance);
 }
 
 TEST(CountEntropy, PlugInOfKnownDistribution) {

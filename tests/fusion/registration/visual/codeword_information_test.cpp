@@ -8,7 +8,7 @@
 namespace infuse::registration {
 namespace {
 
-constexpr size_t kWords = 8;
+constexpr size_t kEightWords = 8;
 
 /// Partner of a point by comparing all: most similar word, then nearest; −1: none within the
 /// radius.
@@ -28,9 +28,9 @@ int64_t find_partner(const CodewordCloud& target, const Eigen::Vector3f& p, uint
 
 TEST(CodewordInformation, FindsTheCorrespondencesOfBruteForce) {
   std::mt19937 random(2);
-  const Codebook codebook = line_of_words(kWords);
-  const CodewordCloud target = draw_codewords(800, kWords, random);
-  CodewordCloud source = draw_codewords(300, kWords, random);
+  const Codebook codebook = line_of_words(kEightWords);
+  const CodewordCloud target = draw_codewords(800, kEightWords, random);
+  CodewordCloud source = draw_codewords(300, kEightWords, random);
   source.points.col(5).setConstant(NAN);
   source.points.col(6).setConstant(1e30F);
   CodewordInformation information(codebook, target, ShrinkageRule::kNone, 500);
@@ -60,11 +60,11 @@ TEST(CodewordInformation, FindsTheCorrespondencesOfBruteForce) {
 
 TEST(CodewordInformation, IsHighestAtTheTrueMotion) {
   std::mt19937 random(4);
-  const CodewordCloud target = draw_codewords(500, kWords, random);
+  const CodewordCloud target = draw_codewords(500, kEightWords, random);
   const Eigen::Isometry3d truth(Eigen::Translation3d(4, 0.5, 0));
-  const CodewordCloud source = see_again(target, truth, kWords, 0.1F, 0.4, random);
+  const CodewordCloud source = see_again(target, truth, kEightWords, 0.1F, 0.4, random);
   for (const auto rule : {ShrinkageRule::kByCorrespondences, ShrinkageRule::kOptimal}) {
-    CodewordInformation information(line_of_words(kWords), target, rule, 500);
+    CodewordInformation information(line_of_words(kEightWords), target, rule, 500);
     information.set_radius(0.5);
     const double at_truth = information.evaluate(source, truth);
     for (const double offset : {-4.0, -2.0, 2.0, 4.0}) {
