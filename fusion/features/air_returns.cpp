@@ -27,6 +27,8 @@ void AirReturns::sort_by_ring(const Sweep& sweep) {
     if (is_near(i)) ++ring_begin_[sweep.ring[i] + size_t{1}];
   }
   for (size_t ring = 0; ring < sweep.rings; ++ring) ring_begin_[ring + 1] += ring_begin_[ring];
+  order_.reserve(sweep.size());
+  neighbours_.reserve(sweep.size());
   order_.resize(ring_begin_.back());
   for (size_t i = 0; i < sweep.size(); ++i) {
     if (is_near(i)) order_[ring_begin_[sweep.ring[i]]++] = static_cast<uint32_t>(i);
