@@ -12,6 +12,7 @@
 #include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/place_map.hpp"
 #include "daemon/protocol/json_encoder.hpp"
+#include "fusion/features/air_returns.hpp"
 #include "fusion/mapping/keyframes.hpp"
 #include "fusion/mapping/submap.hpp"
 #include "fusion/places/place_descriptor.hpp"
@@ -74,7 +75,7 @@ class DriveMapper {
     if (!motion.registered && !is_keyframe) return;
     const Eigen::Isometry3d T_keyframe_vehicle =
         picker_.last().T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
-    submap_.add({deskewed.x, deskewed.y, deskewed.z}, sweep.reflectivity,
+    submap_.add({air_.without(sweep, deskewed.x), deskewed.y, deskewed.z}, sweep.reflectivity,
                 T_vehicle_lidar_.inverse() * T_keyframe_vehicle * T_vehicle_lidar_);
   }
 
@@ -169,6 +170,7 @@ class DriveMapper {
   const MapFolder& folder_;
   Eigen::Isometry3d T_vehicle_lidar_;
   mapping::KeyframePicker picker_;
+  features::AirReturns air_;
   mapping::SubmapBuilder submap_;
   std::vector<MapKeyframe> keyframes_;
   std::vector<places::PlaceDescriptor> places_;  // by keyframe

@@ -17,6 +17,7 @@
 #include "daemon/protocol/json.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
+#include "fusion/features/air_returns.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -93,13 +94,14 @@ class LocatedDrive {
 std::optional<Error> locate(DriveSetup& setup, size_t lidar, places::Localiser& localiser,
                             LocatedDrive& located) {
   LidarReplay odometry(setup, lidar);
+  features::AirReturns air;
   ProgressLine line;
   std::optional<Error> failed;
   const auto on_sweep = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed,
                             const mapping::SweepMotion& motion) {
     if (failed) return;
-    const auto pose =
-        localiser.add({deskewed.x, deskewed.y, deskewed.z}, sweep.reflectivity, motion);
+    const auto pose = localiser.add({air.without(sweep, deskewed.x), deskewed.y, deskewed.z},
+                                    sweep.reflectivity, motion);
     if (!pose) {
       failed = pose.error();
       return;

@@ -51,6 +51,7 @@ void MapLocaliser::add(const SweepSnapshot& snapshot, const geometry::Trajectory
   last_ = now;
   WaitingSweep& sweep = waiting_.sweeps[waiting_.size++];
   sweep.x = deskewed.x;
+  air_.leave_out(snapshot.sweep, sweep.x);
   sweep.y = deskewed.y;
   sweep.z = deskewed.z;
   sweep.reflectivity = snapshot.sweep.reflectivity;

@@ -7,6 +7,7 @@
 #include "daemon/health/map_health.hpp"
 #include "daemon/pipeline/image_match.hpp"
 #include "daemon/protocol/reports.hpp"
+#include "fusion/features/air_returns.hpp"
 #include "fusion/geometry/trajectory.hpp"
 #include "fusion/places/localiser.hpp"
 
@@ -48,6 +49,7 @@ class MapLocaliser {
   void consume(const places::LocaliserPose& found);
   PoseReport carry(const geometry::Trajectory& trajectory, const PoseReport& odometry);
 
+  features::AirReturns air_;
   places::Localiser localiser_;     // used by the background thread
   Batch waiting_, working_;         // the second is the background thread's while it works
   places::LocaliserPose result_;    // written by the background thread, read when it has ended

@@ -14,7 +14,9 @@
 #include "tests/study/mapping/pose_graph_study.hpp"
 #include "tests/study/months/month.hpp"
 #ifdef INFUSE_SIMULATOR
+#include "tests/study/places/image_study.hpp"
 #include "tests/study/places/place_study.hpp"
+#include "tests/study/places/recognition_study.hpp"
 #include "tests/study/registration/alignment_table.hpp"
 #include "tests/study/registration/covariance_study.hpp"
 #include "tests/study/registration/global_guess_study.hpp"
@@ -134,6 +136,27 @@ void add_places_command(CLI::App& app) {
   });
 }
 
+/// Adds the study of recognition across seasons.
+void add_recognition_command(CLI::App& app) {
+  static RecognitionOptions options;
+  CLI::App* command = app.add_subcommand(
+      "recognition", "recognise places across seasons by lidar and images, P figs. 5.8 to 5.10");
+  command->add_option("MAP", options.map, "fixtures/maps/altfeld.osm")->required();
+  command->add_option("--seed", options.world_seed, "of the town")->capture_default_str();
+  command->add_option("--query-spacing", options.query_spacing, "m")->capture_default_str();
+  command->callback([] { study_recognition(std::cout, options); });
+}
+
+/// Adds the study of sequences of images across seasons.
+void add_images_command(CLI::App& app) {
+  static ImageStudyOptions options;
+  CLI::App* command =
+      app.add_subcommand("image-places", "find images across seasons by sequences, P 6.2.3");
+  command->add_option("MAP", options.map, "fixtures/maps/altfeld.osm")->required();
+  command->add_option("--seed", options.tested, "of the town")->capture_default_str();
+  command->callback([] { study_images(std::cout, options); });
+}
+
 /// Adds the study of starts from nothing on a street map.
 void add_starts_command(CLI::App& app) {
   static StartStudyRun run;
@@ -230,6 +253,8 @@ void add_registration_commands(CLI::App& app) {
   });
 
   add_places_command(app);
+  add_recognition_command(app);
+  add_images_command(app);
 
   add_starts_command(app);
 

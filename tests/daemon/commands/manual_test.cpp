@@ -46,6 +46,8 @@ const std::vector<std::string> kCommands = {
     "map optimize",
     "map",
     "map export",
+    "map merge",
+    "map locate",
     "fleet drive",
     "fleet pool",
 };

@@ -11,6 +11,7 @@
 #include "daemon/commands/play_lidar.hpp"
 #include "daemon/mapping/place_map.hpp"
 #include "drivers/recording/trajectory_file.hpp"
+#include "fusion/features/air_returns.hpp"
 #include "fusion/motion/trajectory_error.hpp"
 
 namespace infuse::study {
@@ -83,6 +84,7 @@ std::string study_places(std::ostream& out, const PlaceStudyOptions& options) {
     double way = 0, next = 0;
     std::string error;
     daemon::LidarReplay odometry(*setup, 0);
+    features::AirReturns air;
     const auto on_sweep = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed,
                               const mapping::SweepMotion& motion) {
       way += motion.T_from_to.translation().norm();
@@ -91,9 +93,10 @@ std::string study_places(std::ostream& out, const PlaceStudyOptions& options) {
         starts.push_back(std::make_unique<Start>(Start{
             places::Localiser(true_map.map, T_vehicle_lidar), motion.stamp, way, -1, -1, {}}));
       }
+      const auto x = air.without(sweep, deskewed.x);
       for (auto& start : starts) {
         const auto pose =
-            start->localiser.add({deskewed.x, deskewed.y, deskewed.z}, sweep.reflectivity, motion);
+            start->localiser.add({x, deskewed.y, deskewed.z}, sweep.reflectivity, motion);
         if (!pose) {
           error = pose.error().message();
           return;

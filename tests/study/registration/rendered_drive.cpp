@@ -59,8 +59,8 @@ simulator::Scenario draw_scenario(uint64_t seed) {
   return s;
 }
 
-/// Moves every return to where it would have been measured at `time`, by the true motion; keeps the
-/// noise of its range.
+}  // namespace
+
 Sweep deskewed_turn(simulator::Simulation& simulation, double time) {
   const simulator::Lidar& lidar = simulation.lidars().front();
   const double half = 0.5 / lidar.options().rate;
@@ -96,7 +96,6 @@ Sweep deskewed_turn(simulator::Simulation& simulation, double time) {
   return sweep;
 }
 
-/// Time at which the vehicle has driven so far, s; the end of the drive if it never does.
 double time_of(const simulator::Simulation& simulation, double distance) {
   double low = 0, high = simulation.duration();
   for (int i = 0; i < 50; ++i) {
@@ -105,8 +104,6 @@ double time_of(const simulator::Simulation& simulation, double distance) {
   }
   return high;
 }
-
-}  // namespace
 
 Result<RenderedDrive> render_drive(uint64_t seed, const std::vector<double>& distances,
                                    const RenderOptions& options) {

@@ -17,6 +17,13 @@ struct RenderOptions {
   int threads = 2;
 };
 
+/// A turn of the first lidar about `time` (s). Every return is moved to where it would have been
+/// measured at that time, by the true motion; the noise of its range is kept.
+Sweep deskewed_turn(simulator::Simulation& simulation, double time);
+
+/// Time at which the vehicle has driven so far (m), s; the end of the drive if it never does.
+double time_of(const simulator::Simulation& simulation, double distance);
+
 /// Renders scans at the given distances from the start of a drive, m, in ascending order. Town,
 /// light, traffic and sensor noise are drawn from the seed. Nothing is written to disk.
 Result<RenderedDrive> render_drive(uint64_t seed, const std::vector<double>& distances,

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace infuse::study {
+
+/// Bag of words (Sivic and Zisserman 2003, as in P 5.3.2): words of each place weighted by their
+/// frequency and rarity among the places.
+class BagOfWords {
+ public:
+  /// `places` has the words of each place, below `vocabulary`.
+  BagOfWords(const std::vector<std::vector<uint16_t>>& places, size_t vocabulary);
+
+  /// Cosine of a query with each place, 0 … 1.
+  Eigen::VectorXd similarities(const std::vector<uint16_t>& query) const;
+
+ private:
+  Eigen::VectorXd weigh(const std::vector<uint16_t>& words) const;
+  Eigen::VectorXd rarity_;
+  Eigen::MatrixXd places_;  // one column per place, unit length
+};
+
+}  // namespace infuse::study
