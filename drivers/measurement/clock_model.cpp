@@ -23,6 +23,11 @@ constexpr uint32_t kMinSamplesForRise = 8;
 constexpr double kMinRiseNs = 100'000;
 constexpr uint32_t kMinRisenParts = 3;
 
+/// Evidence (nats) for a jump against delays of the known mean, if these are exponentially
+/// distributed: n samples that lie d above the envelope by chance have probability
+/// e^(-n d / mean).
+constexpr double kMinJumpEvidence = 25;
+
 Stamp clamp_stamp(Stamp stamp) {
   return Stamp::from_ns(std::clamp(stamp.ns(), -kMaxAbsStampNs, kMaxAbsStampNs));
 }
@@ -141,7 +146,7 @@ bool ClockModel::detect_jump(Duration device, Stamp host) {
   ++jump_candidate_.count;
   jump_candidate_.offset = std::min(jump_candidate_.offset, offset);
   if (jump_candidate_.count < kMinJumpSamples ||
-      host - jump_candidate_.since < options_.jump_confirmation) {
+      host - jump_candidate_.since < options_.jump_confirmation || may_be_delay()) {
     return false;
   }
   ++state_.jumps;
@@ -149,6 +154,13 @@ bool ClockModel::detect_jump(Duration device, Stamp host) {
   const Stamp placed = unwrap(device, host);
   restart(placed, (host - placed) + (jump_candidate_.offset - offset));
   return true;
+}
+
+bool ClockModel::may_be_delay() const {
+  const double rise = as_double(jump_candidate_.offset - offset_at(last_device_));
+  const double latest = part_.samples > 0 ? part_.delay_sum_ns / part_.samples : 0;
+  const double mean = std::max(as_double(state_.jitter), latest);
+  return rise > 0 && jump_candidate_.count * rise < kMinJumpEvidence * mean;
 }
 
 void ClockModel::add_sample(Stamp device, Stamp host) {

@@ -96,6 +96,8 @@ class ClockModel {
   void restart(Stamp device, Duration offset);
   /// Processes a sample that is off the model. True if it confirmed a jump.
   bool detect_jump(Duration device, Stamp host);
+  /// True if the jump candidate may be samples that are delayed by chance.
+  bool may_be_delay() const;
   void add_sample(Stamp device, Stamp host);
   void complete_part();
   void drop_oldest_part();

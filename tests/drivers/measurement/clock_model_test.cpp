@@ -246,6 +246,19 @@ TEST(ClockModel, IsNotMovedByAStallOfTheHost) {
   EXPECT_TRUE(model.state().trusted);
 }
 
+// Ten messages a second: within the time of a jump's confirmation only five come.
+TEST(ClockModel, TakesNoLongDelaysOfASlowStreamForAJump) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Device device{.period = 100ms, .mean_delay = 5ms, .random = std::mt19937(seed)};
+    ClockModel model{{}};
+    max_error(model, device, 30min);
+    EXPECT_EQ(model.state().jumps, 0) << seed;
+    device.phase -= 100ms;
+    max_error(model, device, 1min);
+    EXPECT_EQ(model.state().jumps, 1) << seed;
+  }
+}
+
 TEST(ClockModel, MapsOutOfOrderAndDuplicateMessagesEqually) {
   Device device{.skew_ppm = -60};
   ClockModel model{{}};

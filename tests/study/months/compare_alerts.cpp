@@ -58,9 +58,9 @@ std::vector<ExpectedAlert> parse_expected(std::string_view text, int64_t offset)
   return alerts;
 }
 
-std::vector<std::string> compare_alerts(std::span<const ObservedAlert> observed,
-                                        std::span<const ExpectedAlert> expected,
-                                        const std::string& tolerated) {
+std::vector<AlertDifference> compare_alerts(std::span<const ObservedAlert> observed,
+                                            std::span<const ExpectedAlert> expected,
+                                            const std::string& tolerated) {
   std::map<std::string, std::vector<Raising>> raisings;
   for (const ObservedAlert& alert : observed) {
     std::vector<Raising>& of_id = raisings[alert.id];
@@ -70,7 +70,7 @@ std::vector<std::string> compare_alerts(std::span<const ObservedAlert> observed,
       of_id.back().cleared = alert.second;
     }
   }
-  std::vector<std::string> differences;
+  std::vector<AlertDifference> differences;
   std::vector<ExpectedAlert> ordered(expected.begin(), expected.end());
   std::stable_partition(ordered.begin(), ordered.end(),
                         [](const ExpectedAlert& alert) { return !alert.optional; });
@@ -84,14 +84,15 @@ std::vector<std::string> compare_alerts(std::span<const ObservedAlert> observed,
       if (!alert.optional) break;
     }
     if (!found) {
-      differences.push_back("missing: " + alert.id + " " + text_of(alert.raised) + " " +
-                            text_of(alert.cleared));
+      differences.push_back(
+          {alert.raised.from,
+           "missing: " + alert.id + " " + text_of(alert.raised) + " " + text_of(alert.cleared)});
     }
   }
   for (const auto& [id, of_id] : raisings) {
     for (const Raising& raising : of_id) {
       if (!raising.matched && id != tolerated) {
-        differences.push_back("not expected: " + text_of(id, raising));
+        differences.push_back({raising.raised, "not expected: " + text_of(id, raising)});
       }
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,10 +43,19 @@ struct ExpectedAlert {
 /// Parses `Scenario::alerts`, `offset` seconds later. Throws std::invalid_argument.
 std::vector<ExpectedAlert> parse_expected(std::string_view text, int64_t offset = 0);
 
-/// Compares the alerts of the seconds from … until with the expected ones. Returns what differs.
-/// `tolerated`: an id that may be raised and cleared besides; empty: none.
-std::vector<std::string> compare_alerts(std::span<const ObservedAlert> observed,
-                                        std::span<const ExpectedAlert> expected,
-                                        const std::string& tolerated = "");
+/// An alert that is missing or too much.
+struct AlertDifference {
+  int64_t second = 0;
+  std::string text;
+};
+inline std::ostream& operator<<(std::ostream& out, const AlertDifference& difference) {
+  return out << difference.text;
+}
+
+/// Compares observed alerts with the expected ones. Returns what differs. `tolerated`: an id that
+/// may be raised and cleared besides; empty: none.
+std::vector<AlertDifference> compare_alerts(std::span<const ObservedAlert> observed,
+                                            std::span<const ExpectedAlert> expected,
+                                            const std::string& tolerated = "");
 
 }  // namespace infuse::study
