@@ -15,7 +15,7 @@ constexpr double kNoGateSigmas = 1e9;
 constexpr double kGravity = 9.80665;                  // m/s²
 constexpr double kUnknownSpeedSigma = 40;             // m/s: speed unknown
 constexpr double kUnknownAngularVelocitySigma = 1.5;  // rad/s: rotation unknown
-constexpr double kRecentTimeConstant = 0.3;  // s of motion that a sample corrects at standstill
+constexpr double kRecentTimeConstant = 0.3;           // s of motion that a sample corrects
 
 double square(double x) { return x * x; }
 
@@ -205,9 +205,10 @@ bool OdometryState::update(double innovation, const Vector& derivative, double n
   const double variance = derivative.dot(PH) + square(noise);
   if (!(square(innovation) <= square(gate) * variance)) return false;  // NaN too
   Vector gain = PH / variance;
-  const bool full_gain = is_moving() || !derivative.head<6>().isZero(0);
   const geometry::Vector6 recent_gain = recent_ * derivative.head<kMotionSize>() / variance;
-  if (!full_gain) {
+  if (is_moving() || !derivative.head<3>().isZero(0)) {
+    keep_position(recent_gain, gain);
+  } else {
     gain.head<6>() = recent_gain;
     gain.tail<kSize - kMotionSize>().setZero();
   }
@@ -219,6 +220,19 @@ bool OdometryState::update(double innovation, const Vector& derivative, double n
   // Only its part with the motion is used.
   recent_.rightCols<kMotionSize - 6>() -= recent_gain * PH.segment<kMotionSize - 6>(6).transpose();
   return true;
+}
+
+// A sample tells about the path since the start too: it would turn about the origin with a measured
+// course, and stretch with a measured speed, if heading and wheel scale were as wrong before. The
+// vehicle would step by decimetres. But the older path is in motions that were reported: the frame
+// turns about the vehicle, which moves only by the error of its recent motion.
+void OdometryState::keep_position(const geometry::Vector6& recent_gain, Vector& gain) const {
+  const Eigen::Vector3d position = T_odom_vehicle_.translation();
+  for (int i = 0; i < kSize; i = i == 0 ? static_cast<int>(kMotionSize) : i + 6) {
+    const Eigen::Vector3d rotation = gain.segment<3>(i);
+    gain.segment<3>(i + 3) = position.cross(rotation);
+  }
+  gain.segment<3>(3) += recent_gain.head<3>().cross(position) + recent_gain.tail<3>();
 }
 
 void OdometryState::apply(const Vector& change) {
@@ -356,6 +370,7 @@ void OdometryState::release_acceleration(double seconds) {
   direction.head<6>() =
       0.5 * kSigma * square(seconds) * x_[kWheelScale] * geometry::adjoint(T_odom_vehicle_).col(3);
   P_ += direction * direction.transpose();
+  recent_ += direction.head<6>() * direction.head<kMotionSize>().transpose();
 }
 
 // A receiver does not tell forward from reverse. A speed that is not known yet is near 0 with

@@ -139,6 +139,8 @@ class OdometryState {
   /// Derivative of `speed()`'s magnitude; along x where the vehicle stands.
   Vector speed_derivative() const;
   bool update(double innovation, const Vector& derivative, double noise, double gate);
+  /// Makes a gain one that leaves the vehicle where it is, but for its recent motion.
+  void keep_position(const geometry::Vector6& recent_gain, Vector& gain) const;
   double expected_wheel_speed(size_t wheel) const;
   void apply(const Vector& change);
   void clear_clones();

@@ -214,7 +214,9 @@ TEST_F(RealDrive, ImageEdgesAreAtTheDepthEdgesOfDeskewedSweeps) {
 
 // Camera axes: x across, y down, z along the driving direction. Across, the result is 4 cm from the
 // published extrinsics, more than the scatter of the scenes explains: what is not known of the
-// intrinsics, and what they contradict, is in the stated covariance too.
+// intrinsics, and what they contradict, is in the stated covariance too. The published ones are
+// themselves 1.2 cm off: there is the largest gradient at depth edges, which nothing maximises
+// (`infuse-study offset`, fusion/calibration/accuracy.md).
 TEST_F(RealDrive, IsCalibratedNearThePublishedExtrinsics) {
   IMPORT_OR_SKIP();
   const json result = calibrate("--perturb 2,0.1 --seed 3");
@@ -227,7 +229,9 @@ TEST_F(RealDrive, IsCalibratedNearThePublishedExtrinsics) {
   for (size_t k = 0; k < 6; ++k) {
     const double unit = k < 3 ? M_PI / 180 : 1;
     const double error = unit * result["error"]["by_axis_deg_m"][k].get<double>();
-    EXPECT_LT(std::abs(error), 3 * std::sqrt(result["covariance"][k][k].get<double>())) << k;
+    const double published = k == 3 ? 0.012 : 0;
+    const double sigma = std::hypot(std::sqrt(result["covariance"][k][k].get<double>()), published);
+    EXPECT_LT(std::abs(error), 3 * sigma) << k;
   }
   EXPECT_NEAR(std::sqrt(result["covariance_of_motion"][5][5].get<double>()), 0.032, 0.002)
       << "3 ms at 10.7 m/s";
