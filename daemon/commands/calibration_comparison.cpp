@@ -51,13 +51,10 @@ ComparedExtrinsics compare_on(const ScenePairs& held_out,
 
 Json to_json(const ComparedExtrinsics& compared) {
   const calibration::ExtrinsicComparison& comparison = compared.comparison;
-  return {{"better", compared.better()},
-          {"reason", comparison.reason},
-          {"p_value", comparison.p_value},
-          {"scenes", comparison.scenes.size()},
-          {"independent_scenes", comparison.independent},
-          {"old", fit_json(comparison.mean_a)},
-          {"new", fit_json(comparison.mean_b)}};
+  return {{"better", compared.better()},        {"reason", comparison.reason},
+          {"p_value", comparison.p_value},      {"bias_share", rounded(comparison.bias_share)},
+          {"scenes", comparison.scenes.size()}, {"independent_scenes", comparison.independent},
+          {"old", fit_json(comparison.mean_a)}, {"new", fit_json(comparison.mean_b)}};
 }
 
 std::string to_text(const ComparedExtrinsics& compared) {
@@ -74,6 +71,9 @@ std::string to_text(const ComparedExtrinsics& compared) {
           (compared.T_new.inverse().translation() - compared.T_old.inverse().translation()).norm(),
       a.edge_gradient, b.edge_gradient, a.dependence, b.dependence);
   if (!comparison.usable()) return text + "  nothing can be said: " + comparison.reason + "\n";
+  if (comparison.bias_share == 1) {
+    return text + "  neither is better: half a pixel of bias could make up the difference\n";
+  }
   const std::string better = compared.better();
   text += better == "neither" ? "  neither is better" : "  the " + better + " one is better";
   return text + fmt::format(" (p = {:.2g})\n", comparison.p_value);

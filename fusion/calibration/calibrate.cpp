@@ -490,7 +490,9 @@ CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCa
   Calibration calibration(scenes, cameras, T_refcam_lidar_start, options);
   CalibrationResult result =
       run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kPriorScale);
-  if (!result.usable() && options.restarts > 0 && result.points > 0) {
+  // Too few places are too few at every pose.
+  const bool enough = effective_scenes(calibration.similarity()) >= kMinEffectiveScenes;
+  if (!result.usable() && enough && options.restarts > 0 && result.points > 0) {
     const CalibrationResult held =
         run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kRetryPriorScale);
     // At the same place everything is as wrong as before.

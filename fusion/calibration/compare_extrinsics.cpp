@@ -14,6 +14,7 @@ namespace {
 
 constexpr size_t kMinComparedPoints = 200;   // number of points of a scene under both poses
 constexpr size_t kMinIndependentScenes = 6;  // number
+constexpr double kCentreStep = 0.5;          // px, of differences by the principal point
 constexpr double kSimilar = 0.5;             // of two scenes of one place
 constexpr size_t kMaxEnumerated = 16;        // number of values whose sign patterns are all tried
 constexpr size_t kDrawnPatterns = 20'000;
@@ -31,6 +32,22 @@ double edge_gradient(Objective& measure, const Eigen::Isometry3d& T, size_t edge
   return weights > 0 ? sum / weights : 0;
 }
 
+/// The cameras with every principal point moved by (u, v), px.
+std::vector<RigCamera> with_centre_moved(std::span<const RigCamera> cameras, double u, double v) {
+  std::vector<RigCamera> moved(cameras.begin(), cameras.end());
+  for (RigCamera& camera : moved) {
+    CameraIntrinsics model = camera.model.intrinsics();
+    model.cx += u;
+    model.cy += v;
+    camera.model = geometry::CameraModel(model);
+  }
+  return moved;
+}
+
+SceneFit difference(const SceneFit& b, const SceneFit& a) {
+  return {b.edge_gradient - a.edge_gradient, b.dependence - a.dependence};
+}
+
 SceneFit mean_of(const std::vector<SceneFit>& fits) {
   SceneFit mean;
   for (const SceneFit& fit : fits) {
@@ -40,18 +57,16 @@ SceneFit mean_of(const std::vector<SceneFit>& fits) {
   return mean;
 }
 
-/// Differences divided by their root mean square; zeros where all are zero.
-std::vector<double> scaled_differences(const std::vector<SceneFit>& a,
-                                       const std::vector<SceneFit>& b, double SceneFit::*value) {
-  std::vector<double> differences;
+/// Lead of pose b over pose a in a scene, and its derivatives by the principal point, 1/px.
+struct Lead {
+  SceneFit value, by_u, by_v;
+};
+
+/// Factor that makes the root mean square of the leads one; zero where all are zero.
+double scale_of(const std::vector<Lead>& leads, double SceneFit::*value) {
   double squares = 0;
-  for (size_t s = 0; s < a.size(); ++s) {
-    differences.push_back(b[s].*value - a[s].*value);
-    squares += differences.back() * differences.back();
-  }
-  const double scale = std::sqrt(squares / static_cast<double>(a.size()));
-  for (double& one : differences) one = scale > 0 ? one / scale : 0;
-  return differences;
+  for (const Lead& lead : leads) squares += lead.value.*value * lead.value.*value;
+  return squares > 0 ? std::sqrt(static_cast<double>(leads.size()) / squares) : 0;
 }
 
 }  // namespace
@@ -59,6 +74,7 @@ std::vector<double> scaled_differences(const std::vector<SceneFit>& a,
 std::optional<std::string> CompareOptions::invalid() const {
   if (!(sigma >= 0)) return "sigma must not be negative";
   if (!(max_p_value > 0 && max_p_value < 1)) return "max_p_value must lie between 0 and 1";
+  if (!(bias >= 0 && bias <= 100)) return "bias must lie in 0 … 100 px";
   if (auto wrong = visibility.invalid()) return "visibility: " + *wrong;
   return std::nullopt;
 }
@@ -120,6 +136,10 @@ ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
   });
   const auto edge_term = static_cast<size_t>(edges - terms.begin());
   const Eigen::Isometry3d poses[] = {T_refcam_lidar_a, T_refcam_lidar_b};
+  const std::vector<RigCamera> moved[] = {
+      with_centre_moved(cameras, kCentreStep, 0), with_centre_moved(cameras, -kCentreStep, 0),
+      with_centre_moved(cameras, 0, kCentreStep), with_centre_moved(cameras, 0, -kCentreStep)};
+  std::vector<Lead> leads;
   for (size_t s = 0; s < scenes.size(); ++s) {
     const std::span<const Scene> scene = scenes.subspan(s, 1);
     const VisiblePoints points = select_visible(scene, cameras, poses, options.visibility);
@@ -133,26 +153,57 @@ ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
     out.a.push_back(fit(T_refcam_lidar_a));
     out.b.push_back(fit(T_refcam_lidar_b));
     out.scenes.push_back(s);
+    Lead lead{.value = difference(out.b.back(), out.a.back())};
+    const auto derivative = [&](const auto& up, const auto& down) {
+      measure.set_cameras(up);
+      const SceneFit above = difference(fit(T_refcam_lidar_b), fit(T_refcam_lidar_a));
+      measure.set_cameras(down);
+      const SceneFit below = difference(fit(T_refcam_lidar_b), fit(T_refcam_lidar_a));
+      const SceneFit change = difference(above, below);
+      return SceneFit{change.edge_gradient / (2 * kCentreStep),
+                      change.dependence / (2 * kCentreStep)};
+    };
+    if (options.bias > 0) {
+      lead.by_u = derivative(moved[0], moved[1]);
+      lead.by_v = derivative(moved[2], moved[3]);
+    }
+    leads.push_back(lead);
   }
   out.mean_a = mean_of(out.a);
   out.mean_b = mean_of(out.b);
 
   const std::vector<size_t> group = group_similar(scene_similarity(scenes));
-  const auto by_gradient = scaled_differences(out.a, out.b, &SceneFit::edge_gradient);
-  const auto by_dependence = scaled_differences(out.a, out.b, &SceneFit::dependence);
+  const double gradient_scale = scale_of(leads, &SceneFit::edge_gradient);
+  const double dependence_scale = scale_of(leads, &SceneFit::dependence);
+  const auto sum_of = [&](const SceneFit& fit) {
+    return gradient_scale * fit.edge_gradient + dependence_scale * fit.dependence;
+  };
   std::vector<double> sums(scenes.size(), 0.0);
+  std::vector<Eigen::Vector2d> slopes(scenes.size(), Eigen::Vector2d::Zero());
   std::vector<char> seen(scenes.size(), 0);
-  for (size_t k = 0; k < out.scenes.size(); ++k) {
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  for (size_t k = 0; k < leads.size(); ++k) {
     const size_t of = group[out.scenes[k]];
-    sums[of] += by_gradient[k] + by_dependence[k];
+    const Eigen::Vector2d own(sum_of(leads[k].by_u), sum_of(leads[k].by_v));
+    sums[of] += sum_of(leads[k].value);
+    slopes[of] += own;
+    slope += own;
     out.independent += seen[of] == 0 ? 1 : 0;
     seen[of] = 1;
   }
   out.better = std::accumulate(sums.begin(), sums.end(), 0.0);
   if (out.independent < kMinIndependentScenes) {
-    out.reason = std::to_string(out.independent) + " scenes of different places are too few: " +
-                 std::to_string(kMinIndependentScenes) + " are needed";
+    out.reason = std::to_string(out.independent);
+    out.reason.append(" scenes of different places are too few: ");
+    out.reason.append(std::to_string(kMinIndependentScenes)).append(" are needed");
     return out;
+  }
+  const double feigned = options.bias * slope.norm();
+  out.bias_share = out.better != 0 ? std::min(1.0, feigned / std::abs(out.better)) : 0;
+  if (out.bias_share == 1) return out;
+  if (feigned > 0) {
+    const Eigen::Vector2d displaced = std::copysign(options.bias, -out.better) * slope.normalized();
+    for (size_t s = 0; s < sums.size(); ++s) sums[s] += slopes[s].dot(displaced);
   }
   std::erase(sums, 0.0);
   out.p_value = sign_permutation_p_value(sums, options.seed);

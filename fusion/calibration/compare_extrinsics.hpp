@@ -14,8 +14,11 @@ namespace infuse::calibration {
 
 /// Settings of a comparison of two extrinsics.
 struct CompareOptions {
-  double sigma = 2;              ///< px, blur of the images
-  double max_p_value = 0.05;     ///< of a difference that is taken for real
+  double sigma = 2;           ///< px, blur of the images
+  double max_p_value = 0.05;  ///< of a difference that is taken for real
+  /// px: the measures may be largest so far beside the truth, as with the principal point so far
+  /// off (half a pixel on drawn rigs, `check_model`).
+  double bias = 0.5;
   uint64_t seed = 1;             ///< of the drawn signs
   VisibilityOptions visibility;  ///< of the points, in view under both poses
 
@@ -36,6 +39,7 @@ struct ExtrinsicComparison {
   SceneFit mean_a, mean_b;     ///< over these
   size_t independent = 0;      ///< number of groups of scenes that are not of one place
   double p_value = 1;          ///< of so large a difference between equal poses, two-sided
+  double bias_share = 0;       ///< of `better`, what `CompareOptions::bias` can feign; 1: all of it
   double better = 0;           ///< sum of the scaled differences: positive where b fits better
   std::string reason;          ///< why nothing can be said; empty if it can
 
@@ -47,6 +51,12 @@ struct ExtrinsicComparison {
 /// two differences, each divided by its root mean square over the scenes, are added. Between
 /// equally good poses their signs are random, so the p-value is the share of sign patterns whose
 /// sum is as large (permutation test; Fisher 1935). Scenes of one place share a sign.
+///
+/// The scenes have a bias in common, which no permutation of them shows: of two poses as far to
+/// either side of the truth it names one, surely. So the p-value is that of the differences with
+/// the principal point moved by `bias` in the direction that makes the poses most alike, and 1
+/// where the sum changes its sign within that. The derivatives by the principal point are
+/// differences.
 ///
 /// Scenes must have the features of the default measure (`named_measures`). Not usable with fewer
 /// than 6 independent scenes: five equal signs come by chance in one of 16.

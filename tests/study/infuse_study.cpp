@@ -273,7 +273,7 @@ struct RigsArguments {
   uint64_t seed = 20'000;  // no other study draws from there
   int count = 20;
   int scenes = 40;
-  bool cells = false, any_heading = false;
+  bool cells = false, any_heading = false, details = false;
   std::string output = "rigs.csv";
 };
 
@@ -304,7 +304,8 @@ int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
       continue;
     }
     const TrialSet set = arguments.cells ? TrialSet::kCells : TrialSet::kTrust;
-    for (const RigTrial& trial : try_rig(*recording, seed, set)) {
+    std::ostream* details = arguments.details ? &std::cout : nullptr;
+    for (const RigTrial& trial : try_rig(*recording, seed, set, details)) {
       write_row(rows, trial);
       all.push_back(trial);
     }
@@ -437,6 +438,7 @@ int main(int argc, char** argv) {
   rigs_command->add_option("--count", rigs.count, "number of rigs (20)");
   rigs_command->add_flag("--cells", rigs.cells,
                          "right ones of 3 to 40 scenes, diverse and neighbouring, instead");
+  rigs_command->add_flag("--details", rigs.details, "print what each stated covariance is made of");
   rigs_command->add_option("-o,--output", rigs.output,
                            "rows of all trials; an interrupted study goes on from it (rigs.csv)");
   RigsArguments compared;

@@ -16,8 +16,8 @@ const std::vector<RigCamera>& small_rig() {
   return rig;
 }
 
-Eigen::Isometry3d turned(double degrees) {
-  return geometry::exp(degrees * kDegree * geometry::Vector6::Unit(1)) *
+Eigen::Isometry3d turned(double degrees, Eigen::Index axis = 1) {
+  return geometry::exp(degrees * kDegree * geometry::Vector6::Unit(axis)) *
          painted::twelve_scene_drive().T_camera_lidar;
 }
 
@@ -77,6 +77,26 @@ TEST(CompareExtrinsics, NamesTheBetterAndSaysNothingOfEqualOnes) {
   EXPECT_FALSE(repeated.usable());
   EXPECT_EQ(repeated.independent, 1U);
   EXPECT_EQ(repeated.p_value, 1);
+}
+
+TEST(CompareExtrinsics, LeavesOpenWhatHalfAPixelCouldFeign) {
+  const painted::Drive& drive = painted::twelve_scene_drive();
+  // 0.1 degrees are 0.6 pixels: with the principal point 0.3 pixels off both fit alike.
+  const auto without_bias =
+      compare_extrinsics(drive.scenes, small_rig(), turned(0.1), drive.T_camera_lidar, {.bias = 0});
+  EXPECT_LT(without_bias.p_value, 0.05);
+  EXPECT_GT(without_bias.better, 0);
+  const auto near =
+      compare_extrinsics(drive.scenes, small_rig(), turned(0.1), drive.T_camera_lidar, {});
+  EXPECT_EQ(near.p_value, 1);
+  EXPECT_EQ(near.bias_share, 1);
+
+  // No principal point feigns a rotation about the optical axis.
+  const auto rolled =
+      compare_extrinsics(drive.scenes, small_rig(), turned(1, 2), drive.T_camera_lidar, {});
+  EXPECT_LT(rolled.p_value, 0.05);
+  EXPECT_GT(rolled.better, 0);
+  EXPECT_LT(rolled.bias_share, 0.5);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/calibrate.hpp"
+#include "fusion/calibration/compare_extrinsics.hpp"
 
 namespace infuse::study {
 namespace {
@@ -141,8 +142,75 @@ std::vector<RigScene> select_scenes(const RigRecording& recording, const Kind& k
   return selected;
 }
 
+/// Standard deviations of a covariance, degrees and centimetres.
+Eigen::RowVectorXd shown_sigmas(const geometry::Matrix6& covariance) {
+  Vector6 sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  sigma.head<3>() /= kDegree;
+  sigma.tail<3>() *= 100;
+  return sigma.transpose();
+}
+
+/// Writes how the fit of the result compares with that of the truth, and with that of the maximum
+/// nearest to the truth.
+void write_from_truth(std::ostream& out, const RigRecording& recording,
+                      const std::vector<Scene>& scenes, const std::vector<RigCamera>& cameras,
+                      const Eigen::Isometry3d& found) {
+  calibration::CalibrateOptions options{.restarts = 0, .check_intrinsics = false};
+  options.screen = {.half_width = 0, .survivors = 0};
+  options.coarse = {{.sigma = 2, .tolerance = 1e-2}};
+  options.fine = {{.sigma = 1}};
+  const Eigen::Isometry3d near =
+      calibration::calibrate(scenes, cameras, recording.T_camera_lidar, options).T_refcam_lidar;
+  const auto write = [&](const char* name, const Eigen::Isometry3d& pose) {
+    const Vector6 error = geometry::log(recording.T_camera_lidar * pose.inverse());
+    const auto fit = calibration::compare_extrinsics(scenes, cameras, pose, found, {.bias = 0});
+    out << "  " << name << ": " << error.head<3>().norm() / kDegree << " degrees, "
+        << 100 * error.tail<3>().norm() << " cm; edges " << fit.mean_a.edge_gradient << " (result "
+        << fit.mean_b.edge_gradient << "), dependence " << fit.mean_a.dependence << " ("
+        << fit.mean_b.dependence << "), result better by " << fit.better << ", p " << fit.p_value
+        << '\n';
+  };
+  write("truth", recording.T_camera_lidar);
+  write("maximum nearest to it", near);
+}
+
+/// Writes what the stated covariance of a trial is made of, beside its error axis by axis.
+void write_details(std::ostream& out, const RigTrial& trial, const RigRecording& recording,
+                   const CameraIntrinsics& stated, const calibration::CalibrationResult& result) {
+  const Eigen::IOFormat short_row(3, 0, " ", "", "", "", "", "");
+  Vector6 error = geometry::log(recording.T_camera_lidar * result.T_refcam_lidar.inverse());
+  error.head<3>() /= kDegree;
+  error.tail<3>() *= 100;
+  out << trial.seed << ' ' << trial.kind << ' ' << trial.lidar << ' ' << trial.width
+      << ", f = " << stated.fx << " px: " << (trial.usable ? "usable" : trial.reason)
+      << "\n  restarts " << result.returned << " of " << result.restarts << ", support "
+      << result.support << "\n  error (degrees, cm)     " << error.transpose().format(short_row)
+      << "\n  sigma                   " << shown_sigmas(result.covariance()).format(short_row)
+      << "\n  of the scenes           "
+      << shown_sigmas(result.uncertainty.covariance).format(short_row) << '\n';
+  for (const calibration::ModelMismatch& one : result.model_mismatches) {
+    Vector6 moved = one.pose_sensitivity;
+    moved.head<3>() /= kDegree;
+    moved.tail<3>() *= 100;
+    out << "  " << one.parameter << ": " << one.value << " +- " << one.sigma << ' ' << one.unit
+        << ", known to " << one.known_sigma << ", unseen " << one.unseen_sigma << ", pose per unit "
+        << moved.transpose().format(short_row) << '\n';
+  }
+  if (result.intrinsics.empty() || !result.intrinsics.front()) return;
+  const calibration::IntrinsicsEstimate& estimate = *result.intrinsics.front();
+  const CameraIntrinsics& truth = recording.camera;
+  const Eigen::Vector4d right(std::log(truth.fx / stated.fx), truth.cx - stated.cx,
+                              truth.cy - stated.cy, truth.distortion[0] - stated.distortion[0]);
+  out << "  intrinsics, true        " << right.transpose().format(short_row)
+      << "\n  estimated               " << estimate.correction.transpose().format(short_row)
+      << "\n  sigma                   "
+      << estimate.covariance.diagonal().cwiseSqrt().transpose().format(short_row) << "\n  scenes "
+      << estimate.improved_scenes << " of " << estimate.scenes << ", t " << estimate.significance
+      << (estimate.converged ? "" : ", not converged") << '\n';
+}
+
 RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed,
-                  SceneSet set = {}) {
+                  std::ostream* details, SceneSet set = {}) {
   std::vector<RigScene> recorded = select_scenes(recording, kind, set);
   CameraIntrinsics stated = recording.camera;
   std::mt19937_64 random(seed + 1'000'000 * set.which);
@@ -179,6 +247,10 @@ RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed
   trial.translation_sigma = std::sqrt(covariance.diagonal().tail<3>().maxCoeff());
   trial.mahalanobis_squared = error.dot(covariance.inverse() * error);
   trial.scenes_mahalanobis_squared = error.dot(result.uncertainty.covariance.inverse() * error);
+  if (details != nullptr) {
+    write_details(*details, trial, recording, stated, result);
+    write_from_truth(*details, recording, scenes, cameras, result.T_refcam_lidar);
+  }
   return trial;
 }
 
@@ -203,18 +275,19 @@ bool RigTrial::surely_wrong() const {
          mahalanobis_squared > kChiSquare997;
 }
 
-std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, TrialSet set) {
+std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, TrialSet set,
+                              std::ostream* details) {
   std::vector<RigTrial> trials;
   if (set == TrialSet::kCells) {
     for (const Kind& kind : kCells) {
       const size_t all = (kind.neighbours ? recording.neighbours : recording.diverse).size();
       const size_t sets = std::clamp<size_t>(all / kind.scenes, 1, kMaxSets);
       for (size_t k = 0; k < sets; ++k)
-        trials.push_back(try_kind(recording, kind, seed, {k, sets}));
+        trials.push_back(try_kind(recording, kind, seed, details, {k, sets}));
     }
   } else {
-    trials.push_back(try_kind(recording, kRight, seed));
-    trials.push_back(try_kind(recording, kFaults[seed % std::size(kFaults)], seed));
+    trials.push_back(try_kind(recording, kRight, seed, details));
+    trials.push_back(try_kind(recording, kFaults[seed % std::size(kFaults)], seed, details));
   }
   return trials;
 }

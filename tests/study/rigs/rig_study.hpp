@@ -45,8 +45,9 @@ enum class TrialSet {
 };
 
 /// Calibrates a recording from an initial pose that is up to 2 degrees and 8 cm off about and along
-/// every axis.
-std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, TrialSet set);
+/// every axis. `details`, where not null, gets the parts of each stated covariance.
+std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, TrialSet set,
+                              std::ostream* details = nullptr);
 
 void write_header(std::ostream& out);
 void write_row(std::ostream& out, const RigTrial& trial);
