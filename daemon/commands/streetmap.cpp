@@ -37,11 +37,13 @@ Result<void> write_image(const streetmap::SegmentMap& map, const std::string& pa
   return recording::write_file_atomically(path, std::as_bytes(std::span(*png)));
 }
 
-/// Number of segments of each kind.
+/// Number of segments of each kind, without those that only mark streets on other levels.
 std::array<uint64_t, streetmap::kSegmentKindCount> count_kinds(const streetmap::SegmentMap& map) {
   std::array<uint64_t, streetmap::kSegmentKindCount> counts{};
   for (uint32_t id = 1; id < map.segment_count(); ++id) {
-    ++counts[static_cast<size_t>(map.segment(id).kind)];
+    const streetmap::Segment segment = map.segment(id);
+    if (segment.levels != streetmap::StreetLevels::kOne) continue;
+    ++counts[static_cast<size_t>(segment.kind)];
   }
   return counts;
 }

@@ -266,7 +266,8 @@ class StreetPlanBuilder {
   void add_street(const osm::Way& way, std::string_view highway) {
     const WayDefaults* defaults = find_way_defaults(highway);
     const std::string_view tunnel = find_tag(way.tags, "tunnel");
-    if (defaults == nullptr || (!tunnel.empty() && tunnel != "no")) return;
+    const bool is_tunnel = !tunnel.empty() && tunnel != "no";
+    if (defaults == nullptr || (is_tunnel && !defaults->carriageway)) return;
     streetmap::PlanStrip strip;
     strip.segment = {defaults->carriageway ? SegmentKind::kCarriageway : SegmentKind::kFootway,
                      way.id};
@@ -278,6 +279,9 @@ class StreetPlanBuilder {
       strip.left_sidewalk_width = has_sidewalk(way.tags, "left") ? kSidewalkWidth : 0;
       strip.right_sidewalk_width = has_sidewalk(way.tags, "right") ? kSidewalkWidth : 0;
       strip.layer = street_layer(way.tags);
+      strip.tunnel = is_tunnel;
+    }
+    if (defaults->carriageway && !is_tunnel) {
       for (size_t i = 0; i < way.points.size(); ++i) {
         streets_[way.points[i].node] = {planned_.plan.strips.size(), i};
       }

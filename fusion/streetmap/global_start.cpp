@@ -44,12 +44,13 @@ std::array<double, kDirections> free_lengths(const StreetGrid& grid, const Eigen
   return lengths;
 }
 
-uint64_t bin_of(const PlanarPose& pose) {
-  constexpr double kOffset = 1 << 20;
+uint64_t bin_of(const StreetHypothesis& hypothesis) {
+  constexpr double kOffset = 1 << 20, kLevels = 128;  // more than yaws
+  const PlanarPose& pose = hypothesis.pose;
   const auto part = [](double value) { return static_cast<uint64_t>(value + kOffset); };
   return part(std::floor(pose.x / kMergeDistance)) << 42 |
          part(std::floor(pose.y / kMergeDistance)) << 21 |
-         part(std::floor(wrap_angle(pose.yaw) / kMergeYaw));
+         part(std::floor(wrap_angle(pose.yaw) / kMergeYaw) + kLevels * hypothesis.level);
 }
 
 }  // namespace
@@ -96,7 +97,7 @@ void predict(StreetHypothesis& hypothesis, const PlanarPose& motion,
 void compare(StreetHypothesis& hypothesis, const StreetGrid& grid, double novelty,
              const GlobalStartOptions& options) {
   PlanarPose& pose = hypothesis.pose;
-  const auto street = grid.across(pose);
+  const auto street = grid.across(pose, hypothesis.level);
   if (!street) {
     hypothesis.log_weight -= novelty * options.max_misfit;
     hypothesis.misfit += novelty * options.max_misfit;
@@ -221,7 +222,10 @@ void GlobalStart::go_on_comparing() {
       std::min(next_ + static_cast<size_t>(options_.max_compared), hypotheses_.size());
   for (; next_ < end; ++next_) {
     StreetHypothesis& hypothesis = hypotheses_[next_];
+    const Eigen::Vector2d before(hypothesis.pose.x, hypothesis.pose.y);
     predict(hypothesis, compared_.motion, compared_.covariance, compared_.seconds);
+    hypothesis.level =
+        grid_.level_after(hypothesis.level, before, {hypothesis.pose.x, hypothesis.pose.y});
     compare(hypothesis, grid_, novelty, options_);
   }
 }
@@ -243,8 +247,7 @@ void GlobalStart::drop_and_merge() {
     return !(h.log_weight > best - options_.max_log_odds);
   });
   bins_.clear();
-  for (uint32_t i = 0; i < hypotheses_.size(); ++i)
-    bins_.emplace_back(bin_of(hypotheses_[i].pose), i);
+  for (uint32_t i = 0; i < hypotheses_.size(); ++i) bins_.emplace_back(bin_of(hypotheses_[i]), i);
   std::sort(bins_.begin(), bins_.end());
   for (size_t i = 0, next = 0; i < bins_.size(); i = next) {
     StreetHypothesis* kept = &hypotheses_[bins_[i].second];

@@ -55,8 +55,9 @@ struct FoundPlace {
 struct StreetHypothesis {
   using Matrix = Eigen::Matrix<double, 5, 5>;
   PlanarPose pose;
-  double scale = 1;          ///< true over measured distance
-  double yaw_rate_bias = 0;  ///< true minus measured
+  int level = StreetGrid::kAnyLevel;  ///< of its street
+  double scale = 1;                   ///< true over measured distance
+  double yaw_rate_bias = 0;           ///< true minus measured
   Matrix covariance = Matrix::Zero();
   double log_weight = 0;
   double misfit = 0;  ///< sum over independent evidence of the squared distance from the street
@@ -67,9 +68,9 @@ struct StreetHypothesis {
 void predict(StreetHypothesis& hypothesis, const PlanarPose& motion,
              const Eigen::Matrix3d& covariance, double seconds);
 
-/// Compares a hypothesis with the street across it: evidence of which the share `novelty` is
-/// independent. Outside the street it loses weight, and its position across the street is
-/// corrected.
+/// Compares a hypothesis with the street of its level across it: evidence of which the share
+/// `novelty` is independent. Outside the street it loses weight, and its position across the street
+/// is corrected.
 void compare(StreetHypothesis& hypothesis, const StreetGrid& grid, double novelty,
              const GlobalStartOptions& options);
 

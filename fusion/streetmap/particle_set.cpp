@@ -280,12 +280,19 @@ void ParticleSet::smooth_with_kernel() {
   }
 }
 
-PoseMoments ParticleSet::moments() const {
+bool ParticleSet::likelier_mode() const {
   double mode_weights[2] = {0, 0};
   for (const Particle& particle : particles_) {
     mode_weights[particle.in_second_mode] += std::exp(particle.log_weight);
   }
-  return moments_of_mode(mode_weights[1] > mode_weights[0]);
+  return mode_weights[1] > mode_weights[0];
+}
+
+PoseMoments ParticleSet::moments() const { return moments_of_mode(likelier_mode()); }
+
+std::optional<PoseMoments> ParticleSet::second_moments() const {
+  if (second_mode_weight() == 0) return std::nullopt;
+  return moments_of_mode(!likelier_mode());
 }
 
 PoseMoments ParticleSet::moments_of_mode(bool second_mode) const {

@@ -72,6 +72,9 @@ class ParticleSet {
   /// Weighted mean and covariance, of the likelier mode if there are two.
   PoseMoments moments() const;
 
+  /// The same of the less likely mode; nothing if there is one mode.
+  std::optional<PoseMoments> second_moments() const;
+
   /// Weight of the less likely mode, 0 … 0.5; 0 if there is one mode.
   double second_mode_weight() const;
 
@@ -87,6 +90,7 @@ class ParticleSet {
   void normalise();
   void merge_modes();
   void smooth_with_kernel();
+  bool likelier_mode() const;
   PoseMoments moments_of_mode(bool second_mode) const;
   double normal() { return normal_(random_); }
 

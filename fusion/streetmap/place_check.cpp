@@ -14,6 +14,8 @@ constexpr double kMinLogOdds = -9;       // later evidence can outweigh it
 constexpr double kStepSigma = 0.7;       // m, a place moves to a better pose nearby
 constexpr double kStepYawSigma = 0.015;  // rad
 constexpr int kTriesPerPlace = 20;
+constexpr double kMinContender = -4;  // log-odds above which more poses nearby are attempted
+constexpr int kAttempts = 3;
 
 /// The rigid transform that takes `from` to `to`.
 PlanarPose transform_between(const PlanarPose& from, const PlanarPose& to) {
@@ -36,7 +38,7 @@ std::optional<std::string> PlaceCheckOptions::invalid() const {
 
 PlaceCheck::PlaceCheck(const PlaceCheckOptions& options, uint64_t seed)
     : options_(options), random_(seed) {
-  const double directions = 2 * (options.max_along + options.max_across) / options.spacing + 8;
+  const double directions = (4 * options.max_along + 2 * options.max_across) / options.spacing + 8;
   places_.reserve(static_cast<size_t>(directions) + static_cast<size_t>(options.like_places));
 }
 
@@ -54,8 +56,11 @@ void PlaceCheck::start(const PlanarPose& pose, const SegmentMap& map) {
     for (double d = options_.spacing; d <= options_.max_across; d += options_.spacing) {
       add(pose, pose.compose({0, side * d, 0}), map, Direction::kAcross);
     }
-    add(pose, pose.compose({0, side * options_.spacing / 2, std::numbers::pi}), map,
-        Direction::kElsewhere);
+    // Reversed along the street, in either lane by turns.
+    double lane = side * options_.spacing / 2;
+    for (double d = 0; d <= options_.max_along; d += options_.spacing, lane = -lane) {
+      add(pose, pose.compose({side * d, lane, std::numbers::pi}), map, Direction::kElsewhere);
+    }
   }
   std::uniform_real_distribution<double> share(-1, 1);
   int wanted = options_.like_places;
@@ -71,6 +76,7 @@ void PlaceCheck::start(const PlanarPose& pose, const SegmentMap& map) {
   }
   estimate_ = pose;
   elsewhere_ = 1;
+  first_view_ = true;
   running_ = true;
 }
 
@@ -85,18 +91,45 @@ void PlaceCheck::update(const PlanarPose& estimate, const Eigen::Matrix3d& covar
     const Eigen::Vector2d d(pose.x - estimate.x, pose.y - estimate.y);
     place.same = d.dot(information * d) < kChiSquared99 &&
                  std::abs(wrap_angle(pose.yaw - estimate.yaw)) < 0.5;
-    const PlanarPose step{kStepSigma * normal_(random_), kStepSigma * normal_(random_),
-                          kStepYawSigma * normal_(random_)};
-    const PlanarPose moved = pose.compose(step);
-    double best = score(pose);
-    if (const double other = score(moved); other > best) {
-      best = other;
-      place.T = transform_between(estimate, moved);
-    }
-    place.log_odds = std::max(place.log_odds + gain * (best - estimate_score), kMinLogOdds);
+    const double change = gain * (place_score(place, estimate, score) - estimate_score);
+    place.log_odds =
+        std::max(place.log_odds + (first_view_ ? std::min(change, 0.0) : change), kMinLogOdds);
   }
+  first_view_ = false;
   estimate_ = estimate;
   judge();
+}
+
+// The estimate is the best of many poses nearby, and so must the other place be: it moves to a
+// better one of those about it on the first view, of random ones near it on each. The view that it
+// is moved by does not support it: it counts by its pose before, the first view against it only.
+double PlaceCheck::place_score(Place& place, const PlanarPose& estimate,
+                               const std::function<double(const PlanarPose&)>& score) {
+  PlanarPose pose = place.T.compose(estimate);
+  const double before = score(pose);
+  double best = before;
+  const auto attempt = [&](const PlanarPose& moved) {
+    const double other = score(moved);
+    if (other <= best) return;
+    best = other;
+    pose = moved;
+  };
+  if (first_view_) {
+    const PlanarPose middle = pose;
+    const double step = options_.spacing / 3;
+    for (const double x : {-step, 0.0, step}) {
+      for (const double y : {-step, 0.0, step}) {
+        if (x != 0 || y != 0) attempt(middle.compose({x, y, 0}));
+      }
+    }
+  }
+  const int attempts = place.log_odds > kMinContender ? kAttempts : 1;
+  for (int i = 0; i < attempts; ++i) {
+    attempt(pose.compose({kStepSigma * normal_(random_), kStepSigma * normal_(random_),
+                          kStepYawSigma * normal_(random_)}));
+  }
+  place.T = transform_between(estimate, pose);
+  return first_view_ ? best : before;
 }
 
 void PlaceCheck::judge() {
@@ -132,7 +165,8 @@ std::optional<PlanarPose> PlaceCheck::propose() {
   for (Place& place : places_) {
     if (!place.same && (best == nullptr || place.log_odds > best->log_odds)) best = &place;
   }
-  if (best == nullptr || best->log_odds < options_.min_better) return std::nullopt;
+  if (best == nullptr) return std::nullopt;
+  if (best->log_odds + std::log(options_.prior_odds) < options_.min_better) return std::nullopt;
   best->log_odds = 0;
   return best->T.compose(estimate_);
 }

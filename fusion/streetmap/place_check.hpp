@@ -22,17 +22,18 @@ struct PlaceCheckOptions {
   double like_yaw = 0.08;       ///< rad, standard deviation of their headings about the estimate's
   double prior_odds = 0.1;      ///< odds of one other place to the estimate before any evidence
   double max_elsewhere = 0.02;  ///< probability of the other places below which the place is sure
-  double min_better = 2;        ///< log-odds above which another place is proposed
+  double min_better = 2;        ///< log-odds, the prior included, above which a place is proposed
 
   /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;
 };
 
 /// Tests whether the true place is elsewhere: poses displaced along and across the street with the
-/// heading of the estimate, the reverse of it, and places on other carriageways. Each is a rigid
-/// transform of the whole trajectory, so it drives with the estimate, and collects the log-odds of
-/// its views against those of the estimate. A place is sure once all of them are refuted together;
-/// on a straight street that looks alike everywhere it is not, until a crossing or a turn.
+/// heading of the estimate, along it with the reverse heading, and places on other carriageways.
+/// Each is a rigid transform of the whole trajectory, so it drives with the estimate, and collects
+/// the log-odds of its views against those of the estimate. A place is sure once all of them are
+/// refuted together; on a straight street that looks alike everywhere it is not, until a crossing
+/// or a turn.
 class PlaceCheck {
  public:
   PlaceCheck(const PlaceCheckOptions& options, uint64_t seed);
@@ -67,6 +68,8 @@ class PlaceCheck {
   };
   void add(const PlanarPose& from, const PlanarPose& to, const SegmentMap& map,
            Direction direction);
+  double place_score(Place& place, const PlanarPose& estimate,
+                     const std::function<double(const PlanarPose&)>& score);
   void judge();
 
   PlaceCheckOptions options_;
@@ -77,6 +80,7 @@ class PlaceCheck {
   double elsewhere_ = 1;
   Direction likeliest_ = Direction::kAlong;
   bool running_ = false;
+  bool first_view_ = true;  // since the start
 };
 
 }  // namespace infuse::streetmap

@@ -1,7 +1,10 @@
 #include "fusion/streetmap/rasterise.hpp"
 
 #include <algorithm>
+#include <array>
+#include <climits>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "fusion/streetmap/tile_painter.hpp"
@@ -10,6 +13,8 @@ namespace infuse::streetmap {
 namespace {
 
 using Box = Eigen::AlignedBox2d;
+
+constexpr double kJointReach = 3;  // m beside a street, of where two levels are joined
 
 Box grow(const Box& box, double reach) {
   return {box.min() - Eigen::Vector2d::Constant(reach),
@@ -69,7 +74,7 @@ class Rasteriser {
       for (int column = 0; column < columns_; ++column) {
         if (!is_drawn_[tile_index(column, row)]) continue;
         paint(painter, column, row);
-        writer.set_tile(column, row, painter.ids());
+        writer.set_tile(column, row, separate_levels(painter));
       }
       if (progress) progress((row + 1.0) / rows_);
     }
@@ -81,9 +86,14 @@ class Rasteriser {
     std::vector<TilePainter::Piece> pieces;
     std::vector<uint32_t> areas;  // places in `row_areas_`: large ones first, buildings last
   };
+  struct Joint {
+    Eigen::Vector2d point;
+    double reach = 0;
+  };
   struct RowContent {
     std::vector<TilePainter::Piece> pieces;
     std::vector<uint32_t> areas;
+    std::vector<Joint> joints;
   };
   struct RowArea {
     uint32_t area;
@@ -146,19 +156,39 @@ class Rasteriser {
                 {}, "cut a smaller piece with --clip, or choose larger cells");
   }
 
-  uint32_t new_id(SegmentKind kind, int64_t element) {
-    segments_.push_back({kind, element});
+  uint32_t new_id(SegmentKind kind, int64_t element, int layer = 0) {
+    segments_.push_back({kind, element, static_cast<int8_t>(std::clamp(layer, -16, 15))});
     return static_cast<uint32_t>(segments_.size() - 1);
+  }
+
+  /// Ids of a tile: an element is another segment where there are streets on other levels.
+  std::span<const uint32_t, TilePainter::kCellsPerTile> separate_levels(
+      const TilePainter& painter) {
+    const auto ids = painter.ids();
+    const auto levels = painter.levels();
+    for (size_t cell = 0; cell < ids.size(); ++cell) {
+      tile_ids_[cell] = ids[cell];
+      if (levels[cell] == StreetLevels::kOne) continue;
+      const auto [place, is_new] = level_ids_.try_emplace({ids[cell], levels[cell]}, 0U);
+      if (is_new) {
+        Segment segment = segments_[ids[cell]];
+        segment.levels = levels[cell];
+        segments_.push_back(segment);
+        place->second = static_cast<uint32_t>(segments_.size() - 1);
+      }
+      tile_ids_[cell] = place->second;
+    }
+    return tile_ids_;
   }
 
   void assign_ids() {
     for (const PlanStrip& strip : plan_.strips) {
       ElementIds ids;
       const int64_t element = strip.segment.osm_id;
-      ids.body = new_id(strip.segment.kind, element);
-      if (strip.kerb_width > 0) ids.boundary = new_id(SegmentKind::kKerb, element);
+      ids.body = new_id(strip.segment.kind, element, strip.layer);
+      if (strip.kerb_width > 0) ids.boundary = new_id(SegmentKind::kKerb, element, strip.layer);
       if (strip.left_sidewalk_width > 0 || strip.right_sidewalk_width > 0) {
-        ids.sidewalk = new_id(SegmentKind::kSidewalk, element);
+        ids.sidewalk = new_id(SegmentKind::kSidewalk, element, strip.layer);
       }
       strip_ids_.push_back(ids);
     }
@@ -206,8 +236,36 @@ class Rasteriser {
     return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
   }
 
+  /// Lists by row where streets of different levels share a point.
+  void index_joints() {
+    const auto level = [](const PlanStrip& s) { return s.tunnel ? INT_MIN : s.layer; };
+    std::map<std::pair<double, double>, const PlanStrip*> raised;  // by point, not on the ground
+    for (const bool on_ground : {false, true}) {
+      for (const PlanStrip& strip : plan_.strips) {
+        const bool is_street = strip.segment.kind == SegmentKind::kCarriageway;
+        if (!is_street || (level(strip) == 0) != on_ground) continue;
+        for (const Eigen::Vector2d& point : strip.points) {
+          const std::pair key(point.x(), point.y());
+          const auto known = on_ground ? raised.find(key) : raised.try_emplace(key, &strip).first;
+          if (known == raised.end() || level(*known->second) == level(strip)) continue;
+          const double width = std::max(known->second->half_width, strip.half_width);
+          add_joint({point, width + kJointReach});
+        }
+      }
+    }
+  }
+
+  void add_joint(const Joint& joint) {
+    const double y = joint.point.y();
+    if (!raster().contains(joint.point)) return;
+    for (int row = row_at(y - joint.reach); row <= row_at(y + joint.reach); ++row) {
+      row_contents_[static_cast<size_t>(row)].joints.push_back(joint);
+    }
+  }
+
   void index_rows() {
     row_contents_.resize(static_cast<size_t>(rows_));
+    index_joints();
     const Box map = raster();
     for (uint32_t s = 0; s < plan_.strips.size(); ++s) {
       const PlanStrip& strip = plan_.strips[s];
@@ -292,6 +350,9 @@ class Rasteriser {
       const uint32_t a = row_areas_[place].area;
       if (area_ids_[a].boundary != 0) painter.draw_wall(plan_.areas[a], area_ids_[a].boundary);
     }
+    for (const Joint& joint : row_contents_[static_cast<size_t>(row)].joints) {
+      painter.join_levels(joint.point, joint.reach);
+    }
   }
 
   const StreetPlan& plan_;
@@ -300,6 +361,8 @@ class Rasteriser {
   int columns_ = 0, rows_ = 0;
   std::vector<Segment> segments_{Segment{}};
   std::vector<ElementIds> strip_ids_, area_ids_;
+  std::map<std::pair<uint32_t, StreetLevels>, uint32_t> level_ids_;
+  std::array<uint32_t, TilePainter::kCellsPerTile> tile_ids_{};
   std::vector<bool> is_drawn_;            // by tile
   std::vector<Box> boxes_;                // by area
   std::vector<RowContent> row_contents_;  // by row

@@ -25,10 +25,20 @@ inline constexpr int kSegmentKindCount = 13;
 /// Returns the kind in lower case: "carriageway".
 const char* name_of(SegmentKind kind);
 
-/// Region or line of a street map with its own id, I 3.2.1.
+/// Streets on other levels at a segment, which the drawing does not show.
+enum class StreetLevels : uint8_t {
+  kOne = 0,     ///< none
+  kBelow = 1,   ///< a street passes below: under a bridge, in a tunnel
+  kJoined = 2,  ///< streets of two levels are joined here: the end of a bridge or a tunnel
+};
+
+/// Region or line of a street map with its own id, I 3.2.1. Where there are streets on other
+/// levels, an element has a second and a third segment, with the same kind and element.
 struct Segment {
   SegmentKind kind = SegmentKind::kOpenLand;
   int64_t osm_id = 0;  ///< id of the OpenStreetMap way or relation; 0: none
+  int8_t layer = 0;    ///< level of a street, as `PlanStrip::layer`
+  StreetLevels levels = StreetLevels::kOne;
 
   bool operator==(const Segment&) const = default;
 };

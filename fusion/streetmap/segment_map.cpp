@@ -10,7 +10,7 @@
 // File layout, little-endian; sections follow each other without gaps and are padded to 8 bytes:
 //
 //   header      kHeaderBytes, struct Header below
-//   segments    16 bytes each: int64 element, uint8 kind, 7 zero bytes
+//   segments    16 bytes each: int64 element, uint8 kind, int8 layer, uint8 levels, 5 zero bytes
 //   blocks      uint32 per block of 8 × 8 tiles, by row from the south-west: its number among the
 //               blocks that are stored, from 1; 0: open land
 //   tiles       of the stored blocks, by row from the south-west: uint32 offset, uint16 palette
@@ -256,9 +256,11 @@ const char* SegmentMap::check_tiles() const {
 Segment SegmentMap::segment(uint32_t id) const {
   const size_t at = id * kSegmentBytes;
   if (id == 0 || at + kSegmentBytes > segments_.size()) return {};
-  const auto kind = load<uint8_t>(segments_, at + 8);
+  const auto kind = load<uint8_t>(segments_, at + 8), levels = load<uint8_t>(segments_, at + 10);
   return {kind < kSegmentKindCount ? static_cast<SegmentKind>(kind) : SegmentKind::kOpenLand,
-          load<int64_t>(segments_, at)};
+          load<int64_t>(segments_, at), load<int8_t>(segments_, at + 9),
+          levels <= static_cast<uint8_t>(StreetLevels::kJoined) ? static_cast<StreetLevels>(levels)
+                                                                : StreetLevels::kOne};
 }
 
 bool SegmentMap::covers(double x, double y) const {
@@ -421,6 +423,8 @@ Result<std::vector<std::byte>> SegmentMapWriter::finish(std::span<const Segment>
   for (const Segment& segment : segments) {
     std::memcpy(file.data() + at, &segment.osm_id, sizeof segment.osm_id);
     file[at + 8] = static_cast<std::byte>(segment.kind);
+    file[at + 9] = static_cast<std::byte>(segment.layer);
+    file[at + 10] = static_cast<std::byte>(segment.levels);
     at += kSegmentBytes;
   }
   const auto append = [&](const void* from, size_t bytes) {

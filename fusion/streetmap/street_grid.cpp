@@ -7,8 +7,25 @@ namespace {
 
 constexpr double kProfileStep = 0.5;  // m
 
-bool is_street(SegmentKind kind) {
-  return kind == SegmentKind::kCarriageway || kind == SegmentKind::kCrossing;
+// Of a cell.
+constexpr int kOnTop = 1, kBelow = 2, kJoined = 4;
+
+uint8_t cell_of(const Segment& segment) {
+  const bool crossing = segment.kind == SegmentKind::kCrossing;  // on a street of any level
+  int what = segment.kind == SegmentKind::kCarriageway || crossing ? kOnTop : 0;
+  if (segment.levels == StreetLevels::kBelow) what |= kBelow;
+  if (segment.levels == StreetLevels::kJoined || crossing) what |= kJoined;
+  return what == 0 ? uint8_t{0} : static_cast<uint8_t>((segment.layer + 16) << 3 | what);
+}
+
+int layer_of(uint8_t cell) { return (cell >> 3) - 16; }
+
+/// True if a cell has a street of a level.
+bool is_street(uint8_t cell, int level) {
+  if (cell == 0) return false;
+  if (level == StreetGrid::kAnyLevel || (cell & kJoined) != 0) return true;
+  if ((cell & kOnTop) != 0 && level == layer_of(cell)) return true;
+  return (cell & kBelow) != 0 && level < layer_of(cell);
 }
 
 }  // namespace
@@ -21,18 +38,20 @@ StreetGrid::StreetGrid(const SegmentMap& map) {
   low_y_ = frame.min_corner.y();
   columns_ = static_cast<int>(std::ceil(width / kCell));
   rows_ = static_cast<int>(std::ceil(height / kCell));
-  street_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
-  std::vector<bool> is_street_id(map.segment_count());
+  cells_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
+  std::vector<uint8_t> cell_of_id(map.segment_count());
   for (uint32_t id = 0; id < map.segment_count(); ++id) {
-    is_street_id[id] = is_street(map.segment(id).kind);
+    const Segment segment = map.segment(id);
+    cell_of_id[id] = cell_of(segment);
+    has_levels_ |= segment.layer != 0 || segment.levels != StreetLevels::kOne;
   }
   std::vector<uint32_t> ids(static_cast<size_t>(map.columns()));
   for (int row = 0; row < rows_; ++row) {
     map.read_row(0, static_cast<int>((row + 0.5) * kCell / frame.cell_size), ids);
-    uint8_t* cells = &street_[static_cast<size_t>(row) * static_cast<size_t>(columns_)];
+    uint8_t* cells = &cells_[static_cast<size_t>(row) * static_cast<size_t>(columns_)];
     for (int column = 0; column < columns_; ++column) {
       const auto i = static_cast<size_t>((column + 0.5) * kCell / frame.cell_size);
-      cells[column] = i < ids.size() && ids[i] < is_street_id.size() && is_street_id[ids[i]];
+      if (i < ids.size() && ids[i] < cell_of_id.size()) cells[column] = cell_of_id[ids[i]];
     }
   }
 }
@@ -41,11 +60,36 @@ Eigen::Vector2d StreetGrid::middle(int column, int row) const {
   return {low_x_ + (column + 0.5) * kCell, low_y_ + (row + 0.5) * kCell};
 }
 
-bool StreetGrid::street(double x, double y) const {
+uint8_t StreetGrid::cell(double x, double y) const {
   const double column = (x - low_x_) / kCell, row = (y - low_y_) / kCell;
-  if (!(column >= 0 && row >= 0 && column < columns_ && row < rows_)) return false;
-  return street_[static_cast<size_t>(row) * static_cast<size_t>(columns_) +
-                 static_cast<size_t>(column)] != 0;
+  if (!(column >= 0 && row >= 0 && column < columns_ && row < rows_)) return 0;
+  return cells_[static_cast<size_t>(row) * static_cast<size_t>(columns_) +
+                static_cast<size_t>(column)];
+}
+
+bool StreetGrid::street(double x, double y, int level) const {
+  return is_street(cell(x, y), level);
+}
+
+bool StreetGrid::joined_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
+  const int steps = static_cast<int>((to - from).norm() / kCell) + 1;
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector2d p = from + (to - from) * i / steps;
+    if ((cell(p.x(), p.y()) & kJoined) != 0) return true;
+  }
+  return false;
+}
+
+int StreetGrid::level_after(int level, const Eigen::Vector2d& from,
+                            const Eigen::Vector2d& to) const {
+  if (!has_levels_) return level;
+  const uint8_t there = cell(to.x(), to.y());
+  if (there == 0) return level;
+  if ((there & kJoined) != 0) return kAnyLevel;
+  if (!is_street(there, level) && joined_between(from, to)) level = kAnyLevel;
+  if (level != kAnyLevel) return level;
+  if ((there & kOnTop) == 0) return kBelowGround;
+  return (there & kBelow) == 0 ? layer_of(there) : kAnyLevel;
 }
 
 double StreetGrid::free_length(const PlanarPose& pose, double reach) const {
@@ -55,9 +99,9 @@ double StreetGrid::free_length(const PlanarPose& pose, double reach) const {
   return length;
 }
 
-std::optional<StreetProfile> StreetGrid::across(const PlanarPose& pose) const {
+std::optional<StreetProfile> StreetGrid::across(const PlanarPose& pose, int level) const {
   const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
-  const auto at = [&](double left) { return street(pose.x - s * left, pose.y + c * left); };
+  const auto at = [&](double left) { return street(pose.x - s * left, pose.y + c * left, level); };
   std::optional<double> found;
   for (double d = 0; d <= kProfileReach && !found; d += kProfileStep) {
     if (at(d))

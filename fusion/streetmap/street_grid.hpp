@@ -21,9 +21,12 @@ struct StreetProfile {
 };
 
 /// Where a map has streets: a cell for each square metre, so that a town fits in a few megabytes
-/// and millions of look-ups a second are cheap.
+/// and millions of look-ups a second are cheap. A street keeps its level: from a bridge no way
+/// leads to the street below but at its ends.
 class StreetGrid {
  public:
+  static constexpr int kAnyLevel = 100;        ///< not known, or where two levels are joined
+  static constexpr int kBelowGround = -100;    ///< in a tunnel
   static constexpr double kCell = 1;           ///< m, edge of a cell
   static constexpr double kMaxArea = 16e6;     ///< m², of a map that can be read
   static constexpr double kProfileReach = 16;  ///< m to either side
@@ -40,20 +43,30 @@ class StreetGrid {
   /// Middle of a cell, m, map frame.
   Eigen::Vector2d middle(int column, int row) const;
 
-  /// True if a point (m, map frame) lies on a street.
-  bool street(double x, double y) const;
+  /// True if a point (m, map frame) lies on a street of a level (`PlanStrip::layer`, or one of the
+  /// above).
+  bool street(double x, double y, int level = kAnyLevel) const;
+
+  /// Level after a way from a point to another (m, map frame), begun at `level`.
+  int level_after(int level, const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
 
   /// Distance from the pose to where the street ends along its heading, m, up to `reach`; 0 beside
   /// streets.
   double free_length(const PlanarPose& pose, double reach) const;
 
-  /// The street nearest to the pose across its heading; nothing within `kProfileReach`.
-  std::optional<StreetProfile> across(const PlanarPose& pose) const;
+  /// The street of a level that is nearest to the pose across its heading; nothing within
+  /// `kProfileReach`.
+  std::optional<StreetProfile> across(const PlanarPose& pose, int level = kAnyLevel) const;
 
  private:
+  uint8_t cell(double x, double y) const;
+  bool joined_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
+
   double low_x_ = 0, low_y_ = 0;  // m
   int columns_ = 0, rows_ = 0;
-  std::vector<uint8_t> street_;
+  bool has_levels_ = false;     // more than one
+  std::vector<uint8_t> cells_;  // 0: no street; else the layer + 16 in the upper five bits, and
+                                // what there is
 };
 
 }  // namespace infuse::streetmap

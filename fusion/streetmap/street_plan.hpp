@@ -19,7 +19,9 @@ struct PlanStrip {
   double kerb_width = 0;            ///< m, width of the boundary line outside the edge; 0: none
   double left_sidewalk_width = 0;   ///< m, width of the pavement outside the kerb that the map does
   double right_sidewalk_width = 0;  ///< not draw, on the left and right of the line; 0: none
-  int layer = 0;  ///< level of a carriageway: those of other layers make no junction with it
+  int layer = 0;  ///< level of a carriageway, -16 … 15: those of other layers make no junction with
+                  ///< it, but where they share a point
+  bool tunnel = false;  ///< a carriageway below ground, which is not drawn
 };
 
 /// Area within rings (even-odd rule, so rings within rings are holes).

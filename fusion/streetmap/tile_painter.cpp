@@ -8,6 +8,10 @@ namespace {
 
 constexpr uint32_t kNoStrip = UINT32_MAX;
 
+bool is_drawn_street(const PlanStrip& strip) {
+  return strip.segment.kind == SegmentKind::kCarriageway && !strip.tunnel;
+}
+
 /// Returns the cells [first, end) whose centres lie in [from, to] metres from the edge of the tile.
 std::pair<int, int> cells_between(double from, double to, double cell) {
   const double last = TilePainter::kTileSize;
@@ -22,6 +26,8 @@ void TilePainter::begin_tile(const Eigen::Vector2d& low) {
   min_corner_ = low;
   ids_.fill(0);
   on_carriageway_.fill(false);
+  on_street_.fill(false);
+  levels_.fill(StreetLevels::kOne);
 }
 
 void TilePainter::fill_area(std::span<const Edge> edges, uint32_t id) {
@@ -103,19 +109,20 @@ void TilePainter::draw_carriageways(std::span<const Piece> pieces, std::span<con
                                     int layer) {
   edge_distance_.fill(1e9F);
   nearest_strip_.fill(kNoStrip);
+  on_layer_.fill(false);
   for (const Piece& piece : pieces) {
     const PlanStrip& strip = plan_.strips[piece.strip];
-    if (strip.segment.kind != SegmentKind::kCarriageway || strip.layer != layer) continue;
+    if (!is_drawn_street(strip) || strip.layer != layer) continue;
     const double reach = strip.half_width + strip.kerb_width +
                          std::max(strip.left_sidewalk_width, strip.right_sidewalk_width);
     const bool is_first = piece.point == 0, is_last = piece.point + 2 == strip.points.size();
     visit_near_line(strip.points[piece.point], strip.points[piece.point + 1], reach,
                     [&](size_t cell, double distance, double offset, int beyond) {
                       // A bridge ends where the street goes on at another layer.
-                      if (layer != 0 && ((is_first && beyond < 0) || (is_last && beyond > 0))) {
-                        return;
-                      }
+                      const bool is_beyond = (is_first && beyond < 0) || (is_last && beyond > 0);
+                      if (layer != 0 && is_beyond) return;
                       const auto edge = static_cast<float>(distance - strip.half_width);
+                      if (edge < 0 && !is_beyond) on_layer_[cell] = true;
                       if (edge >= edge_distance_[cell]) return;
                       edge_distance_[cell] = edge;
                       nearest_strip_[cell] = piece.strip;
@@ -128,32 +135,51 @@ void TilePainter::draw_carriageways(std::span<const Piece> pieces, std::span<con
     const double width = on_left_[cell] ? strip.left_sidewalk_width : strip.right_sidewalk_width;
     if (edge_distance_[cell] < strip.kerb_width + width && width > 0) {
       ids_[cell] = ids[nearest_strip_[cell]].sidewalk;
+      if (on_street_[cell]) levels_[cell] = StreetLevels::kBelow;
     }
   }
   if (layer == layers_.front()) draw_footways(pieces, ids);
   for (size_t cell = 0; cell < kCellsPerTile; ++cell) {
     if (nearest_strip_[cell] == kNoStrip) continue;
     const PlanStrip& strip = plan_.strips[nearest_strip_[cell]];
-    if (edge_distance_[cell] < 0) {
-      ids_[cell] = ids[nearest_strip_[cell]].body;
-      on_carriageway_[cell] = true;
-    } else if (edge_distance_[cell] < strip.kerb_width) {
-      ids_[cell] = ids[nearest_strip_[cell]].boundary;
-      on_carriageway_[cell] = false;
-    }
+    if (edge_distance_[cell] >= strip.kerb_width) continue;
+    on_carriageway_[cell] = edge_distance_[cell] < 0;
+    const ElementIds& own = ids[nearest_strip_[cell]];
+    ids_[cell] = on_carriageway_[cell] ? own.body : own.boundary;
+    if (on_street_[cell]) levels_[cell] = StreetLevels::kBelow;
   }
+  for (size_t cell = 0; cell < kCellsPerTile; ++cell) on_street_[cell] |= on_layer_[cell];
+}
+
+void TilePainter::mark_tunnels(std::span<const Piece> pieces) {
+  for (const Piece& piece : pieces) {
+    const PlanStrip& strip = plan_.strips[piece.strip];
+    if (!strip.tunnel) continue;
+    visit_near_line(
+        strip.points[piece.point], strip.points[piece.point + 1], strip.half_width,
+        [&](size_t cell, double, double, int) { levels_[cell] = StreetLevels::kBelow; });
+  }
+}
+
+void TilePainter::join_levels(const Eigen::Vector2d& middle, double radius) {
+  visit_near_line(middle, middle, radius, [&](size_t cell, double, double, int) {
+    if (on_carriageway_[cell] || levels_[cell] != StreetLevels::kOne) {
+      levels_[cell] = StreetLevels::kJoined;
+    }
+  });
 }
 
 void TilePainter::draw_strips(std::span<const Piece> pieces, std::span<const ElementIds> ids) {
   layers_.clear();
   for (const Piece& piece : pieces) {
     const PlanStrip& strip = plan_.strips[piece.strip];
-    if (strip.segment.kind == SegmentKind::kCarriageway) layers_.push_back(strip.layer);
+    if (is_drawn_street(strip)) layers_.push_back(strip.layer);
   }
   if (layers_.empty()) layers_.push_back(0);
   std::sort(layers_.begin(), layers_.end());
   layers_.erase(std::unique(layers_.begin(), layers_.end()), layers_.end());
   for (const int layer : layers_) draw_carriageways(pieces, ids, layer);
+  mark_tunnels(pieces);
   for (const Piece& piece : pieces) {
     const PlanStrip& strip = plan_.strips[piece.strip];
     if (strip.segment.kind != SegmentKind::kCrossing) continue;

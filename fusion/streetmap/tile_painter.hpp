@@ -50,11 +50,18 @@ class TilePainter {
   /// Draws the boundary line of an area, except on carriageways.
   void draw_wall(const PlanArea& area, uint32_t id);
 
+  /// Marks where streets of two levels are joined: on the streets within `radius` (m) of a point.
+  void join_levels(const Eigen::Vector2d& middle, double radius);
+
   std::span<const uint32_t, kCellsPerTile> ids() const { return ids_; }
+
+  /// Streets on other levels than the one that is drawn.
+  std::span<const StreetLevels, kCellsPerTile> levels() const { return levels_; }
 
  private:
   void draw_footways(std::span<const Piece> pieces, std::span<const ElementIds> ids);
   void draw_carriageways(std::span<const Piece> pieces, std::span<const ElementIds> ids, int layer);
+  void mark_tunnels(std::span<const Piece> pieces);
   template <class Visit>
   void visit_near_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach,
                        Visit visit);
@@ -68,7 +75,10 @@ class TilePainter {
   std::array<float, kCellsPerTile>
       edge_distance_{};  ///< m outside the edge of the nearest carriageway
   std::array<uint32_t, kCellsPerTile> nearest_strip_{};
-  std::array<bool, kCellsPerTile> on_left_{};  ///< of the nearest strip
+  std::array<bool, kCellsPerTile> on_left_{};    ///< of the nearest strip
+  std::array<bool, kCellsPerTile> on_street_{};  ///< of a layer drawn before, not beyond its end
+  std::array<bool, kCellsPerTile> on_layer_{};   ///< the same of the layer that is drawn
+  std::array<StreetLevels, kCellsPerTile> levels_{};
   std::vector<double> crossings_;
   std::vector<int> layers_;  // of the tile's carriageways, ascending
 };

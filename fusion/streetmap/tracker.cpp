@@ -85,7 +85,9 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
   }
   const auto samples = static_cast<size_t>(options.grid.max_samples);
   view_->reserve(options.grid.max_samples, kSegmentKindCount);
-  window_.reserve(map, window_radius(kMaxSpread), options.labelling);
+  for (LabelWindow* window : {&window_, &second_window_}) {
+    window->reserve(map, window_radius(kMaxSpread), options.labelling);
+  }
   wide_window_.reserve(map, wide_window_radius(options), options.labelling);
   samples_.features.resize(options.grid.max_samples, kFeatureCount);
   samples_.x.reserve(samples);
@@ -99,6 +101,28 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
 double Tracker::window_radius(double spread) const {
   constexpr double kMaxDisplacement = 15;  // m
   return options_.grid.extent * 0.75 + 3 * std::min(spread, kMaxSpread) + kMaxDisplacement;
+}
+
+// Two modes may be further from each other than a window reaches.
+void Tracker::read_windows() {
+  const auto read = [&](LabelWindow& window, const PoseMoments& moments) {
+    window.read(map_, moments.mean.x, moments.mean.y, window_radius(moments.spread()),
+                options_.labelling);
+    return moments.mean;
+  };
+  window_middle_ = read(window_, particles_.moments());
+  second_middle_.reset();
+  if (const auto second = particles_.second_moments()) {
+    second_middle_ = read(second_window_, *second);
+  }
+}
+
+const LabelWindow& Tracker::window_at(const PlanarPose& pose) const {
+  const auto distance = [&](const PlanarPose& middle) {
+    return geometry::plane_length(middle.x - pose.x, middle.y - pose.y);
+  };
+  const bool second = second_middle_ && distance(*second_middle_) < distance(window_middle_);
+  return second ? second_window_ : window_;
 }
 
 void Tracker::start(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
@@ -217,8 +241,7 @@ void Tracker::update(const GridSamples& samples) {
   if (witnesses) witness_streets(samples);
   if (!updates) return;
   const PoseMoments before = particles_.moments();
-  window_.read(map_, before.mean.x, before.mean.y, window_radius(before.spread()),
-               options_.labelling);
+  read_windows();
   update_weights(samples);
   update_significance(samples);
   particles_.resample_if_needed();
@@ -303,7 +326,8 @@ void Tracker::update_weights(const GridSamples& samples) {
       particle.hyper_parameters.reset();
     }
     dependence::HyperParameters chosen;
-    scores_[i] = evaluate(window_, particle.pose, samples, particle.hyper_parameters, &chosen);
+    scores_[i] = evaluate(window_at(particle.pose), particle.pose, samples,
+                          particle.hyper_parameters, &chosen);
     if (chosen.sigma > 0) last_hyper_parameters_ = particle.hyper_parameters = chosen;
   }
   particles_.update_weights(
@@ -316,7 +340,8 @@ void Tracker::update_weights(const GridSamples& samples) {
 
 void Tracker::update_significance(const GridSamples& samples) {
   const PlanarPose pose = particles_.moments().mean;
-  score_ = evaluate(window_, pose, samples, last_hyper_parameters_);
+  const LabelWindow& window = window_at(pose);
+  score_ = evaluate(window, pose, samples, last_hyper_parameters_);
   std::uniform_real_distribution<double> share(0, 1);
   null_scores_.clear();
   for (int i = 0; i < options_.confidence.null_draws; ++i) {
@@ -324,7 +349,7 @@ void Tracker::update_significance(const GridSamples& samples) {
     const double direction = 2 * std::numbers::pi * share(random_);
     const double distance = 5 + 10 * share(random_);
     null_scores_.push_back(
-        evaluate(window_,
+        evaluate(window,
                  {pose.x + distance * std::cos(direction), pose.y + distance * std::sin(direction),
                   wrap_angle(pose.yaw + turned)},
                  samples, last_hyper_parameters_));
@@ -334,7 +359,7 @@ void Tracker::update_significance(const GridSamples& samples) {
 
 void Tracker::search_globally(const GridSamples& samples) {
   const auto score = [&](const PlanarPose& pose) {
-    return evaluate(window_, pose, samples, last_hyper_parameters_);
+    return evaluate(window_at(pose), pose, samples, last_hyper_parameters_);
   };
   if (particles_.second_mode_weight() > 0) return global_search_.reset();
   const auto place = global_search_.update(particles_.moments().mean, score_, mode_novelty_, score);

@@ -120,6 +120,8 @@ class Tracker {
   bool begin_update();
   void update_novelty(double distance);
   double window_radius(double spread) const;
+  void read_windows();
+  const LabelWindow& window_at(const PlanarPose& pose) const;
   double evaluate(const LabelWindow& window, const PlanarPose& pose, const GridSamples& samples,
                   const std::optional<dependence::HyperParameters>& fixed,
                   dependence::HyperParameters* chosen = nullptr);
@@ -133,7 +135,10 @@ class Tracker {
   const SegmentMap& map_;
   TrackerOptions options_;
   LocalGrid grid_;
-  LabelWindow window_, wide_window_;  // around the particles, around the other places
+  LabelWindow window_, second_window_, wide_window_;  // around the particles, those of the less
+                                                      // likely mode, the other places
+  PlanarPose window_middle_;
+  std::optional<PlanarPose> second_middle_;  // nothing: one mode
   std::unique_ptr<ViewScore> view_;
   ParticleSet particles_;
   ScoreSignificance significance_;

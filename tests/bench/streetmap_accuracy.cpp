@@ -271,7 +271,8 @@ void given_starts(std::ostream& out, const TestDrive& test_drive) {
   constexpr size_t kViewsAfterRecovery = 20;
   constexpr double kRunSeconds = 60;
   out << "The start is stated within 2 m. A fix each half second, 1 m of noise, off by 4 m per "
-         "axis (standard deviation,\nlasting). \"Recovered\": TRACKING within 3 m of the truth, at "
+         "axis (standard deviation,\nlasting), with a course above 2 m/s. \"Recovered\": TRACKING "
+         "within 3 m of the truth, at "
          "most 60 s after the first turn of 45° or crossing; the run\nends 10 s later. True starts "
          "go on for 60 s: TRACKING within 300 m, and the share of the updates after the first.\n"
          "\"Outside\": runs with more than 1 s TRACKING while the truth is outside the 99 % region "

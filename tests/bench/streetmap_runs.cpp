@@ -14,6 +14,8 @@ constexpr double kMaxTrackedError = 3;  // m
 constexpr double kMaxSuccessError = 2;  // m, I 3.4.3.3
 constexpr double kBadHdop = 15;
 constexpr double kMaxPlaceError = 12;  // m
+constexpr double kMinCourseSpeed = 2;  // m/s, as in the daemon (daemon/pipeline/map_fixes.cpp)
+constexpr double kCourseSigma = 0.05;  // rad
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -51,11 +53,13 @@ RunResult run(const SegmentMap& map, const std::vector<View>& all, const RunOpti
   size_t recovered_at = SIZE_MAX;  // view
   const double began = cpu_seconds();
   for (size_t i = 0; i < views.size(); ++i) {
+    double speed = 0;
     if (i > 0) {
       const PlanarPose true_motion = views[i - 1].truth.motion_to(views[i].truth);
       const double step = views[i].seconds - views[i - 1].seconds;
       const double driven = std::hypot(true_motion.x, true_motion.y);
       driven_metres += driven;
+      speed = driven / step;
       // The relative standard deviation of a sum of independent motions is smaller.
       const double share = 1 / std::sqrt(std::max(std::round(step * options.noise_hz), 1.0));
       const double distance_noise = share * options.distance_noise * driven;
@@ -72,6 +76,7 @@ RunResult run(const SegmentMap& map, const std::vector<View>& all, const RunOpti
       MapFix fix;
       fix.position = Eigen::Vector2d(views[i].truth.x, views[i].truth.y) + gnss_error +
                      Eigen::Vector2d(normal(random), normal(random));
+      if (speed >= kMinCourseSpeed) fix.yaw = views[i].truth.yaw + kCourseSigma * normal(random);
       if (std::cmp_less(i, options.bad_fixes)) {
         fix.position += options.bad_fix_offset;
         fix.hdop = kBadHdop;

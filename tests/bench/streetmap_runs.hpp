@@ -28,7 +28,7 @@ struct RunOptions {
   bool from_nothing = false;               ///< no start is given
   size_t views_after_recovery = SIZE_MAX;  ///< of a run that tracks the truth
   /// Standard deviation per axis of the lasting error of GNSS fixes, m, one each view; the noise of
-  /// each is 1 m. Nothing: no fixes.
+  /// each is 1 m, and 0.05 rad of the course, which is known above 2 m/s. Nothing: no fixes.
   std::optional<double> gnss_sigma{};
   Eigen::Vector2d gnss_offset{0, 0};     ///< m, map frame, of all fixes
   int bad_fixes = 0;                     ///< number of fixes at first that state an hdop of 15

@@ -88,7 +88,6 @@ TEST_F(StreetMapFileTest, WidthsComeFromTheTagElseLanesElseClass) {
   EXPECT_DOUBLE_EQ(width("highway=residential width=4,2"), 4.2);
   EXPECT_DOUBLE_EQ(width("highway=residential lanes=-3"), 6);
   EXPECT_DOUBLE_EQ(width("highway=proposed"), 0);
-  EXPECT_DOUBLE_EQ(width("highway=residential tunnel=yes"), 0);
 }
 
 TEST_F(StreetMapFileTest, PavementsAreDrawnOnlyWithASidewalkTag) {
@@ -120,6 +119,13 @@ TEST_F(StreetMapFileTest, BridgesAndCuttingsHaveTheirLayer) {
   EXPECT_EQ(strip("highway=residential bridge=no layer=1").layer, 0);
   EXPECT_EQ(strip("highway=residential layer=-1").layer, -1);
   EXPECT_EQ(strip("highway=residential layer=high").layer, 0);
+}
+
+TEST_F(StreetMapFileTest, TunnelsAreStreetsBelowGround) {
+  EXPECT_FALSE(strip("highway=residential tunnel=no").tunnel);
+  EXPECT_TRUE(strip("highway=residential tunnel=yes").tunnel);
+  EXPECT_TRUE(strip("highway=service tunnel=building_passage").tunnel);
+  EXPECT_TRUE(strip("highway=footway tunnel=yes").points.empty());
 }
 
 TEST_F(StreetMapFileTest, OpenAndSelfCrossingRingsAreReportedWithTheirId) {

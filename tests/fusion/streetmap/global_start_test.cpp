@@ -49,6 +49,60 @@ TEST(StreetGrid, ReadsStreetsAndTheirWidth) {
   EXPECT_NEAR(grid.free_length({150, 0, 0}, 100), 53, 1.5);
 }
 
+/// A bridge from (200, -60) to (200, 60) over the street along y = 0, with a street to either end.
+StreetPlan overpass() {
+  StreetPlan plan;
+  const auto add = [&](const Polyline& points, int layer, bool tunnel) {
+    PlanStrip strip{{SegmentKind::kCarriageway, 1}, points, 3, 0.4};
+    strip.layer = layer;
+    strip.tunnel = tunnel;
+    plan.strips.push_back(strip);
+  };
+  add({{0, 0}, {400, 0}}, 0, false);
+  add({{200, -300}, {200, -60}}, 0, false);
+  add({{200, -60}, {200, 60}}, 1, false);
+  add({{200, 60}, {200, 300}}, 0, false);
+  // Below the street a tunnel as well, with a street to either end.
+  add({{300, -300}, {300, -60}}, 0, false);
+  add({{300, -60}, {300, 60}}, -1, true);
+  add({{300, 60}, {300, 300}}, 0, false);
+  return plan;
+}
+
+TEST(StreetGrid, ALevelIsLeftOnlyWhereItIsJoined) {
+  const town::Town town = town::build(overpass());
+  const StreetGrid grid(town.map);
+  // Drives a line in steps of 2 m, and returns the metres that are not on a street of the level
+  // that it then has.
+  const auto metres_off = [&](const Polyline& line) {
+    int level = StreetGrid::kAnyLevel;
+    double off = 0;
+    for (size_t i = 1; i < line.size(); ++i) {
+      const int count = static_cast<int>((line[i] - line[i - 1]).norm() / 2);
+      const Eigen::Vector2d step = (line[i] - line[i - 1]) / count;
+      for (int k = 1; k <= count; ++k) {
+        const Eigen::Vector2d to = line[i - 1] + k * step;
+        level = grid.level_after(level, to - step, to);
+        if (!grid.street(to.x(), to.y(), level)) off += step.norm();
+      }
+    }
+    return off;
+  };
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_LT(metres_off({{5, 0}, {395, 0}}), 5);                       // below and above
+    EXPECT_EQ(metres_off({{200, -290 * side}, {200, 290 * side}}), 0);  // over the bridge
+    EXPECT_EQ(metres_off({{300, -290 * side}, {300, 290 * side}}), 0);  // through the tunnel
+    // Up from below, until the bridge ends; down from the bridge; into the tunnel, and out of it.
+    EXPECT_GT(metres_off({{5, 0}, {200, 0}, {200, 290 * side}}), 45);
+    EXPECT_GT(metres_off({{200, 290 * side}, {200, 0}, {5, 0}}), 180);
+    EXPECT_GT(metres_off({{395, 0}, {300, 0}, {300, 290 * side}}), 45);
+    EXPECT_GT(metres_off({{300, 290 * side}, {300, 0}, {395, 0}}), 85);
+  }
+  // A long way between two comparisons: the joint lies on it.
+  EXPECT_EQ(grid.level_after(0, {200, -90}, {200, -40}), 1);
+  EXPECT_EQ(grid.level_after(0, {230, -40}, {200, -40}), 0);
+}
+
 TEST(StreetHypothesis, ItsCovarianceIsThatOfDeadReckoning) {
   // Straight on for 100 m in 10 s: the scale moves the end along, yaw and its rate across.
   StreetHypothesis hypothesis;
@@ -148,6 +202,33 @@ TEST(GlobalStart, ATurnWhileAloneIsWorthAWay) {
   }
   EXPECT_NEAR(at_turn[0], at_turn[1], 1e-6);
   EXPECT_NEAR(after[1] - after[0], 40 * kLeft, 15);
+}
+
+TEST(GlobalStart, FindsNoTurnBetweenTheLevelsOfAnOverpass) {
+  // The drive turns left after 180 m; so does the map if the bridge is a crossing.
+  for (const bool crossing : {false, true}) {
+    StreetPlan plan = overpass();
+    for (PlanStrip& strip : plan.strips) strip.layer = crossing ? 0 : strip.layer;
+    const town::Town town = town::build(plan);
+    GlobalStart start(town.map, {});
+    start.restart();
+    const PlanarPose truth = drive(start, {20, -1, 0}, {{176, kLeft}, {150}});
+    if (!crossing) {
+      EXPECT_LT(start.driven(), 300);  // no street explained it, and the search began anew
+      continue;
+    }
+    ASSERT_TRUE(start.place());
+    EXPECT_LT(start.place()->misfit, 0.02);
+    EXPECT_LT(start.behind(truth), 3);
+  }
+  // Straight over the bridge and straight below it the place is kept.
+  const town::Town town = town::build(overpass());
+  for (const PlanarPose& begin : {PlanarPose{201, -280, kLeft}, {20, -1, 0}, {301, -280, kLeft}}) {
+    GlobalStart start(town.map, {});
+    start.restart();
+    const PlanarPose truth = drive(start, begin, {{340}});
+    EXPECT_LT(start.behind(truth), 6) << begin.x;
+  }
 }
 
 TEST(GlobalStart, IsNotSureOnAStraightStreet) {

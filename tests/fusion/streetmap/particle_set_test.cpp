@@ -157,8 +157,10 @@ TEST(ParticleSet, ASecondModeIsWeightedAgainstTheFirst) {
   ParticleSet set(options, 7);
   set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
   EXPECT_EQ(set.second_mode_weight(), 0);
+  EXPECT_FALSE(set.second_moments());
   set.add_mode({10, 0, 0}, Eigen::Matrix3d::Zero());
   EXPECT_NEAR(set.second_mode_weight(), 1.0 / 3, 1e-9);
+  EXPECT_NEAR(set.second_moments()->mean.x, 10, 1e-9);
   EXPECT_NEAR(set.moments().mean.x, 0, 1e-9);  // not between the two
   for (Particle& particle : set.all()) particle.log_weight += particle.pose.x > 5 ? 1.5 : 0;
   EXPECT_NEAR(set.moments().mean.x, 10, 1e-9);

@@ -115,6 +115,36 @@ TEST(Rasterise, AnOverpassMakesNoJunction) {
   EXPECT_EQ(drawn.at(5, 5).osm_id, 7);
 }
 
+TEST(Rasterise, StreetsBelowAndJointsOfLevelsAreMarked) {
+  StreetPlan plan = one_street();  // along y = 5, below the bridge
+  PlanStrip ramp{{SegmentKind::kCarriageway, 8}, {{0, -60}, {0, -20}}, 2.5, 0.4};
+  PlanStrip bridge{{SegmentKind::kCarriageway, 9}, {{0, -20}, {0, 40}}, 2.5, 0.4};
+  PlanStrip tunnel{{SegmentKind::kCarriageway, 10}, {{-20, -60}, {-20, 40}}, 2.5, 0.4};
+  bridge.layer = 1;
+  tunnel.tunnel = true;
+  plan.strips.insert(plan.strips.end(), {ramp, bridge, tunnel});
+  plan.areas.push_back(
+      {{SegmentKind::kBuilding, 30}, {{{-24, 20}, {-16, 20}, {-16, 30}, {-24, 30}}}});
+  const Drawn drawn = draw(plan);
+  const auto expect = [&](double x, double y, Segment segment) {
+    EXPECT_EQ(drawn.at(x, y), segment) << x << ' ' << y;
+  };
+  using enum StreetLevels;
+  using enum SegmentKind;
+  expect(0, 5, {kCarriageway, 9, 1, kBelow});
+  expect(2.7, 5, {kKerb, 9, 1, kBelow});
+  expect(5, 5, {kCarriageway, 7, 0, kOne});
+  expect(0, -5, {kCarriageway, 9, 1, kOne});
+  expect(0, -17, {kCarriageway, 9, 1, kJoined});
+  expect(0, -23, {kCarriageway, 8, 0, kJoined});
+  expect(0, -30, {kCarriageway, 8, 0, kOne});
+  expect(0, -12, {kCarriageway, 9, 1, kOne});  // the end of the ramp lies under the bridge
+  expect(-20, 5, {kCarriageway, 7, 0, kBelow});
+  expect(-20, -20, {kOpenLand, 0, 0, kBelow});
+  expect(-20, 25, {kBuilding, 30, 0, kBelow});
+  expect(-15, -20, {});
+}
+
 TEST(Rasterise, WaterLiesOnTheRightOfACoast) {
   StreetPlan plan = one_street();
   plan.strips.push_back({{SegmentKind::kWater, 6}, {{60, -8}, {0, -8}, {0, -20}, {-60, -20}}, 80});

@@ -211,6 +211,19 @@ TEST(SegmentMap, UnknownKindsAreOpenLand) {
   EXPECT_EQ(map->segment(1).kind, SegmentKind::kOpenLand);
 }
 
+TEST(SegmentMap, KeepsLayersAndLevels) {
+  std::vector<Segment> written = segments();
+  written[1].layer = -3;
+  written[2] = {SegmentKind::kCarriageway, 5, 1, StreetLevels::kJoined};
+  const SegmentMapWriter writer(kFrame, 1, 1);
+  auto bytes = writer.finish(written, "");
+  ASSERT_TRUE(bytes);
+  EXPECT_EQ(SegmentMap::open(*bytes, "x")->segment(1), written[1]);
+  EXPECT_EQ(SegmentMap::open(*bytes, "x")->segment(2), written[2]);
+  *bytes = forge(*bytes, 96 + 2 * 16 + 10, uint8_t{3});
+  EXPECT_EQ(SegmentMap::open(*bytes, "x")->segment(2).levels, StreetLevels::kOne);
+}
+
 TEST(SegmentMapWriter, RejectsInvalidTiles) {
   SegmentMapWriter unknown(kFrame, 1, 1);
   Tile tile{};

@@ -226,6 +226,21 @@ TEST(Tracker, AStartFurtherAlongTheStreetIsNeverSureAndWrong) {
   }
 }
 
+// 100 m further along, beyond the labels around the particles: the place that GNSS proposes is
+// judged by the labels there.
+TEST(Tracker, GnssLeadsBackFromFarAway) {
+  TrackerOptions options = fast_options();
+  options.global_start.enabled = false;
+  options.gnss.doubt_seconds = 1;
+  options.gnss.lost_seconds = 3;
+  options.particles.max_count = 400;
+  Tracker tracker(shared_town().map, options);
+  const DriveResult driven = drive(tracker, {100, 0, 0}, 1, 3, 75, true);
+  EXPECT_EQ(driven.state, TrackState::kTracking);
+  EXPECT_LT(std::hypot(driven.last.x - driven.truth.x, driven.last.y - driven.truth.y), 2);
+  EXPECT_LE(driven.tracking - driven.within, 1);
+}
+
 TEST(Tracker, AGivenStartIsUnsureUntilAlongAndAcrossAreConfirmed) {
   TrackerOptions options = fast_options();
   options.novelty_distance = 20;

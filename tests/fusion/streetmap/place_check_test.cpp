@@ -1,0 +1,54 @@
+#include "fusion/streetmap/place_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/fusion/streetmap/town.hpp"
+
+namespace infuse::streetmap {
+namespace {
+
+/// Drives a check by 60 views in which `estimate` scores 0.9 and `truth` scores 1, each within a
+/// metre or two; both move on by the same motions.
+PlaceCheck drive_check(PlanarPose estimate, PlanarPose truth, uint64_t seed) {
+  static const town::Town town = town::build(town::plan());
+  PlaceCheck check({}, seed);
+  check.start(estimate, town.map);
+  for (int i = 0; i < 60 && check.running(); ++i) {
+    const PlanarPose motion{1, 0, i % 20 < 10 ? 0.0 : 0.05};
+    estimate = estimate.compose(motion);
+    truth = truth.compose(motion);
+    const auto peak = [](const PlanarPose& at, const PlanarPose& pose) {
+      const PlanarPose d = at.motion_to(pose);
+      return std::exp(-(d.x * d.x + d.y * d.y) / (2 * 1.2 * 1.2) - 50 * d.yaw * d.yaw);
+    };
+    check.update(estimate, 0.1 * Eigen::Matrix3d::Identity(), 2, [&](const PlanarPose& pose) {
+      return std::max(0.9 * peak(estimate, pose), peak(truth, pose));
+    });
+  }
+  return check;
+}
+
+TEST(PlaceCheck, TheTruthFurtherAlongAndReversedIsNotRuledOut) {
+  for (const uint64_t seed : {1U, 2U, 3U}) {
+    for (const double along : {-33.0, -17.7, 0.0, 9.5, 25.0}) {
+      const PlanarPose estimate{-20, -1, 0};
+      const PlanarPose truth = estimate.compose({along, 0.3, std::numbers::pi});
+      PlaceCheck check = drive_check(estimate, truth, seed);
+      EXPECT_TRUE(check.running()) << along;
+      EXPECT_GT(check.elsewhere(), 0.5) << along;
+    }
+  }
+}
+
+TEST(PlaceCheck, ATruthThatIsNowhereNearIsRuledOut) {
+  const PlanarPose estimate{-20, -1, 0};
+  const PlaceCheck check = drive_check(estimate, estimate.compose({1000, 0, 0}), 1);
+  EXPECT_FALSE(check.running());
+  EXPECT_LT(check.elsewhere(), 0.02);
+}
+
+}  // namespace
+}  // namespace infuse::streetmap
