@@ -23,8 +23,9 @@ struct ClockModelOptions {
   uint32_t min_samples = 40;           ///< minimum number of samples before the model is trusted
   Duration jump_threshold{5'000'000};  ///< ns; a sample further off is a jump candidate; a smaller
                                        ///< jump is absorbed within a window
-  Duration jump_confirmation{500'000'000};  ///< ns; candidates that agree for this long are a jump
-  Duration max_delay{1'000'000'000};        ///< ns; maximum transport delay
+  Duration jump_confirmation{500'000'000};  ///< ns; candidates that agree for this long, and are
+                                            ///< not the known delays' chance, are a jump
+  Duration max_delay{1'000'000'000};  ///< ns; maximum transport delay
   /// A counter further off the host's hour than this, ns, counts from power-up.
   Duration hour_tolerance{500'000'000};
 

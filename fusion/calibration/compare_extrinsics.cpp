@@ -193,6 +193,7 @@ ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
   }
   out.better = std::accumulate(sums.begin(), sums.end(), 0.0);
   if (out.independent < kMinIndependentScenes) {
+    // Appended: for a chain of + g++ 12 warns of bounds that are kept.
     out.reason = std::to_string(out.independent);
     out.reason.append(" scenes of different places are too few: ");
     out.reason.append(std::to_string(kMinIndependentScenes)).append(" are needed");

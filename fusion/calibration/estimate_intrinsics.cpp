@@ -36,7 +36,7 @@ constexpr double kHigherMaximum = 4;        // Student's t of the scenes' gains
 const Eigen::Vector4d kFeigned(0.005, 1.5, 1.5, 0.005);
 // A camera that was never calibrated: logarithm of the focal lengths, share of it (twice), k1.
 const Eigen::Vector4d kUncalibrated(0.02, 0.02, 0.02, 0.1);
-constexpr double kUncalibratedShare = 0.02;  // probability, of each of the intrinsics
+constexpr double kUncalibratedShare = 0.005;  // probability, of each of the intrinsics
 
 /// Pose and a camera's intrinsics as ten scaled parameters, 0 at the initial values.
 class IntrinsicsProblem {
@@ -303,14 +303,13 @@ Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_l
       estimate.covariance.diagonal() + kFeigned.cwiseAbs2() + assumed_sigmas(known).cwiseAbs2();
   Eigen::Vector4d unseen;
   for (Eigen::Index i = 0; i < 4; ++i) {
-    const double x = estimate.correction(i);
-    // Odds of a calibrated camera, from the densities of its estimate and of an uncalibrated one's.
-    const double odds = (1 - kUncalibratedShare) / kUncalibratedShare *
-                        std::sqrt((W(i) + S(i)) / S(i)) *
-                        std::exp(0.5 * x * x * (1 / (W(i) + S(i)) - 1 / S(i)));
-    const double probability = 1 / (1 + odds);
-    const double share = W(i) / (W(i) + S(i));
-    unseen(i) = probability * (share * share * x * x + share * S(i));
+    const double of_estimate = W(i) + S(i);
+    const double shown = std::sqrt(kChiSquare * S(i) / of_estimate);  // standard deviations
+    const double hidden = std::erf(shown / std::numbers::sqrt2);
+    const double density = std::exp(-0.5 * shown * shown) / std::sqrt(2 * std::numbers::pi);
+    const double estimated = of_estimate * (hidden - 2 * shown * density);  // of x², where hidden
+    const double share = W(i) / of_estimate;
+    unseen(i) = kUncalibratedShare * (share * share * estimated + share * S(i) * hidden);
   }
   return unseen.cwiseSqrt();
 }

@@ -55,13 +55,12 @@ std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& est
                                                    std::span<const RigCamera> cameras,
                                                    size_t camera, const KnownParameters& known);
 
-/// Standard deviations of errors of the given intrinsics that `detect_gross_mismatch` does not
-/// show. With a probability of 2 % each of the four is not as well known as stated, but that of a
-/// camera that was never calibrated: e ~ N(0, w²), w = 2 % of the focal length, 2 % of it in the
-/// principal point, 0.1 in k1; else e = 0. Its estimate is x ~ N(e, s²), with s² of `estimate`,
-/// `known` and what imperfections feign. Returns √E[e² | x], in the units of `correction`: little
-/// where the estimate is near 0, much where it contradicts the given value, but not enough to be
-/// shown. `focal_length` in px.
+/// Standard deviations of errors of the given intrinsics that `detect_gross_mismatch` would not
+/// have shown. With a probability of 0.5 % each of the four is not as well known as stated, but
+/// that of a camera that was never calibrated: e ~ N(0, w²), w = 2 % of the focal length, 2 % of it
+/// in the principal point, 0.1 in k1. Its estimate is x ~ N(e, s²), with s² of `estimate`, `known`
+/// and what imperfections feign; nothing is shown while x² ≤ 23.51 s². Returns √(0.5 % E[e²; not
+/// shown]), in the units of `correction`; `focal_length` in px.
 Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_length,
                               const KnownParameters& known);
 

@@ -109,13 +109,8 @@ void ParticleSet::add_mode(const PlanarPose& mean, const Eigen::Matrix3d& covari
 }
 
 double ParticleSet::second_mode_weight() const {
-  double sum = 0, second_mode_sum = 0;
-  for (const Particle& particle : particles_) {
-    const double weight = std::exp(particle.log_weight);
-    sum += weight;
-    if (particle.in_second_mode) second_mode_sum += weight;
-  }
-  return sum > 0 ? std::min(second_mode_sum, sum - second_mode_sum) / sum : 0;
+  const auto [first, second] = mode_weights();
+  return first + second > 0 ? std::min(first, second) / (first + second) : 0;
 }
 
 // Two modes are merged once one of them holds nearly all of the weight or they lie within one
@@ -280,19 +275,23 @@ void ParticleSet::smooth_with_kernel() {
   }
 }
 
-bool ParticleSet::likelier_mode() const {
-  double mode_weights[2] = {0, 0};
+std::array<double, 2> ParticleSet::mode_weights() const {
+  std::array<double, 2> weights{};
   for (const Particle& particle : particles_) {
-    mode_weights[particle.in_second_mode] += std::exp(particle.log_weight);
+    weights[particle.in_second_mode] += std::exp(particle.log_weight);
   }
-  return mode_weights[1] > mode_weights[0];
+  return weights;
 }
 
-PoseMoments ParticleSet::moments() const { return moments_of_mode(likelier_mode()); }
+PoseMoments ParticleSet::moments() const {
+  const auto [first, second] = mode_weights();
+  return moments_of_mode(second > first);
+}
 
 std::optional<PoseMoments> ParticleSet::second_moments() const {
-  if (second_mode_weight() == 0) return std::nullopt;
-  return moments_of_mode(!likelier_mode());
+  const auto [first, second] = mode_weights();
+  if (first == 0 || second == 0) return std::nullopt;
+  return moments_of_mode(second <= first);
 }
 
 PoseMoments ParticleSet::moments_of_mode(bool second_mode) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <random>
 #include <span>
@@ -90,7 +91,8 @@ class ParticleSet {
   void normalise();
   void merge_modes();
   void smooth_with_kernel();
-  bool likelier_mode() const;
+  /// Sums of the weights of both modes.
+  std::array<double, 2> mode_weights() const;
   PoseMoments moments_of_mode(bool second_mode) const;
   double normal() { return normal_(random_); }
 

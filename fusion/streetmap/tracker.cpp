@@ -104,13 +104,13 @@ double Tracker::window_radius(double spread) const {
 }
 
 // Two modes may be further from each other than a window reaches.
-void Tracker::read_windows() {
+void Tracker::read_windows(const PoseMoments& likelier) {
   const auto read = [&](LabelWindow& window, const PoseMoments& moments) {
     window.read(map_, moments.mean.x, moments.mean.y, window_radius(moments.spread()),
                 options_.labelling);
     return moments.mean;
   };
-  window_middle_ = read(window_, particles_.moments());
+  window_middle_ = read(window_, likelier);
   second_middle_.reset();
   if (const auto second = particles_.second_moments()) {
     second_middle_ = read(second_window_, *second);
@@ -241,7 +241,7 @@ void Tracker::update(const GridSamples& samples) {
   if (witnesses) witness_streets(samples);
   if (!updates) return;
   const PoseMoments before = particles_.moments();
-  read_windows();
+  read_windows(before);
   update_weights(samples);
   update_significance(samples);
   particles_.resample_if_needed();

@@ -120,7 +120,7 @@ class Tracker {
   bool begin_update();
   void update_novelty(double distance);
   double window_radius(double spread) const;
-  void read_windows();
+  void read_windows(const PoseMoments& likelier);
   const LabelWindow& window_at(const PlanarPose& pose) const;
   double evaluate(const LabelWindow& window, const PlanarPose& pose, const GridSamples& samples,
                   const std::optional<dependence::HyperParameters>& fixed,

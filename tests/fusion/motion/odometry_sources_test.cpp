@@ -185,7 +185,7 @@ TEST(OdometrySources, SlippingWheelsAreRejectedWithGnss) {
   }
 }
 
-// Once each fix turned and stretched the whole path: at 1 Hz the vehicle stepped by 0.1 to 0.6 m.
+// Once each fix turned and stretched the whole path: at 1 Hz the vehicle stepped by 0.34 m (rms).
 TEST(OdometrySources, AFixLeavesTheVehicleWhereItIs) {
   const TrueDrive drive = flat_drive(61);
   SimulatedSensors sensors(drive, 8);
