@@ -25,7 +25,7 @@ struct ClockModelOptions {
                                        ///< jump is absorbed within a window
   Duration jump_confirmation{500'000'000};  ///< ns; candidates that agree for this long, and are
                                             ///< not the known delays' chance, are a jump
-  Duration max_delay{1'000'000'000};  ///< ns; maximum transport delay
+  Duration max_delay{1'000'000'000};        ///< ns; maximum transport delay
   /// A counter further off the host's hour than this, ns, counts from power-up.
   Duration hour_tolerance{500'000'000};
 
