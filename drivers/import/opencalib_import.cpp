@@ -88,7 +88,7 @@ Result<void> import_opencalib(const fs::path& calibration, const fs::path& drive
   const SceneFiles files = find_scene_files(calibration);
   if (files.sweep.empty() || files.image.empty()) {
     return fail(
-        std::string("has no ") + (files.sweep.empty() ? "sweep" : "image") + " in the same folder",
+        files.sweep.empty() ? "has no sweep in the same folder" : "has no image in the same folder",
         calibration.string(), "expected " + files.name + ".pcd and .png or .jpg");
   }
   const auto description = make_description(*text, files);
