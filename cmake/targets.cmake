@@ -48,8 +48,9 @@ function(infuse_precompiled name)
   add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/precompiled.cpp)
   target_link_libraries(${name} PRIVATE infuse::flags Eigen3::Eigen tl::expected)
   target_precompile_headers(${name} PRIVATE <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <deque>
-    <filesystem> <functional> <limits> <map> <memory> <numbers> <optional> <random> <span> <string> <string_view>
-    <thread> <utility> <variant> <vector> <Eigen/Core> <Eigen/Geometry> <tl/expected.hpp> ${ARGN})
+    <filesystem> <functional> <limits> <map> <memory> <numbers> <numeric> <optional> <random> <set>
+    <span> <string> <string_view> <thread> <unordered_map> <utility> <variant> <vector> <Eigen/Dense> <tl/expected.hpp>
+    ${ARGN})
 endfunction()
 infuse_precompiled(infuse_pch)
 infuse_precompiled(infuse_cold_pch)
