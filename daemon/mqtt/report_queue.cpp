@@ -13,8 +13,10 @@ namespace {
 constexpr uint64_t kFileOverhead = 2;  // times the messages at most
 constexpr int kPageBytes = 4096;
 
+constexpr int kVersion = 1;  // of the tables; 0 is an empty file, or that of 0.1.0
 constexpr const char* kSchema =
-    "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA journal_size_limit=1048576;"
+    "PRAGMA user_version=1; PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA "
+    "journal_size_limit=1048576;"
     "CREATE TABLE IF NOT EXISTS reports(id INTEGER PRIMARY KEY AUTOINCREMENT, importance INTEGER "
     "NOT NULL,"
     " topic TEXT NOT NULL, payload BLOB NOT NULL, retain INTEGER NOT NULL);"
@@ -69,6 +71,12 @@ Result<void> ReportQueue::open_file(const std::string& path) {
   if (status != SQLITE_OK)
     return fail("cannot be opened: " + std::string(sqlite3_errstr(status)), path);
   sqlite3_db_config(database, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  const Statement version = prepare("PRAGMA user_version");
+  if (version && sqlite3_step(version.get()) == SQLITE_ROW &&
+      sqlite3_column_int(version.get(), 0) > kVersion) {
+    return fail("was written by a newer version of infuse", path);
+  }
+  sqlite3_reset(version.get());
   if (auto done = execute(kSchema); !done) return fail(done.error().what, path);
   const auto pages = static_cast<unsigned long long>(kFileOverhead * max_bytes_ / kPageBytes + 64);
   if (auto done = execute(("PRAGMA max_page_count=" + std::to_string(pages)).c_str()); !done) {

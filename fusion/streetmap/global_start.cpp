@@ -312,6 +312,23 @@ double GlobalStart::behind(const PlanarPose& pose) const {
   return best - there;
 }
 
+std::optional<StreetHypothesis> GlobalStart::better_near(const PlanarPose& pose, double radius,
+                                                         double log_odds) const {
+  std::optional<StreetHypothesis> best;
+  double there = -INFINITY;
+  for (size_t i = 0; i < hypotheses_.size(); ++i) {
+    const StreetHypothesis& hypothesis = hypotheses_[i];
+    const PlanarPose at = now(i);
+    if (geometry::plane_length(at.x - pose.x, at.y - pose.y) > radius) continue;
+    if (is_at(i, pose)) there = std::max(there, hypothesis.log_weight);
+    if (best && hypothesis.log_weight <= best->log_weight) continue;
+    best = hypothesis;
+    best->pose = at;
+  }
+  if (best && best->log_weight - there <= log_odds) best.reset();
+  return best;
+}
+
 std::optional<FoundPlace> GlobalStart::place() const {
   auto found = find();
   if (!found) return found;

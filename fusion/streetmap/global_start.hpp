@@ -105,6 +105,11 @@ class GlobalStart {
   /// none is left there.
   double behind(const PlanarPose& pose) const;
 
+  /// The likeliest hypothesis within `radius` of a pose, m, if it is likelier by `log_odds` than
+  /// those at the pose.
+  std::optional<StreetHypothesis> better_near(const PlanarPose& pose, double radius,
+                                              double log_odds) const;
+
   int hypotheses() const { return static_cast<int>(hypotheses_.size()); }
   double driven() const { return driven_; }  ///< m since the restart
 

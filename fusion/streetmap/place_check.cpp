@@ -80,6 +80,12 @@ void PlaceCheck::start(const PlanarPose& pose, const SegmentMap& map) {
   running_ = true;
 }
 
+void PlaceCheck::weigh(const std::function<double(const PlanarPose&)>& log_odds) {
+  for (Place& place : places_) {
+    place.log_odds = std::max(place.log_odds + log_odds(place.T.compose(estimate_)), kMinLogOdds);
+  }
+}
+
 void PlaceCheck::update(const PlanarPose& estimate, const Eigen::Matrix3d& covariance, double gain,
                         const std::function<double(const PlanarPose&)>& score) {
   if (!running_) return;

@@ -41,6 +41,9 @@ class PlaceCheck {
   /// Begins a check of `pose`; places outside the map are left out.
   void start(const PlanarPose& pose, const SegmentMap& map);
 
+  /// Adds earlier evidence, after `start`: the log-odds of a pose against the estimate.
+  void weigh(const std::function<double(const PlanarPose&)>& log_odds);
+
   /// True from `start` until the place is sure.
   bool running() const { return running_; }
 

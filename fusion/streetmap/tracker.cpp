@@ -12,12 +12,15 @@ namespace {
 
 constexpr double kOutsideLogWeight = -1e3;  // log-weight of a particle outside the map
 constexpr size_t kMinSamples = 100;
-constexpr double kViewYawSigma = 0.03;  // rad, heading accuracy of one view
-constexpr double kMaxSpread = 20;       // m, of particles that all lie in the window
-constexpr double kMinJump = 3;          // m of the estimate in one update: another place
-constexpr double kMaxSearched = 2000;   // m of streets that the search witnesses while TRACKING
-constexpr double kSamePlaceYaw = 0.5;   // rad, of poses that are one place
-constexpr double kMinWitnessSpeed = 1;  // m/s, slower, time brings no other view
+constexpr double kViewYawSigma = 0.03;   // rad, heading accuracy of one view
+constexpr double kMaxSpread = 20;        // m, of particles that all lie in the window
+constexpr double kMinJump = 3;           // m of the estimate in one update: another place
+constexpr double kMaxSearched = 2000;    // m of streets that the search witnesses while TRACKING
+constexpr double kSamePlaceYaw = 0.5;    // rad, of poses that are one place
+constexpr double kMinWitnessSpeed = 1;   // m/s, slower, time brings no other view
+constexpr double kMinJudged = 100;       // m driven until the search contradicts an estimate
+constexpr double kMaxBehind = 4.6;       // log-odds of the likeliest street to that of an estimate
+constexpr double kProposalRadius = 120;  // m, of streets that are proposed instead
 constexpr PlanarPose kWitnessOffsets[] = {
     {0, 0, 0}, {0, 1.5, 0}, {0, -1.5, 0}, {2.5, 0, 0}, {-2.5, 0, 0}};  // m
 
@@ -195,6 +198,18 @@ void Tracker::use_found_street() {
   }
   const Eigen::Vector3d map_error(0, 0, kViewYawSigma * kViewYawSigma);
   start(found->pose, found->covariance + Eigen::Matrix3d(map_error.asDiagonal()));
+  place_check_.weigh([&](const PlanarPose& place) {
+    const Eigen::Vector2d d(place.x - found->pose.x, place.y - found->pose.y);
+    const bool same = d.norm() < options_.global_start.same_place &&
+                      std::abs(wrap_angle(place.yaw - found->pose.yaw)) < kSamePlaceYaw;
+    const Eigen::Matrix2d C = found->covariance.topLeftCorner<2, 2>();
+    return same ? -d.dot(C.inverse() * d) / 2 : std::log(std::max(found->elsewhere, 1e-9));
+  });
+}
+
+bool Tracker::contradicted_by_streets(const PlanarPose& pose) const {
+  return searching_streets_ && global_start_->driven() > kMinJudged &&
+         global_start_->behind(pose) > kMaxBehind;
 }
 
 bool Tracker::begin_witness() {
@@ -248,6 +263,7 @@ void Tracker::update(const GridSamples& samples) {
   search_globally(samples);
   check_place(samples, before.mean);
   ++updates_since_search_;
+  ++updates_since_proposal_;
   update_state();
 }
 
@@ -382,7 +398,22 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
   if (particles_.second_mode_weight() > 0) return;
   if (const auto candidate = place_check_.propose()) {
     particles_.add_mode(*candidate, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
+  } else {
+    propose_street(pose);
   }
+}
+
+// A drive that the streets at the estimate do not explain: those nearby that do become a mode, and
+// what the sensors see decides.
+void Tracker::propose_street(const PlanarPose& pose) {
+  if (!searching_streets_ || global_start_->driven() < kMinJudged ||
+      updates_since_proposal_ < options_.confidence.window / 2) {
+    return;
+  }
+  const auto street = global_start_->better_near(pose, kProposalRadius, kMaxBehind);
+  if (!street) return;
+  updates_since_proposal_ = 0;
+  particles_.add_mode(street->pose, street->covariance.topLeftCorner<3, 3>());
 }
 
 void Tracker::update_state() {
@@ -422,6 +453,8 @@ void Tracker::update_state() {
     return set_state(TrackState::kUnsure, "sensor data match the map poorly");
   } else if (place_check_.running()) {
     return set_state(TrackState::kUnsure, place_check_.reason());
+  } else if (state_ != TrackState::kTracking && contradicted_by_streets(moments.mean)) {
+    return set_state(TrackState::kUnsure, "another street fits the drive better");
   } else {
     return set_state(TrackState::kTracking, "");
   }

@@ -115,6 +115,7 @@ class Tracker {
  private:
   void search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
   void use_found_street();
+  bool contradicted_by_streets(const PlanarPose& pose) const;
   bool begin_witness();
   void witness_streets(const GridSamples& samples);
   bool begin_update();
@@ -129,6 +130,7 @@ class Tracker {
   void update_significance(const GridSamples& samples);
   void search_globally(const GridSamples& samples);
   void check_place(const GridSamples& samples, const PlanarPose& before);
+  void propose_street(const PlanarPose& pose);
   void update_state();
   void search_again(const PlanarPose& estimate);
 
@@ -155,7 +157,7 @@ class Tracker {
   TrackState state_ = TrackState::kLost;
   const char* reason_ = "no initial pose";
   double score_ = 0;
-  int updates_since_search_ = 0;
+  int updates_since_search_ = 0, updates_since_proposal_ = 0;
   PlanarPose odometry_at_update_;  // odometry pose at the last update
   double driven_s_ = 0;
   double odometry_position_variance_ = 0,

@@ -116,6 +116,21 @@ TEST(ReportQueue, SetsADamagedFileAside) {
   EXPECT_FALSE(ReportQueue::open("/nonexistent/folder/mqtt.db", kBytes));
 }
 
+TEST(ReportQueue, SetsTheFileOfANewerVersionAside) {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "mqtt.db";
+  ASSERT_TRUE(ReportQueue::open(path, kBytes)->add(report("one")));
+  // The version is the big-endian number at byte 60 (sqlite.org/fileformat2.html).
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(60).write("\0\0\0\2", 4);
+  file.close();
+  auto queue = ReportQueue::open(path, kBytes);
+  ASSERT_TRUE(queue) << queue.error().message();
+  EXPECT_NE(queue->damage().find("newer version"), std::string::npos) << queue->damage();
+  EXPECT_EQ(queue->messages(), 0u);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "mqtt.db.damaged"));
+}
+
 TEST(ReportQueue, AFullDiskDropsAndCounts) {
   const ScratchFolder folder;
   std::signal(SIGXFSZ, SIG_IGN);

@@ -183,6 +183,14 @@ TEST(GlobalStart, EvidenceOfSensorsDecidesBetweenLikePlaces) {
   EXPECT_LT(place->elsewhere, 0.01);
   EXPECT_EQ(start.behind(truth), 0);
   EXPECT_TRUE(std::isinf(start.behind({1e5, 0, 0})));
+  // Likelier than the truth is nothing; likelier than a pose 30 m off is the truth, if within
+  // reach.
+  EXPECT_FALSE(start.better_near(truth, 100, 4));
+  const PlanarPose off = truth.compose({30, 0, 0});
+  const auto better = start.better_near(off, 60, 4);
+  ASSERT_TRUE(better);
+  EXPECT_LT(std::hypot(better->pose.x - truth.x, better->pose.y - truth.y), 5);
+  EXPECT_FALSE(start.better_near(off, 15, 4));
 }
 
 TEST(GlobalStart, ATurnWhileAloneIsWorthAWay) {

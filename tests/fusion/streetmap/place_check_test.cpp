@@ -50,5 +50,25 @@ TEST(PlaceCheck, ATruthThatIsNowhereNearIsRuledOut) {
   EXPECT_LT(check.elsewhere(), 0.02);
 }
 
+// Of places that have e^-9 of the odds, two views that see no difference leave nothing; equal
+// places remain.
+TEST(PlaceCheck, EarlierEvidenceCounts) {
+  const town::Town town = town::build(town::plan());
+  const PlanarPose estimate{-20, -1, 0};
+  for (const double log_odds : {0.0, -9.0}) {
+    PlaceCheck check({}, 1);
+    check.start(estimate, town.map);
+    check.weigh([&](const PlanarPose& place) {
+      EXPECT_GT(std::hypot(place.x - estimate.x, place.y - estimate.y), 1);
+      return log_odds;
+    });
+    for (int i = 0; i < 2; ++i) {
+      check.update(estimate, 0.1 * Eigen::Matrix3d::Identity(), 2,
+                   [](const PlanarPose&) { return 0.5; });
+    }
+    EXPECT_EQ(check.running(), log_odds == 0);
+  }
+}
+
 }  // namespace
 }  // namespace infuse::streetmap
