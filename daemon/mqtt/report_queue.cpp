@@ -15,8 +15,7 @@ constexpr int kPageBytes = 4096;
 
 constexpr int kVersion = 1;  // of the tables; 0 is an empty file, or that of 0.1.0
 constexpr const char* kSchema =
-    "PRAGMA user_version=1; PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA "
-    "journal_size_limit=1048576;"
+    "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA journal_size_limit=1048576;"
     "CREATE TABLE IF NOT EXISTS reports(id INTEGER PRIMARY KEY AUTOINCREMENT, importance INTEGER "
     "NOT NULL,"
     " topic TEXT NOT NULL, payload BLOB NOT NULL, retain INTEGER NOT NULL);"
@@ -71,13 +70,13 @@ Result<void> ReportQueue::open_file(const std::string& path) {
   if (status != SQLITE_OK)
     return fail("cannot be opened: " + std::string(sqlite3_errstr(status)), path);
   sqlite3_db_config(database, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-  const Statement version = prepare("PRAGMA user_version");
-  if (version && sqlite3_step(version.get()) == SQLITE_ROW &&
-      sqlite3_column_int(version.get(), 0) > kVersion) {
-    return fail("was written by a newer version of infuse", path);
-  }
-  sqlite3_reset(version.get());
+  const int version = read_version();
+  if (version > kVersion) return fail("was written by a newer version of infuse", path);
   if (auto done = execute(kSchema); !done) return fail(done.error().what, path);
+  // Not on a full disk: then the next start states it.
+  if (version < kVersion) {
+    static_cast<void>(execute(("PRAGMA user_version=" + std::to_string(kVersion)).c_str()));
+  }
   const auto pages = static_cast<unsigned long long>(kFileOverhead * max_bytes_ / kPageBytes + 64);
   if (auto done = execute(("PRAGMA max_page_count=" + std::to_string(pages)).c_str()); !done) {
     return fail(done.error().what, path);
@@ -100,6 +99,12 @@ Result<void> ReportQueue::open_file(const std::string& path) {
   messages_ = static_cast<uint64_t>(sqlite3_column_int64(total.get(), 0));
   bytes_ = static_cast<uint64_t>(sqlite3_column_int64(total.get(), 1));
   return {};
+}
+
+int ReportQueue::read_version() {
+  const Statement version = prepare("PRAGMA user_version");
+  if (!version || sqlite3_step(version.get()) != SQLITE_ROW) return 0;
+  return sqlite3_column_int(version.get(), 0);
 }
 
 Result<void> ReportQueue::execute(const char* text) {

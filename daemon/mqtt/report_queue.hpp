@@ -60,6 +60,7 @@ class ReportQueue {
   explicit ReportQueue(uint64_t max_bytes) : max_bytes_(max_bytes) {}
   Result<void> open_file(const std::string& path);
   Result<void> execute(const char* text);
+  int read_version();
   Statement prepare(const char* text);
   bool insert(const QueuedReport& report);
   bool drop_least_important();

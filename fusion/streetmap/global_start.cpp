@@ -263,6 +263,10 @@ void GlobalStart::drop_and_merge() {
   std::erase_if(hypotheses_, [](const StreetHypothesis& h) { return h.log_weight == -INFINITY; });
 }
 
+double GlobalStart::mean_misfit(const StreetHypothesis& hypothesis) const {
+  return hypothesis.misfit * options_.independent_length / std::max(driven_, 1.0);
+}
+
 std::optional<FoundPlace> GlobalStart::find() const {
   if (hypotheses_.empty()) return std::nullopt;
   const auto best =
@@ -287,7 +291,7 @@ std::optional<FoundPlace> GlobalStart::find() const {
   }
   mean /= here;
   FoundPlace found;
-  found.misfit = best->misfit * options_.independent_length / std::max(driven_, 1.0);
+  found.misfit = mean_misfit(*best);
   found.pose = {middle.x + mean[0], middle.y + mean[1], wrap_angle(middle.yaw + mean[2])};
   found.covariance = square / here - mean * mean.transpose();
   const double edge = options_.street_sigma * options_.street_sigma;
@@ -321,11 +325,12 @@ std::optional<StreetHypothesis> GlobalStart::better_near(const PlanarPose& pose,
     const PlanarPose at = now(i);
     if (geometry::plane_length(at.x - pose.x, at.y - pose.y) > radius) continue;
     if (is_at(i, pose)) there = std::max(there, hypothesis.log_weight);
+    if (mean_misfit(hypothesis) >= options_.max_mean_misfit) continue;
     if (best && hypothesis.log_weight <= best->log_weight) continue;
     best = hypothesis;
     best->pose = at;
   }
-  if (best && best->log_weight - there <= log_odds) best.reset();
+  if (best && best->log_weight - there <= log_odds) return std::nullopt;
   return best;
 }
 

@@ -105,8 +105,9 @@ class GlobalStart {
   /// none is left there.
   double behind(const PlanarPose& pose) const;
 
-  /// The likeliest hypothesis within `radius` of a pose, m, if it is likelier by `log_odds` than
-  /// those at the pose.
+  /// The likeliest hypothesis within `radius` of a pose, m, if it is likelier by more than
+  /// `log_odds` than those at the pose, if any, and explains the drive: beside the streets of the
+  /// map none does.
   std::optional<StreetHypothesis> better_near(const PlanarPose& pose, double radius,
                                               double log_odds) const;
 
@@ -125,6 +126,7 @@ class GlobalStart {
   void go_on_comparing();
   PlanarPose now(size_t hypothesis) const;
   bool is_at(size_t hypothesis, const PlanarPose& pose) const;
+  double mean_misfit(const StreetHypothesis& hypothesis) const;
   std::optional<FoundPlace> find() const;
   void drop_and_merge();
   void count_alone(bool alone);

@@ -207,9 +207,11 @@ void Tracker::use_found_street() {
   });
 }
 
-bool Tracker::contradicted_by_streets(const PlanarPose& pose) const {
-  return searching_streets_ && global_start_->driven() > kMinJudged &&
-         global_start_->behind(pose) > kMaxBehind;
+// A street within `radius` of a pose that explains the drive much better than the one there.
+std::optional<StreetHypothesis> Tracker::better_street(const PlanarPose& pose,
+                                                       double radius) const {
+  if (!searching_streets_ || global_start_->driven() < kMinJudged) return std::nullopt;
+  return global_start_->better_near(pose, radius, kMaxBehind);
 }
 
 bool Tracker::begin_witness() {
@@ -406,11 +408,8 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
 // A drive that the streets at the estimate do not explain: those nearby that do become a mode, and
 // what the sensors see decides.
 void Tracker::propose_street(const PlanarPose& pose) {
-  if (!searching_streets_ || global_start_->driven() < kMinJudged ||
-      updates_since_proposal_ < options_.confidence.window / 2) {
-    return;
-  }
-  const auto street = global_start_->better_near(pose, kProposalRadius, kMaxBehind);
+  if (updates_since_proposal_ < options_.confidence.window / 2) return;
+  const auto street = better_street(pose, kProposalRadius);
   if (!street) return;
   updates_since_proposal_ = 0;
   particles_.add_mode(street->pose, street->covariance.topLeftCorner<3, 3>());
@@ -453,7 +452,7 @@ void Tracker::update_state() {
     return set_state(TrackState::kUnsure, "sensor data match the map poorly");
   } else if (place_check_.running()) {
     return set_state(TrackState::kUnsure, place_check_.reason());
-  } else if (state_ != TrackState::kTracking && contradicted_by_streets(moments.mean)) {
+  } else if (state_ != TrackState::kTracking && better_street(moments.mean, INFINITY)) {
     return set_state(TrackState::kUnsure, "another street fits the drive better");
   } else {
     return set_state(TrackState::kTracking, "");

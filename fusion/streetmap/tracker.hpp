@@ -115,7 +115,7 @@ class Tracker {
  private:
   void search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
   void use_found_street();
-  bool contradicted_by_streets(const PlanarPose& pose) const;
+  std::optional<StreetHypothesis> better_street(const PlanarPose& pose, double radius) const;
   bool begin_witness();
   void witness_streets(const GridSamples& samples);
   bool begin_update();
