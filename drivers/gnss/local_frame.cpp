@@ -1,8 +1,17 @@
 #include "drivers/gnss/local_frame.hpp"
 
+#include <cmath>
+
 #include "drivers/measurement/angles.hpp"
 
 namespace infuse::gnss {
+namespace {
+
+// 0.24 mm, less than any receiver resolves. The last bits of what GeographicLib computes differ
+// between processors, by nanometres; whoever goes on with them draws other particles.
+constexpr double kStepsPerMetre = 4096;
+
+}  // namespace
 
 LocalFrame make_local_frame(double latitude, double longitude, double altitude) {
   return {latitude / kDegree, longitude / kDegree, altitude};
@@ -12,6 +21,7 @@ Eigen::Vector3d to_local(const LocalFrame& frame, double latitude, double longit
                          double altitude) {
   Eigen::Vector3d local;
   frame.Forward(latitude / kDegree, longitude / kDegree, altitude, local.x(), local.y(), local.z());
+  for (double& part : local) part = std::round(part * kStepsPerMetre) / kStepsPerMetre;
   return local;
 }
 

@@ -14,7 +14,8 @@ using LocalFrame = GeographicLib::LocalCartesian;
 /// Returns the frame at an origin (rad, rad, m).
 LocalFrame make_local_frame(double latitude, double longitude, double altitude = 0);
 
-/// Converts latitude, longitude, altitude (rad, rad, m) to metres east, north, up of the origin.
+/// Converts latitude, longitude, altitude (rad, rad, m) to metres east, north, up of the origin, in
+/// steps of 1/4096 m: the same bits on all processors, but for a position in some 100 000.
 Eigen::Vector3d to_local(const LocalFrame& frame, double latitude, double longitude,
                          double altitude = 0);
 
