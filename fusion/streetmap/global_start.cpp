@@ -65,6 +65,9 @@ std::optional<std::string> GlobalStartOptions::invalid() const {
   if (!(street_sigma > 0 && max_misfit > 0 && max_log_odds > 0 && max_sigma > 0)) {
     return "global_start: sigmas and limits must be positive";
   }
+  if (!(believed_radius >= 0 && believed_log_odds >= 0 && believed_log_odds < max_log_odds)) {
+    return "global_start: believed_log_odds must lie within 0 … max_log_odds";
+  }
   if (!(max_elsewhere > 0 && max_elsewhere < 1 && max_mean_misfit > 0 && min_alone >= 0)) {
     return "global_start: max_elsewhere must lie within 0 … 1, max_mean_misfit be positive";
   }
@@ -72,6 +75,11 @@ std::optional<std::string> GlobalStartOptions::invalid() const {
     return "global_start: turn_worth and max_witnessed must lie within 0 … 1000";
   }
   return std::nullopt;
+}
+
+bool is_same_place(const PlanarPose& a, const PlanarPose& b, double distance) {
+  return geometry::plane_length(a.x - b.x, a.y - b.y) <= distance &&
+         std::abs(wrap_angle(a.yaw - b.yaw)) <= kSameYaw;
 }
 
 void predict(StreetHypothesis& hypothesis, const PlanarPose& motion,
@@ -132,7 +140,7 @@ GlobalStart::GlobalStart(const SegmentMap& map, const GlobalStartOptions& option
   bins_.reserve(static_cast<size_t>(options.max_hypotheses));
 }
 
-void GlobalStart::restart() {
+void GlobalStart::restart(const std::optional<PlanarPose>& believed) {
   collected_ = compared_ = {};
   since_merge_ = driven_ = 0;
   count_alone(false);
@@ -140,6 +148,13 @@ void GlobalStart::restart() {
   for (double spacing = options_.spacing;; spacing *= 1.25) {
     spread(spacing);
     if (hypotheses_.size() < capacity) break;
+  }
+  for (StreetHypothesis& hypothesis : hypotheses_) {
+    const PlanarPose& pose = hypothesis.pose;
+    const bool near =
+        believed && geometry::plane_length(pose.x - believed->x, pose.y - believed->y) <
+                        options_.believed_radius;
+    if (near) hypothesis.log_weight = options_.believed_log_odds;
   }
   next_ = hypotheses_.size();
 }
@@ -281,7 +296,7 @@ std::optional<FoundPlace> GlobalStart::find() const {
     const PlanarPose pose = now(i);
     const Eigen::Vector3d d(pose.x - middle.x, pose.y - middle.y,
                             wrap_angle(pose.yaw - middle.yaw));
-    if (d.head<2>().norm() > options_.same_place || std::abs(d[2]) > kSameYaw) {
+    if (!is_same_place(pose, middle, options_.same_place)) {
       others += weight;
       continue;
     }
@@ -301,31 +316,39 @@ std::optional<FoundPlace> GlobalStart::find() const {
   return found;
 }
 
-bool GlobalStart::is_at(size_t hypothesis, const PlanarPose& pose) const {
-  const PlanarPose at = now(hypothesis);
-  return std::hypot(at.x - pose.x, at.y - pose.y) <= options_.same_place &&
-         std::abs(wrap_angle(at.yaw - pose.yaw)) <= kSameYaw;
+// Half of the squared distance of a pose from a hypothesis that is at `at`, in units of its
+// variance: what its density is less there.
+double GlobalStart::half_squared_distance(const StreetHypothesis& hypothesis, const PlanarPose& at,
+                                          const PlanarPose& pose) const {
+  const Eigen::Vector2d d(at.x - pose.x, at.y - pose.y);
+  const double edge = options_.street_sigma * options_.street_sigma;
+  const Eigen::Matrix2d C =
+      hypothesis.covariance.topLeftCorner<2, 2>() + edge * Eigen::Matrix2d::Identity();
+  return d.dot(C.inverse() * d) / 2;
 }
 
 double GlobalStart::behind(const PlanarPose& pose) const {
   double best = -INFINITY, there = -INFINITY;
   for (size_t i = 0; i < hypotheses_.size(); ++i) {
     best = std::max(best, hypotheses_[i].log_weight);
-    if (is_at(i, pose)) there = std::max(there, hypotheses_[i].log_weight);
+    if (!is_same_place(now(i), pose, options_.same_place)) continue;
+    there = std::max(there, hypotheses_[i].log_weight);
   }
   return best - there;
 }
 
 std::optional<StreetHypothesis> GlobalStart::better_near(const PlanarPose& pose, double radius,
-                                                         double log_odds) const {
+                                                         double log_odds, double max_misfit) const {
   std::optional<StreetHypothesis> best;
   double there = -INFINITY;
   for (size_t i = 0; i < hypotheses_.size(); ++i) {
     const StreetHypothesis& hypothesis = hypotheses_[i];
     const PlanarPose at = now(i);
     if (geometry::plane_length(at.x - pose.x, at.y - pose.y) > radius) continue;
-    if (is_at(i, pose)) there = std::max(there, hypothesis.log_weight);
-    if (mean_misfit(hypothesis) >= options_.max_mean_misfit) continue;
+    if (is_same_place(at, pose, options_.same_place)) {
+      there = std::max(there, hypothesis.log_weight - half_squared_distance(hypothesis, at, pose));
+    }
+    if (mean_misfit(hypothesis) >= max_misfit) continue;
     if (best && hypothesis.log_weight <= best->log_weight) continue;
     best = hypothesis;
     best->pose = at;

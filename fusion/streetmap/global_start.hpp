@@ -27,6 +27,8 @@ struct GlobalStartOptions {
   double scale_sigma = 0.01;      ///< of true over measured distance
   double yaw_rate_sigma = 0.001;  ///< rad/s, lasting error of the yaw rate
   double yaw_noise = 0.002;       ///< rad per √m driven
+  double believed_radius = 100;   ///< m, of streets that are likelier where a pose is believed
+  double believed_log_odds = 3;   ///< of one of them against one that is further away
   double max_log_odds = 16;       ///< a hypothesis that is worse than the best by more is dropped
   double same_place = 15;         ///< m within which hypotheses are one place
   double min_alone = 150;         ///< m driven while all else is improbable until the place is sure
@@ -39,6 +41,9 @@ struct GlobalStartOptions {
   /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;
 };
+
+/// True if two poses are one place: within `distance` (m) and with headings within 0.5 rad.
+bool is_same_place(const PlanarPose& a, const PlanarPose& b, double distance);
 
 /// Pose that explains the drive, with what else it could have been.
 struct FoundPlace {
@@ -89,8 +94,8 @@ class GlobalStart {
   /// False if the map is too large, or has no street: there is nothing to search.
   bool possible() const { return !grid_.empty(); }
 
-  /// Begins anew on all streets.
-  void restart();
+  /// Begins anew on all streets. `believed`: where the vehicle is probably near.
+  void restart(const std::optional<PlanarPose>& believed = {});
 
   /// Moves by odometry, as `predict`.
   void move(const PlanarPose& motion, const Eigen::Matrix3d& covariance, double seconds);
@@ -106,10 +111,10 @@ class GlobalStart {
   double behind(const PlanarPose& pose) const;
 
   /// The likeliest hypothesis within `radius` of a pose, m, if it is likelier by more than
-  /// `log_odds` than those at the pose, if any, and explains the drive: beside the streets of the
-  /// map none does.
+  /// `log_odds` than those at the pose, if any; of those that explain the drive up to `max_misfit`:
+  /// beside the streets of the map none does.
   std::optional<StreetHypothesis> better_near(const PlanarPose& pose, double radius,
-                                              double log_odds) const;
+                                              double log_odds, double max_misfit) const;
 
   int hypotheses() const { return static_cast<int>(hypotheses_.size()); }
   double driven() const { return driven_; }  ///< m since the restart
@@ -125,8 +130,9 @@ class GlobalStart {
   void begin_comparison();
   void go_on_comparing();
   PlanarPose now(size_t hypothesis) const;
-  bool is_at(size_t hypothesis, const PlanarPose& pose) const;
   double mean_misfit(const StreetHypothesis& hypothesis) const;
+  double half_squared_distance(const StreetHypothesis& hypothesis, const PlanarPose& at,
+                               const PlanarPose& pose) const;
   std::optional<FoundPlace> find() const;
   void drop_and_merge();
   void count_alone(bool alone);

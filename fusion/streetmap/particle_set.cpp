@@ -94,12 +94,18 @@ void ParticleSet::scatter_disc(const PlanarPose& middle, double radius, double y
 
 void ParticleSet::add_mode(const PlanarPose& mean, const Eigen::Matrix3d& covariance) {
   normalise();
+  const auto [first, second] = mode_weights();
+  const bool two = first > 0 && second > 0, less_likely = second <= first;
+  const auto given_up = [&](const Particle& p) { return two && p.in_second_mode == less_likely; };
+  const bool few = std::ranges::count_if(particles_, given_up) <
+                   static_cast<std::ptrdiff_t>(particles_.size() / 6);
   const double even = -std::log(static_cast<double>(particles_.size()));
   const Eigen::Matrix3d L = matrix_sqrt<3>(covariance);
+  size_t others = 0;
   for (size_t i = 0; i < particles_.size(); ++i) {
     Particle& particle = particles_[i];
     particle.log_weight = std::log(std::max(weights_[i], 1e-300));
-    particle.in_second_mode = i % 3 == 0;
+    particle.in_second_mode = given_up(particle) || (few && others++ % 3 == 0);
     if (!particle.in_second_mode) continue;
     const Eigen::Vector3d d = L * Eigen::Vector3d(normal(), normal(), normal());
     particle.pose = {mean.x + d.x(), mean.y + d.y(), wrap_angle(mean.yaw + d.z())};

@@ -80,14 +80,9 @@ void PlaceCheck::start(const PlanarPose& pose, const SegmentMap& map) {
   running_ = true;
 }
 
-void PlaceCheck::weigh(const std::function<double(const PlanarPose&)>& log_odds) {
-  for (Place& place : places_) {
-    place.log_odds = std::max(place.log_odds + log_odds(place.T.compose(estimate_)), kMinLogOdds);
-  }
-}
-
 void PlaceCheck::update(const PlanarPose& estimate, const Eigen::Matrix3d& covariance, double gain,
-                        const std::function<double(const PlanarPose&)>& score) {
+                        const std::function<double(const PlanarPose&)>& score,
+                        const std::function<double(const PlanarPose&)>& by_drive) {
   if (!running_) return;
   const Eigen::Matrix2d information =
       (covariance.topLeftCorner<2, 2>() + 1e-6 * Eigen::Matrix2d::Identity()).inverse();
@@ -100,6 +95,7 @@ void PlaceCheck::update(const PlanarPose& estimate, const Eigen::Matrix3d& covar
     const double change = gain * (place_score(place, estimate, score) - estimate_score);
     place.log_odds =
         std::max(place.log_odds + (first_view_ ? std::min(change, 0.0) : change), kMinLogOdds);
+    place.by_drive = by_drive(pose);
   }
   first_view_ = false;
   estimate_ = estimate;
@@ -142,7 +138,7 @@ void PlaceCheck::judge() {
   double sum = 0, largest = 0;
   for (const Place& place : places_) {
     if (place.same) continue;
-    const double odds = options_.prior_odds * std::exp(place.log_odds);
+    const double odds = options_.prior_odds * std::exp(place.total());
     sum += odds;
     if (odds < largest) continue;
     largest = odds;
@@ -169,10 +165,10 @@ std::optional<PlanarPose> PlaceCheck::propose() {
   if (!running_) return std::nullopt;
   Place* best = nullptr;
   for (Place& place : places_) {
-    if (!place.same && (best == nullptr || place.log_odds > best->log_odds)) best = &place;
+    if (!place.same && (best == nullptr || place.total() > best->total())) best = &place;
   }
   if (best == nullptr) return std::nullopt;
-  if (best->log_odds + std::log(options_.prior_odds) < options_.min_better) return std::nullopt;
+  if (best->total() + std::log(options_.prior_odds) < options_.min_better) return std::nullopt;
   best->log_odds = 0;
   return best->T.compose(estimate_);
 }

@@ -41,16 +41,15 @@ class PlaceCheck {
   /// Begins a check of `pose`; places outside the map are left out.
   void start(const PlanarPose& pose, const SegmentMap& map);
 
-  /// Adds earlier evidence, after `start`: the log-odds of a pose against the estimate.
-  void weigh(const std::function<double(const PlanarPose&)>& log_odds);
-
   /// True from `start` until the place is sure.
   bool running() const { return running_; }
 
   /// Evaluates the other places on a view. `gain`: log-odds per unit of score of the view;
-  /// `covariance` of the estimate: places within its 99 % region are the same place.
+  /// `covariance` of the estimate: places within its 99 % region are the same place; `by_drive`:
+  /// log-odds of a pose against the estimate by the streets that the drive followed until now.
   void update(const PlanarPose& estimate, const Eigen::Matrix3d& covariance, double gain,
-              const std::function<double(const PlanarPose&)>& score);
+              const std::function<double(const PlanarPose&)>& score,
+              const std::function<double(const PlanarPose&)>& by_drive);
 
   /// Probability that the true place is one of the others; 1 before the first update.
   double elsewhere() const { return elsewhere_; }
@@ -66,7 +65,9 @@ class PlaceCheck {
   struct Place {
     PlanarPose T;  // of the estimate to this place, map frame
     Direction direction;
-    double log_odds = 0;
+    double log_odds = 0;  // by the views
+    double by_drive = 0;
+    double total() const { return log_odds + by_drive; }
     bool same = false;  // within the region of the estimate
   };
   void add(const PlanarPose& from, const PlanarPose& to, const SegmentMap& map,

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "fusion/geometry/plane_length.hpp"
+#include "fusion/streetmap/drive_odds.hpp"
 
 namespace infuse::streetmap {
 namespace {
@@ -16,11 +17,12 @@ constexpr double kViewYawSigma = 0.03;   // rad, heading accuracy of one view
 constexpr double kMaxSpread = 20;        // m, of particles that all lie in the window
 constexpr double kMinJump = 3;           // m of the estimate in one update: another place
 constexpr double kMaxSearched = 2000;    // m of streets that the search witnesses while TRACKING
-constexpr double kSamePlaceYaw = 0.5;    // rad, of poses that are one place
 constexpr double kMinWitnessSpeed = 1;   // m/s, slower, time brings no other view
-constexpr double kMinJudged = 100;       // m driven until the search contradicts an estimate
+constexpr double kMinJudged = 100;       // m driven until the search judges an estimate
 constexpr double kMaxBehind = 4.6;       // log-odds of the likeliest street to that of an estimate
 constexpr double kProposalRadius = 120;  // m, of streets that are proposed instead
+constexpr double kMaxSquaredDistance = 13.8;  // in units of variance, 99.9 % of two
+constexpr double kMaxReplaced = 0.2;          // weight of a second mode that one of those replaces
 constexpr PlanarPose kWitnessOffsets[] = {
     {0, 0, 0}, {0, 1.5, 0}, {0, -1.5, 0}, {2.5, 0, 0}, {-2.5, 0, 0}};  // m
 
@@ -170,7 +172,7 @@ void Tracker::search_streets(const PlanarPose& motion, const Eigen::Matrix3d& co
   if (!global_start_) return;
   if (!searching_streets_) {
     if (state_ != TrackState::kLost && !place_check_.running()) return;
-    global_start_->restart();
+    global_start_->restart(started_ ? std::optional(particles_.moments().mean) : std::nullopt);
     searching_streets_ = true;
     searched_ = 0;
     if (!started_) reason_ = "no initial pose, searching all streets";
@@ -182,36 +184,38 @@ void Tracker::search_streets(const PlanarPose& motion, const Eigen::Matrix3d& co
   global_start_->move(motion, covariance, to_seconds(step));
 }
 
+bool Tracker::agrees(const PoseMoments& estimate, const FoundPlace& found) const {
+  const double distance = options_.global_start.same_place;
+  if (!is_same_place(estimate.mean, found.pose, distance)) return false;
+  const Eigen::Vector2d d(estimate.mean.x - found.pose.x, estimate.mean.y - found.pose.y);
+  const Eigen::Matrix2d C = (estimate.covariance + found.covariance).topLeftCorner<2, 2>();
+  return d.dot(C.inverse() * d) < kMaxSquaredDistance;
+}
+
 void Tracker::use_found_street() {
   if (!searching_streets_) return;
   const bool tracking = state_ == TrackState::kTracking;
   if (tracking && searched_ > kMaxSearched) searching_streets_ = false;
   const auto found = global_start_->place();
   if (!found || !found->sure) return;
-  if (started_) {
-    const PlanarPose motion = found->pose.motion_to(particles_.moments().mean);
-    if (geometry::plane_length(motion.x, motion.y) < options_.global_start.same_place &&
-        std::abs(motion.yaw) < kSamePlaceYaw) {
-      if (tracking) searching_streets_ = false;
-      return;
-    }
+  if (started_ &&
+      is_same_place(particles_.moments().mean, found->pose, options_.global_start.same_place)) {
+    if (tracking) searching_streets_ = false;
+    return;
   }
   const Eigen::Vector3d map_error(0, 0, kViewYawSigma * kViewYawSigma);
   start(found->pose, found->covariance + Eigen::Matrix3d(map_error.asDiagonal()));
-  place_check_.weigh([&](const PlanarPose& place) {
-    const Eigen::Vector2d d(place.x - found->pose.x, place.y - found->pose.y);
-    const bool same = d.norm() < options_.global_start.same_place &&
-                      std::abs(wrap_angle(place.yaw - found->pose.yaw)) < kSamePlaceYaw;
-    const Eigen::Matrix2d C = found->covariance.topLeftCorner<2, 2>();
-    return same ? -d.dot(C.inverse() * d) / 2 : std::log(std::max(found->elsewhere, 1e-9));
-  });
 }
 
-// A street within `radius` of a pose that explains the drive much better than the one there.
-std::optional<StreetHypothesis> Tracker::better_street(const PlanarPose& pose,
-                                                       double radius) const {
-  if (!searching_streets_ || global_start_->driven() < kMinJudged) return std::nullopt;
-  return global_start_->better_near(pose, radius, kMaxBehind);
+// The search has driven far enough to contradict and to confirm.
+bool Tracker::judges_streets() const {
+  return searching_streets_ && global_start_->driven() >= kMinJudged;
+}
+
+// A street that explains the drive, and much better than the one at a pose.
+bool Tracker::fits_another_street(const PlanarPose& pose) const {
+  return judges_streets() && global_start_->better_near(pose, INFINITY, kMaxBehind,
+                                                        options_.global_start.max_mean_misfit);
 }
 
 bool Tracker::begin_witness() {
@@ -390,29 +394,41 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
   const PoseMoments moments = particles_.moments();
   const PlanarPose& pose = moments.mean;
   const double jump = geometry::plane_length(pose.x - before.x, pose.y - before.y);
-  if (jump > std::max(kMinJump, 3 * moments.spread())) place_check_.start(pose, map_);
+  if (jump > std::max(kMinJump, 3 * moments.spread())) {
+    place_check_.start(pose, map_);
+    significance_.clear();
+  }
   if (!place_check_.running()) return;
   wide_window_.read(map_, pose.x, pose.y, wide_window_radius(options_), options_.labelling);
   const auto score = [&](const PlanarPose& place) {
     return evaluate(wide_window_, place, samples, last_hyper_parameters_);
   };
-  place_check_.update(pose, moments.covariance, options_.sharpness * mode_novelty_, score);
-  if (particles_.second_mode_weight() > 0) return;
+  std::optional<FoundPlace> found;
+  if (judges_streets()) found = global_start_->place();
+  const DriveOdds by_drive(found, options_.global_start, pose);
+  place_check_.update(pose, moments.covariance, options_.sharpness * mode_novelty_, score,
+                      std::cref(by_drive));
+  const double second = particles_.second_mode_weight();
+  if (second > (state_ == TrackState::kLost ? kMaxReplaced : 0)) return;
+  if (propose_street(pose) || second > 0) return;
   if (const auto candidate = place_check_.propose()) {
     particles_.add_mode(*candidate, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
-  } else {
-    propose_street(pose);
   }
 }
 
-// A drive that the streets at the estimate do not explain: those nearby that do become a mode, and
-// what the sensors see decides.
-void Tracker::propose_street(const PlanarPose& pose) {
-  if (updates_since_proposal_ < options_.confidence.window / 2) return;
-  const auto street = better_street(pose, kProposalRadius);
-  if (!street) return;
+// A street that explains the drive better than the one at the estimate becomes a mode, and what the
+// sensors see decides. Where the estimate is lost, it may be anywhere, and beside the streets for a
+// part of the drive. True if there was one.
+bool Tracker::propose_street(const PlanarPose& pose) {
+  if (!judges_streets() || updates_since_proposal_ < options_.confidence.window / 2) return false;
+  const bool lost = state_ == TrackState::kLost;
+  const auto street =
+      global_start_->better_near(pose, lost ? INFINITY : kProposalRadius, kMaxBehind,
+                                 lost ? INFINITY : options_.global_start.max_mean_misfit);
+  if (!street) return false;
   updates_since_proposal_ = 0;
   particles_.add_mode(street->pose, street->covariance.topLeftCorner<3, 3>());
+  return true;
 }
 
 void Tracker::update_state() {
@@ -452,7 +468,7 @@ void Tracker::update_state() {
     return set_state(TrackState::kUnsure, "sensor data match the map poorly");
   } else if (place_check_.running()) {
     return set_state(TrackState::kUnsure, place_check_.reason());
-  } else if (state_ != TrackState::kTracking && better_street(moments.mean, INFINITY)) {
+  } else if (state_ != TrackState::kTracking && fits_another_street(moments.mean)) {
     return set_state(TrackState::kUnsure, "another street fits the drive better");
   } else {
     return set_state(TrackState::kTracking, "");

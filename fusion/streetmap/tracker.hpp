@@ -114,8 +114,10 @@ class Tracker {
 
  private:
   void search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
+  bool agrees(const PoseMoments& estimate, const FoundPlace& found) const;
   void use_found_street();
-  std::optional<StreetHypothesis> better_street(const PlanarPose& pose, double radius) const;
+  bool judges_streets() const;
+  bool fits_another_street(const PlanarPose& pose) const;
   bool begin_witness();
   void witness_streets(const GridSamples& samples);
   bool begin_update();
@@ -130,7 +132,7 @@ class Tracker {
   void update_significance(const GridSamples& samples);
   void search_globally(const GridSamples& samples);
   void check_place(const GridSamples& samples, const PlanarPose& before);
-  void propose_street(const PlanarPose& pose);
+  bool propose_street(const PlanarPose& pose);
   void update_state();
   void search_again(const PlanarPose& estimate);
 

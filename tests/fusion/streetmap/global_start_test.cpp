@@ -185,12 +185,27 @@ TEST(GlobalStart, EvidenceOfSensorsDecidesBetweenLikePlaces) {
   EXPECT_TRUE(std::isinf(start.behind({1e5, 0, 0})));
   // Likelier than the truth is nothing; likelier than a pose 30 m off is the truth, if within
   // reach.
-  EXPECT_FALSE(start.better_near(truth, 100, 4));
+  EXPECT_FALSE(start.better_near(truth, 100, 4, 0.02));
   const PlanarPose off = truth.compose({30, 0, 0});
-  const auto better = start.better_near(off, 60, 4);
+  const auto better = start.better_near(off, 60, 4, 0.02);
   ASSERT_TRUE(better);
   EXPECT_LT(std::hypot(better->pose.x - truth.x, better->pose.y - truth.y), 5);
-  EXPECT_FALSE(start.better_near(off, 15, 4));
+  EXPECT_FALSE(start.better_near(off, 15, 4, 0.02));
+}
+
+// Where all blocks are alike, the one that is believed in is e^3 likelier than any other, no more.
+TEST(GlobalStart, ABelievedPoseDecidesBetweenLikePlaces) {
+  const std::vector<double> every{0, 100, 200, 300, 400, 500, 600};
+  const town::Town town = town::build(town::lattice(every, every));
+  const PlanarPose begin{220, 199, 0};
+  for (const bool believed : {false, true}) {
+    GlobalStart start(town.map, {.believed_radius = 40});
+    start.restart(believed ? std::optional(begin) : std::nullopt);
+    const PlanarPose truth = drive(start, begin, {{74, kLeft}, {88, kRight}, {60}});
+    EXPECT_LT(start.behind(truth), believed ? 0.5 : 1.5);
+    const double other = start.behind(truth.compose({-100, 0, 0}));
+    EXPECT_NEAR(other - start.behind(truth), believed ? 3 : 0, 1.5);
+  }
 }
 
 TEST(GlobalStart, ATurnWhileAloneIsWorthAWay) {

@@ -170,6 +170,31 @@ TEST(ParticleSet, ASecondModeIsWeightedAgainstTheFirst) {
   EXPECT_EQ(set.second_mode_weight(), 0);
 }
 
+TEST(ParticleSet, AThirdPlaceReplacesTheLessLikelyMode) {
+  ParticleOptions options = noise_free_options();
+  options.min_count = options.max_count = 300;
+  for (const bool first_is_likelier : {true, false}) {
+    ParticleSet set(options, 7);
+    set.scatter({0, 0, 0}, Eigen::Matrix3d::Zero());
+    set.add_mode({10, 0, 0}, Eigen::Matrix3d::Zero());
+    for (Particle& particle : set.all()) {
+      if (first_is_likelier == (particle.pose.x < 5)) particle.log_weight += 3;
+    }
+    set.add_mode({0, 20, 0}, Eigen::Matrix3d::Zero());
+    double weights[3] = {};  // at 0, 10 and the third
+    for (const Particle& particle : set.all()) {
+      weights[particle.pose.y > 5   ? 2
+              : particle.pose.x > 5 ? 1
+                                    : 0] += std::exp(particle.log_weight);
+    }
+    const size_t kept = first_is_likelier ? 0 : 1;
+    EXPECT_EQ(weights[1 - kept], 0);
+    EXPECT_GT(weights[kept], 0);
+    EXPECT_GT(weights[2], 0);
+    EXPECT_GT(set.second_mode_weight(), 0);
+  }
+}
+
 TEST(ParticleSet, TwoModesThatMeetAreMerged) {
   ParticleOptions options = noise_free_options();
   options.min_count = options.max_count = 300;
