@@ -34,7 +34,8 @@ LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker&
   Found found;
   found.first = lidar_odometry_.map_voxels() == 0;
   found.result = lidar_odometry_.align(points_of(deskewed), end, guess);
-  found.wrong = found.result.usable() && guess && is_wrong(*guess, found.result.motion.T_from_to);
+  found.wrong = (found.result.usable() || found.result.unsettled) && guess &&
+                is_wrong(*guess, found.result.motion.T_from_to);
   if (found.wrong) {
     const motion::RelativePose step = found.result.motion;
     const geometry::Vector6 velocity =

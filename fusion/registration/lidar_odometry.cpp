@@ -17,10 +17,39 @@ using geometry::Vector6;
 constexpr float kSearchAgain = 0.03F;  // m; a point that moved less keeps its plane
 // Weight of the directions along a plane: small, so that a point may slide on it.
 constexpr double kPlaneVariance = 1e-4;
+constexpr double kLever = 20;          // m, of the points that a rotation moves
 constexpr int kSearchIterations = 12;  // planes that come and go could keep it from converging
+constexpr double kMinOverlap = 0.3;    // of an estimate that is closer than the guess
 constexpr int kStartIterations = 6;
 constexpr int kMaxStartSteps = 50;  // each way; the second sweep may come late
 constexpr double kFiner = 1.5;      // step to a smaller voxel
+
+/// Reweighted least squares creep where points leave and enter the robust kernel: each step is a
+/// little shorter than the one before. From their ratio follows how far all of them would lead
+/// (Aitken's method along the step).
+class Acceleration {
+ public:
+  /// By what to multiply a step.
+  double factor(Vector6 step) {
+    constexpr double kMaxFactor = 4;
+    step.head<3>() *= kLever;
+    const double square = last_.squaredNorm();
+    double factor = 1;
+    if (square > 0) {
+      const double left = std::clamp(last_.dot(step) / square, -1.0, 1.0);
+      // A step of `factor_` left this share of the distance; a plain one would leave `rate`.
+      const double rate = 1 - (1 - left) / factor_;
+      factor = std::clamp(1 / std::max(1 - rate, 1e-3), 1.0, kMaxFactor);
+    }
+    last_ = step;
+    factor_ = factor;
+    return factor;
+  }
+
+ private:
+  Vector6 last_ = Vector6::Zero();
+  double factor_ = 1;
+};
 
 /// Rounding in products of rotations would grow exponentially from sweep to sweep.
 void orthonormalise(Eigen::Isometry3d& T) {
@@ -108,6 +137,7 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
   DeterminedDirections determined;
   PairNoise noise{.plane_variance = kPlaneVariance, .robust_width = options_.first_robust_width};
   double radius = options_.radius;
+  Acceleration acceleration;
   pairs_.resize(selected_.size());
   for (FieldVector<float>* field : {&searched_x_, &searched_y_, &searched_z_}) {
     reserve_with_headroom(*field, selected_.size());
@@ -132,11 +162,12 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
     map_.find_planes(anchor, radius, which_, pairs_);
     system = pose_system(pairs_, noise);
     determined = determined_directions(system, noise, options_.min_plane_fraction);
-    const Vector6 step = determined_step(system, determined);
+    Vector6 step = determined_step(system, determined);
     if (!step.allFinite() || determined.count == 0) {
       result.reason = "too few points lie on planes of the map";
       return result;
     }
+    step *= acceleration.factor(step);
     T_anchor_lidar = geometry::exp(step) * T_anchor_lidar;
     T_anchor_lidar.translation() += anchor;
     result.T_target_source = T_anchor_lidar;
@@ -145,9 +176,14 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
                        step.tail<3>().norm() <= options_.translation_tolerance;
     const bool narrow = noise.robust_width <= options_.robust_width;
     result.converged = small && narrow;
-    noise.robust_width = std::max(0.5 * noise.robust_width, options_.robust_width);
+    // The guesses at the start are compared by their weights, so all end with the same width.
+    const double moved = kLever * step.head<3>().norm() + step.tail<3>().norm();
+    if (!final || moved < noise.robust_width) {
+      noise.robust_width = std::max(0.5 * noise.robust_width, options_.robust_width);
+    }
     if (narrow && radius > options_.final_radius) {
       radius = options_.final_radius;
+      acceleration = {};
       std::fill(searched_x_.begin(), searched_x_.end(), std::numeric_limits<float>::infinity());
       result.converged = false;
     }
@@ -221,10 +257,14 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
       register_points(T_map_vehicle_ * guess * T_vehicle_lidar_, options_.max_iterations, true);
   result.overlap = overlap_;
   result.reason = result.registration.reason;
+  result.unsettled = !result.registration.converged && overlap_ > kMinOverlap &&
+                     result.registration.inliers >= options_.min_inliers;
   result.motion.T_from_to = guess;
-  if (result.usable()) {
+  if (result.usable() || result.unsettled) {
     result.motion.T_from_to =
         T_map_vehicle_.inverse() * result.registration.T_target_source * T_vehicle_lidar_.inverse();
+  }
+  if (result.usable()) {
     // Both sweeps' errors, about the lidar's position in the map's axes, as those of the vehicle
     // at `from`.
     Eigen::Isometry3d T_from_lidar = T_map_vehicle_.inverse();

@@ -49,6 +49,9 @@ struct LidarOdometryResult {
                                     ///< map's axes
   double overlap = 0;               ///< fraction of the points that lie on planes of the map
   const char* reason = "no sweep was given";  ///< static text; empty if `motion` is usable
+  /// The registration still moved at the end, on points of which many lie on planes of the map: the
+  /// motion is not usable, but closer than the guess. Deskewing by it and aligning again may help.
+  bool unsettled = false;
 
   bool usable() const { return *reason == '\0'; }
 };

@@ -47,10 +47,10 @@ const LidarOdometryResult& LidarTrajectory::add(const Sweep& sweep) {
     std::optional<Eigen::Isometry3d> guess = geometry::exp(velocity_ * seconds);
     deskew(sweep, velocity_);
     result_ = odometry_.align(points(), reference, guess);
-    if (result_.usable()) {
-      velocity_ = geometry::log(result_.motion.T_from_to) / seconds;
-      deskew(sweep, velocity_);
-      result_ = odometry_.align(points(), reference, result_.motion.T_from_to);
+    if (result_.usable() || result_.unsettled) {
+      guess = result_.motion.T_from_to;
+      deskew(sweep, geometry::log(*guess) / seconds);
+      result_ = odometry_.align(points(), reference, guess);
     }
   } else {
     deskew(sweep, velocity_);

@@ -13,14 +13,15 @@ namespace {
 
 constexpr double kOutsideLogWeight = -1e3;  // log-weight of a particle outside the map
 constexpr size_t kMinSamples = 100;
-constexpr double kViewYawSigma = 0.03;   // rad, heading accuracy of one view
-constexpr double kMaxSpread = 20;        // m, of particles that all lie in the window
-constexpr double kMinJump = 3;           // m of the estimate in one update: another place
-constexpr double kMaxSearched = 2000;    // m of streets that the search witnesses while TRACKING
-constexpr double kMinWitnessSpeed = 1;   // m/s, slower, time brings no other view
-constexpr double kMinJudged = 100;       // m driven until the search judges an estimate
-constexpr double kMaxBehind = 4.6;       // log-odds of the likeliest street to that of an estimate
-constexpr double kProposalRadius = 120;  // m, of streets that are proposed instead
+constexpr double kViewYawSigma = 0.03;     // rad, heading accuracy of one view
+constexpr double kMaxSpread = 20;          // m, of particles that all lie in the window
+constexpr double kMinJump = 3;             // m of the estimate in one update: another place
+constexpr double kMaxSearched = 2000;      // m of streets that the search witnesses while TRACKING
+constexpr double kMinWitnessSpeed = 1;     // m/s, slower, time brings no other view
+constexpr double kMinJudged = 100;         // m driven until the search judges an estimate
+constexpr double kMinContradiction = 2.3;  // log-odds of another street to that of an estimate …
+constexpr double kMinProposed = 4.6;       // … that keep it from TRACKING, that make a mode
+constexpr double kProposalRadius = 120;    // m, of streets that are proposed instead
 constexpr double kMaxSquaredDistance = 13.8;  // in units of variance, 99.9 % of two
 constexpr double kMaxReplaced = 0.2;          // weight of a second mode that one of those replaces
 constexpr PlanarPose kWitnessOffsets[] = {
@@ -214,7 +215,7 @@ bool Tracker::judges_streets() const {
 
 // A street that explains the drive, and much better than the one at a pose.
 bool Tracker::fits_another_street(const PlanarPose& pose) const {
-  return judges_streets() && global_start_->better_near(pose, INFINITY, kMaxBehind,
+  return judges_streets() && global_start_->better_near(pose, INFINITY, kMinContradiction,
                                                         options_.global_start.max_mean_misfit);
 }
 
@@ -394,10 +395,7 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
   const PoseMoments moments = particles_.moments();
   const PlanarPose& pose = moments.mean;
   const double jump = geometry::plane_length(pose.x - before.x, pose.y - before.y);
-  if (jump > std::max(kMinJump, 3 * moments.spread())) {
-    place_check_.start(pose, map_);
-    significance_.clear();
-  }
+  if (jump > std::max(kMinJump, 3 * moments.spread())) place_check_.start(pose, map_);
   if (!place_check_.running()) return;
   wide_window_.read(map_, pose.x, pose.y, wide_window_radius(options_), options_.labelling);
   const auto score = [&](const PlanarPose& place) {
@@ -423,7 +421,7 @@ bool Tracker::propose_street(const PlanarPose& pose) {
   if (!judges_streets() || updates_since_proposal_ < options_.confidence.window / 2) return false;
   const bool lost = state_ == TrackState::kLost;
   const auto street =
-      global_start_->better_near(pose, lost ? INFINITY : kProposalRadius, kMaxBehind,
+      global_start_->better_near(pose, lost ? INFINITY : kProposalRadius, kMinProposed,
                                  lost ? INFINITY : options_.global_start.max_mean_misfit);
   if (!street) return false;
   updates_since_proposal_ = 0;

@@ -111,7 +111,9 @@ TEST(LidarOdometry, DoesNotAllocateAfterWarmUp) {
 }
 
 /// A sweep measured while the vehicle moves.
-Sweep moving_sweep(unsigned seed, double seconds) {
+Sweep moving_sweep(unsigned seed, double seconds,
+                   Eigen::Isometry3d (*T_room_vehicle_at)(double) = T_room_vehicle,
+                   double noise = 0.02) {
   constexpr int kSlices = 50;
   Sweep sweep;
   sweep.resize(kPoints);
@@ -120,8 +122,8 @@ Sweep moving_sweep(unsigned seed, double seconds) {
   for (int slice = 0; slice < kSlices; ++slice) {
     const double offset = 0.1 * slice / kSlices;
     const PointCloud part =
-        random_room(1000 * seed + static_cast<unsigned>(slice), kPoints / kSlices, 0.02,
-                    T_room_vehicle(seconds + offset) * mounting());
+        random_room(1000 * seed + static_cast<unsigned>(slice), kPoints / kSlices, noise,
+                    T_room_vehicle_at(seconds + offset) * mounting());
     for (size_t i = 0; i < part.size(); ++i) {
       const size_t at = static_cast<size_t>(slice) * (kPoints / kSlices) + i;
       sweep.x[at] = part.x[i];
@@ -149,6 +151,34 @@ TEST(LidarTrajectory, DeskewsByItsOwnMotionFromTheFirstSweepOn) {
   const Eigen::Isometry3d truth = T_room_vehicle(0.05).inverse() * T_room_vehicle(0.75);
   EXPECT_LT((truth.inverse() * last).translation().norm(), 0.06);
   EXPECT_TRUE(trajectory.deskewed().usable());
+}
+
+/// A turn that begins at once: after a second the vehicle turns by 80° per second.
+Eigen::Isometry3d T_room_vehicle_turning(double seconds) {
+  constexpr double kYawAcceleration = 1.4;  // rad/s²
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() << -8 + 4 * seconds, -4, -2;
+  T.linear() =
+      Eigen::AngleAxisd(0.5 * kYawAcceleration * seconds * seconds, Eigen::Vector3d::UnitZ())
+          .toRotationMatrix();
+  return T;
+}
+
+// One sweep without a pose is followed by others: neither the motion nor the map goes on.
+TEST(LidarTrajectory, FollowsATurnThatBeginsAtOnce) {
+  LidarTrajectory trajectory(mounting());
+  for (int k = 0; k < 13; ++k) {
+    const double seconds = 0.1 * k;
+    const LidarOdometryResult& result =
+        trajectory.add(moving_sweep(static_cast<unsigned>(k + 1), seconds, T_room_vehicle_turning));
+    if (k == 0) continue;
+    ASSERT_TRUE(result.usable()) << k << ": " << result.reason;
+    const Eigen::Isometry3d truth =
+        T_room_vehicle_turning(0.05).inverse() * T_room_vehicle_turning(seconds + 0.05);
+    const geometry::Vector6 error = geometry::log(truth.inverse() * result.T_map_vehicle);
+    EXPECT_LT(error.head<3>().norm(), 0.02) << k;
+    EXPECT_LT(error.tail<3>().norm(), 0.10) << k;
+  }
 }
 
 }  // namespace
