@@ -13,19 +13,10 @@ namespace {
 
 constexpr double kOutsideLogWeight = -1e3;  // log-weight of a particle outside the map
 constexpr size_t kMinSamples = 100;
-constexpr double kViewYawSigma = 0.03;     // rad, heading accuracy of one view
-constexpr double kMaxSpread = 20;          // m, of particles that all lie in the window
-constexpr double kMinJump = 3;             // m of the estimate in one update: another place
-constexpr double kMaxSearched = 2000;      // m of streets that the search witnesses while TRACKING
-constexpr double kMinWitnessSpeed = 1;     // m/s, slower, time brings no other view
-constexpr double kMinJudged = 100;         // m driven until the search judges an estimate
-constexpr double kMinContradiction = 2.3;  // log-odds of another street to that of an estimate …
-constexpr double kMinProposed = 4.6;       // … that keep it from TRACKING, that make a mode
-constexpr double kProposalRadius = 120;    // m, of streets that are proposed instead
-constexpr double kMaxSquaredDistance = 13.8;  // in units of variance, 99.9 % of two
-constexpr double kMaxReplaced = 0.2;          // weight of a second mode that one of those replaces
-constexpr PlanarPose kWitnessOffsets[] = {
-    {0, 0, 0}, {0, 1.5, 0}, {0, -1.5, 0}, {2.5, 0, 0}, {-2.5, 0, 0}};  // m
+constexpr double kViewYawSigma = 0.03;  // rad, heading accuracy of one view
+constexpr double kMaxSpread = 20;       // m, of particles that all lie in the window
+constexpr double kMinJump = 3;          // m of the estimate in one update: another place
+constexpr double kMaxReplaced = 0.2;    // weight of a second mode that one of those replaces
 
 /// Half the edge of the map window that the other places of `PlaceCheck` need.
 double wide_window_radius(const TrackerOptions& options) {
@@ -35,42 +26,6 @@ double wide_window_radius(const TrackerOptions& options) {
 }
 
 }  // namespace
-
-const char* name_of(TrackState state) {
-  switch (state) {
-    case TrackState::kUnsure:
-      return "UNSURE";
-    case TrackState::kTracking:
-      return "TRACKING";
-    case TrackState::kLost:
-      return "LOST";
-  }
-  return "LOST";
-}
-
-Eigen::Isometry3d TrackerEstimate::T_map_vehicle() const {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  T.translation() << pose.x, pose.y, 0;
-  return T;
-}
-
-geometry::Matrix6 TrackerEstimate::pose_covariance() const {
-  // The estimate's covariance is that of x, y, yaw; a left perturbation rotates about the map
-  // origin: t' = t + dt + rz × t, so that dt = d(x, y) − rz × (x, y).
-  Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
-  J(0, 2) = pose.y;
-  J(1, 2) = -pose.x;
-  const Eigen::Matrix3d planar = J * covariance * J.transpose();
-  constexpr int kOrder[3] = {3, 4, 2};  // x, y, yaw among (rx, ry, rz, tx, ty, tz)
-  geometry::Matrix6 result = geometry::Matrix6::Zero();
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) result(kOrder[i], kOrder[k]) = planar(i, k);
-  }
-  result(0, 0) = result(1, 1) = 0.05 * 0.05;
-  result(5, 5) = 1;
-  return result;
-}
 
 Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
                  std::unique_ptr<ViewScore> score)
@@ -165,83 +120,6 @@ void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covarianc
   if (!started_) return;
   particles_.predict(motion, covariance, to_seconds(step));
   global_search_.move(motion);
-}
-
-// Where the map gives the place, the search ends when both agree (`use_found_street`).
-void Tracker::search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
-                             Duration step) {
-  if (!global_start_) return;
-  if (!searching_streets_) {
-    if (state_ != TrackState::kLost && !place_check_.running()) return;
-    global_start_->restart(started_ ? std::optional(particles_.moments().mean) : std::nullopt);
-    searching_streets_ = true;
-    searched_ = 0;
-    if (!started_) reason_ = "no initial pose, searching all streets";
-  }
-  const double driven = geometry::plane_length(motion.x, motion.y);
-  searched_ += driven;
-  witnessed_m_ += driven;
-  if (driven > kMinWitnessSpeed * to_seconds(step)) witnessed_s_ += to_seconds(step);
-  global_start_->move(motion, covariance, to_seconds(step));
-}
-
-bool Tracker::agrees(const PoseMoments& estimate, const FoundPlace& found) const {
-  const double distance = options_.global_start.same_place;
-  if (!is_same_place(estimate.mean, found.pose, distance)) return false;
-  const Eigen::Vector2d d(estimate.mean.x - found.pose.x, estimate.mean.y - found.pose.y);
-  const Eigen::Matrix2d C = (estimate.covariance + found.covariance).topLeftCorner<2, 2>();
-  return d.dot(C.inverse() * d) < kMaxSquaredDistance;
-}
-
-void Tracker::use_found_street() {
-  if (!searching_streets_) return;
-  const bool tracking = state_ == TrackState::kTracking;
-  if (tracking && searched_ > kMaxSearched) searching_streets_ = false;
-  const auto found = global_start_->place();
-  if (!found || !found->sure) return;
-  if (started_ &&
-      is_same_place(particles_.moments().mean, found->pose, options_.global_start.same_place)) {
-    if (tracking) searching_streets_ = false;
-    return;
-  }
-  const Eigen::Vector3d map_error(0, 0, kViewYawSigma * kViewYawSigma);
-  start(found->pose, found->covariance + Eigen::Matrix3d(map_error.asDiagonal()));
-}
-
-// The search has driven far enough to contradict and to confirm.
-bool Tracker::judges_streets() const {
-  return searching_streets_ && global_start_->driven() >= kMinJudged;
-}
-
-// A street that explains the drive, and much better than the one at a pose.
-bool Tracker::fits_another_street(const PlanarPose& pose) const {
-  return judges_streets() && global_start_->better_near(pose, INFINITY, kMinContradiction,
-                                                        options_.global_start.max_mean_misfit);
-}
-
-bool Tracker::begin_witness() {
-  return searching_streets_ && global_start_->hypotheses() > 0 &&
-         global_start_->hypotheses() <= options_.global_start.max_witnessed &&
-         witnessed_m_ >= options_.min_motion;
-}
-
-// The poses of hypotheses are known to some metres: the best one nearby counts, for all alike.
-void Tracker::witness_streets(const GridSamples& samples) {
-  const double novelty = std::min(
-      1.0, witnessed_m_ / options_.novelty_distance + witnessed_s_ / options_.novelty_seconds);
-  witnessed_m_ = witnessed_s_ = 0;
-  std::optional<dependence::HyperParameters> fixed;
-  const auto evidence = [&](const PlanarPose& pose) {
-    window_.read(map_, pose.x, pose.y, window_radius(0), options_.labelling);
-    double best = 0;
-    for (const PlanarPose& offset : kWitnessOffsets) {
-      dependence::HyperParameters chosen;
-      best = std::max(best, evaluate(window_, pose.compose(offset), samples, fixed, &chosen));
-      if (!fixed && chosen.sigma > 0) fixed = chosen;
-    }
-    return options_.sharpness * novelty * best;
-  };
-  global_start_->weigh(std::cref(evidence));
 }
 
 void Tracker::add_sweep(const DeskewedView& deskewed, const ImageView* image,
@@ -412,121 +290,6 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
   if (const auto candidate = place_check_.propose()) {
     particles_.add_mode(*candidate, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
   }
-}
-
-// A street that explains the drive better than the one at the estimate becomes a mode, and what the
-// sensors see decides. Where the estimate is lost, it may be anywhere, and beside the streets for a
-// part of the drive. True if there was one.
-bool Tracker::propose_street(const PlanarPose& pose) {
-  if (!judges_streets() || updates_since_proposal_ < options_.confidence.window / 2) return false;
-  const bool lost = state_ == TrackState::kLost;
-  const auto street =
-      global_start_->better_near(pose, lost ? INFINITY : kProposalRadius, kMinProposed,
-                                 lost ? INFINITY : options_.global_start.max_mean_misfit);
-  if (!street) return false;
-  updates_since_proposal_ = 0;
-  particles_.add_mode(street->pose, street->covariance.topLeftCorner<3, 3>());
-  return true;
-}
-
-void Tracker::update_state() {
-  const ConfidenceOptions& confidence = options_.confidence;
-  const PoseMoments moments = particles_.moments();
-  const double spread = moments.spread(), p = significance_.p_value();
-  const double yaw = std::sqrt(std::max(moments.covariance(2, 2), 0.0));
-  const GnssWitness::Verdict gnss = gnss_.verdict();
-  // LOST changes to TRACKING only.
-  const auto set_state = [&](TrackState state, const char* reason) {
-    const bool found = state_ != TrackState::kLost || state == TrackState::kTracking;
-    state_ = found ? state : TrackState::kLost;
-    reason_ = reason;
-  };
-  const bool enough_updates = updates_since_search_ >= confidence.window / 2;
-  if (!map_.covers(moments.mean.x, moments.mean.y)) {
-    set_state(TrackState::kLost, "the vehicle is outside the map");
-    const auto place = gnss_.place({moments.mean.x, moments.mean.y});
-    if (!place || !map_.covers(place->position.x(), place->position.y())) return;
-  } else if (spread > confidence.min_lost_spread) {
-    set_state(TrackState::kLost, "the particles are spread over too large an area");
-  } else if (significance_.window_full() && p > confidence.min_lost_p_value) {
-    set_state(TrackState::kLost, "sensor data match the map no better than by chance");
-  } else if (gnss == GnssWitness::Verdict::kLost) {
-    set_state(TrackState::kLost, "GNSS fixes contradict the pose on the map");
-  } else if (gnss == GnssWitness::Verdict::kDoubt) {
-    return set_state(TrackState::kUnsure, "GNSS fixes contradict the pose on the map");
-  } else if (!enough_updates) {
-    return set_state(TrackState::kUnsure, state_ == TrackState::kLost
-                                              ? "searching for the position on the map"
-                                              : "too few updates since the start");
-  } else if (particles_.second_mode_weight() > confidence.max_tracking_second_mode_weight) {
-    return set_state(TrackState::kUnsure, "two places on the map match the sensor data");
-  } else if (spread > confidence.max_tracking_spread || yaw > confidence.max_tracking_yaw_sigma) {
-    return set_state(TrackState::kUnsure, "the particles do not agree");
-  } else if (p > confidence.max_tracking_p_value) {
-    return set_state(TrackState::kUnsure, "sensor data match the map poorly");
-  } else if (place_check_.running()) {
-    return set_state(TrackState::kUnsure, place_check_.reason());
-  } else if (state_ != TrackState::kTracking && fits_another_street(moments.mean)) {
-    return set_state(TrackState::kUnsure, "another street fits the drive better");
-  } else {
-    return set_state(TrackState::kTracking, "");
-  }
-  // Lost: search again around the estimate once the last search had a full window of updates.
-  if (gnss != GnssWitness::Verdict::kLost && updates_since_search_ < confidence.window) return;
-  search_again(moments.mean);
-}
-
-// Searches around the estimate, and around the place that GNSS proposes if that is elsewhere. The
-// map decides between the two.
-void Tracker::search_again(const PlanarPose& estimate) {
-  const ConfidenceOptions& confidence = options_.confidence;
-  const bool contradicted = gnss_.verdict() == GnssWitness::Verdict::kLost;
-  const auto place = gnss_.place({estimate.x, estimate.y});
-  const char* lost_reason = reason_;
-  gnss_.restart(contradicted);
-  if (place) {
-    const PlanarPose proposed{place->position.x(), place->position.y(),
-                              place->yaw.value_or(estimate.yaw)};
-    const double distance =
-        geometry::plane_length(proposed.x - estimate.x, proposed.y - estimate.y);
-    const double yaw_variance = confidence.search_yaw * confidence.search_yaw / 4;
-    if (!map_.covers(estimate.x, estimate.y)) {
-      search(proposed, 2 * place->sigma, confidence.search_yaw);
-    } else {
-      search(estimate, confidence.search_radius, confidence.search_yaw);
-      if (distance > confidence.search_radius) {
-        const double variance = place->sigma * place->sigma;
-        particles_.add_mode(proposed,
-                            Eigen::Vector3d(variance, variance, yaw_variance).asDiagonal());
-      }
-    }
-  } else {
-    search(estimate, confidence.search_radius, confidence.search_yaw);
-  }
-  reason_ = lost_reason;
-}
-
-TrackerEstimate Tracker::estimate() const {
-  TrackerEstimate estimate;
-  estimate.state = state_;
-  estimate.reason = reason_;
-  if (searching_streets_) estimate.hypotheses = global_start_->hypotheses();
-  if (!started_) return estimate;
-  const PoseMoments moments = particles_.moments();
-  estimate.pose = moments.mean;
-  estimate.covariance = moments.covariance;
-  const double map_variance = options_.confidence.map_sigma * options_.confidence.map_sigma;
-  estimate.covariance(0, 0) += map_variance;
-  estimate.covariance(1, 1) += map_variance;
-  estimate.score = score_;
-  estimate.p_value = significance_.p_value();
-  estimate.z_score = significance_.mean_z_score();
-  estimate.entropy = particles_.entropy();
-  estimate.elsewhere = place_check_.running() ? place_check_.elsewhere() : 0;
-  estimate.gnss_offset = gnss_.offset();
-  estimate.gnss_offset_sigma = gnss_.offset_sigma();
-  estimate.particles = static_cast<int>(particles_.all().size());
-  return estimate;
 }
 
 }  // namespace infuse::streetmap

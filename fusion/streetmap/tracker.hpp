@@ -114,7 +114,7 @@ class Tracker {
 
  private:
   void search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
-  bool agrees(const PoseMoments& estimate, const FoundPlace& found) const;
+  bool agrees(const FoundPlace& found) const;
   void use_found_street();
   bool judges_streets() const;
   bool fits_another_street(const PlanarPose& pose) const;

@@ -1,0 +1,119 @@
+// Of the tracker: the search of all streets, as a witness and as a start.
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "fusion/geometry/plane_length.hpp"
+#include "fusion/streetmap/tracker.hpp"
+
+namespace infuse::streetmap {
+namespace {
+
+constexpr double kMaxSearched = 2000;      // m of streets that the search witnesses while TRACKING
+constexpr double kMinWitnessSpeed = 1;     // m/s, slower, time brings no other view
+constexpr double kMinJudged = 100;         // m driven until the search judges an estimate
+constexpr double kMinContradiction = 2.3;  // log-odds of another street to that of an estimate …
+constexpr double kMinProposed = 4.6;       // … that keep it from TRACKING, that make a mode
+constexpr double kProposalRadius = 120;    // m, of streets that are proposed instead
+constexpr double kMaxSquaredDistance = 13.8;  // in units of variance, 99.9 % of two
+constexpr double kFoundYawSigma = 0.03;       // rad, of streets on the map
+constexpr PlanarPose kWitnessOffsets[] = {
+    {0, 0, 0}, {0, 1.5, 0}, {0, -1.5, 0}, {2.5, 0, 0}, {-2.5, 0, 0}};  // m
+
+}  // namespace
+
+// Where the map gives the place, the search ends when both agree (`use_found_street`).
+void Tracker::search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance,
+                             Duration step) {
+  if (!global_start_) return;
+  if (!searching_streets_) {
+    if (state_ != TrackState::kLost && !place_check_.running()) return;
+    global_start_->restart(started_ ? std::optional(particles_.moments().mean) : std::nullopt);
+    searching_streets_ = true;
+    searched_ = 0;
+    if (!started_) reason_ = "no initial pose, searching all streets";
+  }
+  const double driven = geometry::plane_length(motion.x, motion.y);
+  searched_ += driven;
+  witnessed_m_ += driven;
+  if (driven > kMinWitnessSpeed * to_seconds(step)) witnessed_s_ += to_seconds(step);
+  global_start_->move(motion, covariance, to_seconds(step));
+}
+
+// True if the place that was found is that of the estimate. Unless that is TRACKING, it must be
+// where the search has it.
+bool Tracker::agrees(const FoundPlace& found) const {
+  const PoseMoments estimate = particles_.moments();
+  if (!is_same_place(estimate.mean, found.pose, options_.global_start.same_place)) return false;
+  const Eigen::Vector2d d(estimate.mean.x - found.pose.x, estimate.mean.y - found.pose.y);
+  const Eigen::Matrix2d C = (estimate.covariance + found.covariance).topLeftCorner<2, 2>();
+  return state_ == TrackState::kTracking || d.dot(C.inverse() * d) < kMaxSquaredDistance;
+}
+
+void Tracker::use_found_street() {
+  if (!searching_streets_) return;
+  const bool tracking = state_ == TrackState::kTracking;
+  if (tracking && searched_ > kMaxSearched) searching_streets_ = false;
+  const auto found = global_start_->place();
+  if (!found || !found->sure) return;
+  if (started_ && agrees(*found)) {
+    if (tracking) searching_streets_ = false;
+    return;
+  }
+  const Eigen::Vector3d map_error(0, 0, kFoundYawSigma * kFoundYawSigma);
+  start(found->pose, found->covariance + Eigen::Matrix3d(map_error.asDiagonal()));
+}
+
+// The search has driven far enough to contradict and to confirm.
+bool Tracker::judges_streets() const {
+  return searching_streets_ && global_start_->driven() >= kMinJudged;
+}
+
+// A street that explains the drive, and much better than the one at a pose.
+bool Tracker::fits_another_street(const PlanarPose& pose) const {
+  return judges_streets() && global_start_->better_near(pose, INFINITY, kMinContradiction,
+                                                        options_.global_start.max_mean_misfit);
+}
+
+bool Tracker::begin_witness() {
+  return searching_streets_ && global_start_->hypotheses() > 0 &&
+         global_start_->hypotheses() <= options_.global_start.max_witnessed &&
+         witnessed_m_ >= options_.min_motion;
+}
+
+// The poses of hypotheses are known to some metres: the best one nearby counts, for all alike.
+void Tracker::witness_streets(const GridSamples& samples) {
+  const double novelty = std::min(
+      1.0, witnessed_m_ / options_.novelty_distance + witnessed_s_ / options_.novelty_seconds);
+  witnessed_m_ = witnessed_s_ = 0;
+  std::optional<dependence::HyperParameters> fixed;
+  const auto evidence = [&](const PlanarPose& pose) {
+    window_.read(map_, pose.x, pose.y, window_radius(0), options_.labelling);
+    double best = 0;
+    for (const PlanarPose& offset : kWitnessOffsets) {
+      dependence::HyperParameters chosen;
+      best = std::max(best, evaluate(window_, pose.compose(offset), samples, fixed, &chosen));
+      if (!fixed && chosen.sigma > 0) fixed = chosen;
+    }
+    return options_.sharpness * novelty * best;
+  };
+  global_start_->weigh(std::cref(evidence));
+}
+
+// A street that explains the drive better than the one at the estimate becomes a mode, and what the
+// sensors see decides. Where the estimate is lost, it may be anywhere, and beside the streets for a
+// part of the drive. True if there was one.
+bool Tracker::propose_street(const PlanarPose& pose) {
+  if (!judges_streets() || updates_since_proposal_ < options_.confidence.window / 2) return false;
+  const bool lost = state_ == TrackState::kLost;
+  const auto street =
+      global_start_->better_near(pose, lost ? INFINITY : kProposalRadius, kMinProposed,
+                                 lost ? INFINITY : options_.global_start.max_mean_misfit);
+  if (!street) return false;
+  updates_since_proposal_ = 0;
+  particles_.add_mode(street->pose, street->covariance.topLeftCorner<3, 3>());
+  return true;
+}
+
+}  // namespace infuse::streetmap
