@@ -135,7 +135,9 @@ void OdometryFilter::process(const PendingSample& pending) {
   if (now_ == Stamp::earliest()) now_ = pending.stamp;
   advance(pending.stamp - now_);
   std::visit([this](const auto& sample) { update(sample); }, pending.sample);
-  extend_trajectory();
+  // A mark's pose is of exactly its time, however near the last one is.
+  const bool marked = std::holds_alternative<Mark>(pending.sample);
+  extend_trajectory(marked ? Duration::zero() : options_.pose_interval);
 }
 
 void OdometryFilter::advance(Duration ahead) {
@@ -153,7 +155,7 @@ void OdometryFilter::advance(Duration ahead) {
     now_ = now_ + kMaxPredictionStep;
     if (!trajectory_.empty() &&
         now_ - trajectory_[trajectory_.size() - 1].stamp >= kPredictedPoseInterval) {
-      extend_trajectory();
+      extend_trajectory(options_.pose_interval);
     }
   }
   state_.predict(to_seconds(ahead));
@@ -313,13 +315,20 @@ void OdometryFilter::add(const RelativePose& pose) {
   if (result.accepted) correct_trajectory(pose, result);
 }
 
-// The motion contradicts the lidar. Wheels slip, but registration errs in rotation too: where the
-// rotation agrees, the lidar is right, unless GNSS is nearer to the speed of the others.
+// The motion contradicts the lidar. Where nothing else measures the speed, the motion is a guess
+// that a vehicle may leave as far as it can brake and turn; what is further is believed when it
+// goes on. Wheels slip, but registration errs in rotation too: where the rotation agrees, the lidar
+// is right, unless GNSS is nearer to the speed of the others.
 bool OdometryFilter::believe_lidar(const RelativePose& pose,
                                    const RelativePoseUpdate& update) const {
-  constexpr double kMaxRotationError = 0.01;  // rad
+  constexpr double kMaxRotationError = 0.01;                         // rad
+  constexpr double kMaxAcceleration = 12, kMaxTurnAcceleration = 6;  // m/s², rad/s²
   if (!sources_.speed_known(now_, OdometrySource::kLidar)) {
-    return sources_[OdometrySource::kLidar].rejected_in_a_row + 1 >= kMaxLidarRejections;
+    const double seconds = to_seconds(pose.to - pose.from);
+    const bool possible = update.error.tail<3>().norm() < kMaxAcceleration * seconds * seconds &&
+                          update.error.head<3>().norm() < kMaxTurnAcceleration * seconds * seconds;
+    return possible ||
+           sources_[OdometrySource::kLidar].rejected_in_a_row + 1 >= kMaxLidarRejections;
   }
   if (update.error.head<3>().norm() > kMaxRotationError) return false;
   if (!sources_.carries(OdometrySource::kGnssSpeed, now_)) return true;
@@ -405,15 +414,12 @@ void OdometryFilter::correct_trajectory(const RelativePose& pose,
         between(from, to, stamp, geometry::interpolate(from.T_odom_vehicle, to.T_odom_vehicle, u)));
   }
   trajectory_.append(to);
-  if (now.stamp > to.stamp) extend_trajectory();
+  if (now.stamp > to.stamp) extend_trajectory(options_.pose_interval);
 }
 
-void OdometryFilter::extend_trajectory() {
+void OdometryFilter::extend_trajectory(Duration interval) {
   if (!usable()) return;
-  if (!trajectory_.empty() &&
-      now_ - trajectory_[trajectory_.size() - 1].stamp < options_.pose_interval) {
-    return;
-  }
+  if (!trajectory_.empty() && now_ - trajectory_[trajectory_.size() - 1].stamp < interval) return;
   trajectory_.append({now_, state_.T_odom_vehicle(), state_.pose_covariance(), steps_});
 }
 

@@ -106,7 +106,7 @@ class OdometryFilter {
   void record(OdometrySource source, bool accepted,
               void (OdometryState::*reset_covariance)() = nullptr);
   void correct_trajectory(const RelativePose& pose, const RelativePoseUpdate& update);
-  void extend_trajectory();
+  void extend_trajectory(Duration interval);  // since the last pose, at least
 
   OdometryOptions options_;
   OdometryState state_;

@@ -60,7 +60,6 @@ OdometryState::OdometryState(const OdometryOptions& options) : options_(options)
   for (int i = options.planar ? 2 : 0; i < 3; ++i) {
     P_(kGyroBias + i, kGyroBias + i) = square(options.gyro_bias_sigma);
   }
-  P_(kWheelScale, kWheelScale) = square(options.wheel_scale_sigma);
   P_(kSteeringZero, kSteeringZero) = square(options.steering_zero_sigma);
   P_(kEastHeading, kEastHeading) = square(options.east_heading_sigma);
   for (int i = 0; i < 6; ++i) {
@@ -190,7 +189,7 @@ void OdometryState::predict(double seconds) {
     P_(kAngularVelocity + i, kAngularVelocity + i) += square(walk) * dt;
     P_(kGyroBias + i, kGyroBias + i) += square(options_.bias_walk) * dt;
   }
-  P_(kWheelScale, kWheelScale) += square(options_.wheel_scale_walk) * dt;
+  if (has_wheels_) P_(kWheelScale, kWheelScale) += square(options_.wheel_scale_walk) * dt;
   P_(kSteeringZero, kSteeringZero) +=
       square(options_.steering_zero_sigma) * (1 - steering_zero_decay * steering_zero_decay);
   for (int i = 0; i < 6; ++i) {
@@ -255,7 +254,12 @@ double OdometryState::expected_wheel_speed(size_t wheel) const {
   return std::copysign(geometry::plane_length(along, across), along);
 }
 
+// Without wheels their scale would take a part of every change of the speed.
 int OdometryState::update_wheels(const WheelOdometry& sample) {
+  if (!has_wheels_) {
+    has_wheels_ = true;
+    P_(kWheelScale, kWheelScale) = square(options_.wheel_scale_sigma);
+  }
   int accepted = 0;
   for (size_t i = 0; i < 4; ++i) {
     const double measured = sample.wheel_speed[i];

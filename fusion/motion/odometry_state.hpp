@@ -158,6 +158,7 @@ class OdometryState {
   // Covariance of the recent part of the pose error (fading memory) with the whole state.
   RecentMatrix recent_ = RecentMatrix::Zero();
   std::array<Clone, kMaxClones> clones_;
+  bool has_wheels_ = false;
 };
 
 }  // namespace infuse::motion
