@@ -122,6 +122,11 @@ class DatabaseBag : public Bag {
 
 }  // namespace
 
+Stamp stamp_of(const ros::Header& header, Stamp log_time) {
+  const Stamp stamp = header.stamp.stamp();
+  return stamp == Stamp() ? log_time : stamp;
+}
+
 Result<std::unique_ptr<Bag>> open_bag(const std::filesystem::path& path) {
   auto file = recording::MappedFile::open(path);
   if (!file) return tl::unexpected(file.error());

@@ -9,6 +9,7 @@
 
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/stamp.hpp"
+#include "drivers/ros/messages.hpp"
 #include "drivers/ros/serialisation.hpp"
 
 namespace infuse::importers {
@@ -21,6 +22,9 @@ struct BagMessage {
   Stamp log_time;
   std::span<const uint8_t> data;
 };
+
+/// Stamp of a message: of its header, or its log time if that has none.
+Stamp stamp_of(const ros::Header& header, Stamp log_time);
 
 /// A recording of ROS, read from its begin to its end.
 class Bag {

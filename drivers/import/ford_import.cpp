@@ -23,8 +23,8 @@ constexpr size_t kMaxImageFile = size_t{256} << 20;
 constexpr size_t kMaxFordFiles = 1'000'000;
 
 /// Files of a folder with one of the extensions (in lower case), by name; empty without the folder.
-std::vector<fs::path> list_files(const fs::path& folder,
-                                 const std::vector<std::string>& extensions) {
+std::vector<fs::path> list_ford_files(const fs::path& folder,
+                                      const std::vector<std::string>& extensions) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end;
@@ -80,7 +80,7 @@ class FordImport {
   }
 
   Result<void> import_log() {
-    std::vector<fs::path> logs = list_files(folder_ / "LCM", {});
+    std::vector<fs::path> logs = list_ford_files(folder_ / "LCM", {});
     if (logs.empty()) {
       return fail("has no log in LCM", folder_.string(),
                   "captures of its own (VELODYNE) are imported with infuse import folder");
@@ -179,7 +179,7 @@ class FordImport {
 
   Result<void> add_camera(const fs::path& folder, const FordCamera& camera,
                           const std::vector<Stamp>& all_stamps) {
-    const auto files = list_files(folder, {".ppm", ".pgm", ".png", ".jpg", ".jpeg"});
+    const auto files = list_ford_files(folder, {".ppm", ".pgm", ".png", ".jpg", ".jpeg"});
     if (files.empty()) {
       note("has no images", folder);
       return {};
@@ -248,7 +248,7 @@ class FordImport {
 
   /// Poses of the scans, as truth: the vehicle on a map whose axes are those of the local frame.
   Result<void> add_poses() {
-    const auto files = list_files(folder_ / "SCANS", {".mat"});
+    const auto files = list_ford_files(folder_ / "SCANS", {".mat"});
     std::vector<FordPose> poses;
     size_t without = 0;
     std::string reason;

@@ -41,7 +41,8 @@ struct RelativePoseUpdate {
 /// Clones of past poses are part of the state (stochastic cloning, Roumeliotis and Burdick 2002),
 /// so that a `RelativePose` that arrives later corrects the motion between them, and by correlation
 /// speed, biases and wheel scale. It corrects only the motion since its `from`: the path before
-/// stays, and the trajectory is continuous. `cloned_poses.cpp` holds this part.
+/// stays, and the trajectory is continuous. `cloned_poses.cpp` holds this part,
+/// `sample_updates.cpp` the updates with one sample.
 class OdometryState {
  public:
   /// Indices of the error state.

@@ -1,0 +1,76 @@
+#pragma once
+
+#include "daemon/protocol/description_parts.hpp"
+
+namespace infuse::daemon {
+
+// CALIBRATION: its parts, and the message itself.
+
+template <class Visitor>
+void describe(Visitor& v, const DriftEvidence& evidence) {
+  v.field("axis", monitoring::name_of(evidence.axis));
+  v.field("nats", non_negative(rounded(evidence.nats)));
+  v.field("threshold_nats", non_negative(rounded(evidence.threshold_nats)),
+          "at which drift is confirmed");
+}
+
+template <class Visitor>
+void describe(Visitor& v, const CalibrationEstimate& estimate) {
+  v.field("T_camera_lidar", estimate.T_camera_lidar, "by row, m");
+  v.field("covariance", estimate.covariance, kCovarianceText);
+  v.field("mahalanobis_distance", non_negative(rounded(estimate.mahalanobis_distance)),
+          "from the calibration that was in use");
+  v.field("scenes", estimate.scenes, "used by the re-estimation");
+  v.field("usable", estimate.reason.empty());
+  v.field("reason", unless_empty(estimate.reason), "why it is not usable");
+}
+
+template <class Visitor>
+void describe(Visitor& v, const CalibrationChange& change) {
+  v.field("stamp", change.stamp, "ns");
+  v.field("state", change.state, "after the change");
+  v.field("what", change.what);
+  v.field("T_camera_lidar", change.T_camera_lidar, "in use after the change; by row, m");
+}
+
+template <class Visitor>
+void describe(Visitor& v, const CalibrationReport& report) {
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  const bool evaluated = report.evidence.has_value();
+  const Vector6 sigma =
+      report.offset_sigma.unaryExpr([](double s) { return std::isfinite(s) ? s : 1e9; });
+  v.message(name_of(report.kClass),
+            "Calibration of a camera to its lidar, every ten seconds and on every change.");
+  v.field("stamp", report.stamp, kStampText);
+  v.field("device", report.camera, "the camera");
+  v.field("state", report.state);
+  v.field("since", report.since, "begin of the state, ns");
+  v.field("policy", report.policy, "what is done with a new estimate");
+  v.field("frozen", report.frozen, "no automatic changes");
+  v.field("proposed", report.proposed, "a new calibration waits for the owner: infuse apply");
+  v.field("can_roll_back", report.can_roll_back,
+          "there is a calibration before the one in use: infuse rollback");
+  v.field("T_camera_lidar", report.T_camera_lidar, "in use; by row, m");
+  v.field("evaluations", report.evaluations, "images evaluated");
+  v.field("scenes", report.scenes, "stored for a re-estimation");
+  v.field("evidence", report.evidence,
+          "for a drift, along the axis with the most; absent before the first evaluation");
+  v.field("offset", when(evaluated, report.offset),
+          "estimated error of the calibration: rx ry rz tx ty tz about and along the camera's "
+          "axes, rad and m");
+  v.field("offset_sigma", when(evaluated, sigma), "its standard deviations; 1e9 where unknown");
+  v.field("delay_s", when(evaluated, rounded(report.delay)),
+          "estimated delay of the camera's stamps after its exposures");
+  v.field("delay_ambiguous_axis",
+          evaluated && report.delay_ambiguous_axis
+              ? unless_empty(monitoring::name_of(*report.delay_ambiguous_axis))
+              : std::nullopt,
+          "axis along which such a delay is indistinguishable from a moved camera at the recent "
+          "motion: rotation about y in a steady turn, translation along z at a steady speed");
+  v.field("dependence_nats", when(evaluated, report.dependence), "of the last evaluated image");
+  v.field("camera_fault", when(report.fault != monitoring::CameraFault::kNone, report.fault));
+  v.field("estimate", report.estimate, "the last re-estimation");
+  v.field("history", report.history, "the last changes, oldest first");
+}
+
+}  // namespace infuse::daemon

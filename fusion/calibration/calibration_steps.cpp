@@ -1,0 +1,269 @@
+#include "fusion/calibration/calibration_steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "fusion/calibration/named_measures.hpp"
+#include "fusion/calibration/pose_score.hpp"
+#include "fusion/calibration/rejection_reason.hpp"
+#include "fusion/calibration/scene_similarity.hpp"
+#include "fusion/calibration/thin_scenes.hpp"
+
+namespace infuse::calibration {
+namespace {
+
+using geometry::Vector6;
+
+constexpr double kMaxSameMaximumRotation = 0.3 * kDegree;
+constexpr double kMaxSameMaximumTranslation = 0.04;
+// Over wider rotations images of other places fit as well, rad.
+constexpr double kMinBaselineHalfWidth = 0.1;
+constexpr int kDrawsPerRestart = 40;  // number of poses drawn for one ascent
+constexpr int kMaxRestartRounds = 4;  // maximum number of rounds that each found a larger value
+constexpr int kRestartBatches = 2;    // the second where not all of the first converged
+// A displacement along the driving direction looks like images of another time.
+constexpr double kMinDelaySpeed = 1;     // m/s, mean of the scenes
+constexpr double kMinDelayCosine = 0.9;  // of the angle between displacement and driving
+
+/// Draws evenly from [−1, 1]; the standard's distributions differ between libraries.
+double draw_uniform(std::mt19937_64& random) {
+  return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
+}
+
+struct Scored {
+  Eigen::Isometry3d T;
+  double score;
+};
+
+/// Returns the poses with the largest scores, best first.
+std::vector<Eigen::Isometry3d> best_poses(std::vector<Scored>& poses, size_t max_poses) {
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::vector<Eigen::Isometry3d> best;
+  for (size_t k = 0; k < std::min(max_poses, poses.size()); ++k) best.push_back(poses[k].T);
+  return best;
+}
+
+/// Search terms: the given ones, those of the default measure, or the given terms.
+std::vector<TermOptions> search_terms_of(const CalibrateOptions& options) {
+  if (!options.search_terms.empty()) return options.search_terms;
+  return options.terms.empty() ? named_measures().front().search_terms : options.terms;
+}
+
+std::vector<TermOptions> concatenate(std::vector<TermOptions> terms,
+                                     const std::vector<TermOptions>& others) {
+  terms.insert(terms.end(), others.begin(), others.end());
+  return terms;
+}
+
+}  // namespace
+
+bool is_same_maximum(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  const Vector6 apart = geometry::log(a * b.inverse());
+  return apart.head<3>().norm() <= kMaxSameMaximumRotation &&
+         apart.tail<3>().norm() <= kMaxSameMaximumTranslation;
+}
+
+CalibrationSteps::CalibrationSteps(std::span<const Scene> scenes,
+                                   std::span<const RigCamera> cameras,
+                                   const Eigen::Isometry3d& initial_pose,
+                                   const CalibrateOptions& options)
+    : cameras_(cameras),
+      initial_pose_(initial_pose),
+      options_(options),
+      similarity_(scene_similarity(scenes)),
+      terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
+      search_terms_(search_terms_of(options)),
+      images_(scenes, concatenate(terms_, search_terms_), image_blurs(options)),
+      margin_(options.screen.half_width * std::sqrt(3.0)),
+      screening_scenes_(thin_scenes(scenes, cameras, initial_pose, margin_, options.screen_points)),
+      coarse_scenes_(thin_scenes(scenes, cameras, initial_pose, margin_, options.coarse_points)),
+      fine_scenes_(thin_scenes(scenes, cameras, initial_pose, margin_, options.fine_points, true)),
+      final_search_(fine_scenes_, cameras, terms_, images_, options.visibility, options.maximize,
+                    prior_position(), options.initial_translation_sigma),
+      fine_search_(fine_scenes_, cameras, search_terms_, images_, options.visibility,
+                   options.maximize, prior_position(), options.initial_translation_sigma),
+      coarse_search_(coarse_scenes_, cameras, search_terms_, images_, options.visibility,
+                     options.maximize, prior_position(), options.initial_translation_sigma) {}
+
+Eigen::Isometry3d CalibrationSteps::find_basin(double prior_scale) {
+  VisibilityOptions open = options_.visibility;
+  open.occlusion.reset();
+  PoseScore screening_score(
+      screening_scenes_, cameras_, search_terms_, open, images_, options_.screen_sigma,
+      options_.screen.half_width > kMinBaselineHalfWidth, options_.maximize.stop);
+  std::vector<Eigen::Isometry3d> poses =
+      screen_rotations(initial_pose_, options_.screen, std::ref(screening_score));
+  evaluations_ += screening_score.evaluations();
+  for (Level level : options_.coarse) {
+    level.prior_weight *= prior_scale;
+    poses = ascend_from_all(poses, level);
+  }
+  return poses.front();
+}
+
+CalibrationSteps::RestartResult CalibrationSteps::run_restarts(const Eigen::Isometry3d& T) {
+  if (options_.restarts == 0) return {.T = T};
+  std::mt19937_64 random(options_.seed);
+  PoseScore score(coarse_scenes_, cameras_, search_terms_, options_.visibility, images_,
+                  options_.coarse.back().sigma, false, options_.maximize.stop);
+  RestartResult restart_result{.T = T};
+  for (int round = 0; round < kMaxRestartRounds; ++round) {
+    const double best = score(restart_result.T);
+    restart_result.restarts = restart_result.returned = 0;
+    restart_result.best_of_restarts = false;
+    std::optional<Eigen::Isometry3d> better;
+    for (int batch = 0; batch < kRestartBatches && !better; ++batch) {
+      if (batch > 0 && restart_result.returned == restart_result.restarts) break;
+      for (const Eigen::Isometry3d& drawn : draw_around(restart_result.T, random)) {
+        const Eigen::Isometry3d end = coarse_search_.ascend(drawn, restart_levels()).T_refcam_lidar;
+        ++restart_result.restarts;
+        if (is_same_maximum(end, restart_result.T)) {
+          ++restart_result.returned;
+        } else if (score(end) > best) {
+          better = end;
+          break;
+        }
+      }
+    }
+    if (!better) {
+      restart_result.best_of_restarts = true;
+      break;
+    }
+    restart_result.T = *better;
+  }
+  evaluations_ += score.evaluations();
+  return restart_result;
+}
+
+std::optional<geometry::Matrix6> CalibrationSteps::split_half(const Eigen::Isometry3d& T) {
+  if (options_.splits == 0 || coarse_scenes_.size() < 2) return std::nullopt;
+  std::mt19937_64 random(options_.seed);
+  geometry::Matrix6 sum = geometry::Matrix6::Zero();
+  for (int split = 0; split < options_.splits; ++split) {
+    std::vector<size_t> order(coarse_scenes_.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    for (size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
+    const std::span<const size_t> all(order);
+    const Eigen::Isometry3d one = ascend_with_scenes(T, all.first(all.size() / 2));
+    const Eigen::Isometry3d other = ascend_with_scenes(T, all.subspan(all.size() / 2));
+    const Vector6 apart = geometry::log(one * other.inverse());
+    sum += apart * apart.transpose();
+  }
+  return 0.25 / options_.splits * sum;
+}
+
+std::vector<std::optional<IntrinsicsEstimate>> CalibrationSteps::estimate_all_intrinsics(
+    const Eigen::Isometry3d& T, const Uncertainty& uncertainty) {
+  std::vector<std::optional<IntrinsicsEstimate>> all;
+  for (size_t c = 0; options_.check_intrinsics && c < cameras_.size(); ++c) {
+    all.push_back(estimate_intrinsics(fine_scenes_, cameras_, c, search_terms_, terms_, images_,
+                                      options_.visibility, T, uncertainty.effective_scenes,
+                                      options_.maximize.stop));
+  }
+  return all;
+}
+
+std::vector<ModelMismatch> CalibrationSteps::find_mismatches(
+    const Eigen::Isometry3d& T, const Uncertainty& uncertainty,
+    std::span<const std::optional<IntrinsicsEstimate>> estimates) const {
+  std::vector<ModelMismatch> all =
+      check_model(T, cameras_.size(), fine_scenes_, uncertainty, options_.known);
+  for (size_t c = 0; c < estimates.size(); ++c) {
+    if (estimates[c]) add_unseen_errors(*estimates[c], c, all);
+  }
+  for (size_t c = 0; c < estimates.size(); ++c) {
+    const auto gross = estimates[c]
+                           ? detect_gross_mismatch(*estimates[c], cameras_, c, options_.known)
+                           : std::nullopt;
+    if (!gross) continue;
+    std::erase_if(
+        all, [&](const ModelMismatch& mismatch) { return mismatch.parameter == gross->parameter; });
+    all.insert(all.begin(), *gross);
+  }
+  return all;
+}
+
+std::optional<double> CalibrationSteps::delay_along_travel(const Eigen::Isometry3d& T) const {
+  const Eigen::Vector3d moved = T.inverse().translation() - prior_position();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  for (const Scene& scene : fine_scenes_) {
+    if (!scene.twist) return std::nullopt;
+    velocity += scene.twist->tail<3>() / static_cast<double>(fine_scenes_.size());
+  }
+  const double along = moved.dot(velocity);
+  if (moved.norm() <= kMaxTranslationSigmas * options_.initial_translation_sigma ||
+      velocity.norm() < kMinDelaySpeed ||
+      std::abs(along) < kMinDelayCosine * moved.norm() * velocity.norm()) {
+    return std::nullopt;
+  }
+  return along / velocity.squaredNorm();
+}
+
+int CalibrationSteps::evaluations() const {
+  return evaluations_ + final_search_.evaluations() + fine_search_.evaluations() +
+         coarse_search_.evaluations();
+}
+
+void CalibrationSteps::add_unseen_errors(const IntrinsicsEstimate& estimate, size_t camera,
+                                         std::vector<ModelMismatch>& all) const {
+  const Eigen::Vector4d sigmas =
+      unseen_errors(estimate, cameras_[camera].model.intrinsics().fx, options_.known);
+  for (size_t i = 0; i < 4 && 4 * camera + i < all.size(); ++i) {
+    const double sigma = sigmas(static_cast<Eigen::Index>(i));
+    all[4 * camera + i].unseen_sigma =
+        make_intrinsic_mismatch(i, sigma, camera, cameras_.size()).value;
+  }
+}
+
+std::span<const Level> CalibrationSteps::restart_levels() const {
+  const std::span<const Level> levels(options_.coarse);
+  return levels.last(std::min<size_t>(2, levels.size()));
+}
+
+std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isometry3d& T,
+                                                             std::mt19937_64& random) {
+  PoseScore screening_score(screening_scenes_, cameras_, search_terms_, options_.visibility,
+                            images_, restart_levels().front().sigma, false, options_.maximize.stop);
+  std::vector<Scored> drawn;
+  for (int k = 0; k < kDrawsPerRestart * options_.restarts; ++k) {
+    Vector6 xi;
+    for (int axis = 0; axis < 6; ++axis) {
+      xi(axis) = draw_uniform(random) *
+                 (axis < 3 ? options_.restart_rotation : options_.restart_translation);
+    }
+    const Eigen::Isometry3d pose = geometry::exp(xi) * T;
+    drawn.push_back({pose, screening_score(pose)});
+  }
+  evaluations_ += screening_score.evaluations();
+  return best_poses(drawn, static_cast<size_t>(options_.restarts));
+}
+
+Eigen::Isometry3d CalibrationSteps::ascend_with_scenes(const Eigen::Isometry3d& T,
+                                                       std::span<const size_t> scenes) {
+  std::vector<Scene> part(coarse_scenes_.size());
+  for (size_t s = 0; s < coarse_scenes_.size(); ++s) part[s].camera = coarse_scenes_[s].camera;
+  for (const size_t s : scenes) part[s] = coarse_scenes_[s];
+  CoarseToFine search(part, cameras_, search_terms_, images_, options_.visibility,
+                      options_.maximize, prior_position(), options_.initial_translation_sigma);
+  const Eigen::Isometry3d end = search.ascend(T, restart_levels()).T_refcam_lidar;
+  evaluations_ += search.evaluations();
+  return end;
+}
+
+std::vector<Eigen::Isometry3d> CalibrationSteps::ascend_from_all(
+    const std::vector<Eigen::Isometry3d>& from, const Level& level) {
+  PoseScore score(coarse_scenes_, cameras_, search_terms_, options_.visibility, images_,
+                  level.sigma, false, options_.maximize.stop);
+  std::vector<Scored> ends;
+  for (const Eigen::Isometry3d& T : from) {
+    const Eigen::Isometry3d end = coarse_search_.ascend(T, std::span(&level, 1)).T_refcam_lidar;
+    ends.push_back({end, score(end)});
+  }
+  evaluations_ += score.evaluations();
+  return best_poses(ends, static_cast<size_t>(level.survivors));
+}
+
+}  // namespace infuse::calibration

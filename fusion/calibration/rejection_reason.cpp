@@ -1,0 +1,78 @@
+#include "fusion/calibration/rejection_reason.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace infuse::calibration {
+namespace {
+
+constexpr int kMaxRestartsPerReturn = 2;  // one restart in so many must converge to the result
+constexpr double kForeignSupport = 0.75;  // images of other places have less
+
+template <class... Values>
+std::string format_text(const char* format, Values... values) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+std::string mismatch_text(const ModelMismatch& mismatch) {
+  if (mismatch.gross && mismatch.value == 0) {
+    return "a fit of the intrinsics with the pose does not converge near the given ones; check the "
+           "intrinsics";
+  }
+  const std::string by = mismatch.value == 0
+                             ? ""
+                             : format_text("%+.2g%s%s, ", mismatch.value,
+                                           *mismatch.unit == '\0' ? "" : " ", mismatch.unit);
+  return format_text("lidar and images would fit better with another %s (%s%.0f sigma)",
+                     mismatch.parameter.c_str(), by.c_str(), std::abs(mismatch.significance));
+}
+
+}  // namespace
+
+std::string rejection_reason(const CalibrationResult& result, const Maximum& maximum, double moved,
+                             std::optional<double> delay, const CalibrateOptions& options) {
+  if (!maximum.usable()) return maximum.reason;
+  if (result.uncertainty.effective_scenes < kMinEffectiveScenes) return result.uncertainty.reason;
+  const bool gross = std::any_of(result.model_mismatches.begin(), result.model_mismatches.end(),
+                                 [](const ModelMismatch& mismatch) { return mismatch.gross; });
+  if (delay && !gross && result.support >= kForeignSupport) {
+    return format_text(
+        "the result lies %.2f m from the initial position along the driving direction, as with "
+        "another image time (%+.0f ms); check the stamps of the images",
+        moved, 1e3 * *delay);
+  }
+  if (result.support < options.min_support && !gross) {
+    return format_text(
+        "the scenes do not support it: only %.0f %% of small wrong rotations make them fit worse "
+        "(%.0f %% expected); check that images and sweeps belong together",
+        100 * result.support, 100 * options.min_support);
+  }
+  for (const ModelMismatch& mismatch : result.model_mismatches) {
+    if (mismatch.gross || mismatch.serious) return mismatch_text(mismatch);
+  }
+  if (!result.best_of_restarts) {
+    return "restarts from around the result kept finding larger values";
+  }
+  if (kMaxRestartsPerReturn * result.returned < result.restarts) {
+    return format_text("only %d of %d restarts converged to the result", result.returned,
+                       result.restarts);
+  }
+  if (!result.uncertainty.usable()) return result.uncertainty.reason;
+  if (auto imprecise = describe_imprecision(result.covariance(), options.max_rotation_sigma,
+                                            options.max_translation_sigma);
+      !imprecise.empty()) {
+    return imprecise;
+  }
+  if (moved > kMaxTranslationSigmas * options.initial_translation_sigma) {
+    return format_text(
+        "the result lies %.2f m from the initial position, whose standard deviation is %.2f m",
+        moved, options.initial_translation_sigma);
+  }
+  return {};
+}
+
+}  // namespace infuse::calibration

@@ -1,0 +1,57 @@
+#include <iostream>
+#include <string>
+
+#include "tests/study/places/image_study.hpp"
+#include "tests/study/places/place_study.hpp"
+#include "tests/study/places/recognition_study.hpp"
+#include "tests/study/study_commands.hpp"
+
+namespace infuse::study {
+namespace {
+
+/// Adds the study of starts from nothing on a map of keyframes.
+void add_places_command(CLI::App& app) {
+  static PlaceStudyOptions options;
+  CLI::App* command = app.add_subcommand(
+      "places", "find the vehicle on a map of keyframes from nothing, all along simulated visits");
+  command->add_option("MAP", options.map, "map folder")->required();
+  command->add_option("MAP_DRIVE", options.map_drive, "the drive it was made of")->required();
+  command->add_option("DRIVE", options.drives, "visits, in the frame of that drive")->required();
+  command->add_option("--spacing", options.spacing, "m between starts")->capture_default_str();
+  command->add_flag("--elsewhere", options.elsewhere, "the visits are off the map");
+  command->callback([] {
+    const std::string wrong = study_places(std::cout, options);
+    if (!wrong.empty()) throw CLI::ValidationError(wrong);
+  });
+}
+
+/// Adds the study of recognition across seasons.
+void add_recognition_command(CLI::App& app) {
+  static RecognitionOptions options;
+  CLI::App* command = app.add_subcommand(
+      "recognition", "recognise places across seasons by lidar and images, P figs. 5.8 to 5.10");
+  command->add_option("MAP", options.map, "fixtures/maps/altfeld.osm")->required();
+  command->add_option("--seed", options.world_seed, "of the town")->capture_default_str();
+  command->add_option("--query-spacing", options.query_spacing, "m")->capture_default_str();
+  command->callback([] { study_recognition(std::cout, options); });
+}
+
+/// Adds the study of sequences of images across seasons.
+void add_images_command(CLI::App& app) {
+  static ImageStudyOptions options;
+  CLI::App* command =
+      app.add_subcommand("image-places", "find images across seasons by sequences, P 6.2.3");
+  command->add_option("MAP", options.map, "fixtures/maps/altfeld.osm")->required();
+  command->add_option("--seed", options.tested, "of the town")->capture_default_str();
+  command->callback([] { study_images(std::cout, options); });
+}
+
+}  // namespace
+
+void add_places_commands(CLI::App& app) {
+  add_places_command(app);
+  add_recognition_command(app);
+  add_images_command(app);
+}
+
+}  // namespace infuse::study
