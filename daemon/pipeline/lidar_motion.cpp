@@ -20,7 +20,29 @@ bool is_wrong(const Eigen::Isometry3d& predicted, const Eigen::Isometry3d& measu
 
 LidarMotion::LidarMotion(const Eigen::Isometry3d& T_vehicle_lidar)
     : lidar_odometry_(T_vehicle_lidar),
-      measured_motion_({.capacity = 2, .max_gap = Duration(10'000'000'000)}) {}
+      measured_motion_({.capacity = 2, .max_gap = Duration(10'000'000'000)}),
+      lidar_trajectory_(T_vehicle_lidar) {}
+
+// The velocity is that of the time between the last two middles: both ends lag alike where it
+// changes evenly. A first motion is that between the middles.
+std::optional<motion::RelativePose> LidarMotion::follow(const Sweep& sweep, Stamp end) {
+  if (!followed_) lidar_trajectory_.reset();
+  const std::optional<End> last = followed_;
+  lidar_odometry_.reset();
+  located_ = map_deskewed_ = false;
+  const registration::LidarOdometryResult& result = lidar_trajectory_.add(sweep);
+  followed_ = End{end, std::nullopt};
+  if (!result.usable()) return std::nullopt;
+  followed_->T_map_vehicle = lidar_trajectory_.T_map_end();
+  if (!last) return std::nullopt;
+  motion::RelativePose motion = result.motion;
+  motion.from = last->stamp;
+  motion.to = end;
+  if (last->T_map_vehicle) {
+    motion.T_from_to = last->T_map_vehicle->inverse() * *followed_->T_map_vehicle;
+  }
+  return motion;
+}
 
 LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker& odometry,
                                       motion::Deskewer& deskewer, motion::DeskewedSweep& deskewed) {

@@ -1,28 +1,37 @@
 #pragma once
 
+#include <optional>
+
 #include "daemon/pipeline/odometry_tracker.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "fusion/motion/deskew.hpp"
-#include "fusion/registration/lidar_odometry.hpp"
+#include "fusion/registration/lidar_trajectory.hpp"
 
 namespace infuse::daemon {
 
-/// The motion that one lidar measures for odometry, sweep by sweep.
+/// The motion that one lidar measures for odometry, sweep by sweep: from the end of a sweep to the
+/// end of the next.
+///
+/// While wheels measure the speed, a sweep is deskewed by odometry, and where its motion is not as
+/// predicted, registered once more, deskewed by what was measured: a sweep that is deskewed for too
+/// large a speed shows one that is too large by half as much. A map that was started before the
+/// motion was known is reset: deskewed sweeps do not fit it.
+///
+/// Without wheels the prediction is the lidar's own motion, and that error would come back with
+/// every sweep: then the lidar follows the vehicle by itself, by poses at the middles of the
+/// sweeps, where a wrong speed moves nothing.
 class LidarMotion {
  public:
   explicit LidarMotion(const Eigen::Isometry3d& T_vehicle_lidar);
 
-  /// Registers a sweep to the local map and adds its motion to odometry, whose time is the sweep's
-  /// end. `deskewed` is the sweep as of its end, deskewed by prediction, and is deskewed again by
+  /// Measures the motion until the end of a sweep and adds it to odometry, whose time is that end.
+  /// `deskewed` is the sweep as of its end, deskewed by prediction, and may be deskewed again by
   /// what was measured; `deskew()` deskews it by odometry. Returns true if the motion was measured.
-  ///
-  /// Where the motion is not as predicted, the sweep is registered once more, deskewed by what was
-  /// measured: a sweep that is deskewed for too large a speed shows one that is too large by half
-  /// as much. A map that was started before the motion was known is reset: deskewed sweeps do not
-  /// fit it.
   template <class Deskew>
   bool measure(const Sweep& sweep, OdometryTracker& odometry, motion::Deskewer& deskewer,
                motion::DeskewedSweep& deskewed, Deskew deskew) {
+    if (!odometry.has_wheels()) return follow(sweep, odometry, deskewed.reference, deskew);
+    followed_.reset();
     const bool predicted = deskewed.usable();
     Found found = align(sweep, odometry, deskewer, deskewed);
     if (found.measured) odometry.add(found.result.motion);
@@ -36,15 +45,32 @@ class LidarMotion {
     registration::LidarOdometryResult result;
     bool first = false, wrong = false, measured = false;
   };
+  template <class Deskew>
+  bool follow(const Sweep& sweep, OdometryTracker& odometry, Stamp end, Deskew deskew) {
+    const std::optional<motion::RelativePose> motion = follow(sweep, end);
+    if (!motion) return false;
+    odometry.add(*motion);
+    deskew();
+    return true;
+  }
+  std::optional<motion::RelativePose> follow(const Sweep& sweep, Stamp end);
   Found align(const Sweep& sweep, const OdometryTracker& odometry, motion::Deskewer& deskewer,
               motion::DeskewedSweep& deskewed);
   void take(const Found& found, bool predicted, const motion::DeskewedSweep& deskewed);
 
-  registration::LidarOdometry lidar_odometry_;
+  registration::LidarOdometry lidar_odometry_;  // with wheels
   geometry::Trajectory measured_motion_;       // of the sweep that is registered, at constant twist
   Stamp last_registered_ = Stamp::earliest();  // end of a sweep
   bool located_ = false;                       // that sweep has a pose in the local map
   bool map_deskewed_ = false;                  // sweeps of the local map are deskewed
+
+  registration::LidarTrajectory lidar_trajectory_;  // without wheels
+  /// The last sweep's end there; the pose if it was found.
+  struct End {
+    Stamp stamp;
+    std::optional<Eigen::Isometry3d> T_map_vehicle;
+  };
+  std::optional<End> followed_;
 };
 
 }  // namespace infuse::daemon

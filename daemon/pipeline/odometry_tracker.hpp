@@ -36,6 +36,9 @@ class OdometryTracker {
   /// Processes the samples that still wait for earlier ones.
   void finish() { filter_.flush(); }
 
+  /// True while wheels measure the speed.
+  bool has_wheels() const { return filter_.carries(motion::OdometrySource::kWheels); }
+
   /// Poses of the vehicle in the frame `odom`.
   const geometry::Trajectory& trajectory() const { return filter_.trajectory(); }
 

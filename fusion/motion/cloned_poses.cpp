@@ -102,7 +102,7 @@ Matrix6 OdometryState::cloned_covariance(Stamp stamp) const {
 
 // With ξ the left perturbations of the poses, the measured motion is
 // exp(Ad(T_from⁻¹)(ξ_to − ξ_from)) T̂_from_to, and the drift adds in proportion to the distance.
-RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose) {
+RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose, bool gated) {
   RelativePoseUpdate result;
   const size_t from = find_clone(pose.from), to = find_clone(pose.to);
   result.known = from < kMaxClones && to < kMaxClones && pose.from < pose.to &&
@@ -130,7 +130,8 @@ RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose)
   const Matrix6 S = H * PHt + Matrix6::Identity();
   const Eigen::LLT<Matrix6> solver(S);
   const double distance_squared = residual.dot(solver.solve(residual));
-  result.accepted = distance_squared <= 16 + 2.2 * directions.count;  // four standard deviations
+  // Four standard deviations.
+  result.accepted = !gated || distance_squared <= 16 + 2.2 * directions.count;
   if (!result.accepted) return result;
 
   // The gain of the motion since `from`.

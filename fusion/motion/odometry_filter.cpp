@@ -300,39 +300,50 @@ void OdometryFilter::correct_since_agreement(const Eigen::Isometry3d& T_odom_bef
 }
 
 void OdometryFilter::add(const RelativePose& pose) {
-  RelativePoseUpdate result = state_.update_relative_pose(pose);
+  RelativePoseUpdate result = state_.update_relative_pose(pose, true);
   if (!result.known) {
     ++late_;
     return;
   }
   if (!result.accepted && believe_lidar(pose, result)) {
-    wheels_suspended_ = sources_.carries(OdometrySource::kWheels, now_);
+    const bool wheels = sources_.carries(OdometrySource::kWheels, now_);
+    wheels_suspended_ = wheels;
     wheels_agree_since_ = Stamp::latest();
     state_.release_motion(pose.from, now_);
-    result = state_.update_relative_pose(pose);
+    result = state_.update_relative_pose(pose, wheels);
   }
+  last_lidar_motion_ = {pose.to, geometry::log(pose.T_from_to) / to_seconds(pose.to - pose.from)};
   record(OdometrySource::kLidar, result.accepted);
   if (result.accepted) correct_trajectory(pose, result);
 }
 
-// The motion contradicts the lidar. Where nothing else measures the speed, the motion is a guess
-// that a vehicle may leave as far as it can brake and turn; what is further is believed when it
-// goes on. Wheels slip, but registration errs in rotation too: where the rotation agrees, the lidar
-// is right, unless GNSS is nearer to the speed of the others.
+// The motion contradicts the lidar. Without wheels the motion is a guess, and the lidar is right if
+// a vehicle can brake and turn from what it measured before to what it measures now; what is
+// further is believed when it goes on. Wheels slip, but registration errs in rotation too: where
+// the rotation agrees, the lidar is right. A receiver that is nearer to the speed of the others
+// decides against the lidar.
 bool OdometryFilter::believe_lidar(const RelativePose& pose,
                                    const RelativePoseUpdate& update) const {
   constexpr double kMaxRotationError = 0.01;                         // rad
   constexpr double kMaxAcceleration = 12, kMaxTurnAcceleration = 6;  // m/s², rad/s²
-  if (!sources_.speed_known(now_, OdometrySource::kLidar)) {
-    const double seconds = to_seconds(pose.to - pose.from);
-    const bool possible = update.error.tail<3>().norm() < kMaxAcceleration * seconds * seconds &&
-                          update.error.head<3>().norm() < kMaxTurnAcceleration * seconds * seconds;
-    return possible ||
+  constexpr double kMaxStepError = 0.3, kMaxTurnError = 0.05;        // m, rad, of the lidar
+  const bool gnss = sources_.carries(OdometrySource::kGnssSpeed, now_);
+  const double seconds = to_seconds(pose.to - pose.from);
+  if (sources_.carries(OdometrySource::kWheels, now_)) {
+    if (update.error.head<3>().norm() > kMaxRotationError) return false;
+  } else if (last_lidar_motion_ && last_lidar_motion_->to == pose.from) {
+    const geometry::Vector6 change =
+        geometry::log(pose.T_from_to) / seconds - last_lidar_motion_->twist;
+    if (change.tail<3>().norm() < kMaxAcceleration * seconds + kMaxStepError / seconds &&
+        change.head<3>().norm() < kMaxTurnAcceleration * seconds + kMaxTurnError / seconds) {
+      return true;
+    }
+  }
+  if (!gnss) {
+    return sources_.carries(OdometrySource::kWheels, now_) ||
            sources_[OdometrySource::kLidar].rejected_in_a_row + 1 >= kMaxLidarRejections;
   }
-  if (update.error.head<3>().norm() > kMaxRotationError) return false;
-  if (!sources_.carries(OdometrySource::kGnssSpeed, now_)) return true;
-  const double speed = pose.T_from_to.translation().norm() / to_seconds(pose.to - pose.from);
+  const double speed = pose.T_from_to.translation().norm() / seconds;
   return std::abs(speed - *last_gnss_speed_) <
          std::abs(std::abs(state_.speed()) - *last_gnss_speed_);
 }

@@ -74,6 +74,9 @@ class OdometryFilter {
   const char* reason() const;
   bool usable() const { return *reason() == '\0'; }
 
+  /// True if a sample of a source was accepted recently.
+  bool carries(OdometrySource source) const { return sources_.carries(source, now_); }
+
   OdometryReport report() const;
 
  private:
@@ -119,6 +122,12 @@ class OdometryFilter {
   OdometrySources sources_;
   GnssPositionCheck gnss_position_check_;
   std::optional<double> last_gnss_speed_;  // m/s, the last accepted
+  /// Twist per second that the last relative pose measured, accepted or not.
+  struct LidarMotion {
+    Stamp to;
+    geometry::Vector6 twist;
+  };
+  std::optional<LidarMotion> last_lidar_motion_;
   /// When the speed of the receiver and that of the filter last agreed; both speeds, m/s.
   struct SpeedAgreement {
     Stamp stamp;

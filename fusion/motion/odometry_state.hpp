@@ -102,8 +102,9 @@ class OdometryState {
   const Eigen::Isometry3d* cloned_pose(Stamp stamp) const;
   /// Covariance of a clone, which must exist.
   geometry::Matrix6 cloned_covariance(Stamp stamp) const;
-  /// Updates with a motion between two clones.
-  RelativePoseUpdate update_relative_pose(const RelativePose& pose);
+  /// Updates with a motion between two clones; `gated`: one that is inconsistent with the motion is
+  /// rejected.
+  RelativePoseUpdate update_relative_pose(const RelativePose& pose, bool gated);
   /// Makes the motion since the time of a clone uncertain: a source was wrong.
   void release_motion(Stamp since, Stamp now);
 

@@ -57,7 +57,11 @@ const LidarOdometryResult& LidarTrajectory::add(const Sweep& sweep) {
     result_ = odometry_.align(points(), reference);
   }
   const bool usable = result_.usable();
-  if (usable) velocity_ = geometry::log(result_.motion.T_from_to) / seconds;
+  if (usable) {
+    const geometry::Vector6 velocity = geometry::log(result_.motion.T_from_to) / seconds;
+    velocity_before_ = moving_ ? velocity_ : velocity;
+    velocity_ = velocity;
+  }
   odometry_.add(points(), result_);
   if (usable) {
     first_.reset();
@@ -67,7 +71,20 @@ const LidarOdometryResult& LidarTrajectory::add(const Sweep& sweep) {
     first_ = sweep;
   }
   last_ = reference;
+  to_end_ = sweep.span - sweep.span / 2;
   return result_;
+}
+
+void LidarTrajectory::reset() {
+  odometry_.reset();
+  first_.reset();
+  velocity_.setZero();
+  moving_ = false;
+}
+
+Eigen::Isometry3d LidarTrajectory::T_map_end() const {
+  return result_.T_map_vehicle *
+         geometry::exp((velocity_ + velocity_before_) / 2 * to_seconds(to_end_));
 }
 
 }  // namespace infuse::registration

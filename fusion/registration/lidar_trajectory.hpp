@@ -21,6 +21,13 @@ class LidarTrajectory {
   /// which shows how fast the vehicle was when it began.
   const LidarOdometryResult& add(const Sweep& sweep);
 
+  /// Forgets all: the next sweep is a first one.
+  void reset();
+
+  /// Pose of the vehicle at the end of the last sweep in the frame of the results' `T_map_vehicle`,
+  /// at the mean of the velocities that were measured last: the error of a pose would count twice.
+  Eigen::Isometry3d T_map_end() const;
+
   /// Returns the last sweep, deskewed to its middle.
   const motion::DeskewedSweep& deskewed() const { return deskewed_; }
 
@@ -35,8 +42,10 @@ class LidarTrajectory {
   motion::DeskewedSweep deskewed_;
   std::optional<Sweep> first_;                              // until the second comes
   geometry::Vector6 velocity_ = geometry::Vector6::Zero();  // twist per second, vehicle frame
-  bool moving_ = false;                                     // velocity_ is known
+  geometry::Vector6 velocity_before_ = geometry::Vector6::Zero();  // of the sweep before
+  bool moving_ = false;                                            // velocity_ is known
   Stamp last_;
+  Duration to_end_{0};  // from there to the end of the sweep
   LidarOdometryResult result_;
 };
 
