@@ -307,8 +307,11 @@ void OdometryFilter::add(const RelativePose& pose) {
   }
   if (!result.accepted && believe_lidar(pose, result)) {
     const bool wheels = sources_.carries(OdometrySource::kWheels, now_);
-    wheels_suspended_ = wheels;
-    wheels_agree_since_ = Stamp::latest();
+    const double seconds = to_seconds(pose.to - pose.from);
+    if (wheels && result.error.tail<3>().norm() > kWheelAgreement * seconds) {
+      wheels_suspended_ = true;
+      wheels_agree_since_ = Stamp::latest();
+    }
     state_.release_motion(pose.from, now_);
     result = state_.update_relative_pose(pose, wheels);
   }
@@ -330,7 +333,10 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
   const bool gnss = sources_.carries(OdometrySource::kGnssSpeed, now_);
   const double seconds = to_seconds(pose.to - pose.from);
   if (sources_.carries(OdometrySource::kWheels, now_)) {
-    if (update.error.head<3>().norm() > kMaxRotationError) return false;
+    // A yaw rate says nothing of roll and pitch.
+    const bool gyros = sources_.carries(OdometrySource::kGyro, now_);
+    const double rotation = gyros ? update.error.head<3>().norm() : std::abs(update.error[2]);
+    if (rotation > kMaxRotationError) return false;
   } else if (last_lidar_motion_ && last_lidar_motion_->to == pose.from) {
     const geometry::Vector6 change =
         geometry::log(pose.T_from_to) / seconds - last_lidar_motion_->twist;
