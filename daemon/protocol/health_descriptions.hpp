@@ -34,7 +34,8 @@ void describe(Visitor& v, const TaskHealth<OdometryStatus>& odometry) {
           gauge("infuse_odometry_standing"));
   v.field("wheel_scale", status.wheel_scale, "Estimated ratio of true to measured speed.",
           gauge("infuse_odometry_wheel_scale"));
-  v.field("wheel_scale_sigma", non_negative(status.wheel_scale_sigma), "Its standard deviation.",
+  v.field("wheel_scale_sigma", non_negative(status.wheel_scale_sigma),
+          "Its standard deviation; 0 until there are wheels.",
           gauge("infuse_odometry_wheel_scale_sigma"));
   v.field("yaw_rate_bias", status.yaw_rate_bias,
           "Estimated bias of the vehicle's yaw rate sensor, rad/s.",

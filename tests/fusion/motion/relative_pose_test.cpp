@@ -60,6 +60,78 @@ TEST(RelativePose, LidarAloneCarriesTheOdometryFromAStartAtSpeed) {
   EXPECT_EQ(filter.report().outliers, 0u);
 }
 
+// Sweeps of a lidar at 10 Hz end some microseconds before or after each tenth of a second.
+TEST(RelativePose, AMarkHasItsPoseHoweverNearAPredictedOne) {
+  const TrueDrive drive = town_drive(20);
+  SimulatedSensors sensors(drive, 1);
+  OdometryFilter filter(full_options());
+  double last = 0;
+  add_sweep(filter, last, nullptr);
+  for (int i = 1; i < 60; ++i) {
+    const double t = i * kSweep + (i % 3 == 0 ? 32e-6 : 0);
+    filter.mark(seconds(t), true);
+    filter.process_until(seconds(t));
+    if (i > 1) {
+      EXPECT_TRUE(filter.trajectory().at(seconds(t)).usable()) << i;
+      EXPECT_EQ(*filter.trajectory().uncovered_reason(seconds(last), seconds(t)), '\0') << i;
+    }
+    filter.add(sensors.lidar(last, t));
+    last = t;
+  }
+}
+
+/// A vehicle at 5 m/s that turns by 70° per second from 3 s to 4 s, at once, and dips by 2° at 5 s.
+Eigen::Isometry3d abrupt_pose(double t) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  constexpr double kStep = 0.01;  // s
+  for (double at = 0; at < t - 1e-9; at += kStep) {
+    Vector6 twist = Vector6::Zero();
+    twist[2] = at > 3 && at < 4 ? 70 * kDegree : 0;
+    twist[1] = at > 5 && at < 5.1 ? 20 * kDegree : 0;
+    twist[3] = 5;
+    T = T * geometry::exp(kStep * twist);
+  }
+  return T;
+}
+
+// A turn that no constant velocity predicts is no outlier: each rejected motion would be lost.
+TEST(RelativePose, LidarAloneIsBelievedInAbruptTurns) {
+  OdometryFilter filter(full_options());
+  add_sweep(filter, 0, nullptr);
+  Vector6 information;
+  information << 1e8, 1e8, 1e8, 1e6, 1e6, 1e6;
+  for (int i = 1; i < 70; ++i) {
+    const double from = (i - 1) * kSweep, to = i * kSweep;
+    RelativePose pose;
+    pose.from = seconds(from);
+    pose.to = seconds(to);
+    pose.T_from_to = abrupt_pose(from).inverse() * abrupt_pose(to);
+    pose.information = information.asDiagonal();
+    add_sweep(filter, to, &pose);
+  }
+  EXPECT_EQ(filter.report().outliers, 0U);
+  const Vector6 error =
+      geometry::log(abrupt_pose(6.9).inverse() * abrupt_pose(0.1) *
+                    filter.trajectory().between(seconds(0.1), seconds(6.9)).T_from_to);
+  EXPECT_LT(error.head<3>().norm(), 0.01);
+  EXPECT_LT(error.tail<3>().norm(), 0.2);
+  EXPECT_EQ(filter.report().wheel_scale.sigma, 0);  // there are no wheels
+}
+
+// What it measures at once as far as no vehicle brakes is an error of the registration.
+TEST(RelativePose, AnImpossibleMotionOfTheLidarAloneIsRejected) {
+  const TrueDrive drive = town_drive(20);
+  SimulatedSensors sensors(drive, 1);
+  OdometryFilter filter(full_options());
+  add_sweep(filter, 0, nullptr);
+  for (int i = 1; i < 60; ++i) {
+    RelativePose pose = sensors.lidar((i - 1) * kSweep, i * kSweep);
+    if (i == 50) pose.T_from_to.translation().x() -= 0.7;
+    add_sweep(filter, i * kSweep, &pose);
+    EXPECT_EQ(filter.report().outliers, i < 50 ? 0U : 1U) << i;
+  }
+}
+
 /// Motion of a sensor at T_vehicle_sensor on the vehicle.
 RelativePose seen_from(const Eigen::Isometry3d& T_vehicle_sensor, RelativePose pose) {
   const Eigen::Isometry3d T_sensor_vehicle = T_vehicle_sensor.inverse();
