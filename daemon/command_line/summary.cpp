@@ -201,11 +201,11 @@ std::string odometry_text(const OdometryStatus& odometry) {
     if (source.rejected > 0) text += fmt::format(" ({} rejected)", source.rejected);
   }
   if (odometry.wheel_scale_sigma > 0) {  // there are wheels
-    text += fmt::format("; wheel scale {:.4f} ± {:.4f}, yaw-rate bias {:.3f} ± {:.3f} °/s",
-                        odometry.wheel_scale, odometry.wheel_scale_sigma,
-                        odometry.yaw_rate_bias / kDegree, odometry.yaw_rate_bias_sigma / kDegree);
+    text += fmt::format("; wheel scale {:.4f} ± {:.4f}", odometry.wheel_scale,
+                        odometry.wheel_scale_sigma);
   }
-  text += "\n";
+  text += fmt::format(", yaw-rate bias {:.3f} ± {:.3f} °/s\n", odometry.yaw_rate_bias / kDegree,
+                      odometry.yaw_rate_bias_sigma / kDegree);
   if (odometry.not_deskewed > 0) {
     text += fmt::format("    {} sweeps were not deskewed\n", odometry.not_deskewed);
   }

@@ -23,23 +23,52 @@ LidarMotion::LidarMotion(const Eigen::Isometry3d& T_vehicle_lidar)
       measured_motion_({.capacity = 2, .max_gap = Duration(10'000'000'000)}),
       lidar_trajectory_(T_vehicle_lidar) {}
 
+// Wheels that slip for a moment, or come now and then, change nothing: each change begins a map.
+bool LidarMotion::by_wheels(bool has_wheels, Stamp now) {
+  constexpr Duration kChangeAfter{2'000'000'000};
+  if (!by_wheels_) by_wheels_ = has_wheels;
+  other_since_ = has_wheels == *by_wheels_ ? Stamp::latest() : std::min(other_since_, now);
+  if (other_since_ != Stamp::latest() && now - other_since_ >= kChangeAfter) {
+    by_wheels_ = has_wheels;
+    other_since_ = Stamp::latest();
+  }
+  return *by_wheels_;
+}
+
 // The velocity is that of the time between the last two middles: both ends lag alike where it
-// changes evenly. A first motion is that between the middles.
-std::optional<motion::RelativePose> LidarMotion::follow(const Sweep& sweep, Stamp end) {
+// changes evenly. A first motion is at the velocity between the middles. The prediction counts only
+// where the geometry leaves a direction free.
+std::optional<motion::RelativePose> LidarMotion::follow(const Sweep& sweep,
+                                                        const geometry::Trajectory& predicted,
+                                                        Stamp end) {
+  constexpr Duration kMaxGap{1'000'000'000};
+  if (followed_ && !(end > followed_->stamp && end - followed_->stamp < kMaxGap)) followed_.reset();
   if (!followed_) lidar_trajectory_.reset();
   const std::optional<End> last = followed_;
-  lidar_odometry_.reset();
+  const bool was_moving = lidar_trajectory_.moving();
+  if (lidar_odometry_.map_voxels() > 0) lidar_odometry_.reset();
   located_ = map_deskewed_ = false;
-  const registration::LidarOdometryResult& result = lidar_trajectory_.add(sweep);
-  followed_ = End{end, std::nullopt};
+  const Stamp middle = sweep.stamp + sweep.span / 2;
+  std::optional<Eigen::Isometry3d> guess;
+  if (last) {
+    const auto motion = predicted.between(last->middle, middle);
+    if (motion.usable()) guess = motion.T_from_to;
+  }
+  const registration::LidarOdometryResult& result = lidar_trajectory_.add(sweep, guess);
+  followed_ = End{end, middle, std::nullopt};
   if (!result.usable()) return std::nullopt;
   followed_->T_map_vehicle = lidar_trajectory_.T_map_end();
-  if (!last) return std::nullopt;
-  motion::RelativePose motion = result.motion;
+  // After a sweep without a pose, the motion would be one from a guess.
+  if (!last || (was_moving && !last->T_map_vehicle)) return std::nullopt;
+  const motion::RelativePose& middles = result.motion;
+  motion::RelativePose motion = middles;
   motion.from = last->stamp;
   motion.to = end;
   if (last->T_map_vehicle) {
     motion.T_from_to = last->T_map_vehicle->inverse() * *followed_->T_map_vehicle;
+  } else {
+    const double share = to_seconds(end - last->stamp) / to_seconds(middles.to - middles.from);
+    motion.T_from_to = geometry::exp(share * geometry::log(middles.T_from_to));
   }
   return motion;
 }

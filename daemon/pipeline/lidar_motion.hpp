@@ -30,7 +30,9 @@ class LidarMotion {
   template <class Deskew>
   bool measure(const Sweep& sweep, OdometryTracker& odometry, motion::Deskewer& deskewer,
                motion::DeskewedSweep& deskewed, Deskew deskew) {
-    if (!odometry.has_wheels()) return follow(sweep, odometry, deskewed.reference, deskew);
+    if (!by_wheels(odometry.has_wheels(), deskewed.reference)) {
+      return follow(sweep, odometry, deskewed.reference, deskew);
+    }
     followed_.reset();
     const bool predicted = deskewed.usable();
     Found found = align(sweep, odometry, deskewer, deskewed);
@@ -47,13 +49,15 @@ class LidarMotion {
   };
   template <class Deskew>
   bool follow(const Sweep& sweep, OdometryTracker& odometry, Stamp end, Deskew deskew) {
-    const std::optional<motion::RelativePose> motion = follow(sweep, end);
+    const std::optional<motion::RelativePose> motion = follow(sweep, odometry.trajectory(), end);
     if (!motion) return false;
     odometry.add(*motion);
     deskew();
     return true;
   }
-  std::optional<motion::RelativePose> follow(const Sweep& sweep, Stamp end);
+  std::optional<motion::RelativePose> follow(const Sweep& sweep,
+                                             const geometry::Trajectory& predicted, Stamp end);
+  bool by_wheels(bool has_wheels, Stamp now);
   Found align(const Sweep& sweep, const OdometryTracker& odometry, motion::Deskewer& deskewer,
               motion::DeskewedSweep& deskewed);
   void take(const Found& found, bool predicted, const motion::DeskewedSweep& deskewed);
@@ -64,10 +68,12 @@ class LidarMotion {
   bool located_ = false;                       // that sweep has a pose in the local map
   bool map_deskewed_ = false;                  // sweeps of the local map are deskewed
 
+  std::optional<bool> by_wheels_;                   // what is done
+  Stamp other_since_ = Stamp::latest();             // that wheels came or went since
   registration::LidarTrajectory lidar_trajectory_;  // without wheels
-  /// The last sweep's end there; the pose if it was found.
+  /// The last sweep's end there, with the pose if it was found.
   struct End {
-    Stamp stamp;
+    Stamp stamp, middle;  // of the sweep
     std::optional<Eigen::Isometry3d> T_map_vehicle;
   };
   std::optional<End> followed_;

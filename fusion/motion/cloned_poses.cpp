@@ -1,5 +1,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 #include "fusion/geometry/symmetric_eigen.hpp"
 #include "fusion/motion/odometry_state.hpp"
@@ -116,7 +117,8 @@ RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose,
 
   const Directions directions =
       directions_of(options_.planar ? planar_part(pose.information) : pose.information, options_);
-  if (directions.count == 0) return result;
+  result.informative = directions.count > 0;
+  if (!result.informative) return result;
   const int at_from = kMotionSize + 6 * static_cast<int>(from);
   const int at_to = kMotionSize + 6 * static_cast<int>(to);
   const Matrix6 by_pose = directions.A * geometry::adjoint(T_from_odom);
@@ -131,7 +133,8 @@ RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose,
   const Eigen::LLT<Matrix6> solver(S);
   const double distance_squared = residual.dot(solver.solve(residual));
   // Four standard deviations.
-  result.accepted = !gated || distance_squared <= 16 + 2.2 * directions.count;
+  result.accepted = std::isfinite(distance_squared) &&
+                    (!gated || distance_squared <= 16 + 2.2 * directions.count);
   if (!result.accepted) return result;
 
   // The gain of the motion since `from`.

@@ -118,6 +118,7 @@ void OdometryFilter::reset_clock() {
   now_ = newest_stamp_ = last_steering_stamp_ = Stamp::earliest();
   sources_.reset();
   gnss_position_check_.reset();
+  last_lidar_motion_.reset();
   speed_agreement_.reset();
   last_gnss_speed_stamp_ = Stamp::earliest();
   at_rest_since_ = Stamp::latest();
@@ -305,7 +306,7 @@ void OdometryFilter::add(const RelativePose& pose) {
     ++late_;
     return;
   }
-  if (!result.accepted && believe_lidar(pose, result)) {
+  if (!result.accepted && result.informative && believe_lidar(pose, result)) {
     const bool wheels = sources_.carries(OdometrySource::kWheels, now_);
     const double seconds = to_seconds(pose.to - pose.from);
     if (wheels && result.error.tail<3>().norm() > kWheelAgreement * seconds) {
@@ -329,6 +330,7 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
                                    const RelativePoseUpdate& update) const {
   constexpr double kMaxRotationError = 0.01;                         // rad
   constexpr double kMaxAcceleration = 12, kMaxTurnAcceleration = 6;  // m/s², rad/s²
+  constexpr double kMaxGnssDifference = 3;                           // m/s
   constexpr double kMaxStepError = 0.3, kMaxTurnError = 0.05;        // m, rad, of the lidar
   const bool gnss = sources_.carries(OdometrySource::kGnssSpeed, now_);
   const double seconds = to_seconds(pose.to - pose.from);
@@ -340,7 +342,10 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
   } else if (last_lidar_motion_ && last_lidar_motion_->to == pose.from) {
     const geometry::Vector6 change =
         geometry::log(pose.T_from_to) / seconds - last_lidar_motion_->twist;
-    if (change.tail<3>().norm() < kMaxAcceleration * seconds + kMaxStepError / seconds &&
+    const bool contradicted = gnss && std::abs(pose.T_from_to.translation().norm() / seconds -
+                                               *last_gnss_speed_) > kMaxGnssDifference;
+    if (!contradicted &&
+        change.tail<3>().norm() < kMaxAcceleration * seconds + kMaxStepError / seconds &&
         change.head<3>().norm() < kMaxTurnAcceleration * seconds + kMaxTurnError / seconds) {
       return true;
     }

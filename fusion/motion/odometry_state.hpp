@@ -20,6 +20,7 @@ struct EstimatedParameter {
 /// What became of a `RelativePose`.
 struct RelativePoseUpdate {
   bool known = false;                                           ///< both times have a cloned pose
+  bool informative = false;                                     ///< it measures any direction
   bool accepted = false;                                        ///< consistent with the motion
   geometry::Vector6 error = geometry::Vector6::Zero();          ///< measured minus predicted motion
   geometry::Vector6 change_at_to = geometry::Vector6::Zero();   ///< left perturbation of the pose

@@ -130,6 +130,7 @@ Eigen::Isometry3d LidarOdometry::predict(Stamp reference) const {
 RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map_lidar_guess,
                                                   int max_iterations, bool final) {
   RegistrationResult result;
+  overlap_ = 0;
   result.T_target_source = T_map_lidar_guess;
   result.points = selected_.size();
   const Eigen::Vector3d anchor = map_.anchor(T_map_lidar_guess.translation());

@@ -13,7 +13,8 @@ Stamp middle(const Sweep& sweep) { return sweep.stamp + sweep.span / 2; }
 
 LidarTrajectory::LidarTrajectory(const Eigen::Isometry3d& T_vehicle_lidar,
                                  const LidarOdometryOptions& options)
-    : deskewer_(T_vehicle_lidar),
+    : max_lost_(options.max_failures),
+      deskewer_(T_vehicle_lidar),
       odometry_(T_vehicle_lidar, options),
       motion_({.capacity = 2, .max_gap = Duration(10'000'000'000)}) {}
 
@@ -22,14 +23,14 @@ void LidarTrajectory::deskew(const Sweep& sweep, const geometry::Vector6& veloci
   deskewer_.deskew(sweep, motion_, middle(sweep), deskewed_);
 }
 
-void LidarTrajectory::start(const Sweep& sweep, Stamp reference) {
-  const double seconds = to_seconds(reference - middle(*first_));
-  std::optional<Eigen::Isometry3d> T_from_to;
+void LidarTrajectory::start(const Sweep& sweep, Stamp reference,
+                            std::optional<Eigen::Isometry3d> T_from_to) {
+  const double seconds = to_seconds(reference - middle(first_));
   velocity_.setZero();
   for (int pass = 0; pass < kStartPasses; ++pass) {
     odometry_.reset();
-    deskew(*first_, velocity_);
-    odometry_.add(points(), odometry_.align(points(), middle(*first_)));
+    deskew(first_, velocity_);
+    odometry_.add(points(), odometry_.align(points(), middle(first_)));
     deskew(sweep, velocity_);
     result_ = odometry_.align(points(), reference, T_from_to);
     if (!result_.usable()) break;
@@ -38,48 +39,56 @@ void LidarTrajectory::start(const Sweep& sweep, Stamp reference) {
   }
 }
 
-const LidarOdometryResult& LidarTrajectory::add(const Sweep& sweep) {
+const LidarOdometryResult& LidarTrajectory::add(
+    const Sweep& sweep, const std::optional<Eigen::Isometry3d>& T_from_to_guess) {
   const Stamp reference = middle(sweep);
   const double seconds = to_seconds(reference - last_);
-  if (!moving_ && first_) {
-    start(sweep, reference);
-  } else if (moving_) {
-    std::optional<Eigen::Isometry3d> guess = geometry::exp(velocity_ * seconds);
-    deskew(sweep, velocity_);
-    result_ = odometry_.align(points(), reference, guess);
-    if (result_.usable() || result_.unsettled) {
-      guess = result_.motion.T_from_to;
-      deskew(sweep, geometry::log(*guess) / seconds);
-      result_ = odometry_.align(points(), reference, guess);
-    }
+  if (moving_) {
+    follow(sweep, reference,
+           T_from_to_guess ? *T_from_to_guess : geometry::exp(velocity_ * seconds));
+  } else if (waiting_ && (T_from_to_guess || lost_ % max_lost_ == 0)) {
+    start(sweep, reference, T_from_to_guess);
   } else {
-    deskew(sweep, velocity_);
-    result_ = odometry_.align(points(), reference);
+    result_ = {};
+    result_.stamp = reference;
+    result_.reason = "the first sweep waits for the next";
   }
-  const bool usable = result_.usable();
-  if (usable) {
+  if (result_.usable()) {
     const geometry::Vector6 velocity = geometry::log(result_.motion.T_from_to) / seconds;
     velocity_before_ = moving_ ? velocity_ : velocity;
     velocity_ = velocity;
-  }
-  odometry_.add(points(), result_);
-  if (usable) {
-    first_.reset();
     moving_ = true;
-  } else if (!moving_) {
-    // The next sweep starts with this one.
+    waiting_ = false;
+    lost_ = 0;
+  } else if (!moving_ || ++lost_ >= max_lost_) {
+    // The next sweep starts with this one. The search of a start costs a hundred registrations.
+    if (moving_) reset();
+    lost_ = waiting_ ? lost_ + 1 : 0;
     first_ = sweep;
+    waiting_ = true;
   }
+  if (moving_) odometry_.add(points(), result_);
   last_ = reference;
   to_end_ = sweep.span - sweep.span / 2;
   return result_;
 }
 
+// Deskewed at the velocity before, and again at the one that is found.
+void LidarTrajectory::follow(const Sweep& sweep, Stamp reference, const Eigen::Isometry3d& guess) {
+  const double seconds = to_seconds(reference - last_);
+  deskew(sweep, velocity_);
+  result_ = odometry_.align(points(), reference, guess);
+  if (!result_.usable() && !result_.unsettled) return;
+  const Eigen::Isometry3d T_from_to = result_.motion.T_from_to;
+  deskew(sweep, geometry::log(T_from_to) / seconds);
+  result_ = odometry_.align(points(), reference, T_from_to);
+}
+
 void LidarTrajectory::reset() {
   odometry_.reset();
-  first_.reset();
   velocity_.setZero();
-  moving_ = false;
+  moving_ = waiting_ = false;
+  lost_ = 0;
 }
 
 Eigen::Isometry3d LidarTrajectory::T_map_end() const {

@@ -18,11 +18,17 @@ class LidarTrajectory {
                            const LidarOdometryOptions& options = {});
 
   /// Processes the next sweep and returns what was found. The first sweep waits for the second,
-  /// which shows how fast the vehicle was when it began.
-  const LidarOdometryResult& add(const Sweep& sweep);
+  /// which shows how fast the vehicle was when it began. The guess is the motion between the
+  /// middles of the sweep before and this one, which stays where the geometry leaves a direction
+  /// free; without one the motion before is taken to continue.
+  const LidarOdometryResult& add(const Sweep& sweep,
+                                 const std::optional<Eigen::Isometry3d>& T_from_to_guess = {});
 
-  /// Forgets all: the next sweep is a first one.
+  /// Forgets map and motion: the next sweep is a first one.
   void reset();
+
+  /// True once two sweeps have shown a motion, until too many in a row show none.
+  bool moving() const { return moving_; }
 
   /// Pose of the vehicle at the end of the last sweep in the frame of the results' `T_map_vehicle`,
   /// at the mean of the velocities that were measured last: the error of a pose would count twice.
@@ -33,14 +39,18 @@ class LidarTrajectory {
 
  private:
   void deskew(const Sweep& sweep, const geometry::Vector6& velocity);
-  void start(const Sweep& sweep, Stamp reference);
+  void start(const Sweep& sweep, Stamp reference, std::optional<Eigen::Isometry3d> T_from_to);
+  void follow(const Sweep& sweep, Stamp reference, const Eigen::Isometry3d& guess);
   geometry::PointsView points() const { return {deskewed_.x, deskewed_.y, deskewed_.z}; }
 
+  int max_lost_;
   motion::Deskewer deskewer_;
   LidarOdometry odometry_;
   geometry::Trajectory motion_;  // of the present sweep, at constant twist
   motion::DeskewedSweep deskewed_;
-  std::optional<Sweep> first_;                              // until the second comes
+  Sweep first_;                                             // until the second comes
+  bool waiting_ = false;                                    // for it
+  int lost_ = 0;                                            // sweeps in a row without a motion
   geometry::Vector6 velocity_ = geometry::Vector6::Zero();  // twist per second, vehicle frame
   geometry::Vector6 velocity_before_ = geometry::Vector6::Zero();  // of the sweep before
   bool moving_ = false;                                            // velocity_ is known

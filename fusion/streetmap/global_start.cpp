@@ -66,7 +66,7 @@ std::optional<std::string> GlobalStartOptions::invalid() const {
     return "global_start: sigmas and limits must be positive";
   }
   if (!(believed_radius >= 0 && believed_log_odds >= 0 && believed_log_odds < max_log_odds)) {
-    return "global_start: believed_log_odds must lie within 0 … max_log_odds";
+    return "global_start: believed_radius must be 0 or more, believed_log_odds 0 … max_log_odds";
   }
   if (!(max_elsewhere > 0 && max_elsewhere < 1 && max_mean_misfit > 0 && min_alone >= 0)) {
     return "global_start: max_elsewhere must lie within 0 … 1, max_mean_misfit be positive";

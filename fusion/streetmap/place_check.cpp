@@ -169,7 +169,7 @@ std::optional<PlanarPose> PlaceCheck::propose() {
   }
   if (best == nullptr) return std::nullopt;
   if (best->total() + std::log(options_.prior_odds) < options_.min_better) return std::nullopt;
-  best->log_odds = 0;
+  best->log_odds = -best->by_drive;  // again only by further evidence
   return best->T.compose(estimate_);
 }
 

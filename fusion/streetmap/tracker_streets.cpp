@@ -61,6 +61,12 @@ void Tracker::use_found_street() {
     if (tracking) searching_streets_ = false;
     return;
   }
+  // What was begun along this street is given time.
+  const double distance = options_.global_start.same_place;
+  if (started_ && updates_since_search_ < options_.confidence.window &&
+      is_same_place(particles_.moments().mean, found->pose, distance)) {
+    return;
+  }
   const Eigen::Vector3d map_error(0, 0, kFoundYawSigma * kFoundYawSigma);
   start(found->pose, found->covariance + Eigen::Matrix3d(map_error.asDiagonal()));
 }
