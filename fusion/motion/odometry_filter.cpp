@@ -306,9 +306,9 @@ void OdometryFilter::add(const RelativePose& pose) {
     ++late_;
     return;
   }
+  const double seconds = to_seconds(pose.to - pose.from);
   if (!result.accepted && result.informative && believe_lidar(pose, result)) {
     const bool wheels = sources_.carries(OdometrySource::kWheels, now_);
-    const double seconds = to_seconds(pose.to - pose.from);
     if (wheels && result.error.tail<3>().norm() > kWheelAgreement * seconds) {
       wheels_suspended_ = true;
       wheels_agree_since_ = Stamp::latest();
@@ -316,7 +316,7 @@ void OdometryFilter::add(const RelativePose& pose) {
     state_.release_motion(pose.from, now_);
     result = state_.update_relative_pose(pose, wheels);
   }
-  last_lidar_motion_ = {pose.to, geometry::log(pose.T_from_to) / to_seconds(pose.to - pose.from)};
+  last_lidar_motion_ = {pose.to, geometry::log(pose.T_from_to) / seconds};
   record(OdometrySource::kLidar, result.accepted);
   if (result.accepted) correct_trajectory(pose, result);
 }

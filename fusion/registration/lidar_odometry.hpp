@@ -73,8 +73,8 @@ class LidarOdometry {
                             const std::optional<Eigen::Isometry3d>& T_from_to_guess = {});
 
   /// Takes a sweep into the map at its pose, deskewed to the same time, possibly better than for
-  /// `align`. If the result is not usable, the vehicle is taken to have followed the guess, and the
-  /// map is left as it is unless that happens repeatedly.
+  /// `align`. If the result is not usable, the vehicle is taken to have followed the guess, or an
+  /// estimate that was unsettled, and the map is left as it is unless that happens repeatedly.
   void add(const geometry::PointsView& points, const LidarOdometryResult& result);
 
   /// Forgets map and motion.

@@ -49,7 +49,7 @@ class ParticleSet {
 
   /// Replaces every third particle by a draw from a normal distribution around `mean`, each with
   /// the mean weight: a second mode, half as likely as the first. Of two modes that there are
-  /// already, the less likely one is given up for it.
+  /// already, the less likely one is given up for it, with all its particles.
   void add_mode(const PlanarPose& mean, const Eigen::Matrix3d& covariance);
 
   /// Moves all particles by a motion in the vehicle frame with its covariance (x, y, yaw) and the
