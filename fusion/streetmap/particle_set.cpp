@@ -1,6 +1,6 @@
 #include "fusion/streetmap/particle_set.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -10,11 +10,23 @@
 namespace infuse::streetmap {
 namespace {
 
-/// Returns a square root L of a covariance, L Lᵀ = C; directions without variance are zero.
+/// Returns a square root L of a covariance, L Lᵀ = C: Cholesky's, where directions without variance
+/// are zero. Not from eigenvectors: the last bit of a nearly round covariance turns those.
 template <int N>
 Eigen::Matrix<double, N, N> matrix_sqrt(const Eigen::Matrix<double, N, N>& covariance) {
-  const auto eigen = geometry::symmetric_eigen<N>((covariance + covariance.transpose()) / 2);
-  return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
+  Eigen::Matrix<double, N, N> L = Eigen::Matrix<double, N, N>::Zero();
+  for (int j = 0; j < N; ++j) {
+    double variance = covariance(j, j);
+    for (int k = 0; k < j; ++k) variance -= L(j, k) * L(j, k);
+    if (!(variance > 1e-12 * covariance(j, j))) continue;
+    L(j, j) = std::sqrt(variance);
+    for (int i = j + 1; i < N; ++i) {
+      double sum = (covariance(i, j) + covariance(j, i)) / 2;
+      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
+      L(i, j) = sum / L(j, j);
+    }
+  }
+  return L;
 }
 
 /// State vector of a particle: x, y, yaw, scale, yaw-rate bias.
@@ -69,7 +81,7 @@ void ParticleSet::scatter(const PlanarPose& mean, const Eigen::Matrix3d& covaria
   const auto draw = [&](int count) {
     particles_.resize(static_cast<size_t>(count));
     for (Particle& particle : particles_) {
-      const Eigen::Vector3d d = L * Eigen::Vector3d(normal(), normal(), normal());
+      const Eigen::Vector3d d = L * Eigen::Vector3d{normal(), normal(), normal()};
       particle = {{mean.x + d.x(), mean.y + d.y(), wrap_angle(mean.yaw + d.z())}};
       draw_odometry_errors(particle);
     }
@@ -107,7 +119,7 @@ void ParticleSet::add_mode(const PlanarPose& mean, const Eigen::Matrix3d& covari
     particle.log_weight = std::log(std::max(weights_[i], 1e-300));
     particle.in_second_mode = given_up(particle) || (few && others++ % 3 == 0);
     if (!particle.in_second_mode) continue;
-    const Eigen::Vector3d d = L * Eigen::Vector3d(normal(), normal(), normal());
+    const Eigen::Vector3d d = L * Eigen::Vector3d{normal(), normal(), normal()};
     particle.pose = {mean.x + d.x(), mean.y + d.y(), wrap_angle(mean.yaw + d.z())};
     particle.log_weight = even;
   }
@@ -153,7 +165,7 @@ void ParticleSet::predict(const PlanarPose& motion, const Eigen::Matrix3d& covar
   const double rate_decay = std::exp(-seconds / options_.yaw_rate_bias_correlation_time);
   const double rate_walk = options_.yaw_rate_bias_sigma * std::sqrt(1 - rate_decay * rate_decay);
   for (Particle& particle : particles_) {
-    const Eigen::Vector3d d = L * Eigen::Vector3d(normal(), normal(), normal());
+    const Eigen::Vector3d d = L * Eigen::Vector3d{normal(), normal(), normal()};
     const double scale = particle.scale, turned = particle.yaw_rate_bias * seconds;
     particle.pose = particle.pose.compose(
         {scale * motion.x + d.x(), scale * motion.y + d.y(), motion.yaw + turned + d.z()});
@@ -272,7 +284,7 @@ void ParticleSet::smooth_with_kernel() {
     const Eigen::Matrix<double, 5, 5> L = width * matrix_sqrt<5>(covariance);
     for (Particle& particle : particles_) {
       if (!in_mode(particle)) continue;
-      const ParticleState n(normal(), normal(), normal(), normal(), normal());
+      const ParticleState n{normal(), normal(), normal(), normal(), normal()};
       add(particle, (shrinkage - 1) * difference(middle, particle) + L * n);
       particle.pose.x += options_.jitter * normal();
       particle.pose.y += options_.jitter * normal();
