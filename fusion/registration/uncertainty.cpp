@@ -91,12 +91,11 @@ DeterminedDirections determined_directions(const PoseSystem& system, const PairN
 
 Vector6 determined_step(const PoseSystem& system, const DeterminedDirections& determined) {
   if (determined.count == 0) return Vector6::Zero();
-  const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> directions =
-      determined.twist_from_scaled * determined.basis.leftCols(determined.count);
-  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> H =
-      directions.transpose() * (system.planes + system.isotropic) * directions;
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> g =
-      directions.transpose() * system.gradient;
+  Matrix6 directions = determined.twist_from_scaled * determined.basis;
+  directions.rightCols(6 - determined.count).setZero();
+  Matrix6 H = directions.transpose() * (system.planes + system.isotropic) * directions;
+  for (int i = determined.count; i < 6; ++i) H(i, i) = 1;
+  const Vector6 g = directions.transpose() * system.gradient;
   return directions * H.llt().solve(g);
 }
 
