@@ -1,6 +1,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "fusion/geometry/symmetric_eigen.hpp"
 #include "fusion/motion/odometry_state.hpp"
@@ -67,6 +69,22 @@ Directions directions_of(const Matrix6& information, const OdometryOptions& opti
   return directions;
 }
 
+/// Whether the directions measure speed and rotation about z, where nothing else is known of
+/// either.
+std::pair<bool, bool> measured_motion(const Directions& directions, double seconds,
+                                      bool moves_forward) {
+  constexpr double kMaxSpeedSigma = 1, kMaxYawRateSigma = 0.1;  // m/s, rad/s
+  Vector6 unknown;
+  unknown << Eigen::Vector3d::Constant(kRotationScale / kFreeSigma),
+      Eigen::Vector3d::Constant(1 / kFreeSigma);
+  const Matrix6 information =
+      directions.A.transpose() * directions.A + Matrix6(unknown.cwiseAbs2().asDiagonal());
+  const Vector6 variance = information.llt().solve(Matrix6::Identity()).diagonal();
+  const double shift = moves_forward ? variance[3] : std::max(variance[3], variance[4]);
+  return {std::sqrt(shift) < kMaxSpeedSigma * seconds,
+          std::sqrt(variance[2]) < kMaxYawRateSigma * seconds};
+}
+
 }  // namespace
 
 void OdometryState::clear_clones() {
@@ -118,6 +136,8 @@ RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose,
   const Directions directions =
       directions_of(options_.planar ? planar_part(pose.information) : pose.information, options_);
   result.informative = directions.count > 0;
+  std::tie(result.speed_measured, result.rotation_measured) =
+      measured_motion(directions, to_seconds(pose.to - pose.from), options_.moves_forward);
   if (!result.informative) return result;
   const int at_from = kMotionSize + 6 * static_cast<int>(from);
   const int at_to = kMotionSize + 6 * static_cast<int>(to);

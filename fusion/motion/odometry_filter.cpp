@@ -317,8 +317,10 @@ void OdometryFilter::add(const RelativePose& pose) {
     result = state_.update_relative_pose(pose, wheels);
   }
   last_lidar_motion_ = {pose.to, geometry::log(pose.T_from_to) / seconds};
-  record(OdometrySource::kLidar, result.accepted);
-  if (result.accepted) correct_trajectory(pose, result);
+  sources_.add(OdometrySource::kLidar, result.accepted, now_, result.speed_measured,
+               result.rotation_measured);
+  outliers_ += result.accepted ? 0 : 1;
+  if (result.accepted && usable()) correct_trajectory(pose, result);
 }
 
 // The motion contradicts the lidar. Without wheels the motion is a guess, and the lidar is right if
@@ -382,8 +384,15 @@ void OdometryFilter::detect_standstill(bool at_rest) {
 
 const char* OdometryFilter::reason() const {
   if (now_ == Stamp::earliest()) return "no sample received yet";
-  if (!sources_.speed_known(now_)) return "no source of speed";
-  if (!sources_.rotation_known(now_)) return "no source of rotation";
+  const bool lidar = sources_.carries(OdometrySource::kLidar, now_);
+  if (!sources_.speed_known(now_)) {
+    return lidar ? "no source of speed: the surroundings show the lidar none"
+                 : "no source of speed";
+  }
+  if (!sources_.rotation_known(now_)) {
+    return lidar ? "no source of rotation: the surroundings show the lidar none"
+                 : "no source of rotation";
+  }
   return "";
 }
 

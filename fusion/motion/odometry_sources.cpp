@@ -17,11 +17,14 @@ bool is_gnss(OdometrySource source) {
 
 }  // namespace
 
-void OdometrySources::add(OdometrySource source, bool accepted, Stamp now) {
+void OdometrySources::add(OdometrySource source, bool accepted, Stamp now, bool speed,
+                          bool rotation) {
   SourceRecord& record = records_[static_cast<size_t>(source)];
   if (accepted) {
     ++record.accepted;
     record.last_accepted = now;
+    if (speed) record.last_speed = now;
+    if (rotation) record.last_rotation = now;
     record.rejected_since = Stamp::latest();
     record.rejected_in_a_row = 0;
   } else {
@@ -33,26 +36,31 @@ void OdometrySources::add(OdometrySource source, bool accepted, Stamp now) {
 
 void OdometrySources::reset() {
   for (SourceRecord& record : records_) {
-    record.last_accepted = Stamp::earliest();
+    record.last_accepted = record.last_speed = record.last_rotation = Stamp::earliest();
     record.rejected_since = Stamp::latest();
     record.rejected_in_a_row = 0;
   }
 }
 
-bool OdometrySources::carries(OdometrySource source, Stamp now) const {
-  const Stamp last = (*this)[source].last_accepted;
+bool OdometrySources::is_recent(OdometrySource source, Stamp last, Stamp now) const {
   return last != Stamp::earliest() &&
          now - last <= (is_gnss(source) ? options_.max_gnss_silence : options_.max_silence);
 }
 
+bool OdometrySources::carries(OdometrySource source, Stamp now) const {
+  return is_recent(source, (*this)[source].last_accepted, now);
+}
+
 bool OdometrySources::speed_known(Stamp now, OdometrySource except) const {
-  return std::any_of(std::begin(kSpeedSources), std::end(kSpeedSources),
-                     [&](OdometrySource s) { return s != except && carries(s, now); });
+  return std::any_of(std::begin(kSpeedSources), std::end(kSpeedSources), [&](OdometrySource s) {
+    return s != except && is_recent(s, (*this)[s].last_speed, now);
+  });
 }
 
 bool OdometrySources::rotation_known(Stamp now, OdometrySource except) const {
-  return std::any_of(std::begin(kRotationSources), std::end(kRotationSources),
-                     [&](OdometrySource s) { return s != except && carries(s, now); });
+  return std::any_of(
+      std::begin(kRotationSources), std::end(kRotationSources),
+      [&](OdometrySource s) { return s != except && is_recent(s, (*this)[s].last_rotation, now); });
 }
 
 }  // namespace infuse::motion

@@ -29,6 +29,8 @@ struct SourceRecord {
   uint64_t accepted = 0;
   uint64_t rejected = 0;                    ///< inconsistent with the motion
   Stamp last_accepted = Stamp::earliest();  ///< earliest: none
+  Stamp last_speed = Stamp::earliest();     ///< that measured the speed, if the source does
+  Stamp last_rotation = Stamp::earliest();  ///< that measured the rotation about z, the same
   Stamp rejected_since = Stamp::latest();   ///< latest: the last sample was accepted
   uint64_t rejected_in_a_row = 0;
 };
@@ -38,12 +40,14 @@ class OdometrySources {
  public:
   explicit OdometrySources(const OdometryOptions& options) : options_(options) {}
 
-  /// Records a sample of a source.
-  void add(OdometrySource source, bool accepted, Stamp now);
+  /// Records a sample of a source. A lidar does not always measure both: in a tunnel no speed.
+  void add(OdometrySource source, bool accepted, Stamp now, bool speed = true,
+           bool rotation = true);
 
   /// Lets a source carry on without a sample, which is not counted.
   void hold(OdometrySource source, Stamp now) {
-    records_[static_cast<size_t>(source)].last_accepted = now;
+    SourceRecord& record = records_[static_cast<size_t>(source)];
+    record.last_accepted = record.last_speed = record.last_rotation = now;
   }
 
   /// Forgets when samples came; the counters stay.
@@ -62,6 +66,8 @@ class OdometrySources {
   bool rotation_known(Stamp now, OdometrySource except = OdometrySource::kCount) const;
 
  private:
+  bool is_recent(OdometrySource source, Stamp last, Stamp now) const;
+
   OdometryOptions options_;
   std::array<SourceRecord, kOdometrySources> records_;
 };

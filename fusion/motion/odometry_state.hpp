@@ -22,6 +22,8 @@ struct RelativePoseUpdate {
   bool known = false;                                           ///< both times have a cloned pose
   bool informative = false;                                     ///< it measures any direction
   bool accepted = false;                                        ///< consistent with the motion
+  bool speed_measured = false;                                  ///< to 1 m/s, whatever was known
+  bool rotation_measured = false;                               ///< about z, to 0.1 rad/s
   geometry::Vector6 error = geometry::Vector6::Zero();          ///< measured minus predicted motion
   geometry::Vector6 change_at_to = geometry::Vector6::Zero();   ///< left perturbation of the pose
   geometry::Vector6 change_at_now = geometry::Vector6::Zero();  ///< the same of the current pose

@@ -139,7 +139,7 @@ RegistrationResult Gicp::align(const PreparedCloud& target, const PointCloud& so
       return result;
     }
     system = pose_system(pairs_, options_.noise);
-    determined = determined_directions(system, options_.noise, options_.min_plane_fraction);
+    determined = determined_directions(pairs_, system, options_.noise, options_.min_plane_fraction);
     const Vector6 step = determined_step(system, determined);
     if (!step.allFinite()) {
       result.reason = "the points do not determine a pose";

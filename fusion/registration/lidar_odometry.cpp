@@ -162,7 +162,7 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
     }
     map_.find_planes(anchor, radius, which_, pairs_);
     system = pose_system(pairs_, noise);
-    determined = determined_directions(system, noise, options_.min_plane_fraction);
+    determined = determined_directions(pairs_, system, noise, options_.min_plane_fraction);
     Vector6 step = determined_step(system, determined);
     if (!step.allFinite() || determined.count == 0) {
       result.reason = "too few points lie on planes of the map";

@@ -94,11 +94,13 @@ INFUSE_SIMD_CLONES void add_block(const Pairs& pairs, size_t from, size_t to, fl
 
 void Pairs::resize(size_t pairs) {
   size = pairs;
-  for (Field* field : {&px, &py, &pz, &sx, &sy, &sz, &qx, &qy, &qz, &tx, &ty, &tz, &weight}) {
+  for (Field* field :
+       {&px, &py, &pz, &sx, &sy, &sz, &qx, &qy, &qz, &tx, &ty, &tz, &weight, &tilt}) {
     reserve_with_headroom(*field, padded());
     field->resize(padded());
     std::fill(field->begin() + static_cast<ptrdiff_t>(pairs), field->end(), 0.0F);
   }
+  std::fill(tilt.begin(), tilt.end(), 0.0F);
 }
 
 PoseSystem pose_system(const Pairs& pairs, const PairNoise& noise) {

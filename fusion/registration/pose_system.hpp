@@ -17,6 +17,7 @@ struct Pairs {
   Field qx, qy, qz;  ///< m, points of the target
   Field tx, ty, tz;  ///< their normals
   Field weight;      ///< 1, or 0: no pair
+  Field tilt;        ///< rad², variance of the target's normals by noise; 0: not known
   size_t size = 0;   ///< number of pairs, with weight or not
   size_t padded() const { return (size + kLanes - 1) / kLanes * kLanes; }
   void resize(size_t pairs);

@@ -51,6 +51,37 @@ PairGradient pair_gradient(const Pairs& pairs, size_t i, const PairNoise& noise)
   return out;
 }
 
+/// What the noise of normals adds to Σ w (Jn)(Jn)ᵀ: of pairs whose normal is the commonest one but
+/// for its noise, the difference from that of the commonest one.
+Matrix6 tilt_by_noise(const Pairs& pairs, const PoseSystem& system, const PairNoise& noise) {
+  constexpr float kSigmas = 3;
+  const Eigen::Vector3f common =
+      geometry::symmetric_eigen<3>(system.planes.bottomRightCorner<3, 3>())
+          .vectors.col(2)
+          .cast<float>();
+  const auto width2 = static_cast<float>(noise.robust_width * noise.robust_width);
+  Matrix6 sum = Matrix6::Zero();
+  for (size_t i = 0; i < pairs.size; ++i) {
+    if (!(pairs.weight[i] > 0) || !(pairs.tilt[i] > 0)) continue;
+    const float nx = pairs.tx[i], ny = pairs.ty[i], nz = pairs.tz[i];
+    const float cosine = nx * common.x() + ny * common.y() + nz * common.z();
+    if (1 - cosine * cosine > kSigmas * kSigmas * pairs.tilt[i]) continue;
+    double weight = static_cast<double>(pairs.weight[i]);
+    if (width2 > 0) {
+      const float d = nx * (pairs.qx[i] - pairs.px[i]) + ny * (pairs.qy[i] - pairs.py[i]) +
+                      nz * (pairs.qz[i] - pairs.pz[i]);
+      const float kernel = width2 / (width2 + d * d);
+      weight *= static_cast<double>(kernel * kernel);
+    }
+    const Eigen::Vector3d p(pairs.px[i], pairs.py[i], pairs.pz[i]), n(nx, ny, nz);
+    Vector6 own, other;
+    own << p.cross(n), n;
+    other << p.cross(common.cast<double>()), common.cast<double>();
+    sum += weight * (own * own.transpose() - other * other.transpose());
+  }
+  return sum;
+}
+
 /// Twists about the points' middle that move the points by 1 m in the root mean square: M^−½ with
 /// M the mean square displacement of the points by a twist. A rotation so counts by the points'
 /// distances from its axis, however far they reach along it.
@@ -69,8 +100,8 @@ Matrix6 unit_displacements(const PoseSystem& system) {
 
 }  // namespace
 
-DeterminedDirections determined_directions(const PoseSystem& system, const PairNoise& noise,
-                                           double min_plane_fraction) {
+DeterminedDirections determined_directions(const Pairs& pairs, const PoseSystem& system,
+                                           const PairNoise& noise, double min_plane_fraction) {
   DeterminedDirections out;
   if (!(system.weight > 0)) {
     out.count = 0;
@@ -81,8 +112,10 @@ DeterminedDirections determined_directions(const PoseSystem& system, const PairN
   middle.translation() = system.mean;
   out.twist_from_scaled = geometry::adjoint(middle) * unit_displacements(system);
   // A plane whose normal is the direction counts 1 / 2ε.
-  const Matrix6 scaled = out.twist_from_scaled.transpose() * system.planes * out.twist_from_scaled *
-                         (2 * noise.plane_variance / system.weight);
+  const Matrix6 planes =
+      2 * noise.plane_variance * system.planes - tilt_by_noise(pairs, system, noise);
+  const Matrix6 scaled =
+      out.twist_from_scaled.transpose() * planes * out.twist_from_scaled / system.weight;
   const auto eigen = geometry::symmetric_eigen<6>(scaled);
   out.basis = eigen.vectors.rowwise().reverse();
   out.count = static_cast<int>((eigen.values.array() >= min_plane_fraction).count());

@@ -13,6 +13,8 @@ namespace infuse::registration {
 namespace {
 
 constexpr int kMoments = 10;  // weight, first and second moments
+constexpr double kRangeNoise =
+    0.02;  // m, of a return, at least: few points lie on a plane by chance
 
 /// Sum over the lanes, in one order on every processor.
 [[gnu::always_inline]] inline float sum(const Floats& v) {
@@ -193,13 +195,14 @@ void VoxelMap::find_planes(const Eigen::Vector3d& anchor, double radius,
     const int count = static_cast<int>(std::min<size_t>(kPlanes, which.size() - begin));
     Covariances covariances = {};
     float mean[kPlanes][3] = {};
+    double share[kPlanes] = {};  // of one point
     for (int lane = 0; lane < count; ++lane) {
       const auto i = static_cast<size_t>(which[begin + static_cast<size_t>(lane)]);
       const float p[3] = {pairs.px[i], pairs.py[i], pairs.pz[i]};
       gather(p, near);
       float moments[kMoments];
       if (sum_moments(near, static_cast<float>(radius), moments) < options_.min_points) continue;
-      const double w = 1 / static_cast<double>(moments[0]);
+      const double w = share[lane] = 1 / static_cast<double>(moments[0]);
       const double m[3] = {moments[1] * w, moments[2] * w, moments[3] * w};
       constexpr int kRow[6] = {0, 0, 0, 1, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 2};
       for (size_t e = 0; e < 6; ++e) {
@@ -224,6 +227,11 @@ void VoxelMap::find_planes(const Eigen::Vector3d& anchor, double radius,
       const bool plane = planes.others[lane] > 0 && (nx != 0 || ny != 0 || nz != 0);
       const double flat = plane ? 1 - 2 * planes.smallest[lane] / planes.others[lane] : 0;
       pairs.weight[i] = static_cast<float>(std::max(flat, 0.0) * std::max(flat, 0.0));
+      // A variance λ₀ across n points tilts their plane by λ₀/n (1/λ₁ + 1/λ₂).
+
+      const double across = std::max(planes.smallest[lane], kRangeNoise * kRangeNoise);
+      const double by_noise = across * share[lane] * planes.others[lane] / planes.product[lane];
+      pairs.tilt[i] = plane ? static_cast<float>(by_noise) : 0;
     }
   }
 }

@@ -338,5 +338,27 @@ TEST(RelativePose, AllocatesNothing) {
   EXPECT_EQ(allocation_count(), before);
 }
 
+// A lidar that sees no more than a tunnel's walls measures the rotation, not the speed.
+TEST(RelativePose, SaysThatALidarInATunnelShowsNoSpeed) {
+  const TrueDrive drive = town_drive(20);
+  SimulatedSensors sensors(drive, 1);
+  OdometryFilter filter(full_options());
+  add_sweep(filter, 0, nullptr);
+  for (double t = kSweep; t < 8; t += kSweep) {
+    const bool tunnel = t > 3 && t < 6;
+    const RelativePose pose = sensors.lidar(t - kSweep, t, tunnel);
+    add_sweep(filter, t, &pose);
+    if (t > 3.7 && tunnel) {
+      EXPECT_STREQ(filter.reason(), "no source of speed: the surroundings show the lidar none")
+          << t;
+      EXPECT_FALSE(filter.trajectory().at(seconds(t)).usable()) << t;
+    } else if (t < 3 || t > 6.3) {
+      EXPECT_TRUE(filter.usable()) << t << ": " << filter.reason();
+      EXPECT_TRUE(filter.trajectory().at(seconds(t)).usable()) << t;
+    }
+  }
+  EXPECT_FALSE(filter.trajectory().between(seconds(2.8), seconds(7)).usable());
+}
+
 }  // namespace
 }  // namespace infuse::motion
