@@ -272,7 +272,7 @@ void OdometryFilter::update_gnss_speed(double measured) {
 // has changed more since they agreed.
 bool OdometryFilter::wheels_slip(double gnss_speed) const {
   if (!speed_agreement_ || wheels_suspended_ || !sources_.carries(OdometrySource::kWheels, now_) ||
-      sources_.carries(OdometrySource::kLidar, now_) ||
+      sources_.measures_speed(OdometrySource::kLidar, now_) ||
       now_ - speed_agreement_->stamp > options_.max_gnss_silence) {
     return false;
   }

@@ -52,9 +52,8 @@ bool OdometrySources::carries(OdometrySource source, Stamp now) const {
 }
 
 bool OdometrySources::speed_known(Stamp now, OdometrySource except) const {
-  return std::any_of(std::begin(kSpeedSources), std::end(kSpeedSources), [&](OdometrySource s) {
-    return s != except && is_recent(s, (*this)[s].last_speed, now);
-  });
+  return std::any_of(std::begin(kSpeedSources), std::end(kSpeedSources),
+                     [&](OdometrySource s) { return s != except && measures_speed(s, now); });
 }
 
 bool OdometrySources::rotation_known(Stamp now, OdometrySource except) const {

@@ -60,6 +60,10 @@ class OdometrySources {
   /// Returns true if a sample of the source was accepted recently.
   bool carries(OdometrySource source, Stamp now) const;
 
+  /// Returns true if the source measured the speed recently.
+  bool measures_speed(OdometrySource source, Stamp now) const {
+    return is_recent(source, (*this)[source].last_speed, now);
+  }
   /// Returns true if a source carries the speed; `except` is not asked.
   bool speed_known(Stamp now, OdometrySource except = OdometrySource::kCount) const;
   /// Returns true if a source carries the rotation about z; `except` is not asked.

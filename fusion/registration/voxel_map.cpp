@@ -13,8 +13,8 @@ namespace infuse::registration {
 namespace {
 
 constexpr int kMoments = 10;  // weight, first and second moments
-constexpr double kRangeNoise =
-    0.02;  // m, of a return, at least: few points lie on a plane by chance
+// m, of a return, at least: few points may lie on a plane by chance.
+constexpr double kRangeNoise = 0.02;
 
 /// Sum over the lanes, in one order on every processor.
 [[gnu::always_inline]] inline float sum(const Floats& v) {
@@ -228,7 +228,6 @@ void VoxelMap::find_planes(const Eigen::Vector3d& anchor, double radius,
       const double flat = plane ? 1 - 2 * planes.smallest[lane] / planes.others[lane] : 0;
       pairs.weight[i] = static_cast<float>(std::max(flat, 0.0) * std::max(flat, 0.0));
       // A variance λ₀ across n points tilts their plane by λ₀/n (1/λ₁ + 1/λ₂).
-
       const double across = std::max(planes.smallest[lane], kRangeNoise * kRangeNoise);
       const double by_noise = across * share[lane] * planes.others[lane] / planes.product[lane];
       pairs.tilt[i] = plane ? static_cast<float>(by_noise) : 0;
