@@ -17,9 +17,9 @@ struct DeterminedDirections {
 };
 
 /// Finds the directions that the planes see: the part of the points' displacement that is along the
-/// normals is at least `min_plane_fraction` (in squares). Noise tilts the normals of level ground in
-/// all directions, and rings of returns on it would seem to show how far the vehicle moved: normals
-/// that may be the commonest one count as that.
+/// normals is at least `min_plane_fraction` (in squares). Noise tilts the normals of level ground
+/// in all directions, and rings of returns on it would seem to show how far the vehicle moved:
+/// normals that may be the commonest one count as that.
 DeterminedDirections determined_directions(const Pairs& pairs, const PoseSystem& system,
                                            const PairNoise& noise, double min_plane_fraction);
 
