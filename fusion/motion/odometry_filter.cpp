@@ -386,11 +386,10 @@ const char* OdometryFilter::reason() const {
   if (now_ == Stamp::earliest()) return "no sample received yet";
   const bool lidar = sources_.carries(OdometrySource::kLidar, now_);
   if (!sources_.speed_known(now_)) {
-    return lidar ? "no source of speed: the surroundings show the lidar none"
-                 : "no source of speed";
+    return lidar ? "no source of speed: nothing around the lidar shows it" : "no source of speed";
   }
   if (!sources_.rotation_known(now_)) {
-    return lidar ? "no source of rotation: the surroundings show the lidar none"
+    return lidar ? "no source of rotation: nothing around the lidar shows it"
                  : "no source of rotation";
   }
   return "";
