@@ -6,12 +6,8 @@
 namespace infuse::motion {
 namespace {
 
-constexpr size_t kMaxPendingSamples = 512;  // maximum number of samples waiting for earlier ones
-constexpr Duration kMaxPredictionStep{50'000'000};  // maximum duration of one prediction
-constexpr Duration kMaxStampJump{2'000'000'000};  // maximum gap between stamps; a single larger one
-                                                  // is rejected
+constexpr Duration kMaxPredictionStep{50'000'000};       // maximum duration of one prediction
 constexpr Duration kPredictedPoseInterval{100'000'000};  // between poses without samples
-constexpr Duration kTrajectoryLead{10'000'000};
 constexpr Duration kSlipAfter{100'000'000};    // of rejected wheels; then they are suspended
 constexpr Duration kAgreeBefore{500'000'000};  // of agreement, before they are used again
 constexpr double kWheelAgreement = 0.4;        // m/s
@@ -40,9 +36,10 @@ double gnss_speed_noise(const OdometryOptions& options, double interval) {
 
 OdometryFilter::OdometryFilter(const OdometryOptions& options,
                                const geometry::TrajectoryOptions& trajectory)
-    : options_(options), state_(options), trajectory_(trajectory), sources_(options) {
-  pending_.reserve(kMaxPendingSamples);
-}
+    : options_(options),
+      state_(options),
+      trajectory_(trajectory, options.pose_interval),
+      sources_(options) {}
 
 void OdometryFilter::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
                               const geometry::Matrix6& covariance) {
@@ -77,45 +74,32 @@ void OdometryFilter::add(const AngularVelocity& sample) {
 
 void OdometryFilter::add(const GnssFix& fix) { insert(fix.stamp - options_.gnss_delay, fix); }
 
-void OdometryFilter::mark(Stamp stamp, bool clone) { insert(stamp, Mark{stamp, clone}); }
+void OdometryFilter::mark(Stamp stamp, bool clone) { insert(stamp, PoseMark{stamp, clone}); }
 
-void OdometryFilter::insert(Stamp stamp, const Sample& sample) {
-  if (!pending_.empty() || now_ != Stamp::earliest()) {
-    const auto jumps = [&](Stamp from) {
-      return stamp - from > kMaxStampJump || from - stamp > kMaxStampJump;
-    };
-    const Stamp newest = std::max(newest_stamp_, now_);
-    if (jumps(newest)) {
-      // One outlier stamp is an error; two that agree are a pause or a clock step.
-      const bool confirmed = jumped_stamp_ && !jumps(*jumped_stamp_);
-      jumped_stamp_ = stamp;
-      if (!confirmed) {
-        ++invalid_samples_;
-        return;
-      }
-      if (stamp < newest) reset_clock();
-    }
-    jumped_stamp_.reset();
+void OdometryFilter::insert(Stamp stamp, const SampleQueue::Sample& sample) {
+  switch (queue_.check(stamp, now_)) {
+    case SampleQueue::StampCheck::kIsolated:
+      ++invalid_samples_;
+      return;
+    case SampleQueue::StampCheck::kLate:
+      ++late_;
+      return;
+    case SampleQueue::StampCheck::kClockStep:
+      reset_clock();
+      break;
+    case SampleQueue::StampCheck::kInOrder:
+      break;
   }
-  if (stamp < now_) {
-    ++late_;
-    return;
-  }
-  if (pending_.size() == kMaxPendingSamples) process_until(pending_.front().stamp);
-  const auto at = std::upper_bound(
-      pending_.begin(), pending_.end(), stamp,
-      [](Stamp value, const PendingSample& pending) { return value < pending.stamp; });
-  pending_.insert(at, PendingSample{stamp, sample});
-  if (std::holds_alternative<Mark>(sample)) return;  // may lie ahead of the samples
-  newest_stamp_ = std::max(newest_stamp_, stamp);
-  process_until(newest_stamp_ - options_.reorder);
+  if (queue_.full()) process_until(queue_.oldest());
+  queue_.insert(stamp, sample);
+  if (!std::holds_alternative<PoseMark>(sample)) process_until(queue_.newest() - options_.reorder);
 }
 
 void OdometryFilter::reset_clock() {
-  pending_.clear();
+  queue_.clear();
   trajectory_.clear();
   state_.reset_motion(to_seconds(options_.max_silence));
-  now_ = newest_stamp_ = last_steering_stamp_ = Stamp::earliest();
+  now_ = last_steering_stamp_ = Stamp::earliest();
   sources_.reset();
   gnss_position_check_.reset();
   last_lidar_motion_.reset();
@@ -127,17 +111,15 @@ void OdometryFilter::reset_clock() {
 void OdometryFilter::flush() { process_until(Stamp::latest()); }
 
 void OdometryFilter::process_until(Stamp until) {
-  size_t done = 0;
-  while (done < pending_.size() && pending_[done].stamp <= until) process(pending_[done++]);
-  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
+  queue_.drain(until, [this](const SampleQueue::Entry& entry) { process(entry); });
 }
 
-void OdometryFilter::process(const PendingSample& pending) {
-  if (now_ == Stamp::earliest()) now_ = pending.stamp;
-  advance(pending.stamp - now_);
-  std::visit([this](const auto& sample) { update(sample); }, pending.sample);
+void OdometryFilter::process(const SampleQueue::Entry& entry) {
+  if (now_ == Stamp::earliest()) now_ = entry.stamp;
+  advance(entry.stamp - now_);
+  std::visit([this](const auto& sample) { update(sample); }, entry.sample);
   // A mark's pose is of exactly its time, however near the last one is.
-  const bool marked = std::holds_alternative<Mark>(pending.sample);
+  const bool marked = std::holds_alternative<PoseMark>(entry.sample);
   extend_trajectory(marked ? Duration::zero() : options_.pose_interval);
 }
 
@@ -154,16 +136,14 @@ void OdometryFilter::advance(Duration ahead) {
   for (; ahead > kMaxPredictionStep; ahead -= kMaxPredictionStep) {
     state_.predict(to_seconds(kMaxPredictionStep));
     now_ = now_ + kMaxPredictionStep;
-    if (!trajectory_.empty() &&
-        now_ - trajectory_[trajectory_.size() - 1].stamp >= kPredictedPoseInterval) {
-      extend_trajectory(options_.pose_interval);
-    }
+    if (!trajectory_.poses().empty())
+      extend_trajectory(std::max(kPredictedPoseInterval, options_.pose_interval));
   }
   state_.predict(to_seconds(ahead));
   now_ = now_ + ahead;
 }
 
-void OdometryFilter::update(const Mark& mark) {
+void OdometryFilter::update(const PoseMark& mark) {
   if (mark.clone) state_.clone_pose(mark.stamp);
 }
 
@@ -259,7 +239,9 @@ void OdometryFilter::update_gnss_speed(double measured) {
     const Eigen::Isometry3d T_odom_before = state_.T_odom_vehicle();
     state_.release_acceleration(to_seconds(now_ - speed_agreement_->stamp));
     accepted = state_.update_gnss_speed(measured, noise);
-    correct_since_agreement(T_odom_before);
+    // The slip has grown since the speeds agreed.
+    trajectory_.correct_since(speed_agreement_->stamp, now_,
+                              geometry::log(state_.T_odom_vehicle() * T_odom_before.inverse()));
   }
   record(OdometrySource::kGnssSpeed, accepted);
   if (!accepted) return;
@@ -278,26 +260,6 @@ bool OdometryFilter::wheels_slip(double gnss_speed) const {
   }
   return std::abs(std::abs(state_.speed()) - speed_agreement_->filter) >
          std::abs(gnss_speed - speed_agreement_->gnss);
-}
-
-// The slip has grown since the speeds agreed: poses after that move by the square of the time. The
-// correction is as uncertain as it is large.
-void OdometryFilter::correct_since_agreement(const Eigen::Isometry3d& T_odom_before) {
-  const geometry::Vector6 change = geometry::log(state_.T_odom_vehicle() * T_odom_before.inverse());
-  const Stamp since = speed_agreement_->stamp;
-  const auto moved = [&](double share) {
-    const geometry::Vector6 part = share * share * change;
-    return geometry::Matrix6(part * part.transpose());
-  };
-  for (size_t i = trajectory_.index_at_or_after(since); i < trajectory_.size(); ++i) {
-    geometry::StampedPose pose = trajectory_[i];
-    const double share = to_seconds(pose.stamp - since) / to_seconds(now_ - since);
-    pose.T_odom_vehicle = geometry::exp(share * share * change) * pose.T_odom_vehicle;
-    pose.covariance += moved(share);
-    pose.steps += moved(share);
-    trajectory_.correct(i, pose);
-  }
-  steps_ += moved(1);
 }
 
 void OdometryFilter::add(const RelativePose& pose) {
@@ -320,7 +282,7 @@ void OdometryFilter::add(const RelativePose& pose) {
   sources_.add(OdometrySource::kLidar, result.accepted, now_, result.speed_measured,
                result.rotation_measured);
   outliers_ += result.accepted ? 0 : 1;
-  if (result.accepted && usable()) correct_trajectory(pose, result);
+  if (result.accepted && usable()) trajectory_.correct(pose, result, state_, now_);
 }
 
 // The motion contradicts the lidar. Without wheels the motion is a guess, and the lidar is right if
@@ -395,62 +357,8 @@ const char* OdometryFilter::reason() const {
   return "";
 }
 
-// Poses after `from` move by the change of the motion since then, in proportion to time. Poses are
-// added where the trajectory begins only now that the motion is known.
-void OdometryFilter::correct_trajectory(const RelativePose& pose,
-                                        const RelativePoseUpdate& update) {
-  using geometry::StampedPose;
-  const geometry::PoseAt before = trajectory_.at(pose.from);
-  if (before.usable()) steps_ = before.steps;
-  const StampedPose from{pose.from, *state_.cloned_pose(pose.from),
-                         state_.cloned_covariance(pose.from), steps_};
-  steps_ += update.motion_covariance;
-  const StampedPose to{pose.to, *state_.cloned_pose(pose.to), state_.cloned_covariance(pose.to),
-                       steps_};
-  const StampedPose now{now_, state_.T_odom_vehicle(), state_.pose_covariance(), steps_};
-
-  const auto share = [](const StampedPose& a, const StampedPose& b, Stamp stamp) {
-    return to_seconds(stamp - a.stamp) / to_seconds(b.stamp - a.stamp);
-  };
-  const auto between = [&](const StampedPose& a, const StampedPose& b, Stamp stamp,
-                           const Eigen::Isometry3d& T_odom_vehicle) {
-    const double u = share(a, b, stamp);
-    return StampedPose{stamp, T_odom_vehicle, (1 - u) * a.covariance + u * b.covariance,
-                       (1 - u) * a.steps + u * b.steps};
-  };
-  for (size_t i = trajectory_.index_at_or_after(pose.from); i < trajectory_.size(); ++i) {
-    const StampedPose& old = trajectory_[i];
-    if (old.stamp <= from.stamp) continue;
-    const bool within = old.stamp <= to.stamp;
-    geometry::Vector6 change = share(from, to, old.stamp) * update.change_at_to;
-    if (!within) {
-      change = update.change_at_to +
-               share(to, now, old.stamp) * (update.change_at_now - update.change_at_to);
-    }
-    trajectory_.correct(i, between(within ? from : to, within ? to : now, old.stamp,
-                                   geometry::exp(change) * old.T_odom_vehicle));
-  }
-  // Consecutive sweeps may overlap by a firing: the trajectory begins a little before.
-  if (trajectory_.empty()) {
-    const Stamp begin = from.stamp - kTrajectoryLead;
-    trajectory_.append(
-        {begin,
-         geometry::interpolate(from.T_odom_vehicle, to.T_odom_vehicle, share(from, to, begin)),
-         from.covariance, from.steps});
-  }
-  for (Stamp stamp = from.stamp; stamp < to.stamp; stamp = stamp + kPredictedPoseInterval) {
-    const double u = to_seconds(stamp - from.stamp) / to_seconds(to.stamp - from.stamp);
-    trajectory_.append(
-        between(from, to, stamp, geometry::interpolate(from.T_odom_vehicle, to.T_odom_vehicle, u)));
-  }
-  trajectory_.append(to);
-  if (now.stamp > to.stamp) extend_trajectory(options_.pose_interval);
-}
-
 void OdometryFilter::extend_trajectory(Duration interval) {
-  if (!usable()) return;
-  if (!trajectory_.empty() && now_ - trajectory_[trajectory_.size() - 1].stamp < interval) return;
-  trajectory_.append({now_, state_.T_odom_vehicle(), state_.pose_covariance(), steps_});
+  if (usable()) trajectory_.extend(state_, now_, interval);
 }
 
 OdometryReport OdometryFilter::report() const {

@@ -2,13 +2,11 @@
 
 #include <array>
 #include <optional>
-#include <variant>
-#include <vector>
 
-#include "fusion/geometry/trajectory.hpp"
 #include "fusion/motion/gnss_position_check.hpp"
 #include "fusion/motion/odometry_sources.hpp"
-#include "fusion/motion/odometry_state.hpp"
+#include "fusion/motion/odometry_trajectory.hpp"
+#include "fusion/motion/sample_queue.hpp"
 
 namespace infuse::motion {
 
@@ -68,7 +66,7 @@ class OdometryFilter {
   void flush();
 
   /// Poses so far.
-  const geometry::Trajectory& trajectory() const { return trajectory_; }
+  const geometry::Trajectory& trajectory() const { return trajectory_.poses(); }
 
   /// Returns why the filter is unusable now, as static text; empty if it is usable.
   const char* reason() const;
@@ -80,45 +78,30 @@ class OdometryFilter {
   OdometryReport report() const;
 
  private:
-  struct Mark {
-    Stamp stamp;
-    bool clone = false;
-  };
-  using Sample = std::variant<WheelOdometry, ImuSample, AngularVelocity, GnssFix, Mark>;
-  struct PendingSample {
-    Stamp stamp;
-    Sample sample;
-  };
-
-  void insert(Stamp stamp, const Sample& sample);
+  void insert(Stamp stamp, const SampleQueue::Sample& sample);
   void reset_clock();
   void advance(Duration ahead);
-  void process(const PendingSample& waiting);
+  void process(const SampleQueue::Entry& entry);
   void update(const WheelOdometry& sample);
   void update(const ImuSample& sample);
   void update(const AngularVelocity& sample);
   void update(const GnssFix& fix);
-  void update(const Mark& mark);
+  void update(const PoseMark& mark);
   void update_wheel_speeds(const WheelOdometry& sample);
   bool readmit_wheels(const WheelOdometry& sample);
   void update_gnss_speed(double measured);
   bool wheels_slip(double gnss_speed) const;
-  void correct_since_agreement(const Eigen::Isometry3d& T_odom_before);
   bool believe_lidar(const RelativePose& pose, const RelativePoseUpdate& update) const;
   void detect_standstill(bool at_rest);
   void record(OdometrySource source, bool accepted,
               void (OdometryState::*reset_covariance)() = nullptr);
-  void correct_trajectory(const RelativePose& pose, const RelativePoseUpdate& update);
   void extend_trajectory(Duration interval);  // since the last pose, at least
 
   OdometryOptions options_;
   OdometryState state_;
-  geometry::Trajectory trajectory_;
-  geometry::Matrix6 steps_ = geometry::Matrix6::Zero();  // of the last pose
-  std::vector<PendingSample> pending_;                   // in time order
+  OdometryTrajectory trajectory_;
+  SampleQueue queue_;
   Stamp now_ = Stamp::earliest();
-  Stamp newest_stamp_ = Stamp::earliest();
-  std::optional<Stamp> jumped_stamp_;
   OdometrySources sources_;
   GnssPositionCheck gnss_position_check_;
   std::optional<double> last_gnss_speed_;  // m/s, the last accepted
