@@ -12,22 +12,20 @@ using StampCheck = SampleQueue::StampCheck;
 
 Stamp at(double seconds) { return Stamp::from_ns(static_cast<int64_t>(seconds * 1e9)); }
 
-std::vector<double> drained(SampleQueue& queue, Stamp until) {
-  std::vector<double> out;
-  queue.drain(until, [&](const SampleQueue::Entry& entry) {
-    out.push_back(to_seconds(entry.stamp - at(0)));
-  });
+std::vector<Stamp> drained(SampleQueue& queue, Stamp until) {
+  std::vector<Stamp> out;
+  queue.drain(until, [&](const SampleQueue::Entry& entry) { out.push_back(entry.stamp); });
   return out;
 }
 
 TEST(SampleQueue, ReturnsSamplesInOrderOfTime) {
-  std::vector<double> stamps;
-  for (int i = 0; i < 100; ++i) stamps.push_back(0.125 * i);
-  std::vector<double> shuffled = stamps;
+  std::vector<Stamp> stamps;
+  for (int i = 0; i < 100; ++i) stamps.push_back(at(0.125 * i));
+  std::vector<Stamp> shuffled = stamps;
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(1));
   SampleQueue queue;
-  for (const double stamp : shuffled) queue.insert(at(stamp), WheelOdometry{});
-  EXPECT_EQ(queue.newest(), at(stamps.back()));
+  for (const Stamp stamp : shuffled) queue.insert(stamp, WheelOdometry{});
+  EXPECT_EQ(queue.newest(), stamps.back());
   EXPECT_EQ(drained(queue, at(5)), std::vector(stamps.begin(), stamps.begin() + 41));
   EXPECT_EQ(queue.oldest(), at(5.125));
   EXPECT_EQ(drained(queue, Stamp::latest()), std::vector(stamps.begin() + 41, stamps.end()));
