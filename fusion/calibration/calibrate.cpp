@@ -21,6 +21,21 @@ double mean_support(const std::vector<SceneSupport>& scenes) {
   return seen == 0 ? 0 : sum / seen;
 }
 
+/// The measure at the maximum, with all points of the last level, and how sure its pose is. The
+/// points and their objective are released before the intrinsics are estimated with others.
+void evaluate_maximum(CalibrationSteps& calibration, const Eigen::Isometry3d& initial_pose,
+                      const Level& level, CalibrationResult& result) {
+  CoarseToFine& search = calibration.final_search();
+  const VisiblePoints points = search.visible_points(result.T_refcam_lidar, level.points);
+  Objective objective = search.make_objective(points, level.sigma);
+  result.points = points.size();
+  result.value = objective.evaluate(result.T_refcam_lidar, false).estimate.value;
+  result.initial_value = objective.evaluate(initial_pose, false).estimate.value;
+  result.uncertainty =
+      estimate_uncertainty(objective, result.T_refcam_lidar, calibration.similarity());
+  result.evaluations = objective.evaluations();
+}
+
 /// Calibrates with the levels' prior weights multiplied by `prior_scale`, and checks the result.
 CalibrationResult run_attempt(CalibrationSteps& calibration, const Eigen::Isometry3d& initial_pose,
                               size_t scenes, const CalibrateOptions& options, double prior_scale) {
@@ -43,13 +58,7 @@ CalibrationResult run_attempt(CalibrationSteps& calibration, const Eigen::Isomet
   result.returned = restart_result.returned;
   result.best_of_restarts = restart_result.best_of_restarts;
 
-  const VisiblePoints points = search.visible_points(result.T_refcam_lidar, fine.back().points);
-  Objective finest = search.make_objective(points, options.fine.back().sigma);
-  result.points = points.size();
-  result.value = finest.evaluate(result.T_refcam_lidar, false).estimate.value;
-  result.initial_value = finest.evaluate(initial_pose, false).estimate.value;
-  result.uncertainty =
-      estimate_uncertainty(finest, result.T_refcam_lidar, calibration.similarity());
+  evaluate_maximum(calibration, initial_pose, fine.back(), result);
   result.intrinsics =
       calibration.estimate_all_intrinsics(result.T_refcam_lidar, result.uncertainty);
   result.model_mismatches =
@@ -59,7 +68,6 @@ CalibrationResult run_attempt(CalibrationSteps& calibration, const Eigen::Isomet
   result.scenes = scene_support(calibration.fine_search(), result.T_refcam_lidar, scenes,
                                 options.support_sigma);
   result.support = mean_support(result.scenes);
-  result.evaluations = finest.evaluations();
   const double moved =
       (result.T_refcam_lidar.inverse().translation() - initial_pose.inverse().translation()).norm();
   result.reason = rejection_reason(result, maximum, moved,

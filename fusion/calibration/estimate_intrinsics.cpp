@@ -227,7 +227,7 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   // The measure has many maxima of like height. The one that the given intrinsics lie near counts,
   // unless the scenes agree that the one to which the coarse levels led is higher.
   thinned.max_points = finest.points;
-  const VisiblePoints given_points = select_visible(scenes, cameras, T_refcam_lidar, thinned);
+  VisiblePoints given_points = select_visible(scenes, cameras, T_refcam_lidar, thinned);
   const auto ascend_finest = [&](const Vector10& from) {
     return ascend_level(freed, from, given_points, images.at(finest.sigma), scenes, terms);
   };
@@ -245,6 +245,12 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   IntrinsicsEstimate out{
       .T_refcam_lidar = freed.pose(at), .correction = freed.correction(at), .converged = converged};
   const std::vector<RigCamera> corrected = freed.cameras(at);
+  const std::vector<double> gain =
+      scene_gains(given_points, images.at(finest.sigma), scenes, cameras, T_refcam_lidar, corrected,
+                  out.T_refcam_lidar, camera, terms);
+  out.scenes = static_cast<int>(gain.size());
+  if (out.scenes < kMinScenesOfCamera) return std::nullopt;
+  given_points = {};  // released before others are chosen
   const VisiblePoints points = select_visible(scenes, corrected, out.T_refcam_lidar, thinned);
   Objective objective(points, images.at(finest.sigma), corrected, scenes, terms);
   const SceneInformation curvature = joint_curvature(objective, out.T_refcam_lidar);
@@ -255,11 +261,6 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   SceneGradient pulled = SceneGradient::Zero();
   pulled.tail<4>() = weight * at.tail<4>().cwiseQuotient(freed.scale().tail<4>());
   out.correction += curvature.ldlt().solve(pulled).tail<4>();
-  const std::vector<double> gain =
-      scene_gains(select_visible(scenes, cameras, T_refcam_lidar, thinned), images.at(finest.sigma),
-                  scenes, cameras, T_refcam_lidar, corrected, out.T_refcam_lidar, camera, terms);
-  out.scenes = static_cast<int>(gain.size());
-  if (out.scenes < kMinScenesOfCamera) return std::nullopt;
   for (const double one : gain) out.improved_scenes += one > 0 ? 1 : 0;
   out.significance = students_t(gain);
   return out;

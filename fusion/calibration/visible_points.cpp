@@ -99,9 +99,11 @@ VisiblePoints select_visible(std::span<const Scene> scenes, std::span<const RigC
       options.max_points == 0
           ? 1
           : std::max<size_t>(1, (all + options.max_points - 1) / options.max_points);
+  const size_t kept = all / stride + scenes.size();  // at most, so that nothing grows by doubling
   VisiblePoints points;
   for (size_t s = 0; s < scenes.size(); ++s) {
     const auto append = [&](const std::vector<float>& from, std::vector<float>& to) {
+      if (!from.empty()) to.reserve(kept);
       for (size_t k = 0; !from.empty() && k < views[s].size(); k += stride)
         to.push_back(from[views[s][k]]);
     };
