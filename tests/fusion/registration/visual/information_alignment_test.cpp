@@ -21,7 +21,7 @@ Eigen::Isometry3d motion(double x, double y, double heading) {
 TEST(InformationAlignment, FindsMotionsWithoutAGuess) {
   std::mt19937 random(1);
   for (const Eigen::Isometry3d& truth :
-       {motion(1, 0, 0), motion(9, -2, 0.4), motion(-6, 5, -0.6)}) {
+       {motion(1, 0, 0), motion(9, -2, 0.4), motion(-6, 5, -0.6), motion(-4, 3, 2.6)}) {
     const CodewordCloud target = draw_codewords(300, kWords, random);
     const CodewordCloud source = see_again(target, truth, kWords, 0.05F, 0.4, random);
     const RegistrationResult result = align_by_information(kCodebook, target, source);
@@ -94,7 +94,8 @@ TEST(InformationAlignment, AmbiguousScansAreNotUsable) {
         Eigen::Vector3f(2.0F * float(i / 4) - 100, i % 2 == 0 ? 6.F : -6.F, i % 4 < 2 ? 0.F : 2.F);
     posts.words.push_back(static_cast<uint32_t>(i % 4));
   }
-  const RegistrationResult result = align_by_information(kCodebook, posts, posts);
+  const RegistrationResult result =
+      align_by_information(kCodebook, posts, posts, {.max_heading = 0.8});
   EXPECT_FALSE(result.usable());
   EXPECT_THAT(result.reason, testing::HasSubstr("another pose"));
 }
