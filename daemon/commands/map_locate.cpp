@@ -36,6 +36,7 @@ class LocatedDrive {
     ++sweeps_;
     ++by_state_[static_cast<size_t>(pose.state)];
     reason_ = pose.reason;
+    place_ = pose.place;
     if (!pose.usable()) {
       was_tracking_ = false;
       return;
@@ -65,6 +66,9 @@ class LocatedDrive {
             {"times_found", starts_},
             {"found_after_s", found_after_},
             {"found_after_m", found_way_},
+            {"place_probability", place_.best},
+            {"runner_up_probability", place_.runner_up},
+            {"nowhere_probability", place_.nowhere},
             {"reason", reason_}};
   }
 
@@ -75,6 +79,11 @@ class LocatedDrive {
     if (!poses_.empty()) {
       out += fmt::format("; found after {:.1f} s and {:.0f} m", found_after_, found_way_);
     }
+    out += fmt::format(
+        "\nlast search: probability {:.3f} of the best place, {:.3f} of the next, {:.3f} of "
+        "nowhere "
+        "on the map",
+        place_.best, place_.runner_up, place_.nowhere);
     return out;
   }
 
@@ -88,6 +97,7 @@ class LocatedDrive {
   double way_ = 0, found_after_ = 0, found_way_ = 0;  // m, s, m
   bool was_tracking_ = false;
   const char* reason_ = "no sweep";
+  places::PlaceProbabilities place_;
 };
 
 /// Why the map cannot be read, or nothing.

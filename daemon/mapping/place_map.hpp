@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "daemon/mapping/map_folder.hpp"
-#include "fusion/places/localiser.hpp"
+#include "fusion/places/place_matcher.hpp"
 
 namespace infuse::daemon {
 

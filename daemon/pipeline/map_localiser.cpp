@@ -91,6 +91,7 @@ void MapLocaliser::consume(const places::LocaliserPose& found) {
   pose_ = found;
   reason_ = *failure_ != '\0' ? failure_ : found.reason;
   status_.verified = result_verified_;
+  status_.place = found.place;
   if (*failure_ != '\0') pose_.state = places::LocaliserState::kLost;
 }
 

@@ -106,6 +106,14 @@ void describe(Visitor& v, const TaskHealth<MapStatus>& map) {
   v.field("sigma", rounded(std::min(status.sigma, 1e6)),
           "Standard deviation of the position along its worst direction, m.",
           gauge("infuse_map_sigma_metres"));
+  v.field("place_probability", rounded(status.place.best),
+          "Probability of the place that fitted best at the last search.",
+          gauge("infuse_map_place_probability"));
+  v.field("runner_up_probability", rounded(status.place.runner_up),
+          "Probability of the next best place.", gauge("infuse_map_runner_up_probability"));
+  v.field("nowhere_probability", rounded(status.place.nowhere),
+          "Probability that the vehicle was nowhere on the map at the last search.",
+          gauge("infuse_map_nowhere_probability"));
   v.field("verified", status.verified, "Places of the map that confirmed the pose.",
           counter("infuse_map_verified_total"));
   v.field("found", status.found, "Times that the vehicle was found on the map.",

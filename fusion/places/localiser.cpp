@@ -3,18 +3,14 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include "fusion/places/outline_alignment.hpp"
+#include <utility>
+#include <vector>
 
 namespace infuse::places {
 namespace {
 
 using geometry::Matrix6;
 using geometry::Vector6;
-
-constexpr size_t kKeptPlaces = 6;  // prepared clouds
-constexpr double kMaxLevel = 4;    // m of height between a vehicle and a keyframe of its level
 
 Matrix6 independent_noise(double rotation, double translation) {
   Vector6 variance;
@@ -33,26 +29,20 @@ const char* name_of(LocaliserState state) {
 std::optional<std::string> LocaliserOptions::invalid() const {
   if (auto wrong = keyframes.invalid()) return wrong;
   if (auto wrong = submaps.invalid()) return wrong;
-  if (auto wrong = check.invalid()) return wrong;
-  if (candidates < 1 || candidates > 100) return "candidates must lie in 1 … 100";
-  for (const double length :
-       {distinct, confirm_distance, max_unconfirmed, lost_after, max_distance, max_sigma, gate}) {
+  if (auto wrong = matcher.invalid()) return wrong;
+  for (const double length : {confirm_distance, max_unconfirmed, lost_after, max_sigma, gate}) {
     if (!(length > 0)) return "distances must be positive";
   }
-  for (const double share :
-       {min_search_inliers, min_search_agreement, min_search_overlap, max_runner_up}) {
-    if (!(share >= 0 && share <= 1)) return "shares must lie in 0 … 1";
-  }
+  if (!(min_probability > 0 && min_probability < 1)) return "min_probability must lie in 0 … 1";
   if (standing_sweeps < 1 || max_failures < 1) return "numbers must be positive";
   return std::nullopt;
 }
 
 Localiser::Localiser(PlaceMap map, const Eigen::Isometry3d& T_vehicle_lidar,
                      const LocaliserOptions& options)
-    : map_(std::move(map)),
-      T_vehicle_lidar_(T_vehicle_lidar),
+    : T_vehicle_lidar_(T_vehicle_lidar),
       options_(options),
-      index_(map_.descriptors),
+      matcher_(std::move(map), T_vehicle_lidar, options.matcher),
       picker_(options.keyframes),
       submap_(options.submaps) {}
 
@@ -102,91 +92,24 @@ std::optional<Localiser::Query> Localiser::next_query(const geometry::PointsView
   return query;
 }
 
-Result<Localiser::PreparedPtr> Localiser::prepare(size_t keyframe) {
-  const auto kept = std::find_if(prepared_.begin(), prepared_.end(),
-                                 [&](const auto& entry) { return entry.first == keyframe; });
-  if (kept != prepared_.end()) {
-    prepared_.splice(prepared_.begin(), prepared_, kept);
-    return prepared_.front().second;
-  }
-  const auto cloud = map_.read_cloud(keyframe);
-  if (!cloud) return tl::unexpected(cloud.error());
-  if (prepared_.size() == kKeptPlaces) prepared_.pop_back();
-  prepared_.emplace_front(keyframe,
-                          std::make_shared<const mapping::PreparedSubmap>(*cloud, options_.check));
-  return prepared_.front().second;
-}
-
-Result<std::optional<Localiser::Verified>> Localiser::verify(
-    size_t keyframe, const mapping::PreparedSubmap& source,
-    const Eigen::Isometry3d& T_map_vehicle_guess) {
-  const auto target = prepare(keyframe);
-  if (!target) return tl::unexpected(target.error());
-  const Eigen::Isometry3d T_map_lidar = map_.T_map_vehicle[keyframe] * map_.T_vehicle_lidar;
-  const mapping::ClosureCheck found = mapping::check_closure(
-      **target, source, T_map_lidar.inverse() * T_map_vehicle_guess * T_vehicle_lidar_,
-      options_.check);
-  if (!found.usable()) return std::optional<Verified>();
-  const Eigen::Isometry3d& T_target_source = found.registration.T_target_source;
-  Verified verified;
-  verified.score = found.agreement * found.overlap;
-  verified.distinctive = found.inliers >= options_.min_search_inliers &&
-                         found.agreement >= options_.min_search_agreement &&
-                         found.overlap >= options_.min_search_overlap;
-  verified.T_map_vehicle = T_map_lidar * T_target_source * T_vehicle_lidar_.inverse();
-  // exp(δ) T = T exp(Ad(T⁻¹) δ), then from the lidar to the vehicle.
-  verified.covariance = geometry::transform_covariance(T_vehicle_lidar_ * T_target_source.inverse(),
-                                                       found.registration.covariance);
-  return std::optional(verified);
-}
-
-// The places that look alike, far apart from each other, are verified; a second one that fits
-// nearly as well leaves the vehicle lost.
+// A place that is not much more probable than all others together leaves the vehicle lost.
 Result<void> Localiser::search(const Query& query) {
-  const mapping::PreparedSubmap source(query.submap, options_.check);
-  const PlaceDescriptor shape = describe_place(query.submap.points(), T_vehicle_lidar_);
-  const auto position = [&](size_t keyframe) -> Eigen::Vector3d {
-    return map_.T_map_vehicle[keyframe].translation();
-  };
-  constexpr size_t kSearched = 6;  // times the candidates: neighbours look alike
-  std::vector<PlaceCandidate> tried;
-  std::vector<Verified> found;
-  for (const PlaceCandidate& candidate : index_.find(shape, kSearched * options_.candidates)) {
-    if (tried.size() == options_.candidates) break;
-    const bool is_near = std::any_of(tried.begin(), tried.end(), [&](const PlaceCandidate& t) {
-      return (position(t.place) - position(candidate.place)).norm() < options_.distinct;
-    });
-    if (is_near) continue;
-    tried.push_back(candidate);
-    const auto target = prepare(candidate.place);
-    if (!target) return tl::unexpected(target.error());
-    const Eigen::Isometry3d T_place_query =
-        align_outlines((*target)->cloud.cloud.points(), map_.T_vehicle_lidar,
-                       source.cloud.cloud.points(), T_vehicle_lidar_, candidate.similarity.yaw);
-    const auto verified =
-        verify(candidate.place, source, map_.T_map_vehicle[candidate.place] * T_place_query);
-    if (!verified) return tl::unexpected(verified.error());
-    if (*verified) found.push_back(**verified);
-  }
-  pose_.reason = "no place of the map is recognised";
-  if (found.empty()) return {};
-  const auto by_score = [](const Verified& x, const Verified& y) { return x.score < y.score; };
-  const Verified best = *std::max_element(found.begin(), found.end(), by_score);
-  const bool is_alone = std::none_of(found.begin(), found.end(), [&](const Verified& other) {
-    constexpr double kSamePlace = 1;  // m
-    return other.score > options_.max_runner_up * best.score &&
-           (other.T_map_vehicle.translation() - best.T_map_vehicle.translation()).norm() >
-               kSamePlace;
-  });
-  if (!is_alone) {
-    pose_.reason = "two places of the map fit";
-  } else if (best.distinctive) {
-    begin_at(best, query);
+  const auto found = matcher_.search(query.submap);
+  if (!found) return tl::unexpected(found.error());
+  std::vector<PlaceFit> fits;
+  for (const MatchedPlace& place : *found) fits.push_back(place.fit);
+  pose_.place = place_probabilities(fits);
+  if (pose_.place.best >= options_.min_probability) {
+    begin_at(found->front(), query);
+  } else {
+    pose_.reason = pose_.place.runner_up > pose_.place.nowhere
+                       ? "two places of the map fit"
+                       : "no place of the map is recognised";
   }
   return {};
 }
 
-void Localiser::begin_at(const Verified& found, const Query& query) {
+void Localiser::begin_at(const MatchedPlace& found, const Query& query) {
   const Eigen::Isometry3d T_query_now = query.T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
   pose_.state = LocaliserState::kUnsure;
   pose_.T_map_vehicle = found.T_map_vehicle * T_query_now;
@@ -201,36 +124,20 @@ void Localiser::begin_at(const Verified& found, const Query& query) {
 Result<void> Localiser::check(const Query& query) {
   const Eigen::Isometry3d T_query_now = query.T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
   const Eigen::Isometry3d T_map_vehicle = pose_.T_map_vehicle * T_query_now.inverse();
-  const auto keyframe = nearest_keyframe(T_map_vehicle);
-  if (!keyframe) {
+  if (!matcher_.nearest_keyframe(T_map_vehicle)) {
     mismatch_ = "off the map";
     return {};
   }
-  const mapping::PreparedSubmap source(query.submap, options_.check);
-  const auto verified = verify(*keyframe, source, T_map_vehicle);
-  if (!verified) return tl::unexpected(verified.error());
-  if (!*verified) mismatch_ = "the map does not fit";
-  pose_.verified = *verified && update(**verified, T_query_now);
+  const auto matched = matcher_.match_near(query.submap, T_map_vehicle);
+  if (!matched) return tl::unexpected(matched.error());
+  if (!*matched) mismatch_ = "the map does not fit";
+  pose_.verified = *matched && update(**matched, T_query_now);
   failures_ = pose_.verified ? 0 : failures_ + 1;
   if (!pose_.verified) return {};
   mismatch_ = "";
   confirmed_ = confirmed_ || query.way - recognised_way_ >= options_.confirm_distance;
   confirmed_way_ = query.way;
   return {};
-}
-
-std::optional<size_t> Localiser::nearest_keyframe(const Eigen::Isometry3d& T_map_vehicle) const {
-  std::optional<size_t> nearest;
-  double least = options_.max_distance * options_.max_distance;
-  const Eigen::Vector3d p = T_map_vehicle.translation();
-  for (size_t k = 0; k < map_.T_map_vehicle.size(); ++k) {
-    const Eigen::Vector3d q = map_.T_map_vehicle[k].translation();
-    const double distance = (p - q).head<2>().squaredNorm();
-    if (distance >= least || std::abs(p.z() - q.z()) > kMaxLevel) continue;
-    least = distance;
-    nearest = k;
-  }
-  return nearest;
 }
 
 void Localiser::predict(const mapping::SweepMotion& motion, const Eigen::Isometry3d& T_from_to,
@@ -249,9 +156,9 @@ void Localiser::predict(const mapping::SweepMotion& motion, const Eigen::Isometr
 
 // Kalman update by a pose. What the keyframes' clouds are wrong by does not average out: the
 // covariance stays above it.
-bool Localiser::update(const Verified& measured, const Eigen::Isometry3d& T_measured_now) {
-  const Matrix6 floor =
-      independent_noise(options_.check.rotation_noise, options_.check.translation_noise);
+bool Localiser::update(const MatchedPlace& measured, const Eigen::Isometry3d& T_measured_now) {
+  const Matrix6 floor = independent_noise(options_.matcher.check.rotation_noise,
+                                          options_.matcher.check.translation_noise);
   const Eigen::Isometry3d T_map_vehicle = measured.T_map_vehicle * T_measured_now;
   const Matrix6 R =
       geometry::transform_covariance(T_measured_now.inverse(), measured.covariance) + floor;

@@ -1,46 +1,26 @@
 #pragma once
 
-#include <functional>
-#include <list>
-#include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include "drivers/measurement/error.hpp"
-#include "fusion/mapping/closure_check.hpp"
 #include "fusion/mapping/keyframes.hpp"
-#include "fusion/places/place_index.hpp"
+#include "fusion/places/place_matcher.hpp"
 
 namespace infuse::places {
-
-/// Map of keyframes on which a vehicle is localised.
-struct PlaceMap {
-  std::vector<Eigen::Isometry3d> T_map_vehicle;                       ///< by keyframe
-  Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();  ///< of the map's lidar
-  std::vector<PlaceDescriptor> descriptors;                           ///< by keyframe
-  /// Reads the cloud of a keyframe (frame of the map's lidar there).
-  std::function<Result<mapping::Submap>(size_t keyframe)> read_cloud;
-};
 
 /// Settings of the localisation on a map.
 struct LocaliserOptions {
   mapping::KeyframeOptions keyframes{.distance = 4, .rotation = 0.4};  ///< what is compared with
                                                                        ///< the map, so often
   mapping::SubmapOptions submaps;
-  mapping::ClosureCheckOptions check;
-  size_t candidates = 4;  ///< places that a search verifies, …
-  /// Least that a place must have in common to be recognised without a guess, as in `check`.
-  double min_search_inliers = 0.6, min_search_agreement = 0.92, min_search_overlap = 0.45;
-  double max_runner_up = 0.75;  ///< score of another place, as a share of the best
-  double distinct = 10;         ///< m, so far apart
+  PlaceMatcherOptions matcher;
+  double min_probability = 0.999;  ///< of a place that is recognised without a guess
   int standing_sweeps = 10;     ///< a search that has seen so many sweeps need not wait for motion
   double confirm_distance = 8;  ///< m from where a place was recognised to where it is confirmed
   double max_unconfirmed = 60;  ///< m without one; then the pose is UNSURE …
   double lost_after = 150;      ///< m; … and then LOST
   int max_failures = 3;         ///< verifications in a row; then the pose is UNSURE
-  double max_distance = 12;     ///< m; farther from every keyframe the vehicle is off the map
   double max_sigma = 2;         ///< m, of the position; beyond it the pose is LOST
   double gate = 5;              ///< standard deviations
 
@@ -66,6 +46,7 @@ struct LocaliserPose {
   /// Right perturbation in the vehicle frame, (rx, ry, rz, tx, ty, tz), rad and m.
   geometry::Matrix6 covariance = geometry::Matrix6::Zero();
   const char* reason = "no sweep yet";  ///< static text; empty while TRACKING
+  PlaceProbabilities place;             ///< of the last search; it goes on until one is recognised
   bool verified = false;                ///< the map confirmed it at this sweep
 
   bool usable() const { return state == LocaliserState::kTracking; }
@@ -95,35 +76,21 @@ class Localiser {
     double way = 0;
     mapping::Submap submap;
   };
-  /// A pose on the map that was verified.
-  struct Verified {
-    Eigen::Isometry3d T_map_vehicle;
-    geometry::Matrix6 covariance;  // as in `LocaliserPose`
-    double score = 0;              // agreement times overlap
-    bool distinctive = false;      // enough in common to be recognised without a guess
-  };
-  using PreparedPtr = std::shared_ptr<const mapping::PreparedSubmap>;
-
-  Result<PreparedPtr> prepare(size_t keyframe);
   std::optional<Query> next_query(const geometry::PointsView& points,
                                   std::span<const float> reflectivity,
                                   const mapping::SweepMotion& motion);
   Result<void> search(const Query& query);
   Result<void> check(const Query& query);
-  Result<std::optional<Verified>> verify(size_t keyframe, const mapping::PreparedSubmap& source,
-                                         const Eigen::Isometry3d& T_map_vehicle_guess);
-  std::optional<size_t> nearest_keyframe(const Eigen::Isometry3d& T_map_vehicle) const;
   void predict(const mapping::SweepMotion& motion, const Eigen::Isometry3d& T_from_to,
                double seconds);
-  bool update(const Verified& measured, const Eigen::Isometry3d& T_measured_now);
-  void begin_at(const Verified& found, const Query& query);
+  bool update(const MatchedPlace& measured, const Eigen::Isometry3d& T_measured_now);
+  void begin_at(const MatchedPlace& found, const Query& query);
   void lose(const char* reason);
   void judge();
 
-  PlaceMap map_;
   Eigen::Isometry3d T_vehicle_lidar_;
   LocaliserOptions options_;
-  PlaceIndex index_;
+  PlaceMatcher matcher_;
   mapping::KeyframePicker picker_;
   mapping::SubmapBuilder submap_;
   int sweeps_in_submap_ = 0;
@@ -132,8 +99,7 @@ class Localiser {
   double confirmed_way_ = 0;   // m, of the last verification that succeeded
   int failures_ = 0;           // verifications in a row
   bool confirmed_ = false;
-  const char* mismatch_ = "";                           // why the last verification failed
-  std::list<std::pair<size_t, PreparedPtr>> prepared_;  // the latest first
+  const char* mismatch_ = "";  // why the last verification failed
 };
 
 }  // namespace infuse::places

@@ -1,6 +1,7 @@
 #include <iostream>
 #include <string>
 
+#include "tests/study/places/fit_study.hpp"
 #include "tests/study/places/image_study.hpp"
 #include "tests/study/places/place_study.hpp"
 #include "tests/study/places/recognition_study.hpp"
@@ -21,6 +22,35 @@ void add_places_command(CLI::App& app) {
   command->add_flag("--elsewhere", options.elsewhere, "the visits are off the map");
   command->callback([] {
     const std::string wrong = study_places(std::cout, options);
+    if (!wrong.empty()) throw CLI::ValidationError(wrong);
+  });
+}
+
+/// Adds the study of how well right and wrong places fit.
+void add_fits_command(CLI::App& app) {
+  static FitStudyOptions options;
+  CLI::App* command = app.add_subcommand(
+      "place-fits", "search a map all along simulated visits; print how well the places fit");
+  command->add_option("MAP", options.map, "map folder")->required();
+  command->add_option("MAP_DRIVE", options.map_drive, "the drive it was made of")->required();
+  command->add_option("DRIVE", options.drives, "visits, in the frame of that drive")->required();
+  command->add_flag("--elsewhere", options.elsewhere, "the visits are in another world");
+  command->callback([] {
+    const std::string wrong = study_fits(std::cout, options);
+    if (!wrong.empty()) throw CLI::ValidationError(wrong);
+  });
+}
+
+/// Adds the study of the probability of places.
+void add_odds_command(CLI::App& app) {
+  static std::vector<std::string> files;
+  static bool fit = false;
+  CLI::App* command = app.add_subcommand(
+      "place-odds", "compare the probability of places with how often they are right");
+  command->add_option("FITS", files, "what place-fits printed")->required();
+  command->add_flag("--fit", fit, "print the weights that suit these best");
+  command->callback([] {
+    const std::string wrong = study_place_odds(std::cout, files, fit);
     if (!wrong.empty()) throw CLI::ValidationError(wrong);
   });
 }
@@ -50,6 +80,8 @@ void add_images_command(CLI::App& app) {
 
 void add_places_commands(CLI::App& app) {
   add_places_command(app);
+  add_fits_command(app);
+  add_odds_command(app);
   add_recognition_command(app);
   add_images_command(app);
 }

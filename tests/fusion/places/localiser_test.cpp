@@ -2,37 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/fusion/places/invented_places.hpp"
+#include "tests/fusion/places/invented_map.hpp"
 
 namespace infuse::places {
 namespace {
 
 constexpr double kStep = 1;  // m between sweeps, 10 Hz
 
-const InventedStreet& street() {
-  static const InventedStreet made(5);
-  return made;
-}
-
-/// Map of the street: a keyframe every 2 m.
-PlaceMap make_map(double length) {
-  PlaceMap map;
-  map.T_vehicle_lidar = lidar_above();
-  std::vector<mapping::Submap> clouds;
-  for (double along = 0; along <= length; along += 2) {
-    map.T_map_vehicle.push_back(on_street(along, 0, 0));
-    clouds.push_back(
-        street().seen_from(map.T_map_vehicle.back() * lidar_above(), clouds.size() + 100));
-    map.descriptors.push_back(describe_place(clouds.back().points(), map.T_vehicle_lidar));
-  }
-  map.read_cloud = [clouds = std::move(clouds)](size_t k) -> Result<mapping::Submap> {
-    return clouds[k];
-  };
-  return map;
-}
-
 PlaceMap whole_map() {
-  static const PlaceMap made = make_map(130);
+  static const PlaceMap made = make_map(street(), 130);
   return made;
 }
 
@@ -94,14 +72,7 @@ TEST(Localiser, IsLostOnAnotherStreetAndSaysSo) {
 
 // The same houses stand at two places of the map.
 TEST(Localiser, IsNotSureWhereTwoPlacesFit) {
-  PlaceMap map = make_map(80);
-  const size_t once = map.T_map_vehicle.size();
-  for (size_t k = 0; k < once; ++k) {
-    map.T_map_vehicle.push_back(Eigen::Translation3d(0, 500, 0) * map.T_map_vehicle[k]);
-    map.descriptors.push_back(map.descriptors[k]);
-  }
-  map.read_cloud = [read = map.read_cloud, once](size_t k) { return read(k % once); };
-  Localiser localiser(std::move(map), lidar_above());
+  Localiser localiser(make_map_twice(street(), 80), lidar_above());
   drive(localiser, street(), straight(10, 60, 0, 0),
         [](const LocaliserPose& pose, const Eigen::Isometry3d&) {
           EXPECT_EQ(pose.state, LocaliserState::kLost);
@@ -109,7 +80,7 @@ TEST(Localiser, IsNotSureWhereTwoPlacesFit) {
 }
 
 TEST(Localiser, LeavesTheMapAndIsUnsureThenLost) {
-  Localiser localiser(make_map(60), lidar_above());
+  Localiser localiser(make_map(street(), 60), lidar_above());
   std::vector<LocaliserState> states;
   std::string reason;
   drive(localiser, street(), straight(20, 240, 0, 0),
@@ -122,7 +93,7 @@ TEST(Localiser, LeavesTheMapAndIsUnsureThenLost) {
 }
 
 TEST(Localiser, PassesOnThatAPlaceCannotBeRead) {
-  PlaceMap map = make_map(60);
+  PlaceMap map = make_map(street(), 60);
   map.read_cloud = [](size_t) -> Result<mapping::Submap> { return fail("damaged", "000012.pcd"); };
   Localiser localiser(std::move(map), lidar_above());
   std::string error;
@@ -141,7 +112,7 @@ TEST(Localiser, PassesOnThatAPlaceCannotBeRead) {
 
 TEST(Localiser, OptionsSayWhatIsWrong) {
   EXPECT_EQ(LocaliserOptions().invalid(), std::nullopt);
-  EXPECT_TRUE(LocaliserOptions{.candidates = 0}.invalid());
+  EXPECT_TRUE(LocaliserOptions{.matcher = {.candidates = 0}}.invalid());
   EXPECT_TRUE(LocaliserOptions{.confirm_distance = -1}.invalid());
 }
 

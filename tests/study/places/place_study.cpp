@@ -4,56 +4,21 @@
 #include <cmath>
 #include <iomanip>
 #include <memory>
-#include <optional>
 #include <ostream>
 
-#include "daemon/commands/lidar_replay.hpp"
-#include "daemon/commands/play_lidar.hpp"
-#include "daemon/mapping/place_map.hpp"
-#include "drivers/recording/trajectory_file.hpp"
-#include "fusion/features/air_returns.hpp"
-#include "fusion/motion/trajectory_error.hpp"
+#include "fusion/places/localiser.hpp"
+#include "tests/study/places/true_map.hpp"
 
 namespace infuse::study {
 namespace {
-
-using geometry::StampedPose;
-
-std::optional<std::vector<StampedPose>> read_poses(const std::string& file) {
-  const auto poses = recording::read_trajectory(file);
-  if (!poses) return std::nullopt;
-  std::vector<StampedPose> out;
-  for (const auto& pose : *poses) out.push_back({pose.stamp, pose.T_frame_body});
-  return out;
-}
-
-/// A map and where its keyframes truly were.
-struct TrueMap {
-  places::PlaceMap map;
-  std::vector<motion::PosePair> keyframes;
-};
-
-/// Horizontal error, m, of a pose on the map relative to the nearest keyframe.
-double error_on_map(const TrueMap& map, const Eigen::Isometry3d& T_map_vehicle,
-                    const Eigen::Isometry3d& truth) {
-  const auto distance = [&](const motion::PosePair& keyframe) {
-    return (keyframe.estimate.translation() - T_map_vehicle.translation()).norm();
-  };
-  const motion::PosePair& nearest =
-      *std::min_element(map.keyframes.begin(), map.keyframes.end(),
-                        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-  return ((nearest.truth.inverse() * truth).translation() -
-          (nearest.estimate.inverse() * T_map_vehicle).translation())
-      .head<2>()
-      .norm();
-}
 
 struct Start {
   places::Localiser localiser;
   Stamp stamp;
   double way = 0;
+  bool on_map = true;
   double found_s = -1, found_m = -1;
-  std::vector<StampedPose> tracked;
+  std::vector<geometry::StampedPose> tracked;
 };
 
 double quantile(std::vector<double> values, double share) {
@@ -62,91 +27,102 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-}  // namespace
+/// The starts along a drive.
+class Starts {
+ public:
+  Starts(const TrueMap& map, const LidarVisit& visit, const PlaceStudyOptions& options)
+      : map_(map), visit_(visit), options_(options) {}
 
-std::string study_places(std::ostream& out, const PlaceStudyOptions& options) {
-  auto map = daemon::open_place_map(daemon::MapFolder(options.map));
-  if (!map) return map.error().message();
-  TrueMap true_map{*std::move(map), {}};
-  const auto keyframes = read_poses(options.map + "/trajectory.tum");
-  const auto map_truth = read_poses(options.map_drive + "/truth/poses.tum");
-  if (!keyframes || !map_truth) return "the map or its truth cannot be read";
-  true_map.keyframes = motion::pair_by_time(*keyframes, *map_truth);
-  out << "drive | starts | found within 10 s | ever | wrong | s to the first, median | m | error, "
-         "median, 95 %, max, m\n";
-  for (const std::string& drive : options.drives) {
-    auto setup = daemon::open_drive(drive, {}, {});
-    if (!setup) return setup.error().message();
-    const auto truth = read_poses(drive + "/truth/poses.tum");
-    if (!truth) return drive + " has no truth";
-    const Eigen::Isometry3d& T_vehicle_lidar = setup->rig.lidars[0].T_vehicle_lidar;
-    std::vector<std::unique_ptr<Start>> starts, ended;
-    double way = 0, next = 0;
-    std::string error;
-    daemon::LidarReplay odometry(*setup, 0);
-    features::AirReturns air;
-    const auto on_sweep = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed,
-                              const mapping::SweepMotion& motion) {
-      way += motion.T_from_to.translation().norm();
-      if (motion.measured && way >= next) {
-        next = way + options.spacing;
-        starts.push_back(std::make_unique<Start>(Start{
-            places::Localiser(true_map.map, T_vehicle_lidar), motion.stamp, way, -1, -1, {}}));
+  void add(const geometry::PointsView& points, std::span<const float> reflectivity,
+           const mapping::SweepMotion& motion) {
+    way_ += motion.T_from_to.translation().norm();
+    if (motion.measured && way_ >= next_) begin(motion.stamp);
+    for (auto& start : starts_) {
+      const auto pose = start->localiser.add(points, reflectivity, motion);
+      if (!pose) error_ = pose.error().message();
+      if (!pose || !pose->usable()) continue;
+      if (start->found_s < 0) {
+        start->found_s = to_seconds(motion.stamp - start->stamp);
+        start->found_m = way_ - start->way;
       }
-      const auto x = air.without(sweep, deskewed.x);
-      for (auto& start : starts) {
-        const auto pose =
-            start->localiser.add({x, deskewed.y, deskewed.z}, sweep.reflectivity, motion);
-        if (!pose) {
-          error = pose.error().message();
-          return;
-        }
-        if (!pose->usable()) continue;
-        if (start->found_s < 0) {
-          start->found_s = to_seconds(motion.stamp - start->stamp);
-          start->found_m = way - start->way;
-        }
-        start->tracked.push_back({motion.stamp, pose->T_map_vehicle});
-      }
-      const auto is_done = [&](const auto& start) {
-        return way - start->way > options.max_way ||
-               (start->found_m >= 0 && way - start->way > start->found_m + 20);
-      };
-      for (auto& start : starts) {
-        if (is_done(start)) ended.push_back(std::move(start));
-      }
-      std::erase(starts, nullptr);
-    };
-    daemon::play_lidar(
-        *setup, 0, [&](const Sweep& sweep) { odometry.add_sweep(sweep); },
-        [&](const daemon::VehicleSample& sample) { odometry.add_sample(sample); },
-        [&](const recording::DriveEvent& event) {
-          odometry.process_due(event.stamp, on_sweep);
-          return error.empty();
-        });
-    if (!error.empty()) return error;
-    // A start whose drive ended before it was found or given up says nothing.
-    size_t found = 0, soon = 0, wrong = 0;
+      start->tracked.push_back({motion.stamp, pose->T_map_vehicle});
+    }
+    for (auto& start : starts_) {
+      const double driven = way_ - start->way;
+      const bool done = driven > options_.max_way ||
+                        (start->found_m >= 0 && driven > start->found_m + kTrackedWay);
+      if (done) ended_.push_back(std::move(start));
+    }
+    std::erase(starts_, nullptr);
+  }
+
+  const std::string& error() const { return error_; }
+
+  // A start whose drive ended before it was found or given up says nothing.
+  void print(std::ostream& out, const std::string& name) const {
+    size_t on_map = 0, found = 0, soon = 0, wrong = 0;
     std::vector<double> seconds, metres, errors;
-    for (const auto& start : ended) {
+    for (const auto& start : ended_) {
+      on_map += start->on_map ? 1 : 0;
       if (start->found_s < 0) continue;
-      ++found;
-      soon += start->found_s <= 10 ? 1 : 0;
-      seconds.push_back(start->found_s);
-      metres.push_back(start->found_m);
-      double worst = options.elsewhere ? INFINITY : 0;
-      if (!options.elsewhere) {
-        for (const motion::PosePair& pose : motion::pair_by_time(start->tracked, *truth)) {
-          errors.push_back(error_on_map(true_map, pose.estimate, pose.truth));
+      if (start->on_map) {
+        ++found;
+        soon += start->found_s <= 10 ? 1 : 0;
+        seconds.push_back(start->found_s);
+        metres.push_back(start->found_m);
+      }
+      double worst = options_.elsewhere ? INFINITY : 0;
+      if (!options_.elsewhere) {
+        for (const motion::PosePair& pose : motion::pair_by_time(start->tracked, visit_.truth())) {
+          errors.push_back(map_.error(pose.estimate, pose.truth));
           worst = std::max(worst, errors.back());
         }
       }
       wrong += worst > 1 ? 1 : 0;
     }
-    out << std::fixed << std::setprecision(2) << drive << " | " << ended.size() << " | " << soon
-        << " | " << found << " | " << wrong << " | " << quantile(seconds, 0.5) << " | "
-        << quantile(metres, 0.5) << " | " << quantile(errors, 0.5) << ", " << quantile(errors, 0.95)
-        << ", " << quantile(errors, 1) << std::endl;
+    out << std::fixed << std::setprecision(2) << name << " | " << on_map << " | "
+        << ended_.size() - on_map << " | " << soon << " | " << found << " | " << wrong << " | "
+        << quantile(seconds, 0.5) << " | " << quantile(metres, 0.5) << " | "
+        << quantile(errors, 0.5) << ", " << quantile(errors, 0.95) << ", " << quantile(errors, 1)
+        << std::endl;
+  }
+
+ private:
+  static constexpr double kTrackedWay = 20;  // m
+
+  void begin(Stamp stamp) {
+    next_ = way_ + options_.spacing;
+    const bool on_map = !options_.elsewhere && map_.covers(visit_.true_pose(stamp).translation());
+    starts_.push_back(std::make_unique<Start>(Start{
+        places::Localiser(map_.map, visit_.T_vehicle_lidar()), stamp, way_, on_map, -1, -1, {}}));
+  }
+
+  const TrueMap& map_;
+  const LidarVisit& visit_;
+  const PlaceStudyOptions& options_;
+  std::vector<std::unique_ptr<Start>> starts_, ended_;
+  double way_ = 0, next_ = 0;
+  std::string error_;
+};
+
+}  // namespace
+
+std::string study_places(std::ostream& out, const PlaceStudyOptions& options) {
+  const auto map = open_true_map(options.map, options.map_drive);
+  if (!map) return map.error().message();
+  out << "drive | starts | off the map | found within 10 s | ever | wrong | s to the first, median "
+         "| m | error, median, 95 %, max, m\n";
+  for (const std::string& drive : options.drives) {
+    const auto visit = LidarVisit::open(drive);
+    if (!visit) return visit.error().message();
+    Starts starts(*map, *visit, options);
+    const std::string error = visit->play(
+        [&](const auto& points, const auto& reflectivity, const mapping::SweepMotion& motion) {
+          starts.add(points, reflectivity, motion);
+        });
+    if (!error.empty()) return error;
+    if (!starts.error().empty()) return starts.error();
+    starts.print(out, drive);
   }
   return "";
 }

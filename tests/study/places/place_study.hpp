@@ -17,8 +17,9 @@ struct PlaceStudyOptions {
 };
 
 /// Starts a localiser from nothing every `spacing` m and follows it until it has tracked for 20 m;
-/// prints a row per drive: starts, found within 10 s, ever, wrong (more than 1 m off, relative to
-/// the nearest keyframe and its truth), errors. Returns an error text, or nothing.
+/// prints a row per drive: starts on the map, of these found within 10 s and ever; starts off the
+/// map (farther from every keyframe than the localiser looks); wrong of both (more than 1 m off,
+/// relative to the nearest keyframe and its truth), errors. Returns an error text, or nothing.
 std::string study_places(std::ostream& out, const PlaceStudyOptions& options);
 
 }  // namespace infuse::study

@@ -1,0 +1,142 @@
+#include "fusion/places/place_matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fusion/places/outline_alignment.hpp"
+
+namespace infuse::places {
+namespace {
+
+constexpr size_t kKeptPlaces = 6;      // prepared clouds
+constexpr size_t kSearchedPlaces = 6;  // times the candidates: neighbours look alike
+constexpr double kMaxLevel = 4;        // m of height between a vehicle and a keyframe of its level
+constexpr double kSamePose = 1;        // m, between two results of one place
+
+}  // namespace
+
+std::optional<std::string> PlaceMatcherOptions::invalid() const {
+  if (auto wrong = check.invalid()) return wrong;
+  if (candidates < 1 || candidates > 100) return "candidates must lie in 1 … 100";
+  for (const double share : {min_inliers, min_agreement, min_overlap}) {
+    if (!(share >= 0 && share < 1)) return "shares must lie in 0 … 1";
+  }
+  if (!(distinct > 0 && max_distance > 0)) return "distances must be positive";
+  return std::nullopt;
+}
+
+PlaceMatcher::PlaceMatcher(PlaceMap map, const Eigen::Isometry3d& T_vehicle_lidar,
+                           const PlaceMatcherOptions& options)
+    : map_(std::move(map)),
+      T_vehicle_lidar_(T_vehicle_lidar),
+      options_(options),
+      index_(map_.descriptors) {}
+
+Result<PlaceMatcher::PreparedPtr> PlaceMatcher::prepare(size_t keyframe) {
+  const auto kept = std::find_if(prepared_.begin(), prepared_.end(),
+                                 [&](const auto& entry) { return entry.first == keyframe; });
+  if (kept != prepared_.end()) {
+    prepared_.splice(prepared_.begin(), prepared_, kept);
+    return prepared_.front().second;
+  }
+  const auto cloud = map_.read_cloud(keyframe);
+  if (!cloud) return tl::unexpected(cloud.error());
+  if (prepared_.size() == kKeptPlaces) prepared_.pop_back();
+  prepared_.emplace_front(keyframe,
+                          std::make_shared<const mapping::PreparedSubmap>(*cloud, options_.check));
+  return prepared_.front().second;
+}
+
+Result<std::optional<MatchedPlace>> PlaceMatcher::verify(
+    size_t keyframe, const mapping::PreparedSubmap& source,
+    const Eigen::Isometry3d& T_map_vehicle_guess, const mapping::ClosureCheckOptions& check) {
+  const auto target = prepare(keyframe);
+  if (!target) return tl::unexpected(target.error());
+  const Eigen::Isometry3d T_map_lidar = map_.T_map_vehicle[keyframe] * map_.T_vehicle_lidar;
+  const mapping::ClosureCheck found = mapping::check_closure(
+      **target, source, T_map_lidar.inverse() * T_map_vehicle_guess * T_vehicle_lidar_, check);
+  if (!found.usable()) return std::optional<MatchedPlace>();
+  const Eigen::Isometry3d& T_target_source = found.registration.T_target_source;
+  MatchedPlace matched;
+  matched.fit = {found.inliers, found.agreement, found.overlap};
+  matched.T_map_vehicle = T_map_lidar * T_target_source * T_vehicle_lidar_.inverse();
+  // exp(δ) T = T exp(Ad(T⁻¹) δ), then from the lidar to the vehicle.
+  matched.covariance = geometry::transform_covariance(T_vehicle_lidar_ * T_target_source.inverse(),
+                                                      found.registration.covariance);
+  return std::optional(matched);
+}
+
+// The places that look most like the cloud, far apart from each other.
+std::vector<PlaceCandidate> PlaceMatcher::look_alikes(const mapping::Submap& cloud) const {
+  const auto position = [&](const PlaceCandidate& candidate) -> Eigen::Vector3d {
+    return map_.T_map_vehicle[candidate.place].translation();
+  };
+  std::vector<PlaceCandidate> out;
+  for (const PlaceCandidate& candidate :
+       index_.find(describe_place(cloud.points(), T_vehicle_lidar_),
+                   kSearchedPlaces * options_.candidates)) {
+    if (out.size() == options_.candidates) break;
+    const bool is_near = std::any_of(out.begin(), out.end(), [&](const PlaceCandidate& chosen) {
+      return (position(chosen) - position(candidate)).norm() < options_.distinct;
+    });
+    if (!is_near) out.push_back(candidate);
+  }
+  return out;
+}
+
+Result<std::vector<MatchedPlace>> PlaceMatcher::search(const mapping::Submap& cloud) {
+  const mapping::PreparedSubmap source(cloud, options_.check);
+  mapping::ClosureCheckOptions check = options_.check;
+  check.min_inliers = options_.min_inliers;
+  check.min_agreement = options_.min_agreement;
+  check.min_overlap = options_.min_overlap;
+  std::vector<MatchedPlace> found;
+  for (const PlaceCandidate& candidate : look_alikes(cloud)) {
+    const auto target = prepare(candidate.place);
+    if (!target) return tl::unexpected(target.error());
+    const Eigen::Isometry3d T_place_query =
+        align_outlines((*target)->cloud.cloud.points(), map_.T_vehicle_lidar,
+                       source.cloud.cloud.points(), T_vehicle_lidar_, candidate.similarity.yaw);
+    const auto matched =
+        verify(candidate.place, source, map_.T_map_vehicle[candidate.place] * T_place_query, check);
+    if (!matched) return tl::unexpected(matched.error());
+    if (*matched) found.push_back(**matched);
+  }
+  std::stable_sort(found.begin(), found.end(), [](const MatchedPlace& a, const MatchedPlace& b) {
+    return log_odds(a.fit) > log_odds(b.fit);
+  });
+  // Two keyframes can lead to one pose.
+  std::vector<MatchedPlace> out;
+  for (const MatchedPlace& place : found) {
+    const bool is_known = std::any_of(out.begin(), out.end(), [&](const MatchedPlace& better) {
+      return (better.T_map_vehicle.translation() - place.T_map_vehicle.translation()).norm() <
+             kSamePose;
+    });
+    if (!is_known) out.push_back(place);
+  }
+  return out;
+}
+
+Result<std::optional<MatchedPlace>> PlaceMatcher::match_near(
+    const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_vehicle) {
+  const auto keyframe = nearest_keyframe(T_map_vehicle);
+  if (!keyframe) return std::optional<MatchedPlace>();
+  return verify(*keyframe, mapping::PreparedSubmap(cloud, options_.check), T_map_vehicle,
+                options_.check);
+}
+
+std::optional<size_t> PlaceMatcher::nearest_keyframe(const Eigen::Isometry3d& T_map_vehicle) const {
+  std::optional<size_t> nearest;
+  double least = options_.max_distance * options_.max_distance;
+  const Eigen::Vector3d p = T_map_vehicle.translation();
+  for (size_t k = 0; k < map_.T_map_vehicle.size(); ++k) {
+    const Eigen::Vector3d q = map_.T_map_vehicle[k].translation();
+    const double distance = (p - q).head<2>().squaredNorm();
+    if (distance >= least || std::abs(p.z() - q.z()) > kMaxLevel) continue;
+    least = distance;
+    nearest = k;
+  }
+  return nearest;
+}
+
+}  // namespace infuse::places

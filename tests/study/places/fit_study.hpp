@@ -1,0 +1,28 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace infuse::study {
+
+/// Searches of a map all along drives.
+struct FitStudyOptions {
+  std::string map;                  ///< map folder
+  std::string map_drive;            ///< the simulated drive that it was made of
+  std::vector<std::string> drives;  ///< simulated visits
+  bool elsewhere = false;           ///< the drives are in another world: no place is right
+};
+
+/// Searches the map for every cloud of 4 m of the drives and prints a line for each: whether the
+/// vehicle is on the map, and for each place that verification accepts its inliers, agreement,
+/// overlap and error (m). Returns an error text, or nothing.
+std::string study_fits(std::ostream& out, const FitStudyOptions& options);
+
+/// Reads such lines from files and prints how often places are right by the probability that
+/// `places::place_probabilities` states, in bins, with the expected calibration error; with `fit`
+/// first the weights of the log odds that make the lines most likely. Returns an error text, or
+/// nothing.
+std::string study_place_odds(std::ostream& out, const std::vector<std::string>& files, bool fit);
+
+}  // namespace infuse::study
