@@ -11,16 +11,15 @@
 
 namespace infuse::calibration {
 
-/// Plane of values 0 … 1, each in 8 bits: a quarter of the memory of a `features::Plane`, and of
-/// what a look-up reads. Rounding is below the noise of an image's grey; poses differ by less than
-/// from one set of restarts to another (accuracy.md).
+/// Plane of values 0 … 1, each in 16 bits: half the memory of a `features::Plane`, and half of what
+/// a look-up reads. In 8 bits the curvature of the measure is lost in steps (accuracy.md).
 struct CompactPlane {
-  static constexpr float kUnit = 1.0F / 255;  ///< of `values`
+  static constexpr float kUnit = 1.0F / 65535;  ///< of `values`
 
   int width = 0;   ///< samples
   int height = 0;  ///< samples
   int step = 1;    ///< pixels between samples; sample (0, 0) is pixel (0, 0)
-  std::vector<uint8_t> values;
+  std::vector<uint16_t> values;
 
   float value(size_t i) const { return kUnit * static_cast<float>(values[i]); }
 };
