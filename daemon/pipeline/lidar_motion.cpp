@@ -16,6 +16,13 @@ bool is_wrong(const Eigen::Isometry3d& predicted, const Eigen::Isometry3d& measu
   return error.head<3>().norm() > kRotation || error.tail<3>().norm() > kTranslation;
 }
 
+/// True if a predicted motion is a better guess than that the motion before continues: after a
+/// start at speed, odometry extrapolates what one sweep has shown.
+bool is_known(const geometry::Matrix6& covariance) {
+  constexpr double kMaxSigma = 0.3;  // m
+  return covariance.block<3, 3>(3, 3).diagonal().maxCoeff() < kMaxSigma * kMaxSigma;
+}
+
 }  // namespace
 
 LidarMotion::LidarMotion(const Eigen::Isometry3d& T_vehicle_lidar)
@@ -51,8 +58,8 @@ std::optional<motion::RelativePose> LidarMotion::follow(const Sweep& sweep,
   const Stamp middle = sweep.stamp + sweep.span / 2;
   std::optional<Eigen::Isometry3d> guess;
   if (last) {
-    const auto motion = predicted.between(last->middle, middle);
-    if (motion.usable()) guess = motion.T_from_to;
+    const geometry::MotionBetween motion = predicted.between(last->middle, middle);
+    if (motion.usable() && is_known(motion.covariance)) guess = motion.T_from_to;
   }
   const registration::LidarOdometryResult& result = lidar_trajectory_.add(sweep, guess);
   followed_ = End{end, middle, std::nullopt};

@@ -28,8 +28,8 @@ std::optional<std::string> OdometryOptions::invalid() const {
   for (const double sigma :
        {acceleration_walk, angular_velocity_walk, tilt_rate_walk, translation_walk, rotation_walk,
         yaw_bias_sigma, gyro_bias_sigma, bias_walk, wheel_scale_sigma, wheel_scale_walk,
-        steering_zero_sigma, east_heading_sigma, lidar_rotation_drift, lidar_translation_drift,
-        velocity_walk}) {
+        steering_zero_sigma, east_heading_sigma, frame_tilt_sigma, lidar_rotation_drift,
+        lidar_translation_drift, velocity_walk}) {
     if (!(sigma >= 0)) return "a standard deviation must not be negative";
   }
   return std::nullopt;

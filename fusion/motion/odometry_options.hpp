@@ -33,7 +33,7 @@ struct OdometryOptions {
   double wheel_noise = 0.06;              ///< m/s
   double yaw_rate_noise = 0.005;          ///< rad/s, of the vehicle's yaw-rate sensor
   double gyro_noise = 0.004;              ///< rad/s, of the inertial unit
-  double acceleration_noise = 1.0;        ///< m/s², including mounting and road
+  double acceleration_noise = 3.0;        ///< m/s², including mounting and road
   double steering_noise = 0.01;           ///< rad/s of yaw rate, at 10 Hz
   double straight_steering_noise = 0.15;  ///< rad: steering angle on straight roads, at 10 Hz; far
                                           ///< above its spread, since the errors are correlated
@@ -41,6 +41,7 @@ struct OdometryOptions {
   double gnss_course_noise = 0.015;       ///< rad at 10 m/s and above; larger below
   double east_heading_sigma = 0;          ///< rad, of the heading of the odometry frame's x axis;
                                           ///< 0: it points east. 10: unknown
+  double frame_tilt_sigma = 0.1;          ///< rad, of the odometry frame, which a slope tilts
   double lidar_rotation_noise = 2e-4;     ///< rad, added to what a `RelativePose` states
   double lidar_translation_noise = 2e-3;  ///< m, the same
   double lidar_rotation_drift = 2e-5;     ///< rad/m, errors that successive results share

@@ -23,6 +23,10 @@ OdometryState::OdometryState(const OdometryOptions& options) : options_(options)
   }
   P_(kSteeringZero, kSteeringZero) = square(options.steering_zero_sigma);
   P_(kEastHeading, kEastHeading) = square(options.east_heading_sigma);
+  // The vehicle may start on a slope.
+  if (!options.planar) {
+    P_.block<2, 2>(kFrameTilt, kFrameTilt).diagonal().setConstant(square(options.frame_tilt_sigma));
+  }
   for (int i = 0; i < 6; ++i) {
     P_(kLidarDrift + i, kLidarDrift + i) =
         square(i < 3 ? options.lidar_rotation_drift : options.lidar_translation_drift);
@@ -34,6 +38,9 @@ OdometryState::OdometryState(const OdometryOptions& options) : options_(options)
 void OdometryState::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
                              const geometry::Matrix6& covariance) {
   T_odom_vehicle_ = T_odom_vehicle;
+  x_.segment<2>(kFrameTilt).setZero();
+  P_.middleRows<2>(kFrameTilt).setZero();
+  P_.middleCols<2>(kFrameTilt).setZero();
   P_.topRows<6>().setZero();
   P_.leftCols<6>().setZero();
   P_.topLeftCorner<6, 6>() = covariance;

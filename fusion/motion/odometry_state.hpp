@@ -62,8 +62,9 @@ class OdometryState {
     kLidarDrift = 18,   ///< rad/m and m/m: error that successive relative poses share
     kAcross = 24,       ///< m/s along y; 0 with `moves_forward`
     kUp = 25,           ///< m/s along z, the same
-    kMotionSize = 26,
-    kSize = 44,  ///< with the clones
+    kFrameTilt = 26,    ///< rad about x and y: the odometry frame, relative to a level one
+    kMotionSize = 28,
+    kSize = 46,  ///< with the clones
   };
   static constexpr size_t kMaxClones = (kSize - kMotionSize) / 6;
   using Vector = Eigen::Matrix<double, kSize, 1>;
@@ -74,7 +75,7 @@ class OdometryState {
   /// `options.invalid()` must be empty.
   explicit OdometryState(const OdometryOptions& options);
 
-  /// Sets the pose and resets the motion; the learned parameters stay.
+  /// Sets the pose in a level frame and resets the motion; the learned parameters stay.
   void set_pose(const Eigen::Isometry3d& T_odom_vehicle, const geometry::Matrix6& covariance);
 
   /// Predicts the state after a time step.

@@ -86,9 +86,10 @@ bool OdometryState::update_gravity(const ImuSample& sample) {
   if (options_.planar) return false;
   // Specific force: acceleration of the motion plus the reaction to gravity, in vehicle axes.
   const Eigen::Matrix3d R_vehicle_odom = T_odom_vehicle_.linear().transpose();
-  const Eigen::Vector3d up = R_vehicle_odom.col(2);
-  const Eigen::Matrix3d by_rotation =
-      kGravity * R_vehicle_odom * geometry::skew(Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d up_odom =
+      geometry::rotation_exp({x_[kFrameTilt], x_[kFrameTilt + 1], 0}).col(2);
+  const Eigen::Vector3d up = R_vehicle_odom * up_odom;
+  const Eigen::Matrix3d by_rotation = kGravity * R_vehicle_odom * geometry::skew(up_odom);
   const double v = speed(), rate = x_[kAngularVelocity + 2], scale = x_[kWheelScale];
   const double expected[2] = {scale * x_[kAcceleration] + kGravity * up.x(),
                               rate * v + kGravity * up.y()};
@@ -96,6 +97,7 @@ bool OdometryState::update_gravity(const ImuSample& sample) {
   for (int i = 0; i < 2; ++i) {
     Vector H = Vector::Zero();
     H.head<3>() = by_rotation.row(i).transpose();
+    H.segment<2>(kFrameTilt) = -by_rotation.row(i).head<2>().transpose();
     if (i == 0) {
       H[kAcceleration] = scale;
     } else {

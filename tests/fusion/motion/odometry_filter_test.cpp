@@ -376,6 +376,48 @@ TEST(OdometryFilter, FollowsAClimbInThreeDimensions) {
   }
 }
 
+// The odometry frame is that of the first pose, level or not: gravity must not turn the vehicle
+// while it shows how the frame is tilted.
+TEST(OdometryFilter, AStartOnASlopeTurnsNothing) {
+  const TrueDrive drive(20, [](double t) {
+    Vector6 twist = Vector6::Zero();
+    twist << 0, 0, 0.2 * std::sin(0.4 * t), 8 + 4 * std::sin(0.3 * t), 0, 0;
+    return twist;
+  });
+  const Eigen::Vector3d up_odom = geometry::rotation_exp({0.03, -0.06, 0}).col(2);
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  OdometryOptions options;
+  options.planar = false;
+  OdometryFilter filter(options);
+  for (double t = 0; t < 19.9; t += 0.01) {
+    WheelOdometry wheels = drive.wheels(t);
+    wheels.yaw_rate = std::nan("");
+    filter.add(wheels);
+    const Vector6 now = drive.twist(t);
+    const Eigen::Vector3d force =
+        Eigen::Vector3d(1.2 * std::cos(0.3 * t), 0, 0) +
+        Eigen::Vector3d(now.head<3>()).cross(Eigen::Vector3d(now.tail<3>())) +
+        drive.pose(t).linear().transpose() * (9.80665 * up_odom);
+    ImuSample imu;
+    imu.stamp = seconds(t);
+    for (int i = 0; i < 3; ++i) {
+      const auto k = static_cast<size_t>(i);
+      imu.angular_velocity[k] = now[i] + 0.002 * normal(random);
+      imu.linear_acceleration[k] = force[i] + 0.1 * normal(random);
+    }
+    filter.add(imu);
+  }
+  filter.flush();
+  for (const double t : {1.0, 3.0, 8.0, 19.0}) {
+    const auto pose = filter.trajectory().at(seconds(t));
+    ASSERT_TRUE(pose.usable());
+    const Eigen::Vector3d error =
+        geometry::rotation_log(pose.T_odom_vehicle.linear().transpose() * drive.pose(t).linear());
+    EXPECT_LT(error.head<2>().norm(), 0.4 * kDegree) << t;
+  }
+}
+
 // Many drives with the noise of the options: the squared error of the final pose, weighted with the
 // estimated covariance, must match its degrees of freedom.
 TEST(OdometryFilter, CovarianceIsConsistent) {
