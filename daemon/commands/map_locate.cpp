@@ -80,9 +80,8 @@ class LocatedDrive {
       out += fmt::format("; found after {:.1f} s and {:.0f} m", found_after_, found_way_);
     }
     out += fmt::format(
-        "\nlast search: probability {:.3f} of the best place, {:.3f} of the next, {:.3f} of "
-        "nowhere "
-        "on the map",
+        "\nlast search: probability of the best place {:.3f}, of the next {:.3f}, of nowhere "
+        "{:.3f}",
         place_.best, place_.runner_up, place_.nowhere);
     return out;
   }

@@ -33,7 +33,7 @@ struct OdometryOptions {
   double wheel_noise = 0.06;              ///< m/s
   double yaw_rate_noise = 0.005;          ///< rad/s, of the vehicle's yaw-rate sensor
   double gyro_noise = 0.004;              ///< rad/s, of the inertial unit
-  double acceleration_noise = 3.0;        ///< m/s², including mounting and road
+  double acceleration_noise = 3.0;        ///< m/s², at 100 Hz; errors of mounting and road last
   double steering_noise = 0.01;           ///< rad/s of yaw rate, at 10 Hz
   double straight_steering_noise = 0.15;  ///< rad: steering angle on straight roads, at 10 Hz; far
                                           ///< above its spread, since the errors are correlated

@@ -46,7 +46,7 @@ struct LocaliserPose {
   /// Right perturbation in the vehicle frame, (rx, ry, rz, tx, ty, tz), rad and m.
   geometry::Matrix6 covariance = geometry::Matrix6::Zero();
   const char* reason = "no sweep yet";  ///< static text; empty while TRACKING
-  PlaceProbabilities place;             ///< of the last search; it goes on until one is recognised
+  PlaceProbabilities place;             ///< of the last search, which a recognised place ends
   bool verified = false;                ///< the map confirmed it at this sweep
 
   bool usable() const { return state == LocaliserState::kTracking; }

@@ -8,6 +8,7 @@
 #include <iomanip>
 #include <ostream>
 #include <sstream>
+#include <stdexcept>
 
 #include "fusion/places/localiser.hpp"
 #include "tests/study/places/true_map.hpp"
@@ -98,6 +99,7 @@ std::string study_fits(std::ostream& out, const FitStudyOptions& options) {
       out << (!options.elsewhere && map->covers(truth.translation())) << std::fixed
           << std::setprecision(4);
       const auto found = matcher.search(cloud);
+      if (!found) throw std::runtime_error(found.error().message());
       for (const places::MatchedPlace& place : *found) {
         out << " " << place.fit.inliers << " " << place.fit.agreement << " " << place.fit.overlap
             << " " << (options.elsewhere ? INFINITY : map->error(place.T_map_vehicle, truth));

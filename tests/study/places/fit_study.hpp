@@ -16,7 +16,8 @@ struct FitStudyOptions {
 
 /// Searches the map for every cloud of 4 m of the drives and prints a line for each: whether the
 /// vehicle is on the map, and for each place that verification accepts its inliers, agreement,
-/// overlap and error (m). Returns an error text, or nothing.
+/// overlap and error (m). Returns an error text, or nothing. Throws std::runtime_error where the
+/// map cannot be read.
 std::string study_fits(std::ostream& out, const FitStudyOptions& options);
 
 /// Reads such lines from files and prints how often places are right by the probability that

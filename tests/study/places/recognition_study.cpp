@@ -183,6 +183,7 @@ class VerifiedMap {
     }
     RankedAnswer answer{-1e9, false, nearest <= tolerance};
     const auto found = matcher_->search(query.cloud);
+    if (!found) throw std::runtime_error(found.error().message());
     if (found->empty()) return answer;
     answer.score = places::log_odds(found->front().fit);
     const Eigen::Vector3d error =
