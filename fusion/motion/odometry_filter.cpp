@@ -6,12 +6,11 @@
 namespace infuse::motion {
 namespace {
 
-constexpr Duration kMaxPredictionStep{50'000'000};       // maximum duration of one prediction
-constexpr Duration kPredictedPoseInterval{100'000'000};  // between poses without samples
-constexpr Duration kSlipAfter{100'000'000};    // of rejected wheels; then they are suspended
-constexpr Duration kAgreeBefore{500'000'000};  // of agreement, before they are used again
-constexpr double kWheelAgreement = 0.4;        // m/s
-constexpr uint64_t kMaxLidarRejections = 3;    // in a row without another source of speed
+constexpr Duration kMaxPredictionStep{50'000'000};  // maximum duration of one prediction
+constexpr Duration kSlipAfter{100'000'000};         // of rejected wheels; then they are suspended
+constexpr Duration kAgreeBefore{500'000'000};       // of agreement, before they are used again
+constexpr double kWheelAgreement = 0.4;             // m/s
+constexpr uint64_t kMaxLidarRejections = 3;         // in a row without another source of speed
 constexpr Duration kMinSteeringInterval{100'000'000};  // the errors are correlated: more samples
                                                        // add no information
 
@@ -137,7 +136,7 @@ void OdometryFilter::advance(Duration ahead) {
     state_.predict(to_seconds(kMaxPredictionStep));
     now_ = now_ + kMaxPredictionStep;
     if (!trajectory_.poses().empty())
-      extend_trajectory(std::max(kPredictedPoseInterval, options_.pose_interval));
+      extend_trajectory(std::max(OdometryTrajectory::kPredictedInterval, options_.pose_interval));
   }
   state_.predict(to_seconds(ahead));
   now_ = now_ + ahead;

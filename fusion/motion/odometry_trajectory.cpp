@@ -5,8 +5,7 @@ namespace {
 
 using geometry::StampedPose;
 
-constexpr Duration kInterval{100'000'000};  // between poses that a relative pose adds
-constexpr Duration kLead{10'000'000};       // of the first pose
+constexpr Duration kLead{10'000'000};  // of the first pose
 
 /// Where a time lies between two poses: 0 at `a`, 1 at `b`.
 double share(const StampedPose& a, const StampedPose& b, Stamp stamp) {
@@ -61,7 +60,7 @@ void OdometryTrajectory::correct(const RelativePose& pose, const RelativePoseUpd
     first.steps = from.steps;
     poses_.append(first);
   }
-  for (Stamp stamp = from.stamp; stamp < to.stamp; stamp = stamp + kInterval) {
+  for (Stamp stamp = from.stamp; stamp < to.stamp; stamp = stamp + kPredictedInterval) {
     poses_.append(interpolated(from, to, stamp));
   }
   poses_.append(to);

@@ -8,6 +8,8 @@ namespace infuse::motion {
 /// Trajectory of dead reckoning, which measurements of motion in the past correct.
 class OdometryTrajectory {
  public:
+  static constexpr Duration kPredictedInterval{100'000'000};  ///< between poses without samples
+
   OdometryTrajectory(const geometry::TrajectoryOptions& options, Duration pose_interval)
       : poses_(options), pose_interval_(pose_interval) {}
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 namespace infuse::places {
 namespace {
@@ -96,11 +95,9 @@ std::optional<Localiser::Query> Localiser::next_query(const geometry::PointsView
 Result<void> Localiser::search(const Query& query) {
   const auto found = matcher_.search(query.submap);
   if (!found) return tl::unexpected(found.error());
-  std::vector<PlaceFit> fits;
-  for (const MatchedPlace& place : *found) fits.push_back(place.fit);
-  pose_.place = place_probabilities(fits);
+  pose_.place = found->probabilities;
   if (pose_.place.best >= options_.min_probability) {
-    begin_at(found->front(), query);
+    begin_at(found->places.front(), query);
   } else {
     pose_.reason = pose_.place.runner_up > pose_.place.nowhere
                        ? "two places of the map fit"
@@ -124,11 +121,12 @@ void Localiser::begin_at(const MatchedPlace& found, const Query& query) {
 Result<void> Localiser::check(const Query& query) {
   const Eigen::Isometry3d T_query_now = query.T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
   const Eigen::Isometry3d T_map_vehicle = pose_.T_map_vehicle * T_query_now.inverse();
-  if (!matcher_.nearest_keyframe(T_map_vehicle)) {
+  const auto keyframe = matcher_.nearest_keyframe(T_map_vehicle);
+  if (!keyframe) {
     mismatch_ = "off the map";
     return {};
   }
-  const auto matched = matcher_.match_near(query.submap, T_map_vehicle);
+  const auto matched = matcher_.match(*keyframe, query.submap, T_map_vehicle);
   if (!matched) return tl::unexpected(matched.error());
   if (!*matched) mismatch_ = "the map does not fit";
   pose_.verified = *matched && update(**matched, T_query_now);

@@ -12,15 +12,15 @@ constexpr size_t kKeptPlaces = 6;      // prepared clouds
 constexpr size_t kSearchedPlaces = 6;  // times the candidates: neighbours look alike
 constexpr double kMaxLevel = 4;        // m of height between a vehicle and a keyframe of its level
 constexpr double kSamePose = 1;        // m, between two results of one place
+// Shares of a search, as in `ClosureCheckOptions`: what has less is improbable beyond counting, and
+// not registered from the other side.
+constexpr double kMinInliers = 0.3, kMinAgreement = 0.6, kMinOverlap = 0.1;
 
 }  // namespace
 
 std::optional<std::string> PlaceMatcherOptions::invalid() const {
   if (auto wrong = check.invalid()) return wrong;
   if (candidates < 1 || candidates > 100) return "candidates must lie in 1 … 100";
-  for (const double share : {min_inliers, min_agreement, min_overlap}) {
-    if (!(share >= 0 && share < 1)) return "shares must lie in 0 … 1";
-  }
   if (!(distinct > 0 && max_distance > 0)) return "distances must be positive";
   return std::nullopt;
 }
@@ -58,7 +58,7 @@ Result<std::optional<MatchedPlace>> PlaceMatcher::verify(
   if (!found.usable()) return std::optional<MatchedPlace>();
   const Eigen::Isometry3d& T_target_source = found.registration.T_target_source;
   MatchedPlace matched;
-  matched.fit = {found.inliers, found.agreement, found.overlap};
+  matched.fit = {found.inliers, found.agreement};
   matched.T_map_vehicle = T_map_lidar * T_target_source * T_vehicle_lidar_.inverse();
   // exp(δ) T = T exp(Ad(T⁻¹) δ), then from the lidar to the vehicle.
   matched.covariance = geometry::transform_covariance(T_vehicle_lidar_ * T_target_source.inverse(),
@@ -84,12 +84,12 @@ std::vector<PlaceCandidate> PlaceMatcher::look_alikes(const mapping::Submap& clo
   return out;
 }
 
-Result<std::vector<MatchedPlace>> PlaceMatcher::search(const mapping::Submap& cloud) {
+Result<PlaceSearch> PlaceMatcher::search(const mapping::Submap& cloud) {
   const mapping::PreparedSubmap source(cloud, options_.check);
   mapping::ClosureCheckOptions check = options_.check;
-  check.min_inliers = options_.min_inliers;
-  check.min_agreement = options_.min_agreement;
-  check.min_overlap = options_.min_overlap;
+  check.min_inliers = kMinInliers;
+  check.min_agreement = kMinAgreement;
+  check.min_overlap = kMinOverlap;
   std::vector<MatchedPlace> found;
   for (const PlaceCandidate& candidate : look_alikes(cloud)) {
     const auto target = prepare(candidate.place);
@@ -106,22 +106,25 @@ Result<std::vector<MatchedPlace>> PlaceMatcher::search(const mapping::Submap& cl
     return log_odds(a.fit) > log_odds(b.fit);
   });
   // Two keyframes can lead to one pose.
-  std::vector<MatchedPlace> out;
+  PlaceSearch out;
+  std::vector<PlaceFit> fits;
   for (const MatchedPlace& place : found) {
-    const bool is_known = std::any_of(out.begin(), out.end(), [&](const MatchedPlace& better) {
-      return (better.T_map_vehicle.translation() - place.T_map_vehicle.translation()).norm() <
-             kSamePose;
-    });
-    if (!is_known) out.push_back(place);
+    const bool is_known =
+        std::any_of(out.places.begin(), out.places.end(), [&](const MatchedPlace& better) {
+          return (better.T_map_vehicle.translation() - place.T_map_vehicle.translation()).norm() <
+                 kSamePose;
+        });
+    if (is_known) continue;
+    out.places.push_back(place);
+    fits.push_back(place.fit);
   }
+  out.probabilities = place_probabilities(fits);
   return out;
 }
 
-Result<std::optional<MatchedPlace>> PlaceMatcher::match_near(
-    const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_vehicle) {
-  const auto keyframe = nearest_keyframe(T_map_vehicle);
-  if (!keyframe) return std::optional<MatchedPlace>();
-  return verify(*keyframe, mapping::PreparedSubmap(cloud, options_.check), T_map_vehicle,
+Result<std::optional<MatchedPlace>> PlaceMatcher::match(
+    size_t keyframe, const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_vehicle_guess) {
+  return verify(keyframe, mapping::PreparedSubmap(cloud, options_.check), T_map_vehicle_guess,
                 options_.check);
 }
 

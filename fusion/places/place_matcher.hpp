@@ -27,12 +27,9 @@ struct PlaceMap {
 /// Settings of the comparison of a cloud with the places of a map.
 struct PlaceMatcherOptions {
   mapping::ClosureCheckOptions check;  ///< near a pose that is known
-  /// Least that places of a search have in common, as in `check`: what is not refused outright is
-  /// weighed by its probability.
-  double min_inliers = 0.3, min_agreement = 0.6, min_overlap = 0.1;
-  size_t candidates = 4;     ///< places that a search verifies, …
-  double distinct = 10;      ///< … m apart at least
-  double max_distance = 12;  ///< m; farther from every keyframe a pose is off the map
+  size_t candidates = 4;               ///< places that a search verifies, …
+  double distinct = 10;                ///< … m apart at least
+  double max_distance = 12;            ///< m; farther from every keyframe a pose is off the map
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -45,6 +42,12 @@ struct MatchedPlace {
   PlaceFit fit;
 };
 
+/// What a search found.
+struct PlaceSearch {
+  std::vector<MatchedPlace> places;  ///< the best fit first
+  PlaceProbabilities probabilities;
+};
+
 /// Compares what a lidar saw with the places of a map. Reads their clouds when they are needed and
 /// keeps the last few.
 class PlaceMatcher {
@@ -53,14 +56,14 @@ class PlaceMatcher {
   PlaceMatcher(PlaceMap map, const Eigen::Isometry3d& T_vehicle_lidar,
                const PlaceMatcherOptions& options = {});
 
-  /// Poses on the map from which a cloud (lidar frame) could have been seen, the best fit first:
-  /// the places that look most alike, verified. Empty: none. Or why the map cannot be read.
-  Result<std::vector<MatchedPlace>> search(const mapping::Submap& cloud);
+  /// Poses on the map from which a cloud (lidar frame) could have been seen: the places that look
+  /// most alike, verified. Or why the map cannot be read.
+  Result<PlaceSearch> search(const mapping::Submap& cloud);
 
-  /// The same at the keyframe nearest to a pose that is right within 2 m; nothing if the cloud does
-  /// not fit there or the pose is off the map.
-  Result<std::optional<MatchedPlace>> match_near(const mapping::Submap& cloud,
-                                                 const Eigen::Isometry3d& T_map_vehicle);
+  /// The pose at a keyframe from a guess that is right within 2 m; nothing if the cloud does not
+  /// fit there.
+  Result<std::optional<MatchedPlace>> match(size_t keyframe, const mapping::Submap& cloud,
+                                            const Eigen::Isometry3d& T_map_vehicle_guess);
 
   /// Keyframe nearest to a pose of the same level, within `max_distance`.
   std::optional<size_t> nearest_keyframe(const Eigen::Isometry3d& T_map_vehicle) const;

@@ -8,7 +8,6 @@ namespace infuse::places {
 struct PlaceFit {
   double inliers = 0;    ///< of the points that have a counterpart
   double agreement = 0;  ///< of what each can judge of the other, and supports
-  double overlap = 0;    ///< of all points that are supported
 };
 
 /// Probabilities of where a vehicle is; they add up to at most 1.

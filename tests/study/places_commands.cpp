@@ -10,35 +10,34 @@
 namespace infuse::study {
 namespace {
 
+void add_visits(CLI::App& command, VisitOptions& options) {
+  command.add_option("MAP", options.map, "map folder")->required();
+  command.add_option("MAP_DRIVE", options.map_drive, "the drive it was made of")->required();
+  command.add_option("DRIVE", options.drives, "visits, in the frame of that drive")->required();
+}
+
+void require_success(const std::string& error) {
+  if (!error.empty()) throw CLI::ValidationError(error);
+}
+
 /// Adds the study of starts from nothing on a map of keyframes.
 void add_places_command(CLI::App& app) {
   static PlaceStudyOptions options;
   CLI::App* command = app.add_subcommand(
       "places", "find the vehicle on a map of keyframes from nothing, all along simulated visits");
-  command->add_option("MAP", options.map, "map folder")->required();
-  command->add_option("MAP_DRIVE", options.map_drive, "the drive it was made of")->required();
-  command->add_option("DRIVE", options.drives, "visits, in the frame of that drive")->required();
+  add_visits(*command, options);
   command->add_option("--spacing", options.spacing, "m between starts")->capture_default_str();
   command->add_flag("--elsewhere", options.elsewhere, "the visits are off the map");
-  command->callback([] {
-    const std::string wrong = study_places(std::cout, options);
-    if (!wrong.empty()) throw CLI::ValidationError(wrong);
-  });
+  command->callback([] { require_success(study_places(std::cout, options)); });
 }
 
 /// Adds the study of how well right and wrong places fit.
 void add_fits_command(CLI::App& app) {
-  static FitStudyOptions options;
+  static VisitOptions options;
   CLI::App* command = app.add_subcommand(
       "place-fits", "search a map all along simulated visits; print how well the places fit");
-  command->add_option("MAP", options.map, "map folder")->required();
-  command->add_option("MAP_DRIVE", options.map_drive, "the drive it was made of")->required();
-  command->add_option("DRIVE", options.drives, "visits, in the frame of that drive")->required();
-  command->add_flag("--elsewhere", options.elsewhere, "the visits are in another world");
-  command->callback([] {
-    const std::string wrong = study_fits(std::cout, options);
-    if (!wrong.empty()) throw CLI::ValidationError(wrong);
-  });
+  add_visits(*command, options);
+  command->callback([] { require_success(study_fits(std::cout, options)); });
 }
 
 /// Adds the study of the probability of places.
@@ -49,10 +48,7 @@ void add_odds_command(CLI::App& app) {
       "place-odds", "compare the probability of places with how often they are right");
   command->add_option("FITS", files, "what place-fits printed")->required();
   command->add_flag("--fit", fit, "print the weights that suit these best");
-  command->callback([] {
-    const std::string wrong = study_place_odds(std::cout, files, fit);
-    if (!wrong.empty()) throw CLI::ValidationError(wrong);
-  });
+  command->callback([] { require_success(study_place_odds(std::cout, files, fit)); });
 }
 
 /// Adds the study of recognition across seasons.

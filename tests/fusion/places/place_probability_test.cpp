@@ -8,7 +8,7 @@
 namespace infuse::places {
 namespace {
 
-constexpr PlaceFit kGood{0.9, 0.98, 0.8}, kFair{0.62, 0.92, 0.55};
+constexpr PlaceFit kGood{0.9, 0.98}, kFair{0.62, 0.92};
 
 double sum(const PlaceProbabilities& p) { return p.best + p.runner_up + p.nowhere; }
 
@@ -35,12 +35,12 @@ TEST(PlaceProbability, TwoPlacesThatFitAlikeShareIt) {
 
 TEST(PlaceProbability, GrowsWithInliersAndAgreement) {
   const double odds = log_odds(kFair);
-  EXPECT_GT(log_odds({kFair.inliers + 0.1, kFair.agreement, kFair.overlap}), odds);
-  EXPECT_GT(log_odds({kFair.inliers, kFair.agreement + 0.05, kFair.overlap}), odds);
+  EXPECT_GT(log_odds({kFair.inliers + 0.1, kFair.agreement}), odds);
+  EXPECT_GT(log_odds({kFair.inliers, kFair.agreement + 0.05}), odds);
 }
 
 TEST(PlaceProbability, SaysNothingOfWhatHasNothingInCommon) {
-  EXPECT_LT(place_probabilities(std::vector{PlaceFit{0.5, 0.85, 0.25}}).best, 0.25);
+  EXPECT_LT(place_probabilities(std::vector{PlaceFit{0.5, 0.85}}).best, 0.25);
   EXPECT_GT(place_probabilities(std::vector{kGood}).best, 0.99);
 }
 

@@ -11,7 +11,6 @@
 #include <stdexcept>
 
 #include "fusion/places/localiser.hpp"
-#include "tests/study/places/true_map.hpp"
 
 namespace infuse::study {
 namespace {
@@ -35,11 +34,9 @@ Result<std::vector<Query>> read_queries(const std::vector<std::string>& files) {
     if (!in) return fail("cannot be read", file);
     for (std::string line; std::getline(in, line);) {
       std::istringstream fields(line);
-      int on_map = 0;
-      if (!(fields >> on_map)) continue;
       Query query;
       places::PlaceFit fit;
-      for (double error = 0; fields >> fit.inliers >> fit.agreement >> fit.overlap >> error;) {
+      for (double error = 0; fields >> fit.inliers >> fit.agreement >> error;) {
         if (query.right < 0 && error < kMaxError) query.right = static_cast<int>(query.fits.size());
         query.fits.push_back(fit);
       }
@@ -83,7 +80,7 @@ Weights fit_weights(const std::vector<Query>& queries) {
 
 }  // namespace
 
-std::string study_fits(std::ostream& out, const FitStudyOptions& options) {
+std::string study_fits(std::ostream& out, const VisitOptions& options) {
   const auto map = open_true_map(options.map, options.map_drive);
   if (!map) return map.error().message();
   for (const std::string& drive : options.drives) {
@@ -94,15 +91,14 @@ std::string study_fits(std::ostream& out, const FitStudyOptions& options) {
     mapping::KeyframePicker picker(localiser.keyframes);
     mapping::SubmapBuilder submap(localiser.submaps);
     Stamp begun;
+    out << std::fixed << std::setprecision(4);
     const auto search = [&](const mapping::Submap& cloud) {
       const Eigen::Isometry3d& truth = visit->true_pose(begun);
-      out << (!options.elsewhere && map->covers(truth.translation())) << std::fixed
-          << std::setprecision(4);
       const auto found = matcher.search(cloud);
       if (!found) throw std::runtime_error(found.error().message());
-      for (const places::MatchedPlace& place : *found) {
-        out << " " << place.fit.inliers << " " << place.fit.agreement << " " << place.fit.overlap
-            << " " << (options.elsewhere ? INFINITY : map->error(place.T_map_vehicle, truth));
+      for (const places::MatchedPlace& place : found->places) {
+        out << place.fit.inliers << " " << place.fit.agreement << " "
+            << map->error(place.T_map_vehicle, truth) << " ";
       }
       out << std::endl;
     };

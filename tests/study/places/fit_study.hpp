@@ -4,21 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "tests/study/places/true_map.hpp"
+
 namespace infuse::study {
 
-/// Searches of a map all along drives.
-struct FitStudyOptions {
-  std::string map;                  ///< map folder
-  std::string map_drive;            ///< the simulated drive that it was made of
-  std::vector<std::string> drives;  ///< simulated visits
-  bool elsewhere = false;           ///< the drives are in another world: no place is right
-};
-
-/// Searches the map for every cloud of 4 m of the drives and prints a line for each: whether the
-/// vehicle is on the map, and for each place that verification accepts its inliers, agreement,
-/// overlap and error (m). Returns an error text, or nothing. Throws std::runtime_error where the
-/// map cannot be read.
-std::string study_fits(std::ostream& out, const FitStudyOptions& options);
+/// Searches the map for every cloud of 4 m of the drives and prints a line for each: for each place
+/// that verification accepts its inliers, agreement and error (m). Returns an error text, or
+/// nothing. Throws std::runtime_error where the map cannot be read.
+std::string study_fits(std::ostream& out, const VisitOptions& options);
 
 /// Reads such lines from files and prints how often places are right by the probability that
 /// `places::place_probabilities` states, in bins, with the expected calibration error; with `fit`

@@ -7,7 +7,6 @@
 #include <ostream>
 
 #include "fusion/places/localiser.hpp"
-#include "tests/study/places/true_map.hpp"
 
 namespace infuse::study {
 namespace {

@@ -2,18 +2,16 @@
 
 #include <iosfwd>
 #include <string>
-#include <vector>
+
+#include "tests/study/places/true_map.hpp"
 
 namespace infuse::study {
 
 /// Starts of the localisation all along drives.
-struct PlaceStudyOptions {
-  std::string map;                  ///< map folder
-  std::string map_drive;            ///< the simulated drive that it was made of
-  std::vector<std::string> drives;  ///< simulated visits; in the same world unless `elsewhere`
-  double spacing = 20;              ///< m between starts
-  double max_way = 200;             ///< m after which a start is given up
-  bool elsewhere = false;           ///< the drives are off the map
+struct PlaceStudyOptions : VisitOptions {
+  double spacing = 20;     ///< m between starts
+  double max_way = 200;    ///< m after which a start is given up
+  bool elsewhere = false;  ///< the drives are off the map
 };
 
 /// Starts a localiser from nothing every `spacing` m and follows it until it has tracked for 20 m;

@@ -184,10 +184,10 @@ class VerifiedMap {
     RankedAnswer answer{-1e9, false, nearest <= tolerance};
     const auto found = matcher_->search(query.cloud);
     if (!found) throw std::runtime_error(found.error().message());
-    if (found->empty()) return answer;
-    answer.score = places::log_odds(found->front().fit);
+    if (found->places.empty()) return answer;
+    answer.score = places::log_odds(found->places.front().fit);
     const Eigen::Vector3d error =
-        found->front().T_map_vehicle.translation() - query.T_map_vehicle.translation();
+        found->places.front().T_map_vehicle.translation() - query.T_map_vehicle.translation();
     answer.right = error.head<2>().norm() <= tolerance;
     return answer;
   }

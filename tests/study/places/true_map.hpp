@@ -11,6 +11,13 @@
 
 namespace infuse::study {
 
+/// A map and simulated drives through its world, or past it.
+struct VisitOptions {
+  std::string map;                  ///< map folder
+  std::string map_drive;            ///< the simulated drive that it was made of
+  std::vector<std::string> drives;  ///< simulated visits, in the frame of that drive
+};
+
 /// A map and where its keyframes truly were.
 struct TrueMap {
   places::PlaceMap map;
