@@ -246,7 +246,8 @@ void Tracker::update_significance(const GridSamples& samples) {
   std::uniform_real_distribution<double> share(0, 1);
   null_scores_.clear();
   for (int i = 0; i < options_.confidence.null_draws; ++i) {
-    const double turned = (share(random_) < 0.5 ? -1 : 1) * (0.35 + 2.4 * share(random_));
+    const double side = share(random_) < 0.5 ? -1 : 1;
+    const double turned = side * (0.35 + 2.4 * share(random_));
     const double direction = 2 * std::numbers::pi * share(random_);
     const double distance = 5 + 10 * share(random_);
     null_scores_.push_back(

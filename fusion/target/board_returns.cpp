@@ -1,6 +1,7 @@
 #include "fusion/target/board_returns.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -55,11 +56,12 @@ Points select_inliers(const Points& points, const Plane& plane, double thickness
 std::optional<Plane> ransac_plane(const Points& points, const Eigen::Vector3d& facing,
                                   const BoardReturnsOptions& options) {
   std::mt19937_64 random(options.seed);
-  const auto draw = [&]() -> const Eigen::Vector3d& { return points[random() % points.size()]; };
+  const auto draw = [&] { return points[random() % points.size()]; };
   std::optional<Plane> best;
   size_t max_count = 0;
   for (int k = 0; k < options.ransac_iterations; ++k) {
-    const auto plane = plane_through(draw(), draw(), draw());
+    const std::array drawn{draw(), draw(), draw()};  // braces: in this order, whatever the compiler
+    const auto plane = plane_through(drawn[0], drawn[1], drawn[2]);
     if (!plane || std::abs(plane->normal.dot(facing)) < std::cos(options.max_tilt)) continue;
     const auto count =
         static_cast<size_t>(std::count_if(points.begin(), points.end(), [&](const auto& point) {

@@ -75,7 +75,7 @@ inline World make_world(uint64_t seed, double scale = 1) {
   add({7, draw(6, 8), 2}, {7, 0, 0}, {0, 0, 4});
   add({7, draw(-8, -6), 2}, {7, 0, 0}, {0, 0, 4});
   for (int i = 0; i < 9; ++i) {
-    const Eigen::Vector3d at(draw(4, 10), draw(-5, 5), draw(-1.4, 1.6));
+    const Eigen::Vector3d at{draw(4, 10), draw(-5, 5), draw(-1.4, 1.6)};
     const double turn = draw(-0.6, 0.6);
     const Eigen::Vector3d across(-std::sin(turn), std::cos(turn), 0);
     const Eigen::Vector3d deep(std::cos(turn), std::sin(turn), 0);
