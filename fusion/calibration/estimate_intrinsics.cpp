@@ -110,9 +110,9 @@ SceneInformation even_steps(Objective& objective, const Eigen::Isometry3d& T, co
 SceneInformation joint_curvature(Objective& objective, const Eigen::Isometry3d& T) {
   SceneInformation information = SceneInformation::Zero();
   for (const SceneInformation& scene : objective.scene_information(T)) information += scene;
-  const geometry::Matrix6 H =
-      pose_curvature(objective, T, kCurvatureStep, objective.median_range());
   const geometry::Matrix6 of_pose = information.topLeftCorner<6, 6>();
+  const geometry::Matrix6 H = pose_curvature(
+      objective, T, curvature_steps(of_pose, kCurvatureStep, objective.median_range()));
   return (of_pose.inverse() * H).trace() / 6 * information;
 }
 

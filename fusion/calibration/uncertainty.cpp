@@ -21,6 +21,8 @@ using geometry::Vector6;
 constexpr double kFirstStep = 1e-3;  // rad; for translations times the median range of the points
 constexpr double kMaxStepGrowth = 4;
 constexpr double kMinStepGrowth = 0.25;
+// Steps along directions of little information are longer than the others, up to so many times.
+constexpr double kMaxStepRatio = 4;
 constexpr double kMaxRotationSigma = 5 * kDegree;
 constexpr double kMaxTranslationSigma = 0.5;
 
@@ -84,17 +86,30 @@ double max_angular_sigma(const Matrix6& covariance, double range) {
 
 }  // namespace
 
-Matrix6 pose_curvature(Objective& objective, const Eigen::Isometry3d& T, double angle,
-                       double range) {
-  Matrix6 H;
+Matrix6 pose_curvature(Objective& objective, const Eigen::Isometry3d& T, const Matrix6& steps) {
+  Matrix6 differences;
   for (int k = 0; k < 6; ++k) {
-    const double step = k < 3 ? angle : range * angle;
-    const Vector6 xi = step * Vector6::Unit(k);
-    H.col(k) = (objective.evaluate(geometry::exp(-xi) * T, true).gradient -
-                objective.evaluate(geometry::exp(xi) * T, true).gradient) /
-               (2 * step);
+    const Vector6 xi = steps.col(k);
+    differences.col(k) = 0.5 * (objective.evaluate(geometry::exp(-xi) * T, true).gradient -
+                                objective.evaluate(geometry::exp(xi) * T, true).gradient);
   }
-  return 0.5 * (H + H.transpose());
+  const Matrix6 in_steps = steps.transpose() * differences;
+  const Matrix6 inverse = steps.inverse();
+  return inverse.transpose() * (0.5 * (in_steps + in_steps.transpose())) * inverse;
+}
+
+Matrix6 curvature_steps(const Matrix6& information, double angle, double range) {
+  Vector6 unit;
+  unit << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(range);
+  const auto eigen =
+      geometry::symmetric_eigen<6>(unit.asDiagonal() * information * unit.asDiagonal());
+  const double mean = eigen.values.mean();
+  Matrix6 steps;
+  for (int k = 0; k < 6; ++k) {
+    const double even = eigen.values[k] > 0 ? std::sqrt(mean / eigen.values[k]) : kMaxStepRatio;
+    steps.col(k) = angle * std::min(even, kMaxStepRatio) * unit.cwiseProduct(eigen.vectors.col(k));
+  }
+  return steps;
 }
 
 std::string describe_imprecision(const Matrix6& covariance, double max_rotation_sigma,
@@ -172,10 +187,16 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   const double effective = out.effective_scenes;
   const Matrix6 scatter =
       static_cast<double>(seen.size()) / (effective - 1) * gradient_scatter(seen);
+  out.scene_information = objective.scene_information(T_refcam_lidar);
+  Matrix6 information_of_points = Matrix6::Zero();
+  for (const SceneInformation& scene : out.scene_information) {
+    information_of_points += scene.topLeftCorner<6, 6>();
+  }
   const double range = objective.median_range();
   Sandwich found{.reason = "not evaluated"};
   const auto try_step = [&](double angle) {
-    const Matrix6 H = pose_curvature(objective, T_refcam_lidar, angle, range);
+    const Matrix6 H = pose_curvature(objective, T_refcam_lidar,
+                                     curvature_steps(information_of_points, angle, range));
     const Sandwich next = sandwich(H, scatter, effective);
     if (!next.reason.empty() && found.reason.empty()) return;
     found = next;
@@ -197,11 +218,6 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   if (!out.usable()) return out;
   out.covariance = found.covariance;
 
-  out.scene_information = objective.scene_information(T_refcam_lidar);
-  Matrix6 information_of_points = Matrix6::Zero();
-  for (const SceneInformation& scene : out.scene_information) {
-    information_of_points += scene.topLeftCorner<6, 6>();
-  }
   out.cramer_rao_bound = information_of_points.inverse();
   const Vector6 unit = sigma_limits();
   const Matrix6 scaled =

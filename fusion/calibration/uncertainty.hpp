@@ -33,10 +33,17 @@ inline constexpr double kMinEffectiveScenes = 3;
 /// Number of scenes that count as much as the curvature's shape, in the covariance.
 inline constexpr double kShrinkageScenes = 20;
 
-/// Curvature of the objective by the pose: minus the derivatives of its gradient, by differences of
-/// `angle`, rad, and of the translation that moves points at `range` as far.
+/// Steps, as columns, along the axes of the `information` about the pose (any scale): each changes
+/// the samples about as much as `angle`, rad, or the translation that moves points at `range` as
+/// far; at most four times as long.
+geometry::Matrix6 curvature_steps(const geometry::Matrix6& information, double angle, double range);
+
+/// Curvature of the objective by the pose: minus the derivatives of its gradient, by differences
+/// along the columns of `steps`. Rotation and translation together leave directions of little
+/// information: along the axes of the pose itself, the noise of the large entries would hide the
+/// small curvature there.
 geometry::Matrix6 pose_curvature(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar,
-                                 double angle, double range);
+                                 const geometry::Matrix6& steps);
 
 /// Estimates the uncertainty at a maximum. With H the curvature of the objective (central
 /// differences of its analytic gradient) and g_s the gradient of scene s's part less their mean

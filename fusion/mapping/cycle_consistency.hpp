@@ -14,8 +14,8 @@ namespace infuse::mapping {
 /// error of the cycle's covariance, and "false", a pose anywhere in the area of the graph. Closures
 /// with the strongest evidence are accepted first; they shorten the paths of others, whose tests
 /// become sharp. A long way of uncertain odometry proves nothing: such closures wait. Covariances
-/// are stated up to a common factor, which is estimated from the cycles and widened while nothing
-/// more is accepted.
+/// are stated up to a common factor, which is estimated from the cycles and widened once, when
+/// nothing more is accepted.
 template <int D>
 std::vector<char> consistent_edges(const PoseGraph<D>& graph);
 

@@ -41,6 +41,52 @@ TEST(WideningOfFew, MatchesTablesOfFishersDistribution) {
   EXPECT_NEAR(widening_of_few(1e7), 1, 1e-4);
 }
 
+TEST(CurvatureSteps, ChangeTheSamplesEvenly) {
+  // A weak direction: rotation about y that a translation along x makes up for, at a range of 10 m.
+  constexpr double kRange = 10;
+  geometry::Vector6 unit, weak;
+  unit << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(kRange);
+  weak << 0, 1, 0, 1, 0, 0;
+  weak.normalize();
+  const auto information_of = [&](double share) -> Matrix6 {
+    const Matrix6 scaled = Matrix6::Identity() - (1 - share) * weak * weak.transpose();
+    return unit.cwiseInverse().asDiagonal() * scaled * unit.cwiseInverse().asDiagonal();
+  };
+  const auto change = [&](const Matrix6& steps, double share) {
+    return (steps.transpose() * information_of(share) * steps).diagonal().cwiseSqrt().eval();
+  };
+  const double mean = std::sqrt((5 + 0.1) / 6);
+  const auto even = change(curvature_steps(information_of(0.1), 1e-3, kRange), 0.1);
+  EXPECT_NEAR(even.minCoeff(), 1e-3 * mean, 1e-9);
+  EXPECT_NEAR(even.maxCoeff(), 1e-3 * mean, 1e-9);
+  // The step along a direction that nothing determines stays within four times the others.
+  const Matrix6 bounded = curvature_steps(information_of(0), 1e-3, kRange);
+  const Matrix6 in_units = unit.cwiseInverse().asDiagonal() * bounded;
+  EXPECT_NEAR(in_units.colwise().norm().maxCoeff(), 4e-3, 1e-9);
+}
+
+TEST(PoseCurvature, DoesNotDependOnTheDirectionsOfTheSteps) {
+  const painted::Drive& drive = painted::twelve_scene_drive();
+  const std::vector<TermOptions>& terms = named_measures().front().terms;
+  const BlurredImages images(drive.scenes, terms, 4);
+  const VisiblePoints points =
+      select_visible(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
+  Objective objective(points, images, drive.cameras, drive.scenes, terms);
+  const double range = objective.median_range();
+  geometry::Vector6 unit;
+  unit << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(range);
+  const Matrix6 axes = 1e-3 * Matrix6(unit.asDiagonal());
+  geometry::Vector6 mirror;  // Householder: an orthonormal basis with all axes mixed
+  mirror << 1, 2, -1, 1, -2, 3;
+  mirror.normalize();
+  const Matrix6 mixed = axes * (Matrix6::Identity() - 2 * mirror * mirror.transpose());
+  const Matrix6 one = pose_curvature(objective, drive.T_camera_lidar, axes);
+  const Matrix6 other = pose_curvature(objective, drive.T_camera_lidar, mixed);
+  const Matrix6 apart = unit.asDiagonal() * (one - other) * unit.asDiagonal();
+  const Matrix6 scaled = unit.asDiagonal() * one * unit.asDiagonal();
+  EXPECT_LT(apart.norm(), 0.05 * scaled.norm());
+}
+
 TEST(Uncertainty, IsPositiveDefiniteForThreeScenes) {
   const Uncertainty few = uncertainty_of(first_scenes(3), {});
   ASSERT_TRUE(few.usable()) << few.reason;
