@@ -85,6 +85,39 @@ TEST(OptimizeRobustly, FindsWhatStatesFarTooWideCovariances) {
   EXPECT_EQ(result.rejected_closures, 20U);
 }
 
+TEST(OptimizeRobustly, UncertainPathsDoNotMakeFalseClosuresPlausible) {
+  // A helix whose turns see each other: odometry alone is lost after a few turns, the closures of
+  // all turns together are not.
+  constexpr size_t kTurn = 20, kTurns = 60, kFalse = 118;
+  constexpr double kNoise = 0.02;  // m and rad, each step of a metre
+  std::mt19937 random(10);
+  std::vector<Pose<3>> truth = {Pose<3>::Identity()};
+  Freedom<3> step;
+  step << 1, 0, 0.05, 0, 0, 2 * std::numbers::pi / kTurn;
+  while (truth.size() < kTurns * kTurn) truth.push_back(moved(truth.back(), step));
+  PoseGraph<3> graph = random_graph<3>(truth, 0, kNoise, random);
+  for (size_t i = 0; i + kTurn < truth.size(); ++i) {
+    graph.edges.push_back(measured_edge<3>(truth, i, i + kTurn, kNoise, random));
+  }
+  const size_t true_edges = graph.edges.size();
+  std::uniform_int_distribution<size_t> any(0, truth.size() - 1);
+  while (graph.edges.size() < true_edges + kFalse) {  // a tenth of the number of true ones
+    const size_t from = any(random), to = any(random);
+    if ((truth[from].translation() - truth[to].translation()).norm() < 5) continue;
+    PoseEdge<3> edge = measured_edge<3>(truth, 0, kTurn, kNoise, random);
+    edge.from = from;
+    edge.to = to;
+    graph.edges.push_back(edge);
+  }
+  const RobustResult result = optimize_robustly(graph);
+  ASSERT_TRUE(result.usable()) << result.reason;
+  size_t false_accepted = 0;
+  for (size_t e = true_edges; e < graph.edges.size(); ++e)
+    false_accepted += result.accepted[e] != 0;
+  EXPECT_EQ(false_accepted, 0U);
+  EXPECT_LE(result.rejected_closures, kFalse + 23);  // at most 2 % of the true ones
+}
+
 TEST(OptimizeRobustly, StatesThatMostClosuresDisagree) {
   std::mt19937 random(9);
   std::vector<Pose<2>> truth;
