@@ -20,7 +20,7 @@ struct CompactOptions {
 /// Prepares a scene: blurs its image features for all `sigmas` at once, computes its signature and
 /// releases its image and the points that cannot come into view. A fifth of the memory remains.
 /// A calibration that uses no more than this has the same result, but for rounding of the image's
-/// features to 16 bits.
+/// features to 8 bits.
 void compact_scene(Scene& scene, const RigCamera& camera, const Eigen::Isometry3d& T_refcam_lidar,
                    const CompactOptions& options);
 

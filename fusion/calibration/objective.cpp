@@ -16,7 +16,7 @@ namespace {
 
 /// Plane in the form that the look-up needs.
 struct Samples2d {
-  const uint16_t* values;
+  const CompactPlane::Sample* values;
   int width;
   float right, bottom;  // last position with a sample after it
   float scale;          // samples per pixel
@@ -24,10 +24,10 @@ struct Samples2d {
 
 /// Neighbours in a row, read at once: half as many reads, which dominate a look-up's time.
 struct Neighbours {
-  uint16_t left, right;
+  CompactPlane::Sample left, right;
 };
 
-Neighbours neighbours(const uint16_t* at) {
+Neighbours neighbours(const CompactPlane::Sample* at) {
   Neighbours both;
   std::memcpy(&both, at, sizeof both);
   return both;

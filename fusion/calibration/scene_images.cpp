@@ -28,7 +28,7 @@ CompactPlane compact_plane(const features::Plane& plane) {
   out.values.reserve(plane.values.size());
   for (const float value : plane.values) {
     const float limited = value > 0.0F ? std::min(value, 1.0F) : 0.0F;
-    out.values.push_back(static_cast<uint16_t>(limited / CompactPlane::kUnit + 0.5F));
+    out.values.push_back(static_cast<CompactPlane::Sample>(limited / CompactPlane::kUnit + 0.5F));
   }
   return out;
 }

@@ -11,15 +11,15 @@
 
 namespace infuse::calibration {
 
-/// Plane of values 0 … 1, each in 16 bits: half the memory of a `features::Plane`, and half of what
-/// a look-up reads. In 8 bits the curvature of the measure is lost in steps (accuracy.md).
+/// Plane of values 0 … 1, each in 8 bits: a quarter of the memory of a `features::Plane`.
 struct CompactPlane {
-  static constexpr float kUnit = 1.0F / 65535;  ///< of `values`
+  using Sample = uint8_t;
+  static constexpr float kUnit = 1.0F / 255;  ///< of `values`
 
   int width = 0;   ///< samples
   int height = 0;  ///< samples
   int step = 1;    ///< pixels between samples; sample (0, 0) is pixel (0, 0)
-  std::vector<uint16_t> values;
+  std::vector<Sample> values;
 
   float value(size_t i) const { return kUnit * static_cast<float>(values[i]); }
 };
