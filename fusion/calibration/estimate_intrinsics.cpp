@@ -94,8 +94,7 @@ class IntrinsicsProblem {
 /// early.
 SceneInformation even_steps(Objective& objective, const Eigen::Isometry3d& T, const Vector10& scale,
                             double prior_weight) {
-  SceneInformation curvature = SceneInformation::Zero();
-  for (const SceneInformation& scene : objective.scene_information(T)) curvature += scene;
+  SceneInformation curvature = total_information(objective.scene_information(T));
   // The mean of the points' scores has the curvature of their information divided by their number.
   curvature /= static_cast<double>(objective.point_count());
   curvature = (scale.asDiagonal() * curvature * scale.asDiagonal()).eval();
@@ -108,11 +107,10 @@ SceneInformation even_steps(Objective& objective, const Eigen::Isometry3d& T, co
 /// Curvature of the objective by pose and intrinsics: Fisher's information, whose differences from
 /// the true one are smaller than the noise of numeric derivatives, on the scale of the latter.
 SceneInformation joint_curvature(Objective& objective, const Eigen::Isometry3d& T) {
-  SceneInformation information = SceneInformation::Zero();
-  for (const SceneInformation& scene : objective.scene_information(T)) information += scene;
+  const SceneInformation information = total_information(objective.scene_information(T));
   const geometry::Matrix6 of_pose = information.topLeftCorner<6, 6>();
   const geometry::Matrix6 H = pose_curvature(
-      objective, T, curvature_steps(of_pose, kCurvatureStep, objective.median_range()));
+      objective, T, kCurvatureStep * curvature_steps(of_pose, objective.median_range()));
   return (of_pose.inverse() * H).trace() / 6 * information;
 }
 

@@ -48,11 +48,8 @@ struct PoseInformation {
 };
 
 PoseInformation pose_information(const Uncertainty& uncertainty) {
-  Matrix6 sum = Matrix6::Zero();
-  for (const SceneInformation& scene : uncertainty.scene_information) {
-    sum += scene.topLeftCorner<6, 6>();
-  }
-  const Matrix6 inverse = sum.inverse();
+  const Matrix6 inverse =
+      total_information(uncertainty.scene_information).topLeftCorner<6, 6>().inverse();
   return {inverse, (inverse * uncertainty.curvature).trace() / 6};
 }
 

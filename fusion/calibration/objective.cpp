@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <stdexcept>
 
 #include "drivers/measurement/simd.hpp"
@@ -97,6 +98,10 @@ geometry::PointsView block_points(const VisiblePoints& points, const VisiblePoin
 }
 
 }  // namespace
+
+SceneInformation total_information(std::span<const SceneInformation> scenes) {
+  return std::accumulate(scenes.begin(), scenes.end(), SceneInformation::Zero().eval());
+}
 
 PerImageFeature<bool> compared_image_features(std::span<const TermOptions> terms) {
   PerImageFeature<bool> compared{};

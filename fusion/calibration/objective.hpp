@@ -53,6 +53,9 @@ using SceneGradient = Eigen::Matrix<double, 10, 1>;
 /// Information about the same ten parameters.
 using SceneInformation = Eigen::Matrix<double, 10, 10>;
 
+/// Returns the information of all scenes together.
+SceneInformation total_information(std::span<const SceneInformation> scenes);
+
 /// Dependence between lidar and cameras as a function of T_refcam_lidar, over a fixed set of
 /// points.
 ///

@@ -98,7 +98,7 @@ Matrix6 pose_curvature(Objective& objective, const Eigen::Isometry3d& T, const M
   return inverse.transpose() * (0.5 * (in_steps + in_steps.transpose())) * inverse;
 }
 
-Matrix6 curvature_steps(const Matrix6& information, double angle, double range) {
+Matrix6 curvature_steps(const Matrix6& information, double range) {
   Vector6 unit;
   unit << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(range);
   const auto eigen =
@@ -107,7 +107,7 @@ Matrix6 curvature_steps(const Matrix6& information, double angle, double range) 
   Matrix6 steps;
   for (int k = 0; k < 6; ++k) {
     const double even = eigen.values[k] > 0 ? std::sqrt(mean / eigen.values[k]) : kMaxStepRatio;
-    steps.col(k) = angle * std::min(even, kMaxStepRatio) * unit.cwiseProduct(eigen.vectors.col(k));
+    steps.col(k) = std::min(even, kMaxStepRatio) * unit.cwiseProduct(eigen.vectors.col(k));
   }
   return steps;
 }
@@ -188,15 +188,13 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   const Matrix6 scatter =
       static_cast<double>(seen.size()) / (effective - 1) * gradient_scatter(seen);
   out.scene_information = objective.scene_information(T_refcam_lidar);
-  Matrix6 information_of_points = Matrix6::Zero();
-  for (const SceneInformation& scene : out.scene_information) {
-    information_of_points += scene.topLeftCorner<6, 6>();
-  }
+  const Matrix6 information_of_points =
+      total_information(out.scene_information).topLeftCorner<6, 6>();
   const double range = objective.median_range();
+  const Matrix6 steps = curvature_steps(information_of_points, range);
   Sandwich found{.reason = "not evaluated"};
   const auto try_step = [&](double angle) {
-    const Matrix6 H = pose_curvature(objective, T_refcam_lidar,
-                                     curvature_steps(information_of_points, angle, range));
+    const Matrix6 H = pose_curvature(objective, T_refcam_lidar, angle * steps);
     const Sandwich next = sandwich(H, scatter, effective);
     if (!next.reason.empty() && found.reason.empty()) return;
     found = next;

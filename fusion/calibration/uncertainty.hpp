@@ -34,9 +34,9 @@ inline constexpr double kMinEffectiveScenes = 3;
 inline constexpr double kShrinkageScenes = 20;
 
 /// Steps, as columns, along the axes of the `information` about the pose (any scale): each changes
-/// the samples about as much as `angle`, rad, or the translation that moves points at `range` as
-/// far; at most four times as long.
-geometry::Matrix6 curvature_steps(const geometry::Matrix6& information, double angle, double range);
+/// the samples about as much as one radian, or the translation that moves points at `range` as far,
+/// but is at most four times as long.
+geometry::Matrix6 curvature_steps(const geometry::Matrix6& information, double range);
 
 /// Curvature of the objective by the pose: minus the derivatives of its gradient, by differences
 /// along the columns of `steps`. Rotation and translation together leave directions of little

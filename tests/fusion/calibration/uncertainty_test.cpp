@@ -56,13 +56,13 @@ TEST(CurvatureSteps, ChangeTheSamplesEvenly) {
     return (steps.transpose() * information_of(share) * steps).diagonal().cwiseSqrt().eval();
   };
   const double mean = std::sqrt((5 + 0.1) / 6);
-  const auto even = change(curvature_steps(information_of(0.1), 1e-3, kRange), 0.1);
-  EXPECT_NEAR(even.minCoeff(), 1e-3 * mean, 1e-9);
-  EXPECT_NEAR(even.maxCoeff(), 1e-3 * mean, 1e-9);
+  const auto even = change(curvature_steps(information_of(0.1), kRange), 0.1);
+  EXPECT_NEAR(even.minCoeff(), mean, 1e-9);
+  EXPECT_NEAR(even.maxCoeff(), mean, 1e-9);
   // The step along a direction that nothing determines stays within four times the others.
-  const Matrix6 bounded = curvature_steps(information_of(0), 1e-3, kRange);
+  const Matrix6 bounded = curvature_steps(information_of(0), kRange);
   const Matrix6 in_units = unit.cwiseInverse().asDiagonal() * bounded;
-  EXPECT_NEAR(in_units.colwise().norm().maxCoeff(), 4e-3, 1e-9);
+  EXPECT_NEAR(in_units.colwise().norm().maxCoeff(), 4, 1e-9);
 }
 
 TEST(PoseCurvature, DoesNotDependOnTheDirectionsOfTheSteps) {
