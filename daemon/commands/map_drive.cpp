@@ -13,8 +13,7 @@
 #include "daemon/mapping/place_map.hpp"
 #include "daemon/protocol/json_encoder.hpp"
 #include "fusion/features/air_returns.hpp"
-#include "fusion/mapping/keyframes.hpp"
-#include "fusion/mapping/submap.hpp"
+#include "fusion/mapping/keyframe_submaps.hpp"
 #include "fusion/places/place_descriptor.hpp"
 
 namespace infuse::daemon {
@@ -58,25 +57,17 @@ class DriveMapper {
               const MapSettings& settings)
       : folder_(folder),
         T_vehicle_lidar_(T_vehicle_lidar),
-        picker_(settings.keyframes),
-        submap_(settings.submaps) {}
+        submaps_(settings.keyframes, settings.submaps, T_vehicle_lidar) {}
 
   void add(const Sweep& sweep, const motion::DeskewedSweep& deskewed,
            const mapping::SweepMotion& motion) {
     ++sweeps_;
-    const bool is_keyframe = picker_.add(motion);
-    if (!picker_.started()) return;
-    poses_.push_back({motion.stamp, picker_.T_odom_vehicle()});
-    if (is_keyframe) {
-      write_cloud();
-      keyframes_.push_back({picker_.last(), 0, ""});
+    const auto ended = submaps_.add({air_.without(sweep, deskewed.x), deskewed.y, deskewed.z},
+                                    sweep.reflectivity, motion);
+    if (ended) store(*ended);
+    if (submaps_.picker().started()) {
+      poses_.push_back({motion.stamp, submaps_.picker().T_odom_vehicle()});
     }
-    // A sweep that fits nowhere would blur the cloud.
-    if (!motion.registered && !is_keyframe) return;
-    const Eigen::Isometry3d T_keyframe_vehicle =
-        picker_.last().T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
-    submap_.add({air_.without(sweep, deskewed.x), deskewed.y, deskewed.z}, sweep.reflectivity,
-                T_vehicle_lidar_.inverse() * T_keyframe_vehicle * T_vehicle_lidar_);
   }
 
   void add(const GnssFix& fix) {
@@ -85,7 +76,7 @@ class DriveMapper {
 
   /// Writes the last cloud and the tables; `manifest` states them.
   Result<void> finish(MapJson manifest) {
-    write_cloud();
+    if (submaps_.picker().started()) store(submaps_.take());
     if (failed_) return tl::unexpected(*failed_);
     if (keyframes_.size() < 2) {
       return fail("no motion was found in its sweeps", "",
@@ -93,15 +84,15 @@ class DriveMapper {
     }
     folder_.remove_clouds_from(keyframes_.size());
     manifest["sweeps"] = sweeps_;
-    manifest["unmeasured"] = picker_.unmeasured();
-    manifest["unregistered"] = picker_.unregistered();
+    manifest["unmeasured"] = submaps_.picker().unmeasured();
+    manifest["unregistered"] = submaps_.picker().unregistered();
     return write_drive(folder_, std::move(manifest), keyframes_, nearest(), places_);
   }
 
   bool failed() const { return failed_.has_value(); }
   std::string progress() const {
     return fmt::format("{} sweeps, {} keyframes, {:.0f} m", sweeps_, keyframes_.size(),
-                       picker_.way());
+                       submaps_.picker().way());
   }
 
  private:
@@ -110,13 +101,11 @@ class DriveMapper {
     Eigen::Isometry3d T_odom_vehicle;
   };
 
-  void write_cloud() {
-    if (keyframes_.empty() || failed_) return;
-    const mapping::Submap cloud = submap_.take();
-    places_.push_back(places::describe_place(cloud.points(), T_vehicle_lidar_));
-    const std::string bytes = format_cloud_pcd(cloud);
-    keyframes_.back().points = cloud.size();
-    keyframes_.back().cloud_checksum = checksum(bytes);
+  void store(const mapping::KeyframeSubmap& ended) {
+    if (failed_) return;
+    places_.push_back(places::describe_place(ended.submap.points(), T_vehicle_lidar_));
+    const std::string bytes = format_cloud_pcd(ended.submap);
+    keyframes_.push_back({ended.keyframe, ended.submap.size(), checksum(bytes)});
     const auto written = folder_.write(MapFolder::cloud_name(keyframes_.size() - 1), bytes);
     if (!written) failed_ = written.error();
   }
@@ -169,9 +158,8 @@ class DriveMapper {
 
   const MapFolder& folder_;
   Eigen::Isometry3d T_vehicle_lidar_;
-  mapping::KeyframePicker picker_;
+  mapping::KeyframeSubmaps submaps_;
   features::AirReturns air_;
-  mapping::SubmapBuilder submap_;
   std::vector<MapKeyframe> keyframes_;
   std::vector<places::PlaceDescriptor> places_;  // by keyframe
   std::vector<Pose> poses_;

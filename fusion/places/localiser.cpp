@@ -39,21 +39,19 @@ std::optional<std::string> LocaliserOptions::invalid() const {
 
 Localiser::Localiser(PlaceMap map, const Eigen::Isometry3d& T_vehicle_lidar,
                      const LocaliserOptions& options)
-    : T_vehicle_lidar_(T_vehicle_lidar),
-      options_(options),
+    : options_(options),
       matcher_(std::move(map), T_vehicle_lidar, options.matcher),
-      picker_(options.keyframes),
-      submap_(options.submaps) {}
+      submaps_(options.keyframes, options.submaps, T_vehicle_lidar) {}
 
 Result<LocaliserPose> Localiser::add(const geometry::PointsView& points,
                                      std::span<const float> reflectivity,
                                      const mapping::SweepMotion& motion) {
-  const Eigen::Isometry3d T_before_odom = picker_.T_odom_vehicle().inverse();
-  const std::optional<Query> query = next_query(points, reflectivity, motion);
+  const Eigen::Isometry3d T_before_odom = submaps_.picker().T_odom_vehicle().inverse();
+  const std::optional<mapping::KeyframeSubmap> query = next_query(points, reflectivity, motion);
   const double seconds = to_seconds(motion.stamp - std::exchange(pose_.stamp, motion.stamp));
   pose_.verified = false;
   if (pose_.state != LocaliserState::kLost) {
-    predict(motion, T_before_odom * picker_.T_odom_vehicle(), seconds);
+    predict(motion, T_before_odom * submaps_.picker().T_odom_vehicle(), seconds);
   }
   if (query) {
     const auto done = pose_.state == LocaliserState::kLost ? search(*query) : check(*query);
@@ -64,35 +62,19 @@ Result<LocaliserPose> Localiser::add(const geometry::PointsView& points,
 }
 
 // The submap of the last metres when the next one begins, or of a vehicle that stands and is lost.
-std::optional<Localiser::Query> Localiser::next_query(const geometry::PointsView& points,
-                                                      std::span<const float> reflectivity,
-                                                      const mapping::SweepMotion& motion) {
-  const mapping::Keyframe before = picker_.last();
-  const bool started = picker_.started();
-  const bool is_keyframe = picker_.add(motion);
-  if (!picker_.started()) return std::nullopt;
-  const bool stands =
-      pose_.state == LocaliserState::kLost && sweeps_in_submap_ == options_.standing_sweeps;
-  std::optional<Query> query;
-  if (started && is_keyframe) {
-    query = Query{before.T_odom_vehicle, before.way, submap_.take()};
-    sweeps_in_submap_ = 0;
-  } else if (stands) {
-    query = Query{before.T_odom_vehicle, before.way, submap_.take()};
-    ++sweeps_in_submap_;
-  }
-  if (motion.registered || is_keyframe) {
-    const Eigen::Isometry3d T_keyframe_vehicle =
-        picker_.last().T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
-    submap_.add(points, reflectivity,
-                T_vehicle_lidar_.inverse() * T_keyframe_vehicle * T_vehicle_lidar_);
-    ++sweeps_in_submap_;
-  }
-  return query;
+std::optional<mapping::KeyframeSubmap> Localiser::next_query(const geometry::PointsView& points,
+                                                             std::span<const float> reflectivity,
+                                                             const mapping::SweepMotion& motion) {
+  const size_t before = submaps_.sweeps();
+  if (auto ended = submaps_.add(points, reflectivity, motion)) return ended;
+  const bool stands = pose_.state == LocaliserState::kLost && submaps_.sweeps() > before &&
+                      submaps_.sweeps() == options_.standing_sweeps;
+  if (!stands) return std::nullopt;
+  return submaps_.take();
 }
 
 // A place that is not much more probable than all others together leaves the vehicle lost.
-Result<void> Localiser::search(const Query& query) {
+Result<void> Localiser::search(const mapping::KeyframeSubmap& query) {
   const auto found = matcher_.search(query.submap);
   if (!found) return tl::unexpected(found.error());
   pose_.place = found->probabilities;
@@ -106,20 +88,22 @@ Result<void> Localiser::search(const Query& query) {
   return {};
 }
 
-void Localiser::begin_at(const MatchedPlace& found, const Query& query) {
-  const Eigen::Isometry3d T_query_now = query.T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
+void Localiser::begin_at(const MatchedPlace& found, const mapping::KeyframeSubmap& query) {
+  const Eigen::Isometry3d T_query_now =
+      query.keyframe.T_odom_vehicle.inverse() * submaps_.picker().T_odom_vehicle();
   pose_.state = LocaliserState::kUnsure;
   pose_.T_map_vehicle = found.T_map_vehicle * T_query_now;
   pose_.covariance = geometry::transform_covariance(T_query_now.inverse(), found.covariance);
-  recognised_way_ = confirmed_way_ = query.way;
+  recognised_way_ = confirmed_way_ = query.keyframe.way;
   failures_ = 0;
   confirmed_ = false;
   mismatch_ = "";
 }
 
 // Verifies the pose at the place of the query, and corrects it.
-Result<void> Localiser::check(const Query& query) {
-  const Eigen::Isometry3d T_query_now = query.T_odom_vehicle.inverse() * picker_.T_odom_vehicle();
+Result<void> Localiser::check(const mapping::KeyframeSubmap& query) {
+  const Eigen::Isometry3d T_query_now =
+      query.keyframe.T_odom_vehicle.inverse() * submaps_.picker().T_odom_vehicle();
   const Eigen::Isometry3d T_map_vehicle = pose_.T_map_vehicle * T_query_now.inverse();
   const auto keyframe = matcher_.nearest_keyframe(T_map_vehicle);
   if (!keyframe) {
@@ -133,8 +117,8 @@ Result<void> Localiser::check(const Query& query) {
   failures_ = pose_.verified ? 0 : failures_ + 1;
   if (!pose_.verified) return {};
   mismatch_ = "";
-  confirmed_ = confirmed_ || query.way - recognised_way_ >= options_.confirm_distance;
-  confirmed_way_ = query.way;
+  confirmed_ = confirmed_ || query.keyframe.way - recognised_way_ >= options_.confirm_distance;
+  confirmed_way_ = query.keyframe.way;
   return {};
 }
 
@@ -186,7 +170,7 @@ void Localiser::lose(const char* reason) {
 }
 
 void Localiser::judge() {
-  const double unconfirmed = picker_.way() - confirmed_way_;
+  const double unconfirmed = submaps_.picker().way() - confirmed_way_;
   const double sigma = std::sqrt(pose_.covariance.block<3, 3>(3, 3).diagonal().maxCoeff());
   if (sigma > options_.max_sigma || unconfirmed > options_.lost_after) {
     return lose(*mismatch_ != '\0' ? mismatch_ : "no place confirms the pose");

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "fusion/mapping/keyframes.hpp"
+#include "fusion/mapping/keyframe_submaps.hpp"
 #include "fusion/places/place_matcher.hpp"
 
 namespace infuse::places {
@@ -16,7 +16,7 @@ struct LocaliserOptions {
   mapping::SubmapOptions submaps;
   PlaceMatcherOptions matcher;
   double min_probability = 0.999;  ///< of a place that is recognised without a guess
-  int standing_sweeps = 10;     ///< a search that has seen so many sweeps need not wait for motion
+  size_t standing_sweeps = 10;  ///< a search that has seen so many sweeps need not wait for motion
   double confirm_distance = 8;  ///< m from where a place was recognised to where it is confirmed
   double max_unconfirmed = 60;  ///< m without one; then the pose is UNSURE …
   double lost_after = 150;      ///< m; … and then LOST
@@ -70,30 +70,21 @@ class Localiser {
                             const mapping::SweepMotion& motion);
 
  private:
-  /// Clouds of the places driven lately, where odometry saw them.
-  struct Query {
-    Eigen::Isometry3d T_odom_vehicle;
-    double way = 0;
-    mapping::Submap submap;
-  };
-  std::optional<Query> next_query(const geometry::PointsView& points,
-                                  std::span<const float> reflectivity,
-                                  const mapping::SweepMotion& motion);
-  Result<void> search(const Query& query);
-  Result<void> check(const Query& query);
+  std::optional<mapping::KeyframeSubmap> next_query(const geometry::PointsView& points,
+                                                    std::span<const float> reflectivity,
+                                                    const mapping::SweepMotion& motion);
+  Result<void> search(const mapping::KeyframeSubmap& query);
+  Result<void> check(const mapping::KeyframeSubmap& query);
   void predict(const mapping::SweepMotion& motion, const Eigen::Isometry3d& T_from_to,
                double seconds);
   bool update(const MatchedPlace& measured, const Eigen::Isometry3d& T_measured_now);
-  void begin_at(const MatchedPlace& found, const Query& query);
+  void begin_at(const MatchedPlace& found, const mapping::KeyframeSubmap& query);
   void lose(const char* reason);
   void judge();
 
-  Eigen::Isometry3d T_vehicle_lidar_;
   LocaliserOptions options_;
   PlaceMatcher matcher_;
-  mapping::KeyframePicker picker_;
-  mapping::SubmapBuilder submap_;
-  int sweeps_in_submap_ = 0;
+  mapping::KeyframeSubmaps submaps_;
   LocaliserPose pose_;
   double recognised_way_ = 0;  // m, where the pose began
   double confirmed_way_ = 0;   // m, of the last verification that succeeded

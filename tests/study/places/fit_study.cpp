@@ -88,13 +88,12 @@ std::string study_fits(std::ostream& out, const VisitOptions& options) {
     if (!visit) return visit.error().message();
     const places::LocaliserOptions localiser;
     places::PlaceMatcher matcher(map->map, visit->T_vehicle_lidar());
-    mapping::KeyframePicker picker(localiser.keyframes);
-    mapping::SubmapBuilder submap(localiser.submaps);
-    Stamp begun;
+    mapping::KeyframeSubmaps submaps(localiser.keyframes, localiser.submaps,
+                                     visit->T_vehicle_lidar());
     out << std::fixed << std::setprecision(4);
-    const auto search = [&](const mapping::Submap& cloud) {
-      const Eigen::Isometry3d& truth = visit->true_pose(begun);
-      const auto found = matcher.search(cloud);
+    const auto search = [&](const mapping::KeyframeSubmap& query) {
+      const Eigen::Isometry3d& truth = visit->true_pose(query.keyframe.stamp);
+      const auto found = matcher.search(query.submap);
       if (!found) throw std::runtime_error(found.error().message());
       for (const places::MatchedPlace& place : found->places) {
         out << place.fit.inliers << " " << place.fit.agreement << " "
@@ -104,18 +103,7 @@ std::string study_fits(std::ostream& out, const VisitOptions& options) {
     };
     const std::string error = visit->play(
         [&](const auto& points, const auto& reflectivity, const mapping::SweepMotion& motion) {
-          const bool started = picker.started();
-          const bool is_keyframe = picker.add(motion);
-          if (!picker.started()) return;
-          if (is_keyframe) {
-            if (started) search(submap.take());
-            begun = motion.stamp;
-          }
-          if (!motion.registered && !is_keyframe) return;
-          const Eigen::Isometry3d& T_vehicle_lidar = visit->T_vehicle_lidar();
-          submap.add(points, reflectivity,
-                     T_vehicle_lidar.inverse() * picker.last().T_odom_vehicle.inverse() *
-                         picker.T_odom_vehicle() * T_vehicle_lidar);
+          if (const auto query = submaps.add(points, reflectivity, motion)) search(*query);
         });
     if (!error.empty()) return error;
   }
