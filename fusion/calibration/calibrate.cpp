@@ -98,6 +98,9 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   if (coarse_points < 100) return "coarse_points must be at least 100";
   if (!(initial_translation_sigma > 0)) return "initial_translation_sigma must be positive";
   if (restarts < 0) return "restarts must not be negative";
+  if (restarts > 0 && restarts_of_few < restarts) {
+    return "restarts_of_few must not be less than restarts";
+  }
   if (splits < 0) return "splits must not be negative";
   if (!(restart_rotation >= 0)) return "restart_rotation must not be negative";
   if (!(restart_translation >= 0)) return "restart_translation must not be negative";

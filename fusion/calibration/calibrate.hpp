@@ -47,9 +47,12 @@ struct CalibrateOptions {
                           {.sigma = 1}};
 
   // Checks of the result.
-  int restarts = 4;  ///< number of ascents from around the result, which should converge to it
-  double restart_rotation = 0.02;     ///< rad each axis, half width of the restarts
-  double restart_translation = 0.08;  ///< m each axis, half width of the restarts
+  int restarts = 4;  ///< number of ascents from around the result, which should converge to it …
+  /// … with fewer than 15 effective scenes, which have more maxima; at least `restarts`. Chosen,
+  /// with the half widths, on rigs drawn at random.
+  int restarts_of_few = 8;
+  double restart_rotation = 0.04;     ///< rad each axis, half width of the restarts
+  double restart_translation = 0.12;  ///< m each axis, half width of the restarts
   int splits = 0;  ///< number of random halvings of the scenes whose estimates are compared
   double support_sigma = 3;   ///< px, blur of the images for the scenes' support
   double min_support = 0.88;  ///< minimum mean of SceneSupport::support of a usable result

@@ -21,6 +21,7 @@ constexpr double kMaxSameMaximumTranslation = 0.04;
 // Over wider rotations images of other places fit as well, rad.
 constexpr double kMinBaselineHalfWidth = 0.1;
 constexpr int kDrawsPerRestart = 40;  // number of poses drawn for one ascent
+constexpr double kManyScenes = 15;    // effective ones, from which on fewer restarts suffice
 constexpr int kMaxRestartRounds = 4;  // maximum number of rounds that each found a larger value
 constexpr int kRestartBatches = 2;    // the second where not all of the first converged
 // A displacement along the driving direction looks like images of another time.
@@ -228,7 +229,9 @@ std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isomet
   PoseScore screening_score(screening_scenes_, cameras_, search_terms_, options_.visibility,
                             images_, restart_levels().front().sigma, false, options_.maximize.stop);
   std::vector<Scored> drawn;
-  for (int k = 0; k < kDrawsPerRestart * options_.restarts; ++k) {
+  const int restarts =
+      effective_scenes(similarity_) < kManyScenes ? options_.restarts_of_few : options_.restarts;
+  for (int k = 0; k < kDrawsPerRestart * restarts; ++k) {
     Vector6 xi;
     for (int axis = 0; axis < 6; ++axis) {
       xi(axis) = draw_uniform(random) *
@@ -238,7 +241,7 @@ std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isomet
     drawn.push_back({pose, screening_score(pose)});
   }
   evaluations_ += screening_score.evaluations();
-  return best_poses(drawn, static_cast<size_t>(options_.restarts));
+  return best_poses(drawn, static_cast<size_t>(restarts));
 }
 
 Eigen::Isometry3d CalibrationSteps::ascend_with_scenes(const Eigen::Isometry3d& T,

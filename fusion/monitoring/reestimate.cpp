@@ -50,7 +50,10 @@ calibration::CalibrateOptions calibrate_options(const ReestimateOptions& options
               {.sigma = 1, .points = options.points, .passes = 2}};
   out.screen.half_width = options.screen_half_width;
   out.screen.survivors = options.searches - 1;
-  out.restarts = options.searches;
+  out.restarts = out.restarts_of_few = options.searches;
+  // A knocked camera is still near where it was.
+  out.restart_rotation = 0.02;
+  out.restart_translation = 0.08;
   out.initial_translation_sigma = options.initial_translation_sigma;
   // A calibration that is monitored further needs less support by every scene alone.
   out.min_support = 0.75;

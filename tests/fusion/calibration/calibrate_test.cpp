@@ -154,7 +154,7 @@ TEST(Calibrate, StopsWhateverTheNumberOfInitialPoses) {
   const Drive& drive = eight_scene_drive();
   const int many = 20'000;
   std::stop_source stop;
-  CalibrateOptions options{.restarts = many};
+  CalibrateOptions options{.restarts = many, .restarts_of_few = many};
   options.screen.survivors = many;
   options.coarse.front().survivors = many;
   options.maximize.stop = stop.get_token();
@@ -174,6 +174,7 @@ TEST(CalibrateOptions, SaysWhatIsWrong) {
   EXPECT_THAT(*(CalibrateOptions{.coarse = {}}.invalid()), HasSubstr("coarse"));
   EXPECT_THAT(*(CalibrateOptions{.screen = {.half_width = -1}}.invalid()), HasSubstr("screen"));
   EXPECT_THAT(*(CalibrateOptions{.restarts = -1}.invalid()), HasSubstr("restarts"));
+  EXPECT_THAT(*(CalibrateOptions{.restarts_of_few = 3}.invalid()), HasSubstr("restarts_of_few"));
   EXPECT_THAT(*(CalibrateOptions{.min_support = 2}.invalid()), HasSubstr("min_support"));
   EXPECT_THAT(*(CalibrateOptions{.maximize = {.max_iterations = 0}}.invalid()),
               HasSubstr("maximize"));
