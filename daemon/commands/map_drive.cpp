@@ -62,7 +62,8 @@ class DriveMapper {
   void add(const Sweep& sweep, const motion::DeskewedSweep& deskewed,
            const mapping::SweepMotion& motion) {
     ++sweeps_;
-    const auto ended = submaps_.add({air_.without(sweep, deskewed.x), deskewed.y, deskewed.z},
+    air_.find(sweep);
+    const auto ended = submaps_.add({air_.without(deskewed.x), deskewed.y, deskewed.z},
                                     sweep.reflectivity, motion);
     if (ended) store(*ended);
     if (submaps_.picker().started()) {

@@ -109,7 +109,8 @@ std::optional<Error> locate(DriveSetup& setup, size_t lidar, places::Localiser& 
   const auto on_sweep = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed,
                             const mapping::SweepMotion& motion) {
     if (failed) return;
-    const auto pose = localiser.add({air.without(sweep, deskewed.x), deskewed.y, deskewed.z},
+    air.find(sweep);
+    const auto pose = localiser.add({air.without(deskewed.x), deskewed.y, deskewed.z},
                                     sweep.reflectivity, motion);
     if (!pose) {
       failed = pose.error();

@@ -5,10 +5,6 @@
 namespace infuse::daemon {
 namespace {
 
-geometry::PointsView points_of(const motion::DeskewedSweep& deskewed) {
-  return {deskewed.x, deskewed.y, deskewed.z};
-}
-
 /// True if a predicted motion would deskew a sweep visibly wrong.
 bool is_wrong(const Eigen::Isometry3d& predicted, const Eigen::Isometry3d& measured) {
   constexpr double kRotation = 1e-3, kTranslation = 0.01;  // rad, m
@@ -91,7 +87,8 @@ LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker&
   if (deskewed.usable() && !map_deskewed_) lidar_odometry_.reset();
   Found found;
   found.first = lidar_odometry_.map_voxels() == 0;
-  found.result = lidar_odometry_.align(points_of(deskewed), end, guess);
+  air_.find(sweep);
+  found.result = lidar_odometry_.align(points(deskewed), end, guess);
   found.wrong = (found.result.usable() || found.result.unsettled) && guess &&
                 is_wrong(*guess, found.result.motion.T_from_to);
   if (found.wrong) {
@@ -100,7 +97,7 @@ LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker&
         geometry::log(step.T_from_to) / to_seconds(step.to - step.from);
     motion::set_constant_motion(sweep, end, velocity, measured_motion_);
     deskewer.deskew(sweep, measured_motion_, end, deskewed);
-    found.result = lidar_odometry_.align(points_of(deskewed), end, step.T_from_to);
+    found.result = lidar_odometry_.align(points(deskewed), end, step.T_from_to);
   }
   found.measured = found.result.usable() && located_;
   return found;
@@ -109,7 +106,7 @@ LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker&
 void LidarMotion::take(const Found& found, bool predicted, const motion::DeskewedSweep& deskewed) {
   located_ = found.result.usable() || found.first;
   if (!predicted && !map_deskewed_ && deskewed.usable()) lidar_odometry_.reset();
-  lidar_odometry_.add(points_of(deskewed), found.result);
+  lidar_odometry_.add(points(deskewed), found.result);
   map_deskewed_ = deskewed.usable();
 }
 

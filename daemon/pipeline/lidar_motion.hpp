@@ -4,6 +4,7 @@
 
 #include "daemon/pipeline/odometry_tracker.hpp"
 #include "drivers/measurement/sweep.hpp"
+#include "fusion/features/air_returns.hpp"
 #include "fusion/motion/deskew.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
 
@@ -62,6 +63,12 @@ class LidarMotion {
               motion::DeskewedSweep& deskewed);
   void take(const Found& found, bool predicted, const motion::DeskewedSweep& deskewed);
 
+  /// Returns of the present sweep but those of the air.
+  geometry::PointsView points(const motion::DeskewedSweep& deskewed) {
+    return {air_.without(deskewed.x), deskewed.y, deskewed.z};
+  }
+
+  features::AirReturns air_;
   registration::LidarOdometry lidar_odometry_;  // with wheels
   geometry::Trajectory measured_motion_;       // of the sweep that is registered, at constant twist
   Stamp last_registered_ = Stamp::earliest();  // end of a sweep

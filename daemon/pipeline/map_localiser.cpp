@@ -51,7 +51,8 @@ void MapLocaliser::add(const SweepSnapshot& snapshot, const geometry::Trajectory
   last_ = now;
   WaitingSweep& sweep = waiting_.sweeps[waiting_.size++];
   sweep.x = deskewed.x;
-  air_.leave_out(snapshot.sweep, sweep.x);
+  air_.find(snapshot.sweep);
+  air_.leave_out(sweep.x);
   sweep.y = deskewed.y;
   sweep.z = deskewed.z;
   sweep.reflectivity = snapshot.sweep.reflectivity;

@@ -63,27 +63,33 @@ void AirReturns::count_neighbours(const Sweep& sweep) {
   }
 }
 
-size_t AirReturns::leave_out(const Sweep& sweep, std::span<float> x) {
+size_t AirReturns::find(const Sweep& sweep) {
+  found_.clear();
+  if (sweep.rings == 0 || sweep.columns == 0) return 0;
   sort_by_ring(sweep);
   count_neighbours(sweep);
   const auto max_range = static_cast<float>(options_.max_range);
-  size_t near = 0, alone = 0;
-  const auto for_each_alone = [&](auto&& visit) {
-    for (size_t k = 0; k < order_.size(); ++k) {
-      if (!(sweep.range[order_[k]] <= max_range)) continue;
-      ++near;
-      if (neighbours_[k] < options_.min_neighbours) visit(order_[k]);
-    }
-  };
-  for_each_alone([&](uint32_t) { ++alone; });
-  if (static_cast<double>(alone) < options_.min_share * static_cast<double>(near)) return 0;
-  for_each_alone([&](uint32_t i) { x[i] = std::numeric_limits<float>::quiet_NaN(); });
-  return alone;
+  found_.reserve(sweep.size());
+  size_t near = 0;
+  for (size_t k = 0; k < order_.size(); ++k) {
+    if (!(sweep.range[order_[k]] <= max_range)) continue;
+    ++near;
+    if (neighbours_[k] < options_.min_neighbours) found_.push_back(order_[k]);
+  }
+  if (static_cast<double>(found_.size()) < options_.min_share * static_cast<double>(near)) {
+    found_.clear();
+  }
+  return found_.size();
 }
 
-std::span<const float> AirReturns::without(const Sweep& sweep, std::span<const float> x) {
+void AirReturns::leave_out(std::span<float> x) const {
+  for (const uint32_t i : found_) x[i] = std::numeric_limits<float>::quiet_NaN();
+}
+
+std::span<const float> AirReturns::without(std::span<const float> x) {
+  if (found_.empty()) return x;
   x_.assign(x.begin(), x.end());
-  leave_out(sweep, x_);
+  leave_out(x_);
   return x_;
 }
 

@@ -35,12 +35,15 @@ class AirReturns {
   /// `options.invalid()` must be empty.
   explicit AirReturns(const AirReturnOptions& options = {}) : options_(options) {}
 
-  /// Sets `x`, one entry a return of the sweep as `sweep.x`, to NaN where the air returned it.
-  /// Returns how many these are.
-  size_t leave_out(const Sweep& sweep, std::span<float> x);
+  /// Finds the returns of the air in a sweep, and returns how many there are; 0 in a sweep whose
+  /// rings or columns are not known.
+  size_t find(const Sweep& sweep);
 
-  /// Returns `x` without those of the air. Valid until the next call.
-  std::span<const float> without(const Sweep& sweep, std::span<const float> x);
+  /// Sets those found last to NaN: `x` has one entry a return of that sweep.
+  void leave_out(std::span<float> x) const;
+
+  /// Returns `x` with those found last set to NaN. Valid until the next call.
+  std::span<const float> without(std::span<const float> x);
 
  private:
   void sort_by_ring(const Sweep& sweep);
@@ -50,6 +53,7 @@ class AirReturns {
   std::vector<uint32_t> order_;       // near returns by ring, then by firing
   std::vector<uint32_t> ring_begin_;  // in `order_`
   std::vector<uint16_t> neighbours_;  // by entry of `order_`
+  std::vector<uint32_t> found_;       // returns of the air
   FieldVector<float> x_;
 };
 

@@ -22,6 +22,7 @@ constexpr int kSearchIterations = 12;  // planes that come and go could keep it 
 constexpr double kMinOverlap = 0.3;    // of an estimate that is closer than the guess
 constexpr int kStartIterations = 6;
 constexpr int kMaxStartSteps = 50;  // each way; the second sweep may come late
+constexpr double kStartSigmas = 3;  // by which a start fits better than a slower one
 constexpr double kFiner = 1.5;      // step to a smaller voxel
 
 /// Reweighted least squares creep where points leave and enter the robust kernel: each step is a
@@ -210,21 +211,33 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
   return result;
 }
 
+// The weight of the points on planes is known to about its root. Where the geometry leaves the
+// speed free all fit about as well, and the slowest is the guess.
 Eigen::Isometry3d LidarOdometry::search_start(double seconds) {
   const double reach = options_.max_start_speed * seconds / options_.start_step;
   const int steps = static_cast<int>(std::min<double>(reach, kMaxStartSteps));
-  Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
-  double best_overlap = -1;
+  starts_.clear();
+  double best_weight = 0;
   for (int i = -steps; i <= steps; ++i) {
     Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
     T_from_to.translation().x() = i * options_.start_step;
     const Eigen::Isometry3d guess = T_map_vehicle_ * T_from_to * T_vehicle_lidar_;
     const RegistrationResult result = register_points(guess, kStartIterations, false);
-    if (overlap_ <= best_overlap) continue;
-    best_overlap = overlap_;
-    best = T_map_vehicle_.inverse() * result.T_target_source * T_vehicle_lidar_.inverse();
+    const double weight = overlap_ * static_cast<double>(selected_.size());
+    best_weight = std::max(best_weight, weight);
+    starts_.push_back(
+        {T_map_vehicle_.inverse() * result.T_target_source * T_vehicle_lidar_.inverse(), weight});
   }
-  return best;
+  const double min_weight = best_weight - kStartSigmas * std::sqrt(best_weight);
+  Eigen::Isometry3d slowest = Eigen::Isometry3d::Identity();
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Start& start : starts_) {
+    const double way = start.T_from_to.translation().norm();
+    if (start.weight < min_weight || way >= shortest) continue;
+    shortest = way;
+    slowest = start.T_from_to;
+  }
+  return slowest;
 }
 
 LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Stamp reference,

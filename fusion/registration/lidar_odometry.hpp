@@ -100,6 +100,13 @@ class LidarOdometry {
   geometry::Matrix6 covariance_ = geometry::Matrix6::Zero();  // as the last registration's
   geometry::Vector6 velocity_ = geometry::Vector6::Zero();    // twist per second, vehicle frame
 
+  /// One of the speeds that are tried at the start.
+  struct Start {
+    Eigen::Isometry3d T_from_to;
+    double weight = 0;  // of the points on planes of the map
+  };
+  std::vector<Start> starts_;
+
   VoxelDownsampler downsampler_;
   PointCloud thinned_, selected_;
   Pairs pairs_;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "drivers/measurement/sweep.hpp"
+#include "fusion/features/air_returns.hpp"
 #include "fusion/motion/deskew.hpp"
 #include "fusion/registration/lidar_odometry.hpp"
 
@@ -10,7 +11,8 @@ namespace infuse::registration {
 
 /// Follows a vehicle by the sweeps of one lidar and nothing else: deskews each at the velocity
 /// before, registers it, deskews it again at the velocity found, and registers it once more.
-/// Reference times are the middles of the sweeps.
+/// Reference times are the middles of the sweeps. Returns of fog and snow are left out: the air
+/// moves with nothing, but is always around the lidar, and would hold it back.
 class LidarTrajectory {
  public:
   /// `options.invalid()` must be empty.
@@ -41,13 +43,17 @@ class LidarTrajectory {
   void deskew(const Sweep& sweep, const geometry::Vector6& velocity);
   void start(const Sweep& sweep, Stamp reference, std::optional<Eigen::Isometry3d> T_from_to);
   void follow(const Sweep& sweep, Stamp reference, const Eigen::Isometry3d& guess);
-  geometry::PointsView points() const { return {deskewed_.x, deskewed_.y, deskewed_.z}; }
+  /// The sweep deskewed last, of which the returns of the air are given.
+  geometry::PointsView points(features::AirReturns& air) const {
+    return {air.without(deskewed_.x), deskewed_.y, deskewed_.z};
+  }
 
   int max_lost_;
   motion::Deskewer deskewer_;
   LidarOdometry odometry_;
   geometry::Trajectory motion_;  // of the present sweep, at constant twist
   motion::DeskewedSweep deskewed_;
+  features::AirReturns air_, air_of_first_;
   Sweep first_;                                             // until the second comes
   bool waiting_ = false;                                    // for it
   int lost_ = 0;                                            // sweeps in a row without a motion

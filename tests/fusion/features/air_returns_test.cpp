@@ -81,7 +81,8 @@ struct LeftOut {
 
 LeftOut leave_out(const FoggySweep& foggy, const AirReturnOptions& options = {}) {
   AirReturns filter(options);
-  const auto x = filter.without(foggy.sweep, foggy.sweep.x);
+  filter.find(foggy.sweep);
+  const auto x = filter.without(foggy.sweep.x);
   double out[2] = {0, 0}, all[2] = {0, 0};
   for (size_t i = 0; i < x.size(); ++i) {
     if (foggy.sweep.range[i] > options.max_range) {
@@ -107,12 +108,10 @@ TEST(AirReturns, AreLeftOutOfFogAndSurfacesAreNot) {
 
 TEST(AirReturns, LeaveClearWeatherAsItIs) {
   const FoggySweep clear = make_street(0, 5), rain = make_street(0.01, 6);
-  FieldVector<float> x = clear.sweep.x;
   AirReturns filter;
-  EXPECT_EQ(filter.leave_out(clear.sweep, x), 0U);
-  EXPECT_EQ(x, clear.sweep.x);
-  x = rain.sweep.x;
-  EXPECT_EQ(filter.leave_out(rain.sweep, x), 0U);
+  EXPECT_EQ(filter.find(clear.sweep), 0U);
+  EXPECT_EQ(filter.without(clear.sweep.x).data(), clear.sweep.x.data());
+  EXPECT_EQ(filter.find(rain.sweep), 0U);
   // Even without that rule nearly nothing stands alone.
   EXPECT_LT(leave_out(clear, {.min_share = 0}).surface, 0.005);
 }
@@ -137,8 +136,11 @@ TEST(AirReturns, TwoEchoesOfAPulseAreNotNeighbours) {
     add(0, 20 * k, 4.01F);
     for (int m = 0; m < 5; ++m) add(1, 20 * k + m, 4);
   }
-  FieldVector<float> x = sweep.x;
-  EXPECT_EQ(AirReturns({.min_neighbours = 1}).leave_out(sweep, x), 40U);
+  AirReturns filter({.min_neighbours = 1});
+  EXPECT_EQ(filter.find(sweep), 0U) << "columns are not known";
+  sweep.columns = 2000;
+  EXPECT_EQ(filter.find(sweep), 40U);
+  const auto x = filter.without(sweep.x);
   for (size_t i = 0; i < x.size(); ++i) EXPECT_EQ(std::isnan(x[i]), sweep.ring[i] == 0);
 }
 

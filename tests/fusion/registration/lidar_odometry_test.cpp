@@ -224,7 +224,7 @@ TEST(LidarOdometry, ClaimsNoSpeedOnAnOpenField) {
     EXPECT_EQ(result.registration.free_directions, 3) << k;
     EXPECT_NEAR(result.motion.T_from_to.translation().x(), 1.4, 0.02) << k;
     EXPECT_LT(result.motion.information(3, 3), 20) << k;
-    EXPECT_GT(result.motion.information(5, 5), 10) << k;  // height
+    EXPECT_GT(result.motion.information(5, 5), 5) << k;  // height
   }
   EXPECT_GE(usable, 20);
 }

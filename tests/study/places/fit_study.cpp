@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "fusion/mapping/keyframe_submaps.hpp"
 #include "fusion/places/localiser.hpp"
 
 namespace infuse::study {

@@ -41,7 +41,8 @@ Left leave_out(velodyne::Model model, double rate, const simulator::AirOptions& 
   for (const uint64_t turn : {0U, 50U, 100U}) {
     const simulator::LidarBlock block = simulation->scan_turn(0, turn);
     const Sweep sweep = simulation->lidars().front().to_sweep(block, Stamp());
-    const auto x = filter.without(sweep, sweep.x);
+    filter.find(sweep);
+    const auto x = filter.without(sweep.x);
     size_t i = 0;
     for (const simulator::LidarReturn& r : block.strongest) {
       if (r.range <= 0) continue;

@@ -47,7 +47,8 @@ struct DescribedScan {
 mapping::Submap cloud_of(const Sweep& sweep) {
   features::AirReturns air;
   mapping::SubmapBuilder builder(places::LocaliserOptions().submaps);
-  builder.add({air.without(sweep, sweep.x), sweep.y, sweep.z}, sweep.reflectivity,
+  air.find(sweep);
+  builder.add({air.without(sweep.x), sweep.y, sweep.z}, sweep.reflectivity,
               Eigen::Isometry3d::Identity());
   return builder.take();
 }

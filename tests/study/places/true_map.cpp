@@ -85,12 +85,12 @@ std::string LidarVisit::play(const OnSweep& on_sweep) const {
       *setup, 0, [&](const Sweep& sweep) { odometry.add_sweep(sweep); },
       [&](const daemon::VehicleSample& sample) { odometry.add_sample(sample); },
       [&](const recording::DriveEvent& event) {
-        odometry.process_due(event.stamp,
-                             [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed,
-                                 const mapping::SweepMotion& motion) {
-                               on_sweep({air.without(sweep, deskewed.x), deskewed.y, deskewed.z},
-                                        sweep.reflectivity, motion);
-                             });
+        odometry.process_due(event.stamp, [&](const Sweep& sweep,
+                                              const motion::DeskewedSweep& deskewed,
+                                              const mapping::SweepMotion& motion) {
+          air.find(sweep);
+          on_sweep({air.without(deskewed.x), deskewed.y, deskewed.z}, sweep.reflectivity, motion);
+        });
         return true;
       });
   return "";
