@@ -30,10 +30,11 @@ void LidarTrajectory::start(const Sweep& sweep, Stamp reference,
   for (int pass = 0; pass < kStartPasses; ++pass) {
     odometry_.reset();
     deskew(first_, velocity_);
-    const geometry::PointsView points_of_first = points(air_of_first_);
-    odometry_.add(points_of_first, odometry_.align(points_of_first, middle(first_)));
+    air_.find(first_);
+    odometry_.add(points(), odometry_.align(points(), middle(first_)));
     deskew(sweep, velocity_);
-    result_ = odometry_.align(points(air_), reference, T_from_to);
+    air_.find(sweep);
+    result_ = odometry_.align(points(), reference, T_from_to);
     if (!result_.usable()) break;
     T_from_to = result_.motion.T_from_to;
     velocity_ = geometry::log(*T_from_to) / seconds;
@@ -67,10 +68,9 @@ const LidarOdometryResult& LidarTrajectory::add(
     if (moving_) reset();
     lost_ = waiting_ ? lost_ + 1 : 0;
     first_ = sweep;
-    air_of_first_ = air_;
     waiting_ = true;
   }
-  if (moving_) odometry_.add(points(air_), result_);
+  if (moving_) odometry_.add(points(), result_);
   last_ = reference;
   to_end_ = sweep.span - sweep.span / 2;
   return result_;
@@ -80,11 +80,11 @@ const LidarOdometryResult& LidarTrajectory::add(
 void LidarTrajectory::follow(const Sweep& sweep, Stamp reference, const Eigen::Isometry3d& guess) {
   const double seconds = to_seconds(reference - last_);
   deskew(sweep, velocity_);
-  result_ = odometry_.align(points(air_), reference, guess);
+  result_ = odometry_.align(points(), reference, guess);
   if (!result_.usable() && !result_.unsettled) return;
   const Eigen::Isometry3d T_from_to = result_.motion.T_from_to;
   deskew(sweep, geometry::log(T_from_to) / seconds);
-  result_ = odometry_.align(points(air_), reference, T_from_to);
+  result_ = odometry_.align(points(), reference, T_from_to);
 }
 
 void LidarTrajectory::reset() {

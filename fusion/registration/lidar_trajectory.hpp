@@ -43,17 +43,15 @@ class LidarTrajectory {
   void deskew(const Sweep& sweep, const geometry::Vector6& velocity);
   void start(const Sweep& sweep, Stamp reference, std::optional<Eigen::Isometry3d> T_from_to);
   void follow(const Sweep& sweep, Stamp reference, const Eigen::Isometry3d& guess);
-  /// The sweep deskewed last, of which the returns of the air are given.
-  geometry::PointsView points(features::AirReturns& air) const {
-    return {air.without(deskewed_.x), deskewed_.y, deskewed_.z};
-  }
+  /// The sweep deskewed last, whose returns of the air were found last.
+  geometry::PointsView points() { return {air_.without(deskewed_.x), deskewed_.y, deskewed_.z}; }
 
   int max_lost_;
   motion::Deskewer deskewer_;
   LidarOdometry odometry_;
   geometry::Trajectory motion_;  // of the present sweep, at constant twist
   motion::DeskewedSweep deskewed_;
-  features::AirReturns air_, air_of_first_;
+  features::AirReturns air_;
   Sweep first_;                                             // until the second comes
   bool waiting_ = false;                                    // for it
   int lost_ = 0;                                            // sweeps in a row without a motion

@@ -74,6 +74,20 @@ TEST(SparseLidar, ClaimsNoWrongSpeedFromRest) {
   EXPECT_NEAR(found.way, found.true_way, 0.02 * found.true_way);
 }
 
+// Where the lidar does not show the speed, all that are tried at the start fit about as well.
+TEST(SparseLidar, TakesAStartThatNothingShowsAsSlow) {
+  simulator::Scenario scenario = sparse_lidar(0, 13);
+  scenario.town = {.size = 400, .block = 130, .built_up = 0.6};
+  scenario.route_length = 250;
+  scenario.street.trees = 0.7;
+  Eigen::Isometry3d& mount = scenario.lidars.front().T_vehicle_lidar;
+  mount.translation() = Eigen::Vector3d(0.1, -0.3, 2.5);
+  mount.linear() = Eigen::AngleAxisd(7 * kDegree, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  const Followed found = follow(scenario, 5);
+  EXPECT_LT(found.true_way, 0.2);
+  EXPECT_LT(found.way, 0.5);
+}
+
 // Fog is always around the lidar, and would hold it back as well.
 TEST(SparseLidar, ClaimsNoWrongSpeedInFog) {
   simulator::Scenario scenario = sparse_lidar(15, 15);
