@@ -92,12 +92,9 @@ LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker&
   found.wrong = (found.result.usable() || found.result.unsettled) && guess &&
                 is_wrong(*guess, found.result.motion.T_from_to);
   if (found.wrong) {
-    const motion::RelativePose step = found.result.motion;
-    const geometry::Vector6 velocity =
-        geometry::log(step.T_from_to) / to_seconds(step.to - step.from);
-    motion::set_constant_motion(sweep, end, velocity, measured_motion_);
+    motion::set_constant_motion(sweep, end, found.result.velocity, measured_motion_);
     deskewer.deskew(sweep, measured_motion_, end, deskewed);
-    found.result = lidar_odometry_.align(points(deskewed), end, step.T_from_to);
+    found.result = lidar_odometry_.align(points(deskewed), end, found.result.motion.T_from_to);
   }
   found.measured = found.result.usable() && located_;
   return found;

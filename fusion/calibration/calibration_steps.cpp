@@ -79,15 +79,21 @@ CalibrationSteps::CalibrationSteps(std::span<const Scene> scenes,
       search_terms_(search_terms_of(options)),
       images_(scenes, concatenate(terms_, search_terms_), image_blurs(options)),
       margin_(options.screen.half_width * std::sqrt(3.0)),
-      screening_scenes_(thin_scenes(scenes, cameras, initial_pose, margin_, options.screen_points)),
-      coarse_scenes_(thin_scenes(scenes, cameras, initial_pose, margin_, options.coarse_points)),
-      fine_scenes_(thin_scenes(scenes, cameras, initial_pose, margin_, options.fine_points, true)),
+      screening_scenes_(thin(scenes, options.screen_points)),
+      coarse_scenes_(thin(scenes, options.coarse_points)),
+      fine_scenes_(thin(scenes, options.fine_points, true)),
       final_search_(fine_scenes_, cameras, terms_, images_, options.visibility, options.maximize,
                     prior_position(), options.initial_translation_sigma),
       fine_search_(fine_scenes_, cameras, search_terms_, images_, options.visibility,
                    options.maximize, prior_position(), options.initial_translation_sigma),
       coarse_search_(coarse_scenes_, cameras, search_terms_, images_, options.visibility,
                      options.maximize, prior_position(), options.initial_translation_sigma) {}
+
+std::vector<Scene> CalibrationSteps::thin(std::span<const Scene> scenes, size_t points,
+                                          bool keep_edges) const {
+  return thin_scenes(scenes, cameras_, initial_pose_, margin_, points, keep_edges,
+                     scene_weights(similarity_));
+}
 
 Eigen::Isometry3d CalibrationSteps::find_basin(double prior_scale) {
   VisibilityOptions open = options_.visibility;
@@ -161,8 +167,7 @@ std::vector<std::optional<IntrinsicsEstimate>> CalibrationSteps::estimate_all_in
   std::vector<std::optional<IntrinsicsEstimate>> all;
   for (size_t c = 0; options_.check_intrinsics && c < cameras_.size(); ++c) {
     all.push_back(estimate_intrinsics(fine_scenes_, cameras_, c, search_terms_, terms_, images_,
-                                      options_.visibility, T, uncertainty.effective_scenes,
-                                      options_.maximize.stop));
+                                      options_.visibility, T, uncertainty, options_.maximize.stop));
   }
   return all;
 }

@@ -63,6 +63,9 @@ class CalibrationSteps {
   int evaluations() const;
 
  private:
+  /// `thin_scenes` around the initial pose, every place by about the same share.
+  std::vector<Scene> thin(std::span<const Scene> scenes, size_t points,
+                          bool keep_edges = false) const;
   /// Sets the `unseen_sigma` of a camera's intrinsics, in the order of `check_model`.
   void add_unseen_errors(const IntrinsicsEstimate& estimate, size_t camera,
                          std::vector<ModelMismatch>& all) const;

@@ -116,19 +116,21 @@ SceneInformation joint_curvature(Objective& objective, const Eigen::Isometry3d& 
 
 /// c H⁻¹ J H⁻¹ of `estimate_uncertainty`, of ten parameters.
 SceneInformation joint_covariance(const SceneInformation& curvature,
-                                  std::vector<SceneGradient> gradients, double effective_scenes) {
+                                  std::vector<SceneGradient> gradients,
+                                  const Uncertainty& uncertainty) {
+  const double effective = uncertainty.effective_scenes;
   std::erase_if(gradients, [](const SceneGradient& one) { return one.isZero(0); });
   const auto n = static_cast<double>(gradients.size());
   SceneGradient mean = SceneGradient::Zero();
   for (const SceneGradient& one : gradients) mean += one / n;
   SceneInformation scatter = SceneInformation::Zero();
   for (const SceneGradient& one : gradients) scatter += (one - mean) * (one - mean).transpose();
-  scatter *= n / (effective_scenes - 1);
+  scatter *= uncertainty.design_effect * effective / (effective - 1);
   const SceneInformation inverse = curvature.inverse();
   const double scale = (inverse * scatter).trace() / 10;
-  const double shrinkage = kShrinkageScenes / (kShrinkageScenes + effective_scenes - 1);
+  const double shrinkage = kShrinkageScenes / (kShrinkageScenes + effective - 1);
   const SceneInformation J = (1 - shrinkage) * scatter + shrinkage * scale * curvature;
-  return widening_of_few(2 * (effective_scenes - 1)) * inverse * J * inverse;
+  return widening_of_few(2 * (effective - 1)) * inverse * J * inverse;
 }
 
 /// Gain of each of the camera's scenes, on the points in view with the given intrinsics.
@@ -206,7 +208,8 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
     std::span<const Scene> scenes, std::span<const RigCamera> cameras, size_t camera,
     std::span<const TermOptions> search_terms, std::span<const TermOptions> terms,
     ImagePyramid& images, const VisibilityOptions& visibility,
-    const Eigen::Isometry3d& T_refcam_lidar, double effective_scenes, const std::stop_token& stop) {
+    const Eigen::Isometry3d& T_refcam_lidar, const Uncertainty& uncertainty,
+    const std::stop_token& stop) {
   if (std::count_if(scenes.begin(), scenes.end(), [&](const Scene& scene) {
         return scene.camera == camera;
       }) < kMinScenesOfCamera) {
@@ -253,7 +256,7 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   Objective objective(points, images.at(finest.sigma), corrected, scenes, terms);
   const SceneInformation curvature = joint_curvature(objective, out.T_refcam_lidar);
   out.covariance =
-      joint_covariance(curvature, objective.scene_gradients(out.T_refcam_lidar), effective_scenes)
+      joint_covariance(curvature, objective.scene_gradients(out.T_refcam_lidar), uncertainty)
           .bottomRightCorner<4, 4>();
   // One step of Newton's without the prior, whose gradient is the only one there.
   SceneGradient pulled = SceneGradient::Zero();

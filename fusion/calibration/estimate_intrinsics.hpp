@@ -34,13 +34,14 @@ struct IntrinsicsEstimate {
 /// `search_terms` and at the finest level `terms`, from the pose estimated with the given
 /// intrinsics. Compares the fit of every scene alone, on the points in view with the given
 /// intrinsics. Detects gross errors, for which the slope at the result (`check_model`) is not
-/// valid. `effective_scenes` is that of `Uncertainty`. Returns nothing if fewer than 8 of the
+/// valid. `uncertainty` is that of the pose. Returns nothing if fewer than 8 of the
 /// camera's scenes have enough points in view, or if `stop` was requested.
 std::optional<IntrinsicsEstimate> estimate_intrinsics(
     std::span<const Scene> scenes, std::span<const RigCamera> cameras, size_t camera,
     std::span<const TermOptions> search_terms, std::span<const TermOptions> terms,
     ImagePyramid& images, const VisibilityOptions& visibility,
-    const Eigen::Isometry3d& T_refcam_lidar, double effective_scenes, const std::stop_token& stop);
+    const Eigen::Isometry3d& T_refcam_lidar, const Uncertainty& uncertainty,
+    const std::stop_token& stop);
 
 /// Blurs of the images (px) that `estimate_intrinsics` looks up.
 std::vector<double> intrinsics_blurs();

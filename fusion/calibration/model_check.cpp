@@ -72,7 +72,7 @@ ScoredError estimate_error(const ParameterScore& further, const Vector6& weight,
   double squares = 0;
   for (const double score : scores) squares += (score - sum / n) * (score - sum / n);
   // Scenes that are alike have like scores.
-  const double sigma = std::sqrt(n / uncertainty.effective_scenes * n / (n - 7) * squares);
+  const double sigma = std::sqrt(uncertainty.design_effect * n / (n - 7) * squares);
   return {sum / remaining_curvature, sigma / remaining_curvature};
 }
 

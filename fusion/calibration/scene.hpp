@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,7 +37,6 @@ struct SceneOptions {
 };
 
 class SceneImages;
-struct SceneSignature;
 
 /// Features of a sweep and of the image taken with it, which calibration compares.
 struct Scene {
@@ -47,8 +47,8 @@ struct Scene {
   PerImageFeature<features::Plane> image;     ///< 0 … 1; empty where not computed, or released
   /// Prepared by `compact_scene`, in place of `image`; null otherwise.
   std::shared_ptr<const SceneImages> blurred;
-  /// What `scene_similarity` compares, of all points and the image; null: it is computed there.
-  std::shared_ptr<const SceneSignature> signature;
+  /// What `scene_similarity` compares; null: it is computed there.
+  std::shared_ptr<const Eigen::VectorXf> signature;
   std::optional<geometry::Vector6> twist;  ///< rad/s, m/s: the lidar's motion in its own frame
                                            ///< when the image was taken, where known
 

@@ -7,27 +7,30 @@
 
 namespace infuse::calibration {
 
-/// Fine structure of a scene, each as a vector of length one (or zero).
-struct SceneSignature {
-  Eigen::VectorXf image;
-  Eigen::VectorXf returns;
-};
-
-/// Computes what `scene_similarity` compares.
-SceneSignature make_signature(const Scene& scene);
+/// Computes what `scene_similarity` compares: fine structure of the first image feature that there
+/// is (grey or edges less their surroundings), as a vector of length one; empty without an image.
+Eigen::VectorXf make_signature(const Scene& scene);
 
 /// Returns how much of two scenes is the same, for each pair: 0 for different places … 1 for the
 /// same place seen again; a symmetric matrix with ones on its diagonal. Scenes of different cameras
 /// count as different.
 ///
-/// Compared are the fine structure of the images (grey or edges less their surroundings) and of the
-/// returns (inverse ranges over the directions, less those around): the geometric mean of their two
-/// correlations, from which what different places share by chance is taken off. Road and sky are
-/// alike everywhere, and are smooth.
+/// It is the correlation of the fine structure of the images, from which what different places
+/// share by chance, or with a bonnet in view, is taken off. Road and sky are alike everywhere, and
+/// are smooth. Ranges do not tell a place: 1 m farther each beam meets something else.
 Eigen::MatrixXd scene_similarity(std::span<const Scene> scenes);
 
+/// Returns weights of scenes: wᵢ ∝ 1 / √Σⱼ sᵢⱼ, the largest 1. Equal ones would have the least
+/// noise of the returns; those without the root let every place count once, for the least common
+/// bias.
+Eigen::VectorXd scene_weights(const Eigen::MatrixXd& similarity);
+
 /// Returns the number of independent scenes whose mean is as uncertain as that of scenes with these
-/// similarities as correlations: n² / Σᵢⱼ wᵢⱼ (design effect; Kish 1965). 0 for none.
+/// weights and with their similarities as correlations: (Σ wᵢ)² / wᵀSw (Kish 1965). 0 for none.
 double effective_scenes(const Eigen::MatrixXd& similarity);
+
+/// Returns by what the sum of the squares of what weighted scenes contribute must be multiplied to
+/// give the variance of their sum: wᵀSw / wᵀw (design effect; Kish 1965). 1 for independent ones.
+double design_effect(const Eigen::MatrixXd& similarity);
 
 }  // namespace infuse::calibration

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "fusion/geometry/project_points.hpp"
@@ -62,20 +63,32 @@ Cone points_in_cone(const Scene& scene, const Eigen::Isometry3d& T, double angle
   return cone;
 }
 
-/// Keeps one point per `step` of weight; with `keep_edges` all those near edges, and one per `step`
-/// of the others.
-std::vector<size_t> thin_points(double step, bool keep_edges, const Scene& scene,
+/// Keeps one point per step of weight.
+class EvenChoice {
+ public:
+  explicit EvenChoice(double step) : step_(step), due_(step / 2) {}
+
+  bool keeps(double weight) {
+    due_ += weight;
+    if (due_ < step_) return false;
+    due_ = std::min(due_ - step_, step_);
+    return true;
+  }
+
+ private:
+  double step_, due_;
+};
+
+/// Keeps one point per `step` of weight; with an `edge_step` one of so many near edges, and one per
+/// `step` of the others.
+std::vector<size_t> thin_points(double step, std::optional<double> edge_step, const Scene& scene,
                                 const std::vector<size_t>& points) {
   std::vector<size_t> kept;
-  double due = step / 2;
+  EvenChoice others(step), edges(edge_step.value_or(1));
   for (const size_t i : points) {
     const bool near = near_edge(scene, i);
-    if (!(near && keep_edges)) {
-      due += near ? kNearEdgeWeight : 1;
-      if (due < step) continue;
-      due = std::min(due - step, step);
-    }
-    kept.push_back(i);
+    const bool keep = near && edge_step ? edges.keeps(1) : others.keeps(near ? kNearEdgeWeight : 1);
+    if (keep) kept.push_back(i);
   }
   return kept;
 }
@@ -121,7 +134,10 @@ Scene sort_by_strips(const Scene& scene, const geometry::CameraModel& model,
 
 std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                                const Eigen::Isometry3d& T_refcam_lidar, double margin,
-                               size_t points, bool keep_edges) {
+                               size_t points, bool keep_edges, const Eigen::VectorXd& weights) {
+  const auto weight = [&](size_t s) {
+    return weights.size() == 0 ? 1.0 : weights(static_cast<Eigen::Index>(s));
+  };
   std::vector<Cone> cones;
   double in_view = 0;
   for (const Scene& scene : scenes) {
@@ -131,14 +147,16 @@ std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const Ri
         points_in_cone(scene, camera.T_camera_refcam * T_refcam_lidar, half + margin, half));
     const double near =
         keep_edges ? 0 : kNearEdgeWeight * static_cast<double>(cones.back().near_edge_count);
-    in_view += near + static_cast<double>(cones.back().other_count);
+    in_view += weight(cones.size() - 1) * (near + static_cast<double>(cones.back().other_count));
   }
   const double step = std::max(1.0, in_view / static_cast<double>(std::max<size_t>(points, 1)));
   std::vector<Scene> thin;
   for (size_t s = 0; s < scenes.size(); ++s) {
     const RigCamera& camera = cameras[scenes[s].camera];
-    const Scene part =
-        select_points(scenes[s], thin_points(step, keep_edges, scenes[s], cones[s].points));
+    const std::optional<double> edge_step =
+        keep_edges ? std::optional(1 / weight(s)) : std::nullopt;
+    const Scene part = select_points(
+        scenes[s], thin_points(step / weight(s), edge_step, scenes[s], cones[s].points));
     thin.push_back(sort_by_strips(part, camera.model, camera.T_camera_refcam * T_refcam_lidar));
   }
   return thin;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -16,10 +17,12 @@ namespace infuse::calibration {
 ///
 /// Points near depth edges are few and are the only ones that an edge term compares: they are four
 /// times as likely to be kept, or, with `keep_edges`, all kept, and `points` counts the others.
+/// `weights`: shares of the scenes' points that are kept, one each, the largest 1; empty: all 1.
 /// Points are ordered by strips of the image, from its top to its bottom.
 std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                                const Eigen::Isometry3d& T_refcam_lidar, double margin,
-                               size_t points, bool keep_edges = false);
+                               size_t points, bool keep_edges = false,
+                               const Eigen::VectorXd& weights = {});
 
 /// Removes the points that cannot come into view when the camera rotates by up to `margin` radians
 /// from `T_refcam_lidar`. `thin_scenes` with at most that margin chooses the same points after it.

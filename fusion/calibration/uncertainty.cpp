@@ -169,6 +169,8 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   out.effective_scenes = similarity.size() == 0
                              ? static_cast<double>(seen.size())
                              : effective_scenes(similarity(seen_scenes, seen_scenes));
+  if (similarity.size() > 0)
+    out.design_effect = design_effect(similarity(seen_scenes, seen_scenes));
   out.scene_influence.assign(out.scene_gradients.size(), 0.0);
   if (seen.size() < 3) {
     out.reason = std::to_string(seen.size()) +
@@ -185,8 +187,7 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
     return out;
   }
   const double effective = out.effective_scenes;
-  const Matrix6 scatter =
-      static_cast<double>(seen.size()) / (effective - 1) * gradient_scatter(seen);
+  const Matrix6 scatter = out.design_effect * effective / (effective - 1) * gradient_scatter(seen);
   out.scene_information = objective.scene_information(T_refcam_lidar);
   const Matrix6 information_of_points =
       total_information(out.scene_information).topLeftCorner<6, 6>();

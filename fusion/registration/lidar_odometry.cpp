@@ -20,6 +20,11 @@ constexpr double kPlaneVariance = 1e-4;
 constexpr double kLever = 20;          // m, of the points that a rotation moves
 constexpr int kSearchIterations = 12;  // planes that come and go could keep it from converging
 constexpr double kMinOverlap = 0.3;    // of an estimate that is closer than the guess
+// An overlap that falls below this share of the usual one: a wrong maximum, as after a turn that
+// was too fast to follow. Sweeps that are added at such poses blur the map.
+constexpr double kLostShare = 0.5;
+constexpr double kOverlapRise = 0.5, kOverlapFall = 0.1;  // of the usual one, with every sweep
+constexpr double kUnknown = 1e6;  // rad², m²: variance of a pose that is a guess
 constexpr int kStartIterations = 6;
 constexpr int kMaxStartSteps = 50;  // each way; the second sweep may come late
 constexpr double kStartSigmas = 3;  // by which a start fits better than a slower one
@@ -97,8 +102,10 @@ void LidarOdometry::reset() {
   sweeps_ = 0;
   failures_ = 0;
   T_map_vehicle_.setIdentity();
+  T_map_located_.setIdentity();
   covariance_.setZero();
   velocity_.setZero();
+  usual_overlap_ = 0;
 }
 
 void LidarOdometry::select(const geometry::PointsView& points, double voxel_size,
@@ -271,6 +278,8 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
       register_points(T_map_vehicle_ * guess * T_vehicle_lidar_, options_.max_iterations, true);
   result.overlap = overlap_;
   result.reason = result.registration.reason;
+  if (result.usable() && overlap_ < kLostShare * usual_overlap_)
+    result.reason = "far fewer points lie on planes of the map than before";
   result.unsettled = !result.registration.converged && overlap_ > kMinOverlap &&
                      result.registration.inliers >= options_.min_inliers;
   result.motion.T_from_to = guess;
@@ -289,30 +298,34 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
   }
   result.T_map_vehicle = T_map_vehicle_ * result.motion.T_from_to;
   orthonormalise(result.T_map_vehicle);
+  result.velocity = geometry::log(T_map_located_.inverse() * result.T_map_vehicle) /
+                    to_seconds(reference - located_stamp_);
   return result;
 }
 
 void LidarOdometry::add(const geometry::PointsView& points, const LidarOdometryResult& result) {
   const bool first = map_.empty();
+  T_map_vehicle_ = result.T_map_vehicle;
+  stamp_ = result.stamp;
   if (!first && !result.usable() && ++failures_ < options_.max_failures) {
-    T_map_vehicle_ = result.T_map_vehicle;
-    stamp_ = result.stamp;
+    covariance_ = kUnknown * Matrix6::Identity();
     return;
-  }
-  if (!first && !result.usable()) {
-    map_.clear();
-    sweeps_ = 0;
   }
   failures_ = 0;
   if (result.usable()) {
-    velocity_ = geometry::log(result.motion.T_from_to) / to_seconds(result.stamp - stamp_);
+    velocity_ = result.velocity;
     covariance_ = result.registration.covariance;
+    const double rate = result.overlap > usual_overlap_ ? kOverlapRise : kOverlapFall;
+    usual_overlap_ += rate * (result.overlap - usual_overlap_);
   } else {
+    map_.clear();
+    sweeps_ = 0;
     velocity_.setZero();
     covariance_.setZero();
+    usual_overlap_ = 0;
   }
-  T_map_vehicle_ = result.T_map_vehicle;
-  stamp_ = result.stamp;
+  T_map_located_ = T_map_vehicle_;
+  located_stamp_ = stamp_;
   const Eigen::Isometry3d T_map_lidar = T_map_vehicle_ * T_vehicle_lidar_;
   map_.drop_far(T_map_lidar.translation());
   select(points, options_.map_voxel_size, 0);

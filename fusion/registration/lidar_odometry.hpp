@@ -43,8 +43,11 @@ struct LidarOdometryResult {
   Eigen::Isometry3d T_map_vehicle = Eigen::Isometry3d::Identity();
   /// Motion since the sweep before, between the vehicle frames at both reference times. Its
   /// covariance is the sum of both sweeps' against the map: what the map itself drifts by, a part
-  /// in a thousand of the way, is not in it.
+  /// in a thousand of the way, is not in it. After a sweep without a pose it has no information:
+  /// it would be a motion from a guess.
   motion::RelativePose motion;
+  /// Mean velocity since the last sweep with a pose, vehicle frame: rad/s, m/s.
+  geometry::Vector6 velocity = geometry::Vector6::Zero();
   RegistrationResult registration;  ///< of the lidar to the map, about the lidar's position, in the
                                     ///< map's axes
   double overlap = 0;               ///< fraction of the points that lie on planes of the map
@@ -97,6 +100,9 @@ class LidarOdometry {
   int failures_ = 0;  // in a row
   Stamp stamp_;       // of the last sweep
   Eigen::Isometry3d T_map_vehicle_ = Eigen::Isometry3d::Identity();
+  Stamp located_stamp_;  // of the last sweep with a pose
+  Eigen::Isometry3d T_map_located_ = Eigen::Isometry3d::Identity();
+  double usual_overlap_ = 0;                                  // of the last second
   geometry::Matrix6 covariance_ = geometry::Matrix6::Zero();  // as the last registration's
   geometry::Vector6 velocity_ = geometry::Vector6::Zero();    // twist per second, vehicle frame
 

@@ -25,7 +25,6 @@ void LidarTrajectory::deskew(const Sweep& sweep, const geometry::Vector6& veloci
 
 void LidarTrajectory::start(const Sweep& sweep, Stamp reference,
                             std::optional<Eigen::Isometry3d> T_from_to) {
-  const double seconds = to_seconds(reference - middle(first_));
   velocity_.setZero();
   for (int pass = 0; pass < kStartPasses; ++pass) {
     odometry_.reset();
@@ -37,18 +36,17 @@ void LidarTrajectory::start(const Sweep& sweep, Stamp reference,
     result_ = odometry_.align(points(), reference, T_from_to);
     if (!result_.usable()) break;
     T_from_to = result_.motion.T_from_to;
-    velocity_ = geometry::log(*T_from_to) / seconds;
+    velocity_ = result_.velocity;
   }
 }
 
 const LidarOdometryResult& LidarTrajectory::add(
     const Sweep& sweep, const std::optional<Eigen::Isometry3d>& T_from_to_guess) {
   const Stamp reference = middle(sweep);
-  const double seconds = to_seconds(reference - last_);
   air_.find(sweep);
   if (moving_) {
-    follow(sweep, reference,
-           T_from_to_guess ? *T_from_to_guess : geometry::exp(velocity_ * seconds));
+    const Eigen::Isometry3d same = geometry::exp(velocity_ * to_seconds(reference - last_));
+    follow(sweep, reference, T_from_to_guess.value_or(same));
   } else if (waiting_ && (T_from_to_guess || lost_ % max_lost_ == 0)) {
     start(sweep, reference, T_from_to_guess);
   } else {
@@ -57,9 +55,8 @@ const LidarOdometryResult& LidarTrajectory::add(
     result_.reason = "the first sweep waits for the next";
   }
   if (result_.usable()) {
-    const geometry::Vector6 velocity = geometry::log(result_.motion.T_from_to) / seconds;
-    velocity_before_ = moving_ ? velocity_ : velocity;
-    velocity_ = velocity;
+    velocity_before_ = moving_ ? velocity_ : result_.velocity;
+    velocity_ = result_.velocity;
     moving_ = true;
     waiting_ = false;
     lost_ = 0;
@@ -78,13 +75,11 @@ const LidarOdometryResult& LidarTrajectory::add(
 
 // Deskewed at the velocity before, and again at the one that is found.
 void LidarTrajectory::follow(const Sweep& sweep, Stamp reference, const Eigen::Isometry3d& guess) {
-  const double seconds = to_seconds(reference - last_);
   deskew(sweep, velocity_);
   result_ = odometry_.align(points(), reference, guess);
   if (!result_.usable() && !result_.unsettled) return;
-  const Eigen::Isometry3d T_from_to = result_.motion.T_from_to;
-  deskew(sweep, geometry::log(T_from_to) / seconds);
-  result_ = odometry_.align(points(), reference, T_from_to);
+  deskew(sweep, result_.velocity);
+  result_ = odometry_.align(points(), reference, result_.motion.T_from_to);
 }
 
 void LidarTrajectory::reset() {

@@ -27,7 +27,7 @@ std::optional<IntrinsicsEstimate> estimate_for(const std::vector<Scene>& scenes,
   Objective objective(points, images.at(2), cameras, scenes, terms);
   const Eigen::Isometry3d T = maximize(objective, truth, {}).T_refcam_lidar;
   return estimate_intrinsics(scenes, cameras, 0, terms, terms, images, {}, T,
-                             static_cast<double>(scenes.size()), stop);
+                             {.effective_scenes = static_cast<double>(scenes.size())}, stop);
 }
 
 std::optional<ModelMismatch> gross_mismatch(const std::optional<IntrinsicsEstimate>& found,

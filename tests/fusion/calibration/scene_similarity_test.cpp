@@ -47,6 +47,19 @@ TEST(EffectiveScenes, MatchTheClosedForms) {
   Eigen::MatrixXd pairs = Eigen::MatrixXd::Identity(8, 8);
   for (int k = 0; k < 8; k += 2) pairs(k, k + 1) = pairs(k + 1, k) = 1;
   EXPECT_EQ(effective_scenes(pairs), 4);
+  EXPECT_EQ(design_effect(pairs), 2);
+}
+
+// Four views of one place beside four places: with weights of a half that place counts as two.
+TEST(EffectiveScenes, AFrequentPlaceCountsLessOften) {
+  Eigen::MatrixXd similarity = Eigen::MatrixXd::Identity(8, 8);
+  similarity.topLeftCorner(4, 4).setOnes();
+  const Eigen::VectorXd weights = scene_weights(similarity);
+  EXPECT_EQ(weights.head(4), Eigen::VectorXd::Constant(4, 0.5));
+  EXPECT_EQ(weights.tail(4), Eigen::VectorXd::Ones(4));
+  // The variance of the weighted sum of unit variances is 4 + 2².
+  EXPECT_DOUBLE_EQ(effective_scenes(similarity), 36.0 / 8);
+  EXPECT_DOUBLE_EQ(design_effect(similarity), 8 / 5.0);
 }
 
 }  // namespace

@@ -78,6 +78,17 @@ TEST(ThinScenes, TheLimitCountsOtherPointsIfAllEdgesAreKept) {
   EXPECT_NEAR(static_cast<double>(after.others), 500, 5);
 }
 
+TEST(ThinScenes, AWeightIsTheShareOfAScenesPoints) {
+  const std::vector<Scene> scenes{wall(), wall()};
+  const auto thinned = thin_scenes(scenes, kCameras, Eigen::Isometry3d::Identity(), 0.05, 500, true,
+                                   Eigen::Vector2d(1, 0.25));
+  const Count full = count(thinned[0]), quarter = count(thinned[1]);
+  EXPECT_EQ(full.near, count(thin(1'000'000, true)).near);
+  EXPECT_NEAR(static_cast<double>(quarter.near) / static_cast<double>(full.near), 0.25, 0.02);
+  EXPECT_NEAR(static_cast<double>(quarter.others) / static_cast<double>(full.others), 0.25, 0.02);
+  EXPECT_NEAR(static_cast<double>(full.others + quarter.others), 500, 5);
+}
+
 TEST(ThinScenes, PointsComeStripByStripFromTheTop) {
   const Scene scene = thin(700, true);
   // A strip is 8 pixels high, 0.8 m on the wall.

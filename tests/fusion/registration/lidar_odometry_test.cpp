@@ -183,6 +183,35 @@ TEST(LidarOdometry, FindsAHeadingThatIsWrongByMoreThanTheRobustWidth) {
   }
 }
 
+// After a jerk that is too fast to follow, wrong maxima lie nearer than the right one: none may be
+// claimed, nor the motion from a pose that was a guess, and sweeps added there would blur the map.
+TEST(LidarOdometry, ClaimsNoWrongMotionAfterAJerk) {
+  int lost = 0;
+  for (int degrees = 10; degrees <= 80; degrees += 5) {
+    LidarOdometry odometry(mounting());
+    Eigen::Isometry3d T_turned_vehicle = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d last = T_room_vehicle(0);
+    for (int k = 0; k < 25; ++k) {
+      if (k == 12)
+        T_turned_vehicle.rotate(
+            Eigen::AngleAxisd(degrees * kDegree, Eigen::Vector3d(0, 0.3, 1).normalized()));
+      const Eigen::Isometry3d T_room = T_room_vehicle(0.1 * k) * T_turned_vehicle;
+      const PointCloud sweep =
+          random_room(static_cast<unsigned>(k + 1), kPoints, 0.02, T_room * mounting());
+      const LidarOdometryResult result = odometry.align(sweep.points(), stamp(0.1 * k));
+      odometry.add(sweep.points(), result);
+      const geometry::Vector6 error =
+          geometry::log(last.inverse() * T_room * result.motion.T_from_to.inverse());
+      last = T_room;
+      if (k > 0 && !result.usable()) ++lost;
+      if (result.motion.information.isZero()) continue;
+      EXPECT_LT(error.head<3>().norm(), 0.01) << degrees << " degrees, sweep " << k;
+      EXPECT_LT(error.tail<3>().norm(), 0.1) << degrees << " degrees, sweep " << k;
+    }
+  }
+  EXPECT_GT(lost, 5);
+}
+
 /// Rings on a level field with short grass: heights of centimetres, noise of 2 cm.
 PointCloud open_field(unsigned seed, const Eigen::Isometry3d& T_field_lidar) {
   std::mt19937 random(seed);
