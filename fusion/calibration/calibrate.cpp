@@ -133,7 +133,7 @@ CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCa
   CalibrationResult result =
       run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kPriorScale);
   // Too few places are too few at every pose.
-  const bool enough = effective_scenes(calibration.similarity()) >= kMinEffectiveScenes;
+  const bool enough = calibration.effective_scenes() >= kMinEffectiveScenes;
   if (!result.usable() && enough && options.restarts > 0 && result.points > 0) {
     const CalibrationResult held =
         run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kRetryPriorScale);

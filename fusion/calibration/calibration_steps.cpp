@@ -75,6 +75,7 @@ CalibrationSteps::CalibrationSteps(std::span<const Scene> scenes,
       initial_pose_(initial_pose),
       options_(options),
       similarity_(scene_similarity(scenes)),
+      weights_(scene_weights(similarity_)),
       terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
       search_terms_(search_terms_of(options)),
       images_(scenes, concatenate(terms_, search_terms_), image_blurs(options)),
@@ -91,8 +92,7 @@ CalibrationSteps::CalibrationSteps(std::span<const Scene> scenes,
 
 std::vector<Scene> CalibrationSteps::thin(std::span<const Scene> scenes, size_t points,
                                           bool keep_edges) const {
-  return thin_scenes(scenes, cameras_, initial_pose_, margin_, points, keep_edges,
-                     scene_weights(similarity_));
+  return thin_scenes(scenes, cameras_, initial_pose_, margin_, points, keep_edges, weights_);
 }
 
 Eigen::Isometry3d CalibrationSteps::find_basin(double prior_scale) {
@@ -208,6 +208,10 @@ std::optional<double> CalibrationSteps::delay_along_travel(const Eigen::Isometry
   return along / velocity.squaredNorm();
 }
 
+double CalibrationSteps::effective_scenes() const {
+  return calibration::effective_scenes(similarity_, weights_);
+}
+
 int CalibrationSteps::evaluations() const {
   return evaluations_ + final_search_.evaluations() + fine_search_.evaluations() +
          coarse_search_.evaluations();
@@ -235,7 +239,7 @@ std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isomet
                             images_, restart_levels().front().sigma, false, options_.maximize.stop);
   std::vector<Scored> drawn;
   const int restarts =
-      effective_scenes(similarity_) < kManyScenes ? options_.restarts_of_few : options_.restarts;
+      effective_scenes() < kManyScenes ? options_.restarts_of_few : options_.restarts;
   for (int k = 0; k < kDrawsPerRestart * restarts; ++k) {
     Vector6 xi;
     for (int axis = 0; axis < 6; ++axis) {

@@ -26,6 +26,8 @@ class CalibrationSteps {
   CoarseToFine& fine_search() { return fine_search_; }
   /// Similarity of each two scenes (`scene_similarity`).
   const Eigen::MatrixXd& similarity() const { return similarity_; }
+  /// Number of independent scenes that these count as.
+  double effective_scenes() const;
 
   /// Pose after the restarts, and how many of the last round converged to it.
   struct RestartResult {
@@ -63,7 +65,7 @@ class CalibrationSteps {
   int evaluations() const;
 
  private:
-  /// `thin_scenes` around the initial pose, every place by about the same share.
+  /// `thin_scenes` around the initial pose; scenes of a frequent place keep fewer points.
   std::vector<Scene> thin(std::span<const Scene> scenes, size_t points,
                           bool keep_edges = false) const;
   /// Sets the `unseen_sigma` of a camera's intrinsics, in the order of `check_model`.
@@ -85,6 +87,7 @@ class CalibrationSteps {
   Eigen::Isometry3d initial_pose_;
   const CalibrateOptions& options_;
   Eigen::MatrixXd similarity_;
+  Eigen::VectorXd weights_;  // `scene_weights`
   std::vector<TermOptions> terms_, search_terms_;
   ImagePyramid images_;
   double margin_;

@@ -29,8 +29,8 @@ constexpr double kPriorSteps = 5;  // … at so many of these steps from the giv
 
 constexpr double kCurvatureStep = 1e-3;     // rad
 constexpr int kMinScenesOfCamera = 8;       // number of scenes
-constexpr size_t kMinPointsPerScene = 200;  // number of points in view
-constexpr double kChiSquare = 23.51;        // 99.99 % of 4 degrees of freedom
+constexpr size_t kMinPointsPerScene = 100;  // number of points in view
+constexpr double kChiSquare = 13.28;        // 99 % of 4 degrees of freedom
 constexpr double kHigherMaximum = 4;        // Student's t of the scenes' gains
 // What imperfections of real scenes feign: logarithm of the focal lengths, px, px, k1.
 const Eigen::Vector4d kFeigned(0.005, 1.5, 1.5, 0.005);
@@ -125,7 +125,7 @@ SceneInformation joint_covariance(const SceneInformation& curvature,
   for (const SceneGradient& one : gradients) mean += one / n;
   SceneInformation scatter = SceneInformation::Zero();
   for (const SceneGradient& one : gradients) scatter += (one - mean) * (one - mean).transpose();
-  scatter *= uncertainty.design_effect * effective / (effective - 1);
+  scatter *= scatter_factor(uncertainty.design_effect, gradients.size());
   const SceneInformation inverse = curvature.inverse();
   const double scale = (inverse * scatter).trace() / 10;
   const double shrinkage = kShrinkageScenes / (kShrinkageScenes + effective - 1);

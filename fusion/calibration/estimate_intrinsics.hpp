@@ -48,7 +48,7 @@ std::vector<double> intrinsics_blurs();
 
 /// Tests the four intrinsics together: Tsq = eᵀ (C + K)⁻¹ e, e the estimated correction, C its
 /// covariance, K what they are known to (`known`, and what imperfections of real scenes feign: 0.5
-/// % of the focal length, 1.5 px, 0.005 in k1). Beyond the 99.99 % quantile of χ²(4), if the scenes
+/// % of the focal length, 1.5 px, 0.005 in k1). Beyond the 99 % quantile of χ²(4), if the scenes
 /// fit better, returns the one that is farthest off, as serious; or the intrinsics as a whole,
 /// without a value, if the estimate did not converge within its bounds. Otherwise nothing.
 /// `cameras` have the given intrinsics.
@@ -60,7 +60,7 @@ std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& est
 /// have shown. With a probability of 0.5 % each of the four is not as well known as stated, but
 /// that of a camera that was never calibrated: e ~ N(0, w²), w = 2 % of the focal length, 2 % of it
 /// in the principal point, 0.1 in k1. Its estimate is x ~ N(e, s²), with s² of `estimate`, `known`
-/// and what imperfections feign; nothing is shown while x² ≤ 23.51 s². Returns √(0.5 % E[e²; not
+/// and what imperfections feign; nothing is shown while x² ≤ 13.28 s². Returns √(0.5 % E[e²; not
 /// shown]), in the units of `correction`; `focal_length` in px.
 Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_length,
                               const KnownParameters& known);

@@ -86,15 +86,13 @@ Eigen::VectorXd scene_weights(const Eigen::MatrixXd& similarity) {
   return share / share.maxCoeff();
 }
 
-double effective_scenes(const Eigen::MatrixXd& similarity) {
+double effective_scenes(const Eigen::MatrixXd& similarity, const Eigen::VectorXd& weights) {
   if (similarity.size() == 0) return 0;
-  const Eigen::VectorXd weights = scene_weights(similarity);
   return weights.sum() * weights.sum() / weights.dot(similarity * weights);
 }
 
-double design_effect(const Eigen::MatrixXd& similarity) {
+double design_effect(const Eigen::MatrixXd& similarity, const Eigen::VectorXd& weights) {
   if (similarity.size() == 0) return 1;
-  const Eigen::VectorXd weights = scene_weights(similarity);
   return weights.dot(similarity * weights) / weights.squaredNorm();
 }
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "fusion/geometry/project_points.hpp"
@@ -79,16 +78,16 @@ class EvenChoice {
   double step_, due_;
 };
 
-/// Keeps one point per `step` of weight; with an `edge_step` one of so many near edges, and one per
-/// `step` of the others.
-std::vector<size_t> thin_points(double step, std::optional<double> edge_step, const Scene& scene,
+/// Considers this share of the points, of those near edges as of the others. Of these it keeps one
+/// per `step` of weight; with `keep_edges` all those near edges, and one per `step` of the others.
+std::vector<size_t> thin_points(double step, double share, bool keep_edges, const Scene& scene,
                                 const std::vector<size_t>& points) {
   std::vector<size_t> kept;
-  EvenChoice others(step), edges(edge_step.value_or(1));
+  EvenChoice considered_edges(1), considered_others(1), choice(step);
   for (const size_t i : points) {
     const bool near = near_edge(scene, i);
-    const bool keep = near && edge_step ? edges.keeps(1) : others.keeps(near ? kNearEdgeWeight : 1);
-    if (keep) kept.push_back(i);
+    if (!(near ? considered_edges : considered_others).keeps(share)) continue;
+    if ((near && keep_edges) || choice.keeps(near ? kNearEdgeWeight : 1)) kept.push_back(i);
   }
   return kept;
 }
@@ -153,10 +152,8 @@ std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const Ri
   std::vector<Scene> thin;
   for (size_t s = 0; s < scenes.size(); ++s) {
     const RigCamera& camera = cameras[scenes[s].camera];
-    const std::optional<double> edge_step =
-        keep_edges ? std::optional(1 / weight(s)) : std::nullopt;
     const Scene part = select_points(
-        scenes[s], thin_points(step / weight(s), edge_step, scenes[s], cones[s].points));
+        scenes[s], thin_points(step, weight(s), keep_edges, scenes[s], cones[s].points));
     thin.push_back(sort_by_strips(part, camera.model, camera.T_camera_refcam * T_refcam_lidar));
   }
   return thin;

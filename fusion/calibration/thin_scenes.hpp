@@ -17,7 +17,7 @@ namespace infuse::calibration {
 ///
 /// Points near depth edges are few and are the only ones that an edge term compares: they are four
 /// times as likely to be kept, or, with `keep_edges`, all kept, and `points` counts the others.
-/// `weights`: shares of the scenes' points that are kept, one each, the largest 1; empty: all 1.
+/// `weights`: shares of the scenes' points that are considered, evenly, one each; empty: all.
 /// Points are ordered by strips of the image, from its top to its bottom.
 std::vector<Scene> thin_scenes(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
                                const Eigen::Isometry3d& T_refcam_lidar, double margin,

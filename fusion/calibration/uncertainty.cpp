@@ -137,6 +137,11 @@ std::string describe_imprecision(const Matrix6& covariance, double max_rotation_
   return text;
 }
 
+double scatter_factor(double design_effect, size_t scenes) {
+  const auto n = static_cast<double>(scenes);
+  return design_effect * n / (n - design_effect);
+}
+
 double widening_of_few(double degrees_of_freedom) {
   // P(F > f) in closed form, as 6 is even, with y = ν / (ν + 6 f): y^b Σ_{i<3} (b)_i (1 − y)^i /
   // i!.
@@ -166,11 +171,13 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
     seen.push_back(out.scene_gradients[s].head<6>());
     seen_scenes.push_back(static_cast<Eigen::Index>(s));
   }
-  out.effective_scenes = similarity.size() == 0
-                             ? static_cast<double>(seen.size())
-                             : effective_scenes(similarity(seen_scenes, seen_scenes));
-  if (similarity.size() > 0)
-    out.design_effect = design_effect(similarity(seen_scenes, seen_scenes));
+  out.effective_scenes = static_cast<double>(seen.size());
+  if (similarity.size() > 0) {
+    const Eigen::MatrixXd seen_similarity = similarity(seen_scenes, seen_scenes);
+    const Eigen::VectorXd weights = scene_weights(similarity)(seen_scenes);
+    out.effective_scenes = effective_scenes(seen_similarity, weights);
+    out.design_effect = design_effect(seen_similarity, weights);
+  }
   out.scene_influence.assign(out.scene_gradients.size(), 0.0);
   if (seen.size() < 3) {
     out.reason = std::to_string(seen.size()) +
@@ -187,7 +194,7 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
     return out;
   }
   const double effective = out.effective_scenes;
-  const Matrix6 scatter = out.design_effect * effective / (effective - 1) * gradient_scatter(seen);
+  const Matrix6 scatter = scatter_factor(out.design_effect, seen.size()) * gradient_scatter(seen);
   out.scene_information = objective.scene_information(T_refcam_lidar);
   const Matrix6 information_of_points =
       total_information(out.scene_information).topLeftCorner<6, 6>();

@@ -49,15 +49,15 @@ geometry::Matrix6 pose_curvature(Objective& objective, const Eigen::Isometry3d& 
 /// Estimates the uncertainty at a maximum. With H the curvature of the objective (central
 /// differences of its analytic gradient) and g_s the gradient of scene s's part less their mean
 /// (they add up to zero at the maximum itself), the estimate's covariance is
-///   c H⁻¹ J H⁻¹,  J = (1 − λ) Ĵ + λ k H,  Ĵ = d E/(E−1) Σ_s g_s g_sᵀ
+///   c H⁻¹ J H⁻¹,  J = (1 − λ) Ĵ + λ k H,  Ĵ = d S/(S−d) Σ_s g_s g_sᵀ
 /// (the sandwich of M-estimation with scenes as clusters; Huber 1967). Scenes need not be
-/// independent of each other: they count as E (`effective_scenes` of `similarity`), and d is their
-/// `design_effect`; S independent ones count as S, with d = 1. Ĵ has 21 entries from few gradients;
-/// it is shrunk towards the curvature, which has the shape of Fisher's information and takes its
-/// scale k from Ĵ (quasi-likelihood; Wedderburn 1974), with λ = 20 / (20 + E − 1). c widens the
-/// covariance as few scenes require: it is the ratio of the 95 % quantiles of 6 F(6, 2(E − 1)) and
-/// χ²(6), two degrees of freedom for each scene, as J has more from the shrinkage than Hotelling's
-/// T² allows.
+/// independent of each other: S of them count as E (`effective_scenes` of `similarity`), and d is
+/// their `design_effect`; for independent ones E = S and d = 1. Ĵ has 21 entries from few
+/// gradients; it is shrunk towards the curvature, which has the shape of Fisher's information and
+/// takes its scale k from Ĵ (quasi-likelihood; Wedderburn 1974), with λ = 20 / (20 + E − 1). c
+/// widens the covariance as few scenes require: it is the ratio of the 95 % quantiles of 6 F(6, 2(E
+/// − 1)) and χ²(6), two degrees of freedom for each scene, as J has more from the shrinkage than
+/// Hotelling's T² allows.
 ///
 /// `similarity` has one row a scene (`scene_similarity`); empty: all are independent. Not usable
 /// with fewer than 3 effective scenes, or, with the direction named, if H is not positive along a
@@ -70,6 +70,10 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
 /// or translation, for a message; an empty text if none does.
 std::string describe_imprecision(const geometry::Matrix6& covariance, double max_rotation_sigma,
                                  double max_translation_sigma);
+
+/// Returns the factor from the scatter of `scenes` gradients about their mean to the variance of
+/// their sum, without bias: d S / (S − d) with their `design_effect` d.
+double scatter_factor(double design_effect, size_t scenes);
 
 /// Returns the ratio of the 95 % quantiles of 6 F(6, `degrees_of_freedom`) and χ²(6): by how much
 /// a covariance is widened that is itself estimated.

@@ -45,7 +45,7 @@ calibration::CalibrateOptions calibrate_options(const ReestimateOptions& options
                  .prior_weight = 0.3,
                  .survivors = std::max(options.searches, 2) / 2},
                 {.sigma = 2, .tolerance = 5e-3, .prior_weight = 0.05}};
-  out.fine_points = std::numeric_limits<size_t>::max();  // stored scenes are thinned already
+  out.fine_points = std::numeric_limits<size_t>::max();  // scenes are thinned when stored
   out.fine = {{.sigma = 2, .points = options.points},
               {.sigma = 1, .points = options.points, .passes = 2}};
   out.screen.half_width = options.screen_half_width;

@@ -20,10 +20,10 @@ constexpr double kPlaneVariance = 1e-4;
 constexpr double kLever = 20;          // m, of the points that a rotation moves
 constexpr int kSearchIterations = 12;  // planes that come and go could keep it from converging
 constexpr double kMinOverlap = 0.3;    // of an estimate that is closer than the guess
-// An overlap that falls below this share of the usual one: a wrong maximum, as after a turn that
-// was too fast to follow. Sweeps that are added at such poses blur the map.
+// An overlap below this share of the usual one means a wrong maximum, as after a turn that was too
+// fast to follow. Sweeps that are added at such poses blur the map.
 constexpr double kLostShare = 0.5;
-constexpr double kOverlapRise = 0.5, kOverlapFall = 0.1;  // of the usual one, with every sweep
+constexpr double kOverlapRise = 0.5, kOverlapFall = 0.1;  // shares by which a sweep changes it
 constexpr double kUnknown = 1e6;  // rad², m²: variance of a pose that is a guess
 constexpr int kStartIterations = 6;
 constexpr int kMaxStartSteps = 50;  // each way; the second sweep may come late
@@ -264,7 +264,7 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
     return result;
   }
   const double seconds = to_seconds(reference - stamp_);
-  if (!(seconds > 0)) {
+  if (!(seconds > 0 && reference > located_stamp_)) {
     result.reason = "the sweep is not later than the one before";
     return result;
   }
@@ -278,9 +278,11 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
       register_points(T_map_vehicle_ * guess * T_vehicle_lidar_, options_.max_iterations, true);
   result.overlap = overlap_;
   result.reason = result.registration.reason;
-  if (result.usable() && overlap_ < kLostShare * usual_overlap_)
+  const double lost_overlap = kLostShare * usual_overlap_;
+  if (result.usable() && overlap_ < lost_overlap)
     result.reason = "far fewer points lie on planes of the map than before";
-  result.unsettled = !result.registration.converged && overlap_ > kMinOverlap &&
+  result.unsettled = !result.registration.converged &&
+                     overlap_ > std::max(kMinOverlap, lost_overlap) &&
                      result.registration.inliers >= options_.min_inliers;
   result.motion.T_from_to = guess;
   if (result.usable() || result.unsettled) {

@@ -46,7 +46,8 @@ struct LidarOdometryResult {
   /// in a thousand of the way, is not in it. After a sweep without a pose it has no information:
   /// it would be a motion from a guess.
   motion::RelativePose motion;
-  /// Mean velocity since the last sweep with a pose, vehicle frame: rad/s, m/s.
+  /// Mean velocity since the last sweep with a pose, vehicle frame: rad/s, m/s. That of the guess,
+  /// or zero, where the result is neither usable nor unsettled.
   geometry::Vector6 velocity = geometry::Vector6::Zero();
   RegistrationResult registration;  ///< of the lidar to the map, about the lidar's position, in the
                                     ///< map's axes
@@ -102,7 +103,7 @@ class LidarOdometry {
   Eigen::Isometry3d T_map_vehicle_ = Eigen::Isometry3d::Identity();
   Stamp located_stamp_;  // of the last sweep with a pose
   Eigen::Isometry3d T_map_located_ = Eigen::Isometry3d::Identity();
-  double usual_overlap_ = 0;                                  // of the last second
+  double usual_overlap_ = 0;                                  // rises fast, falls slowly
   geometry::Matrix6 covariance_ = geometry::Matrix6::Zero();  // as the last registration's
   geometry::Vector6 velocity_ = geometry::Vector6::Zero();    // twist per second, vehicle frame
 

@@ -133,7 +133,7 @@ TEST(UnseenErrors, AreThoseOfDrawnCamerasThatTheTestDoesNotShow) {
     for (int draw = 0; draw < kDraws; ++draw) {
       const double error = uncalibrated(i) * normal(random);
       const double estimated = error + noise(i) * normal(random);
-      if (estimated * estimated <= 23.51 * noise(i) * noise(i)) sum += error * error;
+      if (estimated * estimated <= 13.28 * noise(i) * noise(i)) sum += error * error;
     }
     const double expected = std::sqrt(0.005 * sum / kDraws);
     EXPECT_NEAR(found(i), expected, 0.02 * expected) << i;

@@ -87,6 +87,10 @@ TEST(ThinScenes, AWeightIsTheShareOfAScenesPoints) {
   EXPECT_NEAR(static_cast<double>(quarter.near) / static_cast<double>(full.near), 0.25, 0.02);
   EXPECT_NEAR(static_cast<double>(quarter.others) / static_cast<double>(full.others), 0.25, 0.02);
   EXPECT_NEAR(static_cast<double>(full.others + quarter.others), 500, 5);
+  // Without a limit nothing else is left out, near edges as elsewhere.
+  const auto all = thin_scenes(scenes, kCameras, Eigen::Isometry3d::Identity(), 0.05, 1'000'000,
+                               false, Eigen::Vector2d(1, 0.25));
+  EXPECT_NEAR(static_cast<double>(count(all[1]).near), 0.25 * static_cast<double>(full.near), 2);
 }
 
 TEST(ThinScenes, PointsComeStripByStripFromTheTop) {

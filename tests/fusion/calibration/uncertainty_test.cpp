@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <random>
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/maximize.hpp"
 #include "fusion/calibration/named_measures.hpp"
+#include "fusion/calibration/scene_similarity.hpp"
 #include "tests/fusion/calibration/painted_world.hpp"
 
 namespace infuse::calibration {
@@ -105,6 +107,28 @@ TEST(Uncertainty, ScenesThatAreAlikeAddLittle) {
   const Uncertainty alike = uncertainty_of(first_scenes(12), similarity);
   EXPECT_EQ(alike.effective_scenes, 6);
   EXPECT_GT(alike.covariance.trace(), 1.5 * apart.covariance.trace());
+}
+
+// Contributions of weighted scenes, alike in groups: the scatter about their mean, times the
+// factor, is the variance of their sum.
+TEST(ScatterFactor, MakesTheScatterUnbiased) {
+  Eigen::MatrixXd similarity = Eigen::MatrixXd::Identity(8, 8);
+  similarity.topLeftCorner(4, 4).setConstant(0.6);
+  similarity.diagonal().setOnes();
+  const Eigen::VectorXd weights = scene_weights(similarity);
+  const Eigen::MatrixXd root = similarity.llt().matrixL();
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  constexpr int kDraws = 200'000;
+  double scatter = 0, squares = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Eigen::VectorXd noise(8);
+    for (double& one : noise) one = normal(random);
+    const Eigen::VectorXd pulls = weights.cwiseProduct(root * noise);
+    scatter += (pulls.array() - pulls.mean()).square().sum() / kDraws;
+    squares += pulls.sum() * pulls.sum() / kDraws;
+  }
+  EXPECT_NEAR(scatter_factor(design_effect(similarity, weights), 8) * scatter / squares, 1, 0.02);
 }
 
 TEST(Uncertainty, OnePlaceIsRefusedHoweverManyScenes) {

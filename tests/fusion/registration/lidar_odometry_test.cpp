@@ -186,30 +186,58 @@ TEST(LidarOdometry, FindsAHeadingThatIsWrongByMoreThanTheRobustWidth) {
 // After a jerk that is too fast to follow, wrong maxima lie nearer than the right one: none may be
 // claimed, nor the motion from a pose that was a guess, and sweeps added there would blur the map.
 TEST(LidarOdometry, ClaimsNoWrongMotionAfterAJerk) {
-  int lost = 0;
+  constexpr int kJerk = 12, kLast = 24;
+  const int max_failures = LidarOdometryOptions{}.max_failures;
+  int lost = 0, found_again = 0;
   for (int degrees = 10; degrees <= 80; degrees += 5) {
+    const Eigen::AngleAxisd jerk(degrees * kDegree, Eigen::Vector3d(0, 0.3, 1).normalized());
     LidarOdometry odometry(mounting());
-    Eigen::Isometry3d T_turned_vehicle = Eigen::Isometry3d::Identity();
-    Eigen::Isometry3d last = T_room_vehicle(0);
-    for (int k = 0; k < 25; ++k) {
-      if (k == 12)
-        T_turned_vehicle.rotate(
-            Eigen::AngleAxisd(degrees * kDegree, Eigen::Vector3d(0, 0.3, 1).normalized()));
-      const Eigen::Isometry3d T_room = T_room_vehicle(0.1 * k) * T_turned_vehicle;
+    Eigen::Isometry3d last, located;  // truth, at the sweep before and the last with a pose
+    int failures = 0;
+    for (int k = 0; k <= kLast; ++k) {
+      Eigen::Isometry3d T_room = T_room_vehicle(0.1 * k);
+      if (k >= kJerk) T_room.rotate(jerk);
       const PointCloud sweep =
           random_room(static_cast<unsigned>(k + 1), kPoints, 0.02, T_room * mounting());
       const LidarOdometryResult result = odometry.align(sweep.points(), stamp(0.1 * k));
       odometry.add(sweep.points(), result);
-      const geometry::Vector6 error =
-          geometry::log(last.inverse() * T_room * result.motion.T_from_to.inverse());
+      const bool claims = !result.motion.information.isZero();
+      EXPECT_TRUE(claims || k == 0 || (k >= kJerk && k < kLast)) << degrees << ", sweep " << k;
+      if (claims) {
+        const geometry::Vector6 error =
+            geometry::log(last.inverse() * T_room * result.motion.T_from_to.inverse());
+        EXPECT_LT(error.head<3>().norm(), 0.01) << degrees << " degrees, sweep " << k;
+        EXPECT_LT(error.tail<3>().norm(), 0.1) << degrees << " degrees, sweep " << k;
+      }
+      if (k > 0 && result.usable() && failures > 0 && failures < max_failures) {
+        ++found_again;
+        EXPECT_FALSE(claims) << degrees << " degrees, sweep " << k;
+        const geometry::Vector6 velocity =
+            geometry::log(located.inverse() * T_room) / (0.1 * (failures + 1));
+        EXPECT_LT((result.velocity - velocity).norm(), 0.1) << degrees << " degrees, sweep " << k;
+      }
+      failures = k == 0 || result.usable() ? 0 : failures + 1;
+      lost += failures > 0 ? 1 : 0;
+      if (failures == 0) located = T_room;
       last = T_room;
-      if (k > 0 && !result.usable()) ++lost;
-      if (result.motion.information.isZero()) continue;
-      EXPECT_LT(error.head<3>().norm(), 0.01) << degrees << " degrees, sweep " << k;
-      EXPECT_LT(error.tail<3>().norm(), 0.1) << degrees << " degrees, sweep " << k;
     }
   }
   EXPECT_GT(lost, 5);
+  EXPECT_GT(found_again, 0);
+}
+
+// A clock that is set back and on again: no velocity from times that do not rise.
+TEST(LidarOdometry, IgnoresTimesBeforeTheLastPose) {
+  LidarOdometry odometry(mounting());
+  for (const double seconds : {0.0, 0.1, 0.2, 0.05, 0.15, 0.3}) {
+    const PointCloud sweep = random_room(static_cast<unsigned>(100 * seconds) + 1, kPoints, 0.02,
+                                         T_room_vehicle(seconds) * mounting());
+    const LidarOdometryResult result = odometry.align(sweep.points(), stamp(seconds));
+    odometry.add(sweep.points(), result);
+    EXPECT_EQ(result.usable(), seconds == 0.1 || seconds == 0.2 || seconds == 0.3) << seconds;
+    if (!result.usable()) continue;
+    EXPECT_NEAR(result.velocity(3), 8, 0.5) << seconds;
+  }
 }
 
 /// Rings on a level field with short grass: heights of centimetres, noise of 2 cm.
