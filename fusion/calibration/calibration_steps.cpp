@@ -260,7 +260,7 @@ Eigen::Isometry3d CalibrationSteps::ascend_with_scenes(const Eigen::Isometry3d& 
   for (const size_t s : scenes) part[s] = coarse_scenes_[s];
   CoarseToFine search(part, cameras_, search_terms_, images_, options_.visibility,
                       options_.maximize, prior_position(), options_.initial_translation_sigma);
-  const Eigen::Isometry3d end = search.ascend(T, restart_levels()).T_refcam_lidar;
+  Eigen::Isometry3d end = search.ascend(T, restart_levels()).T_refcam_lidar;
   evaluations_ += search.evaluations();
   return end;
 }

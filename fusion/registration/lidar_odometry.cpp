@@ -77,7 +77,7 @@ Matrix6 information_of(const Matrix6& covariance) {
 }  // namespace
 
 std::optional<std::string> LidarOdometryOptions::invalid() const {
-  if (const auto wrong = map.invalid()) return wrong;
+  if (auto wrong = map.invalid()) return wrong;
   if (!(min_range >= 0)) return "min_range must not be negative";
   if (!(map_voxel_size > 0 && match_voxel_size > 0 && min_match_voxel_size > 0))
     return "voxel sizes must be above 0 m";

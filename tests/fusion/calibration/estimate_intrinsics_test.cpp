@@ -1,6 +1,5 @@
 #include "fusion/calibration/estimate_intrinsics.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,8 +11,6 @@
 
 namespace infuse::calibration {
 namespace {
-
-using testing::HasSubstr;
 
 /// Estimates the intrinsics, from the pose that an ascent with the given ones converges to.
 std::optional<IntrinsicsEstimate> estimate_for(const std::vector<Scene>& scenes,

@@ -66,7 +66,8 @@ inline World make_world(uint64_t seed, double scale = 1) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
   };
   World world;
-  const auto add = [&](Eigen::Vector3d centre, Eigen::Vector3d a, Eigen::Vector3d b) {
+  const auto add = [&](const Eigen::Vector3d& centre, const Eigen::Vector3d& a,
+                       const Eigen::Vector3d& b) {
     world.faces.push_back({scale * centre, scale * a, scale * b, draw(0.15, 0.85), draw(0.05, 0.15),
                            scale * draw(0.7, 2.0)});
   };
