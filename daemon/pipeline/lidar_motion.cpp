@@ -48,9 +48,8 @@ std::optional<motion::RelativePose> LidarMotion::follow(const Sweep& sweep,
   if (followed_ && !(end > followed_->stamp && end - followed_->stamp < kMaxGap)) followed_.reset();
   if (!followed_) lidar_trajectory_.reset();
   const std::optional<End> last = followed_;
-  const bool was_moving = lidar_trajectory_.moving();
   if (lidar_odometry_.map_voxels() > 0) lidar_odometry_.reset();
-  located_ = map_deskewed_ = false;
+  map_deskewed_ = false;
   const Stamp middle = sweep.stamp + sweep.span / 2;
   std::optional<Eigen::Isometry3d> guess;
   if (last) {
@@ -61,8 +60,7 @@ std::optional<motion::RelativePose> LidarMotion::follow(const Sweep& sweep,
   followed_ = End{end, middle, std::nullopt};
   if (!result.usable()) return std::nullopt;
   followed_->T_map_vehicle = lidar_trajectory_.T_map_end();
-  // After a sweep without a pose, the motion would be one from a guess.
-  if (!last || (was_moving && !last->T_map_vehicle)) return std::nullopt;
+  if (!last || result.motion.information.isZero()) return std::nullopt;
   const motion::RelativePose& middles = result.motion;
   motion::RelativePose motion = middles;
   motion.from = last->stamp;
@@ -86,7 +84,6 @@ LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker&
   last_registered_ = end;
   if (deskewed.usable() && !map_deskewed_) lidar_odometry_.reset();
   Found found;
-  found.first = lidar_odometry_.map_voxels() == 0;
   air_.find(sweep);
   found.result = lidar_odometry_.align(points(deskewed), end, guess);
   found.wrong = (found.result.usable() || found.result.unsettled) && guess &&
@@ -96,12 +93,11 @@ LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker&
     deskewer.deskew(sweep, measured_motion_, end, deskewed);
     found.result = lidar_odometry_.align(points(deskewed), end, found.result.motion.T_from_to);
   }
-  found.measured = found.result.usable() && located_;
+  found.measured = found.result.usable() && !found.result.motion.information.isZero();
   return found;
 }
 
 void LidarMotion::take(const Found& found, bool predicted, const motion::DeskewedSweep& deskewed) {
-  located_ = found.result.usable() || found.first;
   if (!predicted && !map_deskewed_ && deskewed.usable()) lidar_odometry_.reset();
   lidar_odometry_.add(points(deskewed), found.result);
   map_deskewed_ = deskewed.usable();

@@ -46,7 +46,7 @@ class LidarMotion {
  private:
   struct Found {
     registration::LidarOdometryResult result;
-    bool first = false, wrong = false, measured = false;
+    bool wrong = false, measured = false;
   };
   template <class Deskew>
   bool follow(const Sweep& sweep, OdometryTracker& odometry, Stamp end, Deskew deskew) {
@@ -72,7 +72,6 @@ class LidarMotion {
   registration::LidarOdometry lidar_odometry_;  // with wheels
   geometry::Trajectory measured_motion_;       // of the sweep that is registered, at constant twist
   Stamp last_registered_ = Stamp::earliest();  // end of a sweep
-  bool located_ = false;                       // that sweep has a pose in the local map
   bool map_deskewed_ = false;                  // sweeps of the local map are deskewed
 
   std::optional<bool> by_wheels_;                   // what is done

@@ -29,9 +29,6 @@ class LidarTrajectory {
   /// Forgets map and motion: the next sweep is a first one.
   void reset();
 
-  /// True once two sweeps have shown a motion, until too many in a row show none.
-  bool moving() const { return moving_; }
-
   /// Pose of the vehicle at the end of the last sweep in the frame of the results' `T_map_vehicle`,
   /// at the mean of the velocities that were measured last: the error of a pose would count twice.
   Eigen::Isometry3d T_map_end() const;
