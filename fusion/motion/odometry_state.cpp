@@ -10,6 +10,7 @@ namespace {
 constexpr double kUnknownSpeedSigma = 40;             // m/s: speed unknown
 constexpr double kUnknownAngularVelocitySigma = 1.5;  // rad/s: rotation unknown
 constexpr double kRecentTimeConstant = 0.3;           // s of motion that a sample corrects
+constexpr double kTiltRateTimeConstant = 0.2;         // s in which roll and pitch rate decay
 
 double square(double x) { return x * x; }
 
@@ -69,8 +70,15 @@ void OdometryState::reset_rotation_covariance() {
     P_.row(i).setZero();
     P_.col(i).setZero();
     recent_.col(i).setZero();
-    if (i == kAngularVelocity + 2 || !options_.planar)
-      P_(i, i) = square(kUnknownAngularVelocitySigma);
+    P_(i, i) = square(kUnknownAngularVelocitySigma);
+  }
+  // A vehicle pitches and rolls as its walk lets it; with more, the first accelerations would turn
+  // it instead of the frame, by degrees.
+  for (int i = kAngularVelocity; i < kAngularVelocity + 2; ++i) {
+    if (options_.planar) P_(i, i) = 0;
+    if (!options_.planar && options_.moves_forward) {
+      P_(i, i) = 0.5 * kTiltRateTimeConstant * square(options_.tilt_rate_walk);
+    }
   }
 }
 
@@ -101,7 +109,7 @@ void OdometryState::release_acceleration(double seconds) {
 }
 
 void OdometryState::predict(double seconds) {
-  constexpr double kAccelerationTimeConstant = 2, kTiltRateTimeConstant = 0.2;  // s
+  constexpr double kAccelerationTimeConstant = 2;  // s
   const double dt = seconds;
   geometry::Vector6 twist = geometry::Vector6::Zero();
   twist.head<3>() = x_.segment<3>(kAngularVelocity);

@@ -12,15 +12,15 @@ namespace {
 
 using geometry::Vector6;
 
-/// Feeds a filter a drive by wheels and an inertial unit at 100 Hz. `up` points up in the frame of
-/// the truth.
+/// Feeds a filter a drive by wheels and an inertial unit at 100 Hz, or accelerations and a yaw
+/// rate, as a bus has them. `up` points up in the frame of the truth.
 void feed(OdometryFilter& filter, const TrueDrive& drive, const Eigen::Vector3d& bias,
-          const Eigen::Vector3d& up) {
+          const Eigen::Vector3d& up, bool gyros = true) {
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal;
   for (double t = 0; t < drive.seconds() - 0.1; t += 0.01) {
     WheelOdometry wheels = drive.wheels(t);
-    wheels.yaw_rate = std::nan("");
+    if (gyros) wheels.yaw_rate = std::nan("");
     filter.add(wheels);
     const Vector6 now = drive.twist(t);
     const double acceleration = (drive.twist(t + 0.01)[3] - drive.twist(t - 0.01)[3]) / 0.02;
@@ -34,6 +34,7 @@ void feed(OdometryFilter& filter, const TrueDrive& drive, const Eigen::Vector3d&
       imu.angular_velocity[k] = turning[i] + bias[i] + 0.002 * normal(random);
       imu.linear_acceleration[k] = force[i] + 0.1 * normal(random);
     }
+    if (!gyros) imu.angular_velocity.fill(std::nan(""));
     filter.add(imu);
   }
   filter.flush();
@@ -95,6 +96,24 @@ TEST(InertialUnit, AStartOnASlopeTurnsNothing) {
     const Eigen::Vector3d error =
         geometry::rotation_log(pose.T_odom_vehicle.linear().transpose() * drive.pose(t).linear());
     EXPECT_LT(error.head<2>().norm(), 0.4 * kDegree) << t;
+  }
+}
+
+// The first accelerations come before anything shows the speed's change: they must not pitch a
+// vehicle whose pitch nothing measures.
+TEST(InertialUnit, AccelerationsAtTheStartTurnNothing) {
+  const TrueDrive drive(5, [](double t) {
+    Vector6 twist = Vector6::Zero();
+    twist[3] = 10 + 2 * t;
+    return twist;
+  });
+  OdometryFilter filter(spatial());
+  feed(filter, drive, Eigen::Vector3d::Zero(), geometry::rotation_exp({0.03, -0.06, 0}).col(2),
+       false);
+  for (const double t : {0.05, 0.1, 0.2, 0.5, 1.0}) {
+    const auto pose = filter.trajectory().at(seconds(t));
+    ASSERT_TRUE(pose.usable()) << t;
+    EXPECT_LT(geometry::rotation_log(pose.T_odom_vehicle.linear()).norm(), 0.2 * kDegree) << t;
   }
 }
 
