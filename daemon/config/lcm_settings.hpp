@@ -18,7 +18,7 @@ struct LcmSettings {
   /// Returns what is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const {
     constexpr size_t kMaxPrefix = 16;
-    if (const auto wrong = to.invalid()) return wrong;
+    if (auto wrong = to.invalid()) return wrong;
     if (prefix.empty() || prefix.size() > kMaxPrefix) return "prefix must have 1 to 16 bytes";
     if (sweeps != "deskewed" && sweeps != "measured" && sweeps != "none")
       return "sweeps must be deskewed, measured or none";

@@ -77,21 +77,22 @@ std::optional<motion::RelativePose> LidarMotion::follow(const Sweep& sweep,
 LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker& odometry,
                                       motion::Deskewer& deskewer, motion::DeskewedSweep& deskewed) {
   const Stamp end = deskewed.reference;
+  const geometry::MotionBetween motion = odometry.trajectory().between(last_registered_, end);
   std::optional<Eigen::Isometry3d> guess;
-  if (const auto motion = odometry.trajectory().between(last_registered_, end); motion.usable()) {
-    guess = motion.T_from_to;
-  }
+  if (motion.usable()) guess = motion.T_from_to;
+  const geometry::MotionBetween* prior = motion.usable() ? &motion : nullptr;
   last_registered_ = end;
   if (deskewed.usable() && !map_deskewed_) lidar_odometry_.reset();
   Found found;
   air_.find(sweep);
-  found.result = lidar_odometry_.align(points(deskewed), end, guess);
+  found.result = lidar_odometry_.align(points(deskewed), end, guess, prior);
   found.wrong = (found.result.usable() || found.result.unsettled) && guess &&
                 is_wrong(*guess, found.result.motion.T_from_to);
   if (found.wrong) {
     motion::set_constant_motion(sweep, end, found.result.velocity, measured_motion_);
     deskewer.deskew(sweep, measured_motion_, end, deskewed);
-    found.result = lidar_odometry_.align(points(deskewed), end, found.result.motion.T_from_to);
+    found.result =
+        lidar_odometry_.align(points(deskewed), end, found.result.motion.T_from_to, prior);
   }
   found.measured = found.result.usable() && !found.result.motion.information.isZero();
   return found;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint32_t kErrorBit = 0x20000000u;
 
-tl::unexpected<Error> parse_error(std::string what, const char* hint = "") {
+tl::unexpected<Error> parse_error(const std::string& what, const char* hint = "") {
   return fail(what, "", hint);
 }
 

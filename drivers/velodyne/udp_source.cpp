@@ -78,8 +78,8 @@ Result<void> UdpSource::set_up() {
   }
   socket_ = receive::FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket_) return receive::fail_errno("cannot create a socket", name());
-  if (const auto prepared = prepare(); !prepared) return prepared;
-  if (const auto filtered = filter_senders(); !filtered) return filtered;
+  if (auto prepared = prepare(); !prepared) return prepared;
+  if (auto filtered = filter_senders(); !filtered) return filtered;
   if (!options_.multicast.empty()) {  // several processes may receive from a group
     const int on = 1;
     setsockopt(socket_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));

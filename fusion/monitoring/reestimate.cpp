@@ -109,7 +109,7 @@ std::optional<std::string> ReestimateOptions::invalid() const {
 
 Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
                       const Eigen::Isometry3d& current, const ReestimateOptions& options,
-                      std::stop_token stop) {
+                      const std::stop_token& stop) {
   Reestimate out{.T_camera_lidar = current};
   out.scenes = scenes.size();
   std::vector<calibration::Scene> own;

@@ -45,6 +45,6 @@ struct Reestimate {
 /// soon after `stop`, without a usable result. Options must be valid.
 Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
                       const Eigen::Isometry3d& current, const ReestimateOptions& options,
-                      std::stop_token stop = {});
+                      const std::stop_token& stop = {});
 
 }  // namespace infuse::monitoring

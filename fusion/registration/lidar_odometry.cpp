@@ -25,6 +25,8 @@ constexpr double kMinOverlap = 0.3;    // of an estimate that is closer than the
 constexpr double kLostShare = 0.5;
 constexpr double kOverlapRise = 0.5, kOverlapFall = 0.1;  // shares by which a sweep changes it
 constexpr double kUnknown = 1e6;  // rad², m²: variance of a pose that is a guess
+// Errors of a measured motion that its covariance does not hold, as by the times of its samples.
+constexpr double kPriorRotationNoise = 3e-4, kPriorTranslationNoise = 1e-2;  // rad, m
 constexpr int kStartIterations = 6;
 constexpr int kMaxStartSteps = 50;  // each way; the second sweep may come late
 constexpr double kStartSigmas = 3;  // by which a start fits better than a slower one
@@ -135,8 +137,36 @@ Eigen::Isometry3d LidarOdometry::predict(Stamp reference) const {
   return geometry::exp(velocity_ * to_seconds(reference - stamp_));
 }
 
+// T_map_lidar = T_map_from T_from_to T_vehicle_lidar: its left perturbation is Ad(T_map_from) times
+// that of the motion.
+LidarOdometry::PosePrior LidarOdometry::prior_pose(const geometry::MotionBetween& motion) const {
+  Matrix6 covariance = motion.covariance;
+  covariance.diagonal().head<3>().array() += kPriorRotationNoise * kPriorRotationNoise;
+  covariance.diagonal().tail<3>().array() += kPriorTranslationNoise * kPriorTranslationNoise;
+  const Matrix6 from_map = geometry::adjoint(T_map_vehicle_.inverse());
+  return {T_map_vehicle_ * motion.T_from_to * T_vehicle_lidar_,
+          from_map.transpose() * covariance.ldlt().solve(from_map)};
+}
+
+// Gauss–Newton step towards planes and prior. A point's distance from its plane counts in units of
+// `robust_width`: what is smaller is mostly common to neighbouring points.
+Vector6 LidarOdometry::step_with_prior(const PoseSystem& system,
+                                       const Eigen::Isometry3d& T_anchor_lidar,
+                                       const Eigen::Vector3d& anchor,
+                                       const PosePrior& prior) const {
+  Eigen::Isometry3d T_map_anchor = Eigen::Isometry3d::Identity();
+  T_map_anchor.translation() = anchor;
+  const Matrix6 to_map = geometry::adjoint(T_map_anchor);
+  const double scale = options_.robust_width * options_.robust_width / (2 * kPlaneVariance);
+  const Matrix6 information = scale * to_map.transpose() * prior.information * to_map;
+  const Vector6 error = geometry::log(T_anchor_lidar * prior.T_map_lidar.inverse() * T_map_anchor);
+  const Matrix6 curvature = system.planes + system.isotropic + information;
+  return curvature.ldlt().solve(system.gradient - information * error);
+}
+
 RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map_lidar_guess,
-                                                  int max_iterations, bool final) {
+                                                  int max_iterations, bool final,
+                                                  const PosePrior* prior) {
   RegistrationResult result;
   overlap_ = 0;
   result.T_target_source = T_map_lidar_guess;
@@ -171,7 +201,8 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
     map_.find_planes(anchor, radius, which_, pairs_);
     system = pose_system(pairs_, noise);
     determined = determined_directions(pairs_, system, noise, options_.min_plane_fraction);
-    Vector6 step = determined_step(system, determined);
+    Vector6 step = prior == nullptr ? determined_step(system, determined)
+                                    : step_with_prior(system, T_anchor_lidar, anchor, *prior);
     if (!step.allFinite() || determined.count == 0) {
       result.reason = "too few points lie on planes of the map";
       return result;
@@ -248,7 +279,8 @@ Eigen::Isometry3d LidarOdometry::search_start(double seconds) {
 }
 
 LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Stamp reference,
-                                         const std::optional<Eigen::Isometry3d>& T_from_to_guess) {
+                                         const std::optional<Eigen::Isometry3d>& T_from_to_guess,
+                                         const geometry::MotionBetween* prior) {
   LidarOdometryResult result;
   result.stamp = reference;
   result.motion.from = stamp_;
@@ -274,8 +306,11 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
   const Eigen::Isometry3d guess = T_from_to_guess ? *T_from_to_guess
                                   : first_pair    ? search_start(seconds)
                                                   : predict(reference);
+  std::optional<PosePrior> measured;
+  if (prior != nullptr) measured = prior_pose(*prior);
   result.registration =
-      register_points(T_map_vehicle_ * guess * T_vehicle_lidar_, options_.max_iterations, true);
+      register_points(T_map_vehicle_ * guess * T_vehicle_lidar_, options_.max_iterations, true,
+                      measured ? &*measured : nullptr);
   result.overlap = overlap_;
   result.reason = result.registration.reason;
   const double lost_overlap = kLostShare * usual_overlap_;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "fusion/geometry/trajectory.hpp"
 #include "fusion/motion/relative_pose.hpp"
 #include "fusion/registration/registration_result.hpp"
 #include "fusion/registration/voxel_downsample.hpp"
@@ -72,9 +73,12 @@ class LidarOdometry {
   /// Registers a sweep that is deskewed to `reference` (coordinates in the lidar frame at that
   /// time). The guess is the vehicle's motion since the sweep before; without one the motion before
   /// is taken to continue, and the first pair of a map tries all speeds up to `max_start_speed`.
-  /// Changes nothing: `add` takes the sweep into the map.
+  /// `prior` is that motion as measured without the lidar, not null if usable: what the geometry
+  /// hardly shows stays near it. The result's information is that of the lidar alone. Changes
+  /// nothing: `add` takes the sweep into the map.
   LidarOdometryResult align(const geometry::PointsView& points, Stamp reference,
-                            const std::optional<Eigen::Isometry3d>& T_from_to_guess = {});
+                            const std::optional<Eigen::Isometry3d>& T_from_to_guess = {},
+                            const geometry::MotionBetween* prior = nullptr);
 
   /// Takes a sweep into the map at its pose, deskewed to the same time, possibly better than for
   /// `align`. If the result is not usable, the vehicle is taken to have followed the guess, or an
@@ -88,11 +92,20 @@ class LidarOdometry {
   size_t map_voxels() const { return map_.voxels(); }
 
  private:
+  /// Pose of the lidar as measured without it.
+  struct PosePrior {
+    Eigen::Isometry3d T_map_lidar;
+    geometry::Matrix6 information;  // of a left perturbation
+  };
   void select(const geometry::PointsView& points, double voxel_size, size_t min_points);
   Eigen::Isometry3d predict(Stamp reference) const;
   Eigen::Isometry3d search_start(double seconds);
+  PosePrior prior_pose(const geometry::MotionBetween& motion) const;
   RegistrationResult register_points(const Eigen::Isometry3d& T_map_lidar_guess, int max_iterations,
-                                     bool final);
+                                     bool final, const PosePrior* prior = nullptr);
+  geometry::Vector6 step_with_prior(const PoseSystem& system,
+                                    const Eigen::Isometry3d& T_anchor_lidar,
+                                    const Eigen::Vector3d& anchor, const PosePrior& prior) const;
 
   Eigen::Isometry3d T_vehicle_lidar_;
   LidarOdometryOptions options_;

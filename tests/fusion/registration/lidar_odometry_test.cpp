@@ -286,5 +286,59 @@ TEST(LidarOdometry, ClaimsNoSpeedOnAnOpenField) {
   EXPECT_GE(usable, 20);
 }
 
+geometry::MotionBetween measured_motion(const Eigen::Isometry3d& T_from_to) {
+  geometry::MotionBetween motion;
+  motion.T_from_to = T_from_to;
+  motion.covariance.diagonal() << 1e-6, 1e-6, 1e-6, 1e-4, 1e-4, 1e-4;
+  return motion;
+}
+
+// Wheels know how far the vehicle drove, and a field does not show it: the prior stays, whatever
+// the guess that the search begins with, and is not counted as the lidar's.
+TEST(LidarOdometry, APriorStaysWhereTheGeometryShowsNothing) {
+  Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
+  T_vehicle_lidar.translation().z() = 1.8;
+  LidarOdometry odometry(T_vehicle_lidar);
+  const Eigen::Isometry3d step(Eigen::Translation3d(1.4, 0, 0));
+  const Eigen::Isometry3d wrong(Eigen::Translation3d(1.1, 0.1, 0.05) *
+                                Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitZ()));
+  for (unsigned k = 0; k < 12; ++k) {
+    Eigen::Isometry3d T_field_vehicle = Eigen::Isometry3d::Identity();
+    T_field_vehicle.translation().x() = 1.4 * k;
+    const PointCloud sweep = open_field(k + 1, T_field_vehicle * T_vehicle_lidar);
+    const geometry::MotionBetween prior = measured_motion(step);
+    const LidarOdometryResult result =
+        odometry.align(sweep.points(), stamp(0.1 * k), k > 0 ? wrong : step, &prior);
+    odometry.add(sweep.points(), result);
+    if (k == 0) continue;
+    ASSERT_TRUE(result.usable()) << k << ": " << result.reason;
+    const geometry::Vector6 error = geometry::log(step.inverse() * result.motion.T_from_to);
+    EXPECT_LT(error.head<3>().norm(), 2e-3) << k;
+    EXPECT_LT(error.tail<3>().norm(), 0.02) << k;
+    EXPECT_LT(result.motion.information(3, 3), 20) << k;
+  }
+}
+
+// Wheels that slip say too much: a room shows it.
+TEST(LidarOdometry, AWrongPriorMovesLittleWhereTheGeometryShowsThePose) {
+  LidarOdometry odometry(mounting());
+  const Eigen::Isometry3d step = geometry::exp(0.1 * twist_per_second());
+  const geometry::MotionBetween slipping =
+      measured_motion(step * Eigen::Isometry3d(Eigen::Translation3d(0.2, 0, 0)));
+  for (int k = 0; k < 8; ++k) {
+    const double seconds = 0.1 * k;
+    const PointCloud sweep = random_room(static_cast<unsigned>(k + 1), kPoints, 0.02,
+                                         T_room_vehicle(seconds) * mounting());
+    const LidarOdometryResult result =
+        odometry.align(sweep.points(), stamp(seconds), slipping.T_from_to, &slipping);
+    odometry.add(sweep.points(), result);
+    if (k == 0) continue;
+    ASSERT_TRUE(result.usable()) << k << ": " << result.reason;
+    const geometry::Vector6 error = geometry::log(step.inverse() * result.motion.T_from_to);
+    EXPECT_LT(error.head<3>().norm(), 5e-3) << k;
+    EXPECT_LT(error.tail<3>().norm(), 0.06) << k;
+  }
+}
+
 }  // namespace
 }  // namespace infuse::registration
