@@ -92,9 +92,9 @@ Result<registration::RegistrationResult> align(const Arguments& arguments, const
                                                const AlignScan& source, Eigen::Isometry3d guess) {
   const std::string method = arguments.chosen_method();
   if (method != "gicp") {
-    const auto found = method == "global" ? registration::find_global_guess(points_of(target.sweep),
-                                                                            points_of(source.sweep))
-                                          : align_by_images(method, target, source);
+    auto found = method == "global" ? registration::find_global_guess(points_of(target.sweep),
+                                                                      points_of(source.sweep))
+                                    : align_by_images(method, target, source);
     if (!found || !found->usable() || method == "vb-gicp") return found;
     guess = found->T_target_source;
   }

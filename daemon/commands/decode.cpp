@@ -97,7 +97,7 @@ class Writer {
 
   /// "x.pcd" becomes "x-000017.pcd", unless a single sweep was requested.
   std::filesystem::path file_path(uint64_t sequence) const {
-    const std::filesystem::path path = arguments_.output;
+    std::filesystem::path path = arguments_.output;
     if (arguments_.sweep) return path;
     return path.parent_path() /
            fmt::format("{}-{:06}{}", path.stem().string(), sequence, path.extension().string());

@@ -3,7 +3,7 @@
 namespace infuse::daemon {
 
 std::optional<std::string> OdometrySettings::invalid() const {
-  if (const auto wrong = filter.invalid()) return wrong;
+  if (auto wrong = filter.invalid()) return wrong;
   if (max_wait < Duration::zero() || max_wait > Duration{5'000'000'000}) {
     return "max_wait_ms must lie in 0 ... 5000";
   }

@@ -6,7 +6,7 @@
 namespace infuse::daemon {
 
 std::optional<std::string> StreetMapSettings::invalid() const {
-  if (const auto wrong = tracker.invalid()) return wrong;
+  if (auto wrong = tracker.invalid()) return wrong;
   if (!(update_hz > 0 && update_hz <= 50)) return "update_hz must lie in 0 ... 50";
   if (!(initial_sigma > 0 && initial_sigma <= 1000)) return "sigma must lie in 0 ... 1000 m";
   if (!(initial_yaw_sigma > 0 && initial_yaw_sigma <= 4)) {

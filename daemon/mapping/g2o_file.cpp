@@ -32,13 +32,13 @@ template <int D>
 struct Names;
 template <>
 struct Names<2> {
-  static constexpr std::string_view vertex = "VERTEX_SE2", edge = "EDGE_SE2";
-  static constexpr const char* pose_hint = "a pose is: x y angle";
+  static constexpr std::string_view kVertex = "VERTEX_SE2", kEdge = "EDGE_SE2";
+  static constexpr const char* kPoseHint = "a pose is: x y angle";
 };
 template <>
 struct Names<3> {
-  static constexpr std::string_view vertex = "VERTEX_SE3:QUAT", edge = "EDGE_SE3:QUAT";
-  static constexpr const char* pose_hint = "a pose is: x y z qx qy qz qw";
+  static constexpr std::string_view kVertex = "VERTEX_SE3:QUAT", kEdge = "EDGE_SE3:QUAT";
+  static constexpr const char* kPoseHint = "a pose is: x y z qx qy qz qw";
 };
 
 /// Takes numbers from the front of a line.
@@ -108,10 +108,10 @@ class G2oReader {
     std::array<double, kPoseNumbers<D>> numbers{};
     if (!id || *id < 0 || !words.numbers(numbers) || !words.at_end()) {
       return fail("not an id and " + std::to_string(numbers.size()) + " finite numbers", "",
-                  Names<D>::pose_hint);
+                  Names<D>::kPoseHint);
     }
     const auto pose = to_pose(numbers);
-    if (!pose) return fail("the norm of the quaternion is not 1", "", Names<D>::pose_hint);
+    if (!pose) return fail("the norm of the quaternion is not 1", "", Names<D>::kPoseHint);
     vertices_.push_back({*id, line, *pose});
     return {};
   }
@@ -127,7 +127,7 @@ class G2oReader {
           "", "an edge is: from to pose information, the information's upper triangle by row");
     }
     const auto pose = to_pose(numbers);
-    if (!pose) return fail("the norm of the quaternion is not 1", "", Names<D>::pose_hint);
+    if (!pose) return fail("the norm of the quaternion is not 1", "", Names<D>::kPoseHint);
     const auto information = to_information<D>(upper);
     if (!information) return fail("the information is not positive semidefinite");
     if (*from == *to) return fail("the edge joins pose " + std::to_string(*from) + " to itself");
@@ -198,10 +198,10 @@ Result<void> add_line(std::string_view line, size_t number, G2oReader<2>& planar
   Words words(line);
   const std::string_view element = words.word();
   if (element.empty() || element.starts_with('#') || element == "FIX") return {};
-  if (element == Names<2>::vertex) return planar.add_vertex(words, number);
-  if (element == Names<2>::edge) return planar.add_edge(words, number);
-  if (element == Names<3>::vertex) return spatial.add_vertex(words, number);
-  if (element == Names<3>::edge) return spatial.add_edge(words, number);
+  if (element == Names<2>::kVertex) return planar.add_vertex(words, number);
+  if (element == Names<2>::kEdge) return planar.add_edge(words, number);
+  if (element == Names<3>::kVertex) return spatial.add_vertex(words, number);
+  if (element == Names<3>::kEdge) return spatial.add_edge(words, number);
   constexpr size_t kShown = 40;
   return fail("unknown element '" + std::string(element.substr(0, kShown)) + "'", "",
               "known are VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX");
@@ -261,13 +261,13 @@ template <int D>
 std::string format_g2o(const G2oGraph<D>& file) {
   std::string text;
   for (size_t i = 0; i < file.ids.size(); ++i) {
-    text += Names<D>::vertex;
+    text += Names<D>::kVertex;
     text::append_number(text += ' ', file.ids[i]);
     append(text, file.graph.poses[i]);
     text += '\n';
   }
   for (const PoseEdge<D>& edge : file.graph.edges) {
-    text += Names<D>::edge;
+    text += Names<D>::kEdge;
     text::append_number(text += ' ', file.ids[edge.from]);
     text::append_number(text += ' ', file.ids[edge.to]);
     append(text, edge.T_from_to);

@@ -16,7 +16,7 @@ ros::Header header_of(Stamp stamp, const std::string& frame) {
 
 /// As image_transport writes it: what was compressed, if that is not the usual.
 std::string format_of(const SensorMessages::ImageBytes& image) {
-  const std::string file = image.png ? "png" : "jpeg";
+  std::string file = image.png ? "png" : "jpeg";
   if (!image.mosaic) return file;
   const char* name = *image.mosaic == PixelFormat::kBayerRggb8   ? "bayer_rggb8"
                      : *image.mosaic == PixelFormat::kBayerBggr8 ? "bayer_bggr8"

@@ -65,7 +65,7 @@ Result<void> HistoryFile::append(std::string_view line) const {
 
 Result<std::vector<std::string>> read_history(const std::filesystem::path& path) {
   std::error_code failed;
-  std::filesystem::directory_iterator(path.parent_path(), failed);
+  const std::filesystem::directory_iterator folder(path.parent_path(), failed);
   if (failed) {
     return fail("cannot be read: " + failed.message(), path.parent_path().string(),
                 "the daemon's state directory is for root and the group infuse");

@@ -353,7 +353,7 @@ class ViewServer::Impl {
   }
 
   ViewClient::Message send_all(std::string data) {
-    const auto message = std::make_shared<const ViewMessage>(ViewMessage{std::move(data), true});
+    auto message = std::make_shared<const ViewMessage>(ViewMessage{std::move(data), true});
     for (const auto& client : clients_) client->send(message);
     return message;
   }

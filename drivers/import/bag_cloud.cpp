@@ -146,8 +146,8 @@ Result<void> to_sweep(const ros::PointCloud2& cloud, Stamp stamp, Sweep& sweep) 
   const auto points = packed_points(cloud, copy);
   if (!points) return tl::unexpected(points.error());
   const auto times = find_times(*header, *points, stamp);
-  const auto read = recording::parse_points(*header, *points, sweep,
-                                            times ? times->field : recording::TimeField{});
+  auto read = recording::parse_points(*header, *points, sweep,
+                                      times ? times->field : recording::TimeField{});
   if (!read) return read;
   sweep.stamp = times ? times->stamp : stamp;
   sweep.span = Duration::zero();

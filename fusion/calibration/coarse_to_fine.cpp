@@ -50,7 +50,7 @@ Maximum CoarseToFine::ascend_once(const Eigen::Isometry3d& initial_pose, const L
                               .weight = 2 * level.prior_weight * std::max(value, 0.0) /
                                         (prior_position_sigma_ * prior_position_sigma_)};
   }
-  const Maximum maximum = maximize(measure, initial_pose, options);
+  Maximum maximum = maximize(measure, initial_pose, options);
   evaluations_ += measure.evaluations();
   return maximum;
 }
