@@ -80,7 +80,9 @@ LidarMotion::Found LidarMotion::align(const Sweep& sweep, const OdometryTracker&
   const geometry::MotionBetween motion = odometry.trajectory().between(last_registered_, end);
   std::optional<Eigen::Isometry3d> guess;
   if (motion.usable()) guess = motion.T_from_to;
-  const geometry::MotionBetween* prior = motion.usable() ? &motion : nullptr;
+  // What the lidar itself predicts would come back as measured.
+  const bool measured = motion.usable() && odometry.wheels_measure_motion();
+  const geometry::MotionBetween* prior = measured ? &motion : nullptr;
   last_registered_ = end;
   if (deskewed.usable() && !map_deskewed_) lidar_odometry_.reset();
   Found found;

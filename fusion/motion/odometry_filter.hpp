@@ -75,6 +75,11 @@ class OdometryFilter {
   /// True if a sample of a source was accepted recently.
   bool carries(OdometrySource source) const { return sources_.carries(source, now_); }
 
+  /// True while wheels measure how the vehicle moves, in a model that leaves no direction out.
+  bool wheels_measure_motion() const {
+    return carries(OdometrySource::kWheels) && !wheels_suspended_ && !options_.planar;
+  }
+
   OdometryReport report() const;
 
  private:

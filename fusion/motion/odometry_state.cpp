@@ -33,7 +33,7 @@ OdometryState::OdometryState(const OdometryOptions& options) : options_(options)
         square(i < 3 ? options.lidar_rotation_drift : options.lidar_translation_drift);
   }
   reset_speed_covariance();
-  reset_rotation_covariance();
+  start_rotation();
 }
 
 void OdometryState::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
@@ -48,7 +48,7 @@ void OdometryState::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
   recent_.setZero();
   clear_clones();
   reset_speed_covariance();
-  reset_rotation_covariance();
+  start_rotation();
 }
 
 void OdometryState::reset_speed_covariance() {
@@ -70,16 +70,20 @@ void OdometryState::reset_rotation_covariance() {
     P_.row(i).setZero();
     P_.col(i).setZero();
     recent_.col(i).setZero();
-    P_(i, i) = square(kUnknownAngularVelocitySigma);
+    if (i == kAngularVelocity + 2 || !options_.planar)
+      P_(i, i) = square(kUnknownAngularVelocitySigma);
   }
-  // A vehicle pitches and rolls as its walk lets it; with more, the first accelerations would turn
-  // it instead of the frame, by degrees.
-  for (int i = kAngularVelocity; i < kAngularVelocity + 2; ++i) {
-    if (options_.planar) P_(i, i) = 0;
-    if (!options_.planar && options_.moves_forward) {
-      P_(i, i) = 0.5 * kTiltRateTimeConstant * square(options_.tilt_rate_walk);
-    }
-  }
+}
+
+// A vehicle pitches and rolls no faster than its random walk allows; a larger variance would let
+// the first accelerations turn the vehicle, by degrees, instead of the frame.
+void OdometryState::start_rotation() {
+  reset_rotation_covariance();
+  if (options_.planar || !options_.moves_forward) return;
+  x_.segment<2>(kAngularVelocity).setZero();
+  P_.block<2, 2>(kAngularVelocity, kAngularVelocity)
+      .diagonal()
+      .setConstant(0.5 * kTiltRateTimeConstant * square(options_.tilt_rate_walk));
 }
 
 void OdometryState::reset_motion(double seconds) {
@@ -93,7 +97,7 @@ void OdometryState::reset_motion(double seconds) {
       options_.planar ? 0 : 0.01 * position_variance;
   P_.topLeftCorner<6, 6>() += geometry::transform_covariance(T_odom_vehicle_, unseen.asDiagonal());
   reset_speed_covariance();
-  reset_rotation_covariance();
+  start_rotation();
 }
 
 // The acceleration was wrong by a constant: one direction of the state.

@@ -137,6 +137,7 @@ class OdometryState {
   EstimatedParameter parameter(int index) const;
 
  private:
+  void start_rotation();
   bool is_moving() const { return velocity().norm() > options_.standstill_speed * x_[kWheelScale]; }
   /// m/s, in the vehicle frame.
   Eigen::Vector3d velocity() const { return {x_[kWheelScale] * x_[kSpeed], x_[kAcross], x_[kUp]}; }

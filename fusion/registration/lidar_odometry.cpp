@@ -25,8 +25,8 @@ constexpr double kMinOverlap = 0.3;    // of an estimate that is closer than the
 constexpr double kLostShare = 0.5;
 constexpr double kOverlapRise = 0.5, kOverlapFall = 0.1;  // shares by which a sweep changes it
 constexpr double kUnknown = 1e6;  // rad², m²: variance of a pose that is a guess
-// Errors of a measured motion that its covariance does not hold, as by the times of its samples.
-constexpr double kPriorRotationNoise = 3e-4, kPriorTranslationNoise = 1e-2;  // rad, m
+// Errors of a measured motion that are not in its covariance, as those of the times of its samples.
+constexpr double kPriorRotationNoise = 3e-4, kPriorTranslationNoise = 2e-2;  // rad, m
 constexpr int kStartIterations = 6;
 constexpr int kMaxStartSteps = 50;  // each way; the second sweep may come late
 constexpr double kStartSigmas = 3;  // by which a start fits better than a slower one
@@ -148,9 +148,11 @@ LidarOdometry::PosePrior LidarOdometry::prior_pose(const geometry::MotionBetween
           from_map.transpose() * covariance.ldlt().solve(from_map)};
 }
 
-// Gauss–Newton step towards planes and prior. A point's distance from its plane counts in units of
-// `robust_width`: what is smaller is mostly common to neighbouring points.
+// Gauss–Newton step, towards the planes in the directions that they determine, towards the prior in
+// all. A point's distance from its plane counts in units of `robust_width`: what is smaller is
+// mostly common to neighbouring points.
 Vector6 LidarOdometry::step_with_prior(const PoseSystem& system,
+                                       const DeterminedDirections& determined,
                                        const Eigen::Isometry3d& T_anchor_lidar,
                                        const Eigen::Vector3d& anchor,
                                        const PosePrior& prior) const {
@@ -160,8 +162,13 @@ Vector6 LidarOdometry::step_with_prior(const PoseSystem& system,
   const double scale = options_.robust_width * options_.robust_width / (2 * kPlaneVariance);
   const Matrix6 information = scale * to_map.transpose() * prior.information * to_map;
   const Vector6 error = geometry::log(T_anchor_lidar * prior.T_map_lidar.inverse() * T_map_anchor);
-  const Matrix6 curvature = system.planes + system.isotropic + information;
-  return curvature.ldlt().solve(system.gradient - information * error);
+  const Matrix6 basis = determined.twist_from_scaled * determined.basis;
+  Matrix6 seen = basis;
+  seen.rightCols(6 - determined.count).setZero();
+  const Matrix6 H = seen.transpose() * (system.planes + system.isotropic) * seen +
+                    basis.transpose() * information * basis;
+  const Vector6 g = seen.transpose() * system.gradient - basis.transpose() * (information * error);
+  return basis * H.ldlt().solve(g);
 }
 
 RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map_lidar_guess,
@@ -201,8 +208,9 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
     map_.find_planes(anchor, radius, which_, pairs_);
     system = pose_system(pairs_, noise);
     determined = determined_directions(pairs_, system, noise, options_.min_plane_fraction);
-    Vector6 step = prior == nullptr ? determined_step(system, determined)
-                                    : step_with_prior(system, T_anchor_lidar, anchor, *prior);
+    Vector6 step = prior == nullptr
+                       ? determined_step(system, determined)
+                       : step_with_prior(system, determined, T_anchor_lidar, anchor, *prior);
     if (!step.allFinite() || determined.count == 0) {
       result.reason = "too few points lie on planes of the map";
       return result;
@@ -307,7 +315,7 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
                                   : first_pair    ? search_start(seconds)
                                                   : predict(reference);
   std::optional<PosePrior> measured;
-  if (prior != nullptr) measured = prior_pose(*prior);
+  if (prior != nullptr && failures_ == 0) measured = prior_pose(*prior);
   result.registration =
       register_points(T_map_vehicle_ * guess * T_vehicle_lidar_, options_.max_iterations, true,
                       measured ? &*measured : nullptr);

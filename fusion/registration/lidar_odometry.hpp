@@ -7,6 +7,7 @@
 #include "fusion/geometry/trajectory.hpp"
 #include "fusion/motion/relative_pose.hpp"
 #include "fusion/registration/registration_result.hpp"
+#include "fusion/registration/uncertainty.hpp"
 #include "fusion/registration/voxel_downsample.hpp"
 #include "fusion/registration/voxel_map.hpp"
 
@@ -73,9 +74,10 @@ class LidarOdometry {
   /// Registers a sweep that is deskewed to `reference` (coordinates in the lidar frame at that
   /// time). The guess is the vehicle's motion since the sweep before; without one the motion before
   /// is taken to continue, and the first pair of a map tries all speeds up to `max_start_speed`.
-  /// `prior` is that motion as measured without the lidar, not null if usable: what the geometry
-  /// hardly shows stays near it. The result's information is that of the lidar alone. Changes
-  /// nothing: `add` takes the sweep into the map.
+  /// `prior`, null or usable, is that motion as measured by other sensors: what the geometry hardly
+  /// shows stays near it. The result's information is that of the lidar alone, although its pose
+  /// keeps to the prior by the share that the prior has in it. After a sweep without a pose there
+  /// is no prior. Changes nothing: `add` takes the sweep into the map.
   LidarOdometryResult align(const geometry::PointsView& points, Stamp reference,
                             const std::optional<Eigen::Isometry3d>& T_from_to_guess = {},
                             const geometry::MotionBetween* prior = nullptr);
@@ -104,6 +106,7 @@ class LidarOdometry {
   RegistrationResult register_points(const Eigen::Isometry3d& T_map_lidar_guess, int max_iterations,
                                      bool final, const PosePrior* prior = nullptr);
   geometry::Vector6 step_with_prior(const PoseSystem& system,
+                                    const DeterminedDirections& determined,
                                     const Eigen::Isometry3d& T_anchor_lidar,
                                     const Eigen::Vector3d& anchor, const PosePrior& prior) const;
 

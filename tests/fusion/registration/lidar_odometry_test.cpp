@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
@@ -34,6 +35,13 @@ Eigen::Isometry3d T_room_vehicle(double seconds) {
 }
 
 Stamp stamp(double seconds) { return Stamp::from_ns(1'000'000'000) + from_seconds(seconds); }
+
+geometry::MotionBetween measured_motion(const Eigen::Isometry3d& T_from_to) {
+  geometry::MotionBetween motion;
+  motion.T_from_to = T_from_to;
+  motion.covariance.diagonal() << 1e-6, 1e-6, 1e-6, 1e-4, 1e-4, 1e-4;
+  return motion;
+}
 
 TEST(LidarOdometry, FollowsAVehicleThatIsMovingWhenItStarts) {
   LidarOdometry odometry(mounting());
@@ -105,8 +113,9 @@ TEST(LidarOdometry, DoesNotAllocateAfterWarmUp) {
   size_t before = 0;
   for (int k = 0; k < 6; ++k) {
     before = allocation_count();
-    odometry.add(sweep.points(),
-                 odometry.align(sweep.points(), stamp(0.1 * k), Eigen::Isometry3d::Identity()));
+    const geometry::MotionBetween prior = measured_motion(Eigen::Isometry3d::Identity());
+    odometry.add(sweep.points(), odometry.align(sweep.points(), stamp(0.1 * k),
+                                                Eigen::Isometry3d::Identity(), &prior));
   }
   EXPECT_EQ(allocation_count(), before);
 }
@@ -286,13 +295,6 @@ TEST(LidarOdometry, ClaimsNoSpeedOnAnOpenField) {
   EXPECT_GE(usable, 20);
 }
 
-geometry::MotionBetween measured_motion(const Eigen::Isometry3d& T_from_to) {
-  geometry::MotionBetween motion;
-  motion.T_from_to = T_from_to;
-  motion.covariance.diagonal() << 1e-6, 1e-6, 1e-6, 1e-4, 1e-4, 1e-4;
-  return motion;
-}
-
 // Wheels know how far the vehicle drove, and a field does not show it: the prior stays, whatever
 // the guess that the search begins with, and is not counted as the lidar's.
 TEST(LidarOdometry, APriorStaysWhereTheGeometryShowsNothing) {
@@ -316,6 +318,51 @@ TEST(LidarOdometry, APriorStaysWhereTheGeometryShowsNothing) {
     EXPECT_LT(error.head<3>().norm(), 2e-3) << k;
     EXPECT_LT(error.tail<3>().norm(), 0.02) << k;
     EXPECT_LT(result.motion.information(3, 3), 20) << k;
+  }
+}
+
+// The covariance of the prior is that of the motion as the vehicle sees it, whatever its heading in
+// the map: of two priors the surer one wins, along the vehicle's axes.
+TEST(LidarOdometry, APriorIsWeighedInTheAxesOfTheVehicle) {
+  Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
+  T_vehicle_lidar.translation().z() = 1.8;
+  LidarOdometry odometry(T_vehicle_lidar);
+  const Eigen::Isometry3d turn(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
+  Eigen::Isometry3d T_field_vehicle = Eigen::Isometry3d::Identity();
+  for (unsigned k = 0; k < 4; ++k) {
+    const Eigen::Isometry3d step =
+        k == 1 ? turn : Eigen::Isometry3d(Eigen::Translation3d(k == 0 ? 0 : 1.4, 0, 0));
+    T_field_vehicle = T_field_vehicle * step;
+    const PointCloud sweep = open_field(k + 1, T_field_vehicle * T_vehicle_lidar);
+    geometry::MotionBetween prior = measured_motion(step);
+    prior.covariance.diagonal().tail<3>() << 1e-4, 4, 1e-4;  // nothing is known across
+    Eigen::Isometry3d guess = step;
+    if (k > 1) guess.translation() += Eigen::Vector3d(0.3, 0.3, 0);
+    const LidarOdometryResult result =
+        odometry.align(sweep.points(), stamp(0.1 * k), guess, &prior);
+    odometry.add(sweep.points(), result);
+    if (k < 2) continue;
+    ASSERT_TRUE(result.usable()) << k << ": " << result.reason;
+    EXPECT_NEAR(result.motion.T_from_to.translation().x(), 1.4, 0.05) << k;
+  }
+}
+
+// After a sweep without a pose the prior would begin at a guess.
+TEST(LidarOdometry, APriorIsNotUsedAfterASweepWithoutAPose) {
+  LidarOdometry odometry(mounting());
+  const Eigen::Isometry3d step = geometry::exp(0.1 * twist_per_second());
+  const geometry::MotionBetween prior = measured_motion(step);
+  for (int k = 0; k < 8; ++k) {
+    const double seconds = 0.1 * k;
+    const PointCloud sweep = k == 5 ? PointCloud()
+                                    : random_room(static_cast<unsigned>(k + 1), kPoints, 0.02,
+                                                  T_room_vehicle(seconds) * mounting());
+    const LidarOdometryResult result = odometry.align(sweep.points(), stamp(seconds), step, &prior);
+    odometry.add(sweep.points(), result);
+    if (k < 6) continue;
+    ASSERT_TRUE(result.usable()) << k << ": " << result.reason;
+    const Eigen::Isometry3d T_map_vehicle = T_room_vehicle(0).inverse() * T_room_vehicle(seconds);
+    EXPECT_LT((T_map_vehicle.inverse() * result.T_map_vehicle).translation().norm(), 0.06) << k;
   }
 }
 
