@@ -38,6 +38,7 @@ class OdometryTracker {
 
   /// True while wheels measure the speed.
   bool has_wheels() const { return filter_.carries(motion::OdometrySource::kWheels); }
+  /// True while they measure the motion in all directions of the model, and are not suspended.
   bool wheels_measure_motion() const { return filter_.wheels_measure_motion(); }
 
   /// Poses of the vehicle in the frame `odom`.
