@@ -183,7 +183,7 @@ RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose,
 }
 
 // Speed and rotation were wrong by a constant since then: one direction of the state for each.
-void OdometryState::release_motion(Stamp since, Stamp now) {
+void OdometryState::release_motion(Stamp since, Stamp now, bool speed) {
   constexpr double kSpeedSigma = 10, kAngularVelocitySigma = 0.3;  // m/s, rad/s
   const Eigen::Isometry3d* T_odom_since = cloned_pose(since);
   if (T_odom_since == nullptr) return;
@@ -199,8 +199,8 @@ void OdometryState::release_motion(Stamp since, Stamp now) {
     }
     P_ += direction * direction.transpose();
   };
-  release(kSpeed, 3, kSpeedSigma);
-  if (!options_.moves_forward) {
+  if (speed) release(kSpeed, 3, kSpeedSigma);
+  if (speed && !options_.moves_forward) {
     release(kAcross, 4, kSpeedSigma);
     if (!options_.planar) release(kUp, 5, kSpeedSigma);
   }

@@ -268,16 +268,21 @@ void OdometryFilter::add(const RelativePose& pose) {
     return;
   }
   const double seconds = to_seconds(pose.to - pose.from);
-  if (!result.accepted && result.informative && believe_lidar(pose, result)) {
+  const bool contradicts = !result.accepted && result.informative;
+  const Eigen::Vector3d contradiction =
+      contradicts ? result.error.tail<3>().eval() : Eigen::Vector3d::Zero();
+  if (contradicts && believe_lidar(pose, result)) {
     const bool wheels = sources_.carries(OdometrySource::kWheels, now_);
-    if (wheels && result.error.tail<3>().norm() > kWheelAgreement * seconds) {
+    const bool slip = wheels && contradiction.norm() > kWheelAgreement * seconds;
+    if (slip) {
       wheels_suspended_ = true;
       wheels_agree_since_ = Stamp::latest();
     }
-    state_.release_motion(pose.from, now_);
+    // What wheels go on to measure stays known: the lidar may show the rotation alone.
+    state_.release_motion(pose.from, now_, slip || !wheels);
     result = state_.update_relative_pose(pose, wheels);
   }
-  last_lidar_motion_ = {pose.to, geometry::log(pose.T_from_to) / seconds};
+  last_lidar_motion_ = {pose.to, geometry::log(pose.T_from_to) / seconds, contradiction};
   sources_.add(OdometrySource::kLidar, result.accepted, now_, result.speed_measured,
                result.rotation_measured);
   outliers_ += result.accepted ? 0 : 1;
@@ -287,22 +292,31 @@ void OdometryFilter::add(const RelativePose& pose) {
 // The motion contradicts the lidar. Without wheels the motion is a guess, and the lidar is right if
 // a vehicle can brake and turn from what it measured before to what it measures now; what is
 // further is believed when it goes on. Wheels slip, but registration errs in rotation too: where
-// the rotation agrees, the lidar is right. A receiver that is nearer to the speed of the others
-// decides against the lidar.
+// the rotation agrees, the lidar is right. Wheels slip for many sweeps, and a registration errs to
+// and fro, as at a tunnel's portal: the second contradiction in one direction is believed. A
+// receiver that is nearer to the speed of the others decides against the lidar.
 bool OdometryFilter::believe_lidar(const RelativePose& pose,
                                    const RelativePoseUpdate& update) const {
   constexpr double kMaxRotationError = 0.01;                         // rad
   constexpr double kMaxAcceleration = 12, kMaxTurnAcceleration = 6;  // m/s², rad/s²
   constexpr double kMaxGnssDifference = 3;                           // m/s
   constexpr double kMaxStepError = 0.3, kMaxTurnError = 0.05;        // m, rad, of the lidar
+  constexpr double kSameDirection = 0.5;                             // cosine
   const bool gnss = sources_.carries(OdometrySource::kGnssSpeed, now_);
+  const bool follows = last_lidar_motion_ && last_lidar_motion_->to == pose.from;
   const double seconds = to_seconds(pose.to - pose.from);
   if (sources_.carries(OdometrySource::kWheels, now_)) {
     // A yaw rate says nothing of roll and pitch.
     const bool gyros = sources_.carries(OdometrySource::kGyro, now_);
     const double rotation = gyros ? update.error.head<3>().norm() : std::abs(update.error[2]);
     if (rotation > kMaxRotationError) return false;
-  } else if (last_lidar_motion_ && last_lidar_motion_->to == pose.from) {
+    const Eigen::Vector3d error = update.error.tail<3>();
+    if (error.norm() > kWheelAgreement * seconds) {
+      if (!follows) return false;
+      const Eigen::Vector3d& before = last_lidar_motion_->contradiction;
+      if (error.dot(before) <= kSameDirection * error.norm() * before.norm()) return false;
+    }
+  } else if (follows) {
     const geometry::Vector6 change =
         geometry::log(pose.T_from_to) / seconds - last_lidar_motion_->twist;
     const bool contradicted = gnss && std::abs(pose.T_from_to.translation().norm() / seconds -

@@ -110,10 +110,11 @@ class OdometryFilter {
   OdometrySources sources_;
   GnssPositionCheck gnss_position_check_;
   std::optional<double> last_gnss_speed_;  // m/s, the last accepted
-  /// Twist per second that the last relative pose measured, accepted or not.
+  /// What the last relative pose measured, accepted or not.
   struct LidarMotion {
     Stamp to;
-    geometry::Vector6 twist;
+    geometry::Vector6 twist;        // per second
+    Eigen::Vector3d contradiction;  // m: error of the translation; zero if it was accepted at once
   };
   std::optional<LidarMotion> last_lidar_motion_;
   /// When the speed of the receiver and that of the filter last agreed; both speeds, m/s.

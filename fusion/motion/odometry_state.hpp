@@ -109,8 +109,9 @@ class OdometryState {
   /// Updates with a motion between two clones; `gated`: one that is inconsistent with the motion is
   /// rejected.
   RelativePoseUpdate update_relative_pose(const RelativePose& pose, bool gated);
-  /// Makes the motion since the time of a clone uncertain: a source was wrong.
-  void release_motion(Stamp since, Stamp now);
+  /// Makes the rotation and, where asked, the speed since the time of a clone uncertain: a source
+  /// was wrong.
+  void release_motion(Stamp since, Stamp now, bool speed);
 
   /// Makes the speed's change in the last `seconds` uncertain: a source of speed went wrong since.
   void release_acceleration(double seconds);

@@ -76,6 +76,42 @@ Matrix6 information_of(const Matrix6& covariance) {
   return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
+/// Pose of the lidar that other sensors measured, and the information of its left perturbation.
+struct PosePrior {
+  Eigen::Isometry3d T_anchor_lidar;
+  Matrix6 information;
+};
+
+/// T_anchor_lidar = T_anchor_from T_from_to T_to_lidar: its left perturbation is Ad(T_anchor_from)
+/// times that of the motion.
+PosePrior anchored_prior(const geometry::MotionBetween& motion,
+                         const Eigen::Isometry3d& T_anchor_from,
+                         const Eigen::Isometry3d& T_vehicle_lidar) {
+  Matrix6 covariance = motion.covariance;
+  covariance.diagonal().head<3>().array() += kPriorRotationNoise * kPriorRotationNoise;
+  covariance.diagonal().tail<3>().array() += kPriorTranslationNoise * kPriorTranslationNoise;
+  const Matrix6 to_motion = geometry::adjoint(T_anchor_from.inverse());
+  return {T_anchor_from * motion.T_from_to * T_vehicle_lidar,
+          to_motion.transpose() * covariance.ldlt().solve(to_motion)};
+}
+
+/// Gauss–Newton step towards the planes in the directions that they determine, and towards the
+/// prior in all. `scale` is the weight of the prior beside the sums over points.
+Vector6 step_with_prior(const PoseSystem& system, const DeterminedDirections& determined,
+                        const Eigen::Isometry3d& T_anchor_lidar, const PosePrior& prior,
+                        double scale) {
+  const Vector6 to_prior = geometry::log(prior.T_anchor_lidar * T_anchor_lidar.inverse());
+  const Matrix6 information = scale * prior.information;
+  const Matrix6 basis = determined.twist_from_scaled * determined.basis;
+  Matrix6 seen = basis;
+  seen.rightCols(6 - determined.count).setZero();
+  const Matrix6 H = seen.transpose() * (system.planes + system.isotropic) * seen +
+                    basis.transpose() * information * basis;
+  const Vector6 g =
+      seen.transpose() * system.gradient + basis.transpose() * (information * to_prior);
+  return basis * H.ldlt().solve(g);
+}
+
 }  // namespace
 
 std::optional<std::string> LidarOdometryOptions::invalid() const {
@@ -137,48 +173,23 @@ Eigen::Isometry3d LidarOdometry::predict(Stamp reference) const {
   return geometry::exp(velocity_ * to_seconds(reference - stamp_));
 }
 
-// T_map_lidar = T_map_from T_from_to T_vehicle_lidar: its left perturbation is Ad(T_map_from) times
-// that of the motion.
-LidarOdometry::PosePrior LidarOdometry::prior_pose(const geometry::MotionBetween& motion) const {
-  Matrix6 covariance = motion.covariance;
-  covariance.diagonal().head<3>().array() += kPriorRotationNoise * kPriorRotationNoise;
-  covariance.diagonal().tail<3>().array() += kPriorTranslationNoise * kPriorTranslationNoise;
-  const Matrix6 from_map = geometry::adjoint(T_map_vehicle_.inverse());
-  return {T_map_vehicle_ * motion.T_from_to * T_vehicle_lidar_,
-          from_map.transpose() * covariance.ldlt().solve(from_map)};
-}
-
-// Gauss–Newton step, towards the planes in the directions that they determine, towards the prior in
-// all. A point's distance from its plane counts in units of `robust_width`: what is smaller is
-// mostly common to neighbouring points.
-Vector6 LidarOdometry::step_with_prior(const PoseSystem& system,
-                                       const DeterminedDirections& determined,
-                                       const Eigen::Isometry3d& T_anchor_lidar,
-                                       const Eigen::Vector3d& anchor,
-                                       const PosePrior& prior) const {
-  Eigen::Isometry3d T_map_anchor = Eigen::Isometry3d::Identity();
-  T_map_anchor.translation() = anchor;
-  const Matrix6 to_map = geometry::adjoint(T_map_anchor);
-  const double scale = options_.robust_width * options_.robust_width / (2 * kPlaneVariance);
-  const Matrix6 information = scale * to_map.transpose() * prior.information * to_map;
-  const Vector6 error = geometry::log(T_anchor_lidar * prior.T_map_lidar.inverse() * T_map_anchor);
-  const Matrix6 basis = determined.twist_from_scaled * determined.basis;
-  Matrix6 seen = basis;
-  seen.rightCols(6 - determined.count).setZero();
-  const Matrix6 H = seen.transpose() * (system.planes + system.isotropic) * seen +
-                    basis.transpose() * information * basis;
-  const Vector6 g = seen.transpose() * system.gradient - basis.transpose() * (information * error);
-  return basis * H.ldlt().solve(g);
-}
-
 RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map_lidar_guess,
                                                   int max_iterations, bool final,
-                                                  const PosePrior* prior) {
+                                                  const geometry::MotionBetween* prior) {
   RegistrationResult result;
   overlap_ = 0;
   result.T_target_source = T_map_lidar_guess;
   result.points = selected_.size();
   const Eigen::Vector3d anchor = map_.anchor(T_map_lidar_guess.translation());
+  std::optional<PosePrior> anchored;
+  if (prior != nullptr) {
+    Eigen::Isometry3d T_anchor_vehicle = T_map_vehicle_;
+    T_anchor_vehicle.translation() -= anchor;
+    anchored = anchored_prior(*prior, T_anchor_vehicle, T_vehicle_lidar_);
+  }
+  // A point's distance from its plane counts in units of `robust_width` beside the prior: what is
+  // smaller is mostly common to neighbouring points.
+  const double scale = options_.robust_width * options_.robust_width / (2 * kPlaneVariance);
   PoseSystem system;
   DeterminedDirections determined;
   PairNoise noise{.plane_variance = kPlaneVariance, .robust_width = options_.first_robust_width};
@@ -208,9 +219,8 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
     map_.find_planes(anchor, radius, which_, pairs_);
     system = pose_system(pairs_, noise);
     determined = determined_directions(pairs_, system, noise, options_.min_plane_fraction);
-    Vector6 step = prior == nullptr
-                       ? determined_step(system, determined)
-                       : step_with_prior(system, determined, T_anchor_lidar, anchor, *prior);
+    Vector6 step = anchored ? step_with_prior(system, determined, T_anchor_lidar, *anchored, scale)
+                            : determined_step(system, determined);
     if (!step.allFinite() || determined.count == 0) {
       result.reason = "too few points lie on planes of the map";
       return result;
@@ -314,11 +324,9 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
   const Eigen::Isometry3d guess = T_from_to_guess ? *T_from_to_guess
                                   : first_pair    ? search_start(seconds)
                                                   : predict(reference);
-  std::optional<PosePrior> measured;
-  if (prior != nullptr && failures_ == 0) measured = prior_pose(*prior);
   result.registration =
       register_points(T_map_vehicle_ * guess * T_vehicle_lidar_, options_.max_iterations, true,
-                      measured ? &*measured : nullptr);
+                      failures_ == 0 ? prior : nullptr);
   result.overlap = overlap_;
   result.reason = result.registration.reason;
   const double lost_overlap = kLostShare * usual_overlap_;

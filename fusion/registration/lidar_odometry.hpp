@@ -7,7 +7,6 @@
 #include "fusion/geometry/trajectory.hpp"
 #include "fusion/motion/relative_pose.hpp"
 #include "fusion/registration/registration_result.hpp"
-#include "fusion/registration/uncertainty.hpp"
 #include "fusion/registration/voxel_downsample.hpp"
 #include "fusion/registration/voxel_map.hpp"
 
@@ -94,21 +93,11 @@ class LidarOdometry {
   size_t map_voxels() const { return map_.voxels(); }
 
  private:
-  /// Pose of the lidar as measured without it.
-  struct PosePrior {
-    Eigen::Isometry3d T_map_lidar;
-    geometry::Matrix6 information;  // of a left perturbation
-  };
   void select(const geometry::PointsView& points, double voxel_size, size_t min_points);
   Eigen::Isometry3d predict(Stamp reference) const;
   Eigen::Isometry3d search_start(double seconds);
-  PosePrior prior_pose(const geometry::MotionBetween& motion) const;
   RegistrationResult register_points(const Eigen::Isometry3d& T_map_lidar_guess, int max_iterations,
-                                     bool final, const PosePrior* prior = nullptr);
-  geometry::Vector6 step_with_prior(const PoseSystem& system,
-                                    const DeterminedDirections& determined,
-                                    const Eigen::Isometry3d& T_anchor_lidar,
-                                    const Eigen::Vector3d& anchor, const PosePrior& prior) const;
+                                     bool final, const geometry::MotionBetween* prior = nullptr);
 
   Eigen::Isometry3d T_vehicle_lidar_;
   LidarOdometryOptions options_;

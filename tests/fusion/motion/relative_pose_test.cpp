@@ -306,6 +306,50 @@ TEST(RelativePose, WheelsCarryWhereTheLidarIsDegenerate) {
   EXPECT_EQ(filter.report().outliers, 0u);
 }
 
+// As a registration errs at a tunnel's portal: to and fro, by far more than it states.
+TEST(RelativePose, WheelsAreRightWhereTheLidarJumps) {
+  const TrueDrive drive = town_drive(31);
+  SimulatedSensors sensors(drive, 7);
+  OdometryFilter filter(full_options());
+  for (int i = 0; i < 200; ++i) {
+    const double t = kSweep * i;
+    for (double s = t - kSweep + 0.02; s > 0 && s < t + 1e-9; s += 0.02) {
+      filter.add(sensors.wheels(s));
+    }
+    RelativePose pose = sensors.lidar(std::max(0.0, t - kSweep), std::max(t, 1e-3));
+    if (i >= 150 && i < 160) pose.T_from_to.translation().x() += i % 2 == 0 ? 0.3 : -0.2;
+    add_sweep(filter, t, i > 0 ? &pose : nullptr);
+  }
+  const auto motion = filter.trajectory().between(seconds(14.5), seconds(16.5));
+  const Eigen::Isometry3d truth = drive.pose(14.5).inverse() * drive.pose(16.5);
+  EXPECT_LT((motion.T_from_to.translation() - truth.translation()).norm(), 0.1);
+  EXPECT_EQ(filter.report().sources[static_cast<size_t>(OdometrySource::kWheels)].rejected, 0U);
+  EXPECT_EQ(filter.report().sources[static_cast<size_t>(OdometrySource::kLidar)].rejected, 10U);
+}
+
+// The lidar cannot tell speed from turn here, and claims a turn of 0.3° that was none.
+TEST(RelativePose, AWrongTurnOfTheLidarLeavesTheSpeedOfTheWheels) {
+  const TrueDrive drive = town_drive(31);
+  SimulatedSensors sensors(drive, 8);
+  OdometryFilter filter(full_options());
+  Vector6 free = Vector6::Zero();
+  free[2] = 0.03, free[3] = 1;  // rad, m
+  const geometry::Matrix6 known =
+      geometry::Matrix6::Identity() - free * free.transpose() / free.squaredNorm();
+  for (int i = 0; i < 200; ++i) {
+    const double t = kSweep * i;
+    for (double s = t - kSweep + 0.02; s > 0 && s < t + 1e-9; s += 0.02) {
+      filter.add(sensors.wheels(s));
+    }
+    RelativePose pose = sensors.lidar(std::max(0.0, t - kSweep), std::max(t, 1e-3));
+    if (t > 10) pose.information = known * pose.information * known;
+    if (i == 150) pose.T_from_to.rotate(Eigen::AngleAxisd(0.3 * kDegree, Eigen::Vector3d::UnitZ()));
+    add_sweep(filter, t, i > 0 ? &pose : nullptr);
+    if (i < 20) continue;
+    ASSERT_NEAR(filter.report().speed, drive.twist(t)[3], 0.3) << t;
+  }
+}
+
 TEST(RelativePose, OfUnknownTimesIsIgnored) {
   OdometryFilter filter(full_options());
   const TrueDrive drive = town_drive(2);
