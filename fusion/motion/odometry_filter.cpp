@@ -269,11 +269,10 @@ void OdometryFilter::add(const RelativePose& pose) {
   }
   const double seconds = to_seconds(pose.to - pose.from);
   const bool contradicts = !result.accepted && result.informative;
-  const Eigen::Vector3d contradiction =
-      contradicts ? result.error.tail<3>().eval() : Eigen::Vector3d::Zero();
+  const double contradiction = contradicts ? result.error[3] : 0;
   if (contradicts && believe_lidar(pose, result)) {
     const bool wheels = sources_.carries(OdometrySource::kWheels, now_);
-    const bool slip = wheels && contradiction.norm() > kWheelAgreement * seconds;
+    const bool slip = wheels && std::abs(contradiction) > kWheelAgreement * seconds;
     if (slip) {
       wheels_suspended_ = true;
       wheels_agree_since_ = Stamp::latest();
@@ -301,7 +300,6 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
   constexpr double kMaxAcceleration = 12, kMaxTurnAcceleration = 6;  // m/s², rad/s²
   constexpr double kMaxGnssDifference = 3;                           // m/s
   constexpr double kMaxStepError = 0.3, kMaxTurnError = 0.05;        // m, rad, of the lidar
-  constexpr double kSameDirection = 0.5;                             // cosine
   const bool gnss = sources_.carries(OdometrySource::kGnssSpeed, now_);
   const bool follows = last_lidar_motion_ && last_lidar_motion_->to == pose.from;
   const double seconds = to_seconds(pose.to - pose.from);
@@ -310,12 +308,8 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
     const bool gyros = sources_.carries(OdometrySource::kGyro, now_);
     const double rotation = gyros ? update.error.head<3>().norm() : std::abs(update.error[2]);
     if (rotation > kMaxRotationError) return false;
-    const Eigen::Vector3d error = update.error.tail<3>();
-    if (error.norm() > kWheelAgreement * seconds) {
-      if (!follows) return false;
-      const Eigen::Vector3d& before = last_lidar_motion_->contradiction;
-      if (error.dot(before) <= kSameDirection * error.norm() * before.norm()) return false;
-    }
+    const bool again = follows && update.error[3] * last_lidar_motion_->contradiction > 0;
+    if (std::abs(update.error[3]) > kWheelAgreement * seconds && !again) return false;
   } else if (follows) {
     const geometry::Vector6 change =
         geometry::log(pose.T_from_to) / seconds - last_lidar_motion_->twist;

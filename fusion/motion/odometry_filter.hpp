@@ -113,8 +113,8 @@ class OdometryFilter {
   /// What the last relative pose measured, accepted or not.
   struct LidarMotion {
     Stamp to;
-    geometry::Vector6 twist;        // per second
-    Eigen::Vector3d contradiction;  // m: error of the translation; zero if it was accepted at once
+    geometry::Vector6 twist;  // per second
+    double contradiction;     // m: error along the way; 0 if it was accepted at once
   };
   std::optional<LidarMotion> last_lidar_motion_;
   /// When the speed of the receiver and that of the filter last agreed; both speeds, m/s.
