@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <iostream>
+
 #include "tests/fusion/mapping/random_graph.hpp"
 
 namespace infuse::mapping {
@@ -116,6 +118,63 @@ TEST(OptimizeRobustly, UncertainPathsDoNotMakeFalseClosuresPlausible) {
     false_accepted += result.accepted[e] != 0;
   EXPECT_EQ(false_accepted, 0U);
   EXPECT_LE(result.rejected_closures, kFalse + 23);  // at most 2 % of the true ones
+}
+
+// A serpentine through a small cube of noisy steps: the path to a false closure is so uncertain
+// that it seems as likely as a true one, and its group bends the cube.
+TEST(OptimizeRobustly, GroupsDoNotBendASmallGraph) {
+  constexpr int kSide = 5;
+  constexpr double kNoise = 0.2;  // m and rad, each step of a metre
+  std::vector<Pose<3>> truth;
+  for (int i = 0; i < kSide * kSide * kSide; ++i) {
+    const int z = i / (kSide * kSide), row = i / kSide, column = i % kSide;
+    const int y = z % 2 == 0 ? row % kSide : kSide - 1 - row % kSide;
+    const int x = row % 2 == 0 ? column : kSide - 1 - column;
+    truth.push_back(Pose<3>::Identity());
+    truth.back().translation() = Eigen::Vector3d(x, y, z);
+  }
+  const auto distance = [&](size_t a, size_t b) {
+    return (truth[a].translation() - truth[b].translation()).norm();
+  };
+  std::mt19937 random(11);
+  size_t false_accepted = 0, true_rejected = 0, true_closures = 0;
+  for (int seed = 0; seed < 20; ++seed) {
+    PoseGraph<3> graph = random_graph<3>(truth, 0, kNoise, random);
+    for (size_t i = 0; i < truth.size(); ++i) {
+      for (size_t j = i + 2; j < truth.size(); ++j) {
+        if (distance(i, j) > 1.01) continue;
+        graph.edges.push_back(measured_edge<3>(truth, i, j, kNoise, random));
+        ++true_closures;
+      }
+    }
+    const size_t true_edges = graph.edges.size();
+    for (int group = 0; group < 4; ++group) {
+      constexpr size_t kSize = 7;
+      std::uniform_int_distribution<size_t> any(0, truth.size() - kSize);
+      size_t from = 0, to = 0;
+      do {
+        from = any(random), to = any(random);
+      } while (distance(from, to) < 2);
+      for (size_t k = 0; k < kSize; ++k) {
+        PoseEdge<3> edge = measured_edge<3>(truth, from + k, to + k, 0.3 * kNoise, random);
+        edge.T_from_to = (truth[from].inverse() * truth[from + k]).inverse() *
+                         (truth[to].inverse() * truth[to + k]);
+        edge.information = graph.edges[0].information;
+        edge.closure = true;
+        graph.edges.push_back(edge);
+      }
+    }
+    const RobustResult result = optimize_robustly(graph);
+    EXPECT_TRUE(result.usable()) << result.reason;
+    for (size_t e = 0; e < graph.edges.size(); ++e) {
+      if (e < true_edges) true_rejected += result.accepted[e] == 0;
+      if (e >= true_edges) false_accepted += result.accepted[e] != 0;
+    }
+  }
+  std::cout << false_accepted << " of 560 false closures accepted, " << true_rejected << " of "
+            << true_closures << " true ones rejected\n";
+  EXPECT_LE(false_accepted, 5U);
+  EXPECT_LE(true_rejected, true_closures / 50);
 }
 
 TEST(OptimizeRobustly, StatesThatMostClosuresDisagree) {
