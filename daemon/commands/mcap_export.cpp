@@ -74,7 +74,8 @@ class DriveExport {
 
  private:
   void write_datagram(const recording::DatagramEvent& event) {
-    const auto& [lidar, datagram] = event;
+    const size_t lidar = event.lidar;
+    const Datagram& datagram = event.datagram;
     const bool position = datagram.payload.size() == velodyne::kPositionPacketSize;
     if (lidar == recording::kNoLidar) return messages_.count_other_datagram();
     messages_.add_datagram(lidar, datagram.payload, datagram.stamp);

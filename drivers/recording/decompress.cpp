@@ -137,7 +137,7 @@ FILE* decompress(FILE* file) {
     content = std::make_unique<ZstdDecompressor>(std::move(owned));
   }
   FILE* opened = fopencookie(content.get(), "rb", {read_cookie, nullptr, nullptr, close_cookie});
-  if (opened != nullptr) content.release();
+  if (opened != nullptr) static_cast<void>(content.release());  // close_cookie owns it
   return opened;
 }
 

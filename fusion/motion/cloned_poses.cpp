@@ -182,30 +182,34 @@ RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose,
   return result;
 }
 
-// Speed and rotation were wrong by a constant since then: one direction of the state for each.
-void OdometryState::release_motion(Stamp since, Stamp now, bool speed) {
-  constexpr double kSpeedSigma = 10, kAngularVelocitySigma = 0.3;  // m/s, rad/s
+// The rate was wrong by a constant since then: one direction of the state.
+void OdometryState::release(int rate, int axis, double sigma, Stamp since, Stamp now) {
   const Eigen::Isometry3d* T_odom_since = cloned_pose(since);
   if (T_odom_since == nullptr) return;
-  const Matrix6 to_odom = geometry::adjoint(*T_odom_since);
-  const auto release = [&](int rate, int axis, double sigma) {
-    Vector direction = Vector::Zero();
-    direction[rate] = sigma;
-    direction.head<6>() = sigma * to_seconds(now - since) * to_odom.col(axis);
-    for (size_t i = 0; i < kMaxClones; ++i) {
-      if (clones_[i].stamp <= since) continue;
-      direction.segment<6>(kMotionSize + 6 * static_cast<int>(i)) =
-          sigma * to_seconds(clones_[i].stamp - since) * to_odom.col(axis);
-    }
-    P_ += direction * direction.transpose();
-  };
-  if (speed) release(kSpeed, 3, kSpeedSigma);
-  if (speed && !options_.moves_forward) {
-    release(kAcross, 4, kSpeedSigma);
-    if (!options_.planar) release(kUp, 5, kSpeedSigma);
+  const Vector6 moved = sigma * geometry::adjoint(*T_odom_since).col(axis);
+  Vector direction = Vector::Zero();
+  direction[rate] = sigma;
+  direction.head<6>() = to_seconds(now - since) * moved;
+  for (size_t i = 0; i < kMaxClones; ++i) {
+    if (clones_[i].stamp <= since) continue;
+    direction.segment<6>(kMotionSize + 6 * static_cast<int>(i)) =
+        to_seconds(clones_[i].stamp - since) * moved;
   }
+  P_ += direction * direction.transpose();
+}
+
+void OdometryState::release_speed(Stamp since, Stamp now) {
+  constexpr double kSigma = 10;  // m/s
+  release(kSpeed, 3, kSigma, since, now);
+  if (options_.moves_forward) return;
+  release(kAcross, 4, kSigma, since, now);
+  if (!options_.planar) release(kUp, 5, kSigma, since, now);
+}
+
+void OdometryState::release_rotation(Stamp since, Stamp now) {
+  constexpr double kSigma = 0.3;  // rad/s
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
-    release(kAngularVelocity + i, i, kAngularVelocitySigma);
+    release(kAngularVelocity + i, i, kSigma, since, now);
   }
 }
 

@@ -277,9 +277,13 @@ void OdometryFilter::add(const RelativePose& pose) {
       wheels_suspended_ = true;
       wheels_agree_since_ = Stamp::latest();
     }
-    // What wheels go on to measure stays known: the lidar may show the rotation alone.
-    state_.release_motion(pose.from, now_, slip || !wheels);
-    result = state_.update_relative_pose(pose, wheels);
+    state_.release_rotation(pose.from, now_);
+    // Where the rotation explains it, wheels still know the speed, which the lidar may not show.
+    if (wheels && !slip) result = state_.update_relative_pose(pose, true);
+    if (!result.accepted) {
+      state_.release_speed(pose.from, now_);
+      result = state_.update_relative_pose(pose, wheels);
+    }
   }
   last_lidar_motion_ = {pose.to, geometry::log(pose.T_from_to) / seconds, contradiction};
   sources_.add(OdometrySource::kLidar, result.accepted, now_, result.speed_measured,
@@ -292,11 +296,12 @@ void OdometryFilter::add(const RelativePose& pose) {
 // a vehicle can brake and turn from what it measured before to what it measures now; what is
 // further is believed when it goes on. Wheels slip, but registration errs in rotation too: where
 // the rotation agrees, the lidar is right. Wheels slip for many sweeps, and a registration errs to
-// and fro, as at a tunnel's portal: the second contradiction in one direction is believed. A
-// receiver that is nearer to the speed of the others decides against the lidar.
+// and fro, as at a tunnel's portal: the second contradiction in one direction is believed, and one
+// of a vehicle that rolls and pitches, which wheels do not measure. A receiver that is nearer to
+// the speed of the others decides against the lidar.
 bool OdometryFilter::believe_lidar(const RelativePose& pose,
                                    const RelativePoseUpdate& update) const {
-  constexpr double kMaxRotationError = 0.01;                         // rad
+  constexpr double kMaxRotationError = 0.01, kMaxTiltError = 0.005;  // rad
   constexpr double kMaxAcceleration = 12, kMaxTurnAcceleration = 6;  // m/s², rad/s²
   constexpr double kMaxGnssDifference = 3;                           // m/s
   constexpr double kMaxStepError = 0.3, kMaxTurnError = 0.05;        // m, rad, of the lidar
@@ -308,8 +313,10 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
     const bool gyros = sources_.carries(OdometrySource::kGyro, now_);
     const double rotation = gyros ? update.error.head<3>().norm() : std::abs(update.error[2]);
     if (rotation > kMaxRotationError) return false;
+    const bool shaken = update.error.head<2>().norm() > kMaxTiltError;
     const bool again = follows && update.error[3] * last_lidar_motion_->contradiction > 0;
-    if (std::abs(update.error[3]) > kWheelAgreement * seconds && !again) return false;
+    const bool contradicts_wheels = std::abs(update.error[3]) > kWheelAgreement * seconds;
+    if (contradicts_wheels && !again && !shaken) return false;
   } else if (follows) {
     const geometry::Vector6 change =
         geometry::log(pose.T_from_to) / seconds - last_lidar_motion_->twist;

@@ -109,9 +109,9 @@ class OdometryState {
   /// Updates with a motion between two clones; `gated`: one that is inconsistent with the motion is
   /// rejected.
   RelativePoseUpdate update_relative_pose(const RelativePose& pose, bool gated);
-  /// Makes the rotation and, where asked, the speed since the time of a clone uncertain: a source
-  /// was wrong.
-  void release_motion(Stamp since, Stamp now, bool speed);
+  /// Make speed or rotation since the time of a clone uncertain: a source was wrong.
+  void release_speed(Stamp since, Stamp now);
+  void release_rotation(Stamp since, Stamp now);
 
   /// Makes the speed's change in the last `seconds` uncertain: a source of speed went wrong since.
   void release_acceleration(double seconds);
@@ -139,6 +139,7 @@ class OdometryState {
 
  private:
   void start_rotation();
+  void release(int rate, int axis, double sigma, Stamp since, Stamp now);
   bool is_moving() const { return velocity().norm() > options_.standstill_speed * x_[kWheelScale]; }
   /// m/s, in the vehicle frame.
   Eigen::Vector3d velocity() const { return {x_[kWheelScale] * x_[kSpeed], x_[kAcross], x_[kUp]}; }
