@@ -76,7 +76,8 @@ Matrix6 information_of(const Matrix6& covariance) {
   return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
-/// Pose of the lidar that other sensors measured, and the information of its left perturbation.
+/// Pose of the lidar that other sensors measured, and the information of its left perturbation in
+/// the unit of the sums over points.
 struct PosePrior {
   Eigen::Isometry3d T_anchor_lidar;
   Matrix6 information;
@@ -96,19 +97,17 @@ PosePrior anchored_prior(const geometry::MotionBetween& motion,
 }
 
 /// Gauss–Newton step towards the planes in the directions that they determine, and towards the
-/// prior in all. `scale` is the weight of the prior beside the sums over points.
+/// prior in all.
 Vector6 step_with_prior(const PoseSystem& system, const DeterminedDirections& determined,
-                        const Eigen::Isometry3d& T_anchor_lidar, const PosePrior& prior,
-                        double scale) {
+                        const Eigen::Isometry3d& T_anchor_lidar, const PosePrior& prior) {
   const Vector6 to_prior = geometry::log(prior.T_anchor_lidar * T_anchor_lidar.inverse());
-  const Matrix6 information = scale * prior.information;
   const Matrix6 basis = determined.twist_from_scaled * determined.basis;
   Matrix6 seen = basis;
   seen.rightCols(6 - determined.count).setZero();
   const Matrix6 H = seen.transpose() * (system.planes + system.isotropic) * seen +
-                    basis.transpose() * information * basis;
+                    basis.transpose() * prior.information * basis;
   const Vector6 g =
-      seen.transpose() * system.gradient + basis.transpose() * (information * to_prior);
+      seen.transpose() * system.gradient + basis.transpose() * (prior.information * to_prior);
   return basis * H.ldlt().solve(g);
 }
 
@@ -186,10 +185,10 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
     Eigen::Isometry3d T_anchor_vehicle = T_map_vehicle_;
     T_anchor_vehicle.translation() -= anchor;
     anchored = anchored_prior(*prior, T_anchor_vehicle, T_vehicle_lidar_);
+    // A point's distance from its plane counts in units of `robust_width` beside the prior: what is
+    // smaller is mostly common to neighbouring points.
+    anchored->information *= options_.robust_width * options_.robust_width / (2 * kPlaneVariance);
   }
-  // A point's distance from its plane counts in units of `robust_width` beside the prior: what is
-  // smaller is mostly common to neighbouring points.
-  const double scale = options_.robust_width * options_.robust_width / (2 * kPlaneVariance);
   PoseSystem system;
   DeterminedDirections determined;
   PairNoise noise{.plane_variance = kPlaneVariance, .robust_width = options_.first_robust_width};
@@ -219,7 +218,7 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
     map_.find_planes(anchor, radius, which_, pairs_);
     system = pose_system(pairs_, noise);
     determined = determined_directions(pairs_, system, noise, options_.min_plane_fraction);
-    Vector6 step = anchored ? step_with_prior(system, determined, T_anchor_lidar, *anchored, scale)
+    Vector6 step = anchored ? step_with_prior(system, determined, T_anchor_lidar, *anchored)
                             : determined_step(system, determined);
     if (!step.allFinite() || determined.count == 0) {
       result.reason = "too few points lie on planes of the map";
