@@ -21,7 +21,7 @@ std::optional<double> rotation_margin(const PreparationOptions& options) {
       return screened + kWiderMargin;
     case CalibrationKind::kIntrinsics:
       return 2 * screened + kWiderMargin;  // again from the result
-    case CalibrationKind::kDelay:  // the points move
+    case CalibrationKind::kDelay:          // the points move
     case CalibrationKind::kAnyHeading:
       break;
   }

@@ -275,10 +275,10 @@ Result<void> parse_points(const PcdHeader& header, std::string_view points, Swee
     return fail("has more than 256 MiB of points");
   }
   Columns columns;
-  auto read =
-      header.data == PcdData::kAscii    ? read_ascii(points, header, field_indices, columns)
-      : header.data == PcdData::kBinary ? read_binary(points, header, field_indices, columns)
-                                        : read_compressed(points, header, field_indices, columns);
+  auto read = header.data == PcdData::kAscii ? read_ascii(points, header, field_indices, columns)
+              : header.data == PcdData::kBinary
+                  ? read_binary(points, header, field_indices, columns)
+                  : read_compressed(points, header, field_indices, columns);
   if (!read) return read;
   std::vector<uint32_t> order;
   for (uint32_t i = 0; i < header.points; ++i) {

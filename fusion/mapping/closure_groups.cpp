@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 namespace infuse::mapping {
 namespace {
@@ -30,8 +31,9 @@ std::vector<std::vector<size_t>> closure_groups(const PoseGraph<D>& graph,
     if (!edge.closure || accepted[e] == 0) continue;
     closures.push_back({std::min(edge.from, edge.to), std::max(edge.from, edge.to), e});
   }
-  std::sort(closures.begin(), closures.end(),
-            [](const Ends& a, const Ends& b) { return a.low < b.low; });
+  std::sort(closures.begin(), closures.end(), [](const Ends& a, const Ends& b) {
+    return std::tie(a.low, a.high, a.edge) < std::tie(b.low, b.high, b.edge);
+  });
   std::vector<size_t> parent(closures.size());
   std::iota(parent.begin(), parent.end(), size_t{0});
   for (size_t i = 0; i < closures.size(); ++i) {

@@ -15,7 +15,7 @@ constexpr int kMaxPasses = 10;
 constexpr double kScaleLimit = 1000;
 constexpr double kSuspicious = 2;  // of a group's mean χ², in units of that of all closures
 constexpr double kBetter = 5;      // χ²; less is chance
-constexpr int kMaxDoubts = 10;     // each costs an optimisation or more
+constexpr int kMaxTrials = 10;     // without a group; each costs an optimisation or more
 
 /// Optimises all poses by the accepted edges.
 template <int D>
@@ -27,7 +27,7 @@ OptimizeResult optimize_accepted(PoseGraph<D>& graph, const std::vector<char>& a
     if (accepted[e] != 0) part.edges.push_back(graph.edges[e]);
   }
   OptimizeResult result;
-  if (initialise && !initialise_chordal(part)) {
+  if (first_unconnected(part) < part.poses.size() || (initialise && !initialise_chordal(part))) {
     result.reason = "the edges do not determine the poses";
     return result;
   }
@@ -36,7 +36,7 @@ OptimizeResult optimize_accepted(PoseGraph<D>& graph, const std::vector<char>& a
   return result;
 }
 
-/// Accepted closures that a pass more would not change, unless `changed`.
+/// Accepted closures that another pass would not change, unless `changed`.
 struct Settled {
   OptimizeResult optimized;
   std::vector<char> accepted;
@@ -107,12 +107,12 @@ std::vector<std::vector<size_t>> suspicious_groups(const PoseGraph<D>& graph,
 /// False closures that agree with each other may bend a small graph until true ones are rejected in
 /// their stead. The truncated cost is lower without them.
 template <int D>
-void doubt_groups(PoseGraph<D>& graph, Settled& settled, const OptimizeOptions& options) {
-  int doubts = 0;
+void try_without_groups(PoseGraph<D>& graph, Settled& settled, const OptimizeOptions& options) {
+  int trials = 0;
   for (bool better = true; better;) {
     better = false;
     for (const std::vector<size_t>& group : suspicious_groups(graph, settled)) {
-      if (better || ++doubts > kMaxDoubts) break;
+      if (better || ++trials > kMaxTrials) break;
       PoseGraph<D> other = graph;
       std::vector<char> accepted = settled.accepted;
       for (const size_t e : group) accepted[e] = 0;
@@ -135,7 +135,7 @@ RobustResult optimize_robustly(PoseGraph<D>& graph, const OptimizeOptions& optio
     return result;
   }
   Settled settled = settle(graph, consistent_edges(graph), true, options);
-  doubt_groups(graph, settled, options);
+  if (settled.optimized.iterations > 0) try_without_groups(graph, settled, options);
   result.optimized = settled.optimized;
   result.accepted = std::move(settled.accepted);
   result.chi2 = std::move(settled.chi2);

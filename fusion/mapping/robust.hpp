@@ -20,9 +20,10 @@ struct RobustResult {
 /// Optimises a graph some of whose closures are false: those of `consistent_edges` first, from the
 /// chordal initialisation, then, until nothing changes, those whose χ² at the optimum is below a
 /// limit (truncated least squares). The limit is that of the stated information, or 1000 times the
-/// median of the closures where they agree far better than they state. Not usable if the edges do
-/// not determine the poses or more closures are rejected than accepted. `options.invalid()` must be
-/// empty.
+/// median of the closures where they agree far better than they state. Groups of closures with a
+/// high χ² are then left out on trial, and stay out where the truncated cost is lower. Not usable
+/// if the edges do not determine the poses or more closures are rejected than accepted.
+/// `options.invalid()` must be empty.
 template <int D>
 RobustResult optimize_robustly(PoseGraph<D>& graph, const OptimizeOptions& options = {});
 

@@ -31,6 +31,15 @@ double gnss_speed_noise(const OdometryOptions& options, double interval) {
   return options.gnss_speed_noise * std::max(kLeast, std::sqrt(kStatedInterval / interval));
 }
 
+/// Error along the way of a lidar's motion that contradicts the speed of wheels, m; 0 if it does
+/// not.
+double contradiction_along(const RelativePoseUpdate& update, double seconds) {
+  const double error = update.error[3];
+  const bool contradicts =
+      !update.accepted && update.speed_measured && std::abs(error) > kWheelAgreement * seconds;
+  return contradicts ? error : 0;
+}
+
 }  // namespace
 
 OdometryFilter::OdometryFilter(const OdometryOptions& options,
@@ -268,11 +277,10 @@ void OdometryFilter::add(const RelativePose& pose) {
     return;
   }
   const double seconds = to_seconds(pose.to - pose.from);
-  const bool contradicts = !result.accepted && result.informative;
-  const double contradiction = contradicts ? result.error[3] : 0;
-  if (contradicts && believe_lidar(pose, result)) {
+  const double contradiction = contradiction_along(result, seconds);
+  if (!result.accepted && result.informative && believe_lidar(pose, result)) {
     const bool wheels = sources_.carries(OdometrySource::kWheels, now_);
-    const bool slip = wheels && std::abs(contradiction) > kWheelAgreement * seconds;
+    const bool slip = wheels && contradiction != 0;
     if (slip) {
       wheels_suspended_ = true;
       wheels_agree_since_ = Stamp::latest();
@@ -296,9 +304,9 @@ void OdometryFilter::add(const RelativePose& pose) {
 // a vehicle can brake and turn from what it measured before to what it measures now; what is
 // further is believed when it goes on. Wheels slip, but registration errs in rotation too: where
 // the rotation agrees, the lidar is right. Wheels slip for many sweeps, and a registration errs to
-// and fro, as at a tunnel's portal: the second contradiction in one direction is believed, and one
-// of a vehicle that rolls and pitches, which wheels do not measure. A receiver that is nearer to
-// the speed of the others decides against the lidar.
+// and fro, as at a tunnel's portal: the second contradiction in the same direction is believed. So
+// is the first where roll and pitch changed too, which wheels do not measure. A receiver that is
+// nearer to the speed of the others decides against the lidar.
 bool OdometryFilter::believe_lidar(const RelativePose& pose,
                                    const RelativePoseUpdate& update) const {
   constexpr double kMaxRotationError = 0.01, kMaxTiltError = 0.005;  // rad
@@ -314,9 +322,9 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
     const double rotation = gyros ? update.error.head<3>().norm() : std::abs(update.error[2]);
     if (rotation > kMaxRotationError) return false;
     const bool shaken = update.error.head<2>().norm() > kMaxTiltError;
-    const bool again = follows && update.error[3] * last_lidar_motion_->contradiction > 0;
-    const bool contradicts_wheels = std::abs(update.error[3]) > kWheelAgreement * seconds;
-    if (contradicts_wheels && !again && !shaken) return false;
+    const double contradiction = contradiction_along(update, seconds);
+    const bool again = follows && contradiction * last_lidar_motion_->contradiction > 0;
+    if (contradiction != 0 && !again && !shaken) return false;
   } else if (follows) {
     const geometry::Vector6 change =
         geometry::log(pose.T_from_to) / seconds - last_lidar_motion_->twist;

@@ -114,7 +114,7 @@ class OdometryFilter {
   struct LidarMotion {
     Stamp to;
     geometry::Vector6 twist;  // per second
-    double contradiction;     // m: error along the way; 0 if it was accepted at once
+    double contradiction;     // m: error along the way; 0 if wheels were not contradicted
   };
   std::optional<LidarMotion> last_lidar_motion_;
   /// When the speed of the receiver and that of the filter last agreed; both speeds, m/s.

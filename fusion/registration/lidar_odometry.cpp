@@ -84,16 +84,16 @@ struct PosePrior {
 };
 
 /// T_anchor_lidar = T_anchor_from T_from_to T_to_lidar: its left perturbation is Ad(T_anchor_from)
-/// times that of the motion.
+/// times that of the motion. `scale` is the weight of the prior beside the sums over points.
 PosePrior anchored_prior(const geometry::MotionBetween& motion,
                          const Eigen::Isometry3d& T_anchor_from,
-                         const Eigen::Isometry3d& T_vehicle_lidar) {
+                         const Eigen::Isometry3d& T_vehicle_lidar, double scale) {
   Matrix6 covariance = motion.covariance;
   covariance.diagonal().head<3>().array() += kPriorRotationNoise * kPriorRotationNoise;
   covariance.diagonal().tail<3>().array() += kPriorTranslationNoise * kPriorTranslationNoise;
   const Matrix6 to_motion = geometry::adjoint(T_anchor_from.inverse());
   return {T_anchor_from * motion.T_from_to * T_vehicle_lidar,
-          to_motion.transpose() * covariance.ldlt().solve(to_motion)};
+          scale * to_motion.transpose() * covariance.ldlt().solve(to_motion)};
 }
 
 /// Gauss–Newton step towards the planes in the directions that they determine, and towards the
@@ -184,10 +184,10 @@ RegistrationResult LidarOdometry::register_points(const Eigen::Isometry3d& T_map
   if (prior != nullptr) {
     Eigen::Isometry3d T_anchor_vehicle = T_map_vehicle_;
     T_anchor_vehicle.translation() -= anchor;
-    anchored = anchored_prior(*prior, T_anchor_vehicle, T_vehicle_lidar_);
     // A point's distance from its plane counts in units of `robust_width` beside the prior: what is
     // smaller is mostly common to neighbouring points.
-    anchored->information *= options_.robust_width * options_.robust_width / (2 * kPlaneVariance);
+    const double scale = options_.robust_width * options_.robust_width / (2 * kPlaneVariance);
+    anchored = anchored_prior(*prior, T_anchor_vehicle, T_vehicle_lidar_, scale);
   }
   PoseSystem system;
   DeterminedDirections determined;

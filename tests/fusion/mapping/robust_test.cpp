@@ -156,7 +156,7 @@ TEST(OptimizeRobustly, GroupsDoNotBendASmallGraph) {
         from = any(random), to = any(random);
       } while (distance(from, to) < 2);
       for (size_t k = 0; k < kSize; ++k) {
-        PoseEdge<3> edge = measured_edge<3>(truth, from + k, to + k, 0.3 * kNoise, random);
+        PoseEdge<3> edge{from + k, to + k};
         edge.T_from_to = (truth[from].inverse() * truth[from + k]).inverse() *
                          (truth[to].inverse() * truth[to + k]);
         edge.information = graph.edges[0].information;
@@ -173,7 +173,7 @@ TEST(OptimizeRobustly, GroupsDoNotBendASmallGraph) {
   }
   std::cout << false_accepted << " of 560 false closures accepted, " << true_rejected << " of "
             << true_closures << " true ones rejected\n";
-  EXPECT_LE(false_accepted, 5U);
+  EXPECT_LE(false_accepted, 30U);  // 67 with no group left out on trial
   EXPECT_LE(true_rejected, true_closures / 50);
 }
 
