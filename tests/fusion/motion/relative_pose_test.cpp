@@ -36,6 +36,13 @@ double position_error(const OdometryFilter& filter, const TrueDrive& drive, doub
   return (pose.T_odom_vehicle.translation() - drive.pose(t).translation()).norm();
 }
 
+/// Adds what the wheels measure, at 50 Hz, during the sweep that ends at `t`.
+void add_wheels(OdometryFilter& filter, SimulatedSensors& sensors, double t) {
+  for (double s = t - kSweep + 0.02; s > 0 && s < t + 1e-9; s += 0.02) {
+    filter.add(sensors.wheels(s));
+  }
+}
+
 TEST(RelativePose, LidarAloneCarriesTheOdometryFromAStartAtSpeed) {
   const TrueDrive drive = town_drive(20);
   SimulatedSensors sensors(drive, 1);
@@ -291,9 +298,7 @@ TEST(RelativePose, WheelsCarryWhereTheLidarIsDegenerate) {
   OdometryFilter filter(full_options());
   for (int i = 0; i < 300; ++i) {
     const double t = kSweep * i;
-    for (double s = t - kSweep + 0.02; s > 0 && s < t + 1e-9; s += 0.02) {
-      filter.add(sensors.wheels(s));
-    }
+    add_wheels(filter, sensors, t);
     const bool tunnel = t > 10 && t < 25;
     const RelativePose pose = sensors.lidar(std::max(0.0, t - kSweep), std::max(t, 1e-3), tunnel);
     add_sweep(filter, t, i > 0 ? &pose : nullptr);
@@ -313,9 +318,7 @@ TEST(RelativePose, WheelsAreRightWhereTheLidarJumps) {
   OdometryFilter filter(full_options());
   for (int i = 0; i < 200; ++i) {
     const double t = kSweep * i;
-    for (double s = t - kSweep + 0.02; s > 0 && s < t + 1e-9; s += 0.02) {
-      filter.add(sensors.wheels(s));
-    }
+    add_wheels(filter, sensors, t);
     RelativePose pose = sensors.lidar(std::max(0.0, t - kSweep), std::max(t, 1e-3));
     if (i >= 150 && i < 160) pose.T_from_to.translation().x() += i % 2 == 0 ? 0.3 : -0.2;
     add_sweep(filter, t, i > 0 ? &pose : nullptr);
@@ -325,6 +328,28 @@ TEST(RelativePose, WheelsAreRightWhereTheLidarJumps) {
   EXPECT_LT((motion.T_from_to.translation() - truth.translation()).norm(), 0.1);
   EXPECT_EQ(filter.report().sources[static_cast<size_t>(OdometrySource::kWheels)].rejected, 0U);
   EXPECT_EQ(filter.report().sources[static_cast<size_t>(OdometrySource::kLidar)].rejected, 10U);
+}
+
+// As on a kerb: what wheels do not measure changes too, and the lidar is right in the first sweep.
+TEST(RelativePose, TheLidarIsRightWhereTheVehiclePitches) {
+  const TrueDrive drive = town_drive(31);
+  SimulatedSensors sensors(drive, 9);
+  OdometryFilter filter(full_options());
+  for (int i = 0; i < 200; ++i) {
+    const double t = kSweep * i;
+    add_wheels(filter, sensors, t);
+    RelativePose pose = sensors.lidar(std::max(0.0, t - kSweep), std::max(t, 1e-3));
+    if (i == 150) {
+      pose.T_from_to.translation().x() += 0.2;
+      pose.T_from_to.rotate(Eigen::AngleAxisd(2 * kDegree, Eigen::Vector3d::UnitY()));
+    }
+    add_sweep(filter, t, i > 0 ? &pose : nullptr);
+    if (i != 150) continue;
+    EXPECT_EQ(filter.report().sources[static_cast<size_t>(OdometrySource::kLidar)].rejected, 0U);
+    const auto motion = filter.trajectory().between(seconds(t - kSweep), seconds(t));
+    EXPECT_LT((motion.T_from_to.translation() - pose.T_from_to.translation()).norm(), 0.05);
+    break;
+  }
 }
 
 // The lidar cannot tell speed from turn here, and claims a turn of 0.3° that was none.
@@ -338,9 +363,7 @@ TEST(RelativePose, AWrongTurnOfTheLidarLeavesTheSpeedOfTheWheels) {
       geometry::Matrix6::Identity() - free * free.transpose() / free.squaredNorm();
   for (int i = 0; i < 200; ++i) {
     const double t = kSweep * i;
-    for (double s = t - kSweep + 0.02; s > 0 && s < t + 1e-9; s += 0.02) {
-      filter.add(sensors.wheels(s));
-    }
+    add_wheels(filter, sensors, t);
     RelativePose pose = sensors.lidar(std::max(0.0, t - kSweep), std::max(t, 1e-3));
     if (t > 10) pose.information = known * pose.information * known;
     if (i == 150) pose.T_from_to.rotate(Eigen::AngleAxisd(0.3 * kDegree, Eigen::Vector3d::UnitZ()));
