@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "fusion/registration/neighbour_search.hpp"
 #include "fusion/registration/point_cloud.hpp"
@@ -21,8 +22,8 @@ struct CovarianceOptions {
 
 /// Estimates the local covariance of every point, P 4.2.2: of a plane of variance 1 along it and
 /// ε across, so that its normal (of either sign) says all. Sets the normals of `cloud`; `search`
-/// must have been built from it. Same bytes on every processor.
+/// must have been built from it, and has the caller's `memory`. Same bytes on every processor.
 void estimate_covariances(const NeighbourSearch& search, const CovarianceOptions& options,
-                          PointCloud& cloud);
+                          std::vector<NeighbourSearch::Point>& memory, PointCloud& cloud);
 
 }  // namespace infuse::registration

@@ -37,8 +37,8 @@ void CloudPreparer::prepare(const geometry::PointsView& points, const PrepareOpt
                             PreparedCloud& out) {
   constexpr double kDistinct = 1e-3;  // m; voxels that keep all points but copies
   downsampler_.compute(points, options.voxel_size > 0 ? options.voxel_size : kDistinct, out.cloud);
-  out.search.build(out.cloud.points());
-  estimate_covariances(out.search, options.covariance, out.cloud);
+  out.search.build_and_sort(out.cloud);
+  estimate_covariances(out.search, options.covariance, candidates_, out.cloud);
 }
 
 PreparedCloud prepare_cloud(const geometry::PointsView& points, const PrepareOptions& options) {
@@ -70,37 +70,56 @@ void Gicp::transform(const PointCloud& source, const Eigen::Isometry3d& T_target
   move_points(R, {source.nx, source.ny, source.nz}, pairs_.sx, pairs_.sy, pairs_.sz);
 }
 
-size_t Gicp::find_pairs(const PreparedCloud& target, double last_move) {
+void Gicp::search(const PreparedCloud& target, size_t begin, float margin) {
   const auto max_distance = static_cast<float>(options_.max_correspondence_distance);
-  const auto margin = static_cast<float>(std::min(kMarginPerMove * last_move, kMaxMargin));
-  size_t found = 0;
-  for (size_t i = 0; i < pairs_.size; ++i) {
+  const size_t end = std::min(begin + kLanes, pairs_.size);
+  NearestQueries queries{{}, Floats{} - 1};
+  bool any = false;
+  for (size_t i = begin; i < end; ++i) {
     const float p[3] = {pairs_.px[i], pairs_.py[i], pairs_.pz[i]};
     const float mx = p[0] - searched_x_[i], my = p[1] - searched_y_[i], mz = p[2] - searched_z_[i];
     // Another point can be nearer only after a move of half the difference of the two distances.
-    if (!(mx * mx + my * my + mz * mz < slack_[i] * slack_[i])) {
-      float reach = max_distance;
-      if (index_[i] >= 0) {  // the nearest one is no farther than the former one is now
-        const float x = pairs_.qx[i] - p[0], y = pairs_.qy[i] - p[1], z = pairs_.qz[i] - p[2];
-        reach = std::min(reach, 1e-4F + std::sqrt(x * x + y * y + z * z));
-      }
-      const Nearest nearest = target.search.nearest(p, reach, margin);
-      searched_x_[i] = p[0], searched_y_[i] = p[1], searched_z_[i] = p[2];
-      index_[i] = nearest.index;
-      if (nearest.index < 0) {
-        slack_[i] = std::max(nearest.others - max_distance, 0.0F);
-      } else {
-        slack_[i] = 0.5F * (nearest.others - std::sqrt(nearest.square_distance));
-        const auto j = static_cast<size_t>(nearest.index);
-        pairs_.qx[i] = target.cloud.x[j];
-        pairs_.qy[i] = target.cloud.y[j];
-        pairs_.qz[i] = target.cloud.z[j];
-        pairs_.tx[i] = target.cloud.nx[j];
-        pairs_.ty[i] = target.cloud.ny[j];
-        pairs_.tz[i] = target.cloud.nz[j];
-      }
+    if (mx * mx + my * my + mz * mz < slack_[i] * slack_[i]) continue;
+    float reach = max_distance;
+    if (index_[i] >= 0) {  // the nearest one is no farther than the former one is now
+      const float x = pairs_.qx[i] - p[0], y = pairs_.qy[i] - p[1], z = pairs_.qz[i] - p[2];
+      reach = std::min(reach, 1e-4F + std::sqrt(x * x + y * y + z * z));
     }
-    const float dx = pairs_.qx[i] - p[0], dy = pairs_.qy[i] - p[1], dz = pairs_.qz[i] - p[2];
+    const auto lane = static_cast<int>(i - begin);
+    for (int axis = 0; axis < 3; ++axis) queries.at[axis][lane] = p[axis];
+    queries.max_distance[lane] = reach;
+    any = true;
+  }
+  if (!any) return;
+  const NearestOfEach nearest = target.search.nearest_of_each(queries, margin);
+  for (size_t i = begin; i < end; ++i) {
+    const auto lane = static_cast<int>(i - begin);
+    if (queries.max_distance[lane] < 0) continue;
+    searched_x_[i] = pairs_.px[i], searched_y_[i] = pairs_.py[i], searched_z_[i] = pairs_.pz[i];
+    index_[i] = nearest.index[lane];
+    if (index_[i] < 0) {
+      slack_[i] = std::max(nearest.others[lane] - max_distance, 0.0F);
+    } else {
+      slack_[i] = 0.5F * (nearest.others[lane] - std::sqrt(nearest.square_distance[lane]));
+      const auto j = static_cast<size_t>(index_[i]);
+      pairs_.qx[i] = target.cloud.x[j];
+      pairs_.qy[i] = target.cloud.y[j];
+      pairs_.qz[i] = target.cloud.z[j];
+      pairs_.tx[i] = target.cloud.nx[j];
+      pairs_.ty[i] = target.cloud.ny[j];
+      pairs_.tz[i] = target.cloud.nz[j];
+    }
+  }
+}
+
+size_t Gicp::find_pairs(const PreparedCloud& target, double last_move) {
+  const auto max_distance = static_cast<float>(options_.max_correspondence_distance);
+  const auto margin = static_cast<float>(std::min(kMarginPerMove * last_move, kMaxMargin));
+  for (size_t begin = 0; begin < pairs_.size; begin += kLanes) search(target, begin, margin);
+  size_t found = 0;
+  for (size_t i = 0; i < pairs_.size; ++i) {
+    const float dx = pairs_.qx[i] - pairs_.px[i], dy = pairs_.qy[i] - pairs_.py[i],
+                dz = pairs_.qz[i] - pairs_.pz[i];
     const bool paired =
         index_[i] >= 0 && dx * dx + dy * dy + dz * dz <= max_distance * max_distance;
     pairs_.weight[i] = paired ? 1.0F : 0.0F;

@@ -37,6 +37,7 @@ class CloudPreparer {
 
  private:
   VoxelDownsampler downsampler_;
+  std::vector<NeighbourSearch::Point> candidates_;
 };
 
 /// The same as a new cloud.
@@ -71,6 +72,7 @@ class Gicp {
 
  private:
   void transform(const PointCloud& source, const Eigen::Isometry3d& T_target_source);
+  void search(const PreparedCloud& target, size_t begin, float margin);
   size_t find_pairs(const PreparedCloud& target, double last_move);
 
   GicpOptions options_;

@@ -16,6 +16,27 @@ struct Nearest {
   float others = 0;           ///< m; every other point of the cloud is at least this far away
 };
 
+/// Up to 16 points whose nearest ones are sought side by side.
+struct NearestQueries {
+  Floats at[3];         ///< m: x, y, z
+  Floats max_distance;  ///< m; below 0: not sought
+};
+
+/// Nearest points of 16 points, as `Nearest`; undefined where none was sought.
+struct NearestOfEach {
+  Flags index;
+  Floats square_distance;
+  Floats others;
+};
+
+/// Sums over the nearest neighbours of up to 16 points, side by side; relative to each point.
+struct Neighbourhoods {
+  Floats
+      count;  ///< 0 where there is no point; more than asked where several are as far as the last
+  Floats sum[3];    ///< m: x, y, z
+  Floats cross[6];  ///< m²: xx, xy, xz, yy, yz, zz
+};
+
 /// Exact nearest neighbours in a cloud: a balanced kd-tree whose leaves of 16 points are compared
 /// at once. Same results on every processor.
 class NeighbourSearch {
@@ -26,6 +47,10 @@ class NeighbourSearch {
   /// are no larger than earlier ones.
   void build(const geometry::PointsView& points);
 
+  /// The same, and puts the points of the cloud into the order of the leaves, so that points that
+  /// are near each other stand together; without normals (0).
+  void build_and_sort(PointCloud& cloud);
+
   /// Number of points in the tree.
   size_t size() const { return size_; }
 
@@ -33,21 +58,30 @@ class NeighbourSearch {
   /// below, by up to `margin` (m) more than the nearest one's.
   Nearest nearest(const float* point, float max_distance, float margin) const;
 
-  /// Finds the nearest points, `neighbours` (1 … kMaxNeighbours) of them if there are as many, in
-  /// order of distance; writes their indices and squared distances (m²) and returns their number.
-  int nearest_neighbours(const float* point, int neighbours, int32_t* indices,
-                         float* square_distances) const;
+  /// The same for points that are near each other, which takes a fraction of the time.
+  NearestOfEach nearest_of_each(const NearestQueries& queries, float margin) const;
 
   /// A node of the tree: plane between its two children.
   struct Split {
     float value;
     int32_t axis;
   };
-  /// Points of a leaf; unused entries are infinitely far away.
+  /// Points of a leaf; unused entries, the last ones, are infinitely far away and have the index
+  /// -1.
   struct Leaf {
     Floats x, y, z;
     int32_t index[kLanes];
   };
+  std::span<const Leaf> leaves() const { return leaves_; }
+
+  /// Point of the tree.
+  struct Point {
+    float x, y, z;
+  };
+  /// Sums over the `neighbours` (1 … kMaxNeighbours) nearest points of each point of a leaf, itself
+  /// among them, or over all if there are not as many. `memory` is the caller's: it does not
+  /// allocate when it was used for a tree of this size.
+  Neighbourhoods neighbourhoods(const Leaf& leaf, int neighbours, std::vector<Point>& memory) const;
 
  private:
   struct Entry {
