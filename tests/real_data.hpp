@@ -19,6 +19,6 @@ inline std::filesystem::path real_data(const std::filesystem::path& relative) {
 /// otherwise.
 #define INFUSE_REAL_DATA_OR_SKIP(variable, relative)                  \
   const std::filesystem::path variable = infuse::real_data(relative); \
-  if (variable.empty() || !std::filesystem::exists(variable)) {       \
+  if ((variable).empty() || !std::filesystem::exists(variable)) {     \
     GTEST_SKIP() << "no " << (relative) << " under INFUSE_REAL_DATA"; \
   }

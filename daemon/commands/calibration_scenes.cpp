@@ -79,12 +79,12 @@ using SweepConsumer = std::function<Result<void>(size_t image, PairedSweep&& swe
 
 /// Plays the drive and finds the sweep of each image.
 Result<void> pair_sweeps(OpenDrive& open_sensors,
-                         const std::vector<recording::SequenceEntry>& images,
+                         const std::vector<recording::SequenceEntry>& images, Duration max_gap,
                          const std::function<void(double)>& progress,
                          const SweepConsumer& consume) {
   const Rig& rig = open_sensors.drive.description.rig;
   SweepPairing pairing(rig.lidars[open_sensors.lidar].T_vehicle_lidar,
-                       open_sensors.setup.vehicle.has_odometry());
+                       open_sensors.setup.vehicle.has_odometry(), max_gap);
   for (const recording::SequenceEntry& image : images) pairing.add_exposure(image.stamp);
   const auto on_sweep = [&](Sweep& sweep) { pairing.add_sweep(sweep); };
   const auto on_sample = [&](const VehicleSample& sample) { pairing.add_sample(sample); };
@@ -121,7 +121,7 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
   size_t unpaired = 0;
   std::map<std::string, size_t> not_deskewed;
   const auto add = [&](size_t k, PairedSweep&& sweep) -> Result<void> {
-    if (!sweep.found || sweep.gap > request.max_gap) {
+    if (!sweep.found) {
       ++unpaired;
       return {};
     }
@@ -150,7 +150,8 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
     out.pairs.push_back(std::move(pair));
     return {};
   };
-  if (auto paired = pair_sweeps(open_sensors, images, progress, add); !paired) return paired;
+  if (auto paired = pair_sweeps(open_sensors, images, request.max_gap, progress, add); !paired)
+    return paired;
   if (unpaired > 0) {
     out.notes.push_back(fmt::format(
         "{}: {} of {} images have no sweep within {:.0f} ms; check that camera and lidar are "

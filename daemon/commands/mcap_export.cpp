@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "daemon/commands/deskewed_sweeps.hpp"
+#include "daemon/commands/read_image.hpp"
 #include "daemon/pipeline/drive_setup.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
 #include "daemon/pipeline/vehicle_intake.hpp"
@@ -18,8 +19,6 @@
 
 namespace infuse::daemon {
 namespace {
-
-constexpr size_t kMaxImageBytes = size_t{64} << 20;
 
 /// Writes the events of a drive.
 class DriveExport {

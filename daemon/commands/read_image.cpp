@@ -1,16 +1,16 @@
 #include "daemon/commands/read_image.hpp"
 
-#include <fstream>
-#include <iterator>
-#include <vector>
+#include <span>
+
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 
 Result<CameraFrame> read_image(const std::filesystem::path& path,
                                const camera::ImageOptions& options) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::vector<uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.good() && bytes.empty()) return fail("cannot be read", path.string());
+  const auto text = text::read_text(path, kMaxImageBytes);
+  if (!text) return tl::unexpected(text.error());
+  const std::span bytes(reinterpret_cast<const uint8_t*>(text->data()), text->size());
   CameraFrame frame;
   camera::ImageOptions grey = options;
   grey.bayer.reset();

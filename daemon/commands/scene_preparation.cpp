@@ -71,7 +71,8 @@ Result<void> ScenePreparation::prepare(ScenePairs& pairs, ScenePair& pair) {
     if (held_out) {
       compact.sigmas = {calibration::CompareOptions{}.sigma};
     } else {
-      compact.sigmas = calibration::image_blurs(options_.calibrate);
+      compact.sigmas = calibration::image_blurs(
+          calibration::scale_blurs(options_.calibrate, rig_camera(pairs, 0)));
       compact.margin = rotation_margin(options_);
     }
     calibration::compact_scene(*scene, camera, T, compact);

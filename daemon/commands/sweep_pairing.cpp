@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "daemon/pipeline/pairing.hpp"
-
 namespace infuse::daemon {
 namespace {
 
@@ -13,8 +11,12 @@ constexpr Duration kTwistWindow{40'000'000};  // over which the twist is average
 
 }  // namespace
 
-SweepPairing::SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry)
-    : has_odometry_(has_odometry), T_vehicle_lidar_(T_vehicle_lidar), deskewer_(T_vehicle_lidar) {}
+SweepPairing::SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry,
+                           Duration max_gap)
+    : has_odometry_(has_odometry),
+      max_gap_(max_gap),
+      T_vehicle_lidar_(T_vehicle_lidar),
+      deskewer_(T_vehicle_lidar) {}
 
 void SweepPairing::add_exposure(Stamp exposure) {
   exposures_.push_back(exposure);
@@ -25,7 +27,7 @@ void SweepPairing::add_sweep(const Sweep& sweep) {
   for (size_t k = next_; k < exposures_.size(); ++k) {
     const Duration gap = pairing_gap(exposures_[k], sweep);
     PairedSweep& pair = pairs_[k];
-    if (pair.found ? gap >= pair.gap : gap > kMaxWait) continue;
+    if (gap > max_gap_ || (pair.found && gap >= pair.gap)) continue;
     pair.found = true;
     pair.gap = gap;
     pair.sweep = sweep;

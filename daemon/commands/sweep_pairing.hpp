@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/pipeline/odometry_tracker.hpp"
+#include "daemon/pipeline/pairing.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "fusion/motion/deskew.hpp"
 
@@ -26,8 +27,10 @@ struct PairedSweep {
 /// exposure's time. Keeps one sweep per exposure.
 class SweepPairing {
  public:
-  /// Without odometry only sweeps that their source has deskewed to the exposure are.
-  SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry);
+  /// Sweeps farther than `max_gap` from an exposure are not paired with it. Without odometry only
+  /// sweeps that their source has deskewed to the exposure are deskewed.
+  SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry,
+               Duration max_gap = kMaxPairingGap);
 
   /// Adds an exposure; in order of time, before any sweep or sample.
   void add_exposure(Stamp exposure);
@@ -57,6 +60,7 @@ class SweepPairing {
   std::optional<geometry::Vector6> twist_at(Stamp exposure) const;
 
   bool has_odometry_;
+  Duration max_gap_;
   Eigen::Isometry3d T_vehicle_lidar_;
   OdometryTracker odometry_{OdometrySettings{}, false};
   motion::Deskewer deskewer_;

@@ -3,15 +3,15 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/commands/play_lidar.hpp"
+#include "daemon/commands/read_image.hpp"
 #include "drivers/camera/colour.hpp"
 #include "drivers/camera/image_decoder.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
+#include "drivers/text/text_file.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/target/board_pose.hpp"
 #include "fusion/target/find_boards.hpp"
@@ -39,10 +39,9 @@ Result<size_t> find_camera(const Rig& rig, const std::string& name, const std::s
 }
 
 Result<CameraFrame> read_grey(const StampedImageFile& image, const recording::CameraFiles& files) {
-  std::ifstream stream(image.path, std::ios::binary);
-  if (!stream) return fail("cannot be read", image.path.string());
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
-  const std::span<const uint8_t> file(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+  const auto text = text::read_text(image.path, kMaxImageBytes);
+  if (!text) return tl::unexpected(text.error());
+  const std::span file(reinterpret_cast<const uint8_t*>(text->data()), text->size());
   CameraFrame frame;
   const auto decoded =
       camera::decode_image(file, {.bayer = files.mosaic, .grey = !files.mosaic.has_value()}, frame);

@@ -79,6 +79,7 @@ int add_loaded_file(dl_phdr_info* info, size_t /*size*/, void* /*data*/) {
       file.end = std::max(file.end, begin + segment.p_memsz);
     }
     if (segment.p_type == PT_NOTE) {
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader states addresses as numbers
       copy_build_id(reinterpret_cast<const char*>(begin), segment.p_memsz, file);
     }
   }

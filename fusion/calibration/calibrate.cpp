@@ -1,5 +1,7 @@
 #include "fusion/calibration/calibrate.hpp"
 
+#include <algorithm>
+
 #include "fusion/calibration/calibration_steps.hpp"
 #include "fusion/calibration/rejection_reason.hpp"
 #include "fusion/calibration/scene_similarity.hpp"
@@ -7,8 +9,9 @@
 namespace infuse::calibration {
 namespace {
 
-constexpr double kPriorScale = 1;       // factor of the levels' prior weights
-constexpr double kRetryPriorScale = 3;  // the same where the first attempt is not usable
+constexpr double kPriorScale = 1;             // factor of the levels' prior weights
+constexpr double kFullBlurFocalLength = 500;  // px; blurs of shorter ones are scaled
+constexpr double kRetryPriorScale = 3;        // the same where the first attempt is not usable
 
 double mean_support(const std::vector<SceneSupport>& scenes) {
   double sum = 0;
@@ -112,6 +115,18 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   if (auto wrong = maximize.invalid()) return "maximize: " + *wrong;
   if (auto wrong = visibility.invalid()) return "visibility: " + *wrong;
   return std::nullopt;
+}
+
+CalibrateOptions scale_blurs(const CalibrateOptions& options, const RigCamera& camera) {
+  CalibrateOptions scaled = options;
+  const double scale = std::min(1.0, camera.model.intrinsics().fx / kFullBlurFocalLength);
+  const auto apply = [&](double& sigma) { sigma = std::max(scale * sigma, std::min(sigma, 1.0)); };
+  apply(scaled.screen_sigma);
+  apply(scaled.support_sigma);
+  for (auto* levels : {&scaled.coarse, &scaled.fine}) {
+    for (Level& level : *levels) apply(level.sigma);
+  }
+  return scaled;
 }
 
 std::vector<double> image_blurs(const CalibrateOptions& options) {

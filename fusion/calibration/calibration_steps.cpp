@@ -18,6 +18,7 @@ using geometry::Vector6;
 
 constexpr double kMaxSameMaximumRotation = 0.3 * kDegree;
 constexpr double kMaxSameMaximumTranslation = 0.04;
+constexpr double kArrived = 1.0 / 3;  // of these: a restart so near to the result converges to it
 // Over wider rotations images of other places fit as well, rad.
 constexpr double kMinBaselineHalfWidth = 0.1;
 constexpr int kDrawsPerRestart = 40;  // number of poses drawn for one ascent
@@ -33,17 +34,34 @@ double draw_uniform(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
 }
 
+/// True if two poses are closer to each other than `share` of what different maxima are.
+bool is_within(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
+  const Vector6 apart = geometry::log(a * b.inverse());
+  return apart.head<3>().norm() <= share * kMaxSameMaximumRotation &&
+         apart.tail<3>().norm() <= share * kMaxSameMaximumTranslation;
+}
+
 struct Scored {
   Eigen::Isometry3d T;
   double score;
 };
 
-/// Returns the poses with the largest scores, best first.
-std::vector<Eigen::Isometry3d> best_poses(std::vector<Scored>& poses, size_t max_poses) {
+void sort_by_score(std::vector<Scored>& poses) {
   std::stable_sort(poses.begin(), poses.end(),
                    [](const Scored& a, const Scored& b) { return a.score > b.score; });
+}
+
+/// Returns the different maxima with the largest scores, best first.
+std::vector<Eigen::Isometry3d> best_maxima(std::vector<Scored>& ends, size_t max_maxima) {
+  sort_by_score(ends);
   std::vector<Eigen::Isometry3d> best;
-  for (size_t k = 0; k < std::min(max_poses, poses.size()); ++k) best.push_back(poses[k].T);
+  for (const Scored& end : ends) {
+    if (best.size() == max_maxima) break;
+    const bool known = std::any_of(best.begin(), best.end(), [&](const Eigen::Isometry3d& other) {
+      return is_same_maximum(end.T, other);
+    });
+    if (!known) best.push_back(end.T);
+  }
   return best;
 }
 
@@ -62,9 +80,7 @@ std::vector<TermOptions> concatenate(std::vector<TermOptions> terms,
 }  // namespace
 
 bool is_same_maximum(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  const Vector6 apart = geometry::log(a * b.inverse());
-  return apart.head<3>().norm() <= kMaxSameMaximumRotation &&
-         apart.tail<3>().norm() <= kMaxSameMaximumTranslation;
+  return is_within(a, b, 1);
 }
 
 CalibrationSteps::CalibrationSteps(std::span<const Scene> scenes,
@@ -125,7 +141,7 @@ CalibrationSteps::RestartResult CalibrationSteps::run_restarts(const Eigen::Isom
     for (int batch = 0; batch < kRestartBatches && !better; ++batch) {
       if (batch > 0 && restart_result.returned == restart_result.restarts) break;
       for (const Eigen::Isometry3d& drawn : draw_around(restart_result.T, random)) {
-        const Eigen::Isometry3d end = coarse_search_.ascend(drawn, restart_levels()).T_refcam_lidar;
+        const Eigen::Isometry3d end = restart_from(drawn, restart_result.T);
         ++restart_result.restarts;
         if (is_same_maximum(end, restart_result.T)) {
           ++restart_result.returned;
@@ -143,6 +159,16 @@ CalibrationSteps::RestartResult CalibrationSteps::run_restarts(const Eigen::Isom
   }
   evaluations_ += score.evaluations();
   return restart_result;
+}
+
+Eigen::Isometry3d CalibrationSteps::restart_from(const Eigen::Isometry3d& drawn,
+                                                 const Eigen::Isometry3d& result) {
+  Eigen::Isometry3d T = drawn;
+  for (const Level& level : restart_levels()) {
+    T = coarse_search_.ascend(T, std::span(&level, 1)).T_refcam_lidar;
+    if (is_within(T, result, kArrived)) break;
+  }
+  return T;
 }
 
 std::optional<geometry::Matrix6> CalibrationSteps::split_half(const Eigen::Isometry3d& T) {
@@ -178,7 +204,7 @@ std::vector<ModelMismatch> CalibrationSteps::find_mismatches(
   std::vector<ModelMismatch> all =
       check_model(T, cameras_.size(), fine_scenes_, uncertainty, options_.known);
   for (size_t c = 0; c < estimates.size(); ++c) {
-    if (estimates[c]) add_unseen_errors(*estimates[c], c, all);
+    if (estimates[c]) add_estimate(*estimates[c], c, all);
   }
   for (size_t c = 0; c < estimates.size(); ++c) {
     const auto gross = estimates[c]
@@ -217,14 +243,18 @@ int CalibrationSteps::evaluations() const {
          coarse_search_.evaluations();
 }
 
-void CalibrationSteps::add_unseen_errors(const IntrinsicsEstimate& estimate, size_t camera,
-                                         std::vector<ModelMismatch>& all) const {
-  const Eigen::Vector4d sigmas =
+void CalibrationSteps::add_estimate(const IntrinsicsEstimate& estimate, size_t camera,
+                                    std::vector<ModelMismatch>& all) const {
+  const Eigen::Vector4d unseen =
       unseen_errors(estimate, cameras_[camera].model.intrinsics().fx, options_.known);
+  const Eigen::Vector4d shown = estimate.covariance.diagonal().cwiseSqrt();
+  const auto in_unit = [&](size_t i, const Eigen::Vector4d& values) {
+    return make_intrinsic_mismatch(i, values(static_cast<Eigen::Index>(i)), camera, cameras_.size())
+        .value;
+  };
   for (size_t i = 0; i < 4 && 4 * camera + i < all.size(); ++i) {
-    const double sigma = sigmas(static_cast<Eigen::Index>(i));
-    all[4 * camera + i].unseen_sigma =
-        make_intrinsic_mismatch(i, sigma, camera, cameras_.size()).value;
+    all[4 * camera + i].unseen_sigma = in_unit(i, unseen);
+    all[4 * camera + i].shown_sigma = in_unit(i, shown);
   }
 }
 
@@ -235,8 +265,9 @@ std::span<const Level> CalibrationSteps::restart_levels() const {
 
 std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isometry3d& T,
                                                              std::mt19937_64& random) {
-  PoseScore screening_score(screening_scenes_, cameras_, search_terms_, options_.visibility,
-                            images_, restart_levels().front().sigma, false, options_.maximize.stop);
+  const VisiblePoints points = select_visible(screening_scenes_, cameras_, T, options_.visibility);
+  Objective measure(points, images_.at(restart_levels().front().sigma), cameras_, screening_scenes_,
+                    search_terms_);
   std::vector<Scored> drawn;
   const int restarts =
       effective_scenes() < kManyScenes ? options_.restarts_of_few : options_.restarts;
@@ -247,10 +278,13 @@ std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isomet
                  (axis < 3 ? options_.restart_rotation : options_.restart_translation);
     }
     const Eigen::Isometry3d pose = geometry::exp(xi) * T;
-    drawn.push_back({pose, screening_score(pose)});
+    drawn.push_back({pose, measure.evaluate(pose, false).estimate.value});
   }
-  evaluations_ += screening_score.evaluations();
-  return best_poses(drawn, static_cast<size_t>(restarts));
+  evaluations_ += measure.evaluations();
+  sort_by_score(drawn);
+  std::vector<Eigen::Isometry3d> best;
+  for (int k = 0; k < restarts; ++k) best.push_back(drawn[static_cast<size_t>(k)].T);
+  return best;
 }
 
 Eigen::Isometry3d CalibrationSteps::ascend_with_scenes(const Eigen::Isometry3d& T,
@@ -260,7 +294,7 @@ Eigen::Isometry3d CalibrationSteps::ascend_with_scenes(const Eigen::Isometry3d& 
   for (const size_t s : scenes) part[s] = coarse_scenes_[s];
   CoarseToFine search(part, cameras_, search_terms_, images_, options_.visibility,
                       options_.maximize, prior_position(), options_.initial_translation_sigma);
-  Eigen::Isometry3d end = search.ascend(T, restart_levels()).T_refcam_lidar;
+  Eigen::Isometry3d end = search.ascend(T, restart_levels().last(1)).T_refcam_lidar;
   evaluations_ += search.evaluations();
   return end;
 }
@@ -275,7 +309,7 @@ std::vector<Eigen::Isometry3d> CalibrationSteps::ascend_from_all(
     ends.push_back({end, score(end)});
   }
   evaluations_ += score.evaluations();
-  return best_poses(ends, static_cast<size_t>(level.survivors));
+  return best_maxima(ends, static_cast<size_t>(level.survivors));
 }
 
 }  // namespace infuse::calibration

@@ -68,16 +68,18 @@ class CalibrationSteps {
   /// `thin_scenes` around the initial pose; scenes of a frequent place keep fewer points.
   std::vector<Scene> thin(std::span<const Scene> scenes, size_t points,
                           bool keep_edges = false) const;
-  /// Sets the `unseen_sigma` of a camera's intrinsics, in the order of `check_model`.
-  void add_unseen_errors(const IntrinsicsEstimate& estimate, size_t camera,
-                         std::vector<ModelMismatch>& all) const;
+  /// Sets `unseen_sigma` and `shown_sigma` of a camera's intrinsics, in the order of `check_model`.
+  void add_estimate(const IntrinsicsEstimate& estimate, size_t camera,
+                    std::vector<ModelMismatch>& all) const;
   /// Returns the two finest of the coarse levels.
   std::span<const Level> restart_levels() const;
-  /// Draws many poses around `T` and returns those that score best.
+  /// Draws many poses around `T` and returns those where the points in view at `T` fit best.
   std::vector<Eigen::Isometry3d> draw_around(const Eigen::Isometry3d& T, std::mt19937_64& random);
-  /// Ascends through the finest coarse levels with some of the scenes alone.
+  /// Ascends through `restart_levels`, until it has arrived at `result`.
+  Eigen::Isometry3d restart_from(const Eigen::Isometry3d& drawn, const Eigen::Isometry3d& result);
+  /// Ascends the finest coarse level with some of the scenes alone.
   Eigen::Isometry3d ascend_with_scenes(const Eigen::Isometry3d& T, std::span<const size_t> scenes);
-  /// Ascends one level from each pose; returns the best results, best first.
+  /// Ascends one level from each pose; returns the best of the different maxima, best first.
   std::vector<Eigen::Isometry3d> ascend_from_all(const std::vector<Eigen::Isometry3d>& from,
                                                  const Level& level);
 

@@ -40,6 +40,16 @@ TEST(SweepPairing, FindsTheSweepNearestToEachExposure) {
   EXPECT_FALSE(pairs[3].found);
 }
 
+TEST(SweepPairing, LeavesOutSweepsFartherThanTheMaximumGap) {
+  for (const bool wide : {false, true}) {
+    SweepPairing pairing(Eigen::Isometry3d::Identity(), false, from_seconds(wide ? 0.2 : 0.1));
+    pairing.add_exposure(at_ms(250));
+    pairing.add_sweep(sweep_at(0, 0));  // ends at 100 ms
+    const auto pairs = pairing.finish();
+    EXPECT_EQ(pairs[0].found, wide);
+  }
+}
+
 TEST(SweepPairing, SettledSweepsCanBeTaken) {
   SweepPairing pairing(Eigen::Isometry3d::Identity(), false);
   for (const int64_t ms : {50, 4950}) pairing.add_exposure(at_ms(ms));

@@ -86,6 +86,22 @@ TEST(EstimateIntrinsics, ACalibrationWithAWrongCameraIsRefused) {
   EXPECT_TRUE(result.model_mismatches.front().gross);
 }
 
+TEST(EstimateIntrinsics, ACalibrationStatesWhichErrorsTheScenesShow) {
+  const painted::Drive& drive = painted::twelve_scene_drive();
+  const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(painted::small_camera())}};
+  const CalibrationResult result =
+      calibrate(drive.scenes, cameras, drive.T_camera_lidar, {.restarts = 1});
+  ASSERT_TRUE(result.intrinsics.front());
+  ASSERT_GE(result.model_mismatches.size(), 4U);
+  const IntrinsicsEstimate& estimate = *result.intrinsics.front();
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const double shown = result.model_mismatches[static_cast<size_t>(i)].shown_sigma;
+    const double per_unit = i == 0 ? 100 : 1;  // per cent
+    EXPECT_NEAR(shown, per_unit * std::sqrt(estimate.covariance(i, i)), 1e-9);
+    EXPECT_LT(per_unit * std::abs(estimate.correction(i)), 3.5 * shown);  // the camera is right
+  }
+}
+
 TEST(EstimateIntrinsics, FewScenesGiveNoEstimate) {
   const std::vector<Scene>& all = painted::twelve_scene_drive().scenes;
   const std::vector<Scene> few(all.begin(), all.begin() + 7);

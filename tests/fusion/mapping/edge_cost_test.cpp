@@ -12,43 +12,43 @@ class EdgeCost : public testing::Test {};
 
 template <int D>
 struct Dimensions {
-  static constexpr int value = D;
+  static constexpr int kValue = D;
 };
 using BothDimensions = testing::Types<Dimensions<2>, Dimensions<3>>;
 TYPED_TEST_SUITE(EdgeCost, BothDimensions);
 
 TYPED_TEST(EdgeCost, HasTheDerivativesOfFiniteDifferences) {
-  constexpr int D = TypeParam::value;
+  constexpr int kD = TypeParam::kValue;
   std::mt19937 random(3);
   for (const Cost cost : {Cost::kInformation, Cost::kChordal}) {
-    const auto walk = random_walk<D>(2, random);
-    const Pose<D> from = moved(walk[1], random_vector<D>(random, 1));
-    PoseEdge<D> edge{0, 1, walk[1]};
-    const PoseMatrix<D> root =
-        PoseMatrix<D>::NullaryExpr([&] { return random_vector<D>(random, 1)[0]; });
+    const auto walk = random_walk<kD>(2, random);
+    const Pose<kD> from = moved(walk[1], random_vector<kD>(random, 1));
+    PoseEdge<kD> edge{0, 1, walk[1]};
+    const PoseMatrix<kD> root =
+        PoseMatrix<kD>::NullaryExpr([&] { return random_vector<kD>(random, 1)[0]; });
     edge.information = root * root.transpose();
-    const Pose<D> to = moved(Pose<D>(from * edge.T_from_to), random_vector<D>(random, 0.3));
-    const EdgeSystem<D> system = linearize_edge<D>(edge, from, to, cost);
-    EXPECT_NEAR(system.cost, edge_cost<D>(edge, from, to, cost), 1e-12 * system.cost);
+    const Pose<kD> to = moved(Pose<kD>(from * edge.T_from_to), random_vector<kD>(random, 0.3));
+    const EdgeSystem<kD> system = linearize_edge<kD>(edge, from, to, cost);
+    EXPECT_NEAR(system.cost, edge_cost<kD>(edge, from, to, cost), 1e-12 * system.cost);
     constexpr double kDelta = 1e-6;
-    for (int k = 0; k < kPoseFreedom<D>; ++k) {
-      const Freedom<D> step = kDelta * Freedom<D>::Unit(k);
-      const double by_from = edge_cost<D>(edge, perturb<D>(from, step), to, cost) -
-                             edge_cost<D>(edge, perturb<D>(from, -step), to, cost);
-      const double by_to = edge_cost<D>(edge, from, perturb<D>(to, step), cost) -
-                           edge_cost<D>(edge, from, perturb<D>(to, -step), cost);
+    for (int k = 0; k < kPoseFreedom<kD>; ++k) {
+      const Freedom<kD> step = kDelta * Freedom<kD>::Unit(k);
+      const double by_from = edge_cost<kD>(edge, perturb<kD>(from, step), to, cost) -
+                             edge_cost<kD>(edge, perturb<kD>(from, -step), to, cost);
+      const double by_to = edge_cost<kD>(edge, from, perturb<kD>(to, step), cost) -
+                           edge_cost<kD>(edge, from, perturb<kD>(to, -step), cost);
       EXPECT_NEAR(system.g_from[k], by_from / (4 * kDelta), 1e-6) << k;
       EXPECT_NEAR(system.g_to[k], by_to / (4 * kDelta), 1e-6) << k;
     }
     // Without a residual Gauss–Newton's matrix is half the second derivative.
-    const Pose<D> exact = from * edge.T_from_to;
-    const EdgeSystem<D> at_zero = linearize_edge<D>(edge, from, exact, cost);
+    const Pose<kD> exact = from * edge.T_from_to;
+    const EdgeSystem<kD> at_zero = linearize_edge<kD>(edge, from, exact, cost);
     EXPECT_NEAR(at_zero.cost, 0, 1e-12);
     for (int i = 0; i < 5; ++i) {
-      const Freedom<D> a = random_vector<D>(random, 1e-4), b = random_vector<D>(random, 1e-4);
+      const Freedom<kD> a = random_vector<kD>(random, 1e-4), b = random_vector<kD>(random, 1e-4);
       const double expected = a.dot(at_zero.H_from_from * a) + b.dot(at_zero.H_to_to * b) +
                               2 * b.dot(at_zero.H_to_from * a);
-      EXPECT_NEAR(edge_cost<D>(edge, perturb<D>(from, a), perturb<D>(exact, b), cost), expected,
+      EXPECT_NEAR(edge_cost<kD>(edge, perturb<kD>(from, a), perturb<kD>(exact, b), cost), expected,
                   2e-3 * expected);
     }
   }
