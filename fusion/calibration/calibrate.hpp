@@ -72,10 +72,10 @@ struct CalibrateOptions {
   std::optional<std::string> invalid() const;
 };
 
-/// Returns the options with blurs for a rig whose first camera is `camera`: as wide in angle as they
-/// are with a focal length of 500 px where it is shorter, but at least 1 px. Eight pixels are 1.6°
-/// of a wide camera with 640 pixels: so blurred, all ascents led to one maximum 3° beside the
-/// truth, from which no finer level came back.
+/// Returns the options with blurs for a rig whose first camera is `camera`: as wide in angle as
+/// they are with a focal length of 500 px where it is shorter, but at least 1 px. Eight pixels
+/// are 1.6° of a wide camera with 640 pixels: so blurred, all ascents led to one maximum 3° beside
+/// the truth, from which no finer level came back.
 CalibrateOptions scale_blurs(const CalibrateOptions& options, const RigCamera& camera);
 
 /// Every blur of the images (px) that a calibration looks up.
