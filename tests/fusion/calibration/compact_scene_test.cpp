@@ -20,7 +20,7 @@ const painted::Drive& wide_drive() {
 }
 
 std::vector<Scene> compacted(const CalibrateOptions& options, const Eigen::Isometry3d& T) {
-  CompactOptions compact{.sigmas = image_blurs(scale_blurs(options, wide_drive().cameras.front())),
+  CompactOptions compact{.sigmas = image_blurs(options),
                          .margin = options.screen.half_width * std::sqrt(3.0)};
   compact.image = compared_image_features(named_measures().front().terms);
   std::vector<Scene> scenes = wide_drive().scenes;
