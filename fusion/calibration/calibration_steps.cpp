@@ -272,6 +272,7 @@ std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isomet
   const int restarts =
       effective_scenes() < kManyScenes ? options_.restarts_of_few : options_.restarts;
   for (int k = 0; k < kDrawsPerRestart * restarts; ++k) {
+    if (options_.maximize.stop.stop_requested()) return {};
     Vector6 xi;
     for (int axis = 0; axis < 6; ++axis) {
       xi(axis) = draw_uniform(random) *
