@@ -62,7 +62,7 @@ Result<void> read_images(const std::vector<CameraImages>& cameras, const DriveSe
       return fail("camera '" + mount.name + "' has no image within 50 ms of the sweep",
                   setup.path.string(), "choose another sweep");
     }
-    auto frame = read_image(image.path, setup.cameras[images.camera]);
+    auto frame = read_scene_image(image.path, setup.cameras[images.camera]);
     if (!frame) return tl::unexpected(frame.error());
     out.cameras.push_back(mount);
     out.images.push_back(std::move(*frame));

@@ -195,8 +195,9 @@ std::string scenes_html(const ScenePairs& pairs, const CalibrationRun& run) {
 Result<void> write_report(const std::filesystem::path& folder, const ScenePairs& pairs,
                           const std::vector<CalibrationRun>& runs) {
   const CalibrationRun& run = runs.front();
-  const std::array<double, 2> sigmas{run.options.fine.back().sigma, run.options.support_sigma};
-  calibration::ImagePyramid images(run.scenes, drawn_terms(run), sigmas);
+  const std::array<calibration::ImageBlur, 2> blurs{run.options.fine.back().sigma,
+                                                    run.options.support_sigma};
+  calibration::ImagePyramid images(run.scenes, run.cameras, drawn_terms(run), blurs);
   calibration::CoarseToFine search(run.scenes, run.cameras, drawn_terms(run), images,
                                    run.options.visibility, run.options.maximize,
                                    run.initial_pose.inverse().translation(),

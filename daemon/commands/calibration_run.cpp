@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <ctime>
 
 #include "drivers/measurement/angles.hpp"
@@ -69,13 +70,13 @@ Json model_checks_json(const std::vector<calibration::ModelMismatch>& checks) {
   Json list = Json::array();
   for (const calibration::ModelMismatch& check : checks) {
     list.push_back({{"parameter", check.parameter},
-                    {"error", rounded(check.value)},
-                    {"sigma", rounded(check.sigma)},
+                    {"error", check.value},
+                    {"sigma", check.sigma},
                     {"unit", check.unit},
                     {"significance", rounded(check.significance)},
-                    {"shown_sigma", rounded(check.shown_sigma)},
                     {"suspected", check.significant},
                     {"serious", check.serious}});
+    if (check.detection_limit) list.back()["detection_limit"] = *check.detection_limit;
   }
   return list;
 }
@@ -88,25 +89,33 @@ std::string model_check_text(const calibration::ModelMismatch& check) {
                      std::abs(check.significance));
 }
 
-/// Errors of the intrinsics that the scenes would not show, where they would shift the result by
-/// more than its limits.
-std::string hidden_errors_text(const CalibrationRun& run) {
+/// Errors of the intrinsics that may go unnoticed, where they would shift the result by more than
+/// its limits.
+std::string undetected_errors_text(const CalibrationRun& run) {
   std::string text;
   for (const calibration::ModelMismatch& check : run.result.model_mismatches) {
-    const double hidden = 3 * check.shown_sigma;
-    const double rotation = hidden * check.pose_sensitivity.head<3>().norm();
-    const double translation = hidden * check.pose_sensitivity.tail<3>().norm();
+    if (!check.detection_limit) continue;
+    const double rotation = *check.detection_limit * check.pose_sensitivity.head<3>().norm();
+    const double translation = *check.detection_limit * check.pose_sensitivity.tail<3>().norm();
     if (rotation < run.options.max_rotation_sigma &&
         translation < run.options.max_translation_sigma) {
       continue;
     }
-    text += fmt::format("    {} by {:.2g}{}{}: {:.2f} deg, {:.1f} cm\n", check.parameter, hidden,
-                        *check.unit == '\0' ? "" : " ", check.unit, rotation / kDegree,
-                        100 * translation);
+    text += fmt::format("    {} by {:.2g}{}{}: {:.2f} deg, {:.1f} cm\n", check.parameter,
+                        *check.detection_limit, *check.unit == '\0' ? "" : " ", check.unit,
+                        rotation / kDegree, 100 * translation);
   }
-  if (text.empty()) return text;
-  return "  wrong intrinsics that these scenes may not show, and how far they shift the result:\n" +
-         text;
+  if (!text.empty()) {
+    text =
+        "  errors of the intrinsics that may go unnoticed, and how far they shift the result:\n" +
+        text;
+  }
+  const auto& estimates = run.result.intrinsics;
+  if (!std::all_of(estimates.begin(), estimates.end(), [](const auto& one) { return one; })) {
+    text +=
+        "  errors of the intrinsics go unnoticed: that takes 8 scenes with enough points in view\n";
+  }
+  return text;
 }
 
 /// Standard deviations of a covariance's diagonal, in degrees and centimetres.
@@ -249,9 +258,7 @@ CalibrationRun run_calibration(const ScenePairs& pairs, std::vector<calibration:
                                const Eigen::Isometry3d& initial_pose,
                                const calibration::CalibrateOptions& options, CalibrationKind kind) {
   const double began = cpu_seconds();
-  CalibrationRun run{.measure = measure.name,
-                     .initial_pose = initial_pose,
-                     .options = calibration::scale_blurs(options, rig_camera(pairs, 0))};
+  CalibrationRun run{.measure = measure.name, .initial_pose = initial_pose, .options = options};
   run.options.terms = measure.terms;
   run.options.search_terms = measure.search_terms;
   if (!measure.has_gradient) run.options.maximize.optimizer = calibration::Optimizer::kSimplex;
@@ -409,7 +416,7 @@ std::string to_text(const CalibrationRun& run, const ScenePairs& pairs) {
                       10 * 100 * check.pose_sensitivity.tail<3>().norm());
     }
   }
-  if (result.usable()) text += hidden_errors_text(run);
+  if (result.usable()) text += undetected_errors_text(run);
   return text + notes_text(run, pairs);
 }
 

@@ -125,7 +125,7 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
       ++unpaired;
       return {};
     }
-    auto frame = read_image(images[k].path, open_sensors.setup.cameras[open_sensors.camera]);
+    auto frame = read_scene_image(images[k].path, open_sensors.setup.cameras[open_sensors.camera]);
     if (!frame) return tl::unexpected(frame.error());
     const CameraIntrinsics& intrinsics = mount.intrinsics;
     if (frame->width != intrinsics.width || frame->height != intrinsics.height) {

@@ -9,9 +9,12 @@ namespace infuse::daemon {
 /// Maximum length of an image file.
 inline constexpr size_t kMaxImageBytes = size_t{64} << 20;
 
-/// Reads an image file of a drive. A Bayer mosaic is returned as grey values: they serve once they
-/// are smoothed.
+/// Reads and decodes an image file.
 Result<CameraFrame> read_image(const std::filesystem::path& path,
                                const camera::ImageOptions& options);
+
+/// The same of a drive's camera, to be smoothed: the values of a Bayer mosaic are returned as grey.
+Result<CameraFrame> read_scene_image(const std::filesystem::path& path,
+                                     const camera::ImageOptions& options);
 
 }  // namespace infuse::daemon

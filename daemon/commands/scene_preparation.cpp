@@ -67,12 +67,11 @@ Result<void> ScenePreparation::prepare(ScenePairs& pairs, ScenePair& pair) {
   for (const calibration::NamedMeasure* measure : held_out ? compared : options_.measures) {
     auto scene = make_scene(pairs, pair, *measure, T);
     if (!scene) return tl::unexpected(scene.error());
-    calibration::CompactOptions compact{.image = compared_by(*measure), .sigmas = {}, .margin = {}};
+    calibration::CompactOptions compact{.image = compared_by(*measure), .blurs = {}, .margin = {}};
     if (held_out) {
-      compact.sigmas = {calibration::CompareOptions{}.sigma};
+      compact.blurs = {calibration::CompareOptions{}.sigma};
     } else {
-      compact.sigmas = calibration::image_blurs(
-          calibration::scale_blurs(options_.calibrate, rig_camera(pairs, 0)));
+      compact.blurs = calibration::image_blurs(options_.calibrate);
       compact.margin = rotation_margin(options_);
     }
     calibration::compact_scene(*scene, camera, T, compact);

@@ -28,7 +28,7 @@ struct PairedSweep {
 class SweepPairing {
  public:
   /// Sweeps farther than `max_gap` from an exposure are not paired with it. Without odometry only
-  /// sweeps that their source has deskewed to the exposure are deskewed.
+  /// sweeps that their source has deskewed to the exposure count as deskewed.
   SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry,
                Duration max_gap = kMaxPairingGap);
 

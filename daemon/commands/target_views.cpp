@@ -8,10 +8,8 @@
 #include "daemon/commands/play_lidar.hpp"
 #include "daemon/commands/read_image.hpp"
 #include "drivers/camera/colour.hpp"
-#include "drivers/camera/image_decoder.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/text/text_file.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/target/board_pose.hpp"
 #include "fusion/target/find_boards.hpp"
@@ -39,16 +37,10 @@ Result<size_t> find_camera(const Rig& rig, const std::string& name, const std::s
 }
 
 Result<CameraFrame> read_grey(const StampedImageFile& image, const recording::CameraFiles& files) {
-  const auto text = text::read_text(image.path, kMaxImageBytes);
-  if (!text) return tl::unexpected(text.error());
-  const std::span file(reinterpret_cast<const uint8_t*>(text->data()), text->size());
-  CameraFrame frame;
-  const auto decoded =
-      camera::decode_image(file, {.bayer = files.mosaic, .grey = !files.mosaic.has_value()}, frame);
-  if (!decoded) return fail(decoded.error().what, image.path.string(), decoded.error().hint);
-  if (frame.format == PixelFormat::kGrey8) return frame;
+  auto frame = read_image(image.path, {.bayer = files.mosaic, .grey = !files.mosaic.has_value()});
+  if (!frame || frame->format == PixelFormat::kGrey8) return frame;
   CameraFrame grey;
-  camera::to_grey(frame, grey);
+  camera::to_grey(*frame, grey);
   return grey;
 }
 

@@ -25,8 +25,7 @@ CalibrateOptions coarse_only(CalibrateOptions options, double half_width) {
   options.screen.half_width = half_width;
   options.restarts = options.splits = 0;
   options.check_intrinsics = false;
-  options.fine = {
-      {.sigma = options.fine[options.fine.size() / 2].sigma, .points = 60'000, .tolerance = 5e-3}};
+  options.fine = {quick_level(options)};
   return options;
 }
 

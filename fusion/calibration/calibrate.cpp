@@ -9,9 +9,8 @@
 namespace infuse::calibration {
 namespace {
 
-constexpr double kPriorScale = 1;             // factor of the levels' prior weights
-constexpr double kFullBlurFocalLength = 500;  // px; blurs of shorter ones are scaled
-constexpr double kRetryPriorScale = 3;        // the same where the first attempt is not usable
+constexpr double kPriorScale = 1;       // factor of the levels' prior weights
+constexpr double kRetryPriorScale = 3;  // the same where the first attempt is not usable
 
 double mean_support(const std::vector<SceneSupport>& scenes) {
   double sum = 0;
@@ -117,28 +116,21 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   return std::nullopt;
 }
 
-CalibrateOptions scale_blurs(const CalibrateOptions& options, const RigCamera& camera) {
-  CalibrateOptions scaled = options;
-  const double scale = std::min(1.0, camera.model.intrinsics().fx / kFullBlurFocalLength);
-  const auto apply = [&](double& sigma) { sigma = std::max(scale * sigma, std::min(sigma, 1.0)); };
-  apply(scaled.screen_sigma);
-  apply(scaled.support_sigma);
-  for (auto* levels : {&scaled.coarse, &scaled.fine}) {
-    for (Level& level : *levels) apply(level.sigma);
-  }
-  return scaled;
+Level quick_level(const CalibrateOptions& options) {
+  return {
+      .sigma = options.fine[options.fine.size() / 2].sigma, .points = 60'000, .tolerance = 5e-3};
 }
 
-std::vector<double> image_blurs(const CalibrateOptions& options) {
-  std::vector<double> sigmas{options.screen_sigma, options.support_sigma};
+std::vector<ImageBlur> image_blurs(const CalibrateOptions& options) {
+  std::vector<ImageBlur> blurs{options.screen_sigma, options.support_sigma};
   for (const auto* levels : {&options.coarse, &options.fine}) {
-    for (const Level& level : *levels) sigmas.push_back(level.sigma);
+    for (const Level& level : *levels) blurs.emplace_back(level.sigma);
   }
   if (options.check_intrinsics) {
-    const std::vector<double> further = intrinsics_blurs();
-    sigmas.insert(sigmas.end(), further.begin(), further.end());
+    const std::vector<ImageBlur> further = intrinsics_blurs();
+    blurs.insert(blurs.end(), further.begin(), further.end());
   }
-  return sigmas;
+  return blurs;
 }
 
 CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCamera> cameras,

@@ -26,7 +26,7 @@ struct CalibrateOptions {
   std::vector<TermOptions> search_terms;
 
   // Choice of the basin: rotations are screened, the best of them start an ascent, and the best
-  // results of each level go on to the next.
+  // different maxima of each level go on to the next.
   ScreenOptions screen;
   double screen_sigma = 8;        ///< px, blur of the images for the screening
   size_t screen_points = 16'000;  ///< maximum number of points of the screening
@@ -72,14 +72,12 @@ struct CalibrateOptions {
   std::optional<std::string> invalid() const;
 };
 
-/// Returns the options with blurs for a rig whose first camera is `camera`: as wide in angle as
-/// they are with a focal length of 500 px where it is shorter, but at least 1 px. Eight pixels
-/// are 1.6° of a wide camera with 640 pixels: so blurred, all ascents led to one maximum 3° beside
-/// the truth, from which no finer level came back.
-CalibrateOptions scale_blurs(const CalibrateOptions& options, const RigCamera& camera);
+/// A fine level for comparing many calibrations: one of the options' blurs, which scenes are
+/// prepared for, the middle one, and few points.
+Level quick_level(const CalibrateOptions& options);
 
-/// Every blur of the images (px) that a calibration looks up.
-std::vector<double> image_blurs(const CalibrateOptions& options);
+/// Every blur of the images that a calibration looks up.
+std::vector<ImageBlur> image_blurs(const CalibrateOptions& options);
 
 /// Result of a calibration.
 struct CalibrationResult {

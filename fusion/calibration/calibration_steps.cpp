@@ -18,7 +18,7 @@ using geometry::Vector6;
 
 constexpr double kMaxSameMaximumRotation = 0.3 * kDegree;
 constexpr double kMaxSameMaximumTranslation = 0.04;
-constexpr double kArrived = 1.0 / 3;  // of these: a restart so near to the result converges to it
+constexpr double kArrivedShare = 1.0 / 3;  // of both: a restart so near the result has converged
 // Over wider rotations images of other places fit as well, rad.
 constexpr double kMinBaselineHalfWidth = 0.1;
 constexpr int kDrawsPerRestart = 40;  // number of poses drawn for one ascent
@@ -94,7 +94,7 @@ CalibrationSteps::CalibrationSteps(std::span<const Scene> scenes,
       weights_(scene_weights(similarity_)),
       terms_(options.terms.empty() ? named_measures().front().terms : options.terms),
       search_terms_(search_terms_of(options)),
-      images_(scenes, concatenate(terms_, search_terms_), image_blurs(options)),
+      images_(scenes, cameras, concatenate(terms_, search_terms_), image_blurs(options)),
       margin_(options.screen.half_width * std::sqrt(3.0)),
       screening_scenes_(thin(scenes, options.screen_points)),
       coarse_scenes_(thin(scenes, options.coarse_points)),
@@ -166,7 +166,7 @@ Eigen::Isometry3d CalibrationSteps::restart_from(const Eigen::Isometry3d& drawn,
   Eigen::Isometry3d T = drawn;
   for (const Level& level : restart_levels()) {
     T = coarse_search_.ascend(T, std::span(&level, 1)).T_refcam_lidar;
-    if (is_within(T, result, kArrived)) break;
+    if (is_within(T, result, kArrivedShare)) break;
   }
   return T;
 }
@@ -207,13 +207,17 @@ std::vector<ModelMismatch> CalibrationSteps::find_mismatches(
     if (estimates[c]) add_estimate(*estimates[c], c, all);
   }
   for (size_t c = 0; c < estimates.size(); ++c) {
-    const auto gross = estimates[c]
-                           ? detect_gross_mismatch(*estimates[c], cameras_, c, options_.known)
-                           : std::nullopt;
+    auto gross = estimates[c] ? detect_gross_mismatch(*estimates[c], cameras_, c, options_.known)
+                              : std::nullopt;
     if (!gross) continue;
-    std::erase_if(
-        all, [&](const ModelMismatch& mismatch) { return mismatch.parameter == gross->parameter; });
-    all.insert(all.begin(), *gross);
+    const auto same = std::find_if(all.begin(), all.end(), [&](const ModelMismatch& mismatch) {
+      return mismatch.parameter == gross->parameter;
+    });
+    if (same != all.end()) {
+      gross->detection_limit = same->detection_limit;
+      all.erase(same);
+    }
+    all.insert(all.begin(), *std::move(gross));
   }
   return all;
 }
@@ -247,14 +251,14 @@ void CalibrationSteps::add_estimate(const IntrinsicsEstimate& estimate, size_t c
                                     std::vector<ModelMismatch>& all) const {
   const Eigen::Vector4d unseen =
       unseen_errors(estimate, cameras_[camera].model.intrinsics().fx, options_.known);
-  const Eigen::Vector4d shown = estimate.covariance.diagonal().cwiseSqrt();
+  const Eigen::Vector4d limits = detection_limits(estimate, options_.known);
   const auto in_unit = [&](size_t i, const Eigen::Vector4d& values) {
     return make_intrinsic_mismatch(i, values(static_cast<Eigen::Index>(i)), camera, cameras_.size())
         .value;
   };
   for (size_t i = 0; i < 4 && 4 * camera + i < all.size(); ++i) {
     all[4 * camera + i].unseen_sigma = in_unit(i, unseen);
-    all[4 * camera + i].shown_sigma = in_unit(i, shown);
+    all[4 * camera + i].detection_limit = in_unit(i, limits);
   }
 }
 

@@ -68,7 +68,8 @@ class CalibrationSteps {
   /// `thin_scenes` around the initial pose; scenes of a frequent place keep fewer points.
   std::vector<Scene> thin(std::span<const Scene> scenes, size_t points,
                           bool keep_edges = false) const;
-  /// Sets `unseen_sigma` and `shown_sigma` of a camera's intrinsics, in the order of `check_model`.
+  /// Sets `unseen_sigma` and `detection_limit` of a camera's intrinsics, in the order of
+  /// `check_model`.
   void add_estimate(const IntrinsicsEstimate& estimate, size_t camera,
                     std::vector<ModelMismatch>& all) const;
   /// Returns the two finest of the coarse levels.

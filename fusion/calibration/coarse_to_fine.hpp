@@ -19,7 +19,7 @@ struct Level {
   double tolerance = 2e-3;  ///< MaximizeOptions::tolerance
   double prior_weight = 0;  ///< share of the measure that is subtracted at one standard deviation
                             ///< from the prior position; 0: no prior
-  int survivors = 1;        ///< of coarse levels: number of results that go on to the next
+  int survivors = 1;        ///< of coarse levels: maximum number of different maxima that go on
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

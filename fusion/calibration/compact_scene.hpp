@@ -4,20 +4,20 @@
 #include <vector>
 
 #include "fusion/calibration/dependence_term.hpp"
+#include "fusion/calibration/image_blur.hpp"
 #include "fusion/calibration/scene.hpp"
-#include "fusion/calibration/visible_points.hpp"
 
 namespace infuse::calibration {
 
 /// Which part of a scene a calibration will use.
 struct CompactOptions {
   PerImageFeature<bool> image{};  ///< features that are compared
-  std::vector<double> sigmas;     ///< px, every blur that is looked up
+  std::vector<ImageBlur> blurs;   ///< every one that is looked up
   /// Points stay that can come into view when the camera rotates by so much, rad; nothing: all.
   std::optional<double> margin;
 };
 
-/// Prepares a scene: blurs its image features for all `sigmas` at once, computes its signature and
+/// Prepares a scene: blurs its image features for all `blurs` at once, computes its signature and
 /// releases its image and the points that cannot come into view. A fifth of the memory remains.
 /// A calibration that uses no more than this has the same result, but for rounding of the image's
 /// features to 8 bits.

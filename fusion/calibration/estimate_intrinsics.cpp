@@ -16,6 +16,9 @@ using Vector10 = Parameters<10>;
 struct IntrinsicsLevel {
   double sigma;   // px
   size_t points;  // maximum number
+
+  // Wrong intrinsics shift images by pixels, however wide they are.
+  ImageBlur blur() const { return ImageBlur::in_pixels(sigma); }
 };
 constexpr IntrinsicsLevel kLevels[] = {{8, 15'000}, {4, 30'000}, {2, 60'000}, {1, 240'000}};
 constexpr AscentOptions kAscent{.max_iterations = 50, .tolerance = 1e-2};
@@ -196,10 +199,14 @@ double students_t(std::span<const double> values) {
   return squares > 0 ? sum / std::sqrt(n / (n - 1) * squares) : 0;
 }
 
-/// Standard deviations to which the four intrinsics are assumed to be known.
-Eigen::Vector4d assumed_sigmas(const KnownParameters& known) {
-  return {known.focal_sigma, known.principal_point_sigma, known.principal_point_sigma,
-          known.radial_sigma};
+/// C + K: covariance of the estimate with that of what is known and of what imperfections feign.
+Eigen::Matrix4d tested_covariance(const IntrinsicsEstimate& estimate,
+                                  const KnownParameters& known) {
+  const Eigen::Vector4d assumed(known.focal_sigma, known.principal_point_sigma,
+                                known.principal_point_sigma, known.radial_sigma);
+  Eigen::Matrix4d sum = estimate.covariance;
+  sum.diagonal() += assumed.cwiseAbs2() + kFeigned.cwiseAbs2();
+  return sum;
 }
 
 }  // namespace
@@ -222,7 +229,7 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   for (const IntrinsicsLevel& level : std::span(kLevels).first(std::size(kLevels) - 1)) {
     thinned.max_points = level.points;
     const VisiblePoints points = select_visible(scenes, freed.cameras(at), freed.pose(at), thinned);
-    at = ascend_level(freed, at, points, images.at(level.sigma), scenes, search_terms).d;
+    at = ascend_level(freed, at, points, images.at(level.blur()), scenes, search_terms).d;
     if (stop.stop_requested()) return std::nullopt;
   }
   // The measure has many maxima of like height. The one that the given intrinsics lie near counts,
@@ -230,12 +237,12 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   thinned.max_points = finest.points;
   VisiblePoints given_points = select_visible(scenes, cameras, T_refcam_lidar, thinned);
   const auto ascend_finest = [&](const Vector10& from) {
-    return ascend_level(freed, from, given_points, images.at(finest.sigma), scenes, terms);
+    return ascend_level(freed, from, given_points, images.at(finest.blur()), scenes, terms);
   };
   LevelMaximum best = ascend_finest(Vector10::Zero());
   if (const LevelMaximum other = ascend_finest(at); other.value > best.value) {
     const std::vector<double> gains =
-        scene_gains(given_points, images.at(finest.sigma), scenes, freed.cameras(best.d),
+        scene_gains(given_points, images.at(finest.blur()), scenes, freed.cameras(best.d),
                     freed.pose(best.d), freed.cameras(other.d), freed.pose(other.d), camera, terms);
     if (!best.converged || students_t(gains) > kHigherMaximum) best = other;
   }
@@ -247,13 +254,13 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
       .T_refcam_lidar = freed.pose(at), .correction = freed.correction(at), .converged = converged};
   const std::vector<RigCamera> corrected = freed.cameras(at);
   const std::vector<double> gain =
-      scene_gains(given_points, images.at(finest.sigma), scenes, cameras, T_refcam_lidar, corrected,
-                  out.T_refcam_lidar, camera, terms);
+      scene_gains(given_points, images.at(finest.blur()), scenes, cameras, T_refcam_lidar,
+                  corrected, out.T_refcam_lidar, camera, terms);
   out.scenes = static_cast<int>(gain.size());
   if (out.scenes < kMinScenesOfCamera) return std::nullopt;
   given_points = {};  // released before others are chosen
   const VisiblePoints points = select_visible(scenes, corrected, out.T_refcam_lidar, thinned);
-  Objective objective(points, images.at(finest.sigma), corrected, scenes, terms);
+  Objective objective(points, images.at(finest.blur()), corrected, scenes, terms);
   const SceneInformation curvature = joint_curvature(objective, out.T_refcam_lidar);
   out.covariance =
       joint_covariance(curvature, objective.scene_gradients(out.T_refcam_lidar), uncertainty)
@@ -267,17 +274,16 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
   return out;
 }
 
-std::vector<double> intrinsics_blurs() {
-  std::vector<double> sigmas;
-  for (const IntrinsicsLevel& level : kLevels) sigmas.push_back(level.sigma);
-  return sigmas;
+std::vector<ImageBlur> intrinsics_blurs() {
+  std::vector<ImageBlur> blurs;
+  for (const IntrinsicsLevel& level : kLevels) blurs.push_back(level.blur());
+  return blurs;
 }
 
 std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& freed,
                                                    std::span<const RigCamera> cameras,
                                                    size_t camera, const KnownParameters& known) {
-  Eigen::Matrix4d spread = freed.covariance;
-  spread.diagonal() += assumed_sigmas(known).cwiseAbs2() + kFeigned.cwiseAbs2();
+  const Eigen::Matrix4d spread = tested_covariance(freed, known);
   const bool contradicts = freed.correction.dot(spread.ldlt().solve(freed.correction)) > kChiSquare;
   if (!contradicts || !(freed.significance > 0)) {
     if (freed.converged) return std::nullopt;
@@ -296,13 +302,18 @@ std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& fre
   return mismatch;
 }
 
+Eigen::Vector4d detection_limits(const IntrinsicsEstimate& estimate, const KnownParameters& known) {
+  const Eigen::Matrix4d information =
+      tested_covariance(estimate, known).ldlt().solve(Eigen::Matrix4d::Identity());
+  return (kChiSquare * information.diagonal().cwiseInverse()).cwiseSqrt();
+}
+
 Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_length,
                               const KnownParameters& known) {
   Eigen::Vector4d uncalibrated = kUncalibrated;
   uncalibrated.segment<2>(1) *= focal_length;
   const Eigen::Vector4d W = uncalibrated.cwiseAbs2();
-  const Eigen::Vector4d S =
-      estimate.covariance.diagonal() + kFeigned.cwiseAbs2() + assumed_sigmas(known).cwiseAbs2();
+  const Eigen::Vector4d S = tested_covariance(estimate, known).diagonal();
   Eigen::Vector4d unseen;
   for (Eigen::Index i = 0; i < 4; ++i) {
     const double of_estimate = W(i) + S(i);

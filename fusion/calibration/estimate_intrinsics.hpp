@@ -43,8 +43,8 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
     const Eigen::Isometry3d& T_refcam_lidar, const Uncertainty& uncertainty,
     const std::stop_token& stop);
 
-/// Blurs of the images (px) that `estimate_intrinsics` looks up.
-std::vector<double> intrinsics_blurs();
+/// Blurs of the images that `estimate_intrinsics` looks up.
+std::vector<ImageBlur> intrinsics_blurs();
 
 /// Tests the four intrinsics together: Tsq = eᵀ (C + K)⁻¹ e, e the estimated correction, C its
 /// covariance, K what they are known to (`known`, and what imperfections of real scenes feign: 0.5
@@ -55,6 +55,11 @@ std::vector<double> intrinsics_blurs();
 std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& estimate,
                                                    std::span<const RigCamera> cameras,
                                                    size_t camera, const KnownParameters& known);
+
+/// Errors of the given intrinsics, each alone, that `detect_gross_mismatch` shows in every second
+/// case; smaller ones go unnoticed more often: √(13.28 / [(C + K)⁻¹]ᵢᵢ), in the units of
+/// `correction`.
+Eigen::Vector4d detection_limits(const IntrinsicsEstimate& estimate, const KnownParameters& known);
 
 /// Standard deviations of errors of the given intrinsics that `detect_gross_mismatch` would not
 /// have shown. With a probability of 0.5 % each of the four is not as well known as stated, but

@@ -38,9 +38,9 @@ struct ModelMismatch {
   double known_sigma = 0;
   /// Standard deviation beyond `known_sigma` that the scenes do not exclude (`unseen_errors`).
   double unseen_sigma = 0;
-  /// Standard deviation with which the scenes show an error of it, in `unit`, from the joint
-  /// estimate; 0: not estimated. Errors of less than three times this may go unnoticed.
-  double shown_sigma = 0;
+  /// Error of it, in `unit`, that the joint estimate shows in every second case
+  /// (`detection_limits`); empty: not estimated.
+  std::optional<double> detection_limit;
   double tolerance = 0;  ///< error that a good calibration leaves, in `unit`
 
   /// Worth reporting: 3.5 standard deviations, and more than a careful calibration leaves.

@@ -111,10 +111,11 @@ PerImageFeature<bool> compared_image_features(std::span<const TermOptions> terms
   return compared;
 }
 
-BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms,
-                             double sigma) {
+BlurredImages::BlurredImages(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
+                             std::span<const TermOptions> terms, const ImageBlur& blur) {
   const PerImageFeature<bool> compared = compared_image_features(terms);
   for (const Scene& scene : scenes) {
+    const double sigma = blur.sigma(cameras[scene.camera]);
     images_.push_back(scene.blurred != nullptr
                           ? scene.blurred->at(sigma)
                           : SceneImages(scene.image, compared, std::span(&sigma, 1)).at(sigma));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fusion/calibration/dependence_term.hpp"
+#include "fusion/calibration/image_blur.hpp"
 #include "fusion/calibration/scene.hpp"
 #include "fusion/calibration/scene_images.hpp"
 #include "fusion/calibration/visible_points.hpp"
@@ -18,9 +19,9 @@ namespace infuse::calibration {
 /// level of a coarse-to-fine search, shared by all poses.
 class BlurredImages {
  public:
-  /// `sigma`: standard deviation of the Gaussian, pixels. Scenes whose images are released
-  /// (`compact_scene`) must have been prepared for it.
-  BlurredImages(std::span<const Scene> scenes, std::span<const TermOptions> terms, double sigma);
+  /// Scenes whose images are released (`compact_scene`) must have been prepared for the blur.
+  BlurredImages(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
+                std::span<const TermOptions> terms, const ImageBlur& blur);
 
   /// Images that are blurred already, one entry per scene.
   explicit BlurredImages(std::vector<SceneImages::Level> images) : images_(std::move(images)) {}

@@ -88,8 +88,7 @@ DelayCalibration calibrate_with_delay(std::span<const Scene> scenes,
   };
 
   // Coarse: the delay with the highest dependence.
-  searching.fine = {
-      {.sigma = options.fine[options.fine.size() / 2].sigma, .points = 60'000, .tolerance = 5e-3}};
+  searching.fine = {quick_level(options)};
   double best_value = -1e9;
   Eigen::Isometry3d T = T_refcam_lidar_initial;
   const auto half = static_cast<int>(delays.max_delay / delays.step + 1e-9);

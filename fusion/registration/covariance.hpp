@@ -20,9 +20,10 @@ struct CovarianceOptions {
   std::optional<std::string> invalid() const;
 };
 
-/// Estimates the local covariance of every point, P 4.2.2: of a plane of variance 1 along it and
-/// ε across, so that its normal (of either sign) says all. Sets the normals of `cloud`; `search`
-/// must have been built from it, and has the caller's `memory`. Same bytes on every processor.
+/// Estimates the local covariance of every point of the tree, P 4.2.2: of a plane of variance 1
+/// along it and ε across, so that its normal (of either sign) says all. Sets the normals of
+/// `cloud`; `search` must have been built from it, and has the caller's `memory`. Same bytes on
+/// every processor.
 void estimate_covariances(const NeighbourSearch& search, const CovarianceOptions& options,
                           std::vector<NeighbourSearch::Point>& memory, PointCloud& cloud);
 

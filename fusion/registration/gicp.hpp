@@ -66,7 +66,9 @@ class Gicp {
   /// `options.invalid()` must be empty.
   explicit Gicp(const GicpOptions& options = {});
 
-  /// Finds the source's pose in the target's frame near the guess.
+  /// Finds the source's pose in the target's frame near the guess. Quick where neighbours stand
+  /// together in `source`, as in the cloud of a `PreparedCloud`; in any order it takes many times
+  /// as long.
   RegistrationResult align(const PreparedCloud& target, const PointCloud& source,
                            const Eigen::Isometry3d& T_target_source_guess);
 

@@ -9,6 +9,7 @@ namespace infuse::registration {
 /// every instruction set gives the same bytes.
 inline constexpr int kLanes = 16;
 using Floats [[gnu::vector_size(64)]] = float;
+using Ints [[gnu::vector_size(64)]] = int32_t;
 using Flags [[gnu::vector_size(64)]] = int32_t;  ///< results of comparisons: -1 or 0
 using Doubles [[gnu::vector_size(64)]] = double;
 

@@ -126,7 +126,7 @@ struct FoundOfEach {
   const Box& box;
   float margin;
   Floats best, second, limits;  // squared
-  Flags index;
+  Ints index;
   float limit;
 
   [[gnu::always_inline]] float bound() const { return limit; }
@@ -251,8 +251,11 @@ void NeighbourSearch::build_and_sort(PointCloud& cloud) {
 }
 
 void NeighbourSearch::build_node(size_t node, size_t begin, size_t end) {
+  const auto at = [&](size_t i) { return entries_.begin() + static_cast<ptrdiff_t>(i); };
   if (node >= splits_.size()) {
     Leaf& leaf = leaves_[node - splits_.size()];
+    // Standard libraries partition in different orders.
+    std::sort(at(begin), at(end), [](const Entry& a, const Entry& b) { return a.index < b.index; });
     for (size_t i = 0; i < kLanes; ++i) {
       const bool used = begin + i < end;
       const Entry entry = used ? entries_[begin + i] : Entry{{kInfinity, kInfinity, kInfinity}, -1};
@@ -275,7 +278,6 @@ void NeighbourSearch::build_node(size_t node, size_t begin, size_t end) {
     if (high[other] - low[other] > high[axis] - low[axis]) axis = other;
   }
   const size_t middle = begin + (end - begin + 1) / 2;
-  const auto at = [&](size_t i) { return entries_.begin() + static_cast<ptrdiff_t>(i); };
   float value = 0;
   if (middle < end) {
     std::nth_element(at(begin), at(middle), at(end), [axis](const Entry& a, const Entry& b) {

@@ -22,18 +22,18 @@ struct NearestQueries {
   Floats max_distance;  ///< m; below 0: not sought
 };
 
-/// Nearest points of 16 points, as `Nearest`; undefined where none was sought.
+/// Nearest points of 16 points, as `Nearest`; undefined where none was sought, and the distance
+/// where none was found.
 struct NearestOfEach {
-  Flags index;
+  Ints index;
   Floats square_distance;
   Floats others;
 };
 
 /// Sums over the nearest neighbours of up to 16 points, side by side; relative to each point.
 struct Neighbourhoods {
-  Floats
-      count;  ///< 0 where there is no point; more than asked where several are as far as the last
-  Floats sum[3];    ///< m: x, y, z
+  Floats count;   ///< 0 where there is no point; where several are as far as the last, any of them
+  Floats sum[3];  ///< m: x, y, z
   Floats cross[6];  ///< m²: xx, xy, xz, yy, yz, zz
 };
 
@@ -58,7 +58,8 @@ class NeighbourSearch {
   /// below, by up to `margin` (m) more than the nearest one's.
   Nearest nearest(const float* point, float max_distance, float margin) const;
 
-  /// The same for points that are near each other, which takes a fraction of the time.
+  /// The same for points that are near each other, which takes a fraction of the time; far apart
+  /// they take many times as long.
   NearestOfEach nearest_of_each(const NearestQueries& queries, float margin) const;
 
   /// A node of the tree: plane between its two children.

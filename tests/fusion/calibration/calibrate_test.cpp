@@ -167,28 +167,6 @@ TEST(Calibrate, StopsWhateverTheNumberOfInitialPoses) {
   EXPECT_LT(result.evaluations, many);
 }
 
-TEST(ScaleBlurs, KeepsTheAngleOfShortFocalLengthsDownToOnePixel) {
-  CalibrateOptions options;
-  options.screen_sigma = 8;
-  options.support_sigma = 3;
-  options.coarse = {{.sigma = 8}, {.sigma = 2}};
-  options.fine = {{.sigma = 1}, {.sigma = 0.5}, {.sigma = 0}};
-  CameraIntrinsics model = painted::small_camera();
-  const auto scaled = [&](double focal_length) {
-    model.fx = model.fy = focal_length;
-    return scale_blurs(options, RigCamera{geometry::CameraModel(model)});
-  };
-  const CalibrateOptions half = scaled(250);
-  EXPECT_DOUBLE_EQ(half.screen_sigma, 4);
-  EXPECT_DOUBLE_EQ(half.support_sigma, 1.5);
-  EXPECT_DOUBLE_EQ(half.coarse[0].sigma, 4);
-  EXPECT_DOUBLE_EQ(half.coarse[1].sigma, 1);
-  EXPECT_DOUBLE_EQ(half.fine[0].sigma, 1);
-  EXPECT_DOUBLE_EQ(half.fine[1].sigma, 0.5);
-  EXPECT_DOUBLE_EQ(half.fine[2].sigma, 0);
-  EXPECT_EQ(image_blurs(scaled(1400)), image_blurs(options));
-}
-
 TEST(CalibrateOptions, SaysWhatIsWrong) {
   EXPECT_FALSE(CalibrateOptions{}.invalid());
   EXPECT_THAT(*(CalibrateOptions{.fine = {}}.invalid()), HasSubstr("fine"));

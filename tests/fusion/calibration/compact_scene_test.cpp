@@ -20,7 +20,7 @@ const painted::Drive& wide_drive() {
 }
 
 std::vector<Scene> compacted(const CalibrateOptions& options, const Eigen::Isometry3d& T) {
-  CompactOptions compact{.sigmas = image_blurs(options),
+  CompactOptions compact{.blurs = image_blurs(options),
                          .margin = options.screen.half_width * std::sqrt(3.0)};
   compact.image = compared_image_features(named_measures().front().terms);
   std::vector<Scene> scenes = wide_drive().scenes;
@@ -58,7 +58,8 @@ TEST(CompactScene, TheSimilarityIsThatOfTheWholeScene) {
 
 TEST(CompactScene, OtherBlursAreAnError) {
   const auto scenes = compacted({}, wide_drive().T_camera_lidar);
-  EXPECT_THROW(BlurredImages(scenes, named_measures().front().terms, 1.7), std::logic_error);
+  EXPECT_THROW(BlurredImages(scenes, wide_drive().cameras, named_measures().front().terms, 1.7),
+               std::logic_error);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ std::optional<IntrinsicsEstimate> estimate_for(const std::vector<Scene>& scenes,
                                                const std::stop_token& stop = {}) {
   const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(given)}};
   const std::vector<TermOptions>& terms = named_measures().front().terms;
-  ImagePyramid images(scenes, terms, std::vector<double>{2});
+  ImagePyramid images(scenes, cameras, terms, std::vector<ImageBlur>{2});
   const Eigen::Isometry3d truth = painted::twelve_scene_drive().T_camera_lidar;
   const VisiblePoints points = select_visible(scenes, cameras, truth, {});
   Objective objective(points, images.at(2), cameras, scenes, terms);
@@ -86,7 +86,7 @@ TEST(EstimateIntrinsics, ACalibrationWithAWrongCameraIsRefused) {
   EXPECT_TRUE(result.model_mismatches.front().gross);
 }
 
-TEST(EstimateIntrinsics, ACalibrationStatesWhichErrorsTheScenesShow) {
+TEST(EstimateIntrinsics, ACalibrationStatesWhichErrorsMayGoUnnoticed) {
   const painted::Drive& drive = painted::twelve_scene_drive();
   const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(painted::small_camera())}};
   const CalibrationResult result =
@@ -94,11 +94,11 @@ TEST(EstimateIntrinsics, ACalibrationStatesWhichErrorsTheScenesShow) {
   ASSERT_TRUE(result.intrinsics.front());
   ASSERT_GE(result.model_mismatches.size(), 4U);
   const IntrinsicsEstimate& estimate = *result.intrinsics.front();
-  for (Eigen::Index i = 0; i < 4; ++i) {
-    const double shown = result.model_mismatches[static_cast<size_t>(i)].shown_sigma;
+  for (size_t i = 0; i < 4; ++i) {
+    ASSERT_TRUE(result.model_mismatches[i].detection_limit);
     const double per_unit = i == 0 ? 100 : 1;  // per cent
-    EXPECT_NEAR(shown, per_unit * std::sqrt(estimate.covariance(i, i)), 1e-9);
-    EXPECT_LT(per_unit * std::abs(estimate.correction(i)), 3.5 * shown);  // the camera is right
+    const double limit = *result.model_mismatches[i].detection_limit / per_unit;
+    EXPECT_LT(std::abs(estimate.correction(static_cast<Eigen::Index>(i))), limit);
   }
 }
 
@@ -129,6 +129,23 @@ TEST(DetectGrossMismatch, ComparesTheCorrectionWithWhatIsKnown) {
   found.significance = 6;
   found.covariance(0, 0) = 1e-3;  // the scenes do not determine it
   EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, {}));
+}
+
+TEST(DetectionLimits, AreWhereTheTestBegins) {
+  const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(painted::small_camera())}};
+  IntrinsicsEstimate found{.significance = 6};
+  const Eigen::Vector4d sigma(0.002, 2, 9, 0.01);
+  found.covariance = sigma.cwiseAbs2().asDiagonal();
+  found.covariance(1, 3) = found.covariance(3, 1) = 0.8 * sigma(1) * sigma(3);
+  const KnownParameters known;
+  const Eigen::Vector4d limits = detection_limits(found, known);
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    found.correction = 0.999 * limits(i) * Eigen::Vector4d::Unit(i);
+    EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, known));
+    found.correction = 1.001 * limits(i) * Eigen::Vector4d::Unit(i);
+    EXPECT_TRUE(detect_gross_mismatch(found, cameras, 0, known));
+  }
+  EXPECT_NEAR(limits(2), 34, 1);  // 3.64 standard deviations of 9.2 px
 }
 
 TEST(UnseenErrors, AreThoseOfDrawnCamerasThatTheTestDoesNotShow) {

@@ -18,7 +18,7 @@ std::vector<ModelMismatch> mismatches_of(const std::vector<Scene>& scenes,
                                          const std::vector<RigCamera>& cameras,
                                          const Eigen::Isometry3d& T) {
   const std::vector<TermOptions>& terms = named_measures().front().terms;
-  const BlurredImages images(scenes, terms, 1);
+  const BlurredImages images(scenes, cameras, terms, 1);
   const VisiblePoints points = select_visible(scenes, cameras, T, {});
   Objective objective(points, images, cameras, scenes, terms);
   const Eigen::Isometry3d best = maximize(objective, T, {}).T_refcam_lidar;

@@ -35,7 +35,7 @@ void compare_on(const RigRecording& recording, uint64_t seed, CompareCounts& cou
   std::vector<calibration::Scene> scenes = make_scenes(recording.diverse, cameras.front(), truth);
   const calibration::CompactOptions compact{
       .image = calibration::compared_image_features(calibration::named_measures().front().terms),
-      .sigmas = {calibration::CompareOptions{}.sigma},
+      .blurs = {calibration::CompareOptions{}.sigma},
       .margin = kMargin};
   for (calibration::Scene& scene : scenes) {
     calibration::compact_scene(scene, cameras.front(), truth, compact);

@@ -37,7 +37,7 @@ void start_far(const RigRecording& recording, uint64_t seed, FarStart start, std
   const Eigen::Isometry3d initial = geometry::exp(off) * turned(recording.T_camera_lidar, heading);
   const calibration::RigCamera camera{geometry::CameraModel(recording.camera)};
   const auto scenes = make_scenes(recording.diverse, camera, initial);
-  calibration::CalibrateOptions options = calibration::scale_blurs({.seed = seed}, camera);
+  calibration::CalibrateOptions options{.seed = seed};
   options.screen.half_width = kTen;
   const std::clock_t began = std::clock();
   const auto result =

@@ -33,9 +33,9 @@ void refine_on(const RigRecording& recording, uint64_t seed, std::ostream& out,
   const Eigen::Isometry3d initial = geometry::exp(off) * recording.T_camera_lidar;
   const calibration::RigCamera camera{geometry::CameraModel(stated)};
   const std::clock_t began = std::clock();
-  const auto found = calibration::calibrate_with_intrinsics(
-      make_scenes(recording.diverse, camera, initial), std::span(&camera, 1), initial,
-      calibration::scale_blurs({.seed = seed}, camera));
+  const auto found =
+      calibration::calibrate_with_intrinsics(make_scenes(recording.diverse, camera, initial),
+                                             std::span(&camera, 1), initial, {.seed = seed});
   const double cpu = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
   const calibration::RefinedIntrinsics& refined = found.cameras.front();
   const Eigen::Vector4d error(std::log(refined.intrinsics.fx / truth.fx),

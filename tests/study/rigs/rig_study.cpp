@@ -225,8 +225,8 @@ RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed
   const std::vector<RigCamera> cameras{{geometry::CameraModel(stated)}};
   const std::vector<Scene> scenes = make_scenes(recorded, cameras[0], initial);
   const std::clock_t began = std::clock();
-  const calibration::CalibrationResult result = calibration::calibrate(
-      scenes, cameras, initial, calibration::scale_blurs({.seed = seed}, cameras[0]));
+  const calibration::CalibrationResult result =
+      calibration::calibrate(scenes, cameras, initial, {.seed = seed});
   RigTrial trial{.seed = seed,
                  .kind = kind.name,
                  .lidar = recording.lidar,
