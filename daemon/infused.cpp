@@ -71,13 +71,13 @@ void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
                      "infused --replay drive/ --rate 1 --json"});
 }
 
-/// What is hardly meant, and what is not there now. It may be later: the daemon waits for it.
+/// What is hardly meant, and what does not exist at present. It may later: the daemon waits for it.
 void print_notes(const LiveSetup& setup) {
   for (const auto* notes : {&setup.vehicle.notes, &setup.doubts}) {
     for (const Error& each : *notes) std::cout << "note: " << each.message() << "\n";
   }
   const auto note = [](const std::string& what) {
-    std::cout << "note: " << what << " is not there now\n";
+    std::cout << "note: " << what << " does not exist at present\n";
   };
   for (const auto& bus : setup.interfaces) {
     if (::if_nametoindex(bus.interface.c_str()) == 0) note("interface " + bus.interface);

@@ -5,6 +5,7 @@
 
 #include "daemon/command_line/lidar_problems.hpp"
 #include "daemon/pipeline/fusion_thread.hpp"
+#include "daemon/service/process_times.hpp"
 #include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
@@ -13,6 +14,11 @@ namespace {
 /// Events per second of drive time.
 double rate(uint64_t count, Duration span) {
   return span > Duration::zero() ? static_cast<double>(count) / to_seconds(span) : 0;
+}
+
+/// "1 sweep", "2 sweeps".
+std::string counted(uint64_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 uint64_t count_lost(const LidarCounters& counters) {
@@ -174,8 +180,8 @@ std::string device_text(const Device& device, const LidarCounters& c, Level leve
   text += fmt::format("    {} packets ({:.1f}/s), {} lost{}\n", c.packets,
                       rate(c.packets, active_duration(c)), count_lost(c), causes_text(c));
   text += fmt::format(
-      "    {} sweeps ({:.2f}/s), {} returns ({:.0f} per sweep)\n", c.sweeps, sweep_rate(c),
-      c.returns,
+      "    {} ({:.2f}/s), {} returns ({:.0f} per sweep)\n", counted(c.sweeps, "sweep"),
+      sweep_rate(c), c.returns,
       c.sweeps == 0 ? 0.0 : static_cast<double>(c.returns) / static_cast<double>(c.sweeps));
   if (c.position_packets > 0) text += fmt::format("    {} position packets\n", c.position_packets);
   return text + "    clock: " + clock_text(c.clock) + "\n";
@@ -207,7 +213,7 @@ std::string odometry_text(const OdometryStatus& odometry) {
   text += fmt::format(", yaw-rate bias {:.3f} ± {:.3f} °/s\n", odometry.yaw_rate_bias / kDegree,
                       odometry.yaw_rate_bias_sigma / kDegree);
   if (odometry.not_deskewed > 0) {
-    text += fmt::format("    {} sweeps were not deskewed\n", odometry.not_deskewed);
+    text += fmt::format("    {} not deskewed\n", counted(odometry.not_deskewed, "sweep"));
   }
   return text;
 }
@@ -239,13 +245,12 @@ std::string to_text(const Summary& summary) {
     for (const StageStats& stage : totals.host.stages) {
       if (stage.latency.count > 0) text += stage_text(stage);
     }
-    text += fmt::format(
-        "  {} sweeps took longer than {:.0f} ms from the last data that they need to their "
-        "report\n",
-        total->deadline_misses, 1e3 * to_seconds(FusionThread::kLatencyBudget));
+    text += fmt::format("  {} of {}: report more than {:.0f} ms after the last data needed\n",
+                        total->deadline_misses, counted(total->latency.count, "sweep"),
+                        1e3 * to_seconds(FusionThread::kLatencyBudget));
   }
-  text += fmt::format("  {} alerts; {:.2f} s of processor time, {:.0f} MB peak memory\n",
-                      totals.alerts, process_cpu_s(), peak_memory_mb());
+  text += fmt::format("  {}; {:.2f} s of processor time, {:.0f} MB peak memory\n",
+                      counted(totals.alerts, "alert"), process_cpu_s(), peak_memory_mb());
   for (const AlertReport& alert : totals.first_alerts) {
     text +=
         fmt::format("  alert after {:.0f} s: {}: {} ({})\n", to_seconds(alert.stamp - totals.start),

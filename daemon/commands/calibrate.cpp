@@ -8,6 +8,7 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/commands/calibration_comparison.hpp"
+#include "daemon/commands/calibration_format.hpp"
 #include "daemon/commands/calibration_report.hpp"
 #include "daemon/commands/calibration_run.hpp"
 #include "daemon/commands/command.hpp"

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "daemon/commands/calibration_format.hpp"
 #include "daemon/commands/calibration_images.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/text/text_file.hpp"
@@ -195,8 +196,9 @@ std::string scenes_html(const ScenePairs& pairs, const CalibrationRun& run) {
 Result<void> write_report(const std::filesystem::path& folder, const ScenePairs& pairs,
                           const std::vector<CalibrationRun>& runs) {
   const CalibrationRun& run = runs.front();
-  const std::array<calibration::ImageBlur, 2> blurs{run.options.fine.back().sigma,
-                                                    run.options.support_sigma};
+  const std::array<calibration::ImageBlur, 2> blurs{
+      calibration::ImageBlur::in_angle(run.options.fine.back().sigma),
+      calibration::ImageBlur::in_angle(run.options.support_sigma)};
   calibration::ImagePyramid images(run.scenes, run.cameras, drawn_terms(run), blurs);
   calibration::CoarseToFine search(run.scenes, run.cameras, drawn_terms(run), images,
                                    run.options.visibility, run.options.maximize,

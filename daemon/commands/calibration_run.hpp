@@ -7,7 +7,6 @@
 
 #include "daemon/commands/calibration_scenes.hpp"
 #include "daemon/commands/motion_uncertainty.hpp"
-#include "daemon/protocol/json.hpp"
 #include "fusion/calibration/any_heading.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
@@ -16,8 +15,13 @@
 
 namespace infuse::daemon {
 
-/// What a calibration estimates: the pose, that without a guess of the heading, or more.
-enum class CalibrationKind : uint8_t { kPose, kAnyHeading, kIntrinsics, kDelay };
+/// What a calibration estimates.
+enum class CalibrationKind : uint8_t {
+  kPose,        ///< the pose, from a guess of all of it
+  kAnyHeading,  ///< the pose, without a guess of the heading
+  kIntrinsics,  ///< the pose and the intrinsics of the cameras
+  kDelay,       ///< the pose and the delay of the camera's stamps
+};
 
 /// A calibration with one measure, and its input.
 struct CalibrationRun {
@@ -63,7 +67,7 @@ Result<std::vector<calibration::Scene>> make_scenes(const ScenePairs& pairs,
 /// order.
 CalibrationRun run_calibration(const ScenePairs& pairs, std::vector<calibration::Scene> scenes,
                                const calibration::NamedMeasure& measure,
-                               const Eigen::Isometry3d& start,
+                               const Eigen::Isometry3d& initial_pose,
                                const calibration::CalibrateOptions& options,
                                CalibrationKind kind = CalibrationKind::kPose);
 
@@ -71,18 +75,11 @@ CalibrationRun run_calibration(const ScenePairs& pairs, std::vector<calibration:
 /// made.
 Result<CalibrationRun> run_calibration(const ScenePairs& pairs,
                                        const calibration::NamedMeasure& measure,
-                                       const Eigen::Isometry3d& start,
+                                       const Eigen::Isometry3d& initial_pose,
                                        const calibration::CalibrateOptions& options,
                                        CalibrationKind kind = CalibrationKind::kPose);
 
 /// Returns the camera's delay as the run estimates it (s), if it does.
 std::optional<double> refined_delay(const CalibrationRun& run, const ScenePairs& pairs);
-
-/// Formats the result as JSON: `T_camera_lidar`, `covariance`, `usable`, `reason` and the evidence
-/// for them.
-Json to_json(const CalibrationRun& run, const ScenePairs& pairs);
-
-/// Formats the result as several lines of text.
-std::string to_text(const CalibrationRun& run, const ScenePairs& pairs);
 
 }  // namespace infuse::daemon

@@ -78,13 +78,12 @@ std::vector<recording::SequenceEntry> select_evenly(
 using SweepConsumer = std::function<Result<void>(size_t image, PairedSweep&& sweep)>;
 
 /// Plays the drive and finds the sweep of each image.
-Result<void> pair_sweeps(OpenDrive& open_sensors,
-                         const std::vector<recording::SequenceEntry>& images, Duration max_gap,
-                         const std::function<void(double)>& progress,
+Result<void> pair_sweeps(OpenDrive& drive, const std::vector<recording::SequenceEntry>& images,
+                         Duration max_gap, const std::function<void(double)>& progress,
                          const SweepConsumer& consume) {
-  const Rig& rig = open_sensors.drive.description.rig;
-  SweepPairing pairing(rig.lidars[open_sensors.lidar].T_vehicle_lidar,
-                       open_sensors.setup.vehicle.has_odometry(), max_gap);
+  const Rig& rig = drive.drive.description.rig;
+  SweepPairing pairing(rig.lidars[drive.lidar].T_vehicle_lidar, drive.setup.vehicle.has_odometry(),
+                       max_gap);
   for (const recording::SequenceEntry& image : images) pairing.add_exposure(image.stamp);
   const auto on_sweep = [&](Sweep& sweep) { pairing.add_sweep(sweep); };
   const auto on_sample = [&](const VehicleSample& sample) { pairing.add_sample(sample); };
@@ -92,8 +91,7 @@ Result<void> pair_sweeps(OpenDrive& open_sensors,
   Result<void> consumed;
   size_t taken = 0;
   play_lidar(
-      open_sensors.setup, open_sensors.lidar, on_sweep, on_sample,
-      [&](const recording::DriveEvent& event) {
+      drive.setup, drive.lidar, on_sweep, on_sample, [&](const recording::DriveEvent& event) {
         pairing.advance(event.stamp);
         for (; consumed && taken < pairing.settled(); ++taken) {
           consumed = consume(taken, pairing.take(taken));
@@ -111,13 +109,13 @@ Result<void> pair_sweeps(OpenDrive& open_sensors,
 }
 
 /// Adds a drive's pairs of one camera; notes what is left out.
-Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
-                       const SceneRequest& request, const std::function<void(double)>& progress,
-                       const PairConsumer& consume, ScenePairs& out) {
-  const auto images = select_evenly(open_sensors.images, count);
+Result<void> add_pairs(OpenDrive& drive, size_t camera, size_t count, const SceneRequest& request,
+                       const std::function<void(double)>& progress, const PairConsumer& consume,
+                       ScenePairs& out) {
+  const auto images = select_evenly(drive.images, count);
   const CameraMount& mount = out.cameras[camera];
-  std::string drive = fs::path(open_sensors.drive.folder).lexically_normal().filename().string();
-  if (request.cameras.size() > 1) drive += "/" + mount.name;
+  std::string label = fs::path(drive.drive.folder).lexically_normal().filename().string();
+  if (request.cameras.size() > 1) label += "/" + mount.name;
   size_t unpaired = 0;
   std::map<std::string, size_t> not_deskewed;
   const auto add = [&](size_t k, PairedSweep&& sweep) -> Result<void> {
@@ -125,7 +123,7 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
       ++unpaired;
       return {};
     }
-    auto frame = read_scene_image(images[k].path, open_sensors.setup.cameras[open_sensors.camera]);
+    auto frame = read_scene_image(images[k].path, drive.setup.cameras[drive.camera]);
     if (!frame) return tl::unexpected(frame.error());
     const CameraIntrinsics& intrinsics = mount.intrinsics;
     if (frame->width != intrinsics.width || frame->height != intrinsics.height) {
@@ -134,7 +132,7 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
                   images[k].path.string(), "intrinsics are valid for one image size only");
     }
     if (!sweep.deskew_reason.empty()) ++not_deskewed[sweep.deskew_reason];
-    ScenePair pair{.name = fmt::format("{}/{:06}", drive, images[k].number),
+    ScenePair pair{.name = fmt::format("{}/{:06}", label, images[k].number),
                    .camera = camera,
                    .stamp = images[k].stamp,
                    .gap = sweep.gap,
@@ -150,25 +148,24 @@ Result<void> add_pairs(OpenDrive& open_sensors, size_t camera, size_t count,
     out.pairs.push_back(std::move(pair));
     return {};
   };
-  if (auto paired = pair_sweeps(open_sensors, images, request.max_gap, progress, add); !paired)
+  if (auto paired = pair_sweeps(drive, images, request.max_gap, progress, add); !paired)
     return paired;
   if (unpaired > 0) {
     out.notes.push_back(fmt::format(
         "{}: {} of {} images have no sweep within {:.0f} ms; check that camera and lidar are "
         "stamped by one clock",
-        drive, unpaired, images.size(), 1e3 * to_seconds(request.max_gap)));
+        label, unpaired, images.size(), 1e3 * to_seconds(request.max_gap)));
   }
   for (const auto& [reason, times] : not_deskewed) {
-    out.notes.push_back(fmt::format("{}: {} sweeps not deskewed: {}", drive, times, reason));
+    out.notes.push_back(fmt::format("{}: {} sweeps not deskewed: {}", label, times, reason));
   }
   return {};
 }
 
-std::optional<Eigen::Isometry3d> true_extrinsics(const OpenDrive& open_sensors,
+std::optional<Eigen::Isometry3d> true_extrinsics(const OpenDrive& drive,
                                                  const std::string& camera) {
-  if (open_sensors.drive.description.truth_rig.empty()) return std::nullopt;
-  const auto rig =
-      recording::read_rig(open_sensors.drive.resolve(open_sensors.drive.description.truth_rig));
+  if (drive.drive.description.truth_rig.empty()) return std::nullopt;
+  const auto rig = recording::read_rig(drive.drive.resolve(drive.drive.description.truth_rig));
   const CameraMount* mount = rig ? rig->find_camera(camera) : nullptr;
   if (mount == nullptr) return std::nullopt;
   return mount->T_camera_lidar;

@@ -44,7 +44,8 @@ DriveUse with_images(const char* name, const Summary& summary) {
         "{} of {} images have a sweep near them; check that both are stamped by one clock",
         totals.matched_frames, totals.frames);
   } else if (totals.deskewed_sweeps == 0) {
-    use.statement = "no sweep is deskewed; possible all the same if the vehicle was standing";
+    use.if_standing = true;
+    use.statement = "no sweep is deskewed";
   } else {
     use.possible = true;
     use.statement =
@@ -59,7 +60,9 @@ DriveUse tracking(const Summary& summary, bool has_map) {
     if (!present) missing += (missing.empty() ? "missing: " : ", ") + std::string(what);
   };
   need(summary.totals.sweeps > 0, "sweeps");
-  need(summary.has_odometry && summary.totals.deskewed_sweeps > 0, "odometry");
+  need(summary.has_odometry, "odometry");
+  const bool none_deskewed = summary.totals.sweeps > 0 && summary.totals.deskewed_sweeps == 0;
+  need(!summary.has_odometry || !none_deskewed, "deskewed sweeps");
   need(has_map, "a street map ([map], or [streetmap] of infused.toml)");
   DriveUse use{
       .use = "tracking on a street map", .possible = missing.empty(), .statement = missing};
@@ -72,6 +75,11 @@ DriveUse tracking(const Summary& summary, bool has_map) {
 }
 
 }  // namespace
+
+const char* answer(const DriveUse& use) {
+  if (use.possible) return "yes";
+  return use.if_standing ? "only if the vehicle stood still" : "no";
+}
 
 std::vector<DriveUse> drive_uses(const Summary& summary, bool has_map) {
   return {deskewing(summary), with_images("monitoring", summary),

@@ -11,8 +11,12 @@ namespace infuse::daemon {
 struct DriveUse {
   const char* use = "";  ///< "deskewing", …
   bool possible = false;
-  std::string statement;  ///< the share that is usable, and what is missing
+  bool if_standing = false;  ///< not possible by the data, but if the vehicle stood still
+  std::string statement;     ///< the share that is usable, and what is missing
 };
+
+/// Returns "yes", "no" or "only if the vehicle stood still".
+const char* answer(const DriveUse& use);
 
 /// Returns what a replayed drive can be used for: deskewing, monitoring and calibrating its
 /// cameras, tracking on a street map. `has_map`: the drive names a map.

@@ -62,7 +62,7 @@ Command declare_evaluate(CLI::App& infuse) {
                   "a trajectory (TUM or KITTI), or a calibration: a rig.toml, a drive, or the JSON "
                   "of infuse calibrate")
       ->required();
-  app->add_option("TRUTH", arguments->truth, "the same, or a drive with ground truth")->required();
+  app->add_option("TRUTH", arguments->truth, "the same, or a drive with truth")->required();
   app->add_option(
          "--align", arguments->alignment,
          "alignment of a trajectory before scoring: none, first (first pose on first pose), "

@@ -52,7 +52,7 @@ int run_mcap(const ExportArguments& arguments) {
 }  // namespace
 
 Command declare_export(CLI::App& infuse) {
-  CLI::App* app = infuse.add_subcommand("export", "convert a drive to a format of others");
+  CLI::App* app = infuse.add_subcommand("export", "convert a drive to another format");
   app->require_subcommand(1);
   CLI::App* mcap = app->add_subcommand("mcap", "ROS 2 messages, for ros2 bag play and Foxglove");
   const auto arguments = std::make_shared<ExportArguments>();

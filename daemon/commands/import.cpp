@@ -276,7 +276,8 @@ std::shared_ptr<ImportArguments> declare(CLI::App* app, const char* source,
 }  // namespace
 
 Command declare_import(CLI::App& infuse) {
-  CLI::App* app = infuse.add_subcommand("import", "convert a recording of others to a drive");
+  CLI::App* app =
+      infuse.add_subcommand("import", "convert a recording in another format to a drive");
   app->require_subcommand(1);
   CLI::App* kitti = app->add_subcommand("kitti", "KITTI's raw, odometry and object layouts");
   CLI::App* opencalib =

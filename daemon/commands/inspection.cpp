@@ -144,7 +144,7 @@ std::vector<std::string> list_problems(const Inspection& inspection) {
     return list;
   }
   for (const AlertReport& alert : summary->totals.first_alerts) {
-    list.push_back(fmt::format("after {:.0f} s: {}: {} ({})",
+    list.push_back(fmt::format("{:.0f} s into the drive: {}: {} ({})",
                                to_seconds(alert.stamp - summary->totals.start), alert.device,
                                alert.finding.what, alert.finding.advice));
   }
@@ -180,8 +180,9 @@ Json to_json(const Inspection& inspection) {
     if (replayed.contains("odometry")) json["odometry"] = replayed["odometry"];
     json["uses"] = Json::array();
     for (const DriveUse& use : drive_uses(*summary, contents.has_map)) {
+      const std::string condition = use.if_standing ? answer(use) + std::string("; ") : "";
       json["uses"].push_back(
-          {{"use", use.use}, {"possible", use.possible}, {"statement", use.statement}});
+          {{"use", use.use}, {"possible", use.possible}, {"statement", condition + use.statement}});
     }
   }
   json["problems"] = list_problems(inspection);
@@ -214,7 +215,7 @@ std::string to_text(const Inspection& inspection) {
     if (summary->has_odometry) text += odometry_text(summary->totals.odometry);
     text += "can be used for\n";
     for (const DriveUse& use : drive_uses(*summary, contents.has_map)) {
-      text += fmt::format("  {}: {}; {}\n", use.use, use.possible ? "yes" : "no", use.statement);
+      text += fmt::format("  {}: {}; {}\n", use.use, answer(use), use.statement);
     }
   }
   const auto list = list_problems(inspection);

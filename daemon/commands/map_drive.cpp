@@ -93,7 +93,7 @@ class DriveMapper {
   bool failed() const { return failed_.has_value(); }
   std::string progress() const {
     return fmt::format("{} sweeps, {} keyframes, {:.0f} m", sweeps_, keyframes_.size(),
-                       submaps_.picker().way());
+                       submaps_.picker().distance_driven());
   }
 
  private:

@@ -124,9 +124,9 @@ class DriveExport {
                           stamp);
   }
 
-  void write_sample(const VehicleSample& sample, bool of_bus) {
+  void write_sample(const VehicleSample& sample, bool from_bus) {
     for (const auto& sweeps : deskewed_) sweeps->add_sample(sample);
-    messages_.write_sample(sample, of_bus);
+    messages_.write_sample(sample, from_bus);
   }
 
   const DriveSetup& setup_;

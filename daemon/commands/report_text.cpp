@@ -3,9 +3,12 @@
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 
+#include "daemon/protocol/names.hpp"
 #include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
@@ -16,6 +19,12 @@ std::string time_text(const Json& message) {
   const auto ns = message.value("stamp", int64_t{0});
   const auto seconds = static_cast<std::time_t>(ns / 1'000'000'000);
   return fmt::format("{:%H:%M:%S}.{:03}", fmt::gmtime(seconds), ns / 1'000'000 % 1000);
+}
+
+/// "2026-11-21T03:12:55Z".
+std::string since_text(const Json& finding) {
+  const auto seconds = static_cast<std::time_t>(finding.value("since", int64_t{0}) / 1'000'000'000);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds));
 }
 
 std::string device_line(const Json& device) {
@@ -55,7 +64,7 @@ std::string health_text(const Json& health) {
     lines += findings_text(sensor);
   }
   for (const Json& stream : health.value("streams", Json::array())) {
-    lines += fmt::format("  {:<5} {}: {:.1f}/s, {} used, {} refused\n", text_of(stream, "level"),
+    lines += fmt::format("  {:<5} {}: {:.1f}/s, {} used, {} rejected\n", text_of(stream, "level"),
                          text_of(stream, "device"), stream.value("received_hz", 0.0),
                          stream.value("used", uint64_t{0}), stream.value("refused", uint64_t{0}));
     lines += findings_text(stream);
@@ -96,6 +105,69 @@ std::string health_text(const Json& health) {
     lines += findings_text(map);
   }
   return lines;
+}
+
+Level level_of(const Json& object, const char* key) {
+  const std::string name = text_of(object, key);
+  for (const Level level : {Level::kWarn, Level::kError, Level::kStale}) {
+    if (name == name_of(level)) return level;
+  }
+  return Level::kOk;
+}
+
+std::vector<NamedFinding> findings_of(const Json& health) {
+  std::vector<NamedFinding> list;
+  const auto append = [&](const std::string& device, const Json& part) {
+    for (const Json& finding : part.value("findings", Json::array())) {
+      list.push_back({device, finding});
+    }
+  };
+  append(kDaemonDevice, health);
+  for (const char* kind : {"sensors", "streams"}) {
+    for (const Json& sensor : health.value(kind, Json::array())) {
+      append(text_of(sensor, "device"), sensor);
+    }
+  }
+  for (const char* stage : {"odometry", "streetmap", "map"}) {
+    if (health.contains(stage)) append(stage, health[stage]);
+  }
+  return list;
+}
+
+DaemonStatus daemon_status(const std::vector<Json>& reports) {
+  Json health;
+  std::set<std::string> monitored, listed;
+  for (const Json& report : reports) {
+    const std::string name = text_of(report, "class");
+    if (name == "CALIBRATION") monitored.insert(text_of(report, "device"));
+    if (name == "HEALTH") health = report;
+  }
+  if (!health.is_null()) {
+    for (const auto& [device, finding] : findings_of(health)) {
+      listed.insert(device + "." + text_of(finding, "id"));
+    }
+  }
+  DaemonStatus status;
+  std::string calibrations;
+  for (const Json& report : reports) {
+    const std::string state = text_of(report, "state");
+    if (state == "recording") status.text += report_text(report);
+    if (text_of(report, "class") != "ALERT" || state != "raised") continue;
+    const std::string device = text_of(report, "device");
+    if (!monitored.contains(device) || listed.contains(text_of(report, "id"))) continue;
+    status.level = std::max(status.level, level_of(report, "severity"));
+    calibrations +=
+        fmt::format("  {:<5} {}: {}, since {} ({})\n", text_of(report, "severity"), device,
+                    text_of(report, "what"), since_text(report), text_of(report, "advice"));
+  }
+  if (health.is_null()) {
+    status.text += "no health report yet\n" + calibrations;
+    return status;
+  }
+  status.level = std::max(status.level, level_of(health, "level"));
+  health["level"] = name_of(status.level);
+  status.text += report_text(health) + calibrations;
+  return status;
 }
 
 std::string record_text(const Json& record) {
@@ -151,7 +223,7 @@ std::string report_text(const Json& message) {
                        message.value("scenes", uint64_t{0}));
   }
   if (name == "HEALTH") {
-    return fmt::format("{} HEALTH {} after {:.0f} s\n{}", time_text(message),
+    return fmt::format("{} HEALTH {} (running for {:.0f} s)\n{}", time_text(message),
                        text_of(message, "level"), message.value("drive_s", 0.0),
                        health_text(message));
   }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "daemon/health/level.hpp"
 #include "daemon/protocol/json.hpp"
 
 namespace infuse::daemon {
@@ -18,5 +20,28 @@ std::string record_text(const Json& record);
 
 /// Formats the sensors of a HEALTH message.
 std::string health_text(const Json& health);
+
+/// Returns the level under a key; kOk if it is absent or unknown.
+Level level_of(const Json& object, const char* key);
+
+/// A finding of a HEALTH message.
+struct NamedFinding {
+  std::string device;  ///< the sensor or stage; "infused" for what concerns all of them
+  Json finding;
+};
+
+/// Lists the findings of a HEALTH message.
+std::vector<NamedFinding> findings_of(const Json& health);
+
+/// State of a daemon.
+struct DaemonStatus {
+  Level level = Level::kOk;  ///< the worst of HEALTH and of the calibrations
+  std::string text;          ///< the recording, HEALTH, and the findings of the calibrations
+};
+
+/// Returns the state of a daemon by its last report of every class and device. The findings of
+/// calibrations are not in HEALTH: they are the raised alerts of monitored cameras that HEALTH does
+/// not list.
+DaemonStatus daemon_status(const std::vector<Json>& reports);
 
 }  // namespace infuse::daemon

@@ -69,7 +69,7 @@ Result<void> ScenePreparation::prepare(ScenePairs& pairs, ScenePair& pair) {
     if (!scene) return tl::unexpected(scene.error());
     calibration::CompactOptions compact{.image = compared_by(*measure), .blurs = {}, .margin = {}};
     if (held_out) {
-      compact.blurs = {calibration::CompareOptions{}.sigma};
+      compact.blurs = {calibration::ImageBlur::in_angle(calibration::CompareOptions{}.sigma)};
     } else {
       compact.blurs = calibration::image_blurs(options_.calibrate);
       compact.margin = rotation_margin(options_);

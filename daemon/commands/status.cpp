@@ -40,24 +40,21 @@ int run(const StatusArguments& arguments) {
     std::cout << fmt::format("infused {}, protocol {}\n", client->version().value("release", ""),
                              json_text(client->version().value("protocol", Json())));
   }
-  std::string level;
-  for (const Json& report : *reports) {
-    if (arguments.json) std::cout << json_text(report) << "\n";
-    const bool recording = report.value("state", "") == "recording";
-    if (recording && !arguments.json) std::cout << report_text(report);
-    if (report.value("class", "") != "HEALTH") continue;
-    level = report.value("level", "");
-    if (!arguments.json) std::cout << report_text(report);
+  const DaemonStatus status = daemon_status(*reports);
+  if (arguments.json) {
+    for (const Json& report : *reports) std::cout << json_text(report) << "\n";
+  } else {
+    std::cout << status.text;
   }
-  if (level.empty() && !arguments.json) std::cout << "no health report yet\n";
-  return level == "ERROR" || level == "STALE" ? kFailure : kDone;
+  return status.level >= Level::kError ? kFailure : kDone;
 }
 
 }  // namespace
 
 Command declare_status(CLI::App& infuse) {
-  CLI::App* app = infuse.add_subcommand(
-      "status", "print the state of the running daemon's sensors (exit code 1: ERROR or STALE)");
+  CLI::App* app = infuse.add_subcommand("status",
+                                        "print the state of the running daemon's sensors and "
+                                        "calibrations (exit code 1: ERROR or STALE)");
   const auto arguments = std::make_shared<StatusArguments>();
   app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
   app->add_flag("--json", arguments->json, "print the last report of every class, one per line");

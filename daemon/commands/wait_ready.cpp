@@ -8,6 +8,7 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/commands/client.hpp"
 #include "daemon/commands/command.hpp"
+#include "daemon/commands/report_text.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -19,9 +20,22 @@ struct WaitReadyArguments {
   double timeout_s = 30;
 };
 
+/// "top: no data from port 2368 for 30.1 s": the first finding of a HEALTH message that keeps the
+/// daemon from being ready; empty without one.
+std::string first_problem(const Json& health) {
+  for (const auto& [device, finding] : findings_of(health)) {
+    if (level_of(finding, "level") >= Level::kError) {
+      return device + ": " + text_of(finding, "what");
+    }
+  }
+  return "";
+}
+
 /// Readiness of a daemon by its reports.
 struct Readiness {
-  std::string waiting_for = "the daemon";
+  std::string missing = "the daemon";  // what has not delivered data
+  std::string level;                   // of the last HEALTH report
+  std::string problem;
   bool delivering = false;  // every device has delivered data
   bool healthy = false;
 
@@ -29,24 +43,30 @@ struct Readiness {
     const std::string name = report.value("class", "");
     if (name == "DEVICES") update_devices(report);
     if (name == "HEALTH") {
-      const std::string level = report.value("level", "");
+      level = report.value("level", "");
       healthy = level == "OK" || level == "WARN";
-      if (delivering && !healthy) waiting_for = "the sensors, level " + level;
+      problem = first_problem(report);
     }
   }
   void update_devices(const Json& report) {
     if (report.value("devices", Json::array()).empty()) {
       delivering = false;
-      waiting_for = "a sensor: none is configured";
+      missing = "a sensor: none is configured";
       return;
     }
-    std::string missing;
+    missing.clear();
     for (const Json& device : report.value("devices", Json::array())) {
       if (device.contains("activated")) continue;
       missing += (missing.empty() ? "" : ", ") + device.value("device", "");
     }
     delivering = missing.empty();
-    if (!delivering) waiting_for = missing;
+  }
+  /// What is not ready: "top, front (top: no data from port 2368 for 30.1 s)".
+  std::string waiting_for() const {
+    const std::string first = !delivering     ? missing
+                              : level.empty() ? "a HEALTH report"
+                                              : "OK or WARN, HEALTH is " + level;
+    return first + (problem.empty() ? "" : " (" + problem + ")");
   }
 };
 
@@ -76,16 +96,17 @@ int run(const WaitReadyArguments& arguments) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   } while (Clock::now() < deadline);
   std::cerr << fmt::format("infuse wait-ready: not ready after {} s, still waiting for {}\n",
-                           arguments.timeout_s, readiness.waiting_for);
+                           arguments.timeout_s, readiness.waiting_for());
   return kFailure;
 }
 
 }  // namespace
 
 Command declare_wait_ready(CLI::App& infuse) {
-  CLI::App* app = infuse.add_subcommand(
-      "wait-ready",
-      "wait until every sensor of the running daemon delivers data (exit code 1: timeout)");
+  CLI::App* app =
+      infuse.add_subcommand("wait-ready",
+                            "wait until every sensor of the running daemon delivers data and no "
+                            "level of HEALTH is ERROR or STALE (exit code 1: timeout)");
   const auto arguments = std::make_shared<WaitReadyArguments>();
   app->add_option("--socket", arguments->socket, "socket of the daemon")->type_name("PATH");
   app->add_option("--timeout", arguments->timeout_s, "maximum time to wait, s (30)")

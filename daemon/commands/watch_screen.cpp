@@ -72,7 +72,7 @@ void WatchScreen::add(const Json& message) {
 std::string WatchScreen::text(size_t columns, size_t rows) const {
   std::vector<std::string> lines;
   lines.push_back(health_.is_null() ? "infused: waiting for HEALTH"
-                                    : fmt::format("infused: {} after {:.0f} s, {} alert(s)",
+                                    : fmt::format("infused: {} (running for {:.0f} s), {} alert(s)",
                                                   text_of(health_, "level"),
                                                   health_.value("drive_s", 0.0), alerts_.size()));
   for (const auto& [key, alert] : alerts_) {

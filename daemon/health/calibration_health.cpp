@@ -44,8 +44,10 @@ const Conditions& CalibrationHealth::update(Stamp now, const CalibrationStatus& 
   }
   if (status.state == CalibrationState::kConfirmed ||
       status.state == CalibrationState::kRecalibrating) {
-    confirmed = {true, "calibration drift confirmed: " + describe_drift(status),
-                 "check the camera mount; see infuse calibration, then infuse apply"};
+    confirmed = {
+        true, "calibration drift confirmed: " + describe_drift(status),
+        "drive on through surroundings with edges until infuse calibration shows a proposal, "
+        "then sudo infuse apply, unless the policy applies it; check the camera mount"};
   }
   if (status.state == CalibrationState::kSuspected) {
     suspected = {true, "calibration drift suspected: " + describe_drift(status),

@@ -89,7 +89,7 @@ CheckResult StreamHealth::check_order(const StreamCounters& now,
                                       const StreamCounters& before) const {
   const uint64_t out_of_order = now.out_of_order - before.out_of_order;
   if (out_of_order == 0) return {};
-  return {true, fmt::format("{} timestamps of {} out of order", out_of_order, endpoint_),
+  return {true, fmt::format("{} stamps of {} out of order", out_of_order, endpoint_),
           "check the clock that stamps the data"};
 }
 

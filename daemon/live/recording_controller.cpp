@@ -67,7 +67,7 @@ RecordingController::RecordingController(const Config& config, const LiveSetup& 
 void RecordingController::set_publisher(Publisher& publisher) {
   publisher_ = &publisher;
   if (recorder_ && settings_.flight_recorder > Duration::zero()) {
-    publisher.on_alert([this](const AlertReport& alert) { on_alert(alert); });
+    publisher.add_alert_listener([this](const AlertReport& alert) { on_alert(alert); });
   }
 }
 

@@ -107,7 +107,7 @@ Georeference make_georeference(const MapDrive& drive, const mapping::PositionOpt
   double last_way = -options.spacing;
   for (const MapFix& measured : drive.fixes) {
     const GnssFix& fix = measured.fix;
-    const double way = drive.keyframes[measured.keyframe].keyframe.way;
+    const double way = drive.keyframes[measured.keyframe].keyframe.distance_driven;
     // Pose 1 is left without: an edge between successive ids of a graph is taken for odometry.
     if (measured.keyframe == 0 || way - last_way < options.spacing) continue;
     last_way = way;
@@ -242,7 +242,7 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
     return fail("the drive has fewer than two keyframes", folder.path().string(),
                 "the vehicle stands, or no motion was found");
   }
-  summary.way = keyframes.back().way;
+  summary.way = keyframes.back().distance_driven;
   summary.sweeps = count_at(drive.manifest, "sweeps");
   summary.unmeasured = count_at(drive.manifest, "unmeasured");
   summary.unregistered = count_at(drive.manifest, "unregistered");

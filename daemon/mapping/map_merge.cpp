@@ -67,12 +67,12 @@ MapDrive concatenate(const std::vector<Part>& parts) {
   all.first_keyframes.clear();
   for (const Part& part : parts) {
     const size_t offset = all.keyframes.size();
-    const double way = offset == 0 ? 0 : all.keyframes.back().keyframe.way;
+    const double way = offset == 0 ? 0 : all.keyframes.back().keyframe.distance_driven;
     for (const size_t first : part.content.drive.first_keyframes) {
       all.first_keyframes.push_back(offset + first);
     }
     for (MapKeyframe keyframe : part.content.drive.keyframes) {
-      keyframe.keyframe.way += way;
+      keyframe.keyframe.distance_driven += way;
       all.keyframes.push_back(std::move(keyframe));
     }
     for (MapFix fix : part.content.drive.fixes) {

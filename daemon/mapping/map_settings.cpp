@@ -35,7 +35,7 @@ nlohmann::ordered_json to_json(const MapSettings& settings) {
           {"submaps",
            {{"voxel_size", m.voxel_size}, {"min_range", m.min_range}, {"max_range", m.max_range}}},
           {"search",
-           {{"min_way", s.min_way},
+           {{"min_way", s.min_distance_driven},
             {"max_distance", s.max_distance},
             {"spacing", s.spacing},
             {"sigmas", s.sigmas},

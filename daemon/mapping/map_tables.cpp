@@ -129,7 +129,7 @@ std::string format_keyframes(const std::vector<MapKeyframe>& keyframes) {
     const mapping::Keyframe& keyframe = keyframes[k].keyframe;
     text::append_number(text, k);
     text::append_number(text += ',', keyframe.stamp.ns());
-    text::append_number(text += ',', keyframe.way);
+    text::append_number(text += ',', keyframe.distance_driven);
     text::append_number(text += ',', keyframes[k].points);
     text += ',' + keyframes[k].cloud_checksum;
     append_pose(text, keyframe.T_odom_vehicle);
@@ -147,13 +147,14 @@ Result<std::vector<MapKeyframe>> parse_keyframes(std::string_view text, const st
                        mapping::Keyframe& keyframe = parsed.keyframe;
                        const auto number = row.number<size_t>();
                        keyframe.stamp = Stamp::from_ns(row.number<int64_t>());
-                       keyframe.way = row.number<double>();
+                       keyframe.distance_driven = row.number<double>();
                        parsed.points = row.number<size_t>();
                        parsed.cloud_checksum = row.word();
                        keyframe.T_odom_vehicle = row.pose();
                        keyframe.covariance = row.covariance();
                        if (number != keyframes.size()) return "keyframes are not in order";
-                       if (!keyframes.empty() && keyframe.way < keyframes.back().keyframe.way) {
+                       if (!keyframes.empty() &&
+                           keyframe.distance_driven < keyframes.back().keyframe.distance_driven) {
                          return "way goes back";
                        }
                        keyframes.push_back(std::move(parsed));

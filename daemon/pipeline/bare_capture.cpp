@@ -11,6 +11,7 @@ namespace infuse::daemon {
 namespace {
 
 constexpr size_t kMaxSurveyDatagrams = 20'000;
+constexpr uint16_t kUnusedPortBit = 0x8000;
 constexpr uint64_t kMinPackets =
     10;  // a stream of fewer packets is noise if there is another stream
 
@@ -40,10 +41,11 @@ recording::LidarFiles files_of(const std::filesystem::path& path, const Stream& 
 
 void add_lidar(recording::DriveDescription& description, const std::string& name,
                const std::string& model, recording::LidarFiles files) {
-  // Two sensors behind one address cannot share its position packets; the first one gets them.
+  // Two sensors behind one address cannot share its position packets; the first one gets them,
+  // the others get a port that nothing is sent to.
   for (const recording::LidarFiles& other : description.lidars) {
     if (other.sender == files.sender && other.position_port == files.position_port) {
-      files.position_port = files.port ^ 0x8000;
+      files.position_port = files.port ^ kUnusedPortBit;
     }
   }
   LidarMount mount;

@@ -54,12 +54,13 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
               setup.delivery == Delivery::kWait ? EventCount::kNoTimeout : kImageTimeout),
       dropped_sweeps_(setup.rig.lidars.size()),
       image_counters_(setup.rig.cameras.size()) {
-  if (setup.map != nullptr && !setup.map->empty() && setup.has_odometry) {
-    map_tracker_.emplace(setup.streetmap, *setup.map, setup.rig);
+  if (setup.street_map != nullptr && !setup.street_map->empty() && setup.has_odometry) {
+    street_map_tracker_.emplace(setup.streetmap, *setup.street_map, setup.rig);
   }
   if (setup_.places && setup.has_odometry && !setup.rig.lidars.empty()) {
-    if (!setup.places_lidar.empty()) map_lidar_ = index_of_lidar(setup.rig, setup.places_lidar);
-    map_localiser_.emplace(*std::move(setup_.places), setup.rig.lidars[map_lidar_].T_vehicle_lidar,
+    if (!setup.places_lidar.empty()) places_lidar_ = index_of_lidar(setup.rig, setup.places_lidar);
+    map_localiser_.emplace(*std::move(setup_.places),
+                           setup.rig.lidars[places_lidar_].T_vehicle_lidar,
                            setup.delivery == Delivery::kWait);
   }
   if (setup.use_lidar) lidar_motion_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
@@ -128,7 +129,7 @@ void FusionThread::process_samples(const StreamItem& item) {
   for (const VehicleSample& sample : item.samples) {
     odometry_.add(sample);
     const auto* fix = std::get_if<GnssFix>(&sample);
-    if (map_tracker_ && fix != nullptr) map_tracker_->add_gnss(*fix);
+    if (street_map_tracker_ && fix != nullptr) street_map_tracker_->add_gnss(*fix);
   }
   if (setup_.rig.lidars.empty()) report_latest_pose();
 }
@@ -223,13 +224,13 @@ void FusionThread::localise(const SweepSnapshot& snapshot) {
   if (!setup_.has_odometry) return;
   const PoseReport odometry = odometry_.pose_at(snapshot.deskewed.reference);
   report(odometry);
-  if (map_localiser_ && snapshot.lidar == map_lidar_) {
+  if (map_localiser_ && snapshot.lidar == places_lidar_) {
     report(map_localiser_->process(snapshot, odometry_.trajectory(), odometry));
   }
-  if (!map_tracker_) return;
+  if (!street_map_tracker_) return;
   const auto track = [&] {
     const ScopedLatency timer(latency(Stage::kTrack));
-    return map_tracker_->process(snapshot, odometry_.trajectory(), odometry);
+    return street_map_tracker_->process(snapshot, odometry_.trajectory(), odometry);
   };
   report(track());
 }
@@ -240,8 +241,8 @@ void FusionThread::show(const SweepSnapshot& snapshot) {
   if (setup_.view == nullptr || !setup_.view->wanted()) return;
   const PoseReport pose = odometry_.pose_at(snapshot.deskewed.reference);
   const bool located = setup_.has_odometry && pose.usable();
-  const bool on_map = map_tracker_ && map_tracker_->started();
-  if (on_map) map_tracker_->write(view_pose_);
+  const bool on_map = street_map_tracker_ && street_map_tracker_->started();
+  if (on_map) street_map_tracker_->write(view_pose_);
   setup_.view->add_sweep(snapshot, located ? &pose.T_frame_vehicle : nullptr,
                          on_map ? &view_pose_ : nullptr);
 }
@@ -263,9 +264,9 @@ void FusionThread::process_image(const CameraImage& image, const Sweep& sweep) {
   if (setup_.view != nullptr) {
     setup_.view->add_image(match, cameras_[image.camera].estimate());
   }
-  if (map_tracker_) {
+  if (street_map_tracker_) {
     const ScopedLatency timer(latency(Stage::kTrack));
-    map_tracker_->add_image(match, odometry_.trajectory());
+    street_map_tracker_->add_image(match, odometry_.trajectory());
   }
   monitor_calibration(match);
 }
@@ -306,7 +307,7 @@ void FusionThread::report_tick(const StreamItem& item) {
   }
   report.odometry = setup_.has_odometry ? odometry_.status(item.stamp) : OdometryStatus{};
   report.odometry.not_deskewed = not_deskewed_;
-  if (map_tracker_) report.streetmap = map_tracker_->status();
+  if (street_map_tracker_) report.streetmap = street_map_tracker_->status();
   if (map_localiser_) report.map = map_localiser_->status();
   for (size_t i = 0; i < latencies_.size(); ++i) report.stages[i] = latencies_[i].stats();
   report.stages[static_cast<size_t>(Stage::kIntake)] = item.intake;

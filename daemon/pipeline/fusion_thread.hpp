@@ -12,12 +12,12 @@
 #include "daemon/pipeline/image_queue.hpp"
 #include "daemon/pipeline/lidar_motion.hpp"
 #include "daemon/pipeline/map_localiser.hpp"
-#include "daemon/pipeline/map_tracker.hpp"
 #include "daemon/pipeline/notifier.hpp"
 #include "daemon/pipeline/odometry_tracker.hpp"
 #include "daemon/pipeline/pipeline_tap.hpp"
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/pipeline/stream_item.hpp"
+#include "daemon/pipeline/street_map_tracker.hpp"
 #include "daemon/pipeline/sweep_queue.hpp"
 #include "daemon/pipeline/view_tap.hpp"
 #include "drivers/measurement/rig.hpp"
@@ -29,15 +29,16 @@ namespace infuse::daemon {
 /// Settings of the fusion thread.
 struct FusionSetup {
   Rig rig;
-  bool has_odometry = false;       ///< there is a source of odometry
-  bool has_motion_sensor = false;  ///< a bus or an inertial unit: sweeps wait for its samples
-  bool use_lidar = false;          ///< the first lidar measures the motion
+  bool has_odometry = false;  ///< there is a source of odometry
+  /// There is a bus, a speed sensor or an inertial unit: sweeps wait for its samples.
+  bool has_motion_sensor = false;
+  bool use_lidar = false;  ///< the first lidar measures the motion
   OdometrySettings odometry;
   CalibrationSettings calibration;
   Delivery delivery = Delivery::kWait;
   StreetMapSettings streetmap;
-  const streetmap::SegmentMap* map = nullptr;  ///< null or empty: no tracking on a map
-  std::optional<places::PlaceMap> places;      ///< nothing: no map of keyframes
+  const streetmap::SegmentMap* street_map = nullptr;  ///< null or empty: no tracking on it
+  std::optional<places::PlaceMap> places;             ///< nothing: no map of keyframes
   std::string places_lidar;    ///< whose sweeps are compared with it; empty: the first
   ViewTap* view = nullptr;     ///< null: nobody can look
   PipelineTap* tap = nullptr;  ///< null: nobody wants copies
@@ -53,7 +54,8 @@ struct FusionSetup {
 /// dropped; both are counted.
 class FusionThread {
  public:
-  /// Maximum host time from the reading of the packet that completes a sweep to its last report.
+  /// Maximum host time from the reading of the event that made a sweep due (its last packet, or the
+  /// odometry it waited for) to its last report.
   static constexpr Duration kLatencyBudget{100'000'000};
   /// Maximum age of a sweep, live, at which it is still processed.
   static constexpr Duration kMaxLateness{1'000'000'000};
@@ -122,9 +124,9 @@ class FusionThread {
   std::vector<Pin<StreamItem>> previous_sweeps_;  // processed last, by LidarIndex
   ImageQueue images_;
   std::optional<LidarMotion> lidar_motion_;
-  std::optional<MapTracker> map_tracker_;
+  std::optional<StreetMapTracker> street_map_tracker_;
   std::optional<MapLocaliser> map_localiser_;
-  LidarIndex map_lidar_{0};                 // its lidar
+  LidarIndex places_lidar_{0};              // whose sweeps are compared with the map of keyframes
   std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
   std::deque<CameraChannel> cameras_;       // by CameraIndex
   ControlQueue requests_;

@@ -21,7 +21,7 @@ Intake::Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out, const Pipe
       last_datagrams_(setup.lidars.size()) {
   for (const LidarSetup& lidar : setup.lidars) lidars_.emplace_back(lidar);
   samples_.reserve(kMaxSampleBatch);
-  of_bus_.reserve(kMaxSampleBatch);
+  from_bus_.reserve(kMaxSampleBatch);
 }
 
 void Intake::start(Stamp stamp) { push_item(StreamItem::Kind::kStart, stamp); }
@@ -133,11 +133,11 @@ void Intake::push_due_samples(Stamp now) {
   if (!samples_.empty() && now - first_sample_ >= kMaxSampleDelay) push_samples();
 }
 
-void Intake::add_vehicle_sample(const VehicleSample& sample, Stamp stamp, bool of_bus) {
+void Intake::add_vehicle_sample(const VehicleSample& sample, Stamp stamp, bool from_bus) {
   if (samples_.empty()) first_sample_ = stamp;
   last_sample_ = stamp;
   samples_.push_back(sample);
-  of_bus_.push_back(of_bus ? 1 : 0);
+  from_bus_.push_back(from_bus ? 1 : 0);
   if (samples_.size() == kMaxSampleBatch) push_samples();
 }
 
@@ -146,9 +146,9 @@ void Intake::add_vehicle_sample(const VehicleSample& sample, Stamp stamp, bool o
 void Intake::push_samples() {
   if (samples_.empty()) return;
   std::swap(out_.slot().samples, samples_);
-  std::swap(out_.slot().of_bus, of_bus_);
+  std::swap(out_.slot().from_bus, from_bus_);
   samples_.clear();
-  of_bus_.clear();
+  from_bus_.clear();
   push_item(StreamItem::Kind::kSamples, last_sample_);
 }
 

@@ -77,7 +77,7 @@ class Intake {
   const vehicle::ProblemLog& bus_problems() const { return vehicle_.problems(); }
 
  private:
-  void add_vehicle_sample(const VehicleSample& sample, Stamp stamp, bool of_bus);
+  void add_vehicle_sample(const VehicleSample& sample, Stamp stamp, bool from_bus);
   void keep_datagram(LidarIndex lidar, const Datagram& datagram);
   void push_datagrams(LidarIndex lidar);
   void push_samples();
@@ -94,7 +94,7 @@ class Intake {
   std::optional<LidarIndex> gnss_lidar_;  // whose position packets carry the GNSS fixes
   SourceStates sources_;
   std::vector<VehicleSample> samples_;  // not passed on yet
-  std::vector<uint8_t> of_bus_;         // of these
+  std::vector<uint8_t> from_bus_;       // by sample: 1 if it is from a bus
   Stamp first_sample_, last_sample_;    // drive time of the first and the last of these
   uint64_t image_count_ = 0;
   SlotRing<StreamItem>& out_;

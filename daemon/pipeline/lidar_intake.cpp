@@ -52,8 +52,8 @@ void LidarIntake::push(const Datagram& datagram) {
 
 void LidarIntake::judge_model() {
   const auto judged = inference_.judge();
-  is_other_model_ = judged && *judged != model_.model;
-  if (is_other_model_) counters_.wrong_model += inference_.packets() - judged_packets_;
+  const bool is_other_model = judged && *judged != model_.model;
+  if (is_other_model) counters_.wrong_model += inference_.packets() - judged_packets_;
   judged_packets_ = inference_.packets();
   counters_.turns_hz = inference_.turns_per_second();
   counters_.turns_measured = inference_.packets() >= kPacketsPerJudgement;

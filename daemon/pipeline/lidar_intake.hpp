@@ -122,7 +122,6 @@ class LidarIntake {
 
   const velodyne::ModelInfo& model_;
   velodyne::ModelInference inference_;
-  bool is_other_model_ = false;      // by the last judgement
   uint64_t judged_packets_ = 0;      // at the last judgement
   uint64_t agreeing_sentences_ = 0;  // position packets in a row whose sentence fits the counter
   velodyne::SweepAssembler assembler_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "daemon/pipeline/unknown_pose.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -111,9 +113,9 @@ PoseReport MapLocaliser::carry(const geometry::Trajectory& trajectory, const Pos
     status_.sigma = std::sqrt(covariance.block<3, 3>(3, 3).diagonal().maxCoeff());
     report.reason = since.usable() ? reason_ : since.reason;
   } else {
-    status_.sigma = 1e6;
+    status_.sigma = kUnknownSigma;
     report.T_frame_vehicle = Eigen::Isometry3d::Identity();
-    report.covariance = 1e6 * geometry::Matrix6::Identity();
+    report.covariance = kUnknownVariance * geometry::Matrix6::Identity();
     report.reason = *reason_ != '\0' ? reason_ : "lost";
   }
   status_.reason = report.reason;

@@ -17,7 +17,7 @@ size_t items_in_flight(Delivery delivery) { return delivery == Delivery::kWait ?
 StreamItem stream_item(const PipelineSetup& setup) {
   StreamItem item;
   item.samples.reserve(Intake::kMaxSampleBatch);
-  item.of_bus.reserve(Intake::kMaxSampleBatch);
+  item.from_bus.reserve(Intake::kMaxSampleBatch);
   item.counters.resize(setup.lidars.size());
   item.streams.resize(setup.stream_count());
   return item;
@@ -48,7 +48,7 @@ FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& opti
           .calibration = options.calibration,
           .delivery = setup.delivery,
           .streetmap = options.streetmap,
-          .map = options.map,
+          .street_map = options.street_map,
           .places = options.places,
           .places_lidar = options.places_lidar,
           .view = options.view,
@@ -102,8 +102,9 @@ Result<void> Pipeline::handle_request(const Request& request) {
   if (!calibrations_monitored_) {
     return fail("calibrations are not monitored", "", "set monitor = true in [calibration]");
   }
+  if (setup_.rig.cameras.empty()) return fail("no camera is configured");
   std::string names;
-  bool known = request.device.empty() && !setup_.rig.cameras.empty();
+  bool known = request.device.empty();
   for (const CameraMount& camera : setup_.rig.cameras) {
     known = known || camera.name == request.device;
     names += " " + camera.name;

@@ -18,7 +18,7 @@ struct PipelineOptions {
   HealthOptions health;
   OdometrySettings odometry;
   StreetMapSettings streetmap;
-  const streetmap::SegmentMap* map =
+  const streetmap::SegmentMap* street_map =
       nullptr;  ///< outlives the pipeline; null or empty: no tracking
   CalibrationSettings calibration;
   std::optional<places::PlaceMap> places;  ///< map of keyframes; nothing: none

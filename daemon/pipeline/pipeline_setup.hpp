@@ -23,8 +23,9 @@ struct PipelineSetup {
   /// Lidar whose position packets carry the NMEA sentences of the GNSS receiver, if it has no
   /// stream of its own. `vehicle.has_gnss` is true then.
   std::optional<LidarIndex> gnss_lidar;
-  Rig rig;                      ///< mounts of the sensors
-  std::vector<Device> devices;  ///< lidars, cameras, buses, inertial unit, GNSS receiver
+  Rig rig;  ///< mounts of the sensors
+  /// Lidars, cameras, buses, speed sensor, inertial unit, GNSS receiver.
+  std::vector<Device> devices;
 
   /// Number of devices that are not lidars.
   size_t stream_count() const { return devices.size() - lidars.size(); }

@@ -1,17 +1,10 @@
 #include "daemon/pipeline/publisher.hpp"
 
-#include <ctime>
-
 #include "daemon/protocol/messages.hpp"
 #include "daemon/protocol/names.hpp"
+#include "daemon/service/process_times.hpp"
 
 namespace infuse::daemon {
-
-double process_cpu_s() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
-}
 
 Publisher::Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup,
                      const HealthOptions& health, Server& server, ReportsFile* file)
@@ -26,7 +19,7 @@ void Publisher::publish(const Report& report, const std::string& device) {
 
 void Publisher::serve(ReportClass report_class, const std::string& device, Stamp stamp,
                       std::string line) {
-  for (const auto& listener : on_line_) listener(report_class, device, line);
+  for (const auto& listener : line_listeners_) listener(report_class, device, line);
   server_.publish(report_class, device, stamp, std::move(line));
 }
 
@@ -46,12 +39,12 @@ void Publisher::process(const ReportItem& item) {
   switch (item.kind) {
     case ReportItem::Kind::kStart:
       start(item.stamp);
-      return on_progress_();
+      return progress_listener_();
     case ReportItem::Kind::kSweep:
       totals_.count(item.sweep);
       return publish(item.sweep, std::string(item.sweep.device));
     case ReportItem::Kind::kPose:
-      on_pose_(item.pose);
+      pose_listener_(item.pose);
       return publish(item.pose, name_of(item.pose.frame));
     case ReportItem::Kind::kFrame:
       totals_.count(item.frame);
@@ -60,7 +53,7 @@ void Publisher::process(const ReportItem& item) {
       return publish_calibration(item.calibration);
     case ReportItem::Kind::kTick:
       publish_health(item);
-      return on_progress_();
+      return progress_listener_();
     case ReportItem::Kind::kEnd:
       totals_.ended = true;
       return;
@@ -76,7 +69,7 @@ void Publisher::start(Stamp stamp) {
 
 void Publisher::publish_calibration(const CalibrationReport& report) {
   totals_.calibrations[report.camera] = report;
-  for (const auto& listener : on_calibration_) listener(report);
+  for (const auto& listener : calibration_listeners_) listener(report);
   publish(report, report.camera);
   std::vector<AlertReport> alerts;
   checks_.check(report, alerts);
@@ -94,7 +87,7 @@ void Publisher::publish_health(const ReportItem& item) {
   publish_alerts(alerts);
   if (file_ != nullptr) file_->write(message(report));  // without host figures
   report.host = totals_.host;
-  for (const auto& listener : on_health_) listener(report);
+  for (const auto& listener : health_listeners_) listener(report);
   serve(ReportClass::kHealth, "", item.stamp, message(report));
 }
 
@@ -104,7 +97,7 @@ void Publisher::publish_alerts(const std::vector<AlertReport>& alerts) {
 
 void Publisher::publish_alert(const AlertReport& alert) {
   publish(alert, alert.id());
-  for (const auto& listener : on_alert_) listener(alert);
+  for (const auto& listener : alert_listeners_) listener(alert);
   totals_.count(alert);
 }
 

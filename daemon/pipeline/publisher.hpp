@@ -24,30 +24,35 @@ class Publisher {
             Server& server, ReportsFile* file);
 
   /// Sets the listener of every pose.
-  void on_pose(std::function<void(const PoseReport&)> listener) { on_pose_ = std::move(listener); }
+  void set_pose_listener(std::function<void(const PoseReport&)> listener) {
+    pose_listener_ = std::move(listener);
+  }
 
   /// Adds a listener of every CALIBRATION report.
-  void on_calibration(std::function<void(const CalibrationReport&)> listener) {
-    on_calibration_.push_back(std::move(listener));
+  void add_calibration_listener(std::function<void(const CalibrationReport&)> listener) {
+    calibration_listeners_.push_back(std::move(listener));
   }
 
   /// Sets the listener of the start, and of each second of drive time, called when its reports were
   /// published.
-  void on_progress(std::function<void()> listener) { on_progress_ = std::move(listener); }
+  void set_progress_listener(std::function<void()> listener) {
+    progress_listener_ = std::move(listener);
+  }
 
   /// Adds a listener of every HEALTH report, with host figures.
-  void on_health(std::function<void(const HealthReport&)> listener) {
-    on_health_.push_back(std::move(listener));
+  void add_health_listener(std::function<void(const HealthReport&)> listener) {
+    health_listeners_.push_back(std::move(listener));
   }
 
   /// Adds a listener of every ALERT report.
-  void on_alert(std::function<void(const AlertReport&)> listener) {
-    on_alert_.push_back(std::move(listener));
+  void add_alert_listener(std::function<void(const AlertReport&)> listener) {
+    alert_listeners_.push_back(std::move(listener));
   }
 
-  /// Adds a listener of every report, as the server publishes it.
-  void on_line(std::function<void(ReportClass, const std::string&, const std::string&)> listener) {
-    on_line_.push_back(std::move(listener));
+  /// Adds a listener of every report, as the server publishes it: (class, device, JSON line).
+  void add_line_listener(
+      std::function<void(ReportClass, const std::string&, const std::string&)> listener) {
+    line_listeners_.push_back(std::move(listener));
   }
 
   /// Adds a queue of the host to the figures of HEALTH.
@@ -82,19 +87,17 @@ class Publisher {
   SlotRing<ReportItem>& ring_;
   SlotRing<ReportItem>::Reader in_;
   HealthChecks checks_;
-  std::function<void()> on_progress_ = [] {};
-  std::vector<std::function<void(const CalibrationReport&)>> on_calibration_;
-  std::vector<std::function<void(const HealthReport&)>> on_health_;
-  std::vector<std::function<void(const AlertReport&)>> on_alert_;
-  std::function<void(const PoseReport&)> on_pose_ = [](const PoseReport&) {};
-  std::vector<std::function<void(ReportClass, const std::string&, const std::string&)>> on_line_;
+  std::function<void()> progress_listener_ = [] {};
+  std::vector<std::function<void(const CalibrationReport&)>> calibration_listeners_;
+  std::vector<std::function<void(const HealthReport&)>> health_listeners_;
+  std::vector<std::function<void(const AlertReport&)>> alert_listeners_;
+  std::function<void(const PoseReport&)> pose_listener_ = [](const PoseReport&) {};
+  std::vector<std::function<void(ReportClass, const std::string&, const std::string&)>>
+      line_listeners_;
   std::vector<std::function<QueueStats()>> queues_;
   Server& server_;
   ReportsFile* file_;
   Totals totals_;
 };
-
-/// Returns the processor time of this process, s.
-double process_cpu_s();
 
 }  // namespace infuse::daemon

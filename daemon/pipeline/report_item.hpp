@@ -52,7 +52,7 @@ struct ReportItem {
   std::vector<StreamCounters> streams;  ///< by stream
   OdometryStatus odometry;
   std::optional<StreetMapStatus> streetmap;  ///< nothing: no street map
-  std::optional<MapStatus> map;              ///< nothing: no map
+  std::optional<MapStatus> map;  ///< localisation on the map of keyframes; nothing without one
   std::array<LatencyStats, static_cast<size_t>(Stage::kCount)> stages{};
   uint64_t deadline_misses = 0;        ///< number of sweeps whose `kTotal` exceeded the budget
   uint64_t skipped_registrations = 0;  ///< live: sweeps that were too late to be registered

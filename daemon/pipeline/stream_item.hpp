@@ -37,7 +37,8 @@ struct StreamItem {
   HostClock::time_point read_at;  ///< time at which the event that completed it was read
 
   std::vector<VehicleSample> samples;
-  std::vector<uint8_t> of_bus;  ///< for each sample: 1 if a bus said it, 0: a sensor of its own
+  /// For each sample: 1: decoded from a bus; 0: from a sensor of its own.
+  std::vector<uint8_t> from_bus;
 
   CameraIndex camera;                        ///< of the image
   uint64_t number = 0;                       ///< number of the image among all cameras, from 0

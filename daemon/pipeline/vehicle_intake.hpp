@@ -43,11 +43,6 @@ class VehicleIntake {
   /// Writes the counters of all streams, in the order of PipelineSetup::devices, from `first` on.
   void write_counters(StreamCounters* first) const;
 
-  /// Number of these streams.
-  size_t stream_count() const {
-    return buses_.size() + (has_speed_ ? 1 : 0) + (has_imu_ ? 1 : 0) + (has_gnss_ ? 1 : 0);
-  }
-
  private:
   struct Bus {
     std::optional<vehicle::VehicleDecoder> decoder;

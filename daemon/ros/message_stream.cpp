@@ -202,7 +202,7 @@ void MessageStream::write_item(const StreamItem& item) {
   switch (item.kind) {
     case StreamItem::Kind::kSamples:
       for (size_t k = 0; k < item.samples.size(); ++k)
-        messages_.write_sample(item.samples[k], item.of_bus[k] != 0);
+        messages_.write_sample(item.samples[k], item.from_bus[k] != 0);
       return;
     case StreamItem::Kind::kImage:
       return write_image(item);

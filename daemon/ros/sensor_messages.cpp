@@ -122,13 +122,13 @@ void SensorMessages::write_image(size_t camera, const ImageBytes& image, Stamp s
   sink_.write(topics.info, stamp, info_of(rig_.cameras[camera].intrinsics, header));
 }
 
-void SensorMessages::write_sample(const VehicleSample& sample, bool of_bus) {
-  if (const auto* wheels = std::get_if<WheelOdometry>(&sample)) write_wheels(*wheels, of_bus);
-  if (const auto* imu = std::get_if<ImuSample>(&sample)) write_imu(*imu, of_bus);
+void SensorMessages::write_sample(const VehicleSample& sample, bool from_bus) {
+  if (const auto* wheels = std::get_if<WheelOdometry>(&sample)) write_wheels(*wheels, from_bus);
+  if (const auto* imu = std::get_if<ImuSample>(&sample)) write_imu(*imu, from_bus);
   if (const auto* fix = std::get_if<GnssFix>(&sample)) write_fix(*fix);
 }
 
-void SensorMessages::write_wheels(const WheelOdometry& sample, bool of_bus) {
+void SensorMessages::write_wheels(const WheelOdometry& sample, bool from_bus) {
   ros::TwistStamped message{header_of(sample.stamp, kVehicleFrame), {}};
   const double rear = (sample.wheel_speed[2] + sample.wheel_speed[3]) / 2;
   const bool by_wheels = !std::isfinite(sample.speed);
@@ -136,17 +136,17 @@ void SensorMessages::write_wheels(const WheelOdometry& sample, bool of_bus) {
   message.twist.angular.z = sample.yaw_rate;
   if (by_wheels && std::isfinite(rear)) ++wheel_samples_;
   if (!std::isfinite(message.twist.linear.x) && !std::isfinite(sample.yaw_rate)) return;
-  sink_.write(vehicle_topic(of_bus) + "/twist", sample.stamp, message);
+  sink_.write(vehicle_topic(from_bus) + "/twist", sample.stamp, message);
 }
 
-void SensorMessages::write_imu(const ImuSample& sample, bool of_bus) {
+void SensorMessages::write_imu(const ImuSample& sample, bool from_bus) {
   ros::Imu message{.header = header_of(sample.stamp, kVehicleFrame)};
   message.orientation_covariance[0] = -1;  // not measured
   const auto& w = sample.angular_velocity;
   const auto& a = sample.linear_acceleration;
   message.angular_velocity = {w[0], w[1], w[2]};
   message.linear_acceleration = {a[0], a[1], a[2]};
-  sink_.write(vehicle_topic(of_bus) + "/imu", sample.stamp, message);
+  sink_.write(vehicle_topic(from_bus) + "/imu", sample.stamp, message);
 }
 
 void SensorMessages::write_fix(const GnssFix& fix) {

@@ -42,8 +42,8 @@ class SensorMessages {
   /// A sweep whose returns are as of `reference`, which becomes its stamp.
   void write_deskewed(size_t lidar, Sweep& sweep, Stamp reference);
   void write_image(size_t camera, const ImageBytes& image, Stamp stamp);
-  /// `of_bus`: the vehicle's bus said it, not a sensor of its own.
-  void write_sample(const VehicleSample& sample, bool of_bus);
+  /// `from_bus`: it is decoded from a bus, not from a sensor of its own.
+  void write_sample(const VehicleSample& sample, bool from_bus);
   void write_fix(const GnssFix& fix);
 
   /// Writes the scans that were not complete.
@@ -55,8 +55,8 @@ class SensorMessages {
 
  private:
   void write_scan(size_t lidar);
-  void write_wheels(const WheelOdometry& sample, bool of_bus);
-  void write_imu(const ImuSample& sample, bool of_bus);
+  void write_wheels(const WheelOdometry& sample, bool from_bus);
+  void write_imu(const ImuSample& sample, bool from_bus);
   void write_velocity(const GnssFix& fix);
 
   const MessageSetup setup_;

@@ -19,7 +19,7 @@ CameraTopics::CameraTopics(const std::string& name)
     : image("/camera/" + name + "/image_raw/compressed"),
       info("/camera/" + name + "/camera_info") {}
 
-std::string vehicle_topic(bool of_bus) { return of_bus ? "/vehicle/bus" : "/vehicle"; }
+std::string vehicle_topic(bool from_bus) { return from_bus ? "/vehicle/bus" : "/vehicle"; }
 
 std::vector<TopicInfo> list_topics(const MessageSetup& setup) {
   std::vector<TopicInfo> topics{{kTransformsTopic, ros::TfMessage::kName, true}};
@@ -43,9 +43,9 @@ std::vector<TopicInfo> list_topics(const MessageSetup& setup) {
     add(camera.image, ros::CompressedImage::kName);
     add(camera.info, ros::CameraInfo::kName);
   }
-  const auto add_motion = [&](bool of_bus) {
-    add(vehicle_topic(of_bus) + "/twist", ros::TwistStamped::kName);
-    add(vehicle_topic(of_bus) + "/imu", ros::Imu::kName);
+  const auto add_motion = [&](bool from_bus) {
+    add(vehicle_topic(from_bus) + "/twist", ros::TwistStamped::kName);
+    add(vehicle_topic(from_bus) + "/imu", ros::Imu::kName);
   };
   if (setup.has_bus) add_motion(true);
   if (setup.has_motion) add_motion(false);

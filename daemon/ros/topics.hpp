@@ -25,7 +25,7 @@ struct CameraTopics {
 };
 
 /// Beginning of the topics of vehicle samples: of the bus, or of sensors of their own.
-std::string vehicle_topic(bool of_bus);
+std::string vehicle_topic(bool from_bus);
 
 inline constexpr const char* kTransformsTopic = "/tf_static";
 inline constexpr const char* kDiagnosticsTopic = "/diagnostics";

@@ -70,7 +70,7 @@ PipelineOptions DaemonHost::pipeline_options() const {
   return {.health = config_.health,
           .odometry = config_.odometry,
           .streetmap = config_.streetmap,
-          .map = &map_.map,
+          .street_map = &map_.map,
           .calibration = config_.calibration,
           .places = places_,
           .places_lidar = config_.map.lidar};
@@ -90,7 +90,7 @@ void DaemonHost::connect(Publisher& publisher, RequestHandler on_request,
   for (const std::string& camera : calibrations_.frozen_cameras()) {
     static_cast<void>(on_request_({.op = Request::Op::kFreeze, .device = camera}));
   }
-  publisher.on_calibration([this](const CalibrationReport& report) { save(report); });
+  publisher.add_calibration_listener([this](const CalibrationReport& report) { save(report); });
   server_.on_control([this](const Request& request) { return handle_request(request); });
 }
 

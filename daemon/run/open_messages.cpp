@@ -38,8 +38,10 @@ void start_messages(Messages& messages, Pipeline& pipeline, bool live) {
   MessageStream* stream = messages.stream.get();
   if (stream == nullptr) return;
   Publisher& publisher = pipeline.publisher();
-  publisher.on_line([stream](ReportClass report_class, const std::string&,
-                             const std::string& line) { stream->add_report(report_class, line); });
+  publisher.add_line_listener(
+      [stream](ReportClass report_class, const std::string&, const std::string& line) {
+        stream->add_report(report_class, line);
+      });
   if (live) publisher.add_queue([stream] { return stream->stats(); });
   stream->start(pipeline.items());
 }

@@ -19,7 +19,7 @@ Result<View> open_view(const ViewSettings& settings, const Rig& rig,
 
 void publish_to_view(const View& view, Publisher& publisher, std::function<void()> on_sweep) {
   if (!view.server) return;
-  publisher.on_line(
+  publisher.add_line_listener(
       [server = view.server.get(), on_sweep = std::move(on_sweep)](
           ReportClass report_class, const std::string& device, const std::string& line) {
         server->publish(report_class, device, line);

@@ -152,7 +152,7 @@ Result<void> decode_generated_turns() {
   Pipeline pipeline(io, setup, options, server, nullptr,
                     [&] { server.finish(std::chrono::milliseconds(0)); });
   uint64_t right = 0;
-  pipeline.publisher().on_line(
+  pipeline.publisher().add_line_listener(
       [&](ReportClass report_class, const std::string&, const std::string& line) {
         if (report_class != ReportClass::kSweep) return;
         const auto json = nlohmann::json::parse(line, nullptr, false);

@@ -39,7 +39,7 @@ Result<void> listen_for_metrics(MetricsServer& metrics, const MetricsSettings& s
 
 /// Updates the metrics with every HEALTH report.
 void publish_metrics(MetricsServer& metrics, Publisher& publisher) {
-  publisher.on_health([&metrics, &publisher](const HealthReport& health) {
+  publisher.add_health_listener([&metrics, &publisher](const HealthReport& health) {
     ProcessStats process;
     process.release = INFUSE_VERSION;
     process.alerts = publisher.totals().alerts;
@@ -50,9 +50,10 @@ void publish_metrics(MetricsServer& metrics, Publisher& publisher) {
 
 /// Keeps the history of alerts, calibrations and health.
 void write_history(HistoryWriter& history, Publisher& publisher) {
-  publisher.on_alert([&history](const AlertReport& alert) { history.add(alert); });
-  publisher.on_calibration([&history](const CalibrationReport& report) { history.add(report); });
-  publisher.on_health([&history](const HealthReport& health) { history.add(health); });
+  publisher.add_alert_listener([&history](const AlertReport& alert) { history.add(alert); });
+  publisher.add_calibration_listener(
+      [&history](const CalibrationReport& report) { history.add(report); });
+  publisher.add_health_listener([&history](const HealthReport& health) { history.add(health); });
 }
 
 /// Connects to the configured broker; nothing if there is none.
@@ -72,10 +73,10 @@ void publish_to_broker(MqttPublisher& broker, ReportTopics& topics, Publisher& p
   const auto add = [&broker, &topics](const auto& report) {
     if (auto selected = topics.select(report)) broker.add(*std::move(selected));
   };
-  publisher.on_alert(add);
-  publisher.on_calibration(add);
-  publisher.on_health(add);
-  publisher.on_pose(add);
+  publisher.add_alert_listener(add);
+  publisher.add_calibration_listener(add);
+  publisher.add_health_listener(add);
+  publisher.set_pose_listener(add);
   publisher.add_queue([&broker] { return broker.stats(); });
 }
 
@@ -105,8 +106,8 @@ int run_live(const RunOptions& options, const Config& config) {
   auto messages =
       open_messages(options.mcap, config.view.enabled(), config.lcm, message_setup(*setup));
   if (!messages) return print_error(kProgram, messages.error(), kUsage);
-  auto view =
-      open_view(config.view, setup->rig, pipeline_options.map, nullptr, messages->channels.get());
+  auto view = open_view(config.view, setup->rig, pipeline_options.street_map, nullptr,
+                        messages->channels.get());
   if (!view) return print_error(kProgram, view.error(), kUsage);
   pipeline_options.view = view->tap.get();
   pipeline_options.tap = messages->stream.get();

@@ -40,7 +40,7 @@ void show_progress(ProgressLine& line, boost::asio::steady_timer& timer, const R
 /// Collects usable poses in the map frame if there is a map, otherwise in the odometry frame.
 void collect_poses(Publisher& publisher, bool has_map,
                    std::vector<recording::TrajectoryPose>& poses) {
-  publisher.on_pose([&poses, has_map](const PoseReport& pose) {
+  publisher.set_pose_listener([&poses, has_map](const PoseReport& pose) {
     const bool right_frame = pose.frame == (has_map ? PoseFrame::kMap : PoseFrame::kOdom);
     if (right_frame && pose.usable()) poses.push_back({pose.stamp, pose.T_frame_vehicle});
   });
@@ -111,7 +111,7 @@ int run_replay(const RunOptions& options, const Config& config) {
       open_messages(options.mcap, view_settings.enabled(), no_lcm, message_setup(*setup));
   if (!messages) return print_error(kProgram, messages.error(), kUsage);
   auto view = open_view(
-      view_settings, setup->rig, pipeline_options.map,
+      view_settings, setup->rig, pipeline_options.street_map,
       [&](const ViewCommand& command) {
         boost::asio::post(host.io(), [&, command] {
           if (pacer != nullptr) set_pace(*pacer, command);
@@ -138,13 +138,13 @@ int run_replay(const RunOptions& options, const Config& config) {
   host.connect(replay.pipeline());
   pacer = &replay.pacer();
   publish_to_view(*view, replay.publisher(), [&] { pacer->reach_sweep(); });
-  replay.publisher().on_alert([&](const AlertReport& alert) {
+  replay.publisher().add_alert_listener([&](const AlertReport& alert) {
     if (alert.raised) pacer->reach_alert();
   });
   start_messages(*messages, replay.pipeline(), false);
   std::vector<recording::TrajectoryPose> poses;
   if (!options.trajectory.empty()) {
-    collect_poses(replay.publisher(), !pipeline_options.map->empty(), poses);
+    collect_poses(replay.publisher(), !pipeline_options.street_map->empty(), poses);
   }
   replay.start();
   if (line.visible() && !options.json) show_progress(line, timer, replay, begin);

@@ -34,8 +34,8 @@ ServiceLifecycle::ServiceLifecycle(ServiceParts parts, const std::string& config
       calibration_damage_(calibration_damage),
       run_tracker_(RunTracker::from_environment()),
       reload_signal_(parts_.io, SIGHUP) {
-  parts_.publisher.on_progress([this] { on_progress(); });
-  parts_.publisher.on_alert([this](const AlertReport& alert) { add_recent(alert); });
+  parts_.publisher.set_progress_listener([this] { on_progress(); });
+  parts_.publisher.add_alert_listener([this](const AlertReport& alert) { add_recent(alert); });
   wait_for_reload();
 }
 

@@ -57,16 +57,16 @@ CalibrationResult run_attempt(CalibrationSteps& calibration, const Eigen::Isomet
   result.T_refcam_lidar = maximum.T_refcam_lidar;
   result.has_pose = maximum.usable();
   result.restarts = restart_result.restarts;
-  result.returned = restart_result.returned;
+  result.converged_restarts = restart_result.converged_restarts;
   result.best_of_restarts = restart_result.best_of_restarts;
 
   evaluate_maximum(calibration, initial_pose, fine.back(), result);
   result.intrinsics =
       calibration.estimate_all_intrinsics(result.T_refcam_lidar, result.uncertainty);
-  result.model_mismatches =
-      calibration.find_mismatches(result.T_refcam_lidar, result.uncertainty, result.intrinsics);
+  result.parameter_checks =
+      calibration.check_parameters(result.T_refcam_lidar, result.uncertainty, result.intrinsics);
   result.model_covariance =
-      model_covariance(result.model_mismatches, result.uncertainty.covariance);
+      model_covariance(result.parameter_checks, result.uncertainty.covariance);
   result.scenes = scene_support(calibration.fine_search(), result.T_refcam_lidar, scenes,
                                 options.support_sigma);
   result.support = mean_support(result.scenes);
@@ -122,9 +122,10 @@ Level quick_level(const CalibrateOptions& options) {
 }
 
 std::vector<ImageBlur> image_blurs(const CalibrateOptions& options) {
-  std::vector<ImageBlur> blurs{options.screen_sigma, options.support_sigma};
+  std::vector<ImageBlur> blurs{ImageBlur::in_angle(options.screen_sigma),
+                               ImageBlur::in_angle(options.support_sigma)};
   for (const auto* levels : {&options.coarse, &options.fine}) {
-    for (const Level& level : *levels) blurs.emplace_back(level.sigma);
+    for (const Level& level : *levels) blurs.push_back(ImageBlur::in_angle(level.sigma));
   }
   if (options.check_intrinsics) {
     const std::vector<ImageBlur> further = intrinsics_blurs();
@@ -134,19 +135,19 @@ std::vector<ImageBlur> image_blurs(const CalibrateOptions& options) {
 }
 
 CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
-                            const Eigen::Isometry3d& T_refcam_lidar_start,
+                            const Eigen::Isometry3d& T_refcam_lidar_initial,
                             const CalibrateOptions& options) {
-  CalibrationSteps calibration(scenes, cameras, T_refcam_lidar_start, options);
+  CalibrationSteps calibration(scenes, cameras, T_refcam_lidar_initial, options);
   CalibrationResult result =
-      run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kPriorScale);
+      run_attempt(calibration, T_refcam_lidar_initial, scenes.size(), options, kPriorScale);
   // Too few places are too few at every pose.
   const bool enough = calibration.effective_scenes() >= kMinEffectiveScenes;
   if (!result.usable() && enough && options.restarts > 0 && result.points > 0) {
-    const CalibrationResult held =
-        run_attempt(calibration, T_refcam_lidar_start, scenes.size(), options, kRetryPriorScale);
-    // At the same place everything is as wrong as before.
-    if (held.usable() && !is_same_maximum(held.T_refcam_lidar, result.T_refcam_lidar)) {
-      result = held;
+    const CalibrationResult retry =
+        run_attempt(calibration, T_refcam_lidar_initial, scenes.size(), options, kRetryPriorScale);
+    // The same maximum fails for the same reasons.
+    if (retry.usable() && !is_same_maximum(retry.T_refcam_lidar, result.T_refcam_lidar)) {
+      result = retry;
     }
   }
   if (result.usable()) result.split_half = calibration.split_half(result.T_refcam_lidar);

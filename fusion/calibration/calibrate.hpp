@@ -28,7 +28,7 @@ struct CalibrateOptions {
   // Choice of the basin: rotations are screened, the best of them start an ascent, and the best
   // different maxima of each level go on to the next.
   ScreenOptions screen;
-  double screen_sigma = 8;        ///< px, blur of the images for the screening
+  double screen_sigma = 8;        ///< px, blur of the images for the screening, see `ImageBlur`
   size_t screen_points = 16'000;  ///< maximum number of points of the screening
   size_t coarse_points = 60'000;  ///< maximum number of points of the coarse levels
   std::vector<Level> coarse{{.sigma = 8, .tolerance = 2e-2, .prior_weight = 0.3, .survivors = 6},
@@ -47,14 +47,16 @@ struct CalibrateOptions {
                           {.sigma = 1}};
 
   // Checks of the result.
-  int restarts = 4;  ///< number of ascents from around the result, which should converge to it …
-  /// … with fewer than 15 effective scenes, which have more maxima; at least `restarts`. Chosen,
+  /// Number of ascents per batch from poses around the result, with 15 effective scenes and more;
+  /// as many again where not all converge.
+  int restarts = 4;
+  /// The same with fewer effective scenes, which have more maxima; at least `restarts`. Chosen,
   /// with the half widths, on rigs drawn at random.
   int restarts_of_few = 8;
   double restart_rotation = 0.04;     ///< rad each axis, half width of the restarts
   double restart_translation = 0.12;  ///< m each axis, half width of the restarts
   int splits = 0;  ///< number of random halvings of the scenes whose estimates are compared
-  double support_sigma = 3;   ///< px, blur of the images for the scenes' support
+  double support_sigma = 3;   ///< px, blur of the images for the scenes' support, see `ImageBlur`
   double min_support = 0.88;  ///< minimum mean of SceneSupport::support of a usable result
   double max_rotation_sigma = 0.2 * kDegree;  ///< rad, of a usable result, about any axis
   double max_translation_sigma = 0.05;        ///< m, likewise along any axis
@@ -72,8 +74,8 @@ struct CalibrateOptions {
   std::optional<std::string> invalid() const;
 };
 
-/// A fine level for comparing many calibrations: one of the options' blurs, which scenes are
-/// prepared for, the middle one, and few points.
+/// Fine level for comparing many calibrations: few points, and the blur of the middle fine level,
+/// for which scenes are already prepared.
 Level quick_level(const CalibrateOptions& options);
 
 /// Every blur of the images that a calibration looks up.
@@ -86,15 +88,15 @@ struct CalibrationResult {
   bool has_pose = false;    ///< an ascent ended at it; false where nothing could be compared
   Uncertainty uncertainty;  ///< from the scenes alone
   geometry::Matrix6 model_covariance = geometry::Matrix6::Zero();  ///< from `known`
-  std::vector<ModelMismatch>
-      model_mismatches;  ///< intrinsics and clocks that seem to be off; empty where that is unknown
+  /// Checks of intrinsics and clock, one per parameter; empty without a usable uncertainty.
+  std::vector<ParameterCheck> parameter_checks;
   /// Joint estimate of each camera's intrinsics and the pose; empty without `check_intrinsics`.
   std::vector<std::optional<IntrinsicsEstimate>> intrinsics;
   double value = 0;                  ///< objective at the result, finest level
   double initial_value = 0;          ///< objective at the initial pose, same points and level
   size_t points = 0;                 ///< number of points at the finest level
-  int restarts = 0;                  ///< number of ascents from around the result
-  int returned = 0;                  ///< number of restarts that converged to it (0.3°, 4 cm)
+  int restarts = 0;                  ///< number of ascents of the last round around the result
+  int converged_restarts = 0;        ///< number of restarts that converged to it (0.3°, 4 cm)
   bool best_of_restarts = true;      ///< no restart found a larger value
   std::vector<SceneSupport> scenes;  ///< support by each scene alone
   double support = 0;                ///< mean over the scenes with points in view

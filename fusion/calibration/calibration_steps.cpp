@@ -10,6 +10,7 @@
 #include "fusion/calibration/rejection_reason.hpp"
 #include "fusion/calibration/scene_similarity.hpp"
 #include "fusion/calibration/thin_scenes.hpp"
+#include "fusion/geometry/draw_uniform.hpp"
 
 namespace infuse::calibration {
 namespace {
@@ -19,7 +20,8 @@ using geometry::Vector6;
 constexpr double kMaxSameMaximumRotation = 0.3 * kDegree;
 constexpr double kMaxSameMaximumTranslation = 0.04;
 constexpr double kArrivedShare = 1.0 / 3;  // of both: a restart so near the result has converged
-// Over wider rotations images of other places fit as well, rad.
+// Half width of the screening (rad) beyond which the score with other scenes' images is subtracted,
+// see `PoseScore`.
 constexpr double kMinBaselineHalfWidth = 0.1;
 constexpr int kDrawsPerRestart = 40;  // number of poses drawn for one ascent
 constexpr double kManyScenes = 15;    // effective ones, from which on fewer restarts suffice
@@ -28,11 +30,6 @@ constexpr int kRestartBatches = 2;    // the second where not all of the first c
 // A displacement along the driving direction looks like images of another time.
 constexpr double kMinDelaySpeed = 1;     // m/s, mean of the scenes
 constexpr double kMinDelayCosine = 0.9;  // of the angle between displacement and driving
-
-/// Draws evenly from [−1, 1]; the standard's distributions differ between libraries.
-double draw_uniform(std::mt19937_64& random) {
-  return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
-}
 
 /// True if two poses are closer to each other than `share` of what different maxima are.
 bool is_within(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
@@ -65,7 +62,7 @@ std::vector<Eigen::Isometry3d> best_maxima(std::vector<Scored>& ends, size_t max
   return best;
 }
 
-/// Search terms: the given ones, those of the default measure, or the given terms.
+/// Search terms: those given; else, for the default measure, its own; else `terms`.
 std::vector<TermOptions> search_terms_of(const CalibrateOptions& options) {
   if (!options.search_terms.empty()) return options.search_terms;
   return options.terms.empty() ? named_measures().front().search_terms : options.terms;
@@ -135,16 +132,16 @@ CalibrationSteps::RestartResult CalibrationSteps::run_restarts(const Eigen::Isom
   RestartResult restart_result{.T = T};
   for (int round = 0; round < kMaxRestartRounds; ++round) {
     const double best = score(restart_result.T);
-    restart_result.restarts = restart_result.returned = 0;
+    restart_result.restarts = restart_result.converged_restarts = 0;
     restart_result.best_of_restarts = false;
     std::optional<Eigen::Isometry3d> better;
     for (int batch = 0; batch < kRestartBatches && !better; ++batch) {
-      if (batch > 0 && restart_result.returned == restart_result.restarts) break;
+      if (batch > 0 && restart_result.converged_restarts == restart_result.restarts) break;
       for (const Eigen::Isometry3d& drawn : draw_around(restart_result.T, random)) {
         const Eigen::Isometry3d end = restart_from(drawn, restart_result.T);
         ++restart_result.restarts;
         if (is_same_maximum(end, restart_result.T)) {
-          ++restart_result.returned;
+          ++restart_result.converged_restarts;
         } else if (score(end) > best) {
           better = end;
           break;
@@ -198,20 +195,20 @@ std::vector<std::optional<IntrinsicsEstimate>> CalibrationSteps::estimate_all_in
   return all;
 }
 
-std::vector<ModelMismatch> CalibrationSteps::find_mismatches(
+std::vector<ParameterCheck> CalibrationSteps::check_parameters(
     const Eigen::Isometry3d& T, const Uncertainty& uncertainty,
     std::span<const std::optional<IntrinsicsEstimate>> estimates) const {
-  std::vector<ModelMismatch> all =
+  std::vector<ParameterCheck> all =
       check_model(T, cameras_.size(), fine_scenes_, uncertainty, options_.known);
   for (size_t c = 0; c < estimates.size(); ++c) {
-    if (estimates[c]) add_estimate(*estimates[c], c, all);
+    if (estimates[c]) set_limits(*estimates[c], c, all);
   }
   for (size_t c = 0; c < estimates.size(); ++c) {
-    auto gross = estimates[c] ? detect_gross_mismatch(*estimates[c], cameras_, c, options_.known)
+    auto gross = estimates[c] ? detect_gross_error(*estimates[c], cameras_, c, options_.known)
                               : std::nullopt;
     if (!gross) continue;
-    const auto same = std::find_if(all.begin(), all.end(), [&](const ModelMismatch& mismatch) {
-      return mismatch.parameter == gross->parameter;
+    const auto same = std::find_if(all.begin(), all.end(), [&](const ParameterCheck& check) {
+      return check.parameter == gross->parameter;
     });
     if (same != all.end()) {
       gross->detection_limit = same->detection_limit;
@@ -247,13 +244,13 @@ int CalibrationSteps::evaluations() const {
          coarse_search_.evaluations();
 }
 
-void CalibrationSteps::add_estimate(const IntrinsicsEstimate& estimate, size_t camera,
-                                    std::vector<ModelMismatch>& all) const {
+void CalibrationSteps::set_limits(const IntrinsicsEstimate& estimate, size_t camera,
+                                  std::vector<ParameterCheck>& all) const {
   const Eigen::Vector4d unseen =
       unseen_errors(estimate, cameras_[camera].model.intrinsics().fx, options_.known);
   const Eigen::Vector4d limits = detection_limits(estimate, options_.known);
   const auto in_unit = [&](size_t i, const Eigen::Vector4d& values) {
-    return make_intrinsic_mismatch(i, values(static_cast<Eigen::Index>(i)), camera, cameras_.size())
+    return make_intrinsic_check(i, values(static_cast<Eigen::Index>(i)), camera, cameras_.size())
         .value;
   };
   for (size_t i = 0; i < 4 && 4 * camera + i < all.size(); ++i) {
@@ -270,8 +267,8 @@ std::span<const Level> CalibrationSteps::restart_levels() const {
 std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isometry3d& T,
                                                              std::mt19937_64& random) {
   const VisiblePoints points = select_visible(screening_scenes_, cameras_, T, options_.visibility);
-  Objective measure(points, images_.at(restart_levels().front().sigma), cameras_, screening_scenes_,
-                    search_terms_);
+  Objective measure(points, images_.at(ImageBlur::in_angle(restart_levels().front().sigma)),
+                    cameras_, screening_scenes_, search_terms_);
   std::vector<Scored> drawn;
   const int restarts =
       effective_scenes() < kManyScenes ? options_.restarts_of_few : options_.restarts;
@@ -279,7 +276,7 @@ std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isomet
     if (options_.maximize.stop.stop_requested()) return {};
     Vector6 xi;
     for (int axis = 0; axis < 6; ++axis) {
-      xi(axis) = draw_uniform(random) *
+      xi(axis) = geometry::draw_uniform(random) *
                  (axis < 3 ? options_.restart_rotation : options_.restart_translation);
     }
     const Eigen::Isometry3d pose = geometry::exp(xi) * T;

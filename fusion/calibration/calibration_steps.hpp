@@ -33,7 +33,7 @@ class CalibrationSteps {
   struct RestartResult {
     Eigen::Isometry3d T;           ///< T_refcam_lidar
     int restarts = 0;              ///< number of ascents of the last round
-    int returned = 0;              ///< of these, how many converged to `T`
+    int converged_restarts = 0;    ///< of these, how many converged to `T`
     bool best_of_restarts = true;  ///< the last round found no larger value
   };
 
@@ -53,7 +53,7 @@ class CalibrationSteps {
       const Eigen::Isometry3d& T, const Uncertainty& uncertainty);
 
   /// Finds errors of the intrinsics and the clock that the scenes indicate.
-  std::vector<ModelMismatch> find_mismatches(
+  std::vector<ParameterCheck> check_parameters(
       const Eigen::Isometry3d& T, const Uncertainty& uncertainty,
       std::span<const std::optional<IntrinsicsEstimate>> estimates) const;
 
@@ -70,8 +70,8 @@ class CalibrationSteps {
                           bool keep_edges = false) const;
   /// Sets `unseen_sigma` and `detection_limit` of a camera's intrinsics, in the order of
   /// `check_model`.
-  void add_estimate(const IntrinsicsEstimate& estimate, size_t camera,
-                    std::vector<ModelMismatch>& all) const;
+  void set_limits(const IntrinsicsEstimate& estimate, size_t camera,
+                  std::vector<ParameterCheck>& all) const;
   /// Returns the two finest of the coarse levels.
   std::span<const Level> restart_levels() const;
   /// Draws many poses around `T` and returns those where the points in view at `T` fit best.

@@ -34,7 +34,7 @@ VisiblePoints CoarseToFine::visible_points(const Eigen::Isometry3d& T_refcam_lid
 }
 
 Objective CoarseToFine::make_objective(const VisiblePoints& points, double sigma) {
-  return {points, images_.at(sigma), cameras_, scenes_, terms_};
+  return {points, images_.at(ImageBlur::in_angle(sigma)), cameras_, scenes_, terms_};
 }
 
 Maximum CoarseToFine::ascend_once(const Eigen::Isometry3d& initial_pose, const Level& level) {

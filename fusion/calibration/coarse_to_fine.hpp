@@ -13,7 +13,7 @@ namespace infuse::calibration {
 
 /// Level of the coarse-to-fine search.
 struct Level {
-  double sigma = 1.5;  ///< px, blur of the image features
+  double sigma = 1.5;  ///< px, blur of the image features, see `ImageBlur`
   size_t points = 0;   ///< maximum number of points; 0: all in view
   int passes = 1;      ///< number of ascents, each with the points in view where the last one ended
   double tolerance = 2e-3;  ///< MaximizeOptions::tolerance
@@ -42,7 +42,8 @@ class CoarseToFine {
   /// Returns the points of a level: in view under a pose.
   VisiblePoints visible_points(const Eigen::Isometry3d& T_refcam_lidar, size_t max_points) const;
 
-  /// Returns the objective over `points`, which must outlive it, with images blurred by `sigma` px.
+  /// Returns the objective over `points`, which must outlive it, with images blurred by `sigma` px,
+  /// see `ImageBlur`.
   Objective make_objective(const VisiblePoints& points, double sigma);
 
   /// Number of evaluations of the objective so far.

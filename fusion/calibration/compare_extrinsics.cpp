@@ -144,7 +144,7 @@ ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
     const std::span<const Scene> scene = scenes.subspan(s, 1);
     const VisiblePoints points = select_visible(scene, cameras, poses, options.visibility);
     if (points.size() < kMinComparedPoints) continue;
-    const BlurredImages images(scene, cameras, terms, options.sigma);
+    const BlurredImages images(scene, cameras, terms, ImageBlur::in_angle(options.sigma));
     Objective measure(points, images, cameras, scene, terms);
     const auto fit = [&](const Eigen::Isometry3d& T) {
       return SceneFit{.edge_gradient = edge_gradient(measure, T, edge_term),

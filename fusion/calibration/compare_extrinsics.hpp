@@ -14,7 +14,7 @@ namespace infuse::calibration {
 
 /// Settings of a comparison of two extrinsics.
 struct CompareOptions {
-  double sigma = 2;           ///< px, blur of the images
+  double sigma = 2;           ///< px, blur of the images, see `ImageBlur`
   double max_p_value = 0.05;  ///< of a difference that is taken for real
   /// px: the measures may be largest so far beside the truth, as with the principal point so far
   /// off (half a pixel on drawn rigs, `check_model`).

@@ -21,6 +21,7 @@ struct IntrinsicsLevel {
   ImageBlur blur() const { return ImageBlur::in_pixels(sigma); }
 };
 constexpr IntrinsicsLevel kLevels[] = {{8, 15'000}, {4, 30'000}, {2, 60'000}, {1, 240'000}};
+constexpr IntrinsicsLevel kFinest = kLevels[std::size(kLevels) - 1];
 constexpr AscentOptions kAscent{.max_iterations = 50, .tolerance = 1e-2};
 constexpr double kRotationScale = 0.01;         // rad; steps of these sizes
 constexpr double kTranslationScale = 0.1;       // m; have effects of like size
@@ -34,9 +35,9 @@ constexpr double kCurvatureStep = 1e-3;     // rad
 constexpr int kMinScenesOfCamera = 8;       // number of scenes
 constexpr size_t kMinPointsPerScene = 100;  // number of points in view
 constexpr double kChiSquare = 13.28;        // 99 % of 4 degrees of freedom
-constexpr double kHigherMaximum = 4;        // Student's t of the scenes' gains
-// What imperfections of real scenes feign: logarithm of the focal lengths, px, px, k1.
-const Eigen::Vector4d kFeigned(0.005, 1.5, 1.5, 0.005);
+constexpr double kMinGainT = 4;             // Student's t of the scenes' gains
+// Errors that imperfections of real scenes imitate: logarithm of the focal lengths, px, px, k1.
+const Eigen::Vector4d kModelErrors(0.005, 1.5, 1.5, 0.005);
 // A camera that was never calibrated: logarithm of the focal lengths, share of it (twice), k1.
 const Eigen::Vector4d kUncalibrated(0.02, 0.02, 0.02, 0.1);
 constexpr double kUncalibratedShare = 0.005;  // probability, of each of the intrinsics
@@ -72,12 +73,12 @@ class IntrinsicsProblem {
   }
 
   /// Sum of the scenes' gradients, of this camera and of others, by these parameters.
-  Vector10 gradient(const Vector10& d, std::span<const SceneGradient> pulls,
+  Vector10 gradient(const Vector10& d, std::span<const SceneGradient> scene_gradients,
                     std::span<const Scene> scenes) const {
     Vector10 sum = Vector10::Zero();
-    for (size_t s = 0; s < pulls.size(); ++s) {
-      sum.head<6>() += pulls[s].head<6>();
-      if (scenes[s].camera == camera_) sum.tail<4>() += pulls[s].tail<4>();
+    for (size_t s = 0; s < scene_gradients.size(); ++s) {
+      sum.head<6>() += scene_gradients[s].head<6>();
+      if (scenes[s].camera == camera_) sum.tail<4>() += scene_gradients[s].tail<4>();
     }
     sum.head<6>() = (geometry::left_jacobian(xi(d)).transpose() * sum.head<6>()).eval();
     return sum.cwiseProduct(scale_);
@@ -92,11 +93,11 @@ class IntrinsicsProblem {
   Vector10 scale_;
 };
 
-/// Steps of the parameters along which the maximum is about as steep, the steepest as long as a
-/// unit: principal point and rotation together make a narrow ridge, on which an ascent would stop
-/// early.
-SceneInformation even_steps(Objective& objective, const Eigen::Isometry3d& T, const Vector10& scale,
-                            double prior_weight) {
+/// Preconditioner √λ_max H^(−1/2) of the ascent, H the curvature in scaled parameters: equalises it
+/// in all directions. Without it, the narrow ridge of principal point and rotation would stop an
+/// ascent early.
+SceneInformation preconditioner(Objective& objective, const Eigen::Isometry3d& T,
+                                const Vector10& scale, double prior_weight) {
   SceneInformation curvature = total_information(objective.scene_information(T));
   // The mean of the points' scores has the curvature of their information divided by their number.
   curvature /= static_cast<double>(objective.point_count());
@@ -164,23 +165,25 @@ struct LevelMaximum {
 };
 
 /// Ascends from `from` with these points.
-LevelMaximum ascend_level(const IntrinsicsProblem& freed, const Vector10& from,
+LevelMaximum ascend_level(const IntrinsicsProblem& problem, const Vector10& from,
                           const VisiblePoints& points, const BlurredImages& images,
                           std::span<const Scene> scenes, std::span<const TermOptions> terms) {
-  std::vector<RigCamera> trial_cameras = freed.cameras(from);
+  std::vector<RigCamera> trial_cameras = problem.cameras(from);
   Objective objective(points, images, trial_cameras, scenes, terms);
-  const double all = std::max(0.0, objective.evaluate(freed.pose(from), false).estimate.value);
+  const double all = std::max(0.0, objective.evaluate(problem.pose(from), false).estimate.value);
   const double weight = 2 * kPriorShare * all / (kPriorSteps * kPriorSteps);
-  const SceneInformation steps = even_steps(objective, freed.pose(from), freed.scale(), weight);
+  const SceneInformation steps =
+      preconditioner(objective, problem.pose(from), problem.scale(), weight);
   const auto value = [&](const Vector10& y, Vector10* gradient) {
     const Vector10 d = from + steps * y;
     Vector10 prior_gradient = weight * d;
     prior_gradient.head<6>().setZero();
-    trial_cameras = freed.cameras(d);
+    trial_cameras = problem.cameras(d);
     objective.set_cameras(trial_cameras);
     dependence::Estimate estimate;
-    const std::vector<SceneGradient> pulls = objective.scene_gradients(freed.pose(d), &estimate);
-    *gradient = steps * (freed.gradient(d, pulls, scenes) - prior_gradient);
+    const std::vector<SceneGradient> scene_gradients =
+        objective.scene_gradients(problem.pose(d), &estimate);
+    *gradient = steps * (problem.gradient(d, scene_gradients, scenes) - prior_gradient);
     return estimate.value - 0.5 * prior_gradient.dot(d);
   };
   const AscentResult<10> ascent = ascend_bfgs_10d(value, kAscent);
@@ -199,14 +202,84 @@ double students_t(std::span<const double> values) {
   return squares > 0 ? sum / std::sqrt(n / (n - 1) * squares) : 0;
 }
 
-/// C + K: covariance of the estimate with that of what is known and of what imperfections feign.
+/// C + K: covariance of the estimate with that of what is known and of model errors.
 Eigen::Matrix4d tested_covariance(const IntrinsicsEstimate& estimate,
                                   const KnownParameters& known) {
   const Eigen::Vector4d assumed(known.focal_sigma, known.principal_point_sigma,
                                 known.principal_point_sigma, known.radial_sigma);
   Eigen::Matrix4d sum = estimate.covariance;
-  sum.diagonal() += assumed.cwiseAbs2() + kFeigned.cwiseAbs2();
+  sum.diagonal() += assumed.cwiseAbs2() + kModelErrors.cwiseAbs2();
   return sum;
+}
+
+/// Arguments of `estimate_intrinsics` that its steps share.
+struct EstimateInput {
+  std::span<const Scene> scenes;
+  size_t camera;
+  std::span<const TermOptions> search_terms, terms;
+  ImagePyramid& images;
+  const VisibilityOptions& visibility;
+
+  VisiblePoints visible_points(std::span<const RigCamera> cameras, const Eigen::Isometry3d& T,
+                               size_t max_points) const {
+    VisibilityOptions thinned = visibility;
+    thinned.max_points = max_points;
+    return select_visible(scenes, cameras, T, thinned);
+  }
+};
+
+/// Ascends all levels but the finest; returns nothing if `stop` was requested.
+std::optional<Vector10> ascend_coarse_levels(const EstimateInput& input,
+                                             const IntrinsicsProblem& problem,
+                                             const std::stop_token& stop) {
+  Vector10 d = Vector10::Zero();
+  for (const IntrinsicsLevel& level : std::span(kLevels).first(std::size(kLevels) - 1)) {
+    const VisiblePoints points =
+        input.visible_points(problem.cameras(d), problem.pose(d), level.points);
+    const BlurredImages& images = input.images.at(level.blur());
+    d = ascend_level(problem, d, points, images, input.scenes, input.search_terms).d;
+    if (stop.stop_requested()) return std::nullopt;
+  }
+  return d;
+}
+
+/// Maximum of the finest level. The measure has many of like height: the one near the given
+/// intrinsics counts, unless the scenes agree that the one near `coarse`, to which the coarse
+/// levels led, is higher.
+LevelMaximum find_maximum(const EstimateInput& input, const IntrinsicsProblem& problem,
+                          const Vector10& coarse, const VisiblePoints& given_points) {
+  const BlurredImages& images = input.images.at(kFinest.blur());
+  const auto ascend = [&](const Vector10& from) {
+    return ascend_level(problem, from, given_points, images, input.scenes, input.terms);
+  };
+  LevelMaximum best = ascend(Vector10::Zero());
+  if (const LevelMaximum other = ascend(coarse); other.value > best.value) {
+    const std::vector<double> gains = scene_gains(
+        given_points, images, input.scenes, problem.cameras(best.d), problem.pose(best.d),
+        problem.cameras(other.d), problem.pose(other.d), input.camera, input.terms);
+    if (!best.converged || students_t(gains) > kMinGainT) best = other;
+  }
+  return best;
+}
+
+/// Sets the covariance, and takes the prior out of the correction.
+void add_uncertainty(const EstimateInput& input, const IntrinsicsProblem& problem,
+                     const LevelMaximum& maximum, const Uncertainty& uncertainty,
+                     IntrinsicsEstimate& estimate) {
+  const std::vector<RigCamera> corrected = problem.cameras(maximum.d);
+  const VisiblePoints points =
+      input.visible_points(corrected, estimate.T_refcam_lidar, kFinest.points);
+  Objective objective(points, input.images.at(kFinest.blur()), corrected, input.scenes,
+                      input.terms);
+  const SceneInformation curvature = joint_curvature(objective, estimate.T_refcam_lidar);
+  estimate.covariance =
+      joint_covariance(curvature, objective.scene_gradients(estimate.T_refcam_lidar), uncertainty)
+          .bottomRightCorner<4, 4>();
+  // One step of Newton's without the prior, whose gradient is the only one there.
+  SceneGradient prior_gradient = SceneGradient::Zero();
+  prior_gradient.tail<4>() =
+      maximum.prior_weight * maximum.d.tail<4>().cwiseQuotient(problem.scale().tail<4>());
+  estimate.correction += curvature.ldlt().solve(prior_gradient).tail<4>();
 }
 
 }  // namespace
@@ -222,55 +295,31 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
       }) < kMinScenesOfCamera) {
     return std::nullopt;
   }
-  const IntrinsicsProblem freed(cameras, camera, T_refcam_lidar);
-  const IntrinsicsLevel& finest = std::end(kLevels)[-1];
-  Vector10 at = Vector10::Zero();
-  VisibilityOptions thinned = visibility;
-  for (const IntrinsicsLevel& level : std::span(kLevels).first(std::size(kLevels) - 1)) {
-    thinned.max_points = level.points;
-    const VisiblePoints points = select_visible(scenes, freed.cameras(at), freed.pose(at), thinned);
-    at = ascend_level(freed, at, points, images.at(level.blur()), scenes, search_terms).d;
-    if (stop.stop_requested()) return std::nullopt;
-  }
-  // The measure has many maxima of like height. The one that the given intrinsics lie near counts,
-  // unless the scenes agree that the one to which the coarse levels led is higher.
-  thinned.max_points = finest.points;
-  VisiblePoints given_points = select_visible(scenes, cameras, T_refcam_lidar, thinned);
-  const auto ascend_finest = [&](const Vector10& from) {
-    return ascend_level(freed, from, given_points, images.at(finest.blur()), scenes, terms);
-  };
-  LevelMaximum best = ascend_finest(Vector10::Zero());
-  if (const LevelMaximum other = ascend_finest(at); other.value > best.value) {
-    const std::vector<double> gains =
-        scene_gains(given_points, images.at(finest.blur()), scenes, freed.cameras(best.d),
-                    freed.pose(best.d), freed.cameras(other.d), freed.pose(other.d), camera, terms);
-    if (!best.converged || students_t(gains) > kHigherMaximum) best = other;
-  }
+  const EstimateInput input{.scenes = scenes,
+                            .camera = camera,
+                            .search_terms = search_terms,
+                            .terms = terms,
+                            .images = images,
+                            .visibility = visibility};
+  const IntrinsicsProblem problem(cameras, camera, T_refcam_lidar);
+  const std::optional<Vector10> coarse = ascend_coarse_levels(input, problem, stop);
+  if (!coarse) return std::nullopt;
+  VisiblePoints given_points = input.visible_points(cameras, T_refcam_lidar, kFinest.points);
+  const LevelMaximum maximum = find_maximum(input, problem, *coarse, given_points);
   if (stop.stop_requested()) return std::nullopt;
-  at = best.d;
-  const double weight = best.prior_weight;
-  const bool converged = best.converged && at.tail<4>().cwiseAbs().maxCoeff() <= kPriorSteps;
-  IntrinsicsEstimate out{
-      .T_refcam_lidar = freed.pose(at), .correction = freed.correction(at), .converged = converged};
-  const std::vector<RigCamera> corrected = freed.cameras(at);
-  const std::vector<double> gain =
-      scene_gains(given_points, images.at(finest.blur()), scenes, cameras, T_refcam_lidar,
-                  corrected, out.T_refcam_lidar, camera, terms);
-  out.scenes = static_cast<int>(gain.size());
+  const bool within_bounds = maximum.d.tail<4>().cwiseAbs().maxCoeff() <= kPriorSteps;
+  IntrinsicsEstimate out{.T_refcam_lidar = problem.pose(maximum.d),
+                         .correction = problem.correction(maximum.d),
+                         .converged = maximum.converged && within_bounds};
+  const std::vector<double> gains =
+      scene_gains(given_points, images.at(kFinest.blur()), scenes, cameras, T_refcam_lidar,
+                  problem.cameras(maximum.d), out.T_refcam_lidar, camera, terms);
+  out.scenes = static_cast<int>(gains.size());
   if (out.scenes < kMinScenesOfCamera) return std::nullopt;
   given_points = {};  // released before others are chosen
-  const VisiblePoints points = select_visible(scenes, corrected, out.T_refcam_lidar, thinned);
-  Objective objective(points, images.at(finest.blur()), corrected, scenes, terms);
-  const SceneInformation curvature = joint_curvature(objective, out.T_refcam_lidar);
-  out.covariance =
-      joint_covariance(curvature, objective.scene_gradients(out.T_refcam_lidar), uncertainty)
-          .bottomRightCorner<4, 4>();
-  // One step of Newton's without the prior, whose gradient is the only one there.
-  SceneGradient pulled = SceneGradient::Zero();
-  pulled.tail<4>() = weight * at.tail<4>().cwiseQuotient(freed.scale().tail<4>());
-  out.correction += curvature.ldlt().solve(pulled).tail<4>();
-  for (const double one : gain) out.improved_scenes += one > 0 ? 1 : 0;
-  out.significance = students_t(gain);
+  add_uncertainty(input, problem, maximum, uncertainty, out);
+  for (const double gain : gains) out.improved_scenes += gain > 0 ? 1 : 0;
+  out.significance = students_t(gains);
   return out;
 }
 
@@ -280,26 +329,27 @@ std::vector<ImageBlur> intrinsics_blurs() {
   return blurs;
 }
 
-std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& freed,
-                                                   std::span<const RigCamera> cameras,
-                                                   size_t camera, const KnownParameters& known) {
-  const Eigen::Matrix4d spread = tested_covariance(freed, known);
-  const bool contradicts = freed.correction.dot(spread.ldlt().solve(freed.correction)) > kChiSquare;
-  if (!contradicts || !(freed.significance > 0)) {
-    if (freed.converged) return std::nullopt;
-    ModelMismatch unknown = make_intrinsic_mismatch(0, 0, camera, cameras.size());
+std::optional<ParameterCheck> detect_gross_error(const IntrinsicsEstimate& estimate,
+                                                 std::span<const RigCamera> cameras, size_t camera,
+                                                 const KnownParameters& known) {
+  const Eigen::Matrix4d spread = tested_covariance(estimate, known);
+  const bool contradicts =
+      estimate.correction.dot(spread.ldlt().solve(estimate.correction)) > kChiSquare;
+  if (!contradicts || !(estimate.significance > 0)) {
+    if (estimate.converged) return std::nullopt;
+    ParameterCheck unknown = make_intrinsic_check(0, 0, camera, cameras.size());
     unknown.parameter.replace(0, std::string("focal length").size(), "set of intrinsics");
     unknown.significant = unknown.serious = unknown.gross = true;
     return unknown;
   }
   Eigen::Index which = 0;
   const double farthest =
-      freed.correction.cwiseQuotient(spread.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff(&which);
-  ModelMismatch mismatch = make_intrinsic_mismatch(static_cast<size_t>(which),
-                                                   freed.correction(which), camera, cameras.size());
-  mismatch.significance = std::copysign(farthest, freed.correction(which));
-  mismatch.significant = mismatch.serious = mismatch.gross = true;
-  return mismatch;
+      estimate.correction.cwiseQuotient(spread.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff(&which);
+  ParameterCheck check = make_intrinsic_check(static_cast<size_t>(which),
+                                              estimate.correction(which), camera, cameras.size());
+  check.significance = std::copysign(farthest, estimate.correction(which));
+  check.significant = check.serious = check.gross = true;
+  return check;
 }
 
 Eigen::Vector4d detection_limits(const IntrinsicsEstimate& estimate, const KnownParameters& known) {

@@ -34,8 +34,8 @@ struct IntrinsicsEstimate {
 /// `search_terms` and at the finest level `terms`, from the pose estimated with the given
 /// intrinsics. Compares the fit of every scene alone, on the points in view with the given
 /// intrinsics. Detects gross errors, for which the slope at the result (`check_model`) is not
-/// valid. `uncertainty` is that of the pose. Returns nothing if fewer than 8 of the
-/// camera's scenes have enough points in view, or if `stop` was requested.
+/// valid. `uncertainty` is that of the pose. Returns nothing if fewer than 8 of the camera's scenes
+/// have enough points in view, or if `stop` was requested.
 std::optional<IntrinsicsEstimate> estimate_intrinsics(
     std::span<const Scene> scenes, std::span<const RigCamera> cameras, size_t camera,
     std::span<const TermOptions> search_terms, std::span<const TermOptions> terms,
@@ -47,26 +47,26 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
 std::vector<ImageBlur> intrinsics_blurs();
 
 /// Tests the four intrinsics together: Tsq = eᵀ (C + K)⁻¹ e, e the estimated correction, C its
-/// covariance, K what they are known to (`known`, and what imperfections of real scenes feign: 0.5
-/// % of the focal length, 1.5 px, 0.005 in k1). Beyond the 99 % quantile of χ²(4), if the scenes
-/// fit better, returns the one that is farthest off, as serious; or the intrinsics as a whole,
-/// without a value, if the estimate did not converge within its bounds. Otherwise nothing.
+/// covariance, K what they are known to (`known`, and errors that imperfections of real scenes
+/// imitate: 0.5 % of the focal length, 1.5 px, 0.005 in k1). Beyond the 99 % quantile of χ²(4), if
+/// the scenes fit better, returns the one that is farthest off, as serious; or the intrinsics as a
+/// whole, without a value, if the estimate did not converge within its bounds. Otherwise nothing.
 /// `cameras` have the given intrinsics.
-std::optional<ModelMismatch> detect_gross_mismatch(const IntrinsicsEstimate& estimate,
-                                                   std::span<const RigCamera> cameras,
-                                                   size_t camera, const KnownParameters& known);
+std::optional<ParameterCheck> detect_gross_error(const IntrinsicsEstimate& estimate,
+                                                 std::span<const RigCamera> cameras, size_t camera,
+                                                 const KnownParameters& known);
 
-/// Errors of the given intrinsics, each alone, that `detect_gross_mismatch` shows in every second
-/// case; smaller ones go unnoticed more often: √(13.28 / [(C + K)⁻¹]ᵢᵢ), in the units of
-/// `correction`.
+/// Errors of the given intrinsics, each alone, that `detect_gross_error` shows in at least half of
+/// the cases (50 to 66 %); smaller ones go unnoticed more often: √(13.28 / [(C + K)⁻¹]ᵢᵢ), in the
+/// units of `correction`.
 Eigen::Vector4d detection_limits(const IntrinsicsEstimate& estimate, const KnownParameters& known);
 
-/// Standard deviations of errors of the given intrinsics that `detect_gross_mismatch` would not
-/// have shown. With a probability of 0.5 % each of the four is not as well known as stated, but
-/// that of a camera that was never calibrated: e ~ N(0, w²), w = 2 % of the focal length, 2 % of it
-/// in the principal point, 0.1 in k1. Its estimate is x ~ N(e, s²), with s² of `estimate`, `known`
-/// and what imperfections feign; nothing is shown while x² ≤ 13.28 s². Returns √(0.5 % E[e²; not
-/// shown]), in the units of `correction`; `focal_length` in px.
+/// Standard deviations of errors of the given intrinsics that `detect_gross_error` would not have
+/// shown. With a probability of 0.5 % each of the four is not as well known as stated, but that of
+/// a camera that was never calibrated: e ~ N(0, w²), w = 2 % of the focal length, 2 % of it in the
+/// principal point, 0.1 in k1. Its estimate is x ~ N(e, s²), with s² of `estimate`, `known` and the
+/// errors that imperfections imitate; nothing is shown while x² ≤ 13.28 s². Returns
+/// √(0.5 % E[e²; not shown]), in the units of `correction`; `focal_length` in px.
 Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_length,
                               const KnownParameters& known);
 

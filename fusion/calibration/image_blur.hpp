@@ -11,18 +11,14 @@ namespace infuse::calibration {
 /// Gaussian blur of images before they are compared, of one or several cameras.
 class ImageBlur {
  public:
-  /// As wide in angle as `sigma` pixels are with a focal length of 500 px where a camera's is
-  /// shorter; otherwise, and where `sigma` is at most 1, by `sigma` pixels; at least 1 px. Eight
-  /// pixels are 1.6° of a wide camera with 640 pixels: so blurred, all ascents led to one maximum
-  /// 3° beside the truth, from which no finer level came back.
-  ImageBlur(double sigma) : sigma_(sigma) {}  // NOLINT(google-explicit-constructor): what is meant
+  /// By `sigma` pixels, scaled by f / 500 px for cameras with a focal length f below 500 px (the
+  /// same angle), but never below min(`sigma`, 1 px). Without the scaling, 8 px are 1.6° of a wide
+  /// 640-pixel camera, and all ascents ended at one maximum 3° from the truth, which no finer level
+  /// left.
+  static ImageBlur in_angle(double sigma) { return {sigma, false}; }
 
   /// By `sigma` pixels whatever the camera.
-  static ImageBlur in_pixels(double sigma) {
-    ImageBlur blur(sigma);
-    blur.in_pixels_ = true;
-    return blur;
-  }
+  static ImageBlur in_pixels(double sigma) { return {sigma, true}; }
 
   /// Standard deviation of the blur of a camera's images, px.
   double sigma(const RigCamera& camera) const;
@@ -30,8 +26,10 @@ class ImageBlur {
   auto operator<=>(const ImageBlur&) const = default;
 
  private:
+  ImageBlur(double sigma, bool in_pixels) : sigma_(sigma), in_pixels_(in_pixels) {}
+
   double sigma_;
-  bool in_pixels_ = false;
+  bool in_pixels_;
 };
 
 /// Standard deviations of the blurs of a camera's images, px.

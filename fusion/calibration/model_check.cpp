@@ -119,50 +119,48 @@ std::optional<std::string> KnownParameters::invalid() const {
   return std::nullopt;
 }
 
-ModelMismatch make_intrinsic_mismatch(size_t score_intrinsic, double off, size_t camera,
-                                      size_t cameras) {
-  const Intrinsic& of = kIntrinsics[score_intrinsic];
+ParameterCheck make_intrinsic_check(size_t intrinsic, double error, size_t camera, size_t cameras) {
+  const Intrinsic& of = kIntrinsics[intrinsic];
   return {.parameter =
               std::string(of.name) + (cameras > 1 ? " of camera " + std::to_string(camera) : ""),
           .unit = of.unit,
-          .value = of.display_scale * off};
+          .value = of.display_scale * error};
 }
 
-std::vector<ModelMismatch> check_model(const Eigen::Isometry3d& T_refcam_lidar, size_t cameras,
-                                       std::span<const Scene> scenes,
-                                       const Uncertainty& uncertainty,
-                                       const KnownParameters& known) {
-  std::vector<ModelMismatch> mismatches;
-  if (!uncertainty.usable()) return mismatches;
+std::vector<ParameterCheck> check_model(const Eigen::Isometry3d& T_refcam_lidar, size_t cameras,
+                                        std::span<const Scene> scenes,
+                                        const Uncertainty& uncertainty,
+                                        const KnownParameters& known) {
+  std::vector<ParameterCheck> checks;
+  if (!uncertainty.usable()) return checks;
   const bool enough = uncertainty.effective_scenes >= kMinScenesOfModel;
   const double centre_sigma = std::hypot(known.principal_point_sigma, kFeatureBias);
   const double known_sigmas[] = {known.focal_sigma, centre_sigma, centre_sigma, known.radial_sigma};
   const PoseInformation pose = pose_information(uncertainty);
-  const auto add = [&](const ParameterScore& further, ModelMismatch mismatch, double display_scale,
+  const auto add = [&](const ParameterScore& further, ParameterCheck check, double display_scale,
                        double tolerance, double known_sigma) {
     const Vector6 weight = pose.inverse * further.pose_coupling;
     const double remaining = further.information - further.pose_coupling.dot(weight);
     const double curvature = pose.curvature_share * remaining;
-    mismatch.pose_sensitivity = -weight / display_scale;
-    mismatch.known_sigma = display_scale * known_sigma;
-    mismatch.tolerance = tolerance;
+    check.pose_sensitivity = -weight / display_scale;
+    check.known_sigma = display_scale * known_sigma;
+    check.tolerance = tolerance;
     if (enough && remaining > kMinRemainingInformation * further.information) {
       const ScoredError error = estimate_error(further, weight, curvature, uncertainty);
-      mismatch.value = display_scale * error.value;
-      mismatch.sigma = display_scale * error.sigma;
-      mismatch.significance = mismatch.value / std::hypot(mismatch.sigma, mismatch.known_sigma);
+      check.value = display_scale * error.value;
+      check.sigma = display_scale * error.sigma;
+      check.significance = check.value / std::hypot(check.sigma, check.known_sigma);
     }
-    const bool exceeds_tolerance = std::abs(mismatch.value) > tolerance;
-    mismatch.significant =
-        exceeds_tolerance && std::abs(mismatch.significance) > kSignificantSigmas;
-    mismatch.serious = exceeds_tolerance && std::abs(mismatch.significance) > kSeriousSigmas;
-    mismatches.push_back(mismatch);
+    const bool exceeds_tolerance = std::abs(check.value) > tolerance;
+    check.significant = exceeds_tolerance && std::abs(check.significance) > kSignificantSigmas;
+    check.serious = exceeds_tolerance && std::abs(check.significance) > kSeriousSigmas;
+    checks.push_back(check);
   };
   for (size_t c = 0; c < cameras; ++c) {
     for (size_t which = 0; which < std::size(kIntrinsics); ++which) {
       const Intrinsic& of = kIntrinsics[which];
       add(score_intrinsic(scenes, c, which, uncertainty),
-          make_intrinsic_mismatch(which, 0, c, cameras), of.display_scale, of.tolerance,
+          make_intrinsic_check(which, 0, c, cameras), of.display_scale, of.tolerance,
           known_sigmas[which]);
     }
   }
@@ -173,13 +171,13 @@ std::vector<ModelMismatch> check_model(const Eigen::Isometry3d& T_refcam_lidar, 
         {.parameter = "image time offset", .unit = "ms"}, 1e3, kTimeTolerance,
         to_seconds(known.time_sigma));
   }
-  return mismatches;
+  return checks;
 }
 
-Matrix6 model_covariance(std::span<const ModelMismatch> parameters, const Matrix6& scenes) {
+Matrix6 model_covariance(std::span<const ParameterCheck> parameters, const Matrix6& scenes) {
   Matrix6 sum = Matrix6::Zero();
   double squares = 0;
-  for (const ModelMismatch& one : parameters) {
+  for (const ParameterCheck& one : parameters) {
     const Vector6 moved = std::hypot(one.known_sigma, one.unseen_sigma) * one.pose_sensitivity;
     sum += moved * moved.transpose();
     const double sigma = std::hypot(one.sigma, one.known_sigma, one.tolerance);

@@ -25,7 +25,7 @@ struct KnownParameters {
 };
 
 /// Parameter that was assumed to be known, and its error as the scenes indicate it.
-struct ModelMismatch {
+struct ParameterCheck {
   std::string parameter;    ///< "focal length of camera 0", …
   const char* unit = "";    ///< of `value`
   double value = 0;         ///< estimated error; 0 where the scenes do not determine it
@@ -38,8 +38,8 @@ struct ModelMismatch {
   double known_sigma = 0;
   /// Standard deviation beyond `known_sigma` that the scenes do not exclude (`unseen_errors`).
   double unseen_sigma = 0;
-  /// Error of it, in `unit`, that the joint estimate shows in every second case
-  /// (`detection_limits`); empty: not estimated.
+  /// Error of it, in `unit`, that `detect_gross_error` shows in at least half of the cases (50 to
+  /// 66 %), see `detection_limits`; empty: not estimated.
   std::optional<double> detection_limit;
   double tolerance = 0;  ///< error that a good calibration leaves, in `unit`
 
@@ -51,10 +51,9 @@ struct ModelMismatch {
   bool gross = false;
 };
 
-/// Makes the mismatch of one of a camera's four intrinsics (logarithm of the focal lengths,
+/// Makes the check of one of a camera's four intrinsics (logarithm of the focal lengths,
 /// principal point across and down, k1): `error` of the camera with this index of `cameras`.
-ModelMismatch make_intrinsic_mismatch(size_t intrinsic, double error, size_t camera,
-                                      size_t cameras);
+ParameterCheck make_intrinsic_check(size_t intrinsic, double error, size_t camera, size_t cameras);
 
 /// Checks intrinsics and clocks, which are assumed to be known while a pose is estimated. Where
 /// they are wrong, the pose compensates for them as well as it can, and its covariance does not
@@ -70,17 +69,17 @@ ModelMismatch make_intrinsic_mismatch(size_t intrinsic, double error, size_t cam
 /// Checks focal length, principal point and first radial distortion coefficient of every camera;
 /// with scenes of known motion also the time between sweep and image. Returns nothing without a
 /// usable uncertainty; with fewer than 10 effective scenes no value and no significance.
-std::vector<ModelMismatch> check_model(const Eigen::Isometry3d& T_refcam_lidar, size_t cameras,
-                                       std::span<const Scene> scenes,
-                                       const Uncertainty& uncertainty,
-                                       const KnownParameters& known = {});
+std::vector<ParameterCheck> check_model(const Eigen::Isometry3d& T_refcam_lidar, size_t cameras,
+                                        std::span<const Scene> scenes,
+                                        const Uncertainty& uncertainty,
+                                        const KnownParameters& known = {});
 
 /// Covariance of the result from what is not known of these parameters: Σ σ² w wᵀ with their
 /// `known_sigma`, `unseen_sigma` and `pose_sensitivity`. Where the scenes contradict them by more
 /// than chance, the mean square of their values, in standard deviations with the tolerance, exceeds
 /// one, and so does what the covariance from the `scenes` misses: (mean square − 1) times it is
 /// added (Birge's ratio; Birge 1932).
-geometry::Matrix6 model_covariance(std::span<const ModelMismatch> parameters,
+geometry::Matrix6 model_covariance(std::span<const ParameterCheck> parameters,
                                    const geometry::Matrix6& scenes);
 
 }  // namespace infuse::calibration

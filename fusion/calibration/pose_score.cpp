@@ -34,7 +34,7 @@ PoseScore::PoseScore(std::span<const Scene> scenes, std::span<const RigCamera> c
       cameras_(cameras),
       terms_(terms),
       visibility_(visibility),
-      images_(images.at(sigma)),
+      images_(images.at(ImageBlur::in_angle(sigma))),
       stop_(std::move(stop)) {
   visibility_.max_points = 0;
   if (!subtract_baseline) return;

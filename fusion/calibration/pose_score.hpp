@@ -23,8 +23,8 @@ class PoseScore {
  public:
   static constexpr size_t kMinImages = 4;
 
-  /// The points are those of `scenes` (`thin_scenes`), the images those of `images` at `sigma`
-  /// pixels. All must outlive this.
+  /// The points are those of `scenes` (`thin_scenes`), the images those of `images` at `sigma` px,
+  /// see `ImageBlur`. All must outlive this.
   PoseScore(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
             std::span<const TermOptions> terms, const VisibilityOptions& visibility,
             ImagePyramid& images, double sigma, bool subtract_baseline, std::stop_token stop);

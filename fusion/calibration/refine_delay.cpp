@@ -13,18 +13,18 @@ constexpr double kSmallestChange = 2e-4;  // s
 const std::string kUndetermined = "the scenes do not determine the delay: ";
 
 /// The time offset among the checked parameters, or null.
-const ModelMismatch* find_time_offset(const CalibrationResult& result) {
+const ParameterCheck* find_time_offset(const CalibrationResult& result) {
   const auto found =
-      std::find_if(result.model_mismatches.begin(), result.model_mismatches.end(),
-                   [](const ModelMismatch& one) { return one.unit == std::string("ms"); });
-  return found == result.model_mismatches.end() ? nullptr : &*found;
+      std::find_if(result.parameter_checks.begin(), result.parameter_checks.end(),
+                   [](const ParameterCheck& one) { return one.unit == std::string("ms"); });
+  return found == result.parameter_checks.end() ? nullptr : &*found;
 }
 
 /// Why the time offset of a result cannot be used, or an empty text.
 std::string refusal(const CalibrationResult& result, double max_sigma) {
   if (!result.has_pose || !result.uncertainty.usable())
     return kUndetermined + "they determine no pose";
-  const ModelMismatch* offset = find_time_offset(result);
+  const ParameterCheck* offset = find_time_offset(result);
   if (offset == nullptr || offset->sigma <= 0) {
     return kUndetermined + "fewer than 10 independent scenes, or always the same motion";
   }
@@ -109,7 +109,7 @@ DelayCalibration calibrate_with_delay(std::span<const Scene> scenes,
     out.result = calibrate_at(out.later, searching, T);
     if (out.result.reason = refusal(out.result, delays.max_sigma); !out.result.usable()) return out;
     T = out.result.T_refcam_lidar;
-    const ModelMismatch& offset = *find_time_offset(out.result);
+    const ParameterCheck& offset = *find_time_offset(out.result);
     out.sigma = 1e-3 * offset.sigma;
     const double change = std::clamp(1e-3 * offset.value, -delays.step, delays.step);
     converged = std::abs(change) < std::max(kConvergedSigmas * out.sigma, kSmallestChange);

@@ -102,13 +102,13 @@ CalibrationResult refused(const Eigen::Isometry3d& T_refcam_lidar, size_t scenes
   return result;
 }
 
-/// Covariance of the pose from that of a camera's intrinsics: four of `model_mismatches`.
-geometry::Matrix6 pose_covariance(std::span<const ModelMismatch> mismatches,
+/// Covariance of the pose from that of a camera's intrinsics: four of `parameter_checks`.
+geometry::Matrix6 pose_covariance(std::span<const ParameterCheck> checks,
                                   const Eigen::Matrix4d& intrinsics) {
   Eigen::Matrix<double, 6, 4> by;
   for (Eigen::Index k = 0; k < 4; ++k) {
     const auto which = static_cast<size_t>(k);
-    by.col(k) = kLimits[which].scale * mismatches[which].pose_sensitivity;
+    by.col(k) = kLimits[which].scale * checks[which].pose_sensitivity;
   }
   return by * intrinsics * by.transpose();
 }
@@ -155,7 +155,7 @@ RefinedCalibration calibrate_with_intrinsics(std::span<const Scene> scenes,
   if (!out.result.uncertainty.usable()) return out;
   for (size_t c = 0; c < cameras.size(); ++c) {
     out.result.model_covariance += pose_covariance(
-        std::span(out.result.model_mismatches).subspan(4 * c, 4), out.cameras[c].covariance);
+        std::span(out.result.parameter_checks).subspan(4 * c, 4), out.cameras[c].covariance);
   }
   if (out.result.usable()) {
     out.result.reason = describe_imprecision(out.result.covariance(), options.max_rotation_sigma,

@@ -18,17 +18,16 @@ std::string format_text(const char* format, Values... values) {
   return text.data();
 }
 
-std::string mismatch_text(const ModelMismatch& mismatch) {
-  if (mismatch.gross && mismatch.value == 0) {
+std::string check_text(const ParameterCheck& check) {
+  if (check.gross && check.value == 0) {
     return "a fit of the intrinsics with the pose does not converge near the given ones; check the "
            "intrinsics";
   }
-  const std::string by = mismatch.value == 0
-                             ? ""
-                             : format_text("%+.2g%s%s, ", mismatch.value,
-                                           *mismatch.unit == '\0' ? "" : " ", mismatch.unit);
+  const std::string by = check.value == 0 ? ""
+                                          : format_text("%+.2g%s%s, ", check.value,
+                                                        *check.unit == '\0' ? "" : " ", check.unit);
   return format_text("lidar and images would fit better with another %s (%s%.0f sigma)",
-                     mismatch.parameter.c_str(), by.c_str(), std::abs(mismatch.significance));
+                     check.parameter.c_str(), by.c_str(), std::abs(check.significance));
 }
 
 }  // namespace
@@ -37,8 +36,8 @@ std::string rejection_reason(const CalibrationResult& result, const Maximum& max
                              std::optional<double> delay, const CalibrateOptions& options) {
   if (!maximum.usable()) return maximum.reason;
   if (result.uncertainty.effective_scenes < kMinEffectiveScenes) return result.uncertainty.reason;
-  const bool gross = std::any_of(result.model_mismatches.begin(), result.model_mismatches.end(),
-                                 [](const ModelMismatch& mismatch) { return mismatch.gross; });
+  const bool gross = std::any_of(result.parameter_checks.begin(), result.parameter_checks.end(),
+                                 [](const ParameterCheck& check) { return check.gross; });
   if (delay && !gross && result.support >= kForeignSupport) {
     return format_text(
         "the result lies %.2f m from the initial position along the driving direction, as with "
@@ -51,14 +50,14 @@ std::string rejection_reason(const CalibrationResult& result, const Maximum& max
         "(%.0f %% expected); check that images and sweeps belong together",
         100 * result.support, 100 * options.min_support);
   }
-  for (const ModelMismatch& mismatch : result.model_mismatches) {
-    if (mismatch.gross || mismatch.serious) return mismatch_text(mismatch);
+  for (const ParameterCheck& check : result.parameter_checks) {
+    if (check.gross || check.serious) return check_text(check);
   }
   if (!result.best_of_restarts) {
     return "restarts from around the result kept finding larger values";
   }
-  if (kMaxRestartsPerReturn * result.returned < result.restarts) {
-    return format_text("only %d of %d restarts converged to the result", result.returned,
+  if (kMaxRestartsPerReturn * result.converged_restarts < result.restarts) {
+    return format_text("only %d of %d restarts converged to the result", result.converged_restarts,
                        result.restarts);
   }
   if (!result.uncertainty.usable()) return result.uncertainty.reason;

@@ -16,7 +16,7 @@ struct SceneSupport {
                        ///< image and a scan of different places give about one half
 };
 
-/// Computes the support, one entry per scene. Images are blurred by `sigma` pixels.
+/// Computes the support, one entry per scene. Images are blurred by `sigma` px, see `ImageBlur`.
 std::vector<SceneSupport> scene_support(CoarseToFine& search,
                                         const Eigen::Isometry3d& T_refcam_lidar, size_t scenes,
                                         double sigma);

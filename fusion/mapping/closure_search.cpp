@@ -103,7 +103,9 @@ std::optional<Candidate> nearest_before(const std::vector<Keyframe>& keyframes,
   std::optional<Candidate> best;
   const size_t first = estimate.first_of_drive();
   for (size_t i = 0; i < k; ++i) {
-    if (i >= first && keyframes[k].way - keyframes[i].way < options.min_way) break;
+    if (i >= first &&
+        keyframes[k].distance_driven - keyframes[i].distance_driven < options.min_distance_driven)
+      break;
     const Relative relative = estimate.relative(i, k);
     const double distance = relative.T_from_to.translation().norm();
     if (best && distance >= best->distance) continue;
@@ -129,7 +131,8 @@ const char* contradiction(const Closure& closure, const Candidate& candidate,
 }  // namespace
 
 std::optional<std::string> ClosureSearchOptions::invalid() const {
-  for (const double length : {min_way, max_distance, sigmas, max_search, max_guess_error}) {
+  for (const double length :
+       {min_distance_driven, max_distance, sigmas, max_search, max_guess_error}) {
     if (!(length > 0)) return "lengths must be positive";
   }
   if (!(spacing >= 0 && search_spacing >= 0)) return "spacings must not be negative";
@@ -144,10 +147,11 @@ Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyfra
   std::vector<Closure> closures;
   if (keyframes.empty()) return closures;
   Estimate estimate(keyframes, joins, known);
-  double next = -std::numeric_limits<double>::infinity();  // way at which closures are sought again
+  // Distance driven at which closures are sought again.
+  double next = -std::numeric_limits<double>::infinity();
   for (size_t k = 0; k < keyframes.size(); ++k) {
     estimate.advance(k);
-    if (keyframes[k].way < next) continue;
+    if (keyframes[k].distance_driven < next) continue;
     const auto candidate = nearest_before(keyframes, estimate, k, options);
     if (!candidate) continue;
     Closure closure;
@@ -159,9 +163,9 @@ Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyfra
     if (!verified) return tl::unexpected(verified.error());
     if (closure.accepted()) closure.reason = contradiction(closure, *candidate, options);
     if (closure.accepted()) estimate.correct(closure);
-    next = keyframes[k].way + (closure.accepted() ? options.spacing
-                               : closure.guessed  ? 0
-                                                  : options.search_spacing);
+    next = keyframes[k].distance_driven + (closure.accepted() ? options.spacing
+                                           : closure.guessed  ? 0
+                                                              : options.search_spacing);
     closures.push_back(std::move(closure));
   }
   return closures;

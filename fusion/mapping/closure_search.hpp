@@ -12,11 +12,11 @@ namespace infuse::mapping {
 
 /// Settings of the search for loop closures.
 struct ClosureSearchOptions {
-  double min_way = 40;      ///< m driven between two keyframes of a closure of one drive
-  double max_distance = 6;  ///< m between them
-  double spacing = 4;       ///< m driven after a closure until the next one is sought
-  double sigmas = 3;        ///< of the stated uncertainty, within which a closure is sought
-  double max_search = 60;   ///< m; limit of what the uncertainty adds
+  double min_distance_driven = 40;  ///< m driven between two keyframes of a closure of one drive
+  double max_distance = 6;          ///< m between them
+  double spacing = 4;               ///< m driven after a closure until the next one is sought
+  double sigmas = 3;                ///< of the stated uncertainty, within which a closure is sought
+  double max_search = 60;           ///< m; limit of what the uncertainty adds
   double max_guess_error =
       1;  ///< m, standard deviation; beyond it the registration begins without a guess …
   double search_spacing = 10;  ///< m driven; … and no more often than this
@@ -37,7 +37,7 @@ struct Closure {
   bool accepted() const { return reason.empty(); }
 };
 
-/// Positions that are known from elsewhere, such as GNSS.
+/// Poses that are known from elsewhere, such as GNSS.
 struct KnownPoses {
   std::vector<Eigen::Isometry3d> T_map_vehicle;  ///< by keyframe
   double sigma = 0;                              ///< m, of their positions

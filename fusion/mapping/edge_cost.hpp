@@ -6,9 +6,9 @@ namespace infuse::mapping {
 
 /// What is minimised over the poses, a sum over edges.
 enum class Cost {
-  /// χ² of the full information, as g2o states it: eᵀ Ω e, e = (translation, angle or vector part
-  /// of
-  /// the quaternion) of T_from_to⁻¹ T_map_from⁻¹ T_map_to.
+  /// χ² of the full information, as g2o states it: eᵀ Ω e,
+  /// e = (translation, angle or vector part of the quaternion) of
+  /// T_from_to⁻¹ T_map_from⁻¹ T_map_to.
   kInformation,
   /// κ |R_to − R_from R|²_F + τ |t_to − t_from − R_from t|², which certifiable solvers minimise
   /// (Rosen et al. 2019); κ and τ by `chordal_weights`.
@@ -35,10 +35,12 @@ struct EdgeSystem {
   Eigen::Matrix<double, kPoseFreedom<D>, 1> g_from, g_to;
 };
 
+/// Cost of one edge at two poses (no unit).
 template <int D>
 double edge_cost(const PoseEdge<D>& edge, const Pose<D>& T_map_from, const Pose<D>& T_map_to,
                  Cost cost);
 
+/// The same with its derivatives.
 template <int D>
 EdgeSystem<D> linearize_edge(const PoseEdge<D>& edge, const Pose<D>& T_map_from,
                              const Pose<D>& T_map_to, Cost cost);

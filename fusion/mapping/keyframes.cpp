@@ -44,7 +44,7 @@ bool KeyframePicker::add(const SweepMotion& motion) {
   T_odom_vehicle_ = T_odom_vehicle_ * T_step;
   T_odom_vehicle_.linear() =
       Eigen::Quaterniond(T_odom_vehicle_.linear()).normalized().toRotationMatrix();
-  way_ += T_step.translation().norm();
+  distance_driven_ += T_step.translation().norm();
   stamp_ = motion.stamp;
   since_last_ += geometry::transform_covariance(
       T_last_before, motion.measured
@@ -56,10 +56,10 @@ bool KeyframePicker::add(const SweepMotion& motion) {
   if (!motion.measured) return false;
   if (seconds > 0) velocity_ = geometry::log(T_step) / seconds;
   if (!is_due()) return false;
-  const double root = std::sqrt(way_ - last_.way);
+  const double root = std::sqrt(distance_driven_ - last_.distance_driven);
   const geometry::Matrix6 drift =
       isotropic_covariance(options_.rotation_drift * root, options_.translation_drift * root);
-  last_ = {motion.stamp, T_odom_vehicle_, way_, since_last_ + drift};
+  last_ = {motion.stamp, T_odom_vehicle_, distance_driven_, since_last_ + drift};
   since_last_.setZero();
   return true;
 }

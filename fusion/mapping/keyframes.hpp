@@ -13,7 +13,7 @@ struct KeyframeOptions {
   double distance = 2;    ///< m from the keyframe before, at which a sweep becomes a keyframe …
   double rotation = 0.2;  ///< rad; … or turned by so much
   /// Drift of the odometry's local map, which a sweep's registration to it does not state: standard
-  /// deviations after 1 m, growing with the root of the way.
+  /// deviations after 1 m, growing with the root of the distance driven.
   double rotation_drift = 1e-3;     ///< rad/√m
   double translation_drift = 2e-2;  ///< m/√m
   /// Standard deviations of a motion that was not measured, by time.
@@ -28,7 +28,7 @@ struct KeyframeOptions {
 struct Keyframe {
   Stamp stamp;
   Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
-  double way = 0;  ///< m driven since the first keyframe
+  double distance_driven = 0;  ///< m driven since the first keyframe
   /// Covariance of the motion since the keyframe before: left perturbation in the vehicle frame
   /// there, (rx, ry, rz, tx, ty, tz), rad and m; zero for the first.
   geometry::Matrix6 covariance = geometry::Matrix6::Zero();
@@ -58,7 +58,7 @@ class KeyframePicker {
   /// Pose at the last sweep.
   const Eigen::Isometry3d& T_odom_vehicle() const { return T_odom_vehicle_; }
   bool started() const { return started_; }
-  double way() const { return way_; }
+  double distance_driven() const { return distance_driven_; }
   /// Sweeps since the start whose motion was not measured.
   size_t unmeasured() const { return unmeasured_; }
   /// The same that the lidar did not measure.
@@ -74,7 +74,7 @@ class KeyframePicker {
   // Covariance of the motion since last_.
   geometry::Matrix6 since_last_ = geometry::Matrix6::Zero();
   Stamp stamp_;
-  double way_ = 0;
+  double distance_driven_ = 0;
   size_t unmeasured_ = 0, unregistered_ = 0;
   bool started_ = false;
 };

@@ -30,8 +30,8 @@ struct OptimizeResult {
 };
 
 /// Poses that minimise the cost of a graph, by Gauss–Newton with the damping of Levenberg and
-/// Marquardt. Pose 0 is held. Keeps the structure of the
-/// matrix between calls: `graph` is the same but for its poses.
+/// Marquardt. Pose 0 is held. Keeps the structure of the matrix between calls: `graph` is the same
+/// but for its poses.
 template <int D>
 class PoseGraphSolver {
  public:

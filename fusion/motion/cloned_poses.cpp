@@ -202,8 +202,8 @@ void OdometryState::release_speed(Stamp since, Stamp now) {
   constexpr double kSigma = 10;  // m/s
   release(kSpeed, 3, kSigma, since, now);
   if (options_.moves_forward) return;
-  release(kAcross, 4, kSigma, since, now);
-  if (!options_.planar) release(kUp, 5, kSigma, since, now);
+  release(kLateralVelocity, 4, kSigma, since, now);
+  if (!options_.planar) release(kVerticalVelocity, 5, kSigma, since, now);
 }
 
 void OdometryState::release_rotation(Stamp since, Stamp now) {

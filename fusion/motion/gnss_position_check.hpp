@@ -13,7 +13,8 @@ namespace infuse::motion {
 class GnssPositionCheck {
  public:
   /// Checks a fix at a pose. `east_heading` is the heading of the odometry frame; while it is
-  /// uncertain, only distances are compared. Returns nothing if there is nothing to compare with.
+  /// uncertain, only distances are compared. Returns true if the fix lies where odometry leads,
+  /// within the tolerance: it is then believed; nothing if there is nothing to compare with.
   std::optional<bool> check(const GnssFix& fix, const Eigen::Vector3d& position,
                             const EstimatedParameter& east_heading);
 

@@ -31,7 +31,7 @@ double gnss_speed_noise(const OdometryOptions& options, double interval) {
   return options.gnss_speed_noise * std::max(kLeast, std::sqrt(kStatedInterval / interval));
 }
 
-/// Error along the way of a lidar's motion that contradicts the speed of wheels, m; 0 if it does
+/// Error along the path of a lidar's motion that contradicts the speed of wheels, m; 0 if it does
 /// not.
 double contradiction_along(const RelativePoseUpdate& update, double seconds) {
   const double error = update.error[3];
@@ -110,7 +110,7 @@ void OdometryFilter::reset_clock() {
   now_ = last_steering_stamp_ = Stamp::earliest();
   sources_.reset();
   gnss_position_check_.reset();
-  last_lidar_motion_.reset();
+  last_relative_pose_.reset();
   speed_agreement_.reset();
   last_gnss_speed_stamp_ = Stamp::earliest();
   at_rest_since_ = Stamp::latest();
@@ -293,7 +293,7 @@ void OdometryFilter::add(const RelativePose& pose) {
       result = state_.update_relative_pose(pose, wheels);
     }
   }
-  last_lidar_motion_ = {pose.to, geometry::log(pose.T_from_to) / seconds, contradiction};
+  last_relative_pose_ = {pose.to, geometry::log(pose.T_from_to) / seconds, contradiction};
   sources_.add(OdometrySource::kLidar, result.accepted, now_, result.speed_measured,
                result.rotation_measured);
   outliers_ += result.accepted ? 0 : 1;
@@ -314,7 +314,7 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
   constexpr double kMaxGnssDifference = 3;                           // m/s
   constexpr double kMaxStepError = 0.3, kMaxTurnError = 0.05;        // m, rad, of the lidar
   const bool gnss = sources_.carries(OdometrySource::kGnssSpeed, now_);
-  const bool follows = last_lidar_motion_ && last_lidar_motion_->to == pose.from;
+  const bool follows = last_relative_pose_ && last_relative_pose_->to == pose.from;
   const double seconds = to_seconds(pose.to - pose.from);
   if (sources_.carries(OdometrySource::kWheels, now_)) {
     // A yaw rate says nothing of roll and pitch.
@@ -323,11 +323,11 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
     if (rotation > kMaxRotationError) return false;
     const bool shaken = update.error.head<2>().norm() > kMaxTiltError;
     const double contradiction = contradiction_along(update, seconds);
-    const bool again = follows && contradiction * last_lidar_motion_->contradiction > 0;
+    const bool again = follows && contradiction * last_relative_pose_->contradiction > 0;
     if (contradiction != 0 && !again && !shaken) return false;
   } else if (follows) {
     const geometry::Vector6 change =
-        geometry::log(pose.T_from_to) / seconds - last_lidar_motion_->twist;
+        geometry::log(pose.T_from_to) / seconds - last_relative_pose_->twist;
     const bool contradicted = gnss && std::abs(pose.T_from_to.translation().norm() / seconds -
                                                *last_gnss_speed_) > kMaxGnssDifference;
     if (!contradicted &&

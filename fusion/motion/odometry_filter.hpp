@@ -17,7 +17,7 @@ struct OdometryReport {
   std::array<EstimatedParameter, 3> gyro_bias;  ///< rad/s, of `ImuSample`; planar: z only
   EstimatedParameter steering_zero;             ///< rad at the steering wheel when driving straight
   double speed = 0;                             ///< m/s along x
-  double speed_sigma = 0;                       ///< its standard deviation
+  double speed_sigma = 0;                       ///< m/s, standard deviation of `speed`
   double yaw_rate_sigma = 0;                    ///< rad/s, of the angular velocity about z
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s, vehicle frame
   bool standing = false;
@@ -111,12 +111,12 @@ class OdometryFilter {
   GnssPositionCheck gnss_position_check_;
   std::optional<double> last_gnss_speed_;  // m/s, the last accepted
   /// What the last relative pose measured, accepted or not.
-  struct LidarMotion {
+  struct LastRelativePose {
     Stamp to;
     geometry::Vector6 twist;  // per second
-    double contradiction;     // m: error along the way; 0 if wheels were not contradicted
+    double contradiction;     // m: error along the path; 0 if wheels were not contradicted
   };
-  std::optional<LidarMotion> last_lidar_motion_;
+  std::optional<LastRelativePose> last_relative_pose_;
   /// When the speed of the receiver and that of the filter last agreed; both speeds, m/s.
   struct SpeedAgreement {
     Stamp stamp;

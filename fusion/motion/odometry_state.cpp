@@ -52,7 +52,8 @@ void OdometryState::set_pose(const Eigen::Isometry3d& T_odom_vehicle,
 }
 
 void OdometryState::reset_speed_covariance() {
-  for (const int i : {int{kSpeed}, int{kAcceleration}, int{kAcross}, int{kUp}}) {
+  for (const int i :
+       {int{kSpeed}, int{kAcceleration}, int{kLateralVelocity}, int{kVerticalVelocity}}) {
     P_.row(i).setZero();
     P_.col(i).setZero();
     recent_.col(i).setZero();
@@ -61,8 +62,8 @@ void OdometryState::reset_speed_covariance() {
   P_(kSpeed, kSpeed) = square(kUnknownSpeedSigma);
   P_(kAcceleration, kAcceleration) = 4;
   if (options_.moves_forward) return;
-  P_(kAcross, kAcross) = square(kUnknownSpeedSigma);
-  if (!options_.planar) P_(kUp, kUp) = square(kUnknownSpeedSigma);
+  P_(kLateralVelocity, kLateralVelocity) = square(kUnknownSpeedSigma);
+  if (!options_.planar) P_(kVerticalVelocity, kVerticalVelocity) = square(kUnknownSpeedSigma);
 }
 
 void OdometryState::reset_rotation_covariance() {
@@ -118,7 +119,7 @@ void OdometryState::predict(double seconds) {
   geometry::Vector6 twist = geometry::Vector6::Zero();
   twist.head<3>() = x_.segment<3>(kAngularVelocity);
   const double wheels = x_[kSpeed] + 0.5 * dt * x_[kAcceleration], scale = x_[kWheelScale];
-  twist.tail<3>() << scale * wheels, x_[kAcross], x_[kUp];
+  twist.tail<3>() << scale * wheels, x_[kLateralVelocity], x_[kVerticalVelocity];
 
   // exp((τ + δ) dt) ≈ exp(J δ dt) exp(τ dt): an error of the motion enters the pose through T and
   // J; the pose error itself is unchanged.
@@ -134,7 +135,7 @@ void OdometryState::predict(double seconds) {
   F.block<6, 1>(kPose, kSpeed) = scale * gain.col(3);
   F.block<6, 1>(kPose, kAcceleration) = 0.5 * dt * scale * gain.col(3);
   F.block<6, 1>(kPose, kWheelScale) = wheels * gain.col(3);
-  F.block<6, 2>(kPose, kAcross) = gain.rightCols<2>();
+  F.block<6, 2>(kPose, kLateralVelocity) = gain.rightCols<2>();
   F(kSpeed, kAcceleration) = dt;
   F(kAcceleration, kAcceleration) = decay;
   F(kSteeringZero, kSteeringZero) = steering_zero_decay;
@@ -172,8 +173,9 @@ void OdometryState::predict(double seconds) {
   P_(kSpeed, kSpeed) += square(options_.acceleration_walk) * dt * dt * dt / 3;
   P_(kAcceleration, kAcceleration) += square(options_.acceleration_walk) * dt;
   if (!options_.moves_forward) {
-    P_(kAcross, kAcross) += square(options_.velocity_walk) * dt;
-    if (!options_.planar) P_(kUp, kUp) += square(options_.velocity_walk) * dt;
+    P_(kLateralVelocity, kLateralVelocity) += square(options_.velocity_walk) * dt;
+    if (!options_.planar)
+      P_(kVerticalVelocity, kVerticalVelocity) += square(options_.velocity_walk) * dt;
   }
   P_(kYawRateBias, kYawRateBias) += square(options_.bias_walk) * dt;
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {

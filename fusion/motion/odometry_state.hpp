@@ -58,11 +58,11 @@ class OdometryState {
     kGyroBias = 12,
     kWheelScale = 15,
     kSteeringZero = 16,
-    kEastHeading = 17,  ///< heading of the odometry frame, counter-clockwise from east
-    kLidarDrift = 18,   ///< rad/m and m/m: error that successive relative poses share
-    kAcross = 24,       ///< m/s along y; 0 with `moves_forward`
-    kUp = 25,           ///< m/s along z, the same
-    kFrameTilt = 26,    ///< rad about x and y: the odometry frame, relative to a level one
+    kEastHeading = 17,       ///< heading of the odometry frame, counter-clockwise from east
+    kLidarDrift = 18,        ///< rad/m and m/m: error that successive relative poses share
+    kLateralVelocity = 24,   ///< m/s along y; 0 with `moves_forward`
+    kVerticalVelocity = 25,  ///< m/s along z, the same
+    kFrameTilt = 26,         ///< rad about x and y: the odometry frame, relative to a level one
     kMotionSize = 28,
     kSize = 46,  ///< with the clones
   };
@@ -92,7 +92,7 @@ class OdometryState {
   bool update_steering(double steering_angle);
   bool update_gnss_speed(double speed, double noise);  ///< noise: m/s
   bool update_gnss_course(double course);
-  /// Updates with what a slow vehicle can turn.
+  /// Limits the yaw rate by the minimum turning radius (5 m).
   bool update_slow_turn();
   /// Updates with zero speed and rotation.
   void update_standstill();
@@ -142,7 +142,9 @@ class OdometryState {
   void release(int rate, int axis, double sigma, Stamp since, Stamp now);
   bool is_moving() const { return velocity().norm() > options_.standstill_speed * x_[kWheelScale]; }
   /// m/s, in the vehicle frame.
-  Eigen::Vector3d velocity() const { return {x_[kWheelScale] * x_[kSpeed], x_[kAcross], x_[kUp]}; }
+  Eigen::Vector3d velocity() const {
+    return {x_[kWheelScale] * x_[kSpeed], x_[kLateralVelocity], x_[kVerticalVelocity]};
+  }
   /// 1: forward, −1: reverse.
   double driving_direction() const;
   /// Derivative of `speed()`'s magnitude; along x where the vehicle stands.

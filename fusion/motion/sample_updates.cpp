@@ -157,8 +157,8 @@ OdometryState::Vector OdometryState::speed_derivative() const {
   Vector H = Vector::Zero();
   H[kSpeed] = x_[kWheelScale] * direction.x();
   H[kWheelScale] = x_[kSpeed] * direction.x();
-  H[kAcross] = direction.y();
-  H[kUp] = direction.z();
+  H[kLateralVelocity] = direction.y();
+  H[kVerticalVelocity] = direction.z();
   return H;
 }
 
@@ -178,7 +178,7 @@ bool OdometryState::update_gnss_course(double course) {
     const Eigen::RowVector3d by_velocity = Eigen::RowVector3d(-ahead.y(), ahead.x(), 0) /
                                            ahead.head<2>().squaredNorm() * T_odom_vehicle_.linear();
     H[kSpeed] = x_[kWheelScale] * by_velocity.x();
-    H.segment<2>(kAcross) = by_velocity.tail<2>().transpose();
+    H.segment<2>(kLateralVelocity) = by_velocity.tail<2>().transpose();
   }
   const double heading = std::atan2(ahead.y(), ahead.x()) + x_[kEastHeading];
   const double noise =
@@ -200,7 +200,7 @@ void OdometryState::update_standstill() {
   Vector H = Vector::Zero();
   H[kSpeed] = 1;
   update(-x_[kSpeed], H, kSpeedNoise, kNoGateSigmas);
-  for (const int i : {int{kAcross}, int{kUp}}) {
+  for (const int i : {int{kLateralVelocity}, int{kVerticalVelocity}}) {
     if (options_.moves_forward) break;
     H.setZero();
     H[i] = 1;

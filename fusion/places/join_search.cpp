@@ -24,16 +24,18 @@ Result<JoinSearch> search_join(const std::vector<mapping::Keyframe>& keyframes,
   const PlaceIndex index(
       {descriptors.begin(), descriptors.begin() + static_cast<std::ptrdiff_t>(first)});
   JoinSearch search;
-  double next = -std::numeric_limits<double>::infinity();  // way of the next place that is compared
+  // Distance driven at the next place that is compared.
+  double next = -std::numeric_limits<double>::infinity();
   for (size_t k = first; k < end && search.agreeing.size() < options.enough; ++k) {
-    if (keyframes[k].way < next) continue;
-    next = keyframes[k].way + options.spacing;
+    if (keyframes[k].distance_driven < next) continue;
+    next = keyframes[k].distance_driven + options.spacing;
     std::vector<size_t> tried;
     for (const PlaceCandidate& candidate :
          index.find(descriptors[k], kSearchedPerCandidate * options.candidates)) {
       if (tried.size() == options.candidates) break;
       const bool is_near = std::any_of(tried.begin(), tried.end(), [&](size_t other) {
-        return std::abs(keyframes[other].way - keyframes[candidate.place].way) < options.distinct;
+        return std::abs(keyframes[other].distance_driven -
+                        keyframes[candidate.place].distance_driven) < options.distinct;
       });
       if (is_near) continue;
       tried.push_back(candidate.place);

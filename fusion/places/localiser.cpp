@@ -94,7 +94,7 @@ void Localiser::begin_at(const MatchedPlace& found, const mapping::KeyframeSubma
   pose_.state = LocaliserState::kUnsure;
   pose_.T_map_vehicle = found.T_map_vehicle * T_query_now;
   pose_.covariance = geometry::transform_covariance(T_query_now.inverse(), found.covariance);
-  recognised_way_ = confirmed_way_ = query.keyframe.way;
+  recognised_way_ = confirmed_way_ = query.keyframe.distance_driven;
   failures_ = 0;
   confirmed_ = false;
   mismatch_ = "";
@@ -117,8 +117,9 @@ Result<void> Localiser::check(const mapping::KeyframeSubmap& query) {
   failures_ = pose_.verified ? 0 : failures_ + 1;
   if (!pose_.verified) return {};
   mismatch_ = "";
-  confirmed_ = confirmed_ || query.keyframe.way - recognised_way_ >= options_.confirm_distance;
-  confirmed_way_ = query.keyframe.way;
+  confirmed_ =
+      confirmed_ || query.keyframe.distance_driven - recognised_way_ >= options_.confirm_distance;
+  confirmed_way_ = query.keyframe.distance_driven;
   return {};
 }
 
@@ -170,7 +171,7 @@ void Localiser::lose(const char* reason) {
 }
 
 void Localiser::judge() {
-  const double unconfirmed = submaps_.picker().way() - confirmed_way_;
+  const double unconfirmed = submaps_.picker().distance_driven() - confirmed_way_;
   const double sigma = std::sqrt(pose_.covariance.block<3, 3>(3, 3).diagonal().maxCoeff());
   if (sigma > options_.max_sigma || unconfirmed > options_.lost_after) {
     return lose(*mismatch_ != '\0' ? mismatch_ : "no place confirms the pose");

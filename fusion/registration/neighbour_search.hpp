@@ -22,8 +22,8 @@ struct NearestQueries {
   Floats max_distance;  ///< m; below 0: not sought
 };
 
-/// Nearest points of 16 points, as `Nearest`; undefined where none was sought, and the distance
-/// where none was found.
+/// Results of a batch, lane by lane. Lanes with `max_distance` < 0 are undefined. `index` is -1
+/// where nothing was found; `square_distance` is then undefined.
 struct NearestOfEach {
   Ints index;
   Floats square_distance;
@@ -32,8 +32,10 @@ struct NearestOfEach {
 
 /// Sums over the nearest neighbours of up to 16 points, side by side; relative to each point.
 struct Neighbourhoods {
-  Floats count;   ///< 0 where there is no point; where several are as far as the last, any of them
-  Floats sum[3];  ///< m: x, y, z
+  /// Number of neighbours; 0 in lanes without a point. Of several equally far last ones, any is
+  /// taken.
+  Floats count;
+  Floats sum[3];    ///< m: x, y, z
   Floats cross[6];  ///< m²: xx, xy, xz, yy, yz, zz
 };
 

@@ -14,7 +14,8 @@ constexpr double kMaxTrackedError = 3;  // m
 constexpr double kMaxSuccessError = 2;  // m, I 3.4.3.3
 constexpr double kBadHdop = 15;
 constexpr double kMaxPlaceError = 12;  // m
-constexpr double kMinCourseSpeed = 2;  // m/s, as in the daemon (daemon/pipeline/map_fixes.cpp)
+constexpr double kMinCourseSpeed =
+    2;  // m/s, as in the daemon (daemon/pipeline/street_map_fixes.cpp)
 constexpr double kCourseSigma = 0.05;  // rad
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }

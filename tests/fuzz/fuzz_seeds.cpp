@@ -269,7 +269,7 @@ void write_logs(const std::filesystem::path& folder) {
 void write_map_files(const std::filesystem::path& folder) {
   std::vector<daemon::MapKeyframe> keyframes(2);
   keyframes[1].keyframe.stamp = Stamp::from_ns(5);
-  keyframes[1].keyframe.way = 2;
+  keyframes[1].keyframe.distance_driven = 2;
   for (auto& keyframe : keyframes) keyframe.cloud_checksum = "0123456789abcdef";
   mapping::Submap cloud;
   cloud.resize(3);

@@ -110,8 +110,8 @@ int study_refinement([[maybe_unused]] const RigsArguments& arguments) {
 int study_far_starts([[maybe_unused]] const RigsArguments& arguments) {
 #ifdef INFUSE_SIMULATOR
   FarCounts counts;
-  std::cout << "seed,lidar,width,heading_deg,converged,usable,rotation_deg,translation_cm,cpu_s,"
-               "reason\n";
+  std::cout << "seed,lidar,width,heading_deg,right,usable,rotation_deg,translation_cm,mahalanobis2,"
+               "cpu_s,reason\n";
   const int scenes = arguments.any_heading ? 20 : 6;
   for (uint64_t seed = arguments.seed;
        seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
@@ -122,8 +122,8 @@ int study_far_starts([[maybe_unused]] const RigsArguments& arguments) {
               counts);
     std::cout << std::flush;
   }
-  std::cout << counts.converged << " of " << counts.trials << " converged, " << counts.usable
-            << " usable, of these " << counts.wrong << " elsewhere\n";
+  std::cout << counts.right << " of " << counts.trials << " right, " << counts.usable
+            << " usable, of these " << counts.surely_wrong << " surely wrong\n";
   return 0;
 #else
   std::cerr << "infuse-study: built without the simulator\n";

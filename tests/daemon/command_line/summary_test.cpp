@@ -57,5 +57,19 @@ TEST(Summary, AsTextHasRatesAndLosses) {
   EXPECT_THAT(text, HasSubstr("note: street.pcap: file ends in a packet"));
 }
 
+TEST(Summary, AsTextCountsInSingularAndPlural) {
+  Summary summary = lidar_summary();
+  summary.totals.counters[0].sweeps = 1;
+  summary.totals.alerts = 1;
+  StageStats total{.name = "total", .latency = {}, .deadline_misses = 2};
+  total.latency.count = 19;
+  summary.totals.host.stages = {total};
+  const std::string text = to_text(summary);
+  EXPECT_THAT(text, HasSubstr("  2 of 19 sweeps: report more than 100 ms after the last data "
+                              "needed\n"));
+  EXPECT_THAT(text, HasSubstr("    1 sweep (0.10/s), "));
+  EXPECT_THAT(text, HasSubstr("  1 alert; "));
+}
+
 }  // namespace
 }  // namespace infuse::daemon

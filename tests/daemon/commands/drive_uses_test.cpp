@@ -22,7 +22,7 @@ Summary complete() {
 TEST(DriveUses, OfACompleteDrive) {
   const auto uses = drive_uses(complete(), true);
   ASSERT_EQ(uses.size(), 4u);
-  for (const DriveUse& use : uses) EXPECT_TRUE(use.possible) << use.use;
+  for (const DriveUse& use : uses) EXPECT_STREQ(answer(use), "yes") << use.use;
   EXPECT_EQ(uses[0].statement, "50 of 51 sweeps; others: begins later");
   EXPECT_THAT(uses[3].statement, HasSubstr("GNSS"));
 }
@@ -35,8 +35,19 @@ TEST(DriveUses, SayWhatIsMissing) {
   const auto uses = drive_uses(summary, false);
   for (const DriveUse& use : uses) EXPECT_FALSE(use.possible) << use.use;
   EXPECT_THAT(uses[0].statement, HasSubstr("add wheel speeds"));
-  EXPECT_THAT(uses[2].statement, HasSubstr("no sweep is deskewed"));
+  EXPECT_EQ(uses[2].statement, "no sweep is deskewed");
+  EXPECT_STREQ(answer(uses[2]), "only if the vehicle stood still");
+  EXPECT_STREQ(answer(uses[3]), "no");
   EXPECT_THAT(uses[3].statement, HasSubstr("missing: odometry, a street map"));
+}
+
+// As of a drive with synthetic times, in which the lidar measures the motion all the same.
+TEST(DriveUses, OdometryWithoutDeskewedSweepsIsNotMissing) {
+  Summary summary = complete();
+  summary.totals.deskewed_sweeps = 0;
+  const auto uses = drive_uses(summary, true);
+  EXPECT_FALSE(uses[3].possible);
+  EXPECT_EQ(uses[3].statement, "missing: deskewed sweeps");
 }
 
 TEST(DriveUses, NeedImagesNearSweeps) {

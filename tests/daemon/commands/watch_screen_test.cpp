@@ -37,7 +37,7 @@ TEST(WatchScreen, AnAlertIsShownWhileItIsRaised) {
   WatchScreen screen;
   screen.add({{"class", "HEALTH"}, {"level", "ERROR"}, {"drive_s", 12.0}});
   screen.add(alert("raised"));
-  EXPECT_THAT(screen.text(80, 10), HasSubstr("ERROR after 12 s, 1 alert(s)"));
+  EXPECT_THAT(screen.text(80, 10), HasSubstr("ERROR (running for 12 s), 1 alert(s)"));
   EXPECT_THAT(screen.text(80, 10), HasSubstr("! error front: the camera has moved"));
   screen.add(alert("cleared"));
   EXPECT_THAT(screen.text(80, 10), Not(HasSubstr("moved")));

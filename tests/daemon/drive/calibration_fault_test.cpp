@@ -101,7 +101,7 @@ TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
     server.finish(std::chrono::seconds(1));
   });
   std::optional<HostClock::time_point> stopped;
-  replay.publisher().on_calibration([&](const CalibrationReport& report) {
+  replay.publisher().add_calibration_listener([&](const CalibrationReport& report) {
     const bool recalibrating = report.state == monitoring::CalibrationState::kRecalibrating;
     if (report.evaluations >= 12 && !recalibrating && !stopped) {
       ASSERT_TRUE(replay.pipeline().handle_request({.op = Request::Op::kRecalibrate}));

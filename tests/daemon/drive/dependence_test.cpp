@@ -64,7 +64,8 @@ double check_peak(const std::filesystem::path& folder) {
   const std::vector<calibration::TermOptions> terms = calibration::find_measure("mi")->terms;
   const calibration::VisiblePoints points =
       calibration::select_visible(scenes, cameras, *pairs->truth, {});
-  const calibration::BlurredImages images(scenes, cameras, terms, 1.5);
+  const calibration::BlurredImages images(scenes, cameras, terms,
+                                          calibration::ImageBlur::in_angle(1.5));
   calibration::Objective measure(points, images, cameras, scenes, terms);
   const double at_truth = measure.evaluate(*pairs->truth, false).estimate.value;
   for (int axis = 0; axis < 6; ++axis) {

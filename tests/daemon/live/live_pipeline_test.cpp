@@ -34,7 +34,7 @@ TEST(LivePipeline, ProcessesALidarAndReportsMissingSources) {
   int ticks = 0;
   std::atomic<uint64_t> sent = 0;  // 0: not sent yet
   std::thread sender;
-  live.publisher().on_progress([&] {
+  live.publisher().set_progress_listener([&] {
     if (ticks++ == 0) sender = std::thread([&] { sent = send_capture(test_port(0)); });
     const uint64_t packets = live.publisher().totals().counters[0].packets;
     if (sent > 0 && (packets >= sent || ticks > 20)) live.stop();
@@ -70,7 +70,7 @@ TEST(LivePipeline, EndsAtOnceWithoutSensorData) {
     ended = true;
     server.finish(std::chrono::milliseconds(0));
   });
-  live.publisher().on_progress([&] { live.stop(); });
+  live.publisher().set_progress_listener([&] { live.stop(); });
   live.start();
   io.run_for(std::chrono::seconds(30));
   EXPECT_TRUE(ended);

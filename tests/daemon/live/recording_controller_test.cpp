@@ -78,7 +78,7 @@ class RecordingControllerTest : public testing::Test {
     std::atomic<bool> sent = false;
     std::thread sender;
     int ticks = 0;
-    live.publisher().on_progress([&] {
+    live.publisher().set_progress_listener([&] {
       controller.publish_updates();
       if (++ticks == 2) {
         begin(controller);

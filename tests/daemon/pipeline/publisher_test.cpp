@@ -94,7 +94,7 @@ TEST_F(PublisherTest, PublishesDevicesAtTheStartAndOnTheFirstPacket) {
 
 TEST_F(PublisherTest, HealthHasHostFiguresForListenersOnly) {
   std::vector<HealthReport> heard;
-  publisher_.on_health([&](const HealthReport& health) { heard.push_back(health); });
+  publisher_.add_health_listener([&](const HealthReport& health) { heard.push_back(health); });
   push_start();
   push_tick(1, 7);
   ASSERT_EQ(heard.size(), 1U);
@@ -108,7 +108,7 @@ TEST_F(PublisherTest, HealthHasHostFiguresForListenersOnly) {
 
 TEST_F(PublisherTest, SilenceRaisesAnAlertBeforeTheHealthThatShowsIt) {
   std::vector<std::string> ids;
-  publisher_.on_alert([&](const AlertReport& alert) { ids.push_back(alert.id()); });
+  publisher_.add_alert_listener([&](const AlertReport& alert) { ids.push_back(alert.id()); });
   push_start();
   for (int second = 1; second <= 4; ++second) push_tick(second, 7);
   EXPECT_THAT(ids, testing::UnorderedElementsAre("top.silent", "front.silent"));

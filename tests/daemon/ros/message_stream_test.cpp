@@ -69,7 +69,7 @@ void replay_into(const fs::path& drive,
                   stream.finish();
                   server.finish(std::chrono::seconds(5));
                 });
-  replay.publisher().on_line(
+  replay.publisher().add_line_listener(
       [&](ReportClass report_class, const std::string&, const std::string& line) {
         stream.add_report(report_class, line);
       });
@@ -217,7 +217,7 @@ TEST(MessageStream, LiveAnythingIsDroppedRatherThanWaitedFor) {
     item.kind = StreamItem::Kind::kSamples;
     item.stamp = Stamp::from_ns(1'000'000'000);
     item.samples = {ImuSample{}};
-    item.of_bus = {0};
+    item.from_bus = {0};
     ring.publish();
     stream.add_sweep({LidarIndex(0), sweep, deskewed});
     stream.add_report(ReportClass::kPose, "{}");
@@ -253,7 +253,7 @@ TEST(MessageStream, LiveItSleepsWhileNobodyWantsAnything) {
     item.kind = StreamItem::Kind::kSamples;
     item.stamp = Stamp::from_ns(1'000'000'000);
     item.samples = {ImuSample{}};
-    item.of_bus = {0};
+    item.from_bus = {0};
     ring.publish();
   };
   for (int k = 0; k < 100; ++k) publish();

@@ -58,7 +58,8 @@ TEST(CompactScene, TheSimilarityIsThatOfTheWholeScene) {
 
 TEST(CompactScene, OtherBlursAreAnError) {
   const auto scenes = compacted({}, wide_drive().T_camera_lidar);
-  EXPECT_THROW(BlurredImages(scenes, wide_drive().cameras, named_measures().front().terms, 1.7),
+  EXPECT_THROW(BlurredImages(scenes, wide_drive().cameras, named_measures().front().terms,
+                             ImageBlur::in_angle(1.7)),
                std::logic_error);
 }
 

@@ -18,19 +18,19 @@ std::optional<IntrinsicsEstimate> estimate_for(const std::vector<Scene>& scenes,
                                                const std::stop_token& stop = {}) {
   const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(given)}};
   const std::vector<TermOptions>& terms = named_measures().front().terms;
-  ImagePyramid images(scenes, cameras, terms, std::vector<ImageBlur>{2});
+  ImagePyramid images(scenes, cameras, terms, std::vector<ImageBlur>{ImageBlur::in_angle(2)});
   const Eigen::Isometry3d truth = painted::twelve_scene_drive().T_camera_lidar;
   const VisiblePoints points = select_visible(scenes, cameras, truth, {});
-  Objective objective(points, images.at(2), cameras, scenes, terms);
+  Objective objective(points, images.at(ImageBlur::in_angle(2)), cameras, scenes, terms);
   const Eigen::Isometry3d T = maximize(objective, truth, {}).T_refcam_lidar;
   return estimate_intrinsics(scenes, cameras, 0, terms, terms, images, {}, T,
                              {.effective_scenes = static_cast<double>(scenes.size())}, stop);
 }
 
-std::optional<ModelMismatch> gross_mismatch(const std::optional<IntrinsicsEstimate>& found,
-                                            const CameraIntrinsics& given) {
+std::optional<ParameterCheck> gross_error(const std::optional<IntrinsicsEstimate>& found,
+                                          const CameraIntrinsics& given) {
   const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(given)}};
-  return detect_gross_mismatch(*found, cameras, 0, {});
+  return detect_gross_error(*found, cameras, 0, {});
 }
 
 TEST(EstimateIntrinsics, StayIfTheyAreRight) {
@@ -42,7 +42,7 @@ TEST(EstimateIntrinsics, StayIfTheyAreRight) {
   EXPECT_LT(
       painted::degrees_between(found->T_refcam_lidar, painted::twelve_scene_drive().T_camera_lidar),
       1);
-  EXPECT_FALSE(gross_mismatch(found, painted::small_camera()));
+  EXPECT_FALSE(gross_error(found, painted::small_camera()));
 }
 
 TEST(EstimateIntrinsics, FindAGrossErrorOfThePrincipalPoint) {
@@ -53,10 +53,10 @@ TEST(EstimateIntrinsics, FindAGrossErrorOfThePrincipalPoint) {
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->correction(1), -off, 6);
     EXPECT_GT(found->improved_scenes, 9);
-    const auto mismatch = gross_mismatch(found, wrong);
-    ASSERT_TRUE(mismatch);
-    EXPECT_EQ(mismatch->parameter, "principal point cx");
-    EXPECT_TRUE(mismatch->serious);
+    const auto check = gross_error(found, wrong);
+    ASSERT_TRUE(check);
+    EXPECT_EQ(check->parameter, "principal point cx");
+    EXPECT_TRUE(check->serious);
   }
 }
 
@@ -68,9 +68,9 @@ TEST(EstimateIntrinsics, FindAMissingDistortion) {
   const auto found = estimate_for(painted::twelve_scene_drive().scenes, wrong);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->correction(3), -0.15, 0.05);
-  const auto mismatch = gross_mismatch(found, wrong);
-  ASSERT_TRUE(mismatch);
-  EXPECT_EQ(mismatch->parameter, "radial distortion k1");
+  const auto check = gross_error(found, wrong);
+  ASSERT_TRUE(check);
+  EXPECT_EQ(check->parameter, "radial distortion k1");
 }
 
 TEST(EstimateIntrinsics, ACalibrationWithAWrongCameraIsRefused) {
@@ -81,9 +81,9 @@ TEST(EstimateIntrinsics, ACalibrationWithAWrongCameraIsRefused) {
   const CalibrationResult result =
       calibrate(drive.scenes, cameras, drive.T_camera_lidar, {.restarts = 1});
   EXPECT_FALSE(result.usable());
-  ASSERT_FALSE(result.model_mismatches.empty());
-  EXPECT_EQ(result.model_mismatches.front().parameter, "principal point cx");
-  EXPECT_TRUE(result.model_mismatches.front().gross);
+  ASSERT_FALSE(result.parameter_checks.empty());
+  EXPECT_EQ(result.parameter_checks.front().parameter, "principal point cx");
+  EXPECT_TRUE(result.parameter_checks.front().gross);
 }
 
 TEST(EstimateIntrinsics, ACalibrationStatesWhichErrorsMayGoUnnoticed) {
@@ -92,12 +92,12 @@ TEST(EstimateIntrinsics, ACalibrationStatesWhichErrorsMayGoUnnoticed) {
   const CalibrationResult result =
       calibrate(drive.scenes, cameras, drive.T_camera_lidar, {.restarts = 1});
   ASSERT_TRUE(result.intrinsics.front());
-  ASSERT_GE(result.model_mismatches.size(), 4U);
+  ASSERT_GE(result.parameter_checks.size(), 4U);
   const IntrinsicsEstimate& estimate = *result.intrinsics.front();
   for (size_t i = 0; i < 4; ++i) {
-    ASSERT_TRUE(result.model_mismatches[i].detection_limit);
+    ASSERT_TRUE(result.parameter_checks[i].detection_limit);
     const double per_unit = i == 0 ? 100 : 1;  // per cent
-    const double limit = *result.model_mismatches[i].detection_limit / per_unit;
+    const double limit = *result.parameter_checks[i].detection_limit / per_unit;
     EXPECT_LT(std::abs(estimate.correction(static_cast<Eigen::Index>(i))), limit);
   }
 }
@@ -115,20 +115,20 @@ TEST(EstimateIntrinsics, StopsWhenRequested) {
                             stop.get_token()));
 }
 
-TEST(DetectGrossMismatch, ComparesTheCorrectionWithWhatIsKnown) {
+TEST(DetectGrossError, ComparesTheCorrectionWithWhatIsKnown) {
   const std::vector<RigCamera> cameras{RigCamera{geometry::CameraModel(painted::small_camera())}};
   IntrinsicsEstimate found{.correction = {0.03, 1, 1, 0.01}, .significance = 6};
   found.covariance = Eigen::Vector4d(0.002, 1, 1, 0.01).cwiseAbs2().asDiagonal();
-  const auto mismatch = detect_gross_mismatch(found, cameras, 0, {});
-  ASSERT_TRUE(mismatch);
-  EXPECT_EQ(mismatch->parameter, "focal length");
-  EXPECT_NEAR(mismatch->value, 3, 1e-9);  // per cent
-  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, {.focal_sigma = 0.03}));
+  const auto check = detect_gross_error(found, cameras, 0, {});
+  ASSERT_TRUE(check);
+  EXPECT_EQ(check->parameter, "focal length");
+  EXPECT_NEAR(check->value, 3, 1e-9);  // per cent
+  EXPECT_FALSE(detect_gross_error(found, cameras, 0, {.focal_sigma = 0.03}));
   found.significance = -1;  // the scenes fit worse
-  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, {}));
+  EXPECT_FALSE(detect_gross_error(found, cameras, 0, {}));
   found.significance = 6;
   found.covariance(0, 0) = 1e-3;  // the scenes do not determine it
-  EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, {}));
+  EXPECT_FALSE(detect_gross_error(found, cameras, 0, {}));
 }
 
 TEST(DetectionLimits, AreWhereTheTestBegins) {
@@ -141,9 +141,9 @@ TEST(DetectionLimits, AreWhereTheTestBegins) {
   const Eigen::Vector4d limits = detection_limits(found, known);
   for (Eigen::Index i = 0; i < 4; ++i) {
     found.correction = 0.999 * limits(i) * Eigen::Vector4d::Unit(i);
-    EXPECT_FALSE(detect_gross_mismatch(found, cameras, 0, known));
+    EXPECT_FALSE(detect_gross_error(found, cameras, 0, known));
     found.correction = 1.001 * limits(i) * Eigen::Vector4d::Unit(i);
-    EXPECT_TRUE(detect_gross_mismatch(found, cameras, 0, known));
+    EXPECT_TRUE(detect_gross_error(found, cameras, 0, known));
   }
   EXPECT_NEAR(limits(2), 34, 1);  // 3.64 standard deviations of 9.2 px
 }

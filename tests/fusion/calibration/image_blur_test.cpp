@@ -16,16 +16,16 @@ RigCamera camera_of(double focal_length) {
 TEST(ImageBlur, KeepsTheAngleOfShortFocalLengthsDownToOnePixel) {
   for (const auto& [given, expected] :
        {std::pair{8.0, 4.0}, {3, 1.5}, {2, 1}, {1, 1}, {0.5, 0.5}, {0, 0}}) {
-    EXPECT_DOUBLE_EQ(ImageBlur(given).sigma(camera_of(250)), expected);
-    EXPECT_DOUBLE_EQ(ImageBlur(given).sigma(camera_of(500)), given);
-    EXPECT_DOUBLE_EQ(ImageBlur(given).sigma(camera_of(1400)), given);
+    EXPECT_DOUBLE_EQ(ImageBlur::in_angle(given).sigma(camera_of(250)), expected);
+    EXPECT_DOUBLE_EQ(ImageBlur::in_angle(given).sigma(camera_of(500)), given);
+    EXPECT_DOUBLE_EQ(ImageBlur::in_angle(given).sigma(camera_of(1400)), given);
   }
 }
 
 TEST(ImageBlur, InPixelsIsTheSameForEveryCamera) {
   EXPECT_DOUBLE_EQ(ImageBlur::in_pixels(8).sigma(camera_of(250)), 8);
   EXPECT_DOUBLE_EQ(ImageBlur::in_pixels(8).sigma(camera_of(1400)), 8);
-  EXPECT_NE(ImageBlur::in_pixels(8), ImageBlur(8));
+  EXPECT_NE(ImageBlur::in_pixels(8), ImageBlur::in_angle(8));
 }
 
 }  // namespace

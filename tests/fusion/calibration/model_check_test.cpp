@@ -14,11 +14,11 @@ namespace {
 using geometry::Vector6;
 
 /// Checks the model at the maximum next to the true pose, with `cameras`.
-std::vector<ModelMismatch> mismatches_of(const std::vector<Scene>& scenes,
-                                         const std::vector<RigCamera>& cameras,
-                                         const Eigen::Isometry3d& T) {
+std::vector<ParameterCheck> checks_of(const std::vector<Scene>& scenes,
+                                      const std::vector<RigCamera>& cameras,
+                                      const Eigen::Isometry3d& T) {
   const std::vector<TermOptions>& terms = named_measures().front().terms;
-  const BlurredImages images(scenes, cameras, terms, 1);
+  const BlurredImages images(scenes, cameras, terms, ImageBlur::in_angle(1));
   const VisiblePoints points = select_visible(scenes, cameras, T, {});
   Objective objective(points, images, cameras, scenes, terms);
   const Eigen::Isometry3d best = maximize(objective, T, {}).T_refcam_lidar;
@@ -27,11 +27,11 @@ std::vector<ModelMismatch> mismatches_of(const std::vector<Scene>& scenes,
 
 TEST(CheckModel, FindsNothingWhereTheModelIsRight) {
   const painted::Drive& drive = painted::twelve_scene_drive();
-  const auto mismatches = mismatches_of(drive.scenes, drive.cameras, drive.T_camera_lidar);
-  ASSERT_EQ(mismatches.size(), 4U);  // the scenes have no twist
-  for (const ModelMismatch& mismatch : mismatches) {
-    EXPECT_FALSE(mismatch.serious)
-        << mismatch.parameter << " " << mismatch.value << " " << mismatch.significance;
+  const auto checks = checks_of(drive.scenes, drive.cameras, drive.T_camera_lidar);
+  ASSERT_EQ(checks.size(), 4U);  // the scenes have no twist
+  for (const ParameterCheck& check : checks) {
+    EXPECT_FALSE(check.serious) << check.parameter << " " << check.value << " "
+                                << check.significance;
   }
 }
 
@@ -40,12 +40,12 @@ TEST(CheckModel, FindsAWrongFocalLength) {
   CameraIntrinsics wrong = drive.cameras[0].model.intrinsics();
   wrong.fx *= 1.02;
   wrong.fy *= 1.02;
-  const auto mismatches =
-      mismatches_of(drive.scenes, {RigCamera{geometry::CameraModel(wrong)}}, drive.T_camera_lidar);
-  ASSERT_FALSE(mismatches.empty());
-  EXPECT_EQ(mismatches[0].parameter, "focal length");
-  EXPECT_TRUE(mismatches[0].significant);
-  EXPECT_NEAR(mismatches[0].value, -2, 0.8) << "negative: the given one is too large";
+  const auto checks =
+      checks_of(drive.scenes, {RigCamera{geometry::CameraModel(wrong)}}, drive.T_camera_lidar);
+  ASSERT_FALSE(checks.empty());
+  EXPECT_EQ(checks[0].parameter, "focal length");
+  EXPECT_TRUE(checks[0].significant);
+  EXPECT_NEAR(checks[0].value, -2, 0.8) << "negative: the given one is too large";
 }
 
 TEST(CheckModel, FindsAnImageDelayWhereTheMotionVaries) {
@@ -68,19 +68,19 @@ TEST(CheckModel, FindsAnImageDelayWhereTheMotionVaries) {
       scene.z[i] = static_cast<float>(p.z());
     }
   }
-  const auto mismatches = mismatches_of(scenes, drive.cameras, drive.T_camera_lidar);
-  ASSERT_EQ(mismatches.size(), 5U);
-  EXPECT_EQ(mismatches[4].parameter, "image time offset");
-  EXPECT_GT(mismatches[4].significance, 3);
-  EXPECT_NEAR(mismatches[4].value, 1e3 * kDelay, 4);
+  const auto checks = checks_of(scenes, drive.cameras, drive.T_camera_lidar);
+  ASSERT_EQ(checks.size(), 5U);
+  EXPECT_EQ(checks[4].parameter, "image time offset");
+  EXPECT_GT(checks[4].significance, 3);
+  EXPECT_NEAR(checks[4].value, 1e3 * kDelay, 4);
 }
 
 TEST(CheckModel, TooFewScenesGiveNoAnswerButTheSensitivities) {
   const painted::Drive& drive = painted::twelve_scene_drive();
   const std::vector<Scene> few(drive.scenes.begin(), drive.scenes.begin() + 9);
-  const auto parameters = mismatches_of(few, drive.cameras, drive.T_camera_lidar);
+  const auto parameters = checks_of(few, drive.cameras, drive.T_camera_lidar);
   ASSERT_EQ(parameters.size(), 4U);
-  for (const ModelMismatch& one : parameters) {
+  for (const ParameterCheck& one : parameters) {
     EXPECT_EQ(one.significance, 0);
     EXPECT_FALSE(one.significant);
   }
@@ -89,7 +89,7 @@ TEST(CheckModel, TooFewScenesGiveNoAnswerButTheSensitivities) {
 }
 
 TEST(ModelCovariance, AddsTheParametersByTheirSigmas) {
-  std::vector<ModelMismatch> parameters(2);
+  std::vector<ParameterCheck> parameters(2);
   parameters[0].known_sigma = 2;
   parameters[0].pose_sensitivity = 3 * Vector6::Unit(1);
   parameters[1].known_sigma = 0.5;

@@ -90,7 +90,7 @@ Rig make_rig(const std::vector<CameraIntrinsics>& intrinsics,
 /// `rig.T`.
 void expect_gradient_matches(const Rig& rig, double tolerance) {
   const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {.occlusion = {}});
-  const BlurredImages images(rig.scenes, rig.cameras, rig.terms, 2);
+  const BlurredImages images(rig.scenes, rig.cameras, rig.terms, ImageBlur::in_angle(2));
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
   const Evaluation at = objective.evaluate(rig.T, true);
   ASSERT_TRUE(at.estimate.usable()) << at.estimate.reason;
@@ -158,7 +158,7 @@ TEST(Objective, GradientOfARigOfThreeCameras) {
 TEST(Objective, ScenesAddUpToTheWhole) {
   const Rig rig = make_rig({pinhole(), distorted(), fisheye()}, kTwoTerms);
   const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});
-  const BlurredImages images(rig.scenes, rig.cameras, rig.terms, 2);
+  const BlurredImages images(rig.scenes, rig.cameras, rig.terms, ImageBlur::in_angle(2));
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
   const Vector6 whole = objective.evaluate(rig.T, true).gradient;
   Vector6 sum = Vector6::Zero();
@@ -181,7 +181,7 @@ TEST(Objective, IntrinsicGradientsMatchDifferences) {
   for (const CameraIntrinsics& model : {pinhole(), distorted(), fisheye()}) {
     const Rig rig = make_rig({model}, kTwoTerms);
     const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});
-    const BlurredImages images(rig.scenes, rig.cameras, rig.terms, 2);
+    const BlurredImages images(rig.scenes, rig.cameras, rig.terms, ImageBlur::in_angle(2));
     Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
     Eigen::Vector4d pull = Eigen::Vector4d::Zero();
     dependence::Estimate whole;
@@ -207,7 +207,7 @@ TEST(Objective, IntrinsicGradientsMatchDifferences) {
 TEST(Objective, PointsThatLeaveTheImageKeepTheBorderValue) {
   const Rig rig = make_rig({pinhole()}, {{}});
   const VisiblePoints points = select_visible(rig.scenes, rig.cameras, rig.T, {});
-  const BlurredImages images(rig.scenes, rig.cameras, rig.terms, 2);
+  const BlurredImages images(rig.scenes, rig.cameras, rig.terms, ImageBlur::in_angle(2));
   Objective objective(points, images, rig.cameras, rig.scenes, rig.terms);
   // Rotated by 60°, all points lie beyond one border: they all have values of its column.
   const Eigen::Isometry3d away = geometry::exp(1.05 * Vector6::Unit(1)) * rig.T;
@@ -240,7 +240,7 @@ TEST(Objective, PointsThatAreNotComparedHaveNoEffect) {
   }
   const std::vector<TermOptions> edges{kTwoTerms.back()};
   const VisibilityOptions all_of_them{.occlusion = {}};
-  const BlurredImages images(rig.scenes, rig.cameras, edges, 2);
+  const BlurredImages images(rig.scenes, rig.cameras, edges, ImageBlur::in_angle(2));
   const VisiblePoints with_intrinsic_offset =
       select_visible(rig.scenes, rig.cameras, rig.T, all_of_them);
   const VisiblePoints without = select_visible(few.scenes, few.cameras, few.T, all_of_them);
@@ -259,7 +259,7 @@ TEST(Objective, PointsThatAreNotComparedHaveNoEffect) {
 TEST(Objective, NoPointsAreReported) {
   Rig rig = make_rig({pinhole()}, {{}});
   const VisiblePoints none;
-  const BlurredImages images(rig.scenes, rig.cameras, rig.terms, 2);
+  const BlurredImages images(rig.scenes, rig.cameras, rig.terms, ImageBlur::in_angle(2));
   Objective objective(none, images, rig.cameras, rig.scenes, rig.terms);
   EXPECT_FALSE(objective.evaluate(rig.T, true).estimate.usable());
 }

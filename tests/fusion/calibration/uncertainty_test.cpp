@@ -22,7 +22,7 @@ using testing::HasSubstr;
 Uncertainty uncertainty_of(const std::vector<Scene>& scenes, const Eigen::MatrixXd& similarity) {
   const painted::Drive& drive = painted::twelve_scene_drive();
   const std::vector<TermOptions>& terms = named_measures().front().terms;
-  const BlurredImages images(scenes, drive.cameras, terms, 1);
+  const BlurredImages images(scenes, drive.cameras, terms, ImageBlur::in_angle(1));
   const VisiblePoints points = select_visible(scenes, drive.cameras, drive.T_camera_lidar, {});
   Objective objective(points, images, drive.cameras, scenes, terms);
   const Eigen::Isometry3d best = maximize(objective, drive.T_camera_lidar, {}).T_refcam_lidar;
@@ -70,7 +70,7 @@ TEST(CurvatureSteps, ChangeTheSamplesEvenly) {
 TEST(PoseCurvature, DoesNotDependOnTheDirectionsOfTheSteps) {
   const painted::Drive& drive = painted::twelve_scene_drive();
   const std::vector<TermOptions>& terms = named_measures().front().terms;
-  const BlurredImages images(drive.scenes, drive.cameras, terms, 4);
+  const BlurredImages images(drive.scenes, drive.cameras, terms, ImageBlur::in_angle(4));
   const VisiblePoints points =
       select_visible(drive.scenes, drive.cameras, drive.T_camera_lidar, {});
   Objective objective(points, images, drive.cameras, drive.scenes, terms);

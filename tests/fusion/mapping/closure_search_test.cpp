@@ -30,7 +30,7 @@ std::vector<Keyframe> drifting(const std::vector<Eigen::Isometry3d>& truth, doub
   for (size_t k = 0; k < truth.size(); ++k) {
     Keyframe keyframe;
     keyframe.stamp = Stamp::from_ns(static_cast<int64_t>(k) * 200'000'000);
-    keyframe.way = static_cast<double>(k) * kStep;
+    keyframe.distance_driven = static_cast<double>(k) * kStep;
     if (k > 0) {
       const Eigen::AngleAxisd turn(drift * kStep, Eigen::Vector3d::UnitZ());
       keyframe.T_odom_vehicle =
@@ -73,7 +73,7 @@ TEST(ClosureSearch, FindsTheSecondTurnDespiteDrift) {
         (truth[closure.from].translation() - truth[closure.to].translation()).norm();
     accepted += closure.accepted() ? 1 : 0;
     EXPECT_EQ(closure.accepted(), distance < 12) << closure.reason;
-    EXPECT_GE(keyframes[closure.to].way - keyframes[closure.from].way, 40);
+    EXPECT_GE(keyframes[closure.to].distance_driven - keyframes[closure.from].distance_driven, 40);
   }
   EXPECT_GE(accepted, 25U);
 }

@@ -33,7 +33,7 @@ std::vector<Eigen::Isometry3d> street_twice() {
 std::vector<Keyframe> keyframes_of(const std::vector<Eigen::Isometry3d>& truth) {
   std::vector<Keyframe> keyframes(truth.size());
   for (size_t k = 0; k < truth.size(); ++k) {
-    keyframes[k].way = kApart * static_cast<double>(k);
+    keyframes[k].distance_driven = kApart * static_cast<double>(k);
     if (k % kOfEach == 0) continue;
     keyframes[k].T_odom_vehicle = keyframes[k - 1].T_odom_vehicle * truth[k - 1].inverse() *
                                   truth[k] * Eigen::AngleAxisd(1e-3, Eigen::Vector3d::UnitZ());

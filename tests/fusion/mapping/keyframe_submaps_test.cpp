@@ -46,7 +46,7 @@ TEST(KeyframeSubmaps, EndAKeyframeWhereTheNextBegins) {
   EXPECT_FALSE(drive.add() || drive.add());
   const auto second = drive.add();
   ASSERT_TRUE(second);
-  EXPECT_NEAR(second->keyframe.way, 2.25, 1e-9);
+  EXPECT_NEAR(second->keyframe.distance_driven, 2.25, 1e-9);
   ASSERT_EQ(second->submap.size(), 1U);
   EXPECT_NEAR(second->submap.x[0], 18.5 - 2.25, 1e-6);
 }

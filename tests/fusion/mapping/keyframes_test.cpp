@@ -25,7 +25,7 @@ TEST(Keyframes, ComeByDistanceAndByRotation) {
   }
   EXPECT_EQ(picked, (std::vector<int>{1, 4, 7}));  // 2.1 m apart
   EXPECT_NEAR(picker.last().T_odom_vehicle.translation().x(), 4.2, 1e-9);
-  EXPECT_NEAR(picker.last().way, 4.2, 1e-9);
+  EXPECT_NEAR(picker.last().distance_driven, 4.2, 1e-9);
   EXPECT_TRUE(picker.add(step(10, 0, 0.21)));
   for (int i = 11; i < 30; ++i) EXPECT_FALSE(picker.add(step(i, 0, 0))) << "it stands";
 }

@@ -33,9 +33,11 @@ SimulatedRun::SimulatedRun(const std::filesystem::path& config_file,
   recordings_.emplace(config_, setup_, now, daemon::RecorderThread::kNone);
   recordings_->set_publisher(*publisher_);
   history_.emplace(state);
-  publisher_->on_alert([this](const daemon::AlertReport& alert) { history_->add(alert); });
-  publisher_->on_calibration([this](const auto& report) { history_->add(report); });
-  publisher_->on_health([this](const daemon::HealthReport& health) { history_->add(health); });
+  publisher_->add_alert_listener(
+      [this](const daemon::AlertReport& alert) { history_->add(alert); });
+  publisher_->add_calibration_listener([this](const auto& report) { history_->add(report); });
+  publisher_->add_health_listener(
+      [this](const daemon::HealthReport& health) { history_->add(health); });
   lifecycle_.emplace(daemon::ServiceParts{.io = host_->io(),
                                           .publisher = *publisher_,
                                           .recordings = *recordings_,

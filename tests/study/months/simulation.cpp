@@ -183,8 +183,10 @@ Result<void> Simulation::handle_request(const Request& request) {
 }
 
 void Simulation::watch_run() {
-  run_->publisher().on_alert([this](const daemon::AlertReport& alert) { observe(alert); });
-  run_->publisher().on_health([this](const daemon::HealthReport& health) { check(health); });
+  run_->publisher().add_alert_listener(
+      [this](const daemon::AlertReport& alert) { observe(alert); });
+  run_->publisher().add_health_listener(
+      [this](const daemon::HealthReport& health) { check(health); });
 }
 
 void Simulation::observe(const daemon::AlertReport& alert) {

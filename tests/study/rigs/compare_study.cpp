@@ -8,6 +8,7 @@
 #include "fusion/calibration/compare_extrinsics.hpp"
 #include "fusion/calibration/named_measures.hpp"
 #include "fusion/calibration/objective.hpp"
+#include "fusion/geometry/draw_uniform.hpp"
 #include "tests/study/rigs/rig_study.hpp"
 
 namespace infuse::study {
@@ -22,7 +23,7 @@ constexpr double kMargin = 3 * kDegree;  // more than any pose is turned
 Eigen::Isometry3d draw_turn(double degrees, std::mt19937_64& random) {
   Eigen::Vector3d axis;
   do {
-    for (int k = 0; k < 3; ++k) axis(k) = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
+    for (int k = 0; k < 3; ++k) axis(k) = geometry::draw_uniform(random);
   } while (axis.norm() > 1 || axis.norm() < 0.1);
   return Eigen::Isometry3d(Eigen::AngleAxisd(degrees * kDegree, axis.normalized()));
 }
@@ -35,7 +36,7 @@ void compare_on(const RigRecording& recording, uint64_t seed, CompareCounts& cou
   std::vector<calibration::Scene> scenes = make_scenes(recording.diverse, cameras.front(), truth);
   const calibration::CompactOptions compact{
       .image = calibration::compared_image_features(calibration::named_measures().front().terms),
-      .blurs = {calibration::CompareOptions{}.sigma},
+      .blurs = {calibration::ImageBlur::in_angle(calibration::CompareOptions{}.sigma)},
       .margin = kMargin};
   for (calibration::Scene& scene : scenes) {
     calibration::compact_scene(scene, cameras.front(), truth, compact);

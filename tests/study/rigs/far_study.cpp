@@ -6,6 +6,7 @@
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/any_heading.hpp"
+#include "fusion/geometry/draw_uniform.hpp"
 #include "tests/study/rigs/rig_study.hpp"
 
 namespace infuse::study {
@@ -29,7 +30,7 @@ Eigen::Isometry3d turned(const Eigen::Isometry3d& T_camera_lidar, double angle) 
 void start_far(const RigRecording& recording, uint64_t seed, FarStart start, std::ostream& out,
                FarCounts& counts) {
   std::mt19937_64 random(seed);
-  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; };
+  const auto uniform = [&] { return geometry::draw_uniform(random); };
   const bool any = start == FarStart::kAnyHeading;
   geometry::Vector6 off;
   for (int k = 0; k < 6; ++k) off(k) = uniform() * (k < 3 ? kTen : any ? kFarther : kNear);
@@ -44,19 +45,15 @@ void start_far(const RigRecording& recording, uint64_t seed, FarStart start, std
       any ? calibration::calibrate_any_heading(scenes, std::span(&camera, 1), initial, options)
           : calibration::calibrate(scenes, std::span(&camera, 1), initial, options);
   const double cpu = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
-  const geometry::Vector6 error =
-      geometry::log(recording.T_camera_lidar * result.T_refcam_lidar.inverse());
-  const double metres = (recording.T_camera_lidar.inverse().translation() -
-                         result.T_refcam_lidar.inverse().translation())
-                            .norm();
-  const bool converged = error.head<3>().norm() < 0.5 * kDegree && metres < 0.1;
+  const RigTrial trial = judge(result, recording.T_camera_lidar);
   ++counts.trials;
-  counts.converged += converged ? 1 : 0;
-  counts.usable += result.usable() ? 1 : 0;
-  counts.wrong += result.usable() && !converged ? 1 : 0;
+  counts.right += trial.right() ? 1 : 0;
+  counts.usable += trial.usable ? 1 : 0;
+  counts.surely_wrong += trial.surely_wrong() ? 1 : 0;
   out << seed << ',' << recording.lidar << ',' << recording.camera.width << ',' << heading / kDegree
-      << ',' << converged << ',' << result.usable() << ',' << error.head<3>().norm() / kDegree
-      << ',' << 100 * metres << ',' << cpu << ",\"" << result.reason << "\"\n";
+      << ',' << trial.right() << ',' << trial.usable << ',' << trial.rotation_error / kDegree << ','
+      << 100 * trial.translation_error << ',' << trial.mahalanobis_squared << ',' << cpu << ",\""
+      << trial.reason << "\"\n";
 }
 
 }  // namespace infuse::study

@@ -10,9 +10,9 @@ namespace infuse::study {
 /// Counts of calibrations from far initial poses.
 struct FarCounts {
   int trials = 0;
-  int converged = 0;  ///< to within 0.5 degrees and 10 cm of the truth
+  int right = 0;  ///< within 0.2 degrees and 5 cm of the truth
   int usable = 0;
-  int wrong = 0;  ///< usable, and not converged
+  int surely_wrong = 0;  ///< `RigTrial::surely_wrong`
 };
 
 /// How far initial poses are drawn from the truth.

@@ -32,7 +32,8 @@ std::vector<double> edge_strengths(const std::vector<Scene>& scenes,
   for (const Scene& scene : scenes) {
     const std::span<const Scene> one(&scene, 1);
     const calibration::VisiblePoints points = calibration::select_visible(one, cameras, poses, {});
-    const calibration::BlurredImages images(one, cameras, terms, 1);
+    const calibration::BlurredImages images(one, cameras, terms,
+                                            calibration::ImageBlur::in_angle(1));
     calibration::Objective objective(points, images, cameras, one, terms);
     const auto samples = objective.samples(poses[which], 0);
     double sum = 0, count = 0;

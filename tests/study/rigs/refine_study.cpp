@@ -7,6 +7,7 @@
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/refine_intrinsics.hpp"
+#include "fusion/geometry/draw_uniform.hpp"
 #include "tests/study/rigs/rig_study.hpp"
 
 namespace infuse::study {
@@ -19,7 +20,7 @@ constexpr double kChiSquareOfFour95 = 9.488;  // 95 % of 4 degrees of freedom
 void refine_on(const RigRecording& recording, uint64_t seed, std::ostream& out,
                RefineCounts& counts) {
   std::mt19937_64 random(seed);
-  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; };
+  const auto uniform = [&] { return geometry::draw_uniform(random); };
   const CameraIntrinsics& truth = recording.camera;
   CameraIntrinsics stated = truth;
   const double factor = 1 + 0.02 * uniform();

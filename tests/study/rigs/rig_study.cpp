@@ -11,8 +11,8 @@
 #include <random>
 
 #include "drivers/measurement/angles.hpp"
-#include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/compare_extrinsics.hpp"
+#include "fusion/geometry/draw_uniform.hpp"
 
 namespace infuse::study {
 namespace {
@@ -87,7 +87,7 @@ void delay_images(CameraIntrinsics&, std::vector<RigScene>& scenes) {
 /// The first place again and again, with noise of ranges and pixels.
 void stand_still(CameraIntrinsics&, std::vector<RigScene>& scenes) {
   std::mt19937_64 random(1);
-  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };
+  const auto uniform = [&] { return geometry::draw_uniform(random); };
   for (size_t k = 1; k < scenes.size(); ++k) {
     scenes[k] = scenes[0];
     for (uint8_t& pixel : scenes[k].frame.pixels) {
@@ -183,12 +183,12 @@ void write_details(std::ostream& out, const RigTrial& trial, const RigRecording&
   error.tail<3>() *= 100;
   out << trial.seed << ' ' << trial.kind << ' ' << trial.lidar << ' ' << trial.width
       << ", f = " << stated.fx << " px: " << (trial.usable ? "usable" : trial.reason)
-      << "\n  restarts " << result.returned << " of " << result.restarts << ", support "
+      << "\n  restarts " << result.converged_restarts << " of " << result.restarts << ", support "
       << result.support << "\n  error (degrees, cm)     " << error.transpose().format(short_row)
       << "\n  sigma                   " << shown_sigmas(result.covariance()).format(short_row)
       << "\n  of the scenes           "
       << shown_sigmas(result.uncertainty.covariance).format(short_row) << '\n';
-  for (const calibration::ModelMismatch& one : result.model_mismatches) {
+  for (const calibration::ParameterCheck& one : result.parameter_checks) {
     Vector6 moved = one.pose_sensitivity;
     moved.head<3>() /= kDegree;
     moved.tail<3>() *= 100;
@@ -218,8 +218,7 @@ RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed
   if (kind.change != nullptr) kind.change(stated, recorded);
   Vector6 off;
   for (int k = 0; k < 6; ++k) {
-    const double uniform = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
-    off(k) = uniform * (k < 3 ? kStartAngle : kStartLength);
+    off(k) = geometry::draw_uniform(random) * (k < 3 ? kStartAngle : kStartLength);
   }
   const Eigen::Isometry3d initial = geometry::exp(off) * recording.T_camera_lidar;
   const std::vector<RigCamera> cameras{{geometry::CameraModel(stated)}};
@@ -227,26 +226,16 @@ RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed
   const std::clock_t began = std::clock();
   const calibration::CalibrationResult result =
       calibration::calibrate(scenes, cameras, initial, {.seed = seed});
-  RigTrial trial{.seed = seed,
-                 .kind = kind.name,
-                 .lidar = recording.lidar,
-                 .width = stated.width,
-                 .height = stated.height,
-                 .fisheye = stated.model == CameraIntrinsics::Model::kFisheye,
-                 .scenes = scenes.size(),
-                 .effective_scenes = result.uncertainty.effective_scenes,
-                 .usable = result.usable(),
-                 .reason = result.reason};
-  trial.cpu_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
-  const Vector6 error = geometry::log(recording.T_camera_lidar * result.T_refcam_lidar.inverse());
-  trial.rotation_error = error.head<3>().norm();
-  trial.translation_error =
-      (recording.T_camera_lidar.translation() - result.T_refcam_lidar.translation()).norm();
-  const geometry::Matrix6 covariance = result.covariance();
-  trial.rotation_sigma = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
-  trial.translation_sigma = std::sqrt(covariance.diagonal().tail<3>().maxCoeff());
-  trial.mahalanobis_squared = error.dot(covariance.inverse() * error);
-  trial.scenes_mahalanobis_squared = error.dot(result.uncertainty.covariance.inverse() * error);
+  const double cpu_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+  RigTrial trial = judge(result, recording.T_camera_lidar);
+  trial.seed = seed;
+  trial.kind = kind.name;
+  trial.lidar = recording.lidar;
+  trial.width = stated.width;
+  trial.height = stated.height;
+  trial.fisheye = stated.model == CameraIntrinsics::Model::kFisheye;
+  trial.scenes = scenes.size();
+  trial.cpu_s = cpu_s;
   if (details != nullptr) {
     write_details(*details, trial, recording, stated, result);
     write_from_truth(*details, recording, scenes, cameras, result.T_refcam_lidar);
@@ -270,9 +259,29 @@ std::vector<Scene> make_scenes(const std::vector<RigScene>& recorded, const RigC
   return scenes;
 }
 
+RigTrial judge(const calibration::CalibrationResult& result,
+               const Eigen::Isometry3d& T_camera_lidar) {
+  RigTrial trial{.effective_scenes = result.uncertainty.effective_scenes,
+                 .usable = result.usable(),
+                 .reason = result.reason};
+  const Vector6 error = geometry::log(T_camera_lidar * result.T_refcam_lidar.inverse());
+  trial.rotation_error = error.head<3>().norm();
+  trial.translation_error =
+      (T_camera_lidar.translation() - result.T_refcam_lidar.translation()).norm();
+  const geometry::Matrix6 covariance = result.covariance();
+  trial.rotation_sigma = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
+  trial.translation_sigma = std::sqrt(covariance.diagonal().tail<3>().maxCoeff());
+  trial.mahalanobis_squared = error.dot(covariance.inverse() * error);
+  trial.scenes_mahalanobis_squared = error.dot(result.uncertainty.covariance.inverse() * error);
+  return trial;
+}
+
+bool RigTrial::right() const {
+  return rotation_error <= 0.2 * kDegree && translation_error <= 0.05;
+}
+
 bool RigTrial::surely_wrong() const {
-  return usable && (rotation_error > 0.2 * kDegree || translation_error > 0.05) &&
-         mahalanobis_squared > kChiSquare997;
+  return usable && !right() && mahalanobis_squared > kChiSquare997;
 }
 
 std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, TrialSet set,

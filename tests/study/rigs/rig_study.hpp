@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/scene.hpp"
 #include "fusion/calibration/visible_points.hpp"
 #include "tests/study/rigs/rig_recording.hpp"
@@ -31,7 +32,14 @@ struct RigTrial {
   /// Used although it is wrong, and far beyond what it states: more than 0.2 degrees or 5 cm off,
   /// and outside the 99.7 % region.
   bool surely_wrong() const;
+
+  /// Within 0.2 degrees and 5 cm of the truth.
+  bool right() const;
 };
+
+/// Errors and stated uncertainty of a calibration; what was calibrated is left open.
+RigTrial judge(const calibration::CalibrationResult& result,
+               const Eigen::Isometry3d& T_camera_lidar);
 
 /// Makes scenes with the features of the default measure; `initial` directs edges along the rings.
 std::vector<calibration::Scene> make_scenes(const std::vector<RigScene>& recorded,

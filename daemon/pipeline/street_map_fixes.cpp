@@ -1,4 +1,4 @@
-#include "daemon/pipeline/map_fixes.hpp"
+#include "daemon/pipeline/street_map_fixes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,9 +11,9 @@ namespace infuse::daemon {
 namespace {
 
 constexpr size_t kMaxFixes = 64;
-constexpr size_t kMinStartFixes = 5;
-constexpr Duration kStartWindow{10'000'000'000};  // ns over which a start averages
-constexpr double kMaxStartHdop = 5;
+constexpr size_t kMinInitialFixes = 5;
+constexpr Duration kInitialWindow{10'000'000'000};  // ns of the fixes of an initial pose
+constexpr double kMaxInitialHdop = 5;
 constexpr double kMinCourseSpeed = 2.0;  // m/s above which the GNSS course is the heading
 
 using Values = std::array<double, kMaxFixes>;
@@ -37,9 +37,11 @@ std::optional<streetmap::PlanarPose> motion_between(const geometry::Trajectory& 
 
 }  // namespace
 
-MapFixes::MapFixes(const gnss::LocalFrame& frame) : frame_(frame) { fixes_.reserve(kMaxFixes); }
+StreetMapFixes::StreetMapFixes(const gnss::LocalFrame& frame) : frame_(frame) {
+  fixes_.reserve(kMaxFixes);
+}
 
-void MapFixes::add(const GnssFix& fix) {
+void StreetMapFixes::add(const GnssFix& fix) {
   if (!fix.valid || !std::isfinite(fix.latitude) || !std::isfinite(fix.longitude)) return;
   if (fixes_.size() == kMaxFixes) fixes_.erase(fixes_.begin());
   Fix added{fix.stamp, gnss::to_local(frame_, fix.latitude, fix.longitude).head<2>(), {}, fix.hdop};
@@ -49,8 +51,8 @@ void MapFixes::add(const GnssFix& fix) {
   fixes_.push_back(added);
 }
 
-std::optional<streetmap::MapFix> MapFixes::take(Stamp now, double yaw,
-                                                const geometry::Trajectory& trajectory) {
+std::optional<streetmap::MapFix> StreetMapFixes::take(Stamp now, double yaw,
+                                                      const geometry::Trajectory& trajectory) {
   while (!fixes_.empty() && fixes_.front().stamp <= now) {
     const Fix fix = fixes_.front();
     fixes_.erase(fixes_.begin());
@@ -66,14 +68,15 @@ std::optional<streetmap::MapFix> MapFixes::take(Stamp now, double yaw,
   return std::nullopt;
 }
 
-std::optional<FixStart> MapFixes::start(Stamp now, const geometry::Trajectory& trajectory) const {
+std::optional<InitialPoseFromFixes> StreetMapFixes::initial_pose(
+    Stamp now, const geometry::Trajectory& trajectory) const {
   // Of each fix: the motion from it to now; where its course is known, the heading now.
   std::array<std::pair<const Fix*, streetmap::PlanarPose>, kMaxFixes> moved;
   size_t count = 0, courses = 0;
   double cosine = 0, sine = 0;
   Values hdops;
   for (const Fix& fix : fixes_) {
-    if (fix.stamp > now || fix.stamp + kStartWindow < now || fix.hdop > kMaxStartHdop) continue;
+    if (fix.stamp > now || fix.stamp + kInitialWindow < now || fix.hdop > kMaxInitialHdop) continue;
     const auto motion = motion_between(trajectory, fix.stamp, now);
     if (!motion) continue;
     hdops[count] = fix.hdop > 0 ? fix.hdop : streetmap::GnssOptions().unknown_hdop;
@@ -83,7 +86,7 @@ std::optional<FixStart> MapFixes::start(Stamp now, const geometry::Trajectory& t
     cosine += std::cos(*fix.yaw + motion->yaw);
     sine += std::sin(*fix.yaw + motion->yaw);
   }
-  if (count < kMinStartFixes || courses < kMinStartFixes) return std::nullopt;
+  if (count < kMinInitialFixes || courses < kMinInitialFixes) return std::nullopt;
   const double yaw = std::atan2(sine, cosine);
   Values x, y;
   for (size_t i = 0; i < count; ++i) {
@@ -94,7 +97,7 @@ std::optional<FixStart> MapFixes::start(Stamp now, const geometry::Trajectory& t
     x[i] = place.x();
     y[i] = place.y();
   }
-  return FixStart{{median(x, count), median(y, count), yaw}, median(hdops, count)};
+  return InitialPoseFromFixes{{median(x, count), median(y, count), yaw}, median(hdops, count)};
 }
 
 }  // namespace infuse::daemon

@@ -11,16 +11,16 @@
 
 namespace infuse::daemon {
 
-/// A start on the map by several GNSS fixes.
-struct FixStart {
+/// Initial pose on the map, from several GNSS fixes.
+struct InitialPoseFromFixes {
   streetmap::PlanarPose pose;
   double hdop = 1;  ///< median of the fixes
 };
 
 /// GNSS fixes of the last seconds in the map frame, moved by odometry to a common time.
-class MapFixes {
+class StreetMapFixes {
  public:
-  explicit MapFixes(const gnss::LocalFrame& frame);
+  explicit StreetMapFixes(const gnss::LocalFrame& frame);
 
   /// Keeps a valid fix; others are ignored.
   void add(const GnssFix& fix);
@@ -32,7 +32,8 @@ class MapFixes {
 
   /// Returns the median of the last fixes at `now`, once there are enough of a stated dilution that
   /// is good enough, and of courses.
-  std::optional<FixStart> start(Stamp now, const geometry::Trajectory& trajectory) const;
+  std::optional<InitialPoseFromFixes> initial_pose(Stamp now,
+                                                   const geometry::Trajectory& trajectory) const;
 
  private:
   struct Fix {

@@ -1,22 +1,23 @@
-#include "daemon/pipeline/map_tracker.hpp"
+#include "daemon/pipeline/street_map_tracker.hpp"
 
 #include <cmath>
 #include <numbers>
 
+#include "daemon/pipeline/unknown_pose.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/plane_length.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-constexpr int kImageStep = 2;                // pixels of the image for one of the features
-constexpr double kUnknownSigma = 1e6;        // m, before the start
-constexpr double kCourseSigma = 0.1;         // rad
-constexpr double kScaleSigma = 0.006;        // m/m, scale of odometry
-constexpr double kRestSigma = 0.005;         // m
-constexpr double kYawRateSigma = 0.002;      // rad/s, bias of odometry
-constexpr double kNoOdometrySigma = 3.0;     // m, motion of a step without odometry
-constexpr double kNoOdometryYawSigma = 0.2;  // rad, the same
+constexpr int kImageStep = 2;                      // pixels of the image for one of the features
+constexpr Duration kMaxUpdateWait{5'000'000'000};  // ns; more remains after a jump back in time
+constexpr double kCourseSigma = 0.1;               // rad
+constexpr double kScaleSigma = 0.006;              // m/m, scale of odometry
+constexpr double kRestSigma = 0.005;               // m
+constexpr double kYawRateSigma = 0.002;            // rad/s, bias of odometry
+constexpr double kNoOdometrySigma = 3.0;           // m, motion of a step without odometry
+constexpr double kNoOdometryYawSigma = 0.2;        // rad, the same
 
 streetmap::PlanarPose planar(const Eigen::Isometry3d& T) {
   return {T.translation().x(), T.translation().y(), std::atan2(T(1, 0), T(0, 0))};
@@ -51,8 +52,8 @@ Eigen::Matrix3d diagonal(double metres, double yaw) {
 
 }  // namespace
 
-MapTracker::MapTracker(const StreetMapSettings& settings, const streetmap::SegmentMap& map,
-                       const Rig& rig)
+StreetMapTracker::StreetMapTracker(const StreetMapSettings& settings,
+                                   const streetmap::SegmentMap& map, const Rig& rig)
     : settings_(settings), rig_(rig), tracker_(map, settings.tracker) {
   for (const CameraMount& camera : rig.cameras) cameras_.emplace_back(camera.intrinsics);
   const streetmap::MapFrame& frame = map.frame();
@@ -60,7 +61,7 @@ MapTracker::MapTracker(const StreetMapSettings& settings, const streetmap::Segme
   initialise(frame);
 }
 
-void MapTracker::initialise(const streetmap::MapFrame& frame) {
+void StreetMapTracker::initialise(const streetmap::MapFrame& frame) {
   streetmap::PlanarPose initial;
   if (settings_.initial_pose) {
     const InitialPose& pose = *settings_.initial_pose;
@@ -76,18 +77,18 @@ void MapTracker::initialise(const streetmap::MapFrame& frame) {
   tracker_.start(initial, diagonal(settings_.initial_sigma, settings_.initial_yaw_sigma));
 }
 
-void MapTracker::add_gnss(const GnssFix& fix) {
+void StreetMapTracker::add_gnss(const GnssFix& fix) {
   if (fixes_) fixes_->add(fix);
 }
 
-void MapTracker::use_fixes(const geometry::Trajectory& trajectory) {
+void StreetMapTracker::use_fixes(const geometry::Trajectory& trajectory) {
   if (!fixes_) return;
   if (!tracker_.started()) {
-    const auto start = fixes_->start(now_, trajectory);
-    if (!start) return;
+    const auto initial = fixes_->initial_pose(now_, trajectory);
+    if (!initial) return;
     const streetmap::GnssOptions& gnss = settings_.tracker.gnss;
-    tracker_.start(start->pose,
-                   diagonal(geometry::plane_length(gnss.map_sigma, gnss.slow_sigma * start->hdop),
+    tracker_.start(initial->pose,
+                   diagonal(geometry::plane_length(gnss.map_sigma, gnss.slow_sigma * initial->hdop),
                             kCourseSigma));
   }
   while (const auto fix = fixes_->take(now_, tracker_.estimate().pose.yaw, trajectory)) {
@@ -95,7 +96,7 @@ void MapTracker::use_fixes(const geometry::Trajectory& trajectory) {
   }
 }
 
-void MapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory) {
+void StreetMapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory) {
   if (now_ != Stamp::earliest() && stamp > now_) {
     const geometry::MotionBetween motion = trajectory.between(now_, stamp);
     if (motion.usable()) {
@@ -107,8 +108,9 @@ void MapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory)
   now_ = stamp;
 }
 
-PoseReport MapTracker::process(const SweepSnapshot& snapshot,
-                               const geometry::Trajectory& trajectory, const PoseReport& odometry) {
+PoseReport StreetMapTracker::process(const SweepSnapshot& snapshot,
+                                     const geometry::Trajectory& trajectory,
+                                     const PoseReport& odometry) {
   predict_to(snapshot.deskewed.reference, trajectory);
   use_fixes(trajectory);
   if (snapshot.deskewed.usable()) {
@@ -118,14 +120,14 @@ PoseReport MapTracker::process(const SweepSnapshot& snapshot,
   return pose(odometry);
 }
 
-void MapTracker::update_if_due() {
-  if (now_ < next_update_ && next_update_ - now_ < Duration(5'000'000'000)) return;
+void StreetMapTracker::update_if_due() {
+  if (now_ < next_update_ && next_update_ - now_ < kMaxUpdateWait) return;
   tracker_.update();
   ++updates_;
   next_update_ = now_ + from_seconds(1 / settings_.update_hz);
 }
 
-void MapTracker::add_image(const ImageMatch& match, const geometry::Trajectory& trajectory) {
+void StreetMapTracker::add_image(const ImageMatch& match, const geometry::Trajectory& trajectory) {
   const geometry::MotionBetween back = trajectory.between(now_, match.image.stamp);
   if (!match.snapshot.deskewed.usable() || !back.usable()) return;
   if (!streetmap::extract_features(match.image.frame, kImageStep, features_)) return;
@@ -133,13 +135,13 @@ void MapTracker::add_image(const ImageMatch& match, const geometry::Trajectory& 
   tracker_.add_sweep(view(match.snapshot), &image, planar(back.T_from_to));
 }
 
-streetmap::DeskewedView MapTracker::view(const SweepSnapshot& snapshot) const {
+streetmap::DeskewedView StreetMapTracker::view(const SweepSnapshot& snapshot) const {
   const motion::DeskewedSweep& deskewed = snapshot.deskewed;
   return {snapshot.sweep, deskewed.x, deskewed.y, deskewed.z,
           rig_.lidars[snapshot.lidar].T_vehicle_lidar};
 }
 
-PoseReport MapTracker::pose(const PoseReport& odometry) const {
+PoseReport StreetMapTracker::pose(const PoseReport& odometry) const {
   const streetmap::TrackerEstimate estimate = tracker_.estimate();
   PoseReport report = odometry;
   report.frame = PoseFrame::kMap;
@@ -153,7 +155,7 @@ PoseReport MapTracker::pose(const PoseReport& odometry) const {
   return report;
 }
 
-void MapTracker::write(ViewMapPose& out) const {
+void StreetMapTracker::write(ViewMapPose& out) const {
   const streetmap::TrackerEstimate estimate = tracker_.estimate();
   out.T_map_vehicle = estimate.T_map_vehicle();
   out.covariance = estimate.covariance.topLeftCorner<2, 2>();
@@ -166,7 +168,7 @@ void MapTracker::write(ViewMapPose& out) const {
   }
 }
 
-StreetMapStatus MapTracker::status() const {
+StreetMapStatus StreetMapTracker::status() const {
   const streetmap::TrackerEstimate estimate = tracker_.estimate();
   StreetMapStatus status;
   status.state = estimate.state;

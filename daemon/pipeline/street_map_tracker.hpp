@@ -6,7 +6,7 @@
 #include "daemon/config/streetmap_settings.hpp"
 #include "daemon/health/streetmap_health.hpp"
 #include "daemon/pipeline/image_match.hpp"
-#include "daemon/pipeline/map_fixes.hpp"
+#include "daemon/pipeline/street_map_fixes.hpp"
 #include "daemon/pipeline/view_tap.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "drivers/measurement/camera_frame.hpp"
@@ -24,10 +24,11 @@ namespace infuse::daemon {
 /// the particles are weighted. Initialised by the configured pose, else by several GNSS fixes with
 /// a course, or by the drive itself once it fits one place only. GNSS fixes witness the pose
 /// throughout.
-class MapTracker {
+class StreetMapTracker {
  public:
   /// `settings.invalid()` must be empty. The map outlives this.
-  MapTracker(const StreetMapSettings& settings, const streetmap::SegmentMap& map, const Rig& rig);
+  StreetMapTracker(const StreetMapSettings& settings, const streetmap::SegmentMap& map,
+                   const Rig& rig);
 
   /// Adds a fix. It is used at the next sweep; of a map without latitude and longitude, never.
   void add_gnss(const GnssFix& fix);
@@ -64,7 +65,7 @@ class MapTracker {
   StreetMapSettings settings_;
   Rig rig_;
   std::vector<geometry::CameraModel> cameras_;
-  std::optional<MapFixes> fixes_;  // nothing: the map has no latitude and longitude
+  std::optional<StreetMapFixes> fixes_;  // nothing: the map has no latitude and longitude
   streetmap::Tracker tracker_;
   streetmap::ImageFeatures features_;
   Stamp now_ = Stamp::earliest();  // of the particles

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/map_tracker.hpp"
+#include "daemon/pipeline/street_map_tracker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using streetmap::SegmentKind;
 using streetmap::TrackState;
 
 /// A town, a drive along its street with exact odometry, and sweeps of the ground around.
-class MapTrackerTest : public testing::Test {
+class StreetMapTrackerTest : public testing::Test {
  protected:
   static constexpr Duration kStep{250'000'000};  // between sweeps
 
@@ -27,7 +27,7 @@ class MapTrackerTest : public testing::Test {
     return T;
   }
 
-  MapTrackerTest() {
+  StreetMapTrackerTest() {
     rig_.lidars.push_back({"top", "", Eigen::Isometry3d::Identity()});
     rig_.lidars[0].T_vehicle_lidar.translation().z() = 1.7;
     // The frame odom begins at the start of the drive.
@@ -74,7 +74,7 @@ class MapTrackerTest : public testing::Test {
     deskewed_.z = sweep_.z;
   }
 
-  PoseReport drive(MapTracker& tracker, int sweeps, const PoseReport& odometry = {}) {
+  PoseReport drive(StreetMapTracker& tracker, int sweeps, const PoseReport& odometry = {}) {
     PoseReport pose;
     for (int i = 0; i < sweeps; ++i) {
       now_ = start_ + i * kStep;
@@ -116,9 +116,9 @@ class MapTrackerTest : public testing::Test {
   motion::DeskewedSweep deskewed_;
 };
 
-TEST_F(MapTrackerTest, ReportsThePoseOnTheMap) {
+TEST_F(StreetMapTrackerTest, ReportsThePoseOnTheMap) {
   settings_.initial_pose = InitialPose{-89, -2.5, 0.03};
-  MapTracker tracker(settings_, town_.map, rig_);
+  StreetMapTracker tracker(settings_, town_.map, rig_);
   PoseReport odometry;
   odometry.speed = 5;
   const PoseReport pose = drive(tracker, 60, odometry);
@@ -137,8 +137,8 @@ TEST_F(MapTrackerTest, ReportsThePoseOnTheMap) {
   EXPECT_EQ(status.updates, 30U);
 }
 
-TEST_F(MapTrackerTest, InitialisesFromSeveralGnssFixes) {
-  MapTracker tracker(settings_, town_.map, rig_);
+TEST_F(StreetMapTrackerTest, InitialisesFromSeveralGnssFixes) {
+  StreetMapTracker tracker(settings_, town_.map, rig_);
   drive(tracker, 1);
   PoseReport odometry;
   EXPECT_FALSE(tracker.pose(odometry).usable());
@@ -168,10 +168,10 @@ TEST_F(MapTrackerTest, InitialisesFromSeveralGnssFixes) {
               0, 0.05);
 }
 
-TEST_F(MapTrackerTest, ALocationStartsItAndIsNotUsableBeforeTracking) {
+TEST_F(StreetMapTrackerTest, ALocationStartsItAndIsNotUsableBeforeTracking) {
   const GnssFix place = fix_at(start_, {0, 0}, 1);
   settings_.initial_location = InitialLocation{place.latitude, place.longitude, M_PI / 2};
-  MapTracker tracker(settings_, town_.map, rig_);
+  StreetMapTracker tracker(settings_, town_.map, rig_);
   const PoseReport first = drive(tracker, 1);
   EXPECT_LT(error(first), 1.5);
   EXPECT_EQ(first.map->state, TrackState::kUnsure);
@@ -179,17 +179,17 @@ TEST_F(MapTrackerTest, ALocationStartsItAndIsNotUsableBeforeTracking) {
   EXPECT_STREQ(first.reason, first.map->reason);
   EXPECT_TRUE(is_valid_message(message(first)));
   settings_.require_tracking = false;
-  MapTracker lenient(settings_, town_.map, rig_);
+  StreetMapTracker lenient(settings_, town_.map, rig_);
   const PoseReport unsure = drive(lenient, 1);
   EXPECT_TRUE(unsure.usable());
   EXPECT_EQ(unsure.map->state, TrackState::kUnsure);
   EXPECT_STRNE(unsure.map->reason, "");
 }
 
-TEST_F(MapTrackerTest, AGapInOdometryWidensTheParticles) {
+TEST_F(StreetMapTrackerTest, AGapInOdometryWidensTheParticles) {
   settings_.initial_pose = InitialPose{-90, -1.3, 0};
   settings_.initial_sigma = 0.1;
-  MapTracker tracker(settings_, town_.map, rig_);
+  StreetMapTracker tracker(settings_, town_.map, rig_);
   drive(tracker, 1);
   const geometry::Trajectory empty;
   deskewed_.reference = start_ + kStep;
