@@ -23,7 +23,7 @@ Eigen::Isometry3d with_rotation(const Eigen::Isometry3d& T_camera_lidar,
 /// Options of a calibration that finds the basin and how far lidar and images depend there.
 CalibrateOptions coarse_only(CalibrateOptions options, double half_width) {
   options.screen.half_width = half_width;
-  options.restarts = options.splits = 0;
+  options.restarts = options.fine_restarts = options.splits = 0;
   options.check_intrinsics = false;
   options.fine = {quick_level(options)};
   return options;

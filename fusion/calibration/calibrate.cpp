@@ -48,7 +48,10 @@ CalibrationResult run_attempt(CalibrationSteps& calibration, const Eigen::Isomet
   const std::span<const Level> fine(options.fine);
   const Maximum fine_maximum =
       calibration.fine_search().ascend(restart_result.T, fine.first(fine.size() - 1));
-  const Maximum maximum = search.ascend(fine_maximum.T_refcam_lidar, fine.last(1));
+  Maximum maximum = search.ascend(fine_maximum.T_refcam_lidar, fine.last(1));
+  if (const auto higher = calibration.run_fine_restarts(maximum.T_refcam_lidar)) {
+    maximum = search.ascend(*higher, fine.last(1));
+  }
   if (options.maximize.stop.stop_requested()) {
     result.T_refcam_lidar = initial_pose;
     result.reason = maximum.reason;
@@ -103,6 +106,9 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   if (restarts > 0 && restarts_of_few < restarts) {
     return "restarts_of_few must not be less than restarts";
   }
+  if (fine_restarts < 0) return "fine_restarts must not be negative";
+  if (!(fine_restart_rotation >= 0)) return "fine_restart_rotation must not be negative";
+  if (!(fine_restart_translation >= 0)) return "fine_restart_translation must not be negative";
   if (splits < 0) return "splits must not be negative";
   if (!(restart_rotation >= 0)) return "restart_rotation must not be negative";
   if (!(restart_translation >= 0)) return "restart_translation must not be negative";

@@ -55,6 +55,12 @@ struct CalibrateOptions {
   int restarts_of_few = 8;
   double restart_rotation = 0.04;     ///< rad each axis, half width of the restarts
   double restart_translation = 0.12;  ///< m each axis, half width of the restarts
+  /// Number of ascents at the finest blur from poses around the result. At that blur the measure
+  /// may have several maxima a few centimetres apart, which the blur of `restarts` hides: they all
+  /// end at one, which may be the lower one.
+  int fine_restarts = 4;
+  double fine_restart_rotation = 0.35 * kDegree;  ///< rad each axis, half width of these
+  double fine_restart_translation = 0.1;          ///< m each axis, half width of these
   int splits = 0;  ///< number of random halvings of the scenes whose estimates are compared
   double support_sigma = 3;   ///< px, blur of the images for the scenes' support, see `ImageBlur`
   double min_support = 0.88;  ///< minimum mean of SceneSupport::support of a usable result

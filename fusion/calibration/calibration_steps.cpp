@@ -23,7 +23,8 @@ constexpr double kArrivedShare = 1.0 / 3;  // of both: a restart so near the res
 // Half width of the screening (rad) beyond which the score with other scenes' images is subtracted,
 // see `PoseScore`.
 constexpr double kMinBaselineHalfWidth = 0.1;
-constexpr int kDrawsPerRestart = 40;  // number of poses drawn for one ascent
+constexpr double kFineRestartTolerance = 5e-3;  // the last level goes on from the best end
+constexpr int kDrawsPerRestart = 40;            // number of poses drawn for one ascent
 constexpr double kManyScenes = 15;    // effective ones, from which on fewer restarts suffice
 constexpr int kMaxRestartRounds = 4;  // maximum number of rounds that each found a larger value
 constexpr int kRestartBatches = 2;    // the second where not all of the first converged
@@ -129,6 +130,11 @@ CalibrationSteps::RestartResult CalibrationSteps::run_restarts(const Eigen::Isom
   std::mt19937_64 random(options_.seed);
   PoseScore score(coarse_scenes_, cameras_, search_terms_, options_.visibility, images_,
                   options_.coarse.back().sigma, false, options_.maximize.stop);
+  const Draw draw{
+      .restarts = effective_scenes() < kManyScenes ? options_.restarts_of_few : options_.restarts,
+      .rotation = options_.restart_rotation,
+      .translation = options_.restart_translation,
+      .sigma = restart_levels().front().sigma};
   RestartResult restart_result{.T = T};
   for (int round = 0; round < kMaxRestartRounds; ++round) {
     const double best = score(restart_result.T);
@@ -137,7 +143,7 @@ CalibrationSteps::RestartResult CalibrationSteps::run_restarts(const Eigen::Isom
     std::optional<Eigen::Isometry3d> better;
     for (int batch = 0; batch < kRestartBatches && !better; ++batch) {
       if (batch > 0 && restart_result.converged_restarts == restart_result.restarts) break;
-      for (const Eigen::Isometry3d& drawn : draw_around(restart_result.T, random)) {
+      for (const Eigen::Isometry3d& drawn : draw_around(restart_result.T, draw, random)) {
         const Eigen::Isometry3d end = restart_from(drawn, restart_result.T);
         ++restart_result.restarts;
         if (is_same_maximum(end, restart_result.T)) {
@@ -156,6 +162,33 @@ CalibrationSteps::RestartResult CalibrationSteps::run_restarts(const Eigen::Isom
   }
   evaluations_ += score.evaluations();
   return restart_result;
+}
+
+std::optional<Eigen::Isometry3d> CalibrationSteps::run_fine_restarts(const Eigen::Isometry3d& T) {
+  if (options_.fine_restarts == 0) return std::nullopt;
+  std::mt19937_64 random(options_.seed);
+  const Level level{.sigma = options_.fine.back().sigma, .tolerance = kFineRestartTolerance};
+  const VisiblePoints points = select_visible(coarse_scenes_, cameras_, T, options_.visibility);
+  Objective measure(points, images_.at(ImageBlur::in_angle(level.sigma)), cameras_, coarse_scenes_,
+                    search_terms_);
+  const auto ascend = [&](const Eigen::Isometry3d& from) {
+    const Eigen::Isometry3d end = coarse_search_.ascend(from, std::span(&level, 1)).T_refcam_lidar;
+    return Scored{end, measure.evaluate(end, false).estimate.value};
+  };
+  const Scored given = ascend(T);
+  Scored best = given;
+  for (const Eigen::Isometry3d& drawn :
+       draw_around(T,
+                   {.restarts = options_.fine_restarts,
+                   .rotation = options_.fine_restart_rotation,
+                   .translation = options_.fine_restart_translation,
+                   .sigma = level.sigma},
+                   random)) {
+    const Scored end = ascend(drawn);
+    if (end.score > best.score) best = end;
+  }
+  evaluations_ += measure.evaluations();
+  return best.score > given.score ? std::optional(best.T) : std::nullopt;
 }
 
 Eigen::Isometry3d CalibrationSteps::restart_from(const Eigen::Isometry3d& drawn,
@@ -265,19 +298,17 @@ std::span<const Level> CalibrationSteps::restart_levels() const {
 }
 
 std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isometry3d& T,
+                                                             const Draw& draw,
                                                              std::mt19937_64& random) {
   const VisiblePoints points = select_visible(screening_scenes_, cameras_, T, options_.visibility);
-  Objective measure(points, images_.at(ImageBlur::in_angle(restart_levels().front().sigma)),
-                    cameras_, screening_scenes_, search_terms_);
+  Objective measure(points, images_.at(ImageBlur::in_angle(draw.sigma)), cameras_,
+                    screening_scenes_, search_terms_);
   std::vector<Scored> drawn;
-  const int restarts =
-      effective_scenes() < kManyScenes ? options_.restarts_of_few : options_.restarts;
-  for (int k = 0; k < kDrawsPerRestart * restarts; ++k) {
+  for (int k = 0; k < kDrawsPerRestart * draw.restarts; ++k) {
     if (options_.maximize.stop.stop_requested()) return {};
     Vector6 xi;
     for (int axis = 0; axis < 6; ++axis) {
-      xi(axis) = geometry::draw_uniform(random) *
-                 (axis < 3 ? options_.restart_rotation : options_.restart_translation);
+      xi(axis) = geometry::draw_uniform(random) * (axis < 3 ? draw.rotation : draw.translation);
     }
     const Eigen::Isometry3d pose = geometry::exp(xi) * T;
     drawn.push_back({pose, measure.evaluate(pose, false).estimate.value});
@@ -285,7 +316,7 @@ std::vector<Eigen::Isometry3d> CalibrationSteps::draw_around(const Eigen::Isomet
   evaluations_ += measure.evaluations();
   sort_by_score(drawn);
   std::vector<Eigen::Isometry3d> best;
-  for (int k = 0; k < restarts; ++k) best.push_back(drawn[static_cast<size_t>(k)].T);
+  for (int k = 0; k < draw.restarts; ++k) best.push_back(drawn[static_cast<size_t>(k)].T);
   return best;
 }
 

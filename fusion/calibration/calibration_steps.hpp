@@ -44,6 +44,10 @@ class CalibrationSteps {
   /// Returns the best pose and how many ascents of the last round converged to it.
   RestartResult run_restarts(const Eigen::Isometry3d& T);
 
+  /// Ascends at the finest blur from `T` and from poses around it. Returns the end with the largest
+  /// measure, on the points in view at `T`; nothing if that is the one from `T`.
+  std::optional<Eigen::Isometry3d> run_fine_restarts(const Eigen::Isometry3d& T);
+
   /// Covariance from random halves of the scenes: ¼ mean of the squared difference of their
   /// results.
   std::optional<geometry::Matrix6> split_half(const Eigen::Isometry3d& T);
@@ -74,8 +78,15 @@ class CalibrationSteps {
                   std::vector<ParameterCheck>& all) const;
   /// Returns the two finest of the coarse levels.
   std::span<const Level> restart_levels() const;
+  /// Poses to draw, evenly within half widths of each axis, rad and m, and the blur to score them.
+  struct Draw {
+    int restarts;
+    double rotation, translation;
+    double sigma;
+  };
   /// Draws many poses around `T` and returns those where the points in view at `T` fit best.
-  std::vector<Eigen::Isometry3d> draw_around(const Eigen::Isometry3d& T, std::mt19937_64& random);
+  std::vector<Eigen::Isometry3d> draw_around(const Eigen::Isometry3d& T, const Draw& draw,
+                                             std::mt19937_64& random);
   /// Ascends through `restart_levels`, until it has arrived at `result`.
   Eigen::Isometry3d restart_from(const Eigen::Isometry3d& drawn, const Eigen::Isometry3d& result);
   /// Ascends the finest coarse level with some of the scenes alone.

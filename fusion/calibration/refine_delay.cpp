@@ -38,7 +38,7 @@ std::string refusal(const CalibrationResult& result, double max_sigma) {
 
 /// Options of the calibrations on the way: no checks but that of the time.
 CalibrateOptions without_checks(CalibrateOptions options, double max_delay) {
-  options.restarts = options.splits = 0;
+  options.restarts = options.fine_restarts = options.splits = 0;
   options.check_intrinsics = false;
   options.known.time_sigma = from_seconds(std::min(max_delay, 0.1));
   return options;

@@ -51,6 +51,7 @@ calibration::CalibrateOptions calibrate_options(const ReestimateOptions& options
   out.screen.half_width = options.screen_half_width;
   out.screen.survivors = options.searches - 1;
   out.restarts = out.restarts_of_few = options.searches;
+  out.fine_restarts = 0;  // beside the stream, and measured without
   // A knocked camera is still near where it was.
   out.restart_rotation = 0.02;
   out.restart_translation = 0.08;

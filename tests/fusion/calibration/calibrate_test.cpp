@@ -175,6 +175,7 @@ TEST(CalibrateOptions, SaysWhatIsWrong) {
   EXPECT_THAT(*(CalibrateOptions{.screen = {.half_width = -1}}.invalid()), HasSubstr("screen"));
   EXPECT_THAT(*(CalibrateOptions{.restarts = -1}.invalid()), HasSubstr("restarts"));
   EXPECT_THAT(*(CalibrateOptions{.restarts_of_few = 3}.invalid()), HasSubstr("restarts_of_few"));
+  EXPECT_THAT(*(CalibrateOptions{.fine_restarts = -1}.invalid()), HasSubstr("fine_restarts"));
   EXPECT_THAT(*(CalibrateOptions{.min_support = 2}.invalid()), HasSubstr("min_support"));
   EXPECT_THAT(*(CalibrateOptions{.maximize = {.max_iterations = 0}}.invalid()),
               HasSubstr("maximize"));
