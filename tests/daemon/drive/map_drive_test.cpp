@@ -193,11 +193,13 @@ TEST_F(MapDrive, RefusesDamagedMapsAndNamesTheFile) {
        {"clouds/000003.pcd", "keyframes.csv", "fixes.csv", "drive.json", "graph.g2o"}) {
     const std::string map = copy("damaged" + std::to_string(index++));
     flip(map + "/" + name);
-    const ProgramResult refused = Made::infuse("map export " + map + " -o " + out + ".pcd");
+    std::string command = "map export " + map + " -o ";
+    command += out + ".pcd";
+    const ProgramResult refused = Made::infuse(command);
     EXPECT_EQ(refused.code, 3) << name;
     EXPECT_THAT(refused.output, HasSubstr(name));
     std::filesystem::remove(map + "/" + name);
-    EXPECT_EQ(Made::infuse("map export " + map + " -o " + out + ".pcd").code, 3) << name;
+    EXPECT_EQ(Made::infuse(command).code, 3) << name;
   }
   const std::string cut = copy("cut");
   write_file(cut + "/map.json", read_file(cut + "/map.json").substr(0, 300));
