@@ -71,7 +71,7 @@ void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
                      "infused --replay drive/ --rate 1 --json"});
 }
 
-/// What is hardly meant, and what does not exist at present. It may later: the daemon waits for it.
+/// Prints what is probably unintended, and what does not exist yet: the daemon waits for it.
 void print_notes(const LiveSetup& setup) {
   for (const auto* notes : {&setup.vehicle.notes, &setup.doubts}) {
     for (const Error& each : *notes) std::cout << "note: " << each.message() << "\n";

@@ -21,16 +21,6 @@ struct CalibrationArguments {
   bool json = false;
 };
 
-/// "2026-11-21T03:12:55Z".
-std::string stamp_text(const Json& object, const char* key) {
-  const auto seconds = static_cast<std::time_t>(object.value(key, int64_t{0}) / 1'000'000'000);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char buffer[32];
-  std::strftime(buffer, sizeof(buffer), "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return buffer;
-}
-
 std::string matrix_text(const Json& numbers) {
   std::string lines;
   for (size_t row = 0; row < 3 && numbers.size() == 16; ++row) {
@@ -59,7 +49,7 @@ std::string offset_text(const Json& offset, const Json& sigma, size_t from, doub
 std::string calibration_text(const Json& report) {
   std::string lines =
       fmt::format("{}: {} since {}, {}{}\n", text_of(report, "device"), text_of(report, "state"),
-                  stamp_text(report, "since"), text_of(report, "policy"),
+                  utc_text(report, "since"), text_of(report, "policy"),
                   report.value("frozen", false) ? ", frozen" : "");
   lines += fmt::format("  in use: T_camera_lidar\n{}",
                        matrix_text(report.value("T_camera_lidar", Json::array())));
@@ -84,7 +74,7 @@ std::string calibration_text(const Json& report) {
   }
   lines += "  history\n";
   for (const Json& change : report.value("history", Json::array())) {
-    lines += fmt::format("    {} {}: {}\n", stamp_text(change, "stamp"), text_of(change, "state"),
+    lines += fmt::format("    {} {}: {}\n", utc_text(change, "stamp"), text_of(change, "state"),
                          text_of(change, "what"));
   }
   return lines;

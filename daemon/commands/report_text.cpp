@@ -21,12 +21,6 @@ std::string time_text(const Json& message) {
   return fmt::format("{:%H:%M:%S}.{:03}", fmt::gmtime(seconds), ns / 1'000'000 % 1000);
 }
 
-/// "2026-11-21T03:12:55Z".
-std::string since_text(const Json& finding) {
-  const auto seconds = static_cast<std::time_t>(finding.value("since", int64_t{0}) / 1'000'000'000);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds));
-}
-
 std::string device_line(const Json& device) {
   return fmt::format("  {}: {} {} on {} ({})\n", text_of(device, "device"), text_of(device, "kind"),
                      text_of(device, "model"), text_of(device, "endpoint"),
@@ -107,6 +101,11 @@ std::string health_text(const Json& health) {
   return lines;
 }
 
+std::string utc_text(const Json& object, const char* key) {
+  const auto seconds = static_cast<std::time_t>(object.value(key, int64_t{0}) / 1'000'000'000);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds));
+}
+
 Level level_of(const Json& object, const char* key) {
   const std::string name = text_of(object, key);
   for (const Level level : {Level::kWarn, Level::kError, Level::kStale}) {
@@ -158,7 +157,7 @@ DaemonStatus daemon_status(const std::vector<Json>& reports) {
     status.level = std::max(status.level, level_of(report, "severity"));
     calibrations +=
         fmt::format("  {:<5} {}: {}, since {} ({})\n", text_of(report, "severity"), device,
-                    text_of(report, "what"), since_text(report), text_of(report, "advice"));
+                    text_of(report, "what"), utc_text(report, "since"), text_of(report, "advice"));
   }
   if (health.is_null()) {
     status.text += "no health report yet\n" + calibrations;

@@ -21,6 +21,9 @@ std::string record_text(const Json& record);
 /// Formats the sensors of a HEALTH message.
 std::string health_text(const Json& health);
 
+/// Formats the stamp (ns) under a key: "2026-11-21T03:12:55Z".
+std::string utc_text(const Json& object, const char* key);
+
 /// Returns the level under a key; kOk if it is absent or unknown.
 Level level_of(const Json& object, const char* key);
 

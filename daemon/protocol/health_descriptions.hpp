@@ -170,7 +170,8 @@ void describe(Visitor& v, const HealthReport& health) {
           stamp_gauge("infuse_health_timestamp_seconds"));
   v.field("drive_s", non_negative(rounded(to_seconds(health.drive))), "Since the start.",
           gauge("infuse_uptime_seconds"));
-  v.field("level", health.level(), "the worst of all");
+  v.field("level", health.level(),
+          "the worst of all below; calibrations raise alerts of their own");
   v.field("sensors", health.sensors, "lidars");
   v.field("streams", health.streams, "cameras and vehicle sensors");
   v.field("odometry", health.odometry, "dead reckoning; absent without it");

@@ -167,7 +167,11 @@ CalibrationSteps::RestartResult CalibrationSteps::run_restarts(const Eigen::Isom
 std::optional<Eigen::Isometry3d> CalibrationSteps::run_fine_restarts(const Eigen::Isometry3d& T) {
   if (options_.fine_restarts == 0) return std::nullopt;
   std::mt19937_64 random(options_.seed);
-  const Level level{.sigma = options_.fine.back().sigma, .tolerance = kFineRestartTolerance};
+  const Draw draw{.restarts = options_.fine_restarts,
+                  .rotation = options_.fine_restart_rotation,
+                  .translation = options_.fine_restart_translation,
+                  .sigma = options_.fine.back().sigma};
+  const Level level{.sigma = draw.sigma, .tolerance = kFineRestartTolerance};
   const VisiblePoints points = select_visible(coarse_scenes_, cameras_, T, options_.visibility);
   Objective measure(points, images_.at(ImageBlur::in_angle(level.sigma)), cameras_, coarse_scenes_,
                     search_terms_);
@@ -177,18 +181,13 @@ std::optional<Eigen::Isometry3d> CalibrationSteps::run_fine_restarts(const Eigen
   };
   const Scored given = ascend(T);
   Scored best = given;
-  for (const Eigen::Isometry3d& drawn :
-       draw_around(T,
-                   {.restarts = options_.fine_restarts,
-                   .rotation = options_.fine_restart_rotation,
-                   .translation = options_.fine_restart_translation,
-                   .sigma = level.sigma},
-                   random)) {
+  for (const Eigen::Isometry3d& drawn : draw_around(T, draw, random)) {
     const Scored end = ascend(drawn);
     if (end.score > best.score) best = end;
   }
   evaluations_ += measure.evaluations();
-  return best.score > given.score ? std::optional(best.T) : std::nullopt;
+  if (is_within(best.T, given.T, kArrivedShare)) return std::nullopt;
+  return best.T;
 }
 
 Eigen::Isometry3d CalibrationSteps::restart_from(const Eigen::Isometry3d& drawn,

@@ -45,7 +45,7 @@ class CalibrationSteps {
   RestartResult run_restarts(const Eigen::Isometry3d& T);
 
   /// Ascends at the finest blur from `T` and from poses around it. Returns the end with the largest
-  /// measure, on the points in view at `T`; nothing if that is the one from `T`.
+  /// measure, on the points in view at `T`; nothing if that is at the maximum that `T` leads to.
   std::optional<Eigen::Isometry3d> run_fine_restarts(const Eigen::Isometry3d& T);
 
   /// Covariance from random halves of the scenes: ¼ mean of the squared difference of their

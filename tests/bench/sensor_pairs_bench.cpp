@@ -6,10 +6,10 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <map>
 #include <random>
 
+#include "daemon/service/process_times.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"
@@ -51,12 +51,6 @@ const painted::Drive& cached_drive(const SensorPair& pair) {
       .first->second;
 }
 
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 /// Random scenes from initial poses within ± 1° and 5 cm: root mean square error, three axes
 /// summed.
 void spread(benchmark::State& state, const SensorPair& pair) {
@@ -83,10 +77,10 @@ void spread(benchmark::State& state, const SensorPair& pair) {
       Vector6 perturbation;
       for (int axis = 0; axis < 6; ++axis)
         perturbation(axis) = draw() * (axis < 3 ? kDegree : 0.05);
-      const double began = cpu_seconds();
+      const double began = daemon::process_cpu_s();
       const CalibrationResult result = calibrate(
           scenes, drive.cameras, geometry::exp(perturbation) * drive.T_camera_lidar, options);
-      seconds += (cpu_seconds() - began) / kDraws;
+      seconds += (daemon::process_cpu_s() - began) / kDraws;
       usable += result.usable() ? 1 : 0;
       if (!result.usable()) std::fprintf(stderr, "%s: %s\n", pair.name, result.reason.c_str());
       squares += geometry::log(result.T_refcam_lidar * drive.T_camera_lidar.inverse()).cwiseAbs2() /

@@ -49,10 +49,15 @@ Json calibration_report() {
   return {{"class", "CALIBRATION"}, {"device", "front"}, {"state", "OK"}};
 }
 
+/// The state of a daemon that is well but for a confirmed drift, whose alert has this state.
+DaemonStatus drift_status(const char* alert_state) {
+  return daemon_status({calibration_report(),
+                        alert_of_front("drift_confirmed", "ERROR", alert_state),
+                        health_report("OK")});
+}
+
 TEST(Status, ARaisedDriftAlertIsShownAndCounts) {
-  const DaemonStatus status =
-      daemon_status({calibration_report(), alert_of_front("drift_confirmed", "ERROR", "raised"),
-                     health_report("OK")});
+  const DaemonStatus status = drift_status("raised");
   EXPECT_EQ(status.level, Level::kError);
   EXPECT_THAT(status.text, HasSubstr("03:13:30.120 HEALTH ERROR (running for 36 s)\n"));
   EXPECT_THAT(status.text, HasSubstr("  OK    front: 10.0/s, 362 used, 0 rejected\n"));
@@ -61,9 +66,7 @@ TEST(Status, ARaisedDriftAlertIsShownAndCounts) {
 }
 
 TEST(Status, AClearedAlertDoesNotCount) {
-  const DaemonStatus status =
-      daemon_status({calibration_report(), alert_of_front("drift_confirmed", "ERROR", "cleared"),
-                     health_report("OK")});
+  const DaemonStatus status = drift_status("cleared");
   EXPECT_EQ(status.level, Level::kOk);
   EXPECT_THAT(status.text, HasSubstr("HEALTH OK "));
   EXPECT_THAT(status.text, Not(HasSubstr("drift")));
