@@ -15,8 +15,13 @@ namespace infuse {
 enum class ReturnKind : uint8_t {
   kStrongest = 0,
   kLast = 1,
-  kBoth = 2,  ///< dual-return mode, and the strongest echo was also the last
+  kBoth = 2,  ///< mode of several returns, and two of them are one echo: the strongest is the last
+  kFirst = 3,
+  kSecond = 4,           ///< the one after the first
+  kSecondStrongest = 5,  ///< the next weaker one after the strongest
 };
+/// Number of kinds.
+inline constexpr int kReturnKinds = 6;
 
 /// Allocator whose default construction leaves memory uninitialised, so that growing an array that
 /// is about to be overwritten costs nothing. Aligned to a cache line, for vector instructions.

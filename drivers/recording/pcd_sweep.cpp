@@ -192,7 +192,7 @@ bool keep_order(const Columns& columns, std::span<const uint32_t> order, Sweep& 
   if (columns[kRing].empty() || columns[kKind].empty()) return false;
   for (const uint32_t i : order) {
     if (!is_whole(columns[kRing][i], kMaxRings) || !is_whole(columns[kColumn][i], kMaxColumns) ||
-        !is_whole(columns[kKind][i], 3))
+        !is_whole(columns[kKind][i], kReturnKinds))
       return false;
   }
   sweep.rings = 0;
