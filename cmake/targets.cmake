@@ -114,19 +114,26 @@ function(infuse_program name source)
   target_compile_options(${name} PRIVATE ${INFUSE_COLD_OPTIONS})
 endfunction()
 
-# infuse_test(tests/drivers/velodyne [THREADED] [ALLOCATIONS] [SUITES] DEPENDENCY...): all *_test.cpp of the
-# folder, as one program. THREADED: it shares memory between threads, so the thread sanitizer runs it
-# too. ALLOCATIONS: it counts allocations (tests/allocation_counter.hpp). SUITES: the tests of a suite run in one
-# process and share what its set-up makes, such as a drive.
-add_custom_target(threaded_tests)
+# Where tests and benchmarks find the source tree and the programs.
+add_library(infuse_test_folders STATIC EXCLUDE_FROM_ALL tests/folders.cpp)
+target_link_libraries(infuse_test_folders PUBLIC infuse::flags)
+target_compile_definitions(infuse_test_folders PRIVATE INFUSE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+  INFUSE_BINARIES="${INFUSE_PROGRAMS}")
+
+# infuse_test(tests/drivers/velodyne [THREADED] [ALLOCATIONS] DEPENDENCY...): all *_test.cpp of the folder, as one program.
+# THREADED: it shares memory between threads, so the thread sanitizer runs it too. ALLOCATIONS: it counts allocations
+# (tests/allocation_counter.hpp). The tests of a suite run in one process and share what its set-up makes, such as a drive.
+add_custom_target(test_programs)
 # Replacements of operator new do not go with files that use it.
 set_source_files_properties(tests/allocation_counter.cpp tests/early_logger.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 function(infuse_test folder)
-  cmake_parse_arguments(ARG "THREADED;ALLOCATIONS;SUITES" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "THREADED;ALLOCATIONS" "" "" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*_test.cpp)
   add_executable(${name} ${sources})
-  target_link_libraries(${name} PRIVATE infuse::flags GTest::gtest_main GTest::gmock ${ARG_UNPARSED_ARGUMENTS})
+  add_dependencies(test_programs ${name})
+  target_link_libraries(${name} PRIVATE infuse::flags infuse_test_folders GTest::gtest_main GTest::gmock
+    ${ARG_UNPARSED_ARGUMENTS})
   if(NOT TARGET infuse_test_pch)
     infuse_precompiled(infuse_test_pch <gmock/gmock.h> <gtest/gtest.h>)
     target_link_libraries(infuse_test_pch PRIVATE GTest::gtest_main GTest::gmock)
@@ -138,42 +145,71 @@ function(infuse_test folder)
   if(ARG_ALLOCATIONS)
     target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/allocation_counter.cpp)
   endif()
-  set(labels "")
+  set(label "")
   if(ARG_THREADED)
-    set(labels LABELS threaded)
-    add_dependencies(threaded_tests ${name})
+    set(label threaded)
     target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/early_logger.cpp)
     target_link_libraries(${name} PRIVATE spdlog::spdlog)
   endif()
-  if(ARG_SUITES)
-    set(suites "")
-    foreach(source ${sources})
-      file(STRINGS ${source} tests REGEX "^TEST(_F)?\\(")
-      list(TRANSFORM tests REPLACE "^TEST(_F)?\\(([A-Za-z0-9]+),.*" "\\2")
-      list(APPEND suites ${tests})
-    endforeach()
-    list(REMOVE_DUPLICATES suites)
-    foreach(suite ${suites})
-      add_test(NAME ${folder}/${suite} COMMAND ${name} --gtest_filter=${suite}.*)
-      set_tests_properties(${folder}/${suite} PROPERTIES TIMEOUT 1200 ${labels})
-    endforeach()
-    return()
+  set_property(GLOBAL APPEND_STRING PROPERTY INFUSE_TESTS
+    "infuse_suites(${folder} \"$<TARGET_FILE:${name}>\" \"${label}\")\n")
+  set_property(GLOBAL APPEND_STRING PROPERTY INFUSE_TEST_TARGETS "${folder}|${label}|${name}\n")
+endfunction()
+
+# infuse_script(tests/npm [SERIAL] [TIMEOUT SECONDS] [NEEDS TARGET...] COMMAND WORD...): a test that is a script, below the
+# root; status 77 is "skipped". NEEDS: programs that it runs.
+function(infuse_script name)
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "NEEDS;COMMAND" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 600)
   endif()
-  gtest_discover_tests(${name} TEST_PREFIX ${folder}/ DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT 600 ${labels} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+  if(ARG_NEEDS)
+    add_dependencies(test_programs ${ARG_NEEDS})
+  endif()
+  list(JOIN ARG_COMMAND "\" \"" command)
+  set_property(GLOBAL APPEND_STRING PROPERTY INFUSE_TESTS
+    "infuse_script(${name} ${ARG_TIMEOUT} ${ARG_SERIAL} \"${PROJECT_SOURCE_DIR}/${command}\")\n")
+  list(JOIN ARG_NEEDS " " needs)
+  set_property(GLOBAL APPEND_STRING PROPERTY INFUSE_TEST_TARGETS "${name}||${needs}\n")
+endfunction()
+
+# infuse_write_tests(): build/tests.cmake, by which ctest finds the tests when it starts, and build/test_targets, by which
+# ./dev builds what a test needs: lines NAME|LABEL|TARGETS.
+function(infuse_write_tests)
+  get_property(tests GLOBAL PROPERTY INFUSE_TESTS)
+  get_property(targets GLOBAL PROPERTY INFUSE_TEST_TARGETS)
+  set(left_out "")
+  if(INFUSE_SANITIZE)
+    set(left_out ${PROJECT_SOURCE_DIR}/tests/not_sanitized.txt)
+  endif()
+  file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/tests.cmake CONTENT "set(INFUSE_EMULATOR ${CMAKE_CROSSCOMPILING_EMULATOR})
+set(INFUSE_RESULTS \"${CMAKE_BINARY_DIR}/Testing/results\")
+set(INFUSE_LEFT_OUT \"${left_out}\")
+include(\"${PROJECT_SOURCE_DIR}/cmake/discover_tests.cmake\")
+${tests}infuse_check_left_out()
+")
+  file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/test_targets CONTENT "${targets}")
+  set_property(DIRECTORY PROPERTY TEST_INCLUDE_FILES ${CMAKE_BINARY_DIR}/tests.cmake)
 endfunction()
 
 # infuse_bench(tests/bench/decode_bench.cpp DEPENDENCY...): a Google Benchmark program in build/bin.
 function(infuse_bench source)
   get_filename_component(name ${source} NAME_WE)
   add_executable(${name} ${source})
-  target_link_libraries(${name} PRIVATE infuse::flags benchmark::benchmark_main ${ARGN})
+  target_link_libraries(${name} PRIVATE infuse::flags infuse_test_folders benchmark::benchmark_main ${ARGN})
 endfunction()
 
-# infuse_fuzzer(tests/fuzz/decoder_fuzz.cpp DEPENDENCY...): a libFuzzer program, built by the target fuzzers.
-add_custom_target(fuzzers)
+# infuse_fuzzer(tests/fuzz/decoder_fuzz.cpp DEPENDENCY...): with INFUSE_FUZZ, a libFuzzer program, built by the target
+# fuzzers; otherwise a part of tests_fuzz, which runs all of them on their corpus, each under its own name.
 function(infuse_fuzzer source)
   get_filename_component(name ${source} NAME_WE)
+  if(NOT INFUSE_FUZZ)
+    target_sources(tests_fuzz PRIVATE ${source})
+    set_source_files_properties(${source} PROPERTIES COMPILE_DEFINITIONS LLVMFuzzerTestOneInput=${name})
+    target_link_libraries(tests_fuzz PRIVATE ${ARGN})
+    set_property(GLOBAL APPEND_STRING PROPERTY INFUSE_FUZZERS "INFUSE_FUZZER(${name})\n")
+    return()
+  endif()
   add_executable(${name} ${source})
   target_compile_options(${name} PRIVATE -fsanitize=fuzzer)
   add_dependencies(fuzzers ${name})

@@ -4,4 +4,6 @@
 set -eu
 units=${1:?folder of the units}
 command -v systemd-analyze >/dev/null || exit 77
-systemd-analyze security --offline=true --threshold=19 --no-pager "$units/infused.service" | tail -n 1
+report=$(systemd-analyze security --offline=true --threshold=19 --no-pager "$units/infused.service") ||
+  { echo "$report"; exit 1; }
+echo "$report" | tail -n 1

@@ -23,6 +23,7 @@
 #include "drivers/velodyne/sweep_assembler.hpp"
 #include "fixtures/simulator/drive_writer.hpp"
 #include "fixtures/velodyne/packet_encoder.hpp"
+#include "tests/folders.hpp"
 #include "tests/pcap_packets.hpp"
 #include "tests/real_data.hpp"
 
@@ -147,7 +148,8 @@ Input simulate_packets(const std::string& model) {
       "[vehicle]\nspeed = 8\nstart_speed = 8\n[[lidar]]\nmodel = \"" +
       model + "\"\nposition = [1.0, 0.0, 1.9]\n";
   Input input;
-  const auto scenario = simulator::parse_scenario(text, "bench.toml", INFUSE_MAPS);
+  const auto scenario =
+      simulator::parse_scenario(text, "bench.toml", source_folder() + "/fixtures/maps");
   if (!scenario) return input;
   auto simulation = simulator::Simulation::create(*scenario, 2);
   if (!simulation || !simulator::write_drive(*simulation, folder, [](double) {})) return input;

@@ -10,6 +10,7 @@
 
 #include "daemon/streetmap/street_map_file.hpp"
 #include "drivers/text/text_file.hpp"
+#include "tests/folders.hpp"
 #include "tests/large_extract.hpp"
 
 namespace infuse::daemon {
@@ -20,7 +21,7 @@ size_t write_extract(const std::filesystem::path& path) {
   constexpr size_t kMaxBytes = 1 << 26;
   const char* const real = std::getenv("INFUSE_REAL_DATA");
   if (real == nullptr) {
-    const auto town = text::read_text(INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm", kMaxBytes);
+    const auto town = text::read_text(source_folder() + "/fixtures/maps/altfeld.osm", kMaxBytes);
     const std::string xml = large_extract(*town, 17, 0.36, 49.99, 8.49, true);
     return text::write_text(path, xml) ? xml.size() : 0;
   }

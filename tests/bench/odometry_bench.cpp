@@ -26,6 +26,7 @@
 #include "fusion/motion/trajectory_error.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
 #include "tests/bench/rendered_drive.hpp"
+#include "tests/folders.hpp"
 #include "tests/real_kitti.hpp"
 #ifdef INFUSE_PEER_KISS_ICP
 #include "tests/bench/peer_kiss_icp.hpp"
@@ -246,9 +247,9 @@ void replay_simulated(benchmark::State& state, bool recorded_route, bool wheels)
       !text::write_text(folder / "infused.toml", "[odometry]\nuse_lidar = true\n")) {
     return state.SkipWithError("cannot write the drive");
   }
-  const std::string command = std::string(INFUSE_BINARIES) + "/infused --replay " +
-                              folder.string() + " --config " + (folder / "infused.toml").string() +
-                              " --trajectory " + (folder / "found.tum").string() + " >&2";
+  const std::string command = programs_folder() + "/infused --replay " + folder.string() +
+                              " --config " + (folder / "infused.toml").string() + " --trajectory " +
+                              (folder / "found.tum").string() + " >&2";
   for (auto _ : state) {
     if (std::system(command.c_str()) != 0) return state.SkipWithError("infused failed");
   }

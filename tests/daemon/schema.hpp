@@ -15,6 +15,8 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "tests/folders.hpp"
+
 namespace infuse::daemon {
 
 /// Returns daemon/protocol/<name>.schema.json, read once; null if there is none.
@@ -22,7 +24,7 @@ inline const valijson::Schema* load_schema(const std::string& name) {
   static std::map<std::string, std::unique_ptr<valijson::Schema>> read;
   const auto known = read.find(name);
   if (known != read.end()) return known->second.get();
-  std::ifstream file(std::filesystem::path(INFUSE_SOURCE_DIR) / "daemon/protocol" /
+  std::ifstream file(std::filesystem::path(source_folder()) / "daemon/protocol" /
                      (name + ".schema.json"));
   if (!file) return nullptr;
   const nlohmann::json json = nlohmann::json::parse(file);

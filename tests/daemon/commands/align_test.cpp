@@ -9,6 +9,7 @@
 #include "fixtures/scene/capture.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "tests/daemon/commands/run_program.hpp"
+#include "tests/folders.hpp"
 #include "tests/fusion/registration/random_room.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -22,8 +23,7 @@ using testing::HasSubstr;
 
 /// Runs `infuse align`; `output` holds standard output and standard error.
 ProgramResult align(const std::string& arguments) {
-  return run_shell_command("{ " + std::string(INFUSE_BINARIES) + "/infuse align " + arguments +
-                           "; } 2>&1");
+  return run_shell_command("{ " + programs_folder() + "/infuse align " + arguments + "; } 2>&1");
 }
 
 class AlignTest : public testing::Test {

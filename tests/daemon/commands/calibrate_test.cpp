@@ -11,6 +11,7 @@
 #include "drivers/recording/drive_toml.hpp"
 #include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
+#include "tests/folders.hpp"
 #include "tests/real_data.hpp"
 
 namespace infuse::daemon {
@@ -20,8 +21,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 ProgramResult calibrate(const std::string& arguments) {
-  return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse calibrate " + arguments +
-                           " 2>/dev/null");
+  return run_shell_command(programs_folder() + "/infuse calibrate " + arguments + " 2>/dev/null");
 }
 
 TEST(CalibrateCommand, ReportsErrorsByExitCode) {

@@ -7,6 +7,7 @@
 #include "drivers/text/text_file.hpp"
 #include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/fleet/fleet_files.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -18,7 +19,7 @@ using testing::HasSubstr;
 constexpr size_t kMaxFleetBytes = 1 << 20;
 
 ProgramResult fleet(const std::string& arguments) {
-  return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse fleet " + arguments + " 2>&1");
+  return run_shell_command(programs_folder() + "/infuse fleet " + arguments + " 2>&1");
 }
 
 TEST(FleetCommand, EntriesOfDrivesBecomeASummaryAndAPage) {

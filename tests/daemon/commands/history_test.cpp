@@ -8,6 +8,7 @@
 
 #include "daemon/protocol/json.hpp"
 #include "tests/daemon/commands/run_program.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -41,8 +42,8 @@ class HistoryCommandTest : public testing::Test {
          {"T_camera_lidar", matrix}});
   }
   ProgramResult history(const std::string& options) const {
-    return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse history --state " +
-                             folder_.string() + " " + options);
+    return run_shell_command(programs_folder() + "/infuse history --state " + folder_.string() +
+                             " " + options);
   }
 
   std::filesystem::path folder_ = std::filesystem::temp_directory_path() /

@@ -10,6 +10,7 @@
 #include "fixtures/velodyne/db_xml.hpp"
 #include "fixtures/velodyne/little_endian.hpp"
 #include "tests/daemon/commands/run_program.hpp"
+#include "tests/folders.hpp"
 #include "tests/raw_capture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
@@ -47,9 +48,8 @@ class InspectTest : public testing::Test {
   }
 
   static Inspection inspect(const std::filesystem::path& path, const std::string& options = "") {
-    const ProgramResult result =
-        run_shell_command(std::string(INFUSE_BINARIES) + "/infuse inspect --json " + options + " " +
-                          path.string() + " 2>/dev/null");
+    const ProgramResult result = run_shell_command(programs_folder() + "/infuse inspect --json " +
+                                                   options + " " + path.string() + " 2>/dev/null");
     return {result.code, json::parse(result.output, nullptr, false)};
   }
 
@@ -126,8 +126,8 @@ TEST_F(InspectTest, AnotherUnitsCalibrationIsAProblem) {
   EXPECT_THAT(without.problems(),
               AllOf(HasSubstr("calibration of another unit"), HasSubstr("--calibration")));
   const ProgramResult decoded =
-      run_shell_command(std::string(INFUSE_BINARIES) + "/infuse decode " + path_.string() +
-                        " --sweep 1 -o " + (folder_ / "x.pcd").string() + " 2>&1");
+      run_shell_command(programs_folder() + "/infuse decode " + path_.string() + " --sweep 1 -o " +
+                        (folder_ / "x.pcd").string() + " 2>&1");
   EXPECT_THAT(decoded.output, HasSubstr("calibration of another unit"));
 
   std::ofstream(folder_ / "db.xml")
@@ -211,8 +211,8 @@ TEST_F(InspectTest, MessagesGiveTheRightReasons) {
 TEST_F(InspectTest, CutAzimuthsWrap) {
   make(Model::kVlp16, 0.3);
   const auto decode = [&](const char* cut) {
-    return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse decode --json --cut " + cut +
-                             " " + path_.string() + " -o " + (folder_ / "c.bin").string());
+    return run_shell_command(programs_folder() + "/infuse decode --json --cut " + cut + " " +
+                             path_.string() + " -o " + (folder_ / "c.bin").string());
   };
   const ProgramResult negative = decode("-90");
   EXPECT_EQ(negative.code, 0);

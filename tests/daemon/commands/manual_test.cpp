@@ -8,6 +8,7 @@
 
 #include "drivers/text/text_file.hpp"
 #include "tests/daemon/commands/run_program.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -53,15 +54,14 @@ const std::vector<std::string> kCommands = {
 };
 
 std::string help_of(const std::string& program) {
-  const ProgramResult result =
-      run_shell_command(std::string(INFUSE_BINARIES) + "/" + program + " --help");
+  const ProgramResult result = run_shell_command(programs_folder() + "/" + program + " --help");
   EXPECT_EQ(result.code, 0) << program;
   return result.output;
 }
 
 std::string manual(const std::string& name) {
   const auto text =
-      text::read_text(std::filesystem::path(INFUSE_SOURCE_DIR) / "packaging/man" / name, 1 << 20);
+      text::read_text(std::filesystem::path(source_folder()) / "packaging/man" / name, 1 << 20);
   EXPECT_TRUE(text.has_value()) << name;
   return std::regex_replace(text.value_or(""), std::regex(R"(\\-)"), "-");
 }
@@ -139,7 +139,7 @@ TEST(Manual, InfusedListsItsOptions) {
 }
 
 TEST(Manual, InfuseSimulateListsItsOptions) {
-  if (!std::filesystem::exists(std::string(INFUSE_BINARIES) + "/infuse-simulate")) {
+  if (!std::filesystem::exists(programs_folder() + "/infuse-simulate")) {
     GTEST_SKIP() << "infuse-simulate is not built";
   }
   const std::string help = help_of("infuse-simulate");

@@ -3,6 +3,7 @@
 
 #include "daemon/protocol/json.hpp"
 #include "tests/daemon/commands/run_program.hpp"
+#include "tests/folders.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
@@ -20,7 +21,7 @@ constexpr const char* kSquare =
 class MapCommandTest : public testing::Test {
  protected:
   ProgramResult optimize(const std::string& options) const {
-    return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse map optimize " +
+    return run_shell_command(programs_folder() + "/infuse map optimize " +
                              (folder_ / "graph.g2o").string() + " -o " +
                              (folder_ / "out.g2o").string() + " " + options + " 2>&1");
   }
@@ -56,7 +57,7 @@ TEST_F(MapCommandTest, SaysWhatIsWrong) {
 // A file that ends in .g2o is a graph without the word optimize too.
 TEST_F(MapCommandTest, TakesAGraphInPlaceOfADrive) {
   folder_.write("graph.g2o", kSquare);
-  const std::string infuse = std::string(INFUSE_BINARIES) + "/infuse map ";
+  const std::string infuse = programs_folder() + "/infuse map ";
   ASSERT_EQ(optimize("").code, 0);
   const std::string expected = folder_.read("out.g2o");
   const auto result = run_shell_command(infuse + (folder_ / "graph.g2o").string() + " -o " +

@@ -18,6 +18,7 @@
 #include "drivers/text/text_file.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/commands/run_program.hpp"
+#include "tests/folders.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -257,8 +258,8 @@ TEST(McapExport, RealKittiDriveIsTheSameAfterARoundTrip) {
 
 /// T_camera_lidar of `infuse calibrate`, 16 numbers by row; empty if it prints none.
 std::vector<double> calibrated_pose(const fs::path& drive) {
-  const auto result = run_shell_command(std::string(INFUSE_BINARIES) + "/infuse calibrate " +
-                                        drive.string() + " --scenes 4 --json 2>/dev/null");
+  const auto result = run_shell_command(programs_folder() + "/infuse calibrate " + drive.string() +
+                                        " --scenes 4 --json 2>/dev/null");
   const auto json = nlohmann::json::parse(result.output, nullptr, false);
   return json.is_object() ? json.value("T_camera_lidar", std::vector<double>())
                           : std::vector<double>();

@@ -9,6 +9,7 @@
 #include "daemon/protocol/json.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "tests/daemon/commands/run_program.hpp"
+#include "tests/folders.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
@@ -69,8 +70,7 @@ class PlacesTest : public testing::Test {
   }
 
   static ProgramResult places(const std::string& arguments) {
-    return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse places " + arguments +
-                             " 2>&1");
+    return run_shell_command(programs_folder() + "/infuse places " + arguments + " 2>&1");
   }
 
   const ScratchFolder folder_;

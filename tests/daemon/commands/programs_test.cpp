@@ -12,6 +12,7 @@
 #include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/schema.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -21,7 +22,7 @@ using testing::HasSubstr;
 
 /// Runs a program; `output` holds standard output and standard error.
 ProgramResult run(const std::string& command) {
-  return run_shell_command("{ " + std::string(INFUSE_BINARIES) + "/" + command + "; } 2>&1");
+  return run_shell_command("{ " + programs_folder() + "/" + command + "; } 2>&1");
 }
 
 class ProgramsTest : public testing::Test {
@@ -178,7 +179,7 @@ TEST_F(ProgramsTest, ATerminationSignalEndsWithASummary) {
 
 TEST_F(ProgramsTest, StreetMapsAreMadeAndRefused) {
   const std::string map = " -o " + (folder_ / "x.map").string();
-  const std::string altfeld = INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm";
+  const std::string altfeld = source_folder() + "/fixtures/maps/altfeld.osm";
   const std::string image = (folder_ / "x.png").string();
   const ProgramResult made = run("infuse streetmap --json " + altfeld + map + " --image " + image);
   ASSERT_EQ(made.code, 0) << made.output;

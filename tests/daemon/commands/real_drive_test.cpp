@@ -18,6 +18,7 @@
 #include "fusion/geometry/rigid_motion.hpp"
 #include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
+#include "tests/folders.hpp"
 #include "tests/real_data.hpp"
 
 namespace infuse::daemon {
@@ -27,7 +28,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 ProgramResult run_quietly(const std::string& command) {
-  return run_shell_command(std::string(INFUSE_BINARIES) + "/" + command + " 2>/dev/null");
+  return run_shell_command(programs_folder() + "/" + command + " 2>/dev/null");
 }
 
 class RealDrive : public testing::Test {

@@ -9,6 +9,7 @@
 #include "drivers/recording/speed_csv.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/commands/run_program.hpp"
+#include "tests/folders.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
@@ -51,7 +52,7 @@ TEST(RecordedMessages, ADriveReplaysTheSameFromTheFileOfItsReplay) {
   ASSERT_TRUE(recording::write_imu_csv(folder / "drive/imu.csv", imu));
   ASSERT_TRUE(recording::write_drive_toml(folder / "drive", drive));
 
-  const std::string bin = INFUSE_BINARIES, at = folder.path().string();
+  const std::string bin = programs_folder(), at = folder.path().string();
   const auto run = [&](const std::string& command) {
     const auto result = run_shell_command("cd " + at + " && " + bin + "/" + command + " 2>&1");
     EXPECT_EQ(result.code, 0) << command << "\n" << result.output;

@@ -10,6 +10,7 @@
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -17,8 +18,7 @@ namespace {
 using testing::HasSubstr;
 
 ProgramResult report(const std::string& arguments) {
-  return run_shell_command("{ " + std::string(INFUSE_BINARIES) + "/infuse report " + arguments +
-                           "; } 2>&1");
+  return run_shell_command("{ " + programs_folder() + "/infuse report " + arguments + "; } 2>&1");
 }
 
 TEST(ReportCommandTest, ACaptureIsReplayedAndItsPageHasTheSweep) {

@@ -8,6 +8,7 @@
 
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/commands/run_program.hpp"
+#include "tests/folders.hpp"
 #include "tests/raw_capture.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -17,7 +18,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-const std::string kBinaries = INFUSE_BINARIES;
+const std::string kBinaries = programs_folder();
 
 class SplitCaptureTest : public testing::Test {
  protected:

@@ -12,6 +12,7 @@
 #include "daemon/server/server.hpp"
 #include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -106,8 +107,7 @@ ProgramResult status_of(const std::vector<std::pair<ReportClass, Json>>& reports
                    Stamp::from_ns(kRaised), report.dump());
   }
   std::thread thread([&] { io.run(); });
-  ProgramResult result =
-      run_shell_command(std::string(INFUSE_BINARIES) + "/infuse status --socket " + path);
+  ProgramResult result = run_shell_command(programs_folder() + "/infuse status --socket " + path);
   boost::asio::post(io, [&] { server.finish(std::chrono::milliseconds(100)); });
   thread.join();
   return result;

@@ -13,6 +13,7 @@
 #include "fusion/motion/trajectory_error.hpp"
 #include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/drive/simulated.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -57,10 +58,10 @@ struct Made {
   std::string map(const std::string& name = "map") const { return (folder / name).string(); }
 
   static ProgramResult infused(const std::string& arguments) {
-    return run_shell_command(std::string(INFUSE_BINARIES) + "/infused " + arguments + " 2>&1");
+    return run_shell_command(programs_folder() + "/infused " + arguments + " 2>&1");
   }
   static ProgramResult infuse(const std::string& arguments) {
-    return run_shell_command(std::string(INFUSE_BINARIES) + "/infuse " + arguments + " 2>&1");
+    return run_shell_command(programs_folder() + "/infuse " + arguments + " 2>&1");
   }
 };
 
@@ -162,7 +163,7 @@ TEST_F(MapDrive, GivesTheSameBytesAfterKills) {
   const std::string map = made_->map("killed");
   const std::string command = "map " + (made_->folder / "drive").string() + " -o " + map;
   for (const char* seconds : {"0.3", "1.1", "2.3"}) {
-    run_shell_command(std::string("timeout -s KILL ") + seconds + " " + INFUSE_BINARIES +
+    run_shell_command(std::string("timeout -s KILL ") + seconds + " " + programs_folder() +
                       "/infuse " + command + " 2>&1");
   }
   EXPECT_EQ(Made::infuse(command).code, 0);

@@ -7,13 +7,14 @@
 
 #include "fixtures/simulator/drive_writer.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 
 /// Makes the drive that `scenario` (TOML) describes, on one of the maps of fixtures/maps.
 inline Result<simulator::DriveSummary> simulate(const std::filesystem::path& folder,
                                                 const std::string& scenario) {
-  const std::filesystem::path maps = std::filesystem::path(INFUSE_SOURCE_DIR) / "fixtures/maps";
+  const std::filesystem::path maps = std::filesystem::path(source_folder()) / "fixtures/maps";
   auto parsed = simulator::parse_scenario(scenario, "test.toml", maps);
   if (!parsed) return tl::unexpected(parsed.error());
   auto simulation = simulator::Simulation::create(*parsed, 2);

@@ -10,6 +10,7 @@
 
 #include "daemon/live/drive_description.hpp"
 #include "drivers/text/text_file.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -138,15 +139,15 @@ TEST_F(LiveSetupTest, TheExamplesAreValid) {
                                         " SG_ X : 0|16@1- (0.1,0) [0|0] \"m/s^2\" X\n"
                                         " SG_ Y : 16|16@1- (0.1,0) [0|0] \"m/s^2\" X\n"
                                         " SG_ Z : 32|16@1- (0.1,0) [0|0] \"m/s^2\" X\n";
-  std::filesystem::copy_file(
-      std::filesystem::path(INFUSE_SOURCE_DIR) / "packaging/examples/rig.toml",
-      folder_ / "rig.toml", std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::copy_file(std::filesystem::path(source_folder()) / "packaging/examples/rig.toml",
+                             folder_ / "rig.toml",
+                             std::filesystem::copy_options::overwrite_existing);
   const std::pair<const char*, size_t> examples[] = {
       {"infused.toml", 0}, {"shuttle.toml", 3}, {"survey_car.toml", 6}, {"truck.toml", 5}};
   for (const auto& [name, devices] : examples) {
     SCOPED_TRACE(name);
     const auto text = text::read_text(
-        std::filesystem::path(INFUSE_SOURCE_DIR) / "packaging/examples" / name, 1 << 20);
+        std::filesystem::path(source_folder()) / "packaging/examples" / name, 1 << 20);
     ASSERT_TRUE(text.has_value());
     const auto setup =
         set_up(std::regex_replace(*text, std::regex("/etc/infuse/\\w+.dbc"), "all.dbc"));

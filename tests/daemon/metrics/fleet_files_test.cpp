@@ -11,6 +11,7 @@
 #include "daemon/metrics/metrics_text.hpp"
 #include "daemon/protocol/descriptions.hpp"
 #include "drivers/text/text_file.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -89,7 +90,7 @@ Names unknown_of(const Names& used) {
 
 std::string fleet_file(const char* name) {
   const auto text =
-      text::read_text(std::filesystem::path(INFUSE_SOURCE_DIR) / "packaging/fleet" / name, 1 << 20);
+      text::read_text(std::filesystem::path(source_folder()) / "packaging/fleet" / name, 1 << 20);
   EXPECT_TRUE(text.has_value()) << name;
   return text.value_or("");
 }

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "tests/daemon/protocol/schema_writer.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -27,7 +28,7 @@ TYPED_TEST(SchemaTest, ShippedFileIsThatOfTheDescription) {
   std::string name = schema["title"];
   for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const std::filesystem::path path =
-      std::filesystem::path(INFUSE_SOURCE_DIR) / "daemon/protocol" / (name + ".schema.json");
+      std::filesystem::path(source_folder()) / "daemon/protocol" / (name + ".schema.json");
   const std::string text = pretty(schema) + "\n";
   if (std::getenv("INFUSE_WRITE_SCHEMAS") != nullptr) {
     std::ofstream(path) << text;

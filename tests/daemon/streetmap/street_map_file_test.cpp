@@ -11,6 +11,7 @@
 #include "drivers/gnss/local_frame.hpp"
 #include "drivers/recording/atomic_file.hpp"
 #include "drivers/text/text_file.hpp"
+#include "tests/folders.hpp"
 #include "tests/large_extract.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
@@ -202,13 +203,13 @@ TEST_F(StreetMapFileTest, AnImageNeedsAScale) {
 }
 
 TEST(StreetMap, AltfeldConvertsWithoutWarnings) {
-  const auto made = make_street_map(INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm", {});
+  const auto made = make_street_map(source_folder() + "/fixtures/maps/altfeld.osm", {});
   ASSERT_TRUE(made) << made.error().message();
   EXPECT_THAT(made->warnings, testing::IsEmpty());
 }
 
 TEST_F(StreetMapFileTest, AWoodOverALargeExtractCostsNothing) {
-  const auto small = text::read_text(INFUSE_SOURCE_DIR "/fixtures/maps/altfeld.osm", 1 << 20);
+  const auto small = text::read_text(source_folder() + "/fixtures/maps/altfeld.osm", 1 << 20);
   ASSERT_TRUE(small);
   const auto path = folder_ / "large.osm";
   size_t bytes[2] = {};

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "daemon/view/view_server.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -99,7 +100,7 @@ std::string ask(const ViewServer& server, const std::string& request) {
 }
 
 std::string documented() {
-  std::ifstream file(INFUSE_SOURCE_DIR "/daemon/view/security.md");
+  std::ifstream file(source_folder() + "/daemon/view/security.md");
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
